@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/geometry/pose.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// One scan of a drive with what the dataset knows beside it.
+struct DriveScan {
+  /// `scan.ego_velocity` is set where the dataset has wheel or CAN data for its moment.
+  Scan scan;
+  /// Reference pose at the scan's stamp: for mapping and judging, never given to a localizer.
+  Pose3 T_map_vehicle;
+};
+
+/// A recorded or simulated drive: its radars and its scans, by ascending stamp.
+struct Drive {
+  std::string name;
+  std::string place;  ///< location name where the dataset has one
+  Rig rig;
+  std::vector<DriveScan> scans;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <memory>
+#include <optional>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/geometry/pose.h"
+#include "core/localizer/localizer_options.h"
+#include "core/map/radar_map.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+enum class LocalizationState {
+  kInitializing,   ///< no pose in the map has been confirmed yet
+  kTracking,       ///< the last scans agree with the map
+  kDeadReckoning,  ///< held by ego-motion from the last confirmed pose
+  kLost,           ///< dead reckoning has grown too uncertain; searching
+};
+
+/// How good one answer is.
+struct LocalizationQuality {
+  int live_point_count = 0;      ///< static points in the sub-map
+  int inlier_count = 0;          ///< of them, matched to a landmark
+  double overlap = 0.0;          ///< matched share of the live points, [0, 1]
+  double residual_scale = 0.0;   ///< root mean square of the whitened residuals; 1 is as modelled
+  double edge_distance = 0.0;    ///< squared Mahalanobis distance to the prediction (METHOD eq 19)
+  bool edge_valid = false;       ///< the scan's loop edge passed the test
+};
+
+/// The answer to one scan.
+struct Localization {
+  Stamp stamp;
+  LocalizationState state = LocalizationState::kInitializing;
+  Pose3 T_map_vehicle;
+  /// In the tangent space on the right of `T_map_vehicle`.
+  Matrix6d covariance = Matrix6d::Zero();
+  /// Degrees of freedom (x, y, z, roll, pitch, yaw) of the vehicle frame that radar observed.
+  std::bitset<6> observed;
+  LocalizationQuality quality;
+};
+
+/// What is known of the pose before the first scan.
+struct InitialPose {
+  Pose3 T_map_vehicle;
+  /// In the tangent space on the right of `T_map_vehicle`.
+  Matrix6d covariance;
+};
+
+/// The stages of one scan, in order (the paper's Table V).
+enum class Stage { kCompensation, kSubmap, kRegistration, kPoseGraph };
+inline constexpr std::array<const char*, 4> kStageNames = {"compensation", "submap", "registration",
+                                                           "posegraph"};
+
+/// Is told when a stage of a scan begins. core has no clock: who wants times reads one here.
+class StageListener {
+ public:
+  virtual ~StageListener() = default;
+  virtual void OnStageBegin(Stage stage) = 0;
+};
+
+/// One vehicle's localization in one map. Not thread-safe; different vehicles are independent.
+/// Deterministic: the same map, options and scans give bit-identical answers.
+class Localizer {
+ public:
+  /// Without an `initial_pose` the whole map is searched. InvalidArgument names what is wrong with
+  /// the rig, the pose or the options.
+  static absl::StatusOr<Localizer> Create(std::shared_ptr<const RadarMap> map, Rig rig,
+                                          const std::optional<InitialPose>& initial_pose,
+                                          const LocalizerOptions& options = {});
+  Localizer(Localizer&&) noexcept;
+  Localizer& operator=(Localizer&&) noexcept;
+  ~Localizer();
+
+  /// Localizes one scan. InvalidArgument, leaving the state as it was, for an invalid scan, an
+  /// unknown radar, or a stamp that is not after the same radar's last one or lies before the
+  /// newest scan.
+  absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener = nullptr);
+
+ private:
+  class Impl;
+  explicit Localizer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/geometry/pose.h"
+
+namespace dcloc {
+
+/// One radar of a vehicle: where it sits, what it measures and how well.
+struct RadarModel {
+  std::string id;
+  Pose3 T_vehicle_radar;
+
+  /// Range-Doppler coupling: `measured range = range + beta_s * range_rate` (METHOD eq 5). Positive
+  /// for an up-chirp, negative for a down-chirp, 0 where the firmware compensates already.
+  double beta_s = 0.0;
+
+  double range_sigma_m = 0.15;
+  double range_rate_sigma_mps = 0.15;
+  double azimuth_sigma_rad = 1.0 * std::numbers::pi / 180.0;
+  /// Where the radar measures no elevation: the spread of true elevations about the xy plane.
+  double elevation_sigma_rad = 4.0 * std::numbers::pi / 180.0;
+  bool has_elevation = false;
+
+  /// Range rates are known modulo twice this; 0 when the radar resolves the ambiguity itself.
+  double unambiguous_range_rate_mps = 0.0;
+};
+
+/// The radars of one vehicle; ids are unique.
+struct Rig {
+  std::vector<RadarModel> radars;
+
+  /// The radar of that id, or nullptr.
+  const RadarModel* Find(std::string_view id) const;
+
+  /// True when every radar measures elevation, so that all six degrees of freedom are observable.
+  bool MeasuresElevation() const;
+};
+
+/// OK, or InvalidArgument that names the radar, the field, the value and the bound.
+absl::Status Validate(const RadarModel& radar);
+absl::Status Validate(const Rig& rig);
+
+/// beta_s of a chirp that sweeps `slope_hz_per_s` around `centre_frequency_hz` (METHOD eq 5).
+double BetaFromChirp(double centre_frequency_hz, double slope_hz_per_s);
+
+}  // namespace dcloc

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/geometry/pose.h"
+
+namespace dcloc {
+
+/// Time of a measurement, nanoseconds since the Unix epoch on the vehicle's clock.
+using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
+
+/// Velocity of the vehicle frame's origin and its turn rate, both in the vehicle frame.
+struct EgoVelocity {
+  Eigen::Vector3d linear_mps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_radps = Eigen::Vector3d::Zero();
+  /// Of (linear, angular); absent when the source does not know it.
+  std::optional<Matrix6d> covariance;
+};
+
+/// One radar scan: columns of equal length, one row a target, in the radar's own polar frame
+/// (x forward, y left, z up; azimuth counter-clockwise from x, elevation up from the xy plane).
+struct Scan {
+  Stamp stamp;
+  std::string radar_id;
+
+  std::vector<float> range_m;         ///< as measured, not compensated; > 0
+  std::vector<float> range_rate_mps;  ///< positive when the target recedes
+  std::vector<float> azimuth_rad;
+  std::vector<float> elevation_rad;  ///< empty when the radar does not measure it
+  std::vector<float> rcs_dbsm;       ///< empty when unknown
+
+  /// Standard deviations per target; empty columns fall back on the radar model's.
+  std::vector<float> range_sigma_m;
+  std::vector<float> range_rate_sigma_mps;
+  std::vector<float> azimuth_sigma_rad;
+  std::vector<float> elevation_sigma_rad;
+
+  /// From wheels and gyroscope, at the scan's stamp; absent when the vehicle has none.
+  std::optional<EgoVelocity> ego_velocity;
+
+  std::size_t size() const { return range_m.size(); }
+};
+
+/// Bounds on what a scan may contain; beyond them it is refused as a whole.
+struct ScanLimits {
+  std::size_t max_targets = 20'000;
+  double max_range_m = 1'000.0;
+  double max_range_rate_mps = 200.0;
+  double max_speed_mps = 150.0;
+  double max_turn_rate_radps = 10.0;
+};
+
+/// OK, or InvalidArgument that names the column, the row, the value and the bound. Checks lengths,
+/// finiteness and ranges; an empty scan is valid (a radar that saw nothing).
+absl::Status Validate(const Scan& scan, const ScanLimits& limits = {});
+
+/// OK, or InvalidArgument naming what is wrong with a velocity or its covariance.
+absl::Status Validate(const EgoVelocity& ego_velocity, const ScanLimits& limits = {});
+
+}  // namespace dcloc

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// One static target, in a frame that the holder names.
+struct RadarPoint {
+  Eigen::Vector3d position_m;
+  Eigen::Matrix3d covariance_m2;
+  float rcs_dbsm = 0.0F;
+};
+
+struct StaticPointsOptions {
+  /// Doppler compensation `r - beta v_r` (METHOD eq 6); off only for ablation.
+  bool compensate = true;
+  /// Per-target covariances (METHOD eq 9-11); off gives every point the same isotropic one.
+  bool uncertainty = true;
+  double min_range_m = 1.5;   ///< nearer targets are the vehicle's own body
+  double max_range_m = 100.0;
+  /// A target is static when its range rate is this near to what the ego-motion predicts; on top
+  /// of it, `static_gate_sigmas` of the prediction's own spread.
+  double static_gate_mps = 0.3;
+  double static_gate_sigmas = 3.0;
+};
+
+/// The static targets of `scan`, compensated, in the **vehicle frame**, with covariances.
+/// Aliased range rates are unfolded to the one that the ego-motion predicts (METHOD 1); what then
+/// disagrees with the prediction moves and is left out (METHOD 2).
+/// `scan` and `radar` are valid (`Validate`) and belong together.
+std::vector<RadarPoint> StaticPoints(const Scan& scan, const RadarModel& radar,
+                                     const EgoVelocity& ego_velocity,
+                                     const StaticPointsOptions& options);
+
+}  // namespace dcloc
