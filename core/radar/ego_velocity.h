@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// A scan with the radar that took it.
+struct RadarScan {
+  const Scan* scan = nullptr;
+  const RadarModel* radar = nullptr;
+};
+
+struct EgoVelocityOptions {
+  int ransac_iterations = 60;
+  double inlier_gate_mps = 0.3;
+  int min_inlier_count = 6;
+  double min_inlier_share = 0.3;
+  /// Side slip at the vehicle frame's origin: with a single radar it is what makes the yaw rate
+  /// observable (METHOD 2: omega = V_y / l).
+  double side_slip_sigma_mps = 0.05;
+  /// Standing still: this share of the targets has a range rate within `zero_gate_mps`.
+  double zero_share = 0.6;
+  double zero_gate_mps = 0.15;
+  /// The normal matrix's largest over its smallest eigenvalue, beyond which the targets' directions
+  /// do not determine the state.
+  double max_condition = 1e6;
+  /// Floors of the estimate's deviations: what calibration errors leave however many targets.
+  double linear_sigma_floor_mps = 0.03;
+  double yaw_rate_sigma_floor_radps = 0.01;
+};
+
+/// What the Doppler measurements of one moment say about the vehicle's motion.
+struct DopplerEgoVelocity {
+  EgoVelocity ego_velocity;  ///< planar: v_z, roll rate and pitch rate are 0; covariance is set
+  int inlier_count = 0;
+  int target_count = 0;
+  bool standing_still = false;
+};
+
+/// Planar ego-velocity (v_x, v_y, yaw rate) from the range rates of one or several scans of the same
+/// moment: RANSAC on pairs of targets, weighted least squares on the inliers, covariance
+/// s^2 (H^T H)^-1 (METHOD 2, Kellner 2013). Aliased range rates are unfolded to each hypothesis.
+/// Nothing when too few targets agree or their directions do not determine the motion.
+/// The same scans and `seed` give the same answer.
+std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
+                                                      std::uint64_t seed,
+                                                      const EgoVelocityOptions& options = {});
+
+/// Information-weighted mean of two independent estimates that both have a covariance.
+EgoVelocity Fuse(const EgoVelocity& a, const EgoVelocity& b);
+
+}  // namespace dcloc

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// One target's numbers with their standard deviations, each from the scan's column or else from
+/// the radar model.
+struct Measurement {
+  double range_m = 0.0;
+  double range_rate_mps = 0.0;
+  double elevation_rad = 0.0;
+  double azimuth_rad = 0.0;
+  double range_sigma_m = 0.0;
+  double range_rate_sigma_mps = 0.0;
+  double elevation_sigma_rad = 0.0;
+  double azimuth_sigma_rad = 0.0;
+};
+
+/// Row `index` < scan.size() of a valid scan.
+Measurement MeasurementAt(const Scan& scan, std::size_t index, const RadarModel& radar);
+
+/// Unit line of sight u(azimuth, elevation) in the radar frame (METHOD 4).
+Eigen::Vector3d LineOfSight(double azimuth_rad, double elevation_rad);
+
+/// Range without the Doppler shift: `r - beta v_r` (METHOD eq 6).
+double CompensatedRange(double range_m, double range_rate_mps, double beta_s);
+
+/// Of all `range_rate_mps + 2 n unambiguous_mps` the one nearest to `predicted_mps`; the range rate
+/// itself when `unambiguous_mps` is 0 (METHOD 1).
+double UnfoldRangeRate(double range_rate_mps, double predicted_mps, double unambiguous_mps);
+
+/// Range rate of a static target at `u_vehicle` (unit, vehicle axes) seen by the radar at
+/// `T_vehicle_radar`: `-u . (v + omega x l)`.
+double PredictedRangeRate(const Eigen::Vector3d& u_vehicle, const Pose3& T_vehicle_radar,
+                          const EgoVelocity& ego_velocity);
+
+/// The compensated target's position in the radar frame.
+Eigen::Vector3d PointInRadar(const Measurement& measurement, double beta_s);
+
+/// Jacobian of `PointInRadar` by (range, range rate, elevation, azimuth), in this order (METHOD
+/// eq 10 with its columns named right).
+Eigen::Matrix<double, 3, 4> PointJacobian(const Measurement& measurement, double beta_s);
+
+/// Covariance of `PointInRadar` [m^2] (METHOD eq 11).
+Eigen::Matrix3d PointCovariance(const Measurement& measurement, double beta_s);
+
+}  // namespace dcloc

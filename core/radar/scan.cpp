@@ -1,0 +1,88 @@
+#include "core/radar/scan.h"
+
+#include <cmath>
+#include <limits>
+
+#include "absl/strings/str_format.h"
+#include "core/geometry/covariance.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kLargest = std::numeric_limits<double>::infinity();
+constexpr double kPi_rad = 3.1415927410125732;  // pi as a float rounds it: up
+
+struct Column {
+  const char* name;
+  const std::vector<float>& values;
+  double min;
+  double max;
+  bool required;
+};
+
+absl::Status CheckColumn(const Column& column, std::size_t size) {
+  if (!column.required && column.values.empty()) return absl::OkStatus();
+  if (column.values.size() != size) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("%s has %d values; range_m has %d, and columns must be of equal length",
+                        column.name, column.values.size(), size));
+  }
+  for (std::size_t row = 0; row < size; ++row) {
+    const double value = column.values[row];
+    // Written so that NaN fails; infinity lies outside of every bound.
+    if (value >= column.min && value <= column.max && std::isfinite(value)) continue;
+    return absl::InvalidArgumentError(absl::StrFormat("%s[%d] is %g; it must lie in [%g, %g]",
+                                                      column.name, row, value, column.min,
+                                                      column.max));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckNorm(const char* field, const Eigen::Vector3d& vector, double max_norm) {
+  if (vector.allFinite() && vector.norm() <= max_norm) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat("%s is (%g, %g, %g); its norm must be <= %g",
+                                                    field, vector.x(), vector.y(), vector.z(),
+                                                    max_norm));
+}
+
+}  // namespace
+
+absl::Status Validate(const Scan& scan, const ScanLimits& limits) {
+  const std::size_t size = scan.size();
+  if (size > limits.max_targets) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("range_m has %d targets; the limit is %d", size, limits.max_targets));
+  }
+  // A deviation of zero would be a measurement of infinite weight.
+  constexpr double kMinSigma = 1e-6;
+  const Column columns[] = {
+      {"range_m", scan.range_m, 1e-3, limits.max_range_m, true},
+      {"range_rate_mps", scan.range_rate_mps, -limits.max_range_rate_mps,
+       limits.max_range_rate_mps, true},
+      {"azimuth_rad", scan.azimuth_rad, -kPi_rad, kPi_rad, true},
+      {"elevation_rad", scan.elevation_rad, -kPi_rad / 2, kPi_rad / 2, false},
+      {"rcs_dbsm", scan.rcs_dbsm, -200.0, 200.0, false},
+      {"range_sigma_m", scan.range_sigma_m, kMinSigma, kLargest, false},
+      {"range_rate_sigma_mps", scan.range_rate_sigma_mps, kMinSigma, kLargest, false},
+      {"azimuth_sigma_rad", scan.azimuth_sigma_rad, kMinSigma, kLargest, false},
+      {"elevation_sigma_rad", scan.elevation_sigma_rad, kMinSigma, kLargest, false},
+  };
+  for (const Column& column : columns) {
+    if (absl::Status status = CheckColumn(column, size); !status.ok()) return status;
+  }
+  return scan.ego_velocity ? Validate(*scan.ego_velocity, limits) : absl::OkStatus();
+}
+
+absl::Status Validate(const EgoVelocity& ego_velocity, const ScanLimits& limits) {
+  absl::Status status =
+      CheckNorm("ego_velocity.linear_mps", ego_velocity.linear_mps, limits.max_speed_mps);
+  status.Update(CheckNorm("ego_velocity.angular_radps", ego_velocity.angular_radps,
+                          limits.max_turn_rate_radps));
+  if (status.ok() && ego_velocity.covariance && !IsCovariance(*ego_velocity.covariance)) {
+    return absl::InvalidArgumentError(
+        "ego_velocity.covariance must be finite, symmetric and positive semidefinite");
+  }
+  return status;
+}
+
+}  // namespace dcloc

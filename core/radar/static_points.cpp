@@ -1,0 +1,71 @@
+#include "core/radar/static_points.h"
+
+#include <cmath>
+#include <cstddef>
+
+#include "core/radar/measurement.h"
+
+namespace dcloc {
+namespace {
+
+// What every point is given when uncertainty is switched off.
+constexpr double kUniformSigma_m = 0.3;
+
+// Spread of the range rate that the ego-motion predicts for a static target: the line of sight's
+// own error turns the velocity, and an unmeasured elevation shortens it to second order.
+double PredictionSigma(const Measurement& measurement, const Eigen::Vector3d& u_vehicle,
+                       const Pose3& T_vehicle_radar, const EgoVelocity& ego_velocity) {
+  const Eigen::Vector3d v_sensor =
+      ego_velocity.linear_mps + ego_velocity.angular_radps.cross(T_vehicle_radar.translation_m);
+  const double along_mps = u_vehicle.dot(v_sensor);
+  const double across_mps = (v_sensor - along_mps * u_vehicle).norm();
+  double variance = std::pow(across_mps * measurement.azimuth_sigma_rad, 2) +
+                    std::pow(0.5 * along_mps * std::pow(measurement.elevation_sigma_rad, 2), 2);
+  if (ego_velocity.covariance) {
+    Vector6d row;
+    row << u_vehicle, T_vehicle_radar.translation_m.cross(u_vehicle);
+    variance += row.dot(*ego_velocity.covariance * row);
+  }
+  return std::sqrt(variance);
+}
+
+}  // namespace
+
+std::vector<RadarPoint> StaticPoints(const Scan& scan, const RadarModel& radar,
+                                     const EgoVelocity& ego_velocity,
+                                     const StaticPointsOptions& options) {
+  const Eigen::Matrix3d R_vehicle_radar = radar.T_vehicle_radar.Rotation();
+  const double beta_s = options.compensate ? radar.beta_s : 0.0;
+  std::vector<RadarPoint> points;
+  points.reserve(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    Measurement measurement = MeasurementAt(scan, i, radar);
+    if (measurement.range_m < options.min_range_m || measurement.range_m > options.max_range_m) {
+      continue;
+    }
+    const Eigen::Vector3d u_vehicle =
+        R_vehicle_radar * LineOfSight(measurement.azimuth_rad, measurement.elevation_rad);
+    const double predicted_mps =
+        PredictedRangeRate(u_vehicle, radar.T_vehicle_radar, ego_velocity);
+    measurement.range_rate_mps = UnfoldRangeRate(measurement.range_rate_mps, predicted_mps,
+                                                 radar.unambiguous_range_rate_mps);
+    const double sigma_mps =
+        std::hypot(measurement.range_rate_sigma_mps,
+                   PredictionSigma(measurement, u_vehicle, radar.T_vehicle_radar, ego_velocity));
+    if (std::abs(measurement.range_rate_mps - predicted_mps) >
+        options.static_gate_mps + options.static_gate_sigmas * sigma_mps) {
+      continue;
+    }
+    const Eigen::Matrix3d covariance =
+        options.uncertainty
+            ? Eigen::Matrix3d(R_vehicle_radar * PointCovariance(measurement, beta_s) *
+                              R_vehicle_radar.transpose())
+            : Eigen::Matrix3d(kUniformSigma_m * kUniformSigma_m * Eigen::Matrix3d::Identity());
+    points.push_back({.position_m = radar.T_vehicle_radar * PointInRadar(measurement, beta_s),
+                      .covariance_m2 = covariance,
+                      .rcs_dbsm = scan.rcs_dbsm.empty() ? 0.0F : scan.rcs_dbsm[i]});
+  }
+  return points;
+}
+
+}  // namespace dcloc

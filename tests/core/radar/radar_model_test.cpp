@@ -1,0 +1,42 @@
+#include "core/radar/radar_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace dcloc {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(RigTest, FindsByIdAndRefusesTwins) {
+  Rig rig{.radars = {{.id = "front"}, {.id = "rear", .has_elevation = true}}};
+  EXPECT_TRUE(Validate(rig).ok());
+  EXPECT_EQ(rig.Find("rear"), &rig.radars[1]);
+  EXPECT_EQ(rig.Find("side"), nullptr);
+  EXPECT_FALSE(rig.MeasuresElevation());
+  rig.radars[1].id = "front";
+  EXPECT_THAT(Validate(rig).message(), HasSubstr("two radars with the id 'front'"));
+  EXPECT_FALSE(Validate(Rig{}).ok());
+}
+
+TEST(RadarModelTest, ErrorsNameRadarFieldValueAndBound) {
+  RadarModel radar{.id = "front"};
+  radar.azimuth_sigma_rad = 0.0;
+  EXPECT_EQ(Validate(radar).message(),
+            "radar 'front': azimuth_sigma_rad is 0; it must lie in [0.0001, 1]");
+  radar = {.id = "front", .beta_s = 3.0};
+  EXPECT_THAT(Validate(radar).message(), HasSubstr("beta_s is 3"));
+  radar = {.id = "front"};
+  radar.T_vehicle_radar.translation_m.y() = std::nan("");
+  EXPECT_THAT(Validate(radar).message(), HasSubstr("T_vehicle_radar.translation_m.y is nan"));
+  radar = {.id = ""};
+  EXPECT_FALSE(Validate(radar).ok());
+}
+
+TEST(RadarModelTest, BetaOfAChirp) {
+  // 76.5 GHz swept by 1.9125 THz/s: the paper's 0.04 s.
+  EXPECT_NEAR(BetaFromChirp(76.5e9, 1.9125e12), 0.04, 1e-12);
+}
+
+}  // namespace
+}  // namespace dcloc
