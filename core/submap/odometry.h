@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+
+#include "core/geometry/pose.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// The vehicle's motion between two moments.
+struct Motion {
+  Pose3 T_from_to;
+  Matrix6d covariance = Matrix6d::Zero();  ///< in the tangent space on the right
+};
+
+struct OdometryOptions {
+  /// How long the error of an ego-velocity keeps its value. A scale factor stays for minutes, noise
+  /// for one sample; the spread of the integrated pose grows as if by steps of this length.
+  std::chrono::nanoseconds correlation_time = std::chrono::milliseconds(500);
+  /// Deviations of an ego-velocity that comes without a covariance.
+  double linear_sigma_mps = 0.05;
+  double linear_sigma_share = 0.01;  ///< of the speed, on top
+  double vertical_sigma_mps = 0.05;
+  double yaw_rate_sigma_radps = 0.005;
+  double tilt_rate_sigma_radps = 0.01;
+};
+
+/// `ego_velocity` with a covariance: its own or, where it has none, the options'.
+EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, const OdometryOptions& options);
+
+/// Motion over `duration` from the velocities at its two ends: Exp of their mean, which is second
+/// order where the printed Exp(omega_i dt) of METHOD eq 8 is first. Both have a covariance.
+Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,
+                 std::chrono::nanoseconds duration, const OdometryOptions& options);
+
+/// The motion `first`, then `second`, whose errors are independent.
+Motion Compose(const Motion& first, const Motion& second);
+
+}  // namespace dcloc

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "core/radar/static_points.h"
+#include "core/submap/odometry.h"
+
+namespace dcloc {
+
+/// The static points of the last scans, all in the vehicle frame at the newest one (METHOD eq 7-8).
+struct Submap {
+  std::vector<RadarPoint> points;
+  int scan_count = 0;
+  std::chrono::nanoseconds span{0};  ///< from the oldest scan to the newest
+};
+
+/// Keeps the last `scans_per_radar` scans of each radar of a rig and joins them on demand.
+class SubmapWindow {
+ public:
+  explicit SubmapWindow(int scans_per_radar) : scans_per_radar_(scans_per_radar) {}
+
+  /// Adds the points (vehicle frame at `stamp`) of a scan by radar `radar_index`; `motion` leads from
+  /// the scan before, of whatever radar, to this one. Stamps do not go back.
+  void Push(Stamp stamp, int radar_index, std::vector<RadarPoint> points, const Motion& motion);
+
+  /// All kept points in the vehicle frame at the newest scan. With `carry_drift` each point's
+  /// covariance holds what the motion since its scan adds: G S G^T (METHOD 3).
+  Submap Join(bool carry_drift) const;
+
+  void Clear() { entries_.clear(); }
+
+ private:
+  struct Entry {
+    Stamp stamp;
+    int radar_index;
+    std::vector<RadarPoint> points;
+    Motion motion;  // from the entry before to this one
+  };
+
+  int scans_per_radar_;
+  std::deque<Entry> entries_;
+};
+
+}  // namespace dcloc

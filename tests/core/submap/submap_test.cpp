@@ -1,0 +1,90 @@
+#include "core/submap/submap.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace dcloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+Stamp At(int ms) { return Stamp(milliseconds(ms)); }
+
+Motion Step() {
+  Vector6d xi;
+  xi << 1.0, 0.05, 0.0, 0.0, 0.0, 0.03;
+  Motion motion{.T_from_to = Exp(xi)};
+  Vector6d sigmas;
+  sigmas << 0.05, 0.03, 0.01, 0.002, 0.002, 0.01;
+  motion.covariance = sigmas.cwiseAbs2().asDiagonal();
+  return motion;
+}
+
+RadarPoint PointAt(const Eigen::Vector3d& p) {
+  return {.position_m = p, .covariance_m2 = 0.04 * Eigen::Matrix3d::Identity()};
+}
+
+TEST(SubmapTest, AStandingPointFallsOntoItselfInTheNewestFrame) {
+  // The printed product of eq 8 and both orders of inverse steps fail this.
+  const Eigen::Vector3d p_first(30.0, -7.0, 1.0);
+  SubmapWindow window(10);
+  Pose3 T_first_now;
+  for (int i = 0; i < 10; ++i) {
+    if (i > 0) T_first_now = T_first_now * Step().T_from_to;
+    window.Push(At(75 * i), 0, {PointAt(T_first_now.Inverse() * p_first)}, Step());
+  }
+  const Submap submap = window.Join(true);
+  ASSERT_EQ(submap.points.size(), 10U);
+  EXPECT_EQ(submap.span, milliseconds(675));
+  for (const RadarPoint& point : submap.points) {
+    EXPECT_LT((point.position_m - T_first_now.Inverse() * p_first).norm(), 1e-9);
+  }
+}
+
+TEST(SubmapTest, KeepsTheLastScansOfEachRadar) {
+  SubmapWindow window(2);
+  Pose3 T_first_now;
+  const Eigen::Vector3d p_first(20.0, 0.0, 0.0);
+  const int radars[] = {0, 1, 0, 0, 1, 0};
+  for (int i = 0; i < 6; ++i) {
+    if (i > 0) T_first_now = T_first_now * Step().T_from_to;
+    window.Push(At(10 * i), radars[i], {PointAt(T_first_now.Inverse() * p_first)}, Step());
+  }
+  const Submap submap = window.Join(false);
+  EXPECT_EQ(submap.scan_count, 4);  // scans 1 and 4 of radar 1, 3 and 5 of radar 0
+  EXPECT_EQ(submap.span, milliseconds(40));
+  for (const RadarPoint& point : submap.points) {  // also across the removed scan's way
+    EXPECT_LT((point.position_m - T_first_now.Inverse() * p_first).norm(), 1e-9);
+  }
+}
+
+TEST(SubmapTest, DriftWidensOldPointsAsSampledMotionsDo) {
+  const Eigen::Vector3d p_then(40.0, 10.0, 0.0);
+  SubmapWindow window(4);
+  window.Push(At(0), 0, {PointAt(p_then)}, {});
+  for (int i = 1; i < 4; ++i) window.Push(At(75 * i), 0, {}, Step());
+  const Submap submap = window.Join(true);
+  ASSERT_EQ(submap.points.size(), 1U);
+
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  Eigen::Matrix3d sampled = 0.04 * Eigen::Matrix3d::Identity();
+  const Vector6d sigmas = Step().covariance.diagonal().cwiseSqrt();
+  constexpr int kRuns = 20'000;
+  for (int run = 0; run < kRuns; ++run) {
+    Pose3 T_then_now;
+    for (int i = 0; i < 3; ++i) {
+      Vector6d error;
+      for (int k = 0; k < 6; ++k) error(k) = sigmas(k) * normal(random);
+      T_then_now = T_then_now * Step().T_from_to * Exp(error);
+    }
+    const Eigen::Vector3d d = T_then_now.Inverse() * p_then - submap.points[0].position_m;
+    sampled += d * d.transpose() / kRuns;
+  }
+  EXPECT_LT((submap.points[0].covariance_m2 - sampled).norm(), 0.05 * sampled.norm());
+  EXPECT_LT(window.Join(false).points[0].covariance_m2.norm(), 0.08);
+}
+
+}  // namespace
+}  // namespace dcloc
