@@ -21,15 +21,16 @@ struct MapBuilderOptions {
   std::optional<GeodeticAnchor> anchor;
   StaticPointsOptions static_points;
   double keyframe_spacing_m = 10.0;
-  double cell_m = 0.4;       ///< returns nearer than about this fuse into one landmark
-  int min_scan_count = 2;    ///< landmarks that fewer scans saw are clutter
+  double cell_m = 0.4;     ///< returns nearer than about this fuse into one landmark
+  int min_scan_count = 2;  ///< landmarks that fewer scans saw are clutter
   double max_keyframe_distance_m = 120.0;  ///< landmarks further from any keyframe are left out
 };
 
 /// OK, or InvalidArgument that names the field, the value and the bound.
 absl::Status Validate(const MapBuilderOptions& options);
 
-/// Makes a map from scans at known vehicle poses. Deterministic: the same calls give the same bytes.
+/// Makes a map from scans at known vehicle poses. Deterministic: the same calls give the same
+/// bytes.
 class MapBuilder {
  public:
   static absl::StatusOr<MapBuilder> Create(Rig rig, MapBuilderOptions options);
@@ -41,7 +42,8 @@ class MapBuilder {
   /// InvalidArgument for an invalid scan, an unknown radar or a pose that is not finite.
   absl::Status Add(const Scan& scan, const Pose3& T_map_vehicle, const EgoVelocity& ego_velocity);
 
-  /// What follows is a further drive over the same ground: landmarks count the passes that saw them.
+  /// What follows is a further drive over the same ground: landmarks count the passes that saw
+  /// them.
   void BeginPass();
 
   /// The map file's bytes, for RadarMap::FromBytes or to be written as they are.

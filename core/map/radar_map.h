@@ -16,7 +16,8 @@
 
 namespace dcloc {
 
-/// A landmark: the fused returns of one scatterer, in its keyframe's frame. Stored as is in the file.
+/// A landmark: the fused returns of one scatterer, in its keyframe's frame. Stored as is in the
+/// file.
 struct MapPoint {
   float x_m, y_m, z_m;
   /// Where a further return of this scatterer may lie, without that return's own noise [m^2].
@@ -40,7 +41,7 @@ struct MapInfo {
   std::uint64_t keyframe_count = 0;
   std::uint64_t point_count = 0;
   std::uint64_t size_bytes = 0;
-  double length_m = 0.0;  ///< of street, along the mapping drive
+  double length_m = 0.0;                                ///< of street, along the mapping drive
   Eigen::Vector3d min_map_m = Eigen::Vector3d::Zero();  ///< bounds of the keyframes' positions
   Eigen::Vector3d max_map_m = Eigen::Vector3d::Zero();
   bool has_elevation = false;  ///< points were measured in three dimensions
@@ -52,8 +53,10 @@ struct MapInfo {
 /// of them; `Verify` says whether they are also what was written.
 class RadarMap {
  public:
-  /// Maps the file; checks magic, version, sizes and the header's and index's checksums, not the
-  /// points'. Errors: NotFound, or DataLoss that names the file and what is wrong.
+  /// Maps the file; checks everything but the points and their checksum, at a cost that grows with
+  /// the keyframes only. Nobody may change or truncate the file while it is open: reading what was
+  /// cut off faults (SIGBUS). Replace files by renaming, as the server's store does.
+  /// Errors name the file: NotFound and what else the system says, or DataLoss with what is wrong.
   static absl::StatusOr<std::shared_ptr<const RadarMap>> Open(const std::filesystem::path& path);
 
   /// The same from bytes in memory (what MapBuilder makes).
@@ -85,6 +88,7 @@ class RadarMap {
   class Storage;
   struct Layout;
   RadarMap(std::unique_ptr<Storage> storage, std::unique_ptr<Layout> layout);
+  static absl::StatusOr<std::shared_ptr<const RadarMap>> Load(std::unique_ptr<Storage> storage);
 
   std::unique_ptr<Storage> storage_;
   std::unique_ptr<Layout> layout_;

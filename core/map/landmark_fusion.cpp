@@ -1,0 +1,251 @@
+#include "core/map/landmark_fusion.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "core/map/point_grid.h"
+
+namespace dcloc {
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr int kRounds = 3;
+constexpr double kGridCell_m = 1.0;
+// Two standard deviations in the plane (86 % of a scatterer's returns), and as much of them in
+// space.
+constexpr double kPlanarGate = 4.0;
+constexpr double kSpatialGate = 5.5;
+// The reference poses' own error, which repeats from scan to scan and so never averages out.
+constexpr double kFloor_m2 = 0.05 * 0.05;
+
+Eigen::Matrix3d MeasurementCovariance(const MapReturn& r) {
+  const std::array<float, 6>& c = r.covariance_m2;
+  Eigen::Matrix3d covariance;
+  covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  return covariance;
+}
+
+// `covariance` without its negative part.
+template <int Dim>
+Eigen::Matrix<double, Dim, Dim> ClipToPsd(const Eigen::Matrix<double, Dim, Dim>& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Dim, Dim>> solver(covariance);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
+// The returns of each landmark: those of landmark i are members[begin[i]] .. members[begin[i + 1]].
+struct Groups {
+  std::vector<std::uint32_t> begin;
+  std::vector<std::uint32_t> members;
+
+  std::span<const std::uint32_t> Of(std::size_t landmark) const {
+    return std::span(members).subspan(begin[landmark], begin[landmark + 1] - begin[landmark]);
+  }
+};
+
+Groups GroupByOwner(std::span<const std::uint32_t> owners, std::size_t owner_count) {
+  Groups groups{.begin = std::vector<std::uint32_t>(owner_count + 1, 0), .members = {}};
+  for (const std::uint32_t owner : owners) {
+    if (owner != kNone) ++groups.begin[owner + 1];
+  }
+  std::partial_sum(groups.begin.begin(), groups.begin.end(), groups.begin.begin());
+  groups.members.resize(groups.begin.back());
+  std::vector<std::uint32_t> next(groups.begin.begin(), groups.begin.end() - 1);
+  for (std::uint32_t i = 0; i < owners.size(); ++i) {
+    if (owners[i] != kNone) groups.members[next[owners[i]]++] = i;
+  }
+  return groups;
+}
+
+class Fusion {
+ public:
+  Fusion(std::span<const MapReturn> returns, std::span<const std::uint32_t> pass_of_scan,
+         const FusionOptions& options)
+      : returns_(returns), pass_of_scan_(pass_of_scan), options_(options) {}
+
+  std::vector<Landmark> Run() {
+    FoundCenters();
+    for (int round = 0; round < kRounds; ++round) {
+      MoveCenters(GroupByOwner(JoinReturns(), centers_m_.size()));
+      GiveUpCrowdedCenters();
+    }
+    const Groups groups = GroupByOwner(JoinReturns(), centers_m_.size());
+    MoveCenters(groups);
+    return DescribeLandmarks(groups);
+  }
+
+ private:
+  // Where the scatterer of return `i` may lie about it.
+  Eigen::Matrix3d ScattererCovariance(std::uint32_t i) const {
+    const double size_m = options_.cell_m / 4.0;
+    return MeasurementCovariance(returns_[i]) + size_m * size_m * Eigen::Matrix3d::Identity();
+  }
+
+  // Its inverse; without elevation that of x and y, and z weighs the same in every return.
+  Eigen::Matrix3d Information(const Eigen::Matrix3d& covariance) const {
+    if (options_.has_elevation) return covariance.inverse();
+    Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
+    information.topLeftCorner<2, 2>() = covariance.topLeftCorner<2, 2>().inverse();
+    return information;
+  }
+
+  // The center that explains return `i` best, or kNone if none does.
+  std::uint32_t BestCenter(std::uint32_t i) const {
+    const Eigen::Matrix3d covariance = ScattererCovariance(i);
+    const Eigen::Matrix3d information = Information(covariance);
+    const double gate = options_.has_elevation ? kSpatialGate : kPlanarGate;
+    const Eigen::Vector2d box_m = (gate * covariance.diagonal().head<2>()).cwiseSqrt();
+    std::pair<double, std::uint32_t> best(gate, kNone);
+    grid_.ForEachNear(returns_[i].position_m.head<2>(), box_m, [&](std::uint32_t center) {
+      Eigen::Vector3d offset_m = centers_m_[center] - returns_[i].position_m;
+      if (!options_.has_elevation) offset_m.z() = 0.0;
+      best = std::min(best, {offset_m.dot(information * offset_m), center});
+    });
+    return best.second;
+  }
+
+  void AddCenter(const Eigen::Vector3d& center_m) {
+    centers_m_.push_back(center_m);
+    grid_.Insert(center_m.head<2>());
+  }
+
+  void FoundCenters() {
+    std::vector<float> spread(returns_.size());
+    for (std::uint32_t i = 0; i < returns_.size(); ++i) {
+      spread[i] = static_cast<float>(ScattererCovariance(i).topLeftCorner<2, 2>().determinant());
+    }
+    std::vector<std::uint32_t> order(returns_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return spread[i]; });
+    for (const std::uint32_t i : order) {
+      if (BestCenter(i) == kNone) AddCenter(returns_[i].position_m);
+    }
+  }
+
+  std::vector<std::uint32_t> JoinReturns() const {
+    std::vector<std::uint32_t> owners(returns_.size());
+    for (std::uint32_t i = 0; i < returns_.size(); ++i) owners[i] = BestCenter(i);
+    return owners;
+  }
+
+  void MoveCenters(const Groups& groups) {
+    supports_.resize(centers_m_.size());
+    for (std::size_t c = 0; c < centers_m_.size(); ++c) {
+      const std::span<const std::uint32_t> members = groups.Of(c);
+      supports_[c] = static_cast<std::uint32_t>(members.size());
+      if (members.empty()) continue;
+      Eigen::Matrix3d total = Eigen::Matrix3d::Zero();
+      Eigen::Vector3d pull = Eigen::Vector3d::Zero();
+      for (const std::uint32_t i : members) {
+        const Eigen::Matrix3d information = Information(ScattererCovariance(i));
+        total += information;
+        pull += information * (returns_[i].position_m - centers_m_[c]);
+      }
+      centers_m_[c] += total.inverse() * pull;
+    }
+  }
+
+  // Keeps, from the best supported down, those that have no kept one within half a cell.
+  void GiveUpCrowdedCenters() {
+    std::vector<std::uint32_t> order(centers_m_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, std::greater<>(),
+                             [&](std::uint32_t c) { return supports_[c]; });
+    const std::vector<Eigen::Vector3d> candidates_m = std::move(centers_m_);
+    const double distance_m = options_.cell_m / 2.0;
+    centers_m_.clear();
+    grid_ = PointGrid(kGridCell_m);
+    for (const std::uint32_t c : order) {
+      if (supports_[c] == 0) break;
+      bool crowded = false;
+      grid_.ForEachNear(candidates_m[c].head<2>(), Eigen::Vector2d::Constant(distance_m),
+                        [&](std::uint32_t kept) {
+                          Eigen::Vector3d offset_m = centers_m_[kept] - candidates_m[c];
+                          if (!options_.has_elevation) offset_m.z() = 0.0;
+                          crowded = crowded || offset_m.norm() < distance_m;
+                        });
+      if (!crowded) AddCenter(candidates_m[c]);
+    }
+  }
+
+  std::vector<Landmark> DescribeLandmarks(const Groups& groups) const {
+    std::vector<Landmark> landmarks;
+    for (std::size_t c = 0; c < centers_m_.size(); ++c) {
+      const Landmark landmark = Describe(centers_m_[c], groups.Of(c));
+      if (landmark.scan_count >= options_.min_scan_count) landmarks.push_back(landmark);
+    }
+    return landmarks;
+  }
+
+  Landmark Describe(const Eigen::Vector3d& center_m, std::span<const std::uint32_t> members) const {
+    Landmark landmark{.position_m = center_m,
+                      .covariance_m2 = Covariance(center_m, members),
+                      .rcs_dbsm = 0.0F,
+                      .scan_count = 0,
+                      .pass_count = 0};
+    std::uint32_t last_scan = kNone;
+    std::uint32_t last_pass = kNone;
+    for (const std::uint32_t i : members) {
+      const std::uint32_t scan = returns_[i].scan;
+      landmark.rcs_dbsm += returns_[i].rcs_dbsm / static_cast<float>(members.size());
+      if (scan != last_scan) ++landmark.scan_count;
+      if (pass_of_scan_[scan] != last_pass) ++landmark.pass_count;
+      last_scan = scan;
+      last_pass = pass_of_scan_[scan];
+    }
+    return landmark;
+  }
+
+  // Spread of the returns beyond their noise + uncertainty of the mean + floor. Each return weighs
+  // by the inverse square of its variance, as is best for estimating a variance from such returns.
+  Eigen::Matrix3d Covariance(const Eigen::Vector3d& center_m,
+                             std::span<const std::uint32_t> members) const {
+    Eigen::Matrix3d total = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
+    double weights = 0.0;
+    for (const std::uint32_t i : members) {
+      const Eigen::Matrix3d covariance = ScattererCovariance(i);
+      const Eigen::Vector3d offset_m = returns_[i].position_m - center_m;
+      const double weight = 1.0 / std::pow(covariance.topLeftCorner<2, 2>().trace(), 2);
+      total += Information(covariance);
+      spread += weight * offset_m * offset_m.transpose();
+      noise += weight * MeasurementCovariance(returns_[i]);
+      weights += weight;
+    }
+    const auto count = static_cast<double>(members.size());
+    // The mean was fitted to the same returns, which makes them look nearer to it than they are.
+    spread *= count > 1.0 ? count / (count - 1.0) / weights : 0.0;
+    noise /= weights;
+    const Eigen::Matrix3d floor = kFloor_m2 * Eigen::Matrix3d::Identity();
+    if (options_.has_elevation) {
+      return ClipToPsd<3>(spread - noise) + total.inverse() + floor;
+    }
+    // Without elevation, what is not known of a return's z is not known of the landmark's.
+    Eigen::Matrix3d covariance = floor;
+    covariance.topLeftCorner<2, 2>() += ClipToPsd<2>((spread - noise).topLeftCorner<2, 2>()) +
+                                        total.topLeftCorner<2, 2>().inverse();
+    covariance(2, 2) += noise(2, 2);
+    return covariance;
+  }
+
+  std::span<const MapReturn> returns_;
+  std::span<const std::uint32_t> pass_of_scan_;
+  FusionOptions options_;
+  std::vector<Eigen::Vector3d> centers_m_;
+  std::vector<std::uint32_t> supports_;  ///< returns that joined each center last
+  PointGrid grid_{kGridCell_m};          ///< of centers_m_ as they were when last founded or kept
+};
+
+}  // namespace
+
+std::vector<Landmark> FuseLandmarks(std::span<const MapReturn> returns,
+                                    std::span<const std::uint32_t> pass_of_scan,
+                                    const FusionOptions& options) {
+  return Fusion(returns, pass_of_scan, options).Run();
+}
+
+}  // namespace dcloc

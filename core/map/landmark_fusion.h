@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace dcloc {
+
+/// One static return in the map, relative to the local origin (positions of the order of 1e6 m).
+struct MapReturn {
+  Eigen::Vector3d position_m;
+  std::array<float, 6> covariance_m2;  ///< measurement noise: xx, xy, xz, yy, yz, zz
+  float rcs_dbsm;
+  std::uint32_t scan;  ///< number of its scan
+};
+
+/// What the returns of one scatterer have in common.
+struct Landmark {
+  Eigen::Vector3d position_m;
+  /// Where a further return may lie, without that return's own noise.
+  Eigen::Matrix3d covariance_m2;
+  float rcs_dbsm;
+  std::uint32_t scan_count;
+  std::uint32_t pass_count;
+};
+
+struct FusionOptions {
+  double cell_m = 0.4;         ///< noiseless returns within a circle this wide are one landmark
+  bool has_elevation = false;  ///< false: returns tell x and y only, their z is assumed
+  std::uint32_t min_scan_count = 2;
+};
+
+/// Fuses returns into landmarks. `returns` are ordered by scan, and `pass_of_scan[scan]` ascends.
+///
+/// Each return is a Gaussian: its measurement covariance plus the size of a scatterer. In the order
+/// of certainty, returns that no landmark so far explains found a new one; then, in a few rounds,
+/// every return joins the landmark that explains it best, landmarks move to the
+/// information-weighted mean of their returns, and those that end up in another's place are given
+/// up. No grid decides what belongs together, so nothing is cut at cell borders. The result depends
+/// on the returns and their order alone.
+std::vector<Landmark> FuseLandmarks(std::span<const MapReturn> returns,
+                                    std::span<const std::uint32_t> pass_of_scan,
+                                    const FusionOptions& options);
+
+}  // namespace dcloc
