@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "core/map/point_grid.h"
 
@@ -60,6 +61,13 @@ Groups GroupByOwner(std::span<const std::uint32_t> owners, std::size_t owner_cou
   return groups;
 }
 
+// How the returns of one landmark fit together.
+struct Fit {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< sum of theirs
+  double misfit = 0.0;  ///< sum of their squared Mahalanobis distances to the mean
+  std::uint32_t support = 0;
+};
+
 class Fusion {
  public:
   Fusion(std::span<const MapReturn> returns, std::span<const std::uint32_t> pass_of_scan,
@@ -70,7 +78,7 @@ class Fusion {
     FoundCenters();
     for (int round = 0; round < kRounds; ++round) {
       MoveCenters(GroupByOwner(JoinReturns(), centers_m_.size()));
-      GiveUpCrowdedCenters();
+      UniteCenters();
     }
     const Groups groups = GroupByOwner(JoinReturns(), centers_m_.size());
     MoveCenters(groups);
@@ -92,6 +100,11 @@ class Fusion {
     return information;
   }
 
+  double SquaredDistance(Eigen::Vector3d offset_m, const Eigen::Matrix3d& information) const {
+    if (!options_.has_elevation) offset_m.z() = 0.0;
+    return offset_m.dot(information * offset_m);
+  }
+
   // The center that explains return `i` best, or kNone if none does.
   std::uint32_t BestCenter(std::uint32_t i) const {
     const Eigen::Matrix3d covariance = ScattererCovariance(i);
@@ -100,9 +113,8 @@ class Fusion {
     const Eigen::Vector2d box_m = (gate * covariance.diagonal().head<2>()).cwiseSqrt();
     std::pair<double, std::uint32_t> best(gate, kNone);
     grid_.ForEachNear(returns_[i].position_m.head<2>(), box_m, [&](std::uint32_t center) {
-      Eigen::Vector3d offset_m = centers_m_[center] - returns_[i].position_m;
-      if (!options_.has_elevation) offset_m.z() = 0.0;
-      best = std::min(best, {offset_m.dot(information * offset_m), center});
+      const Eigen::Vector3d offset_m = centers_m_[center] - returns_[i].position_m;
+      best = std::min(best, {SquaredDistance(offset_m, information), center});
     });
     return best.second;
   }
@@ -132,43 +144,85 @@ class Fusion {
   }
 
   void MoveCenters(const Groups& groups) {
-    supports_.resize(centers_m_.size());
+    fits_.resize(centers_m_.size());
     for (std::size_t c = 0; c < centers_m_.size(); ++c) {
       const std::span<const std::uint32_t> members = groups.Of(c);
-      supports_[c] = static_cast<std::uint32_t>(members.size());
+      fits_[c] = {.support = static_cast<std::uint32_t>(members.size())};
       if (members.empty()) continue;
-      Eigen::Matrix3d total = Eigen::Matrix3d::Zero();
       Eigen::Vector3d pull = Eigen::Vector3d::Zero();
       for (const std::uint32_t i : members) {
         const Eigen::Matrix3d information = Information(ScattererCovariance(i));
-        total += information;
-        pull += information * (returns_[i].position_m - centers_m_[c]);
+        const Eigen::Vector3d offset_m = returns_[i].position_m - centers_m_[c];
+        fits_[c].information += information;
+        fits_[c].misfit += SquaredDistance(offset_m, information);
+        pull += information * offset_m;
       }
-      centers_m_[c] += total.inverse() * pull;
+      const Eigen::Vector3d step_m = fits_[c].information.inverse() * pull;
+      fits_[c].misfit -= SquaredDistance(step_m, fits_[c].information);
+      centers_m_[c] += step_m;
     }
   }
 
-  // Keeps, from the best supported down, those that have no kept one within half a cell.
-  void GiveUpCrowdedCenters() {
+  // What one landmark in place of two would be.
+  struct Union {
+    Eigen::Vector3d center_m;
+    Fit fit;
+  };
+  Union Unite(const Eigen::Vector3d& a_m, const Fit& a, const Eigen::Vector3d& b_m,
+              const Fit& b) const {
+    const Eigen::Matrix3d information = a.information + b.information;
+    const Eigen::Vector3d offset_m = b_m - a_m;
+    const Eigen::Vector3d step_m = information.inverse() * b.information * offset_m;
+    return {.center_m = a_m + step_m,
+            .fit = {.information = information,
+                    .misfit = a.misfit + b.misfit + SquaredDistance(step_m, a.information) +
+                              SquaredDistance(offset_m - step_m, b.information),
+                    .support = a.support + b.support}};
+  }
+
+  // Noise alone puts returns this far from their scatterer: one landmark explains them all.
+  bool IsOneScatterer(const Fit& fit) const {
+    const double freedom = options_.has_elevation ? 3.0 : 2.0;
+    return fit.misfit <= freedom * fit.support;
+  }
+
+  // From the best supported down, each joins a kept neighbour where the two are one scatterer as
+  // far as the measurements can tell.
+  void UniteCenters() {
     std::vector<std::uint32_t> order(centers_m_.size());
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(order, std::greater<>(),
-                             [&](std::uint32_t c) { return supports_[c]; });
-    const std::vector<Eigen::Vector3d> candidates_m = std::move(centers_m_);
-    const double distance_m = options_.cell_m / 2.0;
-    centers_m_.clear();
+                             [&](std::uint32_t c) { return fits_[c].support; });
+    const std::vector<Eigen::Vector3d> candidates_m = std::exchange(centers_m_, {});
+    const std::vector<Fit> candidates = std::exchange(fits_, {});
     grid_ = PointGrid(kGridCell_m);
     for (const std::uint32_t c : order) {
-      if (supports_[c] == 0) break;
-      bool crowded = false;
-      grid_.ForEachNear(candidates_m[c].head<2>(), Eigen::Vector2d::Constant(distance_m),
-                        [&](std::uint32_t kept) {
-                          Eigen::Vector3d offset_m = centers_m_[kept] - candidates_m[c];
-                          if (!options_.has_elevation) offset_m.z() = 0.0;
-                          crowded = crowded || offset_m.norm() < distance_m;
-                        });
-      if (!crowded) AddCenter(candidates_m[c]);
+      if (candidates[c].support == 0) break;
+      const std::uint32_t kept = BestUnion(candidates_m[c], candidates[c]);
+      if (kept == kNone) {
+        AddCenter(candidates_m[c]);
+        fits_.push_back(candidates[c]);
+      } else {
+        const Union united = Unite(centers_m_[kept], fits_[kept], candidates_m[c], candidates[c]);
+        centers_m_[kept] = united.center_m;
+        fits_[kept] = united.fit;
+      }
     }
+    grid_ = PointGrid(kGridCell_m);
+    for (const Eigen::Vector3d& center_m : centers_m_) grid_.Insert(center_m.head<2>());
+  }
+
+  std::uint32_t BestUnion(const Eigen::Vector3d& center_m, const Fit& fit) const {
+    // No further than its own returns typically reach.
+    const Eigen::Vector2d box_m =
+        (kPlanarGate * fit.support * fit.information.inverse().diagonal().head<2>()).cwiseSqrt();
+    std::pair<double, std::uint32_t> best(std::numeric_limits<double>::infinity(), kNone);
+    grid_.ForEachNear(center_m.head<2>(), box_m, [&](std::uint32_t kept) {
+      const Fit united = Unite(centers_m_[kept], fits_[kept], center_m, fit).fit;
+      if (!IsOneScatterer(united)) return;
+      best = std::min(best, {united.misfit - fits_[kept].misfit, kept});
+    });
+    return best.second;
   }
 
   std::vector<Landmark> DescribeLandmarks(const Groups& groups) const {
@@ -236,8 +290,8 @@ class Fusion {
   std::span<const std::uint32_t> pass_of_scan_;
   FusionOptions options_;
   std::vector<Eigen::Vector3d> centers_m_;
-  std::vector<std::uint32_t> supports_;  ///< returns that joined each center last
-  PointGrid grid_{kGridCell_m};          ///< of centers_m_ as they were when last founded or kept
+  std::vector<Fit> fits_;        ///< of the returns that joined each center last
+  PointGrid grid_{kGridCell_m};  ///< of centers_m_ as they were when last founded or united
 };
 
 }  // namespace
