@@ -1,0 +1,13 @@
+#pragma once
+
+#include "absl/status/status.h"
+#include "client/datasets/drive.h"
+#include "client/datasets/drive_request.h"
+
+namespace dcloc {
+
+/// What every reader does last: takes over the request's beta, sorts the scans by stamp and radar,
+/// and checks that the drive is one that a localizer accepts. InvalidArgument names a fault.
+absl::Status FinishDrive(const DriveRequest& request, Drive& drive);
+
+}  // namespace dcloc
