@@ -1,0 +1,15 @@
+#pragma once
+
+#include <vector>
+
+#include "client/simulation/radar/echoes.h"
+
+namespace dcloc::simulation {
+
+/// Multipath of the strongest of `echoes`: what flat walls mirror (it appears behind the wall, with
+/// the range rate of its mirror image) and double bounces between vehicles (twice the range and the
+/// range rate). Only those above the detection threshold.
+std::vector<Echo> CollectGhosts(const std::vector<Echo>& echoes, const Occlusion& occlusion,
+                                const RadarView& view, const RadarProfile& profile);
+
+}  // namespace dcloc::simulation

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/datasets/drive.h"
+#include "client/simulation/motion/ego_motion.h"
+#include "client/simulation/radar/echoes.h"
+#include "client/simulation/simulation_options.h"
+#include "client/simulation/world/world.h"
+
+namespace dcloc {
+
+/// What the vehicle's own bus says at one moment (50 Hz), with the moment's true pose.
+struct VehicleSignal {
+  Stamp stamp;
+  Pose3 T_map_vehicle;                                          ///< exact
+  double speed_mps = 0.0;                                       ///< measured by the wheels
+  double yaw_rate_radps = 0.0;                                  ///< measured by the gyroscope
+  Eigen::Vector3d acceleration_mps2 = Eigen::Vector3d::Zero();  ///< exact, gravity included
+};
+
+/// What was really there at one scan.
+struct ScanTruth {
+  simulation::MotionState motion;
+  std::vector<simulation::Echo> echoes;  ///< row by row, what each target comes from
+};
+
+/// A drive with everything that a simulator knows and a recording does not.
+struct SimulatedPass {
+  Drive drive;
+  std::vector<ScanTruth> truth;  ///< one for each of `drive.scans`
+  std::vector<VehicleSignal> signals;
+};
+
+/// The world that `options` describe. `options` are valid.
+simulation::World MakeWorld(const SimulationOptions& options);
+
+/// Drives `pass` through `world` (made from the same options).
+/// Scans carry an ego-velocity without covariance from wheels and gyroscope: a scale error (sigma
+/// 0.5 %) and a gyro bias (sigma 0.0005 rad/s) drawn once a pass, noise of 0.02 m/s and 0.001
+/// rad/s. Stamps are whole microseconds; poses, speeds and yaw rates are exact at them.
+/// InvalidArgument when `options` or `pass` are not valid.
+absl::StatusOr<SimulatedPass> SimulatePassWithTruth(const simulation::World& world,
+                                                    const SimulationOptions& options,
+                                                    const PassOptions& pass);
+
+/// The drive alone, for evaluation; makes the world itself.
+absl::StatusOr<Drive> SimulatePass(const SimulationOptions& options, const PassOptions& pass);
+
+}  // namespace dcloc

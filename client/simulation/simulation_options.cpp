@@ -1,0 +1,72 @@
+#include "client/simulation/simulation_options.h"
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kMinSpeed = 2.0;   // [m/s]
+constexpr double kMaxSpeed = 60.0;  // [m/s]
+constexpr std::size_t kMaxLivePasses = 100;
+
+absl::Status CheckRange(const std::string& field, double value, double low, double high) {
+  if (value >= low && value <= high) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("%s is %g; it must lie in [%g, %g]", field, value, low, high));
+}
+
+absl::Status ValidateKinds(const SimulationOptions& options) {
+  if (options.rig_size != 1 && options.rig_size != 5) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("rig_size is %d; it must be 1 or 5", options.rig_size));
+  }
+  if (options.noise != NoiseKind::kGaussian && options.radar != RadarKind::kCarla) {
+    return absl::InvalidArgumentError(
+        "noise other than gaussian is defined (Table IV) for the carla radar only");
+  }
+  if (options.live_speeds_mps.size() > kMaxLivePasses) {
+    return absl::InvalidArgumentError(absl::StrFormat("live_speeds_mps has %d entries; at most %d",
+                                                      options.live_speeds_mps.size(),
+                                                      kMaxLivePasses));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status Validate(const SimulationOptions& options) {
+  absl::Status status = ValidateKinds(options);
+  status.Update(CheckRange("length_m", options.length_m, 50.0, 20'000.0));
+  status.Update(CheckRange("map_speed_mps", options.map_speed_mps, kMinSpeed, kMaxSpeed));
+  for (std::size_t i = 0; i < options.live_speeds_mps.size(); ++i) {
+    status.Update(CheckRange(absl::StrCat("live_speeds_mps[", i, "]"), options.live_speeds_mps[i],
+                             kMinSpeed, kMaxSpeed));
+  }
+  status.Update(CheckRange("beta_s", options.beta_s, -0.5, 0.5));
+  status.Update(
+      CheckRange("unambiguous_range_rate_mps", options.unambiguous_range_rate_mps, 0.0, 200.0));
+  status.Update(CheckRange("range_rate_step_mps", options.range_rate_step_mps, 0.0, 5.0));
+  status.Update(CheckRange("parked_change_share", options.parked_change_share, 0.0, 1.0));
+  status.Update(CheckRange("clutter_share", options.clutter_share, 0.0, 0.5));
+  status.Update(CheckRange("ghost_share", options.ghost_share, 0.0, 0.5));
+  return status;
+}
+
+absl::Status Validate(const PassOptions& pass) {
+  if (pass.name.empty()) return absl::InvalidArgumentError("pass name is empty");
+  absl::Status status = CheckRange("pass index", pass.index, 0.0, kMaxLivePasses);
+  status.Update(CheckRange("pass mean_speed_mps", pass.mean_speed_mps, kMinSpeed, kMaxSpeed));
+  return status;
+}
+
+std::vector<PassOptions> Passes(const SimulationOptions& options) {
+  std::vector<PassOptions> passes = {{"map", 0, options.map_speed_mps}};
+  for (std::size_t i = 0; i < options.live_speeds_mps.size(); ++i) {
+    passes.push_back(
+        {absl::StrCat("live-", i), static_cast<int>(i) + 1, options.live_speeds_mps[i]});
+  }
+  return passes;
+}
+
+}  // namespace dcloc

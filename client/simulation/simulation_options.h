@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/simulation/radar/noise.h"
+#include "client/simulation/radar/radar_profile.h"
+#include "client/simulation/world/world.h"
+
+namespace dcloc {
+
+using simulation::NoiseKind;
+using simulation::RadarKind;
+using simulation::WorldKind;
+
+/// A world, a rig, and the drives through it. Equal options give equal bytes.
+struct SimulationOptions {
+  WorldKind world = WorldKind::kTown;
+  RadarKind radar = RadarKind::kArs408;
+  NoiseKind noise = NoiseKind::kGaussian;  ///< others (Table IV) only for `kCarla`
+  int rig_size = 1;                        ///< 1 (front) or 5
+  std::uint64_t seed = 1;
+  double length_m = 1000.0;  ///< of each drive
+
+  double map_speed_mps = 72.0 / 3.6;                   ///< mean of the map pass
+  std::vector<double> live_speeds_mps = {40.0 / 3.6};  ///< means of the live passes
+  bool stops = false;                                  ///< halt at about every other crossroads
+
+  double beta_s = 0.04;  ///< range-Doppler coupling of every radar
+  bool has_elevation = false;
+  double unambiguous_range_rate_mps = 0.0;  ///< 0: no aliasing
+  double range_rate_step_mps = 0.0;         ///< 0: not quantised
+
+  double parked_change_share = 0.2;  ///< of the parked vehicles, between map and live passes
+  double clutter_share = 0.04;       ///< of a scan's targets
+  double ghost_share = 0.04;         ///< likewise
+};
+
+/// InvalidArgument naming the field, its value and its bound; OK otherwise.
+absl::Status Validate(const SimulationOptions& options);
+
+/// One drive through the world.
+struct PassOptions {
+  std::string name = "map";
+  int index = 0;  ///< 0 is the map pass; others differ in traffic, lane and parked vehicles
+  double mean_speed_mps = 20.0;
+};
+
+/// InvalidArgument naming the field, its value and its bound; OK otherwise.
+absl::Status Validate(const PassOptions& pass);
+
+/// "map", then "live-0", "live-1", ... in the order of `live_speeds_mps`.
+std::vector<PassOptions> Passes(const SimulationOptions& options);
+
+}  // namespace dcloc
