@@ -81,8 +81,9 @@ class Localizer {
   /// newest scan.
   absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener = nullptr);
 
- private:
   class Impl;
+
+ private:
   explicit Localizer(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

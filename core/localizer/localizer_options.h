@@ -1,9 +1,38 @@
 #pragma once
 
+#include <chrono>
+
 #include "absl/status/status.h"
+#include "core/posegraph/pose_graph.h"
+#include "core/radar/ego_velocity.h"
 #include "core/radar/static_points.h"
+#include "core/registration/gicp.h"
+#include "core/submap/odometry.h"
 
 namespace dcloc {
+
+/// When a registration is believed, and what it is worth.
+struct MatchOptions {
+  double local_map_radius_m = 100.0;
+  int min_inlier_count = 15;
+  double min_overlap = 0.3;
+  double max_residual_scale = 1.8;
+  /// Predictions less certain than this are searched around before refinement.
+  double search_sigma_m = 0.4;
+  double search_sigma_rad = 0.03;
+  int hypotheses = 4;
+  /// What every registration lacks however many points agree: errors that its points share, of the
+  /// map, of mounts and of clocks. Added to its covariance.
+  double shared_sigma_m = 0.05;
+  double shared_sigma_rad = 0.002;
+};
+
+/// When a state of the answer changes to another.
+struct StateOptions {
+  int confirmations = 3;  ///< believed registrations in a row that start tracking
+  std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
+  double lost_sigma_m = 2.0;  ///< dead reckoning less certain than this is lost
+};
 
 /// Every choice in one vehicle's pipeline. The defaults are what is evaluated and recommended.
 struct LocalizerOptions {
@@ -14,7 +43,20 @@ struct LocalizerOptions {
   bool uncertainty = true;
   bool truncation = true;
 
+  /// Radars of a rig that follow one another faster than this share a registration.
+  std::chrono::nanoseconds registration_interval = std::chrono::milliseconds(40);
+
+  EgoVelocityOptions ego_velocity;
   StaticPointsOptions static_points;
+  OdometryOptions odometry;
+  GicpOptions gicp;
+  MatchOptions match;
+  PoseGraphOptions pose_graph;
+  StateOptions state;
+
+  /// What a planar rig does not observe comes from the map's keyframes with these deviations.
+  double unobserved_z_sigma_m = 0.5;
+  double unobserved_tilt_sigma_rad = 0.03;
 };
 
 /// OK, or InvalidArgument that names the field, the value and the bound.

@@ -1,0 +1,69 @@
+#include "core/localizer/ego_motion.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+namespace dcloc {
+namespace {
+
+// Squared Mahalanobis distance of two independent estimates, over v_x and yaw rate: the components
+// that both really measure.
+double Disagreement(const EgoVelocity& a, const EgoVelocity& b) {
+  const Matrix6d sum = *a.covariance + *b.covariance;
+  const Eigen::Vector2d apart(a.linear_mps.x() - b.linear_mps.x(),
+                              a.angular_radps.z() - b.angular_radps.z());
+  Eigen::Matrix2d spread;
+  spread << sum(0, 0), sum(0, 5), sum(5, 0), sum(5, 5);
+  return apart.dot(spread.ldlt().solve(apart));
+}
+
+constexpr double kMaxDisagreement = 13.8;  // chi-square, 2 degrees of freedom, 99.9 %
+
+}  // namespace
+
+const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar) {
+  const RadarScan scans[] = {{&scan, &radar}};
+  const auto seed = static_cast<std::uint64_t>(scan.stamp.time_since_epoch().count());
+  const std::optional<DopplerEgoVelocity> doppler =
+      EstimateEgoVelocity(scans, seed, options_.ego_velocity);
+  const std::chrono::nanoseconds age = velocity_ ? scan.stamp - stamp_ : std::chrono::nanoseconds(0);
+
+  EgoVelocity now;
+  if (scan.ego_velocity) {
+    now = WithCovariance(*scan.ego_velocity, options_.odometry);
+    // Doppler that contradicts the wheels has fallen for a mover that fills the view.
+    if (doppler && Disagreement(now, doppler->ego_velocity) <= kMaxDisagreement) {
+      now = Fuse(now, doppler->ego_velocity);
+    }
+  } else if (doppler) {
+    now = doppler->ego_velocity;
+  } else {
+    now = Held(age);
+  }
+  since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.odometry) : Motion{};
+  velocity_ = now;
+  stamp_ = scan.stamp;
+  return *velocity_;
+}
+
+// A car changes its speed by up to some metres per second in a second, its yaw rate by less than one
+// radian per second.
+EgoVelocity EgoMotion::Held(std::chrono::nanoseconds age) const {
+  constexpr double kAcceleration_mps2 = 3.0;
+  constexpr double kYawAcceleration_radps2 = 0.5;
+  constexpr double kUnknownSpeed_mps = 15.0;
+  constexpr double kUnknownYawRate_radps = 0.3;
+  EgoVelocity held = velocity_.value_or(EgoVelocity{});
+  if (!velocity_) {
+    Vector6d sigmas;
+    sigmas << kUnknownSpeed_mps, 0.5, 0.1, 0.05, 0.05, kUnknownYawRate_radps;
+    held.covariance = sigmas.cwiseAbs2().asDiagonal();
+    return held;
+  }
+  const double age_s = std::chrono::duration<double>(age).count();
+  (*held.covariance)(0, 0) += std::pow(kAcceleration_mps2 * age_s, 2);
+  (*held.covariance)(5, 5) += std::pow(kYawAcceleration_radps2 * age_s, 2);
+  return held;
+}
+
+}  // namespace dcloc

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+
+#include "core/localizer/localizer_options.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+#include "core/submap/odometry.h"
+
+namespace dcloc {
+
+/// One vehicle's ego-velocity over time: what the vehicle sends fused with what its radars' Doppler
+/// says, or either alone; the last one, ever less certain, where neither is there.
+class EgoMotion {
+ public:
+  explicit EgoMotion(const LocalizerOptions& options) : options_(options) {}
+
+  /// Takes in the next scan, whose stamp is not before the last one's, and gives the velocity at
+  /// it; the covariance is set.
+  const EgoVelocity& Advance(const Scan& scan, const RadarModel& radar);
+
+  /// From the scan before the last one to the last one; identity at the first.
+  const Motion& since_previous() const { return since_previous_; }
+
+ private:
+  EgoVelocity Held(std::chrono::nanoseconds age) const;
+
+  LocalizerOptions options_;
+  std::optional<EgoVelocity> velocity_;
+  Stamp stamp_{};
+  Motion since_previous_;
+};
+
+}  // namespace dcloc

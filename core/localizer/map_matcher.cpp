@@ -1,0 +1,190 @@
+#include "core/localizer/map_matcher.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/registration/radial_statistics.h"
+#include "core/registration/rigid_ransac.h"
+
+namespace dcloc {
+namespace {
+
+// Searches score every point at every pose: this many are enough to tell poses apart.
+constexpr std::size_t kSearchPoints = 300;
+constexpr double kFineCell_m = 0.25;
+constexpr double kCoarseCell_m = 0.5;
+
+template <int Dim>
+std::vector<Eigen::Vector2f> Thinned(std::span<const GaussianPoint<Dim>> points,
+                                     std::size_t max_count) {
+  const std::size_t stride = std::max<std::size_t>(1, (points.size() + max_count - 1) / max_count);
+  std::vector<Eigen::Vector2f> thinned;
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    thinned.push_back(points[i].mean_m.template head<2>().template cast<float>());
+  }
+  return thinned;
+}
+
+// A planar hypothesis with the rest of the predicted pose.
+template <int Dim>
+Pose<Dim> Lift(const Pose2& planar, const Pose<Dim>& predicted) {
+  if constexpr (Dim == 2) {
+    return planar;
+  } else {
+    const Pose3 rest = Embed(Flatten(predicted)).Inverse() * predicted;
+    return Embed(planar) * rest;
+  }
+}
+
+template <int Dim>
+Pose2 Planar(const Pose<Dim>& pose) {
+  if constexpr (Dim == 2) {
+    return pose;
+  } else {
+    return Flatten(pose);
+  }
+}
+
+template <int Dim>
+double TranslationSigma(const TangentMatrix<Dim>& covariance) {
+  return std::sqrt(covariance.template topLeftCorner<2, 2>().trace());
+}
+
+template <int Dim>
+double YawSigma(const TangentMatrix<Dim>& covariance) {
+  return std::sqrt(covariance(Pose<Dim>::kDof - 1, Pose<Dim>::kDof - 1));
+}
+
+}  // namespace
+
+template <int Dim>
+bool MapMatcher<Dim>::MoveTo(const Eigen::Vector3d& p_map) {
+  const std::optional<std::size_t> nearest =
+      map_->NearestKeyframe(p_map, options_.match.local_map_radius_m);
+  if (!nearest || nearest == keyframe_) return false;
+  keyframe_ = nearest;
+  local_map_ = LocalMap<Dim>(*map_, p_map, options_.match.local_map_radius_m);
+  T_map_local_ = local_map_.T_map_local();
+  field_ = {};
+  return true;
+}
+
+template <int Dim>
+std::optional<Registration<Dim>> MapMatcher<Dim>::Match(std::span<const GaussianPoint<Dim>> live,
+                                                        const PoseEstimate<Dim>& predicted,
+                                                        std::uint64_t seed) {
+  if (local_map_.empty() || live.empty()) return std::nullopt;
+  Registration<Dim> best = Refine(live, predicted.pose, 0.0);
+  if (TranslationSigma<Dim>(predicted.covariance) > options_.match.search_sigma_m ||
+      YawSigma<Dim>(predicted.covariance) > options_.match.search_sigma_rad) {
+    for (const Pose2& hypothesis : Hypotheses(live, predicted, seed)) {
+      Registration<Dim> refined = Refine(live, Lift<Dim>(hypothesis, predicted.pose), 0.3);
+      if (refined.score > best.score) best = refined;
+    }
+  }
+  return Believable(best) ? std::optional(best) : std::nullopt;
+}
+
+template <int Dim>
+std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim>> live,
+                                               const PoseEstimate<Dim>& predicted,
+                                               std::uint64_t seed) {
+  constexpr double kSigmas = 3.0;
+  constexpr double kMaxSearch_m = 8.0;
+  constexpr double kMaxSearch_rad = 0.5;
+  if (field_.empty()) field_ = LikelihoodField(local_map_, kFineCell_m);
+  const SearchWindow window{
+      .centre_local_vehicle = Planar<Dim>(predicted.pose),
+      .translation_m =
+          std::min(kMaxSearch_m, kSigmas * TranslationSigma<Dim>(predicted.covariance)),
+      .rotation_rad = std::min(kMaxSearch_rad, kSigmas * YawSigma<Dim>(predicted.covariance))};
+  const std::vector<Eigen::Vector2f> points = Thinned(live, kSearchPoints);
+  std::vector<Pose2> hypotheses;
+  for (const PoseHypothesis& found :
+       CorrelativeSearch(points, field_, window, options_.match.hypotheses)) {
+    hypotheses.push_back(found.T_local_vehicle);
+  }
+  const std::vector<Eigen::Vector2f> landmarks =
+      Thinned(std::span<const GaussianPoint<Dim>>(local_map_.points()), 4 * kSearchPoints);
+  const std::vector<IndexPair> pairs =
+      MutualNearest(RadialStatistics(landmarks), RadialStatistics(points), 2);
+  if (const auto match = MatchRigid(landmarks, points, pairs, seed)) {
+    hypotheses.push_back(match->T_a_b);
+  }
+  return hypotheses;
+}
+
+template <int Dim>
+std::optional<Registration<Dim>> MapMatcher<Dim>::MatchAnywhere(
+    std::span<const GaussianPoint<Dim>> live) {
+  struct Place {
+    std::size_t keyframe;
+    PoseHypothesis hypothesis;
+    Eigen::Vector3d p_map;
+  };
+  const std::vector<Eigen::Vector2f> points = Thinned(live, kSearchPoints / 2);
+  std::vector<Place> places;
+  for (std::size_t index = 0; index < map_->info().keyframe_count; ++index) {
+    const Pose3 T_map_keyframe = map_->keyframe(index).T_map_keyframe;
+    const LocalMap<Dim> around(*map_, T_map_keyframe.translation_m,
+                               options_.match.local_map_radius_m);
+    const SearchWindow window{.centre_local_vehicle = {},
+                              .translation_m = 6.0,
+                              .rotation_rad = std::numbers::pi};
+    for (const PoseHypothesis& found :
+         CorrelativeSearch(points, LikelihoodField(around, kCoarseCell_m), window, 2)) {
+      places.push_back({index, found, around.T_map_local() * Embed(found.T_local_vehicle).translation_m});
+    }
+  }
+  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return a.hypothesis.score > b.hypothesis.score;
+  });
+
+  constexpr std::size_t kRefined = 8;
+  constexpr double kSamePlace_m = 3.0;
+  constexpr double kMaxRunnerUp = 0.8;  // share of the best score that another place may have
+  std::optional<Registration<Dim>> best;
+  std::optional<std::size_t> best_keyframe;
+  Eigen::Vector3d best_p_map = Eigen::Vector3d::Zero();
+  double runner_up = 0.0;
+  for (std::size_t i = 0; i < std::min(kRefined, places.size()); ++i) {
+    MoveTo(map_->keyframe(places[i].keyframe).T_map_keyframe.translation_m);
+    const Registration<Dim> refined =
+        Refine(live, Lift<Dim>(places[i].hypothesis.T_local_vehicle, {}), 0.6);
+    const Eigen::Vector3d p_map =
+        T_map_local_ * Embed(Planar<Dim>(refined.T_local_vehicle)).translation_m;
+    const bool same = best && (p_map - best_p_map).norm() < kSamePlace_m;
+    if (!best || refined.score > best->score) {
+      if (best && !same) runner_up = std::max(runner_up, best->score);
+      best = refined;
+      best_keyframe = places[i].keyframe;
+      best_p_map = p_map;
+    } else if (!same) {
+      runner_up = std::max(runner_up, refined.score);
+    }
+  }
+  if (!best || !Believable(*best) || runner_up > kMaxRunnerUp * best->score) return std::nullopt;
+  MoveTo(map_->keyframe(*best_keyframe).T_map_keyframe.translation_m);
+  return best;
+}
+
+template <int Dim>
+Registration<Dim> MapMatcher<Dim>::Refine(std::span<const GaussianPoint<Dim>> live,
+                                          const Pose<Dim>& start, double blur_m) const {
+  GicpOptions gicp = options_.gicp;
+  gicp.initial_blur_m = blur_m;
+  return RegisterGicp<Dim>(live, local_map_, start, gicp);
+}
+
+template <int Dim>
+bool MapMatcher<Dim>::Believable(const Registration<Dim>& registration) const {
+  return registration.inlier_count >= options_.match.min_inlier_count &&
+         registration.overlap >= options_.match.min_overlap &&
+         registration.residual_scale <= options_.match.max_residual_scale;
+}
+
+template class MapMatcher<2>;
+template class MapMatcher<3>;
+
+}  // namespace dcloc

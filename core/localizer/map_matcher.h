@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/localizer/localizer_options.h"
+#include "core/map/local_map.h"
+#include "core/map/radar_map.h"
+#include "core/posegraph/pose_graph.h"
+#include "core/registration/correlative_search.h"
+#include "core/registration/gicp.h"
+
+namespace dcloc {
+
+/// Matches live sub-maps with the part of the map around the vehicle.
+template <int Dim>
+class MapMatcher {
+ public:
+  MapMatcher(std::shared_ptr<const RadarMap> map, const LocalizerOptions& options)
+      : map_(std::move(map)), options_(options) {}
+
+  /// Makes the local map the one around `p_map`, in the frame of the keyframe nearest to it. True
+  /// when that changed the local frame.
+  bool MoveTo(const Eigen::Vector3d& p_map);
+
+  /// Frame of the local map; the identity before the first MoveTo.
+  const Pose3& T_map_local() const { return T_map_local_; }
+
+  /// Registers `live` (vehicle frame) around the predicted pose: refinement alone where the
+  /// prediction is good, after a correlative search and descriptor matching where it is not.
+  /// Nothing when no pose is believable.
+  std::optional<Registration<Dim>> Match(std::span<const GaussianPoint<Dim>> live,
+                                         const PoseEstimate<Dim>& predicted, std::uint64_t seed);
+
+  /// Searches the whole map for `live`; on success the local map is the one around the place found.
+  /// Nothing when no place is believable, or when a second one is nearly as good.
+  std::optional<Registration<Dim>> MatchAnywhere(std::span<const GaussianPoint<Dim>> live);
+
+ private:
+  std::vector<Pose2> Hypotheses(std::span<const GaussianPoint<Dim>> live,
+                                const PoseEstimate<Dim>& predicted, std::uint64_t seed);
+  Registration<Dim> Refine(std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& start,
+                           double blur_m) const;
+  bool Believable(const Registration<Dim>& registration) const;
+
+  std::shared_ptr<const RadarMap> map_;
+  LocalizerOptions options_;
+  std::optional<std::size_t> keyframe_;
+  Pose3 T_map_local_;
+  LocalMap<Dim> local_map_;
+  LikelihoodField field_;  // of local_map_; empty until a search needs it
+};
+
+}  // namespace dcloc

@@ -1,0 +1,255 @@
+#include "core/localizer/pipeline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "core/geometry/covariance.h"
+
+namespace dcloc {
+namespace {
+
+constexpr int kDofInSpace = 6;
+
+template <int Dim>
+std::vector<GaussianPoint<Dim>> ToGaussian(const std::vector<RadarPoint>& points) {
+  std::vector<GaussianPoint<Dim>> gaussian;
+  gaussian.reserve(points.size());
+  for (const RadarPoint& point : points) {
+    gaussian.push_back({.mean_m = point.position_m.head<Dim>(),
+                        .covariance_m2 = point.covariance_m2.topLeftCorner<Dim, Dim>()});
+  }
+  return gaussian;
+}
+
+// A pose in space and its covariance as the pipeline's own kind, and back.
+template <int Dim>
+PoseEstimate<Dim> FromSpace(const Pose3& pose, const Matrix6d& covariance) {
+  if constexpr (Dim == 2) {
+    return {.pose = Flatten(pose), .covariance = FlattenCovariance(covariance)};
+  } else {
+    return {.pose = pose, .covariance = covariance};
+  }
+}
+
+template <int Dim>
+PoseEstimate<3> ToSpace(const PoseEstimate<Dim>& estimate, const LocalizerOptions& options) {
+  if constexpr (Dim == 2) {
+    return {.pose = Embed(estimate.pose),
+            .covariance = EmbedCovariance(estimate.covariance,
+                                          std::pow(options.unobserved_z_sigma_m, 2),
+                                          std::pow(options.unobserved_tilt_sigma_rad, 2))};
+  } else {
+    return estimate;
+  }
+}
+
+template <int Dim>
+PoseEstimate<Dim> ToEstimate(const Motion& motion) {
+  return FromSpace<Dim>(motion.T_from_to, motion.covariance);
+}
+
+template <int Dim>
+TangentMatrix<Dim> SharedErrors(const MatchOptions& options) {
+  Tangent<Dim> variances;
+  variances.template head<Dim>().setConstant(options.shared_sigma_m * options.shared_sigma_m);
+  variances.template tail<Pose<Dim>::kDof - Dim>().setConstant(options.shared_sigma_rad *
+                                                               options.shared_sigma_rad);
+  return variances.asDiagonal();
+}
+
+StaticPointsOptions PointOptions(const LocalizerOptions& options) {
+  StaticPointsOptions points = options.static_points;
+  points.compensate = options.doppler_compensation;
+  points.uncertainty = options.uncertainty;
+  return points;
+}
+
+PoseGraphOptions GraphOptions(const LocalizerOptions& options) {
+  PoseGraphOptions graph = options.pose_graph;
+  graph.truncate = options.truncation;
+  return graph;
+}
+
+void Announce(StageListener* listener, Stage stage) {
+  if (listener != nullptr) listener->OnStageBegin(stage);
+}
+
+double Nanoseconds(Stamp stamp) {
+  return static_cast<double>(stamp.time_since_epoch().count());
+}
+
+}  // namespace
+
+template <int Dim>
+Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
+                        const std::optional<InitialPose>& initial_pose,
+                        const LocalizerOptions& options)
+    : rig_(std::move(rig)),
+      options_(options),
+      ego_motion_(options),
+      window_(options.scans_per_submap),
+      matcher_(std::move(map), options),
+      graph_(GraphOptions(options)),
+      state_(options.state) {
+  if (initial_pose) Start(*initial_pose);
+}
+
+// One scan, top to bottom: the paper's Fig. 2.
+template <int Dim>
+absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageListener* listener) {
+  if (absl::Status status = Validate(scan); !status.ok()) return status;
+  if (absl::Status status = CheckOrder(scan); !status.ok()) return status;
+  const RadarModel& radar = *rig_.Find(scan.radar_id);
+  last_stamp_ = last_stamp_of_radar_[scan.radar_id] = scan.stamp;
+  quality_ = {};
+
+  Announce(listener, Stage::kCompensation);
+  const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, radar);
+  std::vector<RadarPoint> points = StaticPoints(scan, radar, ego_velocity, PointOptions(options_));
+
+  Announce(listener, Stage::kSubmap);
+  const Motion& motion = ego_motion_.since_previous();
+  since_state_ = Compose(since_state_, motion);
+  window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), std::move(points), motion);
+  const Submap submap = window_.Join(options_.uncertainty);
+
+  if (RegistrationIsDue(scan.stamp)) {
+    Announce(listener, Stage::kRegistration);
+    const std::optional<Registration<Dim>> registration = Register(submap, scan.stamp);
+
+    Announce(listener, Stage::kPoseGraph);
+    if (registration) {
+      const EdgeTest test = UpdateGraph(*registration, submap, scan.stamp);
+      quality_.edge_distance = test.distance;
+      quality_.edge_valid = test.valid;
+    }
+    state_.OnRegistration(scan.stamp, quality_.edge_valid);
+    last_registration_ = scan.stamp;
+  }
+  return Answer(scan, submap);
+}
+
+template <int Dim>
+absl::Status Pipeline<Dim>::CheckOrder(const Scan& scan) const {
+  if (rig_.Find(scan.radar_id) == nullptr) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("radar_id '%s' is not one of the rig's %d radars", scan.radar_id,
+                        rig_.radars.size()));
+  }
+  const auto of_radar = last_stamp_of_radar_.find(scan.radar_id);
+  if (of_radar != last_stamp_of_radar_.end() && scan.stamp <= of_radar->second) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "stamp is %.0f ns; radar '%s' was at %.0f ns already, and its stamps must rise",
+        Nanoseconds(scan.stamp), scan.radar_id, Nanoseconds(of_radar->second)));
+  }
+  if (last_stamp_ && scan.stamp < *last_stamp_) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("stamp is %.0f ns; it must not lie before the newest scan's %.0f ns",
+                        Nanoseconds(scan.stamp), Nanoseconds(*last_stamp_)));
+  }
+  return absl::OkStatus();
+}
+
+template <int Dim>
+void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
+  matcher_.MoveTo(initial_pose.T_map_vehicle.translation_m);
+  graph_.Reset(FromSpace<Dim>(matcher_.T_map_local().Inverse() * initial_pose.T_map_vehicle,
+                              initial_pose.covariance));
+}
+
+template <int Dim>
+bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp) const {
+  return !last_registration_ || stamp - *last_registration_ >= options_.registration_interval;
+}
+
+// The local map follows the vehicle; what the graph knows is re-expressed in its new frame.
+template <int Dim>
+void Pipeline<Dim>::EnterLocalFrame(const Eigen::Vector3d& p_map) {
+  const Pose3 T_map_old = matcher_.T_map_local();
+  if (!matcher_.MoveTo(p_map)) return;
+  const Pose3 T_new_old = matcher_.T_map_local().Inverse() * T_map_old;
+  graph_.ChangeFrame(FromSpace<Dim>(T_new_old, Matrix6d::Zero()).pose);
+}
+
+template <int Dim>
+std::optional<Registration<Dim>> Pipeline<Dim>::Register(const Submap& submap, Stamp stamp) {
+  const std::vector<GaussianPoint<Dim>> live = ToGaussian<Dim>(submap.points);
+  std::optional<Registration<Dim>> registration;
+  if (graph_.empty()) {
+    constexpr auto kSearchInterval = std::chrono::milliseconds(500);
+    if (submap.span < kSearchInterval) return std::nullopt;
+    if (last_search_ && stamp - *last_search_ < kSearchInterval) return std::nullopt;
+    last_search_ = stamp;
+    registration = matcher_.MatchAnywhere(live);
+  } else {
+    graph_.AddState(ToEstimate<Dim>(since_state_));
+    since_state_ = {};
+    const PoseEstimate<3> predicted = ToSpace<Dim>(graph_.Newest(), options_);
+    EnterLocalFrame((matcher_.T_map_local() * predicted.pose).translation_m);
+    registration = matcher_.Match(live, graph_.Newest(),
+                                  static_cast<std::uint64_t>(stamp.time_since_epoch().count()));
+  }
+  quality_.live_point_count = static_cast<int>(live.size());
+  if (!registration) return std::nullopt;
+  quality_.inlier_count = registration->inlier_count;
+  quality_.overlap = registration->overlap;
+  quality_.residual_scale = registration->residual_scale;
+  return registration;
+}
+
+template <int Dim>
+EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, const Submap& submap,
+                                    Stamp stamp) {
+  // What was left over beyond the model widens the covariance; what agreed better does not narrow it.
+  const double scale = std::max(1.0, registration.residual_scale);
+  const PoseEstimate<Dim> loop{
+      .pose = registration.T_local_vehicle,
+      .covariance = scale * scale * registration.covariance + SharedErrors<Dim>(options_.match)};
+  if (graph_.empty()) {
+    graph_.Reset(loop);
+    since_state_ = {};
+    return {.valid = true};
+  }
+  // Each scan's points take part in every registration while the scan is in the sub-map.
+  const double interval_ns = static_cast<double>(
+      last_registration_ ? (stamp - *last_registration_).count() : submap.span.count());
+  const double reuse = 1.0 + static_cast<double>(submap.span.count()) / std::max(1.0, interval_ns);
+  const EdgeTest test = graph_.AddLoop(loop, reuse);
+  graph_.Solve();
+  return test;
+}
+
+template <int Dim>
+PoseEstimate<Dim> Pipeline<Dim>::Now() const {
+  const PoseEstimate<Dim> newest = graph_.Newest();
+  const PoseEstimate<Dim> motion = ToEstimate<Dim>(since_state_);
+  return {.pose = newest.pose * motion.pose,
+          .covariance = ComposeCovariance<Dim>(newest.covariance, motion.pose, motion.covariance)};
+}
+
+template <int Dim>
+Localization Pipeline<Dim>::Answer(const Scan& scan, const Submap& submap) {
+  Localization answer{.stamp = scan.stamp, .quality = quality_};
+  answer.quality.live_point_count = static_cast<int>(submap.points.size());
+  if (graph_.empty()) {
+    constexpr double kUnknown = 1e8;
+    answer.covariance = kUnknown * Matrix6d::Identity();
+    return answer;
+  }
+  const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_);
+  answer.T_map_vehicle = matcher_.T_map_local() * now.pose;
+  answer.covariance = now.covariance;
+  state_.OnAnswer(scan.stamp, std::sqrt(now.covariance.topLeftCorner<2, 2>().trace()));
+  answer.state = state_.state();
+  for (int i = 0; i < kDofInSpace; ++i) {
+    answer.observed[static_cast<std::size_t>(i)] = Dim == 3 || i < 2 || i == 5;
+  }
+  return answer;
+}
+
+template class Pipeline<2>;
+template class Pipeline<3>;
+
+}  // namespace dcloc

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/localizer/ego_motion.h"
+#include "core/localizer/localizer.h"
+#include "core/localizer/map_matcher.h"
+#include "core/localizer/tracking_state.h"
+#include "core/posegraph/pose_graph.h"
+#include "core/submap/submap.h"
+
+namespace dcloc {
+
+/// What Localizer holds: the pipeline in the plane or in space.
+class Localizer::Impl {
+ public:
+  virtual ~Impl() = default;
+  virtual absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) = 0;
+};
+
+/// One vehicle's pipeline with poses in the plane of the map's keyframes (Dim = 2) or in space
+/// (Dim = 3).
+template <int Dim>
+class Pipeline final : public Localizer::Impl {
+ public:
+  Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
+           const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options);
+
+  absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) override;
+
+ private:
+  absl::Status CheckOrder(const Scan& scan) const;
+  void Start(const InitialPose& initial_pose);
+  bool RegistrationIsDue(Stamp stamp) const;
+  void EnterLocalFrame(const Eigen::Vector3d& p_map);
+  std::optional<Registration<Dim>> Register(const Submap& submap, Stamp stamp);
+  EdgeTest UpdateGraph(const Registration<Dim>& registration, const Submap& submap, Stamp stamp);
+  PoseEstimate<Dim> Now() const;
+  Localization Answer(const Scan& scan, const Submap& submap);
+
+  Rig rig_;
+  LocalizerOptions options_;
+  EgoMotion ego_motion_;
+  SubmapWindow window_;
+  MapMatcher<Dim> matcher_;
+  PoseGraph<Dim> graph_;
+  TrackingState state_;
+
+  Motion since_state_;  // from the graph's newest state to the newest scan
+  std::optional<Stamp> last_stamp_;
+  std::optional<Stamp> last_registration_;
+  std::optional<Stamp> last_search_;
+  std::map<std::string, Stamp> last_stamp_of_radar_;
+  LocalizationQuality quality_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geometry/gaussian_point.h"
+#include "core/geometry/pose.h"
+#include "core/map/radar_map.h"
+
+namespace dcloc {
+
+/// Nearest landmarks around one place, in the frame of one keyframe: what a live sub-map is matched
+/// with. Several keyframes' landmarks are joined, so that a place is seen from all of its sides.
+/// In the plane (Dim = 2) the landmarks are projected onto the keyframe's xy plane.
+template <int Dim>
+class LocalMap {
+ public:
+  using Point = GaussianPoint<Dim>;
+
+  LocalMap() = default;
+
+  /// The landmarks within `radius_m` of the keyframe nearest to `p_map`; empty when the map has no
+  /// keyframe within `radius_m` of `p_map`.
+  LocalMap(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m);
+
+  /// From points given in the local frame.
+  LocalMap(const Pose3& T_map_local, std::vector<Point> points);
+
+  bool empty() const { return points_.empty(); }
+  const Pose3& T_map_local() const { return T_map_local_; }
+
+  /// In cell order.
+  std::span<const Point> points() const { return points_; }
+
+  /// Calls `visit(index)` for every point in the cells that touch the square of half-width
+  /// `reach_m` around (x, y) of the local frame.
+  template <typename Visit>
+  void ForEachNear(double x_m, double y_m, double reach_m, const Visit& visit) const {
+    if (points_.empty()) return;
+    const int column_begin = ClampedCell(x_m - reach_m - min_m_.x(), columns_);
+    const int column_end = ClampedCell(x_m + reach_m - min_m_.x(), columns_);
+    const int row_begin = ClampedCell(y_m - reach_m - min_m_.y(), rows_);
+    const int row_end = ClampedCell(y_m + reach_m - min_m_.y(), rows_);
+    for (int row = row_begin; row <= row_end; ++row) {
+      // Cells of a row are neighbours in memory: one run of points.
+      const std::size_t cell = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_);
+      const std::uint32_t end = cell_begin_[cell + static_cast<std::size_t>(column_end) + 1];
+      for (std::uint32_t i = cell_begin_[cell + static_cast<std::size_t>(column_begin)]; i < end;
+           ++i) {
+        visit(static_cast<std::size_t>(i));
+      }
+    }
+  }
+
+ private:
+  static constexpr double kCell_m = 1.0;
+
+  void BuildGrid();
+  static int ClampedCell(double offset_m, int count);
+
+  Pose3 T_map_local_;
+  std::vector<Point> points_;
+  std::vector<std::uint32_t> cell_begin_;  // of each cell in points_, and the end
+  Eigen::Vector2d min_m_ = Eigen::Vector2d::Zero();
+  int columns_ = 0;
+  int rows_ = 0;
+};
+
+}  // namespace dcloc

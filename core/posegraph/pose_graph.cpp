@@ -1,0 +1,158 @@
+#include "core/posegraph/pose_graph.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "core/geometry/covariance.h"
+#include "core/posegraph/edge_residual.h"
+
+namespace dcloc {
+namespace {
+
+// The better of two views of one pose: A (A + B)^-1 is the share of the second.
+template <int Dim>
+TangentMatrix<Dim> Gain(const TangentMatrix<Dim>& first, const TangentMatrix<Dim>& second) {
+  return TangentMatrix<Dim>(first + second).ldlt().solve(first).transpose();
+}
+
+template <int Dim>
+TangentMatrix<Dim> UpdatedCovariance(const TangentMatrix<Dim>& first,
+                                     const TangentMatrix<Dim>& second) {
+  const TangentMatrix<Dim> keep = TangentMatrix<Dim>::Identity() - Gain<Dim>(first, second);
+  const TangentMatrix<Dim> updated = keep * first;
+  return 0.5 * (updated + updated.transpose());
+}
+
+template <int Dim>
+PoseEstimate<Dim> Update(const PoseEstimate<Dim>& first, const PoseEstimate<Dim>& second) {
+  const Tangent<Dim> apart = Log(first.pose.Inverse() * second.pose);
+  return {.pose = first.pose *
+                  Exp(Tangent<Dim>(Gain<Dim>(first.covariance, second.covariance) * apart)),
+          .covariance = UpdatedCovariance<Dim>(first.covariance, second.covariance)};
+}
+
+template <int Dim>
+ceres::Manifold* MakeManifold() {
+  if constexpr (Dim == 2) {
+    return new ceres::EuclideanManifold<3>();
+  } else {
+    return new ceres::ProductManifold<ceres::EuclideanManifold<3>,
+                                      ceres::EigenQuaternionManifold>();
+  }
+}
+
+}  // namespace
+
+template <int Dim>
+void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior) {
+  prior_ = prior;
+  states_.clear();
+  states_.push_back({.pose = prior.pose});
+}
+
+template <int Dim>
+void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry) {
+  states_.push_back({.pose = states_.back().pose * odometry.pose, .odometry = odometry});
+  // Two scans of one moment: no motion, known exactly, would have an infinite weight.
+  constexpr double kMinVariance = 1e-10;
+  states_.back().odometry.covariance.diagonal().array() += kMinVariance;
+  if (states_.size() > static_cast<std::size_t>(options_.window)) MarginalizeOldest();
+}
+
+template <int Dim>
+EdgeTest PoseGraph<Dim>::AddLoop(const PoseEstimate<Dim>& loop, double reuse) {
+  State& newest = states_.back();
+  const Tangent<Dim> apart = Log(newest.pose.Inverse() * loop.pose);
+  const TangentMatrix<Dim> spread = loop.covariance + FilteredCovariance();
+  EdgeTest test;
+  test.distance = apart.dot(spread.ldlt().solve(apart));
+  const double limit = Dim == 2 ? options_.max_distance_planar : options_.max_distance_spatial;
+  // Written so that a distance that is not a number fails.
+  test.valid = !options_.truncate || test.distance <= limit;
+  if (test.valid) newest.loop = {.pose = loop.pose, .covariance = reuse * loop.covariance};
+  return test;
+}
+
+template <int Dim>
+void PoseGraph<Dim>::Solve() {
+  using Parameters = Eigen::Matrix<double, kParameters<Dim>, 1>;
+  std::vector<Parameters> blocks;
+  blocks.reserve(states_.size());
+  Parameters map = ToParameters(Pose<Dim>());
+
+  ceres::Problem problem;
+  problem.AddParameterBlock(map.data(), kParameters<Dim>, MakeManifold<Dim>());
+  problem.SetParameterBlockConstant(map.data());
+  const auto add_edge = [&](Parameters& from, Parameters& to, const PoseEstimate<Dim>& edge) {
+    problem.AddResidualBlock(EdgeResidual<Dim>::Make(edge.pose, edge.covariance).release(),
+                             nullptr, from.data(), to.data());
+  };
+  for (const State& state : states_) {
+    Parameters& block = blocks.emplace_back(ToParameters(state.pose));
+    problem.AddParameterBlock(block.data(), kParameters<Dim>, MakeManifold<Dim>());
+    if (blocks.size() == 1) {
+      add_edge(map, block, prior_);
+    } else {
+      add_edge(blocks[blocks.size() - 2], block, state.odometry);
+    }
+    if (state.loop) add_edge(map, block, *state.loop);
+  }
+
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = 10;
+  options.logging_type = ceres::SILENT;
+  options.num_threads = 1;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  if (!summary.IsSolutionUsable()) return;  // the filtered states stand
+  for (std::size_t i = 0; i < states_.size(); ++i) states_[i].pose = FromParameters(blocks[i]);
+}
+
+template <int Dim>
+PoseEstimate<Dim> PoseGraph<Dim>::Newest() const {
+  return {.pose = states_.back().pose, .covariance = FilteredCovariance()};
+}
+
+template <int Dim>
+void PoseGraph<Dim>::ChangeFrame(const Pose<Dim>& T_new_old) {
+  // Covariances live on the right of the poses and stay as they are.
+  prior_.pose = T_new_old * prior_.pose;
+  for (State& state : states_) {
+    state.pose = T_new_old * state.pose;
+    if (state.loop) state.loop->pose = T_new_old * state.loop->pose;
+  }
+}
+
+// In a chain the newest state's marginal covariance is what a filter over the edges gives.
+template <int Dim>
+TangentMatrix<Dim> PoseGraph<Dim>::FilteredCovariance() const {
+  TangentMatrix<Dim> covariance = prior_.covariance;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    const State& state = states_[i];
+    if (i > 0) {
+      covariance = ComposeCovariance<Dim>(covariance, state.odometry.pose,
+                                          state.odometry.covariance);
+    }
+    if (state.loop) covariance = UpdatedCovariance<Dim>(covariance, state.loop->covariance);
+  }
+  return covariance;
+}
+
+template <int Dim>
+void PoseGraph<Dim>::MarginalizeOldest() {
+  const State& oldest = states_.front();
+  const PoseEstimate<Dim> known = oldest.loop ? Update<Dim>(prior_, *oldest.loop) : prior_;
+  const PoseEstimate<Dim>& odometry = states_[1].odometry;
+  prior_ = {.pose = known.pose * odometry.pose,
+            .covariance = ComposeCovariance<Dim>(known.covariance, odometry.pose,
+                                                 odometry.covariance)};
+  states_.pop_front();
+}
+
+template class PoseGraph<2>;
+template class PoseGraph<3>;
+
+}  // namespace dcloc

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+
+#include "core/geometry/pose.h"
+
+namespace dcloc {
+
+/// A pose with its covariance in the tangent space on its right.
+template <int Dim>
+struct PoseEstimate {
+  Pose<Dim> pose;
+  TangentMatrix<Dim> covariance = TangentMatrix<Dim>::Zero();
+};
+
+struct PoseGraphOptions {
+  int window = 10;  ///< states that are solved for, [1, 1000]
+  /// Loop edges that fail the chi-square test against the fused state are cut (METHOD 7).
+  bool truncate = true;
+  /// 95 % quantiles of the chi-square distribution with 3 and 6 degrees of freedom.
+  double max_distance_planar = 7.815;
+  double max_distance_spatial = 12.592;
+};
+
+/// What the test of a loop edge gave (METHOD eq 19, on the fused state).
+struct EdgeTest {
+  double distance = 0.0;  ///< squared Mahalanobis distance to the predicted state
+  bool valid = false;
+};
+
+/// The last states of one vehicle in a map frame: odometry edges between neighbours, loop edges to
+/// the map, and what older states knew as a prior on the oldest (METHOD eq 15-19). The chain is
+/// solved by Ceres; older states are marginalized into the prior.
+template <int Dim>
+class PoseGraph {
+ public:
+  explicit PoseGraph(const PoseGraphOptions& options = {}) : options_(options) {}
+
+  /// Forgets everything and starts with one state.
+  void Reset(const PoseEstimate<Dim>& prior);
+
+  /// Adds a state that odometry leads to from the newest one: T_newest_new. Needs a state.
+  void AddState(const PoseEstimate<Dim>& odometry);
+
+  /// Gives the newest state a loop edge: its pose in the map frame by registration. Tests it against
+  /// the fused prediction; an edge that fails stays cut, its state held by odometry.
+  /// The test uses `loop.covariance`, the solution that times `reuse`: the number of registrations
+  /// in which each measurement takes part.
+  EdgeTest AddLoop(const PoseEstimate<Dim>& loop, double reuse);
+
+  /// Solves for all states of the window.
+  void Solve();
+
+  /// The newest state with all that is known of it.
+  PoseEstimate<Dim> Newest() const;
+
+  /// Expresses everything in another map frame.
+  void ChangeFrame(const Pose<Dim>& T_new_old);
+
+  bool empty() const { return states_.empty(); }
+  std::size_t size() const { return states_.size(); }
+
+ private:
+  struct State {
+    Pose<Dim> pose;
+    PoseEstimate<Dim> odometry;               // from the state before
+    std::optional<PoseEstimate<Dim>> loop;    // absent, or cut
+  };
+
+  TangentMatrix<Dim> FilteredCovariance() const;
+  void MarginalizeOldest();
+
+  PoseGraphOptions options_;
+  PoseEstimate<Dim> prior_;  // on states_.front()
+  std::deque<State> states_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/geometry/gaussian_point.h"
+#include "core/geometry/pose.h"
+#include "core/map/local_map.h"
+
+namespace dcloc {
+
+struct GicpOptions {
+  int max_iterations = 30;
+  double reach_m = 2.5;           ///< landmarks further from a live point are not its match
+  double gate_sigmas = 3.5;       ///< nor those further in units of the joint deviation
+  double huber_sigmas = 1.5;      ///< residuals beyond weigh less (Huber)
+  double translation_tolerance_m = 1e-3;
+  double rotation_tolerance_rad = 2e-5;
+  /// Deviation added to every match at first, halved each iteration: finds the basin before it
+  /// trusts the fine structure. 0 when the start is already good.
+  double initial_blur_m = 0.0;
+};
+
+/// How a live sub-map lies in a local map.
+template <int Dim>
+struct Registration {
+  Pose<Dim> T_local_vehicle;
+  /// In the tangent space on the right (METHOD eq 13-14, mended), not inflated; a direction that
+  /// the matches do not determine has a variance of `kUnobserved`.
+  TangentMatrix<Dim> covariance;
+  bool converged = false;
+  int iterations = 0;
+  int inlier_count = 0;         ///< live points with a match inside of the gates
+  double overlap = 0.0;         ///< their share
+  double score = 0.0;           ///< mean of exp(-d^2 / 2) over all live points, 0 where unmatched
+  double residual_scale = 0.0;  ///< root mean square of the whitened residuals, 1 is as modelled
+};
+
+/// Variance [m^2, rad^2] that stands for "not observed".
+inline constexpr double kUnobserved = 1e6;
+
+/// Uncertainty-aware GICP (METHOD eq 12): minimises sum rho_Huber(e^T W e) over the pose of `live`
+/// (vehicle frame) in `map`, e = q - (R p + t), W = (S_q + R S_p R^T)^-1, matches being the landmark
+/// of highest likelihood. Levenberg-Marquardt with W and the matches frozen within an iteration.
+template <int Dim>
+Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
+                               const Pose<Dim>& T_local_vehicle_initial,
+                               const GicpOptions& options = {});
+
+}  // namespace dcloc
