@@ -91,7 +91,7 @@ absl::Status ReadRecords(std::span<const std::byte> bytes, MapSection section,
 
 absl::Status ReadInfo(std::span<const std::byte> bytes, MapFileView& view) {
   std::span<const InfoRecord> records;
-  const absl::Status status = ReadRecords(bytes, MapSection::kInfo, records);
+  absl::Status status = ReadRecords(bytes, MapSection::kInfo, records);
   if (!status.ok()) return status;
   if (records.size() != 1) return DataLoss("section info: %d records, not 1", records.size());
   view.info = records.front();

@@ -56,7 +56,8 @@ TEST_F(FusionTest, ScatterersThatAreApartBecomeOneLandmarkEachWithAShrunkenError
   // 100 scatterers 3 m apart at all offsets from any grid, 30 scans of each from all sides.
   std::vector<Eigen::Vector3d> scatterers;
   for (int i = 0; i < 100; ++i) {
-    scatterers.emplace_back(1e6 + 3.1 * (i % 10), -1e6 + 3.1 * (i / 10), 0.0);
+    const int row = i / 10;
+    scatterers.emplace_back(1e6 + 3.1 * (i % 10), -1e6 + 3.1 * row, 0.0);
     for (int scan = 0; scan < 30; ++scan) {
       See(scatterers.back(), NoiseSeenFrom(0.2 * scan, 0.15, 0.3, 1.0));
     }

@@ -27,9 +27,9 @@ struct Street {
 
   std::vector<Eigen::Vector3d> Scatterers() const {
     std::vector<Eigen::Vector3d> scatterers;
-    for (double x = 0.0; x <= length_m; x += 2.0) {
-      scatterers.emplace_back(x, 6.0, 0.5);
-      scatterers.emplace_back(x + 0.7, -8.0, 0.5);
+    for (int i = 0; 2.0 * i <= length_m; ++i) {
+      scatterers.emplace_back(2.0 * i, 6.0, 0.5);
+      scatterers.emplace_back(2.0 * i + 0.7, -8.0, 0.5);
     }
     return scatterers;
   }

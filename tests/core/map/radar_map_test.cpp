@@ -111,7 +111,7 @@ std::filesystem::path WriteLongMap(const TemporaryFolder& folder, std::size_t ke
   header.file_size_bytes = points.offset_bytes + points.size_bytes;
   header.crc32 = Crc32(std::as_bytes(std::span(&header, 1)).first(offsetof(MapFileHeader, crc32)));
   std::memcpy(bytes.data(), &header, sizeof(header));
-  const std::filesystem::path path = folder.Write(std::to_string(keyframe_count), bytes);
+  std::filesystem::path path = folder.Write(std::to_string(keyframe_count), bytes);
   std::filesystem::resize_file(path, header.file_size_bytes);
   return path;
 }
