@@ -160,7 +160,7 @@ absl::Status ReadPoses(const fs::path& path, const std::vector<std::string>& pos
                        NuScenesScene& scene) {
   std::unordered_map<std::string, Pose3> poses;
   const TokenSet wanted(pose_tokens.begin(), pose_tokens.end());
-  const absl::Status status = ReadTable(path, [&](TableRecord& record) {
+  absl::Status status = ReadTable(path, [&](TableRecord& record) {
     std::string token(record.Text("token"));
     if (!wanted.contains(token)) return absl::OkStatus();
     const auto pose = ReadPose(record);
@@ -173,7 +173,7 @@ absl::Status ReadPoses(const fs::path& path, const std::vector<std::string>& pos
     const auto pose = poses.find(pose_tokens[i]);
     if (pose == poses.end()) {
       return FileError(
-          path, absl::StrCat("has no pose ", pose_tokens[i], ", which sample_data.json", " gives ",
+          path, absl::StrCat("has no pose ", pose_tokens[i], ", which sample_data.json gives ",
                              scene.sweeps[i].filename));
     }
     scene.sweeps[i].T_map_vehicle = pose->second;

@@ -59,6 +59,7 @@ RadarModel SeriesRadar(std::int64_t sensor_id, const Pose3& T_vehicle_radar) {
 absl::StatusOr<Rig> BuildRig(const std::map<std::int64_t, Pose3>& mounts,
                              std::vector<std::string> wanted) {
   std::vector<std::string> available;
+  available.reserve(mounts.size());
   for (const auto& [id, mount] : mounts) available.push_back(RadarId(id));
   for (std::string& id : wanted) id = WithPrefix(id, "radar_");
   if (absl::Status status = CheckRadars(wanted, available); !status.ok()) return status;

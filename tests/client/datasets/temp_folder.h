@@ -27,7 +27,7 @@ class TempFolder {
 
   /// Writes `bytes` to `name` below the folder, making the folders between.
   std::filesystem::path Write(const std::filesystem::path& name, const std::string& bytes) const {
-    const std::filesystem::path path = path_ / name;
+    std::filesystem::path path = path_ / name;
     std::filesystem::create_directories(path.parent_path());
     std::ofstream(path, std::ios::binary) << bytes;
     return path;

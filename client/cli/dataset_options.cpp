@@ -1,0 +1,29 @@
+#include "client/cli/dataset_options.h"
+
+namespace dcloc::cli {
+
+void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
+  command.add_option("--dataset", arguments.format, "Layout of the data set")
+      ->required()
+      ->check(CLI::IsMember({"nuscenes", "radarscenes"}));
+  command.add_option("--root", arguments.root, "Folder of the data set")
+      ->required()
+      ->check(CLI::ExistingDirectory)
+      ->type_name("DIR");
+  command
+      .add_option("--version", arguments.version,
+                  "Tables to read (v1.0-mini, ...) where --root holds several")
+      ->type_name("NAME");
+}
+
+Dataset ToDataset(const DatasetArguments& arguments) {
+  return {arguments.format == "nuscenes" ? DatasetFormat::kNuScenes : DatasetFormat::kRadarScenes,
+          arguments.root, arguments.version};
+}
+
+void AddRadarsOption(CLI::App& command, const std::string& name, std::vector<std::string>& radars,
+                     const std::string& description) {
+  command.add_option(name, radars, description)->delimiter(',')->type_name("A,B");
+}
+
+}  // namespace dcloc::cli

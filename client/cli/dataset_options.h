@@ -1,0 +1,29 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/datasets/dataset.h"
+
+namespace dcloc::cli {
+
+/// Where a command's drives come from.
+struct DatasetArguments {
+  std::string format;
+  std::string root;
+  std::string version;
+};
+
+/// Adds --dataset, --root and --version to `command`; fills `arguments` when it is parsed.
+void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments);
+
+/// The arguments as what the readers take.
+Dataset ToDataset(const DatasetArguments& arguments);
+
+/// Adds an option that takes radar ids, separated by commas.
+void AddRadarsOption(CLI::App& command, const std::string& name, std::vector<std::string>& radars,
+                     const std::string& description);
+
+}  // namespace dcloc::cli

@@ -1,0 +1,26 @@
+#include <CLI/CLI.hpp>
+#include <exception>
+
+#include "client/cli/exit_codes.h"
+#include "client/cli/map_command.h"
+#include "client/cli/terminal.h"
+
+int main(int argc, char** argv) {
+  using namespace dcloc::cli;  // NOLINT(google-build-using-namespace): main is its front end
+  int exit_code = kSuccess;
+  try {
+    CLI::App app("Radar localization: make maps, localize in them, simulate, evaluate", "dcloc");
+    app.set_version_flag("--version", "dcloc " DCLOC_VERSION);
+    app.require_subcommand(1);
+    app.footer("Each command has its own --help, with an example.");
+    AddMapCommand(app, exit_code);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      return app.exit(error) == 0 ? kSuccess : kUsage;
+    }
+  } catch (const std::exception& error) {
+    return Fail(absl::InternalError(error.what()));
+  }
+  return exit_code;
+}

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+
+namespace dcloc::cli {
+
+/// Says on stderr what went wrong, and gives the exit code that says so too.
+int Fail(const absl::Status& status);
+
+/// Rows of cells in aligned columns: the first column to the left, the others to the right. The
+/// first row is the header.
+std::string FormatTable(const std::vector<std::vector<std::string>>& rows);
+
+/// "512 B", "13.4 kB", "2.1 MB".
+std::string FormatBytes(double bytes);
+
+}  // namespace dcloc::cli
