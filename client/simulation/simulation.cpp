@@ -63,13 +63,16 @@ class PassSimulator {
         rig_(simulation::MakeRig(simulator_.profile, options.rig_size, options.beta_s,
                                  options.has_elevation, options.unambiguous_range_rate_mps)) {}
 
-  SimulatedPass Run() {
+  SimulatedPass Run(const std::function<void(double)>& progress) const {
     SimulatedPass result;
     result.drive.name = pass_.name;
     result.drive.place = "sim-" + world_.name;
     result.drive.rig = rig_;
     result.signals = RecordSignals();
-    for (const auto& [time, radar] : Schedule()) Record(time, radar, result);
+    for (const auto& [time, radar] : Schedule()) {
+      Record(time, radar, result);
+      if (progress) progress(Seconds(time) / motion_.duration_s());
+    }
     return result;
   }
 
@@ -185,11 +188,12 @@ simulation::World MakeWorld(const SimulationOptions& options) {
 
 absl::StatusOr<SimulatedPass> SimulatePassWithTruth(const simulation::World& world,
                                                     const SimulationOptions& options,
-                                                    const PassOptions& pass) {
+                                                    const PassOptions& pass,
+                                                    const std::function<void(double)>& progress) {
   absl::Status status = Validate(options);
   status.Update(Validate(pass));
   if (!status.ok()) return status;
-  return PassSimulator(world, options, pass).Run();
+  return PassSimulator(world, options, pass).Run(progress);
 }
 
 absl::StatusOr<Drive> SimulatePass(const SimulationOptions& options, const PassOptions& pass) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -40,10 +41,11 @@ simulation::World MakeWorld(const SimulationOptions& options);
 /// Scans carry an ego-velocity without covariance from wheels and gyroscope: a scale error (sigma
 /// 0.5 %) and a gyro bias (sigma 0.0005 rad/s) drawn once a pass, noise of 0.02 m/s and 0.001
 /// rad/s. Stamps are whole microseconds; poses, speeds and yaw rates are exact at them.
+/// `progress`, where given, hears the share done after every scan.
 /// InvalidArgument when `options` or `pass` are not valid.
-absl::StatusOr<SimulatedPass> SimulatePassWithTruth(const simulation::World& world,
-                                                    const SimulationOptions& options,
-                                                    const PassOptions& pass);
+absl::StatusOr<SimulatedPass> SimulatePassWithTruth(
+    const simulation::World& world, const SimulationOptions& options, const PassOptions& pass,
+    const std::function<void(double share)>& progress = {});
 
 /// The drive alone, for evaluation; makes the world itself.
 absl::StatusOr<Drive> SimulatePass(const SimulationOptions& options, const PassOptions& pass);

@@ -28,7 +28,7 @@ RadarProfile Ars408Profile() {
   profile.half_field_rad = 60.0 * kDegree;
   profile.far_max_range_m = 250.0;
   profile.far_half_field_rad = 9.0 * kDegree;
-  profile.reference_range_m = 80.0;
+  profile.reference_range_m = 95.0;
   profile.edge_loss_db = 12.0;
   profile.far_gain_db = 10.0;
   profile.elevation_half_power_rad = 7.0 * kDegree;

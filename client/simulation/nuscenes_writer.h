@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/simulation/simulation.h"
+
+namespace dcloc {
+
+/// Writes simulated drives in the official nuScenes layout, which the public devkit reads:
+/// `v1.0-sim/` with all tables, `samples/` and `sweeps/` with radar sweeps, `maps/` with a blank
+/// raster, and the CAN bus expansion's `can_bus/<pass>_pose.json`. Each pass is a scene of its name
+/// and a log of its own day.
+///
+/// Beside the tables lies `dcloc_rig.json`, for what nuScenes has no place for:
+///   `radars`: RadarModel's fields of each radar (beta_s, sigmas, ...), which our reader takes
+///   over; `simulation`: the options that everything was made from.
+///
+/// ego_pose is the exact truth. can_bus has what wheels and gyroscope measured (`vel`,
+/// `rotation_rate`), and the truth as `pos`, `orientation`, `accel`.
+class NuScenesWriter {
+ public:
+  /// Makes `root` ready. FailedPrecondition when it holds something else than an earlier simulation
+  /// (which is removed), unless `force`: then files are added to what is there.
+  static absl::StatusOr<NuScenesWriter> Create(const std::filesystem::path& root, bool force);
+
+  NuScenesWriter(NuScenesWriter&&) noexcept;
+  NuScenesWriter& operator=(NuScenesWriter&&) noexcept;
+  ~NuScenesWriter();
+
+  /// Writes the pass's sweeps and bus log; its table rows wait for `Finish`.
+  absl::Status AddPass(const SimulatedPass& pass);
+
+  /// Writes the tables. Without it the folder is not a data set.
+  absl::Status Finish(const SimulationOptions& options);
+
+ private:
+  struct Tables;
+  NuScenesWriter(std::filesystem::path root, std::unique_ptr<Tables> tables);
+
+  std::filesystem::path root_;
+  std::unique_ptr<Tables> tables_;
+};
+
+}  // namespace dcloc
