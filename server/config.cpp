@@ -1,0 +1,150 @@
+#include "server/config.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "nlohmann/json.hpp"
+#include "server/listen_address.h"
+#include "server/status.h"
+
+namespace dcloc::server {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::array kFields = {
+    ConfigField{"data", "DIR", "folder of the maps; made if it is not there", &ServerConfig::data},
+    ConfigField{"listen", "HOST:PORT", "address to listen on; port 0 takes a free one",
+                &ServerConfig::listen},
+    ConfigField{"tls_cert", "FILE", "the server's certificate chain (PEM)",
+                &ServerConfig::tls_cert},
+    ConfigField{"tls_key", "FILE", "the certificate's private key (PEM)", &ServerConfig::tls_key},
+    ConfigField{"tls_client_ca", "FILE",
+                "authority (PEM) that must have signed each client's certificate",
+                &ServerConfig::tls_client_ca},
+    ConfigField{"allow_plaintext_off_loopback", "",
+                "serve without TLS on an address that other machines can reach",
+                &ServerConfig::allow_plaintext_off_loopback},
+    ConfigField{"stub_matcher", "",
+                "answer without matching, to measure the transport; the poses mean nothing",
+                &ServerConfig::stub_matcher},
+    ConfigField{"worker_count", "N", "threads that localize; 0 for one per processor",
+                &ServerConfig::worker_count, 0, 1024},
+    ConfigField{"max_session_count", "N", "open sessions at most", &ServerConfig::max_session_count,
+                1, 1'000'000},
+    ConfigField{"max_pending_scan_count", "N",
+                "scans of one session that are read but not yet answered, at most",
+                &ServerConfig::max_pending_scan_count, 1, 1000},
+    ConfigField{"max_map_mib", "N", "size of an uploaded map file at most [MiB]",
+                &ServerConfig::max_map_mib, 1, 1'000'000},
+    ConfigField{"shutdown_deadline_ms", "N",
+                "how long open calls may take to end when the server stops",
+                &ServerConfig::shutdown_deadline_ms, 0, 600'000},
+    ConfigField{"log_level", "LEVEL", "debug, info, warn or error", &ServerConfig::log_level},
+};
+
+constexpr std::array kLogLevels = {"debug", "info", "warn", "error"};
+
+const ConfigField* FindField(const std::string& key) {
+  const auto* field = std::ranges::find(
+      kFields, key, [](const ConfigField& candidate) { return std::string(candidate.key); });
+  return field == kFields.end() ? nullptr : field;
+}
+
+absl::Status Expected(const std::string& key, const Json& value, const char* what) {
+  return absl::InvalidArgumentError(
+      absl::StrFormat("%s is %s; it must be %s", key, value.dump(), what));
+}
+
+absl::Status Take(const std::string& key, const Json& value, ServerConfig* config) {
+  const ConfigField* field = FindField(key);
+  if (field == nullptr) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("key %s (value %s) is unknown", Quoted(key), value.dump()));
+  }
+  if (const auto* text = std::get_if<std::string ServerConfig::*>(&field->member)) {
+    if (!value.is_string()) return Expected(key, value, "a string");
+    config->*(*text) = value.get<std::string>();
+  } else if (const auto* flag = std::get_if<bool ServerConfig::*>(&field->member)) {
+    if (!value.is_boolean()) return Expected(key, value, "true or false");
+    config->*(*flag) = value.get<bool>();
+  } else {
+    // Compared as a double, since an integer of JSON may be larger than any of ours.
+    if (!value.is_number_integer() || value.get<double>() < field->min ||
+        value.get<double>() > field->max) {
+      return Expected(key, value,
+                      absl::StrFormat("an integer in [%d, %d]", field->min, field->max).c_str());
+    }
+    config->*std::get<int ServerConfig::*>(field->member) = value.get<int>();
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Json> ParseFile(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) return absl::NotFoundError(absl::StrCat(path.string(), ": cannot be read"));
+  try {
+    return Json::parse(file);
+  } catch (const Json::exception& error) {
+    return absl::InvalidArgumentError(absl::StrCat(path.string(), ": ", error.what()));
+  }
+}
+
+absl::Status ValidateTls(const ServerConfig& config) {
+  if (config.tls_cert.empty() != config.tls_key.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("tls_cert is %s and tls_key is %s; one needs the other",
+                        Quoted(config.tls_cert), Quoted(config.tls_key)));
+  }
+  if (config.tls_cert.empty() && !config.tls_client_ca.empty()) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "tls_client_ca is %s; it needs tls_cert and tls_key", Quoted(config.tls_client_ca)));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+std::span<const ConfigField> ConfigFields() { return kFields; }
+
+absl::Status ReadConfigFile(const std::filesystem::path& path, ServerConfig* config) {
+  const absl::StatusOr<Json> json = ParseFile(path);
+  if (!json.ok()) return json.status();
+  const std::string prefix = absl::StrCat(path.string(), ": ");
+  if (!json->is_object()) return WithPrefix(prefix, Expected("the file", *json, "an object"));
+  for (const auto& [key, value] : json->items()) {
+    if (absl::Status status = Take(key, value, config); !status.ok()) {
+      return WithPrefix(prefix, status);
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Validate(const ServerConfig& config) {
+  if (config.data.empty()) {
+    return absl::InvalidArgumentError("data is empty; it must name the folder of the maps");
+  }
+  if (absl::Status status = ParseListenAddress(config.listen).status(); !status.ok()) {
+    return status;
+  }
+  for (const ConfigField& field : kFields) {
+    const auto* member = std::get_if<int ServerConfig::*>(&field.member);
+    if (member == nullptr) continue;
+    const int value = config.*(*member);
+    if (value < field.min || value > field.max) {
+      return absl::InvalidArgumentError(absl::StrFormat("%s is %d; it must lie in [%d, %d]",
+                                                        field.key, value, field.min, field.max));
+    }
+  }
+  if (std::ranges::find(kLogLevels, config.log_level) == kLogLevels.end()) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "log_level is %s; it must be debug, info, warn or error", Quoted(config.log_level)));
+  }
+  return ValidateTls(config);
+}
+
+}  // namespace dcloc::server

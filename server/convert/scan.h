@@ -1,0 +1,19 @@
+#pragma once
+
+#include "absl/strings/string_view.h"
+
+#include "absl/status/statusor.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+#include "dcloc/v1/scan.pb.h"
+
+namespace dcloc::server::convert {
+
+/// A valid rig; absent fields of a radar take core's defaults.
+absl::StatusOr<Rig> FromProto(const v1::Rig& message, absl::string_view field);
+
+/// Fills `scan`, which is valid and of a radar of `rig` when this is OK; its columns' memory is
+/// used again, so that a session's scans cost no allocation once they have reached their size.
+absl::Status FromProto(const v1::Scan& message, const Rig& rig, Scan* scan);
+
+}  // namespace dcloc::server::convert

@@ -1,0 +1,152 @@
+#include "server/convert/session.h"
+
+#include <limits>
+#include <numbers>
+
+#include "absl/strings/str_cat.h"
+#include "core/geometry/covariance.h"
+#include "server/convert/check.h"
+#include "server/convert/geometry.h"
+#include "server/convert/scan.h"
+#include "server/status.h"
+
+namespace dcloc::server::convert {
+namespace {
+
+constexpr double kMaxGnssSigma_m = 1e4;
+constexpr double kMinGnssSigma_m = 1e-3;
+constexpr double kMinHeadingSigma_deg = 1e-3;
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+/// A heading that nobody knows is uniform over the circle.
+constexpr double kUnknownYawVariance_rad2 = std::numbers::pi * std::numbers::pi / 3.0;
+/// A receiver says nothing of roll and pitch; a road vehicle stays within a few degrees.
+constexpr double kRollPitchSigma_rad = 3.0 * kRadiansPerDegree;
+
+LocalizerOptions OptionsFromProto(const v1::LocalizationOptions& message) {
+  LocalizerOptions options;
+  if (message.has_scans_per_submap()) options.scans_per_submap = message.scans_per_submap();
+  if (message.has_doppler_compensation()) {
+    options.doppler_compensation = message.doppler_compensation();
+  }
+  if (message.has_uncertainty()) options.uncertainty = message.uncertainty();
+  if (message.has_truncation()) options.truncation = message.truncation();
+  return options;
+}
+
+absl::StatusOr<InitialPose> PoseFromProto(const v1::PoseWithCovariance& message) {
+  if (!message.has_pose()) return Missing("open.initial_pose.pose");
+  absl::StatusOr<Pose3> pose = FromProto(message.pose(), "open.initial_pose.pose");
+  if (!pose.ok()) return pose.status();
+  absl::StatusOr<Matrix6d> covariance =
+      CovarianceFromProto(message.covariance(), "open.initial_pose.covariance");
+  if (!covariance.ok()) return covariance.status();
+  return InitialPose{.T_map_vehicle = *pose,
+                     .covariance = TangentFromFixedAxes(*pose, *covariance)};
+}
+
+absl::Status Check(const v1::GnssFix& message) {
+  absl::Status status =
+      CheckBetween("open.gnss_fix.horizontal_sigma_m", message.horizontal_sigma_m(),
+                   kMinGnssSigma_m, kMaxGnssSigma_m);
+  status.Update(CheckBetween("open.gnss_fix.vertical_sigma_m", message.vertical_sigma_m(),
+                             kMinGnssSigma_m, kMaxGnssSigma_m));
+  if (message.has_heading_deg()) {
+    status.Update(CheckBetween("open.gnss_fix.heading_deg", message.heading_deg(), 0.0, 360.0));
+    status.Update(CheckBetween("open.gnss_fix.heading_sigma_deg", message.heading_sigma_deg(),
+                               kMinHeadingSigma_deg, 180.0));
+  } else if (message.heading_sigma_deg() != 0.0) {
+    status.Update(Missing("open.gnss_fix.heading_deg, which heading_sigma_deg belongs to,"));
+  }
+  return status;
+}
+
+absl::StatusOr<InitialPose> FixFromProto(const v1::GnssFix& message,
+                                         const std::optional<GeodeticAnchor>& anchor) {
+  if (absl::Status status = Check(message); !status.ok()) return status;
+  if (!message.has_position()) return Missing("open.gnss_fix.position");
+  const absl::StatusOr<GeodeticPosition> position =
+      FromProto(message.position(), "open.gnss_fix.position");
+  if (!position.ok()) return position.status();
+  if (!anchor) {
+    return absl::FailedPreconditionError(
+        "open.gnss_fix is of no use in this map: it has no anchor on the Earth");
+  }
+  const double horizontal_m2 = message.horizontal_sigma_m() * message.horizontal_sigma_m();
+  const double heading_sigma_rad = message.heading_sigma_deg() * kRadiansPerDegree;
+  const double yaw_rad =
+      message.has_heading_deg() ? YawFromHeading(*anchor, *position, message.heading_deg()) : 0.0;
+  const double yaw_rad2 =
+      message.has_heading_deg() ? heading_sigma_rad * heading_sigma_rad : kUnknownYawVariance_rad2;
+  InitialPose pose;
+  pose.T_map_vehicle.translation_m = MapFromGeodetic(*anchor, *position);
+  pose.T_map_vehicle.rotation = Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ());
+  // The same along every horizontal axis, hence the same in the map's and the vehicle's frame.
+  pose.covariance =
+      EmbedCovariance(Eigen::Vector3d(horizontal_m2, horizontal_m2, yaw_rad2).asDiagonal(),
+                      message.vertical_sigma_m() * message.vertical_sigma_m(),
+                      kRollPitchSigma_rad * kRollPitchSigma_rad);
+  return pose;
+}
+
+void SetQuality(const LocalizationQuality& quality, v1::LocalizationQuality* message) {
+  message->set_live_point_count(quality.live_point_count);
+  message->set_inlier_count(quality.inlier_count);
+  message->set_overlap(quality.overlap);
+  message->set_residual_scale(quality.residual_scale);
+  message->set_edge_distance(quality.edge_distance);
+  message->set_edge_valid(quality.edge_valid);
+}
+
+}  // namespace
+
+absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& message) {
+  absl::Status status = CheckId("open.vehicle_id", message.vehicle_id());
+  status.Update(CheckMapName("open.map_name", message.map_name()));
+  status.Update(CheckIntegerBetween("open.map_version", message.map_version(), 0,
+                                    std::numeric_limits<std::int64_t>::max()));
+  if (!status.ok()) return status;
+  absl::StatusOr<Rig> rig = FromProto(message.rig(), "open.rig");
+  if (!rig.ok()) return rig.status();
+  const LocalizerOptions options = OptionsFromProto(message.options());
+  status = WithPrefix("open.options: ", Validate(options));
+  if (!status.ok()) return status;
+  return SessionRequest{.vehicle_id = message.vehicle_id(),
+                        .map_name = message.map_name(),
+                        .map_version = message.map_version(),
+                        .rig = *std::move(rig),
+                        .options = options};
+}
+
+absl::StatusOr<std::optional<InitialPose>> InitialPoseFromProto(
+    const v1::OpenSession& message, const std::optional<GeodeticAnchor>& anchor) {
+  if (!message.has_initial_pose() && !message.has_gnss_fix()) return std::nullopt;
+  absl::StatusOr<InitialPose> pose = message.has_initial_pose()
+                                         ? PoseFromProto(message.initial_pose())
+                                         : FixFromProto(message.gnss_fix(), anchor);
+  if (!pose.ok()) return pose.status();
+  return *pose;
+}
+
+v1::LocalizationState ToProto(LocalizationState state) {
+  switch (state) {
+    case LocalizationState::kInitializing:
+      return v1::LOCALIZATION_STATE_INITIALIZING;
+    case LocalizationState::kTracking:
+      return v1::LOCALIZATION_STATE_TRACKING;
+    case LocalizationState::kDeadReckoning:
+      return v1::LOCALIZATION_STATE_DEAD_RECKONING;
+    case LocalizationState::kLost:
+      return v1::LOCALIZATION_STATE_LOST;
+  }
+  return v1::LOCALIZATION_STATE_UNSPECIFIED;
+}
+
+void ToProto(const Localization& localization, v1::LocalizationResult* message) {
+  message->set_stamp_ns(localization.stamp.time_since_epoch().count());
+  message->set_state(ToProto(localization.state));
+  ToProto(localization.T_map_vehicle, localization.covariance, message->mutable_pose());
+  message->set_observed_dof_mask(static_cast<std::int32_t>(localization.observed.to_ulong()));
+  SetQuality(localization.quality, message->mutable_quality());
+}
+
+}  // namespace dcloc::server::convert

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+#include "absl/strings/string_view.h"
+
+#include "absl/status/statusor.h"
+#include "core/map/radar_map.h"
+
+namespace dcloc::server {
+
+using SystemTime = std::chrono::sys_time<std::chrono::nanoseconds>;
+
+/// A map: a name and its versions.
+struct MapRecord {
+  std::string name;
+  std::int64_t active_version = 0;  ///< 0: none
+  int version_count = 0;
+  SystemTime create_time;
+};
+
+/// A version: a file that never changes.
+struct MapVersionRecord {
+  std::string map_name;
+  std::int64_t version = 0;  ///< from 1; never used again
+  bool active = false;
+  std::string sha256;  ///< names the file
+  SystemTime create_time;
+  MapInfo info;
+};
+
+/// Which maps there are. Thread-safe; calls may block on storage. Each change is atomic and durable
+/// when it returns. Errors beyond those named are the storage's own: Internal, ResourceExhausted,
+/// DataLoss.
+class Catalogue {
+ public:
+  virtual ~Catalogue() = default;
+
+  /// At most `limit` maps with a name above `after_name`, by ascending name.
+  virtual absl::StatusOr<std::vector<MapRecord>> ListMaps(absl::string_view after_name,
+                                                          int limit) = 0;
+
+  /// NotFound when there is no such map.
+  virtual absl::StatusOr<MapRecord> GetMap(absl::string_view map_name) = 0;
+
+  /// At most `limit` versions below `below_version`, newest first. NotFound: no such map.
+  virtual absl::StatusOr<std::vector<MapVersionRecord>> ListVersions(absl::string_view map_name,
+                                                                     std::int64_t below_version,
+                                                                     int limit) = 0;
+
+  /// `version` 0 is the active one. NotFound: no such map or version; FailedPrecondition: the map
+  /// has no active version.
+  virtual absl::StatusOr<MapVersionRecord> GetVersion(absl::string_view map_name,
+                                                      std::int64_t version) = 0;
+
+  /// Adds a version, and the map if it is new. A file that the map already has gives the version
+  /// that has it. Activates the version if asked to.
+  virtual absl::StatusOr<MapVersionRecord> AddVersion(absl::string_view map_name,
+                                                      absl::string_view sha256, const MapInfo& info,
+                                                      bool activate) = 0;
+
+  /// NotFound: no such map or version.
+  virtual absl::Status Activate(absl::string_view map_name, std::int64_t version) = 0;
+
+  /// NotFound: no such map or version; FailedPrecondition: it is active.
+  virtual absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version) = 0;
+
+  /// With all of its versions. NotFound: no such map.
+  virtual absl::Status DeleteMap(absl::string_view map_name) = 0;
+
+  /// Whether any version has this file.
+  virtual absl::StatusOr<bool> HasFile(absl::string_view sha256) = 0;
+};
+
+}  // namespace dcloc::server

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+#include "absl/strings/string_view.h"
+
+#include "absl/status/statusor.h"
+#include "core/map/radar_map.h"
+
+namespace dcloc::server {
+
+/// Where map files lie, each under the SHA-256 of its bytes. Thread-safe; calls may block on
+/// storage.
+class MapFiles {
+ public:
+  virtual ~MapFiles() = default;
+
+  /// Takes over the local file `path`, whose bytes have this hash; durable when it returns.
+  /// Replaces a file of that hash, if there is one, by the same bytes.
+  virtual absl::Status Keep(const std::filesystem::path& path, absl::string_view sha256) = 0;
+
+  /// Errors of RadarMap::Open.
+  virtual absl::StatusOr<std::shared_ptr<const RadarMap>> Open(absl::string_view sha256) = 0;
+
+  /// Removes a file if it is there; maps that were opened from it stay whole.
+  virtual absl::Status Remove(absl::string_view sha256) = 0;
+
+  /// The hashes of all files.
+  virtual absl::StatusOr<std::vector<std::string>> List() = 0;
+};
+
+}  // namespace dcloc::server

@@ -1,0 +1,177 @@
+#include "server/maps/map_service.h"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "server/convert/check.h"
+#include "server/convert/map.h"
+#include "server/convert/page.h"
+#include "server/maps/download_stream.h"
+#include "server/maps/upload_stream.h"
+#include "server/unary.h"
+#include "spdlog/spdlog.h"
+
+namespace dcloc::server {
+namespace {
+
+constexpr std::int64_t kMaxVersion = std::numeric_limits<std::int64_t>::max();
+
+absl::Status Check(const std::string& map_name, std::int64_t version, std::int64_t min_version) {
+  absl::Status status = convert::CheckMapName("map_name", map_name);
+  status.Update(convert::CheckIntegerBetween("version", version, min_version, kMaxVersion));
+  return status;
+}
+
+absl::Status ListMaps(Catalogue& catalogue, const v1::ListMapsRequest& request,
+                      v1::ListMapsResponse* response) {
+  const absl::StatusOr<int> size = convert::PageSizeFromProto(request.page_size());
+  if (!size.ok()) return size.status();
+  if (absl::Status status = convert::CheckPageToken(request.page_token()); !status.ok()) {
+    return status;
+  }
+  // One more than a page holds tells whether another one follows.
+  const absl::StatusOr<std::vector<MapRecord>> maps =
+      catalogue.ListMaps(request.page_token(), *size + 1);
+  if (!maps.ok()) return maps.status();
+  for (const MapRecord& record : *maps) {
+    if (response->maps_size() == *size) {
+      response->set_next_page_token(response->maps(*size - 1).name());
+      break;
+    }
+    convert::ToProto(record, response->add_maps());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ListVersions(Catalogue& catalogue, const v1::ListMapVersionsRequest& request,
+                          v1::ListMapVersionsResponse* response) {
+  absl::Status status = convert::CheckMapName("map_name", request.map_name());
+  const absl::StatusOr<int> size = convert::PageSizeFromProto(request.page_size());
+  const absl::StatusOr<std::int64_t> below =
+      convert::NumberFromPageToken(request.page_token(), kMaxVersion);
+  status.Update(size.status());
+  status.Update(below.status());
+  if (!status.ok()) return status;
+  const absl::StatusOr<std::vector<MapVersionRecord>> versions =
+      catalogue.ListVersions(request.map_name(), *below, *size + 1);
+  if (!versions.ok()) return versions.status();
+  for (const MapVersionRecord& record : *versions) {
+    if (response->versions_size() == *size) {
+      response->set_next_page_token(std::to_string(response->versions(*size - 1).version()));
+      break;
+    }
+    convert::ToProto(record, response->add_versions());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status GetMap(Catalogue& catalogue, const std::string& map_name, v1::Map* message) {
+  if (absl::Status status = convert::CheckMapName("map_name", map_name); !status.ok()) {
+    return status;
+  }
+  const absl::StatusOr<MapRecord> record = catalogue.GetMap(map_name);
+  if (!record.ok()) return record.status();
+  convert::ToProto(*record, message);
+  return absl::OkStatus();
+}
+
+absl::Status GetVersion(Catalogue& catalogue, const v1::GetMapVersionRequest& request,
+                        v1::MapVersion* message) {
+  if (absl::Status status = Check(request.map_name(), request.version(), 0); !status.ok()) {
+    return status;
+  }
+  const absl::StatusOr<MapVersionRecord> record =
+      catalogue.GetVersion(request.map_name(), request.version());
+  if (!record.ok()) return record.status();
+  convert::ToProto(*record, message);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+MapService::MapService(MapStore& store, WorkerPool& storage_pool, std::int64_t max_map_bytes)
+    : store_(store), storage_pool_(storage_pool), max_map_bytes_(max_map_bytes) {}
+
+grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* context,
+                                               const v1::ListMapsRequest* request,
+                                               v1::ListMapsResponse* response) {
+  return AnswerOn(storage_pool_, context, [this, request, response] {
+    return server::ListMaps(store_.catalogue(), *request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::GetMap(grpc::CallbackServerContext* context,
+                                             const v1::GetMapRequest* request,
+                                             v1::GetMapResponse* response) {
+  return AnswerOn(storage_pool_, context, [this, request, response] {
+    return server::GetMap(store_.catalogue(), request->map_name(), response->mutable_map());
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::ListMapVersions(grpc::CallbackServerContext* context,
+                                                      const v1::ListMapVersionsRequest* request,
+                                                      v1::ListMapVersionsResponse* response) {
+  return AnswerOn(storage_pool_, context, [this, request, response] {
+    return ListVersions(store_.catalogue(), *request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::GetMapVersion(grpc::CallbackServerContext* context,
+                                                    const v1::GetMapVersionRequest* request,
+                                                    v1::GetMapVersionResponse* response) {
+  return AnswerOn(storage_pool_, context, [this, request, response] {
+    return GetVersion(store_.catalogue(), *request, response->mutable_version());
+  });
+}
+
+grpc::ServerReadReactor<v1::UploadMapRequest>* MapService::UploadMap(
+    grpc::CallbackServerContext* context, v1::UploadMapResponse* response) {
+  return UploadStream::Start(context, store_, storage_pool_, max_map_bytes_, response);
+}
+
+grpc::ServerWriteReactor<v1::DownloadMapResponse>* MapService::DownloadMap(
+    grpc::CallbackServerContext* /*context*/, const v1::DownloadMapRequest* request) {
+  return DownloadStream::Start(store_, storage_pool_, *request);
+}
+
+grpc::ServerUnaryReactor* MapService::ActivateMapVersion(
+    grpc::CallbackServerContext* context, const v1::ActivateMapVersionRequest* request,
+    v1::ActivateMapVersionResponse* response) {
+  return AnswerOn(storage_pool_, context, [this, request, response]() -> absl::Status {
+    absl::Status status = Check(request->map_name(), request->version(), 1);
+    if (!status.ok()) return status;
+    status = store_.catalogue().Activate(request->map_name(), request->version());
+    if (!status.ok()) return status;
+    spdlog::info("map activated map={} version={}", request->map_name(), request->version());
+    return server::GetMap(store_.catalogue(), request->map_name(), response->mutable_map());
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::DeleteMapVersion(grpc::CallbackServerContext* context,
+                                                       const v1::DeleteMapVersionRequest* request,
+                                                       v1::DeleteMapVersionResponse* /*response*/) {
+  return AnswerOn(storage_pool_, context, [this, request] {
+    absl::Status status = Check(request->map_name(), request->version(), 1);
+    if (!status.ok()) return status;
+    status = store_.DeleteVersion(request->map_name(), request->version());
+    if (!status.ok()) return status;
+    spdlog::info("map version deleted map={} version={}", request->map_name(), request->version());
+    return status;
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* context,
+                                                const v1::DeleteMapRequest* request,
+                                                v1::DeleteMapResponse* /*response*/) {
+  return AnswerOn(storage_pool_, context, [this, request] {
+    absl::Status status = convert::CheckMapName("map_name", request->map_name());
+    if (!status.ok()) return status;
+    status = store_.DeleteMap(request->map_name());
+    if (!status.ok()) return status;
+    spdlog::info("map deleted map={}", request->map_name());
+    return status;
+  });
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+
+#include "server/maps/catalogue.h"
+#include "server/maps/sqlite.h"
+
+namespace dcloc::server {
+
+/// The catalogue in one SQLite file, in WAL mode.
+class SqliteCatalogue final : public Catalogue {
+ public:
+  /// Opens or creates it. FailedPrecondition when a newer program wrote it.
+  static absl::StatusOr<std::unique_ptr<SqliteCatalogue>> Open(const std::filesystem::path& path);
+
+  absl::StatusOr<std::vector<MapRecord>> ListMaps(absl::string_view after_name, int limit) override;
+  absl::StatusOr<MapRecord> GetMap(absl::string_view map_name) override;
+  absl::StatusOr<std::vector<MapVersionRecord>> ListVersions(absl::string_view map_name,
+                                                             std::int64_t below_version,
+                                                             int limit) override;
+  absl::StatusOr<MapVersionRecord> GetVersion(absl::string_view map_name,
+                                              std::int64_t version) override;
+  absl::StatusOr<MapVersionRecord> AddVersion(absl::string_view map_name, absl::string_view sha256,
+                                              const MapInfo& info, bool activate) override;
+  absl::Status Activate(absl::string_view map_name, std::int64_t version) override;
+  absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version) override;
+  absl::Status DeleteMap(absl::string_view map_name) override;
+  absl::StatusOr<bool> HasFile(absl::string_view sha256) override;
+
+ private:
+  explicit SqliteCatalogue(SqliteDatabase database);
+
+  // All with the mutex held.
+  absl::StatusOr<MapRecord> FindMap(absl::string_view map_name);
+  absl::StatusOr<MapVersionRecord> FindVersion(absl::string_view map_name, std::int64_t version);
+  /// The version that has this file, or 0.
+  absl::StatusOr<std::int64_t> VersionOfFile(absl::string_view map_name, absl::string_view sha256);
+  /// Takes the map's next number, and creates the map if it is new.
+  absl::StatusOr<std::int64_t> TakeNumber(absl::string_view map_name);
+  absl::Status SetActive(absl::string_view map_name, std::int64_t version);
+
+  std::mutex mutex_;
+  SqliteDatabase database_;
+};
+
+}  // namespace dcloc::server

@@ -1,0 +1,86 @@
+#include "server/maps/upload_stream.h"
+
+#include <utility>
+
+#include "server/convert/check.h"
+#include "server/convert/map.h"
+#include "server/status.h"
+#include "spdlog/spdlog.h"
+
+namespace dcloc::server {
+
+UploadStream* UploadStream::Start(grpc::CallbackServerContext* context, MapStore& store,
+                                  WorkerPool& storage_pool, std::int64_t max_map_bytes,
+                                  v1::UploadMapResponse* response) {
+  std::shared_ptr<UploadStream> stream(
+      new UploadStream(context, store, storage_pool, max_map_bytes, response));
+  stream->self_ = stream;
+  stream->StartRead(&stream->request_);
+  return stream.get();
+}
+
+UploadStream::UploadStream(grpc::CallbackServerContext* context, MapStore& store,
+                           WorkerPool& storage_pool, std::int64_t max_map_bytes,
+                           v1::UploadMapResponse* response)
+    : context_(context),
+      store_(store),
+      storage_pool_(storage_pool),
+      max_map_bytes_(max_map_bytes),
+      response_(response) {}
+
+void UploadStream::OnReadDone(bool ok) {
+  if (ok) {
+    storage_pool_.Post([self = shared_from_this()] { self->TakeMessage(); });
+  } else {
+    storage_pool_.Post([self = shared_from_this()] { self->TakeEnd(); });
+  }
+}
+
+void UploadStream::OnDone() { const std::shared_ptr<UploadStream> last = std::move(self_); }
+
+void UploadStream::TakeMessage() {
+  if (const absl::Status status = Take(request_); !status.ok()) {
+    upload_.reset();
+    Finish(ToGrpc(status));
+    return;
+  }
+  StartRead(&request_);
+}
+
+void UploadStream::TakeEnd() {
+  if (context_->IsCancelled()) {
+    Finish(grpc::Status(grpc::StatusCode::CANCELLED, "cancelled"));
+    return;
+  }
+  if (!upload_) {
+    Finish(ToGrpc(convert::Missing("header")));
+    return;
+  }
+  const absl::StatusOr<MapVersionRecord> record = upload_->Finish();
+  if (record.ok()) {
+    convert::ToProto(*record, response_->mutable_version());
+    spdlog::info("map uploaded map={} version={} bytes={} active={}", record->map_name,
+                 record->version, record->info.size_bytes, record->active);
+  }
+  Finish(ToGrpc(record.status()));
+}
+
+absl::Status UploadStream::Take(const v1::UploadMapRequest& request) {
+  if (!upload_) return request.has_header() ? Begin(request.header()) : convert::Missing("header");
+  if (!request.has_chunk()) return convert::Missing("chunk");
+  return upload_->Append(request.chunk().offset_bytes(), request.chunk().data());
+}
+
+absl::Status UploadStream::Begin(const v1::UploadMapHeader& header) {
+  absl::StatusOr<Upload> upload = Upload::Begin(store_,
+                                                {.map_name = header.map_name(),
+                                                 .size_bytes = header.size_bytes(),
+                                                 .sha256 = header.sha256(),
+                                                 .activate = header.activate()},
+                                                max_map_bytes_);
+  if (!upload.ok()) return upload.status();
+  upload_.emplace(*std::move(upload));
+  return absl::OkStatus();
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,127 @@
+#include "server/server.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/admin/admin_service.h"
+#include "server/credentials.h"
+#include "server/listen_address.h"
+#include "server/localization/localization_service.h"
+#include "server/maps/map_service.h"
+#include "server/status.h"
+
+namespace dcloc::server {
+namespace {
+
+/// A scan of ScanLimits::max_targets with all columns has 0.7 MB, an upload's chunk 1 MiB.
+constexpr int kMaxMessage_bytes = 2 << 20;
+constexpr int kMaxMetadata_bytes = 16 << 10;
+/// What waits for a disk needs few threads: one long verification must not hold up the rest.
+constexpr int kStorageThreads = 2;
+/// A vehicle that is gone is noticed within their sum; clients may ping as often as the minimum.
+constexpr int kKeepaliveTime_ms = 30'000;
+constexpr int kKeepaliveTimeout_ms = 10'000;
+constexpr int kMinClientPingInterval_ms = 5'000;
+
+int WorkerCount(const ServerConfig& config) {
+  if (config.worker_count > 0) return config.worker_count;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void SetLimits(grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(kMaxMessage_bytes);
+  builder.SetMaxSendMessageSize(kMaxMessage_bytes);
+  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMaxMetadata_bytes);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
+                             kMinClientPingInterval_ms);
+  // Two servers on one port would share its clients without a word.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+}
+
+}  // namespace
+
+/// In the order in which they are built; they go in the reverse one. The pools go before what their
+/// tasks use.
+struct Server::Parts {
+  Parts(const ServerConfig& config, std::unique_ptr<MapStore> map_store)
+      : store(std::move(map_store)),
+        localization_pool(WorkerCount(config)),
+        localization(
+            {.store = *store,
+             .registry = registry,
+             .create_matcher = config.stub_matcher ? &CreateStubMatcher : &CreateLocalizerMatcher,
+             .localization_pool = localization_pool,
+             .storage_pool = storage_pool,
+             .max_pending_scan_count = config.max_pending_scan_count},
+            config.max_session_count),
+        maps(*store, storage_pool, std::int64_t{config.max_map_mib} << 20),
+        admin({.version = DCLOC_VERSION,
+               .start_time = std::chrono::system_clock::now(),
+               .worker_count = localization_pool.thread_count(),
+               .max_session_count = config.max_session_count,
+               .stub_matcher = config.stub_matcher},
+              *store, registry, storage_pool) {}
+
+  std::unique_ptr<MapStore> store;
+  SessionRegistry registry;
+  WorkerPool storage_pool{kStorageThreads};
+  WorkerPool localization_pool;
+  LocalizationService localization;
+  MapService maps;
+  AdminService admin;
+  std::unique_ptr<grpc::Server> server;
+  std::string address;
+};
+
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config) {
+  if (absl::Status status = Validate(config); !status.ok()) return status;
+  absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = MakeCredentials(config);
+  if (!credentials.ok()) return credentials.status();
+  absl::StatusOr<std::unique_ptr<MapStore>> store = MapStore::Open(config.data);
+  if (!store.ok()) return WithPrefix("data: ", store.status());
+  auto parts = std::make_unique<Parts>(config, *std::move(store));
+
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  SetLimits(builder);
+  absl::StatusOr<ListenAddress> address = ParseListenAddress(config.listen);
+  if (!address.ok()) return address.status();
+  builder.AddListeningPort(address->ToString(), *credentials, &address->port);
+  builder.RegisterService(&parts->localization);
+  builder.RegisterService(&parts->maps);
+  builder.RegisterService(&parts->admin);
+  parts->server = builder.BuildAndStart();
+  if (parts->server == nullptr || address->port == 0) {
+    return absl::UnavailableError(
+        absl::StrCat("listen is ", Quoted(config.listen), "; the address cannot be listened on"));
+  }
+  parts->address = address->ToString();
+  return std::unique_ptr<Server>(new Server(std::move(parts)));
+}
+
+Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+Server::~Server() { Shutdown(std::chrono::milliseconds(0)); }
+
+const std::string& Server::address() const { return parts_->address; }
+
+void Server::Shutdown(std::chrono::milliseconds deadline) {
+  const auto end = std::chrono::system_clock::now() + deadline;
+  if (auto* health = parts_->server->GetHealthCheckService()) health->Shutdown();
+  parts_->localization.EndAll(
+      grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server is shutting down"));
+  parts_->server->Shutdown(end);
+}
+
+}  // namespace dcloc::server
