@@ -1,8 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 
+#include "client/cli/evaluate_command.h"
 #include "client/cli/exit_codes.h"
 #include "client/cli/map_command.h"
+#include "client/cli/simulate_command.h"
 #include "client/cli/terminal.h"
 
 int main(int argc, char** argv) {
@@ -14,6 +16,8 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     app.footer("Each command has its own --help, with an example.");
     AddMapCommand(app, exit_code);
+    AddEvaluateCommand(app, exit_code);
+    AddSimulateCommand(app, exit_code);
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/localizer/localizer.h"
+
+namespace dcloc {
+
+/// How wrong the pose is that a localizer starts with.
+struct Perturbation {
+  double translation_m = 1.0;  ///< exactly, in a random direction in the plane
+  double rotation_deg = 2.0;   ///< exactly, about the vertical to a random side
+  std::uint64_t seed = 1;
+};
+
+/// The true pose perturbed, with a covariance that says so: (translation_m)^2 / 2 along x and y
+/// each, (rotation_deg)^2 in yaw, but never less than (5 cm)^2 and (0.1 deg)^2; 0.1 m and 0.5 deg
+/// in z, roll and pitch, which are not perturbed. The same drive, query and seed give the same
+/// pose.
+InitialPose Perturb(const Pose3& T_map_vehicle_true, const Perturbation& perturbation,
+                    const std::string& drive, std::uint64_t query);
+
+}  // namespace dcloc

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <optional>
+
+#include "core/localizer/localizer.h"
+
+namespace dcloc {
+
+/// Measures the stages of one scan: made just before `Localize`, asked just after.
+class StageTimer final : public StageListener {
+ public:
+  using StageDurations = std::array<std::optional<double>, kStageNames.size()>;
+
+  StageTimer() : begin_(Clock::now()) {}
+
+  void OnStageBegin(Stage stage) override {
+    const auto now = Clock::now();
+    EndStage(now);
+    running_ = static_cast<std::size_t>(stage);
+    stage_begin_ = now;
+  }
+
+  /// Ends the last stage and the whole.
+  void Stop() {
+    const auto now = Clock::now();
+    EndStage(now);
+    running_.reset();
+    total_ms_ = Milliseconds(now - begin_);
+  }
+
+  const StageDurations& stage_ms() const { return stage_ms_; }
+  double total_ms() const { return total_ms_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  static double Milliseconds(Clock::duration duration) {
+    return std::chrono::duration<double, std::milli>(duration).count();
+  }
+
+  void EndStage(Clock::time_point now) {
+    if (!running_.has_value()) return;
+    auto& stage_ms = stage_ms_.at(*running_);
+    stage_ms = stage_ms.value_or(0.0) + Milliseconds(now - stage_begin_);
+  }
+
+  Clock::time_point begin_;
+  Clock::time_point stage_begin_;
+  std::optional<std::size_t> running_;
+  StageDurations stage_ms_;
+  double total_ms_ = 0.0;
+};
+
+}  // namespace dcloc
