@@ -1,12 +1,12 @@
 #include "client/cli/simulate_command.h"
 
 #include <cmath>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "client/cli/exit_codes.h"
 #include "client/cli/progress.h"
 #include "client/cli/terminal.h"
@@ -68,17 +68,18 @@ absl::Status Simulate(SimulateArguments arguments) {
 }
 
 template <typename Kind>
-CLI::CheckedTransformer Choice() {
-  std::map<std::string, Kind> choices;
-  for (const auto& [name, kind] : NamesFor(Kind{})) choices.emplace(name, kind);
-  return CLI::CheckedTransformer(choices, CLI::ignore_case);
-}
-
-template <typename Kind>
 CLI::Option* AddChoice(CLI::App& app, const std::string& flag, Kind& kind,
                        const std::string& description) {
-  return app.add_option(flag, kind, description)
-      ->transform(Choice<Kind>())
+  std::vector<std::string> names;
+  for (const auto& [name, value] : NamesFor(Kind{})) names.emplace_back(name);
+  const auto take = [&kind](const std::string& text) {
+    for (const auto& [name, value] : NamesFor(Kind{})) {
+      if (text == name) kind = value;
+    }
+  };
+  return app.add_option_function<std::string>(flag, take, description)
+      ->check(CLI::IsMember(names).description(""))
+      ->type_name(absl::StrJoin(names, "|"))
       ->default_str(NameOf(kind));
 }
 

@@ -24,9 +24,9 @@ class SpeedLimits {
     const auto count = static_cast<std::size_t>((options.end_m - options.begin_m) / kGrid) + 2;
     for (std::size_t i = 0; i < count; ++i) {
       const double s = options.begin_m + kGrid * static_cast<double>(i);
-      mood_.push_back(1.0 + 0.06 * std::sin(s / 17.0 + phases[0]) +
-                      0.05 * std::sin(s / 41.0 + phases[1]) +
-                      0.05 * std::sin(s / 97.0 + phases[2]));
+      mood_.push_back(1.0 + 0.06 * std::sin(s / 30.0 + phases[0]) +
+                      0.05 * std::sin(s / 70.0 + phases[1]) +
+                      0.05 * std::sin(s / 160.0 + phases[2]));
       const double curvature = std::abs(path.At(s).curvature_per_m);
       bend_mps_.push_back(
           std::sqrt(options.max_lateral_acceleration_mps2 / std::max(curvature, 1e-6)));

@@ -72,7 +72,7 @@ void TownPlan::AddSideStreet(World& world, const Eigen::Vector2d& centre, double
 void TownPlan::AddCrossroads(World& world, Random& random) {
   const double begin_m = world.route.length_m();
   const PathPoint entry = world.route.At(begin_m);
-  const bool goes_through = Chance(random, 0.6);
+  const bool goes_through = Chance(random, 0.7);
   if (goes_through) {
     world.route.Append(30.0, 0.0);
     const Eigen::Vector2d centre = entry.position_m + 15.0 * Along(entry.heading_rad);
