@@ -1,0 +1,84 @@
+#include "client/sdk/channel.h"
+
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/support/channel_arguments.h>
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+
+namespace dcloc::client {
+namespace {
+
+constexpr int kMaxMessage_bytes = 2 << 20;
+// A server that is gone is noticed within their sum. Not below what dcloc-server lets a client do.
+constexpr int kKeepaliveTime_ms = 10'000;
+constexpr int kKeepaliveTimeout_ms = 10'000;
+
+absl::Status CheckOptions(const ChannelOptions& options) {
+  // gRPC would take port 443 for an address without one.
+  const std::size_t colon = options.server.rfind(':');
+  const std::string port = colon == std::string::npos ? "" : options.server.substr(colon + 1);
+  const bool is_number = !port.empty() && port.size() <= 5 &&
+                         port.find_first_not_of("0123456789") == std::string::npos;
+  if (colon == 0 || !is_number || std::stoi(port) < 1 || std::stoi(port) > 65535) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("server is \"", options.server, "\"; it must be HOST:PORT"));
+  }
+  if (options.tls_cert.empty() != options.tls_key.empty()) {
+    return absl::InvalidArgumentError("tls_cert and tls_key go together; only one is given");
+  }
+  if (options.tls_ca.empty() && (!options.tls_cert.empty() || !options.tls_server_name.empty())) {
+    return absl::InvalidArgumentError(
+        "TLS needs tls_ca, the authority of the server's certificate");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReadPem(absl::string_view option, const std::string& path, std::string& pem) {
+  if (path.empty()) return absl::OkStatus();
+  std::ifstream file(path, std::ios::binary);
+  pem.assign(std::istreambuf_iterator<char>(file), {});
+  if (!file) return absl::ErrnoToStatus(errno, absl::StrCat(option, ": ", path));
+  // Broken credentials would only show as a connection that never comes.
+  if (pem.find("-----BEGIN ") == std::string::npos) {
+    return absl::InvalidArgumentError(absl::StrCat(option, ": ", path, ": no PEM in it"));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeCredentials(
+    const ChannelOptions& options) {
+  if (options.tls_ca.empty()) return grpc::InsecureChannelCredentials();
+  grpc::SslCredentialsOptions pem;
+  absl::Status status = ReadPem("tls_ca", options.tls_ca, pem.pem_root_certs);
+  status.Update(ReadPem("tls_cert", options.tls_cert, pem.pem_cert_chain));
+  status.Update(ReadPem("tls_key", options.tls_key, pem.pem_private_key));
+  if (!status.ok()) return status;
+  return grpc::SslCredentials(pem);
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const ChannelOptions& options) {
+  if (absl::Status status = CheckOptions(options); !status.ok()) return status;
+  const auto credentials = MakeCredentials(options);
+  if (!credentials.ok()) return credentials.status();
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(kMaxMessage_bytes);
+  arguments.SetMaxSendMessageSize(kMaxMessage_bytes);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
+  // While a scan is being matched for long, the stream is quiet; pings may go on.
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  if (!options.tls_server_name.empty()) {
+    arguments.SetSslTargetNameOverride(options.tls_server_name);
+  }
+  return grpc::CreateCustomChannel(options.server, *credentials, arguments);
+}
+
+}  // namespace dcloc::client

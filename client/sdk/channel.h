@@ -1,0 +1,29 @@
+#pragma once
+
+#include <grpcpp/channel.h>
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+
+namespace dcloc::client {
+
+/// Where the server is and how to speak with it.
+struct ChannelOptions {
+  std::string server;  ///< HOST:PORT
+
+  /// PEM files. With none of them the channel is plaintext.
+  std::string tls_ca;    ///< who may have signed the server's certificate
+  std::string tls_cert;  ///< the client's own certificate, where the server asks for one (mTLS)
+  std::string tls_key;   ///< its private key
+  /// The name in the server's certificate, where it is not the host of `server`.
+  std::string tls_server_name;
+};
+
+/// A channel with the limits and keepalive that suit a dcloc server. Does not connect: an address
+/// where nobody answers shows on first use. InvalidArgument names the option; a file that cannot be
+/// read is named with the reason.
+absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const ChannelOptions& options);
+
+}  // namespace dcloc::client
