@@ -1,139 +1,15 @@
 #include "client/cli/evaluate_command.h"
 
-#include <algorithm>
 #include <memory>
-#include <optional>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
-#include "client/cli/atomic_file.h"
-#include "client/cli/dataset_options.h"
+#include "client/cli/evaluate_run.h"
 #include "client/cli/exit_codes.h"
-#include "client/cli/progress.h"
 #include "client/cli/terminal.h"
-#include "client/datasets/drive_map.h"
-#include "client/evaluation/metrics_format.h"
-#include "client/evaluation/runner.h"
 
 namespace dcloc::cli {
 namespace {
 
-struct Arguments {
-  DatasetArguments dataset;
-  DriveRequest map;
-  DriveRequest live;  // all of it but the name
-  std::vector<std::string> drives;
-  std::string protocol = "track";
-  std::string initial = "truth";
-  std::string ego_velocity = "sensor";
-  std::optional<double> query_interval_s;
-  std::vector<std::string> without;
-  EvaluationOptions options;
-  std::string json_file;
-  std::string csv_file;
-};
-
-// Percentages of progress have this many steps.
-constexpr std::size_t kProgressSteps = 1000;
-
-bool IsWithout(const Arguments& arguments, const std::string& part) {
-  return std::ranges::find(arguments.without, part) != arguments.without.end();
-}
-
-EvaluationOptions ToOptions(const Arguments& arguments) {
-  EvaluationOptions options = arguments.options;
-  options.protocol = arguments.protocol == "pairs" ? Protocol::kPairs : Protocol::kTrack;
-  options.has_initial_pose = arguments.initial == "truth";
-  options.doppler_ego_velocity = arguments.ego_velocity == "doppler";
-  const double customary_s = arguments.dataset.format == "nuscenes" ? 0.5 : 1.0;
-  options.query_interval_s = arguments.query_interval_s.value_or(customary_s);
-  options.localizer.doppler_compensation = !IsWithout(arguments, "doppler");
-  options.localizer.uncertainty = !IsWithout(arguments, "uncertainty");
-  options.localizer.truncation = !IsWithout(arguments, "truncation");
-  return options;
-}
-
-absl::StatusOr<std::shared_ptr<const RadarMap>> MakeMap(const Arguments& arguments,
-                                                        const LocalizerOptions& localizer) {
-  DriveRequest request = arguments.map;
-  if (!request.beta_s.has_value()) request.beta_s = arguments.live.beta_s;
-  const auto drive = ReadDrive(ToDataset(arguments.dataset), request);
-  if (!drive.ok()) return drive.status();
-  MapBuilderOptions options;
-  options.name = drive->name;
-  options.static_points = localizer.static_points;
-  options.static_points.compensate = localizer.doppler_compensation;
-  options.static_points.uncertainty = localizer.uncertainty;
-  Progress progress(absl::StrCat("mapping ", drive->name), drive->scans.size());
-  auto bytes =
-      BuildMap(*drive, options, [&](std::size_t scan_count) { progress.Update(scan_count); });
-  if (!bytes.ok()) return bytes.status();
-  return RadarMap::FromBytes(*std::move(bytes));
-}
-
-absl::StatusOr<DriveOutcome> Localize(const Arguments& arguments, const std::string& name,
-                                      const std::shared_ptr<const RadarMap>& map,
-                                      const EvaluationOptions& options) {
-  DriveRequest request = arguments.live;
-  request.name = name;
-  const auto drive = ReadDrive(ToDataset(arguments.dataset), request);
-  if (!drive.ok()) return drive.status();
-  Progress progress(absl::StrCat("localizing ", name), kProgressSteps);
-  return Evaluate(map, *drive, options, [&](double share) {
-    progress.Update(static_cast<std::size_t>(share * kProgressSteps));
-  });
-}
-
-nlohmann::ordered_json ToJson(const std::vector<DriveOutcome>& outcomes) {
-  nlohmann::ordered_json json = MetricsJson(ComputeMetrics(outcomes));
-  json["drives"] = nlohmann::ordered_json::array();
-  for (const DriveOutcome& outcome : outcomes) {
-    nlohmann::ordered_json drive = {{"drive", outcome.drive}};
-    drive.update(MetricsJson(ComputeMetrics({&outcome, 1})));
-    json["drives"].push_back(std::move(drive));
-  }
-  return json;
-}
-
-void Print(const std::vector<DriveOutcome>& outcomes) {
-  std::vector<std::pair<std::string, Metrics>> columns;
-  for (const DriveOutcome& outcome : outcomes) {
-    columns.emplace_back(outcome.drive, ComputeMetrics({&outcome, 1}));
-  }
-  if (outcomes.size() > 1) columns.emplace_back("all", ComputeMetrics(outcomes));
-  absl::PrintF("%s", FormatTable(MetricsRows(columns)));
-  for (const DriveOutcome& outcome : outcomes) {
-    if (outcome.refused_count == 0) continue;
-    absl::PrintF("%s: %d scans were refused, the first because %s\n", outcome.drive,
-                 outcome.refused_count, outcome.first_refusal);
-  }
-}
-
-absl::Status WriteText(const std::string& file, const std::string& text) {
-  if (file.empty()) return absl::OkStatus();
-  return WriteFileAtomically(file, std::as_bytes(std::span(text)));
-}
-
-absl::Status Run(const Arguments& arguments) {
-  const EvaluationOptions options = ToOptions(arguments);
-  if (absl::Status status = Validate(options); !status.ok()) return status;
-  const auto map = MakeMap(arguments, options.localizer);
-  if (!map.ok()) return map.status();
-  std::vector<DriveOutcome> outcomes;
-  for (const std::string& name : arguments.drives) {
-    auto outcome = Localize(arguments, name, *map, options);
-    if (!outcome.ok()) return outcome.status();
-    outcomes.push_back(*std::move(outcome));
-  }
-  Print(outcomes);
-  absl::Status status = WriteText(arguments.json_file, ToJson(outcomes).dump(2) + "\n");
-  status.Update(WriteText(arguments.csv_file, ScansCsv(outcomes)));
-  return status;
-}
+using Arguments = EvaluateArguments;
 
 void AddDriveOptions(CLI::App& command, Arguments& arguments) {
   AddDatasetOptions(command, arguments.dataset);
@@ -203,6 +79,10 @@ void AddProtocolOptions(CLI::App& command, Arguments& arguments) {
       ->type_name("S");
   command.add_option("--json", arguments.json_file, "Write the metrics")->type_name("FILE");
   command.add_option("--csv", arguments.csv_file, "Write a line for each scan")->type_name("FILE");
+  command
+      .add_option("--report", arguments.report_file,
+                  "Write a page with pictures, and PNG files beside it (needs gnuplot)")
+      ->type_name("FILE");
 }
 
 }  // namespace
@@ -221,7 +101,7 @@ void AddEvaluateCommand(CLI::App& app, int& exit_code) {
       "\\\n"
       "      --drive scene-0655 --radars RADAR_BACK_LEFT,RADAR_BACK_RIGHT --json result.json");
   evaluate->callback([arguments, &exit_code] {
-    const absl::Status status = Run(*arguments);
+    const absl::Status status = RunEvaluation(*arguments);
     exit_code = status.ok() ? kSuccess : Fail(status);
   });
 }

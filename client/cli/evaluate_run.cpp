@@ -1,0 +1,207 @@
+#include "client/cli/evaluate_run.h"
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "client/cli/atomic_file.h"
+#include "client/cli/progress.h"
+#include "client/cli/terminal.h"
+#include "client/datasets/drive_map.h"
+#include "client/evaluation/metrics_format.h"
+#include "client/evaluation/report.h"
+
+namespace dcloc::cli {
+namespace {
+
+// Steps of a progress that is told as a share.
+constexpr std::size_t kProgressSteps = 1000;
+
+using Drives = std::vector<Drive>;
+
+struct Evaluated {
+  std::shared_ptr<const RadarMap> map;
+  std::vector<DriveOutcome> outcomes;
+};
+
+bool IsWithout(const EvaluateArguments& arguments, const std::string& part) {
+  return std::ranges::find(arguments.without, part) != arguments.without.end();
+}
+
+EvaluationOptions ToOptions(const EvaluateArguments& arguments) {
+  EvaluationOptions options = arguments.options;
+  options.protocol = arguments.protocol == "pairs" ? Protocol::kPairs : Protocol::kTrack;
+  options.has_initial_pose = arguments.initial == "truth";
+  options.doppler_ego_velocity = arguments.ego_velocity == "doppler";
+  const double customary_s = arguments.dataset.format == "nuscenes" ? 0.5 : 1.0;
+  options.query_interval_s = arguments.query_interval_s.value_or(customary_s);
+  options.localizer.doppler_compensation = !IsWithout(arguments, "doppler");
+  options.localizer.uncertainty = !IsWithout(arguments, "uncertainty");
+  options.localizer.truncation = !IsWithout(arguments, "truncation");
+  return options;
+}
+
+absl::StatusOr<Drive> ReadMapDrive(const EvaluateArguments& arguments) {
+  DriveRequest request = arguments.map;
+  if (!request.beta_s.has_value()) request.beta_s = arguments.live.beta_s;
+  return ReadDrive(ToDataset(arguments.dataset), request);
+}
+
+absl::StatusOr<Drives> ReadLiveDrives(const EvaluateArguments& arguments) {
+  Drives drives;
+  for (const std::string& name : arguments.drives) {
+    DriveRequest request = arguments.live;
+    request.name = name;
+    auto drive = ReadDrive(ToDataset(arguments.dataset), request);
+    if (!drive.ok()) return drive.status();
+    drives.push_back(*std::move(drive));
+  }
+  return drives;
+}
+
+absl::StatusOr<std::shared_ptr<const RadarMap>> MakeMap(const Drive& drive,
+                                                        const LocalizerOptions& localizer) {
+  MapBuilderOptions options;
+  options.name = drive.name;
+  options.static_points = localizer.static_points;
+  options.static_points.compensate = localizer.doppler_compensation;
+  options.static_points.uncertainty = localizer.uncertainty;
+  Progress progress(absl::StrCat("mapping ", drive.name), drive.scans.size());
+  auto bytes =
+      BuildMap(drive, options, [&](std::size_t scan_count) { progress.Update(scan_count); });
+  if (!bytes.ok()) return bytes.status();
+  return RadarMap::FromBytes(*std::move(bytes));
+}
+
+absl::StatusOr<Evaluated> EvaluateAll(const Drive& map_drive, const Drives& drives,
+                                      const EvaluationOptions& options) {
+  auto map = MakeMap(map_drive, options.localizer);
+  if (!map.ok()) return map.status();
+  Evaluated evaluated{.map = *std::move(map), .outcomes = {}};
+  for (const Drive& drive : drives) {
+    Progress progress(absl::StrCat("localizing ", drive.name), kProgressSteps);
+    auto outcome = Evaluate(evaluated.map, drive, options, [&](double share) {
+      progress.Update(static_cast<std::size_t>(share * kProgressSteps));
+    });
+    if (!outcome.ok()) return outcome.status();
+    evaluated.outcomes.push_back(*std::move(outcome));
+  }
+  return evaluated;
+}
+
+nlohmann::ordered_json ToJson(const std::vector<DriveOutcome>& outcomes) {
+  nlohmann::ordered_json json = MetricsJson(ComputeMetrics(outcomes));
+  json["drives"] = nlohmann::ordered_json::array();
+  for (const DriveOutcome& outcome : outcomes) {
+    nlohmann::ordered_json drive = {{"drive", outcome.drive}};
+    drive.update(MetricsJson(ComputeMetrics({&outcome, 1})));
+    json["drives"].push_back(std::move(drive));
+  }
+  return json;
+}
+
+void Print(const std::vector<DriveOutcome>& outcomes) {
+  std::vector<std::pair<std::string, Metrics>> columns;
+  for (const DriveOutcome& outcome : outcomes) {
+    columns.emplace_back(outcome.drive, ComputeMetrics({&outcome, 1}));
+  }
+  if (outcomes.size() > 1) columns.emplace_back("all", ComputeMetrics(outcomes));
+  absl::PrintF("%s", FormatTable(MetricsRows(columns)));
+  for (const DriveOutcome& outcome : outcomes) {
+    if (outcome.refused_count == 0) continue;
+    absl::PrintF("%s: %d scans were refused, the first because %s\n", outcome.drive,
+                 outcome.refused_count, outcome.first_refusal);
+  }
+}
+
+absl::Status WriteText(const std::string& file, const std::string& text) {
+  if (file.empty()) return absl::OkStatus();
+  return WriteFileAtomically(file, std::as_bytes(std::span(text)));
+}
+
+bool HasCoupling(const Drive& drive) {
+  return std::ranges::any_of(drive.rig.radars,
+                             [](const RadarModel& radar) { return radar.beta_s != 0.0; });
+}
+
+std::string Radars(const Drive& drive) {
+  return absl::StrJoin(drive.rig.radars, ", ", [](std::string* out, const RadarModel& radar) {
+    absl::StrAppendFormat(out, "%s (beta %g s)", radar.id, radar.beta_s);
+  });
+}
+
+const char* RunLabel(const EvaluationOptions& options) {
+  return options.localizer.doppler_compensation ? "with Doppler compensation"
+                                                : "without Doppler compensation";
+}
+
+std::vector<std::pair<std::string, std::string>> Settings(const EvaluateArguments& arguments,
+                                                          const Drive& map_drive,
+                                                          const Drives& drives) {
+  const Perturbation& perturbation = arguments.options.perturbation;
+  const std::string initial =
+      arguments.initial == "none"
+          ? "none, the whole map is searched"
+          : absl::StrFormat("truth moved by %g m and turned by %g deg, seed %d",
+                            perturbation.translation_m, perturbation.rotation_deg,
+                            perturbation.seed);
+  return {{"Data set", arguments.dataset.format},
+          {"Map", absl::StrCat(map_drive.name, ", ", Radars(map_drive))},
+          {"Localized",
+           absl::StrCat(absl::StrJoin(arguments.drives, ", "), ", ", Radars(drives.front()))},
+          {"Protocol", arguments.protocol},
+          {"Initial pose", initial},
+          {"Ego-velocity", arguments.ego_velocity},
+          {"Scans per sub-map", absl::StrCat(arguments.options.localizer.scans_per_submap)},
+          {"Switched off",
+           arguments.without.empty() ? "nothing" : absl::StrJoin(arguments.without, ", ")}};
+}
+
+// The report's second run is the one with the Doppler compensation the other way.
+absl::Status WriteReportFile(const EvaluateArguments& arguments, const Drive& map_drive,
+                             const Drives& drives, const EvaluationOptions& options,
+                             Evaluated evaluated) {
+  Report report{.title = absl::StrCat("Localization in the map of ", map_drive.name),
+                .settings = Settings(arguments, map_drive, drives),
+                .note = "",
+                .map = evaluated.map,
+                .runs = {{RunLabel(options), std::move(evaluated.outcomes)}},
+                .is_track = options.protocol == Protocol::kTrack};
+  if (HasCoupling(map_drive) || std::ranges::any_of(drives, HasCoupling)) {
+    EvaluationOptions other = options;
+    other.localizer.doppler_compensation = !options.localizer.doppler_compensation;
+    auto compared = EvaluateAll(map_drive, drives, other);
+    if (!compared.ok()) return compared.status();
+    report.runs.push_back({RunLabel(other), std::move(compared->outcomes)});
+  } else {
+    report.note = "The radars' beta is 0, so that Doppler compensation changes nothing.";
+  }
+  return WriteReport(report, arguments.report_file);
+}
+
+}  // namespace
+
+absl::Status RunEvaluation(const EvaluateArguments& arguments) {
+  const EvaluationOptions options = ToOptions(arguments);
+  if (absl::Status status = Validate(options); !status.ok()) return status;
+  const auto map_drive = ReadMapDrive(arguments);
+  if (!map_drive.ok()) return map_drive.status();
+  const auto drives = ReadLiveDrives(arguments);
+  if (!drives.ok()) return drives.status();
+  auto evaluated = EvaluateAll(*map_drive, *drives, options);
+  if (!evaluated.ok()) return evaluated.status();
+
+  Print(evaluated->outcomes);
+  absl::Status status = WriteText(arguments.json_file, ToJson(evaluated->outcomes).dump(2) + "\n");
+  status.Update(WriteText(arguments.csv_file, ScansCsv(evaluated->outcomes)));
+  if (!arguments.report_file.empty()) {
+    status.Update(WriteReportFile(arguments, *map_drive, *drives, options, *std::move(evaluated)));
+  }
+  return status;
+}
+
+}  // namespace dcloc::cli
