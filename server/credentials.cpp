@@ -16,7 +16,7 @@
 namespace dcloc::server {
 namespace {
 
-constexpr unsigned kRefreshInterval_s = 10;
+constexpr unsigned kRefreshInterval_s = 1;
 
 absl::Status FileError(const char* key, const std::string& path) {
   std::array<char, 256> reason{};

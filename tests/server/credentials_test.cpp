@@ -1,0 +1,144 @@
+#include "server/credentials.h"
+
+#include <gmock/gmock.h>
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/auth_context.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "tests/server/test_certificates.h"
+#include "tests/server/test_server.h"
+
+namespace dcloc::server {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class CredentialsTest : public ::testing::Test {
+ protected:
+  CredentialsTest()
+      : authority_(TestCertificate::Authority("fleet authority")),
+        stranger_(TestCertificate::Authority("someone else")) {
+    authority_.Write(folder_.path(), "authority");
+    TestCertificate::SignedBy(authority_, "server").Write(folder_.path(), "server");
+  }
+
+  std::string Path(const std::string& name) const { return folder_.path() / name; }
+
+  ServerConfig TlsConfig() const {
+    ServerConfig config = TestServer::StubConfig();
+    config.tls_cert = Path("server.pem");
+    config.tls_key = Path("server.key");
+    return config;
+  }
+
+  ServerConfig MutualTlsConfig() const {
+    ServerConfig config = TlsConfig();
+    config.tls_client_ca = Path("authority.pem");
+    return config;
+  }
+
+  /// A client that trusts the fleet's authority, and shows `certificate` if there is one.
+  static std::shared_ptr<grpc::ChannelCredentials> Client(
+      const TestCertificate& authority, const std::optional<TestCertificate>& certificate = {}) {
+    grpc::SslCredentialsOptions options;
+    options.pem_root_certs = authority.CertificatePem();
+    if (certificate) {
+      options.pem_cert_chain = certificate->CertificatePem();
+      options.pem_private_key = certificate->KeyPem();
+    }
+    return grpc::SslCredentials(options);
+  }
+
+  static grpc::Status Ask(const TestServer& server,
+                          const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    const auto stub = v1::AdminService::NewStub(
+        grpc::CreateCustomChannel(server.server->address(), credentials, arguments));
+    Call call;
+    v1::GetServerStateResponse response;
+    return stub->GetServerState(&call, {}, &response);
+  }
+
+  static std::string ErrorOf(const ServerConfig& config) {
+    const absl::Status status = MakeCredentials(config).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+    return std::string(status.message());
+  }
+
+  TemporaryFolder folder_;
+  TestCertificate authority_;
+  TestCertificate stranger_;
+};
+
+TEST_F(CredentialsTest, PlaintextIsRefusedOffLoopback) {
+  ServerConfig config = TestServer::StubConfig();
+  config.data = folder_.path() / "store";
+  for (const char* address : {"0.0.0.0:0", "[::]:0", "192.0.2.1:0"}) {
+    config.listen = address;
+    const absl::Status status = Server::Start(config).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(status.message()),
+                AllOf(HasSubstr(address), HasSubstr("allow_plaintext_off_loopback")));
+  }
+  config.listen = "0.0.0.0:0";
+  config.allow_plaintext_off_loopback = true;
+  EXPECT_TRUE(Server::Start(config).ok());
+}
+
+TEST_F(CredentialsTest, TlsServesWhoTrustsTheAuthority) {
+  const TestServer server(TlsConfig());
+  EXPECT_TRUE(Ask(server, Client(authority_)).ok());
+  EXPECT_EQ(Ask(server, Client(stranger_)).error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(Ask(server, grpc::InsecureChannelCredentials()).error_code(),
+            grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST_F(CredentialsTest, MutualTlsServesOnlyCertifiedClients) {
+  const TestServer server(MutualTlsConfig());
+  const TestCertificate client = TestCertificate::SignedBy(authority_, "car-1");
+  const TestCertificate forged = TestCertificate::SignedBy(stranger_, "car-1");
+  const grpc::Status status = Ask(server, Client(authority_, client));
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(Ask(server, Client(authority_)).error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(Ask(server, Client(authority_, forged)).error_code(), grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST_F(CredentialsTest, NewCertificatesAreServedWithoutARestart) {
+  const TestServer server(TlsConfig());
+  ASSERT_TRUE(Ask(server, Client(authority_)).ok());
+  TestCertificate::SignedBy(stranger_, "server").Write(folder_.path(), "server");
+  bool changed = false;
+  for (int i = 0; i < 100 && !changed; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    changed = Ask(server, Client(stranger_)).ok();
+  }
+  EXPECT_TRUE(changed);
+  EXPECT_FALSE(Ask(server, Client(authority_)).ok());
+}
+
+TEST_F(CredentialsTest, BadFilesAreNamedAtTheStart) {
+  ServerConfig config = TlsConfig();
+  config.tls_cert = Path("nowhere.pem");
+  EXPECT_THAT(ErrorOf(config), AllOf(HasSubstr("tls_cert"), HasSubstr("nowhere.pem")));
+  config = TlsConfig();
+  config.tls_cert = Path("server.key");
+  EXPECT_THAT(ErrorOf(config), HasSubstr("tls_cert"));
+  config = TlsConfig();
+  config.tls_key = Path("authority.key");
+  EXPECT_THAT(ErrorOf(config), AllOf(HasSubstr("tls_key"), HasSubstr("authority.key")))
+      << "a key of another certificate";
+  config = MutualTlsConfig();
+  config.tls_client_ca = Path("server.key");
+  EXPECT_THAT(ErrorOf(config), HasSubstr("tls_client_ca"));
+}
+
+}  // namespace
+}  // namespace dcloc::server

@@ -1,0 +1,131 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "tests/core/map/temporary_folder.h"
+#include "tests/server/test_server.h"
+
+namespace dcloc::server {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// The dcloc-server program as a process of its own, its two outputs in one pipe.
+class ServerProcess {
+ public:
+  explicit ServerProcess(std::vector<std::string> arguments) {
+    int ends[2];
+    if (pipe(ends) != 0) throw std::runtime_error("pipe");
+    pid_ = fork();
+    if (pid_ == 0) {
+      dup2(ends[1], STDOUT_FILENO);
+      dup2(ends[1], STDERR_FILENO);
+      close(ends[0]);
+      arguments.insert(arguments.begin(), DCLOC_SERVER_PROGRAM);
+      std::vector<char*> argv;
+      for (std::string& argument : arguments) argv.push_back(argument.data());
+      argv.push_back(nullptr);
+      execv(argv[0], argv.data());
+      _exit(127);
+    }
+    close(ends[1]);
+    output_ = fdopen(ends[0], "r");
+  }
+  ServerProcess(const ServerProcess&) = delete;
+  ServerProcess& operator=(const ServerProcess&) = delete;
+
+  ~ServerProcess() {
+    if (!ended_) {
+      kill(pid_, SIGKILL);
+      Wait();
+    }
+    std::fclose(output_);
+  }
+
+  /// The next line with `part` in it; all that came before if there is none.
+  std::string ReadUntil(const std::string& part) {
+    std::string all;
+    std::string line;
+    for (int c = std::fgetc(output_); c != EOF; c = std::fgetc(output_)) {
+      line.push_back(static_cast<char>(c));
+      if (c != '\n') continue;
+      if (line.find(part) != std::string::npos) return line;
+      all += line;
+      line.clear();
+    }
+    return all + line;
+  }
+
+  void Signal(int signal) { kill(pid_, signal); }
+
+  /// The exit code, or minus the signal that ended it.
+  int Wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    ended_ = true;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+ private:
+  pid_t pid_ = -1;
+  FILE* output_ = nullptr;
+  bool ended_ = false;
+};
+
+class ProcessTest : public ::testing::Test {
+ protected:
+  std::string Store() const { return folder_.path() / "new" / "store"; }
+  TemporaryFolder folder_;
+};
+
+TEST_F(ProcessTest, StartsOnAnEmptyFolderSaysWhereItListensAndStopsOnASignal) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    ServerProcess server({"--data", Store(), "--listen", "127.0.0.1:0"});
+    const std::string line = server.ReadUntil("listening on 127.0.0.1:");
+    ASSERT_THAT(line, HasSubstr("listening on 127.0.0.1:"));
+    const std::string address = line.substr(line.find("127."), line.find('\n') - line.find("127."));
+    const auto stub =
+        v1::AdminService::NewStub(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
+    Call call;
+    v1::GetServerStateResponse response;
+    const grpc::Status status = stub->GetServerState(&call, {}, &response);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    EXPECT_FALSE(response.stub_matcher());
+    server.Signal(signal);
+    EXPECT_EQ(server.Wait(), 0);
+  }
+}
+
+TEST_F(ProcessTest, UsageErrorsAreToldApartFromFailures) {
+  ServerProcess usage({"--data", Store(), "--no-such-flag"});
+  EXPECT_THAT(usage.ReadUntil("no-such-flag"), HasSubstr("dcloc-server: "));
+  EXPECT_EQ(usage.Wait(), 2);
+  ServerProcess failure({"--data", Store(), "--listen", "0.0.0.0:0"});
+  EXPECT_THAT(failure.ReadUntil("0.0.0.0"), HasSubstr("allow_plaintext_off_loopback"));
+  EXPECT_EQ(failure.Wait(), 1);
+}
+
+TEST_F(ProcessTest, ATakenAddressIsAnError) {
+  const TestServer first;
+  ServerProcess second({"--data", Store(), "--listen", first.server->address()});
+  EXPECT_THAT(second.ReadUntil("cannot be listened on"), HasSubstr(first.server->address()));
+  EXPECT_EQ(second.Wait(), 1);
+}
+
+TEST_F(ProcessTest, HelpAndVersionAreAnswers) {
+  ServerProcess help({"--help"});
+  EXPECT_THAT(help.ReadUntil("Examples:"), HasSubstr("Examples:"));
+  EXPECT_EQ(help.Wait(), 0);
+  ServerProcess version({"--version"});
+  EXPECT_THAT(version.ReadUntil("dcloc-server "), HasSubstr("."));
+  EXPECT_EQ(version.Wait(), 0);
+}
+
+}  // namespace
+}  // namespace dcloc::server

@@ -1,0 +1,108 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "tests/server/test_maps.h"
+#include "tests/server/test_server.h"
+
+namespace dcloc::server {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+class ShutdownTest : public ::testing::Test {
+ protected:
+  ShutdownTest() {
+    const std::vector<std::byte> bytes = SmallMap();
+    v1::UploadMapResponse response;
+    EXPECT_TRUE(UploadMap(*server_.maps, HeaderOf(bytes), bytes, &response).ok());
+  }
+
+  /// How long it takes.
+  milliseconds Shutdown(milliseconds deadline) {
+    const Clock::time_point begin = Clock::now();
+    server_.server->Shutdown(deadline);
+    return std::chrono::duration_cast<milliseconds>(Clock::now() - begin);
+  }
+
+  TestServer server_;
+};
+
+TEST_F(ShutdownTest, WithoutCallsItIsImmediate) {
+  EXPECT_LT(Shutdown(milliseconds(5000)), milliseconds(2000));
+}
+
+TEST_F(ShutdownTest, OpenStreamsAreEndedWellBeforeTheDeadline) {
+  std::vector<std::unique_ptr<TestSession>> sessions;
+  for (int i = 0; i < 20; ++i) {
+    sessions.push_back(std::make_unique<TestSession>(*server_.localization));
+    // Some have not opened yet, some are idle, some have just had an answer.
+    if (i % 4 == 0) continue;
+    ASSERT_TRUE(sessions.back()->Open(OpenMessage()));
+    ASSERT_TRUE(sessions.back()->Read().has_value());
+    if (i % 2 == 0) {
+      ASSERT_TRUE(sessions.back()->Localize(ScanMessage(1)).has_value());
+    }
+  }
+  EXPECT_LT(Shutdown(milliseconds(20'000)), milliseconds(10'000));
+  for (const auto& session : sessions) {
+    EXPECT_EQ(session->Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
+  }
+}
+
+TEST_F(ShutdownTest, ABusyStreamGetsAnAnswerToWhatWasTaken) {
+  TestSession session(*server_.localization);
+  ASSERT_TRUE(session.Open(OpenMessage()));
+  ASSERT_TRUE(session.Read().has_value());
+  std::thread writer([&] {
+    for (int i = 0; session.Send(ScanMessage(i)); ++i) {
+    }
+  });
+  ASSERT_TRUE(session.Read().has_value());
+  std::thread stopper([&] { EXPECT_LT(Shutdown(milliseconds(20'000)), milliseconds(10'000)); });
+  std::int64_t next = 1;
+  while (const auto answer = session.Read()) EXPECT_EQ(answer->result().sequence_number(), next++);
+  stopper.join();
+  writer.join();
+  EXPECT_EQ(session.Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST_F(ShutdownTest, WhoDoesNotReadIsCutOffAtTheDeadline) {
+  TestSession session(*server_.localization);
+  ASSERT_TRUE(session.Open(OpenMessage()));
+  ASSERT_TRUE(session.Read().has_value());
+  std::thread writer([&] {
+    for (int i = 0; session.Send(ScanMessage(i)); ++i) {
+    }
+  });
+  std::this_thread::sleep_for(milliseconds(500));  // until flow control holds it
+  const milliseconds took = Shutdown(milliseconds(1000));
+  EXPECT_LT(took, milliseconds(5000));
+  writer.join();
+  EXPECT_FALSE(session.Finish().ok());
+}
+
+TEST_F(ShutdownTest, AnUploadThatStandsStillIsCutOffAtTheDeadline) {
+  const std::vector<std::byte> bytes = SmallMap();
+  Call call;
+  v1::UploadMapResponse response;
+  const auto writer = server_.maps->UploadMap(&call, &response);
+  v1::UploadMapRequest request;
+  *request.mutable_header() = HeaderOf(bytes);
+  ASSERT_TRUE(writer->Write(request));
+  EXPECT_LT(Shutdown(milliseconds(500)), milliseconds(5000));
+  EXPECT_FALSE(writer->Finish().ok());
+}
+
+TEST_F(ShutdownTest, TwiceIsOnce) {
+  Shutdown(milliseconds(1000));
+  EXPECT_LT(Shutdown(milliseconds(1000)), milliseconds(500));
+}
+
+}  // namespace
+}  // namespace dcloc::server
