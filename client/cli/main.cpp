@@ -3,7 +3,9 @@
 
 #include "client/cli/evaluate_command.h"
 #include "client/cli/exit_codes.h"
+#include "client/cli/localize_command.h"
 #include "client/cli/map_command.h"
+#include "client/cli/map_server_command.h"
 #include "client/cli/simulate_command.h"
 #include "client/cli/terminal.h"
 
@@ -16,6 +18,8 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     app.footer("Each command has its own --help, with an example.");
     AddMapCommand(app, exit_code);
+    AddMapServerCommands(*app.get_subcommand("map"), exit_code);
+    AddLocalizeCommand(app, exit_code);
     AddEvaluateCommand(app, exit_code);
     AddSimulateCommand(app, exit_code);
     try {

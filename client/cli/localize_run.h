@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "client/cli/dataset_options.h"
+#include "client/evaluation/perturbation.h"
+#include "client/sdk/channel.h"
+
+namespace dcloc::cli {
+
+/// What `dcloc localize` was asked for, as it was written.
+struct LocalizeArguments {
+  client::ChannelOptions server;
+  std::string map;
+  DatasetArguments dataset;
+  DriveRequest drive;
+  std::string ego_velocity = "sensor";
+  std::string initial = "truth";
+  Perturbation perturbation;
+  std::string rate = "realtime";
+  std::optional<int> scans_per_submap;
+  std::string csv_file;
+  std::string tum_file;
+};
+
+/// Sends the drive's scans to the server, writes its answers, and prints how good they were. An
+/// error also when the session ended early or was interrupted; the files then hold what was
+/// answered.
+absl::Status RunLocalize(const LocalizeArguments& arguments);
+
+}  // namespace dcloc::cli

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace dcloc::cli {
+
+/// Adds the subcommands of `map` that manage a server's maps: `upload`, `list`, `activate`,
+/// `delete`.
+void AddMapServerCommands(CLI::App& map_command, int& exit_code);
+
+}  // namespace dcloc::cli

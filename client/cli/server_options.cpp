@@ -1,0 +1,24 @@
+#include "client/cli/server_options.h"
+
+namespace dcloc::cli {
+
+void AddServerOptions(CLI::App& command, client::ChannelOptions& options) {
+  command.add_option("--server", options.server, "Address of dcloc-server")
+      ->required()
+      ->type_name("HOST:PORT");
+  command
+      .add_option("--tls-ca", options.tls_ca,
+                  "Authority of the server's certificate (PEM); without it, plaintext")
+      ->type_name("FILE");
+  command
+      .add_option("--tls-cert", options.tls_cert,
+                  "Own certificate (PEM), where the server asks for one")
+      ->type_name("FILE");
+  command.add_option("--tls-key", options.tls_key, "Its private key (PEM)")->type_name("FILE");
+  command
+      .add_option("--tls-server-name", options.tls_server_name,
+                  "Name in the server's certificate, where it is not the host")
+      ->type_name("NAME");
+}
+
+}  // namespace dcloc::cli

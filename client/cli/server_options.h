@@ -1,0 +1,13 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "client/sdk/channel.h"
+
+namespace dcloc::cli {
+
+/// Adds --server and --tls-ca, --tls-cert, --tls-key, --tls-server-name to `command`; fills
+/// `options` when it is parsed.
+void AddServerOptions(CLI::App& command, client::ChannelOptions& options);
+
+}  // namespace dcloc::cli

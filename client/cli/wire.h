@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "absl/status/statusor.h"
+#include "core/localizer/localizer.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+#include "dcloc/v1/localization_service.pb.h"
+
+namespace dcloc::cli {
+
+// Where core's types and the wire's meet on the client's side.
+
+v1::Rig ToProto(const Rig& rig);
+v1::PoseWithCovariance ToProto(const InitialPose& initial_pose);
+v1::Scan ToProto(const Scan& scan, std::int64_t sequence_number);
+
+/// The answer as the localizer gave it. DataLoss for what no server of ours sends.
+absl::StatusOr<Localization> FromProto(const v1::LocalizationResult& result);
+
+}  // namespace dcloc::cli
