@@ -102,8 +102,7 @@ NuScenesWriter& NuScenesWriter::operator=(NuScenesWriter&&) noexcept = default;
 NuScenesWriter::~NuScenesWriter() = default;
 
 absl::StatusOr<NuScenesWriter> NuScenesWriter::Create(const fs::path& root, bool force) {
-  const absl::Status status = Prepare(root, force);
-  if (!status.ok()) return status;
+  if (absl::Status status = Prepare(root, force); !status.ok()) return status;
   return NuScenesWriter(root, std::make_unique<Tables>());
 }
 
@@ -118,7 +117,7 @@ absl::Status NuScenesWriter::AddPass(const SimulatedPass& pass) {
     if (radar == nullptr) {
       return absl::InvalidArgumentError(absl::StrCat("the rig has no radar ", scan.radar_id));
     }
-    const absl::Status status =
+    absl::Status status =
         WriteFile(root_ / stored.sweeps[i].filename, EncodeRadarPcd(scan, *radar));
     if (!status.ok()) return status;
   }

@@ -119,6 +119,8 @@ std::string EncodeRadarPcd(const Scan& scan, const RadarModel& radar) {
               bytes);
   }
   if (scan.size() == 0) AppendRow(NoTarget(), 0, false, bytes);
+  // The devkit insists on at least one byte after the last row.
+  bytes += '\n';
   return bytes;
 }
 

@@ -8,6 +8,7 @@
 #include "client/simulation/radar/scan_simulator.h"
 #include "client/simulation/radar/scene.h"
 #include "client/simulation/world/parking.h"
+#include "client/simulation/world/steps.h"
 
 namespace dcloc {
 namespace {
@@ -109,8 +110,8 @@ class PassSimulator {
     const double wheel_scale = Normal(random, 1.0, kWheelScaleSigma);
     const double gyro_bias = Normal(random, 0.0, kGyroBiasSigma);
     std::vector<VehicleSignal> signals;
-    for (double t = -kSignalPeriod; t < motion_.duration_s() + 2.0 * kSignalPeriod;
-         t += kSignalPeriod) {
+    for (const double t : simulation::Steps(
+             -kSignalPeriod, motion_.duration_s() + 2.0 * kSignalPeriod, kSignalPeriod)) {
       const std::chrono::microseconds time = Microseconds(t);
       const MotionState state = motion_.At(Seconds(time));
       const double change = motion_.At(t + 0.01).speed_mps - motion_.At(t - 0.01).speed_mps;
@@ -129,8 +130,8 @@ class PassSimulator {
     for (std::size_t radar = 0; radar < rig_.radars.size(); ++radar) {
       Random random = RandomFor(Stream::kClock, radar);
       const double period = simulator_.profile.period_s * simulation::Uniform(random, 0.99, 1.01);
-      for (double t = simulation::Uniform(random, 0.0, period); t < motion_.duration_s();
-           t += period) {
+      const double first = simulation::Uniform(random, 0.0, period);
+      for (const double t : simulation::Steps(first, motion_.duration_s(), period)) {
         const double jitter = std::clamp(Normal(random, 0.0, kClockJitter), -0.005, 0.005);
         schedule.emplace_back(Microseconds(std::max(0.0, t + jitter)), radar);
       }
@@ -197,8 +198,7 @@ absl::StatusOr<SimulatedPass> SimulatePassWithTruth(const simulation::World& wor
 }
 
 absl::StatusOr<Drive> SimulatePass(const SimulationOptions& options, const PassOptions& pass) {
-  const absl::Status status = Validate(options);
-  if (!status.ok()) return status;
+  if (absl::Status status = Validate(options); !status.ok()) return status;
   absl::StatusOr<SimulatedPass> simulated =
       SimulatePassWithTruth(MakeWorld(options), options, pass);
   if (!simulated.ok()) return simulated.status();

@@ -11,7 +11,8 @@ namespace {
 constexpr double kGrid = 0.5;       // [m] along the path
 constexpr double kTimeStep = 0.02;  // [s]
 constexpr double kMinSpeed = 0.4;   // above zero, so that a halt is reached in finite time [m/s]
-constexpr int kSmoothing = 25;      // half width of the box that rounds the accelerations, in steps
+constexpr std::size_t kSmoothing =
+    25;  // half width of the box that rounds the accelerations, in steps
 constexpr double kFastestCruise = 1.5;  // of the mean speed
 
 // Speeds at grid points of the path for a given cruising speed.
@@ -85,7 +86,7 @@ std::vector<double> SpeedsByTime(const std::vector<double>& speed,
   std::vector<double> by_time(kSmoothing, speed.front());
   std::size_t next_stop = 0;
   double s = 0.0;
-  while (s < length_m + 2.0 * kSmoothing * kTimeStep * speed.back()) {
+  while (s < length_m + static_cast<double>(2 * kSmoothing) * kTimeStep * speed.back()) {
     const double grid = std::min(s / kGrid, static_cast<double>(speed.size()) - 1.001);
     const auto i = static_cast<std::size_t>(grid);
     const double u = grid - static_cast<double>(i);
@@ -105,8 +106,8 @@ std::vector<double> Smooth(const std::vector<double>& values) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     sum += values[i];
     if (i >= 2 * kSmoothing) {
-      // Twice the same sum in another order would drift below zero by rounding.
-      smooth.push_back(std::max(0.0, sum / (2 * kSmoothing + 1)));
+      // Taking away what was added leaves rounding errors; a halt must not roll back.
+      smooth.push_back(std::max(0.0, sum / static_cast<double>(2 * kSmoothing + 1)));
       sum -= values[i - 2 * kSmoothing];
     }
   }

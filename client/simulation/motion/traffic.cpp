@@ -1,4 +1,5 @@
 #include "client/simulation/motion/traffic.h"
+#include "client/simulation/world/steps.h"
 
 #include <cmath>
 #include <numbers>
@@ -47,8 +48,8 @@ void Traffic::AddLane(const Lane& lane, double ego_speed_mps, Random& random) {
   // One speed per lane: its vehicles would drive through each other otherwise.
   const double flow_mps =
       lane.direction > 0 ? ego_speed_mps * Uniform(random, 0.8, 1.3) : lane.speed_mps;
-  for (double at = Uniform(random, 0.0, mean_gap_m); at < length_m;
-       at += mean_gap_m * Uniform(random, 0.4, 1.6)) {
+  for (const double at : RandomSteps(random, Uniform(random, 0.0, mean_gap_m), length_m,
+                                     0.4 * mean_gap_m, 1.6 * mean_gap_m)) {
     lane_vehicles_.push_back({MakeVehicle(random, world_.truck_share),
                               lane.offset_m + Normal(random, 0.0, 0.15), at,
                               lane.direction * flow_mps});
@@ -60,8 +61,7 @@ void Traffic::AddCrossTraffic(const CrossStreet& street, Random& random) {
   for (const bool reverse : {false, true}) {
     const CrossStreet way = reverse ? CrossStreet{street.end_m, street.begin_m} : street;
     const double speed_mps = Uniform(random, 7.0, 12.0);
-    for (double at = Uniform(random, 0.0, 60.0); at < length_m;
-         at += Uniform(random, 30.0, 120.0)) {
+    for (const double at : RandomSteps(random, Uniform(random, 0.0, 60.0), length_m, 30.0, 120.0)) {
       cross_vehicles_.push_back({MakeVehicle(random, world_.truck_share), way, at, speed_mps});
     }
   }

@@ -14,6 +14,7 @@ constexpr double kDoubleBounceReach = 25.0;  // [m]
 
 std::vector<const Echo*> Strongest(const std::vector<Echo>& echoes) {
   std::vector<const Echo*> strongest;
+  strongest.reserve(echoes.size());
   for (const Echo& echo : echoes) strongest.push_back(&echo);
   std::stable_sort(strongest.begin(), strongest.end(),
                    [](const Echo* a, const Echo* b) { return a->snr_db > b->snr_db; });

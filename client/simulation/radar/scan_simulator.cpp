@@ -48,6 +48,7 @@ std::vector<Echo> Select(const std::vector<Echo>& echoes, std::size_t count, dou
                    [&](std::size_t a, std::size_t b) { return rank[a] > rank[b]; });
   order.resize(std::min(count, order.size()));
   std::vector<Echo> selected;
+  selected.reserve(order.size());
   for (const std::size_t i : order) selected.push_back(echoes[i]);
   return selected;
 }

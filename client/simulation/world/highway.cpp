@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "client/simulation/world/steps.h"
 #include "client/simulation/world/structures.h"
 #include "client/simulation/world/world.h"
 
@@ -36,7 +37,7 @@ class Roadside {
 
   // Posts stand at a fixed pitch, so that one post looks like the next, as on the road.
   void AddRail(double offset_m, double begin_m, double end_m, double pitch_m) {
-    for (double s = begin_m; s < end_m; s += pitch_m) {
+    for (const double s : Steps(begin_m, end_m, pitch_m)) {
       builder_.AddRailStretch(At(s, offset_m), At(s + pitch_m, offset_m));
     }
   }
@@ -55,7 +56,7 @@ class Roadside {
     double s = Uniform(random_, -100.0, 100.0);
     while (s < Length()) {
       const double barrier_end = std::min(Length(), s + Uniform(random_, 80.0, 260.0));
-      for (double at = std::max(0.0, s); at < barrier_end; at += 20.0) {
+      for (const double at : Steps(std::max(0.0, s), barrier_end, 20.0)) {
         const Eigen::Vector2d from = At(at, side * kBarrier);
         const Eigen::Vector2d to = At(std::min(at + 20.0, barrier_end), side * kBarrier);
         // Seen from the road: it lies right of begin -> end on the left side, and the other way.
@@ -63,18 +64,20 @@ class Roadside {
         builder_.AddBarrier(side > 0.0 ? from : to, side > 0.0 ? to : from, 3.5, 5.0);
       }
       const double open_end = barrier_end + Uniform(random_, 60.0, 300.0);
-      for (s = barrier_end; s < open_end; s += Uniform(random_, 2.0, 14.0)) {
-        builder_.AddPole(At(s, side * Uniform(random_, kBarrier, 40.0)), Normal(random_, 0.0, 4.0),
+      for (const double at : RandomSteps(random_, barrier_end, open_end, 2.0, 14.0)) {
+        builder_.AddPole(At(at, side * Uniform(random_, kBarrier, 40.0)), Normal(random_, 0.0, 4.0),
                          4.0, 0.3);
       }
+      s = open_end;
     }
   }
 
   void AddSignsAndDelineators(double side) {
-    for (double s = Uniform(random_, 0.0, 50.0); s < Length(); s += 50.0) {
+    for (const double s : Steps(Uniform(random_, 0.0, 50.0), Length(), 50.0)) {
       builder_.AddPole(At(s, side * (kOuterRail - 0.6)), Normal(random_, 0.0, 2.0), 0.9, 0.02);
     }
-    for (double s = Uniform(random_, 0.0, 80.0); s < Length(); s += Uniform(random_, 50.0, 200.0)) {
+    for (const double s :
+         RandomSteps(random_, Uniform(random_, 0.0, 80.0), Length(), 50.0, 200.0)) {
       AddSign(s, side, kOuterRail + Uniform(random_, 0.8, 1.6), 0.8, Uniform(random_, 1.5, 3.0));
       builder_.AddPole(At(s, side * (kOuterRail + 1.2)), Normal(random_, 5.0, 2.0), 1.5, 0.03);
     }
@@ -82,19 +85,20 @@ class Roadside {
 
   // A portal over one carriageway: two posts and the boards above the lanes.
   void AddGantries(double side) {
-    for (double s = Uniform(random_, 60.0, 300.0); s < Length();
-         s += Uniform(random_, 250.0, 550.0)) {
+    for (const double s :
+         RandomSteps(random_, Uniform(random_, 60.0, 300.0), Length(), 250.0, 550.0)) {
       builder_.AddPole(At(s, side * (kOuterRail + 0.8)), Normal(random_, 10.0, 2.0), 2.0, 0.05);
       builder_.AddPole(At(s, side * 0.3), Normal(random_, 8.0, 2.0), 2.0, 0.05);
-      for (const double lane : kLanes)
+      for (const double lane : kLanes) {
         AddSign(s, side, lane + Uniform(random_, -0.8, 0.8), 0.5, 5.6);
+      }
     }
   }
 
   // Bridges over the road: abutments beside it and a pier in the middle.
   void AddBridges() {
-    for (double s = Uniform(random_, 150.0, 500.0); s + 12.0 < Length();
-         s += Uniform(random_, 450.0, 900.0)) {
+    for (const double s :
+         RandomSteps(random_, Uniform(random_, 150.0, 500.0), Length() - 14.0, 450.0, 900.0)) {
       const double end_m = s + Uniform(random_, 8.0, 14.0);
       for (const double side : {1.0, -1.0}) {
         const Eigen::Vector2d near = At(s, side * (kBarrier - 1.0));

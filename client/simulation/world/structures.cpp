@@ -1,4 +1,5 @@
 #include "client/simulation/world/structures.h"
+#include "client/simulation/world/steps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,8 +50,10 @@ void Builder::AddFacade(const Eigen::Vector2d& begin, const Eigen::Vector2d& end
   const double outward_rad = HeadingOf(along) - 0.5 * kPi;
   world_.walls.push_back({begin, end, height_m, kOpaqueDb, true});
   std::exponential_distribution<double> spacing(1.0 / 0.7);
-  for (double at = spacing(random_); at < length_m; at += 0.15 + spacing(random_)) {
+  double at = spacing(random_);
+  while (at < length_m) {
     AddFacadeElement(begin + at * along, outward_rad, height_m);
+    at += 0.15 + spacing(random_);
   }
 }
 
@@ -71,7 +74,7 @@ void Builder::AddBarrier(const Eigen::Vector2d& begin, const Eigen::Vector2d& en
   const Eigen::Vector2d along = (end - begin) / length_m;
   const double outward_rad = HeadingOf(along) - 0.5 * kPi;
   world_.walls.push_back({begin, end, height_m, kOpaqueDb, true});
-  for (double at = 0.0; at < length_m; at += post_spacing_m) {
+  for (const double at : Steps(0.0, length_m, post_spacing_m)) {
     const Eigen::Vector2d post =
         begin + (at + Normal(random_, 0.0, 0.05)) * along + 0.1 * Along(outward_rad);
     Eigen::Vector3d position;

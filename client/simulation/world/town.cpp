@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/simulation/world/steps.h"
 #include "client/simulation/world/structures.h"
 #include "client/simulation/world/town_plan.h"
 #include "client/simulation/world/world.h"
@@ -86,7 +87,7 @@ void AddCrossroadsPoles(const TownPlan& plan, World& world, Random& random) {
 // Manhole covers and gratings lie flush in the road: weak, and seen from both sides.
 void AddRoadPlates(World& world, Random& random) {
   Builder builder(world, random);
-  for (double at = 5.0; at < world.route.length_m(); at += Uniform(random, 10.0, 40.0)) {
+  for (const double at : RandomSteps(random, 5.0, world.route.length_m(), 10.0, 40.0)) {
     Eigen::Vector3d position;
     position << OffsetPoint(world.route, at, Uniform(random, -3.0, 3.0)), 0.02;
     builder.AddPlate(position, 0.0, std::numbers::pi, Normal(random, -6.0, 3.0));

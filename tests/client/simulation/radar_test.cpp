@@ -5,6 +5,7 @@
 
 #include "client/simulation/radar/ghosts.h"
 #include "client/simulation/radar/scan_simulator.h"
+#include "client/simulation/world/steps.h"
 
 namespace dcloc::simulation {
 namespace {
@@ -55,7 +56,7 @@ TEST(RadarViewTest, RangeRateIsTheDerivativeOfRange) {
     return ViewFrom(ego.At(t), T_vehicle_radar)
         .Observe(Eigen::Vector3d(31.0, 14.0, 2.0) + t * velocity, velocity);
   };
-  for (double t = 0.1; t < 4.0; t += 0.3) {
+  for (const double t : Steps(0.1, 4.0, 0.3)) {
     const double derivative = (observe(t + 1e-5).range_m - observe(t - 1e-5).range_m) / 2e-5;
     EXPECT_NEAR(observe(t).range_rate_mps, derivative, 1e-6) << t;
   }

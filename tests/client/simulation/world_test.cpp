@@ -6,6 +6,7 @@
 #include <map>
 
 #include "client/simulation/world/parking.h"
+#include "client/simulation/world/steps.h"
 
 namespace dcloc::simulation {
 namespace {
@@ -21,7 +22,7 @@ TEST(WorldTest, LeavesTheDrivesLaneFree) {
   for (const WorldKind kind : {WorldKind::kTown, WorldKind::kHighway}) {
     for (const std::uint64_t seed : {1, 2, 3}) {
       const World world = MakeWorld(kind, seed, 500.0);
-      for (double s = 0.0; s < world.route.length_m(); s += 2.0) {
+      for (const double s : Steps(0.0, world.route.length_m(), 2.0)) {
         for (const double lane : world.ego_lane_offsets_m) {
           const Eigen::Vector2d p = OffsetPoint(world.route, s, lane);
           for (const Wall& wall : world.walls) {
@@ -54,7 +55,7 @@ TEST(WorldTest, TheTownTurnsAndTheRouteDoesNotMeetItself) {
     const World world = MakeTown(seed, 1500.0);
     double most_turned = 0.0;
     std::vector<Eigen::Vector2d> points;
-    for (double s = 0.0; s < world.route.length_m(); s += 5.0) {
+    for (const double s : Steps(0.0, world.route.length_m(), 5.0)) {
       points.push_back(world.route.At(s).position_m);
       most_turned = std::max(most_turned, std::abs(world.route.At(s).heading_rad));
     }
