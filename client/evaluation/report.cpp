@@ -1,5 +1,6 @@
 #include "client/evaluation/report.h"
 
+#include <algorithm>
 #include <fstream>
 
 #include "absl/strings/str_cat.h"
@@ -72,6 +73,10 @@ fs::path PngPath(const fs::path& html, const std::string& drive, bool is_only_on
   return html.parent_path() / (html.stem().string() + suffix + ".png");
 }
 
+bool HasAnswer(const LabelledOutcome& labelled) {
+  return std::ranges::any_of(labelled.outcome->scans, &ScanOutcome::answered);
+}
+
 // The picture of drive `i` for the page; its PNG is written beside.
 absl::StatusOr<std::string> DriveSection(const Report& report, std::size_t i,
                                          const fs::path& html) {
@@ -79,7 +84,9 @@ absl::StatusOr<std::string> DriveSection(const Report& report, std::size_t i,
   for (const ReportRun& run : report.runs) outcomes.push_back({run.label, &run.outcomes[i]});
   const DriveOutcome& first = *outcomes.front().outcome;
   const std::string heading = absl::StrCat("<h2>", Escape(first.drive), "</h2>\n");
-  if (first.scans.empty()) return heading + "<p>No scan of this drive was taken.</p>\n";
+  if (std::ranges::none_of(outcomes, HasAnswer)) {
+    return heading + "<p>No scan of this drive was answered with a pose.</p>\n";
+  }
   const Picture picture = DrawDrive(*report.map, outcomes, report.is_track);
   const fs::path png = PngPath(html, first.drive, report.runs.front().outcomes.size() == 1);
   if (absl::Status status = RenderPng(picture, png); !status.ok()) return status;

@@ -1,0 +1,183 @@
+// The program `dcloc` as a user meets it: what it prints, what it writes, what it returns.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/client/datasets/temp_folder.h"
+#include "tests/client/datasets/tiny_nuscenes.h"
+
+namespace dcloc {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+struct Result {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+};
+
+std::string ReadText(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+// Runs `dcloc` with these words, which the shell splits.
+Result Dcloc(const std::string& arguments) {
+  const TempFolder folder;
+  const std::string err = (folder.path() / "err").string();
+  Result result;
+  const std::string command = std::string(DCLOC_PROGRAM) + " " + arguments + " 2>" + err;
+  FILE* pipe = popen(command.c_str(), "r");  // NOLINT(cert-env33-c): the words are this test's own
+  if (pipe == nullptr) return result;
+  std::array<char, 4096> buffer{};
+  for (std::size_t n = 0; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {
+    result.out.append(buffer.data(), n);
+  }
+  const int status = pclose(pipe);
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  result.err = ReadText(err);
+  return result;
+}
+
+/// A short simulated data set that all tests of evaluation share.
+class Simulated : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder();
+    const Result result = Dcloc("simulate --length-m 200 --out " + Root());
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  static void TearDownTestSuite() { delete folder_; }
+  static std::string Root() { return (folder_->path() / "town").string(); }
+  static std::string File(const std::string& name) { return (folder_->path() / name).string(); }
+  static std::string Dataset() { return "--dataset nuscenes --root " + Root(); }
+
+  static TempFolder* folder_;
+};
+
+TempFolder* Simulated::folder_ = nullptr;
+
+TEST(CommandLine, HelpsWithAnExampleForEachCommand) {
+  for (const char* command : {"simulate", "map build", "map inspect", "evaluate"}) {
+    const Result result = Dcloc(std::string(command) + " --help");
+    EXPECT_EQ(result.exit_code, 0) << command;
+    EXPECT_THAT(result.out, HasSubstr("Example")) << command;
+    EXPECT_THAT(result.out, HasSubstr(std::string("dcloc ") + command)) << command;
+  }
+  EXPECT_EQ(Dcloc("--help").exit_code, 0);
+}
+
+TEST(CommandLine, SaysItsVersion) {
+  const Result result = Dcloc("--version");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, ::testing::MatchesRegex("dcloc [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST(CommandLine, ReturnsTwoForWhatMakesNoSense) {
+  for (const char* arguments :
+       {"", "fly", "map", "map build", "map inspect", "evaluate --dataset kitti",
+        "map build --dataset nuscenes --root /nonexistent --drive a --out b", "--no-such-option"}) {
+    const Result result = Dcloc(arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments;
+    EXPECT_FALSE(result.err.empty()) << arguments;
+    EXPECT_THAT(result.out, IsEmpty()) << arguments;
+  }
+}
+
+TEST(CommandLine, ReturnsOneForWhatFails) {
+  const TempFolder folder;
+  TinyNuScenes().WriteTo(folder);
+  const std::string root = folder.path().string();
+  const Result no_scene =
+      Dcloc("map build --dataset nuscenes --root " + root + " --drive scene-7 --out /dev/null");
+  EXPECT_EQ(no_scene.exit_code, 1);
+  EXPECT_THAT(no_scene.err, HasSubstr("there is no scene \"scene-7\""));
+  const Result no_map = Dcloc("map inspect " + root + "/none.dclm");
+  EXPECT_EQ(no_map.exit_code, 1);
+  EXPECT_THAT(no_map.err, HasSubstr("none.dclm"));
+  const Result no_beta = Dcloc("map build --dataset nuscenes --root " + root +
+                               " --drive scene-0001 --beta-s 1e9 --out " + root + "/map");
+  EXPECT_EQ(no_beta.exit_code, 1);
+  EXPECT_THAT(no_beta.err, HasSubstr("beta_s"));
+}
+
+TEST_F(Simulated, BuildsAndInspectsAMap) {
+  const Result built =
+      Dcloc("map build " + Dataset() + " --drive map --name town --json --out " + File("a.dclm"));
+  ASSERT_EQ(built.exit_code, 0) << built.err;
+  EXPECT_THAT(built.err, IsEmpty());  // no progress where stderr is no terminal
+  const auto made = nlohmann::json::parse(built.out);
+  EXPECT_EQ(made["name"], "town");
+  EXPECT_GT(made["point_count"], 50);
+  EXPECT_NEAR(made["length_m"].get<double>(), 200.0, 60.0);
+  EXPECT_EQ(made["size_bytes"], std::filesystem::file_size(File("a.dclm")));
+
+  const Result inspected = Dcloc("map inspect --json " + File("a.dclm"));
+  EXPECT_EQ(inspected.exit_code, 0) << inspected.err;
+  EXPECT_EQ(nlohmann::json::parse(inspected.out), made);
+  EXPECT_THAT(Dcloc("map inspect " + File("a.dclm")).out, HasSubstr("name         town\n"));
+}
+
+TEST_F(Simulated, FindsADamagedMap) {
+  ASSERT_EQ(Dcloc("map build " + Dataset() + " --drive map --out " + File("b.dclm")).exit_code, 0);
+  std::string bytes = ReadText(File("b.dclm"));
+  bytes[bytes.size() - 100] = static_cast<char>(bytes[bytes.size() - 100] ^ 1);
+  std::ofstream(File("b.dclm"), std::ios::binary) << bytes;
+  const Result result = Dcloc("map inspect " + File("b.dclm"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("b.dclm"));
+}
+
+TEST_F(Simulated, LeavesNothingBehindWhereItCannotWrite) {
+  const std::string target = File("taken");
+  std::filesystem::create_directory(target);
+  const Result result = Dcloc("map build " + Dataset() + " --drive map --out " + target);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr(target));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_->path())) {
+    EXPECT_THAT(entry.path().filename().string(), ::testing::Not(HasSubstr("taken.")));
+  }
+}
+
+TEST_F(Simulated, EvaluatesAndWritesWhatIsAskedFor) {
+  const Result result =
+      Dcloc("evaluate " + Dataset() + " --map-drive map --drive live-0,map --json " +
+            File("e.json") + " --csv " + File("e.csv") + " --report " + File("e.html"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("RTE mean / median / rms / p95 / max [m]"));
+  const auto json = nlohmann::json::parse(ReadText(File("e.json")));
+  ASSERT_EQ(json["drives"].size(), 2U);
+  EXPECT_EQ(json["drives"][0]["drive"], "live-0");
+  EXPECT_EQ(json["scans"],
+            json["drives"][0]["scans"].get<int>() + json["drives"][1]["scans"].get<int>());
+  EXPECT_LT(json["rte_m"]["median"].get<double>(), 0.3);
+  EXPECT_EQ(json["misleading_count"], 0);
+  EXPECT_THAT(ReadText(File("e.csv")), HasSubstr("live-0,"));
+  EXPECT_THAT(ReadText(File("e.html")), HasSubstr("without Doppler compensation"));
+  EXPECT_TRUE(std::filesystem::exists(File("e-live-0.png")));
+}
+
+TEST_F(Simulated, ShowsWhatCompensationIsWorth) {
+  const auto median = [&](const std::string& options) {
+    const Result result =
+        Dcloc("evaluate " + Dataset() + " --map-drive map --drive live-0 --json " + File("c.json") +
+              " " + options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(ReadText(File("c.json")))["rte_m"]["median"].get<double>();
+  };
+  const double with_m = median("");
+  // Range-Doppler coupling of 0.04 s shifts a map made at 72 km/h against scans at 40 km/h.
+  EXPECT_GT(median("--without doppler"), with_m + 0.05);
+  EXPECT_GT(median("--beta-s 0"), with_m + 0.05);
+}
+
+}  // namespace
+}  // namespace dcloc
