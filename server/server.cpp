@@ -30,6 +30,8 @@ constexpr int kKeepaliveTime_ms = 30'000;
 constexpr int kKeepaliveTimeout_ms = 10'000;
 constexpr int kMinClientPingInterval_ms = 5'000;
 
+constexpr std::chrono::milliseconds kLastBytesGrace(200);
+
 int WorkerCount(const ServerConfig& config) {
   if (config.worker_count > 0) return config.worker_count;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -57,24 +59,25 @@ struct Server::Parts {
       : store(std::move(map_store)),
         localization_pool(WorkerCount(config)),
         localization(
-            {.store = *store,
+            {.storage = storage,
              .registry = registry,
              .create_matcher = config.stub_matcher ? &CreateStubMatcher : &CreateLocalizerMatcher,
              .localization_pool = localization_pool,
-             .storage_pool = storage_pool,
              .max_pending_scan_count = config.max_pending_scan_count},
             config.max_session_count),
-        maps(*store, storage_pool, std::int64_t{config.max_map_mib} << 20),
+        maps(storage, std::int64_t{config.max_map_mib} << 20),
         admin({.version = DCLOC_VERSION,
                .start_time = std::chrono::system_clock::now(),
                .worker_count = localization_pool.thread_count(),
                .max_session_count = config.max_session_count,
                .stub_matcher = config.stub_matcher},
-              *store, registry, storage_pool) {}
+              registry, storage) {}
 
   std::unique_ptr<MapStore> store;
   SessionRegistry registry;
+  OpenCalls open_calls;
   WorkerPool storage_pool{kStorageThreads};
+  const StorageHost storage{*store, storage_pool, open_calls};
   WorkerPool localization_pool;
   LocalizationService localization;
   MapService maps;
@@ -117,11 +120,13 @@ Server::~Server() { Shutdown(std::chrono::milliseconds(0)); }
 const std::string& Server::address() const { return parts_->address; }
 
 void Server::Shutdown(std::chrono::milliseconds deadline) {
-  const auto end = std::chrono::system_clock::now() + deadline;
+  const auto end = std::chrono::steady_clock::now() + deadline;
   if (auto* health = parts_->server->GetHealthCheckService()) health->Shutdown();
   parts_->localization.EndAll(
       grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server is shutting down"));
-  parts_->server->Shutdown(end);
+  parts_->open_calls.WaitUntilNone(end);
+  // What is left are calls beyond the deadline, last bytes on their way, and idle connections.
+  parts_->server->Shutdown(std::chrono::system_clock::now() + kLastBytesGrace);
 }
 
 }  // namespace dcloc::server

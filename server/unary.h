@@ -6,16 +6,19 @@
 
 #include "absl/status/status.h"
 #include "server/status.h"
-#include "server/worker_pool.h"
+#include "server/storage_host.h"
 
 namespace dcloc::server {
 
-/// Answers a unary call from `pool`: `work` fills the response and gives the call's absl::Status.
+/// Answers a unary call from the host's pool: `work` fills the response and gives the call's
+/// absl::Status.
 template <typename Work>
-grpc::ServerUnaryReactor* AnswerOn(WorkerPool& pool, grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* AnswerOn(const StorageHost& host, grpc::CallbackServerContext* context,
                                    Work work) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  pool.Post([reactor, work = std::move(work)] { reactor->Finish(ToGrpc(work())); });
+  host.pool.Post([reactor, work = std::move(work), token = OpenCalls::Token(host.open_calls)] {
+    reactor->Finish(ToGrpc(work()));
+  });
   return reactor;
 }
 

@@ -50,20 +50,19 @@ absl::Status ListSessions(const SessionRegistry& registry, const v1::ListSession
 
 }  // namespace
 
-AdminService::AdminService(ServerFacts facts, MapStore& store, SessionRegistry& registry,
-                           WorkerPool& storage_pool)
-    : facts_(std::move(facts)), store_(store), registry_(registry), storage_pool_(storage_pool) {}
+AdminService::AdminService(ServerFacts facts, SessionRegistry& registry, StorageHost host)
+    : facts_(std::move(facts)), registry_(registry), host_(host) {}
 
 grpc::ServerUnaryReactor* AdminService::GetServerState(grpc::CallbackServerContext* context,
                                                        const v1::GetServerStateRequest* /*request*/,
                                                        v1::GetServerStateResponse* response) {
-  return AnswerOn(storage_pool_, context, [this, response] {
+  return AnswerOn(host_, context, [this, response] {
     response->set_server_version(facts_.version);
     *response->mutable_start_time() = ToTimestamp(facts_.start_time);
     response->set_worker_count(facts_.worker_count);
     response->set_session_count(registry_.count());
     response->set_max_session_count(facts_.max_session_count);
-    response->set_loaded_map_count(store_.loaded_map_count());
+    response->set_loaded_map_count(host_.store.loaded_map_count());
     response->set_scan_count(registry_.totals().answered);
     response->set_rejected_scan_count(registry_.totals().rejected);
     response->set_stub_matcher(facts_.stub_matcher);
@@ -74,7 +73,7 @@ grpc::ServerUnaryReactor* AdminService::GetServerState(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* AdminService::ListSessions(grpc::CallbackServerContext* context,
                                                      const v1::ListSessionsRequest* request,
                                                      v1::ListSessionsResponse* response) {
-  return AnswerOn(storage_pool_, context, [this, request, response] {
+  return AnswerOn(host_, context, [this, request, response] {
     return server::ListSessions(registry_, *request, response);
   });
 }

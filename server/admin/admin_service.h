@@ -4,8 +4,7 @@
 
 #include "dcloc/v1/admin_service.grpc.pb.h"
 #include "server/localization/session_registry.h"
-#include "server/maps/map_store.h"
-#include "server/worker_pool.h"
+#include "server/storage_host.h"
 
 namespace dcloc::server {
 
@@ -21,9 +20,8 @@ struct ServerFacts {
 /// AdminService: looks, and changes nothing.
 class AdminService final : public v1::AdminService::CallbackService {
  public:
-  /// What is referred to outlives the service's calls.
-  AdminService(ServerFacts facts, MapStore& store, SessionRegistry& registry,
-               WorkerPool& storage_pool);
+  /// `registry` outlives the service's calls.
+  AdminService(ServerFacts facts, SessionRegistry& registry, StorageHost host);
 
   grpc::ServerUnaryReactor* GetServerState(grpc::CallbackServerContext* context,
                                            const v1::GetServerStateRequest* request,
@@ -34,9 +32,8 @@ class AdminService final : public v1::AdminService::CallbackService {
 
  private:
   const ServerFacts facts_;
-  MapStore& store_;
   SessionRegistry& registry_;
-  WorkerPool& storage_pool_;
+  const StorageHost host_;
 };
 
 }  // namespace dcloc::server

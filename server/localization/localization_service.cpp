@@ -16,7 +16,7 @@ grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* Localization
   grpc::Status refusal;
   {
     const std::lock_guard lock(mutex_);
-    streams_.emplace(stream.get(), stream);
+    streams_.emplace(stream.get(), OpenStream{stream, OpenCalls::Token(host_.storage.open_calls)});
     refusal = refusal_;
     if (refusal.ok() && static_cast<int>(streams_.size()) > max_session_count_) {
       refusal = grpc::Status(
@@ -33,8 +33,8 @@ void LocalizationService::EndAll(const grpc::Status& status) {
   {
     const std::lock_guard lock(mutex_);
     refusal_ = status;
-    for (const auto& [stream, weak] : streams_) {
-      if (auto held = weak.lock()) open.push_back(std::move(held));
+    for (const auto& [address, entry] : streams_) {
+      if (auto held = entry.stream.lock()) open.push_back(std::move(held));
     }
   }
   for (const auto& stream : open) stream->End(status);

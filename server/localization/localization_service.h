@@ -21,13 +21,18 @@ class LocalizationService final : public v1::LocalizationService::CallbackServic
   void EndAll(const grpc::Status& status);
 
  private:
+  struct OpenStream {
+    std::weak_ptr<LocalizeStream> stream;
+    OpenCalls::Token token;
+  };
+
   void Forget(LocalizeStream* stream);
 
   const SessionHost host_;
   const int max_session_count_;
 
   std::mutex mutex_;
-  std::map<LocalizeStream*, std::weak_ptr<LocalizeStream>> streams_;
+  std::map<LocalizeStream*, OpenStream> streams_;
   grpc::Status refusal_;  ///< not OK once all have been ended
 };
 

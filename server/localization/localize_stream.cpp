@@ -45,7 +45,7 @@ void LocalizeStream::OnReadDone(bool ok) {
       auto process = [self = shared_from_this()] { self->Process(); };
       if (opens) {
         // Nothing else is read until this is answered, so no order is lost by leaving the strand.
-        host_.storage_pool.Post(std::move(process));
+        host_.storage.pool.Post(std::move(process));
       } else {
         strand_.Post(std::move(process));
       }
@@ -166,8 +166,8 @@ grpc::Status LocalizeStream::OpenSession(Slot& slot) {
     return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT,
                         "open is missing; it must be the first message of a stream");
   }
-  absl::StatusOr<std::unique_ptr<Session>> session =
-      Session::Open(slot.request.open(), peer_, host_.store, host_.registry, host_.create_matcher);
+  absl::StatusOr<std::unique_ptr<Session>> session = Session::Open(
+      slot.request.open(), peer_, host_.storage.store, host_.registry, host_.create_matcher);
   if (!session.ok()) return ToGrpc(session.status());
   session_ = *std::move(session);
   session_->Describe(slot.response.mutable_opened());

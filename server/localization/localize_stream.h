@@ -12,17 +12,17 @@
 
 #include "dcloc/v1/localization_service.pb.h"
 #include "server/localization/session.h"
+#include "server/storage_host.h"
 #include "server/worker_pool.h"
 
 namespace dcloc::server {
 
 /// What all streams share; outlives them.
 struct SessionHost {
-  MapStore& store;
+  const StorageHost& storage;  ///< opening a session may wait for a disk
   SessionRegistry& registry;
   MatcherFactory* create_matcher;
   WorkerPool& localization_pool;  ///< answers scans
-  WorkerPool& storage_pool;       ///< opens sessions, which may wait for a disk
   int max_pending_scan_count;     ///< per session
 };
 

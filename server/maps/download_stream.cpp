@@ -16,20 +16,19 @@ constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
 
 }  // namespace
 
-DownloadStream* DownloadStream::Start(MapStore& store, WorkerPool& storage_pool,
+DownloadStream* DownloadStream::Start(const StorageHost& host,
                                       const v1::DownloadMapRequest& request) {
-  std::shared_ptr<DownloadStream> stream(new DownloadStream(store, storage_pool));
+  std::shared_ptr<DownloadStream> stream(new DownloadStream(host));
   stream->self_ = stream;
-  storage_pool.Post([stream, request] { stream->SendVersion(request); });
+  host.pool.Post([stream, request] { stream->SendVersion(request); });
   return stream.get();
 }
 
-DownloadStream::DownloadStream(MapStore& store, WorkerPool& storage_pool)
-    : store_(store), storage_pool_(storage_pool) {}
+DownloadStream::DownloadStream(const StorageHost& host) : host_(host), token_(host.open_calls) {}
 
 void DownloadStream::OnWriteDone(bool ok) {
   if (ok) {
-    storage_pool_.Post([self = shared_from_this()] { self->SendChunk(); });
+    host_.pool.Post([self = shared_from_this()] { self->SendChunk(); });
   } else {
     End(absl::CancelledError("cancelled"));
   }
@@ -42,7 +41,7 @@ void DownloadStream::SendVersion(const v1::DownloadMapRequest& request) {
   status.Update(convert::CheckIntegerBetween("version", request.version(), 0,
                                              std::numeric_limits<std::int64_t>::max()));
   if (!status.ok()) return End(status);
-  absl::StatusOr<LoadedMap> map = store_.Acquire(request.map_name(), request.version());
+  absl::StatusOr<LoadedMap> map = host_.store.Acquire(request.map_name(), request.version());
   if (!map.ok()) return End(map.status());
   map_ = *std::move(map);
   convert::ToProto(map_.record, response_.mutable_version());

@@ -6,8 +6,7 @@
 #include <memory>
 
 #include "dcloc/v1/map_service.pb.h"
-#include "server/maps/map_store.h"
-#include "server/worker_pool.h"
+#include "server/storage_host.h"
 
 namespace dcloc::server {
 
@@ -17,21 +16,20 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
                              public std::enable_shared_from_this<DownloadStream> {
  public:
   /// Lives until the call is done and the pool has let go of it.
-  static DownloadStream* Start(MapStore& store, WorkerPool& storage_pool,
-                               const v1::DownloadMapRequest& request);
+  static DownloadStream* Start(const StorageHost& host, const v1::DownloadMapRequest& request);
 
   void OnWriteDone(bool ok) override;
   void OnDone() override;
 
  private:
-  DownloadStream(MapStore& store, WorkerPool& storage_pool);
+  explicit DownloadStream(const StorageHost& host);
 
   void SendVersion(const v1::DownloadMapRequest& request);
   void SendChunk();
   void End(const absl::Status& status);
 
-  MapStore& store_;
-  WorkerPool& storage_pool_;
+  const StorageHost& host_;
+  OpenCalls::Token token_;
   std::shared_ptr<DownloadStream> self_;  ///< reset by OnDone
   LoadedMap map_;
   std::size_t sent_bytes_ = 0;

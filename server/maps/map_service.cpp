@@ -90,71 +90,71 @@ absl::Status GetVersion(Catalogue& catalogue, const v1::GetMapVersionRequest& re
 
 }  // namespace
 
-MapService::MapService(MapStore& store, WorkerPool& storage_pool, std::int64_t max_map_bytes)
-    : store_(store), storage_pool_(storage_pool), max_map_bytes_(max_map_bytes) {}
+MapService::MapService(StorageHost host, std::int64_t max_map_bytes)
+    : host_(host), max_map_bytes_(max_map_bytes) {}
 
 grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* context,
                                                const v1::ListMapsRequest* request,
                                                v1::ListMapsResponse* response) {
-  return AnswerOn(storage_pool_, context, [this, request, response] {
-    return server::ListMaps(store_.catalogue(), *request, response);
+  return AnswerOn(host_, context, [this, request, response] {
+    return server::ListMaps(host_.store.catalogue(), *request, response);
   });
 }
 
 grpc::ServerUnaryReactor* MapService::GetMap(grpc::CallbackServerContext* context,
                                              const v1::GetMapRequest* request,
                                              v1::GetMapResponse* response) {
-  return AnswerOn(storage_pool_, context, [this, request, response] {
-    return server::GetMap(store_.catalogue(), request->map_name(), response->mutable_map());
+  return AnswerOn(host_, context, [this, request, response] {
+    return server::GetMap(host_.store.catalogue(), request->map_name(), response->mutable_map());
   });
 }
 
 grpc::ServerUnaryReactor* MapService::ListMapVersions(grpc::CallbackServerContext* context,
                                                       const v1::ListMapVersionsRequest* request,
                                                       v1::ListMapVersionsResponse* response) {
-  return AnswerOn(storage_pool_, context, [this, request, response] {
-    return ListVersions(store_.catalogue(), *request, response);
+  return AnswerOn(host_, context, [this, request, response] {
+    return ListVersions(host_.store.catalogue(), *request, response);
   });
 }
 
 grpc::ServerUnaryReactor* MapService::GetMapVersion(grpc::CallbackServerContext* context,
                                                     const v1::GetMapVersionRequest* request,
                                                     v1::GetMapVersionResponse* response) {
-  return AnswerOn(storage_pool_, context, [this, request, response] {
-    return GetVersion(store_.catalogue(), *request, response->mutable_version());
+  return AnswerOn(host_, context, [this, request, response] {
+    return GetVersion(host_.store.catalogue(), *request, response->mutable_version());
   });
 }
 
 grpc::ServerReadReactor<v1::UploadMapRequest>* MapService::UploadMap(
     grpc::CallbackServerContext* context, v1::UploadMapResponse* response) {
-  return UploadStream::Start(context, store_, storage_pool_, max_map_bytes_, response);
+  return UploadStream::Start(context, host_, max_map_bytes_, response);
 }
 
 grpc::ServerWriteReactor<v1::DownloadMapResponse>* MapService::DownloadMap(
     grpc::CallbackServerContext* /*context*/, const v1::DownloadMapRequest* request) {
-  return DownloadStream::Start(store_, storage_pool_, *request);
+  return DownloadStream::Start(host_, *request);
 }
 
 grpc::ServerUnaryReactor* MapService::ActivateMapVersion(
     grpc::CallbackServerContext* context, const v1::ActivateMapVersionRequest* request,
     v1::ActivateMapVersionResponse* response) {
-  return AnswerOn(storage_pool_, context, [this, request, response]() -> absl::Status {
+  return AnswerOn(host_, context, [this, request, response]() -> absl::Status {
     absl::Status status = Check(request->map_name(), request->version(), 1);
     if (!status.ok()) return status;
-    status = store_.catalogue().Activate(request->map_name(), request->version());
+    status = host_.store.catalogue().Activate(request->map_name(), request->version());
     if (!status.ok()) return status;
     spdlog::info("map activated map={} version={}", request->map_name(), request->version());
-    return server::GetMap(store_.catalogue(), request->map_name(), response->mutable_map());
+    return server::GetMap(host_.store.catalogue(), request->map_name(), response->mutable_map());
   });
 }
 
 grpc::ServerUnaryReactor* MapService::DeleteMapVersion(grpc::CallbackServerContext* context,
                                                        const v1::DeleteMapVersionRequest* request,
                                                        v1::DeleteMapVersionResponse* /*response*/) {
-  return AnswerOn(storage_pool_, context, [this, request] {
+  return AnswerOn(host_, context, [this, request] {
     absl::Status status = Check(request->map_name(), request->version(), 1);
     if (!status.ok()) return status;
-    status = store_.DeleteVersion(request->map_name(), request->version());
+    status = host_.store.DeleteVersion(request->map_name(), request->version());
     if (!status.ok()) return status;
     spdlog::info("map version deleted map={} version={}", request->map_name(), request->version());
     return status;
@@ -164,10 +164,10 @@ grpc::ServerUnaryReactor* MapService::DeleteMapVersion(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* context,
                                                 const v1::DeleteMapRequest* request,
                                                 v1::DeleteMapResponse* /*response*/) {
-  return AnswerOn(storage_pool_, context, [this, request] {
+  return AnswerOn(host_, context, [this, request] {
     absl::Status status = convert::CheckMapName("map_name", request->map_name());
     if (!status.ok()) return status;
-    status = store_.DeleteMap(request->map_name());
+    status = host_.store.DeleteMap(request->map_name());
     if (!status.ok()) return status;
     spdlog::info("map deleted map={}", request->map_name());
     return status;

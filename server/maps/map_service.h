@@ -3,8 +3,7 @@
 #include <cstdint>
 
 #include "dcloc/v1/map_service.grpc.pb.h"
-#include "server/maps/map_store.h"
-#include "server/worker_pool.h"
+#include "server/storage_host.h"
 
 namespace dcloc::server {
 
@@ -12,8 +11,7 @@ namespace dcloc::server {
 /// pool.
 class MapService final : public v1::MapService::CallbackService {
  public:
-  /// `store` and `storage_pool` outlive the service's calls.
-  MapService(MapStore& store, WorkerPool& storage_pool, std::int64_t max_map_bytes);
+  MapService(StorageHost host, std::int64_t max_map_bytes);
 
   grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
                                      const v1::ListMapsRequest* request,
@@ -42,8 +40,7 @@ class MapService final : public v1::MapService::CallbackService {
                                       v1::DeleteMapResponse* response) override;
 
  private:
-  MapStore& store_;
-  WorkerPool& storage_pool_;
+  const StorageHost host_;
   const std::int64_t max_map_bytes_;
 };
 

@@ -9,30 +9,27 @@
 
 namespace dcloc::server {
 
-UploadStream* UploadStream::Start(grpc::CallbackServerContext* context, MapStore& store,
-                                  WorkerPool& storage_pool, std::int64_t max_map_bytes,
-                                  v1::UploadMapResponse* response) {
-  std::shared_ptr<UploadStream> stream(
-      new UploadStream(context, store, storage_pool, max_map_bytes, response));
+UploadStream* UploadStream::Start(grpc::CallbackServerContext* context, const StorageHost& host,
+                                  std::int64_t max_map_bytes, v1::UploadMapResponse* response) {
+  std::shared_ptr<UploadStream> stream(new UploadStream(context, host, max_map_bytes, response));
   stream->self_ = stream;
   stream->StartRead(&stream->request_);
   return stream.get();
 }
 
-UploadStream::UploadStream(grpc::CallbackServerContext* context, MapStore& store,
-                           WorkerPool& storage_pool, std::int64_t max_map_bytes,
-                           v1::UploadMapResponse* response)
+UploadStream::UploadStream(grpc::CallbackServerContext* context, const StorageHost& host,
+                           std::int64_t max_map_bytes, v1::UploadMapResponse* response)
     : context_(context),
-      store_(store),
-      storage_pool_(storage_pool),
+      host_(host),
+      token_(host.open_calls),
       max_map_bytes_(max_map_bytes),
       response_(response) {}
 
 void UploadStream::OnReadDone(bool ok) {
   if (ok) {
-    storage_pool_.Post([self = shared_from_this()] { self->TakeMessage(); });
+    host_.pool.Post([self = shared_from_this()] { self->TakeMessage(); });
   } else {
-    storage_pool_.Post([self = shared_from_this()] { self->TakeEnd(); });
+    host_.pool.Post([self = shared_from_this()] { self->TakeEnd(); });
   }
 }
 
@@ -72,7 +69,7 @@ absl::Status UploadStream::Take(const v1::UploadMapRequest& request) {
 }
 
 absl::Status UploadStream::Begin(const v1::UploadMapHeader& header) {
-  absl::StatusOr<Upload> upload = Upload::Begin(store_,
+  absl::StatusOr<Upload> upload = Upload::Begin(host_.store,
                                                 {.map_name = header.map_name(),
                                                  .size_bytes = header.size_bytes(),
                                                  .sha256 = header.sha256(),

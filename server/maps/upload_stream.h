@@ -7,7 +7,7 @@
 
 #include "dcloc/v1/map_service.pb.h"
 #include "server/maps/upload.h"
-#include "server/worker_pool.h"
+#include "server/storage_host.h"
 
 namespace dcloc::server {
 
@@ -17,15 +17,14 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadMapRequest>,
                            public std::enable_shared_from_this<UploadStream> {
  public:
   /// Lives until the call is done and the pool has let go of it.
-  static UploadStream* Start(grpc::CallbackServerContext* context, MapStore& store,
-                             WorkerPool& storage_pool, std::int64_t max_map_bytes,
-                             v1::UploadMapResponse* response);
+  static UploadStream* Start(grpc::CallbackServerContext* context, const StorageHost& host,
+                             std::int64_t max_map_bytes, v1::UploadMapResponse* response);
 
   void OnReadDone(bool ok) override;
   void OnDone() override;
 
  private:
-  UploadStream(grpc::CallbackServerContext* context, MapStore& store, WorkerPool& storage_pool,
+  UploadStream(grpc::CallbackServerContext* context, const StorageHost& host,
                std::int64_t max_map_bytes, v1::UploadMapResponse* response);
 
   void TakeMessage();
@@ -34,8 +33,8 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadMapRequest>,
   absl::Status Begin(const v1::UploadMapHeader& header);
 
   grpc::CallbackServerContext* context_;
-  MapStore& store_;
-  WorkerPool& storage_pool_;
+  const StorageHost& host_;
+  OpenCalls::Token token_;
   const std::int64_t max_map_bytes_;
   v1::UploadMapResponse* response_;
   std::shared_ptr<UploadStream> self_;  ///< reset by OnDone

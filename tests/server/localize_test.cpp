@@ -259,16 +259,6 @@ TEST_F(LocalizeTest, ManyMalformedStreamsDoNotDisturbAnother) {
 
 // ---- Cancelling, limits, and what is left behind
 
-/// Waits, for at most some seconds, until `done`.
-template <typename Predicate>
-bool Eventually(Predicate done) {
-  for (int i = 0; i < 1000; ++i) {
-    if (done()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return false;
-}
-
 TEST_F(LocalizeTest, CancelledStreamsLeaveNothingBehind) {
   for (int round = 0; round < 50; ++round) {
     TestSession session(*server_.localization);
@@ -330,15 +320,7 @@ TEST_F(LocalizeTest, AReaderThatNeverReadsHoldsItselfBackAndNobodyElse) {
   std::thread writer([&] {
     while (stuck.Send(ScanMessage(sent, 2000))) ++sent;
   });
-  // It writes until flow control stops it.
-  int last = -1;
-  ASSERT_TRUE(Eventually([&] {
-    const int now = sent;
-    const bool stands = now == last;
-    last = now;
-    if (!stands) std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    return stands;
-  }));
+  ASSERT_TRUE(Eventually([&] { return StandsStill(sent); })) << "flow control must stop it";
   TestSession other(*server_.localization);
   OpenSession(other);
   for (int i = 0; i < 20; ++i) ASSERT_TRUE(other.Localize(ScanMessage(i))->has_result());

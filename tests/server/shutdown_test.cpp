@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -76,12 +78,13 @@ TEST_F(ShutdownTest, WhoDoesNotReadIsCutOffAtTheDeadline) {
   TestSession session(*server_.localization);
   ASSERT_TRUE(session.Open(OpenMessage()));
   ASSERT_TRUE(session.Read().has_value());
+  std::atomic<int> sent = 0;
   std::thread writer([&] {
-    for (int i = 0; session.Send(ScanMessage(i)); ++i) {
-    }
+    while (session.Send(ScanMessage(sent, 2000))) ++sent;
   });
-  std::this_thread::sleep_for(milliseconds(500));  // until flow control holds it
+  ASSERT_TRUE(Eventually([&] { return StandsStill(sent); })) << "flow control must stop it";
   const milliseconds took = Shutdown(milliseconds(1000));
+  EXPECT_GE(took, milliseconds(1000));
   EXPECT_LT(took, milliseconds(5000));
   writer.join();
   EXPECT_FALSE(session.Finish().ok());
@@ -95,7 +98,11 @@ TEST_F(ShutdownTest, AnUploadThatStandsStillIsCutOffAtTheDeadline) {
   v1::UploadMapRequest request;
   *request.mutable_header() = HeaderOf(bytes);
   ASSERT_TRUE(writer->Write(request));
-  EXPECT_LT(Shutdown(milliseconds(500)), milliseconds(5000));
+  const std::filesystem::path incoming = server_.folder.path() / "store" / "incoming";
+  ASSERT_TRUE(Eventually([&] { return !std::filesystem::is_empty(incoming); }));
+  const milliseconds took = Shutdown(milliseconds(500));
+  EXPECT_GE(took, milliseconds(500));
+  EXPECT_LT(took, milliseconds(5000));
   EXPECT_FALSE(writer->Finish().ok());
 }
 

@@ -5,6 +5,7 @@
 #include <grpcpp/create_channel.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -135,5 +137,22 @@ class TestSession {
   Call call_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::LocalizeRequest, v1::LocalizeResponse>> stream_;
 };
+
+/// Waits, for at most some seconds, until `done`.
+template <typename Predicate>
+bool Eventually(Predicate done) {
+  for (int i = 0; i < 1000; ++i) {
+    if (done()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+/// Whether `count` is the same for a while.
+inline bool StandsStill(const std::atomic<int>& count) {
+  const int before = count;
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  return count == before;
+}
 
 }  // namespace dcloc::server
