@@ -70,6 +70,7 @@ TEST(SessionTest, ThreadsMaySendAtTheSameTime) {
   const FakeServer server(AnswerAll);
   const auto session = Open(server, {.max_queued_scan_count = 2, .when_full = FullQueue::kBlock});
   std::vector<std::thread> senders;
+  senders.reserve(4);
   for (int thread = 0; thread < 4; ++thread) {
     senders.emplace_back([&, thread] {
       for (int i = 0; i < 200; ++i) {

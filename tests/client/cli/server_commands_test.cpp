@@ -1,0 +1,224 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/server.h"
+#include "tests/core/map/temporary_folder.h"
+
+// The commands of `dcloc` that need a server, as a user meets them.
+namespace dcloc {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+std::string ReadText(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+struct Result {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+};
+
+/// `dcloc` under way.
+class Process {
+ public:
+  explicit Process(const std::string& arguments) {
+    const std::string command = std::string("exec ") + DCLOC_PROGRAM + " " + arguments + " >" +
+                                Path("out") + " 2>" + Path("err");
+    pid_ = fork();
+    if (pid_ == 0) {
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+  }
+
+  void Signal(int signal) const { kill(pid_, signal); }
+
+  Result Wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadText(Path("out")),
+            ReadText(Path("err"))};
+  }
+
+ private:
+  std::string Path(const char* name) const { return (folder_.path() / name).string(); }
+
+  const TemporaryFolder folder_;
+  pid_t pid_ = -1;
+};
+
+Result Dcloc(const std::string& arguments) { return Process(arguments).Wait(); }
+
+/// A server of its own for each test; a short simulated drive and its map for all.
+class ServerCommandsTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    shared_ = std::make_unique<TemporaryFolder>();
+    Result result = Dcloc("simulate --length-m 200 --out " + Shared("sim"));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    for (const auto& entry : std::filesystem::directory_iterator(Shared("sim") + "/can_bus")) {
+      const std::string file = entry.path().filename().string();
+      drive_ = std::min(drive_.empty() ? file : drive_, file);
+    }
+    drive_ = drive_.substr(0, drive_.rfind("_pose.json"));
+    result = Dcloc("map build " + Data() + " --out " + Shared("map"));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  static void TearDownTestSuite() { shared_.reset(); }
+
+  void SetUp() override {
+    auto server = server::Server::Start({.data = (folder_.path() / "data").string(),
+                                         .listen = "127.0.0.1:0",
+                                         .log_level = "error"});
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    address_ = server_->address();
+  }
+
+  static std::string Shared(const char* name) { return (shared_->path() / name).string(); }
+  static std::string Data() {
+    return "--dataset nuscenes --root " + Shared("sim") + " --drive " + drive_;
+  }
+  std::string File(const char* name) const { return (folder_.path() / name).string(); }
+  std::string At(const std::string& words) const { return words + " --server " + address_ + " "; }
+  std::string Localize(const std::string& words) const {
+    return At("localize") + "--map town " + Data() + " --out " + File("answers.csv") + " " + words;
+  }
+  void Upload() const {
+    const Result result = Dcloc(At("map upload") + "--map town --activate " + Shared("map"));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.out, HasSubstr("town version 1, active"));
+  }
+
+  // Waits until some answers are in the file.
+  void WaitForAnswers() const {
+    while (Lines(ReadText(File("answers.csv"))).size() < 20) std::this_thread::sleep_for(20ms);
+  }
+
+  // All lines are whole: as many fields as the header, the last one the map version.
+  void ExpectWholeLines() const {
+    const std::string text = ReadText(File("answers.csv"));
+    EXPECT_EQ(text.back(), '\n');
+    for (const std::string& line : Lines(text)) {
+      EXPECT_EQ(std::ranges::count(line, ','), 47) << line;
+    }
+  }
+
+  static inline std::unique_ptr<TemporaryFolder> shared_;
+  static inline std::string drive_;
+  const TemporaryFolder folder_;
+  std::unique_ptr<server::Server> server_;
+  std::string address_;
+};
+
+TEST_F(ServerCommandsTest, MapsAreListedActivatedAndDeleted) {
+  Upload();
+  ASSERT_EQ(Dcloc("map build " + Data() + " --name second --out " + File("second")).exit_code, 0);
+  ASSERT_EQ(Dcloc(At("map upload") + "--map town " + File("second")).exit_code, 0);
+  auto maps = nlohmann::json::parse(Dcloc(At("map list") + "--json").out);
+  ASSERT_EQ(maps.size(), 1U);
+  EXPECT_EQ(maps[0]["name"], "town");
+  EXPECT_EQ(maps[0]["active_version"], 1);
+  EXPECT_EQ(maps[0]["version_count"], 2);
+  EXPECT_EQ(Dcloc(At("map activate") + "--map town --version 2").exit_code, 0);
+  const auto versions = nlohmann::json::parse(Dcloc(At("map list") + "--map town --json").out);
+  EXPECT_EQ(versions[0]["version"], 2);
+  EXPECT_EQ(versions[0]["active"], true);
+  EXPECT_GT(versions[0]["point_count"], 100);
+
+  Result result = Dcloc(At("map delete") + "--map town --version 2");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("active"));
+  EXPECT_EQ(Dcloc(At("map delete") + "--map town").exit_code, 2);
+  EXPECT_EQ(Dcloc(At("map delete") + "--map town --all-versions").exit_code, 0);
+  EXPECT_EQ(nlohmann::json::parse(Dcloc(At("map list") + "--json").out).size(), 0U);
+}
+
+TEST_F(ServerCommandsTest, ADriveIsLocalizedAndTheAnswersAreKept) {
+  Upload();
+  const Result result = Dcloc(Localize("--rate max --tum " + File("answers.txt")));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("RTE mean"));
+  ExpectWholeLines();
+  const std::vector<std::string> csv = Lines(ReadText(File("answers.csv")));
+  EXPECT_THAT(result.out, HasSubstr(std::to_string(csv.size() - 1) + " of " +
+                                    std::to_string(csv.size() - 1) + " scans were answered"));
+  EXPECT_EQ(csv[0].rfind("stamp_ns,radar,state,x,y,z,qx,qy,qz,qw,c00,c01,", 0), 0U);
+  EXPECT_THAT(csv[0], HasSubstr(",c54,c55,latency_ms,map_version"));
+  const auto tracking = std::ranges::count_if(
+      csv, [](const std::string& line) { return line.find(",TRACKING,") != std::string::npos; });
+  EXPECT_GT(tracking, static_cast<long>(csv.size() / 2));
+  const std::vector<std::string> tum = Lines(ReadText(File("answers.txt")));
+  EXPECT_GE(tum.size(), static_cast<std::size_t>(tracking));
+  EXPECT_EQ(std::ranges::count(tum[0], ' '), 7);
+}
+
+TEST_F(ServerCommandsTest, CtrlCKeepsWhatWasAnswered) {
+  Upload();
+  Process localize(Localize("--rate realtime"));
+  WaitForAnswers();
+  localize.Signal(SIGINT);
+  const Result result = localize.Wait();
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("interrupted"));
+  EXPECT_THAT(result.out, HasSubstr("scans were answered"));
+  ExpectWholeLines();
+}
+
+TEST_F(ServerCommandsTest, AServerThatStopsIsAnErrorThatKeepsWhatWasAnswered) {
+  Upload();
+  Process localize(Localize("--rate realtime"));
+  WaitForAnswers();
+  server_.reset();
+  const Result result = localize.Wait();
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("dcloc: "));
+  ExpectWholeLines();
+}
+
+TEST_F(ServerCommandsTest, ErrorsSayWhatIsWrongAndTouchNoFile) {
+  std::ofstream(File("answers.csv")) << "old";
+  Result result = Dcloc(Localize("--rate max"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("town"));
+  server_.reset();
+  result = Dcloc(Localize("--rate max"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr(address_));
+  result = Dcloc(Localize("--rate max --tls-ca " + File("missing.pem")));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("missing.pem"));
+  EXPECT_EQ(ReadText(File("answers.csv")), "old");
+  EXPECT_EQ(Dcloc("map list --server nowhere").exit_code, 1);
+  EXPECT_EQ(Dcloc(Localize("--rate sometimes")).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace dcloc

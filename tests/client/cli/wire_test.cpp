@@ -1,0 +1,141 @@
+#include "client/cli/wire.h"
+
+#include <gtest/gtest.h>
+
+#include "server/convert/scan.h"
+#include "server/convert/session.h"
+
+// What the client writes the server reads back as it was, and the other way round.
+namespace dcloc::cli {
+namespace {
+
+Rig TwoRadars() {
+  return {.radars = {{.id = "front",
+                      .T_vehicle_radar = Exp(Vector6d(0.3 * Vector6d::Ones())),
+                      .beta_s = -0.02,
+                      .range_sigma_m = 0.11,
+                      .range_rate_sigma_mps = 0.12,
+                      .azimuth_sigma_rad = 0.013,
+                      .elevation_sigma_rad = 0.014,
+                      .has_elevation = true,
+                      .unambiguous_range_rate_mps = 25.0},
+                     {.id = "rear"}}};
+}
+
+TEST(WireTest, ARigArrivesAsItWas) {
+  const Rig rig = TwoRadars();
+  const auto arrived = server::convert::FromProto(ToProto(rig), "rig");
+  ASSERT_TRUE(arrived.ok()) << arrived.status();
+  ASSERT_EQ(arrived->radars.size(), 2U);
+  const RadarModel& sent = rig.radars[0];
+  const RadarModel& radar = arrived->radars[0];
+  EXPECT_EQ(radar.id, sent.id);
+  EXPECT_EQ(radar.T_vehicle_radar.translation_m, sent.T_vehicle_radar.translation_m);
+  EXPECT_LT(Log(radar.T_vehicle_radar.Inverse() * sent.T_vehicle_radar).norm(), 1e-12);
+  EXPECT_EQ(radar.beta_s, sent.beta_s);
+  EXPECT_EQ(radar.range_sigma_m, sent.range_sigma_m);
+  EXPECT_EQ(radar.range_rate_sigma_mps, sent.range_rate_sigma_mps);
+  EXPECT_EQ(radar.azimuth_sigma_rad, sent.azimuth_sigma_rad);
+  EXPECT_EQ(radar.elevation_sigma_rad, sent.elevation_sigma_rad);
+  EXPECT_TRUE(radar.has_elevation);
+  EXPECT_EQ(radar.unambiguous_range_rate_mps, sent.unambiguous_range_rate_mps);
+  EXPECT_FALSE(arrived->radars[1].has_elevation);
+}
+
+TEST(WireTest, AScanArrivesAsItWas) {
+  const Scan sent{.stamp = Stamp(std::chrono::nanoseconds(1'535'385'092'141'303'001)),
+                  .radar_id = "front",
+                  .range_m = {10.5F, 20.25F},
+                  .range_rate_mps = {-3.0F, 4.0F},
+                  .azimuth_rad = {0.1F, -0.2F},
+                  .elevation_rad = {0.01F, 0.02F},
+                  .rcs_dbsm = {5.0F, -5.0F},
+                  .range_sigma_m = {0.1F, 0.2F},
+                  .range_rate_sigma_mps = {0.3F, 0.4F},
+                  .azimuth_sigma_rad = {0.01F, 0.02F},
+                  .elevation_sigma_rad = {0.03F, 0.04F},
+                  .ego_velocity = EgoVelocity{.linear_mps = {8.0, 0.1, 0.0},
+                                              .angular_radps = {0.0, 0.0, 0.2},
+                                              .covariance = 0.01 * Matrix6d::Identity()}};
+  const v1::Scan message = ToProto(sent, 42);
+  EXPECT_EQ(message.sequence_number(), 42);
+  Scan scan;
+  const absl::Status status = server::convert::FromProto(message, TwoRadars(), &scan);
+  ASSERT_TRUE(status.ok()) << status;
+  EXPECT_EQ(scan.stamp, sent.stamp);
+  EXPECT_EQ(scan.radar_id, sent.radar_id);
+  EXPECT_EQ(scan.range_m, sent.range_m);
+  EXPECT_EQ(scan.range_rate_mps, sent.range_rate_mps);
+  EXPECT_EQ(scan.azimuth_rad, sent.azimuth_rad);
+  EXPECT_EQ(scan.elevation_rad, sent.elevation_rad);
+  EXPECT_EQ(scan.rcs_dbsm, sent.rcs_dbsm);
+  EXPECT_EQ(scan.range_sigma_m, sent.range_sigma_m);
+  EXPECT_EQ(scan.range_rate_sigma_mps, sent.range_rate_sigma_mps);
+  EXPECT_EQ(scan.azimuth_sigma_rad, sent.azimuth_sigma_rad);
+  EXPECT_EQ(scan.elevation_sigma_rad, sent.elevation_sigma_rad);
+  ASSERT_TRUE(scan.ego_velocity.has_value());
+  EXPECT_EQ(scan.ego_velocity->linear_mps, sent.ego_velocity->linear_mps);
+  EXPECT_EQ(scan.ego_velocity->angular_radps, sent.ego_velocity->angular_radps);
+  EXPECT_EQ(scan.ego_velocity->covariance, sent.ego_velocity->covariance);
+}
+
+TEST(WireTest, AnInitialPoseArrivesAsItWas) {
+  Vector6d variances;
+  variances << 0.5, 0.4, 0.01, 1e-4, 2e-4, 1e-3;
+  const InitialPose sent{.T_map_vehicle = Exp(Vector6d(0.4 * Vector6d::Ones())),
+                         .covariance = variances.asDiagonal()};
+  v1::OpenSession open;
+  *open.mutable_initial_pose() = ToProto(sent);
+  const auto arrived = server::convert::InitialPoseFromProto(open, std::nullopt);
+  ASSERT_TRUE(arrived.ok()) << arrived.status();
+  EXPECT_LT(Log((*arrived)->T_map_vehicle.Inverse() * sent.T_map_vehicle).norm(), 1e-12);
+  EXPECT_LT(((*arrived)->covariance - sent.covariance).norm(), 1e-12);
+}
+
+Localization Answer() {
+  return {.stamp = Stamp(std::chrono::nanoseconds(1'535'385'092'141'303'001)),
+          .state = LocalizationState::kDeadReckoning,
+          .T_map_vehicle = Exp(Vector6d(0.4 * Vector6d::Ones())),
+          .covariance = 0.01 * Vector6d(1.0, 2.0, 3.0, 4.0, 5.0, 6.0).asDiagonal(),
+          .observed = std::bitset<6>("100011"),
+          .quality = {.live_point_count = 7,
+                      .inlier_count = 6,
+                      .overlap = 0.5,
+                      .residual_scale = 1.1,
+                      .edge_distance = 2.2,
+                      .edge_valid = true}};
+}
+
+TEST(WireTest, AnAnswerArrivesAsItWas) {
+  const Localization sent = Answer();
+  v1::LocalizationResult result;
+  server::convert::ToProto(sent, &result);
+  const auto answer = FromProto(result);
+  ASSERT_TRUE(answer.ok()) << answer.status();
+  EXPECT_EQ(answer->stamp, sent.stamp);
+  EXPECT_EQ(answer->state, sent.state);
+  EXPECT_EQ(answer->T_map_vehicle.translation_m, sent.T_map_vehicle.translation_m);
+  EXPECT_EQ(answer->T_map_vehicle.rotation.coeffs(), sent.T_map_vehicle.rotation.coeffs());
+  EXPECT_LT((answer->covariance - sent.covariance).norm(), 1e-15);
+  EXPECT_EQ(answer->observed, sent.observed);
+  EXPECT_EQ(answer->quality.live_point_count, 7);
+  EXPECT_EQ(answer->quality.inlier_count, 6);
+  EXPECT_EQ(answer->quality.overlap, 0.5);
+  EXPECT_EQ(answer->quality.residual_scale, 1.1);
+  EXPECT_EQ(answer->quality.edge_distance, 2.2);
+  EXPECT_TRUE(answer->quality.edge_valid);
+}
+
+TEST(WireTest, AnAnswerThatIsNoneIsAnError) {
+  v1::LocalizationResult result;
+  server::convert::ToProto(Answer(), &result);
+  v1::LocalizationResult no_state = result;
+  no_state.clear_state();
+  EXPECT_EQ(FromProto(no_state).status().code(), absl::StatusCode::kDataLoss);
+  v1::LocalizationResult short_covariance = result;
+  short_covariance.mutable_pose()->mutable_covariance()->RemoveLast();
+  EXPECT_EQ(FromProto(short_covariance).status().code(), absl::StatusCode::kDataLoss);
+}
+
+}  // namespace
+}  // namespace dcloc::cli
