@@ -22,10 +22,9 @@ constexpr double kMaxDisagreement = 13.8;  // chi-square, 2 degrees of freedom, 
 }  // namespace
 
 const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar) {
-  const RadarScan scans[] = {{&scan, &radar}};
   const auto seed = static_cast<std::uint64_t>(scan.stamp.time_since_epoch().count());
   const std::optional<DopplerEgoVelocity> doppler =
-      EstimateEgoVelocity(scans, seed, options_.ego_velocity);
+      EstimateEgoVelocity(Remember(scan, radar), seed, options_.ego_velocity);
   const std::chrono::nanoseconds age = velocity_ ? scan.stamp - stamp_ : std::chrono::nanoseconds(0);
 
   EgoVelocity now;
@@ -44,6 +43,17 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar)
   velocity_ = now;
   stamp_ = scan.stamp;
   return *velocity_;
+}
+
+// The newest scan of each radar, as far as they are of one moment.
+std::vector<RadarScan> EgoMotion::Remember(const Scan& scan, const RadarModel& radar) {
+  constexpr auto kOneMoment = std::chrono::milliseconds(80);
+  recent_.insert_or_assign(radar.id, RecentScan{scan, &radar});
+  std::vector<RadarScan> scans;
+  for (const auto& [id, recent] : recent_) {
+    if (scan.stamp - recent.scan.stamp <= kOneMoment) scans.push_back({&recent.scan, recent.radar});
+  }
+  return scans;
 }
 
 // A car changes its speed by up to some metres per second in a second, its yaw rate by less than one

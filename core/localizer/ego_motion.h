@@ -1,8 +1,12 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/localizer/localizer_options.h"
+#include "core/radar/ego_velocity.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "core/submap/odometry.h"
@@ -16,19 +20,26 @@ class EgoMotion {
   explicit EgoMotion(const LocalizerOptions& options) : options_(options) {}
 
   /// Takes in the next scan, whose stamp is not before the last one's, and gives the velocity at
-  /// it; the covariance is set.
+  /// it; the covariance is set. `radar` outlives this object.
   const EgoVelocity& Advance(const Scan& scan, const RadarModel& radar);
 
   /// From the scan before the last one to the last one; identity at the first.
   const Motion& since_previous() const { return since_previous_; }
 
  private:
+  struct RecentScan {
+    Scan scan;
+    const RadarModel* radar;
+  };
+
+  std::vector<RadarScan> Remember(const Scan& scan, const RadarModel& radar);
   EgoVelocity Held(std::chrono::nanoseconds age) const;
 
   LocalizerOptions options_;
   std::optional<EgoVelocity> velocity_;
   Stamp stamp_{};
   Motion since_previous_;
+  std::map<std::string, RecentScan> recent_;  // by radar id
 };
 
 }  // namespace dcloc

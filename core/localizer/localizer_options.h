@@ -22,9 +22,11 @@ struct MatchOptions {
   double search_sigma_rad = 0.03;
   int hypotheses = 4;
   /// What every registration lacks however many points agree: errors that its points share, of the
-  /// map, of mounts and of clocks. Added to its covariance.
-  double shared_sigma_m = 0.05;
-  double shared_sigma_rad = 0.002;
+  /// map, of mounts and of clocks. They keep their value for `shared_time`, so that more
+  /// registrations within it do not average them out.
+  double shared_sigma_m = 0.08;
+  double shared_sigma_rad = 0.003;
+  std::chrono::nanoseconds shared_time = std::chrono::seconds(3);
 };
 
 /// When a state of the answer changes to another.

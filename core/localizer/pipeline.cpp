@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "absl/strings/str_format.h"
@@ -64,6 +65,15 @@ StaticPointsOptions PointOptions(const LocalizerOptions& options) {
   points.compensate = options.doppler_compensation;
   points.uncertainty = options.uncertainty;
   return points;
+}
+
+// Into how many registrations, `interval` apart, what lasts for `duration` is divided; no more than
+// there were.
+double Share(std::chrono::nanoseconds duration, std::chrono::nanoseconds interval,
+             int registration_count) {
+  const double share = 1.0 + static_cast<double>(duration.count()) /
+                                 static_cast<double>(std::max<std::int64_t>(1, interval.count()));
+  return std::min<double>(share, registration_count);
 }
 
 PoseGraphOptions GraphOptions(const LocalizerOptions& options) {
@@ -204,21 +214,24 @@ EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, const
                                     Stamp stamp) {
   // What was left over beyond the model widens the covariance; what agreed better does not narrow it.
   const double scale = std::max(1.0, registration.residual_scale);
-  const PoseEstimate<Dim> loop{
-      .pose = registration.T_local_vehicle,
-      .covariance = scale * scale * registration.covariance + SharedErrors<Dim>(options_.match)};
+  const TangentMatrix<Dim> own = scale * scale * registration.covariance;
+  const TangentMatrix<Dim> shared = SharedErrors<Dim>(options_.match);
   if (graph_.empty()) {
-    graph_.Reset(loop);
+    graph_.Reset({.pose = registration.T_local_vehicle, .covariance = own + shared});
     since_state_ = {};
+    registration_count_ = 1;
     return {.valid = true};
   }
+  ++registration_count_;
   // Each scan's points take part in every registration while the scan is in the sub-map.
-  const double interval_ns = static_cast<double>(
-      last_registration_ ? (stamp - *last_registration_).count() : submap.span.count());
-  const double reuse = 1.0 + static_cast<double>(submap.span.count()) / std::max(1.0, interval_ns);
-  const EdgeTest test = graph_.AddLoop(loop, reuse);
-  graph_.Solve();
-  return test;
+  const std::chrono::nanoseconds interval =
+      last_registration_ ? stamp - *last_registration_ : submap.span;
+  return graph_.AddLoop({.pose = registration.T_local_vehicle,
+                         .covariance = own + shared,
+                         .reused_covariance =
+                             Share(submap.span, interval, registration_count_) * own +
+                             Share(options_.match.shared_time, interval, registration_count_) *
+                                 shared});
 }
 
 template <int Dim>

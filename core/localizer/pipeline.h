@@ -10,7 +10,7 @@
 #include "core/localizer/localizer.h"
 #include "core/localizer/map_matcher.h"
 #include "core/localizer/tracking_state.h"
-#include "core/posegraph/pose_graph.h"
+#include "core/posegraph/pose_hypotheses.h"
 #include "core/submap/submap.h"
 
 namespace dcloc {
@@ -47,7 +47,7 @@ class Pipeline final : public Localizer::Impl {
   EgoMotion ego_motion_;
   SubmapWindow window_;
   MapMatcher<Dim> matcher_;
-  PoseGraph<Dim> graph_;
+  PoseHypotheses<Dim> graph_;
   TrackingState state_;
 
   Motion since_state_;  // from the graph's newest state to the newest scan
@@ -55,6 +55,7 @@ class Pipeline final : public Localizer::Impl {
   std::optional<Stamp> last_registration_;
   std::optional<Stamp> last_search_;
   std::map<std::string, Stamp> last_stamp_of_radar_;
+  int registration_count_ = 0;  // believed, since the graph was started
   LocalizationQuality quality_;
 };
 

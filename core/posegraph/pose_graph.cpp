@@ -62,7 +62,7 @@ void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry) {
 }
 
 template <int Dim>
-EdgeTest PoseGraph<Dim>::AddLoop(const PoseEstimate<Dim>& loop, double reuse) {
+EdgeTest PoseGraph<Dim>::AddLoop(const LoopEdge<Dim>& loop) {
   State& newest = states_.back();
   const Tangent<Dim> apart = Log(newest.pose.Inverse() * loop.pose);
   const TangentMatrix<Dim> spread = loop.covariance + FilteredCovariance();
@@ -71,7 +71,7 @@ EdgeTest PoseGraph<Dim>::AddLoop(const PoseEstimate<Dim>& loop, double reuse) {
   const double limit = Dim == 2 ? options_.max_distance_planar : options_.max_distance_spatial;
   // Written so that a distance that is not a number fails.
   test.valid = !options_.truncate || test.distance <= limit;
-  if (test.valid) newest.loop = {.pose = loop.pose, .covariance = reuse * loop.covariance};
+  if (test.valid) newest.loop = {.pose = loop.pose, .covariance = loop.reused_covariance};
   return test;
 }
 

@@ -15,6 +15,16 @@ struct PoseEstimate {
   TangentMatrix<Dim> covariance = TangentMatrix<Dim>::Zero();
 };
 
+/// A loop edge: the newest state's pose in the map frame, by registration.
+template <int Dim>
+struct LoopEdge {
+  Pose<Dim> pose;
+  TangentMatrix<Dim> covariance;         ///< of this registration alone; what the test uses
+  /// What one registration is worth beside its neighbours that share its measurements and its
+  /// errors: larger than `covariance`; what the solution uses.
+  TangentMatrix<Dim> reused_covariance;
+};
+
 struct PoseGraphOptions {
   int window = 10;  ///< states that are solved for, [1, 1000]
   /// Loop edges that fail the chi-square test against the fused state are cut (METHOD 7).
@@ -22,6 +32,8 @@ struct PoseGraphOptions {
   /// 95 % quantiles of the chi-square distribution with 3 and 6 degrees of freedom.
   double max_distance_planar = 7.815;
   double max_distance_spatial = 12.592;
+  /// Cut edges in a row that agree among themselves and so replace the believed chain, >= 2.
+  int takeover_support = 25;
 };
 
 /// What the test of a loop edge gave (METHOD eq 19, on the fused state).
@@ -44,11 +56,9 @@ class PoseGraph {
   /// Adds a state that odometry leads to from the newest one: T_newest_new. Needs a state.
   void AddState(const PoseEstimate<Dim>& odometry);
 
-  /// Gives the newest state a loop edge: its pose in the map frame by registration. Tests it against
-  /// the fused prediction; an edge that fails stays cut, its state held by odometry.
-  /// The test uses `loop.covariance`, the solution that times `reuse`: the number of registrations
-  /// in which each measurement takes part.
-  EdgeTest AddLoop(const PoseEstimate<Dim>& loop, double reuse);
+  /// Gives the newest state a loop edge and tests it against the fused prediction; an edge that fails
+  /// stays cut, its state held by odometry.
+  EdgeTest AddLoop(const LoopEdge<Dim>& loop);
 
   /// Solves for all states of the window.
   void Solve();

@@ -30,8 +30,8 @@ struct EgoVelocityOptions {
   /// do not determine the state.
   double max_condition = 1e6;
   /// Floors of the estimate's deviations: what calibration errors leave however many targets.
-  double linear_sigma_floor_mps = 0.03;
-  double yaw_rate_sigma_floor_radps = 0.01;
+  double linear_sigma_floor_mps = 0.5;
+  double yaw_rate_sigma_floor_radps = 0.03;
 };
 
 /// What the Doppler measurements of one moment say about the vehicle's motion.

@@ -16,10 +16,10 @@ struct Motion {
 struct OdometryOptions {
   /// How long the error of an ego-velocity keeps its value. A scale factor stays for minutes, noise
   /// for one sample; the spread of the integrated pose grows as if by steps of this length.
-  std::chrono::nanoseconds correlation_time = std::chrono::milliseconds(500);
+  std::chrono::nanoseconds correlation_time = std::chrono::seconds(2);
   /// Deviations of an ego-velocity that comes without a covariance.
-  double linear_sigma_mps = 0.05;
-  double linear_sigma_share = 0.01;  ///< of the speed, on top
+  double linear_sigma_mps = 0.1;
+  double linear_sigma_share = 0.02;  ///< of the speed, on top
   double vertical_sigma_mps = 0.05;
   double yaw_rate_sigma_radps = 0.005;
   double tilt_rate_sigma_radps = 0.01;
