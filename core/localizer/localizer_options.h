@@ -14,8 +14,8 @@ namespace dcloc {
 /// When a registration is believed, and what it is worth.
 struct MatchOptions {
   double local_map_radius_m = 100.0;
-  int min_inlier_count = 15;
-  double min_overlap = 0.3;
+  int min_inlier_count = 10;
+  double min_overlap = 0.2;
   double max_residual_scale = 1.8;
   /// Predictions less certain than this are searched around before refinement.
   double search_sigma_m = 0.4;
@@ -31,6 +31,9 @@ struct MatchOptions {
 
 /// When a state of the answer changes to another.
 struct StateOptions {
+  /// The first registration waits for this share of a full sub-map, or for this long a one.
+  double start_share = 0.8;
+  std::chrono::nanoseconds start_span = std::chrono::milliseconds(1000);
   int confirmations = 3;  ///< believed registrations in a row that start tracking
   std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
   double lost_sigma_m = 2.0;  ///< dead reckoning less certain than this is lost

@@ -1,5 +1,6 @@
 #include "core/localizer/map_matcher.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -56,6 +57,17 @@ double YawSigma(const TangentMatrix<Dim>& covariance) {
   return std::sqrt(covariance(Pose<Dim>::kDof - 1, Pose<Dim>::kDof - 1));
 }
 
+// Log-posterior of a registration up to a constant: the score is a likelihood per point, of which
+// about this many are independent; the prediction is the prior.
+template <int Dim>
+double Plausibility(const Registration<Dim>& registration, const PoseEstimate<Dim>& predicted) {
+  constexpr double kIndependentPoints = 20.0;
+  constexpr double kMinScore = 1e-9;
+  const Tangent<Dim> apart = Log(predicted.pose.Inverse() * registration.T_local_vehicle);
+  return kIndependentPoints * std::log(std::max(kMinScore, registration.score)) -
+         0.5 * apart.dot(predicted.covariance.ldlt().solve(apart));
+}
+
 }  // namespace
 
 template <int Dim>
@@ -80,7 +92,7 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::Match(std::span<const Gaussian
       YawSigma<Dim>(predicted.covariance) > options_.match.search_sigma_rad) {
     for (const Pose2& hypothesis : Hypotheses(live, predicted, seed)) {
       Registration<Dim> refined = Refine(live, Lift<Dim>(hypothesis, predicted.pose), 0.3);
-      if (refined.score > best.score) best = refined;
+      if (Plausibility(refined, predicted) > Plausibility(best, predicted)) best = refined;
     }
   }
   return Believable(best) ? std::optional(best) : std::nullopt;

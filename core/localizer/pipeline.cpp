@@ -125,7 +125,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), std::move(points), motion);
   const Submap submap = window_.Join(options_.uncertainty);
 
-  if (RegistrationIsDue(scan.stamp)) {
+  if (RegistrationIsDue(scan.stamp, submap)) {
     Announce(listener, Stage::kRegistration);
     const std::optional<Registration<Dim>> registration = Register(submap, scan.stamp);
 
@@ -170,7 +170,13 @@ void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
 }
 
 template <int Dim>
-bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp) const {
+bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp, const Submap& submap) const {
+  // A start from a few points is easily wrong, and then contradicts the better ones that follow.
+  const auto full = static_cast<double>(options_.scans_per_submap) *
+                    static_cast<double>(rig_.radars.size());
+  const bool mature = submap.scan_count >= options_.state.start_share * full ||
+                      submap.span >= options_.state.start_span;
+  if (registration_count_ == 0 && !mature) return false;
   return !last_registration_ || stamp - *last_registration_ >= options_.registration_interval;
 }
 

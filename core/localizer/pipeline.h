@@ -35,7 +35,7 @@ class Pipeline final : public Localizer::Impl {
  private:
   absl::Status CheckOrder(const Scan& scan) const;
   void Start(const InitialPose& initial_pose);
-  bool RegistrationIsDue(Stamp stamp) const;
+  bool RegistrationIsDue(Stamp stamp, const Submap& submap) const;
   void EnterLocalFrame(const Eigen::Vector3d& p_map);
   std::optional<Registration<Dim>> Register(const Submap& submap, Stamp stamp);
   EdgeTest UpdateGraph(const Registration<Dim>& registration, const Submap& submap, Stamp stamp);
