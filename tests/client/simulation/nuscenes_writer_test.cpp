@@ -134,7 +134,15 @@ TEST_F(NuScenesWriterTest, ChainsRunThroughEverySampleAndSweep) {
   std::map<std::string, json> sweeps;
   for (const json& row : Table("sample_data")) {
     sweeps[row["token"]] = row;
-    if (!row["is_key_frame"].get<bool>()) continue;
+    if (!row["is_key_frame"].get<bool>()) {
+      // A sweep between two samples belongs to the later one.
+      const json& sample = samples[row["sample_token"]];
+      const auto ahead =
+          sample["timestamp"].get<std::int64_t>() - row["timestamp"].get<std::int64_t>();
+      EXPECT_LT(ahead, 500'000);
+      EXPECT_TRUE(ahead >= 0 || sample["next"] == json(""));
+      continue;
+    }
     ++key_frames[{row["sample_token"], row["calibrated_sensor_token"]}];
     const auto distance = row["timestamp"].get<std::int64_t>() -
                           samples[row["sample_token"]]["timestamp"].get<std::int64_t>();
