@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "client/simulation/world/steps.h"
 #include "client/simulation/world/structures.h"
@@ -98,16 +99,16 @@ void AddParking(double side, const TownPlan& plan, World& world, Random& random)
   double at = 5.0;
   while (at < world.route.length_m()) {
     const double stretch_end = at + Uniform(random, 20.0, 90.0);
-    for (; at < stretch_end; at += Uniform(random, 5.8, 6.6)) {
-      if (!plan.IsAwayFromCrossroads(at, 8.0)) continue;
-      const PathPoint point = world.route.At(at);
+    for (const double slot : RandomSteps(random, at, stretch_end, 5.8, 6.6)) {
+      if (!plan.IsAwayFromCrossroads(slot, 8.0)) continue;
+      const PathPoint point = world.route.At(slot);
       const Eigen::Vector2d position =
           point.position_m + side * (kStreetHalfWidth - 1.1 + Uniform(random, -0.15, 0.15)) *
                                  LeftOf(point.heading_rad);
       const double heading = point.heading_rad + (side > 0.0 ? std::numbers::pi : 0.0);
       world.parking_slots.push_back({position, WrapAngle(heading)});
     }
-    at += Uniform(random, 8.0, 40.0);
+    at = stretch_end + Uniform(random, 8.0, 40.0);
   }
 }
 
