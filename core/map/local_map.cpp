@@ -39,10 +39,9 @@ LocalMap<Dim>::LocalMap(const RadarMap& map, const Eigen::Vector3d& p_map, doubl
   const std::optional<std::size_t> nearest = map.NearestKeyframe(p_map, radius_m);
   if (!nearest) return;
   T_map_local_ = map.keyframe(*nearest).T_map_keyframe;
-  // A keyframe's landmarks lie around it: those of keyframes somewhat further away reach in here.
-  constexpr double kReach_m = 40.0;
-  for (const std::size_t index :
-       map.KeyframesWithin(T_map_local_.translation_m, radius_m + kReach_m)) {
+  // A landmark belongs to the keyframe nearest to it, which therefore is no further from it than
+  // this one is.
+  for (const std::size_t index : map.KeyframesWithin(T_map_local_.translation_m, 2.0 * radius_m)) {
     AppendKeyframe<Dim>(map.keyframe(index), T_map_local_, radius_m, points_);
   }
   BuildGrid();
@@ -57,7 +56,8 @@ LocalMap<Dim>::LocalMap(const Pose3& T_map_local, std::vector<Point> points)
 template <int Dim>
 int LocalMap<Dim>::ClampedCell(double offset_m, int count) {
   const double cell = std::floor(offset_m / kCell_m);
-  return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(count - 1)));
+  if (!(cell > 0.0)) return 0;  // also what is not a number
+  return static_cast<int>(std::min(cell, static_cast<double>(count - 1)));
 }
 
 // Counting sort of the points by cell.
