@@ -11,6 +11,10 @@
 namespace dcloc {
 namespace {
 
+// What is known exactly (two scans of one moment, a start without doubt) would have an infinite
+// weight.
+constexpr double kMinVariance = 1e-10;
+
 // The better of two views of one pose: A (A + B)^-1 is the share of the second.
 template <int Dim>
 TangentMatrix<Dim> Gain(const TangentMatrix<Dim>& first, const TangentMatrix<Dim>& second) {
@@ -48,6 +52,7 @@ ceres::Manifold* MakeManifold() {
 template <int Dim>
 void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior) {
   prior_ = prior;
+  prior_.covariance.diagonal().array() += kMinVariance;
   states_.clear();
   states_.push_back({.pose = prior.pose});
 }
@@ -55,8 +60,6 @@ void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior) {
 template <int Dim>
 void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry) {
   states_.push_back({.pose = states_.back().pose * odometry.pose, .odometry = odometry});
-  // Two scans of one moment: no motion, known exactly, would have an infinite weight.
-  constexpr double kMinVariance = 1e-10;
   states_.back().odometry.covariance.diagonal().array() += kMinVariance;
   if (states_.size() > static_cast<std::size_t>(options_.window)) MarginalizeOldest();
 }

@@ -42,7 +42,8 @@ LikelihoodField::LikelihoodField(const LocalMap<Dim>& map, double cell_m) : cell
     max_m = max_m.cwiseMax(point.mean_m.template head<2>());
   }
   const int reach = static_cast<int>(3.0 * kSigma_cells);
-  min_m_.array() -= reach * cell_m_;
+  // One cell more than the kernel reaches: rounding may put a point into the cell beside its own.
+  min_m_.array() -= (reach + 1) * cell_m_;
   max_m.array() += (reach + 1) * cell_m_;
   columns_ = static_cast<int>((max_m.x() - min_m_.x()) / cell_m_) + 1;
   rows_ = static_cast<int>((max_m.y() - min_m_.y()) / cell_m_) + 1;

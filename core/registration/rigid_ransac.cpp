@@ -79,11 +79,12 @@ std::optional<RigidMatch> MatchRigid(std::span<const Vector2f> a, std::span<cons
     std::vector<IndexPair> inliers = InliersOf(a, b, pairs, T_a_b, options.inlier_distance_m);
     if (inliers.size() > best.inliers.size()) best = {T_a_b, std::move(inliers)};
   }
-  if (best.inliers.size() < static_cast<std::size_t>(options.min_inlier_count)) {
-    return std::nullopt;
-  }
+  const auto min_inlier_count = static_cast<std::size_t>(options.min_inlier_count);
+  if (best.inliers.empty() || best.inliers.size() < min_inlier_count) return std::nullopt;
   best.T_a_b = FitRigid(a, b, best.inliers);
   best.inliers = InliersOf(a, b, pairs, best.T_a_b, options.inlier_distance_m);
+  // The fit may lose what the hypothesis held.
+  if (best.inliers.size() < min_inlier_count) return std::nullopt;
   return best;
 }
 
