@@ -1,0 +1,184 @@
+#include "core/posegraph/pose_hypotheses.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "tests/core/posegraph/chain.h"
+
+namespace dcloc {
+namespace {
+
+constexpr int kSupport = 8;
+constexpr PoseGraphOptions kOptions{.takeover_support = kSupport};
+
+// Registrations with a fraction of the noise that they claim, so that chance fails none of them.
+Chain<2> QuietChain(int count) {
+  Chain<2> chain(count, Diagonal<2>(0.005, 0.0005), Diagonal<2>(0.01, 0.001), 3);
+  for (auto& step : chain.steps) {
+    step.odometry.covariance = Diagonal<2>(0.02, 0.002);
+    step.loop.covariance = step.loop.reused_covariance = Diagonal<2>(0.05, 0.005);
+  }
+  chain.prior.covariance = Diagonal<2>(0.05, 0.005);
+  return chain;
+}
+
+double DistanceTo(const Pose2& truth, const PoseHypotheses<2>& hypotheses) {
+  return (hypotheses.Newest().pose.translation_m - truth.translation_m).norm();
+}
+
+LoopEdge<2> Aside(LoopEdge<2> loop, double y_m) {
+  loop.pose = loop.pose * Pose2{.translation_m = {0.0, y_m}};
+  return loop;
+}
+
+// The outcome of every step's edge; `loop_at(i)` gives the edge.
+template <typename LoopAt>
+std::vector<EdgeTest> Drive(const Chain<2>& chain, PoseHypotheses<2>& hypotheses,
+                            const LoopAt& loop_at) {
+  std::vector<EdgeTest> tests;
+  for (std::size_t i = 0; i < chain.steps.size(); ++i) {
+    hypotheses.AddState(chain.steps[i].odometry);
+    tests.push_back(hypotheses.AddLoop(loop_at(i)));
+  }
+  return tests;
+}
+
+TEST(PoseHypothesesTest, WithoutContradictionItIsThePoseGraph) {
+  const Chain<2> chain = QuietChain(30);
+  PoseHypotheses<2> hypotheses(kOptions);
+  EXPECT_TRUE(hypotheses.empty());
+  hypotheses.Reset(chain.prior);
+  EXPECT_FALSE(hypotheses.empty());
+  PoseGraph<2> graph(kOptions);
+  graph.Reset(chain.prior);
+  for (const auto& step : chain.steps) {
+    hypotheses.AddState(step.odometry);
+    graph.AddState(step.odometry);
+    EXPECT_EQ(hypotheses.AddLoop(step.loop).distance, graph.AddLoop(step.loop).distance);
+    graph.Solve();
+    EXPECT_EQ(hypotheses.Newest().pose.translation_m, graph.Newest().pose.translation_m);
+  }
+}
+
+TEST(PoseHypothesesTest, AShorterBurstNeverTakesOver) {
+  const Chain<2> chain = QuietChain(40);
+  PoseHypotheses<2> hypotheses(kOptions);
+  hypotheses.Reset(chain.prior);
+  const auto in_burst = [](std::size_t i) { return i >= 10 && i < 10 + kSupport - 1; };
+  const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
+    return in_burst(i) ? Aside(chain.steps[i].loop, 3.0) : chain.steps[i].loop;
+  });
+  for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, !in_burst(i)) << i;
+  EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.1);
+}
+
+TEST(PoseHypothesesTest, OneAcceptedEdgeEndsTheContention) {
+  const Chain<2> chain = QuietChain(60);
+  PoseHypotheses<2> hypotheses(kOptions);
+  hypotheses.Reset(chain.prior);
+  // Most registrations are wrong, and all the wrong ones agree; every seventh is right.
+  const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
+    return i % 7 != 6 ? Aside(chain.steps[i].loop, 3.0) : chain.steps[i].loop;
+  });
+  for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, i % 7 == 6) << i;
+  EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.2);
+}
+
+TEST(PoseHypothesesTest, ScatteredFailuresNeverTakeOver) {
+  const Chain<2> chain = QuietChain(60);
+  PoseHypotheses<2> hypotheses(kOptions);
+  hypotheses.Reset(chain.prior);
+  const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
+    return Aside(chain.steps[i].loop, i % 2 == 0 ? 10.0 : -10.0);
+  });
+  for (const EdgeTest& test : tests) EXPECT_FALSE(test.valid);
+  EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.6);
+}
+
+TEST(PoseHypothesesTest, AChainThatIsWrongForGoodIsReplaced) {
+  const Chain<2> chain = QuietChain(30);
+  PoseHypotheses<2> hypotheses(kOptions);
+  PoseEstimate<2> wrong = chain.prior;
+  wrong.pose = wrong.pose * Pose2{.translation_m = {0.0, 5.0}, .yaw_rad = 0.1};
+  hypotheses.Reset(wrong);
+  for (std::size_t i = 0; i < chain.steps.size(); ++i) {
+    hypotheses.AddState(chain.steps[i].odometry);
+    const EdgeTest test = hypotheses.AddLoop(chain.steps[i].loop);
+    const bool taken_over = i + 1 >= kSupport;
+    EXPECT_EQ(test.valid, taken_over) << i;
+    if (taken_over) {
+      EXPECT_LT(DistanceTo(chain.steps[i].truth, hypotheses), 0.1) << i;
+      // What took over was made of a few registrations: it claims no more than that.
+      EXPECT_LT(hypotheses.Newest().covariance(0, 0), 0.05 * 0.05);
+      EXPECT_GT(hypotheses.Newest().covariance(0, 0), 0.01 * 0.01);
+    } else {
+      EXPECT_GT(DistanceTo(chain.steps[i].truth, hypotheses), 3.0) << i;
+    }
+  }
+}
+
+TEST(PoseHypothesesTest, StatesWithoutARegistrationDoNotEndTheContention) {
+  const Chain<2> chain = QuietChain(40);
+  PoseHypotheses<2> hypotheses(kOptions);
+  PoseEstimate<2> wrong = chain.prior;
+  wrong.pose.translation_m.y() += 5.0;
+  hypotheses.Reset(wrong);
+  int given = 0;
+  for (std::size_t i = 0; i < chain.steps.size(); ++i) {
+    hypotheses.AddState(chain.steps[i].odometry);
+    if (i % 3 != 0) continue;
+    ++given;
+    EXPECT_EQ(hypotheses.AddLoop(chain.steps[i].loop).valid, given >= kSupport) << i;
+  }
+  EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.2);
+}
+
+TEST(PoseHypothesesTest, TheContentionSurvivesAChangeOfFrame) {
+  const Chain<2> chain = QuietChain(20);
+  const Pose2 T_new_old{.translation_m = {-30.0, 12.0}, .yaw_rad = 1.1};
+  PoseHypotheses<2> hypotheses(kOptions);
+  PoseEstimate<2> wrong = chain.prior;
+  wrong.pose.translation_m.y() += 5.0;
+  hypotheses.Reset(wrong);
+  for (std::size_t i = 0; i < chain.steps.size(); ++i) {
+    hypotheses.AddState(chain.steps[i].odometry);
+    if (i == 4) hypotheses.ChangeFrame(T_new_old);
+    LoopEdge<2> loop = chain.steps[i].loop;
+    if (i >= 4) loop.pose = T_new_old * loop.pose;
+    EXPECT_EQ(hypotheses.AddLoop(loop).valid, i + 1 >= kSupport) << i;
+  }
+  EXPECT_LT(DistanceTo(T_new_old * chain.steps.back().truth, hypotheses), 0.1);
+}
+
+TEST(PoseHypothesesTest, AResetDropsTheContender) {
+  const Chain<2> chain = QuietChain(kSupport - 1);
+  PoseHypotheses<2> hypotheses(kOptions);
+  PoseEstimate<2> wrong = chain.prior;
+  wrong.pose.translation_m.y() += 5.0;
+  hypotheses.Reset(wrong);
+  Drive(chain, hypotheses, [&](std::size_t i) { return chain.steps[i].loop; });
+  wrong.pose = wrong.pose * Pose2{.translation_m = {50.0, 0.0}};
+  hypotheses.Reset(wrong);
+  hypotheses.AddState(chain.steps.back().odometry);
+  EXPECT_FALSE(hypotheses.AddLoop(chain.steps.back().loop).valid);
+  EXPECT_GT(DistanceTo(chain.steps.back().truth, hypotheses), 20.0);
+}
+
+TEST(PoseHypothesesTest, LoopsThatAreNoNumbersAreCutAndLeaveNothingBehind) {
+  const Chain<2> chain = QuietChain(60);
+  PoseHypotheses<2> hypotheses(kOptions);
+  hypotheses.Reset(chain.prior);
+  const auto is_bad = [](std::size_t i) { return i >= 5 && i < 5 + 3 * kSupport; };
+  const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
+    LoopEdge<2> loop = chain.steps[i].loop;
+    if (is_bad(i)) loop.pose.yaw_rad = std::numeric_limits<double>::quiet_NaN();
+    return loop;
+  });
+  for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, !is_bad(i)) << i;
+  EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.1);
+}
+
+}  // namespace
+}  // namespace dcloc
