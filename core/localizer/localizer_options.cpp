@@ -24,6 +24,7 @@ absl::Status Validate(const LocalizerOptions& options) {
                              Milliseconds(options.registration_interval), 0.0, 10'000.0));
   status.Update(
       CheckBetween("match.local_map_radius_m", options.match.local_map_radius_m, 10.0, 1000.0));
+  status.Update(CheckBetween("match.max_live_points", options.match.max_live_points, 10, 100'000));
   status.Update(CheckBetween("gicp.max_iterations", options.gicp.max_iterations, 1, 1000));
   status.Update(CheckBetween("gicp.reach_m", options.gicp.reach_m, 0.1, 20.0));
   status.Update(CheckBetween("static_points.max_range_m", options.static_points.max_range_m,

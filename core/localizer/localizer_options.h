@@ -14,6 +14,7 @@ namespace dcloc {
 /// When a registration is believed, and what it is worth.
 struct MatchOptions {
   double local_map_radius_m = 100.0;
+  int max_live_points = 1500;  ///< of a fuller sub-map an even choice is matched
   int min_inlier_count = 10;
   double min_overlap = 0.2;
   double max_residual_scale = 1.8;

@@ -13,13 +13,16 @@ namespace {
 
 constexpr int kDofInSpace = 6;
 
+// The points, or every n-th of them so that there are no more than `max_count`.
 template <int Dim>
-std::vector<GaussianPoint<Dim>> ToGaussian(const std::vector<RadarPoint>& points) {
+std::vector<GaussianPoint<Dim>> ToGaussian(const std::vector<RadarPoint>& points, int max_count) {
+  const auto limit = static_cast<std::size_t>(max_count);
+  const std::size_t stride = std::max<std::size_t>(1, (points.size() + limit - 1) / limit);
   std::vector<GaussianPoint<Dim>> gaussian;
-  gaussian.reserve(points.size());
-  for (const RadarPoint& point : points) {
-    gaussian.push_back({.mean_m = point.position_m.head<Dim>(),
-                        .covariance_m2 = point.covariance_m2.topLeftCorner<Dim, Dim>()});
+  gaussian.reserve(points.size() / stride + 1);
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    gaussian.push_back({.mean_m = points[i].position_m.head<Dim>(),
+                        .covariance_m2 = points[i].covariance_m2.topLeftCorner<Dim, Dim>()});
   }
   return gaussian;
 }
@@ -191,7 +194,7 @@ void Pipeline<Dim>::EnterLocalFrame(const Eigen::Vector3d& p_map) {
 
 template <int Dim>
 std::optional<Registration<Dim>> Pipeline<Dim>::Register(const Submap& submap, Stamp stamp) {
-  const std::vector<GaussianPoint<Dim>> live = ToGaussian<Dim>(submap.points);
+  const std::vector<GaussianPoint<Dim>> live = ToGaussian<Dim>(submap.points, options_.match.max_live_points);
   std::optional<Registration<Dim>> registration;
   if (graph_.empty()) {
     constexpr auto kSearchInterval = std::chrono::milliseconds(500);

@@ -15,7 +15,7 @@ struct GicpOptions {
   double gate_sigmas = 3.5;       ///< nor those further in units of the joint deviation
   double huber_sigmas = 1.5;      ///< residuals beyond weigh less (Huber)
   double translation_tolerance_m = 1e-3;
-  double rotation_tolerance_rad = 2e-5;
+  double rotation_tolerance_rad = 1e-4;
   /// Deviation added to every match at first, halved each iteration: finds the basin before it
   /// trusts the fine structure. 0 when the start is already good.
   double initial_blur_m = 0.0;

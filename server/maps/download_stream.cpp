@@ -20,15 +20,16 @@ DownloadStream* DownloadStream::Start(const StorageHost& host,
                                       const v1::DownloadMapRequest& request) {
   std::shared_ptr<DownloadStream> stream(new DownloadStream(host));
   stream->self_ = stream;
-  host.pool.Post([stream, request] { stream->SendVersion(request); });
+  stream->strand_.Post([stream, request] { stream->SendVersion(request); });
   return stream.get();
 }
 
-DownloadStream::DownloadStream(const StorageHost& host) : host_(host), token_(host.open_calls) {}
+DownloadStream::DownloadStream(const StorageHost& host)
+    : host_(host), token_(host.open_calls), strand_(host.pool) {}
 
 void DownloadStream::OnWriteDone(bool ok) {
   if (ok) {
-    host_.pool.Post([self = shared_from_this()] { self->SendChunk(); });
+    strand_.Post([self = shared_from_this()] { self->SendChunk(); });
   } else {
     End(absl::CancelledError("cancelled"));
   }

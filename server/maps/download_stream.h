@@ -10,8 +10,8 @@
 
 namespace dcloc::server {
 
-/// One DownloadMap call: a message is filled on the pool, written, and then the next one is filled.
-/// The version counts as in use meanwhile.
+/// One DownloadMap call: a message is filled on the call's strand, written, and then the next one
+/// is filled. The version counts as in use meanwhile.
 class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResponse>,
                              public std::enable_shared_from_this<DownloadStream> {
  public:
@@ -30,6 +30,7 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
 
   const StorageHost& host_;
   OpenCalls::Token token_;
+  Strand strand_;
   std::shared_ptr<DownloadStream> self_;  ///< reset by OnDone
   LoadedMap map_;
   std::size_t sent_bytes_ = 0;

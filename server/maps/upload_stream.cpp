@@ -22,14 +22,15 @@ UploadStream::UploadStream(grpc::CallbackServerContext* context, const StorageHo
     : context_(context),
       host_(host),
       token_(host.open_calls),
+      strand_(host.pool),
       max_map_bytes_(max_map_bytes),
       response_(response) {}
 
 void UploadStream::OnReadDone(bool ok) {
   if (ok) {
-    host_.pool.Post([self = shared_from_this()] { self->TakeMessage(); });
+    strand_.Post([self = shared_from_this()] { self->TakeMessage(); });
   } else {
-    host_.pool.Post([self = shared_from_this()] { self->TakeEnd(); });
+    strand_.Post([self = shared_from_this()] { self->TakeEnd(); });
   }
 }
 

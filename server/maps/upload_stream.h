@@ -11,8 +11,8 @@
 
 namespace dcloc::server {
 
-/// One UploadMap call: each message is read, then written to disk on the pool, and only then the
-/// next one is read, so nothing here runs at once with anything else.
+/// One UploadMap call: each message is read, then written to disk on the call's strand, and only
+/// then the next one is read.
 class UploadStream final : public grpc::ServerReadReactor<v1::UploadMapRequest>,
                            public std::enable_shared_from_this<UploadStream> {
  public:
@@ -35,6 +35,7 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadMapRequest>,
   grpc::CallbackServerContext* context_;
   const StorageHost& host_;
   OpenCalls::Token token_;
+  Strand strand_;
   const std::int64_t max_map_bytes_;
   v1::UploadMapResponse* response_;
   std::shared_ptr<UploadStream> self_;  ///< reset by OnDone

@@ -247,8 +247,9 @@ TEST_F(LocalizeTest, ManyMalformedStreamsDoNotDisturbAnother) {
   }
   for (int i = 0; i < 500; ++i) {
     const auto answer = good.Localize(ScanMessage(i));
-    ASSERT_TRUE(answer.has_value());
-    ASSERT_TRUE(answer->has_result());
+    const bool answered = answer && answer->has_result();
+    EXPECT_TRUE(answered) << i;
+    if (!answered) break;
     EXPECT_NEAR(answer->result().pose().pose().translation_m().x(), i * 0.77, 1e-6);
   }
   stop = true;
