@@ -4,15 +4,20 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/fuzz/fuzz_target.h"
 
-// Drives a fuzz target without libFuzzer: `TARGET` mutates the seeds at random, always in the same
-// order, for some seconds (TARGET SECONDS); `TARGET FILE` runs one input, to look at a crash.
+// Drives a fuzz target without libFuzzer:
+//   TARGET [SECONDS]       mutates the seeds at random, always in the same order
+//   TARGET FILE            runs one input, to look at a crash
+//   TARGET --seeds FOLDER  writes the seeds, for libFuzzer to begin with
 
 namespace {
 
@@ -62,9 +67,24 @@ int RunFile(const char* path) {
   return LLVMFuzzerTestOneInput(input.data(), input.size());
 }
 
+int WriteSeeds(const std::filesystem::path& folder) {
+  int number = 0;
+  for (const Input& seed : dcloc::FuzzSeeds()) {
+    std::ofstream file(folder / std::to_string(number++), std::ios::binary);
+    file.write(reinterpret_cast<const char*>(seed.data()),
+               static_cast<std::streamsize>(seed.size()));
+    if (!file.flush()) {
+      std::fprintf(stderr, "%s: cannot be written to\n", folder.c_str());
+      return EXIT_FAILURE;
+    }
+  }
+  return EXIT_SUCCESS;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 3 && std::string_view(argv[1]) == "--seeds") return WriteSeeds(argv[2]);
   char* end = nullptr;
   const double seconds = argc > 1 ? std::strtod(argv[1], &end) : 5.0;
   if (argc > 1 && *end != '\0') return RunFile(argv[1]);
