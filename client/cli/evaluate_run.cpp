@@ -106,6 +106,7 @@ nlohmann::ordered_json ToJson(const std::vector<DriveOutcome>& outcomes) {
 
 void Print(const std::vector<DriveOutcome>& outcomes) {
   std::vector<std::pair<std::string, Metrics>> columns;
+  columns.reserve(outcomes.size() + 1);
   for (const DriveOutcome& outcome : outcomes) {
     columns.emplace_back(outcome.drive, ComputeMetrics({&outcome, 1}));
   }

@@ -42,7 +42,7 @@ std::string FormatBytes(double bytes) {
     bytes /= 1000.0;
     ++unit;
   }
-  return absl::StrFormat(unit == 0 ? "%.0f %s" : "%.1f %s", bytes, kUnits[unit]);
+  return absl::StrFormat("%.*f %s", unit == 0 ? 0 : 1, bytes, kUnits[unit]);
 }
 
 }  // namespace dcloc::cli

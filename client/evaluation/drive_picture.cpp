@@ -1,156 +1,33 @@
 #include "client/evaluation/drive_picture.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_replace.h"
-#include "absl/strings/string_view.h"
 #include "client/evaluation/metrics.h"
+#include "client/evaluation/plot_data.h"
 
 namespace dcloc {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-constexpr std::size_t kMaxLandmarks = 12'000;  // more only make the file large
-constexpr std::size_t kMaxEllipses = 40;       // on the whole map
-constexpr std::size_t kMaxMarks = 4;           // scans that the close-up marks
-constexpr double kSettled_s = 5.0;  // by then a track has got over its first pose's error
+constexpr std::size_t kMaxEllipses = 40;  // on the whole map
+constexpr std::size_t kMaxMarks = 4;      // scans that the close-up marks
+constexpr double kSettled_s = 5.0;        // by then a track has got over its first pose's error
 constexpr double kLandmarkMargin_m = 40.0;
-constexpr double kChiSquare95Planar = 5.991;
 
 // Colours that most kinds of colour blindness tell apart.
 constexpr const char* kTruthColour = "#000000";
 constexpr std::array kColours = {"#0072B2", "#D55E00"};
 
-struct Box {
-  Eigen::Vector2d min = Eigen::Vector2d::Constant(1e300);
-  Eigen::Vector2d max = Eigen::Vector2d::Constant(-1e300);
-
-  void Add(const Eigen::Vector2d& p) {
-    min = min.cwiseMin(p);
-    max = max.cwiseMax(p);
-  }
-  Box Grown(double margin) const {
-    return {min - Eigen::Vector2d::Constant(margin), max + Eigen::Vector2d::Constant(margin)};
-  }
-  bool Contains(const Eigen::Vector2d& p) const {
-    return (p.array() >= min.array()).all() && (p.array() <= max.array()).all();
-  }
-};
-
-struct Ellipse {
-  Eigen::Vector2d centre;
-  double major_diameter_m, minor_diameter_m, angle_deg;
-};
-
-double Seconds(const DriveOutcome& outcome, const ScanOutcome& scan) {
-  return std::chrono::duration<double>(scan.answer.stamp - outcome.scans.front().answer.stamp)
-      .count();
-}
-
-Eigen::Vector2d Position(const Pose3& pose) { return pose.translation_m.head<2>(); }
-
-// The 95 % ellipse of the position in the map's plane.
-Ellipse PositionEllipse(const Localization& answer) {
-  const Eigen::Matrix3d R = answer.T_map_vehicle.Rotation();
-  const Eigen::Matrix3d in_map = R * answer.covariance.topLeftCorner<3, 3>() * R.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(in_map.topLeftCorner<2, 2>());
-  const Eigen::Vector2d diameters =
-      2.0 * (kChiSquare95Planar * axes.eigenvalues().cwiseMax(0.0)).cwiseSqrt();
-  const Eigen::Vector2d major = axes.eigenvectors().col(1);
-  return {Position(answer.T_map_vehicle), diameters[1], diameters[0],
-          std::atan2(major.y(), major.x()) * kDegPerRad};
-}
-
-// As a single-quoted string of gnuplot's.
-std::string Quote(absl::string_view text) {
-  return absl::StrCat("'", absl::StrReplaceAll(text, {{"'", "''"}, {"\n", " "}}), "'");
-}
-
-// A named block of gnuplot data.
-std::string Block(const std::string& name, const std::vector<std::string>& lines) {
-  return absl::StrCat("$", name, " << EOD\n", absl::StrJoin(lines, "\n"), "\nEOD\n");
-}
-
-Box TrackBox(const DriveOutcome& outcome) {
-  Box box;
-  for (const ScanOutcome& scan : outcome.scans) box.Add(Position(scan.T_map_vehicle_true));
-  return box;
-}
-
-std::vector<std::string> Landmarks(const RadarMap& map, const Box& box) {
-  std::vector<std::string> all;
-  for (std::size_t i = 0; i < map.info().keyframe_count; ++i) {
-    const Keyframe keyframe = map.keyframe(i);
-    for (const MapPoint& point : keyframe.points) {
-      const Eigen::Vector3d p_map =
-          keyframe.T_map_keyframe * Eigen::Vector3d(point.x_m, point.y_m, point.z_m);
-      if (box.Contains(p_map.head<2>()))
-        all.push_back(absl::StrFormat("%.2f %.2f", p_map.x(), p_map.y()));
-    }
-  }
-  const std::size_t stride = all.size() / kMaxLandmarks + 1;
-  std::vector<std::string> kept;
-  for (std::size_t i = 0; i < all.size(); i += stride) kept.push_back(all[i]);
-  return kept;
-}
-
-std::vector<std::string> TruthLines(const DriveOutcome& outcome) {
-  std::vector<std::string> lines;
-  for (const ScanOutcome& scan : outcome.scans) {
-    const Eigen::Vector2d p = Position(scan.T_map_vehicle_true);
-    lines.push_back(absl::StrFormat("%.3f %.3f", p.x(), p.y()));
-  }
-  return lines;
-}
-
-// time, x, y, translation error, 95 % bound of it, rotation error, 95 % bound of it. A blank line
-// breaks the curve where there was no answer.
-std::vector<std::string> AnswerLines(const DriveOutcome& outcome) {
-  std::vector<std::string> lines;
-  for (const ScanOutcome& scan : outcome.scans) {
-    if (!scan.answered()) {
-      lines.emplace_back();
-      continue;
-    }
-    const Eigen::Vector2d p = Position(scan.answer.T_map_vehicle);
-    lines.push_back(absl::StrFormat(
-        "%.3f %.3f %.3f %.4f %.4f %.4f %.4f", Seconds(outcome, scan), p.x(), p.y(),
-        scan.error.translation_m, 0.5 * PositionEllipse(scan.answer).major_diameter_m,
-        scan.error.rotation_deg, 1.96 * std::sqrt(scan.answer.covariance(5, 5)) * kDegPerRad));
-  }
-  return lines;
-}
-
-std::vector<Ellipse> Ellipses(const DriveOutcome& outcome, std::size_t max_count) {
-  std::vector<Ellipse> ellipses;
-  const std::size_t stride = outcome.scans.size() / max_count + 1;
-  for (std::size_t i = 0; i < outcome.scans.size(); i += stride) {
-    if (outcome.scans[i].answered()) ellipses.push_back(PositionEllipse(outcome.scans[i].answer));
-  }
-  return ellipses;
-}
-
-std::vector<std::string> EllipseLines(const std::vector<Ellipse>& ellipses, double scale) {
-  std::vector<std::string> lines;
-  for (const Ellipse& e : ellipses) {
-    lines.push_back(absl::StrFormat("%.3f %.3f %.4f %.4f %.2f", e.centre.x(), e.centre.y(),
-                                    scale * e.major_diameter_m, scale * e.minor_diameter_m,
-                                    e.angle_deg));
-  }
-  return lines;
-}
-
 // How much larger ellipses must be drawn to be seen on a map of this extent: 1, 2, 5, 10, ...
 int EllipseScale(const std::vector<Ellipse>& ellipses, double extent_m) {
   std::vector<double> diameters;
+  diameters.reserve(ellipses.size());
   for (const Ellipse& e : ellipses) diameters.push_back(e.major_diameter_m);
   const double median_m = diameters.empty() ? extent_m : Quantile(diameters, 0.5);
   int scale = 1;
@@ -159,21 +36,6 @@ int EllipseScale(const std::vector<Ellipse>& ellipses, double extent_m) {
     scale = step;
   }
   return scale;
-}
-
-std::vector<std::string> DistributionLines(const DriveOutcome& outcome) {
-  std::vector<double> errors_m;
-  for (const ScanOutcome& scan : outcome.scans) {
-    if (scan.answered()) errors_m.push_back(scan.error.translation_m);
-  }
-  std::ranges::sort(errors_m);
-  std::vector<std::string> lines;
-  for (std::size_t i = 0; i < errors_m.size(); ++i) {
-    lines.push_back(
-        absl::StrFormat("%.4f %.3f", errors_m[i],
-                        100.0 * static_cast<double>(i + 1) / static_cast<double>(errors_m.size())));
-  }
-  return lines;
 }
 
 // What a close-up shows.
@@ -213,23 +75,6 @@ std::vector<const ScanOutcome*> MarkedScans(const DriveOutcome& outcome, const C
   return marked;
 }
 
-// x, y of the truth and of the answer at each of the stamps that `outcome` answered.
-std::vector<std::string> MarkLines(const DriveOutcome& outcome,
-                                   const std::vector<const ScanOutcome*>& marked) {
-  std::vector<std::string> lines;
-  for (const ScanOutcome& scan : outcome.scans) {
-    const bool is_marked = std::ranges::any_of(marked, [&](const ScanOutcome* other) {
-      return other->answer.stamp == scan.answer.stamp && other->radar_id == scan.radar_id;
-    });
-    if (!is_marked || !scan.answered()) continue;
-    const Eigen::Vector2d truth = Position(scan.T_map_vehicle_true);
-    const Eigen::Vector2d answer = Position(scan.answer.T_map_vehicle);
-    lines.push_back(
-        absl::StrFormat("%.3f %.3f %.3f %.3f", truth.x(), truth.y(), answer.x(), answer.y()));
-  }
-  return lines;
-}
-
 std::string Panel(double x, double y, double width, double height) {
   return absl::StrFormat("set origin %.3f,%.3f\nset size noratio\nset size %.3f,%.3f\n", x, y,
                          width, height);
@@ -250,7 +95,7 @@ class Composer {
     const DriveOutcome& first = *outcomes.front().outcome;
     const auto ellipses = Ellipses(first, kMaxEllipses);
     ellipse_scale_ = EllipseScale(ellipses, (box_.max - box_.min).maxCoeff());
-    data_ = Block("landmarks", Landmarks(map, box_)) + Block("truth", TruthLines(first)) +
+    data_ = Block("landmarks", LandmarkLines(map, box_)) + Block("truth", TruthLines(first)) +
             Block("ellipses", EllipseLines(ellipses, ellipse_scale_));
     if (close_up_) AddMarks();
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
@@ -284,6 +129,7 @@ class Composer {
     const DriveOutcome& first = *outcomes_.front().outcome;
     const std::vector<const ScanOutcome*> marked = MarkedScans(first, *close_up_);
     std::vector<Ellipse> ellipses;
+    ellipses.reserve(marked.size());
     for (const ScanOutcome* scan : marked) ellipses.push_back(PositionEllipse(scan->answer));
     data_ += Block("marked_ellipses", EllipseLines(ellipses, 1.0));
     for (std::size_t i = 0; i < outcomes_.size(); ++i) {

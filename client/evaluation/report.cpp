@@ -63,7 +63,7 @@ std::string Settings(const Report& report) {
 }
 
 // gnuplot's file begins with an XML declaration, which may only stand at a file's own beginning.
-std::string InlineSvg(std::string svg) {
+std::string InlineSvg(const std::string& svg) {
   const std::size_t begin = svg.find("<svg");
   return begin == std::string::npos ? svg : svg.substr(begin);
 }
@@ -90,9 +90,9 @@ absl::StatusOr<std::string> DriveSection(const Report& report, std::size_t i,
   const Picture picture = DrawDrive(*report.map, outcomes, report.is_track);
   const fs::path png = PngPath(html, first.drive, report.runs.front().outcomes.size() == 1);
   if (absl::Status status = RenderPng(picture, png); !status.ok()) return status;
-  auto svg = RenderSvg(picture);
+  const auto svg = RenderSvg(picture);
   if (!svg.ok()) return svg.status();
-  return heading + InlineSvg(*std::move(svg));
+  return heading + InlineSvg(*svg);
 }
 
 }  // namespace
