@@ -22,6 +22,9 @@ struct MatchOptions {
   double search_sigma_m = 0.4;
   double search_sigma_rad = 0.03;
   int hypotheses = 4;
+  /// Without a prior a place must fit better than around a prediction.
+  int blind_min_inlier_count = 40;
+  double blind_min_overlap = 0.5;
   /// What every registration lacks however many points agree: errors that its points share, of the
   /// map, of mounts and of clocks. They keep their value for `shared_time`, so that more
   /// registrations within it do not average them out.
@@ -36,6 +39,11 @@ struct StateOptions {
   double start_share = 0.8;
   std::chrono::nanoseconds start_span = std::chrono::milliseconds(1000);
   int confirmations = 3;  ///< believed registrations in a row that start tracking
+  /// The same after a search without a prior, which may have found a place that looks alike: enough
+  /// for the whole sub-map to be other scans than those it was found by.
+  int blind_confirmations = 25;
+  double blind_distance_m = 10.0;  ///< standing still, the same view confirms itself
+  int blind_refusals = 3;  ///< refused registrations in a row after which the search starts anew
   std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
   double lost_sigma_m = 2.0;  ///< dead reckoning less certain than this is lost
 };

@@ -176,7 +176,11 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::MatchAnywhere(
       runner_up = std::max(runner_up, refined.score);
     }
   }
-  if (!best || !Believable(*best) || runner_up > kMaxRunnerUp * best->score) return std::nullopt;
+  if (!best || !Believable(*best) || runner_up > kMaxRunnerUp * best->score ||
+      best->inlier_count < options_.match.blind_min_inlier_count ||
+      best->overlap < options_.match.blind_min_overlap) {
+    return std::nullopt;
+  }
   MoveTo(map_->keyframe(*best_keyframe).T_map_keyframe.translation_m);
   return best;
 }

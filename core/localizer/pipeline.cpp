@@ -125,6 +125,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   Announce(listener, Stage::kSubmap);
   const Motion& motion = ego_motion_.since_previous();
   since_state_ = Compose(since_state_, motion);
+  travelled_m_ += motion.T_from_to.translation_m.norm();
   window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), std::move(points), motion);
   const Submap submap = window_.Join(options_.uncertainty);
 
@@ -138,7 +139,8 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
       quality_.edge_distance = test.distance;
       quality_.edge_valid = test.valid;
     }
-    state_.OnRegistration(scan.stamp, quality_.edge_valid);
+    state_.OnRegistration(scan.stamp, quality_.edge_valid, std::exchange(travelled_m_, 0.0));
+    if (state_.BlindStartFailed()) graph_.Clear();
     last_registration_ = scan.stamp;
   }
   return Answer(scan, submap);
@@ -206,6 +208,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(const Submap& submap, S
     graph_.AddState(ToEstimate<Dim>(since_state_));
     since_state_ = {};
     const PoseEstimate<3> predicted = ToSpace<Dim>(graph_.Newest(), options_);
+    state_.OnAnswer(stamp, std::sqrt(predicted.covariance.topLeftCorner<2, 2>().trace()));
     EnterLocalFrame((matcher_.T_map_local() * predicted.pose).translation_m);
     registration = matcher_.Match(live, graph_.Newest(),
                                   static_cast<std::uint64_t>(stamp.time_since_epoch().count()));
@@ -229,6 +232,7 @@ EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, const
     graph_.Reset({.pose = registration.T_local_vehicle, .covariance = own + shared});
     since_state_ = {};
     registration_count_ = 1;
+    state_.StartBlind();
     return {.valid = true};
   }
   ++registration_count_;

@@ -2,16 +2,27 @@
 
 namespace dcloc {
 
-void TrackingState::OnRegistration(Stamp stamp, bool believed) {
+void TrackingState::OnRegistration(Stamp stamp, bool believed, double travelled_m) {
   believed_in_a_row_ = believed ? believed_in_a_row_ + 1 : 0;
+  refused_in_a_row_ = believed ? 0 : refused_in_a_row_ + 1;
+  believed_distance_m_ = believed_in_a_row_ > 1 ? believed_distance_m_ + travelled_m : 0.0;
   if (believed) last_believed_ = stamp;
-  if (believed_in_a_row_ >= options_.confirmations) state_ = LocalizationState::kTracking;
+  if (believed_in_a_row_ < (blind_ ? options_.blind_confirmations : options_.confirmations)) return;
+  if (blind_ && believed_distance_m_ < options_.blind_distance_m) return;
+  state_ = LocalizationState::kTracking;
+  blind_ = false;
 }
 
-void TrackingState::Reset() {
+void TrackingState::StartBlind() {
   state_ = LocalizationState::kInitializing;
+  blind_ = true;
   believed_in_a_row_ = 0;
+  refused_in_a_row_ = 0;
   last_believed_.reset();
+}
+
+bool TrackingState::BlindStartFailed() const {
+  return blind_ && refused_in_a_row_ >= options_.blind_refusals;
 }
 
 void TrackingState::OnAnswer(Stamp stamp, double position_sigma_m) {
@@ -21,6 +32,7 @@ void TrackingState::OnAnswer(Stamp stamp, double position_sigma_m) {
   }
   if (state_ == LocalizationState::kDeadReckoning && position_sigma_m > options_.lost_sigma_m) {
     state_ = LocalizationState::kLost;
+    believed_in_a_row_ = 0;
   }
 }
 

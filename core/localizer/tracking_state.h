@@ -12,13 +12,18 @@ class TrackingState {
  public:
   explicit TrackingState(const StateOptions& options) : options_(options) {}
 
-  /// Takes in one registration's outcome at `stamp`.
-  void OnRegistration(Stamp stamp, bool believed);
+  /// Takes in one registration's outcome at `stamp`, after `travelled_m` of way since the one before.
+  void OnRegistration(Stamp stamp, bool believed, double travelled_m);
 
-  /// Starts over: nothing is confirmed.
-  void Reset();
+  /// Starts over from a place that was found without a prior: it takes `blind_confirmations` and
+  /// `blind_distance_m`.
+  void StartBlind();
 
-  /// Takes in the time and the position's standard deviation of an answer.
+  /// The place found without a prior is contradicted by what followed.
+  bool BlindStartFailed() const;
+
+  /// Takes in the time and the position's standard deviation of an answer, or of the prediction
+  /// before a registration: who is lost must be confirmed anew.
   void OnAnswer(Stamp stamp, double position_sigma_m);
 
   LocalizationState state() const { return state_; }
@@ -26,7 +31,10 @@ class TrackingState {
  private:
   StateOptions options_;
   LocalizationState state_ = LocalizationState::kInitializing;
+  bool blind_ = false;
   int believed_in_a_row_ = 0;
+  int refused_in_a_row_ = 0;
+  double believed_distance_m_ = 0.0;  // travelled while believed in a row
   std::optional<Stamp> last_believed_;
 };
 

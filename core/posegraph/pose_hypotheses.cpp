@@ -5,6 +5,12 @@
 namespace dcloc {
 
 template <int Dim>
+void PoseHypotheses<Dim>::Clear() {
+  believed_ = PoseGraph<Dim>(options_);
+  contender_.reset();
+}
+
+template <int Dim>
 void PoseHypotheses<Dim>::Reset(const PoseEstimate<Dim>& prior) {
   believed_.Reset(prior);
   contender_.reset();

@@ -16,6 +16,9 @@ class PoseHypotheses {
   explicit PoseHypotheses(const PoseGraphOptions& options)
       : options_(options), believed_(options) {}
 
+  /// Forgets every state.
+  void Clear();
+
   /// As in PoseGraph; a reset drops the contender.
   void Reset(const PoseEstimate<Dim>& prior);
   void AddState(const PoseEstimate<Dim>& odometry);

@@ -1,0 +1,135 @@
+#include "core/localizer/tracking_state.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+namespace dcloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr StateOptions kOptions{
+    .confirmations = 3, .tracking_hold = milliseconds(400), .lost_sigma_m = 2.0};
+
+Stamp At(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
+
+// One scan with a registration and its answer.
+void Scan(TrackingState& state, int ms, bool believed, double sigma_m = 0.1,
+          double travelled_m = 1.0) {
+  state.OnRegistration(At(ms), believed, travelled_m);
+  state.OnAnswer(At(ms), sigma_m);
+}
+
+TrackingState Tracking(int until_ms) {
+  TrackingState state(kOptions);
+  for (int ms = 0; ms <= until_ms; ms += 100) Scan(state, ms, true);
+  EXPECT_EQ(state.state(), LocalizationState::kTracking);
+  return state;
+}
+
+TEST(TrackingStateTest, TracksAfterConfirmationsInARow) {
+  TrackingState state(kOptions);
+  EXPECT_EQ(state.state(), LocalizationState::kInitializing);
+  Scan(state, 0, true);
+  Scan(state, 100, true);
+  EXPECT_EQ(state.state(), LocalizationState::kInitializing);
+  Scan(state, 200, false);
+  Scan(state, 300, true);
+  Scan(state, 400, true);
+  EXPECT_EQ(state.state(), LocalizationState::kInitializing);
+  Scan(state, 500, true);
+  EXPECT_EQ(state.state(), LocalizationState::kTracking);
+}
+
+TEST(TrackingStateTest, InitializingStaysHoweverUncertain) {
+  TrackingState state(kOptions);
+  for (int ms = 0; ms < 5000; ms += 100) Scan(state, ms, false, 50.0);
+  EXPECT_EQ(state.state(), LocalizationState::kInitializing);
+}
+
+TEST(TrackingStateTest, AShortGapIsHeldALongerOneIsDeadReckoning) {
+  TrackingState state = Tracking(1000);
+  Scan(state, 1100, false);
+  state.OnAnswer(At(1400), 0.2);  // a scan without a registration
+  EXPECT_EQ(state.state(), LocalizationState::kTracking);
+  state.OnAnswer(At(1401), 0.2);
+  EXPECT_EQ(state.state(), LocalizationState::kDeadReckoning);
+}
+
+TEST(TrackingStateTest, DeadReckoningGrownUncertainIsLost) {
+  TrackingState state = Tracking(1000);
+  Scan(state, 2000, false, 1.99);
+  EXPECT_EQ(state.state(), LocalizationState::kDeadReckoning);
+  Scan(state, 2100, false, 2.01);
+  EXPECT_EQ(state.state(), LocalizationState::kLost);
+  Scan(state, 2200, false, 1.0);
+  EXPECT_EQ(state.state(), LocalizationState::kLost);
+}
+
+TEST(TrackingStateTest, UncertainWhileTheMapConfirmsIsStillTracking) {
+  TrackingState state = Tracking(1000);
+  Scan(state, 1100, true, 3.0);
+  EXPECT_EQ(state.state(), LocalizationState::kTracking);
+}
+
+TEST(TrackingStateTest, ConfirmationsInARowRecoverFromBoth) {
+  for (const double sigma_m : {0.5, 5.0}) {
+    TrackingState state = Tracking(1000);
+    Scan(state, 2000, false, sigma_m);
+    EXPECT_NE(state.state(), LocalizationState::kTracking);
+    Scan(state, 2100, true);
+    Scan(state, 2200, true);
+    EXPECT_NE(state.state(), LocalizationState::kTracking);
+    Scan(state, 2300, true);
+    EXPECT_EQ(state.state(), LocalizationState::kTracking);
+  }
+}
+
+TEST(TrackingStateTest, WhoWasLostMustBeConfirmedAnew) {
+  TrackingState state = Tracking(1000);
+  // Silence, without a registration that could have failed.
+  state.OnAnswer(At(60'000), 30.0);
+  EXPECT_EQ(state.state(), LocalizationState::kLost);
+  Scan(state, 60'000, true);
+  Scan(state, 60'100, true);
+  EXPECT_EQ(state.state(), LocalizationState::kLost);
+  Scan(state, 60'200, true);
+  EXPECT_EQ(state.state(), LocalizationState::kTracking);
+}
+
+TEST(TrackingStateTest, ABlindStartTakesMoreConfirmations) {
+  StateOptions options = kOptions;
+  options.blind_confirmations = 5;
+  options.blind_distance_m = 3.5;
+  TrackingState state(options);
+  state.StartBlind();
+  for (int ms = 0; ms < 400; ms += 100) Scan(state, ms, true);
+  EXPECT_EQ(state.state(), LocalizationState::kInitializing);
+  Scan(state, 400, true);
+  EXPECT_EQ(state.state(), LocalizationState::kTracking);
+}
+
+TEST(TrackingStateTest, StandingStillConfirmsNoBlindStart) {
+  TrackingState state(kOptions);
+  state.StartBlind();
+  for (int ms = 0; ms < 10'000; ms += 100) Scan(state, ms, true, 0.1, 0.0);
+  EXPECT_EQ(state.state(), LocalizationState::kInitializing);
+}
+
+TEST(TrackingStateTest, ABlindStartThatIsContradictedHasFailed) {
+  StateOptions options = kOptions;
+  options.blind_refusals = 3;
+  TrackingState state(options);
+  state.StartBlind();
+  Scan(state, 0, true);
+  Scan(state, 100, false);
+  Scan(state, 200, false);
+  EXPECT_FALSE(state.BlindStartFailed());
+  Scan(state, 300, false);
+  EXPECT_TRUE(state.BlindStartFailed());
+  EXPECT_FALSE(Tracking(1000).BlindStartFailed());
+}
+
+}  // namespace
+}  // namespace dcloc
