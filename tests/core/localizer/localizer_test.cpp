@@ -1,0 +1,328 @@
+#include "core/localizer/localizer.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <numeric>
+
+#include "tests/core/localizer/synthetic_world.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kMapSpeed_mps = 8.0;
+constexpr double kLiveSpeed_mps = 14.0;
+
+struct Errors {
+  int tracking_count = 0;
+  double mean_m = 0.0;
+  double max_m = 0.0;
+  double max_rad = 0.0;
+  int first_tracking = -1;
+};
+
+// Over the answers that claim to track.
+Errors ErrorsOf(const std::vector<TrueAnswer>& answers) {
+  Errors errors;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    if (!answers[i].tracking()) continue;
+    if (errors.first_tracking < 0) errors.first_tracking = static_cast<int>(i);
+    ++errors.tracking_count;
+    errors.mean_m += answers[i].position_error_m();
+    errors.max_m = std::max(errors.max_m, answers[i].position_error_m());
+    errors.max_rad = std::max(errors.max_rad, answers[i].yaw_error_rad());
+  }
+  errors.mean_m /= std::max(1, errors.tracking_count);
+  return errors;
+}
+
+// One map and one drive over it at another speed, for all tests.
+class LocalizerTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    const SyntheticWorld world;
+    map_ = MapOfDrive(DriveRoad(world, FrontRadar(), kMapSpeed_mps, 1), FrontRadar());
+    drive_ = DriveRoad(world, FrontRadar(), kLiveSpeed_mps, 2);
+  }
+  static void TearDownTestSuite() {
+    map_.reset();
+    drive_.clear();
+  }
+
+  static Pose3 Start() { return drive_.front().T_map_vehicle; }
+
+  static std::shared_ptr<const RadarMap> map_;
+  static std::vector<TrueScan> drive_;
+};
+std::shared_ptr<const RadarMap> LocalizerTest::map_;
+std::vector<TrueScan> LocalizerTest::drive_;
+
+TEST_F(LocalizerTest, TracksToAFewCentimetres) {
+  const auto answers =
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01)), drive_);
+  const Errors errors = ErrorsOf(answers);
+  EXPECT_LT(errors.mean_m, 0.08);
+  EXPECT_LT(errors.max_m, 0.3);
+  EXPECT_LT(errors.max_rad, 1.0 * kDegree);
+  EXPECT_LT(errors.first_tracking, 25);
+  EXPECT_EQ(errors.tracking_count, static_cast<int>(answers.size()) - errors.first_tracking)
+      << "once tracking, always tracking";
+  RecordProperty("mean_m", std::to_string(errors.mean_m));
+}
+
+TEST_F(LocalizerTest, ItsCovarianceHoldsTheTruth) {
+  const auto answers =
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01)), drive_);
+  int inside = 0;
+  int count = 0;
+  for (const TrueAnswer& answer : answers) {
+    if (!answer.tracking()) continue;
+    const Pose3& estimate = answer.localization.T_map_vehicle;
+    const Vector6d error = Log(estimate.Inverse() * answer.T_map_vehicle);
+    const Eigen::Vector3d planar(error(0), error(1), error(5));
+    const Eigen::Matrix3d covariance = FlattenCovariance(answer.localization.covariance);
+    // 99.9 % of chi-square with 3 degrees of freedom.
+    inside += planar.dot(covariance.inverse() * planar) < 16.27;
+    ++count;
+    EXPECT_TRUE(IsCovariance(answer.localization.covariance));
+  }
+  ASSERT_GT(count, 50);
+  EXPECT_GE(inside, 0.97 * count);
+}
+
+TEST_F(LocalizerTest, StartsFromAPriorThatIsOff) {
+  const Pose3 off = Embed(Pose2{.translation_m = {0.8, -0.6}, .yaw_rad = 2.0 * kDegree});
+  const auto answers = LocalizeDrive(
+      MakeLocalizer(map_, FrontRadar(), PriorAt(Start() * off, 1.0, 2.0 * kDegree)), drive_);
+  const Errors errors = ErrorsOf(answers);
+  EXPECT_LT(errors.first_tracking, 30);
+  ASSERT_GT(errors.first_tracking, 0);
+  EXPECT_LT(errors.mean_m, 0.1);
+  EXPECT_LT(answers[60].position_error_m(), 0.2);
+  EXPECT_LT(answers[60].yaw_error_rad(), 0.5 * kDegree);
+}
+
+TEST_F(LocalizerTest, StartsFromAnExactPrior) {
+  const auto answers =
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.0, 0.0)), drive_);
+  const Errors errors = ErrorsOf(answers);
+  EXPECT_GT(errors.tracking_count, 80);
+  EXPECT_LT(errors.mean_m, 0.08);
+}
+
+TEST_F(LocalizerTest, FindsThePlaceWithoutAPrior) {
+  // From some way down the road on.
+  const std::vector<TrueScan> drive(drive_.begin() + 40, drive_.end());
+  const auto answers = LocalizeDrive(MakeLocalizer(map_, FrontRadar(), std::nullopt), drive);
+  EXPECT_EQ(answers[0].localization.state, LocalizationState::kInitializing);
+  EXPECT_GT(answers[0].localization.covariance(0, 0), 1e6) << "knows nothing, and says so";
+  const Errors errors = ErrorsOf(answers);
+  ASSERT_GE(errors.first_tracking, 0) << "never tracked";
+  EXPECT_LT(errors.first_tracking, 80);
+  EXPECT_LT(errors.mean_m, 0.1);
+  EXPECT_LT(errors.max_m, 0.4);
+}
+
+TEST_F(LocalizerTest, ElsewhereItDoesNotFindItself) {
+  // Another world: no answer may claim to track in this map.
+  SyntheticWorld other;
+  std::mt19937 random(99);
+  std::uniform_real_distribution<double> place_m(-40.0, 200.0);
+  for (Eigen::Vector3d& scatterer_m : other.scatterers_m) {
+    scatterer_m = {place_m(random), place_m(random), 0.0};
+  }
+  auto drive = DriveRoad(other, FrontRadar(), kLiveSpeed_mps, 3);
+  drive.resize(70);  // each of its searches goes over the whole map
+  const auto answers = LocalizeDrive(MakeLocalizer(map_, FrontRadar(), std::nullopt), drive);
+  EXPECT_EQ(ErrorsOf(answers).tracking_count, 0);
+}
+
+TEST_F(LocalizerTest, APlanarRigObservesThreeDegreesOfFreedom) {
+  const auto answers =
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01)), drive_);
+  const TrueAnswer& last = answers.back();
+  EXPECT_EQ(last.localization.observed, std::bitset<6>(0b100011)) << "x, y and yaw";
+  const Matrix6d& covariance = last.localization.covariance;
+  EXPECT_LT(covariance(0, 0), 0.5 * covariance(2, 2));
+  EXPECT_LT(covariance(5, 5), 0.5 * covariance(3, 3));
+  // What it does not observe comes from the map.
+  EXPECT_NEAR(last.localization.T_map_vehicle.translation_m.z(), 0.0, 1e-6);
+}
+
+TEST_F(LocalizerTest, TheSameScansGiveTheSameBits) {
+  const InitialPose prior = PriorAt(Start(), 1.0, 0.05);
+  const auto first = LocalizeDrive(MakeLocalizer(map_, FrontRadar(), prior), drive_);
+  const auto second = LocalizeDrive(MakeLocalizer(map_, FrontRadar(), prior), drive_);
+  ASSERT_EQ(first.size(), second.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    ExpectSame(first[i].localization, second[i].localization);
+  }
+}
+
+TEST_F(LocalizerTest, BlindItReckonsEverLessCertainAndThenSaysThatItIsLost) {
+  Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01));
+  constexpr std::size_t kSeeing = 60;
+  for (std::size_t i = 0; i < kSeeing; ++i) ASSERT_TRUE(localizer.Localize(drive_[i].scan).ok());
+  bool reckoned = false;
+  bool lost = false;
+  double sigma_m = 0.0;
+  for (int i = 0; i < 1500 && !lost; ++i) {
+    const double along_m = 0.077 * kLiveSpeed_mps * (kSeeing + i);
+    const Scan blind{.stamp = drive_[0].scan.stamp + std::chrono::milliseconds(77 * (kSeeing + i)),
+                     .radar_id = "front",
+                     .ego_velocity = SyntheticWorld::VelocityAt(kLiveSpeed_mps)};
+    const auto answer = localizer.Localize(blind);
+    ASSERT_TRUE(answer.ok()) << answer.status();
+    const double now_m = std::sqrt(answer->covariance.topLeftCorner<2, 2>().trace());
+    // While older scans are still in the sub-map it may register.
+    if (i > 30) {
+      EXPECT_GT(now_m, sigma_m);
+      EXPECT_NE(answer->state, LocalizationState::kTracking);
+      EXPECT_FALSE(answer->quality.edge_valid);
+      EXPECT_EQ(answer->quality.inlier_count, 0);
+    }
+    sigma_m = now_m;
+    reckoned = reckoned || answer->state == LocalizationState::kDeadReckoning;
+    lost = answer->state == LocalizationState::kLost;
+    // The wheels are exact here, so that what is left is the last registration's error.
+    const Eigen::Vector3d truth_m = SyntheticWorld::OnRoad(along_m).translation_m;
+    if (i < 60) {
+      EXPECT_LT((answer->T_map_vehicle.translation_m - truth_m).head<2>().norm(), 0.6);
+    }
+  }
+  EXPECT_TRUE(reckoned);
+  EXPECT_TRUE(lost);
+}
+
+TEST_F(LocalizerTest, SightAfterAShortBlindnessIsTrackingAgain) {
+  Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01));
+  std::vector<TrueScan> drive = drive_;
+  for (std::size_t i = 50; i < 80; ++i) {
+    drive[i].scan = Scan{.stamp = drive[i].scan.stamp,
+                         .radar_id = "front",
+                         .ego_velocity = drive[i].scan.ego_velocity};
+  }
+  const auto answers = LocalizeDrive(std::move(localizer), drive);
+  EXPECT_EQ(answers[79].localization.state, LocalizationState::kDeadReckoning);
+  EXPECT_TRUE(answers[105].tracking());
+  EXPECT_LT(answers[105].position_error_m(), 0.25);
+}
+
+TEST_F(LocalizerTest, WithoutWheelsDopplerIsEnough) {
+  std::vector<TrueScan> drive = drive_;
+  for (TrueScan& seen : drive) seen.scan.ego_velocity.reset();
+  const auto answers =
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01)), drive);
+  const Errors errors = ErrorsOf(answers);
+  EXPECT_GT(errors.tracking_count, 80);
+  EXPECT_LT(errors.mean_m, 0.12);
+}
+
+TEST_F(LocalizerTest, StagesAreAnnouncedInOrder) {
+  struct Listener : StageListener {
+    std::vector<Stage> stages;
+    void OnStageBegin(Stage stage) override { stages.push_back(stage); }
+  };
+  Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01));
+  for (std::size_t i = 0; i < 40; ++i) {
+    Listener listener;
+    ASSERT_TRUE(localizer.Localize(drive_[i].scan, &listener).ok());
+    ASSERT_GE(listener.stages.size(), 2U);
+    EXPECT_TRUE(std::is_sorted(listener.stages.begin(), listener.stages.end()));
+    EXPECT_EQ(listener.stages.front(), Stage::kCompensation);
+    if (i == 39) {
+      EXPECT_EQ(listener.stages.size(), 4U);
+    }
+  }
+}
+
+TEST_F(LocalizerTest, AStartOutsideOfTheMapWaitsUntilItEntersIt) {
+  // Two kilometres off, and so far off that nothing can be computed there.
+  for (const double far_m : {2000.0, 1e9}) {
+    Pose3 away = Start();
+    away.translation_m.x() -= far_m;
+    Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(away, 0.2, 0.01));
+    for (std::size_t i = 0; i < 30; ++i) {
+      const auto answer = localizer.Localize(drive_[i].scan);
+      ASSERT_TRUE(answer.ok());
+      EXPECT_EQ(answer->state, LocalizationState::kInitializing);
+      EXPECT_TRUE(answer->T_map_vehicle.translation_m.allFinite());
+      EXPECT_TRUE(IsCovariance(answer->covariance));
+    }
+  }
+}
+
+// Range-Doppler coupling shifts targets ahead by beta times the closing speed: maps and scans that
+// are not compensated disagree by what the two speeds differ.
+TEST(LocalizerCouplingTest, WithoutCompensationDifferentSpeedsDisagree) {
+  const double beta_s = 0.04;
+  const Rig rig = FrontRadar(beta_s);
+  const SyntheticWorld world;
+  const auto mapping = DriveRoad(world, rig, kMapSpeed_mps, 11);
+  const auto drive = DriveRoad(world, rig, kLiveSpeed_mps, 12);
+  const InitialPose prior = PriorAt(drive.front().T_map_vehicle, 0.2, 0.01);
+
+  const auto on =
+      ErrorsOf(LocalizeDrive(MakeLocalizer(MapOfDrive(mapping, rig), rig, prior), drive));
+  const auto raw_map = MapOfDrive(mapping, rig, {.compensate = false});
+  const auto off = ErrorsOf(
+      LocalizeDrive(MakeLocalizer(raw_map, rig, prior, {.doppler_compensation = false}), drive));
+  EXPECT_LT(on.mean_m, 0.08);
+  // 0.04 s x 6 m/s = 0.24 m straight ahead, a little less aside.
+  EXPECT_GT(off.mean_m, 2.0 * on.mean_m);
+  EXPECT_GT(off.mean_m, 0.12);
+  EXPECT_LT(off.mean_m, 0.35);
+}
+
+TEST(LocalizerInSpaceTest, RigsThatMeasureElevationObserveAllSix) {
+  const Rig rig = FrontRadar(0.0, true);
+  const SyntheticWorld world(6.0);
+  const auto map = MapOfDrive(DriveRoad(world, rig, kMapSpeed_mps, 21), rig);
+  ASSERT_TRUE(map->info().has_elevation);
+  const auto drive = DriveRoad(world, rig, kLiveSpeed_mps, 22);
+  const Pose3 start = drive.front().T_map_vehicle;
+  Vector6d off;
+  off << 0.3, -0.2, 0.3, 0.01, -0.01, 0.01;
+  const auto answers =
+      LocalizeDrive(MakeLocalizer(map, rig, PriorAt(start * Exp(off), 0.4, 0.02)), drive);
+  const Errors errors = ErrorsOf(answers);
+  EXPECT_GT(errors.tracking_count, 80);
+  EXPECT_LT(errors.mean_m, 0.1);
+  const TrueAnswer& last = answers.back();
+  EXPECT_TRUE(last.localization.observed.all());
+  const Vector6d error = Log(last.T_map_vehicle.Inverse() * last.localization.T_map_vehicle);
+  EXPECT_LT(std::abs(error(2)), 0.15);
+  EXPECT_LT(error.tail<3>().norm(), 1.0 * kDegree);
+  EXPECT_LT(std::sqrt(last.localization.covariance(2, 2)), 0.3);
+
+  // A planar rig in the same map observes the plane only.
+  const Rig planar = FrontRadar();
+  const auto flat = DriveRoad(SyntheticWorld(), planar, kLiveSpeed_mps, 23);
+  Localizer localizer = MakeLocalizer(map, planar, PriorAt(start, 0.2, 0.01));
+  const auto answer = localizer.Localize(flat[0].scan);
+  ASSERT_TRUE(answer.ok());
+  EXPECT_FALSE(answer->observed[2]);
+}
+
+TEST(LocalizerRigTest, SeveralRadarsShareTheWork) {
+  Rig rig = FrontRadar();
+  RadarModel rear = rig.radars[0];
+  rear.id = "rear";
+  rear.T_vehicle_radar = Embed(Pose2{.translation_m = {-1.0, 0.0}, .yaw_rad = std::numbers::pi});
+  rig.radars.push_back(rear);
+  const SyntheticWorld world;
+  const auto map = MapOfDrive(DriveRoad(world, rig, kMapSpeed_mps, 31), rig);
+  // Both radars' scans carry one stamp.
+  const auto drive = DriveRoad(world, rig, kLiveSpeed_mps, 32);
+  const auto answers = LocalizeDrive(
+      MakeLocalizer(map, rig, PriorAt(drive.front().T_map_vehicle, 0.3, 0.02)), drive);
+  const Errors errors = ErrorsOf(answers);
+  EXPECT_GT(errors.tracking_count, 160);
+  EXPECT_LT(errors.mean_m, 0.08);
+  EXPECT_LT(errors.max_m, 0.3);
+}
+
+}  // namespace
+}  // namespace dcloc
