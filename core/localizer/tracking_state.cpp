@@ -3,6 +3,11 @@
 namespace dcloc {
 
 void TrackingState::OnRegistration(Stamp stamp, bool believed, double travelled_m) {
+  // What was believed before a silence confirms nothing after it.
+  if (last_believed_ && stamp - *last_believed_ > options_.tracking_hold) {
+    believed_in_a_row_ = 0;
+    if (state_ == LocalizationState::kTracking) state_ = LocalizationState::kDeadReckoning;
+  }
   believed_in_a_row_ = believed ? believed_in_a_row_ + 1 : 0;
   refused_in_a_row_ = believed ? 0 : refused_in_a_row_ + 1;
   believed_distance_m_ = believed_in_a_row_ > 1 ? believed_distance_m_ + travelled_m : 0.0;
