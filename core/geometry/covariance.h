@@ -9,7 +9,8 @@ namespace dcloc {
 /// Covariance of `T_a_b * T_b_c` from those of its independent factors, all in the tangent space on
 /// the right: `Ad(T_b_c^-1) S_ab Ad(T_b_c^-1)^T + S_bc`.
 template <int Dim>
-TangentMatrix<Dim> ComposeCovariance(const TangentMatrix<Dim>& covariance_ab, const Pose<Dim>& T_b_c,
+TangentMatrix<Dim> ComposeCovariance(const TangentMatrix<Dim>& covariance_ab,
+                                     const Pose<Dim>& T_b_c,
                                      const TangentMatrix<Dim>& covariance_bc) {
   const TangentMatrix<Dim> adjoint = Adjoint(T_b_c.Inverse());
   return adjoint * covariance_ab * adjoint.transpose() + covariance_bc;

@@ -136,8 +136,7 @@ Matrix6d Adjoint(const Pose3& T) {
 
 Pose3 Embed(const Pose2& T) {
   return {.translation_m = {T.translation_m.x(), T.translation_m.y(), 0.0},
-          .rotation = Eigen::Quaterniond(
-              Eigen::AngleAxisd(T.yaw_rad, Eigen::Vector3d::UnitZ()))};
+          .rotation = Eigen::Quaterniond(Eigen::AngleAxisd(T.yaw_rad, Eigen::Vector3d::UnitZ()))};
 }
 
 Pose2 Flatten(const Pose3& T) {

@@ -25,7 +25,8 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar)
   const auto seed = static_cast<std::uint64_t>(scan.stamp.time_since_epoch().count());
   const std::optional<DopplerEgoVelocity> doppler =
       EstimateEgoVelocity(Remember(scan, radar), seed, options_.ego_velocity);
-  const std::chrono::nanoseconds age = velocity_ ? scan.stamp - stamp_ : std::chrono::nanoseconds(0);
+  const std::chrono::nanoseconds age =
+      velocity_ ? scan.stamp - stamp_ : std::chrono::nanoseconds(0);
 
   EgoVelocity now;
   if (scan.ego_velocity) {
@@ -56,8 +57,8 @@ std::vector<RadarScan> EgoMotion::Remember(const Scan& scan, const RadarModel& r
   return scans;
 }
 
-// A car changes its speed by up to some metres per second in a second, its yaw rate by less than one
-// radian per second.
+// A car changes its speed by up to some metres per second in a second, its yaw rate by less than
+// one radian per second.
 EgoVelocity EgoMotion::Held(std::chrono::nanoseconds age) const {
   constexpr double kAcceleration_mps2 = 3.0;
   constexpr double kYawAcceleration_radps2 = 0.5;

@@ -24,12 +24,12 @@ enum class LocalizationState {
 
 /// How good one answer is.
 struct LocalizationQuality {
-  int live_point_count = 0;      ///< static points in the sub-map
-  int inlier_count = 0;          ///< of them, matched to a landmark
-  double overlap = 0.0;          ///< matched share of the live points, [0, 1]
-  double residual_scale = 0.0;   ///< root mean square of the whitened residuals; 1 is as modelled
-  double edge_distance = 0.0;    ///< squared Mahalanobis distance to the prediction (METHOD eq 19)
-  bool edge_valid = false;       ///< the scan's loop edge passed the test
+  int live_point_count = 0;     ///< static points in the sub-map
+  int inlier_count = 0;         ///< of them, matched to a landmark
+  double overlap = 0.0;         ///< matched share of the live points, [0, 1]
+  double residual_scale = 0.0;  ///< root mean square of the whitened residuals; 1 is as modelled
+  double edge_distance = 0.0;   ///< squared Mahalanobis distance to the prediction (METHOD eq 19)
+  bool edge_valid = false;      ///< the scan's loop edge passed the test
 };
 
 /// The answer to one scan.

@@ -141,12 +141,12 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::MatchAnywhere(
     const Pose3 T_map_keyframe = map_->keyframe(index).T_map_keyframe;
     const LocalMap<Dim> around(*map_, T_map_keyframe.translation_m,
                                options_.match.local_map_radius_m);
-    const SearchWindow window{.centre_local_vehicle = {},
-                              .translation_m = 6.0,
-                              .rotation_rad = std::numbers::pi};
+    const SearchWindow window{
+        .centre_local_vehicle = {}, .translation_m = 6.0, .rotation_rad = std::numbers::pi};
     for (const PoseHypothesis& found :
          CorrelativeSearch(points, LikelihoodField(around, kCoarseCell_m), window, 2)) {
-      places.push_back({index, found, around.T_map_local() * Embed(found.T_local_vehicle).translation_m});
+      places.push_back(
+          {index, found, around.T_map_local() * Embed(found.T_local_vehicle).translation_m});
     }
   }
   std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {

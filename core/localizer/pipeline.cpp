@@ -41,9 +41,9 @@ template <int Dim>
 PoseEstimate<3> ToSpace(const PoseEstimate<Dim>& estimate, const LocalizerOptions& options) {
   if constexpr (Dim == 2) {
     return {.pose = Embed(estimate.pose),
-            .covariance = EmbedCovariance(estimate.covariance,
-                                          std::pow(options.unobserved_z_sigma_m, 2),
-                                          std::pow(options.unobserved_tilt_sigma_rad, 2))};
+            .covariance =
+                EmbedCovariance(estimate.covariance, std::pow(options.unobserved_z_sigma_m, 2),
+                                std::pow(options.unobserved_tilt_sigma_rad, 2))};
   } else {
     return estimate;
   }
@@ -89,9 +89,7 @@ void Announce(StageListener* listener, Stage stage) {
   if (listener != nullptr) listener->OnStageBegin(stage);
 }
 
-double Nanoseconds(Stamp stamp) {
-  return static_cast<double>(stamp.time_since_epoch().count());
-}
+double Nanoseconds(Stamp stamp) { return static_cast<double>(stamp.time_since_epoch().count()); }
 
 }  // namespace
 
@@ -126,7 +124,8 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   const Motion& motion = ego_motion_.since_previous();
   since_state_ = Compose(since_state_, motion);
   travelled_m_ += motion.T_from_to.translation_m.norm();
-  window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), std::move(points), motion);
+  window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), std::move(points),
+               motion);
   const Submap submap = window_.Join(options_.uncertainty);
 
   if (RegistrationIsDue(scan.stamp, submap)) {
@@ -149,9 +148,8 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
 template <int Dim>
 absl::Status Pipeline<Dim>::CheckOrder(const Scan& scan) const {
   if (rig_.Find(scan.radar_id) == nullptr) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("radar_id '%s' is not one of the rig's %d radars", scan.radar_id,
-                        rig_.radars.size()));
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "radar_id '%s' is not one of the rig's %d radars", scan.radar_id, rig_.radars.size()));
   }
   const auto of_radar = last_stamp_of_radar_.find(scan.radar_id);
   if (of_radar != last_stamp_of_radar_.end() && scan.stamp <= of_radar->second) {
@@ -177,8 +175,8 @@ void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
 template <int Dim>
 bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp, const Submap& submap) const {
   // A start from a few points is easily wrong, and then contradicts the better ones that follow.
-  const auto full = static_cast<double>(options_.scans_per_submap) *
-                    static_cast<double>(rig_.radars.size());
+  const auto full =
+      static_cast<double>(options_.scans_per_submap) * static_cast<double>(rig_.radars.size());
   const bool mature = submap.scan_count >= options_.state.start_share * full ||
                       submap.span >= options_.state.start_span;
   if (registration_count_ == 0 && !mature) return false;
@@ -196,7 +194,8 @@ void Pipeline<Dim>::EnterLocalFrame(const Eigen::Vector3d& p_map) {
 
 template <int Dim>
 std::optional<Registration<Dim>> Pipeline<Dim>::Register(const Submap& submap, Stamp stamp) {
-  const std::vector<GaussianPoint<Dim>> live = ToGaussian<Dim>(submap.points, options_.match.max_live_points);
+  const std::vector<GaussianPoint<Dim>> live =
+      ToGaussian<Dim>(submap.points, options_.match.max_live_points);
   std::optional<Registration<Dim>> registration;
   if (graph_.empty()) {
     constexpr auto kSearchInterval = std::chrono::milliseconds(500);
@@ -224,7 +223,8 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(const Submap& submap, S
 template <int Dim>
 EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, const Submap& submap,
                                     Stamp stamp) {
-  // What was left over beyond the model widens the covariance; what agreed better does not narrow it.
+  // What was left over beyond the model widens the covariance; what agreed better does not narrow
+  // it.
   const double scale = std::max(1.0, registration.residual_scale);
   const TangentMatrix<Dim> own = scale * scale * registration.covariance;
   const TangentMatrix<Dim> shared = SharedErrors<Dim>(options_.match);
@@ -239,12 +239,12 @@ EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, const
   // Each scan's points take part in every registration while the scan is in the sub-map.
   const std::chrono::nanoseconds interval =
       last_registration_ ? stamp - *last_registration_ : submap.span;
-  return graph_.AddLoop({.pose = registration.T_local_vehicle,
-                         .covariance = own + shared,
-                         .reused_covariance =
-                             Share(submap.span, interval, registration_count_) * own +
-                             Share(options_.match.shared_time, interval, registration_count_) *
-                                 shared});
+  return graph_.AddLoop(
+      {.pose = registration.T_local_vehicle,
+       .covariance = own + shared,
+       .reused_covariance =
+           Share(submap.span, interval, registration_count_) * own +
+           Share(options_.match.shared_time, interval, registration_count_) * shared});
 }
 
 template <int Dim>

@@ -51,7 +51,7 @@ class Pipeline final : public Localizer::Impl {
   TrackingState state_;
 
   double travelled_m_ = 0.0;  // since the last registration
-  Motion since_state_;  // from the graph's newest state to the newest scan
+  Motion since_state_;        // from the graph's newest state to the newest scan
   std::optional<Stamp> last_stamp_;
   std::optional<Stamp> last_registration_;
   std::optional<Stamp> last_search_;

@@ -12,7 +12,8 @@ class TrackingState {
  public:
   explicit TrackingState(const StateOptions& options) : options_(options) {}
 
-  /// Takes in one registration's outcome at `stamp`, after `travelled_m` of way since the one before.
+  /// Takes in one registration's outcome at `stamp`, after `travelled_m` of way since the one
+  /// before.
   void OnRegistration(Stamp stamp, bool believed, double travelled_m);
 
   /// Starts over from a place that was found without a prior: it takes `blind_confirmations` and

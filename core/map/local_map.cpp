@@ -27,8 +27,8 @@ void AppendKeyframe(const Keyframe& keyframe, const Pose3& T_map_local, double r
     // Written so that a damaged file's NaN is left out too.
     if (!(p_local.head<2>().norm() <= radius_m)) continue;
     const Eigen::Matrix3d covariance = R * Covariance(point) * R.transpose();
-    points.push_back({.mean_m = p_local.head<Dim>(),
-                      .covariance_m2 = covariance.topLeftCorner<Dim, Dim>()});
+    points.push_back(
+        {.mean_m = p_local.head<Dim>(), .covariance_m2 = covariance.topLeftCorner<Dim, Dim>()});
   }
 }
 

@@ -91,8 +91,7 @@ class EdgeResidual {
     const Eigen::Quaterniond measured(measured_.template tail<4>());
     const Vector3 e = q_from.conjugate() * Vector3(t_to - t_from) -
                       measured_.template head<3>().template cast<T>();
-    const Quaternion dq =
-        measured.conjugate().template cast<T>() * (q_from.conjugate() * q_to);
+    const Quaternion dq = measured.conjugate().template cast<T>() * (q_from.conjugate() * q_to);
     Eigen::Matrix<T, 6, 1> difference;
     difference.template head<3>() = measured.conjugate().template cast<T>() * e;
     difference.template tail<3>() = T(dq.w() < T(0.0) ? -2.0 : 2.0) * dq.vec();

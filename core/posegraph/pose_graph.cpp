@@ -89,8 +89,8 @@ void PoseGraph<Dim>::Solve() {
   problem.AddParameterBlock(map.data(), kParameters<Dim>, MakeManifold<Dim>());
   problem.SetParameterBlockConstant(map.data());
   const auto add_edge = [&](Parameters& from, Parameters& to, const PoseEstimate<Dim>& edge) {
-    problem.AddResidualBlock(EdgeResidual<Dim>::Make(edge.pose, edge.covariance).release(),
-                             nullptr, from.data(), to.data());
+    problem.AddResidualBlock(EdgeResidual<Dim>::Make(edge.pose, edge.covariance).release(), nullptr,
+                             from.data(), to.data());
   };
   for (const State& state : states_) {
     Parameters& block = blocks.emplace_back(ToParameters(state.pose));
@@ -136,8 +136,8 @@ TangentMatrix<Dim> PoseGraph<Dim>::FilteredCovariance() const {
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const State& state = states_[i];
     if (i > 0) {
-      covariance = ComposeCovariance<Dim>(covariance, state.odometry.pose,
-                                          state.odometry.covariance);
+      covariance =
+          ComposeCovariance<Dim>(covariance, state.odometry.pose, state.odometry.covariance);
     }
     if (state.loop) covariance = UpdatedCovariance<Dim>(covariance, state.loop->covariance);
   }
@@ -149,9 +149,9 @@ void PoseGraph<Dim>::MarginalizeOldest() {
   const State& oldest = states_.front();
   const PoseEstimate<Dim> known = oldest.loop ? Update<Dim>(prior_, *oldest.loop) : prior_;
   const PoseEstimate<Dim>& odometry = states_[1].odometry;
-  prior_ = {.pose = known.pose * odometry.pose,
-            .covariance = ComposeCovariance<Dim>(known.covariance, odometry.pose,
-                                                 odometry.covariance)};
+  prior_ = {
+      .pose = known.pose * odometry.pose,
+      .covariance = ComposeCovariance<Dim>(known.covariance, odometry.pose, odometry.covariance)};
   states_.pop_front();
 }
 

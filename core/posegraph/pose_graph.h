@@ -19,7 +19,7 @@ struct PoseEstimate {
 template <int Dim>
 struct LoopEdge {
   Pose<Dim> pose;
-  TangentMatrix<Dim> covariance;         ///< of this registration alone; what the test uses
+  TangentMatrix<Dim> covariance;  ///< of this registration alone; what the test uses
   /// What one registration is worth beside its neighbours that share its measurements and its
   /// errors: larger than `covariance`; what the solution uses.
   TangentMatrix<Dim> reused_covariance;
@@ -56,8 +56,8 @@ class PoseGraph {
   /// Adds a state that odometry leads to from the newest one: T_newest_new. Needs a state.
   void AddState(const PoseEstimate<Dim>& odometry);
 
-  /// Gives the newest state a loop edge and tests it against the fused prediction; an edge that fails
-  /// stays cut, its state held by odometry.
+  /// Gives the newest state a loop edge and tests it against the fused prediction; an edge that
+  /// fails stays cut, its state held by odometry.
   EdgeTest AddLoop(const LoopEdge<Dim>& loop);
 
   /// Solves for all states of the window.
@@ -75,8 +75,8 @@ class PoseGraph {
  private:
   struct State {
     Pose<Dim> pose;
-    PoseEstimate<Dim> odometry;               // from the state before
-    std::optional<PoseEstimate<Dim>> loop;    // absent, or cut
+    PoseEstimate<Dim> odometry;             // from the state before
+    std::optional<PoseEstimate<Dim>> loop;  // absent, or cut
   };
 
   TangentMatrix<Dim> FilteredCovariance() const;

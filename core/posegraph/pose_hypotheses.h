@@ -6,8 +6,8 @@
 
 namespace dcloc {
 
-/// The chain of states that is believed and, while its loop edges are cut, a contender made of those
-/// cut edges. A burst of false registrations never lasts; a chain that has gone wrong is
+/// The chain of states that is believed and, while its loop edges are cut, a contender made of
+/// those cut edges. A burst of false registrations never lasts; a chain that has gone wrong is
 /// contradicted for good. So the contender takes over when `takeover_support` of its own edges in a
 /// row agree and the believed chain has accepted none of them.
 template <int Dim>

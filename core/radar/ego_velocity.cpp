@@ -94,7 +94,7 @@ Vector3d RansacMotion(const std::vector<Row>& rows, std::uint64_t seed,
 
 struct LeastSquares {
   Vector3d state;
-  Matrix3d normal;          // H^T W H with the side-slip row
+  Matrix3d normal;           // H^T W H with the side-slip row
   double residual_variance;  // of the whitened residuals, 1 when the noise is as modelled
 };
 

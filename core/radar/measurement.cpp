@@ -18,8 +18,7 @@ Measurement MeasurementAt(const Scan& scan, std::size_t index, const RadarModel&
       .elevation_rad = radar.has_elevation ? ValueOr(scan.elevation_rad, index, 0.0) : 0.0,
       .azimuth_rad = scan.azimuth_rad[index],
       .range_sigma_m = ValueOr(scan.range_sigma_m, index, radar.range_sigma_m),
-      .range_rate_sigma_mps =
-          ValueOr(scan.range_rate_sigma_mps, index, radar.range_rate_sigma_mps),
+      .range_rate_sigma_mps = ValueOr(scan.range_rate_sigma_mps, index, radar.range_rate_sigma_mps),
       .elevation_sigma_rad = ValueOr(scan.elevation_sigma_rad, index, radar.elevation_sigma_rad),
       .azimuth_sigma_rad = ValueOr(scan.azimuth_sigma_rad, index, radar.azimuth_sigma_rad),
   };
@@ -66,8 +65,7 @@ Eigen::Matrix<double, 3, 4> PointJacobian(const Measurement& measurement, double
   jacobian.col(1) = -beta_s * u;
   jacobian.col(2) = range_m * Eigen::Vector3d(-sin_elevation * cos_azimuth,
                                               -sin_elevation * sin_azimuth, cos_elevation);
-  jacobian.col(3) =
-      range_m * cos_elevation * Eigen::Vector3d(-sin_azimuth, cos_azimuth, 0.0);
+  jacobian.col(3) = range_m * cos_elevation * Eigen::Vector3d(-sin_azimuth, cos_azimuth, 0.0);
   return jacobian;
 }
 

@@ -39,12 +39,12 @@ absl::Status Validate(const RadarModel& radar) {
     status = absl::InvalidArgumentError(absl::StrFormat(
         "a radar's id has %d characters; it must have between 1 and 64", radar.id.size()));
   }
-  status.Update(CheckBetween(radar, "T_vehicle_radar.translation_m.x", mount.x(), -kMaxMount_m,
-                             kMaxMount_m));
-  status.Update(CheckBetween(radar, "T_vehicle_radar.translation_m.y", mount.y(), -kMaxMount_m,
-                             kMaxMount_m));
-  status.Update(CheckBetween(radar, "T_vehicle_radar.translation_m.z", mount.z(), -kMaxMount_m,
-                             kMaxMount_m));
+  status.Update(
+      CheckBetween(radar, "T_vehicle_radar.translation_m.x", mount.x(), -kMaxMount_m, kMaxMount_m));
+  status.Update(
+      CheckBetween(radar, "T_vehicle_radar.translation_m.y", mount.y(), -kMaxMount_m, kMaxMount_m));
+  status.Update(
+      CheckBetween(radar, "T_vehicle_radar.translation_m.z", mount.z(), -kMaxMount_m, kMaxMount_m));
   status.Update(CheckBetween(radar, "T_vehicle_radar.rotation's norm",
                              radar.T_vehicle_radar.rotation.norm(), 1.0 - 1e-3, 1.0 + 1e-3));
   status.Update(CheckBetween(radar, "beta_s", radar.beta_s, -1.0, 1.0));
@@ -53,8 +53,8 @@ absl::Status Validate(const RadarModel& radar) {
       CheckBetween(radar, "range_rate_sigma_mps", radar.range_rate_sigma_mps, 1e-3, 100.0));
   status.Update(CheckBetween(radar, "azimuth_sigma_rad", radar.azimuth_sigma_rad, 1e-4, 1.0));
   status.Update(CheckBetween(radar, "elevation_sigma_rad", radar.elevation_sigma_rad, 1e-4, 1.0));
-  status.Update(CheckBetween(radar, "unambiguous_range_rate_mps",
-                             radar.unambiguous_range_rate_mps, 0.0, 1000.0));
+  status.Update(CheckBetween(radar, "unambiguous_range_rate_mps", radar.unambiguous_range_rate_mps,
+                             0.0, 1000.0));
   return status;
 }
 

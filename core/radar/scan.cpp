@@ -31,9 +31,8 @@ absl::Status CheckColumn(const Column& column, std::size_t size) {
     const double value = column.values[row];
     // Written so that NaN fails; infinity lies outside of every bound.
     if (value >= column.min && value <= column.max && std::isfinite(value)) continue;
-    return absl::InvalidArgumentError(absl::StrFormat("%s[%d] is %g; it must lie in [%g, %g]",
-                                                      column.name, row, value, column.min,
-                                                      column.max));
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "%s[%d] is %g; it must lie in [%g, %g]", column.name, row, value, column.min, column.max));
   }
   return absl::OkStatus();
 }
@@ -57,8 +56,8 @@ absl::Status Validate(const Scan& scan, const ScanLimits& limits) {
   constexpr double kMinSigma = 1e-6;
   const Column columns[] = {
       {"range_m", scan.range_m, 1e-3, limits.max_range_m, true},
-      {"range_rate_mps", scan.range_rate_mps, -limits.max_range_rate_mps,
-       limits.max_range_rate_mps, true},
+      {"range_rate_mps", scan.range_rate_mps, -limits.max_range_rate_mps, limits.max_range_rate_mps,
+       true},
       {"azimuth_rad", scan.azimuth_rad, -kPi_rad, kPi_rad, true},
       {"elevation_rad", scan.elevation_rad, -kPi_rad / 2, kPi_rad / 2, false},
       {"rcs_dbsm", scan.rcs_dbsm, -200.0, 200.0, false},

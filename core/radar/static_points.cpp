@@ -45,8 +45,7 @@ std::vector<RadarPoint> StaticPoints(const Scan& scan, const RadarModel& radar,
     }
     const Eigen::Vector3d u_vehicle =
         R_vehicle_radar * LineOfSight(measurement.azimuth_rad, measurement.elevation_rad);
-    const double predicted_mps =
-        PredictedRangeRate(u_vehicle, radar.T_vehicle_radar, ego_velocity);
+    const double predicted_mps = PredictedRangeRate(u_vehicle, radar.T_vehicle_radar, ego_velocity);
     measurement.range_rate_mps = UnfoldRangeRate(measurement.range_rate_mps, predicted_mps,
                                                  radar.unambiguous_range_rate_mps);
     const double sigma_mps =

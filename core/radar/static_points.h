@@ -20,7 +20,7 @@ struct StaticPointsOptions {
   bool compensate = true;
   /// Per-target covariances (METHOD eq 9-11); off gives every point the same isotropic one.
   bool uncertainty = true;
-  double min_range_m = 1.5;   ///< nearer targets are the vehicle's own body
+  double min_range_m = 1.5;  ///< nearer targets are the vehicle's own body
   double max_range_m = 100.0;
   /// A target is static when its range rate is this near to what the ego-motion predicts; on top
   /// of it, `static_gate_sigmas` of the prediction's own spread.

@@ -116,8 +116,7 @@ std::vector<PoseHypothesis> CorrelativeSearch(std::span<const Eigen::Vector2f> p
   for (const PoseHypothesis& candidate : all) {
     const bool seen = std::any_of(best.begin(), best.end(), [&](const PoseHypothesis& kept) {
       const Pose2 apart = kept.T_local_vehicle.Inverse() * candidate.T_local_vehicle;
-      return apart.translation_m.norm() < 4.0 * step_m &&
-             std::abs(apart.yaw_rad) < 4.0 * step_rad;
+      return apart.translation_m.norm() < 4.0 * step_m && std::abs(apart.yaw_rad) < 4.0 * step_rad;
     });
     if (seen) continue;
     best.push_back(candidate);

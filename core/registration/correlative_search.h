@@ -10,8 +10,8 @@
 
 namespace dcloc {
 
-/// How near each place of a local map's plane is to a landmark: exp(-d^2 / 2 sigma^2) of the nearest
-/// one, on a grid. Cheap to look up, so that thousands of poses can be scored.
+/// How near each place of a local map's plane is to a landmark: exp(-d^2 / 2 sigma^2) of the
+/// nearest one, on a grid. Cheap to look up, so that thousands of poses can be scored.
 class LikelihoodField {
  public:
   LikelihoodField() = default;

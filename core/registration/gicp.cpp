@@ -151,8 +151,7 @@ TangentMatrix<Dim> SandwichCovariance(const NormalEquations<Dim>& normal) {
   const Eigen::SelfAdjointEigenSolver<TangentMatrix<Dim>> solver(normal.hessian);
   constexpr double kMinInformation = 1.0 / kUnobserved;
   const Tangent<Dim> values = solver.eigenvalues().cwiseMax(kMinInformation);
-  const TangentMatrix<Dim> inverse = solver.eigenvectors() *
-                                     values.cwiseInverse().asDiagonal() *
+  const TangentMatrix<Dim> inverse = solver.eigenvectors() * values.cwiseInverse().asDiagonal() *
                                      solver.eigenvectors().transpose();
   TangentMatrix<Dim> covariance = inverse * normal.squared_weights * inverse;
   for (int i = 0; i < Pose<Dim>::kDof; ++i) {

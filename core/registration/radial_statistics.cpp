@@ -42,8 +42,9 @@ Eigen::MatrixXf RadialStatistics(std::span<const Eigen::Vector2f> points,
   const auto per_bin = static_cast<float>(1.0 / options.bin_m);
   for (Eigen::Index i = 0; i < count; ++i) {
     for (Eigen::Index j = i + 1; j < count; ++j) {
-      const float at = per_bin * (points[static_cast<std::size_t>(i)] -
-                                  points[static_cast<std::size_t>(j)]).norm();
+      const float at =
+          per_bin *
+          (points[static_cast<std::size_t>(i)] - points[static_cast<std::size_t>(j)]).norm();
       const auto bin = static_cast<Eigen::Index>(at);
       if (bin + 1 >= bins) continue;
       // Shared between the two bins around it, so that a small shift changes little.

@@ -10,8 +10,7 @@ using Eigen::Vector2d;
 using Eigen::Vector2f;
 
 // The motion that lays b1 on a1 and turns b1-b2 into the direction of a1-a2.
-Pose2 FromTwoPairs(const Vector2d& a1, const Vector2d& a2, const Vector2d& b1,
-                   const Vector2d& b2) {
+Pose2 FromTwoPairs(const Vector2d& a1, const Vector2d& a2, const Vector2d& b1, const Vector2d& b2) {
   const Vector2d da = a2 - a1;
   const Vector2d db = b2 - b1;
   Pose2 T_a_b;
@@ -73,9 +72,8 @@ std::optional<RigidMatch> MatchRigid(std::span<const Vector2f> a, std::span<cons
     const double length_b_m = (b[first.b] - b[second.b]).norm();
     if (std::min(length_a_m, length_b_m) < options.min_baseline_m) continue;
     if (std::abs(length_a_m - length_b_m) > 2.0 * options.inlier_distance_m) continue;
-    const Pose2 T_a_b =
-        FromTwoPairs(a[first.a].cast<double>(), a[second.a].cast<double>(),
-                     b[first.b].cast<double>(), b[second.b].cast<double>());
+    const Pose2 T_a_b = FromTwoPairs(a[first.a].cast<double>(), a[second.a].cast<double>(),
+                                     b[first.b].cast<double>(), b[second.b].cast<double>());
     std::vector<IndexPair> inliers = InliersOf(a, b, pairs, T_a_b, options.inlier_distance_m);
     if (inliers.size() > best.inliers.size()) best = {T_a_b, std::move(inliers)};
   }

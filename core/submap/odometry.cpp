@@ -37,9 +37,9 @@ Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,
 }
 
 Motion Compose(const Motion& first, const Motion& second) {
-  return {.T_from_to = first.T_from_to * second.T_from_to,
-          .covariance =
-              ComposeCovariance<3>(first.covariance, second.T_from_to, second.covariance)};
+  return {
+      .T_from_to = first.T_from_to * second.T_from_to,
+      .covariance = ComposeCovariance<3>(first.covariance, second.T_from_to, second.covariance)};
 }
 
 }  // namespace dcloc

@@ -20,8 +20,8 @@ class SubmapWindow {
  public:
   explicit SubmapWindow(int scans_per_radar) : scans_per_radar_(scans_per_radar) {}
 
-  /// Adds the points (vehicle frame at `stamp`) of a scan by radar `radar_index`; `motion` leads from
-  /// the scan before, of whatever radar, to this one. Stamps do not go back.
+  /// Adds the points (vehicle frame at `stamp`) of a scan by radar `radar_index`; `motion` leads
+  /// from the scan before, of whatever radar, to this one. Stamps do not go back.
   void Push(Stamp stamp, int radar_index, std::vector<RadarPoint> points, const Motion& motion);
 
   /// All kept points in the vehicle frame at the newest scan. With `carry_drift` each point's

@@ -47,16 +47,16 @@ TEST(CovarianceTest, InversionMatchesNumericJacobians) {
   xi << 4.0, -2.0, 1.0, 0.3, -0.6, 0.9;
   const Pose3 T = Exp(xi);
   const Matrix6d S = RandomCovariance(random, 0.1);
-  const Matrix6d J = NumericJacobian(
-      [&](const Vector6d& step) { return Log(T * (T * Exp(step)).Inverse()); });
+  const Matrix6d J =
+      NumericJacobian([&](const Vector6d& step) { return Log(T * (T * Exp(step)).Inverse()); });
   const Matrix6d truth = J * S * J.transpose();
   EXPECT_LT((InvertCovariance<3>(T, S) - truth).norm(), 1e-6 * truth.norm());
 }
 
 TEST(CovarianceTest, FixedAxesOfAVehicleHeadingNorth) {
   // Uncertain along its own x axis only; heading along the map's y, that is the map's y.
-  const Pose3 T{.rotation = Eigen::Quaterniond(
-                    Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitZ()))};
+  const Pose3 T{
+      .rotation = Eigen::Quaterniond(Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitZ()))};
   Matrix6d tangent = Matrix6d::Zero();
   tangent(0, 0) = 4.0;
   tangent(3, 3) = 9.0;

@@ -97,9 +97,9 @@ TEST(WrapAngleTest, LiesInTheHalfOpenInterval) {
 TEST(FlattenTest, InvertsEmbedAndIgnoresTilt) {
   const Pose2 flat{.translation_m = Vector2d(4.0, -1.0), .yaw_rad = 2.5};
   EXPECT_LT(Log(flat.Inverse() * Flatten(Embed(flat))).norm(), 1e-12);
-  const Pose3 pitched{
-      .translation_m = Vector3d(1.0, 2.0, 3.0),
-      .rotation = Eigen::AngleAxisd(0.7, Vector3d::UnitZ()) * Eigen::AngleAxisd(0.2, Vector3d::UnitY())};
+  const Pose3 pitched{.translation_m = Vector3d(1.0, 2.0, 3.0),
+                      .rotation = Eigen::AngleAxisd(0.7, Vector3d::UnitZ()) *
+                                  Eigen::AngleAxisd(0.2, Vector3d::UnitY())};
   EXPECT_NEAR(Flatten(pitched).yaw_rad, 0.7, 1e-12);
 }
 

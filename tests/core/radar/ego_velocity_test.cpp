@@ -50,7 +50,8 @@ TEST(EgoVelocityTest, ARigObservesSideSlipAndTurning) {
   truth.linear_mps.y() = 0.1;
   std::vector<Scan> scans;
   for (const RadarModel& radar : radars) scans.push_back(StaticScan(radar, truth, 60, 3, 0.0));
-  const RadarScan rig[] = {{&scans[0], &radars[0]}, {&scans[1], &radars[1]}, {&scans[2], &radars[2]}};
+  const RadarScan rig[] = {
+      {&scans[0], &radars[0]}, {&scans[1], &radars[1]}, {&scans[2], &radars[2]}};
   const auto estimate = EstimateEgoVelocity(rig, 9);
   ASSERT_TRUE(estimate.has_value());
   EXPECT_NEAR(estimate->ego_velocity.linear_mps.x(), 8.0, 0.01);

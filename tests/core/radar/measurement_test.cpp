@@ -37,8 +37,7 @@ TEST(CompensatedRangeTest, UndoesThePhaseExactChirp) {
   };
   for (const double rate_mps : {-30.0, -10.0, 0.0, 10.0}) {
     const double h_s = 1e-7;
-    const double beat_hz =
-        (phase(h_s, 60.0, rate_mps) - phase(-h_s, 60.0, rate_mps)) / (2.0 * h_s);
+    const double beat_hz = (phase(h_s, 60.0, rate_mps) - phase(-h_s, 60.0, rate_mps)) / (2.0 * h_s);
     const double measured_m = beat_hz * kLight_mps / (2.0 * slope_hz_per_s);
     EXPECT_NEAR(CompensatedRange(measured_m, rate_mps, kBeta_s), 60.0, 1e-3) << rate_mps;
   }

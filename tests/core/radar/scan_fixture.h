@@ -9,8 +9,8 @@
 
 namespace dcloc {
 
-/// A scan of `count` static targets around the radar's boresight (+-60 degrees, 5-80 m), seen from a
-/// vehicle moving with `ego`; exact but for normal noise of the radar's own deviations times
+/// A scan of `count` static targets around the radar's boresight (+-60 degrees, 5-80 m), seen from
+/// a vehicle moving with `ego`; exact but for normal noise of the radar's own deviations times
 /// `noise_scale` on the range rate.
 inline Scan StaticScan(const RadarModel& radar, const EgoVelocity& ego, int count, unsigned seed,
                        double noise_scale) {
@@ -22,8 +22,7 @@ inline Scan StaticScan(const RadarModel& radar, const EgoVelocity& ego, int coun
   scan.radar_id = radar.id;
   for (int i = 0; i < count; ++i) {
     const double azimuth_rad = azimuth(random);
-    const Eigen::Vector3d u =
-        radar.T_vehicle_radar.Rotation() * LineOfSight(azimuth_rad, 0.0);
+    const Eigen::Vector3d u = radar.T_vehicle_radar.Rotation() * LineOfSight(azimuth_rad, 0.0);
     double rate_mps = PredictedRangeRate(u, radar.T_vehicle_radar, ego) + noise(random);
     const double range_m = range(random) + radar.beta_s * rate_mps;
     if (radar.unambiguous_range_rate_mps > 0.0) {

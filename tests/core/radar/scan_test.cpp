@@ -34,8 +34,8 @@ TEST(ValidateScanTest, NamesTheColumnOfUnequalLength) {
 }
 
 TEST(ValidateScanTest, NamesRowValueAndBound) {
-  for (const float bad : {0.0F, -3.0F, 1e6F, std::nanf(""),
-                          std::numeric_limits<float>::infinity()}) {
+  for (const float bad :
+       {0.0F, -3.0F, 1e6F, std::nanf(""), std::numeric_limits<float>::infinity()}) {
     Scan scan = TwoTargets();
     scan.range_m[1] = bad;
     EXPECT_THAT(Validate(scan).message(), HasSubstr("range_m[1] is ")) << bad;

@@ -27,8 +27,8 @@ TEST(OdometryTest, TenScansFollowAFineIntegration) {
   }
   Motion motion;
   for (int i = 0; i < 10; ++i) {
-    motion = Compose(motion, Integrate(Turning(i * 0.075), Turning((i + 1) * 0.075),
-                                       milliseconds(75), {}));
+    motion = Compose(motion,
+                     Integrate(Turning(i * 0.075), Turning((i + 1) * 0.075), milliseconds(75), {}));
   }
   EXPECT_LT(Log(truth.Inverse() * motion.T_from_to).norm(), 2e-3);
 }
@@ -66,8 +66,7 @@ TEST(OdometryTest, TheSpreadIsThatOfDriftingVelocities) {
 
 TEST(OdometryTest, AMissingCovarianceIsTheOptions) {
   const OdometryOptions options{.linear_sigma_mps = 0.1, .linear_sigma_share = 0.02};
-  const EgoVelocity with =
-      WithCovariance({.linear_mps = {10.0, 0.0, 0.0}}, options);
+  const EgoVelocity with = WithCovariance({.linear_mps = {10.0, 0.0, 0.0}}, options);
   EXPECT_NEAR((*with.covariance)(0, 0), 0.09, 1e-12);
   const EgoVelocity own = {.covariance = Matrix6d(Matrix6d::Identity())};
   EXPECT_EQ(*WithCovariance(own, options).covariance, Matrix6d::Identity());
