@@ -17,6 +17,11 @@ OpenCalls::Token::~Token() {
   if (--calls_->count_ == 0) calls_->none_.notify_all();
 }
 
+void OpenCalls::WaitUntilNone() {
+  std::unique_lock lock(mutex_);
+  none_.wait(lock, [this] { return count_ == 0; });
+}
+
 void OpenCalls::WaitUntilNone(std::chrono::steady_clock::time_point deadline) {
   std::unique_lock lock(mutex_);
   none_.wait_until(lock, deadline, [this] { return count_ == 0; });

@@ -22,7 +22,8 @@ class OpenCalls {
     OpenCalls* calls_;
   };
 
-  /// Waits until there is none, or until `deadline`.
+  /// Waits until there is none, or until `deadline` where there is one.
+  void WaitUntilNone();
   void WaitUntilNone(std::chrono::steady_clock::time_point deadline);
 
  private:

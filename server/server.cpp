@@ -127,6 +127,8 @@ void Server::Shutdown(std::chrono::milliseconds deadline) {
   parts_->open_calls.WaitUntilNone(end);
   // What is left are calls beyond the deadline, last bytes on their way, and idle connections.
   parts_->server->Shutdown(std::chrono::system_clock::now() + kLastBytesGrace);
+  // Cut-off calls end at once, but their last events may still be under way.
+  parts_->open_calls.WaitUntilNone();
 }
 
 }  // namespace dcloc::server

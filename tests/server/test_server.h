@@ -62,7 +62,7 @@ struct TestServer {
 
 /// A context that gives up rather than to hang a test.
 struct Call : grpc::ClientContext {
-  Call() { set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60)); }
+  Call() { set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(120)); }
 };
 
 inline v1::UploadMapHeader HeaderOf(std::span<const std::byte> bytes) {
