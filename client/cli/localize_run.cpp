@@ -219,7 +219,10 @@ absl::Status RunLocalize(const LocalizeArguments& arguments) {
   auto session =
       client::Session::Open(*channel, OpenRequest(arguments, *drive),
                             {.max_queued_scan_count = 1, .when_full = client::FullQueue::kBlock});
-  if (!session.ok()) return session.status();
+  if (!session.ok()) {
+    return absl::Status(session.status().code(),
+                        absl::StrCat(arguments.server.server, ": ", session.status().message()));
+  }
   absl::StatusOr<AnswerFiles> files = AnswerFiles::Create(arguments.csv_file, arguments.tum_file);
   if (!files.ok()) return files.status();
   return Localize(**session, *drive, arguments, signals, *files);

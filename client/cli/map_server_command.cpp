@@ -140,7 +140,10 @@ absl::Status Run(Command* command, const Arguments& arguments) {
   const auto channel = client::MakeChannel(arguments.server);
   if (!channel.ok()) return channel.status();
   client::MapClient maps(*channel);
-  return command(maps, arguments);
+  const absl::Status status = command(maps, arguments);
+  // An error of the connection need not say with whom.
+  if (!absl::IsUnavailable(status) && !absl::IsDeadlineExceeded(status)) return status;
+  return absl::Status(status.code(), absl::StrCat(arguments.server.server, ": ", status.message()));
 }
 
 CLI::App* AddCommand(CLI::App& map_command, const char* name, const char* description,

@@ -145,7 +145,9 @@ TEST(SessionTest, AnEndWakesABlockedSend) {
     while (session->Send(LargeScan()).ok()) ++sent;
   });
   // Until nothing moves any more.
-  for (int before = -1; before != sent; std::this_thread::sleep_for(100ms)) before = sent;
+  for (int before = -1; before != sent || before < 1; std::this_thread::sleep_for(100ms)) {
+    before = sent;
+  }
   server.Die();
   sender.join();
   EXPECT_FALSE(session->Next().has_value());
@@ -193,11 +195,14 @@ TEST(SessionTest, WhoDoesNotTakeTheAnswersHoldsTheServerBack) {
   });
   const auto session = Open(server, {.max_unread_answer_count = 5});
   ASSERT_TRUE(session->Send(ScanNumber(1)).ok());
-  for (int before = -1; before != written; std::this_thread::sleep_for(100ms)) before = written;
+  for (int before = -1; before != written || before < 5; std::this_thread::sleep_for(100ms)) {
+    before = written;
+  }
   // The five, and what the transport's windows hold: far from a gigabyte.
-  EXPECT_GE(written, 5);
-  EXPECT_LT(written, 500);
-  for (int i = 0; i < 1000; ++i) ASSERT_TRUE(session->Next().has_value());
+  const int held = written;
+  EXPECT_LT(held, 500);
+  // Taking them lets it go on.
+  for (int i = 0; i < held + 50; ++i) ASSERT_TRUE(session->Next().has_value());
 }
 
 TEST(SessionTest, CancelAndDestructionEndAtOnce) {
@@ -224,12 +229,12 @@ TEST(SessionTest, DestructionWithUnreadAnswersEnds) {
 }
 
 // Opening at `server` fails within the timeout and some slack.
-absl::Status OpenStatus(const std::string& server) {
+absl::Status OpenStatus(const std::string& server, std::chrono::milliseconds timeout) {
   const auto channel = MakeChannel({.server = server});
   EXPECT_TRUE(channel.ok()) << channel.status();
   const auto begin = std::chrono::steady_clock::now();
-  const auto session = Session::Open(*channel, Vehicle("car"), {.open_timeout = 2s});
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, 6s);
+  const auto session = Session::Open(*channel, Vehicle("car"), {.open_timeout = timeout});
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, timeout + 5s);
   return session.status();
 }
 
@@ -239,13 +244,13 @@ TEST(SessionTest, NobodyListening) {
     const FakeServer gone(AnswerAll);
     address = gone.address();
   }
-  const absl::Status status = OpenStatus(address);
+  const absl::Status status = OpenStatus(address, 20s);
   EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable) << status;
   EXPECT_THAT(std::string(status.message()), HasSubstr(address));
 }
 
 TEST(SessionTest, AHostThatDoesNotExist) {
-  const absl::Status status = OpenStatus("no-such-host.invalid:50051");
+  const absl::Status status = OpenStatus("no-such-host.invalid:50051", 5s);
   EXPECT_TRUE(absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status)) << status;
 }
 
@@ -258,7 +263,8 @@ TEST(SessionTest, AListenerThatSaysNothing) {
   ASSERT_EQ(bind(listener, reinterpret_cast<sockaddr*>(&address), size), 0);
   ASSERT_EQ(listen(listener, 4), 0);
   ASSERT_EQ(getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size), 0);
-  const absl::Status status = OpenStatus("127.0.0.1:" + std::to_string(ntohs(address.sin_port)));
+  const absl::Status status =
+      OpenStatus("127.0.0.1:" + std::to_string(ntohs(address.sin_port)), 2s);
   EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded) << status;
   EXPECT_THAT(std::string(status.message()), HasSubstr("within 2000 ms"));
   close(listener);
