@@ -168,8 +168,8 @@ TEST_F(LocalizerTest, BlindItReckonsEverLessCertainAndThenSaysThatItIsLost) {
   bool reckoned = false;
   bool lost = false;
   double sigma_m = 0.0;
-  for (int i = 0; i < 1500 && !lost; ++i) {
-    const double along_m = 0.077 * kLiveSpeed_mps * (kSeeing + i);
+  for (std::size_t i = 0; i < 1500 && !lost; ++i) {
+    const double along_m = 0.077 * kLiveSpeed_mps * static_cast<double>(kSeeing + i);
     const Scan blind{.stamp = drive_[0].scan.stamp + std::chrono::milliseconds(77 * (kSeeing + i)),
                      .radar_id = "front",
                      .ego_velocity = SyntheticWorld::VelocityAt(kLiveSpeed_mps)};

@@ -37,6 +37,7 @@ LocalMap<Dim> Scattered(int count, unsigned seed) {
   std::uniform_real_distribution<double> x_m(-30.0, 55.0);
   std::uniform_real_distribution<double> y_m(-12.0, 9.0);
   std::vector<GaussianPoint<Dim>> points;
+  points.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) points.push_back(PointAt<Dim>(x_m(random), y_m(random)));
   return LocalMap<Dim>({}, std::move(points));
 }

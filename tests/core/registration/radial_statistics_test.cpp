@@ -120,6 +120,7 @@ TEST(MutualNearestTest, AgreesWithLookingAtEveryPair) {
     EXPECT_TRUE(std::is_sorted(pairs.begin(), pairs.end(),
                                [](const auto& x, const auto& y) { return x.a < y.a; }));
     std::vector<std::pair<std::size_t, std::size_t>> found;
+    found.reserve(pairs.size());
     for (const IndexPair& pair : pairs) found.emplace_back(pair.a, pair.b);
     std::sort(found.begin(), found.end());
     EXPECT_EQ(found, truth) << "k = " << k;
