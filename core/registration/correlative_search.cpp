@@ -58,7 +58,9 @@ LikelihoodField::LikelihoodField(const LocalMap<Dim>& map, double cell_m) : cell
         std::uint8_t& cell =
             cells_[static_cast<std::size_t>(row + dy) * static_cast<std::size_t>(columns_) +
                    static_cast<std::size_t>(column + dx)];
-        const auto k = static_cast<std::size_t>(std::abs(dy) * (reach + 1) + std::abs(dx));
+        const auto k =
+            static_cast<std::size_t>(std::abs(dy)) * static_cast<std::size_t>(reach + 1) +
+            static_cast<std::size_t>(std::abs(dx));
         cell = std::max(cell, kernel[k]);
       }
     }
@@ -97,7 +99,8 @@ std::vector<PoseHypothesis> CorrelativeSearch(std::span<const Eigen::Vector2f> p
   const int shifts = static_cast<int>(std::ceil(window.translation_m / step_m));
 
   std::vector<PoseHypothesis> all;
-  all.reserve(static_cast<std::size_t>((2 * turns + 1) * (2 * shifts + 1) * (2 * shifts + 1)));
+  const auto side = static_cast<std::size_t>(2 * shifts) + 1;
+  all.reserve((static_cast<std::size_t>(2 * turns) + 1) * side * side);
   for (int turn = -turns; turn <= turns; ++turn) {
     for (int i = -shifts; i <= shifts; ++i) {
       for (int j = -shifts; j <= shifts; ++j) {
