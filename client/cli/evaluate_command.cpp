@@ -13,10 +13,13 @@ using Arguments = EvaluateArguments;
 
 void AddDriveOptions(CLI::App& command, Arguments& arguments) {
   AddDatasetOptions(command, arguments.dataset);
-  command.add_option("--map-drive", arguments.map.name, "Drive to make the map of")
+  command
+      .add_option("--map-drive", arguments.map_drives,
+                  "Drive to make the map of: one for all drives, or one for each")
       ->required()
-      ->type_name("NAME");
-  command.add_option("--drive", arguments.drives, "Drives to localize, in the map's frame")
+      ->delimiter(',')
+      ->type_name("A,B");
+  command.add_option("--drive", arguments.drives, "Drives to localize, in their map's frame")
       ->required()
       ->delimiter(',')
       ->type_name("A,B");

@@ -23,10 +23,7 @@ constexpr std::size_t kProgressSteps = 1000;
 
 using Drives = std::vector<Drive>;
 
-struct Evaluated {
-  std::shared_ptr<const RadarMap> map;
-  std::vector<DriveOutcome> outcomes;
-};
+using Outcomes = std::vector<DriveOutcome>;
 
 bool IsWithout(const EvaluateArguments& arguments, const std::string& part) {
   return std::ranges::find(arguments.without, part) != arguments.without.end();
@@ -45,22 +42,30 @@ EvaluationOptions ToOptions(const EvaluateArguments& arguments) {
   return options;
 }
 
-absl::StatusOr<Drive> ReadMapDrive(const EvaluateArguments& arguments) {
-  DriveRequest request = arguments.map;
-  if (!request.beta_s.has_value()) request.beta_s = arguments.live.beta_s;
-  return ReadDrive(ToDataset(arguments.dataset), request);
-}
-
-absl::StatusOr<Drives> ReadLiveDrives(const EvaluateArguments& arguments) {
+absl::StatusOr<Drives> ReadDrives(const DatasetArguments& dataset,
+                                  const std::vector<std::string>& names, DriveRequest request) {
   Drives drives;
-  for (const std::string& name : arguments.drives) {
-    DriveRequest request = arguments.live;
+  for (const std::string& name : names) {
     request.name = name;
-    auto drive = ReadDrive(ToDataset(arguments.dataset), request);
+    auto drive = ReadDrive(ToDataset(dataset), request);
     if (!drive.ok()) return drive.status();
     drives.push_back(*std::move(drive));
   }
   return drives;
+}
+
+// One map drive for all drives, or one for each.
+absl::StatusOr<Drives> ReadMapDrives(const EvaluateArguments& arguments) {
+  const std::size_t count = arguments.map_drives.size();
+  if (count != 1 && count != arguments.drives.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("--map-drive names %d drives, --drive %d: give one map drive for all, or "
+                        "one for each",
+                        count, arguments.drives.size()));
+  }
+  DriveRequest request = arguments.map;
+  if (!request.beta_s.has_value()) request.beta_s = arguments.live.beta_s;
+  return ReadDrives(arguments.dataset, arguments.map_drives, request);
 }
 
 absl::StatusOr<std::shared_ptr<const RadarMap>> MakeMap(const Drive& drive,
@@ -77,23 +82,27 @@ absl::StatusOr<std::shared_ptr<const RadarMap>> MakeMap(const Drive& drive,
   return RadarMap::FromBytes(*std::move(bytes));
 }
 
-absl::StatusOr<Evaluated> EvaluateAll(const Drive& map_drive, const Drives& drives,
-                                      const EvaluationOptions& options) {
-  auto map = MakeMap(map_drive, options.localizer);
-  if (!map.ok()) return map.status();
-  Evaluated evaluated{.map = *std::move(map), .outcomes = {}};
-  for (const Drive& drive : drives) {
-    Progress progress(absl::StrCat("localizing ", drive.name), kProgressSteps);
-    auto outcome = Evaluate(evaluated.map, drive, options, [&](double share) {
+absl::StatusOr<Outcomes> EvaluateAll(const Drives& map_drives, const Drives& drives,
+                                     const EvaluationOptions& options) {
+  std::shared_ptr<const RadarMap> map;
+  Outcomes outcomes;
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    if (i < map_drives.size()) {
+      auto made = MakeMap(map_drives[i], options.localizer);
+      if (!made.ok()) return made.status();
+      map = *std::move(made);
+    }
+    Progress progress(absl::StrCat("localizing ", drives[i].name), kProgressSteps);
+    auto outcome = Evaluate(map, drives[i], options, [&](double share) {
       progress.Update(static_cast<std::size_t>(share * kProgressSteps));
     });
     if (!outcome.ok()) return outcome.status();
-    evaluated.outcomes.push_back(*std::move(outcome));
+    outcomes.push_back(*std::move(outcome));
   }
-  return evaluated;
+  return outcomes;
 }
 
-nlohmann::ordered_json ToJson(const std::vector<DriveOutcome>& outcomes) {
+nlohmann::ordered_json ToJson(const Outcomes& outcomes) {
   nlohmann::ordered_json json = MetricsJson(ComputeMetrics(outcomes));
   json["drives"] = nlohmann::ordered_json::array();
   for (const DriveOutcome& outcome : outcomes) {
@@ -104,7 +113,7 @@ nlohmann::ordered_json ToJson(const std::vector<DriveOutcome>& outcomes) {
   return json;
 }
 
-void Print(const std::vector<DriveOutcome>& outcomes) {
+void Print(const Outcomes& outcomes) {
   std::vector<std::pair<std::string, Metrics>> columns;
   columns.reserve(outcomes.size() + 1);
   for (const DriveOutcome& outcome : outcomes) {
@@ -141,7 +150,7 @@ const char* RunLabel(const EvaluationOptions& options) {
 }
 
 std::vector<std::pair<std::string, std::string>> Settings(const EvaluateArguments& arguments,
-                                                          const Drive& map_drive,
+                                                          const Drives& map_drives,
                                                           const Drives& drives) {
   const Perturbation& perturbation = arguments.options.perturbation;
   const std::string initial =
@@ -151,7 +160,8 @@ std::vector<std::pair<std::string, std::string>> Settings(const EvaluateArgument
                             perturbation.translation_m, perturbation.rotation_deg,
                             perturbation.seed);
   return {{"Data set", arguments.dataset.format},
-          {"Map", absl::StrCat(map_drive.name, ", ", Radars(map_drive))},
+          {"Map", absl::StrCat(absl::StrJoin(arguments.map_drives, ", "), ", ",
+                               Radars(map_drives.front()))},
           {"Localized",
            absl::StrCat(absl::StrJoin(arguments.drives, ", "), ", ", Radars(drives.front()))},
           {"Protocol", arguments.protocol},
@@ -163,21 +173,21 @@ std::vector<std::pair<std::string, std::string>> Settings(const EvaluateArgument
 }
 
 // The report's second run is the one with the Doppler compensation the other way.
-absl::Status WriteReportFile(const EvaluateArguments& arguments, const Drive& map_drive,
+absl::Status WriteReportFile(const EvaluateArguments& arguments, const Drives& map_drives,
                              const Drives& drives, const EvaluationOptions& options,
-                             Evaluated evaluated) {
-  Report report{.title = absl::StrCat("Localization in the map of ", map_drive.name),
-                .settings = Settings(arguments, map_drive, drives),
+                             Outcomes outcomes) {
+  Report report{.title = absl::StrCat("Localization in the map of ",
+                                      absl::StrJoin(arguments.map_drives, ", ")),
+                .settings = Settings(arguments, map_drives, drives),
                 .note = "",
-                .map = evaluated.map,
-                .runs = {{RunLabel(options), std::move(evaluated.outcomes)}},
+                .runs = {{RunLabel(options), std::move(outcomes)}},
                 .is_track = options.protocol == Protocol::kTrack};
-  if (HasCoupling(map_drive) || std::ranges::any_of(drives, HasCoupling)) {
+  if (std::ranges::any_of(map_drives, HasCoupling) || std::ranges::any_of(drives, HasCoupling)) {
     EvaluationOptions other = options;
     other.localizer.doppler_compensation = !options.localizer.doppler_compensation;
-    auto compared = EvaluateAll(map_drive, drives, other);
+    auto compared = EvaluateAll(map_drives, drives, other);
     if (!compared.ok()) return compared.status();
-    report.runs.push_back({RunLabel(other), std::move(compared->outcomes)});
+    report.runs.push_back({RunLabel(other), *std::move(compared)});
   } else {
     report.note = "The radars' beta is 0, so that Doppler compensation changes nothing.";
   }
@@ -189,18 +199,18 @@ absl::Status WriteReportFile(const EvaluateArguments& arguments, const Drive& ma
 absl::Status RunEvaluation(const EvaluateArguments& arguments) {
   const EvaluationOptions options = ToOptions(arguments);
   if (absl::Status status = Validate(options); !status.ok()) return status;
-  const auto map_drive = ReadMapDrive(arguments);
-  if (!map_drive.ok()) return map_drive.status();
-  const auto drives = ReadLiveDrives(arguments);
+  const auto map_drives = ReadMapDrives(arguments);
+  if (!map_drives.ok()) return map_drives.status();
+  const auto drives = ReadDrives(arguments.dataset, arguments.drives, arguments.live);
   if (!drives.ok()) return drives.status();
-  auto evaluated = EvaluateAll(*map_drive, *drives, options);
-  if (!evaluated.ok()) return evaluated.status();
+  auto outcomes = EvaluateAll(*map_drives, *drives, options);
+  if (!outcomes.ok()) return outcomes.status();
 
-  Print(evaluated->outcomes);
-  absl::Status status = WriteText(arguments.json_file, ToJson(evaluated->outcomes).dump(2) + "\n");
-  status.Update(WriteText(arguments.csv_file, ScansCsv(evaluated->outcomes)));
+  Print(*outcomes);
+  absl::Status status = WriteText(arguments.json_file, ToJson(*outcomes).dump(2) + "\n");
+  status.Update(WriteText(arguments.csv_file, ScansCsv(*outcomes)));
   if (!arguments.report_file.empty()) {
-    status.Update(WriteReportFile(arguments, *map_drive, *drives, options, *std::move(evaluated)));
+    status.Update(WriteReportFile(arguments, *map_drives, *drives, options, *std::move(outcomes)));
   }
   return status;
 }

@@ -13,8 +13,9 @@ namespace dcloc::cli {
 /// What `dcloc evaluate` was asked for, as it was written.
 struct EvaluateArguments {
   DatasetArguments dataset;
-  DriveRequest map;
-  DriveRequest live;  ///< all but its name, which `drives` holds
+  DriveRequest map;                     ///< all but its name, which `map_drives` holds
+  DriveRequest live;                    ///< all but its name, which `drives` holds
+  std::vector<std::string> map_drives;  ///< one for all drives, or one for each
   std::vector<std::string> drives;
   std::string protocol = "track";
   std::string initial = "truth";

@@ -87,7 +87,7 @@ std::string Range(const char* axis, double min, double max) {
 /// Composes the picture's panels from named data.
 class Composer {
  public:
-  Composer(const RadarMap& map, const std::vector<LabelledOutcome>& outcomes, bool is_track)
+  Composer(const std::vector<LabelledOutcome>& outcomes, bool is_track)
       : outcomes_(outcomes),
         is_track_(is_track),
         box_(TrackBox(*outcomes.front().outcome).Grown(kLandmarkMargin_m)),
@@ -95,7 +95,8 @@ class Composer {
     const DriveOutcome& first = *outcomes.front().outcome;
     const auto ellipses = Ellipses(first, kMaxEllipses);
     ellipse_scale_ = EllipseScale(ellipses, (box_.max - box_.min).maxCoeff());
-    data_ = Block("landmarks", LandmarkLines(map, box_)) + Block("truth", TruthLines(first)) +
+    data_ = Block("landmarks", LandmarkLines(*first.map, box_)) +
+            Block("truth", TruthLines(first)) +
             Block("ellipses", EllipseLines(ellipses, ellipse_scale_));
     if (close_up_) AddMarks();
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
@@ -225,10 +226,8 @@ class Composer {
 
 }  // namespace
 
-Picture DrawDrive(const RadarMap& map, const std::vector<LabelledOutcome>& outcomes,
-                  bool is_track) {
-  return {
-      .commands = Composer(map, outcomes, is_track).Compose(), .width_px = 1500, .height_px = 1500};
+Picture DrawDrive(const std::vector<LabelledOutcome>& outcomes, bool is_track) {
+  return {.commands = Composer(outcomes, is_track).Compose(), .width_px = 1500, .height_px = 1500};
 }
 
 }  // namespace dcloc

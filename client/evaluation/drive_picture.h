@@ -5,7 +5,6 @@
 
 #include "client/evaluation/gnuplot.h"
 #include "client/evaluation/outcome.h"
-#include "core/map/radar_map.h"
 
 namespace dcloc {
 
@@ -15,9 +14,10 @@ struct LabelledOutcome {
   const DriveOutcome* outcome = nullptr;
 };
 
-/// A drive in its map: landmarks, true and estimated tracks with the first outcome's covariance
-/// ellipses, a close-up of its largest error, errors over time and their distribution. `outcomes`
-/// (one or two) are of the same drive; tracks are lines where `is_track`, points otherwise.
-Picture DrawDrive(const RadarMap& map, const std::vector<LabelledOutcome>& outcomes, bool is_track);
+/// A drive in the map it was localized in: landmarks, true and estimated tracks with the first
+/// outcome's covariance ellipses, a close-up of its largest error, errors over time and their
+/// distribution. `outcomes` (one or two) are of the same drive; tracks are lines where `is_track`,
+/// points otherwise.
+Picture DrawDrive(const std::vector<LabelledOutcome>& outcomes, bool is_track);
 
 }  // namespace dcloc

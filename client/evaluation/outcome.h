@@ -2,12 +2,14 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "client/evaluation/pose_error.h"
 #include "core/localizer/localizer.h"
+#include "core/map/radar_map.h"
 
 namespace dcloc {
 
@@ -27,6 +29,7 @@ struct ScanOutcome {
 /// What became of one live drive.
 struct DriveOutcome {
   std::string drive;
+  std::shared_ptr<const RadarMap> map;  ///< it was localized in
   std::vector<ScanOutcome> scans;  ///< those that the localizer took, in the order of their stamps
   std::size_t refused_count = 0;
   std::string first_refusal;  ///< what the localizer said of the first scan that it refused

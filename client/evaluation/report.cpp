@@ -87,7 +87,7 @@ absl::StatusOr<std::string> DriveSection(const Report& report, std::size_t i,
   if (std::ranges::none_of(outcomes, HasAnswer)) {
     return heading + "<p>No scan of this drive was answered with a pose.</p>\n";
   }
-  const Picture picture = DrawDrive(*report.map, outcomes, report.is_track);
+  const Picture picture = DrawDrive(outcomes, report.is_track);
   const fs::path png = PngPath(html, first.drive, report.runs.front().outcomes.size() == 1);
   if (absl::Status status = RenderPng(picture, png); !status.ok()) return status;
   const auto svg = RenderSvg(picture);

@@ -1,14 +1,12 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "client/evaluation/outcome.h"
-#include "core/map/radar_map.h"
 
 namespace dcloc {
 
@@ -23,7 +21,6 @@ struct Report {
   std::string title;
   std::vector<std::pair<std::string, std::string>> settings;  ///< name and value
   std::string note;                                           ///< a sentence; may be empty
-  std::shared_ptr<const RadarMap> map;
   std::vector<ReportRun> runs;  ///< one or two; the first is drawn with its covariance
   bool is_track = true;         ///< answers follow one another, rather than being separate queries
 };

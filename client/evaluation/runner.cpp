@@ -31,6 +31,7 @@ class Judge {
         const EvaluationOptions& options)
       : map_(map), drive_(drive), options_(options) {
     outcome_.drive = drive.name;
+    outcome_.map = map;
   }
 
   /// A fresh localizer that will be given the scan `first` first.

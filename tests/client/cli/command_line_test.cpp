@@ -165,6 +165,26 @@ TEST_F(Simulated, EvaluatesAndWritesWhatIsAskedFor) {
   EXPECT_TRUE(std::filesystem::exists(File("e-live-0.png")));
 }
 
+TEST_F(Simulated, EvaluatesEachDriveInItsOwnMap) {
+  const auto medians = [&](const std::string& drives) {
+    const Result result =
+        Dcloc("evaluate " + Dataset() + " " + drives + " --json " + File("own.json"));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    std::vector<double> found;
+    const auto json = nlohmann::json::parse(ReadText(File("own.json")));
+    for (const auto& drive : json["drives"]) found.push_back(drive["rte_m"]["median"]);
+    return found;
+  };
+  const auto own = medians("--map-drive map,live-0 --drive live-0,map");
+  ASSERT_EQ(own.size(), 2U);
+  EXPECT_EQ(own[0], medians("--map-drive map --drive live-0").at(0));
+  EXPECT_EQ(own[1], medians("--map-drive live-0 --drive map").at(0));
+
+  const Result result = Dcloc("evaluate " + Dataset() + " --map-drive map,live-0 --drive live-0");
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("--map-drive names 2 drives, --drive 1"));
+}
+
 TEST_F(Simulated, ShowsWhatCompensationIsWorth) {
   const auto median = [&](const std::string& options) {
     const Result result =

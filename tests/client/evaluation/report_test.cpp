@@ -34,11 +34,11 @@ Report MakeReport() {
   SimulatedDrives drives = SimulateDrives(0.04);
   drives.live_drive.name = "it's <live> & well_known";
   Report report{.title = "A <title>", .settings = {{"Seed", "1 & 2"}}, .note = "Note."};
-  report.map = MapOf(drives.map_drive);
+  const auto map = MapOf(drives.map_drive);
   EvaluationOptions options;
-  report.runs.push_back({"with", {*Evaluate(report.map, drives.live_drive, options)}});
+  report.runs.push_back({"with", {*Evaluate(map, drives.live_drive, options)}});
   options.localizer.doppler_compensation = false;
-  report.runs.push_back({"without", {*Evaluate(report.map, drives.live_drive, options)}});
+  report.runs.push_back({"without", {*Evaluate(map, drives.live_drive, options)}});
   return report;
 }
 

@@ -1,0 +1,25 @@
+#include "client/evaluation/baselines/map_for_method.h"
+
+#include <utility>
+
+#include "client/datasets/drive_map.h"
+#include "client/evaluation/baselines/ego_range_rates.h"
+
+namespace dcloc {
+
+absl::StatusOr<std::shared_ptr<const RadarMap>> MapForMethod(
+    MethodKind kind, const Drive& drive, const LocalizerOptions& options,
+    const std::function<void(std::size_t)>& progress) {
+  MapBuilderOptions map_options;
+  map_options.name = drive.name;
+  map_options.static_points = options.static_points;
+  map_options.static_points.compensate = options.doppler_compensation;
+  map_options.static_points.uncertainty = options.uncertainty;
+  auto bytes = kind == MethodKind::kMcRansac
+                   ? BuildMap(WithEgoRangeRates(drive), map_options, progress)
+                   : BuildMap(drive, map_options, progress);
+  if (!bytes.ok()) return bytes.status();
+  return RadarMap::FromBytes(*std::move(bytes));
+}
+
+}  // namespace dcloc

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "core/posegraph/pose_graph.h"
+
+namespace dcloc {
+
+/// The paper's pose graph (eq 15-17) in the plane: the last n states, odometry edges between
+/// neighbours, loop edges to the map. Unlike core's it is a mere window: what leaves it is
+/// forgotten, and validity of edges is the caller's business.
+class WindowGraph {
+ public:
+  explicit WindowGraph(int window) : window_(window) {}
+
+  /// Starts with one state and what is known of it.
+  void Reset(const PoseEstimate<2>& first);
+
+  /// Adds a state that the edge T_newest_new leads to.
+  void AddState(const PoseEstimate<2>& odometry);
+
+  /// Gives the newest state a loop edge.
+  void AddLoop(const PoseEstimate<2>& loop);
+
+  /// Solves for all states by Gauss-Newton.
+  void Solve();
+
+  /// The newest state, its covariance as of the last `Solve`.
+  const PoseEstimate<2>& Newest() const { return newest_; }
+
+  /// Expresses everything in another map frame.
+  void ChangeFrame(const Pose2& T_new_old);
+
+ private:
+  struct State {
+    Pose2 pose;
+    PoseEstimate<2> odometry;             // from the state before
+    std::optional<PoseEstimate<2>> loop;  // absent, or cut
+  };
+
+  int window_;
+  std::deque<State> states_;
+  PoseEstimate<2> newest_;
+};
+
+}  // namespace dcloc
