@@ -39,6 +39,13 @@ void AddDriveOptions(CLI::App& command, Arguments& arguments) {
 
 void AddMethodOptions(CLI::App& command, Arguments& arguments) {
   Perturbation& perturbation = arguments.options.perturbation;
+  std::vector<std::string> methods;
+  for (const auto& [name, kind] : kMethodNames) methods.emplace_back(name);
+  command
+      .add_option("--method", arguments.method,
+                  "dcloc, or one that it is compared with; all but dcloc need --initial truth")
+      ->check(CLI::IsMember(methods))
+      ->capture_default_str();
   command
       .add_option("--initial", arguments.initial,
                   "First pose: the truth, perturbed, or none (the whole map is searched)")

@@ -11,7 +11,7 @@
 #include "client/cli/atomic_file.h"
 #include "client/cli/progress.h"
 #include "client/cli/terminal.h"
-#include "client/datasets/drive_map.h"
+#include "client/evaluation/baselines/map_for_method.h"
 #include "client/evaluation/metrics_format.h"
 #include "client/evaluation/report.h"
 
@@ -31,6 +31,9 @@ bool IsWithout(const EvaluateArguments& arguments, const std::string& part) {
 
 EvaluationOptions ToOptions(const EvaluateArguments& arguments) {
   EvaluationOptions options = arguments.options;
+  for (const auto& [name, kind] : kMethodNames) {
+    if (arguments.method == name) options.method = kind;
+  }
   options.protocol = arguments.protocol == "pairs" ? Protocol::kPairs : Protocol::kTrack;
   options.has_initial_pose = arguments.initial == "truth";
   options.doppler_ego_velocity = arguments.ego_velocity == "doppler";
@@ -69,17 +72,10 @@ absl::StatusOr<Drives> ReadMapDrives(const EvaluateArguments& arguments) {
 }
 
 absl::StatusOr<std::shared_ptr<const RadarMap>> MakeMap(const Drive& drive,
-                                                        const LocalizerOptions& localizer) {
-  MapBuilderOptions options;
-  options.name = drive.name;
-  options.static_points = localizer.static_points;
-  options.static_points.compensate = localizer.doppler_compensation;
-  options.static_points.uncertainty = localizer.uncertainty;
+                                                        const EvaluationOptions& options) {
   Progress progress(absl::StrCat("mapping ", drive.name), drive.scans.size());
-  auto bytes =
-      BuildMap(drive, options, [&](std::size_t scan_count) { progress.Update(scan_count); });
-  if (!bytes.ok()) return bytes.status();
-  return RadarMap::FromBytes(*std::move(bytes));
+  return MapForMethod(options.method, drive, options.localizer,
+                      [&](std::size_t scan_count) { progress.Update(scan_count); });
 }
 
 absl::StatusOr<Outcomes> EvaluateAll(const Drives& map_drives, const Drives& drives,
@@ -88,7 +84,7 @@ absl::StatusOr<Outcomes> EvaluateAll(const Drives& map_drives, const Drives& dri
   Outcomes outcomes;
   for (std::size_t i = 0; i < drives.size(); ++i) {
     if (i < map_drives.size()) {
-      auto made = MakeMap(map_drives[i], options.localizer);
+      auto made = MakeMap(map_drives[i], options);
       if (!made.ok()) return made.status();
       map = *std::move(made);
     }
@@ -164,6 +160,7 @@ std::vector<std::pair<std::string, std::string>> Settings(const EvaluateArgument
                                Radars(map_drives.front()))},
           {"Localized",
            absl::StrCat(absl::StrJoin(arguments.drives, ", "), ", ", Radars(drives.front()))},
+          {"Method", arguments.method},
           {"Protocol", arguments.protocol},
           {"Initial pose", initial},
           {"Ego-velocity", arguments.ego_velocity},

@@ -17,6 +17,7 @@ struct EvaluateArguments {
   DriveRequest live;                    ///< all but its name, which `drives` holds
   std::vector<std::string> map_drives;  ///< one for all drives, or one for each
   std::vector<std::string> drives;
+  std::string method = "dcloc";
   std::string protocol = "track";
   std::string initial = "truth";
   std::string ego_velocity = "sensor";

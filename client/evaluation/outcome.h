@@ -21,6 +21,8 @@ struct ScanOutcome {
   PoseError error;
   std::array<std::optional<double>, kStageNames.size()> stage_ms;  ///< of the stages that ran
   double total_ms = 0.0;
+  /// Against the map drive at the same place, where a study looks at it.
+  std::optional<double> speed_difference_mps;
 
   /// An answer is a pose in the map once the localizer has confirmed one.
   bool answered() const { return answer.state != LocalizationState::kInitializing; }

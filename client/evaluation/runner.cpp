@@ -34,22 +34,22 @@ class Judge {
     outcome_.map = map;
   }
 
-  /// A fresh localizer that will be given the scan `first` first.
-  absl::StatusOr<Localizer> Start(std::size_t first, std::uint64_t query) const {
+  /// A fresh session that will be given the scan `first` first.
+  absl::StatusOr<std::unique_ptr<Method>> Start(std::size_t first, std::uint64_t query) const {
     std::optional<InitialPose> initial_pose;
     if (options_.has_initial_pose) {
       initial_pose =
           Perturb(drive_.scans[first].T_map_vehicle, options_.perturbation, drive_.name, query);
     }
-    return Localizer::Create(map_, drive_.rig, initial_pose, options_.localizer);
+    return CreateMethod(options_.method, map_, drive_.rig, initial_pose, options_.localizer);
   }
 
   /// Localizes one scan; nothing when it is refused, which is counted.
-  std::optional<ScanOutcome> Localize(Localizer& localizer, const DriveScan& entry) {
+  std::optional<ScanOutcome> Localize(Method& method, const DriveScan& entry) {
     Scan scan = entry.scan;
     if (options_.doppler_ego_velocity) scan.ego_velocity.reset();
     StageTimer timer;
-    const auto answer = localizer.Localize(scan, &timer);
+    const auto answer = method.Localize(scan, &timer);
     timer.Stop();
     if (!answer.ok()) {
       if (outcome_.refused_count == 0)
@@ -77,10 +77,10 @@ class Judge {
 };
 
 absl::Status Track(const Drive& drive, Judge& judge, const std::function<void(double)>& progress) {
-  auto localizer = judge.Start(0, 0);
-  if (!localizer.ok()) return localizer.status();
+  auto method = judge.Start(0, 0);
+  if (!method.ok()) return method.status();
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {
-    auto scan = judge.Localize(*localizer, drive.scans[i]);
+    auto scan = judge.Localize(**method, drive.scans[i]);
     if (scan.has_value()) judge.Keep(*std::move(scan));
     progress(static_cast<double>(i + 1) / static_cast<double>(drive.scans.size()));
   }
@@ -105,10 +105,10 @@ std::vector<std::size_t> LastScans(const Drive& drive, std::size_t end, int coun
 absl::Status RunQuery(const Drive& drive, std::size_t end, std::uint64_t query,
                       const EvaluationOptions& options, Judge& judge) {
   const auto indices = LastScans(drive, end, options.localizer.scans_per_submap);
-  auto localizer = judge.Start(indices.front(), query);
-  if (!localizer.ok()) return localizer.status();
+  auto method = judge.Start(indices.front(), query);
+  if (!method.ok()) return method.status();
   std::optional<ScanOutcome> last;
-  for (const std::size_t i : indices) last = judge.Localize(*localizer, drive.scans[i]);
+  for (const std::size_t i : indices) last = judge.Localize(**method, drive.scans[i]);
   if (last.has_value()) judge.Keep(*std::move(last));
   return absl::OkStatus();
 }

@@ -7,6 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/datasets/drive.h"
+#include "client/evaluation/baselines/method.h"
 #include "client/evaluation/outcome.h"
 #include "client/evaluation/perturbation.h"
 #include "core/localizer/localizer.h"
@@ -15,14 +16,15 @@ namespace dcloc {
 
 enum class Protocol {
   kTrack,  ///< one session from the drive's first scan to its last
-  /// Separate queries at fixed intervals, each a fresh localizer with a fresh perturbed prior that
+  /// Separate queries at fixed intervals, each a fresh session with a fresh perturbed prior that
   /// is given the last scans of each radar only, judged at the last of them.
   kPairs,
 };
 
 struct EvaluationOptions {
+  MethodKind method = MethodKind::kDcloc;
   Protocol protocol = Protocol::kTrack;
-  bool has_initial_pose = true;  ///< otherwise the whole map is searched
+  bool has_initial_pose = true;  ///< otherwise the whole map is searched (kDcloc only)
   Perturbation perturbation;
   bool doppler_ego_velocity = false;  ///< take the drive's ego-velocity away from the localizer
   double query_interval_s = 0.5;      ///< kPairs: between queries, [0.01, 1000]

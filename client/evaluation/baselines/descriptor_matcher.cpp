@@ -85,6 +85,7 @@ std::optional<Match> DescriptorMatcher::Find(std::span<const RadarPoint> live,
                                              std::uint64_t seed) const {
   constexpr int kNeighbours = 2;
   constexpr int kMinInliers = 10;
+  constexpr double kRansacError_m = 0.3;
   const Points points = LivePoints(live);
   const Points landmarks = LandmarksInView(map, points, predicted);
   const std::vector<IndexPair> pairs = NearPrediction(
@@ -96,7 +97,9 @@ std::optional<Match> DescriptorMatcher::Find(std::span<const RadarPoint> live,
     return Match{.T_local_vehicle = rigid->T_a_b,
                  .inlier_count = static_cast<int>(rigid->inliers.size())};
   }
-  const Registration<2> refined = RegisterGicp<2>(InPlane(live), map, rigid->T_a_b, *gicp_);
+  GicpOptions gicp = *gicp_;
+  gicp.initial_blur_m = kRansacError_m;
+  const Registration<2> refined = RegisterGicp<2>(InPlane(live), map, rigid->T_a_b, gicp);
   if (refined.inlier_count < kMinInliers) return std::nullopt;
   return Match{.T_local_vehicle = refined.T_local_vehicle,
                .covariance = refined.covariance,

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/localizer/ego_motion.h"
+#include "core/localizer/localizer.h"
 #include "core/localizer/localizer_options.h"
 #include "core/radar/radar_model.h"
 #include "core/submap/submap.h"

@@ -4,11 +4,14 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/registration/icp.h>
-#include <pcl/registration/ndt_2d.h>
+#include <pcl/registration/ndt.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <memory>
+
+// The library holds this one: the header's would take long to compile.
+extern template class pcl::NormalDistributionsTransform<pcl::PointXYZ, pcl::PointXYZ>;
 
 namespace dcloc {
 namespace {
@@ -99,18 +102,18 @@ class NdtMatcher final : public Matcher {
     const Cloud::Ptr source = LiveCloud(live);
     const Cloud::Ptr target = MapCloud(map, predicted, true);
     if (source->size() < kMinPoints || target->size() < kMinPoints) return std::nullopt;
-    // Clouds without overlap are no match; the library would complain of them on stderr.
+    // What finds no cell with enough points is no match; the library would say so on stderr.
     pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
-    pcl::NormalDistributionsTransform2D<Point, Point> ndt;
+    pcl::NormalDistributionsTransform<Point, Point> ndt;
     ndt.setInputSource(source);
     ndt.setInputTarget(target);
-    ndt.setGridExtent(Eigen::Vector2f::Constant(120.0F));
     ndt.setMaximumIterations(40);
-    ndt.setTransformationEpsilon(1e-6);
+    ndt.setTransformationEpsilon(1e-4);
+    ndt.setStepSize(0.5);
     Pose2 T_predicted_vehicle;
     constexpr float kCells_m[] = {4.0F, 2.0F};
     for (const float cell_m : kCells_m) {
-      ndt.setGridStep(Eigen::Vector2f::Constant(cell_m));
+      ndt.setResolution(cell_m);
       if (!Align(ndt, T_predicted_vehicle)) return std::nullopt;
     }
     return Match{.T_local_vehicle = predicted * T_predicted_vehicle,
