@@ -20,6 +20,11 @@ Examples:
   dcloc-server --data ./store --listen 0.0.0.0:50051 --tls-cert server.pem --tls-key server.key \
       --tls-client-ca fleet-ca.pem
       only serves clients with a certificate of the fleet's authority
+  dcloc-server --config server.json --check-config
+      says what is wrong with the settings, without starting; a running server takes changed
+      limits and log level from the file on SIGHUP
+  dcloc-server token create --data ./store --name ops --role admin
+      makes the first identity; from then on every caller needs one (see token --help)
   dcloc-server --config server.json --log-level debug
       takes a JSON file with the same keys ("tls_cert" for --tls-cert); flags go before it)";
 
@@ -49,10 +54,6 @@ CLI::Option* AddFlag(CLI::App& app, const ConfigField& field, ServerConfig& valu
       field.member);
 }
 
-void Take(const ConfigField& field, const ServerConfig& from, ServerConfig* to) {
-  std::visit([&](auto member) { to->*member = from.*member; }, field.member);
-}
-
 }  // namespace
 
 absl::StatusOr<CommandLine> ParseCommandLine(int argc, const char* const* argv) {
@@ -61,6 +62,9 @@ absl::StatusOr<CommandLine> ParseCommandLine(int argc, const char* const* argv) 
   app.set_version_flag("--version", DCLOC_VERSION);
   std::string config_file;
   app.add_option("--config", config_file, "JSON file of the same settings")->type_name("FILE");
+  CommandLine command_line;
+  app.add_flag("--check-config", command_line.check_config,
+               "only check the settings and the files that they name; exit code 0 if all is well");
   ServerConfig flags;
   std::vector<GivenFlag> options;
   for (const ConfigField& field : ConfigFields()) {
@@ -75,14 +79,13 @@ absl::StatusOr<CommandLine> ParseCommandLine(int argc, const char* const* argv) 
   } catch (const CLI::ParseError& error) {
     return absl::InvalidArgumentError(error.what());
   }
-  CommandLine command_line;
   if (!config_file.empty()) {
     if (absl::Status status = ReadConfigFile(config_file, &command_line.config); !status.ok()) {
       return status;
     }
   }
   for (const GivenFlag& given : options) {
-    if (given.option->count() > 0) Take(*given.field, flags, &command_line.config);
+    if (given.option->count() > 0) TakeField(*given.field, flags, &command_line.config);
   }
   if (absl::Status status = Validate(command_line.config); !status.ok()) return status;
   return command_line;

@@ -11,6 +11,7 @@ namespace dcloc::server {
 /// What the program was asked to do.
 struct CommandLine {
   std::optional<std::string> print;  ///< only print this: help or version
+  bool check_config = false;         ///< only say whether the settings are valid
   ServerConfig config;
 };
 

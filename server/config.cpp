@@ -34,17 +34,35 @@ constexpr std::array kFields = {
                 &ServerConfig::stub_matcher},
     ConfigField{"worker_count", "N", "threads that localize; 0 for one per processor",
                 &ServerConfig::worker_count, 0, 1024},
+    ConfigField{"require_identity", "",
+                "refuse callers without an identity even before the first one is made",
+                &ServerConfig::require_identity},
     ConfigField{"max_session_count", "N", "open sessions at most", &ServerConfig::max_session_count,
-                1, 1'000'000},
+                1, 1'000'000, true},
+    ConfigField{"max_session_count_per_principal", "N",
+                "open sessions of one principal at most; 0 for no limit",
+                &ServerConfig::max_session_count_per_principal, 0, 1'000'000, true},
+    ConfigField{"max_scan_rate_hz_per_principal", "N",
+                "scans per second of one principal at most; 0 for no limit",
+                &ServerConfig::max_scan_rate_hz_per_principal, 0, 1'000'000, true},
+    ConfigField{"max_target_count", "N", "targets of one scan at most",
+                &ServerConfig::max_target_count, 1, 20'000, true},
     ConfigField{"max_pending_scan_count", "N",
                 "scans of one session that are read but not yet answered, at most",
                 &ServerConfig::max_pending_scan_count, 1, 1000},
+    ConfigField{"max_message_kib", "N", "size of a message at most [KiB]",
+                &ServerConfig::max_message_kib, 512, 65'536},
     ConfigField{"max_map_mib", "N", "size of an uploaded map file at most [MiB]",
-                &ServerConfig::max_map_mib, 1, 1'000'000},
+                &ServerConfig::max_map_mib, 1, 1'000'000, true},
+    ConfigField{"max_tenant_storage_mib", "N",
+                "size of a tenant's map versions together at most [MiB]; 0 for no limit",
+                &ServerConfig::max_tenant_storage_mib, 0, 1'000'000'000, true},
     ConfigField{"shutdown_deadline_ms", "N",
                 "how long open calls may take to end when the server stops",
                 &ServerConfig::shutdown_deadline_ms, 0, 600'000},
-    ConfigField{"log_level", "LEVEL", "debug, info, warn or error", &ServerConfig::log_level},
+    ConfigField{"log_level", "LEVEL", "debug, info, warn or error", &ServerConfig::log_level, 0, 0,
+                true},
+    ConfigField{"log_format", "FORMAT", "text or json, a line each", &ServerConfig::log_format},
 };
 
 constexpr std::array kLogLevels = {"debug", "info", "warn", "error"};
@@ -111,6 +129,21 @@ absl::Status ValidateTls(const ServerConfig& config) {
 
 std::span<const ConfigField> ConfigFields() { return kFields; }
 
+std::vector<const ConfigField*> ChangedFields(const ServerConfig& before,
+                                              const ServerConfig& after) {
+  std::vector<const ConfigField*> changed;
+  for (const ConfigField& field : kFields) {
+    const bool same =
+        std::visit([&](auto member) { return before.*member == after.*member; }, field.member);
+    if (!same) changed.push_back(&field);
+  }
+  return changed;
+}
+
+void TakeField(const ConfigField& field, const ServerConfig& from, ServerConfig* to) {
+  std::visit([&](auto member) { to->*member = from.*member; }, field.member);
+}
+
 absl::Status ReadConfigFile(const std::filesystem::path& path, ServerConfig* config) {
   const absl::StatusOr<Json> json = ParseFile(path);
   if (!json.ok()) return json.status();
@@ -143,6 +176,10 @@ absl::Status Validate(const ServerConfig& config) {
   if (std::ranges::find(kLogLevels, config.log_level) == kLogLevels.end()) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "log_level is %s; it must be debug, info, warn or error", Quoted(config.log_level)));
+  }
+  if (config.log_format != "text" && config.log_format != "json") {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("log_format is %s; it must be text or json", Quoted(config.log_format)));
   }
   return ValidateTls(config);
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "absl/status/status.h"
 
@@ -21,12 +22,20 @@ struct ServerConfig {
   bool allow_plaintext_off_loopback = false;
 
   bool stub_matcher = false;
-  int worker_count = 0;  ///< threads that localize; 0: one per processor
+  int worker_count = 0;           ///< threads that localize; 0: one per processor
+  bool require_identity = false;  ///< refuse who has none, even before the first one is made
+
   int max_session_count = 1000;
-  int max_pending_scan_count = 8;  ///< per session, read but not yet answered
+  int max_session_count_per_principal = 0;  ///< 0: no limit of its own
+  int max_scan_rate_hz_per_principal = 0;   ///< over all of its sessions; 0: no limit
+  int max_target_count = 20'000;            ///< of one scan
+  int max_pending_scan_count = 8;           ///< per session, read but not yet answered
+  int max_message_kib = 2048;
   int max_map_mib = 1024;          ///< of one map file
+  int max_tenant_storage_mib = 0;  ///< of a tenant's map versions together; 0: no limit
   int shutdown_deadline_ms = 5000;
   std::string log_level = "info";
+  std::string log_format = "text";
 };
 
 /// One setting: its key in a configuration file, which with '-' for '_' is its flag's name.
@@ -37,7 +46,15 @@ struct ConfigField {
   std::variant<std::string ServerConfig::*, bool ServerConfig::*, int ServerConfig::*> member;
   int min = 0;  ///< of an int
   int max = 0;
+  bool reloadable = false;  ///< a running server takes a new value on SIGHUP
 };
+
+/// The settings in which the two differ.
+std::vector<const ConfigField*> ChangedFields(const ServerConfig& before,
+                                              const ServerConfig& after);
+
+/// Copies one setting.
+void TakeField(const ConfigField& field, const ServerConfig& from, ServerConfig* to);
 
 /// All settings.
 std::span<const ConfigField> ConfigFields();

@@ -7,22 +7,17 @@
 #include <memory>
 
 #include "server/command_line.h"
+#include "server/credentials.h"
+#include "server/log.h"
 #include "server/server.h"
-#include "spdlog/sinks/stdout_sinks.h"
+#include "server/status.h"
+#include "server/token_command.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
 namespace {
 
 constexpr int kUsageError = 2;
-
-void SetUpLog(const ServerConfig& config) {
-  auto log =
-      std::make_shared<spdlog::logger>("dcloc", std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  spdlog::set_default_logger(std::move(log));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
-  spdlog::set_level(spdlog::level::from_str(config.log_level));
-}
 
 /// A connection takes a file descriptor, and this version of gRPC never accepts again once they
 /// have run out.
@@ -36,19 +31,48 @@ void RaiseFileLimit() {
 }
 
 /// Threads inherit the mask, so this comes before there are any.
-sigset_t BlockStopSignals() {
+sigset_t BlockSignals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
 }
 
-int Run(const ServerConfig& config) {
+/// Reads the settings again, from where they came from.
+void Reload(int argc, const char* const* argv, Server& server) {
+  const absl::StatusOr<CommandLine> command_line = ParseCommandLine(argc, argv);
+  absl::Status status = command_line.status();
+  if (status.ok()) status = server.Reload(command_line->config);
+  if (!status.ok()) spdlog::error("settings not taken reason={}", Quoted(status.message()));
+}
+
+/// Gives the signal that ends the program.
+int WaitForStop(const sigset_t& signals, int argc, const char* const* argv, Server& server) {
+  int signal = 0;
+  while (true) {
+    sigwait(&signals, &signal);
+    if (signal != SIGHUP) return signal;
+    Reload(argc, argv, server);
+  }
+}
+
+int CheckConfig(const ServerConfig& config) {
+  const absl::Status status = MakeCredentials(config).status();
+  if (!status.ok()) {
+    std::cerr << "dcloc-server: " << status.message() << "\n";
+    return EXIT_FAILURE;
+  }
+  std::cout << "the settings are valid\n";
+  return EXIT_SUCCESS;
+}
+
+int Run(int argc, const char* const* argv, const ServerConfig& config) {
   SetUpLog(config);
   RaiseFileLimit();
-  const sigset_t stop_signals = BlockStopSignals();
+  const sigset_t signals = BlockSignals();
   const absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(config);
   if (!server.ok()) {
     std::cerr << "dcloc-server: " << server.status().message() << "\n";
@@ -58,8 +82,7 @@ int Run(const ServerConfig& config) {
   // Whoever started the program may wait for this line.
   std::cout << "listening on " << (*server)->address() << std::endl;
 
-  int signal = 0;
-  sigwait(&stop_signals, &signal);
+  const int signal = WaitForStop(signals, argc, argv, **server);
   spdlog::info("stopping signal={} deadline_ms={}", signal, config.shutdown_deadline_ms);
   (*server)->Shutdown(std::chrono::milliseconds(config.shutdown_deadline_ms));
   spdlog::info("stopped");
@@ -67,6 +90,7 @@ int Run(const ServerConfig& config) {
 }
 
 int Main(int argc, const char* const* argv) {
+  if (IsTokenCommand(argc, argv)) return RunTokenCommand(argc, argv);
   const absl::StatusOr<CommandLine> command_line = ParseCommandLine(argc, argv);
   if (!command_line.ok()) {
     std::cerr << "dcloc-server: " << command_line.status().message()
@@ -77,7 +101,8 @@ int Main(int argc, const char* const* argv) {
     std::cout << *command_line->print;
     return EXIT_SUCCESS;
   }
-  return Run(command_line->config);
+  if (command_line->check_config) return CheckConfig(command_line->config);
+  return Run(argc, argv, command_line->config);
 }
 
 }  // namespace

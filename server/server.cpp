@@ -12,16 +12,16 @@
 #include "absl/strings/str_cat.h"
 #include "server/admin/admin_service.h"
 #include "server/credentials.h"
+#include "server/identity/identity_store.h"
 #include "server/listen_address.h"
 #include "server/localization/localization_service.h"
 #include "server/maps/map_service.h"
 #include "server/status.h"
+#include "spdlog/spdlog.h"
 
 namespace dcloc::server {
 namespace {
 
-/// A scan of ScanLimits::max_targets with all columns has 0.7 MB, an upload's chunk 1 MiB.
-constexpr int kMaxMessage_bytes = 2 << 20;
 constexpr int kMaxMetadata_bytes = 16 << 10;
 /// What waits for a disk needs few threads: one long verification must not hold up the rest.
 constexpr int kStorageThreads = 2;
@@ -30,6 +30,20 @@ constexpr int kKeepaliveTime_ms = 30'000;
 constexpr int kKeepaliveTimeout_ms = 10'000;
 constexpr int kMinClientPingInterval_ms = 5'000;
 
+absl::Status SayWhoIsLetIn(const AccessControl& access, const ServerConfig& config) {
+  const absl::StatusOr<bool> open = access.IsOpen();
+  if (!open.ok()) return open.status();
+  if (!*open) return absl::OkStatus();
+  const absl::StatusOr<ListenAddress> address = ParseListenAddress(config.listen);
+  if (!address.ok()) return address.status();
+  const auto level = address->IsLoopback() ? spdlog::level::info : spdlog::level::warn;
+  spdlog::log(level,
+              "no identities: whoever reaches {} is an admin; \"dcloc-server token create\" makes "
+              "the first one",
+              config.listen);
+  return absl::OkStatus();
+}
+
 constexpr std::chrono::milliseconds kLastBytesGrace(200);
 
 int WorkerCount(const ServerConfig& config) {
@@ -37,9 +51,9 @@ int WorkerCount(const ServerConfig& config) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-void SetLimits(grpc::ServerBuilder& builder) {
-  builder.SetMaxReceiveMessageSize(kMaxMessage_bytes);
-  builder.SetMaxSendMessageSize(kMaxMessage_bytes);
+void SetLimits(const ServerConfig& config, grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(config.max_message_kib << 10);
+  builder.SetMaxSendMessageSize(config.max_message_kib << 10);
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMaxMetadata_bytes);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
@@ -55,8 +69,13 @@ void SetLimits(grpc::ServerBuilder& builder) {
 /// In the order in which they are built; they go in the reverse one. The pools go before what their
 /// tasks use.
 struct Server::Parts {
-  Parts(const ServerConfig& config, std::unique_ptr<MapStore> map_store)
-      : store(std::move(map_store)),
+  Parts(const ServerConfig& server_config, std::unique_ptr<MapStore> map_store,
+        std::unique_ptr<IdentityStore> identity_store)
+      : config(server_config),
+        limits(config),
+        identities(std::move(identity_store)),
+        access(*identities, config.require_identity),
+        store(std::move(map_store)),
         localization_pool(WorkerCount(config)),
         localization(
             {.storage = storage,
@@ -65,7 +84,7 @@ struct Server::Parts {
              .localization_pool = localization_pool,
              .max_pending_scan_count = config.max_pending_scan_count},
             config.max_session_count),
-        maps(storage, std::int64_t{config.max_map_mib} << 20),
+        maps(storage),
         admin({.version = DCLOC_VERSION,
                .start_time = std::chrono::system_clock::now(),
                .worker_count = localization_pool.thread_count(),
@@ -73,11 +92,15 @@ struct Server::Parts {
                .stub_matcher = config.stub_matcher},
               registry, storage) {}
 
+  ServerConfig config;
+  Limits limits;
+  std::unique_ptr<IdentityStore> identities;
+  AccessControl access;
   std::unique_ptr<MapStore> store;
   SessionRegistry registry;
   OpenCalls open_calls;
   WorkerPool storage_pool{kStorageThreads};
-  const StorageHost storage{*store, storage_pool, open_calls};
+  const StorageHost storage{*store, storage_pool, open_calls, access, limits};
   WorkerPool localization_pool;
   LocalizationService localization;
   MapService maps;
@@ -92,12 +115,16 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   if (!credentials.ok()) return credentials.status();
   absl::StatusOr<std::unique_ptr<MapStore>> store = MapStore::Open(config.data);
   if (!store.ok()) return WithPrefix("data: ", store.status());
-  auto parts = std::make_unique<Parts>(config, *std::move(store));
+  absl::StatusOr<std::unique_ptr<IdentityStore>> identities =
+      IdentityStore::Open(IdentityFile(config.data));
+  if (!identities.ok()) return WithPrefix("data: ", identities.status());
+  auto parts = std::make_unique<Parts>(config, *std::move(store), *std::move(identities));
+  if (absl::Status status = SayWhoIsLetIn(parts->access, config); !status.ok()) return status;
 
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  SetLimits(builder);
+  SetLimits(config, builder);
   absl::StatusOr<ListenAddress> address = ParseListenAddress(config.listen);
   if (!address.ok()) return address.status();
   builder.AddListeningPort(address->ToString(), *credentials, &address->port);
@@ -118,6 +145,23 @@ Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Server::~Server() { Shutdown(std::chrono::milliseconds(0)); }
 
 const std::string& Server::address() const { return parts_->address; }
+
+absl::Status Server::Reload(const ServerConfig& config) {
+  if (absl::Status status = Validate(config); !status.ok()) return status;
+  if (config.log_level != parts_->config.log_level) {
+    spdlog::set_level(spdlog::level::from_str(config.log_level));
+  }
+  for (const ConfigField* field : ChangedFields(parts_->config, config)) {
+    if (field->reloadable) {
+      TakeField(*field, config, &parts_->config);
+      spdlog::info("setting taken key={}", field->key);
+    } else {
+      spdlog::warn("setting not taken, it needs a restart key={}", field->key);
+    }
+  }
+  parts_->limits.Set(parts_->config);
+  return absl::OkStatus();
+}
 
 void Server::Shutdown(std::chrono::milliseconds deadline) {
   const auto end = std::chrono::steady_clock::now() + deadline;

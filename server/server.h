@@ -23,9 +23,14 @@ class Server {
   /// HOST:PORT with the real port.
   const std::string& address() const;
 
-  /// Refuses new sessions, answers what the open ones have sent, ends their streams with
-  /// UNAVAILABLE, and cuts off what is still open after `deadline`. Returns when nothing runs any
-  /// more.
+  /// Takes what of `config` can change while the server runs (`ConfigField::reloadable`) and logs
+  /// what has changed and what needs a restart. InvalidArgument when `config` is not valid, and
+  /// then nothing changes.
+  absl::Status Reload(const ServerConfig& config);
+
+  /// Refuses new sessions and tells those that can to move, then answers what the others have sent,
+  /// ends their streams with UNAVAILABLE, and cuts off what is still open after `deadline`. Returns
+  /// when nothing runs any more.
   void Shutdown(std::chrono::milliseconds deadline);
 
  private:

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "server/identity/access_control.h"
+#include "server/limits/limits.h"
 #include "server/maps/map_store.h"
 #include "server/open_calls.h"
 #include "server/worker_pool.h"
@@ -11,6 +13,8 @@ struct StorageHost {
   MapStore& store;
   WorkerPool& pool;  ///< for all that may wait for a disk
   OpenCalls& open_calls;
+  const AccessControl& access;
+  const Limits& limits;
 };
 
 }  // namespace dcloc::server

@@ -2,6 +2,7 @@
 
 #include "google/protobuf/util/time_util.h"
 #include "server/convert/geometry.h"
+#include "server/identity/principal.h"
 
 namespace dcloc::server::convert {
 namespace {
@@ -23,7 +24,7 @@ void SetInfo(const MapInfo& info, v1::MapInfo* message) {
 }  // namespace
 
 void ToProto(const MapRecord& record, v1::Map* message) {
-  message->set_name(record.name);
+  message->set_name(std::string(UnscopedMapName(record.name)));
   message->set_active_version(record.active_version);
   message->set_version_count(record.version_count);
   *message->mutable_create_time() =
@@ -31,7 +32,7 @@ void ToProto(const MapRecord& record, v1::Map* message) {
 }
 
 void ToProto(const MapVersionRecord& record, v1::MapVersion* message) {
-  message->set_map_name(record.map_name);
+  message->set_map_name(std::string(UnscopedMapName(record.map_name)));
   message->set_version(record.version);
   message->set_active(record.active);
   message->set_size_bytes(static_cast<std::int64_t>(record.info.size_bytes));

@@ -13,7 +13,7 @@ namespace dcloc::server {
 
 using SystemTime = std::chrono::sys_time<std::chrono::nanoseconds>;
 
-/// A map: a name and its versions.
+/// A map: a name, which holds its tenant (`ScopedMapName`), and its versions.
 struct MapRecord {
   std::string name;
   std::int64_t active_version = 0;  ///< 0: none
@@ -38,9 +38,14 @@ class Catalogue {
  public:
   virtual ~Catalogue() = default;
 
-  /// At most `limit` maps with a name above `after_name`, by ascending name.
-  virtual absl::StatusOr<std::vector<MapRecord>> ListMaps(absl::string_view after_name,
+  /// At most `limit` maps with a name above `after_name`, by ascending name, of those whose name
+  /// begins with `prefix` and has no slash behind it: one tenant's.
+  virtual absl::StatusOr<std::vector<MapRecord>> ListMaps(absl::string_view prefix,
+                                                          absl::string_view after_name,
                                                           int limit) = 0;
+
+  /// Bytes of all versions of such maps together.
+  virtual absl::StatusOr<std::int64_t> SizeOfMaps(absl::string_view prefix) = 0;
 
   /// NotFound when there is no such map.
   virtual absl::StatusOr<MapRecord> GetMap(absl::string_view map_name) = 0;

@@ -16,11 +16,11 @@ constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
 
 }  // namespace
 
-DownloadStream* DownloadStream::Start(const StorageHost& host,
+DownloadStream* DownloadStream::Start(const StorageHost& host, grpc::CallbackServerContext* context,
                                       const v1::DownloadMapRequest& request) {
   std::shared_ptr<DownloadStream> stream(new DownloadStream(host));
   stream->self_ = stream;
-  stream->strand_.Post([stream, request] { stream->SendVersion(request); });
+  stream->strand_.Post([stream, context, request] { stream->SendVersion(*context, request); });
   return stream.get();
 }
 
@@ -37,12 +37,17 @@ void DownloadStream::OnWriteDone(bool ok) {
 
 void DownloadStream::OnDone() { const std::shared_ptr<DownloadStream> last = std::move(self_); }
 
-void DownloadStream::SendVersion(const v1::DownloadMapRequest& request) {
+void DownloadStream::SendVersion(const grpc::CallbackServerContext& context,
+                                 const v1::DownloadMapRequest& request) {
+  const absl::StatusOr<Principal> principal =
+      host_.access.Authorize(context, v1::DownloadMapRequest::descriptor());
+  if (!principal.ok()) return End(principal.status());
   absl::Status status = convert::CheckMapName("map_name", request.map_name());
   status.Update(convert::CheckIntegerBetween("version", request.version(), 0,
                                              std::numeric_limits<std::int64_t>::max()));
   if (!status.ok()) return End(status);
-  absl::StatusOr<LoadedMap> map = host_.store.Acquire(request.map_name(), request.version());
+  absl::StatusOr<LoadedMap> map =
+      host_.store.Acquire(ScopedMapName(principal->tenant, request.map_name()), request.version());
   if (!map.ok()) return End(map.status());
   map_ = *std::move(map);
   convert::ToProto(map_.record, response_.mutable_version());

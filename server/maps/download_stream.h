@@ -1,5 +1,6 @@
 #pragma once
 
+#include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
 #include <cstddef>
@@ -16,7 +17,8 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
                              public std::enable_shared_from_this<DownloadStream> {
  public:
   /// Lives until the call is done and the pool has let go of it.
-  static DownloadStream* Start(const StorageHost& host, const v1::DownloadMapRequest& request);
+  static DownloadStream* Start(const StorageHost& host, grpc::CallbackServerContext* context,
+                               const v1::DownloadMapRequest& request);
 
   void OnWriteDone(bool ok) override;
   void OnDone() override;
@@ -24,7 +26,8 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
  private:
   explicit DownloadStream(const StorageHost& host);
 
-  void SendVersion(const v1::DownloadMapRequest& request);
+  void SendVersion(const grpc::CallbackServerContext& context,
+                   const v1::DownloadMapRequest& request);
   void SendChunk();
   void End(const absl::Status& status);
 

@@ -23,16 +23,22 @@ absl::Status Check(const std::string& map_name, std::int64_t version, std::int64
   return status;
 }
 
-absl::Status ListMaps(Catalogue& catalogue, const v1::ListMapsRequest& request,
-                      v1::ListMapsResponse* response) {
+absl::Status ListMaps(Catalogue& catalogue, const std::string& tenant,
+                      const v1::ListMapsRequest& request, v1::ListMapsResponse* response) {
   const absl::StatusOr<int> size = convert::PageSizeFromProto(request.page_size());
   if (!size.ok()) return size.status();
   if (absl::Status status = convert::CheckPageToken(request.page_token()); !status.ok()) {
     return status;
   }
+  if (!request.name_prefix().empty()) {
+    absl::Status status = convert::CheckMapName("name_prefix", request.name_prefix());
+    if (!status.ok()) return status;
+  }
+  const std::string after =
+      request.page_token().empty() ? "" : ScopedMapName(tenant, request.page_token());
   // One more than a page holds tells whether another one follows.
   const absl::StatusOr<std::vector<MapRecord>> maps =
-      catalogue.ListMaps(request.page_token(), *size + 1);
+      catalogue.ListMaps(ScopedMapName(tenant, request.name_prefix()), after, *size + 1);
   if (!maps.ok()) return maps.status();
   for (const MapRecord& record : *maps) {
     if (response->maps_size() == *size) {
@@ -44,7 +50,8 @@ absl::Status ListMaps(Catalogue& catalogue, const v1::ListMapsRequest& request,
   return absl::OkStatus();
 }
 
-absl::Status ListVersions(Catalogue& catalogue, const v1::ListMapVersionsRequest& request,
+absl::Status ListVersions(Catalogue& catalogue, const std::string& tenant,
+                          const v1::ListMapVersionsRequest& request,
                           v1::ListMapVersionsResponse* response) {
   absl::Status status = convert::CheckMapName("map_name", request.map_name());
   const absl::StatusOr<int> size = convert::PageSizeFromProto(request.page_size());
@@ -54,7 +61,7 @@ absl::Status ListVersions(Catalogue& catalogue, const v1::ListMapVersionsRequest
   status.Update(below.status());
   if (!status.ok()) return status;
   const absl::StatusOr<std::vector<MapVersionRecord>> versions =
-      catalogue.ListVersions(request.map_name(), *below, *size + 1);
+      catalogue.ListVersions(ScopedMapName(tenant, request.map_name()), *below, *size + 1);
   if (!versions.ok()) return versions.status();
   for (const MapVersionRecord& record : *versions) {
     if (response->versions_size() == *size) {
@@ -66,23 +73,24 @@ absl::Status ListVersions(Catalogue& catalogue, const v1::ListMapVersionsRequest
   return absl::OkStatus();
 }
 
-absl::Status GetMap(Catalogue& catalogue, const std::string& map_name, v1::Map* message) {
+absl::Status GetMap(Catalogue& catalogue, const std::string& tenant, const std::string& map_name,
+                    v1::Map* message) {
   if (absl::Status status = convert::CheckMapName("map_name", map_name); !status.ok()) {
     return status;
   }
-  const absl::StatusOr<MapRecord> record = catalogue.GetMap(map_name);
+  const absl::StatusOr<MapRecord> record = catalogue.GetMap(ScopedMapName(tenant, map_name));
   if (!record.ok()) return record.status();
   convert::ToProto(*record, message);
   return absl::OkStatus();
 }
 
-absl::Status GetVersion(Catalogue& catalogue, const v1::GetMapVersionRequest& request,
-                        v1::MapVersion* message) {
+absl::Status GetVersion(Catalogue& catalogue, const std::string& tenant,
+                        const v1::GetMapVersionRequest& request, v1::MapVersion* message) {
   if (absl::Status status = Check(request.map_name(), request.version(), 0); !status.ok()) {
     return status;
   }
   const absl::StatusOr<MapVersionRecord> record =
-      catalogue.GetVersion(request.map_name(), request.version());
+      catalogue.GetVersion(ScopedMapName(tenant, request.map_name()), request.version());
   if (!record.ok()) return record.status();
   convert::ToProto(*record, message);
   return absl::OkStatus();
@@ -90,73 +98,80 @@ absl::Status GetVersion(Catalogue& catalogue, const v1::GetMapVersionRequest& re
 
 }  // namespace
 
-MapService::MapService(StorageHost host, std::int64_t max_map_bytes)
-    : host_(host), max_map_bytes_(max_map_bytes) {}
+MapService::MapService(StorageHost host) : host_(host) {}
 
 grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* context,
                                                const v1::ListMapsRequest* request,
                                                v1::ListMapsResponse* response) {
-  return AnswerOn(host_, context, [this, request, response] {
-    return server::ListMaps(host_.store.catalogue(), *request, response);
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return server::ListMaps(host_.store.catalogue(), principal.tenant, *request, response);
   });
 }
 
 grpc::ServerUnaryReactor* MapService::GetMap(grpc::CallbackServerContext* context,
                                              const v1::GetMapRequest* request,
                                              v1::GetMapResponse* response) {
-  return AnswerOn(host_, context, [this, request, response] {
-    return server::GetMap(host_.store.catalogue(), request->map_name(), response->mutable_map());
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return server::GetMap(host_.store.catalogue(), principal.tenant, request->map_name(),
+                          response->mutable_map());
   });
 }
 
 grpc::ServerUnaryReactor* MapService::ListMapVersions(grpc::CallbackServerContext* context,
                                                       const v1::ListMapVersionsRequest* request,
                                                       v1::ListMapVersionsResponse* response) {
-  return AnswerOn(host_, context, [this, request, response] {
-    return ListVersions(host_.store.catalogue(), *request, response);
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return ListVersions(host_.store.catalogue(), principal.tenant, *request, response);
   });
 }
 
 grpc::ServerUnaryReactor* MapService::GetMapVersion(grpc::CallbackServerContext* context,
                                                     const v1::GetMapVersionRequest* request,
                                                     v1::GetMapVersionResponse* response) {
-  return AnswerOn(host_, context, [this, request, response] {
-    return GetVersion(host_.store.catalogue(), *request, response->mutable_version());
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return GetVersion(host_.store.catalogue(), principal.tenant, *request,
+                      response->mutable_version());
   });
 }
 
 grpc::ServerReadReactor<v1::UploadMapRequest>* MapService::UploadMap(
     grpc::CallbackServerContext* context, v1::UploadMapResponse* response) {
-  return UploadStream::Start(context, host_, max_map_bytes_, response);
+  return UploadStream::Start(context, host_, response);
 }
 
 grpc::ServerWriteReactor<v1::DownloadMapResponse>* MapService::DownloadMap(
-    grpc::CallbackServerContext* /*context*/, const v1::DownloadMapRequest* request) {
-  return DownloadStream::Start(host_, *request);
+    grpc::CallbackServerContext* context, const v1::DownloadMapRequest* request) {
+  return DownloadStream::Start(host_, context, *request);
 }
 
 grpc::ServerUnaryReactor* MapService::ActivateMapVersion(
     grpc::CallbackServerContext* context, const v1::ActivateMapVersionRequest* request,
     v1::ActivateMapVersionResponse* response) {
-  return AnswerOn(host_, context, [this, request, response]() -> absl::Status {
-    absl::Status status = Check(request->map_name(), request->version(), 1);
-    if (!status.ok()) return status;
-    status = host_.store.catalogue().Activate(request->map_name(), request->version());
-    if (!status.ok()) return status;
-    spdlog::info("map activated map={} version={}", request->map_name(), request->version());
-    return server::GetMap(host_.store.catalogue(), request->map_name(), response->mutable_map());
-  });
+  return AnswerOn(host_, context, request,
+                  [this, request, response](const Principal& principal) -> absl::Status {
+                    absl::Status status = Check(request->map_name(), request->version(), 1);
+                    if (!status.ok()) return status;
+                    status = host_.store.catalogue().Activate(
+                        ScopedMapName(principal.tenant, request->map_name()), request->version());
+                    if (!status.ok()) return status;
+                    spdlog::info("map activated tenant={} map={} version={}", principal.tenant,
+                                 request->map_name(), request->version());
+                    return server::GetMap(host_.store.catalogue(), principal.tenant,
+                                          request->map_name(), response->mutable_map());
+                  });
 }
 
 grpc::ServerUnaryReactor* MapService::DeleteMapVersion(grpc::CallbackServerContext* context,
                                                        const v1::DeleteMapVersionRequest* request,
                                                        v1::DeleteMapVersionResponse* /*response*/) {
-  return AnswerOn(host_, context, [this, request] {
+  return AnswerOn(host_, context, request, [this, request](const Principal& principal) {
     absl::Status status = Check(request->map_name(), request->version(), 1);
     if (!status.ok()) return status;
-    status = host_.store.DeleteVersion(request->map_name(), request->version());
+    status = host_.store.DeleteVersion(ScopedMapName(principal.tenant, request->map_name()),
+                                       request->version());
     if (!status.ok()) return status;
-    spdlog::info("map version deleted map={} version={}", request->map_name(), request->version());
+    spdlog::info("map version deleted tenant={} map={} version={}", principal.tenant,
+                 request->map_name(), request->version());
     return status;
   });
 }
@@ -164,12 +179,12 @@ grpc::ServerUnaryReactor* MapService::DeleteMapVersion(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* context,
                                                 const v1::DeleteMapRequest* request,
                                                 v1::DeleteMapResponse* /*response*/) {
-  return AnswerOn(host_, context, [this, request] {
+  return AnswerOn(host_, context, request, [this, request](const Principal& principal) {
     absl::Status status = convert::CheckMapName("map_name", request->map_name());
     if (!status.ok()) return status;
-    status = host_.store.DeleteMap(request->map_name());
+    status = host_.store.DeleteMap(ScopedMapName(principal.tenant, request->map_name()));
     if (!status.ok()) return status;
-    spdlog::info("map deleted map={}", request->map_name());
+    spdlog::info("map deleted tenant={} map={}", principal.tenant, request->map_name());
     return status;
   });
 }

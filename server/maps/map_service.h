@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "dcloc/v1/map_service.grpc.pb.h"
 #include "server/storage_host.h"
 
@@ -11,7 +9,7 @@ namespace dcloc::server {
 /// pool.
 class MapService final : public v1::MapService::CallbackService {
  public:
-  MapService(StorageHost host, std::int64_t max_map_bytes);
+  explicit MapService(StorageHost host);
 
   grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
                                      const v1::ListMapsRequest* request,
@@ -41,7 +39,6 @@ class MapService final : public v1::MapService::CallbackService {
 
  private:
   const StorageHost host_;
-  const std::int64_t max_map_bytes_;
 };
 
 }  // namespace dcloc::server

@@ -17,6 +17,8 @@ absl::StatusCode CodeOf(int sqlite_code) {
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
       return absl::StatusCode::kDataLoss;
+    case SQLITE_CONSTRAINT:
+      return absl::StatusCode::kAlreadyExists;
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return absl::StatusCode::kUnavailable;
@@ -45,7 +47,7 @@ absl::StatusOr<SqliteDatabase> SqliteDatabase::Open(const std::filesystem::path&
 
 absl::Status SqliteDatabase::Error(int code, absl::string_view doing) const {
   return absl::Status(
-      CodeOf(code), absl::StrFormat("catalogue: %s: %s", doing, sqlite3_errmsg(connection_.get())));
+      CodeOf(code), absl::StrFormat("database: %s: %s", doing, sqlite3_errmsg(connection_.get())));
 }
 
 absl::Status SqliteDatabase::Run(const char* sql) {

@@ -63,12 +63,27 @@ absl::StatusOr<std::unique_ptr<SqliteCatalogue>> SqliteCatalogue::Open(
   return std::unique_ptr<SqliteCatalogue>(new SqliteCatalogue(*std::move(database)));
 }
 
-absl::StatusOr<std::vector<MapRecord>> SqliteCatalogue::ListMaps(absl::string_view after_name,
+absl::StatusOr<std::vector<MapRecord>> SqliteCatalogue::ListMaps(absl::string_view prefix,
+                                                                 absl::string_view after_name,
                                                                  int limit) {
   const std::lock_guard lock(mutex_);
-  SqliteStatement query(database_, "SELECT * FROM map_row WHERE name > ? ORDER BY name LIMIT ?");
-  query.Bind(after_name).Bind(std::int64_t{limit});
+  SqliteStatement query(database_,
+                        "SELECT * FROM map_row WHERE substr(name, 1, length(?1)) = ?1"
+                        " AND instr(substr(name, length(?1) + 1), '/') = 0"
+                        " AND name > ?2 ORDER BY name LIMIT ?3");
+  query.Bind(prefix).Bind(after_name).Bind(std::int64_t{limit});
   return ReadAll(query, ReadMap);
+}
+
+absl::StatusOr<std::int64_t> SqliteCatalogue::SizeOfMaps(absl::string_view prefix) {
+  const std::lock_guard lock(mutex_);
+  SqliteStatement query(database_,
+                        "SELECT COALESCE(SUM(size_bytes), 0) FROM map_version"
+                        " WHERE substr(map_name, 1, length(?1)) = ?1"
+                        " AND instr(substr(map_name, length(?1) + 1), '/') = 0");
+  const absl::StatusOr<bool> row = query.Bind(prefix).Step();
+  if (!row.ok()) return row.status();
+  return query.NextInteger();
 }
 
 absl::StatusOr<MapRecord> SqliteCatalogue::GetMap(absl::string_view map_name) {

@@ -15,7 +15,9 @@ class SqliteCatalogue final : public Catalogue {
   /// Opens or creates it. FailedPrecondition when a newer program wrote it.
   static absl::StatusOr<std::unique_ptr<SqliteCatalogue>> Open(const std::filesystem::path& path);
 
-  absl::StatusOr<std::vector<MapRecord>> ListMaps(absl::string_view after_name, int limit) override;
+  absl::StatusOr<std::vector<MapRecord>> ListMaps(absl::string_view prefix,
+                                                  absl::string_view after_name, int limit) override;
+  absl::StatusOr<std::int64_t> SizeOfMaps(absl::string_view prefix) override;
   absl::StatusOr<MapRecord> GetMap(absl::string_view map_name) override;
   absl::StatusOr<std::vector<MapVersionRecord>> ListVersions(absl::string_view map_name,
                                                              std::int64_t below_version,

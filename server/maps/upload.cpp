@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/strip.h"
 #include "server/convert/check.h"
+#include "server/identity/principal.h"
 #include "server/status.h"
 
 namespace dcloc::server {
@@ -26,6 +27,18 @@ absl::Status Validate(const UploadRequest& request, std::int64_t max_size_bytes)
                      "; it must be 64 lower-case hexadecimal digits"));
   }
   return status;
+}
+
+absl::Status CheckStorage(MapStore& store, const UploadRequest& request,
+                          std::int64_t max_tenant_bytes) {
+  if (max_tenant_bytes == 0) return absl::OkStatus();
+  const absl::StatusOr<std::int64_t> used =
+      store.catalogue().SizeOfMaps(ScopedMapName(request.tenant, ""));
+  if (!used.ok()) return used.status();
+  if (*used + request.size_bytes <= max_tenant_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrFormat(
+      "the maps take %d bytes and header.size_bytes is %d; max_tenant_storage_mib is %d", *used,
+      request.size_bytes, max_tenant_bytes >> 20));
 }
 
 absl::StatusOr<MapInfo> VerifyMap(const std::filesystem::path& path) {
@@ -57,8 +70,10 @@ Upload::~Upload() {
 }
 
 absl::StatusOr<Upload> Upload::Begin(MapStore& store, UploadRequest request,
-                                     std::int64_t max_size_bytes) {
-  if (absl::Status status = Validate(request, max_size_bytes); !status.ok()) return status;
+                                     const UploadLimits& limits) {
+  absl::Status status = Validate(request, limits.max_map_bytes);
+  status.Update(status.ok() ? CheckStorage(store, request, limits.max_tenant_bytes) : status);
+  if (!status.ok()) return status;
   absl::StatusOr<TemporaryFile> file = CreateTemporaryFile(store.incoming_folder(), "upload-");
   if (!file.ok()) return file.status();
   return Upload(store, std::move(request), *std::move(file));
@@ -93,7 +108,8 @@ absl::StatusOr<MapVersionRecord> Upload::Finish() {
   if (absl::Status status = Sync(file_.descriptor); !status.ok()) return status;
   const absl::StatusOr<MapInfo> info = VerifyMap(file_.path);
   if (!info.ok()) return info.status();
-  return store_->Add(file_.path, request_.map_name, sha256, *info, request_.activate);
+  return store_->Add(file_.path, ScopedMapName(request_.tenant, request_.map_name), sha256, *info,
+                     request_.activate);
 }
 
 }  // namespace dcloc::server

@@ -13,19 +13,27 @@ namespace dcloc::server {
 
 /// What a client says of the file that it is about to send.
 struct UploadRequest {
+  std::string tenant;  ///< of who sends it
   std::string map_name;
   std::int64_t size_bytes = 0;
   std::string sha256;
   bool activate = false;
 };
 
+/// What an upload may take.
+struct UploadLimits {
+  std::int64_t max_map_bytes = 0;
+  std::int64_t max_tenant_bytes = 0;  ///< of the tenant's versions together; 0: no limit
+};
+
 /// A map file on its way into the store: it lies in a temporary file until it is complete and was
 /// verified, and is gone when the upload is dropped. Not thread-safe; calls block on storage.
 class Upload {
  public:
-  /// InvalidArgument names the field, the value and the bound. `store` outlives the upload.
+  /// InvalidArgument names the field, the value and the bound, ResourceExhausted the limit that it
+  /// would pass. `store` outlives the upload.
   static absl::StatusOr<Upload> Begin(MapStore& store, UploadRequest request,
-                                      std::int64_t max_size_bytes);
+                                      const UploadLimits& limits);
   Upload(Upload&&) noexcept;
   Upload& operator=(Upload&&) = delete;
   ~Upload();

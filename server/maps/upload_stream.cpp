@@ -10,20 +10,19 @@
 namespace dcloc::server {
 
 UploadStream* UploadStream::Start(grpc::CallbackServerContext* context, const StorageHost& host,
-                                  std::int64_t max_map_bytes, v1::UploadMapResponse* response) {
-  std::shared_ptr<UploadStream> stream(new UploadStream(context, host, max_map_bytes, response));
+                                  v1::UploadMapResponse* response) {
+  std::shared_ptr<UploadStream> stream(new UploadStream(context, host, response));
   stream->self_ = stream;
   stream->StartRead(&stream->request_);
   return stream.get();
 }
 
 UploadStream::UploadStream(grpc::CallbackServerContext* context, const StorageHost& host,
-                           std::int64_t max_map_bytes, v1::UploadMapResponse* response)
+                           v1::UploadMapResponse* response)
     : context_(context),
       host_(host),
       token_(host.open_calls),
       strand_(host.pool),
-      max_map_bytes_(max_map_bytes),
       response_(response) {}
 
 void UploadStream::OnReadDone(bool ok) {
@@ -70,12 +69,18 @@ absl::Status UploadStream::Take(const v1::UploadMapRequest& request) {
 }
 
 absl::Status UploadStream::Begin(const v1::UploadMapHeader& header) {
-  absl::StatusOr<Upload> upload = Upload::Begin(host_.store,
-                                                {.map_name = header.map_name(),
-                                                 .size_bytes = header.size_bytes(),
-                                                 .sha256 = header.sha256(),
-                                                 .activate = header.activate()},
-                                                max_map_bytes_);
+  const absl::StatusOr<Principal> principal =
+      host_.access.Authorize(*context_, v1::UploadMapRequest::descriptor());
+  if (!principal.ok()) return principal.status();
+  absl::StatusOr<Upload> upload =
+      Upload::Begin(host_.store,
+                    {.tenant = principal->tenant,
+                     .map_name = header.map_name(),
+                     .size_bytes = header.size_bytes(),
+                     .sha256 = header.sha256(),
+                     .activate = header.activate()},
+                    {.max_map_bytes = std::int64_t{host_.limits.max_map_mib} << 20,
+                     .max_tenant_bytes = std::int64_t{host_.limits.max_tenant_storage_mib} << 20});
   if (!upload.ok()) return upload.status();
   upload_.emplace(*std::move(upload));
   return absl::OkStatus();

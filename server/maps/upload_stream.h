@@ -18,14 +18,14 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadMapRequest>,
  public:
   /// Lives until the call is done and the pool has let go of it.
   static UploadStream* Start(grpc::CallbackServerContext* context, const StorageHost& host,
-                             std::int64_t max_map_bytes, v1::UploadMapResponse* response);
+                             v1::UploadMapResponse* response);
 
   void OnReadDone(bool ok) override;
   void OnDone() override;
 
  private:
   UploadStream(grpc::CallbackServerContext* context, const StorageHost& host,
-               std::int64_t max_map_bytes, v1::UploadMapResponse* response);
+               v1::UploadMapResponse* response);
 
   void TakeMessage();
   void TakeEnd();
@@ -36,7 +36,6 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadMapRequest>,
   const StorageHost& host_;
   OpenCalls::Token token_;
   Strand strand_;
-  const std::int64_t max_map_bytes_;
   v1::UploadMapResponse* response_;
   std::shared_ptr<UploadStream> self_;  ///< reset by OnDone
   v1::UploadMapRequest request_;

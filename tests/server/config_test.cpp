@@ -83,6 +83,45 @@ TEST(CommandLineTest, FlagsGoBeforeTheFileAndTheFileBeforeDefaults) {
   EXPECT_EQ(line->config.max_map_mib, ServerConfig().max_map_mib);
 }
 
+TEST(CommandLineTest, ChecksWithoutStarting) {
+  EXPECT_TRUE(Parse({"--data", "d", "--check-config"})->check_config);
+  EXPECT_FALSE(Parse({"--data", "d"})->check_config);
+}
+
+TEST(ConfigTest, ChangesAreFoundFieldByField) {
+  ServerConfig before;
+  ServerConfig after = before;
+  EXPECT_TRUE(ChangedFields(before, after).empty());
+  after.max_session_count = 7;
+  after.listen = "127.0.0.1:1";
+  after.stub_matcher = true;
+  std::vector<std::string> keys;
+  for (const ConfigField* field : ChangedFields(before, after)) {
+    keys.emplace_back(field->key);
+    TakeField(*field, after, &before);
+  }
+  EXPECT_THAT(keys, ::testing::ElementsAre("listen", "stub_matcher", "max_session_count"));
+  EXPECT_TRUE(ChangedFields(before, after).empty());
+}
+
+TEST(ConfigTest, LimitsAndLogLevelChangeWhileRunningAddressesDoNot) {
+  const auto reloadable = [](const std::string& key) {
+    for (const ConfigField& field : ConfigFields()) {
+      if (field.key == key) return field.reloadable;
+    }
+    ADD_FAILURE() << key;
+    return false;
+  };
+  for (const char* key :
+       {"max_session_count", "max_session_count_per_principal", "max_scan_rate_hz_per_principal",
+        "max_target_count", "max_map_mib", "max_tenant_storage_mib", "log_level"}) {
+    EXPECT_TRUE(reloadable(key)) << key;
+  }
+  for (const char* key : {"data", "listen", "tls_cert", "worker_count", "require_identity"}) {
+    EXPECT_FALSE(reloadable(key)) << key;
+  }
+}
+
 TEST(CommandLineTest, HelpShowsEverySettingAndExamples) {
   const absl::StatusOr<CommandLine> line = Parse({"--help"});
   ASSERT_TRUE(line.ok());
@@ -103,6 +142,8 @@ TEST(CommandLineTest, ErrorsSayWhatIsWrong) {
               AllOf(HasSubstr("worker_count is -2"), HasSubstr("[0, 1024]")));
   EXPECT_THAT(std::string(Parse({"--data", "d", "--log-level", "loud"}).status().message()),
               AllOf(HasSubstr("log_level"), HasSubstr("loud")));
+  EXPECT_THAT(std::string(Parse({"--data", "d", "--log-format", "xml"}).status().message()),
+              AllOf(HasSubstr("log_format"), HasSubstr("xml")));
   EXPECT_THAT(std::string(Parse({"--data", "d", "--tls-cert", "c.pem"}).status().message()),
               AllOf(HasSubstr("tls_key"), HasSubstr("c.pem")));
   EXPECT_THAT(std::string(Parse({"--data", "d", "--tls-client-ca", "a.pem"}).status().message()),

@@ -24,6 +24,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr std::int64_t kMaxMapBytes = 1 << 20;
+constexpr UploadLimits kLimits{.max_map_bytes = kMaxMapBytes};
 
 std::string MessageOf(const absl::Status& status) { return std::string(status.message()); }
 
@@ -59,7 +60,7 @@ class MapStoreTest : public ::testing::Test {
 
   absl::StatusOr<MapVersionRecord> Put(const std::vector<std::byte>& bytes,
                                        const UploadRequest& request) {
-    absl::StatusOr<Upload> upload = Upload::Begin(*store_, request, kMaxMapBytes);
+    absl::StatusOr<Upload> upload = Upload::Begin(*store_, request, kLimits);
     if (!upload.ok()) return upload.status();
     constexpr std::size_t kPart = 1000;
     for (std::size_t offset = 0; offset < bytes.size(); offset += kPart) {
@@ -153,7 +154,7 @@ TEST_F(MapStoreTest, BadHeadersAreRefusedByName) {
   const auto error_of = [&](auto spoil) {
     UploadRequest request = RequestFor(bytes);
     spoil(request);
-    const absl::Status status = Upload::Begin(*store_, request, kMaxMapBytes).status();
+    const absl::Status status = Upload::Begin(*store_, request, kLimits).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
     return MessageOf(status);
   };
@@ -168,9 +169,26 @@ TEST_F(MapStoreTest, BadHeadersAreRefusedByName) {
               HasSubstr("header.sha256"));
 }
 
+TEST_F(MapStoreTest, ATenantsStorageIsBounded) {
+  const std::vector<std::byte> bytes = SmallMap();
+  const auto size = static_cast<std::int64_t>(bytes.size());
+  ASSERT_TRUE(Put(bytes).ok());
+  const UploadLimits limits{.max_map_bytes = kMaxMapBytes, .max_tenant_bytes = 2 * size - 1};
+  const std::vector<std::byte> other = SmallMap("other!");
+  ASSERT_EQ(other.size(), bytes.size());
+  const absl::Status status = Upload::Begin(*store_, RequestFor(other), limits).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(MessageOf(status), HasSubstr("max_tenant_storage_mib"));
+  UploadRequest request = RequestFor(other);
+  request.tenant = "acme";
+  EXPECT_TRUE(Upload::Begin(*store_, request, limits).ok()) << "another tenant's maps do not count";
+  const UploadLimits enough{.max_map_bytes = kMaxMapBytes, .max_tenant_bytes = 2 * size};
+  EXPECT_TRUE(Upload::Begin(*store_, RequestFor(other), enough).ok());
+}
+
 TEST_F(MapStoreTest, ChunksMustFollowEachOther) {
   const std::vector<std::byte> bytes = SmallMap();
-  absl::StatusOr<Upload> upload = Upload::Begin(*store_, RequestFor(bytes), kMaxMapBytes);
+  absl::StatusOr<Upload> upload = Upload::Begin(*store_, RequestFor(bytes), kLimits);
   ASSERT_TRUE(upload.ok());
   ASSERT_TRUE(upload->Append(0, "abcd").ok());
   const absl::Status gap = upload->Append(5, "x");
@@ -288,13 +306,13 @@ TEST_F(MapStoreTest, ADeletedVersionsNumberIsNotUsedAgain) {
 TEST_F(MapStoreTest, ListsAreOrderedAndPaged) {
   for (const char* name : {"c", "a", "b"}) ASSERT_TRUE(PutAs(name, SmallMap()).ok());
   Catalogue& catalogue = store_->catalogue();
-  const std::vector<MapRecord> page = *catalogue.ListMaps("", 2);
+  const std::vector<MapRecord> page = *catalogue.ListMaps("", "", 2);
   ASSERT_EQ(page.size(), 2U);
   EXPECT_EQ(page[0].name, "a");
   EXPECT_EQ(page[1].name, "b");
   EXPECT_EQ(page[0].active_version, 1);
   EXPECT_EQ(page[0].version_count, 1);
-  EXPECT_EQ(catalogue.ListMaps("b", 2)->at(0).name, "c");
+  EXPECT_EQ(catalogue.ListMaps("", "b", 2)->at(0).name, "c");
 
   ASSERT_TRUE(PutAs("a", SmallMap("second")).ok());
   ASSERT_TRUE(PutAs("a", SmallMap("third")).ok());

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -82,6 +84,9 @@ class ServerProcess {
 class ProcessTest : public ::testing::Test {
  protected:
   std::string Store() const { return folder_.path() / "new" / "store"; }
+  std::string WriteConfig(const std::string& text) const {
+    return folder_.Write("server.json", std::as_bytes(std::span(text)));
+  }
   TemporaryFolder folder_;
 };
 
@@ -113,6 +118,54 @@ TEST_F(ProcessTest, UsageErrorsAreToldApartFromFailures) {
   ServerProcess failure({"--data", Store(), "--listen", "0.0.0.0:0"});
   EXPECT_THAT(failure.ReadUntil("0.0.0.0"), HasSubstr("allow_plaintext_off_loopback"));
   EXPECT_EQ(failure.Wait(), 1);
+}
+
+TEST_F(ProcessTest, CheckConfigSaysWhatIsWrongWithoutStarting) {
+  ServerProcess good({"--data", Store(), "--check-config"});
+  EXPECT_THAT(good.ReadUntil("valid"), HasSubstr("the settings are valid"));
+  EXPECT_EQ(good.Wait(), 0);
+  EXPECT_FALSE(std::filesystem::exists(Store()));
+  ServerProcess unknown({"--config", WriteConfig(R"({"max_sesion_count": 5})"), "--check-config"});
+  EXPECT_THAT(unknown.ReadUntil("max_sesion_count"), HasSubstr("unknown"));
+  EXPECT_EQ(unknown.Wait(), 2);
+  ServerProcess open({"--data", Store(), "--listen", "0.0.0.0:0", "--check-config"});
+  EXPECT_THAT(open.ReadUntil("0.0.0.0"), HasSubstr("allow_plaintext_off_loopback"));
+  EXPECT_EQ(open.Wait(), 1);
+}
+
+TEST_F(ProcessTest, AHangupTakesWhatCanChangeAndSaysWhatCannot) {
+  const std::string path =
+      WriteConfig(R"({"listen": "127.0.0.1:0", "max_session_count": 5, "worker_count": 1})");
+  ServerProcess server({"--data", Store(), "--config", path});
+  ASSERT_THAT(server.ReadUntil("listening on"), HasSubstr("listening on"));
+  WriteConfig(R"({"listen": "127.0.0.1:0", "max_session_count": 6, "worker_count": 2})");
+  server.Signal(SIGHUP);
+  EXPECT_THAT(server.ReadUntil("worker_count"), HasSubstr("needs a restart"));
+  EXPECT_THAT(server.ReadUntil("max_session_count"), HasSubstr("setting taken"));
+  WriteConfig(R"({"max_session_count": 0})");
+  server.Signal(SIGHUP);
+  EXPECT_THAT(server.ReadUntil("settings not taken"), HasSubstr("max_session_count is 0"));
+  WriteConfig(R"({"listen": "127.0.0.1:0", "worker_count": 1, "log_level": "error"})");
+  server.Signal(SIGHUP);
+  server.Signal(SIGTERM);
+  EXPECT_EQ(server.Wait(), 0);
+}
+
+TEST_F(ProcessTest, TokensAreMadeListedAndRevokedBesideARunningServer) {
+  ServerProcess server({"--data", Store(), "--listen", "127.0.0.1:0"});
+  ASSERT_THAT(server.ReadUntil("listening on"), HasSubstr("listening on"));
+  ServerProcess create({"token", "create", "--data", Store(), "--name", "ops", "--role", "admin"});
+  const std::string token = create.ReadUntil("dcloc_");
+  EXPECT_THAT(token, ::testing::StartsWith("dcloc_"));
+  EXPECT_EQ(create.Wait(), 0);
+  ServerProcess list({"token", "list", "--data", Store()});
+  EXPECT_THAT(list.ReadUntil("ops"), ::testing::AllOf(HasSubstr("admin"), HasSubstr("expires")));
+  EXPECT_EQ(list.Wait(), 0);
+  EXPECT_EQ(ServerProcess({"token", "revoke", "--data", Store(), "--id", "1"}).Wait(), 0);
+  EXPECT_EQ(ServerProcess({"token", "revoke", "--data", Store(), "--id", "9"}).Wait(), 1);
+  EXPECT_EQ(
+      ServerProcess({"token", "create", "--data", Store(), "--name", "x", "--role", "god"}).Wait(),
+      2);
 }
 
 TEST_F(ProcessTest, ATakenAddressIsAnError) {

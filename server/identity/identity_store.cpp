@@ -1,0 +1,184 @@
+#include "server/identity/identity_store.h"
+
+#include <openssl/rand.h>
+
+#include <array>
+#include <span>
+#include <utility>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
+#include "server/convert/check.h"
+#include "server/maps/sha256.h"
+#include "server/status.h"
+
+namespace dcloc::server {
+namespace {
+
+/// Says what a leaked string is, to people and to scanners of repositories.
+constexpr char kTokenPrefix[] = "dcloc_";
+constexpr std::size_t kTokenBytes = 32;
+
+constexpr char kCreateSchema[] = R"(
+CREATE TABLE IF NOT EXISTS identity (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  token_sha256 TEXT UNIQUE,
+  common_name TEXT,
+  name TEXT NOT NULL,
+  tenant TEXT NOT NULL,
+  role TEXT NOT NULL,
+  create_time_ns INTEGER NOT NULL,
+  expire_time_ns INTEGER,
+  revoke_time_ns INTEGER
+) STRICT;
+CREATE UNIQUE INDEX IF NOT EXISTS identity_common_name ON identity(common_name)
+  WHERE revoke_time_ns IS NULL;
+)";
+
+constexpr char kColumns[] =
+    "SELECT id, token_sha256 IS NULL, name, tenant, role, create_time_ns, expire_time_ns,"
+    " revoke_time_ns FROM identity ";
+
+std::int64_t Nanoseconds(SystemTime time) { return time.time_since_epoch().count(); }
+
+std::optional<SystemTime> NextTime(SqliteStatement& row) {
+  const bool present = !row.NextIsNull();
+  const std::chrono::nanoseconds time_ns(row.NextInteger());
+  return present ? std::optional(SystemTime(time_ns)) : std::nullopt;
+}
+
+IdentityRecord Read(SqliteStatement& row) {
+  IdentityRecord record;
+  record.id = row.NextInteger();
+  record.proof = row.NextInteger() != 0 ? Proof::kCertificate : Proof::kToken;
+  record.principal.name = row.NextText();
+  record.principal.tenant = row.NextText();
+  // A role that this program does not know may do least.
+  record.principal.role = RoleFromName(row.NextText()).value_or(Role::kVehicle);
+  record.create_time = SystemTime(std::chrono::nanoseconds(row.NextInteger()));
+  record.expire_time = NextTime(row);
+  record.revoke_time = NextTime(row);
+  return record;
+}
+
+std::string HashOf(absl::string_view token) {
+  Sha256 hash;
+  hash.Update(std::as_bytes(std::span(token.data(), token.size())));
+  return hash.Finish();
+}
+
+absl::StatusOr<std::string> NewToken() {
+  std::array<unsigned char, kTokenBytes> bytes{};
+  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
+    return absl::InternalError("no random bytes for a token");
+  }
+  return absl::StrCat(kTokenPrefix,
+                      absl::WebSafeBase64Escape(absl::string_view(
+                          reinterpret_cast<const char*>(bytes.data()), bytes.size())));
+}
+
+}  // namespace
+
+IdentityStore::IdentityStore(SqliteDatabase database) : database_(std::move(database)) {}
+
+absl::StatusOr<std::unique_ptr<IdentityStore>> IdentityStore::Open(
+    const std::filesystem::path& path) {
+  absl::StatusOr<SqliteDatabase> database = SqliteDatabase::Open(path);
+  if (!database.ok()) return database.status();
+  absl::Status status = database->Run("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
+  status.Update(status.ok() ? database->Run(kCreateSchema) : status);
+  if (!status.ok()) return status;
+  return std::unique_ptr<IdentityStore>(new IdentityStore(*std::move(database)));
+}
+
+absl::StatusOr<std::string> IdentityStore::Create(Proof proof, const Principal& principal,
+                                                  std::optional<SystemTime> expire_time) {
+  absl::Status status = convert::CheckId("name", principal.name);
+  if (!principal.tenant.empty()) {
+    status.Update(convert::CheckMapName("tenant", principal.tenant));
+  }
+  if (!status.ok()) return status;
+  std::string token;
+  if (proof == Proof::kToken) {
+    absl::StatusOr<std::string> made = NewToken();
+    if (!made.ok()) return made.status();
+    token = *std::move(made);
+  }
+  const std::lock_guard lock(mutex_);
+  SqliteStatement insert(database_,
+                         "INSERT INTO identity (token_sha256, common_name, name, tenant, role,"
+                         " create_time_ns, expire_time_ns) VALUES (?,?,?,?,?,?,?)");
+  if (proof == Proof::kToken) {
+    insert.Bind(HashOf(token)).BindNull();
+  } else {
+    insert.BindNull().Bind(principal.name);
+  }
+  insert.Bind(principal.name).Bind(principal.tenant).Bind(NameOf(principal.role));
+  insert.Bind(Nanoseconds(std::chrono::system_clock::now()));
+  expire_time ? insert.Bind(Nanoseconds(*expire_time)) : insert.BindNull();
+  status = insert.Run();
+  if (absl::IsAlreadyExists(status)) {
+    return absl::AlreadyExistsError(absl::StrCat("name is ", Quoted(principal.name),
+                                                 "; a certificate of that name is known already"));
+  }
+  if (!status.ok()) return status;
+  return token;
+}
+
+absl::StatusOr<std::vector<IdentityRecord>> IdentityStore::List() {
+  const std::lock_guard lock(mutex_);
+  SqliteStatement query(database_, absl::StrCat(kColumns, "ORDER BY id").c_str());
+  std::vector<IdentityRecord> records;
+  while (true) {
+    const absl::StatusOr<bool> row = query.Step();
+    if (!row.ok()) return row.status();
+    if (!*row) return records;
+    records.push_back(Read(query));
+  }
+}
+
+absl::Status IdentityStore::Revoke(std::int64_t id) {
+  const std::lock_guard lock(mutex_);
+  SqliteStatement update(
+      database_, "UPDATE identity SET revoke_time_ns = COALESCE(revoke_time_ns, ?) WHERE id = ?");
+  absl::Status status = update.Bind(Nanoseconds(std::chrono::system_clock::now())).Bind(id).Run();
+  if (status.ok() && database_.ChangedRowCount() == 0) {
+    return absl::NotFoundError(absl::StrCat("id is ", id, "; there is no such identity"));
+  }
+  return status;
+}
+
+absl::StatusOr<Principal> IdentityStore::FindToken(absl::string_view token) {
+  return Find("WHERE token_sha256 = ?", HashOf(token), "the token");
+}
+
+absl::StatusOr<Principal> IdentityStore::FindCertificate(absl::string_view common_name) {
+  return Find("WHERE common_name = ? ORDER BY id DESC LIMIT 1", common_name,
+              absl::StrCat("the certificate of ", Quoted(common_name)));
+}
+
+absl::StatusOr<Principal> IdentityStore::Find(const char* sql, absl::string_view key,
+                                              absl::string_view what) {
+  const std::lock_guard lock(mutex_);
+  SqliteStatement query(database_, absl::StrCat(kColumns, sql).c_str());
+  const absl::StatusOr<bool> row = query.Bind(key).Step();
+  if (!row.ok()) return row.status();
+  if (!*row) return absl::UnauthenticatedError(absl::StrCat(what, " is not known"));
+  IdentityRecord record = Read(query);
+  if (record.revoke_time) return absl::UnauthenticatedError(absl::StrCat(what, " was revoked"));
+  if (record.expire_time && *record.expire_time <= std::chrono::system_clock::now()) {
+    return absl::UnauthenticatedError(absl::StrCat(what, " has expired"));
+  }
+  return std::move(record.principal);
+}
+
+absl::StatusOr<bool> IdentityStore::HasAny() {
+  const std::lock_guard lock(mutex_);
+  if (has_any_) return true;
+  SqliteStatement query(database_, "SELECT 1 FROM identity LIMIT 1");
+  const absl::StatusOr<bool> row = query.Step();
+  if (row.ok()) has_any_ = *row;
+  return row;
+}
+
+}  // namespace dcloc::server

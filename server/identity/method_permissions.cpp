@@ -1,0 +1,29 @@
+#include "server/identity/method_permissions.h"
+
+#include <array>
+
+namespace dcloc::server {
+namespace {
+
+constexpr std::array kTable = {
+    MethodPermission{"dcloc.v1.LocalizationService.Localize", Permission::kLocalize},
+
+    MethodPermission{"dcloc.v1.MapService.ListMaps", Permission::kReadMaps},
+    MethodPermission{"dcloc.v1.MapService.GetMap", Permission::kReadMaps},
+    MethodPermission{"dcloc.v1.MapService.ListMapVersions", Permission::kReadMaps},
+    MethodPermission{"dcloc.v1.MapService.GetMapVersion", Permission::kReadMaps},
+    MethodPermission{"dcloc.v1.MapService.UploadMap", Permission::kManageMaps},
+    MethodPermission{"dcloc.v1.MapService.DownloadMap", Permission::kReadMaps},
+    MethodPermission{"dcloc.v1.MapService.ActivateMapVersion", Permission::kManageMaps},
+    MethodPermission{"dcloc.v1.MapService.DeleteMapVersion", Permission::kManageMaps},
+    MethodPermission{"dcloc.v1.MapService.DeleteMap", Permission::kManageMaps},
+
+    MethodPermission{"dcloc.v1.AdminService.GetServerState", Permission::kReadServer},
+    MethodPermission{"dcloc.v1.AdminService.ListSessions", Permission::kReadSessions},
+};
+
+}  // namespace
+
+std::span<const MethodPermission> MethodPermissions() { return kTable; }
+
+}  // namespace dcloc::server
