@@ -30,10 +30,14 @@ struct ServerConfig {
   int max_scan_rate_hz_per_principal = 0;   ///< over all of its sessions; 0: no limit
   int max_target_count = 20'000;            ///< of one scan
   int max_pending_scan_count = 8;           ///< per session, read but not yet answered
+  int answer_history_count = 256;           ///< per session, for scans that come again
+  int session_detached_timeout_ms = 60'000;
+  int session_idle_timeout_ms = 600'000;  ///< 0: for ever
   int max_message_kib = 2048;
   int max_map_mib = 1024;          ///< of one map file
   int max_tenant_storage_mib = 0;  ///< of a tenant's map versions together; 0: no limit
   int shutdown_deadline_ms = 5000;
+  int drain_grace_ms = 1000;
   std::string log_level = "info";
   std::string log_format = "text";
 };

@@ -17,6 +17,7 @@
 #include "server/localization/localization_service.h"
 #include "server/maps/map_service.h"
 #include "server/status.h"
+#include "server/ticker.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
@@ -45,10 +46,18 @@ absl::Status SayWhoIsLetIn(const AccessControl& access, const ServerConfig& conf
 }
 
 constexpr std::chrono::milliseconds kLastBytesGrace(200);
+/// How exactly timeouts of sessions are kept.
+constexpr std::chrono::milliseconds kTickInterval(100);
 
 int WorkerCount(const ServerConfig& config) {
   if (config.worker_count > 0) return config.worker_count;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+SessionLimits SessionLimitsOf(const ServerConfig& config) {
+  return {.max_session_count = config.max_session_count,
+          .detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms),
+          .idle_timeout = std::chrono::milliseconds(config.session_idle_timeout_ms)};
 }
 
 void SetLimits(const ServerConfig& config, grpc::ServerBuilder& builder) {
@@ -72,27 +81,48 @@ struct Server::Parts {
   Parts(const ServerConfig& server_config, std::unique_ptr<MapStore> map_store,
         std::unique_ptr<IdentityStore> identity_store)
       : config(server_config),
+        drain_grace(config.drain_grace_ms),
         limits(config),
         identities(std::move(identity_store)),
         access(*identities, config.require_identity),
         store(std::move(map_store)),
+        registry(SessionLimitsOf(config)),
         localization_pool(WorkerCount(config)),
-        localization(
-            {.storage = storage,
-             .registry = registry,
-             .create_matcher = config.stub_matcher ? &CreateStubMatcher : &CreateLocalizerMatcher,
-             .localization_pool = localization_pool,
-             .max_pending_scan_count = config.max_pending_scan_count},
-            config.max_session_count),
+        localization({.storage = storage,
+                      .registry = registry,
+                      .sessions = {.store = *store,
+                                   .pool = localization_pool,
+                                   .totals = registry.totals(),
+                                   .create_matcher = config.stub_matcher ? &CreateStubMatcher
+                                                                         : &CreateLocalizerMatcher,
+                                   .answer_history_count = config.answer_history_count,
+                                   .detached_timeout = std::chrono::milliseconds(
+                                       config.session_detached_timeout_ms)},
+                      .max_pending_scan_count = config.max_pending_scan_count},
+                     config.max_session_count),
         maps(storage),
         admin({.version = DCLOC_VERSION,
                .start_time = std::chrono::system_clock::now(),
                .worker_count = localization_pool.thread_count(),
                .max_session_count = config.max_session_count,
                .stub_matcher = config.stub_matcher},
-              registry, storage) {}
+              registry, storage,
+              {.drain = [this] { return Drain(drain_grace); },
+               .draining = [this] { return localization.draining(); }}),
+        ticker(kTickInterval, [this] {
+          const auto now = std::chrono::steady_clock::now();
+          registry.Reap(now);
+          localization.EndOverdue(now);
+        }) {}
+
+  /// Not ready any more, and the sessions are told to move; gives how many were told.
+  int Drain(std::chrono::milliseconds grace) {
+    if (auto* health = server->GetHealthCheckService()) health->SetServingStatus(false);
+    return localization.Drain(grace);
+  }
 
   ServerConfig config;
+  const std::chrono::milliseconds drain_grace;
   Limits limits;
   std::unique_ptr<IdentityStore> identities;
   AccessControl access;
@@ -106,6 +136,7 @@ struct Server::Parts {
   MapService maps;
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
+  Ticker ticker;
   std::string address;
 };
 
@@ -164,10 +195,15 @@ absl::Status Server::Reload(const ServerConfig& config) {
 }
 
 void Server::Shutdown(std::chrono::milliseconds deadline) {
-  const auto end = std::chrono::steady_clock::now() + deadline;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto end = begin + deadline;
+  // Half of the time at most is the clients', to go by themselves.
+  const std::chrono::milliseconds grace = std::min(parts_->drain_grace, deadline / 2);
+  if (parts_->Drain(grace) > 0) parts_->open_calls.WaitUntilNone(begin + grace);
   if (auto* health = parts_->server->GetHealthCheckService()) health->Shutdown();
   parts_->localization.EndAll(
       grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server is shutting down"));
+  parts_->registry.RemoveDetached("the server is shutting down");
   parts_->open_calls.WaitUntilNone(end);
   // What is left are calls beyond the deadline, last bytes on their way, and idle connections.
   parts_->server->Shutdown(std::chrono::system_clock::now() + kLastBytesGrace);

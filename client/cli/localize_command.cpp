@@ -58,6 +58,12 @@ void AddRunOptions(CLI::App& command, LocalizeArguments& arguments) {
       .add_option("--scans-per-submap", arguments.scans_per_submap,
                   "Scans of each radar in a sub-map; the server's default if not given")
       ->type_name("K");
+  command
+      .add_option("--reconnect-s", arguments.reconnect_s,
+                  "How long to try to mend a broken connection; 0 ends with it")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->type_name("S")
+      ->capture_default_str();
   command.add_option("--out", arguments.csv_file, "Write a CSV line for each answer")
       ->required()
       ->type_name("FILE");

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -113,6 +114,18 @@ class Sender {
   std::jthread thread_;  ///< last: it uses the others
 };
 
+client::SessionOptions SessionOptionsOf(const LocalizeArguments& arguments) {
+  client::SessionOptions options{.max_queued_scan_count = 1,
+                                 .when_full = client::FullQueue::kBlock};
+  options.reconnect.reset();
+  if (arguments.reconnect_s > 0.0) {
+    options.reconnect =
+        client::ReconnectOptions{.give_up_after = std::chrono::milliseconds(
+                                     std::llround(std::ceil(1000.0 * arguments.reconnect_s)))};
+  }
+  return options;
+}
+
 double Milliseconds(std::chrono::nanoseconds duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
@@ -173,6 +186,14 @@ absl::Status Receive(client::Session& session, Sender& sender, const Drive& driv
   return session.EndStatus();
 }
 
+void PrintConnection(const client::SessionStats& stats) {
+  if (stats.disconnect_count == 0) return;
+  absl::PrintF(
+      "The connection broke %d times: %d times the session went on, %d times it began anew from "
+      "the last pose.\n",
+      stats.disconnect_count, stats.resume_count, stats.restart_count);
+}
+
 void PrintSummary(const DriveOutcome& outcome, std::size_t scan_count) {
   absl::PrintF("%s", FormatTable(MetricsRows({{outcome.drive, ComputeMetrics({&outcome, 1})}})));
   absl::PrintF("%d of %d scans were answered. Total is the round trip as the vehicle sees it.\n",
@@ -202,6 +223,7 @@ absl::Status Localize(client::Session& session, const Drive& drive,
   if (interrupted) status = absl::CancelledError("interrupted; the files hold what was answered");
   status.Update(files.Close());
   PrintSummary(outcome, drive.scans.size());
+  PrintConnection(session.stats());
   return status;
 }
 
@@ -217,8 +239,7 @@ absl::Status RunLocalize(const LocalizeArguments& arguments) {
   const auto channel = client::MakeChannel(arguments.server);
   if (!channel.ok()) return channel.status();
   auto session =
-      client::Session::Open(*channel, OpenRequest(arguments, *drive),
-                            {.max_queued_scan_count = 1, .when_full = client::FullQueue::kBlock});
+      client::Session::Open(*channel, OpenRequest(arguments, *drive), SessionOptionsOf(arguments));
   if (!session.ok()) {
     return absl::Status(session.status().code(),
                         absl::StrCat(arguments.server.server, ": ", session.status().message()));

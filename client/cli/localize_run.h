@@ -21,6 +21,7 @@ struct LocalizeArguments {
   Perturbation perturbation;
   std::string rate = "realtime";
   std::optional<int> scans_per_submap;
+  double reconnect_s = 30.0;  ///< 0: never
   std::string csv_file;
   std::string tum_file;
 };

@@ -18,6 +18,9 @@ constexpr int kMaxMessage_bytes = 2 << 20;
 // A server that is gone is noticed within their sum. Not below what dcloc-server lets a client do.
 constexpr int kKeepaliveTime_ms = 10'000;
 constexpr int kKeepaliveTimeout_ms = 10'000;
+// gRPC's own are 1 s to 2 min: far too long for a vehicle whose server has just been restarted.
+constexpr int kInitialReconnectBackoff_ms = 100;
+constexpr int kMaxReconnectBackoff_ms = 5'000;
 
 absl::Status CheckOptions(const ChannelOptions& options) {
   // gRPC would take port 443 for an address without one.
@@ -73,6 +76,8 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const ChannelOptions&
   arguments.SetMaxSendMessageSize(kMaxMessage_bytes);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kInitialReconnectBackoff_ms);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMaxReconnectBackoff_ms);
   // While a scan is being matched for long, the stream is quiet; pings may go on.
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   if (!options.tls_server_name.empty()) {

@@ -2,37 +2,25 @@
 
 #include <grpcpp/channel.h>
 
-#include <chrono>
-#include <cstddef>
 #include <memory>
 #include <optional>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/sdk/session_options.h"
+#include "client/sdk/session_stats.h"
 #include "dcloc/v1/localization_service.pb.h"
 
 namespace dcloc::client {
 
-/// What `Session::Send` does when the queue is full.
-enum class FullQueue {
-  kBlock,   ///< waits: for a replay, where every scan counts
-  kReject,  ///< refuses the scan at once: for a vehicle, where a late scan is worth little
-};
+class SessionEngine;
 
-struct SessionOptions {
-  std::size_t max_queued_scan_count = 16;  ///< accepted by Send, not yet taken by the transport
-  FullQueue when_full = FullQueue::kReject;
-  /// Answers kept for `Next`. When they are this many, no more are read, the server stops reading
-  /// scans, and so the queue fills: nothing grows without bound.
-  std::size_t max_unread_answer_count = 1024;
-  std::chrono::milliseconds open_timeout = std::chrono::seconds(10);
-};
-
-/// OK, or InvalidArgument that names the field, the value and the bound.
-absl::Status Validate(const SessionOptions& options);
-
-/// One vehicle's localization session: scans in, an answer to each out, in the same order. A
-/// session ends when the server ends it or the connection breaks; open another one then.
+/// One vehicle's localization session: scans in, exactly one answer to each out, in the same order.
+///
+/// When the connection breaks or the server leaves, the session reconnects by itself and goes on
+/// where it was; scans that are not answered are sent again, and none is localized twice. Where the
+/// server has not kept the session, a new one begins with the last pose as prior, and `on_event`
+/// says so. It ends when the server ends it, or refuses it, or cannot be reached for too long.
 ///
 /// All members may be called from any thread at any time; scans from several threads are sent in
 /// the order in which `Send` takes them. None but `Open`, a blocking `Send`, `Next` and the
@@ -51,7 +39,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// What the server said on opening.
+  /// What the server said on opening, the first time.
   const v1::SessionOpened& opened() const;
 
   /// Queues `scan` for sending. ResourceExhausted when the queue is full (`FullQueue::kReject`),
@@ -74,11 +62,13 @@ class Session {
   /// FailedPrecondition while it has not ended.
   absl::Status EndStatus() const;
 
- private:
-  class Stream;
-  explicit Session(std::unique_ptr<Stream> stream);
+  /// How often the connection broke, and what came of it.
+  SessionStats stats() const;
 
-  std::unique_ptr<Stream> stream_;
+ private:
+  explicit Session(std::unique_ptr<SessionEngine> engine);
+
+  std::unique_ptr<SessionEngine> engine_;
 };
 
 }  // namespace dcloc::client

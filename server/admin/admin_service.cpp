@@ -4,31 +4,66 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "google/protobuf/util/time_util.h"
+#include "server/admin/watch_stream.h"
 #include "server/convert/page.h"
 #include "server/convert/session.h"
+#include "server/status.h"
 #include "server/unary.h"
 
 namespace dcloc::server {
 namespace {
 
+constexpr std::size_t kMaxReason = 200;
+
 google::protobuf::Timestamp ToTimestamp(SystemTime time) {
   return google::protobuf::util::TimeUtil::NanosecondsToTimestamp(time.time_since_epoch().count());
 }
 
-void Describe(const SessionRecord& record, v1::Session* session) {
+void SetCounts(const SessionRecord& record, v1::Session* session) {
+  session->set_scan_count(record.counts.answered);
+  session->set_rejected_scan_count(record.counts.rejected);
+  session->set_repeated_scan_count(record.counts.repeated);
+  session->set_dropped_scan_count(record.counts.dropped);
+  session->set_missing_scan_count(record.missing_scan_count);
+  session->set_resume_count(record.resume_count);
+}
+
+void Describe(const ListedSession& listed, v1::Session* session) {
+  const SessionRecord& record = *listed.record;
   const SessionDescription& description = record.description;
   session->set_session_id(description.session_id);
   session->set_vehicle_id(description.vehicle_id);
-  session->set_peer(description.peer);
+  session->set_peer(description.peer.address);
   session->set_map_name(description.map_name);
   session->set_map_version(description.map_version);
   *session->mutable_open_time() = ToTimestamp(description.open_time);
-  session->set_scan_count(record.counts.answered);
-  session->set_rejected_scan_count(record.counts.rejected);
+  session->set_detached(listed.detached);
+  SetCounts(record, session);
   if (const int state = record.last_state; state >= 0) {
     session->set_state(convert::ToProto(static_cast<LocalizationState>(state)));
   }
+  if (const std::int64_t last = record.last_sequence_number; last >= 0) {
+    session->set_last_sequence_number(last);
+  }
+  session->set_last_stamp_age_ns(record.last_stamp_age_ns);
+  const std::chrono::nanoseconds idle = SessionRecord::Clock::now() - record.last_activity.load();
+  session->set_idle_duration_ns(idle.count());
+}
+
+absl::Status EndSession(SessionRegistry& registry, const v1::EndSessionRequest& request) {
+  if (request.reason().size() > kMaxReason) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "reason has %d characters; it must have at most %d", request.reason().size(), kMaxReason));
+  }
+  v1::SessionEnding ending;
+  ending.set_reason(v1::SESSION_END_REASON_OPERATOR);
+  ending.set_message(request.reason().empty()
+                         ? "an operator ended it"
+                         : absl::StrCat("an operator ended it: ", request.reason()));
+  return registry.End(request.session_id(), ending);
 }
 
 absl::Status ListSessions(const SessionRegistry& registry, const v1::ListSessionsRequest& request,
@@ -38,34 +73,44 @@ absl::Status ListSessions(const SessionRegistry& registry, const v1::ListSession
   if (absl::Status status = convert::CheckPageToken(request.page_token()); !status.ok()) {
     return status;
   }
-  for (const auto& record : registry.List(request.page_token(), *size + 1)) {
+  for (const ListedSession& listed : registry.List(request.page_token(), *size + 1)) {
     if (response->sessions_size() == *size) {
       response->set_next_page_token(response->sessions(*size - 1).session_id());
       break;
     }
-    Describe(*record, response->add_sessions());
+    Describe(listed, response->add_sessions());
   }
   return absl::OkStatus();
 }
 
 }  // namespace
 
-AdminService::AdminService(ServerFacts facts, SessionRegistry& registry, StorageHost host)
-    : facts_(std::move(facts)), registry_(registry), host_(host) {}
+AdminService::AdminService(ServerFacts facts, SessionRegistry& registry, StorageHost host,
+                           DrainControl drain)
+    : facts_(std::move(facts)), registry_(registry), host_(host), drain_(std::move(drain)) {}
+
+void AdminService::Describe(v1::GetServerStateResponse* response) const {
+  response->set_server_version(facts_.version);
+  *response->mutable_start_time() = ToTimestamp(facts_.start_time);
+  response->set_worker_count(facts_.worker_count);
+  response->set_session_count(registry_.count());
+  response->set_detached_session_count(registry_.detached_count());
+  response->set_max_session_count(facts_.max_session_count);
+  response->set_loaded_map_count(host_.store.loaded_map_count());
+  response->set_scan_count(registry_.totals().answered);
+  response->set_rejected_scan_count(registry_.totals().rejected);
+  response->set_dropped_scan_count(registry_.totals().dropped);
+  response->set_repeated_scan_count(registry_.totals().repeated);
+  response->set_resume_count(registry_.resume_count());
+  response->set_stub_matcher(facts_.stub_matcher);
+  response->set_draining(drain_.draining());
+}
 
 grpc::ServerUnaryReactor* AdminService::GetServerState(grpc::CallbackServerContext* context,
                                                        const v1::GetServerStateRequest* /*request*/,
                                                        v1::GetServerStateResponse* response) {
   return AnswerOn(host_, context, [this, response] {
-    response->set_server_version(facts_.version);
-    *response->mutable_start_time() = ToTimestamp(facts_.start_time);
-    response->set_worker_count(facts_.worker_count);
-    response->set_session_count(registry_.count());
-    response->set_max_session_count(facts_.max_session_count);
-    response->set_loaded_map_count(host_.store.loaded_map_count());
-    response->set_scan_count(registry_.totals().answered);
-    response->set_rejected_scan_count(registry_.totals().rejected);
-    response->set_stub_matcher(facts_.stub_matcher);
+    Describe(response);
     return absl::OkStatus();
   });
 }
@@ -75,6 +120,46 @@ grpc::ServerUnaryReactor* AdminService::ListSessions(grpc::CallbackServerContext
                                                      v1::ListSessionsResponse* response) {
   return AnswerOn(host_, context, [this, request, response] {
     return server::ListSessions(registry_, *request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* AdminService::GetSession(grpc::CallbackServerContext* context,
+                                                   const v1::GetSessionRequest* request,
+                                                   v1::GetSessionResponse* response) {
+  return AnswerOn(host_, context, [this, request, response]() -> absl::Status {
+    const absl::StatusOr<ListedSession> session = registry_.Get(request->session_id());
+    if (!session.ok()) return session.status();
+    server::Describe(*session, response->mutable_session());
+    return absl::OkStatus();
+  });
+}
+
+grpc::ServerUnaryReactor* AdminService::EndSession(grpc::CallbackServerContext* context,
+                                                   const v1::EndSessionRequest* request,
+                                                   v1::EndSessionResponse* /*response*/) {
+  return AnswerOn(host_, context,
+                  [this, request] { return server::EndSession(registry_, *request); });
+}
+
+grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
+    grpc::CallbackServerContext* /*context*/, const v1::WatchSessionRequest* request) {
+  const std::shared_ptr<WatchStream> stream = WatchStream::Start(host_.open_calls);
+  const absl::StatusOr<ListedSession> session = registry_.Get(request->session_id());
+  if (session.ok()) {
+    stream->StartSendInitialMetadata();  // the watcher knows from then on that it misses nothing
+    session->record->feed.Subscribe(stream);
+  } else {
+    stream->End(ToGrpc(session.status()));
+  }
+  return stream.get();
+}
+
+grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* context,
+                                              const v1::DrainRequest* /*request*/,
+                                              v1::DrainResponse* response) {
+  return AnswerOn(host_, context, [this, response] {
+    response->set_session_count(drain_.drain());
+    return absl::OkStatus();
   });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "dcloc/v1/admin_service.grpc.pb.h"
@@ -17,11 +18,17 @@ struct ServerFacts {
   bool stub_matcher = false;
 };
 
-/// AdminService: looks, and changes nothing.
+/// How to empty the server.
+struct DrainControl {
+  std::function<int()> drain;      ///< gives how many sessions were told
+  std::function<bool()> draining;  ///< whether it was called
+};
+
+/// AdminService: what the server is doing, and ending it.
 class AdminService final : public v1::AdminService::CallbackService {
  public:
   /// `registry` outlives the service's calls.
-  AdminService(ServerFacts facts, SessionRegistry& registry, StorageHost host);
+  AdminService(ServerFacts facts, SessionRegistry& registry, StorageHost host, DrainControl drain);
 
   grpc::ServerUnaryReactor* GetServerState(grpc::CallbackServerContext* context,
                                            const v1::GetServerStateRequest* request,
@@ -29,11 +36,25 @@ class AdminService final : public v1::AdminService::CallbackService {
   grpc::ServerUnaryReactor* ListSessions(grpc::CallbackServerContext* context,
                                          const v1::ListSessionsRequest* request,
                                          v1::ListSessionsResponse* response) override;
+  grpc::ServerUnaryReactor* GetSession(grpc::CallbackServerContext* context,
+                                       const v1::GetSessionRequest* request,
+                                       v1::GetSessionResponse* response) override;
+  grpc::ServerUnaryReactor* EndSession(grpc::CallbackServerContext* context,
+                                       const v1::EndSessionRequest* request,
+                                       v1::EndSessionResponse* response) override;
+  grpc::ServerWriteReactor<v1::WatchSessionResponse>* WatchSession(
+      grpc::CallbackServerContext* context, const v1::WatchSessionRequest* request) override;
+  grpc::ServerUnaryReactor* Drain(grpc::CallbackServerContext* context,
+                                  const v1::DrainRequest* request,
+                                  v1::DrainResponse* response) override;
 
  private:
+  void Describe(v1::GetServerStateResponse* response) const;
+
   const ServerFacts facts_;
   SessionRegistry& registry_;
   const StorageHost host_;
+  const DrainControl drain_;
 };
 
 }  // namespace dcloc::server

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kMaxCentreFrequency_hz = 1e13;
 constexpr double kMaxSlope_hz_per_s = 1e18;
+constexpr std::int64_t kMaxStamp_ns = 4'102'444'800'000'000'000;  ///< the year 2100
 
 absl::StatusOr<double> BetaFromProto(const v1::Chirp& message, absl::string_view field) {
   absl::Status status = CheckBetween(absl::StrCat(field, ".centre_frequency_hz"),
@@ -90,7 +91,7 @@ void TakeColumns(const v1::Scan& message, Scan* scan) {
 absl::Status CheckHeader(const v1::Scan& message, const Rig& rig) {
   constexpr long long kMax = std::numeric_limits<std::int64_t>::max();
   absl::Status status = CheckIntegerBetween("sequence_number", message.sequence_number(), 0, kMax);
-  status.Update(CheckIntegerBetween("stamp_ns", message.stamp_ns(), 1, kMax));
+  status.Update(CheckIntegerBetween("stamp_ns", message.stamp_ns(), 1, kMaxStamp_ns));
   if (status.ok() && rig.Find(message.radar_id()) == nullptr) {
     return absl::InvalidArgumentError(
         absl::StrFormat("radar_id is %s; it must be one of the rig's", Quoted(message.radar_id())));

@@ -1,31 +1,85 @@
 #include "server/localization/localization_service.h"
 
-#include <vector>
+#include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "spdlog/spdlog.h"
 
 namespace dcloc::server {
+namespace {
 
-LocalizationService::LocalizationService(SessionHost host, int max_session_count)
-    : host_(host), max_session_count_(max_session_count) {}
+/// Who the peer has proved to be: the names in its certificate.
+std::string PrincipalOf(const grpc::CallbackServerContext& context) {
+  std::string principal;
+  if (const auto auth = context.auth_context(); auth != nullptr && auth->IsPeerAuthenticated()) {
+    for (const grpc::string_ref& name : auth->GetPeerIdentity()) {
+      absl::StrAppend(&principal, principal.empty() ? "" : ",",
+                      absl::string_view(name.data(), name.size()));
+    }
+  }
+  return principal;
+}
+
+}  // namespace
+
+LocalizationService::LocalizationService(SessionHost host, int max_stream_count)
+    : host_(host), max_stream_count_(max_stream_count) {}
 
 grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* LocalizationService::Localize(
     grpc::CallbackServerContext* context) {
   const std::shared_ptr<LocalizeStream> stream =
-      LocalizeStream::Start(host_, context->peer(), [this](LocalizeStream* done) { Forget(done); });
+      LocalizeStream::Start(host_, context, {context->peer(), PrincipalOf(*context)},
+                            [this](LocalizeStream* done) { Forget(done); });
   grpc::Status refusal;
   {
     const std::lock_guard lock(mutex_);
     streams_.emplace(stream.get(), OpenStream{stream, OpenCalls::Token(host_.storage.open_calls)});
     refusal = refusal_;
-    if (refusal.ok() && static_cast<int>(streams_.size()) > max_session_count_) {
+    if (refusal.ok() && static_cast<int>(streams_.size()) > max_stream_count_) {
       refusal = grpc::Status(
           grpc::StatusCode::RESOURCE_EXHAUSTED,
-          absl::StrFormat("%d sessions are open, which is the limit", max_session_count_));
+          absl::StrFormat("%d sessions are open, which is the limit", max_stream_count_));
     }
   }
   if (!refusal.ok()) stream->End(refusal);
   return stream.get();
+}
+
+int LocalizationService::Drain(std::chrono::milliseconds grace) {
+  v1::SessionEnding ending;
+  ending.set_reason(v1::SESSION_END_REASON_DRAINING);
+  ending.set_message("the server takes no more sessions and will stop");
+  ending.set_grace_duration_ns(std::chrono::nanoseconds(grace).count());
+  std::vector<std::shared_ptr<LocalizeStream>> open;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!refusal_.ok()) return 0;
+    refusal_ = grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server is draining");
+    drain_end_ = Clock::now() + grace;
+    open = Streams();
+  }
+  int told = 0;
+  for (const auto& stream : open) {
+    stream->Announce(ending);
+    told += stream->resumable() ? 1 : 0;
+  }
+  spdlog::info("draining streams={} told={} grace_ms={}", open.size(), told, grace.count());
+  return told;
+}
+
+bool LocalizationService::draining() const {
+  const std::lock_guard lock(mutex_);
+  return !refusal_.ok();
+}
+
+void LocalizationService::EndOverdue(Clock::time_point now) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!drain_end_ || now < *drain_end_) return;
+    drain_end_.reset();
+  }
+  EndAll(grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server is draining"));
 }
 
 void LocalizationService::EndAll(const grpc::Status& status) {
@@ -33,11 +87,17 @@ void LocalizationService::EndAll(const grpc::Status& status) {
   {
     const std::lock_guard lock(mutex_);
     refusal_ = status;
-    for (const auto& [address, entry] : streams_) {
-      if (auto held = entry.stream.lock()) open.push_back(std::move(held));
-    }
+    open = Streams();
   }
   for (const auto& stream : open) stream->End(status);
+}
+
+std::vector<std::shared_ptr<LocalizeStream>> LocalizationService::Streams() {
+  std::vector<std::shared_ptr<LocalizeStream>> open;
+  for (const auto& [address, entry] : streams_) {
+    if (auto held = entry.stream.lock()) open.push_back(std::move(held));
+  }
+  return open;
 }
 
 void LocalizationService::Forget(LocalizeStream* stream) {

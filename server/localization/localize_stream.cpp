@@ -1,36 +1,75 @@
 #include "server/localization/localize_stream.h"
 
+#include <grpcpp/server_context.h>
+
 #include <utility>
 
 #include "server/status.h"
 
 namespace dcloc::server {
+namespace {
+
+/// Answers of dropped scans that wait behind the one that is being localized.
+constexpr int kDroppedSlots = 64;
+
+}  // namespace
 
 std::shared_ptr<LocalizeStream> LocalizeStream::Start(
-    const SessionHost& host, std::string peer, std::function<void(LocalizeStream*)> on_done) {
+    const SessionHost& host, grpc::CallbackServerContext* context, StreamPeer peer,
+    std::function<void(LocalizeStream*)> on_done) {
   std::shared_ptr<LocalizeStream> stream(
-      new LocalizeStream(host, std::move(peer), std::move(on_done)));
+      new LocalizeStream(host, context, std::move(peer), std::move(on_done)));
   stream->self_ = stream;
   stream->Pump();
   return stream;
 }
 
-LocalizeStream::LocalizeStream(const SessionHost& host, std::string peer,
-                               std::function<void(LocalizeStream*)> on_done)
+LocalizeStream::LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,
+                               StreamPeer peer, std::function<void(LocalizeStream*)> on_done)
     : host_(host),
+      context_(context),
       peer_(std::move(peer)),
       on_done_(std::move(on_done)),
-      slots_(static_cast<std::size_t>(host.max_pending_scan_count)),
-      strand_(host.localization_pool) {}
+      slots_(static_cast<std::size_t>(host.max_pending_scan_count)) {}
+
+void LocalizeStream::Announce(const v1::SessionEnding& ending) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (announcement_) return;
+    *announcement_.emplace().mutable_ending() = ending;
+  }
+  Pump();
+}
 
 void LocalizeStream::End(grpc::Status status) {
   {
     const std::lock_guard lock(mutex_);
-    if (draining_ || failed_) return;
-    draining_ = true;
+    if (over_) return;
+    draining_ = over_ = true;
     final_status_ = std::move(status);
   }
   Pump();
+}
+
+void LocalizeStream::Displace(grpc::Status status) {
+  std::shared_ptr<Session> taken;
+  {
+    const std::lock_guard lock(mutex_);
+    taken = std::exchange(session_, nullptr);
+    failed_ = over_ = true;
+    final_status_ = std::move(status);
+  }
+  Pump();
+}
+
+void LocalizeStream::Abort() {
+  const std::lock_guard lock(mutex_);
+  if (!finished_) context_->TryCancel();
+}
+
+bool LocalizeStream::resumable() const {
+  const std::lock_guard lock(mutex_);
+  return resumable_;
 }
 
 void LocalizeStream::OnReadDone(bool ok) {
@@ -39,15 +78,20 @@ void LocalizeStream::OnReadDone(bool ok) {
     reading_ = false;
     if (!ok) {
       draining_ = true;
-    } else if (!finished_) {
-      const bool opens = read_count_ == 0;
-      SlotAt(read_count_++).arrival = std::chrono::steady_clock::now();
-      auto process = [self = shared_from_this()] { self->Process(); };
+      if (!resumable_) over_ = true;
+    } else if (session_ != nullptr && SlotAt(read_count_).request.has_close()) {
+      draining_ = over_ = true;
+    } else if (!finished_ && !failed_) {
+      Slot& slot = SlotAt(read_count_);
+      slot.arrival = Arrival::Now();
+      slot.dropped = false;
+      const bool opens = read_count_++ == 0;
       if (opens) {
         // Nothing else is read until this is answered, so no order is lost by leaving the strand.
-        host_.storage.pool.Post(std::move(process));
+        host_.storage.pool.Post([self = shared_from_this()] { self->Open(); });
       } else {
-        strand_.Post(std::move(process));
+        session_->strand().Post([self = shared_from_this()] { self->Process(); });
+        if (drops_oldest_) DropOldest();
       }
     }
   }
@@ -58,7 +102,7 @@ void LocalizeStream::OnWriteDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
     writing_ = false;
-    ++written_count_;
+    if (!std::exchange(announcing_, false)) ++written_count_;
     if (!ok) cancelled_ = true;
   }
   Pump();
@@ -84,16 +128,18 @@ void LocalizeStream::Pump() {
   for (Step step = TakeStep(); step != Step::kNone; step = TakeStep()) {
     Slot& read_slot = SlotAt(read_count_);
     Slot& write_slot = SlotAt(written_count_);
-    // A cancelled call's task may still run and use the session; else it goes before the client
-    // hears of the end, who may then delete the map.
-    const bool idle = failed_ || answered_count_ == read_count_;
-    std::unique_ptr<Session> ended = step == Step::kFinish && idle ? std::move(session_) : nullptr;
+    // Let go of before the client hears of the end, who may then delete the map.
+    std::shared_ptr<Session> released =
+        step == Step::kFinish ? std::exchange(session_, nullptr) : nullptr;
+    const bool keep = resumable_ && !over_;
+    const std::string reason = EndReason();
     const grpc::Status status =
         cancelled_ ? grpc::Status(grpc::StatusCode::CANCELLED, "cancelled") : final_status_;
     lock.unlock();
-    ended.reset();
+    if (released != nullptr) LetGo(std::move(released), keep, reason);
     if (step == Step::kRead) StartRead(&read_slot.request);
     if (step == Step::kWrite) StartWrite(&write_slot.response);
+    if (step == Step::kAnnounce) StartWrite(&*announcement_);
     if (step == Step::kFinish) Finish(status);
     lock.lock();
   }
@@ -102,7 +148,12 @@ void LocalizeStream::Pump() {
 
 LocalizeStream::Step LocalizeStream::TakeStep() {
   if (finished_) return Step::kNone;
-  if (!writing_ && !cancelled_ && written_count_ < answered_count_) {
+  const bool may_write = !writing_ && !cancelled_;
+  if (may_write && announcement_ && !announced_ && resumable_ && written_count_ > 0) {
+    writing_ = announcing_ = announced_ = true;
+    return Step::kAnnounce;
+  }
+  if (may_write && written_count_ < answered_count_) {
     writing_ = true;
     return Step::kWrite;
   }
@@ -130,48 +181,140 @@ bool LocalizeStream::HasRoom() const {
   return read_count_ - written_count_ < static_cast<std::int64_t>(slots_.size());
 }
 
-void LocalizeStream::Process() {
-  Slot* slot = nullptr;
-  {
-    const std::lock_guard lock(mutex_);
-    if (failed_ || cancelled_ || finished_) return;
-    slot = &SlotAt(answered_count_);
+void LocalizeStream::DropOldest() {
+  const std::int64_t first = answered_count_ + (processing_ ? 1 : 0);
+  std::int64_t waiting = 0;
+  for (std::int64_t i = first; i < read_count_; ++i) waiting += SlotAt(i).dropped ? 0 : 1;
+  for (std::int64_t i = first; waiting > host_.max_pending_scan_count; ++i) {
+    Slot& slot = SlotAt(i);
+    if (slot.dropped) continue;
+    slot.dropped = true;
+    --waiting;
+    v1::LocalizeRequest header;  // the columns' memory goes
+    header.mutable_scan()->set_sequence_number(slot.request.scan().sequence_number());
+    slot.request = std::move(header);
   }
-  grpc::Status status = Answer(*slot);
+}
+
+void LocalizeStream::Open() {
+  const v1::LocalizeRequest& request = slots_[0].request;
+  if (!request.has_open()) {
+    Fail(grpc::Status(grpc::StatusCode::INVALID_ARGUMENT,
+                      "open is missing; it must be the first message of a stream"));
+  } else if (request.open().resume_token().empty()) {
+    OpenNew();
+  } else {
+    Resume();
+  }
+}
+
+void LocalizeStream::OpenNew() {
+  absl::StatusOr<std::shared_ptr<Session>> session =
+      Session::Open(slots_[0].request.open(), peer_, host_.sessions);
+  absl::Status status = session.status();
+  if (status.ok()) {
+    status = host_.registry.Add((*session)->record(), *session, weak_from_this());
+  }
+  status.ok() ? Opened(*std::move(session), /*resumed=*/false) : Fail(ToGrpc(status));
+}
+
+void LocalizeStream::Resume() {
+  const v1::OpenSession& open = slots_[0].request.open();
+  absl::StatusOr<std::shared_ptr<Session>> found =
+      host_.registry.Find(open.resume_token(), peer_.principal, open.vehicle_id());
+  if (!found.ok()) return Fail(ToGrpc(found.status()));
+  // On the strand, so that what the stream before has begun is done.
+  Strand& strand = (*found)->strand();
+  strand.Post([self = shared_from_this(), session = *std::move(found)]() mutable {
+    const auto before = self->host_.registry.Attach(*session->record(), self);
+    if (!before.ok()) return self->Fail(ToGrpc(before.status()));
+    if (*before != nullptr) {
+      (*before)->Displace(grpc::Status(grpc::StatusCode::ABORTED,
+                                       "another stream presented the session's resume token"));
+    }
+    self->Opened(std::move(session), /*resumed=*/true);
+  });
+}
+
+void LocalizeStream::Opened(std::shared_ptr<Session> session, bool resumed) {
+  bool gone = false;
+  std::string reason;
   {
     const std::lock_guard lock(mutex_);
-    if (status.ok()) {
+    Slot& slot = slots_[0];
+    session->Describe(resumed, slot.response.mutable_opened());
+    resumable_ = session->record()->description.resumable();
+    drops_oldest_ = session->record()->description.drops_oldest;
+    if (drops_oldest_) slots_.resize(slots_.size() + kDroppedSlots);
+    gone = finished_ || failed_;
+    reason = EndReason();
+    if (!gone) {
+      session_ = session;
       ++answered_count_;
-    } else {
-      failed_ = true;
-      final_status_ = std::move(status);
     }
+  }
+  // Of a new one the client has no token; another one it may resume again.
+  if (gone) LetGo(std::move(session), resumed, reason);
+  session.reset();
+  Pump();
+}
+
+void LocalizeStream::Fail(grpc::Status status) {
+  {
+    const std::lock_guard lock(mutex_);
+    failed_ = over_ = true;
+    final_status_ = std::move(status);
   }
   Pump();
 }
 
-grpc::Status LocalizeStream::Answer(Slot& slot) {
-  if (session_ == nullptr) return OpenSession(slot);
+void LocalizeStream::Process() {
+  Slot* slot = nullptr;
+  std::shared_ptr<Session> session;
+  {
+    const std::lock_guard lock(mutex_);
+    if (failed_ || cancelled_ || finished_) return;
+    slot = &SlotAt(answered_count_);
+    session = session_;
+    processing_ = true;
+  }
+  grpc::Status status = Answer(*session, *slot, slot->dropped);
+  session.reset();  // before the stream can end
+  if (!status.ok()) return Fail(std::move(status));
+  {
+    const std::lock_guard lock(mutex_);
+    processing_ = false;
+    ++answered_count_;
+  }
+  Pump();
+}
+
+grpc::Status LocalizeStream::Answer(Session& session, Slot& slot, bool dropped) const {
   if (!slot.request.has_scan()) {
     return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT,
                         slot.request.has_open() ? "open came twice; a stream is one session"
                                                 : "message is missing; it must be a scan");
   }
-  session_->Answer(slot.request.scan(), slot.arrival, &slot.response);
+  if (dropped) {
+    session.AnswerDropped(slot.request.scan().sequence_number(), &slot.response);
+  } else {
+    session.Answer(slot.request.scan(), slot.arrival, &slot.response);
+  }
   return grpc::Status::OK;
 }
 
-grpc::Status LocalizeStream::OpenSession(Slot& slot) {
-  if (!slot.request.has_open()) {
-    return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT,
-                        "open is missing; it must be the first message of a stream");
+std::string LocalizeStream::EndReason() const {
+  if (!final_status_.ok()) return final_status_.error_message();
+  return cancelled_ ? "its connection broke" : "its client closed it";
+}
+
+void LocalizeStream::LetGo(std::shared_ptr<Session> session, bool keep,
+                           const std::string& reason) const {
+  if (keep) {
+    host_.registry.Detach(*session->record(), *this);
+  } else {
+    host_.registry.Remove(*session->record(), *this, reason);
   }
-  absl::StatusOr<std::unique_ptr<Session>> session = Session::Open(
-      slot.request.open(), peer_, host_.storage.store, host_.registry, host_.create_matcher);
-  if (!session.ok()) return ToGrpc(session.status());
-  session_ = *std::move(session);
-  session_->Describe(slot.response.mutable_opened());
-  return grpc::Status::OK;
 }
 
 }  // namespace dcloc::server

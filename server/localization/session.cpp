@@ -3,6 +3,7 @@
 #include <openssl/rand.h>
 
 #include <array>
+#include <string>
 #include <utility>
 
 #include "absl/strings/escaping.h"
@@ -19,13 +20,36 @@ namespace {
 
 using Clock = StageTimer::Clock;
 
-/// 128 random bits: a session's name is nothing that can be guessed.
-absl::StatusOr<std::string> NewSessionId() {
+/// A recording has its own time, so any pace will do; but one wrong stamp far ahead would make all
+/// right ones after it late.
+constexpr std::chrono::hours kMaxStampStep(1);
+
+/// 128 random bits in hexadecimal: nothing that can be guessed.
+absl::StatusOr<std::string> RandomName() {
   std::array<unsigned char, 16> bytes{};
   if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
-    return absl::InternalError("no random bytes for a session id");
+    return absl::InternalError("no random bytes for a session");
   }
   return absl::BytesToHexString({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+absl::StatusOr<std::shared_ptr<SessionRecord>> MakeRecord(const v1::OpenSession& open,
+                                                          const StreamPeer& peer,
+                                                          const MapVersionRecord& map) {
+  absl::StatusOr<std::string> session_id = RandomName();
+  if (!session_id.ok()) return session_id.status();
+  absl::StatusOr<std::string> resume_token = open.resumable() ? RandomName() : std::string();
+  if (!resume_token.ok()) return resume_token.status();
+  auto record = std::make_shared<SessionRecord>();
+  record->description = {.session_id = *std::move(session_id),
+                         .resume_token = *std::move(resume_token),
+                         .vehicle_id = open.vehicle_id(),
+                         .peer = peer,
+                         .map_name = open.map_name(),
+                         .map_version = map.version,
+                         .open_time = std::chrono::system_clock::now(),
+                         .drops_oldest = open.queue_policy() == v1::QUEUE_POLICY_DROP_OLDEST};
+  return record;
 }
 
 std::int64_t Nanoseconds(std::chrono::nanoseconds duration) { return duration.count(); }
@@ -39,89 +63,133 @@ void SetStages(const StageTimer& timer, v1::StageTimings* timings) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<Session>> Session::Open(const v1::OpenSession& open,
-                                                       const std::string& peer, MapStore& store,
-                                                       SessionRegistry& registry,
-                                                       MatcherFactory* create_matcher) {
+absl::StatusOr<std::shared_ptr<Session>> Session::Open(const v1::OpenSession& open,
+                                                       const StreamPeer& peer,
+                                                       const SessionContext& context) {
   absl::StatusOr<convert::SessionRequest> request = convert::FromProto(open);
   if (!request.ok()) return request.status();
-  absl::StatusOr<LoadedMap> map = store.Acquire(request->map_name, request->map_version);
+  absl::StatusOr<LoadedMap> map = context.store.Acquire(request->map_name, request->map_version);
   if (!map.ok()) return WithPrefix("open.map: ", map.status());
   const absl::StatusOr<std::optional<InitialPose>> initial_pose =
       convert::InitialPoseFromProto(open, map->map->info().anchor);
   if (!initial_pose.ok()) return initial_pose.status();
   absl::StatusOr<std::unique_ptr<Matcher>> matcher =
-      create_matcher(map->map, request->rig, *initial_pose, request->options);
+      context.create_matcher(map->map, request->rig, *initial_pose, request->options);
   if (!matcher.ok()) return WithPrefix("open: ", matcher.status());
-  absl::StatusOr<std::string> session_id = NewSessionId();
-  if (!session_id.ok()) return session_id.status();
-  std::shared_ptr<SessionRecord> record =
-      registry.Add({.session_id = *std::move(session_id),
-                    .vehicle_id = request->vehicle_id,
-                    .peer = peer,
-                    .map_name = request->map_name,
-                    .map_version = map->record.version,
-                    .open_time = std::chrono::system_clock::now()});
-  return std::unique_ptr<Session>(new Session(std::move(record), registry.totals(), *std::move(map),
+  absl::StatusOr<std::shared_ptr<SessionRecord>> record = MakeRecord(open, peer, map->record);
+  if (!record.ok()) return record.status();
+  return std::shared_ptr<Session>(new Session(context, *std::move(record), *std::move(map),
                                               std::move(request->rig), *std::move(matcher)));
 }
 
-Session::Session(std::shared_ptr<SessionRecord> record, ScanCounts& totals, LoadedMap map, Rig rig,
-                 std::unique_ptr<Matcher> matcher)
-    : record_(std::move(record)),
-      totals_(totals),
+Session::Session(const SessionContext& context, std::shared_ptr<SessionRecord> record,
+                 LoadedMap map, Rig rig, std::unique_ptr<Matcher> matcher)
+    : detached_timeout_(context.detached_timeout),
+      answer_history_count_(context.answer_history_count),
+      record_(std::move(record)),
+      totals_(context.totals),
+      strand_(context.pool),
       map_(std::move(map)),
       rig_(std::move(rig)),
-      matcher_(std::move(matcher)) {
+      matcher_(std::move(matcher)),
+      history_(context.answer_history_count) {
   const SessionDescription& description = record_->description;
   spdlog::info("session opened session={} vehicle={} peer={} map={} version={} radars={}",
-               description.session_id, description.vehicle_id, description.peer,
+               description.session_id, description.vehicle_id, description.peer.address,
                description.map_name, description.map_version, rig_.radars.size());
 }
 
 Session::~Session() {
-  spdlog::info("session closed session={} vehicle={} scans={} rejected={}",
+  record_->feed.Close();
+  spdlog::info("session closed session={} vehicle={} scans={} rejected={} repeated={} dropped={}",
                record_->description.session_id, record_->description.vehicle_id,
-               record_->counts.answered.load(), record_->counts.rejected.load());
+               record_->counts.answered.load(), record_->counts.rejected.load(),
+               record_->counts.repeated.load(), record_->counts.dropped.load());
 }
 
-void Session::Describe(v1::SessionOpened* opened) const {
-  opened->set_session_id(record_->description.session_id);
-  opened->set_map_name(record_->description.map_name);
-  opened->set_map_version(record_->description.map_version);
+void Session::Describe(bool resumed, v1::SessionOpened* opened) const {
+  const SessionDescription& description = record_->description;
+  opened->set_session_id(description.session_id);
+  opened->set_map_name(description.map_name);
+  opened->set_map_version(description.map_version);
   const MapInfo& info = map_.map->info();
   if (info.anchor) convert::ToProto(*info.anchor, opened->mutable_anchor());
+  opened->set_resume_token(description.resume_token);
+  opened->set_resumed(resumed);
+  if (last_sequence_number_ >= 0) opened->set_last_sequence_number(last_sequence_number_);
+  opened->set_answer_history_count(answer_history_count_);
+  opened->set_detached_timeout_ns(description.resumable() ? Nanoseconds(detached_timeout_) : 0);
 }
 
-void Session::Answer(const v1::Scan& scan, Clock::time_point arrival,
-                     v1::LocalizeResponse* response) {
+void Session::Answer(const v1::Scan& scan, const Arrival& arrival, v1::LocalizeResponse* response) {
   const Clock::time_point begin = Clock::now();
-  v1::LocalizationResult* result = response->mutable_result();
-  if (const absl::Status status = Localize(scan, result); !status.ok()) {
-    Reject(scan, status, response->mutable_rejected());
+  record_->last_activity = begin;
+  const std::int64_t number = scan.sequence_number();
+  if (number >= 0 && number <= last_sequence_number_ && history_.Recall(number, response)) {
+    response->set_from_memory(true);
+    ++record_->counts.repeated;
+    ++totals_.repeated;
     return;
   }
-  result->mutable_timings()->set_queue_duration_ns(Nanoseconds(begin - arrival));
-  result->mutable_timings()->set_total_duration_ns(Nanoseconds(Clock::now() - arrival));
-  ++record_->counts.answered;
-  ++totals_.answered;
+  v1::LocalizationResult* result = response->mutable_result();
+  const absl::Status status = Localize(scan, result);
+  if (status.ok()) {
+    v1::StageTimings* timings = result->mutable_timings();
+    timings->set_queue_duration_ns(Nanoseconds(begin - arrival.steady));
+    timings->set_total_duration_ns(Nanoseconds(Clock::now() - arrival.steady));
+    timings->set_stamp_age_ns(Nanoseconds(arrival.system.time_since_epoch()) - scan.stamp_ns());
+    record_->last_stamp_age_ns = timings->stamp_age_ns();
+    ++record_->counts.answered;
+    ++totals_.answered;
+  } else {
+    Reject(number, status, response->mutable_rejected());
+    ++record_->counts.rejected;
+    ++totals_.rejected;
+  }
+  Publish(response);
+  // One that is late stays so, and must not push out an answer that may still be wanted.
+  if (number > last_sequence_number_ || status.ok()) history_.Keep(number, *response);
+}
+
+void Session::AnswerDropped(std::int64_t sequence_number, v1::LocalizeResponse* response) {
+  ++record_->counts.dropped;
+  ++totals_.dropped;
+  CountMissing(sequence_number);
+  Reject(sequence_number, absl::ResourceExhaustedError("scan dropped: newer ones were waiting"),
+         response->mutable_rejected());
+  Publish(response);
+  history_.Keep(sequence_number, *response);
+}
+
+absl::Status Session::CheckOrder(const v1::Scan& message) const {
+  if (message.sequence_number() <= last_sequence_number_) {
+    return absl::OutOfRangeError(absl::StrFormat(
+        "scan.sequence_number is %d, which is late: %d has been processed, and no answer to the "
+        "late one is in memory",
+        message.sequence_number(), last_sequence_number_));
+  }
+  if (last_stamp_ && scan_.stamp - *last_stamp_ > kMaxStampStep) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "scan.stamp_ns is %d; it must lie at most %d h after %d, the newest scan's",
+        message.stamp_ns(), kMaxStampStep.count(), last_stamp_->time_since_epoch().count()));
+  }
+  return absl::OkStatus();
 }
 
 absl::Status Session::Localize(const v1::Scan& message, v1::LocalizationResult* result) {
   const Clock::time_point begin = Clock::now();
   absl::Status status = WithPrefix("scan.", convert::FromProto(message, rig_, &scan_));
+  if (status.ok()) status = CheckOrder(message);
   if (!status.ok()) return status;
-  if (message.sequence_number() <= last_sequence_number_) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("scan.sequence_number is %d; it must be above %d, the last one's",
-                        message.sequence_number(), last_sequence_number_));
-  }
   const Clock::time_point converted = Clock::now();
   StageTimer timer;
   const absl::StatusOr<Localization> localization = matcher_->Localize(scan_, &timer);
   timer.End();
   if (!localization.ok()) return WithPrefix("scan: ", localization.status());
+  CountMissing(message.sequence_number());
   last_sequence_number_ = message.sequence_number();
+  last_stamp_ = scan_.stamp;
+  record_->last_sequence_number = last_sequence_number_;
   record_->last_state = static_cast<int>(localization->state);
 
   // Every field is set each time, so nothing of an earlier answer shows through.
@@ -136,16 +204,27 @@ absl::Status Session::Localize(const v1::Scan& message, v1::LocalizationResult* 
   return absl::OkStatus();
 }
 
-void Session::Reject(const v1::Scan& message, const absl::Status& status,
-                     v1::ScanRejected* rejected) {
-  rejected->set_sequence_number(message.sequence_number());
+void Session::CountMissing(std::int64_t sequence_number) {
+  if (sequence_number <= highest_sequence_number_) return;
+  if (highest_sequence_number_ >= 0) {
+    record_->missing_scan_count += sequence_number - highest_sequence_number_ - 1;
+  }
+  highest_sequence_number_ = sequence_number;
+}
+
+void Session::Reject(std::int64_t sequence_number, const absl::Status& status,
+                     v1::ScanRejected* rejected) const {
+  rejected->set_sequence_number(sequence_number);
   rejected->set_code(static_cast<std::int32_t>(status.code()));
   rejected->set_message(std::string(status.message()));
-  ++record_->counts.rejected;
-  ++totals_.rejected;
   spdlog::debug("scan rejected session={} sequence_number={} reason={}",
-                record_->description.session_id, message.sequence_number(),
-                Quoted(status.message()));
+                record_->description.session_id, sequence_number, Quoted(status.message()));
+}
+
+void Session::Publish(v1::LocalizeResponse* response) {
+  response->set_from_memory(false);
+  response->set_dropped_scan_count(record_->counts.dropped);
+  record_->feed.Publish(*response);
 }
 
 }  // namespace dcloc::server

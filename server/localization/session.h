@@ -3,50 +3,87 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <string>
+#include <optional>
 
 #include "absl/status/statusor.h"
 #include "dcloc/v1/localization_service.pb.h"
+#include "server/localization/answer_history.h"
 #include "server/localization/matcher.h"
-#include "server/localization/session_registry.h"
+#include "server/localization/session_record.h"
 #include "server/maps/map_store.h"
+#include "server/worker_pool.h"
 
 namespace dcloc::server {
 
-/// One vehicle's session: from an `open` message to its last answer. Holds its map's version. Not
-/// thread-safe.
+/// When a message arrived, on the clock that measures and on the one that tells the time.
+struct Arrival {
+  std::chrono::steady_clock::time_point steady;
+  SystemTime system;
+
+  static Arrival Now() {
+    return {std::chrono::steady_clock::now(), std::chrono::system_clock::now()};
+  }
+};
+
+/// What all sessions share; outlives them.
+struct SessionContext {
+  MapStore& store;
+  WorkerPool& pool;    ///< answers scans
+  ScanCounts& totals;  ///< of all sessions
+  MatcherFactory* create_matcher;
+  int answer_history_count;
+  std::chrono::nanoseconds detached_timeout;
+};
+
+/// One vehicle's session: from an `open` message to its last answer, over one stream or, when it is
+/// resumed, several. Holds its map's version. Not thread-safe: what uses it runs on its strand.
 class Session {
  public:
-  /// Loads the map, which may take a while. `registry` outlives the session. Errors name the field:
-  /// InvalidArgument, NotFound (map), FailedPrecondition (no active version, no anchor), DataLoss.
-  static absl::StatusOr<std::unique_ptr<Session>> Open(const v1::OpenSession& open,
-                                                       const std::string& peer, MapStore& store,
-                                                       SessionRegistry& registry,
-                                                       MatcherFactory* create_matcher);
+  /// Loads the map, which may take a while. Errors name the field: InvalidArgument, NotFound (map),
+  /// FailedPrecondition (no active version, no anchor), DataLoss.
+  static absl::StatusOr<std::shared_ptr<Session>> Open(const v1::OpenSession& open,
+                                                       const StreamPeer& peer,
+                                                       const SessionContext& context);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  void Describe(v1::SessionOpened* opened) const;
+  /// Thread-safe.
+  Strand& strand() { return strand_; }
+  const std::shared_ptr<SessionRecord>& record() const { return record_; }
 
-  /// Answers a scan that arrived at `arrival` with a result or a rejection. What `response` held
-  /// before is overwritten, and its memory used again.
-  void Answer(const v1::Scan& scan, std::chrono::steady_clock::time_point arrival,
-              v1::LocalizeResponse* response);
+  void Describe(bool resumed, v1::SessionOpened* opened) const;
+
+  /// Answers a scan with a result, a rejection, or what it was answered before. What `response`
+  /// held before is overwritten, and its memory used again.
+  void Answer(const v1::Scan& scan, const Arrival& arrival, v1::LocalizeResponse* response);
+
+  /// Answers a scan that is not to be looked at, since newer ones wait.
+  void AnswerDropped(std::int64_t sequence_number, v1::LocalizeResponse* response);
 
  private:
-  Session(std::shared_ptr<SessionRecord> record, ScanCounts& totals, LoadedMap map, Rig rig,
-          std::unique_ptr<Matcher> matcher);
+  Session(const SessionContext& context, std::shared_ptr<SessionRecord> record, LoadedMap map,
+          Rig rig, std::unique_ptr<Matcher> matcher);
 
   absl::Status Localize(const v1::Scan& message, v1::LocalizationResult* result);
-  void Reject(const v1::Scan& message, const absl::Status& status, v1::ScanRejected* rejected);
+  absl::Status CheckOrder(const v1::Scan& message) const;
+  void CountMissing(std::int64_t sequence_number);
+  void Reject(std::int64_t sequence_number, const absl::Status& status,
+              v1::ScanRejected* rejected) const;
+  void Publish(v1::LocalizeResponse* response);
 
-  std::shared_ptr<SessionRecord> record_;
+  const std::chrono::nanoseconds detached_timeout_;
+  const int answer_history_count_;
+  const std::shared_ptr<SessionRecord> record_;
   ScanCounts& totals_;
+  Strand strand_;
   LoadedMap map_;
   Rig rig_;
   std::unique_ptr<Matcher> matcher_;
-  std::int64_t last_sequence_number_ = -1;
+  AnswerHistory history_;
+  std::int64_t last_sequence_number_ = -1;     ///< the highest one localized
+  std::int64_t highest_sequence_number_ = -1;  ///< or dropped
+  std::optional<Stamp> last_stamp_;
   Scan scan_;  ///< kept for its columns' memory
 };
 

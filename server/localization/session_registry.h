@@ -1,60 +1,116 @@
 #pragma once
 
-#include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
-#include "absl/strings/string_view.h"
 
-#include "core/localizer/localizer.h"
-#include "server/maps/catalogue.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "server/localization/session_record.h"
+#include "server/localization/session_stream.h"
 
 namespace dcloc::server {
 
-/// What can be told of an open session.
-struct SessionDescription {
-  std::string session_id;
-  std::string vehicle_id;
-  std::string peer;
-  std::string map_name;
-  std::int64_t map_version = 0;
-  SystemTime open_time;
+class Session;
+
+struct SessionLimits {
+  int max_session_count = 1000;
+  std::chrono::nanoseconds detached_timeout = std::chrono::minutes(1);
+  std::chrono::nanoseconds idle_timeout = std::chrono::minutes(10);  ///< 0: for ever
 };
 
-/// What its scans came to; written by the session, read by anyone.
-struct ScanCounts {
-  std::atomic<std::int64_t> answered = 0;
-  std::atomic<std::int64_t> rejected = 0;
+/// A session as lists show it.
+struct ListedSession {
+  std::shared_ptr<SessionRecord> record;
+  bool detached = false;
 };
 
-struct SessionRecord {
-  SessionDescription description;
-  ScanCounts counts;
-  /// Of the last answer; a LocalizationState, or -1 before the first one.
-  std::atomic<int> last_state = -1;
-};
-
-/// The sessions that are open, and the counts of all that ever were. Thread-safe; nothing on a
-/// scan's path takes its lock.
+/// Holds the sessions that are open: each is attached to a stream, or detached and waiting for its
+/// client to resume it. Also holds the counts of all that ever were, and for some time why ended
+/// ones ended. Thread-safe; nothing on a scan's path takes its lock.
 class SessionRegistry {
  public:
-  /// The session is listed for as long as the record is held.
-  std::shared_ptr<SessionRecord> Add(SessionDescription description);
+  using Clock = SessionRecord::Clock;
+  using Stream = std::weak_ptr<SessionStream>;
+
+  explicit SessionRegistry(const SessionLimits& limits) : limits_(limits) {}
+
+  /// Adds a session attached to `stream`. Where there are too many, the one that has been detached
+  /// for longest makes room; ResourceExhausted when there is none.
+  absl::Status Add(std::shared_ptr<SessionRecord> record, std::shared_ptr<Session> session,
+                   Stream stream);
+
+  /// The session of a resume token. NotFound says why it is gone; PermissionDenied for another
+  /// principal, InvalidArgument for another vehicle.
+  absl::StatusOr<std::shared_ptr<Session>> Find(absl::string_view resume_token,
+                                                absl::string_view principal,
+                                                absl::string_view vehicle_id) const;
+
+  /// Attaches a session to another stream; gives the one that it was attached to. NotFound as
+  /// above.
+  absl::StatusOr<std::shared_ptr<SessionStream>> Attach(const SessionRecord& record, Stream stream);
+
+  /// The session waits without a stream from now on; nothing if it is not attached to `stream`.
+  void Detach(const SessionRecord& record, const SessionStream& stream);
+
+  /// Lets go of a session; a later `Find` is told `reason`. Nothing if it is not attached to
+  /// `stream`.
+  void Remove(const SessionRecord& record, const SessionStream& stream, const std::string& reason);
+
+  /// Tells the client and ends the session. NotFound.
+  absl::Status End(absl::string_view session_id, const v1::SessionEnding& ending);
+
+  /// Ends what has been detached or idle for too long, and cuts off who was told and does not go.
+  void Reap(Clock::time_point now);
+
+  /// Lets go of all detached sessions.
+  void RemoveDetached(const std::string& reason);
 
   /// At most `limit` sessions with an id above `after_id`, by ascending id.
-  std::vector<std::shared_ptr<const SessionRecord>> List(absl::string_view after_id,
-                                                         int limit) const;
+  std::vector<ListedSession> List(absl::string_view after_id, int limit) const;
+
+  /// NotFound says why it is gone where that is still known.
+  absl::StatusOr<ListedSession> Get(absl::string_view session_id) const;
 
   int count() const;
+  int detached_count() const;
   ScanCounts& totals() { return totals_; }
+  std::int64_t resume_count() const;
 
  private:
+  struct Entry {
+    std::shared_ptr<SessionRecord> record;
+    std::shared_ptr<Session> session;
+    Stream stream;
+    std::optional<Clock::time_point> detached_since;
+    std::optional<Clock::time_point> ending_since;  ///< the stream was told to end
+  };
+  using Entries = std::map<std::string, Entry, std::less<>>;
+  /// Freed by the caller after the lock: a session may hold the last reference to a map.
+  using Released = std::vector<Entry>;
+
+  // With the mutex held.
+  Entry* FindAttached(const SessionRecord& record, const SessionStream& stream);
+  void Release(Entries::iterator entry, const std::string& reason, Released* released);
+  bool EvictLongestDetached(Released* released);
+  void Remember(const SessionDescription& description, const std::string& reason);
+  absl::Status Gone(absl::string_view key, absl::string_view what) const;
+
+  const SessionLimits limits_;
   mutable std::mutex mutex_;
-  std::map<std::string, std::weak_ptr<SessionRecord>, std::less<>> records_;
+  Entries entries_;
+  std::map<std::string, std::string, std::less<>> id_of_token_;
+  /// Why sessions ended, by id and by token; the oldest are forgotten.
+  std::map<std::string, std::string, std::less<>> end_reasons_;
+  std::deque<std::string> remembered_;
+  std::int64_t resume_count_ = 0;
   ScanCounts totals_;
 };
 

@@ -49,7 +49,9 @@ TEST_F(AdminServiceTest, TheStateCountsSessionsMapsAndScans) {
 
   const auto session = OpenSession("car-1");
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(session->Localize(ScanMessage(i))->has_result());
-  ASSERT_TRUE(session->Localize(v1::Scan())->has_rejected());
+  v1::Scan malformed;
+  malformed.set_sequence_number(3);
+  ASSERT_TRUE(session->Localize(malformed)->has_rejected());
   const v1::GetServerStateResponse after = State();
   EXPECT_EQ(after.session_count(), 1);
   EXPECT_EQ(after.loaded_map_count(), 1);

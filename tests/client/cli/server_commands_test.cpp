@@ -194,7 +194,7 @@ TEST_F(ServerCommandsTest, CtrlCKeepsWhatWasAnswered) {
 
 TEST_F(ServerCommandsTest, AServerThatStopsIsAnErrorThatKeepsWhatWasAnswered) {
   Upload();
-  Process localize(Localize("--rate realtime"));
+  Process localize(Localize("--rate realtime --reconnect-s 0"));
   WaitForAnswers();
   server_.reset();
   const Result result = localize.Wait();

@@ -44,7 +44,8 @@ class RealServerTest : public ::testing::Test {
                          SyntheticMap(keyframe_count, 300).Bytes());
   }
 
-  absl::StatusOr<std::unique_ptr<Session>> OpenSession(const ChannelOptions& options = {}) const {
+  absl::StatusOr<std::unique_ptr<Session>> OpenSession(
+      const ChannelOptions& options = {}, const SessionOptions& session_options = {}) const {
     v1::OpenSession open;
     open.set_vehicle_id("car");
     open.set_map_name("town");
@@ -56,7 +57,7 @@ class RealServerTest : public ::testing::Test {
     pose.mutable_pose()->mutable_translation_m()->set_x(5e5);
     pose.mutable_pose()->mutable_rotation()->set_w(1.0);
     for (int i = 0; i < 36; ++i) pose.add_covariance(i % 7 == 0 ? 0.01 : 0.0);
-    return Session::Open(Channel(options), open);
+    return Session::Open(Channel(options), open, session_options);
   }
 
   const TemporaryFolder folder_;
@@ -136,10 +137,10 @@ TEST_F(RealServerTest, AServerThatIsGoneIsUnavailable) {
   EXPECT_EQ(maps.Upload(file, "town", true).status().code(), absl::StatusCode::kUnavailable);
 }
 
-TEST_F(RealServerTest, ASessionIsAnsweredAndEndsWhenTheServerStops) {
+TEST_F(RealServerTest, ASessionIsAnsweredAndWithoutReconnectEndsWhenTheServerStops) {
   Start();
   ASSERT_TRUE(MapClient(Channel()).Upload(MapFile(100), "town", true).ok());
-  const auto session = OpenSession();
+  const auto session = OpenSession({}, {.reconnect = std::nullopt});
   ASSERT_TRUE(session.ok()) << session.status();
   EXPECT_EQ((*session)->opened().map_version(), 1);
   for (int i = 0; i < 5; ++i) {

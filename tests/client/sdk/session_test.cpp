@@ -187,14 +187,18 @@ TEST(SessionTest, WhoDoesNotTakeTheAnswersHoldsTheServerBack) {
   const FakeServer server([&](grpc::ServerContext&, LocalizeServerStream& stream) {
     AcceptOpen(stream);
     v1::LocalizeRequest request;
-    stream.Read(&request);
     v1::LocalizeResponse answer;
     answer.mutable_rejected()->set_message(std::string(100'000, 'x'));
-    while (written < 10'000 && stream.Write(answer)) ++written;
+    while (stream.Read(&request) && stream.Write(answer)) ++written;
     return grpc::Status::OK;
   });
-  const auto session = Open(server, {.max_unread_answer_count = 5});
-  ASSERT_TRUE(session->Send(ScanNumber(1)).ok());
+  const auto session = Open(server, {.when_full = FullQueue::kBlock,
+                                     .max_unread_answer_count = 5,
+                                     .max_unanswered_scan_count = 10'000});
+  std::thread sender([&] {
+    while (session->Send(ScanNumber(0)).ok()) {
+    }
+  });
   for (int before = -1; before != written || before < 5; std::this_thread::sleep_for(100ms)) {
     before = written;
   }
@@ -203,6 +207,8 @@ TEST(SessionTest, WhoDoesNotTakeTheAnswersHoldsTheServerBack) {
   EXPECT_LT(held, 500);
   // Taking them lets it go on.
   for (int i = 0; i < held + 50; ++i) ASSERT_TRUE(session->Next().has_value());
+  session->Cancel();
+  sender.join();
 }
 
 TEST(SessionTest, CancelAndDestructionEndAtOnce) {
@@ -277,6 +283,11 @@ TEST(SessionTest, OptionsErrorsNameTheField) {
   EXPECT_THAT(std::string(Validate({.max_unread_answer_count = 0}).message()),
               HasSubstr("max_unread_answer_count"));
   EXPECT_THAT(std::string(Validate({.open_timeout = -1ms}).message()), HasSubstr("-1 ms"));
+  EXPECT_THAT(std::string(Validate({.max_unanswered_scan_count = 0}).message()),
+              HasSubstr("max_unanswered_scan_count"));
+  const ReconnectOptions shrinking{.initial_backoff = 2s, .max_backoff = 1s};
+  EXPECT_THAT(std::string(Validate({.reconnect = shrinking}).message()),
+              HasSubstr("reconnect.max_backoff is 1000 ms"));
 }
 
 }  // namespace

@@ -1,0 +1,73 @@
+#include "client/sdk/connection.h"
+
+#include <utility>
+
+namespace dcloc::client {
+
+Connection::Connection(v1::LocalizationService::Stub& stub, std::mutex& mutex, Host& host,
+                       const v1::OpenSession& open)
+    : mutex_(mutex), host_(host) {
+  *request_.mutable_open() = open;
+  stub.async()->Localize(&context_, this);
+  AddHold();
+  StartWrite(&request_);
+  StartRead(&response_);
+  StartCall();
+}
+
+void Connection::WriteOn() {
+  if (writing_ || !writable_ || read_ended_) return;
+  switch (host_.FillRequest(&request_)) {
+    case Fill::kRequest:
+      writing_ = true;
+      StartWrite(&request_);
+      break;
+    case Fill::kNothingMore:
+      writable_ = false;
+      StartWritesDone();
+      break;
+    case Fill::kNothingYet:
+      break;
+  }
+}
+
+void Connection::ReadOn() {
+  if (reading_ || read_ended_ || !host_.HasRoom()) return;
+  reading_ = true;
+  StartRead(&response_);
+}
+
+void Connection::Cancel() {
+  context_.TryCancel();
+  ReadOn();
+}
+
+void Connection::OnWriteDone(bool ok) {
+  const std::lock_guard lock(mutex_);
+  writing_ = false;
+  if (!ok) writable_ = false;
+  WriteOn();
+}
+
+void Connection::OnReadDone(bool ok) {
+  {
+    const std::lock_guard lock(mutex_);
+    reading_ = false;
+    if (ok) {
+      host_.Take(std::move(response_));
+      ReadOn();
+      WriteOn();
+      return;
+    }
+    // The end; the status follows with OnDone.
+    read_ended_ = true;
+  }
+  RemoveHold();
+}
+
+void Connection::OnDone(const grpc::Status& status) {
+  const std::lock_guard lock(mutex_);
+  host_.OnEnd(status);
+}
+
+}  // namespace dcloc::client

@@ -1,0 +1,321 @@
+#include "client/sdk/session_engine.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/sdk/status.h"
+
+namespace dcloc::client {
+namespace {
+
+/// Whether another attempt may do better. Before a stream is open the server may just be full;
+/// after that, what exhausts it is what was sent.
+bool IsPassing(const absl::Status& status, bool was_open) {
+  switch (status.code()) {
+    case absl::StatusCode::kOk:
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kCancelled:
+    case absl::StatusCode::kUnknown:
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kDeadlineExceeded:
+      return true;
+    case absl::StatusCode::kResourceExhausted:
+      return !was_open;
+    default:
+      return false;
+  }
+}
+
+std::int64_t SequenceNumber(const v1::LocalizeResponse& response) {
+  return response.has_result() ? response.result().sequence_number()
+                               : response.rejected().sequence_number();
+}
+
+}  // namespace
+
+SessionEngine::SessionEngine(std::unique_ptr<v1::LocalizationService::Stub> stub,
+                             v1::OpenSession open, SessionOptions options)
+    : stub_(std::move(stub)), open_(std::move(open)), options_(std::move(options)) {
+  if (options_.reconnect) {
+    backoff_.emplace(options_.reconnect->initial_backoff, options_.reconnect->max_backoff);
+  }
+  thread_ = std::thread([this] { Run(); });
+}
+
+SessionEngine::~SessionEngine() {
+  {
+    const std::lock_guard lock(mutex_);
+    abandoned_ = true;
+  }
+  Cancel();
+  thread_.join();
+}
+
+absl::Status SessionEngine::WaitUntilOpen() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return first_opened_.has_value() || end_status_.has_value(); });
+  return first_opened_ ? absl::OkStatus() : *end_status_;
+}
+
+absl::Status SessionEngine::Send(v1::Scan scan) {
+  std::unique_lock lock(mutex_);
+  const auto has_room = [&] { return outbox_.waiting_count() < options_.max_queued_scan_count; };
+  if (options_.when_full == FullQueue::kBlock) {
+    changed_.wait(lock, [&] { return has_room() || end_status_.has_value() || sending_closed_; });
+  }
+  if (sending_closed_) return absl::FailedPreconditionError("sending has been closed");
+  if (end_status_) return absl::UnavailableError("the session has ended");
+  if (!has_room()) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("the queue holds ", outbox_.waiting_count(), " scans, its limit"));
+  }
+  outbox_.Push(std::move(scan));
+  if (connection_ != nullptr) connection_->WriteOn();
+  return absl::OkStatus();
+}
+
+void SessionEngine::CloseSending() {
+  const std::lock_guard lock(mutex_);
+  sending_closed_ = true;
+  changed_.notify_all();
+  if (connection_ != nullptr) connection_->WriteOn();
+}
+
+std::optional<v1::LocalizeResponse> SessionEngine::Next() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return !answers_.empty() || end_status_.has_value(); });
+  if (answers_.empty()) return std::nullopt;
+  v1::LocalizeResponse answer = std::move(answers_.front());
+  answers_.pop_front();
+  if (connection_ != nullptr) connection_->ReadOn();
+  return answer;
+}
+
+void SessionEngine::Cancel() {
+  const std::lock_guard lock(mutex_);
+  cancelled_ = true;
+  changed_.notify_all();
+  if (connection_ != nullptr) connection_->Cancel();
+}
+
+absl::Status SessionEngine::EndStatus() const {
+  const std::lock_guard lock(mutex_);
+  return end_status_.value_or(absl::FailedPreconditionError("the session has not ended"));
+}
+
+SessionStats SessionEngine::stats() const {
+  const std::lock_guard lock(mutex_);
+  return stats_;
+}
+
+// ---- The stream, with the mutex held
+
+Connection::Fill SessionEngine::FillRequest(v1::LocalizeRequest* request) {
+  if (!opened_) return Connection::Fill::kNothingYet;
+  if (moving_) return Connection::Fill::kNothingMore;
+  const std::size_t window =
+      opened_->answer_history_count() == 0
+          ? options_.max_unanswered_scan_count
+          : std::min(options_.max_unanswered_scan_count,
+                     static_cast<std::size_t>(opened_->answer_history_count()));
+  const v1::Scan* scan = outbox_.Next();
+  if (scan != nullptr && outbox_.sent_count() >= window) return Connection::Fill::kNothingYet;
+  if (scan != nullptr) {
+    if (opened_->has_last_sequence_number() &&
+        scan->sequence_number() <= opened_->last_sequence_number()) {
+      // The server knows it by its number.
+      request->mutable_scan()->Clear();
+      request->mutable_scan()->set_sequence_number(scan->sequence_number());
+    } else {
+      *request->mutable_scan() = *scan;
+    }
+    outbox_.MarkSent();
+    changed_.notify_all();
+    return Connection::Fill::kRequest;
+  }
+  if (!sending_closed_) return Connection::Fill::kNothingYet;
+  if (resume_token_.empty() || close_sent_) return Connection::Fill::kNothingMore;
+  // Only now: until all is answered the session may have to be resumed.
+  if (!outbox_.empty()) return Connection::Fill::kNothingYet;
+  close_sent_ = true;
+  request->mutable_close();
+  return Connection::Fill::kRequest;
+}
+
+bool SessionEngine::HasRoom() const {
+  return cancelled_ || answers_.size() < options_.max_unread_answer_count;
+}
+
+void SessionEngine::Take(v1::LocalizeResponse response) {
+  if (abandoned_) return;
+  if (response.has_opened() != !opened_.has_value()) {
+    GiveUp(absl::DataLossError("the server's first message must be `opened`, and no other one"));
+  } else if (response.has_opened()) {
+    TakeOpened(std::move(*response.mutable_opened()));
+  } else if (response.has_ending()) {
+    TakeEnding(response.ending());
+  } else {
+    TakeAnswer(std::move(response));
+  }
+  changed_.notify_all();
+}
+
+void SessionEngine::TakeOpened(v1::SessionOpened opened) {
+  const bool first = !first_opened_;
+  opened_ = opened;
+  resume_token_ = opened.resume_token();
+  if (first) {
+    first_opened_ = std::move(opened);
+    return;
+  }
+  if (outbox_.empty()) failing_since_.reset();
+  ++(opened.resumed() ? stats_.resume_count : stats_.restart_count);
+  Tell({.kind = opened.resumed() ? SessionEvent::Kind::kResumed : SessionEvent::Kind::kRestarted,
+        .status = opened.resumed() ? absl::OkStatus() : restart_reason_,
+        .opened = std::move(opened)});
+}
+
+void SessionEngine::TakeEnding(const v1::SessionEnding& ending) {
+  if (ending.reason() != v1::SESSION_END_REASON_DRAINING) return;  // the status says the same
+  moving_ = true;
+  Tell({.kind = SessionEvent::Kind::kMoving,
+        .status = absl::UnavailableError(ending.message()),
+        .opened = {}});
+}
+
+void SessionEngine::TakeAnswer(v1::LocalizeResponse response) {
+  if (absl::Status status = outbox_.TakeAnswer(SequenceNumber(response)); !status.ok()) {
+    return GiveUp(std::move(status));
+  }
+  failing_since_.reset();
+  if (backoff_) backoff_->Reset();
+  if (response.has_result()) prior_.Note(response.result());
+  answers_.push_back(std::move(response));
+}
+
+void SessionEngine::GiveUp(absl::Status status) {
+  fault_.Update(status);
+  connection_->Cancel();
+}
+
+void SessionEngine::OnEnd(const grpc::Status& status) {
+  stream_status_ = FromGrpc(status);
+  changed_.notify_all();
+}
+
+// ---- The session, on its thread
+
+void SessionEngine::Run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    const absl::Status status = RunStream(lock);
+    std::optional<absl::Status> end = Judge(status);
+    DeliverEvents(lock);
+    if (!end && !WaitForNextAttempt(lock)) end = absl::CancelledError("cancelled");
+    if (end) {
+      end_status_ = *std::move(end);
+      changed_.notify_all();
+      return;
+    }
+  }
+}
+
+absl::Status SessionEngine::RunStream(std::unique_lock<std::mutex>& lock) {
+  opened_.reset();
+  stream_status_.reset();
+  moving_ = close_sent_ = false;
+  outbox_.Rewind();
+  connection_ = std::make_unique<Connection>(*stub_, mutex_, *this, OpenMessage());
+  if (cancelled_) connection_->Cancel();
+  const Clock::time_point deadline = Clock::now() + options_.open_timeout;
+  absl::Status timeout;
+  while (!stream_status_) {
+    DeliverEvents(lock);
+    const auto woken = [&] { return stream_status_.has_value() || !events_.empty(); };
+    if (opened_ || !timeout.ok()) {
+      changed_.wait(lock, woken);
+    } else if (!changed_.wait_until(lock, deadline,
+                                    [&] { return woken() || opened_.has_value(); })) {
+      timeout = absl::DeadlineExceededError(absl::StrCat(
+          "the server has not opened the session within ", options_.open_timeout.count(), " ms"));
+      connection_->Cancel();
+    }
+  }
+  connection_.reset();  // nothing touches it after OnEnd
+  return timeout.ok() ? *stream_status_ : timeout;
+}
+
+v1::OpenSession SessionEngine::OpenMessage() const {
+  v1::OpenSession open;
+  if (!resume_token_.empty()) {
+    open.set_vehicle_id(open_.vehicle_id());
+    open.set_resume_token(resume_token_);
+    return open;
+  }
+  open = open_;
+  open.set_resumable(options_.reconnect.has_value());
+  const v1::Scan* first = outbox_.Next();
+  prior_.Apply(first == nullptr ? 0 : first->stamp_ns(), &open);
+  return open;
+}
+
+/// What a stream's end means: the session's end with a status, or another attempt.
+std::optional<absl::Status> SessionEngine::Judge(const absl::Status& status) {
+  if (!fault_.ok()) return fault_;
+  if (cancelled_) return absl::CancelledError("cancelled");
+  if (!first_opened_) {
+    return status.ok() ? absl::InternalError("the server ended the stream without opening it")
+                       : status;
+  }
+  if (sending_closed_ && outbox_.empty()) return absl::OkStatus();
+  const bool resuming = !resume_token_.empty() && !opened_;
+  const bool can_return = options_.reconnect && !first_opened_->resume_token().empty();
+  if (resuming && absl::IsNotFound(status)) {
+    restart_reason_ = status;
+    resume_token_.clear();
+  } else if (!can_return || !IsPassing(status, opened_.has_value())) {
+    return Unanswered(status);
+  }
+  const Clock::time_point now = Clock::now();
+  if (!failing_since_) failing_since_ = now;
+  if (now - *failing_since_ > options_.reconnect->give_up_after) {
+    return absl::UnavailableError(absl::StrCat("gave up after ",
+                                               options_.reconnect->give_up_after.count(),
+                                               " ms without progress: ", status.message()));
+  }
+  if (opened_) {
+    ++stats_.disconnect_count;
+    Tell({.kind = SessionEvent::Kind::kDisconnected, .status = status, .opened = {}});
+  }
+  return std::nullopt;
+}
+
+/// An early OK is no good end.
+absl::Status SessionEngine::Unanswered(absl::Status status) const {
+  if (!status.ok() || outbox_.empty()) return status;
+  return absl::UnavailableError(
+      absl::StrCat("the server ended the session with ", outbox_.size(), " scans unanswered"));
+}
+
+/// False when the session was cancelled meanwhile.
+bool SessionEngine::WaitForNextAttempt(std::unique_lock<std::mutex>& lock) {
+  changed_.wait_for(lock, backoff_->Next(), [&] { return cancelled_; });
+  return !cancelled_;
+}
+
+void SessionEngine::Tell(SessionEvent event) {
+  if (options_.on_event) events_.push_back(std::move(event));
+}
+
+void SessionEngine::DeliverEvents(std::unique_lock<std::mutex>& lock) {
+  while (!events_.empty()) {
+    const SessionEvent event = std::move(events_.front());
+    events_.pop_front();
+    lock.unlock();
+    options_.on_event(event);
+    lock.lock();
+  }
+}
+
+}  // namespace dcloc::client

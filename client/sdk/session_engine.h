@@ -1,0 +1,101 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "absl/status/status.h"
+#include "client/sdk/backoff.h"
+#include "client/sdk/connection.h"
+#include "client/sdk/outbox.h"
+#include "client/sdk/prior.h"
+#include "client/sdk/session_options.h"
+#include "client/sdk/session_stats.h"
+
+namespace dcloc::client {
+
+/// What is under a Session: a thread that opens one stream after the other, until the session ends.
+///
+/// Scans wait in the outbox until they are answered. Each stream begins at the oldest unanswered
+/// one; the server answers those that it had processed from memory, so each is answered once.
+class SessionEngine final : public Connection::Host {
+ public:
+  /// Starts to open. `options` are valid.
+  SessionEngine(std::unique_ptr<v1::LocalizationService::Stub> stub, v1::OpenSession open,
+                SessionOptions options);
+  ~SessionEngine() override;
+  SessionEngine(const SessionEngine&) = delete;
+  SessionEngine& operator=(const SessionEngine&) = delete;
+
+  absl::Status WaitUntilOpen();
+  const v1::SessionOpened& opened() const { return *first_opened_; }
+
+  absl::Status Send(v1::Scan scan);
+  void CloseSending();
+  std::optional<v1::LocalizeResponse> Next();
+  void Cancel();
+  absl::Status EndStatus() const;
+  SessionStats stats() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  Connection::Fill FillRequest(v1::LocalizeRequest* request) override;
+  bool HasRoom() const override;
+  void Take(v1::LocalizeResponse response) override;
+  void OnEnd(const grpc::Status& status) override;
+
+  void Run();
+  absl::Status RunStream(std::unique_lock<std::mutex>& lock);
+  v1::OpenSession OpenMessage() const;
+  std::optional<absl::Status> Judge(const absl::Status& status);
+  absl::Status Unanswered(absl::Status status) const;
+  bool WaitForNextAttempt(std::unique_lock<std::mutex>& lock);
+  void TakeOpened(v1::SessionOpened opened);
+  void TakeEnding(const v1::SessionEnding& ending);
+  void TakeAnswer(v1::LocalizeResponse response);
+  void GiveUp(absl::Status status);
+  void Tell(SessionEvent event);
+  void DeliverEvents(std::unique_lock<std::mutex>& lock);
+
+  const std::unique_ptr<v1::LocalizationService::Stub> stub_;
+  const v1::OpenSession open_;
+  const SessionOptions options_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  Outbox outbox_;
+  std::deque<v1::LocalizeResponse> answers_;
+  Prior prior_;
+  SessionStats stats_;
+  std::deque<SessionEvent> events_;  ///< not yet told
+  std::optional<v1::SessionOpened> first_opened_;
+  std::optional<absl::Status> end_status_;
+  std::string resume_token_;
+  absl::Status restart_reason_;  ///< why the session before could not be resumed
+  bool sending_closed_ = false;
+  bool cancelled_ = false;
+  bool abandoned_ = false;
+
+  // Of the stream that is there.
+  std::unique_ptr<Connection> connection_;
+  std::optional<v1::SessionOpened> opened_;
+  std::optional<absl::Status> stream_status_;
+  absl::Status fault_;  ///< what the server did that it may not do
+  bool moving_ = false;
+  bool close_sent_ = false;
+
+  // Since the last progress.
+  std::optional<Backoff> backoff_;
+  std::optional<Clock::time_point> failing_since_;
+
+  std::thread thread_;  ///< last: it uses the others
+};
+
+}  // namespace dcloc::client

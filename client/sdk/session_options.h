@@ -1,0 +1,62 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "dcloc/v1/localization_service.pb.h"
+
+namespace dcloc::client {
+
+/// What `Session::Send` does when the queue is full.
+enum class FullQueue {
+  kBlock,   ///< waits: for a replay, where every scan counts
+  kReject,  ///< refuses the scan at once: for a vehicle, where a late scan is worth little
+};
+
+/// How a broken connection is mended. Waits grow from the first to the last backoff, with jitter.
+struct ReconnectOptions {
+  std::chrono::milliseconds initial_backoff{100};
+  std::chrono::milliseconds max_backoff = std::chrono::seconds(10);
+  /// Without any progress for so long, the session ends.
+  std::chrono::milliseconds give_up_after = std::chrono::minutes(2);
+};
+
+/// What happens to a session's connection.
+struct SessionEvent {
+  enum class Kind {
+    kDisconnected,  ///< the stream ended with `status`; another one will be tried
+    kMoving,        ///< the server is leaving, `status` says why; the session looks for another one
+    kResumed,       ///< the session goes on as if nothing had happened
+    /// A new session was opened with the last pose as prior, since `status` says why the one before
+    /// could not be resumed. Poses may jump, and `opened` may name another map version.
+    kRestarted,
+  };
+  Kind kind = Kind::kDisconnected;
+  absl::Status status;
+  v1::SessionOpened opened;  ///< of kResumed and kRestarted
+};
+
+struct SessionOptions {
+  std::size_t max_queued_scan_count = 16;  ///< accepted by Send, not yet taken by the transport
+  FullQueue when_full = FullQueue::kReject;
+  /// Answers kept for `Next`. When they are this many, no more are read, the server stops reading
+  /// scans, and so the queue fills: nothing grows without bound.
+  std::size_t max_unread_answer_count = 1024;
+  std::chrono::milliseconds open_timeout = std::chrono::seconds(10);
+  /// Scans on their way: sent and kept, since they may have to be sent again, until they are
+  /// answered. Never more than the server keeps answers for.
+  std::size_t max_unanswered_scan_count = 64;
+  /// None: the session ends when its connection breaks.
+  std::optional<ReconnectOptions> reconnect = ReconnectOptions{};
+  /// Called on a thread of the SDK, one event at a time; must not call the session's destructor.
+  std::function<void(const SessionEvent&)> on_event;
+};
+
+/// OK, or InvalidArgument that names the field, the value and the bound.
+absl::Status Validate(const SessionOptions& options);
+
+}  // namespace dcloc::client

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+
+namespace dcloc::client {
+
+/// What a session went through.
+struct SessionStats {
+  std::int64_t disconnect_count = 0;  ///< streams that ended before the session did
+  std::int64_t resume_count = 0;      ///< times that the session went on
+  std::int64_t restart_count = 0;     ///< times that it had to begin anew
+};
+
+}  // namespace dcloc::client

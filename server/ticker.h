@@ -1,0 +1,29 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace dcloc::server {
+
+/// Calls something again and again on a thread of its own, until it goes.
+class Ticker {
+ public:
+  Ticker(std::chrono::milliseconds interval, std::function<void()> tick)
+      : thread_([this, interval, tick = std::move(tick)](const std::stop_token& stop) {
+          std::unique_lock lock(mutex_);
+          while (!stop.stop_requested()) {
+            never_.wait_for(lock, stop, interval, [] { return false; });
+            if (!stop.stop_requested()) tick();
+          }
+        }) {}
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable_any never_;
+  std::jthread thread_;  ///< last: it uses the others
+};
+
+}  // namespace dcloc::server
