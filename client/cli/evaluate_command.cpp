@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "client/cli/evaluate_paper_command.h"
 #include "client/cli/evaluate_run.h"
 #include "client/cli/exit_codes.h"
 #include "client/cli/terminal.h"
@@ -110,7 +111,9 @@ void AddEvaluateCommand(CLI::App& app, int& exit_code) {
       "      --map-drive scene-0655 --map-radars RADAR_FRONT,RADAR_FRONT_LEFT,RADAR_FRONT_RIGHT "
       "\\\n"
       "      --drive scene-0655 --radars RADAR_BACK_LEFT,RADAR_BACK_RIGHT --json result.json");
-  evaluate->callback([arguments, &exit_code] {
+  AddEvaluatePaperCommand(*evaluate, exit_code);
+  evaluate->callback([evaluate, arguments, &exit_code] {
+    if (evaluate->got_subcommand("paper")) return;
     const absl::Status status = RunEvaluation(*arguments);
     exit_code = status.ok() ? kSuccess : Fail(status);
   });

@@ -31,11 +31,9 @@ ErrorSummary Summarize(const std::vector<double>& errors) {
 }
 
 DurationSummary SummarizeDurations(const std::vector<double>& durations_ms) {
-  return {.p50 = Quantile(durations_ms, 0.5), .p99 = Quantile(durations_ms, 0.99)};
-}
-
-bool IsSuccess(const PoseError& error) {
-  return error.translation_m < kSuccessTranslation_m && error.rotation_deg < kSuccessRotation_deg;
+  return {.mean = Mean(durations_ms),
+          .p50 = Quantile(durations_ms, 0.5),
+          .p99 = Quantile(durations_ms, 0.99)};
 }
 
 bool IsMisleading(const ScanOutcome& scan) {
@@ -59,10 +57,11 @@ struct Tally {
     }
   }
 
-  void AddError(const PoseError& error) {
+  void AddError(const ScanOutcome& scan) {
+    const PoseError& error = scan.error;
     rte_m.push_back(error.translation_m);
     rre_deg.push_back(error.rotation_deg);
-    if (IsSuccess(error)) ++successes;
+    if (IsSuccess(scan)) ++successes;
     if (error.dof == 0) return;
     nees_per_dof.push_back(error.nees / error.dof);
     if (error.nees <= ChiSquare95(error.dof)) ++inside_95;
@@ -71,6 +70,11 @@ struct Tally {
 };
 
 }  // namespace
+
+bool IsSuccess(const ScanOutcome& scan) {
+  return scan.answered() && scan.error.translation_m < kSuccessTranslation_m &&
+         scan.error.rotation_deg < kSuccessRotation_deg;
+}
 
 double Quantile(std::vector<double> values, double quantile) {
   if (values.empty()) return kNan;
@@ -91,7 +95,7 @@ Metrics ComputeMetrics(std::span<const DriveOutcome> drives) {
       ++metrics.state_counts.at(static_cast<std::size_t>(scan.answer.state));
       if (IsMisleading(scan)) ++metrics.misleading_count;
       tally.AddTimes(scan);
-      if (scan.answered()) tally.AddError(scan.error);
+      if (scan.answered()) tally.AddError(scan);
     }
   }
   metrics.answered_count = tally.rte_m.size();

@@ -16,7 +16,7 @@ struct ErrorSummary {
 
 /// Of a set of durations; NaN where the set is empty.
 struct DurationSummary {
-  double p50, p99;
+  double mean, p50, p99;
 };
 
 /// The metrics of METHOD section 8. Errors, success, ANEES and coverage are over the scans that
@@ -40,6 +40,9 @@ struct Metrics {
 
 inline constexpr double kSuccessTranslation_m = 2.0;
 inline constexpr double kSuccessRotation_deg = 5.0;
+
+/// Answered with a pose that is right by the paper's measure.
+bool IsSuccess(const ScanOutcome& scan);
 
 /// Over all scans of all `drives`.
 Metrics ComputeMetrics(std::span<const DriveOutcome> drives);

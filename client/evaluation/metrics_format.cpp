@@ -27,7 +27,8 @@ ordered_json Json(const ErrorSummary& summary) {
 }
 
 ordered_json Json(const DurationSummary& summary) {
-  return {{"p50", Number(summary.p50)}, {"p99", Number(summary.p99)}};
+  return {
+      {"mean", Number(summary.mean)}, {"p50", Number(summary.p50)}, {"p99", Number(summary.p99)}};
 }
 
 std::string Fixed(double value, int digits) {

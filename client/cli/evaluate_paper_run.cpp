@@ -1,0 +1,107 @@
+#include "client/cli/evaluate_paper_run.h"
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/atomic_file.h"
+#include "client/cli/progress.h"
+#include "client/cli/run_folder.h"
+#include "client/cli/terminal.h"
+#include "client/evaluation/gnuplot.h"
+#include "client/evaluation/paper/paper_report.h"
+#include "client/evaluation/paper/recorded_cases.h"
+#include "client/evaluation/paper/simulated_cases.h"
+#include "client/evaluation/paper/tables.h"
+
+namespace dcloc::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kProgressSteps = 1000;
+
+/// The study's progress, under the name of the run at hand.
+class StudyProgress {
+ public:
+  void Update(const std::string& run_name, double share) {
+    if (progress_ == nullptr || run_name != run_name_) {
+      progress_.reset();  // wipes its line
+      progress_ = std::make_unique<Progress>(run_name, kProgressSteps);
+      run_name_ = run_name;
+    }
+    progress_->Update(static_cast<std::size_t>(share * kProgressSteps));
+  }
+
+ private:
+  std::string run_name_;
+  std::unique_ptr<Progress> progress_;
+};
+
+absl::StatusOr<std::vector<paper::Case>> AllCases(const PaperArguments& arguments) {
+  std::vector<paper::Case> cases = paper::SimulatedCases(arguments.quick);
+  if (arguments.data.empty()) return cases;
+  auto recorded = paper::RecordedCases(arguments.data);
+  if (!recorded.ok()) return recorded.status();
+  for (paper::Case& item : *recorded) cases.push_back(std::move(item));
+  return cases;
+}
+
+std::vector<std::pair<std::string, std::string>> Settings(const PaperArguments& arguments,
+                                                          std::size_t case_count) {
+  return {{"Drives", absl::StrCat(case_count, " pairs of a map drive and a live drive")},
+          {"Recordings", arguments.data.empty() ? "none (--data)" : arguments.data},
+          {"Simulated",
+           "map at 72 km/h, live at 40 km/h and at changing or higher speeds, beta "
+           "0.04 s as in the paper"},
+          {"First pose", "truth moved by 1 m and turned by 2 degrees"},
+          {"Sub-map", "10 scans of each radar where nothing else is said"},
+          {"Extent", arguments.quick ? "quick: numbers of no meaning" : "full"}};
+}
+
+absl::Status WriteText(const fs::path& path, const std::string& text) {
+  return WriteFileAtomically(path, std::as_bytes(std::span(text)));
+}
+
+absl::Status MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error) return absl::OkStatus();
+  return absl::UnavailableError(
+      absl::StrCat(folder.string(), ": cannot be made: ", error.message()));
+}
+
+}  // namespace
+
+absl::Status RunPaper(const PaperArguments& arguments) {
+  // Missing gnuplot is to be known before an hour's work, not after it.
+  if (const auto picture = RenderSvg({.commands = "plot x"}); !picture.ok()) {
+    return picture.status();
+  }
+  const fs::path folder = arguments.folder;
+  if (absl::Status status = MakeFolder(folder / "runs"); !status.ok()) return status;
+  const auto cases = AllCases(arguments);
+  if (!cases.ok()) return cases.status();
+  RunFolder runs(folder / "runs",
+                 absl::StrCat(ProgramHash(), arguments.quick ? " quick " : " ", arguments.data));
+  StudyProgress progress;
+  const auto results = paper::RunStudy(
+      *cases, arguments.quick, runs,
+      [&](const std::string& run_name, double share) { progress.Update(run_name, share); });
+  if (!results.ok()) return results.status();
+  progress = {};
+
+  absl::PrintF("%s", FormatTable(paper::SummaryText(paper::StudyTables(*results))));
+  absl::Status status =
+      WriteText(folder / "results.json", paper::StudyJson(*results).dump(2) + "\n");
+  const auto html = paper::StudyHtml(*results, Settings(arguments, cases->size()), folder);
+  if (!html.ok()) return html.status();
+  status.Update(WriteText(folder / "report.html", *html));
+  return status;
+}
+
+}  // namespace dcloc::cli

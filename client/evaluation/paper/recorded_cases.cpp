@@ -1,0 +1,169 @@
+#include "client/evaluation/paper/recorded_cases.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "client/datasets/dataset.h"
+#include "client/datasets/json_file.h"
+#include "client/evaluation/paper/nuscenes_revisits.h"
+
+namespace dcloc::paper {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMinWay_m = 20.0;  // who stands still tells nothing of a map
+
+bool Exists(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
+// `folder` and what is in it, by name.
+std::vector<fs::path> FolderAndSubfolders(const fs::path& folder) {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_directory(error)) folders.push_back(entry.path());
+  }
+  std::ranges::sort(folders);
+  folders.insert(folders.begin(), folder);
+  return folders;
+}
+
+// Folders of tables in a nuScenes root: v1.0-trainval, v1.0-test, ...
+std::vector<std::string> NuScenesVersions(const fs::path& root) {
+  std::vector<std::string> versions;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(root, error)) {
+    const std::string name = entry.path().filename().string();
+    if (absl::StartsWith(name, "v1.0-") && Exists(entry.path() / "sample_data.json")) {
+      versions.push_back(name);
+    }
+  }
+  std::ranges::sort(versions);
+  return versions;
+}
+
+double Way(const SceneTrack& track) {
+  double way_m = 0.0;
+  for (std::size_t i = 1; i < track.key_frames.size(); ++i) {
+    way_m += (track.key_frames[i].T_map_vehicle.translation_m -
+              track.key_frames[i - 1].T_map_vehicle.translation_m)
+                 .norm();
+  }
+  return way_m;
+}
+
+std::function<absl::StatusOr<DrivePair>()> Loader(const Dataset& dataset, const DriveRequest& map,
+                                                  const DriveRequest& live) {
+  return [=]() -> absl::StatusOr<DrivePair> {
+    auto map_drive = ReadDrive(dataset, map);
+    if (!map_drive.ok()) return map_drive.status();
+    auto live_drive = ReadDrive(dataset, live);
+    if (!live_drive.ok()) return live_drive.status();
+    return DrivePair{*std::move(map_drive), *std::move(live_drive)};
+  };
+}
+
+// The scans of the revisit, and those of a sub-map before it.
+void Trim(const Revisit& revisit, Drive& drive) {
+  constexpr auto kLead = std::chrono::seconds(1);
+  std::erase_if(drive.scans, [&](const DriveScan& entry) {
+    return entry.scan.stamp < revisit.begin - kLead || entry.scan.stamp > revisit.end;
+  });
+}
+
+Case RevisitCase(const Dataset& dataset, const Revisit& revisit, std::size_t number) {
+  Case item{.set = "nuScenes, revisits",
+            .name = absl::StrCat("nuscenes-", dataset.version, "-", number, "-", revisit.live_scene,
+                                 "-in-", revisit.map_scene),
+            .purpose = Purpose::kAblations};
+  const auto load = Loader(dataset, {.name = revisit.map_scene, .radars = {"RADAR_FRONT"}},
+                           {.name = revisit.live_scene, .radars = {"RADAR_FRONT"}});
+  item.load = [load, revisit]() -> absl::StatusOr<DrivePair> {
+    auto drives = load();
+    if (drives.ok()) Trim(revisit, drives->live);
+    return drives;
+  };
+  return item;
+}
+
+Case FrontRearCase(const Dataset& dataset, const std::string& scene) {
+  return {.set = "nuScenes, front map and rear radars",
+          .name = absl::StrCat("nuscenes-", dataset.version, "-", scene, "-rear"),
+          .purpose = Purpose::kAblations,
+          .load = Loader(
+              dataset,
+              {.name = scene, .radars = {"RADAR_FRONT", "RADAR_FRONT_LEFT", "RADAR_FRONT_RIGHT"}},
+              {.name = scene, .radars = {"RADAR_BACK_LEFT", "RADAR_BACK_RIGHT"}})};
+}
+
+absl::Status AddNuScenes(const Dataset& dataset, std::vector<Case>& cases) {
+  const auto tracks = ReadSceneTracks(dataset.root / dataset.version);
+  if (!tracks.ok()) return tracks.status();
+  const std::vector<Revisit> revisits = FindRevisits(*tracks);
+  for (std::size_t i = 0; i < revisits.size(); ++i) {
+    cases.push_back(RevisitCase(dataset, revisits[i], i));
+  }
+  if (!revisits.empty()) return absl::OkStatus();
+  for (const SceneTrack& track : *tracks) {
+    if (Way(track) >= kMinWay_m) cases.push_back(FrontRearCase(dataset, track.scene));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status AddRadarScenes(const fs::path& root, const fs::path& data, std::vector<Case>& cases) {
+  const auto json = ReadJson(data / "sequences.json");
+  if (!json.ok()) return json.status();
+  const auto sequences = json->find("sequences");
+  if (sequences == json->end() || !sequences->is_object()) {
+    return absl::DataLossError(
+        absl::StrCat((data / "sequences.json").string(), ": \"sequences\" must be an object"));
+  }
+  for (const auto& [name, sequence] : sequences->items()) {
+    if (!Exists(data / name)) continue;
+    cases.push_back({.set = "RadarScenes, front map and side radars",
+                     .name = absl::StrCat("radarscenes-", name),
+                     .purpose = Purpose::kAblations,
+                     .query_interval_s = 1.0,
+                     .load = Loader({DatasetFormat::kRadarScenes, root, ""},
+                                    {.name = name, .radars = {"radar_2", "radar_3"}},
+                                    {.name = name, .radars = {"radar_1", "radar_4"}})});
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<Case>> RecordedCases(const fs::path& folder) {
+  std::vector<Case> cases;
+  bool has_found = false;
+  for (const fs::path& root : FolderAndSubfolders(folder)) {
+    for (const std::string& version : NuScenesVersions(root)) {
+      has_found = true;
+      const Dataset dataset{DatasetFormat::kNuScenes, root, version};
+      if (absl::Status status = AddNuScenes(dataset, cases); !status.ok()) return status;
+    }
+    for (const fs::path& data : {root, root / "data"}) {
+      if (!Exists(data / "sensors.json") || !Exists(data / "sequences.json")) continue;
+      // "data" itself is met again among the subfolders of its root.
+      if (data == root && root.filename() == "data" && root != folder) continue;
+      has_found = true;
+      if (absl::Status status = AddRadarScenes(root, data, cases); !status.ok()) return status;
+    }
+  }
+  if (!has_found) {
+    return absl::NotFoundError(
+        absl::StrCat(folder.string(),
+                     ": holds neither nuScenes tables (v1.0-*) nor RadarScenes (sensors.json)"));
+  }
+  return cases;
+}
+
+}  // namespace dcloc::paper

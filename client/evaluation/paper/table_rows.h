@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/evaluation/baselines/method.h"
+#include "client/evaluation/paper/printed.h"
+
+namespace dcloc::paper {
+
+/// One way of localizing.
+struct Variant {
+  MethodKind method = MethodKind::kDcloc;
+  bool doppler = true;
+  bool uncertainty = true;
+  bool truncation = true;
+  int scans_per_submap = 10;
+
+  bool operator==(const Variant&) const = default;
+};
+
+/// "dc-loc", "icp-nodoppler", "dcloc-k5": unique, and fit for file names.
+std::string VariantName(const Variant& variant);
+
+/// A row of a table to be filled.
+struct RowPlan {
+  std::string label;
+  Variant variant;
+  std::optional<Printed> printed;  ///< what the paper has there
+};
+
+/// Everything that Table I compares: the paper's methods, ICP and NDT also with compensation, which
+/// the paper denies them, and ours, which is last.
+std::vector<RowPlan> Table1Rows();
+
+/// Table II for DC-Loc++ or for ours.
+std::vector<RowPlan> Table2Rows(MethodKind method);
+
+/// Table III, ours.
+std::vector<RowPlan> Table3Rows();
+
+/// What Fig. 11 compares, and ours.
+std::vector<RowPlan> NoiseRows();
+
+}  // namespace dcloc::paper

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "client/evaluation/paper/comparison.h"
+
+namespace dcloc::paper {
+
+/// Rows of text, the first being the header.
+using TextTable = std::vector<std::vector<std::string>>;
+
+/// One table of the study: of the paper's tables, over one set, by one protocol.
+struct StudyTable {
+  std::string id;       ///< of the paper's table: "table-1", ...
+  std::string heading;  ///< for people
+  std::string set;
+  Protocol protocol = Protocol::kTrack;
+  Comparison rows;
+};
+
+/// Tables I to IV over all sets, as far as there are results.
+std::vector<StudyTable> StudyTables(std::span<const RunResult> results);
+
+TextTable ComparisonText(const Comparison& rows);
+nlohmann::ordered_json ToJson(const StudyTable& table);
+
+/// Ours against the best of the others by each measure, a row for each Table I.
+TextTable SummaryText(std::span<const StudyTable> tables);
+
+/// Table V: mean times of DC-Loc++ and ours by module, a row for each set.
+TextTable TimesText(std::span<const StudyTable> tables);
+
+}  // namespace dcloc::paper
