@@ -32,6 +32,7 @@ class ServerProcess {
       close(ends[0]);
       arguments.insert(arguments.begin(), DCLOC_SERVER_PROGRAM);
       std::vector<char*> argv;
+      argv.reserve(arguments.size() + 1);
       for (std::string& argument : arguments) argv.push_back(argument.data());
       argv.push_back(nullptr);
       execv(argv[0], argv.data());
