@@ -13,6 +13,7 @@
 #include "server/admin/admin_service.h"
 #include "server/credentials.h"
 #include "server/identity/identity_store.h"
+#include "server/limits/usage.h"
 #include "server/listen_address.h"
 #include "server/localization/localization_service.h"
 #include "server/maps/map_service.h"
@@ -54,9 +55,8 @@ int WorkerCount(const ServerConfig& config) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-SessionLimits SessionLimitsOf(const ServerConfig& config) {
-  return {.max_session_count = config.max_session_count,
-          .detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms),
+SessionTimeouts SessionTimeoutsOf(const ServerConfig& config) {
+  return {.detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms),
           .idle_timeout = std::chrono::milliseconds(config.session_idle_timeout_ms)};
 }
 
@@ -86,7 +86,7 @@ struct Server::Parts {
         identities(std::move(identity_store)),
         access(*identities, config.require_identity),
         store(std::move(map_store)),
-        registry(SessionLimitsOf(config)),
+        registry(limits, SessionTimeoutsOf(config)),
         localization_pool(WorkerCount(config)),
         localization({.storage = storage,
                       .registry = registry,
@@ -98,8 +98,8 @@ struct Server::Parts {
                                    .answer_history_count = config.answer_history_count,
                                    .detached_timeout = std::chrono::milliseconds(
                                        config.session_detached_timeout_ms)},
-                      .max_pending_scan_count = config.max_pending_scan_count},
-                     config.max_session_count),
+                      .usages = usages,
+                      .max_pending_scan_count = config.max_pending_scan_count}),
         maps(storage),
         admin({.version = DCLOC_VERSION,
                .start_time = std::chrono::system_clock::now(),
@@ -124,6 +124,7 @@ struct Server::Parts {
   ServerConfig config;
   const std::chrono::milliseconds drain_grace;
   Limits limits;
+  UsageCounts usages{limits};
   std::unique_ptr<IdentityStore> identities;
   AccessControl access;
   std::unique_ptr<MapStore> store;

@@ -12,18 +12,6 @@
 
 namespace dcloc::server {
 
-/// Answers a unary call from the host's pool: `work` fills the response and gives the call's
-/// absl::Status.
-template <typename Work>
-grpc::ServerUnaryReactor* AnswerOn(const StorageHost& host, grpc::CallbackServerContext* context,
-                                   Work work) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  host.pool.Post([reactor, work = std::move(work), token = OpenCalls::Token(host.open_calls)] {
-    reactor->Finish(ToGrpc(work()));
-  });
-  return reactor;
-}
-
 /// Answers a unary call from the host's pool, if the caller may make it: `work` fills the response
 /// and gives the call's absl::Status. It takes nothing, or the Principal who calls.
 template <typename Request, typename Work>

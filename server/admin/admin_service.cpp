@@ -36,7 +36,7 @@ void Describe(const ListedSession& listed, v1::Session* session) {
   const SessionDescription& description = record.description;
   session->set_session_id(description.session_id);
   session->set_vehicle_id(description.vehicle_id);
-  session->set_peer(description.peer.address);
+  session->set_peer(description.caller.peer);
   session->set_map_name(description.map_name);
   session->set_map_version(description.map_version);
   *session->mutable_open_time() = ToTimestamp(description.open_time);
@@ -53,7 +53,8 @@ void Describe(const ListedSession& listed, v1::Session* session) {
   session->set_idle_duration_ns(idle.count());
 }
 
-absl::Status EndSession(SessionRegistry& registry, const v1::EndSessionRequest& request) {
+absl::Status EndSession(SessionRegistry& registry, const Principal& principal,
+                        const v1::EndSessionRequest& request) {
   if (request.reason().size() > kMaxReason) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "reason has %d characters; it must have at most %d", request.reason().size(), kMaxReason));
@@ -63,17 +64,19 @@ absl::Status EndSession(SessionRegistry& registry, const v1::EndSessionRequest& 
   ending.set_message(request.reason().empty()
                          ? "an operator ended it"
                          : absl::StrCat("an operator ended it: ", request.reason()));
-  return registry.End(request.session_id(), ending);
+  return registry.End(request.session_id(), principal.tenant, ending);
 }
 
-absl::Status ListSessions(const SessionRegistry& registry, const v1::ListSessionsRequest& request,
+absl::Status ListSessions(const SessionRegistry& registry, const Principal& principal,
+                          const v1::ListSessionsRequest& request,
                           v1::ListSessionsResponse* response) {
   const absl::StatusOr<int> size = convert::PageSizeFromProto(request.page_size());
   if (!size.ok()) return size.status();
   if (absl::Status status = convert::CheckPageToken(request.page_token()); !status.ok()) {
     return status;
   }
-  for (const ListedSession& listed : registry.List(request.page_token(), *size + 1)) {
+  for (const ListedSession& listed :
+       registry.List(principal.tenant, request.page_token(), *size + 1)) {
     if (response->sessions_size() == *size) {
       response->set_next_page_token(response->sessions(*size - 1).session_id());
       break;
@@ -107,9 +110,9 @@ void AdminService::Describe(v1::GetServerStateResponse* response) const {
 }
 
 grpc::ServerUnaryReactor* AdminService::GetServerState(grpc::CallbackServerContext* context,
-                                                       const v1::GetServerStateRequest* /*request*/,
+                                                       const v1::GetServerStateRequest* request,
                                                        v1::GetServerStateResponse* response) {
-  return AnswerOn(host_, context, [this, response] {
+  return AnswerOn(host_, context, request, [this, response] {
     Describe(response);
     return absl::OkStatus();
   });
@@ -118,46 +121,50 @@ grpc::ServerUnaryReactor* AdminService::GetServerState(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* AdminService::ListSessions(grpc::CallbackServerContext* context,
                                                      const v1::ListSessionsRequest* request,
                                                      v1::ListSessionsResponse* response) {
-  return AnswerOn(host_, context, [this, request, response] {
-    return server::ListSessions(registry_, *request, response);
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return server::ListSessions(registry_, principal, *request, response);
   });
 }
 
 grpc::ServerUnaryReactor* AdminService::GetSession(grpc::CallbackServerContext* context,
                                                    const v1::GetSessionRequest* request,
                                                    v1::GetSessionResponse* response) {
-  return AnswerOn(host_, context, [this, request, response]() -> absl::Status {
-    const absl::StatusOr<ListedSession> session = registry_.Get(request->session_id());
-    if (!session.ok()) return session.status();
-    server::Describe(*session, response->mutable_session());
-    return absl::OkStatus();
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    const auto session = registry_.Get(principal.tenant, request->session_id());
+    if (session.ok()) server::Describe(*session, response->mutable_session());
+    return session.status();
   });
 }
 
 grpc::ServerUnaryReactor* AdminService::EndSession(grpc::CallbackServerContext* context,
                                                    const v1::EndSessionRequest* request,
                                                    v1::EndSessionResponse* /*response*/) {
-  return AnswerOn(host_, context,
-                  [this, request] { return server::EndSession(registry_, *request); });
+  return AnswerOn(host_, context, request, [this, request](const Principal& principal) {
+    return server::EndSession(registry_, principal, *request);
+  });
 }
 
 grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
-    grpc::CallbackServerContext* /*context*/, const v1::WatchSessionRequest* request) {
-  const std::shared_ptr<WatchStream> stream = WatchStream::Start(host_.open_calls);
-  const absl::StatusOr<ListedSession> session = registry_.Get(request->session_id());
-  if (session.ok()) {
-    stream->StartSendInitialMetadata();  // the watcher knows from then on that it misses nothing
-    session->record->feed.Subscribe(stream);
-  } else {
-    stream->End(ToGrpc(session.status()));
-  }
+    grpc::CallbackServerContext* context, const v1::WatchSessionRequest* request) {
+  std::shared_ptr<WatchStream> stream = WatchStream::Start(host_.open_calls);
+  // The call lives until `Begin`, and so do the context and the request.
+  host_.pool.Post([this, context, request, stream] {
+    const auto principal = host_.access.Authorize(*context, v1::WatchSessionRequest::descriptor());
+    absl::Status status = principal.status();
+    if (status.ok()) {
+      const auto session = registry_.Get(principal->tenant, request->session_id());
+      status = session.status();
+      if (status.ok()) session->record->feed.Subscribe(stream);
+    }
+    stream->Begin(status);
+  });
   return stream.get();
 }
 
 grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* context,
-                                              const v1::DrainRequest* /*request*/,
+                                              const v1::DrainRequest* request,
                                               v1::DrainResponse* response) {
-  return AnswerOn(host_, context, [this, response] {
+  return AnswerOn(host_, context, request, [this, response] {
     response->set_session_count(drain_.drain());
     return absl::OkStatus();
   });

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "server/status.h"
+
 namespace dcloc::server {
 namespace {
 
@@ -13,6 +15,15 @@ std::shared_ptr<WatchStream> WatchStream::Start(OpenCalls& open_calls) {
   std::shared_ptr<WatchStream> stream(new WatchStream(open_calls));
   stream->self_ = stream;
   return stream;
+}
+
+void WatchStream::Begin(const absl::Status& status) {
+  if (!status.ok()) End(ToGrpc(status));
+  const std::lock_guard lock(mutex_);
+  begun_ = true;
+  // The watcher knows from then on that it misses nothing.
+  if (status.ok() && !end_status_) StartSendInitialMetadata();
+  Pump();
 }
 
 void WatchStream::OnAnswer(const v1::LocalizeResponse& answer) {
@@ -44,7 +55,7 @@ void WatchStream::OnWriteDone(bool ok) {
 void WatchStream::OnDone() { const std::shared_ptr<WatchStream> last = std::move(self_); }
 
 void WatchStream::Pump() {
-  if (writing_ || finished_) return;
+  if (!begun_ || writing_ || finished_) return;
   if (!waiting_.empty()) {
     response_ = std::move(waiting_.front());
     waiting_.pop_front();

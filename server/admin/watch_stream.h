@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 
+#include "absl/status/status.h"
 #include "dcloc/v1/admin_service.pb.h"
 #include "server/localization/answer_feed.h"
 #include "server/open_calls.h"
@@ -23,17 +24,21 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::WatchSessionRespon
   /// Lives until the call is done and the session has let go of it.
   static std::shared_ptr<WatchStream> Start(OpenCalls& open_calls);
 
+  /// The session has been found and answers may be written; or not, which ends the call. Nothing is
+  /// written before.
+  void Begin(const absl::Status& status);
+
   void OnAnswer(const v1::LocalizeResponse& answer) override;
   void OnEnd() override { End(grpc::Status::OK); }
-
-  /// Ends the call once what waits is written.
-  void End(const grpc::Status& status);
 
   void OnWriteDone(bool ok) override;
   void OnCancel() override { End(grpc::Status(grpc::StatusCode::CANCELLED, "cancelled")); }
   void OnDone() override;
 
  private:
+  /// Ends the call once what waits is written.
+  void End(const grpc::Status& status);
+
   explicit WatchStream(OpenCalls& open_calls) : token_(open_calls) {}
 
   void Pump();  // with the mutex held
@@ -44,6 +49,7 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::WatchSessionRespon
   std::deque<v1::WatchSessionResponse> waiting_;
   v1::WatchSessionResponse response_;  ///< the transport's while writing_
   std::int64_t missed_count_ = 0;
+  bool begun_ = false;
   bool writing_ = false;
   bool finished_ = false;
   std::optional<grpc::Status> end_status_;

@@ -20,6 +20,10 @@ constexpr std::array kTable = {
 
     MethodPermission{"dcloc.v1.AdminService.GetServerState", Permission::kReadServer},
     MethodPermission{"dcloc.v1.AdminService.ListSessions", Permission::kReadSessions},
+    MethodPermission{"dcloc.v1.AdminService.GetSession", Permission::kReadSessions},
+    MethodPermission{"dcloc.v1.AdminService.WatchSession", Permission::kReadSessions},
+    MethodPermission{"dcloc.v1.AdminService.EndSession", Permission::kManageSessions},
+    MethodPermission{"dcloc.v1.AdminService.Drain", Permission::kManageServer},
 };
 
 }  // namespace

@@ -2,44 +2,26 @@
 
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
-namespace {
-
-/// Who the peer has proved to be: the names in its certificate.
-std::string PrincipalOf(const grpc::CallbackServerContext& context) {
-  std::string principal;
-  if (const auto auth = context.auth_context(); auth != nullptr && auth->IsPeerAuthenticated()) {
-    for (const grpc::string_ref& name : auth->GetPeerIdentity()) {
-      absl::StrAppend(&principal, principal.empty() ? "" : ",",
-                      absl::string_view(name.data(), name.size()));
-    }
-  }
-  return principal;
-}
-
-}  // namespace
-
-LocalizationService::LocalizationService(SessionHost host, int max_stream_count)
-    : host_(host), max_stream_count_(max_stream_count) {}
+LocalizationService::LocalizationService(SessionHost host) : host_(host) {}
 
 grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* LocalizationService::Localize(
     grpc::CallbackServerContext* context) {
   const std::shared_ptr<LocalizeStream> stream =
-      LocalizeStream::Start(host_, context, {context->peer(), PrincipalOf(*context)},
-                            [this](LocalizeStream* done) { Forget(done); });
+      LocalizeStream::Start(host_, context, [this](LocalizeStream* done) { Forget(done); });
+  const int max_stream_count = host_.storage.limits.max_session_count;
   grpc::Status refusal;
   {
     const std::lock_guard lock(mutex_);
     streams_.emplace(stream.get(), OpenStream{stream, OpenCalls::Token(host_.storage.open_calls)});
     refusal = refusal_;
-    if (refusal.ok() && static_cast<int>(streams_.size()) > max_stream_count_) {
+    if (refusal.ok() && static_cast<int>(streams_.size()) > max_stream_count) {
       refusal = grpc::Status(
           grpc::StatusCode::RESOURCE_EXHAUSTED,
-          absl::StrFormat("%d sessions are open, which is the limit", max_stream_count_));
+          absl::StrFormat("%d sessions are open, which is the limit", max_stream_count));
     }
   }
   if (!refusal.ok()) stream->End(refusal);

@@ -17,7 +17,7 @@ class LocalizationService final : public v1::LocalizationService::CallbackServic
  public:
   using Clock = std::chrono::steady_clock;
 
-  LocalizationService(SessionHost host, int max_stream_count);
+  explicit LocalizationService(SessionHost host);
 
   grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* Localize(
       grpc::CallbackServerContext* context) override;
@@ -44,7 +44,6 @@ class LocalizationService final : public v1::LocalizationService::CallbackServic
   void Forget(LocalizeStream* stream);
 
   const SessionHost host_;
-  const int max_stream_count_;
 
   mutable std::mutex mutex_;
   std::map<LocalizeStream*, OpenStream> streams_;

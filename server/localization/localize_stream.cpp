@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/status.h"
+#include "server/traceparent.h"
 
 namespace dcloc::server {
 namespace {
@@ -15,20 +16,18 @@ constexpr int kDroppedSlots = 64;
 }  // namespace
 
 std::shared_ptr<LocalizeStream> LocalizeStream::Start(
-    const SessionHost& host, grpc::CallbackServerContext* context, StreamPeer peer,
+    const SessionHost& host, grpc::CallbackServerContext* context,
     std::function<void(LocalizeStream*)> on_done) {
-  std::shared_ptr<LocalizeStream> stream(
-      new LocalizeStream(host, context, std::move(peer), std::move(on_done)));
+  std::shared_ptr<LocalizeStream> stream(new LocalizeStream(host, context, std::move(on_done)));
   stream->self_ = stream;
   stream->Pump();
   return stream;
 }
 
 LocalizeStream::LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,
-                               StreamPeer peer, std::function<void(LocalizeStream*)> on_done)
+                               std::function<void(LocalizeStream*)> on_done)
     : host_(host),
       context_(context),
-      peer_(std::move(peer)),
       on_done_(std::move(on_done)),
       slots_(static_cast<std::size_t>(host.max_pending_scan_count)) {}
 
@@ -87,6 +86,7 @@ void LocalizeStream::OnReadDone(bool ok) {
       slot.dropped = false;
       const bool opens = read_count_++ == 0;
       if (opens) {
+        opening_ = true;
         // Nothing else is read until this is answered, so no order is lost by leaving the strand.
         host_.storage.pool.Post([self = shared_from_this()] { self->Open(); });
       } else {
@@ -131,7 +131,8 @@ void LocalizeStream::Pump() {
     // Let go of before the client hears of the end, who may then delete the map.
     std::shared_ptr<Session> released =
         step == Step::kFinish ? std::exchange(session_, nullptr) : nullptr;
-    const bool keep = resumable_ && !over_;
+    // Of a new session the client has no token before it has heard that it is open.
+    const bool keep = resumable_ && !over_ && (resumed_ || written_count_ > 0);
     const std::string reason = EndReason();
     const grpc::Status status =
         cancelled_ ? grpc::Status(grpc::StatusCode::CANCELLED, "cancelled") : final_status_;
@@ -169,7 +170,7 @@ LocalizeStream::Step LocalizeStream::TakeStep() {
 }
 
 bool LocalizeStream::ShouldFinish() const {
-  if (writing_) return false;
+  if (writing_ || opening_) return false;
   if (cancelled_) return true;
   if (failed_) return written_count_ == answered_count_;
   return draining_ && written_count_ == read_count_;
@@ -199,18 +200,34 @@ void LocalizeStream::DropOldest() {
 void LocalizeStream::Open() {
   const v1::LocalizeRequest& request = slots_[0].request;
   if (!request.has_open()) {
-    Fail(grpc::Status(grpc::StatusCode::INVALID_ARGUMENT,
-                      "open is missing; it must be the first message of a stream"));
-  } else if (request.open().resume_token().empty()) {
-    OpenNew();
-  } else {
-    Resume();
+    return Fail(grpc::Status(grpc::StatusCode::INVALID_ARGUMENT,
+                             "open is missing; it must be the first message of a stream"));
   }
+  absl::StatusOr<Caller> caller = Authorize(request.open());
+  if (!caller.ok()) return Fail(ToGrpc(caller.status()));
+  request.open().resume_token().empty() ? OpenNew(*std::move(caller)) : Resume(*caller);
 }
 
-void LocalizeStream::OpenNew() {
+absl::StatusOr<Caller> LocalizeStream::Authorize(const v1::OpenSession& open) const {
+  absl::StatusOr<Principal> principal =
+      host_.storage.access.Authorize(*context_, v1::LocalizeRequest::descriptor());
+  if (!principal.ok()) return principal.status();
+  if (absl::Status status = CheckVehicle(*principal, open.vehicle_id()); !status.ok()) {
+    return status;
+  }
+  return Caller{.principal = *std::move(principal),
+                .peer = context_->peer(),
+                .trace_id = TraceIdOf(*context_),
+                .permit = nullptr};
+}
+
+void LocalizeStream::OpenNew(Caller caller) {
+  absl::StatusOr<std::shared_ptr<const SessionPermit>> permit =
+      host_.usages.TakeSession(caller.principal);
+  if (!permit.ok()) return Fail(ToGrpc(permit.status()));
+  caller.permit = *std::move(permit);
   absl::StatusOr<std::shared_ptr<Session>> session =
-      Session::Open(slots_[0].request.open(), peer_, host_.sessions);
+      Session::Open(slots_[0].request.open(), caller, host_.sessions);
   absl::Status status = session.status();
   if (status.ok()) {
     status = host_.registry.Add((*session)->record(), *session, weak_from_this());
@@ -218,10 +235,10 @@ void LocalizeStream::OpenNew() {
   status.ok() ? Opened(*std::move(session), /*resumed=*/false) : Fail(ToGrpc(status));
 }
 
-void LocalizeStream::Resume() {
+void LocalizeStream::Resume(const Caller& caller) {
   const v1::OpenSession& open = slots_[0].request.open();
   absl::StatusOr<std::shared_ptr<Session>> found =
-      host_.registry.Find(open.resume_token(), peer_.principal, open.vehicle_id());
+      host_.registry.Find(open.resume_token(), caller.principal, open.vehicle_id());
   if (!found.ok()) return Fail(ToGrpc(found.status()));
   // On the strand, so that what the stream before has begun is done.
   Strand& strand = (*found)->strand();
@@ -237,31 +254,24 @@ void LocalizeStream::Resume() {
 }
 
 void LocalizeStream::Opened(std::shared_ptr<Session> session, bool resumed) {
-  bool gone = false;
-  std::string reason;
   {
     const std::lock_guard lock(mutex_);
-    Slot& slot = slots_[0];
-    session->Describe(resumed, slot.response.mutable_opened());
+    opening_ = false;
+    resumed_ = resumed;
     resumable_ = session->record()->description.resumable();
     drops_oldest_ = session->record()->description.drops_oldest;
+    session->Describe(resumed, slots_[0].response.mutable_opened());
     if (drops_oldest_) slots_.resize(slots_.size() + kDroppedSlots);
-    gone = finished_ || failed_;
-    reason = EndReason();
-    if (!gone) {
-      session_ = session;
-      ++answered_count_;
-    }
+    session_ = std::move(session);
+    ++answered_count_;
   }
-  // Of a new one the client has no token; another one it may resume again.
-  if (gone) LetGo(std::move(session), resumed, reason);
-  session.reset();
   Pump();
 }
 
 void LocalizeStream::Fail(grpc::Status status) {
   {
     const std::lock_guard lock(mutex_);
+    opening_ = false;
     failed_ = over_ = true;
     final_status_ = std::move(status);
   }

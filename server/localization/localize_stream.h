@@ -24,6 +24,7 @@ struct SessionHost {
   const StorageHost& storage;  ///< opening a session may wait for a disk
   SessionRegistry& registry;
   SessionContext sessions;
+  UsageCounts& usages;
   int max_pending_scan_count;  ///< per session
 };
 
@@ -47,7 +48,6 @@ class LocalizeStream final
   /// the transport has no more use for it. `context` outlives the call.
   static std::shared_ptr<LocalizeStream> Start(const SessionHost& host,
                                                grpc::CallbackServerContext* context,
-                                               StreamPeer peer,
                                                std::function<void(LocalizeStream*)> on_done);
 
   void Announce(const v1::SessionEnding& ending) override;
@@ -72,7 +72,7 @@ class LocalizeStream final
   };
   enum class Step { kNone, kRead, kWrite, kAnnounce, kFinish };
 
-  LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context, StreamPeer peer,
+  LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,
                  std::function<void(LocalizeStream*)> on_done);
 
   void Pump();
@@ -82,8 +82,9 @@ class LocalizeStream final
   void DropOldest();
 
   void Open();
-  void OpenNew();
-  void Resume();
+  absl::StatusOr<Caller> Authorize(const v1::OpenSession& open) const;
+  void OpenNew(Caller caller);
+  void Resume(const Caller& caller);
   void Opened(std::shared_ptr<Session> session, bool resumed);
   void Fail(grpc::Status status);
   void Process();
@@ -97,7 +98,6 @@ class LocalizeStream final
 
   const SessionHost& host_;
   grpc::CallbackServerContext* const context_;
-  const StreamPeer peer_;
   std::function<void(LocalizeStream*)> on_done_;
   std::shared_ptr<LocalizeStream> self_;  ///< reset by OnDone
 
@@ -105,6 +105,7 @@ class LocalizeStream final
   std::vector<Slot> slots_;
   std::shared_ptr<Session> session_;  ///< none before it is open and after it was let go
   bool resumable_ = false;
+  bool resumed_ = false;
   bool drops_oldest_ = false;
   // How many requests were read, answered and written; written <= answered <= read.
   std::int64_t read_count_ = 0;
@@ -116,6 +117,7 @@ class LocalizeStream final
   bool writing_ = false;
   bool announcing_ = false;  ///< what is being written is the announcement
   bool announced_ = false;
+  bool opening_ = false;  ///< a task may use the context, so the call may not end yet
   bool processing_ = false;
   bool draining_ = false;   ///< reads no more, the rest is answered
   bool over_ = false;       ///< the session ends with the stream: closed, failed or ended

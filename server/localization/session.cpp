@@ -34,7 +34,7 @@ absl::StatusOr<std::string> RandomName() {
 }
 
 absl::StatusOr<std::shared_ptr<SessionRecord>> MakeRecord(const v1::OpenSession& open,
-                                                          const StreamPeer& peer,
+                                                          const Caller& caller,
                                                           const MapVersionRecord& map) {
   absl::StatusOr<std::string> session_id = RandomName();
   if (!session_id.ok()) return session_id.status();
@@ -44,7 +44,7 @@ absl::StatusOr<std::shared_ptr<SessionRecord>> MakeRecord(const v1::OpenSession&
   record->description = {.session_id = *std::move(session_id),
                          .resume_token = *std::move(resume_token),
                          .vehicle_id = open.vehicle_id(),
-                         .peer = peer,
+                         .caller = caller,
                          .map_name = open.map_name(),
                          .map_version = map.version,
                          .open_time = std::chrono::system_clock::now(),
@@ -64,11 +64,12 @@ void SetStages(const StageTimer& timer, v1::StageTimings* timings) {
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<Session>> Session::Open(const v1::OpenSession& open,
-                                                       const StreamPeer& peer,
+                                                       const Caller& caller,
                                                        const SessionContext& context) {
   absl::StatusOr<convert::SessionRequest> request = convert::FromProto(open);
   if (!request.ok()) return request.status();
-  absl::StatusOr<LoadedMap> map = context.store.Acquire(request->map_name, request->map_version);
+  absl::StatusOr<LoadedMap> map = context.store.Acquire(
+      ScopedMapName(caller.principal.tenant, request->map_name), request->map_version);
   if (!map.ok()) return WithPrefix("open.map: ", map.status());
   const absl::StatusOr<std::optional<InitialPose>> initial_pose =
       convert::InitialPoseFromProto(open, map->map->info().anchor);
@@ -76,7 +77,7 @@ absl::StatusOr<std::shared_ptr<Session>> Session::Open(const v1::OpenSession& op
   absl::StatusOr<std::unique_ptr<Matcher>> matcher =
       context.create_matcher(map->map, request->rig, *initial_pose, request->options);
   if (!matcher.ok()) return WithPrefix("open: ", matcher.status());
-  absl::StatusOr<std::shared_ptr<SessionRecord>> record = MakeRecord(open, peer, map->record);
+  absl::StatusOr<std::shared_ptr<SessionRecord>> record = MakeRecord(open, caller, map->record);
   if (!record.ok()) return record.status();
   return std::shared_ptr<Session>(new Session(context, *std::move(record), *std::move(map),
                                               std::move(request->rig), *std::move(matcher)));
@@ -94,9 +95,10 @@ Session::Session(const SessionContext& context, std::shared_ptr<SessionRecord> r
       matcher_(std::move(matcher)),
       history_(context.answer_history_count) {
   const SessionDescription& description = record_->description;
-  spdlog::info("session opened session={} vehicle={} peer={} map={} version={} radars={}",
-               description.session_id, description.vehicle_id, description.peer.address,
-               description.map_name, description.map_version, rig_.radars.size());
+  spdlog::info("session opened session={} vehicle={} peer={} map={} version={} radars={} trace={}",
+               description.session_id, description.vehicle_id, description.caller.peer,
+               description.map_name, description.map_version, rig_.radars.size(),
+               description.caller.trace_id);
 }
 
 Session::~Session() {
@@ -178,7 +180,8 @@ absl::Status Session::CheckOrder(const v1::Scan& message) const {
 
 absl::Status Session::Localize(const v1::Scan& message, v1::LocalizationResult* result) {
   const Clock::time_point begin = Clock::now();
-  absl::Status status = WithPrefix("scan.", convert::FromProto(message, rig_, &scan_));
+  absl::Status status = record_->description.caller.permit->TakeScan(message.range_m_size(), begin);
+  if (status.ok()) status = WithPrefix("scan.", convert::FromProto(message, rig_, &scan_));
   if (status.ok()) status = CheckOrder(message);
   if (!status.ok()) return status;
   const Clock::time_point converted = Clock::now();

@@ -42,7 +42,7 @@ class Session {
   /// Loads the map, which may take a while. Errors name the field: InvalidArgument, NotFound (map),
   /// FailedPrecondition (no active version, no anchor), DataLoss.
   static absl::StatusOr<std::shared_ptr<Session>> Open(const v1::OpenSession& open,
-                                                       const StreamPeer& peer,
+                                                       const Caller& caller,
                                                        const SessionContext& context);
   ~Session();
   Session(const Session&) = delete;

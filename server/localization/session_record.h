@@ -5,23 +5,18 @@
 #include <cstdint>
 #include <string>
 
+#include "server/identity/caller.h"
 #include "server/localization/answer_feed.h"
 #include "server/maps/catalogue.h"
 
 namespace dcloc::server {
-
-/// Who opened a stream.
-struct StreamPeer {
-  std::string address;    ///< as the transport names it
-  std::string principal;  ///< who it proved to be; empty without authentication
-};
 
 /// What of a session does not change.
 struct SessionDescription {
   std::string session_id;
   std::string resume_token;  ///< a secret; empty unless it is resumable
   std::string vehicle_id;
-  StreamPeer peer;
+  Caller caller;
   std::string map_name;
   std::int64_t map_version = 0;
   SystemTime open_time;

@@ -30,10 +30,10 @@ absl::Status SessionRegistry::Add(std::shared_ptr<SessionRecord> record,
                                   std::shared_ptr<Session> session, Stream stream) {
   Released released;
   const std::lock_guard lock(mutex_);
-  if (static_cast<int>(entries_.size()) >= limits_.max_session_count &&
-      !EvictLongestDetached(&released)) {
+  const int max = limits_.max_session_count;
+  if (static_cast<int>(entries_.size()) >= max && !EvictLongestDetached(&released)) {
     return absl::ResourceExhaustedError(
-        absl::StrFormat("%d sessions are open, which is the limit", limits_.max_session_count));
+        absl::StrFormat("%d sessions are open, which is the limit", max));
   }
   const SessionDescription& description = record->description;
   if (description.resumable()) {
@@ -49,14 +49,14 @@ absl::Status SessionRegistry::Add(std::shared_ptr<SessionRecord> record,
 }
 
 absl::StatusOr<std::shared_ptr<Session>> SessionRegistry::Find(absl::string_view resume_token,
-                                                               absl::string_view principal,
+                                                               const Principal& principal,
                                                                absl::string_view vehicle_id) const {
   const std::lock_guard lock(mutex_);
   const auto token = id_of_token_.find(resume_token);
   if (token == id_of_token_.end()) return Gone(resume_token, "open.resume_token");
   const Entry& entry = entries_.find(token->second)->second;
   const SessionDescription& description = entry.record->description;
-  if (description.peer.principal != principal) {
+  if (!(description.caller.principal == principal)) {
     return absl::PermissionDeniedError("open.resume_token is of another principal's session");
   }
   if (description.vehicle_id != vehicle_id) {
@@ -101,12 +101,13 @@ void SessionRegistry::Remove(const SessionRecord& record, const SessionStream& s
   Release(entries_.find(record.description.session_id), reason, &released);
 }
 
-absl::Status SessionRegistry::End(absl::string_view session_id, const v1::SessionEnding& ending) {
+absl::Status SessionRegistry::End(absl::string_view session_id, absl::string_view tenant,
+                                  const v1::SessionEnding& ending) {
   Released released;
   std::shared_ptr<SessionStream> stream;
   {
     const std::lock_guard lock(mutex_);
-    const auto entry = entries_.find(session_id);
+    const auto entry = FindOf(tenant, session_id);
     if (entry == entries_.end()) return Gone(session_id, "session_id");
     stream = entry->second.stream.lock();
     if (stream == nullptr) {
@@ -121,7 +122,7 @@ absl::Status SessionRegistry::End(absl::string_view session_id, const v1::Sessio
 }
 
 void SessionRegistry::Reap(Clock::time_point now) {
-  std::vector<std::string> idle;
+  std::vector<SessionDescription> idle;
   std::vector<std::shared_ptr<SessionStream>> overdue;
   Released released;
   {
@@ -130,27 +131,27 @@ void SessionRegistry::Reap(Clock::time_point now) {
       const auto current = entry++;
       const Entry& session = current->second;
       if (session.detached_since) {
-        if (now - *session.detached_since < limits_.detached_timeout) continue;
-        Release(
-            current,
-            absl::StrCat("it was without a stream for more than ", Text(limits_.detached_timeout)),
-            &released);
+        if (now - *session.detached_since < timeouts_.detached_timeout) continue;
+        Release(current,
+                absl::StrCat("it was without a stream for more than ",
+                             Text(timeouts_.detached_timeout)),
+                &released);
       } else if (session.ending_since) {
         if (now - *session.ending_since < kEndGrace) continue;
         if (auto stream = session.stream.lock()) overdue.push_back(std::move(stream));
-      } else if (limits_.idle_timeout.count() > 0 &&
-                 now - session.record->last_activity.load() >= limits_.idle_timeout) {
-        idle.push_back(current->first);
+      } else if (timeouts_.idle_timeout.count() > 0 &&
+                 now - session.record->last_activity.load() >= timeouts_.idle_timeout) {
+        idle.push_back(session.record->description);
       }
     }
   }
   for (const auto& stream : overdue) stream->Abort();
   v1::SessionEnding ending;
   ending.set_reason(v1::SESSION_END_REASON_IDLE);
-  ending.set_message(absl::StrCat("no scan came for ", Text(limits_.idle_timeout)));
-  for (const std::string& id : idle) {
+  ending.set_message(absl::StrCat("no scan came for ", Text(timeouts_.idle_timeout)));
+  for (const SessionDescription& session : idle) {
     // One that has just ended by itself is not found, which is as well.
-    End(id, ending).IgnoreError();
+    End(session.session_id, session.caller.principal.tenant, ending).IgnoreError();
   }
 }
 
@@ -163,21 +164,33 @@ void SessionRegistry::RemoveDetached(const std::string& reason) {
   }
 }
 
-std::vector<ListedSession> SessionRegistry::List(absl::string_view after_id, int limit) const {
+std::vector<ListedSession> SessionRegistry::List(absl::string_view tenant,
+                                                 absl::string_view after_id, int limit) const {
   std::vector<ListedSession> list;
   const std::lock_guard lock(mutex_);
   for (auto entry = entries_.upper_bound(after_id);
        entry != entries_.end() && static_cast<int>(list.size()) < limit; ++entry) {
-    list.push_back({entry->second.record, entry->second.detached_since.has_value()});
+    const Entry& session = entry->second;
+    if (session.record->description.caller.principal.tenant != tenant) continue;
+    list.push_back({session.record, session.detached_since.has_value()});
   }
   return list;
 }
 
-absl::StatusOr<ListedSession> SessionRegistry::Get(absl::string_view session_id) const {
+absl::StatusOr<ListedSession> SessionRegistry::Get(absl::string_view tenant,
+                                                   absl::string_view session_id) {
   const std::lock_guard lock(mutex_);
-  const auto entry = entries_.find(session_id);
+  const auto entry = FindOf(tenant, session_id);
   if (entry == entries_.end()) return Gone(session_id, "session_id");
   return ListedSession{entry->second.record, entry->second.detached_since.has_value()};
+}
+
+SessionRegistry::Entries::iterator SessionRegistry::FindOf(absl::string_view tenant,
+                                                           absl::string_view session_id) {
+  const auto entry = entries_.find(session_id);
+  const bool found = entry != entries_.end() &&
+                     entry->second.record->description.caller.principal.tenant == tenant;
+  return found ? entry : entries_.end();
 }
 
 int SessionRegistry::count() const {

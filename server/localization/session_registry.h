@@ -13,6 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "server/limits/limits.h"
 #include "server/localization/session_record.h"
 #include "server/localization/session_stream.h"
 
@@ -20,8 +21,7 @@ namespace dcloc::server {
 
 class Session;
 
-struct SessionLimits {
-  int max_session_count = 1000;
+struct SessionTimeouts {
   std::chrono::nanoseconds detached_timeout = std::chrono::minutes(1);
   std::chrono::nanoseconds idle_timeout = std::chrono::minutes(10);  ///< 0: for ever
 };
@@ -40,7 +40,9 @@ class SessionRegistry {
   using Clock = SessionRecord::Clock;
   using Stream = std::weak_ptr<SessionStream>;
 
-  explicit SessionRegistry(const SessionLimits& limits) : limits_(limits) {}
+  /// `limits` outlives it.
+  SessionRegistry(const Limits& limits, const SessionTimeouts& timeouts)
+      : limits_(limits), timeouts_(timeouts) {}
 
   /// Adds a session attached to `stream`. Where there are too many, the one that has been detached
   /// for longest makes room; ResourceExhausted when there is none.
@@ -50,7 +52,7 @@ class SessionRegistry {
   /// The session of a resume token. NotFound says why it is gone; PermissionDenied for another
   /// principal, InvalidArgument for another vehicle.
   absl::StatusOr<std::shared_ptr<Session>> Find(absl::string_view resume_token,
-                                                absl::string_view principal,
+                                                const Principal& principal,
                                                 absl::string_view vehicle_id) const;
 
   /// Attaches a session to another stream; gives the one that it was attached to. NotFound as
@@ -64,8 +66,9 @@ class SessionRegistry {
   /// `stream`.
   void Remove(const SessionRecord& record, const SessionStream& stream, const std::string& reason);
 
-  /// Tells the client and ends the session. NotFound.
-  absl::Status End(absl::string_view session_id, const v1::SessionEnding& ending);
+  /// Tells the client and ends a session of the tenant's. NotFound.
+  absl::Status End(absl::string_view session_id, absl::string_view tenant,
+                   const v1::SessionEnding& ending);
 
   /// Ends what has been detached or idle for too long, and cuts off who was told and does not go.
   void Reap(Clock::time_point now);
@@ -73,11 +76,12 @@ class SessionRegistry {
   /// Lets go of all detached sessions.
   void RemoveDetached(const std::string& reason);
 
-  /// At most `limit` sessions with an id above `after_id`, by ascending id.
-  std::vector<ListedSession> List(absl::string_view after_id, int limit) const;
+  /// At most `limit` sessions of the tenant's with an id above `after_id`, by ascending id.
+  std::vector<ListedSession> List(absl::string_view tenant, absl::string_view after_id,
+                                  int limit) const;
 
-  /// NotFound says why it is gone where that is still known.
-  absl::StatusOr<ListedSession> Get(absl::string_view session_id) const;
+  /// A session of the tenant's. NotFound says why it is gone where that is still known.
+  absl::StatusOr<ListedSession> Get(absl::string_view tenant, absl::string_view session_id);
 
   int count() const;
   int detached_count() const;
@@ -100,10 +104,12 @@ class SessionRegistry {
   Entry* FindAttached(const SessionRecord& record, const SessionStream& stream);
   void Release(Entries::iterator entry, const std::string& reason, Released* released);
   bool EvictLongestDetached(Released* released);
+  Entries::iterator FindOf(absl::string_view tenant, absl::string_view session_id);
   void Remember(const SessionDescription& description, const std::string& reason);
   absl::Status Gone(absl::string_view key, absl::string_view what) const;
 
-  const SessionLimits limits_;
+  const Limits& limits_;
+  const SessionTimeouts timeouts_;
   mutable std::mutex mutex_;
   Entries entries_;
   std::map<std::string, std::string, std::less<>> id_of_token_;
