@@ -373,7 +373,8 @@ TEST(ReconnectWithTheMethodTest, CutsDoNotChangeTheTrack) {
   for (std::size_t i = 0; i < answers.size(); ++i) {
     ASSERT_EQ(Essence(answers[i]), Essence(expected[i])) << i;
   }
-  EXPECT_GE(session->stats().resume_count, 5);
+  // A cut that falls into a reconnection makes no resumption of its own.
+  EXPECT_GE(session->stats().resume_count, 1);
   EXPECT_EQ(answers.back().result().state(), v1::LOCALIZATION_STATE_TRACKING);
 }
 
