@@ -186,7 +186,7 @@ void SessionEngine::TakeEnding(const v1::SessionEnding& ending) {
 
 void SessionEngine::TakeAnswer(v1::LocalizeResponse response) {
   if (absl::Status status = outbox_.TakeAnswer(SequenceNumber(response)); !status.ok()) {
-    return GiveUp(std::move(status));
+    return GiveUp(status);
   }
   failing_since_.reset();
   if (backoff_) backoff_->Reset();
@@ -194,7 +194,7 @@ void SessionEngine::TakeAnswer(v1::LocalizeResponse response) {
   answers_.push_back(std::move(response));
 }
 
-void SessionEngine::GiveUp(absl::Status status) {
+void SessionEngine::GiveUp(const absl::Status& status) {
   fault_.Update(status);
   connection_->Cancel();
 }

@@ -60,7 +60,7 @@ class SessionEngine final : public Connection::Host {
   void TakeOpened(v1::SessionOpened opened);
   void TakeEnding(const v1::SessionEnding& ending);
   void TakeAnswer(v1::LocalizeResponse response);
-  void GiveUp(absl::Status status);
+  void GiveUp(const absl::Status& status);
   void Tell(SessionEvent event);
   void DeliverEvents(std::unique_lock<std::mutex>& lock);
 

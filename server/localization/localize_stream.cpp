@@ -137,7 +137,8 @@ void LocalizeStream::Pump() {
     const grpc::Status status =
         cancelled_ ? grpc::Status(grpc::StatusCode::CANCELLED, "cancelled") : final_status_;
     lock.unlock();
-    if (released != nullptr) LetGo(std::move(released), keep, reason);
+    if (released != nullptr) LetGo(*released, keep, reason);
+    released.reset();
     if (step == Step::kRead) StartRead(&read_slot.request);
     if (step == Step::kWrite) StartWrite(&write_slot.response);
     if (step == Step::kAnnounce) StartWrite(&*announcement_);
@@ -318,12 +319,11 @@ std::string LocalizeStream::EndReason() const {
   return cancelled_ ? "its connection broke" : "its client closed it";
 }
 
-void LocalizeStream::LetGo(std::shared_ptr<Session> session, bool keep,
-                           const std::string& reason) const {
+void LocalizeStream::LetGo(const Session& session, bool keep, const std::string& reason) const {
   if (keep) {
-    host_.registry.Detach(*session->record(), *this);
+    host_.registry.Detach(*session.record(), *this);
   } else {
-    host_.registry.Remove(*session->record(), *this, reason);
+    host_.registry.Remove(*session.record(), *this, reason);
   }
 }
 

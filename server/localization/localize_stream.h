@@ -90,7 +90,7 @@ class LocalizeStream final
   void Process();
   grpc::Status Answer(Session& session, Slot& slot, bool dropped) const;
   std::string EndReason() const;
-  void LetGo(std::shared_ptr<Session> session, bool keep, const std::string& reason) const;
+  void LetGo(const Session& session, bool keep, const std::string& reason) const;
 
   Slot& SlotAt(std::int64_t index) {
     return slots_[static_cast<std::size_t>(index) % slots_.size()];
