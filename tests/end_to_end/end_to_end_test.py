@@ -99,7 +99,8 @@ class EndToEndTest(unittest.TestCase):
 
     def test_a_signal_stops_the_server_in_the_middle_of_a_drive(self):
         with self.serve_town() as server:
-            vehicle = PROGRAMS.start(*self.localize(server, "answers.csv", "--rate", "realtime"))
+            vehicle = PROGRAMS.start(*self.localize(server, "answers.csv", "--rate", "realtime",
+                                                   "--reconnect-s", "1"))
             self.wait_for_session(server)
             time.sleep(1)
             # What the server says after this must not fill the pipe.
@@ -116,7 +117,8 @@ class EndToEndTest(unittest.TestCase):
 
     def test_a_dead_server_leaves_whole_answers_and_its_maps(self):
         with self.serve_town() as server:
-            vehicle = PROGRAMS.start(*self.localize(server, "answers.csv", "--rate", "realtime"))
+            vehicle = PROGRAMS.start(*self.localize(server, "answers.csv", "--rate", "realtime",
+                                                   "--reconnect-s", "1"))
             self.wait_for_session(server)
             time.sleep(2)
             server.kill()
