@@ -1,0 +1,251 @@
+// One benchmark for each stage of a scan and each thing done to a map, on frozen inputs.
+#include <benchmark/benchmark.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "client/datasets/drive_map.h"
+#include "core/localizer/ego_motion.h"
+#include "core/localizer/map_matcher.h"
+#include "core/posegraph/pose_hypotheses.h"
+#include "core/registration/correlative_search.h"
+#include "core/registration/gicp.h"
+#include "core/registration/radial_statistics.h"
+#include "core/registration/rigid_ransac.h"
+#include "tests/benchmarks/inputs.h"
+
+namespace dcloc::benchmarks {
+namespace {
+
+constexpr double kLength_m = 300.0;
+
+// What a tracker starts from: the fused state, carried on for one scan.
+constexpr double kTracking_m = 0.06;
+constexpr double kTracking_deg = 0.2;
+
+struct Inputs {
+  Case drives;
+  std::vector<Query> queries;
+};
+
+const Inputs& InputsOf(const std::string& name) {
+  static std::map<std::string, Inputs> all;
+  auto found = all.find(name);
+  if (found == all.end()) {
+    Inputs inputs{SimulatedCase(name, kLength_m), {}};
+    inputs.queries = Queries(inputs.drives, 20, 12);
+    found = all.emplace(name, std::move(inputs)).first;
+  }
+  return found->second;
+}
+
+void Compensation(benchmark::State& state, const std::string& name) {
+  const Drive& drive = InputsOf(name).drives.live_drive;
+  const LocalizerOptions options;
+  EgoMotion ego_motion(options);
+  std::size_t i = 0;
+  for (auto _ : state) {
+    if (i == drive.scans.size()) {
+      ego_motion = EgoMotion(options);
+      i = 0;
+    }
+    const Scan& scan = drive.scans[i++].scan;
+    const RadarModel& radar = *drive.rig.Find(scan.radar_id);
+    const EgoVelocity& velocity = ego_motion.Advance(scan, radar);
+    benchmark::DoNotOptimize(StaticPoints(scan, radar, velocity, options.static_points));
+  }
+}
+
+void JoinSubmap(benchmark::State& state, const std::string& name) {
+  const Drive& drive = InputsOf(name).drives.live_drive;
+  const LocalizerOptions options;
+  EgoMotion ego_motion(options);
+  SubmapWindow window(options.scans_per_submap);
+  for (std::size_t i = 0; i < 50; ++i) {
+    const Scan& scan = drive.scans[i].scan;
+    const RadarModel& radar = *drive.rig.Find(scan.radar_id);
+    const EgoVelocity& velocity = ego_motion.Advance(scan, radar);
+    window.Push(scan.stamp, 0, StaticPoints(scan, radar, velocity, options.static_points),
+                ego_motion.since_previous());
+  }
+  std::size_t points = 0;
+  for (auto _ : state) {
+    const Submap submap = window.Join(true);
+    points = submap.points.size();
+    benchmark::DoNotOptimize(submap.points.data());
+  }
+  state.counters["points"] = static_cast<double>(points);
+}
+
+// Calls `run(query, number)` for one query after another.
+template <typename Run>
+void ForQueries(benchmark::State& state, const std::string& name, const Run& run) {
+  const std::vector<Query>& queries = InputsOf(name).queries;
+  std::size_t number = 0;
+  double points = 0.0;
+  double landmarks = 0.0;
+  for (auto _ : state) {
+    const Query& query = queries[number % queries.size()];
+    run(query, number % queries.size());
+    points += static_cast<double>(query.live.size());
+    landmarks += static_cast<double>(query.local_map.points().size());
+    ++number;
+  }
+  state.counters["points"] = benchmark::Counter(points, benchmark::Counter::kAvgIterations);
+  state.counters["landmarks"] = benchmark::Counter(landmarks, benchmark::Counter::kAvgIterations);
+}
+
+void Gicp(benchmark::State& state, const std::string& name) {
+  double iterations = 0.0;
+  ForQueries(state, name, [&](const Query& query, std::size_t number) {
+    const auto result = RegisterGicp<2>(query.live, query.local_map,
+                                        StartFor(query, number, kTracking_m, kTracking_deg));
+    iterations += result.iterations;
+  });
+  state.counters["steps"] = benchmark::Counter(iterations, benchmark::Counter::kAvgIterations);
+}
+
+std::vector<Eigen::Vector2f> PointsOf(std::span<const GaussianPoint<2>> points, std::size_t count) {
+  std::vector<Eigen::Vector2f> chosen;
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / count) {
+    chosen.push_back(points[i].mean_m.cast<float>());
+  }
+  return chosen;
+}
+
+void MakeLikelihoodField(benchmark::State& state, const std::string& name) {
+  ForQueries(state, name, [&](const Query& query, std::size_t) {
+    benchmark::DoNotOptimize(LikelihoodField(query.local_map, 0.25));
+  });
+}
+
+void Correlate(benchmark::State& state, const std::string& name) {
+  std::vector<LikelihoodField> fields;
+  for (const Query& query : InputsOf(name).queries) fields.emplace_back(query.local_map, 0.25);
+  ForQueries(state, name, [&](const Query& query, std::size_t number) {
+    const SearchWindow window{.centre_local_vehicle = StartFor(query, number, 1.0, 2.0),
+                              .translation_m = 3.0,
+                              .rotation_rad = 0.1};
+    benchmark::DoNotOptimize(
+        CorrelativeSearch(PointsOf(query.live, 300), fields[number], window, 4));
+  });
+}
+
+void DescribeAndRansac(benchmark::State& state, const std::string& name) {
+  ForQueries(state, name, [&](const Query& query, std::size_t) {
+    const auto landmarks = PointsOf(query.local_map.points(), 1200);
+    const auto points = PointsOf(query.live, 300);
+    const auto pairs = MutualNearest(RadialStatistics(landmarks), RadialStatistics(points), 2);
+    benchmark::DoNotOptimize(MatchRigid(landmarks, points, pairs, 1));
+  });
+}
+
+void SolvePoseGraph(benchmark::State& state) {
+  PoseHypotheses<2> graph{PoseGraphOptions{}};
+  const auto spread = [](double sigma_m, double sigma_rad) -> Eigen::Matrix3d {
+    return Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad)
+        .asDiagonal();
+  };
+  graph.Reset({{}, spread(0.1, 0.01)});
+  const Eigen::Vector3d step(0.8, 0.0, 0.01);
+  Pose2 truth;
+  double side_m = 0.03;
+  for (auto _ : state) {
+    truth = truth * Exp(step);
+    graph.AddState({Exp(Eigen::Vector3d(1.01 * step)), spread(0.05, 0.003)});
+    side_m = -side_m;
+    graph.AddLoop({truth * Exp(Eigen::Vector3d(side_m, side_m, 0.1 * side_m)), spread(0.06, 0.004),
+                   spread(0.2, 0.01)});
+  }
+  if (!graph.empty()) benchmark::DoNotOptimize(graph.Newest());
+}
+
+void EnterLocalMap(benchmark::State& state, const std::string& name) {
+  const Case& drives = InputsOf(name).drives;
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const DriveScan& at = drives.live_drive.scans[i++ * 20 % drives.live_drive.scans.size()];
+    benchmark::DoNotOptimize(LocalMap<2>(*drives.map, at.T_map_vehicle.translation_m, 100.0));
+  }
+}
+
+void QueryNearestKeyframe(benchmark::State& state, const std::string& name) {
+  const Case& drives = InputsOf(name).drives;
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const DriveScan& at = drives.live_drive.scans[i++ % drives.live_drive.scans.size()];
+    benchmark::DoNotOptimize(drives.map->NearestKeyframe(at.T_map_vehicle.translation_m, 100.0));
+  }
+}
+
+void OpenMap(benchmark::State& state, const std::string& name) {
+  const std::vector<std::byte>& bytes = InputsOf(name).drives.map_bytes;
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("dcloc_benchmark_" + name + ".dclm");
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  for (auto _ : state) benchmark::DoNotOptimize(RadarMap::Open(path));
+  std::filesystem::remove(path);
+  state.counters["bytes"] = static_cast<double>(bytes.size());
+}
+
+// Seconds of drive that are mapped in one second.
+void BuildMapOf(benchmark::State& state, const std::string& name) {
+  const Case& drives = InputsOf(name).drives;
+  const std::vector<DriveScan>& scans = drives.map_drive.scans;
+  for (auto _ : state) benchmark::DoNotOptimize(BuildMap(drives.map_drive, {}));
+  const double drive_s =
+      std::chrono::duration<double>(scans.back().scan.stamp - scans.front().scan.stamp).count();
+  state.counters["times_real"] =
+      benchmark::Counter(drive_s, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+// A place without a prior, by the sub-maps of the whole map.
+void SearchEverywhere(benchmark::State& state, const std::string& name) {
+  const std::shared_ptr<const RadarMap>& map = InputsOf(name).drives.map;
+  double found = 0.0;
+  ForQueries(state, name, [&](const Query& query, std::size_t) {
+    MapMatcher<2> matcher(map, LocalizerOptions{});
+    found += matcher.MatchAnywhere(query.live).has_value() ? 1.0 : 0.0;
+  });
+  state.counters["found"] = benchmark::Counter(found, benchmark::Counter::kAvgIterations);
+  state.counters["map_m"] = map->info().length_m;
+}
+
+void RegisterAll() {
+  using benchmark::RegisterBenchmark;
+  for (const std::string name : {"ars408", "carla"}) {
+    const auto add = [&](const char* what, void (*run)(benchmark::State&, const std::string&),
+                         benchmark::TimeUnit unit) {
+      RegisterBenchmark((std::string(what) + "/" + name).c_str(), run, name)->Unit(unit);
+    };
+    add("Compensation", Compensation, benchmark::kMicrosecond);
+    add("Submap", JoinSubmap, benchmark::kMicrosecond);
+    add("Gicp", Gicp, benchmark::kMicrosecond);
+    add("LikelihoodField", MakeLikelihoodField, benchmark::kMicrosecond);
+    add("CorrelativeSearch", Correlate, benchmark::kMicrosecond);
+    add("DescriptorsAndRansac", DescribeAndRansac, benchmark::kMicrosecond);
+    add("LocalMap", EnterLocalMap, benchmark::kMicrosecond);
+    add("NearestKeyframe", QueryNearestKeyframe, benchmark::kMicrosecond);
+    add("OpenMap", OpenMap, benchmark::kMicrosecond);
+    add("BuildMap", BuildMapOf, benchmark::kMillisecond);
+    add("SearchEverywhere", SearchEverywhere, benchmark::kMillisecond);
+  }
+  RegisterBenchmark("PoseGraph", SolvePoseGraph)->Unit(benchmark::kMicrosecond);
+}
+
+}  // namespace
+}  // namespace dcloc::benchmarks
+
+int main(int argc, char** argv) {
+  dcloc::benchmarks::RegisterAll();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
