@@ -187,10 +187,10 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::MatchAnywhere(
 
 template <int Dim>
 Registration<Dim> MapMatcher<Dim>::Refine(std::span<const GaussianPoint<Dim>> live,
-                                          const Pose<Dim>& start, double blur_m) const {
+                                          const Pose<Dim>& start, double blur_m) {
   GicpOptions gicp = options_.gicp;
   gicp.initial_blur_m = blur_m;
-  return RegisterGicp<Dim>(live, local_map_, start, gicp);
+  return RegisterGicp<Dim>(live, local_map_, start, gicp, finder_);
 }
 
 template <int Dim>

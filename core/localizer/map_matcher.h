@@ -42,7 +42,7 @@ class MapMatcher {
   std::vector<Pose2> Hypotheses(std::span<const GaussianPoint<Dim>> live,
                                 const PoseEstimate<Dim>& predicted, std::uint64_t seed);
   Registration<Dim> Refine(std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& start,
-                           double blur_m) const;
+                           double blur_m);
   bool Believable(const Registration<Dim>& registration) const;
 
   std::shared_ptr<const RadarMap> map_;
@@ -50,6 +50,7 @@ class MapMatcher {
   std::optional<std::size_t> keyframe_;
   Pose3 T_map_local_;
   LocalMap<Dim> local_map_;
+  MatchFinder<Dim> finder_;
   LikelihoodField field_;  // of local_map_; empty until a search needs it
 };
 

@@ -2,11 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <vector>
 
 namespace dcloc {
 namespace {
@@ -16,62 +13,53 @@ using Vector = Eigen::Matrix<double, Dim, 1>;
 template <int Dim>
 using Matrix = Eigen::Matrix<double, Dim, Dim>;
 template <int Dim>
-using PointJacobian = Eigen::Matrix<double, Dim, Pose<Dim>::kDof>;
+using Matches = std::span<const PointMatch<Dim>>;
 
-// A live point with its landmark, and the information of their difference.
+// d (Exp(phi) p) / d phi at zero: the rotation's part of d (T Exp(xi) p) / d xi once both are
+// written in the axes of the local frame, where the translation's part is the identity.
+Eigen::Vector2d LeverArm(const Eigen::Vector2d& p) { return {-p.y(), p.x()}; }
+Eigen::Matrix3d LeverArm(const Eigen::Vector3d& p) { return -Skew(p); }
+
+// sum w G^T W G by blocks of translation and rotation, in the local frame's axes.
 template <int Dim>
-struct Match {
-  std::size_t live = 0;
-  Vector<Dim> q = Vector<Dim>::Zero();
-  Matrix<Dim> information = Matrix<Dim>::Zero();
+class InformationSum {
+ public:
+  static constexpr int kTurns = Pose<Dim>::kDof - Dim;
+  using Arm = Eigen::Matrix<double, Dim, kTurns>;
+
+  void Add(const Matrix<Dim>& information, const Arm& arm) {
+    const Arm turned = information * arm;
+    shift_ += information;
+    cross_ += turned;
+    turn_ += arm.transpose() * turned;
+  }
+
+  // In the vehicle frame's axes.
+  TangentMatrix<Dim> InVehicle(const Matrix<Dim>& R) const {
+    TangentMatrix<Dim> sum;
+    sum.template topLeftCorner<Dim, Dim>() = R.transpose() * shift_ * R;
+    sum.template topRightCorner<Dim, kTurns>() = R.transpose() * cross_ * TurnAxes(R);
+    sum.template bottomLeftCorner<kTurns, Dim>() =
+        sum.template topRightCorner<Dim, kTurns>().transpose();
+    sum.template bottomRightCorner<kTurns, kTurns>() =
+        TurnAxes(R).transpose() * turn_ * TurnAxes(R);
+    return sum;
+  }
+
+  // The vehicle's axes of rotation in the local frame: in the plane there is one for all.
+  static Eigen::Matrix<double, kTurns, kTurns> TurnAxes(const Matrix<Dim>& R) {
+    if constexpr (Dim == 2) {
+      return Eigen::Matrix<double, 1, 1>::Identity();
+    } else {
+      return R;
+    }
+  }
+
+ private:
+  Matrix<Dim> shift_ = Matrix<Dim>::Zero();
+  Arm cross_ = Arm::Zero();
+  Eigen::Matrix<double, kTurns, kTurns> turn_ = Eigen::Matrix<double, kTurns, kTurns>::Zero();
 };
-
-// d (T Exp(xi) p) / d xi at zero.
-template <int Dim>
-PointJacobian<Dim> MoveJacobian(const Matrix<Dim>& R, const Vector<Dim>& p) {
-  PointJacobian<Dim> G;
-  G.template leftCols<Dim>() = R;
-  if constexpr (Dim == 2) {
-    G.col(2) = R * Eigen::Vector2d(-p.y(), p.x());
-  } else {
-    G.template rightCols<3>() = -R * Skew(p);
-  }
-  return G;
-}
-
-template <int Dim>
-std::vector<Match<Dim>> FindMatches(std::span<const GaussianPoint<Dim>> live,
-                                    const LocalMap<Dim>& map, const Pose<Dim>& T, double blur_m,
-                                    const GicpOptions& options) {
-  const Matrix<Dim> R = T.Rotation();
-  const double gate = options.gate_sigmas * options.gate_sigmas;
-  std::vector<Match<Dim>> matches;
-  matches.reserve(live.size());
-  for (std::size_t i = 0; i < live.size(); ++i) {
-    const Vector<Dim> p = R * live[i].mean_m + T.translation_m;
-    const Matrix<Dim> covariance =
-        R * live[i].covariance_m2 * R.transpose() + blur_m * blur_m * Matrix<Dim>::Identity();
-    double best = std::numeric_limits<double>::infinity();
-    Match<Dim> match;
-    map.ForEachNear(p.x(), p.y(), options.reach_m, [&](std::size_t index) {
-      const GaussianPoint<Dim>& landmark = map.points()[index];
-      const Vector<Dim> e = landmark.mean_m - p;
-      if (e.squaredNorm() > options.reach_m * options.reach_m) return;
-      const Matrix<Dim> joint = landmark.covariance_m2 + covariance;
-      const Matrix<Dim> information = joint.inverse();
-      const double distance = e.dot(information * e);
-      if (distance > gate) return;
-      // Negative log-likelihood: a wide landmark does not win by its width alone.
-      const double cost = distance + std::log(joint.determinant());
-      if (cost < best) {
-        best = cost;
-        match = {i, landmark.mean_m, information};
-      }
-    });
-    if (std::isfinite(best)) matches.push_back(match);
-  }
-  return matches;
-}
 
 double HuberCost(double squared, double k) {
   return squared <= k * k ? squared : 2.0 * k * std::sqrt(squared) - k * k;
@@ -82,62 +70,61 @@ double HuberWeight(double squared, double k) {
 }
 
 template <int Dim>
-double Cost(std::span<const GaussianPoint<Dim>> live, const std::vector<Match<Dim>>& matches,
-            const Pose<Dim>& T, double huber) {
+double Cost(Matches<Dim> matches, const Pose<Dim>& T, double huber) {
   const Matrix<Dim> R = T.Rotation();
   double cost = 0.0;
-  for (const Match<Dim>& match : matches) {
-    const Vector<Dim> e = match.q - (R * live[match.live].mean_m + T.translation_m);
+  for (const PointMatch<Dim>& match : matches) {
+    const Vector<Dim> e = match.q - (R * match.p + T.translation_m);
     cost += HuberCost(e.dot(match.information * e), huber);
   }
   return cost;
 }
 
-// The quadratic around T, and what its covariance and quality need.
+// The quadratic around T.
 template <int Dim>
 struct NormalEquations {
-  TangentMatrix<Dim> hessian = TangentMatrix<Dim>::Zero();
-  TangentMatrix<Dim> squared_weights = TangentMatrix<Dim>::Zero();  // sum w^2 G^T W G
-  Tangent<Dim> gradient = Tangent<Dim>::Zero();
+  TangentMatrix<Dim> hessian;
+  Tangent<Dim> gradient;
   double cost = 0.0;
-  double squared_residuals = 0.0;
-  double likelihood = 0.0;  // sum exp(-d^2 / 2)
 };
 
 template <int Dim>
-NormalEquations<Dim> Linearize(std::span<const GaussianPoint<Dim>> live,
-                               const std::vector<Match<Dim>>& matches, const Pose<Dim>& T,
-                               double huber) {
+NormalEquations<Dim> Linearize(Matches<Dim> matches, const Pose<Dim>& T, double huber) {
+  constexpr int kTurns = InformationSum<Dim>::kTurns;
   const Matrix<Dim> R = T.Rotation();
+  InformationSum<Dim> hessian;
+  Vector<Dim> shift = Vector<Dim>::Zero();
+  Eigen::Matrix<double, kTurns, 1> turn = Eigen::Matrix<double, kTurns, 1>::Zero();
   NormalEquations<Dim> normal;
-  for (const Match<Dim>& match : matches) {
-    const Vector<Dim>& p = live[match.live].mean_m;
-    const Vector<Dim> e = match.q - (R * p + T.translation_m);
-    const double squared = e.dot(match.information * e);
+  for (const PointMatch<Dim>& match : matches) {
+    const Vector<Dim> turned_p = R * match.p;
+    const Vector<Dim> e = match.q - (turned_p + T.translation_m);
+    const Vector<Dim> pull = match.information * e;
+    const double squared = e.dot(pull);
     const double weight = HuberWeight(squared, huber);
-    const PointJacobian<Dim> G = MoveJacobian<Dim>(R, p);
-    const TangentMatrix<Dim> outer = G.transpose() * match.information * G;
-    normal.hessian += weight * outer;
-    normal.squared_weights += weight * weight * outer;
-    normal.gradient -= weight * (G.transpose() * (match.information * e));
+    const typename InformationSum<Dim>::Arm arm = LeverArm(turned_p);
+    hessian.Add(weight * match.information, arm);
+    shift -= weight * pull;
+    turn -= weight * (arm.transpose() * pull);
     normal.cost += HuberCost(squared, huber);
-    normal.squared_residuals += squared;
-    normal.likelihood += std::exp(-0.5 * squared);
   }
+  normal.hessian = hessian.InVehicle(R);
+  normal.gradient.template head<Dim>() = R.transpose() * shift;
+  normal.gradient.template tail<kTurns>() = InformationSum<Dim>::TurnAxes(R).transpose() * turn;
   return normal;
 }
 
 // One Levenberg-Marquardt step on frozen matches: raises the damping until the cost falls.
 template <int Dim>
-Tangent<Dim> Step(std::span<const GaussianPoint<Dim>> live, const std::vector<Match<Dim>>& matches,
-                  const NormalEquations<Dim>& normal, double huber, Pose<Dim>& T) {
+Tangent<Dim> Step(Matches<Dim> matches, const NormalEquations<Dim>& normal, double huber,
+                  Pose<Dim>& T) {
   double damping = 1e-6;
   for (int attempt = 0; attempt < 6; ++attempt, damping *= 30.0) {
     TangentMatrix<Dim> damped = normal.hessian;
     damped.diagonal() += damping * normal.hessian.diagonal().cwiseMax(1e-3);
     const Tangent<Dim> step = -damped.ldlt().solve(normal.gradient);
     const Pose<Dim> candidate = T * Exp(step);
-    if (Cost(live, matches, candidate, huber) <= normal.cost) {
+    if (Cost<Dim>(matches, candidate, huber) <= normal.cost) {
       T = candidate;
       return step;
     }
@@ -147,13 +134,14 @@ Tangent<Dim> Step(std::span<const GaussianPoint<Dim>> live, const std::vector<Ma
 
 // H^-1 (sum w^2 G^T W G) H^-1, direction by direction, so that what is not observed says so.
 template <int Dim>
-TangentMatrix<Dim> SandwichCovariance(const NormalEquations<Dim>& normal) {
-  const Eigen::SelfAdjointEigenSolver<TangentMatrix<Dim>> solver(normal.hessian);
+TangentMatrix<Dim> SandwichCovariance(const TangentMatrix<Dim>& hessian,
+                                      const TangentMatrix<Dim>& squared_weights) {
+  const Eigen::SelfAdjointEigenSolver<TangentMatrix<Dim>> solver(hessian);
   constexpr double kMinInformation = 1.0 / kUnobserved;
   const Tangent<Dim> values = solver.eigenvalues().cwiseMax(kMinInformation);
   const TangentMatrix<Dim> inverse = solver.eigenvectors() * values.cwiseInverse().asDiagonal() *
                                      solver.eigenvectors().transpose();
-  TangentMatrix<Dim> covariance = inverse * normal.squared_weights * inverse;
+  TangentMatrix<Dim> covariance = inverse * squared_weights * inverse;
   for (int i = 0; i < Pose<Dim>::kDof; ++i) {
     if (solver.eigenvalues()(i) > kMinInformation) continue;
     const Tangent<Dim> direction = solver.eigenvectors().col(i);
@@ -162,45 +150,70 @@ TangentMatrix<Dim> SandwichCovariance(const NormalEquations<Dim>& normal) {
   return 0.5 * (covariance + covariance.transpose());
 }
 
+// Covariance and quality at the pose that `result` holds.
+template <int Dim>
+void Judge(Matches<Dim> matches, std::size_t live_count, double huber, Registration<Dim>& result) {
+  const Matrix<Dim> R = result.T_local_vehicle.Rotation();
+  InformationSum<Dim> hessian;
+  InformationSum<Dim> squared_weights;
+  double squared_residuals = 0.0;
+  double likelihood = 0.0;
+  for (const PointMatch<Dim>& match : matches) {
+    const Vector<Dim> turned_p = R * match.p;
+    const Vector<Dim> e = match.q - (turned_p + result.T_local_vehicle.translation_m);
+    const double squared = e.dot(match.information * e);
+    const double weight = HuberWeight(squared, huber);
+    const typename InformationSum<Dim>::Arm arm = LeverArm(turned_p);
+    hessian.Add(weight * match.information, arm);
+    squared_weights.Add(weight * weight * match.information, arm);
+    squared_residuals += squared;
+    likelihood += std::exp(-0.5 * squared);
+  }
+  result.covariance = SandwichCovariance<Dim>(hessian.InVehicle(R), squared_weights.InVehicle(R));
+  result.inlier_count = static_cast<int>(matches.size());
+  if (matches.empty()) return;
+  const auto inlier_count = static_cast<double>(matches.size());
+  result.overlap = inlier_count / static_cast<double>(live_count);
+  result.score = likelihood / static_cast<double>(live_count);
+  result.residual_scale = std::sqrt(squared_residuals / (Dim * inlier_count));
+}
+
 }  // namespace
 
 template <int Dim>
 Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
-                               const Pose<Dim>& T_local_vehicle_initial,
-                               const GicpOptions& options) {
+                               const Pose<Dim>& T_local_vehicle_initial, const GicpOptions& options,
+                               MatchFinder<Dim>& finder) {
   Registration<Dim> result;
   result.T_local_vehicle = T_local_vehicle_initial;
   double blur_m = options.initial_blur_m;
   constexpr double kNoBlur_m = 0.02;
-  std::vector<Match<Dim>> matches;
-  NormalEquations<Dim> normal;
+  finder.Begin(live, map, {.reach_m = options.reach_m, .gate_sigmas = options.gate_sigmas});
+  Matches<Dim> matches;
   while (true) {
-    matches = FindMatches(live, map, result.T_local_vehicle, blur_m, options);
-    normal = Linearize(live, matches, result.T_local_vehicle, options.huber_sigmas);
-    if (result.converged || result.iterations == options.max_iterations) break;
+    matches = finder.Find(result.T_local_vehicle, blur_m);
+    if (result.iterations == options.max_iterations) break;
     if (matches.size() < static_cast<std::size_t>(Pose<Dim>::kDof)) break;
+    const NormalEquations<Dim> normal =
+        Linearize<Dim>(matches, result.T_local_vehicle, options.huber_sigmas);
     const Tangent<Dim> step =
-        Step(live, matches, normal, options.huber_sigmas, result.T_local_vehicle);
+        Step<Dim>(matches, normal, options.huber_sigmas, result.T_local_vehicle);
     ++result.iterations;
     const bool sharp = blur_m == 0.0;
     blur_m = blur_m > kNoBlur_m ? 0.5 * blur_m : 0.0;
     result.converged =
         sharp && step.template head<Dim>().norm() < options.translation_tolerance_m &&
         step.template tail<Pose<Dim>::kDof - Dim>().norm() < options.rotation_tolerance_rad;
+    // So small a step changes no match worth looking for.
+    if (result.converged) break;
   }
-  const auto inlier_count = static_cast<double>(matches.size());
-  result.covariance = SandwichCovariance<Dim>(normal);
-  result.inlier_count = static_cast<int>(matches.size());
-  if (matches.empty()) return result;
-  result.overlap = inlier_count / static_cast<double>(live.size());
-  result.score = normal.likelihood / static_cast<double>(live.size());
-  result.residual_scale = std::sqrt(normal.squared_residuals / (Dim * inlier_count));
+  Judge<Dim>(matches, live.size(), options.huber_sigmas, result);
   return result;
 }
 
 template Registration<2> RegisterGicp<2>(std::span<const GaussianPoint<2>>, const LocalMap<2>&,
-                                         const Pose2&, const GicpOptions&);
+                                         const Pose2&, const GicpOptions&, MatchFinder<2>&);
 template Registration<3> RegisterGicp<3>(std::span<const GaussianPoint<3>>, const LocalMap<3>&,
-                                         const Pose3&, const GicpOptions&);
+                                         const Pose3&, const GicpOptions&, MatchFinder<3>&);
 
 }  // namespace dcloc
