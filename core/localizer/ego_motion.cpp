@@ -49,7 +49,9 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar)
 // The newest scan of each radar, as far as they are of one moment.
 std::vector<RadarScan> EgoMotion::Remember(const Scan& scan, const RadarModel& radar) {
   constexpr auto kOneMoment = std::chrono::milliseconds(80);
-  recent_.insert_or_assign(radar.id, RecentScan{scan, &radar});
+  RecentScan& newest = recent_[radar.id];
+  newest.scan = scan;  // into the columns of the radar's last one
+  newest.radar = &radar;
   std::vector<RadarScan> scans;
   for (const auto& [id, recent] : recent_) {
     if (scan.stamp - recent.scan.stamp <= kOneMoment) scans.push_back({&recent.scan, recent.radar});

@@ -29,7 +29,7 @@ class EgoMotion {
  private:
   struct RecentScan {
     Scan scan;
-    const RadarModel* radar;
+    const RadarModel* radar = nullptr;
   };
 
   std::vector<RadarScan> Remember(const Scan& scan, const RadarModel& radar);

@@ -13,20 +13,6 @@ namespace {
 
 constexpr int kDofInSpace = 6;
 
-// The points, or every n-th of them so that there are no more than `max_count`.
-template <int Dim>
-std::vector<GaussianPoint<Dim>> ToGaussian(const std::vector<RadarPoint>& points, int max_count) {
-  const auto limit = static_cast<std::size_t>(max_count);
-  const std::size_t stride = std::max<std::size_t>(1, (points.size() + limit - 1) / limit);
-  std::vector<GaussianPoint<Dim>> gaussian;
-  gaussian.reserve(points.size() / stride + 1);
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    gaussian.push_back({.mean_m = points[i].position_m.head<Dim>(),
-                        .covariance_m2 = points[i].covariance_m2.topLeftCorner<Dim, Dim>()});
-  }
-  return gaussian;
-}
-
 // A pose in space and its covariance as the pipeline's own kind, and back.
 template <int Dim>
 PoseEstimate<Dim> FromSpace(const Pose3& pose, const Matrix6d& covariance) {
@@ -126,15 +112,17 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   travelled_m_ += motion.T_from_to.translation_m.norm();
   window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), std::move(points),
                motion);
-  const Submap submap = window_.Join(options_.uncertainty);
 
-  if (RegistrationIsDue(scan.stamp, submap)) {
+  if (RegistrationIsDue(scan.stamp)) {
+    window_.Join(options_.uncertainty, static_cast<std::size_t>(options_.match.max_live_points),
+                 live_);
+
     Announce(listener, Stage::kRegistration);
-    const std::optional<Registration<Dim>> registration = Register(submap, scan.stamp);
+    const std::optional<Registration<Dim>> registration = Register(scan.stamp);
 
     Announce(listener, Stage::kPoseGraph);
     if (registration) {
-      const EdgeTest test = UpdateGraph(*registration, submap, scan.stamp);
+      const EdgeTest test = UpdateGraph(*registration, scan.stamp);
       quality_.edge_distance = test.distance;
       quality_.edge_valid = test.valid;
     }
@@ -142,7 +130,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
     if (state_.BlindStartFailed()) graph_.Clear();
     last_registration_ = scan.stamp;
   }
-  return Answer(scan, submap);
+  return Answer(scan);
 }
 
 template <int Dim>
@@ -173,12 +161,12 @@ void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
 }
 
 template <int Dim>
-bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp, const Submap& submap) const {
+bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp) const {
   // A start from a few points is easily wrong, and then contradicts the better ones that follow.
   const auto full =
       static_cast<double>(options_.scans_per_submap) * static_cast<double>(rig_.radars.size());
-  const bool mature = submap.scan_count >= options_.state.start_share * full ||
-                      submap.span >= options_.state.start_span;
+  const bool mature = window_.scan_count() >= options_.state.start_share * full ||
+                      window_.span() >= options_.state.start_span;
   if (registration_count_ == 0 && !mature) return false;
   return !last_registration_ || stamp - *last_registration_ >= options_.registration_interval;
 }
@@ -193,26 +181,24 @@ void Pipeline<Dim>::EnterLocalFrame(const Eigen::Vector3d& p_map) {
 }
 
 template <int Dim>
-std::optional<Registration<Dim>> Pipeline<Dim>::Register(const Submap& submap, Stamp stamp) {
-  const std::vector<GaussianPoint<Dim>> live =
-      ToGaussian<Dim>(submap.points, options_.match.max_live_points);
+std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp) {
   std::optional<Registration<Dim>> registration;
   if (graph_.empty()) {
     constexpr auto kSearchInterval = std::chrono::milliseconds(500);
-    if (submap.span < kSearchInterval) return std::nullopt;
+    if (window_.span() < kSearchInterval) return std::nullopt;
     if (last_search_ && stamp - *last_search_ < kSearchInterval) return std::nullopt;
     last_search_ = stamp;
-    registration = matcher_.MatchAnywhere(live);
+    registration = matcher_.MatchAnywhere(live_);
   } else {
     graph_.AddState(ToEstimate<Dim>(since_state_));
     since_state_ = {};
     const PoseEstimate<3> predicted = ToSpace<Dim>(graph_.Newest(), options_);
     state_.OnAnswer(stamp, std::sqrt(predicted.covariance.topLeftCorner<2, 2>().trace()));
     EnterLocalFrame((matcher_.T_map_local() * predicted.pose).translation_m);
-    registration = matcher_.Match(live, graph_.Newest(),
+    registration = matcher_.Match(live_, graph_.Newest(),
                                   static_cast<std::uint64_t>(stamp.time_since_epoch().count()));
   }
-  quality_.live_point_count = static_cast<int>(live.size());
+  quality_.live_point_count = static_cast<int>(live_.size());
   if (!registration) return std::nullopt;
   quality_.inlier_count = registration->inlier_count;
   quality_.overlap = registration->overlap;
@@ -221,8 +207,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(const Submap& submap, S
 }
 
 template <int Dim>
-EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, const Submap& submap,
-                                    Stamp stamp) {
+EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, Stamp stamp) {
   // What was left over beyond the model widens the covariance; what agreed better does not narrow
   // it.
   const double scale = std::max(1.0, registration.residual_scale);
@@ -238,12 +223,12 @@ EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, const
   ++registration_count_;
   // Each scan's points take part in every registration while the scan is in the sub-map.
   const std::chrono::nanoseconds interval =
-      last_registration_ ? stamp - *last_registration_ : submap.span;
+      last_registration_ ? stamp - *last_registration_ : window_.span();
   return graph_.AddLoop(
       {.pose = registration.T_local_vehicle,
        .covariance = own + shared,
        .reused_covariance =
-           Share(submap.span, interval, registration_count_) * own +
+           Share(window_.span(), interval, registration_count_) * own +
            Share(options_.match.shared_time, interval, registration_count_) * shared});
 }
 
@@ -256,9 +241,9 @@ PoseEstimate<Dim> Pipeline<Dim>::Now() const {
 }
 
 template <int Dim>
-Localization Pipeline<Dim>::Answer(const Scan& scan, const Submap& submap) {
+Localization Pipeline<Dim>::Answer(const Scan& scan) {
   Localization answer{.stamp = scan.stamp, .quality = quality_};
-  answer.quality.live_point_count = static_cast<int>(submap.points.size());
+  answer.quality.live_point_count = static_cast<int>(window_.point_count());
   if (graph_.empty()) {
     constexpr double kUnknown = 1e8;
     answer.covariance = kUnknown * Matrix6d::Identity();

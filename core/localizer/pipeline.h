@@ -35,17 +35,18 @@ class Pipeline final : public Localizer::Impl {
  private:
   absl::Status CheckOrder(const Scan& scan) const;
   void Start(const InitialPose& initial_pose);
-  bool RegistrationIsDue(Stamp stamp, const Submap& submap) const;
+  bool RegistrationIsDue(Stamp stamp) const;
   void EnterLocalFrame(const Eigen::Vector3d& p_map);
-  std::optional<Registration<Dim>> Register(const Submap& submap, Stamp stamp);
-  EdgeTest UpdateGraph(const Registration<Dim>& registration, const Submap& submap, Stamp stamp);
+  std::optional<Registration<Dim>> Register(Stamp stamp);
+  EdgeTest UpdateGraph(const Registration<Dim>& registration, Stamp stamp);
   PoseEstimate<Dim> Now() const;
-  Localization Answer(const Scan& scan, const Submap& submap);
+  Localization Answer(const Scan& scan);
 
   Rig rig_;
   LocalizerOptions options_;
   EgoMotion ego_motion_;
   SubmapWindow window_;
+  std::vector<GaussianPoint<Dim>> live_;  // the sub-map of the last registration
   MapMatcher<Dim> matcher_;
   PoseHypotheses<Dim> graph_;
   TrackingState state_;

@@ -8,21 +8,40 @@
 namespace dcloc {
 namespace {
 
-// `point`, seen `motion` before the newest scan, in that scan's vehicle frame.
-RadarPoint MovePoint(const RadarPoint& point, const Pose3& T_newest_then, const Eigen::Matrix3d& R,
-                     const Matrix6d& drift, bool carry_drift) {
-  RadarPoint moved{.position_m = T_newest_then * point.position_m,
-                   .covariance_m2 = R * point.covariance_m2 * R.transpose(),
-                   .rcs_dbsm = point.rcs_dbsm};
-  if (carry_drift) {
-    // p = T Exp(xi) p_then: G = R [I, -[p_then]x].
-    Eigen::Matrix<double, 3, 6> G;
-    G.leftCols<3>() = R;
-    G.rightCols<3>() = -R * Skew(point.position_m);
-    moved.covariance_m2 += G * drift * G.transpose();
+// How points that were seen some time ago come into the newest scan's vehicle frame.
+struct Carried {
+  Eigen::Matrix3d R_newest_then;
+  Eigen::Vector3d t_newest_then;
+  Matrix6d drift;  ///< of T_newest_then on its right, turned into the newest frame's axes
+
+  explicit Carried(const Motion& since_then) {
+    const Pose3 T_newest_then = since_then.T_from_to.Inverse();
+    R_newest_then = T_newest_then.Rotation();
+    t_newest_then = T_newest_then.translation_m;
+    Matrix6d turn = Matrix6d::Zero();
+    turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = R_newest_then;
+    drift = InvertCovariance<3>(since_then.T_from_to, since_then.covariance);
+    drift = turn * drift * turn.transpose();
   }
-  return moved;
-}
+
+  Eigen::Vector3d Position(const RadarPoint& point) const {
+    return R_newest_then * point.position_m + t_newest_then;
+  }
+
+  // The covariance's part in x and y, or all of it.
+  template <int Dim>
+  Eigen::Matrix<double, Dim, Dim> Covariance(const RadarPoint& point, bool carry_drift) const {
+    const Eigen::Matrix<double, Dim, 3> R = R_newest_then.topRows<Dim>();
+    const Eigen::Matrix<double, Dim, Dim> own = R * point.covariance_m2 * R.transpose();
+    if (!carry_drift) return own;
+    // p = T Exp(xi) p_then: G = R [I, -[p_then]x] = [I, -[R p_then]x] diag(R, R).
+    const Eigen::Matrix<double, Dim, 3> arm =
+        -Skew(R_newest_then * point.position_m).topRows<Dim>();
+    const Eigen::Matrix<double, Dim, Dim> cross = drift.topRightCorner<Dim, 3>() * arm.transpose();
+    return own + drift.topLeftCorner<Dim, Dim>() + cross + cross.transpose() +
+           arm * drift.bottomRightCorner<3, 3>() * arm.transpose();
+  }
+};
 
 }  // namespace
 
@@ -38,26 +57,52 @@ void SubmapWindow::Push(Stamp stamp, int radar_index, std::vector<RadarPoint> po
   entries_.erase(oldest);
 }
 
-Submap SubmapWindow::Join(bool carry_drift) const {
-  Submap submap;
-  submap.scan_count = static_cast<int>(entries_.size());
-  if (entries_.empty()) return submap;
-  submap.span = entries_.back().stamp - entries_.front().stamp;
-  std::size_t point_count = 0;
-  for (const Entry& entry : entries_) point_count += entry.points.size();
-  submap.points.reserve(point_count);
-
+template <typename Visit>
+void SubmapWindow::ForEachPoint(const Visit& visit) const {
   Motion since_then;  // from the entry at hand to the newest
   for (auto entry = entries_.rbegin(); entry != entries_.rend(); ++entry) {
-    const Pose3 T_newest_then = since_then.T_from_to.Inverse();
-    const Eigen::Matrix3d R = T_newest_then.Rotation();
-    const Matrix6d drift = InvertCovariance<3>(since_then.T_from_to, since_then.covariance);
-    for (const RadarPoint& point : entry->points) {
-      submap.points.push_back(MovePoint(point, T_newest_then, R, drift, carry_drift));
-    }
+    const Carried carried(since_then);
+    for (const RadarPoint& point : entry->points) visit(point, carried);
     since_then = Compose(entry->motion, since_then);
   }
+}
+
+Submap SubmapWindow::Join(bool carry_drift) const {
+  Submap submap{.points = {}, .scan_count = scan_count(), .span = span()};
+  submap.points.reserve(point_count());
+  ForEachPoint([&](const RadarPoint& point, const Carried& carried) {
+    submap.points.push_back({.position_m = carried.Position(point),
+                             .covariance_m2 = carried.Covariance<3>(point, carry_drift),
+                             .rcs_dbsm = point.rcs_dbsm});
+  });
   return submap;
 }
+
+template <int Dim>
+void SubmapWindow::Join(bool carry_drift, std::size_t max_count,
+                        std::vector<GaussianPoint<Dim>>& points) const {
+  const std::size_t stride = std::max<std::size_t>(1, (point_count() + max_count - 1) / max_count);
+  points.clear();
+  std::size_t number = 0;
+  ForEachPoint([&](const RadarPoint& point, const Carried& carried) {
+    if (number++ % stride != 0) return;
+    points.push_back({.mean_m = carried.Position(point).head<Dim>(),
+                      .covariance_m2 = carried.Covariance<Dim>(point, carry_drift)});
+  });
+}
+
+std::size_t SubmapWindow::point_count() const {
+  std::size_t count = 0;
+  for (const Entry& entry : entries_) count += entry.points.size();
+  return count;
+}
+
+std::chrono::nanoseconds SubmapWindow::span() const {
+  if (entries_.empty()) return std::chrono::nanoseconds(0);
+  return entries_.back().stamp - entries_.front().stamp;
+}
+
+template void SubmapWindow::Join<2>(bool, std::size_t, std::vector<GaussianPoint<2>>&) const;
+template void SubmapWindow::Join<3>(bool, std::size_t, std::vector<GaussianPoint<3>>&) const;
 
 }  // namespace dcloc

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <vector>
 
+#include "core/geometry/gaussian_point.h"
 #include "core/radar/static_points.h"
 #include "core/submap/odometry.h"
 
@@ -28,6 +30,15 @@ class SubmapWindow {
   /// covariance holds what the motion since its scan adds: G S G^T (METHOD 3).
   Submap Join(bool carry_drift) const;
 
+  /// The same for matching, in the plane (Dim = 2) or in space, in place of what `points` held; its
+  /// memory is used again. Of more than `max_count` >= 1 points every n-th.
+  template <int Dim>
+  void Join(bool carry_drift, std::size_t max_count, std::vector<GaussianPoint<Dim>>& points) const;
+
+  int scan_count() const { return static_cast<int>(entries_.size()); }
+  std::size_t point_count() const;
+  std::chrono::nanoseconds span() const;  ///< from the oldest scan to the newest
+
   void Clear() { entries_.clear(); }
 
  private:
@@ -37,6 +48,11 @@ class SubmapWindow {
     std::vector<RadarPoint> points;
     Motion motion;  // from the entry before to this one
   };
+
+  // Calls visit(point, carried) for every kept point, newest scan first; `carried` leads from the
+  // point's scan to the newest one.
+  template <typename Visit>
+  void ForEachPoint(const Visit& visit) const;
 
   int scans_per_radar_;
   std::deque<Entry> entries_;

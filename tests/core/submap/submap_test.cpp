@@ -86,5 +86,43 @@ TEST(SubmapTest, DriftWidensOldPointsAsSampledMotionsDo) {
   EXPECT_LT(window.Join(false).points[0].covariance_m2.norm(), 0.08);
 }
 
+template <int Dim>
+void ExpectSameForMatching(const SubmapWindow& window) {
+  const Submap submap = window.Join(true);
+  std::vector<GaussianPoint<Dim>> points(3);  // what was there is replaced
+  window.Join<Dim>(true, 1000, points);
+  ASSERT_EQ(points.size(), submap.points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const RadarPoint& whole = submap.points[i];
+    EXPECT_LT((points[i].mean_m - whole.position_m.head<Dim>()).norm(), 1e-12);
+    const auto part = whole.covariance_m2.topLeftCorner<Dim, Dim>();
+    EXPECT_LT((points[i].covariance_m2 - part).norm(), 1e-12);
+  }
+  std::vector<GaussianPoint<Dim>> few;
+  window.Join<Dim>(true, 4, few);
+  ASSERT_EQ(few.size(), 4U) << "every third of twelve";
+  EXPECT_EQ(few[1].mean_m, points[3].mean_m);
+}
+
+TEST(SubmapTest, ForMatchingItIsTheSamePointsInThePlaneOrInSpace) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> place_m(-50.0, 50.0);
+  SubmapWindow window(4);
+  for (int i = 0; i < 4; ++i) {
+    std::vector<RadarPoint> points;
+    for (int k = 0; k < 3; ++k) {
+      points.push_back(PointAt({place_m(random), place_m(random), 0.1 * place_m(random)}));
+      points.back().covariance_m2(0, 1) = points.back().covariance_m2(1, 0) = 0.01;
+      points.back().covariance_m2(1, 2) = points.back().covariance_m2(2, 1) = -0.02;
+    }
+    window.Push(At(75 * i), 0, std::move(points), Step());
+  }
+  EXPECT_EQ(window.point_count(), 12U);
+  EXPECT_EQ(window.scan_count(), 4);
+  EXPECT_EQ(window.span(), milliseconds(225));
+  ExpectSameForMatching<2>(window);
+  ExpectSameForMatching<3>(window);
+}
+
 }  // namespace
 }  // namespace dcloc
