@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/registration/place_search.h"
 #include "core/registration/radial_statistics.h"
 #include "core/registration/rigid_ransac.h"
 
@@ -14,7 +14,6 @@ namespace {
 // Searches score every point at every pose: this many are enough to tell poses apart.
 constexpr std::size_t kSearchPoints = 300;
 constexpr double kFineCell_m = 0.25;
-constexpr double kCoarseCell_m = 0.5;
 
 template <int Dim>
 std::vector<Eigen::Vector2f> Thinned(std::span<const GaussianPoint<Dim>> points,
@@ -130,47 +129,26 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
 template <int Dim>
 std::optional<Registration<Dim>> MapMatcher<Dim>::MatchAnywhere(
     std::span<const GaussianPoint<Dim>> live) {
-  struct Place {
-    std::size_t keyframe;
-    PoseHypothesis hypothesis;
-    Eigen::Vector3d p_map;
-  };
-  const std::vector<Eigen::Vector2f> points = Thinned(live, kSearchPoints / 2);
-  std::vector<Place> places;
-  for (std::size_t index = 0; index < map_->info().keyframe_count; ++index) {
-    const Pose3 T_map_keyframe = map_->keyframe(index).T_map_keyframe;
-    const LocalMap<Dim> around(*map_, T_map_keyframe.translation_m,
-                               options_.match.local_map_radius_m);
-    const SearchWindow window{
-        .centre_local_vehicle = {}, .translation_m = 6.0, .rotation_rad = std::numbers::pi};
-    for (const PoseHypothesis& found :
-         CorrelativeSearch(points, LikelihoodField(around, kCoarseCell_m), window, 2)) {
-      places.push_back(
-          {index, found, around.T_map_local() * Embed(found.T_local_vehicle).translation_m});
-    }
-  }
-  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-    return a.hypothesis.score > b.hypothesis.score;
-  });
-
-  constexpr std::size_t kRefined = 8;
+  const std::vector<Eigen::Vector2f> points = Thinned(live, kSearchPoints);
+  // Half a step off in position and heading: about as much as this.
+  constexpr double kBlur_m = 1.0;
   constexpr double kSamePlace_m = 3.0;
   constexpr double kMaxRunnerUp = 0.8;  // share of the best score that another place may have
   std::optional<Registration<Dim>> best;
   std::optional<std::size_t> best_keyframe;
   Eigen::Vector3d best_p_map = Eigen::Vector3d::Zero();
   double runner_up = 0.0;
-  for (std::size_t i = 0; i < std::min(kRefined, places.size()); ++i) {
-    MoveTo(map_->keyframe(places[i].keyframe).T_map_keyframe.translation_m);
+  for (const PlaceHypothesis& place : SearchPlaces(*map_, points)) {
+    MoveTo(map_->keyframe(place.keyframe).T_map_keyframe.translation_m);
     const Registration<Dim> refined =
-        Refine(live, Lift<Dim>(places[i].hypothesis.T_local_vehicle, {}), 0.6);
+        Refine(live, Lift<Dim>(place.T_keyframe_vehicle, {}), kBlur_m);
     const Eigen::Vector3d p_map =
         T_map_local_ * Embed(Planar<Dim>(refined.T_local_vehicle)).translation_m;
     const bool same = best && (p_map - best_p_map).norm() < kSamePlace_m;
     if (!best || refined.score > best->score) {
       if (best && !same) runner_up = std::max(runner_up, best->score);
       best = refined;
-      best_keyframe = places[i].keyframe;
+      best_keyframe = place.keyframe;
       best_p_map = p_map;
     } else if (!same) {
       runner_up = std::max(runner_up, refined.score);

@@ -10,11 +10,11 @@ namespace {
 constexpr double kMaxLikelihood = 255.0;
 constexpr double kSigma_cells = 1.4;
 
-// Likelihoods at the offsets (column, row) from a landmark's cell, [0, reach]^2.
+// Likelihoods around a landmark's cell, up to `reach` cells away to each side, row by row.
 std::vector<std::uint8_t> Kernel(int reach) {
   std::vector<std::uint8_t> kernel;
-  for (int row = 0; row <= reach; ++row) {
-    for (int column = 0; column <= reach; ++column) {
+  for (int row = -reach; row <= reach; ++row) {
+    for (int column = -reach; column <= reach; ++column) {
       const double z = std::hypot(column, row) / kSigma_cells;
       kernel.push_back(static_cast<std::uint8_t>(kMaxLikelihood * std::exp(-0.5 * z * z)));
     }
@@ -33,35 +33,47 @@ double MedianRange(std::span<const Eigen::Vector2f> points) {
 }  // namespace
 
 template <int Dim>
-LikelihoodField::LikelihoodField(const LocalMap<Dim>& map, double cell_m) : cell_m_(cell_m) {
+LikelihoodField::LikelihoodField(const LocalMap<Dim>& map, double cell_m) {
   if (map.empty()) return;
-  Eigen::Vector2d max_m = map.points().front().mean_m.template head<2>();
-  min_m_ = max_m;
+  std::vector<Eigen::Vector2d> positions_m;
+  positions_m.reserve(map.points().size());
+  Eigen::Vector2d min_m = map.points().front().mean_m.template head<2>();
+  Eigen::Vector2d max_m = min_m;
   for (const GaussianPoint<Dim>& point : map.points()) {
-    min_m_ = min_m_.cwiseMin(point.mean_m.template head<2>());
-    max_m = max_m.cwiseMax(point.mean_m.template head<2>());
+    positions_m.emplace_back(point.mean_m.template head<2>());
+    min_m = min_m.cwiseMin(positions_m.back());
+    max_m = max_m.cwiseMax(positions_m.back());
   }
+  *this = LikelihoodField(positions_m, cell_m, min_m, max_m);
+}
+
+LikelihoodField::LikelihoodField(std::span<const Eigen::Vector2d> positions_m, double cell_m,
+                                 const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m)
+    : cell_m_(cell_m) {
   const int reach = static_cast<int>(3.0 * kSigma_cells);
   // One cell more than the kernel reaches: rounding may put a point into the cell beside its own.
-  min_m_.array() -= (reach + 1) * cell_m_;
-  max_m.array() += (reach + 1) * cell_m_;
-  columns_ = static_cast<int>((max_m.x() - min_m_.x()) / cell_m_) + 1;
-  rows_ = static_cast<int>((max_m.y() - min_m_.y()) / cell_m_) + 1;
+  min_m_ = min_m.array() - (reach + 1) * cell_m_;
+  const Eigen::Vector2d size_m = max_m.array() + (reach + 1) * cell_m_ - min_m_.array();
+  columns_ = static_cast<int>(size_m.x() / cell_m_) + 1;
+  rows_ = static_cast<int>(size_m.y() / cell_m_) + 1;
   cells_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
 
   const std::vector<std::uint8_t> kernel = Kernel(reach);
-  for (const GaussianPoint<Dim>& point : map.points()) {
-    const int column = static_cast<int>((point.mean_m.x() - min_m_.x()) / cell_m_);
-    const int row = static_cast<int>((point.mean_m.y() - min_m_.y()) / cell_m_);
-    for (int dy = -reach; dy <= reach; ++dy) {
-      for (int dx = -reach; dx <= reach; ++dx) {
-        std::uint8_t& cell =
-            cells_[static_cast<std::size_t>(row + dy) * static_cast<std::size_t>(columns_) +
-                   static_cast<std::size_t>(column + dx)];
-        const auto k =
-            static_cast<std::size_t>(std::abs(dy)) * static_cast<std::size_t>(reach + 1) +
-            static_cast<std::size_t>(std::abs(dx));
-        cell = std::max(cell, kernel[k]);
+  const auto side = static_cast<std::size_t>(2 * reach) + 1;
+  for (const Eigen::Vector2d& position_m : positions_m) {
+    // Written so that what is not a number is left out too.
+    if (!((position_m.array() >= min_m.array()).all() &&
+          (position_m.array() <= max_m.array()).all())) {
+      continue;
+    }
+    const Eigen::Vector2i centre = CellOf(position_m);
+    for (std::size_t row = 0; row < side; ++row) {
+      std::uint8_t* const cells = &cells_[(static_cast<std::size_t>(centre.y() - reach) + row) *
+                                              static_cast<std::size_t>(columns_) +
+                                          static_cast<std::size_t>(centre.x() - reach)];
+      const std::uint8_t* const likelihoods = &kernel[row * side];
+      for (std::size_t column = 0; column < side; ++column) {
+        cells[column] = std::max(cells[column], likelihoods[column]);
       }
     }
   }
