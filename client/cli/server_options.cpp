@@ -19,6 +19,11 @@ void AddServerOptions(CLI::App& command, client::ChannelOptions& options) {
       .add_option("--tls-server-name", options.tls_server_name,
                   "Name in the server's certificate, where it is not the host")
       ->type_name("NAME");
+  command
+      .add_option("--token-file", options.token_file,
+                  "File with the token that says who calls; sent over TLS or on loopback only")
+      ->envname("DCLOC_TOKEN_FILE")
+      ->type_name("FILE");
 }
 
 }  // namespace dcloc::cli

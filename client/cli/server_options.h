@@ -6,8 +6,8 @@
 
 namespace dcloc::cli {
 
-/// Adds --server and --tls-ca, --tls-cert, --tls-key, --tls-server-name to `command`; fills
-/// `options` when it is parsed.
+/// Adds --server, --token-file and --tls-ca, --tls-cert, --tls-key, --tls-server-name to `command`;
+/// fills `options` when it is parsed.
 void AddServerOptions(CLI::App& command, client::ChannelOptions& options);
 
 }  // namespace dcloc::cli

@@ -7,9 +7,11 @@
 #include <cerrno>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "client/sdk/token.h"
 
 namespace dcloc::client {
 namespace {
@@ -21,6 +23,15 @@ constexpr int kKeepaliveTimeout_ms = 10'000;
 // gRPC's own are 1 s to 2 min: far too long for a vehicle whose server has just been restarted.
 constexpr int kInitialReconnectBackoff_ms = 100;
 constexpr int kMaxReconnectBackoff_ms = 5'000;
+
+/// The host of HOST:PORT, an IPv6 one without its brackets.
+absl::string_view HostOf(absl::string_view server) {
+  absl::string_view host = server.substr(0, server.rfind(':'));
+  if (host.size() >= 2 && host.front() == '[' && host.back() == ']') {
+    host = host.substr(1, host.size() - 2);
+  }
+  return host;
+}
 
 absl::Status CheckOptions(const ChannelOptions& options) {
   // gRPC would take port 443 for an address without one.
@@ -38,6 +49,12 @@ absl::Status CheckOptions(const ChannelOptions& options) {
   if (options.tls_ca.empty() && (!options.tls_cert.empty() || !options.tls_server_name.empty())) {
     return absl::InvalidArgumentError(
         "TLS needs tls_ca, the authority of the server's certificate");
+  }
+  if (!options.token_file.empty() && options.tls_ca.empty() &&
+      !IsLoopback(HostOf(options.server))) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "token_file is given and server is ", options.server,
+        ", another machine: a token is not sent there in plaintext; TLS needs tls_ca"));
   }
   return absl::OkStatus();
 }
@@ -71,6 +88,12 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const ChannelOptions&
   if (absl::Status status = CheckOptions(options); !status.ok()) return status;
   const auto credentials = MakeCredentials(options);
   if (!credentials.ok()) return credentials.status();
+  Interceptors interceptors;
+  if (!options.token_file.empty()) {
+    const absl::StatusOr<std::string> token = ReadToken(options.token_file);
+    if (!token.ok()) return token.status();
+    interceptors = SendToken(*token);
+  }
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessage_bytes);
   arguments.SetMaxSendMessageSize(kMaxMessage_bytes);
@@ -83,7 +106,13 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const ChannelOptions&
   if (!options.tls_server_name.empty()) {
     arguments.SetSslTargetNameOverride(options.tls_server_name);
   }
-  return grpc::CreateCustomChannel(options.server, *credentials, arguments);
+  if (options.own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  // Plaintext to this machine stays on it, whatever proxy the environment names.
+  if (options.tls_ca.empty() && IsLoopback(HostOf(options.server))) {
+    arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  }
+  return grpc::experimental::CreateCustomChannelWithInterceptors(
+      options.server, *credentials, arguments, std::move(interceptors));
 }
 
 }  // namespace dcloc::client

@@ -19,6 +19,13 @@ struct ChannelOptions {
   std::string tls_key;   ///< its private key
   /// The name in the server's certificate, where it is not the host of `server`.
   std::string tls_server_name;
+
+  /// A file with the token that says who calls; read once. Only sent over TLS, or in plaintext to
+  /// this very machine.
+  std::string token_file;
+
+  /// Has a connection of its own. Otherwise channels with equal options share one.
+  bool own_connection = false;
 };
 
 /// A channel with the limits and keepalive that suit a dcloc server. Does not connect: an address

@@ -11,6 +11,7 @@
 #include <string>
 #include <thread>
 
+#include "server/identity/identity_store.h"
 #include "tests/server/test_certificates.h"
 #include "tests/server/test_server.h"
 
@@ -109,6 +110,29 @@ TEST_F(CredentialsTest, MutualTlsServesOnlyCertifiedClients) {
   EXPECT_TRUE(status.ok()) << status.error_message();
   EXPECT_EQ(Ask(server, Client(authority_)).error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_EQ(Ask(server, Client(authority_, forged)).error_code(), grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST_F(CredentialsTest, ACertificateCommonNameIsWhoCalls) {
+  const TestServer server(MutualTlsConfig());
+  const auto identities = *IdentityStore::Open(IdentityFile(server.folder.path() / "store"));
+  const auto make = [&](const Principal& principal) {
+    return identities->Create(Proof::kCertificate, principal, {}).status();
+  };
+  ASSERT_TRUE(make({.name = "ops", .role = Role::kAdmin}).ok());
+  ASSERT_TRUE(make({.name = "car-1", .role = Role::kVehicle}).ok());
+  const auto as = [&](const std::string& common_name) {
+    return Ask(server, Client(authority_, TestCertificate::SignedBy(authority_, common_name)));
+  };
+  const grpc::Status admin = as("ops");
+  EXPECT_TRUE(admin.ok()) << admin.error_message();
+  const grpc::Status vehicle = as("car-1");
+  EXPECT_EQ(vehicle.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_THAT(vehicle.error_message(), AllOf(HasSubstr("car-1"), HasSubstr("vehicle")));
+  const grpc::Status unknown = as("car-2");
+  EXPECT_EQ(unknown.error_code(), grpc::StatusCode::UNAUTHENTICATED)
+      << "signed by the authority, but nobody knows it";
+  ASSERT_TRUE(identities->Revoke(1).ok());
+  EXPECT_EQ(as("ops").error_code(), grpc::StatusCode::UNAUTHENTICATED);
 }
 
 TEST_F(CredentialsTest, NewCertificatesAreServedWithoutARestart) {

@@ -4,12 +4,15 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "client/sdk/channel.h"
 #include "client/sdk/map_client.h"
 #include "client/sdk/session.h"
+#include "server/identity/identity_store.h"
 #include "server/server.h"
 #include "tests/client/sdk/certificates.h"
 #include "tests/core/map/synthetic_map.h"
@@ -182,6 +185,79 @@ TEST_F(RealServerTest, MutualTlsLetsInWhoHasACertificateAndNobodyElse) {
   const ChannelOptions another_authority{.tls_ca = others.ca, .tls_server_name = "localhost"};
   EXPECT_EQ(MapClient(Channel(another_authority)).List().status().code(),
             absl::StatusCode::kUnavailable);
+}
+
+TEST_F(RealServerTest, ATokenSaysWhoCalls) {
+  const Certificates files = MakeCertificates(folder_.path());
+  Start({.tls_cert = files.server_cert, .tls_key = files.server_key});
+  ChannelOptions options{.tls_ca = files.ca, .tls_server_name = "localhost"};
+  const auto identities =
+      *server::IdentityStore::Open(server::IdentityFile(folder_.path() / "data"));
+  const auto token_file = [&](const std::string& name, server::Role role) {
+    const std::string token =
+        *identities->Create(server::Proof::kToken, {.name = name, .role = role}, {}) + "\n";
+    return folder_.Write(name, std::as_bytes(std::span(token))).string();
+  };
+  const std::string ops = token_file("ops", server::Role::kOperator);
+  const std::string car = token_file("car", server::Role::kVehicle);
+
+  EXPECT_EQ(MapClient(Channel(options)).List().status().code(), absl::StatusCode::kUnauthenticated);
+  options.token_file = ops;
+  ASSERT_TRUE(MapClient(Channel(options)).Upload(MapFile(10), "town", true).ok());
+  options.token_file = car;
+  EXPECT_EQ(MapClient(Channel(options)).List().status().code(),
+            absl::StatusCode::kPermissionDenied);
+  const auto session = OpenSession(options);
+  ASSERT_TRUE(session.ok()) << session.status();
+  v1::Scan scan;
+  scan.set_radar_id("front");
+  scan.set_stamp_ns(1'000'000'000);
+  ASSERT_TRUE((*session)->Send(scan).ok());
+  EXPECT_TRUE((*session)->Next()->has_result());
+}
+
+TEST_F(RealServerTest, OnLoopbackATokenNeedsNoTls) {
+  Start({.require_identity = true});
+  const auto identities =
+      *server::IdentityStore::Open(server::IdentityFile(folder_.path() / "data"));
+  const std::string token = *identities->Create(server::Proof::kToken, {.name = "ops"}, {});
+  const std::string file = folder_.Write("token", std::as_bytes(std::span(token))).string();
+  EXPECT_TRUE(MapClient(Channel({.token_file = file})).List().ok());
+  EXPECT_EQ(MapClient(Channel()).List().status().code(), absl::StatusCode::kUnauthenticated);
+}
+
+TEST(ChannelTest, ATokenIsNotSentInPlaintextToAnotherMachine) {
+  const TemporaryFolder folder;
+  const std::string text = "secret\n";
+  const std::string file = folder.Write("token", std::as_bytes(std::span(text))).string();
+  for (const char* server : {"192.0.2.1:1", "[2001:db8::1]:1", "maps.example:1", "128.0.0.1:1",
+                             "localhost.example:1", "127.0.0.1.example:1"}) {
+    const absl::Status status = MakeChannel({.server = server, .token_file = file}).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << server;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("plaintext"));
+  }
+  for (const char* server : {"localhost:1", "127.0.0.1:1", "127.1.2.3:1", "[::1]:1"}) {
+    EXPECT_TRUE(MakeChannel({.server = server, .token_file = file}).ok()) << server;
+  }
+}
+
+TEST(ChannelTest, ATokenFileHoldsOneWord) {
+  const TemporaryFolder folder;
+  const auto status_of = [&](const std::string& text) {
+    const std::string file = folder.Write("token", std::as_bytes(std::span(text))).string();
+    return MakeChannel({.server = "localhost:1", .token_file = file}).status();
+  };
+  EXPECT_TRUE(status_of("dcloc_1\r\n").ok());
+  for (const std::string& text :
+       {std::string(), std::string("\n"), std::string("two words"), std::string("a\nb: c"),
+        std::string("\x7f"), std::string(5000, 'x')}) {
+    const absl::Status status = status_of(text);
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("token_file: "));
+  }
+  EXPECT_EQ(
+      MakeChannel({.server = "localhost:1", .token_file = "/nonexistent/token"}).status().code(),
+      absl::StatusCode::kNotFound);
 }
 
 TEST(ChannelTest, OptionsErrorsNameTheOption) {

@@ -1,0 +1,85 @@
+#include "client/sdk/admin_client.h"
+
+#include <grpcpp/client_context.h>
+
+#include <utility>
+
+#include "client/sdk/status.h"
+
+namespace dcloc::client {
+namespace {
+
+using Stub = v1::AdminService::Stub;
+
+template <typename Request, typename Response>
+absl::StatusOr<Response> Call(Stub& stub,
+                              grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
+                                                           Response*),
+                              const Request& request, std::chrono::milliseconds timeout) {
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + timeout);
+  Response response;
+  const grpc::Status status = (stub.*method)(&context, request, &response);
+  if (!status.ok()) return FromGrpc(status);
+  return response;
+}
+
+}  // namespace
+
+AdminClient::AdminClient(const std::shared_ptr<grpc::Channel>& channel,
+                         std::chrono::milliseconds timeout)
+    : stub_(v1::AdminService::NewStub(channel)), timeout_(timeout) {}
+
+absl::StatusOr<v1::GetServerStateResponse> AdminClient::ServerState() {
+  return Call(*stub_, &Stub::GetServerState, v1::GetServerStateRequest(), timeout_);
+}
+
+absl::StatusOr<int> AdminClient::Drain() {
+  const auto response = Call(*stub_, &Stub::Drain, v1::DrainRequest(), timeout_);
+  if (!response.ok()) return response.status();
+  return response->session_count();
+}
+
+absl::StatusOr<std::vector<v1::Session>> AdminClient::ListSessions() {
+  std::vector<v1::Session> all;
+  v1::ListSessionsRequest request;
+  do {
+    auto page = Call(*stub_, &Stub::ListSessions, request, timeout_);
+    if (!page.ok()) return page.status();
+    for (v1::Session& session : *page->mutable_sessions()) all.push_back(std::move(session));
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return all;
+}
+
+absl::StatusOr<v1::Session> AdminClient::GetSession(const std::string& session_id) {
+  v1::GetSessionRequest request;
+  request.set_session_id(session_id);
+  auto response = Call(*stub_, &Stub::GetSession, request, timeout_);
+  if (!response.ok()) return response.status();
+  return std::move(*response->mutable_session());
+}
+
+absl::Status AdminClient::EndSession(const std::string& session_id, const std::string& reason) {
+  v1::EndSessionRequest request;
+  request.set_session_id(session_id);
+  request.set_reason(reason);
+  return Call(*stub_, &Stub::EndSession, request, timeout_).status();
+}
+
+absl::Status AdminClient::WatchSession(
+    const std::string& session_id, const std::stop_token& stop,
+    const std::function<void(const v1::WatchSessionResponse&)>& on_answer) {
+  grpc::ClientContext context;
+  v1::WatchSessionRequest request;
+  request.set_session_id(session_id);
+  const auto reader = stub_->WatchSession(&context, request);
+  const std::stop_callback cancel(stop, [&context] { context.TryCancel(); });
+  v1::WatchSessionResponse response;
+  while (reader->Read(&response)) on_answer(response);
+  const grpc::Status status = reader->Finish();
+  const bool stopped = stop.stop_requested() && status.error_code() == grpc::StatusCode::CANCELLED;
+  return stopped ? absl::OkStatus() : FromGrpc(status);
+}
+
+}  // namespace dcloc::client

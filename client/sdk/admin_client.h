@@ -1,0 +1,48 @@
+#pragma once
+
+#include <grpcpp/channel.h>
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "dcloc/v1/admin_service.grpc.pb.h"
+
+namespace dcloc::client {
+
+/// What an operator asks of a server. Calls block, each for `timeout` at most; errors are the
+/// server's own, or Unavailable and DeadlineExceeded when it cannot be reached. Thread-safe.
+class AdminClient {
+ public:
+  explicit AdminClient(const std::shared_ptr<grpc::Channel>& channel,
+                       std::chrono::milliseconds timeout = std::chrono::seconds(15));
+
+  absl::StatusOr<v1::GetServerStateResponse> ServerState();
+
+  /// Gives how many sessions were told to move.
+  absl::StatusOr<int> Drain();
+
+  /// All open sessions, by ascending id.
+  absl::StatusOr<std::vector<v1::Session>> ListSessions();
+
+  absl::StatusOr<v1::Session> GetSession(const std::string& session_id);
+
+  /// `reason` is told to the session's client.
+  absl::Status EndSession(const std::string& session_id, const std::string& reason);
+
+  /// Hands over the session's answers as they come, without a time limit. OK when the session has
+  /// ended or `stop` was requested.
+  absl::Status WatchSession(const std::string& session_id, const std::stop_token& stop,
+                            const std::function<void(const v1::WatchSessionResponse&)>& on_answer);
+
+ private:
+  std::unique_ptr<v1::AdminService::Stub> stub_;
+  std::chrono::milliseconds timeout_;
+};
+
+}  // namespace dcloc::client

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <grpcpp/support/client_interceptor.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+
+namespace dcloc::client {
+
+/// The token in a file, without the line end that editors and `dcloc-server token create` leave.
+/// An error names the file, never what is in it.
+absl::StatusOr<std::string> ReadToken(const std::string& path);
+
+/// Whether HOST is this machine: "localhost", 127.0.0.0/8 or ::1.
+bool IsLoopback(absl::string_view host);
+
+using Interceptors =
+    std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>>;
+
+/// What sends "authorization: Bearer `token`" with each call of a channel.
+Interceptors SendToken(const std::string& token);
+
+}  // namespace dcloc::client
