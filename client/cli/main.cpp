@@ -3,9 +3,12 @@
 
 #include "client/cli/evaluate_command.h"
 #include "client/cli/exit_codes.h"
+#include "client/cli/load_command.h"
 #include "client/cli/localize_command.h"
 #include "client/cli/map_command.h"
 #include "client/cli/map_server_command.h"
+#include "client/cli/server_command.h"
+#include "client/cli/session_command.h"
 #include "client/cli/simulate_command.h"
 #include "client/cli/terminal.h"
 
@@ -20,6 +23,9 @@ int main(int argc, char** argv) {
     AddMapCommand(app, exit_code);
     AddMapServerCommands(*app.get_subcommand("map"), exit_code);
     AddLocalizeCommand(app, exit_code);
+    AddLoadCommand(app, exit_code);
+    AddSessionCommand(app, exit_code);
+    AddServerCommand(app, exit_code);
     AddEvaluateCommand(app, exit_code);
     AddSimulateCommand(app, exit_code);
     try {

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <string>
 
+#include "client/cli/live_line.h"
+
 namespace dcloc::cli {
 
 /// A line on stderr that says how far a long step is; nothing where stderr is no terminal. The line
@@ -11,9 +13,6 @@ namespace dcloc::cli {
 class Progress {
  public:
   Progress(std::string step, std::size_t total);
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-  ~Progress();
 
   /// `done` of the total; drawn ten times a second at most.
   void Update(std::size_t done);
@@ -21,7 +20,7 @@ class Progress {
  private:
   std::string step_;
   std::size_t total_;
-  bool is_terminal_;
+  LiveLine line_;
   std::chrono::steady_clock::time_point next_draw_;
 };
 

@@ -17,7 +17,7 @@ NOT_OURS = {"build", "compile_commands.json"}  # made here, and ignored by git
 CORE_FLOORS = [["core/geometry"], ["core/radar", "core/posegraph"], ["core/submap"], ["core/map"],
                ["core/registration"], ["core/localizer"]]
 CORE = [module for floor in CORE_FLOORS for module in floor]
-CLIENT = ["client/datasets", "client/simulation", "client/evaluation", "client/cli"]
+CLIENT = ["client/datasets", "client/simulation", "client/evaluation", "client/load", "client/cli"]
 
 
 def allowed_modules():

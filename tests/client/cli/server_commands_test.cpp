@@ -1,14 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,7 +14,9 @@
 #include <thread>
 #include <vector>
 
+#include "server/identity/identity_store.h"
 #include "server/server.h"
+#include "tests/client/cli/dcloc_process.h"
 #include "tests/core/map/temporary_folder.h"
 
 // The commands of `dcloc` that need a server, as a user meets them.
@@ -38,43 +37,6 @@ std::vector<std::string> Lines(const std::string& text) {
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
 }
-
-struct Result {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
-
-/// `dcloc` under way.
-class Process {
- public:
-  explicit Process(const std::string& arguments) {
-    const std::string command = std::string("exec ") + DCLOC_PROGRAM + " " + arguments + " >" +
-                                Path("out") + " 2>" + Path("err");
-    pid_ = fork();
-    if (pid_ == 0) {
-      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-      _exit(127);
-    }
-  }
-
-  void Signal(int signal) const { kill(pid_, signal); }
-
-  Result Wait() {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadText(Path("out")),
-            ReadText(Path("err"))};
-  }
-
- private:
-  std::string Path(const char* name) const { return (folder_.path() / name).string(); }
-
-  const TemporaryFolder folder_;
-  pid_t pid_ = -1;
-};
-
-Result Dcloc(const std::string& arguments) { return Process(arguments).Wait(); }
 
 /// A server of its own for each test; a short simulated drive and its map for all.
 class ServerCommandsTest : public ::testing::Test {
@@ -161,6 +123,21 @@ TEST_F(ServerCommandsTest, MapsAreListedActivatedAndDeleted) {
   EXPECT_EQ(nlohmann::json::parse(Dcloc(At("map list") + "--json").out).size(), 0U);
 }
 
+TEST_F(ServerCommandsTest, TheTokenIsGivenByFlagOrEnvironment) {
+  const auto identities =
+      *server::IdentityStore::Open(server::IdentityFile(folder_.path() / "data"));
+  std::ofstream(File("token")) << *identities->Create(server::Proof::kToken, {.name = "ops"}, {})
+                               << "\n";
+  Result result = Dcloc(At("map list"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("Bearer"));
+  EXPECT_EQ(Dcloc(At("map list") + "--token-file " + File("token")).exit_code, 0);
+  setenv("DCLOC_TOKEN_FILE", File("token").c_str(), 1);
+  result = Dcloc(At("map list"));
+  unsetenv("DCLOC_TOKEN_FILE");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
 TEST_F(ServerCommandsTest, ADriveIsLocalizedAndTheAnswersAreKept) {
   Upload();
   const Result result = Dcloc(Localize("--rate max --tum " + File("answers.txt")));
@@ -180,9 +157,36 @@ TEST_F(ServerCommandsTest, ADriveIsLocalizedAndTheAnswersAreKept) {
   EXPECT_EQ(std::ranges::count(tum[0], ' '), 7);
 }
 
+TEST_F(ServerCommandsTest, AServerIsLoadedAndEachAnswerIsJudged) {
+  Upload();
+  const std::string load = At("load") + "--map town " + Data() + " --ramp-s 0.5 --warmup-s 0.5 ";
+  Result result = Dcloc(load + "--vehicles 3 --duration-s 3 --target-p99-ms 5000 --json --plot " +
+                        File("latency.png"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["held"], true);
+  EXPECT_EQ(json["totals"]["lost_count"], 0);
+  EXPECT_GT(json["totals"]["answered_count"], 60);
+  EXPECT_GT(json["totals"]["judged_count"], 0) << "poses are compared with the truth";
+  EXPECT_LT(json["totals"]["mean_error_m"], 1.0);
+  EXPECT_GT(std::filesystem::file_size(File("latency.png")), 1000U);
+
+  result = Dcloc(load + "--vehicles 2 --duration-s 2 --target-p99-ms 0.001");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("the target is 0.001 ms"));
+  EXPECT_THAT(result.out, HasSubstr("scans/s"));
+
+  result = Dcloc(load +
+                 "--vehicles 1 --max-vehicles 2 --search --target-p99-ms 5000 "
+                 "--duration-s 2 --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out)["vehicle_count"], 2);
+  EXPECT_EQ(Dcloc(load + "--search").exit_code, 2) << "a search needs a target";
+}
+
 TEST_F(ServerCommandsTest, CtrlCKeepsWhatWasAnswered) {
   Upload();
-  Process localize(Localize("--rate realtime"));
+  DclocProcess localize(Localize("--rate realtime"));
   WaitForAnswers();
   localize.Signal(SIGINT);
   const Result result = localize.Wait();
@@ -194,7 +198,7 @@ TEST_F(ServerCommandsTest, CtrlCKeepsWhatWasAnswered) {
 
 TEST_F(ServerCommandsTest, AServerThatStopsIsAnErrorThatKeepsWhatWasAnswered) {
   Upload();
-  Process localize(Localize("--rate realtime --reconnect-s 0"));
+  DclocProcess localize(Localize("--rate realtime --reconnect-s 0"));
   WaitForAnswers();
   server_.reset();
   const Result result = localize.Wait();

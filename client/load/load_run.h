@@ -1,0 +1,49 @@
+#pragma once
+
+#include <grpcpp/channel.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/load/load_options.h"
+#include "client/load/recorder.h"
+#include "client/load/route.h"
+
+namespace dcloc::load {
+
+/// What a run came to.
+struct LoadResult {
+  int vehicle_count = 0;
+  double measured_s = 0.0;
+  double client_core_count = 0.0;  ///< processor time that this process took, by the time measured
+  LoadRecord record;
+
+  /// Scans answered a second.
+  double RateHz() const;
+};
+
+/// Who looks on.
+struct LoadObserver {
+  std::function<void(const LoadSecond&)> on_second;  ///< each second, also before the measuring
+  std::function<bool()> stopped;                     ///< true ends the run early
+};
+
+/// Gives a vehicle its channel.
+using ChannelFactory = std::function<absl::StatusOr<std::shared_ptr<grpc::Channel>>()>;
+
+/// Lets the vehicles drive: vehicle i on route i modulo their number. Takes ramp, warm-up, duration
+/// and at most `drain`. InvalidArgument for options and routes that make no sense, Unavailable with
+/// the first reason when not one session could be opened, Cancelled when it was stopped before the
+/// measuring.
+absl::StatusOr<LoadResult> RunLoad(const LoadOptions& options, const std::vector<Route>& routes,
+                                   const ChannelFactory& make_channel,
+                                   const LoadObserver& observer = {});
+
+/// Why a run is no success, each reason a sentence: wrong, lost, refused or unsent scans, streams
+/// that broke, and, where there is a target (> 0), a p99 above it.
+std::vector<std::string> Shortfalls(const LoadResult& result, double target_p99_ms);
+
+}  // namespace dcloc::load

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <grpcpp/channel.h>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <string>
+
+#include "client/load/load_options.h"
+#include "client/load/recorder.h"
+#include "client/load/route.h"
+#include "client/load/scheduler.h"
+#include "client/sdk/connection.h"
+
+namespace dcloc::load {
+
+/// What all vehicles of a run share; outlives them.
+struct Fleet {
+  const LoadOptions& options;
+  Scheduler& scheduler;
+  Recorder& recorder;
+};
+
+/// One simulated vehicle: drives its route again and again, each time as a session of its own, and
+/// checks every answer. Has no thread: it acts on the scheduler's and on gRPC's.
+class Vehicle final : public client::Connection::Host {
+ public:
+  using Clock = Scheduler::Clock;
+
+  /// `fleet` and `route` outlive it.
+  Vehicle(int index, const Fleet& fleet, const Route& route,
+          const std::shared_ptr<grpc::Channel>& channel);
+  /// Only once it is done, and the scheduler has gone.
+  ~Vehicle() override;
+
+  /// Opens the first session.
+  void Start();
+  /// Sends no more scans; ends once what was sent is answered.
+  void Finish();
+  /// Ends at once; what is not answered is lost.
+  void Cancel();
+  /// Has ended and will begin nothing more.
+  bool done() const;
+
+ private:
+  struct Outgoing {
+    Expected expected;
+    Clock::time_point due;
+  };
+
+  client::Connection::Fill FillRequest(v1::LocalizeRequest* request) override;
+  bool HasRoom() const override;
+  void Take(v1::LocalizeResponse response) override;
+  void OnEnd(const grpc::Status& status) override;
+
+  // All with the mutex held.
+  void BeginTrip(std::size_t first);
+  void OpenStream();
+  v1::OpenSession OpenMessage() const;
+  void TakeOpened(const v1::SessionOpened& opened);
+  void TakeAnswer(const v1::LocalizeResponse& answer);
+  void Count(const v1::LocalizeResponse& answer, const Outgoing& answered);
+  void PlanNextScan();
+  void SendDue();
+  void SendNext(Clock::time_point due);
+  void Push(const Outgoing& outgoing);
+  void Flush();
+  void ReadOn();
+  void AfterEnd();
+  void Restart();
+  void LoseOutbox();
+  void PlanDisconnect();
+  void Cut();
+  void PlanStall();
+  void Stall();
+  bool Chance(double share);
+  Clock::duration TimeToNext(double events_per_min);
+
+  /// Runs `action` at `time` with the mutex held, unless another trip has begun by then.
+  void At(Clock::time_point time, void (Vehicle::*action)());
+
+  const int index_;
+  const Fleet fleet_;
+  const Route& route_;
+  const std::unique_ptr<v1::LocalizationService::Stub> stub_;
+
+  mutable std::mutex mutex_;
+  std::mt19937_64 random_;
+  bool is_slow_reader_ = false;
+  bool finishing_ = false;
+  bool cancelled_ = false;
+  bool done_ = false;
+
+  // Of the trip: one session.
+  std::int64_t trip_ = 0;
+  std::size_t first_ = 0;
+  std::size_t next_ = 0;                    ///< the scan that is due next
+  std::optional<Clock::time_point> begin_;  ///< none before it is open for the first time
+  Clock::time_point last_due_;
+  Clock::time_point stalled_until_;
+  std::optional<Outgoing> held_;  ///< to be sent behind the next one
+  std::string resume_token_;
+  std::deque<Outgoing> outbox_;  ///< not answered yet, in the order of sending
+  std::size_t sent_count_ = 0;   ///< of them, on this stream
+
+  // Of the stream.
+  std::unique_ptr<client::Connection> connection_;
+  std::optional<v1::SessionOpened> opened_;
+  std::optional<grpc::Status> end_status_;
+  Clock::time_point open_time_;
+  Clock::time_point read_again_;  ///< of a slow reader
+  bool cutting_ = false;
+  bool close_sent_ = false;
+};
+
+}  // namespace dcloc::load

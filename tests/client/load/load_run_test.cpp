@@ -1,0 +1,190 @@
+#include "client/load/load_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "client/load/load_report.h"
+#include "client/sdk/channel.h"
+#include "tests/client/sdk/fake_server.h"
+#include "tests/server/test_maps.h"
+#include "tests/server/test_server.h"
+
+namespace dcloc::load {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// A street of a minute, at 13 Hz.
+Route Street(const std::string& map = "town") {
+  Route route{.name = "street", .scans = {}, .true_positions_m = {}, .open = {}};
+  for (int i = 0; i < 800; ++i) {
+    route.scans.push_back(server::ScanMessage(i));
+    route.true_positions_m.emplace_back(0.77 * i, 0.0);
+  }
+  route.open = [map](std::size_t /*first*/, std::uint64_t /*seed*/) {
+    v1::OpenSession open = server::OpenMessage();
+    open.set_map_name(map);
+    return open;
+  };
+  return route;
+}
+
+LoadOptions Short(int vehicle_count = 10) {
+  return {.vehicle_count = vehicle_count,
+          .duration = 2000ms,
+          .warmup = 200ms,
+          .ramp = 300ms,
+          .drain = 5000ms};
+}
+
+/// The load against the server as it is shipped, with its matcher that only integrates.
+class LoadRunTest : public ::testing::Test {
+ protected:
+  LoadRunTest() {
+    v1::UploadMapResponse response;
+    const std::vector<std::byte> map = server::SmallMap();
+    EXPECT_TRUE(server::UploadMap(*server_.maps, server::HeaderOf(map), map, &response).ok());
+  }
+
+  absl::StatusOr<LoadResult> Run(const LoadOptions& options, const Route& route = Street(),
+                                 const LoadObserver& observer = {}) const {
+    return RunLoad(
+        options, {route},
+        [this] {
+          return client::MakeChannel({.server = server_.server->address(), .own_connection = true});
+        },
+        observer);
+  }
+
+  server::TestServer server_;
+};
+
+TEST_F(LoadRunTest, EachScanIsAnsweredAtItsPace) {
+  const auto result = Run(Short());
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_THAT(Shortfalls(*result, 0.0), ElementsAre());
+  const LoadTotals& totals = result->record.totals;
+  EXPECT_GE(totals.opened_count, 10);
+  EXPECT_NEAR(result->RateHz(), 10 * 13.0, 20.0);
+  EXPECT_EQ(totals.judged_count, 0) << "the stub claims no pose";
+  EXPECT_EQ(result->record.latency.count(), totals.answered_count);
+  EXPECT_GE(result->record.seconds.size(), 1U);
+  EXPECT_GT(result->client_core_count, 0.0);
+  const auto json = ToJson(*result, {});
+  EXPECT_EQ(json["totals"]["lost_count"], 0);
+  EXPECT_EQ(json["held"], true);
+}
+
+TEST_F(LoadRunTest, TheClosedLoopIsFasterThanTheRecording) {
+  LoadOptions options = Short(2);
+  options.open_loop = false;
+  const auto result = Run(options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_THAT(Shortfalls(*result, 0.0), ElementsAre());
+  EXPECT_GT(result->RateHz(), 4 * 2 * 13.0);
+  EXPECT_GT(result->record.totals.opened_count, 2) << "the route is driven again and again";
+}
+
+TEST_F(LoadRunTest, FaultsAreBorneAndNothingIsLost) {
+  LoadOptions options = Short(20);
+  options.duration = 4000ms;
+  options.faults = {.disconnects_per_min = 60.0,
+                    .stalls_per_min = 30.0,
+                    .stall_duration = 200ms,
+                    .slow_reader_share = 0.2,
+                    .slow_read_interval = 100ms,
+                    .duplicate_share = 0.1,
+                    .reorder_share = 0.1};
+  const auto result = Run(options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_THAT(Shortfalls(*result, 0.0), ElementsAre());
+  const LoadTotals& totals = result->record.totals;
+  EXPECT_GT(totals.disconnect_count, 20);
+  EXPECT_GT(totals.stall_count, 10);
+  EXPECT_GT(totals.repeated_count, 20);
+  EXPECT_GT(totals.late_refused_count, 20);
+  EXPECT_LT(totals.opened_count, 20 + totals.disconnect_count / 4)
+      << "sessions are resumed, and opened anew only at the end of the route";
+}
+
+TEST_F(LoadRunTest, ATargetThatIsMissedIsSaid) {
+  const auto result = Run(Short(2));
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_THAT(Shortfalls(*result, 1e-3), ElementsAre(HasSubstr("the target is 0.001 ms")));
+}
+
+TEST_F(LoadRunTest, SessionsThatCannotBeOpenedAreAnError) {
+  const absl::Status status = Run(Short(2), Street("nowhere")).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("nowhere"));
+}
+
+TEST_F(LoadRunTest, ItCanBeStopped) {
+  LoadOptions options = Short(2);
+  options.duration = std::chrono::hours(1);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto result = Run(
+      options, Street(),
+      {.on_second = {}, .stopped = [&] { return std::chrono::steady_clock::now() - begin > 2s; }});
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_LT(result->measured_s, 10.0);
+  EXPECT_EQ(
+      Run(options, Street(), {.on_second = {}, .stopped = [] { return true; }}).status().code(),
+      absl::StatusCode::kCancelled);
+}
+
+TEST_F(LoadRunTest, RoutesWithoutScansAreRefused) {
+  Route empty = Street();
+  empty.scans.clear();
+  EXPECT_EQ(Run(Short(), empty).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(RunLoad(Short(), {}, {}).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+/// What a server says is not believed.
+std::vector<std::string> ShortfallsAgainst(const client::FakeServer::Behaviour& behaviour) {
+  const client::FakeServer server(behaviour);
+  LoadOptions options = Short(1);
+  options.drain = 500ms;
+  const auto result =
+      RunLoad(options, {Street()},
+              [&]() -> absl::StatusOr<std::shared_ptr<grpc::Channel>> { return server.Channel(); });
+  EXPECT_TRUE(result.ok()) << result.status();
+  return result.ok() ? Shortfalls(*result, 0.0) : std::vector<std::string>();
+}
+
+TEST(LoadAgainstABadServerTest, WrongAnswersAreSeen) {
+  EXPECT_THAT(
+      ShortfallsAgainst([](grpc::ServerContext&, client::LocalizeServerStream& stream) {
+        client::AcceptOpen(stream);
+        v1::LocalizeRequest request;
+        while (stream.Read(&request)) {
+          v1::LocalizeResponse response;
+          response.mutable_result()->set_sequence_number(request.scan().sequence_number() + 1);
+          stream.Write(response);
+        }
+        return grpc::Status::OK;
+      }),
+      Contains(HasSubstr("was due")));
+}
+
+TEST(LoadAgainstABadServerTest, UnansweredScansAreLost) {
+  EXPECT_THAT(ShortfallsAgainst([](grpc::ServerContext&, client::LocalizeServerStream& stream) {
+                client::AcceptOpen(stream);
+                v1::LocalizeRequest request;
+                while (stream.Read(&request)) {
+                }
+                return grpc::Status::OK;
+              }),
+              Contains(HasSubstr("scans were lost")));
+}
+
+}  // namespace
+}  // namespace dcloc::load
