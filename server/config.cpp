@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "nlohmann/json.hpp"
 #include "server/listen_address.h"
+#include "server/metrics/metrics_endpoint.h"
 #include "server/status.h"
 
 namespace dcloc::server {
@@ -20,6 +21,10 @@ constexpr std::array kFields = {
     ConfigField{"data", "DIR", "folder of the maps; made if it is not there", &ServerConfig::data},
     ConfigField{"listen", "HOST:PORT", "address to listen on; port 0 takes a free one",
                 &ServerConfig::listen},
+    ConfigField{
+        "metrics_listen", "[HOST:]PORT",
+        "serve Prometheus metrics over HTTP there, on 127.0.0.1 without HOST; none if empty",
+        &ServerConfig::metrics_listen},
     ConfigField{"tls_cert", "FILE", "the server's certificate chain (PEM)",
                 &ServerConfig::tls_cert},
     ConfigField{"tls_key", "FILE", "the certificate's private key (PEM)", &ServerConfig::tls_key},
@@ -175,6 +180,10 @@ absl::Status Validate(const ServerConfig& config) {
   }
   if (absl::Status status = ParseListenAddress(config.listen).status(); !status.ok()) {
     return status;
+  }
+  if (!config.metrics_listen.empty()) {
+    absl::Status status = ParseMetricsAddress(config.metrics_listen).status();
+    if (!status.ok()) return status;
   }
   for (const ConfigField& field : kFields) {
     const auto* member = std::get_if<int ServerConfig::*>(&field.member);

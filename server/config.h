@@ -15,6 +15,7 @@ namespace dcloc::server {
 struct ServerConfig {
   std::string data;                        ///< folder of the embedded store
   std::string listen = "127.0.0.1:50051";  ///< HOST:PORT; port 0 takes a free one
+  std::string metrics_listen;              ///< HOST:PORT or PORT of HTTP; empty: no metrics
 
   std::string tls_cert;  ///< PEM files; without a certificate the server speaks plaintext
   std::string tls_key;

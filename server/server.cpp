@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/synchronization/notification.h"
 #include "server/admin/admin_service.h"
 #include "server/credentials.h"
 #include "server/identity/identity_store.h"
@@ -17,6 +18,8 @@
 #include "server/listen_address.h"
 #include "server/localization/localization_service.h"
 #include "server/maps/map_service.h"
+#include "server/metrics/metrics_endpoint.h"
+#include "server/metrics/state_metrics.h"
 #include "server/status.h"
 #include "server/ticker.h"
 #include "spdlog/spdlog.h"
@@ -93,6 +96,7 @@ struct Server::Parts {
                       .sessions = {.store = *store,
                                    .pool = localization_pool,
                                    .totals = registry.totals(),
+                                   .metrics = metrics,
                                    .create_matcher = config.stub_matcher ? &CreateStubMatcher
                                                                          : &CreateLocalizerMatcher,
                                    .answer_history_count = config.answer_history_count,
@@ -117,8 +121,27 @@ struct Server::Parts {
 
   /// Not ready any more, and the sessions are told to move; gives how many were told.
   int Drain(std::chrono::milliseconds grace) {
+    server_is_set.WaitForNotification();
     if (auto* health = server->GetHealthCheckService()) health->SetServingStatus(false);
     return localization.Drain(grace);
+  }
+
+  absl::Status ServeMetrics() {
+    if (config.metrics_listen.empty()) return absl::OkStatus();
+    const absl::StatusOr<ListenAddress> listen = ParseMetricsAddress(config.metrics_listen);
+    if (!listen.ok()) return listen.status();
+    auto state = std::make_shared<StateMetrics>(
+        StateMetrics::Sources{.registry = registry,
+                              .store = *store,
+                              .localization_pool = localization_pool,
+                              .storage_pool = storage_pool,
+                              .draining = [this] { return localization.draining(); },
+                              .version = DCLOC_VERSION});
+    auto endpoint = MetricsEndpoint::Start(*listen, {metrics.registry(), std::move(state)});
+    if (!endpoint.ok()) return endpoint.status();
+    metrics_endpoint = *std::move(endpoint);
+    spdlog::info("metrics served address={}", metrics_endpoint->address());
+    return absl::OkStatus();
   }
 
   ServerConfig config;
@@ -129,6 +152,7 @@ struct Server::Parts {
   AccessControl access;
   std::unique_ptr<MapStore> store;
   SessionRegistry registry;
+  Metrics metrics;
   OpenCalls open_calls;
   WorkerPool storage_pool{kStorageThreads};
   const StorageHost storage{*store, storage_pool, open_calls, access, limits};
@@ -137,6 +161,8 @@ struct Server::Parts {
   MapService maps;
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
+  absl::Notification server_is_set;  ///< the first calls may be there before it
+  std::unique_ptr<MetricsEndpoint> metrics_endpoint;
   Ticker ticker;
   std::string address;
 };
@@ -168,7 +194,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
     return absl::UnavailableError(
         absl::StrCat("listen is ", Quoted(config.listen), "; the address cannot be listened on"));
   }
+  parts->server_is_set.Notify();
   parts->address = address->ToString();
+  if (absl::Status status = parts->ServeMetrics(); !status.ok()) return status;
   return std::unique_ptr<Server>(new Server(std::move(parts)));
 }
 
@@ -177,6 +205,10 @@ Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Server::~Server() { Shutdown(std::chrono::milliseconds(0)); }
 
 const std::string& Server::address() const { return parts_->address; }
+
+std::string Server::metrics_address() const {
+  return parts_->metrics_endpoint == nullptr ? "" : parts_->metrics_endpoint->address();
+}
 
 absl::Status Server::Reload(const ServerConfig& config) {
   if (absl::Status status = Validate(config); !status.ok()) return status;

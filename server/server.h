@@ -23,6 +23,9 @@ class Server {
   /// HOST:PORT with the real port.
   const std::string& address() const;
 
+  /// HOST:PORT of the metrics; empty when they are not served.
+  std::string metrics_address() const;
+
   /// Takes what of `config` can change while the server runs (`ConfigField::reloadable`) and logs
   /// what has changed and what needs a restart. InvalidArgument when `config` is not valid, and
   /// then nothing changes.

@@ -26,6 +26,11 @@ void WorkerPool::Post(Task task) {
   wake_.notify_one();
 }
 
+std::size_t WorkerPool::queued_count() const {
+  const std::lock_guard lock(mutex_);
+  return tasks_.size();
+}
+
 void WorkerPool::Run() {
   std::unique_lock lock(mutex_);
   while (true) {

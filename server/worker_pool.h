@@ -27,11 +27,13 @@ class WorkerPool {
 
   void Post(Task task);
   int thread_count() const { return static_cast<int>(threads_.size()); }
+  /// Tasks that wait for a thread.
+  std::size_t queued_count() const;
 
  private:
   void Run();
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Task> tasks_;
   bool stopping_ = false;

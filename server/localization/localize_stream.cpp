@@ -259,6 +259,7 @@ void LocalizeStream::Opened(std::shared_ptr<Session> session, bool resumed) {
     const std::lock_guard lock(mutex_);
     opening_ = false;
     resumed_ = resumed;
+    host_.sessions.metrics.ObserveOpen(grpc::StatusCode::OK, resumed);
     resumable_ = session->record()->description.resumable();
     drops_oldest_ = session->record()->description.drops_oldest;
     session->Describe(resumed, slots_[0].response.mutable_opened());
@@ -272,7 +273,10 @@ void LocalizeStream::Opened(std::shared_ptr<Session> session, bool resumed) {
 void LocalizeStream::Fail(grpc::Status status) {
   {
     const std::lock_guard lock(mutex_);
-    opening_ = false;
+    if (std::exchange(opening_, false)) {
+      const bool resumes = !slots_[0].request.open().resume_token().empty();
+      host_.sessions.metrics.ObserveOpen(status.error_code(), resumes);
+    }
     failed_ = over_ = true;
     final_status_ = std::move(status);
   }

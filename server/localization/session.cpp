@@ -68,8 +68,10 @@ absl::StatusOr<std::shared_ptr<Session>> Session::Open(const v1::OpenSession& op
                                                        const SessionContext& context) {
   absl::StatusOr<convert::SessionRequest> request = convert::FromProto(open);
   if (!request.ok()) return request.status();
+  const Clock::time_point begin = Clock::now();
   absl::StatusOr<LoadedMap> map = context.store.Acquire(
       ScopedMapName(caller.principal.tenant, request->map_name), request->map_version);
+  context.metrics.ObserveMapAcquired(Clock::now() - begin);
   if (!map.ok()) return WithPrefix("open.map: ", map.status());
   const absl::StatusOr<std::optional<InitialPose>> initial_pose =
       convert::InitialPoseFromProto(open, map->map->info().anchor);
@@ -89,6 +91,7 @@ Session::Session(const SessionContext& context, std::shared_ptr<SessionRecord> r
       answer_history_count_(context.answer_history_count),
       record_(std::move(record)),
       totals_(context.totals),
+      metrics_(context.metrics),
       strand_(context.pool),
       map_(std::move(map)),
       rig_(std::move(rig)),
@@ -131,6 +134,7 @@ void Session::Answer(const v1::Scan& scan, const Arrival& arrival, v1::LocalizeR
     response->set_from_memory(true);
     ++record_->counts.repeated;
     ++totals_.repeated;
+    metrics_.ObserveRepeated();
     return;
   }
   v1::LocalizationResult* result = response->mutable_result();
@@ -147,15 +151,36 @@ void Session::Answer(const v1::Scan& scan, const Arrival& arrival, v1::LocalizeR
     Reject(number, status, response->mutable_rejected());
     ++record_->counts.rejected;
     ++totals_.rejected;
+    metrics_.ObserveRejection(status.code());
   }
   Publish(response);
   // One that is late stays so, and must not push out an answer that may still be wanted.
   if (number > last_sequence_number_ || status.ok()) history_.Keep(number, *response);
+  if (!status.ok()) return;
+  const std::chrono::nanoseconds encoding = Clock::now() - localized_;
+  metrics_.ObserveAnswer(response->result(), encoding);
+  LogStages(response->result(), encoding);
+}
+
+void Session::LogStages(const v1::LocalizationResult& result,
+                        std::chrono::nanoseconds encoding) const {
+  if (!spdlog::should_log(spdlog::level::debug)) return;
+  const v1::StageTimings& timings = result.timings();
+  spdlog::debug(
+      "scan localized session={} trace={} sequence_number={} state={} queue_us={} conversion_us={} "
+      "compensation_us={} submap_us={} registration_us={} posegraph_us={} encoding_us={}",
+      record_->description.session_id, record_->description.caller.trace_id,
+      result.sequence_number(), v1::LocalizationState_Name(result.state()),
+      timings.queue_duration_ns() / 1000, timings.conversion_duration_ns() / 1000,
+      timings.compensation_duration_ns() / 1000, timings.submap_duration_ns() / 1000,
+      timings.registration_duration_ns() / 1000, timings.posegraph_duration_ns() / 1000,
+      encoding.count() / 1000);
 }
 
 void Session::AnswerDropped(std::int64_t sequence_number, v1::LocalizeResponse* response) {
   ++record_->counts.dropped;
   ++totals_.dropped;
+  metrics_.ObserveDropped();
   CountMissing(sequence_number);
   Reject(sequence_number, absl::ResourceExhaustedError("scan dropped: newer ones were waiting"),
          response->mutable_rejected());
@@ -188,6 +213,7 @@ absl::Status Session::Localize(const v1::Scan& message, v1::LocalizationResult* 
   StageTimer timer;
   const absl::StatusOr<Localization> localization = matcher_->Localize(scan_, &timer);
   timer.End();
+  localized_ = Clock::now();
   if (!localization.ok()) return WithPrefix("scan: ", localization.status());
   CountMissing(message.sequence_number());
   last_sequence_number_ = message.sequence_number();
@@ -220,8 +246,9 @@ void Session::Reject(std::int64_t sequence_number, const absl::Status& status,
   rejected->set_sequence_number(sequence_number);
   rejected->set_code(static_cast<std::int32_t>(status.code()));
   rejected->set_message(std::string(status.message()));
-  spdlog::debug("scan rejected session={} sequence_number={} reason={}",
-                record_->description.session_id, sequence_number, Quoted(status.message()));
+  spdlog::debug("scan rejected session={} trace={} sequence_number={} reason={}",
+                record_->description.session_id, record_->description.caller.trace_id,
+                sequence_number, Quoted(status.message()));
 }
 
 void Session::Publish(v1::LocalizeResponse* response) {

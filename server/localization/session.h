@@ -11,6 +11,7 @@
 #include "server/localization/matcher.h"
 #include "server/localization/session_record.h"
 #include "server/maps/map_store.h"
+#include "server/metrics/metrics.h"
 #include "server/worker_pool.h"
 
 namespace dcloc::server {
@@ -30,6 +31,7 @@ struct SessionContext {
   MapStore& store;
   WorkerPool& pool;    ///< answers scans
   ScanCounts& totals;  ///< of all sessions
+  Metrics& metrics;
   MatcherFactory* create_matcher;
   int answer_history_count;
   std::chrono::nanoseconds detached_timeout;
@@ -71,11 +73,13 @@ class Session {
   void Reject(std::int64_t sequence_number, const absl::Status& status,
               v1::ScanRejected* rejected) const;
   void Publish(v1::LocalizeResponse* response);
+  void LogStages(const v1::LocalizationResult& result, std::chrono::nanoseconds encoding) const;
 
   const std::chrono::nanoseconds detached_timeout_;
   const int answer_history_count_;
   const std::shared_ptr<SessionRecord> record_;
   ScanCounts& totals_;
+  Metrics& metrics_;
   Strand strand_;
   LoadedMap map_;
   Rig rig_;
@@ -84,7 +88,8 @@ class Session {
   std::int64_t last_sequence_number_ = -1;     ///< the highest one localized
   std::int64_t highest_sequence_number_ = -1;  ///< or dropped
   std::optional<Stamp> last_stamp_;
-  Scan scan_;  ///< kept for its columns' memory
+  std::chrono::steady_clock::time_point localized_;  ///< the newest one; what follows is encoding
+  Scan scan_;                                        ///< kept for its columns' memory
 };
 
 }  // namespace dcloc::server

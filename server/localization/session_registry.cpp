@@ -198,6 +198,16 @@ int SessionRegistry::count() const {
   return static_cast<int>(entries_.size());
 }
 
+SessionCensus SessionRegistry::Census() const {
+  SessionCensus census;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, entry] : entries_) {
+    const auto state = static_cast<std::size_t>(entry.record->last_state + 1);
+    ++(entry.detached_since ? census.detached : census.attached)[state];
+  }
+  return census;
+}
+
 int SessionRegistry::detached_count() const {
   const std::lock_guard lock(mutex_);
   int count = 0;

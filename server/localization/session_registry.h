@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -30,6 +31,13 @@ struct SessionTimeouts {
 struct ListedSession {
   std::shared_ptr<SessionRecord> record;
   bool detached = false;
+};
+
+/// How many sessions there are, by the state of their last answer: none, then as in
+/// LocalizationState.
+struct SessionCensus {
+  std::array<int, 5> attached{};
+  std::array<int, 5> detached{};
 };
 
 /// Holds the sessions that are open: each is attached to a stream, or detached and waiting for its
@@ -84,6 +92,8 @@ class SessionRegistry {
   absl::StatusOr<ListedSession> Get(absl::string_view tenant, absl::string_view session_id);
 
   int count() const;
+  SessionCensus Census() const;
+  int max_session_count() const { return limits_.max_session_count; }
   int detached_count() const;
   ScanCounts& totals() { return totals_; }
   std::int64_t resume_count() const;

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <grpcpp/support/status.h>
+#include <prometheus/counter.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+
+#include <array>
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "dcloc/v1/localization_service.pb.h"
+
+namespace dcloc::server {
+
+/// What is counted and timed as it happens, for Prometheus; what can be looked up when asked for is
+/// in StateMetrics. Thread-safe; an observation takes a fraction of a microsecond, and no label
+/// depends on what a client sends.
+class Metrics {
+ public:
+  Metrics();
+  Metrics(const Metrics&) = delete;
+  Metrics& operator=(const Metrics&) = delete;
+
+  /// A scan was localized; its timings are set. `encoding` is what making the answer took.
+  void ObserveAnswer(const v1::LocalizationResult& result, std::chrono::nanoseconds encoding);
+  /// A scan was refused, or dropped for newer ones.
+  void ObserveRejection(absl::StatusCode code);
+  void ObserveDropped();
+  void ObserveRepeated();
+  /// A Localize call has opened or resumed a session, or not.
+  void ObserveOpen(grpc::StatusCode code, bool resumed);
+  /// Getting a session's map took so long: microseconds where it is in memory.
+  void ObserveMapAcquired(std::chrono::nanoseconds duration);
+
+  const std::shared_ptr<prometheus::Registry>& registry() const { return registry_; }
+
+ private:
+  static constexpr std::size_t kStageCount = 7;
+  static constexpr std::size_t kStateCount = 4;
+
+  void ObserveEdge(const v1::LocalizationQuality& quality);
+
+  std::shared_ptr<prometheus::Registry> registry_;
+  std::array<prometheus::Histogram*, kStageCount> stages_{};
+  std::array<prometheus::Counter*, kStateCount> answers_{};
+  prometheus::Histogram& scan_;
+  prometheus::Histogram& edge_distance_;
+  prometheus::Histogram& residual_scale_;
+  prometheus::Histogram& overlap_;
+  prometheus::Histogram& map_acquire_;
+  prometheus::Counter& valid_edges_;
+  prometheus::Counter& invalid_edges_;
+  prometheus::Counter& repeated_;
+  prometheus::Counter& dropped_;
+  prometheus::Family<prometheus::Counter>& rejected_;
+  prometheus::Family<prometheus::Counter>& opens_;
+};
+
+}  // namespace dcloc::server
