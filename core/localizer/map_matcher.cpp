@@ -93,6 +93,8 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::Match(std::span<const Gaussian
       Registration<Dim> refined = Refine(live, Lift<Dim>(hypothesis, predicted.pose), 0.3);
       if (Plausibility(refined, predicted) > Plausibility(best, predicted)) best = refined;
     }
+  } else {
+    field_ = {};  // larger than all else that a session holds
   }
   return Believable(best) ? std::optional(best) : std::nullopt;
 }

@@ -59,13 +59,6 @@ LocalMap<Dim>::LocalMap(const Pose3& T_map_local, std::vector<Point> points)
   BuildGrid();
 }
 
-template <int Dim>
-int LocalMap<Dim>::ClampedCell(double offset_m, int count) {
-  const double cell = std::floor(offset_m / kCell_m);
-  if (!(cell > 0.0)) return 0;  // also what is not a number
-  return static_cast<int>(std::min(cell, static_cast<double>(count - 1)));
-}
-
 // Counting sort of the points by cell.
 template <int Dim>
 void LocalMap<Dim>::BuildGrid() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -39,6 +40,14 @@ class LocalMap {
   /// `reach_m` around (x, y) of the local frame.
   template <typename Visit>
   void ForEachNear(double x_m, double y_m, double reach_m, const Visit& visit) const {
+    ForEachRunNear(x_m, y_m, reach_m, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) visit(i);
+    });
+  }
+
+  /// The same by runs of points that follow each other: calls `visit(begin, end)`.
+  template <typename Visit>
+  void ForEachRunNear(double x_m, double y_m, double reach_m, const Visit& visit) const {
     if (points_.empty()) return;
     const int column_begin = ClampedCell(x_m - reach_m - min_m_.x(), columns_);
     const int column_end = ClampedCell(x_m + reach_m - min_m_.x(), columns_);
@@ -47,19 +56,20 @@ class LocalMap {
     for (int row = row_begin; row <= row_end; ++row) {
       // Cells of a row are neighbours in memory: one run of points.
       const std::size_t cell = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_);
-      const std::uint32_t end = cell_begin_[cell + static_cast<std::size_t>(column_end) + 1];
-      for (std::uint32_t i = cell_begin_[cell + static_cast<std::size_t>(column_begin)]; i < end;
-           ++i) {
-        visit(static_cast<std::size_t>(i));
-      }
+      visit(cell_begin_[cell + static_cast<std::size_t>(column_begin)],
+            cell_begin_[cell + static_cast<std::size_t>(column_end) + 1]);
     }
   }
 
  private:
-  static constexpr double kCell_m = 1.0;
+  static constexpr double kCell_m = 2.0;
 
   void BuildGrid();
-  static int ClampedCell(double offset_m, int count);
+  static int ClampedCell(double offset_m, int count) {
+    const double cell = offset_m / kCell_m;
+    if (!(cell > 0.0)) return 0;  // also what is not a number
+    return static_cast<int>(std::min(cell, static_cast<double>(count - 1)));
+  }
 
   Pose3 T_map_local_;
   std::vector<Point> points_;

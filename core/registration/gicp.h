@@ -15,8 +15,8 @@ struct GicpOptions {
   double reach_m = 2.5;       ///< landmarks further from a live point are not its match
   double gate_sigmas = 3.5;   ///< nor those further in units of the joint deviation
   double huber_sigmas = 1.5;  ///< residuals beyond weigh less (Huber)
-  double translation_tolerance_m = 1e-3;
-  double rotation_tolerance_rad = 1e-4;
+  double translation_tolerance_m = 2e-3;
+  double rotation_tolerance_rad = 2e-4;
   /// Deviation added to every match at first, halved each iteration: finds the basin before it
   /// trusts the fine structure. 0 when the start is already good.
   double initial_blur_m = 0.0;
@@ -43,8 +43,8 @@ inline constexpr double kUnobserved = 1e6;
 /// Uncertainty-aware GICP (METHOD eq 12): minimises sum rho_Huber(e^T W e) over the pose of `live`
 /// (vehicle frame) in `map`, e = q - (R p + t), W = (S_q + R S_p R^T)^-1, matches being the
 /// landmark of highest likelihood. Levenberg-Marquardt with W and the matches frozen within an
-/// iteration; covariance and quality are those of the last matches at the final pose. `finder`
-/// lends its memory.
+/// iteration (W for up to a milliradian, see MatchFinder); covariance and quality are those of the
+/// last matches at the final pose. `finder` lends its memory.
 template <int Dim>
 Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                                const Pose<Dim>& T_local_vehicle_initial, const GicpOptions& options,

@@ -1,6 +1,8 @@
 #include "core/registration/point_matches.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace dcloc {
 namespace {
@@ -10,10 +12,13 @@ using Vector = Eigen::Matrix<double, Dim, 1>;
 template <int Dim>
 using Matrix = Eigen::Matrix<double, Dim, Dim>;
 
-// How far poses of one neighbourhood lie from its centre. Wider ones are left less often but have
-// more candidates; a tracker's registration mostly stays within this.
-constexpr double kNear_m = 0.1;
-constexpr double kNear_rad = 0.003;
+// How far poses of a neighbourhood lie from its centre. Larger ones are left less often but have
+// more candidates: a tracker's registration mostly stays within the wide one, and within the narrow
+// one after its first step.
+constexpr double kWide_m = 0.1;
+constexpr double kWide_rad = 0.005;
+constexpr double kNarrow_m = 0.03;
+constexpr double kNarrow_rad = 0.001;
 
 Eigen::Matrix2d Adjugate(const Eigen::Matrix2d& m) {
   Eigen::Matrix2d adjugate;
@@ -29,25 +34,16 @@ Eigen::Matrix3d Adjugate(const Eigen::Matrix3d& m) {
   return adjugate;
 }
 
-// The landmark that fits best so far: least negative log-likelihood, d^2 + log det, so that a wide
-// landmark does not win by its width alone.
-template <int Dim>
-struct Best {
-  double distance;  // squared Mahalanobis distance
-  double determinant;
-  const GaussianPoint<Dim>* landmark = nullptr;
-  Matrix<Dim> adjugate;  // of the joint covariance
-
-  bool IsBeatenBy(double other_distance, double other_determinant) const {
-    if (landmark == nullptr) return true;
-    // Most pairs are decided without the logarithm.
-    if (other_distance >= distance && other_determinant >= determinant) return false;
-    if (other_distance < distance && other_determinant <= determinant) return true;
-    return other_distance - distance < std::log(determinant / other_determinant);
-  }
-};
+double Squared(double value) { return value * value; }
 
 }  // namespace
+
+template <int Dim>
+bool MatchFinder<Dim>::Neighbourhood::Holds(const Pose<Dim>& T, double radius_m,
+                                            double radius_rad) const {
+  const Pose<Dim> apart = T_local_vehicle.Inverse() * T;
+  return apart.translation_m.norm() <= radius_m && RotationAngle(apart) <= radius_rad;
+}
 
 template <int Dim>
 void MatchFinder<Dim>::Begin(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
@@ -55,51 +51,43 @@ void MatchFinder<Dim>::Begin(std::span<const GaussianPoint<Dim>> live, const Loc
   live_ = live;
   map_ = &map;
   gates_ = gates;
-  neighbourhood_.reset();
+  wide_.reset();
+  narrow_.reset();
 }
 
 template <int Dim>
 std::span<const PointMatch<Dim>> MatchFinder<Dim>::Find(const Pose<Dim>& T_local_vehicle,
                                                         double blur_m) {
-  if (!Covers(T_local_vehicle, blur_m)) LookUp(T_local_vehicle, blur_m);
+  if (!wide_ || blur_m > wide_->blur_m || !wide_->Holds(T_local_vehicle, kWide_m, kWide_rad)) {
+    LookUp(T_local_vehicle, blur_m);
+    narrow_.reset();
+  }
+  if (!narrow_ || blur_m != narrow_->blur_m ||
+      !narrow_->Holds(T_local_vehicle, kNarrow_m, kNarrow_rad)) {
+    Weigh(T_local_vehicle, blur_m);
+  }
   const Matrix<Dim> R = T_local_vehicle.Rotation();
-  const double gate = gates_.gate_sigmas * gates_.gate_sigmas;
-  const double reach_m2 = gates_.reach_m * gates_.reach_m;
+  const double gate = Squared(gates_.gate_sigmas);
+  const double reach_m2 = Squared(gates_.reach_m);
   matches_.clear();
+  matches_.reserve(live_.size());
   std::uint32_t begin = 0;
   for (std::size_t i = 0; i < live_.size(); ++i) {
-    const std::uint32_t end = candidates_end_[i];
-    if (begin == end) continue;
     const Vector<Dim> p = R * live_[i].mean_m + T_local_vehicle.translation_m;
-    Matrix<Dim> covariance = R * live_[i].covariance_m2 * R.transpose();
-    covariance.diagonal().array() += blur_m * blur_m;
-    Best<Dim> best;
-    for (; begin != end; ++begin) {
-      const GaussianPoint<Dim>& landmark = map_->points()[candidates_[begin]];
-      const Vector<Dim> e = landmark.mean_m - p;
-      const Matrix<Dim> joint = landmark.covariance_m2 + covariance;
-      const Matrix<Dim> adjugate = Adjugate(joint);
-      const double determinant = joint.row(0).dot(adjugate.col(0).transpose());
-      const double scaled = e.dot(adjugate * e);
-      // Written so that what is not a number fails.
-      if (!(determinant > 0.0 && scaled <= gate * determinant)) continue;
-      if (e.squaredNorm() > reach_m2) continue;
-      const double distance = scaled / determinant;
-      if (best.IsBeatenBy(distance, determinant)) {
-        best = {distance, determinant, &landmark, adjugate};
-      }
+    const Candidate* best = nullptr;
+    double best_cost = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t end = candidates_end_[i]; begin != end; ++begin) {
+      const Candidate& candidate = candidates_[begin];
+      const Vector<Dim> e = candidate.q - p;
+      const double distance = e.dot(candidate.information * e);
+      const double cost = distance + candidate.log_determinant;
+      if (distance > gate || e.squaredNorm() > reach_m2 || !(cost < best_cost)) continue;
+      best_cost = cost;
+      best = &candidate;
     }
-    if (best.landmark == nullptr) continue;
-    matches_.push_back({live_[i].mean_m, best.landmark->mean_m, best.adjugate / best.determinant});
+    if (best != nullptr) matches_.push_back({live_[i].mean_m, best->q, best->information});
   }
   return matches_;
-}
-
-template <int Dim>
-bool MatchFinder<Dim>::Covers(const Pose<Dim>& T_local_vehicle, double blur_m) const {
-  if (!neighbourhood_ || blur_m > neighbourhood_->blur_m) return false;
-  const Pose<Dim> apart = neighbourhood_->T_local_vehicle.Inverse() * T_local_vehicle;
-  return apart.translation_m.norm() <= kNear_m && RotationAngle(apart) <= kNear_rad;
 }
 
 // A landmark can be within d of a point in the joint covariance's metric only if it is so along
@@ -107,29 +95,112 @@ bool MatchFinder<Dim>::Covers(const Pose<Dim>& T_local_vehicle, double blur_m) c
 // `near_m`, and its own deviation along an axis turns into no more than s + angle * s_max.
 template <int Dim>
 void MatchFinder<Dim>::LookUp(const Pose<Dim>& T_local_vehicle, double blur_m) {
-  neighbourhood_ = {T_local_vehicle, blur_m};
+  wide_ = {T_local_vehicle, blur_m};
   const Matrix<Dim> R = T_local_vehicle.Rotation();
-  const double gate = gates_.gate_sigmas * gates_.gate_sigmas;
-  candidates_.clear();
-  candidates_end_.clear();
+  const double gate = Squared(gates_.gate_sigmas);
+  landmarks_end_.clear();
+  std::size_t count = 0;
   for (const GaussianPoint<Dim>& point : live_) {
     const Vector<Dim> p = R * point.mean_m + T_local_vehicle.translation_m;
     const Matrix<Dim> covariance = R * point.covariance_m2 * R.transpose();
-    const double near_m = kNear_m + kNear_rad * point.mean_m.norm();
-    const double turned_m = kNear_rad * std::sqrt(point.covariance_m2.trace());
+    const double near_m = kWide_m + kWide_rad * point.mean_m.norm();
+    const double turned_m = kWide_rad * std::sqrt(point.covariance_m2.trace());
     const Vector<Dim> variances =
         (covariance.diagonal().cwiseSqrt().array() + turned_m).square() + blur_m * blur_m;
-    map_->ForEachNear(p.x(), p.y(), gates_.reach_m + near_m, [&](std::size_t index) {
-      const GaussianPoint<Dim>& landmark = map_->points()[index];
-      for (int axis = 0; axis < Dim; ++axis) {
-        const double apart_m = std::abs(landmark.mean_m(axis) - p(axis)) - near_m;
-        const double variance = landmark.covariance_m2(axis, axis) + variances(axis);
-        // Written so that what is not a number fails.
-        if (!(apart_m <= 0.0 || apart_m * apart_m <= gate * variance)) return;
-      }
-      candidates_.push_back(static_cast<std::uint32_t>(index));
-    });
+    map_->ForEachRunNear(
+        p.x(), p.y(), gates_.reach_m + near_m, [&](std::size_t begin, std::size_t end) {
+          if (landmarks_.size() < count + end - begin) landmarks_.resize(2 * (count + end - begin));
+          for (std::size_t index = begin; index < end; ++index) {
+            const GaussianPoint<Dim>& landmark = map_->points()[index];
+            bool is_near = true;
+            for (int axis = 0; axis < Dim; ++axis) {
+              const double apart_m =
+                  std::max(0.0, std::abs(landmark.mean_m(axis) - p(axis)) - near_m);
+              is_near &= apart_m * apart_m <=
+                         gate * (landmark.covariance_m2(axis, axis) + variances(axis));
+            }
+            // Kept or written over by the next: a branch would be guessed wrong too often.
+            landmarks_[count] = static_cast<std::uint32_t>(index);
+            count += is_near ? 1 : 0;
+          }
+        });
+    landmarks_end_.push_back(static_cast<std::uint32_t>(count));
+  }
+}
+
+template <int Dim>
+void MatchFinder<Dim>::Weigh(const Pose<Dim>& T_local_vehicle, double blur_m) {
+  narrow_ = {T_local_vehicle, blur_m};
+  const Matrix<Dim> R = T_local_vehicle.Rotation();
+  candidates_.clear();
+  candidates_.reserve(live_.size());
+  candidates_end_.clear();
+  std::uint32_t begin = 0;
+  for (std::size_t i = 0; i < live_.size(); ++i) {
+    const std::uint32_t end = landmarks_end_[i];
+    if (begin != end) {
+      Matrix<Dim> covariance = R * live_[i].covariance_m2 * R.transpose();
+      covariance.diagonal().array() += blur_m * blur_m;
+      WeighFor(R * live_[i].mean_m + T_local_vehicle.translation_m, covariance,
+               std::span(landmarks_).subspan(begin, end - begin),
+               kNarrow_m + kNarrow_rad * live_[i].mean_m.norm());
+    }
+    begin = end;
     candidates_end_.push_back(static_cast<std::uint32_t>(candidates_.size()));
+  }
+}
+
+template <int Dim>
+void MatchFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>& covariance,
+                                std::span<const std::uint32_t> landmarks, double near_m) {
+  const double gate = Squared(gates_.gate_sigmas);
+  const double max_reach_m2 = Squared(gates_.reach_m + near_m);
+  weighed_.clear();
+  for (const std::uint32_t index : landmarks) {
+    const GaussianPoint<Dim>& landmark = map_->points()[index];
+    const Vector<Dim> e = landmark.mean_m - p;
+    const Matrix<Dim> joint = landmark.covariance_m2 + covariance;
+    const Matrix<Dim> adjugate = Adjugate(joint);
+    const double determinant = joint.row(0).dot(adjugate.col(0).transpose());
+    const double scale = 1.0 / determinant;
+    const double distance = scale * e.dot(adjugate * e);
+    // The trace bounds the largest eigenvalue.
+    const double near_distance = near_m * near_m * scale * adjugate.trace();
+    // (a + b)^2 <= 1.2 a^2 + 6 b^2, without a root. Written so that what is not a number fails.
+    if (!(determinant > 0.0 && distance <= 1.2 * gate + 6.0 * near_distance)) continue;
+    if (e.squaredNorm() > max_reach_m2) continue;
+    weighed_.push_back({.q = landmark.mean_m,
+                        .information = scale * adjugate,
+                        .determinant = determinant,
+                        .distance = distance,
+                        .near_distance = near_distance});
+  }
+  if (weighed_.size() > 1) {
+    KeepUnbeaten(p, near_m);
+  } else if (!weighed_.empty()) {
+    candidates_.push_back({.q = weighed_[0].q, .information = weighed_[0].information});
+  }
+}
+
+// Over the neighbourhood a point moves by up to `near_m`, which changes its Mahalanobis distance by
+// no more than near_m over the least deviation. So the cost of each lies between bounds, and who
+// cannot be better than another is left out.
+template <int Dim>
+void MatchFinder<Dim>::KeepUnbeaten(const Vector<Dim>& p, double near_m) {
+  double least_max_cost = std::numeric_limits<double>::infinity();
+  for (Weighed& one : weighed_) {
+    one.log_determinant = std::log(one.determinant);
+    const double sigmas = std::sqrt(one.distance);
+    const double near_sigmas = std::sqrt(one.near_distance);
+    one.min_cost = Squared(std::max(0.0, sigmas - near_sigmas)) + one.log_determinant;
+    // Only who passes the gates everywhere excludes others.
+    if (sigmas + near_sigmas > gates_.gate_sigmas) continue;
+    if ((one.q - p).norm() + near_m > gates_.reach_m) continue;
+    least_max_cost = std::min(least_max_cost, Squared(sigmas + near_sigmas) + one.log_determinant);
+  }
+  for (const Weighed& one : weighed_) {
+    if (one.min_cost > least_max_cost) continue;
+    candidates_.push_back({one.q, one.information, one.log_determinant});
   }
 }
 

@@ -27,8 +27,10 @@ struct MatchGates {
 };
 
 /// Finds the landmark of highest likelihood for each live point, again and again as the pose moves.
-/// Which landmarks can pass the gates is looked up for a whole neighbourhood of poses at once, and
-/// anew only when the pose leaves it: the matches are as if it were looked up every time.
+/// What stays the same over a neighbourhood of poses is worked out once and anew only when the pose
+/// leaves it: over a wide one, which landmarks can pass the gates; over a narrow one, what they
+/// weigh and which of them can be the most likely. The matches are as if all were looked at every
+/// time, but for the weights, which are not turned within one milliradian.
 /// Keeps its memory from one sub-map to the next.
 template <int Dim>
 class MatchFinder {
@@ -42,21 +44,51 @@ class MatchFinder {
   std::span<const PointMatch<Dim>> Find(const Pose<Dim>& T_local_vehicle, double blur_m);
 
  private:
-  // The poses that the candidates are for.
+  // Poses around a centre.
   struct Neighbourhood {
     Pose<Dim> T_local_vehicle;
     double blur_m;
+
+    bool Holds(const Pose<Dim>& T, double radius_m, double radius_rad) const;
   };
 
-  bool Covers(const Pose<Dim>& T_local_vehicle, double blur_m) const;
+  // A landmark that may be a live point's match, as seen from the middle of a neighbourhood.
+  struct Candidate {
+    Eigen::Matrix<double, Dim, 1> q;
+    Eigen::Matrix<double, Dim, Dim> information;
+    double log_determinant = 0.0;  // of the joint covariance; 0 where there is no other candidate
+  };
+  // One before it is known whether it can be the most likely.
+  struct Weighed {
+    Eigen::Matrix<double, Dim, 1> q;
+    Eigen::Matrix<double, Dim, Dim> information;
+    double determinant;
+    double distance;       // squared Mahalanobis
+    double near_distance;  // that of the way that the point may move
+    double log_determinant = 0.0;
+    double min_cost = 0.0;  // negative log-likelihood where it is least
+  };
+
   void LookUp(const Pose<Dim>& T_local_vehicle, double blur_m);
+  void Weigh(const Pose<Dim>& T_local_vehicle, double blur_m);
+  void WeighFor(const Eigen::Matrix<double, Dim, 1>& p,
+                const Eigen::Matrix<double, Dim, Dim>& covariance,
+                std::span<const std::uint32_t> landmarks, double near_m);
+  void KeepUnbeaten(const Eigen::Matrix<double, Dim, 1>& p, double near_m);
 
   std::span<const GaussianPoint<Dim>> live_;
   const LocalMap<Dim>* map_ = nullptr;
   MatchGates gates_;
-  std::optional<Neighbourhood> neighbourhood_;
-  std::vector<std::uint32_t> candidates_;      // indices of landmarks, by live point
+
+  std::optional<Neighbourhood> wide_;
+  std::vector<std::uint32_t> landmarks_;  // indices of those near, by live point, and spare room
+  std::vector<std::uint32_t> landmarks_end_;  // of each live point
+
+  std::optional<Neighbourhood> narrow_;
+  std::vector<Weighed> weighed_;               // of one live point
+  std::vector<Candidate> candidates_;          // by live point
   std::vector<std::uint32_t> candidates_end_;  // of each live point
+
   std::vector<PointMatch<Dim>> matches_;
 };
 

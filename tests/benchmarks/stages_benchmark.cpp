@@ -24,8 +24,8 @@ namespace {
 constexpr double kLength_m = 300.0;
 
 // What a tracker starts from: the fused state, carried on for one scan.
-constexpr double kTracking_m = 0.06;
-constexpr double kTracking_deg = 0.2;
+constexpr double kTracking_m = 0.03;
+constexpr double kTracking_deg = 0.1;
 
 struct Inputs {
   Case drives;
@@ -101,9 +101,10 @@ void ForQueries(benchmark::State& state, const std::string& name, const Run& run
 
 void Gicp(benchmark::State& state, const std::string& name) {
   double iterations = 0.0;
+  MatchFinder<2> finder;
   ForQueries(state, name, [&](const Query& query, std::size_t number) {
-    const auto result = RegisterGicp<2>(query.live, query.local_map,
-                                        StartFor(query, number, kTracking_m, kTracking_deg));
+    const Pose2 start = StartFor(query, number, kTracking_m, kTracking_deg);
+    const auto result = RegisterGicp<2>(query.live, query.local_map, start, {}, finder);
     iterations += result.iterations;
   });
   state.counters["steps"] = benchmark::Counter(iterations, benchmark::Counter::kAvgIterations);

@@ -110,7 +110,8 @@ TYPED_TEST(GicpReferenceTest, FindsTheMinimumThatCeresFinds) {
       parameters = Minimise<kDim>(pair, reference.Rotation(), parameters);
       reference = ToPose<kDim>(parameters);
     }
-    EXPECT_LT(Log(reference.Inverse() * result.T_local_vehicle).norm(), 1e-5);
+    // Weights are those of a pose up to a milliradian away (MatchFinder).
+    EXPECT_LT(Log(reference.Inverse() * result.T_local_vehicle).norm(), 1e-4);
     EXPECT_GT(Log(truth.Inverse() * result.T_local_vehicle).norm(), 1e-3)
         << "the truth is not the minimum: agreement says something";
   }
