@@ -77,7 +77,7 @@ bool MapMatcher<Dim>::MoveTo(const Eigen::Vector3d& p_map) {
   keyframe_ = nearest;
   local_map_ = LocalMap<Dim>(*map_, p_map, options_.match.local_map_radius_m);
   T_map_local_ = local_map_.T_map_local();
-  field_ = {};
+  search_.reset();
   return true;
 }
 
@@ -94,7 +94,7 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::Match(std::span<const Gaussian
       if (Plausibility(refined, predicted) > Plausibility(best, predicted)) best = refined;
     }
   } else {
-    field_ = {};  // larger than all else that a session holds
+    search_.reset();
   }
   return Believable(best) ? std::optional(best) : std::nullopt;
 }
@@ -106,7 +106,13 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
   constexpr double kSigmas = 3.0;
   constexpr double kMaxSearch_m = 8.0;
   constexpr double kMaxSearch_rad = 0.5;
-  if (field_.empty()) field_ = LikelihoodField(local_map_, kFineCell_m);
+  if (!search_) {
+    search_.emplace();
+    search_->field = LikelihoodField(local_map_, kFineCell_m);
+    search_->landmarks =
+        Thinned(std::span<const GaussianPoint<Dim>>(local_map_.points()), 4 * kSearchPoints);
+    search_->descriptors = RadialStatistics(search_->landmarks);
+  }
   const SearchWindow window{
       .centre_local_vehicle = Planar<Dim>(predicted.pose),
       .translation_m =
@@ -115,14 +121,12 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
   const std::vector<Eigen::Vector2f> points = Thinned(live, kSearchPoints);
   std::vector<Pose2> hypotheses;
   for (const PoseHypothesis& found :
-       CorrelativeSearch(points, field_, window, options_.match.hypotheses)) {
+       CorrelativeSearch(points, search_->field, window, options_.match.hypotheses)) {
     hypotheses.push_back(found.T_local_vehicle);
   }
-  const std::vector<Eigen::Vector2f> landmarks =
-      Thinned(std::span<const GaussianPoint<Dim>>(local_map_.points()), 4 * kSearchPoints);
   const std::vector<IndexPair> pairs =
-      MutualNearest(RadialStatistics(landmarks), RadialStatistics(points), 2);
-  if (const auto match = MatchRigid(landmarks, points, pairs, seed)) {
+      MutualNearest(search_->descriptors, RadialStatistics(points), 2);
+  if (const auto match = MatchRigid(search_->landmarks, points, pairs, seed)) {
     hypotheses.push_back(match->T_a_b);
   }
   return hypotheses;

@@ -45,13 +45,20 @@ class MapMatcher {
                            double blur_m);
   bool Believable(const Registration<Dim>& registration) const;
 
+  // What a search needs of the local map, larger than all else that a session holds.
+  struct SearchAids {
+    LikelihoodField field;
+    std::vector<Eigen::Vector2f> landmarks;
+    Eigen::MatrixXf descriptors;  // of the landmarks
+  };
+
   std::shared_ptr<const RadarMap> map_;
   LocalizerOptions options_;
   std::optional<std::size_t> keyframe_;
   Pose3 T_map_local_;
   LocalMap<Dim> local_map_;
   MatchFinder<Dim> finder_;
-  LikelihoodField field_;  // of local_map_; empty until a search needs it
+  std::optional<SearchAids> search_;  // of local_map_, while predictions are uncertain
 };
 
 }  // namespace dcloc

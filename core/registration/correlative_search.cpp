@@ -2,25 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 namespace dcloc {
 namespace {
-
-constexpr double kMaxLikelihood = 255.0;
-constexpr double kSigma_cells = 1.4;
-
-// Likelihoods around a landmark's cell, up to `reach` cells away to each side, row by row.
-std::vector<std::uint8_t> Kernel(int reach) {
-  std::vector<std::uint8_t> kernel;
-  for (int row = -reach; row <= reach; ++row) {
-    for (int column = -reach; column <= reach; ++column) {
-      const double z = std::hypot(column, row) / kSigma_cells;
-      kernel.push_back(static_cast<std::uint8_t>(kMaxLikelihood * std::exp(-0.5 * z * z)));
-    }
-  }
-  return kernel;
-}
 
 double MedianRange(std::span<const Eigen::Vector2f> points) {
   std::vector<float> ranges;
@@ -30,75 +16,75 @@ double MedianRange(std::span<const Eigen::Vector2f> points) {
   return *middle;
 }
 
-}  // namespace
+// The positions of a window, at one heading after the other: sums over points of the likelihoods
+// that each finds there. Positions are whole cells apart, so that a point's likelihoods at
+// neighbouring positions are neighbours in the field: a row of them is added at once.
+class WindowSums {
+ public:
+  explicit WindowSums(int shifts)
+      : shifts_(shifts), side_(2 * shifts + 1), sums_(Area()), chunk_(Area()) {}
 
-template <int Dim>
-LikelihoodField::LikelihoodField(const LocalMap<Dim>& map, double cell_m) {
-  if (map.empty()) return;
-  std::vector<Eigen::Vector2d> positions_m;
-  positions_m.reserve(map.points().size());
-  Eigen::Vector2d min_m = map.points().front().mean_m.template head<2>();
-  Eigen::Vector2d max_m = min_m;
-  for (const GaussianPoint<Dim>& point : map.points()) {
-    positions_m.emplace_back(point.mean_m.template head<2>());
-    min_m = min_m.cwiseMin(positions_m.back());
-    max_m = max_m.cwiseMax(positions_m.back());
-  }
-  *this = LikelihoodField(positions_m, cell_m, min_m, max_m);
-}
-
-LikelihoodField::LikelihoodField(std::span<const Eigen::Vector2d> positions_m, double cell_m,
-                                 const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m)
-    : cell_m_(cell_m) {
-  const int reach = static_cast<int>(3.0 * kSigma_cells);
-  // One cell more than the kernel reaches: rounding may put a point into the cell beside its own.
-  min_m_ = min_m.array() - (reach + 1) * cell_m_;
-  const Eigen::Vector2d size_m = max_m.array() + (reach + 1) * cell_m_ - min_m_.array();
-  columns_ = static_cast<int>(size_m.x() / cell_m_) + 1;
-  rows_ = static_cast<int>(size_m.y() / cell_m_) + 1;
-  cells_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
-
-  const std::vector<std::uint8_t> kernel = Kernel(reach);
-  const auto side = static_cast<std::size_t>(2 * reach) + 1;
-  for (const Eigen::Vector2d& position_m : positions_m) {
-    // Written so that what is not a number is left out too.
-    if (!((position_m.array() >= min_m.array()).all() &&
-          (position_m.array() <= max_m.array()).all())) {
-      continue;
-    }
-    const Eigen::Vector2i centre = CellOf(position_m);
-    for (std::size_t row = 0; row < side; ++row) {
-      std::uint8_t* const cells = &cells_[(static_cast<std::size_t>(centre.y() - reach) + row) *
-                                              static_cast<std::size_t>(columns_) +
-                                          static_cast<std::size_t>(centre.x() - reach)];
-      const std::uint8_t* const likelihoods = &kernel[row * side];
-      for (std::size_t column = 0; column < side; ++column) {
-        cells[column] = std::max(cells[column], likelihoods[column]);
+  /// For `points` at `pose`, the window's centre; row by row, x fastest.
+  const std::vector<std::uint32_t>& At(std::span<const Eigen::Vector2f> points,
+                                       const LikelihoodField& field, const Pose2& pose) {
+    constexpr std::size_t kChunk = 256;  // of so many points the sums fit into 16 bits
+    static_assert(kChunk * 255 <= 65535);
+    const Eigen::Matrix2d R = pose.Rotation();
+    std::ranges::fill(sums_, 0);
+    for (std::size_t begin = 0; begin < points.size(); begin += kChunk) {
+      std::ranges::fill(chunk_, 0);
+      for (const Eigen::Vector2f& point :
+           points.subspan(begin, std::min(kChunk, points.size() - begin))) {
+        const Eigen::Vector2d at = field.CellsFrom(R * point.cast<double>() + pose.translation_m);
+        // Written so that what is not a number, and what no number of cells reaches, is left out.
+        if (at.cwiseAbs().maxCoeff() <= kMaxCells) Add(field, at.array().floor().cast<int>());
       }
+      for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += chunk_[i];
+    }
+    return sums_;
+  }
+
+ private:
+  static constexpr double kMaxCells = 1e8;
+
+  std::size_t Area() const {
+    return static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_);
+  }
+
+  // `cell` is the point's at the window's centre.
+  void Add(const LikelihoodField& field, const Eigen::Vector2i& cell) {
+    const Eigen::Vector2i first = cell.array() - shifts_;  // at the window's first position
+    const int column_begin = std::max(0, -first.x());
+    const int column_end = std::min(side_, field.columns() - first.x());
+    const int row_begin = std::max(0, -first.y());
+    const int row_end = std::min(side_, field.rows() - first.y());
+    if (column_begin >= column_end) return;
+    const auto count = static_cast<std::size_t>(column_end - column_begin);
+    for (int row = row_begin; row < row_end; ++row) {
+      const std::uint8_t* const from = field.At(first + Eigen::Vector2i(column_begin, row));
+      std::uint16_t* const to = &chunk_[static_cast<std::size_t>(row * side_ + column_begin)];
+      for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<std::uint16_t>(to[i] + from[i]);
     }
   }
-}
 
-double LikelihoodField::Score(std::span<const Eigen::Vector2f> points,
-                              const Pose2& T_local_vehicle) const {
-  if (points.empty() || cells_.empty()) return 0.0;
-  const auto per_cell = static_cast<float>(1.0 / cell_m_);
-  const auto c = static_cast<float>(std::cos(T_local_vehicle.yaw_rad)) * per_cell;
-  const auto s = static_cast<float>(std::sin(T_local_vehicle.yaw_rad)) * per_cell;
-  const auto x = static_cast<float>(T_local_vehicle.translation_m.x() - min_m_.x()) * per_cell;
-  const auto y = static_cast<float>(T_local_vehicle.translation_m.y() - min_m_.y()) * per_cell;
-  const auto columns = static_cast<float>(columns_);
-  const auto rows = static_cast<float>(rows_);
-  std::uint64_t sum = 0;
-  for (const Eigen::Vector2f& point : points) {
-    const float column = c * point.x() - s * point.y() + x;
-    const float row = s * point.x() + c * point.y() + y;
-    if (!(column >= 0.0F && column < columns && row >= 0.0F && row < rows)) continue;
-    sum += cells_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
-                  static_cast<std::size_t>(column)];
+  int shifts_;
+  int side_;
+  std::vector<std::uint32_t> sums_;
+  std::vector<std::uint16_t> chunk_;
+};
+
+// A pose of the window, and how good it is.
+struct Entry {
+  std::uint32_t sum;
+  std::uint32_t number;  // by turn, row and column
+
+  // Of equally good ones the first.
+  bool operator<(const Entry& other) const {
+    return sum != other.sum ? sum < other.sum : number > other.number;
   }
-  return static_cast<double>(sum) / (kMaxLikelihood * static_cast<double>(points.size()));
-}
+};
+
+}  // namespace
 
 std::vector<PoseHypothesis> CorrelativeSearch(std::span<const Eigen::Vector2f> points,
                                               const LikelihoodField& field,
@@ -109,38 +95,40 @@ std::vector<PoseHypothesis> CorrelativeSearch(std::span<const Eigen::Vector2f> p
   const double half_rad = std::min(window.rotation_rad, std::numbers::pi);
   const int turns = static_cast<int>(std::ceil(half_rad / step_rad));
   const int shifts = static_cast<int>(std::ceil(window.translation_m / step_m));
+  const auto turned = [&](int turn) {
+    Pose2 pose = window.centre_local_vehicle;
+    pose.yaw_rad = WrapAngle(pose.yaw_rad + turn * step_rad);
+    return pose;
+  };
 
-  std::vector<PoseHypothesis> all;
-  const auto side = static_cast<std::size_t>(2 * shifts) + 1;
-  all.reserve((static_cast<std::size_t>(2 * turns) + 1) * side * side);
+  WindowSums sums(shifts);
+  std::vector<Entry> entries;
   for (int turn = -turns; turn <= turns; ++turn) {
-    for (int i = -shifts; i <= shifts; ++i) {
-      for (int j = -shifts; j <= shifts; ++j) {
-        Pose2 pose = window.centre_local_vehicle;
-        pose.translation_m += step_m * Eigen::Vector2d(i, j);
-        pose.yaw_rad = WrapAngle(pose.yaw_rad + turn * step_rad);
-        all.push_back({pose, field.Score(points, pose)});
-      }
+    for (const std::uint32_t sum : sums.At(points, field, turned(turn))) {
+      entries.push_back({sum, static_cast<std::uint32_t>(entries.size())});
     }
   }
-  std::stable_sort(all.begin(), all.end(), [](const PoseHypothesis& a, const PoseHypothesis& b) {
-    return a.score > b.score;
-  });
 
+  // Only the best few are asked for: a heap gives them without sorting the rest.
+  std::make_heap(entries.begin(), entries.end());
+  const int side = 2 * shifts + 1;
   std::vector<PoseHypothesis> best;
-  for (const PoseHypothesis& candidate : all) {
+  while (!entries.empty() && best.size() < static_cast<std::size_t>(max_count)) {
+    std::pop_heap(entries.begin(), entries.end());
+    const auto number = static_cast<int>(entries.back().number);
+    PoseHypothesis candidate{
+        .T_local_vehicle = turned(number / (side * side) - turns),
+        .score = entries.back().sum / (255.0 * static_cast<double>(points.size()))};
+    entries.pop_back();
+    candidate.T_local_vehicle.translation_m +=
+        step_m * Eigen::Vector2d(number % side - shifts, number / side % side - shifts);
     const bool seen = std::any_of(best.begin(), best.end(), [&](const PoseHypothesis& kept) {
       const Pose2 apart = kept.T_local_vehicle.Inverse() * candidate.T_local_vehicle;
       return apart.translation_m.norm() < 4.0 * step_m && std::abs(apart.yaw_rad) < 4.0 * step_rad;
     });
-    if (seen) continue;
-    best.push_back(candidate);
-    if (best.size() == static_cast<std::size_t>(max_count)) break;
+    if (!seen) best.push_back(candidate);
   }
   return best;
 }
-
-template LikelihoodField::LikelihoodField(const LocalMap<2>& map, double cell_m);
-template LikelihoodField::LikelihoodField(const LocalMap<3>& map, double cell_m);
 
 }  // namespace dcloc

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <numbers>
 
-#include "core/registration/correlative_search.h"
+#include "core/registration/likelihood_field.h"
 
 namespace dcloc {
 namespace {
@@ -134,7 +134,8 @@ class PlaceSearch {
                                 Eigen::Vector2d::Constant(-margin_m_),
                                 Eigen::Vector2d::Constant(tile_m + margin_m_));
     if (field.empty()) return;
-    const Eigen::Vector2i first = field.CellOf(Eigen::Vector2d::Constant(0.5 * options_.cell_m));
+    const Eigen::Vector2i first =
+        field.CellsFrom(Eigen::Vector2d::Constant(0.5 * options_.cell_m)).cast<int>();
     for (const Block& block : blocks) {
       const Eigen::Vector2i corner(static_cast<int>(block.block.x) * kBlock_cells,
                                    static_cast<int>(block.block.y) * kBlock_cells);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "client/datasets/drive_map.h"
 #include "core/localizer/ego_motion.h"
@@ -22,6 +23,7 @@ namespace dcloc::benchmarks {
 namespace {
 
 constexpr double kLength_m = 300.0;
+constexpr double kSearchedLength_m = 1000.0;
 
 // What a tracker starts from: the fused state, carried on for one scan.
 constexpr double kTracking_m = 0.03;
@@ -32,13 +34,14 @@ struct Inputs {
   std::vector<Query> queries;
 };
 
-const Inputs& InputsOf(const std::string& name) {
-  static std::map<std::string, Inputs> all;
-  auto found = all.find(name);
+const Inputs& InputsOf(const std::string& name, double length_m = kLength_m) {
+  static std::map<std::pair<std::string, double>, Inputs> all;
+  auto found = all.find({name, length_m});
   if (found == all.end()) {
-    Inputs inputs{SimulatedCase(name, kLength_m), {}};
-    inputs.queries = Queries(inputs.drives, 20, 12);
-    found = all.emplace(name, std::move(inputs)).first;
+    Inputs inputs{SimulatedCase(name, length_m), {}};
+    constexpr std::size_t kCount = 12;
+    inputs.queries = Queries(inputs.drives, inputs.drives.live_drive.scans.size() / kCount, kCount);
+    found = all.emplace(std::pair(name, length_m), std::move(inputs)).first;
   }
   return found->second;
 }
@@ -83,8 +86,8 @@ void JoinSubmap(benchmark::State& state, const std::string& name) {
 
 // Calls `run(query, number)` for one query after another.
 template <typename Run>
-void ForQueries(benchmark::State& state, const std::string& name, const Run& run) {
-  const std::vector<Query>& queries = InputsOf(name).queries;
+void ForQueries(benchmark::State& state, const Inputs& inputs, const Run& run) {
+  const std::vector<Query>& queries = inputs.queries;
   std::size_t number = 0;
   double points = 0.0;
   double landmarks = 0.0;
@@ -102,7 +105,7 @@ void ForQueries(benchmark::State& state, const std::string& name, const Run& run
 void Gicp(benchmark::State& state, const std::string& name) {
   double iterations = 0.0;
   MatchFinder<2> finder;
-  ForQueries(state, name, [&](const Query& query, std::size_t number) {
+  ForQueries(state, InputsOf(name), [&](const Query& query, std::size_t number) {
     const Pose2 start = StartFor(query, number, kTracking_m, kTracking_deg);
     const auto result = RegisterGicp<2>(query.live, query.local_map, start, {}, finder);
     iterations += result.iterations;
@@ -119,7 +122,7 @@ std::vector<Eigen::Vector2f> PointsOf(std::span<const GaussianPoint<2>> points, 
 }
 
 void MakeLikelihoodField(benchmark::State& state, const std::string& name) {
-  ForQueries(state, name, [&](const Query& query, std::size_t) {
+  ForQueries(state, InputsOf(name), [&](const Query& query, std::size_t) {
     benchmark::DoNotOptimize(LikelihoodField(query.local_map, 0.25));
   });
 }
@@ -127,7 +130,7 @@ void MakeLikelihoodField(benchmark::State& state, const std::string& name) {
 void Correlate(benchmark::State& state, const std::string& name) {
   std::vector<LikelihoodField> fields;
   for (const Query& query : InputsOf(name).queries) fields.emplace_back(query.local_map, 0.25);
-  ForQueries(state, name, [&](const Query& query, std::size_t number) {
+  ForQueries(state, InputsOf(name), [&](const Query& query, std::size_t number) {
     const SearchWindow window{.centre_local_vehicle = StartFor(query, number, 1.0, 2.0),
                               .translation_m = 3.0,
                               .rotation_rad = 0.1};
@@ -137,7 +140,7 @@ void Correlate(benchmark::State& state, const std::string& name) {
 }
 
 void DescribeAndRansac(benchmark::State& state, const std::string& name) {
-  ForQueries(state, name, [&](const Query& query, std::size_t) {
+  ForQueries(state, InputsOf(name), [&](const Query& query, std::size_t) {
     const auto landmarks = PointsOf(query.local_map.points(), 1200);
     const auto points = PointsOf(query.live, 300);
     const auto pairs = MutualNearest(RadialStatistics(landmarks), RadialStatistics(points), 2);
@@ -208,9 +211,10 @@ void BuildMapOf(benchmark::State& state, const std::string& name) {
 
 // A place without a prior, by the sub-maps of the whole map.
 void SearchEverywhere(benchmark::State& state, const std::string& name) {
-  const std::shared_ptr<const RadarMap>& map = InputsOf(name).drives.map;
+  const Inputs& inputs = InputsOf(name, kSearchedLength_m);
+  const std::shared_ptr<const RadarMap>& map = inputs.drives.map;
   double found = 0.0;
-  ForQueries(state, name, [&](const Query& query, std::size_t) {
+  ForQueries(state, inputs, [&](const Query& query, std::size_t) {
     MapMatcher<2> matcher(map, LocalizerOptions{});
     found += matcher.MatchAnywhere(query.live).has_value() ? 1.0 : 0.0;
   });
