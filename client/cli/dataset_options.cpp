@@ -21,6 +21,24 @@ Dataset ToDataset(const DatasetArguments& arguments) {
           arguments.root, arguments.version};
 }
 
+void AddDriveRequestOptions(CLI::App& command, DriveRequest& request) {
+  command
+      .add_option("--rig", request.rig_file,
+                  "What is better known of the radars, as `dcloc calibrate` writes it")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
+  command
+      .add_option("--beta-s", request.beta_s,
+                  "Range-Doppler coupling of all radars, in place of their own")
+      ->type_name("S");
+  command.add_option("--from-s", request.begin_s, "Begin this long after the drive's first scan")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S");
+  command.add_option("--to-s", request.end_s, "End this long after the drive's first scan")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S");
+}
+
 void AddRadarsOption(CLI::App& command, const std::string& name, std::vector<std::string>& radars,
                      const std::string& description) {
   command.add_option(name, radars, description)->delimiter(',')->type_name("A,B");

@@ -22,6 +22,10 @@ void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments);
 /// The arguments as what the readers take.
 Dataset ToDataset(const DatasetArguments& arguments);
 
+/// Adds --rig and --beta-s, which say more of the radars than the data set does, or something else,
+/// and --from-s and --to-s, which take a part of the drive.
+void AddDriveRequestOptions(CLI::App& command, DriveRequest& request);
+
 /// Adds an option that takes radar ids, separated by commas.
 void AddRadarsOption(CLI::App& command, const std::string& name, std::vector<std::string>& radars,
                      const std::string& description);

@@ -28,10 +28,12 @@ void AddDriveOptions(CLI::App& command, Arguments& arguments) {
                   "Radars to map with; all by default");
   AddRadarsOption(command, "--radars", arguments.live.radars,
                   "Radars to localize with; all by default");
+  AddDriveRequestOptions(command, arguments.live);
   command
-      .add_option("--beta-s", arguments.live.beta_s,
-                  "Range-Doppler coupling of all radars, in place of their own")
-      ->type_name("S");
+      .add_option("--map-rig", arguments.map.rig_file,
+                  "The same as --rig for the map drives alone; --rig by default")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
   command
       .add_option("--map-beta-s", arguments.map.beta_s,
                   "The same for the map drive alone; --beta-s by default")
@@ -41,6 +43,7 @@ void AddDriveOptions(CLI::App& command, Arguments& arguments) {
 void AddMethodOptions(CLI::App& command, Arguments& arguments) {
   Perturbation& perturbation = arguments.options.perturbation;
   std::vector<std::string> methods;
+  methods.reserve(kMethodNames.size());
   for (const auto& [name, kind] : kMethodNames) methods.emplace_back(name);
   command
       .add_option("--method", arguments.method,

@@ -68,6 +68,7 @@ absl::StatusOr<Drives> ReadMapDrives(const EvaluateArguments& arguments) {
   }
   DriveRequest request = arguments.map;
   if (!request.beta_s.has_value()) request.beta_s = arguments.live.beta_s;
+  if (request.rig_file.empty()) request.rig_file = arguments.live.rig_file;
   return ReadDrives(arguments.dataset, arguments.map_drives, request);
 }
 

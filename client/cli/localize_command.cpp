@@ -17,10 +17,7 @@ void AddDriveOptions(CLI::App& command, LocalizeArguments& arguments) {
       ->type_name("NAME");
   AddRadarsOption(command, "--radars", arguments.drive.radars,
                   "Radars to localize with; all by default");
-  command
-      .add_option("--beta-s", arguments.drive.beta_s,
-                  "Range-Doppler coupling of all radars, in place of their own")
-      ->type_name("S");
+  AddDriveRequestOptions(command, arguments.drive);
   command
       .add_option("--ego-velocity", arguments.ego_velocity,
                   "The vehicle's own, fused with Doppler, or Doppler alone")

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 
+#include "client/cli/calibrate_command.h"
 #include "client/cli/evaluate_command.h"
 #include "client/cli/exit_codes.h"
 #include "client/cli/load_command.h"
@@ -26,6 +27,7 @@ int main(int argc, char** argv) {
     AddLoadCommand(app, exit_code);
     AddSessionCommand(app, exit_code);
     AddServerCommand(app, exit_code);
+    AddCalibrateCommand(app, exit_code);
     AddEvaluateCommand(app, exit_code);
     AddSimulateCommand(app, exit_code);
     try {

@@ -85,10 +85,7 @@ void AddBuild(CLI::App& map, int& exit_code) {
       ->type_name("NAME");
   AddRadarsOption(*build, "--radars", arguments->drive.radars,
                   "Radars to map with; all by default");
-  build
-      ->add_option("--beta-s", arguments->drive.beta_s,
-                   "Range-Doppler coupling of all radars, in place of their own")
-      ->type_name("S");
+  AddDriveRequestOptions(*build, arguments->drive);
   build->add_option("--name", arguments->name, "Name of the map; the drive's by default");
   build->add_option("--out", arguments->out, "File to write")->required()->type_name("FILE");
   build->add_flag("--json", arguments->json, "Print what was made as JSON");

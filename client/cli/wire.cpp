@@ -75,6 +75,8 @@ v1::Rig ToProto(const Rig& rig) {
     added.set_elevation_sigma_rad(radar.elevation_sigma_rad);
     added.set_has_elevation(radar.has_elevation);
     added.set_unambiguous_range_rate_mps(radar.unambiguous_range_rate_mps);
+    added.set_range_bias_m(radar.range_bias_m);
+    added.set_time_offset_s(radar.time_offset_s);
   }
   return message;
 }

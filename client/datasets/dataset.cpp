@@ -1,17 +1,55 @@
 #include "client/datasets/dataset.h"
 
+#include <chrono>
+
+#include "absl/strings/str_format.h"
 #include "client/datasets/nuscenes.h"
 #include "client/datasets/radarscenes.h"
+#include "client/datasets/rig_file.h"
 
 namespace dcloc {
+namespace {
 
-absl::StatusOr<Drive> ReadDrive(const Dataset& dataset, const DriveRequest& request) {
+absl::StatusOr<Drive> ReadAsDescribed(const Dataset& dataset, const DriveRequest& request) {
   if (dataset.format == DatasetFormat::kRadarScenes) {
     return ReadRadarScenesDrive(dataset.root, request);
   }
   NuScenesOptions options;
   options.version = dataset.version;
   return ReadNuScenesDrive(dataset.root, request, options);
+}
+
+absl::Status KeepPart(const DriveRequest& request, Drive& drive) {
+  if (drive.scans.empty()) return absl::OkStatus();
+  const Stamp first = drive.scans.front().scan.stamp;
+  const auto left_out = [&](const DriveScan& scan) {
+    const double since_s = std::chrono::duration<double>(scan.scan.stamp - first).count();
+    return since_s < request.begin_s || since_s > request.end_s;
+  };
+  const double length_s =
+      std::chrono::duration<double>(drive.scans.back().scan.stamp - first).count();
+  std::erase_if(drive.scans, left_out);
+  if (!drive.scans.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("%s has no scans from %g s to %g s; it lasts %.3f s", drive.name,
+                      request.begin_s, request.end_s, length_s));
+}
+
+absl::Status Redescribe(const DriveRequest& request, Rig& rig) {
+  if (absl::Status status = ApplyRigFile(request.rig_file, rig); !status.ok()) return status;
+  for (RadarModel& radar : rig.radars) radar.beta_s = request.beta_s.value_or(radar.beta_s);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Drive> ReadDrive(const Dataset& dataset, const DriveRequest& request) {
+  absl::StatusOr<Drive> drive = ReadAsDescribed(dataset, request);
+  if (!drive.ok()) return drive;
+  absl::Status status = KeepPart(request, *drive);
+  if (status.ok() && !request.rig_file.empty()) status = Redescribe(request, drive->rig);
+  if (!status.ok()) return status;
+  return drive;
 }
 
 }  // namespace dcloc

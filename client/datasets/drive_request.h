@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,7 +12,10 @@ namespace dcloc {
 struct DriveRequest {
   std::string name;                 ///< "scene-0061", "sequence_108"
   std::vector<std::string> radars;  ///< ids; all radars of the drive when empty
-  std::optional<double> beta_s;     ///< in place of every radar's own
+  std::filesystem::path rig_file;   ///< what is better known of the radars (rig_file.h), or empty
+  std::optional<double> beta_s;     ///< in place of every radar's own, and of the rig file's
+  double begin_s = 0.0;             ///< since the first scan; earlier scans are left out
+  double end_s = std::numeric_limits<double>::infinity();  ///< likewise later ones
 };
 
 }  // namespace dcloc

@@ -1,5 +1,6 @@
 #include "client/datasets/rig_file.h"
 
+#include <Eigen/Geometry>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -15,12 +16,19 @@ using nlohmann::json;
 
 double* NumberField(RadarModel& radar, const std::string& key) {
   if (key == "beta_s") return &radar.beta_s;
+  if (key == "range_bias_m") return &radar.range_bias_m;
+  if (key == "time_offset_s") return &radar.time_offset_s;
   if (key == "range_sigma_m") return &radar.range_sigma_m;
   if (key == "range_rate_sigma_mps") return &radar.range_rate_sigma_mps;
   if (key == "azimuth_sigma_rad") return &radar.azimuth_sigma_rad;
   if (key == "elevation_sigma_rad") return &radar.elevation_sigma_rad;
   if (key == "unambiguous_range_rate_mps") return &radar.unambiguous_range_rate_mps;
   return nullptr;
+}
+
+void TurnMount(double yaw_rad, RadarModel& radar) {
+  Eigen::Quaterniond& rotation = radar.T_vehicle_radar.rotation;
+  rotation = (Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) * rotation).normalized();
 }
 
 absl::Status ApplyField(const std::string& key, const json& value, RadarModel& radar) {
@@ -30,11 +38,19 @@ absl::Status ApplyField(const std::string& key, const json& value, RadarModel& r
     radar.has_elevation = value.get<bool>();
     return absl::OkStatus();
   }
-  double* field = NumberField(radar, key);
-  if (field == nullptr) return absl::DataLossError(absl::StrCat("unknown key \"", key, "\""));
-  if (!value.is_number())
+  double* const field = NumberField(radar, key);
+  const bool is_mount_yaw = key == "mount_yaw_correction_rad";
+  if (field == nullptr && !is_mount_yaw) {
+    return absl::DataLossError(absl::StrCat("unknown key \"", key, "\""));
+  }
+  if (!value.is_number()) {
     return absl::DataLossError(absl::StrCat("\"", key, "\" must be a number"));
-  *field = value.get<double>();
+  }
+  if (is_mount_yaw) {
+    TurnMount(value.get<double>(), radar);
+  } else {
+    *field = value.get<double>();
+  }
   return absl::OkStatus();
 }
 

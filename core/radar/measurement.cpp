@@ -13,7 +13,7 @@ double ValueOr(const std::vector<float>& column, std::size_t index, double fallb
 
 Measurement MeasurementAt(const Scan& scan, std::size_t index, const RadarModel& radar) {
   return {
-      .range_m = scan.range_m[index],
+      .range_m = scan.range_m[index] - radar.range_bias_m,
       .range_rate_mps = scan.range_rate_mps[index],
       .elevation_rad = radar.has_elevation ? ValueOr(scan.elevation_rad, index, 0.0) : 0.0,
       .azimuth_rad = scan.azimuth_rad[index],

@@ -8,8 +8,8 @@
 
 namespace dcloc {
 
-/// One target's numbers with their standard deviations, each from the scan's column or else from
-/// the radar model.
+/// One target's numbers, the range without the radar's bias, with their standard deviations, each
+/// from the scan's column or else from the radar model.
 struct Measurement {
   double range_m = 0.0;
   double range_rate_mps = 0.0;

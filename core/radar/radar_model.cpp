@@ -48,6 +48,8 @@ absl::Status Validate(const RadarModel& radar) {
   status.Update(CheckBetween(radar, "T_vehicle_radar.rotation's norm",
                              radar.T_vehicle_radar.rotation.norm(), 1.0 - 1e-3, 1.0 + 1e-3));
   status.Update(CheckBetween(radar, "beta_s", radar.beta_s, -1.0, 1.0));
+  status.Update(CheckBetween(radar, "range_bias_m", radar.range_bias_m, -10.0, 10.0));
+  status.Update(CheckBetween(radar, "time_offset_s", radar.time_offset_s, -1.0, 1.0));
   status.Update(CheckBetween(radar, "range_sigma_m", radar.range_sigma_m, 1e-3, 100.0));
   status.Update(
       CheckBetween(radar, "range_rate_sigma_mps", radar.range_rate_sigma_mps, 1e-3, 100.0));

@@ -18,6 +18,8 @@ struct RadarModel {
   /// Range-Doppler coupling: `measured range = range + beta_s * range_rate` (METHOD eq 5). Positive
   /// for an up-chirp, negative for a down-chirp, 0 where the firmware compensates already.
   double beta_s = 0.0;
+  double range_bias_m = 0.0;   ///< `measured range = range + range_bias_m`
+  double time_offset_s = 0.0;  ///< a scan was measured this long after its stamp
 
   double range_sigma_m = 0.15;
   double range_rate_sigma_mps = 0.15;

@@ -29,12 +29,21 @@ double PredictionSigma(const Measurement& measurement, const Eigen::Vector3d& u_
   return std::sqrt(variance);
 }
 
+// Where the radar was when it measured, in the vehicle frame of the scan's stamp.
+Pose3 MountAtStamp(const RadarModel& radar, const EgoVelocity& ego_velocity) {
+  if (radar.time_offset_s == 0.0) return radar.T_vehicle_radar;
+  Vector6d twist;
+  twist << ego_velocity.linear_mps, ego_velocity.angular_radps;
+  return Exp(Vector6d(radar.time_offset_s * twist)) * radar.T_vehicle_radar;
+}
+
 }  // namespace
 
 std::vector<RadarPoint> StaticPoints(const Scan& scan, const RadarModel& radar,
                                      const EgoVelocity& ego_velocity,
                                      const StaticPointsOptions& options) {
   const Eigen::Matrix3d R_vehicle_radar = radar.T_vehicle_radar.Rotation();
+  const Pose3 T_stamp_radar = MountAtStamp(radar, ego_velocity);
   const double beta_s = options.compensate ? radar.beta_s : 0.0;
   std::vector<RadarPoint> points;
   points.reserve(scan.size());
@@ -60,7 +69,7 @@ std::vector<RadarPoint> StaticPoints(const Scan& scan, const RadarModel& radar,
             ? Eigen::Matrix3d(R_vehicle_radar * PointCovariance(measurement, beta_s) *
                               R_vehicle_radar.transpose())
             : Eigen::Matrix3d(kUniformSigma_m * kUniformSigma_m * Eigen::Matrix3d::Identity());
-    points.push_back({.position_m = radar.T_vehicle_radar * PointInRadar(measurement, beta_s),
+    points.push_back({.position_m = T_stamp_radar * PointInRadar(measurement, beta_s),
                       .covariance_m2 = covariance,
                       .rcs_dbsm = scan.rcs_dbsm.empty() ? 0.0F : scan.rcs_dbsm[i]});
   }

@@ -56,6 +56,8 @@ absl::StatusOr<RadarModel> RadarFromProto(const v1::RadarModel& message, absl::s
   TakeSigmas(message, &radar);
   radar.has_elevation = message.has_elevation();
   radar.unambiguous_range_rate_mps = message.unambiguous_range_rate_mps();
+  radar.range_bias_m = message.range_bias_m();
+  radar.time_offset_s = message.time_offset_s();
   return radar;
 }
 

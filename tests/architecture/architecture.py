@@ -14,8 +14,9 @@ TOP_LEVEL = {"CMakeLists.txt", "CMakePresets.json", "README.md", "LICENSE", "CHA
              "CONTRIBUTING.md", "proto", "server", "core", "client", "deploy", "tests", "maps"}
 NOT_OURS = {"build", "compile_commands.json"}  # made here, and ignored by git
 
-CORE_FLOORS = [["core/geometry"], ["core/radar", "core/posegraph"], ["core/submap"], ["core/map"],
-               ["core/registration"], ["core/localizer"]]
+CORE_FLOORS = [["core/geometry"], ["core/radar", "core/posegraph"],
+               ["core/submap", "core/calibration"], ["core/map"], ["core/registration"],
+               ["core/localizer"]]
 CORE = [module for floor in CORE_FLOORS for module in floor]
 CLIENT = ["client/datasets", "client/simulation", "client/evaluation", "client/load", "client/cli"]
 

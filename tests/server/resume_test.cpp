@@ -378,6 +378,7 @@ TEST_F(ResumeTest, AWatcherSeesTheAnswersUntilTheEnd) {
   const auto watcher = server_.admin->WatchSession(&call, request);
   watcher->WaitForInitialMetadata();
   std::vector<std::string> answers;
+  answers.reserve(20);
   for (int i = 0; i < 20; ++i) {
     answers.push_back(session.Localize(ScanMessage(i))->SerializeAsString());
   }

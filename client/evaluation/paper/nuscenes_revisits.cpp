@@ -71,7 +71,7 @@ absl::Status ReadPoses(const std::filesystem::path& tables,
                        const std::unordered_map<std::string, PendingFrame>& pending,
                        std::vector<SceneTrack>& tracks) {
   std::size_t found = 0;
-  const absl::Status status = ReadTable(tables / "ego_pose.json", [&](TableRecord& record) {
+  absl::Status status = ReadTable(tables / "ego_pose.json", [&](TableRecord& record) {
     const auto frame = pending.find(std::string(record.Text("token")));
     if (frame == pending.end()) return absl::OkStatus();
     const auto t = record.Numbers<3>("translation");

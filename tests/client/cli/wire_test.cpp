@@ -13,6 +13,8 @@ Rig TwoRadars() {
   return {.radars = {{.id = "front",
                       .T_vehicle_radar = Exp(Vector6d(0.3 * Vector6d::Ones())),
                       .beta_s = -0.02,
+                      .range_bias_m = 0.07,
+                      .time_offset_s = -0.03,
                       .range_sigma_m = 0.11,
                       .range_rate_sigma_mps = 0.12,
                       .azimuth_sigma_rad = 0.013,
@@ -33,6 +35,8 @@ TEST(WireTest, ARigArrivesAsItWas) {
   EXPECT_EQ(radar.T_vehicle_radar.translation_m, sent.T_vehicle_radar.translation_m);
   EXPECT_LT(Log(radar.T_vehicle_radar.Inverse() * sent.T_vehicle_radar).norm(), 1e-12);
   EXPECT_EQ(radar.beta_s, sent.beta_s);
+  EXPECT_EQ(radar.range_bias_m, sent.range_bias_m);
+  EXPECT_EQ(radar.time_offset_s, sent.time_offset_s);
   EXPECT_EQ(radar.range_sigma_m, sent.range_sigma_m);
   EXPECT_EQ(radar.range_rate_sigma_mps, sent.range_rate_sigma_mps);
   EXPECT_EQ(radar.azimuth_sigma_rad, sent.azimuth_sigma_rad);

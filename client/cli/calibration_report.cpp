@@ -1,0 +1,120 @@
+#include "client/cli/calibration_report.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/terminal.h"
+
+namespace dcloc::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kSigmas95 = 1.96;
+
+// Those of the radar's description; heights only help to find them.
+constexpr std::array<CalibrationParameter, 4> kDescribed = {
+    CalibrationParameter::kBeta, CalibrationParameter::kTimeOffset,
+    CalibrationParameter::kRangeBias, CalibrationParameter::kMountYaw};
+
+bool IsWritten(const RadarCalibration& radar, CalibrationParameter parameter,
+               std::span<const CalibrationParameter> written) {
+  return radar.of(parameter).significant() &&
+         std::ranges::find(written, parameter) != written.end();
+}
+
+// "+0.0401 +-0.0012", and marks: * written, ? not determined.
+std::string Cell(const RadarCalibration& radar, CalibrationParameter parameter, double unit,
+                 int digits, std::span<const CalibrationParameter> written) {
+  const CalibratedParameter& value = radar.of(parameter);
+  if (!value.determined()) return "?";
+  return absl::StrFormat("%+.*f +-%.*f%s", digits, value.correction / unit, digits,
+                         kSigmas95 * value.sigma / unit,
+                         IsWritten(radar, parameter, written) ? " *" : "  ");
+}
+
+std::string ConfusionsText(const Calibration& calibration) {
+  std::string text;
+  for (const Confusion& confusion : calibration.Confusions()) {
+    absl::StrAppendFormat(
+        &text, "The data hardly tell %s of %s from %s of %s (correlation %+.2f).\n",
+        NameOf(confusion.parameter), confusion.radar, NameOf(confusion.other_parameter),
+        confusion.other_radar, confusion.correlation);
+  }
+  return text;
+}
+
+}  // namespace
+
+ordered_json RigFileJson(const Calibration& calibration,
+                         std::span<const CalibrationParameter> written) {
+  ordered_json radars = ordered_json::array();
+  for (const RadarCalibration& radar : calibration.radars) {
+    ordered_json entry = {{"id", radar.described.id}};
+    RadarModel corrected = radar.described;
+    for (const CalibrationParameter parameter : kDescribed) {
+      if (!IsWritten(radar, parameter, written)) continue;
+      corrected = Corrected(corrected, parameter, radar.of(parameter).correction);
+      if (parameter == CalibrationParameter::kMountYaw) {
+        entry["mount_yaw_correction_rad"] = radar.of(parameter).correction;
+      }
+    }
+    entry["beta_s"] = corrected.beta_s;
+    entry["range_bias_m"] = corrected.range_bias_m;
+    entry["time_offset_s"] = corrected.time_offset_s;
+    radars.push_back(std::move(entry));
+  }
+  return {{"radars", std::move(radars)}};
+}
+
+ordered_json CalibrationJson(const Calibration& calibration,
+                             std::span<const CalibrationParameter> written) {
+  ordered_json json = {{"returns", calibration.return_count}, {"pairs", calibration.pair_count}};
+  for (const RadarCalibration& radar : calibration.radars) {
+    ordered_json entry = {{"id", radar.described.id}, {"described_beta_s", radar.described.beta_s}};
+    for (const CalibrationParameter parameter : kDescribed) {
+      const CalibratedParameter& value = radar.of(parameter);
+      entry[NameOf(parameter)] = {{"correction", value.correction},
+                                  {"sigma", value.sigma},
+                                  {"interval_95",
+                                   {value.correction - kSigmas95 * value.sigma,
+                                    value.correction + kSigmas95 * value.sigma}},
+                                  {"determined", value.determined()},
+                                  {"written", IsWritten(radar, parameter, written)}};
+    }
+    json["radars"].push_back(std::move(entry));
+  }
+  json["confusions"] = ordered_json::array();
+  for (const Confusion& confusion : calibration.Confusions()) {
+    json["confusions"].push_back({{"radar", confusion.radar},
+                                  {"parameter", NameOf(confusion.parameter)},
+                                  {"other_radar", confusion.other_radar},
+                                  {"other_parameter", NameOf(confusion.other_parameter)},
+                                  {"correlation", confusion.correlation}});
+  }
+  return json;
+}
+
+std::string CalibrationText(const Calibration& calibration,
+                            std::span<const CalibrationParameter> written) {
+  constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+  std::vector<std::vector<std::string>> rows = {
+      {"radar", "beta [s]", "time offset [s]", "range bias [m]", "mount yaw [deg]"}};
+  for (const RadarCalibration& radar : calibration.radars) {
+    rows.push_back({radar.described.id, Cell(radar, CalibrationParameter::kBeta, 1.0, 4, written),
+                    Cell(radar, CalibrationParameter::kTimeOffset, 1.0, 4, written),
+                    Cell(radar, CalibrationParameter::kRangeBias, 1.0, 3, written),
+                    Cell(radar, CalibrationParameter::kMountYaw, kRadiansPerDegree, 3, written)});
+  }
+  return absl::StrCat(FormatTable(rows),
+                      "Corrections to the description with their 95 % intervals, from ",
+                      calibration.return_count, " static returns\nand ", calibration.pair_count,
+                      " pairs of them. * goes into the rig file, ? the data do not determine it.\n",
+                      ConfusionsText(calibration));
+}
+
+}  // namespace dcloc::cli

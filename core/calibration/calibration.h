@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/radar/radar_model.h"
+
+namespace dcloc {
+
+/// What may be wrong with the description of one radar, in this order in every vector. The last one
+/// is no property of the radar: scatterers above or below a planar radar are seen too far by
+/// h^2 / 2r, which would otherwise pass for a range bias or for beta.
+enum class CalibrationParameter { kBeta, kTimeOffset, kRangeBias, kMountYaw, kHeightSquare };
+inline constexpr int kCalibrationParameters = 5;
+/// [s, s, m, rad, m^2]
+using CalibrationVector = std::array<double, kCalibrationParameters>;
+
+/// "beta_s", "time_offset_s", "range_bias_m", "mount_yaw_rad", "height_square_m2".
+const char* NameOf(CalibrationParameter parameter);
+
+/// One correction with what the data say of it.
+struct CalibratedParameter {
+  double correction = 0.0;  ///< to be added to the description
+  double sigma = 0.0;       ///< of the correction, never above what was known before the data
+  double prior_sigma = 0.0;
+
+  /// The data narrowed it to less than half of what was known before.
+  bool determined() const { return sigma < 0.5 * prior_sigma; }
+  /// Determined, and 0 lies outside of the 95 % interval.
+  bool significant() const;
+};
+
+/// One radar after calibration.
+struct RadarCalibration {
+  RadarModel described;
+  std::array<CalibratedParameter, kCalibrationParameters> parameters;
+
+  const CalibratedParameter& of(CalibrationParameter parameter) const {
+    return parameters.at(static_cast<std::size_t>(parameter));
+  }
+};
+
+/// Two parameters of which the data know a sum or a difference better than each.
+struct Confusion {
+  std::string radar;
+  CalibrationParameter parameter;
+  std::string other_radar;
+  CalibrationParameter other_parameter;
+  double correlation;  ///< beyond +-0.9
+};
+
+struct Calibration {
+  std::vector<RadarCalibration> radars;  ///< in the rig's order
+  /// Covariance of all corrections, kCalibrationParameters for each radar, in their units.
+  Eigen::MatrixXd covariance;
+  std::size_t return_count = 0;
+  std::size_t pair_count = 0;
+
+  /// Pairs of parameters that the data cannot tell apart, of what they determine at all.
+  std::vector<Confusion> Confusions() const;
+};
+
+/// The described radar with `parameter` corrected by `correction`; a height changes nothing.
+RadarModel Corrected(const RadarModel& described, CalibrationParameter parameter,
+                     double correction);
+
+}  // namespace dcloc
