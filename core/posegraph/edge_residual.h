@@ -51,6 +51,20 @@ class EdgeResidual {
         new EdgeResidual(measured_from_to, covariance));
   }
 
+  /// The same from the map's own frame, which is not sought: fewer derivatives.
+  static std::unique_ptr<ceres::CostFunction> MakeFromMap(const Pose<Dim>& measured_map_to,
+                                                          const TangentMatrix<Dim>& covariance) {
+    return std::make_unique<
+        ceres::AutoDiffCostFunction<EdgeResidual, Pose<Dim>::kDof, kParameters<Dim>>>(
+        new EdgeResidual(measured_map_to, covariance));
+  }
+
+  template <typename T>
+  bool operator()(const T* to, T* residual) const {
+    const Eigen::Matrix<T, kParameters<Dim>, 1> map = ToParameters(Pose<Dim>()).template cast<T>();
+    return (*this)(map.data(), to, residual);
+  }
+
   template <typename T>
   bool operator()(const T* from, const T* to, T* residual) const {
     Eigen::Map<Eigen::Matrix<T, Pose<Dim>::kDof, 1>> r(residual);

@@ -37,10 +37,11 @@ PoseEstimate<Dim> Update(const PoseEstimate<Dim>& first, const PoseEstimate<Dim>
           .covariance = UpdatedCovariance<Dim>(first.covariance, second.covariance)};
 }
 
+// nullptr where the parameters are a vector space.
 template <int Dim>
 ceres::Manifold* MakeManifold() {
   if constexpr (Dim == 2) {
-    return new ceres::EuclideanManifold<3>();
+    return nullptr;
   } else {
     return new ceres::ProductManifold<ceres::EuclideanManifold<3>,
                                       ceres::EigenQuaternionManifold>();
@@ -83,24 +84,25 @@ void PoseGraph<Dim>::Solve() {
   using Parameters = Eigen::Matrix<double, kParameters<Dim>, 1>;
   std::vector<Parameters> blocks;
   blocks.reserve(states_.size());
-  Parameters map = ToParameters(Pose<Dim>());
 
-  ceres::Problem problem;
-  problem.AddParameterBlock(map.data(), kParameters<Dim>, MakeManifold<Dim>());
-  problem.SetParameterBlockConstant(map.data());
-  const auto add_edge = [&](Parameters& from, Parameters& to, const PoseEstimate<Dim>& edge) {
-    problem.AddResidualBlock(EdgeResidual<Dim>::Make(edge.pose, edge.covariance).release(), nullptr,
-                             from.data(), to.data());
-  };
+  ceres::Problem::Options problem_options;
+  problem_options.disable_all_safety_checks = true;  // made here, once, of blocks that are all ours
+  ceres::Problem problem(problem_options);
   for (const State& state : states_) {
     Parameters& block = blocks.emplace_back(ToParameters(state.pose));
     problem.AddParameterBlock(block.data(), kParameters<Dim>, MakeManifold<Dim>());
+    const auto add_to_map = [&](const PoseEstimate<Dim>& edge) {
+      problem.AddResidualBlock(EdgeResidual<Dim>::MakeFromMap(edge.pose, edge.covariance).release(),
+                               nullptr, block.data());
+    };
     if (blocks.size() == 1) {
-      add_edge(map, block, prior_);
+      add_to_map(prior_);
     } else {
-      add_edge(blocks[blocks.size() - 2], block, state.odometry);
+      problem.AddResidualBlock(
+          EdgeResidual<Dim>::Make(state.odometry.pose, state.odometry.covariance).release(),
+          nullptr, blocks[blocks.size() - 2].data(), block.data());
     }
-    if (state.loop) add_edge(map, block, *state.loop);
+    if (state.loop) add_to_map(*state.loop);
   }
 
   ceres::Solver::Options options;
