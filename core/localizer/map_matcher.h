@@ -11,6 +11,7 @@
 #include "core/posegraph/pose_graph.h"
 #include "core/registration/correlative_search.h"
 #include "core/registration/gicp.h"
+#include "core/registration/place_search.h"
 
 namespace dcloc {
 
@@ -34,13 +35,22 @@ class MapMatcher {
   std::optional<Registration<Dim>> Match(std::span<const GaussianPoint<Dim>> live,
                                          const PoseEstimate<Dim>& predicted, std::uint64_t seed);
 
-  /// Searches the whole map for `live`; on success the local map is the one around the place found.
-  /// Nothing when no place is believable, or when a second one is nearly as good.
-  std::optional<Registration<Dim>> MatchAnywhere(std::span<const GaussianPoint<Dim>> live);
+  /// Begins to search the whole map for `live`.
+  void BeginSearch(std::span<const GaussianPoint<Dim>> live);
+
+  bool searching() const { return blind_search_.has_value(); }
+
+  /// Goes on with the search that was begun, for ten or twenty milliseconds; the call that ends it
+  /// gives the pose of `live`, seen `T_begin_now` after what the search was begun with. On success
+  /// the local map is the one around the place found. Nothing before the end, when no place is
+  /// believable, or when a second one is nearly as good.
+  std::optional<Registration<Dim>> ContinueSearch(std::span<const GaussianPoint<Dim>> live,
+                                                  const Pose<Dim>& T_begin_now);
 
  private:
   std::vector<Pose2> Hypotheses(std::span<const GaussianPoint<Dim>> live,
                                 const PoseEstimate<Dim>& predicted, std::uint64_t seed);
+  void TryNextPlace();
   Registration<Dim> Refine(std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& start,
                            double blur_m);
   bool Believable(const Registration<Dim>& registration) const;
@@ -52,6 +62,18 @@ class MapMatcher {
     Eigen::MatrixXf descriptors;  // of the landmarks
   };
 
+  // A search of the whole map: first for places, by a few of the points, then for the best of them.
+  struct BlindSearch {
+    std::vector<GaussianPoint<Dim>> live;
+    PlaceSearch place_search;
+    std::vector<PlaceHypothesis> places = {};
+    std::size_t next_place = 0;
+    std::optional<Registration<Dim>> best = {};
+    std::size_t best_keyframe = 0;
+    Eigen::Vector3d best_p_map = Eigen::Vector3d::Zero();
+    double runner_up = 0.0;  // score of the best other place
+  };
+
   std::shared_ptr<const RadarMap> map_;
   LocalizerOptions options_;
   std::optional<std::size_t> keyframe_;
@@ -59,6 +81,7 @@ class MapMatcher {
   LocalMap<Dim> local_map_;
   MatchFinder<Dim> finder_;
   std::optional<SearchAids> search_;  // of local_map_, while predictions are uncertain
+  std::optional<BlindSearch> blind_search_;
 };
 
 }  // namespace dcloc

@@ -184,11 +184,15 @@ template <int Dim>
 std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp) {
   std::optional<Registration<Dim>> registration;
   if (graph_.empty()) {
-    constexpr auto kSearchInterval = std::chrono::milliseconds(500);
-    if (window_.span() < kSearchInterval) return std::nullopt;
-    if (last_search_ && stamp - *last_search_ < kSearchInterval) return std::nullopt;
-    last_search_ = stamp;
-    registration = matcher_.MatchAnywhere(live_);
+    if (!matcher_.searching()) {
+      constexpr auto kSearchInterval = std::chrono::milliseconds(500);
+      if (window_.span() < kSearchInterval) return std::nullopt;
+      if (last_search_ && stamp - *last_search_ < kSearchInterval) return std::nullopt;
+      last_search_ = stamp;
+      since_state_ = {};
+      matcher_.BeginSearch(live_);
+    }
+    registration = matcher_.ContinueSearch(live_, ToEstimate<Dim>(since_state_).pose);
   } else {
     graph_.AddState(ToEstimate<Dim>(since_state_));
     since_state_ = {};

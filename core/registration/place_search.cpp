@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <compare>
-#include <cstdint>
 #include <numbers>
+#include <utility>
 
 #include "core/registration/likelihood_field.h"
 
@@ -19,36 +18,6 @@ constexpr int kTile_blocks = 16;
 constexpr std::size_t kMaxPoints = 150;  // enough to tell places apart; sums fit into 16 bits
 static_assert(kMaxPoints * 255 <= 65535);
 
-struct Cell {
-  std::int64_t x = 0;
-  std::int64_t y = 0;
-  auto operator<=>(const Cell&) const = default;
-};
-
-Cell CellOf(const Eigen::Vector2d& p_m, double cell_m) {
-  return {static_cast<std::int64_t>(std::floor(p_m.x() / cell_m)),
-          static_cast<std::int64_t>(std::floor(p_m.y() / cell_m))};
-}
-
-// Of the map's xy plane; by tile, so that the blocks of one follow each other.
-struct Block {
-  Cell tile;
-  Cell block;  // within the tile, in blocks
-  auto operator<=>(const Block&) const = default;
-};
-
-// One heading: where each point lies from the vehicle's cell, in cells.
-struct Turned {
-  double yaw_rad;
-  std::vector<Eigen::Vector2i> offsets;
-};
-
-struct Candidate {
-  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  // in the map's xy plane
-  double yaw_rad = 0.0;
-  double score = 0.0;
-};
-
 std::vector<Eigen::Vector2f> Thinned(std::span<const Eigen::Vector2f> points) {
   const std::size_t stride =
       std::max<std::size_t>(1, (points.size() + kMaxPoints - 1) / kMaxPoints);
@@ -57,189 +26,181 @@ std::vector<Eigen::Vector2f> Thinned(std::span<const Eigen::Vector2f> points) {
   return thinned;
 }
 
-std::vector<Turned> TurnAll(std::span<const Eigen::Vector2f> points, double step_rad,
-                            double cell_m) {
-  const int count = static_cast<int>(std::ceil(2.0 * std::numbers::pi / step_rad));
-  std::vector<Turned> headings;
-  for (int i = 0; i < count; ++i) {
-    Turned turned{.yaw_rad = 2.0 * std::numbers::pi * i / count, .offsets = {}};
-    const Eigen::Rotation2Dd R(turned.yaw_rad);
-    for (const Eigen::Vector2f& point : points) {
-      // The vehicle stands at its cell's middle.
-      const Eigen::Vector2d at = R * point.cast<double>() / cell_m;
-      turned.offsets.emplace_back(static_cast<int>(std::floor(at.x() + 0.5)),
-                                  static_cast<int>(std::floor(at.y() + 0.5)));
-    }
-    headings.push_back(std::move(turned));
-  }
-  return headings;
-}
-
-class PlaceSearch {
- public:
-  PlaceSearch(const RadarMap& map, std::span<const Eigen::Vector2f> points,
-              const PlaceSearchOptions& options)
-      : map_(map), options_(options), points_(Thinned(points)) {
-    std::vector<float> ranges;
-    for (const Eigen::Vector2f& point : points_) ranges.push_back(point.norm());
-    std::ranges::sort(ranges);
-    // The angle that moves half of the points by less than two cells.
-    const double step_rad = 2.0 * options_.cell_m / std::max(10.0F, ranges[ranges.size() / 2]);
-    headings_ = TurnAll(points_, step_rad, options_.cell_m);
-    margin_m_ = options_.cell_m * std::ceil(ranges.back() / options_.cell_m + 1.0);
-  }
-
-  std::vector<Candidate> Run() {
-    const std::vector<Block> blocks = Blocks();
-    for (auto begin = blocks.begin(); begin != blocks.end();) {
-      const auto end = std::find_if(begin, blocks.end(),
-                                    [&](const Block& block) { return block.tile != begin->tile; });
-      SearchTile({begin, end});
-      KeepBest();
-      begin = end;
-    }
-    return std::move(candidates_);
-  }
-
- private:
-  // Those that hold a position near to a keyframe.
-  std::vector<Block> Blocks() const {
-    const double block_m = kBlock_cells * options_.cell_m;
-    const Eigen::Vector2d reach_m = Eigen::Vector2d::Constant(options_.reach_m);
-    std::vector<Block> blocks;
-    for (std::size_t i = 0; i < map_.info().keyframe_count; ++i) {
-      const Eigen::Vector2d p_map = map_.keyframe(i).T_map_keyframe.translation_m.head<2>();
-      const Cell first = CellOf(p_map - reach_m, block_m);
-      const Cell last = CellOf(p_map + reach_m, block_m);
-      for (std::int64_t x = first.x; x <= last.x; ++x) {
-        for (std::int64_t y = first.y; y <= last.y; ++y) {
-          const Cell tile =
-              CellOf(Eigen::Vector2d(static_cast<double>(x), static_cast<double>(y)), kTile_blocks);
-          blocks.push_back({tile, {x - kTile_blocks * tile.x, y - kTile_blocks * tile.y}});
-        }
-      }
-    }
-    std::ranges::sort(blocks);
-    const auto rest = std::ranges::unique(blocks);
-    blocks.erase(rest.begin(), rest.end());
-    return blocks;
-  }
-
-  void SearchTile(std::span<const Block> blocks) {
-    const double tile_m = kTile_blocks * kBlock_cells * options_.cell_m;
-    const Eigen::Vector2d origin_m =
-        tile_m * Eigen::Vector2d(static_cast<double>(blocks.front().tile.x),
-                                 static_cast<double>(blocks.front().tile.y));
-    const LikelihoodField field(Landmarks(origin_m, tile_m), options_.cell_m,
-                                Eigen::Vector2d::Constant(-margin_m_),
-                                Eigen::Vector2d::Constant(tile_m + margin_m_));
-    if (field.empty()) return;
-    const Eigen::Vector2i first =
-        field.CellsFrom(Eigen::Vector2d::Constant(0.5 * options_.cell_m)).cast<int>();
-    for (const Block& block : blocks) {
-      const Eigen::Vector2i corner(static_cast<int>(block.block.x) * kBlock_cells,
-                                   static_cast<int>(block.block.y) * kBlock_cells);
-      for (const Turned& turned : headings_) {
-        const auto [cell, sum] = BestOfBlock(field, first + corner, turned.offsets);
-        if (sum == 0) continue;
-        const Eigen::Vector2d at = (corner + cell).cast<double>().array() + 0.5;
-        candidates_.push_back({origin_m + options_.cell_m * at, turned.yaw_rad,
-                               sum / 255.0 / static_cast<double>(points_.size())});
-      }
-    }
-  }
-
-  // Best first. A place has some dozens of candidates, in the blocks and headings around it.
-  void KeepBest() {
-    constexpr std::size_t kMaxCandidates = 2000;
-    std::ranges::stable_sort(candidates_, std::greater<>(), &Candidate::score);
-    if (candidates_.size() > kMaxCandidates) candidates_.resize(kMaxCandidates);
-  }
-
-  // Positions in the tile's frame, as far as the points reach from anywhere in the tile.
-  std::vector<Eigen::Vector2d> Landmarks(const Eigen::Vector2d& origin_m, double tile_m) const {
-    // Landmarks lie no further from their keyframe than this, or they are too few to matter.
-    constexpr double kKeyframeReach_m = 100.0;
-    const Eigen::Vector2d middle_m = origin_m.array() + 0.5 * tile_m;
-    const double radius_m = std::numbers::sqrt2 * (0.5 * tile_m + margin_m_) + kKeyframeReach_m;
-    std::vector<Eigen::Vector2d> landmarks;
-    for (const std::size_t index :
-         map_.KeyframesWithin({middle_m.x(), middle_m.y(), 0.0}, radius_m)) {
-      const Keyframe keyframe = map_.keyframe(index);
-      const Eigen::Matrix3d R = keyframe.T_map_keyframe.Rotation();
-      for (const MapPoint& point : keyframe.points) {
-        const Eigen::Vector3d p_map = R * Eigen::Vector3d(point.x_m, point.y_m, point.z_m) +
-                                      keyframe.T_map_keyframe.translation_m;
-        landmarks.emplace_back(p_map.head<2>() - origin_m);
-      }
-    }
-    return landmarks;
-  }
-
-  struct BestCell {
-    Eigen::Vector2i cell;  // in the block
-    int sum;
-  };
-
-  // `corner` is the block's first cell in the field.
-  static BestCell BestOfBlock(const LikelihoodField& field, const Eigen::Vector2i& corner,
-                              std::span<const Eigen::Vector2i> offsets) {
-    std::array<std::uint16_t, std::size_t{kBlock_cells} * kBlock_cells> sums{};
-    for (const Eigen::Vector2i& offset : offsets) {
-      const std::uint8_t* likelihoods = field.At(corner + offset);
-      for (std::size_t row = 0; row < kBlock_cells; ++row, likelihoods += field.columns()) {
-        std::uint16_t* const sums_of_row = &sums[row * kBlock_cells];
-        for (std::size_t column = 0; column < kBlock_cells; ++column) {
-          sums_of_row[column] =
-              static_cast<std::uint16_t>(sums_of_row[column] + likelihoods[column]);
-        }
-      }
-    }
-    const auto best = std::ranges::max_element(sums);
-    const auto number = static_cast<int>(best - sums.begin());
-    return {{number % kBlock_cells, number / kBlock_cells}, *best};
-  }
-
-  const RadarMap& map_;
-  PlaceSearchOptions options_;
-  std::vector<Eigen::Vector2f> points_;
-  std::vector<Turned> headings_;
-  double margin_m_ = 0.0;  // as far as the points reach, in whole cells
-  std::vector<Candidate> candidates_;
+struct BestCell {
+  Eigen::Vector2i cell;  // in the block
+  int sum;
 };
 
-PlaceHypothesis InKeyframe(const RadarMap& map, const Candidate& candidate, double reach_m) {
-  Pose3 T_map_vehicle =
-      Embed(Pose2{.translation_m = candidate.position_m, .yaw_rad = candidate.yaw_rad});
-  // A block reaches further than the keyframe that it is searched for, but not by more than itself.
-  const std::size_t keyframe = *map.NearestKeyframe(T_map_vehicle.translation_m, reach_m);
-  const Pose3 T_map_keyframe = map.keyframe(keyframe).T_map_keyframe;
-  T_map_vehicle.translation_m.z() = T_map_keyframe.translation_m.z();
-  return {keyframe, Flatten(T_map_keyframe.Inverse() * T_map_vehicle), candidate.score};
+// The best position of the block whose first cell in the field is `corner`.
+BestCell BestOfBlock(const LikelihoodField& field, const Eigen::Vector2i& corner,
+                     std::span<const Eigen::Vector2i> offsets) {
+  std::array<std::uint16_t, std::size_t{kBlock_cells} * kBlock_cells> sums{};
+  for (const Eigen::Vector2i& offset : offsets) {
+    const std::uint8_t* likelihoods = field.At(corner + offset);
+    for (std::size_t row = 0; row < kBlock_cells; ++row, likelihoods += field.columns()) {
+      std::uint16_t* const sums_of_row = &sums[row * kBlock_cells];
+      for (std::size_t column = 0; column < kBlock_cells; ++column) {
+        sums_of_row[column] = static_cast<std::uint16_t>(sums_of_row[column] + likelihoods[column]);
+      }
+    }
+  }
+  const auto best = std::ranges::max_element(sums);
+  const auto number = static_cast<int>(best - sums.begin());
+  return {{number % kBlock_cells, number / kBlock_cells}, *best};
+}
+
+template <typename T>
+void SortUnique(std::vector<T>& values) {
+  std::ranges::sort(values);
+  const auto rest = std::ranges::unique(values);
+  values.erase(rest.begin(), rest.end());
 }
 
 }  // namespace
 
-std::vector<PlaceHypothesis> SearchPlaces(const RadarMap& map,
-                                          std::span<const Eigen::Vector2f> points,
-                                          const PlaceSearchOptions& options) {
-  if (points.empty()) return {};
-  const double apart_m = 4.0 * options.cell_m;
+PlaceSearch::PlaceSearch(std::shared_ptr<const RadarMap> map,
+                         std::span<const Eigen::Vector2f> points, const PlaceSearchOptions& options)
+    : map_(std::move(map)),
+      options_(options),
+      block_m_(kBlock_cells * options.cell_m),
+      tile_m_(kTile_blocks * block_m_) {
+  if (points.empty()) return;
+  const std::vector<Eigen::Vector2f> chosen = Thinned(points);
+  std::vector<float> ranges;
+  for (const Eigen::Vector2f& point : chosen) ranges.push_back(point.norm());
+  std::ranges::sort(ranges);
+  margin_m_ = options_.cell_m * std::ceil(ranges.back() / options_.cell_m + 1.0);
+
+  // The angle that moves half of the points by less than two cells.
+  const double step_rad = 2.0 * options_.cell_m / std::max(10.0F, ranges[ranges.size() / 2]);
+  const int count = static_cast<int>(std::ceil(2.0 * std::numbers::pi / step_rad));
+  for (int i = 0; i < count; ++i) {
+    Turned turned{.yaw_rad = 2.0 * std::numbers::pi * i / count, .offsets = {}};
+    const Eigen::Matrix2d R = Eigen::Rotation2Dd(turned.yaw_rad).toRotationMatrix();
+    for (const Eigen::Vector2f& point : chosen) {
+      // The vehicle stands at its cell's middle.
+      const Eigen::Vector2d at = R * point.cast<double>() / options_.cell_m;
+      turned.offsets.emplace_back((at.array() + 0.5).floor().cast<int>());
+    }
+    headings_.push_back(std::move(turned));
+  }
+  for (std::size_t i = 0; i < map_->info().keyframe_count; ++i) {
+    for (const Cell& tile : CellsNearKeyframe(i, tile_m_)) tiles_.push_back(tile);
+  }
+  SortUnique(tiles_);
+}
+
+void PlaceSearch::SearchNextTile() {
+  if (done()) return;
+  const Cell& tile = tiles_[next_tile_++];
+  const LikelihoodField field(LandmarksAround(tile), options_.cell_m,
+                              Eigen::Vector2d::Constant(-margin_m_),
+                              Eigen::Vector2d::Constant(tile_m_ + margin_m_));
+  const Eigen::Vector2d origin_m =
+      tile_m_ * Eigen::Vector2d(static_cast<double>(tile.x), static_cast<double>(tile.y));
+  const Eigen::Vector2i first =
+      field.CellsFrom(Eigen::Vector2d::Constant(0.5 * options_.cell_m)).cast<int>();
+  for (const Cell& block : BlocksOf(tile)) {
+    const Eigen::Vector2i corner =
+        kBlock_cells * Eigen::Vector2i(static_cast<int>(block.x - kTile_blocks * tile.x),
+                                       static_cast<int>(block.y - kTile_blocks * tile.y));
+    for (const Turned& turned : headings_) {
+      const auto [cell, sum] = BestOfBlock(field, first + corner, turned.offsets);
+      if (sum == 0) continue;
+      const Eigen::Vector2d at = (corner + cell).cast<double>().array() + 0.5;
+      candidates_.push_back({origin_m + options_.cell_m * at, turned.yaw_rad,
+                             sum / (255.0 * static_cast<double>(turned.offsets.size()))});
+    }
+  }
+  KeepBest();
+}
+
+std::vector<PlaceHypothesis> PlaceSearch::Best() const {
+  const double apart_m = 4.0 * options_.cell_m;
   constexpr double kApart_rad = 0.25;
   std::vector<Candidate> kept;
-  for (const Candidate& candidate : PlaceSearch(map, points, options).Run()) {
-    if (kept.size() == static_cast<std::size_t>(options.max_count)) break;
+  for (const Candidate& candidate : candidates_) {
+    if (kept.size() == static_cast<std::size_t>(options_.max_count)) break;
     const bool seen = std::ranges::any_of(kept, [&](const Candidate& other) {
       return (candidate.position_m - other.position_m).norm() < apart_m &&
              std::abs(WrapAngle(candidate.yaw_rad - other.yaw_rad)) < kApart_rad;
     });
     if (!seen) kept.push_back(candidate);
   }
-  const double reach_m =
-      std::numbers::sqrt2 * (options.reach_m + kBlock_cells * options.cell_m + 1.0);
   std::vector<PlaceHypothesis> places;
-  for (const Candidate& candidate : kept) places.push_back(InKeyframe(map, candidate, reach_m));
+  for (const Candidate& candidate : kept) places.push_back(InKeyframe(candidate));
   return places;
+}
+
+// Cells of `size_m` that hold a position near to the keyframe.
+std::vector<PlaceSearch::Cell> PlaceSearch::CellsNearKeyframe(std::size_t keyframe,
+                                                              double size_m) const {
+  const Eigen::Array2d p_map = map_->keyframe(keyframe).T_map_keyframe.translation_m.head<2>();
+  const Eigen::Array2d first = ((p_map - options_.reach_m) / size_m).floor();
+  const Eigen::Array2d last = ((p_map + options_.reach_m) / size_m).floor();
+  std::vector<Cell> cells;
+  for (double x = first.x(); x <= last.x(); ++x) {
+    for (double y = first.y(); y <= last.y(); ++y) {
+      cells.push_back({static_cast<std::int64_t>(x), static_cast<std::int64_t>(y)});
+    }
+  }
+  return cells;
+}
+
+// The blocks of the tile that hold a position near to a keyframe.
+std::vector<PlaceSearch::Cell> PlaceSearch::BlocksOf(const Cell& tile) const {
+  std::vector<Cell> blocks;
+  for (const std::size_t keyframe : KeyframesAround(tile, options_.reach_m)) {
+    for (const Cell& block : CellsNearKeyframe(keyframe, block_m_)) {
+      // Shifts round down for negative cells too.
+      static_assert(kTile_blocks == 1 << 4);
+      if (Cell{block.x >> 4, block.y >> 4} == tile) blocks.push_back(block);
+    }
+  }
+  SortUnique(blocks);
+  return blocks;
+}
+
+std::vector<std::size_t> PlaceSearch::KeyframesAround(const Cell& tile, double margin_m) const {
+  const Eigen::Vector3d middle_m(tile_m_ * (static_cast<double>(tile.x) + 0.5),
+                                 tile_m_ * (static_cast<double>(tile.y) + 0.5), 0.0);
+  return map_->KeyframesWithin(middle_m, std::numbers::sqrt2 * (0.5 * tile_m_ + margin_m));
+}
+
+// Positions in the tile's frame, as far as the points reach from anywhere in the tile.
+std::vector<Eigen::Vector2d> PlaceSearch::LandmarksAround(const Cell& tile) const {
+  // Landmarks lie no further from their keyframe than this, or they are too few to matter.
+  constexpr double kKeyframeReach_m = 100.0;
+  const Eigen::Vector2d origin_m =
+      tile_m_ * Eigen::Vector2d(static_cast<double>(tile.x), static_cast<double>(tile.y));
+  std::vector<Eigen::Vector2d> landmarks;
+  for (const std::size_t index : KeyframesAround(tile, margin_m_ + kKeyframeReach_m)) {
+    const Keyframe keyframe = map_->keyframe(index);
+    const Eigen::Matrix<double, 2, 3> R = keyframe.T_map_keyframe.Rotation().topRows<2>();
+    const Eigen::Vector2d t = keyframe.T_map_keyframe.translation_m.head<2>() - origin_m;
+    for (const MapPoint& point : keyframe.points) {
+      landmarks.emplace_back(R * Eigen::Vector3d(point.x_m, point.y_m, point.z_m) + t);
+    }
+  }
+  return landmarks;
+}
+
+// A place has some dozens of candidates, in the blocks and headings around it.
+void PlaceSearch::KeepBest() {
+  constexpr std::size_t kMaxCandidates = 2000;
+  std::ranges::stable_sort(candidates_, std::greater<>(), &Candidate::score);
+  if (candidates_.size() > kMaxCandidates) candidates_.resize(kMaxCandidates);
+}
+
+PlaceHypothesis PlaceSearch::InKeyframe(const Candidate& candidate) const {
+  Pose3 T_map_vehicle =
+      Embed(Pose2{.translation_m = candidate.position_m, .yaw_rad = candidate.yaw_rad});
+  // The keyframe that the block was searched for lies no further from it than this.
+  const double reach_m = std::numbers::sqrt2 * (options_.reach_m + block_m_ + options_.cell_m);
+  const std::size_t keyframe = *map_->NearestKeyframe(T_map_vehicle.translation_m, reach_m);
+  const Pose3 T_map_keyframe = map_->keyframe(keyframe).T_map_keyframe;
+  T_map_vehicle.translation_m.z() = T_map_keyframe.translation_m.z();
+  return {keyframe, Flatten(T_map_keyframe.Inverse() * T_map_vehicle), candidate.score};
 }
 
 }  // namespace dcloc

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <compare>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -13,7 +16,7 @@ namespace dcloc {
 struct PlaceSearchOptions {
   double cell_m = 1.0;   ///< step between positions; headings step likewise
   double reach_m = 6.0;  ///< the vehicle is this near to a keyframe along each of the map's axes
-  int max_count = 12;
+  int max_count = 8;
 };
 
 /// A place of the map where points may have been seen.
@@ -23,11 +26,58 @@ struct PlaceHypothesis {
   double score;              ///< mean likelihood of the points, [0, 1]
 };
 
-/// Up to `max_count` best places of `points` (vehicle xy) in the whole map, best first, no two
-/// within four steps of one another. Exhaustive over positions and headings on a coarse grid, tile
-/// by tile: the cost grows with the length of street, the memory does not.
-std::vector<PlaceHypothesis> SearchPlaces(const RadarMap& map,
-                                          std::span<const Eigen::Vector2f> points,
-                                          const PlaceSearchOptions& options = {});
+/// Searches a whole map for the places where some points may have been seen: exhaustively, every
+/// position near a keyframe and every heading on a coarse grid. It goes tile by tile, so that
+/// others can be served in between: a tile costs some milliseconds, the number of tiles grows with
+/// the length of street, the memory does not.
+class PlaceSearch {
+ public:
+  /// `points` are vehicle xy.
+  PlaceSearch(std::shared_ptr<const RadarMap> map, std::span<const Eigen::Vector2f> points,
+              const PlaceSearchOptions& options = {});
+
+  bool done() const { return next_tile_ == tiles_.size(); }
+
+  /// Searches the next tile, 256 cells wide, unless `done()`.
+  void SearchNextTile();
+
+  /// Up to `max_count` best places so far, best first, no two within four steps of one another.
+  std::vector<PlaceHypothesis> Best() const;
+
+ private:
+  // Of a square grid in the map's xy plane.
+  struct Cell {
+    std::int64_t x = 0;
+    std::int64_t y = 0;
+    auto operator<=>(const Cell&) const = default;
+  };
+  // A heading: where each point lies from the vehicle's cell, in cells.
+  struct Turned {
+    double yaw_rad;
+    std::vector<Eigen::Vector2i> offsets;
+  };
+  struct Candidate {
+    Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  // in the map's xy plane
+    double yaw_rad = 0.0;
+    double score = 0.0;
+  };
+
+  std::vector<Cell> CellsNearKeyframe(std::size_t keyframe, double size_m) const;
+  std::vector<Cell> BlocksOf(const Cell& tile) const;
+  std::vector<std::size_t> KeyframesAround(const Cell& tile, double margin_m) const;
+  std::vector<Eigen::Vector2d> LandmarksAround(const Cell& tile) const;
+  void KeepBest();
+  PlaceHypothesis InKeyframe(const Candidate& candidate) const;
+
+  std::shared_ptr<const RadarMap> map_;
+  PlaceSearchOptions options_;
+  double block_m_;
+  double tile_m_;
+  double margin_m_ = 0.0;  // as far as the points reach, in whole cells
+  std::vector<Turned> headings_;
+  std::vector<Cell> tiles_;
+  std::size_t next_tile_ = 0;
+  std::vector<Candidate> candidates_;  // best first
+};
 
 }  // namespace dcloc

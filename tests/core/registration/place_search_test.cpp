@@ -4,6 +4,8 @@
 
 #include <memory>
 #include <random>
+#include <span>
+#include <vector>
 
 #include "tests/core/map/synthetic_map.h"
 
@@ -44,13 +46,21 @@ std::vector<Eigen::Vector2f> Seen(const RadarMap& map, const Pose3& T_map_vehicl
   return points;
 }
 
+std::vector<PlaceHypothesis> Search(const std::shared_ptr<const RadarMap>& map,
+                                    std::span<const Eigen::Vector2f> points,
+                                    const PlaceSearchOptions& options = {}) {
+  PlaceSearch search(map, points, options);
+  while (!search.done()) search.SearchNextTile();
+  return search.Best();
+}
+
 TEST(PlaceSearchTest, FindsThePlaceAmongManyAndItsHeading) {
   const auto map = RandomStreets(400);
   for (const std::size_t index : {3U, 150U, 399U}) {
     for (const double yaw_rad : {0.3, 3.0, -1.7}) {
       const Pose3 T_map_vehicle = map->keyframe(index).T_map_keyframe *
                                   Embed(Pose2{.translation_m = {3.3, -2.1}, .yaw_rad = yaw_rad});
-      const auto places = SearchPlaces(*map, Seen(*map, T_map_vehicle));
+      const auto places = Search(map, Seen(*map, T_map_vehicle));
       ASSERT_FALSE(places.empty());
       const Pose3 found =
           map->keyframe(places[0].keyframe).T_map_keyframe * Embed(places[0].T_keyframe_vehicle);
@@ -64,8 +74,7 @@ TEST(PlaceSearchTest, FindsThePlaceAmongManyAndItsHeading) {
 
 TEST(PlaceSearchTest, PlacesAreSortedAndApart) {
   const auto map = RandomStreets(100);
-  const auto places =
-      SearchPlaces(*map, Seen(*map, map->keyframe(50).T_map_keyframe), {.max_count = 7});
+  const auto places = Search(map, Seen(*map, map->keyframe(50).T_map_keyframe), {.max_count = 7});
   ASSERT_EQ(places.size(), 7U);
   for (std::size_t i = 1; i < places.size(); ++i) {
     EXPECT_LE(places[i].score, places[i - 1].score);
@@ -83,17 +92,36 @@ TEST(PlaceSearchTest, PlacesAreSortedAndApart) {
 TEST(PlaceSearchTest, ScoreIsTheShareThatLiesOnLandmarks) {
   const auto map = RandomStreets(30);
   std::vector<Eigen::Vector2f> points = Seen(*map, map->keyframe(10).T_map_keyframe);
-  const double all = SearchPlaces(*map, points)[0].score;
+  const double all = Search(map, points)[0].score;
   EXPECT_GT(all, 0.6);
   // As many again, where no landmark can be at the same time.
   const std::size_t count = points.size();
   for (std::size_t i = 0; i < count; ++i) points.emplace_back(600.0F, 5.0F * static_cast<float>(i));
-  EXPECT_NEAR(SearchPlaces(*map, points)[0].score, 0.5 * all, 0.1);
+  EXPECT_NEAR(Search(map, points)[0].score, 0.5 * all, 0.1);
 }
 
-TEST(PlaceSearchTest, NoPointsHaveNoPlace) {
-  EXPECT_TRUE(SearchPlaces(*RandomStreets(5), {}).empty());
+TEST(PlaceSearchTest, GoesTileByTileAndKnowsTheBestSoFar) {
+  const auto map = RandomStreets(400);
+  const std::vector<Eigen::Vector2f> points = Seen(*map, map->keyframe(200).T_map_keyframe);
+  PlaceSearch search(map, points);
+  EXPECT_TRUE(search.Best().empty());
+  int tiles = 0;
+  double best = 0.0;
+  for (; !search.done(); ++tiles) {
+    search.SearchNextTile();
+    const auto places = search.Best();
+    ASSERT_FALSE(places.empty());
+    EXPECT_GE(places[0].score, best);
+    best = places[0].score;
+  }
+  // The spiral's 4 km lie within some 900 m to each side.
+  EXPECT_GT(tiles, 10);
+  EXPECT_LT(tiles, 64);
+  search.SearchNextTile();
+  EXPECT_EQ(search.Best()[0].score, best) << "there is nothing after the last one";
 }
+
+TEST(PlaceSearchTest, NoPointsHaveNoPlace) { EXPECT_TRUE(Search(RandomStreets(5), {}).empty()); }
 
 }  // namespace
 }  // namespace dcloc
