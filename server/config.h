@@ -38,6 +38,7 @@ struct ServerConfig {
   int max_map_mib = 1024;          ///< of one map file
   int max_tenant_storage_mib = 0;  ///< of a tenant's map versions together; 0: no limit
   int shutdown_deadline_ms = 5000;
+  int self_probe_interval_ms = 5000;  ///< 0: never
   int drain_grace_ms = 1000;
   std::string log_level = "info";
   std::string log_format = "text";

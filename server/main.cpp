@@ -10,6 +10,7 @@
 #include "server/credentials.h"
 #include "server/log.h"
 #include "server/server.h"
+#include "server/service_manager.h"
 #include "server/status.h"
 #include "server/token_command.h"
 #include "spdlog/spdlog.h"
@@ -81,8 +82,10 @@ int Run(int argc, const char* const* argv, const ServerConfig& config) {
   if (config.stub_matcher) spdlog::warn("stub matcher: scans are not matched, poses mean nothing");
   // Whoever started the program may wait for this line.
   std::cout << "listening on " << (*server)->address() << std::endl;
+  NotifyServiceManager("READY=1");
 
   const int signal = WaitForStop(signals, argc, argv, **server);
+  NotifyServiceManager("STOPPING=1");
   spdlog::info("stopping signal={} deadline_ms={}", signal, config.shutdown_deadline_ms);
   (*server)->Shutdown(std::chrono::milliseconds(config.shutdown_deadline_ms));
   spdlog::info("stopped");

@@ -16,10 +16,14 @@
 #include "server/identity/identity_store.h"
 #include "server/limits/usage.h"
 #include "server/listen_address.h"
+#include "server/listener.h"
+#include "server/liveness.h"
 #include "server/localization/localization_service.h"
 #include "server/maps/map_service.h"
 #include "server/metrics/metrics_endpoint.h"
 #include "server/metrics/state_metrics.h"
+#include "server/self_probe.h"
+#include "server/service_manager.h"
 #include "server/status.h"
 #include "server/ticker.h"
 #include "spdlog/spdlog.h"
@@ -34,6 +38,14 @@ constexpr int kStorageThreads = 2;
 constexpr int kKeepaliveTime_ms = 30'000;
 constexpr int kKeepaliveTimeout_ms = 10'000;
 constexpr int kMinClientPingInterval_ms = 5'000;
+
+void WarnOfFewFiles(const ServerConfig& config) {
+  if (Listener::MaxDescriptor() >= config.max_session_count) return;
+  spdlog::warn(
+      "max_session_count is {}, and files are left for {} connections: raise the limit of "
+      "open files (LimitNOFILE)",
+      config.max_session_count, std::max(0, Listener::MaxDescriptor()));
+}
 
 absl::Status SayWhoIsLetIn(const AccessControl& access, const ServerConfig& config) {
   const absl::StatusOr<bool> open = access.IsOpen();
@@ -50,6 +62,8 @@ absl::Status SayWhoIsLetIn(const AccessControl& access, const ServerConfig& conf
 }
 
 constexpr std::chrono::milliseconds kLastBytesGrace(200);
+constexpr std::chrono::seconds kSelfProbeTimeout(3);
+constexpr std::chrono::milliseconds kReadyTimeout(800);
 /// How exactly timeouts of sessions are kept.
 constexpr std::chrono::milliseconds kTickInterval(100);
 
@@ -72,8 +86,6 @@ void SetLimits(const ServerConfig& config, grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
                              kMinClientPingInterval_ms);
-  // Two servers on one port would share its clients without a word.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
 }
 
 }  // namespace
@@ -97,6 +109,8 @@ struct Server::Parts {
                                    .pool = localization_pool,
                                    .totals = registry.totals(),
                                    .metrics = metrics,
+                                   .taps = taps,
+                                   .program = program,
                                    .create_matcher = config.stub_matcher ? &CreateStubMatcher
                                                                          : &CreateLocalizerMatcher,
                                    .answer_history_count = config.answer_history_count,
@@ -110,7 +124,7 @@ struct Server::Parts {
                .worker_count = localization_pool.thread_count(),
                .max_session_count = config.max_session_count,
                .stub_matcher = config.stub_matcher},
-              registry, storage,
+              registry, taps, storage,
               {.drain = [this] { return Drain(drain_grace); },
                .draining = [this] { return localization.draining(); }}),
         ticker(kTickInterval, [this] {
@@ -126,18 +140,42 @@ struct Server::Parts {
     return localization.Drain(grace);
   }
 
+  /// Not ready while it does not answer its own connections.
+  void WatchItself(const ListenAddress& listen) {
+    const bool tls = !config.tls_cert.empty();
+    const auto report = [this](bool ok) {
+      auto* health = server->GetHealthCheckService();
+      if (health != nullptr && !(ok && localization.draining())) health->SetServingStatus(ok);
+    };
+    liveness = std::make_unique<Liveness>(
+        [listen, tls] { return ProbeListener(listen, tls, kSelfProbeTimeout); }, report);
+    std::chrono::milliseconds interval(config.self_probe_interval_ms);
+    if (const auto watchdog = WatchdogInterval()) {
+      const auto often = std::chrono::duration_cast<std::chrono::milliseconds>(*watchdog / 3);
+      interval = interval.count() == 0 ? often : std::min(interval, often);
+    }
+    if (interval.count() == 0) return;
+    liveness_ticker = std::make_unique<Ticker>(interval, [this] { liveness->Check(); });
+  }
+
   absl::Status ServeMetrics() {
     if (config.metrics_listen.empty()) return absl::OkStatus();
     const absl::StatusOr<ListenAddress> listen = ParseMetricsAddress(config.metrics_listen);
     if (!listen.ok()) return listen.status();
-    auto state = std::make_shared<StateMetrics>(
-        StateMetrics::Sources{.registry = registry,
-                              .store = *store,
-                              .localization_pool = localization_pool,
-                              .storage_pool = storage_pool,
-                              .draining = [this] { return localization.draining(); },
-                              .version = DCLOC_VERSION});
-    auto endpoint = MetricsEndpoint::Start(*listen, {metrics.registry(), std::move(state)});
+    auto state = std::make_shared<StateMetrics>(StateMetrics::Sources{
+        .registry = registry,
+        .store = *store,
+        .localization_pool = localization_pool,
+        .storage_pool = storage_pool,
+        .draining = [this] { return localization.draining(); },
+        .answering = [this] { return liveness->ok(); },
+        .refused_connection_count = [this] { return listener->refused_count(); },
+        .version = DCLOC_VERSION});
+    const auto ready = [this]() -> absl::Status {
+      if (localization.draining()) return absl::UnavailableError("the server is draining");
+      return ProbeListener(*ParseListenAddress(address), !config.tls_cert.empty(), kReadyTimeout);
+    };
+    auto endpoint = MetricsEndpoint::Start(*listen, {metrics.registry(), std::move(state)}, ready);
     if (!endpoint.ok()) return endpoint.status();
     metrics_endpoint = *std::move(endpoint);
     spdlog::info("metrics served address={}", metrics_endpoint->address());
@@ -153,6 +191,8 @@ struct Server::Parts {
   std::unique_ptr<MapStore> store;
   SessionRegistry registry;
   Metrics metrics;
+  TapRequests taps;
+  const std::string program = absl::StrCat("dcloc-server ", DCLOC_VERSION);
   OpenCalls open_calls;
   WorkerPool storage_pool{kStorageThreads};
   const StorageHost storage{*store, storage_pool, open_calls, access, limits};
@@ -162,6 +202,9 @@ struct Server::Parts {
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
   absl::Notification server_is_set;  ///< the first calls may be there before it
+  std::unique_ptr<Listener> listener;
+  std::unique_ptr<Liveness> liveness;
+  std::unique_ptr<Ticker> liveness_ticker;
   std::unique_ptr<MetricsEndpoint> metrics_endpoint;
   Ticker ticker;
   std::string address;
@@ -179,23 +222,30 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   auto parts = std::make_unique<Parts>(config, *std::move(store), *std::move(identities));
   if (absl::Status status = SayWhoIsLetIn(parts->access, config); !status.ok()) return status;
 
+  WarnOfFewFiles(config);
+
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   SetLimits(config, builder);
   absl::StatusOr<ListenAddress> address = ParseListenAddress(config.listen);
   if (!address.ok()) return address.status();
-  builder.AddListeningPort(address->ToString(), *credentials, &address->port);
+  absl::StatusOr<std::unique_ptr<Listener>> listener =
+      Listener::Bind(*address, Listener::MaxDescriptor());
+  if (!listener.ok()) return listener.status();
+  address->port = (*listener)->port();
+  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, *credentials);
   builder.RegisterService(&parts->localization);
   builder.RegisterService(&parts->maps);
   builder.RegisterService(&parts->admin);
   parts->server = builder.BuildAndStart();
-  if (parts->server == nullptr || address->port == 0) {
-    return absl::UnavailableError(
-        absl::StrCat("listen is ", Quoted(config.listen), "; the address cannot be listened on"));
-  }
+  if (parts->server == nullptr) return absl::InternalError("gRPC cannot start a server");
   parts->server_is_set.Notify();
   parts->address = address->ToString();
+  parts->listener = *std::move(listener);
+  parts->listener->Start(std::move(acceptor));
+  parts->WatchItself(*address);
   if (absl::Status status = parts->ServeMetrics(); !status.ok()) return status;
   return std::unique_ptr<Server>(new Server(std::move(parts)));
 }
@@ -230,6 +280,7 @@ absl::Status Server::Reload(const ServerConfig& config) {
 void Server::Shutdown(std::chrono::milliseconds deadline) {
   const auto begin = std::chrono::steady_clock::now();
   const auto end = begin + deadline;
+  parts_->liveness_ticker.reset();
   // Half of the time at most is the clients', to go by themselves.
   const std::chrono::milliseconds grace = std::min(parts_->drain_grace, deadline / 2);
   if (parts_->Drain(grace) > 0) parts_->open_calls.WaitUntilNone(begin + grace);
@@ -238,6 +289,7 @@ void Server::Shutdown(std::chrono::milliseconds deadline) {
       grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server is shutting down"));
   parts_->registry.RemoveDetached("the server is shutting down");
   parts_->open_calls.WaitUntilNone(end);
+  parts_->listener->Stop();
   // What is left are calls beyond the deadline, last bytes on their way, and idle connections.
   parts_->server->Shutdown(std::chrono::system_clock::now() + kLastBytesGrace);
   // Cut-off calls end at once, but their last events may still be under way.

@@ -24,6 +24,19 @@ absl::StatusOr<Response> Call(Stub& stub,
   return response;
 }
 
+/// Hands over what comes, until it ends or `stop` is requested.
+template <typename Response>
+absl::Status ReadAll(grpc::ClientContext& context, grpc::ClientReader<Response>& reader,
+                     const std::stop_token& stop,
+                     const std::function<void(const Response&)>& on_message) {
+  const std::stop_callback cancel(stop, [&context] { context.TryCancel(); });
+  Response response;
+  while (reader.Read(&response)) on_message(response);
+  const grpc::Status status = reader.Finish();
+  const bool stopped = stop.stop_requested() && status.error_code() == grpc::StatusCode::CANCELLED;
+  return stopped ? absl::OkStatus() : FromGrpc(status);
+}
+
 }  // namespace
 
 AdminClient::AdminClient(const std::shared_ptr<grpc::Channel>& channel,
@@ -74,12 +87,20 @@ absl::Status AdminClient::WatchSession(
   v1::WatchSessionRequest request;
   request.set_session_id(session_id);
   const auto reader = stub_->WatchSession(&context, request);
-  const std::stop_callback cancel(stop, [&context] { context.TryCancel(); });
-  v1::WatchSessionResponse response;
-  while (reader->Read(&response)) on_answer(response);
-  const grpc::Status status = reader->Finish();
-  const bool stopped = stop.stop_requested() && status.error_code() == grpc::StatusCode::CANCELLED;
-  return stopped ? absl::OkStatus() : FromGrpc(status);
+  return ReadAll(context, *reader, stop, on_answer);
+}
+
+absl::Status AdminClient::RecordSession(
+    const std::string& vehicle_id, const std::stop_token& stop,
+    const std::function<void()>& on_ready,
+    const std::function<void(const v1::RecordSessionResponse&)>& on_message) {
+  grpc::ClientContext context;
+  v1::RecordSessionRequest request;
+  request.set_vehicle_id(vehicle_id);
+  const auto reader = stub_->RecordSession(&context, request);
+  reader->WaitForInitialMetadata();
+  on_ready();
+  return ReadAll(context, *reader, stop, on_message);
 }
 
 }  // namespace dcloc::client

@@ -35,6 +35,14 @@ class AdminClient {
   /// `reason` is told to the session's client.
   absl::Status EndSession(const std::string& session_id, const std::string& reason);
 
+  /// Waits for the vehicle's next session, and hands over its header and its scans until it ends;
+  /// `on_ready` is called once the server waits. OK when the session has ended or `stop` was
+  /// requested.
+  absl::Status RecordSession(
+      const std::string& vehicle_id, const std::stop_token& stop,
+      const std::function<void()>& on_ready,
+      const std::function<void(const v1::RecordSessionResponse&)>& on_message);
+
   /// Hands over the session's answers as they come, without a time limit. OK when the session has
   /// ended or `stop` was requested.
   absl::Status WatchSession(const std::string& session_id, const std::stop_token& stop,

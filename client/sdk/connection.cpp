@@ -1,12 +1,27 @@
 #include "client/sdk/connection.h"
 
+#include <algorithm>
+#include <string>
 #include <utility>
 
 namespace dcloc::client {
 
+namespace {
+
+/// The server refuses other names anyway; gRPC would abort over some of them.
+bool IsHeaderValue(const std::string& text) {
+  return !text.empty() && std::ranges::all_of(text, [](char c) { return c > ' ' && c <= '~'; });
+}
+
+}  // namespace
+
 Connection::Connection(v1::LocalizationService::Stub& stub, std::mutex& mutex, Host& host,
                        const v1::OpenSession& open)
     : mutex_(mutex), host_(host) {
+  // A proxy that sends a vehicle's streams to one server lets its sessions be resumed.
+  if (IsHeaderValue(open.vehicle_id())) {
+    context_.AddMetadata("x-session-id", open.vehicle_id());
+  }
   *request_.mutable_open() = open;
   stub.async()->Localize(&context_, this);
   AddHold();

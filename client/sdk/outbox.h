@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <deque>
 
-#include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "dcloc/v1/scan.pb.h"
 
 namespace dcloc::client {
@@ -24,8 +24,9 @@ class Outbox {
   /// `Next` has been sent.
   void MarkSent() { ++sent_count_; }
 
-  /// The oldest one that was sent has been answered; DataLoss when that is not the answer's.
-  absl::Status TakeAnswer(std::int64_t sequence_number);
+  /// The oldest one that was sent has been answered, and is given back; DataLoss when that is not
+  /// the answer's.
+  absl::StatusOr<v1::Scan> TakeAnswer(std::int64_t sequence_number);
 
   /// There is a new stream: all are to be sent again.
   void Rewind() { sent_count_ = 0; }

@@ -13,6 +13,9 @@ absl::StatusOr<std::unique_ptr<Session>> Session::Open(
   auto engine = std::make_unique<SessionEngine>(v1::LocalizationService::NewStub(channel),
                                                 std::move(open), options);
   if (absl::Status status = engine->WaitUntilOpen(); !status.ok()) return status;
+  if (!options.record_file.empty()) {
+    if (absl::Status status = engine->StartRecording(); !status.ok()) return status;
+  }
   return std::unique_ptr<Session>(new Session(std::move(engine)));
 }
 
@@ -25,6 +28,7 @@ void Session::CloseSending() { engine_->CloseSending(); }
 std::optional<v1::LocalizeResponse> Session::Next() { return engine_->Next(); }
 void Session::Cancel() { engine_->Cancel(); }
 absl::Status Session::EndStatus() const { return engine_->EndStatus(); }
+absl::Status Session::record_status() const { return engine_->record_status(); }
 SessionStats Session::stats() const { return engine_->stats(); }
 
 }  // namespace dcloc::client

@@ -29,7 +29,7 @@ class Session {
  public:
   /// Opens a session and waits until the server has said that it is open. The server's own refusal
   /// (InvalidArgument, NotFound, ...), Unavailable when it cannot be reached, or DeadlineExceeded
-  /// after `open_timeout`.
+  /// after `open_timeout`; with a `record_file` also what is wrong with that.
   static absl::StatusOr<std::unique_ptr<Session>> Open(
       const std::shared_ptr<grpc::Channel>& channel, v1::OpenSession open,
       const SessionOptions& options = {});
@@ -61,6 +61,9 @@ class Session {
   /// Why the session ended, after `Next` gave nothing: OK when all scans sent were answered.
   /// FailedPrecondition while it has not ended.
   absl::Status EndStatus() const;
+
+  /// Whether all went well with the recording, after `Next` gave nothing.
+  absl::Status record_status() const;
 
   /// How often the connection broke, and what came of it.
   SessionStats stats() const;

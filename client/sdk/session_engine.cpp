@@ -1,6 +1,7 @@
 #include "client/sdk/session_engine.h"
 
 #include <algorithm>
+#include <ctime>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -50,6 +51,7 @@ SessionEngine::~SessionEngine() {
   }
   Cancel();
   thread_.join();
+  if (recording_) CloseRecording("its client let go of it");
 }
 
 absl::Status SessionEngine::WaitUntilOpen() {
@@ -82,14 +84,62 @@ void SessionEngine::CloseSending() {
   if (connection_ != nullptr) connection_->WriteOn();
 }
 
-std::optional<v1::LocalizeResponse> SessionEngine::Next() {
+std::optional<SessionEngine::Answered> SessionEngine::TakeNext() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return !answers_.empty() || end_status_.has_value(); });
   if (answers_.empty()) return std::nullopt;
-  v1::LocalizeResponse answer = std::move(answers_.front());
+  Answered answered = std::move(answers_.front());
   answers_.pop_front();
   if (connection_ != nullptr) connection_->ReadOn();
-  return answer;
+  return answered;
+}
+
+std::optional<v1::LocalizeResponse> SessionEngine::Next() {
+  std::optional<Answered> next;
+  if (options_.record_file.empty()) {
+    next = TakeNext();
+  } else {
+    // So that answers are recorded in the order in which they are taken.
+    const std::lock_guard lock(record_mutex_);
+    next = TakeNext();
+    Record(next);
+  }
+  return next ? std::optional(std::move(next->answer)) : std::nullopt;
+}
+
+// ---- The recording, with its mutex held
+
+absl::Status SessionEngine::StartRecording() {
+  v1::RecordingHeader header;
+  header.set_program("dcloc SDK");
+  header.mutable_open_time()->set_seconds(std::time(nullptr));
+  *header.mutable_open() = open_;
+  *header.mutable_opened() = *first_opened_;
+  auto writer = RecordingWriter::Create(options_.record_file, std::move(header));
+  if (!writer.ok()) return writer.status();
+  recording_.emplace(*std::move(writer));
+  return absl::OkStatus();
+}
+
+void SessionEngine::Record(const std::optional<Answered>& next) {
+  if (!recording_) return;
+  if (!next) return CloseRecording(std::string(EndStatus().message()));
+  if (next->restarted) return CloseRecording("the session was lost, and begun anew");
+  v1::RecordedScan recorded;
+  *recorded.mutable_scan() = next->scan;
+  *recorded.mutable_answer() = next->answer;
+  recorded.mutable_answer()->set_from_memory(false);  // it is here for the first time
+  recording_->Add(recorded);
+}
+
+void SessionEngine::CloseRecording(const std::string& reason) {
+  record_status_ = recording_->Close(reason.empty() ? "the session has ended" : reason);
+  recording_.reset();
+}
+
+absl::Status SessionEngine::record_status() const {
+  const std::lock_guard lock(record_mutex_);
+  return record_status_;
 }
 
 void SessionEngine::Cancel() {
@@ -185,13 +235,14 @@ void SessionEngine::TakeEnding(const v1::SessionEnding& ending) {
 }
 
 void SessionEngine::TakeAnswer(v1::LocalizeResponse response) {
-  if (absl::Status status = outbox_.TakeAnswer(SequenceNumber(response)); !status.ok()) {
-    return GiveUp(status);
-  }
+  absl::StatusOr<v1::Scan> scan = outbox_.TakeAnswer(SequenceNumber(response));
+  if (!scan.ok()) return GiveUp(scan.status());
   failing_since_.reset();
   if (backoff_) backoff_->Reset();
   if (response.has_result()) prior_.Note(response.result());
-  answers_.push_back(std::move(response));
+  answers_.push_back({.answer = std::move(response),
+                      .scan = options_.record_file.empty() ? v1::Scan() : *std::move(scan),
+                      .restarted = stats_.restart_count > 0});
 }
 
 void SessionEngine::GiveUp(const absl::Status& status) {

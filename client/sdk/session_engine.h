@@ -15,6 +15,7 @@
 #include "client/sdk/connection.h"
 #include "client/sdk/outbox.h"
 #include "client/sdk/prior.h"
+#include "client/sdk/recording.h"
 #include "client/sdk/session_options.h"
 #include "client/sdk/session_stats.h"
 
@@ -41,16 +42,31 @@ class SessionEngine final : public Connection::Host {
   std::optional<v1::LocalizeResponse> Next();
   void Cancel();
   absl::Status EndStatus() const;
+  absl::Status record_status() const;
+
+  /// Begins the recording that the options ask for; the session is open.
+  absl::Status StartRecording();
+
   SessionStats stats() const;
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  /// An answer that waits for `Next`, and its scan where that is to be recorded.
+  struct Answered {
+    v1::LocalizeResponse answer;
+    v1::Scan scan;
+    bool restarted = false;  ///< of another session than the one that is recorded
+  };
 
   Connection::Fill FillRequest(v1::LocalizeRequest* request) override;
   bool HasRoom() const override;
   void Take(v1::LocalizeResponse response) override;
   void OnEnd(const grpc::Status& status) override;
 
+  std::optional<Answered> TakeNext();
+  void Record(const std::optional<Answered>& next);
+  void CloseRecording(const std::string& reason);
   void Run();
   absl::Status RunStream(std::unique_lock<std::mutex>& lock);
   v1::OpenSession OpenMessage() const;
@@ -71,7 +87,7 @@ class SessionEngine final : public Connection::Host {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   Outbox outbox_;
-  std::deque<v1::LocalizeResponse> answers_;
+  std::deque<Answered> answers_;
   Prior prior_;
   SessionStats stats_;
   std::deque<SessionEvent> events_;  ///< not yet told
@@ -82,6 +98,10 @@ class SessionEngine final : public Connection::Host {
   bool sending_closed_ = false;
   bool cancelled_ = false;
   bool abandoned_ = false;
+
+  mutable std::mutex record_mutex_;  ///< taken before the other one
+  std::optional<RecordingWriter> recording_;
+  absl::Status record_status_;
 
   // Of the stream that is there.
   std::unique_ptr<Connection> connection_;

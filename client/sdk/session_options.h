@@ -52,6 +52,9 @@ struct SessionOptions {
   std::size_t max_unanswered_scan_count = 64;
   /// None: the session ends when its connection breaks.
   std::optional<ReconnectOptions> reconnect = ReconnectOptions{};
+  /// Not empty: the session is recorded there (see recording.h) as its answers are taken with
+  /// `Next`, until it ends or begins anew.
+  std::string record_file;
   /// Called on a thread of the SDK, one event at a time; must not call the session's destructor.
   std::function<void(const SessionEvent&)> on_event;
 };

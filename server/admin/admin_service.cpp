@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "google/protobuf/util/time_util.h"
 #include "server/admin/watch_stream.h"
+#include "server/convert/check.h"
 #include "server/convert/page.h"
 #include "server/convert/session.h"
 #include "server/status.h"
@@ -17,6 +18,8 @@ namespace dcloc::server {
 namespace {
 
 constexpr std::size_t kMaxReason = 200;
+/// Each may hold some megabytes for a caller who reads slowly.
+constexpr int kMaxRecordingCount = 16;
 
 google::protobuf::Timestamp ToTimestamp(SystemTime time) {
   return google::protobuf::util::TimeUtil::NanosecondsToTimestamp(time.time_since_epoch().count());
@@ -88,9 +91,13 @@ absl::Status ListSessions(const SessionRegistry& registry, const Principal& prin
 
 }  // namespace
 
-AdminService::AdminService(ServerFacts facts, SessionRegistry& registry, StorageHost host,
-                           DrainControl drain)
-    : facts_(std::move(facts)), registry_(registry), host_(host), drain_(std::move(drain)) {}
+AdminService::AdminService(ServerFacts facts, SessionRegistry& registry, TapRequests& taps,
+                           StorageHost host, DrainControl drain)
+    : facts_(std::move(facts)),
+      registry_(registry),
+      taps_(taps),
+      host_(host),
+      drain_(std::move(drain)) {}
 
 void AdminService::Describe(v1::GetServerStateResponse* response) const {
   response->set_server_version(facts_.version);
@@ -157,6 +164,25 @@ grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
       if (status.ok()) session->record->feed.Subscribe(stream);
     }
     stream->Begin(status);
+  });
+  return stream.get();
+}
+
+grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession(
+    grpc::CallbackServerContext* context, const v1::RecordSessionRequest* request) {
+  std::shared_ptr<RecordStream> stream = RecordStream::Start(host_.open_calls);
+  // The call lives until `Begin`, and so do the context and the request.
+  host_.pool.Post([this, context, request, stream] {
+    const auto principal = host_.access.Authorize(*context, v1::RecordSessionRequest::descriptor());
+    absl::Status status = principal.status();
+    if (status.ok()) status = convert::CheckId("vehicle_id", request->vehicle_id());
+    std::shared_ptr<void> slot = recording_slots_.Take(kMaxRecordingCount);
+    if (status.ok() && slot == nullptr) {
+      status = absl::ResourceExhaustedError(
+          absl::StrFormat("%d recordings are under way, which is the limit", kMaxRecordingCount));
+    }
+    if (status.ok()) taps_.Add(principal->tenant, request->vehicle_id(), stream);
+    stream->Begin(status, std::move(slot));
   });
   return stream.get();
 }

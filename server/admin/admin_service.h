@@ -4,7 +4,9 @@
 #include <string>
 
 #include "dcloc/v1/admin_service.grpc.pb.h"
+#include "server/admin/record_stream.h"
 #include "server/localization/session_registry.h"
+#include "server/localization/session_tap.h"
 #include "server/storage_host.h"
 
 namespace dcloc::server {
@@ -27,8 +29,9 @@ struct DrainControl {
 /// AdminService: what the server is doing, and ending it.
 class AdminService final : public v1::AdminService::CallbackService {
  public:
-  /// `registry` outlives the service's calls.
-  AdminService(ServerFacts facts, SessionRegistry& registry, StorageHost host, DrainControl drain);
+  /// `registry` and `taps` outlive the service's calls.
+  AdminService(ServerFacts facts, SessionRegistry& registry, TapRequests& taps, StorageHost host,
+               DrainControl drain);
 
   grpc::ServerUnaryReactor* GetServerState(grpc::CallbackServerContext* context,
                                            const v1::GetServerStateRequest* request,
@@ -44,6 +47,8 @@ class AdminService final : public v1::AdminService::CallbackService {
                                        v1::EndSessionResponse* response) override;
   grpc::ServerWriteReactor<v1::WatchSessionResponse>* WatchSession(
       grpc::CallbackServerContext* context, const v1::WatchSessionRequest* request) override;
+  grpc::ServerWriteReactor<v1::RecordSessionResponse>* RecordSession(
+      grpc::CallbackServerContext* context, const v1::RecordSessionRequest* request) override;
   grpc::ServerUnaryReactor* Drain(grpc::CallbackServerContext* context,
                                   const v1::DrainRequest* request,
                                   v1::DrainResponse* response) override;
@@ -53,6 +58,8 @@ class AdminService final : public v1::AdminService::CallbackService {
 
   const ServerFacts facts_;
   SessionRegistry& registry_;
+  TapRequests& taps_;
+  RecordingSlots recording_slots_;
   const StorageHost host_;
   const DrainControl drain_;
 };

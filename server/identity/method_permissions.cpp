@@ -23,6 +23,7 @@ constexpr std::array kTable = {
     MethodPermission{"dcloc.v1.AdminService.GetSession", Permission::kReadSessions},
     MethodPermission{"dcloc.v1.AdminService.WatchSession", Permission::kReadSessions},
     MethodPermission{"dcloc.v1.AdminService.EndSession", Permission::kManageSessions},
+    MethodPermission{"dcloc.v1.AdminService.RecordSession", Permission::kManageSessions},
     MethodPermission{"dcloc.v1.AdminService.Drain", Permission::kManageServer},
 };
 

@@ -14,7 +14,7 @@ enum class Permission {
   kReadMaps,        ///< list and download the tenant's maps
   kManageMaps,      ///< upload, build, activate and delete them
   kReadSessions,    ///< list the tenant's sessions
-  kManageSessions,  ///< end and move them
+  kManageSessions,  ///< record and end them
   kReadServer,      ///< the server as a whole; only in the default tenant
   kManageServer,    ///< drain it; only in the default tenant
 };

@@ -8,6 +8,7 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_format.h"
+#include "google/protobuf/util/time_util.h"
 #include "server/convert/geometry.h"
 #include "server/convert/scan.h"
 #include "server/convert/session.h"
@@ -81,8 +82,26 @@ absl::StatusOr<std::shared_ptr<Session>> Session::Open(const v1::OpenSession& op
   if (!matcher.ok()) return WithPrefix("open: ", matcher.status());
   absl::StatusOr<std::shared_ptr<SessionRecord>> record = MakeRecord(open, caller, map->record);
   if (!record.ok()) return record.status();
-  return std::shared_ptr<Session>(new Session(context, *std::move(record), *std::move(map),
-                                              std::move(request->rig), *std::move(matcher)));
+  std::shared_ptr<Session> session(new Session(context, *std::move(record), *std::move(map),
+                                               std::move(request->rig), *std::move(matcher)));
+  if (auto tap = context.taps.Take(caller.principal.tenant, open.vehicle_id())) {
+    session->Tap(std::move(tap), open, context.program);
+  }
+  return session;
+}
+
+void Session::Tap(std::shared_ptr<SessionTap> tap, const v1::OpenSession& open,
+                  const std::string& program) {
+  v1::RecordingHeader header;
+  header.set_program(program);
+  *header.mutable_open_time() = google::protobuf::util::TimeUtil::NanosecondsToTimestamp(
+      record_->description.open_time.time_since_epoch().count());
+  *header.mutable_open() = open;
+  Describe(/*resumed=*/false, header.mutable_opened());
+  header.mutable_opened()->clear_resume_token();
+  header.set_map_sha256(map_.record.sha256);
+  tap->OnOpened(header);
+  tap_ = std::move(tap);
 }
 
 Session::Session(const SessionContext& context, std::shared_ptr<SessionRecord> record,
@@ -106,6 +125,7 @@ Session::Session(const SessionContext& context, std::shared_ptr<SessionRecord> r
 
 Session::~Session() {
   record_->feed.Close();
+  if (tap_ != nullptr) tap_->OnEnd();
   spdlog::info("session closed session={} vehicle={} scans={} rejected={} repeated={} dropped={}",
                record_->description.session_id, record_->description.vehicle_id,
                record_->counts.answered.load(), record_->counts.rejected.load(),
@@ -156,6 +176,7 @@ void Session::Answer(const v1::Scan& scan, const Arrival& arrival, v1::LocalizeR
   Publish(response);
   // One that is late stays so, and must not push out an answer that may still be wanted.
   if (number > last_sequence_number_ || status.ok()) history_.Keep(number, *response);
+  if (tap_ != nullptr) tap_->OnScan(scan, *response);
   if (!status.ok()) return;
   const std::chrono::nanoseconds encoding = Clock::now() - localized_;
   metrics_.ObserveAnswer(response->result(), encoding);
@@ -186,6 +207,10 @@ void Session::AnswerDropped(std::int64_t sequence_number, v1::LocalizeResponse* 
          response->mutable_rejected());
   Publish(response);
   history_.Keep(sequence_number, *response);
+  if (tap_ == nullptr) return;
+  v1::Scan scan;  // its columns are gone
+  scan.set_sequence_number(sequence_number);
+  tap_->OnScan(scan, *response);
 }
 
 absl::Status Session::CheckOrder(const v1::Scan& message) const {

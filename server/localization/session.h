@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "absl/status/statusor.h"
 #include "dcloc/v1/localization_service.pb.h"
 #include "server/localization/answer_history.h"
 #include "server/localization/matcher.h"
 #include "server/localization/session_record.h"
+#include "server/localization/session_tap.h"
 #include "server/maps/map_store.h"
 #include "server/metrics/metrics.h"
 #include "server/worker_pool.h"
@@ -32,6 +34,8 @@ struct SessionContext {
   WorkerPool& pool;    ///< answers scans
   ScanCounts& totals;  ///< of all sessions
   Metrics& metrics;
+  TapRequests& taps;
+  const std::string& program;  ///< for recordings
   MatcherFactory* create_matcher;
   int answer_history_count;
   std::chrono::nanoseconds detached_timeout;
@@ -67,6 +71,8 @@ class Session {
   Session(const SessionContext& context, std::shared_ptr<SessionRecord> record, LoadedMap map,
           Rig rig, std::unique_ptr<Matcher> matcher);
 
+  void Tap(std::shared_ptr<SessionTap> tap, const v1::OpenSession& open,
+           const std::string& program);
   absl::Status Localize(const v1::Scan& message, v1::LocalizationResult* result);
   absl::Status CheckOrder(const v1::Scan& message) const;
   void CountMissing(std::int64_t sequence_number);
@@ -85,6 +91,7 @@ class Session {
   Rig rig_;
   std::unique_ptr<Matcher> matcher_;
   AnswerHistory history_;
+  std::shared_ptr<SessionTap> tap_;            ///< null while nobody takes it down
   std::int64_t last_sequence_number_ = -1;     ///< the highest one localized
   std::int64_t highest_sequence_number_ = -1;  ///< or dropped
   std::optional<Stamp> last_stamp_;

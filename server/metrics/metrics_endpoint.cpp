@@ -72,23 +72,27 @@ absl::StatusOr<ListenAddress> ParseMetricsAddress(absl::string_view text) {
 
 absl::StatusOr<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::Start(
     const ListenAddress& address,
-    std::vector<std::shared_ptr<prometheus::Collectable>> collectables) {
+    std::vector<std::shared_ptr<prometheus::Collectable>> collectables,
+    std::function<absl::Status()> ready) {
   absl::StatusOr<ListenSockets> listening = BindListenSockets(address, "metrics_listen");
   if (!listening.ok()) return listening.status();
   FileDescriptor wake(eventfd(0, EFD_CLOEXEC));
   if (wake.get() < 0) return absl::ErrnoToStatus(errno, "eventfd");
   ListenAddress bound = address;
   bound.port = listening->port;
-  return std::unique_ptr<MetricsEndpoint>(new MetricsEndpoint(
-      *std::move(listening), std::move(wake), bound.ToString(), std::move(collectables)));
+  return std::unique_ptr<MetricsEndpoint>(
+      new MetricsEndpoint(*std::move(listening), std::move(wake), bound.ToString(),
+                          std::move(collectables), std::move(ready)));
 }
 
 MetricsEndpoint::MetricsEndpoint(ListenSockets listening, FileDescriptor wake, std::string address,
-                                 std::vector<std::shared_ptr<prometheus::Collectable>> collectables)
+                                 std::vector<std::shared_ptr<prometheus::Collectable>> collectables,
+                                 std::function<absl::Status()> ready)
     : listening_(std::move(listening)),
       wake_(std::move(wake)),
       address_(std::move(address)),
       collectables_(std::move(collectables)),
+      ready_(std::move(ready)),
       thread_([this] { Run(); }) {}
 
 MetricsEndpoint::~MetricsEndpoint() {
@@ -123,6 +127,11 @@ std::string MetricsEndpoint::Respond(absl::string_view request) const {
   if (!absl::StrContains(request, kEndOfHeaders)) return Response("400 Bad Request", "");
   if (!absl::StartsWith(request, "GET ")) return Response("405 Method Not Allowed", "");
   const absl::string_view target = request.substr(4, request.find_first_of(" ?\r", 4) - 4);
+  if (target == "/ready") {
+    const absl::Status status = ready_();
+    return status.ok() ? Response("200 OK", "ready\n")
+                       : Response("503 Service Unavailable", absl::StrCat(status.message(), "\n"));
+  }
   if (target != "/metrics") return Response("404 Not Found", "metrics are at /metrics\n");
   std::vector<prometheus::MetricFamily> families;
   for (const auto& collectable : collectables_) {

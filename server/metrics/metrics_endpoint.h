@@ -2,6 +2,7 @@
 
 #include <prometheus/collectable.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -13,15 +14,17 @@
 
 namespace dcloc::server {
 
-/// Serves http://ADDRESS/metrics in Prometheus' text format, in plaintext and to whoever asks:
-/// there are counts in it, and no names of vehicles, maps or callers. One connection at a time, a
+/// Serves http://ADDRESS/metrics in Prometheus' text format, and /ready for who balances load (200,
+/// or 503 and why not), in plaintext and to whoever asks: there are counts in it, and no names of
+/// vehicles, maps or callers. One connection at a time, a
 /// second at most to hear what it wants and another one to say it.
 class MetricsEndpoint {
  public:
   /// Port 0 takes a free one. Unavailable when the address cannot be listened on.
   static absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Start(
       const ListenAddress& address,
-      std::vector<std::shared_ptr<prometheus::Collectable>> collectables);
+      std::vector<std::shared_ptr<prometheus::Collectable>> collectables,
+      std::function<absl::Status()> ready);
   ~MetricsEndpoint();
   MetricsEndpoint(const MetricsEndpoint&) = delete;
   MetricsEndpoint& operator=(const MetricsEndpoint&) = delete;
@@ -31,7 +34,8 @@ class MetricsEndpoint {
 
  private:
   MetricsEndpoint(ListenSockets listening, FileDescriptor wake, std::string address,
-                  std::vector<std::shared_ptr<prometheus::Collectable>> collectables);
+                  std::vector<std::shared_ptr<prometheus::Collectable>> collectables,
+                  std::function<absl::Status()> ready);
   void Run() const;
   void Serve(int listening_fd) const;
   std::string Respond(absl::string_view request) const;
@@ -40,6 +44,7 @@ class MetricsEndpoint {
   const FileDescriptor wake_;  ///< readable once it is to stop
   const std::string address_;
   const std::vector<std::shared_ptr<prometheus::Collectable>> collectables_;
+  const std::function<absl::Status()> ready_;
   std::thread thread_;  ///< last: it uses the others
 };
 

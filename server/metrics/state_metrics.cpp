@@ -66,6 +66,15 @@ std::vector<MetricFamily> StateMetrics::Collect() const {
       Gauge("dcloc_maps_loaded", "Map versions in memory", sources_.store.loaded_map_count()));
   families.push_back(Gauge("dcloc_draining", "1 when the server takes no more sessions",
                            sources_.draining() ? 1.0 : 0.0));
+  families.push_back(Gauge("dcloc_self_probe_ok",
+                           "0 when the server does not answer its own connections",
+                           sources_.answering() ? 1.0 : 0.0));
+  MetricFamily refused{.name = "dcloc_connections_refused_total",
+                       .help = "Connections closed at once, as too few file descriptors were left",
+                       .type = prometheus::MetricType::Counter,
+                       .metric = std::vector<ClientMetric>(1)};
+  refused.metric[0].counter.value = static_cast<double>(sources_.refused_connection_count());
+  families.push_back(std::move(refused));
   MetricFamily build = Gauge("dcloc_build_info", "1; the label says which program this is");
   Add(build, {{"version", sources_.version}}, 1.0);
   families.push_back(std::move(build));

@@ -2,6 +2,7 @@
 
 #include <prometheus/collectable.h>
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>
@@ -23,6 +24,8 @@ class StateMetrics final : public prometheus::Collectable {
     const WorkerPool& localization_pool;
     const WorkerPool& storage_pool;
     std::function<bool()> draining;
+    std::function<bool()> answering;  ///< own connections are
+    std::function<std::int64_t()> refused_connection_count;
     std::string version;
   };
 

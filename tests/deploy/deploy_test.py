@@ -5,6 +5,7 @@ Usage: deploy_test.py DCLOC SERVER [unittest arguments]
 """
 
 import json
+import os
 import pathlib
 import re
 import shutil
@@ -128,6 +129,134 @@ class Monitoring(unittest.TestCase):
             self.assertEqual(result.returncode, 0, result.stdout)
 
 
+class Certificates(unittest.TestCase):
+    def test_the_script_makes_what_server_and_client_take(self):
+        with tempfile.TemporaryDirectory() as folder:
+            made = run(DEPLOY / "certificates", "--out", folder, "--server", "localhost,127.0.0.1",
+                       "--client", "ops")
+            self.assertEqual(made.returncode, 0, made.stdout)
+            path = pathlib.Path(folder)
+            for key in path.glob("*.key"):
+                self.assertEqual(key.stat().st_mode & 0o077, 0, f"{key} is for its owner alone")
+            identity = run(PROGRAMS[1], "token", "create", "--certificate", "--data",
+                           path / "store", "--name", "ops", "--role", "admin")
+            self.assertEqual(identity.returncode, 0, identity.stdout)
+            tls = ["--tls-cert", path / "localhost.pem", "--tls-key", path / "localhost.key",
+                   "--tls-client-ca", path / "ca.pem"]
+            with Server(folder, *tls) as server:
+                status = [PROGRAMS[0], "server", "status", "--server", server.address, "--tls-ca",
+                          path / "ca.pem"]
+                known = run(*status, "--tls-cert", path / "ops.pem", "--tls-key", path / "ops.key")
+                self.assertEqual(known.returncode, 0, known.stdout)
+                self.assertEqual(run(*status).returncode, 1, "without a certificate")
+
+    def test_bad_arguments_are_refused(self):
+        for words in ([], ["--out"], ["--out", "x", "--days", "0"], ["--what"],
+                      ["--out", "x", "--client", "a b"]):
+            self.assertNotEqual(run(DEPLOY / "certificates", *words).returncode, 0, words)
+        self.assertFalse(pathlib.Path("x").exists())
+
+
+class Files(unittest.TestCase):
+    """What cannot be run here is at least read by its own program, or as what it is."""
+
+    def check_server_arguments(self, arguments):
+        """Every flag is one of dcloc-server's."""
+        help_text = run(PROGRAMS[1], "--help").stdout
+        for word in arguments:
+            if word.startswith("--"):
+                self.assertRegex(help_text, re.escape(word) + r"\s", f"dcloc-server has no {word}")
+
+    @needs_yaml
+    def test_compose_refers_to_what_is_there(self):
+        (compose,) = load_yaml(DEPLOY / "compose.yml")
+        made_by_user = {"./certs/dcloc.pem"}
+        services = compose["services"]
+        for name, service in services.items():
+            for volume in service.get("volumes", []):
+                source = volume.split(":")[0]
+                if source.startswith("./"):
+                    self.assertTrue(source in made_by_user or (DEPLOY / source).exists(),
+                                    f"{name}: {source}")
+                else:
+                    self.assertIn(source, compose["volumes"], name)
+            for network in service["networks"]:
+                self.assertIn(network, compose["networks"], name)
+        self.check_server_arguments(services["dcloc-1"]["command"])
+        targets = load_yaml(DEPLOY / "monitoring/prometheus.yml")[0]["scrape_configs"][0][
+            "static_configs"][0]["targets"]
+        servers = [name for name in services if name.startswith("dcloc-")]
+        self.assertEqual(targets, [f"{name}:9464" for name in servers])
+        proxied = re.findall(r"^  server (\S+) (\S+):50051$",
+                             (DEPLOY / "haproxy.cfg").read_text(), re.MULTILINE)
+        self.assertEqual(proxied, [(name, name) for name in servers])
+
+    @needs_yaml
+    def test_kubernetes_objects_fit_each_other(self):
+        objects = {item["kind"]: item for item in load_yaml(DEPLOY / "kubernetes.yml")}
+        for item in objects.values():
+            self.assertTrue(item["apiVersion"] and item["metadata"]["name"])
+        stateful = objects["StatefulSet"]["spec"]
+        pod = stateful["template"]
+        self.assertEqual(stateful["selector"]["matchLabels"], pod["metadata"]["labels"])
+        self.assertEqual(objects["Service"]["spec"]["selector"], pod["metadata"]["labels"])
+        self.assertEqual(stateful["serviceName"], objects["Service"]["metadata"]["name"])
+        (container,) = pod["spec"]["containers"]
+        volumes = {volume["name"] for volume in pod["spec"]["volumes"]}
+        volumes |= {claim["metadata"]["name"] for claim in stateful["volumeClaimTemplates"]}
+        self.assertEqual({mount["name"] for mount in container["volumeMounts"]}, volumes)
+        ports = {port["name"]: port["containerPort"] for port in container["ports"]}
+        for port in objects["Service"]["spec"]["ports"]:
+            self.assertEqual(ports[port["name"]], port["port"])
+        self.assertIn(container["readinessProbe"]["httpGet"]["port"], ports)
+        self.check_server_arguments(container["args"])
+        settings = json.loads(objects["ConfigMap"]["data"]["server.json"])
+        self.assertTrue(settings["listen"].endswith(f":{ports['grpc']}"))
+        self.assertTrue(settings["metrics_listen"].endswith(f":{ports['metrics']}"))
+        self.assertGreater(pod["spec"]["terminationGracePeriodSeconds"] * 1000,
+                           settings["shutdown_deadline_ms"])
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "server.json"
+            # Its certificates are not here.
+            path.write_text(json.dumps({key: value for key, value in settings.items()
+                                        if not key.startswith("tls_")}
+                                       | {"listen": "127.0.0.1:0"}))
+            checked = run(PROGRAMS[1], "--config", path, "--check-config")
+        self.assertEqual(checked.returncode, 0, checked.stdout)
+
+    def test_the_example_settings_are_valid(self):
+        checked = run(PROGRAMS[1], "--data", "/tmp", "--config", DEPLOY / "server.json",
+                      "--check-config")
+        self.assertEqual(checked.returncode, 0, checked.stdout)
+
+    @needs_program("haproxy", "haproxy")
+    def test_haproxy_accepts_its_configuration(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder)
+            made = run(DEPLOY / "certificates", "--out", folder, "--server", "localhost")
+            self.assertEqual(made.returncode, 0, made.stdout)
+            pem = path / "dcloc.pem"
+            pem.write_text((path / "localhost.pem").read_text() +
+                           (path / "localhost.key").read_text())
+            configuration = path / "haproxy.cfg"
+            configuration.write_text((DEPLOY / "haproxy.cfg").read_text().replace(
+                "/etc/haproxy/dcloc.pem", str(pem)))
+            result = run("haproxy", "-c", "-f", configuration)
+            self.assertEqual(result.returncode, 0, result.stdout)
+
+    @needs_program("systemd-analyze", "systemd")
+    def test_systemd_accepts_the_unit(self):
+        with tempfile.TemporaryDirectory() as folder:
+            unit = pathlib.Path(folder) / "dcloc-server.service"
+            # The program need not be installed where the test runs.
+            unit.write_text(re.sub(r"^ExecStart=\S+", f"ExecStart={PROGRAMS[1]}",
+                                   (DEPLOY / "dcloc-server.service").read_text(),
+                                   flags=re.MULTILINE))
+            result = run("systemd-analyze", "verify", "--man=no", unit)
+        self.assertEqual(result.returncode, 0, result.stdout)
+        self.assertNotIn("dcloc-server.service:", result.stdout, "a line is not understood")
+
+
 if __name__ == "__main__":
-    PROGRAMS[:] = sys.argv[1:3]
+    PROGRAMS[:] = map(os.path.abspath, sys.argv[1:3])
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -11,6 +11,7 @@
 
 #include "server/metrics/metrics.h"
 #include "server/metrics/metrics_endpoint.h"
+#include "spdlog/sinks/ostream_sink.h"
 #include "tests/server/test_maps.h"
 #include "tests/server/test_server.h"
 
@@ -123,6 +124,37 @@ TEST_F(MetricsTest, ScansSessionsAndMapsAreCounted) {
   }));
 }
 
+TEST_F(MetricsTest, EachScanLogsItsStagesWithSessionAndTrace) {
+  std::ostringstream log;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
+  const std::string trace = "4bf92f3577b34da6a3ce929d0e0e4736";
+  for (const auto level : {spdlog::level::info, spdlog::level::debug}) {
+    spdlog::set_level(level);
+    Call call;
+    call.AddMetadata("traceparent", "00-" + trace + "-00f067aa0ba902b7-01");
+    const auto stream = server_.localization->Localize(&call);
+    v1::LocalizeRequest request;
+    *request.mutable_open() = OpenMessage();
+    stream->Write(request);
+    *request.mutable_scan() = ScanMessage(level);
+    stream->Write(request);
+    stream->WritesDone();
+    v1::LocalizeResponse response;
+    while (stream->Read(&response)) {
+    }
+    EXPECT_TRUE(stream->Finish().ok());
+  }
+  spdlog::set_default_logger(before);
+  spdlog::set_level(spdlog::level::warn);
+  EXPECT_THAT(log.str(), HasSubstr("trace=" + trace +
+                                   " sequence_number=" + std::to_string(spdlog::level::debug)));
+  EXPECT_THAT(log.str(), HasSubstr("registration_us="));
+  EXPECT_THAT(log.str(), Not(HasSubstr("sequence_number=" + std::to_string(spdlog::level::info))))
+      << "never per scan at info";
+}
+
 TEST_F(MetricsTest, RefusedOpeningsAreCountedByCode) {
   const auto open_and_end = [&](const v1::OpenSession& open) {
     TestSession session(*server_.localization);
@@ -143,10 +175,16 @@ TEST_F(MetricsTest, RefusedOpeningsAreCountedByCode) {
 
 TEST_F(MetricsTest, ADrainShows) {
   EXPECT_EQ(Value("dcloc_draining"), 0.0);
+  EXPECT_EQ(Value("dcloc_self_probe_ok"), 1.0);
+  EXPECT_EQ(Value("dcloc_connections_refused_total"), 0.0);
+  EXPECT_THAT(Get(server_.server->metrics_address(), "/ready"), HasSubstr(" 200 "));
   Call call;
   v1::DrainResponse response;
   ASSERT_TRUE(server_.admin->Drain(&call, {}, &response).ok());
   EXPECT_EQ(Value("dcloc_draining"), 1.0);
+  const std::string ready = Get(server_.server->metrics_address(), "/ready");
+  EXPECT_THAT(ready, HasSubstr(" 503 "));
+  EXPECT_THAT(ready, HasSubstr("draining"));
 }
 
 TEST_F(MetricsTest, OnlyMetricsAreServed) {

@@ -1,8 +1,14 @@
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -11,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "server/maps/files.h"
 #include "tests/core/map/temporary_folder.h"
 #include "tests/server/test_server.h"
 
@@ -22,7 +29,8 @@ using ::testing::HasSubstr;
 /// The dcloc-server program as a process of its own, its two outputs in one pipe.
 class ServerProcess {
  public:
-  explicit ServerProcess(std::vector<std::string> arguments) {
+  /// With a limit of open files where that is not 0.
+  explicit ServerProcess(std::vector<std::string> arguments, rlim_t max_file_count = 0) {
     int ends[2];
     if (pipe(ends) != 0) throw std::runtime_error("pipe");
     pid_ = fork();
@@ -30,6 +38,8 @@ class ServerProcess {
       dup2(ends[1], STDOUT_FILENO);
       dup2(ends[1], STDERR_FILENO);
       close(ends[0]);
+      const rlimit limit{.rlim_cur = max_file_count, .rlim_max = max_file_count};
+      if (max_file_count > 0) setrlimit(RLIMIT_NOFILE, &limit);
       arguments.insert(arguments.begin(), DCLOC_SERVER_PROGRAM);
       std::vector<char*> argv;
       argv.reserve(arguments.size() + 1);
@@ -167,6 +177,79 @@ TEST_F(ProcessTest, TokensAreMadeListedAndRevokedBesideARunningServer) {
   EXPECT_EQ(
       ServerProcess({"token", "create", "--data", Store(), "--name", "x", "--role", "god"}).Wait(),
       2);
+}
+
+grpc::Status AskFor(const std::string& address) {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  const auto stub = v1::AdminService::NewStub(
+      grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
+  grpc::ClientContext call;
+  call.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(5));
+  v1::GetServerStateResponse response;
+  return stub->GetServerState(&call, {}, &response);
+}
+
+/// Whether the server has closed the connection by now.
+bool IsClosed(const FileDescriptor& connection) {
+  char byte = 0;
+  const ssize_t size = recv(connection.get(), &byte, 1, MSG_DONTWAIT | MSG_PEEK);
+  return size == 0 || (size < 0 && errno != EAGAIN && errno != EWOULDBLOCK);
+}
+
+TEST_F(ProcessTest, ConnectionsBeyondTheFilesAreClosedAndTheServerGoesOn) {
+  constexpr rlim_t kMaxFileCount = 128;
+  ServerProcess server({"--data", Store(), "--listen", "127.0.0.1:0"}, kMaxFileCount);
+  EXPECT_THAT(server.ReadUntil("max_session_count"), HasSubstr("LimitNOFILE"));
+  const std::string line = server.ReadUntil("listening on 127.0.0.1:");
+  const std::string address = line.substr(line.find("127."), line.find('\n') - line.find("127."));
+  sockaddr_in target{};
+  target.sin_family = AF_INET;
+  target.sin_port =
+      htons(static_cast<std::uint16_t>(std::stoi(address.substr(address.find(':') + 1))));
+  inet_pton(AF_INET, "127.0.0.1", &target.sin_addr);
+  std::vector<FileDescriptor> connections;
+  for (rlim_t i = 0; i < 2 * kMaxFileCount; ++i) {
+    connections.emplace_back(socket(AF_INET, SOCK_STREAM, 0));
+    ASSERT_EQ(connect(connections.back().get(), reinterpret_cast<const sockaddr*>(&target),
+                      sizeof(target)),
+              0);
+  }
+  EXPECT_TRUE(Eventually([&] { return IsClosed(connections.back()); }));
+  EXPECT_FALSE(IsClosed(connections.front())) << "those before stay";
+  connections.clear();
+  EXPECT_TRUE(Eventually([&] { return AskFor(address).ok(); })) << "gRPC's own would never accept";
+  server.Signal(SIGTERM);
+  EXPECT_EQ(server.Wait(), 0);
+}
+
+TEST_F(ProcessTest, SystemdHearsThatItIsReadyLivesAndStops) {
+  const std::string path = folder_.path() / "notify";
+  const FileDescriptor systemd(socket(AF_UNIX, SOCK_DGRAM, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::copy(path.begin(), path.end(), address.sun_path);
+  ASSERT_EQ(bind(systemd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+  const timeval patience{.tv_sec = 20, .tv_usec = 0};
+  setsockopt(systemd.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+  const auto hear = [&] {
+    char text[64] = {};
+    return recv(systemd.get(), text, sizeof(text) - 1, 0) > 0 ? std::string(text) : "nothing";
+  };
+  setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  setenv("WATCHDOG_USEC", "600000", 1);
+  ServerProcess server({"--data", Store(), "--listen", "127.0.0.1:0"});
+  unsetenv("NOTIFY_SOCKET");
+  unsetenv("WATCHDOG_USEC");
+  EXPECT_EQ(hear(), "READY=1");
+  EXPECT_EQ(hear(), "WATCHDOG=1");
+  EXPECT_EQ(hear(), "WATCHDOG=1");
+  server.Signal(SIGTERM);
+  std::string last;
+  while ((last = hear()) == "WATCHDOG=1") {
+  }
+  EXPECT_EQ(last, "STOPPING=1");
+  EXPECT_EQ(server.Wait(), 0);
 }
 
 TEST_F(ProcessTest, ATakenAddressIsAnError) {

@@ -9,7 +9,9 @@
 #include <array>
 #include <atomic>
 #include <future>
+#include <mutex>
 #include <set>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -64,6 +66,29 @@ TEST(SessionTest, EachScanIsAnsweredInOrder) {
   EXPECT_TRUE(session->EndStatus().ok()) << session->EndStatus();
   sender.join();
   EXPECT_EQ(session->Send(ScanNumber(0)).code(), absl::StatusCode::kFailedPrecondition);
+}
+
+TEST(SessionTest, AProxyIsToldWhoseStreamItIs) {
+  std::mutex mutex;
+  std::vector<std::string> names;
+  const FakeServer server([&](grpc::ServerContext& context, LocalizeServerStream& stream) {
+    const auto& metadata = context.client_metadata();
+    const auto name = metadata.find("x-session-id");
+    {
+      const std::lock_guard lock(mutex);
+      names.push_back(
+          name == metadata.end() ? "none" : std::string(name->second.data(), name->second.size()));
+    }
+    return AnswerAll(context, stream);
+  });
+  // What could not be a header is for the server to refuse, and must not end the process.
+  for (const char* id : {"car-17", "two words", "\xc3\xa9", "line\nbreak", ""}) {
+    const auto session = Session::Open(server.Channel(), Vehicle(id));
+    EXPECT_TRUE(session.ok()) << session.status();
+  }
+  const std::lock_guard lock(mutex);
+  EXPECT_THAT(names, ::testing::Contains("car-17"));
+  EXPECT_THAT(names, ::testing::Each(::testing::AnyOf("car-17", "none")));
 }
 
 TEST(SessionTest, ThreadsMaySendAtTheSameTime) {
