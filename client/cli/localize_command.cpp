@@ -65,6 +65,9 @@ void AddRunOptions(CLI::App& command, LocalizeArguments& arguments) {
       ->required()
       ->type_name("FILE");
   command
+      .add_option("--record", arguments.record_file, "Record the session, for dcloc session replay")
+      ->type_name("FILE");
+  command
       .add_option("--tum", arguments.tum_file,
                   "Write the poses in the map as TUM lines: stamp x y z qx qy qz qw")
       ->type_name("FILE");

@@ -117,6 +117,7 @@ class Sender {
 client::SessionOptions SessionOptionsOf(const LocalizeArguments& arguments) {
   client::SessionOptions options{.max_queued_scan_count = 1,
                                  .when_full = client::FullQueue::kBlock};
+  options.record_file = arguments.record_file;
   options.reconnect.reset();
   if (arguments.reconnect_s > 0.0) {
     options.reconnect =
@@ -222,6 +223,7 @@ absl::Status Localize(client::Session& session, const Drive& drive,
   session.Cancel();
   if (interrupted) status = absl::CancelledError("interrupted; the files hold what was answered");
   status.Update(files.Close());
+  status.Update(session.record_status());
   PrintSummary(outcome, drive.scans.size());
   PrintConnection(session.stats());
   return status;

@@ -24,6 +24,7 @@ struct LocalizeArguments {
   double reconnect_s = 30.0;  ///< 0: never
   std::string csv_file;
   std::string tum_file;
+  std::string record_file;  ///< of the session; may be empty
 };
 
 /// Sends the drive's scans to the server, writes its answers, and prints how good they were. An

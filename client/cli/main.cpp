@@ -2,6 +2,7 @@
 #include <exception>
 
 #include "client/cli/calibrate_command.h"
+#include "client/cli/describe_command.h"
 #include "client/cli/evaluate_command.h"
 #include "client/cli/exit_codes.h"
 #include "client/cli/load_command.h"
@@ -10,6 +11,7 @@
 #include "client/cli/map_server_command.h"
 #include "client/cli/server_command.h"
 #include "client/cli/session_command.h"
+#include "client/cli/session_record_command.h"
 #include "client/cli/simulate_command.h"
 #include "client/cli/terminal.h"
 
@@ -25,11 +27,12 @@ int main(int argc, char** argv) {
     AddMapServerCommands(*app.get_subcommand("map"), exit_code);
     AddLocalizeCommand(app, exit_code);
     AddLoadCommand(app, exit_code);
-    AddSessionCommand(app, exit_code);
+    AddSessionRecordCommands(*AddSessionCommand(app, exit_code), exit_code);
     AddServerCommand(app, exit_code);
     AddCalibrateCommand(app, exit_code);
     AddEvaluateCommand(app, exit_code);
     AddSimulateCommand(app, exit_code);
+    AddDescribeCommands(app, DCLOC_VERSION, exit_code);
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

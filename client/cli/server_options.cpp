@@ -2,10 +2,10 @@
 
 namespace dcloc::cli {
 
-void AddServerOptions(CLI::App& command, client::ChannelOptions& options) {
-  command.add_option("--server", options.server, "Address of dcloc-server")
-      ->required()
-      ->type_name("HOST:PORT");
+CLI::Option* AddServerOptions(CLI::App& command, client::ChannelOptions& options) {
+  CLI::Option* server = command.add_option("--server", options.server, "Address of dcloc-server")
+                            ->required()
+                            ->type_name("HOST:PORT");
   command
       .add_option("--tls-ca", options.tls_ca,
                   "Authority of the server's certificate (PEM); without it, plaintext")
@@ -24,6 +24,7 @@ void AddServerOptions(CLI::App& command, client::ChannelOptions& options) {
                   "File with the token that says who calls; sent over TLS or on loopback only")
       ->envname("DCLOC_TOKEN_FILE")
       ->type_name("FILE");
+  return server;
 }
 
 }  // namespace dcloc::cli

@@ -83,8 +83,8 @@ absl::Status Show(client::AdminClient& admin, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Watch(client::AdminClient& admin, const Arguments& arguments) {
-  const StopSignals signals;
+absl::Status Watch(client::AdminClient& admin, const Arguments& arguments,
+                   const StopSignals& signals) {
   const absl::StatusOr<v1::Session> session = FindSession(admin, arguments.session);
   if (!session.ok()) return session.status();
   std::stop_source stop;
@@ -118,11 +118,17 @@ absl::Status End(client::AdminClient& admin, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-CLI::App* Add(CLI::App& parent, const char* name, const char* description, Command* command,
-              const std::shared_ptr<Arguments>& arguments, int& exit_code) {
+CLI::App* Add(CLI::App& parent, const char* name, const char* description,
+              const std::shared_ptr<Arguments>& arguments) {
   CLI::App* app = parent.add_subcommand(name, description);
   AddServerOptions(*app, arguments->server);
   app->add_flag("--json", arguments->json, "Print as JSON");
+  return app;
+}
+
+CLI::App* Add(CLI::App& parent, const char* name, const char* description, Command* command,
+              const std::shared_ptr<Arguments>& arguments, int& exit_code) {
+  CLI::App* app = Add(parent, name, description, arguments);
   app->callback([command, arguments, &exit_code] {
     const absl::Status status = WithAdminClient(
         arguments->server, [&](client::AdminClient& admin) { return command(admin, *arguments); });
@@ -154,8 +160,14 @@ CLI::App* AddSessionCommand(CLI::App& app, int& exit_code) {
   command->footer("Example:\n  dcloc session show --server localhost:50051 car-17");
 
   auto watch = std::make_shared<Arguments>();
-  command = Add(*session, "watch", "Print a session's answers as they are given, until Ctrl-C",
-                &Watch, watch, exit_code);
+  command =
+      Add(*session, "watch", "Print a session's answers as they are given, until Ctrl-C", watch);
+  command->callback([watch, &exit_code] {
+    const StopSignals signals;  // before gRPC has threads
+    const absl::Status status = WithAdminClient(
+        watch->server, [&](client::AdminClient& admin) { return Watch(admin, *watch, signals); });
+    exit_code = status.ok() ? kSuccess : Fail(status);
+  });
   AddSession(*command, *watch);
   command->add_option("--count", watch->answer_count, "End after so many answers")
       ->check(CLI::PositiveNumber)

@@ -60,6 +60,20 @@ std::optional<LocalizationState> StateOf(v1::LocalizationState state) {
   }
 }
 
+v1::LocalizationState ToProto(LocalizationState state) {
+  switch (state) {
+    case LocalizationState::kInitializing:
+      return v1::LOCALIZATION_STATE_INITIALIZING;
+    case LocalizationState::kTracking:
+      return v1::LOCALIZATION_STATE_TRACKING;
+    case LocalizationState::kDeadReckoning:
+      return v1::LOCALIZATION_STATE_DEAD_RECKONING;
+    case LocalizationState::kLost:
+      return v1::LOCALIZATION_STATE_LOST;
+  }
+  return v1::LOCALIZATION_STATE_UNSPECIFIED;
+}
+
 }  // namespace
 
 v1::Rig ToProto(const Rig& rig) {
@@ -110,6 +124,24 @@ v1::Scan ToProto(const Scan& scan, std::int64_t sequence_number) {
   if (scan.ego_velocity->covariance) {
     Set(ego_velocity.mutable_covariance(), *scan.ego_velocity->covariance);
   }
+  return message;
+}
+
+v1::LocalizationResult ToProto(const Localization& localization, std::int64_t sequence_number) {
+  v1::LocalizationResult message;
+  message.set_sequence_number(sequence_number);
+  message.set_stamp_ns(localization.stamp.time_since_epoch().count());
+  message.set_state(ToProto(localization.state));
+  *message.mutable_pose() = ToProto(InitialPose{.T_map_vehicle = localization.T_map_vehicle,
+                                                .covariance = localization.covariance});
+  message.set_observed_dof_mask(static_cast<std::int32_t>(localization.observed.to_ulong()));
+  v1::LocalizationQuality& quality = *message.mutable_quality();
+  quality.set_live_point_count(localization.quality.live_point_count);
+  quality.set_inlier_count(localization.quality.inlier_count);
+  quality.set_overlap(localization.quality.overlap);
+  quality.set_residual_scale(localization.quality.residual_scale);
+  quality.set_edge_distance(localization.quality.edge_distance);
+  quality.set_edge_valid(localization.quality.edge_valid);
   return message;
 }
 

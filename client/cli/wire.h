@@ -17,6 +17,9 @@ v1::Rig ToProto(const Rig& rig);
 v1::PoseWithCovariance ToProto(const InitialPose& initial_pose);
 v1::Scan ToProto(const Scan& scan, std::int64_t sequence_number);
 
+/// What a server of ours answers; without timings, map version and place on the Earth.
+v1::LocalizationResult ToProto(const Localization& localization, std::int64_t sequence_number);
+
 /// The answer as the localizer gave it. DataLoss for what no server of ours sends.
 absl::StatusOr<Localization> FromProto(const v1::LocalizationResult& result);
 

@@ -103,6 +103,19 @@ TEST_F(AdminCommandsTest, AnswersAreWatched) {
   EXPECT_FALSE(std::getline(lines, line));
 }
 
+TEST_F(AdminCommandsTest, CtrlCEndsAWatchWell) {
+  const auto session = OpenSession("car-1");
+  DclocProcess watch(At("session watch") + "car-1");
+  for (int i = 0; watch.Out().empty(); ++i) {
+    ASSERT_TRUE(session->Localize(server::ScanMessage(i)).has_value());
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  watch.Signal(SIGINT);
+  const Result result = watch.Wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("dead_reckoning"));
+}
+
 TEST_F(AdminCommandsTest, ASessionIsEndedWithAReason) {
   const auto session = OpenSession("car-1");
   const Result result = Dcloc(At("session end") + "car-1 --reason \"radar misaligned\"");

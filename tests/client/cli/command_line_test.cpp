@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/client/datasets/temp_folder.h"
 #include "tests/client/datasets/tiny_nuscenes.h"
@@ -73,6 +76,68 @@ TEST(CommandLine, HelpsWithAnExampleForEachCommand) {
     EXPECT_THAT(result.out, HasSubstr(std::string("dcloc ") + command)) << command;
   }
   EXPECT_EQ(Dcloc("--help").exit_code, 0);
+}
+
+/// All commands that can be run, by the program's own help.
+std::vector<std::string> Commands(const std::string& path = "") {
+  std::vector<std::string> commands;
+  std::istringstream help(Dcloc(path + " --help").out);
+  bool has_any = false;
+  bool listed = false;  // up to the next empty line
+  for (std::string line; std::getline(help, line);) {
+    listed = (listed && !line.empty()) || line == "Subcommands:";
+    has_any = has_any || listed;
+    if (!listed || line.rfind("  ", 0) != 0 || line[2] == ' ') continue;
+    const std::string name = line.substr(2, line.find(' ', 2) - 2);
+    const std::vector<std::string> below = Commands(path + " " + name);
+    commands.insert(commands.end(), below.begin(), below.end());
+  }
+  if (!has_any) commands.push_back(path.substr(1));
+  return commands;
+}
+
+TEST(CommandLine, EveryCommandHasAnExample) {
+  const std::vector<std::string> commands = Commands();
+  EXPECT_GT(commands.size(), 15U);
+  for (const std::string& command : commands) {
+    const Result result = Dcloc(command + " --help");
+    EXPECT_EQ(result.exit_code, 0) << command;
+    EXPECT_THAT(result.out, HasSubstr("Example")) << command;
+    EXPECT_THAT(result.out, HasSubstr("dcloc " + command)) << command;
+  }
+}
+
+/// What bash offers for the word behind "dcloc WORDS".
+std::string Offered(const std::string& words) {
+  const std::string script =
+      "bash -c '. <(" + std::string(DCLOC_PROGRAM) + " completion); COMP_WORDS=(dcloc " + words +
+      " \"\"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _dcloc; echo \"${COMPREPLY[*]}\"'";
+  FILE* pipe = popen(script.c_str(), "r");  // NOLINT(cert-env33-c): the words are this test's own
+  std::array<char, 8192> buffer{};
+  const std::size_t size = fread(buffer.data(), 1, buffer.size(), pipe);
+  pclose(pipe);
+  return {buffer.data(), size};
+}
+
+TEST(CommandLine, CompletesWhatThereIs) {
+  EXPECT_THAT(Offered(""),
+              ::testing::AllOf(HasSubstr("map"), HasSubstr("session"), HasSubstr("--version")));
+  EXPECT_THAT(Offered("session"), ::testing::AllOf(HasSubstr("watch"), HasSubstr("replay"),
+                                                   ::testing::Not(HasSubstr("upload"))));
+  EXPECT_THAT(Offered("session list"), HasSubstr("--token-file"));
+  EXPECT_THAT(Offered("map delete --map x"), HasSubstr("--all-versions"))
+      << "options of groups are there as well";
+}
+
+TEST(CommandLine, TheManualHasEveryCommandAndOption) {
+  const std::string manual = Dcloc("manual").out;
+  for (const std::string& command : Commands()) {
+    EXPECT_THAT(manual, HasSubstr(".SS dcloc " + command + "\n")) << command;
+  }
+  for (const char* text :
+       {"\\-\\-token\\-file", "\\-\\-all\\-versions", "DCLOC_TOKEN_FILE", ".TH DCLOC 1"}) {
+    EXPECT_THAT(manual, HasSubstr(text));
+  }
 }
 
 TEST(CommandLine, SaysItsVersion) {

@@ -42,6 +42,10 @@ class DclocProcess {
     return status_.has_value();
   }
 
+  /// What it has said by now.
+  std::string Err() const { return Text("err"); }
+  std::string Out() const { return Text("out"); }
+
   Result Wait() {
     int status = 0;
     if (!HasEnded() && waitpid(pid_, &status, 0) == pid_) status_ = status;

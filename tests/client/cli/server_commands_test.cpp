@@ -184,6 +184,70 @@ TEST_F(ServerCommandsTest, AServerIsLoadedAndEachAnswerIsJudged) {
   EXPECT_EQ(Dcloc(load + "--search").exit_code, 2) << "a search needs a target";
 }
 
+TEST_F(ServerCommandsTest, AVehiclesRecordingIsReplayedToTheBit) {
+  Upload();
+  const std::string file = File("session.rec");
+  ASSERT_EQ(Dcloc(Localize("--rate max --record " + file)).exit_code, 0);
+  Result result = Dcloc("session replay " + file + " --json --map " + Shared("map"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto here = nlohmann::json::parse(result.out);
+  EXPECT_EQ(here["vehicle_id"], "dcloc-localize");
+  EXPECT_GT(here["equal_count"], 100);
+  EXPECT_EQ(here["different_count"], 0);
+  result = Dcloc(At("session replay") + file + " --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out)["equal_count"], here["equal_count"]);
+
+  ASSERT_EQ(Dcloc("map build --dataset nuscenes --root " + Shared("sim") +
+                  " --drive map --out " + File("other"))
+                .exit_code,
+            0);
+  result = Dcloc("session replay " + file + " --map " + File("other"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("answers differ"));
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  result = Dcloc("session replay " + file + " --map " + Shared("map"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, ::testing::AllOf(HasSubstr(file), HasSubstr("is cut off")));
+  EXPECT_EQ(Dcloc("session replay " + file).exit_code, 2) << "neither map nor server";
+  EXPECT_EQ(Dcloc(At("session replay") + file + " --map " + Shared("map")).exit_code, 2);
+}
+
+TEST_F(ServerCommandsTest, AnOperatorRecordsTheNextSessionOfAVehicle) {
+  Upload();
+  const std::string file = File("session.rec");
+  DclocProcess record(At("session record") + "--vehicle dcloc-localize --json --out " + file);
+  while (record.Err().find("waiting") == std::string::npos) {
+    ASSERT_FALSE(record.HasEnded()) << record.Err();
+    std::this_thread::sleep_for(20ms);
+  }
+  ASSERT_EQ(Dcloc(Localize("--rate max --initial none")).exit_code, 0);
+  Result result = record.Wait();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_GT(nlohmann::json::parse(result.out)["scan_count"], 100);
+  result = Dcloc("session replay " + file + " --json --map " + Shared("map"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_GT(nlohmann::json::parse(result.out)["equal_count"], 100);
+
+  ASSERT_EQ(Dcloc("map build --dataset nuscenes --root " + Shared("sim") +
+                  " --drive map --out " + File("other"))
+                .exit_code,
+            0);
+  result = Dcloc("session replay " + file + " --map " + File("other"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("is not the map of the recording")) << "known by its hash";
+}
+
+TEST_F(ServerCommandsTest, ARecordingThatIsStoppedBeforeASessionCameIsAnError) {
+  DclocProcess record(At("session record") + "--vehicle nobody --out " + File("none.rec"));
+  while (record.Err().find("waiting") == std::string::npos) std::this_thread::sleep_for(20ms);
+  record.Signal(SIGINT);
+  const Result result = record.Wait();
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("nothing recorded"));
+  EXPECT_FALSE(std::filesystem::exists(File("none.rec")));
+}
+
 TEST_F(ServerCommandsTest, CtrlCKeepsWhatWasAnswered) {
   Upload();
   DclocProcess localize(Localize("--rate realtime"));

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+
+#include "absl/status/statusor.h"
+#include "core/localizer/localizer.h"
+#include "dcloc/v1/localization_service.pb.h"
+
+namespace dcloc::cli {
+
+/// What a recorded `open` says, as the server that took it understood it.
+struct SessionStart {
+  Rig rig;
+  std::optional<InitialPose> initial_pose;
+  LocalizerOptions options;
+};
+
+/// Unimplemented for a session that began with a GNSS fix.
+absl::StatusOr<SessionStart> FromProto(const v1::OpenSession& open);
+
+/// As above for a scan that the server localized.
+Scan FromProto(const v1::Scan& message);
+
+}  // namespace dcloc::cli
