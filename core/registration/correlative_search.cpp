@@ -62,7 +62,9 @@ class WindowSums {
     const auto count = static_cast<std::size_t>(column_end - column_begin);
     for (int row = row_begin; row < row_end; ++row) {
       const std::uint8_t* const from = field.At(first + Eigen::Vector2i(column_begin, row));
-      std::uint16_t* const to = &chunk_[static_cast<std::size_t>(row * side_ + column_begin)];
+      std::uint16_t* const to =
+          &chunk_[static_cast<std::size_t>(row) * static_cast<std::size_t>(side_) +
+                  static_cast<std::size_t>(column_begin)];
       for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<std::uint16_t>(to[i] + from[i]);
     }
   }

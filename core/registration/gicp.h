@@ -15,8 +15,8 @@ struct GicpOptions {
   double reach_m = 2.5;       ///< landmarks further from a live point are not its match
   double gate_sigmas = 3.5;   ///< nor those further in units of the joint deviation
   double huber_sigmas = 1.5;  ///< residuals beyond weigh less (Huber)
-  double translation_tolerance_m = 2e-3;
-  double rotation_tolerance_rad = 2e-4;
+  double translation_tolerance_m = 1e-3;
+  double rotation_tolerance_rad = 1e-4;
   /// Deviation added to every match at first, halved each iteration: finds the basin before it
   /// trusts the fine structure. 0 when the start is already good.
   double initial_blur_m = 0.0;

@@ -51,9 +51,8 @@ BestCell BestOfBlock(const LikelihoodField& field, const Eigen::Vector2i& corner
 
 template <typename T>
 void SortUnique(std::vector<T>& values) {
-  std::ranges::sort(values);
-  const auto rest = std::ranges::unique(values);
-  values.erase(rest.begin(), rest.end());
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
 }  // namespace

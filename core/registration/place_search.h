@@ -1,11 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "core/geometry/pose.h"
@@ -49,7 +49,8 @@ class PlaceSearch {
   struct Cell {
     std::int64_t x = 0;
     std::int64_t y = 0;
-    auto operator<=>(const Cell&) const = default;
+    bool operator==(const Cell& other) const { return x == other.x && y == other.y; }
+    bool operator<(const Cell& other) const { return std::tie(x, y) < std::tie(other.x, other.y); }
   };
   // A heading: where each point lies from the vehicle's cell, in cells.
   struct Turned {

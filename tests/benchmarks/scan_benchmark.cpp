@@ -2,11 +2,14 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <numbers>
+#include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/localizer/localizer.h"
@@ -22,6 +25,26 @@ double CpuMilliseconds() {
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
+
+// Time of each stage of one scan.
+class StageClock final : public StageListener {
+ public:
+  void OnStageBegin(Stage stage) override {
+    End();
+    running_ = static_cast<std::size_t>(stage);
+    begin_ms_ = CpuMilliseconds();
+  }
+  void End() {
+    if (running_) stage_ms_[*running_].push_back(CpuMilliseconds() - begin_ms_);
+    running_.reset();
+  }
+  const std::array<std::vector<double>, kStageNames.size()>& stage_ms() const { return stage_ms_; }
+
+ private:
+  std::array<std::vector<double>, kStageNames.size()> stage_ms_;
+  std::optional<std::size_t> running_;
+  double begin_ms_ = 0.0;
+};
 
 struct Figures {
   std::vector<double> scan_ms;
@@ -52,7 +75,7 @@ InitialPose Prior(const Pose3& T_map_vehicle_true) {
 }
 
 // Until the session tracks, it searches: what a scan costs is asked of a tracker.
-Figures Drive(const Case& drives) {
+Figures Drive(const Case& drives, StageListener* listener = nullptr) {
   const auto bytes_before = static_cast<double>(mallinfo2().uordblks);
   auto localizer = Localizer::Create(drives.map, drives.live_drive.rig,
                                      Prior(drives.live_drive.scans.front().T_map_vehicle));
@@ -61,7 +84,7 @@ Figures Drive(const Case& drives) {
   for (const auto& [scan, T_map_vehicle] : drives.live_drive.scans) {
     const std::int64_t allocations_before = AllocationCount();
     const double begin_ms = CpuMilliseconds();
-    const auto answer = localizer->Localize(scan);
+    const auto answer = localizer->Localize(scan, listener);
     const double scan_ms = CpuMilliseconds() - begin_ms;
     const std::int64_t allocations = AllocationCount() - allocations_before;
     if (!answer.ok()) continue;
@@ -102,6 +125,18 @@ void Print(const Case& drives, const Figures& figures) {
               static_cast<double>(drives.map_bytes.size()) / 1e3 / drives.map->info().length_m);
 }
 
+// Medians over the scans that have the stage, in a run of its own: reading clocks costs time too.
+void PrintStages(const Case& drives) {
+  StageClock clock;
+  Drive(drives, &clock);
+  clock.End();
+  std::printf("%-12s", drives.name.c_str());
+  for (const std::vector<double>& times_ms : clock.stage_ms()) {
+    std::printf(" %12.3f", Quantile(times_ms, 0.5));
+  }
+  std::printf("\n");
+}
+
 }  // namespace
 }  // namespace dcloc::benchmarks
 
@@ -129,5 +164,9 @@ int main(int argc, char** argv) {
     Print(drives, figures);
     tracked = tracked && !figures.scan_ms.empty();
   }
+  std::printf("\n%-12s", "p50 ms");
+  for (const char* stage : dcloc::kStageNames) std::printf(" %12s", stage);
+  std::printf("\n");
+  for (const Case& drives : cases) PrintStages(drives);
   return tracked ? 0 : 1;
 }
