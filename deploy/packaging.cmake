@@ -7,8 +7,10 @@ install(TARGETS dcloc dcloc-server RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} C
 install(FILES deploy/dcloc-server.service DESTINATION lib/systemd/system COMPONENT programs)
 install(DIRECTORY deploy/monitoring
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT programs)
-install(FILES deploy/haproxy.cfg deploy/server.json
+install(FILES deploy/haproxy.cfg
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT programs)
+# Not with the documentation, which small images leave out: postinst copies it.
+install(FILES deploy/server.json DESTINATION ${CMAKE_INSTALL_DATADIR}/dcloc COMPONENT programs)
 install(FILES LICENSE README.md CHANGELOG.md
   DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
 

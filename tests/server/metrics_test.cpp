@@ -124,21 +124,27 @@ TEST_F(MetricsTest, ScansSessionsAndMapsAreCounted) {
   }));
 }
 
-TEST_F(MetricsTest, EachScanLogsItsStagesWithSessionAndTrace) {
+/// What a server logs of a scan with this number, at a level.
+std::string LogOf(spdlog::level::level_enum level, const std::string& traceparent,
+                  std::int64_t sequence_number) {
   std::ostringstream log;
+  // Before the server has threads, and back when it has none any more.
   const auto before = spdlog::default_logger();
   spdlog::set_default_logger(std::make_shared<spdlog::logger>(
       "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
-  const std::string trace = "4bf92f3577b34da6a3ce929d0e0e4736";
-  for (const auto level : {spdlog::level::info, spdlog::level::debug}) {
+  {
+    const TestServer server;
     spdlog::set_level(level);
+    const std::vector<std::byte> bytes = SmallMap();
+    v1::UploadMapResponse uploaded;
+    EXPECT_TRUE(UploadMap(*server.maps, HeaderOf(bytes), bytes, &uploaded).ok());
     Call call;
-    call.AddMetadata("traceparent", "00-" + trace + "-00f067aa0ba902b7-01");
-    const auto stream = server_.localization->Localize(&call);
+    call.AddMetadata("traceparent", traceparent);
+    const auto stream = server.localization->Localize(&call);
     v1::LocalizeRequest request;
     *request.mutable_open() = OpenMessage();
     stream->Write(request);
-    *request.mutable_scan() = ScanMessage(level);
+    *request.mutable_scan() = ScanMessage(sequence_number);
     stream->Write(request);
     stream->WritesDone();
     v1::LocalizeResponse response;
@@ -148,11 +154,18 @@ TEST_F(MetricsTest, EachScanLogsItsStagesWithSessionAndTrace) {
   }
   spdlog::set_default_logger(before);
   spdlog::set_level(spdlog::level::warn);
-  EXPECT_THAT(log.str(), HasSubstr("trace=" + trace +
-                                   " sequence_number=" + std::to_string(spdlog::level::debug)));
-  EXPECT_THAT(log.str(), HasSubstr("registration_us="));
-  EXPECT_THAT(log.str(), Not(HasSubstr("sequence_number=" + std::to_string(spdlog::level::info))))
-      << "never per scan at info";
+  return log.str();
+}
+
+TEST(StageLogTest, EachScanLogsItsStagesWithSessionAndTraceAtDebugOnly) {
+  const std::string trace = "4bf92f3577b34da6a3ce929d0e0e4736";
+  const std::string traceparent = "00-" + trace + "-00f067aa0ba902b7-01";
+  const std::string debug = LogOf(spdlog::level::debug, traceparent, 77);
+  EXPECT_THAT(debug, HasSubstr("trace=" + trace + " sequence_number=77"));
+  EXPECT_THAT(debug, HasSubstr("registration_us="));
+  const std::string info = LogOf(spdlog::level::info, traceparent, 77);
+  EXPECT_THAT(info, HasSubstr("trace=" + trace)) << "the session's opening";
+  EXPECT_THAT(info, Not(HasSubstr("sequence_number=77"))) << "never per scan";
 }
 
 TEST_F(MetricsTest, RefusedOpeningsAreCountedByCode) {
