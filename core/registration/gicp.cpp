@@ -122,7 +122,7 @@ Tangent<Dim> Step(Matches<Dim> matches, const NormalEquations<Dim>& normal, doub
   for (int attempt = 0; attempt < 6; ++attempt, damping *= 30.0) {
     TangentMatrix<Dim> damped = normal.hessian;
     damped.diagonal() += damping * normal.hessian.diagonal().cwiseMax(1e-3);
-    const Tangent<Dim> step = -damped.ldlt().solve(normal.gradient);
+    Tangent<Dim> step = -damped.ldlt().solve(normal.gradient);
     const Pose<Dim> candidate = T * Exp(step);
     if (Cost<Dim>(matches, candidate, huber) <= normal.cost) {
       T = candidate;

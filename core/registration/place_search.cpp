@@ -22,6 +22,7 @@ std::vector<Eigen::Vector2f> Thinned(std::span<const Eigen::Vector2f> points) {
   const std::size_t stride =
       std::max<std::size_t>(1, (points.size() + kMaxPoints - 1) / kMaxPoints);
   std::vector<Eigen::Vector2f> thinned;
+  thinned.reserve(points.size() / stride + 1);
   for (std::size_t i = 0; i < points.size(); i += stride) thinned.push_back(points[i]);
   return thinned;
 }
@@ -127,6 +128,7 @@ std::vector<PlaceHypothesis> PlaceSearch::Best() const {
     if (!seen) kept.push_back(candidate);
   }
   std::vector<PlaceHypothesis> places;
+  places.reserve(kept.size());
   for (const Candidate& candidate : kept) places.push_back(InKeyframe(candidate));
   return places;
 }
@@ -135,13 +137,12 @@ std::vector<PlaceHypothesis> PlaceSearch::Best() const {
 std::vector<PlaceSearch::Cell> PlaceSearch::CellsNearKeyframe(std::size_t keyframe,
                                                               double size_m) const {
   const Eigen::Array2d p_map = map_->keyframe(keyframe).T_map_keyframe.translation_m.head<2>();
-  const Eigen::Array2d first = ((p_map - options_.reach_m) / size_m).floor();
-  const Eigen::Array2d last = ((p_map + options_.reach_m) / size_m).floor();
+  using Place = Eigen::Array<std::int64_t, 2, 1>;
+  const Place first = ((p_map - options_.reach_m) / size_m).floor().cast<std::int64_t>();
+  const Place last = ((p_map + options_.reach_m) / size_m).floor().cast<std::int64_t>();
   std::vector<Cell> cells;
-  for (double x = first.x(); x <= last.x(); ++x) {
-    for (double y = first.y(); y <= last.y(); ++y) {
-      cells.push_back({static_cast<std::int64_t>(x), static_cast<std::int64_t>(y)});
-    }
+  for (std::int64_t x = first.x(); x <= last.x(); ++x) {
+    for (std::int64_t y = first.y(); y <= last.y(); ++y) cells.push_back({x, y});
   }
   return cells;
 }
