@@ -129,6 +129,16 @@ class Monitoring(unittest.TestCase):
             self.assertEqual(result.returncode, 0, result.stdout)
 
 
+    @needs_program("promtool", "prometheus")
+    def test_alerts_fire_when_they_should(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for file in (DEPLOY / "monitoring/alerts.yml",
+                         pathlib.Path(__file__).parent / "alerts_test.yml"):
+                shutil.copy(file, folder)
+            result = run("promtool", "test", "rules", pathlib.Path(folder) / "alerts_test.yml")
+        self.assertEqual(result.returncode, 0, result.stdout)
+
+
 class Certificates(unittest.TestCase):
     def test_the_script_makes_what_server_and_client_take(self):
         with tempfile.TemporaryDirectory() as folder:
