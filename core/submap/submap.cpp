@@ -32,7 +32,7 @@ struct Carried {
   template <int Dim>
   Eigen::Matrix<double, Dim, Dim> Covariance(const RadarPoint& point, bool carry_drift) const {
     const Eigen::Matrix<double, Dim, 3> R = R_newest_then.topRows<Dim>();
-    const Eigen::Matrix<double, Dim, Dim> own = R * point.covariance_m2 * R.transpose();
+    Eigen::Matrix<double, Dim, Dim> own = R * point.covariance_m2 * R.transpose();
     if (!carry_drift) return own;
     // p = T Exp(xi) p_then: G = R [I, -[p_then]x] = [I, -[R p_then]x] diag(R, R).
     const Eigen::Matrix<double, Dim, 3> arm =

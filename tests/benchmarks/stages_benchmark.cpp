@@ -83,13 +83,12 @@ void JoinSubmap(benchmark::State& state, const std::string& name) {
     window.Push(scan.stamp, 0, StaticPoints(scan, radar, velocity, options.static_points),
                 ego_motion.since_previous());
   }
-  std::size_t points = 0;
+  std::vector<GaussianPoint<2>> points;
   for (auto _ : state) {
-    const Submap submap = window.Join(true);
-    points = submap.points.size();
-    benchmark::DoNotOptimize(submap.points.data());
+    window.Join<2>(true, static_cast<std::size_t>(options.match.max_live_points), points);
+    benchmark::DoNotOptimize(points.data());
   }
-  state.counters["points"] = static_cast<double>(points);
+  state.counters["points"] = static_cast<double>(points.size());
 }
 
 // Calls `run(query, number)` for one query after another.
