@@ -28,7 +28,8 @@ install(FILES ${CMAKE_BINARY_DIR}/described/dcloc
   DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT programs)
 
 # ---- The client library. Includes are written from the root, so the headers keep their folders.
-set(SDK_HEADERS admin_client channel map_client recording session session_options session_stats)
+set(SDK_HEADERS admin_client channel map_client map_upload recording session session_options
+  session_stats)
 list(TRANSFORM SDK_HEADERS PREPEND client/sdk/)
 list(TRANSFORM SDK_HEADERS APPEND .h)
 install(FILES ${SDK_HEADERS}

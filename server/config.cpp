@@ -71,6 +71,13 @@ constexpr std::array kFields = {
     ConfigField{"max_tenant_storage_mib", "N",
                 "size of a tenant's map versions together at most [MiB]; 0 for no limit",
                 &ServerConfig::max_tenant_storage_mib, 0, 1'000'000'000, true},
+    ConfigField{"warm_map_mib", "N",
+                "size of the maps at most that stay in memory for new sessions to get though none "
+                "uses them [MiB]; 0 for none",
+                &ServerConfig::warm_map_mib, 0, 1'000'000},
+    ConfigField{"unfinished_upload_timeout_s", "N",
+                "how long what came of a broken upload waits for the rest",
+                &ServerConfig::unfinished_upload_timeout_s, 1, 31'536'000},
     ConfigField{"shutdown_deadline_ms", "N",
                 "how long open calls may take to end when the server stops",
                 &ServerConfig::shutdown_deadline_ms, 0, 600'000},

@@ -19,6 +19,7 @@
 #include "server/listener.h"
 #include "server/liveness.h"
 #include "server/localization/localization_service.h"
+#include "server/localization/move_sessions.h"
 #include "server/maps/map_service.h"
 #include "server/metrics/metrics_endpoint.h"
 #include "server/metrics/state_metrics.h"
@@ -66,6 +67,8 @@ constexpr std::chrono::seconds kSelfProbeTimeout(3);
 constexpr std::chrono::milliseconds kReadyTimeout(800);
 /// How exactly timeouts of sessions are kept.
 constexpr std::chrono::milliseconds kTickInterval(100);
+/// How exactly the timeout of unfinished uploads is kept.
+constexpr std::chrono::minutes kUploadSweepInterval(1);
 
 int WorkerCount(const ServerConfig& config) {
   if (config.worker_count > 0) return config.worker_count;
@@ -75,6 +78,20 @@ int WorkerCount(const ServerConfig& config) {
 SessionTimeouts SessionTimeoutsOf(const ServerConfig& config) {
   return {.detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms),
           .idle_timeout = std::chrono::milliseconds(config.session_idle_timeout_ms)};
+}
+
+MapStoreOptions MapStoreOptionsOf(const ServerConfig& config) {
+  return {.max_warm_bytes = std::int64_t{config.warm_map_mib} << 20,
+          .unfinished_upload_timeout = std::chrono::seconds(config.unfinished_upload_timeout_s)};
+}
+
+void RemoveStaleUploads(MapStore& store) {
+  const absl::StatusOr<int> count = store.RemoveStaleUploads(std::chrono::system_clock::now());
+  if (!count.ok()) {
+    spdlog::warn("stale uploads not removed reason={}", Quoted(count.status().message()));
+  } else if (*count > 0) {
+    spdlog::info("stale uploads removed count={}", *count);
+  }
 }
 
 void SetLimits(const ServerConfig& config, grpc::ServerBuilder& builder) {
@@ -118,7 +135,10 @@ struct Server::Parts {
                                        config.session_detached_timeout_ms)},
                       .usages = usages,
                       .max_pending_scan_count = config.max_pending_scan_count}),
-        maps(storage),
+        maps(storage,
+             [this](const std::string& tenant, const std::string& map_name) {
+               return MoveSessions(registry, *store, tenant, map_name);
+             }),
         admin({.version = DCLOC_VERSION,
                .start_time = std::chrono::system_clock::now(),
                .worker_count = localization_pool.thread_count(),
@@ -127,11 +147,13 @@ struct Server::Parts {
               registry, taps, storage,
               {.drain = [this] { return Drain(drain_grace); },
                .draining = [this] { return localization.draining(); }}),
-        ticker(kTickInterval, [this] {
-          const auto now = std::chrono::steady_clock::now();
-          registry.Reap(now);
-          localization.EndOverdue(now);
-        }) {}
+        ticker(kTickInterval,
+               [this] {
+                 const auto now = std::chrono::steady_clock::now();
+                 registry.Reap(now);
+                 localization.EndOverdue(now);
+               }),
+        upload_sweeper(kUploadSweepInterval, [this] { RemoveStaleUploads(*store); }) {}
 
   /// Not ready any more, and the sessions are told to move; gives how many were told.
   int Drain(std::chrono::milliseconds grace) {
@@ -207,6 +229,7 @@ struct Server::Parts {
   std::unique_ptr<Ticker> liveness_ticker;
   std::unique_ptr<MetricsEndpoint> metrics_endpoint;
   Ticker ticker;
+  Ticker upload_sweeper;
   std::string address;
 };
 
@@ -214,7 +237,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   if (absl::Status status = Validate(config); !status.ok()) return status;
   absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = MakeCredentials(config);
   if (!credentials.ok()) return credentials.status();
-  absl::StatusOr<std::unique_ptr<MapStore>> store = MapStore::Open(config.data);
+  absl::StatusOr<std::unique_ptr<MapStore>> store =
+      MapStore::Open(config.data, MapStoreOptionsOf(config));
   if (!store.ok()) return WithPrefix("data: ", store.status());
   absl::StatusOr<std::unique_ptr<IdentityStore>> identities =
       IdentityStore::Open(IdentityFile(config.data));

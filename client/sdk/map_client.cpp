@@ -2,20 +2,13 @@
 
 #include <grpcpp/client_context.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <fstream>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-#include "client/sdk/sha256.h"
+#include "client/sdk/map_download.h"
 #include "client/sdk/status.h"
 
 namespace dcloc::client {
 namespace {
-
-constexpr std::int64_t kChunk_bytes = 256 << 10;
-constexpr std::int64_t kSlowestUpload_bytesps = 1'000'000;
 
 using Milliseconds = std::chrono::milliseconds;
 
@@ -55,54 +48,25 @@ absl::StatusOr<std::vector<Item>> CallForAllPages(
   return all;
 }
 
-// False when the server does not want more; the call's status then says why.
-bool SendFile(std::ifstream& file, std::int64_t size_bytes,
-              grpc::ClientWriter<v1::UploadMapRequest>& writer,
-              const MapClient::UploadProgress& progress) {
-  v1::UploadMapRequest request;
-  std::string& data = *request.mutable_chunk()->mutable_data();
-  for (std::int64_t offset = 0; offset < size_bytes;) {
-    data.resize(static_cast<std::size_t>(std::min(kChunk_bytes, size_bytes - offset)));
-    file.read(data.data(), static_cast<std::streamsize>(data.size()));
-    // A file cut short meanwhile: what arrives no longer fits the hash, and the server says so.
-    if (file.gcount() == 0) break;
-    data.resize(static_cast<std::size_t>(file.gcount()));
-    request.mutable_chunk()->set_offset_bytes(offset);
-    if (!writer.Write(request)) return false;
-    offset += file.gcount();
-    if (progress) progress(offset, size_bytes);
-  }
-  return writer.WritesDone();
-}
-
 }  // namespace
 
 MapClient::MapClient(const std::shared_ptr<grpc::Channel>& channel, Milliseconds timeout)
     : stub_(v1::MapService::NewStub(channel)), timeout_(timeout) {}
 
 absl::StatusOr<v1::MapVersion> MapClient::Upload(const std::filesystem::path& file,
-                                                 const std::string& map_name, bool activate,
-                                                 const UploadProgress& progress) {
-  const absl::StatusOr<std::string> sha256 = Sha256OfFile(file);
-  if (!sha256.ok()) return sha256.status();
-  std::ifstream stream(file, std::ios::binary | std::ios::ate);
-  if (!stream) return absl::ErrnoToStatus(errno, file.string());
-  const std::int64_t size_bytes = stream.tellg();
-  stream.seekg(0);
+                                                 const std::string& map_name,
+                                                 const UploadOptions& options) {
+  return UploadMapFile(*stub_, file, map_name, options, timeout_);
+}
 
-  grpc::ClientContext context;
-  SetDeadline(context, timeout_ + Milliseconds(size_bytes * 1000 / kSlowestUpload_bytesps));
-  v1::UploadMapResponse response;
-  const auto writer = stub_->UploadMap(&context, &response);
-  v1::UploadMapRequest request;
-  request.mutable_header()->set_map_name(map_name);
-  request.mutable_header()->set_size_bytes(size_bytes);
-  request.mutable_header()->set_sha256(*sha256);
-  request.mutable_header()->set_activate(activate);
-  if (writer->Write(request)) SendFile(stream, size_bytes, *writer, progress);
-  const grpc::Status status = writer->Finish();
-  if (!status.ok()) return FromGrpc(status);
-  return std::move(*response.mutable_version());
+absl::StatusOr<v1::MapVersion> MapClient::Download(const std::string& map_name,
+                                                   std::int64_t version,
+                                                   const std::filesystem::path& file,
+                                                   const TransferProgress& progress) {
+  v1::DownloadMapRequest request;
+  request.set_map_name(map_name);
+  request.set_version(version);
+  return DownloadMapFile(*stub_, request, file, progress);
 }
 
 absl::StatusOr<std::vector<v1::Map>> MapClient::List() {
@@ -135,13 +99,91 @@ absl::StatusOr<v1::MapVersion> MapClient::GetVersion(const std::string& map_name
   return std::move(*response->mutable_version());
 }
 
+absl::StatusOr<v1::ActivateMapVersionResponse> MapClient::Activate(
+    const v1::ActivateMapVersionRequest& request) {
+  return Call(*stub_, &v1::MapService::Stub::ActivateMapVersion, request, timeout_);
+}
+
 absl::StatusOr<v1::Map> MapClient::Activate(const std::string& map_name, std::int64_t version) {
   v1::ActivateMapVersionRequest request;
   request.set_map_name(map_name);
   request.set_version(version);
-  auto response = Call(*stub_, &v1::MapService::Stub::ActivateMapVersion, request, timeout_);
+  auto response = Activate(request);
   if (!response.ok()) return response.status();
   return std::move(*response->mutable_map());
+}
+
+absl::StatusOr<v1::RollBackMapResponse> MapClient::RollBack(const v1::RollBackMapRequest& request) {
+  return Call(*stub_, &v1::MapService::Stub::RollBackMap, request, timeout_);
+}
+
+absl::StatusOr<v1::Map> MapClient::RollBack(const std::string& map_name) {
+  v1::RollBackMapRequest request;
+  request.set_map_name(map_name);
+  auto response = RollBack(request);
+  if (!response.ok()) return response.status();
+  return std::move(*response->mutable_map());
+}
+
+absl::StatusOr<v1::Map> MapClient::SetCanary(const std::string& map_name, std::int64_t version,
+                                             double share) {
+  v1::SetMapCanaryRequest request;
+  request.set_map_name(map_name);
+  request.set_version(version);
+  request.set_share(share);
+  auto response = Call(*stub_, &v1::MapService::Stub::SetMapCanary, request, timeout_);
+  if (!response.ok()) return response.status();
+  return std::move(*response->mutable_map());
+}
+
+absl::StatusOr<std::vector<v1::MapCoverage>> MapClient::FindCoverage(
+    const v1::FindCoverageRequest& request) {
+  auto response = Call(*stub_, &v1::MapService::Stub::FindCoverage, request, timeout_);
+  if (!response.ok()) return response.status();
+  return std::vector<v1::MapCoverage>(response->coverages().begin(), response->coverages().end());
+}
+
+absl::StatusOr<v1::ReadMapTileResponse> MapClient::ReadTile(const v1::ReadMapTileRequest& request) {
+  return Call(*stub_, &v1::MapService::Stub::ReadMapTile, request, timeout_);
+}
+
+absl::StatusOr<v1::MapBuild> MapClient::StartBuild(
+    const v1::MapBuildHeader& header, const std::function<bool(v1::PosedScan*)>& next) {
+  // No deadline: how long it takes depends on the drive, and keepalive notices a dead connection.
+  grpc::ClientContext context;
+  v1::StartMapBuildResponse response;
+  const auto writer = stub_->StartMapBuild(&context, &response);
+  v1::StartMapBuildRequest request;
+  *request.mutable_header() = header;
+  bool open = writer->Write(request);
+  while (open && next(request.mutable_scan())) open = writer->Write(request);
+  if (open) writer->WritesDone();
+  const grpc::Status status = writer->Finish();
+  if (!status.ok()) return FromGrpc(status);
+  return std::move(*response.mutable_build());
+}
+
+absl::StatusOr<v1::MapBuild> MapClient::GetBuild(const std::string& build_id) {
+  v1::GetMapBuildRequest request;
+  request.set_build_id(build_id);
+  auto response = Call(*stub_, &v1::MapService::Stub::GetMapBuild, request, timeout_);
+  if (!response.ok()) return response.status();
+  return std::move(*response->mutable_build());
+}
+
+absl::StatusOr<v1::MapBuild> MapClient::CancelBuild(const std::string& build_id) {
+  v1::CancelMapBuildRequest request;
+  request.set_build_id(build_id);
+  auto response = Call(*stub_, &v1::MapService::Stub::CancelMapBuild, request, timeout_);
+  if (!response.ok()) return response.status();
+  return std::move(*response->mutable_build());
+}
+
+absl::StatusOr<std::vector<v1::MapBuild>> MapClient::ListBuilds() {
+  auto response =
+      Call(*stub_, &v1::MapService::Stub::ListMapBuilds, v1::ListMapBuildsRequest(), timeout_);
+  if (!response.ok()) return response.status();
+  return std::vector<v1::MapBuild>(response->builds().begin(), response->builds().end());
 }
 
 absl::Status MapClient::DeleteVersion(const std::string& map_name, std::int64_t version) {

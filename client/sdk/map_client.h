@@ -12,6 +12,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/sdk/map_upload.h"
 #include "dcloc/v1/map_service.grpc.pb.h"
 
 namespace dcloc::client {
@@ -23,14 +24,22 @@ class MapClient {
   explicit MapClient(const std::shared_ptr<grpc::Channel>& channel,
                      std::chrono::milliseconds timeout = std::chrono::seconds(15));
 
-  /// Called between chunks while a file is uploaded.
-  using UploadProgress = std::function<void(std::int64_t sent_bytes, std::int64_t size_bytes)>;
-
-  /// Adds the map file as a new version, and the map if it is new. On top of `timeout` it may take
-  /// as long as the file does at 1 MB/s.
+  /// Adds the map file as a new version, and the map if it is new. Goes on by itself where the
+  /// server has the file when the connection breaks; only the first call must get through at once.
+  /// On top of `timeout` each call may take as long as the file does at 1 MB/s.
+  absl::StatusOr<v1::MapVersion> Upload(const std::filesystem::path& file,
+                                        const std::string& map_name, const UploadOptions& options);
   absl::StatusOr<v1::MapVersion> Upload(const std::filesystem::path& file,
                                         const std::string& map_name, bool activate,
-                                        const UploadProgress& progress = {});
+                                        const TransferProgress& progress = {}) {
+    return Upload(file, map_name, UploadOptions{.activate = activate, .progress = progress});
+  }
+
+  /// Writes a version's file, `version` 0 for the active one: beside `file` first, and under its
+  /// name once its hash is right. DataLoss when it is not. May take as long as it takes.
+  absl::StatusOr<v1::MapVersion> Download(const std::string& map_name, std::int64_t version,
+                                          const std::filesystem::path& file,
+                                          const TransferProgress& progress = {});
 
   /// All maps, by name.
   absl::StatusOr<std::vector<v1::Map>> List();
@@ -43,8 +52,34 @@ class MapClient {
   /// `version` 0 is the active one.
   absl::StatusOr<v1::MapVersion> GetVersion(const std::string& map_name, std::int64_t version);
 
-  /// New sessions get this version.
+  /// New sessions get this version; running ones too if they are to be moved.
+  absl::StatusOr<v1::ActivateMapVersionResponse> Activate(
+      const v1::ActivateMapVersionRequest& request);
   absl::StatusOr<v1::Map> Activate(const std::string& map_name, std::int64_t version);
+
+  /// The same with the version that was active before.
+  absl::StatusOr<v1::RollBackMapResponse> RollBack(const v1::RollBackMapRequest& request);
+  absl::StatusOr<v1::Map> RollBack(const std::string& map_name);
+
+  /// A share of the vehicles, (0, 1], gets this version; 0 and 0 for none.
+  absl::StatusOr<v1::Map> SetCanary(const std::string& map_name, std::int64_t version,
+                                    double share);
+
+  /// The active versions that cover a place, the nearest first.
+  absl::StatusOr<std::vector<v1::MapCoverage>> FindCoverage(const v1::FindCoverageRequest& request);
+
+  /// The landmarks and keyframes in a rectangle.
+  absl::StatusOr<v1::ReadMapTileResponse> ReadTile(const v1::ReadMapTileRequest& request);
+
+  /// Has the server make a version of scans at known poses: `next` gives one after the other, until
+  /// it gives false. Returns when all are there; the build goes on by itself.
+  absl::StatusOr<v1::MapBuild> StartBuild(const v1::MapBuildHeader& header,
+                                          const std::function<bool(v1::PosedScan*)>& next);
+  absl::StatusOr<v1::MapBuild> GetBuild(const std::string& build_id);
+  absl::StatusOr<v1::MapBuild> CancelBuild(const std::string& build_id);
+
+  /// Those under way and the last ones that have ended, newest first.
+  absl::StatusOr<std::vector<v1::MapBuild>> ListBuilds();
 
   absl::Status DeleteVersion(const std::string& map_name, std::int64_t version);
 

@@ -41,7 +41,7 @@ void Describe(const ListedSession& listed, v1::Session* session) {
   session->set_vehicle_id(description.vehicle_id);
   session->set_peer(description.caller.peer);
   session->set_map_name(description.map_name);
-  session->set_map_version(description.map_version);
+  session->set_map_version(record.map_version);
   *session->mutable_open_time() = ToTimestamp(description.open_time);
   session->set_detached(listed.detached);
   SetCounts(record, session);

@@ -1,13 +1,30 @@
 #include "server/convert/map.h"
 
+#include <limits>
+
+#include "absl/strings/str_cat.h"
 #include "google/protobuf/util/time_util.h"
+#include "server/convert/check.h"
 #include "server/convert/geometry.h"
 #include "server/identity/principal.h"
+#include "server/maps/sha256.h"
+#include "server/status.h"
 
 namespace dcloc::server::convert {
 namespace {
 
 using google::protobuf::util::TimeUtil;
+
+/// As poses on the wire: within 1e5 km of the origin.
+constexpr double kMaxCoordinate_m = 1e8;
+constexpr double kMaxCoverageRadius_m = 10'000.0;
+constexpr double kMaxTileWidth_m = 5000.0;
+constexpr int kMaxTilePoints = 50'000;
+constexpr int kDefaultTilePoints = 20'000;
+
+absl::Status CheckCoordinate(absl::string_view field, double value) {
+  return CheckBetween(field, value, -kMaxCoordinate_m, kMaxCoordinate_m);
+}
 
 void SetInfo(const MapInfo& info, v1::MapInfo* message) {
   message->set_drive_name(info.name);
@@ -27,6 +44,9 @@ void ToProto(const MapRecord& record, v1::Map* message) {
   message->set_name(std::string(UnscopedMapName(record.name)));
   message->set_active_version(record.active_version);
   message->set_version_count(record.version_count);
+  message->set_previous_version(record.previous_version);
+  message->set_canary_version(record.canary_version);
+  message->set_canary_share(record.canary_share);
   *message->mutable_create_time() =
       TimeUtil::NanosecondsToTimestamp(record.create_time.time_since_epoch().count());
 }
@@ -40,6 +60,82 @@ void ToProto(const MapVersionRecord& record, v1::MapVersion* message) {
   *message->mutable_create_time() =
       TimeUtil::NanosecondsToTimestamp(record.create_time.time_since_epoch().count());
   SetInfo(record.info, message->mutable_info());
+}
+
+void ToProto(const CoverageRecord& record, v1::MapCoverage* message) {
+  message->set_map_name(std::string(UnscopedMapName(record.map_name)));
+  message->set_version(record.version);
+  message->set_distance_m(record.distance_m);
+}
+
+void ToProto(const MapTile& tile, v1::ReadMapTileResponse* message) {
+  ToProto(tile.origin_map_m, message->mutable_origin_m());
+  message->set_point_count(tile.point_count);
+  for (const TilePoint& point : tile.points) {
+    message->add_x_m(point.p_tile_m.x());
+    message->add_y_m(point.p_tile_m.y());
+    message->add_z_m(point.p_tile_m.z());
+    message->add_rcs_dbsm(point.rcs_dbsm);
+  }
+  for (const Eigen::Vector3f& p_tile_m : tile.keyframes_tile_m) {
+    message->add_keyframe_x_m(p_tile_m.x());
+    message->add_keyframe_y_m(p_tile_m.y());
+  }
+}
+
+absl::StatusOr<CoverageQuery> FromProto(const v1::FindCoverageRequest& message) {
+  CoverageQuery query{.place = {}, .radius_m = message.radius_m()};
+  absl::Status status = CheckBetween("radius_m", message.radius_m(), 0.0, kMaxCoverageRadius_m);
+  if (message.has_position()) {
+    const absl::StatusOr<GeodeticPosition> position = FromProto(message.position(), "position");
+    status.Update(position.status());
+    if (position.ok()) query.place = *position;
+  } else if (message.has_map_place()) {
+    const v1::MapPlace& place = message.map_place();
+    status.Update(CheckMapName("map_place.map_name", place.map_name()));
+    status.Update(CheckCoordinate("map_place.x_m", place.x_m()));
+    status.Update(CheckCoordinate("map_place.y_m", place.y_m()));
+    query.place = MapPlace{.map_name = place.map_name(), .p_map = {place.x_m(), place.y_m()}};
+  } else {
+    status.Update(Missing("place"));
+  }
+  if (!status.ok()) return status;
+  return query;
+}
+
+absl::StatusOr<TileQuery> FromProto(const v1::ReadMapTileRequest& message) {
+  absl::Status status = CheckCoordinate("min_x_m", message.min_x_m());
+  status.Update(CheckCoordinate("min_y_m", message.min_y_m()));
+  status.Update(CheckBetween("max_x_m", message.max_x_m(), message.min_x_m(),
+                             message.min_x_m() + kMaxTileWidth_m));
+  status.Update(CheckBetween("max_y_m", message.max_y_m(), message.min_y_m(),
+                             message.min_y_m() + kMaxTileWidth_m));
+  status.Update(
+      CheckIntegerBetween("max_point_count", message.max_point_count(), 0, kMaxTilePoints));
+  if (!status.ok()) return status;
+  const int count = message.max_point_count() == 0 ? kDefaultTilePoints : message.max_point_count();
+  return TileQuery{.bounds_m = {.min_x = message.min_x_m(),
+                                .max_x = message.max_x_m(),
+                                .min_y = message.min_y_m(),
+                                .max_y = message.max_y_m()},
+                   .max_point_count = static_cast<std::size_t>(count)};
+}
+
+absl::Status CheckSha256(absl::string_view field, absl::string_view sha256) {
+  if (IsSha256(sha256)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(field, " is ", Quoted(sha256), "; it must be 64 lower-case hexadecimal digits"));
+}
+
+absl::Status Check(const v1::SetMapCanaryRequest& message) {
+  absl::Status status = CheckMapName("map_name", message.map_name());
+  status.Update(CheckIntegerBetween("version", message.version(), 0,
+                                    std::numeric_limits<std::int64_t>::max()));
+  // A share of none is no canary, and without a canary there is no share.
+  const bool none = message.version() == 0;
+  status.Update(CheckBetween("share", message.share(),
+                             none ? 0.0 : std::numeric_limits<double>::min(), none ? 0.0 : 1.0));
+  return status;
 }
 
 }  // namespace dcloc::server::convert

@@ -233,7 +233,12 @@ void LocalizeStream::OpenNew(Caller caller) {
   if (status.ok()) {
     status = host_.registry.Add((*session)->record(), *session, weak_from_this());
   }
-  status.ok() ? Opened(*std::move(session), /*resumed=*/false) : Fail(ToGrpc(status));
+  if (!status.ok()) return Fail(ToGrpc(status));
+  // Others know it by now and may have posted to its strand.
+  Strand& strand = (*session)->strand();
+  strand.Post([self = shared_from_this(), session = *std::move(session)]() mutable {
+    self->Opened(std::move(session), /*resumed=*/false);
+  });
 }
 
 void LocalizeStream::Resume(const Caller& caller) {

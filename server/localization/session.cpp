@@ -47,9 +47,10 @@ absl::StatusOr<std::shared_ptr<SessionRecord>> MakeRecord(const v1::OpenSession&
                          .vehicle_id = open.vehicle_id(),
                          .caller = caller,
                          .map_name = open.map_name(),
-                         .map_version = map.version,
+                         .map_version_asked_for = open.map_version() != 0,
                          .open_time = std::chrono::system_clock::now(),
                          .drops_oldest = open.queue_policy() == v1::QUEUE_POLICY_DROP_OLDEST};
+  record->map_version = map.version;
   return record;
 }
 
@@ -62,6 +63,14 @@ void SetStages(const StageTimer& timer, v1::StageTimings* timings) {
   timings->set_posegraph_duration_ns(Nanoseconds(timer.duration(Stage::kPoseGraph)));
 }
 
+/// Two maps' frames lie at the same place of the Earth, as far as is known.
+bool SamePlace(const std::optional<GeodeticAnchor>& a, const std::optional<GeodeticAnchor>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return a->origin.latitude_deg == b->origin.latitude_deg &&
+         a->origin.longitude_deg == b->origin.longitude_deg &&
+         a->origin.height_m == b->origin.height_m && a->x_axis_east_rad == b->x_axis_east_rad;
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<Session>> Session::Open(const v1::OpenSession& open,
@@ -70,8 +79,10 @@ absl::StatusOr<std::shared_ptr<Session>> Session::Open(const v1::OpenSession& op
   absl::StatusOr<convert::SessionRequest> request = convert::FromProto(open);
   if (!request.ok()) return request.status();
   const Clock::time_point begin = Clock::now();
-  absl::StatusOr<LoadedMap> map = context.store.Acquire(
-      ScopedMapName(caller.principal.tenant, request->map_name), request->map_version);
+  const std::string map_name = ScopedMapName(caller.principal.tenant, request->map_name);
+  absl::StatusOr<LoadedMap> map = request->map_version == 0
+                                      ? context.store.AcquireFor(map_name, request->vehicle_id)
+                                      : context.store.Acquire(map_name, request->map_version);
   context.metrics.ObserveMapAcquired(Clock::now() - begin);
   if (!map.ok()) return WithPrefix("open.map: ", map.status());
   const absl::StatusOr<std::optional<InitialPose>> initial_pose =
@@ -83,7 +94,8 @@ absl::StatusOr<std::shared_ptr<Session>> Session::Open(const v1::OpenSession& op
   absl::StatusOr<std::shared_ptr<SessionRecord>> record = MakeRecord(open, caller, map->record);
   if (!record.ok()) return record.status();
   std::shared_ptr<Session> session(new Session(context, *std::move(record), *std::move(map),
-                                               std::move(request->rig), *std::move(matcher)));
+                                               *std::move(request), *std::move(matcher)));
+  session->last_pose_ = *initial_pose;
   if (auto tap = context.taps.Take(caller.principal.tenant, open.vehicle_id())) {
     session->Tap(std::move(tap), open, context.program);
   }
@@ -105,21 +117,23 @@ void Session::Tap(std::shared_ptr<SessionTap> tap, const v1::OpenSession& open,
 }
 
 Session::Session(const SessionContext& context, std::shared_ptr<SessionRecord> record,
-                 LoadedMap map, Rig rig, std::unique_ptr<Matcher> matcher)
+                 LoadedMap map, convert::SessionRequest request, std::unique_ptr<Matcher> matcher)
     : detached_timeout_(context.detached_timeout),
       answer_history_count_(context.answer_history_count),
       record_(std::move(record)),
       totals_(context.totals),
       metrics_(context.metrics),
       strand_(context.pool),
+      create_matcher_(context.create_matcher),
       map_(std::move(map)),
-      rig_(std::move(rig)),
+      rig_(std::move(request.rig)),
+      options_(request.options),
       matcher_(std::move(matcher)),
       history_(context.answer_history_count) {
   const SessionDescription& description = record_->description;
   spdlog::info("session opened session={} vehicle={} peer={} map={} version={} radars={} trace={}",
                description.session_id, description.vehicle_id, description.caller.peer,
-               description.map_name, description.map_version, rig_.radars.size(),
+               description.map_name, record_->map_version.load(), rig_.radars.size(),
                description.caller.trace_id);
 }
 
@@ -136,7 +150,7 @@ void Session::Describe(bool resumed, v1::SessionOpened* opened) const {
   const SessionDescription& description = record_->description;
   opened->set_session_id(description.session_id);
   opened->set_map_name(description.map_name);
-  opened->set_map_version(description.map_version);
+  opened->set_map_version(record_->map_version);
   const MapInfo& info = map_.map->info();
   if (info.anchor) convert::ToProto(*info.anchor, opened->mutable_anchor());
   opened->set_resume_token(description.resume_token);
@@ -243,18 +257,55 @@ absl::Status Session::Localize(const v1::Scan& message, v1::LocalizationResult* 
   CountMissing(message.sequence_number());
   last_sequence_number_ = message.sequence_number();
   last_stamp_ = scan_.stamp;
+  std::swap(scan_, last_scan_);
+  RememberPose(*localization);
   record_->last_sequence_number = last_sequence_number_;
   record_->last_state = static_cast<int>(localization->state);
 
   // Every field is set each time, so nothing of an earlier answer shows through.
   result->set_sequence_number(message.sequence_number());
-  result->set_map_version(record_->description.map_version);
+  result->set_map_version(record_->map_version);
   convert::ToProto(*localization, result);
   result->mutable_timings()->set_conversion_duration_ns(Nanoseconds(converted - begin));
   SetStages(timer, result->mutable_timings());
   if (const std::optional<GeodeticAnchor>& anchor = map_.map->info().anchor) {
     convert::ToProto(*anchor, localization->T_map_vehicle, result->mutable_geodetic_pose());
   }
+  return absl::OkStatus();
+}
+
+void Session::RememberPose(const Localization& localization) {
+  // A session that began without any pose has none before the map has confirmed one.
+  const bool unknown =
+      localization.state == LocalizationState::kLost ||
+      (localization.state == LocalizationState::kInitializing && !last_pose_.has_value());
+  last_pose_.reset();
+  if (!unknown) last_pose_ = {localization.T_map_vehicle, localization.covariance};
+}
+
+absl::Status Session::Move(LoadedMap map) {
+  const std::int64_t version = map.record.version;
+  if (version == record_->map_version) return absl::OkStatus();
+  if (tap_ != nullptr) {
+    return absl::FailedPreconditionError("it is being recorded, and a recording is of one version");
+  }
+  if (!SamePlace(map.map->info().anchor, map_.map->info().anchor)) {
+    return absl::FailedPreconditionError("the versions' anchors on the Earth differ");
+  }
+  absl::StatusOr<std::unique_ptr<Matcher>> matcher =
+      create_matcher_(map.map, rig_, last_pose_, options_);
+  if (!matcher.ok()) return matcher.status();
+  // The pose holds at the last scan's stamp, and the vehicle has moved on since.
+  if (last_stamp_) {
+    if (absl::Status status = (*matcher)->Localize(last_scan_, nullptr).status(); !status.ok()) {
+      return status;
+    }
+  }
+  matcher_ = *std::move(matcher);
+  map_ = std::move(map);
+  spdlog::info("session moved session={} vehicle={} from={} to={}", record_->description.session_id,
+               record_->description.vehicle_id, record_->map_version.load(), version);
+  record_->map_version = version;
   return absl::OkStatus();
 }
 

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "dcloc/v1/localization_service.pb.h"
+#include "server/convert/session.h"
 #include "server/localization/answer_history.h"
 #include "server/localization/matcher.h"
 #include "server/localization/session_record.h"
@@ -64,12 +65,19 @@ class Session {
   /// held before is overwritten, and its memory used again.
   void Answer(const v1::Scan& scan, const Arrival& arrival, v1::LocalizeResponse* response);
 
+  /// Goes on in another version of the map: the last pose and its covariance are the prior at the
+  /// last scan, which is looked at again. FailedPrecondition when the maps' anchors differ or the
+  /// session is recorded, and errors of the matcher's; then nothing changes.
+  absl::Status Move(LoadedMap map);
+
   /// Answers a scan that is not to be looked at, since newer ones wait.
   void AnswerDropped(std::int64_t sequence_number, v1::LocalizeResponse* response);
 
  private:
   Session(const SessionContext& context, std::shared_ptr<SessionRecord> record, LoadedMap map,
-          Rig rig, std::unique_ptr<Matcher> matcher);
+          convert::SessionRequest request, std::unique_ptr<Matcher> matcher);
+
+  void RememberPose(const Localization& localization);
 
   void Tap(std::shared_ptr<SessionTap> tap, const v1::OpenSession& open,
            const std::string& program);
@@ -87,9 +95,12 @@ class Session {
   ScanCounts& totals_;
   Metrics& metrics_;
   Strand strand_;
+  MatcherFactory* const create_matcher_;
   LoadedMap map_;
   Rig rig_;
+  const LocalizerOptions options_;
   std::unique_ptr<Matcher> matcher_;
+  std::optional<InitialPose> last_pose_;  ///< at `last_scan_`; none when it is not known
   AnswerHistory history_;
   std::shared_ptr<SessionTap> tap_;            ///< null while nobody takes it down
   std::int64_t last_sequence_number_ = -1;     ///< the highest one localized
@@ -97,6 +108,7 @@ class Session {
   std::optional<Stamp> last_stamp_;
   std::chrono::steady_clock::time_point localized_;  ///< the newest one; what follows is encoding
   Scan scan_;                                        ///< kept for its columns' memory
+  Scan last_scan_;                                   ///< the last one localized
 };
 
 }  // namespace dcloc::server

@@ -18,7 +18,7 @@ struct SessionDescription {
   std::string vehicle_id;
   Caller caller;
   std::string map_name;
-  std::int64_t map_version = 0;
+  bool map_version_asked_for = false;  ///< the client named it, so the session keeps it
   SystemTime open_time;
   bool drops_oldest = false;  ///< when its queue is full
 
@@ -38,6 +38,7 @@ struct SessionRecord {
   using Clock = std::chrono::steady_clock;
 
   SessionDescription description;
+  std::atomic<std::int64_t> map_version = 0;
   ScanCounts counts;
   std::atomic<std::int64_t> missing_scan_count = 0;
   std::atomic<std::int64_t> resume_count = 0;

@@ -3,11 +3,13 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 #include "absl/strings/string_view.h"
 
 #include "absl/status/statusor.h"
 #include "core/map/radar_map.h"
+#include "server/maps/coverage.h"
 
 namespace dcloc::server {
 
@@ -19,6 +21,9 @@ struct MapRecord {
   std::int64_t active_version = 0;  ///< 0: none
   int version_count = 0;
   SystemTime create_time;
+  std::int64_t previous_version = 0;  ///< active before; 0: none
+  std::int64_t canary_version = 0;    ///< 0: none
+  double canary_share = 0.0;          ///< of the vehicles, [0, 1]
 };
 
 /// A version: a file that never changes.
@@ -29,6 +34,13 @@ struct MapVersionRecord {
   std::string sha256;  ///< names the file
   SystemTime create_time;
   MapInfo info;
+};
+
+/// An active version that covers a place.
+struct CoverageRecord {
+  std::string map_name;
+  std::int64_t version = 0;
+  double distance_m = 0.0;  ///< to the nearest box
 };
 
 /// Which maps there are. Thread-safe; calls may block on storage. Each change is atomic and durable
@@ -61,15 +73,21 @@ class Catalogue {
                                                       std::int64_t version) = 0;
 
   /// Adds a version, and the map if it is new. A file that the map already has gives the version
-  /// that has it. Activates the version if asked to.
+  /// that has it.
   virtual absl::StatusOr<MapVersionRecord> AddVersion(absl::string_view map_name,
                                                       absl::string_view sha256, const MapInfo& info,
-                                                      bool activate) = 0;
+                                                      const std::vector<CoverageBox>& coverage) = 0;
 
+  /// What was active becomes the previous version; a canary that becomes active is none any more.
   /// NotFound: no such map or version.
   virtual absl::Status Activate(absl::string_view map_name, std::int64_t version) = 0;
 
-  /// NotFound: no such map or version; FailedPrecondition: it is active.
+  /// Version 0 and share 0: none. NotFound: no such map or version; FailedPrecondition: the version
+  /// is active.
+  virtual absl::Status SetCanary(absl::string_view map_name, std::int64_t version,
+                                 double share) = 0;
+
+  /// NotFound: no such map or version; FailedPrecondition: it is active or the canary.
   virtual absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version) = 0;
 
   /// With all of its versions. NotFound: no such map.
@@ -77,6 +95,32 @@ class Catalogue {
 
   /// Whether any version has this file.
   virtual absl::StatusOr<bool> HasFile(absl::string_view sha256) = 0;
+
+  /// Of the file, in bytes, if a version of such maps (as with `ListMaps`) has it; else 0.
+  virtual absl::StatusOr<std::int64_t> SizeOfFile(absl::string_view prefix,
+                                                  absl::string_view sha256) = 0;
+
+  /// The files that there must be, each once, with their sizes.
+  virtual absl::StatusOr<std::vector<std::pair<std::string, std::int64_t>>> ListFiles() = 0;
+
+  /// Versions of which it is not known yet what they cover.
+  virtual absl::StatusOr<std::vector<MapVersionRecord>> ListUncovered() = 0;
+
+  /// Says what a version covers that `ListUncovered` gave.
+  virtual absl::Status AddCoverage(absl::string_view map_name, std::int64_t version,
+                                   const std::vector<CoverageBox>& coverage) = 0;
+
+  /// The active version of one map, if a box of it lies within `radius_m` of a place in its frame.
+  /// NotFound: no such map.
+  virtual absl::StatusOr<std::vector<CoverageRecord>> FindCoverage(absl::string_view map_name,
+                                                                   const Eigen::Vector2d& p_map,
+                                                                   double radius_m) = 0;
+
+  /// The active versions that cover a place on the Earth, of such maps as with `ListMaps` that have
+  /// an anchor; the nearest first, at most `limit`.
+  virtual absl::StatusOr<std::vector<CoverageRecord>> FindCoverage(absl::string_view prefix,
+                                                                   const GeodeticPosition& position,
+                                                                   double radius_m, int limit) = 0;
 };
 
 }  // namespace dcloc::server

@@ -17,7 +17,7 @@ namespace {
 absl::Status ErrorOf(int error, absl::string_view doing) {
   const std::string message =
       absl::StrCat(doing, ": ", std::error_code(error, std::generic_category()).message());
-  if (error == ENOSPC || error == EDQUOT || error == EMFILE || error == ENFILE) {
+  if (error == ENOSPC || error == EDQUOT || error == EFBIG || error == EMFILE || error == ENFILE) {
     return absl::ResourceExhaustedError(message);
   }
   return absl::InternalError(message);
@@ -44,12 +44,8 @@ FileDescriptor::~FileDescriptor() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-absl::StatusOr<TemporaryFile> CreateTemporaryFile(const std::filesystem::path& folder,
-                                                  absl::string_view prefix) {
-  std::string path = (folder / absl::StrCat(prefix, "XXXXXX")).string();
-  FileDescriptor file(mkostemp(path.data(), O_CLOEXEC));
-  if (file.get() < 0) return ErrorOf(errno, path);
-  return TemporaryFile{std::move(file), path};
+absl::StatusOr<FileDescriptor> OpenOrCreate(const std::filesystem::path& path) {
+  return OpenFile(path, O_RDWR | O_CREAT);
 }
 
 absl::Status WriteAll(const FileDescriptor& file, std::span<const std::byte> bytes) {
@@ -62,8 +58,44 @@ absl::Status WriteAll(const FileDescriptor& file, std::span<const std::byte> byt
   return absl::OkStatus();
 }
 
+absl::StatusOr<std::size_t> ReadUpTo(const FileDescriptor& file, std::span<std::byte> buffer) {
+  std::size_t size = 0;
+  while (size < buffer.size()) {
+    const ssize_t count = read(file.get(), buffer.data() + size, buffer.size() - size);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return ErrorOf(errno, "read");
+    if (count == 0) break;
+    size += static_cast<std::size_t>(count);
+  }
+  return size;
+}
+
+absl::Status Truncate(const FileDescriptor& file, std::int64_t size_bytes) {
+  const bool done = ftruncate(file.get(), size_bytes) == 0 && lseek(file.get(), 0, SEEK_SET) == 0;
+  return done ? absl::OkStatus() : ErrorOf(errno, "truncate");
+}
+
+absl::StatusOr<std::int64_t> FileSize(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error == std::errc::no_such_file_or_directory) return 0;
+  if (error) return ErrorOf(error.value(), path.string());
+  return static_cast<std::int64_t>(size);
+}
+
+absl::Status RemoveFile(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::remove(path, error);
+  return error ? ErrorOf(error.value(), path.string()) : absl::OkStatus();
+}
+
 absl::Status Sync(const FileDescriptor& file) {
   return fsync(file.get()) == 0 ? absl::OkStatus() : ErrorOf(errno, "fsync");
+}
+
+absl::Status SyncFile(const std::filesystem::path& path) {
+  const absl::StatusOr<FileDescriptor> file = OpenFile(path, O_RDONLY);
+  return file.ok() ? Sync(*file) : file.status();
 }
 
 absl::Status SyncFolder(const std::filesystem::path& folder) {

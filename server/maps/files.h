@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include "absl/strings/string_view.h"
@@ -25,19 +26,28 @@ class FileDescriptor {
   int descriptor_;
 };
 
-/// Creates a file of a new name that begins with `prefix` in `folder`, and opens it for writing.
-struct TemporaryFile {
-  FileDescriptor descriptor;
-  std::filesystem::path path;
-};
-absl::StatusOr<TemporaryFile> CreateTemporaryFile(const std::filesystem::path& folder,
-                                                  absl::string_view prefix);
+/// Opens a file for reading and writing, and makes it if it is not there.
+absl::StatusOr<FileDescriptor> OpenOrCreate(const std::filesystem::path& path);
 
-/// Writes all of `bytes`. ResourceExhausted when the disk is full.
+/// Writes all of `bytes` behind what was written or read before. ResourceExhausted when the disk is
+/// full.
 absl::Status WriteAll(const FileDescriptor& file, std::span<const std::byte> bytes);
+
+/// Fills `buffer` from where was written or read before; gives how many bytes there were.
+absl::StatusOr<std::size_t> ReadUpTo(const FileDescriptor& file, std::span<std::byte> buffer);
+
+/// Cuts the file off at `size_bytes` and goes to its beginning.
+absl::Status Truncate(const FileDescriptor& file, std::int64_t size_bytes);
+
+/// A regular file's size; 0 when there is none.
+absl::StatusOr<std::int64_t> FileSize(const std::filesystem::path& path);
+
+/// Removes a file if it is there.
+absl::Status RemoveFile(const std::filesystem::path& path);
 
 /// Makes a file's bytes, or a folder's entries, durable.
 absl::Status Sync(const FileDescriptor& file);
+absl::Status SyncFile(const std::filesystem::path& path);
 absl::Status SyncFolder(const std::filesystem::path& folder);
 
 /// Makes `folder` and what lies above it.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -26,6 +27,9 @@ class MapFiles {
 
   /// Removes a file if it is there; maps that were opened from it stay whole.
   virtual absl::Status Remove(absl::string_view sha256) = 0;
+
+  /// A file's size in bytes; 0 when it is not there.
+  virtual absl::StatusOr<std::int64_t> SizeOf(absl::string_view sha256) = 0;
 
   /// The hashes of all files.
   virtual absl::StatusOr<std::vector<std::string>> List() = 0;

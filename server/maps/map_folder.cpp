@@ -46,10 +46,10 @@ absl::StatusOr<std::shared_ptr<const RadarMap>> MapFolder::Open(absl::string_vie
   return RadarMap::Open(PathOf(sha256));
 }
 
-absl::Status MapFolder::Remove(absl::string_view sha256) {
-  std::error_code error;
-  std::filesystem::remove(PathOf(sha256), error);
-  return error ? ErrorOf(error, PathOf(sha256)) : absl::OkStatus();
+absl::Status MapFolder::Remove(absl::string_view sha256) { return RemoveFile(PathOf(sha256)); }
+
+absl::StatusOr<std::int64_t> MapFolder::SizeOf(absl::string_view sha256) {
+  return FileSize(PathOf(sha256));
 }
 
 absl::StatusOr<std::vector<std::string>> MapFolder::List() {

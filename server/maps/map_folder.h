@@ -17,6 +17,7 @@ class MapFolder final : public MapFiles {
   absl::Status Keep(const std::filesystem::path& path, absl::string_view sha256) override;
   absl::StatusOr<std::shared_ptr<const RadarMap>> Open(absl::string_view sha256) override;
   absl::Status Remove(absl::string_view sha256) override;
+  absl::StatusOr<std::int64_t> SizeOf(absl::string_view sha256) override;
   absl::StatusOr<std::vector<std::string>> List() override;
 
  private:

@@ -2,12 +2,17 @@
 
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/convert/check.h"
 #include "server/convert/map.h"
+#include "server/convert/map_build.h"
 #include "server/convert/page.h"
+#include "server/maps/build_stream.h"
 #include "server/maps/download_stream.h"
+#include "server/maps/map_labels.h"
+#include "server/maps/map_places.h"
 #include "server/maps/upload_stream.h"
 #include "server/unary.h"
 #include "spdlog/spdlog.h"
@@ -84,6 +89,18 @@ absl::Status GetMap(Catalogue& catalogue, const std::string& tenant, const std::
   return absl::OkStatus();
 }
 
+absl::Status GetUpload(MapStore& store, const std::string& tenant, const std::string& sha256,
+                       v1::GetMapUploadResponse* response) {
+  if (absl::Status status = convert::CheckSha256("sha256", sha256); !status.ok()) return status;
+  const absl::StatusOr<bool> stored = store.HasStored(ScopedMapName(tenant, ""), sha256);
+  if (!stored.ok()) return stored.status();
+  const absl::StatusOr<std::int64_t> size = store.incoming().DurableSize(tenant, sha256);
+  if (!size.ok()) return size.status();
+  response->set_stored(*stored);
+  response->set_durable_size_bytes(*size);
+  return absl::OkStatus();
+}
+
 absl::Status GetVersion(Catalogue& catalogue, const std::string& tenant,
                         const v1::GetMapVersionRequest& request, v1::MapVersion* message) {
   if (absl::Status status = Check(request.map_name(), request.version(), 0); !status.ok()) {
@@ -96,9 +113,16 @@ absl::Status GetVersion(Catalogue& catalogue, const std::string& tenant,
   return absl::OkStatus();
 }
 
+absl::Status AnswerBuild(const absl::StatusOr<BuildRecord>& record, v1::MapBuild* message) {
+  if (!record.ok()) return record.status();
+  convert::ToProto(*record, message);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
-MapService::MapService(StorageHost host) : host_(host) {}
+MapService::MapService(StorageHost host, SessionMover move_sessions)
+    : host_(host), move_sessions_(std::move(move_sessions)), builds_(host.store) {}
 
 grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* context,
                                                const v1::ListMapsRequest* request,
@@ -144,21 +168,86 @@ grpc::ServerWriteReactor<v1::DownloadMapResponse>* MapService::DownloadMap(
   return DownloadStream::Start(host_, context, *request);
 }
 
+grpc::ServerUnaryReactor* MapService::GetMapUpload(grpc::CallbackServerContext* context,
+                                                   const v1::GetMapUploadRequest* request,
+                                                   v1::GetMapUploadResponse* response) {
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return GetUpload(host_.store, principal.tenant, request->sha256(), response);
+  });
+}
+
 grpc::ServerUnaryReactor* MapService::ActivateMapVersion(
     grpc::CallbackServerContext* context, const v1::ActivateMapVersionRequest* request,
     v1::ActivateMapVersionResponse* response) {
-  return AnswerOn(host_, context, request,
-                  [this, request, response](const Principal& principal) -> absl::Status {
-                    absl::Status status = Check(request->map_name(), request->version(), 1);
-                    if (!status.ok()) return status;
-                    status = host_.store.catalogue().Activate(
-                        ScopedMapName(principal.tenant, request->map_name()), request->version());
-                    if (!status.ok()) return status;
-                    spdlog::info("map activated tenant={} map={} version={}", principal.tenant,
-                                 request->map_name(), request->version());
-                    return server::GetMap(host_.store.catalogue(), principal.tenant,
-                                          request->map_name(), response->mutable_map());
-                  });
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return Activate(host_.store, move_sessions_, principal.tenant, *request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::RollBackMap(grpc::CallbackServerContext* context,
+                                                  const v1::RollBackMapRequest* request,
+                                                  v1::RollBackMapResponse* response) {
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return RollBack(host_.store, move_sessions_, principal.tenant, *request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::SetMapCanary(grpc::CallbackServerContext* context,
+                                                   const v1::SetMapCanaryRequest* request,
+                                                   v1::SetMapCanaryResponse* response) {
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return SetCanary(host_.store, principal.tenant, *request, response->mutable_map());
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::FindCoverage(grpc::CallbackServerContext* context,
+                                                   const v1::FindCoverageRequest* request,
+                                                   v1::FindCoverageResponse* response) {
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return server::FindCoverage(host_.store.catalogue(), principal.tenant, *request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::ReadMapTile(grpc::CallbackServerContext* context,
+                                                  const v1::ReadMapTileRequest* request,
+                                                  v1::ReadMapTileResponse* response) {
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return server::ReadMapTile(host_.store, principal.tenant, *request, response);
+  });
+}
+
+grpc::ServerReadReactor<v1::StartMapBuildRequest>* MapService::StartMapBuild(
+    grpc::CallbackServerContext* context, v1::StartMapBuildResponse* response) {
+  return BuildStream::Start(context, host_, builds_, response);
+}
+
+grpc::ServerUnaryReactor* MapService::GetMapBuild(grpc::CallbackServerContext* context,
+                                                  const v1::GetMapBuildRequest* request,
+                                                  v1::GetMapBuildResponse* response) {
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return AnswerBuild(builds_.Get(principal.tenant, request->build_id()),
+                       response->mutable_build());
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::ListMapBuilds(grpc::CallbackServerContext* context,
+                                                    const v1::ListMapBuildsRequest* request,
+                                                    v1::ListMapBuildsResponse* response) {
+  return AnswerOn(host_, context, request, [this, response](const Principal& principal) {
+    for (const BuildRecord& record : builds_.List(principal.tenant)) {
+      convert::ToProto(record, response->add_builds());
+    }
+    return absl::OkStatus();
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::CancelMapBuild(grpc::CallbackServerContext* context,
+                                                     const v1::CancelMapBuildRequest* request,
+                                                     v1::CancelMapBuildResponse* response) {
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return AnswerBuild(builds_.Cancel(principal.tenant, request->build_id()),
+                       response->mutable_build());
+  });
 }
 
 grpc::ServerUnaryReactor* MapService::DeleteMapVersion(grpc::CallbackServerContext* context,

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "dcloc/v1/map_service.grpc.pb.h"
+#include "server/maps/map_builds.h"
+#include "server/maps/map_labels.h"
 #include "server/storage_host.h"
 
 namespace dcloc::server {
@@ -9,7 +11,7 @@ namespace dcloc::server {
 /// pool.
 class MapService final : public v1::MapService::CallbackService {
  public:
-  explicit MapService(StorageHost host);
+  MapService(StorageHost host, SessionMover move_sessions);
 
   grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
                                      const v1::ListMapsRequest* request,
@@ -30,6 +32,32 @@ class MapService final : public v1::MapService::CallbackService {
   grpc::ServerUnaryReactor* ActivateMapVersion(grpc::CallbackServerContext* context,
                                                const v1::ActivateMapVersionRequest* request,
                                                v1::ActivateMapVersionResponse* response) override;
+  grpc::ServerUnaryReactor* GetMapUpload(grpc::CallbackServerContext* context,
+                                         const v1::GetMapUploadRequest* request,
+                                         v1::GetMapUploadResponse* response) override;
+  grpc::ServerUnaryReactor* RollBackMap(grpc::CallbackServerContext* context,
+                                        const v1::RollBackMapRequest* request,
+                                        v1::RollBackMapResponse* response) override;
+  grpc::ServerUnaryReactor* SetMapCanary(grpc::CallbackServerContext* context,
+                                         const v1::SetMapCanaryRequest* request,
+                                         v1::SetMapCanaryResponse* response) override;
+  grpc::ServerUnaryReactor* FindCoverage(grpc::CallbackServerContext* context,
+                                         const v1::FindCoverageRequest* request,
+                                         v1::FindCoverageResponse* response) override;
+  grpc::ServerUnaryReactor* ReadMapTile(grpc::CallbackServerContext* context,
+                                        const v1::ReadMapTileRequest* request,
+                                        v1::ReadMapTileResponse* response) override;
+  grpc::ServerReadReactor<v1::StartMapBuildRequest>* StartMapBuild(
+      grpc::CallbackServerContext* context, v1::StartMapBuildResponse* response) override;
+  grpc::ServerUnaryReactor* GetMapBuild(grpc::CallbackServerContext* context,
+                                        const v1::GetMapBuildRequest* request,
+                                        v1::GetMapBuildResponse* response) override;
+  grpc::ServerUnaryReactor* ListMapBuilds(grpc::CallbackServerContext* context,
+                                          const v1::ListMapBuildsRequest* request,
+                                          v1::ListMapBuildsResponse* response) override;
+  grpc::ServerUnaryReactor* CancelMapBuild(grpc::CallbackServerContext* context,
+                                           const v1::CancelMapBuildRequest* request,
+                                           v1::CancelMapBuildResponse* response) override;
   grpc::ServerUnaryReactor* DeleteMapVersion(grpc::CallbackServerContext* context,
                                              const v1::DeleteMapVersionRequest* request,
                                              v1::DeleteMapVersionResponse* response) override;
@@ -39,6 +67,8 @@ class MapService final : public v1::MapService::CallbackService {
 
  private:
   const StorageHost host_;
+  const SessionMover move_sessions_;
+  MapBuilds builds_;
 };
 
 }  // namespace dcloc::server

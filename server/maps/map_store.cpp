@@ -1,14 +1,17 @@
 #include "server/maps/map_store.h"
 
 #include <limits>
-#include <system_error>
+#include <span>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/maps/coverage.h"
 #include "server/maps/map_folder.h"
+#include "server/maps/sha256.h"
 #include "server/maps/sqlite_catalogue.h"
 #include "server/status.h"
+#include "spdlog/spdlog.h"
 
 namespace dcloc::server {
 namespace {
@@ -17,6 +20,18 @@ absl::Status InUseError(absl::string_view map_name, std::int64_t version) {
   return absl::FailedPreconditionError(
       absl::StrFormat("version %d of map %s is in use; its sessions and downloads must end first",
                       version, Quoted(map_name)));
+}
+
+/// Where a vehicle lies among all, [0, 1): the same on each server and for each version, so that a
+/// growing share keeps the vehicles that it had.
+double ShareOf(absl::string_view map_name, absl::string_view vehicle_id) {
+  Sha256 hash;
+  const std::string text = absl::StrCat(map_name, "\n", vehicle_id);
+  hash.Update(std::as_bytes(std::span(text)));
+  constexpr int kDigits = 8;
+  const std::string digits = hash.Finish().substr(0, kDigits);
+  constexpr double kScale = 1.0 / 4294967296.0;  // 16^8
+  return kScale * static_cast<double>(std::stoul(digits, nullptr, 16));
 }
 
 }  // namespace
@@ -30,24 +45,29 @@ struct MapStore::Loaded {
     const std::lock_guard lock(mutex);
     if (map != nullptr) return absl::OkStatus();
     absl::StatusOr<std::shared_ptr<const RadarMap>> opened = files.Open(sha256);
-    if (!opened.ok()) return opened.status();
+    absl::Status status = opened.status();
     // Also brings the whole file into memory before the first scan needs it.
-    if (absl::Status status = (*opened)->Verify(); !status.ok()) return status;
-    map = *std::move(opened);
-    return absl::OkStatus();
+    if (status.ok()) status = (*opened)->Verify();
+    if (status.ok()) map = *std::move(opened);
+    if (!absl::IsNotFound(status) && !absl::IsDataLoss(status)) return status;
+    spdlog::error("map file not loaded reason={}", Quoted(status.message()));
+    return absl::DataLossError("the version's file is missing or damaged on the server");
   }
 };
 
-MapStore::MapStore(FileDescriptor lock, std::filesystem::path incoming_folder,
-                   std::unique_ptr<Catalogue> catalogue, std::unique_ptr<MapFiles> files)
+MapStore::MapStore(FileDescriptor lock, std::unique_ptr<Catalogue> catalogue,
+                   std::unique_ptr<MapFiles> files, std::unique_ptr<IncomingFiles> incoming,
+                   const MapStoreOptions& options)
     : lock_(std::move(lock)),
-      incoming_folder_(std::move(incoming_folder)),
       catalogue_(std::move(catalogue)),
-      files_(std::move(files)) {}
+      files_(std::move(files)),
+      incoming_(std::move(incoming)),
+      unfinished_upload_timeout_(options.unfinished_upload_timeout),
+      warm_(options.max_warm_bytes) {}
 
-absl::StatusOr<std::unique_ptr<MapStore>> MapStore::Open(const std::filesystem::path& folder) {
-  const std::filesystem::path incoming_folder = folder / "incoming";
-  if (absl::Status status = CreateFolders(incoming_folder); !status.ok()) return status;
+absl::StatusOr<std::unique_ptr<MapStore>> MapStore::Open(const std::filesystem::path& folder,
+                                                         const MapStoreOptions& options) {
+  if (absl::Status status = CreateFolders(folder); !status.ok()) return status;
   absl::StatusOr<FileDescriptor> lock = LockFile(folder / "lock");
   if (!lock.ok()) return lock.status();
   absl::StatusOr<std::unique_ptr<SqliteCatalogue>> catalogue =
@@ -55,26 +75,18 @@ absl::StatusOr<std::unique_ptr<MapStore>> MapStore::Open(const std::filesystem::
   if (!catalogue.ok()) return catalogue.status();
   absl::StatusOr<std::unique_ptr<MapFolder>> files = MapFolder::Open(folder / "maps");
   if (!files.ok()) return files.status();
-  std::unique_ptr<MapStore> store(
-      new MapStore(*std::move(lock), incoming_folder, *std::move(catalogue), *std::move(files)));
-  if (absl::Status status = store->RemoveLeftovers(); !status.ok()) return status;
+  absl::StatusOr<std::unique_ptr<IncomingFiles>> incoming =
+      IncomingFiles::Open(folder / "incoming");
+  if (!incoming.ok()) return incoming.status();
+  std::unique_ptr<MapStore> store(new MapStore(*std::move(lock), *std::move(catalogue),
+                                               *std::move(files), *std::move(incoming), options));
+  absl::StatusOr<StoreReport> report =
+      CheckStore(*store->catalogue_, *store->files_, *store->incoming_,
+                 std::chrono::system_clock::now() - options.unfinished_upload_timeout);
+  if (!report.ok()) return report.status();
+  Log(*report);
+  store->report_ = *std::move(report);
   return store;
-}
-
-absl::Status MapStore::RemoveLeftovers() {
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(incoming_folder_, error)) {
-    std::filesystem::remove(entry.path(), error);
-  }
-  if (error) {
-    return absl::InternalError(absl::StrCat(incoming_folder_.string(), ": ", error.message()));
-  }
-  const absl::StatusOr<std::vector<std::string>> hashes = files_->List();
-  if (!hashes.ok()) return hashes.status();
-  for (const std::string& sha256 : *hashes) {
-    if (absl::Status status = RemoveFileUnlessNeeded(sha256); !status.ok()) return status;
-  }
-  return absl::OkStatus();
 }
 
 absl::StatusOr<LoadedMap> MapStore::Acquire(absl::string_view map_name, std::int64_t version) {
@@ -91,20 +103,106 @@ absl::StatusOr<LoadedMap> MapStore::Acquire(absl::string_view map_name, std::int
   }
   if (absl::Status status = loaded->Load(*files_, record->sha256); !status.ok()) return status;
   const RadarMap* map = loaded->map.get();
-  return LoadedMap{.record = *std::move(record),
+  LoadedMap result{.record = *std::move(record),
                    .map = std::shared_ptr<const RadarMap>(std::move(loaded), map)};
+  const std::lock_guard lock(mutex_);
+  // Gone or relabelled meanwhile: what was loaded is still what was asked for.
+  const absl::StatusOr<MapRecord> now = catalogue_->GetMap(map_name);
+  if (now.ok()) KeepWarm(*now, result);
+  return result;
+}
+
+absl::StatusOr<LoadedMap> MapStore::AcquireFor(absl::string_view map_name,
+                                               absl::string_view vehicle_id) {
+  const absl::StatusOr<MapRecord> map = catalogue_->GetMap(map_name);
+  if (!map.ok()) return map.status();
+  if (map->canary_version != 0 && ShareOf(map_name, vehicle_id) < map->canary_share) {
+    absl::StatusOr<LoadedMap> canary = Acquire(map_name, map->canary_version);
+    if (canary.ok()) return canary;
+    spdlog::error("canary not loaded, the active version serves map={} version={} reason={}",
+                  std::string(map_name), map->canary_version, Quoted(canary.status().message()));
+  }
+  return Acquire(map_name, 0);
 }
 
 absl::StatusOr<MapVersionRecord> MapStore::Add(const std::filesystem::path& path,
                                                absl::string_view map_name, absl::string_view sha256,
-                                               const MapInfo& info, bool activate) {
+                                               const RadarMap& map) {
+  const std::vector<CoverageBox> coverage = CoverageOf(map);
   const std::lock_guard lock(mutex_);
   // The file first: a file without a row is a leftover, a row without a file would be a lie.
   if (absl::Status status = files_->Keep(path, sha256); !status.ok()) return status;
   absl::StatusOr<MapVersionRecord> record =
-      catalogue_->AddVersion(map_name, sha256, info, activate);
+      catalogue_->AddVersion(map_name, sha256, map.info(), coverage);
   if (!record.ok()) RemoveFileUnlessNeeded(sha256).IgnoreError();
   return record;
+}
+
+absl::StatusOr<MapVersionRecord> MapStore::AddStored(absl::string_view prefix,
+                                                     absl::string_view map_name,
+                                                     absl::string_view sha256) {
+  const absl::Status missing =
+      absl::NotFoundError(absl::StrCat("header.sha256 is ", sha256, "; no map has that file"));
+  const absl::StatusOr<bool> stored = HasStored(prefix, sha256);
+  if (!stored.ok()) return stored.status();
+  if (!*stored) return missing;
+  const absl::StatusOr<std::shared_ptr<const RadarMap>> map = files_->Open(sha256);
+  if (!map.ok()) return map.status();
+  const std::vector<CoverageBox> coverage = CoverageOf(**map);
+  const std::lock_guard lock(mutex_);
+  // Its version may have been deleted meanwhile.
+  const absl::StatusOr<std::int64_t> size = catalogue_->SizeOfFile(prefix, sha256);
+  if (!size.ok()) return size.status();
+  if (*size == 0) return missing;
+  return catalogue_->AddVersion(map_name, sha256, (*map)->info(), coverage);
+}
+
+absl::StatusOr<bool> MapStore::HasStored(absl::string_view prefix, absl::string_view sha256) {
+  const absl::StatusOr<std::int64_t> wanted = catalogue_->SizeOfFile(prefix, sha256);
+  if (!wanted.ok()) return wanted.status();
+  const absl::StatusOr<std::int64_t> size = files_->SizeOf(sha256);
+  if (!size.ok()) return size.status();
+  return *wanted != 0 && *size == *wanted;
+}
+
+absl::StatusOr<MapRecord> MapStore::Activate(absl::string_view map_name, std::int64_t version) {
+  // Warm before any session can ask for it, and held until it is known to be the active one.
+  const absl::StatusOr<LoadedMap> loaded = Acquire(map_name, version);
+  if (!loaded.ok()) return loaded.status();
+  const std::lock_guard lock(mutex_);
+  if (absl::Status status = catalogue_->Activate(map_name, version); !status.ok()) return status;
+  absl::StatusOr<MapRecord> map = catalogue_->GetMap(map_name);
+  if (map.ok()) KeepWarm(*map, *loaded);
+  return map;
+}
+
+absl::StatusOr<MapRecord> MapStore::RollBack(absl::string_view map_name) {
+  const absl::StatusOr<MapRecord> map = catalogue_->GetMap(map_name);
+  if (!map.ok()) return map.status();
+  if (map->previous_version != 0) return Activate(map_name, map->previous_version);
+  return absl::FailedPreconditionError(
+      absl::StrCat("map ", Quoted(map_name), " has no version that was active before"));
+}
+
+absl::StatusOr<MapRecord> MapStore::SetCanary(absl::string_view map_name, std::int64_t version,
+                                              double share) {
+  LoadedMap loaded;
+  if (version != 0) {
+    absl::StatusOr<LoadedMap> acquired = Acquire(map_name, version);
+    if (!acquired.ok()) return acquired.status();
+    loaded = *std::move(acquired);
+  }
+  const std::lock_guard lock(mutex_);
+  absl::Status status = catalogue_->SetCanary(map_name, version, share);
+  if (!status.ok()) return status;
+  absl::StatusOr<MapRecord> map = catalogue_->GetMap(map_name);
+  if (!map.ok()) return map.status();
+  KeepWarm(*map, loaded);
+  return map;
+}
+
+absl::StatusOr<int> MapStore::RemoveStaleUploads(SystemTime now) {
+  return incoming_->RemoveUntouchedSince(now - unfinished_upload_timeout_);
 }
 
 absl::Status MapStore::DeleteVersion(absl::string_view map_name, std::int64_t version) {
@@ -126,6 +224,7 @@ absl::Status MapStore::DeleteMap(absl::string_view map_name) {
   }
   absl::Status status = catalogue_->DeleteMap(map_name);
   if (!status.ok()) return status;
+  warm_.KeepOnly(map_name, 0, 0);
   for (const MapVersionRecord& record : *versions) {
     status.Update(RemoveFileUnlessNeeded(record.sha256));
   }
@@ -139,9 +238,19 @@ int MapStore::loaded_map_count() {
   return count;
 }
 
+void MapStore::KeepWarm(const MapRecord& map, const LoadedMap& loaded) {
+  const std::int64_t version = loaded.record.version;
+  if (version != 0 && (version == map.active_version || version == map.canary_version)) {
+    warm_.Keep({map.name, version}, loaded.map,
+               static_cast<std::int64_t>(loaded.record.info.size_bytes));
+  }
+  warm_.KeepOnly(map.name, map.active_version, map.canary_version);
+}
+
 bool MapStore::InUse(const Key& key) const {
   const auto entry = loaded_.find(key);
-  return entry != loaded_.end() && !entry->second.expired();
+  if (entry == loaded_.end()) return false;
+  return entry->second.use_count() > (warm_.Has(key) ? 1 : 0);
 }
 
 absl::Status MapStore::RemoveFileUnlessNeeded(absl::string_view sha256) {

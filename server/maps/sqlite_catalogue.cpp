@@ -1,9 +1,11 @@
 #include "server/maps/sqlite_catalogue.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/maps/sqlite_coverage.h"
 #include "server/maps/sqlite_schema.h"
 #include "server/status.h"
 
@@ -26,14 +28,15 @@ absl::Status CreateOrCheckSchema(SqliteDatabase& database) {
   if (!row.ok()) return row.status();
   const std::int64_t version = query.NextInteger();
   if (version == kSchemaVersion) return absl::OkStatus();
-  if (version != 0) {
+  if (version > kSchemaVersion || version < 0) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "catalogue: its schema has version %d; this program knows %d", version, kSchemaVersion));
   }
   SqliteTransaction transaction(database);
   if (!transaction.status().ok()) return transaction.status();
-  if (absl::Status status = database.Run(kCreateSchema); !status.ok()) return status;
-  return transaction.Commit();
+  absl::Status status = database.Run(version == 0 ? kCreateSchema : kMigrateFrom1);
+  if (status.ok()) status = database.Run(kCreateCoverage);
+  return status.ok() ? transaction.Commit() : status;
 }
 
 template <typename Record>
@@ -46,6 +49,11 @@ absl::StatusOr<std::vector<Record>> ReadAll(SqliteStatement& query,
     if (!*row) return records;
     records.push_back(read(query));
   }
+}
+
+std::pair<std::string, std::int64_t> ReadFile(SqliteStatement& row) {
+  std::string sha256 = row.NextText();
+  return {std::move(sha256), row.NextInteger()};
 }
 
 }  // namespace
@@ -114,9 +122,9 @@ absl::StatusOr<MapVersionRecord> SqliteCatalogue::GetVersion(absl::string_view m
   return FindVersion(map_name, version == 0 ? map->active_version : version);
 }
 
-absl::StatusOr<MapVersionRecord> SqliteCatalogue::AddVersion(absl::string_view map_name,
-                                                             absl::string_view sha256,
-                                                             const MapInfo& info, bool activate) {
+absl::StatusOr<MapVersionRecord> SqliteCatalogue::AddVersion(
+    absl::string_view map_name, absl::string_view sha256, const MapInfo& info,
+    const std::vector<CoverageBox>& coverage) {
   const std::lock_guard lock(mutex_);
   SqliteTransaction transaction(database_);
   if (!transaction.status().ok()) return transaction.status();
@@ -132,11 +140,11 @@ absl::StatusOr<MapVersionRecord> SqliteCatalogue::AddVersion(absl::string_view m
                  .create_time = std::chrono::system_clock::now(),
                  .info = info},
                 &insert);
-    if (absl::Status status = insert.Run(); !status.ok()) return status;
+    absl::Status status = insert.Run();
+    if (status.ok()) status = InsertCoverage(database_, map_name, *version, coverage);
+    if (!status.ok()) return status;
   }
-  absl::Status status = activate ? SetActive(map_name, *version) : absl::OkStatus();
-  status.Update(status.ok() ? transaction.Commit() : status);
-  if (!status.ok()) return status;
+  if (absl::Status status = transaction.Commit(); !status.ok()) return status;
   return FindVersion(map_name, *version);
 }
 
@@ -144,21 +152,58 @@ absl::Status SqliteCatalogue::Activate(absl::string_view map_name, std::int64_t 
   const std::lock_guard lock(mutex_);
   absl::Status status = FindMap(map_name).status();
   if (status.ok()) status = FindVersion(map_name, version).status();
-  return status.ok() ? SetActive(map_name, version) : status;
+  if (!status.ok()) return status;
+  SqliteStatement update(
+      database_,
+      "UPDATE map SET"
+      " previous_version = iif(active_version = ?1, previous_version, active_version),"
+      " canary_share = iif(canary_version = ?1, 0, canary_share),"
+      " canary_version = iif(canary_version = ?1, 0, canary_version),"
+      " active_version = ?1 WHERE name = ?2");
+  return update.Bind(version).Bind(map_name).Run();
+}
+
+absl::Status SqliteCatalogue::SetCanary(absl::string_view map_name, std::int64_t version,
+                                        double share) {
+  const std::lock_guard lock(mutex_);
+  absl::Status status = FindMap(map_name).status();
+  if (status.ok() && version != 0) {
+    const absl::StatusOr<MapVersionRecord> record = FindVersion(map_name, version);
+    if (!record.ok()) return record.status();
+    if (record->active) {
+      return absl::FailedPreconditionError(absl::StrFormat(
+          "version is %d; it is the active one of map %s", version, Quoted(map_name)));
+    }
+  }
+  if (!status.ok()) return status;
+  SqliteStatement update(database_,
+                         "UPDATE map SET canary_version = ?, canary_share = ? WHERE name = ?");
+  return update.Bind(version).Bind(share).Bind(map_name).Run();
 }
 
 absl::Status SqliteCatalogue::DeleteVersion(absl::string_view map_name, std::int64_t version) {
   const std::lock_guard lock(mutex_);
-  if (absl::Status status = FindMap(map_name).status(); !status.ok()) return status;
+  const absl::StatusOr<MapRecord> map = FindMap(map_name);
+  if (!map.ok()) return map.status();
   const absl::StatusOr<MapVersionRecord> record = FindVersion(map_name, version);
   if (!record.ok()) return record.status();
+  if (map->canary_version == version) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "version %d of map %s is the canary; set another one or none", version, Quoted(map_name)));
+  }
   if (record->active) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "version %d of map %s is active; activate another one or delete the whole map", version,
         Quoted(map_name)));
   }
+  SqliteTransaction transaction(database_);
+  if (!transaction.status().ok()) return transaction.status();
   SqliteStatement remove(database_, "DELETE FROM map_version WHERE map_name = ? AND version = ?");
-  return remove.Bind(map_name).Bind(version).Run();
+  absl::Status status = remove.Bind(map_name).Bind(version).Run();
+  SqliteStatement forget(
+      database_, "UPDATE map SET previous_version = 0 WHERE name = ? AND previous_version = ?");
+  if (status.ok()) status = forget.Bind(map_name).Bind(version).Run();
+  return status.ok() ? transaction.Commit() : status;
 }
 
 absl::Status SqliteCatalogue::DeleteMap(absl::string_view map_name) {
@@ -172,6 +217,62 @@ absl::StatusOr<bool> SqliteCatalogue::HasFile(absl::string_view sha256) {
   const std::lock_guard lock(mutex_);
   SqliteStatement query(database_, "SELECT 1 FROM map_version WHERE sha256 = ? LIMIT 1");
   return query.Bind(sha256).Step();
+}
+
+absl::StatusOr<std::int64_t> SqliteCatalogue::SizeOfFile(absl::string_view prefix,
+                                                         absl::string_view sha256) {
+  const std::lock_guard lock(mutex_);
+  SqliteStatement query(database_,
+                        "SELECT size_bytes FROM map_version WHERE sha256 = ?2"
+                        " AND substr(map_name, 1, length(?1)) = ?1"
+                        " AND instr(substr(map_name, length(?1) + 1), '/') = 0 LIMIT 1");
+  const absl::StatusOr<bool> row = query.Bind(prefix).Bind(sha256).Step();
+  if (!row.ok()) return row.status();
+  return *row ? query.NextInteger() : 0;
+}
+
+absl::StatusOr<std::vector<std::pair<std::string, std::int64_t>>> SqliteCatalogue::ListFiles() {
+  const std::lock_guard lock(mutex_);
+  SqliteStatement query(database_, "SELECT DISTINCT sha256, size_bytes FROM map_version");
+  return ReadAll(query, ReadFile);
+}
+
+absl::StatusOr<std::vector<MapVersionRecord>> SqliteCatalogue::ListUncovered() {
+  const std::lock_guard lock(mutex_);
+  SqliteStatement query(database_,
+                        "SELECT * FROM map_version_row AS row WHERE NOT EXISTS"
+                        " (SELECT 1 FROM coverage_box AS box WHERE box.map_name = row.map_name"
+                        " AND box.version = row.version)");
+  return ReadAll(query, ReadVersion);
+}
+
+absl::Status SqliteCatalogue::AddCoverage(absl::string_view map_name, std::int64_t version,
+                                          const std::vector<CoverageBox>& coverage) {
+  const std::lock_guard lock(mutex_);
+  SqliteTransaction transaction(database_);
+  if (!transaction.status().ok()) return transaction.status();
+  absl::Status status = InsertCoverage(database_, map_name, version, coverage);
+  return status.ok() ? transaction.Commit() : status;
+}
+
+absl::StatusOr<std::vector<CoverageRecord>> SqliteCatalogue::FindCoverage(
+    absl::string_view map_name, const Eigen::Vector2d& p_map, double radius_m) {
+  const std::lock_guard lock(mutex_);
+  if (absl::Status status = FindMap(map_name).status(); !status.ok()) return status;
+  return FindMapCoverage(database_, map_name, p_map, radius_m);
+}
+
+absl::StatusOr<std::vector<CoverageRecord>> SqliteCatalogue::FindCoverage(
+    absl::string_view prefix, const GeodeticPosition& position, double radius_m, int limit) {
+  const std::lock_guard lock(mutex_);
+  absl::StatusOr<std::vector<CoverageRecord>> records =
+      FindEarthCoverage(database_, prefix, position, radius_m);
+  if (!records.ok()) return records;
+  std::ranges::stable_sort(*records, {}, &CoverageRecord::distance_m);
+  if (static_cast<int>(records->size()) > limit) {
+    records->resize(static_cast<std::size_t>(limit));
+  }
+  return records;
 }
 
 absl::StatusOr<MapRecord> SqliteCatalogue::FindMap(absl::string_view map_name) {
@@ -211,11 +312,6 @@ absl::StatusOr<std::int64_t> SqliteCatalogue::TakeNumber(absl::string_view map_n
       upsert.Bind(map_name).Bind(std::int64_t{now.time_since_epoch().count()}).Step();
   if (!row.ok()) return row.status();
   return upsert.NextInteger();
-}
-
-absl::Status SqliteCatalogue::SetActive(absl::string_view map_name, std::int64_t version) {
-  SqliteStatement update(database_, "UPDATE map SET active_version = ? WHERE name = ?");
-  return update.Bind(version).Bind(map_name).Run();
 }
 
 }  // namespace dcloc::server

@@ -25,11 +25,25 @@ class SqliteCatalogue final : public Catalogue {
   absl::StatusOr<MapVersionRecord> GetVersion(absl::string_view map_name,
                                               std::int64_t version) override;
   absl::StatusOr<MapVersionRecord> AddVersion(absl::string_view map_name, absl::string_view sha256,
-                                              const MapInfo& info, bool activate) override;
+                                              const MapInfo& info,
+                                              const std::vector<CoverageBox>& coverage) override;
   absl::Status Activate(absl::string_view map_name, std::int64_t version) override;
+  absl::Status SetCanary(absl::string_view map_name, std::int64_t version, double share) override;
   absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version) override;
   absl::Status DeleteMap(absl::string_view map_name) override;
   absl::StatusOr<bool> HasFile(absl::string_view sha256) override;
+  absl::StatusOr<std::int64_t> SizeOfFile(absl::string_view prefix,
+                                          absl::string_view sha256) override;
+  absl::StatusOr<std::vector<std::pair<std::string, std::int64_t>>> ListFiles() override;
+  absl::StatusOr<std::vector<MapVersionRecord>> ListUncovered() override;
+  absl::Status AddCoverage(absl::string_view map_name, std::int64_t version,
+                           const std::vector<CoverageBox>& coverage) override;
+  absl::StatusOr<std::vector<CoverageRecord>> FindCoverage(absl::string_view map_name,
+                                                           const Eigen::Vector2d& p_map,
+                                                           double radius_m) override;
+  absl::StatusOr<std::vector<CoverageRecord>> FindCoverage(absl::string_view prefix,
+                                                           const GeodeticPosition& position,
+                                                           double radius_m, int limit) override;
 
  private:
   explicit SqliteCatalogue(SqliteDatabase database);
@@ -41,7 +55,6 @@ class SqliteCatalogue final : public Catalogue {
   absl::StatusOr<std::int64_t> VersionOfFile(absl::string_view map_name, absl::string_view sha256);
   /// Takes the map's next number, and creates the map if it is new.
   absl::StatusOr<std::int64_t> TakeNumber(absl::string_view map_name);
-  absl::Status SetActive(absl::string_view map_name, std::int64_t version);
 
   std::mutex mutex_;
   SqliteDatabase database_;

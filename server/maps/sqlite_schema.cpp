@@ -48,7 +48,10 @@ CREATE TABLE map (
   name TEXT PRIMARY KEY,
   active_version INTEGER NOT NULL DEFAULT 0,
   next_version INTEGER NOT NULL,
-  create_time_ns INTEGER NOT NULL
+  create_time_ns INTEGER NOT NULL,
+  previous_version INTEGER NOT NULL DEFAULT 0,
+  canary_version INTEGER NOT NULL DEFAULT 0,
+  canary_share REAL NOT NULL DEFAULT 0
 ) STRICT, WITHOUT ROWID;
 
 CREATE TABLE map_version (
@@ -75,14 +78,30 @@ CREATE INDEX map_version_sha256 ON map_version(sha256);
 
 CREATE VIEW map_row AS
   SELECT name, active_version,
-         (SELECT COUNT(*) FROM map_version WHERE map_name = name) AS version_count, create_time_ns
+         (SELECT COUNT(*) FROM map_version WHERE map_name = name) AS version_count, create_time_ns,
+         previous_version, canary_version, canary_share
   FROM map;
 
 CREATE VIEW map_version_row AS
   SELECT map_version.*, active_version = version AS active
   FROM map_version JOIN map ON map_name = name;
 
-PRAGMA user_version = 1;
+PRAGMA user_version = 2;
+)";
+
+const char* const kMigrateFrom1 = R"(
+ALTER TABLE map ADD COLUMN previous_version INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE map ADD COLUMN canary_version INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE map ADD COLUMN canary_share REAL NOT NULL DEFAULT 0;
+
+DROP VIEW map_row;
+CREATE VIEW map_row AS
+  SELECT name, active_version,
+         (SELECT COUNT(*) FROM map_version WHERE map_name = name) AS version_count, create_time_ns,
+         previous_version, canary_version, canary_share
+  FROM map;
+
+PRAGMA user_version = 2;
 )";
 
 const char* const kInsertVersion =
@@ -94,6 +113,9 @@ MapRecord ReadMap(SqliteStatement& row) {
   record.active_version = row.NextInteger();
   record.version_count = static_cast<int>(row.NextInteger());
   record.create_time = TimeFromNanoseconds(row.NextInteger());
+  record.previous_version = row.NextInteger();
+  record.canary_version = row.NextInteger();
+  record.canary_share = row.NextReal();
   return record;
 }
 

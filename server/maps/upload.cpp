@@ -1,16 +1,15 @@
 #include "server/maps/upload.h"
 
 #include <algorithm>
-#include <span>
-#include <system_error>
+#include <memory>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/strip.h"
 #include "server/convert/check.h"
+#include "server/convert/map.h"
 #include "server/identity/principal.h"
-#include "server/status.h"
 
 namespace dcloc::server {
 namespace {
@@ -21,11 +20,7 @@ absl::Status Validate(const UploadRequest& request, std::int64_t max_size_bytes)
   absl::Status status = convert::CheckMapName("header.map_name", request.map_name);
   status.Update(
       convert::CheckIntegerBetween("header.size_bytes", request.size_bytes, 1, max_size_bytes));
-  if (status.ok() && !IsSha256(request.sha256)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("header.sha256 is ", Quoted(request.sha256),
-                     "; it must be 64 lower-case hexadecimal digits"));
-  }
+  status.Update(convert::CheckSha256("header.sha256", request.sha256));
   return status;
 }
 
@@ -35,17 +30,21 @@ absl::Status CheckStorage(MapStore& store, const UploadRequest& request,
   const absl::StatusOr<std::int64_t> used =
       store.catalogue().SizeOfMaps(ScopedMapName(request.tenant, ""));
   if (!used.ok()) return used.status();
-  if (*used + request.size_bytes <= max_tenant_bytes) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrFormat(
-      "the maps take %d bytes and header.size_bytes is %d; max_tenant_storage_mib is %d", *used,
-      request.size_bytes, max_tenant_bytes >> 20));
+  const absl::StatusOr<std::int64_t> unfinished =
+      store.incoming().SizeOfOthers(request.tenant, request.sha256);
+  if (!unfinished.ok()) return unfinished.status();
+  if (*used + *unfinished + request.size_bytes <= max_tenant_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrFormat("the maps take %d bytes, unfinished uploads %d, and header.size_bytes is %d; "
+                      "max_tenant_storage_mib is %d",
+                      *used, *unfinished, request.size_bytes, max_tenant_bytes >> 20));
 }
 
-absl::StatusOr<MapInfo> VerifyMap(const std::filesystem::path& path) {
-  const absl::StatusOr<std::shared_ptr<const RadarMap>> map = RadarMap::Open(path);
+absl::StatusOr<std::shared_ptr<const RadarMap>> VerifyMap(const std::filesystem::path& path) {
+  absl::StatusOr<std::shared_ptr<const RadarMap>> map = RadarMap::Open(path);
   absl::Status status = map.status();
-  status.Update(status.ok() ? (*map)->Verify() : status);
-  if (status.ok()) return (*map)->info();
+  if (status.ok()) status = (*map)->Verify();
+  if (status.ok()) return map;
   // Paths of this machine are nothing to a client.
   return absl::DataLossError(
       absl::StrCat("the file is no intact map: ",
@@ -54,62 +53,85 @@ absl::StatusOr<MapInfo> VerifyMap(const std::filesystem::path& path) {
 
 }  // namespace
 
-Upload::Upload(MapStore& store, UploadRequest request, TemporaryFile file)
+Upload::Upload(MapStore& store, UploadRequest request, IncomingFile file)
     : store_(&store), request_(std::move(request)), file_(std::move(file)) {}
-
-Upload::Upload(Upload&& other) noexcept
-    : store_(other.store_),
-      request_(std::move(other.request_)),
-      file_{std::move(other.file_.descriptor), std::exchange(other.file_.path, {})},
-      received_bytes_(other.received_bytes_),
-      hash_(std::move(other.hash_)) {}
-
-Upload::~Upload() {
-  std::error_code error;
-  if (!file_.path.empty()) std::filesystem::remove(file_.path, error);
-}
 
 absl::StatusOr<Upload> Upload::Begin(MapStore& store, UploadRequest request,
                                      const UploadLimits& limits) {
   absl::Status status = Validate(request, limits.max_map_bytes);
-  status.Update(status.ok() ? CheckStorage(store, request, limits.max_tenant_bytes) : status);
+  if (status.ok()) status = CheckStorage(store, request, limits.max_tenant_bytes);
   if (!status.ok()) return status;
-  absl::StatusOr<TemporaryFile> file = CreateTemporaryFile(store.incoming_folder(), "upload-");
-  if (!file.ok()) return file.status();
-  return Upload(store, std::move(request), *std::move(file));
+  IncomingFile file = store.incoming().Take(request.tenant, request.sha256);
+  return Upload(store, std::move(request), std::move(file));
 }
 
 absl::Status Upload::Append(std::int64_t offset_bytes, absl::string_view bytes) {
-  if (offset_bytes != received_bytes_) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "chunk.offset_bytes is %d; the bytes before it end at %d", offset_bytes, received_bytes_));
+  const absl::StatusOr<IncomingFile::Hold> hold = file_.Lock();
+  if (!hold.ok()) return hold.status();
+  if (!file_.begun()) {
+    if (absl::Status status = BeginAt(offset_bytes); !status.ok()) return status;
   }
-  const auto size = static_cast<std::int64_t>(bytes.size());
+  if (offset_bytes != file_.hashed_bytes()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("chunk.offset_bytes is %d; the bytes before it end at %d", offset_bytes,
+                        file_.hashed_bytes()));
+  }
   absl::Status status = convert::CheckIntegerBetween(
-      "the size of chunk.data", size, 0,
-      std::min(kMaxChunk_bytes, request_.size_bytes - received_bytes_));
-  if (!status.ok()) return status;
-  const std::span<const std::byte> data = std::as_bytes(std::span(bytes));
-  hash_.Update(data);
-  received_bytes_ += size;
-  return WriteAll(file_.descriptor, data);
+      "the size of chunk.data", static_cast<std::int64_t>(bytes.size()), 0,
+      std::min(kMaxChunk_bytes, request_.size_bytes - offset_bytes));
+  return status.ok() ? file_.Write(bytes) : status;
+}
+
+absl::Status Upload::BeginAt(std::int64_t offset_bytes) {
+  const absl::StatusOr<std::int64_t> size = file_.Size();
+  if (!size.ok()) return size.status();
+  if (offset_bytes < 0 || offset_bytes > std::min(*size, request_.size_bytes)) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "chunk.offset_bytes is %d; of this file %d bytes are here", offset_bytes, *size));
+  }
+  return file_.BeginAt(offset_bytes);
 }
 
 absl::StatusOr<MapVersionRecord> Upload::Finish() {
-  if (received_bytes_ != request_.size_bytes) {
-    return absl::DataLossError(absl::StrFormat("%d bytes came; header.size_bytes is %d",
-                                               received_bytes_, request_.size_bytes));
+  absl::StatusOr<MapVersionRecord> record = Take();
+  if (!record.ok() || !request_.activate) return record;
+  const absl::StatusOr<MapRecord> map = store_->Activate(record->map_name, record->version);
+  if (!map.ok()) return map.status();
+  record->active = map->active_version == record->version;
+  return record;
+}
+
+absl::StatusOr<MapVersionRecord> Upload::Take() {
+  const absl::StatusOr<IncomingFile::Hold> hold = file_.Lock();
+  if (!hold.ok()) return hold.status();
+  const std::string map_name = ScopedMapName(request_.tenant, request_.map_name);
+  if (!file_.begun()) {
+    absl::StatusOr<MapVersionRecord> stored =
+        store_->AddStored(ScopedMapName(request_.tenant, ""), map_name, request_.sha256);
+    if (!absl::IsNotFound(stored.status())) return stored;
   }
-  const std::string sha256 = hash_.Finish();
-  if (sha256 != request_.sha256) {
+  const absl::StatusOr<std::int64_t> size = file_.Size();
+  if (!size.ok()) return size.status();
+  if (*size != request_.size_bytes) {
+    return absl::DataLossError(
+        absl::StrFormat("%d bytes came; header.size_bytes is %d", *size, request_.size_bytes));
+  }
+  if (!file_.begun()) {
+    if (absl::Status status = file_.BeginAt(*size); !status.ok()) return status;
+  }
+  const absl::StatusOr<std::string> sha256 = file_.Finish();
+  if (!sha256.ok()) return sha256.status();
+  if (*sha256 != request_.sha256) {
+    file_.Remove().IgnoreError();
     return absl::DataLossError(absl::StrFormat(
-        "the bytes that came have the hash %s; header.sha256 is %s", sha256, request_.sha256));
+        "the bytes that came have the hash %s; header.sha256 is %s", *sha256, request_.sha256));
   }
-  if (absl::Status status = Sync(file_.descriptor); !status.ok()) return status;
-  const absl::StatusOr<MapInfo> info = VerifyMap(file_.path);
-  if (!info.ok()) return info.status();
-  return store_->Add(file_.path, ScopedMapName(request_.tenant, request_.map_name), sha256, *info,
-                     request_.activate);
+  const absl::StatusOr<std::shared_ptr<const RadarMap>> map = VerifyMap(file_.path());
+  if (!map.ok()) {
+    file_.Remove().IgnoreError();
+    return map.status();
+  }
+  return store_->Add(file_.path(), map_name, *sha256, **map);
 }
 
 }  // namespace dcloc::server

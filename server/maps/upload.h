@@ -6,8 +6,8 @@
 #include "absl/strings/string_view.h"
 
 #include "absl/status/statusor.h"
+#include "server/maps/incoming_files.h"
 #include "server/maps/map_store.h"
-#include "server/maps/sha256.h"
 
 namespace dcloc::server {
 
@@ -26,34 +26,35 @@ struct UploadLimits {
   std::int64_t max_tenant_bytes = 0;  ///< of the tenant's versions together; 0: no limit
 };
 
-/// A map file on its way into the store: it lies in a temporary file until it is complete and was
-/// verified, and is gone when the upload is dropped. Not thread-safe; calls block on storage.
+/// A map file on its way into the store. What has come of it stays when the upload is dropped, for
+/// another one to go on with; it is gone once it is a version, or turns out to be none. Not
+/// thread-safe; calls block on storage. Aborted once another upload has taken the same file.
 class Upload {
  public:
   /// InvalidArgument names the field, the value and the bound, ResourceExhausted the limit that it
   /// would pass. `store` outlives the upload.
   static absl::StatusOr<Upload> Begin(MapStore& store, UploadRequest request,
                                       const UploadLimits& limits);
-  Upload(Upload&&) noexcept;
-  Upload& operator=(Upload&&) = delete;
-  ~Upload();
 
-  /// Appends bytes that begin at `offset_bytes` in the file. InvalidArgument unless that is where
-  /// the bytes before ended and the file does not grow beyond its size.
+  /// Appends bytes that begin at `offset_bytes` in the file: the first ones where bytes of an
+  /// earlier upload are or end, the others where the ones before ended. InvalidArgument if not, or
+  /// if the file would grow beyond its size.
   absl::Status Append(std::int64_t offset_bytes, absl::string_view bytes);
 
-  /// Checks size, hash and the map in it, and adds it to the store. DataLoss when the bytes are not
-  /// those that were announced, or are no intact map.
+  /// Checks size, hash and the map in it, adds it to the store, and activates it if that was asked
+  /// for. DataLoss when the bytes are not those that were announced, or are no intact map. Without
+  /// any bytes, a file that the tenant has in the store already will do.
   absl::StatusOr<MapVersionRecord> Finish();
 
  private:
-  Upload(MapStore& store, UploadRequest request, TemporaryFile file);
+  Upload(MapStore& store, UploadRequest request, IncomingFile file);
+
+  absl::Status BeginAt(std::int64_t offset_bytes);
+  absl::StatusOr<MapVersionRecord> Take();
 
   MapStore* store_;
   UploadRequest request_;
-  TemporaryFile file_;
-  std::int64_t received_bytes_ = 0;
-  Sha256 hash_;
+  IncomingFile file_;
 };
 
 }  // namespace dcloc::server

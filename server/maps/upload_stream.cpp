@@ -46,6 +46,7 @@ void UploadStream::TakeMessage() {
 
 void UploadStream::TakeEnd() {
   if (context_->IsCancelled()) {
+    upload_.reset();
     Finish(grpc::Status(grpc::StatusCode::CANCELLED, "cancelled"));
     return;
   }

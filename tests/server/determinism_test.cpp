@@ -5,46 +5,11 @@
 #include <thread>
 #include <vector>
 
-#include "client/simulation/simulation.h"
-#include "core/map/map_builder.h"
-#include "server/convert/geometry.h"
 #include "tests/server/test_server.h"
+#include "tests/server/town_drive.h"
 
 namespace dcloc::server {
 namespace {
-
-/// A short drive through a simulated town, and the map of another one.
-struct TownDrive {
-  TownDrive() {
-    SimulationOptions options;
-    options.length_m = 200.0;
-    const std::vector<PassOptions> passes = Passes(options);
-    const Drive mapping = *SimulatePass(options, passes[0]);
-    MapBuilder builder = *MapBuilder::Create(mapping.rig, {.name = "town"});
-    for (const DriveScan& scan : mapping.scans) {
-      EXPECT_TRUE(builder.Add(scan.scan, scan.T_map_vehicle, *scan.scan.ego_velocity).ok());
-    }
-    map = *builder.Build();
-    live = *SimulatePass(options, passes[1]);
-  }
-
-  v1::OpenSession Open() const {
-    v1::OpenSession open = OpenMessage();
-    const RadarModel& model = live.rig.radars[0];
-    v1::RadarModel* radar = open.mutable_rig()->mutable_radars(0);
-    radar->set_radar_id(model.id);
-    convert::ToProto(model.T_vehicle_radar, radar->mutable_t_vehicle_radar());
-    radar->set_beta_s(model.beta_s);
-    radar->set_range_sigma_m(model.range_sigma_m);
-    radar->set_range_rate_sigma_mps(model.range_rate_sigma_mps);
-    radar->set_azimuth_sigma_rad(model.azimuth_sigma_rad);
-    convert::ToProto(live.scans[0].T_map_vehicle, open.mutable_initial_pose()->mutable_pose());
-    return open;
-  }
-
-  std::vector<std::byte> map;
-  Drive live;
-};
 
 /// All answers to the drive, without what a clock or chance gives.
 std::vector<std::string> LocalizeDrive(const TestServer& server, const TownDrive& drive) {

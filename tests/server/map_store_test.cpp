@@ -130,7 +130,7 @@ TEST_F(MapStoreTest, ATruncatedUploadIsRefused) {
   EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
   EXPECT_THAT(MessageOf(status), AllOf(HasSubstr(std::to_string(part.size())),
                                        HasSubstr(std::to_string(bytes.size()))));
-  EXPECT_EQ(IncomingCount(), 0);
+  EXPECT_EQ(IncomingCount(), 1) << "the rest may still come";
 }
 
 TEST_F(MapStoreTest, AFlippedByteIsRefusedThoughTheHashIsRight) {
@@ -219,12 +219,12 @@ TEST_F(MapStoreTest, ActivationRollsForwardAndBack) {
   EXPECT_EQ(second->version, 2);
   EXPECT_FALSE(second->active);
   EXPECT_EQ(store_->Acquire("town", 0)->map->info().name, "first");
-  ASSERT_TRUE(store_->catalogue().Activate("town", 2).ok());
+  ASSERT_TRUE(store_->Activate("town", 2).ok());
   EXPECT_EQ(store_->Acquire("town", 0)->map->info().name, "second");
-  ASSERT_TRUE(store_->catalogue().Activate("town", 1).ok());
+  ASSERT_TRUE(store_->Activate("town", 1).ok());
   EXPECT_EQ(store_->Acquire("town", 0)->map->info().name, "first");
-  EXPECT_EQ(store_->catalogue().Activate("town", 9).code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(store_->catalogue().Activate("country", 1).code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(store_->Activate("town", 9).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(store_->Activate("country", 1).status().code(), absl::StatusCode::kNotFound);
 }
 
 TEST_F(MapStoreTest, WithoutAnActiveVersionTheErrorSaysSo) {
@@ -256,7 +256,7 @@ TEST_F(MapStoreTest, AllWhoUseAVersionShareOneCopy) {
   for (const auto& map : maps) EXPECT_EQ(map.get(), maps[0].get());
   EXPECT_EQ(store_->loaded_map_count(), 1);
   maps.clear();
-  EXPECT_EQ(store_->loaded_map_count(), 0);
+  EXPECT_EQ(store_->loaded_map_count(), 1) << "the active version stays warm";
 }
 
 TEST_F(MapStoreTest, AVersionInUseIsNotDeleted) {
@@ -364,6 +364,8 @@ TEST_F(MapStoreTest, ARestartRemovesWhatACrashLeftOver) {
   Reopen();
   EXPECT_EQ(IncomingCount(), 0);
   EXPECT_EQ(FileCount(), 1);
+  EXPECT_EQ(store_->report().removed_leftover_count, 1);
+  EXPECT_EQ(store_->report().removed_map_file_count, 1);
   EXPECT_TRUE(store_->Acquire("town", 0).ok());
 }
 
@@ -375,6 +377,7 @@ TEST_F(MapStoreTest, AFileDamagedOnDiskIsNoticedBeforeItIsUsed) {
     file.seekp(-60, std::ios::end);
     file.put('\x7f');
   }
+  Reopen();
   EXPECT_EQ(store_->Acquire("town", 0).status().code(), absl::StatusCode::kDataLoss);
 }
 

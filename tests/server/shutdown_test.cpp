@@ -98,6 +98,8 @@ TEST_F(ShutdownTest, AnUploadThatStandsStillIsCutOffAtTheDeadline) {
   v1::UploadMapRequest request;
   *request.mutable_header() = HeaderOf(bytes);
   ASSERT_TRUE(writer->Write(request));
+  request.mutable_chunk()->set_data(bytes.data(), 10);
+  ASSERT_TRUE(writer->Write(request));
   const std::filesystem::path incoming = server_.folder.path() / "store" / "incoming";
   ASSERT_TRUE(Eventually([&] { return !std::filesystem::is_empty(incoming); }));
   const milliseconds took = Shutdown(milliseconds(500));

@@ -49,6 +49,7 @@ struct TestServer {
   static ServerConfig StubConfig() {
     ServerConfig config;
     config.stub_matcher = true;
+    config.warm_map_mib = 0;  // what is in memory is what someone uses
     return config;
   }
 

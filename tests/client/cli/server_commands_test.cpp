@@ -138,6 +138,72 @@ TEST_F(ServerCommandsTest, TheTokenIsGivenByFlagOrEnvironment) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
 }
 
+TEST_F(ServerCommandsTest, LabelsAreSetAndTakenBack) {
+  Upload();
+  ASSERT_EQ(Dcloc("map build " + Data() + " --name second --out " + File("second")).exit_code, 0);
+  ASSERT_EQ(Dcloc(At("map upload") + "--map town " + File("second")).exit_code, 0);
+  Result result = Dcloc(At("map rollback") + "--map town");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("active before"));
+  result = Dcloc(At("map canary") + "--map town --version 2 --share 0.25");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("25 % of the vehicles get version 2"));
+  EXPECT_EQ(Dcloc(At("map canary") + "--map town --version 2").exit_code, 2);
+  EXPECT_EQ(Dcloc(At("map canary") + "--map town --version 2 --none").exit_code, 2);
+  EXPECT_EQ(Dcloc(At("map canary") + "--map town --version 2 --share 2").exit_code, 2);
+  auto map = nlohmann::json::parse(Dcloc(At("map canary") + "--map town --none --json").out);
+  EXPECT_EQ(map["canary_version"], 0);
+  map = nlohmann::json::parse(Dcloc(At("map activate") + "--map town --version 2 --json").out);
+  EXPECT_EQ(map["active_version"], 2);
+  EXPECT_EQ(map["previous_version"], 1);
+  map = nlohmann::json::parse(Dcloc(At("map rollback") + "--map town --json").out);
+  EXPECT_EQ(map["active_version"], 1);
+}
+
+TEST_F(ServerCommandsTest, MapsAreFoundByPlaceAndDownloaded) {
+  Upload();
+  const std::string place = " --map town --x-m 0 --y-m 0 ";
+  Result result = Dcloc(At("map coverage") + place + "--radius-m 10000 --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto coverages = nlohmann::json::parse(result.out);
+  ASSERT_EQ(coverages.size(), 1U);
+  EXPECT_EQ(coverages[0]["map"], "town");
+  EXPECT_EQ(coverages[0]["version"], 1);
+  EXPECT_THAT(Dcloc(At("map coverage") + place).out, HasSubstr("distance [m]"));
+  result = Dcloc(At("map coverage") + "--latitude-deg 91 --longitude-deg 0");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("latitude_deg"));
+  EXPECT_EQ(Dcloc(At("map coverage") + "--latitude-deg 1").exit_code, 2);
+  EXPECT_EQ(Dcloc(At("map coverage") + "--map town").exit_code, 2);
+
+  result = Dcloc(At("map download") + "--map town --out " + File("copy"));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(ReadText(File("copy")), ReadText(Shared("map")));
+  EXPECT_EQ(Dcloc(At("map download") + "--map city --out " + File("city")).exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(File("city")));
+}
+
+TEST_F(ServerCommandsTest, AServerMakesAMapOfADrive) {
+  const std::string build = At("map remote-build") + "--map town --activate " + Data();
+  Result result = Dcloc(build + " --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto version = nlohmann::json::parse(result.out);
+  EXPECT_EQ(version["version"], 1);
+  EXPECT_EQ(version["active"], true);
+  EXPECT_GT(version["point_count"], 100);
+  const auto builds = nlohmann::json::parse(Dcloc(At("map builds") + "--json").out);
+  ASSERT_EQ(builds.size(), 1U);
+  EXPECT_EQ(builds[0]["state"], "done");
+  EXPECT_EQ(builds[0]["done_scan_count"], builds[0]["scan_count"]);
+  result = Dcloc(build + " --no-wait");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("of town: running"));
+  result = Dcloc(At("map cancel-build") + "--build nobody");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("nobody"));
+  EXPECT_EQ(Dcloc(Localize("--rate max")).exit_code, 0);
+}
+
 TEST_F(ServerCommandsTest, ADriveIsLocalizedAndTheAnswersAreKept) {
   Upload();
   const Result result = Dcloc(Localize("--rate max --tum " + File("answers.txt")));

@@ -1,0 +1,36 @@
+#include "server/localization/move_sessions.h"
+
+#include <string>
+#include <utility>
+
+#include "server/localization/session.h"
+#include "server/status.h"
+#include "spdlog/spdlog.h"
+
+namespace dcloc::server {
+
+int MoveSessions(const SessionRegistry& registry, MapStore& store, absl::string_view tenant,
+                 absl::string_view map_name) {
+  const std::string scoped_name = ScopedMapName(tenant, map_name);
+  int count = 0;
+  for (const auto& session : registry.MovableSessions(tenant, map_name)) {
+    const SessionRecord& record = *session->record();
+    absl::StatusOr<LoadedMap> map = store.AcquireFor(scoped_name, record.description.vehicle_id);
+    if (!map.ok()) {
+      spdlog::error("session not moved session={} reason={}", record.description.session_id,
+                    Quoted(map.status().message()));
+      continue;
+    }
+    if (map->record.version == record.map_version) continue;
+    ++count;
+    session->strand().Post([session, loaded = *std::move(map)]() mutable {
+      const absl::Status status = session->Move(std::move(loaded));
+      if (status.ok()) return;
+      spdlog::warn("session not moved session={} reason={}",
+                   session->record()->description.session_id, Quoted(status.message()));
+    });
+  }
+  return count;
+}
+
+}  // namespace dcloc::server

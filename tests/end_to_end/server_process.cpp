@@ -1,0 +1,71 @@
+#include "tests/end_to_end/server_process.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <stdexcept>
+
+#include "client/sdk/channel.h"
+
+namespace dcloc {
+
+ServerProcess::ServerProcess(const std::string& program, const std::filesystem::path& store,
+                             const std::filesystem::path& log, std::uint64_t max_file_bytes) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+  const int log_file = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+  pid_ = fork();
+  if (pid_ == 0) {
+    dup2(ends[1], STDOUT_FILENO);
+    dup2(log_file, STDERR_FILENO);
+    if (max_file_bytes > 0) {
+      // Writing on is then an error, as on a full disk, and no signal.
+      std::signal(SIGXFSZ, SIG_IGN);
+      const rlimit limit{.rlim_cur = max_file_bytes, .rlim_max = max_file_bytes};
+      setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    execl(program.c_str(), program.c_str(), "--listen", "127.0.0.1:0", "--data", store.c_str(),
+          "--stub-matcher", nullptr);
+    _exit(127);
+  }
+  close(ends[1]);
+  close(log_file);
+  output_ = ends[0];
+}
+
+bool ServerProcess::WaitUntilReady() {
+  std::string line;
+  for (char c = 0; c != '\n'; line += c) {
+    if (read(output_, &c, 1) != 1) return false;
+  }
+  const std::string begin = "listening on ";
+  if (line.rfind(begin, 0) != 0) return false;
+  address_ = line.substr(begin.size(), line.size() - begin.size() - 1);
+  return true;
+}
+
+std::shared_ptr<grpc::Channel> ServerProcess::Channel() const {
+  return *client::MakeChannel({.server = address_});
+}
+
+double ServerProcess::ResidentMebibytes() const {
+  std::ifstream statm("/proc/" + std::to_string(pid_) + "/statm");
+  double total_pages = 0.0;
+  double resident_pages = 0.0;
+  statm >> total_pages >> resident_pages;
+  return resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+void ServerProcess::Kill() {
+  if (pid_ < 0) return;
+  kill(pid_, SIGKILL);
+  waitpid(pid_, nullptr, 0);
+  close(output_);
+  pid_ = -1;
+}
+
+}  // namespace dcloc

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <grpcpp/channel.h>
+#include <sys/types.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace dcloc {
+
+/// The dcloc-server program as a process of its own, on a free port and a given store, with the
+/// stub matcher. Its log goes to a file.
+class ServerProcess {
+ public:
+  /// With `max_file_bytes` not 0 the disk takes no larger files.
+  ServerProcess(const std::string& program, const std::filesystem::path& store,
+                const std::filesystem::path& log, std::uint64_t max_file_bytes = 0);
+  ServerProcess(const ServerProcess&) = delete;
+  ServerProcess& operator=(const ServerProcess&) = delete;
+  ~ServerProcess() { Kill(); }
+
+  /// Waits until it listens; false when it ended instead.
+  bool WaitUntilReady();
+
+  /// A connection of its own.
+  std::shared_ptr<grpc::Channel> Channel() const;
+
+  /// What it holds in memory, mapped files among it.
+  double ResidentMebibytes() const;
+
+  /// SIGKILL, and waits for the end.
+  void Kill();
+
+ private:
+  pid_t pid_ = -1;
+  int output_ = -1;
+  std::string address_;
+};
+
+}  // namespace dcloc
