@@ -88,7 +88,7 @@ std::string OptionText(const CLI::Option& option) {
 }  // namespace
 
 std::string BashCompletion(const CLI::App& app) {
-  const std::string name = app.get_name();
+  const std::string& name = app.get_name();
   std::string script =
       absl::StrCat("# Completes ", name, " in bash; made by ", name, " completion.\n_", name,
                    "() {\n"
@@ -121,7 +121,7 @@ std::string BashCompletion(const CLI::App& app) {
 }
 
 std::string ManualPage(const CLI::App& app, const std::string& version) {
-  const std::string name = app.get_name();
+  const std::string& name = app.get_name();
   std::string page = absl::StrCat(".TH ", absl::AsciiStrToUpper(name), " 1 \"\" \"", name, " ",
                                   version, "\"\n.SH NAME\n", name, " \\- ",
                                   Roff(app.get_description()), "\n.SH SYNOPSIS\n\\fB", name,
