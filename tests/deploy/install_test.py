@@ -33,6 +33,10 @@ class ClientLibrary(unittest.TestCase):
             folder = pathlib.Path(name)
             prefix = folder / "prefix"
             run("cmake", "--install", ARGUMENTS[2], "--component", "sdk", "--prefix", prefix)
+            include = prefix / "include/dcloc"
+            for header in include.glob("client/sdk/*.h"):
+                for used in re.findall(r'#include "((?:client|dcloc)/[^"]+)"', header.read_text()):
+                    self.assertTrue((include / used).is_file(), f"{header.name} needs {used}")
             source = folder / "example"
             shutil.copytree(prefix / "share/dcloc/example", source)
             # Nothing of the checkout is looked at.
