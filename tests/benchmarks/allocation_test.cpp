@@ -26,6 +26,7 @@ TEST(AllocationTest, RegistrationWithMemoryOfItsOwnAllocatesNothing) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place_m(-50.0, 50.0);
   std::vector<GaussianPoint<2>> points;
+  points.reserve(1000);
   for (int i = 0; i < 1000; ++i) {
     points.push_back({{place_m(random), place_m(random)}, 0.04 * Eigen::Matrix2d::Identity()});
   }

@@ -94,6 +94,7 @@ std::vector<Query> Queries(const Case& drives, std::size_t stride, std::size_t m
                                          options.match.local_map_radius_m),
                 .T_local_vehicle_true = {}};
     query.T_local_vehicle_true = Flatten(query.local_map.T_map_local().Inverse() * T_map_vehicle);
+    query.live.reserve(query.submap.points.size());
     for (const RadarPoint& point : query.submap.points) {
       query.live.push_back({point.position_m.head<2>(), point.covariance_m2.topLeftCorner<2, 2>()});
     }

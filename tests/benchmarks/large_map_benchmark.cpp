@@ -35,7 +35,9 @@ double CpuMilliseconds() {
 Eigen::Vector3d OffsetOf(int copy) {
   constexpr int kRow = 32;
   constexpr double kApart_m = 3000.0;
-  return kApart_m * Eigen::Vector3d(copy % kRow, copy / kRow, 0.0);
+  const int column = copy % kRow;
+  const int row = copy / kRow;
+  return kApart_m * Eigen::Vector3d(column, row, 0.0);
 }
 
 // Writes `copies` of `map` as one file, the points piece by piece: they need not fit into memory.

@@ -59,7 +59,7 @@ void Compensation(benchmark::State& state, const std::string& name) {
   const LocalizerOptions options;
   EgoMotion ego_motion(options);
   std::size_t i = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     if (i == drive.scans.size()) {
       ego_motion = EgoMotion(options);
       i = 0;
@@ -84,7 +84,7 @@ void JoinSubmap(benchmark::State& state, const std::string& name) {
                 ego_motion.since_previous());
   }
   std::vector<GaussianPoint<2>> points;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     window.Join<2>(true, static_cast<std::size_t>(options.match.max_live_points), points);
     benchmark::DoNotOptimize(points.data());
   }
@@ -98,7 +98,7 @@ void ForQueries(benchmark::State& state, const Inputs& inputs, const Run& run) {
   std::size_t number = 0;
   double points = 0.0;
   double landmarks = 0.0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     const Query& query = queries[number % queries.size()];
     run(query, number % queries.size());
     points += static_cast<double>(query.live.size());
@@ -136,6 +136,7 @@ void MakeLikelihoodField(benchmark::State& state, const std::string& name) {
 
 void Correlate(benchmark::State& state, const std::string& name) {
   std::vector<LikelihoodField> fields;
+  fields.reserve(InputsOf(name).queries.size());
   for (const Query& query : InputsOf(name).queries) fields.emplace_back(query.local_map, 0.25);
   ForQueries(state, InputsOf(name), [&](const Query& query, std::size_t number) {
     const SearchWindow window{.centre_local_vehicle = StartFor(query, number, 1.0, 2.0),
@@ -165,7 +166,7 @@ void SolvePoseGraph(benchmark::State& state) {
   const Eigen::Vector3d step(0.8, 0.0, 0.01);
   Pose2 truth;
   double side_m = 0.03;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     truth = truth * Exp(step);
     graph.AddState({Exp(Eigen::Vector3d(1.01 * step)), spread(0.05, 0.003)});
     side_m = -side_m;
@@ -178,7 +179,7 @@ void SolvePoseGraph(benchmark::State& state) {
 void EnterLocalMap(benchmark::State& state, const std::string& name) {
   const Case& drives = InputsOf(name).drives;
   std::size_t i = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     const DriveScan& at = drives.live_drive.scans[i++ * 20 % drives.live_drive.scans.size()];
     benchmark::DoNotOptimize(LocalMap<2>(*drives.map, at.T_map_vehicle.translation_m, 100.0));
   }
@@ -187,7 +188,7 @@ void EnterLocalMap(benchmark::State& state, const std::string& name) {
 void QueryNearestKeyframe(benchmark::State& state, const std::string& name) {
   const Case& drives = InputsOf(name).drives;
   std::size_t i = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     const DriveScan& at = drives.live_drive.scans[i++ % drives.live_drive.scans.size()];
     benchmark::DoNotOptimize(drives.map->NearestKeyframe(at.T_map_vehicle.translation_m, 100.0));
   }
@@ -200,7 +201,7 @@ void OpenMap(benchmark::State& state, const std::string& name) {
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
-  for (auto _ : state) benchmark::DoNotOptimize(RadarMap::Open(path));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(RadarMap::Open(path));
   std::filesystem::remove(path);
   state.counters["bytes"] = static_cast<double>(bytes.size());
 }
@@ -209,7 +210,7 @@ void OpenMap(benchmark::State& state, const std::string& name) {
 void BuildMapOf(benchmark::State& state, const std::string& name) {
   const Case& drives = InputsOf(name).drives;
   const std::vector<DriveScan>& scans = drives.map_drive.scans;
-  for (auto _ : state) benchmark::DoNotOptimize(BuildMap(drives.map_drive, {}));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(BuildMap(drives.map_drive, {}));
   const double drive_s =
       std::chrono::duration<double>(scans.back().scan.stamp - scans.front().scan.stamp).count();
   state.counters["times_real"] =
@@ -236,33 +237,34 @@ void SearchEverywhere(benchmark::State& state, const std::string& name) {
   state.counters["map_m"] = map->info().length_m;
 }
 
-void RegisterAll() {
-  using benchmark::RegisterBenchmark;
-  for (const std::string name : {"ars408", "carla"}) {
-    const auto add = [&](const char* what, void (*run)(benchmark::State&, const std::string&),
-                         benchmark::TimeUnit unit) {
-      RegisterBenchmark((std::string(what) + "/" + name).c_str(), run, name)->Unit(unit);
-    };
-    add("Compensation", Compensation, benchmark::kMicrosecond);
-    add("Submap", JoinSubmap, benchmark::kMicrosecond);
-    add("Gicp", Gicp, benchmark::kMicrosecond);
-    add("LikelihoodField", MakeLikelihoodField, benchmark::kMicrosecond);
-    add("CorrelativeSearch", Correlate, benchmark::kMicrosecond);
-    add("DescriptorsAndRansac", DescribeAndRansac, benchmark::kMicrosecond);
-    add("LocalMap", EnterLocalMap, benchmark::kMicrosecond);
-    add("NearestKeyframe", QueryNearestKeyframe, benchmark::kMicrosecond);
-    add("OpenMap", OpenMap, benchmark::kMicrosecond);
-    add("BuildMap", BuildMapOf, benchmark::kMillisecond);
-    add("SearchEverywhere", SearchEverywhere, benchmark::kMillisecond);
-  }
-  RegisterBenchmark("PoseGraph", SolvePoseGraph)->Unit(benchmark::kMicrosecond);
-}
+BENCHMARK_CAPTURE(Compensation, ars408, "ars408")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Compensation, carla, "carla")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(JoinSubmap, ars408, "ars408")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(JoinSubmap, carla, "carla")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Gicp, ars408, "ars408")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Gicp, carla, "carla")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(MakeLikelihoodField, ars408, "ars408")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(MakeLikelihoodField, carla, "carla")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Correlate, ars408, "ars408")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Correlate, carla, "carla")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(DescribeAndRansac, ars408, "ars408")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(DescribeAndRansac, carla, "carla")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(EnterLocalMap, ars408, "ars408")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(EnterLocalMap, carla, "carla")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(QueryNearestKeyframe, ars408, "ars408")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(QueryNearestKeyframe, carla, "carla")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(OpenMap, ars408, "ars408")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(OpenMap, carla, "carla")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(BuildMapOf, ars408, "ars408")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BuildMapOf, carla, "carla")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(SearchEverywhere, ars408, "ars408")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(SearchEverywhere, carla, "carla")->Unit(benchmark::kMillisecond);
+BENCHMARK(SolvePoseGraph)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace dcloc::benchmarks
 
 int main(int argc, char** argv) {
-  dcloc::benchmarks::RegisterAll();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

@@ -25,6 +25,7 @@ template <int Dim>
 std::vector<GaussianPoint<Dim>> Crowd(int count, double half_m, double sigma_m,
                                       std::mt19937& random) {
   std::vector<GaussianPoint<Dim>> points;
+  points.reserve(static_cast<std::size_t>(count));
   for (const PointVector<Dim>& p : SeparatedPoints<Dim>(count, half_m, 0.05, random)) {
     points.push_back({p, RandomCovariance<Dim>(sigma_m, random)});
   }
