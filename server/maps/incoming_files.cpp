@@ -121,7 +121,7 @@ IncomingFile IncomingFiles::Take(absl::string_view tenant, absl::string_view sha
 absl::StatusOr<std::int64_t> IncomingFiles::DurableSize(absl::string_view tenant,
                                                         absl::string_view sha256) const {
   const std::filesystem::path path = PathOf(tenant, sha256);
-  const absl::StatusOr<std::int64_t> size = FileSize(path);
+  absl::StatusOr<std::int64_t> size = FileSize(path);
   if (!size.ok() || *size == 0) return size;
   absl::Status status = SyncFile(path);
   if (status.ok()) status = SyncFolder(folder_);
