@@ -29,7 +29,6 @@ struct CalibrateArguments {
   DriveRequest drive;  // all but its name
   std::vector<std::string> drives;
   std::vector<std::string> keep;
-  std::vector<std::string> write = {"beta", "time", "range", "yaw"};
   std::string out;
   bool json = false;
 };
@@ -51,16 +50,6 @@ CalibratorOptions ToOptions(const CalibrateArguments& arguments) {
     if (Holds(arguments.keep, kOptionNames.at(i))) options.prior_sigma.at(i) = kCertain;
   }
   return options;
-}
-
-std::vector<CalibrationParameter> ToWrite(const CalibrateArguments& arguments) {
-  std::vector<CalibrationParameter> parameters;
-  for (std::size_t i = 0; i < kOptionNames.size(); ++i) {
-    if (Holds(arguments.write, kOptionNames.at(i))) {
-      parameters.push_back(static_cast<CalibrationParameter>(i));
-    }
-  }
-  return parameters;
 }
 
 absl::Status CheckSameRadars(const Rig& rig, const Drive& drive) {
@@ -122,15 +111,14 @@ absl::Status Calibrate(const CalibrateArguments& arguments) {
   });
   progress.reset();
   if (!calibration.ok()) return calibration.status();
-  const std::vector<CalibrationParameter> written = ToWrite(arguments);
   if (!arguments.out.empty()) {
-    const std::string text = RigFileJson(*calibration, written).dump(2) + "\n";
+    const std::string text = RigFileJson(*calibration).dump(2) + "\n";
     absl::Status status =
         WriteFileAtomically(arguments.out, std::as_bytes(std::span<const char>(text)));
     if (!status.ok()) return status;
   }
-  absl::PrintF("%s", arguments.json ? CalibrationJson(*calibration, written).dump(2) + "\n"
-                                    : CalibrationText(*calibration, written));
+  absl::PrintF("%s", arguments.json ? CalibrationJson(*calibration).dump(2) + "\n"
+                                    : CalibrationText(*calibration));
   return absl::OkStatus();
 }
 
@@ -152,15 +140,9 @@ void AddCalibrateCommand(CLI::App& app, int& exit_code) {
                   "Radars to calibrate, together; all by default");
   AddDriveRequestOptions(*calibrate, arguments->drive);
   const std::vector<std::string> names(kOptionNames.begin(), kOptionNames.end());
-  calibrate->add_option("--keep", arguments->keep, "What is known for sure and not estimated")
+  calibrate->add_option("--keep", arguments->keep, "What is known for sure, and not estimated")
       ->delimiter(',')
       ->check(CLI::IsMember(names));
-  calibrate
-      ->add_option("--write", arguments->write,
-                   "What goes into the rig file, where it is significant")
-      ->delimiter(',')
-      ->check(CLI::IsMember(names))
-      ->capture_default_str();
   calibrate->add_option("--out", arguments->out, "Write a rig file, which --rig takes")
       ->type_name("FILE");
   calibrate->add_flag("--json", arguments->json, "Print as JSON");

@@ -1,8 +1,8 @@
 #include "client/cli/calibration_report.h"
 
-#include <algorithm>
 #include <array>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -21,20 +21,15 @@ constexpr std::array<CalibrationParameter, 4> kDescribed = {
     CalibrationParameter::kBeta, CalibrationParameter::kTimeOffset,
     CalibrationParameter::kRangeBias, CalibrationParameter::kMountYaw};
 
-bool IsWritten(const RadarCalibration& radar, CalibrationParameter parameter,
-               std::span<const CalibrationParameter> written) {
-  return radar.of(parameter).significant() &&
-         std::ranges::find(written, parameter) != written.end();
-}
-
-// "+0.0401 +-0.0012", and marks: * written, ? not determined.
+// "+0.0401 +-0.0012", and a * if it is significant; ? what is not determined.
 std::string Cell(const RadarCalibration& radar, CalibrationParameter parameter, double unit,
-                 int digits, std::span<const CalibrationParameter> written) {
+                 int digits) {
   const CalibratedParameter& value = radar.of(parameter);
-  if (!value.determined()) return "?";
-  return absl::StrFormat("%+.*f +-%.*f%s", digits, value.correction / unit, digits,
+  return absl::StrFormat("%+.*f +-%.*f %s", digits, value.correction / unit, digits,
                          kSigmas95 * value.sigma / unit,
-                         IsWritten(radar, parameter, written) ? " *" : "  ");
+                         value.significant()  ? "*"
+                         : value.determined() ? " "
+                                              : "?");
 }
 
 std::string ConfusionsText(const Calibration& calibration) {
@@ -50,29 +45,24 @@ std::string ConfusionsText(const Calibration& calibration) {
 
 }  // namespace
 
-ordered_json RigFileJson(const Calibration& calibration,
-                         std::span<const CalibrationParameter> written) {
+ordered_json RigFileJson(const Calibration& calibration) {
   ordered_json radars = ordered_json::array();
   for (const RadarCalibration& radar : calibration.radars) {
-    ordered_json entry = {{"id", radar.described.id}};
     RadarModel corrected = radar.described;
     for (const CalibrationParameter parameter : kDescribed) {
-      if (!IsWritten(radar, parameter, written)) continue;
       corrected = Corrected(corrected, parameter, radar.of(parameter).correction);
-      if (parameter == CalibrationParameter::kMountYaw) {
-        entry["mount_yaw_correction_rad"] = radar.of(parameter).correction;
-      }
     }
-    entry["beta_s"] = corrected.beta_s;
-    entry["range_bias_m"] = corrected.range_bias_m;
-    entry["time_offset_s"] = corrected.time_offset_s;
-    radars.push_back(std::move(entry));
+    radars.push_back(
+        {{"id", radar.described.id},
+         {"beta_s", corrected.beta_s},
+         {"time_offset_s", corrected.time_offset_s},
+         {"range_bias_m", corrected.range_bias_m},
+         {"mount_yaw_correction_rad", radar.of(CalibrationParameter::kMountYaw).correction}});
   }
   return {{"radars", std::move(radars)}};
 }
 
-ordered_json CalibrationJson(const Calibration& calibration,
-                             std::span<const CalibrationParameter> written) {
+ordered_json CalibrationJson(const Calibration& calibration) {
   ordered_json json = {{"returns", calibration.return_count}, {"pairs", calibration.pair_count}};
   for (const RadarCalibration& radar : calibration.radars) {
     ordered_json entry = {{"id", radar.described.id}, {"described_beta_s", radar.described.beta_s}};
@@ -84,7 +74,7 @@ ordered_json CalibrationJson(const Calibration& calibration,
                                    {value.correction - kSigmas95 * value.sigma,
                                     value.correction + kSigmas95 * value.sigma}},
                                   {"determined", value.determined()},
-                                  {"written", IsWritten(radar, parameter, written)}};
+                                  {"significant", value.significant()}};
     }
     json["radars"].push_back(std::move(entry));
   }
@@ -99,21 +89,20 @@ ordered_json CalibrationJson(const Calibration& calibration,
   return json;
 }
 
-std::string CalibrationText(const Calibration& calibration,
-                            std::span<const CalibrationParameter> written) {
+std::string CalibrationText(const Calibration& calibration) {
   constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
   std::vector<std::vector<std::string>> rows = {
       {"radar", "beta [s]", "time offset [s]", "range bias [m]", "mount yaw [deg]"}};
   for (const RadarCalibration& radar : calibration.radars) {
-    rows.push_back({radar.described.id, Cell(radar, CalibrationParameter::kBeta, 1.0, 4, written),
-                    Cell(radar, CalibrationParameter::kTimeOffset, 1.0, 4, written),
-                    Cell(radar, CalibrationParameter::kRangeBias, 1.0, 3, written),
-                    Cell(radar, CalibrationParameter::kMountYaw, kRadiansPerDegree, 3, written)});
+    rows.push_back({radar.described.id, Cell(radar, CalibrationParameter::kBeta, 1.0, 4),
+                    Cell(radar, CalibrationParameter::kTimeOffset, 1.0, 4),
+                    Cell(radar, CalibrationParameter::kRangeBias, 1.0, 3),
+                    Cell(radar, CalibrationParameter::kMountYaw, kRadiansPerDegree, 3)});
   }
   return absl::StrCat(FormatTable(rows),
                       "Corrections to the description with their 95 % intervals, from ",
                       calibration.return_count, " static returns\nand ", calibration.pair_count,
-                      " pairs of them. * goes into the rig file, ? the data do not determine it.\n",
+                      " pairs of them. * is significant, ? the data hardly determine.\n",
                       ConfusionsText(calibration));
 }
 
