@@ -28,10 +28,10 @@ struct StaticPointsOptions {
   double static_gate_sigmas = 3.0;
 };
 
-/// The static targets of `scan`, compensated, in the **vehicle frame** at its stamp, with covariances.
-/// Aliased range rates are unfolded to the one that the ego-motion predicts (METHOD 1); what then
-/// disagrees with the prediction moves and is left out (METHOD 2).
-/// `scan` and `radar` are valid (`Validate`) and belong together.
+/// The static targets of `scan`, compensated, in the **vehicle frame** at its stamp, with
+/// covariances. Aliased range rates are unfolded to the one that the ego-motion predicts (METHOD
+/// 1); what then disagrees with the prediction moves and is left out (METHOD 2). `scan` and `radar`
+/// are valid (`Validate`) and belong together.
 std::vector<RadarPoint> StaticPoints(const Scan& scan, const RadarModel& radar,
                                      const EgoVelocity& ego_velocity,
                                      const StaticPointsOptions& options);

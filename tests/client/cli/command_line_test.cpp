@@ -191,6 +191,46 @@ TEST_F(Simulated, BuildsAndInspectsAMap) {
   EXPECT_THAT(Dcloc("map inspect " + File("a.dclm")).out, HasSubstr("name         town\n"));
 }
 
+TEST_F(Simulated, CalibratesARigThatAMapIsBuiltWith) {
+  const Result result = Dcloc("calibrate " + Dataset() + " --drive map,live-0 --beta-s 0 --json" +
+                              " --out " + File("rig.json"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto beta = nlohmann::json::parse(result.out)["radars"][0]["beta_s"];
+  EXPECT_NEAR(beta["correction"].get<double>(), 0.04, 0.01);  // what the simulator measures with
+  EXPECT_LT(beta["interval_95"][0].get<double>(), 0.04);
+  EXPECT_GT(beta["interval_95"][1].get<double>(), 0.04);
+  const auto rig = nlohmann::json::parse(ReadText(File("rig.json")));
+  EXPECT_EQ(rig["radars"][0]["beta_s"], beta["correction"]);
+  const Result built = Dcloc("map build " + Dataset() + " --drive map --rig " + File("rig.json") +
+                             " --out " + File("c.dclm"));
+  EXPECT_EQ(built.exit_code, 0) << built.err;
+  EXPECT_THAT(built.out, HasSubstr("(beta 0.0"));
+}
+
+TEST_F(Simulated, KeepsWhatIsKnownForSure) {
+  const Result result =
+      Dcloc("calibrate " + Dataset() + " --drive map --keep time,range,yaw --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto radar = nlohmann::json::parse(result.out)["radars"][0];
+  for (const char* kept : {"time_offset_s", "range_bias_m", "mount_yaw_rad"}) {
+    EXPECT_NEAR(radar[kept]["correction"].get<double>(), 0.0, 1e-5) << kept;
+    EXPECT_FALSE(radar[kept]["determined"].get<bool>()) << kept;
+  }
+}
+
+TEST_F(Simulated, TakesAPartOfADrive) {
+  const Result whole = Dcloc("map build " + Dataset() + " --drive map --json --out " + File("d"));
+  const Result part =
+      Dcloc("map build " + Dataset() + " --drive map --to-s 4 --json --out " + File("d"));
+  ASSERT_EQ(part.exit_code, 0) << part.err;
+  EXPECT_LT(nlohmann::json::parse(part.out)["length_m"].get<double>(),
+            0.7 * nlohmann::json::parse(whole.out)["length_m"].get<double>());
+  const Result none =
+      Dcloc("map build " + Dataset() + " --drive map --from-s 5000 --out " + File("d"));
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("5000"));
+}
+
 TEST_F(Simulated, FindsADamagedMap) {
   ASSERT_EQ(Dcloc("map build " + Dataset() + " --drive map --out " + File("b.dclm")).exit_code, 0);
   std::string bytes = ReadText(File("b.dclm"));

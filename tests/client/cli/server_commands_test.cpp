@@ -264,8 +264,8 @@ TEST_F(ServerCommandsTest, AVehiclesRecordingIsReplayedToTheBit) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(nlohmann::json::parse(result.out)["equal_count"], here["equal_count"]);
 
-  ASSERT_EQ(Dcloc("map build --dataset nuscenes --root " + Shared("sim") +
-                  " --drive map --out " + File("other"))
+  ASSERT_EQ(Dcloc("map build --dataset nuscenes --root " + Shared("sim") + " --drive map --out " +
+                  File("other"))
                 .exit_code,
             0);
   result = Dcloc("session replay " + file + " --map " + File("other"));
@@ -295,8 +295,8 @@ TEST_F(ServerCommandsTest, AnOperatorRecordsTheNextSessionOfAVehicle) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_GT(nlohmann::json::parse(result.out)["equal_count"], 100);
 
-  ASSERT_EQ(Dcloc("map build --dataset nuscenes --root " + Shared("sim") +
-                  " --drive map --out " + File("other"))
+  ASSERT_EQ(Dcloc("map build --dataset nuscenes --root " + Shared("sim") + " --drive map --out " +
+                  File("other"))
                 .exit_code,
             0);
   result = Dcloc("session replay " + file + " --map " + File("other"));
