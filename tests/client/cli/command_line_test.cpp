@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_replace.h"
 #include "tests/client/datasets/temp_folder.h"
 #include "tests/client/datasets/tiny_nuscenes.h"
 
@@ -132,7 +133,8 @@ TEST(CommandLine, CompletesWhatThereIs) {
 TEST(CommandLine, TheManualHasEveryCommandAndOption) {
   const std::string manual = Dcloc("manual").out;
   for (const std::string& command : Commands()) {
-    EXPECT_THAT(manual, HasSubstr(".SS dcloc " + command + "\n")) << command;
+    const std::string escaped = absl::StrReplaceAll(command, {{"-", "\\-"}});
+    EXPECT_THAT(manual, HasSubstr(".SS dcloc " + escaped + "\n")) << command;
   }
   for (const char* text :
        {"\\-\\-token\\-file", "\\-\\-all\\-versions", "DCLOC_TOKEN_FILE", ".TH DCLOC 1"}) {

@@ -26,6 +26,10 @@ TEST(RadarModelTest, ErrorsNameRadarFieldValueAndBound) {
             "radar 'front': azimuth_sigma_rad is 0; it must lie in [0.0001, 1]");
   radar = {.id = "front", .beta_s = 3.0};
   EXPECT_THAT(Validate(radar).message(), HasSubstr("beta_s is 3"));
+  radar = {.id = "front", .range_bias_m = -11.0};
+  EXPECT_THAT(Validate(radar).message(), HasSubstr("range_bias_m is -11"));
+  radar = {.id = "front", .time_offset_s = 1.5};
+  EXPECT_THAT(Validate(radar).message(), HasSubstr("time_offset_s is 1.5"));
   radar = {.id = "front"};
   radar.T_vehicle_radar.translation_m.y() = std::nan("");
   EXPECT_THAT(Validate(radar).message(), HasSubstr("T_vehicle_radar.translation_m.y is nan"));
