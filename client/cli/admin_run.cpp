@@ -18,9 +18,7 @@ absl::Status WithAdminClient(const client::ChannelOptions& server,
   const auto channel = client::MakeChannel(server);
   if (!channel.ok()) return channel.status();
   client::AdminClient admin(*channel);
-  const absl::Status status = work(admin);
-  if (!absl::IsUnavailable(status) && !absl::IsDeadlineExceeded(status)) return status;
-  return absl::Status(status.code(), absl::StrCat(server.server, ": ", status.message()));
+  return NamingServer(work(admin), server);
 }
 
 absl::StatusOr<v1::Session> FindSession(client::AdminClient& admin, const std::string& text) {

@@ -1,9 +1,14 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "absl/status/status.h"
+#include "client/cli/exit_codes.h"
+#include "client/cli/server_options.h"
+#include "client/cli/terminal.h"
 #include "client/sdk/admin_client.h"
 #include "client/sdk/channel.h"
 
@@ -17,5 +22,32 @@ absl::Status WithAdminClient(const client::ChannelOptions& server,
 /// The open session that `text` means: an id, the beginning of just one, or the vehicle of just
 /// one. NotFound, or InvalidArgument naming those that it could be.
 absl::StatusOr<v1::Session> FindSession(client::AdminClient& admin, const std::string& text);
+
+/// Adds the command `name` to `parent`, with the options of a server and --json, which stand in
+/// `arguments` as `server` and `json`; `run` says with which status it ends.
+template <typename Arguments, typename Run>
+CLI::App* AddAdminCommand(CLI::App& parent, const char* name, const char* description,
+                          const std::shared_ptr<Arguments>& arguments, int& exit_code, Run run) {
+  CLI::App* app = parent.add_subcommand(name, description);
+  AddServerOptions(*app, arguments->server);
+  app->add_flag("--json", arguments->json, "Print as JSON");
+  app->callback([run, arguments, &exit_code] {
+    const absl::Status status = run(*arguments);
+    exit_code = status.ok() ? kSuccess : Fail(status);
+  });
+  return app;
+}
+
+/// The same for a command that `run(admin, arguments)` carries out.
+template <typename Arguments>
+CLI::App* AddAdminCommand(CLI::App& parent, const char* name, const char* description,
+                          const std::shared_ptr<Arguments>& arguments, int& exit_code,
+                          absl::Status (*run)(client::AdminClient&, const Arguments&)) {
+  return AddAdminCommand(
+      parent, name, description, arguments, exit_code, [run](const Arguments& given) {
+        return WithAdminClient(given.server,
+                               [&](client::AdminClient& admin) { return run(admin, given); });
+      });
+}
 
 }  // namespace dcloc::cli

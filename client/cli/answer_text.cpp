@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -10,6 +9,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/strings/strip.h"
 #include "absl/time/time.h"
+#include "core/geometry/degrees.h"
 
 namespace dcloc::cli {
 namespace {
@@ -17,12 +17,11 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr int kCovarianceSize = 36;
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 double Yaw_deg(const v1::Quaternion& q) {
   return std::atan2(2.0 * (q.w() * q.z() + q.x() * q.y()),
                     1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z())) *
-         kDegreesPerRadian;
+         kDegPerRad;
 }
 
 /// Of the horizontal position, along the worse of the axes.

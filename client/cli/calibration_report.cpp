@@ -1,13 +1,13 @@
 #include "client/cli/calibration_report.h"
 
 #include <array>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/terminal.h"
+#include "core/geometry/degrees.h"
 
 namespace dcloc::cli {
 namespace {
@@ -90,14 +90,13 @@ ordered_json CalibrationJson(const Calibration& calibration) {
 }
 
 std::string CalibrationText(const Calibration& calibration) {
-  constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
   std::vector<std::vector<std::string>> rows = {
       {"radar", "beta [s]", "time offset [s]", "range bias [m]", "mount yaw [deg]"}};
   for (const RadarCalibration& radar : calibration.radars) {
     rows.push_back({radar.described.id, Cell(radar, CalibrationParameter::kBeta, 1.0, 4),
                     Cell(radar, CalibrationParameter::kTimeOffset, 1.0, 4),
                     Cell(radar, CalibrationParameter::kRangeBias, 1.0, 3),
-                    Cell(radar, CalibrationParameter::kMountYaw, kRadiansPerDegree, 3)});
+                    Cell(radar, CalibrationParameter::kMountYaw, kRadPerDeg, 3)});
   }
   return absl::StrCat(FormatTable(rows),
                       "Corrections to the description with their 95 % intervals, from ",

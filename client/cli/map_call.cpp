@@ -16,10 +16,7 @@ absl::Status Run(MapCall* call, const MapArguments& arguments) {
   const auto channel = client::MakeChannel(arguments.server);
   if (!channel.ok()) return channel.status();
   client::MapClient maps(*channel);
-  const absl::Status status = call(maps, arguments);
-  // An error of the connection need not say with whom.
-  if (!absl::IsUnavailable(status) && !absl::IsDeadlineExceeded(status)) return status;
-  return absl::Status(status.code(), absl::StrCat(arguments.server.server, ": ", status.message()));
+  return NamingServer(call(maps, arguments), arguments.server);
 }
 
 }  // namespace

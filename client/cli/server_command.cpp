@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPoll(200);
 
-struct Arguments {
+struct ServerArguments {
   client::ChannelOptions server;
   double wait_s = 0.0;
   bool json = false;
@@ -45,7 +45,7 @@ ordered_json Json(const v1::GetServerStateResponse& state) {
           {"stub_matcher", state.stub_matcher()}};
 }
 
-absl::Status ShowStatus(client::AdminClient& admin, const Arguments& arguments) {
+absl::Status ShowStatus(client::AdminClient& admin, const ServerArguments& arguments) {
   const auto state = admin.ServerState();
   if (!state.ok()) return state.status();
   if (arguments.json) {
@@ -79,7 +79,7 @@ absl::StatusOr<v1::GetServerStateResponse> WaitUntilEmpty(client::AdminClient& a
   }
 }
 
-absl::Status Drain(client::AdminClient& admin, const Arguments& arguments) {
+absl::Status Drain(client::AdminClient& admin, const ServerArguments& arguments) {
   const absl::StatusOr<int> told = admin.Drain();
   if (!told.ok()) return told.status();
   const auto state = WaitUntilEmpty(admin, arguments.wait_s);
@@ -97,34 +97,21 @@ absl::Status Drain(client::AdminClient& admin, const Arguments& arguments) {
                                                      state->session_count(), arguments.wait_s));
 }
 
-CLI::App* Add(CLI::App& parent, const char* name, const char* description,
-              absl::Status (*command)(client::AdminClient&, const Arguments&),
-              const std::shared_ptr<Arguments>& arguments, int& exit_code) {
-  CLI::App* app = parent.add_subcommand(name, description);
-  AddServerOptions(*app, arguments->server);
-  app->add_flag("--json", arguments->json, "Print as JSON");
-  app->callback([command, arguments, &exit_code] {
-    const absl::Status status = WithAdminClient(
-        arguments->server, [&](client::AdminClient& admin) { return command(admin, *arguments); });
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
-  return app;
-}
-
 }  // namespace
 
 void AddServerCommand(CLI::App& app, int& exit_code) {
   CLI::App* server = app.add_subcommand("server", "See how a server does, and empty it");
   server->require_subcommand(1);
 
-  auto status = std::make_shared<Arguments>();
-  CLI::App* command =
-      Add(*server, "status", "Say what a server is doing", &ShowStatus, status, exit_code);
+  auto status = std::make_shared<ServerArguments>();
+  CLI::App* command = AddAdminCommand(*server, "status", "Say what a server is doing", status,
+                                      exit_code, &ShowStatus);
   command->footer("Example:\n  dcloc server status --server localhost:50051");
 
-  auto drain = std::make_shared<Arguments>();
-  command = Add(*server, "drain", "Take no more sessions, and tell the vehicles to move", &Drain,
-                drain, exit_code);
+  auto drain = std::make_shared<ServerArguments>();
+  command =
+      AddAdminCommand(*server, "drain", "Take no more sessions, and tell the vehicles to move",
+                      drain, exit_code, &Drain);
   command
       ->add_option("--wait-s", drain->wait_s,
                    "Wait so long until all have gone; an error if they have not")

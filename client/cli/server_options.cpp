@@ -1,5 +1,7 @@
 #include "client/cli/server_options.h"
 
+#include "absl/strings/str_cat.h"
+
 namespace dcloc::cli {
 
 CLI::Option* AddServerOptions(CLI::App& command, client::ChannelOptions& options) {
@@ -25,6 +27,11 @@ CLI::Option* AddServerOptions(CLI::App& command, client::ChannelOptions& options
       ->envname("DCLOC_TOKEN_FILE")
       ->type_name("FILE");
   return server;
+}
+
+absl::Status NamingServer(absl::Status status, const client::ChannelOptions& server) {
+  if (!absl::IsUnavailable(status) && !absl::IsDeadlineExceeded(status)) return status;
+  return absl::Status(status.code(), absl::StrCat(server.server, ": ", status.message()));
 }
 
 }  // namespace dcloc::cli

@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct Arguments {
+struct SessionArguments {
   client::ChannelOptions server;
   std::string session;
   std::string reason;
@@ -28,8 +28,6 @@ struct Arguments {
   long answer_count = 0;  ///< 0: all
   bool json = false;
 };
-
-using Command = absl::Status(client::AdminClient&, const Arguments&);
 
 constexpr std::size_t kShortId = 8;
 
@@ -51,7 +49,7 @@ void PrintTable(const std::vector<v1::Session>& sessions) {
   absl::PrintF("%s", FormatTable(rows));
 }
 
-absl::Status List(client::AdminClient& admin, const Arguments& arguments) {
+absl::Status List(client::AdminClient& admin, const SessionArguments& arguments) {
   absl::StatusOr<std::vector<v1::Session>> sessions = admin.ListSessions();
   if (!sessions.ok()) return sessions.status();
   if (!arguments.vehicle.empty()) {
@@ -69,7 +67,7 @@ absl::Status List(client::AdminClient& admin, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Show(client::AdminClient& admin, const Arguments& arguments) {
+absl::Status Show(client::AdminClient& admin, const SessionArguments& arguments) {
   const absl::StatusOr<v1::Session> session = FindSession(admin, arguments.session);
   if (!session.ok()) return session.status();
   const ordered_json json = SessionJson(*session);
@@ -83,7 +81,7 @@ absl::Status Show(client::AdminClient& admin, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Watch(client::AdminClient& admin, const Arguments& arguments,
+absl::Status Watch(client::AdminClient& admin, const SessionArguments& arguments,
                    const StopSignals& signals) {
   const absl::StatusOr<v1::Session> session = FindSession(admin, arguments.session);
   if (!session.ok()) return session.status();
@@ -105,7 +103,7 @@ absl::Status Watch(client::AdminClient& admin, const Arguments& arguments,
       });
 }
 
-absl::Status End(client::AdminClient& admin, const Arguments& arguments) {
+absl::Status End(client::AdminClient& admin, const SessionArguments& arguments) {
   const absl::StatusOr<v1::Session> session = FindSession(admin, arguments.session);
   if (!session.ok()) return session.status();
   absl::Status status = admin.EndSession(session->session_id(), arguments.reason);
@@ -118,26 +116,7 @@ absl::Status End(client::AdminClient& admin, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-CLI::App* Add(CLI::App& parent, const char* name, const char* description,
-              const std::shared_ptr<Arguments>& arguments) {
-  CLI::App* app = parent.add_subcommand(name, description);
-  AddServerOptions(*app, arguments->server);
-  app->add_flag("--json", arguments->json, "Print as JSON");
-  return app;
-}
-
-CLI::App* Add(CLI::App& parent, const char* name, const char* description, Command* command,
-              const std::shared_ptr<Arguments>& arguments, int& exit_code) {
-  CLI::App* app = Add(parent, name, description, arguments);
-  app->callback([command, arguments, &exit_code] {
-    const absl::Status status = WithAdminClient(
-        arguments->server, [&](client::AdminClient& admin) { return command(admin, *arguments); });
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
-  return app;
-}
-
-void AddSession(CLI::App& command, Arguments& arguments) {
+void AddSession(CLI::App& command, SessionArguments& arguments) {
   command.add_option("session", arguments.session, "Its id, the beginning of it, or its vehicle")
       ->required()
       ->type_name("ID");
@@ -149,25 +128,26 @@ CLI::App* AddSessionCommand(CLI::App& app, int& exit_code) {
   CLI::App* session = app.add_subcommand("session", "See and end a server's sessions");
   session->require_subcommand(1);
 
-  auto list = std::make_shared<Arguments>();
-  CLI::App* command = Add(*session, "list", "List the open sessions", &List, list, exit_code);
+  auto list = std::make_shared<SessionArguments>();
+  CLI::App* command =
+      AddAdminCommand(*session, "list", "List the open sessions", list, exit_code, &List);
   command->add_option("--vehicle", list->vehicle, "Only this vehicle's")->type_name("NAME");
   command->footer("Example:\n  dcloc session list --server localhost:50051 --json");
 
-  auto show = std::make_shared<Arguments>();
-  command = Add(*session, "show", "Say all about a session", &Show, show, exit_code);
+  auto show = std::make_shared<SessionArguments>();
+  command = AddAdminCommand(*session, "show", "Say all about a session", show, exit_code, &Show);
   AddSession(*command, *show);
   command->footer("Example:\n  dcloc session show --server localhost:50051 car-17");
 
-  auto watch = std::make_shared<Arguments>();
-  command =
-      Add(*session, "watch", "Print a session's answers as they are given, until Ctrl-C", watch);
-  command->callback([watch, &exit_code] {
-    const StopSignals signals;  // before gRPC has threads
-    const absl::Status status = WithAdminClient(
-        watch->server, [&](client::AdminClient& admin) { return Watch(admin, *watch, signals); });
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  auto watch = std::make_shared<SessionArguments>();
+  command = AddAdminCommand(
+      *session, "watch", "Print a session's answers as they are given, until Ctrl-C", watch,
+      exit_code, [](const SessionArguments& arguments) {
+        const StopSignals signals;  // before gRPC has threads
+        return WithAdminClient(arguments.server, [&](client::AdminClient& admin) {
+          return Watch(admin, arguments, signals);
+        });
+      });
   AddSession(*command, *watch);
   command->add_option("--count", watch->answer_count, "End after so many answers")
       ->check(CLI::PositiveNumber)
@@ -176,8 +156,9 @@ CLI::App* AddSessionCommand(CLI::App& app, int& exit_code) {
       "Looks on, and never slows the session. With --json, an object on each line.\n"
       "Example:\n  dcloc session watch --server localhost:50051 car-17");
 
-  auto end = std::make_shared<Arguments>();
-  command = Add(*session, "end", "End a session; its vehicle is told", &End, end, exit_code);
+  auto end = std::make_shared<SessionArguments>();
+  command =
+      AddAdminCommand(*session, "end", "End a session; its vehicle is told", end, exit_code, &End);
   AddSession(*command, *end);
   command->add_option("--reason", end->reason, "Told to the vehicle, at most 200 characters")
       ->type_name("TEXT");

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "client/datasets/radar_pcd.h"
 #include "client/datasets/radar_selection.h"
 #include "client/datasets/rig_file.h"
+#include "core/geometry/degrees.h"
 
 namespace dcloc {
 namespace {
@@ -54,7 +54,7 @@ RadarModel Ars408(const std::string& channel, const Pose3& T_vehicle_radar) {
   radar.T_vehicle_radar = T_vehicle_radar;
   radar.range_sigma_m = 0.15;
   radar.range_rate_sigma_mps = 0.12;
-  radar.azimuth_sigma_rad = 1.0 * std::numbers::pi / 180.0;
+  radar.azimuth_sigma_rad = kRadPerDeg;
   return radar;
 }
 

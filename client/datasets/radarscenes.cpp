@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
@@ -13,6 +12,7 @@
 #include "client/datasets/finish_drive.h"
 #include "client/datasets/radar_selection.h"
 #include "client/datasets/radarscenes_tables.h"
+#include "core/geometry/degrees.h"
 
 namespace dcloc {
 namespace {
@@ -52,7 +52,7 @@ RadarModel SeriesRadar(std::int64_t sensor_id, const Pose3& T_vehicle_radar) {
   radar.T_vehicle_radar = T_vehicle_radar;
   radar.range_sigma_m = 0.15;
   radar.range_rate_sigma_mps = 0.1;
-  radar.azimuth_sigma_rad = 1.0 * std::numbers::pi / 180.0;
+  radar.azimuth_sigma_rad = kRadPerDeg;
   return radar;
 }
 

@@ -2,17 +2,15 @@
 
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/geometry/degrees.h"
 
 namespace dcloc {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 ordered_json Number(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);

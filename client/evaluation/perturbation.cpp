@@ -6,10 +6,10 @@
 #include <random>
 #include <vector>
 
+#include "core/geometry/degrees.h"
+
 namespace dcloc {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 std::mt19937_64 Generator(const Perturbation& perturbation, const std::string& drive,
                           std::uint64_t query) {

@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "core/geometry/degrees.h"
 
 namespace dcloc {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr std::size_t kMaxLandmarks = 12'000;  // more only make the file large
 constexpr double kChiSquare95Planar = 5.991;
 

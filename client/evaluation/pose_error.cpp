@@ -3,8 +3,9 @@
 #include <Eigen/Cholesky>
 #include <array>
 #include <limits>
-#include <numbers>
 #include <vector>
+
+#include "core/geometry/degrees.h"
 
 namespace dcloc {
 namespace {
@@ -32,7 +33,7 @@ PoseError ComparePoses(const Pose3& T_map_vehicle, const Matrix6d& covariance,
   PoseError error;
   error.tangent = Log(T_estimate_truth);
   error.translation_m = T_estimate_truth.translation_m.norm();
-  error.rotation_deg = RotationAngle(T_estimate_truth) * 180.0 / std::numbers::pi;
+  error.rotation_deg = RotationAngle(T_estimate_truth) * kDegPerRad;
   error.dof = static_cast<int>(indices.size());
   error.nees = indices.empty() ? 0.0 : Nees(error.tangent, covariance, indices);
   return error;

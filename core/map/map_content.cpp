@@ -4,15 +4,11 @@
 #include <cmath>
 
 #include "absl/strings/str_format.h"
+#include "core/map/data_loss.h"
 #include "core/map/keyframe_index.h"
 
 namespace dcloc {
 namespace {
-
-template <typename... Args>
-absl::Status DataLoss(const absl::FormatSpec<Args...>& format, const Args&... args) {
-  return absl::DataLossError(absl::StrFormat(format, args...));
-}
 
 // Written so that NaN fails.
 bool WithinBound(std::span<const double> values, double bound) {

@@ -7,15 +7,11 @@
 #include <limits>
 
 #include "absl/strings/str_format.h"
+#include "core/map/data_loss.h"
 #include "core/map/map_content.h"
 
 namespace dcloc {
 namespace {
-
-template <typename... Args>
-absl::Status DataLoss(const absl::FormatSpec<Args...>& format, const Args&... args) {
-  return absl::DataLossError(absl::StrFormat(format, args...));
-}
 
 const MapFileHeader& HeaderOf(std::span<const std::byte> bytes) {
   return *reinterpret_cast<const MapFileHeader*>(bytes.data());

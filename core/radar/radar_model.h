@@ -1,11 +1,11 @@
 #pragma once
 
-#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/geometry/degrees.h"
 #include "core/geometry/pose.h"
 
 namespace dcloc {
@@ -23,9 +23,9 @@ struct RadarModel {
 
   double range_sigma_m = 0.15;
   double range_rate_sigma_mps = 0.15;
-  double azimuth_sigma_rad = 1.0 * std::numbers::pi / 180.0;
+  double azimuth_sigma_rad = kRadPerDeg;
   /// Where the radar measures no elevation: the spread of true elevations about the xy plane.
-  double elevation_sigma_rad = 4.0 * std::numbers::pi / 180.0;
+  double elevation_sigma_rad = 4.0 * kRadPerDeg;
   bool has_elevation = false;
 
   /// Range rates are known modulo twice this; 0 when the radar resolves the ambiguity itself.

@@ -1,11 +1,11 @@
 #include "server/convert/geometry.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
+#include "core/geometry/degrees.h"
 #include "server/convert/check.h"
 #include "server/status.h"
 
@@ -15,7 +15,6 @@ namespace {
 constexpr double kMaxTranslation_m = 1e8;
 constexpr double kMaxCovariance = 1e12;
 constexpr double kQuaternionNormTolerance = 1e-3;
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 constexpr int kDof = Pose3::kDof;
 
 using RowMajor6d = Eigen::Matrix<double, kDof, kDof, Eigen::RowMajor>;
@@ -123,7 +122,7 @@ void ToProto(const GeodeticAnchor& anchor, const Pose3& T_map_vehicle, v1::Geode
   const GeodeticPosition ahead =
       GeodeticFromMap(anchor, T_map_vehicle * Eigen::Vector3d(1.0, 0.0, 0.0));
   const Eigen::Vector3d ahead_enu = MapFromGeodetic(LocalTangentPlane(position), ahead);
-  double heading_deg = std::atan2(ahead_enu.x(), ahead_enu.y()) * kDegreesPerRadian;
+  double heading_deg = std::atan2(ahead_enu.x(), ahead_enu.y()) * kDegPerRad;
   if (heading_deg < 0.0) heading_deg += 360.0;
   ToProto(position, message->mutable_position());
   message->set_heading_deg(heading_deg < 360.0 ? heading_deg : 0.0);
@@ -131,7 +130,7 @@ void ToProto(const GeodeticAnchor& anchor, const Pose3& T_map_vehicle, v1::Geode
 
 double YawFromHeading(const GeodeticAnchor& anchor, const GeodeticPosition& position,
                       double heading_deg) {
-  const double heading_rad = heading_deg / kDegreesPerRadian;
+  const double heading_rad = heading_deg / kDegPerRad;
   const GeodeticPosition ahead =
       GeodeticFromMap(LocalTangentPlane(position),
                       Eigen::Vector3d(std::sin(heading_rad), std::cos(heading_rad), 0.0));

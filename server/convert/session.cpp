@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/geometry/covariance.h"
+#include "core/geometry/degrees.h"
 #include "server/convert/check.h"
 #include "server/convert/geometry.h"
 #include "server/convert/scan.h"
@@ -16,11 +17,10 @@ namespace {
 constexpr double kMaxGnssSigma_m = 1e4;
 constexpr double kMinGnssSigma_m = 1e-3;
 constexpr double kMinHeadingSigma_deg = 1e-3;
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 /// A heading that nobody knows is uniform over the circle.
 constexpr double kUnknownYawVariance_rad2 = std::numbers::pi * std::numbers::pi / 3.0;
 /// A receiver says nothing of roll and pitch; a road vehicle stays within a few degrees.
-constexpr double kRollPitchSigma_rad = 3.0 * kRadiansPerDegree;
+constexpr double kRollPitchSigma_rad = 3.0 * kRadPerDeg;
 
 LocalizerOptions OptionsFromProto(const v1::LocalizationOptions& message) {
   LocalizerOptions options;
@@ -72,7 +72,7 @@ absl::StatusOr<InitialPose> FixFromProto(const v1::GnssFix& message,
         "open.gnss_fix is of no use in this map: it has no anchor on the Earth");
   }
   const double horizontal_m2 = message.horizontal_sigma_m() * message.horizontal_sigma_m();
-  const double heading_sigma_rad = message.heading_sigma_deg() * kRadiansPerDegree;
+  const double heading_sigma_rad = message.heading_sigma_deg() * kRadPerDeg;
   const double yaw_rad =
       message.has_heading_deg() ? YawFromHeading(*anchor, *position, message.heading_deg()) : 0.0;
   const double yaw_rad2 =

@@ -176,7 +176,7 @@ absl::StatusOr<bool> IdentityStore::HasAny() {
   const std::lock_guard lock(mutex_);
   if (has_any_) return true;
   SqliteStatement query(database_, "SELECT 1 FROM identity LIMIT 1");
-  const absl::StatusOr<bool> row = query.Step();
+  absl::StatusOr<bool> row = query.Step();
   if (row.ok()) has_any_ = *row;
   return row;
 }

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <string>
 #include <utility>
+
+#include "core/geometry/degrees.h"
 
 namespace dcloc::server {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 /// Of a degree of latitude; its spread over the ellipsoid is 1 %, by which the search is widened.
 constexpr double kDegree_m = 111'320.0;
 constexpr double kWiden = 1.01;
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 /// Near the poles a degree of longitude is next to nothing.
 constexpr double kMinCosine = 1e-6;
 
@@ -136,7 +136,7 @@ absl::StatusOr<std::vector<CoverageRecord>> FindEarthCoverage(SqliteDatabase& da
                                                               absl::string_view prefix,
                                                               const GeodeticPosition& position,
                                                               double radius_m) {
-  const double cosine = std::max(kMinCosine, std::cos(position.latitude_deg * kRadiansPerDegree));
+  const double cosine = std::max(kMinCosine, std::cos(position.latitude_deg * kRadPerDeg));
   const double latitude_reach_deg = kWiden * radius_m / kDegree_m;
   const double longitude_reach_deg = std::min(180.0, latitude_reach_deg / cosine);
   Nearest nearest;

@@ -18,6 +18,7 @@
 #include "server/identity/method_permissions.h"
 #include "server/maps/sha256.h"
 #include "tests/core/map/temporary_folder.h"
+#include "tests/server/message_of.h"
 
 namespace dcloc::server {
 namespace {
@@ -25,8 +26,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-std::string MessageOf(const absl::Status& status) { return std::string(status.message()); }
 
 // ---- Roles and methods
 

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "server/status.h"
 #include "server/traceparent.h"
 #include "spdlog/sinks/ostream_sink.h"
@@ -16,7 +17,7 @@ namespace dcloc::server {
 namespace {
 
 nlohmann::json Parse(const std::string& line) {
-  return nlohmann::json::parse("{" + JsonMembers(line) + "}");
+  return nlohmann::json::parse(absl::StrCat("{", JsonMembers(line), "}"));
 }
 
 TEST(JsonLogTest, WordsAreTheEventAndKeysAreMembers) {

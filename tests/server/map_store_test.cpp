@@ -14,6 +14,7 @@
 
 #include "server/maps/upload.h"
 #include "tests/core/map/temporary_folder.h"
+#include "tests/server/message_of.h"
 #include "tests/server/messages.h"
 #include "tests/server/test_maps.h"
 
@@ -25,8 +26,6 @@ using ::testing::HasSubstr;
 
 constexpr std::int64_t kMaxMapBytes = 1 << 20;
 constexpr UploadLimits kLimits{.max_map_bytes = kMaxMapBytes};
-
-std::string MessageOf(const absl::Status& status) { return std::string(status.message()); }
 
 std::string_view TextOf(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -119,10 +119,10 @@ absl::Status AddNuScenes(const Dataset& dataset, std::vector<Case>& cases) {
 }
 
 absl::Status AddRadarScenes(const fs::path& root, const fs::path& data, std::vector<Case>& cases) {
-  const auto json = ReadJson(data / "sequences.json");
-  if (!json.ok()) return json.status();
-  const auto sequences = json->find("sequences");
-  if (sequences == json->end() || !sequences->is_object()) {
+  const auto document = ReadJson(data / "sequences.json");
+  if (!document.ok()) return document.status();
+  const auto sequences = document->find("sequences");
+  if (sequences == document->end() || !sequences->is_object()) {
     return absl::DataLossError(
         absl::StrCat((data / "sequences.json").string(), ": \"sequences\" must be an object"));
   }

@@ -7,7 +7,6 @@
 namespace dcloc::simulation {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kEgoHalfLength = 2.3;   // [m]
 constexpr double kEgoMiddleAhead = 1.4;  // of the rear axle [m]
 
@@ -35,7 +34,7 @@ Traffic::Traffic(const World& world, const EgoMotion& ego, double ego_lane_offse
   for (const double direction : {1.0, -1.0}) {
     if (!Chance(random, 0.75)) continue;
     Companion companion{MakeVehicle(random, world.truck_share), 0.0, Uniform(random, 2.0, 6.0),
-                        Uniform(random, 0.05, 0.2), Uniform(random, 0.0, 2.0 * kPi)};
+                        Uniform(random, 0.05, 0.2), Uniform(random, 0.0, 2.0 * std::numbers::pi)};
     companion.gap_m = direction * (1.2 * ego_speed_mps + Uniform(random, 12.0, 30.0));
     companions_.push_back(std::move(companion));
   }
@@ -74,7 +73,7 @@ MovingBody Traffic::BodyOf(const LaneVehicle& vehicle, double t_s) const {
   // A signed speed along the route's heading; who comes against it points the other way.
   const Eigen::Vector2d velocity = state.speed_mps * Along(state.T_map_vehicle.yaw_rad);
   if (vehicle.speed_mps < 0.0) {
-    state.T_map_vehicle.yaw_rad = WrapAngle(state.T_map_vehicle.yaw_rad + kPi);
+    state.T_map_vehicle.yaw_rad = WrapAngle(state.T_map_vehicle.yaw_rad + std::numbers::pi);
   }
   return {&vehicle.vehicle, state.T_map_vehicle, velocity, state.yaw_rate_radps};
 }

@@ -1,12 +1,11 @@
 #include "client/simulation/radar/radar_profile.h"
 
 #include <array>
-#include <numbers>
+
+#include "core/geometry/degrees.h"
 
 namespace dcloc::simulation {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Mount {
   const char* id;
@@ -25,16 +24,16 @@ RadarProfile Ars408Profile() {
   RadarProfile profile;
   profile.period_s = 0.075;
   profile.max_range_m = 100.0;
-  profile.half_field_rad = 60.0 * kDegree;
+  profile.half_field_rad = 60.0 * kRadPerDeg;
   profile.far_max_range_m = 250.0;
-  profile.far_half_field_rad = 9.0 * kDegree;
+  profile.far_half_field_rad = 9.0 * kRadPerDeg;
   profile.reference_range_m = 95.0;
   profile.edge_loss_db = 12.0;
   profile.far_gain_db = 10.0;
-  profile.elevation_half_power_rad = 7.0 * kDegree;
+  profile.elevation_half_power_rad = 7.0 * kRadPerDeg;
   profile.range_m.scale = 0.15;
-  profile.azimuth_rad.scale = 1.0 * kDegree;
-  profile.elevation_rad.scale = 1.5 * kDegree;
+  profile.azimuth_rad.scale = 1.0 * kRadPerDeg;
+  profile.elevation_rad.scale = 1.5 * kRadPerDeg;
   profile.range_rate_mps.scale = 0.1;
   profile.noise_depends_on_target = true;
   return profile;
@@ -44,13 +43,13 @@ RadarProfile CarlaProfile(NoiseKind kind) {
   RadarProfile profile;
   profile.period_s = 0.075;
   profile.max_range_m = 100.0;
-  profile.half_field_rad = 75.0 * kDegree;
+  profile.half_field_rad = 75.0 * kRadPerDeg;
   profile.reference_range_m = 150.0;
   profile.edge_loss_db = 3.0;
-  profile.elevation_half_power_rad = 15.0 * kDegree;
+  profile.elevation_half_power_rad = 15.0 * kRadPerDeg;
   profile.min_rcs_dbsm = -15.0;
   profile.range_resolution_m = 0.1;
-  profile.azimuth_resolution_rad = 0.2 * kDegree;
+  profile.azimuth_resolution_rad = 0.2 * kRadPerDeg;
   profile.range_rate_resolution_mps = 0.1;
   profile.min_targets = 100;
   profile.max_targets = 150;
@@ -60,8 +59,8 @@ RadarProfile CarlaProfile(NoiseKind kind) {
   const bool is_rayleigh = kind == NoiseKind::kRayleigh;
   const double angle_deg = is_rayleigh ? 1.0 : kind == NoiseKind::kGamma ? 0.025 : 0.5;
   profile.range_m = {kind, is_rayleigh ? 0.5 : 0.25};
-  profile.azimuth_rad = {kind, angle_deg * kDegree};
-  profile.elevation_rad = {kind, angle_deg * kDegree};
+  profile.azimuth_rad = {kind, angle_deg * kRadPerDeg};
+  profile.elevation_rad = {kind, angle_deg * kRadPerDeg};
   profile.range_rate_mps = {kind, 0.1};
   return profile;
 }
@@ -75,7 +74,7 @@ Rig MakeRig(const RadarProfile& profile, int radar_count, double beta_s, bool ha
     radar.id = mount.id;
     radar.T_vehicle_radar.translation_m = {mount.x_m, mount.y_m, mount.z_m};
     radar.T_vehicle_radar.rotation =
-        Eigen::AngleAxisd(mount.yaw_deg * kDegree, Eigen::Vector3d::UnitZ());
+        Eigen::AngleAxisd(mount.yaw_deg * kRadPerDeg, Eigen::Vector3d::UnitZ());
     radar.beta_s = beta_s;
     radar.range_sigma_m = profile.range_m.StandardDeviation();
     radar.azimuth_sigma_rad = profile.azimuth_rad.StandardDeviation();

@@ -10,9 +10,8 @@
 namespace dcloc::simulation {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kLeadIn = 120.0;   // [m]
-constexpr double kLeadOut = 260.0;  // [m]
+constexpr double kHighwayLeadIn = 120.0;   // [m]
+constexpr double kHighwayLeadOut = 260.0;  // [m]
 // Offsets left of the route, which runs along the middle of the central reserve [m].
 constexpr double kInnerRail = 1.0;
 constexpr double kOuterRail = 15.0;
@@ -20,7 +19,7 @@ constexpr double kBarrier = 18.0;
 constexpr std::array<double, 3> kLanes = {3.9, 7.6, 11.3};
 
 void LayRoute(World& world, Random& random) {
-  const double length_m = kLeadIn + world.length_m + kLeadOut;
+  const double length_m = kHighwayLeadIn + world.length_m + kHighwayLeadOut;
   world.route.Append(60.0, 0.0);
   double turn = Chance(random, 0.5) ? 1.0 : -1.0;
   while (world.route.length_m() < length_m) {
@@ -121,7 +120,7 @@ class Roadside {
 
   void AddSign(double s_m, double side, double offset_m, double half_sector_rad, double height_m) {
     // Right-hand traffic: boards on the right (side -1) face the drivers who come along the route.
-    const double facing = world_.route.At(s_m).heading_rad + (side < 0.0 ? kPi : 0.0);
+    const double facing = world_.route.At(s_m).heading_rad + (side < 0.0 ? std::numbers::pi : 0.0);
     Eigen::Vector3d position;
     position << At(s_m, side * offset_m), height_m;
     builder_.AddPlate(position, facing, half_sector_rad, Normal(random_, 15.0, 4.0));
@@ -138,7 +137,7 @@ World MakeHighway(std::uint64_t seed, double length_m) {
   World world;
   world.name = "highway";
   world.length_m = length_m;
-  world.drive_begin_m = kLeadIn;
+  world.drive_begin_m = kHighwayLeadIn;
   world.max_lateral_acceleration_mps2 = 3.0;
 
   Random route_random = MakeRandom(seed, Stream::kRoute);

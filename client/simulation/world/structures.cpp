@@ -8,8 +8,6 @@
 namespace dcloc::simulation {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double HeadingOf(const Eigen::Vector2d& direction) {
   return std::atan2(direction.y(), direction.x());
 }
@@ -39,7 +37,7 @@ void Builder::AddFacadeElement(const Eigen::Vector2d& foot, double outward_rad, 
   } else if (kind < 0.55) {
     // Downpipes, lamps and shop signs stand out of the wall: seen along it from both sides.
     scatterer.facing_rad = outward_rad;
-    scatterer.half_sector_rad = 0.5 * kPi;
+    scatterer.half_sector_rad = 0.5 * std::numbers::pi;
   }
   Add(scatterer);
 }
@@ -47,7 +45,7 @@ void Builder::AddFacadeElement(const Eigen::Vector2d& foot, double outward_rad, 
 void Builder::AddFacade(const Eigen::Vector2d& begin, const Eigen::Vector2d& end, double height_m) {
   const double length_m = (end - begin).norm();
   const Eigen::Vector2d along = (end - begin) / length_m;
-  const double outward_rad = HeadingOf(along) - 0.5 * kPi;
+  const double outward_rad = HeadingOf(along) - 0.5 * std::numbers::pi;
   world_.walls.push_back({begin, end, height_m, kOpaqueDb, true});
   std::exponential_distribution<double> spacing(1.0 / 0.7);
   double at = spacing(random_);
@@ -72,7 +70,7 @@ void Builder::AddBarrier(const Eigen::Vector2d& begin, const Eigen::Vector2d& en
                          double post_spacing_m) {
   const double length_m = (end - begin).norm();
   const Eigen::Vector2d along = (end - begin) / length_m;
-  const double outward_rad = HeadingOf(along) - 0.5 * kPi;
+  const double outward_rad = HeadingOf(along) - 0.5 * std::numbers::pi;
   world_.walls.push_back({begin, end, height_m, kOpaqueDb, true});
   for (const double at : Steps(0.0, length_m, post_spacing_m)) {
     const Eigen::Vector2d post =

@@ -10,8 +10,8 @@
 namespace dcloc::simulation {
 namespace {
 
-constexpr double kLeadIn = 50.0;   // [m]
-constexpr double kLeadOut = 60.0;  // [m]
+constexpr double kTownLeadIn = 50.0;   // [m]
+constexpr double kTownLeadOut = 60.0;  // [m]
 constexpr double kLaneOffset = 1.75;
 
 Footprint Box(const Eigen::Vector2d& front_middle, double heading_rad, double side, double width_m,
@@ -118,11 +118,11 @@ World MakeTown(std::uint64_t seed, double length_m) {
   World world;
   world.name = "town";
   world.length_m = length_m;
-  world.drive_begin_m = kLeadIn;
+  world.drive_begin_m = kTownLeadIn;
   world.max_lateral_acceleration_mps2 = 3.5;
 
   Random route_random = MakeRandom(seed, Stream::kRoute);
-  TownPlan plan(world, kLeadIn + length_m + kLeadOut, route_random);
+  TownPlan plan(world, kTownLeadIn + length_m + kTownLeadOut, route_random);
 
   Random houses_random = MakeRandom(seed, Stream::kBuildings);
   AddHouses(plan, world, houses_random);

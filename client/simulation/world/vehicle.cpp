@@ -9,7 +9,6 @@
 namespace dcloc::simulation {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Some power passes under and through the windows of a vehicle.
 constexpr double kVehicleLossDb = 9.0;
 
@@ -32,10 +31,10 @@ class VehicleMaker {
     const double x = 0.5 * vehicle_.length_m - 0.1;
     const double y = 0.5 * vehicle_.width_m - 0.1;
     for (const double front : {1.0, -1.0}) {
-      Add(front * x, 0.0, front > 0.0 ? 0.0 : kPi, 1.2, 8.0);
+      Add(front * x, 0.0, front > 0.0 ? 0.0 : std::numbers::pi, 1.2, 8.0);
       for (const double left : {1.0, -1.0}) {
         Add(front * x, left * y, std::atan2(left, front), 1.4, 5.0);
-        Add(front * 0.62 * x, left * y, left * 0.5 * kPi, 1.2, 3.0);
+        Add(front * 0.62 * x, left * y, left * 0.5 * std::numbers::pi, 1.2, 3.0);
       }
     }
   }
@@ -43,8 +42,8 @@ class VehicleMaker {
   void AddSides(double spacing_m) {
     const double y = 0.5 * vehicle_.width_m - 0.05;
     for (const double x : Steps(-0.4 * vehicle_.length_m, 0.4 * vehicle_.length_m, spacing_m)) {
-      Add(x, y, 0.5 * kPi, 1.1, 4.0);
-      Add(x, -y, -0.5 * kPi, 1.1, 4.0);
+      Add(x, y, 0.5 * std::numbers::pi, 1.1, 4.0);
+      Add(x, -y, -0.5 * std::numbers::pi, 1.1, 4.0);
     }
   }
 

@@ -174,13 +174,13 @@ TEST(NuScenes, SaysWhatThereIsInsteadOfAnUnknownName) {
   EXPECT_EQ(ReadNuScenesDrive(empty.path(), Scene1()).status().code(), absl::StatusCode::kNotFound);
 }
 
-struct Fault {
+struct NuScenesFault {
   const char* name;
   std::function<void(TinyNuScenes&)> inflict;
   std::vector<std::string> said;
 };
 
-class BrokenNuScenes : public ::testing::TestWithParam<Fault> {};
+class BrokenNuScenes : public ::testing::TestWithParam<NuScenesFault> {};
 
 TEST_P(BrokenNuScenes, NamesTheFileAndTheFault) {
   TinyNuScenes tiny;
@@ -192,7 +192,7 @@ TEST_P(BrokenNuScenes, NamesTheFileAndTheFault) {
   }
 }
 
-std::vector<Fault> Faults() {
+std::vector<NuScenesFault> NuScenesFaults() {
   return {
       {"NoSceneTable", [](auto& t) { t.tables.erase("scene"); }, {"scene.json", "no such file"}},
       {"NoLog", [](auto& t) { t.tables["log"][0]["token"] = "x"; }, {"log.json", "no log l1"}},
@@ -275,7 +275,7 @@ std::vector<Fault> Faults() {
   };
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, BrokenNuScenes, ::testing::ValuesIn(Faults()),
+INSTANTIATE_TEST_SUITE_P(Each, BrokenNuScenes, ::testing::ValuesIn(NuScenesFaults()),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

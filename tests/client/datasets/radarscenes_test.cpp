@@ -118,13 +118,13 @@ TEST(RadarScenes, RefusesFilesThatAreNoHdf5) {
   EXPECT_THAT(fault(), AllOf(HasSubstr("radar_data.h5"), HasSubstr("no such file")));
 }
 
-struct Fault {
+struct RadarScenesFault {
   const char* name;
   std::function<void(TinyRadarScenes&)> inflict;
   std::vector<std::string> said;
 };
 
-class BrokenRadarScenes : public ::testing::TestWithParam<Fault> {};
+class BrokenRadarScenes : public ::testing::TestWithParam<RadarScenesFault> {};
 
 TEST_P(BrokenRadarScenes, NamesTheFileAndTheFault) {
   TinyRadarScenes tiny;
@@ -137,7 +137,7 @@ TEST_P(BrokenRadarScenes, NamesTheFileAndTheFault) {
   }
 }
 
-std::vector<Fault> Faults() {
+std::vector<RadarScenesFault> RadarScenesFaults() {
   return {
       {"NoTable",
        [](auto& t) { t.target_table = "radar"; },
@@ -206,7 +206,7 @@ std::vector<Fault> Faults() {
   };
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, BrokenRadarScenes, ::testing::ValuesIn(Faults()),
+INSTANTIATE_TEST_SUITE_P(Each, BrokenRadarScenes, ::testing::ValuesIn(RadarScenesFaults()),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

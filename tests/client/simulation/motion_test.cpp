@@ -21,7 +21,7 @@ Path Route() {
   return path;
 }
 
-SpeedProfileOptions Drive(double mean_mps) {
+SpeedProfileOptions PaceOf(double mean_mps) {
   SpeedProfileOptions options;
   options.begin_m = 20.0;
   options.end_m = 520.0;
@@ -31,14 +31,14 @@ SpeedProfileOptions Drive(double mean_mps) {
 
 EgoMotion MakeEgo(const Path& path, std::uint64_t seed) {
   Random random = MakeRandom(seed, Stream::kSpeed);
-  const SpeedProfile profile = MakeSpeedProfile(path, Drive(12.0), random);
+  const SpeedProfile profile = MakeSpeedProfile(path, PaceOf(12.0), random);
   return {path, profile, LaneKeeping(-1.7, random)};
 }
 
 TEST(SpeedProfileTest, SpeedIsTheDerivativeOfPosition) {
   const Path path = Route();
   Random random = MakeRandom(1, Stream::kSpeed);
-  const SpeedProfile profile = MakeSpeedProfile(path, Drive(12.0), random);
+  const SpeedProfile profile = MakeSpeedProfile(path, PaceOf(12.0), random);
   for (const double t : Steps(0.0051, profile.duration_s(), 0.173)) {
     const double rate = (profile.At(t + 1e-5).s_m - profile.At(t - 1e-5).s_m) / 2e-5;
     EXPECT_NEAR(rate, profile.At(t).speed_mps, 1e-6) << t;
@@ -49,7 +49,7 @@ TEST(SpeedProfileTest, KeepsItsMeanAndTheLimitsOfADriver) {
   const Path path = Route();
   for (const double mean : {6.0, 11.0}) {
     Random random = MakeRandom(2, Stream::kSpeed);
-    const SpeedProfile profile = MakeSpeedProfile(path, Drive(mean), random);
+    const SpeedProfile profile = MakeSpeedProfile(path, PaceOf(mean), random);
     EXPECT_NEAR(500.0 / profile.duration_s(), mean, 0.02 * mean);
     for (const double t : Steps(0.0, profile.duration_s(), 0.1)) {
       const double acceleration = (profile.At(t + 0.1).speed_mps - profile.At(t).speed_mps) / 0.1;
@@ -64,13 +64,13 @@ TEST(SpeedProfileTest, KeepsItsMeanAndTheLimitsOfADriver) {
 
 TEST(SpeedProfileTest, AMeanThatBendsForbidStaysBelow) {
   Random random = MakeRandom(2, Stream::kSpeed);
-  const SpeedProfile profile = MakeSpeedProfile(Route(), Drive(40.0), random);
+  const SpeedProfile profile = MakeSpeedProfile(Route(), PaceOf(40.0), random);
   EXPECT_LT(500.0 / profile.duration_s(), 35.0);
   EXPECT_GT(500.0 / profile.duration_s(), 10.0);
 }
 
 TEST(SpeedProfileTest, HaltsWhereItIsTold) {
-  SpeedProfileOptions options = Drive(8.0);
+  SpeedProfileOptions options = PaceOf(8.0);
   options.stops_m = {140.0};
   Random random = MakeRandom(3, Stream::kSpeed);
   const SpeedProfile profile = MakeSpeedProfile(Route(), options, random);
@@ -120,7 +120,7 @@ TEST(TrafficTest, VehiclesMoveAsTheirVelocitiesSay) {
   const World world = MakeTown(7, 600.0);
   Random random = MakeRandom(7, Stream::kTraffic);
   Random speed_random = MakeRandom(7, Stream::kSpeed);
-  SpeedProfileOptions options = Drive(10.0);
+  SpeedProfileOptions options = PaceOf(10.0);
   options.begin_m = world.drive_begin_m;
   options.end_m = world.drive_begin_m + world.length_m;
   const EgoMotion ego(world.route, MakeSpeedProfile(world.route, options, speed_random),

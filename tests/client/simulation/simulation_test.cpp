@@ -23,7 +23,7 @@ SimulationOptions Small(WorldKind world, RadarKind radar) {
   return options;
 }
 
-SimulatedPass Drive(const SimulationOptions& options, std::size_t pass) {
+SimulatedPass PassOf(const SimulationOptions& options, std::size_t pass) {
   auto simulated = SimulatePassWithTruth(MakeWorld(options), options, Passes(options)[pass]);
   EXPECT_TRUE(simulated.ok()) << simulated.status();
   return *std::move(simulated);
@@ -33,9 +33,9 @@ TEST(SimulationTest, EqualOptionsGiveEqualScans) {
   const SimulationOptions options = Small(WorldKind::kTown, RadarKind::kArs408);
   SimulationOptions other = options;
   other.seed = 22;
-  const SimulatedPass first = Drive(options, 0);
-  const SimulatedPass second = Drive(options, 0);
-  const SimulatedPass third = Drive(other, 0);
+  const SimulatedPass first = PassOf(options, 0);
+  const SimulatedPass second = PassOf(options, 0);
+  const SimulatedPass third = PassOf(other, 0);
   ASSERT_EQ(first.drive.scans.size(), second.drive.scans.size());
   for (std::size_t i = 0; i < first.drive.scans.size(); ++i) {
     const Scan& a = first.drive.scans[i].scan;
@@ -55,7 +55,7 @@ TEST(SimulationTest, ScansAreValidOrderedAndFull) {
     for (const WorldKind world : {WorldKind::kTown, WorldKind::kHighway}) {
       SimulationOptions options = Small(world, radar);
       options.rig_size = 5;
-      const SimulatedPass pass = Drive(options, 1);
+      const SimulatedPass pass = PassOf(options, 1);
       std::map<std::string, std::vector<double>> counts;
       for (std::size_t i = 0; i < pass.drive.scans.size(); ++i) {
         const Scan& scan = pass.drive.scans[i].scan;
@@ -80,7 +80,7 @@ TEST(SimulationTest, ScansAreValidOrderedAndFull) {
 TEST(SimulationTest, StaticTargetsMoveByTheVehiclesPoses) {
   SimulationOptions options = Small(WorldKind::kTown, RadarKind::kCarla);
   options.ghost_share = 0.0;
-  const SimulatedPass pass = Drive(options, 0);
+  const SimulatedPass pass = PassOf(options, 0);
   const RadarModel& radar = pass.drive.rig.radars[0];
   const auto range_from = [&](std::size_t scan, const Eigen::Vector3d& p_map) {
     const Pose3 T_map_radar = pass.drive.scans[scan].T_map_vehicle * radar.T_vehicle_radar;
@@ -103,7 +103,7 @@ TEST(SimulationTest, StaticTargetsMoveByTheVehiclesPoses) {
 
 TEST(SimulationTest, MeasurementsScatterAroundTheTruthAsTheRigSays) {
   const SimulationOptions options = Small(WorldKind::kTown, RadarKind::kCarla);
-  const SimulatedPass pass = Drive(options, 0);
+  const SimulatedPass pass = PassOf(options, 0);
   const RadarModel& radar = pass.drive.rig.radars[0];
   double count = 0.0, range = 0.0, azimuth = 0.0, rate = 0.0, bias = 0.0;
   for (std::size_t i = 0; i < pass.drive.scans.size(); ++i) {
@@ -128,7 +128,7 @@ TEST(SimulationTest, MeasurementsScatterAroundTheTruthAsTheRigSays) {
 TEST(SimulationTest, ClutterAndGhostsHaveTheirShares) {
   SimulationOptions options = Small(WorldKind::kTown, RadarKind::kArs408);
   options.length_m = 400.0;
-  const SimulatedPass pass = Drive(options, 1);
+  const SimulatedPass pass = PassOf(options, 1);
   std::map<EchoSource, double> share;
   double count = 0.0;
   for (const ScanTruth& truth : pass.truth) {
@@ -147,7 +147,7 @@ TEST(SimulationTest, ClutterAndGhostsHaveTheirShares) {
 TEST(SimulationTest, WheelsAndGyroscopeErrAsMuchAsTheyShould) {
   SimulationOptions options = Small(WorldKind::kHighway, RadarKind::kCarla);
   options.length_m = 1000.0;
-  const SimulatedPass pass = Drive(options, 1);
+  const SimulatedPass pass = PassOf(options, 1);
   double scale = 0.0, bias = 0.0, wheel = 0.0, gyro = 0.0;
   const auto count = static_cast<double>(pass.drive.scans.size());
   const auto each = [&](const auto& visit) {

@@ -12,13 +12,13 @@ using std::chrono::milliseconds;
 constexpr StateOptions kOptions{
     .confirmations = 3, .tracking_hold = milliseconds(400), .lost_sigma_m = 2.0};
 
-Stamp At(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
+Stamp StampAt(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
 
 // One scan with a registration and its answer.
 void Scan(TrackingState& state, int ms, bool believed, double sigma_m = 0.1,
           double travelled_m = 1.0) {
-  state.OnRegistration(At(ms), believed, travelled_m);
-  state.OnAnswer(At(ms), sigma_m);
+  state.OnRegistration(StampAt(ms), believed, travelled_m);
+  state.OnAnswer(StampAt(ms), sigma_m);
 }
 
 TrackingState Tracking(int until_ms) {
@@ -51,9 +51,9 @@ TEST(TrackingStateTest, InitializingStaysHoweverUncertain) {
 TEST(TrackingStateTest, AShortGapIsHeldALongerOneIsDeadReckoning) {
   TrackingState state = Tracking(1000);
   Scan(state, 1100, false);
-  state.OnAnswer(At(1400), 0.2);  // a scan without a registration
+  state.OnAnswer(StampAt(1400), 0.2);  // a scan without a registration
   EXPECT_EQ(state.state(), LocalizationState::kTracking);
-  state.OnAnswer(At(1401), 0.2);
+  state.OnAnswer(StampAt(1401), 0.2);
   EXPECT_EQ(state.state(), LocalizationState::kDeadReckoning);
 }
 
@@ -89,7 +89,7 @@ TEST(TrackingStateTest, ConfirmationsInARowRecoverFromBoth) {
 TEST(TrackingStateTest, WhoWasLostMustBeConfirmedAnew) {
   TrackingState state = Tracking(1000);
   // Silence, without a registration that could have failed.
-  state.OnAnswer(At(60'000), 30.0);
+  state.OnAnswer(StampAt(60'000), 30.0);
   EXPECT_EQ(state.state(), LocalizationState::kLost);
   Scan(state, 60'000, true);
   Scan(state, 60'100, true);

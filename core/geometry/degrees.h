@@ -1,0 +1,11 @@
+#pragma once
+
+#include <numbers>
+
+namespace dcloc {
+
+/// Angles are in radians, except where people write or read them.
+inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+inline constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+}  // namespace dcloc
