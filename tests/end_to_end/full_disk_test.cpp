@@ -20,8 +20,9 @@ class FullDiskTest : public ::testing::Test {
  protected:
   void Start(std::uint64_t max_file_bytes) {
     server_.reset();
-    server_ = std::make_unique<ServerProcess>(DCLOC_SERVER_PROGRAM, folder_.path() / "store",
-                                              folder_.path() / "log", max_file_bytes);
+    server_ = std::make_unique<ServerProcess>(
+        DCLOC_SERVER_PROGRAM, folder_.path() / "store", folder_.path() / "log",
+        ServerProcessOptions{.max_file_bytes = max_file_bytes});
     ASSERT_TRUE(server_->WaitUntilReady());
   }
 

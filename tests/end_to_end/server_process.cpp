@@ -14,7 +14,8 @@
 namespace dcloc {
 
 ServerProcess::ServerProcess(const std::string& program, const std::filesystem::path& store,
-                             const std::filesystem::path& log, std::uint64_t max_file_bytes) {
+                             const std::filesystem::path& log,
+                             const ServerProcessOptions& options) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
   const int log_file = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
@@ -22,14 +23,14 @@ ServerProcess::ServerProcess(const std::string& program, const std::filesystem::
   if (pid_ == 0) {
     dup2(ends[1], STDOUT_FILENO);
     dup2(log_file, STDERR_FILENO);
-    if (max_file_bytes > 0) {
+    if (options.max_file_bytes > 0) {
       // Writing on is then an error, as on a full disk, and no signal.
       std::signal(SIGXFSZ, SIG_IGN);
-      const rlimit limit{.rlim_cur = max_file_bytes, .rlim_max = max_file_bytes};
+      const rlimit limit{.rlim_cur = options.max_file_bytes, .rlim_max = options.max_file_bytes};
       setrlimit(RLIMIT_FSIZE, &limit);
     }
     execl(program.c_str(), program.c_str(), "--listen", "127.0.0.1:0", "--data", store.c_str(),
-          "--stub-matcher", nullptr);
+          options.stub_matcher ? "--stub-matcher" : nullptr, nullptr);
     _exit(127);
   }
   close(ends[1]);
@@ -61,11 +62,22 @@ double ServerProcess::ResidentMebibytes() const {
 }
 
 void ServerProcess::Kill() {
-  if (pid_ < 0) return;
-  kill(pid_, SIGKILL);
-  waitpid(pid_, nullptr, 0);
+  if (pid_ >= 0) End(SIGKILL);
+}
+
+bool ServerProcess::Terminate() {
+  if (pid_ < 0) return false;
+  const int status = End(SIGTERM);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+int ServerProcess::End(int signal) {
+  int status = 0;
+  kill(pid_, signal);
+  waitpid(pid_, &status, 0);
   close(output_);
   pid_ = -1;
+  return status;
 }
 
 }  // namespace dcloc

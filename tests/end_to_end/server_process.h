@@ -10,19 +10,26 @@
 
 namespace dcloc {
 
-/// The dcloc-server program as a process of its own, on a free port and a given store, with the
-/// stub matcher. Its log goes to a file.
+struct ServerProcessOptions {
+  std::uint64_t max_file_bytes = 0;  ///< the disk takes no larger files; 0: it does
+  bool stub_matcher = true;
+};
+
+/// The dcloc-server program as a process of its own, on a free port and a given store. Its log goes
+/// to a file.
 class ServerProcess {
  public:
-  /// With `max_file_bytes` not 0 the disk takes no larger files.
   ServerProcess(const std::string& program, const std::filesystem::path& store,
-                const std::filesystem::path& log, std::uint64_t max_file_bytes = 0);
+                const std::filesystem::path& log, const ServerProcessOptions& options = {});
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
   ~ServerProcess() { Kill(); }
 
   /// Waits until it listens; false when it ended instead.
   bool WaitUntilReady();
+
+  /// HOST:PORT.
+  const std::string& address() const { return address_; }
 
   /// A connection of its own.
   std::shared_ptr<grpc::Channel> Channel() const;
@@ -33,7 +40,12 @@ class ServerProcess {
   /// SIGKILL, and waits for the end.
   void Kill();
 
+  /// SIGTERM, and waits for the end; whether it ended as it should.
+  bool Terminate();
+
  private:
+  int End(int signal);
+
   pid_t pid_ = -1;
   int output_ = -1;
   std::string address_;

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "client/simulation/simulation.h"
@@ -12,11 +13,11 @@
 
 namespace dcloc::server {
 
-/// A short drive through a simulated town, and the map of another one.
+/// A drive through a simulated town, and the map of another one.
 struct TownDrive {
-  TownDrive() {
+  explicit TownDrive(double length_m = 200.0) {
     SimulationOptions options;
-    options.length_m = 200.0;
+    options.length_m = length_m;
     const std::vector<PassOptions> passes = Passes(options);
     mapping = *SimulatePass(options, passes[0]);
     map = Map("town");
@@ -27,9 +28,20 @@ struct TownDrive {
   std::vector<std::byte> Map(const std::string& name) const {
     MapBuilder builder = *MapBuilder::Create(mapping.rig, {.name = name});
     for (const DriveScan& scan : mapping.scans) {
-      EXPECT_TRUE(builder.Add(scan.scan, scan.T_map_vehicle, *scan.scan.ego_velocity).ok());
+      const absl::Status status =
+          builder.Add(scan.scan, scan.T_map_vehicle, *scan.scan.ego_velocity);
+      if (!status.ok()) throw std::runtime_error(std::string(status.message()));
     }
     return *builder.Build();
+  }
+
+  /// As messages, numbered from 0.
+  std::vector<v1::Scan> Scans() const {
+    std::vector<v1::Scan> scans;
+    for (std::size_t i = 0; i < live.scans.size(); ++i) {
+      scans.push_back(MessageOf(live.scans[i].scan, static_cast<std::int64_t>(i)));
+    }
+    return scans;
   }
 
   v1::OpenSession Open() const {

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <cstdlib>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -17,14 +16,13 @@
 #include "client/sdk/channel.h"
 #include "client/sdk/map_client.h"
 #include "client/sdk/session.h"
-#include "client/simulation/simulation.h"
-#include "core/map/map_builder.h"
 #include "server/server.h"
 #include "spdlog/spdlog.h"
 #include "tests/client/sdk/tcp_proxy.h"
 #include "tests/core/map/synthetic_map.h"
 #include "tests/core/map/temporary_folder.h"
 #include "tests/server/messages.h"
+#include "tests/server/town_drive.h"
 
 // The SDK and the server through a network that fails: each scan is answered exactly once, and
 // where the session outlived the failure the track is the undisturbed one to the bit.
@@ -177,12 +175,6 @@ class Saboteur {
   std::jthread thread_;
 };
 
-/// A multiple of the test's usual size: DCLOC_LONG_TEST=20, say.
-int Scale() {
-  const char* text = std::getenv("DCLOC_LONG_TEST");
-  return text == nullptr ? 1 : std::max(1, std::atoi(text));
-}
-
 std::vector<v1::Scan> StraightDrive(int count) {
   std::vector<v1::Scan> scans;
   for (int i = 0; i < count; ++i) {
@@ -209,7 +201,7 @@ class ReconnectTest : public ::testing::Test {
 };
 
 TEST_F(ReconnectTest, TenThousandScansThroughFiftyCutsAreTheUndisturbedTrack) {
-  const std::vector<v1::Scan> scans = StraightDrive(10'000 * Scale());
+  const std::vector<v1::Scan> scans = StraightDrive(10'000);
   const auto undisturbed = OpenOrDie(site_, server::OpenMessage(), Options());
   const std::vector<v1::LocalizeResponse> expected = Drive(*undisturbed, scans);
 
@@ -217,7 +209,7 @@ TEST_F(ReconnectTest, TenThousandScansThroughFiftyCutsAreTheUndisturbedTrack) {
   std::atomic<int> progress = 0;
   std::vector<v1::LocalizeResponse> answers;
   {
-    const Saboteur saboteur(site_, progress, 50 * Scale(), 180);
+    const Saboteur saboteur(site_, progress, 50, 180);
     answers = Drive(*session, scans, &progress);
   }
   ASSERT_EQ(answers.size(), expected.size());
@@ -226,13 +218,13 @@ TEST_F(ReconnectTest, TenThousandScansThroughFiftyCutsAreTheUndisturbedTrack) {
   }
   const SessionStats stats = session->stats();
   EXPECT_EQ(stats.restart_count, 0);
-  EXPECT_GE(stats.resume_count, 25 * Scale()) << "some cuts hit a connection that is being made";
+  EXPECT_GE(stats.resume_count, 25) << "some cuts hit a connection that is being made";
   EXPECT_EQ(stats.resume_count, events_.count(SessionEvent::Kind::kResumed));
 }
 
 TEST_F(ReconnectTest, CutsAndRestartsLeaveEachScanWithOneAnswer) {
-  const int restarts = 3 * Scale();
-  const std::vector<v1::Scan> scans = StraightDrive(2'000 * Scale());
+  const int restarts = 3;
+  const std::vector<v1::Scan> scans = StraightDrive(2'000);
   const auto session = OpenOrDie(site_, server::OpenMessage(), Options(&events_));
   std::atomic<int> progress = 0;
   std::vector<v1::LocalizeResponse> answers;
@@ -320,54 +312,19 @@ TEST_F(ImpatientServerTest, AReapedSessionBeginsAnewAndSaysWhy) {
   EXPECT_THAT(std::string(events_.restart_reason().message()), HasSubstr("without a stream"));
 }
 
-/// The method on a simulated drive.
-struct Town {
-  Town() {
-    SimulationOptions options;
-    options.length_m = 200.0 * Scale();
-    const std::vector<PassOptions> passes = Passes(options);
-    const dcloc::Drive mapping = *SimulatePass(options, passes[0]);
-    MapBuilder builder = *MapBuilder::Create(mapping.rig, {.name = "town"});
-    for (const DriveScan& scan : mapping.scans) {
-      EXPECT_TRUE(builder.Add(scan.scan, scan.T_map_vehicle, *scan.scan.ego_velocity).ok());
-    }
-    map = *builder.Build();
-    const dcloc::Drive live = *SimulatePass(options, passes[1]);
-    open = server::OpenMessage();
-    v1::RadarModel* radar = open.mutable_rig()->mutable_radars(0);
-    radar->set_radar_id(live.rig.radars[0].id);
-    const Eigen::Vector3d& mount = live.rig.radars[0].T_vehicle_radar.translation_m;
-    radar->mutable_t_vehicle_radar()->mutable_translation_m()->set_x(mount.x());
-    radar->mutable_t_vehicle_radar()->mutable_translation_m()->set_z(mount.z());
-    const Pose3& start = live.scans[0].T_map_vehicle;
-    v1::Pose* pose = open.mutable_initial_pose()->mutable_pose();
-    pose->mutable_translation_m()->set_x(start.translation_m.x());
-    pose->mutable_translation_m()->set_y(start.translation_m.y());
-    pose->mutable_translation_m()->set_z(start.translation_m.z());
-    pose->mutable_rotation()->set_w(start.rotation.w());
-    pose->mutable_rotation()->set_z(start.rotation.z());
-    for (std::size_t i = 0; i < live.scans.size(); ++i) {
-      scans.push_back(server::MessageOf(live.scans[i].scan, static_cast<std::int64_t>(i)));
-    }
-  }
-
-  std::vector<std::byte> map;
-  v1::OpenSession open;
-  std::vector<v1::Scan> scans;
-};
-
 TEST(ReconnectWithTheMethodTest, CutsDoNotChangeTheTrack) {
-  const Town town;
+  const server::TownDrive town;
+  const std::vector<v1::Scan> scans = town.Scans();
   Site site({});
   site.Upload(town.map);
-  const auto undisturbed = OpenOrDie(site, town.open, Options());
-  const std::vector<v1::LocalizeResponse> expected = Drive(*undisturbed, town.scans);
-  const auto session = OpenOrDie(site, town.open, Options());
+  const auto undisturbed = OpenOrDie(site, town.Open(), Options());
+  const std::vector<v1::LocalizeResponse> expected = Drive(*undisturbed, scans);
+  const auto session = OpenOrDie(site, town.Open(), Options());
   std::atomic<int> progress = 0;
   std::vector<v1::LocalizeResponse> answers;
   {
-    const Saboteur saboteur(site, progress, 10 * Scale(), 15);
-    answers = Drive(*session, town.scans, &progress);
+    const Saboteur saboteur(site, progress, 10, 15);
+    answers = Drive(*session, scans, &progress);
   }
   ASSERT_EQ(answers.size(), expected.size());
   for (std::size_t i = 0; i < answers.size(); ++i) {

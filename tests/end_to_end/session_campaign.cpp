@@ -1,0 +1,285 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/str_format.h"
+#include "client/sdk/session.h"
+#include "tests/end_to_end/session_site.h"
+#include "tests/server/town_drive.h"
+
+// A drive through a network that breaks again and again and a server that is restarted now and
+// then: each scan is answered exactly once, no connection that breaks changes a bit of the track,
+// and after each restart it goes on as a session does that begins at the last pose.
+namespace dcloc {
+namespace {
+
+using namespace std::chrono_literals;
+using Answers = std::vector<v1::LocalizeResponse>;
+
+struct Arguments {
+  std::string server;
+  int scan_count = 1500;
+  int cut_count = 10;
+  int restart_count = 2;
+  unsigned seed = 1;
+};
+
+constexpr char kVehicle[] = "car-1";
+/// How far two tracks of the same scans may be apart that began elsewhere.
+constexpr double kMaxDistance_m = 0.5;
+
+client::SessionOptions Options() {
+  client::SessionOptions options{.when_full = client::FullQueue::kBlock,
+                                 .max_unread_answer_count = 16};
+  options.reconnect =
+      client::ReconnectOptions{.initial_backoff = 10ms, .max_backoff = 200ms, .give_up_after = 60s};
+  return options;
+}
+
+std::int64_t NumberOf(const v1::LocalizeResponse& answer) {
+  return answer.has_result() ? answer.result().sequence_number()
+                             : answer.rejected().sequence_number();
+}
+
+/// An answer without what a clock gives.
+std::string Essence(v1::LocalizeResponse answer) {
+  answer.clear_from_memory();
+  if (answer.has_result()) answer.mutable_result()->clear_timings();
+  return answer.SerializeAsString();
+}
+
+/// Sends all scans, and gives their answers: one to each and in order, or an error.
+absl::StatusOr<Answers> Drive(client::Session& session, const std::vector<v1::Scan>& scans,
+                              std::atomic<int>* progress = nullptr) {
+  const std::jthread sender([&] {
+    for (const v1::Scan& scan : scans) {
+      if (!session.Send(scan).ok()) return;
+    }
+    session.CloseSending();
+  });
+  Answers answers;
+  absl::Status status;
+  while (auto answer = session.Next()) {
+    if (answers.size() == scans.size() ||
+        NumberOf(*answer) != scans[answers.size()].sequence_number()) {
+      status = absl::InternalError(
+          absl::StrFormat("answer %d is scan %d's", answers.size(), NumberOf(*answer)));
+      break;
+    }
+    answers.push_back(*std::move(answer));
+    if (progress != nullptr) ++*progress;
+  }
+  session.Cancel();  // so that the sender does not wait for ever
+  if (!status.ok()) return status;
+  if (!session.EndStatus().ok()) return session.EndStatus();
+  if (answers.size() == scans.size()) return answers;
+  return absl::InternalError(
+      absl::StrFormat("%d of %d scans were answered", answers.size(), scans.size()));
+}
+
+/// Where two lists of answers differ first; OK when they do not.
+absl::Status Compare(const Answers& answers, const Answers& expected) {
+  for (std::size_t i = 0; i < std::min(answers.size(), expected.size()); ++i) {
+    if (Essence(answers[i]) == Essence(expected[i])) continue;
+    return absl::InternalError(
+        absl::StrFormat("the answer to scan %d is not the undisturbed one", NumberOf(answers[i])));
+  }
+  if (answers.size() == expected.size()) return absl::OkStatus();
+  return absl::InternalError("another number of answers");
+}
+
+class Campaign {
+ public:
+  explicit Campaign(const Arguments& arguments)
+      : arguments_(arguments), site_(arguments.server, kVehicle) {}
+
+  absl::Status Run() {
+    constexpr double kMetresPerScan = 0.84;  // 40 km/h, 13.4 Hz
+    const server::TownDrive town(50.0 + kMetresPerScan * arguments_.scan_count);
+    open_ = town.Open();
+    scans_ = town.Scans();
+    const auto scan_count = static_cast<std::size_t>(arguments_.scan_count);
+    if (scans_.size() < scan_count) return absl::InternalError("the drive is too short");
+    scans_.resize(scan_count);
+    for (std::size_t i = 5; i < scans_.size(); i += 97) scans_[i].set_radar_id("nobody");
+    if (absl::Status status = site_.Start(town.map); !status.ok()) return status;
+    absl::StatusOr<Answers> undisturbed = DriveOnce(open_, "undisturbed", scans_);
+    if (!undisturbed.ok()) return undisturbed.status();
+    undisturbed_ = *std::move(undisturbed);
+    absl::Status status = DriveDisturbed();
+    if (status.ok()) status = CheckSessions();
+    if (status.ok()) status = CheckTrack();
+    return status;
+  }
+
+  void Report() const {
+    absl::PrintF(
+        "%d scans, %d cuts, %d restarts: %d streams broke, %d resumed, %d sessions; each scan was "
+        "answered exactly once, and the answers of all sessions are those of undisturbed ones to "
+        "the bit. %.1f %% of the scans are tracked (undisturbed %.1f %%), at most %.3f m from the "
+        "undisturbed track\n",
+        scans_.size(), arguments_.cut_count, arguments_.restart_count, stats_.disconnect_count,
+        stats_.resume_count, stats_.restart_count + 1, TrackedPercent(answers_),
+        TrackedPercent(undisturbed_), max_distance_m_);
+  }
+
+ private:
+  /// An undisturbed session with what another one was opened with.
+  absl::StatusOr<Answers> DriveOnce(v1::OpenSession open, const std::string& vehicle_id,
+                                    const std::vector<v1::Scan>& scans) const {
+    open.set_vehicle_id(vehicle_id);
+    client::SessionOptions options = Options();
+    options.reconnect = std::nullopt;
+    const auto session = client::Session::Open(site_.Channel(), std::move(open), options);
+    if (!session.ok()) return session.status();
+    return Drive(**session, scans);
+  }
+
+  absl::Status DriveDisturbed() {
+    v1::OpenSession open = open_;
+    open.set_vehicle_id(kVehicle);
+    const auto session = client::Session::Open(site_.Channel(), open, Options());
+    if (!session.ok()) return session.status();
+    std::atomic<int> progress = 0;
+    absl::Status disturbed;
+    absl::StatusOr<Answers> answers;
+    {
+      const std::jthread saboteur(
+          [&](const std::stop_token& stop) { disturbed = Disturb(stop, progress); });
+      answers = Drive(**session, scans_, &progress);
+    }
+    if (!answers.ok()) return answers.status();
+    answers_ = *std::move(answers);
+    stats_ = (*session)->stats();
+    if (!disturbed.ok()) return disturbed;
+    if (stats_.resume_count >= arguments_.cut_count &&
+        stats_.restart_count == arguments_.restart_count) {
+      return absl::OkStatus();
+    }
+    return absl::InternalError(
+        absl::StrFormat("sessions were resumed %d times, begun anew %d times", stats_.resume_count,
+                        stats_.restart_count));
+  }
+
+  /// Cuts and restarts at random moments, so far apart that each finds a stream that answers.
+  absl::Status Disturb(const std::stop_token& stop, const std::atomic<int>& progress) {
+    const int count = arguments_.cut_count + arguments_.restart_count;
+    const int interval = arguments_.scan_count / (count + 1);
+    std::mt19937 random(arguments_.seed);
+    std::uniform_int_distribution<int> offset(-interval / 4, interval / 4);
+    int restart_count = 0;
+    for (int i = 1; i <= count; ++i) {
+      const int moment = i * interval + offset(random);
+      while (progress < moment && !stop.stop_requested()) std::this_thread::sleep_for(500us);
+      if (stop.stop_requested()) return absl::InternalError("the drive was over too soon");
+      const bool restarts = i * arguments_.restart_count / count > restart_count;
+      if (!restarts) {
+        site_.Cut();
+      } else if (absl::Status status = site_.Restart(); !status.ok()) {
+        return status;
+      }
+      restart_count += restarts ? 1 : 0;
+    }
+    return absl::OkStatus();
+  }
+
+  /// Each session that the server had is what an undisturbed one with its beginning and its scans
+  /// is, the first one also what the whole undisturbed drive is, and all together are what the
+  /// vehicle was told.
+  absl::Status CheckSessions() {
+    const auto sessions = site_.TakeRecordings();
+    if (!sessions.ok()) return sessions.status();
+    Answers told = undisturbed_;
+    for (const RecordedSession& session : *sessions) {
+      std::vector<v1::Scan> scans;
+      Answers answers;
+      for (const v1::RecordedScan& recorded : session.scans) {
+        scans.push_back(recorded.scan());
+        answers.push_back(recorded.answer());
+        // Of a scan whose answer was lost with its session, the next one's.
+        told[static_cast<std::size_t>(NumberOf(recorded.answer()))] = recorded.answer();
+      }
+      const auto again = DriveOnce(session.header.open(), "again", scans);
+      if (!again.ok()) return again.status();
+      if (absl::Status status = Compare(answers, *again); !status.ok()) return status;
+      if (&session != &sessions->front()) continue;
+      const Answers begin(undisturbed_.begin(),
+                          undisturbed_.begin() + static_cast<std::ptrdiff_t>(answers.size()));
+      if (absl::Status status = Compare(answers, begin); !status.ok()) return status;
+    }
+    return Compare(answers_, told);
+  }
+
+  absl::Status CheckTrack() {
+    for (std::size_t i = 0; i < answers_.size(); ++i) {
+      const v1::LocalizationResult& a = answers_[i].result();
+      const v1::LocalizationResult& b = undisturbed_[i].result();
+      if (!IsTracked(answers_[i]) || !IsTracked(undisturbed_[i])) continue;
+      const v1::Vector3& at = a.pose().pose().translation_m();
+      const v1::Vector3& expected = b.pose().pose().translation_m();
+      max_distance_m_ =
+          std::max(max_distance_m_, std::hypot(at.x() - expected.x(), at.y() - expected.y()));
+    }
+    if (max_distance_m_ <= kMaxDistance_m) return absl::OkStatus();
+    return absl::InternalError(
+        absl::StrFormat("the tracks are up to %.3f m apart", max_distance_m_));
+  }
+
+  static bool IsTracked(const v1::LocalizeResponse& answer) {
+    return answer.result().state() == v1::LOCALIZATION_STATE_TRACKING;
+  }
+
+  static double TrackedPercent(const Answers& answers) {
+    return 100.0 * static_cast<double>(std::ranges::count_if(answers, &IsTracked)) /
+           static_cast<double>(answers.size());
+  }
+
+  const Arguments arguments_;
+  SessionSite site_;
+  v1::OpenSession open_;
+  std::vector<v1::Scan> scans_;
+  Answers undisturbed_;
+  Answers answers_;
+  client::SessionStats stats_;
+  double max_distance_m_ = 0.0;
+};
+
+int Main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app(
+      "Localizes a drive while connections break and dcloc-server is restarted, and checks that "
+      "each scan is answered once and right");
+  app.add_option("server", arguments.server, "dcloc-server")->required()->check(CLI::ExistingFile);
+  app.add_option("--scans", arguments.scan_count, "Of the drive")
+      ->check(CLI::Range(100, 1'000'000));
+  app.add_option("--cuts", arguments.cut_count, "Of all connections")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--restarts", arguments.restart_count, "Of the server, by SIGTERM")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--seed", arguments.seed, "Of the random moments");
+  CLI11_PARSE(app, argc, argv);
+  Campaign campaign(arguments);
+  const absl::Status status = campaign.Run();
+  if (!status.ok()) {
+    absl::FPrintF(stderr, "%s (seed %d)\n", status.message(), arguments.seed);
+    return EXIT_FAILURE;
+  }
+  campaign.Report();
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+}  // namespace dcloc
+
+int main(int argc, char** argv) { return dcloc::Main(argc, argv); }
