@@ -21,7 +21,11 @@ namespace {
 
 using nlohmann::ordered_json;
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::chrono::milliseconds kPollInterval(200);
+/// For a server that is restarted: it then says what became of the build.
+constexpr std::chrono::seconds kPatience(30);
 
 const char* StateText(const v1::MapBuild& build) {
   switch (build.state()) {
@@ -81,10 +85,17 @@ absl::StatusOr<v1::MapBuild> SendScans(client::MapClient& maps, const MapArgumen
 /// Until it has ended.
 absl::StatusOr<v1::MapBuild> WaitFor(client::MapClient& maps, v1::MapBuild build) {
   Progress progress("the server builds the map", static_cast<std::size_t>(build.scan_count()));
+  Clock::time_point answered = Clock::now();
   while (build.state() == v1::MAP_BUILD_STATE_RUNNING) {
     std::this_thread::sleep_for(kPollInterval);
     absl::StatusOr<v1::MapBuild> now = maps.GetBuild(build.build_id());
-    if (!now.ok()) return now.status();
+    if (now.ok()) {
+      answered = Clock::now();
+    } else if (absl::IsUnavailable(now.status()) && Clock::now() - answered < kPatience) {
+      continue;
+    } else {
+      return now.status();
+    }
     build = *std::move(now);
     progress.Update(static_cast<std::size_t>(build.done_scan_count()));
   }

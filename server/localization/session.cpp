@@ -63,6 +63,13 @@ void SetStages(const StageTimer& timer, v1::StageTimings* timings) {
   timings->set_posegraph_duration_ns(Nanoseconds(timer.duration(Stage::kPoseGraph)));
 }
 
+/// What a scan says of the vehicle's motion. Its targets are in the pose already; they are looked
+/// at again only where the motion is known from nothing else.
+Scan MotionOf(const Scan& scan) {
+  if (!scan.ego_velocity) return scan;
+  return {.stamp = scan.stamp, .radar_id = scan.radar_id, .ego_velocity = scan.ego_velocity};
+}
+
 /// Two maps' frames lie at the same place of the Earth, as far as is known.
 bool SamePlace(const std::optional<GeodeticAnchor>& a, const std::optional<GeodeticAnchor>& b) {
   if (!a || !b) return a.has_value() == b.has_value();
@@ -83,8 +90,8 @@ absl::StatusOr<std::shared_ptr<Session>> Session::Open(const v1::OpenSession& op
   absl::StatusOr<LoadedMap> map = request->map_version == 0
                                       ? context.store.AcquireFor(map_name, request->vehicle_id)
                                       : context.store.Acquire(map_name, request->map_version);
-  context.metrics.ObserveMapAcquired(Clock::now() - begin);
   if (!map.ok()) return WithPrefix("open.map: ", map.status());
+  context.metrics.ObserveMapAcquired(Clock::now() - begin, map->was_in_memory);
   const absl::StatusOr<std::optional<InitialPose>> initial_pose =
       convert::InitialPoseFromProto(open, map->map->info().anchor);
   if (!initial_pose.ok()) return initial_pose.status();
@@ -297,9 +304,8 @@ absl::Status Session::Move(LoadedMap map) {
   if (!matcher.ok()) return matcher.status();
   // The pose holds at the last scan's stamp, and the vehicle has moved on since.
   if (last_stamp_) {
-    if (absl::Status status = (*matcher)->Localize(last_scan_, nullptr).status(); !status.ok()) {
-      return status;
-    }
+    absl::Status status = (*matcher)->Localize(MotionOf(last_scan_), nullptr).status();
+    if (!status.ok()) return status;
   }
   matcher_ = *std::move(matcher);
   map_ = std::move(map);

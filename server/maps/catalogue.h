@@ -56,7 +56,7 @@ class Catalogue {
                                                           absl::string_view after_name,
                                                           int limit) = 0;
 
-  /// Bytes of all versions of such maps together.
+  /// Bytes of all files of such maps together, each counted once however many versions have it.
   virtual absl::StatusOr<std::int64_t> SizeOfMaps(absl::string_view prefix) = 0;
 
   /// NotFound when there is no such map.

@@ -33,13 +33,30 @@ absl::StatusOr<std::string> RandomName() {
 }
 
 absl::Status NoSuchBuild(absl::string_view build_id) {
-  return absl::NotFoundError(
-      absl::StrCat("build_id is ", Quoted(build_id), "; there is no such build (any more)"));
+  return absl::NotFoundError(absl::StrCat("build_id is ", Quoted(build_id),
+                                          "; there is no such build, or it ended too long ago"));
 }
 
 }  // namespace
 
+MapBuilds::MapBuilds(MapStore& store) : store_(store) {
+  for (const LedgerEntry& entry : store.builds().interrupted()) {
+    auto build = std::make_shared<Build>();
+    build->request.tenant = entry.tenant;
+    build->record = {.build_id = entry.build_id,
+                     .map_name = entry.map_name,
+                     .state = BuildState::kFailed,
+                     .scan_count = entry.scan_count,
+                     .create_time = entry.create_time,
+                     .error = absl::AbortedError("the server was restarted before the build was "
+                                                 "done, and its scans are gone: start it again")};
+    builds_.push_back(std::move(build));
+  }
+  ForgetOldest();
+}
+
 MapBuilds::~MapBuilds() {
+  stopping_ = true;
   const std::lock_guard lock(mutex_);
   for (const auto& build : builds_) build->cancelled = true;
 }
@@ -65,6 +82,12 @@ absl::StatusOr<BuildRecord> MapBuilds::Start(BuildRequest request,
     return absl::ResourceExhaustedError(
         absl::StrFormat("%d builds are under way, which is the limit", kMaxRunningPerTenant));
   }
+  absl::Status status = store_.builds().Add({.tenant = build->request.tenant,
+                                             .build_id = build->record.build_id,
+                                             .map_name = build->record.map_name,
+                                             .scan_count = build->record.scan_count,
+                                             .create_time = build->record.create_time});
+  if (!status.ok()) return status;
   builds_.push_back(build);
   ForgetOldest();
   pool_.Post([this, build] { Run(*build); });
@@ -102,6 +125,8 @@ void MapBuilds::Run(Build& build) {
   const std::lock_guard lock(mutex_);
   build.scans.reset();
   BuildRecord& record = build.record;
+  // One that the server's end interrupts is left for the next process to tell of.
+  if (version.ok() || !stopping_) store_.builds().Remove(record.build_id);
   if (version.ok()) {
     record.state = BuildState::kDone;
     record.version = *version;

@@ -44,17 +44,18 @@ struct BuildRecord {
 };
 
 /// Builds of maps from scans: one at a time, in the order in which they were started, on a thread
-/// of their own. They are kept in memory: the end of the process ends them. Thread-safe.
+/// of their own. They are kept in memory: the end of the process ends them, and the next one says
+/// so. Thread-safe.
 class MapBuilds {
  public:
   /// `store` outlives it.
-  explicit MapBuilds(MapStore& store) : store_(store) {}
-  /// Cancels what has not ended.
+  explicit MapBuilds(MapStore& store);
+  /// Interrupts what has not ended.
   ~MapBuilds();
   MapBuilds(const MapBuilds&) = delete;
   MapBuilds& operator=(const MapBuilds&) = delete;
 
-  /// ResourceExhausted when the tenant has too many under way.
+  /// ResourceExhausted when the tenant has too many under way, or the disk is full.
   absl::StatusOr<BuildRecord> Start(BuildRequest request, std::unique_ptr<ScanSpool> scans);
 
   /// NotFound: the tenant has no such build, or it ended too long ago.
@@ -86,6 +87,7 @@ class MapBuilds {
   void ForgetOldest();
 
   MapStore& store_;
+  std::atomic<bool> stopping_ = false;
   mutable std::mutex mutex_;
   std::deque<std::shared_ptr<Build>> builds_;  ///< oldest first
   WorkerPool pool_{1};                         ///< last: its tasks use the others

@@ -41,14 +41,18 @@ struct MapStore::Loaded {
   std::mutex mutex;
   std::shared_ptr<const RadarMap> map;
 
-  absl::Status Load(MapFiles& files, absl::string_view sha256) {
+  /// Gives whether it was there already.
+  absl::StatusOr<bool> Load(MapFiles& files, absl::string_view sha256) {
     const std::lock_guard lock(mutex);
-    if (map != nullptr) return absl::OkStatus();
+    if (map != nullptr) return true;
     absl::StatusOr<std::shared_ptr<const RadarMap>> opened = files.Open(sha256);
     absl::Status status = opened.status();
     // Also brings the whole file into memory before the first scan needs it.
     if (status.ok()) status = (*opened)->Verify();
-    if (status.ok()) map = *std::move(opened);
+    if (status.ok()) {
+      map = *std::move(opened);
+      return false;
+    }
     if (!absl::IsNotFound(status) && !absl::IsDataLoss(status)) return status;
     spdlog::error("map file not loaded reason={}", Quoted(status.message()));
     return absl::DataLossError("the version's file is missing or damaged on the server");
@@ -57,11 +61,12 @@ struct MapStore::Loaded {
 
 MapStore::MapStore(FileDescriptor lock, std::unique_ptr<Catalogue> catalogue,
                    std::unique_ptr<MapFiles> files, std::unique_ptr<IncomingFiles> incoming,
-                   const MapStoreOptions& options)
+                   std::unique_ptr<BuildLedger> builds, const MapStoreOptions& options)
     : lock_(std::move(lock)),
       catalogue_(std::move(catalogue)),
       files_(std::move(files)),
       incoming_(std::move(incoming)),
+      builds_(std::move(builds)),
       unfinished_upload_timeout_(options.unfinished_upload_timeout),
       warm_(options.max_warm_bytes) {}
 
@@ -78,8 +83,11 @@ absl::StatusOr<std::unique_ptr<MapStore>> MapStore::Open(const std::filesystem::
   absl::StatusOr<std::unique_ptr<IncomingFiles>> incoming =
       IncomingFiles::Open(folder / "incoming");
   if (!incoming.ok()) return incoming.status();
+  absl::StatusOr<std::unique_ptr<BuildLedger>> builds = BuildLedger::Open(folder / "builds");
+  if (!builds.ok()) return builds.status();
   std::unique_ptr<MapStore> store(new MapStore(*std::move(lock), *std::move(catalogue),
-                                               *std::move(files), *std::move(incoming), options));
+                                               *std::move(files), *std::move(incoming),
+                                               *std::move(builds), options));
   absl::StatusOr<StoreReport> report =
       CheckStore(*store->catalogue_, *store->files_, *store->incoming_,
                  std::chrono::system_clock::now() - options.unfinished_upload_timeout);
@@ -101,10 +109,12 @@ absl::StatusOr<LoadedMap> MapStore::Acquire(absl::string_view map_name, std::int
     loaded = entry.lock();
     if (loaded == nullptr) entry = loaded = std::make_shared<Loaded>();
   }
-  if (absl::Status status = loaded->Load(*files_, record->sha256); !status.ok()) return status;
+  const absl::StatusOr<bool> was_in_memory = loaded->Load(*files_, record->sha256);
+  if (!was_in_memory.ok()) return was_in_memory.status();
   const RadarMap* map = loaded->map.get();
   LoadedMap result{.record = *std::move(record),
-                   .map = std::shared_ptr<const RadarMap>(std::move(loaded), map)};
+                   .map = std::shared_ptr<const RadarMap>(std::move(loaded), map),
+                   .was_in_memory = *was_in_memory};
   const std::lock_guard lock(mutex_);
   // Gone or relabelled meanwhile: what was loaded is still what was asked for.
   const absl::StatusOr<MapRecord> now = catalogue_->GetMap(map_name);

@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/map/radar_map.h"
+#include "server/maps/build_ledger.h"
 #include "server/maps/catalogue.h"
 #include "server/maps/files.h"
 #include "server/maps/incoming_files.h"
@@ -24,6 +25,7 @@ namespace dcloc::server {
 struct LoadedMap {
   MapVersionRecord record;
   std::shared_ptr<const RadarMap> map;
+  bool was_in_memory = false;  ///< someone else used it, or it was kept warm
 };
 
 struct MapStoreOptions {
@@ -48,6 +50,7 @@ class MapStore {
   Catalogue& catalogue() { return *catalogue_; }
 
   IncomingFiles& incoming() { return *incoming_; }
+  BuildLedger& builds() { return *builds_; }
 
   /// What `Open` found and did.
   const StoreReport& report() const { return report_; }
@@ -102,7 +105,7 @@ class MapStore {
 
   MapStore(FileDescriptor lock, std::unique_ptr<Catalogue> catalogue,
            std::unique_ptr<MapFiles> files, std::unique_ptr<IncomingFiles> incoming,
-           const MapStoreOptions& options);
+           std::unique_ptr<BuildLedger> builds, const MapStoreOptions& options);
 
   // With the mutex held.
   void KeepWarm(const MapRecord& map, const LoadedMap& loaded);
@@ -113,6 +116,7 @@ class MapStore {
   std::unique_ptr<Catalogue> catalogue_;
   std::unique_ptr<MapFiles> files_;
   std::unique_ptr<IncomingFiles> incoming_;
+  std::unique_ptr<BuildLedger> builds_;
   const std::chrono::nanoseconds unfinished_upload_timeout_;
   StoreReport report_;
 

@@ -86,9 +86,10 @@ absl::StatusOr<std::vector<MapRecord>> SqliteCatalogue::ListMaps(absl::string_vi
 absl::StatusOr<std::int64_t> SqliteCatalogue::SizeOfMaps(absl::string_view prefix) {
   const std::lock_guard lock(mutex_);
   SqliteStatement query(database_,
-                        "SELECT COALESCE(SUM(size_bytes), 0) FROM map_version"
+                        "SELECT COALESCE(SUM(size_bytes), 0) FROM"
+                        " (SELECT DISTINCT sha256, size_bytes FROM map_version"
                         " WHERE substr(map_name, 1, length(?1)) = ?1"
-                        " AND instr(substr(map_name, length(?1) + 1), '/') = 0");
+                        " AND instr(substr(map_name, length(?1) + 1), '/') = 0)");
   const absl::StatusOr<bool> row = query.Bind(prefix).Step();
   if (!row.ok()) return row.status();
   return query.NextInteger();

@@ -27,8 +27,12 @@ absl::Status Validate(const UploadRequest& request, std::int64_t max_size_bytes)
 absl::Status CheckStorage(MapStore& store, const UploadRequest& request,
                           std::int64_t max_tenant_bytes) {
   if (max_tenant_bytes == 0) return absl::OkStatus();
-  const absl::StatusOr<std::int64_t> used =
-      store.catalogue().SizeOfMaps(ScopedMapName(request.tenant, ""));
+  const std::string prefix = ScopedMapName(request.tenant, "");
+  // A file that the tenant has already takes no more room.
+  const absl::StatusOr<std::int64_t> known = store.catalogue().SizeOfFile(prefix, request.sha256);
+  if (!known.ok()) return known.status();
+  if (*known != 0) return absl::OkStatus();
+  const absl::StatusOr<std::int64_t> used = store.catalogue().SizeOfMaps(prefix);
   if (!used.ok()) return used.status();
   const absl::StatusOr<std::int64_t> unfinished =
       store.incoming().SizeOfOthers(request.tenant, request.sha256);

@@ -85,6 +85,7 @@ const char* NameOf(grpc::StatusCode code) {
 constexpr std::array kStageLabels = {"queue",        "conversion", "compensation", "submap",
                                      "registration", "posegraph",  "encoding"};
 constexpr std::array kStateLabels = {"initializing", "tracking", "dead_reckoning", "lost"};
+constexpr char kMapHelp[] = "Maps that new sessions asked for, by whether they were in memory";
 constexpr std::array kReasons = {"invalid", "late", "limit", "other"};
 
 }  // namespace
@@ -109,6 +110,10 @@ Metrics::Metrics()
       map_acquire_(AddHistogram(*registry_, "dcloc_map_acquire_seconds",
                                 "Getting a new session's map; microseconds where it is in memory",
                                 DurationBuckets_s())),
+      map_hits_(AddCounters(*registry_, "dcloc_map_acquires_total", kMapHelp)
+                    .Add({{"in_memory", "true"}})),
+      map_misses_(AddCounters(*registry_, "dcloc_map_acquires_total", kMapHelp)
+                      .Add({{"in_memory", "false"}})),
       valid_edges_(AddCounters(*registry_, "dcloc_loop_edges_total",
                                "Matches with the map, by whether they passed the test")
                        .Add({{"valid", "true"}})),
@@ -185,7 +190,8 @@ void Metrics::ObserveOpen(grpc::StatusCode code, bool resumed) {
   opens_.Add({{"code", NameOf(code)}, {"resumed", resumed ? "true" : "false"}}).Increment();
 }
 
-void Metrics::ObserveMapAcquired(std::chrono::nanoseconds duration) {
+void Metrics::ObserveMapAcquired(std::chrono::nanoseconds duration, bool was_in_memory) {
+  (was_in_memory ? map_hits_ : map_misses_).Increment();
   map_acquire_.Observe(Seconds(duration));
 }
 

@@ -32,8 +32,8 @@ class Metrics {
   void ObserveRepeated();
   /// A Localize call has opened or resumed a session, or not.
   void ObserveOpen(grpc::StatusCode code, bool resumed);
-  /// Getting a session's map took so long: microseconds where it is in memory.
-  void ObserveMapAcquired(std::chrono::nanoseconds duration);
+  /// Getting a session's map took so long: microseconds where it was in memory.
+  void ObserveMapAcquired(std::chrono::nanoseconds duration, bool was_in_memory);
 
   const std::shared_ptr<prometheus::Registry>& registry() const { return registry_; }
 
@@ -51,6 +51,8 @@ class Metrics {
   prometheus::Histogram& residual_scale_;
   prometheus::Histogram& overlap_;
   prometheus::Histogram& map_acquire_;
+  prometheus::Counter& map_hits_;
+  prometheus::Counter& map_misses_;
   prometheus::Counter& valid_edges_;
   prometheus::Counter& invalid_edges_;
   prometheus::Counter& repeated_;

@@ -18,13 +18,6 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// A call with a token; with an empty one, without.
-struct CallAs : Call {
-  explicit CallAs(const std::string& token) {
-    if (!token.empty()) AddMetadata("authorization", "Bearer " + token);
-  }
-};
-
 class AccessTest : public ::testing::Test {
  protected:
   AccessTest()

@@ -4,6 +4,8 @@
 #include <grpcpp/create_channel.h>
 #include <grpcpp/security/auth_context.h>
 #include <gtest/gtest.h>
+#include <openssl/bio.h>
+#include <openssl/ssl.h>
 
 #include <chrono>
 #include <memory>
@@ -20,6 +22,21 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+
+/// Whether the server at `address` speaks that version of TLS, with a client that would speak any.
+bool Speaks(const std::string& address, int version) {
+  const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_client_method()),
+                                                                  &SSL_CTX_free);
+  SSL_CTX_set_security_level(context.get(), 0);
+  SSL_CTX_set_min_proto_version(context.get(), version);
+  SSL_CTX_set_max_proto_version(context.get(), version);
+  constexpr unsigned char kHttp2[] = {2, 'h', '2'};
+  SSL_CTX_set_alpn_protos(context.get(), kHttp2, sizeof(kHttp2));
+  const std::unique_ptr<BIO, decltype(&BIO_free_all)> connection(BIO_new_ssl_connect(context.get()),
+                                                                 &BIO_free_all);
+  BIO_set_conn_hostname(connection.get(), address.c_str());
+  return BIO_do_connect(connection.get()) == 1 && BIO_do_handshake(connection.get()) == 1;
+}
 
 class CredentialsTest : public ::testing::Test {
  protected:
@@ -100,6 +117,14 @@ TEST_F(CredentialsTest, TlsServesWhoTrustsTheAuthority) {
   EXPECT_EQ(Ask(server, Client(stranger_)).error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_EQ(Ask(server, grpc::InsecureChannelCredentials()).error_code(),
             grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST_F(CredentialsTest, OldVersionsOfTlsAreRefused) {
+  const TestServer server(TlsConfig());
+  EXPECT_FALSE(Speaks(server.server->address(), TLS1_VERSION));
+  EXPECT_FALSE(Speaks(server.server->address(), TLS1_1_VERSION));
+  EXPECT_TRUE(Speaks(server.server->address(), TLS1_2_VERSION));
+  EXPECT_TRUE(Speaks(server.server->address(), TLS1_3_VERSION));
 }
 
 TEST_F(CredentialsTest, MutualTlsServesOnlyCertifiedClients) {

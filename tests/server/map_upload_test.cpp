@@ -190,6 +190,22 @@ TEST_F(MapUploadTest, UnfinishedOnesCountForTheTenantsStorage) {
       << "its own beginning does not count twice";
 }
 
+TEST_F(MapUploadTest, AFileThatSeveralVersionsHaveCountsOnce) {
+  ASSERT_EQ(Put(bytes_), 1);
+  const auto size = static_cast<std::int64_t>(bytes_.size());
+  const UploadLimits full{.max_map_bytes = size, .max_tenant_bytes = size};
+  UploadRequest request = RequestFor(bytes_);
+  request.map_name = "city";
+  absl::StatusOr<Upload> upload = Upload::Begin(*store_, request, full);
+  ASSERT_TRUE(upload.ok()) << "it takes no more room: " << upload.status();
+  ASSERT_TRUE(upload->Finish().ok());
+  EXPECT_EQ(*store_->catalogue().SizeOfMaps(""), size);
+  EXPECT_EQ(Upload::Begin(*store_, RequestFor(SmallMap()), full).status().code(),
+            absl::StatusCode::kResourceExhausted);
+  request.tenant = "acme";
+  EXPECT_TRUE(Upload::Begin(*store_, request, full).ok()) << "another tenant's storage";
+}
+
 TEST_F(MapUploadTest, ALostFileIsReportedAndMendedByUploadingItAgain) {
   ASSERT_EQ(Put(bytes_), 1);
   std::filesystem::resize_file(FileOf(bytes_), half_);

@@ -112,6 +112,12 @@ TEST_F(MetricsTest, ScansSessionsAndMapsAreCounted) {
   EXPECT_EQ(ValueOf(text, "dcloc_sessions{stream=\"attached\",state=\"dead_reckoning\"}"), 1.0);
   EXPECT_EQ(ValueOf(text, "dcloc_maps_loaded"), 1.0);
   EXPECT_EQ(ValueOf(text, "dcloc_map_acquire_seconds_count"), 1.0);
+  EXPECT_EQ(ValueOf(text, "dcloc_map_acquires_total{in_memory=\"false\"}"), 1.0);
+  EXPECT_EQ(ValueOf(text, "dcloc_map_acquires_total{in_memory=\"true\"}"), 0.0);
+  TestSession second(*server_.localization);
+  ASSERT_TRUE(second.Open(OpenMessage()));
+  ASSERT_TRUE(second.Read().has_value());
+  EXPECT_EQ(Value("dcloc_map_acquires_total{in_memory=\"true\"}"), 1.0);
   EXPECT_GT(ValueOf(text, "dcloc_workers"), 0.0);
   EXPECT_GE(ValueOf(text, "dcloc_queue_depth{pool=\"localization\"}"), 0.0);
   EXPECT_GT(ValueOf(text, "process_open_fds"), 3.0);

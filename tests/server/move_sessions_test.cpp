@@ -139,6 +139,20 @@ TEST_F(MovingTest, AVersionThatLiesElsewhereOnTheEarthKeepsTheSessionWhereItIs) 
   EXPECT_EQ(Localize(*session, ScanMessage(1)).map_version(), 1);
 }
 
+TEST_F(MovingTest, ARecordedSessionStaysWhereItIs) {
+  Upload(SmallMap("first"), true);
+  Upload(SmallMap("second"));
+  Call call;
+  v1::RecordSessionRequest request;
+  request.set_vehicle_id("car-1");
+  const auto recorder = server_.admin->RecordSession(&call, request);
+  recorder->WaitForInitialMetadata();
+  const auto session = OpenSession(OpenMessage());
+  Localize(*session, ScanMessage(0));
+  Activate(2);
+  EXPECT_EQ(Localize(*session, ScanMessage(1)).map_version(), 1) << "a recording is of one version";
+}
+
 class MovingMatchTest : public MovingTest {
  protected:
   MovingMatchTest() : MovingTest(ServerConfig{}) {}
@@ -148,6 +162,21 @@ class MovingMatchTest : public MovingTest {
     return std::hypot(p.x() - b.translation_m.x(), p.y() - b.translation_m.y());
   }
 };
+
+TEST_F(MovingMatchTest, TheLastScanIsNotTakenTwice) {
+  const TownDrive drive;
+  Upload(drive.map, true);
+  Upload(drive.Map("town again"));
+  const std::vector<v1::Scan> scans = drive.Scans();
+  const auto moves = OpenSession(drive.Open());
+  for (int i = 0; i < 3; ++i) Localize(*moves, scans[static_cast<std::size_t>(i)]);
+  EXPECT_EQ(Activate(2), 1);
+  const int moved = Localize(*moves, scans[3]).quality().live_point_count();
+  const auto begins = OpenSession(drive.Open());
+  EXPECT_EQ(moved, Localize(*begins, scans[3]).quality().live_point_count())
+      << "its points are in the prior already";
+  EXPECT_GT(moved, 0);
+}
 
 TEST_F(MovingMatchTest, APoseDoesNotJumpBeyondItsCovarianceAndIsTrackedAgain) {
   const TownDrive drive;

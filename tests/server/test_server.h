@@ -66,6 +66,13 @@ struct Call : grpc::ClientContext {
   Call() { set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(120)); }
 };
 
+/// A call with a token; with an empty one, without.
+struct CallAs : Call {
+  explicit CallAs(const std::string& token) {
+    if (!token.empty()) AddMetadata("authorization", "Bearer " + token);
+  }
+};
+
 inline v1::UploadMapHeader HeaderOf(std::span<const std::byte> bytes) {
   v1::UploadMapHeader header;
   header.set_map_name("town");
@@ -97,7 +104,8 @@ inline grpc::Status UploadMap(v1::MapService::Stub& maps, const v1::UploadMapHea
 /// One Localize call, in lockstep.
 class TestSession {
  public:
-  explicit TestSession(v1::LocalizationService::Stub& stub) : stream_(stub.Localize(&call_)) {}
+  explicit TestSession(v1::LocalizationService::Stub& stub, const std::string& token = "")
+      : call_(token), stream_(stub.Localize(&call_)) {}
 
   bool Open(const v1::OpenSession& open) {
     v1::LocalizeRequest request;
@@ -135,7 +143,7 @@ class TestSession {
   }
 
  private:
-  Call call_;
+  CallAs call_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::LocalizeRequest, v1::LocalizeResponse>> stream_;
 };
 
