@@ -105,7 +105,7 @@ void AddFaultOptions(CLI::App& command, load::FaultProfile& faults) {
         ->capture_default_str();
   };
   add("--disconnects-per-min", faults.disconnects_per_min, 600.0, "N",
-      "Cut a vehicle's stream so often; its session is resumed");
+      "Break a vehicle's connection so often; its session is resumed");
   add("--stalls-per-min", faults.stalls_per_min, 600.0, "N",
       "Let a vehicle send nothing for a while so often, then all that is due");
   AddMilliseconds(command, "--stall-ms", faults.stall_duration, "How long that lasts");

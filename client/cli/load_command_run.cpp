@@ -103,8 +103,8 @@ void PrintCapacity(const LoadArguments& arguments, const load::Capacity& capacit
 }
 
 absl::Status Once(const LoadArguments& arguments, const std::vector<load::Route>& routes,
-                  const load::ChannelFactory& make_channel, const load::LoadObserver& observer) {
-  const auto result = load::RunLoad(arguments.options, routes, make_channel, observer);
+                  const load::LinkFactory& make_link, const load::LoadObserver& observer) {
+  const auto result = load::RunLoad(arguments.options, routes, make_link, observer);
   if (!result.ok()) return result.status();
   const std::vector<std::string> shortfalls = load::Shortfalls(*result, arguments.target_p99_ms);
   PrintResult(arguments, *result, shortfalls);
@@ -117,12 +117,11 @@ absl::Status Once(const LoadArguments& arguments, const std::vector<load::Route>
 }
 
 absl::Status Search(const LoadArguments& arguments, const std::vector<load::Route>& routes,
-                    const load::ChannelFactory& make_channel, const load::LoadObserver& observer) {
+                    const load::LinkFactory& make_link, const load::LoadObserver& observer) {
   const auto run = [&](int vehicle_count) -> absl::StatusOr<load::LoadResult> {
     load::LoadOptions options = arguments.options;
     options.vehicle_count = vehicle_count;
-    absl::StatusOr<load::LoadResult> result =
-        load::RunLoad(options, routes, make_channel, observer);
+    absl::StatusOr<load::LoadResult> result = load::RunLoad(options, routes, make_link, observer);
     if (observer.stopped()) return absl::CancelledError("interrupted");
     return result;
   };
@@ -145,15 +144,14 @@ absl::Status RunLoadCommand(const LoadArguments& arguments) {
   const StopSignals signals;
   std::atomic<bool> stopped = false;
   const std::jthread watcher = signals.Watch([&](int) { stopped = true; });
-  client::ChannelOptions server = arguments.server;
-  server.own_connection = true;
-  const auto make_channel = [&server] { return client::MakeChannel(server); };
+  const bool breaks = arguments.options.faults.disconnects_per_min > 0.0;
+  const auto make_link = [&] { return load::MakeLink(arguments.server, breaks); };
   LiveLine line;
   const load::LoadObserver observer{
       .on_second = [&](const load::LoadSecond& second) { line.Show(load::LineOf(second)); },
       .stopped = [&] { return stopped.load(); }};
-  absl::Status status = arguments.search ? Search(arguments, *routes, make_channel, observer)
-                                         : Once(arguments, *routes, make_channel, observer);
+  absl::Status status = arguments.search ? Search(arguments, *routes, make_link, observer)
+                                         : Once(arguments, *routes, make_link, observer);
   if (stopped && status.ok()) return absl::CancelledError("interrupted before the end");
   if (!absl::IsUnavailable(status)) return status;
   return absl::UnavailableError(absl::StrCat(arguments.server.server, ": ", status.message()));

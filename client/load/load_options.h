@@ -10,7 +10,7 @@ namespace dcloc::load {
 
 /// What goes wrong on purpose. Rates are per vehicle; shares are of all scans or vehicles, [0, 1].
 struct FaultProfile {
-  double disconnects_per_min = 0.0;  ///< the stream is cut, and the session resumed on another one
+  double disconnects_per_min = 0.0;  ///< the connection is reset, and the session resumed
   double stalls_per_min = 0.0;       ///< nothing is sent for a while, then all that is due
   std::chrono::milliseconds stall_duration{1000};
   double slow_reader_share = 0.0;  ///< of the vehicles: they take an answer now and then

@@ -27,6 +27,7 @@ ordered_json ToJson(const LoadTotals& totals) {
           {"skipped_count", totals.skipped_count},
           {"lost_count", totals.lost_count},
           {"opened_count", totals.opened_count},
+          {"moved_count", totals.moved_count},
           {"disconnect_count", totals.disconnect_count},
           {"stall_count", totals.stall_count},
           {"tracking_count", totals.tracking_count},
@@ -94,7 +95,8 @@ std::vector<std::string> NotesOf(const LoadResult& result) {
   const auto add = [&](std::int64_t count, const char* what) {
     if (count > 0) notes.push_back(absl::StrCat(count, " ", what));
   };
-  add(totals.disconnect_count, "streams were cut on purpose");
+  add(totals.moved_count, "times a session was moved to another map version");
+  add(totals.disconnect_count, "connections were broken on purpose");
   add(totals.stall_count, "stalls were made on purpose");
   add(totals.repeated_count, "answers came again from memory");
   add(totals.late_refused_count, "scans behind their follower were refused as late");

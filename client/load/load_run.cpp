@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <thread>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -75,8 +76,7 @@ double LoadResult::RateHz() const {
 }
 
 absl::StatusOr<LoadResult> RunLoad(const LoadOptions& options, const std::vector<Route>& routes,
-                                   const ChannelFactory& make_channel,
-                                   const LoadObserver& observer) {
+                                   const LinkFactory& make_link, const LoadObserver& observer) {
   absl::Status status = Validate(options);
   status.Update(CheckRoutes(routes));
   if (!status.ok()) return status;
@@ -86,10 +86,10 @@ absl::StatusOr<LoadResult> RunLoad(const LoadOptions& options, const std::vector
   const Fleet fleet{.options = options, .scheduler = scheduler, .recorder = recorder};
   const Clock::time_point start = Clock::now();
   for (int i = 0; i < options.vehicle_count; ++i) {
-    const auto channel = make_channel();
-    if (!channel.ok()) return channel.status();
+    absl::StatusOr<VehicleLink> link = make_link();
+    if (!link.ok()) return link.status();
     const Route& route = routes[static_cast<std::size_t>(i) % routes.size()];
-    vehicles.push_back(std::make_unique<Vehicle>(i, fleet, route, *channel));
+    vehicles.push_back(std::make_unique<Vehicle>(i, fleet, route, *std::move(link)));
     scheduler.At(start + options.ramp * i / options.vehicle_count,
                  [vehicle = vehicles.back().get()] { vehicle->Start(); });
   }

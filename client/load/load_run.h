@@ -1,7 +1,5 @@
 #pragma once
 
-#include <grpcpp/channel.h>
-
 #include <functional>
 #include <memory>
 #include <string>
@@ -11,6 +9,7 @@
 #include "client/load/load_options.h"
 #include "client/load/recorder.h"
 #include "client/load/route.h"
+#include "client/load/vehicle_link.h"
 
 namespace dcloc::load {
 
@@ -31,16 +30,15 @@ struct LoadObserver {
   std::function<bool()> stopped;                     ///< true ends the run early
 };
 
-/// Gives a vehicle its channel.
-using ChannelFactory = std::function<absl::StatusOr<std::shared_ptr<grpc::Channel>>()>;
+/// Gives a vehicle its connection.
+using LinkFactory = std::function<absl::StatusOr<VehicleLink>()>;
 
 /// Lets the vehicles drive: vehicle i on route i modulo their number. Takes ramp, warm-up, duration
 /// and at most `drain`. InvalidArgument for options and routes that make no sense, Unavailable with
 /// the first reason when not one session could be opened, Cancelled when it was stopped before the
 /// measuring.
 absl::StatusOr<LoadResult> RunLoad(const LoadOptions& options, const std::vector<Route>& routes,
-                                   const ChannelFactory& make_channel,
-                                   const LoadObserver& observer = {});
+                                   const LinkFactory& make_link, const LoadObserver& observer = {});
 
 /// Why a run is no success, each reason a sentence: wrong, lost, refused or unsent scans, streams
 /// that broke, and, where there is a target (> 0), a p99 above it.

@@ -89,6 +89,11 @@ void Recorder::AddLost(std::int64_t count) {
   record_.totals.lost_count += count;
 }
 
+void Recorder::AddMoved() {
+  const std::lock_guard lock(mutex_);
+  ++record_.totals.moved_count;
+}
+
 void Recorder::AddDisconnect() {
   const std::lock_guard lock(mutex_);
   ++record_.totals.disconnect_count;

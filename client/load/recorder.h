@@ -31,7 +31,8 @@ struct LoadTotals {
   std::int64_t skipped_count = 0;       ///< never sent: the vehicle's own queue was full
   std::int64_t lost_count = 0;          ///< sent, and never answered
   std::int64_t opened_count = 0;        ///< sessions
-  std::int64_t disconnect_count = 0;    ///< streams that were cut on purpose
+  std::int64_t moved_count = 0;         ///< sessions that went on in another map version
+  std::int64_t disconnect_count = 0;    ///< connections that were broken on purpose
   std::int64_t stall_count = 0;         ///< likewise
   std::int64_t tracking_count = 0;
   std::int64_t misleading_count = 0;
@@ -87,6 +88,7 @@ class Recorder {
   void AddRejected(const v1::ScanRejected& rejected);
   void AddSkipped();
   void AddLost(std::int64_t count);
+  void AddMoved();
   void AddDisconnect();
   void AddStall();
   void AddBroken(const std::string& text);

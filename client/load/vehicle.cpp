@@ -32,12 +32,12 @@ std::string TextOf(const grpc::Status& status) {
 
 }  // namespace
 
-Vehicle::Vehicle(int index, const Fleet& fleet, const Route& route,
-                 const std::shared_ptr<grpc::Channel>& channel)
+Vehicle::Vehicle(int index, const Fleet& fleet, const Route& route, VehicleLink link)
     : index_(index),
       fleet_(fleet),
       route_(route),
-      stub_(v1::LocalizationService::NewStub(channel)),
+      link_(std::move(link)),
+      stub_(v1::LocalizationService::NewStub(link_.channel)),
       random_(fleet.options.seed * 1'000'003 + static_cast<std::uint64_t>(index)) {
   is_slow_reader_ = Chance(fleet.options.faults.slow_reader_share);
 }
@@ -102,7 +102,9 @@ void Vehicle::OpenStream() {
   cutting_ = close_sent_ = false;
   sent_count_ = 0;
   open_time_ = Clock::now();
-  connection_ = std::make_unique<client::Connection>(*stub_, mutex_, *this, OpenMessage());
+  v1::OpenSession open = OpenMessage();
+  if (resume_token_.empty()) asked_for_version_ = open.map_version() != 0;
+  connection_ = std::make_unique<client::Connection>(*stub_, mutex_, *this, std::move(open));
 }
 
 v1::OpenSession Vehicle::OpenMessage() const {
@@ -217,6 +219,7 @@ void Vehicle::TakeOpened(const v1::SessionOpened& opened) {
   opened_ = opened;
   resume_token_ = opened.resume_token();
   if (begin_) return;
+  map_version_ = opened.map_version();
   fleet_.recorder.AddOpened(Clock::now() - open_time_);
   begin_ = last_due_ = Clock::now();
   if (fleet_.options.faults.disconnects_per_min > 0.0) PlanDisconnect();
@@ -231,13 +234,23 @@ void Vehicle::TakeAnswer(const v1::LocalizeResponse& answer) {
     return connection_->Cancel();
   }
   const Outgoing answered = outbox_.front();
-  if (const auto fault = FaultOf(answer, answered.expected, opened_->map_version())) {
+  if (const auto fault = FaultOf(answer, answered.expected, ExpectedVersion(answer))) {
     fleet_.recorder.AddViolation(*fault);
   }
   outbox_.pop_front();
   --sent_count_;
   Count(answer, answered);
   if (!fleet_.options.open_loop && outbox_.empty()) PlanNextScan();
+}
+
+/// A session that did not ask for a version may be moved to another one by whoever activates it;
+/// what comes from memory may be from before.
+std::int64_t Vehicle::ExpectedVersion(const v1::LocalizeResponse& answer) {
+  if (asked_for_version_ || !answer.has_result()) return map_version_;
+  const std::int64_t version = answer.result().map_version();
+  if (answer.from_memory() || version == map_version_) return version;
+  fleet_.recorder.AddMoved();
+  return map_version_ = version;
 }
 
 void Vehicle::Count(const v1::LocalizeResponse& answer, const Outgoing& answered) {
@@ -319,7 +332,11 @@ void Vehicle::Cut() {
   if (connection_ != nullptr && opened_ && !end_status_ && !close_sent_) {
     cutting_ = true;
     fleet_.recorder.AddDisconnect();
-    connection_->Cancel();
+    if (link_.relay != nullptr) {
+      link_.relay->Cut();
+    } else {
+      connection_->Cancel();
+    }
   }
   PlanDisconnect();
 }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <grpcpp/channel.h>
-
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +14,7 @@
 #include "client/load/recorder.h"
 #include "client/load/route.h"
 #include "client/load/scheduler.h"
+#include "client/load/vehicle_link.h"
 #include "client/sdk/connection.h"
 
 namespace dcloc::load {
@@ -34,8 +33,7 @@ class Vehicle final : public client::Connection::Host {
   using Clock = Scheduler::Clock;
 
   /// `fleet` and `route` outlive it.
-  Vehicle(int index, const Fleet& fleet, const Route& route,
-          const std::shared_ptr<grpc::Channel>& channel);
+  Vehicle(int index, const Fleet& fleet, const Route& route, VehicleLink link);
   /// Only once it is done, and the scheduler has gone.
   ~Vehicle() override;
 
@@ -65,6 +63,7 @@ class Vehicle final : public client::Connection::Host {
   v1::OpenSession OpenMessage() const;
   void TakeOpened(const v1::SessionOpened& opened);
   void TakeAnswer(const v1::LocalizeResponse& answer);
+  std::int64_t ExpectedVersion(const v1::LocalizeResponse& answer);
   void Count(const v1::LocalizeResponse& answer, const Outgoing& answered);
   void PlanNextScan();
   void SendDue();
@@ -88,6 +87,7 @@ class Vehicle final : public client::Connection::Host {
   const int index_;
   const Fleet fleet_;
   const Route& route_;
+  const VehicleLink link_;
   const std::unique_ptr<v1::LocalizationService::Stub> stub_;
 
   mutable std::mutex mutex_;
@@ -106,8 +106,10 @@ class Vehicle final : public client::Connection::Host {
   Clock::time_point stalled_until_;
   std::optional<Outgoing> held_;  ///< to be sent behind the next one
   std::string resume_token_;
-  std::deque<Outgoing> outbox_;  ///< not answered yet, in the order of sending
-  std::size_t sent_count_ = 0;   ///< of them, on this stream
+  bool asked_for_version_ = false;
+  std::int64_t map_version_ = 0;  ///< of the newest answer
+  std::deque<Outgoing> outbox_;   ///< not answered yet, in the order of sending
+  std::size_t sent_count_ = 0;    ///< of them, on this stream
 
   // Of the stream.
   std::unique_ptr<client::Connection> connection_;

@@ -58,8 +58,9 @@ class LoadRunTest : public ::testing::Test {
                                  const LoadObserver& observer = {}) const {
     return RunLoad(
         options, {route},
-        [this] {
-          return client::MakeChannel({.server = server_.server->address(), .own_connection = true});
+        [&] {
+          return MakeLink({.server = server_.server->address()},
+                          options.faults.disconnects_per_min > 0.0);
         },
         observer);
   }
@@ -115,6 +116,33 @@ TEST_F(LoadRunTest, FaultsAreBorneAndNothingIsLost) {
       << "sessions are resumed, and opened anew only at the end of the route";
 }
 
+TEST_F(LoadRunTest, SessionsThatAreMovedToAnotherVersionBreakNoContract) {
+  v1::UploadMapResponse response;
+  const std::vector<std::byte> next = server::SmallMap("next");
+  v1::UploadMapHeader header = server::HeaderOf(next);
+  header.set_activate(false);
+  ASSERT_TRUE(server::UploadMap(*server_.maps, header, next, &response).ok());
+  LoadOptions options = Short(4);
+  options.faults = {.disconnects_per_min = 60.0};
+  bool activated = false;
+  const auto activate = [&](const LoadSecond& second) {
+    if (second.time_s == 0.0 || activated) return;
+    activated = true;
+    server::Call call;
+    v1::ActivateMapVersionRequest request;
+    request.set_map_name("town");
+    request.set_version(2);
+    request.set_move_sessions(true);
+    v1::ActivateMapVersionResponse moved;
+    EXPECT_TRUE(server_.maps->ActivateMapVersion(&call, request, &moved).ok());
+  };
+  const auto result = Run(options, Street(), {.on_second = activate, .stopped = {}});
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_TRUE(activated);
+  EXPECT_THAT(Shortfalls(*result, 0.0), ElementsAre());
+  EXPECT_EQ(result->record.totals.moved_count, 4);
+}
+
 TEST_F(LoadRunTest, ATargetThatIsMissedIsSaid) {
   const auto result = Run(Short(2));
   ASSERT_TRUE(result.ok()) << result.status();
@@ -153,9 +181,9 @@ std::vector<std::string> ShortfallsAgainst(const client::FakeServer::Behaviour& 
   const client::FakeServer server(behaviour);
   LoadOptions options = Short(1);
   options.drain = 500ms;
-  const auto result =
-      RunLoad(options, {Street()},
-              [&]() -> absl::StatusOr<std::shared_ptr<grpc::Channel>> { return server.Channel(); });
+  const auto result = RunLoad(options, {Street()}, [&]() -> absl::StatusOr<VehicleLink> {
+    return VehicleLink{server.Channel(), {}};
+  });
   EXPECT_TRUE(result.ok()) << result.status();
   return result.ok() ? Shortfalls(*result, 0.0) : std::vector<std::string>();
 }
