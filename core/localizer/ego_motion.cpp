@@ -21,10 +21,11 @@ constexpr double kMaxDisagreement = 13.8;  // chi-square, 2 degrees of freedom, 
 
 }  // namespace
 
-const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar) {
+const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar,
+                                      EgoVelocityMemory& memory) {
   const auto seed = static_cast<std::uint64_t>(scan.stamp.time_since_epoch().count());
   const std::optional<DopplerEgoVelocity> doppler =
-      EstimateEgoVelocity(Remember(scan, radar), seed, options_.ego_velocity);
+      EstimateEgoVelocity(Remember(scan, radar), seed, options_.ego_velocity, memory);
   const std::chrono::nanoseconds age =
       velocity_ ? scan.stamp - stamp_ : std::chrono::nanoseconds(0);
 
@@ -47,16 +48,17 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar)
 }
 
 // The newest scan of each radar, as far as they are of one moment.
-std::vector<RadarScan> EgoMotion::Remember(const Scan& scan, const RadarModel& radar) {
+std::span<const RadarScan> EgoMotion::Remember(const Scan& scan, const RadarModel& radar) {
   constexpr auto kOneMoment = std::chrono::milliseconds(80);
   RecentScan& newest = recent_[radar.id];
   newest.scan = scan;  // into the columns of the radar's last one
   newest.radar = &radar;
-  std::vector<RadarScan> scans;
+  of_one_moment_.clear();
   for (const auto& [id, recent] : recent_) {
-    if (scan.stamp - recent.scan.stamp <= kOneMoment) scans.push_back({&recent.scan, recent.radar});
+    if (scan.stamp - recent.scan.stamp > kOneMoment) continue;
+    of_one_moment_.push_back({&recent.scan, recent.radar});
   }
-  return scans;
+  return of_one_moment_;
 }
 
 // A car changes its speed by up to some metres per second in a second, its yaw rate by less than

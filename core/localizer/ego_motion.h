@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,14 @@ class EgoMotion {
   explicit EgoMotion(const LocalizerOptions& options) : options_(options) {}
 
   /// Takes in the next scan, whose stamp is not before the last one's, and gives the velocity at
-  /// it; the covariance is set. `radar` outlives this object.
-  const EgoVelocity& Advance(const Scan& scan, const RadarModel& radar);
+  /// it; the covariance is set. `radar` outlives this object, `memory` is lent for the call.
+  const EgoVelocity& Advance(const Scan& scan, const RadarModel& radar, EgoVelocityMemory& memory);
+
+  /// The same with memory of its own.
+  const EgoVelocity& Advance(const Scan& scan, const RadarModel& radar) {
+    EgoVelocityMemory memory;
+    return Advance(scan, radar, memory);
+  }
 
   /// From the scan before the last one to the last one; identity at the first.
   const Motion& since_previous() const { return since_previous_; }
@@ -32,7 +39,7 @@ class EgoMotion {
     const RadarModel* radar = nullptr;
   };
 
-  std::vector<RadarScan> Remember(const Scan& scan, const RadarModel& radar);
+  std::span<const RadarScan> Remember(const Scan& scan, const RadarModel& radar);
   EgoVelocity Held(std::chrono::nanoseconds age) const;
 
   LocalizerOptions options_;
@@ -40,6 +47,7 @@ class EgoMotion {
   Stamp stamp_{};
   Motion since_previous_;
   std::map<std::string, RecentScan> recent_;  // by radar id
+  std::vector<RadarScan> of_one_moment_;      // the newest scan and what of recent_ is as new
 };
 
 }  // namespace dcloc

@@ -48,4 +48,6 @@ absl::StatusOr<Localization> Localizer::Localize(const Scan& scan, StageListener
   return impl_->Localize(scan, listener);
 }
 
+bool Localizer::searching() const { return impl_->searching(); }
+
 }  // namespace dcloc

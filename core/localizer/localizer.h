@@ -56,7 +56,8 @@ enum class Stage { kCompensation, kSubmap, kRegistration, kPoseGraph };
 inline constexpr std::array<const char*, 4> kStageNames = {"compensation", "submap", "registration",
                                                            "posegraph"};
 
-/// Is told when a stage of a scan begins. core has no clock: who wants times reads one here.
+/// Is told when a stage of a scan begins. core has no clock: who wants times reads one here. It
+/// must not localize in turn: the scan's working memory is the thread's.
 class StageListener {
  public:
   virtual ~StageListener() = default;
@@ -80,6 +81,10 @@ class Localizer {
   /// unknown radar, or a stamp that is not after the same radar's last one or lies before the
   /// newest scan.
   absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener = nullptr);
+
+  /// No pose is known, so the next scans search the whole map: that may take some tens of
+  /// milliseconds a scan.
+  bool searching() const;
 
   class Impl;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/localizer/scratch.h"
 #include "core/registration/place_search.h"
 #include "core/registration/radial_statistics.h"
 #include "core/registration/rigid_ransac.h"
@@ -76,7 +77,8 @@ bool MapMatcher<Dim>::MoveTo(const Eigen::Vector3d& p_map) {
       map_->NearestKeyframe(p_map, options_.match.local_map_radius_m);
   if (!nearest || nearest == keyframe_) return false;
   keyframe_ = nearest;
-  local_map_ = LocalMap<Dim>(*map_, p_map, options_.match.local_map_radius_m);
+  local_map_.MoveTo(*map_, p_map, options_.match.local_map_radius_m,
+                    Scratch<Dim>::OfThisThread().local_map);
   T_map_local_ = local_map_.T_map_local();
   search_.reset();
   return true;
@@ -203,7 +205,7 @@ Registration<Dim> MapMatcher<Dim>::Refine(std::span<const GaussianPoint<Dim>> li
                                           const Pose<Dim>& start, double blur_m) {
   GicpOptions gicp = options_.gicp;
   gicp.initial_blur_m = blur_m;
-  return RegisterGicp<Dim>(live, local_map_, start, gicp, finder_);
+  return RegisterGicp<Dim>(live, local_map_, start, gicp, Scratch<Dim>::OfThisThread().finder);
 }
 
 template <int Dim>

@@ -79,7 +79,6 @@ class MapMatcher {
   std::optional<std::size_t> keyframe_;
   Pose3 T_map_local_;
   LocalMap<Dim> local_map_;
-  MatchFinder<Dim> finder_;
   std::optional<SearchAids> search_;  // of local_map_, while predictions are uncertain
   std::optional<BlindSearch> blind_search_;
 };

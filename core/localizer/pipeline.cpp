@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
+#include "core/localizer/scratch.h"
 
 namespace dcloc {
 namespace {
@@ -103,22 +104,23 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   quality_ = {};
 
   Announce(listener, Stage::kCompensation);
-  const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, radar);
-  std::vector<RadarPoint> points = StaticPoints(scan, radar, ego_velocity, PointOptions(options_));
+  Scratch<Dim>& scratch = Scratch<Dim>::OfThisThread();
+  const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, radar, scratch.ego_velocity);
+  StaticPoints(scan, radar, ego_velocity, PointOptions(options_), scratch.static_points);
 
   Announce(listener, Stage::kSubmap);
   const Motion& motion = ego_motion_.since_previous();
   since_state_ = Compose(since_state_, motion);
   travelled_m_ += motion.T_from_to.translation_m.norm();
-  window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), std::move(points),
+  window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), scratch.static_points,
                motion);
 
   if (RegistrationIsDue(scan.stamp)) {
     window_.Join(options_.uncertainty, static_cast<std::size_t>(options_.match.max_live_points),
-                 live_);
+                 scratch.submap);
 
     Announce(listener, Stage::kRegistration);
-    const std::optional<Registration<Dim>> registration = Register(scan.stamp);
+    const std::optional<Registration<Dim>> registration = Register(scratch.submap, scan.stamp);
 
     Announce(listener, Stage::kPoseGraph);
     if (registration) {
@@ -181,7 +183,8 @@ void Pipeline<Dim>::EnterLocalFrame(const Eigen::Vector3d& p_map) {
 }
 
 template <int Dim>
-std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp) {
+std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const GaussianPoint<Dim>> live,
+                                                         Stamp stamp) {
   std::optional<Registration<Dim>> registration;
   if (graph_.empty()) {
     if (!matcher_.searching()) {
@@ -190,19 +193,19 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp) {
       if (last_search_ && stamp - *last_search_ < kSearchInterval) return std::nullopt;
       last_search_ = stamp;
       since_state_ = {};
-      matcher_.BeginSearch(live_);
+      matcher_.BeginSearch(live);
     }
-    registration = matcher_.ContinueSearch(live_, ToEstimate<Dim>(since_state_).pose);
+    registration = matcher_.ContinueSearch(live, ToEstimate<Dim>(since_state_).pose);
   } else {
     graph_.AddState(ToEstimate<Dim>(since_state_));
     since_state_ = {};
     const PoseEstimate<3> predicted = ToSpace<Dim>(graph_.Newest(), options_);
     state_.OnAnswer(stamp, std::sqrt(predicted.covariance.topLeftCorner<2, 2>().trace()));
     EnterLocalFrame((matcher_.T_map_local() * predicted.pose).translation_m);
-    registration = matcher_.Match(live_, graph_.Newest(),
+    registration = matcher_.Match(live, graph_.Newest(),
                                   static_cast<std::uint64_t>(stamp.time_since_epoch().count()));
   }
-  quality_.live_point_count = static_cast<int>(live_.size());
+  quality_.live_point_count = static_cast<int>(live.size());
   if (!registration) return std::nullopt;
   quality_.inlier_count = registration->inlier_count;
   quality_.overlap = registration->overlap;

@@ -3,8 +3,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
-#include <vector>
 
 #include "core/localizer/ego_motion.h"
 #include "core/localizer/localizer.h"
@@ -20,6 +20,7 @@ class Localizer::Impl {
  public:
   virtual ~Impl() = default;
   virtual absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) = 0;
+  virtual bool searching() const = 0;
 };
 
 /// One vehicle's pipeline with poses in the plane of the map's keyframes (Dim = 2) or in space
@@ -31,13 +32,14 @@ class Pipeline final : public Localizer::Impl {
            const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options);
 
   absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) override;
+  bool searching() const override { return graph_.empty(); }
 
  private:
   absl::Status CheckOrder(const Scan& scan) const;
   void Start(const InitialPose& initial_pose);
   bool RegistrationIsDue(Stamp stamp) const;
   void EnterLocalFrame(const Eigen::Vector3d& p_map);
-  std::optional<Registration<Dim>> Register(Stamp stamp);
+  std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
   EdgeTest UpdateGraph(const Registration<Dim>& registration, Stamp stamp);
   PoseEstimate<Dim> Now() const;
   Localization Answer(const Scan& scan);
@@ -46,7 +48,6 @@ class Pipeline final : public Localizer::Impl {
   LocalizerOptions options_;
   EgoMotion ego_motion_;
   SubmapWindow window_;
-  std::vector<GaussianPoint<Dim>> live_;  // the sub-map of the last registration
   MapMatcher<Dim> matcher_;
   PoseHypotheses<Dim> graph_;
   TrackingState state_;

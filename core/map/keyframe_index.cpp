@@ -110,10 +110,16 @@ void KeyframeIndex::ForEachWithin(const Eigen::Vector2d& p_local_m, double radiu
 std::vector<std::size_t> KeyframeIndex::Within(const Eigen::Vector2d& p_local_m,
                                                double radius_m) const {
   std::vector<std::size_t> found;
+  Within(p_local_m, radius_m, found);
+  return found;
+}
+
+void KeyframeIndex::Within(const Eigen::Vector2d& p_local_m, double radius_m,
+                           std::vector<std::size_t>& found) const {
+  found.clear();
   ForEachWithin(p_local_m, radius_m,
                 [&](std::uint32_t keyframe, double) { found.push_back(keyframe); });
   std::ranges::sort(found);
-  return found;
 }
 
 std::optional<std::size_t> KeyframeIndex::Nearest(const Eigen::Vector2d& p_local_m,

@@ -29,6 +29,10 @@ class KeyframeIndex {
   /// Indices, ascending, of the keyframes within `radius_m` of `p_local_m` in xy.
   std::vector<std::size_t> Within(const Eigen::Vector2d& p_local_m, double radius_m) const;
 
+  /// The same in place of what `found` held; its memory is used again.
+  void Within(const Eigen::Vector2d& p_local_m, double radius_m,
+              std::vector<std::size_t>& found) const;
+
   /// The nearest in xy if one lies within `max_distance_m`; of equally near ones the first.
   std::optional<std::size_t> Nearest(const Eigen::Vector2d& p_local_m, double max_distance_m) const;
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 namespace dcloc {
 namespace {
@@ -33,60 +32,83 @@ void AppendKeyframe(const Keyframe& keyframe, const Pose3& T_map_local, double r
   }
 }
 
+// As many as asked for, their values not to be relied on; room for some more, as the next local map
+// may be a little larger.
+template <typename T>
+void Resize(std::vector<T>& values, std::size_t count) {
+  if (count > values.capacity()) {
+    values.clear();
+    values.reserve(count + count / 8);
+  }
+  values.resize(count);
+}
+
 }  // namespace
 
 template <int Dim>
 LocalMap<Dim>::LocalMap(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m) {
-  const std::optional<std::size_t> nearest = map.NearestKeyframe(p_map, radius_m);
-  if (!nearest) return;
-  T_map_local_ = map.keyframe(*nearest).T_map_keyframe;
-  // A landmark belongs to the keyframe nearest to it, which therefore is no further from it than
-  // this one is.
-  const std::vector<std::size_t> around =
-      map.KeyframesWithin(T_map_local_.translation_m, 2.0 * radius_m);
-  std::size_t point_count = 0;
-  for (const std::size_t index : around) point_count += map.keyframe(index).points.size();
-  points_.reserve(point_count);
-  for (const std::size_t index : around) {
-    AppendKeyframe<Dim>(map.keyframe(index), T_map_local_, radius_m, points_);
+  Memory memory;
+  MoveTo(map, p_map, radius_m, memory);
+}
+
+template <int Dim>
+LocalMap<Dim>::LocalMap(const Pose3& T_map_local, const std::vector<Point>& points)
+    : T_map_local_(T_map_local) {
+  Memory memory;
+  BuildGrid(points, memory.cells);
+}
+
+template <int Dim>
+void LocalMap<Dim>::MoveTo(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m,
+                           Memory& memory) {
+  auto& [keyframes, points, cells] = memory;
+  points.clear();
+  T_map_local_ = {};
+  if (const std::optional<std::size_t> nearest = map.NearestKeyframe(p_map, radius_m)) {
+    T_map_local_ = map.keyframe(*nearest).T_map_keyframe;
+    // A landmark belongs to the keyframe nearest to it, which therefore is no further from it than
+    // this one is.
+    map.KeyframesWithin(T_map_local_.translation_m, 2.0 * radius_m, keyframes);
+    for (const std::size_t index : keyframes) {
+      AppendKeyframe<Dim>(map.keyframe(index), T_map_local_, radius_m, points);
+    }
   }
-  BuildGrid();
+  BuildGrid(points, cells);
 }
 
+// Counting sort of the points by cell; `cells` lends its memory.
 template <int Dim>
-LocalMap<Dim>::LocalMap(const Pose3& T_map_local, std::vector<Point> points)
-    : T_map_local_(T_map_local), points_(std::move(points)) {
-  BuildGrid();
-}
-
-// Counting sort of the points by cell.
-template <int Dim>
-void LocalMap<Dim>::BuildGrid() {
-  if (points_.empty()) return;
-  Eigen::Vector2d max_m = points_.front().mean_m.template head<2>();
+void LocalMap<Dim>::BuildGrid(std::span<const Point> points, std::vector<std::uint32_t>& cells) {
+  Resize(points_, points.size());
+  if (points.empty()) return;
+  Eigen::Vector2d max_m = points.front().mean_m.template head<2>();
   min_m_ = max_m;
-  for (const Point& point : points_) {
+  for (const Point& point : points) {
     min_m_ = min_m_.cwiseMin(point.mean_m.template head<2>());
     max_m = max_m.cwiseMax(point.mean_m.template head<2>());
   }
   columns_ = static_cast<int>((max_m.x() - min_m_.x()) / kCell_m) + 1;
   rows_ = static_cast<int>((max_m.y() - min_m_.y()) / kCell_m) + 1;
-  cell_begin_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
-  std::vector<std::size_t> cells;  // of each point
-  cells.reserve(points_.size());
-  for (const Point& point : points_) {
-    cells.push_back(static_cast<std::size_t>(ClampedCell(point.mean_m.y() - min_m_.y(), rows_)) *
-                        static_cast<std::size_t>(columns_) +
-                    static_cast<std::size_t>(ClampedCell(point.mean_m.x() - min_m_.x(), columns_)));
-    ++cell_begin_[cells.back() + 1];
+  // Counted two places further on: the sums are each next cell's begin while points are put into
+  // place, and that of the cell itself once all are.
+  const std::size_t cell_count =
+      static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+  Resize(cell_begin_, cell_count + 2);
+  std::ranges::fill(cell_begin_, 0);
+  cells.clear();
+  cells.reserve(points.size());
+  for (const Point& point : points) {
+    const int row = ClampedCell(point.mean_m.y() - min_m_.y(), rows_);
+    const int column = ClampedCell(point.mean_m.x() - min_m_.x(), columns_);
+    const auto cell = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(columns_) +
+                      static_cast<std::uint32_t>(column);
+    cells.push_back(cell);
+    ++cell_begin_[cell + 2];
   }
-  for (std::size_t cell = 1; cell < cell_begin_.size(); ++cell) {
+  for (std::size_t cell = 2; cell < cell_begin_.size(); ++cell) {
     cell_begin_[cell] += cell_begin_[cell - 1];
   }
-  std::vector<std::uint32_t> next(cell_begin_.begin(), cell_begin_.end() - 1);
-  std::vector<Point> sorted(points_.size());
-  for (std::size_t i = 0; i < points_.size(); ++i) sorted[next[cells[i]]++] = points_[i];
-  points_ = std::move(sorted);
+  for (std::size_t i = 0; i < points.size(); ++i) points_[cell_begin_[cells[i] + 1]++] = points[i];
 }
 
 template class LocalMap<2>;

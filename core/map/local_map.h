@@ -21,14 +21,24 @@ class LocalMap {
  public:
   using Point = GaussianPoint<Dim>;
 
+  /// What making one needs for a moment; lent from one to the next.
+  struct Memory {
+    std::vector<std::size_t> keyframes;
+    std::vector<Point> points;
+    std::vector<std::uint32_t> cells;
+  };
+
   LocalMap() = default;
 
   /// The landmarks within `radius_m` of the keyframe nearest to `p_map`; empty when the map has no
   /// keyframe within `radius_m` of `p_map`.
   LocalMap(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m);
 
+  /// Becomes that one, in the memory that it has.
+  void MoveTo(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m, Memory& memory);
+
   /// From points given in the local frame.
-  LocalMap(const Pose3& T_map_local, std::vector<Point> points);
+  LocalMap(const Pose3& T_map_local, const std::vector<Point>& points);
 
   bool empty() const { return points_.empty(); }
   const Pose3& T_map_local() const { return T_map_local_; }
@@ -64,7 +74,7 @@ class LocalMap {
  private:
   static constexpr double kCell_m = 2.0;
 
-  void BuildGrid();
+  void BuildGrid(std::span<const Point> points, std::vector<std::uint32_t>& cells);
   static int ClampedCell(double offset_m, int count) {
     const double cell = offset_m / kCell_m;
     if (!(cell > 0.0)) return 0;  // also what is not a number
@@ -73,7 +83,7 @@ class LocalMap {
 
   Pose3 T_map_local_;
   std::vector<Point> points_;
-  std::vector<std::uint32_t> cell_begin_;  // of each cell in points_, and the end
+  std::vector<std::uint32_t> cell_begin_;  // of each cell in points_, and twice the end
   Eigen::Vector2d min_m_ = Eigen::Vector2d::Zero();
   int columns_ = 0;
   int rows_ = 0;

@@ -118,6 +118,11 @@ std::vector<std::size_t> RadarMap::KeyframesWithin(const Eigen::Vector3d& p_map,
   return layout_->index.Within((p_map - OriginOf(layout_->view)).head<2>(), radius_m);
 }
 
+void RadarMap::KeyframesWithin(const Eigen::Vector3d& p_map, double radius_m,
+                               std::vector<std::size_t>& indices) const {
+  layout_->index.Within((p_map - OriginOf(layout_->view)).head<2>(), radius_m, indices);
+}
+
 std::optional<std::size_t> RadarMap::NearestKeyframe(const Eigen::Vector3d& p_map,
                                                      double max_distance_m) const {
   return layout_->index.Nearest((p_map - OriginOf(layout_->view)).head<2>(), max_distance_m);

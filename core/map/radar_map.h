@@ -80,6 +80,10 @@ class RadarMap {
   /// map's xy plane. Costs what it finds, not what the map holds.
   std::vector<std::size_t> KeyframesWithin(const Eigen::Vector3d& p_map, double radius_m) const;
 
+  /// The same in place of what `indices` held; its memory is used again.
+  void KeyframesWithin(const Eigen::Vector3d& p_map, double radius_m,
+                       std::vector<std::size_t>& indices) const;
+
   /// The keyframe nearest to `p_map` in the xy plane, if one lies within `max_distance_m`.
   std::optional<std::size_t> NearestKeyframe(const Eigen::Vector3d& p_map,
                                              double max_distance_m) const;

@@ -1,12 +1,9 @@
 #include "core/posegraph/pose_graph.h"
 
-#include <ceres/ceres.h>
-
 #include <Eigen/Cholesky>
-#include <vector>
 
 #include "core/geometry/covariance.h"
-#include "core/posegraph/edge_residual.h"
+#include "core/posegraph/ceres_chain.h"
 
 namespace dcloc {
 namespace {
@@ -37,124 +34,84 @@ PoseEstimate<Dim> Update(const PoseEstimate<Dim>& first, const PoseEstimate<Dim>
           .covariance = UpdatedCovariance<Dim>(first.covariance, second.covariance)};
 }
 
-// nullptr where the parameters are a vector space.
-template <int Dim>
-ceres::Manifold* MakeManifold() {
-  if constexpr (Dim == 2) {
-    return nullptr;
-  } else {
-    return new ceres::ProductManifold<ceres::EuclideanManifold<3>,
-                                      ceres::EigenQuaternionManifold>();
-  }
-}
-
 }  // namespace
 
 template <int Dim>
 void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior) {
-  prior_ = prior;
-  prior_.covariance.diagonal().array() += kMinVariance;
-  states_.clear();
-  states_.push_back({.pose = prior.pose});
+  chain_.prior = prior;
+  chain_.prior.covariance.diagonal().array() += kMinVariance;
+  chain_.states.clear();
+  chain_.states.push_back(
+      {.pose = prior.pose, .odometry = {}, .loop = {}, .covariance = chain_.prior.covariance});
 }
 
 template <int Dim>
 void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry) {
-  states_.push_back({.pose = states_.back().pose * odometry.pose, .odometry = odometry});
-  states_.back().odometry.covariance.diagonal().array() += kMinVariance;
-  if (states_.size() > static_cast<std::size_t>(options_.window)) MarginalizeOldest();
+  chain_.states.push_back(
+      {.pose = chain_.states.back().pose * odometry.pose, .odometry = odometry});
+  chain_.states.back().odometry.covariance.diagonal().array() += kMinVariance;
+  chain_.states.back().covariance = NewestPredicted();
+  if (size() > static_cast<std::size_t>(options_.window)) MarginalizeOldest();
 }
 
 template <int Dim>
 EdgeTest PoseGraph<Dim>::AddLoop(const LoopEdge<Dim>& loop) {
-  State& newest = states_.back();
+  State& newest = chain_.states.back();
   const Tangent<Dim> apart = Log(newest.pose.Inverse() * loop.pose);
-  const TangentMatrix<Dim> spread = loop.covariance + FilteredCovariance();
+  const TangentMatrix<Dim> spread = loop.covariance + newest.covariance;
   EdgeTest test;
   test.distance = apart.dot(spread.ldlt().solve(apart));
   const double limit = Dim == 2 ? options_.max_distance_planar : options_.max_distance_spatial;
   // Written so that a distance that is not a number fails.
   test.valid = !options_.truncate || test.distance <= limit;
-  if (test.valid) newest.loop = {.pose = loop.pose, .covariance = loop.reused_covariance};
+  if (test.valid) {
+    newest.loop = {.pose = loop.pose, .covariance = loop.reused_covariance};
+    newest.covariance = UpdatedCovariance<Dim>(NewestPredicted(), loop.reused_covariance);
+  }
   return test;
 }
 
 template <int Dim>
 void PoseGraph<Dim>::Solve() {
-  using Parameters = Eigen::Matrix<double, kParameters<Dim>, 1>;
-  std::vector<Parameters> blocks;
-  blocks.reserve(states_.size());
-
-  ceres::Problem::Options problem_options;
-  problem_options.disable_all_safety_checks = true;  // made here, once, of blocks that are all ours
-  ceres::Problem problem(problem_options);
-  for (const State& state : states_) {
-    Parameters& block = blocks.emplace_back(ToParameters(state.pose));
-    problem.AddParameterBlock(block.data(), kParameters<Dim>, MakeManifold<Dim>());
-    const auto add_to_map = [&](const PoseEstimate<Dim>& edge) {
-      problem.AddResidualBlock(EdgeResidual<Dim>::MakeFromMap(edge.pose, edge.covariance).release(),
-                               nullptr, block.data());
-    };
-    if (blocks.size() == 1) {
-      add_to_map(prior_);
-    } else {
-      problem.AddResidualBlock(
-          EdgeResidual<Dim>::Make(state.odometry.pose, state.odometry.covariance).release(),
-          nullptr, blocks[blocks.size() - 2].data(), block.data());
-    }
-    if (state.loop) add_to_map(*state.loop);
-  }
-
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = 10;
-  options.logging_type = ceres::SILENT;
-  options.num_threads = 1;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  if (!summary.IsSolutionUsable()) return;  // the filtered states stand
-  for (std::size_t i = 0; i < states_.size(); ++i) states_[i].pose = FromParameters(blocks[i]);
+  // Where neither finds a solution, the filtered states stand.
+  if (!solver_.Solve(chain_)) SolveByCeres(chain_);
 }
 
 template <int Dim>
 PoseEstimate<Dim> PoseGraph<Dim>::Newest() const {
-  return {.pose = states_.back().pose, .covariance = FilteredCovariance()};
+  return {.pose = chain_.states.back().pose, .covariance = chain_.states.back().covariance};
 }
 
 template <int Dim>
 void PoseGraph<Dim>::ChangeFrame(const Pose<Dim>& T_new_old) {
   // Covariances live on the right of the poses and stay as they are.
-  prior_.pose = T_new_old * prior_.pose;
-  for (State& state : states_) {
+  chain_.prior.pose = T_new_old * chain_.prior.pose;
+  for (State& state : chain_.states) {
     state.pose = T_new_old * state.pose;
     if (state.loop) state.loop->pose = T_new_old * state.loop->pose;
   }
 }
 
-// In a chain the newest state's marginal covariance is what a filter over the edges gives.
+// Without its own loop edge. In a chain the newest state's marginal covariance is what a filter
+// over the edges gives, so each state's is worked out once, from the one before.
 template <int Dim>
-TangentMatrix<Dim> PoseGraph<Dim>::FilteredCovariance() const {
-  TangentMatrix<Dim> covariance = prior_.covariance;
-  for (std::size_t i = 0; i < states_.size(); ++i) {
-    const State& state = states_[i];
-    if (i > 0) {
-      covariance =
-          ComposeCovariance<Dim>(covariance, state.odometry.pose, state.odometry.covariance);
-    }
-    if (state.loop) covariance = UpdatedCovariance<Dim>(covariance, state.loop->covariance);
-  }
-  return covariance;
+TangentMatrix<Dim> PoseGraph<Dim>::NewestPredicted() const {
+  if (size() == 1) return chain_.prior.covariance;
+  const PoseEstimate<Dim>& odometry = chain_.states.back().odometry;
+  return ComposeCovariance<Dim>(chain_.states[size() - 2].covariance, odometry.pose,
+                                odometry.covariance);
 }
 
 template <int Dim>
 void PoseGraph<Dim>::MarginalizeOldest() {
-  const State& oldest = states_.front();
-  const PoseEstimate<Dim> known = oldest.loop ? Update<Dim>(prior_, *oldest.loop) : prior_;
-  const PoseEstimate<Dim>& odometry = states_[1].odometry;
-  prior_ = {
+  const State& oldest = chain_.states.front();
+  const PoseEstimate<Dim> known =
+      oldest.loop ? Update<Dim>(chain_.prior, *oldest.loop) : chain_.prior;
+  const PoseEstimate<Dim>& odometry = chain_.states[1].odometry;
+  chain_.prior = {
       .pose = known.pose * odometry.pose,
       .covariance = ComposeCovariance<Dim>(known.covariance, odometry.pose, odometry.covariance)};
-  states_.pop_front();
+  chain_.states.erase(chain_.states.begin());
 }
 
 template class PoseGraph<2>;

@@ -1,19 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <deque>
-#include <optional>
 
-#include "core/geometry/pose.h"
+#include "core/posegraph/chain_solver.h"
+#include "core/posegraph/state_chain.h"
 
 namespace dcloc {
-
-/// A pose with its covariance in the tangent space on its right.
-template <int Dim>
-struct PoseEstimate {
-  Pose<Dim> pose;
-  TangentMatrix<Dim> covariance = TangentMatrix<Dim>::Zero();
-};
 
 /// A loop edge: the newest state's pose in the map frame, by registration.
 template <int Dim>
@@ -44,7 +36,8 @@ struct EdgeTest {
 
 /// The last states of one vehicle in a map frame: odometry edges between neighbours, loop edges to
 /// the map, and what older states knew as a prior on the oldest (METHOD eq 15-19). The chain is
-/// solved by Ceres; older states are marginalized into the prior.
+/// solved by Gauss-Newton, and by Ceres where that does not get there; older states are
+/// marginalized into the prior. In the steady state it allocates nothing.
 template <int Dim>
 class PoseGraph {
  public:
@@ -69,22 +62,18 @@ class PoseGraph {
   /// Expresses everything in another map frame.
   void ChangeFrame(const Pose<Dim>& T_new_old);
 
-  bool empty() const { return states_.empty(); }
-  std::size_t size() const { return states_.size(); }
+  bool empty() const { return chain_.states.empty(); }
+  std::size_t size() const { return chain_.states.size(); }
 
  private:
-  struct State {
-    Pose<Dim> pose;
-    PoseEstimate<Dim> odometry;             // from the state before
-    std::optional<PoseEstimate<Dim>> loop;  // absent, or cut
-  };
+  using State = typename StateChain<Dim>::State;
 
-  TangentMatrix<Dim> FilteredCovariance() const;
+  TangentMatrix<Dim> NewestPredicted() const;
   void MarginalizeOldest();
 
   PoseGraphOptions options_;
-  PoseEstimate<Dim> prior_;  // on states_.front()
-  std::deque<State> states_;
+  StateChain<Dim> chain_;
+  ChainSolver<Dim> solver_;
 };
 
 }  // namespace dcloc

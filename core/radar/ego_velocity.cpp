@@ -17,17 +17,10 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// One target's row: range_rate = row . (v_x, v_y, yaw rate) + noise (METHOD 2).
-struct Row {
-  Vector3d row;
-  double range_rate_mps;
-  double unambiguous_mps;
-  double sigma_mps;
-  double cross_row_sigma_rad;  // azimuth error: turns the row, worth this times the cross velocity
-};
+using Row = RangeRateRow;
 
-std::vector<Row> MakeRows(std::span<const RadarScan> scans) {
-  std::vector<Row> rows;
+void MakeRows(std::span<const RadarScan> scans, std::vector<Row>& rows) {
+  rows.clear();
   for (const auto& [scan, radar] : scans) {
     const Matrix3d R_vehicle_radar = radar->T_vehicle_radar.Rotation();
     const Vector3d& mount = radar->T_vehicle_radar.translation_m;
@@ -41,7 +34,6 @@ std::vector<Row> MakeRows(std::span<const RadarScan> scans) {
                       .cross_row_sigma_rad = m.azimuth_sigma_rad});
     }
   }
-  return rows;
 }
 
 double Residual(const Row& row, const Vector3d& state) {
@@ -56,12 +48,12 @@ double SigmaAt(const Row& row, const Vector3d& state) {
   return std::hypot(row.sigma_mps, row.cross_row_sigma_rad * across_mps);
 }
 
-std::vector<Row> InliersOf(const std::vector<Row>& rows, const Vector3d& state, double gate_mps) {
-  std::vector<Row> inliers;
+void TakeInliers(const std::vector<Row>& rows, const Vector3d& state, double gate_mps,
+                 std::vector<Row>& inliers) {
+  inliers.clear();
   for (const Row& row : rows) {
     if (std::abs(Residual(row, state)) <= gate_mps) inliers.push_back(row);
   }
-  return inliers;
 }
 
 // The best-supported motion among those through two targets without side slip.
@@ -148,24 +140,32 @@ Matrix3d FloorVariances(const EgoVelocityOptions& options) {
 std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
                                                       std::uint64_t seed,
                                                       const EgoVelocityOptions& options) {
-  const std::vector<Row> rows = MakeRows(scans);
+  EgoVelocityMemory memory;
+  return EstimateEgoVelocity(scans, seed, options, memory);
+}
+
+std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
+                                                      std::uint64_t seed,
+                                                      const EgoVelocityOptions& options,
+                                                      EgoVelocityMemory& memory) {
+  auto& [rows, inliers] = memory;
+  MakeRows(scans, rows);
   const auto count = static_cast<int>(rows.size());
   if (count < options.min_inlier_count) return std::nullopt;
 
-  const std::vector<Row> still = InliersOf(rows, Vector3d::Zero(), options.zero_gate_mps);
-  if (static_cast<double>(still.size()) >= options.zero_share * count) {
+  TakeInliers(rows, Vector3d::Zero(), options.zero_gate_mps, inliers);
+  if (static_cast<double>(inliers.size()) >= options.zero_share * count) {
     return DopplerEgoVelocity{
         .ego_velocity = PlanarEgoVelocity(Vector3d::Zero(), FloorVariances(options)),
-        .inlier_count = static_cast<int>(still.size()),
+        .inlier_count = static_cast<int>(inliers.size()),
         .target_count = count,
         .standing_still = true};
   }
 
   Vector3d state = RansacMotion(rows, seed, options);
   LeastSquares solution{};
-  std::vector<Row> inliers;
   for (int pass = 0; pass < 3; ++pass) {  // inliers and weights depend on the state: refine both
-    inliers = InliersOf(rows, state, options.inlier_gate_mps);
+    TakeInliers(rows, state, options.inlier_gate_mps, inliers);
     const auto inlier_count = static_cast<int>(inliers.size());
     if (inlier_count < options.min_inlier_count ||
         inlier_count < options.min_inlier_share * count) {

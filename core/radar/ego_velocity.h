@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
@@ -42,11 +43,34 @@ struct DopplerEgoVelocity {
   bool standing_still = false;
 };
 
+/// One target's row of the motion's equations: range rate = row . (v_x, v_y, yaw rate) + noise
+/// (METHOD 2).
+struct RangeRateRow {
+  Eigen::Vector3d row;
+  double range_rate_mps;
+  double unambiguous_mps;
+  double sigma_mps;
+  double
+      cross_row_sigma_rad;  ///< azimuth error: turns the row, worth this times the cross velocity
+};
+
+/// Memory of EstimateEgoVelocity.
+struct EgoVelocityMemory {
+  std::vector<RangeRateRow> rows;
+  std::vector<RangeRateRow> inliers;
+};
+
 /// Planar ego-velocity (v_x, v_y, yaw rate) from the range rates of one or several scans of the
 /// same moment: RANSAC on pairs of targets, weighted least squares on the inliers, covariance s^2
 /// (H^T H)^-1 (METHOD 2, Kellner 2013). Aliased range rates are unfolded to each hypothesis.
 /// Nothing when too few targets agree or their directions do not determine the motion.
-/// The same scans and `seed` give the same answer.
+/// The same scans and `seed` give the same answer, whatever `memory` held.
+std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
+                                                      std::uint64_t seed,
+                                                      const EgoVelocityOptions& options,
+                                                      EgoVelocityMemory& memory);
+
+/// The same with memory of its own.
 std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
                                                       std::uint64_t seed,
                                                       const EgoVelocityOptions& options = {});

@@ -42,10 +42,17 @@ Pose3 MountAtStamp(const RadarModel& radar, const EgoVelocity& ego_velocity) {
 std::vector<RadarPoint> StaticPoints(const Scan& scan, const RadarModel& radar,
                                      const EgoVelocity& ego_velocity,
                                      const StaticPointsOptions& options) {
+  std::vector<RadarPoint> points;
+  StaticPoints(scan, radar, ego_velocity, options, points);
+  return points;
+}
+
+void StaticPoints(const Scan& scan, const RadarModel& radar, const EgoVelocity& ego_velocity,
+                  const StaticPointsOptions& options, std::vector<RadarPoint>& points) {
   const Eigen::Matrix3d R_vehicle_radar = radar.T_vehicle_radar.Rotation();
   const Pose3 T_stamp_radar = MountAtStamp(radar, ego_velocity);
   const double beta_s = options.compensate ? radar.beta_s : 0.0;
-  std::vector<RadarPoint> points;
+  points.clear();
   points.reserve(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
     Measurement measurement = MeasurementAt(scan, i, radar);
@@ -73,7 +80,6 @@ std::vector<RadarPoint> StaticPoints(const Scan& scan, const RadarModel& radar,
                       .covariance_m2 = covariance,
                       .rcs_dbsm = scan.rcs_dbsm.empty() ? 0.0F : scan.rcs_dbsm[i]});
   }
-  return points;
 }
 
 }  // namespace dcloc

@@ -36,4 +36,8 @@ std::vector<RadarPoint> StaticPoints(const Scan& scan, const RadarModel& radar,
                                      const EgoVelocity& ego_velocity,
                                      const StaticPointsOptions& options);
 
+/// The same in place of what `points` held; its memory is used again.
+void StaticPoints(const Scan& scan, const RadarModel& radar, const EgoVelocity& ego_velocity,
+                  const StaticPointsOptions& options, std::vector<RadarPoint>& points);
+
 }  // namespace dcloc

@@ -1,7 +1,7 @@
 #include "core/submap/submap.h"
 
 #include <algorithm>
-#include <utility>
+#include <iterator>
 
 #include "core/geometry/covariance.h"
 
@@ -45,16 +45,48 @@ struct Carried {
 
 }  // namespace
 
-void SubmapWindow::Push(Stamp stamp, int radar_index, std::vector<RadarPoint> points,
+SubmapWindow::KeptPoint::KeptPoint(const RadarPoint& point)
+    : position_m(point.position_m.cast<float>()), rcs_dbsm(point.rcs_dbsm) {
+  std::size_t next = 0;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = row; column < 3; ++column) {
+      covariance_m2[next++] = static_cast<float>(point.covariance_m2(row, column));
+    }
+  }
+}
+
+RadarPoint SubmapWindow::KeptPoint::Unpack() const {
+  const auto& [xx, xy, xz, yy, yz, zz] = covariance_m2;
+  Eigen::Matrix3f covariance;
+  covariance << xx, xy, xz,  //
+      xy, yy, yz,            //
+      xz, yz, zz;
+  return {.position_m = position_m.cast<double>(),
+          .covariance_m2 = covariance.cast<double>(),
+          .rcs_dbsm = rcs_dbsm};
+}
+
+void SubmapWindow::Push(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points,
                         const Motion& motion) {
-  entries_.push_back({stamp, radar_index, std::move(points), motion});
   const auto of_same_radar = [&](const Entry& entry) { return entry.radar_index == radar_index; };
-  if (std::count_if(entries_.begin(), entries_.end(), of_same_radar) <= scans_per_radar_) return;
+  if (std::count_if(entries_.begin(), entries_.end(), of_same_radar) < scans_per_radar_) {
+    entries_.push_back({stamp, radar_index, {points.begin(), points.end()}, motion});
+    return;
+  }
+  // The new scan takes the oldest one's memory, and its successor the way over it.
   const auto oldest = std::find_if(entries_.begin(), entries_.end(), of_same_radar);
-  const auto next = std::next(oldest);
-  // The way over the removed scan becomes part of its successor's.
-  next->motion = Compose(oldest->motion, next->motion);
-  entries_.erase(oldest);
+  const Motion over_oldest = oldest->motion;
+  std::rotate(oldest, std::next(oldest), entries_.end());
+  Entry& newest = entries_.back();
+  newest.stamp = stamp;
+  newest.points.clear();
+  // Room for some more, as the next scan may be a little larger.
+  if (points.size() > newest.points.capacity()) {
+    newest.points.reserve(points.size() + points.size() / 8);
+  }
+  for (const RadarPoint& point : points) newest.points.emplace_back(point);
+  newest.motion = motion;
+  oldest->motion = Compose(over_oldest, oldest->motion);
 }
 
 template <typename Visit>
@@ -62,7 +94,7 @@ void SubmapWindow::ForEachPoint(const Visit& visit) const {
   Motion since_then;  // from the entry at hand to the newest
   for (auto entry = entries_.rbegin(); entry != entries_.rend(); ++entry) {
     const Carried carried(since_then);
-    for (const RadarPoint& point : entry->points) visit(point, carried);
+    for (const KeptPoint& point : entry->points) visit(point.Unpack(), carried);
     since_then = Compose(entry->motion, since_then);
   }
 }

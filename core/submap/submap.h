@@ -1,7 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
 #include <cstddef>
-#include <deque>
 #include <vector>
 
 #include "core/geometry/gaussian_point.h"
@@ -24,7 +25,8 @@ class SubmapWindow {
 
   /// Adds the points (vehicle frame at `stamp`) of a scan by radar `radar_index`; `motion` leads
   /// from the scan before, of whatever radar, to this one. Stamps do not go back.
-  void Push(Stamp stamp, int radar_index, std::vector<RadarPoint> points, const Motion& motion);
+  void Push(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points,
+            const Motion& motion);
 
   /// All kept points in the vehicle frame at the newest scan. With `carry_drift` each point's
   /// covariance holds what the motion since its scan adds: G S G^T (METHOD 3).
@@ -42,10 +44,19 @@ class SubmapWindow {
   void Clear() { entries_.clear(); }
 
  private:
+  // A point in single precision: it rounds by some micrometres, and each vehicle holds thousands.
+  struct KeptPoint {
+    explicit KeptPoint(const RadarPoint& point);
+    RadarPoint Unpack() const;
+
+    Eigen::Vector3f position_m;
+    std::array<float, 6> covariance_m2;  // xx, xy, xz, yy, yz, zz
+    float rcs_dbsm;
+  };
   struct Entry {
     Stamp stamp;
     int radar_index;
-    std::vector<RadarPoint> points;
+    std::vector<KeptPoint> points;
     Motion motion;  // from the entry before to this one
   };
 
@@ -55,7 +66,7 @@ class SubmapWindow {
   void ForEachPoint(const Visit& visit) const;
 
   int scans_per_radar_;
-  std::deque<Entry> entries_;
+  std::vector<Entry> entries_;  // oldest first
 };
 
 }  // namespace dcloc

@@ -25,6 +25,9 @@ RadarPoint PointAt(const Eigen::Vector3d& p) {
   return {.position_m = p, .covariance_m2 = 0.04 * Eigen::Matrix3d::Identity()};
 }
 
+// Points are kept in single precision: half a step of it at 30 m.
+constexpr double kSinglePrecision_m = 2e-6;
+
 TEST(SubmapTest, AStandingPointFallsOntoItselfInTheNewestFrame) {
   // The printed product of eq 8 and both orders of inverse steps fail this.
   const Eigen::Vector3d p_first(30.0, -7.0, 1.0);
@@ -38,7 +41,7 @@ TEST(SubmapTest, AStandingPointFallsOntoItselfInTheNewestFrame) {
   ASSERT_EQ(submap.points.size(), 10U);
   EXPECT_EQ(submap.span, milliseconds(675));
   for (const RadarPoint& point : submap.points) {
-    EXPECT_LT((point.position_m - T_first_now.Inverse() * p_first).norm(), 1e-9);
+    EXPECT_LT((point.position_m - T_first_now.Inverse() * p_first).norm(), kSinglePrecision_m);
   }
 }
 
@@ -55,7 +58,7 @@ TEST(SubmapTest, KeepsTheLastScansOfEachRadar) {
   EXPECT_EQ(submap.scan_count, 4);  // scans 1 and 4 of radar 1, 3 and 5 of radar 0
   EXPECT_EQ(submap.span, milliseconds(40));
   for (const RadarPoint& point : submap.points) {  // also across the removed scan's way
-    EXPECT_LT((point.position_m - T_first_now.Inverse() * p_first).norm(), 1e-9);
+    EXPECT_LT((point.position_m - T_first_now.Inverse() * p_first).norm(), kSinglePrecision_m);
   }
 }
 

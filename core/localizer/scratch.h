@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "core/geometry/gaussian_point.h"
+#include "core/map/local_map.h"
+#include "core/radar/ego_velocity.h"
+#include "core/radar/static_points.h"
+#include "core/registration/point_matches.h"
+
+namespace dcloc {
+
+/// What a scan needs only while it is localized. The next one, of whatever vehicle, needs the same
+/// again: it belongs to the thread, so that a thousand vehicles on two threads hold two of them and
+/// a steady tracker allocates nothing. No answer depends on what is left in it.
+template <int Dim>
+struct Scratch {
+  EgoVelocityMemory ego_velocity;
+  std::vector<RadarPoint> static_points;   // of the scan
+  std::vector<GaussianPoint<Dim>> submap;  // as it is matched
+  MatchFinder<Dim> finder;
+  typename LocalMap<Dim>::Memory local_map;
+
+  static Scratch& OfThisThread() {
+    thread_local Scratch scratch;
+    return scratch;
+  }
+};
+
+}  // namespace dcloc

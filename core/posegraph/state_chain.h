@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose.h"
+
+namespace dcloc {
+
+/// A pose with its covariance in the tangent space on its right.
+template <int Dim>
+struct PoseEstimate {
+  Pose<Dim> pose;
+  TangentMatrix<Dim> covariance = TangentMatrix<Dim>::Zero();
+};
+
+/// States of one vehicle in a map frame, each tied to the one before (METHOD eq 15-17). What is
+/// sought are the poses with the least sum of squared whitened residuals (see EdgeResidual).
+template <int Dim>
+struct StateChain {
+  struct State {
+    Pose<Dim> pose;
+    PoseEstimate<Dim> odometry;  ///< from the state before; of the first it means nothing
+    std::optional<PoseEstimate<Dim>> loop;  ///< to the map; absent, or cut
+    /// Of the pose, by all edges up to this state.
+    TangentMatrix<Dim> covariance = TangentMatrix<Dim>::Zero();
+  };
+  PoseEstimate<Dim> prior;    ///< on the first state
+  std::vector<State> states;  ///< oldest first
+};
+
+}  // namespace dcloc
