@@ -83,7 +83,7 @@ class Packages(unittest.TestCase):
             self.assertTrue((root / "usr/include/dcloc/client/sdk/session.h").is_file())
             control = folder / "control"
             run("dpkg-deb", "-e", programs, control)
-            for script in ("postinst", "prerm"):
+            for script in ("postinst", "postrm", "prerm"):
                 run("sh", "-n", control / script)
             copied = re.search(r"cp (\S+)", (control / "postinst").read_text()).group(1)
             self.assertTrue((root / copied[1:]).is_file(), copied)
