@@ -39,6 +39,13 @@ class SessionAccessTest : public ::testing::Test {
     return session;
   }
 
+  /// What becomes of a session that is not to be opened.
+  grpc::Status Refusal(const std::string& token, const v1::OpenSession& open) const {
+    const auto session = Open(token, open);
+    session->CloseSending();
+    return session->Finish();
+  }
+
   static v1::OpenSession OpenOf(const std::string& vehicle_id) {
     v1::OpenSession open = OpenMessage();
     open.set_vehicle_id(vehicle_id);
@@ -54,7 +61,7 @@ class SessionAccessTest : public ::testing::Test {
 
 TEST_F(SessionAccessTest, AVehicleDrivesOnlyAsItself) {
   EXPECT_TRUE(Open(car_, OpenOf("car-1"))->Read().has_value());
-  const grpc::Status status = Open(car_, OpenOf("car-2"))->Finish();
+  const grpc::Status status = Refusal(car_, OpenOf("car-2"));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
   EXPECT_THAT(status.error_message(), AllOf(HasSubstr("car-1"), HasSubstr("car-2")));
   EXPECT_TRUE(Open(ops_, OpenOf("car-2"))->Read().has_value()) << "an operator drives any";
@@ -67,7 +74,7 @@ TEST_F(SessionAccessTest, AResumeTokenIsItsPrincipalsAlone) {
   v1::OpenSession resume;
   resume.set_vehicle_id("car-1");
   resume.set_resume_token(opened->opened().resume_token());
-  const grpc::Status status = Open(ops_, resume)->Finish();
+  const grpc::Status status = Refusal(ops_, resume);
   EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
   EXPECT_THAT(status.error_message(), HasSubstr("another principal"));
   EXPECT_TRUE(session->Localize(ScanMessage(0)).has_value()) << "and it was not taken over";
@@ -114,7 +121,7 @@ TEST_F(SessionAccessTest, TenantsDoNotSeeNorEndEachOthersSessions) {
 
 TEST_F(SessionAccessTest, TenantsDoNotDriveInEachOthersMaps) {
   const std::string foreign = Token({.name = "a", .tenant = "acme", .role = Role::kOperator});
-  EXPECT_EQ(Open(foreign, OpenOf("car-1"))->Finish().error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(Refusal(foreign, OpenOf("car-1")).error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
 TEST_F(SessionAccessTest, DenialsAreLogged) {
@@ -157,7 +164,7 @@ class NarrowTest : public SessionAccessTest {
 TEST_F(NarrowTest, SessionsOfOnePrincipalAreBoundedWhateverTheirVehicles) {
   const auto first = Open(ops_, OpenOf("car-1"));
   ASSERT_TRUE(first->Read().has_value());
-  const grpc::Status status = Open(ops_, OpenOf("car-2"))->Finish();
+  const grpc::Status status = Refusal(ops_, OpenOf("car-2"));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_THAT(status.error_message(), HasSubstr("max_session_count_per_principal is 1"));
   EXPECT_TRUE(Open(car_, OpenOf("car-1"))->Read().has_value()) << "another principal's";
