@@ -75,6 +75,10 @@ int WorkerCount(const ServerConfig& config) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+/// Threads for searches of whole maps: enough for a fleet that starts at once, and no more than get
+/// some of the processor.
+int SearcherCount(const ServerConfig& config) { return std::max(1, WorkerCount(config) / 4); }
+
 SessionTimeouts SessionTimeoutsOf(const ServerConfig& config) {
   return {.detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms),
           .idle_timeout = std::chrono::milliseconds(config.session_idle_timeout_ms)};
@@ -119,7 +123,7 @@ struct Server::Parts {
         access(*identities, config.require_identity),
         store(std::move(map_store)),
         registry(limits, SessionTimeoutsOf(config)),
-        localization_pool(WorkerCount(config)),
+        localization_pool(WorkerCount(config), SearcherCount(config)),
         localization({.storage = storage,
                       .registry = registry,
                       .sessions = {.store = *store,

@@ -1,12 +1,36 @@
 #include "server/worker_pool.h"
 
+#include <sys/resource.h>
+
 #include <utility>
 
 namespace dcloc::server {
+namespace {
 
-WorkerPool::WorkerPool(int thread_count) {
-  threads_.reserve(static_cast<std::size_t>(thread_count));
-  for (int i = 0; i < thread_count; ++i) threads_.emplace_back([this] { Run(); });
+std::size_t NumberOf(Lane lane) { return lane == Lane::kQuick ? 0 : 1; }
+
+/// On Linux a thread's own; a process may always take itself back.
+void TakeThreadBack() {
+  constexpr int kNice = 10;  // about a tenth of the processor where all others want it
+  setpriority(PRIO_PROCESS, 0, kNice);
+}
+
+}  // namespace
+
+WorkerPool::WorkerPool(int thread_count, int lengthy_thread_count) {
+  Line& quick = lines_[NumberOf(Lane::kQuick)];
+  Line& lengthy = lines_[NumberOf(Lane::kLengthy)];
+  quick.threads.reserve(static_cast<std::size_t>(thread_count));
+  for (int i = 0; i < thread_count; ++i) {
+    quick.threads.emplace_back([this, &quick] { Run(quick); });
+  }
+  lengthy.threads.reserve(static_cast<std::size_t>(lengthy_thread_count));
+  for (int i = 0; i < lengthy_thread_count; ++i) {
+    lengthy.threads.emplace_back([this, &lengthy] {
+      TakeThreadBack();
+      Run(lengthy);
+    });
+  }
 }
 
 WorkerPool::~WorkerPool() {
@@ -14,34 +38,47 @@ WorkerPool::~WorkerPool() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
-  wake_.notify_all();
-  for (std::thread& thread : threads_) thread.join();
+  WakeAll();
+  for (Line& line : lines_) {
+    for (std::thread& thread : line.threads) thread.join();
+  }
 }
 
-void WorkerPool::Post(Task task) {
+void WorkerPool::WakeAll() {
+  for (Line& line : lines_) line.wake.notify_all();
+}
+
+void WorkerPool::Post(Task task, Lane lane) {
+  Line* line = &lines_[NumberOf(lane)];
+  if (line->threads.empty()) line = &lines_[NumberOf(Lane::kQuick)];
   {
     const std::lock_guard lock(mutex_);
-    tasks_.push_back(std::move(task));
+    line->tasks.push_back(std::move(task));
+    ++unfinished_count_;
   }
-  wake_.notify_one();
+  line->wake.notify_one();
 }
 
-std::size_t WorkerPool::queued_count() const {
+std::size_t WorkerPool::queued_count(Lane lane) const {
   const std::lock_guard lock(mutex_);
-  return tasks_.size();
+  return lines_[NumberOf(lane)].tasks.size();
 }
 
-void WorkerPool::Run() {
+void WorkerPool::Run(Line& line) {
   std::unique_lock lock(mutex_);
   while (true) {
-    wake_.wait(lock, [this] { return stopping_ || !tasks_.empty(); });
-    if (tasks_.empty()) return;
-    Task task = std::move(tasks_.front());
-    tasks_.pop_front();
+    line.wake.wait(lock, [this, &line] {
+      return !line.tasks.empty() || (stopping_ && unfinished_count_ == 0);
+    });
+    if (line.tasks.empty()) return;
+    Task task = std::move(line.tasks.front());
+    line.tasks.pop_front();
     lock.unlock();
     task();
     task = nullptr;  // what it holds may be large, and is not to be freed under the lock
     lock.lock();
+    --unfinished_count_;
+    if (stopping_ && unfinished_count_ == 0) WakeAll();
   }
 }
 
@@ -54,9 +91,14 @@ struct Strand::Queue : std::enable_shared_from_this<Queue> {
     if (!scheduled) Schedule();
   }
 
+  void SetLane(Lane of_the_next) {
+    const std::lock_guard lock(mutex);
+    lane = of_the_next;
+  }
+
   void Schedule() {
     scheduled = true;
-    pool.Post([self = shared_from_this()] { self->RunOne(); });
+    pool.Post([self = shared_from_this()] { self->RunOne(); }, lane);
   }
 
   void RunOne() {
@@ -74,11 +116,14 @@ struct Strand::Queue : std::enable_shared_from_this<Queue> {
   WorkerPool& pool;
   std::mutex mutex;
   std::deque<Task> tasks;
+  Lane lane = Lane::kQuick;
   bool scheduled = false;  ///< RunOne is on the pool; at most one at a time
 };
 
 Strand::Strand(WorkerPool& pool) : queue_(std::make_shared<Queue>(pool)) {}
 
 void Strand::Post(Task task) { queue_->Post(std::move(task)); }
+
+void Strand::SetLane(Lane lane) { queue_->SetLane(lane); }
 
 }  // namespace dcloc::server

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -14,30 +15,45 @@ namespace dcloc::server {
 
 using Task = absl::AnyInvocable<void()>;
 
-/// A fixed number of threads that run tasks, oldest first. Tasks do not throw.
+/// What a task is like: one that takes tens of milliseconds must not stand before one that takes
+/// half of one.
+enum class Lane { kQuick, kLengthy };
+
+/// A fixed number of threads that run tasks, in each lane oldest first. Tasks do not throw.
 class WorkerPool {
  public:
-  /// `thread_count` >= 1.
-  explicit WorkerPool(int thread_count);
+  /// `thread_count` >= 1 for quick tasks. Lengthy ones have `lengthy_thread_count` of their own, to
+  /// which the system gives the processor after the others; with none they are run with the rest.
+  explicit WorkerPool(int thread_count, int lengthy_thread_count = 0);
 
-  /// Runs what is still queued, then joins. No strand of this pool may be posted to any more.
+  /// Runs what is still queued and what that posts, then joins. Nobody else may post any more.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  void Post(Task task);
-  int thread_count() const { return static_cast<int>(threads_.size()); }
+  void Post(Task task, Lane lane = Lane::kQuick);
+
+  /// Those for quick tasks.
+  int thread_count() const { return static_cast<int>(lines_[0].threads.size()); }
+
   /// Tasks that wait for a thread.
-  std::size_t queued_count() const;
+  std::size_t queued_count(Lane lane = Lane::kQuick) const;
 
  private:
-  void Run();
+  // A lane's tasks and threads.
+  struct Line {
+    std::condition_variable wake;
+    std::deque<Task> tasks;
+    std::vector<std::thread> threads;
+  };
+
+  void Run(Line& line);
+  void WakeAll();
 
   mutable std::mutex mutex_;
-  std::condition_variable wake_;
-  std::deque<Task> tasks_;
+  std::array<Line, 2> lines_;         // by lane
+  std::size_t unfinished_count_ = 0;  // queued or running: these may still post to either lane
   bool stopping_ = false;
-  std::vector<std::thread> threads_;
 };
 
 /// Tasks that run on a pool one at a time and in the order in which they were posted. Between two
@@ -48,6 +64,9 @@ class Strand {
   explicit Strand(WorkerPool& pool);
 
   void Post(Task task);
+
+  /// The lane of the tasks that have not begun yet; at first it is the quick one.
+  void SetLane(Lane lane);
 
  private:
   struct Queue;

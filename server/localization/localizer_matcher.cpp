@@ -13,6 +13,8 @@ class LocalizerMatcher final : public Matcher {
     return localizer_.Localize(scan, listener);
   }
 
+  bool searching() const override { return localizer_.searching(); }
+
  private:
   Localizer localizer_;
 };

@@ -16,6 +16,9 @@ class Matcher {
 
   /// As Localizer::Localize. `scan` is valid and of a radar of the rig.
   virtual absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) = 0;
+
+  /// As Localizer::searching.
+  virtual bool searching() const = 0;
 };
 
 /// As Localizer::Create.

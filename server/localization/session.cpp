@@ -266,6 +266,7 @@ absl::Status Session::Localize(const v1::Scan& message, v1::LocalizationResult* 
   last_stamp_ = scan_.stamp;
   std::swap(scan_, last_scan_);
   RememberPose(*localization);
+  ChooseLane();
   record_->last_sequence_number = last_sequence_number_;
   record_->last_state = static_cast<int>(localization->state);
 
@@ -290,6 +291,11 @@ void Session::RememberPose(const Localization& localization) {
   if (!unknown) last_pose_ = {localization.T_map_vehicle, localization.covariance};
 }
 
+/// Whoever searches a whole map does so on a thread of its own, and nobody else waits for it.
+void Session::ChooseLane() {
+  strand_.SetLane(matcher_->searching() ? Lane::kLengthy : Lane::kQuick);
+}
+
 absl::Status Session::Move(LoadedMap map) {
   const std::int64_t version = map.record.version;
   if (version == record_->map_version) return absl::OkStatus();
@@ -308,6 +314,7 @@ absl::Status Session::Move(LoadedMap map) {
     if (!status.ok()) return status;
   }
   matcher_ = *std::move(matcher);
+  ChooseLane();
   map_ = std::move(map);
   spdlog::info("session moved session={} vehicle={} from={} to={}", record_->description.session_id,
                record_->description.vehicle_id, record_->map_version.load(), version);

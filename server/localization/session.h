@@ -78,6 +78,7 @@ class Session {
           convert::SessionRequest request, std::unique_ptr<Matcher> matcher);
 
   void RememberPose(const Localization& localization);
+  void ChooseLane();
 
   void Tap(std::shared_ptr<SessionTap> tap, const v1::OpenSession& open,
            const std::string& program);

@@ -33,6 +33,8 @@ class StubMatcher final : public Matcher {
                         .quality = {}};
   }
 
+  bool searching() const override { return false; }
+
  private:
   std::shared_ptr<const RadarMap> map_;  // in use, as with the method
   InitialPose pose_;

@@ -48,6 +48,7 @@ MetricFamily QueueDepths(const WorkerPool& localization, const WorkerPool& stora
   MetricFamily family =
       Gauge("dcloc_queue_depth", "Tasks that wait for a thread: one for each session at most");
   Add(family, {{"pool", "localization"}}, static_cast<double>(localization.queued_count()));
+  Add(family, {{"pool", "search"}}, static_cast<double>(localization.queued_count(Lane::kLengthy)));
   Add(family, {{"pool", "storage"}}, static_cast<double>(storage.queued_count()));
   return family;
 }

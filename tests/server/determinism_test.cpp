@@ -12,9 +12,12 @@ namespace dcloc::server {
 namespace {
 
 /// All answers to the drive, without what a clock or chance gives.
-std::vector<std::string> LocalizeDrive(const TestServer& server, const TownDrive& drive) {
+std::vector<std::string> LocalizeDrive(const TestServer& server, const TownDrive& drive,
+                                       bool with_prior = true) {
   TestSession session(*server.localization);
-  EXPECT_TRUE(session.Open(drive.Open()));
+  v1::OpenSession open = drive.Open();
+  if (!with_prior) open.clear_initial_pose();
+  EXPECT_TRUE(session.Open(open));
   EXPECT_TRUE(session.Read().has_value());
   std::vector<std::string> answers;
   for (std::size_t i = 0; i < drive.live.scans.size(); ++i) {
@@ -61,6 +64,31 @@ TEST(DeterminismTest, EightSessionsAtOnceEqualOneAloneToTheBit) {
   const Eigen::Vector3d truth = drive.live.scans.back().T_map_vehicle.translation_m;
   const v1::Vector3& position = last.pose().pose().translation_m();
   EXPECT_LT(std::hypot(position.x() - truth.x(), position.y() - truth.y()), 1.0);
+}
+
+// Those without a prior search on other threads than those that track, and move to theirs when they
+// are found.
+TEST(DeterminismTest, BlindStartsBesideTrackersChangeNoBit) {
+  const TownDrive drive;
+  ServerConfig config;
+  config.worker_count = 2;
+  const TestServer server(config);
+  v1::UploadMapResponse response;
+  const grpc::Status status = UploadMap(*server.maps, HeaderOf(drive.map), drive.map, &response);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+
+  const std::vector<std::string> tracker = LocalizeDrive(server, drive);
+  const std::vector<std::string> blind = LocalizeDrive(server, drive, /*with_prior=*/false);
+  EXPECT_EQ(LastOf(blind).state(), v1::LOCALIZATION_STATE_TRACKING);
+  std::vector<std::vector<std::string>> together(8);
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < together.size(); ++i) {
+    threads.emplace_back([&, i] { together[i] = LocalizeDrive(server, drive, i % 2 == 0); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (std::size_t i = 0; i < together.size(); ++i) {
+    EXPECT_EQ(together[i], i % 2 == 0 ? tracker : blind) << i;
+  }
 }
 
 }  // namespace

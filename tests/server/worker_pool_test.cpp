@@ -1,6 +1,7 @@
 #include "server/worker_pool.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <latch>
@@ -117,6 +118,73 @@ TEST(StrandTest, ATaskMayPostToItsOwnStrand) {
     done.wait();
   }
   EXPECT_EQ(count, 2);
+}
+
+TEST(LaneTest, ALengthyTaskHoldsUpNoQuickOne) {
+  std::latch quick_done(1);
+  WorkerPool pool(1, 1);
+  // Ends only when the quick task, posted after it, has been run.
+  pool.Post([&] { quick_done.wait(); }, Lane::kLengthy);
+  pool.Post([&] { quick_done.count_down(); });
+  quick_done.wait();
+}
+
+TEST(LaneTest, WithoutThreadsOfTheirOwnLengthyTasksAreRunWithTheRest) {
+  std::vector<int> order;
+  {
+    std::latch begun(1);
+    WorkerPool pool(1);
+    pool.Post([&] { begun.wait(); });
+    pool.Post([&] { order.push_back(0); }, Lane::kLengthy);
+    pool.Post([&] { order.push_back(1); });
+    EXPECT_EQ(pool.queued_count(Lane::kLengthy), 0U);
+    begun.count_down();
+  }
+  EXPECT_EQ(order, std::vector<int>({0, 1}));
+}
+
+TEST(LaneTest, LengthyThreadsComeAfterTheOthersForTheSystem) {
+  int quick_nice = 0;
+  int lengthy_nice = 0;
+  {
+    WorkerPool pool(1, 1);
+    pool.Post([&] { quick_nice = getpriority(PRIO_PROCESS, 0); });
+    pool.Post([&] { lengthy_nice = getpriority(PRIO_PROCESS, 0); }, Lane::kLengthy);
+  }
+  EXPECT_EQ(quick_nice, getpriority(PRIO_PROCESS, 0));
+  EXPECT_GT(lengthy_nice, quick_nice);
+}
+
+TEST(LaneTest, AStrandKeepsItsOrderAcrossLanesAndThePoolEndsAfterIt) {
+  constexpr int kTasks = 2000;
+  std::vector<int> order;
+  {
+    std::latch done(1);
+    WorkerPool pool(2, 2);
+    Strand strand(pool);
+    for (int task = 0; task < kTasks; ++task) {
+      strand.Post([&, task] {
+        order.push_back(task);
+        strand.SetLane(task % 3 == 0 ? Lane::kLengthy : Lane::kQuick);
+      });
+    }
+    // The strand outlives its tasks: SetLane is called on it.
+    strand.Post([&] { done.count_down(); });
+    done.wait();
+  }
+  ASSERT_EQ(order.size(), kTasks);
+  for (int task = 0; task < kTasks; ++task) ASSERT_EQ(order[task], task);
+}
+
+TEST(LaneTest, WhileOneStrandIsLengthyAnotherIsServed) {
+  std::latch served(100);
+  WorkerPool pool(1, 1);
+  Strand lengthy(pool);
+  Strand other(pool);
+  lengthy.SetLane(Lane::kLengthy);
+  lengthy.Post([&] { served.wait(); });
+  for (int i = 0; i < 100; ++i) other.Post([&] { served.count_down(); });
+  served.wait();
 }
 
 }  // namespace
