@@ -33,8 +33,10 @@ namespace dcloc::server {
 namespace {
 
 constexpr int kMaxMetadata_bytes = 16 << 10;
-/// What waits for a disk needs few threads: one long verification must not hold up the rest.
+/// What waits for a disk needs few threads; what reads whole maps has its own, which take the
+/// processor after those that localize.
 constexpr int kStorageThreads = 2;
+constexpr int kMapThreads = 2;
 /// A vehicle that is gone is noticed within their sum; clients may ping as often as the minimum.
 constexpr int kKeepaliveTime_ms = 30'000;
 constexpr int kKeepaliveTimeout_ms = 10'000;
@@ -220,7 +222,7 @@ struct Server::Parts {
   TapRequests taps;
   const std::string program = absl::StrCat("dcloc-server ", DCLOC_VERSION);
   OpenCalls open_calls;
-  WorkerPool storage_pool{kStorageThreads};
+  WorkerPool storage_pool{kStorageThreads, kMapThreads};
   const StorageHost storage{*store, storage_pool, open_calls, access, limits};
   WorkerPool localization_pool;
   LocalizationService localization;

@@ -13,10 +13,12 @@
 namespace dcloc::server {
 
 /// Answers a unary call from the host's pool, if the caller may make it: `work` fills the response
-/// and gives the call's absl::Status. It takes nothing, or the Principal who calls.
+/// and gives the call's absl::Status. It takes nothing, or the Principal who calls. `lane` is the
+/// lengthy one for what reads whole maps.
 template <typename Request, typename Work>
 grpc::ServerUnaryReactor* AnswerOn(const StorageHost& host, grpc::CallbackServerContext* context,
-                                   const Request* /*request*/, Work work) {
+                                   const Request* /*request*/, Work work,
+                                   Lane lane = Lane::kQuick) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   host.pool.Post(
       [&host, context, reactor, work = std::move(work), token = OpenCalls::Token(host.open_calls)] {
@@ -29,7 +31,8 @@ grpc::ServerUnaryReactor* AnswerOn(const StorageHost& host, grpc::CallbackServer
         } else {
           reactor->Finish(ToGrpc(work()));
         }
-      });
+      },
+      lane);
   return reactor;
 }
 

@@ -28,7 +28,9 @@ BuildStream::BuildStream(grpc::CallbackServerContext* context, const StorageHost
       builds_(builds),
       token_(host.open_calls),
       strand_(host.pool),
-      response_(response) {}
+      response_(response) {
+  strand_.SetLane(Lane::kLengthy);
+}
 
 void BuildStream::OnReadDone(bool ok) {
   if (ok) {

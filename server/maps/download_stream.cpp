@@ -25,7 +25,9 @@ DownloadStream* DownloadStream::Start(const StorageHost& host, grpc::CallbackSer
 }
 
 DownloadStream::DownloadStream(const StorageHost& host)
-    : host_(host), token_(host.open_calls), strand_(host.pool) {}
+    : host_(host), token_(host.open_calls), strand_(host.pool) {
+  strand_.SetLane(Lane::kLengthy);
+}
 
 void DownloadStream::OnWriteDone(bool ok) {
   if (ok) {

@@ -90,7 +90,7 @@ absl::StatusOr<BuildRecord> MapBuilds::Start(BuildRequest request,
   if (!status.ok()) return status;
   builds_.push_back(build);
   ForgetOldest();
-  pool_.Post([this, build] { Run(*build); });
+  pool_.Post([this, build] { Run(*build); }, Lane::kLengthy);
   return RecordOf(*build);
 }
 

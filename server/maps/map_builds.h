@@ -90,7 +90,7 @@ class MapBuilds {
   std::atomic<bool> stopping_ = false;
   mutable std::mutex mutex_;
   std::deque<std::shared_ptr<Build>> builds_;  ///< oldest first
-  WorkerPool pool_{1};                         ///< last: its tasks use the others
+  WorkerPool pool_{1, 1};                      ///< last: its tasks use the others
 };
 
 }  // namespace dcloc::server

@@ -179,25 +179,34 @@ grpc::ServerUnaryReactor* MapService::GetMapUpload(grpc::CallbackServerContext* 
 grpc::ServerUnaryReactor* MapService::ActivateMapVersion(
     grpc::CallbackServerContext* context, const v1::ActivateMapVersionRequest* request,
     v1::ActivateMapVersionResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
-    return Activate(host_.store, move_sessions_, principal.tenant, *request, response);
-  });
+  return AnswerOn(
+      host_, context, request,
+      [this, request, response](const Principal& principal) {
+        return Activate(host_.store, move_sessions_, principal.tenant, *request, response);
+      },
+      Lane::kLengthy);
 }
 
 grpc::ServerUnaryReactor* MapService::RollBackMap(grpc::CallbackServerContext* context,
                                                   const v1::RollBackMapRequest* request,
                                                   v1::RollBackMapResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
-    return RollBack(host_.store, move_sessions_, principal.tenant, *request, response);
-  });
+  return AnswerOn(
+      host_, context, request,
+      [this, request, response](const Principal& principal) {
+        return RollBack(host_.store, move_sessions_, principal.tenant, *request, response);
+      },
+      Lane::kLengthy);
 }
 
 grpc::ServerUnaryReactor* MapService::SetMapCanary(grpc::CallbackServerContext* context,
                                                    const v1::SetMapCanaryRequest* request,
                                                    v1::SetMapCanaryResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
-    return SetCanary(host_.store, principal.tenant, *request, response->mutable_map());
-  });
+  return AnswerOn(
+      host_, context, request,
+      [this, request, response](const Principal& principal) {
+        return SetCanary(host_.store, principal.tenant, *request, response->mutable_map());
+      },
+      Lane::kLengthy);
 }
 
 grpc::ServerUnaryReactor* MapService::FindCoverage(grpc::CallbackServerContext* context,

@@ -23,7 +23,9 @@ UploadStream::UploadStream(grpc::CallbackServerContext* context, const StorageHo
       host_(host),
       token_(host.open_calls),
       strand_(host.pool),
-      response_(response) {}
+      response_(response) {
+  strand_.SetLane(Lane::kLengthy);
+}
 
 void UploadStream::OnReadDone(bool ok) {
   if (ok) {

@@ -50,6 +50,7 @@ MetricFamily QueueDepths(const WorkerPool& localization, const WorkerPool& stora
   Add(family, {{"pool", "localization"}}, static_cast<double>(localization.queued_count()));
   Add(family, {{"pool", "search"}}, static_cast<double>(localization.queued_count(Lane::kLengthy)));
   Add(family, {{"pool", "storage"}}, static_cast<double>(storage.queued_count()));
+  Add(family, {{"pool", "maps"}}, static_cast<double>(storage.queued_count(Lane::kLengthy)));
   return family;
 }
 

@@ -1,10 +1,14 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <filesystem>
-#include <fstream>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,7 +23,8 @@
 #include "tests/end_to_end/server_process.h"
 
 // Swaps the active map under vehicles that come and go, and checks that none is lost, that each
-// gets the version that was active, and that the server's memory is what it was before.
+// gets the version that was active, and that the server's memory is what it was before. Says how
+// long scans took with swaps and without.
 namespace dcloc {
 namespace {
 
@@ -29,6 +34,8 @@ struct Arguments {
   std::string server;
   int swap_count = 10;
   int vehicle_count = 8;
+  int pause_ms = 0;
+  double max_p99_ratio = 0.0;
 };
 
 constexpr int kWarmUpSwaps = 10;
@@ -80,6 +87,14 @@ class Fleet {
   std::int64_t answer_count() const { return answer_count_; }
   std::int64_t lost_count() const { return lost_count_; }
 
+  /// From sending a scan to its answer.
+  double P99Ms() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<double> sorted = latencies_ms_;
+    std::ranges::sort(sorted);
+    return sorted.empty() ? 0.0 : sorted[sorted.size() * 99 / 100];
+  }
+
   /// Waits until each vehicle has had a new session.
   void WaitForNewSessions() const {
     const std::int64_t goal = session_count_ + 2 * static_cast<std::int64_t>(threads_.size());
@@ -103,10 +118,12 @@ class Fleet {
     if (!session.ok()) return false;
     const std::int64_t version = (*session)->opened().map_version();
     for (int i = 0; i < kScans; ++i) {
+      const auto begin = std::chrono::steady_clock::now();
       if (!(*session)->Send(ScanMessage(i)).ok()) return false;
       const auto answer = (*session)->Next();
       if (!answer || answer->result().map_version() != version) return false;
       ++answer_count_;
+      AddLatency(std::chrono::steady_clock::now() - begin);
       std::this_thread::sleep_for(2ms);
     }
     (*session)->CloseSending();
@@ -115,7 +132,14 @@ class Fleet {
     return (*session)->EndStatus().ok();
   }
 
+  void AddLatency(std::chrono::steady_clock::duration duration) {
+    const std::lock_guard lock(mutex_);
+    latencies_ms_.push_back(std::chrono::duration<double, std::milli>(duration).count());
+  }
+
   const ServerProcess& server_;
+  mutable std::mutex mutex_;
+  std::vector<double> latencies_ms_;
   std::atomic<std::int64_t> session_count_ = 0;
   std::atomic<std::int64_t> answer_count_ = 0;
   std::atomic<std::int64_t> lost_count_ = 0;
@@ -126,22 +150,47 @@ class Campaign {
  public:
   explicit Campaign(const Arguments& arguments)
       : arguments_(arguments),
-        server_(arguments.server, folder_.path() / "store", folder_.path() / "log") {}
+        server_(arguments.server, folder_.path() / "store", folder_.path() / "log") {
+    // When the first one comes again, its version has been deleted.
+    for (int i = 0; i < 4; ++i) {
+      SyntheticMap map(1000, 300);  // 13 MB
+      map.name = absl::StrCat("town-", i);
+      map.info.name_size_bytes = static_cast<std::uint32_t>(map.name.size());
+      files_.push_back(folder_.Write(absl::StrCat(map.name, ".dclm"), map.Bytes()));
+    }
+  }
 
   absl::Status Run() {
     if (!server_.WaitUntilReady()) return absl::InternalError("the server did not start");
     // Until buffers and threads that come with use are there.
     if (absl::Status status = SwapUnderWay(kWarmUpSwaps); !status.ok()) return status;
     const double before_mib = IdleMebibytes();
+    const double quiet_ms = QuietP99Ms();
     if (absl::Status status = SwapUnderWay(arguments_.swap_count); !status.ok()) return status;
     const double after_mib = IdleMebibytes();
-    absl::PrintF("%d swaps: %d sessions, %d answers, none lost; memory %.1f MiB, then %.1f MiB\n",
-                 arguments_.swap_count, session_count_, answer_count_, before_mib, after_mib);
-    if (after_mib <= (1.0 + kMaxGrowth) * before_mib) return absl::OkStatus();
-    return absl::InternalError("memory is not back within 10 %");
+    absl::PrintF(
+        "%d swaps: %d sessions, %d answers, none lost; memory %.1f MiB, then %.1f MiB; p99 %.2f "
+        "ms, "
+        "without swaps %.2f ms\n",
+        arguments_.swap_count, session_count_, answer_count_, before_mib, after_mib, swaps_p99_ms_,
+        quiet_ms);
+    if (after_mib > (1.0 + kMaxGrowth) * before_mib) {
+      return absl::InternalError("memory is not back within 10 %");
+    }
+    if (arguments_.max_p99_ratio > 0.0 && swaps_p99_ms_ > arguments_.max_p99_ratio * quiet_ms) {
+      return absl::InternalError("p99 grew more than it may");
+    }
+    return absl::OkStatus();
   }
 
  private:
+  /// While vehicles come and go, and the map stays.
+  double QuietP99Ms() const {
+    const Fleet fleet(server_, arguments_.vehicle_count);
+    std::this_thread::sleep_for(5s);
+    return fleet.P99Ms();
+  }
+
   /// Swaps while vehicles come and go.
   absl::Status SwapUnderWay(int swap_count) {
     client::MapClient maps(server_.Channel());
@@ -152,8 +201,10 @@ class Campaign {
       if (status.ok()) fleet.WaitForNewSessions();
       if (status.ok()) status = CheckVersionOfNewSession();
       if (!status.ok()) return status;
+      std::this_thread::sleep_for(std::chrono::milliseconds(arguments_.pause_ms));
       if (fleet.lost_count() > 0) return absl::InternalError("a session was lost");
     }
+    swaps_p99_ms_ = fleet.P99Ms();
     session_count_ += fleet.session_count();
     answer_count_ += fleet.answer_count();
     return absl::OkStatus();
@@ -167,10 +218,7 @@ class Campaign {
 
   /// Uploads another version, makes it the active one, and deletes the one before the last.
   absl::Status Swap(client::MapClient& maps) {
-    SyntheticMap map(1000, 300);  // 13 MB
-    map.name = absl::StrFormat("town-%04d", ++version_);
-    map.info.name_size_bytes = static_cast<std::uint32_t>(map.name.size());
-    const auto file = folder_.Write("town.dclm", map.Bytes());
+    const auto& file = files_[static_cast<std::size_t>(++version_) % files_.size()];
     const auto uploaded = maps.Upload(file, "town", /*activate=*/true);
     if (!uploaded.ok()) return uploaded.status();
     if (version_ <= 2) return absl::OkStatus();
@@ -190,9 +238,11 @@ class Campaign {
   const Arguments arguments_;
   const TemporaryFolder folder_;
   ServerProcess server_;
+  std::vector<std::filesystem::path> files_;
   std::int64_t version_ = 0;
   std::int64_t session_count_ = 0;
   std::int64_t answer_count_ = 0;
+  double swaps_p99_ms_ = 0.0;  ///< of the last ones
 };
 
 int Main(int argc, char** argv) {
@@ -201,6 +251,11 @@ int Main(int argc, char** argv) {
   app.add_option("server", arguments.server, "dcloc-server")->required()->check(CLI::ExistingFile);
   app.add_option("--swaps", arguments.swap_count, "How often")->check(CLI::PositiveNumber);
   app.add_option("--vehicles", arguments.vehicle_count, "At once")->check(CLI::PositiveNumber);
+  app.add_option("--pause-ms", arguments.pause_ms, "Between two swaps")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--max-p99-ratio", arguments.max_p99_ratio,
+                 "Fail when a scan's p99 is so many times that without swaps; 0: do not look")
+      ->check(CLI::NonNegativeNumber);
   CLI11_PARSE(app, argc, argv);
   const absl::Status status = Campaign(arguments).Run();
   if (status.ok()) return EXIT_SUCCESS;
@@ -211,4 +266,11 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace dcloc
 
-int main(int argc, char** argv) { return dcloc::Main(argc, argv); }
+int main(int argc, char** argv) {
+  try {
+    return dcloc::Main(argc, argv);
+  } catch (const std::exception& error) {  // of the standard library's, and of the proxy's
+    std::fputs(error.what(), stderr);
+    return EXIT_FAILURE;
+  }
+}

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <memory>
 #include <random>
 #include <string>
@@ -282,4 +284,11 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace dcloc
 
-int main(int argc, char** argv) { return dcloc::Main(argc, argv); }
+int main(int argc, char** argv) {
+  try {
+    return dcloc::Main(argc, argv);
+  } catch (const std::exception& error) {  // of the standard library's, and of the proxy's
+    std::fputs(error.what(), stderr);
+    return EXIT_FAILURE;
+  }
+}

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -30,7 +30,7 @@ struct TownDrive {
     for (const DriveScan& scan : mapping.scans) {
       const absl::Status status =
           builder.Add(scan.scan, scan.T_map_vehicle, *scan.scan.ego_velocity);
-      if (!status.ok()) throw std::runtime_error(std::string(status.message()));
+      if (!status.ok()) std::abort();  // the simulator made what no map is made of
     }
     return *builder.Build();
   }
