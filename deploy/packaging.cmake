@@ -14,14 +14,19 @@ install(FILES deploy/server.json DESTINATION ${CMAKE_INSTALL_DATADIR}/dcloc COMP
 install(FILES LICENSE README.md CHANGELOG.md
   DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
 
-# The program describes itself, so that manual and completion cannot say anything else.
+# The programs describe themselves, so that manual and completion cannot say anything else.
 install(CODE "
   file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/described)
   execute_process(COMMAND $<TARGET_FILE:dcloc> manual
     OUTPUT_FILE ${CMAKE_BINARY_DIR}/described/dcloc.1 COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND $<TARGET_FILE:dcloc> completion
-    OUTPUT_FILE ${CMAKE_BINARY_DIR}/described/dcloc COMMAND_ERROR_IS_FATAL ANY)"
+    OUTPUT_FILE ${CMAKE_BINARY_DIR}/described/dcloc COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:dcloc-server>
+    -DOUTPUT=${CMAKE_BINARY_DIR}/described/dcloc-server.8
+    -P ${CMAKE_SOURCE_DIR}/deploy/server_manual.cmake COMMAND_ERROR_IS_FATAL ANY)"
   COMPONENT programs)
+install(FILES ${CMAKE_BINARY_DIR}/described/dcloc-server.8
+  DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 COMPONENT programs)
 install(FILES ${CMAKE_BINARY_DIR}/described/dcloc.1
   DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs)
 install(FILES ${CMAKE_BINARY_DIR}/described/dcloc

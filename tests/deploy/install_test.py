@@ -78,6 +78,10 @@ class Packages(unittest.TestCase):
             self.assertIn("dcloc ", run(root / "usr/bin/dcloc", "--version"))
             manual = (root / "usr/share/man/man1/dcloc.1").read_text()
             self.assertIn(".SS dcloc session replay", manual)
+            manual = (root / "usr/share/man/man8/dcloc-server.8").read_text()
+            for said in (r"\-\-max\-session\-count", r"token create", "SIGHUP"):
+                self.assertIn(said, manual)
+            self.assertNotIn(ARGUMENTS[1], manual, "no path of the build")
             self.assertTrue((root / "usr/share/bash-completion/completions/dcloc").is_file())
             self.assertTrue(list(root.glob("usr/lib/**/cmake/dcloc/dclocConfig.cmake")))
             self.assertTrue((root / "usr/include/dcloc/client/sdk/session.h").is_file())
