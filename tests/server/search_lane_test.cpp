@@ -28,7 +28,7 @@ double BackgroundCpu_ms() {
   return 1e-6 * static_cast<double>(sum_ns);
 }
 
-void Drive(const TestServer& server, const TownDrive& drive, bool with_prior) {
+void DriveThrough(const TestServer& server, const TownDrive& drive, bool with_prior) {
   TestSession session(*server.localization);
   v1::OpenSession open = drive.Open();
   if (!with_prior) open.clear_initial_pose();
@@ -54,9 +54,9 @@ TEST(SearchLaneTest, OnlySearchesOfTheWholeMapGoToIt) {
   ASSERT_TRUE(status.ok()) << status.error_message();
 
   const double at_start_ms = BackgroundCpu_ms();
-  Drive(server, drive, /*with_prior=*/true);
+  DriveThrough(server, drive, /*with_prior=*/true);
   const double tracked_ms = BackgroundCpu_ms();
-  Drive(server, drive, /*with_prior=*/false);
+  DriveThrough(server, drive, /*with_prior=*/false);
   const double searched_ms = BackgroundCpu_ms();
   EXPECT_LT(tracked_ms - at_start_ms, 0.5) << "a whole drive of it takes tens of milliseconds";
   EXPECT_GT(searched_ms - tracked_ms, 2.0);
