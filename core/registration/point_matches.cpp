@@ -114,12 +114,11 @@ void MatchFinder<Dim>::LookUp(const Pose<Dim>& T_local_vehicle, double blur_m) {
             const GaussianPoint<Dim>& landmark = map_->points()[index];
             bool is_near = true;
             for (int axis = 0; axis < Dim; ++axis) {
-              const double apart_m =
-                  std::max(0.0, std::abs(landmark.mean_m(axis) - p(axis)) - near_m);
-              is_near &= apart_m * apart_m <=
-                         gate * (landmark.covariance_m2(axis, axis) + variances(axis));
+              const double apart_m = std::abs(landmark.mean_m(axis) - p(axis)) - near_m;
+              const double limit_m2 = gate * (landmark.covariance_m2(axis, axis) + variances(axis));
+              is_near &= (apart_m <= 0.0) | (apart_m * apart_m <= limit_m2);
             }
-            // Kept or written over by the next: a branch would be guessed wrong too often.
+            // Kept or written over by the next: branches would be guessed wrong too often.
             landmarks_[count] = static_cast<std::uint32_t>(index);
             count += is_near ? 1 : 0;
           }
@@ -155,7 +154,8 @@ void MatchFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>& covaria
                                 std::span<const std::uint32_t> landmarks, double near_m) {
   const double gate = Squared(gates_.gate_sigmas);
   const double max_reach_m2 = Squared(gates_.reach_m + near_m);
-  weighed_.clear();
+  if (weighed_.size() < landmarks.size()) weighed_.resize(2 * landmarks.size());
+  std::size_t count = 0;
   for (const std::uint32_t index : landmarks) {
     const GaussianPoint<Dim>& landmark = map_->points()[index];
     const Vector<Dim> e = landmark.mean_m - p;
@@ -166,18 +166,21 @@ void MatchFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>& covaria
     const double distance = scale * e.dot(adjugate * e);
     // The trace bounds the largest eigenvalue.
     const double near_distance = near_m * near_m * scale * adjugate.trace();
-    // (a + b)^2 <= 1.2 a^2 + 6 b^2, without a root. Written so that what is not a number fails.
-    if (!(determinant > 0.0 && distance <= 1.2 * gate + 6.0 * near_distance)) continue;
-    if (e.squaredNorm() > max_reach_m2) continue;
-    weighed_.push_back({.q = landmark.mean_m,
-                        .information = scale * adjugate,
-                        .determinant = determinant,
-                        .distance = distance,
-                        .near_distance = near_distance});
+    Weighed& weighed = weighed_[count];
+    weighed.q = landmark.mean_m;
+    weighed.information = scale * adjugate;
+    weighed.determinant = determinant;
+    weighed.distance = distance;
+    weighed.near_distance = near_distance;
+    // (a + b)^2 <= 1.2 a^2 + 6 b^2, without a root. Written so that what is not a number fails, and
+    // without branches as above.
+    const bool is_near = (determinant > 0.0) & (distance <= 1.2 * gate + 6.0 * near_distance) &
+                         (e.squaredNorm() <= max_reach_m2);
+    count += is_near ? 1 : 0;
   }
-  if (weighed_.size() > 1) {
-    KeepUnbeaten(p, near_m);
-  } else if (!weighed_.empty()) {
+  if (count > 1) {
+    KeepUnbeaten(p, near_m, std::span(weighed_).first(count));
+  } else if (count == 1) {
     candidates_.push_back({.q = weighed_[0].q, .information = weighed_[0].information});
   }
 }
@@ -186,19 +189,22 @@ void MatchFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>& covaria
 // no more than near_m over the least deviation. So the cost of each lies between bounds, and who
 // cannot be better than another is left out.
 template <int Dim>
-void MatchFinder<Dim>::KeepUnbeaten(const Vector<Dim>& p, double near_m) {
-  double least_max_cost = std::numeric_limits<double>::infinity();
-  for (Weighed& one : weighed_) {
+void MatchFinder<Dim>::KeepUnbeaten(const Vector<Dim>& p, double near_m,
+                                    std::span<Weighed> weighed) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double least_max_cost = kInfinity;
+  for (Weighed& one : weighed) {
     one.log_determinant = std::log(one.determinant);
     const double sigmas = std::sqrt(one.distance);
     const double near_sigmas = std::sqrt(one.near_distance);
     one.min_cost = Squared(std::max(0.0, sigmas - near_sigmas)) + one.log_determinant;
     // Only who passes the gates everywhere excludes others.
-    if (sigmas + near_sigmas > gates_.gate_sigmas) continue;
-    if ((one.q - p).norm() + near_m > gates_.reach_m) continue;
-    least_max_cost = std::min(least_max_cost, Squared(sigmas + near_sigmas) + one.log_determinant);
+    const bool passes = (sigmas + near_sigmas <= gates_.gate_sigmas) &
+                        ((one.q - p).norm() + near_m <= gates_.reach_m);
+    const double max_cost = Squared(sigmas + near_sigmas) + one.log_determinant;
+    least_max_cost = std::min(least_max_cost, passes ? max_cost : kInfinity);
   }
-  for (const Weighed& one : weighed_) {
+  for (const Weighed& one : weighed) {
     if (one.min_cost > least_max_cost) continue;
     candidates_.push_back({one.q, one.information, one.log_determinant});
   }

@@ -74,7 +74,8 @@ class MatchFinder {
   void WeighFor(const Eigen::Matrix<double, Dim, 1>& p,
                 const Eigen::Matrix<double, Dim, Dim>& covariance,
                 std::span<const std::uint32_t> landmarks, double near_m);
-  void KeepUnbeaten(const Eigen::Matrix<double, Dim, 1>& p, double near_m);
+  void KeepUnbeaten(const Eigen::Matrix<double, Dim, 1>& p, double near_m,
+                    std::span<Weighed> weighed);
 
   std::span<const GaussianPoint<Dim>> live_;
   const LocalMap<Dim>* map_ = nullptr;
@@ -85,7 +86,7 @@ class MatchFinder {
   std::vector<std::uint32_t> landmarks_end_;  // of each live point
 
   std::optional<Neighbourhood> narrow_;
-  std::vector<Weighed> weighed_;               // of one live point
+  std::vector<Weighed> weighed_;               // of one live point, and spare room
   std::vector<Candidate> candidates_;          // by live point
   std::vector<std::uint32_t> candidates_end_;  // of each live point
 
