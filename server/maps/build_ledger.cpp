@@ -44,7 +44,7 @@ absl::StatusOr<std::unique_ptr<BuildLedger>> BuildLedger::Open(
   for (; !error && entry != std::filesystem::end(entry); entry.increment(error)) {
     paths.push_back(entry->path());
   }
-  if (error) return absl::InternalError(absl::StrCat(folder.string(), ": ", error.message()));
+  if (error) return FileError(error, folder);
   for (const std::filesystem::path& path : paths) {
     LedgerEntry interrupted;
     if (Read(path, &interrupted)) ledger->interrupted_.push_back(std::move(interrupted));

@@ -32,6 +32,10 @@ absl::StatusOr<FileDescriptor> OpenFile(const std::filesystem::path& path, int f
 
 }  // namespace
 
+absl::Status FileError(const std::error_code& error, const std::filesystem::path& path) {
+  return ErrorOf(error.value(), path.string());
+}
+
 FileDescriptor::FileDescriptor(FileDescriptor&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)) {}
 

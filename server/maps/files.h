@@ -4,13 +4,17 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
-#include "absl/strings/string_view.h"
+#include <system_error>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
 /// The few calls to the operating system that need more than std::filesystem.
 namespace dcloc::server {
+
+/// The system's error about a file, which it names: ResourceExhausted when the disk or a limit is
+/// full, or else Internal.
+absl::Status FileError(const std::error_code& error, const std::filesystem::path& path);
 
 /// A file descriptor that closes itself.
 class FileDescriptor {

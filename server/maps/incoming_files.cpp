@@ -12,18 +12,14 @@
 namespace dcloc::server {
 namespace {
 
-constexpr char kExtension[] = ".part";
+constexpr char kPartExtension[] = ".part";
 /// Between tenant and hash; in no tenant's name.
 constexpr char kSeparator[] = "@";
-
-absl::Status ErrorOf(const std::error_code& error, const std::filesystem::path& path) {
-  return absl::InternalError(absl::StrCat(path.string(), ": ", error.message()));
-}
 
 bool IsOurs(const std::filesystem::path& path) {
   const std::string stem = path.stem().string();
   const std::size_t at = stem.find(kSeparator);
-  return path.extension() == kExtension && at != std::string::npos &&
+  return path.extension() == kPartExtension && at != std::string::npos &&
          IsSha256(absl::string_view(stem).substr(at + 1));
 }
 
@@ -35,7 +31,7 @@ absl::StatusOr<std::vector<std::filesystem::path>> PathsIn(const std::filesystem
   for (; !error && entry != std::filesystem::end(entry); entry.increment(error)) {
     paths.push_back(entry->path());
   }
-  if (error) return ErrorOf(error, folder);
+  if (error) return FileError(error, folder);
   return paths;
 }
 
@@ -100,7 +96,7 @@ absl::StatusOr<std::unique_ptr<IncomingFiles>> IncomingFiles::Open(
 
 std::filesystem::path IncomingFiles::PathOf(absl::string_view tenant,
                                             absl::string_view sha256) const {
-  return folder_ / absl::StrCat(tenant, kSeparator, sha256, kExtension);
+  return folder_ / absl::StrCat(tenant, kSeparator, sha256, kPartExtension);
 }
 
 IncomingFile IncomingFiles::Take(absl::string_view tenant, absl::string_view sha256) {

@@ -10,13 +10,9 @@
 namespace dcloc::server {
 namespace {
 
-constexpr char kExtension[] = ".dcmap";
+constexpr char kMapExtension[] = ".dcmap";
 /// Files are spread over folders by the first digits of their hash.
 constexpr std::size_t kSpreadDigits = 2;
-
-absl::Status ErrorOf(const std::error_code& error, const std::filesystem::path& path) {
-  return absl::InternalError(absl::StrCat(path.string(), ": ", error.message()));
-}
 
 }  // namespace
 
@@ -28,7 +24,8 @@ absl::StatusOr<std::unique_ptr<MapFolder>> MapFolder::Open(const std::filesystem
 }
 
 std::filesystem::path MapFolder::PathOf(absl::string_view sha256) const {
-  return folder_ / std::string(sha256.substr(0, kSpreadDigits)) / absl::StrCat(sha256, kExtension);
+  return folder_ / std::string(sha256.substr(0, kSpreadDigits)) /
+         absl::StrCat(sha256, kMapExtension);
 }
 
 absl::Status MapFolder::Keep(const std::filesystem::path& path, absl::string_view sha256) {
@@ -36,7 +33,7 @@ absl::Status MapFolder::Keep(const std::filesystem::path& path, absl::string_vie
   if (absl::Status status = CreateFolders(target.parent_path()); !status.ok()) return status;
   std::error_code error;
   std::filesystem::rename(path, target, error);
-  if (error) return ErrorOf(error, target);
+  if (error) return FileError(error, target);
   absl::Status status = SyncFolder(target.parent_path());
   status.Update(SyncFolder(folder_));
   return status;
@@ -58,9 +55,9 @@ absl::StatusOr<std::vector<std::string>> MapFolder::List() {
   std::filesystem::recursive_directory_iterator entry(folder_, error);
   for (; !error && entry != std::filesystem::end(entry); entry.increment(error)) {
     const std::string stem = entry->path().stem().string();
-    if (entry->path().extension() == kExtension && IsSha256(stem)) hashes.push_back(stem);
+    if (entry->path().extension() == kMapExtension && IsSha256(stem)) hashes.push_back(stem);
   }
-  if (error) return ErrorOf(error, folder_);
+  if (error) return FileError(error, folder_);
   return hashes;
 }
 
