@@ -57,7 +57,11 @@ ordered_json RigFileJson(const Calibration& calibration) {
          {"beta_s", corrected.beta_s},
          {"time_offset_s", corrected.time_offset_s},
          {"range_bias_m", corrected.range_bias_m},
-         {"mount_yaw_correction_rad", radar.of(CalibrationParameter::kMountYaw).correction}});
+         {"mount_yaw_correction_rad", radar.of(CalibrationParameter::kMountYaw).correction},
+         {"beta_sigma_s", radar.of(CalibrationParameter::kBeta).sigma},
+         {"time_offset_sigma_s", radar.of(CalibrationParameter::kTimeOffset).sigma},
+         {"range_bias_sigma_m", radar.of(CalibrationParameter::kRangeBias).sigma},
+         {"mount_yaw_sigma_rad", radar.of(CalibrationParameter::kMountYaw).sigma}});
   }
   return {{"radars", std::move(radars)}};
 }

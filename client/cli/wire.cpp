@@ -91,6 +91,10 @@ v1::Rig ToProto(const Rig& rig) {
     added.set_unambiguous_range_rate_mps(radar.unambiguous_range_rate_mps);
     added.set_range_bias_m(radar.range_bias_m);
     added.set_time_offset_s(radar.time_offset_s);
+    added.set_beta_sigma_s(radar.beta_sigma_s);
+    added.set_range_bias_sigma_m(radar.range_bias_sigma_m);
+    added.set_time_offset_sigma_s(radar.time_offset_sigma_s);
+    added.set_mount_yaw_sigma_rad(radar.mount_yaw_sigma_rad);
   }
   return message;
 }

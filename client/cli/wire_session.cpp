@@ -36,6 +36,14 @@ RadarModel RadarOf(const v1::RadarModel& message) {
   }
   if (message.has_azimuth_sigma_rad()) radar.azimuth_sigma_rad = message.azimuth_sigma_rad();
   if (message.has_elevation_sigma_rad()) radar.elevation_sigma_rad = message.elevation_sigma_rad();
+  if (message.has_beta_sigma_s()) radar.beta_sigma_s = message.beta_sigma_s();
+  if (message.has_range_bias_sigma_m()) radar.range_bias_sigma_m = message.range_bias_sigma_m();
+  if (message.has_time_offset_sigma_s()) {
+    radar.time_offset_sigma_s = message.time_offset_sigma_s();
+  }
+  if (message.has_mount_yaw_sigma_rad()) {
+    radar.mount_yaw_sigma_rad = message.mount_yaw_sigma_rad();
+  }
   radar.has_elevation = message.has_elevation();
   radar.unambiguous_range_rate_mps = message.unambiguous_range_rate_mps();
   radar.range_bias_m = message.range_bias_m();

@@ -18,6 +18,10 @@ double* NumberField(RadarModel& radar, const std::string& key) {
   if (key == "beta_s") return &radar.beta_s;
   if (key == "range_bias_m") return &radar.range_bias_m;
   if (key == "time_offset_s") return &radar.time_offset_s;
+  if (key == "beta_sigma_s") return &radar.beta_sigma_s;
+  if (key == "range_bias_sigma_m") return &radar.range_bias_sigma_m;
+  if (key == "time_offset_sigma_s") return &radar.time_offset_sigma_s;
+  if (key == "mount_yaw_sigma_rad") return &radar.mount_yaw_sigma_rad;
   if (key == "range_sigma_m") return &radar.range_sigma_m;
   if (key == "range_rate_sigma_mps") return &radar.range_rate_sigma_mps;
   if (key == "azimuth_sigma_rad") return &radar.azimuth_sigma_rad;

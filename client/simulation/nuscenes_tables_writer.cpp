@@ -228,6 +228,10 @@ Json RigDescription(const Rig& rig, const SimulationOptions& options) {
   for (const RadarModel& radar : rig.radars) {
     radars.push_back({{"id", radar.id},
                       {"beta_s", radar.beta_s},
+                      {"beta_sigma_s", radar.beta_sigma_s},
+                      {"range_bias_sigma_m", radar.range_bias_sigma_m},
+                      {"time_offset_sigma_s", radar.time_offset_sigma_s},
+                      {"mount_yaw_sigma_rad", radar.mount_yaw_sigma_rad},
                       {"range_sigma_m", radar.range_sigma_m},
                       {"range_rate_sigma_mps", radar.range_rate_sigma_mps},
                       {"azimuth_sigma_rad", radar.azimuth_sigma_rad},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/localizer/localizer_options.h"
+#include "core/localizer/odometry_scale.h"
 #include "core/radar/ego_velocity.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
@@ -15,10 +16,12 @@
 namespace dcloc {
 
 /// One vehicle's ego-velocity over time: what the vehicle sends fused with what its radars' Doppler
-/// says, or either alone; the last one, ever less certain, where neither is there.
+/// says, or either alone; the last one, ever less certain, where neither is there. Learns the scale
+/// of what the vehicle sends from the poses that come of it.
 class EgoMotion {
  public:
-  explicit EgoMotion(const LocalizerOptions& options) : options_(options) {}
+  explicit EgoMotion(const LocalizerOptions& options)
+      : options_(options), scale_(options.odometry_scale) {}
 
   /// Takes in the next scan, whose stamp is not before the last one's, and gives the velocity at
   /// it; the covariance is set. `radar` outlives this object, `memory` is lent for the call.
@@ -29,6 +32,10 @@ class EgoMotion {
     EgoVelocityMemory memory;
     return Advance(scan, radar, memory);
   }
+
+  /// At the last scan the vehicle is believed to be here; or it is no longer known where it was.
+  void OnPose(const Pose3& T_map_vehicle) { scale_.OnPose(T_map_vehicle); }
+  void OnJump() { scale_.OnJump(); }
 
   /// From the scan before the last one to the last one; identity at the first.
   const Motion& since_previous() const { return since_previous_; }
@@ -42,7 +49,10 @@ class EgoMotion {
   std::span<const RadarScan> Remember(const Scan& scan, const RadarModel& radar);
   EgoVelocity Held(std::chrono::nanoseconds age) const;
 
+  EgoVelocity Scaled(const EgoVelocity& reported) const;
+
   LocalizerOptions options_;
+  OdometryScale scale_;
   std::optional<EgoVelocity> velocity_;
   Stamp stamp_{};
   Motion since_previous_;

@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
 #include "core/localizer/scratch.h"
+#include "core/registration/calibration_covariance.h"
 
 namespace dcloc {
 namespace {
@@ -48,6 +49,12 @@ TangentMatrix<Dim> SharedErrors(const MatchOptions& options) {
   variances.template tail<Pose<Dim>::kDof - Dim>().setConstant(options.shared_sigma_rad *
                                                                options.shared_sigma_rad);
   return variances.asDiagonal();
+}
+
+// A registration's covariance scaled to the residuals that it left.
+template <int Dim>
+TangentMatrix<Dim> OwnNoise(const Registration<Dim>& registration) {
+  return registration.residual_scale * registration.residual_scale * registration.covariance;
 }
 
 StaticPointsOptions PointOptions(const LocalizerOptions& options) {
@@ -110,6 +117,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
 
   Announce(listener, Stage::kSubmap);
   const Motion& motion = ego_motion_.since_previous();
+  odometry_noise_.OnMotion(ToEstimate<Dim>(motion));
   since_state_ = Compose(since_state_, motion);
   travelled_m_ += motion.T_from_to.translation_m.norm();
   window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), scratch.static_points,
@@ -118,9 +126,11 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   if (RegistrationIsDue(scan.stamp)) {
     window_.Join(options_.uncertainty, static_cast<std::size_t>(options_.match.max_live_points),
                  scratch.submap);
+    calibration_ = CalibrationCovariance<Dim>(scratch.submap, rig_, ego_velocity);
 
     Announce(listener, Stage::kRegistration);
-    const std::optional<Registration<Dim>> registration = Register(scratch.submap, scan.stamp);
+    const std::optional<Registration<Dim>> registration =
+        Register(scratch.submap.points, scan.stamp);
 
     Announce(listener, Stage::kPoseGraph);
     if (registration) {
@@ -128,6 +138,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
       quality_.edge_distance = test.distance;
       quality_.edge_valid = test.valid;
     }
+    Learn(registration, scan.stamp);
     state_.OnRegistration(scan.stamp, quality_.edge_valid, std::exchange(travelled_m_, 0.0));
     if (state_.BlindStartFailed()) graph_.Clear();
     last_registration_ = scan.stamp;
@@ -197,7 +208,8 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
     }
     registration = matcher_.ContinueSearch(live, ToEstimate<Dim>(since_state_).pose);
   } else {
-    graph_.AddState(ToEstimate<Dim>(since_state_));
+    const PoseEstimate<Dim> odometry = ToEstimate<Dim>(since_state_);
+    graph_.AddState(odometry, odometry_noise_.Learned(odometry.covariance));
     since_state_ = {};
     const PoseEstimate<3> predicted = ToSpace<Dim>(graph_.Newest(), options_);
     state_.OnAnswer(stamp, std::sqrt(predicted.covariance.topLeftCorner<2, 2>().trace()));
@@ -228,15 +240,33 @@ EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, Stamp
     return {.valid = true};
   }
   ++registration_count_;
-  // Each scan's points take part in every registration while the scan is in the sub-map.
+  // Each scan's points take part in every registration while the scan is in the sub-map, and the
+  // landmarks while they are in view; either has half a part in a registration's own errors.
   const std::chrono::nanoseconds interval =
       last_registration_ ? stamp - *last_registration_ : window_.span();
-  return graph_.AddLoop(
-      {.pose = registration.T_local_vehicle,
-       .covariance = own + shared,
-       .reused_covariance =
-           Share(window_.span(), interval, registration_count_) * own +
-           Share(options_.match.shared_time, interval, registration_count_) * shared});
+  const double by_scans = Share(window_.span(), interval, registration_count_);
+  const double by_landmarks = Share(options_.match.shared_time, interval, registration_count_);
+  return graph_.AddLoop({.pose = registration.T_local_vehicle,
+                         .covariance = own + shared,
+                         .reused_covariance = by_scans * own + by_landmarks * shared,
+                         .noise = OwnNoise(registration) * 0.5 * (by_scans + by_landmarks)});
+}
+
+// What the believed poses tell of the vehicle's odometry.
+template <int Dim>
+void Pipeline<Dim>::Learn(const std::optional<Registration<Dim>>& registration, Stamp stamp) {
+  if (state_.state() != LocalizationState::kTracking) {
+    ego_motion_.OnJump();
+    odometry_noise_.OnJump();
+    return;
+  }
+  if (!registration || !quality_.edge_valid) return;
+  const Pose3& T_map_local = matcher_.T_map_local();
+  ego_motion_.OnPose(T_map_local * ToSpace<Dim>(graph_.Newest(), options_).pose);
+  const Pose<Dim> T_map_registered =
+      FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registration->T_local_vehicle;
+  odometry_noise_.OnRegistration(
+      stamp, {.pose = T_map_registered, .covariance = OwnNoise(*registration)}, window_.span());
 }
 
 template <int Dim>
@@ -245,6 +275,15 @@ PoseEstimate<Dim> Pipeline<Dim>::Now() const {
   const PoseEstimate<Dim> motion = ToEstimate<Dim>(since_state_);
   return {.pose = newest.pose * motion.pose,
           .covariance = ComposeCovariance<Dim>(newest.covariance, motion.pose, motion.covariance)};
+}
+
+// What is told: the estimate weighs cautiously, but what it varies by is known, and on top comes
+// what no number of registrations with this rig averages out.
+template <int Dim>
+TangentMatrix<Dim> Pipeline<Dim>::Uncertainty() const {
+  const PoseEstimate<Dim> motion = ToEstimate<Dim>(since_state_);
+  return calibration_ + ComposeCovariance<Dim>(graph_.NewestNoise(), motion.pose,
+                                               odometry_noise_.Learned(motion.covariance));
 }
 
 template <int Dim>
@@ -258,7 +297,7 @@ Localization Pipeline<Dim>::Answer(const Scan& scan) {
   }
   const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_);
   answer.T_map_vehicle = matcher_.T_map_local() * now.pose;
-  answer.covariance = now.covariance;
+  answer.covariance = ToSpace<Dim>({.pose = {}, .covariance = Uncertainty()}, options_).covariance;
   state_.OnAnswer(scan.stamp, std::sqrt(now.covariance.topLeftCorner<2, 2>().trace()));
   answer.state = state_.state();
   for (int i = 0; i < kDofInSpace; ++i) {

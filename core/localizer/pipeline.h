@@ -9,6 +9,7 @@
 #include "core/localizer/ego_motion.h"
 #include "core/localizer/localizer.h"
 #include "core/localizer/map_matcher.h"
+#include "core/localizer/odometry_noise.h"
 #include "core/localizer/tracking_state.h"
 #include "core/posegraph/pose_hypotheses.h"
 #include "core/submap/submap.h"
@@ -40,8 +41,10 @@ class Pipeline final : public Localizer::Impl {
   bool RegistrationIsDue(Stamp stamp) const;
   void EnterLocalFrame(const Eigen::Vector3d& p_map);
   std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
+  void Learn(const std::optional<Registration<Dim>>& registration, Stamp stamp);
   EdgeTest UpdateGraph(const Registration<Dim>& registration, Stamp stamp);
   PoseEstimate<Dim> Now() const;
+  TangentMatrix<Dim> Uncertainty() const;
   Localization Answer(const Scan& scan);
 
   Rig rig_;
@@ -51,6 +54,9 @@ class Pipeline final : public Localizer::Impl {
   MapMatcher<Dim> matcher_;
   PoseHypotheses<Dim> graph_;
   TrackingState state_;
+  OdometryNoise<Dim> odometry_noise_;
+  // Of the last registration, by what is not known of the rig.
+  TangentMatrix<Dim> calibration_ = TangentMatrix<Dim>::Zero();
 
   double travelled_m_ = 0.0;  // since the last registration
   Motion since_state_;        // from the graph's newest state to the newest scan

@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "core/geometry/gaussian_point.h"
 #include "core/map/local_map.h"
 #include "core/radar/ego_velocity.h"
 #include "core/radar/static_points.h"
 #include "core/registration/point_matches.h"
+#include "core/submap/submap.h"
 
 namespace dcloc {
 
@@ -16,8 +16,8 @@ namespace dcloc {
 template <int Dim>
 struct Scratch {
   EgoVelocityMemory ego_velocity;
-  std::vector<RadarPoint> static_points;   // of the scan
-  std::vector<GaussianPoint<Dim>> submap;  // as it is matched
+  std::vector<RadarPoint> static_points;  // of the scan
+  LiveSubmap<Dim> submap;
   MatchFinder<Dim> finder;
   typename LocalMap<Dim>::Memory local_map;
 

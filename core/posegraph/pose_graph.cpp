@@ -41,16 +41,21 @@ void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior) {
   chain_.prior = prior;
   chain_.prior.covariance.diagonal().array() += kMinVariance;
   chain_.states.clear();
-  chain_.states.push_back(
-      {.pose = prior.pose, .odometry = {}, .loop = {}, .covariance = chain_.prior.covariance});
+  chain_.states.push_back({.pose = prior.pose,
+                           .odometry = {},
+                           .loop = {},
+                           .covariance = chain_.prior.covariance,
+                           .noise = chain_.prior.covariance});
 }
 
 template <int Dim>
-void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry) {
+void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise) {
   chain_.states.push_back(
       {.pose = chain_.states.back().pose * odometry.pose, .odometry = odometry});
   chain_.states.back().odometry.covariance.diagonal().array() += kMinVariance;
   chain_.states.back().covariance = NewestPredicted();
+  chain_.states.back().noise =
+      ComposeCovariance<Dim>(chain_.states[size() - 2].noise, odometry.pose, noise);
   if (size() > static_cast<std::size_t>(options_.window)) MarginalizeOldest();
 }
 
@@ -66,6 +71,10 @@ EdgeTest PoseGraph<Dim>::AddLoop(const LoopEdge<Dim>& loop) {
   test.valid = !options_.truncate || test.distance <= limit;
   if (test.valid) {
     newest.loop = {.pose = loop.pose, .covariance = loop.reused_covariance};
+    const TangentMatrix<Dim> gain = Gain<Dim>(newest.covariance, loop.reused_covariance);
+    const TangentMatrix<Dim> keep = TangentMatrix<Dim>::Identity() - gain;
+    newest.noise = keep * newest.noise * keep.transpose() +
+                   gain * loop.noise.value_or(loop.reused_covariance) * gain.transpose();
     newest.covariance = UpdatedCovariance<Dim>(NewestPredicted(), loop.reused_covariance);
   }
   return test;

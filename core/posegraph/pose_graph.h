@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "core/posegraph/chain_solver.h"
 #include "core/posegraph/state_chain.h"
@@ -15,6 +16,8 @@ struct LoopEdge {
   /// What one registration is worth beside its neighbours that share its measurements and its
   /// errors: larger than `covariance`; what the solution uses.
   TangentMatrix<Dim> reused_covariance;
+  /// What it really varies by, of which the weight may be a cautious multiple; absent: the weight.
+  std::optional<TangentMatrix<Dim>> noise;
 };
 
 struct PoseGraphOptions {
@@ -47,7 +50,10 @@ class PoseGraph {
   void Reset(const PoseEstimate<Dim>& prior);
 
   /// Adds a state that odometry leads to from the newest one: T_newest_new. Needs a state.
-  void AddState(const PoseEstimate<Dim>& odometry);
+  void AddState(const PoseEstimate<Dim>& odometry) { AddState(odometry, odometry.covariance); }
+
+  /// The same with odometry that varies by `noise` and weighs by its covariance.
+  void AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise);
 
   /// Gives the newest state a loop edge and tests it against the fused prediction; an edge that
   /// fails stays cut, its state held by odometry.
@@ -58,6 +64,10 @@ class PoseGraph {
 
   /// The newest state with all that is known of it.
   PoseEstimate<Dim> Newest() const;
+
+  /// The newest state's covariance by what the edges vary: the weights' gains with the noises,
+  /// P = (I - K) P (I - K)^T + K N K^T.
+  const TangentMatrix<Dim>& NewestNoise() const { return chain_.states.back().noise; }
 
   /// Expresses everything in another map frame.
   void ChangeFrame(const Pose<Dim>& T_new_old);

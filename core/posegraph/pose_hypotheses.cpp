@@ -17,9 +17,10 @@ void PoseHypotheses<Dim>::Reset(const PoseEstimate<Dim>& prior) {
 }
 
 template <int Dim>
-void PoseHypotheses<Dim>::AddState(const PoseEstimate<Dim>& odometry) {
-  believed_.AddState(odometry);
-  if (contender_) contender_->AddState(odometry);
+void PoseHypotheses<Dim>::AddState(const PoseEstimate<Dim>& odometry,
+                                   const TangentMatrix<Dim>& noise) {
+  believed_.AddState(odometry, noise);
+  if (contender_) contender_->AddState(odometry, noise);
 }
 
 template <int Dim>

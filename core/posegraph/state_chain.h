@@ -24,6 +24,8 @@ struct StateChain {
     std::optional<PoseEstimate<Dim>> loop;  ///< to the map; absent, or cut
     /// Of the pose, by all edges up to this state.
     TangentMatrix<Dim> covariance = TangentMatrix<Dim>::Zero();
+    /// The same by what the edges vary rather than by what they weigh.
+    TangentMatrix<Dim> noise = TangentMatrix<Dim>::Zero();
   };
   PoseEstimate<Dim> prior;    ///< on the first state
   std::vector<State> states;  ///< oldest first

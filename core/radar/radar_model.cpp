@@ -50,6 +50,10 @@ absl::Status Validate(const RadarModel& radar) {
   status.Update(CheckBetween(radar, "beta_s", radar.beta_s, -1.0, 1.0));
   status.Update(CheckBetween(radar, "range_bias_m", radar.range_bias_m, -10.0, 10.0));
   status.Update(CheckBetween(radar, "time_offset_s", radar.time_offset_s, -1.0, 1.0));
+  status.Update(CheckBetween(radar, "beta_sigma_s", radar.beta_sigma_s, 0.0, 1.0));
+  status.Update(CheckBetween(radar, "range_bias_sigma_m", radar.range_bias_sigma_m, 0.0, 10.0));
+  status.Update(CheckBetween(radar, "time_offset_sigma_s", radar.time_offset_sigma_s, 0.0, 1.0));
+  status.Update(CheckBetween(radar, "mount_yaw_sigma_rad", radar.mount_yaw_sigma_rad, 0.0, 1.0));
   status.Update(CheckBetween(radar, "range_sigma_m", radar.range_sigma_m, 1e-3, 100.0));
   status.Update(
       CheckBetween(radar, "range_rate_sigma_mps", radar.range_rate_sigma_mps, 1e-3, 100.0));
@@ -61,7 +65,6 @@ absl::Status Validate(const RadarModel& radar) {
 }
 
 absl::Status Validate(const Rig& rig) {
-  constexpr std::size_t kMaxRadars = 64;
   if (rig.radars.empty() || rig.radars.size() > kMaxRadars) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "rig has %d radars; it must have between 1 and %d", rig.radars.size(), kMaxRadars));

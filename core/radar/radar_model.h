@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,14 @@ struct RadarModel {
   double range_bias_m = 0.0;   ///< `measured range = range + range_bias_m`
   double time_offset_s = 0.0;  ///< a scan was measured this long after its stamp
 
+  /// How well that is known: deviations of the errors that stay in beta_s, range_bias_m,
+  /// time_offset_s and in the mount's yaw. The defaults are those of a vehicle that was built to
+  /// its drawing and never calibrated.
+  double beta_sigma_s = 0.003;
+  double range_bias_sigma_m = 0.1;
+  double time_offset_sigma_s = 0.02;
+  double mount_yaw_sigma_rad = 0.5 * kRadPerDeg;
+
   double range_sigma_m = 0.15;
   double range_rate_sigma_mps = 0.15;
   double azimuth_sigma_rad = kRadPerDeg;
@@ -32,7 +41,9 @@ struct RadarModel {
   double unambiguous_range_rate_mps = 0.0;
 };
 
-/// The radars of one vehicle; ids are unique.
+inline constexpr std::size_t kMaxRadars = 64;
+
+/// The radars of one vehicle, at most kMaxRadars; ids are unique.
 struct Rig {
   std::vector<RadarModel> radars;
 

@@ -13,10 +13,11 @@ double Seconds(std::chrono::nanoseconds duration) {
 
 }  // namespace
 
-EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, const OdometryOptions& options) {
+EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, double scale_sigma,
+                           const OdometryOptions& options) {
   if (ego_velocity.covariance) return ego_velocity;
   const double linear_sigma_mps =
-      options.linear_sigma_mps + options.linear_sigma_share * ego_velocity.linear_mps.norm();
+      options.linear_sigma_mps + scale_sigma * ego_velocity.linear_mps.norm();
   Vector6d sigmas;
   sigmas << linear_sigma_mps, options.linear_sigma_mps, options.vertical_sigma_mps,
       options.tilt_rate_sigma_radps, options.tilt_rate_sigma_radps, options.yaw_rate_sigma_radps;

@@ -19,14 +19,15 @@ struct OdometryOptions {
   std::chrono::nanoseconds correlation_time = std::chrono::seconds(2);
   /// Deviations of an ego-velocity that comes without a covariance.
   double linear_sigma_mps = 0.1;
-  double linear_sigma_share = 0.02;  ///< of the speed, on top
   double vertical_sigma_mps = 0.05;
   double yaw_rate_sigma_radps = 0.005;
   double tilt_rate_sigma_radps = 0.01;
 };
 
-/// `ego_velocity` with a covariance: its own or, where it has none, the options'.
-EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, const OdometryOptions& options);
+/// `ego_velocity` with a covariance: its own or, where it has none, the options' and on top a share
+/// `scale_sigma` of the speed.
+EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, double scale_sigma,
+                           const OdometryOptions& options);
 
 /// Motion over `duration` from the velocities at its two ends: Exp of their mean, which is second
 /// order where the printed Exp(omega_i dt) of METHOD eq 8 is first. Both have a covariance.

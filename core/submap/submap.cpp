@@ -90,11 +90,10 @@ void SubmapWindow::Push(Stamp stamp, int radar_index, const std::vector<RadarPoi
 }
 
 template <typename Visit>
-void SubmapWindow::ForEachPoint(const Visit& visit) const {
+void SubmapWindow::ForEachScan(const Visit& visit) const {
   Motion since_then;  // from the entry at hand to the newest
   for (auto entry = entries_.rbegin(); entry != entries_.rend(); ++entry) {
-    const Carried carried(since_then);
-    for (const KeptPoint& point : entry->points) visit(point.Unpack(), carried);
+    visit(*entry, since_then.T_from_to.Inverse(), Carried(since_then));
     since_then = Compose(entry->motion, since_then);
   }
 }
@@ -102,24 +101,32 @@ void SubmapWindow::ForEachPoint(const Visit& visit) const {
 Submap SubmapWindow::Join(bool carry_drift) const {
   Submap submap{.points = {}, .scan_count = scan_count(), .span = span()};
   submap.points.reserve(point_count());
-  ForEachPoint([&](const RadarPoint& point, const Carried& carried) {
-    submap.points.push_back({.position_m = carried.Position(point),
-                             .covariance_m2 = carried.Covariance<3>(point, carry_drift),
-                             .rcs_dbsm = point.rcs_dbsm});
+  ForEachScan([&](const Entry& entry, const Pose3&, const Carried& carried) {
+    for (const KeptPoint& kept : entry.points) {
+      const RadarPoint point = kept.Unpack();
+      submap.points.push_back({.position_m = carried.Position(point),
+                               .covariance_m2 = carried.Covariance<3>(point, carry_drift),
+                               .rcs_dbsm = point.rcs_dbsm});
+    }
   });
   return submap;
 }
 
 template <int Dim>
-void SubmapWindow::Join(bool carry_drift, std::size_t max_count,
-                        std::vector<GaussianPoint<Dim>>& points) const {
+void SubmapWindow::Join(bool carry_drift, std::size_t max_count, LiveSubmap<Dim>& submap) const {
   const std::size_t stride = std::max<std::size_t>(1, (point_count() + max_count - 1) / max_count);
-  points.clear();
+  submap.points.clear();
+  submap.parts.clear();
   std::size_t number = 0;
-  ForEachPoint([&](const RadarPoint& point, const Carried& carried) {
-    if (number++ % stride != 0) return;
-    points.push_back({.mean_m = carried.Position(point).head<Dim>(),
-                      .covariance_m2 = carried.Covariance<Dim>(point, carry_drift)});
+  ForEachScan([&](const Entry& entry, const Pose3& T_newest_then, const Carried& carried) {
+    const std::size_t begin = submap.points.size();
+    for (const KeptPoint& kept : entry.points) {
+      if (number++ % stride != 0) continue;
+      const RadarPoint point = kept.Unpack();
+      submap.points.push_back({.mean_m = carried.Position(point).head<Dim>(),
+                               .covariance_m2 = carried.Covariance<Dim>(point, carry_drift)});
+    }
+    submap.parts.push_back({entry.radar_index, T_newest_then, begin, submap.points.size()});
   });
 }
 
@@ -134,7 +141,7 @@ std::chrono::nanoseconds SubmapWindow::span() const {
   return entries_.back().stamp - entries_.front().stamp;
 }
 
-template void SubmapWindow::Join<2>(bool, std::size_t, std::vector<GaussianPoint<2>>&) const;
-template void SubmapWindow::Join<3>(bool, std::size_t, std::vector<GaussianPoint<3>>&) const;
+template void SubmapWindow::Join<2>(bool, std::size_t, LiveSubmap<2>&) const;
+template void SubmapWindow::Join<3>(bool, std::size_t, LiveSubmap<3>&) const;
 
 }  // namespace dcloc

@@ -18,6 +18,20 @@ struct Submap {
   std::chrono::nanoseconds span{0};  ///< from the oldest scan to the newest
 };
 
+/// The same for matching, in the plane (Dim = 2) or in space.
+template <int Dim>
+struct LiveSubmap {
+  /// Which points are of one scan: [begin, end).
+  struct Part {
+    int radar_index = 0;  ///< in the rig
+    Pose3 T_newest_then;  ///< the vehicle at the scan, in its frame at the newest one
+    std::size_t begin = 0;
+    std::size_t end = 0;
+  };
+  std::vector<GaussianPoint<Dim>> points;
+  std::vector<Part> parts;  ///< in the order of the points, newest scan first
+};
+
 /// Keeps the last `scans_per_radar` scans of each radar of a rig and joins them on demand.
 class SubmapWindow {
  public:
@@ -32,10 +46,10 @@ class SubmapWindow {
   /// covariance holds what the motion since its scan adds: G S G^T (METHOD 3).
   Submap Join(bool carry_drift) const;
 
-  /// The same for matching, in the plane (Dim = 2) or in space, in place of what `points` held; its
-  /// memory is used again. Of more than `max_count` >= 1 points every n-th.
+  /// The same for matching, in place of what `submap` held; its memory is used again. Of more than
+  /// `max_count` >= 1 points every n-th.
   template <int Dim>
-  void Join(bool carry_drift, std::size_t max_count, std::vector<GaussianPoint<Dim>>& points) const;
+  void Join(bool carry_drift, std::size_t max_count, LiveSubmap<Dim>& submap) const;
 
   int scan_count() const { return static_cast<int>(entries_.size()); }
   std::size_t point_count() const;
@@ -60,10 +74,10 @@ class SubmapWindow {
     Motion motion;  // from the entry before to this one
   };
 
-  // Calls visit(point, carried) for every kept point, newest scan first; `carried` leads from the
-  // point's scan to the newest one.
+  // Calls visit(entry, T_newest_then, carried) for every kept scan, newest first; both lead from it
+  // to the newest one.
   template <typename Visit>
-  void ForEachPoint(const Visit& visit) const;
+  void ForEachScan(const Visit& visit) const;
 
   int scans_per_radar_;
   std::vector<Entry> entries_;  // oldest first

@@ -32,6 +32,14 @@ void TakeSigmas(const v1::RadarModel& message, RadarModel* radar) {
   }
   if (message.has_azimuth_sigma_rad()) radar->azimuth_sigma_rad = message.azimuth_sigma_rad();
   if (message.has_elevation_sigma_rad()) radar->elevation_sigma_rad = message.elevation_sigma_rad();
+  if (message.has_beta_sigma_s()) radar->beta_sigma_s = message.beta_sigma_s();
+  if (message.has_range_bias_sigma_m()) radar->range_bias_sigma_m = message.range_bias_sigma_m();
+  if (message.has_time_offset_sigma_s()) {
+    radar->time_offset_sigma_s = message.time_offset_sigma_s();
+  }
+  if (message.has_mount_yaw_sigma_rad()) {
+    radar->mount_yaw_sigma_rad = message.mount_yaw_sigma_rad();
+  }
 }
 
 absl::StatusOr<RadarModel> RadarFromProto(const v1::RadarModel& message, absl::string_view field) {

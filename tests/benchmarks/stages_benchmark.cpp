@@ -83,12 +83,12 @@ void JoinSubmap(benchmark::State& state, const std::string& name) {
     window.Push(scan.stamp, 0, StaticPoints(scan, radar, velocity, options.static_points),
                 ego_motion.since_previous());
   }
-  std::vector<GaussianPoint<2>> points;
+  LiveSubmap<2> submap;
   while (state.KeepRunning()) {
-    window.Join<2>(true, static_cast<std::size_t>(options.match.max_live_points), points);
-    benchmark::DoNotOptimize(points.data());
+    window.Join<2>(true, static_cast<std::size_t>(options.match.max_live_points), submap);
+    benchmark::DoNotOptimize(submap.points.data());
   }
-  state.counters["points"] = static_cast<double>(points.size());
+  state.counters["points"] = static_cast<double>(submap.points.size());
 }
 
 // Calls `run(query, number)` for one query after another.

@@ -76,6 +76,9 @@ Rig MakeRig(const RadarProfile& profile, int radar_count, double beta_s, bool ha
     radar.T_vehicle_radar.rotation =
         Eigen::AngleAxisd(mount.yaw_deg * kRadPerDeg, Eigen::Vector3d::UnitZ());
     radar.beta_s = beta_s;
+    // As described, to the last digit.
+    radar.beta_sigma_s = radar.range_bias_sigma_m = 0.0;
+    radar.time_offset_sigma_s = radar.mount_yaw_sigma_rad = 0.0;
     radar.range_sigma_m = profile.range_m.StandardDeviation();
     radar.azimuth_sigma_rad = profile.azimuth_rad.StandardDeviation();
     radar.range_rate_sigma_mps = profile.range_rate_mps.StandardDeviation();

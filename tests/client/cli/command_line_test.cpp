@@ -203,6 +203,7 @@ TEST_F(Simulated, CalibratesARigThatAMapIsBuiltWith) {
   EXPECT_GT(beta["interval_95"][1].get<double>(), 0.04);
   const auto rig = nlohmann::json::parse(ReadText(File("rig.json")));
   EXPECT_EQ(rig["radars"][0]["beta_s"], beta["correction"]);
+  EXPECT_EQ(rig["radars"][0]["beta_sigma_s"], beta["sigma"]);
   const Result built = Dcloc("map build " + Dataset() + " --drive map --rig " + File("rig.json") +
                              " --out " + File("c.dclm"));
   EXPECT_EQ(built.exit_code, 0) << built.err;

@@ -15,6 +15,10 @@ Rig TwoRadars() {
                       .beta_s = -0.02,
                       .range_bias_m = 0.07,
                       .time_offset_s = -0.03,
+                      .beta_sigma_s = 0.001,
+                      .range_bias_sigma_m = 0.02,
+                      .time_offset_sigma_s = 0.004,
+                      .mount_yaw_sigma_rad = 0.003,
                       .range_sigma_m = 0.11,
                       .range_rate_sigma_mps = 0.12,
                       .azimuth_sigma_rad = 0.013,
@@ -37,6 +41,10 @@ TEST(WireTest, ARigArrivesAsItWas) {
   EXPECT_EQ(radar.beta_s, sent.beta_s);
   EXPECT_EQ(radar.range_bias_m, sent.range_bias_m);
   EXPECT_EQ(radar.time_offset_s, sent.time_offset_s);
+  EXPECT_EQ(radar.beta_sigma_s, sent.beta_sigma_s);
+  EXPECT_EQ(radar.range_bias_sigma_m, sent.range_bias_sigma_m);
+  EXPECT_EQ(radar.time_offset_sigma_s, sent.time_offset_sigma_s);
+  EXPECT_EQ(radar.mount_yaw_sigma_rad, sent.mount_yaw_sigma_rad);
   EXPECT_EQ(radar.range_sigma_m, sent.range_sigma_m);
   EXPECT_EQ(radar.range_rate_sigma_mps, sent.range_rate_sigma_mps);
   EXPECT_EQ(radar.azimuth_sigma_rad, sent.azimuth_sigma_rad);

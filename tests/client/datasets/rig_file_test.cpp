@@ -33,11 +33,17 @@ class RigFileTest : public ::testing::Test {
 
 TEST_F(RigFileTest, TakesOverWhatItSays) {
   ASSERT_TRUE(Apply(R"({"radars": [{"id": "front", "beta_s": 0.04, "range_bias_m": -0.2,
-                        "time_offset_s": 0.03, "mount_yaw_correction_rad": 0.02}]})")
+                        "time_offset_s": 0.03, "mount_yaw_correction_rad": 0.02,
+                        "beta_sigma_s": 0.001, "range_bias_sigma_m": 0.02,
+                        "time_offset_sigma_s": 0.004, "mount_yaw_sigma_rad": 0.003}]})")
                   .ok());
   EXPECT_DOUBLE_EQ(radar().beta_s, 0.04);
   EXPECT_DOUBLE_EQ(radar().range_bias_m, -0.2);
   EXPECT_DOUBLE_EQ(radar().time_offset_s, 0.03);
+  EXPECT_DOUBLE_EQ(radar().beta_sigma_s, 0.001);
+  EXPECT_DOUBLE_EQ(radar().range_bias_sigma_m, 0.02);
+  EXPECT_DOUBLE_EQ(radar().time_offset_sigma_s, 0.004);
+  EXPECT_DOUBLE_EQ(radar().mount_yaw_sigma_rad, 0.003);
   EXPECT_NEAR(Yaw(radar().T_vehicle_radar.rotation), 0.12, 1e-12);
   EXPECT_DOUBLE_EQ(radar().range_sigma_m, RadarModel().range_sigma_m);
 }

@@ -289,5 +289,42 @@ TYPED_TEST(PoseGraphTest, ResetForgets) {
   EXPECT_TRUE(PoseGraph<kDim>().empty());
 }
 
+TYPED_TEST(PoseGraphTest, WithoutOtherNoiseTheNoiseIsTheWeights) {
+  constexpr int kDim = TypeParam::value;
+  const Chain<kDim> chain(30, Diagonal<kDim>(0.03, 0.004), Diagonal<kDim>(0.1, 0.01), 5);
+  const PoseGraph<kDim> graph = Run<kDim>(chain, {.truncate = false});
+  const TangentMatrix<kDim> covariance = graph.Newest().covariance;
+  EXPECT_LT((graph.NewestNoise() - covariance).norm(), 1e-6 * covariance.norm());
+}
+
+TYPED_TEST(PoseGraphTest, TheNoiseIsThatOfTheGainsThatTheWeightsGive) {
+  // Cautious weights and smaller noises: what the errors of many drives really come to.
+  constexpr int kDim = TypeParam::value;
+  constexpr int kRuns = 400;
+  const TangentMatrix<kDim> odometry = Diagonal<kDim>(0.02, 0.002);
+  const TangentMatrix<kDim> loop = Diagonal<kDim>(0.06, 0.006);
+  TangentMatrix<kDim> sampled = TangentMatrix<kDim>::Zero();
+  TangentMatrix<kDim> told;
+  for (int run = 0; run < kRuns; ++run) {
+    Chain<kDim> chain(25, odometry, loop, static_cast<unsigned>(100 + run));
+    PoseGraph<kDim> graph({.truncate = false});
+    graph.Reset(chain.prior);
+    for (auto& step : chain.steps) {
+      step.odometry.covariance = 4.0 * odometry;
+      step.loop.reused_covariance = 30.0 * loop;
+      step.loop.noise = loop;
+      graph.AddState(step.odometry, odometry);
+      graph.AddLoop(step.loop);
+      graph.Solve();
+    }
+    const Tangent<kDim> error = ErrorOf<kDim>(graph.Newest().pose, chain.steps.back().truth);
+    sampled += error * error.transpose() / kRuns;
+    told = graph.NewestNoise();
+  }
+  for (int i = 0; i < Pose<kDim>::kDof; ++i) {
+    EXPECT_NEAR(sampled(i, i) / told(i, i), 1.0, 0.25) << i;
+  }
+}
+
 }  // namespace
 }  // namespace dcloc

@@ -30,6 +30,14 @@ TEST(RadarModelTest, ErrorsNameRadarFieldValueAndBound) {
   EXPECT_THAT(Validate(radar).message(), HasSubstr("range_bias_m is -11"));
   radar = {.id = "front", .time_offset_s = 1.5};
   EXPECT_THAT(Validate(radar).message(), HasSubstr("time_offset_s is 1.5"));
+  radar = {.id = "front", .beta_sigma_s = -0.1};
+  EXPECT_THAT(Validate(radar).message(), HasSubstr("beta_sigma_s is -0.1"));
+  radar = {.id = "front", .range_bias_sigma_m = 11.0};
+  EXPECT_THAT(Validate(radar).message(), HasSubstr("range_bias_sigma_m is 11"));
+  radar = {.id = "front", .time_offset_sigma_s = 1.5};
+  EXPECT_THAT(Validate(radar).message(), HasSubstr("time_offset_sigma_s is 1.5"));
+  radar = {.id = "front", .mount_yaw_sigma_rad = std::nan("")};
+  EXPECT_THAT(Validate(radar).message(), HasSubstr("mount_yaw_sigma_rad is nan"));
   radar = {.id = "front"};
   radar.T_vehicle_radar.translation_m.y() = std::nan("");
   EXPECT_THAT(Validate(radar).message(), HasSubstr("T_vehicle_radar.translation_m.y is nan"));

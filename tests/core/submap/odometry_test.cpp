@@ -65,11 +65,11 @@ TEST(OdometryTest, TheSpreadIsThatOfDriftingVelocities) {
 }
 
 TEST(OdometryTest, AMissingCovarianceIsTheOptions) {
-  const OdometryOptions options{.linear_sigma_mps = 0.1, .linear_sigma_share = 0.02};
-  const EgoVelocity with = WithCovariance({.linear_mps = {10.0, 0.0, 0.0}}, options);
+  const OdometryOptions options{.linear_sigma_mps = 0.1};
+  const EgoVelocity with = WithCovariance({.linear_mps = {10.0, 0.0, 0.0}}, 0.02, options);
   EXPECT_NEAR((*with.covariance)(0, 0), 0.09, 1e-12);
   const EgoVelocity own = {.covariance = Matrix6d(Matrix6d::Identity())};
-  EXPECT_EQ(*WithCovariance(own, options).covariance, Matrix6d::Identity());
+  EXPECT_EQ(*WithCovariance(own, 0.02, options).covariance, Matrix6d::Identity());
 }
 
 }  // namespace

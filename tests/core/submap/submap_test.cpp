@@ -62,6 +62,30 @@ TEST(SubmapTest, KeepsTheLastScansOfEachRadar) {
   }
 }
 
+TEST(SubmapTest, SaysWhichPointsAreOfWhichScan) {
+  SubmapWindow window(2);
+  for (int i = 0; i < 3; ++i) {
+    const std::vector<RadarPoint> points(static_cast<std::size_t>(3 + i),
+                                         PointAt({20.0, 0.0, 0.0}));
+    window.Push(At(10 * i), i % 2, points, Step());
+  }
+  LiveSubmap<2> submap;
+  window.Join(true, 5, submap);  // every third of twelve
+  ASSERT_EQ(submap.points.size(), 4U);
+  ASSERT_EQ(submap.parts.size(), 3U);
+  std::size_t end = 0;
+  Pose3 T_newest_then;
+  for (int i = 0; i < 3; ++i) {
+    const auto& part = submap.parts[static_cast<std::size_t>(i)];
+    EXPECT_EQ(part.radar_index, i % 2);
+    EXPECT_LT(Log(part.T_newest_then.Inverse() * T_newest_then).norm(), 1e-12);
+    EXPECT_EQ(part.begin, end);
+    end = part.end;
+    T_newest_then = Step().T_from_to.Inverse() * T_newest_then;
+  }
+  EXPECT_EQ(end, submap.points.size());
+}
+
 TEST(SubmapTest, DriftWidensOldPointsAsSampledMotionsDo) {
   const Eigen::Vector3d p_then(40.0, 10.0, 0.0);
   SubmapWindow window(4);
@@ -92,8 +116,9 @@ TEST(SubmapTest, DriftWidensOldPointsAsSampledMotionsDo) {
 template <int Dim>
 void ExpectSameForMatching(const SubmapWindow& window) {
   const Submap submap = window.Join(true);
-  std::vector<GaussianPoint<Dim>> points(3);  // what was there is replaced
-  window.Join<Dim>(true, 1000, points);
+  LiveSubmap<Dim> live{.points = std::vector<GaussianPoint<Dim>>(3), .parts = {}};
+  window.Join<Dim>(true, 1000, live);  // replaces what was there
+  const std::vector<GaussianPoint<Dim>>& points = live.points;
   ASSERT_EQ(points.size(), submap.points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const RadarPoint& whole = submap.points[i];
@@ -101,10 +126,10 @@ void ExpectSameForMatching(const SubmapWindow& window) {
     const auto part = whole.covariance_m2.topLeftCorner<Dim, Dim>();
     EXPECT_LT((points[i].covariance_m2 - part).norm(), 1e-12);
   }
-  std::vector<GaussianPoint<Dim>> few;
+  LiveSubmap<Dim> few;
   window.Join<Dim>(true, 4, few);
-  ASSERT_EQ(few.size(), 4U) << "every third of twelve";
-  EXPECT_EQ(few[1].mean_m, points[3].mean_m);
+  ASSERT_EQ(few.points.size(), 4U) << "every third of twelve";
+  EXPECT_EQ(few.points[1].mean_m, points[3].mean_m);
 }
 
 TEST(SubmapTest, ForMatchingItIsTheSamePointsInThePlaneOrInSpace) {
