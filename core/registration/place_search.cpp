@@ -67,6 +67,7 @@ PlaceSearch::PlaceSearch(std::shared_ptr<const RadarMap> map,
   if (points.empty()) return;
   const std::vector<Eigen::Vector2f> chosen = Thinned(points);
   std::vector<float> ranges;
+  ranges.reserve(chosen.size());
   for (const Eigen::Vector2f& point : chosen) ranges.push_back(point.norm());
   std::ranges::sort(ranges);
   margin_m_ = options_.cell_m * std::ceil(ranges.back() / options_.cell_m + 1.0);

@@ -216,8 +216,8 @@ SessionCensus SessionRegistry::Census() const {
   SessionCensus census;
   const std::lock_guard lock(mutex_);
   for (const auto& [id, entry] : entries_) {
-    const auto state = static_cast<std::size_t>(entry.record->last_state + 1);
-    ++(entry.detached_since ? census.detached : census.attached)[state];
+    const int state = entry.record->last_state + 1;
+    ++(entry.detached_since ? census.detached : census.attached)[static_cast<std::size_t>(state)];
   }
   return census;
 }

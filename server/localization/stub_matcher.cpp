@@ -44,6 +44,7 @@ class StubMatcher final : public Matcher {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Matcher>> CreateStubMatcher(
+    // A MatcherFactory.  NOLINTNEXTLINE(performance-unnecessary-value-param)
     std::shared_ptr<const RadarMap> map, Rig /*rig*/,
     const std::optional<InitialPose>& initial_pose, const LocalizerOptions& /*options*/) {
   const InitialPose unknown{.T_map_vehicle = {}, .covariance = Matrix6d::Zero()};

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <random>
@@ -158,4 +159,11 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace dcloc
 
-int main(int argc, char** argv) { return dcloc::Main(argc, argv); }
+int main(int argc, char** argv) {
+  try {
+    return dcloc::Main(argc, argv);
+  } catch (const std::exception& error) {  // of the standard library's
+    std::fputs(error.what(), stderr);
+    return EXIT_FAILURE;
+  }
+}

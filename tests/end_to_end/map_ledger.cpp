@@ -86,7 +86,7 @@ absl::Status MapLedger::Delete(client::MapClient& maps) {
   const std::int64_t version = AnyVersion();
   if (version == active_) return absl::OkStatus();
   doubt_ = {.deleted = version};
-  const absl::Status status = maps.DeleteVersion(map_name_, version);
+  absl::Status status = maps.DeleteVersion(map_name_, version);
   if (!status.ok()) return status;
   ++acknowledged_count_;
   versions_.erase(version);

@@ -52,6 +52,7 @@ TEST(DeterminismTest, EightSessionsAtOnceEqualOneAloneToTheBit) {
   ASSERT_EQ(alone.size(), drive.live.scans.size());
   std::vector<std::vector<std::string>> together(8);
   std::vector<std::thread> threads;
+  threads.reserve(together.size());
   for (auto& answers : together) {
     threads.emplace_back([&] { answers = LocalizeDrive(server, drive); });
   }

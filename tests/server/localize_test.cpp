@@ -229,6 +229,7 @@ TEST_F(LocalizeTest, ManyMalformedStreamsDoNotDisturbAnother) {
   OpenSession(good);
   std::atomic<int> vandal_count = 4;
   std::vector<std::thread> vandals;
+  vandals.reserve(4);
   for (int kind = 0; kind < 4; ++kind) {
     vandals.emplace_back([&, kind] {
       for (int round = 0; round < 100; ++round) {

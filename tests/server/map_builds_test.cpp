@@ -60,7 +60,7 @@ class MapBuildsTest : public ::testing::Test {
       if (!writer->Write(request)) break;
     }
     writer->WritesDone();
-    const grpc::Status status = writer->Finish();
+    grpc::Status status = writer->Finish();
     build_ = response.build();
     return status;
   }

@@ -54,7 +54,7 @@ class MapCallsTest : public ::testing::Test {
     request.set_version(version);
     request.set_share(share);
     v1::SetMapCanaryResponse response;
-    const auto status = Ask(*server_.maps, &v1::MapService::Stub::SetMapCanary, request, &response);
+    auto status = Ask(*server_.maps, &v1::MapService::Stub::SetMapCanary, request, &response);
     map_ = response.map();
     return status;
   }
@@ -63,7 +63,7 @@ class MapCallsTest : public ::testing::Test {
     v1::RollBackMapRequest request;
     request.set_map_name("town");
     v1::RollBackMapResponse response;
-    const auto status = Ask(*server_.maps, &v1::MapService::Stub::RollBackMap, request, &response);
+    auto status = Ask(*server_.maps, &v1::MapService::Stub::RollBackMap, request, &response);
     map_ = response.map();
     return status;
   }
@@ -305,7 +305,7 @@ TEST_F(MapCallsTest, WhoMayAskIsSaidForEachCall) {
     v1::GetMapUploadRequest request;
     request.set_sha256(Sha256Of(first_));
     v1::GetMapUploadResponse response;
-    const grpc::Status status = server_.maps->GetMapUpload(&call, request, &response);
+    grpc::Status status = server_.maps->GetMapUpload(&call, request, &response);
     EXPECT_FALSE(response.stored());
     return status;
   };

@@ -74,6 +74,7 @@ TEST_F(MapLabelsTest, ACanaryGetsItsShareOfTheVehiclesAndAlwaysTheSame) {
   ASSERT_TRUE(store_->SetCanary("town", 2, 0.3).ok());
   constexpr int kVehicles = 1000;
   std::vector<std::int64_t> versions;
+  versions.reserve(kVehicles);
   for (int i = 0; i < kVehicles; ++i) versions.push_back(VersionFor(i));
   EXPECT_NEAR(static_cast<double>(std::ranges::count(versions, 2)) / kVehicles, 0.3, 0.05);
   Reopen();

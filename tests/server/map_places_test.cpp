@@ -68,8 +68,8 @@ TEST(CoverageTest, TheStreetBetweenKeyframesIsCoveredButNoGapOfTheDrive) {
     return std::ranges::any_of(
         boxes, [&](const CoverageBox& box) { return DistanceTo(box.map_m, x_m, 0.0) == 0.0; });
   };
-  for (double x_m = 0.0; x_m <= 90.0; x_m += 0.5) EXPECT_TRUE(covered(x_m)) << x_m;
-  for (double x_m = 90.5; x_m < 150.0; x_m += 0.5) EXPECT_FALSE(covered(x_m)) << x_m;
+  for (int i = 0; i <= 180; ++i) EXPECT_TRUE(covered(0.5 * i)) << i;
+  for (int i = 181; i < 300; ++i) EXPECT_FALSE(covered(0.5 * i)) << i;
   EXPECT_TRUE(covered(150.0));
 }
 

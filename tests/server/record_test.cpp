@@ -84,8 +84,10 @@ TEST_F(RecordTest, TheNextSessionIsTakenFromItsOpeningToItsEnd) {
   EXPECT_TRUE(header->header().opened().resume_token().empty()) << "a secret";
   EXPECT_THAT(header->header().program(), HasSubstr("dcloc-server"));
 
-  std::vector<v1::LocalizeResponse> answers;
-  for (int i = 0; i < 3; ++i) answers.push_back(*session->Localize(ScanMessage(i)));
+  std::vector<v1::LocalizeResponse> answers(3);
+  for (int i = 0; i < 3; ++i) {
+    answers[static_cast<std::size_t>(i)] = *session->Localize(ScanMessage(i));
+  }
   ASSERT_TRUE(session->Localize(ScanMessage(2))->from_memory()) << "is not recorded again";
   v1::Scan malformed;
   malformed.set_sequence_number(9);
@@ -138,9 +140,9 @@ TEST_F(RecordTest, BadNamesAndTooManyRecordingsAreRefused) {
   grpc::Status status = nameless.Finish();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(status.error_message(), HasSubstr("vehicle_id"));
-  std::vector<std::unique_ptr<Recorder>> recorders;
-  for (int i = 0; i < 16; ++i) {
-    recorders.push_back(std::make_unique<Recorder>(*server_.admin, "car-1"));
+  std::vector<std::unique_ptr<Recorder>> recorders(16);
+  for (auto& recorder : recorders) {
+    recorder = std::make_unique<Recorder>(*server_.admin, "car-1");
   }
   Recorder beyond(*server_.admin, "car-1");
   status = beyond.Finish();

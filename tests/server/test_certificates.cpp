@@ -32,7 +32,7 @@ std::string TextOf(BIO* bio) {
 
 TestCertificate::TestCertificate(const std::string& common_name, const TestCertificate* issuer)
     : key_(EVP_EC_gen("P-256"), &EVP_PKEY_free), certificate_(X509_new(), &X509_free) {
-  constexpr long kDay_s = 24 * 3600;
+  constexpr long kDay_s = 24L * 3600L;
   static std::atomic<long> serial = 1;
   X509* certificate = certificate_.get();
   X509_set_version(certificate, 2);

@@ -20,14 +20,13 @@ absl::StatusOr<Submap> FrontEnd::Add(const Scan& scan, StageListener* listener) 
   StaticPointsOptions point_options = options_.static_points;
   point_options.compensate = options_.doppler_compensation;
   point_options.uncertainty = options_.uncertainty;
-  std::vector<RadarPoint> points = ego_range_rates_
-                                       ? StaticPoints(WithEgoRangeRates(scan, radar, ego_velocity),
-                                                      radar, ego_velocity, point_options)
-                                       : StaticPoints(scan, radar, ego_velocity, point_options);
+  const std::vector<RadarPoint> points =
+      ego_range_rates_ ? StaticPoints(WithEgoRangeRates(scan, radar, ego_velocity), radar,
+                                      ego_velocity, point_options)
+                       : StaticPoints(scan, radar, ego_velocity, point_options);
 
   if (listener != nullptr) listener->OnStageBegin(Stage::kSubmap);
-  window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), std::move(points),
-               since_previous());
+  window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), points, since_previous());
   return window_.Join(options_.uncertainty);
 }
 

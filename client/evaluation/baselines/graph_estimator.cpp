@@ -37,7 +37,7 @@ class GraphEstimator final : public Estimator {
     std::vector<GaussianPoint<2>> points = InPlane(submap);
     graph_.AddState(OdometryEdge(points));
     since_state_ = {};
-    previous_ = LocalMap<2>({}, std::move(points));
+    previous_ = LocalMap<2>({}, points);
     std::optional<double> distance;
     if (match && match->covariance) {
       const PoseEstimate<2> loop{.pose = match->T_local_vehicle, .covariance = *match->covariance};
@@ -69,13 +69,13 @@ class GraphEstimator final : public Estimator {
  private:
   // The registration of this sub-map in the previous one; ego-motion where that is cut or fails.
   PoseEstimate<2> OdometryEdge(std::span<const GaussianPoint<2>> points) const {
-    const PoseEstimate<2> predicted{.pose = Flatten(since_state_.T_from_to),
-                                    .covariance = FlattenCovariance(since_state_.covariance)};
+    PoseEstimate<2> predicted{.pose = Flatten(since_state_.T_from_to),
+                              .covariance = FlattenCovariance(since_state_.covariance)};
     if (previous_.empty() || points.size() < kMinPoints) return predicted;
     const Registration<2> registration = RegisterGicp<2>(points, previous_, predicted.pose, gicp_);
     if (!registration.converged) return predicted;
-    const PoseEstimate<2> measured{.pose = registration.T_local_vehicle,
-                                   .covariance = registration.covariance};
+    PoseEstimate<2> measured{.pose = registration.T_local_vehicle,
+                             .covariance = registration.covariance};
     return Distance(predicted.pose, measured) <= max_distance_ ? measured : predicted;
   }
 

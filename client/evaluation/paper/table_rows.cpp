@@ -38,6 +38,7 @@ std::vector<RowPlan> Table1Rows() {
 
 std::vector<RowPlan> Table2Rows(MethodKind method) {
   std::vector<RowPlan> rows;
+  rows.reserve(std::size(kTable2));
   for (const AblationRow& row : kTable2) {
     rows.push_back({AblationLabel(row),
                     {.method = method,
@@ -51,6 +52,7 @@ std::vector<RowPlan> Table2Rows(MethodKind method) {
 
 std::vector<RowPlan> Table3Rows() {
   std::vector<RowPlan> rows;
+  rows.reserve(std::size(kTable3));
   for (const SubmapRow& row : kTable3) {
     rows.push_back({absl::StrCat(row.scans, row.scans == 1 ? " scan" : " scans"),
                     {.scans_per_submap = row.scans},

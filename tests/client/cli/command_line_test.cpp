@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "tests/client/datasets/temp_folder.h"
 #include "tests/client/datasets/tiny_nuscenes.h"
@@ -90,7 +91,7 @@ std::vector<std::string> Commands(const std::string& path = "") {
     has_any = has_any || listed;
     if (!listed || line.rfind("  ", 0) != 0 || line[2] == ' ') continue;
     const std::string name = line.substr(2, line.find(' ', 2) - 2);
-    const std::vector<std::string> below = Commands(path + " " + name);
+    const std::vector<std::string> below = Commands(absl::StrCat(path, " ", name));
     commands.insert(commands.end(), below.begin(), below.end());
   }
   if (!has_any) commands.push_back(path.substr(1));

@@ -31,7 +31,7 @@ FrameReturns OneScatterer(double bias_m) {
 }
 
 OverlapTerms TermsOf(const FrameReturns& frame, double min_range_m = 0.0) {
-  constexpr Eigen::Index kSize = 2 * kCalibrationParameters;
+  constexpr auto kSize = Eigen::Index{2} * kCalibrationParameters;
   OverlapTerms terms(kSize);
   AddOverlap(frame, FindPairs(frame, 2.0, 10), Eigen::VectorXd::Zero(kSize),
              Eigen::VectorXd::Ones(kSize), {.min_range_m = min_range_m}, terms);

@@ -29,7 +29,7 @@ Scene SceneAt(const Pose2& T_local_vehicle, int count, double noise_m, unsigned 
         T_local_vehicle.Inverse() * p_local + noise_m * StandardNormal<2>(random);
     scene.points.push_back(seen.cast<float>());
   }
-  scene.map = LocalMap<2>({}, std::move(landmarks));
+  scene.map = LocalMap<2>({}, landmarks);
   return scene;
 }
 
@@ -77,7 +77,7 @@ TEST(LikelihoodFieldTest, InSpaceCountsThePlaneOnly) {
     raised.push_back(
         {{landmark.mean_m.x(), landmark.mean_m.y(), 17.0}, Eigen::Matrix3d::Identity()});
   }
-  const LikelihoodField field(LocalMap<3>({}, std::move(raised)), 0.25);
+  const LikelihoodField field(LocalMap<3>({}, raised), 0.25);
   const LikelihoodField planar(scene.map, 0.25);
   const Pose2 pose{.translation_m = {0.2, -0.1}, .yaw_rad = 0.01};
   EXPECT_DOUBLE_EQ(field.Score(scene.points, pose), planar.Score(scene.points, pose));
