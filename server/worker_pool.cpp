@@ -11,8 +11,8 @@ std::size_t NumberOf(Lane lane) { return lane == Lane::kQuick ? 0 : 1; }
 
 /// On Linux a thread's own; a process may always take itself back.
 void TakeThreadBack() {
-  constexpr int kNice = 10;  // about a tenth of the processor where all others want it
-  setpriority(PRIO_PROCESS, 0, kNice);
+  constexpr int kNicer = 10;  // about a tenth of the processor where all others want it
+  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kNicer);
 }
 
 }  // namespace

@@ -144,6 +144,7 @@ TEST(LaneTest, WithoutThreadsOfTheirOwnLengthyTasksAreRunWithTheRest) {
 }
 
 TEST(LaneTest, LengthyThreadsComeAfterTheOthersForTheSystem) {
+  if (getpriority(PRIO_PROCESS, 0) == 19) GTEST_SKIP() << "the process is the last already";
   int quick_nice = 0;
   int lengthy_nice = 0;
   {
@@ -156,7 +157,7 @@ TEST(LaneTest, LengthyThreadsComeAfterTheOthersForTheSystem) {
 }
 
 TEST(LaneTest, AStrandKeepsItsOrderAcrossLanesAndThePoolEndsAfterIt) {
-  constexpr int kTasks = 2000;
+  constexpr int kTasks = 300;
   std::vector<int> order;
   {
     std::latch done(1);
