@@ -217,6 +217,7 @@ void Vehicle::ReadOn() {
 
 void Vehicle::TakeOpened(const v1::SessionOpened& opened) {
   opened_ = opened;
+  mending_ = false;
   resume_token_ = opened.resume_token();
   if (begin_) return;
   map_version_ = opened.map_version();
@@ -280,7 +281,8 @@ void Vehicle::OnEnd(const grpc::Status& status) {
 void Vehicle::AfterEnd() {
   connection_.reset();
   const bool as_planned = end_status_->ok() && close_sent_ && outbox_.empty();
-  if (!as_planned && !cutting_ && !cancelled_) fleet_.recorder.AddBroken(TextOf(*end_status_));
+  if (!as_planned && !cutting_ && !mending_ && !cancelled_)
+    fleet_.recorder.AddBroken(TextOf(*end_status_));
   if (as_planned || cancelled_) {
     if (begin_) fleet_.recorder.AddEnded();
     LoseOutbox();
@@ -330,7 +332,7 @@ void Vehicle::PlanDisconnect() {
 void Vehicle::Cut() {
   if (finishing_) return;
   if (connection_ != nullptr && opened_ && !end_status_ && !close_sent_) {
-    cutting_ = true;
+    cutting_ = mending_ = true;
     fleet_.recorder.AddDisconnect();
     if (link_.relay != nullptr) {
       link_.relay->Cut();

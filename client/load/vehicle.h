@@ -118,6 +118,7 @@ class Vehicle final : public client::Connection::Host {
   Clock::time_point open_time_;
   Clock::time_point read_again_;  ///< of a slow reader
   bool cutting_ = false;
+  bool mending_ = false;  ///< since a cut, until the session is open again
   bool close_sent_ = false;
 };
 

@@ -103,6 +103,10 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const ChannelOptions&
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMaxReconnectBackoff_ms);
   // While a scan is being matched for long, the stream is quiet; pings may go on.
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  // A stream that begins on a connection that has just broken would be begun anew behind our back,
+  // on another one, and its first write reported as failed: it would be open, and never written to.
+  // Sessions and uploads begin anew by themselves.
+  arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, 0);
   if (!options.tls_server_name.empty()) {
     arguments.SetSslTargetNameOverride(options.tls_server_name);
   }

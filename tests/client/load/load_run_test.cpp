@@ -116,6 +116,19 @@ TEST_F(LoadRunTest, FaultsAreBorneAndNothingIsLost) {
       << "sessions are resumed, and opened anew only at the end of the route";
 }
 
+// gRPC may begin a stream on a connection that breaks just then. Such a one must fail, and not be
+// open but deaf until the next break.
+TEST_F(LoadRunTest, WhoReturnsAtOnceIsHeard) {
+  LoadOptions options = Short(100);
+  options.duration = 4000ms;
+  options.drain = 2000ms;
+  options.faults = {.disconnects_per_min = 60.0};
+  const auto result = Run(options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_THAT(Shortfalls(*result, 0.0), ElementsAre());
+  EXPECT_GT(result->record.totals.disconnect_count, 200);
+}
+
 TEST_F(LoadRunTest, SessionsThatAreMovedToAnotherVersionBreakNoContract) {
   v1::UploadMapResponse response;
   const std::vector<std::byte> next = server::SmallMap("next");
