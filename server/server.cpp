@@ -6,11 +6,11 @@
 #include <grpcpp/server_builder.h>
 
 #include <algorithm>
+#include <latch>
 #include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/synchronization/notification.h"
 #include "server/admin/admin_service.h"
 #include "server/credentials.h"
 #include "server/identity/identity_store.h"
@@ -163,7 +163,7 @@ struct Server::Parts {
 
   /// Not ready any more, and the sessions are told to move; gives how many were told.
   int Drain(std::chrono::milliseconds grace) {
-    server_is_set.WaitForNotification();
+    server_is_set.wait();
     if (auto* health = server->GetHealthCheckService()) health->SetServingStatus(false);
     return localization.Drain(grace);
   }
@@ -229,7 +229,7 @@ struct Server::Parts {
   MapService maps;
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
-  absl::Notification server_is_set;  ///< the first calls may be there before it
+  std::latch server_is_set{1};  ///< the first calls may be there before it
   std::unique_ptr<Listener> listener;
   std::unique_ptr<Liveness> liveness;
   std::unique_ptr<Ticker> liveness_ticker;
@@ -271,7 +271,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   builder.RegisterService(&parts->admin);
   parts->server = builder.BuildAndStart();
   if (parts->server == nullptr) return absl::InternalError("gRPC cannot start a server");
-  parts->server_is_set.Notify();
+  parts->server_is_set.count_down();
   parts->address = address->ToString();
   parts->listener = *std::move(listener);
   parts->listener->Start(std::move(acceptor));
