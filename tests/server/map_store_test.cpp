@@ -62,6 +62,7 @@ TEST_F(MapStoreTest, AllWhoUseAVersionShareOneCopy) {
   ASSERT_TRUE(Put(SmallMap()).ok());
   std::vector<std::shared_ptr<const RadarMap>> maps(8);
   std::vector<std::thread> threads;
+  threads.reserve(maps.size());
   for (auto& map : maps) {
     threads.emplace_back([&] { map = store_->Acquire("town", 0)->map; });
   }
