@@ -159,7 +159,11 @@ struct Server::Parts {
                  registry.Reap(now);
                  localization.EndOverdue(now);
                }),
-        upload_sweeper(kUploadSweepInterval, [this] { RemoveStaleUploads(*store); }) {}
+        upload_sweeper(kUploadSweepInterval, [this] { RemoveStaleUploads(*store); }) {
+    // The pools' threads are older than what they will use of this; their locks hand it to them.
+    storage_pool.Post([] {});
+    localization_pool.Post([] {});
+  }
 
   /// Not ready any more, and the sessions are told to move; gives how many were told.
   int Drain(std::chrono::milliseconds grace) {

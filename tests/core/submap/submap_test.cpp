@@ -143,7 +143,7 @@ TEST(SubmapTest, ForMatchingItIsTheSamePointsInThePlaneOrInSpace) {
       points.back().covariance_m2(0, 1) = points.back().covariance_m2(1, 0) = 0.01;
       points.back().covariance_m2(1, 2) = points.back().covariance_m2(2, 1) = -0.02;
     }
-    window.Push(At(75 * i), 0, std::move(points), Step());
+    window.Push(At(75 * i), 0, points, Step());
   }
   EXPECT_EQ(window.point_count(), 12U);
   EXPECT_EQ(window.scan_count(), 4);
