@@ -11,6 +11,7 @@ extern "C" const char* __tsan_default_suppressions() {
          "race_top:^grpc::\n"
          "race_top:^google::protobuf\n"
          "race:libgrpc++.so\n"
+         "race:grpc_event_engine::\n"
          // gRPC's threads get the services from the thread that built them.
          "race:::MapService::MapService\n"
          "race:::LocalizationService::LocalizationService\n"
