@@ -126,7 +126,6 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   if (RegistrationIsDue(scan.stamp)) {
     window_.Join(options_.uncertainty, static_cast<std::size_t>(options_.match.max_live_points),
                  scratch.submap);
-    calibration_ = CalibrationCovariance<Dim>(scratch.submap, rig_, ego_velocity);
 
     Announce(listener, Stage::kRegistration);
     const std::optional<Registration<Dim>> registration =
@@ -137,6 +136,9 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
       const EdgeTest test = UpdateGraph(*registration, scan.stamp);
       quality_.edge_distance = test.distance;
       quality_.edge_valid = test.valid;
+    }
+    if (quality_.edge_valid) {
+      calibration_ = CalibrationCovariance<Dim>(scratch.submap, rig_, ego_velocity);
     }
     Learn(registration, scan.stamp);
     state_.OnRegistration(scan.stamp, quality_.edge_valid, std::exchange(travelled_m_, 0.0));

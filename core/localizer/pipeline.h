@@ -55,7 +55,7 @@ class Pipeline final : public Localizer::Impl {
   PoseHypotheses<Dim> graph_;
   TrackingState state_;
   OdometryNoise<Dim> odometry_noise_;
-  // Of the last registration, by what is not known of the rig.
+  // Of the last believed registration, by what is not known of the rig.
   TangentMatrix<Dim> calibration_ = TangentMatrix<Dim>::Zero();
 
   double travelled_m_ = 0.0;  // since the last registration
