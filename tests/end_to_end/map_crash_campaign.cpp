@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <random>
@@ -16,6 +15,7 @@
 #include "absl/strings/str_format.h"
 #include "tests/core/map/temporary_folder.h"
 #include "tests/end_to_end/map_ledger.h"
+#include "tests/end_to_end/run_program.h"
 #include "tests/end_to_end/server_process.h"
 
 // Kills the server again and again in the middle of uploads, activations and deletions, and after
@@ -159,11 +159,4 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace dcloc
 
-int main(int argc, char** argv) {
-  try {
-    return dcloc::Main(argc, argv);
-  } catch (const std::exception& error) {  // of the standard library's
-    std::fputs(error.what(), stderr);
-    return EXIT_FAILURE;
-  }
-}
+int main(int argc, char** argv) { return dcloc::RunProgram(&dcloc::Main, argc, argv); }

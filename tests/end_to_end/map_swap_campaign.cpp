@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -20,6 +19,7 @@
 #include "client/sdk/session.h"
 #include "tests/core/map/synthetic_map.h"
 #include "tests/core/map/temporary_folder.h"
+#include "tests/end_to_end/run_program.h"
 #include "tests/end_to_end/server_process.h"
 
 // Swaps the active map under vehicles that come and go, and checks that none is lost, that each
@@ -266,11 +266,4 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace dcloc
 
-int main(int argc, char** argv) {
-  try {
-    return dcloc::Main(argc, argv);
-  } catch (const std::exception& error) {  // of the standard library's, and of the proxy's
-    std::fputs(error.what(), stderr);
-    return EXIT_FAILURE;
-  }
-}
+int main(int argc, char** argv) { return dcloc::RunProgram(&dcloc::Main, argc, argv); }

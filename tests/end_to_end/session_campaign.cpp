@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <memory>
 #include <random>
 #include <string>
@@ -17,6 +16,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_format.h"
 #include "client/sdk/session.h"
+#include "tests/end_to_end/run_program.h"
 #include "tests/end_to_end/session_site.h"
 #include "tests/server/town_drive.h"
 
@@ -284,11 +284,4 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace dcloc
 
-int main(int argc, char** argv) {
-  try {
-    return dcloc::Main(argc, argv);
-  } catch (const std::exception& error) {  // of the standard library's, and of the proxy's
-    std::fputs(error.what(), stderr);
-    return EXIT_FAILURE;
-  }
-}
+int main(int argc, char** argv) { return dcloc::RunProgram(&dcloc::Main, argc, argv); }
