@@ -22,6 +22,13 @@ enum class LocalizationState {
   kLost,           ///< dead reckoning has grown too uncertain; searching
 };
 
+/// What registrations say of a radar's `beta_s`.
+struct BetaCheck {
+  double error_s = 0.0;   ///< to be added to it; in dense maps only a part of what is wrong
+  double sigma_s = 0.0;   ///< deviation of that
+  bool is_wrong = false;  ///< the error is more than chance and geometry explain
+};
+
 /// How good one answer is.
 struct LocalizationQuality {
   int live_point_count = 0;     ///< static points in the sub-map
@@ -30,6 +37,7 @@ struct LocalizationQuality {
   double residual_scale = 0.0;  ///< root mean square of the whitened residuals; 1 is as modelled
   double edge_distance = 0.0;   ///< squared Mahalanobis distance to the prediction (METHOD eq 19)
   bool edge_valid = false;      ///< the scan's loop edge passed the test
+  BetaCheck beta;               ///< of the scan's radar
 };
 
 /// The answer to one scan.

@@ -136,6 +136,15 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
 }
 
 template <int Dim>
+std::span<const PointMatch<Dim>> MapMatcher<Dim>::Matches(std::span<const GaussianPoint<Dim>> live,
+                                                          const Pose<Dim>& T_local_vehicle) const {
+  MatchFinder<Dim>& finder = Scratch<Dim>::OfThisThread().finder;
+  finder.Begin(live, local_map_,
+               {.reach_m = options_.gicp.reach_m, .gate_sigmas = options_.gicp.gate_sigmas});
+  return finder.Find(T_local_vehicle, 0.0);
+}
+
+template <int Dim>
 void MapMatcher<Dim>::BeginSearch(std::span<const GaussianPoint<Dim>> live) {
   blind_search_.emplace(
       BlindSearch{.live = {live.begin(), live.end()},

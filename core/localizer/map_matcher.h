@@ -35,6 +35,11 @@ class MapMatcher {
   std::optional<Registration<Dim>> Match(std::span<const GaussianPoint<Dim>> live,
                                          const PoseEstimate<Dim>& predicted, std::uint64_t seed);
 
+  /// The landmarks that the points of `live` (vehicle frame) match at a pose. Valid until the next
+  /// call of any member, on this thread.
+  std::span<const PointMatch<Dim>> Matches(std::span<const GaussianPoint<Dim>> live,
+                                           const Pose<Dim>& T_local_vehicle) const;
+
   /// Begins to search the whole map for `live`.
   void BeginSearch(std::span<const GaussianPoint<Dim>> live);
 

@@ -97,7 +97,8 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       window_(options.scans_per_submap),
       matcher_(std::move(map), options),
       graph_(GraphOptions(options)),
-      state_(options.state) {
+      state_(options.state),
+      beta_watch_(rig_) {
   if (initial_pose) Start(*initial_pose);
 }
 
@@ -140,7 +141,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
     if (quality_.edge_valid) {
       calibration_ = CalibrationCovariance<Dim>(scratch.submap, rig_, ego_velocity);
     }
-    Learn(registration, scan.stamp);
+    Learn(registration, ego_velocity, scan.stamp);
     state_.OnRegistration(scan.stamp, quality_.edge_valid, std::exchange(travelled_m_, 0.0));
     if (state_.BlindStartFailed()) graph_.Clear();
     last_registration_ = scan.stamp;
@@ -256,7 +257,8 @@ EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, Stamp
 
 // What the believed poses tell of the vehicle's odometry.
 template <int Dim>
-void Pipeline<Dim>::Learn(const std::optional<Registration<Dim>>& registration, Stamp stamp) {
+void Pipeline<Dim>::Learn(const std::optional<Registration<Dim>>& registration,
+                          const EgoVelocity& ego_velocity, Stamp stamp) {
   if (state_.state() != LocalizationState::kTracking) {
     ego_motion_.OnJump();
     odometry_noise_.OnJump();
@@ -267,6 +269,12 @@ void Pipeline<Dim>::Learn(const std::optional<Registration<Dim>>& registration, 
   ego_motion_.OnPose(T_map_local * ToSpace<Dim>(graph_.Newest(), options_).pose);
   const Pose<Dim> T_map_registered =
       FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registration->T_local_vehicle;
+  if (beta_watch_.IsDue(stamp, window_.span())) {
+    const LiveSubmap<Dim>& live = Scratch<Dim>::OfThisThread().submap;
+    beta_watch_.OnRegistration(stamp, live,
+                               matcher_.Matches(live.points, registration->T_local_vehicle),
+                               registration->T_local_vehicle, ego_velocity);
+  }
   odometry_noise_.OnRegistration(
       stamp, {.pose = T_map_registered, .covariance = OwnNoise(*registration)}, window_.span());
 }
@@ -292,6 +300,8 @@ template <int Dim>
 Localization Pipeline<Dim>::Answer(const Scan& scan) {
   Localization answer{.stamp = scan.stamp, .quality = quality_};
   answer.quality.live_point_count = static_cast<int>(window_.point_count());
+  answer.quality.beta =
+      beta_watch_.Check(static_cast<std::size_t>(rig_.Find(scan.radar_id) - rig_.radars.data()));
   if (graph_.empty()) {
     constexpr double kUnknown = 1e8;
     answer.covariance = kUnknown * Matrix6d::Identity();

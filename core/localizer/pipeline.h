@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "core/localizer/beta_watch.h"
 #include "core/localizer/ego_motion.h"
 #include "core/localizer/localizer.h"
 #include "core/localizer/map_matcher.h"
@@ -41,7 +42,8 @@ class Pipeline final : public Localizer::Impl {
   bool RegistrationIsDue(Stamp stamp) const;
   void EnterLocalFrame(const Eigen::Vector3d& p_map);
   std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
-  void Learn(const std::optional<Registration<Dim>>& registration, Stamp stamp);
+  void Learn(const std::optional<Registration<Dim>>& registration, const EgoVelocity& ego_velocity,
+             Stamp stamp);
   EdgeTest UpdateGraph(const Registration<Dim>& registration, Stamp stamp);
   PoseEstimate<Dim> Now() const;
   TangentMatrix<Dim> Uncertainty() const;
@@ -55,6 +57,7 @@ class Pipeline final : public Localizer::Impl {
   PoseHypotheses<Dim> graph_;
   TrackingState state_;
   OdometryNoise<Dim> odometry_noise_;
+  BetaWatch<Dim> beta_watch_;
   // Of the last believed registration, by what is not known of the rig.
   TangentMatrix<Dim> calibration_ = TangentMatrix<Dim>::Zero();
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/registration/point_jacobians.h"
+
 namespace dcloc {
 namespace {
 
@@ -13,34 +15,6 @@ constexpr std::size_t kChosenPoints = 256;
 // What holds the pose in a direction of which the points say nothing.
 constexpr double kHold_m = 1.0;
 constexpr double kHold_rad = 0.1;
-
-constexpr int kParameters = 4;  // beta, range bias, time offset, mount yaw
-
-// d (Exp(xi) p) / d xi at zero.
-Eigen::Matrix<double, 2, 3> ByPose(const Eigen::Vector2d& p) {
-  return (Eigen::Matrix<double, 2, 3>() << 1.0, 0.0, -p.y(), 0.0, 1.0, p.x()).finished();
-}
-Eigen::Matrix<double, 3, 6> ByPose(const Eigen::Vector3d& p) {
-  return (Eigen::Matrix<double, 3, 6>() << Eigen::Matrix3d::Identity(), -Skew(p)).finished();
-}
-
-// How a point moves by a unit of each parameter of the radar that saw it from `origin_m`.
-template <int Dim>
-Eigen::Matrix<double, Dim, kParameters> ByParameters(const Eigen::Matrix<double, Dim, 1>& p_m,
-                                                     const Eigen::Vector3d& origin_m,
-                                                     const EgoVelocity& ego_velocity) {
-  Eigen::Vector3d point_m = origin_m;
-  point_m.head<Dim>() = p_m;
-  const Eigen::Vector3d ray_m = point_m - origin_m;
-  const Eigen::Vector3d along = ray_m.normalized();
-  const Eigen::Vector3d radar_mps =
-      ego_velocity.linear_mps + ego_velocity.angular_radps.cross(origin_m);
-  Eigen::Matrix<double, 3, kParameters> shifts;
-  shifts << along.dot(radar_mps) * along, along,
-      ego_velocity.linear_mps + ego_velocity.angular_radps.cross(point_m),
-      Eigen::Vector3d::UnitZ().cross(ray_m);
-  return shifts.topRows<Dim>();
-}
 
 Eigen::Vector4d Deviations(const RadarModel& radar) {
   return {radar.beta_sigma_s, radar.range_bias_sigma_m, radar.time_offset_sigma_s,
@@ -53,7 +27,7 @@ template <int Dim>
 TangentMatrix<Dim> CalibrationCovariance(const LiveSubmap<Dim>& live, const Rig& rig,
                                          const EgoVelocity& ego_velocity) {
   constexpr int kDof = Pose<Dim>::kDof;
-  using Pull = Eigen::Matrix<double, kDof, kParameters>;
+  using Pull = Eigen::Matrix<double, kDof, kRadarErrors>;
   Tangent<Dim> hold;
   hold.template head<Dim>().setConstant(1.0 / (kHold_m * kHold_m));
   hold.template tail<kDof - Dim>().setConstant(1.0 / (kHold_rad * kHold_rad));
@@ -72,7 +46,7 @@ TangentMatrix<Dim> CalibrationCovariance(const LiveSubmap<Dim>& live, const Rig&
       const Eigen::Matrix<double, kDof, Dim> weighted =
           by_pose.transpose() * point.covariance_m2.inverse();
       information += weighted * by_pose;
-      pulls.at(radar_index) += weighted * ByParameters<Dim>(point.mean_m, origin_m, ego_velocity);
+      pulls.at(radar_index) += weighted * ByRadarErrors<Dim>(point.mean_m, origin_m, ego_velocity);
     }
   }
   const Eigen::LDLT<TangentMatrix<Dim>> solver(information);
