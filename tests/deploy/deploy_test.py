@@ -4,6 +4,7 @@
 Usage: deploy_test.py DCLOC SERVER [unittest arguments]
 """
 
+import functools
 import json
 import os
 import pathlib
@@ -33,6 +34,31 @@ def needs_program(name, package):
 def run(*command, **options):
     return subprocess.run([str(word) for word in command], text=True, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, check=False, timeout=60, **options)
+
+
+@functools.cache
+def promtool():
+    """The installed one, or else Debian's, unpacked beside the programs: the package is a service,
+    which a test has no business to install. None where neither is to be had."""
+    installed = shutil.which("promtool")
+    if installed:
+        return installed
+    program = pathlib.Path(PROGRAMS[0]).parent.parent / "tests" / "promtool"
+    if not program.is_file() and shutil.which("apt-get"):
+        with tempfile.TemporaryDirectory() as download:
+            run("apt-get", "download", "--quiet=2", "-o", "APT::Sandbox::User=root", "prometheus",
+                cwd=download)
+            for package in pathlib.Path(download).glob("prometheus_*.deb"):
+                run("dpkg-deb", "--extract", package, download)
+                shutil.move(pathlib.Path(download) / "usr/bin/promtool", program)
+    return str(program) if program.is_file() else None
+
+
+def run_promtool(test, *arguments, **options):
+    if promtool() is None:
+        test.skipTest("needs promtool (Debian package prometheus), and apt-get cannot download it")
+    result = run(promtool(), *arguments, **options)
+    test.assertEqual(result.returncode, 0, result.stdout)
 
 
 class Server:
@@ -72,6 +98,45 @@ def exposed_metrics():
         names |= ({f"{name}_bucket", f"{name}_sum", f"{name}_count"} if kind == "histogram"
                   else {name})
     return names
+
+
+def dpkg_query(*arguments):
+    return run("dpkg-query", *arguments).stdout.splitlines()
+
+
+def libraries_of(program):
+    """{library: Debian package} of what the program itself is linked with; ours are not there."""
+    packages = {}
+    linked = set(re.findall(r"NEEDED.*\[(.*)\]", run("readelf", "--dynamic", program).stdout))
+    for line in run("ldd", program).stdout.splitlines():
+        found = re.match(r"\s*(\S+) => (/\S+)", line)
+        if found and found.group(1) in linked:
+            # As it is found, or, since / and /usr are one, as the package names it.
+            file = os.path.realpath(found.group(2))
+            for name in (file, file.removeprefix("/usr")):
+                owners = [owner for owner in dpkg_query("--search", name) if ": " in owner]
+                if owners and not owners[0].startswith("dpkg-query:"):
+                    packages[found.group(1)] = owners[0].split(":")[0]
+                    break
+    return packages
+
+
+def closure(packages):
+    """The packages with all that they depend on, as far as it is installed here."""
+    depends, providers = {}, {}
+    for line in dpkg_query("--show", "--showformat",
+                           "${Package}\t${Provides}\t${Pre-Depends}, ${Depends}\n"):
+        name, provides, needs = line.split("\t")
+        depends[name] = re.split(r"[,|]", re.sub(r"\([^)]*\)|:any|\s", "", needs))
+        for provided in re.sub(r"\([^)]*\)|\s", "", provides).split(","):
+            providers.setdefault(provided, set()).add(name)
+    found, new = set(), set(packages)
+    while new:
+        found |= new
+        needed = {word for name in new for word in depends.get(name, []) if word}
+        needed |= {name for word in needed for name in providers.get(word, ())}
+        new = needed - found
+    return found
 
 
 def load_yaml(path):
@@ -122,21 +187,22 @@ class Monitoring(unittest.TestCase):
         self.assertEqual(len(names), len(set(names)))
         self.assertGreaterEqual(len(names), 8)
 
-    @needs_program("promtool", "prometheus")
     def test_promtool_accepts_rules_and_configuration(self):
         for kind, file in (("rules", "alerts.yml"), ("config", "prometheus.yml")):
-            result = run("promtool", "check", kind, DEPLOY / "monitoring" / file)
-            self.assertEqual(result.returncode, 0, result.stdout)
+            run_promtool(self, "check", kind, DEPLOY / "monitoring" / file)
 
+    def test_promtool_accepts_the_metrics(self):
+        with tempfile.TemporaryDirectory() as folder, \
+                Server(folder, "--metrics-listen", "0") as server:
+            text = urllib.request.urlopen(server.metrics, timeout=10).read().decode()
+        run_promtool(self, "check", "metrics", input=text)
 
-    @needs_program("promtool", "prometheus")
     def test_alerts_fire_when_they_should(self):
         with tempfile.TemporaryDirectory() as folder:
             for file in (DEPLOY / "monitoring/alerts.yml",
                          pathlib.Path(__file__).parent / "alerts_test.yml"):
                 shutil.copy(file, folder)
-            result = run("promtool", "test", "rules", pathlib.Path(folder) / "alerts_test.yml")
-        self.assertEqual(result.returncode, 0, result.stdout)
+            run_promtool(self, "test", "rules", pathlib.Path(folder) / "alerts_test.yml")
 
 
 class Certificates(unittest.TestCase):
@@ -200,6 +266,38 @@ class Files(unittest.TestCase):
         proxied = re.findall(r"^  server (\S+) (\S+):50051$",
                              (DEPLOY / "haproxy.cfg").read_text(), re.MULTILINE)
         self.assertEqual(proxied, [(name, name) for name in servers])
+
+    @needs_program("docker-compose", "docker-compose")
+    def test_compose_reads_its_file(self):
+        result = run("docker-compose", "--file", DEPLOY / "compose.yml", "config", "--quiet")
+        self.assertEqual(result.returncode, 0, result.stdout)
+
+    def dockerfile(self):
+        """Its instructions: (name, words)."""
+        text = re.sub(r"^#.*\n", "", (DEPLOY / "Dockerfile").read_text(), flags=re.MULTILINE)
+        lines = [line.split() for line in text.replace("\\\n", " ").splitlines() if line.strip()]
+        return [(words[0], words[1:]) for words in lines]
+
+    def test_the_image_has_every_library_that_the_programs_need(self):
+        words = [word for name, words in self.dockerfile() if name == "RUN" for word in words]
+        listed = words[words.index("--no-install-recommends") + 1:]
+        installed = closure(listed[:listed.index("&&")])
+        for program in PROGRAMS:
+            for library, package in libraries_of(program).items():
+                self.assertTrue(package in installed, f"{program} needs {library} of {package}")
+
+    def test_the_image_is_made_of_what_is_there(self):
+        instructions = self.dockerfile()
+        known = {"FROM", "WORKDIR", "COPY", "RUN", "USER", "VOLUME", "EXPOSE", "STOPSIGNAL",
+                 "ENTRYPOINT"}
+        self.assertEqual({name for name, _ in instructions} - known, set())
+        for name, words in instructions:
+            if name == "COPY" and not words[0].startswith("--from"):
+                for source in words[:-1]:
+                    self.assertTrue((DEPLOY.parent / source).exists(), source)
+        entrypoint = json.loads(" ".join(dict(instructions)["ENTRYPOINT"]))
+        self.assertEqual(entrypoint[0], "dcloc-server")
+        self.check_server_arguments(entrypoint)
 
     @needs_yaml
     def test_kubernetes_objects_fit_each_other(self):
