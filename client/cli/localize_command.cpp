@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "client/cli/anchor_option.h"
 #include "client/cli/exit_codes.h"
 #include "client/cli/localize_run.h"
 #include "client/cli/server_options.h"
@@ -29,9 +30,11 @@ void AddInitialPoseOptions(CLI::App& command, LocalizeArguments& arguments) {
   Perturbation& perturbation = arguments.perturbation;
   command
       .add_option("--initial", arguments.initial,
-                  "First pose: the truth, perturbed, or none (the whole map is searched)")
-      ->check(CLI::IsMember({"truth", "none"}))
+                  "First pose: the truth, perturbed; the same as a GNSS fix, which needs --anchor; "
+                  "or\nnone (the whole map is searched)")
+      ->check(CLI::IsMember({"truth", "gnss", "none"}))
       ->capture_default_str();
+  AddAnchorOption(command, arguments.anchor);
   command.add_option("--initial-error-m", perturbation.translation_m, "Perturbation, exactly")
       ->check(CLI::Range(0.0, 1000.0))
       ->type_name("M")
@@ -95,6 +98,9 @@ void AddLocalizeCommand(CLI::App& app, int& exit_code) {
       "      --root ~/nuscenes --drive scene-0655 --radars RADAR_BACK_LEFT,RADAR_BACK_RIGHT \\\n"
       "      --rate max --out answers.csv");
   localize->callback([arguments, &exit_code] {
+    if ((arguments->initial == "gnss") != arguments->anchor.has_value()) {
+      throw CLI::RequiredError("--initial gnss and --anchor together");
+    }
     const absl::Status status = RunLocalize(*arguments);
     exit_code = status.ok() ? kSuccess : Fail(status);
   });

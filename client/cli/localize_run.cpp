@@ -33,10 +33,10 @@ v1::OpenSession OpenRequest(const LocalizeArguments& arguments, const Drive& dri
   open.set_vehicle_id("dcloc-localize");
   open.set_map_name(arguments.map);
   *open.mutable_rig() = ToProto(drive.rig);
-  if (arguments.initial == "truth") {
-    *open.mutable_initial_pose() =
-        ToProto(Perturb(drive.scans.front().T_map_vehicle, arguments.perturbation, drive.name, 0));
-  }
+  const InitialPose perturbed =
+      Perturb(drive.scans.front().T_map_vehicle, arguments.perturbation, drive.name, 0);
+  if (arguments.initial == "truth") *open.mutable_initial_pose() = ToProto(perturbed);
+  if (arguments.initial == "gnss") *open.mutable_gnss_fix() = FixOf(perturbed, *arguments.anchor);
   if (arguments.scans_per_submap) {
     open.mutable_options()->set_scans_per_submap(*arguments.scans_per_submap);
   }

@@ -7,6 +7,7 @@
 #include "client/cli/dataset_options.h"
 #include "client/evaluation/perturbation.h"
 #include "client/sdk/channel.h"
+#include "core/geometry/geodetic_anchor.h"
 
 namespace dcloc::cli {
 
@@ -18,6 +19,7 @@ struct LocalizeArguments {
   DriveRequest drive;
   std::string ego_velocity = "sensor";
   std::string initial = "truth";
+  std::optional<GeodeticAnchor> anchor;  ///< of the drive's frame, for an initial GNSS fix
   Perturbation perturbation;
   std::string rate = "realtime";
   std::optional<int> scans_per_submap;

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/anchor_option.h"
 #include "client/cli/answer_text.h"
 #include "client/cli/dataset_options.h"
 #include "client/cli/map_call.h"
@@ -69,6 +70,7 @@ absl::StatusOr<v1::MapBuild> SendScans(client::MapClient& maps, const MapArgumen
   header.set_drive_name(drive.name);
   header.set_description(absl::StrCat("dcloc map remote-build: ", arguments.dataset.format));
   header.set_activate(arguments.activate);
+  if (arguments.anchor) *header.mutable_anchor() = ToProto(*arguments.anchor);
   Progress progress("sending scans", drive.scans.size());
   std::size_t sent = 0;
   return maps.StartBuild(header, [&](v1::PosedScan* message) {
@@ -149,6 +151,7 @@ void AddRemoteBuild(CLI::App& map_command, int& exit_code) {
       ->type_name("NAME");
   AddRadarsOption(*app, "--radars", arguments->drive.radars, "Radars to map with; all by default");
   AddDriveRequestOptions(*app, arguments->drive);
+  AddAnchorOption(*app, arguments->anchor);
   AddMapName(*app, *arguments, "Map that gets the version; made if it is new")->required();
   app->add_flag("--activate", arguments->activate, "New sessions get this version once it is made");
   app->add_flag("--no-wait", arguments->no_wait,

@@ -19,6 +19,13 @@ absl::Status Run(MapCall* call, const MapArguments& arguments) {
   return NamingServer(call(maps, arguments), arguments.server);
 }
 
+ordered_json Json(const v1::GeodeticAnchor& anchor) {
+  return {{"latitude_deg", anchor.origin().latitude_deg()},
+          {"longitude_deg", anchor.origin().longitude_deg()},
+          {"height_m", anchor.origin().height_m()},
+          {"x_axis_east_rad", anchor.x_axis_east_rad()}};
+}
+
 }  // namespace
 
 CLI::App* AddMapCall(CLI::App& map_command, const char* name, const char* description,
@@ -68,7 +75,8 @@ ordered_json Json(const v1::MapVersion& version) {
           {"description", version.info().description()},
           {"keyframe_count", version.info().keyframe_count()},
           {"point_count", version.info().point_count()},
-          {"length_m", version.info().length_m()}};
+          {"length_m", version.info().length_m()},
+          {"anchor", version.info().has_anchor() ? Json(version.info().anchor()) : nullptr}};
 }
 
 std::string Text(const v1::MapVersion& version) {

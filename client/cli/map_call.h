@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
 #include "client/cli/dataset_options.h"
 #include "client/sdk/channel.h"
 #include "client/sdk/map_client.h"
+#include "core/geometry/geodetic_anchor.h"
 
 /// What the subcommands of `map` that need a server have in common.
 namespace dcloc::cli {
@@ -30,7 +32,9 @@ struct MapArguments {
   std::string build;
   DatasetArguments dataset;
   DriveRequest drive;
+  std::optional<GeodeticAnchor> anchor;
   v1::FindCoverageRequest coverage;
+  v1::ReadMapTileRequest tile;
 };
 
 using MapCall = absl::Status(client::MapClient&, const MapArguments&);

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/cli/anchor_option.h"
 #include "client/cli/atomic_file.h"
 #include "client/cli/dataset_options.h"
 #include "client/cli/exit_codes.h"
@@ -24,6 +25,7 @@ namespace {
 struct BuildArguments {
   DatasetArguments dataset;
   DriveRequest drive;
+  std::optional<GeodeticAnchor> anchor;
   std::string name;
   std::string out;
   bool json = false;
@@ -53,6 +55,7 @@ absl::Status Build(const BuildArguments& arguments) {
   MapBuilderOptions options;
   options.name = arguments.name.empty() ? drive->name : arguments.name;
   options.description = Describe(arguments, *drive);
+  options.anchor = arguments.anchor;
   Progress progress("building the map", drive->scans.size());
   auto bytes =
       BuildMap(*drive, options, [&](std::size_t scan_count) { progress.Update(scan_count); });
@@ -86,6 +89,7 @@ void AddBuild(CLI::App& map, int& exit_code) {
   AddRadarsOption(*build, "--radars", arguments->drive.radars,
                   "Radars to map with; all by default");
   AddDriveRequestOptions(*build, arguments->drive);
+  AddAnchorOption(*build, arguments->anchor);
   build->add_option("--name", arguments->name, "Name of the map; the drive's by default");
   build->add_option("--out", arguments->out, "File to write")->required()->type_name("FILE");
   build->add_flag("--json", arguments->json, "Print what was made as JSON");

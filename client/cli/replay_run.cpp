@@ -83,7 +83,7 @@ absl::StatusOr<Comparison> ReplayHere(const ReplayArguments& arguments,
   }
   const auto map = RadarMap::Open(arguments.map_file);
   if (!map.ok()) return map.status();
-  absl::StatusOr<SessionStart> start = FromProto(recording.header().open());
+  absl::StatusOr<SessionStart> start = FromProto(recording.header().open(), (*map)->info().anchor);
   if (!start.ok()) return start.status();
   absl::StatusOr<Localizer> localizer =
       Localizer::Create(*map, std::move(start->rig), start->initial_pose, start->options);

@@ -1,9 +1,13 @@
 #include "client/cli/wire.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "core/geometry/covariance.h"
+#include "core/geometry/degrees.h"
+#include "core/geometry/geodetic_heading.h"
 
 namespace dcloc::cli {
 namespace {
@@ -14,6 +18,12 @@ void Set(v1::Vector3* message, const Eigen::Vector3d& vector) {
   message->set_x(vector.x());
   message->set_y(vector.y());
   message->set_z(vector.z());
+}
+
+void Set(v1::GeodeticPosition* message, const GeodeticPosition& position) {
+  message->set_latitude_deg(position.latitude_deg);
+  message->set_longitude_deg(position.longitude_deg);
+  message->set_height_m(position.height_m);
 }
 
 void Set(v1::Pose* message, const Pose3& pose) {
@@ -104,6 +114,24 @@ v1::PoseWithCovariance ToProto(const InitialPose& initial_pose) {
   Set(message.mutable_pose(), initial_pose.T_map_vehicle);
   Set(message.mutable_covariance(),
       FixedAxesFromTangent(initial_pose.T_map_vehicle, initial_pose.covariance));
+  return message;
+}
+
+v1::GeodeticAnchor ToProto(const GeodeticAnchor& anchor) {
+  v1::GeodeticAnchor message;
+  Set(message.mutable_origin(), anchor.origin);
+  message.set_x_axis_east_rad(anchor.x_axis_east_rad);
+  return message;
+}
+
+v1::GnssFix FixOf(const InitialPose& pose, const GeodeticAnchor& anchor) {
+  const Vector6d variances = pose.covariance.diagonal();
+  v1::GnssFix message;
+  Set(message.mutable_position(), GeodeticFromMap(anchor, pose.T_map_vehicle.translation_m));
+  message.set_horizontal_sigma_m(std::sqrt(std::max(variances[0], variances[1])));
+  message.set_vertical_sigma_m(std::sqrt(variances[2]));
+  message.set_heading_deg(HeadingFromMap(anchor, pose.T_map_vehicle));
+  message.set_heading_sigma_deg(std::sqrt(variances[5]) * kDegPerRad);
   return message;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
+#include "core/geometry/geodetic_anchor.h"
 #include "core/localizer/localizer.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
@@ -16,6 +17,10 @@ namespace dcloc::cli {
 v1::Rig ToProto(const Rig& rig);
 v1::PoseWithCovariance ToProto(const InitialPose& initial_pose);
 v1::Scan ToProto(const Scan& scan, std::int64_t sequence_number);
+v1::GeodeticAnchor ToProto(const GeodeticAnchor& anchor);
+
+/// The pose as a receiver would tell it that is as good: position and heading, no roll and pitch.
+v1::GnssFix FixOf(const InitialPose& pose, const GeodeticAnchor& anchor);
 
 /// What a server of ours answers; without timings, map version and place on the Earth.
 v1::LocalizationResult ToProto(const Localization& localization, std::int64_t sequence_number);

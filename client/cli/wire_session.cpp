@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/geometry/covariance.h"
+#include "core/localizer/gnss_prior.h"
 
 namespace dcloc::cli {
 namespace {
@@ -62,32 +63,53 @@ LocalizerOptions OptionsOf(const v1::LocalizationOptions& message) {
   return options;
 }
 
+GnssFix FixOf(const v1::GnssFix& message) {
+  const v1::GeodeticPosition& position = message.position();
+  GnssFix fix{.position = {.latitude_deg = position.latitude_deg(),
+                           .longitude_deg = position.longitude_deg(),
+                           .height_m = position.height_m()},
+              .horizontal_sigma_m = message.horizontal_sigma_m(),
+              .vertical_sigma_m = message.vertical_sigma_m(),
+              .heading_deg = {},
+              .heading_sigma_deg = message.heading_sigma_deg()};
+  if (message.has_heading_deg()) fix.heading_deg = message.heading_deg();
+  return fix;
+}
+
+absl::StatusOr<InitialPose> PoseOf(const v1::PoseWithCovariance& message) {
+  if (message.covariance_size() != RowMajor6d::SizeAtCompileTime) {
+    return absl::DataLossError("the recorded initial pose has no covariance of 36 values");
+  }
+  const Pose3 T_map_vehicle = PoseOf(message.pose());
+  return InitialPose{.T_map_vehicle = T_map_vehicle,
+                     .covariance = TangentFromFixedAxes(
+                         T_map_vehicle, RowMajor6d::Map(message.covariance().data()))};
+}
+
 std::vector<float> ColumnOf(const google::protobuf::RepeatedField<float>& values) {
   return {values.begin(), values.end()};
 }
 
 }  // namespace
 
-absl::StatusOr<SessionStart> FromProto(const v1::OpenSession& open) {
-  if (open.has_gnss_fix()) {
-    return absl::UnimplementedError(
-        "the session began with a GNSS fix, which only a server makes a pose of; replay it with "
-        "--server");
-  }
+absl::StatusOr<SessionStart> FromProto(const v1::OpenSession& open,
+                                       const std::optional<GeodeticAnchor>& anchor) {
   SessionStart start;
   for (const v1::RadarModel& radar : open.rig().radars()) {
     start.rig.radars.push_back(RadarOf(radar));
   }
   start.options = OptionsOf(open.options());
-  if (!open.has_initial_pose()) return start;
-  const v1::PoseWithCovariance& pose = open.initial_pose();
-  if (pose.covariance_size() != RowMajor6d::SizeAtCompileTime) {
-    return absl::DataLossError("the recorded initial pose has no covariance of 36 values");
+  if (open.has_gnss_fix()) {
+    if (!anchor) {
+      return absl::FailedPreconditionError(
+          "the session began with a GNSS fix, and the map has no anchor on the Earth");
+    }
+    start.initial_pose = PriorFromGnss(FixOf(open.gnss_fix()), *anchor);
+  } else if (open.has_initial_pose()) {
+    const absl::StatusOr<InitialPose> pose = PoseOf(open.initial_pose());
+    if (!pose.ok()) return pose.status();
+    start.initial_pose = *pose;
   }
-  const Pose3 T_map_vehicle = PoseOf(pose.pose());
-  start.initial_pose = InitialPose{
-      .T_map_vehicle = T_map_vehicle,
-      .covariance = TangentFromFixedAxes(T_map_vehicle, RowMajor6d::Map(pose.covariance().data()))};
   return start;
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
+#include "core/geometry/geodetic_anchor.h"
 #include "core/localizer/localizer.h"
 #include "dcloc/v1/localization_service.pb.h"
 
@@ -15,8 +16,10 @@ struct SessionStart {
   LocalizerOptions options;
 };
 
-/// Unimplemented for a session that began with a GNSS fix.
-absl::StatusOr<SessionStart> FromProto(const v1::OpenSession& open);
+/// In a map with that anchor, if any. FailedPrecondition for a session that began with a GNSS fix
+/// where the map has none.
+absl::StatusOr<SessionStart> FromProto(const v1::OpenSession& open,
+                                       const std::optional<GeodeticAnchor>& anchor);
 
 /// As above for a scan that the server localized.
 Scan FromProto(const v1::Scan& message);

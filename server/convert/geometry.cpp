@@ -1,11 +1,9 @@
 #include "server/convert/geometry.h"
 
-#include <cmath>
-
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
-#include "core/geometry/degrees.h"
+#include "core/geometry/geodetic_heading.h"
 #include "server/convert/check.h"
 #include "server/status.h"
 
@@ -27,11 +25,6 @@ absl::Status CheckTranslation(const Eigen::Vector3d& translation_m, absl::string
     if (!status.ok()) return status;
   }
   return absl::OkStatus();
-}
-
-/// East-north-up axes at `position` as an anchor of their own.
-GeodeticAnchor LocalTangentPlane(const GeodeticPosition& position) {
-  return {.origin = position, .x_axis_east_rad = 0.0};
 }
 
 }  // namespace
@@ -118,25 +111,8 @@ void ToProto(const Pose3& T_map_vehicle, const Matrix6d& covariance,
 
 void ToProto(const GeodeticAnchor& anchor, const Pose3& T_map_vehicle, v1::GeodeticPose* message) {
   const GeodeticPosition position = GeodeticFromMap(anchor, T_map_vehicle.translation_m);
-  // North at the vehicle is not north at the map's origin, so the direction goes over the Earth.
-  const GeodeticPosition ahead =
-      GeodeticFromMap(anchor, T_map_vehicle * Eigen::Vector3d(1.0, 0.0, 0.0));
-  const Eigen::Vector3d ahead_enu = MapFromGeodetic(LocalTangentPlane(position), ahead);
-  double heading_deg = std::atan2(ahead_enu.x(), ahead_enu.y()) * kDegPerRad;
-  if (heading_deg < 0.0) heading_deg += 360.0;
   ToProto(position, message->mutable_position());
-  message->set_heading_deg(heading_deg < 360.0 ? heading_deg : 0.0);
-}
-
-double YawFromHeading(const GeodeticAnchor& anchor, const GeodeticPosition& position,
-                      double heading_deg) {
-  const double heading_rad = heading_deg / kDegPerRad;
-  const GeodeticPosition ahead =
-      GeodeticFromMap(LocalTangentPlane(position),
-                      Eigen::Vector3d(std::sin(heading_rad), std::cos(heading_rad), 0.0));
-  const Eigen::Vector3d ahead_map =
-      MapFromGeodetic(anchor, ahead) - MapFromGeodetic(anchor, position);
-  return std::atan2(ahead_map.y(), ahead_map.x());
+  message->set_heading_deg(HeadingFromMap(anchor, T_map_vehicle));
 }
 
 }  // namespace dcloc::server::convert

@@ -36,8 +36,4 @@ void ToProto(const Pose3& T_map_vehicle, const Matrix6d& covariance,
 /// Position and heading on the Earth of a vehicle at `T_map_vehicle`.
 void ToProto(const GeodeticAnchor& anchor, const Pose3& T_map_vehicle, v1::GeodeticPose* message);
 
-/// Yaw in the map frame of what has `heading_deg` (clockwise from true north) at `position`.
-double YawFromHeading(const GeodeticAnchor& anchor, const GeodeticPosition& position,
-                      double heading_deg);
-
 }  // namespace dcloc::server::convert

@@ -1,11 +1,10 @@
 #include "server/convert/session.h"
 
 #include <limits>
-#include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "core/geometry/covariance.h"
-#include "core/geometry/degrees.h"
+#include "core/localizer/gnss_prior.h"
 #include "server/convert/check.h"
 #include "server/convert/geometry.h"
 #include "server/convert/scan.h"
@@ -17,10 +16,6 @@ namespace {
 constexpr double kMaxGnssSigma_m = 1e4;
 constexpr double kMinGnssSigma_m = 1e-3;
 constexpr double kMinHeadingSigma_deg = 1e-3;
-/// A heading that nobody knows is uniform over the circle.
-constexpr double kUnknownYawVariance_rad2 = std::numbers::pi * std::numbers::pi / 3.0;
-/// A receiver says nothing of roll and pitch; a road vehicle stays within a few degrees.
-constexpr double kRollPitchSigma_rad = 3.0 * kRadPerDeg;
 
 LocalizerOptions OptionsFromProto(const v1::LocalizationOptions& message) {
   LocalizerOptions options;
@@ -71,21 +66,13 @@ absl::StatusOr<InitialPose> FixFromProto(const v1::GnssFix& message,
     return absl::FailedPreconditionError(
         "open.gnss_fix is of no use in this map: it has no anchor on the Earth");
   }
-  const double horizontal_m2 = message.horizontal_sigma_m() * message.horizontal_sigma_m();
-  const double heading_sigma_rad = message.heading_sigma_deg() * kRadPerDeg;
-  const double yaw_rad =
-      message.has_heading_deg() ? YawFromHeading(*anchor, *position, message.heading_deg()) : 0.0;
-  const double yaw_rad2 =
-      message.has_heading_deg() ? heading_sigma_rad * heading_sigma_rad : kUnknownYawVariance_rad2;
-  InitialPose pose;
-  pose.T_map_vehicle.translation_m = MapFromGeodetic(*anchor, *position);
-  pose.T_map_vehicle.rotation = Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ());
-  // The same along every horizontal axis, hence the same in the map's and the vehicle's frame.
-  pose.covariance =
-      EmbedCovariance(Eigen::Vector3d(horizontal_m2, horizontal_m2, yaw_rad2).asDiagonal(),
-                      message.vertical_sigma_m() * message.vertical_sigma_m(),
-                      kRollPitchSigma_rad * kRollPitchSigma_rad);
-  return pose;
+  GnssFix fix{.position = *position,
+              .horizontal_sigma_m = message.horizontal_sigma_m(),
+              .vertical_sigma_m = message.vertical_sigma_m(),
+              .heading_deg = {},
+              .heading_sigma_deg = message.heading_sigma_deg()};
+  if (message.has_heading_deg()) fix.heading_deg = message.heading_deg();
+  return PriorFromGnss(fix, *anchor);
 }
 
 void SetQuality(const LocalizationQuality& quality, v1::LocalizationQuality* message) {

@@ -279,6 +279,68 @@ TEST_F(ServerCommandsTest, AVehiclesRecordingIsReplayedToTheBit) {
   EXPECT_EQ(Dcloc(At("session replay") + file + " --map " + Shared("map")).exit_code, 2);
 }
 
+TEST_F(ServerCommandsTest, ASessionThatBeganWithAFixIsReplayedToTheBit) {
+  const std::string anchor = "--anchor 1.2986,103.78,10,30 ";
+  Result result = Dcloc("map build " + Data() + " " + anchor + "--json --out " + File("anchored"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NEAR(nlohmann::json::parse(result.out)["anchor"]["x_axis_east_rad"], 0.5236, 1e-4);
+  ASSERT_EQ(Dcloc(At("map upload") + "--map town --activate " + File("anchored")).exit_code, 0);
+  const auto versions = nlohmann::json::parse(Dcloc(At("map list") + "--map town --json").out);
+  EXPECT_NEAR(versions[0]["anchor"]["latitude_deg"], 1.2986, 1e-9);
+
+  const std::string file = File("session.rec");
+  result = Dcloc(Localize("--rate max --initial gnss " + anchor + "--record " + file));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  result = Dcloc("session replay " + file + " --json --map " + File("anchored"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto here = nlohmann::json::parse(result.out);
+  EXPECT_GT(here["equal_count"], 100);
+  EXPECT_EQ(here["different_count"], 0);
+  EXPECT_EQ(Dcloc(At("session replay") + file).exit_code, 0);
+  result = Dcloc("session replay " + file + " --any-map --map " + Shared("map"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("no anchor"));
+
+  EXPECT_EQ(Dcloc(Localize("--initial gnss")).exit_code, 2) << "a fix needs an anchor";
+  EXPECT_EQ(Dcloc(Localize(anchor)).exit_code, 2) << "and an anchor is for nothing else";
+  result = Dcloc(Localize("--initial gnss --anchor 91,0"));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("latitude_deg is 91"));
+  EXPECT_EQ(Dcloc(Localize("--initial gnss --anchor 1")).exit_code, 2);
+}
+
+TEST_F(ServerCommandsTest, AMapThatAServerMakesHasItsPlaceOnTheEarth) {
+  ASSERT_EQ(Dcloc(At("map remote-build") + "--map town --activate --anchor 1.2986,103.78 " + Data())
+                .exit_code,
+            0);
+  const Result result = Dcloc(
+      At("map coverage") + "--latitude-deg 1.2986 --longitude-deg 103.78 --radius-m 5000 --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).size(), 1U);
+}
+
+TEST_F(ServerCommandsTest, ATileOfAMapIsPrinted) {
+  Upload();
+  const std::string tile = At("map tile") + "--map town ";
+  const std::string all = "--min-x-m -2000 --max-x-m 2000 --min-y-m -2000 --max-y-m 2000 ";
+  Result result = Dcloc(tile + all + "--json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  const auto versions = nlohmann::json::parse(Dcloc(At("map list") + "--map town --json").out);
+  EXPECT_EQ(json["point_count"], versions[0]["point_count"]);
+  EXPECT_EQ(json["points"].size(), json["point_count"]);
+  EXPECT_EQ(json["keyframes"].size(), versions[0]["keyframe_count"]);
+  EXPECT_EQ(json["points"][0].size(), 4U);
+  const std::vector<std::string> csv = Lines(Dcloc(tile + all + "--max-points 100").out);
+  EXPECT_EQ(csv[0], "x_m,y_m,z_m,rcs_dbsm");
+  EXPECT_GT(csv.size(), 30U);
+  EXPECT_LE(csv.size(), 101U);
+  result = Dcloc(tile + "--min-x-m 0 --max-x-m 9000 --min-y-m 0 --max-y-m 1");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("max_x_m"));
+  EXPECT_EQ(Dcloc(tile + "--min-x-m 0").exit_code, 2);
+}
+
 TEST_F(ServerCommandsTest, AnOperatorRecordsTheNextSessionOfAVehicle) {
   Upload();
   const std::string file = File("session.rec");

@@ -1,7 +1,12 @@
 #include "client/cli/wire.h"
 
+#include <gmock/gmock.h>
+#include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "client/cli/wire_session.h"
 #include "server/convert/scan.h"
 #include "server/convert/session.h"
 
@@ -52,6 +57,157 @@ TEST(WireTest, ARigArrivesAsItWas) {
   EXPECT_TRUE(radar.has_elevation);
   EXPECT_EQ(radar.unambiguous_range_rate_mps, sent.unambiguous_range_rate_mps);
   EXPECT_FALSE(arrived->radars[1].has_elevation);
+}
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::util::MessageDifferencer;
+
+/// Gives each number and flag in `message` that is not one of `left_out` a value of its own, in
+/// what is below too.
+void Fill(const std::string& left_out, google::protobuf::Message* message, float* value) {
+  const google::protobuf::Reflection& reflection = *message->GetReflection();
+  for (int i = 0; i < message->GetDescriptor()->field_count(); ++i) {
+    const FieldDescriptor* field = message->GetDescriptor()->field(i);
+    if (field->name() == left_out) continue;
+    switch (field->cpp_type()) {
+      case FieldDescriptor::CPPTYPE_DOUBLE:
+        ASSERT_FALSE(field->is_repeated());
+        reflection.SetDouble(message, field, static_cast<double>(*value += 0.001F));
+        break;
+      case FieldDescriptor::CPPTYPE_FLOAT:
+        reflection.AddFloat(message, field, *value += 0.001F);
+        break;
+      case FieldDescriptor::CPPTYPE_INT32:
+        reflection.SetInt32(message, field, 7);
+        break;
+      case FieldDescriptor::CPPTYPE_INT64:
+        reflection.SetInt64(message, field, 1'700'000'000'000'000'123);
+        break;
+      case FieldDescriptor::CPPTYPE_BOOL:
+        reflection.SetBool(message, field, true);
+        break;
+      case FieldDescriptor::CPPTYPE_STRING:
+        reflection.SetString(message, field, "front");
+        break;
+      case FieldDescriptor::CPPTYPE_MESSAGE:
+        Fill(left_out, reflection.MutableMessage(message, field), value);
+        break;
+      default:
+        FAIL() << field->full_name() << " has a type that this test does not know";
+    }
+  }
+}
+
+/// A radar of which the wire says all that it can.
+v1::Rig FullRig() {
+  v1::Rig rig;
+  float value = 0.1F;
+  Fill("chirp", rig.add_radars(), &value);
+  // Of length 1 to the last bit, so that nobody changes it.
+  v1::Quaternion& rotation = *rig.mutable_radars(0)->mutable_t_vehicle_radar()->mutable_rotation();
+  rotation = v1::Quaternion();
+  rotation.set_z(1.0);
+  return rig;
+}
+
+// Server and client each have a translation of their own, and this is what keeps them in step: a
+// field that one of the three forgets comes back empty.
+TEST(WireTest, NothingThatTheWireSaysOfARadarIsForgotten) {
+  const v1::Rig rig = FullRig();
+  const auto at_server = server::convert::FromProto(rig, "rig");
+  ASSERT_TRUE(at_server.ok()) << at_server.status();
+  EXPECT_TRUE(MessageDifferencer::Equals(ToProto(*at_server), rig))
+      << ToProto(*at_server).DebugString() << "instead of\n"
+      << rig.DebugString();
+  v1::OpenSession open;
+  *open.mutable_rig() = rig;
+  const auto replayed = FromProto(open, std::nullopt);
+  ASSERT_TRUE(replayed.ok()) << replayed.status();
+  EXPECT_TRUE(MessageDifferencer::Equals(ToProto(replayed->rig), rig))
+      << ToProto(replayed->rig).DebugString();
+}
+
+TEST(WireTest, NothingThatTheWireSaysOfAScanIsForgotten) {
+  v1::Scan message;
+  float value = 0.1F;
+  Fill("covariance", &message, &value);
+  Scan at_server;
+  const absl::Status status = server::convert::FromProto(message, TwoRadars(), &at_server);
+  ASSERT_TRUE(status.ok()) << status;
+  const v1::Scan back = ToProto(at_server, message.sequence_number());
+  EXPECT_TRUE(MessageDifferencer::Equals(back, message)) << back.DebugString();
+  const v1::Scan replayed = ToProto(FromProto(message), message.sequence_number());
+  EXPECT_TRUE(MessageDifferencer::Equals(replayed, message)) << replayed.DebugString();
+}
+
+TEST(WireTest, OptionsAreReplayedAsTheServerTookThem) {
+  v1::OpenSession open;
+  open.set_vehicle_id("car");
+  open.set_map_name("town");
+  *open.mutable_rig() = FullRig();
+  const auto* options = v1::LocalizationOptions::descriptor();
+  ASSERT_EQ(options->field_count(), 4) << "compare the new one below";
+  open.mutable_options()->set_scans_per_submap(3);
+  open.mutable_options()->set_doppler_compensation(false);
+  open.mutable_options()->set_uncertainty(false);
+  open.mutable_options()->set_truncation(false);
+  const auto at_server = server::convert::FromProto(open);
+  ASSERT_TRUE(at_server.ok()) << at_server.status();
+  const auto replayed = FromProto(open, std::nullopt);
+  ASSERT_TRUE(replayed.ok()) << replayed.status();
+  for (const LocalizerOptions& taken : {at_server->options, replayed->options}) {
+    EXPECT_EQ(taken.scans_per_submap, 3);
+    EXPECT_FALSE(taken.doppler_compensation);
+    EXPECT_FALSE(taken.uncertainty);
+    EXPECT_FALSE(taken.truncation);
+  }
+}
+
+const GeodeticAnchor kAnchor{
+    .origin = {.latitude_deg = 48.4, .longitude_deg = 9.97, .height_m = 480.0},
+    .x_axis_east_rad = 0.5};
+
+InitialPose Level() {
+  const Pose3 pose{
+      .translation_m = {120.0, -40.0, 1.0},
+      .rotation = Eigen::Quaterniond(Eigen::AngleAxisd(-2.0, Eigen::Vector3d::UnitZ()))};
+  Vector6d variances;
+  variances << 0.5, 0.5, 0.01, 7e-5, 7e-5, 1e-3;
+  return {.T_map_vehicle = pose, .covariance = variances.asDiagonal()};
+}
+
+TEST(WireTest, AFixIsThePoseThatItWasMadeOf) {
+  v1::OpenSession open;
+  *open.mutable_gnss_fix() = FixOf(Level(), kAnchor);
+  const auto pose = server::convert::InitialPoseFromProto(open, kAnchor);
+  ASSERT_TRUE(pose.ok()) << pose.status();
+  EXPECT_LT(Log((*pose)->T_map_vehicle.Inverse() * Level().T_map_vehicle).norm(), 1e-5);
+  for (const int i : {0, 1, 2, 5}) {
+    EXPECT_NEAR((*pose)->covariance(i, i), Level().covariance(i, i), 1e-9) << i;
+  }
+}
+
+TEST(WireTest, AFixIsReplayedToTheBit) {
+  v1::OpenSession open;
+  *open.mutable_gnss_fix() = FixOf(Level(), kAnchor);
+  for (const bool has_heading : {true, false}) {
+    if (!has_heading) {
+      open.mutable_gnss_fix()->clear_heading_deg();
+      open.mutable_gnss_fix()->clear_heading_sigma_deg();
+    }
+    const auto at_server = server::convert::InitialPoseFromProto(open, kAnchor);
+    ASSERT_TRUE(at_server.ok()) << at_server.status();
+    const auto replayed = FromProto(open, kAnchor);
+    ASSERT_TRUE(replayed.ok()) << replayed.status();
+    ASSERT_TRUE(replayed->initial_pose.has_value());
+    const Pose3& pose = replayed->initial_pose->T_map_vehicle;
+    EXPECT_EQ(pose.translation_m, (*at_server)->T_map_vehicle.translation_m);
+    EXPECT_EQ(pose.rotation.coeffs(), (*at_server)->T_map_vehicle.rotation.coeffs());
+    EXPECT_EQ(replayed->initial_pose->covariance, (*at_server)->covariance);
+  }
+  const absl::Status status = FromProto(open, std::nullopt).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("no anchor"));
 }
 
 TEST(WireTest, AScanArrivesAsItWas) {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+
+#include "core/geometry/geodetic_anchor.h"
+
+namespace dcloc::cli {
+
+/// Adds --anchor: where the drive's frame, and so its map's, lies on the Earth. What is no such
+/// place makes the command line an error.
+CLI::Option* AddAnchorOption(CLI::App& command, std::optional<GeodeticAnchor>& anchor);
+
+}  // namespace dcloc::cli
