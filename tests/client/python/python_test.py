@@ -12,6 +12,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent.parent
@@ -115,6 +117,49 @@ class Package(unittest.TestCase):
         with self.assertRaises(grpc.RpcError) as raised:
             dcloc.Session(dcloc.connect(self.server.address), message)
         self.assertEqual(raised.exception.code(), grpc.StatusCode.NOT_FOUND)
+
+    def test_who_returns_at_once_is_heard(self):
+        """A stream that begins on a connection which has just broken fails, or works."""
+        import dcloc
+        import grpc
+        from dcloc.v1 import scan_pb2
+        from relay import Relay
+        heard = 0
+        message = self.open_message(resumable=True)
+        with Relay(self.server.address) as relay:
+            channel = dcloc.connect(relay.address)
+            for _ in range(60):
+                try:
+                    session = dcloc.Session(channel, message)
+                except grpc.RpcError as error:
+                    self.assertEqual(error.code(), grpc.StatusCode.UNAVAILABLE, error)
+                    continue
+                message.resume_token = session.opened.resume_token
+                deaf = threading.Timer(10, session.cancel)
+                deaf.start()
+                for _ in range(3):
+                    answer = session.localize(scan_pb2.Scan(
+                        sequence_number=heard, radar_id="front", stamp_ns=10**18 + heard * 10**8))
+                    self.assertEqual(answer.result.sequence_number, heard)
+                    heard += 1
+                deaf.cancel()
+                relay.cut()
+        self.assertGreater(heard, 60)
+
+    def test_sessions_that_failed_leave_no_thread_behind(self):
+        import dcloc
+        import grpc
+        message = self.open_message()
+        message.map_name = "nowhere"
+        channel = dcloc.connect(self.server.address)
+        before = threading.active_count()
+        for _ in range(20):
+            with self.assertRaises(grpc.RpcError):
+                dcloc.Session(channel, message)
+        deadline = time.monotonic() + 10
+        while threading.active_count() > before + 2 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        self.assertLessEqual(threading.active_count(), before + 2)
 
     def test_a_token_goes_to_this_machine_or_over_tls(self):
         import dcloc

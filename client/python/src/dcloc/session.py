@@ -28,6 +28,9 @@ class Session:
         self._answers = stubs.LocalizationServiceStub(channel).Localize(
             iter(self._requests.get, None),
             metadata=[("x-session-id", open_session.vehicle_id)])
+        # gRPC takes the requests on a thread of its own, which would wait for the next one for good.
+        if not self._answers.add_callback(lambda: self._requests.put(None)):
+            self._requests.put(None)
         #: What the server said on opening.
         self.opened: messages.SessionOpened = next(self._answers).opened
 
