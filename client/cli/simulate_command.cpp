@@ -88,6 +88,9 @@ void AddWorldOptions(CLI::App& app, SimulateArguments& arguments) {
   AddChoice(app, "--world", options.world, "Where to drive");
   app.add_option("--seed", options.seed, "Makes another world of the kind, and other drives");
   app.add_option("--length-m", options.length_m, "Length of each drive")->type_name("M");
+  app.add_option("--tunnel-m", options.tunnel_m,
+                 "Length of a tunnel in the middle, whose walls show nothing of the way along it")
+      ->type_name("M");
   app.add_option("--map-speed-kmh", arguments.map_speed_kmh,
                  "Mean speed of the map pass, where bends allow it")
       ->type_name("KMH");

@@ -245,6 +245,7 @@ Json RigDescription(const Rig& rig, const SimulationOptions& options) {
                            {"rig_size", options.rig_size},
                            {"seed", options.seed},
                            {"length_m", options.length_m},
+                           {"tunnel_m", options.tunnel_m},
                            {"map_speed_mps", options.map_speed_mps},
                            {"live_speeds_mps", options.live_speeds_mps},
                            {"stops", options.stops},

@@ -184,7 +184,7 @@ class PassSimulator {
 }  // namespace
 
 simulation::World MakeWorld(const SimulationOptions& options) {
-  return simulation::MakeWorld(options.world, options.seed, options.length_m);
+  return simulation::MakeWorld(options.world, options.seed, options.length_m, options.tunnel_m);
 }
 
 absl::StatusOr<SimulatedPass> SimulatePassWithTruth(const simulation::World& world,

@@ -9,6 +9,8 @@ namespace {
 constexpr double kMinSpeed = 2.0;   // [m/s]
 constexpr double kMaxSpeed = 60.0;  // [m/s]
 constexpr std::size_t kMaxLivePasses = 100;
+constexpr double kMinTunnel = 20.0;             // [m]
+constexpr double kLengthWithoutTunnel = 100.0;  // of a drive, before and after [m]
 
 absl::Status CheckRange(const std::string& field, double value, double low, double high) {
   if (value >= low && value <= high) return absl::OkStatus();
@@ -38,6 +40,10 @@ absl::Status ValidateKinds(const SimulationOptions& options) {
 absl::Status Validate(const SimulationOptions& options) {
   absl::Status status = ValidateKinds(options);
   status.Update(CheckRange("length_m", options.length_m, 50.0, 20'000.0));
+  if (options.tunnel_m != 0.0) {
+    status.Update(CheckRange("tunnel_m", options.tunnel_m, kMinTunnel,
+                             options.length_m - kLengthWithoutTunnel));
+  }
   status.Update(CheckRange("map_speed_mps", options.map_speed_mps, kMinSpeed, kMaxSpeed));
   for (std::size_t i = 0; i < options.live_speeds_mps.size(); ++i) {
     status.Update(CheckRange(absl::StrCat("live_speeds_mps[", i, "]"), options.live_speeds_mps[i],

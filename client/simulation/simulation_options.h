@@ -23,6 +23,7 @@ struct SimulationOptions {
   int rig_size = 1;                        ///< 1 (front) or 5
   std::uint64_t seed = 1;
   double length_m = 1000.0;  ///< of each drive
+  double tunnel_m = 0.0;     ///< of a tunnel without features in its middle; 0 for none
 
   double map_speed_mps = 72.0 / 3.6;                   ///< mean of the map pass
   std::vector<double> live_speeds_mps = {40.0 / 3.6};  ///< means of the live passes

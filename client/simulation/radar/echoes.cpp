@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "client/simulation/world/path.h"
+
 namespace dcloc::simulation {
 namespace {
 
@@ -14,6 +16,9 @@ constexpr double kFluctuationDb = 2.0;  // from scan to scan
 constexpr double kDeepestFadeDb = 8.0;  // what fluctuation could still lift over the threshold
 constexpr double kOwnSkin = 0.35;       // of the object that a scatterer belongs to [m]
 constexpr double kGlintDbsm = 9.0;
+constexpr double kReflectionDbsm = 8.0;  // of a smooth wall, seen at a right angle
+constexpr double kReflectionSpreadDb = 4.0;
+constexpr double kWallThickness = 0.03;  // of a smooth wall's reflections, across it [m]
 
 double Radius(const RadarProfile& profile) {
   return std::max(profile.max_range_m, profile.far_max_range_m);
@@ -51,6 +56,21 @@ class EchoCollector {
     // A wall is rougher here and smoother there: lobes by place stand for that.
     const double rcs = kGlintDbsm + LobesDb(1, share * side.norm() / 10.0);
     AddAt(foot, Eigen::Vector3d::Zero(), rcs, 0.03, 0, EchoSource::kGlint);
+  }
+
+  void AddReflections(const Wall& wall) {
+    const Eigen::Vector2d side = wall.end_m - wall.begin_m;
+    const Eigen::Vector2d across = LeftOf(std::atan2(side.y(), side.x()));
+    const int count = Poisson(random_, wall.reflections_per_m * side.norm());
+    for (int i = 0; i < count; ++i) {
+      Eigen::Vector3d position;
+      position << wall.begin_m + Uniform(random_, 0.0, 1.0) * side, Uniform(random_, 0.3, 3.0);
+      const Eigen::Vector3d sight = position - view_.T_map_radar.translation_m;
+      const double grazing = std::abs(across.dot(sight.head<2>().normalized()));
+      const double rcs = Normal(random_, kReflectionDbsm, kReflectionSpreadDb) +
+                         10.0 * std::log10(std::max(grazing, 1e-3));
+      AddAt(position, Eigen::Vector3d::Zero(), rcs, kWallThickness, 0, EchoSource::kReflection);
+    }
   }
 
   std::vector<Echo> Take() { return std::move(echoes_); }
@@ -143,6 +163,7 @@ std::vector<Echo> CollectEchoes(const Scene& scene, const std::vector<MovingBody
                         });
   for (const Wall& wall : occlusion.walls()) {
     if (wall.is_mirror) collector.AddGlint(wall);
+    if (wall.reflections_per_m > 0.0) collector.AddReflections(wall);
   }
   for (const MovingBody& body : bodies) AddBody(body, collector);
   return collector.Take();

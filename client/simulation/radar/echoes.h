@@ -15,6 +15,7 @@ enum class EchoSource {
   kStatic,        ///< a persistent scatterer, parked vehicles included
   kGlint,         ///< a wall that is seen at a right angle; slides along the wall with the vehicle
   kMoving,        ///< a moving vehicle
+  kReflection,    ///< off a smooth wall: from elsewhere in every scan
   kMirror,        ///< ghost: another echo seen over a wall, behind the wall
   kDoubleBounce,  ///< ghost: twice between the target and the ego vehicle
   kClutter,       ///< nothing persistent: ground, rain, interference

@@ -5,6 +5,7 @@
 
 #include "client/simulation/world/steps.h"
 #include "client/simulation/world/structures.h"
+#include "client/simulation/world/tunnel.h"
 #include "client/simulation/world/world.h"
 
 namespace dcloc::simulation {
@@ -18,11 +19,13 @@ constexpr double kOuterRail = 15.0;
 constexpr double kBarrier = 18.0;
 constexpr std::array<double, 3> kLanes = {3.9, 7.6, 11.3};
 
-void LayRoute(World& world, Random& random) {
+void LayRoute(World& world, double tunnel_m, Random& random) {
+  constexpr double kLongestBend = 600.0;  // [m]
   const double length_m = kHighwayLeadIn + world.length_m + kHighwayLeadOut;
   world.route.Append(60.0, 0.0);
   double turn = Chance(random, 0.5) ? 1.0 : -1.0;
   while (world.route.length_m() < length_m) {
+    if (LayTunnelIfNear(world, tunnel_m, kOuterRail - 1.0, kLongestBend)) continue;
     world.route.AppendBend(turn * Uniform(random, 0.15, 0.5), Uniform(random, 450.0, 1100.0), 90.0);
     world.route.Append(Uniform(random, 20.0, 250.0), 0.0);
     turn = -turn;
@@ -133,7 +136,7 @@ class Roadside {
 
 }  // namespace
 
-World MakeHighway(std::uint64_t seed, double length_m) {
+World MakeHighway(std::uint64_t seed, double length_m, double tunnel_m) {
   World world;
   world.name = "highway";
   world.length_m = length_m;
@@ -141,7 +144,7 @@ World MakeHighway(std::uint64_t seed, double length_m) {
   world.max_lateral_acceleration_mps2 = 3.0;
 
   Random route_random = MakeRandom(seed, Stream::kRoute);
-  LayRoute(world, route_random);
+  LayRoute(world, tunnel_m, route_random);
 
   Random random = MakeRandom(seed, Stream::kBuildings);
   Roadside roadside(world, random);
@@ -153,6 +156,7 @@ World MakeHighway(std::uint64_t seed, double length_m) {
     roadside.AddSignsAndDelineators(side);
     roadside.AddGantries(side);
   }
+  BuildTunnel(world);
 
   world.ego_lane_offsets_m = {-kLanes[1], -kLanes[2]};
   for (const double lane : kLanes) {
@@ -163,8 +167,9 @@ World MakeHighway(std::uint64_t seed, double length_m) {
   return world;
 }
 
-World MakeWorld(WorldKind kind, std::uint64_t seed, double length_m) {
-  return kind == WorldKind::kTown ? MakeTown(seed, length_m) : MakeHighway(seed, length_m);
+World MakeWorld(WorldKind kind, std::uint64_t seed, double length_m, double tunnel_m) {
+  return kind == WorldKind::kTown ? MakeTown(seed, length_m, tunnel_m)
+                                  : MakeHighway(seed, length_m, tunnel_m);
 }
 
 }  // namespace dcloc::simulation

@@ -27,6 +27,9 @@ struct Wall {
   double height_m = 0.0;
   double loss_db = 0.0;    ///< of a ray through it, one way; kOpaqueDb blocks
   bool is_mirror = false;  ///< large and flat enough for glints and mirror ghosts
+  /// So smooth that it reflects from this many places a metre, elsewhere in every scan; 0 for
+  /// walls whose places persist and are scatterers.
+  double reflections_per_m = 0.0;
 };
 
 inline constexpr double kOpaqueDb = 200.0;

@@ -5,6 +5,7 @@
 #include "client/simulation/world/steps.h"
 #include "client/simulation/world/structures.h"
 #include "client/simulation/world/town_plan.h"
+#include "client/simulation/world/tunnel.h"
 #include "client/simulation/world/world.h"
 
 namespace dcloc::simulation {
@@ -114,7 +115,7 @@ void AddParking(double side, const TownPlan& plan, World& world, Random& random)
 
 }  // namespace
 
-World MakeTown(std::uint64_t seed, double length_m) {
+World MakeTown(std::uint64_t seed, double length_m, double tunnel_m) {
   World world;
   world.name = "town";
   world.length_m = length_m;
@@ -122,7 +123,7 @@ World MakeTown(std::uint64_t seed, double length_m) {
   world.max_lateral_acceleration_mps2 = 3.5;
 
   Random route_random = MakeRandom(seed, Stream::kRoute);
-  TownPlan plan(world, kTownLeadIn + length_m + kTownLeadOut, route_random);
+  TownPlan plan(world, kTownLeadIn + length_m + kTownLeadOut, tunnel_m, route_random);
 
   Random houses_random = MakeRandom(seed, Stream::kBuildings);
   AddHouses(plan, world, houses_random);
@@ -136,6 +137,7 @@ World MakeTown(std::uint64_t seed, double length_m) {
     AddParking(side, plan, world, parking_random);
   }
   world.parking_occupancy = 0.65;
+  BuildTunnel(world);
 
   world.ego_lane_offsets_m = {-kLaneOffset};
   world.lanes = {{kLaneOffset, -1, 10.5, 14.0}};

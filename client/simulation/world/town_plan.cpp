@@ -1,5 +1,6 @@
 #include "client/simulation/world/town_plan.h"
 #include "client/simulation/world/steps.h"
+#include "client/simulation/world/tunnel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,9 +39,11 @@ bool Overlap(const Footprint& a, const Footprint& b) {
 
 }  // namespace
 
-TownPlan::TownPlan(World& world, double route_length_m, Random& random) {
+TownPlan::TownPlan(World& world, double route_length_m, double tunnel_m, Random& random) {
+  constexpr double kLongestBlock = 300.0;  // [m]
   world.route.Append(60.0, 0.0);
   while (world.route.length_m() < route_length_m) {
+    if (LayTunnelIfNear(world, tunnel_m, kStreetHalfWidth + 0.7, kLongestBlock)) continue;
     AddBlock(world, random);
     AddCrossroads(world, random);
   }

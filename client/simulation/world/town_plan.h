@@ -28,8 +28,9 @@ struct Crossroads {
 /// Where a town's streets run and what ground is still free for houses.
 class TownPlan {
  public:
-  /// Lays the route, at least `route_length_m` long, and its side streets into `world`.
-  TownPlan(World& world, double route_length_m, Random& random);
+  /// Lays the route, at least `route_length_m` long, and its side streets into `world`; a stretch
+  /// of `tunnel_m` in the middle of the drive stays straight.
+  TownPlan(World& world, double route_length_m, double tunnel_m, Random& random);
 
   const std::vector<Street>& streets() const { return streets_; }
   const std::vector<Crossroads>& crossroads() const { return crossroads_; }

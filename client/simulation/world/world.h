@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,14 @@ struct Lane {
   double vehicles_per_km = 0.0;
 };
 
+/// A straight stretch of the route between two smooth walls, where nothing else is: it shows how
+/// far it is to either side and where ahead is, but not how far one has come.
+struct Tunnel {
+  double begin_m = 0.0;  ///< along the route
+  double end_m = 0.0;
+  double half_width_m = 0.0;  ///< from the route to either wall
+};
+
 /// What does not move or change: a flat piece of land (z = 0 everywhere) with a route through it.
 ///
 /// Map frame: x along the route's first metres, z up, the origin at the route's start.
@@ -40,6 +49,7 @@ struct World {
 
   std::vector<Scatterer> scatterers;
   std::vector<Wall> walls;
+  std::optional<Tunnel> tunnel;
 
   /// Where a vehicle may stand, each with the pose of its middle.
   std::vector<Pose2> parking_slots;
@@ -52,9 +62,10 @@ struct World {
   double truck_share = 0.0;
 };
 
-/// Worlds depend on their arguments alone; `length_m` > 0 is the length of a drive.
-World MakeTown(std::uint64_t seed, double length_m);
-World MakeHighway(std::uint64_t seed, double length_m);
-World MakeWorld(WorldKind kind, std::uint64_t seed, double length_m);
+/// Worlds depend on their arguments alone; `length_m` > 0 is the length of a drive. In its middle a
+/// tunnel of `tunnel_m`, 100 m shorter than the drive at least; 0 for none.
+World MakeTown(std::uint64_t seed, double length_m, double tunnel_m = 0.0);
+World MakeHighway(std::uint64_t seed, double length_m, double tunnel_m = 0.0);
+World MakeWorld(WorldKind kind, std::uint64_t seed, double length_m, double tunnel_m = 0.0);
 
 }  // namespace dcloc::simulation

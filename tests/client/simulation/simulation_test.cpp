@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 namespace dcloc {
@@ -48,6 +49,60 @@ TEST(SimulationTest, EqualOptionsGiveEqualScans) {
     EXPECT_EQ(a.ego_velocity->linear_mps, b.ego_velocity->linear_mps);
   }
   EXPECT_NE(first.drive.scans[5].scan.range_m, third.drive.scans[5].scan.range_m);
+}
+
+/// What a pass sees from the middle of its world's tunnel, where the ends are farther than a radar
+/// reaches: along the tunnel and to its left.
+struct TunnelView {
+  std::size_t scan_count = 0;
+  std::vector<Eigen::Vector2d> reflections;
+  std::size_t static_count = 0;
+};
+
+TunnelView LookInTunnel(const SimulationOptions& options, std::size_t pass) {
+  const simulation::World world = MakeWorld(options);
+  const simulation::PathPoint entry = world.route.At(world.tunnel->begin_m);
+  const Pose2 T_tunnel_map = Pose2{entry.position_m, entry.heading_rad}.Inverse();
+  TunnelView view;
+  for (const ScanTruth& truth : PassOf(options, pass).truth) {
+    const double along_m = (T_tunnel_map * truth.motion.T_map_vehicle.translation_m).x();
+    if (along_m < 20.0 || along_m > options.tunnel_m - 110.0) continue;
+    ++view.scan_count;
+    for (const Echo& echo : truth.echoes) {
+      if (echo.source == EchoSource::kStatic) ++view.static_count;
+      if (echo.source != EchoSource::kReflection) continue;
+      view.reflections.emplace_back(T_tunnel_map * Eigen::Vector2d(echo.p_map.head<2>()));
+    }
+  }
+  return view;
+}
+
+TEST(SimulationTest, ATunnelShowsItsWallsAndNothingThatPersists) {
+  for (const WorldKind world : {WorldKind::kTown, WorldKind::kHighway}) {
+    SimulationOptions options = Small(world, RadarKind::kCarla);  // sees 100 m far
+    options.length_m = 500.0;
+    options.tunnel_m = 300.0;
+    const double half_width_m = MakeWorld(options).tunnel->half_width_m;
+    const TunnelView map = LookInTunnel(options, 0);
+    const TunnelView live = LookInTunnel(options, 1);
+    ASSERT_GT(map.scan_count, 50U);
+    EXPECT_EQ(map.static_count, 0U);
+    EXPECT_EQ(live.static_count, 0U);
+    EXPECT_GT(map.reflections.size(), 15 * map.scan_count);
+    for (const Eigen::Vector2d& reflection : map.reflections) {
+      ASSERT_NEAR(std::abs(reflection.y()), half_width_m, 0.2);
+    }
+    const auto sorted_along = [](const TunnelView& view) {
+      std::vector<double> along_m;
+      for (const Eigen::Vector2d& reflection : view.reflections) along_m.push_back(reflection.x());
+      std::ranges::sort(along_m);
+      return along_m;
+    };
+    std::vector<double> common;
+    std::ranges::set_intersection(sorted_along(map), sorted_along(live),
+                                  std::back_inserter(common));
+    EXPECT_TRUE(common.empty());
+  }
 }
 
 TEST(SimulationTest, ScansAreValidOrderedAndFull) {
@@ -217,6 +272,8 @@ TEST(SimulationOptionsTest, NameWhatIsWrong) {
               HasSubstr("carla"));
   EXPECT_FALSE(SimulatePass({}, {"", 0, 10.0}).ok());
   EXPECT_FALSE(SimulatePass({}, {"x", -1, 10.0}).ok());
+  EXPECT_THAT(message([](SimulationOptions& o) { o.tunnel_m = 901.0; }),
+              HasSubstr("tunnel_m is 901; it must lie in [20, 900]"));
   EXPECT_FALSE(SimulatePass({}, {"x", 0, 0.0}).ok());
 }
 

@@ -80,6 +80,52 @@ TEST(WorldTest, DependsOnItsSeedAlone) {
   EXPECT_NE(positions(6), positions(7));
 }
 
+// Where `p_map` is along a world's tunnel and to its left.
+Eigen::Vector2d InTunnel(const World& world, const Eigen::Vector2d& p_map) {
+  const PathPoint entry = world.route.At(world.tunnel->begin_m);
+  return Pose2{entry.position_m, entry.heading_rad}.Inverse() * p_map;
+}
+
+TEST(TunnelTest, IsStraightInTheMiddleOfTheDriveAndEmpty) {
+  for (const WorldKind kind : {WorldKind::kTown, WorldKind::kHighway}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      const World world = MakeWorld(kind, seed, 900.0, 300.0);
+      ASSERT_TRUE(world.tunnel.has_value());
+      const Tunnel& tunnel = *world.tunnel;
+      EXPECT_DOUBLE_EQ(tunnel.end_m - tunnel.begin_m, 300.0);
+      EXPECT_GT(tunnel.begin_m, world.drive_begin_m + 200.0);
+      EXPECT_LT(tunnel.end_m, world.drive_begin_m + 900.0 - 50.0);
+      for (const double s : Steps(tunnel.begin_m, tunnel.end_m, 5.0)) {
+        EXPECT_NEAR(InTunnel(world, world.route.At(s).position_m).y(), 0.0, 1e-9);
+      }
+      for (const Scatterer& scatterer : world.scatterers) {
+        const Eigen::Vector2d p = InTunnel(world, scatterer.position_m.head<2>());
+        EXPECT_FALSE(p.x() > 0.0 && p.x() < 300.0 && std::abs(p.y()) < tunnel.half_width_m)
+            << world.name << " seed " << seed;
+      }
+      for (const Pose2& slot : world.parking_slots) {
+        const Eigen::Vector2d p = InTunnel(world, slot.translation_m);
+        EXPECT_FALSE(p.x() > 0.0 && p.x() < 300.0 && std::abs(p.y()) < tunnel.half_width_m);
+      }
+      for (const double lane : world.ego_lane_offsets_m) {
+        EXPECT_LT(std::abs(lane), tunnel.half_width_m - 1.5);
+      }
+    }
+  }
+}
+
+TEST(TunnelTest, ChangesNothingWhereThereIsNone) {
+  const World plain = MakeTown(6, 900.0);
+  EXPECT_FALSE(plain.tunnel.has_value());
+  EXPECT_TRUE(std::ranges::all_of(plain.walls,
+                                  [](const Wall& wall) { return wall.reflections_per_m == 0.0; }));
+  // Up to the tunnel, the town is the same with it.
+  const World bored = MakeTown(6, 900.0, 300.0);
+  for (const double s : Steps(0.0, 50.0, 5.0)) {
+    EXPECT_EQ(plain.route.At(s).position_m, bored.route.At(s).position_m);
+  }
+}
+
 TEST(ParkingTest, AboutAFifthOfTheParkedVehiclesChanges) {
   const World world = MakeTown(8, 4000.0);
   const auto poses = [&](int pass) {
