@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "client/cli/evaluate_paper_command.h"
+#include "client/cli/evaluate_robustness_command.h"
 #include "client/cli/evaluate_run.h"
 #include "client/cli/exit_codes.h"
 #include "client/cli/terminal.h"
@@ -115,8 +116,9 @@ void AddEvaluateCommand(CLI::App& app, int& exit_code) {
       "\\\n"
       "      --drive scene-0655 --radars RADAR_BACK_LEFT,RADAR_BACK_RIGHT --json result.json");
   AddEvaluatePaperCommand(*evaluate, exit_code);
+  AddEvaluateRobustnessCommand(*evaluate, exit_code);
   evaluate->callback([evaluate, arguments, &exit_code] {
-    if (evaluate->got_subcommand("paper")) return;
+    if (!evaluate->get_subcommands().empty()) return;
     const absl::Status status = RunEvaluation(*arguments);
     exit_code = status.ok() ? kSuccess : Fail(status);
   });

@@ -1,7 +1,6 @@
 #include "client/cli/evaluate_paper_run.h"
 
 #include <filesystem>
-#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -9,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/atomic_file.h"
-#include "client/cli/progress.h"
+#include "client/cli/campaign_progress.h"
 #include "client/cli/run_folder.h"
 #include "client/cli/terminal.h"
 #include "client/evaluation/gnuplot.h"
@@ -22,25 +21,6 @@ namespace dcloc::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kProgressSteps = 1000;
-
-/// The study's progress, under the name of the run at hand.
-class StudyProgress {
- public:
-  void Update(const std::string& run_name, double share) {
-    if (progress_ == nullptr || run_name != run_name_) {
-      progress_.reset();  // wipes its line
-      progress_ = std::make_unique<Progress>(run_name, kProgressSteps);
-      run_name_ = run_name;
-    }
-    progress_->Update(static_cast<std::size_t>(share * kProgressSteps));
-  }
-
- private:
-  std::string run_name_;
-  std::unique_ptr<Progress> progress_;
-};
 
 absl::StatusOr<std::vector<paper::Case>> AllCases(const PaperArguments& arguments) {
   std::vector<paper::Case> cases = paper::SimulatedCases(arguments.quick);
@@ -67,14 +47,6 @@ absl::Status WriteText(const fs::path& path, const std::string& text) {
   return WriteFileAtomically(path, std::as_bytes(std::span(text)));
 }
 
-absl::Status MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error) return absl::OkStatus();
-  return absl::UnavailableError(
-      absl::StrCat(folder.string(), ": cannot be made: ", error.message()));
-}
-
 }  // namespace
 
 absl::Status RunPaper(const PaperArguments& arguments) {
@@ -88,7 +60,7 @@ absl::Status RunPaper(const PaperArguments& arguments) {
   if (!cases.ok()) return cases.status();
   RunFolder runs(folder / "runs",
                  absl::StrCat(ProgramHash(), arguments.quick ? " quick " : " ", arguments.data));
-  StudyProgress progress;
+  CampaignProgress progress;
   const auto results = paper::RunStudy(
       *cases, arguments.quick, runs,
       [&](const std::string& run_name, double share) { progress.Update(run_name, share); });

@@ -36,12 +36,6 @@ DurationSummary SummarizeDurations(const std::vector<double>& durations_ms) {
           .p99 = Quantile(durations_ms, 0.99)};
 }
 
-bool IsMisleading(const ScanOutcome& scan) {
-  return scan.answer.state == LocalizationState::kTracking && scan.error.dof > 0 &&
-         scan.error.nees > ChiSquare999(scan.error.dof) &&
-         scan.error.translation_m > kSuccessTranslation_m;
-}
-
 /// What is counted and collected while going through the scans.
 struct Tally {
   std::vector<double> rte_m, rre_deg, nees_per_dof, total_ms;
@@ -74,6 +68,12 @@ struct Tally {
 bool IsSuccess(const ScanOutcome& scan) {
   return scan.answered() && scan.error.translation_m < kSuccessTranslation_m &&
          scan.error.rotation_deg < kSuccessRotation_deg;
+}
+
+bool IsMisleading(const ScanOutcome& scan) {
+  return scan.answer.state == LocalizationState::kTracking && scan.error.dof > 0 &&
+         scan.error.nees > ChiSquare999(scan.error.dof) &&
+         scan.error.translation_m > kSuccessTranslation_m;
 }
 
 double Quantile(std::vector<double> values, double quantile) {

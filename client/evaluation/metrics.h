@@ -44,6 +44,9 @@ inline constexpr double kSuccessRotation_deg = 5.0;
 /// Answered with a pose that is right by the paper's measure.
 bool IsSuccess(const ScanOutcome& scan);
 
+/// Called tracking, but more than 2 m off and outside of the 99.9 % ellipsoid.
+bool IsMisleading(const ScanOutcome& scan);
+
 /// Over all scans of all `drives`.
 Metrics ComputeMetrics(std::span<const DriveOutcome> drives);
 

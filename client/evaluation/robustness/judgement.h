@@ -1,0 +1,28 @@
+#pragma once
+
+#include <span>
+
+#include "client/evaluation/disturbance.h"
+#include "client/evaluation/outcome.h"
+#include "client/evaluation/robustness/tally.h"
+
+namespace dcloc::robustness {
+
+/// Data after which an answer that is still initializing counts: until then a start is a start.
+inline constexpr double kStartAllowance_s = 2.0;
+/// Tracking is back when it is right and stays so for this long.
+inline constexpr double kSteady_s = 1.0;
+/// A recovery that takes longer is an incident, and misses the goal.
+inline constexpr double kRecoveryGoal_s = 1.0;
+/// Data within which a start should be made.
+inline constexpr double kStartGoal_s = 2.0;
+
+/// Judges one session over a drive, in which `episodes` were disturbed. Of each episode, recovery
+/// is the time from the first scan after it to the first that tracks rightly for good.
+Tally JudgeTrack(const DriveOutcome& outcome, std::span<const Episode> episodes);
+
+/// Judges one session that ends with its first answer called tracking, or without one. `origin` is
+/// where the drive's time begins.
+Tally JudgeStart(const DriveOutcome& outcome, Stamp origin);
+
+}  // namespace dcloc::robustness

@@ -1,0 +1,169 @@
+#include "client/evaluation/robustness/sites.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/evaluation/paper/recorded_cases.h"
+#include "client/simulation/option_names.h"
+#include "client/simulation/simulation.h"
+
+namespace dcloc::robustness {
+namespace {
+
+constexpr double kMpsPerKmh = 1.0 / 3.6;
+constexpr std::uint64_t kWorldsPerSeed = 1000;  // no world is another seed's
+
+/// A live drive through a world.
+struct Pass {
+  double speed_kmh;
+  bool stops;
+};
+
+// When the live drive is between the walls of its world's tunnel.
+std::vector<Episode> TunnelEpisodes(const simulation::World& world, const Drive& live) {
+  if (!world.tunnel) return {};
+  const simulation::PathPoint entry = world.route.At(world.tunnel->begin_m);
+  const Pose2 T_tunnel_map = Pose2{entry.position_m, entry.heading_rad}.Inverse();
+  const double length_m = world.tunnel->end_m - world.tunnel->begin_m;
+  std::vector<Episode> episodes;
+  for (const auto& [scan, T_map_vehicle] : live.scans) {
+    const Eigen::Vector2d p = T_tunnel_map * Eigen::Vector2d(T_map_vehicle.translation_m.head<2>());
+    const bool inside =
+        p.x() >= 0.0 && p.x() <= length_m && std::abs(p.y()) <= world.tunnel->half_width_m;
+    if (!inside) continue;
+    if (episodes.empty()) episodes.push_back({scan.stamp, scan.stamp});
+    episodes.back().end = scan.stamp;
+  }
+  return episodes;
+}
+
+absl::StatusOr<Course> Simulate(const SimulationOptions& options, const Pass& pass,
+                                const std::string& name) {
+  const simulation::World world = MakeWorld(options);
+  auto map = SimulatePassWithTruth(world, options,
+                                   {.name = "map", .mean_speed_mps = options.map_speed_mps});
+  if (!map.ok()) return map.status();
+  SimulationOptions live_options = options;
+  live_options.stops = pass.stops;
+  auto live = SimulatePassWithTruth(
+      world, live_options,
+      {.name = name, .index = 1, .mean_speed_mps = pass.speed_kmh * kMpsPerKmh});
+  if (!live.ok()) return live.status();
+  std::vector<Episode> episodes = TunnelEpisodes(world, live->drive);
+  return Course{std::move(map->drive), std::move(live->drive), std::move(episodes)};
+}
+
+Site MakeSite(const SimulationOptions& options, const Pass& pass) {
+  Site site;
+  site.name = absl::StrCat(NameOf(options.radar), "-", NameOf(options.world), "-",
+                           options.tunnel_m > 0.0 ? "tunnel-" : "", options.seed, "-",
+                           pass.speed_kmh, "kmh", pass.stops ? "-stops" : "");
+  site.load = [options, pass, name = site.name] { return Simulate(options, pass, name); };
+  return site;
+}
+
+TrackTrial Disturbed(DisturbanceKind kind, std::uint64_t seed) {
+  return {.prior = {.seed = seed}, .plan = DisturbancePlan{.kinds = {kind}, .seed = seed}};
+}
+
+void AddTrackTrials(std::uint64_t seed, Site& site) {
+  site.trials.emplace_back("undisturbed", TrackTrial{.prior = {.seed = seed}});
+  site.trials.emplace_back("outliers", Disturbed(DisturbanceKind::kOutliers, seed));
+  site.trials.emplace_back("displaced", Disturbed(DisturbanceKind::kDisplacedCopy, seed));
+  site.trials.emplace_back("empty", Disturbed(DisturbanceKind::kEmptyScans, seed));
+  site.trials.emplace_back("gap", Disturbed(DisturbanceKind::kGap, seed));
+}
+
+void AddStartTrials(std::uint64_t seed, double spacing_m, Site& site) {
+  const auto start = [&](Prior prior, double translation_m, double rotation_deg) {
+    return StartTrial{.prior = prior,
+                      .perturbation = {translation_m, rotation_deg, seed},
+                      .spacing_m = spacing_m};
+  };
+  site.trials.emplace_back("start-3m", start(Prior::kPose, 3.0, 5.0));
+  site.trials.emplace_back("start-5m", start(Prior::kPose, 5.0, 10.0));
+  site.trials.emplace_back("start-gnss", start(Prior::kGnss, 3.0, 0.0));
+  site.trials.emplace_back("start-none", start(Prior::kNone, 0.0, 0.0));
+}
+
+void AddRecordedTrials(std::uint64_t seed, Site& site) {
+  struct First {
+    const char* row;
+    double translation_m, rotation_deg;
+  };
+  for (const First& first :
+       {First{"recorded-1m", 1.0, 2.0}, {"recorded-3m", 3.0, 5.0}, {"recorded-5m", 5.0, 10.0}}) {
+    site.trials.emplace_back(
+        first.row, TrackTrial{.prior = {first.translation_m, first.rotation_deg, seed},
+                              .plan = DisturbancePlan{.kinds = {DisturbanceKind::kOutliers,
+                                                                DisturbanceKind::kGap,
+                                                                DisturbanceKind::kDisplacedCopy,
+                                                                DisturbanceKind::kEmptyScans},
+                                                      .interval_s = 6.0,
+                                                      .seed = seed},
+                              .session_s = 20.0});
+  }
+}
+
+}  // namespace
+
+std::vector<Site> SimulatedSites(std::uint64_t seed, bool quick) {
+  std::vector<Site> sites;
+  std::uint64_t world_seed = kWorldsPerSeed * (seed + 1);
+  const auto add = [&](SimulationOptions options, const Pass& pass) -> Site& {
+    options.seed = ++world_seed;
+    return sites.emplace_back(MakeSite(options, pass));
+  };
+  if (quick) {
+    AddTrackTrials(seed, add({.length_m = 250.0}, {40.0, false}));
+    add({.length_m = 260.0, .tunnel_m = 100.0}, {60.0, false})
+        .trials.emplace_back("tunnel", TrackTrial{.prior = {.seed = seed}});
+    AddStartTrials(seed, 40.0, add({.length_m = 250.0}, {50.0, false}));
+    return sites;
+  }
+  for (const auto& [radar_name, radar] : kRadarNames) {
+    for (const auto& [world_name, world] : kWorldNames) {
+      const SimulationOptions options{.world = world, .radar = radar, .length_m = 2000.0};
+      AddTrackTrials(seed, add(options, {40.0, false}));
+      const Pass other = world == WorldKind::kTown ? Pass{60.0, true} : Pass{100.0, false};
+      AddTrackTrials(seed, add(options, other));
+    }
+  }
+  for (const auto& [radar_name, radar] : kRadarNames) {
+    for (const auto& [world_name, world] : kWorldNames) {
+      const SimulationOptions options{
+          .world = world, .radar = radar, .length_m = 900.0, .tunnel_m = 300.0};
+      add(options, {world == WorldKind::kTown ? 40.0 : 100.0, false})
+          .trials.emplace_back("tunnel", TrackTrial{.prior = {.seed = seed}});
+    }
+  }
+  constexpr double kSpacing_m = 6.0;  // three hundred starts in two kilometres, and some
+  AddStartTrials(seed, kSpacing_m, add({.length_m = 2000.0}, {50.0, false}));
+  AddStartTrials(seed, kSpacing_m,
+                 add({.radar = RadarKind::kCarla, .length_m = 2000.0}, {50.0, false}));
+  AddStartTrials(seed, 2.0 * kSpacing_m,
+                 add({.world = WorldKind::kHighway, .length_m = 2000.0}, {100.0, false}));
+  return sites;
+}
+
+absl::StatusOr<std::vector<Site>> RecordedSites(const std::filesystem::path& folder,
+                                                std::uint64_t seed) {
+  const auto cases = paper::RecordedCases(folder);
+  if (!cases.ok()) return cases.status();
+  std::vector<Site> sites;
+  for (const paper::Case& item : *cases) {
+    Site& site = sites.emplace_back();
+    site.name = item.name;
+    site.load = [load = item.load]() -> absl::StatusOr<Course> {
+      auto drives = load();
+      if (!drives.ok()) return drives.status();
+      return Course{std::move(drives->map), std::move(drives->live), {}};
+    };
+    AddRecordedTrials(seed, site);
+  }
+  return sites;
+}
+
+}  // namespace dcloc::robustness

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/datasets/drive.h"
+#include "client/evaluation/disturbance.h"
+#include "client/evaluation/perturbation.h"
+#include "client/evaluation/robustness/tally.h"
+#include "core/map/radar_map.h"
+
+namespace dcloc::robustness {
+
+/// Drives of one place, and what is wrong with the live one as it is.
+struct Course {
+  Drive map;
+  Drive live;
+  std::vector<Episode> episodes;
+};
+
+/// Sessions over a whole drive, or over one part after another.
+struct TrackTrial {
+  Perturbation prior;
+  std::optional<DisturbancePlan> plan;  ///< nothing for the drive as it is
+  std::optional<double> session_s;      ///< of each part; the whole drive in one where absent
+};
+
+/// What a session knows when it starts.
+enum class Prior {
+  kPose,  ///< a pose that is wrong by the trial's perturbation
+  kGnss,  ///< a position with a deviation of the perturbation's translation, and no heading
+  kNone,
+};
+
+/// Many sessions, one every `spacing_m` of the way, each until it calls itself tracking or has had
+/// `limit_s` of data.
+struct StartTrial {
+  Prior prior = Prior::kPose;
+  Perturbation perturbation;
+  double spacing_m = 7.0;
+  double limit_s = 3.0;
+};
+
+using Trial = std::variant<TrackTrial, StartTrial>;
+
+/// Does a trial of `course` in `map`; `progress` is told the share done. Errors: invalid options or
+/// rig.
+absl::StatusOr<Tally> RunTrial(const Trial& trial, const Course& course,
+                               const std::shared_ptr<const RadarMap>& map,
+                               const std::function<void(double)>& progress);
+
+}  // namespace dcloc::robustness
