@@ -18,8 +18,7 @@
 #include "client/cli/exit_codes.h"
 #include "client/cli/progress.h"
 #include "client/cli/terminal.h"
-#include "core/calibration/calibrator.h"
-#include "core/localizer/ego_motion.h"
+#include "client/datasets/drive_calibration.h"
 
 namespace dcloc::cli {
 namespace {
@@ -63,23 +62,6 @@ absl::Status CheckSameRadars(const Rig& rig, const Drive& drive) {
       drive.name, absl::StrJoin(drive.rig.radars, ", ", id), absl::StrJoin(rig.radars, ", ", id)));
 }
 
-absl::Status AddDrive(const Drive& drive, Calibrator& calibrator) {
-  Progress progress(absl::StrCat("reading ", drive.name), drive.scans.size());
-  // Drives through one place share its frame; where the data set names none, each has its own.
-  const std::string& frame = drive.place.empty() ? drive.name : drive.place;
-  EgoMotion ego_motion{LocalizerOptions{}};
-  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
-    const auto& [scan, T_map_vehicle] = drive.scans[i];
-    const EgoVelocity& velocity = ego_motion.Advance(scan, *drive.rig.Find(scan.radar_id));
-    if (absl::Status status = calibrator.Add(frame, scan, T_map_vehicle, velocity); !status.ok()) {
-      return absl::Status(status.code(), absl::StrCat(drive.name, ", scan ", i, " of ",
-                                                      scan.radar_id, ": ", status.message()));
-    }
-    progress.Update(i + 1);
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<Calibrator> ReadDrives(const CalibrateArguments& arguments) {
   std::optional<Calibrator> calibrator;
   Rig rig;
@@ -95,7 +77,10 @@ absl::StatusOr<Calibrator> ReadDrives(const CalibrateArguments& arguments) {
       calibrator = *std::move(created);
     }
     absl::Status status = CheckSameRadars(rig, *drive);
-    if (status.ok()) status = AddDrive(*drive, *calibrator);
+    if (status.ok()) {
+      Progress progress(absl::StrCat("reading ", name), drive->scans.size());
+      status = AddDrive(*drive, *calibrator, [&](std::size_t done) { progress.Update(done); });
+    }
     if (!status.ok()) return status;
   }
   return *std::move(calibrator);

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/terminal.h"
+#include "client/datasets/drive_calibration.h"
 #include "core/geometry/degrees.h"
 
 namespace dcloc::cli {
@@ -48,20 +49,17 @@ std::string ConfusionsText(const Calibration& calibration) {
 ordered_json RigFileJson(const Calibration& calibration) {
   ordered_json radars = ordered_json::array();
   for (const RadarCalibration& radar : calibration.radars) {
-    RadarModel corrected = radar.described;
-    for (const CalibrationParameter parameter : kDescribed) {
-      corrected = Corrected(corrected, parameter, radar.of(parameter).correction);
-    }
+    const RadarModel calibrated = Calibrated(radar);
     radars.push_back(
         {{"id", radar.described.id},
-         {"beta_s", corrected.beta_s},
-         {"time_offset_s", corrected.time_offset_s},
-         {"range_bias_m", corrected.range_bias_m},
+         {"beta_s", calibrated.beta_s},
+         {"time_offset_s", calibrated.time_offset_s},
+         {"range_bias_m", calibrated.range_bias_m},
          {"mount_yaw_correction_rad", radar.of(CalibrationParameter::kMountYaw).correction},
-         {"beta_sigma_s", radar.of(CalibrationParameter::kBeta).sigma},
-         {"time_offset_sigma_s", radar.of(CalibrationParameter::kTimeOffset).sigma},
-         {"range_bias_sigma_m", radar.of(CalibrationParameter::kRangeBias).sigma},
-         {"mount_yaw_sigma_rad", radar.of(CalibrationParameter::kMountYaw).sigma}});
+         {"beta_sigma_s", calibrated.beta_sigma_s},
+         {"time_offset_sigma_s", calibrated.time_offset_sigma_s},
+         {"range_bias_sigma_m", calibrated.range_bias_sigma_m},
+         {"mount_yaw_sigma_rad", calibrated.mount_yaw_sigma_rad}});
   }
   return {{"radars", std::move(radars)}};
 }

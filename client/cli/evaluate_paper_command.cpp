@@ -21,6 +21,8 @@ void AddEvaluatePaperCommand(CLI::App& evaluate, int& exit_code) {
       ->check(CLI::ExistingDirectory)
       ->type_name("DIR");
   paper->add_flag("--quick", arguments->quick, "A few short drives: does everything work?");
+  paper->add_flag("--keep-runs", arguments->keep_runs,
+                  "Take all finished runs, of another build, too: another report of the same runs");
   paper->footer(
       "Writes report.html, its figures as PNG files, and results.json. Finished runs are kept in "
       "runs/:\nwhat was interrupted goes on there when it is started again by the same program.\n"

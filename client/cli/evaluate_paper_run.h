@@ -11,6 +11,7 @@ struct PaperArguments {
   std::string folder;
   std::string data;  ///< empty for simulated drives alone
   bool quick = false;
+  bool keep_runs = false;  ///< finished runs are taken, whatever did them
 };
 
 /// Does what of the study is not done yet, prints the summary and writes the report.

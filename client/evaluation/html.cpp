@@ -8,7 +8,7 @@ namespace {
 
 constexpr const char* kStyle =
     "body{font:15px/1.5 sans-serif;max-width:1500px;margin:2em auto;padding:0 1em;color:#222}"
-    "table{border-collapse:collapse;margin:1em 0}"
+    "table{border-collapse:collapse;margin:1em 0;display:block;overflow-x:auto;font-size:13px}"
     "td,th{padding:.25em .9em;border-bottom:1px solid #ddd;text-align:right}"
     "td:first-child,th:first-child{text-align:left}"
     "dl{display:grid;grid-template-columns:max-content auto;gap:.1em 1em}dd{margin:0}"

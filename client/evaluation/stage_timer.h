@@ -1,5 +1,7 @@
 #pragma once
 
+#include <time.h>
+
 #include <array>
 #include <chrono>
 #include <optional>
@@ -8,7 +10,8 @@
 
 namespace dcloc {
 
-/// Measures the stages of one scan: made just before `Localize`, asked just after.
+/// Measures the stages of one scan: made just before `Localize`, asked just after, by one thread.
+/// It is that thread's own time: what else runs on the machine does not count.
 class StageTimer final : public StageListener {
  public:
   using StageDurations = std::array<std::optional<double>, kStageNames.size()>;
@@ -34,7 +37,16 @@ class StageTimer final : public StageListener {
   double total_ms() const { return total_ms_; }
 
  private:
-  using Clock = std::chrono::steady_clock;
+  struct Clock {
+    using duration = std::chrono::nanoseconds;
+    using time_point = std::chrono::time_point<Clock, duration>;
+
+    static time_point now() {
+      timespec time{};
+      clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+      return time_point(std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec));
+    }
+  };
 
   static double Milliseconds(Clock::duration duration) {
     return std::chrono::duration<double, std::milli>(duration).count();

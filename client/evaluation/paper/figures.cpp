@@ -21,14 +21,24 @@ namespace {
 constexpr std::array kColours = {"#999999", "#DDCC77", "#E69F00", "#CC79A7",
                                  "#56B4E9", "#009E73", "#0072B2", "#D55E00"};
 
+// Table I but for the calibrated row: curves of what knows the same.
+std::vector<RowPlan> MethodRows() {
+  std::vector<RowPlan> rows = Table1Rows();
+  std::erase_if(rows, [](const RowPlan& row) { return row.variant.calibrated; });
+  return rows;
+}
+
 // Of `count` curves, the last ones of the palette.
 const char* Colour(std::size_t index, std::size_t count) {
   return kColours.at(kColours.size() - std::min(count, kColours.size()) + index % kColours.size());
 }
 
-std::string Style(std::size_t index, std::size_t count) {
-  return absl::StrFormat("lc rgb '%s' lw %s", Colour(index, count),
-                         index + 1 == count ? "3.5" : "1.8");
+// Ours thick; ours with a calibrated rig, where it stands below, dashed.
+std::string Style(std::size_t index, const std::vector<RowPlan>& rows) {
+  const std::size_t count = rows.size() - (rows.back().variant.calibrated ? 1 : 0);
+  const bool is_ours = rows[index].variant.method == MethodKind::kDcloc;
+  return absl::StrFormat("lc rgb '%s' lw %s%s", Colour(std::min(index, count - 1), count),
+                         is_ours ? "3.5" : "1.8", rows[index].variant.calibrated ? " dt 2" : "");
 }
 
 std::vector<DriveOutcome> OutcomesOf(std::span<const RunResult> results, const std::string& set,
@@ -64,8 +74,7 @@ std::string SpeedCurves(const std::vector<RowPlan>& rows, const std::string& pre
   std::vector<std::string> curves;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     curves.push_back(absl::StrFormat("$%s%d using 1:%d with linespoints pt 7 ps 0.8 %s title %s",
-                                     prefix, i, column, Style(i, rows.size()),
-                                     Quote(rows[i].label)));
+                                     prefix, i, column, Style(i, rows), Quote(rows[i].label)));
   }
   return "plot " + absl::StrJoin(curves, ", ") + "\n";
 }
@@ -92,7 +101,7 @@ std::string Candles(const std::vector<RowPlan>& rows, const char* prefix, const 
         prefix, i, Colour(i, rows.size()), prefix, i));
   }
   return absl::StrCat("set title '", title, "'\nset ylabel '", unit, "'\nset logscale y\n",
-                      "set boxwidth 0.5\nset xtics rotate by -30 (", absl::StrJoin(tics, ", "),
+                      "set boxwidth 0.5\nset xtics rotate by 25 right (", absl::StrJoin(tics, ", "),
                       ")\nset xrange [-0.7:", rows.size() - 1, ".7]\nplot ",
                       absl::StrJoin(candles, ", "), "\n");
 }
@@ -129,16 +138,22 @@ class TrackFigure {
 
   std::string Compose() {
     const DriveOutcome& ours = *outcomes_.back();
-    std::string panels = Panel(TrackBox(ours).Grown(10.0), "The whole track of " + ours.drive);
+    const Box whole = TrackBox(ours).Grown(10.0);
+    std::string panels = absl::StrCat("set size 1,0.45\nset origin 0,0.55\n",
+                                      Panel(whole, "The whole track of " + ours.drive),
+                                      "unset key\nset size 0.5,0.55\n");
     // Where the paper's methods are worst, not ours alone.
     for (std::size_t i = 0; i + 1 < rows_.size() && i < 2; ++i) {
       const ScanOutcome* worst = WorstScan(*outcomes_[i]);
       if (worst == nullptr) continue;
       const Eigen::Vector2d centre = Position(worst->T_map_vehicle_true);
       const double half_m = std::clamp(2.5 * worst->error.translation_m, 1.5, 8.0);
-      panels += Panel(Box{centre, centre}.Grown(half_m), "Around the worst of " + rows_[i].label);
+      absl::StrAppend(
+          &panels, "set origin ", 0.5 * static_cast<double>(i), ",0\n",
+          Panel(Box{centre, centre}.Grown(half_m), "Around the worst of " + rows_[i].label));
     }
-    return data_ + kGrid + "set multiplot layout 1,3\n" + panels + "unset multiplot\n";
+    return absl::StrCat(data_, kGrid, "set multiplot title 'Fig. 12'\nset key outside right top ",
+                        "vertical Left reverse\n", panels, "unset multiplot\n");
   }
 
  private:
@@ -151,12 +166,11 @@ class TrackFigure {
       const std::string block = absl::StrCat(prefix, i);
       data_ += Block(block, PathLines(*outcomes_[i], box.Grown(5.0), false));
       curves.push_back(absl::StrFormat("$%s using 1:2 with linespoints pt 7 ps 0.3 %s title %s",
-                                       block, Style(i, rows_.size()), Quote(rows_[i].label)));
+                                       block, Style(i, rows_), Quote(rows_[i].label)));
     }
     return absl::StrFormat(
         "set size ratio -1\nset title %s noenhanced\nset xlabel 'x [m]'\nset ylabel 'y [m]'\n"
-        "set key outside bottom center horizontal\nset xrange [%.3f:%.3f]\nset yrange "
-        "[%.3f:%.3f]\nplot %s\n",
+        "set xrange [%.3f:%.3f]\nset yrange [%.3f:%.3f]\nplot %s\n",
         Quote(title), box.min.x(), box.max.x(), box.min.y(), box.max.y(),
         absl::StrJoin(curves, ", "));
   }
@@ -170,14 +184,16 @@ class TrackFigure {
 }  // namespace
 
 std::optional<Picture> DrawSpeedFigure(std::span<const RunResult> results, const std::string& set) {
-  const std::vector<RowPlan> rows = Table1Rows();
+  const std::vector<RowPlan> rows = MethodRows();
   std::string data;
   if (!AddSpeedBlocks(results, set, rows, "row", data)) return std::nullopt;
   const std::string commands = absl::StrCat(
-      data, kGrid, "set multiplot layout 1,2 title ", Quote("Fig. 9: " + set), "\n",
-      "set key outside bottom center horizontal\nset xlabel '|speed difference| [m/s]'\n",
-      "set xrange [0:*]\nset yrange [0:*]\nset title 'mean translation error'\nset ylabel '[m]'\n",
-      SpeedCurves(rows, "row", 2), "set title 'mean rotation error'\nset ylabel '[deg]'\n",
+      data, kGrid, "set multiplot layout 1,2 margins 0.06,0.78,0.11,0.86 spacing 0.07 title ",
+      Quote("Fig. 9: " + set + "; right answers, bins of 2 m/s"), "\n",
+      "set key at screen 0.8,0.86 left top vertical Left reverse samplen 2 maxrows 10\n",
+      "set xlabel '|speed difference| [m/s]'\nset xrange [0:*]\nset yrange [0:*]\n",
+      "set title 'mean translation error'\nset ylabel '[m]'\n", SpeedCurves(rows, "row", 2),
+      "unset key\nset title 'mean rotation error'\nset ylabel '[deg]'\n",
       SpeedCurves(rows, "row", 3), "unset multiplot\n");
   return Picture{.commands = commands, .width_px = 1400, .height_px = 620};
 }
@@ -186,7 +202,7 @@ std::optional<Picture> DrawDistributionFigure(std::span<const RunResult> results
                                               const std::string& set) {
   std::string data;
   std::vector<RowPlan> rows;
-  for (const RowPlan& row : Table1Rows()) {
+  for (const RowPlan& row : MethodRows()) {
     std::vector<double> rte_m;
     std::vector<double> rre_deg;
     for (const DriveOutcome& outcome : OutcomesOf(results, set, row.variant)) {
@@ -210,7 +226,8 @@ std::optional<Picture> DrawDistributionFigure(std::span<const RunResult> results
 }
 
 std::optional<Picture> DrawNoiseFigure(std::span<const RunResult> results) {
-  const std::vector<RowPlan> rows = NoiseRows();
+  std::vector<RowPlan> rows = FigureRows();
+  rows.push_back(NoiseRows().back());  // which knows of the noise's bias
   std::string data;
   std::string translation;
   std::string rotation;
@@ -221,21 +238,24 @@ std::optional<Picture> DrawNoiseFigure(std::span<const RunResult> results) {
       continue;
     }
     ++noise_count;
-    translation += absl::StrCat("set title ", Quote(set), "\nset ylabel 'median RTE [m]'\n",
-                                SpeedCurves(rows, prefix, 4));
-    rotation += absl::StrCat("set title ", Quote(set), "\nset ylabel 'median RRE [deg]'\n",
-                             SpeedCurves(rows, prefix, 5));
+    translation += absl::StrCat("set title ", Quote(set), "\n", SpeedCurves(rows, prefix, 4),
+                                "unset key\nunset ylabel\n");
+    rotation += absl::StrCat(SpeedCurves(rows, prefix, 5), "unset ylabel\n");
   }
   if (noise_count == 0) return std::nullopt;
   const std::string commands = absl::StrCat(
-      data, kGrid, "set multiplot layout 2,", noise_count, " title 'Fig. 11'\n",
-      "set key outside bottom center horizontal\nset xlabel '|speed difference| [m/s]'\n",
-      "set xrange [0:*]\nset yrange [0:*]\n", translation, rotation, "unset multiplot\n");
+      data, kGrid, "set multiplot layout 2,", noise_count,
+      " margins 0.05,0.99,0.13,0.9 spacing 0.045,0.07 title "
+      "'Fig. 11: right answers, bins of 2 m/s'\n",
+      "set key at screen 0.5,0.03 center center horizontal maxrows 1\n",
+      "set xrange [0:*]\nset yrange [0:*]\nset ylabel 'median RTE [m]'\n", translation,
+      "unset title\nset xlabel '|speed difference| [m/s]'\nset ylabel 'median RRE [deg]'\n",
+      rotation, "unset multiplot\n");
   return Picture{.commands = commands, .width_px = 1500, .height_px = 900};
 }
 
 std::optional<Picture> DrawTrackFigure(std::span<const RunResult> results, const std::string& set) {
-  const std::vector<RowPlan> rows = NoiseRows();
+  const std::vector<RowPlan> rows = FigureRows();
   const auto ours = ResultsOf(results, set, rows.back().variant, Protocol::kTrack);
   const auto longest = std::ranges::max_element(
       ours, {}, [](const RunResult* r) { return r->outcome.scans.size(); });
@@ -251,7 +271,7 @@ std::optional<Picture> DrawTrackFigure(std::span<const RunResult> results, const
   }
   if (outcomes.size() != rows.size()) return std::nullopt;
   return Picture{
-      .commands = TrackFigure(rows, outcomes).Compose(), .width_px = 1600, .height_px = 640};
+      .commands = TrackFigure(rows, outcomes).Compose(), .width_px = 1400, .height_px = 900};
 }
 
 }  // namespace dcloc::paper

@@ -13,7 +13,10 @@
 namespace dcloc::paper {
 namespace {
 
-using TokenMap = std::unordered_map<std::string, std::string>;  // only looked up
+struct Log {
+  std::string location;
+  std::string vehicle;
+};
 
 // What is found by following tokens from table to table.
 struct PendingFrame {
@@ -23,17 +26,20 @@ struct PendingFrame {
 
 absl::Status ReadScenes(const std::filesystem::path& tables, std::vector<SceneTrack>& tracks,
                         std::unordered_map<std::string, std::size_t>& track_of_scene) {
-  TokenMap locations;
+  std::unordered_map<std::string, Log> logs;  // only looked up, as all maps here
   absl::Status status = ReadTable(tables / "log.json", [&](TableRecord& record) {
-    locations.emplace(record.Text("token"), record.Text("location"));
+    logs.emplace(record.Text("token"),
+                 Log{std::string(record.Text("location")), std::string(record.Text("vehicle"))});
     return absl::OkStatus();
   });
   if (!status.ok()) return status;
   return ReadTable(tables / "scene.json", [&](TableRecord& record) {
-    const auto location = locations.find(std::string(record.Text("log_token")));
-    if (location == locations.end()) return absl::DataLossError("\"log_token\" is not in log.json");
+    const auto log = logs.find(std::string(record.Text("log_token")));
+    if (log == logs.end()) return absl::DataLossError("\"log_token\" is not in log.json");
     track_of_scene.emplace(record.Text("token"), tracks.size());
-    tracks.push_back({.scene = std::string(record.Text("name")), .location = location->second});
+    tracks.push_back({.scene = std::string(record.Text("name")),
+                      .location = log->second.location,
+                      .vehicle = log->second.vehicle});
     return absl::OkStatus();
   });
 }

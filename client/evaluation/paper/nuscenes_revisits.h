@@ -19,6 +19,7 @@ struct KeyFrame {
 struct SceneTrack {
   std::string scene;
   std::string location;
+  std::string vehicle;
   std::vector<KeyFrame> key_frames;  ///< ascending
 };
 

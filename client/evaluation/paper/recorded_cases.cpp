@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -94,14 +95,46 @@ Case RevisitCase(const Dataset& dataset, const Revisit& revisit, std::size_t num
   return item;
 }
 
-Case FrontRearCase(const Dataset& dataset, const std::string& scene) {
+// Other scenes of the vehicle: the two with the longest way.
+std::vector<std::string> CalibrationScenes(const std::vector<SceneTrack>& tracks,
+                                           const SceneTrack& judged) {
+  constexpr std::size_t kMaxScenes = 2;
+  std::vector<const SceneTrack*> others;
+  for (const SceneTrack& track : tracks) {
+    if (track.scene == judged.scene || track.vehicle != judged.vehicle) continue;
+    if (Way(track) >= kMinWay_m) others.push_back(&track);
+  }
+  std::ranges::stable_sort(others, std::greater(), [](const SceneTrack* t) { return Way(*t); });
+  if (others.size() > kMaxScenes) others.resize(kMaxScenes);
+  std::vector<std::string> names;
+  for (const SceneTrack* track : others) names.push_back(track->scene);
+  return names;
+}
+
+std::function<absl::StatusOr<std::vector<Drive>>()> CalibrationLoader(
+    const Dataset& dataset, const std::vector<std::string>& names) {
+  if (names.empty()) return nullptr;
+  return [=]() -> absl::StatusOr<std::vector<Drive>> {
+    std::vector<Drive> drives;
+    for (const std::string& name : names) {
+      auto drive = ReadDrive(dataset, {.name = name});
+      if (!drive.ok()) return drive.status();
+      drives.push_back(*std::move(drive));
+    }
+    return drives;
+  };
+}
+
+Case FrontRearCase(const Dataset& dataset, const std::vector<SceneTrack>& tracks,
+                   const SceneTrack& track) {
   return {.set = "nuScenes, front map and rear radars",
-          .name = absl::StrCat("nuscenes-", dataset.version, "-", scene, "-rear"),
+          .name = absl::StrCat("nuscenes-", dataset.version, "-", track.scene, "-rear"),
           .purpose = Purpose::kAblations,
-          .load = Loader(
-              dataset,
-              {.name = scene, .radars = {"RADAR_FRONT", "RADAR_FRONT_LEFT", "RADAR_FRONT_RIGHT"}},
-              {.name = scene, .radars = {"RADAR_BACK_LEFT", "RADAR_BACK_RIGHT"}})};
+          .load = Loader(dataset,
+                         {.name = track.scene,
+                          .radars = {"RADAR_FRONT", "RADAR_FRONT_LEFT", "RADAR_FRONT_RIGHT"}},
+                         {.name = track.scene, .radars = {"RADAR_BACK_LEFT", "RADAR_BACK_RIGHT"}}),
+          .load_calibration = CalibrationLoader(dataset, CalibrationScenes(tracks, track))};
 }
 
 absl::Status AddNuScenes(const Dataset& dataset, std::vector<Case>& cases) {
@@ -113,9 +146,43 @@ absl::Status AddNuScenes(const Dataset& dataset, std::vector<Case>& cases) {
   }
   if (!revisits.empty()) return absl::OkStatus();
   for (const SceneTrack& track : *tracks) {
-    if (Way(track) >= kMinWay_m) cases.push_back(FrontRearCase(dataset, track.scene));
+    if (Way(track) >= kMinWay_m) cases.push_back(FrontRearCase(dataset, *tracks, track));
   }
   return absl::OkStatus();
+}
+
+enum class Half { kFirst, kSecond };
+
+void KeepHalf(Half half, Drive& drive) {
+  if (drive.scans.empty()) return;
+  const Stamp first = drive.scans.front().scan.stamp;
+  const Stamp middle = first + (drive.scans.back().scan.stamp - first) / 2;
+  std::erase_if(drive.scans, [&](const DriveScan& entry) {
+    return (entry.scan.stamp < middle) != (half == Half::kFirst);
+  });
+}
+
+// One half of a sequence is localized in the map of the whole, and the rig calibrated on the other.
+Case HalfSequenceCase(const Dataset& dataset, const std::string& sequence, Half half) {
+  const bool is_first = half == Half::kFirst;
+  Case item{
+      .set = "RadarScenes, front map and side radars",
+      .name = absl::StrCat("radarscenes-", sequence, is_first ? "-first" : "-second", "-half"),
+      .query_interval_s = 1.0};
+  const auto load = Loader(dataset, {.name = sequence, .radars = {"radar_2", "radar_3"}},
+                           {.name = sequence, .radars = {"radar_1", "radar_4"}});
+  item.load = [load, half]() -> absl::StatusOr<DrivePair> {
+    auto drives = load();
+    if (drives.ok()) KeepHalf(half, drives->live);
+    return drives;
+  };
+  const auto load_all = CalibrationLoader(dataset, {sequence});
+  item.load_calibration = [=]() -> absl::StatusOr<std::vector<Drive>> {
+    auto drives = load_all();
+    if (drives.ok()) KeepHalf(is_first ? Half::kSecond : Half::kFirst, drives->front());
+    return drives;
+  };
+  return item;
 }
 
 absl::Status AddRadarScenes(const fs::path& root, const fs::path& data, std::vector<Case>& cases) {
@@ -128,13 +195,10 @@ absl::Status AddRadarScenes(const fs::path& root, const fs::path& data, std::vec
   }
   for (const auto& [name, sequence] : sequences->items()) {
     if (!Exists(data / name)) continue;
-    cases.push_back({.set = "RadarScenes, front map and side radars",
-                     .name = absl::StrCat("radarscenes-", name),
-                     .purpose = Purpose::kAblations,
-                     .query_interval_s = 1.0,
-                     .load = Loader({DatasetFormat::kRadarScenes, root, ""},
-                                    {.name = name, .radars = {"radar_2", "radar_3"}},
-                                    {.name = name, .radars = {"radar_1", "radar_4"}})});
+    const Dataset dataset{DatasetFormat::kRadarScenes, root, ""};
+    for (const Half half : {Half::kFirst, Half::kSecond}) {
+      cases.push_back(HalfSequenceCase(dataset, name, half));
+    }
   }
   return absl::OkStatus();
 }

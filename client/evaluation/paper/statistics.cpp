@@ -23,6 +23,15 @@ double Mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+// Of Student's distribution, from the normal one's by Cornish and Fisher's expansion: to 0.5 % from
+// five degrees of freedom on.
+double StudentQuantile975(double degrees_of_freedom) {
+  constexpr double kZ = 1.959964;
+  constexpr double kFirst = (kZ * kZ * kZ + kZ) / 4.0;
+  constexpr double kSecond = (5.0 * kZ * kZ * kZ * kZ * kZ + 16.0 * kZ * kZ * kZ + 3.0 * kZ) / 96.0;
+  return kZ + kFirst / degrees_of_freedom + kSecond / (degrees_of_freedom * degrees_of_freedom);
+}
+
 // One answer of the regression: (1, |speed difference|), error.
 struct Sample {
   Eigen::Vector2d x;
@@ -83,7 +92,8 @@ Slope ErrorSlope(std::span<const DriveOutcome> outcomes) {
   const auto cluster_count = static_cast<double>(clusters.size());
   const double spread = normal.determinant() / std::pow(std::max(1.0, normal(0, 0)), 2);
   constexpr double kMinSpread = 0.01;  // (m/s)^2: all speed differences are the same
-  if (clusters.size() < 3 || !(spread > kMinSpread)) return slope;
+  constexpr std::size_t kMinClusters = 6;
+  if (clusters.size() < kMinClusters || !(spread > kMinSpread)) return slope;
 
   const Eigen::Matrix2d inverse = normal.inverse();
   const Eigen::Vector2d line = inverse * right;
@@ -95,7 +105,8 @@ Slope ErrorSlope(std::span<const DriveOutcome> outcomes) {
   }
   const Eigen::Matrix2d covariance =
       inverse * scores * inverse * (cluster_count / (cluster_count - 1.0));
-  const double half = 1.96 * std::sqrt(std::max(0.0, covariance(1, 1)));
+  const double half =
+      StudentQuantile975(cluster_count - 1.0) * std::sqrt(std::max(0.0, covariance(1, 1)));
   slope.m_per_mps = line(1);
   slope.low = line(1) - half;
   slope.high = line(1) + half;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/datasets/drive_calibration.h"
 #include "client/evaluation/baselines/map_for_method.h"
 #include "client/evaluation/paper/speed_difference.h"
 
@@ -37,11 +38,39 @@ void AddAblations(bool quick, std::vector<Run>& runs) {
 EvaluationOptions ToOptions(const Case& item, const Run& run) {
   EvaluationOptions options{.method = run.variant.method, .protocol = run.protocol};
   options.query_interval_s = item.query_interval_s;
+  if (run.variant.far_prior) options.perturbation = {.translation_m = 3.0, .rotation_deg = 5.0};
+  const bool is_pcl =
+      run.variant.method == MethodKind::kIcp || run.variant.method == MethodKind::kNdt;
+  if (is_pcl && run.protocol == Protocol::kTrack) {
+    options.localizer.registration_interval = kPclRegistrationInterval;
+  }
   options.localizer.doppler_compensation = run.variant.doppler;
   options.localizer.uncertainty = run.variant.uncertainty;
   options.localizer.truncation = run.variant.truncation;
   options.localizer.scans_per_submap = run.variant.scans_per_submap;
   return options;
+}
+
+absl::StatusOr<Calibration> Calibrate(const std::vector<Drive>& drives) {
+  auto calibrator = Calibrator::Create(drives.front().rig);
+  if (!calibrator.ok()) return calibrator.status();
+  for (const Drive& drive : drives) {
+    if (absl::Status status = AddDrive(drive, *calibrator); !status.ok()) return status;
+  }
+  return calibrator->Estimate();
+}
+
+absl::Status Apply(const Calibration& calibration, Drive& drive) {
+  for (RadarModel& radar : drive.rig.radars) {
+    const auto found =
+        std::ranges::find(calibration.radars, radar.id,
+                          [](const RadarCalibration& entry) { return entry.described.id; });
+    if (found == calibration.radars.end()) {
+      return absl::NotFoundError(absl::StrCat("the calibration has no radar ", radar.id));
+    }
+    radar = Calibrated(*found);
+  }
+  return absl::OkStatus();
 }
 
 /// The drives of a case and the maps made of them so far. Drives are not loaded before the first
@@ -51,16 +80,13 @@ class Workbench {
   explicit Workbench(const Case& item) : case_(item) {}
 
   absl::StatusOr<DriveOutcome> Do(const Run& run, const std::function<void(double)>& progress) {
-    if (!drives_) {
-      auto loaded = case_.load();
-      if (!loaded.ok()) return loaded.status();
-      drives_ = *std::move(loaded);
-      speeds_ = std::make_unique<SpeedDifferences>(drives_->map, drives_->live);
-    }
+    absl::Status status = Load();
+    if (status.ok() && run.variant.calibrated) status = LoadCalibrated();
+    if (!status.ok()) return status;
     const EvaluationOptions options = ToOptions(case_, run);
     const auto map = MapFor(run.variant, options.localizer);
     if (!map.ok()) return map.status();
-    auto outcome = Evaluate(*map, drives_->live, options, progress);
+    auto outcome = Evaluate(*map, DrivesFor(run.variant).live, options, progress);
     if (!outcome.ok()) return outcome.status();
     for (ScanOutcome& scan : outcome->scans) {
       scan.speed_difference_mps = speeds_->At(scan.answer.stamp);
@@ -69,12 +95,48 @@ class Workbench {
     return outcome;
   }
 
+  /// The run that gives the same: without a range-Doppler coupling there is nothing to compensate.
+  absl::StatusOr<Run> Equivalent(Run run) {
+    if (absl::Status status = Load(); !status.ok()) return status;
+    const auto has_coupling = [](const RadarModel& radar) { return radar.beta_s != 0.0; };
+    if (std::ranges::none_of(drives_->map.rig.radars, has_coupling) &&
+        std::ranges::none_of(drives_->live.rig.radars, has_coupling)) {
+      run.variant.doppler = true;
+    }
+    return run;
+  }
+
  private:
+  absl::Status Load() {
+    if (drives_) return absl::OkStatus();
+    auto loaded = case_.load();
+    if (!loaded.ok()) return loaded.status();
+    drives_ = *std::move(loaded);
+    speeds_ = std::make_unique<SpeedDifferences>(drives_->map, drives_->live);
+    return absl::OkStatus();
+  }
+
+  absl::Status LoadCalibrated() {
+    if (calibrated_) return absl::OkStatus();
+    const auto drives = case_.load_calibration();
+    if (!drives.ok()) return drives.status();
+    const auto calibration = Calibrate(*drives);
+    if (!calibration.ok()) return calibration.status();
+    calibrated_ = drives_;
+    absl::Status status = Apply(*calibration, calibrated_->map);
+    status.Update(Apply(*calibration, calibrated_->live));
+    return status;
+  }
+
+  const DrivePair& DrivesFor(const Variant& variant) const {
+    return variant.calibrated ? *calibrated_ : *drives_;
+  }
+
   absl::StatusOr<Map> MapFor(const Variant& variant, const LocalizerOptions& options) {
-    Map& map =
-        maps_[{variant.method == MethodKind::kMcRansac, variant.doppler, variant.uncertainty}];
+    Map& map = maps_[{variant.method == MethodKind::kMcRansac, variant.doppler, variant.uncertainty,
+                      variant.calibrated}];
     if (map == nullptr) {
-      auto made = MapForMethod(variant.method, drives_->map, options);
+      auto made = MapForMethod(variant.method, DrivesFor(variant).map, options);
       if (!made.ok()) return made.status();
       map = *std::move(made);
     }
@@ -83,22 +145,40 @@ class Workbench {
 
   const Case& case_;
   std::optional<DrivePair> drives_;
+  std::optional<DrivePair> calibrated_;  // the same with the calibrated rig
   std::unique_ptr<SpeedDifferences> speeds_;
-  std::map<std::tuple<bool, bool, bool>, Map> maps_;
+  std::map<std::tuple<bool, bool, bool, bool>, Map> maps_;
 };
+
+/// The outcome of `run`, of `store` or done now.
+absl::StatusOr<DriveOutcome> Obtain(const Case& item, const Run& run, Workbench& workbench,
+                                    RunStore& store, const std::function<void(double)>& progress) {
+  const std::string name = RunName(item, run);
+  if (auto outcome = store.Load(name)) return *std::move(outcome);
+  const auto same = workbench.Equivalent(run);
+  if (!same.ok()) return same.status();
+  auto outcome = same->variant == run.variant ? workbench.Do(run, progress)
+                                              : Obtain(item, *same, workbench, store, progress);
+  if (!outcome.ok()) return outcome.status();
+  if (absl::Status status = store.Save(name, *outcome); !status.ok()) return status;
+  return outcome;
+}
 
 }  // namespace
 
 std::vector<Run> PlanRuns(const Case& item, bool quick) {
   std::vector<Run> runs;
   if (item.purpose == Purpose::kNoise) {
-    for (const RowPlan& row : NoiseRows()) runs.push_back({row.variant, Protocol::kTrack});
-    return runs;
-  }
-  for (const RowPlan& row : Table1Rows()) {
-    for (const Protocol protocol : {Protocol::kTrack, Protocol::kPairs}) {
-      runs.push_back({row.variant, protocol});
+    for (const RowPlan& row : NoiseRows()) AddOnce(row.variant, Protocol::kTrack, runs);
+  } else {
+    for (const RowPlan& row : Table1Rows()) {
+      AddOnce(row.variant, Protocol::kTrack, runs);
+      AddOnce(row.variant, Protocol::kPairs, runs);
     }
+    AddOnce({.calibrated = true, .far_prior = true}, Protocol::kPairs, runs);
+  }
+  if (!item.load_calibration) {
+    std::erase_if(runs, [](const Run& run) { return run.variant.calibrated; });
   }
   if (item.purpose == Purpose::kAblations) AddAblations(quick, runs);
   return runs;
@@ -123,15 +203,10 @@ absl::StatusOr<std::vector<RunResult>> RunStudy(
         progress(name, (static_cast<double>(results.size()) + share) / static_cast<double>(total));
       };
       tell(0.0);
-      std::optional<DriveOutcome> outcome = store.Load(name);
-      if (!outcome) {
-        auto made = workbench.Do(run, tell);
-        if (!made.ok()) {
-          return absl::Status(made.status().code(),
-                              absl::StrCat(name, ": ", made.status().message()));
-        }
-        if (absl::Status status = store.Save(name, *made); !status.ok()) return status;
-        outcome = *std::move(made);
+      auto outcome = Obtain(item, run, workbench, store, tell);
+      if (!outcome.ok()) {
+        return absl::Status(outcome.status().code(),
+                            absl::StrCat(name, ": ", outcome.status().message()));
       }
       results.push_back({item.set, item.name, run.variant, run.protocol, *std::move(outcome)});
     }

@@ -1,5 +1,7 @@
 #include "client/evaluation/paper/table_rows.h"
 
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 
 namespace dcloc::paper {
@@ -9,6 +11,10 @@ std::string AblationLabel(const AblationRow& row) {
   const auto mark = [](bool on, const char* name) { return on ? name : "-"; };
   return absl::StrCat(mark(row.doppler, "D"), " ", mark(row.uncertainty, "U"), " ",
                       mark(row.truncation, "T"));
+}
+
+RowPlan CalibratedRow() {
+  return {"dcloc, rig calibrated on other data", {.calibrated = true}, {}};
 }
 
 }  // namespace
@@ -21,6 +27,8 @@ std::string VariantName(const Variant& variant) {
   if (variant.scans_per_submap != Variant{}.scans_per_submap) {
     absl::StrAppend(&name, "-k", variant.scans_per_submap);
   }
+  if (variant.calibrated) name += "-calibrated";
+  if (variant.far_prior) name += "-far";
   return name;
 }
 
@@ -33,7 +41,8 @@ std::vector<RowPlan> Table1Rows() {
       {"MC-RANSAC", {.method = MethodKind::kMcRansac}, kMcRansac},
       {"DC-Loc", {.method = MethodKind::kDcLoc}, kDcLoc},
       {"DC-Loc++", {.method = MethodKind::kDcLocPlusPlus}, kDcLocPlusPlus},
-      {"dcloc", {.method = MethodKind::kDcloc}, {}}};
+      {"dcloc", {.method = MethodKind::kDcloc}, {}},
+      CalibratedRow()};
 }
 
 std::vector<RowPlan> Table2Rows(MethodKind method) {
@@ -62,6 +71,14 @@ std::vector<RowPlan> Table3Rows() {
 }
 
 std::vector<RowPlan> NoiseRows() {
+  std::vector<RowPlan> rows = {{"ICP, compensated", {.method = MethodKind::kIcp}, {}},
+                               {"NDT, compensated", {.method = MethodKind::kNdt}, {}}};
+  for (RowPlan& row : FigureRows()) rows.push_back(std::move(row));
+  rows.push_back(CalibratedRow());
+  return rows;
+}
+
+std::vector<RowPlan> FigureRows() {
   return {{"MC-RANSAC", {.method = MethodKind::kMcRansac}, {}},
           {"DC-Loc", {.method = MethodKind::kDcLoc}, {}},
           {"DC-Loc++", {.method = MethodKind::kDcLocPlusPlus}, {}},

@@ -1,7 +1,7 @@
 #include "client/evaluation/paper/tables.h"
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <utility>
 
@@ -100,19 +100,12 @@ std::vector<std::string> AblationSets(std::span<const RunResult> results) {
   return sets;
 }
 
-// The row, other than ours, where `measure` is smallest; nullptr where none has a number.
-const ComparisonRow* BestOther(const Comparison& rows,
-                               const std::function<double(const Metrics&)>& measure) {
-  const ComparisonRow* best = nullptr;
-  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
-    if (!std::isfinite(measure(rows[i].all))) continue;
-    if (best == nullptr || measure(rows[i].all) < measure(best->all)) best = &rows[i];
-  }
-  return best;
-}
-
-bool HasOurs(const StudyTable& table) {
-  return table.id == "table-1" && table.rows.back().plan.variant == Variant{};
+// Ours in a Table I, as the rig is described; nullptr in other tables.
+const ComparisonRow* Ours(const StudyTable& table) {
+  if (table.id != "table-1") return nullptr;
+  const auto ours = std::ranges::find(table.rows, Variant{},
+                                      [](const ComparisonRow& row) { return row.plan.variant; });
+  return ours == table.rows.end() ? nullptr : &*ours;
 }
 
 }  // namespace
@@ -142,6 +135,16 @@ std::vector<StudyTable> StudyTables(std::span<const RunResult> results) {
              tables);
   }
   return tables;
+}
+
+const ComparisonRow* BestOther(const Comparison& rows,
+                               const std::function<double(const Metrics&)>& measure) {
+  const ComparisonRow* best = nullptr;
+  for (const ComparisonRow& row : rows) {
+    if (row.plan.variant.method == MethodKind::kDcloc || !std::isfinite(measure(row.all))) continue;
+    if (best == nullptr || measure(row.all) < measure(best->all)) best = &row;
+  }
+  return best;
 }
 
 TextTable ComparisonText(const Comparison& rows) {
@@ -183,8 +186,9 @@ TextTable SummaryText(std::span<const StudyTable> tables) {
   }
   text.front().emplace_back("success [%]: ours; best other");
   for (const StudyTable& table : tables) {
-    if (!HasOurs(table)) continue;
-    const Metrics& ours = table.rows.back().all;
+    const ComparisonRow* row = Ours(table);
+    if (row == nullptr) continue;
+    const Metrics& ours = row->all;
     std::vector<std::string>& cells = text.emplace_back();
     cells = {table.set, ProtocolName(table.protocol)};
     for (const Measure& measure : measures) {
@@ -213,8 +217,8 @@ TextTable TimesText(std::span<const StudyTable> tables) {
   for (const StudyTable& table : tables) {
     if (table.id != "table-1" || table.protocol != Protocol::kTrack) continue;
     for (const ComparisonRow& row : table.rows) {
-      if (row.plan.variant.method != MethodKind::kDcLocPlusPlus &&
-          row.plan.variant.method != MethodKind::kDcloc) {
+      if (row.plan.variant != Variant{} &&
+          row.plan.variant != Variant{.method = MethodKind::kDcLocPlusPlus}) {
         continue;
       }
       const auto& stages = row.all.stage_ms;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -26,6 +27,11 @@ std::vector<StudyTable> StudyTables(std::span<const RunResult> results);
 
 TextTable ComparisonText(const Comparison& rows);
 nlohmann::ordered_json ToJson(const StudyTable& table);
+
+/// The row of another method than ours where `measure`, over all scans, is smallest; nullptr where
+/// none has a number.
+const ComparisonRow* BestOther(const Comparison& rows,
+                               const std::function<double(const Metrics&)>& measure);
 
 /// Ours against the best of the others by each measure, a row for each Table I.
 TextTable SummaryText(std::span<const StudyTable> tables);

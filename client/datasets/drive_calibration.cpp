@@ -1,0 +1,39 @@
+#include "client/datasets/drive_calibration.h"
+
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "core/localizer/ego_motion.h"
+
+namespace dcloc {
+
+absl::Status AddDrive(const Drive& drive, Calibrator& calibrator,
+                      const std::function<void(std::size_t)>& progress) {
+  const std::string& frame = drive.place.empty() ? drive.name : drive.place;
+  EgoMotion ego_motion{LocalizerOptions{}};
+  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+    const auto& [scan, T_map_vehicle] = drive.scans[i];
+    const EgoVelocity& velocity = ego_motion.Advance(scan, *drive.rig.Find(scan.radar_id));
+    if (absl::Status status = calibrator.Add(frame, scan, T_map_vehicle, velocity); !status.ok()) {
+      return absl::Status(status.code(), absl::StrCat(drive.name, ", scan ", i, " of ",
+                                                      scan.radar_id, ": ", status.message()));
+    }
+    progress(i + 1);
+  }
+  return absl::OkStatus();
+}
+
+RadarModel Calibrated(const RadarCalibration& radar) {
+  RadarModel model = radar.described;
+  for (int i = 0; i < kCalibrationParameters; ++i) {
+    const auto parameter = static_cast<CalibrationParameter>(i);
+    model = Corrected(model, parameter, radar.of(parameter).correction);
+  }
+  model.beta_sigma_s = radar.of(CalibrationParameter::kBeta).sigma;
+  model.time_offset_sigma_s = radar.of(CalibrationParameter::kTimeOffset).sigma;
+  model.range_bias_sigma_m = radar.of(CalibrationParameter::kRangeBias).sigma;
+  model.mount_yaw_sigma_rad = radar.of(CalibrationParameter::kMountYaw).sigma;
+  return model;
+}
+
+}  // namespace dcloc
