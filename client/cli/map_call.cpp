@@ -19,7 +19,7 @@ absl::Status Run(MapCall* call, const MapArguments& arguments) {
   return NamingServer(call(maps, arguments), arguments.server);
 }
 
-ordered_json Json(const v1::GeodeticAnchor& anchor) {
+ordered_json AnchorJson(const v1::GeodeticAnchor& anchor) {
   return {{"latitude_deg", anchor.origin().latitude_deg()},
           {"longitude_deg", anchor.origin().longitude_deg()},
           {"height_m", anchor.origin().height_m()},
@@ -76,7 +76,7 @@ ordered_json Json(const v1::MapVersion& version) {
           {"keyframe_count", version.info().keyframe_count()},
           {"point_count", version.info().point_count()},
           {"length_m", version.info().length_m()},
-          {"anchor", version.info().has_anchor() ? Json(version.info().anchor()) : nullptr}};
+          {"anchor", version.info().has_anchor() ? AnchorJson(version.info().anchor()) : nullptr}};
 }
 
 std::string Text(const v1::MapVersion& version) {

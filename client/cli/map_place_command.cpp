@@ -34,7 +34,7 @@ absl::Status FindCoverage(client::MapClient& maps, const MapArguments& arguments
 }
 
 /// Landmarks as (x, y, z, radar cross-section) and keyframes as (x, y), in the map frame.
-nlohmann::ordered_json Json(const v1::ReadMapTileResponse& tile) {
+nlohmann::ordered_json TileJson(const v1::ReadMapTileResponse& tile) {
   const v1::Vector3& origin = tile.origin_m();
   nlohmann::ordered_json points = nlohmann::ordered_json::array();
   for (int i = 0; i < tile.x_m_size(); ++i) {
@@ -58,7 +58,7 @@ absl::Status ReadTile(client::MapClient& maps, const MapArguments& arguments) {
   const auto tile = maps.ReadTile(request);
   if (!tile.ok()) return tile.status();
   if (arguments.json) {
-    absl::PrintF("%s\n", Json(*tile).dump());
+    absl::PrintF("%s\n", TileJson(*tile).dump());
     return absl::OkStatus();
   }
   absl::PrintF("x_m,y_m,z_m,rcs_dbsm\n");

@@ -1,5 +1,6 @@
 #include "core/localizer/pipeline.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -55,6 +56,14 @@ TangentMatrix<Dim> SharedErrors(const MatchOptions& options) {
 template <int Dim>
 TangentMatrix<Dim> OwnNoise(const Registration<Dim>& registration) {
   return registration.residual_scale * registration.residual_scale * registration.covariance;
+}
+
+// L of L L^T.
+template <int Dim>
+TangentMatrix<Dim> SquareRoot(TangentMatrix<Dim> covariance) {
+  constexpr double kMinVariance = 1e-12;
+  covariance.diagonal().array() += kMinVariance;
+  return covariance.llt().matrixL();
 }
 
 StaticPointsOptions PointOptions(const LocalizerOptions& options) {
@@ -118,7 +127,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
 
   Announce(listener, Stage::kSubmap);
   const Motion& motion = ego_motion_.since_previous();
-  odometry_noise_.OnMotion(ToEstimate<Dim>(motion));
+  edge_noise_.OnMotion(ToEstimate<Dim>(motion));
   since_state_ = Compose(since_state_, motion);
   travelled_m_ += motion.T_from_to.translation_m.norm();
   window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), scratch.static_points,
@@ -134,12 +143,9 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
 
     Announce(listener, Stage::kPoseGraph);
     if (registration) {
-      const EdgeTest test = UpdateGraph(*registration, scan.stamp);
+      const EdgeTest test = UpdateGraph(*registration, ego_velocity, scan.stamp);
       quality_.edge_distance = test.distance;
       quality_.edge_valid = test.valid;
-    }
-    if (quality_.edge_valid) {
-      calibration_ = CalibrationCovariance<Dim>(scratch.submap, rig_, ego_velocity);
     }
     Learn(registration, ego_velocity, scan.stamp);
     state_.OnRegistration(scan.stamp, quality_.edge_valid, std::exchange(travelled_m_, 0.0));
@@ -212,7 +218,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
     registration = matcher_.ContinueSearch(live, ToEstimate<Dim>(since_state_).pose);
   } else {
     const PoseEstimate<Dim> odometry = ToEstimate<Dim>(since_state_);
-    graph_.AddState(odometry, odometry_noise_.Learned(odometry.covariance));
+    graph_.AddState(odometry, edge_noise_.OfOdometry(odometry.covariance));
     since_state_ = {};
     const PoseEstimate<3> predicted = ToSpace<Dim>(graph_.Newest(), options_);
     state_.OnAnswer(stamp, std::sqrt(predicted.covariance.topLeftCorner<2, 2>().trace()));
@@ -229,14 +235,17 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
 }
 
 template <int Dim>
-EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, Stamp stamp) {
+EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration,
+                                    const EgoVelocity& ego_velocity, Stamp stamp) {
   // What was left over beyond the model widens the covariance; what agreed better does not narrow
   // it.
   const double scale = std::max(1.0, registration.residual_scale);
   const TangentMatrix<Dim> own = scale * scale * registration.covariance;
   const TangentMatrix<Dim> shared = SharedErrors<Dim>(options_.match);
+  const TangentMatrix<Dim> lasting = SquareRoot<Dim>(
+      CalibrationCovariance<Dim>(Scratch<Dim>::OfThisThread().submap, rig_, ego_velocity));
   if (graph_.empty()) {
-    graph_.Reset({.pose = registration.T_local_vehicle, .covariance = own + shared});
+    graph_.Reset({.pose = registration.T_local_vehicle, .covariance = own + shared}, lasting);
     since_state_ = {};
     registration_count_ = 1;
     state_.StartBlind();
@@ -244,7 +253,8 @@ EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, Stamp
   }
   ++registration_count_;
   // Each scan's points take part in every registration while the scan is in the sub-map, and the
-  // landmarks while they are in view; either has half a part in a registration's own errors.
+  // landmarks while they are in view, whose part in a registration's own errors is smaller.
+  constexpr double kLandmarkShare = 0.15;
   const std::chrono::nanoseconds interval =
       last_registration_ ? stamp - *last_registration_ : window_.span();
   const double by_scans = Share(window_.span(), interval, registration_count_);
@@ -252,7 +262,9 @@ EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration, Stamp
   return graph_.AddLoop({.pose = registration.T_local_vehicle,
                          .covariance = own + shared,
                          .reused_covariance = by_scans * own + by_landmarks * shared,
-                         .noise = OwnNoise(registration) * 0.5 * (by_scans + by_landmarks)});
+                         .noise = (by_scans + kLandmarkShare * by_landmarks) *
+                                  edge_noise_.OfRegistration(OwnNoise(registration)),
+                         .lasting = lasting});
 }
 
 // What the believed poses tell of the vehicle's odometry.
@@ -261,7 +273,7 @@ void Pipeline<Dim>::Learn(const std::optional<Registration<Dim>>& registration,
                           const EgoVelocity& ego_velocity, Stamp stamp) {
   if (state_.state() != LocalizationState::kTracking) {
     ego_motion_.OnJump();
-    odometry_noise_.OnJump();
+    edge_noise_.OnJump();
     return;
   }
   if (!registration || !quality_.edge_valid) return;
@@ -275,7 +287,7 @@ void Pipeline<Dim>::Learn(const std::optional<Registration<Dim>>& registration,
                                matcher_.Matches(live.points, registration->T_local_vehicle),
                                registration->T_local_vehicle, ego_velocity);
   }
-  odometry_noise_.OnRegistration(
+  edge_noise_.OnRegistration(
       stamp, {.pose = T_map_registered, .covariance = OwnNoise(*registration)}, window_.span());
 }
 
@@ -287,13 +299,12 @@ PoseEstimate<Dim> Pipeline<Dim>::Now() const {
           .covariance = ComposeCovariance<Dim>(newest.covariance, motion.pose, motion.covariance)};
 }
 
-// What is told: the estimate weighs cautiously, but what it varies by is known, and on top comes
-// what no number of registrations with this rig averages out.
+// What is told: the estimate weighs cautiously, but what it varies by is known.
 template <int Dim>
 TangentMatrix<Dim> Pipeline<Dim>::Uncertainty() const {
   const PoseEstimate<Dim> motion = ToEstimate<Dim>(since_state_);
-  return calibration_ + ComposeCovariance<Dim>(graph_.NewestNoise(), motion.pose,
-                                               odometry_noise_.Learned(motion.covariance));
+  return ComposeCovariance<Dim>(graph_.NewestNoise(), motion.pose,
+                                edge_noise_.OfOdometry(motion.covariance));
 }
 
 template <int Dim>

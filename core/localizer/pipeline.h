@@ -7,10 +7,10 @@
 #include <string>
 
 #include "core/localizer/beta_watch.h"
+#include "core/localizer/edge_noise.h"
 #include "core/localizer/ego_motion.h"
 #include "core/localizer/localizer.h"
 #include "core/localizer/map_matcher.h"
-#include "core/localizer/odometry_noise.h"
 #include "core/localizer/tracking_state.h"
 #include "core/posegraph/pose_hypotheses.h"
 #include "core/submap/submap.h"
@@ -44,7 +44,8 @@ class Pipeline final : public Localizer::Impl {
   std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
   void Learn(const std::optional<Registration<Dim>>& registration, const EgoVelocity& ego_velocity,
              Stamp stamp);
-  EdgeTest UpdateGraph(const Registration<Dim>& registration, Stamp stamp);
+  EdgeTest UpdateGraph(const Registration<Dim>& registration, const EgoVelocity& ego_velocity,
+                       Stamp stamp);
   PoseEstimate<Dim> Now() const;
   TangentMatrix<Dim> Uncertainty() const;
   Localization Answer(const Scan& scan);
@@ -56,11 +57,8 @@ class Pipeline final : public Localizer::Impl {
   MapMatcher<Dim> matcher_;
   PoseHypotheses<Dim> graph_;
   TrackingState state_;
-  OdometryNoise<Dim> odometry_noise_;
+  EdgeNoise<Dim> edge_noise_;
   BetaWatch<Dim> beta_watch_;
-  // Of the last believed registration, by what is not known of the rig.
-  TangentMatrix<Dim> calibration_ = TangentMatrix<Dim>::Zero();
-
   double travelled_m_ = 0.0;  // since the last registration
   Motion since_state_;        // from the graph's newest state to the newest scan
   std::optional<Stamp> last_stamp_;

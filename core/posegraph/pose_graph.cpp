@@ -37,7 +37,7 @@ PoseEstimate<Dim> Update(const PoseEstimate<Dim>& first, const PoseEstimate<Dim>
 }  // namespace
 
 template <int Dim>
-void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior) {
+void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior, const TangentMatrix<Dim>& lasting) {
   chain_.prior = prior;
   chain_.prior.covariance.diagonal().array() += kMinVariance;
   chain_.states.clear();
@@ -45,7 +45,8 @@ void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior) {
                            .odometry = {},
                            .loop = {},
                            .covariance = chain_.prior.covariance,
-                           .noise = chain_.prior.covariance});
+                           .noise = chain_.prior.covariance,
+                           .lasting = lasting});
 }
 
 template <int Dim>
@@ -56,6 +57,8 @@ void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry, const TangentMa
   chain_.states.back().covariance = NewestPredicted();
   chain_.states.back().noise =
       ComposeCovariance<Dim>(chain_.states[size() - 2].noise, odometry.pose, noise);
+  chain_.states.back().lasting =
+      Adjoint(odometry.pose.Inverse()) * chain_.states[size() - 2].lasting;
   if (size() > static_cast<std::size_t>(options_.window)) MarginalizeOldest();
 }
 
@@ -75,6 +78,7 @@ EdgeTest PoseGraph<Dim>::AddLoop(const LoopEdge<Dim>& loop) {
     const TangentMatrix<Dim> keep = TangentMatrix<Dim>::Identity() - gain;
     newest.noise = keep * newest.noise * keep.transpose() +
                    gain * loop.noise.value_or(loop.reused_covariance) * gain.transpose();
+    newest.lasting = keep * newest.lasting + gain * loop.lasting;
     newest.covariance = UpdatedCovariance<Dim>(NewestPredicted(), loop.reused_covariance);
   }
   return test;
@@ -89,6 +93,12 @@ void PoseGraph<Dim>::Solve() {
 template <int Dim>
 PoseEstimate<Dim> PoseGraph<Dim>::Newest() const {
   return {.pose = chain_.states.back().pose, .covariance = chain_.states.back().covariance};
+}
+
+template <int Dim>
+TangentMatrix<Dim> PoseGraph<Dim>::NewestNoise() const {
+  const State& newest = chain_.states.back();
+  return newest.noise + newest.lasting * newest.lasting.transpose();
 }
 
 template <int Dim>

@@ -18,6 +18,9 @@ struct LoopEdge {
   TangentMatrix<Dim> reused_covariance;
   /// What it really varies by, of which the weight may be a cautious multiple; absent: the weight.
   std::optional<TangentMatrix<Dim>> noise;
+  /// A square root L of the covariance L L^T of the errors that all loop edges share for good, by
+  /// what is not known of mounts and clocks: each column is one such error's.
+  TangentMatrix<Dim> lasting = TangentMatrix<Dim>::Zero();
 };
 
 struct PoseGraphOptions {
@@ -46,8 +49,10 @@ class PoseGraph {
  public:
   explicit PoseGraph(const PoseGraphOptions& options = {}) : options_(options) {}
 
-  /// Forgets everything and starts with one state.
-  void Reset(const PoseEstimate<Dim>& prior);
+  /// Forgets everything and starts with one state, which has the errors `lasting` (see LoopEdge)
+  /// where it comes of a registration.
+  void Reset(const PoseEstimate<Dim>& prior,
+             const TangentMatrix<Dim>& lasting = TangentMatrix<Dim>::Zero());
 
   /// Adds a state that odometry leads to from the newest one: T_newest_new. Needs a state.
   void AddState(const PoseEstimate<Dim>& odometry) { AddState(odometry, odometry.covariance); }
@@ -65,9 +70,9 @@ class PoseGraph {
   /// The newest state with all that is known of it.
   PoseEstimate<Dim> Newest() const;
 
-  /// The newest state's covariance by what the edges vary: the weights' gains with the noises,
-  /// P = (I - K) P (I - K)^T + K N K^T.
-  const TangentMatrix<Dim>& NewestNoise() const { return chain_.states.back().noise; }
+  /// The newest state's covariance by what the edges vary: the weights' gains K with the noises N,
+  /// P = (I - K) P (I - K)^T + K N K^T, and with what lasts, B = (I - K) B + K L: P + B B^T.
+  TangentMatrix<Dim> NewestNoise() const;
 
   /// Expresses everything in another map frame.
   void ChangeFrame(const Pose<Dim>& T_new_old);

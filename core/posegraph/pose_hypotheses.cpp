@@ -11,8 +11,8 @@ void PoseHypotheses<Dim>::Clear() {
 }
 
 template <int Dim>
-void PoseHypotheses<Dim>::Reset(const PoseEstimate<Dim>& prior) {
-  believed_.Reset(prior);
+void PoseHypotheses<Dim>::Reset(const PoseEstimate<Dim>& prior, const TangentMatrix<Dim>& lasting) {
+  believed_.Reset(prior, lasting);
   contender_.reset();
 }
 
@@ -53,7 +53,7 @@ void PoseHypotheses<Dim>::Contend(const LoopEdge<Dim>& loop) {
     return;
   }
   contender_.emplace(options_);
-  contender_->Reset({.pose = loop.pose, .covariance = loop.reused_covariance});
+  contender_->Reset({.pose = loop.pose, .covariance = loop.reused_covariance}, loop.lasting);
   support_ = 1;
 }
 

@@ -20,13 +20,14 @@ class PoseHypotheses {
   void Clear();
 
   /// As in PoseGraph; a reset drops the contender.
-  void Reset(const PoseEstimate<Dim>& prior);
+  void Reset(const PoseEstimate<Dim>& prior,
+             const TangentMatrix<Dim>& lasting = TangentMatrix<Dim>::Zero());
   void AddState(const PoseEstimate<Dim>& odometry) { AddState(odometry, odometry.covariance); }
   void AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise);
   void ChangeFrame(const Pose<Dim>& T_new_old);
   bool empty() const { return believed_.empty(); }
   PoseEstimate<Dim> Newest() const { return believed_.Newest(); }
-  const TangentMatrix<Dim>& NewestNoise() const { return believed_.NewestNoise(); }
+  TangentMatrix<Dim> NewestNoise() const { return believed_.NewestNoise(); }
 
   /// Gives the newest state a loop edge, tests it (the test is the believed chain's after a
   /// takeover, if there was one), and solves.

@@ -26,6 +26,8 @@ struct StateChain {
     TangentMatrix<Dim> covariance = TangentMatrix<Dim>::Zero();
     /// The same by what the edges vary rather than by what they weigh.
     TangentMatrix<Dim> noise = TangentMatrix<Dim>::Zero();
+    /// What the errors that last make of the pose; times its own transpose their covariance.
+    TangentMatrix<Dim> lasting = TangentMatrix<Dim>::Zero();
   };
   PoseEstimate<Dim> prior;    ///< on the first state
   std::vector<State> states;  ///< oldest first

@@ -326,5 +326,30 @@ TYPED_TEST(PoseGraphTest, TheNoiseIsThatOfTheGainsThatTheWeightsGive) {
   }
 }
 
+TYPED_TEST(PoseGraphTest, WhatLastsPassesTheWeightsGains) {
+  // Every loop edge is off by the same; odometry is exact.
+  constexpr int kDim = TypeParam::value;
+  Chain<kDim> chain(40, Diagonal<kDim>(1e-9, 1e-9), Diagonal<kDim>(1e-9, 1e-9), 8);
+  const Tangent<kDim> fault = Tangent<kDim>::Constant(2e-3);
+  PoseGraph<kDim> graph({.truncate = false});
+  PoseGraph<kDim> without({.truncate = false});
+  graph.Reset(chain.prior);
+  without.Reset(chain.prior);
+  for (auto& step : chain.steps) {
+    step.odometry.covariance = Diagonal<kDim>(0.02, 0.002);
+    step.loop.reused_covariance = Diagonal<kDim>(0.3, 0.03);
+    step.loop.pose = step.truth * Exp(fault);
+    for (PoseGraph<kDim>* one : {&graph, &without}) one->AddState(step.odometry);
+    without.AddLoop(step.loop);
+    step.loop.lasting.col(0) = fault;
+    graph.AddLoop(step.loop);
+    graph.Solve();
+  }
+  const Tangent<kDim> error = ErrorOf<kDim>(graph.Newest().pose, chain.steps.back().truth);
+  const TangentMatrix<kDim> lasting = graph.NewestNoise() - without.NewestNoise();
+  EXPECT_GT(error.norm(), 1e-3);
+  EXPECT_LT((lasting - error * error.transpose()).norm(), 0.1 * error.squaredNorm());
+}
+
 }  // namespace
 }  // namespace dcloc
