@@ -35,10 +35,10 @@ const char* ProtocolName(Protocol protocol) {
 }
 
 std::vector<std::string> PrintedCells(const std::optional<Printed>& printed) {
-  if (!printed) return {"", "", ""};
+  if (!printed) return {"", "", "", ""};
   return {Two(printed->rte_mean_m, printed->rte_median_m, 3),
           Two(printed->rre_mean_deg, printed->rre_median_deg, 3),
-          Fixed(printed->success_percent, 1)};
+          Fixed(printed->success_percent, 1), printed->time_ms ? Fixed(*printed->time_ms, 1) : ""};
 }
 
 std::vector<std::string> RowText(const ComparisonRow& row) {
@@ -100,11 +100,12 @@ std::vector<std::string> AblationSets(std::span<const RunResult> results) {
   return sets;
 }
 
+const Variant& VariantOf(const ComparisonRow& row) { return row.plan.variant; }
+
 // Ours in a Table I, as the rig is described; nullptr in other tables.
 const ComparisonRow* Ours(const StudyTable& table) {
   if (table.id != "table-1") return nullptr;
-  const auto ours = std::ranges::find(table.rows, Variant{},
-                                      [](const ComparisonRow& row) { return row.plan.variant; });
+  const auto ours = std::ranges::find(table.rows, Variant{}, VariantOf);
   return ours == table.rows.end() ? nullptr : &*ours;
 }
 
@@ -148,12 +149,12 @@ const ComparisonRow* BestOther(const Comparison& rows,
 }
 
 TextTable ComparisonText(const Comparison& rows) {
-  TextTable table = {{"", "paper: RTE mean / median [m]", "paper: RRE mean / median [deg]",
-                      "paper: success [%]", "where all succeed: RTE mean / median",
-                      "where all succeed: RRE mean / median", "all: RTE mean / median / p95",
-                      "all: RRE mean / median / p95", "success [%]", "ANEES",
-                      "in 95 % / 99.9 % ellipsoid [%]", "misleading",
-                      "slope [cm per m/s], 95 % interval", "mean time [ms]", "scans"}};
+  TextTable table = {
+      {"", "paper: RTE mean / median [m]", "paper: RRE mean / median [deg]", "paper: success [%]",
+       "paper: time [ms]", "where all succeed: RTE mean / median",
+       "where all succeed: RRE mean / median", "all: RTE mean / median / p95",
+       "all: RRE mean / median / p95", "success [%]", "ANEES", "in 95 % / 99.9 % ellipsoid [%]",
+       "misleading", "slope [cm per m/s], 95 % interval", "mean time [ms]", "scans"}};
   for (const ComparisonRow& row : rows) table.push_back(RowText(row));
   return table;
 }
@@ -205,6 +206,34 @@ TextTable SummaryText(std::span<const StudyTable> tables) {
     cells.push_back(
         absl::StrCat(Fixed(100.0 * ours.success_rate_all, 1), "; ",
                      best == nullptr ? "-" : Fixed(100.0 * best->all.success_rate_all, 1)));
+  }
+  return text;
+}
+
+TextTable NoiseReductionText(std::span<const StudyTable> tables) {
+  TextTable text = {{"noise", "paper: DC-Loc++ below MC-RANSAC; DC-Loc [%]",
+                     "here: DC-Loc++ below MC-RANSAC; DC-Loc [%]",
+                     "here: dcloc below MC-RANSAC; DC-Loc; DC-Loc++ [%]"}};
+  std::size_t noise = 0;
+  for (const StudyTable& table : tables) {
+    if (table.id != "table-4" || noise == kFigure11.size()) continue;
+    const auto mean_m = [&](MethodKind method) {
+      const auto row = std::ranges::find(table.rows, Variant{.method = method}, VariantOf);
+      return row == table.rows.end() ? std::numeric_limits<double>::quiet_NaN()
+                                     : row->common.rte_m.mean;
+    };
+    const auto below = [&](MethodKind a, MethodKind b) {
+      return Fixed(100.0 * (1.0 - mean_m(a) / mean_m(b)), 1);
+    };
+    const NoiseRow& printed = kFigure11.at(noise++);
+    text.push_back({table.set,
+                    absl::StrCat(Fixed(printed.below_mc_ransac_percent, 1), "; ",
+                                 Fixed(printed.below_dc_loc_percent, 1)),
+                    absl::StrCat(below(MethodKind::kDcLocPlusPlus, MethodKind::kMcRansac), "; ",
+                                 below(MethodKind::kDcLocPlusPlus, MethodKind::kDcLoc)),
+                    absl::StrCat(below(MethodKind::kDcloc, MethodKind::kMcRansac), "; ",
+                                 below(MethodKind::kDcloc, MethodKind::kDcLoc), "; ",
+                                 below(MethodKind::kDcloc, MethodKind::kDcLocPlusPlus))});
   }
   return text;
 }

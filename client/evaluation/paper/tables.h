@@ -36,6 +36,10 @@ const ComparisonRow* BestOther(const Comparison& rows,
 /// Ours against the best of the others by each measure, a row for each Table I.
 TextTable SummaryText(std::span<const StudyTable> tables);
 
+/// What the paper says of Fig. 11: by how much mean translation errors, where all succeed, lie
+/// below those of others, a row for each noise in the order of Table IV.
+TextTable NoiseReductionText(std::span<const StudyTable> tables);
+
 /// Table V: mean times of DC-Loc++ and ours by module, a row for each set.
 TextTable TimesText(std::span<const StudyTable> tables);
 

@@ -60,8 +60,9 @@ TEST(StudyTables, PutsThePapersNumbersBesideOurs) {
   EXPECT_EQ(text[7][1], "0.215 / 0.142");
   EXPECT_EQ(text[7][2], "0.673 / 0.464");
   EXPECT_EQ(text[7][3], "99.2");
+  EXPECT_EQ(text[7][4], "260.1");
   EXPECT_EQ(text[8][1], "");  // the paper has no dcloc
-  EXPECT_EQ(text[8][4], "0.020 / 0.020");
+  EXPECT_EQ(text[8][5], "0.020 / 0.020");
   const auto json = ToJson(tables.front());
   EXPECT_DOUBLE_EQ(json["rows"][6]["paper"]["rte_median_m"].get<double>(), 0.142);
   EXPECT_NEAR(json["rows"][7]["over_all"]["rte_m"]["median"].get<double>(), 0.0203, 1e-9);
@@ -97,6 +98,18 @@ TEST(SummaryText, ComparesUsAsDescribedWithTheBestOther) {
   ASSERT_EQ(text.size(), 2U);
   EXPECT_EQ(text[1][0], kTown);
   EXPECT_EQ(text[1][2], "0.020; 0.050 (NDT, compensated); 0.40");
+}
+
+TEST(NoiseReductionText, IsOfMeanErrorsBesideThePapers) {
+  auto results = Results("noise gaussian", 0.02, 0.1, NoiseRows());
+  for (RunResult& result : results) {
+    if (result.variant.method == MethodKind::kDcLocPlusPlus) result.outcome = Driven(0.05);
+  }
+  const TextTable text = NoiseReductionText(StudyTables(results));
+  ASSERT_EQ(text.size(), 2U);
+  // Driven adds 0.3 mm to each mean.
+  EXPECT_EQ(text[1], (std::vector<std::string>{"noise gaussian", "51.9; 15.1", "49.9; 49.9",
+                                               "79.8; 79.8; 59.6"}));
 }
 
 TEST(TimesText, HasDcLocPlusPlusAndOursOnceEach) {
