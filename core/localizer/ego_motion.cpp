@@ -68,11 +68,7 @@ std::span<const RadarScan> EgoMotion::Remember(const Scan& scan, const RadarMode
   return of_one_moment_;
 }
 
-// A car changes its speed by up to some metres per second in a second, its yaw rate by less than
-// one radian per second.
 EgoVelocity EgoMotion::Held(std::chrono::nanoseconds age) const {
-  constexpr double kAcceleration_mps2 = 3.0;
-  constexpr double kYawAcceleration_radps2 = 0.5;
   constexpr double kUnknownSpeed_mps = 15.0;
   constexpr double kUnknownYawRate_radps = 0.3;
   EgoVelocity held = velocity_.value_or(EgoVelocity{});
@@ -83,8 +79,8 @@ EgoVelocity EgoMotion::Held(std::chrono::nanoseconds age) const {
     return held;
   }
   const double age_s = std::chrono::duration<double>(age).count();
-  (*held.covariance)(0, 0) += std::pow(kAcceleration_mps2 * age_s, 2);
-  (*held.covariance)(5, 5) += std::pow(kYawAcceleration_radps2 * age_s, 2);
+  (*held.covariance)(0, 0) += std::pow(options_.odometry.acceleration_sigma_mps2 * age_s, 2);
+  (*held.covariance)(5, 5) += std::pow(options_.odometry.yaw_acceleration_sigma_radps2 * age_s, 2);
   return held;
 }
 

@@ -23,6 +23,10 @@ struct MatchOptions {
   double search_sigma_m = 0.4;
   double search_sigma_rad = 0.03;
   int hypotheses = 4;
+  /// Priors less certain than this are no prediction: the ground that they leave is searched like a
+  /// whole map, in every heading that they leave.
+  double max_prior_sigma_m = 3.5;
+  double max_prior_sigma_rad = 0.2;
   /// Without a prior a place must fit better than around a prediction.
   int blind_min_inlier_count = 40;
   double blind_min_overlap = 0.5;
@@ -36,17 +40,20 @@ struct MatchOptions {
 
 /// When a state of the answer changes to another.
 struct StateOptions {
-  /// The first registration waits for this share of a full sub-map, or for this long a one.
+  /// At the start and after a silence registration waits for this share of a full sub-map, or so
+  /// long.
   double start_share = 0.8;
   std::chrono::nanoseconds start_span = std::chrono::milliseconds(1000);
   int confirmations = 3;  ///< believed registrations in a row that start tracking
   /// The same after a search without a prior, which may have found a place that looks alike: enough
   /// for the whole sub-map to be other scans than those it was found by.
-  int blind_confirmations = 25;
+  int blind_confirmations = 16;
   double blind_distance_m = 10.0;  ///< standing still, the same view confirms itself
   int blind_refusals = 3;  ///< refused registrations in a row after which the search starts anew
   std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
   double lost_sigma_m = 2.0;  ///< dead reckoning less certain than this is lost
+  /// Who is lost for so long is looked for as at a start without a prior, nearby first.
+  std::chrono::nanoseconds lost_hold = std::chrono::milliseconds(1000);
 };
 
 /// Every choice in one vehicle's pipeline. The defaults are what is evaluated and recommended.

@@ -107,8 +107,8 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
                                                const PoseEstimate<Dim>& predicted,
                                                std::uint64_t seed) {
   constexpr double kSigmas = 3.0;
-  constexpr double kMaxSearch_m = 8.0;
-  constexpr double kMaxSearch_rad = 0.5;
+  constexpr double kMaxSearch_m = 10.0;
+  constexpr double kMaxSearch_rad = 0.8;
   if (!search_) {
     search_.emplace();
     search_->field = LikelihoodField(local_map_, kFineCell_m);
@@ -145,10 +145,11 @@ std::span<const PointMatch<Dim>> MapMatcher<Dim>::Matches(std::span<const Gaussi
 }
 
 template <int Dim>
-void MapMatcher<Dim>::BeginSearch(std::span<const GaussianPoint<Dim>> live) {
-  blind_search_.emplace(
-      BlindSearch{.live = {live.begin(), live.end()},
-                  .place_search = PlaceSearch(map_, Thinned(live, kSearchPoints))});
+void MapMatcher<Dim>::BeginSearch(std::span<const GaussianPoint<Dim>> live,
+                                  const std::optional<PlaceRegion>& region) {
+  blind_search_.emplace(BlindSearch{
+      .live = {live.begin(), live.end()},
+      .place_search = PlaceSearch(map_, Thinned(live, kSearchPoints), {.region = region})});
 }
 
 template <int Dim>

@@ -40,8 +40,9 @@ class MapMatcher {
   std::span<const PointMatch<Dim>> Matches(std::span<const GaussianPoint<Dim>> live,
                                            const Pose<Dim>& T_local_vehicle) const;
 
-  /// Begins to search the whole map for `live`.
-  void BeginSearch(std::span<const GaussianPoint<Dim>> live);
+  /// Begins to search the map, or a region of it, for `live`.
+  void BeginSearch(std::span<const GaussianPoint<Dim>> live,
+                   const std::optional<PlaceRegion>& region);
 
   bool searching() const { return blind_search_.has_value(); }
 

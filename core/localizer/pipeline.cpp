@@ -107,6 +107,7 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       matcher_(std::move(map), options),
       graph_(GraphOptions(options)),
       state_(options.state),
+      whereabouts_(options.match),
       beta_watch_(rig_) {
   if (initial_pose) Start(*initial_pose);
 }
@@ -129,9 +130,9 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   const Motion& motion = ego_motion_.since_previous();
   edge_noise_.OnMotion(ToEstimate<Dim>(motion));
   since_state_ = Compose(since_state_, motion);
+  whereabouts_.OnMotion(motion);
   travelled_m_ += motion.T_from_to.translation_m.norm();
-  window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), scratch.static_points,
-               motion);
+  PushScan(scan, radar, motion);
 
   if (RegistrationIsDue(scan.stamp)) {
     window_.Join(options_.uncertainty, static_cast<std::size_t>(options_.match.max_live_points),
@@ -149,7 +150,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
     }
     Learn(registration, ego_velocity, scan.stamp);
     state_.OnRegistration(scan.stamp, quality_.edge_valid, std::exchange(travelled_m_, 0.0));
-    if (state_.BlindStartFailed()) graph_.Clear();
+    LookForItAnew(scan.stamp);
     last_registration_ = scan.stamp;
   }
   return Answer(scan);
@@ -177,20 +178,56 @@ absl::Status Pipeline<Dim>::CheckOrder(const Scan& scan) const {
 
 template <int Dim>
 void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
+  whereabouts_.Set({.pose = initial_pose.T_map_vehicle, .covariance = initial_pose.covariance});
+  if (!whereabouts_.IsPrediction()) return;
+  whereabouts_.Forget();
   matcher_.MoveTo(initial_pose.T_map_vehicle.translation_m);
   graph_.Reset(FromSpace<Dim>(matcher_.T_map_local().Inverse() * initial_pose.T_map_vehicle,
                               initial_pose.covariance));
 }
 
 template <int Dim>
+void Pipeline<Dim>::PushScan(const Scan& scan, const RadarModel& radar, const Motion& motion) {
+  // Scans from before a silence lie where odometry puts them, all by the same error: they would
+  // outvote the new ones.
+  constexpr double kMaxGapSigma_m = 0.5;
+  constexpr double kMaxGapSigma_rad = 0.05;
+  if (std::sqrt(motion.covariance.topLeftCorner<2, 2>().trace()) > kMaxGapSigma_m ||
+      std::sqrt(motion.covariance(5, 5)) > kMaxGapSigma_rad) {
+    window_.Clear();
+    edge_noise_.OnJump();
+    was_silent_ = true;
+  }
+  if (window_.scan_count() == 0) window_begin_ = scan.stamp;
+  window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()),
+               Scratch<Dim>::OfThisThread().static_points, motion);
+}
+
+template <int Dim>
 bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp) const {
-  // A start from a few points is easily wrong, and then contradicts the better ones that follow.
+  // A few points are easily matched wrong, and then contradict the better ones that follow.
   const auto full =
       static_cast<double>(options_.scans_per_submap) * static_cast<double>(rig_.radars.size());
   const bool mature = window_.scan_count() >= options_.state.start_share * full ||
-                      window_.span() >= options_.state.start_span;
-  if (registration_count_ == 0 && !mature) return false;
+                      stamp - window_begin_ >= options_.state.start_span;
+  if (!mature) return false;
   return !last_registration_ || stamp - *last_registration_ >= options_.registration_interval;
+}
+
+// A place that was found and does not hold, and an estimate that is lost, are given up.
+template <int Dim>
+void Pipeline<Dim>::LookForItAnew(Stamp stamp) {
+  if (state_.state() == LocalizationState::kTracking) {
+    whereabouts_.Forget();
+    fruitless_searches_ = 0;
+  }
+  if (graph_.empty()) return;
+  const bool is_lost = state_.IsLostForGood(stamp);
+  if (is_lost) {
+    const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_);
+    whereabouts_.Set({.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance});
+  }
+  if (is_lost || state_.BlindStartFailed()) graph_.Clear();
 }
 
 // The local map follows the vehicle; what the graph knows is re-expressed in its new frame.
@@ -208,18 +245,23 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
   std::optional<Registration<Dim>> registration;
   if (graph_.empty()) {
     if (!matcher_.searching()) {
-      constexpr auto kSearchInterval = std::chrono::milliseconds(500);
-      if (window_.span() < kSearchInterval) return std::nullopt;
-      if (last_search_ && stamp - *last_search_ < kSearchInterval) return std::nullopt;
+      constexpr auto kMinSpan = std::chrono::milliseconds(500);
+      // Who is where there is no map must not search it all the time.
+      constexpr int kEagerSearches = 8;
+      const auto interval = fruitless_searches_ < kEagerSearches ? kMinSpan : 6 * kMinSpan;
+      if (window_.span() < kMinSpan) return std::nullopt;
+      if (last_search_ && stamp - *last_search_ < interval) return std::nullopt;
       last_search_ = stamp;
       since_state_ = {};
-      matcher_.BeginSearch(live);
+      ++fruitless_searches_;
+      matcher_.BeginSearch(live, whereabouts_.NextRegion());
     }
     registration = matcher_.ContinueSearch(live, ToEstimate<Dim>(since_state_).pose);
   } else {
     const PoseEstimate<Dim> odometry = ToEstimate<Dim>(since_state_);
-    graph_.AddState(odometry, edge_noise_.OfOdometry(odometry.covariance));
+    graph_.AddState(odometry, NoiseSinceState());
     since_state_ = {};
+    was_silent_ = false;
     const PoseEstimate<3> predicted = ToSpace<Dim>(graph_.Newest(), options_);
     state_.OnAnswer(stamp, std::sqrt(predicted.covariance.topLeftCorner<2, 2>().trace()));
     EnterLocalFrame((matcher_.T_map_local() * predicted.pose).translation_m);
@@ -302,9 +344,15 @@ PoseEstimate<Dim> Pipeline<Dim>::Now() const {
 // What is told: the estimate weighs cautiously, but what it varies by is known.
 template <int Dim>
 TangentMatrix<Dim> Pipeline<Dim>::Uncertainty() const {
-  const PoseEstimate<Dim> motion = ToEstimate<Dim>(since_state_);
-  return ComposeCovariance<Dim>(graph_.NewestNoise(), motion.pose,
-                                edge_noise_.OfOdometry(motion.covariance));
+  return ComposeCovariance<Dim>(graph_.NewestNoise(), ToEstimate<Dim>(since_state_).pose,
+                                NoiseSinceState());
+}
+
+// What is learned of odometry says nothing of what happened in a silence.
+template <int Dim>
+TangentMatrix<Dim> Pipeline<Dim>::NoiseSinceState() const {
+  const TangentMatrix<Dim> covariance = ToEstimate<Dim>(since_state_).covariance;
+  return was_silent_ ? covariance : edge_noise_.OfOdometry(covariance);
 }
 
 template <int Dim>
@@ -316,6 +364,11 @@ Localization Pipeline<Dim>::Answer(const Scan& scan) {
   if (graph_.empty()) {
     constexpr double kUnknown = 1e8;
     answer.covariance = kUnknown * Matrix6d::Identity();
+    if (whereabouts_.now()) {
+      answer.T_map_vehicle = whereabouts_.now()->pose;
+      answer.covariance = whereabouts_.now()->covariance;
+    }
+    answer.state = state_.state();
     return answer;
   }
   const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_);

@@ -12,6 +12,7 @@
 #include "core/localizer/localizer.h"
 #include "core/localizer/map_matcher.h"
 #include "core/localizer/tracking_state.h"
+#include "core/localizer/whereabouts.h"
 #include "core/posegraph/pose_hypotheses.h"
 #include "core/submap/submap.h"
 
@@ -39,8 +40,10 @@ class Pipeline final : public Localizer::Impl {
  private:
   absl::Status CheckOrder(const Scan& scan) const;
   void Start(const InitialPose& initial_pose);
+  void PushScan(const Scan& scan, const RadarModel& radar, const Motion& motion);
   bool RegistrationIsDue(Stamp stamp) const;
   void EnterLocalFrame(const Eigen::Vector3d& p_map);
+  void LookForItAnew(Stamp stamp);
   std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
   void Learn(const std::optional<Registration<Dim>>& registration, const EgoVelocity& ego_velocity,
              Stamp stamp);
@@ -48,6 +51,7 @@ class Pipeline final : public Localizer::Impl {
                        Stamp stamp);
   PoseEstimate<Dim> Now() const;
   TangentMatrix<Dim> Uncertainty() const;
+  TangentMatrix<Dim> NoiseSinceState() const;
   Localization Answer(const Scan& scan);
 
   Rig rig_;
@@ -57,14 +61,18 @@ class Pipeline final : public Localizer::Impl {
   MapMatcher<Dim> matcher_;
   PoseHypotheses<Dim> graph_;
   TrackingState state_;
+  Whereabouts whereabouts_;  // while it is looked for
   EdgeNoise<Dim> edge_noise_;
   BetaWatch<Dim> beta_watch_;
   double travelled_m_ = 0.0;  // since the last registration
   Motion since_state_;        // from the graph's newest state to the newest scan
+  bool was_silent_ = false;   // since then
   std::optional<Stamp> last_stamp_;
+  Stamp window_begin_{};  // of the first scan since the window was empty
   std::optional<Stamp> last_registration_;
   std::optional<Stamp> last_search_;
   std::map<std::string, Stamp> last_stamp_of_radar_;
+  int fruitless_searches_ = 0;
   int registration_count_ = 0;  // believed, since the graph was started
   LocalizationQuality quality_;
 };

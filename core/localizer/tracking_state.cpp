@@ -30,6 +30,10 @@ bool TrackingState::BlindStartFailed() const {
   return blind_ && refused_in_a_row_ >= options_.blind_refusals;
 }
 
+bool TrackingState::IsLostForGood(Stamp stamp) const {
+  return state_ == LocalizationState::kLost && stamp - *lost_since_ > options_.lost_hold;
+}
+
 void TrackingState::OnAnswer(Stamp stamp, double position_sigma_m) {
   if (state_ == LocalizationState::kInitializing) return;
   if (state_ == LocalizationState::kTracking && stamp - *last_believed_ > options_.tracking_hold) {
@@ -37,6 +41,7 @@ void TrackingState::OnAnswer(Stamp stamp, double position_sigma_m) {
   }
   if (state_ == LocalizationState::kDeadReckoning && position_sigma_m > options_.lost_sigma_m) {
     state_ = LocalizationState::kLost;
+    lost_since_ = stamp;
     believed_in_a_row_ = 0;
   }
 }

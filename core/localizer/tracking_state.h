@@ -23,6 +23,9 @@ class TrackingState {
   /// The place found without a prior is contradicted by what followed.
   bool BlindStartFailed() const;
 
+  /// Lost for `lost_hold`.
+  bool IsLostForGood(Stamp stamp) const;
+
   /// Takes in the time and the position's standard deviation of an answer, or of the prediction
   /// before a registration: who is lost must be confirmed anew.
   void OnAnswer(Stamp stamp, double position_sigma_m);
@@ -37,6 +40,7 @@ class TrackingState {
   int refused_in_a_row_ = 0;
   double believed_distance_m_ = 0.0;  // travelled while believed in a row
   std::optional<Stamp> last_believed_;
+  std::optional<Stamp> lost_since_;
 };
 
 }  // namespace dcloc

@@ -76,6 +76,7 @@ PlaceSearch::PlaceSearch(std::shared_ptr<const RadarMap> map,
   const double step_rad = 2.0 * options_.cell_m / std::max(10.0F, ranges[ranges.size() / 2]);
   const int count = static_cast<int>(std::ceil(2.0 * std::numbers::pi / step_rad));
   for (int i = 0; i < count; ++i) {
+    if (!IsSought(2.0 * std::numbers::pi * i / count)) continue;
     Turned turned{.yaw_rad = 2.0 * std::numbers::pi * i / count, .offsets = {}};
     const Eigen::Matrix2d R = Eigen::Rotation2Dd(turned.yaw_rad).toRotationMatrix();
     for (const Eigen::Vector2f& point : chosen) {
@@ -86,7 +87,9 @@ PlaceSearch::PlaceSearch(std::shared_ptr<const RadarMap> map,
     headings_.push_back(std::move(turned));
   }
   for (std::size_t i = 0; i < map_->info().keyframe_count; ++i) {
-    for (const Cell& tile : CellsNearKeyframe(i, tile_m_)) tiles_.push_back(tile);
+    for (const Cell& tile : CellsNearKeyframe(i, tile_m_)) {
+      if (IsSought(tile, tile_m_)) tiles_.push_back(tile);
+    }
   }
   SortUnique(tiles_);
 }
@@ -155,11 +158,29 @@ std::vector<PlaceSearch::Cell> PlaceSearch::BlocksOf(const Cell& tile) const {
     for (const Cell& block : CellsNearKeyframe(keyframe, block_m_)) {
       // Shifts round down for negative cells too.
       static_assert(kTile_blocks == 1 << 4);
-      if (Cell{block.x >> 4, block.y >> 4} == tile) blocks.push_back(block);
+      if (Cell{block.x >> 4, block.y >> 4} == tile && IsSought(block, block_m_)) {
+        blocks.push_back(block);
+      }
     }
   }
   SortUnique(blocks);
   return blocks;
+}
+
+// Some of the cell lies in the region.
+bool PlaceSearch::IsSought(const Cell& cell, double size_m) const {
+  if (!options_.region) return true;
+  const Eigen::Vector2d first_m =
+      size_m * Eigen::Vector2d(static_cast<double>(cell.x), static_cast<double>(cell.y));
+  const Eigen::Vector2d& centre_m = options_.region->centre_m;
+  const Eigen::Vector2d nearest_m =
+      centre_m.cwiseMax(first_m).cwiseMin(first_m + Eigen::Vector2d::Constant(size_m));
+  return (nearest_m - centre_m).norm() <= options_.region->radius_m;
+}
+
+bool PlaceSearch::IsSought(double yaw_rad) const {
+  return !options_.region ||
+         std::abs(WrapAngle(yaw_rad - options_.region->yaw_rad)) <= options_.region->yaw_reach_rad;
 }
 
 std::vector<std::size_t> PlaceSearch::KeyframesAround(const Cell& tile, double margin_m) const {

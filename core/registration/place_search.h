@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <vector>
@@ -13,10 +14,19 @@
 
 namespace dcloc {
 
+/// Ground and headings to search.
+struct PlaceRegion {
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  ///< in the map's xy plane
+  double radius_m = 0.0;
+  double yaw_rad = 0.0;
+  double yaw_reach_rad = 0.0;  ///< from pi on every heading
+};
+
 struct PlaceSearchOptions {
   double cell_m = 1.0;   ///< step between positions; headings step likewise
   double reach_m = 6.0;  ///< the vehicle is this near to a keyframe along each of the map's axes
   int max_count = 8;
+  std::optional<PlaceRegion> region = {};  ///< without it the whole map, in every heading
 };
 
 /// A place of the map where points may have been seen.
@@ -26,10 +36,10 @@ struct PlaceHypothesis {
   double score;              ///< mean likelihood of the points, [0, 1]
 };
 
-/// Searches a whole map for the places where some points may have been seen: exhaustively, every
-/// position near a keyframe and every heading on a coarse grid. It goes tile by tile, so that
-/// others can be served in between: a tile costs some milliseconds, the number of tiles grows with
-/// the length of street, the memory does not.
+/// Searches a map, or a region of it, for the places where some points may have been seen:
+/// exhaustively, every position near a keyframe and every heading on a coarse grid. It goes tile by
+/// tile, so that others can be served in between: a tile costs some milliseconds, the number of
+/// tiles grows with the length of street, the memory does not.
 class PlaceSearch {
  public:
   /// `points` are vehicle xy.
@@ -65,6 +75,8 @@ class PlaceSearch {
 
   std::vector<Cell> CellsNearKeyframe(std::size_t keyframe, double size_m) const;
   std::vector<Cell> BlocksOf(const Cell& tile) const;
+  bool IsSought(const Cell& cell, double size_m) const;
+  bool IsSought(double yaw_rad) const;
   std::vector<std::size_t> KeyframesAround(const Cell& tile, double margin_m) const;
   std::vector<Eigen::Vector2d> LandmarksAround(const Cell& tile) const;
   void KeepBest();

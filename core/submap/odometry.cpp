@@ -11,6 +11,20 @@ double Seconds(std::chrono::nanoseconds duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
+// The velocity may have risen above the line from the one end to the other and come back: a
+// triangle of a / 2 half-way is an eighth of a dt^2 of way. A turn that went so has led aside by
+// half of it.
+Matrix6d BetweenTheEnds(double way_m, double duration_s, const OdometryOptions& options) {
+  const double eighth_s2 = duration_s * duration_s / 8.0;
+  const double ahead_m = options.acceleration_sigma_mps2 * eighth_s2;
+  Vector6d turn = Vector6d::Zero();
+  turn(5) = options.yaw_acceleration_sigma_radps2 * eighth_s2;
+  turn(1) = 0.5 * way_m * turn(5);
+  Matrix6d covariance = turn * turn.transpose();
+  covariance(0, 0) += ahead_m * ahead_m;
+  return covariance;
+}
+
 }  // namespace
 
 EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, double scale_sigma,
@@ -34,7 +48,8 @@ Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,
       0.5 * (begin.angular_radps + end.angular_radps);
   const Matrix6d twist_covariance = 0.5 * (*begin.covariance + *end.covariance);
   return {.T_from_to = Exp(Vector6d(twist * duration_s)),
-          .covariance = twist_covariance * (duration_s * Seconds(options.correlation_time))};
+          .covariance = twist_covariance * (duration_s * Seconds(options.correlation_time)) +
+                        BetweenTheEnds(twist.x() * duration_s, duration_s, options)};
 }
 
 Motion Compose(const Motion& first, const Motion& second) {

@@ -22,6 +22,10 @@ struct OdometryOptions {
   double vertical_sigma_mps = 0.05;
   double yaw_rate_sigma_radps = 0.005;
   double tilt_rate_sigma_radps = 0.01;
+  /// A car changes its speed by up to some metres per second in a second, its yaw rate by less than
+  /// one radian per second: what may have happened between two velocities that lie apart in time.
+  double acceleration_sigma_mps2 = 3.0;
+  double yaw_acceleration_sigma_radps2 = 0.5;
 };
 
 /// `ego_velocity` with a covariance: its own or, where it has none, the options' and on top a share
@@ -30,7 +34,8 @@ EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, double scale_sigma,
                            const OdometryOptions& options);
 
 /// Motion over `duration` from the velocities at its two ends: Exp of their mean, which is second
-/// order where the printed Exp(omega_i dt) of METHOD eq 8 is first. Both have a covariance.
+/// order where the printed Exp(omega_i dt) of METHOD eq 8 is first. Both have a covariance. Its own
+/// spread holds what the velocity may have done between the two, which grows as `duration`^2.
 Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,
                  std::chrono::nanoseconds duration, const OdometryOptions& options);
 

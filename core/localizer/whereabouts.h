@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+
+#include "core/localizer/localizer_options.h"
+#include "core/posegraph/state_chain.h"
+#include "core/registration/place_search.h"
+#include "core/submap/odometry.h"
+
+namespace dcloc {
+
+/// What is known of a vehicle that no registration has found yet, or none finds any more: a prior
+/// or the last estimate, carried on by odometry.
+class Whereabouts {
+ public:
+  explicit Whereabouts(const MatchOptions& options) : options_(options) {}
+
+  /// The vehicle is about here now, in the map frame.
+  void Set(const PoseEstimate<3>& T_map_vehicle);
+
+  /// It moved so.
+  void OnMotion(const Motion& motion);
+
+  /// It has been found, or nothing is known of it.
+  void Forget() { now_.reset(); }
+
+  const std::optional<PoseEstimate<3>>& now() const { return now_; }
+
+  /// A prior that registrations can start from, so that nothing must be searched.
+  bool IsPrediction() const;
+
+  /// What to search next: the ground and the headings that are left, and when it was not there a
+  /// few times the whole map.
+  std::optional<PlaceRegion> NextRegion();
+
+ private:
+  MatchOptions options_;
+  std::optional<PoseEstimate<3>> now_;
+  double known_sigma_m_ = 0.0;  // of the position when it was set
+  double way_m_ = 0.0;          // since then
+  int searches_ = 0;
+};
+
+}  // namespace dcloc
