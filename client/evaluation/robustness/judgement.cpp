@@ -106,7 +106,9 @@ Tally JudgeTrack(const DriveOutcome& outcome, std::span<const Episode> episodes)
         has_started || scan.answered() || Seconds(scan.answer.stamp - origin) > kStartAllowance_s;
     if (has_started) AddScan(scan, outcome.drive, origin, tally);
   }
+  const auto first = std::ranges::find_if(outcome.scans, IsRightTracking);
   for (std::size_t i = 0; i < episodes.size(); ++i) {
+    if (first == outcome.scans.end() || first->answer.stamp >= episodes[i].begin) continue;
     const Stamp end = i + 1 < episodes.size() ? episodes[i + 1].begin : Stamp::max();
     AddEpisode(Between(outcome.scans, episodes[i].end, end), outcome.drive, origin, tally);
   }

@@ -68,7 +68,7 @@ TrackTrial Disturbed(DisturbanceKind kind, std::uint64_t seed) {
   return {.prior = {.seed = seed}, .plan = DisturbancePlan{.kinds = {kind}, .seed = seed}};
 }
 
-void AddTrackTrials(std::uint64_t seed, Site& site) {
+void AddTrackTrials(Site& site, std::uint64_t seed) {
   site.trials.emplace_back("undisturbed", TrackTrial{.prior = {.seed = seed}});
   site.trials.emplace_back("outliers", Disturbed(DisturbanceKind::kOutliers, seed));
   site.trials.emplace_back("displaced", Disturbed(DisturbanceKind::kDisplacedCopy, seed));
@@ -76,7 +76,11 @@ void AddTrackTrials(std::uint64_t seed, Site& site) {
   site.trials.emplace_back("gap", Disturbed(DisturbanceKind::kGap, seed));
 }
 
-void AddStartTrials(std::uint64_t seed, double spacing_m, Site& site) {
+void AddTunnelTrial(Site& site, std::uint64_t seed) {
+  site.trials.emplace_back("tunnel", TrackTrial{.prior = {.seed = seed}});
+}
+
+void AddStartTrials(Site& site, std::uint64_t seed, double spacing_m) {
   const auto start = [&](Prior prior, double translation_m, double rotation_deg) {
     return StartTrial{.prior = prior,
                       .perturbation = {translation_m, rotation_deg, seed},
@@ -88,7 +92,7 @@ void AddStartTrials(std::uint64_t seed, double spacing_m, Site& site) {
   site.trials.emplace_back("start-none", start(Prior::kNone, 0.0, 0.0));
 }
 
-void AddRecordedTrials(std::uint64_t seed, Site& site) {
+void AddRecordedTrials(Site& site, std::uint64_t seed) {
   struct First {
     const char* row;
     double translation_m, rotation_deg;
@@ -107,45 +111,65 @@ void AddRecordedTrials(std::uint64_t seed, Site& site) {
   }
 }
 
+/// Sites one after the other, each in a world of its own, whose seed all else at it follows from.
+class SimulatedSiteList {
+ public:
+  explicit SimulatedSiteList(std::uint64_t seed) : last_seed_(kWorldsPerSeed * (seed + 1)) {}
+
+  void AddDrive(SimulationOptions options, const Pass& pass) {
+    options.seed = ++last_seed_;
+    AddTrackTrials(Add(options, pass), options.seed);
+  }
+  void AddTunnel(SimulationOptions options, const Pass& pass) {
+    options.seed = ++last_seed_;
+    AddTunnelTrial(Add(options, pass), options.seed);
+  }
+  void AddStarts(SimulationOptions options, const Pass& pass, double spacing_m) {
+    options.seed = ++last_seed_;
+    AddStartTrials(Add(options, pass), options.seed, spacing_m);
+  }
+
+  std::vector<Site> Take() { return std::move(sites_); }
+
+ private:
+  Site& Add(const SimulationOptions& options, const Pass& pass) {
+    return sites_.emplace_back(MakeSite(options, pass));
+  }
+
+  std::uint64_t last_seed_;
+  std::vector<Site> sites_;
+};
+
+std::vector<Site> QuickSites(std::uint64_t seed) {
+  SimulatedSiteList sites(seed);
+  sites.AddDrive({.length_m = 250.0}, {40.0, false});
+  sites.AddTunnel({.length_m = 260.0, .tunnel_m = 100.0}, {60.0, false});
+  sites.AddStarts({.length_m = 250.0}, {50.0, false}, 40.0);
+  return sites.Take();
+}
+
 }  // namespace
 
 std::vector<Site> SimulatedSites(std::uint64_t seed, bool quick) {
-  std::vector<Site> sites;
-  std::uint64_t world_seed = kWorldsPerSeed * (seed + 1);
-  const auto add = [&](SimulationOptions options, const Pass& pass) -> Site& {
-    options.seed = ++world_seed;
-    return sites.emplace_back(MakeSite(options, pass));
-  };
-  if (quick) {
-    AddTrackTrials(seed, add({.length_m = 250.0}, {40.0, false}));
-    add({.length_m = 260.0, .tunnel_m = 100.0}, {60.0, false})
-        .trials.emplace_back("tunnel", TrackTrial{.prior = {.seed = seed}});
-    AddStartTrials(seed, 40.0, add({.length_m = 250.0}, {50.0, false}));
-    return sites;
-  }
-  for (const auto& [radar_name, radar] : kRadarNames) {
-    for (const auto& [world_name, world] : kWorldNames) {
-      const SimulationOptions options{.world = world, .radar = radar, .length_m = 2000.0};
-      AddTrackTrials(seed, add(options, {40.0, false}));
-      const Pass other = world == WorldKind::kTown ? Pass{60.0, true} : Pass{100.0, false};
-      AddTrackTrials(seed, add(options, other));
-    }
-  }
-  for (const auto& [radar_name, radar] : kRadarNames) {
-    for (const auto& [world_name, world] : kWorldNames) {
-      const SimulationOptions options{
-          .world = world, .radar = radar, .length_m = 900.0, .tunnel_m = 300.0};
-      add(options, {world == WorldKind::kTown ? 40.0 : 100.0, false})
-          .trials.emplace_back("tunnel", TrackTrial{.prior = {.seed = seed}});
-    }
-  }
+  if (quick) return QuickSites(seed);
+  constexpr double kLength_m = 2000.0;
   constexpr double kSpacing_m = 6.0;  // three hundred starts in two kilometres, and some
-  AddStartTrials(seed, kSpacing_m, add({.length_m = 2000.0}, {50.0, false}));
-  AddStartTrials(seed, kSpacing_m,
-                 add({.radar = RadarKind::kCarla, .length_m = 2000.0}, {50.0, false}));
-  AddStartTrials(seed, 2.0 * kSpacing_m,
-                 add({.world = WorldKind::kHighway, .length_m = 2000.0}, {100.0, false}));
-  return sites;
+  constexpr Pass kSlow{40.0, false}, kFast{100.0, false}, kWithStops{60.0, true};
+  SimulatedSiteList sites(seed);
+  for (const auto& [radar_name, radar] : kRadarNames) {
+    for (const auto& [world_name, world] : kWorldNames) {
+      const bool is_town = world == WorldKind::kTown;
+      const SimulationOptions options{.world = world, .radar = radar, .length_m = kLength_m};
+      sites.AddDrive(options, kSlow);
+      sites.AddDrive(options, is_town ? kWithStops : kFast);
+      sites.AddTunnel({.world = world, .radar = radar, .length_m = 900.0, .tunnel_m = 300.0},
+                      is_town ? kSlow : kFast);
+    }
+  }
+  sites.AddStarts({.length_m = kLength_m}, {50.0, false}, kSpacing_m);
+  sites.AddStarts({.radar = RadarKind::kCarla, .length_m = kLength_m}, {50.0, false}, kSpacing_m);
+  sites.AddStarts({.world = WorldKind::kHighway, .length_m = kLength_m}, kFast, 2.0 * kSpacing_m);
+  return sites.Take();
 }
 
 absl::StatusOr<std::vector<Site>> RecordedSites(const std::filesystem::path& folder,
@@ -161,7 +185,7 @@ absl::StatusOr<std::vector<Site>> RecordedSites(const std::filesystem::path& fol
       if (!drives.ok()) return drives.status();
       return Course{std::move(drives->map), std::move(drives->live), {}};
     };
-    AddRecordedTrials(seed, site);
+    AddRecordedTrials(site, seed);
   }
   return sites;
 }

@@ -111,6 +111,16 @@ TEST(JudgementTest, TrackingAWrongPoseIsNoRecovery) {
   EXPECT_EQ(JudgeTrack(session.outcome(), {}).wrong, 15U);
 }
 
+TEST(JudgementTest, WhatHappensBeforeTrackingBelongsToTheStart) {
+  Session session;
+  session.Say(50, State::kInitializing, 5.0).Say(50, State::kTracking, 0.1);
+  const std::vector<Episode> episodes = {{Session::At(10), Session::At(19)},
+                                         {Session::At(70), Session::At(79)}};
+  const Tally tally = JudgeTrack(session.outcome(), episodes);
+  EXPECT_EQ(tally.episodes, 1U);
+  EXPECT_EQ(tally.recovery_s, std::vector<double>{0.0});
+}
+
 TEST(JudgementTest, WhatNeverComesBackIsCountedAsSuch) {
   Session session;
   session.Say(30, State::kTracking, 0.1).Say(50, State::kLost, 9.0);
