@@ -1,6 +1,9 @@
 #include "server/log.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <mutex>
 #include <utility>
 
@@ -10,15 +13,16 @@
 #include "absl/strings/strip.h"
 #include "nlohmann/json.hpp"
 #include "server/limits/rate_limit.h"
+#include "server/log_queue.h"
 #include "spdlog/pattern_formatter.h"
 #include "spdlog/sinks/base_sink.h"
-#include "spdlog/sinks/stdout_sinks.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
 namespace {
 
 constexpr int kLinesPerSecond = 200;
+constexpr std::size_t kMaxWaitingLines = 1000;
 constexpr char kTextPattern[] = "%Y-%m-%dT%H:%M:%S.%eZ %l %v";
 constexpr char kJsonPattern[] = "{\"time\":\"%Y-%m-%dT%H:%M:%S.%eZ\",\"level\":\"%l\",%*}";
 
@@ -81,6 +85,23 @@ std::unique_ptr<spdlog::formatter> MakeFormatter(bool json) {
   return formatter;
 }
 
+/// Without stdio, whose lock a write that is stuck would hold, and the program's end wait for.
+class StandardError final : public spdlog::sinks::base_sink<std::mutex> {
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t line;
+    formatter_->format(message, line);
+    absl::string_view rest(line.data(), line.size());
+    while (!rest.empty()) {
+      const ssize_t size = write(STDERR_FILENO, rest.data(), rest.size());
+      if (size < 0 && errno == EINTR) continue;
+      if (size <= 0) return;
+      rest.remove_prefix(static_cast<std::size_t>(size));
+    }
+  }
+  void flush_() override {}
+};
+
 class Limited final : public spdlog::sinks::base_sink<std::mutex> {
  public:
   Limited(std::shared_ptr<spdlog::sinks::sink> target, int lines_per_s)
@@ -136,10 +157,13 @@ std::shared_ptr<spdlog::sinks::sink> LimitedSink(std::shared_ptr<spdlog::sinks::
 
 void SetUpLog(const ServerConfig& config) {
   auto log = std::make_shared<spdlog::logger>(
-      "dcloc", LimitedSink(std::make_shared<spdlog::sinks::stderr_sink_mt>(), kLinesPerSecond));
+      "dcloc", LimitedSink(QueuedSink(std::make_shared<StandardError>(), kMaxWaitingLines),
+                           kLinesPerSecond));
   log->set_formatter(MakeFormatter(config.log_format == "json"));
   spdlog::set_default_logger(std::move(log));
   spdlog::set_level(spdlog::level::from_str(config.log_level));
 }
+
+void FlushLog() { spdlog::default_logger()->flush(); }
 
 }  // namespace dcloc::server

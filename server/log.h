@@ -9,8 +9,12 @@
 
 namespace dcloc::server {
 
-/// The program's log: standard error, one line each, as text or as JSON.
+/// The program's log: standard error, one line each, as text or as JSON, written by a thread of
+/// its own. Block signals before.
 void SetUpLog(const ServerConfig& config);
+
+/// Waits until what was logged is written, or a second if nobody takes it.
+void FlushLog();
 
 /// A line "session opened session=ab12 vehicle=\"car 1\"" as JSON members: what stands before the
 /// first key is the event, the keys and their values follow, all of them strings. Gives

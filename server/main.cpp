@@ -39,6 +39,8 @@ sigset_t BlockSignals() {
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  // Who reads the log may go; that is no reason to end.
+  std::signal(SIGPIPE, SIG_IGN);
   return signals;
 }
 
@@ -71,16 +73,17 @@ int CheckConfig(const ServerConfig& config) {
 }
 
 int Run(int argc, const char* const* argv, const ServerConfig& config) {
+  const sigset_t signals = BlockSignals();
   SetUpLog(config);
   RaiseFileLimit();
-  const sigset_t signals = BlockSignals();
   const absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(config);
   if (!server.ok()) {
     std::cerr << "dcloc-server: " << server.status().message() << "\n";
     return EXIT_FAILURE;
   }
   if (config.stub_matcher) spdlog::warn("stub matcher: scans are not matched, poses mean nothing");
-  // Whoever started the program may wait for this line.
+  // Whoever started the program may wait for this line, and then read the log.
+  FlushLog();
   std::cout << "listening on " << (*server)->address() << std::endl;
   NotifyServiceManager("READY=1");
 
@@ -105,7 +108,9 @@ int Main(int argc, const char* const* argv) {
     return EXIT_SUCCESS;
   }
   if (command_line->check_config) return CheckConfig(command_line->config);
-  return Run(argc, argv, command_line->config);
+  const int exit_code = Run(argc, argv, command_line->config);
+  FlushLog();
+  return exit_code;
 }
 
 }  // namespace

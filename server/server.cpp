@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/admin/admin_service.h"
 #include "server/credentials.h"
+#include "server/health.h"
 #include "server/identity/identity_store.h"
 #include "server/limits/usage.h"
 #include "server/listen_address.h"
@@ -157,7 +158,9 @@ struct Server::Parts {
                [this] {
                  const auto now = std::chrono::steady_clock::now();
                  registry.Reap(now);
-                 localization.EndOverdue(now);
+                 if (!localization.EndOverdue(now)) return;
+                 // Nobody can resume them here any more.
+                 registry.RemoveDetached("the server is draining");
                }),
         upload_sweeper(kUploadSweepInterval, [this] { RemoveStaleUploads(*store); }) {
     // The pools' threads are older than what they will use of this; their locks hand it to them.
@@ -168,19 +171,16 @@ struct Server::Parts {
   /// Not ready any more, and the sessions are told to move; gives how many were told.
   int Drain(std::chrono::milliseconds grace) {
     server_is_set.wait();
-    if (auto* health = server->GetHealthCheckService()) health->SetServingStatus(false);
+    health->SetDraining();
     return localization.Drain(grace);
   }
 
   /// Not ready while it does not answer its own connections.
   void WatchItself(const ListenAddress& listen) {
     const bool tls = !config.tls_cert.empty();
-    const auto report = [this](bool ok) {
-      auto* health = server->GetHealthCheckService();
-      if (health != nullptr && !(ok && localization.draining())) health->SetServingStatus(ok);
-    };
     liveness = std::make_unique<Liveness>(
-        [listen, tls] { return ProbeListener(listen, tls, kSelfProbeTimeout); }, report);
+        [listen, tls] { return ProbeListener(listen, tls, kSelfProbeTimeout); },
+        [this](bool ok) { health->SetAnswering(ok); });
     std::chrono::milliseconds interval(config.self_probe_interval_ms);
     if (const auto watchdog = WatchdogInterval()) {
       const auto often = std::chrono::duration_cast<std::chrono::milliseconds>(*watchdog / 3);
@@ -233,6 +233,7 @@ struct Server::Parts {
   MapService maps;
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
+  std::unique_ptr<Health> health;
   std::latch server_is_set{1};  ///< the first calls may be there before it
   std::unique_ptr<Listener> listener;
   std::unique_ptr<Liveness> liveness;
@@ -275,6 +276,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   builder.RegisterService(&parts->admin);
   parts->server = builder.BuildAndStart();
   if (parts->server == nullptr) return absl::InternalError("gRPC cannot start a server");
+  parts->health = std::make_unique<Health>(*parts->server);
   parts->server_is_set.count_down();
   parts->address = address->ToString();
   parts->listener = *std::move(listener);

@@ -55,13 +55,16 @@ bool LocalizationService::draining() const {
   return !refusal_.ok();
 }
 
-void LocalizationService::EndOverdue(Clock::time_point now) {
+bool LocalizationService::EndOverdue(Clock::time_point now) {
   {
     const std::lock_guard lock(mutex_);
-    if (!drain_end_ || now < *drain_end_) return;
+    if (refusal_.ok()) return false;
+    if (!drain_end_) return true;
+    if (now < *drain_end_) return false;
     drain_end_.reset();
   }
   EndAll(grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server is draining"));
+  return true;
 }
 
 void LocalizationService::EndAll(const grpc::Status& status) {

@@ -28,8 +28,8 @@ class LocalizationService final : public v1::LocalizationService::CallbackServic
 
   bool draining() const;
 
-  /// Ends all calls if a drain's grace is over at `now`.
-  void EndOverdue(Clock::time_point now);
+  /// Ends all calls if a drain's grace is over at `now`; gives whether it is.
+  bool EndOverdue(Clock::time_point now);
 
   /// Ends all calls, those to come as well, once what was read of them is answered.
   void EndAll(const grpc::Status& status);

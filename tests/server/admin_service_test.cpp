@@ -92,13 +92,13 @@ TEST_F(AdminServiceTest, SessionsAreListedInPages) {
 }
 
 /// The bytes of a unary answer, for services whose protos are not ours.
-grpc::ByteBuffer CallByName(const std::shared_ptr<grpc::Channel>& channel,
-                            const std::string& method) {
+std::string CallByName(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
+                       const std::string& request) {
   grpc::GenericStub stub(channel);
   Call call;
   grpc::CompletionQueue queue;
-  const grpc::Slice empty;
-  const auto rpc = stub.PrepareUnaryCall(&call, method, grpc::ByteBuffer(&empty, 1), &queue);
+  const grpc::Slice slice(request);
+  const auto rpc = stub.PrepareUnaryCall(&call, method, grpc::ByteBuffer(&slice, 1), &queue);
   rpc->StartCall();
   grpc::ByteBuffer response;
   grpc::Status status;
@@ -107,15 +107,33 @@ grpc::ByteBuffer CallByName(const std::shared_ptr<grpc::Channel>& channel,
   bool ok = false;
   EXPECT_TRUE(queue.Next(&tag, &ok));
   EXPECT_TRUE(status.ok()) << status.error_message();
-  return response;
+  grpc::Slice answer;
+  EXPECT_TRUE(response.DumpToSingleSlice(&answer).ok());
+  return {answer.begin(), answer.end()};
 }
 
-TEST_F(AdminServiceTest, HealthSaysServing) {
-  const grpc::ByteBuffer response = CallByName(server_.channel, "/grpc.health.v1.Health/Check");
-  grpc::Slice slice;
-  ASSERT_TRUE(response.DumpToSingleSlice(&slice).ok());
-  // HealthCheckResponse{status: SERVING}: field 1, varint 1.
-  EXPECT_EQ(std::string(slice.begin(), slice.end()), std::string("\x08\x01"));
+/// Whether the service, or with no name the server, says that it serves.
+bool Serves(const std::shared_ptr<grpc::Channel>& channel, const std::string& service) {
+  // HealthCheckRequest{service}: field 1, length-delimited.
+  const std::string request = "\x0a" + std::string(1, static_cast<char>(service.size())) + service;
+  const std::string answer = CallByName(channel, "/grpc.health.v1.Health/Check", request);
+  // HealthCheckResponse{status}: field 1, varint 1 for SERVING and 2 for NOT_SERVING.
+  EXPECT_TRUE(answer == "\x08\x01" || answer == "\x08\x02") << service;
+  return answer == "\x08\x01";
+}
+
+TEST_F(AdminServiceTest, HealthIsToldOfEachService) {
+  for (const char* service :
+       {"", "dcloc.v1.LocalizationService", "dcloc.v1.MapService", "dcloc.v1.AdminService"}) {
+    EXPECT_TRUE(Serves(server_.channel, service)) << service;
+  }
+  Call call;
+  v1::DrainResponse response;
+  ASSERT_TRUE(server_.admin->Drain(&call, {}, &response).ok());
+  EXPECT_FALSE(Serves(server_.channel, ""));
+  EXPECT_FALSE(Serves(server_.channel, "dcloc.v1.LocalizationService"));
+  EXPECT_TRUE(Serves(server_.channel, "dcloc.v1.MapService"));
+  EXPECT_TRUE(Serves(server_.channel, "dcloc.v1.AdminService"));
 }
 
 TEST_F(AdminServiceTest, ReflectionKnowsOurServices) {

@@ -1,4 +1,5 @@
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -15,10 +16,12 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/maps/files.h"
 #include "tests/core/map/temporary_folder.h"
+#include "tests/server/test_maps.h"
 #include "tests/server/test_server.h"
 
 namespace dcloc::server {
@@ -59,7 +62,7 @@ class ServerProcess {
       kill(pid_, SIGKILL);
       Wait();
     }
-    std::fclose(output_);
+    if (output_ != nullptr) std::fclose(output_);
   }
 
   /// The next line with `part` in it; all that came before if there is none.
@@ -75,6 +78,12 @@ class ServerProcess {
     }
     return all + line;
   }
+
+  /// From now on what it says fills a pipe of a page, which nobody reads.
+  void StopReading() { fcntl(fileno(output_), F_SETPIPE_SZ, 4096); }
+
+  /// From now on who writes to the pipe is told that nobody is there.
+  void CloseOutput() { std::fclose(std::exchange(output_, nullptr)); }
 
   void Signal(int signal) { kill(pid_, signal); }
 
@@ -219,6 +228,40 @@ TEST_F(ProcessTest, ConnectionsBeyondTheFilesAreClosedAndTheServerGoesOn) {
   EXPECT_FALSE(IsClosed(connections.front())) << "those before stay";
   connections.clear();
   EXPECT_TRUE(Eventually([&] { return AskFor(address).ok(); })) << "gRPC's own would never accept";
+  server.Signal(SIGTERM);
+  EXPECT_EQ(server.Wait(), 0);
+}
+
+/// Drives through a whole session, of which each scan is logged.
+void LocalizeSome(const std::string& address) {
+  const auto channel = grpc::CreateChannel(address, grpc::InsecureChannelCredentials());
+  const auto maps = v1::MapService::NewStub(channel);
+  const std::vector<std::byte> map = SmallMap();
+  v1::UploadMapResponse response;
+  ASSERT_TRUE(UploadMap(*maps, HeaderOf(map), map, &response).ok());
+  const auto localization = v1::LocalizationService::NewStub(channel);
+  TestSession session(*localization);
+  ASSERT_TRUE(session.Open(OpenMessage()));
+  ASSERT_TRUE(session.Read().has_value());
+  for (int i = 0; i < 300; ++i) ASSERT_TRUE(session.Localize(ScanMessage(i)).has_value()) << i;
+}
+
+TEST_F(ProcessTest, ALogThatNobodyReadsHoldsUpNobody) {
+  ServerProcess server(
+      {"--data", Store(), "--listen", "127.0.0.1:0", "--stub-matcher", "--log-level", "debug"});
+  const std::string line = server.ReadUntil("listening on 127.0.0.1:");
+  server.StopReading();
+  LocalizeSome(line.substr(line.find("127."), line.find('\n') - line.find("127.")));
+  server.Signal(SIGTERM);
+  EXPECT_EQ(server.Wait(), 0);
+}
+
+TEST_F(ProcessTest, ALogThatIsClosedEndsNothing) {
+  ServerProcess server(
+      {"--data", Store(), "--listen", "127.0.0.1:0", "--stub-matcher", "--log-level", "debug"});
+  const std::string line = server.ReadUntil("listening on 127.0.0.1:");
+  server.CloseOutput();
+  LocalizeSome(line.substr(line.find("127."), line.find('\n') - line.find("127.")));
   server.Signal(SIGTERM);
   EXPECT_EQ(server.Wait(), 0);
 }

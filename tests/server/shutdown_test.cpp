@@ -108,6 +108,33 @@ TEST_F(ShutdownTest, AnUploadThatStandsStillIsCutOffAtTheDeadline) {
   EXPECT_FALSE(writer->Finish().ok());
 }
 
+TEST(DrainTest, SessionsThatNobodyCanResumeAreNotKept) {
+  ServerConfig config = TestServer::StubConfig();
+  config.drain_grace_ms = 100;
+  const TestServer server(config);
+  const std::vector<std::byte> bytes = SmallMap();
+  v1::UploadMapResponse uploaded;
+  ASSERT_TRUE(UploadMap(*server.maps, HeaderOf(bytes), bytes, &uploaded).ok());
+  v1::OpenSession open = OpenMessage();
+  open.set_resumable(true);
+  TestSession left(*server.localization);
+  ASSERT_TRUE(left.Open(open));
+  ASSERT_TRUE(left.Read().has_value());
+  left.Cancel();
+  open.set_vehicle_id("car-2");
+  TestSession attached(*server.localization);
+  ASSERT_TRUE(attached.Open(open));
+  ASSERT_TRUE(attached.Read().has_value());
+  Call call;
+  v1::DrainResponse response;
+  ASSERT_TRUE(server.admin->Drain(&call, {}, &response).ok());
+  EXPECT_TRUE(Eventually([&] {
+    Call state_call;
+    v1::GetServerStateResponse state;
+    return server.admin->GetServerState(&state_call, {}, &state).ok() && state.session_count() == 0;
+  })) << "a drained server is empty well before its sessions' timeout of a minute";
+}
+
 TEST_F(ShutdownTest, TwiceIsOnce) {
   Shutdown(milliseconds(1000));
   EXPECT_LT(Shutdown(milliseconds(1000)), milliseconds(500));
