@@ -4,6 +4,8 @@
 #include <array>
 #include <fstream>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -132,8 +134,20 @@ absl::Status Take(const std::string& key, const Json& value, ServerConfig* confi
 absl::StatusOr<Json> ParseFile(const std::filesystem::path& path) {
   std::ifstream file(path);
   if (!file) return absl::NotFoundError(absl::StrCat(path.string(), ": cannot be read"));
+  std::set<std::string> keys;
+  std::string repeated;
+  const auto note = [&](int depth, Json::parse_event_t event, const Json& parsed) {
+    if (depth == 1 && event == Json::parse_event_t::key) {
+      const auto key = parsed.get<std::string>();
+      if (!keys.insert(key).second) repeated = key;
+    }
+    return true;
+  };
   try {
-    return Json::parse(file);
+    Json json = Json::parse(file, note);
+    if (repeated.empty()) return json;
+    return absl::InvalidArgumentError(
+        absl::StrCat(path.string(), ": key ", Quoted(repeated), " is there more than once"));
   } catch (const Json::exception& error) {
     return absl::InvalidArgumentError(absl::StrCat(path.string(), ": ", error.what()));
   }

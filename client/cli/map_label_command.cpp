@@ -84,6 +84,7 @@ void AddRollBack(CLI::App& map_command, int& exit_code) {
       AddMapCall(map_command, "rollback", "Give new sessions the version that was active before",
                  &RollBack, arguments, exit_code);
   AddMapName(*app, *arguments, "The map")->required();
+  AddMoveSessions(*app, *arguments);
   AddJson(*app, *arguments);
   app->footer("Example:\n  dcloc map rollback --server localhost:50051 --map town");
 }

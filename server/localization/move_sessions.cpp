@@ -8,6 +8,14 @@
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
+namespace {
+
+void LogNotMoved(const SessionRecord& record, absl::string_view reason) {
+  spdlog::warn("session not moved session={} reason={}", record.description.session_id,
+               Quoted(reason));
+}
+
+}  // namespace
 
 int MoveSessions(const SessionRegistry& registry, MapStore& store, absl::string_view tenant,
                  absl::string_view map_name) {
@@ -17,17 +25,18 @@ int MoveSessions(const SessionRegistry& registry, MapStore& store, absl::string_
     const SessionRecord& record = *session->record();
     absl::StatusOr<LoadedMap> map = store.AcquireFor(scoped_name, record.description.vehicle_id);
     if (!map.ok()) {
-      spdlog::error("session not moved session={} reason={}", record.description.session_id,
-                    Quoted(map.status().message()));
+      LogNotMoved(record, map.status().message());
       continue;
     }
     if (map->record.version == record.map_version) continue;
+    if (record.recorded) {
+      LogNotMoved(record, "it is recorded, and a recording is of one version");
+      continue;
+    }
     ++count;
     session->strand().Post([session, loaded = *std::move(map)]() mutable {
       const absl::Status status = session->Move(std::move(loaded));
-      if (status.ok()) return;
-      spdlog::warn("session not moved session={} reason={}",
-                   session->record()->description.session_id, Quoted(status.message()));
+      if (!status.ok()) LogNotMoved(*session->record(), status.message());
     });
   }
   return count;

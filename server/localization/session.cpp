@@ -121,6 +121,7 @@ void Session::Tap(std::shared_ptr<SessionTap> tap, const v1::OpenSession& open,
   header.set_map_sha256(map_.record.sha256);
   tap->OnOpened(header);
   tap_ = std::move(tap);
+  record_->recorded = true;
 }
 
 Session::Session(const SessionContext& context, std::shared_ptr<SessionRecord> record,
@@ -299,9 +300,6 @@ void Session::ChooseLane() {
 absl::Status Session::Move(LoadedMap map) {
   const std::int64_t version = map.record.version;
   if (version == record_->map_version) return absl::OkStatus();
-  if (tap_ != nullptr) {
-    return absl::FailedPreconditionError("it is being recorded, and a recording is of one version");
-  }
   if (!SamePlace(map.map->info().anchor, map_.map->info().anchor)) {
     return absl::FailedPreconditionError("the versions' anchors on the Earth differ");
   }

@@ -66,8 +66,8 @@ class Session {
   void Answer(const v1::Scan& scan, const Arrival& arrival, v1::LocalizeResponse* response);
 
   /// Goes on in another version of the map: the last pose and its covariance are the prior at the
-  /// last scan. FailedPrecondition when the maps' anchors differ or the session is recorded, and
-  /// errors of the matcher's; then nothing changes.
+  /// last scan. FailedPrecondition when the maps' anchors differ, and errors of the matcher's; then
+  /// nothing changes.
   absl::Status Move(LoadedMap map);
 
   /// Answers a scan that is not to be looked at, since newer ones wait.

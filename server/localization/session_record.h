@@ -39,6 +39,7 @@ struct SessionRecord {
 
   SessionDescription description;
   std::atomic<std::int64_t> map_version = 0;
+  std::atomic<bool> recorded = false;  ///< from its opening on, and so in one version
   ScanCounts counts;
   std::atomic<std::int64_t> missing_scan_count = 0;
   std::atomic<std::int64_t> resume_count = 0;

@@ -51,6 +51,8 @@ TEST(ConfigFileTest, ErrorsNameFileKeyValueAndBound) {
   EXPECT_THAT(ErrorOfFile(R"({"worker_cout": 3})"),
               AllOf(HasSubstr("config.json"), HasSubstr("worker_cout"), HasSubstr("3"),
                     HasSubstr("unknown")));
+  EXPECT_THAT(ErrorOfFile(R"({"worker_count": 3, "data": "a", "worker_count": 4})"),
+              AllOf(HasSubstr("\"worker_count\""), HasSubstr("more than once")));
   EXPECT_THAT(ErrorOfFile(R"({"worker_count": -1})"),
               AllOf(HasSubstr("worker_count is -1"), HasSubstr("[0, 1024]")));
   EXPECT_THAT(ErrorOfFile(R"({"worker_count": 99999999999999999999})"), HasSubstr("worker_count"));

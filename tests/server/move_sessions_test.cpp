@@ -149,7 +149,7 @@ TEST_F(MovingTest, ARecordedSessionStaysWhereItIs) {
   recorder->WaitForInitialMetadata();
   const auto session = OpenSession(OpenMessage());
   Localize(*session, ScanMessage(0));
-  Activate(2);
+  EXPECT_EQ(Activate(2), 0);
   EXPECT_EQ(Localize(*session, ScanMessage(1)).map_version(), 1) << "a recording is of one version";
 }
 

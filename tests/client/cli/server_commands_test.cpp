@@ -156,8 +156,9 @@ TEST_F(ServerCommandsTest, LabelsAreSetAndTakenBack) {
   map = nlohmann::json::parse(Dcloc(At("map activate") + "--map town --version 2 --json").out);
   EXPECT_EQ(map["active_version"], 2);
   EXPECT_EQ(map["previous_version"], 1);
-  map = nlohmann::json::parse(Dcloc(At("map rollback") + "--map town --json").out);
+  map = nlohmann::json::parse(Dcloc(At("map rollback") + "--map town --move-sessions --json").out);
   EXPECT_EQ(map["active_version"], 1);
+  EXPECT_EQ(map["moved_session_count"], 0);
 }
 
 TEST_F(ServerCommandsTest, MapsAreFoundByPlaceAndDownloaded) {
