@@ -135,17 +135,28 @@ absl::StatusOr<LoadedMap> MapStore::AcquireFor(absl::string_view map_name,
   return Acquire(map_name, 0);
 }
 
-absl::StatusOr<MapVersionRecord> MapStore::Add(const std::filesystem::path& path,
-                                               absl::string_view map_name, absl::string_view sha256,
-                                               const RadarMap& map) {
-  const std::vector<CoverageBox> coverage = CoverageOf(map);
+absl::StatusOr<LoadedMap> MapStore::Add(const std::filesystem::path& path,
+                                        absl::string_view map_name, absl::string_view sha256,
+                                        std::shared_ptr<const RadarMap> map) {
+  const std::vector<CoverageBox> coverage = CoverageOf(*map);
   const std::lock_guard lock(mutex_);
   // The file first: a file without a row is a leftover, a row without a file would be a lie.
   if (absl::Status status = files_->Keep(path, sha256); !status.ok()) return status;
   absl::StatusOr<MapVersionRecord> record =
-      catalogue_->AddVersion(map_name, sha256, map.info(), coverage);
-  if (!record.ok()) RemoveFileUnlessNeeded(sha256).IgnoreError();
-  return record;
+      catalogue_->AddVersion(map_name, sha256, map->info(), coverage);
+  if (!record.ok()) {
+    RemoveFileUnlessNeeded(sha256).IgnoreError();
+    return record.status();
+  }
+  // Unless it is there already: a map that has this file gives the version that has it.
+  std::weak_ptr<Loaded>& entry = loaded_[Key(map_name, record->version)];
+  if (entry.expired()) {
+    const auto loaded = std::make_shared<Loaded>();
+    loaded->map = map;
+    map = std::shared_ptr<const RadarMap>(loaded, map.get());
+    entry = loaded;
+  }
+  return LoadedMap{.record = *std::move(record), .map = std::move(map)};
 }
 
 absl::StatusOr<MapVersionRecord> MapStore::AddStored(absl::string_view prefix,

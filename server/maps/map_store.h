@@ -64,10 +64,10 @@ class MapStore {
   absl::StatusOr<LoadedMap> AcquireFor(absl::string_view map_name, absl::string_view vehicle_id);
 
   /// Adds a version from a local file that was verified as `map` and has this hash; takes the file
-  /// over.
-  absl::StatusOr<MapVersionRecord> Add(const std::filesystem::path& path,
-                                       absl::string_view map_name, absl::string_view sha256,
-                                       const RadarMap& map);
+  /// over. Who asks for the version while what this gives is held gets the same map, and need not
+  /// verify it again.
+  absl::StatusOr<LoadedMap> Add(const std::filesystem::path& path, absl::string_view map_name,
+                                absl::string_view sha256, std::shared_ptr<const RadarMap> map);
 
   /// Adds a version of a file that a version of maps with this prefix (Catalogue::ListMaps) has
   /// already. NotFound when there is none, or its file is not there.

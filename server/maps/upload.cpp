@@ -97,22 +97,26 @@ absl::Status Upload::BeginAt(std::int64_t offset_bytes) {
 }
 
 absl::StatusOr<MapVersionRecord> Upload::Finish() {
-  absl::StatusOr<MapVersionRecord> record = Take();
-  if (!record.ok() || !request_.activate) return record;
-  const absl::StatusOr<MapRecord> map = store_->Activate(record->map_name, record->version);
+  absl::StatusOr<LoadedMap> taken = Take();
+  if (!taken.ok()) return taken.status();
+  MapVersionRecord record = std::move(taken->record);
+  if (!request_.activate) return record;
+  // Held meanwhile, so that what has just been verified is not once more.
+  const absl::StatusOr<MapRecord> map = store_->Activate(record.map_name, record.version);
   if (!map.ok()) return map.status();
-  record->active = map->active_version == record->version;
+  record.active = map->active_version == record.version;
   return record;
 }
 
-absl::StatusOr<MapVersionRecord> Upload::Take() {
+absl::StatusOr<LoadedMap> Upload::Take() {
   const absl::StatusOr<IncomingFile::Hold> hold = file_.Lock();
   if (!hold.ok()) return hold.status();
   const std::string map_name = ScopedMapName(request_.tenant, request_.map_name);
   if (!file_.begun()) {
     absl::StatusOr<MapVersionRecord> stored =
         store_->AddStored(ScopedMapName(request_.tenant, ""), map_name, request_.sha256);
-    if (!absl::IsNotFound(stored.status())) return stored;
+    if (stored.ok()) return LoadedMap{.record = *std::move(stored), .map = nullptr};
+    if (!absl::IsNotFound(stored.status())) return stored.status();
   }
   const absl::StatusOr<std::int64_t> size = file_.Size();
   if (!size.ok()) return size.status();
@@ -130,12 +134,12 @@ absl::StatusOr<MapVersionRecord> Upload::Take() {
     return absl::DataLossError(absl::StrFormat(
         "the bytes that came have the hash %s; header.sha256 is %s", *sha256, request_.sha256));
   }
-  const absl::StatusOr<std::shared_ptr<const RadarMap>> map = VerifyMap(file_.path());
+  absl::StatusOr<std::shared_ptr<const RadarMap>> map = VerifyMap(file_.path());
   if (!map.ok()) {
     file_.Remove().IgnoreError();
     return map.status();
   }
-  return store_->Add(file_.path(), map_name, *sha256, **map);
+  return store_->Add(file_.path(), map_name, *sha256, *std::move(map));
 }
 
 }  // namespace dcloc::server

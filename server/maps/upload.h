@@ -50,7 +50,8 @@ class Upload {
   Upload(MapStore& store, UploadRequest request, IncomingFile file);
 
   absl::Status BeginAt(std::int64_t offset_bytes);
-  absl::StatusOr<MapVersionRecord> Take();
+  /// The version, and its map where this upload brought it.
+  absl::StatusOr<LoadedMap> Take();
 
   MapStore* store_;
   UploadRequest request_;

@@ -1,3 +1,5 @@
+#include <sys/resource.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
@@ -15,6 +17,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/sdk/admin_client.h"
 #include "client/sdk/map_client.h"
 #include "client/sdk/session.h"
 #include "tests/core/map/synthetic_map.h"
@@ -163,11 +166,15 @@ class Campaign {
   absl::Status Run() {
     if (!server_.WaitUntilReady()) return absl::InternalError("the server did not start");
     // Until buffers and threads that come with use are there.
-    if (absl::Status status = SwapUnderWay(kWarmUpSwaps); !status.ok()) return status;
-    const double before_mib = IdleMebibytes();
+    absl::Status status = SwapUnderWay(kWarmUpSwaps);
+    if (status.ok()) status = WaitUntilIdle();
+    if (!status.ok()) return status;
+    const double before_mib = server_.ResidentMebibytes();
     const double quiet_ms = QuietP99Ms();
-    if (absl::Status status = SwapUnderWay(arguments_.swap_count); !status.ok()) return status;
-    const double after_mib = IdleMebibytes();
+    status = SwapUnderWay(arguments_.swap_count);
+    if (status.ok()) status = WaitUntilIdle();
+    if (!status.ok()) return status;
+    const double after_mib = server_.ResidentMebibytes();
     absl::PrintF(
         "%d swaps: %d sessions, %d answers, none lost; memory %.1f MiB, then %.1f MiB; p99 %.2f "
         "ms, "
@@ -210,17 +217,34 @@ class Campaign {
     return absl::OkStatus();
   }
 
-  /// With all vehicles gone.
-  double IdleMebibytes() const {
-    std::this_thread::sleep_for(500ms);
-    return server_.ResidentMebibytes();
+  /// Until all vehicles are gone and no map but the active one is in memory.
+  absl::Status WaitUntilIdle() const {
+    client::AdminClient admin(server_.Channel());
+    const auto deadline = std::chrono::steady_clock::now() + 20s;
+    while (true) {
+      const auto state = admin.ServerState();
+      if (!state.ok()) return state.status();
+      if (state->session_count() == 0 && state->loaded_map_count() == 1) return absl::OkStatus();
+      if (std::chrono::steady_clock::now() > deadline) {
+        return absl::InternalError(absl::StrFormat("%d sessions and %d maps are still in memory",
+                                                   state->session_count(),
+                                                   state->loaded_map_count()));
+      }
+      std::this_thread::sleep_for(50ms);
+    }
   }
 
   /// Uploads another version, makes it the active one, and deletes the one before the last.
   absl::Status Swap(client::MapClient& maps) {
     const auto& file = files_[static_cast<std::size_t>(++version_) % files_.size()];
-    const auto uploaded = maps.Upload(file, "town", /*activate=*/true);
-    if (!uploaded.ok()) return uploaded.status();
+    absl::Status status;
+    // The operator sits at another machine: what hashing and sending a map costs there is not the
+    // vehicles' concern.
+    std::thread([&] {
+      setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + 10);
+      status = maps.Upload(file, "town", /*activate=*/true).status();
+    }).join();
+    if (!status.ok()) return status;
     if (version_ <= 2) return absl::OkStatus();
     return maps.DeleteVersion("town", version_ - 2);
   }

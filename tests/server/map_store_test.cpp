@@ -58,6 +58,22 @@ TEST_F(MapStoreTest, UnknownMapsAndVersionsAreNotFound) {
   EXPECT_EQ(store_->DeleteMap("country").code(), absl::StatusCode::kNotFound);
 }
 
+TEST_F(MapStoreTest, WhatWasJustVerifiedIsNotReadAgain) {
+  const std::vector<std::byte> bytes = SmallMap();
+  const std::string path = folder_.Write("arrived", bytes);
+  const std::shared_ptr<const RadarMap> map = *RadarMap::Open(path);
+  absl::StatusOr<LoadedMap> added = store_->Add(path, "town", Sha256Of(bytes), map);
+  ASSERT_TRUE(added.ok()) << added.status();
+  absl::StatusOr<LoadedMap> loaded = store_->Acquire("town", 1);
+  ASSERT_TRUE(loaded.ok()) << loaded.status();
+  EXPECT_TRUE(loaded->was_in_memory);
+  EXPECT_EQ(loaded->map.get(), map.get());
+  added = absl::CancelledError();
+  loaded = absl::CancelledError();
+  EXPECT_EQ(store_->loaded_map_count(), 0) << "it is kept for those who use it only";
+  EXPECT_FALSE(store_->Acquire("town", 1)->was_in_memory);
+}
+
 TEST_F(MapStoreTest, AllWhoUseAVersionShareOneCopy) {
   ASSERT_TRUE(Put(SmallMap()).ok());
   std::vector<std::shared_ptr<const RadarMap>> maps(8);
