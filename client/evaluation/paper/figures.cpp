@@ -37,8 +37,8 @@ const char* Colour(std::size_t index, std::size_t count) {
 std::string Style(std::size_t index, const std::vector<RowPlan>& rows) {
   const std::size_t count = rows.size() - (rows.back().variant.calibrated ? 1 : 0);
   const bool is_ours = rows[index].variant.method == MethodKind::kDcloc;
-  return absl::StrFormat("lc rgb '%s' lw %s%s", Colour(std::min(index, count - 1), count),
-                         is_ours ? "3.5" : "1.8", rows[index].variant.calibrated ? " dt 2" : "");
+  return absl::StrFormat("lc rgb '%s' lw %s pt %s", Colour(std::min(index, count - 1), count),
+                         is_ours ? "3.5" : "1.8", rows[index].variant.calibrated ? "6 dt 2" : "7");
 }
 
 std::vector<DriveOutcome> OutcomesOf(std::span<const RunResult> results, const std::string& set,
@@ -73,8 +73,8 @@ bool AddSpeedBlocks(std::span<const RunResult> results, const std::string& set,
 std::string SpeedCurves(const std::vector<RowPlan>& rows, const std::string& prefix, int column) {
   std::vector<std::string> curves;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    curves.push_back(absl::StrFormat("$%s%d using 1:%d with linespoints pt 7 ps 0.8 %s title %s",
-                                     prefix, i, column, Style(i, rows), Quote(rows[i].label)));
+    curves.push_back(absl::StrFormat("$%s%d using 1:%d with linespoints ps 0.8 %s title %s", prefix,
+                                     i, column, Style(i, rows), Quote(rows[i].label)));
   }
   return "plot " + absl::StrJoin(curves, ", ") + "\n";
 }
@@ -133,8 +133,8 @@ const ScanOutcome* WorstScan(const DriveOutcome& outcome) {
 /// The panels of Fig. 12.
 class TrackFigure {
  public:
-  TrackFigure(std::vector<RowPlan> rows, std::vector<const DriveOutcome*> outcomes)
-      : rows_(std::move(rows)), outcomes_(std::move(outcomes)) {}
+  TrackFigure(std::string set, std::vector<RowPlan> rows, std::vector<const DriveOutcome*> outcomes)
+      : set_(std::move(set)), rows_(std::move(rows)), outcomes_(std::move(outcomes)) {}
 
   std::string Compose() {
     const DriveOutcome& ours = *outcomes_.back();
@@ -152,8 +152,9 @@ class TrackFigure {
           &panels, "set origin ", 0.5 * static_cast<double>(i), ",0\n",
           Panel(Box{centre, centre}.Grown(half_m), "Around the worst of " + rows_[i].label));
     }
-    return absl::StrCat(data_, kGrid, "set multiplot title 'Fig. 12'\nset key outside right top ",
-                        "vertical Left reverse\n", panels, "unset multiplot\n");
+    return absl::StrCat(data_, kGrid, "set multiplot title ", Quote("Fig. 12: " + set_),
+                        "\nset key outside right top ", "vertical Left reverse\n", panels,
+                        "unset multiplot\n");
   }
 
  private:
@@ -165,8 +166,8 @@ class TrackFigure {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const std::string block = absl::StrCat(prefix, i);
       data_ += Block(block, PathLines(*outcomes_[i], box.Grown(5.0), false));
-      curves.push_back(absl::StrFormat("$%s using 1:2 with linespoints pt 7 ps 0.3 %s title %s",
-                                       block, Style(i, rows_), Quote(rows_[i].label)));
+      curves.push_back(absl::StrFormat("$%s using 1:2 with linespoints ps 0.3 %s title %s", block,
+                                       Style(i, rows_), Quote(rows_[i].label)));
     }
     return absl::StrFormat(
         "set size ratio -1\nset title %s noenhanced\nset xlabel 'x [m]'\nset ylabel 'y [m]'\n"
@@ -175,6 +176,7 @@ class TrackFigure {
         absl::StrJoin(curves, ", "));
   }
 
+  std::string set_;
   std::vector<RowPlan> rows_;
   std::vector<const DriveOutcome*> outcomes_;
   std::string data_;
@@ -188,9 +190,9 @@ std::optional<Picture> DrawSpeedFigure(std::span<const RunResult> results, const
   std::string data;
   if (!AddSpeedBlocks(results, set, rows, "row", data)) return std::nullopt;
   const std::string commands = absl::StrCat(
-      data, kGrid, "set multiplot layout 1,2 margins 0.06,0.78,0.11,0.86 spacing 0.07 title ",
+      data, kGrid, "set multiplot layout 1,2 margins 0.06,0.82,0.11,0.86 spacing 0.07 title ",
       Quote("Fig. 9: " + set + "; right answers, bins of 2 m/s"), "\n",
-      "set key at screen 0.8,0.86 left top vertical Left reverse samplen 2 maxrows 10\n",
+      "set key at screen 0.83,0.86 left top vertical Left reverse samplen 2 maxrows 10\n",
       "set xlabel '|speed difference| [m/s]'\nset xrange [0:*]\nset yrange [0:*]\n",
       "set title 'mean translation error'\nset ylabel '[m]'\n", SpeedCurves(rows, "row", 2),
       "unset key\nset title 'mean rotation error'\nset ylabel '[deg]'\n",
@@ -271,7 +273,7 @@ std::optional<Picture> DrawTrackFigure(std::span<const RunResult> results, const
   }
   if (outcomes.size() != rows.size()) return std::nullopt;
   return Picture{
-      .commands = TrackFigure(rows, outcomes).Compose(), .width_px = 1400, .height_px = 900};
+      .commands = TrackFigure(set, rows, outcomes).Compose(), .width_px = 1400, .height_px = 900};
 }
 
 }  // namespace dcloc::paper

@@ -33,16 +33,15 @@ std::string VariantName(const Variant& variant) {
 }
 
 std::vector<RowPlan> Table1Rows() {
-  return {
-      {"ICP, not compensated (the paper's)", {.method = MethodKind::kIcp, .doppler = false}, kIcp},
-      {"NDT, not compensated (the paper's)", {.method = MethodKind::kNdt, .doppler = false}, kNdt},
-      {"ICP, compensated", {.method = MethodKind::kIcp}, {}},
-      {"NDT, compensated", {.method = MethodKind::kNdt}, {}},
-      {"MC-RANSAC", {.method = MethodKind::kMcRansac}, kMcRansac},
-      {"DC-Loc", {.method = MethodKind::kDcLoc}, kDcLoc},
-      {"DC-Loc++", {.method = MethodKind::kDcLocPlusPlus}, kDcLocPlusPlus},
-      {"dcloc", {.method = MethodKind::kDcloc}, {}},
-      CalibratedRow()};
+  return {{"ICP, as in the paper", {.method = MethodKind::kIcp, .doppler = false}, kIcp},
+          {"NDT, as in the paper", {.method = MethodKind::kNdt, .doppler = false}, kNdt},
+          {"ICP, compensated", {.method = MethodKind::kIcp}, {}},
+          {"NDT, compensated", {.method = MethodKind::kNdt}, {}},
+          {"MC-RANSAC", {.method = MethodKind::kMcRansac}, kMcRansac},
+          {"DC-Loc", {.method = MethodKind::kDcLoc}, kDcLoc},
+          {"DC-Loc++", {.method = MethodKind::kDcLocPlusPlus}, kDcLocPlusPlus},
+          {"dcloc", {.method = MethodKind::kDcloc}, {}},
+          CalibratedRow()};
 }
 
 std::vector<RowPlan> Table2Rows(MethodKind method) {
@@ -71,8 +70,7 @@ std::vector<RowPlan> Table3Rows() {
 }
 
 std::vector<RowPlan> NoiseRows() {
-  std::vector<RowPlan> rows = {{"ICP, compensated", {.method = MethodKind::kIcp}, {}},
-                               {"NDT, compensated", {.method = MethodKind::kNdt}, {}}};
+  std::vector<RowPlan> rows = {{"ICP, compensated", {.method = MethodKind::kIcp}, {}}};
   for (RowPlan& row : FigureRows()) rows.push_back(std::move(row));
   rows.push_back(CalibratedRow());
   return rows;

@@ -42,7 +42,7 @@ std::vector<RowPlan> Table2Rows(MethodKind method);
 /// Table III, ours.
 std::vector<RowPlan> Table3Rows();
 
-/// With the noises of Table IV: what Fig. 11 compares, compensated ICP and NDT, and both of ours.
+/// With the noises of Table IV: what Fig. 11 compares, compensated ICP, and both of ours.
 std::vector<RowPlan> NoiseRows();
 
 /// The methods of Fig. 11 and 12, and ours, which is last.

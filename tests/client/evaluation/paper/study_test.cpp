@@ -192,7 +192,7 @@ TEST(SimulatedCases, AreNamedApartAndDrivenAtAllSpeedsWithEachNoise) {
     ++counts[item.set];
   }
   for (const char* noise : {"gaussian", "gamma", "student", "rayleigh"}) {
-    EXPECT_EQ(counts[std::string("noise ") + noise], 8);  // four speeds, two worlds
+    EXPECT_EQ(counts[std::string("noise ") + noise], 4);
     for (const char* speed : {"20kmh", "40kmh", "60kmh", "100kmh"}) {
       EXPECT_TRUE(names.contains(std::string("sim-carla-town-") + noise + "-seed51-" + speed));
     }
