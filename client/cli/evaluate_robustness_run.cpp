@@ -54,7 +54,7 @@ std::vector<std::pair<std::string, std::string>> Settings(const RobustnessArgume
           {"Extent", arguments.quick ? "quick: numbers of no meaning" : "full"}};
 }
 
-absl::Status WriteText(const fs::path& path, const std::string& text) {
+absl::Status WriteCampaignFile(const fs::path& path, const std::string& text) {
   return WriteFileAtomically(path, std::as_bytes(std::span(text)));
 }
 
@@ -77,9 +77,10 @@ absl::Status RunRobustness(const RobustnessArguments& arguments) {
                FormatTable(robustness::StartText(*results, true)),
                FormatTable(robustness::GoalText(robustness::JudgeGoals(*results))));
   absl::Status status =
-      WriteText(folder / "results.json", robustness::CampaignJson(*results).dump(2) + "\n");
-  status.Update(WriteText(folder / "report.html",
-                          robustness::CampaignHtml(*results, Settings(arguments, sites->size()))));
+      WriteCampaignFile(folder / "results.json", robustness::CampaignJson(*results).dump(2) + "\n");
+  status.Update(
+      WriteCampaignFile(folder / "report.html",
+                        robustness::CampaignHtml(*results, Settings(arguments, sites->size()))));
   return status;
 }
 

@@ -1,7 +1,6 @@
 // The program `dcloc` as a user meets it: what it prints, what it writes, what it returns.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <array>
 #include <cstdio>
@@ -14,6 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "tests/client/cli/dcloc_process.h"
 #include "tests/client/datasets/temp_folder.h"
 #include "tests/client/datasets/tiny_nuscenes.h"
 
@@ -23,33 +23,9 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-struct Result {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
-
 std::string ReadText(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-// Runs `dcloc` with these words, which the shell splits.
-Result Dcloc(const std::string& arguments) {
-  const TempFolder folder;
-  const std::string err = (folder.path() / "err").string();
-  Result result;
-  const std::string command = std::string(DCLOC_PROGRAM) + " " + arguments + " 2>" + err;
-  FILE* pipe = popen(command.c_str(), "r");  // NOLINT(cert-env33-c): the words are this test's own
-  if (pipe == nullptr) return result;
-  std::array<char, 4096> buffer{};
-  for (std::size_t n = 0; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {
-    result.out.append(buffer.data(), n);
-  }
-  const int status = pclose(pipe);
-  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  result.err = ReadText(err);
-  return result;
 }
 
 /// A short simulated data set that all tests of evaluation share.
