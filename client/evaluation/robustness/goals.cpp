@@ -54,15 +54,21 @@ void AddStartGoal(const Row& row, const Tally& tally, std::vector<GoalResult>& g
        share >= kStartShare && tally.wrong_claims == 0});
 }
 
-void AddCovarianceGoal(const Row& row, const Tally& tally, std::vector<GoalResult>& goals) {
-  if (tally.nees_count == 0) return;
-  const auto count = static_cast<double>(tally.nees_count);
-  const double anees = tally.nees_per_dof_sum / count;
-  const double coverage = static_cast<double>(tally.inside_95) / count;
-  goals.push_back({absl::StrCat(row.label, ": ANEES 0.8 - 1.25, 93 - 97 % in the 95 % ellipsoid"),
+void AddCovarianceGoal(const std::string& where, double nees_per_dof_sum, std::size_t nees_count,
+                       std::size_t inside_95, std::vector<GoalResult>& goals) {
+  if (nees_count == 0) return;
+  const double anees = nees_per_dof_sum / static_cast<double>(nees_count);
+  const double coverage = static_cast<double>(inside_95) / static_cast<double>(nees_count);
+  goals.push_back({absl::StrCat(where, ": ANEES 0.8 - 1.25, 93 - 97 % in the 95 % ellipsoid"),
                    absl::StrFormat("%.2f, %.1f %%", anees, 100.0 * coverage),
                    anees >= kMinAnees && anees <= kMaxAnees && coverage >= kMinCoverage &&
                        coverage <= kMaxCoverage});
+}
+
+void AddCovarianceGoals(const Row& row, const Tally& tally, std::vector<GoalResult>& goals) {
+  AddCovarianceGoal(row.label, tally.nees_per_dof_sum, tally.nees_count, tally.inside_95, goals);
+  AddCovarianceGoal(absl::StrCat(row.label, ", meanwhile"), tally.disturbed_nees_per_dof_sum,
+                    tally.disturbed_nees_count, tally.disturbed_inside_95, goals);
 }
 
 }  // namespace
@@ -83,7 +89,7 @@ std::vector<GoalResult> JudgeGoals(std::span<const TrialResult> results) {
     const Tally tally = TallyOf(results, row.id);
     AddRecoveryGoal(row, tally, goals);
     AddStartGoal(row, tally, goals);
-    if (!row.is_start) AddCovarianceGoal(row, tally, goals);
+    if (!row.is_start) AddCovarianceGoals(row, tally, goals);
   }
   return goals;
 }

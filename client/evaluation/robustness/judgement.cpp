@@ -32,16 +32,23 @@ Incident IncidentAt(const ScanOutcome& scan, std::string what, const std::string
           .for_s = 0.0};
 }
 
-void AddCovariance(const PoseError& error, Tally& tally) {
+void AddCovariance(const PoseError& error, bool is_disturbed, Tally& tally) {
   if (error.dof == 0) return;
+  const bool inside_95 = error.nees <= ChiSquare95(error.dof);
+  if (is_disturbed) {
+    tally.disturbed_nees_per_dof_sum += error.nees / error.dof;
+    ++tally.disturbed_nees_count;
+    if (inside_95) ++tally.disturbed_inside_95;
+  }
   tally.nees_per_dof_sum += error.nees / error.dof;
   ++tally.nees_count;
-  if (error.nees <= ChiSquare95(error.dof)) ++tally.inside_95;
+  if (inside_95) ++tally.inside_95;
 }
 
-void AddScan(const ScanOutcome& scan, const std::string& drive, Stamp origin, Tally& tally) {
+void AddScan(const ScanOutcome& scan, bool is_disturbed, const std::string& drive, Stamp origin,
+             Tally& tally) {
   ++tally.scans;
-  if (scan.answered()) AddCovariance(scan.error, tally);
+  if (scan.answered()) AddCovariance(scan.error, is_disturbed, tally);
   if (IsTracking(scan)) {
     ++tally.tracking;
     tally.worst_tracking_m = std::max(tally.worst_tracking_m, scan.error.translation_m);
@@ -100,11 +107,16 @@ Tally JudgeTrack(const DriveOutcome& outcome, std::span<const Episode> episodes)
   tally.refused = outcome.refused_count;
   if (outcome.scans.empty()) return tally;
   const Stamp origin = outcome.scans.front().answer.stamp;
+  const auto is_disturbed = [&](const ScanOutcome& scan) {
+    return std::ranges::any_of(episodes, [&](const Episode& episode) {
+      return scan.answer.stamp >= episode.begin && scan.answer.stamp <= episode.end;
+    });
+  };
   bool has_started = false;
   for (const ScanOutcome& scan : outcome.scans) {
     has_started =
         has_started || scan.answered() || Seconds(scan.answer.stamp - origin) > kStartAllowance_s;
-    if (has_started) AddScan(scan, outcome.drive, origin, tally);
+    if (has_started) AddScan(scan, is_disturbed(scan), outcome.drive, origin, tally);
   }
   const auto first = std::ranges::find_if(outcome.scans, IsRightTracking);
   for (std::size_t i = 0; i < episodes.size(); ++i) {
@@ -120,7 +132,7 @@ Tally JudgeStart(const DriveOutcome& outcome, Stamp origin) {
   tally.refused = outcome.refused_count;
   tally.starts = 1;
   if (outcome.scans.empty()) return tally;
-  for (const ScanOutcome& scan : outcome.scans) AddScan(scan, outcome.drive, origin, tally);
+  for (const ScanOutcome& scan : outcome.scans) AddScan(scan, false, outcome.drive, origin, tally);
   const ScanOutcome& last = outcome.scans.back();
   const double data_s = Seconds(last.answer.stamp - outcome.scans.front().answer.stamp);
   if (IsRightTracking(last)) {

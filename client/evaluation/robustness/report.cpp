@@ -42,9 +42,14 @@ std::string ThreeQuantiles(const std::vector<double>& values, std::size_t count)
                       Fixed(QuantileOf(values, count, 1.0), 2));
 }
 
-double Anees(const Tally& tally) {
-  return tally.nees_count == 0 ? std::nan("")
-                               : tally.nees_per_dof_sum / static_cast<double>(tally.nees_count);
+double Mean(double sum, std::size_t count) {
+  return count == 0 ? std::nan("") : sum / static_cast<double>(count);
+}
+
+double Anees(const Tally& tally) { return Mean(tally.nees_per_dof_sum, tally.nees_count); }
+
+double DisturbedAnees(const Tally& tally) {
+  return Mean(tally.disturbed_nees_per_dof_sum, tally.disturbed_nees_count);
 }
 
 std::vector<std::string> TrackCells(const std::string& label, const Tally& tally) {
@@ -59,7 +64,9 @@ std::vector<std::string> TrackCells(const std::string& label, const Tally& tally
           Fixed(100.0 * ShareWithin(tally.recovery_s, tally.episodes, kRecoveryGoal_s), 1),
           Fixed(tally.worst_tracking_m, 2),
           Fixed(Anees(tally), 2),
-          Fixed(100.0 * Share(tally.inside_95, tally.nees_count), 1)};
+          Fixed(100.0 * Share(tally.inside_95, tally.nees_count), 1),
+          Fixed(DisturbedAnees(tally), 2),
+          Fixed(100.0 * Share(tally.disturbed_inside_95, tally.disturbed_nees_count), 1)};
 }
 
 std::vector<std::string> StartCells(const std::string& label, const Tally& tally) {
@@ -115,6 +122,9 @@ ordered_json Measures(const Tally& tally, bool is_start) {
     json["right_claim_s"] = Quantiles(tally.right_claim_s, tally.starts);
   } else {
     json["recovery_s"] = Quantiles(tally.recovery_s, tally.episodes);
+    json["anees_disturbed"] = Number(DisturbedAnees(tally));
+    json["coverage_95_disturbed"] =
+        Number(Share(tally.disturbed_inside_95, tally.disturbed_nees_count));
     json["recovered_within_1_s_share"] =
         Number(ShareWithin(tally.recovery_s, tally.episodes, kRecoveryGoal_s));
   }
@@ -145,7 +155,8 @@ std::string Section(const std::string& heading, const TextTable& table) {
 TextTable TrackText(std::span<const TrialResult> results, bool by_site) {
   TextTable table = {{"whole drives", "scans", "right [%]", "flagged", "wrong", "misleading",
                       "episodes", "back p50 / p99 / max [s]", "within 1 s [%]",
-                      "worst tracking [m]", "ANEES", "in 95 % [%]"}};
+                      "worst tracking [m]", "ANEES", "in 95 % [%]", "ANEES in episodes",
+                      "in 95 % [%]"}};
   AddRows(results, false, by_site, TrackCells, table);
   return table;
 }

@@ -51,6 +51,8 @@ void VisitCounts(AnyTally& tally, const Visit& visit) {
   visit("refused", tally.refused);
   visit("nees_count", tally.nees_count);
   visit("inside_95", tally.inside_95);
+  visit("disturbed_nees_count", tally.disturbed_nees_count);
+  visit("disturbed_inside_95", tally.disturbed_inside_95);
   visit("episodes", tally.episodes);
   visit("starts", tally.starts);
   visit("wrong_claims", tally.wrong_claims);
@@ -69,6 +71,7 @@ void Merge(const Tally& other, Tally& tally) {
   VisitCounts(tally, [&](const char*, std::size_t& count) { count += *next++; });
   tally.worst_tracking_m = std::max(tally.worst_tracking_m, other.worst_tracking_m);
   tally.nees_per_dof_sum += other.nees_per_dof_sum;
+  tally.disturbed_nees_per_dof_sum += other.disturbed_nees_per_dof_sum;
   tally.recovery_s.insert(tally.recovery_s.end(), other.recovery_s.begin(), other.recovery_s.end());
   tally.right_claim_s.insert(tally.right_claim_s.end(), other.right_claim_s.begin(),
                              other.right_claim_s.end());
@@ -95,6 +98,7 @@ ordered_json TallyToJson(const Tally& tally) {
   VisitCounts(tally, [&](const char* name, std::size_t count) { json[name] = count; });
   json["worst_tracking_m"] = tally.worst_tracking_m;
   json["nees_per_dof_sum"] = NumberToJson(tally.nees_per_dof_sum);
+  json["disturbed_nees_per_dof_sum"] = NumberToJson(tally.disturbed_nees_per_dof_sum);
   json["recovery_s"] = tally.recovery_s;
   json["right_claim_s"] = tally.right_claim_s;
   json["incidents"] = ordered_json::array();
@@ -113,6 +117,7 @@ std::optional<Tally> TallyFromJson(const json& value) {
     });
     tally.worst_tracking_m = value.at("worst_tracking_m").get<double>();
     tally.nees_per_dof_sum = NumberFromJson(value.at("nees_per_dof_sum"));
+    tally.disturbed_nees_per_dof_sum = NumberFromJson(value.at("disturbed_nees_per_dof_sum"));
     tally.recovery_s = value.at("recovery_s").get<std::vector<double>>();
     tally.right_claim_s = value.at("right_claim_s").get<std::vector<double>>();
     for (const json& incident : value.at("incidents")) tally.Add(IncidentFromJson(incident));

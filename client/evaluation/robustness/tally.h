@@ -34,6 +34,9 @@ struct Tally {
   double nees_per_dof_sum = 0.0;  ///< of the answered ones
   std::size_t nees_count = 0;
   std::size_t inside_95 = 0;
+  double disturbed_nees_per_dof_sum = 0.0;  ///< of those within a disturbance alone
+  std::size_t disturbed_nees_count = 0;
+  std::size_t disturbed_inside_95 = 0;
 
   std::size_t episodes = 0;        ///< disturbances after which there was data
   std::vector<double> recovery_s;  ///< of those after which tracking came back

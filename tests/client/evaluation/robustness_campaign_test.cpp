@@ -167,6 +167,11 @@ TEST(GoalsTest, AreMetAndMissedAtTheirBounds) {
   EXPECT_FALSE(Meets(after([](Tally& t, Tally&) { t.recovery_s[0] = 1.1; }), "within 1 s"));
   EXPECT_FALSE(Meets(after([](Tally& t, Tally&) { t.inside_95 = 99'000; }), "ANEES"));
   EXPECT_FALSE(Meets(after([](Tally& t, Tally&) { t.nees_per_dof_sum = 5e4; }), "ANEES"));
+  const auto meanwhile = after([](Tally& t, Tally&) {
+    t.disturbed_nees_per_dof_sum = 40.0;
+    t.disturbed_nees_count = 10;
+  });
+  EXPECT_FALSE(Meets(meanwhile, "meanwhile"));
   EXPECT_FALSE(Meets(after([](Tally&, Tally& t) { t.wrong_claims = 1; }), "within 2 s"));
   EXPECT_FALSE(Meets(after([](Tally&, Tally& t) { t.right_claim_s[0] = 2.1; }), "within 2 s"));
 }

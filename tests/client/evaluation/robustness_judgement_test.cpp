@@ -75,6 +75,20 @@ TEST(JudgementTest, SortsScansIntoRightFlaggedAndWrong) {
   EXPECT_NEAR(tally.incidents[2].at_s, 2.6, 1e-9);
 }
 
+TEST(JudgementTest, CovariancesWithinADisturbanceAreAlsoCountedApart) {
+  Session session;
+  session.Say(20, State::kTracking, 0.1)
+      .Say(10, State::kTracking, 0.5, kOutside)
+      .Say(20, State::kTracking, 0.1);
+  const std::vector<Episode> episodes = {{Session::At(19), Session::At(29)}};
+  const Tally tally = JudgeTrack(session.outcome(), episodes);
+  EXPECT_EQ(tally.nees_count, 50U);
+  EXPECT_EQ(tally.inside_95, 40U);
+  EXPECT_EQ(tally.disturbed_nees_count, 11U);
+  EXPECT_EQ(tally.disturbed_inside_95, 1U);
+  EXPECT_NEAR(tally.disturbed_nees_per_dof_sum, (kInside + 10 * kOutside) / 3.0, 1e-9);
+}
+
 TEST(JudgementTest, AStartThatDoesNotEndCounts) {
   Session session;
   session.Say(41, State::kInitializing, 100.0);
