@@ -40,16 +40,18 @@ class MapMatcher {
   std::span<const PointMatch<Dim>> Matches(std::span<const GaussianPoint<Dim>> live,
                                            const Pose<Dim>& T_local_vehicle) const;
 
-  /// Begins to search the map, or a region of it, for `live`.
+  /// Begins to search the map, or a region of it, for `live`, seen `T_last_now` after what the last
+  /// search was begun with.
   void BeginSearch(std::span<const GaussianPoint<Dim>> live,
-                   const std::optional<PlaceRegion>& region);
+                   const std::optional<PlaceRegion>& region, const Pose<Dim>& T_last_now);
 
   bool searching() const { return blind_search_.has_value(); }
 
   /// Goes on with the search that was begun, for ten or twenty milliseconds; the call that ends it
   /// gives the pose of `live`, seen `T_begin_now` after what the search was begun with. On success
   /// the local map is the one around the place found. Nothing before the end, when no place is
-  /// believable, or when a second one is nearly as good.
+  /// believable, or when a second one is nearly as good, unless the last search, of other scans,
+  /// led to the same place.
   std::optional<Registration<Dim>> ContinueSearch(std::span<const GaussianPoint<Dim>> live,
                                                   const Pose<Dim>& T_begin_now);
 
@@ -78,7 +80,11 @@ class MapMatcher {
     std::size_t best_keyframe = 0;
     Eigen::Vector3d best_p_map = Eigen::Vector3d::Zero();
     double runner_up = 0.0;  // score of the best other place
+    bool in_region = false;
+    std::optional<Pose3> doubted = {};  // T_map_vehicle where the last search led
   };
+
+  bool IsDecided(const BlindSearch& search, const Pose3& T_map_vehicle) const;
 
   std::shared_ptr<const RadarMap> map_;
   LocalizerOptions options_;
@@ -87,6 +93,7 @@ class MapMatcher {
   LocalMap<Dim> local_map_;
   std::optional<SearchAids> search_;  // of local_map_, while predictions are uncertain
   std::optional<BlindSearch> blind_search_;
+  std::optional<Pose3> doubted_;  // T_map_vehicle where the last search led, at its begin
 };
 
 }  // namespace dcloc

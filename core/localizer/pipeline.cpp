@@ -252,9 +252,9 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
       if (window_.span() < kMinSpan) return std::nullopt;
       if (last_search_ && stamp - *last_search_ < interval) return std::nullopt;
       last_search_ = stamp;
-      since_state_ = {};
       ++fruitless_searches_;
-      matcher_.BeginSearch(live, whereabouts_.NextRegion());
+      matcher_.BeginSearch(live, whereabouts_.NextRegion(), ToEstimate<Dim>(since_state_).pose);
+      since_state_ = {};
     }
     registration = matcher_.ContinueSearch(live, ToEstimate<Dim>(since_state_).pose);
   } else {
