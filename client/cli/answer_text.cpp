@@ -83,6 +83,9 @@ ordered_json AnswerJson(const v1::LocalizeResponse& answer) {
           {"overlap", result.quality().overlap()},
           {"edge_distance", result.quality().edge_distance()},
           {"edge_valid", result.quality().edge_valid()},
+          {"beta_error_s", result.quality().beta_error_s()},
+          {"beta_error_sigma_s", result.quality().beta_error_sigma_s()},
+          {"beta_is_wrong", result.quality().beta_is_wrong()},
           {"map_version", result.map_version()},
           {"total_ms", Milliseconds(result.timings().total_duration_ns())}};
 }

@@ -52,7 +52,10 @@ LocalizationQuality QualityOf(const v1::LocalizationQuality& message) {
           .overlap = message.overlap(),
           .residual_scale = message.residual_scale(),
           .edge_distance = message.edge_distance(),
-          .edge_valid = message.edge_valid()};
+          .edge_valid = message.edge_valid(),
+          .beta = {.error_s = message.beta_error_s(),
+                   .sigma_s = message.beta_error_sigma_s(),
+                   .is_wrong = message.beta_is_wrong()}};
 }
 
 std::optional<LocalizationState> StateOf(v1::LocalizationState state) {
@@ -174,6 +177,9 @@ v1::LocalizationResult ToProto(const Localization& localization, std::int64_t se
   quality.set_residual_scale(localization.quality.residual_scale);
   quality.set_edge_distance(localization.quality.edge_distance);
   quality.set_edge_valid(localization.quality.edge_valid);
+  quality.set_beta_error_s(localization.quality.beta.error_s);
+  quality.set_beta_error_sigma_s(localization.quality.beta.sigma_s);
+  quality.set_beta_is_wrong(localization.quality.beta.is_wrong);
   return message;
 }
 

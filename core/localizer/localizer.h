@@ -47,7 +47,8 @@ struct Localization {
   Pose3 T_map_vehicle;
   /// In the tangent space on the right of `T_map_vehicle`.
   Matrix6d covariance = Matrix6d::Zero();
-  /// Degrees of freedom (x, y, z, roll, pitch, yaw) of the vehicle frame that radar observed.
+  /// Degrees of freedom (x, y, z, roll, pitch, yaw) of the vehicle frame that radar observed: not
+  /// the vertical ones by planar radars, and not the way along smooth walls.
   std::bitset<6> observed;
   LocalizationQuality quality;
 };

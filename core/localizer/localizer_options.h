@@ -52,7 +52,8 @@ struct StateOptions {
   double blind_distance_m = 10.0;  ///< standing still, the same view confirms itself
   int blind_refusals = 3;  ///< refused registrations in a row after which the search starts anew
   std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
-  double lost_sigma_m = 2.0;  ///< dead reckoning less certain than this is lost
+  double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
+  double lost_sigma_m = 2.0;      ///< dead reckoning less certain than this is lost
   /// Who is lost for so long is looked for as at a start without a prior, nearby first.
   std::chrono::nanoseconds lost_hold = std::chrono::milliseconds(1000);
 };

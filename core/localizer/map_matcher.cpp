@@ -62,6 +62,17 @@ double TranslationSigma(const TangentMatrix<Dim>& covariance) {
   return std::sqrt(covariance.template topLeftCorner<2, 2>().trace());
 }
 
+// Of what could be found.
+template <int Dim>
+double ObservedSigma(const TangentMatrix<Dim>& covariance, const Observability& observability) {
+  double variance_m2 = 0.0;
+  for (const Observability::Direction& direction : observability.directions) {
+    if (!direction.observed) continue;
+    variance_m2 += direction.axis.dot(covariance.template topLeftCorner<2, 2>() * direction.axis);
+  }
+  return std::sqrt(variance_m2);
+}
+
 template <int Dim>
 double YawSigma(const TangentMatrix<Dim>& covariance) {
   return std::sqrt(covariance(Pose<Dim>::kDof - 1, Pose<Dim>::kDof - 1));
@@ -96,10 +107,11 @@ bool MapMatcher<Dim>::MoveTo(const Eigen::Vector3d& p_map) {
 template <int Dim>
 std::optional<Registration<Dim>> MapMatcher<Dim>::Match(std::span<const GaussianPoint<Dim>> live,
                                                         const PoseEstimate<Dim>& predicted,
+                                                        const Observability& observability,
                                                         std::uint64_t seed) {
   if (local_map_.empty() || live.empty()) return std::nullopt;
   Registration<Dim> best = Refine(live, predicted.pose, 0.0);
-  if (TranslationSigma<Dim>(predicted.covariance) > options_.match.search_sigma_m ||
+  if (ObservedSigma<Dim>(predicted.covariance, observability) > options_.match.search_sigma_m ||
       YawSigma<Dim>(predicted.covariance) > options_.match.search_sigma_rad) {
     for (const Pose2& hypothesis : Hypotheses(live, predicted, seed)) {
       Registration<Dim> refined = Refine(live, Lift<Dim>(hypothesis, predicted.pose), 0.3);
@@ -151,6 +163,15 @@ std::span<const PointMatch<Dim>> MapMatcher<Dim>::Matches(std::span<const Gaussi
   finder.Begin(live, local_map_,
                {.reach_m = options_.gicp.reach_m, .gate_sigmas = options_.gicp.gate_sigmas});
   return finder.Find(T_local_vehicle, 0.0);
+}
+
+template <int Dim>
+Observability MapMatcher<Dim>::Observed(std::span<const GaussianPoint<Dim>> live,
+                                        const Registration<Dim>& registration) const {
+  Scratch<Dim>& scratch = Scratch<Dim>::OfThisThread();
+  return Observe<Dim>(live, local_map_, registration.T_local_vehicle, registration.covariance,
+                      {.reach_m = options_.gicp.reach_m, .gate_sigmas = options_.gicp.gate_sigmas},
+                      scratch.chosen_points, scratch.finder);
 }
 
 template <int Dim>
@@ -207,7 +228,8 @@ template <int Dim>
 bool MapMatcher<Dim>::IsDecided(const BlindSearch& search, const Pose3& T_map_vehicle) const {
   constexpr double kMaxRunnerUp = 0.8;  // share of the best score that another place may have
   if (search.runner_up <= kMaxRunnerUp * search.best->score) return true;
-  if (!search.doubted) return false;
+  // Somewhere in a whole map there is a place that looks like this one again and again.
+  if (!search.in_region || !search.doubted) return false;
   constexpr double kSame_m = 1.0;
   constexpr double kSame_rad = 0.1;
   const Pose3 apart = search.doubted->Inverse() * T_map_vehicle;

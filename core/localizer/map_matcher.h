@@ -11,6 +11,7 @@
 #include "core/posegraph/pose_graph.h"
 #include "core/registration/correlative_search.h"
 #include "core/registration/gicp.h"
+#include "core/registration/observability.h"
 #include "core/registration/place_search.h"
 
 namespace dcloc {
@@ -30,15 +31,21 @@ class MapMatcher {
   const Pose3& T_map_local() const { return T_map_local_; }
 
   /// Registers `live` (vehicle frame) around the predicted pose: refinement alone where the
-  /// prediction is good, after a correlative search and descriptor matching where it is not.
+  /// prediction is good, after a correlative search and descriptor matching where it is not, except
+  /// in directions in which there is nothing to be found.
   /// Nothing when no pose is believable.
   std::optional<Registration<Dim>> Match(std::span<const GaussianPoint<Dim>> live,
-                                         const PoseEstimate<Dim>& predicted, std::uint64_t seed);
+                                         const PoseEstimate<Dim>& predicted,
+                                         const Observability& observability, std::uint64_t seed);
 
   /// The landmarks that the points of `live` (vehicle frame) match at a pose. Valid until the next
   /// call of any member, on this thread.
   std::span<const PointMatch<Dim>> Matches(std::span<const GaussianPoint<Dim>> live,
                                            const Pose<Dim>& T_local_vehicle) const;
+
+  /// In which directions a registration of `live` says something.
+  Observability Observed(std::span<const GaussianPoint<Dim>> live,
+                         const Registration<Dim>& registration) const;
 
   /// Begins to search the map, or a region of it, for `live`, seen `T_last_now` after what the last
   /// search was begun with.

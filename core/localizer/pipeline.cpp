@@ -144,6 +144,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
 
     Announce(listener, Stage::kPoseGraph);
     if (registration) {
+      LookAtObservability(*registration, scan.stamp);
       const EdgeTest test = UpdateGraph(*registration, ego_velocity, scan.stamp);
       quality_.edge_distance = test.distance;
       quality_.edge_valid = test.valid;
@@ -245,7 +246,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
   std::optional<Registration<Dim>> registration;
   if (graph_.empty()) {
     if (!matcher_.searching()) {
-      constexpr auto kMinSpan = std::chrono::milliseconds(500);
+      constexpr auto kMinSpan = std::chrono::milliseconds(350);
       // Who is where there is no map must not search it all the time.
       constexpr int kEagerSearches = 8;
       const auto interval = fruitless_searches_ < kEagerSearches ? kMinSpan : 6 * kMinSpan;
@@ -265,7 +266,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
     const PoseEstimate<3> predicted = ToSpace<Dim>(graph_.Newest(), options_);
     state_.OnAnswer(stamp, std::sqrt(predicted.covariance.topLeftCorner<2, 2>().trace()));
     EnterLocalFrame((matcher_.T_map_local() * predicted.pose).translation_m);
-    registration = matcher_.Match(live, graph_.Newest(),
+    registration = matcher_.Match(live, graph_.Newest(), observability_,
                                   static_cast<std::uint64_t>(stamp.time_since_epoch().count()));
   }
   quality_.live_point_count = static_cast<int>(live.size());
@@ -276,13 +277,23 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
   return registration;
 }
 
+// Streets change slowly: once for each sub-map is enough.
+template <int Dim>
+void Pipeline<Dim>::LookAtObservability(const Registration<Dim>& registration, Stamp stamp) {
+  if (observability_stamp_ && stamp - *observability_stamp_ <= window_.span()) return;
+  observability_stamp_ = stamp;
+  observability_ = matcher_.Observed(Scratch<Dim>::OfThisThread().submap.points, registration);
+}
+
 template <int Dim>
 EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration,
                                     const EgoVelocity& ego_velocity, Stamp stamp) {
   // What was left over beyond the model widens the covariance; what agreed better does not narrow
   // it.
   const double scale = std::max(1.0, registration.residual_scale);
-  const TangentMatrix<Dim> own = scale * scale * registration.covariance;
+  TangentMatrix<Dim> doubt = TangentMatrix<Dim>::Zero();
+  doubt.template topLeftCorner<2, 2>() = observability_.Doubt();
+  const TangentMatrix<Dim> own = scale * scale * registration.covariance + doubt;
   const TangentMatrix<Dim> shared = SharedErrors<Dim>(options_.match);
   const TangentMatrix<Dim> lasting = SquareRoot<Dim>(
       CalibrationCovariance<Dim>(Scratch<Dim>::OfThisThread().submap, rig_, ego_velocity));
@@ -305,7 +316,8 @@ EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration,
                          .covariance = own + shared,
                          .reused_covariance = by_scans * own + by_landmarks * shared,
                          .noise = (by_scans + kLandmarkShare * by_landmarks) *
-                                  edge_noise_.OfRegistration(OwnNoise(registration)),
+                                      edge_noise_.OfRegistration(OwnNoise(registration)) +
+                                  doubt,
                          .lasting = lasting});
 }
 
@@ -376,8 +388,14 @@ Localization Pipeline<Dim>::Answer(const Scan& scan) {
   answer.covariance = ToSpace<Dim>({.pose = {}, .covariance = Uncertainty()}, options_).covariance;
   state_.OnAnswer(scan.stamp, std::sqrt(now.covariance.topLeftCorner<2, 2>().trace()));
   answer.state = state_.state();
+  // However well all agrees across, who does not know where along a tunnel it is does not track.
+  const double sigma_m = std::sqrt(answer.covariance.topLeftCorner<2, 2>().trace());
+  if (answer.state == LocalizationState::kTracking && sigma_m > options_.state.tracking_sigma_m) {
+    answer.state = LocalizationState::kDeadReckoning;
+  }
   for (int i = 0; i < kDofInSpace; ++i) {
-    answer.observed[static_cast<std::size_t>(i)] = Dim == 3 || i < 2 || i == 5;
+    answer.observed[static_cast<std::size_t>(i)] =
+        i < 2 ? observability_.Observed(i) : Dim == 3 || i == 5;
   }
   return answer;
 }

@@ -47,6 +47,7 @@ class Pipeline final : public Localizer::Impl {
   std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
   void Learn(const std::optional<Registration<Dim>>& registration, const EgoVelocity& ego_velocity,
              Stamp stamp);
+  void LookAtObservability(const Registration<Dim>& registration, Stamp stamp);
   EdgeTest UpdateGraph(const Registration<Dim>& registration, const EgoVelocity& ego_velocity,
                        Stamp stamp);
   PoseEstimate<Dim> Now() const;
@@ -64,6 +65,8 @@ class Pipeline final : public Localizer::Impl {
   Whereabouts whereabouts_;  // while it is looked for
   EdgeNoise<Dim> edge_noise_;
   BetaWatch<Dim> beta_watch_;
+  Observability observability_;
+  std::optional<Stamp> observability_stamp_;
   double travelled_m_ = 0.0;  // since the last registration
   Motion since_state_;        // from the graph's newest state to the newest scan
   bool was_silent_ = false;   // since then

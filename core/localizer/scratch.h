@@ -19,6 +19,7 @@ struct Scratch {
   std::vector<RadarPoint> static_points;  // of the scan
   LiveSubmap<Dim> submap;
   MatchFinder<Dim> finder;
+  std::vector<GaussianPoint<Dim>> chosen_points;
   typename LocalMap<Dim>::Memory local_map;
 
   static Scratch& OfThisThread() {

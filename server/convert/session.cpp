@@ -82,6 +82,9 @@ void SetQuality(const LocalizationQuality& quality, v1::LocalizationQuality* mes
   message->set_residual_scale(quality.residual_scale);
   message->set_edge_distance(quality.edge_distance);
   message->set_edge_valid(quality.edge_valid);
+  message->set_beta_error_s(quality.beta.error_s);
+  message->set_beta_error_sigma_s(quality.beta.sigma_s);
+  message->set_beta_is_wrong(quality.beta.is_wrong);
 }
 
 }  // namespace

@@ -195,6 +195,7 @@ void Session::Answer(const v1::Scan& scan, const Arrival& arrival, v1::LocalizeR
     ++totals_.rejected;
     metrics_.ObserveRejection(status.code());
   }
+  if (status.ok()) WarnOfBeta(scan.radar_id(), result->quality());
   Publish(response);
   // One that is late stays so, and must not push out an answer that may still be wanted.
   if (number > last_sequence_number_ || status.ok()) history_.Keep(number, *response);
@@ -203,6 +204,15 @@ void Session::Answer(const v1::Scan& scan, const Arrival& arrival, v1::LocalizeR
   const std::chrono::nanoseconds encoding = Clock::now() - localized_;
   metrics_.ObserveAnswer(response->result(), encoding);
   LogStages(response->result(), encoding);
+}
+
+// Once for each radar: it stays wrong until somebody calibrates it.
+void Session::WarnOfBeta(const std::string& radar_id, const v1::LocalizationQuality& quality) {
+  if (!quality.beta_is_wrong() || !radars_warned_of_.insert(radar_id).second) return;
+  spdlog::warn(
+      "beta contradicted session={} vehicle={} radar={} beta_error_s={:.4f} sigma_s={:.4f}",
+      record_->description.session_id, record_->description.vehicle_id, radar_id,
+      quality.beta_error_s(), quality.beta_error_sigma_s());
 }
 
 void Session::LogStages(const v1::LocalizationResult& result,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -88,6 +89,7 @@ class Session {
   void Reject(std::int64_t sequence_number, const absl::Status& status,
               v1::ScanRejected* rejected) const;
   void Publish(v1::LocalizeResponse* response);
+  void WarnOfBeta(const std::string& radar_id, const v1::LocalizationQuality& quality);
   void LogStages(const v1::LocalizationResult& result, std::chrono::nanoseconds encoding) const;
 
   const std::chrono::nanoseconds detached_timeout_;
@@ -101,7 +103,8 @@ class Session {
   Rig rig_;
   const LocalizerOptions options_;
   std::unique_ptr<Matcher> matcher_;
-  std::optional<InitialPose> last_pose_;  ///< at `last_scan_`; none when it is not known
+  std::optional<InitialPose> last_pose_;    ///< at `last_scan_`; none when it is not known
+  std::set<std::string> radars_warned_of_;  ///< as their beta is contradicted
   AnswerHistory history_;
   std::shared_ptr<SessionTap> tap_;            ///< null while nobody takes it down
   std::int64_t last_sequence_number_ = -1;     ///< the highest one localized

@@ -120,6 +120,9 @@ Metrics::Metrics()
       invalid_edges_(AddCounters(*registry_, "dcloc_loop_edges_total",
                                  "Matches with the map, by whether they passed the test")
                          .Add({{"valid", "false"}})),
+      wrong_beta_(AddCounters(*registry_, "dcloc_wrong_beta_answers_total",
+                              "Answers to scans of radars whose beta_s the matches contradict")
+                      .Add({})),
       repeated_(AddCounters(*registry_, "dcloc_scans_repeated_total",
                             "Scans that came again and were answered from memory")
                     .Add({})),
@@ -169,6 +172,7 @@ void Metrics::ObserveAnswer(const v1::LocalizationResult& result,
     answers_[static_cast<std::size_t>(state)]->Increment();
   }
   if (result.quality().inlier_count() > 0) ObserveEdge(result.quality());
+  if (result.quality().beta_is_wrong()) wrong_beta_.Increment();
 }
 
 void Metrics::ObserveEdge(const v1::LocalizationQuality& quality) {

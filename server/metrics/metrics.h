@@ -55,6 +55,7 @@ class Metrics {
   prometheus::Counter& map_misses_;
   prometheus::Counter& valid_edges_;
   prometheus::Counter& invalid_edges_;
+  prometheus::Counter& wrong_beta_;
   prometheus::Counter& repeated_;
   prometheus::Counter& dropped_;
   prometheus::Family<prometheus::Counter>& rejected_;

@@ -70,6 +70,7 @@ TEST(ConvertAnswerTest, CarriesStateQualityAndObservedDegreesOfFreedom) {
   localization.observed[0] = localization.observed[1] = localization.observed[5] = true;
   localization.quality.inlier_count = 17;
   localization.quality.edge_valid = true;
+  localization.quality.beta = {.error_s = 0.03, .sigma_s = 0.007, .is_wrong = true};
   v1::LocalizationResult message;
   convert::ToProto(localization, &message);
   EXPECT_EQ(message.stamp_ns(), 42);
@@ -77,6 +78,9 @@ TEST(ConvertAnswerTest, CarriesStateQualityAndObservedDegreesOfFreedom) {
   EXPECT_EQ(message.observed_dof_mask(), 0b100011);
   EXPECT_EQ(message.quality().inlier_count(), 17);
   EXPECT_TRUE(message.quality().edge_valid());
+  EXPECT_EQ(message.quality().beta_error_s(), 0.03);
+  EXPECT_EQ(message.quality().beta_error_sigma_s(), 0.007);
+  EXPECT_TRUE(message.quality().beta_is_wrong());
 }
 
 // ---- Pages

@@ -247,6 +247,21 @@ TEST(MetricsAddressTest, IsLoopbackWithoutAHost) {
   EXPECT_EQ(Validate(config).code(), absl::StatusCode::kInvalidArgument);
 }
 
+TEST(EdgeMetricsTest, AnswersOfRadarsWithAWrongBetaAreCounted) {
+  Metrics metrics;
+  v1::LocalizationResult result;
+  result.set_state(v1::LOCALIZATION_STATE_TRACKING);
+  metrics.ObserveAnswer(result, std::chrono::microseconds(5));
+  result.mutable_quality()->set_beta_is_wrong(true);
+  metrics.ObserveAnswer(result, std::chrono::microseconds(5));
+  double count = -1.0;
+  for (const prometheus::MetricFamily& family : metrics.registry()->Collect()) {
+    if (family.name == "dcloc_wrong_beta_answers_total")
+      count = family.metric.front().counter.value;
+  }
+  EXPECT_EQ(count, 1.0);
+}
+
 TEST(EdgeMetricsTest, OnlyMatchesAreJudged) {
   Metrics metrics;
   v1::LocalizationResult result;

@@ -271,7 +271,8 @@ Localization Answer() {
                       .overlap = 0.5,
                       .residual_scale = 1.1,
                       .edge_distance = 2.2,
-                      .edge_valid = true}};
+                      .edge_valid = true,
+                      .beta = {.error_s = 0.03, .sigma_s = 0.007, .is_wrong = true}}};
 }
 
 TEST(WireTest, AnAnswerArrivesAsItWas) {
@@ -292,6 +293,9 @@ TEST(WireTest, AnAnswerArrivesAsItWas) {
   EXPECT_EQ(answer->quality.residual_scale, 1.1);
   EXPECT_EQ(answer->quality.edge_distance, 2.2);
   EXPECT_TRUE(answer->quality.edge_valid);
+  EXPECT_EQ(answer->quality.beta.error_s, 0.03);
+  EXPECT_EQ(answer->quality.beta.sigma_s, 0.007);
+  EXPECT_TRUE(answer->quality.beta.is_wrong);
 }
 
 TEST(WireTest, AnAnswerThatIsNoneIsAnError) {

@@ -210,6 +210,30 @@ TEST_F(LocalizerTest, SightAfterAShortBlindnessIsTrackingAgain) {
   EXPECT_LT(answers[105].position_error_m(), 0.25);
 }
 
+TEST_F(LocalizerTest, ASilenceIsSurvivedAndNeverSoldAsTracking) {
+  // Two seconds without data: what the vehicle did in them nobody knows.
+  std::vector<TrueScan> drive(drive_.begin(), drive_.begin() + 50);
+  drive.insert(drive.end(), drive_.begin() + 76, drive_.end());
+  const auto answers =
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01)), drive);
+  EXPECT_TRUE(answers[49].tracking());
+  EXPECT_FALSE(answers[50].tracking());
+  EXPECT_GT(std::sqrt(answers[50].localization.covariance(0, 0)), 0.5);
+  EXPECT_TRUE(answers[66].tracking());
+  EXPECT_LT(answers[66].position_error_m(), 0.25);
+}
+
+TEST_F(LocalizerTest, APriorWithoutAHeadingIsSearchedAround) {
+  InitialPose prior = PriorAt(Start(), 3.0, 1.8);
+  prior.T_map_vehicle.rotation = Eigen::AngleAxisd(2.5, Eigen::Vector3d::UnitZ());
+  Localizer localizer = MakeLocalizer(map_, FrontRadar(), prior);
+  EXPECT_TRUE(localizer.searching());
+  const auto answers = LocalizeDrive(std::move(localizer), drive_);
+  EXPECT_EQ(answers[5].localization.state, LocalizationState::kInitializing);
+  EXPECT_TRUE(answers.back().tracking());
+  EXPECT_LT(answers.back().position_error_m(), 0.25);
+}
+
 TEST_F(LocalizerTest, WithoutWheelsDopplerIsEnough) {
   std::vector<TrueScan> drive = drive_;
   for (TrueScan& seen : drive) seen.scan.ego_velocity.reset();

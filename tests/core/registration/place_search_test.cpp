@@ -89,6 +89,33 @@ TEST(PlaceSearchTest, PlacesAreSortedAndApart) {
   }
 }
 
+TEST(PlaceSearchTest, FindsNothingOutsideOfItsRegion) {
+  const auto map = RandomStreets(400);
+  const Pose3 T_map_vehicle = map->keyframe(150).T_map_keyframe;
+  const std::vector<Eigen::Vector2f> points = Seen(*map, T_map_vehicle);
+  PlaceRegion region{.centre_m = T_map_vehicle.translation_m.head<2>() + Eigen::Vector2d(5.0, 0.0),
+                     .radius_m = 12.0,
+                     .yaw_rad = Yaw(T_map_vehicle.rotation) + 0.2,
+                     .yaw_reach_rad = 0.4};
+  const auto found = Search(map, points, {.region = region});
+  ASSERT_FALSE(found.empty());
+  const Pose3 T_map_found =
+      map->keyframe(found[0].keyframe).T_map_keyframe * Embed(found[0].T_keyframe_vehicle);
+  EXPECT_LT((T_map_found.translation_m - T_map_vehicle.translation_m).head<2>().norm(), 1.5);
+
+  region.yaw_rad += 2.0;  // the true heading is none of its own
+  for (const PlaceHypothesis& place : Search(map, points, {.region = region})) {
+    EXPECT_LT(place.score, 0.6 * found[0].score);
+  }
+  region.centre_m = map->keyframe(390).T_map_keyframe.translation_m.head<2>();
+  for (const PlaceHypothesis& place : Search(map, points, {.region = region})) {
+    const Pose3 T_map_place =
+        map->keyframe(place.keyframe).T_map_keyframe * Embed(place.T_keyframe_vehicle);
+    // Blocks of 16 m that touch the region are searched whole.
+    EXPECT_LT((T_map_place.translation_m.head<2>() - region.centre_m).norm(), 12.0 + 23.0);
+  }
+}
+
 TEST(PlaceSearchTest, ScoreIsTheShareThatLiesOnLandmarks) {
   const auto map = RandomStreets(30);
   std::vector<Eigen::Vector2f> points = Seen(*map, map->keyframe(10).T_map_keyframe);

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core/geometry/gaussian_point.h"
+#include "core/geometry/pose.h"
+#include "core/map/local_map.h"
+#include "core/registration/point_matches.h"
+
+namespace dcloc {
+
+/// Whether points fit worse where a registration is shifted. The information matrix of matched
+/// points cannot tell: it takes each match for the only one, where the points of a smooth wall find
+/// others as good wherever they are put along it.
+struct Observability {
+  struct Direction {
+    Eigen::Vector2d axis;  ///< of length 1, in the vehicle's xy plane
+    double drop;           ///< share of the score that a shift of a metre costs, at the better end
+    bool observed = true;
+  };
+  /// At right angles: the registration's largest and smallest deviation.
+  std::array<Direction, 2> directions = {{{.axis = Eigen::Vector2d::UnitX(), .drop = 1.0},
+                                          {.axis = Eigen::Vector2d::UnitY(), .drop = 1.0}}};
+
+  /// Whether the vehicle's x or y axis (0, 1) is observed: no more than half of it lies along a
+  /// direction that is not.
+  bool Observed(int axis) const;
+
+  /// Variances that take a registration's word in the directions that it does not observe.
+  Eigen::Matrix2d Doubt() const;
+};
+
+/// Of `live` (vehicle frame) registered at `T_local_vehicle` with `covariance`. Some of the points
+/// say it well enough; `chosen` and `finder` lend their memory.
+template <int Dim>
+Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
+                      const Pose<Dim>& T_local_vehicle, const TangentMatrix<Dim>& covariance,
+                      const MatchGates& gates, std::vector<GaussianPoint<Dim>>& chosen,
+                      MatchFinder<Dim>& finder);
+
+}  // namespace dcloc

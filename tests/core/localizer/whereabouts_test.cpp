@@ -1,0 +1,80 @@
+#include "core/localizer/whereabouts.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "core/geometry/covariance.h"
+
+namespace dcloc {
+namespace {
+
+PoseEstimate<3> About(double sigma_m, double sigma_rad) {
+  return {.pose = Embed(Pose2{.translation_m = {100.0, 50.0}, .yaw_rad = 0.5}),
+          .covariance = EmbedCovariance(
+              Eigen::Vector3d(sigma_m, sigma_m, sigma_rad).cwiseAbs2().asDiagonal(), 0.1, 0.01)};
+}
+
+Motion Ahead(double way_m) {
+  return {.T_from_to = Embed(Pose2{.translation_m = {way_m, 0.0}, .yaw_rad = 0.0}),
+          .covariance = 0.01 * Matrix6d::Identity()};
+}
+
+TEST(WhereaboutsTest, APriorThatIsGoodEnoughIsAPrediction) {
+  Whereabouts whereabouts({.max_prior_sigma_m = 3.0, .max_prior_sigma_rad = 0.2});
+  EXPECT_FALSE(whereabouts.IsPrediction());
+  whereabouts.Set(About(2.0, 0.1));
+  EXPECT_TRUE(whereabouts.IsPrediction());
+  whereabouts.Set(About(3.0, 0.1));
+  EXPECT_FALSE(whereabouts.IsPrediction());
+  whereabouts.Set(About(1.0, 0.3));
+  EXPECT_FALSE(whereabouts.IsPrediction());
+}
+
+TEST(WhereaboutsTest, IsCarriedOnByOdometryAndGrows) {
+  Whereabouts whereabouts({});
+  whereabouts.OnMotion(Ahead(5.0));
+  EXPECT_FALSE(whereabouts.now().has_value());
+  whereabouts.Set(About(2.0, 0.1));
+  whereabouts.OnMotion(Ahead(5.0));
+  const PoseEstimate<3>& now = *whereabouts.now();
+  EXPECT_NEAR(now.pose.translation_m.x(), 100.0 + 5.0 * std::cos(0.5), 1e-9);
+  EXPECT_GT(now.covariance(1, 1), 4.0 + 25.0 * 0.01);
+  whereabouts.Forget();
+  EXPECT_FALSE(whereabouts.now().has_value());
+}
+
+TEST(WhereaboutsTest, TheRegionIsWhatIsLeftAndThenEverywhere) {
+  Whereabouts whereabouts({});
+  whereabouts.Set(About(3.0, 0.1));
+  for (int search = 0; search < 3; ++search) {
+    const auto region = whereabouts.NextRegion();
+    ASSERT_TRUE(region.has_value());
+    EXPECT_NEAR(region->radius_m, 9.0, 1e-6);
+    EXPECT_NEAR(region->yaw_rad, 0.5, 1e-9);
+    EXPECT_NEAR(region->yaw_reach_rad, 0.3, 1e-9);
+    EXPECT_NEAR(region->centre_m.x(), 100.0, 1e-9);
+  }
+  EXPECT_FALSE(whereabouts.NextRegion().has_value());
+  whereabouts.Forget();
+  EXPECT_FALSE(whereabouts.NextRegion().has_value());
+}
+
+TEST(WhereaboutsTest, WithoutAHeadingTheWayDrivenBoundsTheRegion) {
+  Whereabouts whereabouts({});
+  whereabouts.Set(About(3.0, std::numbers::pi / std::sqrt(3.0)));
+  whereabouts.OnMotion(Ahead(10.0));
+  const auto region = whereabouts.NextRegion();
+  ASSERT_TRUE(region.has_value());
+  EXPECT_LE(region->radius_m, 9.0 + 20.0 + 1e-6);
+  EXPECT_GE(region->yaw_reach_rad, std::numbers::pi);
+}
+
+TEST(WhereaboutsTest, TooWideARegionIsTheWholeMap) {
+  Whereabouts whereabouts({});
+  whereabouts.Set(About(200.0, 0.1));
+  EXPECT_FALSE(whereabouts.NextRegion().has_value());
+}
+
+}  // namespace
+}  // namespace dcloc

@@ -1,0 +1,65 @@
+#include "core/registration/observability.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/core/registration/point_clouds.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kSigma_m = 0.15;
+
+GaussianPoint<2> PointAt(double x_m, double y_m) {
+  return {.mean_m = {x_m, y_m}, .covariance_m2 = kSigma_m * kSigma_m * Eigen::Matrix2d::Identity()};
+}
+
+Observability Look(const std::vector<GaussianPoint<2>>& live,
+                   const std::vector<GaussianPoint<2>>& landmarks, const Pose2& T_local_vehicle) {
+  std::vector<GaussianPoint<2>> chosen;
+  MatchFinder<2> finder;
+  return Observe<2>(live, LocalMap<2>({}, landmarks), T_local_vehicle,
+                    Eigen::Vector3d(1e-4, 2e-4, 1e-6).asDiagonal(), {}, chosen, finder);
+}
+
+// Two walls along the way, `yaw_rad` to the local frame, without persistent places along them.
+std::vector<GaussianPoint<2>> Walls(int count, std::mt19937& random) {
+  std::uniform_real_distribution<double> along_m(-60.0, 60.0);
+  std::vector<GaussianPoint<2>> points;
+  for (int i = 0; i < count; ++i)
+    points.push_back(PointAt(along_m(random), i % 2 == 0 ? 4.0 : -4.0));
+  return points;
+}
+
+TEST(ObservabilityTest, AmongPlacesOfTheirOwnBothAxesAreObserved) {
+  std::mt19937 random(1);
+  const Pose2 truth{.translation_m = {3.0, -2.0}, .yaw_rad = 0.4};
+  const CloudPair<2> pair = ExactPair<2>(truth, 80, 0.1, random);
+  const Observability seen = Look(pair.live, pair.landmarks, truth);
+  EXPECT_TRUE(seen.Observed(0));
+  EXPECT_TRUE(seen.Observed(1));
+  EXPECT_EQ(seen.Doubt(), Eigen::Matrix2d::Zero());
+  for (const auto& direction : seen.directions) EXPECT_GT(direction.drop, 0.5);
+}
+
+TEST(ObservabilityTest, AlongSmoothWallsTheWayIsNotObservedAndOnlyThat) {
+  std::mt19937 random(2);
+  const Observability seen = Look(Walls(300, random), Walls(600, random), {});
+  EXPECT_FALSE(seen.Observed(0));
+  EXPECT_TRUE(seen.Observed(1));
+  const Eigen::Matrix2d doubt = seen.Doubt();
+  EXPECT_GT(doubt(0, 0), 50.0);
+  EXPECT_LT(doubt(1, 1), 1e-6);
+}
+
+TEST(ObservabilityTest, NothingThatFitsIsNoReasonToDoubt) {
+  std::mt19937 random(3);
+  const Observability seen = Look(Walls(100, random), {PointAt(500.0, 500.0)}, {});
+  EXPECT_TRUE(seen.Observed(0));
+  EXPECT_TRUE(seen.Observed(1));
+}
+
+}  // namespace
+}  // namespace dcloc
