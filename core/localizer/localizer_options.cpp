@@ -42,7 +42,6 @@ absl::Status Validate(const LocalizerOptions& options) {
       {"match.max_prior_sigma_m", options.match.max_prior_sigma_m, 0, 100},
       {"match.max_prior_sigma_rad", options.match.max_prior_sigma_rad, 0, 10},
       {"state.tracking_sigma_m", options.state.tracking_sigma_m, 0, 1000},
-      {"match.region_min_overlap", match.region_min_overlap, 0, 1},
       {"state.lost_hold_ms", Milliseconds(options.state.lost_hold), 1, 1e6},
       {"odometry.correlation_time_ms", Milliseconds(options.odometry.correlation_time), 1,
        kMaxTime_ms},

@@ -30,7 +30,6 @@ struct MatchOptions {
   /// Without a prior a place must fit better than around a prediction.
   int blind_min_inlier_count = 40;
   double blind_min_overlap = 0.5;
-  double region_min_overlap = 0.3;  ///< around a vague prior there are fewer places to take for it
   /// What every registration lacks however many points agree: errors that its points share, of the
   /// map, of mounts and of clocks. They keep their value for `shared_time`, so that more
   /// registrations within it do not average them out.

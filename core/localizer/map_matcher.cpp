@@ -49,15 +49,6 @@ Pose2 Planar(const Pose<Dim>& pose) {
 }
 
 template <int Dim>
-Pose3 InSpace(const Pose<Dim>& pose) {
-  if constexpr (Dim == 2) {
-    return Embed(pose);
-  } else {
-    return pose;
-  }
-}
-
-template <int Dim>
 double TranslationSigma(const TangentMatrix<Dim>& covariance) {
   return std::sqrt(covariance.template topLeftCorner<2, 2>().trace());
 }
@@ -176,14 +167,10 @@ Observability MapMatcher<Dim>::Observed(std::span<const GaussianPoint<Dim>> live
 
 template <int Dim>
 void MapMatcher<Dim>::BeginSearch(std::span<const GaussianPoint<Dim>> live,
-                                  const std::optional<PlaceRegion>& region,
-                                  const Pose<Dim>& T_last_now) {
+                                  const std::optional<PlaceRegion>& region) {
   blind_search_.emplace(BlindSearch{
       .live = {live.begin(), live.end()},
-      .place_search = PlaceSearch(map_, Thinned(live, kSearchPoints), {.region = region}),
-      .in_region = region.has_value()});
-  if (doubted_) blind_search_->doubted = *doubted_ * InSpace<Dim>(T_last_now);
-  doubted_.reset();
+      .place_search = PlaceSearch(map_, Thinned(live, kSearchPoints), {.region = region})});
 }
 
 template <int Dim>
@@ -204,36 +191,20 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::ContinueSearch(
   if (!search.place_search.done() || search.next_place < search.places.size()) return std::nullopt;
 
   const BlindSearch ended = *std::exchange(blind_search_, std::nullopt);
-  if (!ended.best || !Believable(*ended.best)) return std::nullopt;
-  constexpr double kDriftBlur_m = 0.3;
-  MoveTo(map_->keyframe(ended.best_keyframe).T_map_keyframe.translation_m);
-  const Pose3 T_map_vehicle = T_map_local_ * InSpace<Dim>(ended.best->T_local_vehicle);
-  if (!IsDecided(ended, T_map_vehicle)) {
-    doubted_ = T_map_vehicle;
+  constexpr double kMaxRunnerUp = 0.8;  // share of the best score that another place may have
+  if (!ended.best || !Believable(*ended.best) ||
+      ended.runner_up > kMaxRunnerUp * ended.best->score) {
     return std::nullopt;
   }
+  constexpr double kDriftBlur_m = 0.3;
+  MoveTo(map_->keyframe(ended.best_keyframe).T_map_keyframe.translation_m);
   const Registration<Dim> now =
       Refine(live, ended.best->T_local_vehicle * T_begin_now, kDriftBlur_m);
-  const double min_overlap =
-      ended.in_region ? options_.match.region_min_overlap : options_.match.blind_min_overlap;
   if (!Believable(now) || now.inlier_count < options_.match.blind_min_inlier_count ||
-      now.overlap < min_overlap) {
+      now.overlap < options_.match.blind_min_overlap) {
     return std::nullopt;
   }
   return now;
-}
-
-// One place is clearly the best, or two searches in a row led to the same.
-template <int Dim>
-bool MapMatcher<Dim>::IsDecided(const BlindSearch& search, const Pose3& T_map_vehicle) const {
-  constexpr double kMaxRunnerUp = 0.8;  // share of the best score that another place may have
-  if (search.runner_up <= kMaxRunnerUp * search.best->score) return true;
-  // Somewhere in a whole map there is a place that looks like this one again and again.
-  if (!search.in_region || !search.doubted) return false;
-  constexpr double kSame_m = 1.0;
-  constexpr double kSame_rad = 0.1;
-  const Pose3 apart = search.doubted->Inverse() * T_map_vehicle;
-  return apart.translation_m.head<2>().norm() < kSame_m && RotationAngle(apart) < kSame_rad;
 }
 
 template <int Dim>

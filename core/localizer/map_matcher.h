@@ -47,10 +47,9 @@ class MapMatcher {
   Observability Observed(std::span<const GaussianPoint<Dim>> live,
                          const Registration<Dim>& registration) const;
 
-  /// Begins to search the map, or a region of it, for `live`, seen `T_last_now` after what the last
-  /// search was begun with.
+  /// Begins to search the map, or a region of it, for `live`.
   void BeginSearch(std::span<const GaussianPoint<Dim>> live,
-                   const std::optional<PlaceRegion>& region, const Pose<Dim>& T_last_now);
+                   const std::optional<PlaceRegion>& region);
 
   bool searching() const { return blind_search_.has_value(); }
 
@@ -87,11 +86,7 @@ class MapMatcher {
     std::size_t best_keyframe = 0;
     Eigen::Vector3d best_p_map = Eigen::Vector3d::Zero();
     double runner_up = 0.0;  // score of the best other place
-    bool in_region = false;
-    std::optional<Pose3> doubted = {};  // T_map_vehicle where the last search led
   };
-
-  bool IsDecided(const BlindSearch& search, const Pose3& T_map_vehicle) const;
 
   std::shared_ptr<const RadarMap> map_;
   LocalizerOptions options_;
@@ -100,7 +95,6 @@ class MapMatcher {
   LocalMap<Dim> local_map_;
   std::optional<SearchAids> search_;  // of local_map_, while predictions are uncertain
   std::optional<BlindSearch> blind_search_;
-  std::optional<Pose3> doubted_;  // T_map_vehicle where the last search led, at its begin
 };
 
 }  // namespace dcloc

@@ -246,7 +246,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
   std::optional<Registration<Dim>> registration;
   if (graph_.empty()) {
     if (!matcher_.searching()) {
-      constexpr auto kMinSpan = std::chrono::milliseconds(350);
+      constexpr auto kMinSpan = std::chrono::milliseconds(500);
       // Who is where there is no map must not search it all the time.
       constexpr int kEagerSearches = 8;
       const auto interval = fruitless_searches_ < kEagerSearches ? kMinSpan : 6 * kMinSpan;
@@ -254,7 +254,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
       if (last_search_ && stamp - *last_search_ < interval) return std::nullopt;
       last_search_ = stamp;
       ++fruitless_searches_;
-      matcher_.BeginSearch(live, whereabouts_.NextRegion(), ToEstimate<Dim>(since_state_).pose);
+      matcher_.BeginSearch(live, whereabouts_.NextRegion());
       since_state_ = {};
     }
     registration = matcher_.ContinueSearch(live, ToEstimate<Dim>(since_state_).pose);

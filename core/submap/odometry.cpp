@@ -13,15 +13,17 @@ double Seconds(std::chrono::nanoseconds duration) {
 
 // The velocity may have risen above the line from the one end to the other and come back: a
 // triangle of a / 2 half-way is an eighth of a dt^2 of way. A turn that went so has led aside by
-// half of it.
+// half of it, give or take, as it came early or late.
 Matrix6d BetweenTheEnds(double way_m, double duration_s, const OdometryOptions& options) {
   const double eighth_s2 = duration_s * duration_s / 8.0;
   const double ahead_m = options.acceleration_sigma_mps2 * eighth_s2;
   Vector6d turn = Vector6d::Zero();
   turn(5) = options.yaw_acceleration_sigma_radps2 * eighth_s2;
   turn(1) = 0.5 * way_m * turn(5);
+  const double aside_m = 0.29 * way_m * turn(5);
   Matrix6d covariance = turn * turn.transpose();
   covariance(0, 0) += ahead_m * ahead_m;
+  covariance(1, 1) += aside_m * aside_m;
   return covariance;
 }
 
