@@ -9,7 +9,7 @@
 namespace dcloc {
 namespace {
 
-const GeodeticAnchor kAnchor{
+const GeodeticAnchor kSlantedAnchor{
     .origin = {.latitude_deg = 48.4, .longitude_deg = 9.97, .height_m = 480.0},
     .x_axis_east_rad = 0.5};
 
@@ -19,24 +19,25 @@ Pose3 Standing(double x_m, double y_m, double yaw_rad) {
 }
 
 TEST(GeodeticHeadingTest, AtTheOriginTheXAxisHeadsWhereTheAnchorSays) {
-  EXPECT_NEAR(HeadingFromMap(kAnchor, Standing(0.0, 0.0, 0.0)), 90.0 - 0.5 * kDegPerRad, 1e-5);
-  EXPECT_NEAR(HeadingFromMap(kAnchor, Standing(0.0, 0.0, -0.5)), 90.0, 1e-5);
+  EXPECT_NEAR(HeadingFromMap(kSlantedAnchor, Standing(0.0, 0.0, 0.0)), 90.0 - 0.5 * kDegPerRad,
+              1e-5);
+  EXPECT_NEAR(HeadingFromMap(kSlantedAnchor, Standing(0.0, 0.0, -0.5)), 90.0, 1e-5);
 }
 
 TEST(GeodeticHeadingTest, YawAndHeadingAgreeFarFromTheOrigin) {
   for (const double yaw_rad : {-3.0, -1.0, 0.0, 1.07, 2.9}) {
     const Pose3 pose = Standing(40'000.0, 25'000.0, yaw_rad);
-    const double heading_deg = HeadingFromMap(kAnchor, pose);
+    const double heading_deg = HeadingFromMap(kSlantedAnchor, pose);
     EXPECT_GE(heading_deg, 0.0);
     EXPECT_LT(heading_deg, 360.0);
-    const GeodeticPosition position = GeodeticFromMap(kAnchor, pose.translation_m);
-    EXPECT_NEAR(YawFromHeading(kAnchor, position, heading_deg), yaw_rad, 1e-4);
+    const GeodeticPosition position = GeodeticFromMap(kSlantedAnchor, pose.translation_m);
+    EXPECT_NEAR(YawFromHeading(kSlantedAnchor, position, heading_deg), yaw_rad, 1e-4);
   }
 }
 
 TEST(GeodeticHeadingTest, NorthTurnsWithThePlace) {
   // Meridians converge by sin(latitude) times the way along the circle of latitude.
-  GeodeticAnchor east = kAnchor;
+  GeodeticAnchor east = kSlantedAnchor;
   east.x_axis_east_rad = 0.0;
   const Pose3 pose = Standing(40'000.0, 0.0, 0.0);
   const double longitude_deg = GeodeticFromMap(east, pose.translation_m).longitude_deg;
