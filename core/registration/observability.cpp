@@ -7,8 +7,8 @@
 namespace dcloc {
 namespace {
 
-constexpr std::size_t kPoints = 200;
-constexpr double kShift_m = 1.0;  // beyond what a match's deviation forgives
+constexpr std::size_t kPoints = 400;
+constexpr double kShift_m = 3.0;  // further than facades and rails look like themselves
 // In streets a shift costs a third of the score and more, in dense maps a tenth, between smooth
 // walls nothing.
 constexpr double kMinDrop = 0.05;

@@ -18,7 +18,7 @@ namespace dcloc {
 struct Observability {
   struct Direction {
     Eigen::Vector2d axis;  ///< of length 1, in the vehicle's xy plane
-    double drop;           ///< share of the score that a shift of a metre costs, at the better end
+    double drop;  ///< share of the score that a shift of three metres costs, at the better end
     bool observed = true;
   };
   /// At right angles: the registration's largest and smallest deviation.
