@@ -254,7 +254,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
       if (last_search_ && stamp - *last_search_ < interval) return std::nullopt;
       last_search_ = stamp;
       ++fruitless_searches_;
-      matcher_.BeginSearch(live, whereabouts_.NextRegion());
+      matcher_.BeginSearch(live, whereabouts_.Region());
       since_state_ = {};
     }
     registration = matcher_.ContinueSearch(live, ToEstimate<Dim>(since_state_).pose);

@@ -10,7 +10,6 @@ namespace dcloc {
 namespace {
 
 constexpr double kSigmas = 3.0;
-constexpr int kRegionSearches = 3;      // then it is somewhere else
 constexpr double kMaxRadius_m = 150.0;  // wider ones are searched with the whole map
 
 double LargestSigma(const Matrix6d& covariance) {
@@ -25,7 +24,6 @@ void Whereabouts::Set(const PoseEstimate<3>& T_map_vehicle) {
   now_ = T_map_vehicle;
   known_sigma_m_ = LargestSigma(T_map_vehicle.covariance);
   way_m_ = 0.0;
-  searches_ = 0;
 }
 
 void Whereabouts::OnMotion(const Motion& motion) {
@@ -42,8 +40,8 @@ bool Whereabouts::IsPrediction() const {
          std::sqrt(now_->covariance(5, 5)) <= options_.max_prior_sigma_rad;
 }
 
-std::optional<PlaceRegion> Whereabouts::NextRegion() {
-  if (!now_ || searches_++ >= kRegionSearches) return std::nullopt;
+std::optional<PlaceRegion> Whereabouts::Region() const {
+  if (!now_) return std::nullopt;
   // However little is known of the heading, it is no further off than there and back.
   const double radius_m =
       std::min(kSigmas * LargestSigma(now_->covariance), kSigmas * known_sigma_m_ + 2.0 * way_m_);

@@ -29,16 +29,14 @@ class Whereabouts {
   /// A prior that registrations can start from, so that nothing must be searched.
   bool IsPrediction() const;
 
-  /// What to search next: the ground and the headings that are left, and when it was not there a
-  /// few times the whole map.
-  std::optional<PlaceRegion> NextRegion();
+  /// The ground and the headings that are left; nothing where that is most of a map or unknown.
+  std::optional<PlaceRegion> Region() const;
 
  private:
   MatchOptions options_;
   std::optional<PoseEstimate<3>> now_;
   double known_sigma_m_ = 0.0;  // of the position when it was set
   double way_m_ = 0.0;          // since then
-  int searches_ = 0;
 };
 
 }  // namespace dcloc

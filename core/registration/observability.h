@@ -18,12 +18,11 @@ namespace dcloc {
 struct Observability {
   struct Direction {
     Eigen::Vector2d axis;  ///< of length 1, in the vehicle's xy plane
-    double drop;  ///< share of the score that a shift of three metres costs, at the better end
     bool observed = true;
   };
   /// At right angles: the registration's largest and smallest deviation.
-  std::array<Direction, 2> directions = {{{.axis = Eigen::Vector2d::UnitX(), .drop = 1.0},
-                                          {.axis = Eigen::Vector2d::UnitY(), .drop = 1.0}}};
+  std::array<Direction, 2> directions = {
+      {{.axis = Eigen::Vector2d::UnitX()}, {.axis = Eigen::Vector2d::UnitY()}}};
 
   /// Whether the vehicle's x or y axis (0, 1) is observed: no more than half of it lies along a
   /// direction that is not.
