@@ -225,7 +225,7 @@ void SearchEverywhere(benchmark::State& state, const std::string& name) {
   double longest_ms = 0.0;
   ForQueries(state, inputs, [&](const Query& query, std::size_t) {
     MapMatcher<2> matcher(map, LocalizerOptions{});
-    matcher.BeginSearch(query.live);
+    matcher.BeginSearch(query.live, std::nullopt);
     while (matcher.searching()) {
       const double begin_ms = CpuMilliseconds();
       found += matcher.ContinueSearch(query.live, {}).has_value() ? 1.0 : 0.0;
