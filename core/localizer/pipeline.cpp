@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
+#include "core/localizer/planar_or_spatial.h"
 #include "core/localizer/scratch.h"
 #include "core/registration/calibration_covariance.h"
 
@@ -15,33 +16,6 @@ namespace dcloc {
 namespace {
 
 constexpr int kDofInSpace = 6;
-
-// A pose in space and its covariance as the pipeline's own kind, and back.
-template <int Dim>
-PoseEstimate<Dim> FromSpace(const Pose3& pose, const Matrix6d& covariance) {
-  if constexpr (Dim == 2) {
-    return {.pose = Flatten(pose), .covariance = FlattenCovariance(covariance)};
-  } else {
-    return {.pose = pose, .covariance = covariance};
-  }
-}
-
-template <int Dim>
-PoseEstimate<3> ToSpace(const PoseEstimate<Dim>& estimate, const LocalizerOptions& options) {
-  if constexpr (Dim == 2) {
-    return {.pose = Embed(estimate.pose),
-            .covariance =
-                EmbedCovariance(estimate.covariance, std::pow(options.unobserved_z_sigma_m, 2),
-                                std::pow(options.unobserved_tilt_sigma_rad, 2))};
-  } else {
-    return estimate;
-  }
-}
-
-template <int Dim>
-PoseEstimate<Dim> ToEstimate(const Motion& motion) {
-  return FromSpace<Dim>(motion.T_from_to, motion.covariance);
-}
 
 template <int Dim>
 TangentMatrix<Dim> SharedErrors(const MatchOptions& options) {
