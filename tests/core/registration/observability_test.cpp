@@ -28,6 +28,7 @@ Observability Look(const std::vector<GaussianPoint<2>>& live,
 std::vector<GaussianPoint<2>> Walls(int count, std::mt19937& random) {
   std::uniform_real_distribution<double> along_m(-60.0, 60.0);
   std::vector<GaussianPoint<2>> points;
+  points.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
     points.push_back(PointAt(along_m(random), i % 2 == 0 ? 4.0 : -4.0));
   return points;

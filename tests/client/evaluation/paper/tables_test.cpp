@@ -31,7 +31,7 @@ DriveOutcome Driven(double rte_m, double rre_deg = 0.01) {
 
 // A case of `set` by each row: ours this far off, and all others that far.
 std::vector<RunResult> Results(const std::string& set, double ours_m, double others_m,
-                               std::vector<RowPlan> rows = Table1Rows()) {
+                               const std::vector<RowPlan>& rows = Table1Rows()) {
   std::vector<RunResult> results;
   for (const RowPlan& row : rows) {
     const bool is_ours = row.variant.method == MethodKind::kDcloc;
