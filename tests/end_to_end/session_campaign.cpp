@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <memory>
 #include <random>
 #include <string>
@@ -37,6 +38,25 @@ struct Arguments {
   unsigned seed = 1;
 };
 
+/// How far a vehicle is, and how far it may go until what is to befall it has done so.
+struct Pace {
+  std::atomic<int> answered_count = 0;
+  std::atomic<int> may_send_count = std::numeric_limits<int>::max();
+
+  void Allow(int count) {
+    may_send_count = count;
+    may_send_count.notify_all();
+  }
+  void AllowAll() { Allow(std::numeric_limits<int>::max()); }
+
+  /// Until scan `index` may be sent.
+  void WaitFor(int index) const {
+    for (int count = may_send_count; count <= index; count = may_send_count) {
+      may_send_count.wait(count);
+    }
+  }
+};
+
 constexpr char kVehicle[] = "car-1";
 /// How far two tracks of the same scans may be apart that began elsewhere.
 constexpr double kMaxDistance_m = 0.5;
@@ -63,10 +83,11 @@ std::string Essence(v1::LocalizeResponse answer) {
 
 /// Sends all scans, and gives their answers: one to each and in order, or an error.
 absl::StatusOr<Answers> Drive(client::Session& session, const std::vector<v1::Scan>& scans,
-                              std::atomic<int>* progress = nullptr) {
+                              Pace& pace) {
   const std::jthread sender([&] {
-    for (const v1::Scan& scan : scans) {
-      if (!session.Send(scan).ok()) return;
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      pace.WaitFor(static_cast<int>(i));
+      if (!session.Send(scans[i]).ok()) return;
     }
     session.CloseSending();
   });
@@ -80,9 +101,10 @@ absl::StatusOr<Answers> Drive(client::Session& session, const std::vector<v1::Sc
       break;
     }
     answers.push_back(*std::move(answer));
-    if (progress != nullptr) ++*progress;
+    ++pace.answered_count;
   }
   session.Cancel();  // so that the sender does not wait for ever
+  pace.AllowAll();
   if (!status.ok()) return status;
   if (!session.EndStatus().ok()) return session.EndStatus();
   if (answers.size() == scans.size()) return answers;
@@ -91,14 +113,15 @@ absl::StatusOr<Answers> Drive(client::Session& session, const std::vector<v1::Sc
 }
 
 /// Where two lists of answers differ first; OK when they do not.
-absl::Status Compare(const Answers& answers, const Answers& expected) {
+absl::Status Compare(const std::string& whose, const Answers& answers, const Answers& expected) {
   for (std::size_t i = 0; i < std::min(answers.size(), expected.size()); ++i) {
     if (Essence(answers[i]) == Essence(expected[i])) continue;
     return absl::InternalError(
-        absl::StrFormat("the answer to scan %d is not the undisturbed one", NumberOf(answers[i])));
+        absl::StrFormat("%s: the answer to scan %d is another one", whose, NumberOf(answers[i])));
   }
   if (answers.size() == expected.size()) return absl::OkStatus();
-  return absl::InternalError("another number of answers");
+  return absl::InternalError(
+      absl::StrFormat("%s: %d answers instead of %d", whose, answers.size(), expected.size()));
 }
 
 class Campaign {
@@ -145,7 +168,8 @@ class Campaign {
     options.reconnect = std::nullopt;
     const auto session = client::Session::Open(site_.Channel(), std::move(open), options);
     if (!session.ok()) return session.status();
-    return Drive(**session, scans);
+    Pace pace;
+    return Drive(**session, scans, pace);
   }
 
   absl::Status DriveDisturbed() {
@@ -153,19 +177,19 @@ class Campaign {
     open.set_vehicle_id(kVehicle);
     const auto session = client::Session::Open(site_.Channel(), open, Options());
     if (!session.ok()) return session.status();
-    std::atomic<int> progress = 0;
+    Pace pace;
     absl::Status disturbed;
     absl::StatusOr<Answers> answers;
     {
       const std::jthread saboteur(
-          [&](const std::stop_token& stop) { disturbed = Disturb(stop, progress); });
-      answers = Drive(**session, scans_, &progress);
+          [&](const std::stop_token& stop) { disturbed = Disturb(stop, **session, pace); });
+      answers = Drive(**session, scans_, pace);
     }
     if (!answers.ok()) return answers.status();
     answers_ = *std::move(answers);
     stats_ = (*session)->stats();
     if (!disturbed.ok()) return disturbed;
-    if (stats_.resume_count >= arguments_.cut_count &&
+    if (stats_.resume_count == arguments_.cut_count &&
         stats_.restart_count == arguments_.restart_count) {
       return absl::OkStatus();
     }
@@ -174,8 +198,9 @@ class Campaign {
                         stats_.restart_count));
   }
 
-  /// Cuts and restarts at random moments, so far apart that each finds a stream that answers.
-  absl::Status Disturb(const std::stop_token& stop, const std::atomic<int>& progress) {
+  /// Cuts and restarts at random moments, each of them once the vehicle has got over the one
+  /// before: it stops a little after each moment until then.
+  absl::Status Disturb(const std::stop_token& stop, const client::Session& session, Pace& pace) {
     const int count = arguments_.cut_count + arguments_.restart_count;
     const int interval = arguments_.scan_count / (count + 1);
     std::mt19937 random(arguments_.seed);
@@ -183,16 +208,25 @@ class Campaign {
     int restart_count = 0;
     for (int i = 1; i <= count; ++i) {
       const int moment = i * interval + offset(random);
-      while (progress < moment && !stop.stop_requested()) std::this_thread::sleep_for(500us);
+      pace.Allow(moment + interval / 2);
+      while (pace.answered_count < moment && !stop.stop_requested()) {
+        std::this_thread::sleep_for(500us);
+      }
       if (stop.stop_requested()) return absl::InternalError("the drive was over too soon");
       const bool restarts = i * arguments_.restart_count / count > restart_count;
+      restart_count += restarts ? 1 : 0;
       if (!restarts) {
         site_.Cut();
       } else if (absl::Status status = site_.Restart(); !status.ok()) {
+        pace.AllowAll();
         return status;
       }
-      restart_count += restarts ? 1 : 0;
+      while (!stop.stop_requested() &&
+             session.stats().resume_count + session.stats().restart_count < i) {
+        std::this_thread::sleep_for(500us);
+      }
     }
+    pace.AllowAll();
     return absl::OkStatus();
   }
 
@@ -207,6 +241,12 @@ class Campaign {
       std::vector<v1::Scan> scans;
       Answers answers;
       for (const v1::RecordedScan& recorded : session.scans) {
+        if (!answers.empty() && NumberOf(recorded.answer()) == NumberOf(answers.back())) {
+          // The newest one was refused, and the connection broke before the vehicle heard of it:
+          // nothing has come of it, so that it is judged again when it comes again.
+          scans.pop_back();
+          answers.pop_back();
+        }
         scans.push_back(recorded.scan());
         answers.push_back(recorded.answer());
         // Of a scan whose answer was lost with its session, the next one's.
@@ -214,13 +254,16 @@ class Campaign {
       }
       const auto again = DriveOnce(session.header.open(), "again", scans);
       if (!again.ok()) return again.status();
-      if (absl::Status status = Compare(answers, *again); !status.ok()) return status;
+      absl::Status status =
+          Compare("a session and an undisturbed one with its scans", answers, *again);
+      if (!status.ok()) return status;
       if (&session != &sessions->front()) continue;
       const Answers begin(undisturbed_.begin(),
                           undisturbed_.begin() + static_cast<std::ptrdiff_t>(answers.size()));
-      if (absl::Status status = Compare(answers, begin); !status.ok()) return status;
+      status = Compare("the first session and the undisturbed drive", answers, begin);
+      if (!status.ok()) return status;
     }
-    return Compare(answers_, told);
+    return Compare("what the vehicle was told and what sessions answered", answers_, told);
   }
 
   absl::Status CheckTrack() {

@@ -56,9 +56,10 @@ class SessionSite {
   const TemporaryFolder folder_;
   const std::string program_;
   const std::string vehicle_id_;
+  // Before the server: letting go of one waits for its end, which may be the server's.
+  std::vector<Recording> recordings_;
   std::unique_ptr<ServerProcess> server_;
   std::unique_ptr<client::TcpProxy> proxy_;
-  std::vector<Recording> recordings_;
 };
 
 }  // namespace dcloc
