@@ -20,10 +20,15 @@ try:
     import yaml
 except ImportError:  # Debian package python3-yaml
     yaml = None
+try:
+    import kubernetes_objects
+except ImportError:  # Debian package python3-kubernetes
+    kubernetes_objects = None
 
 DEPLOY = pathlib.Path(__file__).resolve().parent.parent.parent / "deploy"
 METRIC = re.compile(r"\b(?:dcloc|process)_[a-z0-9_]+\b")
 PROGRAMS = []
+SYSTEM_PYTHON = pathlib.Path("/usr/bin/python3")
 needs_yaml = unittest.skipIf(yaml is None, "needs Python's yaml (Debian package python3-yaml)")
 
 
@@ -299,6 +304,54 @@ class Files(unittest.TestCase):
         self.assertEqual(entrypoint[0], "dcloc-server")
         self.check_server_arguments(entrypoint)
 
+    @needs_program("buildah", "buildah")
+    @unittest.skipIf(os.geteuid() != 0, "needs root")
+    def test_buildah_reads_the_dockerfile(self):
+        """Each instruction is carried out, with programs that do nothing in the place of those that
+        take long; tests/deploy/image builds the image as it is."""
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+
+            def build(file, tag, context):
+                return run("buildah", "--storage-driver", "vfs", "--root", folder / "storage",
+                           "--runroot", folder / "run", "build", "--isolation", "chroot",
+                           "--pull-never", "--file", file, "--tag", tag, context)
+
+            def script(path, text="exit 0"):
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(f"#!/bin/sh\n{text}\n")
+                path.chmod(0o755)
+
+            base = folder / "base"
+            for library in re.findall(r"(/\S+) \(0x", run("ldd", "/bin/sh").stdout):
+                copy = base / library.lstrip("/")
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(library, copy)
+            (base / "bin").mkdir()
+            shutil.copy("/bin/sh", base / "bin")
+            for program in ("apt-get", "rm", "strip", "useradd"):
+                script(base / "bin" / program)
+            (folder / "Basefile").write_text("FROM scratch\nCOPY base /\n")
+            made = build(folder / "Basefile", "docker.io/library/debian:bookworm-slim", folder)
+            if made.returncode != 0:
+                self.skipTest(f"buildah cannot work here: {made.stdout}")
+
+            tree = folder / "tree"
+            script(tree / "deploy/install-packages")
+            (tree / "deploy/packages.txt").touch()
+            script(tree / "deploy/build", "\n".join(
+                f"echo >build/release/bin/{program}" for program in ("dcloc", "dcloc-server")))
+            (tree / "build/release/bin").mkdir(parents=True)
+            made = build(DEPLOY / "Dockerfile", "dcloc", tree)
+            self.assertEqual(made.returncode, 0, made.stdout)
+            text = (DEPLOY / "Dockerfile").read_text()
+            for right, wrong in (("\nSTOPSIGNAL", "\nSTOPSIGNALS"), ("--from=build", "--form=build"),
+                                 ("rm -rf", "(rm -rf"), (" AS build", " AS AS build")):
+                self.assertIn(right, text)
+                (folder / "Dockerfile").write_text(text.replace(right, wrong))
+                broken = build(folder / "Dockerfile", "broken", tree)
+                self.assertNotEqual(broken.returncode, 0, wrong)
+
     @needs_yaml
     def test_kubernetes_objects_fit_each_other(self):
         objects = {item["kind"]: item for item in load_yaml(DEPLOY / "kubernetes.yml")}
@@ -331,6 +384,32 @@ class Files(unittest.TestCase):
                                        | {"listen": "127.0.0.1:0"}))
             checked = run(PROGRAMS[1], "--config", path, "--check-config")
         self.assertEqual(checked.returncode, 0, checked.stdout)
+
+    @needs_yaml
+    @unittest.skipIf(kubernetes_objects is None, "needs Debian's python3-kubernetes")
+    def test_kubernetes_knows_every_field(self):
+        for item in load_yaml(DEPLOY / "kubernetes.yml"):
+            self.assertEqual(kubernetes_objects.faults(item), [])
+
+    @needs_yaml
+    @unittest.skipIf(kubernetes_objects is None, "needs Debian's python3-kubernetes")
+    def test_what_kubernetes_does_not_know_is_found(self):
+        text = (DEPLOY / "kubernetes.yml").read_text()
+        for right, wrong, fault in (
+                ("periodSeconds: 5", "periodSecond: 5", "periodSecond: there is no such field"),
+                ("maxUnavailable:", "maxUnavailables:", "maxUnavailables: there is no such field"),
+                ("replicas: 2", "replicas: two", "replicas must be of type int, not 'two'"),
+                ("runAsNonRoot: true", "runAsNonRoot: 1", "runAsNonRoot must be of type bool"),
+                ("drop: [ALL]", "drop: ALL", "drop must be a list"),
+                ("- {name: grpc, containerPort: 50051}", "- {name: grpc}", "container_port"),
+                ("serviceName: dcloc", "", "service_name"),
+                ("policy/v1", "apps/v1", "apps/v1 has no PodDisruptionBudget")):
+            broken = text.replace(right, wrong)
+            self.assertNotEqual(broken, text, right)
+            found = [line for item in yaml.safe_load_all(broken)
+                     for line in kubernetes_objects.faults(item)]
+            self.assertEqual(len(found), 1, f"{wrong}: {found}")
+            self.assertIn(fault, found[0])
 
     def test_the_example_settings_are_valid(self):
         checked = run(PROGRAMS[1], "--data", "/tmp", "--config", DEPLOY / "server.json",
@@ -367,4 +446,8 @@ class Files(unittest.TestCase):
 
 if __name__ == "__main__":
     PROGRAMS[:] = map(os.path.abspath, sys.argv[1:3])
+    incomplete = yaml is None or kubernetes_objects is None
+    if incomplete and pathlib.Path(sys.executable).resolve() != SYSTEM_PYTHON.resolve():
+        # Debian's packages are for Debian's Python, whichever comes first in PATH.
+        os.execv(SYSTEM_PYTHON, [SYSTEM_PYTHON, "-B", *sys.argv])
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
