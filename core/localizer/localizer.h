@@ -18,8 +18,11 @@ namespace dcloc {
 enum class LocalizationState {
   kInitializing,   ///< no pose in the map has been confirmed yet
   kTracking,       ///< the last scans agree with the map
-  kDeadReckoning,  ///< held by ego-motion from the last confirmed pose
-  kLost,           ///< dead reckoning has grown too uncertain; searching
+  kDeadReckoning,  ///< held by ego-motion from a pose that was confirmed within the last second
+  /// Nothing has confirmed the pose for about a second, or it is no longer known to two metres: it
+  /// goes on by ego-motion, and the covariance grows until the map confirms a pose anew. Where the
+  /// ground is too wide for that, it is searched.
+  kLost,
 };
 
 /// What registrations say of a radar's `beta_s`.

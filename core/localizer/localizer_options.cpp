@@ -65,6 +65,8 @@ absl::Status Validate(const LocalizerOptions& options) {
       {"state.blind_distance_m", options.state.blind_distance_m, 0, 1000},
       {"state.blind_refusals", 1.0 * options.state.blind_refusals, 1, 1000},
       {"state.tracking_hold_ms", Milliseconds(options.state.tracking_hold), 0, kMaxTime_ms},
+      {"state.lost_after_ms", Milliseconds(options.state.lost_after),
+       Milliseconds(options.state.tracking_hold), kMaxTime_ms},
       {"state.lost_sigma_m", options.state.lost_sigma_m, kTiny, 1000},
       {"unobserved_z_sigma_m", options.unobserved_z_sigma_m, kTiny, 1000},
       {"unobserved_tilt_sigma_rad", options.unobserved_tilt_sigma_rad, kTiny, 1},

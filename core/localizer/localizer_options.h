@@ -52,8 +52,12 @@ struct StateOptions {
   int blind_refusals = 3;  ///< refused registrations in a row after which the search starts anew
   std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
-  double lost_sigma_m = 2.0;      ///< dead reckoning less certain than this is lost
-  /// Who is lost for so long is looked for as at a start without a prior, nearby first.
+  /// Without a believed registration for so long, or less certain than this, dead reckoning is
+  /// lost. Radars that scan ten times a second so report it within a second of losing the map.
+  std::chrono::nanoseconds lost_after = std::chrono::milliseconds(900);
+  double lost_sigma_m = 2.0;
+  /// Who is lost and so uncertain for so long is looked for as at a start without a prior, nearby
+  /// first.
   std::chrono::nanoseconds lost_hold = std::chrono::milliseconds(1000);
 };
 

@@ -16,6 +16,7 @@ void TrackingState::OnRegistration(Stamp stamp, bool believed, double travelled_
   if (blind_ && believed_distance_m_ < options_.blind_distance_m) return;
   state_ = LocalizationState::kTracking;
   blind_ = false;
+  uncertain_since_.reset();
 }
 
 void TrackingState::StartBlind() {
@@ -24,6 +25,7 @@ void TrackingState::StartBlind() {
   believed_in_a_row_ = 0;
   refused_in_a_row_ = 0;
   last_believed_.reset();
+  uncertain_since_.reset();
 }
 
 bool TrackingState::BlindStartFailed() const {
@@ -31,19 +33,27 @@ bool TrackingState::BlindStartFailed() const {
 }
 
 bool TrackingState::IsLostForGood(Stamp stamp) const {
-  return state_ == LocalizationState::kLost && stamp - *lost_since_ > options_.lost_hold;
+  return uncertain_since_ && stamp - *uncertain_since_ > options_.lost_hold;
 }
 
 void TrackingState::OnAnswer(Stamp stamp, double position_sigma_m) {
   if (state_ == LocalizationState::kInitializing) return;
-  if (state_ == LocalizationState::kTracking && stamp - *last_believed_ > options_.tracking_hold) {
+  const std::chrono::nanoseconds unconfirmed = stamp - *last_believed_;
+  if (state_ == LocalizationState::kTracking && unconfirmed > options_.tracking_hold) {
     state_ = LocalizationState::kDeadReckoning;
   }
-  if (state_ == LocalizationState::kDeadReckoning && position_sigma_m > options_.lost_sigma_m) {
-    state_ = LocalizationState::kLost;
-    lost_since_ = stamp;
-    believed_in_a_row_ = 0;
+  if (state_ == LocalizationState::kTracking) return;
+  if (unconfirmed > options_.lost_after) Lose();
+  if (!uncertain_since_ && position_sigma_m > options_.lost_sigma_m) {
+    Lose();
+    uncertain_since_ = stamp;
   }
+}
+
+// Who is lost must be confirmed anew.
+void TrackingState::Lose() {
+  state_ = LocalizationState::kLost;
+  believed_in_a_row_ = 0;
 }
 
 }  // namespace dcloc

@@ -23,7 +23,7 @@ class TrackingState {
   /// The place found without a prior is contradicted by what followed.
   bool BlindStartFailed() const;
 
-  /// Lost for `lost_hold`.
+  /// Lost, and for `lost_hold` on ground that is uncertain: to be searched for.
   bool IsLostForGood(Stamp stamp) const;
 
   /// Takes in the time and the position's standard deviation of an answer, or of the prediction
@@ -33,6 +33,8 @@ class TrackingState {
   LocalizationState state() const { return state_; }
 
  private:
+  void Lose();
+
   StateOptions options_;
   LocalizationState state_ = LocalizationState::kInitializing;
   bool blind_ = false;
@@ -40,7 +42,7 @@ class TrackingState {
   int refused_in_a_row_ = 0;
   double believed_distance_m_ = 0.0;  // travelled while believed in a row
   std::optional<Stamp> last_believed_;
-  std::optional<Stamp> lost_since_;
+  std::optional<Stamp> uncertain_since_;  // lost, on ground too wide for a prediction
 };
 
 }  // namespace dcloc

@@ -59,12 +59,51 @@ TEST(TrackingStateTest, AShortGapIsHeldALongerOneIsDeadReckoning) {
 
 TEST(TrackingStateTest, DeadReckoningGrownUncertainIsLost) {
   TrackingState state = Tracking(1000);
-  Scan(state, 2000, false, 1.99);
+  Scan(state, 1500, false, 1.99);
   EXPECT_EQ(state.state(), LocalizationState::kDeadReckoning);
-  Scan(state, 2100, false, 2.01);
+  Scan(state, 1600, false, 2.01);
   EXPECT_EQ(state.state(), LocalizationState::kLost);
-  Scan(state, 2200, false, 1.0);
+  Scan(state, 1700, false, 1.0);
   EXPECT_EQ(state.state(), LocalizationState::kLost);
+}
+
+TEST(TrackingStateTest, LostIsToldWithinASecondOfTheLastConfirmation) {
+  constexpr int kLast_ms = 1000;
+  TrackingState state = Tracking(kLast_ms);
+  constexpr int kScan_ms = 77;
+  int told_ms = 0;
+  for (int ms = kLast_ms + kScan_ms; ms < 10'000; ms += kScan_ms) {
+    Scan(state, ms, false, 0.3);
+    if (told_ms == 0 && state.state() == LocalizationState::kLost) told_ms = ms;
+    EXPECT_TRUE(told_ms == 0 || state.state() == LocalizationState::kLost) << ms;
+  }
+  EXPECT_GT(told_ms, kLast_ms + 800) << "a short gap is bridged";
+  EXPECT_LE(told_ms, kLast_ms + 1000);
+}
+
+TEST(TrackingStateTest, WhoIsLostOnKnownGroundIsNotSearchedFor) {
+  TrackingState state = Tracking(1000);
+  for (int ms = 2000; ms < 60'000; ms += 100) Scan(state, ms, false, 1.5);
+  EXPECT_EQ(state.state(), LocalizationState::kLost);
+  EXPECT_FALSE(state.IsLostForGood(StampAt(60'000)));
+  Scan(state, 60'000, false, 2.1);
+  EXPECT_FALSE(state.IsLostForGood(StampAt(61'000)));
+  EXPECT_TRUE(state.IsLostForGood(StampAt(61'001)));
+  for (int ms = 61'100; ms < 61'400; ms += 100) Scan(state, ms, true);
+  EXPECT_EQ(state.state(), LocalizationState::kTracking);
+  EXPECT_FALSE(state.IsLostForGood(StampAt(70'000)));
+}
+
+TEST(TrackingStateTest, OneConfirmationAloneDoesNotEndBeingLost) {
+  TrackingState state = Tracking(1000);
+  for (int ms = 1100; ms <= 2500; ms += 100) Scan(state, ms, false);
+  Scan(state, 2600, true);
+  Scan(state, 2700, false);
+  Scan(state, 2800, true);
+  Scan(state, 2900, true);
+  EXPECT_EQ(state.state(), LocalizationState::kLost);
+  Scan(state, 3000, true);
+  EXPECT_EQ(state.state(), LocalizationState::kTracking);
 }
 
 TEST(TrackingStateTest, UncertainWhileTheMapConfirmsIsStillTracking) {
