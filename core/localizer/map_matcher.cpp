@@ -148,12 +148,8 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
 }
 
 template <int Dim>
-std::span<const PointMatch<Dim>> MapMatcher<Dim>::Matches(std::span<const GaussianPoint<Dim>> live,
-                                                          const Pose<Dim>& T_local_vehicle) const {
-  MatchFinder<Dim>& finder = Scratch<Dim>::OfThisThread().finder;
-  finder.Begin(live, local_map_,
-               {.reach_m = options_.gicp.reach_m, .gate_sigmas = options_.gicp.gate_sigmas});
-  return finder.Find(T_local_vehicle, 0.0);
+std::span<const PointMatch<Dim>> MapMatcher<Dim>::Matches(const Pose<Dim>& T_local_vehicle) const {
+  return Scratch<Dim>::OfThisThread().finder.Find(T_local_vehicle, 0.0);
 }
 
 template <int Dim>
@@ -162,7 +158,7 @@ Observability MapMatcher<Dim>::Observed(std::span<const GaussianPoint<Dim>> live
   Scratch<Dim>& scratch = Scratch<Dim>::OfThisThread();
   return Observe<Dim>(live, local_map_, registration.T_local_vehicle, registration.covariance,
                       {.reach_m = options_.gicp.reach_m, .gate_sigmas = options_.gicp.gate_sigmas},
-                      scratch.chosen_points, scratch.finder);
+                      scratch.chosen_points, scratch.chosen_finder);
 }
 
 template <int Dim>

@@ -38,10 +38,9 @@ class MapMatcher {
                                          const PoseEstimate<Dim>& predicted,
                                          const Observability& observability, std::uint64_t seed);
 
-  /// The landmarks that the points of `live` (vehicle frame) match at a pose. Valid until the next
-  /// call of any member, on this thread.
-  std::span<const PointMatch<Dim>> Matches(std::span<const GaussianPoint<Dim>> live,
-                                           const Pose<Dim>& T_local_vehicle) const;
+  /// The landmarks that the points given to Match match at a pose. To be called on the thread that
+  /// Match was called on, before any other vehicle's, while the points are there; valid as long.
+  std::span<const PointMatch<Dim>> Matches(const Pose<Dim>& T_local_vehicle) const;
 
   /// In which directions a registration of `live` says something.
   Observability Observed(std::span<const GaussianPoint<Dim>> live,

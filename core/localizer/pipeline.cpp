@@ -310,9 +310,8 @@ void Pipeline<Dim>::Learn(const std::optional<Registration<Dim>>& registration,
   const Pose<Dim> T_map_registered =
       FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registration->T_local_vehicle;
   if (beta_watch_.IsDue(stamp, window_.span())) {
-    const LiveSubmap<Dim>& live = Scratch<Dim>::OfThisThread().submap;
-    beta_watch_.OnRegistration(stamp, live,
-                               matcher_.Matches(live.points, registration->T_local_vehicle),
+    beta_watch_.OnRegistration(stamp, Scratch<Dim>::OfThisThread().submap,
+                               matcher_.Matches(registration->T_local_vehicle),
                                registration->T_local_vehicle, ego_velocity);
   }
   edge_noise_.OnRegistration(

@@ -18,8 +18,9 @@ struct Scratch {
   EgoVelocityMemory ego_velocity;
   std::vector<RadarPoint> static_points;  // of the scan
   LiveSubmap<Dim> submap;
-  MatchFinder<Dim> finder;
-  std::vector<GaussianPoint<Dim>> chosen_points;
+  MatchFinder<Dim> finder;                        // of the last registration
+  std::vector<GaussianPoint<Dim>> chosen_points;  // those that are shifted
+  MatchFinder<Dim> chosen_finder;
   typename LocalMap<Dim>::Memory local_map;
 
   static Scratch& OfThisThread() {

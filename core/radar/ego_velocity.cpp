@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -56,6 +57,12 @@ void TakeInliers(const std::vector<Row>& rows, const Vector3d& state, double gat
   }
 }
 
+// After how many pairs one of two right targets is missed once in ten thousand times.
+double PairsNeeded(double right_share) {
+  const double wrong_pair_share = std::max(1e-9, 1.0 - right_share * right_share);
+  return std::log(1e-4) / std::log(wrong_pair_share);
+}
+
 // The best-supported motion among those through two targets without side slip.
 Vector3d RansacMotion(const std::vector<Row>& rows, std::uint64_t seed,
                       const EgoVelocityOptions& options) {
@@ -63,13 +70,17 @@ Vector3d RansacMotion(const std::vector<Row>& rows, std::uint64_t seed,
   std::uniform_int_distribution<std::size_t> pick(0, rows.size() - 1);
   Vector3d best = Vector3d::Zero();
   std::size_t best_count = 0;
-  for (int iteration = 0; iteration < options.ransac_iterations; ++iteration) {
+  double pairs_needed = std::numeric_limits<double>::infinity();
+  int pair_count = 0;
+  for (int iteration = 0; iteration < options.ransac_iterations && pair_count < pairs_needed;
+       ++iteration) {
     const Row& a = rows[pick(random)];
     const Row& b = rows[pick(random)];
     Matrix3d system;
     system << a.row.transpose(), b.row.transpose(), Vector3d::UnitY().transpose();
     // Two targets in one direction do not determine a motion.
     if (std::abs(system.determinant()) < 1e-2) continue;
+    ++pair_count;
     const Vector3d state =
         system.partialPivLu().solve(Vector3d(a.range_rate_mps, b.range_rate_mps, 0.0));
     const auto agrees = [&](const Row& row) {
@@ -79,6 +90,7 @@ Vector3d RansacMotion(const std::vector<Row>& rows, std::uint64_t seed,
     if (count > best_count) {
       best_count = count;
       best = state;
+      pairs_needed = PairsNeeded(static_cast<double>(count) / static_cast<double>(rows.size()));
     }
   }
   return best;

@@ -114,17 +114,21 @@ NormalEquations<Dim> Linearize(Matches<Dim> matches, const Pose<Dim>& T, double 
   return normal;
 }
 
-// One Levenberg-Marquardt step on frozen matches: raises the damping until the cost falls.
+// One step on frozen matches. The weights make the quadratic an upper bound of Huber's cost, so
+// that its minimum costs less, but for what a turn is not linear; after a large turn that is looked
+// at, and the step damped until the cost falls.
 template <int Dim>
 Tangent<Dim> Step(Matches<Dim> matches, const NormalEquations<Dim>& normal, double huber,
                   Pose<Dim>& T) {
+  constexpr double kLinear_rad = 0.01;
   double damping = 1e-6;
   for (int attempt = 0; attempt < 6; ++attempt, damping *= 30.0) {
     TangentMatrix<Dim> damped = normal.hessian;
     damped.diagonal() += damping * normal.hessian.diagonal().cwiseMax(1e-3);
     Tangent<Dim> step = -damped.ldlt().solve(normal.gradient);
     const Pose<Dim> candidate = T * Exp(step);
-    if (Cost<Dim>(matches, candidate, huber) <= normal.cost) {
+    if (step.template tail<Pose<Dim>::kDof - Dim>().norm() <= kLinear_rad ||
+        Cost<Dim>(matches, candidate, huber) <= normal.cost) {
       T = candidate;
       return step;
     }
