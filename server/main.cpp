@@ -1,3 +1,4 @@
+#include <sched.h>
 #include <sys/resource.h>
 
 #include <array>
@@ -28,6 +29,15 @@ void RaiseFileLimit() {
   limit.rlim_cur = limit.rlim_max;
   if (setrlimit(RLIMIT_NOFILE, &limit) != 0) {
     spdlog::warn("file limit not raised");
+  }
+}
+
+/// The transport's threads wake several times for each scan. They are not to interrupt one that is
+/// being localized: they inherit this, and the workers do not keep it.
+void LetWorkersFinish() {
+  const sched_param no_priority{};
+  if (sched_setscheduler(0, SCHED_BATCH, &no_priority) != 0) {
+    spdlog::warn("transport not scheduled behind the workers");
   }
 }
 
@@ -76,6 +86,7 @@ int Run(int argc, const char* const* argv, const ServerConfig& config) {
   const sigset_t signals = BlockSignals();
   SetUpLog(config);
   RaiseFileLimit();
+  LetWorkersFinish();
   const absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(config);
   if (!server.ok()) {
     std::cerr << "dcloc-server: " << server.status().message() << "\n";

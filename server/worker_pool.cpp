@@ -1,5 +1,6 @@
 #include "server/worker_pool.h"
 
+#include <sched.h>
 #include <sys/resource.h>
 
 #include <utility>
@@ -8,6 +9,12 @@ namespace dcloc::server {
 namespace {
 
 std::size_t NumberOf(Lane lane) { return lane == Lane::kQuick ? 0 : 1; }
+
+/// Whatever that of the thread is that makes the pool.
+void ScheduleAsUsual() {
+  const sched_param no_priority{};
+  sched_setscheduler(0, SCHED_OTHER, &no_priority);
+}
 
 /// On Linux a thread's own; a process may always take itself back.
 void TakeThreadBack() {
@@ -22,11 +29,15 @@ WorkerPool::WorkerPool(int thread_count, int lengthy_thread_count) {
   Line& lengthy = lines_[NumberOf(Lane::kLengthy)];
   quick.threads.reserve(static_cast<std::size_t>(thread_count));
   for (int i = 0; i < thread_count; ++i) {
-    quick.threads.emplace_back([this, &quick] { Run(quick); });
+    quick.threads.emplace_back([this, &quick] {
+      ScheduleAsUsual();
+      Run(quick);
+    });
   }
   lengthy.threads.reserve(static_cast<std::size_t>(lengthy_thread_count));
   for (int i = 0; i < lengthy_thread_count; ++i) {
     lengthy.threads.emplace_back([this, &lengthy] {
+      ScheduleAsUsual();
       TakeThreadBack();
       Run(lengthy);
     });
