@@ -8,10 +8,12 @@ namespace {
 
 constexpr double kSecondsPerNanosecond = 1e-9;
 
-bool IsReliable(const v1::LocalizationResult& result) {
+// Of a vehicle that is lost too: its covariance says how far that holds.
+bool HasPose(const v1::LocalizationResult& result) {
   return result.pose().covariance_size() == 36 &&
          (result.state() == v1::LOCALIZATION_STATE_TRACKING ||
-          result.state() == v1::LOCALIZATION_STATE_DEAD_RECKONING);
+          result.state() == v1::LOCALIZATION_STATE_DEAD_RECKONING ||
+          result.state() == v1::LOCALIZATION_STATE_LOST);
 }
 
 double Speed(const v1::LocalizationResult& from, const v1::LocalizationResult& to) {
@@ -27,7 +29,7 @@ double Speed(const v1::LocalizationResult& from, const v1::LocalizationResult& t
 
 void Prior::Note(const v1::LocalizationResult& result) {
   noted_ = true;
-  if (!IsReliable(result)) {
+  if (!HasPose(result)) {
     last_.reset();
     return;
   }

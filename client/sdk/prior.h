@@ -12,15 +12,14 @@ class Prior {
  public:
   void Note(const v1::LocalizationResult& result);
 
-  /// Makes the last pose that could be relied on the initial one of `open`, its covariance widened
-  /// by the way that the vehicle may have come until `stamp_ns`. Without any answer `open` stays as
-  /// it is; after answers that could not be relied on nothing is known, and the initialization
-  /// goes.
+  /// Makes the last pose the initial one of `open`, its covariance widened by the way that the
+  /// vehicle may have come until `stamp_ns`. Without any answer `open` stays as it is; after one
+  /// without a confirmed pose nothing is known, and the initialization goes.
   void Apply(std::int64_t stamp_ns, v1::OpenSession* open) const;
 
  private:
   bool noted_ = false;
-  std::optional<v1::LocalizationResult> last_;  ///< none when the newest was not to be relied on
+  std::optional<v1::LocalizationResult> last_;  ///< none when the newest has no pose
   double speed_mps_ = 0.0;                      ///< between the last two
 };
 

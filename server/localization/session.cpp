@@ -294,10 +294,10 @@ absl::Status Session::Localize(const v1::Scan& message, v1::LocalizationResult* 
 }
 
 void Session::RememberPose(const Localization& localization) {
-  // A session that began without any pose has none before the map has confirmed one.
+  // A session that began without any pose has none before the map has confirmed one. Who is lost
+  // has one, however wide: its covariance says so.
   const bool unknown =
-      localization.state == LocalizationState::kLost ||
-      (localization.state == LocalizationState::kInitializing && !last_pose_.has_value());
+      localization.state == LocalizationState::kInitializing && !last_pose_.has_value();
   last_pose_.reset();
   if (!unknown) last_pose_ = {localization.T_map_vehicle, localization.covariance};
 }
