@@ -145,7 +145,18 @@ struct Server::Parts {
         maps(storage,
              [this](const std::string& tenant, const std::string& map_name) {
                return MoveSessions(registry, *store, tenant, map_name);
-             }),
+             },
+             {.move_or_end =
+                  [this](const std::string& tenant, const std::string& map_name,
+                         std::int64_t version) {
+                    MoveSessions(registry, *store, tenant, map_name, version);
+                    EndSessions(registry, tenant, map_name, version, EndOf::kThoseThatStay);
+                  },
+              .end_all =
+                  [this](const std::string& tenant, const std::string& map_name,
+                         std::int64_t version) {
+                    EndSessions(registry, tenant, map_name, version, EndOf::kAll);
+                  }}),
         admin({.version = DCLOC_VERSION,
                .start_time = std::chrono::system_clock::now(),
                .worker_count = localization_pool.thread_count(),

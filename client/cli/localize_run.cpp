@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -205,6 +206,19 @@ void PrintSummary(const DriveOutcome& outcome, std::size_t scan_count) {
   }
 }
 
+/// What `PrintSummary` and `PrintConnection` say, for scripts.
+void PrintJson(const DriveOutcome& outcome, std::size_t scan_count,
+               const client::SessionStats& stats) {
+  nlohmann::ordered_json json = {{"drive", outcome.drive},
+                                 {"scan_count", scan_count},
+                                 {"first_refusal", outcome.first_refusal},
+                                 {"disconnect_count", stats.disconnect_count},
+                                 {"resume_count", stats.resume_count},
+                                 {"restart_count", stats.restart_count}};
+  json.update(MetricsJson(ComputeMetrics({&outcome, 1})));
+  absl::PrintF("%s\n", json.dump(2));
+}
+
 absl::Status Localize(client::Session& session, const Drive& drive,
                       const LocalizeArguments& arguments, const StopSignals& signals,
                       AnswerFiles& files) {
@@ -224,8 +238,12 @@ absl::Status Localize(client::Session& session, const Drive& drive,
   if (interrupted) status = absl::CancelledError("interrupted; the files hold what was answered");
   status.Update(files.Close());
   status.Update(session.record_status());
-  PrintSummary(outcome, drive.scans.size());
-  PrintConnection(session.stats());
+  if (arguments.json) {
+    PrintJson(outcome, drive.scans.size(), session.stats());
+  } else {
+    PrintSummary(outcome, drive.scans.size());
+    PrintConnection(session.stats());
+  }
   return status;
 }
 

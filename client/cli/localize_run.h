@@ -27,6 +27,7 @@ struct LocalizeArguments {
   std::string csv_file;
   std::string tum_file;
   std::string record_file;  ///< of the session; may be empty
+  bool json = false;
 };
 
 /// Sends the drive's scans to the server, writes its answers, and prints how good they were. An

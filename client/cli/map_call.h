@@ -26,6 +26,7 @@ struct MapArguments {
   bool activate = false;
   bool move_sessions = false;
   bool all_versions = false;
+  bool drain = false;
   bool none = false;
   bool json = false;
   bool no_wait = false;

@@ -99,8 +99,15 @@ absl::Status Download(client::MapClient& maps, const MapArguments& arguments) {
 }
 
 absl::Status Delete(client::MapClient& maps, const MapArguments& arguments) {
-  return arguments.all_versions ? maps.Delete(arguments.map)
-                                : maps.DeleteVersion(arguments.map, arguments.version);
+  const absl::Status status =
+      arguments.all_versions
+          ? maps.Delete(arguments.map, arguments.drain)
+          : maps.DeleteVersion(arguments.map, arguments.version, arguments.drain);
+  if (!status.ok() || !arguments.json) return status;
+  ordered_json deleted = {{"map", arguments.map}};
+  if (!arguments.all_versions) deleted["version"] = arguments.version;
+  absl::PrintF("%s\n", deleted.dump(2));
+  return status;
 }
 
 void AddUpload(CLI::App& map_command, int& exit_code) {
@@ -147,7 +154,13 @@ void AddDelete(CLI::App& map_command, int& exit_code) {
   AddVersion(*which, *arguments);
   which->add_flag("--all-versions", arguments->all_versions, "The map with all of its versions");
   which->require_option(1);
-  app->footer("Example:\n  dcloc map delete --server localhost:50051 --map town --version 1");
+  app->add_flag("--drain", arguments->drain,
+                "Sessions in it move to the version that they would get now, or are ended");
+  AddJson(*app, *arguments);
+  app->footer(
+      "Without --drain a version that is in use is kept, and that is an error.\n"
+      "Example:\n"
+      "  dcloc map delete --server localhost:50051 --map town --version 1 --drain");
 }
 
 }  // namespace

@@ -186,16 +186,19 @@ absl::StatusOr<std::vector<v1::MapBuild>> MapClient::ListBuilds() {
   return std::vector<v1::MapBuild>(response->builds().begin(), response->builds().end());
 }
 
-absl::Status MapClient::DeleteVersion(const std::string& map_name, std::int64_t version) {
+absl::Status MapClient::DeleteVersion(const std::string& map_name, std::int64_t version,
+                                      bool drain) {
   v1::DeleteMapVersionRequest request;
   request.set_map_name(map_name);
   request.set_version(version);
+  request.set_drain_sessions(drain);
   return Call(*stub_, &v1::MapService::Stub::DeleteMapVersion, request, timeout_).status();
 }
 
-absl::Status MapClient::Delete(const std::string& map_name) {
+absl::Status MapClient::Delete(const std::string& map_name, bool drain) {
   v1::DeleteMapRequest request;
   request.set_map_name(map_name);
+  request.set_drain_sessions(drain);
   return Call(*stub_, &v1::MapService::Stub::DeleteMap, request, timeout_).status();
 }
 

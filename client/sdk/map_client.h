@@ -81,10 +81,12 @@ class MapClient {
   /// Those under way and the last ones that have ended, newest first.
   absl::StatusOr<std::vector<v1::MapBuild>> ListBuilds();
 
-  absl::Status DeleteVersion(const std::string& map_name, std::int64_t version);
+  /// FailedPrecondition while sessions or downloads use it. `drain`: its sessions move to another
+  /// version, or are ended where they cannot.
+  absl::Status DeleteVersion(const std::string& map_name, std::int64_t version, bool drain = false);
 
-  /// Deletes the map with all of its versions.
-  absl::Status Delete(const std::string& map_name);
+  /// Deletes the map with all of its versions. `drain`: its sessions are ended.
+  absl::Status Delete(const std::string& map_name, bool drain = false);
 
  private:
   std::unique_ptr<v1::MapService::Stub> stub_;

@@ -18,11 +18,13 @@ void LogNotMoved(const SessionRecord& record, absl::string_view reason) {
 }  // namespace
 
 int MoveSessions(const SessionRegistry& registry, MapStore& store, absl::string_view tenant,
-                 absl::string_view map_name) {
+                 absl::string_view map_name, std::int64_t from_version) {
   const std::string scoped_name = ScopedMapName(tenant, map_name);
   int count = 0;
-  for (const auto& session : registry.MovableSessions(tenant, map_name)) {
+  for (const auto& session : registry.SessionsIn(tenant, map_name)) {
     const SessionRecord& record = *session->record();
+    if (record.description.map_version_asked_for) continue;
+    if (from_version != 0 && record.map_version != from_version) continue;
     absl::StatusOr<LoadedMap> map = store.AcquireFor(scoped_name, record.description.vehicle_id);
     if (!map.ok()) {
       LogNotMoved(record, map.status().message());
@@ -40,6 +42,21 @@ int MoveSessions(const SessionRegistry& registry, MapStore& store, absl::string_
     });
   }
   return count;
+}
+
+void EndSessions(SessionRegistry& registry, absl::string_view tenant, absl::string_view map_name,
+                 std::int64_t version, EndOf which) {
+  v1::SessionEnding ending;
+  ending.set_reason(v1::SESSION_END_REASON_OPERATOR);
+  ending.set_message("its map version is being deleted");
+  for (const auto& session : registry.SessionsIn(tenant, map_name)) {
+    const SessionRecord& record = *session->record();
+    const bool stays = record.description.map_version_asked_for || record.recorded;
+    if (version != 0 && record.map_version != version) continue;
+    if (which == EndOf::kThoseThatStay && !stays) continue;
+    // One that has just ended by itself is not found, which is as well.
+    registry.End(record.description.session_id, tenant, ending).IgnoreError();
+  }
 }
 
 }  // namespace dcloc::server

@@ -121,14 +121,13 @@ absl::Status SessionRegistry::End(absl::string_view session_id, absl::string_vie
   return absl::OkStatus();
 }
 
-std::vector<std::shared_ptr<Session>> SessionRegistry::MovableSessions(
+std::vector<std::shared_ptr<Session>> SessionRegistry::SessionsIn(
     absl::string_view tenant, absl::string_view map_name) const {
   std::vector<std::shared_ptr<Session>> sessions;
   const std::lock_guard lock(mutex_);
   for (const auto& [id, entry] : entries_) {
     const SessionDescription& description = entry.record->description;
-    if (description.caller.principal.tenant == tenant && description.map_name == map_name &&
-        !description.map_version_asked_for) {
+    if (description.caller.principal.tenant == tenant && description.map_name == map_name) {
       sessions.push_back(entry.session);
     }
   }

@@ -78,9 +78,9 @@ class SessionRegistry {
   absl::Status End(absl::string_view session_id, absl::string_view tenant,
                    const v1::SessionEnding& ending);
 
-  /// The tenant's sessions in a map that did not ask for a version of it.
-  std::vector<std::shared_ptr<Session>> MovableSessions(absl::string_view tenant,
-                                                        absl::string_view map_name) const;
+  /// The tenant's sessions in a map.
+  std::vector<std::shared_ptr<Session>> SessionsIn(absl::string_view tenant,
+                                                   absl::string_view map_name) const;
 
   /// Ends what has been detached or idle for too long, and cuts off who was told and does not go.
   void Reap(Clock::time_point now);

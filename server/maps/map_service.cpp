@@ -11,6 +11,7 @@
 #include "server/convert/page.h"
 #include "server/maps/build_stream.h"
 #include "server/maps/download_stream.h"
+#include "server/maps/map_deletion.h"
 #include "server/maps/map_labels.h"
 #include "server/maps/map_places.h"
 #include "server/maps/upload_stream.h"
@@ -121,8 +122,11 @@ absl::Status AnswerBuild(const absl::StatusOr<BuildRecord>& record, v1::MapBuild
 
 }  // namespace
 
-MapService::MapService(StorageHost host, SessionMover move_sessions)
-    : host_(host), move_sessions_(std::move(move_sessions)), builds_(host.store) {}
+MapService::MapService(StorageHost host, SessionMover move_sessions, SessionDrainer drain_sessions)
+    : host_(host),
+      move_sessions_(std::move(move_sessions)),
+      drain_sessions_(std::move(drain_sessions)),
+      builds_(host.store) {}
 
 grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* context,
                                                const v1::ListMapsRequest* request,
@@ -262,29 +266,23 @@ grpc::ServerUnaryReactor* MapService::CancelMapBuild(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* MapService::DeleteMapVersion(grpc::CallbackServerContext* context,
                                                        const v1::DeleteMapVersionRequest* request,
                                                        v1::DeleteMapVersionResponse* /*response*/) {
-  return AnswerOn(host_, context, request, [this, request](const Principal& principal) {
-    absl::Status status = Check(request->map_name(), request->version(), 1);
-    if (!status.ok()) return status;
-    status = host_.store.DeleteVersion(ScopedMapName(principal.tenant, request->map_name()),
-                                       request->version());
-    if (!status.ok()) return status;
-    spdlog::info("map version deleted tenant={} map={} version={}", principal.tenant,
-                 request->map_name(), request->version());
-    return status;
-  });
+  return AnswerOn(
+      host_, context, request,
+      [this, request](const Principal& principal) {
+        return DeleteVersion(host_.store, drain_sessions_, principal.tenant, *request);
+      },
+      request->drain_sessions() ? Lane::kLengthy : Lane::kQuick);
 }
 
 grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* context,
                                                 const v1::DeleteMapRequest* request,
                                                 v1::DeleteMapResponse* /*response*/) {
-  return AnswerOn(host_, context, request, [this, request](const Principal& principal) {
-    absl::Status status = convert::CheckMapName("map_name", request->map_name());
-    if (!status.ok()) return status;
-    status = host_.store.DeleteMap(ScopedMapName(principal.tenant, request->map_name()));
-    if (!status.ok()) return status;
-    spdlog::info("map deleted tenant={} map={}", principal.tenant, request->map_name());
-    return status;
-  });
+  return AnswerOn(
+      host_, context, request,
+      [this, request](const Principal& principal) {
+        return server::DeleteMap(host_.store, drain_sessions_, principal.tenant, *request);
+      },
+      request->drain_sessions() ? Lane::kLengthy : Lane::kQuick);
 }
 
 }  // namespace dcloc::server

@@ -2,6 +2,7 @@
 
 #include "dcloc/v1/map_service.grpc.pb.h"
 #include "server/maps/map_builds.h"
+#include "server/maps/map_deletion.h"
 #include "server/maps/map_labels.h"
 #include "server/storage_host.h"
 
@@ -11,7 +12,7 @@ namespace dcloc::server {
 /// pool.
 class MapService final : public v1::MapService::CallbackService {
  public:
-  MapService(StorageHost host, SessionMover move_sessions);
+  MapService(StorageHost host, SessionMover move_sessions, SessionDrainer drain_sessions);
 
   grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
                                      const v1::ListMapsRequest* request,
@@ -68,6 +69,7 @@ class MapService final : public v1::MapService::CallbackService {
  private:
   const StorageHost host_;
   const SessionMover move_sessions_;
+  const SessionDrainer drain_sessions_;
   MapBuilds builds_;
 };
 

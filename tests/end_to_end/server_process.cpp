@@ -50,7 +50,7 @@ bool ServerProcess::WaitUntilReady() {
 }
 
 std::shared_ptr<grpc::Channel> ServerProcess::Channel() const {
-  return *client::MakeChannel({.server = address_});
+  return *client::MakeChannel({.server = address_, .own_connection = true});
 }
 
 double ServerProcess::ResidentMebibytes() const {

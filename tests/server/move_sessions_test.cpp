@@ -15,6 +15,8 @@
 namespace dcloc::server {
 namespace {
 
+using ::testing::HasSubstr;
+
 class MovingTest : public ::testing::Test {
  protected:
   explicit MovingTest(const ServerConfig& config = TestServer::StubConfig()) : server_(config) {}
@@ -48,6 +50,25 @@ class MovingTest : public ::testing::Test {
     const grpc::Status status = server_.maps->RollBackMap(&call, request, &response);
     EXPECT_TRUE(status.ok()) << status.error_message();
     return response.moved_session_count();
+  }
+
+  grpc::Status Delete(std::int64_t version, bool drain) {
+    Call call;
+    v1::DeleteMapVersionRequest request;
+    request.set_map_name("town");
+    request.set_version(version);
+    request.set_drain_sessions(drain);
+    v1::DeleteMapVersionResponse response;
+    return server_.maps->DeleteMapVersion(&call, request, &response);
+  }
+
+  grpc::Status DeleteMap(bool drain) {
+    Call call;
+    v1::DeleteMapRequest request;
+    request.set_map_name("town");
+    request.set_drain_sessions(drain);
+    v1::DeleteMapResponse response;
+    return server_.maps->DeleteMap(&call, request, &response);
   }
 
   std::unique_ptr<TestSession> OpenSession(const v1::OpenSession& open) {
@@ -113,6 +134,68 @@ TEST_F(MovingTest, OnlyThoseAreMovedWhoShallBe) {
   EXPECT_EQ(Localize(*free, ScanMessage(1)).map_version(), 2);
   EXPECT_EQ(Localize(*pinned, ScanMessage(0)).map_version(), 1);
   EXPECT_EQ(Localize(*in_city, ScanMessage(0)).map_version(), 1);
+}
+
+TEST_F(MovingTest, ADrainedVersionIsDeletedAndWhoCanGoesOnInAnotherOne) {
+  Upload(SmallMap("first"), true);
+  Upload(SmallMap("second"));
+  v1::OpenSession asks = OpenMessage();
+  asks.set_map_version(1);
+  v1::OpenSession asks_for_another = OpenMessage();
+  asks_for_another.set_map_version(2);
+  const auto pinned = OpenSession(asks);
+  const auto beside = OpenSession(asks_for_another);
+  const auto free = OpenSession(OpenMessage());
+  Localize(*free, ScanMessage(0));
+  Activate(2, /*move_sessions=*/false);
+  const grpc::Status in_use = Delete(1, /*drain=*/false);
+  EXPECT_EQ(in_use.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(in_use.error_message(), HasSubstr("in use"));
+
+  const grpc::Status drained = Delete(1, /*drain=*/true);
+  EXPECT_TRUE(drained.ok()) << drained.error_message();
+  EXPECT_EQ(LoadedMaps(), 1);
+  EXPECT_EQ(Localize(*free, ScanMessage(1)).map_version(), 2);
+  EXPECT_EQ(Localize(*beside, ScanMessage(0)).map_version(), 2);
+  const grpc::Status ended = pinned->Finish();
+  EXPECT_EQ(ended.error_code(), grpc::StatusCode::ABORTED);
+  EXPECT_THAT(ended.error_message(), HasSubstr("being deleted"));
+}
+
+TEST_F(MovingTest, TheActiveVersionIsNotDrained) {
+  Upload(SmallMap("first"), true);
+  const auto session = OpenSession(OpenMessage());
+  const grpc::Status status = Delete(1, /*drain=*/true);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(status.error_message(), HasSubstr("version 1 of map \"town\" is active"));
+  EXPECT_EQ(Localize(*session, ScanMessage(0)).map_version(), 1);
+}
+
+TEST_F(MovingTest, AVersionWhoseSessionsCannotMoveIsDrainedByEndingThem) {
+  Upload(SmallMap("first"), true);
+  SyntheticMap anchored(12, 20);
+  anchored.info.flags |= kHasAnchorFlag;
+  anchored.info.anchor_latitude_deg = 52.5;
+  Upload(anchored.Bytes());
+  v1::OpenSession open = OpenMessage();
+  open.set_resumable(true);
+  const auto session = OpenSession(open);
+  Localize(*session, ScanMessage(0));
+  Activate(2, /*move_sessions=*/false);
+  EXPECT_TRUE(Delete(1, /*drain=*/true).ok());
+  const auto ending = session->Read();
+  ASSERT_TRUE(ending && ending->has_ending());
+  EXPECT_EQ(ending->ending().reason(), v1::SESSION_END_REASON_OPERATOR);
+  EXPECT_EQ(session->Finish().error_code(), grpc::StatusCode::ABORTED);
+}
+
+TEST_F(MovingTest, ADrainedMapIsDeletedWithItsSessions) {
+  Upload(SmallMap("first"), true);
+  const auto session = OpenSession(OpenMessage());
+  EXPECT_EQ(DeleteMap(/*drain=*/false).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_TRUE(DeleteMap(/*drain=*/true).ok());
+  EXPECT_EQ(session->Finish().error_code(), grpc::StatusCode::ABORTED);
+  EXPECT_EQ(LoadedMaps(), 0);
 }
 
 TEST_F(MovingTest, AMalformedScanBeforeTheMoveDoesNoHarm) {

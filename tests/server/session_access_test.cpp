@@ -5,6 +5,7 @@
 #include <memory>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "server/identity/identity_store.h"
 #include "tests/server/test_maps.h"
@@ -203,6 +204,55 @@ TEST_F(NarrowTest, ScansThatComeTooFastAreRefusedAndTheSessionGoesOn) {
   }
   EXPECT_GE(taken_count, 5) << "a second's worth";
   EXPECT_LT(taken_count, 40);
+}
+
+/// What a server with narrow limits is told while it runs.
+TEST_F(NarrowTest, EachSettingThatCanChangeHoldsAtOnce) {
+  std::vector<std::string> reloadable;
+  for (const ConfigField& field : ConfigFields()) {
+    if (field.reloadable) reloadable.emplace_back(field.key);
+  }
+  // Sizes of maps: AccessTest.UploadsBeyondALimitNameIt.
+  EXPECT_THAT(reloadable,
+              ::testing::ElementsAre("max_session_count", "max_session_count_per_principal",
+                                     "max_scan_rate_hz_per_principal", "max_target_count",
+                                     "max_map_mib", "max_tenant_storage_mib", "log_level"));
+  ServerConfig config = Config();
+  config.data = server_.folder.path() / "store";
+  config.listen = "127.0.0.1:0";
+  const auto reload = [&] { ASSERT_TRUE(server_.server->Reload(config).ok()); };
+  const auto session = Open(car_, OpenOf("car-1"));
+  ASSERT_TRUE(session->Read().has_value());
+
+  config.max_target_count = 26;
+  reload();
+  const auto wide = session->Localize(ScanMessage(0, 26));
+  EXPECT_TRUE(wide && wide->has_result());
+
+  config.max_scan_rate_hz_per_principal = 0;
+  reload();
+  for (int i = 1; i < 20; ++i) {
+    const auto answer = session->Localize(ScanMessage(i));
+    EXPECT_TRUE(answer && answer->has_result()) << i;
+  }
+
+  EXPECT_EQ(Refusal(car_, OpenOf("car-1")).error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  config.max_session_count_per_principal = 2;
+  reload();
+  const auto second = Open(car_, OpenOf("car-1"));
+  EXPECT_TRUE(second->Read().has_value());
+
+  config.max_session_count = 2;
+  reload();
+  const grpc::Status full = Refusal(ops_, OpenOf("car-2"));
+  EXPECT_EQ(full.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(full.error_message(), HasSubstr("2 sessions"));
+
+  const auto level = spdlog::get_level();
+  config.log_level = "error";
+  reload();
+  EXPECT_EQ(spdlog::get_level(), spdlog::level::err);
+  spdlog::set_level(level);
 }
 
 }  // namespace

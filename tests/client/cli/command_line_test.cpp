@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "tests/client/cli/dcloc_process.h"
@@ -117,6 +118,17 @@ TEST(CommandLine, TheManualHasEveryCommandAndOption) {
        {"\\-\\-token\\-file", "\\-\\-all\\-versions", "DCLOC_TOKEN_FILE", ".TH DCLOC 1"}) {
     EXPECT_THAT(manual, HasSubstr(text));
   }
+}
+
+TEST(CommandLine, WhatAsksAServerAnswersScriptsToo) {
+  int count = 0;
+  for (const std::string& command : Commands()) {
+    const std::string help = Dcloc(command + " --help").out;
+    if (!absl::StrContains(help, "--token-file")) continue;
+    EXPECT_THAT(help, HasSubstr("--json")) << command;
+    ++count;
+  }
+  EXPECT_GT(count, 15);
 }
 
 TEST(CommandLine, SaysItsVersion) {

@@ -119,6 +119,10 @@ TEST_F(ServerCommandsTest, MapsAreListedActivatedAndDeleted) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("active"));
   EXPECT_EQ(Dcloc(At("map delete") + "--map town").exit_code, 2);
+  EXPECT_EQ(Dcloc(At("map delete") + "--map town --version 2 --drain").exit_code, 1);
+  result = Dcloc(At("map delete") + "--map town --version 1 --drain --json");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out)["version"], 1);
   EXPECT_EQ(Dcloc(At("map delete") + "--map town --all-versions").exit_code, 0);
   EXPECT_EQ(nlohmann::json::parse(Dcloc(At("map list") + "--json").out).size(), 0U);
 }
@@ -222,6 +226,11 @@ TEST_F(ServerCommandsTest, ADriveIsLocalizedAndTheAnswersAreKept) {
   const std::vector<std::string> tum = Lines(ReadText(File("answers.txt")));
   EXPECT_GE(tum.size(), static_cast<std::size_t>(tracking));
   EXPECT_EQ(std::ranges::count(tum[0], ' '), 7);
+
+  const auto json = nlohmann::json::parse(Dcloc(Localize("--rate max --json")).out);
+  EXPECT_EQ(json["scan_count"], csv.size() - 1);
+  EXPECT_EQ(json["refused"], 0);
+  EXPECT_LT(json["rte_m"]["median"], 0.2);
 }
 
 TEST_F(ServerCommandsTest, AServerIsLoadedAndEachAnswerIsJudged) {
