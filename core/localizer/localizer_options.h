@@ -23,6 +23,13 @@ struct MatchOptions {
   double search_sigma_m = 0.4;
   double search_sigma_rad = 0.03;
   int hypotheses = 4;
+  /// Predictions less certain than this may leave several places that look alike. More of them are
+  /// tried, and the best is believed only with this overlap, when its log-posterior leads that of
+  /// every other place by so much, and when none fits the scans better.
+  double wide_sigma_m = 1.2;
+  int wide_hypotheses = 10;
+  double wide_min_overlap = 0.3;
+  double wide_min_lead = 2.5;
   /// Priors less certain than this are no prediction: the ground that they leave is searched like a
   /// whole map, in every heading that they leave.
   double max_prior_sigma_m = 3.5;

@@ -80,6 +80,20 @@ double Plausibility(const Registration<Dim>& registration, const PoseEstimate<Di
          0.5 * apart.dot(predicted.covariance.ldlt().solve(apart));
 }
 
+// Whether every other place that was found is less plausible than the best by `min_lead`, and none
+// fits the scans better: what the prediction alone decides is not decided.
+template <int Dim>
+bool StandsOut(const Registration<Dim>& best, std::span<const Registration<Dim>> found,
+               const PoseEstimate<Dim>& predicted, double min_lead) {
+  constexpr double kSamePlace_m = 1.0;
+  const double least = Plausibility(best, predicted) - min_lead;
+  return std::ranges::none_of(found, [&](const Registration<Dim>& other) {
+    const Pose<Dim> apart = best.T_local_vehicle.Inverse() * other.T_local_vehicle;
+    return apart.translation_m.norm() > kSamePlace_m &&
+           (other.score > best.score || Plausibility(other, predicted) > least);
+  });
+}
+
 }  // namespace
 
 template <int Dim>
@@ -101,22 +115,39 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::Match(std::span<const Gaussian
                                                         const Observability& observability,
                                                         std::uint64_t seed) {
   if (local_map_.empty() || live.empty()) return std::nullopt;
-  Registration<Dim> best = Refine(live, predicted.pose, 0.0);
-  if (ObservedSigma<Dim>(predicted.covariance, observability) > options_.match.search_sigma_m ||
+  const double sigma_m = ObservedSigma<Dim>(predicted.covariance, observability);
+  if (sigma_m > options_.match.search_sigma_m ||
       YawSigma<Dim>(predicted.covariance) > options_.match.search_sigma_rad) {
-    for (const Pose2& hypothesis : Hypotheses(live, predicted, seed)) {
-      Registration<Dim> refined = Refine(live, Lift<Dim>(hypothesis, predicted.pose), 0.3);
-      if (Plausibility(refined, predicted) > Plausibility(best, predicted)) best = refined;
-    }
-  } else {
-    search_.reset();
+    return Search(live, predicted, sigma_m > options_.match.wide_sigma_m, seed);
   }
-  return Believable(best) ? std::optional(best) : std::nullopt;
+  search_.reset();
+  const Registration<Dim> refined = Refine(live, predicted.pose, 0.0);
+  return Believable(refined) ? std::optional(refined) : std::nullopt;
+}
+
+template <int Dim>
+std::optional<Registration<Dim>> MapMatcher<Dim>::Search(std::span<const GaussianPoint<Dim>> live,
+                                                         const PoseEstimate<Dim>& predicted,
+                                                         bool wide, std::uint64_t seed) {
+  const MatchOptions& match = options_.match;
+  std::vector<Registration<Dim>> found = {Refine(live, predicted.pose, 0.0)};
+  const int count = wide ? match.wide_hypotheses : match.hypotheses;
+  for (const Pose2& hypothesis : Hypotheses(live, predicted, count, seed)) {
+    found.push_back(Refine(live, Lift<Dim>(hypothesis, predicted.pose), 0.3));
+  }
+  const Registration<Dim> best = *std::ranges::max_element(
+      found, {}, [&](const Registration<Dim>& one) { return Plausibility(one, predicted); });
+  if (!Believable(best)) return std::nullopt;
+  if (wide && (best.overlap < match.wide_min_overlap ||
+               !StandsOut<Dim>(best, found, predicted, match.wide_min_lead))) {
+    return std::nullopt;
+  }
+  return best;
 }
 
 template <int Dim>
 std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim>> live,
-                                               const PoseEstimate<Dim>& predicted,
+                                               const PoseEstimate<Dim>& predicted, int count,
                                                std::uint64_t seed) {
   constexpr double kSigmas = 3.0;
   constexpr double kMaxSearch_m = 10.0;
@@ -135,8 +166,7 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
       .rotation_rad = std::min(kMaxSearch_rad, kSigmas * YawSigma<Dim>(predicted.covariance))};
   const std::vector<Eigen::Vector2f> points = Thinned(live, kSearchPoints);
   std::vector<Pose2> hypotheses;
-  for (const PoseHypothesis& found :
-       CorrelativeSearch(points, search_->field, window, options_.match.hypotheses)) {
+  for (const PoseHypothesis& found : CorrelativeSearch(points, search_->field, window, count)) {
     hypotheses.push_back(found.T_local_vehicle);
   }
   const std::vector<IndexPair> pairs =

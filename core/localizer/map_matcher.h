@@ -33,7 +33,8 @@ class MapMatcher {
   /// Registers `live` (vehicle frame) around the predicted pose: refinement alone where the
   /// prediction is good, after a correlative search and descriptor matching where it is not, except
   /// in directions in which there is nothing to be found.
-  /// Nothing when no pose is believable.
+  /// Nothing when no pose is believable, and when a wide prediction leaves another place that is as
+  /// good.
   std::optional<Registration<Dim>> Match(std::span<const GaussianPoint<Dim>> live,
                                          const PoseEstimate<Dim>& predicted,
                                          const Observability& observability, std::uint64_t seed);
@@ -61,8 +62,11 @@ class MapMatcher {
                                                   const Pose<Dim>& T_begin_now);
 
  private:
+  std::optional<Registration<Dim>> Search(std::span<const GaussianPoint<Dim>> live,
+                                          const PoseEstimate<Dim>& predicted, bool wide,
+                                          std::uint64_t seed);
   std::vector<Pose2> Hypotheses(std::span<const GaussianPoint<Dim>> live,
-                                const PoseEstimate<Dim>& predicted, std::uint64_t seed);
+                                const PoseEstimate<Dim>& predicted, int count, std::uint64_t seed);
   void TryNextPlace();
   Registration<Dim> Refine(std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& start,
                            double blur_m);

@@ -237,6 +237,42 @@ TEST_F(LocalizerTest, APriorWithoutAHeadingIsSearchedAround) {
   EXPECT_LT(answers.back().position_error_m(), 0.25);
 }
 
+// Posts at even distances along both sides look alike wherever one stands between them.
+std::vector<TrueAnswer> StartAmongPosts(const LocalizerOptions& options) {
+  constexpr double kSpacing_m = 3.0;
+  SyntheticWorld world;
+  world.scatterers_m.clear();
+  for (double along_m = -30.0; along_m < SyntheticWorld::kLength_m + 70.0; along_m += kSpacing_m) {
+    for (const double aside_m : {-5.0, 5.0}) {
+      world.scatterers_m.push_back(SyntheticWorld::OnRoad(along_m) *
+                                   Eigen::Vector3d(0.0, aside_m, 0.0));
+    }
+  }
+  const auto map = MapOfDrive(DriveRoad(world, FrontRadar(), kMapSpeed_mps, 1), FrontRadar());
+  auto drive = DriveRoad(world, FrontRadar(), kLiveSpeed_mps, 2);
+  drive.resize(40);
+  const Pose3 off = Embed(Pose2{.translation_m = {kSpacing_m, 0.0}, .yaw_rad = 2.0 * kDegree});
+  const InitialPose prior = PriorAt(drive.front().T_map_vehicle * off, 2.1, 2.0 * kDegree);
+  return LocalizeDrive(MakeLocalizer(map, FrontRadar(), prior, options), drive);
+}
+
+TEST_F(LocalizerTest, PlacesThatLookAlikeWithinAWidePriorAreNotClaimed) {
+  LocalizerOptions credulous;
+  credulous.match.wide_sigma_m = 100.0;
+  ASSERT_GT(ErrorsOf(StartAmongPosts(credulous)).max_m, 2.0) << "or the posts do not mislead";
+  EXPECT_EQ(ErrorsOf(StartAmongPosts({})).tracking_count, 0);
+}
+
+TEST_F(LocalizerTest, AWidePriorIsClaimedAtOnceWhereOnePlaceStandsOut) {
+  const Pose3 off = Embed(Pose2{.translation_m = {2.5, -1.5}, .yaw_rad = 4.0 * kDegree});
+  const auto answers = LocalizeDrive(
+      MakeLocalizer(map_, FrontRadar(), PriorAt(Start() * off, 2.1, 5.0 * kDegree)), drive_);
+  const Errors errors = ErrorsOf(answers);
+  EXPECT_LT(errors.first_tracking, 20);
+  EXPECT_GT(errors.tracking_count, 80);
+  EXPECT_LT(errors.max_m, 0.4);
+}
+
 TEST_F(LocalizerTest, WithoutWheelsDopplerIsEnough) {
   std::vector<TrueScan> drive = drive_;
   for (TrueScan& seen : drive) seen.scan.ego_velocity.reset();
