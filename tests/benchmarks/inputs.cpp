@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iostream>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 #include "absl/status/statusor.h"
@@ -44,6 +45,15 @@ Case RecordedCase(std::string name, const Dataset& dataset, const std::string& d
 }
 
 }  // namespace
+
+bool IsSmokeRun(int argc, char** argv) {
+  const bool smoke = argc == 2 && std::string_view(argv[1]) == "--smoke";
+  if (argc > 1 && !smoke) {
+    std::cerr << "Usage: " << argv[0] << " [--smoke]\n";
+    std::exit(2);
+  }
+  return smoke;
+}
 
 Case SimulatedCase(const std::string& name, double length_m) {
   SimulationOptions options;

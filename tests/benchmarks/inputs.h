@@ -12,6 +12,10 @@
 
 namespace dcloc::benchmarks {
 
+/// Whether a benchmark was called with --smoke: only to see that it runs. Ends the program with its
+/// usage where it was called otherwise.
+bool IsSmokeRun(int argc, char** argv);
+
 /// A street driven twice: what is measured works on the same scans, map and numbers every time.
 struct Case {
   std::string name;

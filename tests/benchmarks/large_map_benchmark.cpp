@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/localizer/localizer.h"
@@ -167,11 +166,7 @@ void Measure(const Case& drives, int copies, std::size_t scan_count) {
 
 int main(int argc, char** argv) {
   using namespace dcloc::benchmarks;  // NOLINT(google-build-using-namespace)
-  const bool smoke = argc > 1 && std::string_view(argv[1]) == "--smoke";
-  if (argc > 2 || (argc == 2 && !smoke)) {
-    std::fprintf(stderr, "Usage: %s [--smoke]\n", argv[0]);
-    return 2;
-  }
+  const bool smoke = IsSmokeRun(argc, argv);
   const Case drives = SimulatedCase("ars408", smoke ? 60.0 : 1000.0);
   std::printf("%9s %9s %9s %9s %9s %9s %9s %9s\n", "street", "file", "file", "open", "resident",
               "session", "scan", "error");

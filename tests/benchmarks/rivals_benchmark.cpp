@@ -15,7 +15,6 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "client/evaluation/baselines/pcl_matcher.h"
@@ -215,11 +214,7 @@ void Compare(const Case& drives, std::size_t stride, std::size_t max_count) {
 
 int main(int argc, char** argv) {
   using namespace dcloc::benchmarks;  // NOLINT(google-build-using-namespace)
-  const bool smoke = argc > 1 && std::string_view(argv[1]) == "--smoke";
-  if (argc > 2 || (argc == 2 && !smoke)) {
-    std::fprintf(stderr, "Usage: %s [--smoke]\n", argv[0]);
-    return 2;
-  }
+  const bool smoke = IsSmokeRun(argc, argv);
   std::printf("%-11s %-14s %-20s %8s %8s %8s %8s %8s\n", "case", "start", "method", "p50 ms",
               "p50 m", "p95 m", "p50 deg", "success %");
   for (const char* name : {"ars408", "carla"}) {

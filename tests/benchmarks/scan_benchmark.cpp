@@ -8,7 +8,6 @@
 #include <ctime>
 #include <numbers>
 #include <optional>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -144,11 +143,7 @@ void PrintStages(const Case& drives) {
 
 int main(int argc, char** argv) {
   using namespace dcloc::benchmarks;  // NOLINT(google-build-using-namespace)
-  const bool smoke = argc > 1 && std::string_view(argv[1]) == "--smoke";
-  if (argc > 2 || (argc == 2 && !smoke)) {
-    std::fprintf(stderr, "Usage: %s [--smoke]\n", argv[0]);
-    return 2;
-  }
+  const bool smoke = IsSmokeRun(argc, argv);
   std::vector<Case> cases;
   for (const char* name : {"ars408", "carla"}) {
     cases.push_back(SimulatedCase(name, smoke ? 60.0 : 500.0));

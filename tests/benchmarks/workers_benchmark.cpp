@@ -10,7 +10,6 @@
 #include <latch>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -180,11 +179,7 @@ void PrintLatencies(const char* who, std::vector<double> latencies_ms) {
 
 int main(int argc, char** argv) {
   using namespace dcloc::benchmarks;  // NOLINT(google-build-using-namespace)
-  const bool smoke = argc > 1 && std::string_view(argv[1]) == "--smoke";
-  if (argc > 2 || (argc == 2 && !smoke)) {
-    std::fprintf(stderr, "Usage: %s [--smoke]\n", argv[0]);
-    return 2;
-  }
+  const bool smoke = IsSmokeRun(argc, argv);
   std::array<double, 1> load{};
   if (getloadavg(load.data(), 1) == 1) {
     std::printf("load of the machine before: %.2f on %u processors\n\n", load[0],
