@@ -41,7 +41,7 @@ struct Arguments {
   double max_p99_ratio = 0.0;
 };
 
-constexpr int kWarmUpSwaps = 10;
+constexpr int kWarmUpSwaps = 40;
 constexpr double kMaxGrowth = 0.10;
 
 v1::OpenSession OpenMessage(int vehicle) {
