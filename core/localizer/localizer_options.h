@@ -26,7 +26,7 @@ struct MatchOptions {
   /// Predictions less certain than this may leave several places that look alike. More of them are
   /// tried, and the best is believed only with this overlap, when its log-posterior leads that of
   /// every other place by so much, and when none fits the scans better.
-  double wide_sigma_m = 1.2;
+  double wide_sigma_m = 1.8;
   int wide_hypotheses = 10;
   double wide_min_overlap = 0.3;
   double wide_min_lead = 2.5;

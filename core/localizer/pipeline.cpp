@@ -153,9 +153,10 @@ absl::Status Pipeline<Dim>::CheckOrder(const Scan& scan) const {
 
 template <int Dim>
 void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
-  whereabouts_.Set({.pose = initial_pose.T_map_vehicle, .covariance = initial_pose.covariance});
-  if (!whereabouts_.IsPrediction()) return;
-  whereabouts_.Forget();
+  if (!whereabouts_.IsPrediction(initial_pose.covariance)) {
+    whereabouts_.Set({.pose = initial_pose.T_map_vehicle, .covariance = initial_pose.covariance});
+    return;
+  }
   matcher_.MoveTo(initial_pose.T_map_vehicle.translation_m);
   graph_.Reset(FromSpace<Dim>(matcher_.T_map_local().Inverse() * initial_pose.T_map_vehicle,
                               initial_pose.covariance));
@@ -189,7 +190,8 @@ bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp) const {
   return !last_registration_ || stamp - *last_registration_ >= options_.registration_interval;
 }
 
-// A place that was found and does not hold, and an estimate that is lost, are given up.
+// A place that was found and does not hold, an estimate that is lost, and a prior that nothing has
+// confirmed while it was a prediction are given up.
 template <int Dim>
 void Pipeline<Dim>::LookForItAnew(Stamp stamp) {
   if (state_.state() == LocalizationState::kTracking) {
@@ -197,10 +199,17 @@ void Pipeline<Dim>::LookForItAnew(Stamp stamp) {
     fruitless_searches_ = 0;
   }
   if (graph_.empty()) return;
-  const bool is_lost = state_.IsLostForGood(stamp);
-  if (is_lost) {
+  // Searches around a prediction reach ten metres: of wider ones they would miss the truth, and
+  // take another place for the only one.
+  constexpr double kMaxPredictionSigma_m = 4.5;
+  bool is_lost = state_.IsLostForGood(stamp);
+  if (is_lost || state_.IsUnconfirmedPrior()) {
     const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_);
-    whereabouts_.Set({.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance});
+    is_lost =
+        is_lost || std::sqrt(now.covariance.topLeftCorner<2, 2>().trace()) > kMaxPredictionSigma_m;
+    if (is_lost) {
+      whereabouts_.Set({.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance});
+    }
   }
   if (is_lost || state_.BlindStartFailed()) graph_.Clear();
 }

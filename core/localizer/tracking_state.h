@@ -23,6 +23,9 @@ class TrackingState {
   /// The place found without a prior is contradicted by what followed.
   bool BlindStartFailed() const;
 
+  /// It began from a prior, and nothing has confirmed it yet.
+  bool IsUnconfirmedPrior() const { return state_ == LocalizationState::kInitializing && !blind_; }
+
   /// Lost, and for `lost_hold` on ground that is uncertain: to be searched for.
   bool IsLostForGood(Stamp stamp) const;
 

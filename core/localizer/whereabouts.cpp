@@ -34,10 +34,9 @@ void Whereabouts::OnMotion(const Motion& motion) {
   way_m_ += motion.T_from_to.translation_m.norm();
 }
 
-bool Whereabouts::IsPrediction() const {
-  return now_ &&
-         std::sqrt(now_->covariance.topLeftCorner<2, 2>().trace()) <= options_.max_prior_sigma_m &&
-         std::sqrt(now_->covariance(5, 5)) <= options_.max_prior_sigma_rad;
+bool Whereabouts::IsPrediction(const Matrix6d& covariance) const {
+  return std::sqrt(covariance.topLeftCorner<2, 2>().trace()) <= options_.max_prior_sigma_m &&
+         std::sqrt(covariance(5, 5)) <= options_.max_prior_sigma_rad;
 }
 
 std::optional<PlaceRegion> Whereabouts::Region() const {

@@ -26,8 +26,9 @@ class Whereabouts {
 
   const std::optional<PoseEstimate<3>>& now() const { return now_; }
 
-  /// A prior that registrations can start from, so that nothing must be searched.
-  bool IsPrediction() const;
+  /// Whether registrations can start from a pose that is known so well, so that nothing must be
+  /// searched.
+  bool IsPrediction(const Matrix6d& covariance) const;
 
   /// The ground and the headings that are left; nothing where that is most of a map or unknown.
   std::optional<PlaceRegion> Region() const;

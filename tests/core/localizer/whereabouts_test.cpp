@@ -21,14 +21,10 @@ Motion Ahead(double way_m) {
 }
 
 TEST(WhereaboutsTest, APriorThatIsGoodEnoughIsAPrediction) {
-  Whereabouts whereabouts({.max_prior_sigma_m = 3.0, .max_prior_sigma_rad = 0.2});
-  EXPECT_FALSE(whereabouts.IsPrediction());
-  whereabouts.Set(About(2.0, 0.1));
-  EXPECT_TRUE(whereabouts.IsPrediction());
-  whereabouts.Set(About(3.0, 0.1));
-  EXPECT_FALSE(whereabouts.IsPrediction());
-  whereabouts.Set(About(1.0, 0.3));
-  EXPECT_FALSE(whereabouts.IsPrediction());
+  const Whereabouts whereabouts({.max_prior_sigma_m = 3.0, .max_prior_sigma_rad = 0.2});
+  EXPECT_TRUE(whereabouts.IsPrediction(About(2.0, 0.1).covariance));
+  EXPECT_FALSE(whereabouts.IsPrediction(About(3.0, 0.1).covariance));
+  EXPECT_FALSE(whereabouts.IsPrediction(About(1.0, 0.3).covariance));
 }
 
 TEST(WhereaboutsTest, IsCarriedOnByOdometryAndGrows) {
