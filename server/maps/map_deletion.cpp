@@ -27,7 +27,7 @@ absl::Status DeleteDrained(const Delete& erase, const EndAll& end_all,
                            Clock::duration grace_before_end) {
   const Clock::time_point begin = Clock::now();
   while (true) {
-    const absl::Status status = erase();
+    absl::Status status = erase();
     const Clock::duration elapsed = Clock::now() - begin;
     if (!absl::IsFailedPrecondition(status) || elapsed > kDrainDeadline) return status;
     if (elapsed >= grace_before_end) end_all();
