@@ -18,7 +18,7 @@ using Matrix = Eigen::Matrix<double, Dim, Dim>;
 constexpr double kWide_m = 0.1;
 constexpr double kWide_rad = 0.005;
 constexpr double kNarrow_m = 0.05;
-constexpr double kNarrow_rad = 0.002;
+constexpr double kNarrow_rad = 0.001;
 
 Eigen::Matrix2d Adjugate(const Eigen::Matrix2d& m) {
   Eigen::Matrix2d adjugate;
