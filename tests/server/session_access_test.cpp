@@ -42,9 +42,11 @@ class SessionAccessTest : public ::testing::Test {
 
   /// What becomes of a session that is not to be opened.
   grpc::Status Refusal(const std::string& token, const v1::OpenSession& open) const {
-    const auto session = Open(token, open);
-    session->CloseSending();
-    return session->Finish();
+    TestSession session(*server_.localization, token);
+    // It may be refused before the message is written.
+    session.Open(open);
+    session.CloseSending();
+    return session.Finish();
   }
 
   static v1::OpenSession OpenOf(const std::string& vehicle_id) {
