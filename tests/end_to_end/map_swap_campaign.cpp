@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -26,7 +27,7 @@
 #include "tests/end_to_end/server_process.h"
 
 // Swaps the active map under vehicles that come and go, and checks that none is lost, that each
-// gets the version that was active, and that the server's memory is what it was before. Says how
+// gets the version that was active, and that no map is left in the server's memory. Says how
 // long scans took with swaps and without.
 namespace dcloc {
 namespace {
@@ -41,8 +42,8 @@ struct Arguments {
   double max_p99_ratio = 0.0;
 };
 
-constexpr int kWarmUpSwaps = 40;
-constexpr double kMaxGrowth = 0.10;
+constexpr int kWarmUpRounds = 4;
+constexpr int kWarmUpSwaps = 10;  ///< in each round
 
 v1::OpenSession OpenMessage(int vehicle) {
   v1::OpenSession open;
@@ -159,19 +160,25 @@ class Campaign {
       SyntheticMap map(1000, 300);  // 13 MB
       map.name = absl::StrCat("town-", i);
       map.info.name_size_bytes = static_cast<std::uint32_t>(map.name.size());
-      files_.push_back(folder_.Write(absl::StrCat(map.name, ".dclm"), map.Bytes()));
+      const std::vector<std::byte> bytes = map.Bytes();
+      map_mib_ = static_cast<double>(bytes.size()) / (1 << 20);
+      files_.push_back(folder_.Write(absl::StrCat(map.name, ".dclm"), bytes));
     }
   }
 
   absl::Status Run() {
     if (!server_.WaitUntilReady()) return absl::InternalError("the server did not start");
-    // Until buffers and threads that come with use are there.
-    absl::Status status = SwapUnderWay(kWarmUpSwaps);
-    if (status.ok()) status = WaitUntilIdle();
-    if (!status.ok()) return status;
-    const double before_mib = server_.ResidentMebibytes();
+    // Until buffers and threads that come with use are there. The allocator keeps up to 10 MiB of
+    // what was given back, now more, now less: the most of several times is what use needs.
+    double before_mib = 0.0;
+    for (int round = 0; round < kWarmUpRounds; ++round) {
+      absl::Status status = SwapUnderWay(kWarmUpSwaps);
+      if (status.ok()) status = WaitUntilIdle();
+      if (!status.ok()) return status;
+      before_mib = std::max(before_mib, server_.ResidentMebibytes());
+    }
     const double quiet_ms = QuietP99Ms();
-    status = SwapUnderWay(arguments_.swap_count);
+    absl::Status status = SwapUnderWay(arguments_.swap_count);
     if (status.ok()) status = WaitUntilIdle();
     if (!status.ok()) return status;
     const double after_mib = server_.ResidentMebibytes();
@@ -181,8 +188,9 @@ class Campaign {
         "without swaps %.2f ms\n",
         arguments_.swap_count, session_count_, answer_count_, before_mib, after_mib, swaps_p99_ms_,
         quiet_ms);
-    if (after_mib > (1.0 + kMaxGrowth) * before_mib) {
-      return absl::InternalError("memory is not back within 10 %");
+    if (after_mib > before_mib + map_mib_) {
+      return absl::InternalError(
+          absl::StrFormat("memory grew by more than one map, %.1f MiB", map_mib_));
     }
     if (arguments_.max_p99_ratio > 0.0 && swaps_p99_ms_ > arguments_.max_p99_ratio * quiet_ms) {
       return absl::InternalError("p99 grew more than it may");
@@ -263,6 +271,7 @@ class Campaign {
   const TemporaryFolder folder_;
   ServerProcess server_;
   std::vector<std::filesystem::path> files_;
+  double map_mib_ = 0.0;  ///< each of the files
   std::int64_t version_ = 0;
   std::int64_t session_count_ = 0;
   std::int64_t answer_count_ = 0;
