@@ -36,6 +36,7 @@ absl::Status Validate(const LocalizerOptions& options) {
       {"odometry_scale.min_sigma", options.odometry_scale.min_sigma, 0, 0.5},
       {"odometry_scale.distance_m", options.odometry_scale.distance_m, 1, 1e4},
       {"odometry_scale.pose_sigma_m", options.odometry_scale.pose_sigma_m, 1e-3, 100},
+      {"odometry_scale.prior_count", options.odometry_scale.prior_count, 0.1, 1e6},
       {"odometry.acceleration_sigma_mps2", options.odometry.acceleration_sigma_mps2, 0, 100},
       {"odometry.yaw_acceleration_sigma_radps2", options.odometry.yaw_acceleration_sigma_radps2, 0,
        100},

@@ -8,14 +8,16 @@ namespace dcloc {
 
 struct OdometryScaleOptions {
   double prior_sigma = 0.02;  ///< of the factor, before anything is learned
-  double min_sigma = 0.005;   ///< it is never known better: load and tyres change
+  double min_sigma = 0.002;   ///< it is never known better: load and tyres change
   double distance_m = 20.0;   ///< between the poses that are compared
-  double pose_sigma_m = 0.3;  ///< of each of them
+  double pose_sigma_m = 0.3;  ///< of each of them, until their comparisons tell it
+  double prior_count = 4.0;   ///< of comparisons that this is worth
 };
 
 /// Learns by which factor the speed that the vehicle reports is too low: the radius of its tyres is
 /// known to a percent or two. The way between two poses in the map is compared with the same way by
-/// odometry; errors of the map and the mounts, which last, cancel.
+/// odometry; errors of the map and the mounts, which last, cancel. How good the poses are differs
+/// from map to map, and shows in how much the comparisons vary.
 class OdometryScale {
  public:
   explicit OdometryScale(const OdometryScaleOptions& options);
@@ -34,12 +36,18 @@ class OdometryScale {
   void OnJump() { T_map_begin_.reset(); }
 
  private:
+  // Variance of a comparison over `distance_m`, after one that was off by `error`.
+  double Noise(double error, double distance_m);
+
   OdometryScaleOptions options_;
   double factor_ = 1.0;
   double variance_;
   std::optional<Pose3> T_map_begin_;
   Pose3 T_begin_now_;  // by odometry
   double way_m_ = 0.0;
+  // Squared errors over those that pose_sigma_m lets expect, and how many; older ones count less.
+  double squared_error_ = 0.0;
+  double count_ = 0.0;
 };
 
 }  // namespace dcloc

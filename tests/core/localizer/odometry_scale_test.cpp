@@ -2,16 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace dcloc {
 namespace {
 
 // A vehicle whose speed is reported too low by 1.7 %, on a road that bends as `curvature_radpm`
-// says.
+// says; its poses are told with an error.
 class Drive {
  public:
-  explicit Drive(double curvature_radpm) : curvature_radpm_(curvature_radpm) {}
+  explicit Drive(double curvature_radpm, double pose_sigma_m = 0.1)
+      : curvature_radpm_(curvature_radpm), noise_m_(0.0, pose_sigma_m) {}
 
   void Metre(OdometryScale& scale, bool tell_pose = true) {
     const Pose2 T_now_next = Exp(Eigen::Vector3d(1.0, 0.0, curvature_radpm_));
@@ -33,7 +35,7 @@ class Drive {
   double curvature_radpm_;
   Pose3 T_map_vehicle_;
   std::mt19937 random_{8};
-  std::normal_distribution<double> noise_m_{0.0, 0.1};
+  std::normal_distribution<double> noise_m_;
 };
 
 TEST(OdometryScaleTest, IsOneAndUncertainAtFirst) {
@@ -61,6 +63,19 @@ TEST(OdometryScaleTest, LearnsNothingWithoutPosesOrWhileItTurnsOnTheSpot) {
   for (int metre = 0; metre < 200; ++metre) circle.Metre(scale);
   EXPECT_EQ(scale.factor(), 1.0);
   EXPECT_EQ(scale.sigma(), OdometryScaleOptions().prior_sigma);
+}
+
+TEST(OdometryScaleTest, LearnsSoonerFromBetterPoses) {
+  double off_by[2];
+  for (const bool is_good : {false, true}) {
+    OdometryScale scale({});
+    Drive drive(0.0, is_good ? 0.02 : 0.4);
+    for (int metre = 0; metre < 250; ++metre) drive.Metre(scale);
+    off_by[is_good] = std::abs(scale.factor() - Drive::kTruth);
+    EXPECT_LT(off_by[is_good], 3.0 * scale.sigma());
+  }
+  EXPECT_LT(off_by[true], 0.002);
+  EXPECT_LT(off_by[true], off_by[false]);
 }
 
 TEST(OdometryScaleTest, AJumpInTheMapIsNotTheWheels) {
