@@ -108,6 +108,11 @@ void AddRadarOptions(CLI::App& app, SimulationOptions& options) {
   AddChoice(app, "--radar", options.radar, "Kind of radar");
   AddChoice(app, "--noise", options.noise,
             "Noise of Table IV of the DC-Loc++ paper; others than gaussian need --radar carla");
+  app.add_option("--noise-scale", options.noise_scale,
+                 "Times that noise; the rig is described as with 1. 0 shows what else errs")
+      ->type_name("X");
+  app.add_flag("--flat", options.is_flat,
+               "Measure as if everything stood at the radar's height, so that no range is slant");
   app.add_option("--rig", options.rig_size, "Number of radars, 1 (front) or 5")->type_name("COUNT");
   app.add_option("--beta-s", options.beta_s,
                  "Range-Doppler coupling: measured range = range + beta * range rate")

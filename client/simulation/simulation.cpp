@@ -46,6 +46,14 @@ simulation::RadarProfile ProfileOf(const SimulationOptions& options) {
                                              : simulation::CarlaProfile(options.noise);
 }
 
+simulation::RadarProfile Noisier(simulation::RadarProfile profile, double scale) {
+  for (simulation::Noise* noise :
+       {&profile.range_m, &profile.azimuth_rad, &profile.elevation_rad, &profile.range_rate_mps}) {
+    noise->scale *= scale;
+  }
+  return profile;
+}
+
 // One pass while it is being driven.
 class PassSimulator {
  public:
@@ -59,9 +67,9 @@ class PassSimulator {
         scene_(world, simulation::ParkVehicles(world, options.seed, pass.index,
                                                options.parked_change_share)),
         traffic_(MakeTraffic()),
-        simulator_{ProfileOf(options), options.clutter_share, options.ghost_share,
-                   options.range_rate_step_mps},
-        rig_(simulation::MakeRig(simulator_.profile, options.rig_size, options.beta_s,
+        simulator_{Noisier(ProfileOf(options), options.noise_scale), options.clutter_share,
+                   options.ghost_share, options.range_rate_step_mps, options.is_flat},
+        rig_(simulation::MakeRig(ProfileOf(options), options.rig_size, options.beta_s,
                                  options.has_elevation, options.unambiguous_range_rate_mps)) {}
 
   SimulatedPass Run(const std::function<void(double)>& progress) const {

@@ -49,6 +49,7 @@ absl::Status Validate(const SimulationOptions& options) {
     status.Update(CheckRange(absl::StrCat("live_speeds_mps[", i, "]"), options.live_speeds_mps[i],
                              kMinSpeed, kMaxSpeed));
   }
+  status.Update(CheckRange("noise_scale", options.noise_scale, 0.0, 10.0));
   status.Update(CheckRange("beta_s", options.beta_s, -0.5, 0.5));
   status.Update(
       CheckRange("unambiguous_range_rate_mps", options.unambiguous_range_rate_mps, 0.0, 200.0));

@@ -29,7 +29,9 @@ struct SimulationOptions {
   std::vector<double> live_speeds_mps = {40.0 / 3.6};  ///< means of the live passes
   bool stops = false;                                  ///< halt at about every other crossroads
 
-  double beta_s = 0.04;  ///< range-Doppler coupling of every radar
+  double noise_scale = 1.0;  ///< of all noise but that of detection; the rig is described as with 1
+  bool is_flat = false;      ///< ranges and range rates as if all stood at the radar's height
+  double beta_s = 0.04;      ///< range-Doppler coupling of every radar
   bool has_elevation = false;
   double unambiguous_range_rate_mps = 0.0;  ///< 0: no aliasing
   double range_rate_step_mps = 0.0;         ///< 0: not quantised

@@ -101,6 +101,15 @@ std::vector<Echo> DetectEchoes(const Scene& scene, const std::vector<MovingBody>
   return echoes;
 }
 
+// What would be measured of the same place on the ground at the radar's own height.
+Observation Flattened(Observation observation) {
+  const double cos_elevation = std::cos(observation.elevation_rad);
+  observation.range_m *= cos_elevation;
+  observation.range_rate_mps /= cos_elevation;
+  observation.elevation_rad = 0.0;
+  return observation;
+}
+
 double Fold(double range_rate, double unambiguous) {
   if (unambiguous <= 0.0) return range_rate;
   const double period = 2.0 * unambiguous;
@@ -145,6 +154,9 @@ SimulatedScan SimulateScan(const Scene& scene, const std::vector<MovingBody>& bo
                            const ScanSimulatorOptions& options, Random& random) {
   const RadarView view = ViewFrom(motion, radar.T_vehicle_radar);
   std::vector<Echo> echoes = DetectEchoes(scene, bodies, view, options, random);
+  if (options.is_flat) {
+    for (Echo& echo : echoes) echo.observation = Flattened(echo.observation);
+  }
   std::stable_sort(echoes.begin(), echoes.end(), [](const Echo& a, const Echo& b) {
     return a.observation.range_m < b.observation.range_m;
   });

@@ -12,6 +12,7 @@ struct ScanSimulatorOptions {
   double clutter_share = 0.04;       ///< of a scan's targets, on average
   double ghost_share = 0.04;         ///< likewise, where the scene has as many
   double range_rate_step_mps = 0.0;  ///< quantisation of range rates; 0 for none
+  bool is_flat = false;              ///< measured as if all stood at the radar's height
 };
 
 /// A scan with, row by row, the exact echo behind each target. Targets are ordered by their range.

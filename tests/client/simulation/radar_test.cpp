@@ -118,6 +118,25 @@ TEST(ScanSimulatorTest, MeasuresElevationOnlyWhereTheRadarDoes) {
   EXPECT_NEAR(planar.scan.range_m[0], std::hypot(5.0, 40.0), 1e-4);
 }
 
+TEST(ScanSimulatorTest, AFlatWorldHasNoSlantRanges) {
+  const RadarModel radar = FrontRadar(0.0);
+  const double up_m = 4.0;
+  const World world = PoleAt(40.0 + radar.T_vehicle_radar.translation_m.x(), 0.0,
+                             radar.T_vehicle_radar.translation_m.z() + up_m);
+  MotionState motion;
+  motion.speed_mps = 20.0;
+  ScanSimulatorOptions options = Noiseless();
+  const Scan slant = Look(world, motion, radar, options).scan;
+  options.is_flat = true;
+  const Scan flat = Look(world, motion, radar, options).scan;
+  ASSERT_EQ(slant.size(), 1U);
+  ASSERT_EQ(flat.size(), 1U);
+  EXPECT_NEAR(slant.range_m[0], std::hypot(40.0, up_m), 1e-4);
+  EXPECT_NEAR(flat.range_m[0], 40.0, 1e-4);
+  EXPECT_NEAR(flat.range_rate_mps[0], -20.0, 1e-4);
+  EXPECT_EQ(flat.elevation_rad[0], 0.0F);
+}
+
 TEST(ScanSimulatorTest, SeesOnlyItsField) {
   const RadarModel radar = FrontRadar(0.0);
   EXPECT_EQ(Look(PoleAt(-30.0, 0.0, 0.5), {}, radar, Noiseless()).scan.size(), 0U);

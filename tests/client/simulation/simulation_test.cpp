@@ -180,6 +180,21 @@ TEST(SimulationTest, MeasurementsScatterAroundTheTruthAsTheRigSays) {
   EXPECT_NEAR(bias / count, 0.0, 4.0 * radar.range_sigma_m / std::sqrt(count));
 }
 
+TEST(SimulationTest, WithoutNoiseTheTruthIsMeasuredByTheSameRig) {
+  SimulationOptions options = Small(WorldKind::kTown, RadarKind::kArs408);
+  const Rig noisy = PassOf(options, 0).drive.rig;
+  options.noise_scale = 0.0;
+  const SimulatedPass pass = PassOf(options, 0);
+  EXPECT_EQ(pass.drive.rig.radars[0].range_sigma_m, noisy.radars[0].range_sigma_m);
+  const Scan& scan = pass.drive.scans.front().scan;
+  ASSERT_GT(scan.size(), 10U);
+  for (std::size_t k = 0; k < scan.size(); ++k) {
+    const simulation::Observation& truth = pass.truth.front().echoes[k].observation;
+    EXPECT_NEAR(scan.range_m[k], truth.range_m + 0.04 * truth.range_rate_mps, 1e-4);
+    EXPECT_NEAR(scan.azimuth_rad[k], truth.azimuth_rad, 1e-6);
+  }
+}
+
 TEST(SimulationTest, ClutterAndGhostsHaveTheirShares) {
   SimulationOptions options = Small(WorldKind::kTown, RadarKind::kArs408);
   options.length_m = 400.0;
@@ -270,6 +285,8 @@ TEST(SimulationOptionsTest, NameWhatIsWrong) {
               HasSubstr("live_speeds_mps[1] is -1"));
   EXPECT_THAT(message([](SimulationOptions& o) { o.noise = NoiseKind::kGamma; }),
               HasSubstr("carla"));
+  EXPECT_EQ(message([](SimulationOptions& o) { o.noise_scale = -1.0; }),
+            "noise_scale is -1; it must lie in [0, 10]");
   EXPECT_FALSE(SimulatePass({}, {"", 0, 10.0}).ok());
   EXPECT_FALSE(SimulatePass({}, {"x", -1, 10.0}).ok());
   EXPECT_THAT(message([](SimulationOptions& o) { o.tunnel_m = 901.0; }),
