@@ -34,9 +34,14 @@ struct MatchOptions {
   /// whole map, in every heading that they leave.
   double max_prior_sigma_m = 3.5;
   double max_prior_sigma_rad = 0.2;
-  /// Without a prior a place must fit better than around a prediction.
+  /// Without a prior a place must fit better than around a prediction, hold over so much way, for
+  /// who stands still always sees the same, and be more likely than every other one by this lead of
+  /// its log-likelihood. So many places are tried for each view.
   int blind_min_inlier_count = 40;
   double blind_min_overlap = 0.5;
+  double blind_distance_m = 10.0;
+  double blind_min_lead = 4.5;
+  int blind_places = 60;
   /// What every registration lacks however many points agree: errors that its points share, of the
   /// map, of mounts and of clocks. They keep their value for `shared_time`, so that more
   /// registrations within it do not average them out.
@@ -52,11 +57,8 @@ struct StateOptions {
   double start_share = 0.8;
   std::chrono::nanoseconds start_span = std::chrono::milliseconds(1000);
   int confirmations = 3;  ///< believed registrations in a row that start tracking
-  /// The same after a search without a prior, which may have found a place that looks alike: enough
-  /// for the whole sub-map to be other scans than those it was found by.
-  int blind_confirmations = 16;
-  double blind_distance_m = 10.0;  ///< standing still, the same view confirms itself
-  int blind_refusals = 3;  ///< refused registrations in a row after which the search starts anew
+  /// After a search without a prior, refused registrations in a row that start it anew.
+  int blind_refusals = 3;
   std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
   /// Without a believed registration for so long, or less certain than this, dead reckoning is

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/localizer/planar_or_spatial.h"
 #include "core/localizer/scratch.h"
-#include "core/registration/place_search.h"
 #include "core/registration/radial_statistics.h"
 #include "core/registration/rigid_ransac.h"
 
@@ -178,6 +178,20 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
 }
 
 template <int Dim>
+std::optional<Registration<Dim>> MapMatcher<Dim>::MatchFound(
+    std::span<const GaussianPoint<Dim>> live, const Pose3& T_map_vehicle) {
+  constexpr double kDriftBlur_m = 0.3;
+  MoveTo(T_map_vehicle.translation_m);
+  const Pose3 T_local_vehicle = T_map_local_.Inverse() * T_map_vehicle;
+  const Registration<Dim> registration =
+      Refine(live, FromSpace<Dim>(T_local_vehicle, Matrix6d::Zero()).pose, kDriftBlur_m);
+  const bool is_believable = Believable(registration) &&
+                             registration.inlier_count >= options_.match.blind_min_inlier_count &&
+                             registration.overlap >= options_.match.blind_min_overlap;
+  return is_believable ? std::optional(registration) : std::nullopt;
+}
+
+template <int Dim>
 std::span<const PointMatch<Dim>> MapMatcher<Dim>::Matches(const Pose<Dim>& T_local_vehicle) const {
   return Scratch<Dim>::OfThisThread().finder.Find(T_local_vehicle, 0.0);
 }
@@ -189,72 +203,6 @@ Observability MapMatcher<Dim>::Observed(std::span<const GaussianPoint<Dim>> live
   return Observe<Dim>(live, local_map_, registration.T_local_vehicle, registration.covariance,
                       {.reach_m = options_.gicp.reach_m, .gate_sigmas = options_.gicp.gate_sigmas},
                       scratch.chosen_points, scratch.chosen_finder);
-}
-
-template <int Dim>
-void MapMatcher<Dim>::BeginSearch(std::span<const GaussianPoint<Dim>> live,
-                                  const std::optional<PlaceRegion>& region) {
-  blind_search_.emplace(BlindSearch{
-      .live = {live.begin(), live.end()},
-      .place_search = PlaceSearch(map_, Thinned(live, kSearchPoints), {.region = region})});
-}
-
-template <int Dim>
-std::optional<Registration<Dim>> MapMatcher<Dim>::ContinueSearch(
-    std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& T_begin_now) {
-  // Tiles to search or places to try in one call, each worth one or two milliseconds: others wait
-  // no longer, however large the map, and a kilometre of street takes two calls.
-  constexpr int kPieces = 8;
-  BlindSearch& search = *blind_search_;
-  for (int piece = 0; piece < kPieces; ++piece) {
-    if (search.place_search.done()) {
-      TryNextPlace();
-    } else {
-      search.place_search.SearchNextTile();
-      if (search.place_search.done()) search.places = search.place_search.Best();
-    }
-  }
-  if (!search.place_search.done() || search.next_place < search.places.size()) return std::nullopt;
-
-  const BlindSearch ended = *std::exchange(blind_search_, std::nullopt);
-  constexpr double kMaxRunnerUp = 0.8;  // share of the best score that another place may have
-  if (!ended.best || !Believable(*ended.best) ||
-      ended.runner_up > kMaxRunnerUp * ended.best->score) {
-    return std::nullopt;
-  }
-  constexpr double kDriftBlur_m = 0.3;
-  MoveTo(map_->keyframe(ended.best_keyframe).T_map_keyframe.translation_m);
-  const Registration<Dim> now =
-      Refine(live, ended.best->T_local_vehicle * T_begin_now, kDriftBlur_m);
-  if (!Believable(now) || now.inlier_count < options_.match.blind_min_inlier_count ||
-      now.overlap < options_.match.blind_min_overlap) {
-    return std::nullopt;
-  }
-  return now;
-}
-
-template <int Dim>
-void MapMatcher<Dim>::TryNextPlace() {
-  constexpr double kSamePlace_m = 3.0;
-  // Half a step off in position and heading: about as much as this.
-  constexpr double kBlur_m = 1.0;
-  BlindSearch& search = *blind_search_;
-  if (search.next_place == search.places.size()) return;
-  const PlaceHypothesis& place = search.places[search.next_place++];
-  MoveTo(map_->keyframe(place.keyframe).T_map_keyframe.translation_m);
-  const Registration<Dim> refined =
-      Refine(search.live, Lift<Dim>(place.T_keyframe_vehicle, {}), kBlur_m);
-  const Eigen::Vector3d p_map =
-      T_map_local_ * Embed(Planar<Dim>(refined.T_local_vehicle)).translation_m;
-  const bool same = search.best && (p_map - search.best_p_map).norm() < kSamePlace_m;
-  if (!search.best || refined.score > search.best->score) {
-    if (search.best && !same) search.runner_up = std::max(search.runner_up, search.best->score);
-    search.best = refined;
-    search.best_keyframe = place.keyframe;
-    search.best_p_map = p_map;
-  } else if (!same) {
-    search.runner_up = std::max(search.runner_up, refined.score);
-  }
 }
 
 template <int Dim>

@@ -12,7 +12,6 @@
 #include "core/registration/correlative_search.h"
 #include "core/registration/gicp.h"
 #include "core/registration/observability.h"
-#include "core/registration/place_search.h"
 
 namespace dcloc {
 
@@ -39,6 +38,11 @@ class MapMatcher {
                                          const PoseEstimate<Dim>& predicted,
                                          const Observability& observability, std::uint64_t seed);
 
+  /// Registers `live` where a search found the vehicle, which becomes the place of the local map.
+  /// Nothing when that is not believable without a prior.
+  std::optional<Registration<Dim>> MatchFound(std::span<const GaussianPoint<Dim>> live,
+                                              const Pose3& T_map_vehicle);
+
   /// The landmarks that the points given to Match match at a pose. To be called on the thread that
   /// Match was called on, before any other vehicle's, while the points are there; valid as long.
   std::span<const PointMatch<Dim>> Matches(const Pose<Dim>& T_local_vehicle) const;
@@ -47,27 +51,12 @@ class MapMatcher {
   Observability Observed(std::span<const GaussianPoint<Dim>> live,
                          const Registration<Dim>& registration) const;
 
-  /// Begins to search the map, or a region of it, for `live`.
-  void BeginSearch(std::span<const GaussianPoint<Dim>> live,
-                   const std::optional<PlaceRegion>& region);
-
-  bool searching() const { return blind_search_.has_value(); }
-
-  /// Goes on with the search that was begun, for ten or twenty milliseconds; the call that ends it
-  /// gives the pose of `live`, seen `T_begin_now` after what the search was begun with. On success
-  /// the local map is the one around the place found. Nothing before the end, when no place is
-  /// believable, or when a second one is nearly as good, unless the last search, of other scans,
-  /// led to the same place.
-  std::optional<Registration<Dim>> ContinueSearch(std::span<const GaussianPoint<Dim>> live,
-                                                  const Pose<Dim>& T_begin_now);
-
  private:
   std::optional<Registration<Dim>> Search(std::span<const GaussianPoint<Dim>> live,
                                           const PoseEstimate<Dim>& predicted, bool wide,
                                           std::uint64_t seed);
   std::vector<Pose2> Hypotheses(std::span<const GaussianPoint<Dim>> live,
                                 const PoseEstimate<Dim>& predicted, int count, std::uint64_t seed);
-  void TryNextPlace();
   Registration<Dim> Refine(std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& start,
                            double blur_m);
   bool Believable(const Registration<Dim>& registration) const;
@@ -79,25 +68,12 @@ class MapMatcher {
     Eigen::MatrixXf descriptors;  // of the landmarks
   };
 
-  // A search of the whole map: first for places, by a few of the points, then for the best of them.
-  struct BlindSearch {
-    std::vector<GaussianPoint<Dim>> live;
-    PlaceSearch place_search;
-    std::vector<PlaceHypothesis> places = {};
-    std::size_t next_place = 0;
-    std::optional<Registration<Dim>> best = {};
-    std::size_t best_keyframe = 0;
-    Eigen::Vector3d best_p_map = Eigen::Vector3d::Zero();
-    double runner_up = 0.0;  // score of the best other place
-  };
-
   std::shared_ptr<const RadarMap> map_;
   LocalizerOptions options_;
   std::optional<std::size_t> keyframe_;
   Pose3 T_map_local_;
   LocalMap<Dim> local_map_;
   std::optional<SearchAids> search_;  // of local_map_, while predictions are uncertain
-  std::optional<BlindSearch> blind_search_;
 };
 
 }  // namespace dcloc

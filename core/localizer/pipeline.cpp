@@ -78,7 +78,8 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       options_(options),
       ego_motion_(options),
       window_(options.scans_per_submap),
-      matcher_(std::move(map), options),
+      matcher_(map, options),
+      contest_(std::move(map), options),
       graph_(GraphOptions(options)),
       state_(options.state),
       whereabouts_(options.match),
@@ -105,7 +106,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   edge_noise_.OnMotion(ToEstimate<Dim>(motion));
   since_state_ = Compose(since_state_, motion);
   whereabouts_.OnMotion(motion);
-  travelled_m_ += motion.T_from_to.translation_m.norm();
+  contest_.OnMotion(motion);
   PushScan(scan, radar, motion);
 
   if (RegistrationIsDue(scan.stamp)) {
@@ -124,7 +125,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
       quality_.edge_valid = test.valid;
     }
     Learn(registration, ego_velocity, scan.stamp);
-    state_.OnRegistration(scan.stamp, quality_.edge_valid, std::exchange(travelled_m_, 0.0));
+    state_.OnRegistration(scan.stamp, quality_.edge_valid);
     LookForItAnew(scan.stamp);
     last_registration_ = scan.stamp;
   }
@@ -196,7 +197,6 @@ template <int Dim>
 void Pipeline<Dim>::LookForItAnew(Stamp stamp) {
   if (state_.state() == LocalizationState::kTracking) {
     whereabouts_.Forget();
-    fruitless_searches_ = 0;
   }
   if (graph_.empty()) return;
   // Searches around a prediction reach ten metres: of wider ones they would miss the truth, and
@@ -223,24 +223,29 @@ void Pipeline<Dim>::EnterLocalFrame(const Eigen::Vector3d& p_map) {
   graph_.ChangeFrame(FromSpace<Dim>(T_new_old, Matrix6d::Zero()).pose);
 }
 
+// While nothing is known that a registration could start from.
+template <int Dim>
+std::optional<Registration<Dim>> Pipeline<Dim>::Find(std::span<const GaussianPoint<Dim>> live,
+                                                     Stamp stamp) {
+  constexpr auto kMinSpan = std::chrono::milliseconds(400);
+  const bool sees_enough =
+      window_.span() >= kMinSpan &&
+      live.size() >= static_cast<std::size_t>(options_.match.blind_min_inlier_count);
+  if (sees_enough && contest_.WantsView(stamp)) {
+    contest_.AddView(stamp, live, whereabouts_.Region());
+  }
+  const std::optional<Pose3> T_map_vehicle = contest_.Continue();
+  if (!T_map_vehicle) return std::nullopt;
+  contest_.Clear();
+  return matcher_.MatchFound(live, *T_map_vehicle);
+}
+
 template <int Dim>
 std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const GaussianPoint<Dim>> live,
                                                          Stamp stamp) {
   std::optional<Registration<Dim>> registration;
   if (graph_.empty()) {
-    if (!matcher_.searching()) {
-      constexpr auto kMinSpan = std::chrono::milliseconds(500);
-      // Who is where there is no map must not search it all the time.
-      constexpr int kEagerSearches = 8;
-      const auto interval = fruitless_searches_ < kEagerSearches ? kMinSpan : 6 * kMinSpan;
-      if (window_.span() < kMinSpan) return std::nullopt;
-      if (last_search_ && stamp - *last_search_ < interval) return std::nullopt;
-      last_search_ = stamp;
-      ++fruitless_searches_;
-      matcher_.BeginSearch(live, whereabouts_.Region());
-      since_state_ = {};
-    }
-    registration = matcher_.ContinueSearch(live, ToEstimate<Dim>(since_state_).pose);
+    registration = Find(live, stamp);
   } else {
     const PoseEstimate<Dim> odometry = ToEstimate<Dim>(since_state_);
     graph_.AddState(odometry, NoiseSinceState());

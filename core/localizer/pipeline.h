@@ -11,6 +11,7 @@
 #include "core/localizer/ego_motion.h"
 #include "core/localizer/localizer.h"
 #include "core/localizer/map_matcher.h"
+#include "core/localizer/place_contest.h"
 #include "core/localizer/tracking_state.h"
 #include "core/localizer/whereabouts.h"
 #include "core/posegraph/pose_hypotheses.h"
@@ -44,6 +45,7 @@ class Pipeline final : public Localizer::Impl {
   bool RegistrationIsDue(Stamp stamp) const;
   void EnterLocalFrame(const Eigen::Vector3d& p_map);
   void LookForItAnew(Stamp stamp);
+  std::optional<Registration<Dim>> Find(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
   std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
   void Learn(const std::optional<Registration<Dim>>& registration, const EgoVelocity& ego_velocity,
              Stamp stamp);
@@ -60,6 +62,7 @@ class Pipeline final : public Localizer::Impl {
   EgoMotion ego_motion_;
   SubmapWindow window_;
   MapMatcher<Dim> matcher_;
+  PlaceContest<Dim> contest_;  // while nothing is known that registrations can start from
   PoseHypotheses<Dim> graph_;
   TrackingState state_;
   Whereabouts whereabouts_;  // while it is looked for
@@ -67,15 +70,12 @@ class Pipeline final : public Localizer::Impl {
   BetaWatch<Dim> beta_watch_;
   Observability observability_;
   std::optional<Stamp> observability_stamp_;
-  double travelled_m_ = 0.0;  // since the last registration
-  Motion since_state_;        // from the graph's newest state to the newest scan
-  bool was_silent_ = false;   // since then
+  Motion since_state_;       // from the graph's newest state to the newest scan
+  bool was_silent_ = false;  // since then
   std::optional<Stamp> last_stamp_;
   Stamp window_begin_{};  // of the first scan since the window was empty
   std::optional<Stamp> last_registration_;
-  std::optional<Stamp> last_search_;
   std::map<std::string, Stamp> last_stamp_of_radar_;
-  int fruitless_searches_ = 0;
   int registration_count_ = 0;  // believed, since the graph was started
   LocalizationQuality quality_;
 };

@@ -2,7 +2,7 @@
 
 namespace dcloc {
 
-void TrackingState::OnRegistration(Stamp stamp, bool believed, double travelled_m) {
+void TrackingState::OnRegistration(Stamp stamp, bool believed) {
   // What was believed before a silence confirms nothing after it.
   if (last_believed_ && stamp - *last_believed_ > options_.tracking_hold) {
     believed_in_a_row_ = 0;
@@ -10,10 +10,8 @@ void TrackingState::OnRegistration(Stamp stamp, bool believed, double travelled_
   }
   believed_in_a_row_ = believed ? believed_in_a_row_ + 1 : 0;
   refused_in_a_row_ = believed ? 0 : refused_in_a_row_ + 1;
-  believed_distance_m_ = believed_in_a_row_ > 1 ? believed_distance_m_ + travelled_m : 0.0;
   if (believed) last_believed_ = stamp;
-  if (believed_in_a_row_ < (blind_ ? options_.blind_confirmations : options_.confirmations)) return;
-  if (blind_ && believed_distance_m_ < options_.blind_distance_m) return;
+  if (believed_in_a_row_ < options_.confirmations) return;
   state_ = LocalizationState::kTracking;
   blind_ = false;
   uncertain_since_.reset();

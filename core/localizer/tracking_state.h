@@ -12,12 +12,10 @@ class TrackingState {
  public:
   explicit TrackingState(const StateOptions& options) : options_(options) {}
 
-  /// Takes in one registration's outcome at `stamp`, after `travelled_m` of way since the one
-  /// before.
-  void OnRegistration(Stamp stamp, bool believed, double travelled_m);
+  /// Takes in one registration's outcome at `stamp`.
+  void OnRegistration(Stamp stamp, bool believed);
 
-  /// Starts over from a place that was found without a prior: it takes `blind_confirmations` and
-  /// `blind_distance_m`.
+  /// Starts over from a place that was found without a prior.
   void StartBlind();
 
   /// The place found without a prior is contradicted by what followed.
@@ -43,7 +41,6 @@ class TrackingState {
   bool blind_ = false;
   int believed_in_a_row_ = 0;
   int refused_in_a_row_ = 0;
-  double believed_distance_m_ = 0.0;  // travelled while believed in a row
   std::optional<Stamp> last_believed_;
   std::optional<Stamp> uncertain_since_;  // lost, on ground too wide for a prediction
 };

@@ -18,12 +18,30 @@ constexpr int kTile_blocks = 16;
 constexpr std::size_t kMaxPoints = 150;  // enough to tell places apart; sums fit into 16 bits
 static_assert(kMaxPoints * 255 <= 65535);
 
-std::vector<Eigen::Vector2f> Thinned(std::span<const Eigen::Vector2f> points) {
+// One point a cell, as the returns of one scatterer in several scans say one thing, and of those an
+// even choice.
+std::vector<Eigen::Vector2f> Thinned(std::span<const Eigen::Vector2f> points, double cell_m) {
+  struct Placed {
+    int x, y;
+    std::size_t index;
+  };
+  std::vector<Placed> placed;
+  placed.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d cell = (points[i].cast<double>() / cell_m).array().floor();
+    placed.push_back({static_cast<int>(cell.x()), static_cast<int>(cell.y()), i});
+  }
+  std::ranges::stable_sort(placed, {}, [](const Placed& p) { return std::pair(p.x, p.y); });
+  const auto doubles = std::ranges::unique(
+      placed, [](const Placed& a, const Placed& b) { return a.x == b.x && a.y == b.y; });
+  placed.erase(doubles.begin(), doubles.end());
+  std::ranges::sort(placed, {}, &Placed::index);
   const std::size_t stride =
-      std::max<std::size_t>(1, (points.size() + kMaxPoints - 1) / kMaxPoints);
+      std::max<std::size_t>(1, (placed.size() + kMaxPoints - 1) / kMaxPoints);
   std::vector<Eigen::Vector2f> thinned;
-  thinned.reserve(points.size() / stride + 1);
-  for (std::size_t i = 0; i < points.size(); i += stride) thinned.push_back(points[i]);
+  thinned.reserve(placed.size() / stride + 1);
+  for (std::size_t i = 0; i < placed.size(); i += stride)
+    thinned.push_back(points[placed[i].index]);
   return thinned;
 }
 
@@ -65,7 +83,7 @@ PlaceSearch::PlaceSearch(std::shared_ptr<const RadarMap> map,
       block_m_(kBlock_cells * options.cell_m),
       tile_m_(kTile_blocks * block_m_) {
   if (points.empty()) return;
-  const std::vector<Eigen::Vector2f> chosen = Thinned(points);
+  const std::vector<Eigen::Vector2f> chosen = Thinned(points, options.cell_m);
   std::vector<float> ranges;
   ranges.reserve(chosen.size());
   for (const Eigen::Vector2f& point : chosen) ranges.push_back(point.norm());

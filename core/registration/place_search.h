@@ -47,6 +47,7 @@ class PlaceSearch {
               const PlaceSearchOptions& options = {});
 
   bool done() const { return next_tile_ == tiles_.size(); }
+  double cell_m() const { return options_.cell_m; }
 
   /// Searches the next tile, 256 cells wide, unless `done()`.
   void SearchNextTile();

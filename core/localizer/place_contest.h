@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/localizer/localizer_options.h"
+#include "core/map/local_map.h"
+#include "core/map/radar_map.h"
+#include "core/registration/gicp.h"
+#include "core/registration/place_search.h"
+#include "core/submap/odometry.h"
+
+namespace dcloc {
+
+/// Finds a vehicle of which nothing is known but a region, or not even that. Twice a second or so
+/// it takes what the vehicle sees, a view, and searches for the places that look like it. All
+/// places found are registered with all views, joined by odometry, and contend: the one that fits
+/// every view and all of them together better than any other by `blind_min_lead`, and so for
+/// `blind_distance_m` of way, is where the vehicle is.
+template <int Dim>
+class PlaceContest {
+ public:
+  PlaceContest(std::shared_ptr<const RadarMap> map, const LocalizerOptions& options)
+      : map_(std::move(map)), options_(options) {}
+
+  /// The vehicle moved so since the last call. Views that odometry no longer joins, as after a
+  /// silence, are forgotten.
+  void OnMotion(const Motion& motion);
+
+  /// Whether all work is done and the vehicle has moved on, so that a new view says something new.
+  bool WantsView(Stamp stamp) const;
+
+  /// Begins to search the map, or a region of it, for what is seen now (vehicle frame). Only when
+  /// `WantsView`.
+  void AddView(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
+               const std::optional<PlaceRegion>& region);
+
+  /// Goes on with the work, for ten or twenty milliseconds: others wait no longer, however large
+  /// the map. Where the vehicle is now, once that is decided.
+  std::optional<Pose3> Continue();
+
+  /// There is work on a view left.
+  bool working() const { return phase_ != Phase::kIdle; }
+
+  /// Forgets everything, and gives back its memory.
+  void Clear();
+
+ private:
+  // What was seen, and how the vehicle moved to there since the view before.
+  struct View {
+    std::vector<GaussianPoint<Dim>> live;
+    Motion motion;
+    double way_m = 0.0;
+  };
+  // A place registered with a view.
+  struct Look {
+    Pose3 T_map_vehicle;
+    double log_likelihood = 0.0;
+    bool is_believable = false;  // for a place without a prior
+  };
+  // A way on which the vehicle may have come: a look for each view, filled one after the other.
+  struct Candidate {
+    std::vector<std::optional<Look>> looks;
+  };
+
+  // The work on a view, in this order: candidates are registered with it, it is searched for other
+  // places, and those are registered with the views before.
+  enum class Phase { kIdle, kCarryOn, kSearch, kTryPlaces, kTraceBack };
+
+  int DoNextPiece();
+  bool FillNextLook();
+  void TryPlace(const PlaceHypothesis& place);
+  void DropUnlikelyNewcomers();
+  void KeepContenders();
+  std::optional<Pose3> Winner() const;
+  double Way() const;
+  static double LogLikelihood(const Candidate& candidate);
+  Look LookAfter(const View& view, const Look& beside, const Motion& motion);
+  Look LookAround(const View& view, const Pose3& T_map_vehicle, double blur_m);
+
+  std::shared_ptr<const RadarMap> map_;
+  LocalizerOptions options_;
+  LocalMap<Dim> local_map_;
+  std::optional<std::size_t> keyframe_;  // of local_map_
+  std::vector<View> views_;              // oldest first
+  Motion since_view_;                    // since the newest one
+  double since_view_m_ = 0.0;            // likewise, the way
+  Stamp view_stamp_{};                   // of the newest one
+  int view_count_ = 0;                   // since nothing is known
+  std::vector<Candidate> candidates_;    // most likely first once all is done
+  std::optional<Pose3> winner_;          // T_map_vehicle at the newest view
+  Phase phase_ = Phase::kIdle;
+  std::optional<PlaceRegion> region_;  // of the newest view
+  std::optional<PlaceSearch> search_;
+  double cell_m_ = 1.0;  // of the last search
+  std::vector<PlaceHypothesis> places_;
+  std::size_t next_place_ = 0;
+};
+
+}  // namespace dcloc
