@@ -74,7 +74,7 @@ void AddMethodOptions(CLI::App& command, Arguments& arguments) {
       .add_option("--without", arguments.without,
                   "Parts of the method to switch off, for map and drives alike")
       ->delimiter(',')
-      ->check(CLI::IsMember({"doppler", "uncertainty", "truncation"}));
+      ->check(CLI::IsMember({"doppler", "uncertainty", "truncation", "heights"}));
   command
       .add_option("--scans-per-submap", arguments.options.localizer.scans_per_submap,
                   "Scans of each radar in a sub-map")

@@ -42,6 +42,7 @@ EvaluationOptions ToOptions(const EvaluateArguments& arguments) {
   options.localizer.doppler_compensation = !IsWithout(arguments, "doppler");
   options.localizer.uncertainty = !IsWithout(arguments, "uncertainty");
   options.localizer.truncation = !IsWithout(arguments, "truncation");
+  options.map_heights = !IsWithout(arguments, "heights");
   return options;
 }
 
@@ -75,7 +76,7 @@ absl::StatusOr<Drives> ReadMapDrives(const EvaluateArguments& arguments) {
 absl::StatusOr<std::shared_ptr<const RadarMap>> MakeMap(const Drive& drive,
                                                         const EvaluationOptions& options) {
   Progress progress(absl::StrCat("mapping ", drive.name), drive.scans.size());
-  return MapForMethod(options.method, drive, options.localizer,
+  return MapForMethod(options.method, drive, options.localizer, options.map_heights,
                       [&](std::size_t scan_count) { progress.Update(scan_count); });
 }
 

@@ -27,6 +27,7 @@ struct EvaluationOptions {
   bool has_initial_pose = true;  ///< otherwise the whole map is searched (kDcloc only)
   Perturbation perturbation;
   bool doppler_ego_velocity = false;  ///< take the drive's ego-velocity away from the localizer
+  bool map_heights = true;            ///< of landmarks, where the map is made for the run
   double query_interval_s = 0.5;      ///< kPairs: between queries, [0.01, 1000]
   double first_query_s = 2.0;         ///< kPairs: from the drive's first scan
   LocalizerOptions localizer;

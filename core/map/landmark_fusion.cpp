@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -82,6 +83,7 @@ class Fusion {
     }
     const Groups groups = GroupByOwner(JoinReturns(), centers_m_.size());
     MoveCenters(groups);
+    FitHeights(groups);
     return DescribeLandmarks(groups);
   }
 
@@ -225,21 +227,65 @@ class Fusion {
     return best.second;
   }
 
+  // Position c and squared height g of each landmark from its returns, z = c + g s + noise, with
+  // what is assumed of g: both come of the normal equations in closed form.
+  void FitHeights(const Groups& groups) {
+    constexpr double kMaxHeightSquare_m2 = 100.0;
+    constexpr double kMinReturns = 3.0;
+    height_squares_m2_.assign(centers_m_.size(), 0.0);
+    if (options_.has_elevation || options_.height_square_sigma_m2 <= 0.0) return;
+    for (std::size_t c = 0; c < centers_m_.size(); ++c) {
+      Eigen::Matrix2d by_position = Eigen::Matrix2d::Zero();
+      Eigen::Vector2d by_both = Eigen::Vector2d::Zero();
+      double by_height = 0.0;
+      Eigen::Vector2d position_pull = Eigen::Vector2d::Zero();
+      double height_pull = 0.0;
+      for (const std::uint32_t i : groups.Of(c)) {
+        const Eigen::Matrix2d information =
+            Information(ScattererCovariance(i)).topLeftCorner<2, 2>();
+        const Eigen::Vector2d slant = Slant(i);
+        const Eigen::Vector2d offset_m = (returns_[i].position_m - centers_m_[c]).head<2>();
+        by_position += information;
+        by_both += information * slant;
+        by_height += slant.dot(information * slant);
+        position_pull += information * offset_m;
+        height_pull += slant.dot(information * offset_m);
+      }
+      const auto count = static_cast<double>(fits_[c].support);
+      if (count < kMinReturns) continue;
+      const Eigen::Matrix2d position_covariance = by_position.inverse();
+      const Eigen::Vector2d explained = position_covariance * by_both;
+      // Returns that lie further apart than their noise says tell less.
+      const double misfit = std::max(1.0, fits_[c].misfit / (2.0 * count - 2.0));
+      const double assumed = misfit / std::pow(options_.height_square_sigma_m2, 2);
+      const double height_square_m2 = std::clamp((height_pull - position_pull.dot(explained)) /
+                                                     (by_height - by_both.dot(explained) + assumed),
+                                                 0.0, kMaxHeightSquare_m2);
+      height_squares_m2_[c] = height_square_m2;
+      centers_m_[c].head<2>() += position_covariance * (position_pull - height_square_m2 * by_both);
+    }
+  }
+
+  Eigen::Vector2d Slant(std::uint32_t i) const {
+    return {returns_[i].slant_per_m[0], returns_[i].slant_per_m[1]};
+  }
+
   std::vector<Landmark> DescribeLandmarks(const Groups& groups) const {
     std::vector<Landmark> landmarks;
     for (std::size_t c = 0; c < centers_m_.size(); ++c) {
-      const Landmark landmark = Describe(centers_m_[c], groups.Of(c));
+      const Landmark landmark = Describe(c, groups.Of(c));
       if (landmark.scan_count >= options_.min_scan_count) landmarks.push_back(landmark);
     }
     return landmarks;
   }
 
-  Landmark Describe(const Eigen::Vector3d& center_m, std::span<const std::uint32_t> members) const {
-    Landmark landmark{.position_m = center_m,
-                      .covariance_m2 = Covariance(center_m, members),
+  Landmark Describe(std::size_t c, std::span<const std::uint32_t> members) const {
+    Landmark landmark{.position_m = centers_m_[c],
+                      .covariance_m2 = Covariance(c, members),
                       .rcs_dbsm = 0.0F,
                       .scan_count = 0,
-                      .pass_count = 0};
+                      .pass_count = 0,
+                      .height_m = std::sqrt(height_squares_m2_[c])};
     std::uint32_t last_scan = kNone;
     std::uint32_t last_pass = kNone;
     for (const std::uint32_t i : members) {
@@ -255,15 +301,15 @@ class Fusion {
 
   // Spread of the returns beyond their noise + uncertainty of the mean + floor. Each return weighs
   // by the inverse square of its variance, as is best for estimating a variance from such returns.
-  Eigen::Matrix3d Covariance(const Eigen::Vector3d& center_m,
-                             std::span<const std::uint32_t> members) const {
+  Eigen::Matrix3d Covariance(std::size_t c, std::span<const std::uint32_t> members) const {
     Eigen::Matrix3d total = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
     double weights = 0.0;
     for (const std::uint32_t i : members) {
       const Eigen::Matrix3d covariance = ScattererCovariance(i);
-      const Eigen::Vector3d offset_m = returns_[i].position_m - center_m;
+      Eigen::Vector3d offset_m = returns_[i].position_m - centers_m_[c];
+      offset_m.head<2>() -= height_squares_m2_[c] * Slant(i);
       const double weight = 1.0 / std::pow(covariance.topLeftCorner<2, 2>().trace(), 2);
       total += Information(covariance);
       spread += weight * offset_m * offset_m.transpose();
@@ -290,6 +336,7 @@ class Fusion {
   std::span<const std::uint32_t> pass_of_scan_;
   FusionOptions options_;
   std::vector<Eigen::Vector3d> centers_m_;
+  std::vector<double> height_squares_m2_;
   std::vector<Fit> fits_;        ///< of the returns that joined each center last
   PointGrid grid_{kGridCell_m};  ///< of centers_m_ as they were when last founded or united
 };

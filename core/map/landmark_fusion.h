@@ -13,7 +13,8 @@ struct MapReturn {
   Eigen::Vector3d position_m;
   std::array<float, 6> covariance_m2;  ///< measurement noise: xx, xy, xz, yy, yz, zz
   float rcs_dbsm;
-  std::uint32_t scan;  ///< number of its scan
+  std::uint32_t scan;                               ///< number of its scan
+  std::array<float, 2> slant_per_m = {0.0F, 0.0F};  ///< RadarPoint::slant_per_m, turned
 };
 
 /// What the returns of one scatterer have in common.
@@ -24,12 +25,16 @@ struct Landmark {
   float rcs_dbsm;
   std::uint32_t scan_count;
   std::uint32_t pass_count;
+  double height_m = 0.0;  ///< over the radars that saw it, where they are planar
 };
 
 struct FusionOptions {
   double cell_m = 0.4;         ///< noiseless returns within a circle this wide are one landmark
   bool has_elevation = false;  ///< false: returns tell x and y only, their z is assumed
   std::uint32_t min_scan_count = 2;
+  /// Of the square of a landmark's height over planar radars, before its returns tell; 0: they are
+  /// taken for as high as the radar.
+  double height_square_sigma_m2 = 25.0;
 };
 
 /// Fuses returns into landmarks. `returns` are ordered by scan, and `pass_of_scan[scan]` ascends.
@@ -38,8 +43,9 @@ struct FusionOptions {
 /// of certainty, returns that no landmark so far explains found a new one; then, in a few rounds,
 /// every return joins the landmark that explains it best, landmarks move to the
 /// information-weighted mean of their returns, and those that end up in another's place are given
-/// up. No grid decides what belongs together, so nothing is cut at cell borders. The result depends
-/// on the returns and their order alone.
+/// up. Last, the height of each is found from how its returns draw nearer with their range, and
+/// what slant ranges do is taken from its position. No grid decides what belongs together, so
+/// nothing is cut at cell borders. The result depends on the returns and their order alone.
 std::vector<Landmark> FuseLandmarks(std::span<const MapReturn> returns,
                                     std::span<const std::uint32_t> pass_of_scan,
                                     const FusionOptions& options);

@@ -16,8 +16,8 @@ Eigen::Matrix3d Covariance(const MapPoint& point) {
 }
 
 template <int Dim>
-void AppendKeyframe(const Keyframe& keyframe, const Pose3& T_map_local, double radius_m,
-                    std::vector<GaussianPoint<Dim>>& points) {
+void AppendKeyframe(const Keyframe& keyframe, bool has_heights, const Pose3& T_map_local,
+                    double radius_m, std::vector<GaussianPoint<Dim>>& points) {
   const Pose3 T_local_keyframe = T_map_local.Inverse() * keyframe.T_map_keyframe;
   // Only the rows that are asked for: in the plane z is left behind.
   const Eigen::Matrix<double, Dim, 3> R = T_local_keyframe.Rotation().template topRows<Dim>();
@@ -25,10 +25,13 @@ void AppendKeyframe(const Keyframe& keyframe, const Pose3& T_map_local, double r
   const double radius_m2 = radius_m * radius_m;
   for (const MapPoint& point : keyframe.points) {
     const Eigen::Matrix<double, Dim, 1> p_local =
-        R * Eigen::Vector3d(point.x_m, point.y_m, point.z_m) + t;
+        R * Eigen::Vector3d(point.x_m, point.y_m, has_heights ? 0.0F : point.z_m) + t;
     // Written so that a damaged file's NaN is left out too.
     if (!(p_local.template head<2>().squaredNorm() <= radius_m2)) continue;
-    points.push_back({.mean_m = p_local, .covariance_m2 = R * Covariance(point) * R.transpose()});
+    const double height_m = has_heights ? point.z_m : 0.0;
+    points.push_back({.mean_m = p_local,
+                      .covariance_m2 = R * Covariance(point) * R.transpose(),
+                      .height_square_m2 = height_m * height_m});
   }
 }
 
@@ -70,7 +73,8 @@ void LocalMap<Dim>::MoveTo(const RadarMap& map, const Eigen::Vector3d& p_map, do
     // this one is.
     map.KeyframesWithin(T_map_local_.translation_m, 2.0 * radius_m, keyframes);
     for (const std::size_t index : keyframes) {
-      AppendKeyframe<Dim>(map.keyframe(index), T_map_local_, radius_m, points);
+      AppendKeyframe<Dim>(map.keyframe(index), map.info().has_heights, T_map_local_, radius_m,
+                          points);
     }
   }
   BuildGrid(points, cells);

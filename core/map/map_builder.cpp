@@ -51,15 +51,17 @@ std::array<float, 6> UpperTriangle(const Eigen::Matrix3d& covariance_m2) {
   return {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
 }
 
-MapPoint PointInKeyframe(const Landmark& landmark, const Pose3& T_local_keyframe) {
+MapPoint PointInKeyframe(const Landmark& landmark, const Pose3& T_local_keyframe,
+                         bool has_heights) {
   const Pose3 T_keyframe_local = T_local_keyframe.Inverse();
   const Eigen::Matrix3d rotation = T_keyframe_local.Rotation();
   const Eigen::Vector3f p = (T_keyframe_local * landmark.position_m).cast<float>();
+  const float z_m = has_heights ? static_cast<float>(landmark.height_m) : p.z();
   const std::array<float, 6> c =
       UpperTriangle(rotation * landmark.covariance_m2 * rotation.transpose());
   return {.x_m = p.x(),
           .y_m = p.y(),
-          .z_m = p.z(),
+          .z_m = z_m,
           .xx_m2 = c[0],
           .xy_m2 = c[1],
           .xz_m2 = c[2],
@@ -80,6 +82,7 @@ absl::Status Validate(const MapBuilderOptions& options) {
   status.Update(CheckBound("keyframe_spacing_m", options.keyframe_spacing_m, 0.5, 1000.0));
   status.Update(CheckBound("cell_m", options.cell_m, 0.05, 10.0));
   status.Update(CheckBound("min_scan_count", options.min_scan_count, 1, 65535));
+  status.Update(CheckBound("height_square_sigma_m2", options.height_square_sigma_m2, 0.0, 1000.0));
   status.Update(
       CheckBound("max_keyframe_distance_m", options.max_keyframe_distance_m, 1.0, 2000.0));
   return status;
@@ -129,11 +132,14 @@ struct MapBuilder::Impl {
     const auto scan = static_cast<std::uint32_t>(pass_of_scan.size());
     const Eigen::Matrix3d rotation = T_local_vehicle.Rotation();
     for (const RadarPoint& point : points) {
+      const Eigen::Vector2f slant_per_m =
+          (rotation.topLeftCorner<2, 2>() * point.slant_per_m).cast<float>();
       returns.push_back(
           {.position_m = T_local_vehicle * point.position_m,
            .covariance_m2 = UpperTriangle(rotation * point.covariance_m2 * rotation.transpose()),
            .rcs_dbsm = point.rcs_dbsm,
-           .scan = scan});
+           .scan = scan,
+           .slant_per_m = {slant_per_m.x(), slant_per_m.y()}});
     }
     pass_of_scan.push_back(pass);
   }
@@ -153,6 +159,10 @@ struct MapBuilder::Impl {
     return records;
   }
 
+  bool HasHeights() const {
+    return !rig.MeasuresElevation() && options.height_square_sigma_m2 > 0.0;
+  }
+
   // The points in the order of their keyframes, whose records learn which are theirs.
   std::vector<MapPoint> ShareOut(const std::vector<Landmark>& landmarks, const KeyframeIndex& index,
                                  std::vector<KeyframeRecord>& keyframes) const {
@@ -167,7 +177,8 @@ struct MapBuilder::Impl {
     points.reserve(owned.size());
     for (const auto& [keyframe, landmark] : owned) {
       ++keyframes[keyframe].point_count;
-      points.push_back(PointInKeyframe(landmarks[landmark], T_local_keyframes[keyframe]));
+      points.push_back(
+          PointInKeyframe(landmarks[landmark], T_local_keyframes[keyframe], HasHeights()));
     }
     for (std::size_t i = 1; i < keyframes.size(); ++i) {
       keyframes[i].first_point = keyframes[i - 1].first_point + keyframes[i - 1].point_count;
@@ -182,6 +193,7 @@ struct MapBuilder::Impl {
     info.index_cell_m = kIndexCell_m;
     info.name_size_bytes = static_cast<std::uint32_t>(options.name.size());
     info.flags = rig.MeasuresElevation() ? kHasElevationFlag : 0;
+    if (HasHeights()) info.flags |= kHasHeightsFlag;
     if (options.anchor) {
       info.flags |= kHasAnchorFlag;
       info.anchor_latitude_deg = options.anchor->origin.latitude_deg;
@@ -237,7 +249,8 @@ absl::StatusOr<std::vector<std::byte>> MapBuilder::Build() const {
       FuseLandmarks(impl_->returns, impl_->pass_of_scan,
                     {.cell_m = impl_->options.cell_m,
                      .has_elevation = impl_->rig.MeasuresElevation(),
-                     .min_scan_count = static_cast<std::uint32_t>(impl_->options.min_scan_count)});
+                     .min_scan_count = static_cast<std::uint32_t>(impl_->options.min_scan_count),
+                     .height_square_sigma_m2 = impl_->options.height_square_sigma_m2});
   std::vector<KeyframeRecord> keyframes = impl_->KeyframeRecords();
   const std::vector<IndexRecord> index = MakeIndex(keyframes, kIndexCell_m);
   const std::vector<MapPoint> points =

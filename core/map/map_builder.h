@@ -23,6 +23,8 @@ struct MapBuilderOptions {
   double keyframe_spacing_m = 10.0;
   double cell_m = 0.4;     ///< returns nearer than about this fuse into one landmark
   int min_scan_count = 2;  ///< landmarks that fewer scans saw are clutter
+  /// Of the square of landmarks' heights over planar radars, see FusionOptions; 0: all are as high.
+  double height_square_sigma_m2 = 25.0;
   double max_keyframe_distance_m = 120.0;  ///< landmarks further from any keyframe are left out
 };
 

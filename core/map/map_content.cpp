@@ -19,8 +19,12 @@ bool WithinBound(std::span<const double> values, double bound) {
 }
 
 absl::Status CheckInfo(const InfoRecord& info) {
-  if ((info.flags & ~(kHasElevationFlag | kHasAnchorFlag)) != 0) {
-    return DataLoss("info: flags are %x; only bits 0 and 1 are known", info.flags);
+  if ((info.flags & ~(kHasElevationFlag | kHasAnchorFlag | kHasHeightsFlag)) != 0) {
+    return DataLoss("info: flags are %x; only bits 0 to 2 are known", info.flags);
+  }
+  if ((info.flags & kHasElevationFlag) != 0 && (info.flags & kHasHeightsFlag) != 0) {
+    return DataLoss("info: flags are %x; measured points (bit 0) have no heights (bit 2)",
+                    info.flags);
   }
   if (!WithinBound(info.local_origin_m, kMaxOrigin_m)) {
     return DataLoss("info: local_origin_m is beyond %g", kMaxOrigin_m);

@@ -64,6 +64,7 @@ struct InfoRecord {
 static_assert(sizeof(InfoRecord) == 80);
 inline constexpr std::uint32_t kHasElevationFlag = 1;
 inline constexpr std::uint32_t kHasAnchorFlag = 2;
+inline constexpr std::uint32_t kHasHeightsFlag = 4;
 
 struct KeyframeRecord {
   std::array<double, 3> translation_local_m;

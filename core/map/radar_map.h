@@ -19,7 +19,9 @@ namespace dcloc {
 /// A landmark: the fused returns of one scatterer, in its keyframe's frame. Stored as is in the
 /// file.
 struct MapPoint {
-  float x_m, y_m, z_m;
+  float x_m, y_m;
+  /// Or the height over the radars that saw it, in a map that `MapInfo::has_heights`.
+  float z_m;
   /// Where a further return of this scatterer may lie, without that return's own noise [m^2].
   float xx_m2, xy_m2, xz_m2, yy_m2, yz_m2, zz_m2;
   float rcs_dbsm;
@@ -45,6 +47,7 @@ struct MapInfo {
   Eigen::Vector3d min_map_m = Eigen::Vector3d::Zero();  ///< bounds of the keyframes' positions
   Eigen::Vector3d max_map_m = Eigen::Vector3d::Zero();
   bool has_elevation = false;  ///< points were measured in three dimensions
+  bool has_heights = false;    ///< planar; heights were found from slant ranges
   std::optional<GeodeticAnchor> anchor;
 };
 

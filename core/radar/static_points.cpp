@@ -29,6 +29,12 @@ double PredictionSigma(const Measurement& measurement, const Eigen::Vector3d& u_
   return std::sqrt(variance);
 }
 
+Eigen::Vector2d SlantPerMetre(const Measurement& measurement, const Eigen::Vector3d& u_vehicle,
+                              const RadarModel& radar) {
+  if (radar.has_elevation) return Eigen::Vector2d::Zero();
+  return u_vehicle.head<2>() / (2.0 * measurement.range_m);
+}
+
 // Where the radar was when it measured, in the vehicle frame of the scan's stamp.
 Pose3 MountAtStamp(const RadarModel& radar, const EgoVelocity& ego_velocity) {
   if (radar.time_offset_s == 0.0) return radar.T_vehicle_radar;
@@ -78,7 +84,8 @@ void StaticPoints(const Scan& scan, const RadarModel& radar, const EgoVelocity& 
             : Eigen::Matrix3d(kUniformSigma_m * kUniformSigma_m * Eigen::Matrix3d::Identity());
     points.push_back({.position_m = T_stamp_radar * PointInRadar(measurement, beta_s),
                       .covariance_m2 = covariance,
-                      .rcs_dbsm = scan.rcs_dbsm.empty() ? 0.0F : scan.rcs_dbsm[i]});
+                      .rcs_dbsm = scan.rcs_dbsm.empty() ? 0.0F : scan.rcs_dbsm[i],
+                      .slant_per_m = SlantPerMetre(measurement, u_vehicle, radar)});
   }
 }
 

@@ -13,6 +13,10 @@ struct RadarPoint {
   Eigen::Vector3d position_m;
   Eigen::Matrix3d covariance_m2;
   float rcs_dbsm = 0.0F;
+  /// A planar radar measures the slant range r + h^2 / 2r to what stands at the ground range r and
+  /// the height h over it. So the position is off by h^2 times this: the line of sight over 2r, in
+  /// x and y. Zero of radars that measure elevation.
+  Eigen::Vector2d slant_per_m = Eigen::Vector2d::Zero();
 };
 
 struct StaticPointsOptions {

@@ -103,6 +103,7 @@ void MatchFinder<Dim>::LookUp(const Pose<Dim>& T_local_vehicle, double blur_m) {
   for (const GaussianPoint<Dim>& point : live_) {
     const Vector<Dim> p = R * point.mean_m + T_local_vehicle.translation_m;
     const Matrix<Dim> covariance = R * point.covariance_m2 * R.transpose();
+    const Vector<Dim> slant_per_m = R * point.slant_per_m;
     const double near_m = kWide_m + kWide_rad * point.mean_m.norm();
     const double turned_m = kWide_rad * std::sqrt(point.covariance_m2.trace());
     const Vector<Dim> variances =
@@ -114,7 +115,9 @@ void MatchFinder<Dim>::LookUp(const Pose<Dim>& T_local_vehicle, double blur_m) {
             const GaussianPoint<Dim>& landmark = map_->points()[index];
             bool is_near = true;
             for (int axis = 0; axis < Dim; ++axis) {
-              const double apart_m = std::abs(landmark.mean_m(axis) - p(axis)) - near_m;
+              const double q =
+                  landmark.mean_m(axis) + landmark.height_square_m2 * slant_per_m(axis);
+              const double apart_m = std::abs(q - p(axis)) - near_m;
               const double limit_m2 = gate * (landmark.covariance_m2(axis, axis) + variances(axis));
               is_near &= (apart_m <= 0.0) | (apart_m * apart_m <= limit_m2);
             }
@@ -141,7 +144,7 @@ void MatchFinder<Dim>::Weigh(const Pose<Dim>& T_local_vehicle, double blur_m) {
       Matrix<Dim> covariance = R * live_[i].covariance_m2 * R.transpose();
       covariance.diagonal().array() += blur_m * blur_m;
       WeighFor(R * live_[i].mean_m + T_local_vehicle.translation_m, covariance,
-               std::span(landmarks_).subspan(begin, end - begin),
+               R * live_[i].slant_per_m, std::span(landmarks_).subspan(begin, end - begin),
                kNarrow_m + kNarrow_rad * live_[i].mean_m.norm());
     }
     begin = end;
@@ -151,6 +154,7 @@ void MatchFinder<Dim>::Weigh(const Pose<Dim>& T_local_vehicle, double blur_m) {
 
 template <int Dim>
 void MatchFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>& covariance,
+                                const Vector<Dim>& slant_per_m,
                                 std::span<const std::uint32_t> landmarks, double near_m) {
   const double gate = Squared(gates_.gate_sigmas);
   const double max_reach_m2 = Squared(gates_.reach_m + near_m);
@@ -158,7 +162,8 @@ void MatchFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>& covaria
   std::size_t count = 0;
   for (const std::uint32_t index : landmarks) {
     const GaussianPoint<Dim>& landmark = map_->points()[index];
-    const Vector<Dim> e = landmark.mean_m - p;
+    const Vector<Dim> q = landmark.mean_m + landmark.height_square_m2 * slant_per_m;
+    const Vector<Dim> e = q - p;
     const Matrix<Dim> joint = landmark.covariance_m2 + covariance;
     const Matrix<Dim> adjugate = Adjugate(joint);
     const double determinant = joint.row(0).dot(adjugate.col(0).transpose());
@@ -167,7 +172,7 @@ void MatchFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>& covaria
     // The trace bounds the largest eigenvalue.
     const double near_distance = near_m * near_m * scale * adjugate.trace();
     Weighed& weighed = weighed_[count];
-    weighed.q = landmark.mean_m;
+    weighed.q = q;
     weighed.information = scale * adjugate;
     weighed.determinant = determinant;
     weighed.distance = distance;

@@ -16,7 +16,7 @@ namespace dcloc {
 template <int Dim>
 struct PointMatch {
   Eigen::Matrix<double, Dim, 1> p;  ///< live, vehicle frame
-  Eigen::Matrix<double, Dim, 1> q;  ///< landmark, local frame
+  Eigen::Matrix<double, Dim, 1> q;  ///< landmark, local frame, as far off as its height puts p
   Eigen::Matrix<double, Dim, Dim> information;
 };
 
@@ -73,6 +73,7 @@ class MatchFinder {
   void Weigh(const Pose<Dim>& T_local_vehicle, double blur_m);
   void WeighFor(const Eigen::Matrix<double, Dim, 1>& p,
                 const Eigen::Matrix<double, Dim, Dim>& covariance,
+                const Eigen::Matrix<double, Dim, 1>& slant_per_m,
                 std::span<const std::uint32_t> landmarks, double near_m);
   void KeepUnbeaten(const Eigen::Matrix<double, Dim, 1>& p, double near_m,
                     std::span<Weighed> weighed);

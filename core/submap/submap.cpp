@@ -28,6 +28,10 @@ struct Carried {
     return R_newest_then * point.position_m + t_newest_then;
   }
 
+  Eigen::Vector2d Slant(const RadarPoint& point) const {
+    return R_newest_then.topLeftCorner<2, 2>() * point.slant_per_m;
+  }
+
   // The covariance's part in x and y, or all of it.
   template <int Dim>
   Eigen::Matrix<double, Dim, Dim> Covariance(const RadarPoint& point, bool carry_drift) const {
@@ -46,7 +50,9 @@ struct Carried {
 }  // namespace
 
 SubmapWindow::KeptPoint::KeptPoint(const RadarPoint& point)
-    : position_m(point.position_m.cast<float>()), rcs_dbsm(point.rcs_dbsm) {
+    : position_m(point.position_m.cast<float>()),
+      rcs_dbsm(point.rcs_dbsm),
+      slant_per_m(point.slant_per_m.cast<float>()) {
   std::size_t next = 0;
   for (int row = 0; row < 3; ++row) {
     for (int column = row; column < 3; ++column) {
@@ -63,7 +69,8 @@ RadarPoint SubmapWindow::KeptPoint::Unpack() const {
       xz, yz, zz;
   return {.position_m = position_m.cast<double>(),
           .covariance_m2 = covariance.cast<double>(),
-          .rcs_dbsm = rcs_dbsm};
+          .rcs_dbsm = rcs_dbsm,
+          .slant_per_m = slant_per_m.cast<double>()};
 }
 
 void SubmapWindow::Push(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points,
@@ -106,7 +113,8 @@ Submap SubmapWindow::Join(bool carry_drift) const {
       const RadarPoint point = kept.Unpack();
       submap.points.push_back({.position_m = carried.Position(point),
                                .covariance_m2 = carried.Covariance<3>(point, carry_drift),
-                               .rcs_dbsm = point.rcs_dbsm});
+                               .rcs_dbsm = point.rcs_dbsm,
+                               .slant_per_m = carried.Slant(point)});
     }
   });
   return submap;
@@ -125,6 +133,7 @@ void SubmapWindow::Join(bool carry_drift, std::size_t max_count, LiveSubmap<Dim>
       const RadarPoint point = kept.Unpack();
       submap.points.push_back({.mean_m = carried.Position(point).head<Dim>(),
                                .covariance_m2 = carried.Covariance<Dim>(point, carry_drift)});
+      if constexpr (Dim == 2) submap.points.back().slant_per_m = carried.Slant(point);
     }
     submap.parts.push_back({entry.radar_index, T_newest_then, begin, submap.points.size()});
   });

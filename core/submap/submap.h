@@ -66,6 +66,7 @@ class SubmapWindow {
     Eigen::Vector3f position_m;
     std::array<float, 6> covariance_m2;  // xx, xy, xz, yy, yz, zz
     float rcs_dbsm;
+    Eigen::Vector2f slant_per_m;
   };
   struct Entry {
     Stamp stamp;

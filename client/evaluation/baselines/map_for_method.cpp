@@ -8,13 +8,15 @@
 namespace dcloc {
 
 absl::StatusOr<std::shared_ptr<const RadarMap>> MapForMethod(
-    MethodKind kind, const Drive& drive, const LocalizerOptions& options,
+    MethodKind kind, const Drive& drive, const LocalizerOptions& options, bool has_heights,
     const std::function<void(std::size_t)>& progress) {
   MapBuilderOptions map_options;
   map_options.name = drive.name;
   map_options.static_points = options.static_points;
   map_options.static_points.compensate = options.doppler_compensation;
   map_options.static_points.uncertainty = options.uncertainty;
+  // Others know nothing of heights: landmarks stay where slant ranges show them.
+  if (kind != MethodKind::kDcloc || !has_heights) map_options.height_square_sigma_m2 = 0.0;
   auto bytes = kind == MethodKind::kMcRansac
                    ? BuildMap(WithEgoRangeRates(drive), map_options, progress)
                    : BuildMap(drive, map_options, progress);

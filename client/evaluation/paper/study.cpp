@@ -133,8 +133,7 @@ class Workbench {
   }
 
   absl::StatusOr<Map> MapFor(const Variant& variant, const LocalizerOptions& options) {
-    Map& map = maps_[{variant.method == MethodKind::kMcRansac, variant.doppler, variant.uncertainty,
-                      variant.calibrated}];
+    Map& map = maps_[{variant.method, variant.doppler, variant.uncertainty, variant.calibrated}];
     if (map == nullptr) {
       auto made = MapForMethod(variant.method, DrivesFor(variant).map, options);
       if (!made.ok()) return made.status();
@@ -147,7 +146,7 @@ class Workbench {
   std::optional<DrivePair> drives_;
   std::optional<DrivePair> calibrated_;  // the same with the calibrated rig
   std::unique_ptr<SpeedDifferences> speeds_;
-  std::map<std::tuple<bool, bool, bool, bool>, Map> maps_;
+  std::map<std::tuple<MethodKind, bool, bool, bool>, Map> maps_;
 };
 
 /// The outcome of `run`, of `store` or done now.

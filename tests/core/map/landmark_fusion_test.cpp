@@ -150,6 +150,54 @@ TEST_F(FusionTest, WithElevationHeightsSeparateAndAverage) {
   EXPECT_LT(landmarks[0].covariance_m2(2, 2), 0.02);
 }
 
+// A planar radar drives past along x and sees `scatterer` from 60 m on, at slant ranges.
+class HeightTest : public FusionTest {
+ protected:
+  void DriveBy(const Eigen::Vector3d& scatterer, double range_sigma_m) {
+    for (int i = 0; i < 50; ++i) {
+      const Eigen::Vector3d sight = scatterer - Eigen::Vector3d(scatterer.x() - 60.0 + i, 0.0, 0.0);
+      const Eigen::Vector2d u = sight.head<2>().normalized();
+      const double range_m = sight.norm();
+      const Eigen::Vector3d seen =
+          scatterer + (range_m - sight.head<2>().norm()) * Eigen::Vector3d(u.x(), u.y(), 0.0);
+      See(seen, NoiseSeenFrom(std::atan2(u.y(), u.x()), range_sigma_m, 0.003 * range_m, 0.5));
+      const Eigen::Vector2f slant_per_m = (u / (2.0 * range_m)).cast<float>();
+      returns_.back().slant_per_m = {slant_per_m.x(), slant_per_m.y()};
+    }
+  }
+};
+
+TEST_F(HeightTest, ComesFromSlantRangesWhichThenNoLongerMoveTheLandmark) {
+  const Eigen::Vector3d lamp(0.0, 4.0, 3.0);
+  DriveBy(lamp, 0.05);
+  const auto with = Fuse();
+  const auto without = Fuse({.height_square_sigma_m2 = 0.0});
+  ASSERT_EQ(with.size(), 1U);
+  ASSERT_EQ(without.size(), 1U);
+  EXPECT_NEAR(with[0].height_m, 3.0, 0.5);
+  EXPECT_EQ(without[0].height_m, 0.0);
+  EXPECT_LT((with[0].position_m - lamp).head<2>().norm(), 0.06);
+  EXPECT_GT((without[0].position_m - lamp).head<2>().norm(), 0.12);
+  EXPECT_LT(with[0].covariance_m2.trace(), without[0].covariance_m2.trace());
+}
+
+TEST_F(HeightTest, OfWhatIsAsHighAsTheRadarIsSmall) {
+  const Eigen::Vector3d post(0.0, 4.0, 0.0);
+  DriveBy(post, 0.05);
+  const auto landmarks = Fuse();
+  ASSERT_EQ(landmarks.size(), 1U);
+  EXPECT_LT(landmarks[0].height_m, 1.5);
+  EXPECT_LT((landmarks[0].position_m - post).head<2>().norm(), 0.05);
+}
+
+TEST_F(HeightTest, OfTooFewReturnsIsNotGuessed) {
+  DriveBy({0.0, 4.0, 3.0}, 0.05);
+  returns_.resize(2);
+  const auto landmarks = Fuse();
+  ASSERT_EQ(landmarks.size(), 1U);
+  EXPECT_EQ(landmarks[0].height_m, 0.0);
+}
+
 TEST_F(FusionTest, CountsScansAndPassesAndDropsWhatTooFewSaw) {
   const Eigen::Matrix3d noise = NoiseSeenFrom(0.0, 0.05, 0.05, 1.0);
   See({0.0, 0.0, 0.0}, noise);

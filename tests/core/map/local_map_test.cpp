@@ -111,7 +111,8 @@ std::vector<GaussianPoint<Dim>> AllWithin(const RadarMap& map, std::size_t centr
     const Keyframe keyframe = map.keyframe(i);
     const Pose3 T = T_local_map * keyframe.T_map_keyframe;
     for (const MapPoint& point : keyframe.points) {
-      const Eigen::Vector3d p_local = T * Eigen::Vector3d(point.x_m, point.y_m, point.z_m);
+      const double z_m = map.info().has_heights ? 0.0 : point.z_m;
+      const Eigen::Vector3d p_local = T * Eigen::Vector3d(point.x_m, point.y_m, z_m);
       if (p_local.head<2>().norm() > radius_m) continue;
       Eigen::Matrix3d covariance;
       covariance << point.xx_m2, point.xy_m2, point.xz_m2, point.xy_m2, point.yy_m2, point.yz_m2,
@@ -149,6 +150,24 @@ TYPED_TEST(LocalMapTest, JoinsTheLandmarksOfAllKeyframesAround) {
       EXPECT_LT((points[i].mean_m - truth[i].mean_m).norm(), 1e-6);
       EXPECT_LT((points[i].covariance_m2 - truth[i].covariance_m2).norm(), 1e-6);
     }
+  }
+}
+
+TYPED_TEST(LocalMapTest, LandmarksKnowTheirHeightsWhereTheMapDoes) {
+  constexpr int kDim = TypeParam::value;
+  SyntheticMap parts(1, 1);
+  parts.keyframes[0].translation_local_m = {0.0, 0.0, 0.0};
+  parts.keyframes[0].rotation_wxyz = {1.0, 0.0, 0.0, 0.0};
+  parts.points[0].z_m = 3.0F;
+  parts.index = MakeIndex(parts.keyframes, parts.info.index_cell_m);
+  for (const bool has_heights : {false, true}) {
+    parts.info.flags = has_heights ? kHasHeightsFlag : 0;
+    const auto map = RadarMap::FromBytes(parts.Bytes());
+    ASSERT_TRUE(map.ok()) << map.status();
+    EXPECT_EQ((*map)->info().has_heights, has_heights);
+    const LocalMap<kDim> local(**map, (*map)->keyframe(0).T_map_keyframe.translation_m, 100.0);
+    ASSERT_EQ(local.points().size(), 1U);
+    EXPECT_EQ(local.points()[0].height_square_m2, has_heights ? 9.0 : 0.0);
   }
 }
 

@@ -44,6 +44,23 @@ TEST(StaticPointsTest, WithoutCompensationItIsTooNear) {
   EXPECT_NEAR(points[0].position_m.x(), 40.0 - 0.04 * 15.0, 0.01);
 }
 
+TEST(StaticPointsTest, TellsWhatAHeightWouldMoveItBy) {
+  RadarModel radar = CoupledRadar();
+  const Eigen::Vector3d on_ground(20.0, 8.0, 0.0);
+  constexpr double kHeight_m = 2.0;
+  const Eigen::Vector3d up = on_ground + kHeight_m * Eigen::Vector3d::UnitZ();
+  const auto points = StaticPoints(ScanOf(up, radar), radar, kDriving, {});
+  ASSERT_EQ(points.size(), 1U);
+  const Eigen::Vector2d seen_m = points[0].position_m.head<2>();
+  EXPECT_GT((seen_m - on_ground.head<2>()).norm(), 0.09);
+  const Eigen::Vector2d mended_m = seen_m - kHeight_m * kHeight_m * points[0].slant_per_m;
+  EXPECT_LT((mended_m - on_ground.head<2>()).norm(), 0.005);
+  radar.has_elevation = true;
+  const auto spatial = StaticPoints(ScanOf(on_ground, radar), radar, kDriving, {});
+  ASSERT_EQ(spatial.size(), 1U);
+  EXPECT_EQ(spatial[0].slant_per_m, Eigen::Vector2d::Zero());
+}
+
 TEST(StaticPointsTest, LeavesOutWhatMoves) {
   const RadarModel radar = CoupledRadar();
   Scan scan = ScanOf({40.0, 8.0, 0.0}, radar);

@@ -32,12 +32,38 @@ std::vector<GaussianPoint<Dim>> Crowd(int count, double half_m, double sigma_m,
   return points;
 }
 
+// The same, live, seen from the origin by a planar radar.
+template <int Dim>
+std::vector<GaussianPoint<Dim>> Seen(std::vector<GaussianPoint<Dim>> points) {
+  for (auto& point : points) {
+    point.slant_per_m = point.mean_m / (2.0 * std::max(1.0, point.mean_m.squaredNorm()));
+  }
+  return points;
+}
+
+// The same as landmarks between 0 and 3 m high.
+template <int Dim>
+std::vector<GaussianPoint<Dim>> Raised(std::vector<GaussianPoint<Dim>> points,
+                                       std::mt19937& random) {
+  std::uniform_real_distribution<double> height_m(0.0, 3.0);
+  for (auto& point : points) point.height_square_m2 = std::pow(height_m(random), 2);
+  return points;
+}
+
+// Where the landmark lies for the point: a height moves the point, and so its match.
+template <int Dim>
+PointVector<Dim> MatchOf(const GaussianPoint<Dim>& point, const GaussianPoint<Dim>& landmark,
+                         const Pose<Dim>& T) {
+  return landmark.mean_m + landmark.height_square_m2 * (T.Rotation() * point.slant_per_m);
+}
+
 // What a pair costs by the definition, or nothing when it does not pass the gates.
 template <int Dim>
 std::optional<double> CostOf(const GaussianPoint<Dim>& point, const GaussianPoint<Dim>& landmark,
                              const Pose<Dim>& T, double blur_m, const MatchGates& gates) {
   const PointMatrix<Dim> R = T.Rotation();
-  const PointVector<Dim> e = landmark.mean_m - (R * point.mean_m + T.translation_m);
+  const PointVector<Dim> e =
+      MatchOf<Dim>(point, landmark, T) - (R * point.mean_m + T.translation_m);
   const PointMatrix<Dim> joint = landmark.covariance_m2 + R * point.covariance_m2 * R.transpose() +
                                  blur_m * blur_m * PointMatrix<Dim>::Identity();
   const double distance = e.dot(joint.inverse() * e);
@@ -58,15 +84,18 @@ std::optional<double> LeastCost(const GaussianPoint<Dim>& point, const LocalMap<
 }
 
 template <int Dim>
-const GaussianPoint<Dim>& LandmarkAt(const LocalMap<Dim>& map, const PointVector<Dim>& q) {
-  return *std::ranges::find_if(map.points(), [&](const auto& point) { return point.mean_m == q; });
+const GaussianPoint<Dim>& LandmarkOf(const GaussianPoint<Dim>& point, const LocalMap<Dim>& map,
+                                     const Pose<Dim>& T, const PointVector<Dim>& q) {
+  return *std::ranges::min_element(map.points(), {}, [&](const auto& landmark) {
+    return (MatchOf<Dim>(point, landmark, T) - q).norm();
+  });
 }
 
 TYPED_TEST(PointMatchesTest, AreTheMostLikelyLandmarksWhereverThePoseHasMoved) {
   constexpr int kDim = TypeParam::value;
   std::mt19937 random(1);
-  const LocalMap<kDim> map({}, Crowd<kDim>(1500, 20.0, 0.3, random));
-  const auto live = Crowd<kDim>(150, 18.0, 0.3, random);
+  const LocalMap<kDim> map({}, Raised<kDim>(Crowd<kDim>(1500, 20.0, 0.3, random), random));
+  const auto live = Seen<kDim>(Crowd<kDim>(150, 18.0, 0.3, random));
   const MatchGates gates{.reach_m = 2.0, .gate_sigmas = 3.0};
   // Pairs at the very edge of a gate may fall to either side of it.
   const MatchGates tighter{.reach_m = 1.999, .gate_sigmas = 2.99};
@@ -87,7 +116,9 @@ TYPED_TEST(PointMatchesTest, AreTheMostLikelyLandmarksWhereverThePoseHasMoved) {
         EXPECT_FALSE(LeastCost<kDim>(point, map, T, blur_m, tighter)) << "step " << step;
         continue;
       }
-      const GaussianPoint<kDim>& landmark = LandmarkAt<kDim>(map, match->q);
+      const GaussianPoint<kDim>& landmark = LandmarkOf<kDim>(point, map, T, match->q);
+      // Turned a milliradian before, like the weights.
+      EXPECT_LT((match->q - MatchOf<kDim>(point, landmark, T)).norm(), 0.005);
       const auto cost = CostOf<kDim>(point, landmark, T, blur_m, looser);
       ASSERT_TRUE(cost) << "step " << step;
       // The weights were turned a milliradian before.

@@ -125,11 +125,30 @@ void ExpectSameForMatching(const SubmapWindow& window) {
     EXPECT_LT((points[i].mean_m - whole.position_m.head<Dim>()).norm(), 1e-12);
     const auto part = whole.covariance_m2.topLeftCorner<Dim, Dim>();
     EXPECT_LT((points[i].covariance_m2 - part).norm(), 1e-12);
+    if constexpr (Dim == 2) {
+      EXPECT_LT((points[i].slant_per_m - whole.slant_per_m).norm(), 1e-12);
+    } else {
+      EXPECT_EQ(points[i].slant_per_m.norm(), 0.0) << "in space heights are measured";
+    }
   }
   LiveSubmap<Dim> few;
   window.Join<Dim>(true, 4, few);
   ASSERT_EQ(few.points.size(), 4U) << "every third of twelve";
   EXPECT_EQ(few.points[1].mean_m, points[3].mean_m);
+}
+
+TEST(SubmapTest, WhatAHeightMovesAPointByTurnsWithTheVehicle) {
+  SubmapWindow window(4);
+  RadarPoint point = PointAt({20.0, 0.0, 0.0});
+  point.slant_per_m = {0.025, 0.0};
+  window.Push(At(0), 0, {point}, {});
+  Motion turn;
+  turn.T_from_to = Embed(Pose2{.translation_m = {}, .yaw_rad = 0.5});
+  window.Push(At(75), 0, {}, turn);
+  const Submap submap = window.Join(false);
+  ASSERT_EQ(submap.points.size(), 1U);
+  const Eigen::Vector2d truth = 0.025 * Eigen::Vector2d(std::cos(0.5), -std::sin(0.5));
+  EXPECT_LT((submap.points[0].slant_per_m - truth).norm(), 1e-7);
 }
 
 TEST(SubmapTest, ForMatchingItIsTheSamePointsInThePlaneOrInSpace) {
@@ -140,6 +159,7 @@ TEST(SubmapTest, ForMatchingItIsTheSamePointsInThePlaneOrInSpace) {
     std::vector<RadarPoint> points;
     for (int k = 0; k < 3; ++k) {
       points.push_back(PointAt({place_m(random), place_m(random), 0.1 * place_m(random)}));
+      points.back().slant_per_m = {0.01, 0.001 * k};
       points.back().covariance_m2(0, 1) = points.back().covariance_m2(1, 0) = 0.01;
       points.back().covariance_m2(1, 2) = points.back().covariance_m2(2, 1) = -0.02;
     }
