@@ -82,23 +82,24 @@ class PlaceContest {
   Look LookAfter(const View& view, const Look& beside, const Motion& motion);
   Look LookAround(const View& view, const Pose3& T_map_vehicle, double blur_m);
 
-  std::shared_ptr<const RadarMap> map_;
-  LocalizerOptions options_;
+  // Large alignments first, so that little is left empty between the members.
+  std::optional<PlaceRegion> region_;  // of the newest view
+  std::optional<Pose3> winner_;        // T_map_vehicle at the newest view
   LocalMap<Dim> local_map_;
+  std::optional<PlaceSearch> search_;
+  Motion since_view_;          // since the newest view
+  double since_view_m_ = 0.0;  // likewise, the way
+  Stamp view_stamp_{};         // of the newest view
+  double cell_m_ = 1.0;        // of the last search
+  std::size_t next_place_ = 0;
+  std::shared_ptr<const RadarMap> map_;
   std::optional<std::size_t> keyframe_;  // of local_map_
   std::vector<View> views_;              // oldest first
-  Motion since_view_;                    // since the newest one
-  double since_view_m_ = 0.0;            // likewise, the way
-  Stamp view_stamp_{};                   // of the newest one
-  int view_count_ = 0;                   // since nothing is known
   std::vector<Candidate> candidates_;    // most likely first once all is done
-  std::optional<Pose3> winner_;          // T_map_vehicle at the newest view
-  Phase phase_ = Phase::kIdle;
-  std::optional<PlaceRegion> region_;  // of the newest view
-  std::optional<PlaceSearch> search_;
-  double cell_m_ = 1.0;  // of the last search
   std::vector<PlaceHypothesis> places_;
-  std::size_t next_place_ = 0;
+  LocalizerOptions options_;
+  int view_count_ = 0;  // since nothing is known
+  Phase phase_ = Phase::kIdle;
 };
 
 }  // namespace dcloc

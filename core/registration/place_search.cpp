@@ -32,9 +32,10 @@ std::vector<Eigen::Vector2f> Thinned(std::span<const Eigen::Vector2f> points, do
     placed.push_back({static_cast<int>(cell.x()), static_cast<int>(cell.y()), i});
   }
   std::ranges::stable_sort(placed, {}, [](const Placed& p) { return std::pair(p.x, p.y); });
-  const auto doubles = std::ranges::unique(
-      placed, [](const Placed& a, const Placed& b) { return a.x == b.x && a.y == b.y; });
-  placed.erase(doubles.begin(), doubles.end());
+  const auto doubles =
+      std::unique(placed.begin(), placed.end(),
+                  [](const Placed& a, const Placed& b) { return a.x == b.x && a.y == b.y; });
+  placed.erase(doubles, placed.end());
   std::ranges::sort(placed, {}, &Placed::index);
   const std::size_t stride =
       std::max<std::size_t>(1, (placed.size() + kMaxPoints - 1) / kMaxPoints);

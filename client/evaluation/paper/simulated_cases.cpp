@@ -24,16 +24,16 @@ constexpr std::uint64_t kNoiseSeed = 51;
 /// A live pass: how it is called and driven.
 struct LivePass {
   absl::string_view name;
-  int index;
   double speed_kmh;
+  int index;
   bool stops;
 };
 
 // Pass 0 is the map's.
-constexpr LivePass kSlow = {"40kmh", 1, 40.0, false};
-constexpr LivePass kStops = {"stops", 2, 60.0, true};
-constexpr LivePass kFast = {"100kmh", 3, 100.0, false};
-constexpr LivePass kSlowest = {"20kmh", 4, 20.0, false};
+constexpr LivePass kSlow = {"40kmh", 40.0, 1, false};
+constexpr LivePass kStops = {"stops", 60.0, 2, true};
+constexpr LivePass kFast = {"100kmh", 100.0, 3, false};
+constexpr LivePass kSlowest = {"20kmh", 20.0, 4, false};
 
 // Towns are driven through at all speeds that a goal speaks of.
 std::vector<LivePass> LivePasses(WorldKind world, RadarKind radar) {
@@ -42,7 +42,7 @@ std::vector<LivePass> LivePasses(WorldKind world, RadarKind radar) {
   return {kSlow, kStops};
 }
 
-constexpr LivePass kNoisePasses[] = {kSlow, {"60kmh", 2, 60.0, false}, kFast, kSlowest};
+constexpr LivePass kNoisePasses[] = {kSlow, {"60kmh", 60.0, 2, false}, kFast, kSlowest};
 
 absl::StatusOr<Drive> MapPass(const SimulationOptions& options) {
   return SimulatePass(options, {.name = "map", .mean_speed_mps = options.map_speed_mps});

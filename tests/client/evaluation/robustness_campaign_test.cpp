@@ -100,7 +100,8 @@ TEST(SitesTest, AskKnownQuestionsUnderNamesOfTheirOwn) {
     std::set<std::string> names, rows;
     for (const Site& site : SimulatedSites(1, quick)) {
       EXPECT_TRUE(names.insert(site.name).second) << site.name;
-      for (const auto& [row, trial] : site.trials) {
+      for (const auto& trial : site.trials) {
+        const auto& row = trial.first;
         EXPECT_TRUE(std::ranges::any_of(kRows, [&](const Row& known) { return known.id == row; }))
             << row;
         rows.insert(row);

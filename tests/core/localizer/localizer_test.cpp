@@ -242,7 +242,9 @@ std::vector<TrueAnswer> StartAmongPosts(const LocalizerOptions& options) {
   constexpr double kSpacing_m = 3.0;
   SyntheticWorld world;
   world.scatterers_m.clear();
-  for (double along_m = -30.0; along_m < SyntheticWorld::kLength_m + 70.0; along_m += kSpacing_m) {
+  const int count = static_cast<int>((SyntheticWorld::kLength_m + 100.0) / kSpacing_m);
+  for (int i = 0; i < count; ++i) {
+    const double along_m = -30.0 + i * kSpacing_m;
     for (const double aside_m : {-5.0, 5.0}) {
       world.scatterers_m.push_back(SyntheticWorld::OnRoad(along_m) *
                                    Eigen::Vector3d(0.0, aside_m, 0.0));

@@ -19,7 +19,9 @@ std::shared_ptr<const RadarMap> MapOf(const SyntheticWorld& world) {
 SyntheticWorld PostsEvery(double spacing_m) {
   SyntheticWorld world;
   world.scatterers_m.clear();
-  for (double along_m = -30.0; along_m < SyntheticWorld::kLength_m + 70.0; along_m += spacing_m) {
+  const int count = static_cast<int>((SyntheticWorld::kLength_m + 100.0) / spacing_m);
+  for (int i = 0; i < count; ++i) {
+    const double along_m = -30.0 + i * spacing_m;
     for (const double aside_m : {-5.0, 5.0}) {
       world.scatterers_m.push_back(SyntheticWorld::OnRoad(along_m) *
                                    Eigen::Vector3d(0.0, aside_m, 0.0));
@@ -68,7 +70,7 @@ class Seeker {
   std::optional<Pose3> Look(const std::optional<PlaceRegion>& region = std::nullopt) {
     contest_.AddView(stamp_, Seen(), region);
     while (contest_.working()) {
-      if (const auto place = contest_.Continue()) return place;
+      if (auto place = contest_.Continue()) return place;
     }
     return std::nullopt;
   }
@@ -129,7 +131,7 @@ TEST(PlaceContestTest, StandingStillDecidesNothing) {
 TEST(PlaceContestTest, AmongPostsThatLookAlikeNothingWins) {
   const SyntheticWorld world = PostsEvery(6.0);
   Seeker seeker(world, MapOf(world), 20.0);
-  for (double along_m = 20.0; along_m < 80.0; along_m += 11.0) {
+  for (const double along_m : {20.0, 31.0, 42.0, 53.0, 64.0, 75.0}) {
     seeker.DriveTo(along_m);
     EXPECT_FALSE(seeker.Look()) << "at " << along_m;
   }
@@ -156,7 +158,7 @@ TEST(PlaceContestTest, NothingIsFoundInAWrongRegion) {
   const PlaceRegion region{.centre_m = SyntheticWorld::OnRoad(120.0).translation_m.head<2>(),
                            .radius_m = 12.0,
                            .yaw_reach_rad = std::numbers::pi};
-  for (double along_m = 30.0; along_m < 80.0; along_m += 11.0) {
+  for (const double along_m : {30.0, 41.0, 52.0, 63.0, 74.0}) {
     seeker.DriveTo(along_m);
     EXPECT_FALSE(seeker.Look(region)) << "at " << along_m;
   }
