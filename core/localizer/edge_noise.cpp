@@ -30,9 +30,7 @@ void EdgeNoise<Dim>::OnMotion(const PoseEstimate<Dim>& motion) {
 }
 
 template <int Dim>
-void EdgeNoise<Dim>::OnRegistration(Stamp stamp, const PoseEstimate<Dim>& registration,
-                                    std::chrono::nanoseconds span) {
-  if (anchor_count_ > 0 && stamp - newest_stamp_ <= span) return;
+void EdgeNoise<Dim>::OnRegistration(const PoseEstimate<Dim>& registration) {
   for (std::size_t i = 0; i < anchor_count_; ++i) {
     anchors_[i].to_now = Composed<Dim>(anchors_[i].to_now, since_newest_);
   }
@@ -44,7 +42,6 @@ void EdgeNoise<Dim>::OnRegistration(Stamp stamp, const PoseEstimate<Dim>& regist
   std::shift_right(anchors_.begin(), anchors_.end(), 1);
   anchors_.front() = {.registration = registration, .to_now = {}};
   anchor_count_ = std::min(anchor_count_ + 1, kAnchors);
-  newest_stamp_ = stamp;
   since_newest_ = {};
 }
 
@@ -104,21 +101,29 @@ void EdgeNoise<Dim>::Part::Solve() {
 
 template <int Dim>
 TangentMatrix<Dim> EdgeNoise<Dim>::Scaled(const TangentMatrix<Dim>& covariance,
-                                          double Part::*ratio) const {
+                                          double of_translation, double of_rotation) {
   Tangent<Dim> scale;
-  scale.template head<Dim>().setConstant(std::sqrt(translation_.*ratio));
-  scale.template tail<Pose<Dim>::kDof - Dim>().setConstant(std::sqrt(rotation_.*ratio));
+  scale.template head<Dim>().setConstant(std::sqrt(of_translation));
+  scale.template tail<Pose<Dim>::kDof - Dim>().setConstant(std::sqrt(of_rotation));
   return scale.asDiagonal() * covariance * scale.asDiagonal();
 }
 
 template <int Dim>
 TangentMatrix<Dim> EdgeNoise<Dim>::OfOdometry(const TangentMatrix<Dim>& covariance) const {
-  return Scaled(covariance, &Part::odometry_ratio);
+  return Scaled(covariance, translation_.odometry_ratio, rotation_.odometry_ratio);
+}
+
+template <int Dim>
+TangentMatrix<Dim> EdgeNoise<Dim>::WeightOfOdometry(const TangentMatrix<Dim>& covariance) const {
+  constexpr double kCaution = 2.0;
+  constexpr double kLeast = 0.2;
+  return Scaled(covariance, std::clamp(kCaution * translation_.odometry_ratio, kLeast, 1.0),
+                std::clamp(kCaution * rotation_.odometry_ratio, kLeast, 1.0));
 }
 
 template <int Dim>
 TangentMatrix<Dim> EdgeNoise<Dim>::OfRegistration(const TangentMatrix<Dim>& covariance) const {
-  return Scaled(covariance, &Part::registration_ratio);
+  return Scaled(covariance, translation_.registration_ratio, rotation_.registration_ratio);
 }
 
 template class EdgeNoise<2>;

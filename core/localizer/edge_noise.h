@@ -1,11 +1,9 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstddef>
 
 #include "core/posegraph/state_chain.h"
-#include "core/radar/scan.h"
 
 namespace dcloc {
 
@@ -20,15 +18,19 @@ class EdgeNoise {
   /// The vehicle moved so since the last call.
   void OnMotion(const PoseEstimate<Dim>& motion);
 
-  /// A believed registration in the map frame, with its own covariance, of scans over `span`.
-  void OnRegistration(Stamp stamp, const PoseEstimate<Dim>& registration,
-                      std::chrono::nanoseconds span);
+  /// A believed registration in the map frame, with its own covariance, of scans that no other one
+  /// took.
+  void OnRegistration(const PoseEstimate<Dim>& registration);
 
   /// Where the vehicle was is no longer believed.
   void OnJump() { anchor_count_ = 0; }
 
   /// `covariance` of odometry, made as large as it has turned out to be.
   TangentMatrix<Dim> OfOdometry(const TangentMatrix<Dim>& covariance) const;
+
+  /// What odometry is to weigh by that has this `covariance` by its model: twice as much as it has
+  /// turned out to vary by, but no more than the model says nor less than a fifth of that.
+  TangentMatrix<Dim> WeightOfOdometry(const TangentMatrix<Dim>& covariance) const;
 
   /// The same of a registration.
   TangentMatrix<Dim> OfRegistration(const TangentMatrix<Dim>& covariance) const;
@@ -48,7 +50,7 @@ class EdgeNoise {
     double registrations = 0.0;
     double odometry = 0.0;
     double count = 0.0;
-    double prior_count = 0.5;  // that the covariances' own word is worth
+    double prior_count = 0.05;  // that the covariances' own word is worth
   };
 
   // Of translation, or of rotation.
@@ -65,14 +67,14 @@ class EdgeNoise {
   };
 
   void Compare(const Anchor& anchor, const PoseEstimate<Dim>& registration, Pairs Part::*pairs);
-  TangentMatrix<Dim> Scaled(const TangentMatrix<Dim>& covariance, double Part::*ratio) const;
+  static TangentMatrix<Dim> Scaled(const TangentMatrix<Dim>& covariance, double of_translation,
+                                   double of_rotation);
 
   Part translation_;
   Part rotation_;
   std::array<Anchor, kAnchors> anchors_;  // newest first
   std::size_t anchor_count_ = 0;
   PoseEstimate<Dim> since_newest_;
-  Stamp newest_stamp_{};
 };
 
 }  // namespace dcloc

@@ -31,7 +31,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar,
 
   EgoVelocity now;
   if (scan.ego_velocity) {
-    now = Scaled(*scan.ego_velocity);
+    now = Corrected(*scan.ego_velocity);
     // Doppler that contradicts the wheels has fallen for a mover that fills the view.
     if (doppler && Disagreement(now, doppler->ego_velocity) <= kMaxDisagreement) {
       now = Fuse(now, doppler->ego_velocity);
@@ -42,16 +42,17 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar,
     now = Held(age);
   }
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.odometry) : Motion{};
-  scale_.OnMotion(since_previous_.T_from_to);
+  errors_.OnMotion(since_previous_.T_from_to, age);
   velocity_ = now;
   stamp_ = scan.stamp;
   return *velocity_;
 }
 
-EgoVelocity EgoMotion::Scaled(const EgoVelocity& reported) const {
-  EgoVelocity scaled = reported;
-  scaled.linear_mps *= scale_.factor();
-  return WithCovariance(scaled, scale_.sigma(), options_.odometry);
+EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
+  EgoVelocity corrected = reported;
+  corrected.linear_mps *= errors_.scale();
+  corrected.angular_radps.z() += errors_.yaw_rate_bias_radps();
+  return WithCovariance(corrected, errors_.scale_sigma(), options_.odometry);
 }
 
 // The newest scan of each radar, as far as they are of one moment.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/localizer/localizer_options.h"
-#include "core/localizer/odometry_scale.h"
+#include "core/localizer/odometry_errors.h"
 #include "core/radar/ego_velocity.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
@@ -16,12 +16,12 @@
 namespace dcloc {
 
 /// One vehicle's ego-velocity over time: what the vehicle sends fused with what its radars' Doppler
-/// says, or either alone; the last one, ever less certain, where neither is there. Learns the scale
-/// of what the vehicle sends from the poses that come of it.
+/// says, or either alone; the last one, ever less certain, where neither is there. What is
+/// constantly wrong with what the vehicle sends is learned from its poses (OdometryErrors).
 class EgoMotion {
  public:
   explicit EgoMotion(const LocalizerOptions& options)
-      : options_(options), scale_(options.odometry_scale) {}
+      : options_(options), errors_(options.odometry_errors) {}
 
   /// Takes in the next scan, whose stamp is not before the last one's, and gives the velocity at
   /// it; the covariance is set. `radar` outlives this object, `memory` is lent for the call.
@@ -33,9 +33,12 @@ class EgoMotion {
     return Advance(scan, radar, memory);
   }
 
-  /// At the last scan the vehicle is believed to be here; or it is no longer known where it was.
-  void OnPose(const Pose3& T_map_vehicle) { scale_.OnPose(T_map_vehicle); }
-  void OnJump() { scale_.OnJump(); }
+  /// A registration of scans that no other one took puts the vehicle here at the last scan, with a
+  /// covariance of (x, y, yaw); or it is no longer known where it was.
+  void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
+    errors_.OnPose(T_map_vehicle, covariance);
+  }
+  void OnJump() { errors_.OnJump(); }
 
   /// From the scan before the last one to the last one; identity at the first.
   const Motion& since_previous() const { return since_previous_; }
@@ -49,10 +52,10 @@ class EgoMotion {
   std::span<const RadarScan> Remember(const Scan& scan, const RadarModel& radar);
   EgoVelocity Held(std::chrono::nanoseconds age) const;
 
-  EgoVelocity Scaled(const EgoVelocity& reported) const;
+  EgoVelocity Corrected(const EgoVelocity& reported) const;
 
   LocalizerOptions options_;
-  OdometryScale scale_;
+  OdometryErrors errors_;
   std::optional<EgoVelocity> velocity_;
   Stamp stamp_{};
   Motion since_previous_;

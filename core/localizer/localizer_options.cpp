@@ -25,6 +25,7 @@ absl::Status Validate(const LocalizerOptions& options) {
   constexpr double kMaxTime_ms = 1e6;
   const StaticPointsOptions& points = options.static_points;
   const MatchOptions& match = options.match;
+  const OdometryErrorOptions& errors = options.odometry_errors;
   const Bound bounds[] = {
       {"scans_per_submap", 1.0 * options.scans_per_submap, 1, 100},
       {"registration_interval_ms", Milliseconds(options.registration_interval), 0, 10'000},
@@ -32,11 +33,13 @@ absl::Status Validate(const LocalizerOptions& options) {
       {"static_points.max_range_m", points.max_range_m, points.min_range_m, 1000},
       {"static_points.static_gate_mps", points.static_gate_mps, 0, 100},
       {"static_points.static_gate_sigmas", points.static_gate_sigmas, 0, 100},
-      {"odometry_scale.prior_sigma", options.odometry_scale.prior_sigma, 0, 0.5},
-      {"odometry_scale.min_sigma", options.odometry_scale.min_sigma, 0, 0.5},
-      {"odometry_scale.distance_m", options.odometry_scale.distance_m, 1, 1e4},
-      {"odometry_scale.pose_sigma_m", options.odometry_scale.pose_sigma_m, 1e-3, 100},
-      {"odometry_scale.prior_count", options.odometry_scale.prior_count, 0.1, 1e6},
+      {"odometry_errors.scale_sigma", errors.scale_sigma, 0, 0.5},
+      {"odometry_errors.yaw_rate_bias_sigma_radps", errors.yaw_rate_bias_sigma_radps, 0, 1},
+      {"odometry_errors.course_sigma_rad", errors.course_sigma_rad, 0, 1},
+      {"odometry_errors.time_offset_sigma_s", errors.time_offset_sigma_s, 0, 10},
+      {"odometry_errors.min_scale_sigma", errors.min_scale_sigma, 0, 0.5},
+      {"odometry_errors.pose_sigma_m", errors.pose_sigma_m, kTiny, 100},
+      {"odometry_errors.pose_sigma_rad", errors.pose_sigma_rad, kTiny, 1},
       {"odometry.acceleration_sigma_mps2", options.odometry.acceleration_sigma_mps2, 0, 100},
       {"odometry.yaw_acceleration_sigma_radps2", options.odometry.yaw_acceleration_sigma_radps2, 0,
        100},

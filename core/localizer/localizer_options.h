@@ -3,7 +3,7 @@
 #include <chrono>
 
 #include "absl/status/status.h"
-#include "core/localizer/odometry_scale.h"
+#include "core/localizer/odometry_errors.h"
 #include "core/posegraph/pose_graph.h"
 #include "core/radar/ego_velocity.h"
 #include "core/radar/static_points.h"
@@ -85,7 +85,7 @@ struct LocalizerOptions {
   EgoVelocityOptions ego_velocity;
   StaticPointsOptions static_points;
   OdometryOptions odometry;
-  OdometryScaleOptions odometry_scale;
+  OdometryErrorOptions odometry_errors;
   GicpOptions gicp;
   MatchOptions match;
   PoseGraphOptions pose_graph;

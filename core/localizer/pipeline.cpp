@@ -247,8 +247,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
   if (graph_.empty()) {
     registration = Find(live, stamp);
   } else {
-    const PoseEstimate<Dim> odometry = ToEstimate<Dim>(since_state_);
-    graph_.AddState(odometry, NoiseSinceState());
+    graph_.AddState(OdometryEdge(), NoiseSinceState());
     since_state_ = {};
     was_silent_ = false;
     const PoseEstimate<3> predicted = ToSpace<Dim>(graph_.Newest(), options_);
@@ -319,17 +318,23 @@ void Pipeline<Dim>::Learn(const std::optional<Registration<Dim>>& registration,
     return;
   }
   if (!registration || !quality_.edge_valid) return;
-  const Pose3& T_map_local = matcher_.T_map_local();
-  ego_motion_.OnPose(T_map_local * ToSpace<Dim>(graph_.Newest(), options_).pose);
-  const Pose<Dim> T_map_registered =
-      FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registration->T_local_vehicle;
   if (beta_watch_.IsDue(stamp, window_.span())) {
     beta_watch_.OnRegistration(stamp, Scratch<Dim>::OfThisThread().submap,
                                matcher_.Matches(registration->T_local_vehicle),
                                registration->T_local_vehicle, ego_velocity);
   }
-  edge_noise_.OnRegistration(
-      stamp, {.pose = T_map_registered, .covariance = OwnNoise(*registration)}, window_.span());
+  // Registrations that share scans share their errors.
+  if (last_learned_ && stamp - *last_learned_ <= window_.span()) return;
+  last_learned_ = stamp;
+  const PoseEstimate<Dim> registered{
+      .pose = registration->T_local_vehicle,
+      .covariance = edge_noise_.OfRegistration(OwnNoise(*registration))};
+  const PoseEstimate<3> in_space = ToSpace<Dim>(registered, options_);
+  const Pose3& T_map_local = matcher_.T_map_local();
+  ego_motion_.OnPose(T_map_local * in_space.pose, FlattenCovariance(in_space.covariance));
+  const Pose<Dim> T_map_registered =
+      FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registered.pose;
+  edge_noise_.OnRegistration({.pose = T_map_registered, .covariance = OwnNoise(*registration)});
 }
 
 template <int Dim>
@@ -348,6 +353,13 @@ TangentMatrix<Dim> Pipeline<Dim>::Uncertainty() const {
 }
 
 // What is learned of odometry says nothing of what happened in a silence.
+template <int Dim>
+PoseEstimate<Dim> Pipeline<Dim>::OdometryEdge() const {
+  PoseEstimate<Dim> edge = ToEstimate<Dim>(since_state_);
+  if (!was_silent_) edge.covariance = edge_noise_.WeightOfOdometry(edge.covariance);
+  return edge;
+}
+
 template <int Dim>
 TangentMatrix<Dim> Pipeline<Dim>::NoiseSinceState() const {
   const TangentMatrix<Dim> covariance = ToEstimate<Dim>(since_state_).covariance;

@@ -54,6 +54,7 @@ class Pipeline final : public Localizer::Impl {
                        Stamp stamp);
   PoseEstimate<Dim> Now() const;
   TangentMatrix<Dim> Uncertainty() const;
+  PoseEstimate<Dim> OdometryEdge() const;
   TangentMatrix<Dim> NoiseSinceState() const;
   Localization Answer(const Scan& scan);
 
@@ -75,6 +76,7 @@ class Pipeline final : public Localizer::Impl {
   std::optional<Stamp> last_stamp_;
   Stamp window_begin_{};  // of the first scan since the window was empty
   std::optional<Stamp> last_registration_;
+  std::optional<Stamp> last_learned_;  // of registrations without a common scan
   std::map<std::string, Stamp> last_stamp_of_radar_;
   int registration_count_ = 0;  // believed, since the graph was started
   LocalizationQuality quality_;

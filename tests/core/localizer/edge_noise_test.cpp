@@ -7,8 +7,6 @@
 namespace dcloc {
 namespace {
 
-using std::chrono::milliseconds;
-
 constexpr double kOdometrySigma_m = 0.05;
 constexpr double kOdometrySigma_rad = 0.004;
 constexpr double kRegistrationSigma_m = 0.02;
@@ -36,13 +34,12 @@ class Vehicle {
     noise.OnMotion(
         {.pose = T_now_next * Draw(ratios_.odometry, kOdometrySigma_m, kOdometrySigma_rad),
          .covariance = Diagonal(kOdometrySigma_m, kOdometrySigma_rad)});
+    if (step_ % 10 != 0) return;
     noise.OnRegistration(
-        Stamp(milliseconds(100 * step_)),
         {.pose = T_map_vehicle_ *
                  Draw(ratios_.registrations, kRegistrationSigma_m, kRegistrationSigma_rad) *
                  Exp(registration_fault),
-         .covariance = Diagonal(kRegistrationSigma_m, kRegistrationSigma_rad)},
-        milliseconds(950));
+         .covariance = Diagonal(kRegistrationSigma_m, kRegistrationSigma_rad)});
   }
 
  private:
@@ -128,6 +125,21 @@ TEST(EdgeNoiseTest, AJumpIsNoNoise) {
   noise.OnJump();
   for (int step = 0; step < 50; ++step) vehicle.Step(noise, {500.0, 0.0, 0.0});
   EXPECT_LT((OdometryRatio(noise) - before).norm(), 0.5);
+}
+
+TEST(EdgeNoiseTest, OdometryWeighsByTwiceItsNoiseWithinBounds) {
+  EdgeNoise<2> noise;
+  EXPECT_EQ(Deviations(noise.WeightOfOdometry(Eigen::Matrix3d::Identity())),
+            Eigen::Vector2d::Ones());
+  Vehicle good({.odometry = 0.5});
+  for (int step = 0; step < 1000; ++step) good.Step(noise);
+  const Eigen::Vector2d ratio = OdometryRatio(noise);
+  const Eigen::Vector2d weight = Deviations(noise.WeightOfOdometry(Eigen::Matrix3d::Identity()));
+  EXPECT_NEAR((weight - std::sqrt(2.0) * ratio).norm(), 0.0, 1e-9);
+  Vehicle perfect({.odometry = 0.01});
+  for (int step = 0; step < 2000; ++step) perfect.Step(noise);
+  EXPECT_LT(OdometryRatio(noise).maxCoeff(), 0.3);
+  EXPECT_NEAR(noise.WeightOfOdometry(Eigen::Matrix3d::Identity())(0, 0), 0.2, 1e-12);
 }
 
 TEST(EdgeNoiseTest, WhatIsLearnedKeepsTheCorrelation) {
