@@ -15,9 +15,19 @@ namespace {
 
 constexpr std::size_t kMaxViews = 4;
 constexpr std::size_t kMaxContenders = 32;
+// Of a view's points so many tell places apart, and so many what is no place at all.
+constexpr std::size_t kLookPoints = 400;
+constexpr std::size_t kGlancePoints = 100;
+// What is done in one go; a unit takes some 0.04 us.
+constexpr double kMaxWork = 250e3;
+constexpr double kSearchWork = 24e3;  // of a piece of a search
+constexpr double kOdometryBlur_m = 0.3;
+// Of the overlap that a place must have once it is found, so much in each view: the first ones may
+// show ground from before the map's beginning.
+constexpr double kViewShare = 0.83;
 // Steps of the search: fine ones on little ground, which is most alike within itself.
 constexpr double kCell_m = 1.0;
-constexpr double kFineCell_m = 0.5;
+constexpr double kLittleCell_m = 0.5;
 constexpr double kLittleGround_m = 40.0;
 // What a score is worth as a log-likelihood. Near the score of a place that fits, some twenty
 // independent points; linear, as where little fits a logarithm would make much of a little more.
@@ -33,16 +43,22 @@ std::vector<Eigen::Vector2f> PositionsOf(std::span<const GaussianPoint<Dim>> poi
   return positions;
 }
 
+// An even choice.
+template <int Dim>
+std::vector<GaussianPoint<Dim>> EvenChoice(std::span<const GaussianPoint<Dim>> points,
+                                           std::size_t max_count) {
+  std::vector<GaussianPoint<Dim>> thinned;
+  const std::size_t count = std::min(points.size(), max_count);
+  thinned.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) thinned.push_back(points[i * points.size() / count]);
+  return thinned;
+}
+
 bool IsSamePlace(const Pose3& a, const Pose3& b) {
   constexpr double kSame_m = 1.0;
   constexpr double kSame_rad = 0.1;
   return (a.translation_m - b.translation_m).head<2>().norm() < kSame_m &&
          std::abs(WrapAngle(Yaw(a.rotation) - Yaw(b.rotation))) < kSame_rad;
-}
-
-bool IsWithin(const PlaceRegion& region, const Pose3& T_map_vehicle) {
-  return (T_map_vehicle.translation_m.head<2>() - region.centre_m).norm() <= region.radius_m &&
-         std::abs(WrapAngle(Yaw(T_map_vehicle.rotation) - region.yaw_rad)) <= region.yaw_reach_rad;
 }
 
 Motion Reversed(const Motion& motion) {
@@ -104,7 +120,8 @@ void PlaceContest<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Dim>>
     views_.erase(views_.begin());
     for (Candidate& candidate : candidates_) candidate.looks.erase(candidate.looks.begin());
   }
-  views_.push_back({.live = {live.begin(), live.end()},
+  views_.push_back({.live = EvenChoice(live, kLookPoints),
+                    .few = EvenChoice(live, kGlancePoints),
                     .motion = std::exchange(since_view_, {}),
                     .way_m = std::exchange(since_view_m_, 0.0)});
   for (Candidate& candidate : candidates_) candidate.looks.emplace_back();
@@ -113,17 +130,16 @@ void PlaceContest<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Dim>>
   region_ = region;
   const bool is_little = region && region->radius_m <= kLittleGround_m;
   search_.emplace(map_, PositionsOf(live),
-                  PlaceSearchOptions{.cell_m = is_little ? kFineCell_m : kCell_m,
+                  PlaceSearchOptions{.cell_m = is_little ? kLittleCell_m : kCell_m,
                                      .max_count = options_.match.blind_places,
                                      .region = region});
-  places_.clear();
   phase_ = Phase::kCarryOn;
 }
 
 template <int Dim>
 std::optional<Pose3> PlaceContest<Dim>::Continue() {
-  constexpr int kPieces = 32;  // worth about half a millisecond each
-  for (int piece = 0; piece < kPieces && phase_ != Phase::kIdle;) piece += DoNextPiece();
+  work_ = 0.0;
+  while (work_ < kMaxWork && phase_ != Phase::kIdle) DoNextPiece();
   if (!winner_ || Way() < options_.match.blind_distance_m) return std::nullopt;
   return *winner_ * since_view_.T_from_to;
 }
@@ -141,60 +157,100 @@ void PlaceContest<Dim>::Clear() {
   *this = PlaceContest(map_, options_);
 }
 
-// What it was worth.
 template <int Dim>
-int PlaceContest<Dim>::DoNextPiece() {
-  constexpr int kTileWorth = 5;
+void PlaceContest<Dim>::DoNextPiece() {
   switch (phase_) {
     case Phase::kCarryOn:
-      if (FillNextLook()) return 1;
-      phase_ = Phase::kSearch;
-      return 0;
+      if (!FillNextLook()) phase_ = Phase::kSearch;
+      break;
     case Phase::kSearch:
       if (!search_->done()) {
-        search_->SearchNextTile();
-        return kTileWorth;
+        search_->SearchOn();
+        work_ += kSearchWork;
+        break;
       }
       cell_m_ = search_->cell_m();
       places_ = search_->Best();
-      next_place_ = 0;
+      std::ranges::reverse(places_);
       search_.reset();
-      phase_ = Phase::kTryPlaces;
-      return 0;
-    case Phase::kTryPlaces:
-      if (next_place_ < places_.size()) {
-        TryPlace(places_[next_place_++]);
-        return 1;
+      phase_ = Phase::kGlance;
+      break;
+    case Phase::kGlance:
+      if (!places_.empty()) {
+        GlanceAt(places_.back());
+        places_.pop_back();
+        break;
+      }
+      KeepPromising();
+      phase_ = Phase::kLook;
+      break;
+    case Phase::kLook:
+      if (!glances_.empty()) {
+        LookAt(glances_.back());
+        glances_.pop_back();
+        break;
       }
       DropUnlikelyNewcomers();
       phase_ = Phase::kTraceBack;
-      return 0;
+      break;
     case Phase::kTraceBack:
-      if (FillNextLook()) return 1;
+      if (FillNextLook()) break;
       KeepContenders();
       winner_ = Winner();
       phase_ = Phase::kIdle;
-      return 0;
+      break;
     case Phase::kIdle:
-      return 0;
+      break;
   }
-  return 0;
+}
+
+// Most places that a search finds are none: a few points and steps tell.
+template <int Dim>
+void PlaceContest<Dim>::GlanceAt(const PlaceHypothesis& place) {
+  const Pose3 T_map_vehicle =
+      map_->keyframe(place.keyframe).T_map_keyframe * Embed(place.T_keyframe_vehicle);
+  if (IsKnown(T_map_vehicle)) return;
+  GicpOptions gicp = options_.gicp;
+  gicp.max_iterations = 8;
+  gicp.translation_tolerance_m = 0.02;
+  gicp.rotation_tolerance_rad = 0.002;
+  // Half a step off in position and heading: about as much as a step.
+  gicp.initial_blur_m = cell_m_;
+  if (const auto registration = Register(views_.back().few, T_map_vehicle, gicp)) {
+    glances_.push_back(
+        {.T_map_vehicle = InMap(registration->T_local_vehicle), .score = registration->score});
+  }
+}
+
+template <int Dim>
+void PlaceContest<Dim>::KeepPromising() {
+  constexpr double kHopeless = 0.2;
+  double best = 0.0;
+  for (const Glance& glance : glances_) best = std::max(best, glance.score);
+  for (const Candidate& one : candidates_) {
+    best = std::max(best, one.looks.back()->log_likelihood / kPerScore);
+  }
+  std::erase_if(glances_, [&](const Glance& glance) { return glance.score < best - kHopeless; });
+  std::ranges::stable_sort(glances_, {}, &Glance::score);
 }
 
 // A place that no candidate has come to yet is a candidate of its own.
 template <int Dim>
-void PlaceContest<Dim>::TryPlace(const PlaceHypothesis& place) {
-  const Pose3 T_map_vehicle =
-      map_->keyframe(place.keyframe).T_map_keyframe * Embed(place.T_keyframe_vehicle);
-  // Half a step off in position and heading: about as much as a step.
+void PlaceContest<Dim>::LookAt(const Glance& glance) {
+  if (IsKnown(glance.T_map_vehicle)) return;
   Candidate candidate{.looks = std::vector<std::optional<Look>>(views_.size())};
-  candidate.looks.back() = LookAround(views_.back(), T_map_vehicle, cell_m_);
+  candidate.looks.back() = LookAround(views_.back(), glance.T_map_vehicle, kOdometryBlur_m);
+  const Pose3& T_map_vehicle = candidate.looks.back()->T_map_vehicle;
   // The search goes by whole blocks, and registration moves.
-  if (region_ && !IsWithin(*region_, candidate.looks.back()->T_map_vehicle)) return;
-  const bool is_known = std::ranges::any_of(candidates_, [&](const Candidate& other) {
-    return IsSamePlace(other.looks.back()->T_map_vehicle, candidate.looks.back()->T_map_vehicle);
+  if (region_ && !region_->Holds(Flatten(T_map_vehicle))) return;
+  if (!IsKnown(T_map_vehicle)) candidates_.push_back(std::move(candidate));
+}
+
+template <int Dim>
+bool PlaceContest<Dim>::IsKnown(const Pose3& T_map_vehicle) const {
+  return std::ranges::any_of(candidates_, [&](const Candidate& one) {
+    return IsSamePlace(one.looks.back()->T_map_vehicle, T_map_vehicle);
   });
-  if (!is_known) candidates_.push_back(std::move(candidate));
 }
 
 // Of a candidate that lacks one, beside one that is there.
@@ -264,9 +320,8 @@ std::optional<Pose3> PlaceContest<Dim>::Winner() const {
 template <int Dim>
 typename PlaceContest<Dim>::Look PlaceContest<Dim>::LookAfter(const View& view, const Look& beside,
                                                               const Motion& motion) {
-  constexpr double kDriftBlur_m = 0.3;
   const Pose3 T_map_expected = beside.T_map_vehicle * motion.T_from_to;
-  Look look = LookAround(view, T_map_expected, kDriftBlur_m);
+  Look look = LookAround(view, T_map_expected, kOdometryBlur_m);
   const PoseEstimate<Dim> apart =
       FromSpace<Dim>(T_map_expected.Inverse() * look.T_map_vehicle, motion.covariance);
   look.log_likelihood -= 0.5 * SquaredDistance<Dim>(apart.pose, apart.covariance);
@@ -278,28 +333,48 @@ typename PlaceContest<Dim>::Look PlaceContest<Dim>::LookAround(const View& view,
                                                                const Pose3& T_map_vehicle,
                                                                double blur_m) {
   const MatchOptions& match = options_.match;
+  GicpOptions gicp = options_.gicp;
+  gicp.max_iterations = 15;
+  gicp.translation_tolerance_m = 0.005;
+  gicp.rotation_tolerance_rad = 0.0005;
+  gicp.initial_blur_m = blur_m;
+  const auto registration = Register(view.live, T_map_vehicle, gicp);
+  if (!registration) return {.T_map_vehicle = T_map_vehicle};
+  return {.T_map_vehicle = InMap(registration->T_local_vehicle),
+          .log_likelihood = kPerScore * registration->score,
+          .is_believable = registration->inlier_count >= match.blind_min_inlier_count &&
+                           registration->overlap >= kViewShare * match.blind_min_overlap &&
+                           registration->residual_scale <= match.max_residual_scale};
+}
+
+// In the local map there, if there is one.
+template <int Dim>
+std::optional<Registration<Dim>> PlaceContest<Dim>::Register(
+    std::span<const GaussianPoint<Dim>> live, const Pose3& T_map_vehicle, const GicpOptions& gicp) {
+  const double radius_m = options_.match.local_map_radius_m;
   const std::optional<std::size_t> nearest =
-      map_->NearestKeyframe(T_map_vehicle.translation_m, match.local_map_radius_m);
-  if (!nearest) return {.T_map_vehicle = T_map_vehicle};
+      map_->NearestKeyframe(T_map_vehicle.translation_m, radius_m);
+  if (!nearest) return std::nullopt;
   Scratch<Dim>& scratch = Scratch<Dim>::OfThisThread();
   if (nearest != keyframe_) {
-    local_map_.MoveTo(*map_, T_map_vehicle.translation_m, match.local_map_radius_m,
-                      scratch.local_map);
+    local_map_.MoveTo(*map_, T_map_vehicle.translation_m, radius_m, scratch.local_map);
     keyframe_ = nearest;
   }
-  GicpOptions gicp = options_.gicp;
-  gicp.initial_blur_m = blur_m;
-  const Pose3& T_map_local = local_map_.T_map_local();
-  const Pose3 T_local_vehicle = T_map_local.Inverse() * T_map_vehicle;
-  const Registration<Dim> registration = RegisterGicp<Dim>(
-      view.live, local_map_, FromSpace<Dim>(T_local_vehicle, Matrix6d::Zero()).pose, gicp,
-      scratch.finder);
-  return {.T_map_vehicle =
-              T_map_local * ToSpace<Dim>({.pose = registration.T_local_vehicle}, options_).pose,
-          .log_likelihood = kPerScore * registration.score,
-          .is_believable = registration.inlier_count >= match.blind_min_inlier_count &&
-                           registration.overlap >= match.blind_min_overlap &&
-                           registration.residual_scale <= match.max_residual_scale};
+  const Pose3 T_local_vehicle = local_map_.T_map_local().Inverse() * T_map_vehicle;
+  Registration<Dim> registration =
+      RegisterGicp<Dim>(live, local_map_, FromSpace<Dim>(T_local_vehicle, Matrix6d::Zero()).pose,
+                        gicp, scratch.finder);
+  // Each step goes through all points, and the landmarks around each.
+  constexpr double kLandmarks = 1000.0;
+  work_ += static_cast<double>(live.size()) * (1 + registration.iterations) *
+           (1.0 + static_cast<double>(local_map_.points().size()) / kLandmarks);
+  return registration;
+}
+
+// A pose in the local map.
+template <int Dim>
+Pose3 PlaceContest<Dim>::InMap(const Pose<Dim>& T_local_vehicle) const {
+  return local_map_.T_map_local() * ToSpace<Dim>({.pose = T_local_vehicle}, options_).pose;
 }
 
 template class PlaceContest<2>;

@@ -39,8 +39,8 @@ class PlaceContest {
   void AddView(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
                const std::optional<PlaceRegion>& region);
 
-  /// Goes on with the work, for ten or twenty milliseconds: others wait no longer, however large
-  /// the map. Where the vehicle is now, once that is decided.
+  /// Goes on with the work, for some ten milliseconds: others wait no longer, however large the
+  /// map. Where the vehicle is now, once that is decided.
   std::optional<Pose3> Continue();
 
   /// There is work on a view left.
@@ -53,6 +53,7 @@ class PlaceContest {
   // What was seen, and how the vehicle moved to there since the view before.
   struct View {
     std::vector<GaussianPoint<Dim>> live;
+    std::vector<GaussianPoint<Dim>> few;  // of them, for a glance
     Motion motion;
     double way_m = 0.0;
   };
@@ -62,18 +63,25 @@ class PlaceContest {
     double log_likelihood = 0.0;
     bool is_believable = false;  // for a place without a prior
   };
+  // A place that the search has found, registered with a few of the points.
+  struct Glance {
+    Pose3 T_map_vehicle;
+    double score = 0.0;
+  };
   // A way on which the vehicle may have come: a look for each view, filled one after the other.
   struct Candidate {
     std::vector<std::optional<Look>> looks;
   };
 
   // The work on a view, in this order: candidates are registered with it, it is searched for other
-  // places, and those are registered with the views before.
-  enum class Phase { kIdle, kCarryOn, kSearch, kTryPlaces, kTraceBack };
+  // places, those are registered with it, most of them at a glance, and then with the views before.
+  enum class Phase { kIdle, kCarryOn, kSearch, kGlance, kLook, kTraceBack };
 
-  int DoNextPiece();
+  void DoNextPiece();
   bool FillNextLook();
-  void TryPlace(const PlaceHypothesis& place);
+  void GlanceAt(const PlaceHypothesis& place);
+  void KeepPromising();
+  void LookAt(const Glance& glance);
   void DropUnlikelyNewcomers();
   void KeepContenders();
   std::optional<Pose3> Winner() const;
@@ -81,6 +89,10 @@ class PlaceContest {
   static double LogLikelihood(const Candidate& candidate);
   Look LookAfter(const View& view, const Look& beside, const Motion& motion);
   Look LookAround(const View& view, const Pose3& T_map_vehicle, double blur_m);
+  std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live,
+                                            const Pose3& T_map_vehicle, const GicpOptions& gicp);
+  Pose3 InMap(const Pose<Dim>& T_local_vehicle) const;
+  bool IsKnown(const Pose3& T_map_vehicle) const;
 
   // Large alignments first, so that little is left empty between the members.
   std::optional<PlaceRegion> region_;  // of the newest view
@@ -91,12 +103,13 @@ class PlaceContest {
   double since_view_m_ = 0.0;  // likewise, the way
   Stamp view_stamp_{};         // of the newest view
   double cell_m_ = 1.0;        // of the last search
-  std::size_t next_place_ = 0;
+  double work_ = 0.0;          // done by this call of Continue
   std::shared_ptr<const RadarMap> map_;
   std::optional<std::size_t> keyframe_;  // of local_map_
   std::vector<View> views_;              // oldest first
   std::vector<Candidate> candidates_;    // most likely first once all is done
-  std::vector<PlaceHypothesis> places_;
+  std::vector<PlaceHypothesis> places_;  // left to glance at, the best last
+  std::vector<Glance> glances_;          // left to look at, likewise
   LocalizerOptions options_;
   int view_count_ = 0;  // since nothing is known
   Phase phase_ = Phase::kIdle;

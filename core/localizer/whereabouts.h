@@ -30,14 +30,15 @@ class Whereabouts {
   /// searched.
   bool IsPrediction(const Matrix6d& covariance) const;
 
-  /// The ground and the headings that are left; nothing where that is most of a map or unknown.
+  /// The ground and the headings that are left, of where it was when it was set, for of the way
+  /// since more is known; nothing where that is most of a map or unknown.
   std::optional<PlaceRegion> Region() const;
 
  private:
   MatchOptions options_;
   std::optional<PoseEstimate<3>> now_;
-  double known_sigma_m_ = 0.0;  // of the position when it was set
-  double way_m_ = 0.0;          // since then
+  PoseEstimate<3> then_;  // when it was set
+  Motion since_then_;
 };
 
 }  // namespace dcloc

@@ -15,8 +15,16 @@ namespace {
 // made for a tile of blocks at a time.
 constexpr int kBlock_cells = 16;
 constexpr int kTile_blocks = 16;
-constexpr std::size_t kMaxPoints = 150;  // enough to tell places apart; sums fit into 16 bits
-static_assert(kMaxPoints * 255 <= 65535);
+constexpr std::size_t kPieceSums = 2048;  // blocks times headings, worth a millisecond or so
+// Enough points to tell places apart.
+constexpr std::size_t kMaxPoints = 152;
+// Likelihoods are added as bytes, so many at a time as a byte holds, and then as shorts.
+constexpr std::size_t kAtOnce = 8;
+constexpr int kShift = 3;
+constexpr int kMostLikely = 255 >> kShift;
+static_assert(kAtOnce * kMostLikely <= 255);
+static_assert(kMaxPoints * kMostLikely <= 32767);
+constexpr std::size_t kMaxCandidates = 2000;
 
 // One point a cell, as the returns of one scatterer in several scans say one thing, and of those an
 // even choice.
@@ -46,27 +54,81 @@ std::vector<Eigen::Vector2f> Thinned(std::span<const Eigen::Vector2f> points, do
   return thinned;
 }
 
-struct BestCell {
-  Eigen::Vector2i cell;  // in the block
-  int sum;
+// For each position of a block, row by row.
+using Sums = std::array<std::int16_t, std::size_t{kBlock_cells} * kBlock_cells>;
+
+// Adds what `likelihoods` say, whose rows are `columns` apart.
+template <std::size_t... kIndices>
+void AddLikelihoods(std::array<const std::uint8_t*, sizeof...(kIndices)> likelihoods, int columns,
+                    std::index_sequence<kIndices...> /*indices*/, Sums& sums) {
+  for (std::size_t row = 0; row < kBlock_cells; ++row) {
+    std::int16_t* const of_row = &sums[row * kBlock_cells];
+    for (std::size_t column = 0; column < kBlock_cells; ++column) {
+      const auto sum = static_cast<std::uint8_t>((... + likelihoods[kIndices][column]));
+      of_row[column] = static_cast<std::int16_t>(of_row[column] + sum);
+    }
+    for (const std::uint8_t*& one : likelihoods) one += columns;
+  }
+}
+
+}  // namespace
+
+// The likelihoods around a tile, each worth so little that some add up to a byte.
+class PlaceSearch::TileField {
+ public:
+  TileField(const LikelihoodField& field, const Eigen::Vector2i& first)
+      : first_(first),
+        columns_(field.columns()),
+        cells_(field.At({0, 0}),
+               field.At({0, 0}) + static_cast<std::ptrdiff_t>(field.columns()) * field.rows()) {
+    for (std::uint8_t& cell : cells_) cell = static_cast<std::uint8_t>(cell >> kShift);
+  }
+
+  // Sums over the points, for each position of the block whose first cell in the tile is `corner`.
+  Sums SumsOf(const Eigen::Vector2i& corner, std::span<const Eigen::Vector2i> offsets) const {
+    Sums sums{};
+    std::size_t i = 0;
+    for (; i + kAtOnce <= offsets.size(); i += kAtOnce) {
+      std::array<const std::uint8_t*, kAtOnce> likelihoods;
+      for (std::size_t j = 0; j < kAtOnce; ++j) likelihoods[j] = At(corner + offsets[i + j]);
+      AddLikelihoods(likelihoods, columns_, std::make_index_sequence<kAtOnce>(), sums);
+    }
+    for (; i < offsets.size(); ++i) {
+      AddLikelihoods(std::array{At(corner + offsets[i])}, columns_, std::make_index_sequence<1>(),
+                     sums);
+    }
+    return sums;
+  }
+
+ private:
+  const std::uint8_t* At(const Eigen::Vector2i& cell) const {
+    const Eigen::Vector2i at = first_ + cell;
+    return &cells_[static_cast<std::size_t>(at.y()) * static_cast<std::size_t>(columns_) +
+                   static_cast<std::size_t>(at.x())];
+  }
+
+  Eigen::Vector2i first_;  // the tile's
+  int columns_;
+  std::vector<std::uint8_t> cells_;
 };
 
-// The best position of the block whose first cell in the field is `corner`.
-BestCell BestOfBlock(const LikelihoodField& field, const Eigen::Vector2i& corner,
-                     std::span<const Eigen::Vector2i> offsets) {
-  std::array<std::uint16_t, std::size_t{kBlock_cells} * kBlock_cells> sums{};
-  for (const Eigen::Vector2i& offset : offsets) {
-    const std::uint8_t* likelihoods = field.At(corner + offset);
-    for (std::size_t row = 0; row < kBlock_cells; ++row, likelihoods += field.columns()) {
-      std::uint16_t* const sums_of_row = &sums[row * kBlock_cells];
-      for (std::size_t column = 0; column < kBlock_cells; ++column) {
-        sums_of_row[column] = static_cast<std::uint16_t>(sums_of_row[column] + likelihoods[column]);
-      }
-    }
-  }
-  const auto best = std::ranges::max_element(sums);
-  const auto number = static_cast<int>(best - sums.begin());
-  return {{number % kBlock_cells, number / kBlock_cells}, *best};
+namespace {
+
+double DistanceToBox(const Eigen::Vector2d& p, const Eigen::Vector2d& min_m,
+                     const Eigen::Vector2d& max_m) {
+  return (p.cwiseMax(min_m).cwiseMin(max_m) - p).norm();
+}
+
+// Of the vehicle now.
+bool HoldsHeading(const PlaceRegion& region, double yaw_rad) {
+  return std::abs(WrapAngle(yaw_rad - region.T_then_now.yaw_rad - region.yaw_rad)) <=
+         region.yaw_reach_rad;
+}
+
+// Where the vehicle is now, if it was at the region's centre and now looks there.
+Eigen::Vector2d CentreNow(const PlaceRegion& region, double yaw_rad) {
+  return region.centre_m +
+         Eigen::Rotation2Dd(yaw_rad - region.T_then_now.yaw_rad) * region.T_then_now.translation_m;
 }
 
 template <typename T>
@@ -76,6 +138,16 @@ void SortUnique(std::vector<T>& values) {
 }
 
 }  // namespace
+
+bool PlaceRegion::Holds(const Pose2& T_map_vehicle) const {
+  return MayHold(T_map_vehicle.translation_m, T_map_vehicle.translation_m, T_map_vehicle.yaw_rad) &&
+         HoldsHeading(*this, T_map_vehicle.yaw_rad);
+}
+
+bool PlaceRegion::MayHold(const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m,
+                          double yaw_now_rad) const {
+  return DistanceToBox(CentreNow(*this, yaw_now_rad), min_m, max_m) <= radius_m;
+}
 
 PlaceSearch::PlaceSearch(std::shared_ptr<const RadarMap> map,
                          std::span<const Eigen::Vector2f> points, const PlaceSearchOptions& options)
@@ -113,32 +185,57 @@ PlaceSearch::PlaceSearch(std::shared_ptr<const RadarMap> map,
   SortUnique(tiles_);
 }
 
-void PlaceSearch::SearchNextTile() {
+// Here the field's size is known.
+PlaceSearch::~PlaceSearch() = default;
+PlaceSearch::PlaceSearch(PlaceSearch&&) noexcept = default;
+PlaceSearch& PlaceSearch::operator=(PlaceSearch&&) noexcept = default;
+
+void PlaceSearch::SearchOn() {
   if (done()) return;
-  const Cell& tile = tiles_[next_tile_++];
+  if (!field_) BeginTile();
+  const std::size_t count = 1 + kPieceSums / std::max<std::size_t>(1, headings_.size());
+  const std::size_t end = std::min(blocks_.size(), next_block_ + count);
+  while (next_block_ < end) SearchBlock(blocks_[next_block_++]);
+  if (next_block_ < blocks_.size()) return;
+  field_.reset();
+  ++next_tile_;
+}
+
+void PlaceSearch::BeginTile() {
+  const Cell& tile = tiles_[next_tile_];
   const LikelihoodField field(LandmarksAround(tile), options_.cell_m,
                               Eigen::Vector2d::Constant(-margin_m_),
                               Eigen::Vector2d::Constant(tile_m_ + margin_m_));
-  const Eigen::Vector2d origin_m =
-      tile_m_ * Eigen::Vector2d(static_cast<double>(tile.x), static_cast<double>(tile.y));
-  const Eigen::Vector2i first =
-      field.CellsFrom(Eigen::Vector2d::Constant(0.5 * options_.cell_m)).cast<int>();
-  for (const Cell& block : BlocksOf(tile)) {
-    const Eigen::Vector2i corner =
-        kBlock_cells * Eigen::Vector2i(static_cast<int>(block.x - kTile_blocks * tile.x),
-                                       static_cast<int>(block.y - kTile_blocks * tile.y));
-    for (const Turned& turned : headings_) {
-      const auto [cell, sum] = BestOfBlock(field, first + corner, turned.offsets);
-      if (sum == 0) continue;
-      const Eigen::Vector2d at = (corner + cell).cast<double>().array() + 0.5;
-      candidates_.push_back({origin_m + options_.cell_m * at, turned.yaw_rad,
-                             sum / (255.0 * static_cast<double>(turned.offsets.size()))});
-    }
-  }
-  KeepBest();
+  field_ = std::make_unique<TileField>(
+      field, field.CellsFrom(Eigen::Vector2d::Constant(0.5 * options_.cell_m)).cast<int>());
+  blocks_ = BlocksOf(tile);
+  next_block_ = 0;
 }
 
-std::vector<PlaceHypothesis> PlaceSearch::Best() const {
+// The best position of the block in each heading.
+void PlaceSearch::SearchBlock(const Cell& block) {
+  const Cell& tile = tiles_[next_tile_];
+  const Eigen::Vector2i corner =
+      kBlock_cells * Eigen::Vector2i(static_cast<int>(block.x - kTile_blocks * tile.x),
+                                     static_cast<int>(block.y - kTile_blocks * tile.y));
+  const Eigen::Vector2d first_m =
+      block_m_ * Eigen::Vector2d(static_cast<double>(block.x), static_cast<double>(block.y));
+  for (const Turned& turned : headings_) {
+    if (!IsSought(block, block_m_, turned.yaw_rad)) continue;
+    const Sums sums = field_->SumsOf(corner, turned.offsets);
+    std::int16_t best = 0;
+    for (const std::int16_t sum : sums) best = std::max(best, sum);
+    if (best <= least_sum_) continue;
+    const auto number = static_cast<int>(std::ranges::find(sums, best) - sums.begin());
+    const Eigen::Vector2d cell(number % kBlock_cells, number / kBlock_cells);
+    candidates_.push_back(
+        {first_m + options_.cell_m * (cell.array() + 0.5).matrix(), turned.yaw_rad, best});
+  }
+  if (candidates_.size() >= 2 * kMaxCandidates) KeepBest();
+}
+
+std::vector<PlaceHypothesis> PlaceSearch::Best() {
+  KeepBest();
   const double apart_m = 4.0 * options_.cell_m;
   constexpr double kApart_rad = 0.25;
   std::vector<Candidate> kept;
@@ -186,20 +283,25 @@ std::vector<PlaceSearch::Cell> PlaceSearch::BlocksOf(const Cell& tile) const {
   return blocks;
 }
 
-// Some of the cell lies in the region.
+// Whatever the heading.
 bool PlaceSearch::IsSought(const Cell& cell, double size_m) const {
   if (!options_.region) return true;
+  const PlaceRegion& region = *options_.region;
   const Eigen::Vector2d first_m =
       size_m * Eigen::Vector2d(static_cast<double>(cell.x), static_cast<double>(cell.y));
-  const Eigen::Vector2d& centre_m = options_.region->centre_m;
-  const Eigen::Vector2d nearest_m =
-      centre_m.cwiseMax(first_m).cwiseMin(first_m + Eigen::Vector2d::Constant(size_m));
-  return (nearest_m - centre_m).norm() <= options_.region->radius_m;
+  return DistanceToBox(region.centre_m, first_m, first_m + Eigen::Vector2d::Constant(size_m)) <=
+         region.radius_m + region.T_then_now.translation_m.norm();
+}
+
+bool PlaceSearch::IsSought(const Cell& block, double size_m, double yaw_rad) const {
+  const Eigen::Vector2d first_m =
+      size_m * Eigen::Vector2d(static_cast<double>(block.x), static_cast<double>(block.y));
+  return !options_.region ||
+         options_.region->MayHold(first_m, first_m + Eigen::Vector2d::Constant(size_m), yaw_rad);
 }
 
 bool PlaceSearch::IsSought(double yaw_rad) const {
-  return !options_.region ||
-         std::abs(WrapAngle(yaw_rad - options_.region->yaw_rad)) <= options_.region->yaw_reach_rad;
+  return !options_.region || HoldsHeading(*options_.region, yaw_rad);
 }
 
 std::vector<std::size_t> PlaceSearch::KeyframesAround(const Cell& tile, double margin_m) const {
@@ -228,9 +330,10 @@ std::vector<Eigen::Vector2d> PlaceSearch::LandmarksAround(const Cell& tile) cons
 
 // A place has some dozens of candidates, in the blocks and headings around it.
 void PlaceSearch::KeepBest() {
-  constexpr std::size_t kMaxCandidates = 2000;
-  std::ranges::stable_sort(candidates_, std::greater<>(), &Candidate::score);
-  if (candidates_.size() > kMaxCandidates) candidates_.resize(kMaxCandidates);
+  std::ranges::stable_sort(candidates_, std::greater<>(), &Candidate::sum);
+  if (candidates_.size() < kMaxCandidates) return;
+  candidates_.resize(kMaxCandidates);
+  least_sum_ = candidates_.back().sum;
 }
 
 PlaceHypothesis PlaceSearch::InKeyframe(const Candidate& candidate) const {
@@ -241,7 +344,9 @@ PlaceHypothesis PlaceSearch::InKeyframe(const Candidate& candidate) const {
   const std::size_t keyframe = *map_->NearestKeyframe(T_map_vehicle.translation_m, reach_m);
   const Pose3 T_map_keyframe = map_->keyframe(keyframe).T_map_keyframe;
   T_map_vehicle.translation_m.z() = T_map_keyframe.translation_m.z();
-  return {keyframe, Flatten(T_map_keyframe.Inverse() * T_map_vehicle), candidate.score};
+  const double score = candidate.sum / (static_cast<double>(kMostLikely) *
+                                        static_cast<double>(headings_.front().offsets.size()));
+  return {keyframe, Flatten(T_map_keyframe.Inverse() * T_map_vehicle), score};
 }
 
 }  // namespace dcloc

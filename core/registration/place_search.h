@@ -14,12 +14,21 @@
 
 namespace dcloc {
 
-/// Ground and headings to search.
+/// Ground and headings to search: of where the vehicle was once, and the way that it came since.
+/// Whatever its heading was, now it is no further from there than that way.
 struct PlaceRegion {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  ///< in the map's xy plane
   double radius_m = 0.0;
   double yaw_rad = 0.0;
   double yaw_reach_rad = 0.0;  ///< from pi on every heading
+  Pose2 T_then_now = {};
+
+  /// Whether the vehicle may be here now.
+  bool Holds(const Pose2& T_map_vehicle) const;
+
+  /// Likewise, with this heading somewhere in the box from `min_m` to `max_m`; position alone.
+  bool MayHold(const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m,
+               double yaw_now_rad) const;
 };
 
 struct PlaceSearchOptions {
@@ -37,23 +46,26 @@ struct PlaceHypothesis {
 };
 
 /// Searches a map, or a region of it, for the places where some points may have been seen:
-/// exhaustively, every position near a keyframe and every heading on a coarse grid. It goes tile by
-/// tile, so that others can be served in between: a tile costs some milliseconds, the number of
-/// tiles grows with the length of street, the memory does not.
+/// exhaustively, every position near a keyframe and every heading on a coarse grid. It goes piece
+/// by piece, so that others can be served in between: a piece costs a millisecond or two, their
+/// number grows with the length of street, the memory does not.
 class PlaceSearch {
  public:
   /// `points` are vehicle xy.
   PlaceSearch(std::shared_ptr<const RadarMap> map, std::span<const Eigen::Vector2f> points,
               const PlaceSearchOptions& options = {});
+  ~PlaceSearch();
+  PlaceSearch(PlaceSearch&&) noexcept;
+  PlaceSearch& operator=(PlaceSearch&&) noexcept;
 
   bool done() const { return next_tile_ == tiles_.size(); }
   double cell_m() const { return options_.cell_m; }
 
-  /// Searches the next tile, 256 cells wide, unless `done()`.
-  void SearchNextTile();
+  /// Searches the next piece, some squares 16 cells wide in every heading, unless `done()`.
+  void SearchOn();
 
   /// Up to `max_count` best places so far, best first, no two within four steps of one another.
-  std::vector<PlaceHypothesis> Best() const;
+  std::vector<PlaceHypothesis> Best();
 
  private:
   // Of a square grid in the map's xy plane.
@@ -71,12 +83,17 @@ class PlaceSearch {
   struct Candidate {
     Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  // in the map's xy plane
     double yaw_rad = 0.0;
-    double score = 0.0;
+    int sum = 0;  // of its likelihoods
   };
+  class TileField;
+
+  void BeginTile();
+  void SearchBlock(const Cell& block);
 
   std::vector<Cell> CellsNearKeyframe(std::size_t keyframe, double size_m) const;
   std::vector<Cell> BlocksOf(const Cell& tile) const;
   bool IsSought(const Cell& cell, double size_m) const;
+  bool IsSought(const Cell& block, double size_m, double yaw_rad) const;
   bool IsSought(double yaw_rad) const;
   std::vector<std::size_t> KeyframesAround(const Cell& tile, double margin_m) const;
   std::vector<Eigen::Vector2d> LandmarksAround(const Cell& tile) const;
@@ -91,7 +108,11 @@ class PlaceSearch {
   std::vector<Turned> headings_;
   std::vector<Cell> tiles_;
   std::size_t next_tile_ = 0;
-  std::vector<Candidate> candidates_;  // best first
+  std::unique_ptr<TileField> field_;  // of the tile that is being searched
+  std::vector<Cell> blocks_;          // likewise
+  std::size_t next_block_ = 0;
+  std::vector<Candidate> candidates_;
+  int least_sum_ = 0;  // others are better
 };
 
 }  // namespace dcloc

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "core/geometry/covariance.h"
@@ -46,22 +47,44 @@ TEST(WhereaboutsTest, TheRegionIsWhatIsLeft) {
   whereabouts.Set(About(3.0, 0.1));
   const auto region = whereabouts.Region();
   ASSERT_TRUE(region.has_value());
-  EXPECT_NEAR(region->radius_m, 9.0, 1e-6);
+  EXPECT_NEAR(region->radius_m, 10.5, 1e-6);
   EXPECT_NEAR(region->yaw_rad, 0.5, 1e-9);
-  EXPECT_NEAR(region->yaw_reach_rad, 0.3, 1e-9);
+  EXPECT_NEAR(region->yaw_reach_rad, 0.35, 1e-9);
   EXPECT_NEAR(region->centre_m.x(), 100.0, 1e-9);
-  whereabouts.OnMotion(Ahead(40.0));
-  EXPECT_GT(whereabouts.Region()->radius_m, 12.0);
+  const Pose2 T_map_begin = Flatten(About(3.0, 0.1).pose);
+  EXPECT_TRUE(region->Holds(T_map_begin));
+  EXPECT_FALSE(region->Holds(T_map_begin * Pose2{.translation_m = {11.0, 0.0}, .yaw_rad = 0.0}));
+  EXPECT_FALSE(region->Holds(T_map_begin * Pose2{.translation_m = {0.0, 0.0}, .yaw_rad = 0.4}));
 }
 
-TEST(WhereaboutsTest, WithoutAHeadingTheWayDrivenBoundsTheRegion) {
+TEST(WhereaboutsTest, TheRegionFollowsAndGrowsByOdometry) {
+  Whereabouts whereabouts({});
+  whereabouts.Set(About(3.0, 0.1));
+  for (int i = 0; i < 8; ++i) whereabouts.OnMotion(Ahead(5.0));
+  const auto region = whereabouts.Region();
+  EXPECT_GT(region->radius_m, 10.5);
+  EXPECT_LT(region->radius_m, 30.0);
+  const Pose2 T_map_begin = Flatten(About(3.0, 0.1).pose);
+  EXPECT_TRUE(region->Holds(T_map_begin * Pose2{.translation_m = {40.0, 0.0}, .yaw_rad = 0.0}));
+  EXPECT_FALSE(region->Holds(T_map_begin));
+}
+
+TEST(WhereaboutsTest, WithoutAHeadingTheWayDrivenLeavesACircle) {
   Whereabouts whereabouts({});
   whereabouts.Set(About(3.0, std::numbers::pi / std::sqrt(3.0)));
-  whereabouts.OnMotion(Ahead(10.0));
+  for (int i = 0; i < 8; ++i) whereabouts.OnMotion(Ahead(5.0));
   const auto region = whereabouts.Region();
   ASSERT_TRUE(region.has_value());
-  EXPECT_LE(region->radius_m, 9.0 + 20.0 + 1e-6);
-  EXPECT_GE(region->yaw_reach_rad, std::numbers::pi);
+  const auto went = [](double yaw_rad, double way_m) {
+    return Pose2{.translation_m = {100.0, 50.0}, .yaw_rad = yaw_rad} *
+           Pose2{.translation_m = {way_m, 0.0}, .yaw_rad = 0.0};
+  };
+  for (const double yaw_rad : {-3.0, -1.0, 0.5, 2.5}) {
+    EXPECT_TRUE(region->Holds(went(yaw_rad, 40.0))) << yaw_rad;
+    EXPECT_FALSE(region->Holds(went(yaw_rad, 0.0))) << "who drove is not there any more";
+    EXPECT_FALSE(region->Holds(went(yaw_rad, -40.0))) << "nor did it drive backwards";
+    EXPECT_FALSE(region->Holds(went(yaw_rad, 70.0))) << yaw_rad;
+  }
 }
 
 TEST(WhereaboutsTest, TooWideARegionIsTheWholeMap) {

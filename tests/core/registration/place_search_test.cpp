@@ -50,7 +50,7 @@ std::vector<PlaceHypothesis> Search(const std::shared_ptr<const RadarMap>& map,
                                     std::span<const Eigen::Vector2f> points,
                                     const PlaceSearchOptions& options = {}) {
   PlaceSearch search(map, points, options);
-  while (!search.done()) search.SearchNextTile();
+  while (!search.done()) search.SearchOn();
   return search.Best();
 }
 
@@ -116,6 +116,32 @@ TEST(PlaceSearchTest, FindsNothingOutsideOfItsRegion) {
   }
 }
 
+TEST(PlaceSearchTest, FindsWhereAKnownWayLedTo) {
+  const auto map = RandomStreets(400);
+  const Pose2 T_map_vehicle = Flatten(map->keyframe(150).T_map_keyframe);
+  const std::vector<Eigen::Vector2f> points = Seen(*map, map->keyframe(150).T_map_keyframe);
+  const Pose2 T_then_now{.translation_m = {60.0, 10.0}, .yaw_rad = 0.7};
+  PlaceRegion region{.centre_m = (T_map_vehicle * T_then_now.Inverse()).translation_m,
+                     .radius_m = 9.0,
+                     .yaw_reach_rad = 4.0,
+                     .T_then_now = T_then_now};
+  const auto found = Search(map, points, {.region = region});
+  ASSERT_FALSE(found.empty());
+  const Pose2 T_map_found =
+      Flatten(map->keyframe(found[0].keyframe).T_map_keyframe) * found[0].T_keyframe_vehicle;
+  EXPECT_LT((T_map_found.translation_m - T_map_vehicle.translation_m).norm(), 1.5);
+  EXPECT_TRUE(region.Holds(T_map_found));
+  region.T_then_now.translation_m.x() = 100.0;  // too far for this place
+  PlaceRegion with_blocks = region;
+  with_blocks.radius_m += 23.0;
+  EXPECT_FALSE(with_blocks.Holds(T_map_vehicle));
+  for (const PlaceHypothesis& place : Search(map, points, {.region = region})) {
+    const Pose2 T_map_place =
+        Flatten(map->keyframe(place.keyframe).T_map_keyframe) * place.T_keyframe_vehicle;
+    EXPECT_TRUE(with_blocks.Holds(T_map_place));
+  }
+}
+
 TEST(PlaceSearchTest, ScoreIsTheShareThatLiesOnLandmarks) {
   const auto map = RandomStreets(30);
   std::vector<Eigen::Vector2f> points = Seen(*map, map->keyframe(10).T_map_keyframe);
@@ -127,24 +153,25 @@ TEST(PlaceSearchTest, ScoreIsTheShareThatLiesOnLandmarks) {
   EXPECT_NEAR(Search(map, points)[0].score, 0.5 * all, 0.1);
 }
 
-TEST(PlaceSearchTest, GoesTileByTileAndKnowsTheBestSoFar) {
+TEST(PlaceSearchTest, GoesPieceByPieceAndKnowsTheBestSoFar) {
   const auto map = RandomStreets(400);
   const std::vector<Eigen::Vector2f> points = Seen(*map, map->keyframe(200).T_map_keyframe);
   PlaceSearch search(map, points);
   EXPECT_TRUE(search.Best().empty());
-  int tiles = 0;
+  int pieces = 0;
   double best = 0.0;
-  for (; !search.done(); ++tiles) {
-    search.SearchNextTile();
+  for (; !search.done(); ++pieces) {
+    search.SearchOn();
     const auto places = search.Best();
     ASSERT_FALSE(places.empty());
     EXPECT_GE(places[0].score, best);
     best = places[0].score;
   }
-  // The spiral's 4 km lie within some 900 m to each side.
-  EXPECT_GT(tiles, 10);
-  EXPECT_LT(tiles, 64);
-  search.SearchNextTile();
+  // 4 km of street are some hundreds of squares of 16 m, each searched in about a hundred headings;
+  // a piece has two thousand of those.
+  EXPECT_GT(pieces, 20);
+  EXPECT_LT(pieces, 200);
+  search.SearchOn();
   EXPECT_EQ(search.Best()[0].score, best) << "there is nothing after the last one";
 }
 
