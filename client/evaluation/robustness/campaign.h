@@ -22,7 +22,7 @@ struct Row {
 };
 
 /// In the order in which they are reported.
-inline constexpr std::array<Row, 13> kRows = {
+inline constexpr std::array<Row, 15> kRows = {
     {{"undisturbed", "undisturbed"},
      {"outliers", "10 scans, 60 % outliers"},
      {"displaced", "10 scans, displaced copy"},
@@ -35,7 +35,9 @@ inline constexpr std::array<Row, 13> kRows = {
      {"start-3m", "from 3 m / 5 deg", true},
      {"start-5m", "from 5 m / 10 deg", true},
      {"start-gnss", "from a GNSS fix of 3 m, no heading", true},
-     {"start-none", "from nothing", true}}};
+     {"start-none", "from nothing", true},
+     {"recorded-start-gnss", "recordings, from a GNSS fix of 3 m, no heading", true, true},
+     {"recorded-start-none", "recordings, from nothing", true, true}}};
 
 /// A map, a live drive, and what is tried there.
 struct Site {

@@ -162,7 +162,7 @@ TextTable TrackText(std::span<const TrialResult> results, bool by_site) {
 }
 
 TextTable StartText(std::span<const TrialResult> results, bool by_site) {
-  TextTable table = {{"starts", "sessions", "right within 2 s [%]", "within 3 s [%]",
+  TextTable table = {{"starts", "sessions", "right within 2 s [%]", "in the end [%]",
                       "wrong claims", "no claim", "data p50 / p99 / max [s]"}};
   AddRows(results, true, by_site, StartCells, table);
   return table;

@@ -109,6 +109,15 @@ void AddRecordedTrials(Site& site, std::uint64_t seed) {
                                                       .seed = seed},
                               .session_s = 20.0});
   }
+  // Slow vehicles need longer to come over ground that tells places apart.
+  const StartTrial start{.prior = Prior::kGnss,
+                         .perturbation = {.translation_m = 3.0, .rotation_deg = 0.0, .seed = seed},
+                         .spacing_m = 5.0,
+                         .limit_s = 10.0};
+  site.trials.emplace_back("recorded-start-gnss", start);
+  StartTrial from_nothing = start;
+  from_nothing.prior = Prior::kNone;
+  site.trials.emplace_back("recorded-start-none", from_nothing);
 }
 
 /// Sites one after the other, each in a world of its own, whose seed all else at it follows from.

@@ -13,8 +13,8 @@ namespace dcloc::robustness {
 /// speeds; worlds and drives follow from `seed`. `quick` makes a few short ones.
 std::vector<Site> SimulatedSites(std::uint64_t seed, bool quick);
 
-/// The recordings in `folder`, each drive in parts of 20 s with every kind of disturbance. Errors
-/// as of paper::RecordedCases.
+/// The recordings in `folder`, each drive in parts of 20 s with every kind of disturbance, and
+/// starts along it. Errors as of paper::RecordedCases.
 absl::StatusOr<std::vector<Site>> RecordedSites(const std::filesystem::path& folder,
                                                 std::uint64_t seed);
 
