@@ -99,10 +99,9 @@ absl::Status Download(client::MapClient& maps, const MapArguments& arguments) {
 }
 
 absl::Status Delete(client::MapClient& maps, const MapArguments& arguments) {
-  const absl::Status status =
-      arguments.all_versions
-          ? maps.Delete(arguments.map, arguments.drain)
-          : maps.DeleteVersion(arguments.map, arguments.version, arguments.drain);
+  absl::Status status = arguments.all_versions
+                            ? maps.Delete(arguments.map, arguments.drain)
+                            : maps.DeleteVersion(arguments.map, arguments.version, arguments.drain);
   if (!status.ok() || !arguments.json) return status;
   ordered_json deleted = {{"map", arguments.map}};
   if (!arguments.all_versions) deleted["version"] = arguments.version;
