@@ -107,6 +107,7 @@ std::vector<std::string> CalibrationScenes(const std::vector<SceneTrack>& tracks
   std::ranges::stable_sort(others, std::greater(), [](const SceneTrack* t) { return Way(*t); });
   if (others.size() > kMaxScenes) others.resize(kMaxScenes);
   std::vector<std::string> names;
+  names.reserve(others.size());
   for (const SceneTrack* track : others) names.push_back(track->scene);
   return names;
 }
