@@ -6,6 +6,7 @@
 #include <chrono>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -191,7 +192,8 @@ TEST_F(RecordedCasesTest, NamesTheFileAndTheFieldThatAreBroken) {
          t[0]["rotation"] = {1.0, 0.0};
        },
        "rotation"},
-      {"ego_pose", [](json& t) { t.erase(t.begin(), t.begin() + t.size() / 2); }, "RADAR_FRONT"},
+      {"ego_pose", [](json& t) { t.erase(t.begin(), std::next(t.begin(), std::ssize(t) / 2)); },
+       "RADAR_FRONT"},
   };
   for (const Damage& damage : damages) {
     json original;

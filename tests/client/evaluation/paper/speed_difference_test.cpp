@@ -13,7 +13,9 @@ namespace {
 Drive Along(double begin_s, double duration_s, const std::function<double(double)>& x_m,
             double y_m = 0.0) {
   Drive drive;
-  for (double t = 0.0; t < duration_s; t += 0.05) {
+  constexpr double kInterval_s = 0.05;
+  for (int scan = 0; scan * kInterval_s < duration_s; ++scan) {
+    const double t = scan * kInterval_s;
     DriveScan entry;
     entry.scan.stamp = At(begin_s + t);
     entry.T_map_vehicle.translation_m = {x_m(t), y_m, 0.0};
