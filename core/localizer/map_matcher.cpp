@@ -17,9 +17,8 @@ namespace {
 constexpr std::size_t kSearchPoints = 300;
 constexpr double kFineCell_m = 0.25;
 
-template <int Dim>
-std::vector<Eigen::Vector2f> Thinned(std::span<const GaussianPoint<Dim>> points,
-                                     std::size_t max_count) {
+template <typename Point>
+std::vector<Eigen::Vector2f> Thinned(std::span<const Point> points, std::size_t max_count) {
   const std::size_t stride = std::max<std::size_t>(1, (points.size() + max_count - 1) / max_count);
   std::vector<Eigen::Vector2f> thinned;
   for (std::size_t i = 0; i < points.size(); i += stride) {
@@ -155,8 +154,7 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
   if (!search_) {
     search_.emplace();
     search_->field = LikelihoodField(local_map_, kFineCell_m);
-    search_->landmarks =
-        Thinned(std::span<const GaussianPoint<Dim>>(local_map_.points()), 4 * kSearchPoints);
+    search_->landmarks = Thinned(local_map_.points(), 4 * kSearchPoints);
     search_->descriptors = RadialStatistics(search_->landmarks);
   }
   const SearchWindow window{

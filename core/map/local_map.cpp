@@ -17,7 +17,7 @@ Eigen::Matrix3d Covariance(const MapPoint& point) {
 
 template <int Dim>
 void AppendKeyframe(const Keyframe& keyframe, bool has_heights, const Pose3& T_map_local,
-                    double radius_m, std::vector<GaussianPoint<Dim>>& points) {
+                    double radius_m, std::vector<PackedPoint<Dim>>& points) {
   const Pose3 T_local_keyframe = T_map_local.Inverse() * keyframe.T_map_keyframe;
   // Only the rows that are asked for: in the plane z is left behind.
   const Eigen::Matrix<double, Dim, 3> R = T_local_keyframe.Rotation().template topRows<Dim>();
@@ -29,9 +29,9 @@ void AppendKeyframe(const Keyframe& keyframe, bool has_heights, const Pose3& T_m
     // Written so that a damaged file's NaN is left out too.
     if (!(p_local.template head<2>().squaredNorm() <= radius_m2)) continue;
     const double height_m = has_heights ? point.z_m : 0.0;
-    points.push_back({.mean_m = p_local,
-                      .covariance_m2 = R * Covariance(point) * R.transpose(),
-                      .height_square_m2 = height_m * height_m});
+    points.push_back(PackedPoint<Dim>({.mean_m = p_local,
+                                       .covariance_m2 = R * Covariance(point) * R.transpose(),
+                                       .height_square_m2 = height_m * height_m}));
   }
 }
 
@@ -55,10 +55,10 @@ LocalMap<Dim>::LocalMap(const RadarMap& map, const Eigen::Vector3d& p_map, doubl
 }
 
 template <int Dim>
-LocalMap<Dim>::LocalMap(const Pose3& T_map_local, const std::vector<Point>& points)
+LocalMap<Dim>::LocalMap(const Pose3& T_map_local, const std::vector<GaussianPoint<Dim>>& points)
     : T_map_local_(T_map_local) {
   Memory memory;
-  BuildGrid(points, memory.cells);
+  BuildGrid(std::vector<PackedPoint<Dim>>(points.begin(), points.end()), memory.cells);
 }
 
 template <int Dim>
@@ -82,17 +82,19 @@ void LocalMap<Dim>::MoveTo(const RadarMap& map, const Eigen::Vector3d& p_map, do
 
 // Counting sort of the points by cell; `cells` lends its memory.
 template <int Dim>
-void LocalMap<Dim>::BuildGrid(std::span<const Point> points, std::vector<std::uint32_t>& cells) {
+void LocalMap<Dim>::BuildGrid(std::span<const PackedPoint<Dim>> points,
+                              std::vector<std::uint32_t>& cells) {
   Resize(points_, points.size());
   if (points.empty()) return;
-  Eigen::Vector2d max_m = points.front().mean_m.template head<2>();
-  min_m_ = max_m;
-  for (const Point& point : points) {
-    min_m_ = min_m_.cwiseMin(point.mean_m.template head<2>());
+  Eigen::Vector2f min_m = points.front().mean_m.template head<2>();
+  Eigen::Vector2f max_m = min_m;
+  for (const PackedPoint<Dim>& point : points) {
+    min_m = min_m.cwiseMin(point.mean_m.template head<2>());
     max_m = max_m.cwiseMax(point.mean_m.template head<2>());
   }
-  columns_ = static_cast<int>((max_m.x() - min_m_.x()) / kCell_m) + 1;
-  rows_ = static_cast<int>((max_m.y() - min_m_.y()) / kCell_m) + 1;
+  min_m_ = min_m.cast<double>();
+  columns_ = static_cast<int>((max_m.x() - min_m.x()) / kCell_m) + 1;
+  rows_ = static_cast<int>((max_m.y() - min_m.y()) / kCell_m) + 1;
   // Counted two places further on: the sums are each next cell's begin while points are put into
   // place, and that of the cell itself once all are.
   const std::size_t cell_count =
@@ -101,7 +103,7 @@ void LocalMap<Dim>::BuildGrid(std::span<const Point> points, std::vector<std::ui
   std::ranges::fill(cell_begin_, 0);
   cells.clear();
   cells.reserve(points.size());
-  for (const Point& point : points) {
+  for (const PackedPoint<Dim>& point : points) {
     const int row = ClampedCell(point.mean_m.y() - min_m_.y(), rows_);
     const int column = ClampedCell(point.mean_m.x() - min_m_.x(), columns_);
     const auto cell = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(columns_) +

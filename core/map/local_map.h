@@ -9,6 +9,7 @@
 
 #include "core/geometry/gaussian_point.h"
 #include "core/geometry/pose.h"
+#include "core/map/packed_point.h"
 #include "core/map/radar_map.h"
 
 namespace dcloc {
@@ -19,12 +20,10 @@ namespace dcloc {
 template <int Dim>
 class LocalMap {
  public:
-  using Point = GaussianPoint<Dim>;
-
   /// What making one needs for a moment; lent from one to the next.
   struct Memory {
     std::vector<std::size_t> keyframes;
-    std::vector<Point> points;
+    std::vector<PackedPoint<Dim>> points;
     std::vector<std::uint32_t> cells;
   };
 
@@ -38,13 +37,13 @@ class LocalMap {
   void MoveTo(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m, Memory& memory);
 
   /// From points given in the local frame.
-  LocalMap(const Pose3& T_map_local, const std::vector<Point>& points);
+  LocalMap(const Pose3& T_map_local, const std::vector<GaussianPoint<Dim>>& points);
 
   bool empty() const { return points_.empty(); }
   const Pose3& T_map_local() const { return T_map_local_; }
 
   /// In cell order.
-  std::span<const Point> points() const { return points_; }
+  std::span<const PackedPoint<Dim>> points() const { return points_; }
 
   /// Calls `visit(index)` for every point in the cells that touch the square of half-width
   /// `reach_m` around (x, y) of the local frame.
@@ -74,7 +73,7 @@ class LocalMap {
  private:
   static constexpr double kCell_m = 2.0;
 
-  void BuildGrid(std::span<const Point> points, std::vector<std::uint32_t>& cells);
+  void BuildGrid(std::span<const PackedPoint<Dim>> points, std::vector<std::uint32_t>& cells);
   static int ClampedCell(double offset_m, int count) {
     const double cell = offset_m / kCell_m;
     if (!(cell > 0.0)) return 0;  // also what is not a number
@@ -82,7 +81,7 @@ class LocalMap {
   }
 
   Pose3 T_map_local_;
-  std::vector<Point> points_;
+  std::vector<PackedPoint<Dim>> points_;
   std::vector<std::uint32_t> cell_begin_;  // of each cell in points_, and twice the end
   Eigen::Vector2d min_m_ = Eigen::Vector2d::Zero();
   int columns_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace dcloc {
 namespace {
@@ -28,10 +29,10 @@ LikelihoodField::LikelihoodField(const LocalMap<Dim>& map, double cell_m) {
   if (map.empty()) return;
   std::vector<Eigen::Vector2d> positions_m;
   positions_m.reserve(map.points().size());
-  Eigen::Vector2d min_m = map.points().front().mean_m.template head<2>();
-  Eigen::Vector2d max_m = min_m;
-  for (const GaussianPoint<Dim>& point : map.points()) {
-    positions_m.emplace_back(point.mean_m.template head<2>());
+  Eigen::Vector2d min_m = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d max_m = -min_m;
+  for (const PackedPoint<Dim>& point : map.points()) {
+    positions_m.emplace_back(point.mean_m.template head<2>().template cast<double>());
     min_m = min_m.cwiseMin(positions_m.back());
     max_m = max_m.cwiseMax(positions_m.back());
   }

@@ -10,6 +10,8 @@ namespace {
 template <int Dim>
 using Vector = Eigen::Matrix<double, Dim, 1>;
 template <int Dim>
+using VectorF = Eigen::Matrix<float, Dim, 1>;
+template <int Dim>
 using Matrix = Eigen::Matrix<double, Dim, Dim>;
 
 // How far poses of a neighbourhood lie from its centre. Larger ones are left less often but have
@@ -19,6 +21,8 @@ constexpr double kWide_m = 0.1;
 constexpr double kWide_rad = 0.005;
 constexpr double kNarrow_m = 0.05;
 constexpr double kNarrow_rad = 0.001;
+// What single precision may put a point or a landmark aside.
+constexpr double kRounding_m = 1e-3;
 
 Eigen::Matrix2d Adjugate(const Eigen::Matrix2d& m) {
   Eigen::Matrix2d adjugate;
@@ -97,29 +101,31 @@ template <int Dim>
 void MatchFinder<Dim>::LookUp(const Pose<Dim>& T_local_vehicle, double blur_m) {
   wide_ = {T_local_vehicle, blur_m};
   const Matrix<Dim> R = T_local_vehicle.Rotation();
-  const double gate = Squared(gates_.gate_sigmas);
+  const auto gate = static_cast<float>(Squared(gates_.gate_sigmas));
   landmarks_end_.clear();
   std::size_t count = 0;
   for (const GaussianPoint<Dim>& point : live_) {
-    const Vector<Dim> p = R * point.mean_m + T_local_vehicle.translation_m;
+    const VectorF<Dim> p =
+        (R * point.mean_m + T_local_vehicle.translation_m).template cast<float>();
     const Matrix<Dim> covariance = R * point.covariance_m2 * R.transpose();
-    const Vector<Dim> slant_per_m = R * point.slant_per_m;
-    const double near_m = kWide_m + kWide_rad * point.mean_m.norm();
+    const VectorF<Dim> slant_per_m = (R * point.slant_per_m).template cast<float>();
+    const double near_m = kWide_m + kWide_rad * point.mean_m.norm() + kRounding_m;
     const double turned_m = kWide_rad * std::sqrt(point.covariance_m2.trace());
-    const Vector<Dim> variances =
-        (covariance.diagonal().cwiseSqrt().array() + turned_m).square() + blur_m * blur_m;
+    const VectorF<Dim> variances_m2 =
+        ((covariance.diagonal().cwiseSqrt().array() + turned_m).square() + blur_m * blur_m)
+            .template cast<float>();
+    const auto moved_m = static_cast<float>(near_m);
     map_->ForEachRunNear(
         p.x(), p.y(), gates_.reach_m + near_m, [&](std::size_t begin, std::size_t end) {
           if (landmarks_.size() < count + end - begin) landmarks_.resize(2 * (count + end - begin));
           for (std::size_t index = begin; index < end; ++index) {
-            const GaussianPoint<Dim>& landmark = map_->points()[index];
+            const PackedPoint<Dim>& landmark = map_->points()[index];
+            const VectorF<Dim> e_m = landmark.SeenBy(slant_per_m) - p;
+            const VectorF<Dim> limits_m2 = gate * (landmark.Variances_m2() + variances_m2);
             bool is_near = true;
             for (int axis = 0; axis < Dim; ++axis) {
-              const double q =
-                  landmark.mean_m(axis) + landmark.height_square_m2 * slant_per_m(axis);
-              const double apart_m = std::abs(q - p(axis)) - near_m;
-              const double limit_m2 = gate * (landmark.covariance_m2(axis, axis) + variances(axis));
-              is_near &= (apart_m <= 0.0) | (apart_m * apart_m <= limit_m2);
+              const float apart_m = std::max(std::abs(e_m(axis)) - moved_m, 0.0F);
+              is_near &= apart_m * apart_m <= limits_m2(axis);
             }
             // Kept or written over by the next: branches would be guessed wrong too often.
             landmarks_[count] = static_cast<std::uint32_t>(index);
@@ -161,10 +167,10 @@ void MatchFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>& covaria
   if (weighed_.size() < landmarks.size()) weighed_.resize(2 * landmarks.size());
   std::size_t count = 0;
   for (const std::uint32_t index : landmarks) {
-    const GaussianPoint<Dim>& landmark = map_->points()[index];
-    const Vector<Dim> q = landmark.mean_m + landmark.height_square_m2 * slant_per_m;
+    const PackedPoint<Dim>& landmark = map_->points()[index];
+    const Vector<Dim> q = landmark.SeenBy(slant_per_m);
     const Vector<Dim> e = q - p;
-    const Matrix<Dim> joint = landmark.covariance_m2 + covariance;
+    const Matrix<Dim> joint = landmark.Covariance_m2() + covariance;
     const Matrix<Dim> adjugate = Adjugate(joint);
     const double determinant = joint.row(0).dot(adjugate.col(0).transpose());
     const double scale = 1.0 / determinant;

@@ -76,7 +76,7 @@ std::optional<Pose2> ByPclGicp(const Query& query, const Pose2& start) {
   // Seen from the start, so that what is sought is near the identity.
   const Pose2 T_start_local = start.Inverse();
   for (const auto& point : query.local_map.points()) {
-    const Eigen::Vector2f p = (T_start_local * point.mean_m).cast<float>();
+    const Eigen::Vector2f p = (T_start_local * point.mean_m.cast<double>()).cast<float>();
     target->emplace_back(p.x(), p.y(), 0.0F);
   }
   pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> gicp;
@@ -118,16 +118,16 @@ void AddMatches(const Query& query, const Pose2& at, ceres::Problem& problem, do
     double best = std::numeric_limits<double>::infinity();
     WhitenedDifference match;
     query.local_map.ForEachNear(p.x(), p.y(), options.reach_m, [&](std::size_t index) {
-      const GaussianPoint<2>& landmark = query.local_map.points()[index];
-      const Eigen::Vector2d e = landmark.mean_m - p;
-      const Eigen::Matrix2d joint = landmark.covariance_m2 + covariance;
+      const PackedPoint<2>& landmark = query.local_map.points()[index];
+      const Eigen::Vector2d e = landmark.mean_m.cast<double>() - p;
+      const Eigen::Matrix2d joint = landmark.Covariance_m2() + covariance;
       const Eigen::Matrix2d information = joint.inverse();
       const double distance = e.dot(information * e);
       if (distance > options.gate_sigmas * options.gate_sigmas) return;
       const double cost = distance + std::log(joint.determinant());
       if (cost >= best) return;
       best = cost;
-      match = {landmark.mean_m, live.mean_m, information.llt().matrixU()};
+      match = {landmark.mean_m.cast<double>(), live.mean_m, information.llt().matrixU()};
     });
     if (!std::isfinite(best)) continue;
     problem.AddResidualBlock(

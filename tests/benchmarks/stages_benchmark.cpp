@@ -123,10 +123,11 @@ void Gicp(benchmark::State& state, const std::string& name) {
   state.counters["steps"] = benchmark::Counter(iterations, benchmark::Counter::kAvgIterations);
 }
 
-std::vector<Eigen::Vector2f> PointsOf(std::span<const GaussianPoint<2>> points, std::size_t count) {
+template <typename Point>
+std::vector<Eigen::Vector2f> PointsOf(std::span<const Point> points, std::size_t count) {
   std::vector<Eigen::Vector2f> chosen;
   for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / count) {
-    chosen.push_back(points[i].mean_m.cast<float>());
+    chosen.push_back(points[i].mean_m.template cast<float>());
   }
   return chosen;
 }
@@ -146,14 +147,14 @@ void Correlate(benchmark::State& state, const std::string& name) {
                               .translation_m = 3.0,
                               .rotation_rad = 0.1};
     benchmark::DoNotOptimize(
-        CorrelativeSearch(PointsOf(query.live, 300), fields[number], window, 4));
+        CorrelativeSearch(PointsOf(std::span(query.live), 300), fields[number], window, 4));
   });
 }
 
 void DescribeAndRansac(benchmark::State& state, const std::string& name) {
   ForQueries(state, InputsOf(name), [&](const Query& query, std::size_t) {
     const auto landmarks = PointsOf(query.local_map.points(), 1200);
-    const auto points = PointsOf(query.live, 300);
+    const auto points = PointsOf(std::span(query.live), 300);
     const auto pairs = MutualNearest(RadialStatistics(landmarks), RadialStatistics(points), 2);
     benchmark::DoNotOptimize(MatchRigid(landmarks, points, pairs, 1));
   });

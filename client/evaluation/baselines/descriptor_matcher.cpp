@@ -48,8 +48,8 @@ Points LandmarksInView(const LocalMap<2>& map, const Points& live, const Pose2& 
     }
   }
   Points landmarks;
-  for (const GaussianPoint<2>& point : map.points()) {
-    if (seen.contains(cell(point.mean_m))) landmarks.emplace_back(point.mean_m.cast<float>());
+  for (const PackedPoint<2>& point : map.points()) {
+    if (seen.contains(cell(point.mean_m.cast<double>()))) landmarks.push_back(point.mean_m);
   }
   return Thinned(landmarks, kMaxLandmarks);
 }

@@ -39,11 +39,11 @@ Cloud::Ptr MapCloud(const LocalMap<2>& map, const Pose2& predicted, bool with_sp
   const Pose2 T_predicted_local = predicted.Inverse();
   const Eigen::Matrix2d R = T_predicted_local.Rotation();
   auto cloud = std::make_shared<Cloud>();
-  for (const GaussianPoint<2>& point : map.points()) {
-    const Eigen::Vector2d p = T_predicted_local * point.mean_m;
+  for (const PackedPoint<2>& point : map.points()) {
+    const Eigen::Vector2d p = T_predicted_local * point.mean_m.cast<double>();
     Add(p, *cloud);
     if (!with_spread) continue;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(point.covariance_m2);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(point.Covariance_m2());
     for (int i = 0; i < 2; ++i) {
       const Eigen::Vector2d offset =
           R * axes.eigenvectors().col(i) * std::sqrt(std::max(0.0, 2.0 * axes.eigenvalues()(i)));

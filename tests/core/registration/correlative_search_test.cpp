@@ -36,8 +36,8 @@ Scene SceneAt(const Pose2& T_local_vehicle, int count, double noise_m, unsigned 
 // Distances are counted in whole cells of a grid that has the smallest coordinates on its lines.
 double ScoreByHand(const LocalMap<2>& map, const Vector2fs& points, const Pose2& T_local_vehicle,
                    double cell_m) {
-  Eigen::Vector2d min_m = map.points()[0].mean_m;
-  for (const auto& landmark : map.points()) min_m = min_m.cwiseMin(landmark.mean_m);
+  Eigen::Vector2d min_m = map.points()[0].mean_m.cast<double>();
+  for (const auto& landmark : map.points()) min_m = min_m.cwiseMin(landmark.mean_m.cast<double>());
   const auto cell_of = [&](const Eigen::Vector2d& p) {
     return Eigen::Vector2d(((p - min_m) / cell_m).array().floor());
   };
@@ -47,7 +47,9 @@ double ScoreByHand(const LocalMap<2>& map, const Vector2fs& points, const Pose2&
     double nearest = std::numeric_limits<double>::infinity();
     for (const auto& landmark : map.points()) {
       nearest = std::min(
-          nearest, (cell_of(landmark.mean_m + Eigen::Vector2d::Constant(1e-9)) - cell).norm());
+          nearest,
+          (cell_of(landmark.mean_m.cast<double>() + Eigen::Vector2d::Constant(1e-9)) - cell)
+              .norm());
     }
     sum += std::exp(-0.5 * std::pow(nearest / 1.4, 2));
   }

@@ -52,19 +52,20 @@ std::vector<GaussianPoint<Dim>> Raised(std::vector<GaussianPoint<Dim>> points,
 
 // Where the landmark lies for the point: a height moves the point, and so its match.
 template <int Dim>
-PointVector<Dim> MatchOf(const GaussianPoint<Dim>& point, const GaussianPoint<Dim>& landmark,
+PointVector<Dim> MatchOf(const GaussianPoint<Dim>& point, const PackedPoint<Dim>& landmark,
                          const Pose<Dim>& T) {
-  return landmark.mean_m + landmark.height_square_m2 * (T.Rotation() * point.slant_per_m);
+  return landmark.SeenBy(PointVector<Dim>(T.Rotation() * point.slant_per_m));
 }
 
 // What a pair costs by the definition, or nothing when it does not pass the gates.
 template <int Dim>
-std::optional<double> CostOf(const GaussianPoint<Dim>& point, const GaussianPoint<Dim>& landmark,
+std::optional<double> CostOf(const GaussianPoint<Dim>& point, const PackedPoint<Dim>& landmark,
                              const Pose<Dim>& T, double blur_m, const MatchGates& gates) {
   const PointMatrix<Dim> R = T.Rotation();
   const PointVector<Dim> e =
       MatchOf<Dim>(point, landmark, T) - (R * point.mean_m + T.translation_m);
-  const PointMatrix<Dim> joint = landmark.covariance_m2 + R * point.covariance_m2 * R.transpose() +
+  const PointMatrix<Dim> joint = landmark.Covariance_m2() +
+                                 R * point.covariance_m2 * R.transpose() +
                                  blur_m * blur_m * PointMatrix<Dim>::Identity();
   const double distance = e.dot(joint.inverse() * e);
   if (e.norm() > gates.reach_m || distance > std::pow(gates.gate_sigmas, 2)) return std::nullopt;
@@ -76,7 +77,7 @@ template <int Dim>
 std::optional<double> LeastCost(const GaussianPoint<Dim>& point, const LocalMap<Dim>& map,
                                 const Pose<Dim>& T, double blur_m, const MatchGates& gates) {
   std::optional<double> least;
-  for (const GaussianPoint<Dim>& landmark : map.points()) {
+  for (const PackedPoint<Dim>& landmark : map.points()) {
     const auto cost = CostOf<Dim>(point, landmark, T, blur_m, gates);
     if (cost && (!least || *cost < *least)) least = cost;
   }
@@ -84,8 +85,8 @@ std::optional<double> LeastCost(const GaussianPoint<Dim>& point, const LocalMap<
 }
 
 template <int Dim>
-const GaussianPoint<Dim>& LandmarkOf(const GaussianPoint<Dim>& point, const LocalMap<Dim>& map,
-                                     const Pose<Dim>& T, const PointVector<Dim>& q) {
+const PackedPoint<Dim>& LandmarkOf(const GaussianPoint<Dim>& point, const LocalMap<Dim>& map,
+                                   const Pose<Dim>& T, const PointVector<Dim>& q) {
   return *std::ranges::min_element(map.points(), {}, [&](const auto& landmark) {
     return (MatchOf<Dim>(point, landmark, T) - q).norm();
   });
@@ -116,7 +117,7 @@ TYPED_TEST(PointMatchesTest, AreTheMostLikelyLandmarksWhereverThePoseHasMoved) {
         EXPECT_FALSE(LeastCost<kDim>(point, map, T, blur_m, tighter)) << "step " << step;
         continue;
       }
-      const GaussianPoint<kDim>& landmark = LandmarkOf<kDim>(point, map, T, match->q);
+      const PackedPoint<kDim>& landmark = LandmarkOf<kDim>(point, map, T, match->q);
       // Turned a milliradian before, like the weights.
       EXPECT_LT((match->q - MatchOf<kDim>(point, landmark, T)).norm(), 0.005);
       const auto cost = CostOf<kDim>(point, landmark, T, blur_m, looser);
@@ -125,7 +126,7 @@ TYPED_TEST(PointMatchesTest, AreTheMostLikelyLandmarksWhereverThePoseHasMoved) {
       const auto least = LeastCost<kDim>(point, map, T, blur_m, tighter);
       EXPECT_TRUE(!least || *cost < *least + 0.05) << "step " << step;
       const PointMatrix<kDim> R = T.Rotation();
-      const PointMatrix<kDim> joint = landmark.covariance_m2 +
+      const PointMatrix<kDim> joint = landmark.Covariance_m2() +
                                       R * point.covariance_m2 * R.transpose() +
                                       blur_m * blur_m * PointMatrix<kDim>::Identity();
       EXPECT_LT((match->information * joint - PointMatrix<kDim>::Identity()).norm(), 0.02);
