@@ -32,14 +32,15 @@ struct BetaCheck {
   bool is_wrong = false;  ///< the error is more than chance and geometry explain
 };
 
-/// How good one answer is.
+/// How good one answer is; matches are those of the newest registration, which need not be this
+/// scan's.
 struct LocalizationQuality {
   int live_point_count = 0;     ///< static points in the sub-map
-  int inlier_count = 0;         ///< of them, matched to a landmark
+  int inlier_count = 0;         ///< live points that matched a landmark
   double overlap = 0.0;         ///< matched share of the live points, [0, 1]
   double residual_scale = 0.0;  ///< root mean square of the whitened residuals; 1 is as modelled
   double edge_distance = 0.0;   ///< squared Mahalanobis distance to the prediction (METHOD eq 19)
-  bool edge_valid = false;      ///< the scan's loop edge passed the test
+  bool edge_valid = false;      ///< its loop edge passed the test
   BetaCheck beta;               ///< of the scan's radar
 };
 

@@ -94,7 +94,6 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   if (absl::Status status = CheckOrder(scan); !status.ok()) return status;
   const RadarModel& radar = *rig_.Find(scan.radar_id);
   last_stamp_ = last_stamp_of_radar_[scan.radar_id] = scan.stamp;
-  quality_ = {};
 
   Announce(listener, Stage::kCompensation);
   Scratch<Dim>& scratch = Scratch<Dim>::OfThisThread();
@@ -112,6 +111,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   if (RegistrationIsDue(scan.stamp)) {
     window_.Join(options_.uncertainty, static_cast<std::size_t>(options_.match.max_live_points),
                  scratch.submap);
+    quality_ = {};
 
     Announce(listener, Stage::kRegistration);
     const std::optional<Registration<Dim>> registration =
@@ -188,7 +188,11 @@ bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp) const {
   const bool mature = window_.scan_count() >= options_.state.start_share * full ||
                       stamp - window_begin_ >= options_.state.start_span;
   if (!mature) return false;
-  return !last_registration_ || stamp - *last_registration_ >= options_.registration_interval;
+  const bool is_tracking = state_.state() == LocalizationState::kTracking;
+  const std::chrono::nanoseconds interval =
+      is_tracking ? std::max(options_.registration_interval, options_.tracking_interval)
+                  : options_.registration_interval;
+  return !last_registration_ || stamp - *last_registration_ >= interval;
 }
 
 // A place that was found and does not hold, an estimate that is lost, and a prior that nothing has
@@ -256,7 +260,6 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
     registration = matcher_.Match(live, graph_.Newest(), observability_,
                                   static_cast<std::uint64_t>(stamp.time_since_epoch().count()));
   }
-  quality_.live_point_count = static_cast<int>(live.size());
   if (!registration) return std::nullopt;
   quality_.inlier_count = registration->inlier_count;
   quality_.overlap = registration->overlap;

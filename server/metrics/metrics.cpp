@@ -171,7 +171,8 @@ void Metrics::ObserveAnswer(const v1::LocalizationResult& result,
   if (state >= 0 && state < static_cast<int>(kStateCount)) {
     answers_[static_cast<std::size_t>(state)]->Increment();
   }
-  if (result.quality().inlier_count() > 0) ObserveEdge(result.quality());
+  const bool is_registered = timings.registration_duration_ns() > 0;
+  if (is_registered && result.quality().inlier_count() > 0) ObserveEdge(result.quality());
   if (result.quality().beta_is_wrong()) wrong_beta_.Increment();
 }
 

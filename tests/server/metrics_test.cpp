@@ -262,16 +262,19 @@ TEST(EdgeMetricsTest, AnswersOfRadarsWithAWrongBetaAreCounted) {
   EXPECT_EQ(count, 1.0);
 }
 
-TEST(EdgeMetricsTest, OnlyMatchesAreJudged) {
+TEST(EdgeMetricsTest, OnlyMatchesAreJudgedAndEachOnce) {
   Metrics metrics;
   v1::LocalizationResult result;
   result.set_state(v1::LOCALIZATION_STATE_TRACKING);
+  result.mutable_timings()->set_registration_duration_ns(200'000);
   metrics.ObserveAnswer(result, std::chrono::microseconds(5));
   result.mutable_quality()->set_inlier_count(40);
   result.mutable_quality()->set_edge_distance(2.5);
   result.mutable_quality()->set_edge_valid(true);
   metrics.ObserveAnswer(result, std::chrono::microseconds(5));
   result.mutable_quality()->set_edge_valid(false);
+  metrics.ObserveAnswer(result, std::chrono::microseconds(5));
+  result.mutable_timings()->clear_registration_duration_ns();
   metrics.ObserveAnswer(result, std::chrono::microseconds(5));
   double distance_sum = 0.0;
   double edge_count = 0.0;

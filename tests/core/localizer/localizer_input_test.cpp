@@ -179,6 +179,8 @@ TEST_F(LocalizerCreateTest, NamesOptionsOutOfRange) {
       {[](auto& o) { o.pose_graph.takeover_support = 1; }, "pose_graph.takeover_support is 1"},
       {[](auto& o) { o.registration_interval = std::chrono::nanoseconds(-1); },
        "registration_interval"},
+      {[](auto& o) { o.tracking_interval = std::chrono::seconds(11); },
+       "tracking_interval_ms is 11000"},
       {[](auto& o) { o.match.local_map_radius_m = 1.0; }, "match.local_map_radius_m is 1"},
       {[](auto& o) { o.match.local_map_radius_m = kNan; }, "match.local_map_radius_m"},
       {[](auto& o) { o.gicp.max_iterations = 0; }, "gicp.max_iterations is 0"},

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 #include "tests/core/localizer/synthetic_world.h"
 
@@ -285,22 +286,52 @@ TEST_F(LocalizerTest, WithoutWheelsDopplerIsEnough) {
   EXPECT_LT(errors.mean_m, 0.12);
 }
 
+struct StageRecorder : StageListener {
+  std::vector<Stage> stages;
+  void OnStageBegin(Stage stage) override { stages.push_back(stage); }
+};
+
 TEST_F(LocalizerTest, StagesAreAnnouncedInOrder) {
-  struct Listener : StageListener {
-    std::vector<Stage> stages;
-    void OnStageBegin(Stage stage) override { stages.push_back(stage); }
-  };
   Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01));
+  std::size_t most = 0;
   for (std::size_t i = 0; i < 40; ++i) {
-    Listener listener;
-    ASSERT_TRUE(localizer.Localize(drive_[i].scan, &listener).ok());
-    ASSERT_GE(listener.stages.size(), 2U);
-    EXPECT_TRUE(std::is_sorted(listener.stages.begin(), listener.stages.end()));
-    EXPECT_EQ(listener.stages.front(), Stage::kCompensation);
-    if (i == 39) {
-      EXPECT_EQ(listener.stages.size(), 4U);
-    }
+    StageRecorder recorder;
+    ASSERT_TRUE(localizer.Localize(drive_[i].scan, &recorder).ok());
+    ASSERT_GE(recorder.stages.size(), 2U);
+    EXPECT_TRUE(std::is_sorted(recorder.stages.begin(), recorder.stages.end()));
+    EXPECT_EQ(recorder.stages.front(), Stage::kCompensation);
+    most = std::max(most, recorder.stages.size());
   }
+  EXPECT_EQ(most, 4U);
+}
+
+TEST_F(LocalizerTest, WhoTracksRegistersNoSoonerThanItNeedsTo) {
+  const LocalizerOptions options;
+  Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01));
+  std::optional<Stamp> last;
+  LocalizationState state = LocalizationState::kInitializing;
+  int eager_count = 0;
+  int tracking_count = 0;
+  for (std::size_t i = 0; i < 60; ++i) {
+    StageRecorder recorder;
+    const Stamp stamp = drive_[i].scan.stamp;
+    const auto answer = localizer.Localize(drive_[i].scan, &recorder);
+    ASSERT_TRUE(answer.ok());
+    if (std::ranges::find(recorder.stages, Stage::kRegistration) != recorder.stages.end()) {
+      const bool is_tracking = state == LocalizationState::kTracking;
+      if (last && is_tracking) {
+        EXPECT_GE(stamp - *last, options.tracking_interval);
+      }
+      eager_count += last && stamp - *last < options.tracking_interval ? 1 : 0;
+      tracking_count += is_tracking ? 1 : 0;
+      last = stamp;
+    }
+    state = answer->state;
+    // Of the newest registration, whether this scan's or not.
+    EXPECT_EQ(answer->quality.inlier_count > 0, last.has_value()) << "scan " << i;
+  }
+  EXPECT_GE(eager_count, options.state.confirmations - 1);
+  EXPECT_GE(tracking_count, 20);
 }
 
 TEST_F(LocalizerTest, AStartOutsideOfTheMapWaitsUntilItEntersIt) {
