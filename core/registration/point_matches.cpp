@@ -1,8 +1,11 @@
 #include "core/registration/point_matches.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numbers>
 
 namespace dcloc {
 namespace {
@@ -39,6 +42,15 @@ Eigen::Matrix3d Adjugate(const Eigen::Matrix3d& m) {
 }
 
 double Squared(double value) { return value * value; }
+
+// The logarithm of a positive normal number, or up to kLogSlack less: its exponent and mantissa
+// read as one number, a chord below the curve from each power of two to the next.
+constexpr double kLogSlack = 0.0597;
+double LogFromBelow(double value) {
+  constexpr std::int64_t kOne = 0x3FF0000000000000;  // the bits of 1.0
+  constexpr double kLog2 = std::numbers::ln2 / 4503599627370496.0;
+  return kLog2 * static_cast<double>(std::bit_cast<std::int64_t>(value) - kOne);
+}
 
 }  // namespace
 
@@ -124,8 +136,9 @@ void MatchFinder<Dim>::LookUp(const Pose<Dim>& T_local_vehicle, double blur_m) {
             const VectorF<Dim> limits_m2 = gate * (landmark.Variances_m2() + variances_m2);
             bool is_near = true;
             for (int axis = 0; axis < Dim; ++axis) {
-              const float apart_m = std::max(std::abs(e_m(axis)) - moved_m, 0.0F);
-              is_near &= apart_m * apart_m <= limits_m2(axis);
+              // Negative, square included, where it may come to lie at the point itself.
+              const float apart_m = std::abs(e_m(axis)) - moved_m;
+              is_near &= apart_m * std::abs(apart_m) <= limits_m2(axis);
             }
             // Kept or written over by the next: branches would be guessed wrong too often.
             landmarks_[count] = static_cast<std::uint32_t>(index);
@@ -203,21 +216,24 @@ template <int Dim>
 void MatchFinder<Dim>::KeepUnbeaten(const Vector<Dim>& p, double near_m,
                                     std::span<Weighed> weighed) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double inner_reach_m2 = Squared(std::max(0.0, gates_.reach_m - near_m));
   double least_max_cost = kInfinity;
   for (Weighed& one : weighed) {
-    one.log_determinant = std::log(one.determinant);
+    const double log_determinant = LogFromBelow(one.determinant);
     const double sigmas = std::sqrt(one.distance);
     const double near_sigmas = std::sqrt(one.near_distance);
-    one.min_cost = Squared(std::max(0.0, sigmas - near_sigmas)) + one.log_determinant;
+    one.min_cost = Squared(std::max(0.0, sigmas - near_sigmas)) + log_determinant;
     // Only who passes the gates everywhere excludes others.
     const bool passes = (sigmas + near_sigmas <= gates_.gate_sigmas) &
-                        ((one.q - p).norm() + near_m <= gates_.reach_m);
-    const double max_cost = Squared(sigmas + near_sigmas) + one.log_determinant;
+                        ((one.q - p).squaredNorm() <= inner_reach_m2);
+    const double max_cost = Squared(sigmas + near_sigmas) + log_determinant + kLogSlack;
     least_max_cost = std::min(least_max_cost, passes ? max_cost : kInfinity);
   }
+  const auto is_beaten = [&](const Weighed& one) { return one.min_cost > least_max_cost; };
+  const bool is_decided = std::ranges::count_if(weighed, std::not_fn(is_beaten)) == 1;
   for (const Weighed& one : weighed) {
-    if (one.min_cost > least_max_cost) continue;
-    candidates_.push_back({one.q, one.information, one.log_determinant});
+    if (is_beaten(one)) continue;
+    candidates_.push_back({one.q, one.information, is_decided ? 0.0 : std::log(one.determinant)});
   }
 }
 

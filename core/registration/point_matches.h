@@ -63,10 +63,9 @@ class MatchFinder {
     Eigen::Matrix<double, Dim, 1> q;
     Eigen::Matrix<double, Dim, Dim> information;
     double determinant;
-    double distance;       // squared Mahalanobis
-    double near_distance;  // that of the way that the point may move
-    double log_determinant = 0.0;
-    double min_cost = 0.0;  // negative log-likelihood where it is least
+    double distance;        // squared Mahalanobis
+    double near_distance;   // that of the way that the point may move
+    double min_cost = 0.0;  // at most the negative log-likelihood where it is least
   };
 
   void LookUp(const Pose<Dim>& T_local_vehicle, double blur_m);
