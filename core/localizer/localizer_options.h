@@ -81,8 +81,8 @@ struct LocalizerOptions {
 
   /// Radars of a rig that follow one another faster than this share a registration.
   std::chrono::nanoseconds registration_interval = std::chrono::milliseconds(40);
-  /// While tracking, sub-maps follow one another no faster than this: the more of its scans the
-  /// next one has in common with the last, the less it says.
+  /// While tracking, after a registration that was believed, the next one waits so long: the more
+  /// scans two sub-maps have in common, the less the second one says.
   std::chrono::nanoseconds tracking_interval = std::chrono::milliseconds(100);
 
   EgoVelocityOptions ego_velocity;

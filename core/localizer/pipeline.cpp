@@ -188,10 +188,10 @@ bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp) const {
   const bool mature = window_.scan_count() >= options_.state.start_share * full ||
                       stamp - window_begin_ >= options_.state.start_span;
   if (!mature) return false;
-  const bool is_tracking = state_.state() == LocalizationState::kTracking;
+  const bool is_steady = state_.state() == LocalizationState::kTracking && quality_.edge_valid;
   const std::chrono::nanoseconds interval =
-      is_tracking ? std::max(options_.registration_interval, options_.tracking_interval)
-                  : options_.registration_interval;
+      is_steady ? std::max(options_.registration_interval, options_.tracking_interval)
+                : options_.registration_interval;
   return !last_registration_ || stamp - *last_registration_ >= interval;
 }
 
