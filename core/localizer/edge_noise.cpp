@@ -116,7 +116,7 @@ TangentMatrix<Dim> EdgeNoise<Dim>::OfOdometry(const TangentMatrix<Dim>& covarian
 template <int Dim>
 TangentMatrix<Dim> EdgeNoise<Dim>::WeightOfOdometry(const TangentMatrix<Dim>& covariance) const {
   constexpr double kCaution = 2.0;
-  constexpr double kLeast = 0.2;
+  constexpr double kLeast = 0.1;
   return Scaled(covariance, std::clamp(kCaution * translation_.odometry_ratio, kLeast, 1.0),
                 std::clamp(kCaution * rotation_.odometry_ratio, kLeast, 1.0));
 }

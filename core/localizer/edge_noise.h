@@ -29,7 +29,7 @@ class EdgeNoise {
   TangentMatrix<Dim> OfOdometry(const TangentMatrix<Dim>& covariance) const;
 
   /// What odometry is to weigh by that has this `covariance` by its model: twice as much as it has
-  /// turned out to vary by, but no more than the model says nor less than a fifth of that.
+  /// turned out to vary by, but no more than the model says nor less than a tenth of that.
   TangentMatrix<Dim> WeightOfOdometry(const TangentMatrix<Dim>& covariance) const;
 
   /// The same of a registration.

@@ -139,7 +139,7 @@ TEST(EdgeNoiseTest, OdometryWeighsByTwiceItsNoiseWithinBounds) {
   Vehicle perfect({.odometry = 0.01});
   for (int step = 0; step < 2000; ++step) perfect.Step(noise);
   EXPECT_LT(OdometryRatio(noise).maxCoeff(), 0.3);
-  EXPECT_NEAR(noise.WeightOfOdometry(Eigen::Matrix3d::Identity())(0, 0), 0.2, 1e-12);
+  EXPECT_NEAR(noise.WeightOfOdometry(Eigen::Matrix3d::Identity())(0, 0), 0.1, 1e-12);
 }
 
 TEST(EdgeNoiseTest, WhatIsLearnedKeepsTheCorrelation) {
