@@ -29,7 +29,7 @@ absl::Status Validate(const LocalizerOptions& options) {
   const Bound bounds[] = {
       {"scans_per_submap", 1.0 * options.scans_per_submap, 1, 100},
       {"registration_interval_ms", Milliseconds(options.registration_interval), 0, 10'000},
-      {"tracking_interval_ms", Milliseconds(options.tracking_interval), 0, 10'000},
+      {"tracking_scans", 1.0 * options.tracking_scans, 1, 100},
       {"static_points.min_range_m", points.min_range_m, 0, 1000},
       {"static_points.max_range_m", points.max_range_m, points.min_range_m, 1000},
       {"static_points.static_gate_mps", points.static_gate_mps, 0, 100},

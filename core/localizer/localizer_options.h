@@ -81,9 +81,9 @@ struct LocalizerOptions {
 
   /// Radars of a rig that follow one another faster than this share a registration.
   std::chrono::nanoseconds registration_interval = std::chrono::milliseconds(40);
-  /// While tracking, after a registration that was believed, the next one waits so long: the more
-  /// scans two sub-maps have in common, the less the second one says.
-  std::chrono::nanoseconds tracking_interval = std::chrono::milliseconds(100);
+  /// While tracking, after a registration that was believed, the next one waits for so many new
+  /// scans: the more of them two sub-maps have in common, the less the second one says.
+  int tracking_scans = 2;
 
   EgoVelocityOptions ego_velocity;
   StaticPointsOptions static_points;

@@ -107,6 +107,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   whereabouts_.OnMotion(motion);
   contest_.OnMotion(motion);
   PushScan(scan, radar, motion);
+  ++scans_since_registration_;
 
   if (RegistrationIsDue(scan.stamp)) {
     window_.Join(options_.uncertainty, static_cast<std::size_t>(options_.match.max_live_points),
@@ -128,6 +129,7 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
     state_.OnRegistration(scan.stamp, quality_.edge_valid);
     LookForItAnew(scan.stamp);
     last_registration_ = scan.stamp;
+    scans_since_registration_ = 0;
   }
   return Answer(scan);
 }
@@ -189,10 +191,8 @@ bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp) const {
                       stamp - window_begin_ >= options_.state.start_span;
   if (!mature) return false;
   const bool is_steady = state_.state() == LocalizationState::kTracking && quality_.edge_valid;
-  const std::chrono::nanoseconds interval =
-      is_steady ? std::max(options_.registration_interval, options_.tracking_interval)
-                : options_.registration_interval;
-  return !last_registration_ || stamp - *last_registration_ >= interval;
+  if (is_steady && scans_since_registration_ < options_.tracking_scans) return false;
+  return !last_registration_ || stamp - *last_registration_ >= options_.registration_interval;
 }
 
 // A place that was found and does not hold, an estimate that is lost, and a prior that nothing has

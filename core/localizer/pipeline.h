@@ -76,6 +76,7 @@ class Pipeline final : public Localizer::Impl {
   std::optional<Stamp> last_stamp_;
   Stamp window_begin_{};  // of the first scan since the window was empty
   std::optional<Stamp> last_registration_;
+  int scans_since_registration_ = 0;
   std::optional<Stamp> last_learned_;  // of registrations without a common scan
   std::map<std::string, Stamp> last_stamp_of_radar_;
   int registration_count_ = 0;  // believed, since the graph was started
