@@ -22,15 +22,19 @@ constexpr std::array<CalibrationParameter, 4> kDescribed = {
     CalibrationParameter::kBeta, CalibrationParameter::kTimeOffset,
     CalibrationParameter::kRangeBias, CalibrationParameter::kMountYaw};
 
-// "+0.0401 +-0.0012", and a * if it is significant; ? what is not determined.
+// * for what is applied, (*) for a part; ? for what is not determined.
+const char* Mark(const CalibratedParameter& value) {
+  if (value.applied == value.correction) return "*";
+  if (value.applied != 0.0) return "(*)";
+  return value.determined() ? "" : "?";
+}
+
+// "+0.0401 +-0.0012 *"
 std::string Cell(const RadarCalibration& radar, CalibrationParameter parameter, double unit,
                  int digits) {
   const CalibratedParameter& value = radar.of(parameter);
-  return absl::StrFormat("%+.*f +-%.*f %s", digits, value.correction / unit, digits,
-                         kSigmas95 * value.sigma / unit,
-                         value.significant()  ? "*"
-                         : value.determined() ? " "
-                                              : "?");
+  return absl::StrFormat("%+.*f +-%.*f %-3s", digits, value.correction / unit, digits,
+                         kSigmas95 * value.sigma / unit, Mark(value));
 }
 
 std::string ConfusionsText(const Calibration& calibration) {
@@ -55,7 +59,7 @@ ordered_json RigFileJson(const Calibration& calibration) {
          {"beta_s", calibrated.beta_s},
          {"time_offset_s", calibrated.time_offset_s},
          {"range_bias_m", calibrated.range_bias_m},
-         {"mount_yaw_correction_rad", radar.of(CalibrationParameter::kMountYaw).correction},
+         {"mount_yaw_correction_rad", radar.of(CalibrationParameter::kMountYaw).applied},
          {"beta_sigma_s", calibrated.beta_sigma_s},
          {"time_offset_sigma_s", calibrated.time_offset_sigma_s},
          {"range_bias_sigma_m", calibrated.range_bias_sigma_m},
@@ -76,7 +80,8 @@ ordered_json CalibrationJson(const Calibration& calibration) {
                                    {value.correction - kSigmas95 * value.sigma,
                                     value.correction + kSigmas95 * value.sigma}},
                                   {"determined", value.determined()},
-                                  {"significant", value.significant()}};
+                                  {"significant", value.significant()},
+                                  {"applied", value.applied}};
     }
     json["radars"].push_back(std::move(entry));
   }
@@ -100,11 +105,12 @@ std::string CalibrationText(const Calibration& calibration) {
                     Cell(radar, CalibrationParameter::kRangeBias, 1.0, 3),
                     Cell(radar, CalibrationParameter::kMountYaw, kRadPerDeg, 3)});
   }
-  return absl::StrCat(FormatTable(rows),
-                      "Corrections to the description with their 95 % intervals, from ",
-                      calibration.return_count, " static returns\nand ", calibration.pair_count,
-                      " pairs of them. * is significant, ? the data hardly determine.\n",
-                      ConfusionsText(calibration));
+  return absl::StrCat(
+      FormatTable(rows), "Corrections to the description with their 95 % intervals, from ",
+      calibration.return_count, " static returns\nand ", calibration.pair_count,
+      " pairs of them. * is applied to the rig, (*) only what all radars have in common"
+      "\nor only how they differ from it; ? the data hardly determine.\n",
+      ConfusionsText(calibration));
 }
 
 }  // namespace dcloc::cli

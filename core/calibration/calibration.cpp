@@ -16,9 +16,11 @@ const char* NameOf(CalibrationParameter parameter) {
     case CalibrationParameter::kMountYaw:
       return "mount_yaw_rad";
     case CalibrationParameter::kHeightSquare:
+      return "height_square_m2";
+    case CalibrationParameter::kRangeScale:
       break;
   }
-  return "height_square_m2";
+  return "range_scale";
 }
 
 bool CalibratedParameter::significant() const {
@@ -39,7 +41,7 @@ std::vector<Confusion> Calibration::Confusions() const {
       const auto a = static_cast<Eigen::Index>(j);
       const auto b = static_cast<Eigen::Index>(i);
       const double correlation = covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
-      if (std::abs(correlation) <= kLimit) continue;
+      if (!(std::abs(correlation) > kLimit)) continue;  // nor where one was left alone, and NaN
       confusions.push_back({.radar = radars[j / kN].described.id,
                             .parameter = static_cast<CalibrationParameter>(j % kN),
                             .other_radar = radars[i / kN].described.id,
@@ -69,6 +71,7 @@ RadarModel Corrected(const RadarModel& described, CalibrationParameter parameter
                                            .normalized();
       break;
     case CalibrationParameter::kHeightSquare:
+    case CalibrationParameter::kRangeScale:
       break;
   }
   return radar;

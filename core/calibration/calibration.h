@@ -10,22 +10,35 @@
 
 namespace dcloc {
 
-/// What may be wrong with the description of one radar, in this order in every vector. The last one
-/// is no property of the radar: scatterers above or below a planar radar are seen too far by
-/// h^2 / 2r, which would otherwise pass for a range bias or for beta.
-enum class CalibrationParameter { kBeta, kTimeOffset, kRangeBias, kMountYaw, kHeightSquare };
-inline constexpr int kCalibrationParameters = 5;
-/// [s, s, m, rad, m^2]
+/// What may be wrong with the description of one radar, in this order in every vector. The last two
+/// are no properties of the radar, but would otherwise pass for a range bias or for beta.
+/// Scatterers above or below a planar radar are seen too far by h^2 / 2r; where they are the higher
+/// the farther, or where azimuths scatter, by a share of the range (METHOD 4).
+enum class CalibrationParameter {
+  kBeta,
+  kTimeOffset,
+  kRangeBias,
+  kMountYaw,
+  kHeightSquare,
+  kRangeScale
+};
+inline constexpr int kCalibrationParameters = 6;
+/// [s, s, m, rad, m^2, 1]
 using CalibrationVector = std::array<double, kCalibrationParameters>;
 
-/// "beta_s", "time_offset_s", "range_bias_m", "mount_yaw_rad", "height_square_m2".
+/// "beta_s", "time_offset_s", "range_bias_m", "mount_yaw_rad", "height_square_m2",
+/// "range_scale".
 const char* NameOf(CalibrationParameter parameter);
 
 /// One correction with what the data say of it.
 struct CalibratedParameter {
-  double correction = 0.0;  ///< to be added to the description
+  double correction = 0.0;  ///< what the data say is to be added to the description
   double sigma = 0.0;       ///< of the correction, never above what was known before the data
   double prior_sigma = 0.0;
+  /// What is added to the description: all of the correction, or the part of it that the data
+  /// support (`ChooseApplied`).
+  double applied = 0.0;
+  double remaining_sigma = 0.0;  ///< of the error that stays, never above `prior_sigma`
 
   /// The data narrowed it to less than half of what was known before.
   bool determined() const { return sigma < 0.5 * prior_sigma; }
@@ -63,7 +76,8 @@ struct Calibration {
   std::vector<Confusion> Confusions() const;
 };
 
-/// The described radar with `parameter` corrected by `correction`; a height changes nothing.
+/// The described radar with `parameter` corrected by `correction`; what is no property of the radar
+/// changes nothing.
 RadarModel Corrected(const RadarModel& described, CalibrationParameter parameter,
                      double correction);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "absl/strings/str_format.h"
+#include "core/calibration/applied_corrections.h"
 #include "core/calibration/overlap.h"
 
 namespace dcloc {
@@ -70,11 +71,32 @@ Eigen::MatrixXd PriorInformation(Eigen::Index size, const CalibratorOptions& opt
   return covariance.llt().solve(Eigen::MatrixXd::Identity(size, size));
 }
 
+// Covariance of what two estimates differ by, which is taken for one error that is common to the
+// radars and one of each radar's own, for each kind of parameter.
+Eigen::MatrixXd CovarianceOf(const Eigen::VectorXd& difference) {
+  const Eigen::Index size = difference.size();
+  const auto of_radars = difference.reshaped(kCalibrationParameters, Eigen::AutoSize);
+  const Eigen::VectorXd common = of_radars.rowwise().mean();
+  const Eigen::VectorXd own_variance =
+      (of_radars.colwise() - common).array().square().rowwise().mean();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const Eigen::Index kind = i % kCalibrationParameters;
+    for (Eigen::Index j = kind; j < size; j += kCalibrationParameters) {
+      covariance(i, j) = common(kind) * common(kind);
+    }
+    covariance(i, i) += own_variance(kind);
+  }
+  return covariance;
+}
+
 struct PairedFrame {
   FrameReturns seen;
   std::vector<ReturnPair> pairs;
 };
 
+// `scale` is 0 for what is left alone: beside a narrow prior its gradient would stay in the Godambe
+// information and move the others as if it told of them.
 Posterior Solve(const std::vector<PairedFrame>& frames, const Eigen::VectorXd& scale,
                 const CalibratorOptions& options, double min_range_m,
                 const std::function<void()>& on_step) {
@@ -97,12 +119,17 @@ Posterior Solve(const std::vector<PairedFrame>& frames, const Eigen::VectorXd& s
   return posterior;
 }
 
+Eigen::VectorXd OfEachRadar(const CalibrationVector& values, std::size_t radar_count) {
+  return Eigen::Map<const Eigen::Matrix<double, kCalibrationParameters, 1>>(values.data())
+      .replicate(static_cast<Eigen::Index>(radar_count), 1);
+}
+
 }  // namespace
 
 absl::Status Validate(const CalibratorOptions& options) {
   absl::Status status;
   for (const double sigma : options.prior_sigma) {
-    status.Update(CheckBound("prior_sigma", sigma, 1e-9, 100.0));
+    status.Update(CheckBound("prior_sigma", sigma, 0.0, 100.0));
   }
   for (const double sigma : options.floor_sigma) {
     status.Update(CheckBound("floor_sigma", sigma, 0.0, 100.0));
@@ -188,11 +215,6 @@ absl::Status Calibrator::Add(const std::string& frame_name, const Scan& scan,
   return absl::OkStatus();
 }
 
-Eigen::VectorXd Calibrator::OfEachRadar(const CalibrationVector& values) const {
-  return Eigen::Map<const Eigen::Matrix<double, kCalibrationParameters, 1>>(values.data())
-      .replicate(static_cast<Eigen::Index>(rig_.radars.size()), 1);
-}
-
 absl::StatusOr<Calibration> Calibrator::Estimate(const ProgressCallback& progress) const {
   std::size_t total = 0;
   for (const auto& [name, frame] : frames_) total += frame.seen.returns.size();
@@ -215,32 +237,39 @@ absl::StatusOr<Calibration> Calibrator::Estimate(const ProgressCallback& progres
         total, options_.reach_m, options_.stand_distance_m));
   }
 
-  const Eigen::VectorXd scale = OfEachRadar(options_.prior_sigma);
-  const std::size_t step_count = 2 * options_.scatterer_sigmas_m.size() *
+  CalibrationVector without_range_scale = options_.prior_sigma;
+  without_range_scale.at(static_cast<std::size_t>(CalibrationParameter::kRangeScale)) = 0.0;
+  const Eigen::VectorXd scale = OfEachRadar(without_range_scale, rig_.radars.size());
+  const Eigen::VectorXd prior_sigma = OfEachRadar(options_.prior_sigma, rig_.radars.size());
+  const std::size_t step_count = 3 * options_.scatterer_sigmas_m.size() *
                                  static_cast<std::size_t>(options_.iterations_per_sigma);
   std::size_t done = 0;
   const auto on_step = [&] {
     ++done;
     if (progress) progress(done, step_count);
   };
-  const Posterior all = Solve(frames, scale, options_, 0.0, on_step);
   const Posterior far = Solve(frames, scale, options_, options_.far_range_m, on_step);
-  Eigen::MatrixXd covariance = far.Covariance();
-  covariance.diagonal().array() +=
-      (far.parameters - all.parameters).array().square() +
-      (OfEachRadar(options_.floor_sigma).array() / scale.array()).square();
-  calibration.covariance = scale.asDiagonal() * covariance * scale.asDiagonal();
+  const Posterior all = Solve(frames, scale, options_, 0.0, on_step);
+  const Posterior scaled = Solve(frames, prior_sigma, options_, options_.far_range_m, on_step);
+  calibration.covariance = scale.asDiagonal() * far.Covariance() * scale.asDiagonal();
+  calibration.covariance += CovarianceOf(scale.cwiseProduct(far.parameters - all.parameters)) +
+                            CovarianceOf(scale.cwiseProduct(far.parameters - scaled.parameters));
+  calibration.covariance.diagonal() +=
+      OfEachRadar(options_.floor_sigma, rig_.radars.size()).cwiseAbs2() +
+      (prior_sigma - scale).cwiseAbs2();
 
   for (std::size_t r = 0; r < rig_.radars.size(); ++r) {
     RadarCalibration radar{.described = rig_.radars[r], .parameters = {}};
     for (std::size_t k = 0; k < kCalibrationParameters; ++k) {
       const auto at = static_cast<Eigen::Index>(r * kCalibrationParameters + k);
-      radar.parameters.at(k) = {.correction = scale(at) * far.parameters(at),
-                                .sigma = scale(at) * std::min(1.0, std::sqrt(covariance(at, at))),
-                                .prior_sigma = scale(at)};
+      radar.parameters.at(k) = {
+          .correction = scale(at) * far.parameters(at),
+          .sigma = std::min(prior_sigma(at), std::sqrt(calibration.covariance(at, at))),
+          .prior_sigma = prior_sigma(at)};
     }
     calibration.radars.push_back(std::move(radar));
   }
+  ChooseApplied(calibration);
   return calibration;
 }
 

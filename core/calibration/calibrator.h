@@ -22,20 +22,20 @@ namespace dcloc {
 
 struct CalibratorOptions {
   /// What is known before the data: deviations from the rig's description, by
-  /// CalibrationParameter. What the data do not determine stays at the description with these. A
-  /// parameter that is to be left alone gets a very small one.
-  CalibrationVector prior_sigma = {0.05, 0.05, 0.3, 0.035, 10.0};
+  /// CalibrationParameter; 0 for one that is to be left alone. That of the range scale is half the
+  /// square of 4 degrees, for elevations or azimuths that spread that much; it is free only for
+  /// comparison (`Calibrator`).
+  CalibrationVector prior_sigma = {0.05, 0.05, 0.3, 0.035, 10.0, 0.0025};
   /// By how much one radar's beta may differ from the others': radars of one make have one waveform
   /// and one firmware, and where each is judged alone, beta takes the blame for what else is wrong
   /// with it.
   double beta_spread_s = 0.003;
   StaticPointsOptions static_points = {.min_range_m = 10.0};
-  /// Estimates are made twice, with all returns and without those nearer than this; what differs is
-  /// not noise, but what the model leaves out (heights, extended objects), and widens the interval.
+  /// Returns nearer than this are left out, see `Calibrator`.
   double far_range_m = 20.0;
   /// What no amount of data narrows, by CalibrationParameter: the errors that are left on simulated
   /// drives, where neighbours that are not one scatterer still pull.
-  CalibrationVector floor_sigma = {0.001, 0.001, 0.02, 0.0005, 0.5};
+  CalibrationVector floor_sigma = {0.001, 0.001, 0.02, 0.0005, 0.5, 0.0};
   /// Beyond its noise, the size of a scatterer: first wide, so that returns of one scatterer find
   /// one another, then as it is.
   std::vector<double> scatterer_sigmas_m = {1.0, 0.6, 0.4, 0.3, 0.3};
@@ -56,7 +56,13 @@ struct CalibratorOptions {
 /// landmarks and no decisions about what belongs together), from a wide kernel to a narrow one.
 /// What the data are worth is the Godambe information H V^-1 H with V from the spread of the
 /// gradient over places, so that neither repeated views nor the size of objects count as knowledge;
-/// it is joined with the prior. Deterministic.
+/// it is joined with the prior.
+///
+/// Two more estimates are made, one with near returns, too, and one with a free range scale. What
+/// differs from them is not noise, but what the model leaves out (how high scatterers are, extended
+/// objects): an error that is common to the radars, which see one world, and one of each radar's
+/// own, which widen the covariance. What of the corrections is then worth applying, `ChooseApplied`
+/// says. Deterministic.
 class Calibrator {
  public:
   /// InvalidArgument names what is wrong with the rig or the options.
@@ -89,7 +95,6 @@ class Calibrator {
       : rig_(std::move(rig)), options_(std::move(options)) {}
 
   Frame& FrameNamed(const std::string& name, const Eigen::Vector3d& origin_m);
-  Eigen::VectorXd OfEachRadar(const CalibrationVector& values) const;
   std::uint32_t StandAt(Frame& frame, const Eigen::Vector2d& position_m, std::size_t radar) const;
 
   Rig rig_;

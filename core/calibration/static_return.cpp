@@ -24,6 +24,8 @@ Eigen::Matrix<double, 2, kCalibrationParameters> JacobianByParameters(
   column(CalibrationParameter::kHeightSquare) =
       view.planar ? Eigen::Vector2d(-u / (2.0 * std::max(sight_m.norm(), kMinRange_m)))
                   : Eigen::Vector2d::Zero();
+  column(CalibrationParameter::kRangeScale) =
+      view.planar ? Eigen::Vector2d(-u * sight_m.norm()) : Eigen::Vector2d::Zero();
   return jacobian;
 }
 

@@ -43,6 +43,13 @@ TEST(CalibrationTest, NamesWhatTheDataCannotTellApart) {
   EXPECT_THAT(TwoParametersOfOneRadar(0.85).Confusions(), ::testing::IsEmpty());
 }
 
+TEST(CalibrationTest, ConfusesNothingWithWhatWasLeftAlone) {
+  Calibration calibration = TwoParametersOfOneRadar(0.0);
+  calibration.covariance.col(0).setZero();
+  calibration.covariance.row(0).setZero();
+  EXPECT_THAT(calibration.Confusions(), ::testing::IsEmpty());
+}
+
 TEST(CorrectedTest, TurnsTheMountAboutTheVehiclesAxis) {
   RadarModel radar{.id = "left"};
   radar.T_vehicle_radar = Embed(Pose2{.translation_m = {3.0, 1.0}, .yaw_rad = 1.0});

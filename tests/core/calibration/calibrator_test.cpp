@@ -28,9 +28,10 @@ Rig ThreeRadars(double beta_s) {
 }
 
 // Two passes of the bend, as `truth` measures them and `described` is believed.
-Calibrator TwoPasses(const Rig& truth, const Rig& described, double range_bias_m = 0.0) {
+Calibrator TwoPasses(const Rig& truth, const Rig& described, double range_bias_m = 0.0,
+                     const CalibratorOptions& options = {}) {
   const SyntheticWorld world;
-  auto calibrator = Calibrator::Create(described);
+  auto calibrator = Calibrator::Create(described, options);
   EXPECT_TRUE(calibrator.ok()) << calibrator.status();
   for (const double speed_mps : {8.0, 20.0}) {
     for (TrueScan& seen : DriveRoad(world, truth, speed_mps, 7)) {
@@ -83,6 +84,35 @@ TEST(CalibratorTest, FindsARangeBias) {
   }
 }
 
+// What is right already stays as described, whatever noise says.
+TEST(CalibratorTest, AppliesWhatIsWrongAndLeavesTheRest) {
+  Rig truth = ThreeRadars(0.0);
+  truth.radars[1] = Corrected(truth.radars[1], CalibrationParameter::kMountYaw, 0.012);
+  const auto calibration = TwoPasses(truth, ThreeRadars(0.0)).Estimate();
+  ASSERT_TRUE(calibration.ok()) << calibration.status();
+  for (const RadarCalibration& radar : calibration->radars) {
+    SCOPED_TRACE(radar.described.id);
+    const CalibratedParameter& beta = radar.of(CalibrationParameter::kBeta);
+    EXPECT_EQ(beta.applied, 0.0);
+    EXPECT_GE(beta.remaining_sigma, std::abs(beta.correction));
+    EXPECT_LE(beta.remaining_sigma, beta.prior_sigma);
+  }
+  EXPECT_NEAR(calibration->radars[1].of(CalibrationParameter::kMountYaw).applied, 0.012, 0.004);
+}
+
+TEST(CalibratorTest, LeavesAloneWhatIsKnown) {
+  CalibratorOptions options;
+  options.prior_sigma.at(static_cast<std::size_t>(CalibrationParameter::kRangeBias)) = 0.0;
+  const auto calibration = TwoPasses(ThreeRadars(0.0), ThreeRadars(0.0), 0.25, options).Estimate();
+  ASSERT_TRUE(calibration.ok()) << calibration.status();
+  for (const RadarCalibration& radar : calibration->radars) {
+    const CalibratedParameter& bias = radar.of(CalibrationParameter::kRangeBias);
+    EXPECT_EQ(bias.correction, 0.0);
+    EXPECT_EQ(bias.sigma, 0.0);
+    EXPECT_EQ(bias.remaining_sigma, 0.0);
+  }
+}
+
 // Driving straight at one speed with one radar, beta moves everything as a time offset does.
 TEST(CalibratorTest, SaysWhatOneStraightPassCannotTell) {
   const SyntheticWorld world;
@@ -128,7 +158,7 @@ TEST(CalibratorTest, RefusesOptionsThatMakeNoSense) {
   const auto message = [](const CalibratorOptions& options) {
     return std::string(Calibrator::Create(FrontRadar(), options).status().message());
   };
-  EXPECT_THAT(message({.prior_sigma = {0.0, 1.0, 1.0, 1.0, 1.0}}), HasSubstr("prior_sigma"));
+  EXPECT_THAT(message({.prior_sigma = {-1.0, 1.0, 1.0, 1.0, 1.0, 1.0}}), HasSubstr("prior_sigma"));
   EXPECT_THAT(message({.scatterer_sigmas_m = {}}), HasSubstr("scatterer_sigmas_m"));
   EXPECT_THAT(message({.iterations_per_sigma = 0}), HasSubstr("iterations_per_sigma"));
   EXPECT_THAT(message({.reach_m = std::nan("")}), HasSubstr("reach_m"));

@@ -85,6 +85,15 @@ TEST(HeightTest, BringsATargetAbovePlanarRadarsNearer) {
   EXPECT_LT((seen_m + kHeight_m * kHeight_m * column - ground_m).norm(), 1e-3);
 }
 
+TEST(RangeScaleTest, BringsATargetNearerByAShareOfItsRange) {
+  const ScanView view = ViewOf(Radar(0.0));
+  const Eigen::Vector2d seen_m = view.radar_m + Eigen::Vector2d(0.0, 30.0);
+  const auto jacobian = JacobianByParameters(view, seen_m, 1.0);
+  const Eigen::Vector2d column =
+      jacobian.col(static_cast<Eigen::Index>(CalibrationParameter::kRangeScale));
+  EXPECT_LT((0.01 * column - Eigen::Vector2d(0.0, -0.3)).norm(), 1e-12);
+}
+
 TEST(HeightTest, IsNothingToARadarThatMeasuresIt) {
   ScanView view = ViewOf(Radar(0.0));
   view.planar = false;

@@ -1,0 +1,50 @@
+#include "core/calibration/applied_corrections.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dcloc {
+namespace {
+
+bool IsWorthApplying(double square, double variance, double prior_sigma) {
+  return variance < 0.25 * prior_sigma * prior_sigma && square > 2.0 * variance;
+}
+
+void ChooseAppliedOf(std::size_t kind, Calibration& calibration) {
+  std::vector<RadarCalibration>& radars = calibration.radars;
+  const auto count = static_cast<Eigen::Index>(radars.size());
+  const auto every =
+      Eigen::seqN(static_cast<Eigen::Index>(kind), count, Eigen::fix<kCalibrationParameters>);
+  const Eigen::MatrixXd covariance = calibration.covariance(every, every);
+  Eigen::VectorXd corrections(count);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    corrections(r) = radars[static_cast<std::size_t>(r)].parameters.at(kind).correction;
+  }
+  const double mean = corrections.mean();
+  const Eigen::VectorXd own = corrections.array() - mean;
+  const double mean_variance = covariance.mean();
+  const double own_variance = covariance.diagonal().mean() - mean_variance;
+  const double prior_sigma = radars.front().parameters.at(kind).prior_sigma;
+
+  Eigen::VectorXd applied = Eigen::VectorXd::Zero(count);
+  if (IsWorthApplying(mean * mean, mean_variance, prior_sigma)) applied.array() += mean;
+  if (IsWorthApplying(own.squaredNorm() / static_cast<double>(count), own_variance, prior_sigma)) {
+    applied += own;
+  }
+  for (Eigen::Index r = 0; r < count; ++r) {
+    CalibratedParameter& value = radars[static_cast<std::size_t>(r)].parameters.at(kind);
+    value.applied = applied(r);
+    value.remaining_sigma =
+        std::min(value.prior_sigma, std::hypot(value.sigma, value.correction - value.applied));
+  }
+}
+
+}  // namespace
+
+void ChooseApplied(Calibration& calibration) {
+  for (std::size_t kind = 0; kind < kCalibrationParameters; ++kind) {
+    ChooseAppliedOf(kind, calibration);
+  }
+}
+
+}  // namespace dcloc
