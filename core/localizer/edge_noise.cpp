@@ -8,13 +8,17 @@
 namespace dcloc {
 namespace {
 
-constexpr double kForget = 0.98;  // the memory is some fifty pairs long
-constexpr double kMinOdometryRatio = 0.005;
+constexpr double kMinOdometryRatio = 0.0005;
 constexpr double kMinRegistrationRatio = 1.0;  // no better than their points promise
 constexpr double kPriorRegistrationRatio = 3.0;
 constexpr double kMaxRatio = 25.0;
 // A registration that is wrong must not stand for either.
 constexpr double kMaxSquaredSigmas = 9.0;
+
+// What is kept of the pairs before, of which there were so many. The memory is the newest third of
+// them: the first ones tell of odometry whose constant errors were not known yet. Later it is some
+// fifty pairs long.
+double Kept(double pair_count) { return std::min(0.98, 1.0 - 2.0 / (pair_count + 3.0)); }
 
 template <int Dim>
 PoseEstimate<Dim> Composed(const PoseEstimate<Dim>& first, const PoseEstimate<Dim>& second) {
@@ -73,12 +77,13 @@ template <int Dim>
 void EdgeNoise<Dim>::Part::Add(Pairs& pairs, double squared_error, double known,
                                double registrations, double odometry) const {
   const double expected = known + registration_ratio * registrations + odometry_ratio * odometry;
-  pairs.error =
-      kForget * pairs.error + std::min(squared_error, kMaxSquaredSigmas * expected) - known;
-  pairs.registrations = kForget * pairs.registrations + registrations;
-  pairs.odometry = kForget * pairs.odometry + odometry;
-  pairs.count = kForget * pairs.count + 1.0;
-  pairs.prior_count *= kForget;
+  const double kept = Kept(pairs.number);
+  pairs.number += 1.0;
+  pairs.error = kept * pairs.error + std::min(squared_error, kMaxSquaredSigmas * expected) - known;
+  pairs.registrations = kept * pairs.registrations + registrations;
+  pairs.odometry = kept * pairs.odometry + odometry;
+  pairs.count = kept * pairs.count + 1.0;
+  pairs.prior_count *= kept;
 }
 
 // error = registration_ratio * registrations + odometry_ratio * odometry, for near pairs and for

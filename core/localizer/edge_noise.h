@@ -44,13 +44,15 @@ class EdgeNoise {
     PoseEstimate<Dim> to_now;
   };
 
-  // Sums over pairs of squared errors and of what the two covariances expect of them.
+  // Sums over pairs of squared errors and of what the two covariances expect of them, of which old
+  // ones fade.
   struct Pairs {
     double error = 0.0;
     double registrations = 0.0;
     double odometry = 0.0;
     double count = 0.0;
-    double prior_count = 0.05;  // that the covariances' own word is worth
+    double prior_count = 0.005;  // that the covariances' own word is worth
+    double number = 0.0;         // of all pairs, which does not fade
   };
 
   // Of translation, or of rotation.

@@ -56,6 +56,16 @@ double Share(std::chrono::nanoseconds duration, std::chrono::nanoseconds interva
   return std::min<double>(share, registration_count);
 }
 
+// How long landmarks are seen.
+std::chrono::nanoseconds TimeInView(const EgoVelocity& ego_velocity) {
+  constexpr double kWayInView_m = 50.0;
+  constexpr double kMaxTime_s = 10.0;
+  const double speed_mps = ego_velocity.linear_mps.norm();
+  const double time_s = std::min(kMaxTime_s, kWayInView_m / std::max(1e-3, speed_mps));
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(time_s));
+}
+
 PoseGraphOptions GraphOptions(const LocalizerOptions& options) {
   PoseGraphOptions graph = options.pose_graph;
   graph.truncate = options.truncation;
@@ -296,19 +306,21 @@ EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration,
   }
   ++registration_count_;
   // Each scan's points take part in every registration while the scan is in the sub-map, and the
-  // landmarks while they are in view, whose part in a registration's own errors is smaller.
-  constexpr double kLandmarkShare = 0.15;
+  // landmarks while they are in view.
   const std::chrono::nanoseconds interval =
       last_registration_ ? stamp - *last_registration_ : window_.span();
   const double by_scans = Share(window_.span(), interval, registration_count_);
   const double by_landmarks = Share(options_.match.shared_time, interval, registration_count_);
-  return graph_.AddLoop({.pose = registration.T_local_vehicle,
-                         .covariance = own + shared,
-                         .reused_covariance = by_scans * own + by_landmarks * shared,
-                         .noise = (by_scans + kLandmarkShare * by_landmarks) *
-                                      edge_noise_.OfRegistration(OwnNoise(registration)) +
-                                  doubt,
-                         .lasting = lasting});
+  // Of what really varies, a part is the landmarks', for as long as the vehicle passes them.
+  constexpr double kLandmarkPart = 0.15;
+  const double by_view =
+      kLandmarkPart * Share(TimeInView(ego_velocity), interval, registration_count_);
+  return graph_.AddLoop(
+      {.pose = registration.T_local_vehicle,
+       .covariance = own + shared,
+       .reused_covariance = by_scans * own + by_landmarks * shared,
+       .noise = (by_scans + by_view) * edge_noise_.OfRegistration(OwnNoise(registration)) + doubt,
+       .lasting = lasting});
 }
 
 // What the believed poses tell of the vehicle's odometry.
