@@ -39,6 +39,8 @@ class EgoMotion {
     errors_.OnPose(T_map_vehicle, covariance);
   }
   void OnJump() { errors_.OnJump(); }
+  /// Poses that were given have been wrong.
+  void Forget() { errors_ = OdometryErrors(options_.odometry_errors); }
 
   /// From the scan before the last one to the last one; identity at the first.
   const Motion& since_previous() const { return since_previous_; }

@@ -48,6 +48,7 @@ absl::Status Validate(const LocalizerOptions& options) {
       {"match.max_prior_sigma_rad", options.match.max_prior_sigma_rad, 0, 10},
       {"state.tracking_sigma_m", options.state.tracking_sigma_m, 0, 1000},
       {"state.lost_hold_ms", Milliseconds(options.state.lost_hold), 1, 1e6},
+      {"state.contradiction_span_ms", Milliseconds(options.state.contradiction_span), 0, 1e6},
       {"odometry.correlation_time_ms", Milliseconds(options.odometry.correlation_time), 1,
        kMaxTime_ms},
       {"gicp.max_iterations", 1.0 * options.gicp.max_iterations, 1, 1000},

@@ -25,7 +25,8 @@ struct MatchOptions {
   int hypotheses = 4;
   /// Predictions less certain than this may leave several places that look alike. More of them are
   /// tried, and the best is believed only with this overlap, when its log-posterior leads that of
-  /// every other place by so much, and when none fits the scans better.
+  /// every other place by so much, and when none fits the scans better. With less overlap a place
+  /// that was searched for must so stand out whatever the prediction.
   double wide_sigma_m = 1.8;
   int wide_hypotheses = 10;
   double wide_min_overlap = 0.3;
@@ -68,6 +69,8 @@ struct StateOptions {
   /// Who is lost and so uncertain for so long is looked for as at a start without a prior, nearby
   /// first.
   std::chrono::nanoseconds lost_hold = std::chrono::milliseconds(1000);
+  /// So is who within so long is lost twice to registrations that contradict the estimate.
+  std::chrono::nanoseconds contradiction_span = std::chrono::seconds(10);
 };
 
 /// Every choice in one vehicle's pipeline. The defaults are what is evaluated and recommended.

@@ -137,8 +137,10 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::Search(std::span<const Gaussia
   const Registration<Dim> best = *std::ranges::max_element(
       found, {}, [&](const Registration<Dim>& one) { return Plausibility(one, predicted); });
   if (!Believable(best)) return std::nullopt;
-  if (wide && (best.overlap < match.wide_min_overlap ||
-               !StandsOut<Dim>(best, found, predicted, match.wide_min_lead))) {
+  // Where little of the view is mapped, too, a wrong place is as good as the right one.
+  const bool sees_little = best.overlap < match.wide_min_overlap;
+  if (wide && sees_little) return std::nullopt;
+  if ((wide || sees_little) && !StandsOut<Dim>(best, found, predicted, match.wide_min_lead)) {
     return std::nullopt;
   }
   return best;

@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
 #include "core/localizer/planar_or_spatial.h"
+#include "core/localizer/registration_edge.h"
 #include "core/localizer/scratch.h"
 #include "core/registration/calibration_covariance.h"
 
@@ -17,53 +18,11 @@ namespace {
 
 constexpr int kDofInSpace = 6;
 
-template <int Dim>
-TangentMatrix<Dim> SharedErrors(const MatchOptions& options) {
-  Tangent<Dim> variances;
-  variances.template head<Dim>().setConstant(options.shared_sigma_m * options.shared_sigma_m);
-  variances.template tail<Pose<Dim>::kDof - Dim>().setConstant(options.shared_sigma_rad *
-                                                               options.shared_sigma_rad);
-  return variances.asDiagonal();
-}
-
-// A registration's covariance scaled to the residuals that it left.
-template <int Dim>
-TangentMatrix<Dim> OwnNoise(const Registration<Dim>& registration) {
-  return registration.residual_scale * registration.residual_scale * registration.covariance;
-}
-
-// L of L L^T.
-template <int Dim>
-TangentMatrix<Dim> SquareRoot(TangentMatrix<Dim> covariance) {
-  constexpr double kMinVariance = 1e-12;
-  covariance.diagonal().array() += kMinVariance;
-  return covariance.llt().matrixL();
-}
-
 StaticPointsOptions PointOptions(const LocalizerOptions& options) {
   StaticPointsOptions points = options.static_points;
   points.compensate = options.doppler_compensation;
   points.uncertainty = options.uncertainty;
   return points;
-}
-
-// Into how many registrations, `interval` apart, what lasts for `duration` is divided; no more than
-// there were.
-double Share(std::chrono::nanoseconds duration, std::chrono::nanoseconds interval,
-             int registration_count) {
-  const double share = 1.0 + static_cast<double>(duration.count()) /
-                                 static_cast<double>(std::max<std::int64_t>(1, interval.count()));
-  return std::min<double>(share, registration_count);
-}
-
-// How long landmarks are seen.
-std::chrono::nanoseconds TimeInView(const EgoVelocity& ego_velocity) {
-  constexpr double kWayInView_m = 50.0;
-  constexpr double kMaxTime_s = 10.0;
-  const double speed_mps = ego_velocity.linear_mps.norm();
-  const double time_s = std::min(kMaxTime_s, kWayInView_m / std::max(1e-3, speed_mps));
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::duration<double>(time_s));
 }
 
 PoseGraphOptions GraphOptions(const LocalizerOptions& options) {
@@ -136,7 +95,9 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
       quality_.edge_valid = test.valid;
     }
     Learn(registration, ego_velocity, scan.stamp);
-    state_.OnRegistration(scan.stamp, quality_.edge_valid);
+    state_.OnRegistration(scan.stamp, !registration         ? RegistrationOutcome::kNone
+                                      : quality_.edge_valid ? RegistrationOutcome::kBelieved
+                                                            : RegistrationOutcome::kContradicts);
     LookForItAnew(scan.stamp);
     last_registration_ = scan.stamp;
     scans_since_registration_ = 0;
@@ -205,8 +166,8 @@ bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp) const {
   return !last_registration_ || stamp - *last_registration_ >= options_.registration_interval;
 }
 
-// A place that was found and does not hold, an estimate that is lost, and a prior that nothing has
-// confirmed while it was a prediction are given up.
+// A place that was found and does not hold, an estimate that is lost or contradicted, and a prior
+// that nothing has confirmed while it was a prediction are given up.
 template <int Dim>
 void Pipeline<Dim>::LookForItAnew(Stamp stamp) {
   if (state_.state() == LocalizationState::kTracking) {
@@ -217,8 +178,12 @@ void Pipeline<Dim>::LookForItAnew(Stamp stamp) {
   // take another place for the only one.
   constexpr double kMaxPredictionSigma_m = 4.5;
   bool is_lost = state_.IsLostForGood(stamp);
-  if (is_lost || state_.IsUnconfirmedPrior()) {
-    const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_);
+  if (is_lost || state_.IsUnconfirmedPrior() || state_.IsContradicted()) {
+    PoseEstimate<3> now = ToSpace<Dim>(Now(), options_);
+    if (state_.IsContradicted()) {
+      DoubtAll(now.covariance);
+      is_lost = true;
+    }
     is_lost =
         is_lost || std::sqrt(now.covariance.topLeftCorner<2, 2>().trace()) > kMaxPredictionSigma_m;
     if (is_lost) {
@@ -226,6 +191,18 @@ void Pipeline<Dim>::LookForItAnew(Stamp stamp) {
     }
   }
   if (is_lost || state_.BlindStartFailed()) graph_.Clear();
+}
+
+// What a contradicted estimate says of itself, and what was learned of the odometry on its way, is
+// wrong.
+template <int Dim>
+void Pipeline<Dim>::DoubtAll(Matrix6d& covariance) {
+  constexpr double kSigma_m = 4.0;
+  constexpr double kSigma_rad = 0.15;
+  covariance.topLeftCorner<2, 2>().diagonal().array() += kSigma_m * kSigma_m;
+  covariance(5, 5) += kSigma_rad * kSigma_rad;
+  ego_motion_.Forget();
+  edge_noise_ = {};
 }
 
 // The local map follows the vehicle; what the graph knows is re-expressed in its new frame.
@@ -288,39 +265,23 @@ void Pipeline<Dim>::LookAtObservability(const Registration<Dim>& registration, S
 template <int Dim>
 EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration,
                                     const EgoVelocity& ego_velocity, Stamp stamp) {
-  // What was left over beyond the model widens the covariance; what agreed better does not narrow
-  // it.
-  const double scale = std::max(1.0, registration.residual_scale);
+  const std::chrono::nanoseconds span = window_.span();
+  registration_count_ = graph_.empty() ? 1 : registration_count_ + 1;
   TangentMatrix<Dim> doubt = TangentMatrix<Dim>::Zero();
   doubt.template topLeftCorner<2, 2>() = observability_.Doubt();
-  const TangentMatrix<Dim> own = scale * scale * registration.covariance + doubt;
-  const TangentMatrix<Dim> shared = SharedErrors<Dim>(options_.match);
-  const TangentMatrix<Dim> lasting = SquareRoot<Dim>(
-      CalibrationCovariance<Dim>(Scratch<Dim>::OfThisThread().submap, rig_, ego_velocity));
-  if (graph_.empty()) {
-    graph_.Reset({.pose = registration.T_local_vehicle, .covariance = own + shared}, lasting);
-    since_state_ = {};
-    registration_count_ = 1;
-    state_.StartBlind();
-    return {.valid = true};
-  }
-  ++registration_count_;
-  // Each scan's points take part in every registration while the scan is in the sub-map, and the
-  // landmarks while they are in view.
-  const std::chrono::nanoseconds interval =
-      last_registration_ ? stamp - *last_registration_ : window_.span();
-  const double by_scans = Share(window_.span(), interval, registration_count_);
-  const double by_landmarks = Share(options_.match.shared_time, interval, registration_count_);
-  // Of what really varies, a part is the landmarks', for as long as the vehicle passes them.
-  constexpr double kLandmarkPart = 0.15;
-  const double by_view =
-      kLandmarkPart * Share(TimeInView(ego_velocity), interval, registration_count_);
-  return graph_.AddLoop(
-      {.pose = registration.T_local_vehicle,
-       .covariance = own + shared,
-       .reused_covariance = by_scans * own + by_landmarks * shared,
-       .noise = (by_scans + by_view) * edge_noise_.OfRegistration(OwnNoise(registration)) + doubt,
-       .lasting = lasting});
+  const LoopEdge<Dim> edge = RegistrationEdge<Dim>(
+      registration, doubt, edge_noise_.OfRegistration(OwnNoise<Dim>(registration)),
+      CalibrationCovariance<Dim>(Scratch<Dim>::OfThisThread().submap, rig_, ego_velocity),
+      {.interval = last_registration_ ? stamp - *last_registration_ : span,
+       .submap_span = span,
+       .speed_mps = ego_velocity.linear_mps.norm(),
+       .count = registration_count_},
+      options_.match);
+  if (!graph_.empty()) return graph_.AddLoop(edge);
+  graph_.Reset({.pose = edge.pose, .covariance = edge.covariance}, edge.lasting);
+  since_state_ = {};
+  state_.StartBlind();
+  return {.valid = true};
 }
 
 // What the believed poses tell of the vehicle's odometry.
@@ -343,13 +304,14 @@ void Pipeline<Dim>::Learn(const std::optional<Registration<Dim>>& registration,
   last_learned_ = stamp;
   const PoseEstimate<Dim> registered{
       .pose = registration->T_local_vehicle,
-      .covariance = edge_noise_.OfRegistration(OwnNoise(*registration))};
+      .covariance = edge_noise_.OfRegistration(OwnNoise<Dim>(*registration))};
   const PoseEstimate<3> in_space = ToSpace<Dim>(registered, options_);
   const Pose3& T_map_local = matcher_.T_map_local();
   ego_motion_.OnPose(T_map_local * in_space.pose, FlattenCovariance(in_space.covariance));
   const Pose<Dim> T_map_registered =
       FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registered.pose;
-  edge_noise_.OnRegistration({.pose = T_map_registered, .covariance = OwnNoise(*registration)});
+  edge_noise_.OnRegistration(
+      {.pose = T_map_registered, .covariance = OwnNoise<Dim>(*registration)});
 }
 
 template <int Dim>

@@ -45,6 +45,7 @@ class Pipeline final : public Localizer::Impl {
   bool RegistrationIsDue(Stamp stamp) const;
   void EnterLocalFrame(const Eigen::Vector3d& p_map);
   void LookForItAnew(Stamp stamp);
+  void DoubtAll(Matrix6d& covariance);
   std::optional<Registration<Dim>> Find(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
   std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
   void Learn(const std::optional<Registration<Dim>>& registration, const EgoVelocity& ego_velocity,

@@ -2,7 +2,8 @@
 
 namespace dcloc {
 
-void TrackingState::OnRegistration(Stamp stamp, bool believed) {
+void TrackingState::OnRegistration(Stamp stamp, RegistrationOutcome outcome) {
+  const bool believed = outcome == RegistrationOutcome::kBelieved;
   // What was believed before a silence confirms nothing after it.
   if (last_believed_ && stamp - *last_believed_ > options_.tracking_hold) {
     believed_in_a_row_ = 0;
@@ -10,6 +11,8 @@ void TrackingState::OnRegistration(Stamp stamp, bool believed) {
   }
   believed_in_a_row_ = believed ? believed_in_a_row_ + 1 : 0;
   refused_in_a_row_ = believed ? 0 : refused_in_a_row_ + 1;
+  contradictions_in_a_row_ =
+      outcome == RegistrationOutcome::kContradicts ? contradictions_in_a_row_ + 1 : 0;
   if (believed) last_believed_ = stamp;
   if (believed_in_a_row_ < options_.confirmations) return;
   state_ = LocalizationState::kTracking;
@@ -22,6 +25,9 @@ void TrackingState::StartBlind() {
   blind_ = true;
   believed_in_a_row_ = 0;
   refused_in_a_row_ = 0;
+  contradictions_in_a_row_ = 0;
+  last_lost_to_contradictions_.reset();
+  contradicted_ = false;
   last_believed_.reset();
   uncertain_since_.reset();
 }
@@ -41,15 +47,20 @@ void TrackingState::OnAnswer(Stamp stamp, double position_sigma_m) {
     state_ = LocalizationState::kDeadReckoning;
   }
   if (state_ == LocalizationState::kTracking) return;
-  if (unconfirmed > options_.lost_after) Lose();
+  if (unconfirmed > options_.lost_after) Lose(stamp);
   if (!uncertain_since_ && position_sigma_m > options_.lost_sigma_m) {
-    Lose();
+    Lose(stamp);
     uncertain_since_ = stamp;
   }
 }
 
 // Who is lost must be confirmed anew.
-void TrackingState::Lose() {
+void TrackingState::Lose(Stamp stamp) {
+  if (state_ != LocalizationState::kLost && contradictions_in_a_row_ >= options_.confirmations) {
+    contradicted_ = last_lost_to_contradictions_ &&
+                    stamp - *last_lost_to_contradictions_ <= options_.contradiction_span;
+    last_lost_to_contradictions_ = stamp;
+  }
   state_ = LocalizationState::kLost;
   believed_in_a_row_ = 0;
 }

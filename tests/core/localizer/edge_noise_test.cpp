@@ -97,6 +97,25 @@ TEST(EdgeNoiseTest, LearnsHowMuchOdometryReallyVaries) {
   }
 }
 
+TEST(EdgeNoiseTest, LearnsThatOdometryIsFarBetter) {
+  for (const bool of_rotation : {false, true}) {
+    EXPECT_LT(LearnedOverADrive({.odometry = 0.03, .registrations = 1.5}, of_rotation).odometry,
+              0.1);
+  }
+}
+
+// They tell of odometry before its constant errors were known.
+TEST(EdgeNoiseTest, TheFirstPairsSoonFade) {
+  EdgeNoise<2> noise;
+  Vehicle worse({.odometry = 2.0});
+  for (int step = 0; step < 150; ++step) worse.Step(noise);
+  EXPECT_GT(OdometryRatio(noise).x(), 1.0);
+  noise.OnJump();
+  Vehicle better({.odometry = 0.1});
+  for (int step = 0; step < 400; ++step) better.Step(noise);
+  EXPECT_LT(OdometryRatio(noise).x(), 0.6);
+}
+
 TEST(EdgeNoiseTest, LearnsHowMuchRegistrationsReallyVary) {
   for (const double ratio : {2.0, 4.0}) {
     for (const bool of_rotation : {false, true}) {

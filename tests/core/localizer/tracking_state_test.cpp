@@ -16,7 +16,8 @@ Stamp StampAt(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
 
 // One scan with a registration and its answer.
 void Scan(TrackingState& state, int ms, bool believed, double sigma_m = 0.1) {
-  state.OnRegistration(StampAt(ms), believed);
+  state.OnRegistration(StampAt(ms),
+                       believed ? RegistrationOutcome::kBelieved : RegistrationOutcome::kNone);
   state.OnAnswer(StampAt(ms), sigma_m);
 }
 
@@ -134,6 +135,45 @@ TEST(TrackingStateTest, WhoWasLostMustBeConfirmedAnew) {
   EXPECT_EQ(state.state(), LocalizationState::kLost);
   Scan(state, 60'200, true);
   EXPECT_EQ(state.state(), LocalizationState::kTracking);
+}
+
+// One second of registrations that contradict, from `ms` on, and then some that agree.
+void Contradict(TrackingState& state, int ms) {
+  for (const int end_ms = ms + 1000; ms <= end_ms; ms += 100) {
+    state.OnRegistration(StampAt(ms), RegistrationOutcome::kContradicts);
+    state.OnAnswer(StampAt(ms), 0.1);
+  }
+  EXPECT_EQ(state.state(), LocalizationState::kLost);
+  for (const int end_ms = ms + 500; ms < end_ms; ms += 100) Scan(state, ms, true);
+}
+
+TEST(TrackingStateTest, WhoIsLostToContradictionsTwiceIsContradicted) {
+  TrackingState state = Tracking(1000);
+  Contradict(state, 1100);
+  EXPECT_EQ(state.state(), LocalizationState::kTracking);
+  EXPECT_FALSE(state.IsContradicted());
+  Contradict(state, 2700);
+  EXPECT_TRUE(state.IsContradicted());
+  state.StartBlind();
+  EXPECT_FALSE(state.IsContradicted());
+}
+
+TEST(TrackingStateTest, ContradictionsFarApartAreTwoBursts) {
+  TrackingState state = Tracking(1000);
+  Contradict(state, 1100);
+  for (int ms = 3000; ms < 20'000; ms += 100) Scan(state, ms, true);
+  Contradict(state, 20'000);
+  EXPECT_FALSE(state.IsContradicted());
+}
+
+TEST(TrackingStateTest, WhereTheMapIsEmptyNothingContradicts) {
+  TrackingState state = Tracking(1000);
+  for (const int begin_ms : {1100, 2700}) {
+    for (int ms = begin_ms; ms <= begin_ms + 1000; ms += 100) Scan(state, ms, false);
+    EXPECT_EQ(state.state(), LocalizationState::kLost);
+    for (int ms = begin_ms + 1100; ms < begin_ms + 1600; ms += 100) Scan(state, ms, true);
+  }
+  EXPECT_FALSE(state.IsContradicted());
 }
 
 TEST(TrackingStateTest, ABlindStartIsConfirmedAnewAndThenTracks) {
