@@ -7,7 +7,9 @@ namespace dcloc {
 namespace {
 
 bool IsWorthApplying(double square, double variance, double prior_sigma) {
-  return variance < 0.25 * prior_sigma * prior_sigma && square > 2.0 * variance;
+  constexpr double kSquare95 = 1.96 * 1.96;
+  const bool is_determined = variance < 0.25 * prior_sigma * prior_sigma;
+  return square > (is_determined ? 2.0 : kSquare95) * variance;
 }
 
 void ChooseAppliedOf(std::size_t kind, Calibration& calibration) {

@@ -12,7 +12,8 @@ namespace dcloc {
 /// see one world compare their clocks with one another far better than with the poses' clock. The
 /// mean is applied or left out, and so are all deviations together. Applied, a part leaves errors
 /// of sigma^2; left out, of correction^2 - sigma^2 as far as the data tell. So it is applied if
-/// correction^2 > 2 sigma^2, and if the data determine it at all (sigma < prior_sigma / 2).
+/// correction^2 > 2 sigma^2; where the data hardly determine it (sigma >= prior_sigma / 2), only if
+/// 0 lies outside of the 95 % interval.
 void ChooseApplied(Calibration& calibration);
 
 }  // namespace dcloc

@@ -38,7 +38,7 @@ struct MatchOptions {
   /// Without a prior a place must fit better than around a prediction, hold over so much way, for
   /// who stands still always sees the same, and be more likely than every other one by this lead of
   /// its log-likelihood. So many places are tried for each view.
-  int blind_min_inlier_count = 40;
+  int blind_min_inlier_count = 200;
   double blind_min_overlap = 0.6;
   double blind_distance_m = 10.0;
   double blind_min_lead = 4.5;

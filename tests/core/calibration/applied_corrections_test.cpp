@@ -59,8 +59,12 @@ TEST(ChooseAppliedTest, TakesTheMeanWhereDifferencesAreNoise) {
   EXPECT_LT((applied - Eigen::Vector3d::Constant(0.7)).norm(), 1e-12);
 }
 
-TEST(ChooseAppliedTest, TakesNothingThatIsNotDetermined) {
-  EXPECT_EQ(Applied(TimeOffsets(10.0 * kOffsets, 0.6, 0.7)), Eigen::Vector3d::Zero());
+TEST(ChooseAppliedTest, TakesWhatIsHardlyDeterminedOnlyWhereItIsSignificant) {
+  const auto one = [](double correction) {
+    return Applied(TimeOffsets(Eigen::VectorXd::Constant(1, correction), 0.6, 0.0))(0);
+  };
+  EXPECT_EQ(one(1.1), 0.0);
+  EXPECT_EQ(one(1.2), 1.2);
 }
 
 // A correction of one sigma is as likely to harm as to help.

@@ -16,6 +16,13 @@ std::shared_ptr<const RadarMap> MapOf(const SyntheticWorld& world) {
 }
 
 // Posts at even distances along both sides of the road.
+// The posts of this world are few.
+LocalizerOptions FewPoints() {
+  LocalizerOptions options;
+  options.match.blind_min_inlier_count = 40;
+  return options;
+}
+
 SyntheticWorld PostsEvery(double spacing_m) {
   SyntheticWorld world;
   world.scatterers_m.clear();
@@ -50,8 +57,8 @@ SyntheticWorld Twins(double apart_m) {
 class Seeker {
  public:
   Seeker(const SyntheticWorld& world, const std::shared_ptr<const RadarMap>& map, double along_m,
-         double sight_m = 60.0)
-      : world_(world), contest_(map, LocalizerOptions{}), along_m_(along_m), sight_m_(sight_m) {}
+         double sight_m = 60.0, const LocalizerOptions& options = FewPoints())
+      : world_(world), contest_(map, options), along_m_(along_m), sight_m_(sight_m) {}
 
   PlaceContest<2>& contest() { return contest_; }
   Pose3 T_map_vehicle() const { return SyntheticWorld::OnRoad(along_m_); }
@@ -115,6 +122,17 @@ TEST(PlaceContestTest, APlaceThatHoldsOverNewGroundIsFound) {
   const auto found = seeker.contest().Continue();
   ASSERT_TRUE(found.has_value());
   EXPECT_LT(seeker.ErrorOf(*found), 0.3);
+}
+
+TEST(PlaceContestTest, APlaceOfFewPointsIsNotBelieved) {
+  const SyntheticWorld world;
+  LocalizerOptions options = FewPoints();
+  options.match.blind_min_inlier_count = 1000;
+  Seeker seeker(world, MapOf(world), 30.0, 60.0, options);
+  for (const double along_m : {30.0, 41.0, 52.0, 63.0}) {
+    seeker.DriveTo(along_m);
+    EXPECT_FALSE(seeker.Look()) << "at " << along_m;
+  }
 }
 
 TEST(PlaceContestTest, StandingStillDecidesNothing) {
