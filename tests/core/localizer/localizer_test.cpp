@@ -7,58 +7,13 @@
 #include <numeric>
 #include <optional>
 
+#include "tests/core/localizer/on_a_road.h"
 #include "tests/core/localizer/synthetic_world.h"
 
 namespace dcloc {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kMapSpeed_mps = 8.0;
-constexpr double kLiveSpeed_mps = 14.0;
-
-struct Errors {
-  int tracking_count = 0;
-  double mean_m = 0.0;
-  double max_m = 0.0;
-  double max_rad = 0.0;
-  int first_tracking = -1;
-};
-
-// Over the answers that claim to track.
-Errors ErrorsOf(const std::vector<TrueAnswer>& answers) {
-  Errors errors;
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    if (!answers[i].tracking()) continue;
-    if (errors.first_tracking < 0) errors.first_tracking = static_cast<int>(i);
-    ++errors.tracking_count;
-    errors.mean_m += answers[i].position_error_m();
-    errors.max_m = std::max(errors.max_m, answers[i].position_error_m());
-    errors.max_rad = std::max(errors.max_rad, answers[i].yaw_error_rad());
-  }
-  errors.mean_m /= std::max(1, errors.tracking_count);
-  return errors;
-}
-
-// One map and one drive over it at another speed, for all tests.
-class LocalizerTest : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    const SyntheticWorld world;
-    map_ = MapOfDrive(DriveRoad(world, FrontRadar(), kMapSpeed_mps, 1), FrontRadar());
-    drive_ = DriveRoad(world, FrontRadar(), kLiveSpeed_mps, 2);
-  }
-  static void TearDownTestSuite() {
-    map_.reset();
-    drive_.clear();
-  }
-
-  static Pose3 Start() { return drive_.front().T_map_vehicle; }
-
-  static std::shared_ptr<const RadarMap> map_;
-  static std::vector<TrueScan> drive_;
-};
-std::shared_ptr<const RadarMap> LocalizerTest::map_;
-std::vector<TrueScan> LocalizerTest::drive_;
+class LocalizerTest : public OnARoad {};
 
 TEST_F(LocalizerTest, TracksToAFewCentimetres) {
   const auto answers =
@@ -91,53 +46,6 @@ TEST_F(LocalizerTest, ItsCovarianceHoldsTheTruth) {
   }
   ASSERT_GT(count, 50);
   EXPECT_GE(inside, 0.97 * count);
-}
-
-TEST_F(LocalizerTest, StartsFromAPriorThatIsOff) {
-  const Pose3 off = Embed(Pose2{.translation_m = {0.8, -0.6}, .yaw_rad = 2.0 * kDegree});
-  const auto answers = LocalizeDrive(
-      MakeLocalizer(map_, FrontRadar(), PriorAt(Start() * off, 1.0, 2.0 * kDegree)), drive_);
-  const Errors errors = ErrorsOf(answers);
-  EXPECT_LT(errors.first_tracking, 30);
-  ASSERT_GT(errors.first_tracking, 0);
-  EXPECT_LT(errors.mean_m, 0.1);
-  EXPECT_LT(answers[60].position_error_m(), 0.2);
-  EXPECT_LT(answers[60].yaw_error_rad(), 0.5 * kDegree);
-}
-
-TEST_F(LocalizerTest, StartsFromAnExactPrior) {
-  const auto answers =
-      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.0, 0.0)), drive_);
-  const Errors errors = ErrorsOf(answers);
-  EXPECT_GT(errors.tracking_count, 80);
-  EXPECT_LT(errors.mean_m, 0.08);
-}
-
-TEST_F(LocalizerTest, FindsThePlaceWithoutAPrior) {
-  // From some way down the road on.
-  const std::vector<TrueScan> drive(drive_.begin() + 40, drive_.end());
-  const auto answers = LocalizeDrive(MakeLocalizer(map_, FrontRadar(), std::nullopt), drive);
-  EXPECT_EQ(answers[0].localization.state, LocalizationState::kInitializing);
-  EXPECT_GT(answers[0].localization.covariance(0, 0), 1e6) << "knows nothing, and says so";
-  const Errors errors = ErrorsOf(answers);
-  ASSERT_GE(errors.first_tracking, 0) << "never tracked";
-  EXPECT_LT(errors.first_tracking, 80);
-  EXPECT_LT(errors.mean_m, 0.1);
-  EXPECT_LT(errors.max_m, 0.4);
-}
-
-TEST_F(LocalizerTest, ElsewhereItDoesNotFindItself) {
-  // Another world: no answer may claim to track in this map.
-  SyntheticWorld other;
-  std::mt19937 random(99);
-  std::uniform_real_distribution<double> place_m(-40.0, 200.0);
-  for (Eigen::Vector3d& scatterer_m : other.scatterers_m) {
-    scatterer_m = {place_m(random), place_m(random), 0.0};
-  }
-  auto drive = DriveRoad(other, FrontRadar(), kLiveSpeed_mps, 3);
-  drive.resize(70);  // each of its searches goes over the whole map
-  const auto answers = LocalizeDrive(MakeLocalizer(map_, FrontRadar(), std::nullopt), drive);
-  EXPECT_EQ(ErrorsOf(answers).tracking_count, 0);
 }
 
 TEST_F(LocalizerTest, APlanarRigObservesThreeDegreesOfFreedom) {
@@ -227,55 +135,6 @@ TEST_F(LocalizerTest, ASilenceIsSurvivedAndNeverSoldAsTracking) {
   EXPECT_LT(answers[66].position_error_m(), 0.25);
 }
 
-TEST_F(LocalizerTest, APriorWithoutAHeadingIsSearchedAround) {
-  InitialPose prior = PriorAt(Start(), 3.0, 1.8);
-  prior.T_map_vehicle.rotation = Eigen::AngleAxisd(2.5, Eigen::Vector3d::UnitZ());
-  Localizer localizer = MakeLocalizer(map_, FrontRadar(), prior);
-  EXPECT_TRUE(localizer.searching());
-  const auto answers = LocalizeDrive(std::move(localizer), drive_);
-  EXPECT_EQ(answers[5].localization.state, LocalizationState::kInitializing);
-  EXPECT_TRUE(answers.back().tracking());
-  EXPECT_LT(answers.back().position_error_m(), 0.25);
-}
-
-// Posts at even distances along both sides look alike wherever one stands between them.
-std::vector<TrueAnswer> StartAmongPosts(const LocalizerOptions& options) {
-  constexpr double kSpacing_m = 3.0;
-  SyntheticWorld world;
-  world.scatterers_m.clear();
-  const int count = static_cast<int>((SyntheticWorld::kLength_m + 100.0) / kSpacing_m);
-  for (int i = 0; i < count; ++i) {
-    const double along_m = -30.0 + i * kSpacing_m;
-    for (const double aside_m : {-5.0, 5.0}) {
-      world.scatterers_m.push_back(SyntheticWorld::OnRoad(along_m) *
-                                   Eigen::Vector3d(0.0, aside_m, 0.0));
-    }
-  }
-  const auto map = MapOfDrive(DriveRoad(world, FrontRadar(), kMapSpeed_mps, 1), FrontRadar());
-  auto drive = DriveRoad(world, FrontRadar(), kLiveSpeed_mps, 2);
-  drive.resize(40);
-  const Pose3 off = Embed(Pose2{.translation_m = {kSpacing_m, 0.0}, .yaw_rad = 2.0 * kDegree});
-  const InitialPose prior = PriorAt(drive.front().T_map_vehicle * off, 2.1, 2.0 * kDegree);
-  return LocalizeDrive(MakeLocalizer(map, FrontRadar(), prior, options), drive);
-}
-
-TEST_F(LocalizerTest, PlacesThatLookAlikeWithinAWidePriorAreNotClaimed) {
-  LocalizerOptions credulous;
-  credulous.match.wide_sigma_m = 100.0;
-  ASSERT_GT(ErrorsOf(StartAmongPosts(credulous)).max_m, 2.0) << "or the posts do not mislead";
-  EXPECT_EQ(ErrorsOf(StartAmongPosts({})).tracking_count, 0);
-}
-
-TEST_F(LocalizerTest, AWidePriorIsClaimedAtOnceWhereOnePlaceStandsOut) {
-  const Pose3 off = Embed(Pose2{.translation_m = {2.5, -1.5}, .yaw_rad = 4.0 * kDegree});
-  const auto answers = LocalizeDrive(
-      MakeLocalizer(map_, FrontRadar(), PriorAt(Start() * off, 2.1, 5.0 * kDegree)), drive_);
-  const Errors errors = ErrorsOf(answers);
-  EXPECT_LT(errors.first_tracking, 20);
-  EXPECT_GT(errors.tracking_count, 80);
-  EXPECT_LT(errors.max_m, 0.4);
-}
-
 TEST_F(LocalizerTest, WithoutWheelsDopplerIsEnough) {
   std::vector<TrueScan> drive = drive_;
   for (TrueScan& seen : drive) seen.scan.ego_velocity.reset();
@@ -331,22 +190,6 @@ TEST_F(LocalizerTest, WhoTracksRegistersNoSoonerThanItNeedsTo) {
   }
   EXPECT_GE(eager_count, options.state.confirmations - 1);
   EXPECT_GE(tracking_count, 20);
-}
-
-TEST_F(LocalizerTest, AStartOutsideOfTheMapWaitsUntilItEntersIt) {
-  // Two kilometres off, and so far off that nothing can be computed there.
-  for (const double far_m : {2000.0, 1e9}) {
-    Pose3 away = Start();
-    away.translation_m.x() -= far_m;
-    Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(away, 0.2, 0.01));
-    for (std::size_t i = 0; i < 30; ++i) {
-      const auto answer = localizer.Localize(drive_[i].scan);
-      ASSERT_TRUE(answer.ok());
-      EXPECT_EQ(answer->state, LocalizationState::kInitializing);
-      EXPECT_TRUE(answer->T_map_vehicle.translation_m.allFinite());
-      EXPECT_TRUE(IsCovariance(answer->covariance));
-    }
-  }
 }
 
 // Range-Doppler coupling shifts targets ahead by beta times the closing speed: maps and scans that

@@ -15,26 +15,11 @@ std::shared_ptr<const RadarMap> MapOf(const SyntheticWorld& world) {
   return MapOfDrive(DriveRoad(world, FrontRadar(), kSpeed_mps, 1), FrontRadar());
 }
 
-// Posts at even distances along both sides of the road.
-// The posts of this world are few.
+// What stands in these worlds is little.
 LocalizerOptions FewPoints() {
   LocalizerOptions options;
   options.match.blind_min_inlier_count = 40;
   return options;
-}
-
-SyntheticWorld PostsEvery(double spacing_m) {
-  SyntheticWorld world;
-  world.scatterers_m.clear();
-  const int count = static_cast<int>((SyntheticWorld::kLength_m + 100.0) / spacing_m);
-  for (int i = 0; i < count; ++i) {
-    const double along_m = -30.0 + i * spacing_m;
-    for (const double aside_m : {-5.0, 5.0}) {
-      world.scatterers_m.push_back(SyntheticWorld::OnRoad(along_m) *
-                                   Eigen::Vector3d(0.0, aside_m, 0.0));
-    }
-  }
-  return world;
 }
 
 // 45 m that follow twice, `apart_m` from one another, and nothing behind the second time.
@@ -147,7 +132,7 @@ TEST(PlaceContestTest, StandingStillDecidesNothing) {
 }
 
 TEST(PlaceContestTest, AmongPostsThatLookAlikeNothingWins) {
-  const SyntheticWorld world = PostsEvery(6.0);
+  const SyntheticWorld world = SyntheticWorld::Posts(6.0);
   Seeker seeker(world, MapOf(world), 20.0);
   for (const double along_m : {20.0, 31.0, 42.0, 53.0, 64.0, 75.0}) {
     seeker.DriveTo(along_m);

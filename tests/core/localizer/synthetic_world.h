@@ -42,6 +42,20 @@ struct SyntheticWorld {
     }
   }
 
+  /// Posts at even distances along both sides of the road.
+  static SyntheticWorld Posts(double spacing_m) {
+    SyntheticWorld world;
+    world.scatterers_m.clear();
+    const int count = static_cast<int>((kLength_m + 100.0) / spacing_m);
+    for (int i = 0; i < count; ++i) {
+      for (const double aside_m : {-5.0, 5.0}) {
+        world.scatterers_m.push_back(OnRoad(-30.0 + i * spacing_m) *
+                                     Eigen::Vector3d(0.0, aside_m, 0.0));
+      }
+    }
+    return world;
+  }
+
   /// The vehicle's pose `along_m` along the road.
   static Pose3 OnRoad(double along_m) {
     const double yaw_rad = along_m / kBendRadius_m;
