@@ -28,14 +28,16 @@ void ChooseAppliedOf(std::size_t kind, Calibration& calibration) {
   const double own_variance = covariance.diagonal().mean() - mean_variance;
   const double prior_sigma = radars.front().parameters.at(kind).prior_sigma;
 
-  Eigen::VectorXd applied = Eigen::VectorXd::Zero(count);
-  if (IsWorthApplying(mean * mean, mean_variance, prior_sigma)) applied.array() += mean;
-  if (IsWorthApplying(own.squaredNorm() / static_cast<double>(count), own_variance, prior_sigma)) {
-    applied += own;
-  }
+  const bool takes_mean = IsWorthApplying(mean * mean, mean_variance, prior_sigma);
+  const bool takes_own =
+      IsWorthApplying(own.squaredNorm() / static_cast<double>(count), own_variance, prior_sigma);
   for (Eigen::Index r = 0; r < count; ++r) {
     CalibratedParameter& value = radars[static_cast<std::size_t>(r)].parameters.at(kind);
-    value.applied = applied(r);
+    if (takes_mean && takes_own) {
+      value.applied = value.correction;
+    } else {
+      value.applied = (takes_mean ? mean : 0.0) + (takes_own ? own(r) : 0.0);
+    }
     value.remaining_sigma =
         std::min(value.prior_sigma, std::hypot(value.sigma, value.correction - value.applied));
   }
