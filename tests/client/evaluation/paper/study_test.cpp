@@ -6,9 +6,11 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "client/cli/run_folder.h"
 #include "client/evaluation/paper/simulated_cases.h"
+#include "core/calibration/calibration.h"
 #include "tests/client/datasets/temp_folder.h"
 #include "tests/client/evaluation/simulated_drives.h"
 
@@ -51,8 +53,13 @@ class Study : public ::testing::Test {
       return DrivePair{drives_->map_drive, drives_->live_drive};
     };
     if (is_calibrated) {
+      // Described so wrongly that there is something to correct.
       item.load_calibration = []() -> absl::StatusOr<std::vector<Drive>> {
-        return std::vector<Drive>{drives_->map_drive};
+        Drive drive = drives_->map_drive;
+        for (RadarModel& radar : drive.rig.radars) {
+          radar = Corrected(radar, CalibrationParameter::kMountYaw, 0.03);
+        }
+        return std::vector<Drive>{std::move(drive)};
       };
     }
     return item;
