@@ -16,8 +16,7 @@ absl::Status AddDrive(
     const Drive& drive, Calibrator& calibrator,
     const std::function<void(std::size_t)>& progress = [](std::size_t) {});
 
-/// The radar with all corrections that are applied, and with what may be left of its errors. All of
-/// them or none: a part would leave errors standing that others were estimated to cancel.
+/// The radar with what is applied of its corrections, and with what may be left of its errors.
 RadarModel Calibrated(const RadarCalibration& radar);
 
 }  // namespace dcloc
