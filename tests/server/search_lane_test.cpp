@@ -59,8 +59,10 @@ TEST(SearchLaneTest, OnlySearchesOfTheWholeMapGoToIt) {
   const double tracked_ms = BackgroundCpu_ms();
   DriveThrough(server, drive, /*with_prior=*/false);
   const double searched_ms = BackgroundCpu_ms();
-  EXPECT_LT(tracked_ms - at_start_ms, 0.5) << "a whole drive of it takes tens of milliseconds";
-  EXPECT_GT(searched_ms - tracked_ms, 2.0);
+  // To wake idle threads takes up to a millisecond or so on a busy machine, a drive's searches
+  // twenty.
+  EXPECT_LT(tracked_ms - at_start_ms, 3.0);
+  EXPECT_GT(searched_ms - tracked_ms, 6.0);
   RecordProperty("searched_ms", std::to_string(searched_ms - tracked_ms));
 }
 
