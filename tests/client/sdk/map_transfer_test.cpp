@@ -136,14 +136,14 @@ TEST_F(MapTransferTest, ADownloadThatFailsLeavesNothingAndTouchesNoFile) {
   ASSERT_TRUE(maps_->Upload(file_, "town", true).ok());
   const std::filesystem::path copy = folder_.Write("copy.dclm", {});
   EXPECT_EQ(maps_->Download("city", 0, copy).status().code(), absl::StatusCode::kNotFound);
+  const auto nowhere = maps_->Download("town", 0, folder_.path() / "no" / "copy.dclm").status();
+  EXPECT_THAT(std::string(nowhere.message()), HasSubstr("copy.dclm"));
   const auto cut = maps_->Download("town", 0, copy, [&](std::int64_t done, std::int64_t size) {
     if (done > size / 3) proxy_->Cut();
   });
   EXPECT_EQ(cut.status().code(), absl::StatusCode::kUnavailable) << cut.status();
   EXPECT_EQ(std::filesystem::file_size(copy), 0U);
   EXPECT_FALSE(std::filesystem::exists(copy.string() + ".part"));
-  const auto nowhere = maps_->Download("town", 0, folder_.path() / "no" / "copy.dclm").status();
-  EXPECT_THAT(std::string(nowhere.message()), HasSubstr("copy.dclm"));
 }
 
 }  // namespace
