@@ -3,7 +3,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "core/localizer/ego_motion.h"
+#include "core/odometry/ego_motion.h"
 
 namespace dcloc {
 

@@ -1,7 +1,7 @@
 #include "client/datasets/drive_map.h"
 
 #include "absl/strings/str_cat.h"
-#include "core/localizer/ego_motion.h"
+#include "core/odometry/ego_motion.h"
 
 namespace dcloc {
 

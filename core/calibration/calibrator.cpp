@@ -18,7 +18,7 @@ absl::Status CheckBound(const char* field, double value, double min, double max)
       absl::StrFormat("%s is %g; it must lie in [%g, %g]", field, value, min, max));
 }
 
-std::vector<StaticReturn> EvenChoice(const std::vector<StaticReturn>& returns, double share) {
+std::vector<StaticReturn> Subsample(const std::vector<StaticReturn>& returns, double share) {
   const auto count =
       static_cast<std::size_t>(std::ceil(share * static_cast<double>(returns.size())));
   std::vector<StaticReturn> chosen;
@@ -224,7 +224,7 @@ absl::StatusOr<Calibration> Calibrator::Estimate(const ProgressCallback& progres
   std::vector<PairedFrame> frames;
   for (const auto& [name, frame] : frames_) {
     PairedFrame paired{
-        .seen = {.views = frame.seen.views, .returns = EvenChoice(frame.seen.returns, share)}};
+        .seen = {.views = frame.seen.views, .returns = Subsample(frame.seen.returns, share)}};
     paired.pairs = FindPairs(paired.seen, options_.reach_m, options_.max_pairs_per_return);
     calibration.return_count += paired.seen.returns.size();
     calibration.pair_count += paired.pairs.size();

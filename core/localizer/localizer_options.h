@@ -3,12 +3,12 @@
 #include <chrono>
 
 #include "absl/status/status.h"
-#include "core/localizer/odometry_errors.h"
+#include "core/odometry/doppler_ego_velocity.h"
+#include "core/odometry/motion.h"
+#include "core/odometry/odometry_error_filter.h"
 #include "core/posegraph/pose_graph.h"
-#include "core/radar/ego_velocity.h"
 #include "core/radar/static_points.h"
 #include "core/registration/gicp.h"
-#include "core/submap/odometry.h"
 
 namespace dcloc {
 
@@ -38,11 +38,11 @@ struct MatchOptions {
   /// Without a prior a place must fit better than around a prediction, hold over so much way, for
   /// who stands still always sees the same, and be more likely than every other one by this lead of
   /// its log-likelihood. So many places are tried for each view.
-  int blind_min_inlier_count = 200;
-  double blind_min_overlap = 0.6;
-  double blind_distance_m = 10.0;
-  double blind_min_lead = 4.5;
-  int blind_places = 60;
+  int global_min_inlier_count = 200;
+  double global_min_overlap = 0.6;
+  double global_min_distance_m = 10.0;
+  double global_min_lead = 4.5;
+  int global_candidate_count = 60;
   /// What every registration lacks however many points agree: errors that its points share, of the
   /// map, of mounts and of clocks. They keep their value for `shared_time`, so that more
   /// registrations within it do not average them out.
@@ -59,7 +59,7 @@ struct StateOptions {
   std::chrono::nanoseconds start_span = std::chrono::milliseconds(1000);
   int confirmations = 3;  ///< believed registrations in a row that start tracking
   /// After a search without a prior, refused registrations in a row that start it anew.
-  int blind_refusals = 3;
+  int global_start_max_refusals = 3;
   std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
   /// Without a believed registration for so long, or less certain than this, dead reckoning is
@@ -91,7 +91,7 @@ struct LocalizerOptions {
   EgoVelocityOptions ego_velocity;
   StaticPointsOptions static_points;
   OdometryOptions odometry;
-  OdometryErrorOptions odometry_errors;
+  OdometryErrorFilterOptions odometry_error_filter;
   GicpOptions gicp;
   MatchOptions match;
   PoseGraphOptions pose_graph;

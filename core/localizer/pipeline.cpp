@@ -9,9 +9,9 @@
 #include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
 #include "core/localizer/planar_or_spatial.h"
-#include "core/localizer/registration_edge.h"
-#include "core/localizer/scratch.h"
-#include "core/registration/calibration_covariance.h"
+#include "core/localizer/workspace.h"
+#include "core/uncertainty/calibration_covariance.h"
+#include "core/uncertainty/registration_factor.h"
 
 namespace dcloc {
 namespace {
@@ -27,7 +27,7 @@ StaticPointsOptions PointOptions(const LocalizerOptions& options) {
 
 PoseGraphOptions GraphOptions(const LocalizerOptions& options) {
   PoseGraphOptions graph = options.pose_graph;
-  graph.truncate = options.truncation;
+  graph.gate_outliers = options.truncation;
   return graph;
 }
 
@@ -48,11 +48,11 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       ego_motion_(options),
       window_(options.scans_per_submap),
       matcher_(map, options),
-      contest_(std::move(map), options),
+      global_localizer_(std::move(map), options),
       graph_(GraphOptions(options)),
       state_(options.state),
-      whereabouts_(options.match),
-      beta_watch_(rig_) {
+      pose_prior_(options.match),
+      beta_monitor_(rig_) {
   if (initial_pose) Start(*initial_pose);
 }
 
@@ -65,40 +65,40 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageList
   last_stamp_ = last_stamp_of_radar_[scan.radar_id] = scan.stamp;
 
   Announce(listener, Stage::kCompensation);
-  Scratch<Dim>& scratch = Scratch<Dim>::OfThisThread();
-  const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, radar, scratch.ego_velocity);
-  StaticPoints(scan, radar, ego_velocity, PointOptions(options_), scratch.static_points);
+  Workspace<Dim>& workspace = Workspace<Dim>::OfThisThread();
+  const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, radar, workspace.ego_velocity);
+  StaticPoints(scan, radar, ego_velocity, PointOptions(options_), workspace.static_points);
 
   Announce(listener, Stage::kSubmap);
   const Motion& motion = ego_motion_.since_previous();
-  edge_noise_.OnMotion(ToEstimate<Dim>(motion));
+  noise_scales_.OnMotion(ToEstimate<Dim>(motion));
   since_state_ = Compose(since_state_, motion);
-  whereabouts_.OnMotion(motion);
-  contest_.OnMotion(motion);
+  pose_prior_.OnMotion(motion);
+  global_localizer_.OnMotion(motion);
   PushScan(scan, radar, motion);
   ++scans_since_registration_;
 
   if (RegistrationIsDue(scan.stamp)) {
     window_.Join(options_.uncertainty, static_cast<std::size_t>(options_.match.max_live_points),
-                 scratch.submap);
+                 workspace.submap);
     quality_ = {};
 
     Announce(listener, Stage::kRegistration);
     const std::optional<Registration<Dim>> registration =
-        Register(scratch.submap.points, scan.stamp);
+        Register(workspace.submap.points, scan.stamp);
 
     Announce(listener, Stage::kPoseGraph);
     if (registration) {
-      LookAtObservability(*registration, scan.stamp);
+      UpdateObservability(*registration, scan.stamp);
       const EdgeTest test = UpdateGraph(*registration, ego_velocity, scan.stamp);
       quality_.edge_distance = test.distance;
       quality_.edge_valid = test.valid;
     }
     Learn(registration, ego_velocity, scan.stamp);
     state_.OnRegistration(scan.stamp, !registration         ? RegistrationOutcome::kNone
-                                      : quality_.edge_valid ? RegistrationOutcome::kBelieved
-                                                            : RegistrationOutcome::kContradicts);
-    LookForItAnew(scan.stamp);
+                                      : quality_.edge_valid ? RegistrationOutcome::kAccepted
+                                                            : RegistrationOutcome::kOutlier);
+    HandleLoss(scan.stamp);
     last_registration_ = scan.stamp;
     scans_since_registration_ = 0;
   }
@@ -127,8 +127,8 @@ absl::Status Pipeline<Dim>::CheckOrder(const Scan& scan) const {
 
 template <int Dim>
 void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
-  if (!whereabouts_.IsPrediction(initial_pose.covariance)) {
-    whereabouts_.Set({.pose = initial_pose.T_map_vehicle, .covariance = initial_pose.covariance});
+  if (!pose_prior_.IsPrediction(initial_pose.covariance)) {
+    pose_prior_.Set({.pose = initial_pose.T_map_vehicle, .covariance = initial_pose.covariance});
     return;
   }
   matcher_.MoveTo(initial_pose.T_map_vehicle.translation_m);
@@ -145,12 +145,12 @@ void Pipeline<Dim>::PushScan(const Scan& scan, const RadarModel& radar, const Mo
   if (std::sqrt(motion.covariance.topLeftCorner<2, 2>().trace()) > kMaxGapSigma_m ||
       std::sqrt(motion.covariance(5, 5)) > kMaxGapSigma_rad) {
     window_.Clear();
-    edge_noise_.OnJump();
+    noise_scales_.OnJump();
     was_silent_ = true;
   }
   if (window_.scan_count() == 0) window_begin_ = scan.stamp;
   window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()),
-               Scratch<Dim>::OfThisThread().static_points, motion);
+               Workspace<Dim>::OfThisThread().static_points, motion);
 }
 
 template <int Dim>
@@ -169,9 +169,9 @@ bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp) const {
 // A place that was found and does not hold, an estimate that is lost or contradicted, and a prior
 // that nothing has confirmed while it was a prediction are given up.
 template <int Dim>
-void Pipeline<Dim>::LookForItAnew(Stamp stamp) {
+void Pipeline<Dim>::HandleLoss(Stamp stamp) {
   if (state_.state() == LocalizationState::kTracking) {
-    whereabouts_.Forget();
+    pose_prior_.Forget();
   }
   if (graph_.empty()) return;
   // Searches around a prediction reach ten metres: of wider ones they would miss the truth, and
@@ -181,28 +181,28 @@ void Pipeline<Dim>::LookForItAnew(Stamp stamp) {
   if (is_lost || state_.IsUnconfirmedPrior() || state_.IsContradicted()) {
     PoseEstimate<3> now = ToSpace<Dim>(Now(), options_);
     if (state_.IsContradicted()) {
-      DoubtAll(now.covariance);
+      InflateCovariance(now.covariance);
       is_lost = true;
     }
     is_lost =
         is_lost || std::sqrt(now.covariance.topLeftCorner<2, 2>().trace()) > kMaxPredictionSigma_m;
     if (is_lost) {
-      whereabouts_.Set({.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance});
+      pose_prior_.Set({.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance});
     }
   }
-  if (is_lost || state_.BlindStartFailed()) graph_.Clear();
+  if (is_lost || state_.GlobalStartFailed()) graph_.Clear();
 }
 
 // What a contradicted estimate says of itself, and what was learned of the odometry on its way, is
 // wrong.
 template <int Dim>
-void Pipeline<Dim>::DoubtAll(Matrix6d& covariance) {
+void Pipeline<Dim>::InflateCovariance(Matrix6d& covariance) {
   constexpr double kSigma_m = 4.0;
   constexpr double kSigma_rad = 0.15;
   covariance.topLeftCorner<2, 2>().diagonal().array() += kSigma_m * kSigma_m;
   covariance(5, 5) += kSigma_rad * kSigma_rad;
   ego_motion_.Forget();
-  edge_noise_ = {};
+  noise_scales_ = {};
 }
 
 // The local map follows the vehicle; what the graph knows is re-expressed in its new frame.
@@ -221,13 +221,13 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Find(std::span<const GaussianPoi
   constexpr auto kMinSpan = std::chrono::milliseconds(400);
   const bool sees_enough =
       window_.span() >= kMinSpan &&
-      live.size() >= static_cast<std::size_t>(options_.match.blind_min_inlier_count);
-  if (sees_enough && contest_.WantsView(stamp)) {
-    contest_.AddView(stamp, live, whereabouts_.Region());
+      live.size() >= static_cast<std::size_t>(options_.match.global_min_inlier_count);
+  if (sees_enough && global_localizer_.WantsView(stamp)) {
+    global_localizer_.AddView(stamp, live, pose_prior_.Region());
   }
-  const std::optional<Pose3> T_map_vehicle = contest_.Continue();
+  const std::optional<Pose3> T_map_vehicle = global_localizer_.Continue();
   if (!T_map_vehicle) return std::nullopt;
-  contest_.Clear();
+  global_localizer_.Clear();
   return matcher_.MatchFound(live, *T_map_vehicle);
 }
 
@@ -256,10 +256,10 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
 
 // Streets change slowly: once for each sub-map is enough.
 template <int Dim>
-void Pipeline<Dim>::LookAtObservability(const Registration<Dim>& registration, Stamp stamp) {
+void Pipeline<Dim>::UpdateObservability(const Registration<Dim>& registration, Stamp stamp) {
   if (observability_stamp_ && stamp - *observability_stamp_ <= window_.span()) return;
   observability_stamp_ = stamp;
-  observability_ = matcher_.Observed(Scratch<Dim>::OfThisThread().submap.points, registration);
+  observability_ = matcher_.Observed(Workspace<Dim>::OfThisThread().submap.points, registration);
 }
 
 template <int Dim>
@@ -267,20 +267,21 @@ EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration,
                                     const EgoVelocity& ego_velocity, Stamp stamp) {
   const std::chrono::nanoseconds span = window_.span();
   registration_count_ = graph_.empty() ? 1 : registration_count_ + 1;
-  TangentMatrix<Dim> doubt = TangentMatrix<Dim>::Zero();
-  doubt.template topLeftCorner<2, 2>() = observability_.Doubt();
-  const LoopEdge<Dim> edge = RegistrationEdge<Dim>(
-      registration, doubt, edge_noise_.OfRegistration(OwnNoise<Dim>(registration)),
-      CalibrationCovariance<Dim>(Scratch<Dim>::OfThisThread().submap, rig_, ego_velocity),
+  TangentMatrix<Dim> degeneracy = TangentMatrix<Dim>::Zero();
+  degeneracy.template topLeftCorner<2, 2>() = observability_.DegeneracyCovariance();
+  const AbsolutePoseFactor<Dim> edge = RegistrationFactor<Dim>(
+      registration, degeneracy,
+      noise_scales_.RegistrationCovariance(ResidualScaledCovariance<Dim>(registration)),
+      CalibrationCovariance<Dim>(Workspace<Dim>::OfThisThread().submap, rig_, ego_velocity),
       {.interval = last_registration_ ? stamp - *last_registration_ : span,
        .submap_span = span,
        .speed_mps = ego_velocity.linear_mps.norm(),
        .count = registration_count_},
       options_.match);
-  if (!graph_.empty()) return graph_.AddLoop(edge);
-  graph_.Reset({.pose = edge.pose, .covariance = edge.covariance}, edge.lasting);
+  if (!graph_.empty()) return graph_.AddAbsolutePose(edge);
+  graph_.Reset({.pose = edge.pose, .covariance = edge.covariance}, edge.systematic);
   since_state_ = {};
-  state_.StartBlind();
+  state_.StartFromGlobalSearch();
   return {.valid = true};
 }
 
@@ -290,28 +291,28 @@ void Pipeline<Dim>::Learn(const std::optional<Registration<Dim>>& registration,
                           const EgoVelocity& ego_velocity, Stamp stamp) {
   if (state_.state() != LocalizationState::kTracking) {
     ego_motion_.OnJump();
-    edge_noise_.OnJump();
+    noise_scales_.OnJump();
     return;
   }
   if (!registration || !quality_.edge_valid) return;
-  if (beta_watch_.IsDue(stamp, window_.span())) {
-    beta_watch_.OnRegistration(stamp, Scratch<Dim>::OfThisThread().submap,
-                               matcher_.Matches(registration->T_local_vehicle),
-                               registration->T_local_vehicle, ego_velocity);
+  if (beta_monitor_.IsDue(stamp, window_.span())) {
+    beta_monitor_.OnRegistration(stamp, Workspace<Dim>::OfThisThread().submap,
+                                 matcher_.Matches(registration->T_local_vehicle),
+                                 registration->T_local_vehicle, ego_velocity);
   }
   // Registrations that share scans share their errors.
   if (last_learned_ && stamp - *last_learned_ <= window_.span()) return;
   last_learned_ = stamp;
-  const PoseEstimate<Dim> registered{
-      .pose = registration->T_local_vehicle,
-      .covariance = edge_noise_.OfRegistration(OwnNoise<Dim>(*registration))};
+  const PoseEstimate<Dim> registered{.pose = registration->T_local_vehicle,
+                                     .covariance = noise_scales_.RegistrationCovariance(
+                                         ResidualScaledCovariance<Dim>(*registration))};
   const PoseEstimate<3> in_space = ToSpace<Dim>(registered, options_);
   const Pose3& T_map_local = matcher_.T_map_local();
   ego_motion_.OnPose(T_map_local * in_space.pose, FlattenCovariance(in_space.covariance));
   const Pose<Dim> T_map_registered =
       FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registered.pose;
-  edge_noise_.OnRegistration(
-      {.pose = T_map_registered, .covariance = OwnNoise<Dim>(*registration)});
+  noise_scales_.OnRegistration(
+      {.pose = T_map_registered, .covariance = ResidualScaledCovariance<Dim>(*registration)});
 }
 
 template <int Dim>
@@ -333,14 +334,14 @@ TangentMatrix<Dim> Pipeline<Dim>::Uncertainty() const {
 template <int Dim>
 PoseEstimate<Dim> Pipeline<Dim>::OdometryEdge() const {
   PoseEstimate<Dim> edge = ToEstimate<Dim>(since_state_);
-  if (!was_silent_) edge.covariance = edge_noise_.WeightOfOdometry(edge.covariance);
+  if (!was_silent_) edge.covariance = noise_scales_.OdometryWeightCovariance(edge.covariance);
   return edge;
 }
 
 template <int Dim>
 TangentMatrix<Dim> Pipeline<Dim>::NoiseSinceState() const {
   const TangentMatrix<Dim> covariance = ToEstimate<Dim>(since_state_).covariance;
-  return was_silent_ ? covariance : edge_noise_.OfOdometry(covariance);
+  return was_silent_ ? covariance : noise_scales_.OdometryCovariance(covariance);
 }
 
 template <int Dim>
@@ -348,13 +349,13 @@ Localization Pipeline<Dim>::Answer(const Scan& scan) {
   Localization answer{.stamp = scan.stamp, .quality = quality_};
   answer.quality.live_point_count = static_cast<int>(window_.point_count());
   answer.quality.beta =
-      beta_watch_.Check(static_cast<std::size_t>(rig_.Find(scan.radar_id) - rig_.radars.data()));
+      beta_monitor_.Check(static_cast<std::size_t>(rig_.Find(scan.radar_id) - rig_.radars.data()));
   if (graph_.empty()) {
     constexpr double kUnknown = 1e8;
     answer.covariance = kUnknown * Matrix6d::Identity();
-    if (whereabouts_.now()) {
-      answer.T_map_vehicle = whereabouts_.now()->pose;
-      answer.covariance = whereabouts_.now()->covariance;
+    if (pose_prior_.now()) {
+      answer.T_map_vehicle = pose_prior_.now()->pose;
+      answer.covariance = pose_prior_.now()->covariance;
     }
     answer.state = state_.state();
     return answer;

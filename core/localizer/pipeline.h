@@ -6,16 +6,16 @@
 #include <span>
 #include <string>
 
-#include "core/localizer/beta_watch.h"
-#include "core/localizer/edge_noise.h"
-#include "core/localizer/ego_motion.h"
 #include "core/localizer/localizer.h"
-#include "core/localizer/map_matcher.h"
-#include "core/localizer/place_contest.h"
 #include "core/localizer/tracking_state.h"
-#include "core/localizer/whereabouts.h"
+#include "core/odometry/ego_motion.h"
 #include "core/posegraph/pose_hypotheses.h"
+#include "core/registration/map_matcher.h"
+#include "core/relocalization/global_localizer.h"
+#include "core/relocalization/pose_prior.h"
 #include "core/submap/submap.h"
+#include "core/uncertainty/beta_monitor.h"
+#include "core/uncertainty/noise_scale_estimator.h"
 
 namespace dcloc {
 
@@ -44,13 +44,13 @@ class Pipeline final : public Localizer::Impl {
   void PushScan(const Scan& scan, const RadarModel& radar, const Motion& motion);
   bool RegistrationIsDue(Stamp stamp) const;
   void EnterLocalFrame(const Eigen::Vector3d& p_map);
-  void LookForItAnew(Stamp stamp);
-  void DoubtAll(Matrix6d& covariance);
+  void HandleLoss(Stamp stamp);
+  void InflateCovariance(Matrix6d& covariance);
   std::optional<Registration<Dim>> Find(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
   std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
   void Learn(const std::optional<Registration<Dim>>& registration, const EgoVelocity& ego_velocity,
              Stamp stamp);
-  void LookAtObservability(const Registration<Dim>& registration, Stamp stamp);
+  void UpdateObservability(const Registration<Dim>& registration, Stamp stamp);
   EdgeTest UpdateGraph(const Registration<Dim>& registration, const EgoVelocity& ego_velocity,
                        Stamp stamp);
   PoseEstimate<Dim> Now() const;
@@ -64,12 +64,13 @@ class Pipeline final : public Localizer::Impl {
   EgoMotion ego_motion_;
   SubmapWindow window_;
   MapMatcher<Dim> matcher_;
-  PlaceContest<Dim> contest_;  // while nothing is known that registrations can start from
+  GlobalLocalizer<Dim>
+      global_localizer_;  // while nothing is known that registrations can start from
   PoseHypotheses<Dim> graph_;
   TrackingState state_;
-  Whereabouts whereabouts_;  // while it is looked for
-  EdgeNoise<Dim> edge_noise_;
-  BetaWatch<Dim> beta_watch_;
+  PosePrior pose_prior_;  // while it is looked for
+  NoiseScaleEstimator<Dim> noise_scales_;
+  BetaMonitor<Dim> beta_monitor_;
   Observability observability_;
   std::optional<Stamp> observability_stamp_;
   Motion since_state_;       // from the graph's newest state to the newest scan

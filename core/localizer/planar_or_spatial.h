@@ -5,8 +5,8 @@
 #include "core/geometry/covariance.h"
 #include "core/geometry/pose.h"
 #include "core/localizer/localizer_options.h"
+#include "core/odometry/motion.h"
 #include "core/posegraph/state_chain.h"
-#include "core/submap/odometry.h"
 
 namespace dcloc {
 

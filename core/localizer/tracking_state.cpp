@@ -3,37 +3,37 @@
 namespace dcloc {
 
 void TrackingState::OnRegistration(Stamp stamp, RegistrationOutcome outcome) {
-  const bool believed = outcome == RegistrationOutcome::kBelieved;
+  const bool believed = outcome == RegistrationOutcome::kAccepted;
   // What was believed before a silence confirms nothing after it.
-  if (last_believed_ && stamp - *last_believed_ > options_.tracking_hold) {
-    believed_in_a_row_ = 0;
+  if (last_accepted_ && stamp - *last_accepted_ > options_.tracking_hold) {
+    accepted_in_a_row_ = 0;
     if (state_ == LocalizationState::kTracking) state_ = LocalizationState::kDeadReckoning;
   }
-  believed_in_a_row_ = believed ? believed_in_a_row_ + 1 : 0;
+  accepted_in_a_row_ = believed ? accepted_in_a_row_ + 1 : 0;
   refused_in_a_row_ = believed ? 0 : refused_in_a_row_ + 1;
   contradictions_in_a_row_ =
-      outcome == RegistrationOutcome::kContradicts ? contradictions_in_a_row_ + 1 : 0;
-  if (believed) last_believed_ = stamp;
-  if (believed_in_a_row_ < options_.confirmations) return;
+      outcome == RegistrationOutcome::kOutlier ? contradictions_in_a_row_ + 1 : 0;
+  if (believed) last_accepted_ = stamp;
+  if (accepted_in_a_row_ < options_.confirmations) return;
   state_ = LocalizationState::kTracking;
-  blind_ = false;
+  from_global_search_ = false;
   uncertain_since_.reset();
 }
 
-void TrackingState::StartBlind() {
+void TrackingState::StartFromGlobalSearch() {
   state_ = LocalizationState::kInitializing;
-  blind_ = true;
-  believed_in_a_row_ = 0;
+  from_global_search_ = true;
+  accepted_in_a_row_ = 0;
   refused_in_a_row_ = 0;
   contradictions_in_a_row_ = 0;
   last_lost_to_contradictions_.reset();
   contradicted_ = false;
-  last_believed_.reset();
+  last_accepted_.reset();
   uncertain_since_.reset();
 }
 
-bool TrackingState::BlindStartFailed() const {
-  return blind_ && refused_in_a_row_ >= options_.blind_refusals;
+bool TrackingState::GlobalStartFailed() const {
+  return from_global_search_ && refused_in_a_row_ >= options_.global_start_max_refusals;
 }
 
 bool TrackingState::IsLostForGood(Stamp stamp) const {
@@ -42,7 +42,7 @@ bool TrackingState::IsLostForGood(Stamp stamp) const {
 
 void TrackingState::OnAnswer(Stamp stamp, double position_sigma_m) {
   if (state_ == LocalizationState::kInitializing) return;
-  const std::chrono::nanoseconds unconfirmed = stamp - *last_believed_;
+  const std::chrono::nanoseconds unconfirmed = stamp - *last_accepted_;
   if (state_ == LocalizationState::kTracking && unconfirmed > options_.tracking_hold) {
     state_ = LocalizationState::kDeadReckoning;
   }
@@ -62,7 +62,7 @@ void TrackingState::Lose(Stamp stamp) {
     last_lost_to_contradictions_ = stamp;
   }
   state_ = LocalizationState::kLost;
-  believed_in_a_row_ = 0;
+  accepted_in_a_row_ = 0;
 }
 
 }  // namespace dcloc

@@ -9,7 +9,7 @@ namespace dcloc {
 
 /// What came of a registration: nothing in the map fits, what fits contradicts the estimate, or it
 /// agrees.
-enum class RegistrationOutcome { kNone, kContradicts, kBelieved };
+enum class RegistrationOutcome { kNone, kOutlier, kAccepted };
 
 /// Says what an answer is worth: counts believed registrations and the time since the last one.
 class TrackingState {
@@ -20,13 +20,15 @@ class TrackingState {
   void OnRegistration(Stamp stamp, RegistrationOutcome outcome);
 
   /// Starts over from a place that was found without a prior.
-  void StartBlind();
+  void StartFromGlobalSearch();
 
   /// The place found without a prior is contradicted by what followed.
-  bool BlindStartFailed() const;
+  bool GlobalStartFailed() const;
 
   /// It began from a prior, and nothing has confirmed it yet.
-  bool IsUnconfirmedPrior() const { return state_ == LocalizationState::kInitializing && !blind_; }
+  bool IsUnconfirmedPrior() const {
+    return state_ == LocalizationState::kInitializing && !from_global_search_;
+  }
 
   /// Lost, and for `lost_hold` on ground that is uncertain: to be searched for.
   bool IsLostForGood(Stamp stamp) const;
@@ -47,13 +49,13 @@ class TrackingState {
 
   StateOptions options_;
   LocalizationState state_ = LocalizationState::kInitializing;
-  bool blind_ = false;
-  int believed_in_a_row_ = 0;
+  bool from_global_search_ = false;
+  int accepted_in_a_row_ = 0;
   int refused_in_a_row_ = 0;
   int contradictions_in_a_row_ = 0;
   std::optional<Stamp> last_lost_to_contradictions_;
   bool contradicted_ = false;
-  std::optional<Stamp> last_believed_;
+  std::optional<Stamp> last_accepted_;
   std::optional<Stamp> uncertain_since_;  // lost, on ground too wide for a prediction
 };
 

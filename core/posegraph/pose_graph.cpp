@@ -8,8 +8,8 @@
 namespace dcloc {
 namespace {
 
-// What is known exactly (two scans of one moment, a start without doubt) would have an infinite
-// weight.
+// What is known exactly (two scans of one moment, a start without degeneracy) would have an
+// infinite weight.
 constexpr double kMinVariance = 1e-10;
 
 // The better of two views of one pose: A (A + B)^-1 is the share of the second.
@@ -37,7 +37,7 @@ PoseEstimate<Dim> Update(const PoseEstimate<Dim>& first, const PoseEstimate<Dim>
 }  // namespace
 
 template <int Dim>
-void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior, const TangentMatrix<Dim>& lasting) {
+void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior, const TangentMatrix<Dim>& systematic) {
   chain_.prior = prior;
   chain_.prior.covariance.diagonal().array() += kMinVariance;
   chain_.states.clear();
@@ -46,7 +46,7 @@ void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior, const TangentMatrix<D
                            .loop = {},
                            .covariance = chain_.prior.covariance,
                            .noise = chain_.prior.covariance,
-                           .lasting = lasting});
+                           .systematic = systematic});
 }
 
 template <int Dim>
@@ -57,13 +57,13 @@ void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry, const TangentMa
   chain_.states.back().covariance = NewestPredicted();
   chain_.states.back().noise =
       ComposeCovariance<Dim>(chain_.states[size() - 2].noise, odometry.pose, noise);
-  chain_.states.back().lasting =
-      Adjoint(odometry.pose.Inverse()) * chain_.states[size() - 2].lasting;
+  chain_.states.back().systematic =
+      Adjoint(odometry.pose.Inverse()) * chain_.states[size() - 2].systematic;
   if (size() > static_cast<std::size_t>(options_.window)) MarginalizeOldest();
 }
 
 template <int Dim>
-EdgeTest PoseGraph<Dim>::AddLoop(const LoopEdge<Dim>& loop) {
+EdgeTest PoseGraph<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& loop) {
   State& newest = chain_.states.back();
   const Tangent<Dim> apart = Log(newest.pose.Inverse() * loop.pose);
   const TangentMatrix<Dim> spread = loop.covariance + newest.covariance;
@@ -71,14 +71,14 @@ EdgeTest PoseGraph<Dim>::AddLoop(const LoopEdge<Dim>& loop) {
   test.distance = apart.dot(spread.ldlt().solve(apart));
   const double limit = Dim == 2 ? options_.max_distance_planar : options_.max_distance_spatial;
   // Written so that a distance that is not a number fails.
-  test.valid = !options_.truncate || test.distance <= limit;
+  test.valid = !options_.gate_outliers || test.distance <= limit;
   if (test.valid) {
     newest.loop = {.pose = loop.pose, .covariance = loop.reused_covariance};
     const TangentMatrix<Dim> gain = Gain<Dim>(newest.covariance, loop.reused_covariance);
     const TangentMatrix<Dim> keep = TangentMatrix<Dim>::Identity() - gain;
     newest.noise = keep * newest.noise * keep.transpose() +
                    gain * loop.noise.value_or(loop.reused_covariance) * gain.transpose();
-    newest.lasting = keep * newest.lasting + gain * loop.lasting;
+    newest.systematic = keep * newest.systematic + gain * loop.systematic;
     newest.covariance = UpdatedCovariance<Dim>(NewestPredicted(), loop.reused_covariance);
   }
   return test;
@@ -98,7 +98,7 @@ PoseEstimate<Dim> PoseGraph<Dim>::Newest() const {
 template <int Dim>
 TangentMatrix<Dim> PoseGraph<Dim>::NewestNoise() const {
   const State& newest = chain_.states.back();
-  return newest.noise + newest.lasting * newest.lasting.transpose();
+  return newest.noise + newest.systematic * newest.systematic.transpose();
 }
 
 template <int Dim>

@@ -10,7 +10,7 @@ namespace dcloc {
 
 /// A loop edge: the newest state's pose in the map frame, by registration.
 template <int Dim>
-struct LoopEdge {
+struct AbsolutePoseFactor {
   Pose<Dim> pose;
   TangentMatrix<Dim> covariance;  ///< of this registration alone; what the test uses
   /// What one registration is worth beside its neighbours that share its measurements and its
@@ -20,13 +20,13 @@ struct LoopEdge {
   std::optional<TangentMatrix<Dim>> noise;
   /// A square root L of the covariance L L^T of the errors that all loop edges share for good, by
   /// what is not known of mounts and clocks: each column is one such error's.
-  TangentMatrix<Dim> lasting = TangentMatrix<Dim>::Zero();
+  TangentMatrix<Dim> systematic = TangentMatrix<Dim>::Zero();
 };
 
 struct PoseGraphOptions {
   int window = 10;  ///< states that are solved for, [1, 1000]
   /// Loop edges that fail the chi-square test against the fused state are cut (METHOD 7).
-  bool truncate = true;
+  bool gate_outliers = true;
   /// 95 % quantiles of the chi-square distribution with 3 and 6 degrees of freedom.
   double max_distance_planar = 7.815;
   double max_distance_spatial = 12.592;
@@ -49,10 +49,10 @@ class PoseGraph {
  public:
   explicit PoseGraph(const PoseGraphOptions& options = {}) : options_(options) {}
 
-  /// Forgets everything and starts with one state, which has the errors `lasting` (see LoopEdge)
-  /// where it comes of a registration.
+  /// Forgets everything and starts with one state, which has the errors `systematic` (see
+  /// AbsolutePoseFactor) where it comes of a registration.
   void Reset(const PoseEstimate<Dim>& prior,
-             const TangentMatrix<Dim>& lasting = TangentMatrix<Dim>::Zero());
+             const TangentMatrix<Dim>& systematic = TangentMatrix<Dim>::Zero());
 
   /// Adds a state that odometry leads to from the newest one: T_newest_new. Needs a state.
   void AddState(const PoseEstimate<Dim>& odometry) { AddState(odometry, odometry.covariance); }
@@ -62,7 +62,7 @@ class PoseGraph {
 
   /// Gives the newest state a loop edge and tests it against the fused prediction; an edge that
   /// fails stays cut, its state held by odometry.
-  EdgeTest AddLoop(const LoopEdge<Dim>& loop);
+  EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& loop);
 
   /// Solves for all states of the window.
   void Solve();

@@ -6,54 +6,55 @@ namespace dcloc {
 
 template <int Dim>
 void PoseHypotheses<Dim>::Clear() {
-  believed_ = PoseGraph<Dim>(options_);
-  contender_.reset();
+  accepted_chain_ = PoseGraph<Dim>(options_);
+  alternative_.reset();
 }
 
 template <int Dim>
-void PoseHypotheses<Dim>::Reset(const PoseEstimate<Dim>& prior, const TangentMatrix<Dim>& lasting) {
-  believed_.Reset(prior, lasting);
-  contender_.reset();
+void PoseHypotheses<Dim>::Reset(const PoseEstimate<Dim>& prior,
+                                const TangentMatrix<Dim>& systematic) {
+  accepted_chain_.Reset(prior, systematic);
+  alternative_.reset();
 }
 
 template <int Dim>
 void PoseHypotheses<Dim>::AddState(const PoseEstimate<Dim>& odometry,
                                    const TangentMatrix<Dim>& noise) {
-  believed_.AddState(odometry, noise);
-  if (contender_) contender_->AddState(odometry, noise);
+  accepted_chain_.AddState(odometry, noise);
+  if (alternative_) alternative_->AddState(odometry, noise);
 }
 
 template <int Dim>
 void PoseHypotheses<Dim>::ChangeFrame(const Pose<Dim>& T_new_old) {
-  believed_.ChangeFrame(T_new_old);
-  if (contender_) contender_->ChangeFrame(T_new_old);
+  accepted_chain_.ChangeFrame(T_new_old);
+  if (alternative_) alternative_->ChangeFrame(T_new_old);
 }
 
 template <int Dim>
-EdgeTest PoseHypotheses<Dim>::AddLoop(const LoopEdge<Dim>& loop) {
-  EdgeTest test = believed_.AddLoop(loop);
+EdgeTest PoseHypotheses<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& loop) {
+  EdgeTest test = accepted_chain_.AddAbsolutePose(loop);
   if (test.valid) {
-    contender_.reset();
-    believed_.Solve();
+    alternative_.reset();
+    accepted_chain_.Solve();
     return test;
   }
-  Contend(loop);
+  UpdateAlternative(loop);
   if (support_ >= options_.takeover_support) {
-    believed_ = *std::exchange(contender_, std::nullopt);
+    accepted_chain_ = *std::exchange(alternative_, std::nullopt);
     test.valid = true;
   }
   return test;
 }
 
 template <int Dim>
-void PoseHypotheses<Dim>::Contend(const LoopEdge<Dim>& loop) {
-  if (contender_ && contender_->AddLoop(loop).valid) {
-    contender_->Solve();
+void PoseHypotheses<Dim>::UpdateAlternative(const AbsolutePoseFactor<Dim>& loop) {
+  if (alternative_ && alternative_->AddAbsolutePose(loop).valid) {
+    alternative_->Solve();
     ++support_;
     return;
   }
-  contender_.emplace(options_);
-  contender_->Reset({.pose = loop.pose, .covariance = loop.reused_covariance}, loop.lasting);
+  alternative_.emplace(options_);
+  alternative_->Reset({.pose = loop.pose, .covariance = loop.reused_covariance}, loop.systematic);
   support_ = 1;
 }
 

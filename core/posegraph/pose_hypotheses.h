@@ -14,31 +14,31 @@ template <int Dim>
 class PoseHypotheses {
  public:
   explicit PoseHypotheses(const PoseGraphOptions& options)
-      : options_(options), believed_(options) {}
+      : options_(options), accepted_chain_(options) {}
 
   /// Forgets every state.
   void Clear();
 
   /// As in PoseGraph; a reset drops the contender.
   void Reset(const PoseEstimate<Dim>& prior,
-             const TangentMatrix<Dim>& lasting = TangentMatrix<Dim>::Zero());
+             const TangentMatrix<Dim>& systematic = TangentMatrix<Dim>::Zero());
   void AddState(const PoseEstimate<Dim>& odometry) { AddState(odometry, odometry.covariance); }
   void AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise);
   void ChangeFrame(const Pose<Dim>& T_new_old);
-  bool empty() const { return believed_.empty(); }
-  PoseEstimate<Dim> Newest() const { return believed_.Newest(); }
-  TangentMatrix<Dim> NewestNoise() const { return believed_.NewestNoise(); }
+  bool empty() const { return accepted_chain_.empty(); }
+  PoseEstimate<Dim> Newest() const { return accepted_chain_.Newest(); }
+  TangentMatrix<Dim> NewestNoise() const { return accepted_chain_.NewestNoise(); }
 
   /// Gives the newest state a loop edge, tests it (the test is the believed chain's after a
   /// takeover, if there was one), and solves.
-  EdgeTest AddLoop(const LoopEdge<Dim>& loop);
+  EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& loop);
 
  private:
-  void Contend(const LoopEdge<Dim>& loop);
+  void UpdateAlternative(const AbsolutePoseFactor<Dim>& loop);
 
   PoseGraphOptions options_;
-  PoseGraph<Dim> believed_;
-  std::optional<PoseGraph<Dim>> contender_;
+  PoseGraph<Dim> accepted_chain_;
+  std::optional<PoseGraph<Dim>> alternative_;
   int support_ = 0;
 };
 

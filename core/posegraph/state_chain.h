@@ -27,7 +27,7 @@ struct StateChain {
     /// The same by what the edges vary rather than by what they weigh.
     TangentMatrix<Dim> noise = TangentMatrix<Dim>::Zero();
     /// What the errors that last make of the pose; times its own transpose their covariance.
-    TangentMatrix<Dim> lasting = TangentMatrix<Dim>::Zero();
+    TangentMatrix<Dim> systematic = TangentMatrix<Dim>::Zero();
   };
   PoseEstimate<Dim> prior;    ///< on the first state
   std::vector<State> states;  ///< oldest first

@@ -13,7 +13,7 @@ using Vector = Eigen::Matrix<double, Dim, 1>;
 template <int Dim>
 using Matrix = Eigen::Matrix<double, Dim, Dim>;
 template <int Dim>
-using Matches = std::span<const PointMatch<Dim>>;
+using Matches = std::span<const Correspondence<Dim>>;
 
 // d (Exp(phi) p) / d phi at zero: the rotation's part of d (T Exp(xi) p) / d xi once both are
 // written in the axes of the local frame, where the translation's part is the identity.
@@ -73,7 +73,7 @@ template <int Dim>
 double Cost(Matches<Dim> matches, const Pose<Dim>& T, double huber) {
   const Matrix<Dim> R = T.Rotation();
   double cost = 0.0;
-  for (const PointMatch<Dim>& match : matches) {
+  for (const Correspondence<Dim>& match : matches) {
     const Vector<Dim> e = match.q - (R * match.p + T.translation_m);
     cost += HuberCost(e.dot(match.information * e), huber);
   }
@@ -96,7 +96,7 @@ NormalEquations<Dim> Linearize(Matches<Dim> matches, const Pose<Dim>& T, double 
   Vector<Dim> shift = Vector<Dim>::Zero();
   Eigen::Matrix<double, kTurns, 1> turn = Eigen::Matrix<double, kTurns, 1>::Zero();
   NormalEquations<Dim> normal;
-  for (const PointMatch<Dim>& match : matches) {
+  for (const Correspondence<Dim>& match : matches) {
     const Vector<Dim> turned_p = R * match.p;
     const Vector<Dim> e = match.q - (turned_p + T.translation_m);
     const Vector<Dim> pull = match.information * e;
@@ -162,7 +162,7 @@ void Judge(Matches<Dim> matches, std::size_t live_count, double huber, Registrat
   InformationSum<Dim> squared_weights;
   double squared_residuals = 0.0;
   double likelihood = 0.0;
-  for (const PointMatch<Dim>& match : matches) {
+  for (const Correspondence<Dim>& match : matches) {
     const Vector<Dim> turned_p = R * match.p;
     const Vector<Dim> e = match.q - (turned_p + result.T_local_vehicle.translation_m);
     const double squared = e.dot(match.information * e);
@@ -187,7 +187,7 @@ void Judge(Matches<Dim> matches, std::size_t live_count, double huber, Registrat
 template <int Dim>
 Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                                const Pose<Dim>& T_local_vehicle_initial, const GicpOptions& options,
-                               MatchFinder<Dim>& finder) {
+                               CorrespondenceFinder<Dim>& finder) {
   Registration<Dim> result;
   result.T_local_vehicle = T_local_vehicle_initial;
   double blur_m = options.initial_blur_m;
@@ -216,8 +216,10 @@ Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const L
 }
 
 template Registration<2> RegisterGicp<2>(std::span<const GaussianPoint<2>>, const LocalMap<2>&,
-                                         const Pose2&, const GicpOptions&, MatchFinder<2>&);
+                                         const Pose2&, const GicpOptions&,
+                                         CorrespondenceFinder<2>&);
 template Registration<3> RegisterGicp<3>(std::span<const GaussianPoint<3>>, const LocalMap<3>&,
-                                         const Pose3&, const GicpOptions&, MatchFinder<3>&);
+                                         const Pose3&, const GicpOptions&,
+                                         CorrespondenceFinder<3>&);
 
 }  // namespace dcloc

@@ -6,7 +6,7 @@
 #include "core/geometry/gaussian_point.h"
 #include "core/geometry/pose.h"
 #include "core/map/local_map.h"
-#include "core/registration/point_matches.h"
+#include "core/registration/correspondences.h"
 
 namespace dcloc {
 
@@ -43,19 +43,19 @@ inline constexpr double kUnobserved = 1e6;
 /// Uncertainty-aware GICP (METHOD eq 12): minimises sum rho_Huber(e^T W e) over the pose of `live`
 /// (vehicle frame) in `map`, e = q - (R p + t), W = (S_q + R S_p R^T)^-1, matches being the
 /// landmark of highest likelihood. Levenberg-Marquardt with W and the matches frozen within an
-/// iteration (W for up to a milliradian, see MatchFinder); covariance and quality are those of the
-/// last matches at the final pose. `finder` lends its memory.
+/// iteration (W for up to a milliradian, see CorrespondenceFinder); covariance and quality are
+/// those of the last matches at the final pose. `finder` lends its memory.
 template <int Dim>
 Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                                const Pose<Dim>& T_local_vehicle_initial, const GicpOptions& options,
-                               MatchFinder<Dim>& finder);
+                               CorrespondenceFinder<Dim>& finder);
 
 /// The same with memory of its own.
 template <int Dim>
 Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                                const Pose<Dim>& T_local_vehicle_initial,
                                const GicpOptions& options = {}) {
-  MatchFinder<Dim> finder;
+  CorrespondenceFinder<Dim> finder;
   return RegisterGicp<Dim>(live, map, T_local_vehicle_initial, options, finder);
 }
 

@@ -18,11 +18,11 @@ constexpr Shift kShifts[] = {{1.0, 0.05}, {3.0, 0.15}};
 constexpr double kDoubtSigma_m = 10.0;
 
 template <int Dim>
-double Score(std::size_t point_count, std::span<const PointMatch<Dim>> matches,
+double Score(std::size_t point_count, std::span<const Correspondence<Dim>> matches,
              const Pose<Dim>& T) {
   const Eigen::Matrix<double, Dim, Dim> R = T.Rotation();
   double score = 0.0;
-  for (const PointMatch<Dim>& match : matches) {
+  for (const Correspondence<Dim>& match : matches) {
     const Eigen::Matrix<double, Dim, 1> e = match.q - (R * match.p + T.translation_m);
     score += std::exp(-0.5 * e.dot(match.information * e));
   }
@@ -37,20 +37,20 @@ bool Observability::Observed(int axis) const {
   });
 }
 
-Eigen::Matrix2d Observability::Doubt() const {
-  Eigen::Matrix2d doubt = Eigen::Matrix2d::Zero();
+Eigen::Matrix2d Observability::DegeneracyCovariance() const {
+  Eigen::Matrix2d degeneracy = Eigen::Matrix2d::Zero();
   for (const Direction& direction : directions) {
     if (direction.observed) continue;
-    doubt += kDoubtSigma_m * kDoubtSigma_m * direction.axis * direction.axis.transpose();
+    degeneracy += kDoubtSigma_m * kDoubtSigma_m * direction.axis * direction.axis.transpose();
   }
-  return doubt;
+  return degeneracy;
 }
 
 template <int Dim>
 Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                       const Pose<Dim>& T_local_vehicle, const TangentMatrix<Dim>& covariance,
-                      const MatchGates& gates, std::vector<GaussianPoint<Dim>>& chosen,
-                      MatchFinder<Dim>& finder) {
+                      const CorrespondenceGates& gates, std::vector<GaussianPoint<Dim>>& chosen,
+                      CorrespondenceFinder<Dim>& finder) {
   const std::size_t stride = std::max<std::size_t>(1, live.size() / kPoints);
   chosen.clear();
   for (std::size_t i = 0; i < live.size(); i += stride) chosen.push_back(live[i]);
@@ -78,10 +78,10 @@ Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<D
 }
 
 template Observability Observe<2>(std::span<const GaussianPoint<2>>, const LocalMap<2>&,
-                                  const Pose2&, const TangentMatrix<2>&, const MatchGates&,
-                                  std::vector<GaussianPoint<2>>&, MatchFinder<2>&);
+                                  const Pose2&, const TangentMatrix<2>&, const CorrespondenceGates&,
+                                  std::vector<GaussianPoint<2>>&, CorrespondenceFinder<2>&);
 template Observability Observe<3>(std::span<const GaussianPoint<3>>, const LocalMap<3>&,
-                                  const Pose3&, const TangentMatrix<3>&, const MatchGates&,
-                                  std::vector<GaussianPoint<3>>&, MatchFinder<3>&);
+                                  const Pose3&, const TangentMatrix<3>&, const CorrespondenceGates&,
+                                  std::vector<GaussianPoint<3>>&, CorrespondenceFinder<3>&);
 
 }  // namespace dcloc

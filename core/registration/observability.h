@@ -8,7 +8,7 @@
 #include "core/geometry/gaussian_point.h"
 #include "core/geometry/pose.h"
 #include "core/map/local_map.h"
-#include "core/registration/point_matches.h"
+#include "core/registration/correspondences.h"
 
 namespace dcloc {
 
@@ -29,7 +29,7 @@ struct Observability {
   bool Observed(int axis) const;
 
   /// Variances that take a registration's word in the directions that it does not observe.
-  Eigen::Matrix2d Doubt() const;
+  Eigen::Matrix2d DegeneracyCovariance() const;
 };
 
 /// Of `live` (vehicle frame) registered at `T_local_vehicle` with `covariance`. Some of the points
@@ -37,7 +37,7 @@ struct Observability {
 template <int Dim>
 Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                       const Pose<Dim>& T_local_vehicle, const TangentMatrix<Dim>& covariance,
-                      const MatchGates& gates, std::vector<GaussianPoint<Dim>>& chosen,
-                      MatchFinder<Dim>& finder);
+                      const CorrespondenceGates& gates, std::vector<GaussianPoint<Dim>>& chosen,
+                      CorrespondenceFinder<Dim>& finder);
 
 }  // namespace dcloc

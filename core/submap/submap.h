@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/geometry/gaussian_point.h"
+#include "core/odometry/motion.h"
 #include "core/radar/static_points.h"
-#include "core/submap/odometry.h"
 
 namespace dcloc {
 

@@ -8,11 +8,11 @@
 #include "absl/strings/str_format.h"
 #include "google/protobuf/util/time_util.h"
 #include "server/admin/watch_stream.h"
-#include "server/convert/check.h"
+#include "server/base/check.h"
+#include "server/base/status.h"
 #include "server/convert/page.h"
 #include "server/convert/session.h"
-#include "server/status.h"
-#include "server/unary.h"
+#include "server/rpc/unary.h"
 
 namespace dcloc::server {
 namespace {

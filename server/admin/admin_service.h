@@ -5,9 +5,9 @@
 
 #include "dcloc/v1/admin_service.grpc.pb.h"
 #include "server/admin/record_stream.h"
-#include "server/localization/session_registry.h"
-#include "server/localization/session_tap.h"
-#include "server/storage_host.h"
+#include "server/rpc/storage_host.h"
+#include "server/sessions/session_registry.h"
+#include "server/sessions/session_tap.h"
 
 namespace dcloc::server {
 

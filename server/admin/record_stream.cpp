@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/status.h"
+#include "server/base/status.h"
 
 namespace dcloc::server {
 

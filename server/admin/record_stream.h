@@ -11,8 +11,8 @@
 
 #include "absl/status/status.h"
 #include "dcloc/v1/admin_service.pb.h"
-#include "server/localization/session_tap.h"
-#include "server/open_calls.h"
+#include "server/base/open_calls.h"
+#include "server/sessions/session_tap.h"
 
 namespace dcloc::server {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "server/status.h"
+#include "server/base/status.h"
 
 namespace dcloc::server {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "absl/status/status.h"
 #include "dcloc/v1/admin_service.pb.h"
-#include "server/localization/answer_feed.h"
-#include "server/open_calls.h"
+#include "server/base/open_calls.h"
+#include "server/sessions/answer_feed.h"
 
 namespace dcloc::server {
 

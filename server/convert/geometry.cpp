@@ -4,8 +4,8 @@
 #include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
 #include "core/geometry/geodetic_heading.h"
-#include "server/convert/check.h"
-#include "server/status.h"
+#include "server/base/check.h"
+#include "server/base/status.h"
 
 namespace dcloc::server::convert {
 namespace {

@@ -4,11 +4,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "google/protobuf/util/time_util.h"
-#include "server/convert/check.h"
+#include "server/base/check.h"
+#include "server/base/sha256.h"
+#include "server/base/status.h"
 #include "server/convert/geometry.h"
 #include "server/identity/principal.h"
-#include "server/maps/sha256.h"
-#include "server/status.h"
 
 namespace dcloc::server::convert {
 namespace {

@@ -6,8 +6,8 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "dcloc/v1/map_service.pb.h"
-#include "server/maps/catalogue.h"
-#include "server/maps/map_tile.h"
+#include "server/maps/catalogue/catalogue.h"
+#include "server/maps/store/map_tile.h"
 
 namespace dcloc::server::convert {
 

@@ -2,8 +2,8 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "server/convert/check.h"
-#include "server/status.h"
+#include "server/base/check.h"
+#include "server/base/status.h"
 
 namespace dcloc::server::convert {
 namespace {

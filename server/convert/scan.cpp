@@ -5,9 +5,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "server/convert/check.h"
+#include "server/base/check.h"
+#include "server/base/status.h"
 #include "server/convert/geometry.h"
-#include "server/status.h"
 
 namespace dcloc::server::convert {
 namespace {

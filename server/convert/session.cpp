@@ -4,11 +4,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/geometry/covariance.h"
-#include "core/localizer/gnss_prior.h"
-#include "server/convert/check.h"
+#include "core/relocalization/gnss_prior.h"
+#include "server/base/check.h"
+#include "server/base/status.h"
 #include "server/convert/geometry.h"
 #include "server/convert/scan.h"
-#include "server/status.h"
 
 namespace dcloc::server::convert {
 namespace {

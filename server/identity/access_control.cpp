@@ -7,7 +7,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "server/status.h"
+#include "server/base/status.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {

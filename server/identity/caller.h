@@ -4,7 +4,7 @@
 #include <string>
 
 #include "server/identity/principal.h"
-#include "server/limits/usage.h"
+#include "server/identity/usage.h"
 
 namespace dcloc::server {
 

@@ -8,9 +8,9 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
-#include "server/convert/check.h"
-#include "server/maps/sha256.h"
-#include "server/status.h"
+#include "server/base/check.h"
+#include "server/base/sha256.h"
+#include "server/base/status.h"
 
 namespace dcloc::server {
 namespace {

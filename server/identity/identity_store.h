@@ -10,9 +10,9 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "server/base/sqlite.h"
 #include "server/identity/principal.h"
-#include "server/maps/catalogue.h"
-#include "server/maps/sqlite.h"
+#include "server/maps/catalogue/catalogue.h"
 
 namespace dcloc::server {
 

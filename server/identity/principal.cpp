@@ -1,7 +1,7 @@
 #include "server/identity/principal.h"
 
 #include "absl/strings/str_cat.h"
-#include "server/status.h"
+#include "server/base/status.h"
 
 namespace dcloc::server {
 

@@ -4,8 +4,8 @@
 
 #include <utility>
 
-#include "server/status.h"
-#include "server/traceparent.h"
+#include "server/base/status.h"
+#include "server/base/traceparent.h"
 
 namespace dcloc::server {
 namespace {

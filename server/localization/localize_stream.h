@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "dcloc/v1/localization_service.pb.h"
-#include "server/localization/session.h"
-#include "server/localization/session_registry.h"
-#include "server/localization/session_stream.h"
-#include "server/storage_host.h"
-#include "server/worker_pool.h"
+#include "server/base/worker_pool.h"
+#include "server/rpc/storage_host.h"
+#include "server/sessions/session.h"
+#include "server/sessions/session_registry.h"
+#include "server/sessions/session_stream.h"
 
 namespace dcloc::server {
 

@@ -11,7 +11,7 @@ SOUND = {
     "CMakeLists.txt": "add_subdirectory(core)\n",
     "README.md": "",
     ".gitignore": "/build/\n",
-    "build/junk.cpp": '#include "server/server.h"\n',
+    "build/junk.cpp": '#include "server/app/server.h"\n',
     "proto/dcloc/v1/scan.proto": 'import "dcloc/v1/geometry.proto";\n'
                                  'import "google/protobuf/timestamp.proto";\n',
     "core/geometry/pose.h": "#include <Eigen/Core>\n",
@@ -20,12 +20,12 @@ SOUND = {
                          "// not steady_clock, not std::thread\n",
     "core/map/radar_map.h": '#include "core/radar/scan.h"\n',
     "core/map/CMakeLists.txt": "dcloc_library(dcloc_map PUBLIC dcloc_radar)  # no dcloc_server\n",
-    "server/server.h": '#include <thread>\n#include "core/map/radar_map.h"\n'
+    "server/app/server.h": '#include <thread>\n#include "core/map/radar_map.h"\n'
                        '#include "dcloc/v1/scan.pb.h"\n',
     "client/sdk/session.h": '#include "dcloc/v1/scan.pb.h"\n',
     "client/datasets/drive.h": '#include "core/radar/scan.h"\n',
     "client/cli/main.cpp": '#include "client/datasets/drive.h"\n#include "client/sdk/session.h"\n',
-    "tests/server/server_test.cpp": '#include "server/server.h"\n#include "client/sdk/session.h"\n',
+    "tests/server/server_test.cpp": '#include "server/app/server.h"\n#include "client/sdk/session.h"\n',
 }
 
 
@@ -50,7 +50,7 @@ class ArchitectureTest(unittest.TestCase):
         self.assertEqual(violations({}), [])
 
     def test_core_includes_nothing_of_ours(self):
-        for header, module in [("server/server.h", "server"), ("dcloc/v1/scan.pb.h", "proto"),
+        for header, module in [("server/app/server.h", "server"), ("dcloc/v1/scan.pb.h", "proto"),
                                ("client/datasets/drive.h", "client/datasets")]:
             self.expect_violation("core/radar/bad.cpp", f'#include "{header}"\n',
                                   f"core/radar may not use {module}")
@@ -79,11 +79,11 @@ class ArchitectureTest(unittest.TestCase):
     def test_server_and_client_know_each_other_by_the_contract_only(self):
         self.expect_violation("server/bad.cpp", '#include "client/sdk/session.h"\n',
                               "server may not use client/sdk")
-        self.expect_violation("client/cli/bad.cpp", "#include <server/server.h>\n",
+        self.expect_violation("client/cli/bad.cpp", "#include <server/app/server.h>\n",
                               "client/cli may not use server")
 
     def test_nothing_uses_tests(self):
-        self.expect_violation("client/cli/bad.cpp", '#include "tests/server/test_server.h"\n',
+        self.expect_violation("client/cli/bad.cpp", '#include "tests/server/fixtures/test_server.h"\n',
                               "client/cli may not use tests")
 
     def test_proto_imports_itself_only(self):

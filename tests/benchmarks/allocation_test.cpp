@@ -32,7 +32,7 @@ TEST(AllocationTest, RegistrationWithMemoryOfItsOwnAllocatesNothing) {
   }
   const LocalMap<2> map({}, points);
   const Pose2 start{.translation_m = {0.1, -0.05}, .yaw_rad = 0.002};
-  MatchFinder<2> finder;
+  CorrespondenceFinder<2> finder;
   RegisterGicp<2>(points, map, start, {}, finder);
   const std::int64_t before = AllocationCount();
   const auto registration = RegisterGicp<2>(points, map, start, {}, finder);

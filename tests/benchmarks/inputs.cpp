@@ -12,7 +12,7 @@
 #include "client/datasets/dataset.h"
 #include "client/datasets/drive_map.h"
 #include "client/simulation/simulation.h"
-#include "core/localizer/ego_motion.h"
+#include "core/odometry/ego_motion.h"
 
 namespace dcloc::benchmarks {
 namespace {

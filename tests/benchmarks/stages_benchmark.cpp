@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "client/datasets/drive_map.h"
-#include "core/localizer/ego_motion.h"
 #include "core/localizer/localizer.h"
+#include "core/odometry/ego_motion.h"
 #include "core/posegraph/pose_hypotheses.h"
 #include "core/registration/correlative_search.h"
 #include "core/registration/gicp.h"
@@ -114,7 +114,7 @@ void ForQueries(benchmark::State& state, const Inputs& inputs, const Run& run) {
 
 void Gicp(benchmark::State& state, const std::string& name) {
   double iterations = 0.0;
-  MatchFinder<2> finder;
+  CorrespondenceFinder<2> finder;
   ForQueries(state, InputsOf(name), [&](const Query& query, std::size_t number) {
     const Pose2 start = StartFor(query, number, kTracking_m, kTracking_deg);
     const auto result = RegisterGicp<2>(query.live, query.local_map, start, {}, finder);
@@ -174,8 +174,8 @@ void SolvePoseGraph(benchmark::State& state) {
     truth = truth * Exp(step);
     graph.AddState({Exp(Eigen::Vector3d(1.01 * step)), spread(0.05, 0.003)});
     side_m = -side_m;
-    graph.AddLoop({truth * Exp(Eigen::Vector3d(side_m, side_m, 0.1 * side_m)), spread(0.06, 0.004),
-                   spread(0.2, 0.01)});
+    graph.AddAbsolutePose({truth * Exp(Eigen::Vector3d(side_m, side_m, 0.1 * side_m)),
+                           spread(0.06, 0.004), spread(0.2, 0.01)});
   }
   if (!graph.empty()) benchmark::DoNotOptimize(graph.Newest());
 }

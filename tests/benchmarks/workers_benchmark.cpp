@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/localizer/localizer.h"
-#include "server/worker_pool.h"
+#include "server/base/worker_pool.h"
 #include "tests/benchmarks/inputs.h"
 
 namespace dcloc::benchmarks {
@@ -119,9 +119,9 @@ void PrintScaling(const Case& drives, bool smoke) {
   }
 }
 
-// Latencies of a tracker at 13 Hz on one worker, while `blind_count` others without a prior are
+// Latencies of a tracker at 13 Hz on one worker, while `searching_count` others without a prior are
 // localized at the same rate, each begun anew when it is found.
-std::vector<double> Latencies_ms(const Case& drives, std::size_t blind_count, bool own_lane,
+std::vector<double> Latencies_ms(const Case& drives, std::size_t searching_count, bool own_lane,
                                  std::size_t scan_count) {
   constexpr std::chrono::milliseconds kInterval(77);
   std::vector<double> latencies_ms(scan_count);
@@ -131,14 +131,14 @@ std::vector<double> Latencies_ms(const Case& drives, std::size_t blind_count, bo
   std::unique_ptr<Vehicle> tracker;
   WorkerPool pool(1, 1);  // goes first: its tasks use the others
   tracker = std::make_unique<Vehicle>(drives, pool, /*with_prior=*/true);
-  for (std::size_t i = 0; i < blind_count; ++i) {
+  for (std::size_t i = 0; i < searching_count; ++i) {
     blind.push_back(std::make_unique<Vehicle>(drives, pool, /*with_prior=*/false));
     busy.push_back(std::make_unique<std::atomic<bool>>(false));
   }
   const Clock::time_point begin = Clock::now();
   for (std::size_t i = 0; i < scan_count; ++i) {
     std::this_thread::sleep_until(begin + i * kInterval);
-    for (std::size_t j = 0; j < blind_count; ++j) {
+    for (std::size_t j = 0; j < searching_count; ++j) {
       if (busy[j]->exchange(true)) continue;
       blind[j]->strand.Post([&drives, own_lane, is_busy = busy[j].get(), v = blind[j].get()] {
         if (v->done() || !v->localizer.searching()) {

@@ -19,7 +19,7 @@
 #include "client/sdk/session.h"
 #include "tests/end_to_end/run_program.h"
 #include "tests/end_to_end/session_site.h"
-#include "tests/server/town_drive.h"
+#include "tests/server/fixtures/town_drive.h"
 
 // A drive through a network that breaks again and again and a server that is restarted now and
 // then: each scan is answered exactly once, no connection that breaks changes a bit of the track,

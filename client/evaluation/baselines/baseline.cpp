@@ -46,7 +46,7 @@ void Baseline::Register(const Submap& submap, Stamp stamp, StageListener* listen
   if (!distance) return;
   quality_.edge_distance = *distance;
   quality_.edge_valid = true;
-  last_believed_ = stamp;
+  last_accepted_ = stamp;
 }
 
 // The local map follows the vehicle, as in our own pipeline.
@@ -72,8 +72,8 @@ Localization Baseline::Answer(Stamp stamp) const {
                                         std::pow(options_.unobserved_tilt_sigma_rad, 2));
     for (const std::size_t observed : {0U, 1U, 5U}) answer.observed[observed] = true;
   }
-  if (last_believed_) {
-    answer.state = stamp - *last_believed_ <= options_.state.tracking_hold
+  if (last_accepted_) {
+    answer.state = stamp - *last_accepted_ <= options_.state.tracking_hold
                        ? LocalizationState::kTracking
                        : LocalizationState::kDeadReckoning;
   }

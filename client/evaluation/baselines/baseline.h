@@ -42,7 +42,7 @@ class Baseline final : public Method {
   Pose3 T_map_local_;
   std::optional<std::size_t> keyframe_;  // that the local map is of
   LocalMap<2> local_map_;
-  std::optional<Stamp> last_believed_;
+  std::optional<Stamp> last_accepted_;
   LocalizationQuality quality_;
 };
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "core/localizer/ego_motion.h"
+#include "core/odometry/ego_motion.h"
 #include "core/radar/measurement.h"
 
 namespace dcloc {

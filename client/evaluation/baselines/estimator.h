@@ -7,8 +7,8 @@
 
 #include "client/evaluation/baselines/matcher.h"
 #include "core/localizer/localizer_options.h"
+#include "core/odometry/motion.h"
 #include "core/posegraph/pose_graph.h"
-#include "core/submap/odometry.h"
 
 namespace dcloc {
 

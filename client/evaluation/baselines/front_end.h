@@ -5,9 +5,9 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "core/localizer/ego_motion.h"
 #include "core/localizer/localizer.h"
 #include "core/localizer/localizer_options.h"
+#include "core/odometry/ego_motion.h"
 #include "core/radar/radar_model.h"
 #include "core/submap/submap.h"
 

@@ -43,7 +43,7 @@ class GraphEstimator final : public Estimator {
       const PoseEstimate<2> loop{.pose = match->T_local_vehicle, .covariance = *match->covariance};
       distance = raw_ ? Distance(*raw_, loop) : 0.0;
       if (*distance <= max_distance_) {
-        graph_.AddLoop(loop);
+        graph_.AddAbsolutePose(loop);
       } else {
         distance.reset();
       }

@@ -60,7 +60,7 @@ void WindowGraph::AddState(const PoseEstimate<2>& odometry) {
       .covariance = ComposeCovariance<2>(newest_.covariance, odometry.pose, odometry.covariance)};
 }
 
-void WindowGraph::AddLoop(const PoseEstimate<2>& loop) { states_.back().loop = loop; }
+void WindowGraph::AddAbsolutePose(const PoseEstimate<2>& loop) { states_.back().loop = loop; }
 
 void WindowGraph::Solve() {
   constexpr int kIterations = 5;

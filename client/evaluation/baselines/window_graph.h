@@ -21,7 +21,7 @@ class WindowGraph {
   void AddState(const PoseEstimate<2>& odometry);
 
   /// Gives the newest state a loop edge.
-  void AddLoop(const PoseEstimate<2>& loop);
+  void AddAbsolutePose(const PoseEstimate<2>& loop);
 
   /// Solves for all states by Gauss-Newton.
   void Solve();

@@ -8,7 +8,7 @@
 
 #include "client/evaluation/robustness/judgement.h"
 #include "client/evaluation/runner.h"
-#include "core/localizer/gnss_prior.h"
+#include "core/relocalization/gnss_prior.h"
 
 namespace dcloc::robustness {
 namespace {

@@ -137,7 +137,7 @@ TEST(WindowGraph, WeighsEdgesByTheirCovariance) {
   WindowGraph graph(5);
   graph.Reset(At(0.0, 1.0));
   graph.AddState(At(1.0, 1.0));
-  graph.AddLoop(At(2.0, 1.0));
+  graph.AddAbsolutePose(At(2.0, 1.0));
   graph.Solve();
   // The prediction is 1 with variance 2, the loop 2 with variance 1.
   EXPECT_NEAR(graph.Newest().pose.translation_m.x(), 1.0 + 2.0 / 3.0, 1e-6);
@@ -148,7 +148,7 @@ TEST(WindowGraph, ForgetsWhatLeavesTheWindow) {
   WindowGraph graph(2);
   graph.Reset(At(0.0, 1e-6));
   for (int i = 0; i < 3; ++i) graph.AddState(At(1.0, 1e-2));
-  graph.AddLoop(At(5.0, 1.0));
+  graph.AddAbsolutePose(At(5.0, 1.0));
   graph.Solve();
   EXPECT_NEAR(graph.Newest().pose.translation_m.x(), 5.0, 1e-6);
 }

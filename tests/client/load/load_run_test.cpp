@@ -11,8 +11,8 @@
 #include "client/load/load_report.h"
 #include "client/sdk/channel.h"
 #include "tests/client/sdk/fake_server.h"
-#include "tests/server/test_maps.h"
-#include "tests/server/test_server.h"
+#include "tests/server/fixtures/test_maps.h"
+#include "tests/server/fixtures/test_server.h"
 
 namespace dcloc::load {
 namespace {

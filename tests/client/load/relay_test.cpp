@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "client/load/vehicle_link.h"
-#include "tests/server/test_maps.h"
-#include "tests/server/test_server.h"
+#include "tests/server/fixtures/test_maps.h"
+#include "tests/server/fixtures/test_server.h"
 
 namespace dcloc::load {
 namespace {

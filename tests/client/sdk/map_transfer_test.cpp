@@ -12,7 +12,7 @@
 
 #include "client/sdk/channel.h"
 #include "client/sdk/map_client.h"
-#include "server/server.h"
+#include "server/app/server.h"
 #include "tests/client/sdk/tcp_proxy.h"
 #include "tests/core/map/synthetic_map.h"
 #include "tests/core/map/temporary_folder.h"

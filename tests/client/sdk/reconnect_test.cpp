@@ -16,13 +16,13 @@
 #include "client/sdk/channel.h"
 #include "client/sdk/map_client.h"
 #include "client/sdk/session.h"
-#include "server/server.h"
+#include "server/app/server.h"
 #include "spdlog/spdlog.h"
 #include "tests/client/sdk/tcp_proxy.h"
 #include "tests/core/map/synthetic_map.h"
 #include "tests/core/map/temporary_folder.h"
-#include "tests/server/messages.h"
-#include "tests/server/town_drive.h"
+#include "tests/server/fixtures/messages.h"
+#include "tests/server/fixtures/town_drive.h"
 
 // The SDK and the server through a network that fails: each scan is answered exactly once, and
 // where the session outlived the failure the track is the undisturbed one to the bit.

@@ -17,7 +17,7 @@ Stamp StampAt(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
 // One scan with a registration and its answer.
 void Scan(TrackingState& state, int ms, bool believed, double sigma_m = 0.1) {
   state.OnRegistration(StampAt(ms),
-                       believed ? RegistrationOutcome::kBelieved : RegistrationOutcome::kNone);
+                       believed ? RegistrationOutcome::kAccepted : RegistrationOutcome::kNone);
   state.OnAnswer(StampAt(ms), sigma_m);
 }
 
@@ -140,7 +140,7 @@ TEST(TrackingStateTest, WhoWasLostMustBeConfirmedAnew) {
 // One second of registrations that contradict, from `ms` on, and then some that agree.
 void Contradict(TrackingState& state, int ms) {
   for (const int end_ms = ms + 1000; ms <= end_ms; ms += 100) {
-    state.OnRegistration(StampAt(ms), RegistrationOutcome::kContradicts);
+    state.OnRegistration(StampAt(ms), RegistrationOutcome::kOutlier);
     state.OnAnswer(StampAt(ms), 0.1);
   }
   EXPECT_EQ(state.state(), LocalizationState::kLost);
@@ -154,7 +154,7 @@ TEST(TrackingStateTest, WhoIsLostToContradictionsTwiceIsContradicted) {
   EXPECT_FALSE(state.IsContradicted());
   Contradict(state, 2700);
   EXPECT_TRUE(state.IsContradicted());
-  state.StartBlind();
+  state.StartFromGlobalSearch();
   EXPECT_FALSE(state.IsContradicted());
 }
 
@@ -178,7 +178,7 @@ TEST(TrackingStateTest, WhereTheMapIsEmptyNothingContradicts) {
 
 TEST(TrackingStateTest, ABlindStartIsConfirmedAnewAndThenTracks) {
   TrackingState state = Tracking(1000);
-  state.StartBlind();
+  state.StartFromGlobalSearch();
   EXPECT_EQ(state.state(), LocalizationState::kInitializing);
   Scan(state, 1100, true);
   Scan(state, 1200, true);
@@ -189,16 +189,16 @@ TEST(TrackingStateTest, ABlindStartIsConfirmedAnewAndThenTracks) {
 
 TEST(TrackingStateTest, ABlindStartThatIsContradictedHasFailed) {
   StateOptions options = kOptions;
-  options.blind_refusals = 3;
+  options.global_start_max_refusals = 3;
   TrackingState state(options);
-  state.StartBlind();
+  state.StartFromGlobalSearch();
   Scan(state, 0, true);
   Scan(state, 100, false);
   Scan(state, 200, false);
-  EXPECT_FALSE(state.BlindStartFailed());
+  EXPECT_FALSE(state.GlobalStartFailed());
   Scan(state, 300, false);
-  EXPECT_TRUE(state.BlindStartFailed());
-  EXPECT_FALSE(Tracking(1000).BlindStartFailed());
+  EXPECT_TRUE(state.GlobalStartFailed());
+  EXPECT_FALSE(Tracking(1000).GlobalStartFailed());
 }
 
 }  // namespace

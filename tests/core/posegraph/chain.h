@@ -49,7 +49,7 @@ struct Chain {
     Tangent<Dim> odometry_noise;
     Tangent<Dim> loop_noise;
     PoseEstimate<Dim> odometry;  ///< from the step before
-    LoopEdge<Dim> loop;
+    AbsolutePoseFactor<Dim> loop;
   };
   PoseEstimate<Dim> prior;
   Tangent<Dim> prior_noise;

@@ -47,7 +47,7 @@ PoseGraph<Dim> Run(const Chain<Dim>& chain, const PoseGraphOptions& options) {
   graph.Reset(chain.prior);
   for (const auto& step : chain.steps) {
     graph.AddState(step.odometry);
-    graph.AddLoop(step.loop);
+    graph.AddAbsolutePose(step.loop);
     graph.Solve();
   }
   return graph;
@@ -62,7 +62,7 @@ void ExpectKalman(int window) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const Chain<Dim> chain(25, odometry, loop, seed);
     Kalman<Dim> filter{chain.prior_noise, loop};
-    PoseGraph<Dim> graph({.window = window, .truncate = false});
+    PoseGraph<Dim> graph({.window = window, .gate_outliers = false});
     graph.Reset(chain.prior);
     for (std::size_t i = 0; i < chain.steps.size(); ++i) {
       const auto& step = chain.steps[i];
@@ -70,7 +70,7 @@ void ExpectKalman(int window) {
       graph.AddState(step.odometry);
       if (i % 4 != 3) {  // now and then a state without a registration
         filter.Update(loop, step.loop_noise);
-        graph.AddLoop(step.loop);
+        graph.AddAbsolutePose(step.loop);
       }
       graph.Solve();
       const PoseEstimate<Dim> newest = graph.Newest();
@@ -91,8 +91,8 @@ INSTANTIATE_TEST_SUITE_P(Windows, PoseGraphWindowTest, ::testing::Values(1, 2, 1
 TYPED_TEST(PoseGraphTest, AShortWindowWithItsPriorGivesNearlyTheAnswerOfALongOne) {
   constexpr int kDim = TypeParam::value;
   const Chain<kDim> chain(60, Diagonal<kDim>(0.1, 0.01), Diagonal<kDim>(0.3, 0.03), 7);
-  const PoseGraph<kDim> short_graph = Run(chain, {.window = 3, .truncate = false});
-  const PoseGraph<kDim> long_graph = Run(chain, {.window = 100, .truncate = false});
+  const PoseGraph<kDim> short_graph = Run(chain, {.window = 3, .gate_outliers = false});
+  const PoseGraph<kDim> long_graph = Run(chain, {.window = 100, .gate_outliers = false});
   EXPECT_EQ(short_graph.size(), 3U);
   EXPECT_EQ(long_graph.size(), 61U);
   const PoseEstimate<kDim> a = short_graph.Newest();
@@ -109,7 +109,7 @@ TYPED_TEST(PoseGraphTest, TheSolutionWeighsByTheReusedCovarianceTheTestByTheOwn)
   graph.Reset({{}, one});
   graph.AddState({{}, Diagonal<kDim>(1e-4, 1e-4)});
   const Tangent<kDim> xi = 0.02 * Tangent<kDim>::Unit(0);
-  const EdgeTest test = graph.AddLoop({Exp(xi), one, 9.0 * one});
+  const EdgeTest test = graph.AddAbsolutePose({Exp(xi), one, 9.0 * one});
   EXPECT_NEAR(test.distance, 4.0 / 2.0, 0.01);
   graph.Solve();
   EXPECT_NEAR(Log(graph.Newest().pose)(0), 0.02 / 10.0, 1e-5);
@@ -128,13 +128,13 @@ TYPED_TEST(PoseGraphTest, SingleOutliersAreCutAndOdometryHoldsTheState) {
     with.AddState(step.odometry);
     without.AddState(step.odometry);
     if (i % 10 == 5) {
-      LoopEdge<kDim> outlier = step.loop;
+      AbsolutePoseFactor<kDim> outlier = step.loop;
       outlier.pose = outlier.pose * Exp(Tangent<kDim>(0.8 * Tangent<kDim>::Unit(1)));
-      const EdgeTest test = with.AddLoop(outlier);
+      const EdgeTest test = with.AddAbsolutePose(outlier);
       EXPECT_FALSE(test.valid);
       EXPECT_GT(test.distance, 50.0);
     } else {
-      EXPECT_EQ(with.AddLoop(step.loop).valid, without.AddLoop(step.loop).valid);
+      EXPECT_EQ(with.AddAbsolutePose(step.loop).valid, without.AddAbsolutePose(step.loop).valid);
     }
     with.Solve();
     without.Solve();
@@ -147,12 +147,12 @@ TYPED_TEST(PoseGraphTest, SingleOutliersAreCutAndOdometryHoldsTheState) {
 TYPED_TEST(PoseGraphTest, WithoutTruncationTheOutlierPulls) {
   constexpr int kDim = TypeParam::value;
   const Chain<kDim> chain(5, Diagonal<kDim>(0.02, 0.002), Diagonal<kDim>(0.05, 0.005), 9);
-  PoseGraph<kDim> graph = Run(chain, {.truncate = false});
+  PoseGraph<kDim> graph = Run(chain, {.gate_outliers = false});
   graph.AddState(chain.steps[4].odometry);
   const PoseEstimate<kDim> before = graph.Newest();
-  LoopEdge<kDim> outlier{before.pose * Exp(Tangent<kDim>(Tangent<kDim>::Unit(0))),
-                         Diagonal<kDim>(0.05, 0.005), Diagonal<kDim>(0.05, 0.005)};
-  EXPECT_TRUE(graph.AddLoop(outlier).valid);
+  AbsolutePoseFactor<kDim> outlier{before.pose * Exp(Tangent<kDim>(Tangent<kDim>::Unit(0))),
+                                   Diagonal<kDim>(0.05, 0.005), Diagonal<kDim>(0.05, 0.005)};
+  EXPECT_TRUE(graph.AddAbsolutePose(outlier).valid);
   graph.Solve();
   EXPECT_GT(ErrorOf<kDim>(graph.Newest().pose, before.pose)(0), 0.05);
 }
@@ -170,9 +170,9 @@ TYPED_TEST(PoseGraphTest, GoodEdgesAreCutAtTheTestsOwnRate) {
     const auto last = chain.steps.back();
     chain.steps.pop_back();
     PoseGraph<kDim> graph;
-    graph.Reset(Run(chain, {.truncate = false}).Newest());
+    graph.Reset(Run(chain, {.gate_outliers = false}).Newest());
     graph.AddState(last.odometry);
-    cut += graph.AddLoop(last.loop).valid ? 0 : 1;
+    cut += graph.AddAbsolutePose(last.loop).valid ? 0 : 1;
   }
   // 5 % of 1500: deviation 0.56 %; four times that.
   EXPECT_NEAR(static_cast<double>(cut) / kTrials, 0.05, 0.0225);
@@ -188,10 +188,10 @@ TYPED_TEST(PoseGraphTest, FailuresThatAgreeWithOneAnotherAreAllCut) {
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
     const auto& step = chain.steps[i];
     graph.AddState(step.odometry);
-    LoopEdge<kDim> loop = step.loop;
+    AbsolutePoseFactor<kDim> loop = step.loop;
     const bool wrong = i >= 10 && i < 13;
     if (wrong) loop.pose = loop.pose * aside;
-    const EdgeTest test = graph.AddLoop(loop);
+    const EdgeTest test = graph.AddAbsolutePose(loop);
     if (wrong) {
       EXPECT_FALSE(test.valid) << "step " << i;
     }
@@ -209,14 +209,14 @@ TYPED_TEST(PoseGraphTest, UncertaintyGrowsWithoutLoopsAndLetsALaterOneIn) {
   const TangentMatrix<kDim> loop = Diagonal<kDim>(0.05, 0.005);
   double trace = graph.Newest().covariance.trace();
   graph.AddState({{}, odometry});
-  EXPECT_FALSE(graph.AddLoop({Exp(aside), loop, loop}).valid);
+  EXPECT_FALSE(graph.AddAbsolutePose({Exp(aside), loop, loop}).valid);
   for (int i = 0; i < 50; ++i) {
     graph.AddState({{}, odometry});
     graph.Solve();
     EXPECT_GT(graph.Newest().covariance.trace(), trace);
     trace = graph.Newest().covariance.trace();
   }
-  EXPECT_TRUE(graph.AddLoop({Exp(aside), loop, loop}).valid);
+  EXPECT_TRUE(graph.AddAbsolutePose({Exp(aside), loop, loop}).valid);
 }
 
 TYPED_TEST(PoseGraphTest, AnotherFrameChangesNothingBetweenThePoses) {
@@ -232,10 +232,10 @@ TYPED_TEST(PoseGraphTest, AnotherFrameChangesNothingBetweenThePoses) {
     stays.AddState(step.odometry);
     moves.AddState(step.odometry);
     if (i == 15) moves.ChangeFrame(T_new_old);
-    LoopEdge<kDim> loop = step.loop;
+    AbsolutePoseFactor<kDim> loop = step.loop;
     if (i >= 15) loop.pose = T_new_old * loop.pose;
-    const EdgeTest a = stays.AddLoop(step.loop);
-    const EdgeTest b = moves.AddLoop(loop);
+    const EdgeTest a = stays.AddAbsolutePose(step.loop);
+    const EdgeTest b = moves.AddAbsolutePose(loop);
     EXPECT_NEAR(a.distance, b.distance, 1e-4 * (1.0 + a.distance));
     EXPECT_EQ(a.valid, b.valid);
     stays.Solve();
@@ -252,11 +252,11 @@ TYPED_TEST(PoseGraphTest, ALoopThatIsNoNumberIsCut) {
   const Chain<kDim> chain(3, Diagonal<kDim>(0.05, 0.005), Diagonal<kDim>(0.1, 0.01), 12);
   PoseGraph<kDim> graph = Run(chain, {});
   const PoseEstimate<kDim> before = graph.Newest();
-  LoopEdge<kDim> loop = chain.steps.back().loop;
+  AbsolutePoseFactor<kDim> loop = chain.steps.back().loop;
   loop.pose.translation_m.x() = std::numeric_limits<double>::quiet_NaN();
   PoseGraph<kDim> fresh;
   fresh.Reset(before);
-  EXPECT_FALSE(fresh.AddLoop(loop).valid);
+  EXPECT_FALSE(fresh.AddAbsolutePose(loop).valid);
   fresh.Solve();
   EXPECT_LT(ErrorOf<kDim>(fresh.Newest().pose, before.pose).norm(), 1e-9);
 }
@@ -267,11 +267,11 @@ TYPED_TEST(PoseGraphTest, APriorThatIsExactIsKeptAndLoopsAfterItCount) {
   graph.Reset({{}, TangentMatrix<kDim>::Zero()});
   const TangentMatrix<kDim> one = Diagonal<kDim>(0.1, 0.1);
   const Tangent<kDim> xi = 0.1 * Tangent<kDim>::Unit(0);
-  EXPECT_TRUE(graph.AddLoop({Exp(xi), one, one}).valid);
+  EXPECT_TRUE(graph.AddAbsolutePose({Exp(xi), one, one}).valid);
   graph.Solve();
   EXPECT_LT(Log(graph.Newest().pose).norm(), 1e-6);
   graph.AddState({{}, one});
-  EXPECT_TRUE(graph.AddLoop({Exp(xi), one, one}).valid);
+  EXPECT_TRUE(graph.AddAbsolutePose({Exp(xi), one, one}).valid);
   graph.Solve();
   // Odometry and registration are worth the same.
   EXPECT_NEAR(Log(graph.Newest().pose)(0), 0.05, 1e-4);
@@ -292,7 +292,7 @@ TYPED_TEST(PoseGraphTest, ResetForgets) {
 TYPED_TEST(PoseGraphTest, WithoutOtherNoiseTheNoiseIsTheWeights) {
   constexpr int kDim = TypeParam::value;
   const Chain<kDim> chain(30, Diagonal<kDim>(0.03, 0.004), Diagonal<kDim>(0.1, 0.01), 5);
-  const PoseGraph<kDim> graph = Run<kDim>(chain, {.truncate = false});
+  const PoseGraph<kDim> graph = Run<kDim>(chain, {.gate_outliers = false});
   const TangentMatrix<kDim> covariance = graph.Newest().covariance;
   EXPECT_LT((graph.NewestNoise() - covariance).norm(), 1e-6 * covariance.norm());
 }
@@ -307,14 +307,14 @@ TYPED_TEST(PoseGraphTest, TheNoiseIsThatOfTheGainsThatTheWeightsGive) {
   TangentMatrix<kDim> told;
   for (int run = 0; run < kRuns; ++run) {
     Chain<kDim> chain(25, odometry, loop, static_cast<unsigned>(100 + run));
-    PoseGraph<kDim> graph({.truncate = false});
+    PoseGraph<kDim> graph({.gate_outliers = false});
     graph.Reset(chain.prior);
     for (auto& step : chain.steps) {
       step.odometry.covariance = 4.0 * odometry;
       step.loop.reused_covariance = 30.0 * loop;
       step.loop.noise = loop;
       graph.AddState(step.odometry, odometry);
-      graph.AddLoop(step.loop);
+      graph.AddAbsolutePose(step.loop);
       graph.Solve();
     }
     const Tangent<kDim> error = ErrorOf<kDim>(graph.Newest().pose, chain.steps.back().truth);
@@ -331,8 +331,8 @@ TYPED_TEST(PoseGraphTest, WhatLastsPassesTheWeightsGains) {
   constexpr int kDim = TypeParam::value;
   Chain<kDim> chain(40, Diagonal<kDim>(1e-9, 1e-9), Diagonal<kDim>(1e-9, 1e-9), 8);
   const Tangent<kDim> fault = Tangent<kDim>::Constant(2e-3);
-  PoseGraph<kDim> graph({.truncate = false});
-  PoseGraph<kDim> without({.truncate = false});
+  PoseGraph<kDim> graph({.gate_outliers = false});
+  PoseGraph<kDim> without({.gate_outliers = false});
   graph.Reset(chain.prior);
   without.Reset(chain.prior);
   for (auto& step : chain.steps) {
@@ -340,15 +340,15 @@ TYPED_TEST(PoseGraphTest, WhatLastsPassesTheWeightsGains) {
     step.loop.reused_covariance = Diagonal<kDim>(0.3, 0.03);
     step.loop.pose = step.truth * Exp(fault);
     for (PoseGraph<kDim>* one : {&graph, &without}) one->AddState(step.odometry);
-    without.AddLoop(step.loop);
-    step.loop.lasting.col(0) = fault;
-    graph.AddLoop(step.loop);
+    without.AddAbsolutePose(step.loop);
+    step.loop.systematic.col(0) = fault;
+    graph.AddAbsolutePose(step.loop);
     graph.Solve();
   }
   const Tangent<kDim> error = ErrorOf<kDim>(graph.Newest().pose, chain.steps.back().truth);
-  const TangentMatrix<kDim> lasting = graph.NewestNoise() - without.NewestNoise();
+  const TangentMatrix<kDim> systematic = graph.NewestNoise() - without.NewestNoise();
   EXPECT_GT(error.norm(), 1e-3);
-  EXPECT_LT((lasting - error * error.transpose()).norm(), 0.1 * error.squaredNorm());
+  EXPECT_LT((systematic - error * error.transpose()).norm(), 0.1 * error.squaredNorm());
 }
 
 }  // namespace

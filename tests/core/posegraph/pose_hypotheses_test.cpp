@@ -28,7 +28,7 @@ double DistanceTo(const Pose2& truth, const PoseHypotheses<2>& hypotheses) {
   return (hypotheses.Newest().pose.translation_m - truth.translation_m).norm();
 }
 
-LoopEdge<2> Aside(LoopEdge<2> loop, double y_m) {
+AbsolutePoseFactor<2> Aside(AbsolutePoseFactor<2> loop, double y_m) {
   loop.pose = loop.pose * Pose2{.translation_m = {0.0, y_m}};
   return loop;
 }
@@ -40,7 +40,7 @@ std::vector<EdgeTest> Drive(const Chain<2>& chain, PoseHypotheses<2>& hypotheses
   std::vector<EdgeTest> tests;
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
     hypotheses.AddState(chain.steps[i].odometry);
-    tests.push_back(hypotheses.AddLoop(loop_at(i)));
+    tests.push_back(hypotheses.AddAbsolutePose(loop_at(i)));
   }
   return tests;
 }
@@ -56,7 +56,8 @@ TEST(PoseHypothesesTest, WithoutContradictionItIsThePoseGraph) {
   for (const auto& step : chain.steps) {
     hypotheses.AddState(step.odometry);
     graph.AddState(step.odometry);
-    EXPECT_EQ(hypotheses.AddLoop(step.loop).distance, graph.AddLoop(step.loop).distance);
+    EXPECT_EQ(hypotheses.AddAbsolutePose(step.loop).distance,
+              graph.AddAbsolutePose(step.loop).distance);
     graph.Solve();
     EXPECT_EQ(hypotheses.Newest().pose.translation_m, graph.Newest().pose.translation_m);
   }
@@ -105,7 +106,7 @@ TEST(PoseHypothesesTest, AChainThatIsWrongForGoodIsReplaced) {
   hypotheses.Reset(wrong);
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
     hypotheses.AddState(chain.steps[i].odometry);
-    const EdgeTest test = hypotheses.AddLoop(chain.steps[i].loop);
+    const EdgeTest test = hypotheses.AddAbsolutePose(chain.steps[i].loop);
     const bool taken_over = i + 1 >= kSupport;
     EXPECT_EQ(test.valid, taken_over) << i;
     if (taken_over) {
@@ -130,7 +131,7 @@ TEST(PoseHypothesesTest, StatesWithoutARegistrationDoNotEndTheContention) {
     hypotheses.AddState(chain.steps[i].odometry);
     if (i % 3 != 0) continue;
     ++given;
-    EXPECT_EQ(hypotheses.AddLoop(chain.steps[i].loop).valid, given >= kSupport) << i;
+    EXPECT_EQ(hypotheses.AddAbsolutePose(chain.steps[i].loop).valid, given >= kSupport) << i;
   }
   EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.2);
 }
@@ -145,9 +146,9 @@ TEST(PoseHypothesesTest, TheContentionSurvivesAChangeOfFrame) {
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
     hypotheses.AddState(chain.steps[i].odometry);
     if (i == 4) hypotheses.ChangeFrame(T_new_old);
-    LoopEdge<2> loop = chain.steps[i].loop;
+    AbsolutePoseFactor<2> loop = chain.steps[i].loop;
     if (i >= 4) loop.pose = T_new_old * loop.pose;
-    EXPECT_EQ(hypotheses.AddLoop(loop).valid, i + 1 >= kSupport) << i;
+    EXPECT_EQ(hypotheses.AddAbsolutePose(loop).valid, i + 1 >= kSupport) << i;
   }
   EXPECT_LT(DistanceTo(T_new_old * chain.steps.back().truth, hypotheses), 0.1);
 }
@@ -162,7 +163,7 @@ TEST(PoseHypothesesTest, AResetDropsTheContender) {
   wrong.pose = wrong.pose * Pose2{.translation_m = {50.0, 0.0}};
   hypotheses.Reset(wrong);
   hypotheses.AddState(chain.steps.back().odometry);
-  EXPECT_FALSE(hypotheses.AddLoop(chain.steps.back().loop).valid);
+  EXPECT_FALSE(hypotheses.AddAbsolutePose(chain.steps.back().loop).valid);
   EXPECT_GT(DistanceTo(chain.steps.back().truth, hypotheses), 20.0);
 }
 
@@ -172,7 +173,7 @@ TEST(PoseHypothesesTest, LoopsThatAreNoNumbersAreCutAndLeaveNothingBehind) {
   hypotheses.Reset(chain.prior);
   const auto is_bad = [](std::size_t i) { return i >= 5 && i < 5 + 3 * kSupport; };
   const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
-    LoopEdge<2> loop = chain.steps[i].loop;
+    AbsolutePoseFactor<2> loop = chain.steps[i].loop;
     if (is_bad(i)) loop.pose.yaw_rad = std::numeric_limits<double>::quiet_NaN();
     return loop;
   });

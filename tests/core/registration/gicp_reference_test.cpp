@@ -110,7 +110,7 @@ TYPED_TEST(GicpReferenceTest, FindsTheMinimumThatCeresFinds) {
       parameters = Minimise<kDim>(pair, reference.Rotation(), parameters);
       reference = ToPose<kDim>(parameters);
     }
-    // Weights are those of a pose up to a milliradian away (MatchFinder).
+    // Weights are those of a pose up to a milliradian away (CorrespondenceFinder).
     EXPECT_LT(Log(reference.Inverse() * result.T_local_vehicle).norm(), 1e-4);
     EXPECT_GT(Log(truth.Inverse() * result.T_local_vehicle).norm(), 1e-3)
         << "the truth is not the minimum: agreement says something";

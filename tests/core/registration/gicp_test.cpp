@@ -80,7 +80,7 @@ template <int Dim>
 Spread MonteCarlo(int trials, const GicpOptions& options) {
   std::mt19937 random(4);
   const Pose<Dim> truth = SmallMotion<Dim>(1.5, -0.8);
-  // Points 4 m apart with deviations of 0.1 m: which landmark is whose is never in doubt.
+  // Points 4 m apart with deviations of 0.1 m: which landmark is whose is never in degeneracy.
   const CloudPair<Dim> exact = ExactPair<Dim>(truth, 40, 0.1, random);
   TangentMatrix<Dim> errors = TangentMatrix<Dim>::Zero();
   TangentMatrix<Dim> claimed = TangentMatrix<Dim>::Zero();

@@ -19,7 +19,7 @@ GaussianPoint<2> PointAt(double x_m, double y_m) {
 Observability Look(const std::vector<GaussianPoint<2>>& live,
                    const std::vector<GaussianPoint<2>>& landmarks, const Pose2& T_local_vehicle) {
   std::vector<GaussianPoint<2>> chosen;
-  MatchFinder<2> finder;
+  CorrespondenceFinder<2> finder;
   return Observe<2>(live, LocalMap<2>({}, landmarks), T_local_vehicle,
                     Eigen::Vector3d(1e-4, 2e-4, 1e-6).asDiagonal(), {}, chosen, finder);
 }
@@ -41,7 +41,7 @@ TEST(ObservabilityTest, AmongPlacesOfTheirOwnBothAxesAreObserved) {
   const Observability seen = Look(pair.live, pair.landmarks, truth);
   EXPECT_TRUE(seen.Observed(0));
   EXPECT_TRUE(seen.Observed(1));
-  EXPECT_EQ(seen.Doubt(), Eigen::Matrix2d::Zero());
+  EXPECT_EQ(seen.DegeneracyCovariance(), Eigen::Matrix2d::Zero());
 }
 
 TEST(ObservabilityTest, AlongSmoothWallsTheWayIsNotObservedAndOnlyThat) {
@@ -49,9 +49,9 @@ TEST(ObservabilityTest, AlongSmoothWallsTheWayIsNotObservedAndOnlyThat) {
   const Observability seen = Look(Walls(300, random), Walls(600, random), {});
   EXPECT_FALSE(seen.Observed(0));
   EXPECT_TRUE(seen.Observed(1));
-  const Eigen::Matrix2d doubt = seen.Doubt();
-  EXPECT_GT(doubt(0, 0), 50.0);
-  EXPECT_LT(doubt(1, 1), 1e-6);
+  const Eigen::Matrix2d degeneracy = seen.DegeneracyCovariance();
+  EXPECT_GT(degeneracy(0, 0), 50.0);
+  EXPECT_LT(degeneracy(1, 1), 1e-6);
 }
 
 TEST(ObservabilityTest, NothingThatFitsIsNoReasonToDoubt) {

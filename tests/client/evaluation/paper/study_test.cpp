@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "client/cli/run_folder.h"
+#include "client/cli/common/run_folder.h"
 #include "client/evaluation/paper/simulated_cases.h"
 #include "core/calibration/calibration.h"
 #include "tests/client/datasets/temp_folder.h"

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+#include "client/cli/common/live_line.h"
+
+namespace dcloc::cli {
+
+/// A line on stderr that says how far a long step is; nothing where stderr is no terminal. The line
+/// is wiped when the step ends.
+class Progress {
+ public:
+  Progress(std::string step, std::size_t total);
+
+  /// `done` of the total; drawn ten times a second at most.
+  void Update(std::size_t done);
+
+ private:
+  std::string step_;
+  std::size_t total_;
+  LiveLine line_;
+  std::chrono::steady_clock::time_point next_draw_;
+};
+
+}  // namespace dcloc::cli

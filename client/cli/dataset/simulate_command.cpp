@@ -1,0 +1,157 @@
+#include "client/cli/dataset/simulate_command.h"
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/progress.h"
+#include "client/cli/common/terminal.h"
+#include "client/simulation/nuscenes_writer.h"
+#include "client/simulation/option_names.h"
+#include "client/simulation/simulation.h"
+
+namespace dcloc::cli {
+namespace {
+
+constexpr double kMpsPerKmh = 1.0 / 3.6;
+
+struct SimulateArguments {
+  SimulationOptions options;
+  double map_speed_kmh = 72.0;
+  std::vector<double> live_speeds_kmh = {40.0};
+  std::string out;
+  bool force = false;
+};
+
+void PrintPass(const SimulatedPass& pass, double length_m) {
+  const std::vector<DriveScan>& scans = pass.drive.scans;
+  std::size_t target_count = 0;
+  for (const DriveScan& entry : scans) target_count += entry.scan.size();
+  const double duration_s =
+      std::chrono::duration<double>(scans.back().scan.stamp - scans.front().scan.stamp).count();
+  absl::PrintF("%-8s %5d scans, %5.1f targets each, %6.1f s, mean speed %.1f km/h\n",
+               pass.drive.name, scans.size(),
+               static_cast<double>(target_count) / static_cast<double>(scans.size()), duration_s,
+               length_m / duration_s / kMpsPerKmh);
+}
+
+absl::Status Simulate(SimulateArguments arguments) {
+  SimulationOptions& options = arguments.options;
+  options.map_speed_mps = arguments.map_speed_kmh * kMpsPerKmh;
+  options.live_speeds_mps.clear();
+  for (const double kmh : arguments.live_speeds_kmh) {
+    options.live_speeds_mps.push_back(kmh * kMpsPerKmh);
+  }
+  if (absl::Status status = Validate(options); !status.ok()) return status;
+
+  auto writer = NuScenesWriter::Create(arguments.out, arguments.force);
+  if (!writer.ok()) return writer.status();
+  const simulation::World world = MakeWorld(options);
+  for (const PassOptions& pass : Passes(options)) {
+    constexpr std::size_t kSteps = 1000;
+    absl::StatusOr<SimulatedPass> simulated;
+    {
+      Progress progress("simulating " + pass.name, kSteps);
+      simulated = SimulatePassWithTruth(world, options, pass, [&](double share) {
+        progress.Update(static_cast<std::size_t>(share * kSteps));
+      });
+    }
+    if (!simulated.ok()) return simulated.status();
+    if (absl::Status status = writer->AddPass(*simulated); !status.ok()) return status;
+    PrintPass(*simulated, options.length_m);
+  }
+  return writer->Finish(options);
+}
+
+template <typename Kind>
+CLI::Option* AddChoice(CLI::App& app, const std::string& flag, Kind& kind,
+                       const std::string& description) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : NamesFor(Kind{})) names.emplace_back(name);
+  const auto take = [&kind](const std::string& text) {
+    for (const auto& [name, value] : NamesFor(Kind{})) {
+      if (text == name) kind = value;
+    }
+  };
+  return app.add_option_function<std::string>(flag, take, description)
+      ->check(CLI::IsMember(names).description(""))
+      ->type_name(absl::StrJoin(names, "|"))
+      ->default_str(NameOf(kind));
+}
+
+void AddWorldOptions(CLI::App& app, SimulateArguments& arguments) {
+  SimulationOptions& options = arguments.options;
+  AddChoice(app, "--world", options.world, "Where to drive");
+  app.add_option("--seed", options.seed, "Makes another world of the kind, and other drives");
+  app.add_option("--length-m", options.length_m, "Length of each drive")->type_name("M");
+  app.add_option("--tunnel-m", options.tunnel_m,
+                 "Length of a tunnel in the middle, whose walls show nothing of the way along it")
+      ->type_name("M");
+  app.add_option("--map-speed-kmh", arguments.map_speed_kmh,
+                 "Mean speed of the map pass, where bends allow it")
+      ->type_name("KMH");
+  app.add_option("--live-speed-kmh", arguments.live_speeds_kmh,
+                 "Mean speeds of the live passes, comma-separated: one pass each")
+      ->delimiter(',')
+      ->type_name("KMH,...");
+  app.add_flag("--stops", options.stops, "Halt at about every other crossroads");
+  app.add_option("--parked-change", options.parked_change_share,
+                 "Share of the parked vehicles that is gone or replaced in live passes")
+      ->type_name("SHARE");
+}
+
+void AddRadarOptions(CLI::App& app, SimulationOptions& options) {
+  AddChoice(app, "--radar", options.radar, "Kind of radar");
+  AddChoice(app, "--noise", options.noise,
+            "Noise of Table IV of the DC-Loc++ paper; others than gaussian need --radar carla");
+  app.add_option("--noise-scale", options.noise_scale,
+                 "Times that noise; the rig is described as with 1. 0 shows what else errs")
+      ->type_name("X");
+  app.add_flag("--flat", options.is_flat,
+               "Measure as if everything stood at the radar's height, so that no range is slant");
+  app.add_option("--rig", options.rig_size, "Number of radars, 1 (front) or 5")->type_name("COUNT");
+  app.add_option("--beta-s", options.beta_s,
+                 "Range-Doppler coupling: measured range = range + beta * range rate")
+      ->type_name("S");
+  app.add_flag("--elevation", options.has_elevation, "The radars measure elevation (z columns)");
+  app.add_option("--unambiguous-range-rate-mps", options.unambiguous_range_rate_mps,
+                 "Fold range rates into +- this; 0 for none")
+      ->type_name("MPS");
+  app.add_option("--range-rate-step-mps", options.range_rate_step_mps,
+                 "Quantise range rates, 0.25 for an ARS408's; 0 for none")
+      ->type_name("MPS");
+  app.add_option("--clutter", options.clutter_share, "Share of false targets in a scan")
+      ->type_name("SHARE");
+  app.add_option("--ghosts", options.ghost_share, "Share of multipath ghosts in a scan")
+      ->type_name("SHARE");
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<SimulateArguments>();
+  CLI::App* simulate = app.add_subcommand(
+      "simulate", "Make drives through a simulated world, with exact truth, in nuScenes' layout");
+  simulate->option_defaults()->always_capture_default();
+  simulate->add_option("--out", arguments->out, "Folder to write; an earlier simulation in it goes")
+      ->required()
+      ->type_name("DIR");
+  AddWorldOptions(*simulate, *arguments);
+  AddRadarOptions(*simulate, arguments->options);
+  simulate->add_flag("--force", arguments->force, "Write into a folder that holds other files too");
+  simulate->footer(
+      "The drives are scenes called map, live-0, live-1, ...\n"
+      "Example, the setting of the paper's CARLA experiment:\n"
+      "  dcloc simulate --out sim --radar carla --noise student --live-speed-kmh 40,60\n"
+      "  dcloc map build --dataset nuscenes --root sim --drive map --out town.dclm");
+  simulate->callback([arguments, &exit_code] {
+    const absl::Status status = Simulate(*arguments);
+    exit_code = status.ok() ? kSuccess : Fail(status);
+  });
+}
+
+}  // namespace dcloc::cli

@@ -1,0 +1,126 @@
+#include "client/cli/server/server_command.h"
+
+#include <chrono>
+#include <ctime>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/terminal.h"
+#include "client/cli/remote/admin_run.h"
+#include "client/cli/remote/answer_text.h"
+#include "client/cli/remote/server_options.h"
+
+namespace dcloc::cli {
+namespace {
+
+using nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kPoll(200);
+
+struct ServerArguments {
+  client::ChannelOptions server;
+  double wait_s = 0.0;
+  bool json = false;
+};
+
+ordered_json Json(const v1::GetServerStateResponse& state) {
+  return {{"version", state.server_version()},
+          {"start_time", TimeText(state.start_time())},
+          {"worker_count", state.worker_count()},
+          {"session_count", state.session_count()},
+          {"detached_session_count", state.detached_session_count()},
+          {"max_session_count", state.max_session_count()},
+          {"loaded_map_count", state.loaded_map_count()},
+          {"scan_count", state.scan_count()},
+          {"rejected_scan_count", state.rejected_scan_count()},
+          {"dropped_scan_count", state.dropped_scan_count()},
+          {"repeated_scan_count", state.repeated_scan_count()},
+          {"resume_count", state.resume_count()},
+          {"draining", state.draining()},
+          {"stub_matcher", state.stub_matcher()}};
+}
+
+absl::Status ShowStatus(client::AdminClient& admin, const ServerArguments& arguments) {
+  const auto state = admin.ServerState();
+  if (!state.ok()) return state.status();
+  if (arguments.json) {
+    absl::PrintF("%s\n", Json(*state).dump(2));
+    return absl::OkStatus();
+  }
+  const auto up_s = static_cast<double>(std::time(nullptr) - state->start_time().seconds());
+  absl::PrintF(
+      "dcloc-server %s, up for %s%s%s\n"
+      "sessions  %d of %d at most, %d of them away; resumed %d times\n"
+      "scans     %d localized, %d refused, %d dropped, %d repeated\n"
+      "maps      %d in memory\n"
+      "threads   %d localize\n",
+      state->server_version(), AgeText(up_s), state->draining() ? ", draining" : "",
+      state->stub_matcher() ? ", stub matcher: poses mean nothing" : "", state->session_count(),
+      state->max_session_count(), state->detached_session_count(), state->resume_count(),
+      state->scan_count(), state->rejected_scan_count(), state->dropped_scan_count(),
+      state->repeated_scan_count(), state->loaded_map_count(), state->worker_count());
+  return absl::OkStatus();
+}
+
+/// Waits for the sessions to go, as long as it was asked to.
+absl::StatusOr<v1::GetServerStateResponse> WaitUntilEmpty(client::AdminClient& admin,
+                                                          double wait_s) {
+  const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                                   std::chrono::duration<double>(wait_s));
+  while (true) {
+    auto state = admin.ServerState();
+    if (!state.ok() || state->session_count() == 0 || Clock::now() >= end) return state;
+    std::this_thread::sleep_for(kPoll);
+  }
+}
+
+absl::Status Drain(client::AdminClient& admin, const ServerArguments& arguments) {
+  const absl::StatusOr<int> told = admin.Drain();
+  if (!told.ok()) return told.status();
+  const auto state = WaitUntilEmpty(admin, arguments.wait_s);
+  if (!state.ok()) return state.status();
+  if (arguments.json) {
+    ordered_json json = Json(*state);
+    json["told_session_count"] = *told;
+    absl::PrintF("%s\n", json.dump(2));
+  } else {
+    absl::PrintF("draining: %d sessions were told to move, %d are open\n", *told,
+                 state->session_count());
+  }
+  if (arguments.wait_s == 0.0 || state->session_count() == 0) return absl::OkStatus();
+  return absl::DeadlineExceededError(absl::StrFormat("%d sessions are still open after %g s",
+                                                     state->session_count(), arguments.wait_s));
+}
+
+}  // namespace
+
+void AddServerCommand(CLI::App& app, int& exit_code) {
+  CLI::App* server = app.add_subcommand("server", "See how a server does, and empty it");
+  server->require_subcommand(1);
+
+  auto status = std::make_shared<ServerArguments>();
+  CLI::App* command = AddAdminCommand(*server, "status", "Say what a server is doing", status,
+                                      exit_code, &ShowStatus);
+  command->footer("Example:\n  dcloc server status --server localhost:50051");
+
+  auto drain = std::make_shared<ServerArguments>();
+  command =
+      AddAdminCommand(*server, "drain", "Take no more sessions, and tell the vehicles to move",
+                      drain, exit_code, &Drain);
+  command
+      ->add_option("--wait-s", drain->wait_s,
+                   "Wait so long until all have gone; an error if they have not")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->type_name("S")
+      ->capture_default_str();
+  command->footer(
+      "Only a restart makes the server take sessions again.\n"
+      "Example:\n  dcloc server drain --server localhost:50051 --wait-s 30");
+}
+
+}  // namespace dcloc::cli

@@ -1,0 +1,153 @@
+#include "client/cli/session/session_record_command.h"
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/live_line.h"
+#include "client/cli/common/stop_signals.h"
+#include "client/cli/common/terminal.h"
+#include "client/cli/remote/admin_run.h"
+#include "client/cli/remote/server_options.h"
+#include "client/cli/session/replay_run.h"
+#include "client/sdk/recording.h"
+
+namespace dcloc::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct RecordArguments {
+  client::ChannelOptions server;
+  std::string vehicle;
+  std::string out;
+  bool json = false;
+};
+
+void PrintRecorded(const RecordArguments& arguments, const v1::RecordingHeader& header,
+                   std::int64_t scan_count, const std::string& reason) {
+  if (arguments.json) {
+    absl::PrintF("%s\n", ordered_json{{"file", arguments.out},
+                                      {"session_id", header.opened().session_id()},
+                                      {"vehicle_id", header.open().vehicle_id()},
+                                      {"map", header.opened().map_name()},
+                                      {"map_version", header.opened().map_version()},
+                                      {"scan_count", scan_count},
+                                      {"end_reason", reason}}
+                             .dump(2));
+  } else {
+    absl::PrintF("session %s of %s: %d scans in %s; ended: %s\n", header.opened().session_id(),
+                 header.open().vehicle_id(), scan_count, arguments.out, reason);
+  }
+}
+
+absl::Status Record(client::AdminClient& admin, const RecordArguments& arguments,
+                    const StopSignals& signals) {
+  std::stop_source stop;
+  const std::jthread watcher = signals.Watch([&stop](int) { stop.request_stop(); });
+  LiveLine line;
+  std::optional<client::RecordingWriter> writer;
+  v1::RecordingHeader header;
+  absl::Status file_status;
+  const auto take = [&](const v1::RecordSessionResponse& message) {
+    if (message.has_scan() && writer) {
+      writer->Add(message.scan());
+      line.Show(
+          absl::StrCat("recording ", arguments.vehicle, ": ", writer->scan_count(), " scans"));
+      return;
+    }
+    header = message.header();
+    auto created = client::RecordingWriter::Create(arguments.out, header);
+    file_status = created.status();
+    if (created.ok()) {
+      writer.emplace(*std::move(created));
+    } else {
+      stop.request_stop();
+    }
+  };
+  // Also for scripts, which may let the vehicle come now.
+  const auto wait = [&] {
+    absl::FPrintF(stderr, "waiting for the next session of %s\n", arguments.vehicle);
+  };
+  absl::Status status = admin.RecordSession(arguments.vehicle, stop.get_token(), wait, take);
+  if (!file_status.ok()) return file_status;
+  if (!writer) {
+    status.Update(absl::CancelledError(
+        absl::StrCat("stopped before ", arguments.vehicle, " opened a session; nothing recorded")));
+    return status;
+  }
+  // A recording that misses something is left without its end, and so counts as cut off.
+  if (!status.ok()) return status;
+  const std::string reason =
+      stop.stop_requested() ? "the recording was stopped" : "the session has ended";
+  const std::int64_t scan_count = writer->scan_count();
+  status = writer->Close(reason);
+  if (status.ok()) PrintRecorded(arguments, header, scan_count, reason);
+  return status;
+}
+
+void AddRecord(CLI::App& session_command, int& exit_code) {
+  auto arguments = std::make_shared<RecordArguments>();
+  CLI::App* record = session_command.add_subcommand(
+      "record", "Record a vehicle's next session, from its opening to its end or Ctrl-C");
+  AddServerOptions(*record, arguments->server);
+  record->add_option("--vehicle", arguments->vehicle, "Whose next session")
+      ->required()
+      ->type_name("NAME");
+  record->add_option("--out", arguments->out, "The recording; an older one is replaced")
+      ->required()
+      ->type_name("FILE");
+  record->add_flag("--json", arguments->json, "Print as JSON");
+  record->footer(
+      "Scans and answers of the whole session: what is needed to localize it again, bit by bit.\n"
+      "A session that is open is not recorded, as its past is not known any more.\n"
+      "Example:\n  dcloc session record --server localhost:50051 --vehicle car-17 --out car.rec");
+  record->callback([arguments, &exit_code] {
+    const StopSignals signals;  // before gRPC has threads
+    const absl::Status status = WithAdminClient(arguments->server, [&](client::AdminClient& admin) {
+      return Record(admin, *arguments, signals);
+    });
+    exit_code = status.ok() ? kSuccess : Fail(status);
+  });
+}
+
+void AddReplay(CLI::App& session_command, int& exit_code) {
+  auto arguments = std::make_shared<ReplayArguments>();
+  CLI::App* replay = session_command.add_subcommand(
+      "replay", "Localize a recorded session again, and compare the answers bit by bit");
+  replay->add_option("file", arguments->file, "The recording")->required()->type_name("FILE");
+  CLI::Option* map =
+      replay->add_option("--map", arguments->map_file, "Localize here, in this map file")
+          ->type_name("FILE");
+  AddServerOptions(*replay, arguments->server)->required(false)->excludes(map);
+  replay->add_flag("--any-map", arguments->any_map,
+                   "Also in another version of the map than the recorded one");
+  replay->add_flag("--json", arguments->json, "Print as JSON");
+  replay->footer(
+      "With --server, in the map that the recording names. The exit code is 1 when an answer\n"
+      "differs in a single bit of state, pose, covariance or quality.\n"
+      "Examples:\n"
+      "  dcloc session replay car.rec --map town.dclm\n"
+      "  dcloc session replay car.rec --server localhost:50051");
+  replay->callback([arguments, &exit_code] {
+    if (arguments->map_file.empty() == arguments->server.server.empty()) {
+      throw CLI::RequiredError("Exactly one of --map and --server");
+    }
+    const absl::Status status = RunReplay(*arguments);
+    exit_code = status.ok() ? kSuccess : Fail(status);
+  });
+}
+
+}  // namespace
+
+void AddSessionRecordCommands(CLI::App& session_command, int& exit_code) {
+  AddRecord(session_command, exit_code);
+  AddReplay(session_command, exit_code);
+}
+
+}  // namespace dcloc::cli

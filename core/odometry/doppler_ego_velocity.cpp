@@ -1,0 +1,213 @@
+#include "core/odometry/doppler_ego_velocity.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "core/geometry/covariance.h"
+#include "core/radar/measurement.h"
+
+namespace dcloc {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+using Row = RangeRateRow;
+
+void MakeRows(std::span<const RadarScan> scans, std::vector<Row>& rows) {
+  rows.clear();
+  for (const auto& [scan, radar] : scans) {
+    const Matrix3d R_vehicle_radar = radar->T_vehicle_radar.Rotation();
+    const Vector3d& mount = radar->T_vehicle_radar.translation_m;
+    for (std::size_t i = 0; i < scan->size(); ++i) {
+      const Measurement m = MeasurementAt(*scan, i, *radar);
+      const Vector3d u = R_vehicle_radar * LineOfSight(m.azimuth_rad, m.elevation_rad);
+      rows.push_back({.row = {-u.x(), -u.y(), -(mount.x() * u.y() - mount.y() * u.x())},
+                      .range_rate_mps = m.range_rate_mps,
+                      .unambiguous_mps = radar->unambiguous_range_rate_mps,
+                      .sigma_mps = m.range_rate_sigma_mps,
+                      .cross_row_sigma_rad = m.azimuth_sigma_rad});
+    }
+  }
+}
+
+double Residual(const Row& row, const Vector3d& state) {
+  const double predicted_mps = row.row.dot(state);
+  return UnfoldRangeRate(row.range_rate_mps, predicted_mps, row.unambiguous_mps) - predicted_mps;
+}
+
+double SigmaAt(const Row& row, const Vector3d& state) {
+  const double along_mps = row.row.dot(state);
+  const double across_mps =
+      std::sqrt(std::max(0.0, state.head<2>().squaredNorm() - along_mps * along_mps));
+  return std::hypot(row.sigma_mps, row.cross_row_sigma_rad * across_mps);
+}
+
+void TakeInliers(const std::vector<Row>& rows, const Vector3d& state, double gate_mps,
+                 std::vector<Row>& inliers) {
+  inliers.clear();
+  for (const Row& row : rows) {
+    if (std::abs(Residual(row, state)) <= gate_mps) inliers.push_back(row);
+  }
+}
+
+// After how many pairs one of two right targets is missed once in ten thousand times.
+double PairsNeeded(double right_share) {
+  const double wrong_pair_share = std::max(1e-9, 1.0 - right_share * right_share);
+  return std::log(1e-4) / std::log(wrong_pair_share);
+}
+
+// The best-supported motion among those through two targets without side slip.
+Vector3d RansacMotion(const std::vector<Row>& rows, std::uint64_t seed,
+                      const EgoVelocityOptions& options) {
+  std::mt19937_64 random(seed);
+  std::uniform_int_distribution<std::size_t> pick(0, rows.size() - 1);
+  Vector3d best = Vector3d::Zero();
+  std::size_t best_count = 0;
+  double pairs_needed = std::numeric_limits<double>::infinity();
+  int pair_count = 0;
+  for (int iteration = 0; iteration < options.ransac_iterations && pair_count < pairs_needed;
+       ++iteration) {
+    const Row& a = rows[pick(random)];
+    const Row& b = rows[pick(random)];
+    Matrix3d system;
+    system << a.row.transpose(), b.row.transpose(), Vector3d::UnitY().transpose();
+    // Two targets in one direction do not determine a motion.
+    if (std::abs(system.determinant()) < 1e-2) continue;
+    ++pair_count;
+    const Vector3d state =
+        system.partialPivLu().solve(Vector3d(a.range_rate_mps, b.range_rate_mps, 0.0));
+    const auto agrees = [&](const Row& row) {
+      return std::abs(Residual(row, state)) <= options.inlier_gate_mps;
+    };
+    const auto count = static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), agrees));
+    if (count > best_count) {
+      best_count = count;
+      best = state;
+      pairs_needed = PairsNeeded(static_cast<double>(count) / static_cast<double>(rows.size()));
+    }
+  }
+  return best;
+}
+
+struct LeastSquares {
+  Vector3d state;
+  Matrix3d normal;           // H^T W H with the side-slip row
+  double residual_variance;  // of the whitened residuals, 1 when the noise is as modelled
+};
+
+LeastSquares SolveMotion(const std::vector<Row>& rows, const Vector3d& linearization,
+                         const EgoVelocityOptions& options) {
+  LeastSquares solution;
+  solution.normal = Matrix3d::Zero();
+  solution.normal(1, 1) = 1.0 / (options.side_slip_sigma_mps * options.side_slip_sigma_mps);
+  Vector3d right = Vector3d::Zero();
+  for (const Row& row : rows) {
+    const double weight = 1.0 / std::pow(SigmaAt(row, linearization), 2);
+    const double range_rate_mps = row.row.dot(linearization) + Residual(row, linearization);
+    solution.normal += weight * row.row * row.row.transpose();
+    right += weight * range_rate_mps * row.row;
+  }
+  solution.state = solution.normal.ldlt().solve(right);
+  double sum = 0.0;
+  for (const Row& row : rows) {
+    sum += std::pow(Residual(row, solution.state) / SigmaAt(row, solution.state), 2);
+  }
+  solution.residual_variance = sum / std::max<double>(1.0, static_cast<double>(rows.size()) - 3.0);
+  return solution;
+}
+
+bool IsWellConditioned(const Matrix3d& normal, double max_condition) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(normal, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()(0) * max_condition > solver.eigenvalues()(2);
+}
+
+Matrix6d PlanarTwistCovariance(const Matrix3d& planar) {
+  // What the planar model fixes at zero is known to be small, not known exactly.
+  constexpr double kVerticalVariance = 1e-4;
+  return EmbedCovariance(planar, kVerticalVariance, kVerticalVariance);
+}
+
+EgoVelocity PlanarEgoVelocity(const Vector3d& state, const Matrix3d& covariance) {
+  return {.linear_mps = {state.x(), state.y(), 0.0},
+          .angular_radps = {0.0, 0.0, state.z()},
+          .covariance = PlanarTwistCovariance(covariance)};
+}
+
+Matrix3d FloorVariances(const EgoVelocityOptions& options) {
+  return Vector3d(std::pow(options.linear_sigma_floor_mps, 2),
+                  std::pow(options.linear_sigma_floor_mps, 2),
+                  std::pow(options.yaw_rate_sigma_floor_radps, 2))
+      .asDiagonal();
+}
+
+}  // namespace
+
+std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
+                                                      std::uint64_t seed,
+                                                      const EgoVelocityOptions& options) {
+  EgoVelocityMemory memory;
+  return EstimateEgoVelocity(scans, seed, options, memory);
+}
+
+std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
+                                                      std::uint64_t seed,
+                                                      const EgoVelocityOptions& options,
+                                                      EgoVelocityMemory& memory) {
+  auto& [rows, inliers] = memory;
+  MakeRows(scans, rows);
+  const auto count = static_cast<int>(rows.size());
+  if (count < options.min_inlier_count) return std::nullopt;
+
+  TakeInliers(rows, Vector3d::Zero(), options.zero_gate_mps, inliers);
+  if (static_cast<double>(inliers.size()) >= options.zero_share * count) {
+    return DopplerEgoVelocity{
+        .ego_velocity = PlanarEgoVelocity(Vector3d::Zero(), FloorVariances(options)),
+        .inlier_count = static_cast<int>(inliers.size()),
+        .target_count = count,
+        .standing_still = true};
+  }
+
+  Vector3d state = RansacMotion(rows, seed, options);
+  LeastSquares solution{};
+  for (int pass = 0; pass < 3; ++pass) {  // inliers and weights depend on the state: refine both
+    TakeInliers(rows, state, options.inlier_gate_mps, inliers);
+    const auto inlier_count = static_cast<int>(inliers.size());
+    if (inlier_count < options.min_inlier_count ||
+        inlier_count < options.min_inlier_share * count) {
+      return std::nullopt;
+    }
+    solution = SolveMotion(inliers, state, options);
+    state = solution.state;
+  }
+  if (!IsWellConditioned(solution.normal, options.max_condition)) return std::nullopt;
+  const Matrix3d covariance =
+      std::max(1.0, solution.residual_variance) * solution.normal.inverse() +
+      FloorVariances(options);
+  return DopplerEgoVelocity{.ego_velocity = PlanarEgoVelocity(state, covariance),
+                            .inlier_count = static_cast<int>(inliers.size()),
+                            .target_count = count};
+}
+
+EgoVelocity Fuse(const EgoVelocity& a, const EgoVelocity& b) {
+  Vector6d twist_a;
+  Vector6d twist_b;
+  twist_a << a.linear_mps, a.angular_radps;
+  twist_b << b.linear_mps, b.angular_radps;
+  // gain = A (A + B)^-1; symmetric positive definite sums only, nothing is inverted alone.
+  const Matrix6d sum = *a.covariance + *b.covariance;
+  const Matrix6d gain = sum.ldlt().solve(*a.covariance).transpose();
+  const Vector6d twist = twist_a + gain * (twist_b - twist_a);
+  const Matrix6d covariance = *a.covariance - gain * *a.covariance;
+  return {.linear_mps = twist.head<3>(),
+          .angular_radps = twist.tail<3>(),
+          .covariance = 0.5 * (covariance + covariance.transpose())};
+}
+
+}  // namespace dcloc

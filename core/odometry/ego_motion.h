@@ -1,0 +1,68 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/localizer/localizer_options.h"
+#include "core/odometry/doppler_ego_velocity.h"
+#include "core/odometry/motion.h"
+#include "core/odometry/odometry_error_filter.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// One vehicle's ego-velocity over time: what the vehicle sends fused with what its radars' Doppler
+/// says, or either alone; the last one, ever less certain, where neither is there. What is
+/// constantly wrong with what the vehicle sends is learned from its poses (OdometryErrorFilter).
+class EgoMotion {
+ public:
+  explicit EgoMotion(const LocalizerOptions& options)
+      : options_(options), errors_(options.odometry_error_filter) {}
+
+  /// Takes in the next scan, whose stamp is not before the last one's, and gives the velocity at
+  /// it; the covariance is set. `radar` outlives this object, `memory` is lent for the call.
+  const EgoVelocity& Advance(const Scan& scan, const RadarModel& radar, EgoVelocityMemory& memory);
+
+  /// The same with memory of its own.
+  const EgoVelocity& Advance(const Scan& scan, const RadarModel& radar) {
+    EgoVelocityMemory memory;
+    return Advance(scan, radar, memory);
+  }
+
+  /// A registration of scans that no other one took puts the vehicle here at the last scan, with a
+  /// covariance of (x, y, yaw); or it is no longer known where it was.
+  void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
+    errors_.OnPose(T_map_vehicle, covariance);
+  }
+  void OnJump() { errors_.OnJump(); }
+  /// Poses that were given have been wrong.
+  void Forget() { errors_ = OdometryErrorFilter(options_.odometry_error_filter); }
+
+  /// From the scan before the last one to the last one; identity at the first.
+  const Motion& since_previous() const { return since_previous_; }
+
+ private:
+  struct RecentScan {
+    Scan scan;
+    const RadarModel* radar = nullptr;
+  };
+
+  std::span<const RadarScan> Remember(const Scan& scan, const RadarModel& radar);
+  EgoVelocity Held(std::chrono::nanoseconds age) const;
+
+  EgoVelocity Corrected(const EgoVelocity& reported) const;
+
+  LocalizerOptions options_;
+  OdometryErrorFilter errors_;
+  std::optional<EgoVelocity> velocity_;
+  Stamp stamp_{};
+  Motion since_previous_;
+  std::map<std::string, RecentScan> recent_;  // by radar id
+  std::vector<RadarScan> of_one_moment_;      // the newest scan and what of recent_ is as new
+};
+
+}  // namespace dcloc

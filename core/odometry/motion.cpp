@@ -1,0 +1,63 @@
+#include "core/odometry/motion.h"
+
+#include <cmath>
+
+#include "core/geometry/covariance.h"
+
+namespace dcloc {
+namespace {
+
+double Seconds(std::chrono::nanoseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+// The velocity may have risen above the line from the one end to the other and come back: a
+// triangle of a / 2 half-way is an eighth of a dt^2 of way. A turn that went so has led aside by
+// half of it, give or take, as it came early or late.
+Matrix6d BetweenTheEnds(double way_m, double duration_s, const OdometryOptions& options) {
+  const double eighth_s2 = duration_s * duration_s / 8.0;
+  const double ahead_m = options.acceleration_sigma_mps2 * eighth_s2;
+  Vector6d turn = Vector6d::Zero();
+  turn(5) = options.yaw_acceleration_sigma_radps2 * eighth_s2;
+  turn(1) = 0.5 * way_m * turn(5);
+  const double aside_m = 0.29 * way_m * turn(5);
+  Matrix6d covariance = turn * turn.transpose();
+  covariance(0, 0) += ahead_m * ahead_m;
+  covariance(1, 1) += aside_m * aside_m;
+  return covariance;
+}
+
+}  // namespace
+
+EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, double scale_sigma,
+                           const OdometryOptions& options) {
+  if (ego_velocity.covariance) return ego_velocity;
+  const double linear_sigma_mps =
+      options.linear_sigma_mps + scale_sigma * ego_velocity.linear_mps.norm();
+  Vector6d sigmas;
+  sigmas << linear_sigma_mps, options.linear_sigma_mps, options.vertical_sigma_mps,
+      options.tilt_rate_sigma_radps, options.tilt_rate_sigma_radps, options.yaw_rate_sigma_radps;
+  EgoVelocity result = ego_velocity;
+  result.covariance = sigmas.cwiseAbs2().asDiagonal();
+  return result;
+}
+
+Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,
+                 std::chrono::nanoseconds duration, const OdometryOptions& options) {
+  const double duration_s = Seconds(duration);
+  Vector6d twist;
+  twist << 0.5 * (begin.linear_mps + end.linear_mps),
+      0.5 * (begin.angular_radps + end.angular_radps);
+  const Matrix6d twist_covariance = 0.5 * (*begin.covariance + *end.covariance);
+  return {.T_from_to = Exp(Vector6d(twist * duration_s)),
+          .covariance = twist_covariance * (duration_s * Seconds(options.correlation_time)) +
+                        BetweenTheEnds(twist.x() * duration_s, duration_s, options)};
+}
+
+Motion Compose(const Motion& first, const Motion& second) {
+  return {
+      .T_from_to = first.T_from_to * second.T_from_to,
+      .covariance = ComposeCovariance<3>(first.covariance, second.T_from_to, second.covariance)};
+}
+
+}  // namespace dcloc

@@ -1,0 +1,109 @@
+#include "core/odometry/odometry_error_filter.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace dcloc {
+namespace {
+
+// Where the constants stand among the states, behind the pose.
+constexpr int kScale = 3;
+constexpr int kYawRateBias = 4;
+constexpr int kCourse = 5;
+constexpr int kTimeOffset = 6;
+
+// What a second adds to the deviations' squares: of the pose by all that is not constant (slip,
+// noise of the sensors), of the constants as they drift.
+constexpr double kWalk_m = 0.02;
+constexpr double kWalk_rad = 5e-4;
+constexpr double kScaleDrift = 2e-4;
+constexpr double kYawRateBiasDrift_radps = 2e-5;
+constexpr double kCourseDrift_rad = 2e-4;
+
+double Square(double value) { return value * value; }
+
+}  // namespace
+
+OdometryErrorFilter::OdometryErrorFilter(const OdometryErrorFilterOptions& options)
+    : options_(options) {
+  covariance_.diagonal() << 0.0, 0.0, 0.0, Square(options.scale_sigma),
+      Square(options.yaw_rate_bias_sigma_radps), Square(options.course_sigma_rad),
+      Square(options.time_offset_sigma_s);
+}
+
+double OdometryErrorFilter::scale_sigma() const {
+  return std::max(options_.min_scale_sigma, std::sqrt(covariance_(kScale, kScale)));
+}
+
+void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseconds duration) {
+  const double duration_s = std::chrono::duration<double>(duration).count();
+  if (!T_map_vehicle_ || duration_s <= 0.0) return;
+  const Pose2 reported = Flatten(T_from_to);
+  const Pose2 T_before_now{
+      .translation_m = Eigen::Rotation2Dd(course_rad_) * reported.translation_m,
+      .yaw_rad = reported.yaw_rad};
+  T_map_vehicle_ = *T_map_vehicle_ * Embed(T_before_now);
+  velocity_ = Log(T_before_now) / duration_s;
+
+  const Eigen::Vector2d& way_m = T_before_now.translation_m;
+  Covariance by_states = Covariance::Identity();
+  by_states.topLeftCorner<kPose, kPose>() = Adjoint(T_before_now.Inverse());
+  by_states.block<2, 1>(0, kScale) = way_m / scale_;
+  by_states(2, kYawRateBias) = duration_s;
+  by_states.block<2, 1>(0, kCourse) = Eigen::Vector2d(-way_m.y(), way_m.x());
+  States drift;
+  drift << kWalk_m, kWalk_m, kWalk_rad, kScaleDrift, kYawRateBiasDrift_radps, kCourseDrift_rad, 0.0;
+  covariance_ = by_states * covariance_ * by_states.transpose();
+  covariance_.diagonal() += duration_s * drift.cwiseAbs2();
+}
+
+void OdometryErrorFilter::OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
+  Eigen::Matrix3d noise = covariance;
+  noise.diagonal().head<2>().array() += Square(options_.pose_sigma_m);
+  noise(2, 2) += Square(options_.pose_sigma_rad);
+  if (!T_map_vehicle_) return StartAt(T_map_vehicle, noise);
+
+  Eigen::Matrix<double, kPose, kStates> by_states = Eigen::Matrix<double, kPose, kStates>::Zero();
+  by_states.leftCols<kPose>().setIdentity();
+  by_states.col(kTimeOffset) = velocity_;
+  const Vector6d apart_in_space = Log(T_map_vehicle_->Inverse() * T_map_vehicle);
+  const Eigen::Vector3d apart(apart_in_space(0), apart_in_space(1), apart_in_space(5));
+  const Eigen::Vector3d innovation = apart - time_offset_s_ * velocity_;
+  const Eigen::Matrix3d predicted = by_states * covariance_ * by_states.transpose();
+  noise *= InnovationScale(innovation.dot((predicted + noise).ldlt().solve(innovation)) / kPose);
+
+  const Eigen::Matrix<double, kStates, kPose> gain =
+      (predicted + noise).ldlt().solve(by_states * covariance_).transpose();
+  const States step = gain * innovation;
+  // What is not planar is taken as registered.
+  T_map_vehicle_ = T_map_vehicle * Embed(Exp(Eigen::Vector3d(step.head<kPose>() - apart)));
+  scale_ += step(kScale);
+  yaw_rate_bias_radps_ += step(kYawRateBias);
+  course_rad_ += step(kCourse);
+  time_offset_s_ += step(kTimeOffset);
+  const Covariance keep = Covariance::Identity() - gain * by_states;
+  covariance_ = keep * covariance_ * keep.transpose() + gain * noise * gain.transpose();
+}
+
+void OdometryErrorFilter::StartAt(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
+  T_map_vehicle_ = T_map_vehicle;
+  covariance_.topRows<kPose>().setZero();
+  covariance_.leftCols<kPose>().setZero();
+  covariance_.topLeftCorner<kPose, kPose>() = covariance;
+}
+
+// By how much more measurements vary than they say, of late or just now; `squared_sigmas` is this
+// one's, for each degree of freedom.
+double OdometryErrorFilter::InnovationScale(double squared_sigmas) {
+  constexpr double kForget = 0.97;
+  constexpr double kMaxSquaredSigmas = 9.0;  // what is further off must not count for all others
+  constexpr double kPriorCount = 3.0;        // measurements that its being 1 is worth
+  constexpr double kUsual = 3.0;             // what a single one is off by now and then
+  squared_sigmas_ = kForget * squared_sigmas_ + std::min(squared_sigmas, kMaxSquaredSigmas);
+  count_ = kForget * count_ + 1.0;
+  const double of_late = (kPriorCount + squared_sigmas_) / (kPriorCount + count_);
+  return std::max({1.0, of_late, squared_sigmas / kUsual});
+}
+
+}  // namespace dcloc

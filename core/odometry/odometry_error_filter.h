@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <chrono>
+#include <optional>
+
+#include "core/geometry/pose.h"
+
+namespace dcloc {
+
+/// Deviations of what `OdometryErrorFilter` learns, before it has, and of what hides it.
+struct OdometryErrorFilterOptions {
+  double scale_sigma = 0.01;                ///< tyres are known to a percent or so
+  double yaw_rate_bias_sigma_radps = 1e-3;  ///< of a gyroscope that was zeroed at rest
+  double course_sigma_rad = 0.01;           ///< mounts that are turned
+  double time_offset_sigma_s = 0.03;        ///< clocks that differ
+  double min_scale_sigma = 0.002;           ///< what odometry is told: load and tyres change
+  /// What every registered pose lacks besides its own noise, by errors of the map that the next one
+  /// shares.
+  double pose_sigma_m = 0.1;
+  double pose_sigma_rad = 0.004;
+};
+
+/// Learns what is constantly wrong with the motion that the vehicle reports: by which factor its
+/// speed is too low, and by how much its yaw rate. A Kalman filter over the vehicle's planar pose
+/// and four constants that drift slowly: these two and, as they would pass for them, the course
+/// (vehicles move the way they look, but for what the mounts are turned by) and the offset in time
+/// between odometry and poses, which at changing speed looks like a scale. Registered poses are its
+/// measurements. Where their errors vary more than they say, they are believed less.
+class OdometryErrorFilter {
+ public:
+  explicit OdometryErrorFilter(const OdometryErrorFilterOptions& options);
+
+  /// What the reported speed is to be multiplied by, and the deviation of that.
+  double scale() const { return scale_; }
+  double scale_sigma() const;
+
+  /// What is to be added to the reported yaw rate.
+  double yaw_rate_bias_radps() const { return yaw_rate_bias_radps_; }
+
+  /// The vehicle moved so since the last call, by odometry that was corrected as said above.
+  void OnMotion(const Pose3& T_from_to, std::chrono::nanoseconds duration);
+
+  /// A registration of scans that no other one took puts the vehicle here, with a covariance of
+  /// (x, y, yaw) in the tangent space on the right.
+  void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance);
+
+  /// Where it was is no longer believed.
+  void OnJump() { T_map_vehicle_.reset(); }
+
+ private:
+  static constexpr int kPose = 3;  // x, y, yaw
+  static constexpr int kStates = 7;
+  using States = Eigen::Matrix<double, kStates, 1>;
+  using Covariance = Eigen::Matrix<double, kStates, kStates>;
+
+  void StartAt(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance);
+  double InnovationScale(double squared_sigmas);
+
+  OdometryErrorFilterOptions options_;
+  std::optional<Pose3> T_map_vehicle_;  // height and tilt as last registered
+  double scale_ = 1.0;
+  double yaw_rate_bias_radps_ = 0.0;
+  double course_rad_ = 0.0;
+  double time_offset_s_ = 0.0;
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  // in the tangent space, per second
+  Covariance covariance_ = Covariance::Zero();
+  // Squared deviations of measurements by their expectation, and how many; older ones count less.
+  double squared_sigmas_ = 0.0;
+  double count_ = 0.0;
+};
+
+}  // namespace dcloc

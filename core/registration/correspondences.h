@@ -1,0 +1,96 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/geometry/gaussian_point.h"
+#include "core/geometry/pose.h"
+#include "core/map/local_map.h"
+
+namespace dcloc {
+
+/// A live point with its landmark, and the information of their difference.
+template <int Dim>
+struct Correspondence {
+  Eigen::Matrix<double, Dim, 1> p;  ///< live, vehicle frame
+  Eigen::Matrix<double, Dim, 1> q;  ///< landmark, local frame, as far off as its height puts p
+  Eigen::Matrix<double, Dim, Dim> information;
+};
+
+/// Which landmarks may be a live point's match.
+struct CorrespondenceGates {
+  double reach_m = 2.5;      ///< none further away
+  double gate_sigmas = 3.5;  ///< nor further in units of the joint deviation
+};
+
+/// Finds the landmark of highest likelihood for each live point, again and again as the pose moves.
+/// What stays the same over a neighbourhood of poses is worked out once and anew only when the pose
+/// leaves it: over a wide one, which landmarks can pass the gates; over a narrow one, what they
+/// weigh and which of them can be the most likely. The matches are as if all were looked at every
+/// time, but for the weights, which are not turned within one milliradian.
+/// Keeps its memory from one sub-map to the next.
+template <int Dim>
+class CorrespondenceFinder {
+ public:
+  /// What follows is about these; both outlive it.
+  void Begin(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
+             const CorrespondenceGates& gates);
+
+  /// The matches at `T_local_vehicle`, in the order of the live points; `blur_m` is a deviation
+  /// added to every pair's. Valid until the next call.
+  std::span<const Correspondence<Dim>> Find(const Pose<Dim>& T_local_vehicle, double blur_m);
+
+ private:
+  // Poses around a centre.
+  struct Neighbourhood {
+    Pose<Dim> T_local_vehicle;
+    double blur_m;
+
+    bool Holds(const Pose<Dim>& T, double radius_m, double radius_rad) const;
+  };
+
+  // A landmark that may be a live point's match, as seen from the middle of a neighbourhood.
+  struct Candidate {
+    Eigen::Matrix<double, Dim, 1> q;
+    Eigen::Matrix<double, Dim, Dim> information;
+    double log_determinant = 0.0;  // of the joint covariance; 0 where there is no other candidate
+  };
+  // One before it is known whether it can be the most likely.
+  struct Weighed {
+    Eigen::Matrix<double, Dim, 1> q;
+    Eigen::Matrix<double, Dim, Dim> information;
+    double determinant;
+    double distance;        // squared Mahalanobis
+    double near_distance;   // that of the way that the point may move
+    double min_cost = 0.0;  // at most the negative log-likelihood where it is least
+  };
+
+  void LookUp(const Pose<Dim>& T_local_vehicle, double blur_m);
+  void Weigh(const Pose<Dim>& T_local_vehicle, double blur_m);
+  void WeighFor(const Eigen::Matrix<double, Dim, 1>& p,
+                const Eigen::Matrix<double, Dim, Dim>& covariance,
+                const Eigen::Matrix<double, Dim, 1>& slant_per_m,
+                std::span<const std::uint32_t> landmarks, double near_m);
+  void KeepUnbeaten(const Eigen::Matrix<double, Dim, 1>& p, double near_m,
+                    std::span<Weighed> weighed);
+
+  std::span<const GaussianPoint<Dim>> live_;
+  const LocalMap<Dim>* map_ = nullptr;
+  CorrespondenceGates gates_;
+
+  std::optional<Neighbourhood> wide_;
+  std::vector<std::uint32_t> landmarks_;  // indices of those near, by live point, and spare room
+  std::vector<std::uint32_t> landmarks_end_;  // of each live point
+
+  std::optional<Neighbourhood> narrow_;
+  std::vector<Weighed> weighed_;               // of one live point, and spare room
+  std::vector<Candidate> candidates_;          // by live point
+  std::vector<std::uint32_t> candidates_end_;  // of each live point
+
+  std::vector<Correspondence<Dim>> matches_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,54 @@
+#include "core/relocalization/pose_prior.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/covariance.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kSigmas = 3.5;         // of a position, it is further off once in 450 times
+constexpr double kMaxRadius_m = 150.0;  // wider ones are searched with the whole map
+
+double LargestSigma(const Matrix6d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance.topLeftCorner<2, 2>(),
+                                                              Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()(1)));
+}
+
+}  // namespace
+
+void PosePrior::Set(const PoseEstimate<3>& T_map_vehicle) {
+  now_ = then_ = T_map_vehicle;
+  since_then_ = {};
+}
+
+void PosePrior::OnMotion(const Motion& motion) {
+  if (!now_) return;
+  now_ = {
+      .pose = now_->pose * motion.T_from_to,
+      .covariance = ComposeCovariance<3>(now_->covariance, motion.T_from_to, motion.covariance)};
+  since_then_ = Compose(since_then_, motion);
+}
+
+bool PosePrior::IsPrediction(const Matrix6d& covariance) const {
+  return std::sqrt(covariance.topLeftCorner<2, 2>().trace()) <= options_.max_prior_sigma_m &&
+         std::sqrt(covariance(5, 5)) <= options_.max_prior_sigma_rad;
+}
+
+std::optional<SearchRegion> PosePrior::Region() const {
+  if (!now_) return std::nullopt;
+  const double radius_m =
+      kSigmas * std::hypot(LargestSigma(then_.covariance), LargestSigma(since_then_.covariance));
+  if (radius_m > kMaxRadius_m) return std::nullopt;
+  return SearchRegion{.centre_m = then_.pose.translation_m.head<2>(),
+                      .radius_m = radius_m,
+                      .yaw_rad = Yaw(then_.pose.rotation),
+                      .max_yaw_offset_rad = kSigmas * std::sqrt(then_.covariance(5, 5) +
+                                                                since_then_.covariance(5, 5)),
+                      .T_then_now = Flatten(since_then_.T_from_to)};
+}
+
+}  // namespace dcloc

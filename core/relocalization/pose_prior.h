@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+
+#include "core/localizer/localizer_options.h"
+#include "core/odometry/motion.h"
+#include "core/posegraph/state_chain.h"
+#include "core/relocalization/place_search.h"
+
+namespace dcloc {
+
+/// What is known of a vehicle that no registration has found yet, or none finds any more: a prior
+/// or the last estimate, carried on by odometry.
+class PosePrior {
+ public:
+  explicit PosePrior(const MatchOptions& options) : options_(options) {}
+
+  /// The vehicle is about here now, in the map frame.
+  void Set(const PoseEstimate<3>& T_map_vehicle);
+
+  /// It moved so.
+  void OnMotion(const Motion& motion);
+
+  /// It has been found, or nothing is known of it.
+  void Forget() { now_.reset(); }
+
+  const std::optional<PoseEstimate<3>>& now() const { return now_; }
+
+  /// Whether registrations can start from a pose that is known so well, so that nothing must be
+  /// searched.
+  bool IsPrediction(const Matrix6d& covariance) const;
+
+  /// The ground and the headings that are left, of where it was when it was set, for of the way
+  /// since more is known; nothing where that is most of a map or unknown.
+  std::optional<SearchRegion> Region() const;
+
+ private:
+  MatchOptions options_;
+  std::optional<PoseEstimate<3>> now_;
+  PoseEstimate<3> then_;  // when it was set
+  Motion since_then_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,122 @@
+#include "core/uncertainty/beta_monitor.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/registration/point_jacobians.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kKeep = 0.98;        // the memory is some fifty registrations long
+constexpr double kReuse = 4.0;        // registrations that see the same landmarks
+constexpr double kMinRange_m = 15.0;  // nearer by, heights of scatterers look like beta
+constexpr double kHuberSigmas = 1.5;
+constexpr std::size_t kMinMatches = 30;
+// What is known of the errors before.
+constexpr double kPriorSigma_s = 0.05;
+constexpr double kMinBiasSigma_m = 0.02;
+constexpr double kHold = 1e-6;  // of directions of which no point tells
+// What heights and false matches make of it, however long one watches.
+constexpr double kFloorSigma_s = 0.006;
+constexpr double kWrongSigmas = 3.0;
+
+static_assert(kBetaError == 0 && kRangeBiasError == 1);
+
+double Squared(double value) { return value * value; }
+
+}  // namespace
+
+template <int Dim>
+BetaMonitor<Dim>::BetaMonitor(const Rig& rig) {
+  for (const RadarModel& radar : rig.radars) {
+    const double bias_sigma_m = std::max(radar.range_bias_sigma_m, kMinBiasSigma_m);
+    radars_.push_back(
+        {.origin_m = radar.T_vehicle_radar.translation_m,
+         .known = Eigen::Vector2d(1.0 / Squared(kPriorSigma_s), 1.0 / Squared(bias_sigma_m))
+                      .asDiagonal(),
+         .described_sigma_s = radar.beta_sigma_s});
+  }
+}
+
+template <int Dim>
+bool BetaMonitor<Dim>::IsDue(Stamp stamp, std::chrono::nanoseconds span) const {
+  return !last_ || stamp - *last_ > span;
+}
+
+template <int Dim>
+void BetaMonitor<Dim>::OnRegistration(Stamp stamp, const LiveSubmap<Dim>& live,
+                                      std::span<const Correspondence<Dim>> matches,
+                                      const Pose<Dim>& T_local_vehicle,
+                                      const EgoVelocity& ego_velocity) {
+  last_ = stamp;
+  const Matrix R = T_local_vehicle.Rotation();
+  auto match = matches.begin();
+  for (const auto& part : live.parts) {
+    Radar& radar = radars_[static_cast<std::size_t>(part.radar_index)];
+    const Eigen::Vector3d origin_m = part.T_newest_then * radar.origin_m;
+    for (std::size_t i = part.begin; i < part.end && match != matches.end(); ++i) {
+      const Vector& p_m = live.points[i].mean_m;
+      if (match->p != p_m) continue;
+      if ((p_m - origin_m.head<Dim>()).norm() >= kMinRange_m) {
+        radar.normal.Add(p_m, R.transpose() * (match->q - T_local_vehicle.translation_m) - p_m,
+                         R.transpose() * match->information * R, origin_m, ego_velocity);
+      }
+      ++match;
+    }
+  }
+  for (Radar& radar : radars_) radar.TakeNormal();
+}
+
+template <int Dim>
+BetaCheck BetaMonitor<Dim>::Check(std::size_t radar_index) const {
+  const Radar& radar = radars_[radar_index];
+  const Eigen::Matrix2d covariance = (radar.known + radar.information).inverse();
+  BetaCheck check{.error_s = covariance.row(0).dot(radar.pull),
+                  .sigma_s = std::sqrt(covariance(0, 0) + Squared(kFloorSigma_s))};
+  check.is_wrong =
+      std::abs(check.error_s) > kWrongSigmas * std::hypot(check.sigma_s, radar.described_sigma_s);
+  return check;
+}
+
+template <int Dim>
+void BetaMonitor<Dim>::Normal::Add(const Vector& p_m, const Vector& e_m, const Matrix& information,
+                                   const Eigen::Vector3d& origin_m,
+                                   const EgoVelocity& ego_velocity) {
+  const double squared = e_m.dot(information * e_m);
+  const double weight = std::min(1.0, kHuberSigmas / std::sqrt(squared));
+  const Eigen::Matrix<double, Dim, Pose<Dim>::kDof> G = ByPose(p_m);
+  const Eigen::Matrix<double, Dim, 2> D =
+      ByRadarErrors<Dim>(p_m, origin_m, ego_velocity).template leftCols<2>();
+  const Eigen::Matrix<double, Pose<Dim>::kDof, Dim> GW = weight * G.transpose() * information;
+  const Eigen::Matrix<double, 2, Dim> DW = weight * D.transpose() * information;
+  pose += GW * G;
+  cross += GW * D;
+  errors += DW * D;
+  pose_pull += GW * e_m;
+  pull += DW * e_m;
+  squared_residuals += weight * squared;
+  ++count;
+}
+
+template <int Dim>
+void BetaMonitor<Dim>::Radar::TakeNormal() {
+  Normal& n = normal;
+  if (n.count >= kMinMatches) {
+    n.pose.diagonal().array() += kHold;
+    const Eigen::LDLT<TangentMatrix<Dim>> solver(n.pose);
+    const double misfit = n.squared_residuals / (Dim * static_cast<double>(n.count));
+    const double worth = 1.0 / (kReuse * std::max(1.0, misfit));
+    information =
+        kKeep * information + worth * (n.errors - n.cross.transpose() * solver.solve(n.cross));
+    pull = kKeep * pull + worth * (n.pull - n.cross.transpose() * solver.solve(n.pose_pull));
+  }
+  normal = {};
+}
+
+template class BetaMonitor<2>;
+template class BetaMonitor<3>;
+
+}  // namespace dcloc

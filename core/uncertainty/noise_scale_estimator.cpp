@@ -1,0 +1,140 @@
+#include "core/uncertainty/noise_scale_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/covariance.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kMinOdometryRatio = 0.0005;
+constexpr double kMinRegistrationRatio = 1.0;  // no better than their points promise
+constexpr double kPriorRegistrationRatio = 3.0;
+constexpr double kMaxRatio = 25.0;
+// A registration that is wrong must not stand for either.
+constexpr double kMaxSquaredSigmas = 9.0;
+
+// What is kept of the pairs before, of which there were so many. The memory is the newest third of
+// them: the first ones tell of odometry whose constant errors were not known yet. Later it is some
+// fifty pairs long.
+double Kept(double pair_count) { return std::min(0.98, 1.0 - 2.0 / (pair_count + 3.0)); }
+
+template <int Dim>
+PoseEstimate<Dim> Composed(const PoseEstimate<Dim>& first, const PoseEstimate<Dim>& second) {
+  return {.pose = first.pose * second.pose,
+          .covariance = ComposeCovariance<Dim>(first.covariance, second.pose, second.covariance)};
+}
+
+}  // namespace
+
+template <int Dim>
+void NoiseScaleEstimator<Dim>::OnMotion(const PoseEstimate<Dim>& motion) {
+  since_newest_ = Composed<Dim>(since_newest_, motion);
+}
+
+template <int Dim>
+void NoiseScaleEstimator<Dim>::OnRegistration(const PoseEstimate<Dim>& registration) {
+  for (std::size_t i = 0; i < anchor_count_; ++i) {
+    anchors_[i].to_now = Composed<Dim>(anchors_[i].to_now, since_newest_);
+  }
+  if (anchor_count_ > 0) Compare(anchors_.front(), registration, &Part::near);
+  if (anchor_count_ == kAnchors) Compare(anchors_.back(), registration, &Part::far);
+  rotation_.Solve();
+  translation_.Solve();
+
+  std::shift_right(anchors_.begin(), anchors_.end(), 1);
+  anchors_.front() = {.registration = registration, .to_now = {}};
+  anchor_count_ = std::min(anchor_count_ + 1, kAnchors);
+  since_newest_ = {};
+}
+
+template <int Dim>
+void NoiseScaleEstimator<Dim>::Compare(const Anchor& anchor, const PoseEstimate<Dim>& registration,
+                                       Pairs Part::*pairs) {
+  constexpr int kTurns = Pose<Dim>::kDof - Dim;
+  const Pose<Dim> predicted = anchor.registration.pose * anchor.to_now.pose;
+  const Tangent<Dim> error = Log(predicted.Inverse() * registration.pose);
+  const Tangent<Dim> registrations =
+      registration.covariance.diagonal() + anchor.registration.covariance.diagonal();
+  const Tangent<Dim> odometry = anchor.to_now.covariance.diagonal();
+  rotation_.Add(rotation_.*pairs, error.template tail<kTurns>().squaredNorm(), 0.0,
+                registrations.template tail<kTurns>().sum(),
+                odometry.template tail<kTurns>().sum());
+  // What an error of the heading at the way's begin becomes at its end.
+  TangentMatrix<Dim> turn = TangentMatrix<Dim>::Zero();
+  turn.template bottomRightCorner<kTurns, kTurns>() =
+      rotation_.registration_ratio *
+      anchor.registration.covariance.template bottomRightCorner<kTurns, kTurns>();
+  const TangentMatrix<Dim> turned =
+      ComposeCovariance<Dim>(turn, anchor.to_now.pose, TangentMatrix<Dim>::Zero());
+  translation_.Add(translation_.*pairs, error.template head<Dim>().squaredNorm(),
+                   turned.diagonal().template head<Dim>().sum(),
+                   registrations.template head<Dim>().sum(), odometry.template head<Dim>().sum());
+}
+
+template <int Dim>
+void NoiseScaleEstimator<Dim>::Part::Add(Pairs& pairs, double squared_error, double known,
+                                         double registrations, double odometry) const {
+  const double expected = known + registration_ratio * registrations + odometry_ratio * odometry;
+  const double kept = Kept(pairs.number);
+  pairs.number += 1.0;
+  pairs.error = kept * pairs.error + std::min(squared_error, kMaxSquaredSigmas * expected) - known;
+  pairs.registrations = kept * pairs.registrations + registrations;
+  pairs.odometry = kept * pairs.odometry + odometry;
+  pairs.count = kept * pairs.count + 1.0;
+  pairs.prior_count *= kept;
+}
+
+// error = registration_ratio * registrations + odometry_ratio * odometry, for near pairs and for
+// far ones.
+template <int Dim>
+void NoiseScaleEstimator<Dim>::Part::Solve() {
+  const double determinant = near.registrations * far.odometry - far.registrations * near.odometry;
+  if (far.count == 0.0 || determinant <= 0.0) return;
+  const double odometry =
+      std::clamp((near.registrations * far.error - far.registrations * near.error) / determinant,
+                 kMinOdometryRatio, kMaxRatio);
+  const double registrations =
+      std::clamp((near.error - odometry * near.odometry) / near.registrations,
+                 kMinRegistrationRatio, kMaxRatio);
+  // The models' own word is forgotten as the pairs are.
+  const double prior = far.prior_count / (far.count + far.prior_count);
+  odometry_ratio = prior + (1.0 - prior) * odometry;
+  registration_ratio = prior * kPriorRegistrationRatio + (1.0 - prior) * registrations;
+}
+
+template <int Dim>
+TangentMatrix<Dim> NoiseScaleEstimator<Dim>::Scaled(const TangentMatrix<Dim>& covariance,
+                                                    double of_translation, double of_rotation) {
+  Tangent<Dim> scale;
+  scale.template head<Dim>().setConstant(std::sqrt(of_translation));
+  scale.template tail<Pose<Dim>::kDof - Dim>().setConstant(std::sqrt(of_rotation));
+  return scale.asDiagonal() * covariance * scale.asDiagonal();
+}
+
+template <int Dim>
+TangentMatrix<Dim> NoiseScaleEstimator<Dim>::OdometryCovariance(
+    const TangentMatrix<Dim>& covariance) const {
+  return Scaled(covariance, translation_.odometry_ratio, rotation_.odometry_ratio);
+}
+
+template <int Dim>
+TangentMatrix<Dim> NoiseScaleEstimator<Dim>::OdometryWeightCovariance(
+    const TangentMatrix<Dim>& covariance) const {
+  constexpr double kCaution = 2.0;
+  constexpr double kLeast = 0.1;
+  return Scaled(covariance, std::clamp(kCaution * translation_.odometry_ratio, kLeast, 1.0),
+                std::clamp(kCaution * rotation_.odometry_ratio, kLeast, 1.0));
+}
+
+template <int Dim>
+TangentMatrix<Dim> NoiseScaleEstimator<Dim>::RegistrationCovariance(
+    const TangentMatrix<Dim>& covariance) const {
+  return Scaled(covariance, translation_.registration_ratio, rotation_.registration_ratio);
+}
+
+template class NoiseScaleEstimator<2>;
+template class NoiseScaleEstimator<3>;
+
+}  // namespace dcloc

@@ -1,0 +1,82 @@
+#include "core/uncertainty/registration_factor.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cstdint>
+
+namespace dcloc {
+namespace {
+
+template <int Dim>
+TangentMatrix<Dim> SharedErrors(const MatchOptions& options) {
+  Tangent<Dim> variances;
+  variances.template head<Dim>().setConstant(options.shared_sigma_m * options.shared_sigma_m);
+  variances.template tail<Pose<Dim>::kDof - Dim>().setConstant(options.shared_sigma_rad *
+                                                               options.shared_sigma_rad);
+  return variances.asDiagonal();
+}
+
+// L of L L^T.
+template <int Dim>
+TangentMatrix<Dim> SquareRoot(TangentMatrix<Dim> covariance) {
+  constexpr double kMinVariance = 1e-12;
+  covariance.diagonal().array() += kMinVariance;
+  return covariance.llt().matrixL();
+}
+
+// Into how many registrations what lasts for `duration` is divided; no more than there were.
+double Share(std::chrono::nanoseconds duration, const RegistrationTiming& timing) {
+  const double share =
+      1.0 + static_cast<double>(duration.count()) /
+                static_cast<double>(std::max<std::int64_t>(1, timing.interval.count()));
+  return std::min<double>(share, timing.count);
+}
+
+// How long landmarks are seen.
+std::chrono::nanoseconds TimeInView(double speed_mps) {
+  constexpr double kWayInView_m = 50.0;
+  constexpr double kMaxTime_s = 10.0;
+  const double time_s = std::min(kMaxTime_s, kWayInView_m / std::max(1e-3, speed_mps));
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(time_s));
+}
+
+}  // namespace
+
+template <int Dim>
+TangentMatrix<Dim> ResidualScaledCovariance(const Registration<Dim>& registration) {
+  return registration.residual_scale * registration.residual_scale * registration.covariance;
+}
+
+template <int Dim>
+AbsolutePoseFactor<Dim> RegistrationFactor(const Registration<Dim>& registration,
+                                           const TangentMatrix<Dim>& degeneracy,
+                                           const TangentMatrix<Dim>& noise,
+                                           const TangentMatrix<Dim>& systematic,
+                                           const RegistrationTiming& timing,
+                                           const MatchOptions& options) {
+  // What was left over beyond the model widens the covariance; what agreed better does not narrow
+  // it.
+  const double scale = std::max(1.0, registration.residual_scale);
+  const TangentMatrix<Dim> own = scale * scale * registration.covariance + degeneracy;
+  const TangentMatrix<Dim> shared = SharedErrors<Dim>(options);
+  const double by_scans = Share(timing.submap_span, timing);
+  constexpr double kLandmarkPart = 0.15;
+  const double by_view = kLandmarkPart * Share(TimeInView(timing.speed_mps), timing);
+  return {.pose = registration.T_local_vehicle,
+          .covariance = own + shared,
+          .reused_covariance = by_scans * own + Share(options.shared_time, timing) * shared,
+          .noise = (by_scans + by_view) * noise + degeneracy,
+          .systematic = SquareRoot<Dim>(systematic)};
+}
+
+template TangentMatrix<2> ResidualScaledCovariance(const Registration<2>&);
+template TangentMatrix<3> ResidualScaledCovariance(const Registration<3>&);
+template AbsolutePoseFactor<2> RegistrationFactor(const Registration<2>&, const TangentMatrix<2>&,
+                                                  const TangentMatrix<2>&, const TangentMatrix<2>&,
+                                                  const RegistrationTiming&, const MatchOptions&);
+template AbsolutePoseFactor<3> RegistrationFactor(const Registration<3>&, const TangentMatrix<3>&,
+                                                  const TangentMatrix<3>&, const TangentMatrix<3>&,
+                                                  const RegistrationTiming&, const MatchOptions&);
+
+}  // namespace dcloc

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+
+#include "core/localizer/localizer_options.h"
+#include "core/posegraph/pose_graph.h"
+#include "core/registration/gicp.h"
+
+namespace dcloc {
+
+/// What registrations that follow one another have in common.
+struct RegistrationTiming {
+  std::chrono::nanoseconds interval;     ///< since the last one
+  std::chrono::nanoseconds submap_span;  ///< each scan is in the sub-map for so long
+  double speed_mps;                      ///< landmarks stay in view for a way
+  int count;                             ///< of registrations so far
+};
+
+/// A registration's covariance scaled to the residuals that it left.
+template <int Dim>
+TangentMatrix<Dim> ResidualScaledCovariance(const Registration<Dim>& registration);
+
+/// The loop edge that a registration is. `degeneracy` is what it does not observe, `noise` what its
+/// own noise has turned out to be, `systematic` the covariance of errors that last (see
+/// AbsolutePoseFactor).
+///
+/// Each scan's points take part in every registration while the scan is in the sub-map, and the
+/// landmarks while they are in view; so an edge's information is divided among those that share it.
+/// The weight takes what they share for large and for as long as the options say; of what really
+/// varies a part is the landmarks', while the vehicle passes them.
+template <int Dim>
+AbsolutePoseFactor<Dim> RegistrationFactor(const Registration<Dim>& registration,
+                                           const TangentMatrix<Dim>& degeneracy,
+                                           const TangentMatrix<Dim>& noise,
+                                           const TangentMatrix<Dim>& systematic,
+                                           const RegistrationTiming& timing,
+                                           const MatchOptions& options);
+
+}  // namespace dcloc

@@ -1,0 +1,346 @@
+#include "server/app/server.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
+
+#include <algorithm>
+#include <latch>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/admin/admin_service.h"
+#include "server/app/state_metrics.h"
+#include "server/base/status.h"
+#include "server/base/ticker.h"
+#include "server/config/credentials.h"
+#include "server/identity/identity_store.h"
+#include "server/identity/usage.h"
+#include "server/localization/localization_service.h"
+#include "server/maps/service/map_service.h"
+#include "server/net/health.h"
+#include "server/net/listen_address.h"
+#include "server/net/listener.h"
+#include "server/net/liveness.h"
+#include "server/net/self_probe.h"
+#include "server/net/service_manager.h"
+#include "server/sessions/move_sessions.h"
+#include "server/telemetry/metrics_endpoint.h"
+#include "spdlog/spdlog.h"
+
+namespace dcloc::server {
+namespace {
+
+constexpr int kMaxMetadata_bytes = 16 << 10;
+/// What waits for a disk needs few threads; what reads whole maps has its own, which take the
+/// processor after those that localize.
+constexpr int kStorageThreads = 2;
+constexpr int kMapThreads = 2;
+/// A vehicle that is gone is noticed within their sum; clients may ping as often as the minimum.
+constexpr int kKeepaliveTime_ms = 30'000;
+constexpr int kKeepaliveTimeout_ms = 10'000;
+constexpr int kMinClientPingInterval_ms = 5'000;
+
+void WarnOfFewFiles(const ServerConfig& config) {
+  if (Listener::MaxDescriptor() >= config.max_session_count) return;
+  spdlog::warn(
+      "max_session_count is {}, and files are left for {} connections: raise the limit of "
+      "open files (LimitNOFILE)",
+      config.max_session_count, std::max(0, Listener::MaxDescriptor()));
+}
+
+absl::Status SayWhoIsLetIn(const AccessControl& access, const ServerConfig& config) {
+  const absl::StatusOr<bool> open = access.IsOpen();
+  if (!open.ok()) return open.status();
+  if (!*open) return absl::OkStatus();
+  const absl::StatusOr<ListenAddress> address = ParseListenAddress(config.listen);
+  if (!address.ok()) return address.status();
+  const auto level = address->IsLoopback() ? spdlog::level::info : spdlog::level::warn;
+  spdlog::log(level,
+              "no identities: whoever reaches {} is an admin; \"dcloc-server token create\" makes "
+              "the first one",
+              config.listen);
+  return absl::OkStatus();
+}
+
+constexpr std::chrono::milliseconds kLastBytesGrace(200);
+constexpr std::chrono::seconds kSelfProbeTimeout(3);
+constexpr std::chrono::milliseconds kReadyTimeout(800);
+/// How exactly timeouts of sessions are kept.
+constexpr std::chrono::milliseconds kTickInterval(100);
+/// How exactly the timeout of unfinished uploads is kept.
+constexpr std::chrono::minutes kUploadSweepInterval(1);
+
+int WorkerCount(const ServerConfig& config) {
+  if (config.worker_count > 0) return config.worker_count;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+/// Threads for searches of whole maps: enough for a fleet that starts at once, and no more than get
+/// some of the processor.
+int SearcherCount(const ServerConfig& config) { return std::max(1, WorkerCount(config) / 4); }
+
+SessionTimeouts SessionTimeoutsOf(const ServerConfig& config) {
+  return {.detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms),
+          .idle_timeout = std::chrono::milliseconds(config.session_idle_timeout_ms)};
+}
+
+MapStoreOptions MapStoreOptionsOf(const ServerConfig& config) {
+  return {.max_warm_bytes = std::int64_t{config.warm_map_mib} << 20,
+          .unfinished_upload_timeout = std::chrono::seconds(config.unfinished_upload_timeout_s)};
+}
+
+void RemoveStaleUploads(MapStore& store) {
+  const absl::StatusOr<int> count = store.RemoveStaleUploads(std::chrono::system_clock::now());
+  if (!count.ok()) {
+    spdlog::warn("stale uploads not removed reason={}", Quoted(count.status().message()));
+  } else if (*count > 0) {
+    spdlog::info("stale uploads removed count={}", *count);
+  }
+}
+
+void SetLimits(const ServerConfig& config, grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(config.max_message_kib << 10);
+  builder.SetMaxSendMessageSize(config.max_message_kib << 10);
+  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMaxMetadata_bytes);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
+                             kMinClientPingInterval_ms);
+}
+
+}  // namespace
+
+/// In the order in which they are built; they go in the reverse one. The pools go before what their
+/// tasks use.
+struct Server::Parts {
+  Parts(const ServerConfig& server_config, std::unique_ptr<MapStore> map_store,
+        std::unique_ptr<IdentityStore> identity_store)
+      : config(server_config),
+        drain_grace(config.drain_grace_ms),
+        limits(config),
+        identities(std::move(identity_store)),
+        access(*identities, config.require_identity),
+        store(std::move(map_store)),
+        registry(limits, SessionTimeoutsOf(config)),
+        localization_pool(WorkerCount(config), SearcherCount(config)),
+        localization({.storage = storage,
+                      .registry = registry,
+                      .sessions = {.store = *store,
+                                   .pool = localization_pool,
+                                   .totals = registry.totals(),
+                                   .metrics = metrics,
+                                   .taps = taps,
+                                   .program = program,
+                                   .create_matcher = config.stub_matcher ? &CreateStubMatcher
+                                                                         : &CreateLocalizerMatcher,
+                                   .answer_history_count = config.answer_history_count,
+                                   .detached_timeout = std::chrono::milliseconds(
+                                       config.session_detached_timeout_ms)},
+                      .usages = usages,
+                      .max_pending_scan_count = config.max_pending_scan_count}),
+        maps(storage,
+             [this](const std::string& tenant, const std::string& map_name) {
+               return MoveSessions(registry, *store, tenant, map_name);
+             },
+             {.move_or_end =
+                  [this](const std::string& tenant, const std::string& map_name,
+                         std::int64_t version) {
+                    MoveSessions(registry, *store, tenant, map_name, version);
+                    EndSessions(registry, tenant, map_name, version, EndOf::kThoseThatStay);
+                  },
+              .end_all =
+                  [this](const std::string& tenant, const std::string& map_name,
+                         std::int64_t version) {
+                    EndSessions(registry, tenant, map_name, version, EndOf::kAll);
+                  }}),
+        admin({.version = DCLOC_VERSION,
+               .start_time = std::chrono::system_clock::now(),
+               .worker_count = localization_pool.thread_count(),
+               .max_session_count = config.max_session_count,
+               .stub_matcher = config.stub_matcher},
+              registry, taps, storage,
+              {.drain = [this] { return Drain(drain_grace); },
+               .draining = [this] { return localization.draining(); }}),
+        ticker(kTickInterval,
+               [this] {
+                 const auto now = std::chrono::steady_clock::now();
+                 registry.Reap(now);
+                 if (!localization.EndOverdue(now)) return;
+                 // Nobody can resume them here any more.
+                 registry.RemoveDetached("the server is draining");
+               }),
+        upload_sweeper(kUploadSweepInterval, [this] { RemoveStaleUploads(*store); }) {
+    // The pools' threads are older than what they will use of this; their locks hand it to them.
+    storage_pool.Post([] {});
+    localization_pool.Post([] {});
+  }
+
+  /// Not ready any more, and the sessions are told to move; gives how many were told.
+  int Drain(std::chrono::milliseconds grace) {
+    server_is_set.wait();
+    health->SetDraining();
+    return localization.Drain(grace);
+  }
+
+  /// Not ready while it does not answer its own connections.
+  void WatchItself(const ListenAddress& listen) {
+    const bool tls = !config.tls_cert.empty();
+    liveness = std::make_unique<Liveness>(
+        [listen, tls] { return ProbeListener(listen, tls, kSelfProbeTimeout); },
+        [this](bool ok) { health->SetAnswering(ok); });
+    std::chrono::milliseconds interval(config.self_probe_interval_ms);
+    if (const auto watchdog = WatchdogInterval()) {
+      const auto often = std::chrono::duration_cast<std::chrono::milliseconds>(*watchdog / 3);
+      interval = interval.count() == 0 ? often : std::min(interval, often);
+    }
+    if (interval.count() == 0) return;
+    liveness_ticker = std::make_unique<Ticker>(interval, [this] { liveness->Check(); });
+  }
+
+  absl::Status ServeMetrics() {
+    if (config.metrics_listen.empty()) return absl::OkStatus();
+    const absl::StatusOr<ListenAddress> listen = ParseMetricsAddress(config.metrics_listen);
+    if (!listen.ok()) return listen.status();
+    auto state = std::make_shared<StateMetrics>(StateMetrics::Sources{
+        .registry = registry,
+        .store = *store,
+        .localization_pool = localization_pool,
+        .storage_pool = storage_pool,
+        .draining = [this] { return localization.draining(); },
+        .answering = [this] { return liveness->ok(); },
+        .refused_connection_count = [this] { return listener->refused_count(); },
+        .version = DCLOC_VERSION});
+    const auto ready = [this]() -> absl::Status {
+      if (localization.draining()) return absl::UnavailableError("the server is draining");
+      return ProbeListener(*ParseListenAddress(address), !config.tls_cert.empty(), kReadyTimeout);
+    };
+    auto endpoint = MetricsEndpoint::Start(*listen, {metrics.registry(), std::move(state)}, ready);
+    if (!endpoint.ok()) return endpoint.status();
+    metrics_endpoint = *std::move(endpoint);
+    spdlog::info("metrics served address={}", metrics_endpoint->address());
+    return absl::OkStatus();
+  }
+
+  ServerConfig config;
+  const std::chrono::milliseconds drain_grace;
+  Limits limits;
+  UsageCounts usages{limits};
+  std::unique_ptr<IdentityStore> identities;
+  AccessControl access;
+  std::unique_ptr<MapStore> store;
+  SessionRegistry registry;
+  Metrics metrics;
+  TapRequests taps;
+  const std::string program = absl::StrCat("dcloc-server ", DCLOC_VERSION);
+  OpenCalls open_calls;
+  WorkerPool storage_pool{kStorageThreads, kMapThreads};
+  const StorageHost storage{*store, storage_pool, open_calls, access, limits};
+  WorkerPool localization_pool;
+  LocalizationService localization;
+  MapService maps;
+  AdminService admin;
+  std::unique_ptr<grpc::Server> server;
+  std::unique_ptr<Health> health;
+  std::latch server_is_set{1};  ///< the first calls may be there before it
+  std::unique_ptr<Listener> listener;
+  std::unique_ptr<Liveness> liveness;
+  std::unique_ptr<Ticker> liveness_ticker;
+  std::unique_ptr<MetricsEndpoint> metrics_endpoint;
+  Ticker ticker;
+  Ticker upload_sweeper;
+  std::string address;
+};
+
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config) {
+  if (absl::Status status = Validate(config); !status.ok()) return status;
+  absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = MakeCredentials(config);
+  if (!credentials.ok()) return credentials.status();
+  absl::StatusOr<std::unique_ptr<MapStore>> store =
+      MapStore::Open(config.data, MapStoreOptionsOf(config));
+  if (!store.ok()) return WithPrefix("data: ", store.status());
+  absl::StatusOr<std::unique_ptr<IdentityStore>> identities =
+      IdentityStore::Open(IdentityFile(config.data));
+  if (!identities.ok()) return WithPrefix("data: ", identities.status());
+  auto parts = std::make_unique<Parts>(config, *std::move(store), *std::move(identities));
+  if (absl::Status status = SayWhoIsLetIn(parts->access, config); !status.ok()) return status;
+
+  WarnOfFewFiles(config);
+
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  SetLimits(config, builder);
+  absl::StatusOr<ListenAddress> address = ParseListenAddress(config.listen);
+  if (!address.ok()) return address.status();
+  absl::StatusOr<std::unique_ptr<Listener>> listener =
+      Listener::Bind(*address, Listener::MaxDescriptor());
+  if (!listener.ok()) return listener.status();
+  address->port = (*listener)->port();
+  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, *credentials);
+  builder.RegisterService(&parts->localization);
+  builder.RegisterService(&parts->maps);
+  builder.RegisterService(&parts->admin);
+  parts->server = builder.BuildAndStart();
+  if (parts->server == nullptr) return absl::InternalError("gRPC cannot start a server");
+  parts->health = std::make_unique<Health>(*parts->server);
+  parts->server_is_set.count_down();
+  parts->address = address->ToString();
+  parts->listener = *std::move(listener);
+  parts->listener->Start(std::move(acceptor));
+  parts->WatchItself(*address);
+  if (absl::Status status = parts->ServeMetrics(); !status.ok()) return status;
+  return std::unique_ptr<Server>(new Server(std::move(parts)));
+}
+
+Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+Server::~Server() { Shutdown(std::chrono::milliseconds(0)); }
+
+const std::string& Server::address() const { return parts_->address; }
+
+std::string Server::metrics_address() const {
+  return parts_->metrics_endpoint == nullptr ? "" : parts_->metrics_endpoint->address();
+}
+
+absl::Status Server::Reload(const ServerConfig& config) {
+  if (absl::Status status = Validate(config); !status.ok()) return status;
+  if (config.log_level != parts_->config.log_level) {
+    spdlog::set_level(spdlog::level::from_str(config.log_level));
+  }
+  for (const ConfigField* field : ChangedFields(parts_->config, config)) {
+    if (field->reloadable) {
+      TakeField(*field, config, &parts_->config);
+      spdlog::info("setting taken key={}", field->key);
+    } else {
+      spdlog::warn("setting not taken, it needs a restart key={}", field->key);
+    }
+  }
+  parts_->limits.Set(parts_->config);
+  return absl::OkStatus();
+}
+
+void Server::Shutdown(std::chrono::milliseconds deadline) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto end = begin + deadline;
+  parts_->liveness_ticker.reset();
+  // Half of the time at most is the clients', to go by themselves.
+  const std::chrono::milliseconds grace = std::min(parts_->drain_grace, deadline / 2);
+  if (parts_->Drain(grace) > 0) parts_->open_calls.WaitUntilNone(begin + grace);
+  if (auto* health = parts_->server->GetHealthCheckService()) health->Shutdown();
+  parts_->localization.EndAll(
+      grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server is shutting down"));
+  parts_->registry.RemoveDetached("the server is shutting down");
+  parts_->open_calls.WaitUntilNone(end);
+  parts_->listener->Stop();
+  // What is left are calls beyond the deadline, last bytes on their way, and idle connections.
+  parts_->server->Shutdown(std::chrono::system_clock::now() + kLastBytesGrace);
+  // Cut-off calls end at once, but their last events may still be under way.
+  parts_->open_calls.WaitUntilNone();
+}
+
+}  // namespace dcloc::server

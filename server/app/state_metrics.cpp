@@ -1,0 +1,86 @@
+#include "server/app/state_metrics.h"
+
+#include <array>
+#include <tuple>
+#include <utility>
+
+#include "server/telemetry/process_metrics.h"
+
+namespace dcloc::server {
+namespace {
+
+using prometheus::ClientMetric;
+using prometheus::MetricFamily;
+using Labels = std::vector<ClientMetric::Label>;
+
+MetricFamily Gauge(const char* name, const char* help) {
+  return {.name = name, .help = help, .type = prometheus::MetricType::Gauge, .metric = {}};
+}
+
+void Add(MetricFamily& family, Labels labels, double value) {
+  ClientMetric metric;
+  metric.label = std::move(labels);
+  metric.gauge.value = value;
+  family.metric.push_back(std::move(metric));
+}
+
+MetricFamily Gauge(const char* name, const char* help, double value) {
+  MetricFamily family = Gauge(name, help);
+  Add(family, {}, value);
+  return family;
+}
+
+MetricFamily Sessions(const SessionRegistry& registry) {
+  MetricFamily family = Gauge("dcloc_sessions",
+                              "Open sessions, by whether a stream is attached and by the state of "
+                              "the last answer");
+  constexpr std::array kStates = {"none", "initializing", "tracking", "dead_reckoning", "lost"};
+  const SessionCensus census = registry.Census();
+  static_assert(kStates.size() == std::tuple_size_v<decltype(census.attached)>);
+  for (std::size_t i = 0; i < kStates.size(); ++i) {
+    Add(family, {{"stream", "attached"}, {"state", kStates[i]}}, census.attached[i]);
+    Add(family, {{"stream", "detached"}, {"state", kStates[i]}}, census.detached[i]);
+  }
+  return family;
+}
+
+MetricFamily QueueDepths(const WorkerPool& localization, const WorkerPool& storage) {
+  MetricFamily family =
+      Gauge("dcloc_queue_depth", "Tasks that wait for a thread: one for each session at most");
+  Add(family, {{"pool", "localization"}}, static_cast<double>(localization.queued_count()));
+  Add(family, {{"pool", "search"}}, static_cast<double>(localization.queued_count(Lane::kLengthy)));
+  Add(family, {{"pool", "storage"}}, static_cast<double>(storage.queued_count()));
+  Add(family, {{"pool", "maps"}}, static_cast<double>(storage.queued_count(Lane::kLengthy)));
+  return family;
+}
+
+}  // namespace
+
+std::vector<MetricFamily> StateMetrics::Collect() const {
+  std::vector<MetricFamily> families = ProcessMetrics();
+  families.push_back(Sessions(sources_.registry));
+  families.push_back(Gauge("dcloc_sessions_max", "The most sessions that the server takes",
+                           sources_.registry.max_session_count()));
+  families.push_back(QueueDepths(sources_.localization_pool, sources_.storage_pool));
+  families.push_back(
+      Gauge("dcloc_workers", "Threads that localize", sources_.localization_pool.thread_count()));
+  families.push_back(
+      Gauge("dcloc_maps_loaded", "Map versions in memory", sources_.store.loaded_map_count()));
+  families.push_back(Gauge("dcloc_draining", "1 when the server takes no more sessions",
+                           sources_.draining() ? 1.0 : 0.0));
+  families.push_back(Gauge("dcloc_self_probe_ok",
+                           "0 when the server does not answer its own connections",
+                           sources_.answering() ? 1.0 : 0.0));
+  MetricFamily refused{.name = "dcloc_connections_refused_total",
+                       .help = "Connections closed at once, as too few file descriptors were left",
+                       .type = prometheus::MetricType::Counter,
+                       .metric = std::vector<ClientMetric>(1)};
+  refused.metric[0].counter.value = static_cast<double>(sources_.refused_connection_count());
+  families.push_back(std::move(refused));
+  MetricFamily build = Gauge("dcloc_build_info", "1; the label says which program this is");
+  Add(build, {{"version", sources_.version}}, 1.0);
+  families.push_back(std::move(build));
+  return families;
+}
+
+}  // namespace dcloc::server

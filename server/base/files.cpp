@@ -1,0 +1,125 @@
+#include "server/base/files.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace dcloc::server {
+namespace {
+
+absl::Status ErrorOf(int error, absl::string_view doing) {
+  const std::string message =
+      absl::StrCat(doing, ": ", std::error_code(error, std::generic_category()).message());
+  if (error == ENOSPC || error == EDQUOT || error == EFBIG || error == EMFILE || error == ENFILE) {
+    return absl::ResourceExhaustedError(message);
+  }
+  return absl::InternalError(message);
+}
+
+absl::StatusOr<FileDescriptor> OpenFile(const std::filesystem::path& path, int flags) {
+  constexpr int kOwnerOnly = 0600;
+  FileDescriptor file(open(path.c_str(), flags | O_CLOEXEC, kOwnerOnly));
+  if (file.get() < 0) return ErrorOf(errno, path.string());
+  return file;
+}
+
+}  // namespace
+
+absl::Status FileError(const std::error_code& error, const std::filesystem::path& path) {
+  return ErrorOf(error.value(), path.string());
+}
+
+FileDescriptor::FileDescriptor(FileDescriptor&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+FileDescriptor& FileDescriptor::operator=(FileDescriptor&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  return *this;
+}
+
+FileDescriptor::~FileDescriptor() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+absl::StatusOr<FileDescriptor> OpenOrCreate(const std::filesystem::path& path) {
+  return OpenFile(path, O_RDWR | O_CREAT);
+}
+
+absl::Status WriteAll(const FileDescriptor& file, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(file.get(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return ErrorOf(errno, "write");
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::size_t> ReadUpTo(const FileDescriptor& file, std::span<std::byte> buffer) {
+  std::size_t size = 0;
+  while (size < buffer.size()) {
+    const ssize_t count = read(file.get(), buffer.data() + size, buffer.size() - size);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return ErrorOf(errno, "read");
+    if (count == 0) break;
+    size += static_cast<std::size_t>(count);
+  }
+  return size;
+}
+
+absl::Status Truncate(const FileDescriptor& file, std::int64_t size_bytes) {
+  const bool done = ftruncate(file.get(), size_bytes) == 0 && lseek(file.get(), 0, SEEK_SET) == 0;
+  return done ? absl::OkStatus() : ErrorOf(errno, "truncate");
+}
+
+absl::StatusOr<std::int64_t> FileSize(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error == std::errc::no_such_file_or_directory) return 0;
+  if (error) return ErrorOf(error.value(), path.string());
+  return static_cast<std::int64_t>(size);
+}
+
+absl::Status RemoveFile(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::remove(path, error);
+  return error ? ErrorOf(error.value(), path.string()) : absl::OkStatus();
+}
+
+absl::Status Sync(const FileDescriptor& file) {
+  return fsync(file.get()) == 0 ? absl::OkStatus() : ErrorOf(errno, "fsync");
+}
+
+absl::Status SyncFile(const std::filesystem::path& path) {
+  const absl::StatusOr<FileDescriptor> file = OpenFile(path, O_RDONLY);
+  return file.ok() ? Sync(*file) : file.status();
+}
+
+absl::Status SyncFolder(const std::filesystem::path& folder) {
+  const absl::StatusOr<FileDescriptor> file = OpenFile(folder, O_RDONLY | O_DIRECTORY);
+  return file.ok() ? Sync(*file) : file.status();
+}
+
+absl::Status CreateFolders(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  return error ? ErrorOf(error.value(), folder.string()) : absl::OkStatus();
+}
+
+absl::StatusOr<FileDescriptor> LockFile(const std::filesystem::path& path) {
+  absl::StatusOr<FileDescriptor> file = OpenFile(path, O_RDWR | O_CREAT);
+  if (!file.ok()) return file.status();
+  if (flock(file->get(), LOCK_EX | LOCK_NB) == 0) return file;
+  if (errno != EWOULDBLOCK) return ErrorOf(errno, path.string());
+  return absl::FailedPreconditionError(
+      absl::StrCat(path.string(), " is held by another server; one folder serves one process"));
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,140 @@
+#include "server/base/worker_pool.h"
+
+#include <sched.h>
+#include <sys/resource.h>
+
+#include <utility>
+
+namespace dcloc::server {
+namespace {
+
+std::size_t NumberOf(Lane lane) { return lane == Lane::kQuick ? 0 : 1; }
+
+/// Whatever that of the thread is that makes the pool.
+void ScheduleAsUsual() {
+  const sched_param no_priority{};
+  sched_setscheduler(0, SCHED_OTHER, &no_priority);
+}
+
+/// On Linux a thread's own; a process may always take itself back.
+void TakeThreadBack() {
+  constexpr int kNicer = 10;  // about a tenth of the processor where all others want it
+  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kNicer);
+}
+
+}  // namespace
+
+WorkerPool::WorkerPool(int thread_count, int lengthy_thread_count) {
+  Line& quick = lines_[NumberOf(Lane::kQuick)];
+  Line& lengthy = lines_[NumberOf(Lane::kLengthy)];
+  quick.threads.reserve(static_cast<std::size_t>(thread_count));
+  for (int i = 0; i < thread_count; ++i) {
+    quick.threads.emplace_back([this, &quick] {
+      ScheduleAsUsual();
+      Run(quick);
+    });
+  }
+  lengthy.threads.reserve(static_cast<std::size_t>(lengthy_thread_count));
+  for (int i = 0; i < lengthy_thread_count; ++i) {
+    lengthy.threads.emplace_back([this, &lengthy] {
+      ScheduleAsUsual();
+      TakeThreadBack();
+      Run(lengthy);
+    });
+  }
+}
+
+WorkerPool::~WorkerPool() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  WakeAll();
+  for (Line& line : lines_) {
+    for (std::thread& thread : line.threads) thread.join();
+  }
+}
+
+void WorkerPool::WakeAll() {
+  for (Line& line : lines_) line.wake.notify_all();
+}
+
+void WorkerPool::Post(Task task, Lane lane) {
+  Line* line = &lines_[NumberOf(lane)];
+  if (line->threads.empty()) line = &lines_[NumberOf(Lane::kQuick)];
+  {
+    const std::lock_guard lock(mutex_);
+    line->tasks.push_back(std::move(task));
+    ++unfinished_count_;
+  }
+  line->wake.notify_one();
+}
+
+std::size_t WorkerPool::queued_count(Lane lane) const {
+  const std::lock_guard lock(mutex_);
+  return lines_[NumberOf(lane)].tasks.size();
+}
+
+void WorkerPool::Run(Line& line) {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    line.wake.wait(lock, [this, &line] {
+      return !line.tasks.empty() || (stopping_ && unfinished_count_ == 0);
+    });
+    if (line.tasks.empty()) return;
+    Task task = std::move(line.tasks.front());
+    line.tasks.pop_front();
+    lock.unlock();
+    task();
+    task = nullptr;  // what it holds may be large, and is not to be freed under the lock
+    lock.lock();
+    --unfinished_count_;
+    if (stopping_ && unfinished_count_ == 0) WakeAll();
+  }
+}
+
+struct Strand::Queue : std::enable_shared_from_this<Queue> {
+  explicit Queue(WorkerPool& worker_pool) : pool(worker_pool) {}
+
+  void Post(Task task) {
+    const std::lock_guard lock(mutex);
+    tasks.push_back(std::move(task));
+    if (!scheduled) Schedule();
+  }
+
+  void SetLane(Lane of_the_next) {
+    const std::lock_guard lock(mutex);
+    lane = of_the_next;
+  }
+
+  void Schedule() {
+    scheduled = true;
+    pool.Post([self = shared_from_this()] { self->RunOne(); }, lane);
+  }
+
+  void RunOne() {
+    std::unique_lock lock(mutex);
+    Task task = std::move(tasks.front());
+    tasks.pop_front();
+    lock.unlock();
+    task();
+    task = nullptr;
+    lock.lock();
+    scheduled = false;
+    if (!tasks.empty()) Schedule();
+  }
+
+  WorkerPool& pool;
+  std::mutex mutex;
+  std::deque<Task> tasks;
+  Lane lane = Lane::kQuick;
+  bool scheduled = false;  ///< RunOne is on the pool; at most one at a time
+};
+
+Strand::Strand(WorkerPool& pool) : queue_(std::make_shared<Queue>(pool)) {}
+
+void Strand::Post(Task task) { queue_->Post(std::move(task)); }
+
+void Strand::SetLane(Lane lane) { queue_->SetLane(lane); }
+
+}  // namespace dcloc::server

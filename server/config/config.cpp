@@ -1,0 +1,232 @@
+#include "server/config/config.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "nlohmann/json.hpp"
+#include "server/base/status.h"
+#include "server/net/listen_address.h"
+#include "server/telemetry/metrics_endpoint.h"
+
+namespace dcloc::server {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::array kFields = {
+    ConfigField{"data", "DIR", "folder of the maps; made if it is not there", &ServerConfig::data},
+    ConfigField{"listen", "HOST:PORT", "address to listen on; port 0 takes a free one",
+                &ServerConfig::listen},
+    ConfigField{
+        "metrics_listen", "[HOST:]PORT",
+        "serve Prometheus metrics over HTTP there, on 127.0.0.1 without HOST; none if empty",
+        &ServerConfig::metrics_listen},
+    ConfigField{"tls_cert", "FILE", "the server's certificate chain (PEM)",
+                &ServerConfig::tls_cert},
+    ConfigField{"tls_key", "FILE", "the certificate's private key (PEM)", &ServerConfig::tls_key},
+    ConfigField{"tls_client_ca", "FILE",
+                "authority (PEM) that must have signed each client's certificate",
+                &ServerConfig::tls_client_ca},
+    ConfigField{"allow_plaintext_off_loopback", "",
+                "serve without TLS on an address that other machines can reach",
+                &ServerConfig::allow_plaintext_off_loopback},
+    ConfigField{"stub_matcher", "",
+                "answer without matching, to measure the transport; the poses mean nothing",
+                &ServerConfig::stub_matcher},
+    ConfigField{"worker_count", "N", "threads that localize; 0 for one per processor",
+                &ServerConfig::worker_count, 0, 1024},
+    ConfigField{"require_identity", "",
+                "refuse callers without an identity even before the first one is made",
+                &ServerConfig::require_identity},
+    ConfigField{"max_session_count", "N", "open sessions at most", &ServerConfig::max_session_count,
+                1, 1'000'000, true},
+    ConfigField{"max_session_count_per_principal", "N",
+                "open sessions of one principal at most; 0 for no limit",
+                &ServerConfig::max_session_count_per_principal, 0, 1'000'000, true},
+    ConfigField{"max_scan_rate_hz_per_principal", "N",
+                "scans per second of one principal at most; 0 for no limit",
+                &ServerConfig::max_scan_rate_hz_per_principal, 0, 1'000'000, true},
+    ConfigField{"max_target_count", "N", "targets of one scan at most",
+                &ServerConfig::max_target_count, 1, 20'000, true},
+    ConfigField{"max_pending_scan_count", "N",
+                "scans of one session that are read but not yet answered, at most",
+                &ServerConfig::max_pending_scan_count, 1, 1000},
+    ConfigField{"answer_history_count", "N",
+                "answers of one session that are kept for scans that come again",
+                &ServerConfig::answer_history_count, 1, 100'000},
+    ConfigField{"session_detached_timeout_ms", "N",
+                "how long a session whose stream has ended waits to be resumed",
+                &ServerConfig::session_detached_timeout_ms, 0, 86'400'000},
+    ConfigField{"session_idle_timeout_ms", "N",
+                "a session that gets no scan for so long is ended; 0 for never",
+                &ServerConfig::session_idle_timeout_ms, 0, 86'400'000},
+    ConfigField{"max_message_kib", "N", "size of a message at most [KiB]",
+                &ServerConfig::max_message_kib, 512, 65'536},
+    ConfigField{"max_map_mib", "N", "size of an uploaded map file at most [MiB]",
+                &ServerConfig::max_map_mib, 1, 1'000'000, true},
+    ConfigField{"max_tenant_storage_mib", "N",
+                "size of a tenant's map versions together at most [MiB]; 0 for no limit",
+                &ServerConfig::max_tenant_storage_mib, 0, 1'000'000'000, true},
+    ConfigField{"warm_map_mib", "N",
+                "size of the maps at most that stay in memory for new sessions to get though none "
+                "uses them [MiB]; 0 for none",
+                &ServerConfig::warm_map_mib, 0, 1'000'000},
+    ConfigField{"unfinished_upload_timeout_s", "N",
+                "how long what came of a broken upload waits for the rest",
+                &ServerConfig::unfinished_upload_timeout_s, 1, 31'536'000},
+    ConfigField{"shutdown_deadline_ms", "N",
+                "how long open calls may take to end when the server stops",
+                &ServerConfig::shutdown_deadline_ms, 0, 600'000},
+    ConfigField{"self_probe_interval_ms", "N",
+                "how often the server tries whether it answers a new connection; 0 for never",
+                &ServerConfig::self_probe_interval_ms, 0, 3'600'000},
+    ConfigField{"drain_grace_ms", "N",
+                "how long clients may take to move once the server drains or stops",
+                &ServerConfig::drain_grace_ms, 0, 600'000},
+    ConfigField{"log_level", "LEVEL", "debug, info, warn or error", &ServerConfig::log_level, 0, 0,
+                true},
+    ConfigField{"log_format", "FORMAT", "text or json, a line each", &ServerConfig::log_format},
+};
+
+constexpr std::array kLogLevels = {"debug", "info", "warn", "error"};
+
+const ConfigField* FindField(const std::string& key) {
+  const auto* field = std::ranges::find(
+      kFields, key, [](const ConfigField& candidate) { return std::string(candidate.key); });
+  return field == kFields.end() ? nullptr : field;
+}
+
+absl::Status Expected(const std::string& key, const Json& value, const char* what) {
+  return absl::InvalidArgumentError(
+      absl::StrFormat("%s is %s; it must be %s", key, value.dump(), what));
+}
+
+absl::Status Take(const std::string& key, const Json& value, ServerConfig* config) {
+  const ConfigField* field = FindField(key);
+  if (field == nullptr) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("key %s (value %s) is unknown", Quoted(key), value.dump()));
+  }
+  if (const auto* text = std::get_if<std::string ServerConfig::*>(&field->member)) {
+    if (!value.is_string()) return Expected(key, value, "a string");
+    config->*(*text) = value.get<std::string>();
+  } else if (const auto* flag = std::get_if<bool ServerConfig::*>(&field->member)) {
+    if (!value.is_boolean()) return Expected(key, value, "true or false");
+    config->*(*flag) = value.get<bool>();
+  } else {
+    // Compared as a double, since an integer of JSON may be larger than any of ours.
+    if (!value.is_number_integer() || value.get<double>() < field->min ||
+        value.get<double>() > field->max) {
+      return Expected(key, value,
+                      absl::StrFormat("an integer in [%d, %d]", field->min, field->max).c_str());
+    }
+    config->*std::get<int ServerConfig::*>(field->member) = value.get<int>();
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Json> ParseFile(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) return absl::NotFoundError(absl::StrCat(path.string(), ": cannot be read"));
+  std::set<std::string> keys;
+  std::string repeated;
+  const auto note = [&](int depth, Json::parse_event_t event, const Json& parsed) {
+    if (depth == 1 && event == Json::parse_event_t::key) {
+      const auto key = parsed.get<std::string>();
+      if (!keys.insert(key).second) repeated = key;
+    }
+    return true;
+  };
+  try {
+    Json json = Json::parse(file, note);
+    if (repeated.empty()) return json;
+    return absl::InvalidArgumentError(
+        absl::StrCat(path.string(), ": key ", Quoted(repeated), " is there more than once"));
+  } catch (const Json::exception& error) {
+    return absl::InvalidArgumentError(absl::StrCat(path.string(), ": ", error.what()));
+  }
+}
+
+absl::Status ValidateTls(const ServerConfig& config) {
+  if (config.tls_cert.empty() != config.tls_key.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("tls_cert is %s and tls_key is %s; one needs the other",
+                        Quoted(config.tls_cert), Quoted(config.tls_key)));
+  }
+  if (config.tls_cert.empty() && !config.tls_client_ca.empty()) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "tls_client_ca is %s; it needs tls_cert and tls_key", Quoted(config.tls_client_ca)));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+std::span<const ConfigField> ConfigFields() { return kFields; }
+
+std::vector<const ConfigField*> ChangedFields(const ServerConfig& before,
+                                              const ServerConfig& after) {
+  std::vector<const ConfigField*> changed;
+  for (const ConfigField& field : kFields) {
+    const bool same =
+        std::visit([&](auto member) { return before.*member == after.*member; }, field.member);
+    if (!same) changed.push_back(&field);
+  }
+  return changed;
+}
+
+void TakeField(const ConfigField& field, const ServerConfig& from, ServerConfig* to) {
+  std::visit([&](auto member) { to->*member = from.*member; }, field.member);
+}
+
+absl::Status ReadConfigFile(const std::filesystem::path& path, ServerConfig* config) {
+  const absl::StatusOr<Json> json = ParseFile(path);
+  if (!json.ok()) return json.status();
+  const std::string prefix = absl::StrCat(path.string(), ": ");
+  if (!json->is_object()) return WithPrefix(prefix, Expected("the file", *json, "an object"));
+  for (const auto& [key, value] : json->items()) {
+    if (absl::Status status = Take(key, value, config); !status.ok()) {
+      return WithPrefix(prefix, status);
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Validate(const ServerConfig& config) {
+  if (config.data.empty()) {
+    return absl::InvalidArgumentError("data is empty; it must name the folder of the maps");
+  }
+  if (absl::Status status = ParseListenAddress(config.listen).status(); !status.ok()) {
+    return status;
+  }
+  if (!config.metrics_listen.empty()) {
+    absl::Status status = ParseMetricsAddress(config.metrics_listen).status();
+    if (!status.ok()) return status;
+  }
+  for (const ConfigField& field : kFields) {
+    const auto* member = std::get_if<int ServerConfig::*>(&field.member);
+    if (member == nullptr) continue;
+    const int value = config.*(*member);
+    if (value < field.min || value > field.max) {
+      return absl::InvalidArgumentError(absl::StrFormat("%s is %d; it must lie in [%d, %d]",
+                                                        field.key, value, field.min, field.max));
+    }
+  }
+  if (std::ranges::find(kLogLevels, config.log_level) == kLogLevels.end()) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "log_level is %s; it must be debug, info, warn or error", Quoted(config.log_level)));
+  }
+  if (config.log_format != "text" && config.log_format != "json") {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("log_format is %s; it must be text or json", Quoted(config.log_format)));
+  }
+  return ValidateTls(config);
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <atomic>
+
+#include "server/config/config.h"
+
+namespace dcloc::server {
+
+/// The limits that may change while the server runs; 0 is no limit where that is said. Read by any
+/// thread, one value at a time.
+struct Limits {
+  explicit Limits(const ServerConfig& config) { Set(config); }
+
+  void Set(const ServerConfig& config) {
+    max_session_count = config.max_session_count;
+    max_session_count_per_principal = config.max_session_count_per_principal;
+    max_scan_rate_hz_per_principal = config.max_scan_rate_hz_per_principal;
+    max_target_count = config.max_target_count;
+    max_map_mib = config.max_map_mib;
+    max_tenant_storage_mib = config.max_tenant_storage_mib;
+  }
+
+  std::atomic<int> max_session_count;
+  std::atomic<int> max_session_count_per_principal;  ///< 0: none
+  std::atomic<int> max_scan_rate_hz_per_principal;   ///< 0: none
+  std::atomic<int> max_target_count;
+  std::atomic<int> max_map_mib;
+  std::atomic<int> max_tenant_storage_mib;  ///< 0: none
+};
+
+}  // namespace dcloc::server

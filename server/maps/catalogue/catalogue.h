@@ -1,0 +1,126 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+#include "absl/strings/string_view.h"
+
+#include "absl/status/statusor.h"
+#include "core/map/radar_map.h"
+#include "server/maps/catalogue/coverage.h"
+
+namespace dcloc::server {
+
+using SystemTime = std::chrono::sys_time<std::chrono::nanoseconds>;
+
+/// A map: a name, which holds its tenant (`ScopedMapName`), and its versions.
+struct MapRecord {
+  std::string name;
+  std::int64_t active_version = 0;  ///< 0: none
+  int version_count = 0;
+  SystemTime create_time;
+  std::int64_t previous_version = 0;  ///< active before; 0: none
+  std::int64_t canary_version = 0;    ///< 0: none
+  double canary_share = 0.0;          ///< of the vehicles, [0, 1]
+};
+
+/// A version: a file that never changes.
+struct MapVersionRecord {
+  std::string map_name;
+  std::int64_t version = 0;  ///< from 1; never used again
+  bool active = false;
+  std::string sha256;  ///< names the file
+  SystemTime create_time;
+  MapInfo info;
+};
+
+/// An active version that covers a place.
+struct CoverageRecord {
+  std::string map_name;
+  std::int64_t version = 0;
+  double distance_m = 0.0;  ///< to the nearest box
+};
+
+/// Which maps there are. Thread-safe; calls may block on storage. Each change is atomic and durable
+/// when it returns. Errors beyond those named are the storage's own: Internal, ResourceExhausted,
+/// DataLoss.
+class Catalogue {
+ public:
+  virtual ~Catalogue() = default;
+
+  /// At most `limit` maps with a name above `after_name`, by ascending name, of those whose name
+  /// begins with `prefix` and has no slash behind it: one tenant's.
+  virtual absl::StatusOr<std::vector<MapRecord>> ListMaps(absl::string_view prefix,
+                                                          absl::string_view after_name,
+                                                          int limit) = 0;
+
+  /// Bytes of all files of such maps together, each counted once however many versions have it.
+  virtual absl::StatusOr<std::int64_t> SizeOfMaps(absl::string_view prefix) = 0;
+
+  /// NotFound when there is no such map.
+  virtual absl::StatusOr<MapRecord> GetMap(absl::string_view map_name) = 0;
+
+  /// At most `limit` versions below `below_version`, newest first. NotFound: no such map.
+  virtual absl::StatusOr<std::vector<MapVersionRecord>> ListVersions(absl::string_view map_name,
+                                                                     std::int64_t below_version,
+                                                                     int limit) = 0;
+
+  /// `version` 0 is the active one. NotFound: no such map or version; FailedPrecondition: the map
+  /// has no active version.
+  virtual absl::StatusOr<MapVersionRecord> GetVersion(absl::string_view map_name,
+                                                      std::int64_t version) = 0;
+
+  /// Adds a version, and the map if it is new. A file that the map already has gives the version
+  /// that has it.
+  virtual absl::StatusOr<MapVersionRecord> AddVersion(absl::string_view map_name,
+                                                      absl::string_view sha256, const MapInfo& info,
+                                                      const std::vector<CoverageBox>& coverage) = 0;
+
+  /// What was active becomes the previous version; a canary that becomes active is none any more.
+  /// NotFound: no such map or version.
+  virtual absl::Status Activate(absl::string_view map_name, std::int64_t version) = 0;
+
+  /// Version 0 and share 0: none. NotFound: no such map or version; FailedPrecondition: the version
+  /// is active.
+  virtual absl::Status SetCanary(absl::string_view map_name, std::int64_t version,
+                                 double share) = 0;
+
+  /// NotFound: no such map or version; FailedPrecondition: it is active or the canary.
+  virtual absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version) = 0;
+
+  /// With all of its versions. NotFound: no such map.
+  virtual absl::Status DeleteMap(absl::string_view map_name) = 0;
+
+  /// Whether any version has this file.
+  virtual absl::StatusOr<bool> HasFile(absl::string_view sha256) = 0;
+
+  /// Of the file, in bytes, if a version of such maps (as with `ListMaps`) has it; else 0.
+  virtual absl::StatusOr<std::int64_t> SizeOfFile(absl::string_view prefix,
+                                                  absl::string_view sha256) = 0;
+
+  /// The files that there must be, each once, with their sizes.
+  virtual absl::StatusOr<std::vector<std::pair<std::string, std::int64_t>>> ListFiles() = 0;
+
+  /// Versions of which it is not known yet what they cover.
+  virtual absl::StatusOr<std::vector<MapVersionRecord>> ListUncovered() = 0;
+
+  /// Says what a version covers that `ListUncovered` gave.
+  virtual absl::Status AddCoverage(absl::string_view map_name, std::int64_t version,
+                                   const std::vector<CoverageBox>& coverage) = 0;
+
+  /// The active version of one map, if a box of it lies within `radius_m` of a place in its frame.
+  /// NotFound: no such map.
+  virtual absl::StatusOr<std::vector<CoverageRecord>> FindCoverage(absl::string_view map_name,
+                                                                   const Eigen::Vector2d& p_map,
+                                                                   double radius_m) = 0;
+
+  /// The active versions that cover a place on the Earth, of such maps as with `ListMaps` that have
+  /// an anchor; the nearest first, at most `limit`.
+  virtual absl::StatusOr<std::vector<CoverageRecord>> FindCoverage(absl::string_view prefix,
+                                                                   const GeodeticPosition& position,
+                                                                   double radius_m, int limit) = 0;
+};
+
+}  // namespace dcloc::server

@@ -1,0 +1,160 @@
+#include "server/maps/catalogue/sqlite_schema.h"
+
+#include <optional>
+
+namespace dcloc::server {
+namespace {
+
+SystemTime TimeFromNanoseconds(std::int64_t time_ns) {
+  return SystemTime(std::chrono::nanoseconds(time_ns));
+}
+
+Eigen::Vector3d NextVector(SqliteStatement& row) {
+  const double x = row.NextReal();
+  const double y = row.NextReal();
+  const double z = row.NextReal();
+  return {x, y, z};
+}
+
+std::optional<GeodeticAnchor> NextAnchor(SqliteStatement& row) {
+  const bool present = !row.NextIsNull();
+  GeodeticAnchor anchor;
+  anchor.origin.latitude_deg = row.NextReal();
+  anchor.origin.longitude_deg = row.NextReal();
+  anchor.origin.height_m = row.NextReal();
+  anchor.x_axis_east_rad = row.NextReal();
+  return present ? std::optional(anchor) : std::nullopt;
+}
+
+void BindVector(const Eigen::Vector3d& vector, SqliteStatement* insert) {
+  insert->Bind(vector.x()).Bind(vector.y()).Bind(vector.z());
+}
+
+void BindAnchor(const std::optional<GeodeticAnchor>& anchor, SqliteStatement* insert) {
+  if (anchor) {
+    insert->Bind(anchor->origin.latitude_deg)
+        .Bind(anchor->origin.longitude_deg)
+        .Bind(anchor->origin.height_m)
+        .Bind(anchor->x_axis_east_rad);
+  } else {
+    insert->BindNull().BindNull().BindNull().BindNull();
+  }
+}
+
+}  // namespace
+
+const char* const kCreateSchema = R"(
+CREATE TABLE map (
+  name TEXT PRIMARY KEY,
+  active_version INTEGER NOT NULL DEFAULT 0,
+  next_version INTEGER NOT NULL,
+  create_time_ns INTEGER NOT NULL,
+  previous_version INTEGER NOT NULL DEFAULT 0,
+  canary_version INTEGER NOT NULL DEFAULT 0,
+  canary_share REAL NOT NULL DEFAULT 0
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE map_version (
+  map_name TEXT NOT NULL REFERENCES map(name) ON DELETE CASCADE,
+  version INTEGER NOT NULL,
+  sha256 TEXT NOT NULL,
+  create_time_ns INTEGER NOT NULL,
+  size_bytes INTEGER NOT NULL,
+  drive_name TEXT NOT NULL,
+  description TEXT NOT NULL,
+  keyframe_count INTEGER NOT NULL,
+  point_count INTEGER NOT NULL,
+  length_m REAL NOT NULL,
+  min_x_m REAL NOT NULL, min_y_m REAL NOT NULL, min_z_m REAL NOT NULL,
+  max_x_m REAL NOT NULL, max_y_m REAL NOT NULL, max_z_m REAL NOT NULL,
+  has_elevation INTEGER NOT NULL,
+  anchor_latitude_deg REAL, anchor_longitude_deg REAL, anchor_height_m REAL,
+  anchor_x_axis_east_rad REAL,
+  PRIMARY KEY (map_name, version),
+  UNIQUE (map_name, sha256)
+) STRICT, WITHOUT ROWID;
+
+CREATE INDEX map_version_sha256 ON map_version(sha256);
+
+CREATE VIEW map_row AS
+  SELECT name, active_version,
+         (SELECT COUNT(*) FROM map_version WHERE map_name = name) AS version_count, create_time_ns,
+         previous_version, canary_version, canary_share
+  FROM map;
+
+CREATE VIEW map_version_row AS
+  SELECT map_version.*, active_version = version AS active
+  FROM map_version JOIN map ON map_name = name;
+
+PRAGMA user_version = 2;
+)";
+
+const char* const kMigrateFrom1 = R"(
+ALTER TABLE map ADD COLUMN previous_version INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE map ADD COLUMN canary_version INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE map ADD COLUMN canary_share REAL NOT NULL DEFAULT 0;
+
+DROP VIEW map_row;
+CREATE VIEW map_row AS
+  SELECT name, active_version,
+         (SELECT COUNT(*) FROM map_version WHERE map_name = name) AS version_count, create_time_ns,
+         previous_version, canary_version, canary_share
+  FROM map;
+
+PRAGMA user_version = 2;
+)";
+
+const char* const kInsertVersion =
+    "INSERT INTO map_version VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)";
+
+MapRecord ReadMap(SqliteStatement& row) {
+  MapRecord record;
+  record.name = row.NextText();
+  record.active_version = row.NextInteger();
+  record.version_count = static_cast<int>(row.NextInteger());
+  record.create_time = TimeFromNanoseconds(row.NextInteger());
+  record.previous_version = row.NextInteger();
+  record.canary_version = row.NextInteger();
+  record.canary_share = row.NextReal();
+  return record;
+}
+
+MapVersionRecord ReadVersion(SqliteStatement& row) {
+  MapVersionRecord record;
+  record.map_name = row.NextText();
+  record.version = row.NextInteger();
+  record.sha256 = row.NextText();
+  record.create_time = TimeFromNanoseconds(row.NextInteger());
+  record.info.size_bytes = static_cast<std::uint64_t>(row.NextInteger());
+  record.info.name = row.NextText();
+  record.info.description = row.NextText();
+  record.info.keyframe_count = static_cast<std::uint64_t>(row.NextInteger());
+  record.info.point_count = static_cast<std::uint64_t>(row.NextInteger());
+  record.info.length_m = row.NextReal();
+  record.info.min_map_m = NextVector(row);
+  record.info.max_map_m = NextVector(row);
+  record.info.has_elevation = row.NextInteger() != 0;
+  record.info.anchor = NextAnchor(row);
+  record.active = row.NextInteger() != 0;
+  return record;
+}
+
+void BindVersion(const MapVersionRecord& record, SqliteStatement* insert) {
+  const MapInfo& info = record.info;
+  insert->Bind(record.map_name)
+      .Bind(record.version)
+      .Bind(record.sha256)
+      .Bind(std::int64_t{record.create_time.time_since_epoch().count()})
+      .Bind(static_cast<std::int64_t>(info.size_bytes))
+      .Bind(info.name)
+      .Bind(info.description)
+      .Bind(static_cast<std::int64_t>(info.keyframe_count))
+      .Bind(static_cast<std::int64_t>(info.point_count))
+      .Bind(info.length_m);
+  BindVector(info.min_map_m, insert);
+  BindVector(info.max_map_m, insert);
+  insert->Bind(std::int64_t{info.has_elevation});
+  BindAnchor(info.anchor, insert);
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include "absl/strings/string_view.h"
+
+#include "absl/status/statusor.h"
+#include "server/maps/store/incoming_files.h"
+#include "server/maps/store/map_store.h"
+
+namespace dcloc::server {
+
+/// What a client says of the file that it is about to send.
+struct UploadRequest {
+  std::string tenant;  ///< of who sends it
+  std::string map_name;
+  std::int64_t size_bytes = 0;
+  std::string sha256;
+  bool activate = false;
+};
+
+/// What an upload may take.
+struct UploadLimits {
+  std::int64_t max_map_bytes = 0;
+  std::int64_t max_tenant_bytes = 0;  ///< of the tenant's versions together; 0: no limit
+};
+
+/// A map file on its way into the store. What has come of it stays when the upload is dropped, for
+/// another one to go on with; it is gone once it is a version, or turns out to be none. Not
+/// thread-safe; calls block on storage. Aborted once another upload has taken the same file.
+class Upload {
+ public:
+  /// InvalidArgument names the field, the value and the bound, ResourceExhausted the limit that it
+  /// would pass. `store` outlives the upload.
+  static absl::StatusOr<Upload> Begin(MapStore& store, UploadRequest request,
+                                      const UploadLimits& limits);
+
+  /// Appends bytes that begin at `offset_bytes` in the file: the first ones where bytes of an
+  /// earlier upload are or end, the others where the ones before ended. InvalidArgument if not, or
+  /// if the file would grow beyond its size.
+  absl::Status Append(std::int64_t offset_bytes, absl::string_view bytes);
+
+  /// Checks size, hash and the map in it, adds it to the store, and activates it if that was asked
+  /// for. DataLoss when the bytes are not those that were announced, or are no intact map. Without
+  /// any bytes, a file that the tenant has in the store already will do.
+  absl::StatusOr<MapVersionRecord> Finish();
+
+ private:
+  Upload(MapStore& store, UploadRequest request, IncomingFile file);
+
+  absl::Status BeginAt(std::int64_t offset_bytes);
+  /// The version, and its map where this upload brought it.
+  absl::StatusOr<LoadedMap> Take();
+
+  MapStore* store_;
+  UploadRequest request_;
+  IncomingFile file_;
+};
+
+}  // namespace dcloc::server

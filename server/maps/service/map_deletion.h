@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "dcloc/v1/map_service.pb.h"
+#include "server/maps/store/map_store.h"
+
+/// The calls that delete versions and maps, and get the sessions out of them if asked to.
+namespace dcloc::server {
+
+/// Gets a tenant's sessions out of a version of a map, 0 for any: by moving those that can go on in
+/// another one and ending the others, or by ending all.
+struct SessionDrainer {
+  using Drain = std::function<void(const std::string& tenant, const std::string& map_name,
+                                   std::int64_t version)>;
+  Drain move_or_end;
+  Drain end_all;
+};
+
+/// May wait for some seconds when sessions are to be drained.
+absl::Status DeleteVersion(MapStore& store, const SessionDrainer& drainer,
+                           const std::string& tenant, const v1::DeleteMapVersionRequest& request);
+
+/// As above.
+absl::Status DeleteMap(MapStore& store, const SessionDrainer& drainer, const std::string& tenant,
+                       const v1::DeleteMapRequest& request);
+
+}  // namespace dcloc::server

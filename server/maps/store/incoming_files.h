@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "server/base/files.h"
+#include "server/base/sha256.h"
+#include "server/maps/catalogue/catalogue.h"
+
+namespace dcloc::server {
+
+/// A file that is on its way into the store, and who writes it. At most one does at a time: who
+/// takes the same file later has it from then on. Not thread-safe, but for who has it.
+class IncomingFile {
+ public:
+  /// Keeps all others out as long as it lives.
+  using Hold = std::unique_lock<std::mutex>;
+
+  /// Waits for who is at work on the file. Aborted when another one has taken it meanwhile.
+  absl::StatusOr<Hold> Lock() const;
+
+  // With the hold:
+
+  /// Cuts the file off at `offset_bytes`, or makes it, and hashes what is left: what is written
+  /// then follows.
+  absl::Status BeginAt(std::int64_t offset_bytes);
+  absl::Status Write(absl::string_view bytes);
+  bool begun() const { return descriptor_.has_value(); }
+
+  /// Bytes in the file.
+  absl::StatusOr<std::int64_t> Size() const { return FileSize(path_); }
+  std::int64_t hashed_bytes() const { return hashed_bytes_; }
+
+  /// Of all that is in it; makes it durable. Nothing may be written after that.
+  absl::StatusOr<std::string> Finish();
+
+  absl::Status Remove() { return RemoveFile(path_); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  friend class IncomingFiles;
+  struct Owner {
+    std::mutex mutex;
+    std::int64_t number = 0;  ///< of who has the file
+  };
+
+  IncomingFile(std::filesystem::path path, std::shared_ptr<Owner> owner, std::int64_t number)
+      : path_(std::move(path)), owner_(std::move(owner)), number_(number) {}
+
+  std::filesystem::path path_;
+  std::shared_ptr<Owner> owner_;
+  std::int64_t number_;
+  std::optional<FileDescriptor> descriptor_;
+  std::int64_t hashed_bytes_ = 0;
+  Sha256 hash_;
+};
+
+/// Files on their way into the store, each named by the tenant who sends it and the SHA-256 that it
+/// shall have. What came of one whose sender is gone stays, so that another call can go on there.
+/// Thread-safe; calls may block on storage.
+class IncomingFiles {
+ public:
+  /// Makes the folder if it is not there, and removes what is no such file; says how many.
+  static absl::StatusOr<std::unique_ptr<IncomingFiles>> Open(const std::filesystem::path& folder);
+
+  /// Takes a file for writing. Waits for who has it, and takes it away from them.
+  IncomingFile Take(absl::string_view tenant, absl::string_view sha256);
+
+  /// Makes durable what has come of a file; gives how many bytes that are.
+  absl::StatusOr<std::int64_t> DurableSize(absl::string_view tenant,
+                                           absl::string_view sha256) const;
+
+  /// Bytes of the tenant's files together, without that of `sha256`.
+  absl::StatusOr<std::int64_t> SizeOfOthers(absl::string_view tenant,
+                                            absl::string_view sha256) const;
+
+  /// Removes files that nobody has written to since `time` and that nobody has taken; gives how
+  /// many.
+  absl::StatusOr<int> RemoveUntouchedSince(SystemTime time);
+
+  /// Files that there are.
+  absl::StatusOr<int> Count() const;
+
+  /// Other files in it are removed by the next `Open`.
+  const std::filesystem::path& folder() const { return folder_; }
+
+  /// Files of other names that `Open` has removed.
+  int removed_count() const { return removed_count_; }
+
+ private:
+  explicit IncomingFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  std::filesystem::path PathOf(absl::string_view tenant, absl::string_view sha256) const;
+
+  std::filesystem::path folder_;
+  int removed_count_ = 0;
+  std::mutex mutex_;
+  std::map<std::filesystem::path, std::weak_ptr<IncomingFile::Owner>> owners_;
+};
+
+}  // namespace dcloc::server

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/map/radar_map.h"
+#include "server/base/files.h"
+#include "server/maps/catalogue/catalogue.h"
+#include "server/maps/store/build_ledger.h"
+#include "server/maps/store/incoming_files.h"
+#include "server/maps/store/map_files.h"
+#include "server/maps/store/store_check.h"
+#include "server/maps/store/warm_maps.h"
+
+namespace dcloc::server {
+
+/// A version with its map in memory.
+struct LoadedMap {
+  MapVersionRecord record;
+  std::shared_ptr<const RadarMap> map;
+  bool was_in_memory = false;  ///< someone else used it, or it was kept warm
+};
+
+struct MapStoreOptions {
+  /// Of versions that stay in memory though no session uses them.
+  std::int64_t max_warm_bytes = std::int64_t{1} << 30;
+  /// How long what came of a broken upload waits for the rest.
+  std::chrono::nanoseconds unfinished_upload_timeout = std::chrono::hours(24);
+};
+
+/// The server's maps: which there are (Catalogue), their files (MapFiles), which are on their way
+/// (IncomingFiles) and which are in use. All who use a version share one copy in memory; it is in
+/// use as long as anyone holds `LoadedMap::map`. Versions that new sessions get stay in memory
+/// within bounds (WarmMaps). Thread-safe; calls may block on storage.
+class MapStore {
+ public:
+  /// Opens or creates the embedded store in `folder`, checks it, repairs what a crash left over,
+  /// and logs what it did. FailedPrecondition when another process has it open.
+  static absl::StatusOr<std::unique_ptr<MapStore>> Open(const std::filesystem::path& folder,
+                                                        const MapStoreOptions& options = {});
+
+  /// For reading; changes go through the store.
+  Catalogue& catalogue() { return *catalogue_; }
+
+  IncomingFiles& incoming() { return *incoming_; }
+  BuildLedger& builds() { return *builds_; }
+
+  /// What `Open` found and did.
+  const StoreReport& report() const { return report_; }
+
+  /// A version, loaded and verified; `version` 0 is the active one. Errors of
+  /// Catalogue::GetVersion, or DataLoss when the file is damaged.
+  absl::StatusOr<LoadedMap> Acquire(absl::string_view map_name, std::int64_t version);
+
+  /// The version that a vehicle gets who asks for the active one: the canary for its share of the
+  /// vehicles. Where the canary cannot be loaded, the active one serves, and the log says so.
+  absl::StatusOr<LoadedMap> AcquireFor(absl::string_view map_name, absl::string_view vehicle_id);
+
+  /// Adds a version from a local file that was verified as `map` and has this hash; takes the file
+  /// over. Who asks for the version while what this gives is held gets the same map, and need not
+  /// verify it again.
+  absl::StatusOr<LoadedMap> Add(const std::filesystem::path& path, absl::string_view map_name,
+                                absl::string_view sha256, std::shared_ptr<const RadarMap> map);
+
+  /// Adds a version of a file that a version of maps with this prefix (Catalogue::ListMaps) has
+  /// already. NotFound when there is none, or its file is not there.
+  absl::StatusOr<MapVersionRecord> AddStored(absl::string_view prefix, absl::string_view map_name,
+                                             absl::string_view sha256);
+
+  /// Whether `AddStored` would find the file.
+  absl::StatusOr<bool> HasStored(absl::string_view prefix, absl::string_view sha256);
+
+  /// Loads and verifies a version, and only then makes it the one that new sessions get. Errors of
+  /// `Acquire`; the old one stays then.
+  absl::StatusOr<MapRecord> Activate(absl::string_view map_name, std::int64_t version);
+
+  /// The same for the version that was active before. FailedPrecondition when there is none.
+  absl::StatusOr<MapRecord> RollBack(absl::string_view map_name);
+
+  /// The same for a share of the vehicles; version 0 and share 0 for none. FailedPrecondition: the
+  /// version is active.
+  absl::StatusOr<MapRecord> SetCanary(absl::string_view map_name, std::int64_t version,
+                                      double share);
+
+  /// Errors of the catalogue's, and FailedPrecondition while a version is in use.
+  absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version);
+  absl::Status DeleteMap(absl::string_view map_name);
+
+  /// Removes what came of uploads that broke off too long before `now`; gives how many.
+  absl::StatusOr<int> RemoveStaleUploads(SystemTime now);
+
+  /// Versions in memory.
+  int loaded_map_count();
+
+ private:
+  struct Loaded;
+  using Key = WarmMaps::Key;
+
+  MapStore(FileDescriptor lock, std::unique_ptr<Catalogue> catalogue,
+           std::unique_ptr<MapFiles> files, std::unique_ptr<IncomingFiles> incoming,
+           std::unique_ptr<BuildLedger> builds, const MapStoreOptions& options);
+
+  // With the mutex held.
+  void KeepWarm(const MapRecord& map, const LoadedMap& loaded);
+  bool InUse(const Key& key) const;
+  absl::Status RemoveFileUnlessNeeded(absl::string_view sha256);
+
+  FileDescriptor lock_;
+  std::unique_ptr<Catalogue> catalogue_;
+  std::unique_ptr<MapFiles> files_;
+  std::unique_ptr<IncomingFiles> incoming_;
+  std::unique_ptr<BuildLedger> builds_;
+  const std::chrono::nanoseconds unfinished_upload_timeout_;
+  StoreReport report_;
+
+  /// Ties what the catalogue says to which files and loaded maps there are. Held while a catalogue
+  /// row is read or written and while a file is renamed, not while a map is read.
+  std::mutex mutex_;
+  std::map<Key, std::weak_ptr<Loaded>> loaded_;
+  WarmMaps warm_;
+};
+
+}  // namespace dcloc::server

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/maps/catalogue/catalogue.h"
+#include "server/maps/store/incoming_files.h"
+#include "server/maps/store/map_files.h"
+
+namespace dcloc::server {
+
+/// What a store was found to be when it was opened, and what was done about it.
+struct StoreReport {
+  int removed_leftover_count = 0;   ///< files in `incoming` that belong to nothing
+  int removed_map_file_count = 0;   ///< map files that no version has
+  int stale_upload_count = 0;       ///< unfinished uploads that were too old: removed
+  int unfinished_upload_count = 0;  ///< kept, to be gone on with
+  int covered_version_count = 0;    ///< versions for which it was noted now what they cover
+  /// Hashes of files that versions have and that are not there, or not of their size. The versions
+  /// stay, and cannot be loaded; uploading the same file again mends them.
+  std::vector<std::string> broken_files;
+};
+
+/// Holds files and catalogue against each other, and repairs what a crash can leave over.
+/// `stale_before`: unfinished uploads not written to since then are removed.
+absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,
+                                       IncomingFiles& incoming, SystemTime stale_before);
+
+/// A line for each thing that was done or is wrong; none when all is well.
+void Log(const StoreReport& report);
+
+}  // namespace dcloc::server

@@ -1,0 +1,37 @@
+#include "server/net/health.h"
+
+#include <grpcpp/health_check_service_interface.h>
+
+#include "dcloc/v1/admin_service.grpc.pb.h"
+#include "dcloc/v1/localization_service.grpc.pb.h"
+#include "dcloc/v1/map_service.grpc.pb.h"
+
+namespace dcloc::server {
+
+Health::Health(grpc::Server& server) : server_(server) { Tell(); }
+
+void Health::SetAnswering(bool answering) {
+  const std::lock_guard lock(mutex_);
+  answering_ = answering;
+  Tell();
+}
+
+void Health::SetDraining() {
+  const std::lock_guard lock(mutex_);
+  draining_ = true;
+  Tell();
+}
+
+void Health::Tell() {
+  auto* health = server_.GetHealthCheckService();
+  if (health == nullptr) return;
+  for (const char* service : {"", v1::LocalizationService::service_full_name()}) {
+    health->SetServingStatus(service, answering_ && !draining_);
+  }
+  for (const char* service :
+       {v1::MapService::service_full_name(), v1::AdminService::service_full_name()}) {
+    health->SetServingStatus(service, answering_);
+  }
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <grpcpp/server_builder.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/base/files.h"
+#include "server/net/listen_address.h"
+
+namespace dcloc::server {
+
+/// Accepts connections and hands them to gRPC, which by itself would accept until the process has
+/// no file descriptor left, and then never again (CVE-2023-4785). Here a connection beyond the cap
+/// is closed at once, and what goes on needs nothing of it.
+class Listener {
+ public:
+  /// Binds every address that the host has; port 0 takes a free one. A connection whose file
+  /// descriptor would be `max_descriptor` or above is closed. Unavailable says which address.
+  static absl::StatusOr<std::unique_ptr<Listener>> Bind(const ListenAddress& address,
+                                                        int max_descriptor);
+  ~Listener() { Stop(); }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  int port() const { return port_; }
+
+  /// Accepts from now on. The server of `acceptor` has been started, and is shut down after `Stop`.
+  void Start(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor);
+
+  /// Takes no more connections. May be called again.
+  void Stop();
+
+  /// Connections that were closed at once.
+  std::int64_t refused_count() const { return refused_count_; }
+
+  /// Leaves an eighth of the process' file descriptors to files, at least 32.
+  static int MaxDescriptor();
+
+ private:
+  Listener(std::vector<FileDescriptor> sockets, FileDescriptor wake, int port, int max_descriptor);
+  void Run();
+  void Accept(int socket_fd);
+
+  std::vector<FileDescriptor> sockets_;
+  FileDescriptor wake_;  ///< readable once it is to stop
+  const int port_;
+  const int max_descriptor_;
+  std::atomic<std::int64_t> refused_count_ = 0;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor_;
+  std::thread thread_;
+};
+
+}  // namespace dcloc::server

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <chrono>
+
+#include "absl/status/status.h"
+#include "server/net/listen_address.h"
+
+namespace dcloc::server {
+
+/// Makes a new connection to a gRPC server on this machine and waits until it is spoken to: with
+/// TLS until a handshake is answered, in plaintext until HTTP/2's first frame comes. So it tells a
+/// server that still accepts from one whose kernel only does. A wildcard address is reached by
+/// loopback. Unavailable or DeadlineExceeded says what did not come.
+absl::Status ProbeListener(const ListenAddress& address, bool tls,
+                           std::chrono::milliseconds timeout);
+
+}  // namespace dcloc::server

@@ -1,0 +1,62 @@
+#include "server/sessions/move_sessions.h"
+
+#include <string>
+#include <utility>
+
+#include "server/base/status.h"
+#include "server/sessions/session.h"
+#include "spdlog/spdlog.h"
+
+namespace dcloc::server {
+namespace {
+
+void LogNotMoved(const SessionRecord& record, absl::string_view reason) {
+  spdlog::warn("session not moved session={} reason={}", record.description.session_id,
+               Quoted(reason));
+}
+
+}  // namespace
+
+int MoveSessions(const SessionRegistry& registry, MapStore& store, absl::string_view tenant,
+                 absl::string_view map_name, std::int64_t from_version) {
+  const std::string scoped_name = ScopedMapName(tenant, map_name);
+  int count = 0;
+  for (const auto& session : registry.SessionsIn(tenant, map_name)) {
+    const SessionRecord& record = *session->record();
+    if (record.description.map_version_asked_for) continue;
+    if (from_version != 0 && record.map_version != from_version) continue;
+    absl::StatusOr<LoadedMap> map = store.AcquireFor(scoped_name, record.description.vehicle_id);
+    if (!map.ok()) {
+      LogNotMoved(record, map.status().message());
+      continue;
+    }
+    if (map->record.version == record.map_version) continue;
+    if (record.recorded) {
+      LogNotMoved(record, "it is recorded, and a recording is of one version");
+      continue;
+    }
+    ++count;
+    session->strand().Post([session, loaded = *std::move(map)]() mutable {
+      const absl::Status status = session->Move(std::move(loaded));
+      if (!status.ok()) LogNotMoved(*session->record(), status.message());
+    });
+  }
+  return count;
+}
+
+void EndSessions(SessionRegistry& registry, absl::string_view tenant, absl::string_view map_name,
+                 std::int64_t version, EndOf which) {
+  v1::SessionEnding ending;
+  ending.set_reason(v1::SESSION_END_REASON_OPERATOR);
+  ending.set_message("its map version is being deleted");
+  for (const auto& session : registry.SessionsIn(tenant, map_name)) {
+    const SessionRecord& record = *session->record();
+    const bool stays = record.description.map_version_asked_for || record.recorded;
+    if (version != 0 && record.map_version != version) continue;
+    if (which == EndOf::kThoseThatStay && !stays) continue;
+    // One that has just ended by itself is not found, which is as well.
+    registry.End(record.description.session_id, tenant, ending).IgnoreError();
+  }
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "server/identity/caller.h"
+#include "server/maps/catalogue/catalogue.h"
+#include "server/sessions/answer_feed.h"
+
+namespace dcloc::server {
+
+/// What of a session does not change.
+struct SessionDescription {
+  std::string session_id;
+  std::string resume_token;  ///< a secret; empty unless it is resumable
+  std::string vehicle_id;
+  Caller caller;
+  std::string map_name;
+  bool map_version_asked_for = false;  ///< the client named it, so the session keeps it
+  SystemTime open_time;
+  bool drops_oldest = false;  ///< when its queue is full
+
+  bool resumable() const { return !resume_token.empty(); }
+};
+
+/// What its scans came to; written by the session, read by anyone.
+struct ScanCounts {
+  std::atomic<std::int64_t> answered = 0;
+  std::atomic<std::int64_t> rejected = 0;  ///< malformed or late
+  std::atomic<std::int64_t> repeated = 0;  ///< answered from memory
+  std::atomic<std::int64_t> dropped = 0;
+};
+
+/// A session as all others see it than the one who localizes.
+struct SessionRecord {
+  using Clock = std::chrono::steady_clock;
+
+  SessionDescription description;
+  std::atomic<std::int64_t> map_version = 0;
+  std::atomic<bool> recorded = false;  ///< from its opening on, and so in one version
+  ScanCounts counts;
+  std::atomic<std::int64_t> missing_scan_count = 0;
+  std::atomic<std::int64_t> resume_count = 0;
+  std::atomic<std::int64_t> last_sequence_number = -1;  ///< the highest one processed, or -1
+  std::atomic<std::int64_t> last_stamp_age_ns = 0;      ///< arrival minus stamp
+  /// Of the last answer; a LocalizationState, or -1 before the first one.
+  std::atomic<int> last_state = -1;
+  std::atomic<Clock::time_point> last_activity = Clock::now();
+  AnswerFeed feed;
+};
+
+}  // namespace dcloc::server

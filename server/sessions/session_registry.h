@@ -1,0 +1,137 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "server/config/limits.h"
+#include "server/sessions/session_record.h"
+#include "server/sessions/session_stream.h"
+
+namespace dcloc::server {
+
+class Session;
+
+struct SessionTimeouts {
+  std::chrono::nanoseconds detached_timeout = std::chrono::minutes(1);
+  std::chrono::nanoseconds idle_timeout = std::chrono::minutes(10);  ///< 0: for ever
+};
+
+/// A session as lists show it.
+struct ListedSession {
+  std::shared_ptr<SessionRecord> record;
+  bool detached = false;
+};
+
+/// How many sessions there are, by the state of their last answer: none, then as in
+/// LocalizationState.
+struct SessionCensus {
+  std::array<int, 5> attached{};
+  std::array<int, 5> detached{};
+};
+
+/// Holds the sessions that are open: each is attached to a stream, or detached and waiting for its
+/// client to resume it. Also holds the counts of all that ever were, and for some time why ended
+/// ones ended. Thread-safe; nothing on a scan's path takes its lock.
+class SessionRegistry {
+ public:
+  using Clock = SessionRecord::Clock;
+  using Stream = std::weak_ptr<SessionStream>;
+
+  /// `limits` outlives it.
+  SessionRegistry(const Limits& limits, const SessionTimeouts& timeouts)
+      : limits_(limits), timeouts_(timeouts) {}
+
+  /// Adds a session attached to `stream`. Where there are too many, the one that has been detached
+  /// for longest makes room; ResourceExhausted when there is none.
+  absl::Status Add(std::shared_ptr<SessionRecord> record, std::shared_ptr<Session> session,
+                   Stream stream);
+
+  /// The session of a resume token. NotFound says why it is gone; PermissionDenied for another
+  /// principal, InvalidArgument for another vehicle.
+  absl::StatusOr<std::shared_ptr<Session>> Find(absl::string_view resume_token,
+                                                const Principal& principal,
+                                                absl::string_view vehicle_id) const;
+
+  /// Attaches a session to another stream; gives the one that it was attached to. NotFound as
+  /// above.
+  absl::StatusOr<std::shared_ptr<SessionStream>> Attach(const SessionRecord& record, Stream stream);
+
+  /// The session waits without a stream from now on; nothing if it is not attached to `stream`.
+  void Detach(const SessionRecord& record, const SessionStream& stream);
+
+  /// Lets go of a session; a later `Find` is told `reason`. Nothing if it is not attached to
+  /// `stream`.
+  void Remove(const SessionRecord& record, const SessionStream& stream, const std::string& reason);
+
+  /// Tells the client and ends a session of the tenant's. NotFound.
+  absl::Status End(absl::string_view session_id, absl::string_view tenant,
+                   const v1::SessionEnding& ending);
+
+  /// The tenant's sessions in a map.
+  std::vector<std::shared_ptr<Session>> SessionsIn(absl::string_view tenant,
+                                                   absl::string_view map_name) const;
+
+  /// Ends what has been detached or idle for too long, and cuts off who was told and does not go.
+  void Reap(Clock::time_point now);
+
+  /// Lets go of all detached sessions.
+  void RemoveDetached(const std::string& reason);
+
+  /// At most `limit` sessions of the tenant's with an id above `after_id`, by ascending id.
+  std::vector<ListedSession> List(absl::string_view tenant, absl::string_view after_id,
+                                  int limit) const;
+
+  /// A session of the tenant's. NotFound says why it is gone where that is still known.
+  absl::StatusOr<ListedSession> Get(absl::string_view tenant, absl::string_view session_id);
+
+  int count() const;
+  SessionCensus Census() const;
+  int max_session_count() const { return limits_.max_session_count; }
+  int detached_count() const;
+  ScanCounts& totals() { return totals_; }
+  std::int64_t resume_count() const;
+
+ private:
+  struct Entry {
+    std::shared_ptr<SessionRecord> record;
+    std::shared_ptr<Session> session;
+    Stream stream;
+    std::optional<Clock::time_point> detached_since;
+    std::optional<Clock::time_point> ending_since;  ///< the stream was told to end
+  };
+  using Entries = std::map<std::string, Entry, std::less<>>;
+  /// Freed by the caller after the lock: a session may hold the last reference to a map.
+  using Released = std::vector<Entry>;
+
+  // With the mutex held.
+  Entry* FindAttached(const SessionRecord& record, const SessionStream& stream);
+  void Release(Entries::iterator entry, const std::string& reason, Released* released);
+  bool EvictLongestDetached(Released* released);
+  Entries::iterator FindOf(absl::string_view tenant, absl::string_view session_id);
+  void Remember(const SessionDescription& description, const std::string& reason);
+  absl::Status Gone(absl::string_view key, absl::string_view what) const;
+
+  const Limits& limits_;
+  const SessionTimeouts timeouts_;
+  mutable std::mutex mutex_;
+  Entries entries_;
+  std::map<std::string, std::string, std::less<>> id_of_token_;
+  /// Why sessions ended, by id and by token; the oldest are forgotten.
+  std::map<std::string, std::string, std::less<>> end_reasons_;
+  std::deque<std::string> remembered_;
+  std::int64_t resume_count_ = 0;
+  ScanCounts totals_;
+};
+
+}  // namespace dcloc::server

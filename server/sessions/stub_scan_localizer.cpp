@@ -1,0 +1,54 @@
+#include <chrono>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "server/sessions/scan_localizer.h"
+
+namespace dcloc::server {
+namespace {
+
+class StubMatcher final : public Matcher {
+ public:
+  StubMatcher(std::shared_ptr<const RadarMap> map, InitialPose pose)
+      : map_(std::move(map)), pose_(std::move(pose)) {}
+
+  absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* /*listener*/) override {
+    if (last_stamp_ && scan.stamp < *last_stamp_) {
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "stamp_ns is %d; it must not lie before %d, the newest scan's",
+          scan.stamp.time_since_epoch().count(), last_stamp_->time_since_epoch().count()));
+    }
+    if (last_stamp_ && scan.ego_velocity) {
+      const double duration_s = std::chrono::duration<double>(scan.stamp - *last_stamp_).count();
+      Vector6d motion;
+      motion << scan.ego_velocity->linear_mps, scan.ego_velocity->angular_radps;
+      pose_.T_map_vehicle = pose_.T_map_vehicle * Exp(Vector6d(motion * duration_s));
+    }
+    last_stamp_ = scan.stamp;
+    return Localization{.stamp = scan.stamp,
+                        .state = LocalizationState::kDeadReckoning,
+                        .T_map_vehicle = pose_.T_map_vehicle,
+                        .covariance = pose_.covariance,
+                        .observed = {},
+                        .quality = {}};
+  }
+
+  bool searching() const override { return false; }
+
+ private:
+  std::shared_ptr<const RadarMap> map_;  // in use, as with the method
+  InitialPose pose_;
+  std::optional<Stamp> last_stamp_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Matcher>> CreateStubMatcher(
+    // A MatcherFactory.  NOLINTNEXTLINE(performance-unnecessary-value-param)
+    std::shared_ptr<const RadarMap> map, Rig /*rig*/,
+    const std::optional<InitialPose>& initial_pose, const LocalizerOptions& /*options*/) {
+  const InitialPose unknown{.T_map_vehicle = {}, .covariance = Matrix6d::Zero()};
+  return std::make_unique<StubMatcher>(std::move(map), initial_pose.value_or(unknown));
+}
+
+}  // namespace dcloc::server

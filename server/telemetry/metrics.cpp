@@ -1,0 +1,203 @@
+#include "server/telemetry/metrics.h"
+
+#include <utility>
+
+namespace dcloc::server {
+namespace {
+
+using prometheus::Histogram;
+using prometheus::Registry;
+
+/// From a stub's microseconds to where a vehicle has long given up.
+const Histogram::BucketBoundaries& DurationBuckets_s() {
+  static const Histogram::BucketBoundaries buckets = {1e-5, 2.5e-5, 5e-5, 1e-4, 2.5e-4, 5e-4,
+                                                      1e-3, 2.5e-3, 5e-3, 1e-2, 2e-2,   5e-2,
+                                                      1e-1, 2.5e-1, 5e-1, 1.0,  2.5,    10.0};
+  return buckets;
+}
+
+/// Quantiles of chi-square with three degrees of freedom, the share of the bound in the comment: of
+/// an honest covariance the shares of the counts are these.
+const Histogram::BucketBoundaries& ChiSquareBuckets() {
+  static const Histogram::BucketBoundaries buckets = {0.352,   // 5 %
+                                                      1.213,   // 25 %
+                                                      2.366,   // 50 %
+                                                      4.108,   // 75 %
+                                                      6.251,   // 90 %
+                                                      7.815,   // 95 %
+                                                      11.345,  // 99 %
+                                                      16.266,  // 99.9 %
+                                                      30.0,   100.0};
+  return buckets;
+}
+
+Histogram& AddHistogram(Registry& registry, const char* name, const char* help,
+                        const Histogram::BucketBoundaries& buckets) {
+  return prometheus::BuildHistogram().Name(name).Help(help).Register(registry).Add({}, buckets);
+}
+
+prometheus::Family<prometheus::Counter>& AddCounters(Registry& registry, const char* name,
+                                                     const char* help) {
+  return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
+}
+
+double Seconds(std::chrono::nanoseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// Of the codes that a client can cause, so that there are few and always the same.
+const char* ReasonOf(absl::StatusCode code) {
+  switch (code) {
+    case absl::StatusCode::kInvalidArgument:
+      return "invalid";
+    case absl::StatusCode::kOutOfRange:
+      return "late";
+    case absl::StatusCode::kResourceExhausted:
+      return "limit";
+    default:
+      return "other";
+  }
+}
+
+const char* NameOf(grpc::StatusCode code) {
+  switch (code) {
+    case grpc::StatusCode::OK:
+      return "ok";
+    case grpc::StatusCode::INVALID_ARGUMENT:
+      return "invalid_argument";
+    case grpc::StatusCode::NOT_FOUND:
+      return "not_found";
+    case grpc::StatusCode::PERMISSION_DENIED:
+      return "permission_denied";
+    case grpc::StatusCode::UNAUTHENTICATED:
+      return "unauthenticated";
+    case grpc::StatusCode::RESOURCE_EXHAUSTED:
+      return "resource_exhausted";
+    case grpc::StatusCode::FAILED_PRECONDITION:
+      return "failed_precondition";
+    case grpc::StatusCode::UNAVAILABLE:
+      return "unavailable";
+    default:
+      return "other";
+  }
+}
+
+constexpr std::array kStageLabels = {"queue",        "conversion", "compensation", "submap",
+                                     "registration", "posegraph",  "encoding"};
+constexpr std::array kStateLabels = {"initializing", "tracking", "dead_reckoning", "lost"};
+constexpr char kMapHelp[] = "Maps that new sessions asked for, by whether they were in memory";
+constexpr std::array kReasons = {"invalid", "late", "limit", "other"};
+
+}  // namespace
+
+Metrics::Metrics()
+    : registry_(std::make_shared<Registry>()),
+      scan_(AddHistogram(*registry_, "dcloc_scan_seconds",
+                         "From a scan's arrival until its answer was handed to the transport",
+                         DurationBuckets_s())),
+      edge_distance_(AddHistogram(
+          *registry_, "dcloc_loop_edge_distance",
+          "Squared Mahalanobis distance between a match and its prediction; 3 in the mean when the "
+          "covariances are honest",
+          ChiSquareBuckets())),
+      residual_scale_(AddHistogram(*registry_, "dcloc_residual_scale",
+                                   "Root mean square of a match's whitened residuals; 1 is as "
+                                   "modelled",
+                                   {0.25, 0.5, 0.75, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0, 5.0})),
+      overlap_(AddHistogram(*registry_, "dcloc_overlap",
+                            "Share of the live points that a match found in the map",
+                            {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0})),
+      map_acquire_(AddHistogram(*registry_, "dcloc_map_acquire_seconds",
+                                "Getting a new session's map; microseconds where it is in memory",
+                                DurationBuckets_s())),
+      map_hits_(AddCounters(*registry_, "dcloc_map_acquires_total", kMapHelp)
+                    .Add({{"in_memory", "true"}})),
+      map_misses_(AddCounters(*registry_, "dcloc_map_acquires_total", kMapHelp)
+                      .Add({{"in_memory", "false"}})),
+      valid_edges_(AddCounters(*registry_, "dcloc_loop_edges_total",
+                               "Matches with the map, by whether they passed the test")
+                       .Add({{"valid", "true"}})),
+      invalid_edges_(AddCounters(*registry_, "dcloc_loop_edges_total",
+                                 "Matches with the map, by whether they passed the test")
+                         .Add({{"valid", "false"}})),
+      wrong_beta_(AddCounters(*registry_, "dcloc_wrong_beta_answers_total",
+                              "Answers to scans of radars whose beta_s the matches contradict")
+                      .Add({})),
+      repeated_(AddCounters(*registry_, "dcloc_scans_repeated_total",
+                            "Scans that came again and were answered from memory")
+                    .Add({})),
+      dropped_(AddCounters(*registry_, "dcloc_scans_dropped_total",
+                           "Scans dropped for newer ones, where the client asked for it")
+                   .Add({})),
+      rejected_(AddCounters(*registry_, "dcloc_scans_rejected_total",
+                            "Scans that were refused, by reason")),
+      opens_(AddCounters(*registry_, "dcloc_session_opens_total",
+                         "Localize calls, by what came of their open message")) {
+  auto& stages = prometheus::BuildHistogram()
+                     .Name("dcloc_scan_stage_seconds")
+                     .Help("What a scan's stages took; only those that ran")
+                     .Register(*registry_);
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    stages_[i] = &stages.Add({{"stage", kStageLabels[i]}}, DurationBuckets_s());
+  }
+  auto& answers = AddCounters(*registry_, "dcloc_answers_total", "Scans localized, by state");
+  for (std::size_t i = 0; i < kStateCount; ++i) {
+    answers_[i] = &answers.Add({{"state", kStateLabels[i]}});
+  }
+  // There from the start: a rate needs the zero before the first one.
+  for (const char* reason : kReasons) rejected_.Add({{"reason", reason}});
+  opens_.Add({{"code", "ok"}, {"resumed", "false"}});
+  opens_.Add({{"code", "ok"}, {"resumed", "true"}});
+}
+
+void Metrics::ObserveAnswer(const v1::LocalizationResult& result,
+                            std::chrono::nanoseconds encoding) {
+  const v1::StageTimings& timings = result.timings();
+  const std::array durations_ns = {timings.queue_duration_ns(),
+                                   timings.conversion_duration_ns(),
+                                   timings.compensation_duration_ns(),
+                                   timings.submap_duration_ns(),
+                                   timings.registration_duration_ns(),
+                                   timings.posegraph_duration_ns(),
+                                   static_cast<std::int64_t>(encoding.count())};
+  static_assert(durations_ns.size() == kStageCount);
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    if (durations_ns[i] > 0) {
+      stages_[i]->Observe(Seconds(std::chrono::nanoseconds(durations_ns[i])));
+    }
+  }
+  scan_.Observe(Seconds(std::chrono::nanoseconds(timings.total_duration_ns()) + encoding));
+  const int state = result.state() - v1::LOCALIZATION_STATE_INITIALIZING;
+  if (state >= 0 && state < static_cast<int>(kStateCount)) {
+    answers_[static_cast<std::size_t>(state)]->Increment();
+  }
+  const bool is_registered = timings.registration_duration_ns() > 0;
+  if (is_registered && result.quality().inlier_count() > 0) ObserveEdge(result.quality());
+  if (result.quality().beta_is_wrong()) wrong_beta_.Increment();
+}
+
+void Metrics::ObserveEdge(const v1::LocalizationQuality& quality) {
+  edge_distance_.Observe(quality.edge_distance());
+  residual_scale_.Observe(quality.residual_scale());
+  overlap_.Observe(quality.overlap());
+  (quality.edge_valid() ? valid_edges_ : invalid_edges_).Increment();
+}
+
+void Metrics::ObserveRejection(absl::StatusCode code) {
+  rejected_.Add({{"reason", ReasonOf(code)}}).Increment();
+}
+
+void Metrics::ObserveDropped() { dropped_.Increment(); }
+
+void Metrics::ObserveRepeated() { repeated_.Increment(); }
+
+void Metrics::ObserveOpen(grpc::StatusCode code, bool resumed) {
+  opens_.Add({{"code", NameOf(code)}, {"resumed", resumed ? "true" : "false"}}).Increment();
+}
+
+void Metrics::ObserveMapAcquired(std::chrono::nanoseconds duration, bool was_in_memory) {
+  (was_in_memory ? map_hits_ : map_misses_).Increment();
+  map_acquire_.Observe(Seconds(duration));
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,163 @@
+#include "core/odometry/ego_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <chrono>
+
+#include "core/geometry/covariance.h"
+#include "tests/core/radar/scan_fixture.h"
+
+namespace dcloc {
+namespace {
+
+const RadarModel kRadar = RadarAt("front", 3.5, 0.0, 0.0);
+
+EgoVelocity Planar(double speed_mps, double yaw_rate_radps) {
+  return {.linear_mps = {speed_mps, 0.0, 0.0}, .angular_radps = {0.0, 0.0, yaw_rate_radps}};
+}
+
+Stamp At(int ms) { return Stamp(std::chrono::milliseconds(5'000'000 + ms)); }
+
+Scan Empty(int ms) { return {.stamp = At(ms), .radar_id = "front"}; }
+
+Scan Seen(int ms, const EgoVelocity& ego) {
+  Scan scan = StaticScan(kRadar, ego, 80, static_cast<unsigned>(ms), 1.0);
+  scan.stamp = At(ms);
+  return scan;
+}
+
+Vector6d Twist(const EgoVelocity& velocity) {
+  Vector6d twist;
+  twist << velocity.linear_mps, velocity.angular_radps;
+  return twist;
+}
+
+TEST(EgoMotionTest, WheelsAloneAreTakenAsTheyAre) {
+  EgoMotion motion{LocalizerOptions{}};
+  Scan scan = Empty(0);
+  scan.ego_velocity = Planar(12.0, 0.2);
+  const EgoVelocity velocity = motion.Advance(scan, kRadar);
+  EXPECT_EQ(velocity.linear_mps, scan.ego_velocity->linear_mps);
+  EXPECT_EQ(velocity.angular_radps, scan.ego_velocity->angular_radps);
+  ASSERT_TRUE(velocity.covariance.has_value());
+  EXPECT_GT(velocity.covariance->diagonal().minCoeff(), 0.0);
+  // The first scan has nothing before it.
+  EXPECT_LT(Log(motion.since_previous().T_from_to).norm(), 1e-15);
+  EXPECT_EQ(motion.since_previous().covariance, Matrix6d::Zero());
+}
+
+TEST(EgoMotionTest, DopplerAloneFindsTheMotion) {
+  EgoMotion motion{LocalizerOptions{}};
+  const EgoVelocity velocity = motion.Advance(Seen(0, Planar(12.0, 0.1)), kRadar);
+  EXPECT_NEAR(velocity.linear_mps.x(), 12.0, 0.1);
+  EXPECT_NEAR(velocity.angular_radps.z(), 0.1, 0.03);
+}
+
+TEST(EgoMotionTest, BothAreFusedByTheirInformation) {
+  const LocalizerOptions options;
+  EgoMotion motion(options);
+  Scan scan = Seen(0, Planar(12.0, 0.1));
+  EgoVelocity wheels = Planar(12.3, 0.09);
+  wheels.covariance = EmbedCovariance(Eigen::Vector3d(0.09, 0.04, 1e-4).asDiagonal(), 1e-4, 1e-4);
+  scan.ego_velocity = wheels;
+  const EgoVelocity fused = motion.Advance(scan, kRadar);
+
+  // The Doppler part alone, from a vehicle without wheels.
+  EgoMotion without(options);
+  const EgoVelocity doppler = without.Advance(Seen(0, Planar(12.0, 0.1)), kRadar);
+  const Matrix6d information = wheels.covariance->inverse() + doppler.covariance->inverse();
+  const Vector6d mean = information.inverse() * (wheels.covariance->inverse() * Twist(wheels) +
+                                                 doppler.covariance->inverse() * Twist(doppler));
+  EXPECT_LT((Twist(fused) - mean).norm(), 1e-9);
+  EXPECT_LT((*fused.covariance - information.inverse()).norm(), 1e-9);
+  EXPECT_LT((*fused.covariance)(0, 0), (*wheels.covariance)(0, 0));
+}
+
+TEST(EgoMotionTest, DopplerThatContradictsTheWheelsIsLeftOut) {
+  EgoMotion motion{LocalizerOptions{}};
+  // All that the radar sees moves along: a lorry that fills the view.
+  Scan scan = Seen(0, Planar(2.0, 0.0));
+  scan.ego_velocity = Planar(20.0, 0.0);
+  EXPECT_EQ(motion.Advance(scan, kRadar).linear_mps.x(), 20.0);
+}
+
+TEST(EgoMotionTest, TheLastVelocityIsHeldEverLessCertain) {
+  EgoMotion motion{LocalizerOptions{}};
+  Scan scan = Empty(0);
+  scan.ego_velocity = Planar(15.0, 0.1);
+  EgoVelocity before = motion.Advance(scan, kRadar);
+  for (int ms = 100; ms <= 2000; ms += 100) {
+    const EgoVelocity held = motion.Advance(Empty(ms), kRadar);
+    EXPECT_EQ(held.linear_mps, before.linear_mps);
+    EXPECT_EQ(held.angular_radps, before.angular_radps);
+    EXPECT_GT((*held.covariance)(0, 0), (*before.covariance)(0, 0));
+    EXPECT_GT((*held.covariance)(5, 5), (*before.covariance)(5, 5));
+    before = held;
+  }
+}
+
+TEST(EgoMotionTest, ASilentStartKnowsNothingOfTheSpeed) {
+  EgoMotion motion{LocalizerOptions{}};
+  const EgoVelocity velocity = motion.Advance(Empty(0), kRadar);
+  EXPECT_EQ(velocity.linear_mps.norm(), 0.0);
+  EXPECT_GT(std::sqrt((*velocity.covariance)(0, 0)), 5.0);
+}
+
+TEST(EgoMotionTest, MotionIsTheIntegralBetweenTheScans) {
+  EgoMotion motion{LocalizerOptions{}};
+  Scan scan = Empty(0);
+  scan.ego_velocity = Planar(10.0, 0.5);
+  motion.Advance(scan, kRadar);
+  scan.stamp = At(200);
+  motion.Advance(scan, kRadar);
+  Vector6d way;
+  way << 2.0, 0.0, 0.0, 0.0, 0.0, 0.1;
+  EXPECT_LT(Log(Exp(way).Inverse() * motion.since_previous().T_from_to).norm(), 1e-12);
+  EXPECT_TRUE(IsCovariance(motion.since_previous().covariance));
+  EXPECT_GT(motion.since_previous().covariance(0, 0), 0.0);
+  // Another radar's scan of the same moment: no time, no motion.
+  motion.Advance(scan, kRadar);
+  EXPECT_LT(Log(motion.since_previous().T_from_to).norm(), 1e-15);
+  EXPECT_EQ(motion.since_previous().covariance.norm(), 0.0);
+}
+
+TEST(EgoMotionTest, SeveralRadarsOfOneMomentTellTheYawRateTogether) {
+  // With a side slip, which one radar ahead cannot tell from turning.
+  EgoVelocity ego = Planar(12.0, 0.2);
+  ego.linear_mps.y() = 0.15;
+  const RadarModel rear = RadarAt("rear", -1.0, 0.0, M_PI);
+  EgoMotion motion{LocalizerOptions{}};
+  motion.Advance(Seen(0, ego), kRadar);
+  Scan behind = StaticScan(rear, ego, 80, 9, 1.0);
+  behind.stamp = At(10);
+  const EgoVelocity both = motion.Advance(behind, rear);
+
+  EgoMotion alone{LocalizerOptions{}};
+  const EgoVelocity one = alone.Advance(Seen(0, ego), kRadar);
+  EXPECT_LT(std::abs(both.angular_radps.z() - 0.2), 0.5 * std::abs(one.angular_radps.z() - 0.2));
+  EXPECT_NEAR(both.angular_radps.z(), 0.2, 0.03);
+
+  // A scan of long ago says nothing about now.
+  EgoMotion later{LocalizerOptions{}};
+  later.Advance(Seen(0, Planar(1.0, 0.0)), kRadar);
+  Scan now = StaticScan(rear, Planar(12.0, 0.0), 80, 9, 1.0);
+  now.stamp = At(1000);
+  EXPECT_NEAR(later.Advance(now, rear).linear_mps.x(), 12.0, 0.1);
+}
+
+TEST(EgoMotionTest, TheSameScansGiveTheSameBits) {
+  EgoMotion a{LocalizerOptions{}};
+  EgoMotion b{LocalizerOptions{}};
+  for (int ms = 0; ms < 500; ms += 50) {
+    const Scan scan = Seen(ms, Planar(12.0, 0.1));
+    const EgoVelocity first = a.Advance(scan, kRadar);
+    const EgoVelocity second = b.Advance(scan, kRadar);
+    EXPECT_EQ(Twist(first), Twist(second));
+    EXPECT_EQ(*first.covariance, *second.covariance);
+  }
+}
+
+}  // namespace
+}  // namespace dcloc

@@ -1,0 +1,157 @@
+#include "core/odometry/odometry_error_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace dcloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+// What is wrong with what a vehicle reports, and with where its registrations put it.
+struct Faults {
+  double scale = 1.0;
+  double yaw_rate_bias_radps = 0.0;
+  double course_rad = 0.0;
+  double time_offset_s = 0.0;
+};
+
+// A vehicle that weaves and changes its speed, ten scans a second, registered once a second.
+class Drive {
+ public:
+  // Poses vary by `pose_sigma_m` and say that they vary by 0.03 m.
+  explicit Drive(const Faults& faults, double pose_sigma_m = kToldSigma_m)
+      : faults_(faults), pose_sigma_m_(pose_sigma_m) {}
+
+  void Second(OdometryErrorFilter& errors, bool tell_pose = true) {
+    for (int scan = 0; scan < 10; ++scan, ++scan_) {
+      speed_mps_ = 12.0 + 6.0 * std::sin(0.02 * scan_);
+      yaw_rate_radps_ = 0.1 * std::sin(0.013 * scan_);
+      const Eigen::Vector3d velocity(speed_mps_, 0.0, yaw_rate_radps_);
+      T_map_vehicle_ = T_map_vehicle_ * Embed(Exp(Eigen::Vector3d(kScan_s * velocity)));
+      const Eigen::Vector3d reported(
+          errors.scale() / faults_.scale * speed_mps_, 0.0,
+          yaw_rate_radps_ - faults_.yaw_rate_bias_radps + errors.yaw_rate_bias_radps());
+      errors.OnMotion(Embed(Exp(Eigen::Vector3d(kScan_s * reported))), milliseconds(100));
+    }
+    if (tell_pose) errors.OnPose(Registered(), Covariance());
+  }
+
+  void JumpInMap() { T_map_vehicle_.translation_m.x() += 500.0; }
+
+ private:
+  static constexpr double kScan_s = 0.1;
+  static constexpr double kToldSigma_m = 0.03;
+  static constexpr double kPoseSigma_rad = 0.001;
+
+  static Eigen::Matrix3d Covariance() {
+    return Eigen::Vector3d(kToldSigma_m, kToldSigma_m, kPoseSigma_rad).cwiseAbs2().asDiagonal();
+  }
+
+  Pose3 Registered() {
+    const Eigen::Vector3d late(faults_.time_offset_s * speed_mps_, 0.0,
+                               faults_.time_offset_s * yaw_rate_radps_);
+    const double x_m = pose_sigma_m_ * normal_(random_);
+    const double y_m = pose_sigma_m_ * normal_(random_);
+    const Eigen::Vector3d noise(x_m, y_m, kPoseSigma_rad * normal_(random_));
+    return T_map_vehicle_ * Embed(Exp(late)) * Embed(Pose2{.yaw_rad = -faults_.course_rad}) *
+           Embed(Exp(noise));
+  }
+
+  Faults faults_;
+  double pose_sigma_m_;
+  Pose3 T_map_vehicle_;
+  double speed_mps_ = 0.0;
+  double yaw_rate_radps_ = 0.0;
+  int scan_ = 0;
+  std::mt19937 random_{8};
+  std::normal_distribution<double> normal_;
+};
+
+OdometryErrorFilter After(int seconds, Drive drive,
+                          const OdometryErrorFilterOptions& options = {}) {
+  OdometryErrorFilter errors(options);
+  for (int second = 0; second < seconds; ++second) drive.Second(errors);
+  return errors;
+}
+
+TEST(OdometryErrorsTest, CorrectsNothingAtFirst) {
+  const OdometryErrorFilter errors({.scale_sigma = 0.03});
+  EXPECT_EQ(errors.scale(), 1.0);
+  EXPECT_EQ(errors.scale_sigma(), 0.03);
+  EXPECT_EQ(errors.yaw_rate_bias_radps(), 0.0);
+}
+
+TEST(OdometryErrorsTest, LearnsScaleAndYawRateBias) {
+  const OdometryErrorFilter errors =
+      After(60, Drive({.scale = 1.017, .yaw_rate_bias_radps = 0.0012}));
+  EXPECT_NEAR(errors.scale(), 1.017, 0.001);
+  EXPECT_NEAR(errors.yaw_rate_bias_radps(), 0.0012, 1e-4);
+  EXPECT_EQ(errors.scale_sigma(), OdometryErrorFilterOptions().min_scale_sigma);
+}
+
+TEST(OdometryErrorsTest, FindsNothingInOdometryThatIsRight) {
+  const OdometryErrorFilter errors = After(60, Drive({}));
+  EXPECT_NEAR(errors.scale(), 1.0, 0.001);
+  EXPECT_NEAR(errors.yaw_rate_bias_radps(), 0.0, 1e-4);
+}
+
+TEST(OdometryErrorsTest, TakesTurnedMountsForNeitherScaleNorYawRate) {
+  const OdometryErrorFilter errors = After(60, Drive({.course_rad = 0.015}));
+  EXPECT_NEAR(errors.scale(), 1.0, 0.001);
+  EXPECT_NEAR(errors.yaw_rate_bias_radps(), 0.0, 1.5e-4);
+}
+
+TEST(OdometryErrorsTest, TakesClocksThatDifferForNoScale) {
+  const OdometryErrorFilter errors = After(60, Drive({.time_offset_s = 0.06}));
+  EXPECT_NEAR(errors.scale(), 1.0, 0.001);
+}
+
+TEST(OdometryErrorsTest, LearnsWithinTwelveSeconds) {
+  // Of some 140 m, by poses that are believed to 0.1 m.
+  const OdometryErrorFilter errors = After(12, Drive({.scale = 1.012}));
+  EXPECT_NEAR(errors.scale(), 1.012, 0.0025);
+}
+
+TEST(OdometryErrorsTest, LearnsNothingWithoutPoses) {
+  OdometryErrorFilter errors({});
+  Drive drive({.scale = 1.02});
+  for (int second = 0; second < 30; ++second) drive.Second(errors, false);
+  EXPECT_EQ(errors.scale(), 1.0);
+  EXPECT_EQ(errors.yaw_rate_bias_radps(), 0.0);
+}
+
+TEST(OdometryErrorsTest, BelievesPosesLessThatVaryMoreThanTheySay) {
+  const OdometryErrorFilterOptions options{.min_scale_sigma = 0.0};
+  const OdometryErrorFilter errors = After(40, Drive({}, 1.0), options);
+  EXPECT_NEAR(errors.scale(), 1.0, 3.0 * errors.scale_sigma());
+  EXPECT_GT(errors.scale_sigma(), 1.2 * After(40, Drive({}), options).scale_sigma());
+}
+
+TEST(OdometryErrorsTest, OneWrongPoseChangesLittle) {
+  OdometryErrorFilter errors({});
+  Drive drive({.scale = 1.01});
+  for (int second = 0; second < 30; ++second) drive.Second(errors);
+  const double before = errors.scale();
+  drive.JumpInMap();
+  drive.Second(errors);
+  EXPECT_NEAR(errors.scale(), before, 0.02);
+}
+
+TEST(OdometryErrorsTest, AJumpInTheMapIsNotTheWheels) {
+  OdometryErrorFilter errors({});
+  Drive drive({.scale = 1.01});
+  for (int second = 0; second < 30; ++second) drive.Second(errors);
+  const double before = errors.scale();
+  drive.JumpInMap();
+  errors.OnJump();
+  drive.Second(errors);
+  EXPECT_EQ(errors.scale(), before);
+  for (int second = 0; second < 30; ++second) drive.Second(errors);
+  EXPECT_NEAR(errors.scale(), 1.01, 0.001);
+}
+
+}  // namespace
+}  // namespace dcloc

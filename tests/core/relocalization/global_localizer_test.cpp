@@ -1,0 +1,184 @@
+#include "core/relocalization/global_localizer.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "tests/core/localizer/synthetic_world.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kSpeed_mps = 8.0;
+
+std::shared_ptr<const RadarMap> MapOf(const SyntheticWorld& world) {
+  return MapOfDrive(DriveRoad(world, FrontRadar(), kSpeed_mps, 1), FrontRadar());
+}
+
+// What stands in these worlds is little.
+LocalizerOptions FewPoints() {
+  LocalizerOptions options;
+  options.match.global_min_inlier_count = 40;
+  return options;
+}
+
+// 45 m that follow twice, `apart_m` from one another, and nothing behind the second time.
+SyntheticWorld Twins(double apart_m) {
+  SyntheticWorld world;
+  world.scatterers_m.clear();
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> along_m(30.0, 75.0);
+  std::uniform_real_distribution<double> aside_m(3.0, 25.0);
+  for (int i = 0; i < 150; ++i) {
+    const double at_m = along_m(random);
+    const Eigen::Vector3d p_road(0.0, i % 2 == 0 ? aside_m(random) : -aside_m(random), 0.0);
+    world.scatterers_m.push_back(SyntheticWorld::OnRoad(at_m) * p_road);
+    world.scatterers_m.push_back(SyntheticWorld::OnRoad(at_m + apart_m) * p_road);
+  }
+  return world;
+}
+
+// A vehicle on the road that is looked for.
+class Seeker {
+ public:
+  Seeker(const SyntheticWorld& world, const std::shared_ptr<const RadarMap>& map, double along_m,
+         double sight_m = 60.0, const LocalizerOptions& options = FewPoints())
+      : world_(world), global_localizer_(map, options), along_m_(along_m), sight_m_(sight_m) {}
+
+  GlobalLocalizer<2>& contest() { return global_localizer_; }
+  Pose3 T_map_vehicle() const { return SyntheticWorld::OnRoad(along_m_); }
+  bool WantsView() const { return global_localizer_.WantsView(stamp_); }
+
+  void DriveTo(double along_m, double sigma_m = 0.1) {
+    const Pose3 T_from_to = T_map_vehicle().Inverse() * SyntheticWorld::OnRoad(along_m);
+    Matrix6d covariance = 1e-6 * Matrix6d::Identity();
+    covariance.topLeftCorner<3, 3>().diagonal().setConstant(sigma_m * sigma_m);
+    global_localizer_.OnMotion({.T_from_to = T_from_to, .covariance = covariance});
+    along_m_ = along_m;
+    stamp_ += std::chrono::seconds(1);
+  }
+
+  // Does all the work on what is seen here.
+  std::optional<Pose3> ViewFit(const std::optional<SearchRegion>& region = std::nullopt) {
+    global_localizer_.AddView(stamp_, Seen(), region);
+    while (global_localizer_.working()) {
+      if (auto place = global_localizer_.Continue()) return place;
+    }
+    return std::nullopt;
+  }
+
+  double ErrorOf(const Pose3& found) const {
+    return (found.translation_m - T_map_vehicle().translation_m).head<2>().norm();
+  }
+
+ private:
+  // Of what stands within sight ahead, measured to a decimetre.
+  std::vector<GaussianPoint<2>> Seen() {
+    std::normal_distribution<double> noise_m(0.0, 0.1);
+    std::vector<GaussianPoint<2>> points;
+    for (const Eigen::Vector3d& scatterer_m : world_.scatterers_m) {
+      const Eigen::Vector3d p = T_map_vehicle().Inverse() * scatterer_m;
+      if (p.x() < 5.0 || p.norm() > sight_m_) continue;
+      points.push_back({.mean_m = p.head<2>() + Eigen::Vector2d(noise_m(random_), noise_m(random_)),
+                        .covariance_m2 = 0.02 * Eigen::Matrix2d::Identity()});
+    }
+    return points;
+  }
+
+  const SyntheticWorld& world_;
+  GlobalLocalizer<2> global_localizer_;
+  std::mt19937 random_{7};
+  double along_m_;
+  double sight_m_;
+  Stamp stamp_{std::chrono::seconds(1'700'000'000)};
+};
+
+TEST(PlaceContestTest, APlaceThatHoldsOverNewGroundIsFound) {
+  const SyntheticWorld world;
+  Seeker seeker(world, MapOf(world), 40.0);
+  EXPECT_TRUE(seeker.WantsView());
+  EXPECT_FALSE(seeker.ViewFit());
+  EXPECT_FALSE(seeker.WantsView()) << "the same again";
+  seeker.DriveTo(46.0);
+  ASSERT_TRUE(seeker.WantsView());
+  EXPECT_FALSE(seeker.ViewFit()) << "six metres are not ten";
+  EXPECT_FALSE(seeker.WantsView()) << "and yet it is decided";
+  seeker.DriveTo(51.0);
+  const auto found = seeker.contest().Continue();
+  ASSERT_TRUE(found.has_value());
+  EXPECT_LT(seeker.ErrorOf(*found), 0.3);
+}
+
+TEST(PlaceContestTest, APlaceOfFewPointsIsNotBelieved) {
+  const SyntheticWorld world;
+  LocalizerOptions options = FewPoints();
+  options.match.global_min_inlier_count = 1000;
+  Seeker seeker(world, MapOf(world), 30.0, 60.0, options);
+  for (const double along_m : {30.0, 41.0, 52.0, 63.0}) {
+    seeker.DriveTo(along_m);
+    EXPECT_FALSE(seeker.ViewFit()) << "at " << along_m;
+  }
+}
+
+TEST(PlaceContestTest, StandingStillDecidesNothing) {
+  const SyntheticWorld world;
+  Seeker seeker(world, MapOf(world), 40.0);
+  EXPECT_FALSE(seeker.ViewFit());
+  for (int i = 0; i < 60; ++i) {
+    seeker.DriveTo(40.0, 0.01);
+    EXPECT_FALSE(seeker.WantsView());
+    EXPECT_FALSE(seeker.contest().Continue());
+  }
+}
+
+TEST(PlaceContestTest, AmongPostsThatLookAlikeNothingWins) {
+  const SyntheticWorld world = SyntheticWorld::Posts(6.0);
+  Seeker seeker(world, MapOf(world), 20.0);
+  for (const double along_m : {20.0, 31.0, 42.0, 53.0, 64.0, 75.0}) {
+    seeker.DriveTo(along_m);
+    EXPECT_FALSE(seeker.ViewFit()) << "at " << along_m;
+  }
+}
+
+TEST(PlaceContestTest, TwinsAreToldApartByWhatFollows) {
+  constexpr double kApart_m = 65.0;
+  const SyntheticWorld world = Twins(kApart_m);
+  const auto map = MapOf(world);
+  Seeker seeker(world, map, 27.0, 35.0);
+  EXPECT_FALSE(seeker.ViewFit());
+  seeker.DriveTo(38.0);
+  EXPECT_FALSE(seeker.ViewFit()) << "what it sees stands twice in the map";
+  seeker.DriveTo(90.0);
+  const auto found = seeker.ViewFit();
+  ASSERT_TRUE(found.has_value())
+      << "behind the first one it goes on, behind the second one it does not";
+  EXPECT_LT(seeker.ErrorOf(*found), 0.3);
+}
+
+TEST(PlaceContestTest, NothingIsFoundInAWrongRegion) {
+  const SyntheticWorld world;
+  Seeker seeker(world, MapOf(world), 30.0);
+  const SearchRegion region{.centre_m = SyntheticWorld::OnRoad(120.0).translation_m.head<2>(),
+                            .radius_m = 12.0,
+                            .max_yaw_offset_rad = std::numbers::pi};
+  for (const double along_m : {30.0, 41.0, 52.0, 63.0, 74.0}) {
+    seeker.DriveTo(along_m);
+    EXPECT_FALSE(seeker.ViewFit(region)) << "at " << along_m;
+  }
+}
+
+TEST(PlaceContestTest, WhatOdometryDoesNotJoinIsForgotten) {
+  const SyntheticWorld world;
+  Seeker seeker(world, MapOf(world), 40.0);
+  EXPECT_FALSE(seeker.ViewFit());
+  seeker.DriveTo(41.0, 3.0);
+  EXPECT_TRUE(seeker.WantsView()) << "as at the beginning";
+  EXPECT_FALSE(seeker.ViewFit());
+  seeker.DriveTo(52.0);
+  const auto found = seeker.ViewFit();
+  ASSERT_TRUE(found.has_value());
+  EXPECT_LT(seeker.ErrorOf(*found), 0.3);
+}
+
+}  // namespace
+}  // namespace dcloc

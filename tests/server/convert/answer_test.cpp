@@ -1,0 +1,102 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "core/geometry/covariance.h"
+#include "server/convert/geometry.h"
+#include "server/convert/page.h"
+#include "tests/server/convert/convert_fault.h"
+
+namespace dcloc::server {
+namespace {
+
+using ::testing::HasSubstr;
+
+// ---- Answers
+
+TEST(ConvertAnswerTest, CovarianceTurnsToFixedAxesAndBack) {
+  // A vehicle that heads along the map's y axis, sure ahead and unsure to its left.
+  v1::PoseWithCovariance message = InitialPoseMessage();
+  const double half = std::numbers::pi / 4.0;
+  message.mutable_pose()->mutable_rotation()->set_w(std::cos(half));
+  message.mutable_pose()->mutable_rotation()->set_z(std::sin(half));
+  message.set_covariance(0, 9.0);
+  message.set_covariance(7, 1.0);
+  v1::OpenSession open = OpenMessage();
+  *open.mutable_initial_pose() = message;
+  const auto pose = convert::InitialPoseFromProto(open, std::nullopt);
+  ASSERT_TRUE(pose.ok()) << pose.status();
+  EXPECT_NEAR((*pose)->covariance(0, 0), 1.0, 1e-12) << "ahead is the map's y";
+  EXPECT_NEAR((*pose)->covariance(1, 1), 9.0, 1e-12) << "left is the map's -x";
+  v1::PoseWithCovariance back;
+  convert::ToProto((*pose)->T_map_vehicle, (*pose)->covariance, &back);
+  ASSERT_EQ(back.covariance_size(), 36);
+  for (int i = 0; i < 36; ++i) EXPECT_NEAR(back.covariance(i), message.covariance(i), 1e-12) << i;
+}
+
+TEST(ConvertAnswerTest, CovarianceIsRowMajorOnTheWire) {
+  Matrix6d covariance = Matrix6d::Identity();
+  covariance(0, 5) = covariance(5, 0) = 0.25;
+  v1::PoseWithCovariance message;
+  convert::ToProto(Pose3(), covariance, &message);
+  EXPECT_EQ(message.covariance(5), 0.25);
+  EXPECT_EQ(message.covariance(30), 0.25);
+  EXPECT_EQ(message.covariance(1), 0.0);
+}
+
+TEST(ConvertAnswerTest, HeadingFollowsTheMapsAxes) {
+  const GeodeticAnchor east{.origin = kAnchor.origin, .x_axis_east_rad = 0.0};
+  v1::GeodeticPose message;
+  convert::ToProto(east, Pose3(), &message);
+  EXPECT_NEAR(message.heading_deg(), 90.0, 1e-6);
+  Pose3 south;
+  south.rotation = Eigen::AngleAxisd(-std::numbers::pi / 2.0, Eigen::Vector3d::UnitZ());
+  convert::ToProto(east, south, &message);
+  EXPECT_NEAR(message.heading_deg(), 180.0, 1e-6);
+  const GeodeticAnchor north{.origin = kAnchor.origin, .x_axis_east_rad = std::numbers::pi / 2.0};
+  convert::ToProto(north, Pose3(), &message);
+  EXPECT_NEAR(std::remainder(message.heading_deg(), 360.0), 0.0, 1e-6);
+  EXPECT_GE(message.heading_deg(), 0.0);
+  EXPECT_LT(message.heading_deg(), 360.0);
+}
+
+TEST(ConvertAnswerTest, CarriesStateQualityAndObservedDegreesOfFreedom) {
+  Localization localization;
+  localization.stamp = Stamp(std::chrono::nanoseconds(42));
+  localization.state = LocalizationState::kLost;
+  localization.observed[0] = localization.observed[1] = localization.observed[5] = true;
+  localization.quality.inlier_count = 17;
+  localization.quality.edge_valid = true;
+  localization.quality.beta = {.error_s = 0.03, .sigma_s = 0.007, .is_wrong = true};
+  v1::LocalizationResult message;
+  convert::ToProto(localization, &message);
+  EXPECT_EQ(message.stamp_ns(), 42);
+  EXPECT_EQ(message.state(), v1::LOCALIZATION_STATE_LOST);
+  EXPECT_EQ(message.observed_dof_mask(), 0b100011);
+  EXPECT_EQ(message.quality().inlier_count(), 17);
+  EXPECT_TRUE(message.quality().edge_valid());
+  EXPECT_EQ(message.quality().beta_error_s(), 0.03);
+  EXPECT_EQ(message.quality().beta_error_sigma_s(), 0.007);
+  EXPECT_TRUE(message.quality().beta_is_wrong());
+}
+
+// ---- Pages
+
+TEST(ConvertPageTest, SizesAndTokens) {
+  EXPECT_EQ(*convert::PageSizeFromProto(0), 100);
+  EXPECT_EQ(*convert::PageSizeFromProto(7), 7);
+  EXPECT_EQ(convert::PageSizeFromProto(-1).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(convert::PageSizeFromProto(1001).status().message()),
+              HasSubstr("page_size is 1001"));
+  EXPECT_EQ(*convert::NumberFromPageToken("", 9), 9);
+  EXPECT_EQ(*convert::NumberFromPageToken("12", 9), 12);
+  EXPECT_FALSE(convert::NumberFromPageToken("x", 9).ok());
+  EXPECT_FALSE(convert::NumberFromPageToken("-3", 9).ok());
+  EXPECT_FALSE(convert::CheckPageToken("a b").ok());
+}
+
+}  // namespace
+}  // namespace dcloc::server
