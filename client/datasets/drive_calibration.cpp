@@ -10,7 +10,7 @@ namespace dcloc {
 absl::Status AddDrive(const Drive& drive, Calibrator& calibrator,
                       const std::function<void(std::size_t)>& progress) {
   const std::string& frame = drive.place.empty() ? drive.name : drive.place;
-  EgoMotion ego_motion{LocalizerOptions{}};
+  EgoMotion ego_motion;
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {
     const auto& [scan, T_map_vehicle] = drive.scans[i];
     const EgoVelocity& velocity = ego_motion.Advance(scan, *drive.rig.Find(scan.radar_id));

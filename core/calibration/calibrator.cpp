@@ -142,7 +142,7 @@ absl::Status Validate(const CalibratorOptions& options) {
   }
   status.Update(CheckBound("far_range_m", options.far_range_m, 0.0, 1000.0));
   status.Update(CheckBound("iterations_per_sigma", options.iterations_per_sigma, 1, 100));
-  status.Update(CheckBound("reach_m", options.reach_m, 0.1, 10.0));
+  status.Update(CheckBound("max_pair_distance_m", options.max_pair_distance_m, 0.1, 10.0));
   status.Update(CheckBound("stand_distance_m", options.stand_distance_m, 0.0, 100.0));
   status.Update(CheckBound("block_m", options.block_m, 0.1, 1000.0));
   return status;
@@ -225,7 +225,8 @@ absl::StatusOr<Calibration> Calibrator::Estimate(const ProgressCallback& progres
   for (const auto& [name, frame] : frames_) {
     PairedFrame paired{
         .seen = {.views = frame.seen.views, .returns = Subsample(frame.seen.returns, share)}};
-    paired.pairs = FindPairs(paired.seen, options_.reach_m, options_.max_pairs_per_return);
+    paired.pairs =
+        FindPairs(paired.seen, options_.max_pair_distance_m, options_.max_pairs_per_return);
     calibration.return_count += paired.seen.returns.size();
     calibration.pair_count += paired.pairs.size();
     frames.push_back(std::move(paired));
@@ -234,7 +235,7 @@ absl::StatusOr<Calibration> Calibrator::Estimate(const ProgressCallback& progres
     return absl::FailedPreconditionError(absl::StrFormat(
         "of %d static returns no two lie within %g m of one another that were seen by different "
         "radars or from poses %g m apart",
-        total, options_.reach_m, options_.stand_distance_m));
+        total, options_.max_pair_distance_m, options_.stand_distance_m));
   }
 
   CalibrationVector without_range_scale = options_.prior_sigma;

@@ -40,7 +40,7 @@ struct CalibratorOptions {
   /// one another, then as it is.
   std::vector<double> scatterer_sigmas_m = {1.0, 0.6, 0.4, 0.3, 0.3};
   int iterations_per_sigma = 4;
-  double reach_m = 2.0;
+  double max_pair_distance_m = 2.0;
   std::size_t max_pairs_per_return = 24;
   std::size_t max_returns = 100'000;  ///< of more an even choice is taken
   double stand_distance_m = 3.0;  ///< returns seen from poses nearer than this share their errors

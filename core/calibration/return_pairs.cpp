@@ -22,12 +22,12 @@ bool SameStand(const ScanView& a, const ScanView& b) {
 
 }  // namespace
 
-std::vector<ReturnPair> FindPairs(const FrameReturns& frame, double reach_m,
+std::vector<ReturnPair> FindPairs(const FrameReturns& frame, double max_pair_distance_m,
                                   std::size_t max_per_return) {
   const std::vector<StaticReturn>& returns = frame.returns;
   absl::flat_hash_map<Cell, std::vector<std::uint32_t>> cells;
   for (std::uint32_t i = 0; i < returns.size(); ++i) {
-    cells[CellOf(returns[i].position_m, reach_m)].push_back(i);
+    cells[CellOf(returns[i].position_m, max_pair_distance_m)].push_back(i);
   }
   std::vector<ReturnPair> pairs;
   std::vector<std::uint32_t> near;
@@ -38,12 +38,12 @@ std::vector<ReturnPair> FindPairs(const FrameReturns& frame, double reach_m,
       if (j <= i) continue;  // each pair once
       if (SameStand(frame.views[returns[i].view], frame.views[returns[j].view])) continue;
       const double distance_m = (returns[j].position_m - returns[i].position_m).norm();
-      if (distance_m < reach_m) near.push_back(j);
+      if (distance_m < max_pair_distance_m) near.push_back(j);
     }
   };
   for (std::uint32_t i = 0; i < returns.size(); ++i) {
     near.clear();
-    const auto [x, y] = CellOf(returns[i].position_m, reach_m);
+    const auto [x, y] = CellOf(returns[i].position_m, max_pair_distance_m);
     for (const std::int64_t dx : {-1, 0, 1}) {
       for (const std::int64_t dy : {-1, 0, 1}) collect(i, {x + dx, y + dy});
     }

@@ -2,32 +2,15 @@
 
 #include <utility>
 
-#include "core/geometry/covariance.h"
 #include "core/localizer/pipeline.h"
 
 namespace dcloc {
-namespace {
-
-absl::Status Validate(const InitialPose& initial_pose) {
-  const Pose3& pose = initial_pose.T_map_vehicle;
-  if (!pose.translation_m.allFinite() || !(std::abs(pose.rotation.norm() - 1.0) < 1e-3)) {
-    return absl::InvalidArgumentError(
-        "initial_pose.T_map_vehicle must be finite with a rotation of norm 1");
-  }
-  if (!IsCovariance(initial_pose.covariance)) {
-    return absl::InvalidArgumentError(
-        "initial_pose.covariance must be finite, symmetric and positive semidefinite");
-  }
-  return absl::OkStatus();
-}
-
-}  // namespace
-
 absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map, Rig rig,
                                             const std::optional<InitialPose>& initial_pose,
                                             const LocalizerOptions& options) {
+  if (map == nullptr) return absl::InvalidArgumentError("map must not be null");
   absl::Status status = Validate(rig);
-  status.Update(dcloc::Validate(options));
+  status.Update(Validate(options));
   if (initial_pose) status.Update(Validate(*initial_pose));
   if (!status.ok()) return status;
   // All six degrees of freedom need a map and a rig that both measure in space.
@@ -44,8 +27,14 @@ Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 Localizer::~Localizer() = default;
 
+absl::StatusOr<Localization> Localizer::Localize(const Scan& scan, LocalizerWorkspace& workspace,
+                                                 StageListener* listener) {
+  return impl_->Localize(scan, workspace, listener);
+}
+
 absl::StatusOr<Localization> Localizer::Localize(const Scan& scan, StageListener* listener) {
-  return impl_->Localize(scan, listener);
+  if (!own_workspace_) own_workspace_ = std::make_unique<LocalizerWorkspace>();
+  return Localize(scan, *own_workspace_, listener);
 }
 
 bool Localizer::searching() const { return impl_->searching(); }

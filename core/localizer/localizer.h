@@ -8,29 +8,16 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/geometry/pose.h"
+#include "core/localizer/localization_state.h"
 #include "core/localizer/localizer_options.h"
+#include "core/localizer/workspace.h"
 #include "core/map/radar_map.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
+#include "core/relocalization/initial_pose.h"
+#include "core/uncertainty/beta_monitor.h"
 
 namespace dcloc {
-
-enum class LocalizationState {
-  kInitializing,   ///< no pose in the map has been confirmed yet
-  kTracking,       ///< the last scans agree with the map
-  kDeadReckoning,  ///< held by ego-motion from a pose that was confirmed within the last second
-  /// Nothing has confirmed the pose for about a second, or it is no longer known to two metres: it
-  /// goes on by ego-motion, and the covariance grows until the map confirms a pose anew. Where the
-  /// ground is too wide for that, it is searched.
-  kLost,
-};
-
-/// What registrations say of a radar's `beta_s`.
-struct BetaCheck {
-  double error_s = 0.0;   ///< to be added to it; in dense maps only a part of what is wrong
-  double sigma_s = 0.0;   ///< deviation of that
-  bool is_wrong = false;  ///< the error is more than chance and geometry explain
-};
 
 /// How good one answer is; matches are those of the newest registration, which need not be this
 /// scan's.
@@ -57,20 +44,13 @@ struct Localization {
   LocalizationQuality quality;
 };
 
-/// What is known of the pose before the first scan.
-struct InitialPose {
-  Pose3 T_map_vehicle;
-  /// In the tangent space on the right of `T_map_vehicle`.
-  Matrix6d covariance;
-};
-
 /// The stages of one scan, in order (the paper's Table V).
 enum class Stage { kCompensation, kSubmap, kRegistration, kPoseGraph };
 inline constexpr std::array<const char*, 4> kStageNames = {"compensation", "submap", "registration",
                                                            "posegraph"};
 
-/// Is told when a stage of a scan begins. core has no clock: who wants times reads one here. It
-/// must not localize in turn: the scan's working memory is the thread's.
+/// Is called when a stage of a scan begins. core has no clock: a caller that wants times reads one
+/// here.
 class StageListener {
  public:
   virtual ~StageListener() = default;
@@ -82,7 +62,7 @@ class StageListener {
 class Localizer {
  public:
   /// Without an `initial_pose` the whole map is searched. InvalidArgument names what is wrong with
-  /// the rig, the pose or the options.
+  /// the map (null), the rig, the pose or the options.
   static absl::StatusOr<Localizer> Create(std::shared_ptr<const RadarMap> map, Rig rig,
                                           const std::optional<InitialPose>& initial_pose,
                                           const LocalizerOptions& options = {});
@@ -92,7 +72,11 @@ class Localizer {
 
   /// Localizes one scan. InvalidArgument, leaving the state as it was, for an invalid scan, an
   /// unknown radar, or a stamp that is not after the same radar's last one or lies before the
-  /// newest scan.
+  /// newest scan. `workspace` is lent for the call.
+  absl::StatusOr<Localization> Localize(const Scan& scan, LocalizerWorkspace& workspace,
+                                        StageListener* listener = nullptr);
+
+  /// The same with a workspace of its own, which it keeps.
   absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener = nullptr);
 
   /// No pose is known, so the next scans search the whole map: that may take some tens of
@@ -104,6 +88,7 @@ class Localizer {
  private:
   explicit Localizer(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
+  std::unique_ptr<LocalizerWorkspace> own_workspace_;
 };
 
 }  // namespace dcloc

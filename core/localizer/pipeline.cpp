@@ -1,15 +1,12 @@
 #include "core/localizer/pipeline.h"
 
-#include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 
 #include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
-#include "core/localizer/planar_or_spatial.h"
-#include "core/localizer/workspace.h"
+#include "core/geometry/pose_estimate.h"
 #include "core/uncertainty/calibration_covariance.h"
 #include "core/uncertainty/registration_factor.h"
 
@@ -17,6 +14,7 @@ namespace dcloc {
 namespace {
 
 constexpr int kDofInSpace = 6;
+constexpr double kUnknownVariance = 1e8;  // of a pose that nothing is known of
 
 StaticPointsOptions PointOptions(const LocalizerOptions& options) {
   StaticPointsOptions points = options.static_points;
@@ -35,7 +33,10 @@ void Announce(StageListener* listener, Stage stage) {
   if (listener != nullptr) listener->OnStageBegin(stage);
 }
 
-double Nanoseconds(Stamp stamp) { return static_cast<double>(stamp.time_since_epoch().count()); }
+template <typename Matrix>
+double PositionSigma(const Matrix& covariance) {
+  return std::sqrt(covariance.template topLeftCorner<2, 2>().trace());
+}
 
 }  // namespace
 
@@ -45,84 +46,17 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
                         const LocalizerOptions& options)
     : rig_(std::move(rig)),
       options_(options),
-      ego_motion_(options),
-      window_(options.scans_per_submap),
-      matcher_(map, options),
-      global_localizer_(std::move(map), options),
-      graph_(GraphOptions(options)),
-      state_(options.state),
-      pose_prior_(options.match),
+      ego_motion_(options.ego_motion),
+      submap_(options.scans_per_submap),
+      schedule_(options.schedule, options.scans_per_submap * static_cast<int>(rig_.radars.size())),
+      matcher_(map, options.matcher),
+      global_localizer_(std::move(map), options.global, options.matcher.local_map_radius_m,
+                        options.matcher.gicp),
+      pose_prior_(options.prior),
+      hypotheses_(GraphOptions(options)),
+      tracking_(options.tracking),
       beta_monitor_(rig_) {
   if (initial_pose) Start(*initial_pose);
-}
-
-// One scan, top to bottom: the paper's Fig. 2.
-template <int Dim>
-absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan, StageListener* listener) {
-  if (absl::Status status = Validate(scan); !status.ok()) return status;
-  if (absl::Status status = CheckOrder(scan); !status.ok()) return status;
-  const RadarModel& radar = *rig_.Find(scan.radar_id);
-  last_stamp_ = last_stamp_of_radar_[scan.radar_id] = scan.stamp;
-
-  Announce(listener, Stage::kCompensation);
-  Workspace<Dim>& workspace = Workspace<Dim>::OfThisThread();
-  const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, radar, workspace.ego_velocity);
-  StaticPoints(scan, radar, ego_velocity, PointOptions(options_), workspace.static_points);
-
-  Announce(listener, Stage::kSubmap);
-  const Motion& motion = ego_motion_.since_previous();
-  noise_scales_.OnMotion(ToEstimate<Dim>(motion));
-  since_state_ = Compose(since_state_, motion);
-  pose_prior_.OnMotion(motion);
-  global_localizer_.OnMotion(motion);
-  PushScan(scan, radar, motion);
-  ++scans_since_registration_;
-
-  if (RegistrationIsDue(scan.stamp)) {
-    window_.Join(options_.uncertainty, static_cast<std::size_t>(options_.match.max_live_points),
-                 workspace.submap);
-    quality_ = {};
-
-    Announce(listener, Stage::kRegistration);
-    const std::optional<Registration<Dim>> registration =
-        Register(workspace.submap.points, scan.stamp);
-
-    Announce(listener, Stage::kPoseGraph);
-    if (registration) {
-      UpdateObservability(*registration, scan.stamp);
-      const EdgeTest test = UpdateGraph(*registration, ego_velocity, scan.stamp);
-      quality_.edge_distance = test.distance;
-      quality_.edge_valid = test.valid;
-    }
-    Learn(registration, ego_velocity, scan.stamp);
-    state_.OnRegistration(scan.stamp, !registration         ? RegistrationOutcome::kNone
-                                      : quality_.edge_valid ? RegistrationOutcome::kAccepted
-                                                            : RegistrationOutcome::kOutlier);
-    HandleLoss(scan.stamp);
-    last_registration_ = scan.stamp;
-    scans_since_registration_ = 0;
-  }
-  return Answer(scan);
-}
-
-template <int Dim>
-absl::Status Pipeline<Dim>::CheckOrder(const Scan& scan) const {
-  if (rig_.Find(scan.radar_id) == nullptr) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "radar_id '%s' is not one of the rig's %d radars", scan.radar_id, rig_.radars.size()));
-  }
-  const auto of_radar = last_stamp_of_radar_.find(scan.radar_id);
-  if (of_radar != last_stamp_of_radar_.end() && scan.stamp <= of_radar->second) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "stamp is %.0f ns; radar '%s' was at %.0f ns already, and its stamps must rise",
-        Nanoseconds(scan.stamp), scan.radar_id, Nanoseconds(of_radar->second)));
-  }
-  if (last_stamp_ && scan.stamp < *last_stamp_) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("stamp is %.0f ns; it must not lie before the newest scan's %.0f ns",
-                        Nanoseconds(scan.stamp), Nanoseconds(*last_stamp_)));
-  }
-  return absl::OkStatus();
 }
 
 template <int Dim>
@@ -131,122 +65,120 @@ void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
     pose_prior_.Set({.pose = initial_pose.T_map_vehicle, .covariance = initial_pose.covariance});
     return;
   }
-  matcher_.MoveTo(initial_pose.T_map_vehicle.translation_m);
-  graph_.Reset(FromSpace<Dim>(matcher_.T_map_local().Inverse() * initial_pose.T_map_vehicle,
-                              initial_pose.covariance));
+  RegistrationWorkspace<Dim> workspace;
+  matcher_.MoveTo(initial_pose.T_map_vehicle.translation_m, workspace);
+  hypotheses_.Reset(FromSpace<Dim>(matcher_.T_map_local().Inverse() * initial_pose.T_map_vehicle,
+                                   initial_pose.covariance));
+  tracking_.OnPrior();
+}
+
+// One scan, top to bottom: the paper's Fig. 2.
+template <int Dim>
+absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan,
+                                                     LocalizerWorkspace& lent_workspace,
+                                                     StageListener* listener) {
+  if (absl::Status status = Check(scan); !status.ok()) return status;
+  stamp_order_.Accept(scan);
+  const RadarModel& radar = *rig_.Find(scan.radar_id);
+  Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
+
+  Announce(listener, Stage::kCompensation);  // eq 6, 9-11
+  const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, radar, workspace.ego_velocity);
+  StaticPoints(scan, radar, ego_velocity, PointOptions(options_), workspace.static_points);
+
+  Announce(listener, Stage::kSubmap);  // eq 7-8
+  Move(ego_motion_.since_previous());
+  AddToSubmap(scan, radar, workspace.static_points, ego_motion_.since_previous());
+
+  const bool is_steady = tracking_.mode() == TrackingMode::kTracking && quality_.edge_valid;
+  if (schedule_.IsDue(is_steady)) {
+    submap_.Join(options_.uncertainty, static_cast<std::size_t>(options_.max_submap_points),
+                 workspace.submap);
+    quality_ = {};
+
+    Announce(listener, Stage::kRegistration);  // eq 12-14
+    Predict(scan.stamp, workspace.registration);
+    const std::optional<Registration<Dim>> registration = Register(scan.stamp, workspace);
+
+    Announce(listener, Stage::kPoseGraph);  // eq 15-19
+    if (registration) UpdateObservability(*registration, scan.stamp, workspace);
+    const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
+    const RegistrationOutcome outcome = UpdatePose(registration, ego_velocity, workspace);
+    if (!was_tracking) {
+      ego_motion_.OnJump();
+      noise_scales_.OnJump();
+    } else if (outcome == RegistrationOutcome::kAccepted) {
+      UpdateEstimators(*registration, ego_velocity, scan.stamp, workspace);
+    }
+    tracking_.OnRegistration(scan.stamp, outcome);
+    HandleLoss(scan.stamp);
+    schedule_.OnRegistration();
+  }
+  return Answer(scan);
 }
 
 template <int Dim>
-void Pipeline<Dim>::PushScan(const Scan& scan, const RadarModel& radar, const Motion& motion) {
-  // Scans from before a silence lie where odometry puts them, all by the same error: they would
-  // outvote the new ones.
-  constexpr double kMaxGapSigma_m = 0.5;
-  constexpr double kMaxGapSigma_rad = 0.05;
-  if (std::sqrt(motion.covariance.topLeftCorner<2, 2>().trace()) > kMaxGapSigma_m ||
-      std::sqrt(motion.covariance(5, 5)) > kMaxGapSigma_rad) {
-    window_.Clear();
+absl::Status Pipeline<Dim>::Check(const Scan& scan) const {
+  if (absl::Status status = Validate(scan); !status.ok()) return status;
+  if (rig_.Find(scan.radar_id) == nullptr) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "radar_id '%s' is not one of the rig's %d radars", scan.radar_id, rig_.radars.size()));
+  }
+  return stamp_order_.Check(scan);
+}
+
+template <int Dim>
+void Pipeline<Dim>::Move(const Motion& motion) {
+  noise_scales_.OnMotion(ToEstimate<Dim>(motion));
+  since_state_ = Compose(since_state_, motion);
+  pose_prior_.OnMotion(motion);
+  global_localizer_.OnMotion(motion);
+}
+
+template <int Dim>
+void Pipeline<Dim>::AddToSubmap(const Scan& scan, const RadarModel& radar,
+                                const std::vector<RadarPoint>& points, const Motion& motion) {
+  if (PositionSigma(motion.covariance) > options_.max_gap_sigma_m ||
+      std::sqrt(motion.covariance(5, 5)) > options_.max_gap_sigma_rad) {
+    submap_.Clear();
     noise_scales_.OnJump();
-    was_silent_ = true;
+    gap_since_state_ = true;
   }
-  if (window_.scan_count() == 0) window_begin_ = scan.stamp;
-  window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()),
-               Workspace<Dim>::OfThisThread().static_points, motion);
+  submap_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), points, motion);
+  schedule_.OnScan(scan.stamp, submap_.scan_count());
 }
 
+// A new state, where odometry puts it, and the local map around it.
 template <int Dim>
-bool Pipeline<Dim>::RegistrationIsDue(Stamp stamp) const {
-  // A few points are easily matched wrong, and then contradict the better ones that follow.
-  const auto full =
-      static_cast<double>(options_.scans_per_submap) * static_cast<double>(rig_.radars.size());
-  const bool mature = window_.scan_count() >= options_.state.start_share * full ||
-                      stamp - window_begin_ >= options_.state.start_span;
-  if (!mature) return false;
-  const bool is_steady = state_.state() == LocalizationState::kTracking && quality_.edge_valid;
-  if (is_steady && scans_since_registration_ < options_.tracking_scans) return false;
-  return !last_registration_ || stamp - *last_registration_ >= options_.registration_interval;
+void Pipeline<Dim>::Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace) {
+  if (!tracking_.has_pose()) return;
+  hypotheses_.AddState(OdometryEdge(), OdometryNoise());
+  since_state_ = {};
+  gap_since_state_ = false;
+  const PoseEstimate<3> predicted = ToSpace<Dim>(hypotheses_.Newest(), options_.unobserved);
+  tracking_.OnPrediction(stamp, PositionSigma(predicted.covariance));
+  EnterLocalFrame((matcher_.T_map_local() * predicted.pose).translation_m, workspace);
 }
 
-// A place that was found and does not hold, an estimate that is lost or contradicted, and a prior
-// that nothing has confirmed while it was a prediction are given up.
+// The local map follows the vehicle; what the pose graph knows is re-expressed in its new frame.
 template <int Dim>
-void Pipeline<Dim>::HandleLoss(Stamp stamp) {
-  if (state_.state() == LocalizationState::kTracking) {
-    pose_prior_.Forget();
-  }
-  if (graph_.empty()) return;
-  // Searches around a prediction reach ten metres: of wider ones they would miss the truth, and
-  // take another place for the only one.
-  constexpr double kMaxPredictionSigma_m = 4.5;
-  bool is_lost = state_.IsLostForGood(stamp);
-  if (is_lost || state_.IsUnconfirmedPrior() || state_.IsContradicted()) {
-    PoseEstimate<3> now = ToSpace<Dim>(Now(), options_);
-    if (state_.IsContradicted()) {
-      InflateCovariance(now.covariance);
-      is_lost = true;
-    }
-    is_lost =
-        is_lost || std::sqrt(now.covariance.topLeftCorner<2, 2>().trace()) > kMaxPredictionSigma_m;
-    if (is_lost) {
-      pose_prior_.Set({.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance});
-    }
-  }
-  if (is_lost || state_.GlobalStartFailed()) graph_.Clear();
-}
-
-// What a contradicted estimate says of itself, and what was learned of the odometry on its way, is
-// wrong.
-template <int Dim>
-void Pipeline<Dim>::InflateCovariance(Matrix6d& covariance) {
-  constexpr double kSigma_m = 4.0;
-  constexpr double kSigma_rad = 0.15;
-  covariance.topLeftCorner<2, 2>().diagonal().array() += kSigma_m * kSigma_m;
-  covariance(5, 5) += kSigma_rad * kSigma_rad;
-  ego_motion_.Forget();
-  noise_scales_ = {};
-}
-
-// The local map follows the vehicle; what the graph knows is re-expressed in its new frame.
-template <int Dim>
-void Pipeline<Dim>::EnterLocalFrame(const Eigen::Vector3d& p_map) {
+void Pipeline<Dim>::EnterLocalFrame(const Eigen::Vector3d& p_map,
+                                    RegistrationWorkspace<Dim>& workspace) {
   const Pose3 T_map_old = matcher_.T_map_local();
-  if (!matcher_.MoveTo(p_map)) return;
+  if (!matcher_.MoveTo(p_map, workspace)) return;
   const Pose3 T_new_old = matcher_.T_map_local().Inverse() * T_map_old;
-  graph_.ChangeFrame(FromSpace<Dim>(T_new_old, Matrix6d::Zero()).pose);
-}
-
-// While nothing is known that a registration could start from.
-template <int Dim>
-std::optional<Registration<Dim>> Pipeline<Dim>::Find(std::span<const GaussianPoint<Dim>> live,
-                                                     Stamp stamp) {
-  constexpr auto kMinSpan = std::chrono::milliseconds(400);
-  const bool sees_enough =
-      window_.span() >= kMinSpan &&
-      live.size() >= static_cast<std::size_t>(options_.match.global_min_inlier_count);
-  if (sees_enough && global_localizer_.WantsView(stamp)) {
-    global_localizer_.AddView(stamp, live, pose_prior_.Region());
-  }
-  const std::optional<Pose3> T_map_vehicle = global_localizer_.Continue();
-  if (!T_map_vehicle) return std::nullopt;
-  global_localizer_.Clear();
-  return matcher_.MatchFound(live, *T_map_vehicle);
+  hypotheses_.ChangeFrame(FromSpace<Dim>(T_new_old, Matrix6d::Zero()).pose);
 }
 
 template <int Dim>
-std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const GaussianPoint<Dim>> live,
-                                                         Stamp stamp) {
-  std::optional<Registration<Dim>> registration;
-  if (graph_.empty()) {
-    registration = Find(live, stamp);
-  } else {
-    graph_.AddState(OdometryEdge(), NoiseSinceState());
-    since_state_ = {};
-    was_silent_ = false;
-    const PoseEstimate<3> predicted = ToSpace<Dim>(graph_.Newest(), options_);
-    state_.OnAnswer(stamp, std::sqrt(predicted.covariance.topLeftCorner<2, 2>().trace()));
-    EnterLocalFrame((matcher_.T_map_local() * predicted.pose).translation_m);
-    registration = matcher_.Match(live, graph_.Newest(), observability_,
-                                  static_cast<std::uint64_t>(stamp.time_since_epoch().count()));
-  }
+std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<Dim>& workspace) {
+  const std::span<const GaussianPoint<Dim>> live = workspace.submap.points;
+  std::optional<Registration<Dim>> registration =
+      tracking_.has_pose()
+          ? matcher_.Match(live, hypotheses_.Newest(), observability_,
+                           static_cast<std::uint64_t>(stamp.time_since_epoch().count()),
+                           workspace.registration)
+          : LocalizeGlobally(live, stamp, workspace.registration);
   if (!registration) return std::nullopt;
   quality_.inlier_count = registration->inlier_count;
   quality_.overlap = registration->overlap;
@@ -254,122 +186,165 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(std::span<const Gaussia
   return registration;
 }
 
+template <int Dim>
+std::optional<Registration<Dim>> Pipeline<Dim>::LocalizeGlobally(
+    std::span<const GaussianPoint<Dim>> live, Stamp stamp, RegistrationWorkspace<Dim>& workspace) {
+  const bool sees_enough =
+      submap_.span() >= options_.global.min_view_span &&
+      live.size() >= static_cast<std::size_t>(options_.global.gate.min_inlier_count);
+  if (sees_enough && global_localizer_.WantsView(stamp)) {
+    global_localizer_.AddView(stamp, live, pose_prior_.Region());
+  }
+  const std::optional<Pose3> T_map_vehicle = global_localizer_.Continue(workspace);
+  if (!T_map_vehicle) return std::nullopt;
+  global_localizer_.Clear();
+  return matcher_.MatchFound(live, *T_map_vehicle, options_.global.gate, workspace);
+}
+
 // Streets change slowly: once for each sub-map is enough.
 template <int Dim>
-void Pipeline<Dim>::UpdateObservability(const Registration<Dim>& registration, Stamp stamp) {
-  if (observability_stamp_ && stamp - *observability_stamp_ <= window_.span()) return;
+void Pipeline<Dim>::UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
+                                        Workspace<Dim>& workspace) {
+  if (observability_stamp_ && stamp - *observability_stamp_ <= submap_.span()) return;
   observability_stamp_ = stamp;
-  observability_ = matcher_.Observed(Workspace<Dim>::OfThisThread().submap.points, registration);
+  observability_ = matcher_.Observed(workspace.submap.points, registration, workspace.registration);
 }
 
+// Where there is no pose, the registration starts a pose graph; else it is a factor of it.
 template <int Dim>
-EdgeTest Pipeline<Dim>::UpdateGraph(const Registration<Dim>& registration,
-                                    const EgoVelocity& ego_velocity, Stamp stamp) {
-  const std::chrono::nanoseconds span = window_.span();
-  registration_count_ = graph_.empty() ? 1 : registration_count_ + 1;
+RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<Dim>>& registration,
+                                              const EgoVelocity& ego_velocity,
+                                              Workspace<Dim>& workspace) {
+  if (!registration) return RegistrationOutcome::kNoMatch;
+  const std::chrono::nanoseconds span = submap_.span();
+  factor_count_ = tracking_.has_pose() ? factor_count_ + 1 : 1;
   TangentMatrix<Dim> degeneracy = TangentMatrix<Dim>::Zero();
   degeneracy.template topLeftCorner<2, 2>() = observability_.DegeneracyCovariance();
-  const AbsolutePoseFactor<Dim> edge = RegistrationFactor<Dim>(
-      registration, degeneracy,
-      noise_scales_.RegistrationCovariance(ResidualScaledCovariance<Dim>(registration)),
-      CalibrationCovariance<Dim>(Workspace<Dim>::OfThisThread().submap, rig_, ego_velocity),
-      {.interval = last_registration_ ? stamp - *last_registration_ : span,
+  const AbsolutePoseFactor<Dim> factor = RegistrationFactor<Dim>(
+      *registration, degeneracy,
+      noise_scales_.RegistrationCovariance(ResidualScaledCovariance<Dim>(*registration)),
+      CalibrationCovariance<Dim>(workspace.submap, rig_, ego_velocity),
+      {.interval = schedule_.SinceRegistration().value_or(span),
        .submap_span = span,
        .speed_mps = ego_velocity.linear_mps.norm(),
-       .count = registration_count_},
-      options_.match);
-  if (!graph_.empty()) return graph_.AddAbsolutePose(edge);
-  graph_.Reset({.pose = edge.pose, .covariance = edge.covariance}, edge.systematic);
-  since_state_ = {};
-  state_.StartFromGlobalSearch();
-  return {.valid = true};
+       .count = factor_count_},
+      options_.factor);
+  EdgeTest test{.valid = true};
+  if (tracking_.has_pose()) {
+    test = hypotheses_.AddAbsolutePose(factor);
+  } else {
+    hypotheses_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
+    since_state_ = {};
+    tracking_.OnPlaceFound();
+  }
+  quality_.edge_distance = test.distance;
+  quality_.edge_valid = test.valid;
+  return test.valid ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;
 }
 
-// What the believed poses tell of the vehicle's odometry.
+// What an accepted registration tells of beta, of the odometry and of the noise of both. It is one
+// of a vehicle that was tracking before it.
 template <int Dim>
-void Pipeline<Dim>::Learn(const std::optional<Registration<Dim>>& registration,
-                          const EgoVelocity& ego_velocity, Stamp stamp) {
-  if (state_.state() != LocalizationState::kTracking) {
-    ego_motion_.OnJump();
-    noise_scales_.OnJump();
-    return;
-  }
-  if (!registration || !quality_.edge_valid) return;
-  if (beta_monitor_.IsDue(stamp, window_.span())) {
-    beta_monitor_.OnRegistration(stamp, Workspace<Dim>::OfThisThread().submap,
-                                 matcher_.Matches(registration->T_local_vehicle),
-                                 registration->T_local_vehicle, ego_velocity);
+void Pipeline<Dim>::UpdateEstimators(const Registration<Dim>& registration,
+                                     const EgoVelocity& ego_velocity, Stamp stamp,
+                                     Workspace<Dim>& workspace) {
+  if (beta_monitor_.IsDue(stamp, submap_.span())) {
+    beta_monitor_.OnRegistration(
+        stamp, workspace.submap,
+        matcher_.Correspondences(registration.T_local_vehicle, workspace.registration),
+        registration.T_local_vehicle, ego_velocity);
   }
   // Registrations that share scans share their errors.
-  if (last_learned_ && stamp - *last_learned_ <= window_.span()) return;
-  last_learned_ = stamp;
-  const PoseEstimate<Dim> registered{.pose = registration->T_local_vehicle,
-                                     .covariance = noise_scales_.RegistrationCovariance(
-                                         ResidualScaledCovariance<Dim>(*registration))};
-  const PoseEstimate<3> in_space = ToSpace<Dim>(registered, options_);
+  if (estimators_stamp_ && stamp - *estimators_stamp_ <= submap_.span()) return;
+  estimators_stamp_ = stamp;
+  const TangentMatrix<Dim> own = ResidualScaledCovariance<Dim>(registration);
+  const PoseEstimate<3> in_space =
+      ToSpace<Dim>({.pose = registration.T_local_vehicle,
+                    .covariance = noise_scales_.RegistrationCovariance(own)},
+                   options_.unobserved);
   const Pose3& T_map_local = matcher_.T_map_local();
   ego_motion_.OnPose(T_map_local * in_space.pose, FlattenCovariance(in_space.covariance));
-  const Pose<Dim> T_map_registered =
-      FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registered.pose;
-  noise_scales_.OnRegistration(
-      {.pose = T_map_registered, .covariance = ResidualScaledCovariance<Dim>(*registration)});
+  const Pose<Dim> T_map_vehicle =
+      FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registration.T_local_vehicle;
+  noise_scales_.OnRegistration({.pose = T_map_vehicle, .covariance = own});
+}
+
+// A pose that is given up becomes a prior, but for a place that was refused.
+template <int Dim>
+void Pipeline<Dim>::HandleLoss(Stamp stamp) {
+  if (tracking_.mode() == TrackingMode::kTracking) pose_prior_.Forget();
+  if (!tracking_.has_pose()) return;
+  PoseEstimate<3> now = ToSpace<Dim>(Now(), options_.unobserved);
+  const Loss loss = tracking_.GiveUpIfLost(stamp, PositionSigma(now.covariance));
+  if (loss == Loss::kNone) return;
+  if (loss == Loss::kContradicted) {
+    InflateCovariance(now.covariance);
+    // What was learned on the way to a wrong pose is wrong.
+    ego_motion_.Forget();
+    noise_scales_ = {};
+  }
+  if (loss != Loss::kPlaceRefused) {
+    pose_prior_.Set({.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance});
+  }
+  hypotheses_.Clear();
+}
+
+template <int Dim>
+void Pipeline<Dim>::InflateCovariance(Matrix6d& covariance) const {
+  covariance.topLeftCorner<2, 2>().diagonal().array() +=
+      options_.contradicted_sigma_m * options_.contradicted_sigma_m;
+  covariance(5, 5) += options_.contradicted_sigma_rad * options_.contradicted_sigma_rad;
 }
 
 template <int Dim>
 PoseEstimate<Dim> Pipeline<Dim>::Now() const {
-  const PoseEstimate<Dim> newest = graph_.Newest();
+  const PoseEstimate<Dim> newest = hypotheses_.Newest();
   const PoseEstimate<Dim> motion = ToEstimate<Dim>(since_state_);
   return {.pose = newest.pose * motion.pose,
           .covariance = ComposeCovariance<Dim>(newest.covariance, motion.pose, motion.covariance)};
 }
 
-// What is told: the estimate weighs cautiously, but what it varies by is known.
 template <int Dim>
-TangentMatrix<Dim> Pipeline<Dim>::Uncertainty() const {
-  return ComposeCovariance<Dim>(graph_.NewestNoise(), ToEstimate<Dim>(since_state_).pose,
-                                NoiseSinceState());
+TangentMatrix<Dim> Pipeline<Dim>::NoiseNow() const {
+  return ComposeCovariance<Dim>(hypotheses_.NewestNoise(), ToEstimate<Dim>(since_state_).pose,
+                                OdometryNoise());
 }
 
-// What is learned of odometry says nothing of what happened in a silence.
+// What is learned of odometry says nothing of what happened in a gap.
 template <int Dim>
 PoseEstimate<Dim> Pipeline<Dim>::OdometryEdge() const {
   PoseEstimate<Dim> edge = ToEstimate<Dim>(since_state_);
-  if (!was_silent_) edge.covariance = noise_scales_.OdometryWeightCovariance(edge.covariance);
+  if (!gap_since_state_) edge.covariance = noise_scales_.OdometryWeightCovariance(edge.covariance);
   return edge;
 }
 
 template <int Dim>
-TangentMatrix<Dim> Pipeline<Dim>::NoiseSinceState() const {
+TangentMatrix<Dim> Pipeline<Dim>::OdometryNoise() const {
   const TangentMatrix<Dim> covariance = ToEstimate<Dim>(since_state_).covariance;
-  return was_silent_ ? covariance : noise_scales_.OdometryCovariance(covariance);
+  return gap_since_state_ ? covariance : noise_scales_.OdometryCovariance(covariance);
 }
 
 template <int Dim>
 Localization Pipeline<Dim>::Answer(const Scan& scan) {
   Localization answer{.stamp = scan.stamp, .quality = quality_};
-  answer.quality.live_point_count = static_cast<int>(window_.point_count());
+  answer.quality.live_point_count = static_cast<int>(submap_.point_count());
   answer.quality.beta =
       beta_monitor_.Check(static_cast<std::size_t>(rig_.Find(scan.radar_id) - rig_.radars.data()));
-  if (graph_.empty()) {
-    constexpr double kUnknown = 1e8;
-    answer.covariance = kUnknown * Matrix6d::Identity();
+  if (!tracking_.has_pose()) {
+    answer.covariance = kUnknownVariance * Matrix6d::Identity();
     if (pose_prior_.now()) {
       answer.T_map_vehicle = pose_prior_.now()->pose;
       answer.covariance = pose_prior_.now()->covariance;
     }
-    answer.state = state_.state();
+    answer.state = tracking_.Report(PositionSigma(answer.covariance));
     return answer;
   }
-  const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_);
+  const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_.unobserved);
+  tracking_.OnPrediction(scan.stamp, PositionSigma(now.covariance));
   answer.T_map_vehicle = matcher_.T_map_local() * now.pose;
-  answer.covariance = ToSpace<Dim>({.pose = {}, .covariance = Uncertainty()}, options_).covariance;
-  state_.OnAnswer(scan.stamp, std::sqrt(now.covariance.topLeftCorner<2, 2>().trace()));
-  answer.state = state_.state();
-  // However well all agrees across, who does not know where along a tunnel it is does not track.
-  const double sigma_m = std::sqrt(answer.covariance.topLeftCorner<2, 2>().trace());
-  if (answer.state == LocalizationState::kTracking && sigma_m > options_.state.tracking_sigma_m) {
-    answer.state = LocalizationState::kDeadReckoning;
-  }
+  answer.covariance =
+      ToSpace<Dim>({.pose = {}, .covariance = NoiseNow()}, options_.unobserved).covariance;
+  answer.state = tracking_.Report(PositionSigma(answer.covariance));
   for (int i = 0; i < kDofInSpace; ++i) {
     answer.observed[static_cast<std::size_t>(i)] =
         i < 2 ? observability_.Observed(i) : Dim == 3 || i == 5;

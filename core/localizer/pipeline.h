@@ -1,13 +1,14 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 
 #include "core/localizer/localizer.h"
-#include "core/localizer/tracking_state.h"
+#include "core/localizer/registration_schedule.h"
+#include "core/localizer/stamp_order.h"
+#include "core/localizer/tracking_state_machine.h"
+#include "core/localizer/workspace.h"
 #include "core/odometry/ego_motion.h"
 #include "core/posegraph/pose_hypotheses.h"
 #include "core/registration/map_matcher.h"
@@ -23,66 +24,75 @@ namespace dcloc {
 class Localizer::Impl {
  public:
   virtual ~Impl() = default;
-  virtual absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) = 0;
+  virtual absl::StatusOr<Localization> Localize(const Scan& scan, LocalizerWorkspace& workspace,
+                                                StageListener* listener) = 0;
   virtual bool searching() const = 0;
 };
 
 /// One vehicle's pipeline with poses in the plane of the map's keyframes (Dim = 2) or in space
-/// (Dim = 3).
+/// (Dim = 3). `tracking_` says whether there is a pose; the pose graph has states exactly then.
 template <int Dim>
 class Pipeline final : public Localizer::Impl {
  public:
+  /// All arguments are valid.
   Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
            const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options);
 
-  absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) override;
-  bool searching() const override { return graph_.empty(); }
+  absl::StatusOr<Localization> Localize(const Scan& scan, LocalizerWorkspace& workspace,
+                                        StageListener* listener) override;
+  bool searching() const override { return !tracking_.has_pose(); }
 
  private:
-  absl::Status CheckOrder(const Scan& scan) const;
   void Start(const InitialPose& initial_pose);
-  void PushScan(const Scan& scan, const RadarModel& radar, const Motion& motion);
-  bool RegistrationIsDue(Stamp stamp) const;
-  void EnterLocalFrame(const Eigen::Vector3d& p_map);
+
+  // The stages of a scan.
+  absl::Status Check(const Scan& scan) const;
+  void Move(const Motion& motion);
+  void AddToSubmap(const Scan& scan, const RadarModel& radar, const std::vector<RadarPoint>& points,
+                   const Motion& motion);
+  void Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace);
+  std::optional<Registration<Dim>> Register(Stamp stamp, Workspace<Dim>& workspace);
+  void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
+                           Workspace<Dim>& workspace);
+  RegistrationOutcome UpdatePose(const std::optional<Registration<Dim>>& registration,
+                                 const EgoVelocity& ego_velocity, Workspace<Dim>& workspace);
+  void UpdateEstimators(const Registration<Dim>& registration, const EgoVelocity& ego_velocity,
+                        Stamp stamp, Workspace<Dim>& workspace);
   void HandleLoss(Stamp stamp);
-  void InflateCovariance(Matrix6d& covariance);
-  std::optional<Registration<Dim>> Find(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
-  std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live, Stamp stamp);
-  void Learn(const std::optional<Registration<Dim>>& registration, const EgoVelocity& ego_velocity,
-             Stamp stamp);
-  void UpdateObservability(const Registration<Dim>& registration, Stamp stamp);
-  EdgeTest UpdateGraph(const Registration<Dim>& registration, const EgoVelocity& ego_velocity,
-                       Stamp stamp);
-  PoseEstimate<Dim> Now() const;
-  TangentMatrix<Dim> Uncertainty() const;
-  PoseEstimate<Dim> OdometryEdge() const;
-  TangentMatrix<Dim> NoiseSinceState() const;
   Localization Answer(const Scan& scan);
+
+  std::optional<Registration<Dim>> LocalizeGlobally(std::span<const GaussianPoint<Dim>> live,
+                                                    Stamp stamp,
+                                                    RegistrationWorkspace<Dim>& workspace);
+  void EnterLocalFrame(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace);
+  void InflateCovariance(Matrix6d& covariance) const;
+
+  // The newest state carried to the newest scan: with what it weighs, and with what it varies by.
+  PoseEstimate<Dim> Now() const;
+  TangentMatrix<Dim> NoiseNow() const;
+  PoseEstimate<Dim> OdometryEdge() const;
+  TangentMatrix<Dim> OdometryNoise() const;
 
   Rig rig_;
   LocalizerOptions options_;
+  StampOrder stamp_order_;
   EgoMotion ego_motion_;
-  SubmapWindow window_;
+  SubmapWindow submap_;
+  RegistrationSchedule schedule_;
   MapMatcher<Dim> matcher_;
-  GlobalLocalizer<Dim>
-      global_localizer_;  // while nothing is known that registrations can start from
-  PoseHypotheses<Dim> graph_;
-  TrackingState state_;
-  PosePrior pose_prior_;  // while it is looked for
+  GlobalLocalizer<Dim> global_localizer_;  // while there is no pose
+  PosePrior pose_prior_;                   // likewise
+  PoseHypotheses<Dim> hypotheses_;         // of the pose
+  TrackingStateMachine tracking_;
   NoiseScaleEstimator<Dim> noise_scales_;
   BetaMonitor<Dim> beta_monitor_;
   Observability observability_;
   std::optional<Stamp> observability_stamp_;
-  Motion since_state_;       // from the graph's newest state to the newest scan
-  bool was_silent_ = false;  // since then
-  std::optional<Stamp> last_stamp_;
-  Stamp window_begin_{};  // of the first scan since the window was empty
-  std::optional<Stamp> last_registration_;
-  int scans_since_registration_ = 0;
-  std::optional<Stamp> last_learned_;  // of registrations without a common scan
-  std::map<std::string, Stamp> last_stamp_of_radar_;
-  int registration_count_ = 0;  // believed, since the graph was started
-  LocalizationQuality quality_;
+  Motion since_state_;                     // from the newest state to the newest scan
+  bool gap_since_state_ = false;           // the sub-map ended meanwhile
+  std::optional<Stamp> estimators_stamp_;  // of the last registration that they learned from
+  int factor_count_ = 0;                   // registrations since the pose graph was started
+  LocalizationQuality quality_;            // of the newest registration
 };
 
 }  // namespace dcloc

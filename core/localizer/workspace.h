@@ -2,30 +2,36 @@
 
 #include <vector>
 
-#include "core/map/local_map.h"
 #include "core/odometry/doppler_ego_velocity.h"
 #include "core/radar/static_points.h"
-#include "core/registration/correspondences.h"
+#include "core/registration/registration_workspace.h"
 #include "core/submap/submap.h"
 
 namespace dcloc {
 
-/// What a scan needs only while it is localized. The next one, of whatever vehicle, needs the same
-/// again: it belongs to the thread, so that a thousand vehicles on two threads hold two of them and
-/// a steady tracker allocates nothing. No answer depends on what is left in it.
+/// The memory of each stage of a scan in the plane or in space.
 template <int Dim>
 struct Workspace {
   EgoVelocityMemory ego_velocity;
-  std::vector<RadarPoint> static_points;  // of the scan
+  std::vector<RadarPoint> static_points;
   LiveSubmap<Dim> submap;
-  CorrespondenceFinder<Dim> finder;               // of the last registration
-  std::vector<GaussianPoint<Dim>> chosen_points;  // those that are shifted
-  CorrespondenceFinder<Dim> chosen_finder;
-  typename LocalMap<Dim>::Memory local_map;
+  RegistrationWorkspace<Dim> registration;
+};
 
-  static Workspace& OfThisThread() {
-    thread_local Workspace workspace;
-    return workspace;
+/// Memory that a scan needs only while it is localized. It is lent for one call, to one vehicle at
+/// a time: a thousand vehicles on two threads need two of them, and a steady tracker allocates
+/// nothing. No answer depends on what is left in it.
+struct LocalizerWorkspace {
+  Workspace<2> planar;
+  Workspace<3> spatial;
+
+  template <int Dim>
+  Workspace<Dim>& Of() {
+    if constexpr (Dim == 2) {
+      return planar;
+    } else {
+      return spatial;
+    }
   }
 };
 

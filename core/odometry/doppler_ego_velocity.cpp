@@ -149,6 +149,29 @@ Matrix3d FloorVariances(const EgoVelocityOptions& options) {
 
 }  // namespace
 
+std::span<const OptionField<EgoVelocityOptions>> FieldsOf(const EgoVelocityOptions& /*options*/) {
+  using O = EgoVelocityOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"ransac_iterations", &O::ransac_iterations, 1, 10'000},
+      {"inlier_gate_mps", &O::inlier_gate_mps, 1e-6, 100},
+      {"min_inlier_count", &O::min_inlier_count, 3, 1000},
+      {"min_inlier_share", &O::min_inlier_share, 0, 1, "the count alone decides"},
+      {"side_slip_sigma_mps", &O::side_slip_sigma_mps, 1e-6, 100},
+      {"zero_share", &O::zero_share, 0, 1, "a single target is enough to stand still"},
+      {"zero_gate_mps", &O::zero_gate_mps, 0, 10, "only exact zeros stand still"},
+      {"max_condition", &O::max_condition, 1, 1e12},
+      {"linear_sigma_floor_mps", &O::linear_sigma_floor_mps, 0, 100,
+       "the estimate is as certain as its targets say"},
+      {"yaw_rate_sigma_floor_radps", &O::yaw_rate_sigma_floor_radps, 0, 10,
+       "the estimate is as certain as its targets say"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const EgoVelocityOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
                                                       std::uint64_t seed,
                                                       const EgoVelocityOptions& options) {

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "absl/status/status.h"
+#include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 
@@ -34,6 +36,8 @@ struct EgoVelocityOptions {
   double linear_sigma_floor_mps = 0.5;
   double yaw_rate_sigma_floor_radps = 0.03;
 };
+std::span<const OptionField<EgoVelocityOptions>> FieldsOf(const EgoVelocityOptions& options);
+absl::Status Validate(const EgoVelocityOptions& options);
 
 /// What the Doppler measurements of one moment say about the vehicle's motion.
 struct DopplerEgoVelocity {

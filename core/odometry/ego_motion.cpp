@@ -21,11 +21,18 @@ constexpr double kMaxDisagreement = 13.8;  // chi-square, 2 degrees of freedom, 
 
 }  // namespace
 
+absl::Status Validate(const EgoMotionOptions& options) {
+  absl::Status status = Within("doppler", Validate(options.doppler));
+  status.Update(Within("motion", Validate(options.motion)));
+  status.Update(Within("error_filter", Validate(options.error_filter)));
+  return status;
+}
+
 const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar,
                                       EgoVelocityMemory& memory) {
   const auto seed = static_cast<std::uint64_t>(scan.stamp.time_since_epoch().count());
   const std::optional<DopplerEgoVelocity> doppler =
-      EstimateEgoVelocity(Remember(scan, radar), seed, options_.ego_velocity, memory);
+      EstimateEgoVelocity(Remember(scan, radar), seed, options_.doppler, memory);
   const std::chrono::nanoseconds age =
       velocity_ ? scan.stamp - stamp_ : std::chrono::nanoseconds(0);
 
@@ -41,7 +48,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar,
   } else {
     now = Held(age);
   }
-  since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.odometry) : Motion{};
+  since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
   errors_.OnMotion(since_previous_.T_from_to, age);
   velocity_ = now;
   stamp_ = scan.stamp;
@@ -52,7 +59,7 @@ EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
   EgoVelocity corrected = reported;
   corrected.linear_mps *= errors_.scale();
   corrected.angular_radps.z() += errors_.yaw_rate_bias_radps();
-  return WithCovariance(corrected, errors_.scale_sigma(), options_.odometry);
+  return WithCovariance(corrected, errors_.scale_sigma(), options_.motion);
 }
 
 // The newest scan of each radar, as far as they are of one moment.
@@ -80,8 +87,8 @@ EgoVelocity EgoMotion::Held(std::chrono::nanoseconds age) const {
     return held;
   }
   const double age_s = std::chrono::duration<double>(age).count();
-  (*held.covariance)(0, 0) += std::pow(options_.odometry.acceleration_sigma_mps2 * age_s, 2);
-  (*held.covariance)(5, 5) += std::pow(options_.odometry.yaw_acceleration_sigma_radps2 * age_s, 2);
+  (*held.covariance)(0, 0) += std::pow(options_.motion.acceleration_sigma_mps2 * age_s, 2);
+  (*held.covariance)(5, 5) += std::pow(options_.motion.yaw_acceleration_sigma_radps2 * age_s, 2);
   return held;
 }
 

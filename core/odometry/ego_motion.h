@@ -6,22 +6,30 @@
 #include <string>
 #include <vector>
 
-#include "core/localizer/localizer_options.h"
+#include "absl/status/status.h"
 #include "core/odometry/doppler_ego_velocity.h"
 #include "core/odometry/motion.h"
 #include "core/odometry/odometry_error_filter.h"
+#include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 
 namespace dcloc {
+
+struct EgoMotionOptions {
+  EgoVelocityOptions doppler;
+  MotionOptions motion;
+  OdometryErrorFilterOptions error_filter;
+};
+absl::Status Validate(const EgoMotionOptions& options);
 
 /// One vehicle's ego-velocity over time: what the vehicle sends fused with what its radars' Doppler
 /// says, or either alone; the last one, ever less certain, where neither is there. What is
 /// constantly wrong with what the vehicle sends is learned from its poses (OdometryErrorFilter).
 class EgoMotion {
  public:
-  explicit EgoMotion(const LocalizerOptions& options)
-      : options_(options), errors_(options.odometry_error_filter) {}
+  explicit EgoMotion(const EgoMotionOptions& options = {})
+      : options_(options), errors_(options.error_filter) {}
 
   /// Takes in the next scan, whose stamp is not before the last one's, and gives the velocity at
   /// it; the covariance is set. `radar` outlives this object, `memory` is lent for the call.
@@ -40,7 +48,7 @@ class EgoMotion {
   }
   void OnJump() { errors_.OnJump(); }
   /// Poses that were given have been wrong.
-  void Forget() { errors_ = OdometryErrorFilter(options_.odometry_error_filter); }
+  void Forget() { errors_ = OdometryErrorFilter(options_.error_filter); }
 
   /// From the scan before the last one to the last one; identity at the first.
   const Motion& since_previous() const { return since_previous_; }
@@ -56,7 +64,7 @@ class EgoMotion {
 
   EgoVelocity Corrected(const EgoVelocity& reported) const;
 
-  LocalizerOptions options_;
+  EgoMotionOptions options_;
   OdometryErrorFilter errors_;
   std::optional<EgoVelocity> velocity_;
   Stamp stamp_{};

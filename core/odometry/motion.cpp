@@ -14,7 +14,7 @@ double Seconds(std::chrono::nanoseconds duration) {
 // The velocity may have risen above the line from the one end to the other and come back: a
 // triangle of a / 2 half-way is an eighth of a dt^2 of way. A turn that went so has led aside by
 // half of it, give or take, as it came early or late.
-Matrix6d BetweenTheEnds(double way_m, double duration_s, const OdometryOptions& options) {
+Matrix6d BetweenTheEnds(double way_m, double duration_s, const MotionOptions& options) {
   const double eighth_s2 = duration_s * duration_s / 8.0;
   const double ahead_m = options.acceleration_sigma_mps2 * eighth_s2;
   Vector6d turn = Vector6d::Zero();
@@ -29,8 +29,28 @@ Matrix6d BetweenTheEnds(double way_m, double duration_s, const OdometryOptions& 
 
 }  // namespace
 
+std::span<const OptionField<MotionOptions>> FieldsOf(const MotionOptions& /*options*/) {
+  using O = MotionOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"correlation_time_ms", &O::correlation_time, 1, 1e6},
+      {"linear_sigma_mps", &O::linear_sigma_mps, 1e-6, 100},
+      {"vertical_sigma_mps", &O::vertical_sigma_mps, 1e-6, 100},
+      {"yaw_rate_sigma_radps", &O::yaw_rate_sigma_radps, 1e-6, 10},
+      {"tilt_rate_sigma_radps", &O::tilt_rate_sigma_radps, 1e-6, 10},
+      {"acceleration_sigma_mps2", &O::acceleration_sigma_mps2, 0, 100,
+       "the velocity is constant between two scans"},
+      {"yaw_acceleration_sigma_radps2", &O::yaw_acceleration_sigma_radps2, 0, 100,
+       "the yaw rate is constant between two scans"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const MotionOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, double scale_sigma,
-                           const OdometryOptions& options) {
+                           const MotionOptions& options) {
   if (ego_velocity.covariance) return ego_velocity;
   const double linear_sigma_mps =
       options.linear_sigma_mps + scale_sigma * ego_velocity.linear_mps.norm();
@@ -43,7 +63,7 @@ EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, double scale_sigma,
 }
 
 Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,
-                 std::chrono::nanoseconds duration, const OdometryOptions& options) {
+                 std::chrono::nanoseconds duration, const MotionOptions& options) {
   const double duration_s = Seconds(duration);
   Vector6d twist;
   twist << 0.5 * (begin.linear_mps + end.linear_mps),

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <chrono>
+#include <span>
 
-#include "core/geometry/pose.h"
+#include "absl/status/status.h"
+#include "core/geometry/pose_estimate.h"
+#include "core/options/option_fields.h"
 #include "core/radar/scan.h"
 
 namespace dcloc {
@@ -13,7 +16,8 @@ struct Motion {
   Matrix6d covariance = Matrix6d::Zero();  ///< in the tangent space on the right
 };
 
-struct OdometryOptions {
+/// How the error of an integrated ego-velocity grows.
+struct MotionOptions {
   /// How long the error of an ego-velocity keeps its value. A scale factor stays for minutes, noise
   /// for one sample; the spread of the integrated pose grows as if by steps of this length.
   std::chrono::nanoseconds correlation_time = std::chrono::seconds(2);
@@ -27,19 +31,27 @@ struct OdometryOptions {
   double acceleration_sigma_mps2 = 3.0;
   double yaw_acceleration_sigma_radps2 = 0.5;
 };
+std::span<const OptionField<MotionOptions>> FieldsOf(const MotionOptions& options);
+absl::Status Validate(const MotionOptions& options);
 
 /// `ego_velocity` with a covariance: its own or, where it has none, the options' and on top a share
 /// `scale_sigma` of the speed.
 EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, double scale_sigma,
-                           const OdometryOptions& options);
+                           const MotionOptions& options);
 
 /// Motion over `duration` from the velocities at its two ends: Exp of their mean, which is second
 /// order where the printed Exp(omega_i dt) of METHOD eq 8 is first. Both have a covariance. Its own
 /// spread holds what the velocity may have done between the two, which grows as `duration`^2.
 Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,
-                 std::chrono::nanoseconds duration, const OdometryOptions& options);
+                 std::chrono::nanoseconds duration, const MotionOptions& options);
 
 /// The motion `first`, then `second`, whose errors are independent.
 Motion Compose(const Motion& first, const Motion& second);
+
+/// A motion in the dimension of a pipeline.
+template <int Dim>
+PoseEstimate<Dim> ToEstimate(const Motion& motion) {
+  return FromSpace<Dim>(motion.T_from_to, motion.covariance);
+}
 
 }  // namespace dcloc

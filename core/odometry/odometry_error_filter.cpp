@@ -25,6 +25,26 @@ double Square(double value) { return value * value; }
 
 }  // namespace
 
+std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
+    const OdometryErrorFilterOptions& /*options*/) {
+  using O = OdometryErrorFilterOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"scale_sigma", &O::scale_sigma, 0, 0.5, "the scale is known to be 1"},
+      {"yaw_rate_bias_sigma_radps", &O::yaw_rate_bias_sigma_radps, 0, 1,
+       "the bias is known to be 0"},
+      {"course_sigma_rad", &O::course_sigma_rad, 0, 1, "the course is known to be 0"},
+      {"time_offset_sigma_s", &O::time_offset_sigma_s, 0, 10, "the clocks agree"},
+      {"min_scale_sigma", &O::min_scale_sigma, 0, 0.5, "a learned scale may be exact"},
+      {"pose_sigma_m", &O::pose_sigma_m, 1e-6, 100},
+      {"pose_sigma_rad", &O::pose_sigma_rad, 1e-6, 1},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const OdometryErrorFilterOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 OdometryErrorFilter::OdometryErrorFilter(const OdometryErrorFilterOptions& options)
     : options_(options) {
   covariance_.diagonal() << 0.0, 0.0, 0.0, Square(options.scale_sigma),

@@ -3,8 +3,11 @@
 #include <Eigen/Core>
 #include <chrono>
 #include <optional>
+#include <span>
 
+#include "absl/status/status.h"
 #include "core/geometry/pose.h"
+#include "core/options/option_fields.h"
 
 namespace dcloc {
 
@@ -20,6 +23,9 @@ struct OdometryErrorFilterOptions {
   double pose_sigma_m = 0.1;
   double pose_sigma_rad = 0.004;
 };
+std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
+    const OdometryErrorFilterOptions& options);
+absl::Status Validate(const OdometryErrorFilterOptions& options);
 
 /// Learns what is constantly wrong with the motion that the vehicle reports: by which factor its
 /// speed is too low, and by how much its yaw rate. A Kalman filter over the vehicle's planar pose

@@ -36,6 +36,21 @@ PoseEstimate<Dim> Update(const PoseEstimate<Dim>& first, const PoseEstimate<Dim>
 
 }  // namespace
 
+std::span<const OptionField<PoseGraphOptions>> FieldsOf(const PoseGraphOptions& /*options*/) {
+  using O = PoseGraphOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"window", &O::window, 1, 1000},
+      {"max_distance_planar", &O::max_distance_planar, 1e-6, 1e6},
+      {"max_distance_spatial", &O::max_distance_spatial, 1e-6, 1e6},
+      {"takeover_support", &O::takeover_support, 2, 1'000'000},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const PoseGraphOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 template <int Dim>
 void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior, const TangentMatrix<Dim>& systematic) {
   chain_.prior = prior;

@@ -2,7 +2,10 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 
+#include "absl/status/status.h"
+#include "core/options/option_fields.h"
 #include "core/posegraph/chain_solver.h"
 #include "core/posegraph/state_chain.h"
 
@@ -33,6 +36,8 @@ struct PoseGraphOptions {
   /// Cut edges in a row that agree among themselves and so replace the believed chain, >= 2.
   int takeover_support = 25;
 };
+std::span<const OptionField<PoseGraphOptions>> FieldsOf(const PoseGraphOptions& options);
+absl::Status Validate(const PoseGraphOptions& options);
 
 /// What the test of a loop edge gave (METHOD eq 19, on the fused state).
 struct EdgeTest {

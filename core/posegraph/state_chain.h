@@ -3,16 +3,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/geometry/pose.h"
+#include "core/geometry/pose_estimate.h"
 
 namespace dcloc {
-
-/// A pose with its covariance in the tangent space on its right.
-template <int Dim>
-struct PoseEstimate {
-  Pose<Dim> pose;
-  TangentMatrix<Dim> covariance = TangentMatrix<Dim>::Zero();
-};
 
 /// States of one vehicle in a map frame, each tied to the one before (METHOD eq 15-17). What is
 /// sought are the poses with the least sum of squared whitened residuals (see EdgeResidual).

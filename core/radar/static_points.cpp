@@ -45,6 +45,27 @@ Pose3 MountAtStamp(const RadarModel& radar, const EgoVelocity& ego_velocity) {
 
 }  // namespace
 
+std::span<const OptionField<StaticPointsOptions>> FieldsOf(const StaticPointsOptions& /*options*/) {
+  using O = StaticPointsOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"min_range_m", &O::min_range_m, 0, 1000, "targets on the vehicle itself are used"},
+      {"max_range_m", &O::max_range_m, 0, 1000, "only targets at no range are used"},
+      {"static_gate_mps", &O::static_gate_mps, 0, 100, "the gate is the prediction's spread alone"},
+      {"static_gate_sigmas", &O::static_gate_sigmas, 0, 100, "the gate is static_gate_mps alone"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const StaticPointsOptions& options) {
+  absl::Status status = ValidateFields(options, FieldsOf(options));
+  if (status.ok() && options.max_range_m < options.min_range_m) {
+    status = absl::InvalidArgumentError(
+        absl::StrFormat("max_range_m is %g; it must not lie below min_range_m, %g",
+                        options.max_range_m, options.min_range_m));
+  }
+  return status;
+}
+
 std::vector<RadarPoint> StaticPoints(const Scan& scan, const RadarModel& radar,
                                      const EgoVelocity& ego_velocity,
                                      const StaticPointsOptions& options) {

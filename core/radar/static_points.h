@@ -1,8 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
+#include "absl/status/status.h"
+#include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 
@@ -31,6 +34,8 @@ struct StaticPointsOptions {
   double static_gate_mps = 0.3;
   double static_gate_sigmas = 3.0;
 };
+std::span<const OptionField<StaticPointsOptions>> FieldsOf(const StaticPointsOptions& options);
+absl::Status Validate(const StaticPointsOptions& options);
 
 /// The static targets of `scan`, compensated, in the **vehicle frame** at its stamp, with
 /// covariances. Aliased range rates are unfolded to the one that the ego-motion predicts (METHOD

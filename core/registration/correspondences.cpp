@@ -84,7 +84,7 @@ std::span<const Correspondence<Dim>> CorrespondenceFinder<Dim>::Find(
   }
   const Matrix<Dim> R = T_local_vehicle.Rotation();
   const double gate = Squared(gates_.gate_sigmas);
-  const double reach_m2 = Squared(gates_.reach_m);
+  const double max_distance_m2 = Squared(gates_.max_distance_m);
   matches_.clear();
   matches_.reserve(live_.size());
   std::uint32_t begin = 0;
@@ -97,7 +97,7 @@ std::span<const Correspondence<Dim>> CorrespondenceFinder<Dim>::Find(
       const Vector<Dim> e = candidate.q - p;
       const double distance = e.dot(candidate.information * e);
       const double cost = distance + candidate.log_determinant;
-      if (distance > gate || e.squaredNorm() > reach_m2 || !(cost < best_cost)) continue;
+      if (distance > gate || e.squaredNorm() > max_distance_m2 || !(cost < best_cost)) continue;
       best_cost = cost;
       best = &candidate;
     }
@@ -128,7 +128,7 @@ void CorrespondenceFinder<Dim>::LookUp(const Pose<Dim>& T_local_vehicle, double 
             .template cast<float>();
     const auto moved_m = static_cast<float>(near_m);
     map_->ForEachRunNear(
-        p.x(), p.y(), gates_.reach_m + near_m, [&](std::size_t begin, std::size_t end) {
+        p.x(), p.y(), gates_.max_distance_m + near_m, [&](std::size_t begin, std::size_t end) {
           if (landmarks_.size() < count + end - begin) landmarks_.resize(2 * (count + end - begin));
           for (std::size_t index = begin; index < end; ++index) {
             const PackedPoint<Dim>& landmark = map_->points()[index];
@@ -176,7 +176,7 @@ void CorrespondenceFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>
                                          const Vector<Dim>& slant_per_m,
                                          std::span<const std::uint32_t> landmarks, double near_m) {
   const double gate = Squared(gates_.gate_sigmas);
-  const double max_reach_m2 = Squared(gates_.reach_m + near_m);
+  const double outer_distance_m2 = Squared(gates_.max_distance_m + near_m);
   if (weighed_.size() < landmarks.size()) weighed_.resize(2 * landmarks.size());
   std::size_t count = 0;
   for (const std::uint32_t index : landmarks) {
@@ -199,7 +199,7 @@ void CorrespondenceFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>
     // (a + b)^2 <= 1.2 a^2 + 6 b^2, without a root. Written so that what is not a number fails, and
     // without branches as above.
     const bool is_near = (determinant > 0.0) & (distance <= 1.2 * gate + 6.0 * near_distance) &
-                         (e.squaredNorm() <= max_reach_m2);
+                         (e.squaredNorm() <= outer_distance_m2);
     count += is_near ? 1 : 0;
   }
   if (count > 1) {
@@ -216,7 +216,7 @@ template <int Dim>
 void CorrespondenceFinder<Dim>::KeepUnbeaten(const Vector<Dim>& p, double near_m,
                                              std::span<Weighed> weighed) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const double inner_reach_m2 = Squared(std::max(0.0, gates_.reach_m - near_m));
+  const double inner_distance_m2 = Squared(std::max(0.0, gates_.max_distance_m - near_m));
   double least_max_cost = kInfinity;
   for (Weighed& one : weighed) {
     const double log_determinant = LogFromBelow(one.determinant);
@@ -225,7 +225,7 @@ void CorrespondenceFinder<Dim>::KeepUnbeaten(const Vector<Dim>& p, double near_m
     one.min_cost = Squared(std::max(0.0, sigmas - near_sigmas)) + log_determinant;
     // Only who passes the gates everywhere excludes others.
     const bool passes = (sigmas + near_sigmas <= gates_.gate_sigmas) &
-                        ((one.q - p).squaredNorm() <= inner_reach_m2);
+                        ((one.q - p).squaredNorm() <= inner_distance_m2);
     const double max_cost = Squared(sigmas + near_sigmas) + log_determinant + kLogSlack;
     least_max_cost = std::min(least_max_cost, passes ? max_cost : kInfinity);
   }

@@ -22,8 +22,8 @@ struct Correspondence {
 
 /// Which landmarks may be a live point's match.
 struct CorrespondenceGates {
-  double reach_m = 2.5;      ///< none further away
-  double gate_sigmas = 3.5;  ///< nor further in units of the joint deviation
+  double max_distance_m = 2.5;  ///< none further away
+  double gate_sigmas = 3.5;     ///< nor further in units of the joint deviation
 };
 
 /// Finds the landmark of highest likelihood for each live point, again and again as the pose moves.

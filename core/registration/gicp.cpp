@@ -184,6 +184,24 @@ void Judge(Matches<Dim> matches, std::size_t live_count, double huber, Registrat
 
 }  // namespace
 
+std::span<const OptionField<GicpOptions>> FieldsOf(const GicpOptions& /*options*/) {
+  using O = GicpOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"max_iterations", &O::max_iterations, 1, 1000},
+      {"max_correspondence_distance_m", &O::max_correspondence_distance_m, 0.1, 20},
+      {"gate_sigmas", &O::gate_sigmas, 1e-6, 1000},
+      {"huber_sigmas", &O::huber_sigmas, 1e-6, 1000},
+      {"translation_tolerance_m", &O::translation_tolerance_m, 0, 10, "it runs for max_iterations"},
+      {"rotation_tolerance_rad", &O::rotation_tolerance_rad, 0, 1, "it runs for max_iterations"},
+      {"initial_blur_m", &O::initial_blur_m, 0, 10, "the initial guess is good"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const GicpOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 template <int Dim>
 Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                                const Pose<Dim>& T_local_vehicle_initial, const GicpOptions& options,
@@ -192,7 +210,9 @@ Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const L
   result.T_local_vehicle = T_local_vehicle_initial;
   double blur_m = options.initial_blur_m;
   constexpr double kNoBlur_m = 0.02;
-  finder.Begin(live, map, {.reach_m = options.reach_m, .gate_sigmas = options.gate_sigmas});
+  finder.Begin(live, map,
+               {.max_distance_m = options.max_correspondence_distance_m,
+                .gate_sigmas = options.gate_sigmas});
   Matches<Dim> matches;
   while (true) {
     matches = finder.Find(result.T_local_vehicle, blur_m);

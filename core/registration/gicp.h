@@ -6,13 +6,15 @@
 #include "core/geometry/gaussian_point.h"
 #include "core/geometry/pose.h"
 #include "core/map/local_map.h"
+#include "core/options/option_fields.h"
 #include "core/registration/correspondences.h"
 
 namespace dcloc {
 
 struct GicpOptions {
   int max_iterations = 30;
-  double reach_m = 2.5;       ///< landmarks further from a live point are not its match
+  /// Landmarks further from a live point are not its correspondence.
+  double max_correspondence_distance_m = 2.5;
   double gate_sigmas = 3.5;   ///< nor those further in units of the joint deviation
   double huber_sigmas = 1.5;  ///< residuals beyond weigh less (Huber)
   double translation_tolerance_m = 1e-3;
@@ -21,6 +23,8 @@ struct GicpOptions {
   /// trusts the fine structure. 0 when the start is already good.
   double initial_blur_m = 0.0;
 };
+std::span<const OptionField<GicpOptions>> FieldsOf(const GicpOptions& options);
+absl::Status Validate(const GicpOptions& options);
 
 /// How a live sub-map lies in a local map.
 template <int Dim>

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/localizer/planar_or_spatial.h"
-#include "core/localizer/workspace.h"
+#include "core/geometry/pose_estimate.h"
 #include "core/registration/radial_statistics.h"
 #include "core/registration/rigid_ransac.h"
 
@@ -95,14 +94,50 @@ bool StandsOut(const Registration<Dim>& best, std::span<const Registration<Dim>>
 
 }  // namespace
 
+std::span<const OptionField<RegistrationGate>> FieldsOf(const RegistrationGate& /*options*/) {
+  using O = RegistrationGate;
+  static constexpr OptionField<O> kFields[] = {
+      {"min_inlier_count", &O::min_inlier_count, 1, 100'000},
+      {"min_overlap", &O::min_overlap, 0, 1, "the count alone decides"},
+      {"max_residual_scale", &O::max_residual_scale, 1e-6, 1000},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const RegistrationGate& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
+std::span<const OptionField<MapMatcherOptions>> FieldsOf(const MapMatcherOptions& /*options*/) {
+  using O = MapMatcherOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"local_map_radius_m", &O::local_map_radius_m, 10, 1000},
+      {"search_sigma_m", &O::search_sigma_m, 0, 100, "every prediction is searched around"},
+      {"search_sigma_rad", &O::search_sigma_rad, 0, 10, "every prediction is searched around"},
+      {"hypotheses", &O::hypotheses, 0, 1000, "the initial guess alone is tried"},
+      {"wide_sigma_m", &O::wide_sigma_m, 0, 100,
+       "every prediction that is searched around is wide"},
+      {"wide_hypotheses", &O::wide_hypotheses, 0, 1000, "the initial guess alone is tried"},
+      {"wide_min_overlap", &O::wide_min_overlap, 0, 1, "any overlap is enough"},
+      {"wide_min_lead", &O::wide_min_lead, 0, 1000, "the best one needs no lead"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const MapMatcherOptions& options) {
+  absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(Within("gicp", Validate(options.gicp)));
+  status.Update(Within("gate", Validate(options.gate)));
+  return status;
+}
+
 template <int Dim>
-bool MapMatcher<Dim>::MoveTo(const Eigen::Vector3d& p_map) {
+bool MapMatcher<Dim>::MoveTo(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace) {
   const std::optional<std::size_t> nearest =
-      map_->NearestKeyframe(p_map, options_.match.local_map_radius_m);
+      map_->NearestKeyframe(p_map, options_.local_map_radius_m);
   if (!nearest || nearest == keyframe_) return false;
   keyframe_ = nearest;
-  local_map_.MoveTo(*map_, p_map, options_.match.local_map_radius_m,
-                    Workspace<Dim>::OfThisThread().local_map);
+  local_map_.MoveTo(*map_, p_map, options_.local_map_radius_m, workspace.local_map);
   T_map_local_ = local_map_.T_map_local();
   search_.reset();
   return true;
@@ -112,35 +147,36 @@ template <int Dim>
 std::optional<Registration<Dim>> MapMatcher<Dim>::Match(std::span<const GaussianPoint<Dim>> live,
                                                         const PoseEstimate<Dim>& predicted,
                                                         const Observability& observability,
-                                                        std::uint64_t seed) {
+                                                        std::uint64_t seed,
+                                                        RegistrationWorkspace<Dim>& workspace) {
   if (local_map_.empty() || live.empty()) return std::nullopt;
   const double sigma_m = ObservedSigma<Dim>(predicted.covariance, observability);
-  if (sigma_m > options_.match.search_sigma_m ||
-      YawSigma<Dim>(predicted.covariance) > options_.match.search_sigma_rad) {
-    return Search(live, predicted, sigma_m > options_.match.wide_sigma_m, seed);
+  if (sigma_m > options_.search_sigma_m ||
+      YawSigma<Dim>(predicted.covariance) > options_.search_sigma_rad) {
+    return Search(live, predicted, sigma_m > options_.wide_sigma_m, seed, workspace);
   }
   search_.reset();
-  const Registration<Dim> refined = Refine(live, predicted.pose, 0.0);
-  return IsAcceptable(refined) ? std::optional(refined) : std::nullopt;
+  const Registration<Dim> refined = Refine(live, predicted.pose, 0.0, workspace);
+  return options_.gate.Accepts(refined) ? std::optional(refined) : std::nullopt;
 }
 
 template <int Dim>
 std::optional<Registration<Dim>> MapMatcher<Dim>::Search(std::span<const GaussianPoint<Dim>> live,
                                                          const PoseEstimate<Dim>& predicted,
-                                                         bool wide, std::uint64_t seed) {
-  const MatchOptions& match = options_.match;
-  std::vector<Registration<Dim>> found = {Refine(live, predicted.pose, 0.0)};
-  const int count = wide ? match.wide_hypotheses : match.hypotheses;
+                                                         bool wide, std::uint64_t seed,
+                                                         RegistrationWorkspace<Dim>& workspace) {
+  std::vector<Registration<Dim>> found = {Refine(live, predicted.pose, 0.0, workspace)};
+  const int count = wide ? options_.wide_hypotheses : options_.hypotheses;
   for (const Pose2& hypothesis : Hypotheses(live, predicted, count, seed)) {
-    found.push_back(Refine(live, Lift<Dim>(hypothesis, predicted.pose), 0.3));
+    found.push_back(Refine(live, Lift<Dim>(hypothesis, predicted.pose), 0.3, workspace));
   }
   const Registration<Dim> best = *std::ranges::max_element(
       found, {}, [&](const Registration<Dim>& one) { return Plausibility(one, predicted); });
-  if (!IsAcceptable(best)) return std::nullopt;
+  if (!options_.gate.Accepts(best)) return std::nullopt;
   // Where little of the view is mapped, too, a wrong place is as good as the right one.
-  const bool sees_little = best.overlap < match.wide_min_overlap;
+  const bool sees_little = best.overlap < options_.wide_min_overlap;
   if (wide && sees_little) return std::nullopt;
-  if ((wide || sees_little) && !StandsOut<Dim>(best, found, predicted, match.wide_min_lead)) {
+  if ((wide || sees_little) && !StandsOut<Dim>(best, found, predicted, options_.wide_min_lead)) {
     return std::nullopt;
   }
   return best;
@@ -179,46 +215,39 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
 
 template <int Dim>
 std::optional<Registration<Dim>> MapMatcher<Dim>::MatchFound(
-    std::span<const GaussianPoint<Dim>> live, const Pose3& T_map_vehicle) {
+    std::span<const GaussianPoint<Dim>> live, const Pose3& T_map_vehicle,
+    const RegistrationGate& gate, RegistrationWorkspace<Dim>& workspace) {
   constexpr double kDriftBlur_m = 0.3;
-  MoveTo(T_map_vehicle.translation_m);
+  MoveTo(T_map_vehicle.translation_m, workspace);
   const Pose3 T_local_vehicle = T_map_local_.Inverse() * T_map_vehicle;
   const Registration<Dim> registration =
-      Refine(live, FromSpace<Dim>(T_local_vehicle, Matrix6d::Zero()).pose, kDriftBlur_m);
-  const bool is_acceptable = IsAcceptable(registration) &&
-                             registration.inlier_count >= options_.match.global_min_inlier_count &&
-                             registration.overlap >= options_.match.global_min_overlap;
-  return is_acceptable ? std::optional(registration) : std::nullopt;
+      Refine(live, FromSpace<Dim>(T_local_vehicle, Matrix6d::Zero()).pose, kDriftBlur_m, workspace);
+  return gate.Accepts(registration) ? std::optional(registration) : std::nullopt;
 }
 
 template <int Dim>
-std::span<const Correspondence<Dim>> MapMatcher<Dim>::Matches(
-    const Pose<Dim>& T_local_vehicle) const {
-  return Workspace<Dim>::OfThisThread().finder.Find(T_local_vehicle, 0.0);
+std::span<const Correspondence<Dim>> MapMatcher<Dim>::Correspondences(
+    const Pose<Dim>& T_local_vehicle, RegistrationWorkspace<Dim>& workspace) const {
+  return workspace.finder.Find(T_local_vehicle, 0.0);
 }
 
 template <int Dim>
 Observability MapMatcher<Dim>::Observed(std::span<const GaussianPoint<Dim>> live,
-                                        const Registration<Dim>& registration) const {
-  Workspace<Dim>& workspace = Workspace<Dim>::OfThisThread();
+                                        const Registration<Dim>& registration,
+                                        RegistrationWorkspace<Dim>& workspace) const {
   return Observe<Dim>(live, local_map_, registration.T_local_vehicle, registration.covariance,
-                      {.reach_m = options_.gicp.reach_m, .gate_sigmas = options_.gicp.gate_sigmas},
-                      workspace.chosen_points, workspace.chosen_finder);
+                      {.max_distance_m = options_.gicp.max_correspondence_distance_m,
+                       .gate_sigmas = options_.gicp.gate_sigmas},
+                      workspace.shifted_points, workspace.shifted_finder);
 }
 
 template <int Dim>
 Registration<Dim> MapMatcher<Dim>::Refine(std::span<const GaussianPoint<Dim>> live,
-                                          const Pose<Dim>& start, double blur_m) {
+                                          const Pose<Dim>& start, double blur_m,
+                                          RegistrationWorkspace<Dim>& workspace) {
   GicpOptions gicp = options_.gicp;
   gicp.initial_blur_m = blur_m;
-  return RegisterGicp<Dim>(live, local_map_, start, gicp, Workspace<Dim>::OfThisThread().finder);
-}
-
-template <int Dim>
-bool MapMatcher<Dim>::IsAcceptable(const Registration<Dim>& registration) const {
-  return registration.inlier_count >= options_.match.min_inlier_count &&
-         registration.overlap >= options_.match.min_overlap &&
-         registration.residual_scale <= options_.match.max_residual_scale;
+  return RegisterGicp<Dim>(live, local_map_, start, gicp, workspace.finder);
 }
 
 template class MapMatcher<2>;

@@ -7,14 +7,13 @@
 #include <utility>
 
 #include "core/geometry/covariance.h"
-#include "core/localizer/planar_or_spatial.h"
-#include "core/localizer/workspace.h"
+#include "core/geometry/pose_estimate.h"
 
 namespace dcloc {
 namespace {
 
 constexpr std::size_t kMaxViews = 4;
-constexpr std::size_t kMaxCandidates = 32;
+constexpr std::size_t kMaxKeptCandidates = 32;
 // Of a view's points so many tell places apart, and so many what is no place at all.
 constexpr std::size_t kFinePoints = 400;
 constexpr std::size_t kCoarsePoints = 100;
@@ -82,6 +81,24 @@ double SquaredDistance(const Pose<Dim>& apart, const TangentMatrix<Dim>& odometr
 
 }  // namespace
 
+std::span<const OptionField<GlobalLocalizerOptions>> FieldsOf(
+    const GlobalLocalizerOptions& /*options*/) {
+  using O = GlobalLocalizerOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"min_view_span_ms", &O::min_view_span, 0, 1e6, "one scan is a view"},
+      {"min_distance_m", &O::min_distance_m, 0, 1000, "two views are enough"},
+      {"min_lead", &O::min_lead, 0, 1000, "the best one needs no lead"},
+      {"candidate_count", &O::candidate_count, 1, 10'000},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const GlobalLocalizerOptions& options) {
+  absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(Within("gate", Validate(options.gate)));
+  return status;
+}
+
 template <int Dim>
 void GlobalLocalizer<Dim>::OnMotion(const Motion& motion) {
   if (views_.empty()) return;
@@ -131,16 +148,16 @@ void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Di
   const bool is_little = region && region->radius_m <= kLittleGround_m;
   search_.emplace(map_, PositionsOf(live),
                   PlaceSearchOptions{.cell_m = is_little ? kLittleCell_m : kCell_m,
-                                     .max_count = options_.match.global_candidate_count,
+                                     .max_count = options_.candidate_count,
                                      .region = region});
   phase_ = Phase::kExtend;
 }
 
 template <int Dim>
-std::optional<Pose3> GlobalLocalizer<Dim>::Continue() {
+std::optional<Pose3> GlobalLocalizer<Dim>::Continue(RegistrationWorkspace<Dim>& workspace) {
   work_ = 0.0;
-  while (work_ < kMaxWork && phase_ != Phase::kIdle) DoNextPiece();
-  if (!winner_ || Way() < options_.match.global_min_distance_m) return std::nullopt;
+  while (work_ < kMaxWork && phase_ != Phase::kIdle) DoNextPiece(workspace);
+  if (!winner_ || Way() < options_.min_distance_m) return std::nullopt;
   return *winner_ * since_view_.T_from_to;
 }
 
@@ -154,14 +171,14 @@ double GlobalLocalizer<Dim>::Way() const {
 
 template <int Dim>
 void GlobalLocalizer<Dim>::Clear() {
-  *this = GlobalLocalizer(map_, options_);
+  *this = GlobalLocalizer(map_, options_, local_map_radius_m_, gicp_);
 }
 
 template <int Dim>
-void GlobalLocalizer<Dim>::DoNextPiece() {
+void GlobalLocalizer<Dim>::DoNextPiece(RegistrationWorkspace<Dim>& workspace) {
   switch (phase_) {
     case Phase::kExtend:
-      if (!FillNextFit()) phase_ = Phase::kSearch;
+      if (!FillNextFit(workspace)) phase_ = Phase::kSearch;
       break;
     case Phase::kSearch:
       if (!search_->done()) {
@@ -177,7 +194,7 @@ void GlobalLocalizer<Dim>::DoNextPiece() {
       break;
     case Phase::kCoarseFit:
       if (!places_.empty()) {
-        FitCoarsely(places_.back());
+        FitCoarsely(places_.back(), workspace);
         places_.pop_back();
         break;
       }
@@ -186,7 +203,7 @@ void GlobalLocalizer<Dim>::DoNextPiece() {
       break;
     case Phase::kFineFit:
       if (!coarse_fits_.empty()) {
-        FitFinely(coarse_fits_.back());
+        FitFinely(coarse_fits_.back(), workspace);
         coarse_fits_.pop_back();
         break;
       }
@@ -194,7 +211,7 @@ void GlobalLocalizer<Dim>::DoNextPiece() {
       phase_ = Phase::kBackfill;
       break;
     case Phase::kBackfill:
-      if (FillNextFit()) break;
+      if (FillNextFit(workspace)) break;
       KeepBestCandidates();
       winner_ = Winner();
       phase_ = Phase::kIdle;
@@ -206,17 +223,19 @@ void GlobalLocalizer<Dim>::DoNextPiece() {
 
 // Most places that a search finds are none: a coarse_points points and steps tell.
 template <int Dim>
-void GlobalLocalizer<Dim>::FitCoarsely(const PlaceHypothesis& place) {
+void GlobalLocalizer<Dim>::FitCoarsely(const PlaceHypothesis& place,
+                                       RegistrationWorkspace<Dim>& workspace) {
   const Pose3 T_map_vehicle =
       map_->keyframe(place.keyframe).T_map_keyframe * Embed(place.T_keyframe_vehicle);
   if (IsKnown(T_map_vehicle)) return;
-  GicpOptions gicp = options_.gicp;
+  GicpOptions gicp = gicp_;
   gicp.max_iterations = 8;
   gicp.translation_tolerance_m = 0.02;
   gicp.rotation_tolerance_rad = 0.002;
   // Half a step off in position and heading: about as much as a step.
   gicp.initial_blur_m = cell_m_;
-  if (const auto registration = Register(views_.back().coarse_points, T_map_vehicle, gicp)) {
+  if (const auto registration =
+          Register(views_.back().coarse_points, T_map_vehicle, gicp, workspace)) {
     coarse_fits_.push_back(
         {.T_map_vehicle = InMap(registration->T_local_vehicle), .score = registration->score});
   }
@@ -236,13 +255,13 @@ void GlobalLocalizer<Dim>::KeepPromising() {
 
 // A place that no candidate has come to yet is a candidate of its own.
 template <int Dim>
-void GlobalLocalizer<Dim>::FitFinely(const CoarseFit& fit) {
+void GlobalLocalizer<Dim>::FitFinely(const CoarseFit& fit, RegistrationWorkspace<Dim>& workspace) {
   if (IsKnown(fit.T_map_vehicle)) return;
   Candidate candidate{.fits = std::vector<std::optional<ViewFit>>(views_.size())};
-  candidate.fits.back() = FitAround(views_.back(), fit.T_map_vehicle, kOdometryBlur_m);
+  candidate.fits.back() = FitAround(views_.back(), fit.T_map_vehicle, kOdometryBlur_m, workspace);
   const Pose3& T_map_vehicle = candidate.fits.back()->T_map_vehicle;
   // The search goes by whole blocks, and registration moves.
-  if (region_ && !region_->Holds(Flatten(T_map_vehicle))) return;
+  if (region_ && !region_->Contains(Flatten(T_map_vehicle))) return;
   if (!IsKnown(T_map_vehicle)) candidates_.push_back(std::move(candidate));
 }
 
@@ -255,7 +274,7 @@ bool GlobalLocalizer<Dim>::IsKnown(const Pose3& T_map_vehicle) const {
 
 // Of a candidate that lacks one, beside one that is there.
 template <int Dim>
-bool GlobalLocalizer<Dim>::FillNextFit() {
+bool GlobalLocalizer<Dim>::FillNextFit(RegistrationWorkspace<Dim>& workspace) {
   for (Candidate& candidate : candidates_) {
     std::vector<std::optional<ViewFit>>& fits = candidate.fits;
     const auto missing = std::ranges::adjacent_find(
@@ -263,9 +282,9 @@ bool GlobalLocalizer<Dim>::FillNextFit() {
     if (missing == fits.end()) continue;
     const auto i = static_cast<std::size_t>(missing - fits.begin());
     if (fits[i]) {
-      fits[i + 1] = FitAfterMotion(views_[i + 1], *fits[i], views_[i + 1].motion);
+      fits[i + 1] = FitAfterMotion(views_[i + 1], *fits[i], views_[i + 1].motion, workspace);
     } else {
-      fits[i] = FitAfterMotion(views_[i], *fits[i + 1], Reversed(views_[i + 1].motion));
+      fits[i] = FitAfterMotion(views_[i], *fits[i + 1], Reversed(views_[i + 1].motion), workspace);
     }
     return true;
   }
@@ -298,7 +317,7 @@ void GlobalLocalizer<Dim>::KeepBestCandidates() {
   std::ranges::stable_sort(candidates_, std::greater<>(), &GlobalLocalizer::LogLikelihood);
   std::erase_if(candidates_, [least = LogLikelihood(candidates_.front()) - kHopeless](
                                  const Candidate& one) { return LogLikelihood(one) < least; });
-  if (candidates_.size() > kMaxCandidates) candidates_.resize(kMaxCandidates);
+  if (candidates_.size() > kMaxKeptCandidates) candidates_.resize(kMaxKeptCandidates);
 }
 
 template <int Dim>
@@ -308,7 +327,7 @@ std::optional<Pose3> GlobalLocalizer<Dim>::Winner() const {
   const Pose3& T_map_view = leader.fits.back()->T_map_vehicle;
   const bool is_acceptable =
       std::ranges::all_of(leader.fits, [](const auto& fit) { return fit->is_acceptable; });
-  const double least = LogLikelihood(leader) - options_.match.global_min_lead;
+  const double least = LogLikelihood(leader) - options_.min_lead;
   const bool stands_out = std::ranges::none_of(candidates_, [&](const Candidate& other) {
     return LogLikelihood(other) > least &&
            !IsSamePlace(other.fits.back()->T_map_vehicle, T_map_view);
@@ -318,11 +337,11 @@ std::optional<Pose3> GlobalLocalizer<Dim>::Winner() const {
 }
 
 template <int Dim>
-typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAfterMotion(const View& view,
-                                                                            const ViewFit& beside,
-                                                                            const Motion& motion) {
+typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAfterMotion(
+    const View& view, const ViewFit& beside, const Motion& motion,
+    RegistrationWorkspace<Dim>& workspace) {
   const Pose3 T_map_expected = beside.T_map_vehicle * motion.T_from_to;
-  ViewFit fit = FitAround(view, T_map_expected, kOdometryBlur_m);
+  ViewFit fit = FitAround(view, T_map_expected, kOdometryBlur_m, workspace);
   const PoseEstimate<Dim> apart =
       FromSpace<Dim>(T_map_expected.Inverse() * fit.T_map_vehicle, motion.covariance);
   fit.log_likelihood -= 0.5 * SquaredDistance<Dim>(apart.pose, apart.covariance);
@@ -330,35 +349,33 @@ typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAfterMotion(cons
 }
 
 template <int Dim>
-typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAround(const View& view,
-                                                                       const Pose3& T_map_vehicle,
-                                                                       double blur_m) {
-  const MatchOptions& match = options_.match;
-  GicpOptions gicp = options_.gicp;
+typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAround(
+    const View& view, const Pose3& T_map_vehicle, double blur_m,
+    RegistrationWorkspace<Dim>& workspace) {
+  GicpOptions gicp = gicp_;
   gicp.max_iterations = 15;
   gicp.translation_tolerance_m = 0.005;
   gicp.rotation_tolerance_rad = 0.0005;
   gicp.initial_blur_m = blur_m;
-  const auto registration = Register(view.live, T_map_vehicle, gicp);
+  const auto registration = Register(view.live, T_map_vehicle, gicp, workspace);
   if (!registration) return {.T_map_vehicle = T_map_vehicle};
   return {.T_map_vehicle = InMap(registration->T_local_vehicle),
           .log_likelihood = kPerScore * registration->score,
-          .is_acceptable = registration->inlier_count >= match.global_min_inlier_count &&
-                           registration->overlap >= kViewShare * match.global_min_overlap &&
-                           registration->residual_scale <= match.max_residual_scale};
+          .is_acceptable = registration->inlier_count >= options_.gate.min_inlier_count &&
+                           registration->overlap >= kViewShare * options_.gate.min_overlap &&
+                           registration->residual_scale <= options_.gate.max_residual_scale};
 }
 
 // In the local map there, if there is one.
 template <int Dim>
 std::optional<Registration<Dim>> GlobalLocalizer<Dim>::Register(
-    std::span<const GaussianPoint<Dim>> live, const Pose3& T_map_vehicle, const GicpOptions& gicp) {
-  const double radius_m = options_.match.local_map_radius_m;
+    std::span<const GaussianPoint<Dim>> live, const Pose3& T_map_vehicle, const GicpOptions& gicp,
+    RegistrationWorkspace<Dim>& workspace) {
   const std::optional<std::size_t> nearest =
-      map_->NearestKeyframe(T_map_vehicle.translation_m, radius_m);
+      map_->NearestKeyframe(T_map_vehicle.translation_m, local_map_radius_m_);
   if (!nearest) return std::nullopt;
-  Workspace<Dim>& workspace = Workspace<Dim>::OfThisThread();
   if (nearest != keyframe_) {
-    local_map_.MoveTo(*map_, T_map_vehicle.translation_m, radius_m, workspace.local_map);
+    local_map_.MoveTo(*map_, T_map_vehicle.translation_m, local_map_radius_m_, workspace.local_map);
     keyframe_ = nearest;
   }
   const Pose3 T_local_vehicle = local_map_.T_map_local().Inverse() * T_map_vehicle;
@@ -375,7 +392,8 @@ std::optional<Registration<Dim>> GlobalLocalizer<Dim>::Register(
 // A pose in the local map.
 template <int Dim>
 Pose3 GlobalLocalizer<Dim>::InMap(const Pose<Dim>& T_local_vehicle) const {
-  return local_map_.T_map_local() * ToSpace<Dim>({.pose = T_local_vehicle}, options_).pose;
+  return local_map_.T_map_local() *
+         ToSpace<Dim>({.pose = T_local_vehicle}, UnobservedSigmas{}).pose;
 }
 
 template class GlobalLocalizer<2>;

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "core/geometry/geodetic_anchor.h"
-#include "core/localizer/localizer.h"
+#include "core/relocalization/initial_pose.h"
 
 namespace dcloc {
 

@@ -139,7 +139,7 @@ void SortUnique(std::vector<T>& values) {
 
 }  // namespace
 
-bool SearchRegion::Holds(const Pose2& T_map_vehicle) const {
+bool SearchRegion::Contains(const Pose2& T_map_vehicle) const {
   return MayContain(T_map_vehicle.translation_m, T_map_vehicle.translation_m,
                     T_map_vehicle.yaw_rad) &&
          HoldsHeading(*this, T_map_vehicle.yaw_rad);
@@ -259,8 +259,10 @@ std::vector<PlaceSearch::Cell> PlaceSearch::CellsNearKeyframe(std::size_t keyfra
                                                               double size_m) const {
   const Eigen::Array2d p_map = map_->keyframe(keyframe).T_map_keyframe.translation_m.head<2>();
   using Place = Eigen::Array<std::int64_t, 2, 1>;
-  const Place first = ((p_map - options_.reach_m) / size_m).floor().cast<std::int64_t>();
-  const Place last = ((p_map + options_.reach_m) / size_m).floor().cast<std::int64_t>();
+  const Place first =
+      ((p_map - options_.max_keyframe_distance_m) / size_m).floor().cast<std::int64_t>();
+  const Place last =
+      ((p_map + options_.max_keyframe_distance_m) / size_m).floor().cast<std::int64_t>();
   std::vector<Cell> cells;
   for (std::int64_t x = first.x(); x <= last.x(); ++x) {
     for (std::int64_t y = first.y(); y <= last.y(); ++y) cells.push_back({x, y});
@@ -271,7 +273,7 @@ std::vector<PlaceSearch::Cell> PlaceSearch::CellsNearKeyframe(std::size_t keyfra
 // The blocks of the tile that hold a position near to a keyframe.
 std::vector<PlaceSearch::Cell> PlaceSearch::BlocksOf(const Cell& tile) const {
   std::vector<Cell> blocks;
-  for (const std::size_t keyframe : KeyframesAround(tile, options_.reach_m)) {
+  for (const std::size_t keyframe : KeyframesAround(tile, options_.max_keyframe_distance_m)) {
     for (const Cell& block : CellsNearKeyframe(keyframe, block_m_)) {
       // Shifts round down for negative cells too.
       static_assert(kTile_blocks == 1 << 4);
@@ -341,7 +343,8 @@ PlaceHypothesis PlaceSearch::InKeyframe(const Candidate& candidate) const {
   Pose3 T_map_vehicle =
       Embed(Pose2{.translation_m = candidate.position_m, .yaw_rad = candidate.yaw_rad});
   // The keyframe that the block was searched for lies no further from it than this.
-  const double reach_m = std::numbers::sqrt2 * (options_.reach_m + block_m_ + options_.cell_m);
+  const double reach_m =
+      std::numbers::sqrt2 * (options_.max_keyframe_distance_m + block_m_ + options_.cell_m);
   const std::size_t keyframe = *map_->NearestKeyframe(T_map_vehicle.translation_m, reach_m);
   const Pose3 T_map_keyframe = map_->keyframe(keyframe).T_map_keyframe;
   T_map_vehicle.translation_m.z() = T_map_keyframe.translation_m.z();

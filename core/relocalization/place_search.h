@@ -24,7 +24,7 @@ struct SearchRegion {
   Pose2 T_then_now = {};
 
   /// Whether the vehicle may be here now.
-  bool Holds(const Pose2& T_map_vehicle) const;
+  bool Contains(const Pose2& T_map_vehicle) const;
 
   /// Likewise, with this heading somewhere in the box from `min_m` to `max_m`; position alone.
   bool MayContain(const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m,
@@ -32,8 +32,9 @@ struct SearchRegion {
 };
 
 struct PlaceSearchOptions {
-  double cell_m = 1.0;   ///< step between positions; headings step likewise
-  double reach_m = 6.0;  ///< the vehicle is this near to a keyframe along each of the map's axes
+  double cell_m = 1.0;  ///< step between positions; headings step likewise
+  double max_keyframe_distance_m =
+      6.0;  ///< the vehicle is this near to a keyframe along each of the map's axes
   int max_count = 8;
   std::optional<SearchRegion> region = {};  ///< without it the whole map, in every heading
 };

@@ -20,6 +20,20 @@ double LargestSigma(const Matrix6d& covariance) {
 
 }  // namespace
 
+std::span<const OptionField<PosePriorOptions>> FieldsOf(const PosePriorOptions& /*options*/) {
+  using O = PosePriorOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"max_prediction_sigma_m", &O::max_prediction_sigma_m, 0, 100, "every prior is searched for"},
+      {"max_prediction_sigma_rad", &O::max_prediction_sigma_rad, 0, 10,
+       "every prior is searched for"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const PosePriorOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 void PosePrior::Set(const PoseEstimate<3>& T_map_vehicle) {
   now_ = then_ = T_map_vehicle;
   since_then_ = {};
@@ -34,8 +48,8 @@ void PosePrior::OnMotion(const Motion& motion) {
 }
 
 bool PosePrior::IsPrediction(const Matrix6d& covariance) const {
-  return std::sqrt(covariance.topLeftCorner<2, 2>().trace()) <= options_.max_prior_sigma_m &&
-         std::sqrt(covariance(5, 5)) <= options_.max_prior_sigma_rad;
+  return std::sqrt(covariance.topLeftCorner<2, 2>().trace()) <= options_.max_prediction_sigma_m &&
+         std::sqrt(covariance(5, 5)) <= options_.max_prediction_sigma_rad;
 }
 
 std::optional<SearchRegion> PosePrior::Region() const {

@@ -1,19 +1,30 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
-#include "core/localizer/localizer_options.h"
+#include "absl/status/status.h"
+#include "core/geometry/pose_estimate.h"
 #include "core/odometry/motion.h"
-#include "core/posegraph/state_chain.h"
+#include "core/options/option_fields.h"
 #include "core/relocalization/place_search.h"
 
 namespace dcloc {
+
+/// Poses less certain than this are no prediction: the ground and the headings that they leave are
+/// searched like a whole map.
+struct PosePriorOptions {
+  double max_prediction_sigma_m = 3.5;
+  double max_prediction_sigma_rad = 0.2;
+};
+std::span<const OptionField<PosePriorOptions>> FieldsOf(const PosePriorOptions& options);
+absl::Status Validate(const PosePriorOptions& options);
 
 /// What is known of a vehicle that no registration has found yet, or none finds any more: a prior
 /// or the last estimate, carried on by odometry.
 class PosePrior {
  public:
-  explicit PosePrior(const MatchOptions& options) : options_(options) {}
+  explicit PosePrior(const PosePriorOptions& options) : options_(options) {}
 
   /// The vehicle is about here now, in the map frame.
   void Set(const PoseEstimate<3>& T_map_vehicle);
@@ -35,7 +46,7 @@ class PosePrior {
   std::optional<SearchRegion> Region() const;
 
  private:
-  MatchOptions options_;
+  PosePriorOptions options_;
   std::optional<PoseEstimate<3>> now_;
   PoseEstimate<3> then_;  // when it was set
   Motion since_then_;

@@ -8,13 +8,19 @@
 #include <vector>
 
 #include "core/geometry/pose.h"
-#include "core/localizer/localizer.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "core/registration/correspondences.h"
 #include "core/submap/submap.h"
 
 namespace dcloc {
+
+/// What registrations say of a radar's `beta_s`.
+struct BetaCheck {
+  double error_s = 0.0;   ///< to be added to it; in dense maps only a part of what is wrong
+  double sigma_s = 0.0;   ///< deviation of that
+  bool is_wrong = false;  ///< the error is more than chance and geometry explain
+};
 
 /// Watches whether what registrations leave over depends on range rate, which a wrong beta makes it
 /// do (METHOD 1). Each radar is held against its own best pose, so that neither its mount and its

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "core/posegraph/state_chain.h"
+#include "core/geometry/pose_estimate.h"
 
 namespace dcloc {
 

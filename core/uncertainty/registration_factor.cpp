@@ -8,7 +8,7 @@ namespace dcloc {
 namespace {
 
 template <int Dim>
-TangentMatrix<Dim> SharedErrors(const MatchOptions& options) {
+TangentMatrix<Dim> SharedErrors(const RegistrationFactorOptions& options) {
   Tangent<Dim> variances;
   variances.template head<Dim>().setConstant(options.shared_sigma_m * options.shared_sigma_m);
   variances.template tail<Pose<Dim>::kDof - Dim>().setConstant(options.shared_sigma_rad *
@@ -43,6 +43,21 @@ std::chrono::nanoseconds TimeInView(double speed_mps) {
 
 }  // namespace
 
+std::span<const OptionField<RegistrationFactorOptions>> FieldsOf(
+    const RegistrationFactorOptions& /*options*/) {
+  using O = RegistrationFactorOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"shared_sigma_m", &O::shared_sigma_m, 0, 100, "registrations share no error"},
+      {"shared_sigma_rad", &O::shared_sigma_rad, 0, 1, "registrations share no error"},
+      {"shared_time_ms", &O::shared_time, 0, 1e6, "shared errors are new at each registration"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const RegistrationFactorOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 template <int Dim>
 TangentMatrix<Dim> ResidualScaledCovariance(const Registration<Dim>& registration) {
   return registration.residual_scale * registration.residual_scale * registration.covariance;
@@ -54,7 +69,7 @@ AbsolutePoseFactor<Dim> RegistrationFactor(const Registration<Dim>& registration
                                            const TangentMatrix<Dim>& noise,
                                            const TangentMatrix<Dim>& systematic,
                                            const RegistrationTiming& timing,
-                                           const MatchOptions& options) {
+                                           const RegistrationFactorOptions& options) {
   // What was left over beyond the model widens the covariance; what agreed better does not narrow
   // it.
   const double scale = std::max(1.0, registration.residual_scale);
@@ -74,9 +89,11 @@ template TangentMatrix<2> ResidualScaledCovariance(const Registration<2>&);
 template TangentMatrix<3> ResidualScaledCovariance(const Registration<3>&);
 template AbsolutePoseFactor<2> RegistrationFactor(const Registration<2>&, const TangentMatrix<2>&,
                                                   const TangentMatrix<2>&, const TangentMatrix<2>&,
-                                                  const RegistrationTiming&, const MatchOptions&);
+                                                  const RegistrationTiming&,
+                                                  const RegistrationFactorOptions&);
 template AbsolutePoseFactor<3> RegistrationFactor(const Registration<3>&, const TangentMatrix<3>&,
                                                   const TangentMatrix<3>&, const TangentMatrix<3>&,
-                                                  const RegistrationTiming&, const MatchOptions&);
+                                                  const RegistrationTiming&,
+                                                  const RegistrationFactorOptions&);
 
 }  // namespace dcloc

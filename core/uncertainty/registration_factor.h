@@ -1,12 +1,26 @@
 #pragma once
 
 #include <chrono>
+#include <span>
 
-#include "core/localizer/localizer_options.h"
+#include "absl/status/status.h"
+#include "core/options/option_fields.h"
 #include "core/posegraph/pose_graph.h"
 #include "core/registration/gicp.h"
 
 namespace dcloc {
+
+/// What every registration lacks however many points agree: errors that its points share, of the
+/// map, of mounts and of clocks. They keep their value for `shared_time`, so that more
+/// registrations within it do not average them out.
+struct RegistrationFactorOptions {
+  double shared_sigma_m = 0.08;
+  double shared_sigma_rad = 0.003;
+  std::chrono::nanoseconds shared_time = std::chrono::seconds(3);
+};
+std::span<const OptionField<RegistrationFactorOptions>> FieldsOf(
+    const RegistrationFactorOptions& options);
+absl::Status Validate(const RegistrationFactorOptions& options);
 
 /// What registrations that follow one another have in common.
 struct RegistrationTiming {
@@ -34,6 +48,6 @@ AbsolutePoseFactor<Dim> RegistrationFactor(const Registration<Dim>& registration
                                            const TangentMatrix<Dim>& noise,
                                            const TangentMatrix<Dim>& systematic,
                                            const RegistrationTiming& timing,
-                                           const MatchOptions& options);
+                                           const RegistrationFactorOptions& options);
 
 }  // namespace dcloc

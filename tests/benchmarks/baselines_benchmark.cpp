@@ -117,18 +117,19 @@ void AddMatches(const Query& query, const Pose2& at, ceres::Problem& problem, do
     const Eigen::Matrix2d covariance = R * live.covariance_m2 * R.transpose();
     double best = std::numeric_limits<double>::infinity();
     WhitenedDifference match;
-    query.local_map.ForEachNear(p.x(), p.y(), options.reach_m, [&](std::size_t index) {
-      const PackedPoint<2>& landmark = query.local_map.points()[index];
-      const Eigen::Vector2d e = landmark.mean_m.cast<double>() - p;
-      const Eigen::Matrix2d joint = landmark.Covariance_m2() + covariance;
-      const Eigen::Matrix2d information = joint.inverse();
-      const double distance = e.dot(information * e);
-      if (distance > options.gate_sigmas * options.gate_sigmas) return;
-      const double cost = distance + std::log(joint.determinant());
-      if (cost >= best) return;
-      best = cost;
-      match = {landmark.mean_m.cast<double>(), live.mean_m, information.llt().matrixU()};
-    });
+    query.local_map.ForEachNear(
+        p.x(), p.y(), options.max_correspondence_distance_m, [&](std::size_t index) {
+          const PackedPoint<2>& landmark = query.local_map.points()[index];
+          const Eigen::Vector2d e = landmark.mean_m.cast<double>() - p;
+          const Eigen::Matrix2d joint = landmark.Covariance_m2() + covariance;
+          const Eigen::Matrix2d information = joint.inverse();
+          const double distance = e.dot(information * e);
+          if (distance > options.gate_sigmas * options.gate_sigmas) return;
+          const double cost = distance + std::log(joint.determinant());
+          if (cost >= best) return;
+          best = cost;
+          match = {landmark.mean_m.cast<double>(), live.mean_m, information.llt().matrixU()};
+        });
     if (!std::isfinite(best)) continue;
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<WhitenedDifference, 2, 3>(new WhitenedDifference(match)),

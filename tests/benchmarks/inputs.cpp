@@ -101,7 +101,7 @@ std::vector<Query> Queries(const Case& drives, std::size_t stride, std::size_t m
     Query query{.submap = window.Join(true),
                 .live = {},
                 .local_map = LocalMap<2>(*drives.map, T_map_vehicle.translation_m,
-                                         options.match.local_map_radius_m),
+                                         options.matcher.local_map_radius_m),
                 .T_local_vehicle_true = {}};
     query.T_local_vehicle_true = Flatten(query.local_map.T_map_local().Inverse() * T_map_vehicle);
     query.live.reserve(query.submap.points.size());

@@ -9,7 +9,7 @@ namespace dcloc {
 
 Pose3 Baseline::LocalFrame(const RadarMap& map, const Eigen::Vector3d& p_map,
                            const LocalizerOptions& options) {
-  const auto nearest = map.NearestKeyframe(p_map, options.match.local_map_radius_m);
+  const auto nearest = map.NearestKeyframe(p_map, options.matcher.local_map_radius_m);
   return nearest ? map.keyframe(*nearest).T_map_keyframe : Pose3{};
 }
 
@@ -53,7 +53,7 @@ void Baseline::Register(const Submap& submap, Stamp stamp, StageListener* listen
 void Baseline::EnterLocalFrame() {
   const Eigen::Vector3d p_map =
       (T_map_local_ * Embed(parts_.estimator->Now().T_local_vehicle)).translation_m;
-  const double radius_m = options_.match.local_map_radius_m;
+  const double radius_m = options_.matcher.local_map_radius_m;
   const auto nearest = map_->NearestKeyframe(p_map, radius_m);
   if (!nearest || nearest == keyframe_) return;
   keyframe_ = nearest;
@@ -68,8 +68,8 @@ Localization Baseline::Answer(Stamp stamp) const {
                       .T_map_vehicle = T_map_local_ * Embed(now.T_local_vehicle),
                       .quality = quality_};
   if (now.covariance) {
-    answer.covariance = EmbedCovariance(*now.covariance, std::pow(options_.unobserved_z_sigma_m, 2),
-                                        std::pow(options_.unobserved_tilt_sigma_rad, 2));
+    answer.covariance = EmbedCovariance(*now.covariance, std::pow(options_.unobserved.z_m, 2),
+                                        std::pow(options_.unobserved.tilt_rad, 2));
     for (const std::size_t observed : {0U, 1U, 5U}) answer.observed[observed] = true;
   }
   if (last_accepted_) {

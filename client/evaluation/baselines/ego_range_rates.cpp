@@ -21,7 +21,7 @@ Scan WithEgoRangeRates(Scan scan, const RadarModel& radar, const EgoVelocity& eg
 }
 
 Drive WithEgoRangeRates(Drive drive) {
-  EgoMotion ego_motion{LocalizerOptions{}};
+  EgoMotion ego_motion;
   for (DriveScan& entry : drive.scans) {
     const RadarModel& radar = *drive.rig.Find(entry.scan.radar_id);
     const EgoVelocity velocity = ego_motion.Advance(entry.scan, radar);

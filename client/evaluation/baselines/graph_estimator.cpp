@@ -21,7 +21,7 @@ double Distance(const Pose2& predicted, const PoseEstimate<2>& measured) {
 class GraphEstimator final : public Estimator {
  public:
   GraphEstimator(const PoseEstimate<2>& initial, const LocalizerOptions& options)
-      : gicp_(options.gicp),
+      : gicp_(options.matcher.gicp),
         max_distance_(options.pose_graph.max_distance_planar),
         graph_(options.pose_graph.window) {
     graph_.Reset(initial);

@@ -32,7 +32,7 @@ std::unique_ptr<Matcher> MakeMatcher(MethodKind kind, const LocalizerOptions& op
     case MethodKind::kMcRansac:
       return std::make_unique<DescriptorMatcher>(std::nullopt);
     default:
-      return std::make_unique<DescriptorMatcher>(options.gicp);
+      return std::make_unique<DescriptorMatcher>(options.matcher.gicp);
   }
 }
 

@@ -42,7 +42,7 @@ EvaluationOptions ToOptions(const Case& item, const Run& run) {
   const bool is_pcl =
       run.variant.method == MethodKind::kIcp || run.variant.method == MethodKind::kNdt;
   if (is_pcl && run.protocol == Protocol::kTrack) {
-    options.localizer.registration_interval = kPclRegistrationInterval;
+    options.localizer.schedule.interval = kPclRegistrationInterval;
   }
   options.localizer.doppler_compensation = run.variant.doppler;
   options.localizer.uncertainty = run.variant.uncertainty;

@@ -151,7 +151,7 @@ absl::StatusOr<std::vector<std::byte>> MapBuilds::AddScans(Build& build) const {
   const BuildRequest& request = build.request;
   absl::StatusOr<MapBuilder> builder = MapBuilder::Create(request.rig, request.options);
   if (!builder.ok()) return builder.status();
-  EgoMotion ego_motion{LocalizerOptions{}};
+  EgoMotion ego_motion;
   v1::PosedScan message;
   Scan scan;
   while (!build.cancelled) {
@@ -160,7 +160,7 @@ absl::StatusOr<std::vector<std::byte>> MapBuilds::AddScans(Build& build) const {
     if (!*there) return builder->Build();
     if (message.begins_pass() && build.done_scan_count > 0) {
       builder->BeginPass();
-      ego_motion = EgoMotion{LocalizerOptions{}};
+      ego_motion = EgoMotion();
     }
     absl::Status status = convert::FromProto(message.scan(), request.rig, &scan);
     const absl::StatusOr<Pose3> pose = convert::FromProto(message.t_map_vehicle(), "t_map_vehicle");

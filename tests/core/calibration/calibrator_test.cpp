@@ -161,7 +161,7 @@ TEST(CalibratorTest, RefusesOptionsThatMakeNoSense) {
   EXPECT_THAT(message({.prior_sigma = {-1.0, 1.0, 1.0, 1.0, 1.0, 1.0}}), HasSubstr("prior_sigma"));
   EXPECT_THAT(message({.scatterer_sigmas_m = {}}), HasSubstr("scatterer_sigmas_m"));
   EXPECT_THAT(message({.iterations_per_sigma = 0}), HasSubstr("iterations_per_sigma"));
-  EXPECT_THAT(message({.reach_m = std::nan("")}), HasSubstr("reach_m"));
+  EXPECT_THAT(message({.max_pair_distance_m = std::nan("")}), HasSubstr("max_pair_distance_m"));
 }
 
 }  // namespace

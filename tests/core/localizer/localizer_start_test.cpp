@@ -83,7 +83,7 @@ std::vector<TrueAnswer> StartAmongPosts(const LocalizerOptions& options) {
 
 TEST_F(LocalizerStartTest, PlacesThatLookAlikeWithinAWidePriorAreNotClaimed) {
   LocalizerOptions credulous;
-  credulous.match.wide_sigma_m = 100.0;
+  credulous.matcher.wide_sigma_m = 100.0;
   ASSERT_GT(ErrorsOf(StartAmongPosts(credulous)).max_m, 2.0) << "or the posts do not mislead";
   EXPECT_EQ(ErrorsOf(StartAmongPosts({})).tracking_count, 0);
 }

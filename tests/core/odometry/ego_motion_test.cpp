@@ -35,7 +35,7 @@ Vector6d Twist(const EgoVelocity& velocity) {
 }
 
 TEST(EgoMotionTest, WheelsAloneAreTakenAsTheyAre) {
-  EgoMotion motion{LocalizerOptions{}};
+  EgoMotion motion;
   Scan scan = Empty(0);
   scan.ego_velocity = Planar(12.0, 0.2);
   const EgoVelocity velocity = motion.Advance(scan, kRadar);
@@ -49,7 +49,7 @@ TEST(EgoMotionTest, WheelsAloneAreTakenAsTheyAre) {
 }
 
 TEST(EgoMotionTest, DopplerAloneFindsTheMotion) {
-  EgoMotion motion{LocalizerOptions{}};
+  EgoMotion motion;
   const EgoVelocity velocity = motion.Advance(Seen(0, Planar(12.0, 0.1)), kRadar);
   EXPECT_NEAR(velocity.linear_mps.x(), 12.0, 0.1);
   EXPECT_NEAR(velocity.angular_radps.z(), 0.1, 0.03);
@@ -76,7 +76,7 @@ TEST(EgoMotionTest, BothAreFusedByTheirInformation) {
 }
 
 TEST(EgoMotionTest, DopplerThatContradictsTheWheelsIsLeftOut) {
-  EgoMotion motion{LocalizerOptions{}};
+  EgoMotion motion;
   // All that the radar sees moves along: a lorry that fills the view.
   Scan scan = Seen(0, Planar(2.0, 0.0));
   scan.ego_velocity = Planar(20.0, 0.0);
@@ -84,7 +84,7 @@ TEST(EgoMotionTest, DopplerThatContradictsTheWheelsIsLeftOut) {
 }
 
 TEST(EgoMotionTest, TheLastVelocityIsHeldEverLessCertain) {
-  EgoMotion motion{LocalizerOptions{}};
+  EgoMotion motion;
   Scan scan = Empty(0);
   scan.ego_velocity = Planar(15.0, 0.1);
   EgoVelocity before = motion.Advance(scan, kRadar);
@@ -99,14 +99,14 @@ TEST(EgoMotionTest, TheLastVelocityIsHeldEverLessCertain) {
 }
 
 TEST(EgoMotionTest, ASilentStartKnowsNothingOfTheSpeed) {
-  EgoMotion motion{LocalizerOptions{}};
+  EgoMotion motion;
   const EgoVelocity velocity = motion.Advance(Empty(0), kRadar);
   EXPECT_EQ(velocity.linear_mps.norm(), 0.0);
   EXPECT_GT(std::sqrt((*velocity.covariance)(0, 0)), 5.0);
 }
 
 TEST(EgoMotionTest, MotionIsTheIntegralBetweenTheScans) {
-  EgoMotion motion{LocalizerOptions{}};
+  EgoMotion motion;
   Scan scan = Empty(0);
   scan.ego_velocity = Planar(10.0, 0.5);
   motion.Advance(scan, kRadar);
@@ -128,19 +128,19 @@ TEST(EgoMotionTest, SeveralRadarsOfOneMomentTellTheYawRateTogether) {
   EgoVelocity ego = Planar(12.0, 0.2);
   ego.linear_mps.y() = 0.15;
   const RadarModel rear = RadarAt("rear", -1.0, 0.0, M_PI);
-  EgoMotion motion{LocalizerOptions{}};
+  EgoMotion motion;
   motion.Advance(Seen(0, ego), kRadar);
   Scan behind = StaticScan(rear, ego, 80, 9, 1.0);
   behind.stamp = At(10);
   const EgoVelocity both = motion.Advance(behind, rear);
 
-  EgoMotion alone{LocalizerOptions{}};
+  EgoMotion alone;
   const EgoVelocity one = alone.Advance(Seen(0, ego), kRadar);
   EXPECT_LT(std::abs(both.angular_radps.z() - 0.2), 0.5 * std::abs(one.angular_radps.z() - 0.2));
   EXPECT_NEAR(both.angular_radps.z(), 0.2, 0.03);
 
   // A scan of long ago says nothing about now.
-  EgoMotion later{LocalizerOptions{}};
+  EgoMotion later;
   later.Advance(Seen(0, Planar(1.0, 0.0)), kRadar);
   Scan now = StaticScan(rear, Planar(12.0, 0.0), 80, 9, 1.0);
   now.stamp = At(1000);
@@ -148,8 +148,8 @@ TEST(EgoMotionTest, SeveralRadarsOfOneMomentTellTheYawRateTogether) {
 }
 
 TEST(EgoMotionTest, TheSameScansGiveTheSameBits) {
-  EgoMotion a{LocalizerOptions{}};
-  EgoMotion b{LocalizerOptions{}};
+  EgoMotion a;
+  EgoMotion b;
   for (int ms = 0; ms < 500; ms += 50) {
     const Scan scan = Seen(ms, Planar(12.0, 0.1));
     const EgoVelocity first = a.Advance(scan, kRadar);

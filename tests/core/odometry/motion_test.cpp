@@ -35,7 +35,7 @@ TEST(OdometryTest, TenScansFollowAFineIntegration) {
 
 TEST(OdometryTest, TheSpreadIsThatOfDriftingVelocities) {
   // Velocity errors that hold for the correlation time and are then drawn anew.
-  const OdometryOptions options{.correlation_time = milliseconds(500)};
+  const MotionOptions options{.correlation_time = milliseconds(500)};
   Vector6d sigmas;
   sigmas << 0.2, 0.1, 0.05, 0.002, 0.003, 0.02;
   EgoVelocity v{.linear_mps = {12.0, 0.0, 0.0}, .angular_radps = {0.0, 0.0, 0.2}};
@@ -65,7 +65,7 @@ TEST(OdometryTest, TheSpreadIsThatOfDriftingVelocities) {
 }
 
 TEST(OdometryTest, AMissingCovarianceIsTheOptions) {
-  const OdometryOptions options{.linear_sigma_mps = 0.1};
+  const MotionOptions options{.linear_sigma_mps = 0.1};
   const EgoVelocity with = WithCovariance({.linear_mps = {10.0, 0.0, 0.0}}, 0.02, options);
   EXPECT_NEAR((*with.covariance)(0, 0), 0.09, 1e-12);
   const EgoVelocity own = {.covariance = Matrix6d(Matrix6d::Identity())};

@@ -68,7 +68,8 @@ std::optional<double> CostOf(const GaussianPoint<Dim>& point, const PackedPoint<
                                  R * point.covariance_m2 * R.transpose() +
                                  blur_m * blur_m * PointMatrix<Dim>::Identity();
   const double distance = e.dot(joint.inverse() * e);
-  if (e.norm() > gates.reach_m || distance > std::pow(gates.gate_sigmas, 2)) return std::nullopt;
+  if (e.norm() > gates.max_distance_m || distance > std::pow(gates.gate_sigmas, 2))
+    return std::nullopt;
   return distance + std::log(joint.determinant());
 }
 
@@ -98,10 +99,10 @@ TYPED_TEST(PointMatchesTest, AreTheMostLikelyLandmarksWhereverThePoseHasMoved) {
   std::mt19937 random(1);
   const LocalMap<kDim> map({}, Raised<kDim>(Crowd<kDim>(1500, 20.0, 0.3, random), random));
   const auto live = Seen<kDim>(Crowd<kDim>(150, 18.0, 0.3, random));
-  const CorrespondenceGates gates{.reach_m = 2.0, .gate_sigmas = 3.0};
+  const CorrespondenceGates gates{.max_distance_m = 2.0, .gate_sigmas = 3.0};
   // Pairs at the very edge of a gate may fall to either side of it.
-  const CorrespondenceGates tighter{.reach_m = 1.999, .gate_sigmas = 2.99};
-  const CorrespondenceGates looser{.reach_m = 2.001, .gate_sigmas = 3.01};
+  const CorrespondenceGates tighter{.max_distance_m = 1.999, .gate_sigmas = 2.99};
+  const CorrespondenceGates looser{.max_distance_m = 2.001, .gate_sigmas = 3.01};
   CorrespondenceFinder<kDim> finder;
   finder.Begin(live, map, gates);
   Pose<kDim> T = SmallMotion<kDim>(0.5, 0.2);

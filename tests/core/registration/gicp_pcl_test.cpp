@@ -51,7 +51,7 @@ TEST(GicpPclTest, EqualRoundCovariancesGivePclsIcp) {
   const Eigen::Matrix4d found = icp.getFinalTransformation().cast<double>();
 
   const GicpOptions options{.max_iterations = 100,
-                            .reach_m = 2.0,
+                            .max_correspondence_distance_m = 2.0,
                             .gate_sigmas = 100.0,
                             .huber_sigmas = 1e3,
                             .translation_tolerance_m = 1e-9,

@@ -10,15 +10,16 @@ namespace dcloc {
 namespace {
 
 constexpr double kSpeed_mps = 8.0;
+constexpr double kRadius_m = 100.0;
 
 std::shared_ptr<const RadarMap> MapOf(const SyntheticWorld& world) {
   return MapOfDrive(DriveRoad(world, FrontRadar(), kSpeed_mps, 1), FrontRadar());
 }
 
 // What stands in these worlds is little.
-LocalizerOptions FewPoints() {
-  LocalizerOptions options;
-  options.match.global_min_inlier_count = 40;
+GlobalLocalizerOptions FewPoints() {
+  GlobalLocalizerOptions options;
+  options.gate.min_inlier_count = 40;
   return options;
 }
 
@@ -42,10 +43,13 @@ SyntheticWorld Twins(double apart_m) {
 class Seeker {
  public:
   Seeker(const SyntheticWorld& world, const std::shared_ptr<const RadarMap>& map, double along_m,
-         double sight_m = 60.0, const LocalizerOptions& options = FewPoints())
-      : world_(world), global_localizer_(map, options), along_m_(along_m), sight_m_(sight_m) {}
+         double sight_m = 60.0, const GlobalLocalizerOptions& options = FewPoints())
+      : world_(world),
+        global_localizer_(map, options, kRadius_m, {}),
+        along_m_(along_m),
+        sight_m_(sight_m) {}
 
-  GlobalLocalizer<2>& contest() { return global_localizer_; }
+  GlobalLocalizer<2>& global_localizer() { return global_localizer_; }
   Pose3 T_map_vehicle() const { return SyntheticWorld::OnRoad(along_m_); }
   bool WantsView() const { return global_localizer_.WantsView(stamp_); }
 
@@ -59,7 +63,7 @@ class Seeker {
   }
 
   // Does all the work on what is seen here.
-  std::optional<Pose3> ViewFit(const std::optional<SearchRegion>& region = std::nullopt) {
+  std::optional<Pose3> Search(const std::optional<SearchRegion>& region = std::nullopt) {
     global_localizer_.AddView(stamp_, Seen(), region);
     while (global_localizer_.working()) {
       if (auto place = global_localizer_.Continue()) return place;
@@ -93,69 +97,69 @@ class Seeker {
   Stamp stamp_{std::chrono::seconds(1'700'000'000)};
 };
 
-TEST(PlaceContestTest, APlaceThatHoldsOverNewGroundIsFound) {
+TEST(GlobalLocalizerTest, APlaceThatHoldsOverNewGroundIsFound) {
   const SyntheticWorld world;
   Seeker seeker(world, MapOf(world), 40.0);
   EXPECT_TRUE(seeker.WantsView());
-  EXPECT_FALSE(seeker.ViewFit());
+  EXPECT_FALSE(seeker.Search());
   EXPECT_FALSE(seeker.WantsView()) << "the same again";
   seeker.DriveTo(46.0);
   ASSERT_TRUE(seeker.WantsView());
-  EXPECT_FALSE(seeker.ViewFit()) << "six metres are not ten";
+  EXPECT_FALSE(seeker.Search()) << "six metres are not ten";
   EXPECT_FALSE(seeker.WantsView()) << "and yet it is decided";
   seeker.DriveTo(51.0);
-  const auto found = seeker.contest().Continue();
+  const auto found = seeker.global_localizer().Continue();
   ASSERT_TRUE(found.has_value());
   EXPECT_LT(seeker.ErrorOf(*found), 0.3);
 }
 
-TEST(PlaceContestTest, APlaceOfFewPointsIsNotBelieved) {
+TEST(GlobalLocalizerTest, APlaceOfFewPointsIsNotAccepted) {
   const SyntheticWorld world;
-  LocalizerOptions options = FewPoints();
-  options.match.global_min_inlier_count = 1000;
+  GlobalLocalizerOptions options = FewPoints();
+  options.gate.min_inlier_count = 1000;
   Seeker seeker(world, MapOf(world), 30.0, 60.0, options);
   for (const double along_m : {30.0, 41.0, 52.0, 63.0}) {
     seeker.DriveTo(along_m);
-    EXPECT_FALSE(seeker.ViewFit()) << "at " << along_m;
+    EXPECT_FALSE(seeker.Search()) << "at " << along_m;
   }
 }
 
-TEST(PlaceContestTest, StandingStillDecidesNothing) {
+TEST(GlobalLocalizerTest, StandingStillDecidesNothing) {
   const SyntheticWorld world;
   Seeker seeker(world, MapOf(world), 40.0);
-  EXPECT_FALSE(seeker.ViewFit());
+  EXPECT_FALSE(seeker.Search());
   for (int i = 0; i < 60; ++i) {
     seeker.DriveTo(40.0, 0.01);
     EXPECT_FALSE(seeker.WantsView());
-    EXPECT_FALSE(seeker.contest().Continue());
+    EXPECT_FALSE(seeker.global_localizer().Continue());
   }
 }
 
-TEST(PlaceContestTest, AmongPostsThatLookAlikeNothingWins) {
+TEST(GlobalLocalizerTest, AmongPostsThatLookAlikeNothingWins) {
   const SyntheticWorld world = SyntheticWorld::Posts(6.0);
   Seeker seeker(world, MapOf(world), 20.0);
   for (const double along_m : {20.0, 31.0, 42.0, 53.0, 64.0, 75.0}) {
     seeker.DriveTo(along_m);
-    EXPECT_FALSE(seeker.ViewFit()) << "at " << along_m;
+    EXPECT_FALSE(seeker.Search()) << "at " << along_m;
   }
 }
 
-TEST(PlaceContestTest, TwinsAreToldApartByWhatFollows) {
+TEST(GlobalLocalizerTest, TwinsAreToldApartByWhatFollows) {
   constexpr double kApart_m = 65.0;
   const SyntheticWorld world = Twins(kApart_m);
   const auto map = MapOf(world);
   Seeker seeker(world, map, 27.0, 35.0);
-  EXPECT_FALSE(seeker.ViewFit());
+  EXPECT_FALSE(seeker.Search());
   seeker.DriveTo(38.0);
-  EXPECT_FALSE(seeker.ViewFit()) << "what it sees stands twice in the map";
+  EXPECT_FALSE(seeker.Search()) << "what it sees stands twice in the map";
   seeker.DriveTo(90.0);
-  const auto found = seeker.ViewFit();
+  const auto found = seeker.Search();
   ASSERT_TRUE(found.has_value())
       << "behind the first one it goes on, behind the second one it does not";
   EXPECT_LT(seeker.ErrorOf(*found), 0.3);
 }
 
-TEST(PlaceContestTest, NothingIsFoundInAWrongRegion) {
+TEST(GlobalLocalizerTest, NothingIsFoundInAWrongRegion) {
   const SyntheticWorld world;
   Seeker seeker(world, MapOf(world), 30.0);
   const SearchRegion region{.centre_m = SyntheticWorld::OnRoad(120.0).translation_m.head<2>(),
@@ -163,19 +167,19 @@ TEST(PlaceContestTest, NothingIsFoundInAWrongRegion) {
                             .max_yaw_offset_rad = std::numbers::pi};
   for (const double along_m : {30.0, 41.0, 52.0, 63.0, 74.0}) {
     seeker.DriveTo(along_m);
-    EXPECT_FALSE(seeker.ViewFit(region)) << "at " << along_m;
+    EXPECT_FALSE(seeker.Search(region)) << "at " << along_m;
   }
 }
 
-TEST(PlaceContestTest, WhatOdometryDoesNotJoinIsForgotten) {
+TEST(GlobalLocalizerTest, WhatOdometryDoesNotJoinIsForgotten) {
   const SyntheticWorld world;
   Seeker seeker(world, MapOf(world), 40.0);
-  EXPECT_FALSE(seeker.ViewFit());
+  EXPECT_FALSE(seeker.Search());
   seeker.DriveTo(41.0, 3.0);
   EXPECT_TRUE(seeker.WantsView()) << "as at the beginning";
-  EXPECT_FALSE(seeker.ViewFit());
+  EXPECT_FALSE(seeker.Search());
   seeker.DriveTo(52.0);
-  const auto found = seeker.ViewFit();
+  const auto found = seeker.Search();
   ASSERT_TRUE(found.has_value());
   EXPECT_LT(seeker.ErrorOf(*found), 0.3);
 }

@@ -7,7 +7,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr MatchOptions kMatchOptions{
+constexpr RegistrationFactorOptions kFactorOptions{
     .shared_sigma_m = 0.1, .shared_sigma_rad = 0.01, .shared_time = milliseconds(3000)};
 
 Registration<2> Registered(double residual_scale) {
@@ -22,7 +22,7 @@ AbsolutePoseFactor<2> Edge(const RegistrationTiming& timing, double residual_sca
   const Registration<2> registration = Registered(residual_scale);
   return RegistrationFactor<2>(registration, TangentMatrix<2>::Zero(),
                                ResidualScaledCovariance<2>(registration),
-                               4e-6 * TangentMatrix<2>::Identity(), timing, kMatchOptions);
+                               4e-6 * TangentMatrix<2>::Identity(), timing, kFactorOptions);
 }
 
 RegistrationTiming At(double speed_mps, int count) {

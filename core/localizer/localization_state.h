@@ -1,0 +1,19 @@
+#pragma once
+
+namespace dcloc {
+
+/// What an answer claims of its pose. `TrackingStateMachine` decides.
+enum class LocalizationState {
+  kInitializing,  ///< no pose in the map has been confirmed yet
+  /// The last registrations agree with the estimate, and it is certain enough.
+  kTracking,
+  /// Held by ego-motion from a pose that was confirmed within the last second, or confirmed but
+  /// less certain than tracking asks for, as along a tunnel.
+  kDeadReckoning,
+  /// Nothing has confirmed the pose for about a second, or it is no longer known to two metres: it
+  /// goes on by ego-motion, and the covariance grows until the map confirms a pose anew. Where the
+  /// prediction is too uncertain for that, the map is searched.
+  kLost,
+};
+
+}  // namespace dcloc

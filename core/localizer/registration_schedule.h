@@ -1,0 +1,59 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/options/option_fields.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// Which scans are followed by a registration.
+struct RegistrationScheduleOptions {
+  /// Radars of a rig that follow one another faster than this share a registration.
+  std::chrono::nanoseconds interval = std::chrono::milliseconds(40);
+  /// While tracking, after a registration that was accepted, the next one waits for so many new
+  /// scans: the more of them two sub-maps have in common, the less the second one says.
+  int tracking_scans = 2;
+  /// At the start and after a silence registration waits for this share of a full sub-map, or so
+  /// long.
+  double start_share = 0.8;
+  std::chrono::nanoseconds start_span = std::chrono::milliseconds(1000);
+};
+std::span<const OptionField<RegistrationScheduleOptions>> FieldsOf(
+    const RegistrationScheduleOptions& options);
+absl::Status Validate(const RegistrationScheduleOptions& options);
+
+/// Counts scans and says when the next registration is due.
+class RegistrationSchedule {
+ public:
+  /// A full sub-map has `full_scan_count` scans.
+  RegistrationSchedule(const RegistrationScheduleOptions& options, int full_scan_count)
+      : options_(options), full_scan_count_(full_scan_count) {}
+
+  /// A scan at `stamp` was added to the sub-map, which then had so many.
+  void OnScan(Stamp stamp, int submap_scan_count);
+
+  /// Whether that scan is to be followed by a registration. `is_steady`: tracking, and the newest
+  /// registration was accepted.
+  bool IsDue(bool is_steady) const;
+
+  /// It was.
+  void OnRegistration();
+
+  /// From the newest registration to the newest scan; nothing before the first one.
+  std::optional<std::chrono::nanoseconds> SinceRegistration() const;
+
+ private:
+  RegistrationScheduleOptions options_;
+  int full_scan_count_;
+  Stamp newest_{};
+  Stamp submap_begin_{};  // of the first scan since the sub-map was empty
+  int submap_scan_count_ = 0;
+  int scans_since_registration_ = 0;
+  std::optional<Stamp> last_registration_;
+};
+
+}  // namespace dcloc

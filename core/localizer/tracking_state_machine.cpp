@@ -1,0 +1,131 @@
+#include "core/localizer/tracking_state_machine.h"
+
+namespace dcloc {
+
+std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& /*options*/) {
+  using O = TrackingOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"confirmations", &O::confirmations, 1, 1000},
+      {"global_start_max_refusals", &O::global_start_max_refusals, 1, 1000},
+      {"tracking_hold_ms", &O::tracking_hold, 0, 1e6, "the first refused registration ends it"},
+      {"tracking_sigma_m", &O::tracking_sigma_m, 0, 1000, "nothing is called tracking"},
+      {"lost_after_ms", &O::lost_after, 0, 1e6, "dead reckoning is lost at once"},
+      {"lost_sigma_m", &O::lost_sigma_m, 1e-6, 1000},
+      {"lost_hold_ms", &O::lost_hold, 1, 1e6},
+      {"contradiction_span_ms", &O::contradiction_span, 0, 1e6, "contradictions are never counted"},
+      {"max_prior_sigma_m", &O::max_prior_sigma_m, 1e-6, 1000},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const TrackingOptions& options) {
+  absl::Status status = ValidateFields(options, FieldsOf(options));
+  if (status.ok() && options.lost_after < options.tracking_hold) {
+    status = absl::InvalidArgumentError(
+        absl::StrFormat("lost_after_ms is %g; it must not lie below tracking_hold_ms, %g",
+                        std::chrono::duration<double, std::milli>(options.lost_after).count(),
+                        std::chrono::duration<double, std::milli>(options.tracking_hold).count()));
+  }
+  return status;
+}
+
+TrackingMode Next(TrackingMode mode, TrackingEvent event) {
+  for (const TrackingTransition& transition : kTrackingTransitions) {
+    if (transition.from == mode && transition.event == event) return transition.to;
+  }
+  return mode;
+}
+
+void TrackingStateMachine::OnPlaceFound() {
+  const TrackingMode mode = Next(mode_, TrackingEvent::kPlaceFound);
+  *this = TrackingStateMachine(options_);
+  mode_ = mode;
+}
+
+void TrackingStateMachine::OnPrediction(Stamp stamp, double position_sigma_m) {
+  if (!last_accepted_) return;
+  const std::chrono::nanoseconds unconfirmed = stamp - *last_accepted_;
+  if (unconfirmed > options_.tracking_hold) mode_ = Next(mode_, TrackingEvent::kHoldExpired);
+  if (mode_ != TrackingMode::kDeadReckoning && mode_ != TrackingMode::kLost) return;
+  if (unconfirmed > options_.lost_after) Lose(stamp);
+  if (!uncertain_since_ && position_sigma_m > options_.lost_sigma_m) {
+    Lose(stamp);
+    uncertain_since_ = stamp;
+  }
+}
+
+// A vehicle that is lost must be confirmed anew.
+void TrackingStateMachine::Lose(Stamp stamp) {
+  if (mode_ != TrackingMode::kLost && outliers_in_a_row_ >= options_.confirmations) {
+    contradicted_ =
+        last_lost_to_outliers_ && stamp - *last_lost_to_outliers_ <= options_.contradiction_span;
+    last_lost_to_outliers_ = stamp;
+  }
+  mode_ = Next(mode_, TrackingEvent::kLossExpired);
+  accepted_in_a_row_ = 0;
+}
+
+void TrackingStateMachine::OnRegistration(Stamp stamp, RegistrationOutcome outcome) {
+  const bool accepted = outcome == RegistrationOutcome::kAccepted;
+  // What was accepted before a silence confirms nothing after it.
+  if (last_accepted_ && stamp - *last_accepted_ > options_.tracking_hold) {
+    accepted_in_a_row_ = 0;
+    mode_ = Next(mode_, TrackingEvent::kHoldExpired);
+  }
+  accepted_in_a_row_ = accepted ? accepted_in_a_row_ + 1 : 0;
+  refused_in_a_row_ = accepted ? 0 : refused_in_a_row_ + 1;
+  outliers_in_a_row_ = outcome == RegistrationOutcome::kOutlier ? outliers_in_a_row_ + 1 : 0;
+  if (accepted) last_accepted_ = stamp;
+  if (accepted_in_a_row_ < options_.confirmations) return;
+  mode_ = Next(mode_, TrackingEvent::kConfirmed);
+  uncertain_since_.reset();
+  contradicted_ = false;
+}
+
+Loss TrackingStateMachine::GiveUpIfLost(Stamp stamp, double position_sigma_m) {
+  const Loss loss = FindLoss(stamp, position_sigma_m);
+  if (loss != Loss::kNone) mode_ = Next(mode_, TrackingEvent::kGivenUp);
+  return loss;
+}
+
+Loss TrackingStateMachine::FindLoss(Stamp stamp, double position_sigma_m) const {
+  switch (mode_) {
+    case TrackingMode::kConfirmingPlace:
+      return refused_in_a_row_ >= options_.global_start_max_refusals ? Loss::kPlaceRefused
+                                                                     : Loss::kNone;
+    case TrackingMode::kConfirmingPrior:
+      return position_sigma_m > options_.max_prior_sigma_m ? Loss::kPriorTooWide : Loss::kNone;
+    case TrackingMode::kLost:
+      if (contradicted_) return Loss::kContradicted;
+      return uncertain_since_ && stamp - *uncertain_since_ > options_.lost_hold ? Loss::kUncertain
+                                                                                : Loss::kNone;
+    case TrackingMode::kSearching:
+    case TrackingMode::kTracking:
+    case TrackingMode::kDeadReckoning:
+    case TrackingMode::kRecovering:
+      return Loss::kNone;
+  }
+  return Loss::kNone;
+}
+
+LocalizationState TrackingStateMachine::Report(double position_sigma_m) const {
+  switch (mode_) {
+    case TrackingMode::kTracking:
+      // However well registrations agree across, a vehicle that does not know where along a tunnel
+      // it is does not track.
+      return position_sigma_m > options_.tracking_sigma_m ? LocalizationState::kDeadReckoning
+                                                          : LocalizationState::kTracking;
+    case TrackingMode::kDeadReckoning:
+      return LocalizationState::kDeadReckoning;
+    case TrackingMode::kLost:
+    case TrackingMode::kRecovering:
+      return LocalizationState::kLost;
+    case TrackingMode::kSearching:
+    case TrackingMode::kConfirmingPrior:
+    case TrackingMode::kConfirmingPlace:
+      return LocalizationState::kInitializing;
+  }
+  return LocalizationState::kInitializing;
+}
+
+}  // namespace dcloc

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <optional>
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/localizer/localization_state.h"
+#include "core/options/option_fields.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// When one mode changes to another.
+struct TrackingOptions {
+  int confirmations = 3;  ///< accepted registrations in a row that start tracking
+  /// After global localization, refused registrations in a row that drop the place it found.
+  int global_start_max_refusals = 3;
+  /// Tracking lasts so long without an accepted registration.
+  std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
+  double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
+  /// Without an accepted registration for so long, or less certain than `lost_sigma_m`, dead
+  /// reckoning is lost. Radars that scan ten times a second so report it within a second.
+  std::chrono::nanoseconds lost_after = std::chrono::milliseconds(900);
+  double lost_sigma_m = 2.0;
+  /// A vehicle that is lost and so uncertain for so long is localized globally, nearby first.
+  std::chrono::nanoseconds lost_hold = std::chrono::milliseconds(1000);
+  /// So is one that outliers make lost twice within so long.
+  std::chrono::nanoseconds contradiction_span = std::chrono::seconds(10);
+  /// And one whose unconfirmed prior has grown wider than this: searches around a prediction reach
+  /// ten metres, of wider ones they could miss the truth.
+  double max_prior_sigma_m = 4.5;
+};
+std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& options);
+absl::Status Validate(const TrackingOptions& options);
+
+enum class TrackingMode {
+  kSearching,        ///< no pose: global localization from nothing or from a vague prior
+  kConfirmingPrior,  ///< a pose from a prior that no registration has confirmed yet
+  kConfirmingPlace,  ///< a pose from global localization that must be confirmed
+  kTracking,
+  kDeadReckoning,  ///< a pose carried by ego-motion, confirmed a moment ago
+  kLost,           ///< a pose carried by ego-motion, for too long or too uncertain
+  kRecovering,     ///< the pose was given up: global localization, nearby first
+};
+
+enum class TrackingEvent {
+  kPriorGiven,   ///< a prior that registrations can start from
+  kPlaceFound,   ///< by global localization
+  kConfirmed,    ///< `confirmations` accepted registrations in a row
+  kHoldExpired,  ///< none accepted for `tracking_hold`
+  kLossExpired,  ///< none accepted for `lost_after`, or less certain than `lost_sigma_m`
+  kGivenUp,      ///< see Loss
+};
+
+/// One arrow of the machine. Events without an arrow from a mode leave it as it is.
+struct TrackingTransition {
+  TrackingMode from;
+  TrackingEvent event;
+  TrackingMode to;
+};
+
+inline constexpr std::array<TrackingTransition, 13> kTrackingTransitions = {{
+    {TrackingMode::kSearching, TrackingEvent::kPriorGiven, TrackingMode::kConfirmingPrior},
+    {TrackingMode::kSearching, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kRecovering, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kConfirmingPrior, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kConfirmingPrior, TrackingEvent::kGivenUp, TrackingMode::kSearching},
+    {TrackingMode::kConfirmingPlace, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kConfirmingPlace, TrackingEvent::kGivenUp, TrackingMode::kSearching},
+    {TrackingMode::kTracking, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
+    {TrackingMode::kDeadReckoning, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kDeadReckoning, TrackingEvent::kLossExpired, TrackingMode::kLost},
+    {TrackingMode::kLost, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kLost, TrackingEvent::kGivenUp, TrackingMode::kRecovering},
+    {TrackingMode::kTracking, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+}};
+
+/// Where `event` leads from `mode`.
+TrackingMode Next(TrackingMode mode, TrackingEvent event);
+
+/// What came of a registration: no pose fits the map, the one that fits is an outlier against the
+/// estimate, or it is accepted.
+enum class RegistrationOutcome { kNoMatch, kOutlier, kAccepted };
+
+/// Why a pose is given up.
+enum class Loss {
+  kNone,
+  kPlaceRefused,  ///< the place found by global localization is refused by what followed
+  kPriorTooWide,  ///< nothing has confirmed the prior, and it has grown beyond `max_prior_sigma_m`
+  kUncertain,     ///< lost and less certain than `lost_sigma_m` for `lost_hold`
+  /// Lost a second time within `contradiction_span` to outliers in a row. A burst of false
+  /// registrations passes, and a step of true ones is followed; an estimate that took a wrong place
+  /// for its own is contradicted again and again.
+  kContradicted,
+};
+
+/// Decides what an answer claims: whether its pose is TRACKING stands here and nowhere else.
+class TrackingStateMachine {
+ public:
+  explicit TrackingStateMachine(const TrackingOptions& options) : options_(options) {}
+
+  TrackingMode mode() const { return mode_; }
+  /// Whether there is a pose that registrations start from; else the map is searched.
+  bool has_pose() const {
+    return mode_ != TrackingMode::kSearching && mode_ != TrackingMode::kRecovering;
+  }
+
+  /// Starts from a prior; only while searching.
+  void OnPrior() { mode_ = Next(mode_, TrackingEvent::kPriorGiven); }
+
+  /// Starts from a place that global localization found; only while there is no pose. What was
+  /// counted before does not matter any more.
+  void OnPlaceFound();
+
+  /// Takes in the time and the position's standard deviation of a predicted pose; without a pose
+  /// nothing.
+  void OnPrediction(Stamp stamp, double position_sigma_m);
+
+  /// Takes in a registration's outcome at `stamp`.
+  void OnRegistration(Stamp stamp, RegistrationOutcome outcome);
+
+  /// Whether the pose, as uncertain as said, is to be given up at `stamp`; then it is: `has_pose()`
+  /// is false afterwards.
+  Loss GiveUpIfLost(Stamp stamp, double position_sigma_m);
+
+  /// What to claim of a pose whose position has this standard deviation.
+  LocalizationState Report(double position_sigma_m) const;
+
+ private:
+  Loss FindLoss(Stamp stamp, double position_sigma_m) const;
+  void Lose(Stamp stamp);
+
+  TrackingOptions options_;
+  TrackingMode mode_ = TrackingMode::kSearching;
+  int accepted_in_a_row_ = 0;
+  int refused_in_a_row_ = 0;
+  int outliers_in_a_row_ = 0;
+  std::optional<Stamp> last_accepted_;
+  std::optional<Stamp> uncertain_since_;  // while lost: less certain than lost_sigma_m
+  std::optional<Stamp> last_lost_to_outliers_;
+  bool contradicted_ = false;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,282 @@
+#include "core/localizer/tracking_state_machine.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace dcloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr TrackingOptions kOptions{
+    .confirmations = 3, .tracking_hold = milliseconds(400), .lost_sigma_m = 2.0};
+
+Stamp StampAt(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
+
+// One scan with a registration and its answer.
+void Scan(TrackingStateMachine& state, int ms, bool accepted, double sigma_m = 0.1) {
+  state.OnRegistration(StampAt(ms),
+                       accepted ? RegistrationOutcome::kAccepted : RegistrationOutcome::kNoMatch);
+  state.OnPrediction(StampAt(ms), sigma_m);
+}
+
+// One that began from a prior.
+TrackingStateMachine Started(const TrackingOptions& options = kOptions) {
+  TrackingStateMachine state(options);
+  state.OnPrior();
+  return state;
+}
+
+// One without a pose, to which a place was found.
+TrackingStateMachine Found() {
+  TrackingStateMachine state(kOptions);
+  state.OnPlaceFound();
+  return state;
+}
+
+TrackingStateMachine Tracking(int until_ms) {
+  TrackingStateMachine state = Started();
+  for (int ms = 0; ms <= until_ms; ms += 100) Scan(state, ms, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+  return state;
+}
+
+TEST(TrackingStateMachineTest, TracksAfterConfirmationsInARow) {
+  TrackingStateMachine state = Started();
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
+  Scan(state, 0, true);
+  Scan(state, 100, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
+  Scan(state, 200, false);
+  Scan(state, 300, true);
+  Scan(state, 400, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
+  Scan(state, 500, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+}
+
+TEST(TrackingStateMachineTest, InitializingStaysHoweverUncertain) {
+  TrackingStateMachine state = Started();
+  for (int ms = 0; ms < 5000; ms += 100) Scan(state, ms, false, 50.0);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
+}
+
+TEST(TrackingStateMachineTest, AShortGapIsHeldALongerOneIsDeadReckoning) {
+  TrackingStateMachine state = Tracking(1000);
+  Scan(state, 1100, false);
+  state.OnPrediction(StampAt(1400), 0.2);  // a scan without a registration
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+  state.OnPrediction(StampAt(1401), 0.2);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
+}
+
+TEST(TrackingStateMachineTest, DeadReckoningGrownUncertainIsLost) {
+  TrackingStateMachine state = Tracking(1000);
+  Scan(state, 1500, false, 1.99);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
+  Scan(state, 1600, false, 2.01);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
+  Scan(state, 1700, false, 1.0);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
+}
+
+TEST(TrackingStateMachineTest, LostIsToldWithinASecondOfTheLastConfirmation) {
+  constexpr int kLast_ms = 1000;
+  TrackingStateMachine state = Tracking(kLast_ms);
+  constexpr int kScan_ms = 77;
+  int told_ms = 0;
+  for (int ms = kLast_ms + kScan_ms; ms < 10'000; ms += kScan_ms) {
+    Scan(state, ms, false, 0.3);
+    if (told_ms == 0 && state.Report(0.1) == LocalizationState::kLost) told_ms = ms;
+    EXPECT_TRUE(told_ms == 0 || state.Report(0.1) == LocalizationState::kLost) << ms;
+  }
+  EXPECT_GT(told_ms, kLast_ms + 800) << "a short gap is bridged";
+  EXPECT_LE(told_ms, kLast_ms + 1000);
+}
+
+TEST(TrackingStateMachineTest, LostIsSearchedForOnlyWhileUncertain) {
+  TrackingStateMachine state = Tracking(1000);
+  for (int ms = 2000; ms < 60'000; ms += 100) Scan(state, ms, false, 1.5);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(60'000), 1.5), Loss::kNone);
+  Scan(state, 60'000, false, 2.1);
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(61'000), 2.1), Loss::kNone);
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(61'001), 2.1), Loss::kUncertain);
+  EXPECT_FALSE(state.has_pose());
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
+  state.OnPlaceFound();
+  for (int ms = 61'100; ms < 61'400; ms += 100) Scan(state, ms, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(70'000), 0.1), Loss::kNone);
+}
+
+TEST(TrackingStateMachineTest, OneConfirmationAloneDoesNotEndBeingLost) {
+  TrackingStateMachine state = Tracking(1000);
+  for (int ms = 1100; ms <= 2500; ms += 100) Scan(state, ms, false);
+  Scan(state, 2600, true);
+  Scan(state, 2700, false);
+  Scan(state, 2800, true);
+  Scan(state, 2900, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
+  Scan(state, 3000, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+}
+
+TEST(TrackingStateMachineTest, UncertainWhileTheMapConfirmsIsStillTracking) {
+  TrackingStateMachine state = Tracking(1000);
+  Scan(state, 1100, true, 3.0);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+}
+
+TEST(TrackingStateMachineTest, ConfirmationsInARowRecoverFromBoth) {
+  for (const double sigma_m : {0.5, 5.0}) {
+    TrackingStateMachine state = Tracking(1000);
+    Scan(state, 2000, false, sigma_m);
+    EXPECT_NE(state.Report(0.1), LocalizationState::kTracking);
+    Scan(state, 2100, true);
+    Scan(state, 2200, true);
+    EXPECT_NE(state.Report(0.1), LocalizationState::kTracking);
+    Scan(state, 2300, true);
+    EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+  }
+}
+
+TEST(TrackingStateMachineTest, WhoWasLostMustBeConfirmedAnew) {
+  TrackingStateMachine state = Tracking(1000);
+  // Silence, without a registration that could have failed.
+  state.OnPrediction(StampAt(60'000), 30.0);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
+  Scan(state, 60'000, true);
+  Scan(state, 60'100, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
+  Scan(state, 60'200, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+}
+
+// One second of outliers from `ms` on and then, if it `recovers`, some accepted registrations.
+void Contradict(TrackingStateMachine& state, int ms, bool recovers = true) {
+  for (const int end_ms = ms + 1000; ms <= end_ms; ms += 100) {
+    state.OnRegistration(StampAt(ms), RegistrationOutcome::kOutlier);
+    state.OnPrediction(StampAt(ms), 0.1);
+  }
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
+  if (!recovers) return;
+  for (const int end_ms = ms + 500; ms < end_ms; ms += 100) Scan(state, ms, true);
+}
+
+TEST(TrackingStateMachineTest, LostToOutliersTwiceIsContradicted) {
+  TrackingStateMachine state = Tracking(1000);
+  Contradict(state, 1100);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(2700), 0.1), Loss::kNone);
+  for (int ms = 2700; state.Report(0.1) != LocalizationState::kLost; ms += 100) {
+    state.OnRegistration(StampAt(ms), RegistrationOutcome::kOutlier);
+    state.OnPrediction(StampAt(ms), 0.1);
+  }
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(4000), 0.1), Loss::kContradicted);
+  state.OnPlaceFound();
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(4100), 0.1), Loss::kNone);
+}
+
+TEST(TrackingStateMachineTest, OutliersFarApartAreTwoBursts) {
+  TrackingStateMachine state = Tracking(1000);
+  Contradict(state, 1100);
+  for (int ms = 3000; ms < 20'000; ms += 100) Scan(state, ms, true);
+  Contradict(state, 20'000, false);
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(21'100), 0.1), Loss::kNone);
+}
+
+TEST(TrackingStateMachineTest, WhereTheMapIsEmptyNothingContradicts) {
+  TrackingStateMachine state = Tracking(1000);
+  for (const int begin_ms : {1100, 2700}) {
+    for (int ms = begin_ms; ms <= begin_ms + 1000; ms += 100) Scan(state, ms, false);
+    EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
+    EXPECT_EQ(state.GiveUpIfLost(StampAt(begin_ms + 1000), 0.1), Loss::kNone);
+    for (int ms = begin_ms + 1100; ms < begin_ms + 1600; ms += 100) Scan(state, ms, true);
+  }
+}
+
+TEST(TrackingStateMachineTest, AFoundPlaceIsConfirmedAndThenTracks) {
+  TrackingStateMachine state = Found();
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
+  Scan(state, 1100, true);
+  Scan(state, 1200, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
+  Scan(state, 1300, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+}
+
+TEST(TrackingStateMachineTest, AFoundPlaceThatIsRefusedIsGivenUp) {
+  TrackingStateMachine state = Found();
+  Scan(state, 0, true);
+  Scan(state, 100, false);
+  Scan(state, 200, false);
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(200), 0.1), Loss::kNone);
+  Scan(state, 300, false);
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(300), 0.1), Loss::kPlaceRefused);
+  EXPECT_EQ(state.mode(), TrackingMode::kSearching);
+}
+
+TEST(TrackingStateMachineTest, AnUnconfirmedPriorThatHasGrownTooWideIsGivenUp) {
+  TrackingStateMachine state = Started();
+  for (int ms = 0; ms < 2000; ms += 100) Scan(state, ms, false);
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(2000), kOptions.max_prior_sigma_m), Loss::kNone);
+  EXPECT_EQ(state.GiveUpIfLost(StampAt(2000), kOptions.max_prior_sigma_m + 0.1),
+            Loss::kPriorTooWide);
+  EXPECT_EQ(state.mode(), TrackingMode::kSearching);
+}
+
+TEST(TrackingStateMachineTest, AnUncertainPoseIsNotCalledTracking) {
+  const TrackingStateMachine state = Tracking(1000);
+  EXPECT_EQ(state.Report(kOptions.tracking_sigma_m), LocalizationState::kTracking);
+  EXPECT_EQ(state.Report(kOptions.tracking_sigma_m + 0.01), LocalizationState::kDeadReckoning);
+  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+}
+
+constexpr TrackingMode kModes[] = {TrackingMode::kSearching,       TrackingMode::kConfirmingPrior,
+                                   TrackingMode::kConfirmingPlace, TrackingMode::kTracking,
+                                   TrackingMode::kDeadReckoning,   TrackingMode::kLost,
+                                   TrackingMode::kRecovering};
+constexpr TrackingEvent kEvents[] = {TrackingEvent::kPriorGiven,  TrackingEvent::kPlaceFound,
+                                     TrackingEvent::kConfirmed,   TrackingEvent::kHoldExpired,
+                                     TrackingEvent::kLossExpired, TrackingEvent::kGivenUp};
+
+class TrackingTransitionTest : public ::testing::TestWithParam<TrackingTransition> {};
+
+TEST_P(TrackingTransitionTest, IsTaken) {
+  const TrackingTransition& arrow = GetParam();
+  EXPECT_EQ(Next(arrow.from, arrow.event), arrow.to);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, TrackingTransitionTest, ::testing::ValuesIn(kTrackingTransitions));
+
+TEST(TrackingTransitionsTest, EachArrowStandsOnceAndNothingElseMoves) {
+  std::size_t count = 0;
+  for (const TrackingMode mode : kModes) {
+    for (const TrackingEvent event : kEvents) {
+      const auto arrows = std::ranges::count_if(kTrackingTransitions, [&](const auto& arrow) {
+        return arrow.from == mode && arrow.event == event;
+      });
+      EXPECT_LE(arrows, 1);
+      count += static_cast<std::size_t>(arrows);
+      if (arrows == 0) EXPECT_EQ(Next(mode, event), mode);
+    }
+  }
+  EXPECT_EQ(count, kTrackingTransitions.size());
+}
+
+TEST(TrackingTransitionsTest, EveryModeIsReachedAndLeft) {
+  for (const TrackingMode mode : kModes) {
+    EXPECT_TRUE(mode == TrackingMode::kSearching ||
+                std::ranges::any_of(kTrackingTransitions,
+                                    [&](const auto& arrow) { return arrow.to == mode; }));
+    EXPECT_TRUE(std::ranges::any_of(kTrackingTransitions, [&](const auto& arrow) {
+      return arrow.from == mode && arrow.to != mode;
+    }));
+  }
+}
+
+}  // namespace
+}  // namespace dcloc
