@@ -26,7 +26,9 @@ CITED_EQUATION = re.compile(r"\beqs?\.?[\s/#*]+" + NUMBERS)
 CITED_SECTION = re.compile(r"\bMETHOD[\s/#*]+(?:section[\s/#*]+)?" + NUMBERS)
 COMMENT = re.compile(r'//[^\n]*|/\*.*?\*/|#[^\n]*|"""(?:.*?)"""', re.DOTALL)
 STRING = re.compile(r'"(?:\\.|[^"\\\n])*"')
+FENCED = re.compile(r"^ *```.*?^ *```", re.DOTALL | re.MULTILINE)
 EQUATION_TAG = re.compile(r"\((\d+)\)\s*$", re.MULTILINE)
+EQUATION_IN_PROSE = re.compile(r"\((\d{1,2})\)")
 SECTION_TAG = re.compile(r"^##+\s+(\d+)\.", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+\s+(.*?)\s*$", re.MULTILINE)
@@ -48,8 +50,7 @@ def line_of(text, position):
 
 def without_code(text):
     """The text with its fenced blocks and inline code blanked; lines keep their numbers."""
-    text = re.sub(r"^ *```.*?^ *```", lambda m: "\n" * m.group().count("\n"), text,
-                  flags=re.DOTALL | re.MULTILINE)
+    text = FENCED.sub(lambda m: "\n" * m.group().count("\n"), text)
     return re.sub(r"`[^`\n]*`", "x", text)
 
 
@@ -97,8 +98,19 @@ class Checker:
             self.report(METHOD, 1, "is not there")
             return
         text = method.read_text()
-        self.equations = {int(n) for n in EQUATION_TAG.findall(text)}
         self.sections = {int(n) for n in SECTION_TAG.findall(text)}
+        for block in FENCED.finditer(text):
+            for tag in EQUATION_TAG.finditer(block.group()):
+                number = int(tag.group(1))
+                if number in self.equations:
+                    self.report(METHOD, line_of(text, block.start() + tag.start()),
+                                f"equation {number} stands here again")
+                self.equations.add(number)
+        prose = without_code(text)
+        for match in EQUATION_IN_PROSE.finditer(prose):
+            if int(match.group(1)) not in self.equations:
+                self.report(METHOD, line_of(prose, match.start()),
+                            f"there is no equation {match.group(1)}")
 
     def check_citations(self, path, text, offset=0, whole=None):
         whole = text if whole is None else whole

@@ -54,6 +54,13 @@ class DocumentsTest(unittest.TestCase):
         self.expect_violation("core/b.h", "/// what moves is left out (METHOD\n/// 2).\n",
                               "core/b.h:1", "no section 2")
 
+    def test_equations_stand_once_and_are_called_right(self):
+        method = SOUND["core/METHOD.md"]
+        self.expect_violation("core/METHOD.md", method + "By (7) and (9).\n", "core/METHOD.md:9",
+                              "there is no equation 9")
+        self.expect_violation("core/METHOD.md", method + "```\nq = 3 (7)\n```\n",
+                              "core/METHOD.md:10", "equation 7 stands here again")
+
     def test_the_method_is_there(self):
         found = violations({"core/METHOD.md": "# Empty\n"})
         self.assertTrue(any("no equation 6" in one for one in found), found)
