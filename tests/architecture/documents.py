@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the documents: their length, their links, and that cited equations exist.
+"""Checks the documents: their length, and that links, names and cited equations exist.
 
 Usage: documents.py [ROOT]
 Prints FILE:LINE: and what is wrong, one line for each violation; the exit status is 1 if there is
@@ -31,6 +31,10 @@ EQUATION_TAG = re.compile(r"\((\d+)\)\s*$", re.MULTILINE)
 EQUATION_IN_PROSE = re.compile(r"\((\d{1,2})\)")
 SECTION_TAG = re.compile(r"^##+\s+(\d+)\.", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
+INLINE_CODE = re.compile(r"`([^`\n]+)`")
+OUR_PATH = re.compile(r"(?:core|server|client|tests|deploy|proto|maps)/[\w./-]+")
+PLACEHOLDER = re.compile(r"(^|/)[A-Z]+(/|$)")  # as in core/ROOM/
+OUR_NAME = re.compile(r"[A-Z][a-z0-9]+(?:[A-Z][a-z0-9]*)+")
 HEADING = re.compile(r"^#+\s+(.*?)\s*$", re.MULTILINE)
 ITEM = re.compile(r"\s*(?:[-*+]|\d+\.)\s+")
 
@@ -67,6 +71,11 @@ def paragraphs(text):
         if not words:
             begin = number
         words += len(ITEM.sub("", line, count=1).split())
+
+
+def is_record(path):
+    """Whether a document tells of its time, so that what it names may have gone."""
+    return "/decisions/" in path or path == "CHANGELOG.md"
 
 
 def anchors(text):
@@ -162,13 +171,38 @@ class Checker:
             elif anchor and file.suffix == ".md" and anchor not in anchors(file.read_text()):
                 self.report(path, line, f"no heading is called {match.group(1)}")
 
+    def has_path(self, document, pattern):
+        """Whether there is one, seen from the root or from a folder that the document lies in."""
+        return any(any((self.root / folder).glob(pattern))
+                   for folder in pathlib.PurePosixPath(document).parents)
+
+    def check_names(self, path, text, words):
+        """Paths and names of ours that are set as code must be those of the tree."""
+        blanked = FENCED.sub(lambda m: "\n" * m.group().count("\n"), text)
+        for match in INLINE_CODE.finditer(blanked):
+            code, line = match.group(1), line_of(blanked, match.start())
+            if OUR_PATH.fullmatch(code) and not PLACEHOLDER.search(code):
+                if not self.has_path(path, code.rstrip("/") + "*"):
+                    self.report(path, line, f"nothing is called {code}")
+            is_cut = code.endswith("...")
+            for name in re.split(r"::|\.", re.sub(r"\(\)$", "", code)):
+                if not OUR_NAME.fullmatch(name) or name in words:
+                    continue
+                if not (is_cut and any(word.startswith(name) for word in words)):
+                    self.report(path, line, f"no source knows {name}")
+
     def run(self):
         self.read_method()
+        words = set()
+        for _, text in self.files(*SOURCES, ".txt", ".yml", ".json", ".service", ".in"):
+            words.update(re.findall(r"[A-Z]\w+", text))
         for path, text in self.files(".md"):
             self.check_length(path, text)
             self.check_paragraphs(path, text)
             self.check_links(path, text)
             self.check_citations(path, without_code(text))
+            if not is_record(path):
+                self.check_names(path, text, words)
         for path, text in self.files(*SOURCES):
             if path not in OWN:
                 self.check_source(path, text)

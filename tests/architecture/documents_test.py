@@ -12,7 +12,8 @@ SOUND = {
                  "[elsewhere](https://example.org).\n",
     "core/METHOD.md": "# Method\n\n## 1. Ranges\n\n```\nr = 1   (6)\np = 2   (7)\n```\n",
     "core/a.h": "/// Compensated range (METHOD eq 6-7, METHOD 1). 3 seqs 4; not METHODS 9.\n"
-                'const char* a = "eq 99"; int eq = 5;  // of METHOD\n/// eq 7\n',
+                'const char* a = "eq 99"; int eq = 5;  // of METHOD\n/// eq 7\n'
+                "struct RadarScan { void TakeColumns(); };\n",
     "core/decisions/0001-a.md": "# 0001 A\n\nShort.\n",
     "build/README.md": "[nowhere](nowhere.md)\n",
 }
@@ -88,6 +89,17 @@ class DocumentsTest(unittest.TestCase):
         self.expect_violation("core/b.md", "[a](METHOD.md#2-points)\n", "core/b.md:1",
                               "no heading is called METHOD.md#2-points")
         self.assertEqual(violations({"core/b.md": "`[c](c.md)`\n\n```\n[c](c.md)\n```\n"}), [])
+
+    def test_names_are_those_of_the_tree(self):
+        self.expect_violation("core/b.md", "\nIn `core/gone.h`.\n", "core/b.md:2",
+                              "nothing is called core/gone.h")
+        self.expect_violation("core/b.md", "By `RadarScan::GoneAway()`.\n", "core/b.md:1",
+                              "no source knows GoneAway")
+        self.assertEqual(violations({
+            "core/b.md": "`core/a`, `core/ROOM/x.h`, `RadarScan::TakeColumns`, `RadarScan.TakeCol...`, "
+                         "`METHOD`, `Nothing`.\n\n```\nGoneAway core/gone.h\n```\n",
+            "server/maps/store/x.h": "", "server/rpc/b.md": "`maps/store/x`",
+            "core/decisions/0002-b.md": "Then it was `GoneAway` in `core/gone.h`.\n"}), [])
 
 
 if __name__ == "__main__":
