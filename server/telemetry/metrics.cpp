@@ -97,15 +97,15 @@ Metrics::Metrics()
                          DurationBuckets_s())),
       edge_distance_(AddHistogram(
           *registry_, "dcloc_loop_edge_distance",
-          "Squared Mahalanobis distance between a match and its prediction; 3 in the mean when the "
-          "covariances are honest",
+          "Squared Mahalanobis distance between a registration and its prediction; 3 in the mean "
+          "when the covariances are right",
           ChiSquareBuckets())),
       residual_scale_(AddHistogram(*registry_, "dcloc_residual_scale",
-                                   "Root mean square of a match's whitened residuals; 1 is as "
-                                   "modelled",
+                                   "Root mean square of a registration's whitened residuals; 1 is "
+                                   "as modelled",
                                    {0.25, 0.5, 0.75, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0, 5.0})),
       overlap_(AddHistogram(*registry_, "dcloc_overlap",
-                            "Share of the live points that a match found in the map",
+                            "Share of a sub-map's points that are inliers of its registration",
                             {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0})),
       map_acquire_(AddHistogram(*registry_, "dcloc_map_acquire_seconds",
                                 "Getting a new session's map; microseconds where it is in memory",
@@ -115,16 +115,16 @@ Metrics::Metrics()
       map_misses_(AddCounters(*registry_, "dcloc_map_acquires_total", kMapHelp)
                       .Add({{"in_memory", "false"}})),
       valid_edges_(AddCounters(*registry_, "dcloc_loop_edges_total",
-                               "Matches with the map, by whether they passed the test")
+                               "Registrations, by whether they passed the innovation test")
                        .Add({{"valid", "true"}})),
       invalid_edges_(AddCounters(*registry_, "dcloc_loop_edges_total",
-                                 "Matches with the map, by whether they passed the test")
+                                 "Registrations, by whether they passed the innovation test")
                          .Add({{"valid", "false"}})),
       wrong_beta_(AddCounters(*registry_, "dcloc_wrong_beta_answers_total",
-                              "Answers to scans of radars whose beta_s the matches contradict")
+                              "Answers to scans of radars whose beta_s the residuals contradict")
                       .Add({})),
       repeated_(AddCounters(*registry_, "dcloc_scans_repeated_total",
-                            "Scans that came again and were answered from memory")
+                            "Scans that were sent again and answered from memory")
                     .Add({})),
       dropped_(AddCounters(*registry_, "dcloc_scans_dropped_total",
                            "Scans dropped for newer ones, where the client asked for it")
@@ -132,10 +132,10 @@ Metrics::Metrics()
       rejected_(AddCounters(*registry_, "dcloc_scans_rejected_total",
                             "Scans that were refused, by reason")),
       opens_(AddCounters(*registry_, "dcloc_session_opens_total",
-                         "Localize calls, by what came of their open message")) {
+                         "Localize calls, by the result of their open message")) {
   auto& stages = prometheus::BuildHistogram()
                      .Name("dcloc_scan_stage_seconds")
-                     .Help("What a scan's stages took; only those that ran")
+                     .Help("Duration of each stage of a scan; only stages that ran")
                      .Register(*registry_);
   for (std::size_t i = 0; i < kStageCount; ++i) {
     stages_[i] = &stages.Add({{"stage", kStageLabels[i]}}, DurationBuckets_s());
