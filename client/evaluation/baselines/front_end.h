@@ -23,7 +23,7 @@ class FrontEnd {
       : rig_(std::move(rig)),
         options_(options),
         ego_range_rates_(ego_range_rates),
-        ego_motion_(options),
+        ego_motion_(options.ego_motion),
         window_(options.scans_per_submap) {}
 
   /// The sub-map that ends with `scan`; the first stages are announced to `listener`, if any.
