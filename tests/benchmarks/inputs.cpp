@@ -86,7 +86,7 @@ std::vector<Case> RecordedCases() {
 std::vector<Query> Queries(const Case& drives, std::size_t stride, std::size_t max_count) {
   constexpr std::size_t kFirst = 10;
   const LocalizerOptions options;
-  EgoMotion ego_motion(options);
+  EgoMotion ego_motion(options.ego_motion);
   SubmapWindow window(options.scans_per_submap);
   const Rig& rig = drives.live_drive.rig;
   std::vector<Query> queries;

@@ -60,7 +60,7 @@ const Inputs& InputsOf(const std::string& name, double length_m = kLength_m) {
 void Compensation(benchmark::State& state, const std::string& name) {
   const Drive& drive = InputsOf(name).drives.live_drive;
   const LocalizerOptions options;
-  EgoMotion ego_motion(options);
+  EgoMotion ego_motion(options.ego_motion);
   std::size_t i = 0;
   while (state.KeepRunning()) {
     if (i == drive.scans.size()) {
@@ -77,7 +77,7 @@ void Compensation(benchmark::State& state, const std::string& name) {
 void JoinSubmap(benchmark::State& state, const std::string& name) {
   const Drive& drive = InputsOf(name).drives.live_drive;
   const LocalizerOptions options;
-  EgoMotion ego_motion(options);
+  EgoMotion ego_motion(options.ego_motion);
   SubmapWindow window(options.scans_per_submap);
   for (std::size_t i = 0; i < 50; ++i) {
     const Scan& scan = drive.scans[i].scan;
