@@ -261,7 +261,9 @@ TEST(TrackingTransitionsTest, EachArrowStandsOnceAndNothingElseMoves) {
       });
       EXPECT_LE(arrows, 1);
       count += static_cast<std::size_t>(arrows);
-      if (arrows == 0) EXPECT_EQ(Next(mode, event), mode);
+      if (arrows == 0) {
+        EXPECT_EQ(Next(mode, event), mode);
+      }
     }
   }
   EXPECT_EQ(count, kTrackingTransitions.size());
