@@ -1,4 +1,4 @@
-#include "client/cli/dataset/simulate_command.h"
+#include "client/cli/simulate/simulate_command.h"
 
 #include <cmath>
 #include <memory>

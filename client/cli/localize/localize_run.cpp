@@ -1,4 +1,4 @@
-#include "client/cli/session/localize_run.h"
+#include "client/cli/localize/localize_run.h"
 
 #include <array>
 #include <atomic>
@@ -18,8 +18,8 @@
 #include "client/cli/common/progress.h"
 #include "client/cli/common/stop_signals.h"
 #include "client/cli/common/terminal.h"
+#include "client/cli/localize/answer_files.h"
 #include "client/cli/remote/wire.h"
-#include "client/cli/session/answer_files.h"
 #include "client/datasets/dataset.h"
 #include "client/evaluation/metrics_format.h"
 #include "client/sdk/session.h"
