@@ -161,6 +161,13 @@ class IncludeTest(ArchitectureTest):
         self.expect_one({"proto/dcloc/v1/geometry.proto": 'import "dcloc/v1/scan.proto";\n'},
                         "proto", "files use each other")
 
+    def test_digests_have_one_place_on_each_side(self):
+        code = "EVP_DigestInit_ex(context, EVP_sha256(), nullptr);\n"
+        for path in ("client/sdk/sha256.cpp", "server/base/sha256.cpp", "tests/server/app/a.cpp"):
+            self.assertEqual(violations({path: code}), [])
+        self.expect_violation("client/cli/map/hash.cpp", code, "digests are made in client/sdk")
+        self.expect_violation("server/app/hash.cpp", "SHA256(data, size, out);\n", "digests")
+
     def test_includes_are_written_from_the_root(self):
         self.expect_include_violation("core/map/bad.cpp", "radar_map.h", "written from the root")
 

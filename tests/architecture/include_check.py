@@ -15,6 +15,10 @@ CORE_FORBIDDEN_CODE = re.compile(
     r"\w+_clock\b|\bclock_gettime\b|\bgettimeofday\b|\bstd::(?:j?thread|async)\b|\brandom_device\b|"
     r"\babsl::Now\b")
 
+# SHA-256 is made in one place on each side of the wire; sdk and server share only the contract.
+DIGEST = re.compile(r"\bEVP_(?:Digest|MD_CTX|Q_digest|sha256)\w*|\bSHA256\w*\(")
+DIGEST_FILES = {"client/sdk/sha256.cpp", "server/base/sha256.cpp"}
+
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[>"]', re.MULTILINE)
 IMPORT = re.compile(r'^\s*import\s+(?:public\s+|weak\s+)?"([^"]+)"', re.MULTILINE)
 COMMENT_OR_TEXT = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"', re.DOTALL)
@@ -42,6 +46,8 @@ class IncludeCheck:
             self.report(path, "its folder is no room of floors.py")
         for quote, header in INCLUDE.findall(text):
             self.check_include(path, room, quote, header)
+        if path not in DIGEST_FILES and not path.startswith("tests/") and DIGEST.search(text):
+            self.report(path, "digests are made in " + " and ".join(sorted(DIGEST_FILES)))
         if path.startswith("core/"):
             for word in CORE_FORBIDDEN_CODE.findall(COMMENT_OR_TEXT.sub("", text)):
                 self.report(path, f"core has no clock, no thread and no chance of its own ({word})")
