@@ -67,7 +67,7 @@ absl::StatusOr<Calibrator> ReadDrives(const CalibrateArguments& arguments) {
   DriveRequest request = arguments.drive;
   for (const std::string& name : arguments.drives) {
     request.name = name;
-    const auto drive = ReadDrive(ToDataset(arguments.dataset), request);
+    const auto drive = ReadDrive(arguments.dataset, request);
     if (!drive.ok()) return drive.status();
     if (!calibrator) {
       rig = drive->rig;

@@ -250,7 +250,7 @@ absl::Status Localize(client::Session& session, const Drive& drive,
 }  // namespace
 
 absl::Status RunLocalize(const LocalizeArguments& arguments) {
-  const absl::StatusOr<Drive> drive = ReadDrive(ToDataset(arguments.dataset), arguments.drive);
+  const absl::StatusOr<Drive> drive = ReadDrive(arguments.dataset, arguments.drive);
   if (!drive.ok()) return drive.status();
   if (drive->scans.empty()) {
     return absl::InvalidArgumentError(absl::StrCat("drive ", drive->name, " has no scans"));

@@ -17,8 +17,6 @@
 namespace dcloc::cli {
 namespace {
 
-constexpr double kMpsPerKmh = 1.0 / 3.6;
-
 struct SimulateArguments {
   SimulationOptions options;
   double map_speed_kmh = 72.0;
@@ -52,13 +50,11 @@ absl::Status Simulate(SimulateArguments arguments) {
   if (!writer.ok()) return writer.status();
   const simulation::World world = MakeWorld(options);
   for (const PassOptions& pass : Passes(options)) {
-    constexpr std::size_t kSteps = 1000;
     absl::StatusOr<SimulatedPass> simulated;
     {
-      Progress progress("simulating " + pass.name, kSteps);
-      simulated = SimulatePassWithTruth(world, options, pass, [&](double share) {
-        progress.Update(static_cast<std::size_t>(share * kSteps));
-      });
+      Progress progress("simulating " + pass.name);
+      simulated = SimulatePassWithTruth(world, options, pass,
+                                        [&](double share) { progress.UpdateShare(share); });
     }
     if (!simulated.ok()) return simulated.status();
     if (absl::Status status = writer->AddPass(*simulated); !status.ok()) return status;
