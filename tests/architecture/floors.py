@@ -4,6 +4,7 @@
 # Every folder with sources is a room.
 FLOORS = {
     "core": [
+        "options",
         "geometry",
         "radar",
         "odometry",
@@ -71,7 +72,12 @@ FLOOR_OF = {f"{module}/{room}": index
             for index, floor in enumerate(floors)
             for room in floor.split()}
 
-SPECIAL_TARGETS = {"proto": "dcloc_proto", "client/sdk": "dcloc_client", "server/app": "dcloc_server"}
+SPECIAL_TARGETS = {
+    "proto": "dcloc_proto",
+    "core/options": "dcloc_option_fields",  # dcloc_options are the compiler's
+    "client/sdk": "dcloc_client",
+    "server/app": "dcloc_server",
+}
 
 
 def target_of(room):

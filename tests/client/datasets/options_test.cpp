@@ -4,7 +4,7 @@
 #include "client/datasets/dataset.h"
 #include "client/datasets/drive_map.h"
 #include "client/datasets/nuscenes.h"
-#include "tests/client/fixtures/option_fields.h"
+#include "tests/client/fixtures/field_cases.h"
 
 namespace dcloc {
 namespace {

@@ -4,7 +4,7 @@
 #include "client/evaluation/disturbance.h"
 #include "client/evaluation/robustness/trials.h"
 #include "client/evaluation/runner.h"
-#include "tests/client/fixtures/option_fields.h"
+#include "tests/client/fixtures/field_cases.h"
 
 namespace dcloc {
 namespace {

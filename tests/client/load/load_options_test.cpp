@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "client/load/capacity_search.h"
-#include "tests/client/fixtures/option_fields.h"
+#include "tests/client/fixtures/field_cases.h"
 
 namespace dcloc::load {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/client/fixtures/option_fields.h"
+#include "tests/client/fixtures/field_cases.h"
 
 namespace dcloc {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tests/client/evaluation/paper/made_outcomes.h"
-#include "tests/client/fixtures/option_fields.h"
+#include "tests/client/fixtures/field_cases.h"
 
 namespace dcloc::paper {
 namespace {
