@@ -1,19 +1,19 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 
+#include "client/cli/calibrate/calibrate_command.h"
 #include "client/cli/common/exit_codes.h"
 #include "client/cli/common/terminal.h"
-#include "client/cli/dataset/calibrate_command.h"
-#include "client/cli/dataset/describe_command.h"
-#include "client/cli/dataset/simulate_command.h"
+#include "client/cli/describe_command.h"
 #include "client/cli/evaluate/evaluate_command.h"
 #include "client/cli/load/load_command.h"
+#include "client/cli/localize/localize_command.h"
 #include "client/cli/map/map_command.h"
 #include "client/cli/map/map_server_command.h"
 #include "client/cli/server/server_command.h"
-#include "client/cli/session/localize_command.h"
 #include "client/cli/session/session_command.h"
 #include "client/cli/session/session_record_command.h"
+#include "client/cli/simulate/simulate_command.h"
 
 int main(int argc, char** argv) {
   using namespace dcloc::cli;  // NOLINT(google-build-using-namespace): main is its front end

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "client/datasets/nuscenes.h"
 #include "client/datasets/radarscenes.h"
 #include "client/datasets/rig_file.h"
@@ -11,12 +12,14 @@ namespace dcloc {
 namespace {
 
 absl::StatusOr<Drive> ReadAsDescribed(const Dataset& dataset, const DriveRequest& request) {
-  if (dataset.format == DatasetFormat::kRadarScenes) {
-    return ReadRadarScenesDrive(dataset.root, request);
+  switch (dataset.format) {
+    case DatasetFormat::kNuScenes:
+      return ReadNuScenesDrive(dataset.root, request, {.version = dataset.version});
+    case DatasetFormat::kRadarScenes:
+      return ReadRadarScenesDrive(dataset.root, request);
   }
-  NuScenesOptions options;
-  options.version = dataset.version;
-  return ReadNuScenesDrive(dataset.root, request, options);
+  return absl::InvalidArgumentError(absl::StrFormat("format is %d; it is none of DatasetFormat",
+                                                    static_cast<int>(dataset.format)));
 }
 
 absl::Status KeepPart(const DriveRequest& request, Drive& drive) {
@@ -43,7 +46,18 @@ absl::Status Redescribe(const DriveRequest& request, Rig& rig) {
 
 }  // namespace
 
+absl::StatusOr<DatasetFormat> DatasetFormatByName(absl::string_view name) {
+  std::vector<std::string> names;
+  for (const auto& [known, format] : kDatasetFormatNames) {
+    if (name == known) return format;
+    names.emplace_back(known);
+  }
+  return absl::InvalidArgumentError(
+      absl::StrFormat("dataset is '%s'; it must be one of %s", name, absl::StrJoin(names, ", ")));
+}
+
 absl::StatusOr<Drive> ReadDrive(const Dataset& dataset, const DriveRequest& request) {
+  if (absl::Status status = Validate(request); !status.ok()) return status;
   absl::StatusOr<Drive> drive = ReadAsDescribed(dataset, request);
   if (!drive.ok()) return drive;
   absl::Status status = KeepPart(request, *drive);

@@ -1,15 +1,25 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "client/datasets/drive.h"
 #include "client/datasets/drive_request.h"
 
 namespace dcloc {
 
 enum class DatasetFormat { kNuScenes, kRadarScenes };
+
+/// The formats by the names that users write.
+inline constexpr std::array<std::pair<const char*, DatasetFormat>, 2> kDatasetFormatNames = {
+    {{"nuscenes", DatasetFormat::kNuScenes}, {"radarscenes", DatasetFormat::kRadarScenes}}};
+
+/// The format of that name; InvalidArgument names it, and those that there are.
+absl::StatusOr<DatasetFormat> DatasetFormatByName(absl::string_view name);
 
 /// A data set on disk.
 struct Dataset {
@@ -18,7 +28,8 @@ struct Dataset {
   std::string version;  ///< nuScenes only; may be empty where there is just one
 };
 
-/// Reads a drive of the data set with its format's default options.
+/// Reads a drive of the data set with its format's default options. InvalidArgument names a field
+/// of the request that makes no sense; other errors are those of the format's reader.
 absl::StatusOr<Drive> ReadDrive(const Dataset& dataset, const DriveRequest& request);
 
 }  // namespace dcloc

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "core/geometry/pose.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
@@ -24,5 +25,8 @@ struct Drive {
   Rig rig;
   std::vector<DriveScan> scans;
 };
+
+/// OK when the rig describes the radar of each scan; InvalidArgument names one that it does not.
+absl::Status CheckRadarsOfScans(const Drive& drive);
 
 }  // namespace dcloc

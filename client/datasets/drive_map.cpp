@@ -10,6 +10,7 @@ absl::StatusOr<std::vector<std::byte>> BuildMap(const Drive& drive,
                                                 const std::function<void(std::size_t)>& progress) {
   auto builder = MapBuilder::Create(drive.rig, options);
   if (!builder.ok()) return builder.status();
+  if (absl::Status status = CheckRadarsOfScans(drive); !status.ok()) return status;
   EgoMotion ego_motion;
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {
     const auto& [scan, T_map_vehicle] = drive.scans[i];

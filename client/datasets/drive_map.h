@@ -13,7 +13,7 @@ namespace dcloc {
 /// Makes a map of a drive from its scans at its reference poses, in their frame; the bytes are a
 /// map file. A scan's ego-velocity is what a localizer would take: the drive's own fused with
 /// Doppler's. `progress` is told the number of scans done. FailedPrecondition when the drive gave
-/// no landmark.
+/// no landmark, InvalidArgument for a scan of a radar that the rig does not describe.
 absl::StatusOr<std::vector<std::byte>> BuildMap(
     const Drive& drive, const MapBuilderOptions& options,
     const std::function<void(std::size_t)>& progress = [](std::size_t) {});

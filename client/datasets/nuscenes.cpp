@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/datasets/can_bus.h"
+#include "client/datasets/check_range.h"
 #include "client/datasets/file_error.h"
 #include "client/datasets/finish_drive.h"
 #include "client/datasets/nuscenes_tables.h"
@@ -122,8 +123,14 @@ absl::StatusOr<std::optional<VelocityLog>> ReadVelocities(const fs::path& path) 
 
 }  // namespace
 
+absl::Status Validate(const NuScenesOptions& options) {
+  return CheckRange("max_can_bus_age",
+                    std::chrono::duration<double>(options.max_can_bus_age).count(), 0.0, 3600.0);
+}
+
 absl::StatusOr<Drive> ReadNuScenesDrive(const fs::path& root, const DriveRequest& request,
                                         const NuScenesOptions& options) {
+  if (absl::Status status = Validate(options); !status.ok()) return status;
   const auto tables = FindTables(root, options.version);
   if (!tables.ok()) return tables.status();
   const auto scene = ReadNuScenesScene(*tables, request.name);

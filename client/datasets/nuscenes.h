@@ -23,9 +23,12 @@ struct NuScenesTargetFilter {
 struct NuScenesOptions {
   std::string version;  ///< folder of the tables; may be empty when there is just one `v1.0-*`
   NuScenesTargetFilter filter;
-  /// Bus samples further from a sweep than this give it no ego-velocity.
+  /// Bus samples further from a sweep than this give it no ego-velocity; [0, 1 h].
   std::chrono::nanoseconds max_can_bus_age = std::chrono::milliseconds(100);
 };
+
+/// OK, or InvalidArgument that names the field, the value and the bound.
+absl::Status Validate(const NuScenesOptions& options);
 
 /// Reads a scene's radars from the official nuScenes layout below `root`: the tables, the PCD files
 /// they name and, where it exists, `can_bus/<scene>_pose.json`. Poses are `ego_pose`'s. Sigmas are

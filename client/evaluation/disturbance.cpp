@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "absl/strings/str_format.h"
+#include "client/datasets/check_range.h"
 #include "core/geometry/degrees.h"
 
 namespace dcloc {
@@ -35,13 +35,6 @@ EpisodeRandom RandomForEpisode(std::uint64_t seed, std::uint64_t episode) {
 
 std::chrono::nanoseconds ToNanoseconds(double seconds) {
   return std::chrono::round<std::chrono::nanoseconds>(std::chrono::duration<double>(seconds));
-}
-
-absl::Status CheckPlanBound(const char* field, double value, double low, double high) {
-  // Written so that NaN fails.
-  if (value >= low && value <= high) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("%s is %g; it must lie in [%g, %g]", field, value, low, high));
 }
 
 double Elevation(const Scan& scan, std::size_t row) {
@@ -212,15 +205,16 @@ class Disturbing {
 
 absl::Status Validate(const DisturbancePlan& plan) {
   if (plan.kinds.empty()) return absl::InvalidArgumentError("kinds is empty; it must name one");
-  absl::Status status = CheckPlanBound("interval_s", plan.interval_s, 5.0, 1000.0);
-  status.Update(CheckPlanBound("burst_scans", plan.burst_scans, 1, 1000));
-  status.Update(CheckPlanBound("outlier_share", plan.outlier_share, 0.0, 1.0));
-  status.Update(CheckPlanBound("gap_s", plan.gap_s, 0.1, 100.0));
+  absl::Status status = CheckRange("interval_s", plan.interval_s, 5.0, 1000.0);
+  status.Update(CheckRange("burst_scans", plan.burst_scans, 1, 1000));
+  status.Update(CheckRange("outlier_share", plan.outlier_share, 0.0, 1.0));
+  status.Update(CheckRange("gap_s", plan.gap_s, 0.1, 100.0));
   return status;
 }
 
 absl::StatusOr<DisturbedDrive> Disturb(const Drive& drive, const DisturbancePlan& plan) {
   if (absl::Status status = Validate(plan); !status.ok()) return status;
+  if (absl::Status status = CheckRadarsOfScans(drive); !status.ok()) return status;
   if (drive.scans.empty()) return DisturbedDrive{.drive = drive};
   return Disturbing(drive, plan).Run();
 }

@@ -43,7 +43,8 @@ struct DisturbedDrive {
 };
 
 /// Disturbs `drive` at places that the plan's seed draws, the last early enough that some seconds
-/// of the drive follow. The same drive and plan give the same result. Errors: an invalid plan.
+/// of the drive follow. The same drive and plan give the same result. InvalidArgument for an
+/// invalid plan, and for a scan of a radar that the rig does not describe.
 absl::StatusOr<DisturbedDrive> Disturb(const Drive& drive, const DisturbancePlan& plan);
 
 }  // namespace dcloc

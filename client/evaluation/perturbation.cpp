@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "client/datasets/check_range.h"
 #include "core/geometry/degrees.h"
 
 namespace dcloc {
@@ -23,6 +24,13 @@ std::mt19937_64 Generator(const Perturbation& perturbation, const std::string& d
 }
 
 }  // namespace
+
+absl::Status Validate(const Perturbation& perturbation) {
+  absl::Status status =
+      CheckRange("perturbation.translation_m", perturbation.translation_m, 0.0, 1000.0);
+  status.Update(CheckRange("perturbation.rotation_deg", perturbation.rotation_deg, 0.0, 180.0));
+  return status;
+}
 
 InitialPose Perturb(const Pose3& T_map_vehicle_true, const Perturbation& perturbation,
                     const std::string& drive, std::uint64_t query) {

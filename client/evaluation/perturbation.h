@@ -3,16 +3,21 @@
 #include <cstdint>
 #include <string>
 
+#include "absl/status/status.h"
 #include "core/localizer/localizer.h"
 
 namespace dcloc {
 
 /// How wrong the pose is that a localizer starts with.
 struct Perturbation {
-  double translation_m = 1.0;  ///< exactly, in a random direction in the plane
-  double rotation_deg = 2.0;   ///< exactly, about the vertical to a random side
+  double translation_m = 1.0;  ///< exactly, in a random direction in the plane, [0, 1000]
+  double rotation_deg = 2.0;   ///< exactly, about the vertical to a random side, [0, 180]
   std::uint64_t seed = 1;
 };
+
+/// OK, or InvalidArgument that names the field, as "perturbation.translation_m", the value and the
+/// bound.
+absl::Status Validate(const Perturbation& perturbation);
 
 /// The true pose perturbed, with a covariance that says so: (translation_m)^2 / 2 along x and y
 /// each, (rotation_deg)^2 in yaw, but never less than (5 cm)^2 and (0.1 deg)^2; 0.1 m and 0.5 deg

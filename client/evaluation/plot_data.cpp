@@ -15,7 +15,6 @@ namespace dcloc {
 namespace {
 
 constexpr std::size_t kMaxLandmarks = 12'000;  // more only make the file large
-constexpr double kChiSquare95Planar = 5.991;
 
 }  // namespace
 
@@ -31,7 +30,7 @@ Ellipse PositionEllipse(const Localization& answer) {
   const Eigen::Matrix3d in_map = R * answer.covariance.topLeftCorner<3, 3>() * R.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(in_map.topLeftCorner<2, 2>());
   const Eigen::Vector2d diameters =
-      2.0 * (kChiSquare95Planar * axes.eigenvalues().cwiseMax(0.0)).cwiseSqrt();
+      2.0 * (ChiSquare95(2) * axes.eigenvalues().cwiseMax(0.0)).cwiseSqrt();
   const Eigen::Vector2d major = axes.eigenvectors().col(1);
   return {Position(answer.T_map_vehicle), diameters[1], diameters[0],
           std::atan2(major.y(), major.x()) * kDegPerRad};

@@ -8,16 +8,11 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "client/datasets/check_range.h"
 #include "client/evaluation/stage_timer.h"
 
 namespace dcloc {
 namespace {
-
-absl::Status CheckBound(const char* field, double value, double min, double max) {
-  if (value >= min && value <= max) return absl::OkStatus();  // false for NaN
-  return absl::InvalidArgumentError(
-      absl::StrFormat("%s is %g; it must lie in [%g, %g]", field, value, min, max));
-}
 
 std::chrono::nanoseconds Nanoseconds(double seconds) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -133,12 +128,10 @@ absl::Status RunPairs(const Drive& drive, const EvaluationOptions& options, Judg
 }  // namespace
 
 absl::Status Validate(const EvaluationOptions& options) {
-  const Perturbation& perturbation = options.perturbation;
   absl::Status status = Validate(options.localizer);
-  status.Update(CheckBound("perturbation.translation_m", perturbation.translation_m, 0.0, 1000.0));
-  status.Update(CheckBound("perturbation.rotation_deg", perturbation.rotation_deg, 0.0, 180.0));
-  status.Update(CheckBound("query_interval_s", options.query_interval_s, 0.01, 1000.0));
-  status.Update(CheckBound("first_query_s", options.first_query_s, 0.0, 1000.0));
+  status.Update(Validate(options.perturbation));
+  status.Update(CheckRange("query_interval_s", options.query_interval_s, 0.01, 1000.0));
+  status.Update(CheckRange("first_query_s", options.first_query_s, 0.0, 1000.0));
   return status;
 }
 
@@ -146,6 +139,7 @@ absl::StatusOr<DriveOutcome> Evaluate(const std::shared_ptr<const RadarMap>& map
                                       const Drive& drive, const EvaluationOptions& options,
                                       const std::function<void(double)>& progress) {
   if (absl::Status status = Validate(options); !status.ok()) return status;
+  if (map == nullptr) return absl::InvalidArgumentError("map is null");
   if (drive.scans.empty()) {
     return absl::InvalidArgumentError(absl::StrFormat("drive %s has no scans", drive.name));
   }

@@ -38,7 +38,8 @@ absl::Status Validate(const EvaluationOptions& options);
 
 /// Localizes `drive` in `map` and judges the answers by the drive's reference poses, which must be
 /// in the map's frame. Scans that the localizer refuses are counted, not an error. `progress` is
-/// told the share done. Errors: invalid options or rig.
+/// told the share done. InvalidArgument for invalid options, a null map, a drive without scans and
+/// an invalid rig.
 absl::StatusOr<DriveOutcome> Evaluate(
     const std::shared_ptr<const RadarMap>& map, const Drive& drive,
     const EvaluationOptions& options, const std::function<void(double)>& progress = [](double) {});

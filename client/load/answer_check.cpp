@@ -6,6 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/evaluation/metrics.h"
+#include "client/evaluation/pose_error.h"
 
 namespace dcloc::load {
 namespace {
@@ -13,8 +15,6 @@ namespace {
 constexpr int kOutOfRange = 11;
 constexpr int kCovarianceSize = 36;
 constexpr double kQuaternionTolerance = 1e-6;
-constexpr double kMisleading_m = 2.0;
-constexpr double kChiSquare999Of2 = 13.815510557964274;
 
 std::optional<std::string> PoseFault(const v1::PoseWithCovariance& pose) {
   const v1::Vector3& t = pose.pose().translation_m();
@@ -83,9 +83,9 @@ std::optional<PositionError> ErrorOf(const v1::LocalizationResult& result,
   const auto& c = result.pose().covariance();
   Eigen::Matrix2d covariance;
   covariance << c.Get(0), c.Get(1), c.Get(6), c.Get(7);
-  const bool outside = error.dot(covariance.inverse() * error) > kChiSquare999Of2;
+  const bool outside = error.dot(covariance.inverse() * error) > ChiSquare999(2);
   return PositionError{.distance_m = error.norm(),
-                       .misleading = error.norm() > kMisleading_m && outside};
+                       .misleading = error.norm() > kSuccessTranslation_m && outside};
 }
 
 }  // namespace dcloc::load

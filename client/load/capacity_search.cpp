@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/datasets/check_range.h"
+
 namespace dcloc::load {
 namespace {
 
@@ -13,6 +15,9 @@ constexpr int kGapShare = 16;
 absl::StatusOr<Capacity> SearchCapacity(
     int first, int max, double target_p99_ms,
     const std::function<absl::StatusOr<LoadResult>(int vehicle_count)>& run) {
+  absl::Status status = CheckRange("max", max, 1, 1e6);
+  status.Update(CheckRange("target_p99_ms", target_p99_ms, 1e-6, 1e9));
+  if (!status.ok()) return status;
   Capacity capacity;
   int held = 0;
   int failed = max + 1;  // not tried

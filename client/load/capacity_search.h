@@ -23,7 +23,7 @@ struct Capacity {
 
 /// The most vehicles that hold a target: doubles from `first` while they hold, up to `max`, and
 /// then halves the gap until it is at most a sixteenth. `run` makes one run; its errors end the
-/// search.
+/// search. InvalidArgument for a `max` below 1 and a target that is not above 0.
 absl::StatusOr<Capacity> SearchCapacity(
     int first, int max, double target_p99_ms,
     const std::function<absl::StatusOr<LoadResult>(int vehicle_count)>& run);

@@ -1,18 +1,11 @@
 #include "client/load/load_options.h"
 
-#include "absl/strings/str_format.h"
+#include "client/datasets/check_range.h"
 
 namespace dcloc::load {
 namespace {
 
 constexpr double kDay_ms = 86'400'000.0;
-
-absl::Status CheckRange(const char* field, double value, double min, double max) {
-  // Written so that NaN fails.
-  if (value >= min && value <= max) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("%s is %g; it must lie in [%g, %g]", field, value, min, max));
-}
 
 template <typename Duration>
 absl::Status CheckDuration(const char* field, Duration duration, double min_ms) {

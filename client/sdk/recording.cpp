@@ -15,7 +15,7 @@ namespace {
 
 constexpr absl::string_view kMagic = "DCLOCREC";
 /// Far above the largest scan, and little enough to be read for nothing.
-constexpr std::uint32_t kMaxMessage_bytes = 64U << 20;
+constexpr std::uint32_t kMaxRecorded_bytes = 64U << 20;
 constexpr int kMaxVarint_bytes = 5;
 
 std::uint32_t Crc32(std::uint32_t crc, absl::string_view bytes) {
@@ -126,7 +126,7 @@ absl::Status RecordingReader::ReadMessage(google::protobuf::MessageLite* message
     size |= (static_cast<std::uint32_t>(byte) & 0x7FU) << (7 * i);
     if ((byte & 0x80) == 0) break;
   }
-  if (size > kMaxMessage_bytes) return Damaged("is damaged");
+  if (size > kMaxRecorded_bytes) return Damaged("is damaged");
   const std::size_t prefix = bytes_.size();
   bytes_.resize(prefix + size);
   file_.read(bytes_.data() + prefix, static_cast<std::streamsize>(size));

@@ -2,21 +2,16 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/datasets/check_range.h"
 
 namespace dcloc {
 namespace {
 
-constexpr double kMinSpeed = 2.0;   // [m/s]
-constexpr double kMaxSpeed = 60.0;  // [m/s]
+constexpr double kMinMeanSpeed_mps = 2.0;
+constexpr double kMaxMeanSpeed_mps = 60.0;
 constexpr std::size_t kMaxLivePasses = 100;
-constexpr double kMinTunnel = 20.0;             // [m]
-constexpr double kLengthWithoutTunnel = 100.0;  // of a drive, before and after [m]
-
-absl::Status CheckRange(const std::string& field, double value, double low, double high) {
-  if (value >= low && value <= high) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("%s is %g; it must lie in [%g, %g]", field, value, low, high));
-}
+constexpr double kMinTunnel_m = 20.0;
+constexpr double kLengthWithoutTunnel_m = 100.0;  // of a drive, before and after
 
 absl::Status ValidateKinds(const SimulationOptions& options) {
   if (options.rig_size != 1 && options.rig_size != 5) {
@@ -41,13 +36,14 @@ absl::Status Validate(const SimulationOptions& options) {
   absl::Status status = ValidateKinds(options);
   status.Update(CheckRange("length_m", options.length_m, 50.0, 20'000.0));
   if (options.tunnel_m != 0.0) {
-    status.Update(CheckRange("tunnel_m", options.tunnel_m, kMinTunnel,
-                             options.length_m - kLengthWithoutTunnel));
+    status.Update(CheckRange("tunnel_m", options.tunnel_m, kMinTunnel_m,
+                             options.length_m - kLengthWithoutTunnel_m));
   }
-  status.Update(CheckRange("map_speed_mps", options.map_speed_mps, kMinSpeed, kMaxSpeed));
+  status.Update(
+      CheckRange("map_speed_mps", options.map_speed_mps, kMinMeanSpeed_mps, kMaxMeanSpeed_mps));
   for (std::size_t i = 0; i < options.live_speeds_mps.size(); ++i) {
     status.Update(CheckRange(absl::StrCat("live_speeds_mps[", i, "]"), options.live_speeds_mps[i],
-                             kMinSpeed, kMaxSpeed));
+                             kMinMeanSpeed_mps, kMaxMeanSpeed_mps));
   }
   status.Update(CheckRange("noise_scale", options.noise_scale, 0.0, 10.0));
   status.Update(CheckRange("beta_s", options.beta_s, -0.5, 0.5));
@@ -63,7 +59,8 @@ absl::Status Validate(const SimulationOptions& options) {
 absl::Status Validate(const PassOptions& pass) {
   if (pass.name.empty()) return absl::InvalidArgumentError("pass name is empty");
   absl::Status status = CheckRange("pass index", pass.index, 0.0, kMaxLivePasses);
-  status.Update(CheckRange("pass mean_speed_mps", pass.mean_speed_mps, kMinSpeed, kMaxSpeed));
+  status.Update(
+      CheckRange("pass mean_speed_mps", pass.mean_speed_mps, kMinMeanSpeed_mps, kMaxMeanSpeed_mps));
   return status;
 }
 

@@ -15,6 +15,8 @@ using simulation::NoiseKind;
 using simulation::RadarKind;
 using simulation::WorldKind;
 
+inline constexpr double kMpsPerKmh = 1.0 / 3.6;
+
 /// A world, a rig, and the drives through it. Equal options give equal bytes.
 struct SimulationOptions {
   WorldKind world = WorldKind::kTown;

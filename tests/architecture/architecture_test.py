@@ -6,6 +6,8 @@ import tempfile
 import unittest
 
 import architecture
+import floors
+import tree
 
 SOUND = {
     "CMakeLists.txt": "add_subdirectory(core)\n",
@@ -14,18 +16,33 @@ SOUND = {
     "build/junk.cpp": '#include "server/app/server.h"\n',
     "proto/dcloc/v1/scan.proto": 'import "dcloc/v1/geometry.proto";\n'
                                  'import "google/protobuf/timestamp.proto";\n',
+    "proto/dcloc/v1/geometry.proto": "",
     "core/geometry/pose.h": "#include <Eigen/Core>\n",
     "core/geometry/CMakeLists.txt": "dcloc_library(dcloc_geometry PUBLIC Eigen3::Eigen)\n",
     "core/radar/scan.h": '#include <chrono>\n#include "core/geometry/pose.h"\n'
                          "// not steady_clock, not std::thread\n",
     "core/map/radar_map.h": '#include "core/radar/scan.h"\n',
     "core/map/CMakeLists.txt": "dcloc_library(dcloc_map PUBLIC dcloc_radar)  # no dcloc_server\n",
-    "server/app/server.h": '#include <thread>\n#include "core/map/radar_map.h"\n'
-                       '#include "dcloc/v1/scan.pb.h"\n',
+    "server/maps/store/map_store.h": '#include "core/map/radar_map.h"\n',
+    "server/maps/store/CMakeLists.txt": "dcloc_library(dcloc_server_maps_store PUBLIC dcloc_map)\n",
+    "server/app/server.h": '#include <thread>\n#include "server/maps/store/map_store.h"\n'
+                           '#include "dcloc/v1/scan.pb.h"\n',
+    "server/app/CMakeLists.txt": "dcloc_library(dcloc_server PUBLIC dcloc_proto\n"
+                                 "  PRIVATE dcloc_server_maps_store dcloc_options)\n"
+                                 "add_executable(dcloc-server main.cpp)\n"
+                                 "target_link_libraries(dcloc-server PRIVATE dcloc_server)\n",
     "client/sdk/session.h": '#include "dcloc/v1/scan.pb.h"\n',
     "client/datasets/drive.h": '#include "core/radar/scan.h"\n',
-    "client/cli/main.cpp": '#include "client/datasets/drive.h"\n#include "client/sdk/session.h"\n',
-    "tests/server/server_test.cpp": '#include "server/app/server.h"\n#include "client/sdk/session.h"\n',
+    "client/cli/map/map_command.h": '#include "client/sdk/session.h"\n',
+    "client/cli/map/CMakeLists.txt": "dcloc_library(dcloc_cli_map PRIVATE dcloc_client)\n",
+    "client/cli/main.cpp": '#include "client/datasets/drive.h"\n'
+                           '#include "client/cli/map/map_command.h"\n',
+    "client/cli/CMakeLists.txt": "target_link_libraries(dcloc PRIVATE dcloc_cli_${room})\n",
+    "tests/server/app/server_test.cpp": '#include "server/app/server.h"\n'
+                                        '#include "client/sdk/session.h"\n',
+    "tests/server/fixtures/test_server.h": '#include "server/app/server.h"\n',
+    "tests/server/CMakeLists.txt": "add_library(dcloc_test_server test_server.cpp)\n"
+                                   "dcloc_test(server_test LINK dcloc_test_server)\n",
 }
 
 
@@ -36,24 +53,62 @@ def violations(planted):
             file = root / path
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text)
-        return architecture.Checker(root).run()
+        return architecture.violations(root)
 
 
 class ArchitectureTest(unittest.TestCase):
     def expect_violation(self, path, text, message):
-        found = violations({path: text})
+        self.expect_one({path: text}, path, message)
+
+    def expect_one(self, planted, path, message):
+        found = violations(planted)
         self.assertEqual(len(found), 1, found)
         self.assertIn(path, found[0])
         self.assertIn(message, found[0])
 
+    def expect_include_violation(self, path, header, message):
+        self.expect_violation(path, f'#include "{header}"\n', message)
+
+
+class TreeTest(ArchitectureTest):
     def test_a_sound_tree_is_fine(self):
         self.assertEqual(violations({}), [])
 
+    def test_top_level_and_rooms_are_fixed(self):
+        self.assertEqual(violations({"utils/x.txt": ""}),
+                         ["utils: the top level has no place for it"])
+        self.expect_violation("server.log", "", "top level")
+        for path in ("core/helpers/a.h", "core/a.h", "core/map/detail/a.h", "server/utils/a.cpp",
+                     "client/cli/misc/a.cpp"):
+            self.expect_violation(path, "", "is no room")
+
+    def test_no_file_is_too_long(self):
+        for path in ("core/map/long.cpp", "client/cli/long.h", "tests/server/app/long_test.cpp"):
+            self.assertEqual(violations({path: "\n" * 400}), [])
+            self.expect_violation(path, "\n" * 401, "has 401 lines; at most 400")
+
+    def test_most_files_are_short(self):
+        for folder, bound in (("core/map", 80), ("server/app", 110), ("client/cli", 110)):
+            fit = {f"{folder}/long{i}.h": "\n" * bound for i in range(9)}
+            self.assertEqual(violations(fit), [])
+            self.expect_one({path: text + "\n" for path, text in fit.items()},
+                            folder.split("/")[0] + ": ", f"a median of {bound + 1} lines")
+
+    def test_tests_mirror_the_tree(self):
+        for path in ("tests/core/helpers/a_test.cpp", "tests/server/maps/a_test.cpp",
+                     "tests/client/cli/a_test.cpp"):
+            self.assertEqual(violations({path: ""}), [] if "helpers" not in path else
+                             ["tests/core/helpers: mirrors nothing: there is no core/helpers"])
+        for path in ("tests/core/fixtures/a.h", "tests/benchmarks/a.cpp"):
+            self.assertEqual(violations({path: ""}), [])
+
+
+class IncludeTest(ArchitectureTest):
     def test_core_includes_nothing_of_ours(self):
-        for header, module in [("server/app/server.h", "server"), ("dcloc/v1/scan.pb.h", "proto"),
-                               ("client/datasets/drive.h", "client/datasets")]:
-            self.expect_violation("core/radar/bad.cpp", f'#include "{header}"\n',
-                                  f"core/radar may not use {module}")
+        for header, room in [("server/app/server.h", "server/app"), ("dcloc/v1/scan.pb.h", "proto"),
+                             ("client/datasets/drive.h", "client/datasets")]:
+            self.expect_include_violation("core/radar/bad.cpp", header,
+                                          f"core/radar may not use {room}")
 
     def test_core_knows_no_transport_log_thread_or_clock(self):
         for header in ["grpcpp/grpcpp.h", "google/protobuf/message.h", "spdlog/spdlog.h", "thread",
@@ -63,64 +118,95 @@ class ArchitectureTest(unittest.TestCase):
                      "std::random_device seed;", "clock_gettime(0, &t);"]:
             self.expect_violation("core/radar/bad.cpp", code, "core has no clock")
 
-    def test_floors_of_core_only_look_down(self):
+    def test_rooms_only_look_down(self):
         for path, header in [("core/geometry/bad.h", "core/radar/scan.h"),
-                             ("core/posegraph/bad.h", "core/radar/scan.h"),
                              ("core/map/bad.h", "core/registration/gicp.h"),
-                             ("core/registration/bad.h", "core/localizer/localizer.h")]:
-            self.expect_violation(path, f'#include "{header}"\n', "may not use core/")
+                             ("core/registration/bad.h", "core/localizer/localizer.h"),
+                             ("server/base/bad.h", "server/net/health.h"),
+                             ("server/maps/catalogue/bad.h", "server/maps/store/map_store.h"),
+                             ("client/datasets/bad.h", "client/evaluation/metrics.h"),
+                             ("client/simulation/world/bad.h", "client/simulation/simulation.h"),
+                             ("client/cli/remote/bad.h", "client/cli/map/map_command.h"),
+                             ("client/cli/server/bad.h", "client/cli/map/map_command.h")]:
+            self.expect_include_violation(path, header, " may not use ")
 
     def test_sdk_is_thin(self):
-        self.expect_violation("client/sdk/bad.h", '#include "core/radar/scan.h"\n',
-                              "client/sdk may not use core/radar")
-        self.expect_violation("client/sdk/bad.h", '#include "client/datasets/drive.h"\n',
-                              "client/sdk may not use client/datasets")
+        for header in ("core/radar/scan.h", "client/datasets/drive.h"):
+            self.expect_include_violation("client/sdk/bad.h", header, "client/sdk may not use")
 
     def test_server_and_client_know_each_other_by_the_contract_only(self):
-        self.expect_violation("server/bad.cpp", '#include "client/sdk/session.h"\n',
-                              "server may not use client/sdk")
+        self.expect_include_violation("server/net/bad.cpp", "client/sdk/session.h",
+                                      "server/net may not use client/sdk")
         self.expect_violation("client/cli/bad.cpp", "#include <server/app/server.h>\n",
                               "client/cli may not use server")
 
     def test_nothing_uses_tests(self):
-        self.expect_violation("client/cli/bad.cpp", '#include "tests/server/fixtures/test_server.h"\n',
-                              "client/cli may not use tests")
+        self.expect_include_violation("client/cli/bad.cpp", "tests/server/fixtures/test_server.h",
+                                      "client/cli may not use tests")
 
     def test_proto_imports_itself_only(self):
         self.expect_violation("proto/dcloc/v1/bad.proto", 'import "server/internal.proto";\n',
                               "proto may not use server/internal.proto")
 
+    def test_folders_have_no_cycle(self):
+        self.expect_one({"tests/client/sdk/a.h": '#include "tests/client/cli/a.h"\n',
+                         "tests/client/cli/a.h": '#include "tests/client/sdk/b.h"\n',
+                         "tests/client/sdk/b.h": ""},
+                        "tests/client/cli", "folders use each other: tests/client/cli, tests/client/sdk")
+
+    def test_files_have_no_cycle(self):
+        self.expect_one({"core/map/a.h": '#include "core/map/b.h"\n',
+                         "core/map/b.h": '#include "core/map/a.h"\n'},
+                        "core/map/a.h", "files use each other: core/map/a.h, core/map/b.h")
+        self.expect_one({"proto/dcloc/v1/geometry.proto": 'import "dcloc/v1/scan.proto";\n'},
+                        "proto", "files use each other")
+
+    def test_digests_have_one_place_on_each_side(self):
+        code = "EVP_DigestInit_ex(context, EVP_sha256(), nullptr);\n"
+        for path in ("client/sdk/sha256.cpp", "server/base/sha256.cpp", "tests/server/app/a.cpp"):
+            self.assertEqual(violations({path: code}), [])
+        self.expect_violation("client/cli/map/hash.cpp", code, "digests are made in client/sdk")
+        self.expect_violation("server/app/hash.cpp", "SHA256(data, size, out);\n", "digests")
+
+    def test_includes_are_written_from_the_root(self):
+        self.expect_include_violation("core/map/bad.cpp", "radar_map.h", "written from the root")
+
+
+class LinkTest(ArchitectureTest):
     def test_libraries_link_as_headers_include(self):
-        self.expect_violation("core/submap/CMakeLists.txt",
-                              "dcloc_library(dcloc_submap PUBLIC dcloc_localizer)\n",
-                              "core/submap may not use core/localizer")
-        self.expect_violation("client/sdk/CMakeLists.txt",
-                              "target_link_libraries(dcloc_client PRIVATE dcloc_map)\n",
-                              "client/sdk may not use core/map")
+        for room, library, used in [("core/submap", "dcloc_localizer", "core/localizer"),
+                                    ("client/sdk", "dcloc_map", "core/map"),
+                                    ("client/cli/common", "dcloc_cli_map", "client/cli/map"),
+                                    ("server/base", "dcloc_server_maps_store", "server/maps/store")]:
+            for call in (f"dcloc_library({floors.target_of(room)} PUBLIC {library})\n",
+                         f"target_link_libraries({floors.target_of(room)} PRIVATE {library})\n"):
+                self.expect_violation(f"{room}/CMakeLists.txt", call,
+                                      f"{room} may not use {used} ({library})")
+
+    def test_core_links_no_transport(self):
         self.expect_violation("core/submap/CMakeLists.txt",
                               "dcloc_library(dcloc_submap PRIVATE gRPC::grpc++)\n", "gRPC")
 
-    def test_modules_have_no_cycle(self):
-        found = violations({"client/datasets/bad.h": '#include "client/evaluation/metrics.h"\n',
-                            "client/evaluation/bad.h": '#include "client/datasets/drive.h"\n'})
-        self.assertEqual(len(found), 1, found)
-        self.assertIn("modules use each other", found[0])
+    def test_libraries_are_called_as_their_rooms(self):
+        self.expect_violation("server/rpc/CMakeLists.txt", "add_library(dcloc_rpc INTERFACE)\n",
+                              "dcloc_rpc is to be called dcloc_server_rpc")
+        self.expect_violation("client/cli/CMakeLists.txt",
+                              "target_link_libraries(dcloc PRIVATE dcloc_commands)\n",
+                              "dcloc_commands is the library of no room")
 
-    def test_headers_have_no_cycle(self):
-        found = violations({"core/map/a.h": '#include "core/map/b.h"\n',
-                            "core/map/b.h": '#include "core/map/a.h"\n'})
-        self.assertEqual(len(found), 1, found)
-        self.assertIn("headers use each other", found[0])
+    def test_no_target_is_too_large(self):
+        for path, call in [("core/submap/CMakeLists.txt", "dcloc_library(dcloc_submap SOURCES"),
+                           ("tests/core/CMakeLists.txt", "dcloc_test(core_test SOURCES")]:
+            sources = " ".join(f"a{i}.cpp" for i in range(25))
+            self.assertEqual(violations({path: f"{call} {sources})\n"}), [])
+            self.expect_violation(path, f"{call} {sources} b.cpp)\n", "has 26 sources; at most 25")
 
-    def test_includes_are_written_from_the_root(self):
-        self.expect_violation("core/map/bad.cpp", '#include "radar_map.h"\n',
-                              "written from the root")
 
-    def test_top_level_and_modules_are_fixed(self):
-        self.assertEqual(violations({"utils/x.txt": ""}),
-                         ["utils: the top level has no place for it"])
-        self.expect_violation("server.log", "", "top level")
-        self.expect_violation("core/helpers/a.h", "", "belongs to no module")
+class CyclesTest(unittest.TestCase):
+    def test_each_group_is_found_once(self):
+        edges = {"a": {"b"}, "b": {"c", "x"}, "c": {"a"}, "x": {"y"}, "y": {"x"}, "z": {"a", "x"}}
+        self.assertEqual(sorted(tree.cycles(edges)), [["a", "b", "c"], ["x", "y"]])
+        self.assertEqual(tree.cycles({"a": {"b", "c"}, "b": {"c"}}), [])
 
 
 if __name__ == "__main__":

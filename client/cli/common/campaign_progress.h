@@ -12,13 +12,12 @@ class CampaignProgress {
  public:
   /// `share` is of the whole work.
   void Update(const std::string& run_name, double share) {
-    constexpr std::size_t kSteps = 1000;
     if (progress_ == nullptr || run_name != run_name_) {
       progress_.reset();  // wipes its line
-      progress_ = std::make_unique<Progress>(run_name, kSteps);
+      progress_ = std::make_unique<Progress>(run_name);
       run_name_ = run_name;
     }
-    progress_->Update(static_cast<std::size_t>(share * kSteps));
+    progress_->UpdateShare(share);
   }
 
  private:

@@ -3,9 +3,11 @@
 namespace dcloc::cli {
 
 void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
+  std::vector<std::string> names;
+  for (const auto& [name, format] : kDatasetFormatNames) names.emplace_back(name);
   command.add_option("--dataset", arguments.format, "Layout of the data set")
       ->required()
-      ->check(CLI::IsMember({"nuscenes", "radarscenes"}));
+      ->check(CLI::IsMember(names));
   command.add_option("--root", arguments.root, "Folder of the data set")
       ->required()
       ->check(CLI::ExistingDirectory)
@@ -16,9 +18,10 @@ void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
       ->type_name("NAME");
 }
 
-Dataset ToDataset(const DatasetArguments& arguments) {
-  return {arguments.format == "nuscenes" ? DatasetFormat::kNuScenes : DatasetFormat::kRadarScenes,
-          arguments.root, arguments.version};
+absl::StatusOr<Drive> ReadDrive(const DatasetArguments& arguments, const DriveRequest& request) {
+  const absl::StatusOr<DatasetFormat> format = DatasetFormatByName(arguments.format);
+  if (!format.ok()) return format.status();
+  return ReadDrive(Dataset{*format, arguments.root, arguments.version}, request);
 }
 
 void AddDriveRequestOptions(CLI::App& command, DriveRequest& request) {

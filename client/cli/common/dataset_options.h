@@ -11,7 +11,7 @@ namespace dcloc::cli {
 
 /// Where a command's drives come from.
 struct DatasetArguments {
-  std::string format;
+  std::string format;  ///< a name of kDatasetFormatNames
   std::string root;
   std::string version;
 };
@@ -19,8 +19,8 @@ struct DatasetArguments {
 /// Adds --dataset, --root and --version to `command`; fills `arguments` when it is parsed.
 void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments);
 
-/// The arguments as what the readers take.
-Dataset ToDataset(const DatasetArguments& arguments);
+/// Reads a drive of the data set that the arguments name.
+absl::StatusOr<Drive> ReadDrive(const DatasetArguments& arguments, const DriveRequest& request);
 
 /// Adds --rig and --beta-s, which say more of the radars than the data set does, or something else,
 /// and --from-s and --to-s, which take a part of the drive.

@@ -13,9 +13,13 @@ namespace dcloc::cli {
 class Progress {
  public:
   Progress(std::string step, std::size_t total);
+  /// Of a step that is told as a share.
+  explicit Progress(std::string step);
 
   /// `done` of the total; drawn ten times a second at most.
   void Update(std::size_t done);
+  /// `share` of the whole, [0, 1].
+  void UpdateShare(double share);
 
  private:
   std::string step_;

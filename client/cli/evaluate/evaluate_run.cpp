@@ -18,9 +18,6 @@
 namespace dcloc::cli {
 namespace {
 
-// Steps of a progress that is told as a share.
-constexpr std::size_t kProgressSteps = 1000;
-
 using Drives = std::vector<Drive>;
 
 using Outcomes = std::vector<DriveOutcome>;
@@ -29,7 +26,19 @@ bool IsWithout(const EvaluateArguments& arguments, const std::string& part) {
   return std::ranges::find(arguments.without, part) != arguments.without.end();
 }
 
-EvaluationOptions ToOptions(const EvaluateArguments& arguments) {
+double CustomaryQueryInterval_s(DatasetFormat format) {
+  switch (format) {
+    case DatasetFormat::kNuScenes:
+      return 0.5;
+    case DatasetFormat::kRadarScenes:
+      return 1.0;
+  }
+  return 1.0;
+}
+
+absl::StatusOr<EvaluationOptions> ToOptions(const EvaluateArguments& arguments) {
+  const absl::StatusOr<DatasetFormat> format = DatasetFormatByName(arguments.dataset.format);
+  if (!format.ok()) return format.status();
   EvaluationOptions options = arguments.options;
   for (const auto& [name, kind] : kMethodNames) {
     if (arguments.method == name) options.method = kind;
@@ -37,8 +46,7 @@ EvaluationOptions ToOptions(const EvaluateArguments& arguments) {
   options.protocol = arguments.protocol == "pairs" ? Protocol::kPairs : Protocol::kTrack;
   options.has_initial_pose = arguments.initial == "truth";
   options.doppler_ego_velocity = arguments.ego_velocity == "doppler";
-  const double customary_s = arguments.dataset.format == "nuscenes" ? 0.5 : 1.0;
-  options.query_interval_s = arguments.query_interval_s.value_or(customary_s);
+  options.query_interval_s = arguments.query_interval_s.value_or(CustomaryQueryInterval_s(*format));
   options.localizer.doppler_compensation = !IsWithout(arguments, "doppler");
   options.localizer.uncertainty = !IsWithout(arguments, "uncertainty");
   options.localizer.truncation = !IsWithout(arguments, "truncation");
@@ -51,7 +59,7 @@ absl::StatusOr<Drives> ReadDrives(const DatasetArguments& dataset,
   Drives drives;
   for (const std::string& name : names) {
     request.name = name;
-    auto drive = ReadDrive(ToDataset(dataset), request);
+    auto drive = ReadDrive(dataset, request);
     if (!drive.ok()) return drive.status();
     drives.push_back(*std::move(drive));
   }
@@ -90,10 +98,9 @@ absl::StatusOr<Outcomes> EvaluateAll(const Drives& map_drives, const Drives& dri
       if (!made.ok()) return made.status();
       map = *std::move(made);
     }
-    Progress progress(absl::StrCat("localizing ", drives[i].name), kProgressSteps);
-    auto outcome = Evaluate(map, drives[i], options, [&](double share) {
-      progress.Update(static_cast<std::size_t>(share * kProgressSteps));
-    });
+    Progress progress(absl::StrCat("localizing ", drives[i].name));
+    auto outcome =
+        Evaluate(map, drives[i], options, [&](double share) { progress.UpdateShare(share); });
     if (!outcome.ok()) return outcome.status();
     outcomes.push_back(*std::move(outcome));
   }
@@ -196,20 +203,21 @@ absl::Status WriteReportFile(const EvaluateArguments& arguments, const Drives& m
 }  // namespace
 
 absl::Status RunEvaluation(const EvaluateArguments& arguments) {
-  const EvaluationOptions options = ToOptions(arguments);
-  if (absl::Status status = Validate(options); !status.ok()) return status;
+  const absl::StatusOr<EvaluationOptions> options = ToOptions(arguments);
+  if (!options.ok()) return options.status();
+  if (absl::Status status = Validate(*options); !status.ok()) return status;
   const auto map_drives = ReadMapDrives(arguments);
   if (!map_drives.ok()) return map_drives.status();
   const auto drives = ReadDrives(arguments.dataset, arguments.drives, arguments.live);
   if (!drives.ok()) return drives.status();
-  auto outcomes = EvaluateAll(*map_drives, *drives, options);
+  auto outcomes = EvaluateAll(*map_drives, *drives, *options);
   if (!outcomes.ok()) return outcomes.status();
 
   Print(*outcomes);
   absl::Status status = WriteText(arguments.json_file, ToJson(*outcomes).dump(2) + "\n");
   status.Update(WriteText(arguments.csv_file, ScansCsv(*outcomes)));
   if (!arguments.report_file.empty()) {
-    status.Update(WriteReportFile(arguments, *map_drives, *drives, options, *std::move(outcomes)));
+    status.Update(WriteReportFile(arguments, *map_drives, *drives, *options, *std::move(outcomes)));
   }
   return status;
 }

@@ -56,7 +56,7 @@ absl::StatusOr<std::vector<load::Route>> ReadRoutes(const LoadArguments& argumen
   std::vector<load::Route> routes;
   for (const std::string& name : arguments.drives) {
     const absl::StatusOr<Drive> drive =
-        ReadDrive(ToDataset(arguments.dataset), {.name = name, .radars = arguments.radars});
+        ReadDrive(arguments.dataset, {.name = name, .radars = arguments.radars});
     if (!drive.ok()) return drive.status();
     routes.push_back(RouteOf(*drive, arguments.map));
   }

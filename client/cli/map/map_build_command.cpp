@@ -105,7 +105,7 @@ absl::StatusOr<v1::MapBuild> WaitFor(client::MapClient& maps, v1::MapBuild build
 }
 
 absl::Status RemoteBuild(client::MapClient& maps, const MapArguments& arguments) {
-  const auto drive = ReadDrive(ToDataset(arguments.dataset), arguments.drive);
+  const auto drive = ReadDrive(arguments.dataset, arguments.drive);
   if (!drive.ok()) return drive.status();
   const absl::StatusOr<v1::MapBuild> started = SendScans(maps, arguments, *drive);
   if (!started.ok()) return started.status();

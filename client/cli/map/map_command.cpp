@@ -50,7 +50,7 @@ std::string Describe(const BuildArguments& arguments, const Drive& drive) {
 }
 
 absl::Status Build(const BuildArguments& arguments) {
-  const auto drive = ReadDrive(ToDataset(arguments.dataset), arguments.drive);
+  const auto drive = ReadDrive(arguments.dataset, arguments.drive);
   if (!drive.ok()) return drive.status();
   MapBuilderOptions options;
   options.name = arguments.name.empty() ? drive->name : arguments.name;

@@ -54,7 +54,6 @@ void AddRatio(const StudyTable& table, const std::string& set, const Metrics& me
 
 // A trend is none when its 95 % interval holds 0: the distance of the interval to 0.
 void AddSlope(const Slope& slope, const std::string& set, std::vector<Goal>& goals) {
-  constexpr double kCmPerM = 100.0;
   if (!std::isfinite(slope.m_per_mps)) return;
   const double distance = std::max({0.0, slope.low, -slope.high});
   goals.push_back({"slope's interval to 0 [cm per m/s]", set, kCmPerM * distance, 0.0, 0.0, 2,

@@ -8,6 +8,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client/datasets/check_range.h"
 #include "client/datasets/json_table.h"
 
 namespace dcloc::paper {
@@ -133,8 +134,16 @@ absl::StatusOr<std::vector<SceneTrack>> ReadSceneTracks(const std::filesystem::p
   return tracks;
 }
 
-std::vector<Revisit> FindRevisits(const std::vector<SceneTrack>& tracks,
-                                  const RevisitOptions& options) {
+absl::Status Validate(const RevisitOptions& options) {
+  absl::Status status = CheckRange("max_distance_m", options.max_distance_m, 0.01, 1000.0);
+  status.Update(CheckRange("max_turn_rad", options.max_turn_rad, 0.0, 3.2));
+  status.Update(CheckRange("min_pairs", options.min_pairs, 1, 1000));
+  return status;
+}
+
+absl::StatusOr<std::vector<Revisit>> FindRevisits(const std::vector<SceneTrack>& tracks,
+                                                  const RevisitOptions& options) {
+  if (absl::Status status = Validate(options); !status.ok()) return status;
   std::vector<Revisit> revisits;
   for (std::size_t live = 0; live < tracks.size(); ++live) {
     const SceneTrack* running = nullptr;  // the map scene of the run of key frames at hand

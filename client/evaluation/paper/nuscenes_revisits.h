@@ -36,14 +36,18 @@ struct Revisit {
 };
 
 struct RevisitOptions {
-  double max_distance_m = 5.0;
-  double max_turn_rad = 0.5;  ///< against traffic is no revisit: the radar sees other sides
-  int min_pairs = 3;          ///< the paper's
+  double max_distance_m = 5.0;  ///< [0.01, 1000]
+  double max_turn_rad = 0.5;    ///< [0, 3.2]: the radar sees other sides when driven against
+  int min_pairs = 3;            ///< the paper's; [1, 1000]
 };
+
+/// OK, or InvalidArgument that names the field, the value and the bound.
+absl::Status Validate(const RevisitOptions& options);
 
 /// The paper's pairs: each key frame goes with its nearest neighbour among all earlier scenes of
 /// the same location. A revisit is a run of at least `min_pairs` key frames with one scene.
-std::vector<Revisit> FindRevisits(const std::vector<SceneTrack>& tracks,
-                                  const RevisitOptions& options = {});
+/// Errors: invalid options.
+absl::StatusOr<std::vector<Revisit>> FindRevisits(const std::vector<SceneTrack>& tracks,
+                                                  const RevisitOptions& options = {});
 
 }  // namespace dcloc::paper

@@ -141,11 +141,12 @@ Case FrontRearCase(const Dataset& dataset, const std::vector<SceneTrack>& tracks
 absl::Status AddNuScenes(const Dataset& dataset, std::vector<Case>& cases) {
   const auto tracks = ReadSceneTracks(dataset.root / dataset.version);
   if (!tracks.ok()) return tracks.status();
-  const std::vector<Revisit> revisits = FindRevisits(*tracks);
-  for (std::size_t i = 0; i < revisits.size(); ++i) {
-    cases.push_back(RevisitCase(dataset, revisits[i], i));
+  const auto revisits = FindRevisits(*tracks);
+  if (!revisits.ok()) return revisits.status();
+  for (std::size_t i = 0; i < revisits->size(); ++i) {
+    cases.push_back(RevisitCase(dataset, (*revisits)[i], i));
   }
-  if (!revisits.empty()) return absl::OkStatus();
+  if (!revisits->empty()) return absl::OkStatus();
   for (const SceneTrack& track : *tracks) {
     if (Way(track) >= kMinWay_m) cases.push_back(FrontRearCase(dataset, *tracks, track));
   }

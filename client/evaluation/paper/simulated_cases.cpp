@@ -14,8 +14,6 @@
 namespace dcloc::paper {
 namespace {
 
-constexpr double kMpsPerKmh = 1.0 / 3.6;
-
 // Drives on which nothing was tuned. Noises have a world of their own, so that no run is counted
 // in two tables.
 constexpr std::uint64_t kFirstSeed = 41;

@@ -12,6 +12,8 @@ namespace dcloc::paper {
 /// (the paper's selection): the same outcomes with those scans alone.
 std::vector<DriveOutcome> CommonSuccesses(std::span<const DriveOutcome* const> outcomes);
 
+inline constexpr double kCmPerM = 100.0;
+
 /// How the translation error grows with the absolute speed difference: least squares over the
 /// successful answers.
 struct Slope {

@@ -24,7 +24,6 @@ std::string Two(double a, double b, int digits) {
 }
 
 std::string SlopeText(const Slope& slope) {
-  constexpr double kCmPerM = 100.0;
   if (!std::isfinite(slope.m_per_mps)) return "-";
   return absl::StrFormat("%+.2f [%+.2f, %+.2f]", kCmPerM * slope.m_per_mps, kCmPerM * slope.low,
                          kCmPerM * slope.high);

@@ -12,7 +12,6 @@
 namespace dcloc::robustness {
 namespace {
 
-constexpr double kMpsPerKmh = 1.0 / 3.6;
 constexpr std::uint64_t kWorldsPerSeed = 1000;  // no world is another seed's
 
 /// A live drive through a world.

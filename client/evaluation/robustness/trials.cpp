@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "client/datasets/check_range.h"
 #include "client/evaluation/robustness/judgement.h"
 #include "client/evaluation/runner.h"
 #include "core/relocalization/gnss_prior.h"
@@ -168,8 +169,24 @@ absl::StatusOr<Tally> RunStarts(const StartTrial& trial, const Course& course, c
 
 }  // namespace
 
+absl::Status Validate(const Trial& trial) {
+  if (const auto* track = std::get_if<TrackTrial>(&trial)) {
+    absl::Status status = Validate(track->prior);
+    if (track->plan) status.Update(Validate(*track->plan));
+    if (track->session_s) status.Update(CheckRange("session_s", *track->session_s, 1.0, 1e6));
+    return status;
+  }
+  const auto& start = std::get<StartTrial>(trial);
+  absl::Status status = Validate(start.perturbation);
+  status.Update(CheckRange("spacing_m", start.spacing_m, 0.1, 1e6));
+  status.Update(CheckRange("limit_s", start.limit_s, 0.1, 1e6));
+  return status;
+}
+
 absl::StatusOr<Tally> RunTrial(const Trial& trial, const Course& course, const Map& map,
                                const Tell& progress) {
+  if (absl::Status status = Validate(trial); !status.ok()) return status;
+  if (map == nullptr) return absl::InvalidArgumentError("map is null");
   if (course.live.scans.empty()) {
     return absl::InvalidArgumentError("drive " + course.live.name + " has no scans");
   }

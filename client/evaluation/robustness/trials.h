@@ -27,7 +27,7 @@ struct Course {
 struct TrackTrial {
   Perturbation prior;
   std::optional<DisturbancePlan> plan;  ///< nothing for the drive as it is
-  std::optional<double> session_s;      ///< of each part; the whole drive in one where absent
+  std::optional<double> session_s;      ///< of each part, [1, 1e6]; the whole drive where absent
 };
 
 /// What a session knows when it starts.
@@ -42,14 +42,17 @@ enum class Prior {
 struct StartTrial {
   Prior prior = Prior::kPose;
   Perturbation perturbation;
-  double spacing_m = 7.0;
-  double limit_s = 3.0;
+  double spacing_m = 7.0;  ///< [0.1, 1e6]
+  double limit_s = 3.0;    ///< [0.1, 1e6]
 };
 
 using Trial = std::variant<TrackTrial, StartTrial>;
 
-/// Does a trial of `course` in `map`; `progress` is told the share done. Errors: invalid options or
-/// rig.
+/// OK, or InvalidArgument that names the field, the value and the bound.
+absl::Status Validate(const Trial& trial);
+
+/// Does a trial of `course` in `map`; `progress` is told the share done. InvalidArgument for an
+/// invalid trial or rig, a null map and a drive without scans.
 absl::StatusOr<Tally> RunTrial(const Trial& trial, const Course& course,
                                const std::shared_ptr<const RadarMap>& map,
                                const std::function<void(double)>& progress);

@@ -14,7 +14,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "tests/client/cli/dcloc_process.h"
+#include "tests/client/cli/fixtures/dcloc_process.h"
 #include "tests/client/datasets/temp_folder.h"
 #include "tests/client/datasets/tiny_nuscenes.h"
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/client/cli/dcloc_process.h"
+#include "tests/client/cli/fixtures/dcloc_process.h"
 
 namespace dcloc {
 namespace {

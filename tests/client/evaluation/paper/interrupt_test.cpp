@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "tests/client/cli/dcloc_process.h"
+#include "tests/client/cli/fixtures/dcloc_process.h"
 #include "tests/client/datasets/temp_folder.h"
 
 namespace dcloc {

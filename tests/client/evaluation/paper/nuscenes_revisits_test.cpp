@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/client/evaluation/paper/made_outcomes.h"
+#include "tests/client/fixtures/field_cases.h"
 
 namespace dcloc::paper {
 namespace {
@@ -25,10 +26,14 @@ SceneTrack Straight(const std::string& name, double begin_s, double x_m, double 
   return track;
 }
 
+std::vector<Revisit> RevisitsOf(const std::vector<SceneTrack>& tracks) {
+  return *FindRevisits(tracks);
+}
+
 TEST(FindRevisits, PairsALaterSceneWithAnEarlierOne) {
   const std::vector<SceneTrack> tracks = {Straight("early", 0.0, 0.0, 2.0, 50),
                                           Straight("late", 1000.0, 40.0, 3.0, 10, 3.0, 0.3)};
-  const auto revisits = FindRevisits(tracks);
+  const auto revisits = RevisitsOf(tracks);
   ASSERT_THAT(revisits, SizeIs(1));
   EXPECT_EQ(revisits[0].map_scene, "early");
   EXPECT_EQ(revisits[0].live_scene, "late");
@@ -38,21 +43,21 @@ TEST(FindRevisits, PairsALaterSceneWithAnEarlierOne) {
 
 TEST(FindRevisits, WantsTheSamePlaceHeadingAndLocation) {
   const SceneTrack early = Straight("early", 0.0, 0.0, 1.0, 50);
-  EXPECT_THAT(FindRevisits({early, Straight("a", 99.0, 0.0, 1.0, 9, 4.9)}), SizeIs(1));
-  EXPECT_THAT(FindRevisits({early, Straight("a", 99.0, 0.0, 1.0, 9, 5.1)}), IsEmpty());
-  EXPECT_THAT(FindRevisits({early, Straight("a", 99.0, 0.0, 1.0, 9, 0.0, 0.49)}), SizeIs(1));
-  EXPECT_THAT(FindRevisits({early, Straight("a", 99.0, 0.0, 1.0, 9, 0.0, -0.51)}), IsEmpty());
-  EXPECT_THAT(FindRevisits({early, Straight("a", 99.0, 40.0, -1.0, 9, 0.0, M_PI)}), IsEmpty());
+  EXPECT_THAT(RevisitsOf({early, Straight("a", 99.0, 0.0, 1.0, 9, 4.9)}), SizeIs(1));
+  EXPECT_THAT(RevisitsOf({early, Straight("a", 99.0, 0.0, 1.0, 9, 5.1)}), IsEmpty());
+  EXPECT_THAT(RevisitsOf({early, Straight("a", 99.0, 0.0, 1.0, 9, 0.0, 0.49)}), SizeIs(1));
+  EXPECT_THAT(RevisitsOf({early, Straight("a", 99.0, 0.0, 1.0, 9, 0.0, -0.51)}), IsEmpty());
+  EXPECT_THAT(RevisitsOf({early, Straight("a", 99.0, 40.0, -1.0, 9, 0.0, M_PI)}), IsEmpty());
   SceneTrack elsewhere = Straight("a", 99.0, 0.0, 1.0, 9);
   elsewhere.location = "harbour";
-  EXPECT_THAT(FindRevisits({early, elsewhere}), IsEmpty());
+  EXPECT_THAT(RevisitsOf({early, elsewhere}), IsEmpty());
 }
 
 TEST(FindRevisits, TakesTheNearestOfAllEarlierScenes) {
   const std::vector<SceneTrack> tracks = {Straight("far", 0.0, 0.0, 1.0, 50, 4.0),
                                           Straight("near", 100.0, 0.0, 1.0, 50, 1.0),
                                           Straight("late", 200.0, 0.0, 1.0, 20, 0.0)};
-  const auto revisits = FindRevisits(tracks);
+  const auto revisits = RevisitsOf(tracks);
   ASSERT_THAT(revisits, SizeIs(2));
   EXPECT_EQ(revisits[0].live_scene, "near");
   EXPECT_EQ(revisits[0].map_scene, "far");
@@ -63,8 +68,8 @@ TEST(FindRevisits, TakesTheNearestOfAllEarlierScenes) {
 TEST(FindRevisits, LeavesOutRunsOfFewKeyFrames) {
   // The late scene comes from 4 m beyond reach and has but two, then three, key frames within.
   const SceneTrack early = Straight("early", 0.0, 0.0, 1.0, 20);
-  EXPECT_THAT(FindRevisits({early, Straight("a", 99.0, 21.5, 2.0, 9)}), IsEmpty());
-  const auto revisits = FindRevisits({early, Straight("a", 99.0, 19.5, 2.0, 9)});
+  EXPECT_THAT(RevisitsOf({early, Straight("a", 99.0, 21.5, 2.0, 9)}), IsEmpty());
+  const auto revisits = RevisitsOf({early, Straight("a", 99.0, 19.5, 2.0, 9)});
   ASSERT_THAT(revisits, SizeIs(1));
   EXPECT_EQ(revisits[0].end, At(100.0));
 }
@@ -73,12 +78,24 @@ TEST(FindRevisits, BeginsAnewWhereTheMapSceneChanges) {
   std::vector<SceneTrack> tracks = {Straight("a", 0.0, 0.0, 1.0, 20),
                                     Straight("b", 100.0, 30.0, 1.0, 20),
                                     Straight("late", 200.0, 0.0, 1.0, 50)};
-  const auto revisits = FindRevisits(tracks);
+  const auto revisits = RevisitsOf(tracks);
   ASSERT_THAT(revisits, SizeIs(2));
   EXPECT_EQ(revisits[0].map_scene, "a");
   EXPECT_EQ(revisits[0].end, At(200.0 + 0.5 * 24));  // 24 m: 5 m beyond the end of a
   EXPECT_EQ(revisits[1].map_scene, "b");
   EXPECT_EQ(revisits[1].begin, At(200.0 + 0.5 * 25));
+}
+
+TEST(RevisitOptionsTest, EachFieldIsValidated) {
+  [[maybe_unused]] const auto& [max_distance_m, max_turn_rad, min_pairs] = RevisitOptions{};
+  ExpectEachFieldIsValidated<RevisitOptions>(
+      {}, {{"max_distance_m", [](auto& o, double v) { o.max_distance_m = v; }, {}},
+           {"max_turn_rad",
+            [](auto& o, double v) { o.max_turn_rad = v; },
+            {.zero = "the very same heading"}},
+           {"min_pairs",
+            [](auto& o, double v) { o.min_pairs = static_cast<int>(v); },
+            {.nan = kIsAnInteger}}});
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
-#include "client/cli/session/localize_command.h"
+#include "client/cli/localize/localize_command.h"
 
 #include <memory>
 
 #include "client/cli/common/anchor_option.h"
 #include "client/cli/common/exit_codes.h"
 #include "client/cli/common/terminal.h"
+#include "client/cli/localize/localize_run.h"
 #include "client/cli/remote/server_options.h"
-#include "client/cli/session/localize_run.h"
 
 namespace dcloc::cli {
 namespace {

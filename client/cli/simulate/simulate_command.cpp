@@ -1,4 +1,4 @@
-#include "client/cli/dataset/simulate_command.h"
+#include "client/cli/simulate/simulate_command.h"
 
 #include <cmath>
 #include <memory>
@@ -16,8 +16,6 @@
 
 namespace dcloc::cli {
 namespace {
-
-constexpr double kMpsPerKmh = 1.0 / 3.6;
 
 struct SimulateArguments {
   SimulationOptions options;
@@ -52,13 +50,11 @@ absl::Status Simulate(SimulateArguments arguments) {
   if (!writer.ok()) return writer.status();
   const simulation::World world = MakeWorld(options);
   for (const PassOptions& pass : Passes(options)) {
-    constexpr std::size_t kSteps = 1000;
     absl::StatusOr<SimulatedPass> simulated;
     {
-      Progress progress("simulating " + pass.name, kSteps);
-      simulated = SimulatePassWithTruth(world, options, pass, [&](double share) {
-        progress.Update(static_cast<std::size_t>(share * kSteps));
-      });
+      Progress progress("simulating " + pass.name);
+      simulated = SimulatePassWithTruth(world, options, pass,
+                                        [&](double share) { progress.UpdateShare(share); });
     }
     if (!simulated.ok()) return simulated.status();
     if (absl::Status status = writer->AddPass(*simulated); !status.ok()) return status;

@@ -1,4 +1,4 @@
-#include "client/cli/dataset/describe_command.h"
+#include "client/cli/describe_command.h"
 
 #include <algorithm>
 #include <vector>

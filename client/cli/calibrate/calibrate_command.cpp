@@ -1,4 +1,4 @@
-#include "client/cli/dataset/calibrate_command.h"
+#include "client/cli/calibrate/calibrate_command.h"
 
 #include <array>
 #include <memory>
@@ -12,12 +12,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/cli/calibrate/calibration_report.h"
 #include "client/cli/common/atomic_file.h"
 #include "client/cli/common/dataset_options.h"
 #include "client/cli/common/exit_codes.h"
 #include "client/cli/common/progress.h"
 #include "client/cli/common/terminal.h"
-#include "client/cli/dataset/calibration_report.h"
 #include "client/datasets/drive_calibration.h"
 
 namespace dcloc::cli {
@@ -67,7 +67,7 @@ absl::StatusOr<Calibrator> ReadDrives(const CalibrateArguments& arguments) {
   DriveRequest request = arguments.drive;
   for (const std::string& name : arguments.drives) {
     request.name = name;
-    const auto drive = ReadDrive(ToDataset(arguments.dataset), request);
+    const auto drive = ReadDrive(arguments.dataset, request);
     if (!drive.ok()) return drive.status();
     if (!calibrator) {
       rig = drive->rig;

@@ -1,4 +1,4 @@
-#include "client/cli/dataset/calibration_report.h"
+#include "client/cli/calibrate/calibration_report.h"
 
 #include <array>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "client/cli/session/localize_run.h"
+#include "client/cli/localize/localize_run.h"
 
 #include <array>
 #include <atomic>
@@ -18,8 +18,8 @@
 #include "client/cli/common/progress.h"
 #include "client/cli/common/stop_signals.h"
 #include "client/cli/common/terminal.h"
+#include "client/cli/localize/answer_files.h"
 #include "client/cli/remote/wire.h"
-#include "client/cli/session/answer_files.h"
 #include "client/datasets/dataset.h"
 #include "client/evaluation/metrics_format.h"
 #include "client/sdk/session.h"
@@ -250,7 +250,7 @@ absl::Status Localize(client::Session& session, const Drive& drive,
 }  // namespace
 
 absl::Status RunLocalize(const LocalizeArguments& arguments) {
-  const absl::StatusOr<Drive> drive = ReadDrive(ToDataset(arguments.dataset), arguments.drive);
+  const absl::StatusOr<Drive> drive = ReadDrive(arguments.dataset, arguments.drive);
   if (!drive.ok()) return drive.status();
   if (drive->scans.empty()) {
     return absl::InvalidArgumentError(absl::StrCat("drive ", drive->name, " has no scans"));

@@ -1,4 +1,4 @@
-#include "client/cli/session/answer_files.h"
+#include "client/cli/localize/answer_files.h"
 
 #include <cerrno>
 #include <cstdint>

@@ -1,54 +1,26 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <csignal>
 #include <nlohmann/json.hpp>
-#include <span>
+#include <sstream>
 #include <string>
-#include <vector>
+#include <thread>
 
-#include "client/cli/remote/answer_text.h"
-#include "client/sdk/admin_client.h"
-#include "tests/client/cli/dcloc_process.h"
-#include "tests/server/fixtures/test_maps.h"
-#include "tests/server/fixtures/test_server.h"
+#include "tests/client/cli/fixtures/admin_commands.h"
 
-// `dcloc session` and `dcloc server`, against the server as it is shipped.
+// `dcloc session`.
 namespace dcloc::cli {
 namespace {
 
 using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
-class AdminCommandsTest : public ::testing::Test {
- protected:
-  AdminCommandsTest() {
-    const std::vector<std::byte> map = server::SmallMap();
-    v1::UploadMapResponse response;
-    EXPECT_TRUE(server::UploadMap(*server_.maps, server::HeaderOf(map), map, &response).ok());
-  }
+using SessionCommandTest = AdminCommands;
 
-  std::unique_ptr<server::TestSession> OpenSession(const std::string& vehicle_id) {
-    auto session = std::make_unique<server::TestSession>(*server_.localization);
-    v1::OpenSession open = server::OpenMessage();
-    open.set_vehicle_id(vehicle_id);
-    EXPECT_TRUE(session->Open(open));
-    const auto opened = session->Read();
-    EXPECT_TRUE(opened.has_value());
-    if (opened) ids_.push_back(opened->opened().session_id());
-    return session;
-  }
-
-  std::string At(const std::string& words) const {
-    return words + " --server " + server_.server->address() + " ";
-  }
-
-  server::TestServer server_;
-  std::vector<std::string> ids_;
-};
-
-TEST_F(AdminCommandsTest, SessionsAreListedAndShown) {
+TEST_F(SessionCommandTest, SessionsAreListedAndShown) {
   const auto first = OpenSession("car-1");
   const auto second = OpenSession("car-2");
   ASSERT_TRUE(second->Localize(server::ScanMessage(4))->has_result());
@@ -71,7 +43,7 @@ TEST_F(AdminCommandsTest, SessionsAreListedAndShown) {
   EXPECT_THAT(Dcloc(At("session show") + "car-2").out, HasSubstr(ids_[1]));
 }
 
-TEST_F(AdminCommandsTest, ANameThatIsNotOneSessionsIsAnError) {
+TEST_F(SessionCommandTest, ANameThatIsNotOneSessionsIsAnError) {
   const auto first = OpenSession("car-1");
   const auto second = OpenSession("car-1");
   const Result two = Dcloc(At("session show") + "car-1");
@@ -83,7 +55,7 @@ TEST_F(AdminCommandsTest, ANameThatIsNotOneSessionsIsAnError) {
   EXPECT_EQ(Dcloc(At("session show")).exit_code, 2);
 }
 
-TEST_F(AdminCommandsTest, AnswersAreWatched) {
+TEST_F(SessionCommandTest, AnswersAreWatched) {
   const auto session = OpenSession("car-1");
   DclocProcess watch(At("session watch") + "car-1 --json --count 2");
   // Until the watcher is there, answers pass it by.
@@ -103,7 +75,7 @@ TEST_F(AdminCommandsTest, AnswersAreWatched) {
   EXPECT_FALSE(std::getline(lines, line));
 }
 
-TEST_F(AdminCommandsTest, CtrlCEndsAWatchWell) {
+TEST_F(SessionCommandTest, CtrlCEndsAWatchWell) {
   const auto session = OpenSession("car-1");
   DclocProcess watch(At("session watch") + "car-1");
   for (int i = 0; watch.Out().empty(); ++i) {
@@ -116,7 +88,7 @@ TEST_F(AdminCommandsTest, CtrlCEndsAWatchWell) {
   EXPECT_THAT(result.out, HasSubstr("dead_reckoning"));
 }
 
-TEST_F(AdminCommandsTest, ASessionIsEndedWithAReason) {
+TEST_F(SessionCommandTest, ASessionIsEndedWithAReason) {
   const auto session = OpenSession("car-1");
   const Result result = Dcloc(At("session end") + "car-1 --reason \"radar misaligned\"");
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -126,53 +98,6 @@ TEST_F(AdminCommandsTest, ASessionIsEndedWithAReason) {
   const Result gone = Dcloc(At("session show") + ids_[0]);
   EXPECT_EQ(gone.exit_code, 1);
   EXPECT_THAT(gone.err, HasSubstr("radar misaligned")) << "why it ended is still known";
-}
-
-TEST_F(AdminCommandsTest, TheServerSaysHowItDoesAndIsDrained) {
-  auto session = OpenSession("car-1");
-  ASSERT_TRUE(session->Localize(server::ScanMessage(0)).has_value());
-  const json before = json::parse(Dcloc(At("server status") + "--json").out);
-  EXPECT_EQ(before["session_count"], 1);
-  EXPECT_EQ(before["scan_count"], 1);
-  EXPECT_EQ(before["draining"], false);
-  EXPECT_EQ(before["stub_matcher"], true);
-  EXPECT_THAT(Dcloc(At("server status")).out,
-              AllOf(HasSubstr("1 of 1000"), Not(HasSubstr("draining"))));
-  const json drained = json::parse(Dcloc(At("server drain") + "--wait-s 20 --json").out);
-  EXPECT_EQ(drained["session_count"], 0);
-  EXPECT_EQ(drained["draining"], true);
-  EXPECT_THAT(Dcloc(At("server status")).out, HasSubstr("draining"));
-}
-
-TEST_F(AdminCommandsTest, ADrainThatTakesTooLongIsAnError) {
-  server::ServerConfig config = server::TestServer::StubConfig();
-  config.drain_grace_ms = 60'000;
-  const server::TestServer slow(config);
-  const std::vector<std::byte> map = server::SmallMap();
-  v1::UploadMapResponse response;
-  ASSERT_TRUE(server::UploadMap(*slow.maps, server::HeaderOf(map), map, &response).ok());
-  server::TestSession session(*slow.localization);
-  session.Open(server::OpenMessage());
-  ASSERT_TRUE(session.Read().has_value());
-  const Result result = Dcloc("server drain --wait-s 0.3 --server " + slow.server->address());
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("1 sessions are still open after 0.3 s"));
-  session.Cancel();
-}
-
-TEST_F(AdminCommandsTest, WithoutAServerTheErrorNamesIt) {
-  for (const char* command : {"session list", "session show x", "server status", "server drain"}) {
-    const Result result = Dcloc(std::string(command) + " --server 127.0.0.1:1");
-    EXPECT_EQ(result.exit_code, 1) << command;
-    EXPECT_THAT(result.err, HasSubstr("127.0.0.1:1")) << command;
-  }
-}
-
-TEST(AgeTextTest, HasAFittingUnit) {
-  EXPECT_EQ(AgeText(0.25), "250 ms");
-  EXPECT_EQ(AgeText(30.0), "30 s");
-  EXPECT_EQ(AgeText(600.0), "10 min");
-  EXPECT_EQ(AgeText(36000.0), "10 h");
 }
 
 }  // namespace

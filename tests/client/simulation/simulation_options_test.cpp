@@ -1,0 +1,51 @@
+#include "client/simulation/simulation_options.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/client/fixtures/field_cases.h"
+
+namespace dcloc {
+namespace {
+
+TEST(SimulationOptionsTest, EachFieldIsValidated) {
+  // A field that is added does not compile here until it has a row below.
+  [[maybe_unused]] const auto& [world, radar, noise, rig_size, seed, length_m, tunnel_m,
+                                map_speed_mps, live_speeds_mps, stops, noise_scale, is_flat, beta_s,
+                                has_elevation, unambiguous_range_rate_mps, range_rate_step_mps,
+                                parked_change_share, clutter_share, ghost_share] =
+      SimulationOptions{};
+  ExpectEachFieldIsValidated<SimulationOptions>(
+      {},
+      {{"rig_size",
+        [](auto& o, double v) { o.rig_size = static_cast<int>(v); },
+        {.nan = kIsAnInteger}},
+       {"length_m", [](auto& o, double v) { o.length_m = v; }, {}},
+       {"tunnel_m", [](auto& o, double v) { o.tunnel_m = v; }, {.zero = "no tunnel"}},
+       {"map_speed_mps", [](auto& o, double v) { o.map_speed_mps = v; }, {}},
+       {"live_speeds_mps[0]", [](auto& o, double v) { o.live_speeds_mps = {v}; }, {}},
+       {"noise_scale", [](auto& o, double v) { o.noise_scale = v; }, {.zero = "no noise"}},
+       {"beta_s", [](auto& o, double v) { o.beta_s = v; }, {.zero = "no coupling"}},
+       {"unambiguous_range_rate_mps",
+        [](auto& o, double v) { o.unambiguous_range_rate_mps = v; },
+        {.zero = "no aliasing"}},
+       {"range_rate_step_mps",
+        [](auto& o, double v) { o.range_rate_step_mps = v; },
+        {.zero = "not quantised"}},
+       {"parked_change_share",
+        [](auto& o, double v) { o.parked_change_share = v; },
+        {.zero = "all stay"}},
+       {"clutter_share", [](auto& o, double v) { o.clutter_share = v; }, {.zero = "no clutter"}},
+       {"ghost_share", [](auto& o, double v) { o.ghost_share = v; }, {.zero = "no ghosts"}}});
+}
+
+TEST(PassOptionsTest, EachFieldIsValidated) {
+  [[maybe_unused]] const auto& [name, index, mean_speed_mps] = PassOptions{};
+  ExpectEachFieldIsValidated<PassOptions>(
+      {}, {{"pass index",
+            [](auto& o, double v) { o.index = static_cast<int>(v); },
+            {.nan = kIsAnInteger, .zero = "the map pass"}},
+           {"pass mean_speed_mps", [](auto& o, double v) { o.mean_speed_mps = v; }, {}}});
+}
+
+}  // namespace
+}  // namespace dcloc
