@@ -7,7 +7,7 @@
 namespace dcloc {
 namespace {
 
-EgoVelocity Motion(double speed_mps, double yaw_rate_radps) {
+EgoVelocity PlanarMotion(double speed_mps, double yaw_rate_radps) {
   return {.linear_mps = {speed_mps, 0.0, 0.0}, .angular_radps = {0.0, 0.0, yaw_rate_radps}};
 }
 
@@ -21,7 +21,7 @@ void AddMovers(Scan& scan, int count, float range_rate_mps) {
 
 TEST(EgoVelocityTest, OneRadarWithoutNoiseIsExact) {
   const RadarModel radar = RadarAt("front", 3.6, 0.0, 0.05);
-  const Scan scan = StaticScan(radar, Motion(13.0, 0.25), 60, 1, 0.0);
+  const Scan scan = StaticScan(radar, PlanarMotion(13.0, 0.25), 60, 1, 0.0);
   const RadarScan scans[] = {{&scan, &radar}};
   const auto estimate = EstimateEgoVelocity(scans, 5);
   ASSERT_TRUE(estimate.has_value());
@@ -33,7 +33,7 @@ TEST(EgoVelocityTest, OneRadarWithoutNoiseIsExact) {
 
 TEST(EgoVelocityTest, MoversAreOutvoted) {
   const RadarModel radar = RadarAt("front", 3.6, 0.0, 0.0);
-  Scan scan = StaticScan(radar, Motion(10.0, 0.0), 50, 2, 1.0);
+  Scan scan = StaticScan(radar, PlanarMotion(10.0, 0.0), 50, 2, 1.0);
   AddMovers(scan, 35, 3.0F);  // two cars ahead, receding
   const RadarScan scans[] = {{&scan, &radar}};
   const auto estimate = EstimateEgoVelocity(scans, 5);
@@ -46,7 +46,7 @@ TEST(EgoVelocityTest, MoversAreOutvoted) {
 TEST(EgoVelocityTest, ARigObservesSideSlipAndTurning) {
   const RadarModel radars[] = {RadarAt("front", 3.6, 0.0, 0.0), RadarAt("left", 2.0, 0.9, 1.57),
                                RadarAt("rear", -1.0, -0.6, 3.14)};
-  EgoVelocity truth = Motion(8.0, -0.3);
+  EgoVelocity truth = PlanarMotion(8.0, -0.3);
   truth.linear_mps.y() = 0.1;
   std::vector<Scan> scans;
   for (const RadarModel& radar : radars) scans.push_back(StaticScan(radar, truth, 60, 3, 0.0));
@@ -62,7 +62,7 @@ TEST(EgoVelocityTest, ARigObservesSideSlipAndTurning) {
 TEST(EgoVelocityTest, UnfoldsAliasedRangeRates) {
   RadarModel radar = RadarAt("front", 3.6, 0.0, 0.0);
   radar.unambiguous_range_rate_mps = 14.0;  // -18 m/s ahead is measured as +10
-  const Scan scan = StaticScan(radar, Motion(18.0, 0.0), 80, 4, 0.5);
+  const Scan scan = StaticScan(radar, PlanarMotion(18.0, 0.0), 80, 4, 0.5);
   const RadarScan scans[] = {{&scan, &radar}};
   const auto estimate = EstimateEgoVelocity(scans, 5);
   ASSERT_TRUE(estimate.has_value());
@@ -71,7 +71,7 @@ TEST(EgoVelocityTest, UnfoldsAliasedRangeRates) {
 
 TEST(EgoVelocityTest, StandingStillAmongMovers) {
   const RadarModel radar = RadarAt("front", 3.6, 0.0, 0.0);
-  Scan scan = StaticScan(radar, Motion(0.0, 0.0), 50, 6, 0.3);
+  Scan scan = StaticScan(radar, PlanarMotion(0.0, 0.0), 50, 6, 0.3);
   AddMovers(scan, 20, -8.0F);
   const RadarScan scans[] = {{&scan, &radar}};
   const auto estimate = EstimateEgoVelocity(scans, 5);
@@ -102,7 +102,7 @@ TEST(EgoVelocityTest, TheCovarianceCoversTheErrors) {
   double sum = 0.0;
   constexpr int kRuns = 300;
   for (unsigned seed = 0; seed < kRuns; ++seed) {
-    const Scan scan = StaticScan(radar, Motion(12.0, 0.1), 80, seed, 0.6);
+    const Scan scan = StaticScan(radar, PlanarMotion(12.0, 0.1), 80, seed, 0.6);
     const RadarScan scans[] = {{&scan, &radar}};
     const auto estimate = EstimateEgoVelocity(scans, seed, options);
     ASSERT_TRUE(estimate.has_value());
@@ -116,8 +116,8 @@ TEST(EgoVelocityTest, TheCovarianceCoversTheErrors) {
 }
 
 TEST(FuseTest, IsTheInformationWeightedMean) {
-  EgoVelocity a = Motion(10.0, 0.1);
-  EgoVelocity b = Motion(11.0, 0.3);
+  EgoVelocity a = PlanarMotion(10.0, 0.1);
+  EgoVelocity b = PlanarMotion(11.0, 0.3);
   a.covariance = Matrix6d(1.0 * Matrix6d::Identity());
   b.covariance = Matrix6d(3.0 * Matrix6d::Identity());
   const EgoVelocity fused = Fuse(a, b);

@@ -56,8 +56,7 @@ TEST(EgoMotionTest, DopplerAloneFindsTheMotion) {
 }
 
 TEST(EgoMotionTest, BothAreFusedByTheirInformation) {
-  const LocalizerOptions options;
-  EgoMotion motion(options);
+  EgoMotion motion;
   Scan scan = Seen(0, Planar(12.0, 0.1));
   EgoVelocity wheels = Planar(12.3, 0.09);
   wheels.covariance = EmbedCovariance(Eigen::Vector3d(0.09, 0.04, 1e-4).asDiagonal(), 1e-4, 1e-4);
@@ -65,7 +64,7 @@ TEST(EgoMotionTest, BothAreFusedByTheirInformation) {
   const EgoVelocity fused = motion.Advance(scan, kRadar);
 
   // The Doppler part alone, from a vehicle without wheels.
-  EgoMotion without(options);
+  EgoMotion without;
   const EgoVelocity doppler = without.Advance(Seen(0, Planar(12.0, 0.1)), kRadar);
   const Matrix6d information = wheels.covariance->inverse() + doppler.covariance->inverse();
   const Vector6d mean = information.inverse() * (wheels.covariance->inverse() * Twist(wheels) +

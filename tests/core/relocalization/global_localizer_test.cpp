@@ -49,7 +49,7 @@ class Seeker {
         along_m_(along_m),
         sight_m_(sight_m) {}
 
-  GlobalLocalizer<2>& global_localizer() { return global_localizer_; }
+  std::optional<Pose3> Continue() { return global_localizer_.Continue(workspace_); }
   Pose3 T_map_vehicle() const { return SyntheticWorld::OnRoad(along_m_); }
   bool WantsView() const { return global_localizer_.WantsView(stamp_); }
 
@@ -66,7 +66,7 @@ class Seeker {
   std::optional<Pose3> Search(const std::optional<SearchRegion>& region = std::nullopt) {
     global_localizer_.AddView(stamp_, Seen(), region);
     while (global_localizer_.working()) {
-      if (auto place = global_localizer_.Continue()) return place;
+      if (auto place = global_localizer_.Continue(workspace_)) return place;
     }
     return std::nullopt;
   }
@@ -91,6 +91,7 @@ class Seeker {
 
   const SyntheticWorld& world_;
   GlobalLocalizer<2> global_localizer_;
+  RegistrationWorkspace<2> workspace_;
   std::mt19937 random_{7};
   double along_m_;
   double sight_m_;
@@ -108,7 +109,7 @@ TEST(GlobalLocalizerTest, APlaceThatHoldsOverNewGroundIsFound) {
   EXPECT_FALSE(seeker.Search()) << "six metres are not ten";
   EXPECT_FALSE(seeker.WantsView()) << "and yet it is decided";
   seeker.DriveTo(51.0);
-  const auto found = seeker.global_localizer().Continue();
+  const auto found = seeker.Continue();
   ASSERT_TRUE(found.has_value());
   EXPECT_LT(seeker.ErrorOf(*found), 0.3);
 }
@@ -131,7 +132,7 @@ TEST(GlobalLocalizerTest, StandingStillDecidesNothing) {
   for (int i = 0; i < 60; ++i) {
     seeker.DriveTo(40.0, 0.01);
     EXPECT_FALSE(seeker.WantsView());
-    EXPECT_FALSE(seeker.global_localizer().Continue());
+    EXPECT_FALSE(seeker.Continue());
   }
 }
 

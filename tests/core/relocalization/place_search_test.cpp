@@ -130,15 +130,15 @@ TEST(PlaceSearchTest, FindsWhereAKnownWayLedTo) {
   const Pose2 T_map_found =
       Flatten(map->keyframe(found[0].keyframe).T_map_keyframe) * found[0].T_keyframe_vehicle;
   EXPECT_LT((T_map_found.translation_m - T_map_vehicle.translation_m).norm(), 1.5);
-  EXPECT_TRUE(region.Holds(T_map_found));
+  EXPECT_TRUE(region.Contains(T_map_found));
   region.T_then_now.translation_m.x() = 100.0;  // too far for this place
   SearchRegion with_blocks = region;
   with_blocks.radius_m += 23.0;
-  EXPECT_FALSE(with_blocks.Holds(T_map_vehicle));
+  EXPECT_FALSE(with_blocks.Contains(T_map_vehicle));
   for (const PlaceHypothesis& place : Search(map, points, {.region = region})) {
     const Pose2 T_map_place =
         Flatten(map->keyframe(place.keyframe).T_map_keyframe) * place.T_keyframe_vehicle;
-    EXPECT_TRUE(with_blocks.Holds(T_map_place));
+    EXPECT_TRUE(with_blocks.Contains(T_map_place));
   }
 }
 

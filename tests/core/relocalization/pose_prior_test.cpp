@@ -21,76 +21,76 @@ Motion Ahead(double way_m) {
           .covariance = 0.01 * Matrix6d::Identity()};
 }
 
-TEST(WhereaboutsTest, APriorThatIsGoodEnoughIsAPrediction) {
-  const PosePrior whereabouts({.max_prior_sigma_m = 3.0, .max_prior_sigma_rad = 0.2});
-  EXPECT_TRUE(whereabouts.IsPrediction(About(2.0, 0.1).covariance));
-  EXPECT_FALSE(whereabouts.IsPrediction(About(3.0, 0.1).covariance));
-  EXPECT_FALSE(whereabouts.IsPrediction(About(1.0, 0.3).covariance));
+TEST(PosePriorTest, APriorThatIsGoodEnoughIsAPrediction) {
+  const PosePrior prior({.max_prediction_sigma_m = 3.0, .max_prediction_sigma_rad = 0.2});
+  EXPECT_TRUE(prior.IsPrediction(About(2.0, 0.1).covariance));
+  EXPECT_FALSE(prior.IsPrediction(About(3.0, 0.1).covariance));
+  EXPECT_FALSE(prior.IsPrediction(About(1.0, 0.3).covariance));
 }
 
-TEST(WhereaboutsTest, IsCarriedOnByOdometryAndGrows) {
-  PosePrior whereabouts({});
-  whereabouts.OnMotion(Ahead(5.0));
-  EXPECT_FALSE(whereabouts.now().has_value());
-  whereabouts.Set(About(2.0, 0.1));
-  whereabouts.OnMotion(Ahead(5.0));
-  const PoseEstimate<3>& now = *whereabouts.now();
+TEST(PosePriorTest, IsCarriedOnByOdometryAndGrows) {
+  PosePrior prior({});
+  prior.OnMotion(Ahead(5.0));
+  EXPECT_FALSE(prior.now().has_value());
+  prior.Set(About(2.0, 0.1));
+  prior.OnMotion(Ahead(5.0));
+  const PoseEstimate<3>& now = *prior.now();
   EXPECT_NEAR(now.pose.translation_m.x(), 100.0 + 5.0 * std::cos(0.5), 1e-9);
   EXPECT_GT(now.covariance(1, 1), 4.0 + 25.0 * 0.01);
-  whereabouts.Forget();
-  EXPECT_FALSE(whereabouts.now().has_value());
+  prior.Forget();
+  EXPECT_FALSE(prior.now().has_value());
 }
 
-TEST(WhereaboutsTest, TheRegionIsWhatIsLeft) {
-  PosePrior whereabouts({});
-  EXPECT_FALSE(whereabouts.Region().has_value());
-  whereabouts.Set(About(3.0, 0.1));
-  const auto region = whereabouts.Region();
+TEST(PosePriorTest, TheRegionIsWhatIsLeft) {
+  PosePrior prior({});
+  EXPECT_FALSE(prior.Region().has_value());
+  prior.Set(About(3.0, 0.1));
+  const auto region = prior.Region();
   ASSERT_TRUE(region.has_value());
   EXPECT_NEAR(region->radius_m, 10.5, 1e-6);
   EXPECT_NEAR(region->yaw_rad, 0.5, 1e-9);
   EXPECT_NEAR(region->max_yaw_offset_rad, 0.35, 1e-9);
   EXPECT_NEAR(region->centre_m.x(), 100.0, 1e-9);
   const Pose2 T_map_begin = Flatten(About(3.0, 0.1).pose);
-  EXPECT_TRUE(region->Holds(T_map_begin));
-  EXPECT_FALSE(region->Holds(T_map_begin * Pose2{.translation_m = {11.0, 0.0}, .yaw_rad = 0.0}));
-  EXPECT_FALSE(region->Holds(T_map_begin * Pose2{.translation_m = {0.0, 0.0}, .yaw_rad = 0.4}));
+  EXPECT_TRUE(region->Contains(T_map_begin));
+  EXPECT_FALSE(region->Contains(T_map_begin * Pose2{.translation_m = {11.0, 0.0}, .yaw_rad = 0.0}));
+  EXPECT_FALSE(region->Contains(T_map_begin * Pose2{.translation_m = {0.0, 0.0}, .yaw_rad = 0.4}));
 }
 
-TEST(WhereaboutsTest, TheRegionFollowsAndGrowsByOdometry) {
-  PosePrior whereabouts({});
-  whereabouts.Set(About(3.0, 0.1));
-  for (int i = 0; i < 8; ++i) whereabouts.OnMotion(Ahead(5.0));
-  const auto region = whereabouts.Region();
+TEST(PosePriorTest, TheRegionFollowsAndGrowsByOdometry) {
+  PosePrior prior({});
+  prior.Set(About(3.0, 0.1));
+  for (int i = 0; i < 8; ++i) prior.OnMotion(Ahead(5.0));
+  const auto region = prior.Region();
   EXPECT_GT(region->radius_m, 10.5);
   EXPECT_LT(region->radius_m, 30.0);
   const Pose2 T_map_begin = Flatten(About(3.0, 0.1).pose);
-  EXPECT_TRUE(region->Holds(T_map_begin * Pose2{.translation_m = {40.0, 0.0}, .yaw_rad = 0.0}));
-  EXPECT_FALSE(region->Holds(T_map_begin));
+  EXPECT_TRUE(region->Contains(T_map_begin * Pose2{.translation_m = {40.0, 0.0}, .yaw_rad = 0.0}));
+  EXPECT_FALSE(region->Contains(T_map_begin));
 }
 
-TEST(WhereaboutsTest, WithoutAHeadingTheWayDrivenLeavesACircle) {
-  PosePrior whereabouts({});
-  whereabouts.Set(About(3.0, std::numbers::pi / std::sqrt(3.0)));
-  for (int i = 0; i < 8; ++i) whereabouts.OnMotion(Ahead(5.0));
-  const auto region = whereabouts.Region();
+TEST(PosePriorTest, WithoutAHeadingTheWayDrivenLeavesACircle) {
+  PosePrior prior({});
+  prior.Set(About(3.0, std::numbers::pi / std::sqrt(3.0)));
+  for (int i = 0; i < 8; ++i) prior.OnMotion(Ahead(5.0));
+  const auto region = prior.Region();
   ASSERT_TRUE(region.has_value());
   const auto went = [](double yaw_rad, double way_m) {
     return Pose2{.translation_m = {100.0, 50.0}, .yaw_rad = yaw_rad} *
            Pose2{.translation_m = {way_m, 0.0}, .yaw_rad = 0.0};
   };
   for (const double yaw_rad : {-3.0, -1.0, 0.5, 2.5}) {
-    EXPECT_TRUE(region->Holds(went(yaw_rad, 40.0))) << yaw_rad;
-    EXPECT_FALSE(region->Holds(went(yaw_rad, 0.0))) << "who drove is not there any more";
-    EXPECT_FALSE(region->Holds(went(yaw_rad, -40.0))) << "nor did it drive backwards";
-    EXPECT_FALSE(region->Holds(went(yaw_rad, 70.0))) << yaw_rad;
+    EXPECT_TRUE(region->Contains(went(yaw_rad, 40.0))) << yaw_rad;
+    EXPECT_FALSE(region->Contains(went(yaw_rad, 0.0))) << "who drove is not there any more";
+    EXPECT_FALSE(region->Contains(went(yaw_rad, -40.0))) << "nor did it drive backwards";
+    EXPECT_FALSE(region->Contains(went(yaw_rad, 70.0))) << yaw_rad;
   }
 }
 
-TEST(WhereaboutsTest, TooWideARegionIsTheWholeMap) {
-  PosePrior whereabouts({});
-  whereabouts.Set(About(200.0, 0.1));
-  EXPECT_FALSE(whereabouts.Region().has_value());
+TEST(PosePriorTest, TooWideARegionIsTheWholeMap) {
+  PosePrior prior({});
+  prior.Set(About(200.0, 0.1));
+  EXPECT_FALSE(prior.Region().has_value());
 }
 
 }  // namespace
