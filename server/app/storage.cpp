@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <string>
 #include <utility>
 
@@ -14,11 +15,13 @@
 namespace dcloc::server {
 namespace {
 
-/// "host:pid".
+/// "host:pid:when"; the time tells it from an earlier process, as containers use numbers again.
 std::string NameOfThisProcess() {
   std::array<char, 256> host{};
   if (gethostname(host.data(), host.size() - 1) != 0) host = {"localhost"};
-  return absl::StrCat(host.data(), ":", getpid());
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return absl::StrCat(host.data(), ":", getpid(), ":",
+                      std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
 }
 
 absl::StatusOr<MapStoreParts> OpenMapParts(const std::filesystem::path& folder) {

@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include "absl/strings/string_view.h"
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "core/map/radar_map.h"
 #include "server/base/clock.h"
 #include "server/maps/catalogue/coverage.h"
@@ -48,9 +48,10 @@ struct CoverageRecord {
 ///
 /// Several processes may share one catalogue if its implementation says so. Who uses a version or
 /// handles a file therefore holds it here, not in its own memory only. `holder` names the process
-/// that holds, the same for all of its holds. A hold lasts until it is given back or its holder has
-/// died; how that is noticed (a lease that is renewed, a connection that breaks) is the
-/// implementation's own. Localizing a scan takes and gives back no hold.
+/// that holds: the same for all of its holds, and never used by a process before it. A hold lasts
+/// until it is given back or its holder has died; how that is noticed (a lease that is renewed, a
+/// connection that breaks) is the implementation's own. Localizing a scan takes and gives back no
+/// hold.
 class Catalogue {
  public:
   virtual ~Catalogue() = default;
