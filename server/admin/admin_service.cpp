@@ -175,7 +175,7 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
   host_.pool.Post([this, context, request, stream] {
     const auto principal = host_.access.Authorize(*context, v1::RecordSessionRequest::descriptor());
     absl::Status status = principal.status();
-    if (status.ok()) status = convert::CheckId("vehicle_id", request->vehicle_id());
+    if (status.ok()) status = CheckId("vehicle_id", request->vehicle_id());
     std::shared_ptr<void> slot = recording_slots_.Take(kMaxRecordingCount);
     if (status.ok() && slot == nullptr) {
       status = absl::ResourceExhaustedError(

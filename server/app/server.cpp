@@ -13,10 +13,10 @@
 #include "absl/strings/str_cat.h"
 #include "server/admin/admin_service.h"
 #include "server/app/state_metrics.h"
+#include "server/app/storage.h"
 #include "server/base/status.h"
 #include "server/base/ticker.h"
 #include "server/config/credentials.h"
-#include "server/identity/identity_store.h"
 #include "server/identity/usage.h"
 #include "server/localization/localization_service.h"
 #include "server/maps/service/map_service.h"
@@ -117,19 +117,18 @@ void SetLimits(const ServerConfig& config, grpc::ServerBuilder& builder) {
 /// In the order in which they are built; they go in the reverse one. The pools go before what their
 /// tasks use.
 struct Server::Parts {
-  Parts(const ServerConfig& server_config, std::unique_ptr<MapStore> map_store,
-        std::unique_ptr<IdentityStore> identity_store)
+  Parts(const ServerConfig& server_config, Storage opened)
       : config(server_config),
         drain_grace(config.drain_grace_ms),
         limits(config),
-        identities(std::move(identity_store)),
-        access(*identities, config.require_identity),
-        store(std::move(map_store)),
+        kept(std::move(opened)),
+        access(*kept.identities, config.require_identity),
+        store(*kept.maps),
         registry(limits, SessionTimeoutsOf(config)),
         localization_pool(WorkerCount(config), SearcherCount(config)),
         localization({.storage = storage,
                       .registry = registry,
-                      .sessions = {.store = *store,
+                      .sessions = {.store = store,
                                    .pool = localization_pool,
                                    .totals = registry.totals(),
                                    .metrics = metrics,
@@ -144,12 +143,12 @@ struct Server::Parts {
                       .max_pending_scan_count = config.max_pending_scan_count}),
         maps(storage,
              [this](const std::string& tenant, const std::string& map_name) {
-               return MoveSessions(registry, *store, tenant, map_name);
+               return MoveSessions(registry, store, tenant, map_name);
              },
              {.move_or_end =
                   [this](const std::string& tenant, const std::string& map_name,
                          std::int64_t version) {
-                    MoveSessions(registry, *store, tenant, map_name, version);
+                    MoveSessions(registry, store, tenant, map_name, version);
                     EndSessions(registry, tenant, map_name, version, EndOf::kThoseThatStay);
                   },
               .end_all =
@@ -173,7 +172,7 @@ struct Server::Parts {
                  // Nobody can resume them here any more.
                  registry.RemoveDetached("the server is draining");
                }),
-        upload_sweeper(kUploadSweepInterval, [this] { RemoveStaleUploads(*store); }) {
+        upload_sweeper(kUploadSweepInterval, [this] { RemoveStaleUploads(store); }) {
     // The pools' threads are older than what they will use of this; their locks hand it to them.
     storage_pool.Post([] {});
     localization_pool.Post([] {});
@@ -207,7 +206,7 @@ struct Server::Parts {
     if (!listen.ok()) return listen.status();
     auto state = std::make_shared<StateMetrics>(StateMetrics::Sources{
         .registry = registry,
-        .store = *store,
+        .store = store,
         .localization_pool = localization_pool,
         .storage_pool = storage_pool,
         .draining = [this] { return localization.draining(); },
@@ -229,16 +228,16 @@ struct Server::Parts {
   const std::chrono::milliseconds drain_grace;
   Limits limits;
   UsageCounts usages{limits};
-  std::unique_ptr<IdentityStore> identities;
+  Storage kept;
   AccessControl access;
-  std::unique_ptr<MapStore> store;
+  MapStore& store;
   SessionRegistry registry;
   Metrics metrics;
   TapRequests taps;
   const std::string program = absl::StrCat("dcloc-server ", DCLOC_VERSION);
   OpenCalls open_calls;
   WorkerPool storage_pool{kStorageThreads, kMapThreads};
-  const StorageHost storage{*store, storage_pool, open_calls, access, limits};
+  const StorageHost storage{store, storage_pool, open_calls, access, limits};
   WorkerPool localization_pool;
   LocalizationService localization;
   MapService maps;
@@ -259,13 +258,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   if (absl::Status status = Validate(config); !status.ok()) return status;
   absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = MakeCredentials(config);
   if (!credentials.ok()) return credentials.status();
-  absl::StatusOr<std::unique_ptr<MapStore>> store =
-      MapStore::Open(config.data, MapStoreOptionsOf(config));
-  if (!store.ok()) return WithPrefix("data: ", store.status());
-  absl::StatusOr<std::unique_ptr<IdentityStore>> identities =
-      IdentityStore::Open(IdentityFile(config.data));
-  if (!identities.ok()) return WithPrefix("data: ", identities.status());
-  auto parts = std::make_unique<Parts>(config, *std::move(store), *std::move(identities));
+  absl::StatusOr<Storage> storage = OpenStorage(config.data, MapStoreOptionsOf(config));
+  if (!storage.ok()) return WithPrefix("data: ", storage.status());
+  auto parts = std::make_unique<Parts>(config, *std::move(storage));
   if (absl::Status status = SayWhoIsLetIn(parts->access, config); !status.ok()) return status;
 
   WarnOfFewFiles(config);

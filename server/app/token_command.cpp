@@ -12,8 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "nlohmann/json.hpp"
-#include "server/base/files.h"
-#include "server/identity/identity_store.h"
+#include "server/app/storage.h"
 
 namespace dcloc::server {
 namespace {
@@ -30,11 +29,6 @@ struct Arguments {
   std::int64_t id = 0;
 };
 
-absl::StatusOr<std::unique_ptr<IdentityStore>> OpenStore(const Arguments& arguments) {
-  if (absl::Status status = CreateFolders(arguments.data); !status.ok()) return status;
-  return IdentityStore::Open(IdentityFile(arguments.data));
-}
-
 std::string TimeText(const std::optional<SystemTime>& time) {
   if (!time) return "";
   return absl::FormatTime("%Y-%m-%dT%H:%M:%SZ", absl::FromChrono(*time), absl::UTCTimeZone());
@@ -47,7 +41,7 @@ absl::Status Create(const Arguments& arguments) {
   if (arguments.expire_days > 0) {
     expire_time = std::chrono::system_clock::now() + std::chrono::days(arguments.expire_days);
   }
-  const auto store = OpenStore(arguments);
+  const auto store = OpenIdentities(arguments.data);
   if (!store.ok()) return store.status();
   const Proof proof = arguments.certificate ? Proof::kCertificate : Proof::kToken;
   const absl::StatusOr<std::string> token = (*store)->Create(proof, principal, expire_time);
@@ -71,7 +65,7 @@ nlohmann::ordered_json Json(const IdentityRecord& record) {
 }
 
 absl::Status List(const Arguments& arguments) {
-  const auto store = OpenStore(arguments);
+  const auto store = OpenIdentities(arguments.data);
   if (!store.ok()) return store.status();
   const absl::StatusOr<std::vector<IdentityRecord>> records = (*store)->List();
   if (!records.ok()) return records.status();
@@ -93,7 +87,7 @@ absl::Status List(const Arguments& arguments) {
 }
 
 absl::Status Revoke(const Arguments& arguments) {
-  const auto store = OpenStore(arguments);
+  const auto store = OpenIdentities(arguments.data);
   return store.ok() ? (*store)->Revoke(arguments.id) : store.status();
 }
 

@@ -7,7 +7,7 @@
 #include "absl/strings/str_format.h"
 #include "server/base/status.h"
 
-namespace dcloc::server::convert {
+namespace dcloc::server {
 namespace {
 
 constexpr std::size_t kMaxId = 64;
@@ -62,4 +62,4 @@ absl::Status Missing(absl::string_view field) {
   return absl::InvalidArgumentError(absl::StrCat(field, " is missing"));
 }
 
-}  // namespace dcloc::server::convert
+}  // namespace dcloc::server

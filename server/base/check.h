@@ -1,10 +1,9 @@
 #pragma once
 
+#include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-#include "absl/status/status.h"
-
-namespace dcloc::server::convert {
+namespace dcloc::server {
 
 /// OK when `value` lies in [min, max] (NaN does not); else InvalidArgument naming `field`, the
 /// value and the bound.
@@ -24,4 +23,4 @@ absl::Status CheckMapName(absl::string_view field, absl::string_view name);
 /// "`field` is missing".
 absl::Status Missing(absl::string_view field);
 
-}  // namespace dcloc::server::convert
+}  // namespace dcloc::server

@@ -1,18 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "server/base/sqlite.h"
+#include "server/base/clock.h"
 #include "server/identity/principal.h"
-#include "server/maps/catalogue/catalogue.h"
 
 namespace dcloc::server {
 
@@ -32,46 +28,33 @@ struct IdentityRecord {
   std::optional<SystemTime> revoke_time;  ///< none: not revoked
 };
 
-/// Where the identities of a store lie.
-inline std::filesystem::path IdentityFile(const std::filesystem::path& store) {
-  return store / "identities.sqlite";
-}
-
-/// The identities, in an SQLite file beside the catalogue. Several processes may have it open: what
-/// `dcloc-server token` changes holds for the next call to a running server. Thread-safe; calls
-/// take microseconds, as they find what they need by an index.
+/// The identities. Several processes may use one store: what one changes holds for the next call to
+/// each of the others. Thread-safe; calls may block on storage. Errors beyond those named are the
+/// storage's own: Internal, ResourceExhausted, and DataLoss for an identity that cannot be read,
+/// such as one with an unknown role.
 class IdentityStore {
  public:
-  /// Opens or creates it.
-  static absl::StatusOr<std::unique_ptr<IdentityStore>> Open(const std::filesystem::path& path);
+  virtual ~IdentityStore() = default;
 
   /// Adds an identity and gives a token's text, which is shown this once. InvalidArgument names
   /// what of the principal is not well-formed; AlreadyExists: a certificate's name is taken.
-  absl::StatusOr<std::string> Create(Proof proof, const Principal& principal,
-                                     std::optional<SystemTime> expire_time);
+  virtual absl::StatusOr<std::string> Create(Proof proof, const Principal& principal,
+                                             std::optional<SystemTime> expire_time) = 0;
 
   /// By ascending id.
-  absl::StatusOr<std::vector<IdentityRecord>> List();
+  virtual absl::StatusOr<std::vector<IdentityRecord>> List() = 0;
 
   /// NotFound: no such id. Revoking twice keeps the first time.
-  absl::Status Revoke(std::int64_t id);
+  virtual absl::Status Revoke(std::int64_t id) = 0;
 
   /// Whose token that is. Unauthenticated says what is wrong with it, never the token.
-  absl::StatusOr<Principal> FindToken(absl::string_view token);
+  virtual absl::StatusOr<Principal> FindToken(absl::string_view token) = 0;
 
   /// Whose certificate has this common name. Unauthenticated when there is none.
-  absl::StatusOr<Principal> FindCertificate(absl::string_view common_name);
+  virtual absl::StatusOr<Principal> FindCertificate(absl::string_view common_name) = 0;
 
   /// Whether there ever was an identity: revoking the last one opens nothing.
-  absl::StatusOr<bool> HasAny();
-
- private:
-  explicit IdentityStore(SqliteDatabase database);
-  absl::StatusOr<Principal> Find(const char* sql, absl::string_view key, absl::string_view what);
-
-  std::mutex mutex_;
-  SqliteDatabase database_;
-  bool has_any_ = false;
+  virtual absl::StatusOr<bool> HasAny() = 0;
 };
 
 }  // namespace dcloc::server

@@ -1,19 +1,18 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
-#include "absl/strings/string_view.h"
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "core/map/radar_map.h"
+#include "server/base/clock.h"
 #include "server/maps/catalogue/coverage.h"
+#include "server/maps/catalogue/hold.h"
 
 namespace dcloc::server {
-
-using SystemTime = std::chrono::sys_time<std::chrono::nanoseconds>;
 
 /// A map: a name, which holds its tenant (`ScopedMapName`), and its versions.
 struct MapRecord {
@@ -43,9 +42,16 @@ struct CoverageRecord {
   double distance_m = 0.0;  ///< to the nearest box
 };
 
-/// Which maps there are. Thread-safe; calls may block on storage. Each change is atomic and durable
-/// when it returns. Errors beyond those named are the storage's own: Internal, ResourceExhausted,
-/// DataLoss.
+/// Which maps there are, and what of them is in use. Thread-safe; calls may block on storage. Each
+/// change is atomic and durable when it returns. Errors beyond those named are the storage's own:
+/// Internal, ResourceExhausted, DataLoss.
+///
+/// Several processes may share one catalogue if its implementation says so. Who uses a version or
+/// handles a file therefore holds it here, not in its own memory only. `holder` names the process
+/// that holds: the same for all of its holds, and never used by a process before it. A hold lasts
+/// until it is given back or its holder has died; how that is noticed (a lease that is renewed, a
+/// connection that breaks) is the implementation's own. Localizing a scan takes and gives back no
+/// hold.
 class Catalogue {
  public:
   virtual ~Catalogue() = default;
@@ -87,10 +93,20 @@ class Catalogue {
   virtual absl::Status SetCanary(absl::string_view map_name, std::int64_t version,
                                  double share) = 0;
 
-  /// NotFound: no such map or version; FailedPrecondition: it is active or the canary.
+  /// Keeps a version from being deleted; it may be held any number of times. NotFound: no such map
+  /// or version.
+  virtual absl::StatusOr<Hold> HoldVersion(absl::string_view map_name, std::int64_t version,
+                                           absl::string_view holder) = 0;
+
+  /// For who stores a file and then adds its version, or finds that no version has it and then
+  /// removes it: one holder at a time, whether there is such a file or not. Unavailable while it is
+  /// held already, also by the same holder.
+  virtual absl::StatusOr<Hold> HoldFile(absl::string_view sha256, absl::string_view holder) = 0;
+
+  /// NotFound: no such map or version; FailedPrecondition: it is held, active or the canary.
   virtual absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version) = 0;
 
-  /// With all of its versions. NotFound: no such map.
+  /// With all of its versions. NotFound: no such map; FailedPrecondition: one of them is held.
   virtual absl::Status DeleteMap(absl::string_view map_name) = 0;
 
   /// Whether any version has this file.

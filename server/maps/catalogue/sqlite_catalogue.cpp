@@ -22,6 +22,12 @@ absl::Status NoSuchVersion(absl::string_view map_name, std::int64_t version) {
       absl::StrFormat("version is %d; map %s has no such version", version, Quoted(map_name)));
 }
 
+absl::Status InUse(absl::string_view map_name, std::int64_t version) {
+  return absl::FailedPreconditionError(
+      absl::StrFormat("version %d of map %s is in use; its sessions and downloads must end first",
+                      version, Quoted(map_name)));
+}
+
 absl::Status CreateOrCheckSchema(SqliteDatabase& database) {
   SqliteStatement query(database, "PRAGMA user_version");
   const absl::StatusOr<bool> row = query.Step();
@@ -182,12 +188,26 @@ absl::Status SqliteCatalogue::SetCanary(absl::string_view map_name, std::int64_t
   return update.Bind(version).Bind(share).Bind(map_name).Run();
 }
 
+absl::StatusOr<Hold> SqliteCatalogue::HoldVersion(absl::string_view map_name, std::int64_t version,
+                                                  absl::string_view /*holder*/) {
+  const std::lock_guard lock(mutex_);
+  absl::Status status = FindMap(map_name).status();
+  if (status.ok()) status = FindVersion(map_name, version).status();
+  if (!status.ok()) return status;
+  return holds_.HoldVersion(map_name, version);
+}
+
+absl::StatusOr<Hold> SqliteCatalogue::HoldFile(absl::string_view sha256, absl::string_view holder) {
+  return holds_.HoldFile(sha256, holder);
+}
+
 absl::Status SqliteCatalogue::DeleteVersion(absl::string_view map_name, std::int64_t version) {
   const std::lock_guard lock(mutex_);
   const absl::StatusOr<MapRecord> map = FindMap(map_name);
   if (!map.ok()) return map.status();
   const absl::StatusOr<MapVersionRecord> record = FindVersion(map_name, version);
   if (!record.ok()) return record.status();
+  if (holds_.IsHeld(map_name, version)) return InUse(map_name, version);
   if (map->canary_version == version) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "version %d of map %s is the canary; set another one or none", version, Quoted(map_name)));
@@ -209,6 +229,7 @@ absl::Status SqliteCatalogue::DeleteVersion(absl::string_view map_name, std::int
 
 absl::Status SqliteCatalogue::DeleteMap(absl::string_view map_name) {
   const std::lock_guard lock(mutex_);
+  if (const auto version = holds_.NewestHeld(map_name)) return InUse(map_name, *version);
   SqliteStatement remove(database_, "DELETE FROM map WHERE name = ?");
   if (absl::Status status = remove.Bind(map_name).Run(); !status.ok()) return status;
   return database_.ChangedRowCount() == 0 ? NoSuchMap(map_name) : absl::OkStatus();

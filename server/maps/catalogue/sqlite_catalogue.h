@@ -6,10 +6,12 @@
 
 #include "server/base/sqlite.h"
 #include "server/maps/catalogue/catalogue.h"
+#include "server/maps/catalogue/local_holds.h"
 
 namespace dcloc::server {
 
-/// The catalogue in one SQLite file, in WAL mode.
+/// The catalogue in one SQLite file, in WAL mode, for one process: who opens it makes sure that no
+/// other one does. Holds therefore lie in memory (LocalHolds).
 class SqliteCatalogue final : public Catalogue {
  public:
   /// Opens or creates it. FailedPrecondition when a newer program wrote it.
@@ -29,6 +31,9 @@ class SqliteCatalogue final : public Catalogue {
                                               const std::vector<CoverageBox>& coverage) override;
   absl::Status Activate(absl::string_view map_name, std::int64_t version) override;
   absl::Status SetCanary(absl::string_view map_name, std::int64_t version, double share) override;
+  absl::StatusOr<Hold> HoldVersion(absl::string_view map_name, std::int64_t version,
+                                   absl::string_view holder) override;
+  absl::StatusOr<Hold> HoldFile(absl::string_view sha256, absl::string_view holder) override;
   absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version) override;
   absl::Status DeleteMap(absl::string_view map_name) override;
   absl::StatusOr<bool> HasFile(absl::string_view sha256) override;
@@ -56,8 +61,10 @@ class SqliteCatalogue final : public Catalogue {
   /// Takes the map's next number, and creates the map if it is new.
   absl::StatusOr<std::int64_t> TakeNumber(absl::string_view map_name);
 
+  /// Also held while a version gets a hold or is deleted, so that neither comes between.
   std::mutex mutex_;
   SqliteDatabase database_;
+  LocalHolds holds_;
 };
 
 }  // namespace dcloc::server

@@ -8,7 +8,7 @@
 #include "server/convert/map.h"
 #include "server/convert/scan.h"
 
-namespace dcloc::server::convert {
+namespace dcloc::server {
 namespace {
 
 using google::protobuf::util::TimeUtil;
@@ -23,7 +23,7 @@ absl::Status CheckLength(absl::string_view field, const std::string& text) {
 
 absl::StatusOr<GeodeticAnchor> AnchorFromProto(const v1::GeodeticAnchor& message) {
   const absl::StatusOr<GeodeticPosition> origin =
-      FromProto(message.origin(), "header.anchor.origin");
+      convert::FromProto(message.origin(), "header.anchor.origin");
   if (!origin.ok()) return origin.status();
   const GeodeticAnchor anchor{.origin = *origin, .x_axis_east_rad = message.x_axis_east_rad()};
   absl::Status status = WithPrefix("header.anchor: ", Validate(anchor));
@@ -52,7 +52,7 @@ absl::StatusOr<BuildRequest> FromProto(const v1::MapBuildHeader& message) {
   status.Update(CheckLength("header.drive_name", message.drive_name()));
   status.Update(CheckLength("header.description", message.description()));
   if (!status.ok()) return status;
-  absl::StatusOr<Rig> rig = FromProto(message.rig(), "header.rig");
+  absl::StatusOr<Rig> rig = convert::FromProto(message.rig(), "header.rig");
   if (!rig.ok()) return rig.status();
   BuildRequest request{
       .map_name = message.map_name(),
@@ -79,7 +79,7 @@ void ToProto(const BuildRecord& record, v1::MapBuild* message) {
       TimeUtil::NanosecondsToTimestamp(record.create_time.time_since_epoch().count());
   message->set_error_code(static_cast<std::int32_t>(record.error.code()));
   message->set_error_message(std::string(record.error.message()));
-  if (record.version) ToProto(*record.version, message->mutable_version());
+  if (record.version) convert::ToProto(*record.version, message->mutable_version());
 }
 
-}  // namespace dcloc::server::convert
+}  // namespace dcloc::server

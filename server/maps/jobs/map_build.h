@@ -4,11 +4,12 @@
 #include "dcloc/v1/map_service.pb.h"
 #include "server/maps/jobs/map_builds.h"
 
-namespace dcloc::server::convert {
+namespace dcloc::server {
 
-/// All but the tenant and the limits.
+/// What a client asks for, but for the tenant and the limits. InvalidArgument names the field.
 absl::StatusOr<BuildRequest> FromProto(const v1::MapBuildHeader& message);
 
+/// A build as the client is told of it.
 void ToProto(const BuildRecord& record, v1::MapBuild* message);
 
-}  // namespace dcloc::server::convert
+}  // namespace dcloc::server

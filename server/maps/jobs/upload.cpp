@@ -17,9 +17,8 @@ namespace {
 constexpr std::int64_t kMaxChunk_bytes = 1 << 20;
 
 absl::Status Validate(const UploadRequest& request, std::int64_t max_size_bytes) {
-  absl::Status status = convert::CheckMapName("header.map_name", request.map_name);
-  status.Update(
-      convert::CheckIntegerBetween("header.size_bytes", request.size_bytes, 1, max_size_bytes));
+  absl::Status status = CheckMapName("header.map_name", request.map_name);
+  status.Update(CheckIntegerBetween("header.size_bytes", request.size_bytes, 1, max_size_bytes));
   status.Update(convert::CheckSha256("header.sha256", request.sha256));
   return status;
 }
@@ -80,9 +79,9 @@ absl::Status Upload::Append(std::int64_t offset_bytes, absl::string_view bytes) 
         absl::StrFormat("chunk.offset_bytes is %d; the bytes before it end at %d", offset_bytes,
                         file_.hashed_bytes()));
   }
-  absl::Status status = convert::CheckIntegerBetween(
-      "the size of chunk.data", static_cast<std::int64_t>(bytes.size()), 0,
-      std::min(kMaxChunk_bytes, request_.size_bytes - offset_bytes));
+  absl::Status status =
+      CheckIntegerBetween("the size of chunk.data", static_cast<std::int64_t>(bytes.size()), 0,
+                          std::min(kMaxChunk_bytes, request_.size_bytes - offset_bytes));
   return status.ok() ? file_.Write(bytes) : status;
 }
 

@@ -58,13 +58,13 @@ void BuildStream::TakeEnd() {
     return;
   }
   absl::Status status;
-  if (!build_) status = convert::Missing("header");
-  if (build_ && scans_->scan_count() == 0) status = convert::Missing("scan");
+  if (!build_) status = Missing("header");
+  if (build_ && scans_->scan_count() == 0) status = Missing("scan");
   if (status.ok()) {
     const absl::StatusOr<BuildRecord> record = builds_.Start(*std::move(build_), std::move(scans_));
     status = record.status();
     if (record.ok()) {
-      convert::ToProto(*record, response_->mutable_build());
+      ToProto(*record, response_->mutable_build());
       spdlog::info("map build started build={} map={} scans={}", record->build_id, record->map_name,
                    record->scan_count);
     }
@@ -74,15 +74,15 @@ void BuildStream::TakeEnd() {
 }
 
 absl::Status BuildStream::Take(const v1::StartMapBuildRequest& request) {
-  if (!build_) return request.has_header() ? Begin(request.header()) : convert::Missing("header");
-  return request.has_scan() ? Append(request.scan()) : convert::Missing("scan");
+  if (!build_) return request.has_header() ? Begin(request.header()) : Missing("header");
+  return request.has_scan() ? Append(request.scan()) : Missing("scan");
 }
 
 absl::Status BuildStream::Begin(const v1::MapBuildHeader& header) {
   absl::StatusOr<Principal> principal =
       host_.access.Authorize(*context_, v1::StartMapBuildRequest::descriptor());
   if (!principal.ok()) return principal.status();
-  absl::StatusOr<BuildRequest> request = convert::FromProto(header);
+  absl::StatusOr<BuildRequest> request = FromProto(header);
   if (!request.ok()) return request.status();
   request->tenant = std::move(principal->tenant);
   request->limits = {.max_map_bytes = std::int64_t{host_.limits.max_map_mib} << 20,
@@ -99,7 +99,7 @@ absl::Status BuildStream::Append(const v1::PosedScan& message) {
   const std::string prefix = absl::StrCat("scan ", scans_->scan_count(), ": ");
   absl::Status status =
       WithPrefix("scan.", convert::FromProto(message.scan(), build_->rig, &scan_));
-  if (status.ok() && !message.has_t_map_vehicle()) status = convert::Missing("t_map_vehicle");
+  if (status.ok() && !message.has_t_map_vehicle()) status = Missing("t_map_vehicle");
   if (status.ok()) status = convert::FromProto(message.t_map_vehicle(), "t_map_vehicle").status();
   if (message.begins_pass()) last_stamp_.reset();
   if (status.ok() && last_stamp_ && scan_.stamp < *last_stamp_) {

@@ -44,9 +44,9 @@ void DownloadStream::SendVersion(const grpc::CallbackServerContext& context,
   const absl::StatusOr<Principal> principal =
       host_.access.Authorize(context, v1::DownloadMapRequest::descriptor());
   if (!principal.ok()) return End(principal.status());
-  absl::Status status = convert::CheckMapName("map_name", request.map_name());
-  status.Update(convert::CheckIntegerBetween("version", request.version(), 0,
-                                             std::numeric_limits<std::int64_t>::max()));
+  absl::Status status = CheckMapName("map_name", request.map_name());
+  status.Update(CheckIntegerBetween("version", request.version(), 0,
+                                    std::numeric_limits<std::int64_t>::max()));
   if (!status.ok()) return End(status);
   absl::StatusOr<LoadedMap> map =
       host_.store.Acquire(ScopedMapName(principal->tenant, request.map_name()), request.version());

@@ -53,9 +53,9 @@ absl::Status DeleteVersion(MapStore& store, const SessionDrainer& drainer,
                            const std::string& tenant, const v1::DeleteMapVersionRequest& request) {
   const std::string& name = request.map_name();
   const std::int64_t version = request.version();
-  absl::Status status = convert::CheckMapName("map_name", name);
-  status.Update(convert::CheckIntegerBetween("version", version, 1,
-                                             std::numeric_limits<std::int64_t>::max()));
+  absl::Status status = CheckMapName("map_name", name);
+  status.Update(
+      CheckIntegerBetween("version", version, 1, std::numeric_limits<std::int64_t>::max()));
   if (!status.ok()) return status;
   const std::string scoped_name = ScopedMapName(tenant, name);
   const auto erase = [&] { return store.DeleteVersion(scoped_name, version); };
@@ -76,7 +76,7 @@ absl::Status DeleteVersion(MapStore& store, const SessionDrainer& drainer,
 absl::Status DeleteMap(MapStore& store, const SessionDrainer& drainer, const std::string& tenant,
                        const v1::DeleteMapRequest& request) {
   const std::string& name = request.map_name();
-  absl::Status status = convert::CheckMapName("map_name", name);
+  absl::Status status = CheckMapName("map_name", name);
   if (!status.ok()) return status;
   const auto erase = [&] { return store.DeleteMap(ScopedMapName(tenant, name)); };
   status = request.drain_sessions()

@@ -26,9 +26,9 @@ absl::Status Answer(const char* change, const std::string& tenant,
 absl::Status Activate(MapStore& store, const SessionMover& move, const std::string& tenant,
                       const v1::ActivateMapVersionRequest& request,
                       v1::ActivateMapVersionResponse* response) {
-  absl::Status status = convert::CheckMapName("map_name", request.map_name());
-  status.Update(convert::CheckIntegerBetween("version", request.version(), 1,
-                                             std::numeric_limits<std::int64_t>::max()));
+  absl::Status status = CheckMapName("map_name", request.map_name());
+  status.Update(CheckIntegerBetween("version", request.version(), 1,
+                                    std::numeric_limits<std::int64_t>::max()));
   if (!status.ok()) return status;
   status = Answer("activated", tenant,
                   store.Activate(ScopedMapName(tenant, request.map_name()), request.version()),
@@ -40,7 +40,7 @@ absl::Status Activate(MapStore& store, const SessionMover& move, const std::stri
 
 absl::Status RollBack(MapStore& store, const SessionMover& move, const std::string& tenant,
                       const v1::RollBackMapRequest& request, v1::RollBackMapResponse* response) {
-  absl::Status status = convert::CheckMapName("map_name", request.map_name());
+  absl::Status status = CheckMapName("map_name", request.map_name());
   if (!status.ok()) return status;
   status = Answer("rolled back", tenant, store.RollBack(ScopedMapName(tenant, request.map_name())),
                   response->mutable_map());

@@ -42,9 +42,9 @@ absl::Status FindCoverage(Catalogue& catalogue, const std::string& tenant,
 
 absl::Status ReadMapTile(MapStore& store, const std::string& tenant,
                          const v1::ReadMapTileRequest& request, v1::ReadMapTileResponse* response) {
-  absl::Status status = convert::CheckMapName("map_name", request.map_name());
-  status.Update(convert::CheckIntegerBetween("version", request.version(), 0,
-                                             std::numeric_limits<std::int64_t>::max()));
+  absl::Status status = CheckMapName("map_name", request.map_name());
+  status.Update(CheckIntegerBetween("version", request.version(), 0,
+                                    std::numeric_limits<std::int64_t>::max()));
   const absl::StatusOr<convert::TileQuery> query = convert::FromProto(request);
   status.Update(query.status());
   if (!status.ok()) return status;

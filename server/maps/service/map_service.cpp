@@ -24,8 +24,8 @@ namespace {
 constexpr std::int64_t kMaxVersion = std::numeric_limits<std::int64_t>::max();
 
 absl::Status Check(const std::string& map_name, std::int64_t version, std::int64_t min_version) {
-  absl::Status status = convert::CheckMapName("map_name", map_name);
-  status.Update(convert::CheckIntegerBetween("version", version, min_version, kMaxVersion));
+  absl::Status status = CheckMapName("map_name", map_name);
+  status.Update(CheckIntegerBetween("version", version, min_version, kMaxVersion));
   return status;
 }
 
@@ -37,7 +37,7 @@ absl::Status ListMaps(Catalogue& catalogue, const std::string& tenant,
     return status;
   }
   if (!request.name_prefix().empty()) {
-    absl::Status status = convert::CheckMapName("name_prefix", request.name_prefix());
+    absl::Status status = CheckMapName("name_prefix", request.name_prefix());
     if (!status.ok()) return status;
   }
   const std::string after =
@@ -59,7 +59,7 @@ absl::Status ListMaps(Catalogue& catalogue, const std::string& tenant,
 absl::Status ListVersions(Catalogue& catalogue, const std::string& tenant,
                           const v1::ListMapVersionsRequest& request,
                           v1::ListMapVersionsResponse* response) {
-  absl::Status status = convert::CheckMapName("map_name", request.map_name());
+  absl::Status status = CheckMapName("map_name", request.map_name());
   const absl::StatusOr<int> size = convert::PageSizeFromProto(request.page_size());
   const absl::StatusOr<std::int64_t> below =
       convert::NumberFromPageToken(request.page_token(), kMaxVersion);
@@ -81,7 +81,7 @@ absl::Status ListVersions(Catalogue& catalogue, const std::string& tenant,
 
 absl::Status GetMap(Catalogue& catalogue, const std::string& tenant, const std::string& map_name,
                     v1::Map* message) {
-  if (absl::Status status = convert::CheckMapName("map_name", map_name); !status.ok()) {
+  if (absl::Status status = CheckMapName("map_name", map_name); !status.ok()) {
     return status;
   }
   const absl::StatusOr<MapRecord> record = catalogue.GetMap(ScopedMapName(tenant, map_name));
@@ -116,7 +116,7 @@ absl::Status GetVersion(Catalogue& catalogue, const std::string& tenant,
 
 absl::Status AnswerBuild(const absl::StatusOr<BuildRecord>& record, v1::MapBuild* message) {
   if (!record.ok()) return record.status();
-  convert::ToProto(*record, message);
+  ToProto(*record, message);
   return absl::OkStatus();
 }
 
@@ -248,7 +248,7 @@ grpc::ServerUnaryReactor* MapService::ListMapBuilds(grpc::CallbackServerContext*
                                                     v1::ListMapBuildsResponse* response) {
   return AnswerOn(host_, context, request, [this, response](const Principal& principal) {
     for (const BuildRecord& record : builds_.List(principal.tenant)) {
-      convert::ToProto(record, response->add_builds());
+      ToProto(record, response->add_builds());
     }
     return absl::OkStatus();
   });

@@ -53,7 +53,7 @@ void UploadStream::TakeEnd() {
     return;
   }
   if (!upload_) {
-    Finish(ToGrpc(convert::Missing("header")));
+    Finish(ToGrpc(Missing("header")));
     return;
   }
   const absl::StatusOr<MapVersionRecord> record = upload_->Finish();
@@ -66,8 +66,8 @@ void UploadStream::TakeEnd() {
 }
 
 absl::Status UploadStream::Take(const v1::UploadMapRequest& request) {
-  if (!upload_) return request.has_header() ? Begin(request.header()) : convert::Missing("header");
-  if (!request.has_chunk()) return convert::Missing("chunk");
+  if (!upload_) return request.has_header() ? Begin(request.header()) : Missing("header");
+  if (!request.has_chunk()) return Missing("chunk");
   return upload_->Append(request.chunk().offset_bytes(), request.chunk().data());
 }
 

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "server/maps/catalogue/catalogue.h"
+#include "server/base/clock.h"
 
 namespace dcloc::server {
 

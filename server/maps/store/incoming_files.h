@@ -11,9 +11,9 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "server/base/clock.h"
 #include "server/base/files.h"
 #include "server/base/sha256.h"
-#include "server/maps/catalogue/catalogue.h"
 
 namespace dcloc::server {
 

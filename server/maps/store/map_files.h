@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 #include <vector>
-#include "absl/strings/string_view.h"
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "core/map/radar_map.h"
 
 namespace dcloc::server {

@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/map/radar_map.h"
-#include "server/base/files.h"
+#include "server/base/clock.h"
 #include "server/maps/catalogue/catalogue.h"
 #include "server/maps/store/build_ledger.h"
 #include "server/maps/store/incoming_files.h"
@@ -28,6 +28,15 @@ struct LoadedMap {
   bool was_in_memory = false;  ///< someone else used it, or it was kept warm
 };
 
+/// What a store is made of. Which implementations these are is chosen in `app/storage.h`.
+struct MapStoreParts {
+  std::unique_ptr<Catalogue> catalogue;     ///< may be shared with other processes
+  std::unique_ptr<MapFiles> files;          ///< as far as the catalogue is
+  std::unique_ptr<IncomingFiles> incoming;  ///< this process's own
+  std::unique_ptr<BuildLedger> builds;      ///< this process's own
+  std::string holder;                       ///< names this process in the catalogue's holds
+};
+
 struct MapStoreOptions {
   /// Of versions that stay in memory though no session uses them.
   std::int64_t max_warm_bytes = std::int64_t{1} << 30;
@@ -36,21 +45,21 @@ struct MapStoreOptions {
 };
 
 /// The server's maps: which there are (Catalogue), their files (MapFiles), which are on their way
-/// (IncomingFiles) and which are in use. All who use a version share one copy in memory; it is in
-/// use as long as anyone holds `LoadedMap::map`. Versions that new sessions get stay in memory
+/// (IncomingFiles) and which are in use. All who use a version share one copy in memory and one
+/// hold in the catalogue; it is in use as long as anyone has `LoadedMap::map`, which may outlive
+/// the store and ends without waiting for storage. Versions that new sessions get stay in memory
 /// within bounds (WarmMaps). Thread-safe; calls may block on storage.
 class MapStore {
  public:
-  /// Opens or creates the embedded store in `folder`, checks it, repairs what a crash left over,
-  /// and logs what it did. FailedPrecondition when another process has it open.
-  static absl::StatusOr<std::unique_ptr<MapStore>> Open(const std::filesystem::path& folder,
-                                                        const MapStoreOptions& options = {});
+  /// Checks what the parts hold, repairs what a crash left over, and logs what it did.
+  static absl::StatusOr<std::unique_ptr<MapStore>> Open(MapStoreParts parts,
+                                                        const MapStoreOptions& options);
 
   /// For reading; changes go through the store.
-  Catalogue& catalogue() { return *catalogue_; }
+  Catalogue& catalogue() { return *parts_.catalogue; }
 
-  IncomingFiles& incoming() { return *incoming_; }
-  BuildLedger& builds() { return *builds_; }
+  IncomingFiles& incoming() { return *parts_.incoming; }
+  BuildLedger& builds() { return *parts_.builds; }
 
   /// What `Open` found and did.
   const StoreReport& report() const { return report_; }
@@ -89,7 +98,8 @@ class MapStore {
   absl::StatusOr<MapRecord> SetCanary(absl::string_view map_name, std::int64_t version,
                                       double share);
 
-  /// Errors of the catalogue's, and FailedPrecondition while a version is in use.
+  /// Errors of the catalogue's, such as FailedPrecondition while a version is in use. Their files
+  /// go too, unless another version has them or another process is storing them (`RemoveOrphan`).
   absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version);
   absl::Status DeleteMap(absl::string_view map_name);
 
@@ -101,29 +111,24 @@ class MapStore {
 
  private:
   struct Loaded;
+  struct Use;
   using Key = WarmMaps::Key;
 
-  MapStore(FileDescriptor lock, std::unique_ptr<Catalogue> catalogue,
-           std::unique_ptr<MapFiles> files, std::unique_ptr<IncomingFiles> incoming,
-           std::unique_ptr<BuildLedger> builds, const MapStoreOptions& options);
+  MapStore(MapStoreParts parts, const MapStoreOptions& options);
 
   // With the mutex held.
+  absl::StatusOr<std::shared_ptr<Use>> UseVersion(const MapVersionRecord& record);
   void KeepWarm(const MapRecord& map, const LoadedMap& loaded);
-  bool InUse(const Key& key) const;
-  absl::Status RemoveFileUnlessNeeded(absl::string_view sha256);
 
-  FileDescriptor lock_;
-  std::unique_ptr<Catalogue> catalogue_;
-  std::unique_ptr<MapFiles> files_;
-  std::unique_ptr<IncomingFiles> incoming_;
-  std::unique_ptr<BuildLedger> builds_;
+  const MapStoreParts parts_;
   const std::chrono::nanoseconds unfinished_upload_timeout_;
   StoreReport report_;
 
   /// Ties what the catalogue says to which files and loaded maps there are. Held while a catalogue
   /// row is read or written and while a file is renamed, not while a map is read.
   std::mutex mutex_;
-  std::map<Key, std::weak_ptr<Loaded>> loaded_;
+  std::map<Key, std::weak_ptr<Loaded>> loaded_;  ///< in memory, used or warm
+  std::map<Key, std::weak_ptr<Use>> uses_;       ///< those in use
   WarmMaps warm_;
 };
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/maps/catalogue/coverage.h"
+#include "server/maps/store/orphan_file.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
@@ -21,7 +22,8 @@ absl::Status CheckIncoming(IncomingFiles& incoming, SystemTime stale_before, Sto
   return absl::OkStatus();
 }
 
-absl::Status CheckFiles(Catalogue& catalogue, MapFiles& files, StoreReport* report) {
+absl::Status CheckFiles(Catalogue& catalogue, MapFiles& files, absl::string_view holder,
+                        StoreReport* report) {
   const absl::StatusOr<std::vector<std::pair<std::string, std::int64_t>>> wanted =
       catalogue.ListFiles();
   if (!wanted.ok()) return wanted.status();
@@ -30,8 +32,9 @@ absl::Status CheckFiles(Catalogue& catalogue, MapFiles& files, StoreReport* repo
   if (!present.ok()) return present.status();
   for (const std::string& sha256 : *present) {
     if (sizes.contains(sha256)) continue;
-    if (absl::Status status = files.Remove(sha256); !status.ok()) return status;
-    ++report->removed_map_file_count;
+    const absl::StatusOr<bool> removed = RemoveOrphan(catalogue, files, sha256, holder);
+    if (!removed.ok()) return removed.status();
+    report->removed_map_file_count += *removed ? 1 : 0;
   }
   for (const auto& [sha256, size_bytes] : sizes) {
     const absl::StatusOr<std::int64_t> size = files.SizeOf(sha256);
@@ -57,10 +60,11 @@ absl::Status CoverTheRest(Catalogue& catalogue, MapFiles& files, StoreReport* re
 }  // namespace
 
 absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,
-                                       IncomingFiles& incoming, SystemTime stale_before) {
+                                       IncomingFiles& incoming, SystemTime stale_before,
+                                       absl::string_view holder) {
   StoreReport report;
   absl::Status status = CheckIncoming(incoming, stale_before, &report);
-  if (status.ok()) status = CheckFiles(catalogue, files, &report);
+  if (status.ok()) status = CheckFiles(catalogue, files, holder, &report);
   if (status.ok()) status = CoverTheRest(catalogue, files, &report);
   if (!status.ok()) return status;
   return report;

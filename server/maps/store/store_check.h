@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "server/base/clock.h"
 #include "server/maps/catalogue/catalogue.h"
 #include "server/maps/store/incoming_files.h"
 #include "server/maps/store/map_files.h"
@@ -13,7 +15,7 @@ namespace dcloc::server {
 /// What a store was found to be when it was opened, and what was done about it.
 struct StoreReport {
   int removed_leftover_count = 0;   ///< files in `incoming` that belong to nothing
-  int removed_map_file_count = 0;   ///< map files that no version has
+  int removed_map_file_count = 0;   ///< map files that no version has, nor anyone holds
   int stale_upload_count = 0;       ///< unfinished uploads that were too old: removed
   int unfinished_upload_count = 0;  ///< kept, to be gone on with
   int covered_version_count = 0;    ///< versions for which it was noted now what they cover
@@ -22,10 +24,13 @@ struct StoreReport {
   std::vector<std::string> broken_files;
 };
 
-/// Holds files and catalogue against each other, and repairs what a crash can leave over.
-/// `stale_before`: unfinished uploads not written to since then are removed.
+/// Holds files and catalogue against each other, and repairs what a crash can leave over. Other
+/// processes may use catalogue and files meanwhile: a file that no version has is left alone while
+/// anyone holds it (`RemoveOrphan`). `incoming` is this process's own. `stale_before`: unfinished
+/// uploads not written to since then are removed. `holder`: as in the catalogue's holds.
 absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,
-                                       IncomingFiles& incoming, SystemTime stale_before);
+                                       IncomingFiles& incoming, SystemTime stale_before,
+                                       absl::string_view holder);
 
 /// A line for each thing that was done or is wrong; none when all is well.
 void Log(const StoreReport& report);

@@ -10,7 +10,8 @@
 
 namespace dcloc::server {
 
-/// Keeps versions in memory that new sessions get, though none may use them just now: those used
+/// Keeps versions in memory that new sessions get, though none may use them just now, which is not
+/// to hold them in the catalogue: those used
 /// last, and together not more than so many bytes. Not thread-safe.
 class WarmMaps {
  public:

@@ -13,7 +13,7 @@
 #include "client/sdk/map_client.h"
 #include "client/sdk/session.h"
 #include "server/app/server.h"
-#include "server/identity/identity_store.h"
+#include "server/app/storage.h"
 #include "tests/client/sdk/certificates.h"
 #include "tests/core/map/synthetic_map.h"
 #include "tests/core/map/temporary_folder.h"
@@ -191,8 +191,7 @@ TEST_F(RealServerTest, ATokenSaysWhoCalls) {
   const Certificates files = MakeCertificates(folder_.path());
   Start({.tls_cert = files.server_cert, .tls_key = files.server_key});
   ChannelOptions options{.tls_ca = files.ca, .tls_server_name = "localhost"};
-  const auto identities =
-      *server::IdentityStore::Open(server::IdentityFile(folder_.path() / "data"));
+  const auto identities = *server::OpenIdentities(folder_.path() / "data");
   const auto token_file = [&](const std::string& name, server::Role role) {
     const std::string token =
         *identities->Create(server::Proof::kToken, {.name = name, .role = role}, {}) + "\n";
@@ -218,8 +217,7 @@ TEST_F(RealServerTest, ATokenSaysWhoCalls) {
 
 TEST_F(RealServerTest, OnLoopbackATokenNeedsNoTls) {
   Start({.require_identity = true});
-  const auto identities =
-      *server::IdentityStore::Open(server::IdentityFile(folder_.path() / "data"));
+  const auto identities = *server::OpenIdentities(folder_.path() / "data");
   const std::string token = *identities->Create(server::Proof::kToken, {.name = "ops"}, {});
   const std::string file = folder_.Write("token", std::as_bytes(std::span(token))).string();
   EXPECT_TRUE(MapClient(Channel({.token_file = file})).List().ok());

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/identity/identity_store.h"
+#include "server/app/storage.h"
 #include "tests/server/fixtures/test_maps.h"
 #include "tests/server/fixtures/test_server.h"
 
@@ -159,7 +159,7 @@ TEST_F(RecordTest, BadNamesAndTooManyRecordingsAreRefused) {
 }
 
 TEST_F(RecordTest, OnlyOperatorsRecordAndOnlyTheirTenantsVehicles) {
-  const auto identities = *IdentityStore::Open(IdentityFile(server_.folder.path() / "store"));
+  const auto identities = *OpenIdentities(server_.folder.path() / "store");
   const auto token = [&](const Principal& principal) {
     return *identities->Create(Proof::kToken, principal, {});
   };

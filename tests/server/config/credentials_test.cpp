@@ -1,4 +1,5 @@
 #include "server/config/credentials.h"
+#include "server/app/storage.h"
 
 #include <gmock/gmock.h>
 #include <grpcpp/create_channel.h>
@@ -13,7 +14,6 @@
 #include <string>
 #include <thread>
 
-#include "server/identity/identity_store.h"
 #include "tests/server/fixtures/test_certificates.h"
 #include "tests/server/fixtures/test_server.h"
 
@@ -139,7 +139,7 @@ TEST_F(CredentialsTest, MutualTlsServesOnlyCertifiedClients) {
 
 TEST_F(CredentialsTest, ACertificateCommonNameIsWhoCalls) {
   const TestServer server(MutualTlsConfig());
-  const auto identities = *IdentityStore::Open(IdentityFile(server.folder.path() / "store"));
+  const auto identities = *OpenIdentities(server.folder.path() / "store");
   const auto make = [&](const Principal& principal) {
     return identities->Create(Proof::kCertificate, principal, {}).status();
   };

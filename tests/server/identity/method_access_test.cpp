@@ -12,7 +12,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "server/identity/identity_store.h"
+#include "server/app/storage.h"
 #include "server/identity/role.h"
 #include "spdlog/spdlog.h"
 #include "tests/server/fixtures/test_server.h"
@@ -55,8 +55,7 @@ std::string RequestOf(const std::string& method, const Principal& caller) {
 
 class MethodAccessTest : public ::testing::Test {
  protected:
-  MethodAccessTest()
-      : identities_(*IdentityStore::Open(IdentityFile(server_.folder.path() / "store"))) {
+  MethodAccessTest() : identities_(*OpenIdentities(server_.folder.path() / "store")) {
     Token({.name = "first"});
     spdlog::set_level(spdlog::level::err);  // denials are many here
   }

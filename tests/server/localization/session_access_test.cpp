@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/identity/identity_store.h"
+#include "server/app/storage.h"
 #include "tests/server/fixtures/test_maps.h"
 #include "tests/server/fixtures/test_server.h"
 
@@ -21,8 +21,7 @@ using ::testing::HasSubstr;
 class SessionAccessTest : public ::testing::Test {
  protected:
   explicit SessionAccessTest(const ServerConfig& config = TestServer::StubConfig())
-      : server_(config),
-        identities_(*IdentityStore::Open(IdentityFile(server_.folder.path() / "store"))) {
+      : server_(config), identities_(*OpenIdentities(server_.folder.path() / "store")) {
     const std::vector<std::byte> bytes = SmallMap();
     v1::UploadMapResponse response;
     EXPECT_TRUE(UploadMap(*server_.maps, HeaderOf(bytes), bytes, &response).ok());
@@ -136,7 +135,7 @@ TEST_F(SessionAccessTest, DenialsAreLogged) {
     spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
     {
       const TestServer server;
-      const auto identities = *IdentityStore::Open(IdentityFile(server.folder.path() / "store"));
+      const auto identities = *OpenIdentities(server.folder.path() / "store");
       const std::string viewer =
           *identities->Create(Proof::kToken, {.name = "eve", .role = Role::kViewer}, {});
       CallAs call(viewer);

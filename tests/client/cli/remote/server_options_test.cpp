@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "server/identity/identity_store.h"
+#include "server/app/storage.h"
 #include "tests/client/cli/fixtures/server_commands.h"
 
 // What all commands take that talk to a server.
@@ -15,8 +15,7 @@ using ::testing::HasSubstr;
 using ServerOptionsTest = ServerCommands;
 
 TEST_F(ServerOptionsTest, TheTokenIsGivenByFlagOrEnvironment) {
-  const auto identities =
-      *server::IdentityStore::Open(server::IdentityFile(folder_.path() / "data"));
+  const auto identities = *server::OpenIdentities(folder_.path() / "data");
   std::ofstream(File("token")) << *identities->Create(server::Proof::kToken, {.name = "ops"}, {})
                                << "\n";
   Result result = Dcloc(At("map list"));

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/identity/identity_store.h"
+#include "server/app/storage.h"
 #include "tests/server/fixtures/test_server.h"
 #include "tests/server/fixtures/town_drive.h"
 
@@ -283,7 +283,7 @@ TEST_F(MapBuildsTest, AnInterruptedCallLeavesNothing) {
 TEST_F(MapBuildsTest, WhoMayIsSaidAndTenantsDoNotSeeEachOthers) {
   ASSERT_TRUE(Start(WholeDrive()).ok());
   const std::string build_id = build_.build_id();
-  const auto identities = *IdentityStore::Open(IdentityFile(server_.folder.path() / "store"));
+  const auto identities = *OpenIdentities(server_.folder.path() / "store");
   const std::string viewer =
       *identities->Create(Proof::kToken, {.name = "eve", .role = Role::kViewer}, {});
   const std::string other = *identities->Create(

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/identity/identity_store.h"
+#include "server/app/storage.h"
 #include "tests/server/fixtures/test_maps.h"
 #include "tests/server/fixtures/test_server.h"
 
@@ -270,7 +270,7 @@ TEST_F(MapCallsTest, BadTilesAreRefusedByName) {
 }
 
 TEST_F(MapCallsTest, WhoMayAskIsSaidForEachCall) {
-  const auto identities = *IdentityStore::Open(IdentityFile(server_.folder.path() / "store"));
+  const auto identities = *OpenIdentities(server_.folder.path() / "store");
   const auto token = [&](const std::string& name, Role role) {
     return *identities->Create(Proof::kToken, {.name = name, .role = role}, {});
   };

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
-#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "server/app/storage.h"
 #include "server/maps/jobs/upload.h"
 #include "server/maps/store/map_store.h"
 #include "tests/core/map/temporary_folder.h"
@@ -30,10 +31,16 @@ class StoreFixture : public ::testing::Test {
   explicit StoreFixture(MapStoreOptions options = {}) : options_(options) { Reopen(); }
 
   void Reopen() {
-    store_.reset();
-    absl::StatusOr<std::unique_ptr<MapStore>> store = MapStore::Open(folder_.path(), options_);
-    ASSERT_TRUE(store.ok()) << store.status();
-    store_ = *std::move(store);
+    Close();
+    absl::StatusOr<Storage> storage = OpenStorage(folder_.path(), options_);
+    ASSERT_TRUE(storage.ok()) << storage.status();
+    storage_.emplace(*std::move(storage));
+    store_ = storage_->maps.get();
+  }
+
+  void Close() {
+    store_ = nullptr;
+    storage_.reset();
   }
 
   static UploadRequest RequestFor(std::span<const std::byte> bytes, bool activate = true) {
@@ -78,7 +85,8 @@ class StoreFixture : public ::testing::Test {
 
   const MapStoreOptions options_;
   TemporaryFolder folder_;
-  std::unique_ptr<MapStore> store_;
+  std::optional<Storage> storage_;
+  MapStore* store_ = nullptr;
 };
 
 }  // namespace dcloc::server

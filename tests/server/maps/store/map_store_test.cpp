@@ -211,23 +211,57 @@ TEST_F(MapStoreTest, AFileDamagedOnDiskIsNoticedBeforeItIsUsed) {
   EXPECT_EQ(store_->Acquire("town", 0).status().code(), absl::StatusCode::kDataLoss);
 }
 
-TEST_F(MapStoreTest, OneFolderServesOneStore) {
-  const absl::Status status = MapStore::Open(folder_.path()).status();
-  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(MessageOf(status), HasSubstr(folder_.path().string()));
+// ---- Beside other processes
+
+TEST_F(MapStoreTest, AVersionThatAnotherProcessUsesIsNotDeleted) {
+  ASSERT_TRUE(Put(SmallMap("first")).ok());
+  ASSERT_TRUE(Put(SmallMap("second")).ok());
+  absl::StatusOr<Hold> other = store_->catalogue().HoldVersion("town", 1, "other:1");
+  ASSERT_TRUE(other.ok()) << other.status();
+  EXPECT_EQ(store_->DeleteVersion("town", 1).code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(store_->DeleteMap("town").code(), absl::StatusCode::kFailedPrecondition);
+  *other = Hold();
+  EXPECT_TRUE(store_->DeleteVersion("town", 1).ok());
 }
 
-TEST_F(MapStoreTest, ACatalogueThatIsNoDatabaseIsAnError) {
-  store_.reset();
-  std::filesystem::remove(folder_.path() / "catalogue.sqlite-wal");
-  std::ofstream(folder_.path() / "catalogue.sqlite", std::ios::trunc) << std::string(4096, 'x');
-  EXPECT_EQ(MapStore::Open(folder_.path()).status().code(), absl::StatusCode::kDataLoss);
+TEST_F(MapStoreTest, WhatIsUsedHereIsHeldInTheCatalogueAndWhatIsWarmIsNot) {
+  ASSERT_TRUE(Put(SmallMap()).ok());
+  absl::StatusOr<LoadedMap> in_use = store_->Acquire("town", 1);
+  ASSERT_TRUE(in_use.ok()) << in_use.status();
+  absl::StatusOr<LoadedMap> again = store_->Acquire("town", 1);
+  EXPECT_EQ(store_->catalogue().DeleteMap("town").code(), absl::StatusCode::kFailedPrecondition);
+  *in_use = {};
+  EXPECT_EQ(store_->catalogue().DeleteMap("town").code(), absl::StatusCode::kFailedPrecondition)
+      << "the second user keeps it";
+  *again = {};
+  EXPECT_EQ(store_->loaded_map_count(), 1) << "warm";
+  EXPECT_TRUE(store_->catalogue().DeleteMap("town").ok());
 }
 
-TEST(MapStoreOpenTest, AFolderThatCannotBeMadeIsAnErrorThatNamesIt) {
-  const absl::Status status = MapStore::Open("/proc/nowhere").status();
-  EXPECT_FALSE(status.ok());
-  EXPECT_THAT(MessageOf(status), HasSubstr("/proc/nowhere"));
+TEST_F(MapStoreTest, AMapThatWasMadeAnewElsewhereIsNotServedFromWarmMemory) {
+  const std::vector<std::byte> second = SmallMap("second");
+  ASSERT_TRUE(Put(SmallMap("first")).ok());
+  const MapVersionRecord city = *PutAs("city", second);
+  ASSERT_EQ(store_->loaded_map_count(), 2) << "both are warm";
+  Catalogue& catalogue = store_->catalogue();
+  ASSERT_TRUE(catalogue.DeleteMap("town").ok());
+  ASSERT_TRUE(catalogue.AddVersion("town", city.sha256, city.info, {}).ok());
+  ASSERT_TRUE(catalogue.Activate("town", 1).ok());
+  EXPECT_EQ(store_->Acquire("town", 0)->map->info().name, "second");
+}
+
+TEST_F(MapStoreTest, AFileThatAnotherProcessIsStoringStaysWhenItsLastVersionGoes) {
+  const std::vector<std::byte> bytes = SmallMap();
+  ASSERT_TRUE(Put(bytes).ok());
+  absl::StatusOr<Hold> other = store_->catalogue().HoldFile(Sha256Of(bytes), "other:1");
+  ASSERT_TRUE(other.ok()) << other.status();
+  EXPECT_TRUE(store_->DeleteMap("town").ok());
+  EXPECT_EQ(FileCount(), 1);
+  EXPECT_EQ(Put(bytes).status().code(), absl::StatusCode::kUnavailable);
+  *other = Hold();
+  EXPECT_TRUE(Put(bytes).ok());
+  EXPECT_TRUE(store_->DeleteMap("town").ok());
+  EXPECT_EQ(FileCount(), 0);
 }
 
 }  // namespace

@@ -2,76 +2,19 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "server/base/sqlite.h"
-#include "server/maps/catalogue/coverage.h"
-#include "server/maps/store/map_tile.h"
+#include "tests/server/fixtures/test_maps.h"
 #include "tests/server/maps/store/map_store_fixture.h"
 
-// What lies where: coverage, in metres and in degrees, and tiles.
+// Which versions cover a place, in metres and in degrees.
 namespace dcloc::server {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-
-/// Keyframes on a line along x, 10 m apart from x = 0 on.
-SyntheticMap StraightStreet(std::size_t keyframe_count) {
-  SyntheticMap map(keyframe_count, 20);
-  for (std::size_t i = 0; i < keyframe_count; ++i) {
-    map.keyframes[i].translation_local_m = {10.0 * static_cast<double>(i), 0.0, 0.0};
-    map.keyframes[i].rotation_wxyz = {1.0, 0.0, 0.0, 0.0};
-  }
-  map.info.local_origin_m = {0.0, 0.0, 0.0};
-  map.index = MakeIndex(map.keyframes, map.info.index_cell_m);
-  return map;
-}
-
-std::vector<std::byte> AnchoredStreet(double latitude_deg, double longitude_deg) {
-  SyntheticMap map = StraightStreet(20);
-  map.info.flags |= kHasAnchorFlag;
-  map.info.anchor_latitude_deg = latitude_deg;
-  map.info.anchor_longitude_deg = longitude_deg;
-  return map.Bytes();
-}
-
-std::shared_ptr<const RadarMap> Loaded(const std::vector<std::byte>& bytes) {
-  return *RadarMap::FromBytes(bytes);
-}
-
-TEST(CoverageTest, BoxesHoldEachKeyframeAndAreSmall) {
-  const auto map = Loaded(SmallMap("spiral", 500));
-  const std::vector<CoverageBox> boxes = CoverageOf(*map);
-  EXPECT_GT(boxes.size(), 100U);
-  for (const CoverageBox& box : boxes) {
-    EXPECT_LE(box.map_m.max_x - box.map_m.min_x, 75.0);
-    EXPECT_LE(box.map_m.max_y - box.map_m.min_y, 75.0);
-    EXPECT_FALSE(box.degrees.has_value());
-  }
-  for (std::size_t i = 0; i < map->info().keyframe_count; ++i) {
-    const Eigen::Vector3d p_map = map->keyframe(i).T_map_keyframe.translation_m;
-    EXPECT_TRUE(std::ranges::any_of(boxes, [&](const CoverageBox& box) {
-      return DistanceTo(box.map_m, p_map.x(), p_map.y()) == 0.0;
-    }));
-  }
-}
-
-TEST(CoverageTest, TheStreetBetweenKeyframesIsCoveredButNoGapOfTheDrive) {
-  SyntheticMap street = StraightStreet(20);
-  for (std::size_t i = 10; i < 20; ++i) street.keyframes[i].translation_local_m[0] += 50.0;
-  street.index = MakeIndex(street.keyframes, street.info.index_cell_m);
-  const std::vector<CoverageBox> boxes = CoverageOf(*Loaded(street.Bytes()));
-  const auto covered = [&](double x_m) {
-    return std::ranges::any_of(
-        boxes, [&](const CoverageBox& box) { return DistanceTo(box.map_m, x_m, 0.0) == 0.0; });
-  };
-  for (int i = 0; i <= 180; ++i) EXPECT_TRUE(covered(0.5 * i)) << i;
-  for (int i = 181; i < 300; ++i) EXPECT_FALSE(covered(0.5 * i)) << i;
-  EXPECT_TRUE(covered(150.0));
-}
 
 class CoverageStoreTest : public StoreFixture {
  protected:
@@ -180,7 +123,7 @@ PRAGMA user_version = 1;
 
 TEST_F(CoverageStoreTest, ACatalogueOfTheFirstVersionIsBroughtUpToDate) {
   Put(StraightStreet(20).Bytes());
-  store_.reset();
+  Close();
   {
     absl::StatusOr<SqliteDatabase> database =
         SqliteDatabase::Open(folder_.path() / "catalogue.sqlite");
@@ -195,44 +138,6 @@ TEST_F(CoverageStoreTest, ACatalogueOfTheFirstVersionIsBroughtUpToDate) {
   EXPECT_EQ(Put(SmallMap()), 2);
   Reopen();
   EXPECT_EQ(store_->report().covered_version_count, 0);
-}
-
-TEST(MapTileTest, HoldsWhatLiesInTheRectangle) {
-  const auto map = Loaded(StraightStreet(20).Bytes());
-  const Rectangle bounds{.min_x = 40.0, .max_x = 100.0, .min_y = -10.0, .max_y = 7.0};
-  const MapTile tile = ReadTile(*map, bounds, 100'000, 1000);
-  std::int64_t expected = 0;
-  for (std::size_t i = 0; i < 20; ++i) {
-    const Keyframe keyframe = map->keyframe(i);
-    for (const MapPoint& point : keyframe.points) {
-      const double x_m = keyframe.T_map_keyframe.translation_m.x() + point.x_m;
-      expected += x_m >= 40.0 && x_m <= 100.0 && point.y_m <= 7.0F ? 1 : 0;
-    }
-  }
-  EXPECT_GT(expected, 50);
-  EXPECT_EQ(tile.point_count, expected);
-  EXPECT_EQ(tile.points.size(), static_cast<std::size_t>(expected));
-  EXPECT_EQ(tile.keyframes_tile_m.size(), 7U);  // 40, 50, ... 100
-  EXPECT_EQ(tile.origin_map_m, Eigen::Vector3d(40.0, -10.0, 0.0));
-  for (const TilePoint& point : tile.points) {
-    EXPECT_GE(point.p_tile_m.x(), 0.0F);
-    EXPECT_LE(point.p_tile_m.x(), 60.0F);
-    EXPECT_NEAR(point.p_tile_m.z(), 0.5F, 1e-6);
-    EXPECT_EQ(point.rcs_dbsm, 3.0F);
-  }
-}
-
-TEST(MapTileTest, TakesEvenlyOfTooMuch) {
-  const auto map = Loaded(StraightStreet(20).Bytes());
-  const Rectangle everything{.min_x = -500.0, .max_x = 500.0, .min_y = -500.0, .max_y = 500.0};
-  const MapTile tile = ReadTile(*map, everything, 150, 7);
-  EXPECT_EQ(tile.point_count, 400);
-  EXPECT_LE(tile.points.size(), 150U);
-  EXPECT_GT(tile.points.size(), 75U);
-  EXPECT_GT(tile.points.back().p_tile_m.x() - tile.points.front().p_tile_m.x(), 150.0F);
-  EXPECT_LE(tile.keyframes_tile_m.size(), 7U);
-  const Rectangle nowhere{.min_x = 9000.0, .max_x = 9001.0, .min_y = 0.0, .max_y = 1.0};
-  EXPECT_EQ(ReadTile(*map, nowhere, 150, 7).point_count, 0);
 }
 
 }  // namespace

@@ -1,23 +1,15 @@
-#include "server/identity/identity_store.h"
+#include "server/identity/sqlite_identity_store.h"
 
-#include <openssl/rand.h>
-
-#include <array>
-#include <span>
+#include <chrono>
 #include <utility>
 
-#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "server/base/check.h"
-#include "server/base/sha256.h"
 #include "server/base/status.h"
+#include "server/identity/token.h"
 
 namespace dcloc::server {
 namespace {
-
-/// Says what a leaked string is, to people and to scanners of repositories.
-constexpr char kTokenPrefix[] = "dcloc_";
-constexpr std::size_t kTokenBytes = 32;
 
 constexpr char kCreateSchema[] = R"(
 CREATE TABLE IF NOT EXISTS identity (
@@ -47,55 +39,46 @@ std::optional<SystemTime> NextTime(SqliteStatement& row) {
   return present ? std::optional(SystemTime(time_ns)) : std::nullopt;
 }
 
-IdentityRecord Read(SqliteStatement& row) {
+absl::StatusOr<IdentityRecord> Read(SqliteStatement& row) {
   IdentityRecord record;
   record.id = row.NextInteger();
   record.proof = row.NextInteger() != 0 ? Proof::kCertificate : Proof::kToken;
   record.principal.name = row.NextText();
   record.principal.tenant = row.NextText();
-  // A role that this program does not know may do least.
-  record.principal.role = RoleFromName(row.NextText()).value_or(Role::kVehicle);
+  const std::string role_name = row.NextText();
+  const std::optional<Role> role = RoleFromName(role_name);
+  if (!role) {
+    return absl::DataLossError(
+        absl::StrCat("identity ", record.id, ": role of ", Quoted(record.principal.name), " is ",
+                     Quoted(role_name), "; it must be vehicle, viewer, operator or admin"));
+  }
+  record.principal.role = *role;
   record.create_time = SystemTime(std::chrono::nanoseconds(row.NextInteger()));
   record.expire_time = NextTime(row);
   record.revoke_time = NextTime(row);
   return record;
 }
 
-std::string HashOf(absl::string_view token) {
-  Sha256 hash;
-  hash.Update(std::as_bytes(std::span(token.data(), token.size())));
-  return hash.Finish();
-}
-
-absl::StatusOr<std::string> NewToken() {
-  std::array<unsigned char, kTokenBytes> bytes{};
-  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
-    return absl::InternalError("no random bytes for a token");
-  }
-  return absl::StrCat(kTokenPrefix,
-                      absl::WebSafeBase64Escape(absl::string_view(
-                          reinterpret_cast<const char*>(bytes.data()), bytes.size())));
-}
-
 }  // namespace
 
-IdentityStore::IdentityStore(SqliteDatabase database) : database_(std::move(database)) {}
+SqliteIdentityStore::SqliteIdentityStore(SqliteDatabase database)
+    : database_(std::move(database)) {}
 
-absl::StatusOr<std::unique_ptr<IdentityStore>> IdentityStore::Open(
+absl::StatusOr<std::unique_ptr<SqliteIdentityStore>> SqliteIdentityStore::Open(
     const std::filesystem::path& path) {
   absl::StatusOr<SqliteDatabase> database = SqliteDatabase::Open(path);
   if (!database.ok()) return database.status();
   absl::Status status = database->Run("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
   status.Update(status.ok() ? database->Run(kCreateSchema) : status);
   if (!status.ok()) return status;
-  return std::unique_ptr<IdentityStore>(new IdentityStore(*std::move(database)));
+  return std::unique_ptr<SqliteIdentityStore>(new SqliteIdentityStore(*std::move(database)));
 }
 
-absl::StatusOr<std::string> IdentityStore::Create(Proof proof, const Principal& principal,
-                                                  std::optional<SystemTime> expire_time) {
-  absl::Status status = convert::CheckId("name", principal.name);
+absl::StatusOr<std::string> SqliteIdentityStore::Create(Proof proof, const Principal& principal,
+                                                        std::optional<SystemTime> expire_time) {
+  absl::Status status = CheckId("name", principal.name);
   if (!principal.tenant.empty()) {
-    status.Update(convert::CheckMapName("tenant", principal.tenant));
+    status.Update(CheckMapName("tenant", principal.tenant));
   }
   if (!status.ok()) return status;
   std::string token;
@@ -109,7 +92,7 @@ absl::StatusOr<std::string> IdentityStore::Create(Proof proof, const Principal& 
                          "INSERT INTO identity (token_sha256, common_name, name, tenant, role,"
                          " create_time_ns, expire_time_ns) VALUES (?,?,?,?,?,?,?)");
   if (proof == Proof::kToken) {
-    insert.Bind(HashOf(token)).BindNull();
+    insert.Bind(HashOfToken(token)).BindNull();
   } else {
     insert.BindNull().Bind(principal.name);
   }
@@ -125,7 +108,7 @@ absl::StatusOr<std::string> IdentityStore::Create(Proof proof, const Principal& 
   return token;
 }
 
-absl::StatusOr<std::vector<IdentityRecord>> IdentityStore::List() {
+absl::StatusOr<std::vector<IdentityRecord>> SqliteIdentityStore::List() {
   const std::lock_guard lock(mutex_);
   SqliteStatement query(database_, absl::StrCat(kColumns, "ORDER BY id").c_str());
   std::vector<IdentityRecord> records;
@@ -133,11 +116,13 @@ absl::StatusOr<std::vector<IdentityRecord>> IdentityStore::List() {
     const absl::StatusOr<bool> row = query.Step();
     if (!row.ok()) return row.status();
     if (!*row) return records;
-    records.push_back(Read(query));
+    absl::StatusOr<IdentityRecord> record = Read(query);
+    if (!record.ok()) return record.status();
+    records.push_back(*std::move(record));
   }
 }
 
-absl::Status IdentityStore::Revoke(std::int64_t id) {
+absl::Status SqliteIdentityStore::Revoke(std::int64_t id) {
   const std::lock_guard lock(mutex_);
   SqliteStatement update(
       database_, "UPDATE identity SET revoke_time_ns = COALESCE(revoke_time_ns, ?) WHERE id = ?");
@@ -148,31 +133,32 @@ absl::Status IdentityStore::Revoke(std::int64_t id) {
   return status;
 }
 
-absl::StatusOr<Principal> IdentityStore::FindToken(absl::string_view token) {
-  return Find("WHERE token_sha256 = ?", HashOf(token), "the token");
+absl::StatusOr<Principal> SqliteIdentityStore::FindToken(absl::string_view token) {
+  return Find("WHERE token_sha256 = ?", HashOfToken(token), "the token");
 }
 
-absl::StatusOr<Principal> IdentityStore::FindCertificate(absl::string_view common_name) {
+absl::StatusOr<Principal> SqliteIdentityStore::FindCertificate(absl::string_view common_name) {
   return Find("WHERE common_name = ? ORDER BY id DESC LIMIT 1", common_name,
               absl::StrCat("the certificate of ", Quoted(common_name)));
 }
 
-absl::StatusOr<Principal> IdentityStore::Find(const char* sql, absl::string_view key,
-                                              absl::string_view what) {
+absl::StatusOr<Principal> SqliteIdentityStore::Find(const char* sql, absl::string_view key,
+                                                    absl::string_view what) {
   const std::lock_guard lock(mutex_);
   SqliteStatement query(database_, absl::StrCat(kColumns, sql).c_str());
   const absl::StatusOr<bool> row = query.Bind(key).Step();
   if (!row.ok()) return row.status();
   if (!*row) return absl::UnauthenticatedError(absl::StrCat(what, " is not known"));
-  IdentityRecord record = Read(query);
-  if (record.revoke_time) return absl::UnauthenticatedError(absl::StrCat(what, " was revoked"));
-  if (record.expire_time && *record.expire_time <= std::chrono::system_clock::now()) {
+  absl::StatusOr<IdentityRecord> record = Read(query);
+  if (!record.ok()) return record.status();
+  if (record->revoke_time) return absl::UnauthenticatedError(absl::StrCat(what, " was revoked"));
+  if (record->expire_time && *record->expire_time <= std::chrono::system_clock::now()) {
     return absl::UnauthenticatedError(absl::StrCat(what, " has expired"));
   }
-  return std::move(record.principal);
+  return std::move(record->principal);
 }
 
-absl::StatusOr<bool> IdentityStore::HasAny() {
+absl::StatusOr<bool> SqliteIdentityStore::HasAny() {
   const std::lock_guard lock(mutex_);
   if (has_any_) return true;
   SqliteStatement query(database_, "SELECT 1 FROM identity LIMIT 1");

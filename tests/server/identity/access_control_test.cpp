@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/identity/identity_store.h"
+#include "server/app/storage.h"
 #include "tests/server/fixtures/test_maps.h"
 #include "tests/server/fixtures/test_server.h"
 
@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 class AccessTest : public ::testing::Test {
  protected:
   AccessTest()
-      : store_(*IdentityStore::Open(IdentityFile(server_.folder.path() / "store"))),
+      : store_(*OpenIdentities(server_.folder.path() / "store")),
         admin_(Token({.name = "admin"})) {}
 
   std::string Token(const Principal& principal) {

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <utility>
+
+#include "absl/functional/any_invocable.h"
+
+namespace dcloc::server {
+
+/// Something in the catalogue that is held (Catalogue::HoldVersion, HoldFile); given back at its
+/// end. To give back never waits for storage, so that a hold may end anywhere: an implementation
+/// that has to tell an engine does so afterwards, from a thread of its own. A hold may outlive its
+/// catalogue. Not thread-safe.
+class Hold {
+ public:
+  Hold() = default;  ///< of nothing
+  explicit Hold(absl::AnyInvocable<void()> give_back) : give_back_(std::move(give_back)) {}
+  Hold(Hold&& other) noexcept : give_back_(std::exchange(other.give_back_, nullptr)) {}
+  Hold& operator=(Hold other) noexcept {
+    std::swap(give_back_, other.give_back_);
+    return *this;
+  }
+  ~Hold() {
+    if (give_back_) give_back_();
+  }
+
+ private:
+  absl::AnyInvocable<void()> give_back_;
+};
+
+}  // namespace dcloc::server
