@@ -57,7 +57,7 @@ struct MapInfo {
 class RadarMap {
  public:
   /// Maps the file; checks everything but the points and their checksum, at a cost that grows with
-  /// the keyframes only. Nobody may change or gate_outliers the file while it is open: reading what
+  /// the keyframes only. Nobody may change or truncate the file while it is open: reading what
   /// was cut off faults (SIGBUS). Replace files by renaming, as the server's store does. Errors
   /// name the file: NotFound and what else the system says, or DataLoss with what is wrong.
   static absl::StatusOr<std::shared_ptr<const RadarMap>> Open(const std::filesystem::path& path);
