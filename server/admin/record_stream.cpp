@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "google/protobuf/util/time_util.h"
 #include "server/base/status.h"
 
 namespace dcloc::server {
@@ -15,8 +16,8 @@ std::shared_ptr<void> RecordingSlots::Take(int max) {
   return {taken_.get(), [taken = taken_](void*) { taken->fetch_sub(1); }};
 }
 
-std::shared_ptr<RecordStream> RecordStream::Start(OpenCalls& open_calls) {
-  std::shared_ptr<RecordStream> stream(new RecordStream(open_calls));
+std::shared_ptr<RecordStream> RecordStream::Start(OpenCalls& open_calls, std::string program) {
+  std::shared_ptr<RecordStream> stream(new RecordStream(open_calls, std::move(program)));
   stream->self_ = stream;
   return stream;
 }
@@ -31,16 +32,22 @@ void RecordStream::Begin(const absl::Status& status, std::shared_ptr<void> slot)
   Pump();
 }
 
-void RecordStream::OnOpened(const v1::RecordingHeader& header) {
+void RecordStream::OnOpened(const RecordingStart& start) {
   v1::RecordSessionResponse message;
-  *message.mutable_header() = header;
+  v1::RecordingHeader* header = message.mutable_header();
+  header->set_program(program_);
+  *header->mutable_open_time() = google::protobuf::util::TimeUtil::NanosecondsToTimestamp(
+      start.open_time.time_since_epoch().count());
+  *header->mutable_open() = start.open;
+  convert::ToProto(start.session, header->mutable_opened());
+  header->set_map_sha256(start.map_sha256);
   Push(std::move(message));
 }
 
-void RecordStream::OnScan(const v1::Scan& scan, const v1::LocalizeResponse& answer) {
+void RecordStream::OnScan(const v1::Scan& scan, const ScanAnswer& answer) {
   v1::RecordSessionResponse message;
   *message.mutable_scan()->mutable_scan() = scan;
-  *message.mutable_scan()->mutable_answer() = answer;
+  convert::ToProto(answer, message.mutable_scan()->mutable_answer());
   Push(std::move(message));
 }
 

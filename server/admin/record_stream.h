@@ -8,11 +8,13 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "dcloc/v1/admin_service.pb.h"
 #include "server/base/open_calls.h"
-#include "server/sessions/session_tap.h"
+#include "server/sessions/recording_subscriber.h"
 
 namespace dcloc::server {
 
@@ -30,21 +32,22 @@ class RecordingSlots {
 /// left out: when the caller is too slow for the session, the call ends with RESOURCE_EXHAUSTED;
 /// the session never waits.
 class RecordStream final : public grpc::ServerWriteReactor<v1::RecordSessionResponse>,
-                           public SessionTap,
+                           public RecordingSubscriber,
                            public std::enable_shared_from_this<RecordStream> {
  public:
   /// What may wait to be written.
   static constexpr std::size_t kMaxWaiting_bytes = 32 << 20;
 
-  /// Lives until the call is done and the session has let go of it.
-  static std::shared_ptr<RecordStream> Start(OpenCalls& open_calls);
+  /// Lives until the call is done and the session has let go of it. `program` is named in the
+  /// recording.
+  static std::shared_ptr<RecordStream> Start(OpenCalls& open_calls, std::string program);
 
   /// The caller may record, and holds `slot`; or not, which ends the call. Nothing is written
   /// before.
   void Begin(const absl::Status& status, std::shared_ptr<void> slot);
 
-  void OnOpened(const v1::RecordingHeader& header) override;
-  void OnScan(const v1::Scan& scan, const v1::LocalizeResponse& answer) override;
+  void OnOpened(const RecordingStart& start) override;
+  void OnScan(const v1::Scan& scan, const ScanAnswer& answer) override;
   void OnEnd() override { End(grpc::Status::OK); }
 
   void OnWriteDone(bool ok) override;
@@ -52,7 +55,8 @@ class RecordStream final : public grpc::ServerWriteReactor<v1::RecordSessionResp
   void OnDone() override;
 
  private:
-  explicit RecordStream(OpenCalls& open_calls) : token_(open_calls) {}
+  RecordStream(OpenCalls& open_calls, std::string program)
+      : token_(open_calls), program_(std::move(program)) {}
 
   /// Ends the call; once what waits is written if all is well, else at once.
   void End(const grpc::Status& status);
@@ -61,6 +65,7 @@ class RecordStream final : public grpc::ServerWriteReactor<v1::RecordSessionResp
 
   std::shared_ptr<RecordStream> self_;  ///< reset by OnDone
   const OpenCalls::Token token_;
+  const std::string program_;
   std::mutex mutex_;
   std::shared_ptr<void> slot_;
   std::deque<v1::RecordSessionResponse> waiting_;

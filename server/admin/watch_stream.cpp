@@ -26,14 +26,14 @@ void WatchStream::Begin(const absl::Status& status) {
   Pump();
 }
 
-void WatchStream::OnAnswer(const v1::LocalizeResponse& answer) {
+void WatchStream::OnAnswer(const ScanAnswer& answer) {
   const std::lock_guard lock(mutex_);
   if (end_status_) return;
   if (waiting_.size() >= kMaxWaiting) {
     waiting_.pop_front();
     ++missed_count_;
   }
-  *waiting_.emplace_back().mutable_answer() = answer;
+  convert::ToProto(answer, waiting_.emplace_back().mutable_answer());
   Pump();
 }
 

@@ -15,10 +15,10 @@
 
 namespace dcloc::server {
 
-/// One WatchSession call: a session's answers to someone who looks on. Who is slow misses answers;
+/// One WatchSession call: a session's answers to someone who watches. Who is slow misses answers;
 /// the session never waits.
 class WatchStream final : public grpc::ServerWriteReactor<v1::WatchSessionResponse>,
-                          public AnswerListener,
+                          public AnswerSubscriber,
                           public std::enable_shared_from_this<WatchStream> {
  public:
   /// Lives until the call is done and the session has let go of it.
@@ -28,7 +28,7 @@ class WatchStream final : public grpc::ServerWriteReactor<v1::WatchSessionRespon
   /// written before.
   void Begin(const absl::Status& status);
 
-  void OnAnswer(const v1::LocalizeResponse& answer) override;
+  void OnAnswer(const ScanAnswer& answer) override;
   void OnEnd() override { End(grpc::Status::OK); }
 
   void OnWriteDone(bool ok) override;

@@ -5,9 +5,9 @@
 namespace dcloc::server {
 namespace {
 
-class LocalizerMatcher final : public Matcher {
+class CoreScanLocalizer final : public ScanLocalizer {
  public:
-  explicit LocalizerMatcher(Localizer localizer) : localizer_(std::move(localizer)) {}
+  explicit CoreScanLocalizer(Localizer localizer) : localizer_(std::move(localizer)) {}
 
   absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) override {
     return localizer_.Localize(scan, listener);
@@ -21,13 +21,13 @@ class LocalizerMatcher final : public Matcher {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<Matcher>> CreateLocalizerMatcher(
+absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(
     std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
     const LocalizerOptions& options) {
   absl::StatusOr<Localizer> localizer =
       Localizer::Create(std::move(map), std::move(rig), initial_pose, options);
   if (!localizer.ok()) return localizer.status();
-  return std::make_unique<LocalizerMatcher>(*std::move(localizer));
+  return std::make_unique<CoreScanLocalizer>(*std::move(localizer));
 }
 
 }  // namespace dcloc::server
