@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/localizer/workspace.h"
 #include "server/admin/admin_service.h"
 #include "server/app/state_metrics.h"
 #include "server/base/status.h"
@@ -170,12 +171,20 @@ struct Server::Parts {
     localization_pool.Post([] {});
   }
 
+  ScanLocalizerFactory MakeLocalizerFactory() {
+    if (config.stub_matcher) return &CreateStubScanLocalizer;
+    return [this](std::shared_ptr<const RadarMap> map, Rig rig,
+                  const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options) {
+      return CreateCoreScanLocalizer(workspaces, std::move(map), std::move(rig), initial_pose,
+                                     options);
+    };
+  }
+
   SessionContext MakeSessionContext() {
     return {.pool = localization_pool,
             .totals = registry.totals(),
             .metrics = metrics,
-            .create_localizer =
-                config.stub_matcher ? &CreateStubScanLocalizer : &CreateCoreScanLocalizer,
+            .create_localizer = MakeLocalizerFactory(),
             .answer_history_count = config.answer_history_count,
             .detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms)};
   }
@@ -233,6 +242,7 @@ struct Server::Parts {
   std::unique_ptr<IdentityStore> identities;
   AccessControl access;
   std::unique_ptr<MapStore> store;
+  WorkspacePool workspaces;
   SessionRegistry registry;
   SessionMetrics metrics;
   RecordingRequests recordings;

@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "core/localizer/workspace.h"
 #include "server/sessions/scan_localizer.h"
 
 namespace dcloc::server {
@@ -7,27 +8,30 @@ namespace {
 
 class CoreScanLocalizer final : public ScanLocalizer {
  public:
-  explicit CoreScanLocalizer(Localizer localizer) : localizer_(std::move(localizer)) {}
+  CoreScanLocalizer(WorkspacePool& workspaces, Localizer localizer)
+      : workspaces_(workspaces), localizer_(std::move(localizer)) {}
 
   absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) override {
-    return localizer_.Localize(scan, listener);
+    const WorkspacePool::Loan workspace = workspaces_.Lend();
+    return localizer_.Localize(scan, *workspace, listener);
   }
 
   bool searching() const override { return localizer_.searching(); }
 
  private:
+  WorkspacePool& workspaces_;
   Localizer localizer_;
 };
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(
-    std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
-    const LocalizerOptions& options) {
+    WorkspacePool& workspaces, std::shared_ptr<const RadarMap> map, Rig rig,
+    const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options) {
   absl::StatusOr<Localizer> localizer =
       Localizer::Create(std::move(map), std::move(rig), initial_pose, options);
   if (!localizer.ok()) return localizer.status();
-  return std::make_unique<CoreScanLocalizer>(*std::move(localizer));
+  return std::make_unique<CoreScanLocalizer>(workspaces, *std::move(localizer));
 }
 
 }  // namespace dcloc::server

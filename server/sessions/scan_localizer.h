@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/localizer/localizer.h"
+#include "server/base/lending_pool.h"
 
 namespace dcloc::server {
 
@@ -27,10 +28,13 @@ using ScanLocalizerFactory = std::function<absl::StatusOr<std::unique_ptr<ScanLo
     std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
     const LocalizerOptions& options)>;
 
-/// The method: core's Localizer.
+/// The memory that a scan needs while it is localized, lent by a server's sessions to one another.
+using WorkspacePool = LendingPool<LocalizerWorkspace>;
+
+/// The method: core's Localizer. `workspaces` outlives it.
 absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(
-    std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
-    const LocalizerOptions& options);
+    WorkspacePool& workspaces, std::shared_ptr<const RadarMap> map, Rig rig,
+    const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options);
 
 /// Integrates the ego-velocity that the client sends from the initial pose, the identity without
 /// one, and never looks at a target. It says so: its state is always kDeadReckoning, its quality
