@@ -10,8 +10,8 @@
 #include "server/admin/watch_stream.h"
 #include "server/base/check.h"
 #include "server/base/status.h"
+#include "server/convert/answer.h"
 #include "server/convert/page.h"
-#include "server/convert/session.h"
 #include "server/rpc/unary.h"
 
 namespace dcloc::server {
@@ -91,11 +91,11 @@ absl::Status ListSessions(const SessionRegistry& registry, const Principal& prin
 
 }  // namespace
 
-AdminService::AdminService(ServerFacts facts, SessionRegistry& registry, TapRequests& taps,
-                           StorageHost host, DrainControl drain)
+AdminService::AdminService(ServerFacts facts, SessionRegistry& registry,
+                           RecordingRequests& recordings, StorageHost host, DrainControl drain)
     : facts_(std::move(facts)),
       registry_(registry),
-      taps_(taps),
+      recordings_(recordings),
       host_(host),
       drain_(std::move(drain)) {}
 
@@ -170,7 +170,8 @@ grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
 
 grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession(
     grpc::CallbackServerContext* context, const v1::RecordSessionRequest* request) {
-  std::shared_ptr<RecordStream> stream = RecordStream::Start(host_.open_calls);
+  std::shared_ptr<RecordStream> stream =
+      RecordStream::Start(host_.open_calls, absl::StrCat("dcloc-server ", facts_.version));
   // The call lives until `Begin`, and so do the context and the request.
   host_.pool.Post([this, context, request, stream] {
     const auto principal = host_.access.Authorize(*context, v1::RecordSessionRequest::descriptor());
@@ -181,7 +182,7 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
       status = absl::ResourceExhaustedError(
           absl::StrFormat("%d recordings are under way, which is the limit", kMaxRecordingCount));
     }
-    if (status.ok()) taps_.Add(principal->tenant, request->vehicle_id(), stream);
+    if (status.ok()) recordings_.Add(principal->tenant, request->vehicle_id(), stream);
     stream->Begin(status, std::move(slot));
   });
   return stream.get();

@@ -6,8 +6,8 @@
 #include "dcloc/v1/admin_service.grpc.pb.h"
 #include "server/admin/record_stream.h"
 #include "server/rpc/storage_host.h"
+#include "server/sessions/recording_subscriber.h"
 #include "server/sessions/session_registry.h"
-#include "server/sessions/session_tap.h"
 
 namespace dcloc::server {
 
@@ -29,9 +29,9 @@ struct DrainControl {
 /// AdminService: what the server is doing, and ending it.
 class AdminService final : public v1::AdminService::CallbackService {
  public:
-  /// `registry` and `taps` outlive the service's calls.
-  AdminService(ServerFacts facts, SessionRegistry& registry, TapRequests& taps, StorageHost host,
-               DrainControl drain);
+  /// `registry` and `recordings` outlive the service's calls.
+  AdminService(ServerFacts facts, SessionRegistry& registry, RecordingRequests& recordings,
+               StorageHost host, DrainControl drain);
 
   grpc::ServerUnaryReactor* GetServerState(grpc::CallbackServerContext* context,
                                            const v1::GetServerStateRequest* request,
@@ -58,7 +58,7 @@ class AdminService final : public v1::AdminService::CallbackService {
 
   const ServerFacts facts_;
   SessionRegistry& registry_;
-  TapRequests& taps_;
+  RecordingRequests& recordings_;
   RecordingSlots recording_slots_;
   const StorageHost host_;
   const DrainControl drain_;

@@ -1,9 +1,7 @@
 #include "server/admin/record_stream.h"
 
-#include <utility>
-
 #include "absl/strings/str_cat.h"
-#include "server/base/status.h"
+#include "google/protobuf/util/time_util.h"
 
 namespace dcloc::server {
 
@@ -15,83 +13,54 @@ std::shared_ptr<void> RecordingSlots::Take(int max) {
   return {taken_.get(), [taken = taken_](void*) { taken->fetch_sub(1); }};
 }
 
-std::shared_ptr<RecordStream> RecordStream::Start(OpenCalls& open_calls) {
-  std::shared_ptr<RecordStream> stream(new RecordStream(open_calls));
-  stream->self_ = stream;
-  return stream;
+std::shared_ptr<RecordStream> RecordStream::Start(OpenCalls& open_calls, std::string program) {
+  return Hold(std::shared_ptr<RecordStream>(new RecordStream(open_calls, std::move(program))));
 }
 
 void RecordStream::Begin(const absl::Status& status, std::shared_ptr<void> slot) {
-  if (!status.ok()) End(ToGrpc(status));
-  const std::lock_guard lock(mutex_);
-  begun_ = true;
-  slot_ = std::move(slot);
-  // The caller knows from then on that the vehicle's next session is recorded.
-  if (status.ok() && !end_status_) StartSendInitialMetadata();
-  Pump();
+  {
+    const std::lock_guard lock(mutex_);
+    slot_ = std::move(slot);
+  }
+  BeginWith(status);
 }
 
-void RecordStream::OnOpened(const v1::RecordingHeader& header) {
+void RecordStream::OnOpened(const RecordingStart& start) {
   v1::RecordSessionResponse message;
-  *message.mutable_header() = header;
+  v1::RecordingHeader* header = message.mutable_header();
+  header->set_program(program_);
+  *header->mutable_open_time() = google::protobuf::util::TimeUtil::NanosecondsToTimestamp(
+      start.open_time.time_since_epoch().count());
+  *header->mutable_open() = start.open;
+  convert::ToProto(start.session, header->mutable_opened());
+  header->set_map_sha256(start.map_sha256);
   Push(std::move(message));
 }
 
-void RecordStream::OnScan(const v1::Scan& scan, const v1::LocalizeResponse& answer) {
+void RecordStream::OnScan(const v1::Scan& scan, const ScanAnswer& answer) {
   v1::RecordSessionResponse message;
   *message.mutable_scan()->mutable_scan() = scan;
-  *message.mutable_scan()->mutable_answer() = answer;
+  convert::ToProto(answer, message.mutable_scan()->mutable_answer());
   Push(std::move(message));
 }
 
 void RecordStream::Push(v1::RecordSessionResponse message) {
   const std::size_t size = message.ByteSizeLong();
-  {
-    const std::lock_guard lock(mutex_);
-    if (end_status_) return;
-    if (waiting_bytes_ + size <= kMaxWaiting_bytes) {
-      waiting_bytes_ += size;
-      waiting_.push_back(std::move(message));
-      return Pump();
-    }
-  }
-  End(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
-                   absl::StrCat("the recording is read too slowly: ", kMaxWaiting_bytes,
-                                " bytes wait, which is the limit")));
-}
-
-void RecordStream::End(const grpc::Status& status) {
   const std::lock_guard lock(mutex_);
-  if (!end_status_) end_status_ = status;
-  if (!status.ok()) waiting_.clear();
-  Pump();
-}
-
-void RecordStream::OnWriteDone(bool ok) {
-  const std::lock_guard lock(mutex_);
-  writing_ = false;
-  if (!ok) {
-    if (!end_status_) end_status_ = grpc::Status::CANCELLED;
-    waiting_.clear();
+  if (!is_open()) return;
+  if (waiting_bytes_ + size > kMaxWaiting_bytes) {
+    EndLocked(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
+                           absl::StrCat("the recording is read too slowly: ", kMaxWaiting_bytes,
+                                        " bytes wait, which is the limit")));
+  } else {
+    waiting_bytes_ += size;
+    waiting_.push_back(std::move(message));
   }
   Pump();
 }
 
-void RecordStream::OnDone() { const std::shared_ptr<RecordStream> last = std::move(self_); }
-
-void RecordStream::Pump() {
-  if (!begun_ || writing_ || finished_) return;
-  if (!waiting_.empty()) {
-    message_ = std::move(waiting_.front());
-    waiting_.pop_front();
-    waiting_bytes_ -= message_.ByteSizeLong();
-    writing_ = true;
-    StartWrite(&message_);
-  } else if (end_status_) {
-    finished_ = true;
-    slot_.reset();
-    Finish(*end_status_);
-  }
+void RecordStream::OnWrite(v1::RecordSessionResponse& message) {
+  waiting_bytes_ -= message.ByteSizeLong();
 }
 
 }  // namespace dcloc::server

@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
+#include "core/localizer/workspace.h"
 #include "server/admin/admin_service.h"
 #include "server/app/state_metrics.h"
 #include "server/app/storage.h"
@@ -129,16 +129,8 @@ struct Server::Parts {
         localization({.storage = storage,
                       .registry = registry,
                       .sessions = {.store = store,
-                                   .pool = localization_pool,
-                                   .totals = registry.totals(),
-                                   .metrics = metrics,
-                                   .taps = taps,
-                                   .program = program,
-                                   .create_matcher = config.stub_matcher ? &CreateStubMatcher
-                                                                         : &CreateLocalizerMatcher,
-                                   .answer_history_count = config.answer_history_count,
-                                   .detached_timeout = std::chrono::milliseconds(
-                                       config.session_detached_timeout_ms)},
+                                   .recordings = recordings,
+                                   .context = MakeSessionContext()},
                       .usages = usages,
                       .max_pending_scan_count = config.max_pending_scan_count}),
         maps(storage,
@@ -161,7 +153,7 @@ struct Server::Parts {
                .worker_count = localization_pool.thread_count(),
                .max_session_count = config.max_session_count,
                .stub_matcher = config.stub_matcher},
-              registry, taps, storage,
+              registry, recordings, storage,
               {.drain = [this] { return Drain(drain_grace); },
                .draining = [this] { return localization.draining(); }}),
         ticker(kTickInterval,
@@ -176,6 +168,24 @@ struct Server::Parts {
     // The pools' threads are older than what they will use of this; their locks hand it to them.
     storage_pool.Post([] {});
     localization_pool.Post([] {});
+  }
+
+  ScanLocalizerFactory MakeLocalizerFactory() {
+    if (config.stub_matcher) return &CreateStubScanLocalizer;
+    return [this](std::shared_ptr<const RadarMap> map, Rig rig,
+                  const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options) {
+      return CreateCoreScanLocalizer(workspaces, std::move(map), std::move(rig), initial_pose,
+                                     options);
+    };
+  }
+
+  SessionContext MakeSessionContext() {
+    return {.pool = localization_pool,
+            .totals = registry.totals(),
+            .metrics = metrics,
+            .create_localizer = MakeLocalizerFactory(),
+            .answer_history_count = config.answer_history_count,
+            .detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms)};
   }
 
   /// Not ready any more, and the sessions are told to move; gives how many were told.
@@ -231,10 +241,10 @@ struct Server::Parts {
   Storage kept;
   AccessControl access;
   MapStore& store;
+  WorkspacePool workspaces;
   SessionRegistry registry;
-  Metrics metrics;
-  TapRequests taps;
-  const std::string program = absl::StrCat("dcloc-server ", DCLOC_VERSION);
+  SessionMetrics metrics;
+  RecordingRequests recordings;
   OpenCalls open_calls;
   WorkerPool storage_pool{kStorageThreads, kMapThreads};
   const StorageHost storage{store, storage_pool, open_calls, access, limits};

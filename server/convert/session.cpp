@@ -75,18 +75,6 @@ absl::StatusOr<InitialPose> FixFromProto(const v1::GnssFix& message,
   return PriorFromGnss(fix, *anchor);
 }
 
-void SetQuality(const LocalizationQuality& quality, v1::LocalizationQuality* message) {
-  message->set_live_point_count(quality.live_point_count);
-  message->set_inlier_count(quality.inlier_count);
-  message->set_overlap(quality.overlap);
-  message->set_residual_scale(quality.residual_scale);
-  message->set_edge_distance(quality.edge_distance);
-  message->set_edge_valid(quality.edge_valid);
-  message->set_beta_error_s(quality.beta.error_s);
-  message->set_beta_error_sigma_s(quality.beta.sigma_s);
-  message->set_beta_is_wrong(quality.beta.is_wrong);
-}
-
 }  // namespace
 
 absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& message) {
@@ -117,26 +105,18 @@ absl::StatusOr<std::optional<InitialPose>> InitialPoseFromProto(
   return *pose;
 }
 
-v1::LocalizationState ToProto(LocalizationState state) {
-  switch (state) {
-    case LocalizationState::kInitializing:
-      return v1::LOCALIZATION_STATE_INITIALIZING;
-    case LocalizationState::kTracking:
-      return v1::LOCALIZATION_STATE_TRACKING;
-    case LocalizationState::kDeadReckoning:
-      return v1::LOCALIZATION_STATE_DEAD_RECKONING;
-    case LocalizationState::kLost:
-      return v1::LOCALIZATION_STATE_LOST;
+void ToProto(const OpenedSession& session, v1::SessionOpened* message) {
+  message->set_session_id(session.session_id);
+  message->set_map_name(session.map_name);
+  message->set_map_version(session.map_version);
+  if (session.anchor) ToProto(*session.anchor, message->mutable_anchor());
+  message->set_resume_token(session.resume_token);
+  message->set_resumed(session.resumed);
+  if (session.last_sequence_number) {
+    message->set_last_sequence_number(*session.last_sequence_number);
   }
-  return v1::LOCALIZATION_STATE_UNSPECIFIED;
-}
-
-void ToProto(const Localization& localization, v1::LocalizationResult* message) {
-  message->set_stamp_ns(localization.stamp.time_since_epoch().count());
-  message->set_state(ToProto(localization.state));
-  ToProto(localization.T_map_vehicle, localization.covariance, message->mutable_pose());
-  message->set_observed_dof_mask(static_cast<std::int32_t>(localization.observed.to_ulong()));
-  SetQuality(localization.quality, message->mutable_quality());
+  message->set_answer_history_count(session.answer_history_count);
+  message->set_detached_timeout_ns(session.detached_timeout.count());
 }
 
 }  // namespace dcloc::server::convert

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -8,7 +9,22 @@
 #include "core/localizer/localizer.h"
 #include "dcloc/v1/localization_service.pb.h"
 
-namespace dcloc::server::convert {
+namespace dcloc::server {
+
+/// What a client is told of its session when it is open.
+struct OpenedSession {
+  std::string session_id;
+  std::string map_name;
+  std::int64_t map_version = 0;
+  std::optional<GeodeticAnchor> anchor;  ///< of the map
+  std::string resume_token;              ///< a secret; empty unless it is resumable
+  bool resumed = false;
+  std::optional<std::int64_t> last_sequence_number;  ///< the highest one localized
+  int answer_history_count = 0;
+  std::chrono::nanoseconds detached_timeout{};  ///< zero unless it is resumable
+};
+
+namespace convert {
 
 /// What an `open` asks for, checked as far as that goes without the map.
 struct SessionRequest {
@@ -26,10 +42,7 @@ absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& message);
 absl::StatusOr<std::optional<InitialPose>> InitialPoseFromProto(
     const v1::OpenSession& message, const std::optional<GeodeticAnchor>& anchor);
 
-/// Everything of the answer but the sequence number, the version, the timings and the geodetic
-/// pose.
-void ToProto(const Localization& localization, v1::LocalizationResult* message);
+void ToProto(const OpenedSession& session, v1::SessionOpened* message);
 
-v1::LocalizationState ToProto(LocalizationState state);
-
-}  // namespace dcloc::server::convert
+}  // namespace convert
+}  // namespace dcloc::server

@@ -2,43 +2,31 @@
 
 #include <grpcpp/support/server_callback.h>
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "dcloc/v1/localization_service.pb.h"
-#include "server/base/worker_pool.h"
-#include "server/rpc/storage_host.h"
-#include "server/sessions/session.h"
-#include "server/sessions/session_registry.h"
+#include "server/localization/attach_session.h"
+#include "server/localization/session_host.h"
+#include "server/localization/slot_ring.h"
+#include "server/localization/stream_state.h"
 #include "server/sessions/session_stream.h"
 
 namespace dcloc::server {
 
-/// What all streams share; outlives them.
-struct SessionHost {
-  const StorageHost& storage;  ///< opening a session may wait for a disk
-  SessionRegistry& registry;
-  SessionContext sessions;
-  UsageCounts& usages;
-  int max_pending_scan_count;  ///< per session
-};
-
 /// One Localize call: the stream that a session is attached to, or shall be.
 ///
-/// Its requests go through a ring of slots: read, answered on the session's strand, written, free
-/// again. A slot's request and response are used over and over, each request gets exactly one
-/// response, and the next read starts only when a slot is free, so that neither a fast writer nor a
-/// slow reader can make the server's memory grow. Where the client asked for the oldest scans to be
-/// dropped the ring is longer, and a scan too many is marked and answered in its turn.
+/// Its messages go through a ring of slots: read, answered on the session's strand, written, free
+/// again. Each gets exactly one answer, and the next read starts only when a slot is free. Where
+/// the client asked for the oldest scans to be dropped the ring is longer, and a scan too many is
+/// marked and answered in its turn.
 ///
-/// The transport's events, the pool's and a shutdown change the state under the mutex, and then
-/// `Pump` starts what the state allows. Only one thread at a time is in it, and it holds no lock
-/// while it calls gRPC: there is one write at a time, and nothing can follow `Finish`.
+/// The transport's events, the pool's and a shutdown change the state (stream_state.h) under the
+/// mutex, and then `Pump` starts what it allows. Only one thread at a time is in it, and it holds
+/// no lock while it calls gRPC: there is one write at a time, and nothing can follow `Finish`.
 class LocalizeStream final
     : public grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>,
       public SessionStream,
@@ -64,37 +52,46 @@ class LocalizeStream final
   void OnDone() override;
 
  private:
-  struct Slot {
-    v1::LocalizeRequest request;
-    v1::LocalizeResponse response;
-    Arrival arrival;
-    bool dropped = false;
-  };
   enum class Step { kNone, kRead, kWrite, kAnnounce, kFinish };
+  enum class Write { kNone, kAnswer, kAnnouncement };
+
+  /// What was agreed when the session was opened or resumed.
+  struct Terms {
+    bool resumable = false;
+    bool drops_oldest = false;
+    bool resumed = false;
+  };
+
+  /// How a call ends, for the client and for the session.
+  struct Ending {
+    grpc::Status status;
+    std::shared_ptr<Session> session;  ///< null where there is none to let go of
+    bool keeps_session = false;
+    std::string reason;  ///< told to who asks for the session later
+  };
 
   LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,
                  std::function<void(LocalizeStream*)> on_done);
 
-  void Pump();
+  // With the mutex held.
+  StreamAction Take(StreamEvent event);
+  void TakeStatus(StreamEvent event, grpc::Status status);
+  StreamEvent EventOfRead(bool ok);
+  void QueueScan();
+  void Attach(AttachedSession attached);
+  bool AnnouncementIsDue() const;
+  bool IsSettled() const;
   Step TakeStep();
-  bool ShouldFinish() const;
-  bool HasRoom() const;
-  void DropOldest();
+  Ending TakeEnding();
+
+  void Pump();
+  void FinishWith(Ending ending);
 
   void Open();
-  absl::StatusOr<Caller> Authorize(const v1::OpenSession& open) const;
-  void OpenNew(Caller caller);
-  void Resume(const Caller& caller);
-  void Opened(std::shared_ptr<Session> session, bool resumed);
+  void Opened(AttachedSession attached);
   void Fail(grpc::Status status);
-  void Process();
+  void AnswerNext();
   grpc::Status Answer(Session& session, Slot& slot, bool dropped) const;
-  std::string EndReason() const;
-  void LetGo(const Session& session, bool keep, const std::string& reason) const;
-
-  Slot& SlotAt(std::int64_t index) {
-    return slots_[static_cast<std::size_t>(index) % slots_.size()];
-  }
 
   const SessionHost& host_;
   grpc::CallbackServerContext* const context_;
@@ -102,29 +99,21 @@ class LocalizeStream final
   std::shared_ptr<LocalizeStream> self_;  ///< reset by OnDone
 
   mutable std::mutex mutex_;
-  std::vector<Slot> slots_;
+  StreamState state_ = StreamState::kOpening;
+  SlotRing ring_;
   std::shared_ptr<Session> session_;  ///< none before it is open and after it was let go
-  bool resumable_ = false;
-  bool resumed_ = false;
-  bool drops_oldest_ = false;
-  // How many requests were read, answered and written; written <= answered <= read.
-  std::int64_t read_count_ = 0;
-  std::int64_t answered_count_ = 0;
-  std::int64_t written_count_ = 0;
-  std::optional<v1::LocalizeResponse> announcement_;  ///< at most one, written once
-  bool pumping_ = false;
-  bool reading_ = false;
-  bool writing_ = false;
-  bool announcing_ = false;  ///< what is being written is the announcement
-  bool announced_ = false;
-  bool opening_ = false;  ///< a task may use the context, so the call may not end yet
-  bool processing_ = false;
-  bool draining_ = false;   ///< reads no more, the rest is answered
-  bool over_ = false;       ///< the session ends with the stream: closed, failed or ended
-  bool failed_ = false;     ///< a request ended the call, the rest is dropped
-  bool cancelled_ = false;  ///< nobody listens any more
-  bool finished_ = false;
+  Terms terms_;
   grpc::Status final_status_;
+  std::optional<Ending> ending_;                      ///< from kSettled to Finish
+  std::optional<v1::LocalizeResponse> announcement_;  ///< at most one, written once
+  bool announced_ = false;
+
+  // What is under way, whatever the state.
+  bool open_under_way_ = false;  ///< a task may use the context, so the call may not end yet
+  bool read_under_way_ = false;
+  Write write_under_way_ = Write::kNone;
+  bool answer_under_way_ = false;  ///< a scan is being localized
+  bool pump_under_way_ = false;    ///< who is in it looks again before leaving
 };
 
 }  // namespace dcloc::server

@@ -4,38 +4,38 @@
 
 namespace dcloc::server {
 
-void AnswerFeed::Subscribe(const std::shared_ptr<AnswerListener>& listener) {
+void AnswerFeed::Subscribe(const std::shared_ptr<AnswerSubscriber>& subscriber) {
   {
     const std::lock_guard lock(mutex_);
     if (!closed_) {
-      listeners_.push_back(listener);
-      has_listeners_ = true;
+      subscribers_.push_back(subscriber);
+      has_subscribers_ = true;
       return;
     }
   }
-  listener->OnEnd();
+  subscriber->OnEnd();
 }
 
-void AnswerFeed::Publish(const v1::LocalizeResponse& answer) {
-  if (!has_listeners_) return;
+void AnswerFeed::Publish(const ScanAnswer& answer) {
+  if (!has_subscribers_) return;
   const std::lock_guard lock(mutex_);
-  std::erase_if(listeners_, [](const auto& listener) { return listener.expired(); });
-  for (const auto& entry : listeners_) {
-    if (const auto listener = entry.lock()) listener->OnAnswer(answer);
+  std::erase_if(subscribers_, [](const auto& subscriber) { return subscriber.expired(); });
+  for (const auto& entry : subscribers_) {
+    if (const auto subscriber = entry.lock()) subscriber->OnAnswer(answer);
   }
-  has_listeners_ = !listeners_.empty();
+  has_subscribers_ = !subscribers_.empty();
 }
 
 void AnswerFeed::Close() {
-  std::vector<std::weak_ptr<AnswerListener>> listeners;
+  std::vector<std::weak_ptr<AnswerSubscriber>> subscribers;
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
-    has_listeners_ = false;
-    listeners = std::exchange(listeners_, {});
+    has_subscribers_ = false;
+    subscribers = std::exchange(subscribers_, {});
   }
-  for (const auto& entry : listeners) {
-    if (const auto listener = entry.lock()) listener->OnEnd();
+  for (const auto& entry : subscribers) {
+    if (const auto subscriber = entry.lock()) subscriber->OnEnd();
   }
 }
 

@@ -2,10 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
-#include <vector>
+#include <deque>
 
-#include "dcloc/v1/localization_service.pb.h"
+#include "server/convert/answer.h"
 
 namespace dcloc::server {
 
@@ -13,21 +12,18 @@ namespace dcloc::server {
 /// one makes room. Not thread-safe.
 class AnswerHistory {
  public:
-  /// `capacity` >= 1.
-  explicit AnswerHistory(int capacity) : entries_(static_cast<std::size_t>(capacity)) {}
+  /// `capacity` >= 1. Memory is taken as answers come.
+  explicit AnswerHistory(int capacity) : capacity_(static_cast<std::size_t>(capacity)) {}
 
-  void Keep(std::int64_t sequence_number, const v1::LocalizeResponse& answer);
+  void Keep(const ScanAnswer& answer);
 
-  /// Gives the newest answer to that number as it was; false when there is none (any more).
-  bool Recall(std::int64_t sequence_number, v1::LocalizeResponse* answer) const;
+  /// The newest answer to that number, valid until the next `Keep`; null when there is none (any
+  /// more).
+  const ScanAnswer* Recall(std::int64_t sequence_number) const;
 
  private:
-  struct Entry {
-    std::int64_t sequence_number = -1;
-    std::string bytes;  ///< serialized: a third of a message's memory
-  };
-
-  std::vector<Entry> entries_;  ///< a ring
+  const std::size_t capacity_;
+  std::deque<ScanAnswer> answers_;  ///< a ring once it is full
   std::size_t kept_count_ = 0;
 };
 

@@ -1,33 +1,37 @@
 #include <utility>
 
+#include "core/localizer/workspace.h"
 #include "server/sessions/scan_localizer.h"
 
 namespace dcloc::server {
 namespace {
 
-class LocalizerMatcher final : public Matcher {
+class CoreScanLocalizer final : public ScanLocalizer {
  public:
-  explicit LocalizerMatcher(Localizer localizer) : localizer_(std::move(localizer)) {}
+  CoreScanLocalizer(WorkspacePool& workspaces, Localizer localizer)
+      : workspaces_(workspaces), localizer_(std::move(localizer)) {}
 
   absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) override {
-    return localizer_.Localize(scan, listener);
+    const WorkspacePool::Loan workspace = workspaces_.Lend();
+    return localizer_.Localize(scan, *workspace, listener);
   }
 
   bool searching() const override { return localizer_.searching(); }
 
  private:
+  WorkspacePool& workspaces_;
   Localizer localizer_;
 };
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<Matcher>> CreateLocalizerMatcher(
-    std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
-    const LocalizerOptions& options) {
+absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(
+    WorkspacePool& workspaces, std::shared_ptr<const RadarMap> map, Rig rig,
+    const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options) {
   absl::StatusOr<Localizer> localizer =
       Localizer::Create(std::move(map), std::move(rig), initial_pose, options);
   if (!localizer.ok()) return localizer.status();
-  return std::make_unique<LocalizerMatcher>(*std::move(localizer));
+  return std::make_unique<CoreScanLocalizer>(workspaces, *std::move(localizer));
 }
 
 }  // namespace dcloc::server

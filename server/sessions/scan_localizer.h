@@ -1,18 +1,20 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "absl/status/statusor.h"
 #include "core/localizer/localizer.h"
+#include "server/base/lending_pool.h"
 
 namespace dcloc::server {
 
-/// What turns one vehicle's scans into poses. The server has two: the method, and one that does not
-/// match, with which the transport alone can be measured. Not thread-safe.
-class Matcher {
+/// What turns one vehicle's scans into poses. The server has two: the method, and a stub with which
+/// the transport alone can be measured. Not thread-safe.
+class ScanLocalizer {
  public:
-  virtual ~Matcher() = default;
+  virtual ~ScanLocalizer() = default;
 
   /// As Localizer::Localize. `scan` is valid and of a radar of the rig.
   virtual absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) = 0;
@@ -21,17 +23,24 @@ class Matcher {
   virtual bool searching() const = 0;
 };
 
-/// As Localizer::Create.
-using MatcherFactory = absl::StatusOr<std::unique_ptr<Matcher>>(
+/// Makes a session's localizer, as Localizer::Create.
+using ScanLocalizerFactory = std::function<absl::StatusOr<std::unique_ptr<ScanLocalizer>>(
     std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
-    const LocalizerOptions& options);
+    const LocalizerOptions& options)>;
 
-/// The method: core's Localizer.
-MatcherFactory CreateLocalizerMatcher;
+/// The memory that a scan needs while it is localized, lent by a server's sessions to one another.
+using WorkspacePool = LendingPool<LocalizerWorkspace>;
+
+/// The method: core's Localizer. `workspaces` outlives it.
+absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(
+    WorkspacePool& workspaces, std::shared_ptr<const RadarMap> map, Rig rig,
+    const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options);
 
 /// Integrates the ego-velocity that the client sends from the initial pose, the identity without
 /// one, and never looks at a target. It says so: its state is always kDeadReckoning, its quality
 /// zero, no degree of freedom is observed, and the covariance is the initial pose's.
-MatcherFactory CreateStubMatcher;
+absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateStubScanLocalizer(
+    std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
+    const LocalizerOptions& options);
 
 }  // namespace dcloc::server

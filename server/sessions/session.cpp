@@ -1,66 +1,20 @@
 #include "server/sessions/session.h"
 
-#include <openssl/rand.h>
-
-#include <array>
-#include <string>
 #include <utility>
 
-#include "absl/strings/escaping.h"
-#include "absl/strings/str_format.h"
-#include "google/protobuf/util/time_util.h"
 #include "server/base/status.h"
-#include "server/convert/geometry.h"
 #include "server/convert/scan.h"
-#include "server/convert/session.h"
+#include "server/sessions/session_log.h"
 #include "server/sessions/stage_timer.h"
-#include "spdlog/spdlog.h"
 
 namespace dcloc::server {
 namespace {
 
-using Clock = StageTimer::Clock;
-
-/// A recording has its own time, so any pace will do; but one wrong stamp far ahead would make all
-/// right ones after it late.
-constexpr std::chrono::hours kMaxStampStep(1);
-
-/// 128 random bits in hexadecimal: nothing that can be guessed.
-absl::StatusOr<std::string> RandomName() {
-  std::array<unsigned char, 16> bytes{};
-  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
-    return absl::InternalError("no random bytes for a session");
-  }
-  return absl::BytesToHexString({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-}
-
-absl::StatusOr<std::shared_ptr<SessionRecord>> MakeRecord(const v1::OpenSession& open,
-                                                          const Caller& caller,
-                                                          const MapVersionRecord& map) {
-  absl::StatusOr<std::string> session_id = RandomName();
-  if (!session_id.ok()) return session_id.status();
-  absl::StatusOr<std::string> resume_token = open.resumable() ? RandomName() : std::string();
-  if (!resume_token.ok()) return resume_token.status();
-  auto record = std::make_shared<SessionRecord>();
-  record->description = {.session_id = *std::move(session_id),
-                         .resume_token = *std::move(resume_token),
-                         .vehicle_id = open.vehicle_id(),
-                         .caller = caller,
-                         .map_name = open.map_name(),
-                         .map_version_asked_for = open.map_version() != 0,
-                         .open_time = std::chrono::system_clock::now(),
-                         .drops_oldest = open.queue_policy() == v1::QUEUE_POLICY_DROP_OLDEST};
-  record->map_version = map.version;
-  return record;
-}
-
-std::int64_t Nanoseconds(std::chrono::nanoseconds duration) { return duration.count(); }
-
-void SetStages(const StageTimer& timer, v1::StageTimings* timings) {
-  timings->set_compensation_duration_ns(Nanoseconds(timer.duration(Stage::kCompensation)));
-  timings->set_submap_duration_ns(Nanoseconds(timer.duration(Stage::kSubmap)));
-  timings->set_registration_duration_ns(Nanoseconds(timer.duration(Stage::kRegistration)));
-  timings->set_posegraph_duration_ns(Nanoseconds(timer.duration(Stage::kPoseGraph)));
+void SetStages(const StageTimer& timer, ScanTimings* timings) {
+  timings->compensation = timer.duration(Stage::kCompensation);
+  timings->submap = timer.duration(Stage::kSubmap);
+  timings->registration = timer.duration(Stage::kRegistration);
+  timings->posegraph = timer.duration(Stage::kPoseGraph);
 }
 
 /// What a scan says of the vehicle's motion. Its targets are in the pose already; they are looked
@@ -80,217 +34,149 @@ bool SamePlace(const std::optional<GeodeticAnchor>& a, const std::optional<Geode
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<Session>> Session::Open(const v1::OpenSession& open,
-                                                       const Caller& caller,
-                                                       const SessionContext& context) {
-  absl::StatusOr<convert::SessionRequest> request = convert::FromProto(open);
-  if (!request.ok()) return request.status();
-  const Clock::time_point begin = Clock::now();
-  const std::string map_name = ScopedMapName(caller.principal.tenant, request->map_name);
-  absl::StatusOr<LoadedMap> map = request->map_version == 0
-                                      ? context.store.AcquireFor(map_name, request->vehicle_id)
-                                      : context.store.Acquire(map_name, request->map_version);
-  if (!map.ok()) return WithPrefix("open.map: ", map.status());
-  context.metrics.ObserveMapAcquired(Clock::now() - begin, map->was_in_memory);
-  const absl::StatusOr<std::optional<InitialPose>> initial_pose =
-      convert::InitialPoseFromProto(open, map->map->info().anchor);
-  if (!initial_pose.ok()) return initial_pose.status();
-  absl::StatusOr<std::unique_ptr<Matcher>> matcher =
-      context.create_matcher(map->map, request->rig, *initial_pose, request->options);
-  if (!matcher.ok()) return WithPrefix("open: ", matcher.status());
-  absl::StatusOr<std::shared_ptr<SessionRecord>> record = MakeRecord(open, caller, map->record);
-  if (!record.ok()) return record.status();
-  std::shared_ptr<Session> session(new Session(context, *std::move(record), *std::move(map),
-                                               *std::move(request), *std::move(matcher)));
-  session->last_pose_ = *initial_pose;
-  if (auto tap = context.taps.Take(caller.principal.tenant, open.vehicle_id())) {
-    session->Tap(std::move(tap), open, context.program);
-  }
-  return session;
+absl::StatusOr<std::shared_ptr<Session>> Session::Create(const SessionContext& context,
+                                                         SessionStart start) {
+  absl::StatusOr<std::unique_ptr<ScanLocalizer>> localizer =
+      context.create_localizer(start.map.map, start.rig, start.initial_pose, start.options);
+  if (!localizer.ok()) return localizer.status();
+  return std::shared_ptr<Session>(new Session(context, std::move(start), *std::move(localizer)));
 }
 
-void Session::Tap(std::shared_ptr<SessionTap> tap, const v1::OpenSession& open,
-                  const std::string& program) {
-  v1::RecordingHeader header;
-  header.set_program(program);
-  *header.mutable_open_time() = google::protobuf::util::TimeUtil::NanosecondsToTimestamp(
-      record_->description.open_time.time_since_epoch().count());
-  *header.mutable_open() = open;
-  Describe(/*resumed=*/false, header.mutable_opened());
-  header.mutable_opened()->clear_resume_token();
-  header.set_map_sha256(map_.record.sha256);
-  tap->OnOpened(header);
-  tap_ = std::move(tap);
-  record_->recorded = true;
-}
-
-Session::Session(const SessionContext& context, std::shared_ptr<SessionRecord> record,
-                 LoadedMap map, convert::SessionRequest request, std::unique_ptr<Matcher> matcher)
-    : detached_timeout_(context.detached_timeout),
-      answer_history_count_(context.answer_history_count),
-      record_(std::move(record)),
-      totals_(context.totals),
-      metrics_(context.metrics),
+Session::Session(const SessionContext& context, SessionStart start,
+                 std::unique_ptr<ScanLocalizer> localizer)
+    : context_(context),
+      record_(std::move(start.record)),
       strand_(context.pool),
-      create_matcher_(context.create_matcher),
-      map_(std::move(map)),
-      rig_(std::move(request.rig)),
-      options_(request.options),
-      matcher_(std::move(matcher)),
+      map_(std::move(start.map)),
+      rig_(std::move(start.rig)),
+      options_(std::move(start.options)),
+      localizer_(std::move(localizer)),
+      last_pose_(std::move(start.initial_pose)),
       history_(context.answer_history_count) {
-  const SessionDescription& description = record_->description;
-  spdlog::info("session opened session={} vehicle={} peer={} map={} version={} radars={} trace={}",
-               description.session_id, description.vehicle_id, description.caller.peer,
-               description.map_name, record_->map_version.load(), rig_.radars.size(),
-               description.caller.trace_id);
+  LogOpened(*record_, rig_.radars.size());
 }
 
 Session::~Session() {
   record_->feed.Close();
-  if (tap_ != nullptr) tap_->OnEnd();
-  spdlog::info("session closed session={} vehicle={} scans={} rejected={} repeated={} dropped={}",
-               record_->description.session_id, record_->description.vehicle_id,
-               record_->counts.answered.load(), record_->counts.rejected.load(),
-               record_->counts.repeated.load(), record_->counts.dropped.load());
+  if (recording_ != nullptr) recording_->OnEnd();
+  LogClosed(*record_);
 }
 
-void Session::Describe(bool resumed, v1::SessionOpened* opened) const {
+OpenedSession Session::Describe(bool resumed) const {
   const SessionDescription& description = record_->description;
-  opened->set_session_id(description.session_id);
-  opened->set_map_name(description.map_name);
-  opened->set_map_version(record_->map_version);
-  const MapInfo& info = map_.map->info();
-  if (info.anchor) convert::ToProto(*info.anchor, opened->mutable_anchor());
-  opened->set_resume_token(description.resume_token);
-  opened->set_resumed(resumed);
-  if (last_sequence_number_ >= 0) opened->set_last_sequence_number(last_sequence_number_);
-  opened->set_answer_history_count(answer_history_count_);
-  opened->set_detached_timeout_ns(description.resumable() ? Nanoseconds(detached_timeout_) : 0);
+  OpenedSession opened{.session_id = description.session_id,
+                       .map_name = description.map_name,
+                       .map_version = record_->map_version,
+                       .anchor = map_.map->info().anchor,
+                       .resume_token = description.resume_token,
+                       .resumed = resumed,
+                       .last_sequence_number = std::nullopt,
+                       .answer_history_count = context_.answer_history_count,
+                       .detached_timeout = {}};
+  if (order_.last_localized() >= 0) opened.last_sequence_number = order_.last_localized();
+  if (description.resumable()) opened.detached_timeout = context_.detached_timeout;
+  return opened;
 }
 
-void Session::Answer(const v1::Scan& scan, const Arrival& arrival, v1::LocalizeResponse* response) {
+void Session::Record(std::shared_ptr<RecordingSubscriber> subscriber, const v1::OpenSession& open) {
+  RecordingStart start{.open = open,
+                       .session = Describe(/*resumed=*/false),
+                       .open_time = record_->description.open_time,
+                       .map_sha256 = map_.record.sha256};
+  start.session.resume_token.clear();
+  subscriber->OnOpened(start);
+  recording_ = std::move(subscriber);
+  record_->recorded = true;
+}
+
+void Session::Answer(const v1::Scan& scan, const Arrival& arrival, Reply reply) {
   const Clock::time_point begin = Clock::now();
   record_->last_activity = begin;
-  const std::int64_t number = scan.sequence_number();
-  if (number >= 0 && number <= last_sequence_number_ && history_.Recall(number, response)) {
-    response->set_from_memory(true);
-    ++record_->counts.repeated;
-    ++totals_.repeated;
-    metrics_.ObserveRepeated();
-    return;
+  if (AnswerFromHistory(scan.sequence_number(), reply)) return;
+  ScanAnswer answer{.sequence_number = scan.sequence_number(), .result = Localize(scan)};
+  if (answer.result.ok()) {
+    ScanTimings& timings = answer.result->timings;
+    timings.queue = begin - arrival.steady;
+    timings.total = Clock::now() - arrival.steady;
+    timings.stamp_age =
+        arrival.system.time_since_epoch() - std::chrono::nanoseconds(scan.stamp_ns());
+    record_->last_stamp_age_ns = timings.stamp_age.count();
   }
-  v1::LocalizationResult* result = response->mutable_result();
-  const absl::Status status = Localize(scan, result);
-  if (status.ok()) {
-    v1::StageTimings* timings = result->mutable_timings();
-    timings->set_queue_duration_ns(Nanoseconds(begin - arrival.steady));
-    timings->set_total_duration_ns(Nanoseconds(Clock::now() - arrival.steady));
-    timings->set_stamp_age_ns(Nanoseconds(arrival.system.time_since_epoch()) - scan.stamp_ns());
-    record_->last_stamp_age_ns = timings->stamp_age_ns();
-    ++record_->counts.answered;
-    ++totals_.answered;
-  } else {
-    Reject(number, status, response->mutable_rejected());
-    ++record_->counts.rejected;
-    ++totals_.rejected;
-    metrics_.ObserveRejection(status.code());
-  }
-  if (status.ok()) WarnOfBeta(scan.radar_id(), result->quality());
-  Publish(response);
-  // One that is late stays so, and must not push out an answer that may still be wanted.
-  if (number > last_sequence_number_ || status.ok()) history_.Keep(number, *response);
-  if (tap_ != nullptr) tap_->OnScan(scan, *response);
-  if (!status.ok()) return;
-  const std::chrono::nanoseconds encoding = Clock::now() - localized_;
-  metrics_.ObserveAnswer(response->result(), encoding);
-  LogStages(response->result(), encoding);
+  Count(answer);
+  answer.dropped_scan_count = record_->counts.dropped;
+  HandOn(scan, answer, reply);
+  if (!answer.result.ok()) return;
+  const std::chrono::nanoseconds encoding = Clock::now() - localized_time_;
+  context_.metrics.ObserveLocalized(*answer.result, encoding);
+  LogLocalized(*record_, answer.sequence_number, *answer.result, encoding);
+  WarnOfBeta(scan.radar_id(), answer.result->localization.quality.beta);
 }
 
-// Once for each radar: it stays wrong until somebody calibrates it.
-void Session::WarnOfBeta(const std::string& radar_id, const v1::LocalizationQuality& quality) {
-  if (!quality.beta_is_wrong() || !radars_warned_of_.insert(radar_id).second) return;
-  spdlog::warn(
-      "beta contradicted session={} vehicle={} radar={} beta_error_s={:.4f} sigma_s={:.4f}",
-      record_->description.session_id, record_->description.vehicle_id, radar_id,
-      quality.beta_error_s(), quality.beta_error_sigma_s());
-}
-
-void Session::LogStages(const v1::LocalizationResult& result,
-                        std::chrono::nanoseconds encoding) const {
-  if (!spdlog::should_log(spdlog::level::debug)) return;
-  const v1::StageTimings& timings = result.timings();
-  spdlog::debug(
-      "scan localized session={} trace={} sequence_number={} state={} queue_us={} conversion_us={} "
-      "compensation_us={} submap_us={} registration_us={} posegraph_us={} encoding_us={}",
-      record_->description.session_id, record_->description.caller.trace_id,
-      result.sequence_number(), v1::LocalizationState_Name(result.state()),
-      timings.queue_duration_ns() / 1000, timings.conversion_duration_ns() / 1000,
-      timings.compensation_duration_ns() / 1000, timings.submap_duration_ns() / 1000,
-      timings.registration_duration_ns() / 1000, timings.posegraph_duration_ns() / 1000,
-      encoding.count() / 1000);
-}
-
-void Session::AnswerDropped(std::int64_t sequence_number, v1::LocalizeResponse* response) {
+void Session::AnswerDropped(std::int64_t sequence_number, Reply reply) {
   ++record_->counts.dropped;
-  ++totals_.dropped;
-  metrics_.ObserveDropped();
-  CountMissing(sequence_number);
-  Reject(sequence_number, absl::ResourceExhaustedError("scan dropped: newer ones were waiting"),
-         response->mutable_rejected());
-  Publish(response);
-  history_.Keep(sequence_number, *response);
-  if (tap_ == nullptr) return;
+  ++context_.totals.dropped;
+  context_.metrics.ObserveDropped();
+  record_->missing_scan_count += order_.OnDropped(sequence_number);
+  const ScanAnswer answer{
+      .sequence_number = sequence_number,
+      .result = absl::ResourceExhaustedError("scan dropped: newer ones were waiting"),
+      .dropped_scan_count = record_->counts.dropped};
+  LogRejected(*record_, sequence_number, answer.result.status());
+  reply(answer);
+  record_->feed.Publish(answer);
+  history_.Keep(answer);
+  if (recording_ == nullptr) return;
   v1::Scan scan;  // its columns are gone
   scan.set_sequence_number(sequence_number);
-  tap_->OnScan(scan, *response);
+  recording_->OnScan(scan, answer);
 }
 
-absl::Status Session::CheckOrder(const v1::Scan& message) const {
-  if (message.sequence_number() <= last_sequence_number_) {
-    return absl::OutOfRangeError(absl::StrFormat(
-        "scan.sequence_number is %d, which is late: %d has been processed, and no answer to the "
-        "late one is in memory",
-        message.sequence_number(), last_sequence_number_));
-  }
-  if (last_stamp_ && scan_.stamp - *last_stamp_ > kMaxStampStep) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "scan.stamp_ns is %d; it must lie at most %d h after %d, the newest scan's",
-        message.stamp_ns(), kMaxStampStep.count(), last_stamp_->time_since_epoch().count()));
-  }
-  return absl::OkStatus();
+bool Session::AnswerFromHistory(std::int64_t sequence_number, Reply reply) {
+  if (sequence_number < 0 || sequence_number > order_.last_localized()) return false;
+  const ScanAnswer* kept = history_.Recall(sequence_number);
+  if (kept == nullptr) return false;
+  ScanAnswer answer = *kept;
+  answer.from_memory = true;
+  reply(answer);
+  ++record_->counts.repeated;
+  ++context_.totals.repeated;
+  context_.metrics.ObserveRepeated();
+  return true;
 }
 
-absl::Status Session::Localize(const v1::Scan& message, v1::LocalizationResult* result) {
+absl::StatusOr<LocalizedScan> Session::Localize(const v1::Scan& message) {
   const Clock::time_point begin = Clock::now();
-  absl::Status status = record_->description.caller.permit->TakeScan(message.range_m_size(), begin);
-  if (status.ok()) status = WithPrefix("scan.", convert::FromProto(message, rig_, &scan_));
-  if (status.ok()) status = CheckOrder(message);
-  if (!status.ok()) return status;
+  if (absl::Status status = TakeScan(message, begin); !status.ok()) return status;
   const Clock::time_point converted = Clock::now();
   StageTimer timer;
-  const absl::StatusOr<Localization> localization = matcher_->Localize(scan_, &timer);
+  absl::StatusOr<Localization> localization = localizer_->Localize(scan_, &timer);
   timer.End();
-  localized_ = Clock::now();
+  localized_time_ = Clock::now();
   if (!localization.ok()) return WithPrefix("scan: ", localization.status());
-  CountMissing(message.sequence_number());
-  last_sequence_number_ = message.sequence_number();
-  last_stamp_ = scan_.stamp;
-  std::swap(scan_, last_scan_);
-  RememberPose(*localization);
-  ChooseLane();
-  record_->last_sequence_number = last_sequence_number_;
-  record_->last_state = static_cast<int>(localization->state);
+  OnLocalized(message, *localization);
+  LocalizedScan scan{.map_version = record_->map_version,
+                     .localization = *std::move(localization),
+                     .anchor = map_.map->info().anchor};
+  scan.timings.conversion = converted - begin;
+  SetStages(timer, &scan.timings);
+  return scan;
+}
 
-  // Every field is set each time, so nothing of an earlier answer shows through.
-  result->set_sequence_number(message.sequence_number());
-  result->set_map_version(record_->map_version);
-  convert::ToProto(*localization, result);
-  result->mutable_timings()->set_conversion_duration_ns(Nanoseconds(converted - begin));
-  SetStages(timer, result->mutable_timings());
-  if (const std::optional<GeodeticAnchor>& anchor = map_.map->info().anchor) {
-    convert::ToProto(*anchor, localization->T_map_vehicle, result->mutable_geodetic_pose());
-  }
-  return absl::OkStatus();
+/// Fills `scan_`, unless the principal may not send it, it is malformed, or out of order.
+absl::Status Session::TakeScan(const v1::Scan& message, Clock::time_point begin) {
+  absl::Status status = record_->description.caller.permit->TakeScan(message.range_m_size(), begin);
+  if (status.ok()) status = WithPrefix("scan.", convert::FromProto(message, rig_, &scan_));
+  if (status.ok()) status = order_.Check(message.sequence_number(), scan_.stamp);
+  return status;
+}
+
+void Session::OnLocalized(const v1::Scan& message, const Localization& localization) {
+  record_->missing_scan_count += order_.OnLocalized(message.sequence_number(), scan_.stamp);
+  std::swap(scan_, last_scan_);
+  RememberPose(localization);
+  ChooseLane();
+  record_->last_sequence_number = order_.last_localized();
+  record_->last_state = static_cast<int>(localization.state);
 }
 
 void Session::RememberPose(const Localization& localization) {
@@ -304,7 +190,34 @@ void Session::RememberPose(const Localization& localization) {
 
 /// Whoever searches a whole map does so on a thread of its own, and nobody else waits for it.
 void Session::ChooseLane() {
-  strand_.SetLane(matcher_->searching() ? Lane::kLengthy : Lane::kQuick);
+  strand_.SetLane(localizer_->searching() ? Lane::kLengthy : Lane::kQuick);
+}
+
+void Session::Count(const ScanAnswer& answer) {
+  if (answer.result.ok()) {
+    ++record_->counts.answered;
+    ++context_.totals.answered;
+    return;
+  }
+  ++record_->counts.rejected;
+  ++context_.totals.rejected;
+  context_.metrics.ObserveRejection(answer.result.status().code());
+  LogRejected(*record_, answer.sequence_number, answer.result.status());
+}
+
+// Once for each radar: it stays wrong until somebody calibrates it.
+void Session::WarnOfBeta(const std::string& radar_id, const BetaCheck& beta) {
+  if (!beta.is_wrong || !radars_warned_of_.insert(radar_id).second) return;
+  LogBetaContradicted(*record_, radar_id, beta);
+}
+
+void Session::HandOn(const v1::Scan& scan, const ScanAnswer& answer, Reply reply) {
+  reply(answer);
+  record_->feed.Publish(answer);
+  // One that is late stays so, and must not push out an answer that may still be wanted.
+  const bool late = !answer.result.ok() && answer.sequence_number <= order_.last_localized();
+  if (!late) history_.Keep(answer);
+  if (recording_ != nullptr) recording_->OnScan(scan, answer);
 }
 
 absl::Status Session::Move(LoadedMap map) {
@@ -313,45 +226,20 @@ absl::Status Session::Move(LoadedMap map) {
   if (!SamePlace(map.map->info().anchor, map_.map->info().anchor)) {
     return absl::FailedPreconditionError("the versions' anchors on the Earth differ");
   }
-  absl::StatusOr<std::unique_ptr<Matcher>> matcher =
-      create_matcher_(map.map, rig_, last_pose_, options_);
-  if (!matcher.ok()) return matcher.status();
+  absl::StatusOr<std::unique_ptr<ScanLocalizer>> localizer =
+      context_.create_localizer(map.map, rig_, last_pose_, options_);
+  if (!localizer.ok()) return localizer.status();
   // The pose holds at the last scan's stamp, and the vehicle has moved on since.
-  if (last_stamp_) {
-    absl::Status status = (*matcher)->Localize(MotionOf(last_scan_), nullptr).status();
+  if (order_.last_stamp()) {
+    absl::Status status = (*localizer)->Localize(MotionOf(last_scan_), nullptr).status();
     if (!status.ok()) return status;
   }
-  matcher_ = *std::move(matcher);
+  localizer_ = *std::move(localizer);
   ChooseLane();
   map_ = std::move(map);
-  spdlog::info("session moved session={} vehicle={} from={} to={}", record_->description.session_id,
-               record_->description.vehicle_id, record_->map_version.load(), version);
+  LogMoved(*record_, version);
   record_->map_version = version;
   return absl::OkStatus();
-}
-
-void Session::CountMissing(std::int64_t sequence_number) {
-  if (sequence_number <= highest_sequence_number_) return;
-  if (highest_sequence_number_ >= 0) {
-    record_->missing_scan_count += sequence_number - highest_sequence_number_ - 1;
-  }
-  highest_sequence_number_ = sequence_number;
-}
-
-void Session::Reject(std::int64_t sequence_number, const absl::Status& status,
-                     v1::ScanRejected* rejected) const {
-  rejected->set_sequence_number(sequence_number);
-  rejected->set_code(static_cast<std::int32_t>(status.code()));
-  rejected->set_message(std::string(status.message()));
-  spdlog::debug("scan rejected session={} trace={} sequence_number={} reason={}",
-                record_->description.session_id, record_->description.caller.trace_id,
-                sequence_number, Quoted(status.message()));
-}
-
-void Session::Publish(v1::LocalizeResponse* response) {
-  response->set_from_memory(false);
-  response->set_dropped_scan_count(record_->counts.dropped);
-  record_->feed.Publish(*response);
 }
 
 }  // namespace dcloc::server

@@ -43,8 +43,8 @@ absl::Status SessionRegistry::Add(std::shared_ptr<SessionRecord> record,
   entries_[id] = Entry{.record = std::move(record),
                        .session = std::move(session),
                        .stream = std::move(stream),
-                       .detached_since = std::nullopt,
-                       .ending_since = std::nullopt};
+                       .state = AttachmentState::kAttached,
+                       .since = Clock::now()};
   return absl::OkStatus();
 }
 
@@ -73,10 +73,9 @@ absl::StatusOr<std::shared_ptr<SessionStream>> SessionRegistry::Attach(const Ses
   const auto found = entries_.find(record.description.session_id);
   if (found == entries_.end()) return Gone(record.description.resume_token, "open.resume_token");
   Entry& entry = found->second;
-  if (entry.ending_since) {
+  if (Take(AttachmentEvent::kAttach, &entry) == AttachmentAction::kRefuse) {
     return absl::NotFoundError("open.resume_token: the session is being ended");
   }
-  entry.detached_since.reset();
   ++entry.record->resume_count;
   ++resume_count_;
   entry.record->last_activity = Clock::now();
@@ -85,12 +84,12 @@ absl::StatusOr<std::shared_ptr<SessionStream>> SessionRegistry::Attach(const Ses
 
 void SessionRegistry::Detach(const SessionRecord& record, const SessionStream& stream) {
   const std::lock_guard lock(mutex_);
-  if (Entry* entry = FindAttached(record, stream)) {
-    entry->stream.reset();
-    entry->detached_since = Clock::now();
-    spdlog::info("session detached session={} vehicle={}", record.description.session_id,
-                 record.description.vehicle_id);
-  }
+  Entry* entry = FindAttached(record, stream);
+  if (entry == nullptr) return;
+  if (Take(AttachmentEvent::kDetach, entry) != AttachmentAction::kDropStream) return;
+  entry->stream.reset();
+  spdlog::info("session detached session={} vehicle={}", record.description.session_id,
+               record.description.vehicle_id);
 }
 
 void SessionRegistry::Remove(const SessionRecord& record, const SessionStream& stream,
@@ -109,12 +108,13 @@ absl::Status SessionRegistry::End(absl::string_view session_id, absl::string_vie
     const std::lock_guard lock(mutex_);
     const auto entry = FindOf(tenant, session_id);
     if (entry == entries_.end()) return Gone(session_id, "session_id");
-    stream = entry->second.stream.lock();
+    if (Take(AttachmentEvent::kEnd, &entry->second) == AttachmentAction::kTellStream) {
+      stream = entry->second.stream.lock();
+    }
     if (stream == nullptr) {
       Release(entry, ending.message(), &released);
       return absl::OkStatus();
     }
-    if (!entry->second.ending_since) entry->second.ending_since = Clock::now();
   }
   stream->Announce(ending);
   stream->End(grpc::Status(grpc::StatusCode::ABORTED, ending.message()));
@@ -143,14 +143,14 @@ void SessionRegistry::Reap(Clock::time_point now) {
     for (auto entry = entries_.begin(); entry != entries_.end();) {
       const auto current = entry++;
       const Entry& session = current->second;
-      if (session.detached_since) {
-        if (now - *session.detached_since < timeouts_.detached_timeout) continue;
+      if (IsDetached(session.state)) {
+        if (now - session.since < timeouts_.detached_timeout) continue;
         Release(current,
                 absl::StrCat("it was without a stream for more than ",
                              Text(timeouts_.detached_timeout)),
                 &released);
-      } else if (session.ending_since) {
-        if (now - *session.ending_since < kEndGrace) continue;
+      } else if (session.state == AttachmentState::kEnding) {
+        if (now - session.since < kEndGrace) continue;
         if (auto stream = session.stream.lock()) overdue.push_back(std::move(stream));
       } else if (timeouts_.idle_timeout.count() > 0 &&
                  now - session.record->last_activity.load() >= timeouts_.idle_timeout) {
@@ -173,7 +173,7 @@ void SessionRegistry::RemoveDetached(const std::string& reason) {
   const std::lock_guard lock(mutex_);
   for (auto entry = entries_.begin(); entry != entries_.end();) {
     const auto current = entry++;
-    if (current->second.detached_since) Release(current, reason, &released);
+    if (IsDetached(current->second.state)) Release(current, reason, &released);
   }
 }
 
@@ -185,7 +185,7 @@ std::vector<ListedSession> SessionRegistry::List(absl::string_view tenant,
        entry != entries_.end() && static_cast<int>(list.size()) < limit; ++entry) {
     const Entry& session = entry->second;
     if (session.record->description.caller.principal.tenant != tenant) continue;
-    list.push_back({session.record, session.detached_since.has_value()});
+    list.push_back({session.record, IsDetached(session.state)});
   }
   return list;
 }
@@ -195,7 +195,7 @@ absl::StatusOr<ListedSession> SessionRegistry::Get(absl::string_view tenant,
   const std::lock_guard lock(mutex_);
   const auto entry = FindOf(tenant, session_id);
   if (entry == entries_.end()) return Gone(session_id, "session_id");
-  return ListedSession{entry->second.record, entry->second.detached_since.has_value()};
+  return ListedSession{entry->second.record, IsDetached(entry->second.state)};
 }
 
 SessionRegistry::Entries::iterator SessionRegistry::FindOf(absl::string_view tenant,
@@ -216,7 +216,8 @@ SessionCensus SessionRegistry::Census() const {
   const std::lock_guard lock(mutex_);
   for (const auto& [id, entry] : entries_) {
     const int state = entry.record->last_state + 1;
-    ++(entry.detached_since ? census.detached : census.attached)[static_cast<std::size_t>(state)];
+    ++(IsDetached(entry.state) ? census.detached
+                               : census.attached)[static_cast<std::size_t>(state)];
   }
   return census;
 }
@@ -224,13 +225,20 @@ SessionCensus SessionRegistry::Census() const {
 int SessionRegistry::detached_count() const {
   const std::lock_guard lock(mutex_);
   int count = 0;
-  for (const auto& [id, entry] : entries_) count += entry.detached_since ? 1 : 0;
+  for (const auto& [id, entry] : entries_) count += IsDetached(entry.state) ? 1 : 0;
   return count;
 }
 
 std::int64_t SessionRegistry::resume_count() const {
   const std::lock_guard lock(mutex_);
   return resume_count_;
+}
+
+AttachmentAction SessionRegistry::Take(AttachmentEvent event, Entry* entry) {
+  const AttachmentTransition transition = Next(entry->state, event);
+  if (transition.state != entry->state) entry->since = Clock::now();
+  entry->state = transition.state;
+  return transition.action;
 }
 
 SessionRegistry::Entry* SessionRegistry::FindAttached(const SessionRecord& record,
@@ -254,11 +262,8 @@ void SessionRegistry::Release(Entries::iterator entry, const std::string& reason
 bool SessionRegistry::EvictLongestDetached(Released* released) {
   auto longest = entries_.end();
   for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
-    if (!entry->second.detached_since) continue;
-    if (longest == entries_.end() ||
-        *entry->second.detached_since < *longest->second.detached_since) {
-      longest = entry;
-    }
+    if (!IsDetached(entry->second.state)) continue;
+    if (longest == entries_.end() || entry->second.since < longest->second.since) longest = entry;
   }
   if (longest == entries_.end()) return false;
   Release(longest, "it was without a stream when others needed the place", released);

@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "server/config/limits.h"
+#include "server/sessions/attachment_state.h"
 #include "server/sessions/session_record.h"
 #include "server/sessions/session_stream.h"
 
@@ -107,14 +107,15 @@ class SessionRegistry {
     std::shared_ptr<SessionRecord> record;
     std::shared_ptr<Session> session;
     Stream stream;
-    std::optional<Clock::time_point> detached_since;
-    std::optional<Clock::time_point> ending_since;  ///< the stream was told to end
+    AttachmentState state = AttachmentState::kAttached;
+    Clock::time_point since;  ///< of the state
   };
   using Entries = std::map<std::string, Entry, std::less<>>;
   /// Freed by the caller after the lock: a session may hold the last reference to a map.
   using Released = std::vector<Entry>;
 
   // With the mutex held.
+  static AttachmentAction Take(AttachmentEvent event, Entry* entry);
   Entry* FindAttached(const SessionRecord& record, const SessionStream& stream);
   void Release(Entries::iterator entry, const std::string& reason, Released* released);
   bool EvictLongestDetached(Released* released);

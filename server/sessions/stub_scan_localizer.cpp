@@ -7,9 +7,9 @@
 namespace dcloc::server {
 namespace {
 
-class StubMatcher final : public Matcher {
+class StubScanLocalizer final : public ScanLocalizer {
  public:
-  StubMatcher(std::shared_ptr<const RadarMap> map, InitialPose pose)
+  StubScanLocalizer(std::shared_ptr<const RadarMap> map, InitialPose pose)
       : map_(std::move(map)), pose_(std::move(pose)) {}
 
   absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* /*listener*/) override {
@@ -43,12 +43,12 @@ class StubMatcher final : public Matcher {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<Matcher>> CreateStubMatcher(
-    // A MatcherFactory.  NOLINTNEXTLINE(performance-unnecessary-value-param)
+absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateStubScanLocalizer(
+    // A ScanLocalizerFactory.  NOLINTNEXTLINE(performance-unnecessary-value-param)
     std::shared_ptr<const RadarMap> map, Rig /*rig*/,
     const std::optional<InitialPose>& initial_pose, const LocalizerOptions& /*options*/) {
   const InitialPose unknown{.T_map_vehicle = {}, .covariance = Matrix6d::Zero()};
-  return std::make_unique<StubMatcher>(std::move(map), initial_pose.value_or(unknown));
+  return std::make_unique<StubScanLocalizer>(std::move(map), initial_pose.value_or(unknown));
 }
 
 }  // namespace dcloc::server

@@ -64,7 +64,7 @@ void Compensation(benchmark::State& state, const std::string& name) {
   std::size_t i = 0;
   while (state.KeepRunning()) {
     if (i == drive.scans.size()) {
-      ego_motion = EgoMotion(options);
+      ego_motion = EgoMotion(options.ego_motion);
       i = 0;
     }
     const Scan& scan = drive.scans[i++].scan;

@@ -83,6 +83,37 @@ TEST(ConvertAnswerTest, CarriesStateQualityAndObservedDegreesOfFreedom) {
   EXPECT_TRUE(message.quality().beta_is_wrong());
 }
 
+TEST(ConvertAnswerTest, NothingOfAnEarlierAnswerShowsThrough) {
+  LocalizedScan scan{.map_version = 3, .anchor = kAnchor};
+  scan.timings.queue = std::chrono::nanoseconds(11);
+  scan.timings.stamp_age = std::chrono::nanoseconds(-12);
+  ScanAnswer answer{.sequence_number = 7, .result = scan, .dropped_scan_count = 2};
+  v1::LocalizeResponse message;
+  message.mutable_opened()->set_session_id("before");
+  convert::ToProto(answer, &message);
+  EXPECT_EQ(message.result().sequence_number(), 7);
+  EXPECT_EQ(message.result().map_version(), 3);
+  EXPECT_TRUE(message.result().has_geodetic_pose());
+  EXPECT_EQ(message.result().timings().queue_duration_ns(), 11);
+  EXPECT_EQ(message.result().timings().stamp_age_ns(), -12);
+  EXPECT_EQ(message.dropped_scan_count(), 2);
+
+  for (const bool anchored : {false, true}) {
+    answer.from_memory = !anchored;
+    answer.result->anchor.reset();
+    if (anchored) answer.result->anchor = kAnchor;
+    convert::ToProto(answer, &message);
+    v1::LocalizeResponse fresh;
+    convert::ToProto(answer, &fresh);
+    EXPECT_EQ(message.SerializeAsString(), fresh.SerializeAsString());
+  }
+  answer.result = absl::OutOfRangeError("late");
+  convert::ToProto(answer, &message);
+  EXPECT_EQ(message.rejected().sequence_number(), 7);
+  EXPECT_EQ(message.rejected().code(), static_cast<int>(absl::StatusCode::kOutOfRange));
+  EXPECT_EQ(message.rejected().message(), "late");
+}
+
 // ---- Pages
 
 TEST(ConvertPageTest, SizesAndTokens) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/geodetic_anchor.h"
+#include "server/convert/answer.h"
 #include "server/convert/scan.h"
 #include "server/convert/session.h"
 #include "tests/server/fixtures/messages.h"

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "server/telemetry/metrics.h"
 #include "server/telemetry/metrics_endpoint.h"
 #include "spdlog/sinks/ostream_sink.h"
 #include "tests/server/fixtures/test_maps.h"
@@ -245,50 +244,6 @@ TEST(MetricsAddressTest, IsLoopbackWithoutAHost) {
   EXPECT_TRUE(Validate(config).ok());
   config.metrics_listen = "host";
   EXPECT_EQ(Validate(config).code(), absl::StatusCode::kInvalidArgument);
-}
-
-TEST(EdgeMetricsTest, AnswersOfRadarsWithAWrongBetaAreCounted) {
-  Metrics metrics;
-  v1::LocalizationResult result;
-  result.set_state(v1::LOCALIZATION_STATE_TRACKING);
-  metrics.ObserveAnswer(result, std::chrono::microseconds(5));
-  result.mutable_quality()->set_beta_is_wrong(true);
-  metrics.ObserveAnswer(result, std::chrono::microseconds(5));
-  double count = -1.0;
-  for (const prometheus::MetricFamily& family : metrics.registry()->Collect()) {
-    if (family.name == "dcloc_wrong_beta_answers_total")
-      count = family.metric.front().counter.value;
-  }
-  EXPECT_EQ(count, 1.0);
-}
-
-TEST(EdgeMetricsTest, OnlyMatchesAreJudgedAndEachOnce) {
-  Metrics metrics;
-  v1::LocalizationResult result;
-  result.set_state(v1::LOCALIZATION_STATE_TRACKING);
-  result.mutable_timings()->set_registration_duration_ns(200'000);
-  metrics.ObserveAnswer(result, std::chrono::microseconds(5));
-  result.mutable_quality()->set_inlier_count(40);
-  result.mutable_quality()->set_edge_distance(2.5);
-  result.mutable_quality()->set_edge_valid(true);
-  metrics.ObserveAnswer(result, std::chrono::microseconds(5));
-  result.mutable_quality()->set_edge_valid(false);
-  metrics.ObserveAnswer(result, std::chrono::microseconds(5));
-  result.mutable_timings()->clear_registration_duration_ns();
-  metrics.ObserveAnswer(result, std::chrono::microseconds(5));
-  double distance_sum = 0.0;
-  double edge_count = 0.0;
-  for (const prometheus::MetricFamily& family : metrics.registry()->Collect()) {
-    for (const prometheus::ClientMetric& metric : family.metric) {
-      if (family.name == "dcloc_loop_edge_distance") distance_sum = metric.histogram.sample_sum;
-      if (family.name == "dcloc_loop_edges_total") {
-        EXPECT_EQ(metric.counter.value, 1.0) << metric.label.front().value;
-        edge_count += metric.counter.value;
-      }
-    }
-  }
-  EXPECT_EQ(distance_sum, 5.0);
-  EXPECT_EQ(edge_count, 2.0);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "client/cli/session/wire_session.h"
+#include "server/convert/answer.h"
 #include "server/convert/scan.h"
 #include "server/convert/session.h"
 

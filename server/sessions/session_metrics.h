@@ -11,21 +11,21 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "dcloc/v1/localization_service.pb.h"
+#include "server/convert/answer.h"
 
 namespace dcloc::server {
 
-/// What is counted and timed as it happens, for Prometheus; what can be looked up when asked for is
-/// in StateMetrics. Thread-safe; an observation takes a fraction of a microsecond, and no label
-/// depends on what a client sends.
-class Metrics {
+/// What of sessions is counted and timed as it happens, for Prometheus; what can be looked up when
+/// asked for is the app's. Thread-safe; an observation takes a fraction of a microsecond, and no
+/// label depends on what a client sends.
+class SessionMetrics {
  public:
-  Metrics();
-  Metrics(const Metrics&) = delete;
-  Metrics& operator=(const Metrics&) = delete;
+  SessionMetrics();
+  SessionMetrics(const SessionMetrics&) = delete;
+  SessionMetrics& operator=(const SessionMetrics&) = delete;
 
-  /// A scan was localized; its timings are set. `encoding` is what making the answer took.
-  void ObserveAnswer(const v1::LocalizationResult& result, std::chrono::nanoseconds encoding);
+  /// A scan was localized. `encoding` is what making the answer's message took.
+  void ObserveLocalized(const LocalizedScan& scan, std::chrono::nanoseconds encoding);
   /// A scan was refused, or dropped for newer ones.
   void ObserveRejection(absl::StatusCode code);
   void ObserveDropped();
@@ -41,7 +41,7 @@ class Metrics {
   static constexpr std::size_t kStageCount = 7;
   static constexpr std::size_t kStateCount = 4;
 
-  void ObserveEdge(const v1::LocalizationQuality& quality);
+  void ObserveEdge(const LocalizationQuality& quality);
 
   std::shared_ptr<prometheus::Registry> registry_;
   std::array<prometheus::Histogram*, kStageCount> stages_{};

@@ -1,4 +1,4 @@
-#include "server/telemetry/metrics.h"
+#include "server/sessions/session_metrics.h"
 
 #include <utility>
 
@@ -90,7 +90,7 @@ constexpr std::array kReasons = {"invalid", "late", "limit", "other"};
 
 }  // namespace
 
-Metrics::Metrics()
+SessionMetrics::SessionMetrics()
     : registry_(std::make_shared<Registry>()),
       scan_(AddHistogram(*registry_, "dcloc_scan_seconds",
                          "From a scan's arrival until its answer was handed to the transport",
@@ -150,52 +150,43 @@ Metrics::Metrics()
   opens_.Add({{"code", "ok"}, {"resumed", "true"}});
 }
 
-void Metrics::ObserveAnswer(const v1::LocalizationResult& result,
-                            std::chrono::nanoseconds encoding) {
-  const v1::StageTimings& timings = result.timings();
-  const std::array durations_ns = {timings.queue_duration_ns(),
-                                   timings.conversion_duration_ns(),
-                                   timings.compensation_duration_ns(),
-                                   timings.submap_duration_ns(),
-                                   timings.registration_duration_ns(),
-                                   timings.posegraph_duration_ns(),
-                                   static_cast<std::int64_t>(encoding.count())};
-  static_assert(durations_ns.size() == kStageCount);
+void SessionMetrics::ObserveLocalized(const LocalizedScan& scan,
+                                      std::chrono::nanoseconds encoding) {
+  const ScanTimings& timings = scan.timings;
+  const std::array durations = {timings.queue,  timings.conversion,   timings.compensation,
+                                timings.submap, timings.registration, timings.posegraph,
+                                encoding};
+  static_assert(durations.size() == kStageCount);
   for (std::size_t i = 0; i < kStageCount; ++i) {
-    if (durations_ns[i] > 0) {
-      stages_[i]->Observe(Seconds(std::chrono::nanoseconds(durations_ns[i])));
-    }
+    if (durations[i].count() > 0) stages_[i]->Observe(Seconds(durations[i]));
   }
-  scan_.Observe(Seconds(std::chrono::nanoseconds(timings.total_duration_ns()) + encoding));
-  const int state = result.state() - v1::LOCALIZATION_STATE_INITIALIZING;
-  if (state >= 0 && state < static_cast<int>(kStateCount)) {
-    answers_[static_cast<std::size_t>(state)]->Increment();
-  }
-  const bool is_registered = timings.registration_duration_ns() > 0;
-  if (is_registered && result.quality().inlier_count() > 0) ObserveEdge(result.quality());
-  if (result.quality().beta_is_wrong()) wrong_beta_.Increment();
+  scan_.Observe(Seconds(timings.total + encoding));
+  answers_[static_cast<std::size_t>(scan.localization.state)]->Increment();
+  const LocalizationQuality& quality = scan.localization.quality;
+  if (timings.registration.count() > 0 && quality.inlier_count > 0) ObserveEdge(quality);
+  if (quality.beta.is_wrong) wrong_beta_.Increment();
 }
 
-void Metrics::ObserveEdge(const v1::LocalizationQuality& quality) {
-  edge_distance_.Observe(quality.edge_distance());
-  residual_scale_.Observe(quality.residual_scale());
-  overlap_.Observe(quality.overlap());
-  (quality.edge_valid() ? valid_edges_ : invalid_edges_).Increment();
+void SessionMetrics::ObserveEdge(const LocalizationQuality& quality) {
+  edge_distance_.Observe(quality.edge_distance);
+  residual_scale_.Observe(quality.residual_scale);
+  overlap_.Observe(quality.overlap);
+  (quality.edge_valid ? valid_edges_ : invalid_edges_).Increment();
 }
 
-void Metrics::ObserveRejection(absl::StatusCode code) {
+void SessionMetrics::ObserveRejection(absl::StatusCode code) {
   rejected_.Add({{"reason", ReasonOf(code)}}).Increment();
 }
 
-void Metrics::ObserveDropped() { dropped_.Increment(); }
+void SessionMetrics::ObserveDropped() { dropped_.Increment(); }
 
-void Metrics::ObserveRepeated() { repeated_.Increment(); }
+void SessionMetrics::ObserveRepeated() { repeated_.Increment(); }
 
-void Metrics::ObserveOpen(grpc::StatusCode code, bool resumed) {
+void SessionMetrics::ObserveOpen(grpc::StatusCode code, bool resumed) {
   opens_.Add({{"code", NameOf(code)}, {"resumed", resumed ? "true" : "false"}}).Increment();
 }
 
-void Metrics::ObserveMapAcquired(std::chrono::nanoseconds duration, bool was_in_memory) {
+void SessionMetrics::ObserveMapAcquired(std::chrono::nanoseconds duration, bool was_in_memory) {
   (was_in_memory ? map_hits_ : map_misses_).Increment();
   map_acquire_.Observe(Seconds(duration));
 }

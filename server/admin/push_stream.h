@@ -1,0 +1,105 @@
+#pragma once
+
+#include <grpcpp/support/server_callback.h>
+
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "server/base/open_calls.h"
+#include "server/base/status.h"
+
+namespace dcloc::server {
+
+/// A call that sends its caller what comes up, in order. Who pushes never waits: messages queue up,
+/// and a derived class says what becomes of too many. Thread-safe.
+template <typename Message>
+class PushStream : public grpc::ServerWriteReactor<Message> {
+ public:
+  void OnWriteDone(bool ok) override {
+    const std::lock_guard lock(mutex_);
+    write_under_way_ = false;
+    if (!ok) EndLocked(grpc::Status::CANCELLED);
+    Pump();
+  }
+
+  void OnCancel() override { End(grpc::Status(grpc::StatusCode::CANCELLED, "cancelled")); }
+
+  void OnDone() override { const std::shared_ptr<PushStream> last = std::move(self_); }
+
+ protected:
+  explicit PushStream(OpenCalls& open_calls) : token_(open_calls) {}
+
+  /// Lives from here until the call is done and others have let go of it.
+  template <typename Stream>
+  static std::shared_ptr<Stream> Hold(std::shared_ptr<Stream> stream) {
+    static_cast<PushStream&>(*stream).self_ = stream;
+    return stream;
+  }
+
+  /// The task that decides on the call is done: the caller hears of it with the initial metadata,
+  /// or the call ends with an error. Nothing is written before.
+  void BeginWith(const absl::Status& status) {
+    const std::lock_guard lock(mutex_);
+    if (!status.ok()) EndLocked(ToGrpc(status));
+    begin_under_way_ = false;
+    if (state_ == State::kOpen) this->StartSendInitialMetadata();
+    Pump();
+  }
+
+  /// Ends the call; once what waits is written if all is well, else at once.
+  void End(const grpc::Status& status) {
+    const std::lock_guard lock(mutex_);
+    EndLocked(status);
+    Pump();
+  }
+
+  // With the mutex held from here on.
+
+  /// Before `message` is written, and before the call is finished.
+  virtual void OnWrite(Message& /*message*/) {}
+  virtual void OnFinish() {}
+
+  bool is_open() const { return state_ == State::kOpen; }
+
+  /// The first error counts, also after a good end.
+  void EndLocked(const grpc::Status& status) {
+    if (state_ == State::kOpen || end_status_.ok()) end_status_ = status;
+    if (state_ == State::kOpen) state_ = State::kEnding;
+    if (!status.ok()) waiting_.clear();
+  }
+
+  void Pump() {
+    if (begin_under_way_ || write_under_way_ || state_ == State::kFinished) return;
+    if (!waiting_.empty()) {
+      message_ = std::move(waiting_.front());
+      waiting_.pop_front();
+      OnWrite(message_);
+      write_under_way_ = true;
+      this->StartWrite(&message_);
+    } else if (state_ == State::kEnding) {
+      state_ = State::kFinished;
+      OnFinish();
+      this->Finish(end_status_);
+    }
+  }
+
+  std::mutex mutex_;
+  std::deque<Message> waiting_;
+
+ private:
+  enum class State { kOpen, kEnding, kFinished };
+
+  std::shared_ptr<PushStream> self_;  ///< reset by OnDone
+  const OpenCalls::Token token_;
+  State state_ = State::kOpen;
+  bool begin_under_way_ = true;  ///< a task may use the call's context and request
+  bool write_under_way_ = false;
+  Message message_;          ///< the transport's while a write is under way
+  grpc::Status end_status_;  ///< from kEnding on
+};
+
+}  // namespace dcloc::server

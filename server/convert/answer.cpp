@@ -1,0 +1,87 @@
+#include "server/convert/answer.h"
+
+#include <string>
+
+#include "server/convert/geometry.h"
+
+namespace dcloc::server::convert {
+namespace {
+
+void SetQuality(const LocalizationQuality& quality, v1::LocalizationQuality* message) {
+  message->set_live_point_count(quality.live_point_count);
+  message->set_inlier_count(quality.inlier_count);
+  message->set_overlap(quality.overlap);
+  message->set_residual_scale(quality.residual_scale);
+  message->set_edge_distance(quality.edge_distance);
+  message->set_edge_valid(quality.edge_valid);
+  message->set_beta_error_s(quality.beta.error_s);
+  message->set_beta_error_sigma_s(quality.beta.sigma_s);
+  message->set_beta_is_wrong(quality.beta.is_wrong);
+}
+
+void SetTimings(const ScanTimings& timings, v1::StageTimings* message) {
+  message->set_queue_duration_ns(timings.queue.count());
+  message->set_conversion_duration_ns(timings.conversion.count());
+  message->set_compensation_duration_ns(timings.compensation.count());
+  message->set_submap_duration_ns(timings.submap.count());
+  message->set_registration_duration_ns(timings.registration.count());
+  message->set_posegraph_duration_ns(timings.posegraph.count());
+  message->set_total_duration_ns(timings.total.count());
+  message->set_stamp_age_ns(timings.stamp_age.count());
+}
+
+void SetResult(const LocalizedScan& scan, std::int64_t sequence_number,
+               v1::LocalizationResult* message) {
+  message->set_sequence_number(sequence_number);
+  message->set_map_version(scan.map_version);
+  ToProto(scan.localization, message);
+  SetTimings(scan.timings, message->mutable_timings());
+  if (scan.anchor) {
+    ToProto(*scan.anchor, scan.localization.T_map_vehicle, message->mutable_geodetic_pose());
+  } else {
+    message->clear_geodetic_pose();
+  }
+}
+
+void SetRejection(const absl::Status& status, std::int64_t sequence_number,
+                  v1::ScanRejected* message) {
+  message->set_sequence_number(sequence_number);
+  message->set_code(static_cast<std::int32_t>(status.code()));
+  message->set_message(std::string(status.message()));
+}
+
+}  // namespace
+
+v1::LocalizationState ToProto(LocalizationState state) {
+  switch (state) {
+    case LocalizationState::kInitializing:
+      return v1::LOCALIZATION_STATE_INITIALIZING;
+    case LocalizationState::kTracking:
+      return v1::LOCALIZATION_STATE_TRACKING;
+    case LocalizationState::kDeadReckoning:
+      return v1::LOCALIZATION_STATE_DEAD_RECKONING;
+    case LocalizationState::kLost:
+      return v1::LOCALIZATION_STATE_LOST;
+  }
+  return v1::LOCALIZATION_STATE_UNSPECIFIED;
+}
+
+void ToProto(const Localization& localization, v1::LocalizationResult* message) {
+  message->set_stamp_ns(localization.stamp.time_since_epoch().count());
+  message->set_state(ToProto(localization.state));
+  ToProto(localization.T_map_vehicle, localization.covariance, message->mutable_pose());
+  message->set_observed_dof_mask(static_cast<std::int32_t>(localization.observed.to_ulong()));
+  SetQuality(localization.quality, message->mutable_quality());
+}
+
+void ToProto(const ScanAnswer& answer, v1::LocalizeResponse* message) {
+  if (answer.result.ok()) {
+    SetResult(*answer.result, answer.sequence_number, message->mutable_result());
+  } else {
+    SetRejection(answer.result.status(), answer.sequence_number, message->mutable_rejected());
+  }
+  message->set_dropped_scan_count(answer.dropped_scan_count);
+  message->set_from_memory(answer.from_memory);
+}
+
+}  // namespace dcloc::server::convert

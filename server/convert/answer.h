@@ -1,0 +1,55 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "absl/status/statusor.h"
+#include "core/geometry/geodetic_anchor.h"
+#include "core/localizer/localizer.h"
+#include "dcloc/v1/localization_service.pb.h"
+
+namespace dcloc::server {
+
+/// What a scan's steps took; zero for one that did not run.
+struct ScanTimings {
+  std::chrono::nanoseconds queue{};       ///< from the scan's arrival until a worker took it
+  std::chrono::nanoseconds conversion{};  ///< checking and converting the message
+  std::chrono::nanoseconds compensation{};
+  std::chrono::nanoseconds submap{};
+  std::chrono::nanoseconds registration{};
+  std::chrono::nanoseconds posegraph{};
+  std::chrono::nanoseconds total{};      ///< from the scan's arrival until its answer was known
+  std::chrono::nanoseconds stamp_age{};  ///< arrival by the server's wall clock, minus the stamp
+};
+
+/// A scan that was localized.
+struct LocalizedScan {
+  std::int64_t map_version = 0;
+  Localization localization;
+  std::optional<GeodeticAnchor> anchor;  ///< of the map; without one there is no geodetic pose
+  ScanTimings timings;
+};
+
+/// What one scan came to. Plain, so that whoever takes part in a session needs no message.
+struct ScanAnswer {
+  std::int64_t sequence_number = -1;
+  absl::StatusOr<LocalizedScan> result;  ///< else why the scan was rejected
+  std::int64_t dropped_scan_count = 0;   ///< of the session, so far
+  bool from_memory = false;              ///< the scan came again
+};
+
+namespace convert {
+
+/// Sets every field, so that nothing of what `message` held before shows through; its memory is
+/// used again.
+void ToProto(const ScanAnswer& answer, v1::LocalizeResponse* message);
+
+/// Everything of the answer but the sequence number, the version, the timings and the geodetic
+/// pose.
+void ToProto(const Localization& localization, v1::LocalizationResult* message);
+
+v1::LocalizationState ToProto(LocalizationState state);
+
+}  // namespace convert
+}  // namespace dcloc::server

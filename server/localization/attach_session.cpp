@@ -1,0 +1,84 @@
+#include "server/localization/attach_session.h"
+
+#include <grpcpp/server_context.h>
+
+#include <utility>
+
+#include "server/base/traceparent.h"
+
+namespace dcloc::server {
+namespace {
+
+absl::StatusOr<Caller> Authorize(const SessionHost& host,
+                                 const grpc::CallbackServerContext& context,
+                                 const v1::OpenSession& open) {
+  absl::StatusOr<Principal> principal =
+      host.storage.access.Authorize(context, v1::LocalizeRequest::descriptor());
+  if (!principal.ok()) return principal.status();
+  if (absl::Status status = CheckVehicle(*principal, open.vehicle_id()); !status.ok()) {
+    return status;
+  }
+  return Caller{.principal = *std::move(principal),
+                .peer = context.peer(),
+                .trace_id = TraceIdOf(context),
+                .permit = nullptr};
+}
+
+/// A new session, with its right to be there.
+absl::StatusOr<std::shared_ptr<Session>> OpenNew(const SessionHost& host, Caller caller,
+                                                 const v1::OpenSession& open,
+                                                 const std::shared_ptr<SessionStream>& stream) {
+  absl::StatusOr<std::shared_ptr<const SessionPermit>> permit =
+      host.usages.TakeSession(caller.principal);
+  if (!permit.ok()) return permit.status();
+  caller.permit = *std::move(permit);
+  absl::StatusOr<std::shared_ptr<Session>> session = OpenSession(open, caller, host.sessions);
+  if (!session.ok()) return session.status();
+  absl::Status status = host.registry.Add((*session)->record(), *session, stream);
+  if (!status.ok()) return status;
+  return session;
+}
+
+/// Takes a session over from the stream that has it. On its strand, so that what that stream has
+/// begun is done.
+absl::Status TakeOver(SessionRegistry& registry, const Session& session,
+                      const std::shared_ptr<SessionStream>& stream) {
+  const auto before = registry.Attach(*session.record(), stream);
+  if (!before.ok()) return before.status();
+  if (*before != nullptr) {
+    (*before)->Displace(grpc::Status(grpc::StatusCode::ABORTED,
+                                     "another stream presented the session's resume token"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AttachSession(const SessionHost& host, const grpc::CallbackServerContext& context,
+                   const v1::LocalizeRequest& request, std::shared_ptr<SessionStream> stream,
+                   AttachDone done) {
+  if (!request.has_open()) {
+    return done(
+        absl::InvalidArgumentError("open is missing; it must be the first message of a stream"));
+  }
+  const v1::OpenSession& open = request.open();
+  absl::StatusOr<Caller> caller = Authorize(host, context, open);
+  if (!caller.ok()) return done(caller.status());
+  const bool resumes = !open.resume_token().empty();
+  absl::StatusOr<std::shared_ptr<Session>> session =
+      resumes ? host.registry.Find(open.resume_token(), caller->principal, open.vehicle_id())
+              : OpenNew(host, *std::move(caller), open, stream);
+  if (!session.ok()) return done(session.status());
+  // Others know the session by now and may have posted to its strand.
+  Strand& strand = (*session)->strand();
+  strand.Post([&registry = host.registry, resumes, stream = std::move(stream),
+               session = *std::move(session), done = std::move(done)]() mutable {
+    if (resumes) {
+      absl::Status status = TakeOver(registry, *session, stream);
+      if (!status.ok()) return done(status);
+    }
+    done(AttachedSession{.session = std::move(session), .resumed = resumes});
+  });
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <grpcpp/support/server_callback.h>
+
+#include <memory>
+
+#include "absl/functional/any_invocable.h"
+#include "absl/status/statusor.h"
+#include "dcloc/v1/localization_service.pb.h"
+#include "server/localization/session_host.h"
+#include "server/sessions/session_stream.h"
+
+namespace dcloc::server {
+
+/// A session that is attached to a stream.
+struct AttachedSession {
+  std::shared_ptr<Session> session;
+  bool resumed = false;
+};
+
+using AttachDone = absl::AnyInvocable<void(absl::StatusOr<AttachedSession>)>;
+
+/// Opens or resumes the session that a stream's first message asks for, and attaches it to the
+/// stream. May wait for a disk. `done` is called once: on the session's strand when all is well,
+/// and with the error that ends the stream when it is not. `host`, `context` and `request` live
+/// until then.
+void AttachSession(const SessionHost& host, const grpc::CallbackServerContext& context,
+                   const v1::LocalizeRequest& request, std::shared_ptr<SessionStream> stream,
+                   AttachDone done);
+
+}  // namespace dcloc::server

@@ -1,0 +1,45 @@
+#include "server/localization/slot_ring.h"
+
+#include <utility>
+
+namespace dcloc::server {
+namespace {
+
+/// For answers of dropped scans.
+constexpr std::size_t kDroppedSlots = 64;
+
+}  // namespace
+
+SlotRing::SlotRing(int max_pending_count)
+    : max_pending_count_(max_pending_count), slots_(static_cast<std::size_t>(max_pending_count)) {}
+
+void SlotRing::Lengthen() { slots_.resize(slots_.size() + kDroppedSlots); }
+
+void SlotRing::OnRead() {
+  Slot& slot = to_read();
+  slot.arrival = Arrival::Now();
+  slot.dropped = false;
+  ++read_count_;
+}
+
+void SlotRing::DropOldest(bool first_is_taken) {
+  const std::int64_t first = answered_count_ + (first_is_taken ? 1 : 0);
+  std::int64_t waiting = 0;
+  for (std::int64_t i = first; i < read_count_; ++i) waiting += At(i).dropped ? 0 : 1;
+  for (std::int64_t i = first; waiting > max_pending_count_; ++i) {
+    Slot& slot = At(i);
+    if (slot.dropped) continue;
+    slot.dropped = true;
+    --waiting;
+    v1::LocalizeRequest header;  // the columns' memory goes
+    header.mutable_scan()->set_sequence_number(slot.request.scan().sequence_number());
+    slot.request = std::move(header);
+  }
+}
+
+bool SlotRing::has_room() const {
+  if (answered_count_ == 0) return read_count_ == 0;
+  return read_count_ - written_count_ < static_cast<std::int64_t>(slots_.size());
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "dcloc/v1/localization_service.pb.h"
+#include "server/sessions/session.h"
+
+namespace dcloc::server {
+
+/// A message and its answer; both are used over and over.
+struct Slot {
+  v1::LocalizeRequest request;
+  v1::LocalizeResponse response;
+  Arrival arrival;
+  bool dropped = false;  ///< newer ones wait: it is answered, but not looked at
+};
+
+/// A stream's messages on their way, in order: each is read, answered, written, and its slot is
+/// free again. Bounded, so that neither a fast writer nor a slow reader makes the server's memory
+/// grow. Not thread-safe.
+class SlotRing {
+ public:
+  /// `max_pending_count` >= 1: messages that may be on their way.
+  explicit SlotRing(int max_pending_count);
+
+  /// To drop the oldest from now on: the answers of dropped ones wait behind the one that is being
+  /// localized, for which there are more slots. No slot may be in use.
+  void Lengthen();
+
+  /// The slot of the next message to be read, answered or written; and that this was done.
+  Slot& to_read() { return At(read_count_); }
+  Slot& to_answer() { return At(answered_count_); }
+  Slot& to_write() { return At(written_count_); }
+  void OnRead();
+  void OnAnswered() { ++answered_count_; }
+  void OnWritten() { ++written_count_; }
+
+  /// Marks the oldest of the waiting messages as dropped until at most `max_pending_count` are
+  /// left. `first_is_taken`: the oldest one is being answered and does not wait.
+  void DropOldest(bool first_is_taken);
+
+  /// Before the first answer, for one message; then for as many as there are slots.
+  bool has_room() const;
+  bool none_read() const { return read_count_ == 0; }
+  bool any_written() const { return written_count_ > 0; }
+  bool has_answer_to_write() const { return written_count_ < answered_count_; }
+  bool all_read_is_written() const { return written_count_ == read_count_; }
+
+ private:
+  Slot& At(std::int64_t index) { return slots_[static_cast<std::size_t>(index) % slots_.size()]; }
+
+  const std::int64_t max_pending_count_;
+  std::vector<Slot> slots_;
+  // written <= answered <= read.
+  std::int64_t read_count_ = 0;
+  std::int64_t answered_count_ = 0;
+  std::int64_t written_count_ = 0;
+};
+
+}  // namespace dcloc::server

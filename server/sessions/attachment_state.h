@@ -1,0 +1,41 @@
+#pragma once
+
+namespace dcloc::server {
+
+/// How a session stands to its stream.
+enum class AttachmentState {
+  kAttached,   ///< a stream has it
+  kEnding,     ///< a stream has it and was told to end
+  kDetached,   ///< it waits for its client
+  kAbandoned,  ///< its stream was told to end and broke before it did
+};
+
+enum class AttachmentEvent {
+  kAttach,  ///< a stream resumes it, or takes it over
+  kDetach,  ///< its stream ends without it
+  kEnd,     ///< an operator, or its idleness, ends it
+};
+
+enum class AttachmentAction {
+  kNone,
+  kTakeStream,  ///< the new stream has it; the one before, if any, is to be told
+  kRefuse,      ///< it cannot be resumed any more
+  kDropStream,  ///< no stream has it
+  kTellStream,  ///< its stream is to end
+  kRelease,     ///< nobody has it: it ends at once
+};
+
+struct AttachmentTransition {
+  AttachmentState state = AttachmentState::kAttached;
+  AttachmentAction action = AttachmentAction::kNone;
+};
+
+/// What follows. An event that has no arrow in the table changes nothing.
+AttachmentTransition Next(AttachmentState state, AttachmentEvent event);
+
+/// No stream has it.
+inline bool IsDetached(AttachmentState state) {
+  return state == AttachmentState::kDetached || state == AttachmentState::kAbandoned;
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "absl/strings/string_view.h"
+#include "dcloc/v1/localization_service.pb.h"
+#include "server/convert/answer.h"
+#include "server/convert/session.h"
+#include "server/maps/catalogue/catalogue.h"
+
+namespace dcloc::server {
+
+/// How a session that is recorded began.
+struct RecordingStart {
+  const v1::OpenSession& open;  ///< as the client sent it
+  OpenedSession session;        ///< without its secret
+  SystemTime open_time;
+  std::string map_sha256;
+};
+
+/// Who records a session from its opening to its end. Called on the session's strand, so it must
+/// not wait.
+class RecordingSubscriber {
+ public:
+  virtual ~RecordingSubscriber() = default;
+  virtual void OnOpened(const RecordingStart& start) = 0;
+  /// `scan` is as the client sent it; of one that was dropped there is the number alone.
+  virtual void OnScan(const v1::Scan& scan, const ScanAnswer& answer) = 0;
+  /// The session has ended; the last call.
+  virtual void OnEnd() = 0;
+};
+
+/// Who waits for a vehicle's next session. Thread-safe; costs one atomic read while nobody does.
+class RecordingRequests {
+ public:
+  /// `subscriber` gets the next session of the tenant's vehicle, if it is alive then. Who asked
+  /// first is served first, one session each.
+  void Add(absl::string_view tenant, absl::string_view vehicle_id,
+           const std::shared_ptr<RecordingSubscriber>& subscriber);
+
+  /// Who waits for a session of that vehicle, which is being opened; null when nobody does.
+  std::shared_ptr<RecordingSubscriber> Take(absl::string_view tenant, absl::string_view vehicle_id);
+
+ private:
+  using Key = std::pair<std::string, std::string>;
+
+  std::atomic<bool> has_any_ = false;
+  std::mutex mutex_;
+  std::map<Key, std::deque<std::weak_ptr<RecordingSubscriber>>> waiting_;
+};
+
+}  // namespace dcloc::server

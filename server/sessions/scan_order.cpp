@@ -1,0 +1,45 @@
+#include "server/sessions/scan_order.h"
+
+#include <chrono>
+
+#include "absl/strings/str_format.h"
+
+namespace dcloc::server {
+namespace {
+
+/// A recording has its own time, so any pace will do; but one wrong stamp far ahead would make all
+/// right ones after it late.
+constexpr std::chrono::hours kMaxStampStep(1);
+
+}  // namespace
+
+absl::Status ScanOrder::Check(std::int64_t sequence_number, Stamp stamp) const {
+  if (sequence_number <= last_localized_) {
+    return absl::OutOfRangeError(absl::StrFormat(
+        "scan.sequence_number is %d, which is late: %d has been processed, and no answer to the "
+        "late one is in memory",
+        sequence_number, last_localized_));
+  }
+  if (last_stamp_ && stamp - *last_stamp_ > kMaxStampStep) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("scan.stamp_ns is %d; it must lie at most %d h after %d, the newest scan's",
+                        stamp.time_since_epoch().count(), kMaxStampStep.count(),
+                        last_stamp_->time_since_epoch().count()));
+  }
+  return absl::OkStatus();
+}
+
+std::int64_t ScanOrder::OnLocalized(std::int64_t sequence_number, Stamp stamp) {
+  last_localized_ = sequence_number;
+  last_stamp_ = stamp;
+  return OnDropped(sequence_number);
+}
+
+std::int64_t ScanOrder::OnDropped(std::int64_t sequence_number) {
+  if (sequence_number <= highest_) return 0;
+  const std::int64_t missing = highest_ < 0 ? 0 : sequence_number - highest_ - 1;
+  highest_ = sequence_number;
+  return missing;
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "absl/status/status.h"
+#include "core/radar/scan.h"
+
+namespace dcloc::server {
+
+/// The order of a session's scans, by sequence number and stamp. Not thread-safe.
+class ScanOrder {
+ public:
+  /// OutOfRange when a scan with this number or a higher one has been localized; InvalidArgument
+  /// when the stamp lies more than an hour after the newest scan's.
+  absl::Status Check(std::int64_t sequence_number, Stamp stamp) const;
+
+  /// A scan was localized; gives how many numbers before it never came.
+  std::int64_t OnLocalized(std::int64_t sequence_number, Stamp stamp);
+
+  /// A scan was dropped; gives how many numbers before it never came.
+  std::int64_t OnDropped(std::int64_t sequence_number);
+
+  /// The highest number localized; -1 before the first one.
+  std::int64_t last_localized() const { return last_localized_; }
+
+  /// Of the newest scan localized.
+  const std::optional<Stamp>& last_stamp() const { return last_stamp_; }
+
+ private:
+  std::int64_t last_localized_ = -1;
+  std::int64_t highest_ = -1;  ///< localized or dropped
+  std::optional<Stamp> last_stamp_;
+};
+
+}  // namespace dcloc::server

@@ -1,0 +1,63 @@
+#include "server/sessions/session_log.h"
+
+#include "server/base/status.h"
+#include "spdlog/spdlog.h"
+
+namespace dcloc::server {
+namespace {
+
+std::int64_t Microseconds(std::chrono::nanoseconds duration) { return duration.count() / 1000; }
+
+}  // namespace
+
+void LogOpened(const SessionRecord& record, std::size_t radar_count) {
+  const SessionDescription& description = record.description;
+  spdlog::info("session opened session={} vehicle={} peer={} map={} version={} radars={} trace={}",
+               description.session_id, description.vehicle_id, description.caller.peer,
+               description.map_name, record.map_version.load(), radar_count,
+               description.caller.trace_id);
+}
+
+void LogMoved(const SessionRecord& record, std::int64_t to_version) {
+  spdlog::info("session moved session={} vehicle={} from={} to={}", record.description.session_id,
+               record.description.vehicle_id, record.map_version.load(), to_version);
+}
+
+void LogClosed(const SessionRecord& record) {
+  spdlog::info("session closed session={} vehicle={} scans={} rejected={} repeated={} dropped={}",
+               record.description.session_id, record.description.vehicle_id,
+               record.counts.answered.load(), record.counts.rejected.load(),
+               record.counts.repeated.load(), record.counts.dropped.load());
+}
+
+void LogLocalized(const SessionRecord& record, std::int64_t sequence_number,
+                  const LocalizedScan& scan, std::chrono::nanoseconds encoding) {
+  if (!spdlog::should_log(spdlog::level::debug)) return;
+  const ScanTimings& timings = scan.timings;
+  spdlog::debug(
+      "scan localized session={} trace={} sequence_number={} state={} queue_us={} conversion_us={} "
+      "compensation_us={} submap_us={} registration_us={} posegraph_us={} encoding_us={}",
+      record.description.session_id, record.description.caller.trace_id, sequence_number,
+      v1::LocalizationState_Name(convert::ToProto(scan.localization.state)),
+      Microseconds(timings.queue), Microseconds(timings.conversion),
+      Microseconds(timings.compensation), Microseconds(timings.submap),
+      Microseconds(timings.registration), Microseconds(timings.posegraph), Microseconds(encoding));
+}
+
+void LogRejected(const SessionRecord& record, std::int64_t sequence_number,
+                 const absl::Status& status) {
+  if (!spdlog::should_log(spdlog::level::debug)) return;
+  spdlog::debug("scan rejected session={} trace={} sequence_number={} reason={}",
+                record.description.session_id, record.description.caller.trace_id, sequence_number,
+                Quoted(status.message()));
+}
+
+void LogBetaContradicted(const SessionRecord& record, const std::string& radar_id,
+                         const BetaCheck& beta) {
+  spdlog::warn(
+      "beta contradicted session={} vehicle={} radar={} beta_error_s={:.4f} sigma_s={:.4f}",
+      record.description.session_id, record.description.vehicle_id, radar_id, beta.error_s,
+      beta.sigma_s);
+}
+
+}  // namespace dcloc::server

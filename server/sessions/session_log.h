@@ -1,0 +1,28 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "absl/status/status.h"
+#include "server/convert/answer.h"
+#include "server/sessions/session_record.h"
+
+/// What the log says of a session.
+namespace dcloc::server {
+
+void LogOpened(const SessionRecord& record, std::size_t radar_count);
+void LogMoved(const SessionRecord& record, std::int64_t to_version);
+void LogClosed(const SessionRecord& record);
+
+/// For debugging: one line a scan. `encoding` is what making the answer's message took.
+void LogLocalized(const SessionRecord& record, std::int64_t sequence_number,
+                  const LocalizedScan& scan, std::chrono::nanoseconds encoding);
+void LogRejected(const SessionRecord& record, std::int64_t sequence_number,
+                 const absl::Status& status);
+
+/// What registrations leave over contradicts the radar's `beta_s`.
+void LogBetaContradicted(const SessionRecord& record, const std::string& radar_id,
+                         const BetaCheck& beta);
+
+}  // namespace dcloc::server

@@ -1,0 +1,81 @@
+#include "server/localization/slot_ring.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/server/fixtures/messages.h"
+
+namespace dcloc::server {
+namespace {
+
+void Read(SlotRing& ring, std::int64_t sequence_number) {
+  *ring.to_read().request.mutable_scan() = ScanMessage(sequence_number);
+  ring.OnRead();
+}
+
+/// A ring whose first message, the opening, is written.
+SlotRing OpenRing(int max_pending_count) {
+  SlotRing ring(max_pending_count);
+  ring.OnRead();
+  ring.OnAnswered();
+  ring.OnWritten();
+  return ring;
+}
+
+TEST(SlotRingTest, HasRoomForOneMessageBeforeTheFirstAnswer) {
+  SlotRing ring(8);
+  EXPECT_TRUE(ring.none_read());
+  EXPECT_TRUE(ring.has_room());
+  ring.OnRead();
+  EXPECT_FALSE(ring.has_room());
+  EXPECT_FALSE(ring.has_answer_to_write());
+  ring.OnAnswered();
+  EXPECT_TRUE(ring.has_room());
+  EXPECT_TRUE(ring.has_answer_to_write());
+  EXPECT_FALSE(ring.any_written());
+  EXPECT_FALSE(ring.all_read_is_written());
+  ring.OnWritten();
+  EXPECT_TRUE(ring.all_read_is_written());
+}
+
+TEST(SlotRingTest, IsFullUntilAnAnswerIsWritten) {
+  SlotRing ring = OpenRing(2);
+  Read(ring, 1);
+  Read(ring, 2);
+  EXPECT_FALSE(ring.has_room());
+  EXPECT_EQ(ring.to_answer().request.scan().sequence_number(), 1);
+  ring.OnAnswered();
+  EXPECT_FALSE(ring.has_room());
+  EXPECT_EQ(ring.to_answer().request.scan().sequence_number(), 2);
+  EXPECT_EQ(ring.to_write().request.scan().sequence_number(), 1);
+  ring.OnWritten();
+  EXPECT_TRUE(ring.has_room());
+}
+
+TEST(SlotRingTest, TheOldestThatWaitAreDroppedAndLoseTheirColumns) {
+  SlotRing ring = OpenRing(2);
+  ring.Lengthen();
+  for (int i = 1; i <= 4; ++i) {
+    Read(ring, i);
+    ring.DropOldest(/*first_is_taken=*/true);
+  }
+  EXPECT_TRUE(ring.has_room());
+  EXPECT_FALSE(ring.to_answer().dropped) << "it is being answered";
+  ring.OnAnswered();
+  EXPECT_TRUE(ring.to_answer().dropped);
+  EXPECT_EQ(ring.to_answer().request.scan().sequence_number(), 2);
+  EXPECT_EQ(ring.to_answer().request.scan().range_m_size(), 0);
+  ring.OnAnswered();
+  EXPECT_FALSE(ring.to_answer().dropped);
+  EXPECT_GT(ring.to_answer().request.scan().range_m_size(), 0);
+}
+
+TEST(SlotRingTest, WithoutOneBeingAnsweredTheFirstIsDroppedToo) {
+  SlotRing ring = OpenRing(2);
+  ring.Lengthen();
+  for (int i = 1; i <= 3; ++i) Read(ring, i);
+  ring.DropOldest(/*first_is_taken=*/false);
+  EXPECT_TRUE(ring.to_answer().dropped);
+}
+
+}  // namespace
+}  // namespace dcloc::server

@@ -1,0 +1,180 @@
+#include "server/sessions/session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/server/sessions/session_test_parts.h"
+
+namespace dcloc::server {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SessionTest : public SessionParts {};
+
+class Watcher final : public AnswerSubscriber {
+ public:
+  void OnAnswer(const ScanAnswer& answer) override { numbers.push_back(answer.sequence_number); }
+  void OnEnd() override { ended = true; }
+
+  std::vector<std::int64_t> numbers;
+  bool ended = false;
+};
+
+class Recorder final : public RecordingSubscriber {
+ public:
+  void OnOpened(const RecordingStart& start) override {
+    vehicle_id = start.open.vehicle_id();
+    resume_token = start.session.resume_token;
+  }
+  void OnScan(const v1::Scan& scan, const ScanAnswer& answer) override {
+    EXPECT_EQ(scan.sequence_number(), answer.sequence_number);
+    target_counts.push_back(scan.range_m_size());
+  }
+  void OnEnd() override { ended = true; }
+
+  std::string vehicle_id;
+  std::string resume_token = "none was given";
+  std::vector<int> target_counts;
+  bool ended = false;
+};
+
+TEST_F(SessionTest, AnswersWithWhatTheLocalizerSays) {
+  const auto session = MakeSession();
+  script_.state = LocalizationState::kDeadReckoning;
+  const ScanAnswer answer = Answer(*session, ScanMessage(7));
+  ASSERT_TRUE(answer.result.ok()) << answer.result.status();
+  EXPECT_EQ(answer.sequence_number, 7);
+  EXPECT_EQ(answer.result->map_version, 1);
+  EXPECT_EQ(answer.result->localization.state, LocalizationState::kDeadReckoning);
+  EXPECT_FALSE(answer.from_memory);
+  const ScanTimings& timings = answer.result->timings;
+  EXPECT_GT(timings.registration.count(), 0);
+  EXPECT_EQ(timings.posegraph.count(), 0) << "it did not run";
+  EXPECT_GE(timings.total, timings.queue + timings.conversion + timings.registration);
+  EXPECT_EQ(session->record()->counts.answered, 1);
+  EXPECT_EQ(totals_.answered, 1);
+  EXPECT_EQ(session->record()->last_sequence_number, 7);
+  EXPECT_EQ(session->Describe(true).last_sequence_number, 7);
+}
+
+TEST_F(SessionTest, AScanThatComesAgainIsNotLocalizedAgain) {
+  const auto session = MakeSession();
+  const ScanAnswer first = Answer(*session, ScanMessage(1));
+  v1::Scan number_alone;
+  number_alone.set_sequence_number(1);
+  const ScanAnswer again = Answer(*session, number_alone);
+  ASSERT_TRUE(again.result.ok());
+  EXPECT_TRUE(again.from_memory);
+  EXPECT_EQ(again.result->timings.total, first.result->timings.total) << "as it was";
+  EXPECT_EQ(script_.scans.size(), 1U);
+  EXPECT_EQ(session->record()->counts.repeated, 1);
+}
+
+TEST_F(SessionTest, ARejectionNamesTheFieldAndChangesNothing) {
+  const auto session = MakeSession();
+  ASSERT_TRUE(Answer(*session, ScanMessage(1)).result.ok());
+  v1::Scan broken = ScanMessage(2);
+  broken.set_radar_id("nobody");
+  const ScanAnswer answer = Answer(*session, broken);
+  EXPECT_EQ(answer.result.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(answer.result.status().message()), HasSubstr("scan.radar_id"));
+  EXPECT_EQ(session->record()->counts.rejected, 1);
+  EXPECT_EQ(session->Describe(false).last_sequence_number, 1);
+  script_.status = absl::InvalidArgumentError("stamp_ns is early");
+  EXPECT_EQ(Answer(*session, ScanMessage(3)).result.status().message(), "scan: stamp_ns is early");
+  EXPECT_EQ(session->record()->missing_scan_count, 0);
+}
+
+TEST_F(SessionTest, ALateScanPushesNoAnswerOut) {
+  const auto session = MakeSession();
+  for (int i = 10; i < 14; ++i) ASSERT_TRUE(Answer(*session, ScanMessage(i)).result.ok());
+  EXPECT_EQ(Answer(*session, ScanMessage(5)).result.status().code(), absl::StatusCode::kOutOfRange);
+  EXPECT_TRUE(Answer(*session, ScanMessage(10)).from_memory);
+}
+
+TEST_F(SessionTest, ADroppedScanIsAnsweredAndCounted) {
+  const auto session = MakeSession();
+  ASSERT_TRUE(Answer(*session, ScanMessage(1)).result.ok());
+  const ScanAnswer dropped = AnswerDropped(*session, 3);
+  EXPECT_EQ(dropped.result.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(dropped.dropped_scan_count, 1);
+  EXPECT_EQ(session->record()->missing_scan_count, 1) << "2 never came";
+  EXPECT_EQ(Answer(*session, ScanMessage(4)).dropped_scan_count, 1);
+  EXPECT_TRUE(Answer(*session, ScanMessage(3)).from_memory);
+}
+
+TEST_F(SessionTest, WatchersSeeNewAnswersAloneAndTheEnd) {
+  auto session = MakeSession();
+  const auto watcher = std::make_shared<Watcher>();
+  session->record()->feed.Subscribe(watcher);
+  Answer(*session, ScanMessage(1));
+  Answer(*session, ScanMessage(1));
+  AnswerDropped(*session, 2);
+  EXPECT_EQ(watcher->numbers, (std::vector<std::int64_t>{1, 2}));
+  EXPECT_FALSE(watcher->ended);
+  session.reset();
+  EXPECT_TRUE(watcher->ended);
+}
+
+TEST_F(SessionTest, ARecordingHasTheOpeningWithoutItsSecretTheScansAndTheEnd) {
+  auto session = MakeSession();
+  const auto recorder = std::make_shared<Recorder>();
+  session->Record(recorder, OpenMessage());
+  EXPECT_TRUE(session->record()->recorded);
+  EXPECT_EQ(recorder->vehicle_id, "car-1");
+  EXPECT_EQ(recorder->resume_token, "");
+  Answer(*session, ScanMessage(1, 20));
+  Answer(*session, ScanMessage(1, 20));  // from memory: not recorded
+  AnswerDropped(*session, 2);
+  EXPECT_EQ(recorder->target_counts, (std::vector<int>{20, 0}));
+  session.reset();
+  EXPECT_TRUE(recorder->ended);
+}
+
+TEST_F(SessionTest, MovesWithTheLastPoseAsPriorAtTheLastScan) {
+  const auto session = MakeSession();
+  Answer(*session, ScanMessage(1));
+  Answer(*session, ScanMessage(2));
+  ASSERT_TRUE(session->Move(Map(2)).ok());
+  ASSERT_EQ(script_.created_with.size(), 2U);
+  EXPECT_FALSE(script_.created_with[0].has_value());
+  ASSERT_TRUE(script_.created_with[1].has_value());
+  EXPECT_EQ(script_.created_with[1]->T_map_vehicle.translation_m.x(), 1.0);
+  ASSERT_EQ(script_.scans.size(), 3U);
+  EXPECT_EQ(script_.scans[2].stamp, script_.scans[1].stamp);
+  EXPECT_TRUE(script_.scans[2].range_m.empty()) << "its motion is known without its targets";
+  EXPECT_EQ(session->record()->map_version, 2);
+  EXPECT_EQ(Answer(*session, ScanMessage(3)).result->map_version, 2);
+}
+
+TEST_F(SessionTest, WithoutAnyConfirmedPoseItMovesWithoutAPrior) {
+  const auto session = MakeSession();
+  script_.state = LocalizationState::kInitializing;
+  Answer(*session, ScanMessage(1));
+  ASSERT_TRUE(session->Move(Map(2)).ok());
+  EXPECT_FALSE(script_.created_with[1].has_value());
+}
+
+TEST_F(SessionTest, StaysWhereItCannotMove) {
+  const auto session = MakeSession();
+  create_status_ = absl::InvalidArgumentError("no");
+  EXPECT_EQ(session->Move(Map(2)), create_status_);
+  EXPECT_EQ(session->record()->map_version, 1);
+  EXPECT_EQ(Answer(*session, ScanMessage(1)).result->map_version, 1);
+}
+
+TEST_F(SessionTest, OnlyAResumableOneNamesItsTimeout) {
+  const auto session = MakeSession();
+  EXPECT_EQ(session->Describe(false).detached_timeout, std::chrono::minutes(1));
+  session->record()->description.resume_token.clear();
+  EXPECT_EQ(session->Describe(false).detached_timeout.count(), 0);
+  EXPECT_FALSE(session->Describe(false).last_sequence_number.has_value());
+  EXPECT_EQ(session->Describe(false).answer_history_count, 4);
+}
+
+}  // namespace
+}  // namespace dcloc::server
