@@ -3,11 +3,24 @@
 #include <utility>
 
 #include "core/localizer/pipeline.h"
+#include "core/registration/gicp_registration.h"
 
 namespace dcloc {
+namespace {
+
+template <int Dim>
+std::shared_ptr<const RegistrationMethod<Dim>> MethodOf(const RegistrationMethods& methods,
+                                                        const LocalizerOptions& options) {
+  if (methods.Of<Dim>() != nullptr) return methods.Of<Dim>();
+  return std::make_shared<GicpRegistration<Dim>>(options.matcher.gicp);
+}
+
+}  // namespace
+
 absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map, Rig rig,
                                             const std::optional<InitialPose>& initial_pose,
-                                            const LocalizerOptions& options) {
+                                            const LocalizerOptions& options,
+                                            const RegistrationMethods& methods) {
   if (map == nullptr) return absl::InvalidArgumentError("map must not be null");
   absl::Status status = Validate(rig);
   status.Update(Validate(options));
@@ -15,11 +28,11 @@ absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map,
   if (!status.ok()) return status;
   // All six degrees of freedom need a map and a rig that both measure in space.
   if (map->info().has_elevation && rig.MeasuresElevation()) {
-    return Localizer(
-        std::make_unique<Pipeline<3>>(std::move(map), std::move(rig), initial_pose, options));
+    return Localizer(std::make_unique<Pipeline<3>>(std::move(map), std::move(rig), initial_pose,
+                                                   options, MethodOf<3>(methods, options)));
   }
-  return Localizer(
-      std::make_unique<Pipeline<2>>(std::move(map), std::move(rig), initial_pose, options));
+  return Localizer(std::make_unique<Pipeline<2>>(std::move(map), std::move(rig), initial_pose,
+                                                 options, MethodOf<2>(methods, options)));
 }
 
 Localizer::Localizer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

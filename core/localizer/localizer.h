@@ -14,6 +14,7 @@
 #include "core/map/radar_map.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
+#include "core/registration/registration_method.h"
 #include "core/relocalization/initial_pose.h"
 #include "core/uncertainty/beta_monitor.h"
 
@@ -62,10 +63,11 @@ class StageListener {
 class Localizer {
  public:
   /// Without an `initial_pose` the whole map is searched. InvalidArgument names what is wrong with
-  /// the map (null), the rig, the pose or the options.
+  /// the map (null), the rig, the pose or the options. `methods` replace our registration.
   static absl::StatusOr<Localizer> Create(std::shared_ptr<const RadarMap> map, Rig rig,
                                           const std::optional<InitialPose>& initial_pose,
-                                          const LocalizerOptions& options = {});
+                                          const LocalizerOptions& options = {},
+                                          const RegistrationMethods& methods = {});
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
   ~Localizer();

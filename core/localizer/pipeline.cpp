@@ -43,15 +43,16 @@ double PositionSigma(const Matrix& covariance) {
 template <int Dim>
 Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
                         const std::optional<InitialPose>& initial_pose,
-                        const LocalizerOptions& options)
+                        const LocalizerOptions& options,
+                        std::shared_ptr<const RegistrationMethod<Dim>> method)
     : rig_(std::move(rig)),
       options_(options),
       ego_motion_(options.ego_motion),
       submap_(options.scans_per_submap),
       schedule_(options.schedule, options.scans_per_submap * static_cast<int>(rig_.radars.size())),
-      matcher_(map, options.matcher),
-      global_localizer_(std::move(map), options.global, options.matcher.local_map_radius_m,
-                        options.matcher.gicp),
+      matcher_(map, method, options.matcher),
+      global_localizer_(std::move(map), std::move(method), options.matcher.local_map_radius_m,
+                        options.global),
       pose_prior_(options.prior),
       hypotheses_(GraphOptions(options)),
       tracking_(options.tracking),
@@ -251,7 +252,8 @@ void Pipeline<Dim>::UpdateEstimators(const Registration<Dim>& registration,
   if (beta_monitor_.IsDue(stamp, submap_.span())) {
     beta_monitor_.OnRegistration(
         stamp, workspace.submap,
-        matcher_.Correspondences(registration.T_local_vehicle, workspace.registration),
+        matcher_.Correspondences(workspace.submap.points, registration.T_local_vehicle,
+                                 workspace.registration),
         registration.T_local_vehicle, ego_velocity);
   }
   // Registrations that share scans share their errors.

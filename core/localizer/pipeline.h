@@ -36,7 +36,8 @@ class Pipeline final : public Localizer::Impl {
  public:
   /// All arguments are valid.
   Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
-           const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options);
+           const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options,
+           std::shared_ptr<const RegistrationMethod<Dim>> method);
 
   absl::StatusOr<Localization> Localize(const Scan& scan, LocalizerWorkspace& workspace,
                                         StageListener* listener) override;

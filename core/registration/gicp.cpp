@@ -12,6 +12,9 @@ template <int Dim>
 using Vector = Eigen::Matrix<double, Dim, 1>;
 template <int Dim>
 using Matrix = Eigen::Matrix<double, Dim, Dim>;
+// Blurs below a landmark's own extent change nothing.
+constexpr double kNoBlur_m = 0.02;
+
 template <int Dim>
 using Matches = std::span<const Correspondence<Dim>>;
 
@@ -80,7 +83,7 @@ double Cost(Matches<Dim> matches, const Pose<Dim>& T, double huber) {
   return cost;
 }
 
-// The quadratic around T.
+// The quadratic around T (METHOD eq 12).
 template <int Dim>
 struct NormalEquations {
   TangentMatrix<Dim> hessian;
@@ -120,7 +123,7 @@ NormalEquations<Dim> Linearize(Matches<Dim> matches, const Pose<Dim>& T, double 
 template <int Dim>
 Tangent<Dim> Step(Matches<Dim> matches, const NormalEquations<Dim>& normal, double huber,
                   Pose<Dim>& T) {
-  constexpr double kLinear_rad = 0.01;
+  constexpr double kLinear_rad = 0.01;  // up to here sin x is x to one in 10^4
   double damping = 1e-6;
   for (int attempt = 0; attempt < 6; ++attempt, damping *= 30.0) {
     TangentMatrix<Dim> damped = normal.hessian;
@@ -136,7 +139,8 @@ Tangent<Dim> Step(Matches<Dim> matches, const NormalEquations<Dim>& normal, doub
   return Tangent<Dim>::Zero();
 }
 
-// H^-1 (sum w^2 G^T W G) H^-1, direction by direction, so that what is not observed says so.
+// METHOD eq 13-14 as eq 27 has it: H^-1 (sum w^2 G^T W G) H^-1, direction by direction, so that
+// what is not observed says so.
 template <int Dim>
 TangentMatrix<Dim> SandwichCovariance(const TangentMatrix<Dim>& hessian,
                                       const TangentMatrix<Dim>& squared_weights) {
@@ -173,7 +177,8 @@ void Judge(Matches<Dim> matches, std::size_t live_count, double huber, Registrat
     squared_residuals += squared;
     likelihood += std::exp(-0.5 * squared);
   }
-  result.covariance = SandwichCovariance<Dim>(hessian.InVehicle(R), squared_weights.InVehicle(R));
+  result.information = hessian.InVehicle(R);
+  result.covariance = SandwichCovariance<Dim>(result.information, squared_weights.InVehicle(R));
   result.inlier_count = static_cast<int>(matches.size());
   if (matches.empty()) return;
   const auto inlier_count = static_cast<double>(matches.size());
@@ -209,7 +214,6 @@ Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const L
   Registration<Dim> result;
   result.T_local_vehicle = T_local_vehicle_initial;
   double blur_m = options.initial_blur_m;
-  constexpr double kNoBlur_m = 0.02;
   finder.Begin(live, map,
                {.max_distance_m = options.max_correspondence_distance_m,
                 .gate_sigmas = options.gate_sigmas});

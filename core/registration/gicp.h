@@ -8,6 +8,7 @@
 #include "core/map/local_map.h"
 #include "core/options/option_fields.h"
 #include "core/registration/correspondences.h"
+#include "core/registration/registration_method.h"
 
 namespace dcloc {
 
@@ -25,24 +26,6 @@ struct GicpOptions {
 };
 std::span<const OptionField<GicpOptions>> FieldsOf(const GicpOptions& options);
 absl::Status Validate(const GicpOptions& options);
-
-/// How a live sub-map lies in a local map.
-template <int Dim>
-struct Registration {
-  Pose<Dim> T_local_vehicle;
-  /// In the tangent space on the right (METHOD eq 13-14, mended), not inflated; a direction that
-  /// the matches do not determine has a variance of `kUnobserved`.
-  TangentMatrix<Dim> covariance;
-  bool converged = false;
-  int iterations = 0;
-  int inlier_count = 0;         ///< live points with a match inside of the gates
-  double overlap = 0.0;         ///< their share
-  double score = 0.0;           ///< mean of exp(-d^2 / 2) over all live points, 0 where unmatched
-  double residual_scale = 0.0;  ///< root mean square of the whitened residuals, 1 is as modelled
-};
-
-/// Variance [m^2, rad^2] that stands for "not observed".
-inline constexpr double kUnobserved = 1e6;
 
 /// Uncertainty-aware GICP (METHOD eq 12): minimises sum rho_Huber(e^T W e) over the pose of `live`
 /// (vehicle frame) in `map`, e = q - (R p + t), W = (S_q + R S_p R^T)^-1, matches being the

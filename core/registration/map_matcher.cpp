@@ -12,10 +12,6 @@
 namespace dcloc {
 namespace {
 
-// Searches score every point at every pose: this many are enough to tell poses apart.
-constexpr std::size_t kSearchPoints = 300;
-constexpr double kFineCell_m = 0.25;
-
 template <typename Point>
 std::vector<Eigen::Vector2f> Thinned(std::span<const Point> points, std::size_t max_count) {
   const std::size_t stride = std::max<std::size_t>(1, (points.size() + max_count - 1) / max_count);
@@ -70,11 +66,11 @@ double YawSigma(const TangentMatrix<Dim>& covariance) {
 // Log-posterior of a registration up to a constant: the score is a likelihood per point, of which
 // about this many are independent; the prediction is the prior.
 template <int Dim>
-double Plausibility(const Registration<Dim>& registration, const PoseEstimate<Dim>& predicted) {
-  constexpr double kIndependentPoints = 20.0;
+double Plausibility(const Registration<Dim>& registration, const PoseEstimate<Dim>& predicted,
+                    const MapMatcherOptions& options) {
   constexpr double kMinScore = 1e-9;
   const Tangent<Dim> apart = Log(predicted.pose.Inverse() * registration.T_local_vehicle);
-  return kIndependentPoints * std::log(std::max(kMinScore, registration.score)) -
+  return options.independent_point_count * std::log(std::max(kMinScore, registration.score)) -
          0.5 * apart.dot(predicted.covariance.ldlt().solve(apart));
 }
 
@@ -82,13 +78,12 @@ double Plausibility(const Registration<Dim>& registration, const PoseEstimate<Di
 // fits the scans better: what the prediction alone decides is not decided.
 template <int Dim>
 bool StandsOut(const Registration<Dim>& best, std::span<const Registration<Dim>> found,
-               const PoseEstimate<Dim>& predicted, double min_lead) {
-  constexpr double kSamePlace_m = 1.0;
-  const double least = Plausibility(best, predicted) - min_lead;
+               const PoseEstimate<Dim>& predicted, const MapMatcherOptions& options) {
+  const double least = Plausibility(best, predicted, options) - options.wide_min_lead;
   return std::ranges::none_of(found, [&](const Registration<Dim>& other) {
     const Pose<Dim> apart = best.T_local_vehicle.Inverse() * other.T_local_vehicle;
-    return apart.translation_m.norm() > kSamePlace_m &&
-           (other.score > best.score || Plausibility(other, predicted) > least);
+    return apart.translation_m.norm() > options.same_place_m &&
+           (other.score > best.score || Plausibility(other, predicted, options) > least);
   });
 }
 
@@ -120,6 +115,14 @@ std::span<const OptionField<MapMatcherOptions>> FieldsOf(const MapMatcherOptions
       {"wide_hypotheses", &O::wide_hypotheses, 0, 1000, "the initial guess alone is tried"},
       {"wide_min_overlap", &O::wide_min_overlap, 0, 1, "any overlap is enough"},
       {"wide_min_lead", &O::wide_min_lead, 0, 1000, "the best one needs no lead"},
+      {"search_point_count", &O::search_point_count, 10, 100'000},
+      {"search_cell_m", &O::search_cell_m, 0.01, 10},
+      {"search_sigmas", &O::search_sigmas, 1e-6, 100},
+      {"max_search_m", &O::max_search_m, 1e-6, 100},
+      {"max_search_rad", &O::max_search_rad, 1e-6, 4},
+      {"search_guess_sigma_m", &O::search_guess_sigma_m, 0, 10, "what a search finds is exact"},
+      {"independent_point_count", &O::independent_point_count, 1, 1e6},
+      {"same_place_m", &O::same_place_m, 1e-6, 100},
   };
   return kFields;
 }
@@ -168,15 +171,17 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::Search(std::span<const Gaussia
   std::vector<Registration<Dim>> found = {Refine(live, predicted.pose, 0.0, workspace)};
   const int count = wide ? options_.wide_hypotheses : options_.hypotheses;
   for (const Pose2& hypothesis : Hypotheses(live, predicted, count, seed)) {
-    found.push_back(Refine(live, Lift<Dim>(hypothesis, predicted.pose), 0.3, workspace));
+    found.push_back(Refine(live, Lift<Dim>(hypothesis, predicted.pose),
+                           options_.search_guess_sigma_m, workspace));
   }
   const Registration<Dim> best = *std::ranges::max_element(
-      found, {}, [&](const Registration<Dim>& one) { return Plausibility(one, predicted); });
+      found, {},
+      [&](const Registration<Dim>& one) { return Plausibility(one, predicted, options_); });
   if (!options_.gate.Accepts(best)) return std::nullopt;
   // Where little of the view is mapped, too, a wrong place is as good as the right one.
   const bool sees_little = best.overlap < options_.wide_min_overlap;
   if (wide && sees_little) return std::nullopt;
-  if ((wide || sees_little) && !StandsOut<Dim>(best, found, predicted, options_.wide_min_lead)) {
+  if ((wide || sees_little) && !StandsOut<Dim>(best, found, predicted, options_)) {
     return std::nullopt;
   }
   return best;
@@ -186,21 +191,22 @@ template <int Dim>
 std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim>> live,
                                                const PoseEstimate<Dim>& predicted, int count,
                                                std::uint64_t seed) {
-  constexpr double kSigmas = 3.0;
-  constexpr double kMaxSearch_m = 10.0;
-  constexpr double kMaxSearch_rad = 0.8;
   if (!search_) {
     search_.emplace();
-    search_->field = LikelihoodField(local_map_, kFineCell_m);
-    search_->landmarks = Thinned(local_map_.points(), 4 * kSearchPoints);
+    search_->field = LikelihoodField(local_map_, options_.search_cell_m);
+    search_->landmarks =
+        Thinned(local_map_.points(), 4 * static_cast<std::size_t>(options_.search_point_count));
     search_->descriptors = RadialStatistics(search_->landmarks);
   }
   const SearchWindow window{
       .centre_local_vehicle = Planar<Dim>(predicted.pose),
       .translation_m =
-          std::min(kMaxSearch_m, kSigmas * TranslationSigma<Dim>(predicted.covariance)),
-      .rotation_rad = std::min(kMaxSearch_rad, kSigmas * YawSigma<Dim>(predicted.covariance))};
-  const std::vector<Eigen::Vector2f> points = Thinned(live, kSearchPoints);
+          std::min(options_.max_search_m,
+                   options_.search_sigmas * TranslationSigma<Dim>(predicted.covariance)),
+      .rotation_rad = std::min(options_.max_search_rad,
+                               options_.search_sigmas * YawSigma<Dim>(predicted.covariance))};
+  const std::vector<Eigen::Vector2f> points =
+      Thinned(live, static_cast<std::size_t>(options_.search_point_count));
   std::vector<Pose2> hypotheses;
   for (const PoseHypothesis& found : CorrelativeSearch(points, search_->field, window, count)) {
     hypotheses.push_back(found.T_local_vehicle);
@@ -217,17 +223,25 @@ template <int Dim>
 std::optional<Registration<Dim>> MapMatcher<Dim>::MatchFound(
     std::span<const GaussianPoint<Dim>> live, const Pose3& T_map_vehicle,
     const RegistrationGate& gate, RegistrationWorkspace<Dim>& workspace) {
-  constexpr double kDriftBlur_m = 0.3;
   MoveTo(T_map_vehicle.translation_m, workspace);
   const Pose3 T_local_vehicle = T_map_local_.Inverse() * T_map_vehicle;
   const Registration<Dim> registration =
-      Refine(live, FromSpace<Dim>(T_local_vehicle, Matrix6d::Zero()).pose, kDriftBlur_m, workspace);
+      Refine(live, FromSpace<Dim>(T_local_vehicle, Matrix6d::Zero()).pose,
+             options_.search_guess_sigma_m, workspace);
   return gate.Accepts(registration) ? std::optional(registration) : std::nullopt;
 }
 
 template <int Dim>
+CorrespondenceGates MapMatcher<Dim>::Gates() const {
+  return {.max_distance_m = options_.gicp.max_correspondence_distance_m,
+          .gate_sigmas = options_.gicp.gate_sigmas};
+}
+
+template <int Dim>
 std::span<const Correspondence<Dim>> MapMatcher<Dim>::Correspondences(
-    const Pose<Dim>& T_local_vehicle, RegistrationWorkspace<Dim>& workspace) const {
+    std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& T_local_vehicle,
+    RegistrationWorkspace<Dim>& workspace) const {
+  if (!method_->LeavesFinder()) workspace.finder.Begin(live, local_map_, Gates());
   return workspace.finder.Find(T_local_vehicle, 0.0);
 }
 
@@ -236,18 +250,16 @@ Observability MapMatcher<Dim>::Observed(std::span<const GaussianPoint<Dim>> live
                                         const Registration<Dim>& registration,
                                         RegistrationWorkspace<Dim>& workspace) const {
   return Observe<Dim>(live, local_map_, registration.T_local_vehicle, registration.covariance,
-                      {.max_distance_m = options_.gicp.max_correspondence_distance_m,
-                       .gate_sigmas = options_.gicp.gate_sigmas},
-                      workspace.shifted_points, workspace.shifted_finder);
+                      Gates(), workspace.shifted_points, workspace.shifted_finder);
 }
 
 template <int Dim>
 Registration<Dim> MapMatcher<Dim>::Refine(std::span<const GaussianPoint<Dim>> live,
                                           const Pose<Dim>& start, double blur_m,
                                           RegistrationWorkspace<Dim>& workspace) {
-  GicpOptions gicp = options_.gicp;
-  gicp.initial_blur_m = blur_m;
-  return RegisterGicp<Dim>(live, local_map_, start, gicp, workspace.finder);
+  return method_->Register(
+      {.points = live, .map = local_map_, .T_local_vehicle_guess = start, .guess_sigma_m = blur_m},
+      workspace);
 }
 
 template class MapMatcher<2>;

@@ -13,6 +13,7 @@
 #include "core/registration/correlative_search.h"
 #include "core/registration/gicp.h"
 #include "core/registration/observability.h"
+#include "core/registration/registration_method.h"
 #include "core/registration/registration_workspace.h"
 
 namespace dcloc {
@@ -49,6 +50,18 @@ struct MapMatcherOptions {
   int wide_hypotheses = 10;
   double wide_min_overlap = 0.3;
   double wide_min_lead = 2.5;
+  /// A search scores so many points at every pose, on cells of this size, up to so many deviations
+  /// of the prediction away, and no further than this.
+  int search_point_count = 300;
+  double search_cell_m = 0.25;
+  double search_sigmas = 3.0;
+  double max_search_m = 10.0;
+  double max_search_rad = 0.8;
+  double search_guess_sigma_m = 0.3;  ///< of what a search finds: about a cell
+  /// So many points of a sub-map are as good as independent: what a score is worth as evidence
+  /// (METHOD eq 26).
+  double independent_point_count = 20.0;
+  double same_place_m = 1.0;  ///< results nearer to one another are the same place
 };
 std::span<const OptionField<MapMatcherOptions>> FieldsOf(const MapMatcherOptions& options);
 absl::Status Validate(const MapMatcherOptions& options);
@@ -57,8 +70,10 @@ absl::Status Validate(const MapMatcherOptions& options);
 template <int Dim>
 class MapMatcher {
  public:
-  MapMatcher(std::shared_ptr<const RadarMap> map, const MapMatcherOptions& options)
-      : map_(std::move(map)), options_(options) {}
+  MapMatcher(std::shared_ptr<const RadarMap> map,
+             std::shared_ptr<const RegistrationMethod<Dim>> method,
+             const MapMatcherOptions& options)
+      : map_(std::move(map)), method_(std::move(method)), options_(options) {}
 
   /// Makes the local map the one around `p_map`, in the frame of the keyframe nearest to it. True
   /// when that changed the local frame.
@@ -84,9 +99,10 @@ class MapMatcher {
                                               const RegistrationGate& gate,
                                               RegistrationWorkspace<Dim>& workspace);
 
-  /// The landmarks that the points of the last registration correspond to at a pose, one for each
-  /// point. `workspace` is the one that was lent to that Match, not used since; valid as long.
-  std::span<const Correspondence<Dim>> Correspondences(const Pose<Dim>& T_local_vehicle,
+  /// The landmarks that `live` corresponds to at a pose, one for each point that has one. `live`
+  /// and `workspace` are those of the Match before, and not used since; valid as long.
+  std::span<const Correspondence<Dim>> Correspondences(std::span<const GaussianPoint<Dim>> live,
+                                                       const Pose<Dim>& T_local_vehicle,
                                                        RegistrationWorkspace<Dim>& workspace) const;
 
   /// In which directions a registration of `live` says something.
@@ -101,6 +117,7 @@ class MapMatcher {
                                           RegistrationWorkspace<Dim>& workspace);
   std::vector<Pose2> Hypotheses(std::span<const GaussianPoint<Dim>> live,
                                 const PoseEstimate<Dim>& predicted, int count, std::uint64_t seed);
+  CorrespondenceGates Gates() const;
   Registration<Dim> Refine(std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& start,
                            double blur_m, RegistrationWorkspace<Dim>& workspace);
 
@@ -112,6 +129,7 @@ class MapMatcher {
   };
 
   std::shared_ptr<const RadarMap> map_;
+  std::shared_ptr<const RegistrationMethod<Dim>> method_;
   MapMatcherOptions options_;
   std::optional<std::size_t> keyframe_;
   Pose3 T_map_local_;

@@ -12,25 +12,13 @@
 namespace dcloc {
 namespace {
 
-constexpr std::size_t kMaxViews = 4;
-constexpr std::size_t kMaxKeptCandidates = 32;
-// Of a view's points so many tell places apart, and so many what is no place at all.
-constexpr std::size_t kFinePoints = 400;
-constexpr std::size_t kCoarsePoints = 100;
-// What is done in one go; a unit takes some 0.04 us.
-constexpr double kMaxWork = 250e3;
-constexpr double kSearchWork = 24e3;  // of a piece of a search
-constexpr double kOdometryBlur_m = 0.3;
-// Of the overlap that a place must have once it is found, so much in each view: the first ones may
-// show ground from before the map's beginning.
-constexpr double kViewShare = 0.83;
-// Steps of the search: fine ones on little ground, which is most alike within itself.
-constexpr double kCell_m = 1.0;
-constexpr double kLittleCell_m = 0.5;
-constexpr double kLittleGround_m = 40.0;
-// What a score is worth as a log-likelihood. Near the score of a place that fits, some twenty
-// independent points; linear, as where little fits a logarithm would make much of a little more.
-constexpr double kPerScore = 36.0;
+// Most places that a search finds are none: few steps tell. The others are registered as well as
+// telling them apart takes.
+constexpr RegistrationEffort kCoarseEffort{
+    .max_iterations = 8, .translation_tolerance_m = 0.02, .rotation_tolerance_rad = 0.002};
+constexpr RegistrationEffort kFineEffort{
+    .max_iterations = 15, .translation_tolerance_m = 0.005, .rotation_tolerance_rad = 0.0005};
+constexpr double kSearchPieceWork = 24e3;  // of a piece of a search, about a millisecond
 
 template <int Dim>
 std::vector<Eigen::Vector2f> PositionsOf(std::span<const GaussianPoint<Dim>> points) {
@@ -42,22 +30,15 @@ std::vector<Eigen::Vector2f> PositionsOf(std::span<const GaussianPoint<Dim>> poi
   return positions;
 }
 
-// An even choice.
+// `max_count` points at even steps.
 template <int Dim>
 std::vector<GaussianPoint<Dim>> Subsample(std::span<const GaussianPoint<Dim>> points,
-                                          std::size_t max_count) {
+                                          int max_count) {
   std::vector<GaussianPoint<Dim>> thinned;
-  const std::size_t count = std::min(points.size(), max_count);
+  const std::size_t count = std::min(points.size(), static_cast<std::size_t>(max_count));
   thinned.reserve(count);
   for (std::size_t i = 0; i < count; ++i) thinned.push_back(points[i * points.size() / count]);
   return thinned;
-}
-
-bool IsSamePlace(const Pose3& a, const Pose3& b) {
-  constexpr double kSame_m = 1.0;
-  constexpr double kSame_rad = 0.1;
-  return (a.translation_m - b.translation_m).head<2>().norm() < kSame_m &&
-         std::abs(WrapAngle(Yaw(a.rotation) - Yaw(b.rotation))) < kSame_rad;
 }
 
 Motion Reversed(const Motion& motion) {
@@ -65,51 +46,17 @@ Motion Reversed(const Motion& motion) {
           .covariance = InvertCovariance<3>(motion.T_from_to, motion.covariance)};
 }
 
-// Squared distance of a registered pose from the one that odometry expects, in units of what both
-// are off by.
-template <int Dim>
-double SquaredDistance(const Pose<Dim>& apart, const TangentMatrix<Dim>& odometry) {
-  constexpr double kRegistration_m = 0.3;
-  constexpr double kRegistration_rad = 0.02;
-  TangentMatrix<Dim> covariance = odometry;
-  covariance.diagonal().template head<Dim>().array() += kRegistration_m * kRegistration_m;
-  covariance.diagonal().template tail<Pose<Dim>::kDof - Dim>().array() +=
-      kRegistration_rad * kRegistration_rad;
-  const Tangent<Dim> difference = Log(apart);
-  return difference.dot(covariance.ldlt().solve(difference));
-}
-
 }  // namespace
-
-std::span<const OptionField<GlobalLocalizerOptions>> FieldsOf(
-    const GlobalLocalizerOptions& /*options*/) {
-  using O = GlobalLocalizerOptions;
-  static constexpr OptionField<O> kFields[] = {
-      {"min_view_span_ms", &O::min_view_span, 0, 1e6, "one scan is a view"},
-      {"min_distance_m", &O::min_distance_m, 0, 1000, "two views are enough"},
-      {"min_lead", &O::min_lead, 0, 1000, "the best one needs no lead"},
-      {"candidate_count", &O::candidate_count, 1, 10'000},
-  };
-  return kFields;
-}
-
-absl::Status Validate(const GlobalLocalizerOptions& options) {
-  absl::Status status = ValidateFields(options, FieldsOf(options));
-  status.Update(Within("gate", Validate(options.gate)));
-  return status;
-}
 
 template <int Dim>
 void GlobalLocalizer<Dim>::OnMotion(const Motion& motion) {
   if (views_.empty()) return;
   since_view_ = Compose(since_view_, motion);
-  since_view_m_ += motion.T_from_to.translation_m.norm();
+  way_since_view_m_ += motion.T_from_to.translation_m.norm();
   // Views that odometry does not join any more.
-  constexpr double kMaxSigma_m = 2.0;
-  constexpr double kMaxSigma_rad = 0.2;
   const Matrix6d& covariance = since_view_.covariance;
-  if (std::sqrt(covariance.topLeftCorner<2, 2>().trace()) > kMaxSigma_m ||
-      std::sqrt(covariance(5, 5)) > kMaxSigma_rad) {
+  if (std::sqrt(covariance.topLeftCorner<2, 2>().trace()) > options_.max_view_sigma_m ||
+      std::sqrt(covariance(5, 5)) > options_.max_view_sigma_rad) {
     const int view_count = view_count_;
     Clear();
     view_count_ = view_count;  // the search for it goes on
@@ -122,41 +69,41 @@ template <int Dim>
 bool GlobalLocalizer<Dim>::WantsView(Stamp stamp) const {
   if (phase_ != Phase::kIdle || winner_) return false;
   if (views_.empty()) return true;
-  constexpr double kWay_m = 4.0;
-  constexpr auto kInterval = std::chrono::milliseconds(400);
-  // Who is where there is no map must not search it all the time.
-  constexpr int kEagerViews = 8;
-  const auto interval = view_count_ < kEagerViews ? kInterval : 8 * kInterval;
-  return since_view_m_ >= kWay_m && stamp - view_stamp_ >= interval;
+  // A vehicle outside of the map must not search it all the time.
+  const auto interval = view_count_ < options_.early_view_count
+                            ? options_.view_interval
+                            : options_.late_view_interval_factor * options_.view_interval;
+  return way_since_view_m_ >= options_.view_distance_m && stamp - view_stamp_ >= interval;
 }
 
 template <int Dim>
 void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
                                    const std::optional<SearchRegion>& region) {
-  if (views_.size() == kMaxViews) {
+  if (views_.size() == static_cast<std::size_t>(options_.max_view_count)) {
     views_.erase(views_.begin());
     for (Candidate& candidate : candidates_) candidate.fits.erase(candidate.fits.begin());
   }
-  views_.push_back({.live = Subsample(live, kFinePoints),
-                    .coarse_points = Subsample(live, kCoarsePoints),
+  views_.push_back({.fine_points = Subsample(live, options_.fine_point_count),
+                    .coarse_points = Subsample(live, options_.coarse_point_count),
                     .motion = std::exchange(since_view_, {}),
-                    .way_m = std::exchange(since_view_m_, 0.0)});
+                    .way_m = std::exchange(way_since_view_m_, 0.0)});
   for (Candidate& candidate : candidates_) candidate.fits.emplace_back();
   view_stamp_ = stamp;
   ++view_count_;
   region_ = region;
-  const bool is_little = region && region->radius_m <= kLittleGround_m;
-  search_.emplace(map_, PositionsOf(live),
-                  PlaceSearchOptions{.cell_m = is_little ? kLittleCell_m : kCell_m,
-                                     .max_count = options_.candidate_count,
-                                     .region = region});
+  const bool is_small = region && region->radius_m <= options_.small_region_radius_m;
+  search_.emplace(
+      map_, PositionsOf(live),
+      PlaceSearchOptions{.cell_m = is_small ? options_.small_region_cell_m : options_.cell_m,
+                         .max_count = options_.candidate_count,
+                         .region = region});
   phase_ = Phase::kExtend;
 }
 
 template <int Dim>
 std::optional<Pose3> GlobalLocalizer<Dim>::Continue(RegistrationWorkspace<Dim>& workspace) {
   work_ = 0.0;
-  while (work_ < kMaxWork && phase_ != Phase::kIdle) DoNextPiece(workspace);
+  while (work_ < options_.max_work && phase_ != Phase::kIdle) DoNextPiece(workspace);
   if (!winner_ || Way() < options_.min_distance_m) return std::nullopt;
   return *winner_ * since_view_.T_from_to;
 }
@@ -164,14 +111,14 @@ std::optional<Pose3> GlobalLocalizer<Dim>::Continue(RegistrationWorkspace<Dim>& 
 // From the oldest view on.
 template <int Dim>
 double GlobalLocalizer<Dim>::Way() const {
-  double way_m = since_view_m_;
+  double way_m = way_since_view_m_;
   for (std::size_t i = 1; i < views_.size(); ++i) way_m += views_[i].way_m;
   return way_m;
 }
 
 template <int Dim>
 void GlobalLocalizer<Dim>::Clear() {
-  *this = GlobalLocalizer(map_, options_, local_map_radius_m_, gicp_);
+  *this = GlobalLocalizer(map_, method_, local_map_radius_m_, options_);
 }
 
 template <int Dim>
@@ -183,13 +130,10 @@ void GlobalLocalizer<Dim>::DoNextPiece(RegistrationWorkspace<Dim>& workspace) {
     case Phase::kSearch:
       if (!search_->done()) {
         search_->SearchOn();
-        work_ += kSearchWork;
+        work_ += kSearchPieceWork;
         break;
       }
-      cell_m_ = search_->cell_m();
-      places_ = search_->Best();
-      std::ranges::reverse(places_);
-      search_.reset();
+      EndSearch();
       phase_ = Phase::kCoarseFit;
       break;
     case Phase::kCoarseFit:
@@ -198,7 +142,7 @@ void GlobalLocalizer<Dim>::DoNextPiece(RegistrationWorkspace<Dim>& workspace) {
         places_.pop_back();
         break;
       }
-      KeepPromising();
+      KeepPromisingFits();
       phase_ = Phase::kFineFit;
       break;
     case Phase::kFineFit:
@@ -207,7 +151,7 @@ void GlobalLocalizer<Dim>::DoNextPiece(RegistrationWorkspace<Dim>& workspace) {
         coarse_fits_.pop_back();
         break;
       }
-      DropUnlikelyNewcomers();
+      DropUnlikelyNewCandidates();
       phase_ = Phase::kBackfill;
       break;
     case Phase::kBackfill:
@@ -221,44 +165,48 @@ void GlobalLocalizer<Dim>::DoNextPiece(RegistrationWorkspace<Dim>& workspace) {
   }
 }
 
-// Most places that a search finds are none: a coarse_points points and steps tell.
+template <int Dim>
+void GlobalLocalizer<Dim>::EndSearch() {
+  cell_m_ = search_->cell_m();
+  places_ = search_->Best();
+  std::ranges::reverse(places_);
+  search_.reset();
+}
+
 template <int Dim>
 void GlobalLocalizer<Dim>::FitCoarsely(const PlaceHypothesis& place,
                                        RegistrationWorkspace<Dim>& workspace) {
   const Pose3 T_map_vehicle =
       map_->keyframe(place.keyframe).T_map_keyframe * Embed(place.T_keyframe_vehicle);
   if (IsKnown(T_map_vehicle)) return;
-  GicpOptions gicp = gicp_;
-  gicp.max_iterations = 8;
-  gicp.translation_tolerance_m = 0.02;
-  gicp.rotation_tolerance_rad = 0.002;
   // Half a step off in position and heading: about as much as a step.
-  gicp.initial_blur_m = cell_m_;
-  if (const auto registration =
-          Register(views_.back().coarse_points, T_map_vehicle, gicp, workspace)) {
-    coarse_fits_.push_back(
-        {.T_map_vehicle = InMap(registration->T_local_vehicle), .score = registration->score});
-  }
+  const auto found = registrar_.Register(views_.back().coarse_points, T_map_vehicle, cell_m_,
+                                         kCoarseEffort, workspace);
+  if (!found) return;
+  work_ += found->work;
+  coarse_fits_.push_back(
+      {.T_map_vehicle = found->T_map_vehicle, .score = found->registration.score});
 }
 
 template <int Dim>
-void GlobalLocalizer<Dim>::KeepPromising() {
-  constexpr double kHopeless = 0.2;
+void GlobalLocalizer<Dim>::KeepPromisingFits() {
   double best = 0.0;
   for (const CoarseFit& fit : coarse_fits_) best = std::max(best, fit.score);
   for (const Candidate& one : candidates_) {
-    best = std::max(best, one.fits.back()->log_likelihood / kPerScore);
+    best = std::max(best, one.fits.back()->log_likelihood / options_.log_likelihood_per_score);
   }
-  std::erase_if(coarse_fits_, [&](const CoarseFit& fit) { return fit.score < best - kHopeless; });
+  std::erase_if(coarse_fits_, [&](const CoarseFit& fit) {
+    return fit.score < best - options_.coarse_score_margin;
+  });
   std::ranges::stable_sort(coarse_fits_, {}, &CoarseFit::score);
 }
 
-// A place that no candidate has come to yet is a candidate of its own.
+// A place that is no candidate's yet is a candidate of its own.
 template <int Dim>
 void GlobalLocalizer<Dim>::FitFinely(const CoarseFit& fit, RegistrationWorkspace<Dim>& workspace) {
   if (IsKnown(fit.T_map_vehicle)) return;
   Candidate candidate{.fits = std::vector<std::optional<ViewFit>>(views_.size())};
-  candidate.fits.back() = FitAround(views_.back(), fit.T_map_vehicle, kOdometryBlur_m, workspace);
+  candidate.fits.back() = FitAround(views_.back(), fit.T_map_vehicle, workspace);
   const Pose3& T_map_vehicle = candidate.fits.back()->T_map_vehicle;
   // The search goes by whole blocks, and registration moves.
   if (region_ && !region_->Contains(Flatten(T_map_vehicle))) return;
@@ -291,14 +239,14 @@ bool GlobalLocalizer<Dim>::FillNextFit(RegistrationWorkspace<Dim>& workspace) {
   return false;
 }
 
-// Places that explain the newest view so badly that the other views are not worth asking.
+// Places that fit the newest view so badly that the other views need not be registered.
 template <int Dim>
-void GlobalLocalizer<Dim>::DropUnlikelyNewcomers() {
-  constexpr double kHopeless = 4.0;
+void GlobalLocalizer<Dim>::DropUnlikelyNewCandidates() {
   double best = -std::numeric_limits<double>::infinity();
   for (const Candidate& one : candidates_) best = std::max(best, one.fits.back()->log_likelihood);
   std::erase_if(candidates_, [&](const Candidate& one) {
-    return !one.fits.front() && one.fits.back()->log_likelihood < best - kHopeless;
+    return !one.fits.front() &&
+           one.fits.back()->log_likelihood < best - options_.new_candidate_margin;
   });
 }
 
@@ -313,11 +261,12 @@ double GlobalLocalizer<Dim>::LogLikelihood(const Candidate& candidate) {
 template <int Dim>
 void GlobalLocalizer<Dim>::KeepBestCandidates() {
   if (candidates_.empty()) return;
-  constexpr double kHopeless = 10.0;
   std::ranges::stable_sort(candidates_, std::greater<>(), &GlobalLocalizer::LogLikelihood);
-  std::erase_if(candidates_, [least = LogLikelihood(candidates_.front()) - kHopeless](
-                                 const Candidate& one) { return LogLikelihood(one) < least; });
-  if (candidates_.size() > kMaxKeptCandidates) candidates_.resize(kMaxKeptCandidates);
+  std::erase_if(candidates_,
+                [least = LogLikelihood(candidates_.front()) - options_.candidate_margin](
+                    const Candidate& one) { return LogLikelihood(one) < least; });
+  const auto max_count = static_cast<std::size_t>(options_.max_kept_candidates);
+  if (candidates_.size() > max_count) candidates_.resize(max_count);
 }
 
 template <int Dim>
@@ -338,62 +287,48 @@ std::optional<Pose3> GlobalLocalizer<Dim>::Winner() const {
 
 template <int Dim>
 typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAfterMotion(
-    const View& view, const ViewFit& beside, const Motion& motion,
+    const View& view, const ViewFit& neighbour, const Motion& motion,
     RegistrationWorkspace<Dim>& workspace) {
-  const Pose3 T_map_expected = beside.T_map_vehicle * motion.T_from_to;
-  ViewFit fit = FitAround(view, T_map_expected, kOdometryBlur_m, workspace);
-  const PoseEstimate<Dim> apart =
+  const Pose3 T_map_expected = neighbour.T_map_vehicle * motion.T_from_to;
+  ViewFit fit = FitAround(view, T_map_expected, workspace);
+  const PoseEstimate<Dim> difference =
       FromSpace<Dim>(T_map_expected.Inverse() * fit.T_map_vehicle, motion.covariance);
-  fit.log_likelihood -= 0.5 * SquaredDistance<Dim>(apart.pose, apart.covariance);
+  fit.log_likelihood -= 0.5 * SquaredDistance(difference.pose, difference.covariance);
   return fit;
 }
 
+// METHOD eq 38.
 template <int Dim>
 typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAround(
-    const View& view, const Pose3& T_map_vehicle, double blur_m,
-    RegistrationWorkspace<Dim>& workspace) {
-  GicpOptions gicp = gicp_;
-  gicp.max_iterations = 15;
-  gicp.translation_tolerance_m = 0.005;
-  gicp.rotation_tolerance_rad = 0.0005;
-  gicp.initial_blur_m = blur_m;
-  const auto registration = Register(view.live, T_map_vehicle, gicp, workspace);
-  if (!registration) return {.T_map_vehicle = T_map_vehicle};
-  return {.T_map_vehicle = InMap(registration->T_local_vehicle),
-          .log_likelihood = kPerScore * registration->score,
-          .is_acceptable = registration->inlier_count >= options_.gate.min_inlier_count &&
-                           registration->overlap >= kViewShare * options_.gate.min_overlap &&
-                           registration->residual_scale <= options_.gate.max_residual_scale};
+    const View& view, const Pose3& T_map_vehicle, RegistrationWorkspace<Dim>& workspace) {
+  const auto found = registrar_.Register(view.fine_points, T_map_vehicle,
+                                         options_.registration_sigma_m, kFineEffort, workspace);
+  if (!found) return {.T_map_vehicle = T_map_vehicle};
+  work_ += found->work;
+  RegistrationGate gate = options_.gate;
+  gate.min_overlap = options_.view_overlap_share * options_.gate.min_overlap;
+  return {.T_map_vehicle = found->T_map_vehicle,
+          .log_likelihood = options_.log_likelihood_per_score * found->registration.score,
+          .is_acceptable = gate.Accepts(found->registration)};
 }
 
-// In the local map there, if there is one.
+// Of a registered pose from the one that odometry expects, in units of what both are off by.
 template <int Dim>
-std::optional<Registration<Dim>> GlobalLocalizer<Dim>::Register(
-    std::span<const GaussianPoint<Dim>> live, const Pose3& T_map_vehicle, const GicpOptions& gicp,
-    RegistrationWorkspace<Dim>& workspace) {
-  const std::optional<std::size_t> nearest =
-      map_->NearestKeyframe(T_map_vehicle.translation_m, local_map_radius_m_);
-  if (!nearest) return std::nullopt;
-  if (nearest != keyframe_) {
-    local_map_.MoveTo(*map_, T_map_vehicle.translation_m, local_map_radius_m_, workspace.local_map);
-    keyframe_ = nearest;
-  }
-  const Pose3 T_local_vehicle = local_map_.T_map_local().Inverse() * T_map_vehicle;
-  Registration<Dim> registration =
-      RegisterGicp<Dim>(live, local_map_, FromSpace<Dim>(T_local_vehicle, Matrix6d::Zero()).pose,
-                        gicp, workspace.finder);
-  // Each step goes through all points, and the landmarks around each.
-  constexpr double kLandmarks = 1000.0;
-  work_ += static_cast<double>(live.size()) * (1 + registration.iterations) *
-           (1.0 + static_cast<double>(local_map_.points().size()) / kLandmarks);
-  return registration;
+double GlobalLocalizer<Dim>::SquaredDistance(const Pose<Dim>& difference,
+                                             const TangentMatrix<Dim>& odometry) const {
+  TangentMatrix<Dim> covariance = odometry;
+  covariance.diagonal().template head<Dim>().array() +=
+      options_.registration_sigma_m * options_.registration_sigma_m;
+  covariance.diagonal().template tail<Pose<Dim>::kDof - Dim>().array() +=
+      options_.registration_sigma_rad * options_.registration_sigma_rad;
+  const Tangent<Dim> error = Log(difference);
+  return error.dot(covariance.ldlt().solve(error));
 }
 
-// A pose in the local map.
 template <int Dim>
-Pose3 GlobalLocalizer<Dim>::InMap(const Pose<Dim>& T_local_vehicle) const {
-  return local_map_.T_map_local() *
-         ToSpace<Dim>({.pose = T_local_vehicle}, UnobservedSigmas{}).pose;
+bool GlobalLocalizer<Dim>::IsSamePlace(const Pose3& a, const Pose3& b) const {
+  return (a.translation_m - b.translation_m).head<2>().norm() < options_.same_place_m &&
+         std::abs(WrapAngle(Yaw(a.rotation) - Yaw(b.rotation))) < options_.same_place_rad;
 }
 
 template class GlobalLocalizer<2>;

@@ -7,43 +7,30 @@
 #include <utility>
 #include <vector>
 
-#include "absl/status/status.h"
-#include "core/map/local_map.h"
 #include "core/map/radar_map.h"
 #include "core/odometry/motion.h"
-#include "core/options/option_fields.h"
-#include "core/registration/map_matcher.h"
+#include "core/relocalization/global_localizer_options.h"
+#include "core/relocalization/place_registration.h"
 #include "core/relocalization/place_search.h"
 
 namespace dcloc {
 
-/// What a place without a prior must reach.
-struct GlobalLocalizerOptions {
-  /// Of the winner; in each view somewhat less overlap is enough.
-  RegistrationGate gate = {.min_inlier_count = 200, .min_overlap = 0.6};
-  std::chrono::nanoseconds min_view_span = std::chrono::milliseconds(400);  ///< of a view's scans
-  double min_distance_m = 10.0;  ///< it holds over so much way: standing still, all views agree
-  double min_lead = 4.5;         ///< of its log-likelihood to that of every other place
-  int candidate_count = 60;      ///< places that are tried for each view
-};
-std::span<const OptionField<GlobalLocalizerOptions>> FieldsOf(
-    const GlobalLocalizerOptions& options);
-absl::Status Validate(const GlobalLocalizerOptions& options);
-
 /// Finds a vehicle of which nothing is known but a region, or not even that. Twice a second or so
-/// it takes what the vehicle sees, a view, and searches for the places that fit like it. All
-/// places found are registered with all views, joined by odometry, and contend: the one that fits
-/// every view and all of them together better than any other by `min_lead`, and so for
-/// `min_distance_m` of way, is where the vehicle is.
+/// the sub-map is kept as a view, and the map is searched for places that look like it. All places
+/// found are registered with all views, joined by odometry. The pose is the one that fits every
+/// view acceptably, leads all others in log-likelihood over all views by `min_lead`, and does so
+/// over `min_distance_m` of way (METHOD eq 38).
 template <int Dim>
 class GlobalLocalizer {
  public:
-  GlobalLocalizer(std::shared_ptr<const RadarMap> map, const GlobalLocalizerOptions& options,
-                  double local_map_radius_m, const GicpOptions& gicp)
+  GlobalLocalizer(std::shared_ptr<const RadarMap> map,
+                  std::shared_ptr<const RegistrationMethod<Dim>> method, double local_map_radius_m,
+                  const GlobalLocalizerOptions& options)
       : map_(std::move(map)),
-        options_(options),
+        method_(std::move(method)),
         local_map_radius_m_(local_map_radius_m),
-        gicp_(gicp) {}
+        options_(options),
+        registrar_(map_, method_, local_map_radius_m) {}
 
   /// The vehicle moved so since the last call. Views that odometry no longer joins, as after a
   /// silence, are forgotten.
@@ -68,20 +55,20 @@ class GlobalLocalizer {
   void Clear();
 
  private:
-  // What was seen, and how the vehicle moved to there since the view before.
+  // A sub-map, and how the vehicle moved to there since the view before.
   struct View {
-    std::vector<GaussianPoint<Dim>> live;
-    std::vector<GaussianPoint<Dim>> coarse_points;  // of them, for a fit
+    std::vector<GaussianPoint<Dim>> fine_points;
+    std::vector<GaussianPoint<Dim>> coarse_points;
     Motion motion;
     double way_m = 0.0;
   };
-  // A place registered with a view.
+  // A view registered at a place.
   struct ViewFit {
     Pose3 T_map_vehicle;
     double log_likelihood = 0.0;
-    bool is_acceptable = false;  // for a place without a prior
+    bool is_acceptable = false;
   };
-  // A place that the search has found, registered with a coarse_points of the points.
+  // A place that the search has found, registered with a view's coarse points.
   struct CoarseFit {
     Pose3 T_map_vehicle;
     double score = 0.0;
@@ -91,50 +78,50 @@ class GlobalLocalizer {
     std::vector<std::optional<ViewFit>> fits;
   };
 
-  // The work on a view, in this order: candidates are registered with it, it is searched for other
-  // places, those are registered with it, most of them at a fit, and then with the views before.
+  // The work on a view, in this order: candidates are registered with it; the map is searched for
+  // other places; those are fitted coarsely; the best of them finely, as new candidates; these are
+  // registered with the views before.
   enum class Phase { kIdle, kExtend, kSearch, kCoarseFit, kFineFit, kBackfill };
 
   void DoNextPiece(RegistrationWorkspace<Dim>& workspace);
+  void EndSearch();
   bool FillNextFit(RegistrationWorkspace<Dim>& workspace);
   void FitCoarsely(const PlaceHypothesis& place, RegistrationWorkspace<Dim>& workspace);
-  void KeepPromising();
+  void KeepPromisingFits();
   void FitFinely(const CoarseFit& fit, RegistrationWorkspace<Dim>& workspace);
-  void DropUnlikelyNewcomers();
+  void DropUnlikelyNewCandidates();
   void KeepBestCandidates();
   std::optional<Pose3> Winner() const;
   double Way() const;
   static double LogLikelihood(const Candidate& candidate);
-  ViewFit FitAfterMotion(const View& view, const ViewFit& beside, const Motion& motion,
+  ViewFit FitAfterMotion(const View& view, const ViewFit& neighbour, const Motion& motion,
                          RegistrationWorkspace<Dim>& workspace);
-  ViewFit FitAround(const View& view, const Pose3& T_map_vehicle, double blur_m,
+  ViewFit FitAround(const View& view, const Pose3& T_map_vehicle,
                     RegistrationWorkspace<Dim>& workspace);
-  std::optional<Registration<Dim>> Register(std::span<const GaussianPoint<Dim>> live,
-                                            const Pose3& T_map_vehicle, const GicpOptions& gicp,
-                                            RegistrationWorkspace<Dim>& workspace);
-  Pose3 InMap(const Pose<Dim>& T_local_vehicle) const;
+  double SquaredDistance(const Pose<Dim>& difference, const TangentMatrix<Dim>& odometry) const;
+  bool IsSamePlace(const Pose3& a, const Pose3& b) const;
   bool IsKnown(const Pose3& T_map_vehicle) const;
 
-  std::optional<SearchRegion> region_;  // of the newest view
-  std::optional<Pose3> winner_;         // T_map_vehicle at the newest view
-  LocalMap<Dim> local_map_;
-  std::optional<PlaceSearch> search_;
-  Motion since_view_;          // since the newest view
-  double since_view_m_ = 0.0;  // likewise, the way
-  Stamp view_stamp_{};         // of the newest view
-  double cell_m_ = 1.0;        // of the last search
-  double work_ = 0.0;          // done by this call of Continue
   std::shared_ptr<const RadarMap> map_;
-  std::optional<std::size_t> keyframe_;  // of local_map_
-  std::vector<View> views_;              // oldest first
-  std::vector<Candidate> candidates_;    // most likely first once all is done
-  std::vector<PlaceHypothesis> places_;  // left to fit at, the best last
-  std::vector<CoarseFit> coarse_fits_;   // left to fit at, likewise
-  GlobalLocalizerOptions options_;
+  std::shared_ptr<const RegistrationMethod<Dim>> method_;
   double local_map_radius_m_;
-  GicpOptions gicp_;
-  int view_count_ = 0;  // since nothing is known
+  GlobalLocalizerOptions options_;
+  PlaceRegistrar<Dim> registrar_;
+
   Phase phase_ = Phase::kIdle;
+  int view_count_ = 0;                  // taken since there was no pose
+  std::vector<View> views_;             // oldest first
+  Stamp view_stamp_{};                  // of the newest view
+  std::optional<SearchRegion> region_;  // likewise
+  Motion since_view_;                   // likewise
+  double way_since_view_m_ = 0.0;       // likewise
+  std::optional<PlaceSearch> search_;
+  double cell_m_ = 1.0;                  // of the last search
+  std::vector<PlaceHypothesis> places_;  // left to be fitted coarsely, the best last
+  std::vector<CoarseFit> coarse_fits_;   // left to be fitted finely, likewise
+  std::vector<Candidate> candidates_;    // most likely first once all is done
+  std::optional<Pose3> winner_;          // T_map_vehicle at the newest view
+  double work_ = 0.0;                    // done by this call of Continue
 };
 
 }  // namespace dcloc

@@ -9,9 +9,6 @@
 namespace dcloc {
 namespace {
 
-constexpr double kSigmas = 3.5;         // of a position, it is further off once in 450 times
-constexpr double kMaxRadius_m = 150.0;  // wider ones are searched with the whole map
-
 double LargestSigma(const Matrix6d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance.topLeftCorner<2, 2>(),
                                                               Eigen::EigenvaluesOnly);
@@ -26,6 +23,9 @@ std::span<const OptionField<PosePriorOptions>> FieldsOf(const PosePriorOptions& 
       {"max_prediction_sigma_m", &O::max_prediction_sigma_m, 0, 100, "every prior is searched for"},
       {"max_prediction_sigma_rad", &O::max_prediction_sigma_rad, 0, 10,
        "every prior is searched for"},
+      {"region_sigmas", &O::region_sigmas, 1e-6, 100},
+      {"max_region_radius_m", &O::max_region_radius_m, 0, 1e6,
+       "every prior is searched with the whole map"},
   };
   return kFields;
 }
@@ -54,15 +54,16 @@ bool PosePrior::IsPrediction(const Matrix6d& covariance) const {
 
 std::optional<SearchRegion> PosePrior::Region() const {
   if (!now_) return std::nullopt;
-  const double radius_m =
-      kSigmas * std::hypot(LargestSigma(then_.covariance), LargestSigma(since_then_.covariance));
-  if (radius_m > kMaxRadius_m) return std::nullopt;
-  return SearchRegion{.centre_m = then_.pose.translation_m.head<2>(),
-                      .radius_m = radius_m,
-                      .yaw_rad = Yaw(then_.pose.rotation),
-                      .max_yaw_offset_rad = kSigmas * std::sqrt(then_.covariance(5, 5) +
-                                                                since_then_.covariance(5, 5)),
-                      .T_then_now = Flatten(since_then_.T_from_to)};
+  const double radius_m = options_.region_sigmas * std::hypot(LargestSigma(then_.covariance),
+                                                              LargestSigma(since_then_.covariance));
+  if (radius_m > options_.max_region_radius_m) return std::nullopt;
+  return SearchRegion{
+      .centre_m = then_.pose.translation_m.head<2>(),
+      .radius_m = radius_m,
+      .yaw_rad = Yaw(then_.pose.rotation),
+      .max_yaw_offset_rad =
+          options_.region_sigmas * std::sqrt(then_.covariance(5, 5) + since_then_.covariance(5, 5)),
+      .T_then_now = Flatten(since_then_.T_from_to)};
 }
 
 }  // namespace dcloc

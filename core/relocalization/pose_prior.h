@@ -16,6 +16,9 @@ namespace dcloc {
 struct PosePriorOptions {
   double max_prediction_sigma_m = 3.5;
   double max_prediction_sigma_rad = 0.2;
+  /// The search region holds so many deviations: a position is further off once in 450 times.
+  double region_sigmas = 3.5;
+  double max_region_radius_m = 150.0;  ///< wider ones are searched with the whole map
 };
 std::span<const OptionField<PosePriorOptions>> FieldsOf(const PosePriorOptions& options);
 absl::Status Validate(const PosePriorOptions& options);

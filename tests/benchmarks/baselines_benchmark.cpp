@@ -3,7 +3,6 @@
 #include <ceres/ceres.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
-#include <pcl/registration/gicp.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -17,7 +16,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/evaluation/baselines/pcl_matcher.h"
+#include "client/evaluation/baselines/pcl_registration.h"
 #include "core/registration/correlative_search.h"
 #include "core/registration/gicp.h"
 #include "tests/benchmarks/inputs.h"
@@ -56,40 +55,12 @@ std::optional<Pose2> ByDclocSearch(const Query& query, const Pose2& start) {
   return best->T_local_vehicle;
 }
 
-Method ByMatcher(const Matcher& matcher) {
-  return [&matcher](const Query& query, const Pose2& start) -> std::optional<Pose2> {
-    const auto match = matcher.Find(query.submap.points, query.local_map, start, 1);
-    if (!match) return std::nullopt;
-    return match->T_local_vehicle;
+Method ByPlanar(const PlanarRegistration& planar) {
+  return [&planar](const Query& query, const Pose2& start) -> std::optional<Pose2> {
+    const auto fit = planar.Register(query.live, query.local_map, start, 1);
+    if (!fit) return std::nullopt;
+    return fit->T_local_vehicle;
   };
-}
-
-// PCL's GICP makes its covariances from each point's neighbours.
-std::optional<Pose2> ByPclGicp(const Query& query, const Pose2& start) {
-  using Cloud = pcl::PointCloud<pcl::PointXYZ>;
-  const auto source = std::make_shared<Cloud>();
-  const auto target = std::make_shared<Cloud>();
-  for (const auto& point : query.live) {
-    const Eigen::Vector2f p = point.mean_m.cast<float>();
-    source->emplace_back(p.x(), p.y(), 0.0F);
-  }
-  // Seen from the start, so that what is sought is near the identity.
-  const Pose2 T_start_local = start.Inverse();
-  for (const auto& point : query.local_map.points()) {
-    const Eigen::Vector2f p = (T_start_local * point.mean_m.cast<double>()).cast<float>();
-    target->emplace_back(p.x(), p.y(), 0.0F);
-  }
-  pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> gicp;
-  gicp.setInputSource(source);
-  gicp.setInputTarget(target);
-  gicp.setMaxCorrespondenceDistance(2.5);
-  gicp.setMaximumIterations(30);
-  Cloud aligned;
-  gicp.align(aligned);
-  const Eigen::Matrix4d found = gicp.getFinalTransformation().cast<double>();
-  if (!gicp.hasConverged() || !found.allFinite()) return std::nullopt;
-  return start * Pose2{.translation_m = found.topRightCorner<4, 1>().head<2>(),
-                       .yaw_rad = std::atan2(found(1, 0), found(0, 0))};
 }
 
 struct WhitenedDifference {
@@ -191,12 +162,13 @@ Figures Run(const Method& method, const std::vector<Query>& queries, double off_
 
 void Compare(const Case& drives, std::size_t stride, std::size_t max_count) {
   const std::vector<Query> queries = Queries(drives, stride, max_count);
-  const std::unique_ptr<Matcher> icp = MakeIcpMatcher();
-  const std::unique_ptr<Matcher> ndt = MakeNdtMatcher();
+  const std::unique_ptr<PlanarRegistration> icp = MakeIcpRegistration();
+  const std::unique_ptr<PlanarRegistration> gicp = MakePclGicpRegistration();
+  const std::unique_ptr<PlanarRegistration> ndt = MakeNdtRegistration();
   const std::pair<const char*, Method> methods[] = {
       {"dcloc GICP", ByDcloc},       {"dcloc search + GICP", ByDclocSearch},
-      {"Ceres, same cost", ByCeres}, {"PCL ICP", ByMatcher(*icp)},
-      {"PCL GICP", ByPclGicp},       {"PCL NDT 2D", ByMatcher(*ndt)}};
+      {"Ceres, same cost", ByCeres}, {"PCL ICP", ByPlanar(*icp)},
+      {"PCL GICP", ByPlanar(*gicp)}, {"PCL NDT 2D", ByPlanar(*ndt)}};
   const std::pair<double, double> starts[] = {{0.1, 0.3}, {0.5, 1.0}, {1.0, 2.0}};
   for (const auto& [off_m, off_deg] : starts) {
     for (const auto& [name, method] : methods) {

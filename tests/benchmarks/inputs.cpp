@@ -10,9 +10,9 @@
 
 #include "absl/status/statusor.h"
 #include "client/datasets/dataset.h"
-#include "core/localizer/localizer_options.h"
 #include "client/datasets/drive_map.h"
 #include "client/simulation/simulation.h"
+#include "core/localizer/localizer_options.h"
 #include "core/odometry/ego_motion.h"
 
 namespace dcloc::benchmarks {

@@ -34,15 +34,16 @@ absl::StatusOr<Localization> Baseline::Localize(const Scan& scan, StageListener*
 void Baseline::Register(const Submap& submap, Stamp stamp, StageListener* listener) {
   if (listener != nullptr) listener->OnStageBegin(Stage::kRegistration);
   EnterLocalFrame();
-  std::optional<Match> match;
+  std::optional<PlanarFit> fit;
   if (!local_map_.empty()) {
-    match = parts_.matcher->Find(submap.points, local_map_, parts_.estimator->Now().T_local_vehicle,
-                                 static_cast<std::uint64_t>(stamp.time_since_epoch().count()));
+    fit = parts_.registration->Register(
+        InPlane(submap.points), local_map_, parts_.estimator->Now().T_local_vehicle,
+        static_cast<std::uint64_t>(stamp.time_since_epoch().count()));
   }
-  if (match) quality_.inlier_count = match->inlier_count;
+  if (fit) quality_.inlier_count = fit->inlier_count;
 
   if (listener != nullptr) listener->OnStageBegin(Stage::kPoseGraph);
-  const std::optional<double> distance = parts_.estimator->Correct(match, submap.points);
+  const std::optional<double> distance = parts_.estimator->Correct(fit, submap.points);
   if (!distance) return;
   quality_.edge_distance = *distance;
   quality_.edge_valid = true;

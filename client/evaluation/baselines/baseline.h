@@ -5,8 +5,8 @@
 
 #include "client/evaluation/baselines/estimator.h"
 #include "client/evaluation/baselines/front_end.h"
-#include "client/evaluation/baselines/matcher.h"
 #include "client/evaluation/baselines/method.h"
+#include "client/evaluation/baselines/planar_registration.h"
 
 namespace dcloc {
 
@@ -16,7 +16,7 @@ class Baseline final : public Method {
  public:
   struct Parts {
     FrontEnd front_end;
-    std::unique_ptr<Matcher> matcher;
+    std::unique_ptr<PlanarRegistration> registration;
     std::unique_ptr<Estimator> estimator;
   };
 

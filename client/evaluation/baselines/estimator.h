@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "client/evaluation/baselines/matcher.h"
+#include "client/evaluation/baselines/planar_registration.h"
 #include "core/localizer/localizer_options.h"
 #include "core/odometry/motion.h"
 #include "core/posegraph/pose_graph.h"
@@ -27,8 +27,8 @@ class Estimator {
   virtual void Advance(const Motion& motion) = 0;
 
   /// A registration was tried on `submap`. Gives the squared Mahalanobis distance that it was
-  /// tested by, 0 without such a test; nothing when it is not believed.
-  virtual std::optional<double> Correct(const std::optional<Match>& match,
+  /// tested by, 0 without such a test; nothing when it is rejected.
+  virtual std::optional<double> Correct(const std::optional<PlanarFit>& fit,
                                         std::span<const RadarPoint> submap) = 0;
 
   virtual Estimate Now() const = 0;

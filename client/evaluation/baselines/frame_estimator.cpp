@@ -23,15 +23,15 @@ class FrameEstimator final : public Estimator {
         ComposeCovariance<2>(*now_.covariance, T_from_to, FlattenCovariance(motion.covariance));
   }
 
-  std::optional<double> Correct(const std::optional<Match>& match,
+  std::optional<double> Correct(const std::optional<PlanarFit>& fit,
                                 std::span<const RadarPoint> /*submap*/) override {
-    if (!match) return std::nullopt;
-    const Pose2 T_predicted_found = now_.T_local_vehicle.Inverse() * match->T_local_vehicle;
+    if (!fit) return std::nullopt;
+    const Pose2 T_predicted_found = now_.T_local_vehicle.Inverse() * fit->T_local_vehicle;
     if (T_predicted_found.translation_m.norm() > kMaxStep_m ||
         std::abs(T_predicted_found.yaw_rad) > kMaxTurn_rad) {
       return std::nullopt;
     }
-    now_ = {.T_local_vehicle = match->T_local_vehicle, .covariance = match->covariance};
+    now_ = {.T_local_vehicle = fit->T_local_vehicle, .covariance = fit->covariance};
     return 0.0;
   }
 

@@ -1,7 +1,7 @@
 #include <Eigen/Cholesky>
 #include <vector>
 
-#include "client/evaluation/baselines/descriptor_matcher.h"
+#include "client/evaluation/baselines/descriptor_registration.h"
 #include "client/evaluation/baselines/estimator.h"
 #include "client/evaluation/baselines/window_graph.h"
 #include "core/geometry/covariance.h"
@@ -32,22 +32,22 @@ class GraphEstimator final : public Estimator {
     if (raw_) *raw_ = *raw_ * Flatten(motion.T_from_to);
   }
 
-  std::optional<double> Correct(const std::optional<Match>& match,
+  std::optional<double> Correct(const std::optional<PlanarFit>& fit,
                                 std::span<const RadarPoint> submap) override {
     std::vector<GaussianPoint<2>> points = InPlane(submap);
     graph_.AddState(OdometryEdge(points));
     since_state_ = {};
     previous_ = LocalMap<2>({}, points);
     std::optional<double> distance;
-    if (match && match->covariance) {
-      const PoseEstimate<2> loop{.pose = match->T_local_vehicle, .covariance = *match->covariance};
+    if (match && fit->covariance) {
+      const PoseEstimate<2> loop{.pose = fit->T_local_vehicle, .covariance = *fit->covariance};
       distance = raw_ ? Distance(*raw_, loop) : 0.0;
       if (*distance <= max_distance_) {
         graph_.AddAbsolutePose(loop);
       } else {
         distance.reset();
       }
-      raw_ = match->T_local_vehicle;
+      raw_ = fit->T_local_vehicle;
     }
     graph_.Solve();
     return distance;
@@ -84,7 +84,7 @@ class GraphEstimator final : public Estimator {
   WindowGraph graph_;
   Motion since_state_;
   LocalMap<2> previous_;      // the last state's sub-map, in its own vehicle frame
-  std::optional<Pose2> raw_;  // the last match, believed or not, carried on by ego-motion
+  std::optional<Pose2> raw_;  // the last fit, accepted or not, carried on by ego-motion
 };
 
 }  // namespace

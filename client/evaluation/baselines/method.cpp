@@ -4,8 +4,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/evaluation/baselines/baseline.h"
-#include "client/evaluation/baselines/descriptor_matcher.h"
-#include "client/evaluation/baselines/pcl_matcher.h"
+#include "client/evaluation/baselines/descriptor_registration.h"
+#include "client/evaluation/baselines/method_in_localizer.h"
+#include "client/evaluation/baselines/pcl_registration.h"
 #include "core/geometry/covariance.h"
 
 namespace dcloc {
@@ -23,16 +24,21 @@ class Ours final : public Method {
   Localizer localizer_;
 };
 
-std::unique_ptr<Matcher> MakeMatcher(MethodKind kind, const LocalizerOptions& options) {
+std::unique_ptr<PlanarRegistration> MakeRegistration(MethodKind kind,
+                                                     const LocalizerOptions& options) {
   switch (kind) {
     case MethodKind::kIcp:
-      return MakeIcpMatcher();
+    case MethodKind::kDclocIcp:
+      return MakeIcpRegistration();
     case MethodKind::kNdt:
-      return MakeNdtMatcher();
+    case MethodKind::kDclocNdt:
+      return MakeNdtRegistration();
+    case MethodKind::kDclocGicp:
+      return MakePclGicpRegistration();
     case MethodKind::kMcRansac:
-      return std::make_unique<DescriptorMatcher>(std::nullopt);
+      return std::make_unique<DescriptorRegistration>(std::nullopt);
     default:
-      return std::make_unique<DescriptorMatcher>(options.matcher.gicp);
+      return std::make_unique<DescriptorRegistration>(options.matcher.gicp);
   }
 }
 
@@ -45,6 +51,8 @@ std::string MethodName(MethodKind kind) {
   return "";
 }
 
+bool RunsInLocalizer(MethodKind kind) { return kind >= MethodKind::kDcloc; }
+
 absl::StatusOr<std::unique_ptr<Method>> CreateMethod(MethodKind kind,
                                                      const std::shared_ptr<const RadarMap>& map,
                                                      const Rig& rig,
@@ -54,9 +62,22 @@ absl::StatusOr<std::unique_ptr<Method>> CreateMethod(MethodKind kind,
   auto ours = Localizer::Create(map, rig, initial_pose, options);
   if (!ours.ok()) return ours.status();
   if (kind == MethodKind::kDcloc) return std::make_unique<Ours>(*std::move(ours));
+  if (RunsInLocalizer(kind)) {
+    if (map->info().has_elevation && rig.MeasuresElevation()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "method ", MethodName(kind), " is planar, but map and rig both measure elevation"));
+    }
+    auto localizer = Localizer::Create(map, rig, initial_pose, options,
+                                       {.planar = std::make_shared<MethodInLocalizer>(
+                                            MakeRegistration(kind, options), options.matcher.gicp),
+                                        .spatial = nullptr});
+    if (!localizer.ok()) return localizer.status();
+    return std::make_unique<Ours>(*std::move(localizer));
+  }
   if (!initial_pose) {
     return absl::InvalidArgumentError(absl::StrCat(
-        "method ", MethodName(kind), " needs an initial pose: only dcloc searches the whole map"));
+        "method ", MethodName(kind),
+        " needs an initial pose: only those inside the localizer search the whole map"));
   }
   const Pose3 T_map_local =
       Baseline::LocalFrame(*map, initial_pose->T_map_vehicle.translation_m, options);
@@ -68,7 +89,7 @@ absl::StatusOr<std::unique_ptr<Method>> CreateMethod(MethodKind kind,
   return std::make_unique<Baseline>(
       map, T_map_local,
       Baseline::Parts{.front_end = FrontEnd(rig, options, kind == MethodKind::kMcRansac),
-                      .matcher = MakeMatcher(kind, options),
+                      .registration = MakeRegistration(kind, options),
                       .estimator = has_graph ? MakeGraphEstimator(initial, options)
                                              : MakeFrameEstimator(initial)},
       options);

@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "core/registration/gicp_registration.h"
 #include "tests/core/localizer/synthetic_world.h"
 
 namespace dcloc {
@@ -45,7 +46,8 @@ class Seeker {
   Seeker(const SyntheticWorld& world, const std::shared_ptr<const RadarMap>& map, double along_m,
          double sight_m = 60.0, const GlobalLocalizerOptions& options = FewPoints())
       : world_(world),
-        global_localizer_(map, options, kRadius_m, {}),
+        global_localizer_(map, std::make_shared<GicpRegistration<2>>(GicpOptions()), kRadius_m,
+                          options),
         along_m_(along_m),
         sight_m_(sight_m) {}
 

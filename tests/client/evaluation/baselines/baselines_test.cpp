@@ -32,14 +32,18 @@ class Baselines : public ::testing::TestWithParam<MethodKind> {
 SimulatedDrives* Baselines::drives_ = nullptr;
 
 std::string NameOfTest(const ::testing::TestParamInfo<MethodKind>& info) {
-  constexpr const char* kNames[] = {"Icp", "Ndt", "McRansac", "DcLoc", "DcLocPlusPlus", "Dcloc"};
+  constexpr const char* kNames[] = {
+      "Icp",   "Ndt",      "McRansac",  "DcLoc",    "DcLocPlusPlus",
+      "Dcloc", "DclocIcp", "DclocGicp", "DclocNdt", "DclocDescriptor"};
   return kNames[static_cast<std::size_t>(info.param)];
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Baselines,
                          ::testing::Values(MethodKind::kIcp, MethodKind::kNdt,
                                            MethodKind::kMcRansac, MethodKind::kDcLoc,
-                                           MethodKind::kDcLocPlusPlus, MethodKind::kDcloc),
+                                           MethodKind::kDcLocPlusPlus, MethodKind::kDcloc,
+                                           MethodKind::kDclocIcp, MethodKind::kDclocGicp,
+                                           MethodKind::kDclocNdt, MethodKind::kDclocDescriptor),
                          NameOfTest);
 
 TEST_P(Baselines, TracksADriveFromAPerturbedPose) {
@@ -99,14 +103,14 @@ TEST_P(Baselines, SurvivesScansWithoutTargets) {
   for (const ScanOutcome& scan : outcome.scans) EXPECT_FALSE(scan.answered());
 }
 
-TEST_P(Baselines, NeedsAnInitialPoseUnlessItIsOurs) {
+TEST_P(Baselines, NeedsAnInitialPoseUnlessItRunsInTheLocalizer) {
   EvaluationOptions options{.method = GetParam()};
   options.has_initial_pose = false;
   const auto map = MapForMethod(options.method, drives_->map_drive, options.localizer).value();
   Drive drive = drives_->live_drive;
   drive.scans.resize(1);
   const auto outcome = Evaluate(map, drive, options);
-  EXPECT_EQ(outcome.ok(), GetParam() == MethodKind::kDcloc);
+  EXPECT_EQ(outcome.ok(), RunsInLocalizer(GetParam()));
   if (!outcome.ok()) {
     EXPECT_THAT(std::string(outcome.status().message()),
                 HasSubstr("method " + MethodName(GetParam()) + " needs an initial pose"));
@@ -163,7 +167,7 @@ TEST(WindowGraph, FollowsItsFrame) {
   EXPECT_NEAR(graph.Newest().pose.translation_m.y(), 2.0, 1e-9);
 }
 
-Match MatchAt(double x_m) {
+PlanarFit MatchAt(double x_m) {
   return {.T_local_vehicle = {.translation_m = {x_m, 0.0}},
           .covariance = 0.01 * Eigen::Matrix3d::Identity()};
 }

@@ -1,8 +1,9 @@
-#include "client/evaluation/baselines/pcl_matcher.h"
+#include "client/evaluation/baselines/pcl_registration.h"
 
 #include <pcl/console/print.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
+#include <pcl/registration/gicp.h>
 #include <pcl/registration/icp.h>
 #include <pcl/registration/ndt.h>
 
@@ -27,9 +28,9 @@ void Add(const Eigen::Vector2d& p, Cloud& cloud) {
   cloud.emplace_back(q.x(), q.y(), 0.0F);
 }
 
-Cloud::Ptr LiveCloud(std::span<const RadarPoint> live) {
+Cloud::Ptr LiveCloud(std::span<const GaussianPoint<2>> live) {
   auto cloud = std::make_shared<Cloud>();
-  for (const RadarPoint& point : live) Add(point.position_m.head<2>(), *cloud);
+  for (const GaussianPoint<2>& point : live) Add(point.mean_m, *cloud);
   return cloud;
 }
 
@@ -72,10 +73,10 @@ bool Align(PclRegistration& registration, Pose2& guess) {
   return true;
 }
 
-class IcpMatcher final : public Matcher {
+class IcpRegistration final : public PlanarRegistration {
  public:
-  std::optional<Match> Find(std::span<const RadarPoint> live, const LocalMap<2>& map,
-                            const Pose2& predicted, std::uint64_t /*seed*/) const override {
+  std::optional<PlanarFit> Register(std::span<const GaussianPoint<2>> live, const LocalMap<2>& map,
+                                    const Pose2& predicted, std::uint64_t /*seed*/) const override {
     const Cloud::Ptr source = LiveCloud(live);
     const Cloud::Ptr target = MapCloud(map, predicted, false);
     if (source->size() < kMinPoints || target->size() < kMinPoints) return std::nullopt;
@@ -85,20 +86,20 @@ class IcpMatcher final : public Matcher {
     icp.setTransformationEpsilon(1e-8);
     icp.setMaximumIterations(60);
     Pose2 T_predicted_vehicle;
-    constexpr double kReaches_m[] = {2.5, 0.8};
-    for (const double reach_m : kReaches_m) {
-      icp.setMaxCorrespondenceDistance(reach_m);
+    constexpr double kDistances_m[] = {2.5, 0.8};
+    for (const double distance_m : kDistances_m) {
+      icp.setMaxCorrespondenceDistance(distance_m);
       if (!Align(icp, T_predicted_vehicle)) return std::nullopt;
     }
-    return Match{.T_local_vehicle = predicted * T_predicted_vehicle,
-                 .inlier_count = static_cast<int>(source->size())};
+    return PlanarFit{.T_local_vehicle = predicted * T_predicted_vehicle,
+                     .inlier_count = static_cast<int>(source->size())};
   }
 };
 
-class NdtMatcher final : public Matcher {
+class NdtRegistration final : public PlanarRegistration {
  public:
-  std::optional<Match> Find(std::span<const RadarPoint> live, const LocalMap<2>& map,
-                            const Pose2& predicted, std::uint64_t /*seed*/) const override {
+  std::optional<PlanarFit> Register(std::span<const GaussianPoint<2>> live, const LocalMap<2>& map,
+                                    const Pose2& predicted, std::uint64_t /*seed*/) const override {
     const Cloud::Ptr source = LiveCloud(live);
     const Cloud::Ptr target = MapCloud(map, predicted, true);
     if (source->size() < kMinPoints || target->size() < kMinPoints) return std::nullopt;
@@ -116,14 +117,43 @@ class NdtMatcher final : public Matcher {
       ndt.setResolution(cell_m);
       if (!Align(ndt, T_predicted_vehicle)) return std::nullopt;
     }
-    return Match{.T_local_vehicle = predicted * T_predicted_vehicle,
-                 .inlier_count = static_cast<int>(source->size())};
+    return PlanarFit{.T_local_vehicle = predicted * T_predicted_vehicle,
+                     .inlier_count = static_cast<int>(source->size())};
+  }
+};
+
+// GICP makes its covariances from each point's neighbours.
+class PclGicpRegistration final : public PlanarRegistration {
+ public:
+  std::optional<PlanarFit> Register(std::span<const GaussianPoint<2>> live, const LocalMap<2>& map,
+                                    const Pose2& predicted, std::uint64_t /*seed*/) const override {
+    const Cloud::Ptr source = LiveCloud(live);
+    const Cloud::Ptr target = MapCloud(map, predicted, false);
+    // It takes the covariance of twenty neighbours.
+    constexpr std::size_t kNeighbours = 20;
+    if (source->size() < kNeighbours || target->size() < kNeighbours) return std::nullopt;
+    pcl::GeneralizedIterativeClosestPoint<Point, Point> gicp;
+    gicp.setInputSource(source);
+    gicp.setInputTarget(target);
+    gicp.setMaxCorrespondenceDistance(2.5);
+    gicp.setMaximumIterations(30);
+    Pose2 T_predicted_vehicle;
+    if (!Align(gicp, T_predicted_vehicle)) return std::nullopt;
+    return PlanarFit{.T_local_vehicle = predicted * T_predicted_vehicle,
+                     .inlier_count = static_cast<int>(source->size())};
   }
 };
 
 }  // namespace
 
-std::unique_ptr<Matcher> MakeIcpMatcher() { return std::make_unique<IcpMatcher>(); }
-std::unique_ptr<Matcher> MakeNdtMatcher() { return std::make_unique<NdtMatcher>(); }
+std::unique_ptr<PlanarRegistration> MakeIcpRegistration() {
+  return std::make_unique<IcpRegistration>();
+}
+std::unique_ptr<PlanarRegistration> MakePclGicpRegistration() {
+  return std::make_unique<PclGicpRegistration>();
+}
+std::unique_ptr<PlanarRegistration> MakeNdtRegistration() {
+  return std::make_unique<NdtRegistration>();
+}
 
 }  // namespace dcloc

@@ -1,4 +1,4 @@
-#include "client/evaluation/baselines/descriptor_matcher.h"
+#include "client/evaluation/baselines/descriptor_registration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,10 +25,9 @@ Points Thinned(const Points& points, std::size_t max_count) {
   return thinned;
 }
 
-Points LivePoints(std::span<const RadarPoint> live) {
+Points LivePoints(std::span<const GaussianPoint<2>> live) {
   Points points;
-  for (const RadarPoint& point : live)
-    points.emplace_back(point.position_m.head<2>().cast<float>());
+  for (const GaussianPoint<2>& point : live) points.emplace_back(point.mean_m.cast<float>());
   return Thinned(points, kMaxLivePoints);
 }
 
@@ -70,19 +69,10 @@ std::vector<IndexPair> NearPrediction(std::vector<IndexPair> pairs, const Points
 
 }  // namespace
 
-std::vector<GaussianPoint<2>> InPlane(std::span<const RadarPoint> points) {
-  std::vector<GaussianPoint<2>> planar;
-  planar.reserve(points.size());
-  for (const RadarPoint& point : points) {
-    planar.push_back({.mean_m = point.position_m.head<2>(),
-                      .covariance_m2 = point.covariance_m2.topLeftCorner<2, 2>()});
-  }
-  return planar;
-}
-
-std::optional<Match> DescriptorMatcher::Find(std::span<const RadarPoint> live,
-                                             const LocalMap<2>& map, const Pose2& predicted,
-                                             std::uint64_t seed) const {
+std::optional<PlanarFit> DescriptorRegistration::Register(std::span<const GaussianPoint<2>> live,
+                                                          const LocalMap<2>& map,
+                                                          const Pose2& predicted,
+                                                          std::uint64_t seed) const {
   constexpr int kNeighbours = 2;
   constexpr int kMinInliers = 10;
   constexpr double kRansacError_m = 0.3;
@@ -94,16 +84,16 @@ std::optional<Match> DescriptorMatcher::Find(std::span<const RadarPoint> live,
   const std::optional<RigidMatch> rigid = MatchRigid(landmarks, points, pairs, seed);
   if (!rigid) return std::nullopt;
   if (!gicp_) {
-    return Match{.T_local_vehicle = rigid->T_a_b,
-                 .inlier_count = static_cast<int>(rigid->inliers.size())};
+    return PlanarFit{.T_local_vehicle = rigid->T_a_b,
+                     .inlier_count = static_cast<int>(rigid->inliers.size())};
   }
   GicpOptions gicp = *gicp_;
   gicp.initial_blur_m = kRansacError_m;
-  const Registration<2> refined = RegisterGicp<2>(InPlane(live), map, rigid->T_a_b, gicp);
+  const Registration<2> refined = RegisterGicp<2>(live, map, rigid->T_a_b, gicp);
   if (refined.inlier_count < kMinInliers) return std::nullopt;
-  return Match{.T_local_vehicle = refined.T_local_vehicle,
-               .covariance = refined.covariance,
-               .inlier_count = refined.inlier_count};
+  return PlanarFit{.T_local_vehicle = refined.T_local_vehicle,
+                   .covariance = refined.covariance,
+                   .inlier_count = refined.inlier_count};
 }
 
 }  // namespace dcloc

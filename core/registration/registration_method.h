@@ -1,0 +1,84 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "core/geometry/gaussian_point.h"
+#include "core/geometry/pose.h"
+#include "core/map/local_map.h"
+#include "core/registration/registration_workspace.h"
+
+namespace dcloc {
+
+/// When a registration may stop.
+struct RegistrationEffort {
+  int max_iterations;
+  double translation_tolerance_m;
+  double rotation_tolerance_rad;
+};
+
+/// What a registration is asked. All of it outlives the call.
+template <int Dim>
+struct RegistrationInput {
+  std::span<const GaussianPoint<Dim>> points;  ///< of the sub-map, vehicle frame
+  const LocalMap<Dim>& map;
+  Pose<Dim> T_local_vehicle_guess;                ///< the initial guess
+  double guess_sigma_m = 0.0;                     ///< how far off the guess may be; 0: it is good
+  std::optional<RegistrationEffort> effort = {};  ///< less than the method's own, where it has one
+};
+
+/// Variance [m^2, rad^2] that stands for "not observed".
+inline constexpr double kUnobserved = 1e6;
+
+/// How the points lie in the map.
+template <int Dim>
+struct Registration {
+  Pose<Dim> T_local_vehicle;
+  /// In the tangent space on the right (METHOD eq 13-14), not inflated; a direction that the
+  /// correspondences do not determine has a variance of `kUnobserved`.
+  TangentMatrix<Dim> covariance;
+  /// H, the weighted sum of G^T W G (METHOD eq 13), in the same tangent space.
+  TangentMatrix<Dim> information = TangentMatrix<Dim>::Zero();
+  bool converged = false;
+  int iterations = 0;
+  int inlier_count = 0;         ///< points with a correspondence inside of the gates
+  double overlap = 0.0;         ///< their share
+  double score = 0.0;           ///< mean of exp(-d^2 / 2) over all points, 0 of those without one
+  double residual_scale = 0.0;  ///< root mean square of whitened residuals, 1 is as modelled
+};
+
+/// The seam behind which a registration algorithm stands. Stateless: one object serves many
+/// vehicles at once, and the result depends on the input alone.
+template <int Dim>
+class RegistrationMethod {
+ public:
+  virtual ~RegistrationMethod() = default;
+
+  /// Aligns `input.points`, of which there is at least one, with the map. A result that did not
+  /// converge is one with `converged` false; without correspondences `inlier_count` is 0.
+  /// `workspace` lends its memory.
+  virtual Registration<Dim> Register(const RegistrationInput<Dim>& input,
+                                     RegistrationWorkspace<Dim>& workspace) const = 0;
+
+  /// Whether Register leaves `workspace.finder` with the input's points and map, so that their
+  /// correspondences need not be begun again.
+  virtual bool LeavesFinder() const { return false; }
+};
+
+/// The methods of a localizer, in the plane and in space; null is ours, GicpRegistration.
+struct RegistrationMethods {
+  std::shared_ptr<const RegistrationMethod<2>> planar;
+  std::shared_ptr<const RegistrationMethod<3>> spatial;
+
+  template <int Dim>
+  const std::shared_ptr<const RegistrationMethod<Dim>>& Of() const {
+    if constexpr (Dim == 2) {
+      return planar;
+    } else {
+      return spatial;
+    }
+  }
+};
+
+}  // namespace dcloc

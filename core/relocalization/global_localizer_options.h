@@ -1,0 +1,67 @@
+#pragma once
+
+#include <chrono>
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/options/option_fields.h"
+#include "core/registration/map_matcher.h"
+
+namespace dcloc {
+
+/// When views are taken, which places are candidates, and what the winner must reach.
+struct GlobalLocalizerOptions {
+  /// Of the winner.
+  RegistrationGate gate = {.min_inlier_count = 200, .min_overlap = 0.6};
+  /// Of that overlap, so much is enough in each view: the first ones may show ground from before
+  /// the map's beginning.
+  double view_overlap_share = 0.83;
+  double min_distance_m = 10.0;  ///< it holds over so much way: standing still, all views agree
+  double min_lead = 4.5;         ///< of its log-likelihood to that of every other place
+
+  /// A view's scans span so much time. A new one is taken after so much way and time; after the
+  /// first few views, where nothing is found, less often by `late_view_interval_factor`.
+  std::chrono::nanoseconds min_view_span = std::chrono::milliseconds(400);
+  std::chrono::nanoseconds view_interval = std::chrono::milliseconds(400);
+  double view_distance_m = 4.0;
+  int early_view_count = 8;
+  int late_view_interval_factor = 8;
+  int max_view_count = 4;
+  /// Views that odometry joins less certainly than this are dropped.
+  double max_view_sigma_m = 2.0;
+  double max_view_sigma_rad = 0.2;
+
+  int candidate_count = 60;      ///< places that are tried for each view
+  int max_kept_candidates = 32;  ///< that are kept for the next one
+  /// Of a view's points, so many tell places apart, and so many what is no place at all.
+  int fine_point_count = 400;
+  int coarse_point_count = 100;
+  /// Step of the search; finer in a small region, which is most alike within itself.
+  double cell_m = 1.0;
+  double small_region_cell_m = 0.5;
+  double small_region_radius_m = 40.0;
+
+  /// What a score is worth as a log-likelihood: near the score of a place that fits, some twenty
+  /// independent points. Linear, as where little fits a logarithm would make much of a little more
+  /// (METHOD eq 38).
+  double log_likelihood_per_score = 36.0;
+  /// Candidates are dropped that lack more than this to the best: in score after a coarse fit, in
+  /// log-likelihood after the fine fit of a new one, and over all views.
+  double coarse_score_margin = 0.2;
+  double new_candidate_margin = 4.0;
+  double candidate_margin = 10.0;
+  /// Poses nearer to one another are the same place.
+  double same_place_m = 1.0;
+  double same_place_rad = 0.1;
+  /// What a registration is off by, as odometry between two views sees it.
+  double registration_sigma_m = 0.3;
+  double registration_sigma_rad = 0.02;
+
+  /// Work in one call, in units of some 0.04 us: about ten milliseconds.
+  double max_work = 250e3;
+};
+std::span<const OptionField<GlobalLocalizerOptions>> FieldsOf(
+    const GlobalLocalizerOptions& options);
+absl::Status Validate(const GlobalLocalizerOptions& options);
+
+}  // namespace dcloc
