@@ -39,7 +39,7 @@ class GraphEstimator final : public Estimator {
     since_state_ = {};
     previous_ = LocalMap<2>({}, points);
     std::optional<double> distance;
-    if (match && fit->covariance) {
+    if (fit && fit->covariance) {
       const PoseEstimate<2> loop{.pose = fit->T_local_vehicle, .covariance = *fit->covariance};
       distance = raw_ ? Distance(*raw_, loop) : 0.0;
       if (*distance <= max_distance_) {
