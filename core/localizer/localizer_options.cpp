@@ -23,6 +23,8 @@ absl::Status Validate(const LocalizerOptions& options) {
   status.Update(Within("matcher", Validate(options.matcher)));
   status.Update(Within("prior", Validate(options.prior)));
   status.Update(Within("global", Validate(options.global)));
+  status.Update(Within("noise_scales", Validate(options.noise_scales)));
+  status.Update(Within("beta_monitor", Validate(options.beta_monitor)));
   status.Update(Within("factor", Validate(options.factor)));
   status.Update(Within("pose_graph", Validate(options.pose_graph)));
   status.Update(Within("tracking", Validate(options.tracking)));

@@ -13,6 +13,8 @@
 #include "core/registration/map_matcher.h"
 #include "core/relocalization/global_localizer.h"
 #include "core/relocalization/pose_prior.h"
+#include "core/uncertainty/beta_monitor.h"
+#include "core/uncertainty/noise_scale_estimator.h"
 #include "core/uncertainty/registration_factor.h"
 
 namespace dcloc {
@@ -42,6 +44,8 @@ struct LocalizerOptions {
   MapMatcherOptions matcher;
   PosePriorOptions prior;
   GlobalLocalizerOptions global;
+  NoiseScaleOptions noise_scales;
+  BetaMonitorOptions beta_monitor;
   RegistrationFactorOptions factor;
   PoseGraphOptions pose_graph;
   TrackingOptions tracking;

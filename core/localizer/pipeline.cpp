@@ -56,7 +56,8 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       pose_prior_(options.prior),
       hypotheses_(GraphOptions(options)),
       tracking_(options.tracking),
-      beta_monitor_(rig_) {
+      noise_scales_(options.noise_scales),
+      beta_monitor_(rig_, options.beta_monitor) {
   if (initial_pose) Start(*initial_pose);
 }
 
@@ -283,7 +284,7 @@ void Pipeline<Dim>::HandleLoss(Stamp stamp) {
     InflateCovariance(now.covariance);
     // What was learned on the way to a wrong pose is wrong.
     ego_motion_.Forget();
-    noise_scales_ = {};
+    noise_scales_ = NoiseScaleEstimator<Dim>(options_.noise_scales);
   }
   if (loss != Loss::kPlaceRefused) {
     pose_prior_.Set({.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance});

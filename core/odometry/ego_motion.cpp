@@ -8,7 +8,7 @@ namespace {
 
 // Squared Mahalanobis distance of two independent estimates, over v_x and yaw rate: the components
 // that both really measure.
-double Disagreement(const EgoVelocity& a, const EgoVelocity& b) {
+double SquaredDistance(const EgoVelocity& a, const EgoVelocity& b) {
   const Matrix6d sum = *a.covariance + *b.covariance;
   const Eigen::Vector2d apart(a.linear_mps.x() - b.linear_mps.x(),
                               a.angular_radps.z() - b.angular_radps.z());
@@ -17,12 +17,22 @@ double Disagreement(const EgoVelocity& a, const EgoVelocity& b) {
   return apart.dot(spread.ldlt().solve(apart));
 }
 
-constexpr double kMaxDisagreement = 13.8;  // chi-square, 2 degrees of freedom, 99.9 %
-
 }  // namespace
 
+std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& /*options*/) {
+  using O = EgoMotionOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"max_squared_distance", &O::max_squared_distance, 0, 1e6, "Doppler is used alone or not"},
+      {"simultaneous_ms", &O::simultaneous, 0, 1e4, "each scan stands alone"},
+      {"unknown_speed_sigma_mps", &O::unknown_speed_sigma_mps, 1e-6, 1000},
+      {"unknown_yaw_rate_sigma_radps", &O::unknown_yaw_rate_sigma_radps, 1e-6, 100},
+  };
+  return kFields;
+}
+
 absl::Status Validate(const EgoMotionOptions& options) {
-  absl::Status status = Within("doppler", Validate(options.doppler));
+  absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(Within("doppler", Validate(options.doppler)));
   status.Update(Within("motion", Validate(options.motion)));
   status.Update(Within("error_filter", Validate(options.error_filter)));
   return status;
@@ -39,8 +49,8 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar,
   EgoVelocity now;
   if (scan.ego_velocity) {
     now = Corrected(*scan.ego_velocity);
-    // Doppler that contradicts the wheels has fallen for a mover that fills the view.
-    if (doppler && Disagreement(now, doppler->ego_velocity) <= kMaxDisagreement) {
+    // Doppler that contradicts the wheels may be that of a mover that fills the view.
+    if (doppler && SquaredDistance(now, doppler->ego_velocity) <= options_.max_squared_distance) {
       now = Fuse(now, doppler->ego_velocity);
     }
   } else if (doppler) {
@@ -64,25 +74,23 @@ EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
 
 // The newest scan of each radar, as far as they are of one moment.
 std::span<const RadarScan> EgoMotion::Remember(const Scan& scan, const RadarModel& radar) {
-  constexpr auto kOneMoment = std::chrono::milliseconds(80);
   RecentScan& newest = recent_[radar.id];
   newest.scan = scan;  // into the columns of the radar's last one
   newest.radar = &radar;
   of_one_moment_.clear();
   for (const auto& [id, recent] : recent_) {
-    if (scan.stamp - recent.scan.stamp > kOneMoment) continue;
+    if (scan.stamp - recent.scan.stamp > options_.simultaneous) continue;
     of_one_moment_.push_back({&recent.scan, recent.radar});
   }
   return of_one_moment_;
 }
 
 EgoVelocity EgoMotion::Held(std::chrono::nanoseconds age) const {
-  constexpr double kUnknownSpeed_mps = 15.0;
-  constexpr double kUnknownYawRate_radps = 0.3;
   EgoVelocity held = velocity_.value_or(EgoVelocity{});
   if (!velocity_) {
     Vector6d sigmas;
-    sigmas << kUnknownSpeed_mps, 0.5, 0.1, 0.05, 0.05, kUnknownYawRate_radps;
+    sigmas << options_.unknown_speed_sigma_mps, 0.5, 0.1, 0.05, 0.05,
+        options_.unknown_yaw_rate_sigma_radps;
     held.covariance = sigmas.cwiseAbs2().asDiagonal();
     return held;
   }

@@ -20,7 +20,16 @@ struct EgoMotionOptions {
   EgoVelocityOptions doppler;
   MotionOptions motion;
   OdometryErrorFilterOptions error_filter;
+  /// Reported and Doppler velocity are fused where their squared Mahalanobis distance over speed
+  /// and yaw rate is at most this: the chi-square quantile of 99.9 % with 2 degrees of freedom.
+  double max_squared_distance = 13.8;
+  /// Scans of different radars within this are of one moment.
+  std::chrono::nanoseconds simultaneous = std::chrono::milliseconds(80);
+  /// Deviations of the velocity while nothing is known of it.
+  double unknown_speed_sigma_mps = 15.0;
+  double unknown_yaw_rate_sigma_radps = 0.3;
 };
+std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& options);
 absl::Status Validate(const EgoMotionOptions& options);
 
 /// One vehicle's ego-velocity over time: what the vehicle sends fused with what its radars' Doppler

@@ -13,14 +13,6 @@ constexpr int kYawRateBias = 4;
 constexpr int kCourse = 5;
 constexpr int kTimeOffset = 6;
 
-// What a second adds to the deviations' squares: of the pose by all that is not constant (slip,
-// noise of the sensors), of the constants as they drift.
-constexpr double kWalk_m = 0.02;
-constexpr double kWalk_rad = 5e-4;
-constexpr double kScaleDrift = 2e-4;
-constexpr double kYawRateBiasDrift_radps = 2e-5;
-constexpr double kCourseDrift_rad = 2e-4;
-
 double Square(double value) { return value * value; }
 
 }  // namespace
@@ -37,6 +29,15 @@ std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
       {"min_scale_sigma", &O::min_scale_sigma, 0, 0.5, "a learned scale may be exact"},
       {"pose_sigma_m", &O::pose_sigma_m, 1e-6, 100},
       {"pose_sigma_rad", &O::pose_sigma_rad, 1e-6, 1},
+      {"walk_sigma_m", &O::walk_sigma_m, 0, 10, "only the constants err"},
+      {"walk_sigma_rad", &O::walk_sigma_rad, 0, 1, "only the constants err"},
+      {"scale_drift", &O::scale_drift, 0, 0.1, "the scale is constant"},
+      {"yaw_rate_bias_drift_radps", &O::yaw_rate_bias_drift_radps, 0, 0.1, "the bias is constant"},
+      {"course_drift_rad", &O::course_drift_rad, 0, 0.1, "the course is constant"},
+      {"innovation_memory", &O::innovation_memory, 0, 1, "only the newest innovation counts"},
+      {"max_squared_sigmas", &O::max_squared_sigmas, 1e-6, 1e6},
+      {"innovation_prior_count", &O::innovation_prior_count, 1e-6, 1e6},
+      {"usual_squared_sigmas", &O::usual_squared_sigmas, 1e-6, 1e6},
   };
   return kFields;
 }
@@ -73,7 +74,8 @@ void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseco
   by_states(2, kYawRateBias) = duration_s;
   by_states.block<2, 1>(0, kCourse) = Eigen::Vector2d(-way_m.y(), way_m.x());
   States drift;
-  drift << kWalk_m, kWalk_m, kWalk_rad, kScaleDrift, kYawRateBiasDrift_radps, kCourseDrift_rad, 0.0;
+  drift << options_.walk_sigma_m, options_.walk_sigma_m, options_.walk_sigma_rad,
+      options_.scale_drift, options_.yaw_rate_bias_drift_radps, options_.course_drift_rad, 0.0;
   covariance_ = by_states * covariance_ * by_states.transpose();
   covariance_.diagonal() += duration_s * drift.cwiseAbs2();
 }
@@ -113,17 +115,15 @@ void OdometryErrorFilter::StartAt(const Pose3& T_map_vehicle, const Eigen::Matri
   covariance_.topLeftCorner<kPose, kPose>() = covariance;
 }
 
-// By how much more measurements vary than they say, of late or just now; `squared_sigmas` is this
-// one's, for each degree of freedom.
+// By how much innovations exceed their covariance, lately or now; `squared_sigmas` is the newest
+// one's, for each degree of freedom (METHOD eq 37).
 double OdometryErrorFilter::InnovationScale(double squared_sigmas) {
-  constexpr double kForget = 0.97;
-  constexpr double kMaxSquaredSigmas = 9.0;  // what is further off must not count for all others
-  constexpr double kPriorCount = 3.0;        // measurements that its being 1 is worth
-  constexpr double kUsual = 3.0;             // what a single one is off by now and then
-  squared_sigmas_ = kForget * squared_sigmas_ + std::min(squared_sigmas, kMaxSquaredSigmas);
-  count_ = kForget * count_ + 1.0;
-  const double of_late = (kPriorCount + squared_sigmas_) / (kPriorCount + count_);
-  return std::max({1.0, of_late, squared_sigmas / kUsual});
+  squared_sigmas_ = options_.innovation_memory * squared_sigmas_ +
+                    std::min(squared_sigmas, options_.max_squared_sigmas);
+  count_ = options_.innovation_memory * count_ + 1.0;
+  const double of_late = (options_.innovation_prior_count + squared_sigmas_) /
+                         (options_.innovation_prior_count + count_);
+  return std::max({1.0, of_late, squared_sigmas / options_.usual_squared_sigmas});
 }
 
 }  // namespace dcloc

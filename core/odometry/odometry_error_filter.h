@@ -22,6 +22,20 @@ struct OdometryErrorFilterOptions {
   /// shares.
   double pose_sigma_m = 0.1;
   double pose_sigma_rad = 0.004;
+  /// What a second adds, in deviations: to the pose, by all that is not constant (slip, noise of
+  /// the sensors); to the constants, as they drift.
+  double walk_sigma_m = 0.02;
+  double walk_sigma_rad = 5e-4;
+  double scale_drift = 2e-4;
+  double yaw_rate_bias_drift_radps = 2e-5;
+  double course_drift_rad = 2e-4;
+  /// The innovation scale: the mean of squared innovations in units of their covariance, of which
+  /// an older one counts less by this factor, a single one at most so much, and that of so many
+  /// innovations is 1 beforehand. A single one may be `usual_squared_sigmas` off.
+  double innovation_memory = 0.97;
+  double max_squared_sigmas = 9.0;
+  double innovation_prior_count = 3.0;
+  double usual_squared_sigmas = 3.0;
 };
 std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
     const OdometryErrorFilterOptions& options);

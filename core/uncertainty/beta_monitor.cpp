@@ -10,18 +10,7 @@
 namespace dcloc {
 namespace {
 
-constexpr double kKeep = 0.98;        // the memory is some fifty registrations long
-constexpr double kReuse = 4.0;        // registrations that see the same landmarks
-constexpr double kMinRange_m = 15.0;  // nearer by, heights of scatterers look like beta
-constexpr double kHuberSigmas = 1.5;
-constexpr std::size_t kMinMatches = 30;
-// What is known of the errors before.
-constexpr double kPriorSigma_s = 0.05;
-constexpr double kMinBiasSigma_m = 0.02;
-constexpr double kHold = 1e-6;  // of directions of which no point tells
-// What heights and false matches make of it, however long one watches.
-constexpr double kFloorSigma_s = 0.006;
-constexpr double kWrongSigmas = 3.0;
+constexpr double kHold = 1e-6;  // information of directions of which no point tells
 
 static_assert(kBetaError == 0 && kRangeBiasError == 1);
 
@@ -29,13 +18,34 @@ double Squared(double value) { return value * value; }
 
 }  // namespace
 
+std::span<const OptionField<BetaMonitorOptions>> FieldsOf(const BetaMonitorOptions& /*options*/) {
+  using O = BetaMonitorOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"memory", &O::memory, 0, 1, "only the newest registration counts"},
+      {"reuse", &O::reuse, 1e-6, 1e6},
+      {"min_range_m", &O::min_range_m, 0, 1000, "all points count"},
+      {"huber_sigmas", &O::huber_sigmas, 1e-6, 1000},
+      {"min_inlier_count", &O::min_inlier_count, 1, 100'000},
+      {"prior_sigma_s", &O::prior_sigma_s, 1e-9, 10},
+      {"min_range_bias_sigma_m", &O::min_range_bias_sigma_m, 1e-9, 100},
+      {"sigma_floor_s", &O::sigma_floor_s, 0, 10, "the data alone decide"},
+      {"wrong_sigmas", &O::wrong_sigmas, 1e-6, 1e6},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const BetaMonitorOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 template <int Dim>
-BetaMonitor<Dim>::BetaMonitor(const Rig& rig) {
+BetaMonitor<Dim>::BetaMonitor(const Rig& rig, const BetaMonitorOptions& options)
+    : options_(options) {
   for (const RadarModel& radar : rig.radars) {
-    const double bias_sigma_m = std::max(radar.range_bias_sigma_m, kMinBiasSigma_m);
+    const double bias_sigma_m = std::max(radar.range_bias_sigma_m, options.min_range_bias_sigma_m);
     radars_.push_back(
         {.origin_m = radar.T_vehicle_radar.translation_m,
-         .known = Eigen::Vector2d(1.0 / Squared(kPriorSigma_s), 1.0 / Squared(bias_sigma_m))
+         .known = Eigen::Vector2d(1.0 / Squared(options.prior_sigma_s), 1.0 / Squared(bias_sigma_m))
                       .asDiagonal(),
          .described_sigma_s = radar.beta_sigma_s});
   }
@@ -60,14 +70,15 @@ void BetaMonitor<Dim>::OnRegistration(Stamp stamp, const LiveSubmap<Dim>& live,
     for (std::size_t i = part.begin; i < part.end && match != matches.end(); ++i) {
       const Vector& p_m = live.points[i].mean_m;
       if (match->p != p_m) continue;
-      if ((p_m - origin_m.head<Dim>()).norm() >= kMinRange_m) {
+      if ((p_m - origin_m.head<Dim>()).norm() >= options_.min_range_m) {
         radar.normal.Add(p_m, R.transpose() * (match->q - T_local_vehicle.translation_m) - p_m,
-                         R.transpose() * match->information * R, origin_m, ego_velocity);
+                         R.transpose() * match->information * R, origin_m, ego_velocity,
+                         options_.huber_sigmas);
       }
       ++match;
     }
   }
-  for (Radar& radar : radars_) radar.TakeNormal();
+  for (Radar& radar : radars_) radar.TakeNormal(options_);
 }
 
 template <int Dim>
@@ -75,18 +86,18 @@ BetaCheck BetaMonitor<Dim>::Check(std::size_t radar_index) const {
   const Radar& radar = radars_[radar_index];
   const Eigen::Matrix2d covariance = (radar.known + radar.information).inverse();
   BetaCheck check{.error_s = covariance.row(0).dot(radar.pull),
-                  .sigma_s = std::sqrt(covariance(0, 0) + Squared(kFloorSigma_s))};
-  check.is_wrong =
-      std::abs(check.error_s) > kWrongSigmas * std::hypot(check.sigma_s, radar.described_sigma_s);
+                  .sigma_s = std::sqrt(covariance(0, 0) + Squared(options_.sigma_floor_s))};
+  check.is_wrong = std::abs(check.error_s) >
+                   options_.wrong_sigmas * std::hypot(check.sigma_s, radar.described_sigma_s);
   return check;
 }
 
 template <int Dim>
 void BetaMonitor<Dim>::Normal::Add(const Vector& p_m, const Vector& e_m, const Matrix& information,
-                                   const Eigen::Vector3d& origin_m,
-                                   const EgoVelocity& ego_velocity) {
+                                   const Eigen::Vector3d& origin_m, const EgoVelocity& ego_velocity,
+                                   double huber_sigmas) {
   const double squared = e_m.dot(information * e_m);
-  const double weight = std::min(1.0, kHuberSigmas / std::sqrt(squared));
+  const double weight = std::min(1.0, huber_sigmas / std::sqrt(squared));
   const Eigen::Matrix<double, Dim, Pose<Dim>::kDof> G = ByPose(p_m);
   const Eigen::Matrix<double, Dim, 2> D =
       ByRadarErrors<Dim>(p_m, origin_m, ego_velocity).template leftCols<2>();
@@ -102,16 +113,17 @@ void BetaMonitor<Dim>::Normal::Add(const Vector& p_m, const Vector& e_m, const M
 }
 
 template <int Dim>
-void BetaMonitor<Dim>::Radar::TakeNormal() {
+void BetaMonitor<Dim>::Radar::TakeNormal(const BetaMonitorOptions& options) {
   Normal& n = normal;
-  if (n.count >= kMinMatches) {
+  if (n.count >= static_cast<std::size_t>(options.min_inlier_count)) {
     n.pose.diagonal().array() += kHold;
     const Eigen::LDLT<TangentMatrix<Dim>> solver(n.pose);
     const double misfit = n.squared_residuals / (Dim * static_cast<double>(n.count));
-    const double worth = 1.0 / (kReuse * std::max(1.0, misfit));
-    information =
-        kKeep * information + worth * (n.errors - n.cross.transpose() * solver.solve(n.cross));
-    pull = kKeep * pull + worth * (n.pull - n.cross.transpose() * solver.solve(n.pose_pull));
+    const double worth = 1.0 / (options.reuse * std::max(1.0, misfit));
+    information = options.memory * information +
+                  worth * (n.errors - n.cross.transpose() * solver.solve(n.cross));
+    pull =
+        options.memory * pull + worth * (n.pull - n.cross.transpose() * solver.solve(n.pose_pull));
   }
   normal = {};
 }

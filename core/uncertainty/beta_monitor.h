@@ -7,7 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "core/geometry/pose.h"
+#include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "core/registration/correspondences.h"
@@ -22,23 +24,39 @@ struct BetaCheck {
   bool is_wrong = false;  ///< the error is more than chance and geometry explain
 };
 
-/// Watches whether what registrations leave over depends on range rate, which a wrong beta makes it
-/// do (METHOD 1). Each radar is held against its own best pose, so that neither its mount and its
-/// clock nor what is wrong with other radars count: what is left of a wrong beta is how the shift
-/// changes with the direction, v cos^2 along the track and v sin cos across, for which a range bias
-/// is freed. It finds an error of hundredths of a second, where `Calibrator` finds thousandths, and
-/// less than its whole, because points with landmarks all around match those that they were shifted
+/// What the monitor compares, and when it calls a beta wrong.
+struct BetaMonitorOptions {
+  double memory = 0.98;       ///< of older registrations, some fifty
+  double reuse = 4.0;         ///< registrations that see the same landmarks
+  double min_range_m = 15.0;  ///< nearer by, heights of scatterers look like beta
+  double huber_sigmas = 1.5;
+  int min_inlier_count = 30;  ///< of a radar in a registration
+  double prior_sigma_s = 0.05;
+  double min_range_bias_sigma_m = 0.02;
+  /// What heights and false correspondences make of beta, however long it is monitored.
+  double sigma_floor_s = 0.006;
+  double wrong_sigmas = 3.0;  ///< a larger error is called wrong
+};
+std::span<const OptionField<BetaMonitorOptions>> FieldsOf(const BetaMonitorOptions& options);
+absl::Status Validate(const BetaMonitorOptions& options);
+
+/// Tests whether residuals depend on range rate, which a wrong beta makes them do (METHOD 1). Each
+/// radar is held against its own best pose, so that neither its mount and its clock nor what is
+/// wrong with other radars count: what is left of a wrong beta is how the shift changes with the
+/// direction, v cos^2 along the track and v sin cos across, for which a range bias is freed. It
+/// finds an error of hundredths of a second, where `Calibrator` finds thousandths, and less than
+/// its whole, because points with landmarks all around correspond to those that they were shifted
 /// to.
 template <int Dim>
 class BetaMonitor {
  public:
-  explicit BetaMonitor(const Rig& rig);
+  explicit BetaMonitor(const Rig& rig, const BetaMonitorOptions& options = {});
 
   /// Whether a registration at `stamp` of scans over `span` has none of the last one's.
   bool IsDue(Stamp stamp, std::chrono::nanoseconds span) const;
 
-  /// A believed registration of `live` at `T_local_vehicle`, with the matches there in the order of
-  /// the live points.
+  /// An accepted registration of `live` at `T_local_vehicle`, with the correspondences there in the
+  /// order of the live points.
   void OnRegistration(Stamp stamp, const LiveSubmap<Dim>& live,
                       std::span<const Correspondence<Dim>> matches,
                       const Pose<Dim>& T_local_vehicle, const EgoVelocity& ego_velocity);
@@ -64,7 +82,7 @@ class BetaMonitor {
 
     // Of a point at `p_m`, seen from `origin_m`, whose landmark lies `e_m` from it.
     void Add(const Vector& p_m, const Vector& e_m, const Matrix& information,
-             const Eigen::Vector3d& origin_m, const EgoVelocity& ego_velocity);
+             const Eigen::Vector3d& origin_m, const EgoVelocity& ego_velocity, double huber_sigmas);
   };
 
   // All of one radar's, the poses eliminated.
@@ -76,9 +94,10 @@ class BetaMonitor {
     Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
     Eigen::Vector2d pull = Eigen::Vector2d::Zero();
 
-    void TakeNormal();
+    void TakeNormal(const BetaMonitorOptions& options);
   };
 
+  BetaMonitorOptions options_;
   std::vector<Radar> radars_;
   std::optional<Stamp> last_;
 };

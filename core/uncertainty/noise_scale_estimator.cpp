@@ -8,17 +8,11 @@
 namespace dcloc {
 namespace {
 
-constexpr double kMinOdometryRatio = 0.0005;
-constexpr double kMinRegistrationRatio = 1.0;  // no better than their points promise
-constexpr double kPriorRegistrationRatio = 3.0;
-constexpr double kMaxRatio = 25.0;
-// A registration that is wrong must not stand for either.
-constexpr double kMaxSquaredSigmas = 9.0;
-
 // What is kept of the pairs before, of which there were so many. The memory is the newest third of
-// them: the first ones tell of odometry whose constant errors were not known yet. Later it is some
-// fifty pairs long.
-double Kept(double pair_count) { return std::min(0.98, 1.0 - 2.0 / (pair_count + 3.0)); }
+// them: the first ones tell of odometry whose constant errors were not known yet.
+double Kept(double pair_count, double max_memory) {
+  return std::min(max_memory, 1.0 - 2.0 / (pair_count + 3.0));
+}
 
 template <int Dim>
 PoseEstimate<Dim> Composed(const PoseEstimate<Dim>& first, const PoseEstimate<Dim>& second) {
@@ -27,6 +21,27 @@ PoseEstimate<Dim> Composed(const PoseEstimate<Dim>& first, const PoseEstimate<Di
 }
 
 }  // namespace
+
+std::span<const OptionField<NoiseScaleOptions>> FieldsOf(const NoiseScaleOptions& /*options*/) {
+  using O = NoiseScaleOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"min_odometry_ratio", &O::min_odometry_ratio, 1e-9, 1},
+      {"min_registration_ratio", &O::min_registration_ratio, 1e-9, 100},
+      {"max_ratio", &O::max_ratio, 1, 1e6},
+      {"prior_odometry_ratio", &O::prior_odometry_ratio, 1e-9, 1e6},
+      {"prior_registration_ratio", &O::prior_registration_ratio, 1e-9, 1e6},
+      {"prior_count", &O::prior_count, 0, 1e6, "the first pairs decide alone"},
+      {"max_squared_sigmas", &O::max_squared_sigmas, 1e-6, 1e6},
+      {"max_memory", &O::max_memory, 0, 1, "only the newest pair counts"},
+      {"weight_caution", &O::weight_caution, 1e-6, 1e6},
+      {"min_weight_ratio", &O::min_weight_ratio, 1e-9, 1},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const NoiseScaleOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
 
 template <int Dim>
 void NoiseScaleEstimator<Dim>::OnMotion(const PoseEstimate<Dim>& motion) {
@@ -40,8 +55,8 @@ void NoiseScaleEstimator<Dim>::OnRegistration(const PoseEstimate<Dim>& registrat
   }
   if (anchor_count_ > 0) Compare(anchors_.front(), registration, &Part::near);
   if (anchor_count_ == kAnchors) Compare(anchors_.back(), registration, &Part::far);
-  rotation_.Solve();
-  translation_.Solve();
+  rotation_.Solve(options_);
+  translation_.Solve(options_);
 
   std::shift_right(anchors_.begin(), anchors_.end(), 1);
   anchors_.front() = {.registration = registration, .to_now = {}};
@@ -58,7 +73,7 @@ void NoiseScaleEstimator<Dim>::Compare(const Anchor& anchor, const PoseEstimate<
   const Tangent<Dim> registrations =
       registration.covariance.diagonal() + anchor.registration.covariance.diagonal();
   const Tangent<Dim> odometry = anchor.to_now.covariance.diagonal();
-  rotation_.Add(rotation_.*pairs, error.template tail<kTurns>().squaredNorm(), 0.0,
+  rotation_.Add(options_, rotation_.*pairs, error.template tail<kTurns>().squaredNorm(), 0.0,
                 registrations.template tail<kTurns>().sum(),
                 odometry.template tail<kTurns>().sum());
   // What an error of the heading at the way's begin becomes at its end.
@@ -68,18 +83,20 @@ void NoiseScaleEstimator<Dim>::Compare(const Anchor& anchor, const PoseEstimate<
       anchor.registration.covariance.template bottomRightCorner<kTurns, kTurns>();
   const TangentMatrix<Dim> turned =
       ComposeCovariance<Dim>(turn, anchor.to_now.pose, TangentMatrix<Dim>::Zero());
-  translation_.Add(translation_.*pairs, error.template head<Dim>().squaredNorm(),
+  translation_.Add(options_, translation_.*pairs, error.template head<Dim>().squaredNorm(),
                    turned.diagonal().template head<Dim>().sum(),
                    registrations.template head<Dim>().sum(), odometry.template head<Dim>().sum());
 }
 
 template <int Dim>
-void NoiseScaleEstimator<Dim>::Part::Add(Pairs& pairs, double squared_error, double known,
-                                         double registrations, double odometry) const {
+void NoiseScaleEstimator<Dim>::Part::Add(const NoiseScaleOptions& options, Pairs& pairs,
+                                         double squared_error, double known, double registrations,
+                                         double odometry) const {
   const double expected = known + registration_ratio * registrations + odometry_ratio * odometry;
-  const double kept = Kept(pairs.number);
+  const double kept = Kept(pairs.number, options.max_memory);
   pairs.number += 1.0;
-  pairs.error = kept * pairs.error + std::min(squared_error, kMaxSquaredSigmas * expected) - known;
+  pairs.error =
+      kept * pairs.error + std::min(squared_error, options.max_squared_sigmas * expected) - known;
   pairs.registrations = kept * pairs.registrations + registrations;
   pairs.odometry = kept * pairs.odometry + odometry;
   pairs.count = kept * pairs.count + 1.0;
@@ -89,19 +106,19 @@ void NoiseScaleEstimator<Dim>::Part::Add(Pairs& pairs, double squared_error, dou
 // error = registration_ratio * registrations + odometry_ratio * odometry, for near pairs and for
 // far ones.
 template <int Dim>
-void NoiseScaleEstimator<Dim>::Part::Solve() {
+void NoiseScaleEstimator<Dim>::Part::Solve(const NoiseScaleOptions& options) {
   const double determinant = near.registrations * far.odometry - far.registrations * near.odometry;
   if (far.count == 0.0 || determinant <= 0.0) return;
   const double odometry =
       std::clamp((near.registrations * far.error - far.registrations * near.error) / determinant,
-                 kMinOdometryRatio, kMaxRatio);
+                 options.min_odometry_ratio, options.max_ratio);
   const double registrations =
       std::clamp((near.error - odometry * near.odometry) / near.registrations,
-                 kMinRegistrationRatio, kMaxRatio);
-  // The models' own word is forgotten as the pairs are.
+                 options.min_registration_ratio, options.max_ratio);
+  // The prior ratios fade as the pairs do.
   const double prior = far.prior_count / (far.count + far.prior_count);
-  odometry_ratio = prior + (1.0 - prior) * odometry;
-  registration_ratio = prior * kPriorRegistrationRatio + (1.0 - prior) * registrations;
+  odometry_ratio = prior * options.prior_odometry_ratio + (1.0 - prior) * odometry;
+  registration_ratio = prior * options.prior_registration_ratio + (1.0 - prior) * registrations;
 }
 
 template <int Dim>
@@ -122,10 +139,11 @@ TangentMatrix<Dim> NoiseScaleEstimator<Dim>::OdometryCovariance(
 template <int Dim>
 TangentMatrix<Dim> NoiseScaleEstimator<Dim>::OdometryWeightCovariance(
     const TangentMatrix<Dim>& covariance) const {
-  constexpr double kCaution = 2.0;
-  constexpr double kLeast = 0.1;
-  return Scaled(covariance, std::clamp(kCaution * translation_.odometry_ratio, kLeast, 1.0),
-                std::clamp(kCaution * rotation_.odometry_ratio, kLeast, 1.0));
+  const auto weight = [&](const Part& part) {
+    return std::clamp(options_.weight_caution * part.odometry_ratio, options_.min_weight_ratio,
+                      1.0);
+  };
+  return Scaled(covariance, weight(translation_), weight(rotation_));
 }
 
 template <int Dim>

@@ -2,41 +2,68 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
+#include "absl/status/status.h"
 #include "core/geometry/pose_estimate.h"
+#include "core/options/option_fields.h"
 
 namespace dcloc {
+
+/// Bounds of the learned ratios between actual and modelled variances, and what is assumed of them
+/// before pairs have been compared.
+struct NoiseScaleOptions {
+  double min_odometry_ratio = 0.0005;
+  double min_registration_ratio = 1.0;  ///< no better than their points promise
+  double max_ratio = 25.0;
+  double prior_odometry_ratio = 1.0;
+  double prior_registration_ratio = 3.0;
+  double prior_count = 0.005;  ///< pairs that the prior ratios are worth
+  /// A pair's squared error counts at most so many times its expectation: a registration that is
+  /// wrong must stand for neither.
+  double max_squared_sigmas = 9.0;
+  double max_memory =
+      0.98;  ///< of older pairs, some fifty; at first it is the newest third of them
+  /// Odometry weighs by its learned variance times this, but no less than so much of its model's.
+  double weight_caution = 2.0;
+  double min_weight_ratio = 0.1;
+};
+std::span<const OptionField<NoiseScaleOptions>> FieldsOf(const NoiseScaleOptions& options);
+absl::Status Validate(const NoiseScaleOptions& options);
 
 /// Learns by how much odometry and registrations vary less, or more, than their covariances say:
 /// good wheels are several times better than the cautious model that every vehicle gets, and
 /// registrations are worse than their points promise. Registrations whose sub-maps share no scan
 /// are compared by pairs with the odometry between them, near ones and far ones: what grows with
-/// the way is odometry's, what does not is the registrations'.
+/// the way is odometry's, what does not is the registrations' (METHOD eq 34).
 template <int Dim>
 class NoiseScaleEstimator {
  public:
+  explicit NoiseScaleEstimator(const NoiseScaleOptions& options = {})
+      : options_(options), translation_(options), rotation_(options) {}
+
   /// The vehicle moved so since the last call.
   void OnMotion(const PoseEstimate<Dim>& motion);
 
-  /// A believed registration in the map frame, with its own covariance, of scans that no other one
+  /// An accepted registration in the map frame, with its own covariance, of scans that no other one
   /// took.
   void OnRegistration(const PoseEstimate<Dim>& registration);
 
-  /// Where the vehicle was is no longer believed.
+  /// The pose was lost, or odometry interrupted: what follows is not compared with what was before.
   void OnJump() { anchor_count_ = 0; }
 
-  /// `covariance` of odometry, made as large as it has turned out to be.
+  /// `covariance` of odometry by its model, scaled to what it has turned out to be.
   TangentMatrix<Dim> OdometryCovariance(const TangentMatrix<Dim>& covariance) const;
 
-  /// What odometry is to weigh by that has this `covariance` by its model: twice as much as it has
-  /// turned out to vary by, but no more than the model says nor less than a tenth of that.
+  /// What odometry with this `covariance` by its model weighs by: the learned one times
+  /// `weight_caution`, but no more than the model's nor less than `min_weight_ratio` of it.
   TangentMatrix<Dim> OdometryWeightCovariance(const TangentMatrix<Dim>& covariance) const;
 
-  /// The same of a registration.
+  /// As OdometryCovariance, of a registration.
   TangentMatrix<Dim> RegistrationCovariance(const TangentMatrix<Dim>& covariance) const;
 
  private:
-  static constexpr std::size_t kAnchors = 6;
+  static constexpr std::size_t kAnchors = 6;  // a far pair is so many sub-maps apart
 
   // A registration, and the odometry since then.
   struct Anchor {
@@ -51,27 +78,34 @@ class NoiseScaleEstimator {
     double registrations = 0.0;
     double odometry = 0.0;
     double count = 0.0;
-    double prior_count = 0.005;  // that the covariances' own word is worth
-    double number = 0.0;         // of all pairs, which does not fade
+    double prior_count = 0.0;  // what the prior ratios are still worth
+    double number = 0.0;       // of all pairs, which does not fade
   };
 
   // Of translation, or of rotation.
   struct Part {
+    explicit Part(const NoiseScaleOptions& options)
+        : near{.prior_count = options.prior_count},
+          far{.prior_count = options.prior_count},
+          odometry_ratio(options.prior_odometry_ratio),
+          registration_ratio(options.prior_registration_ratio) {}
+
     Pairs near;
     Pairs far;
-    double odometry_ratio = 1.0;
-    double registration_ratio = 3.0;
+    double odometry_ratio;
+    double registration_ratio;
 
     // `known` is what of the error has another cause.
-    void Add(Pairs& pairs, double squared_error, double known, double registrations,
-             double odometry) const;
-    void Solve();
+    void Add(const NoiseScaleOptions& options, Pairs& pairs, double squared_error, double known,
+             double registrations, double odometry) const;
+    void Solve(const NoiseScaleOptions& options);
   };
 
   void Compare(const Anchor& anchor, const PoseEstimate<Dim>& registration, Pairs Part::*pairs);
   static TangentMatrix<Dim> Scaled(const TangentMatrix<Dim>& covariance, double of_translation,
                                    double of_rotation);
 
+  NoiseScaleOptions options_;
   Part translation_;
   Part rotation_;
   std::array<Anchor, kAnchors> anchors_;  // newest first

@@ -33,10 +33,9 @@ double Share(std::chrono::nanoseconds duration, const RegistrationTiming& timing
 }
 
 // How long landmarks are seen.
-std::chrono::nanoseconds TimeInView(double speed_mps) {
-  constexpr double kWayInView_m = 50.0;
-  constexpr double kMaxTime_s = 10.0;
-  const double time_s = std::min(kMaxTime_s, kWayInView_m / std::max(1e-3, speed_mps));
+std::chrono::nanoseconds TimeInView(double speed_mps, const RegistrationFactorOptions& options) {
+  const double time_s =
+      std::min(options.max_view_time_s, options.view_distance_m / std::max(1e-3, speed_mps));
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::duration<double>(time_s));
 }
@@ -50,6 +49,9 @@ std::span<const OptionField<RegistrationFactorOptions>> FieldsOf(
       {"shared_sigma_m", &O::shared_sigma_m, 0, 100, "registrations share no error"},
       {"shared_sigma_rad", &O::shared_sigma_rad, 0, 1, "registrations share no error"},
       {"shared_time_ms", &O::shared_time, 0, 1e6, "shared errors are new at each registration"},
+      {"landmark_share", &O::landmark_share, 0, 1, "landmarks do not err"},
+      {"view_distance_m", &O::view_distance_m, 0, 1e4, "landmarks are new at each registration"},
+      {"max_view_time_s", &O::max_view_time_s, 0, 1e4, "landmarks are new at each registration"},
   };
   return kFields;
 }
@@ -76,8 +78,8 @@ AbsolutePoseFactor<Dim> RegistrationFactor(const Registration<Dim>& registration
   const TangentMatrix<Dim> own = scale * scale * registration.covariance + degeneracy;
   const TangentMatrix<Dim> shared = SharedErrors<Dim>(options);
   const double by_scans = Share(timing.submap_span, timing);
-  constexpr double kLandmarkPart = 0.15;
-  const double by_view = kLandmarkPart * Share(TimeInView(timing.speed_mps), timing);
+  const double by_view =
+      options.landmark_share * Share(TimeInView(timing.speed_mps, options), timing);
   return {.pose = registration.T_local_vehicle,
           .covariance = own + shared,
           .reused_covariance = by_scans * own + Share(options.shared_time, timing) * shared,

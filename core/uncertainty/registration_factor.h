@@ -17,6 +17,11 @@ struct RegistrationFactorOptions {
   double shared_sigma_m = 0.08;
   double shared_sigma_rad = 0.003;
   std::chrono::nanoseconds shared_time = std::chrono::seconds(3);
+  /// Of what registrations vary by, so much is the landmarks', which are seen for so much way, but
+  /// no longer than so.
+  double landmark_share = 0.15;
+  double view_distance_m = 50.0;
+  double max_view_time_s = 10.0;
 };
 std::span<const OptionField<RegistrationFactorOptions>> FieldsOf(
     const RegistrationFactorOptions& options);

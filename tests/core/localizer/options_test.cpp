@@ -39,11 +39,11 @@ template <typename Options>
 class StageOptionsTest : public ::testing::Test {};
 
 using AllOptions =
-    ::testing::Types<EgoVelocityOptions, MotionOptions, OdometryErrorFilterOptions,
-                     StaticPointsOptions, RegistrationScheduleOptions, GicpOptions,
-                     RegistrationGate, MapMatcherOptions, PosePriorOptions, GlobalLocalizerOptions,
-                     RegistrationFactorOptions, PoseGraphOptions, TrackingOptions, UnobservedSigmas,
-                     LocalizerOptions>;
+    ::testing::Types<EgoVelocityOptions, EgoMotionOptions, NoiseScaleOptions, BetaMonitorOptions,
+                     MotionOptions, OdometryErrorFilterOptions, StaticPointsOptions,
+                     RegistrationScheduleOptions, GicpOptions, RegistrationGate, MapMatcherOptions,
+                     PosePriorOptions, GlobalLocalizerOptions, RegistrationFactorOptions,
+                     PoseGraphOptions, TrackingOptions, UnobservedSigmas, LocalizerOptions>;
 TYPED_TEST_SUITE(StageOptionsTest, AllOptions);
 
 TYPED_TEST(StageOptionsTest, DefaultsAreValid) { EXPECT_TRUE(Validate(TypeParam()).ok()); }
