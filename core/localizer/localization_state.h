@@ -11,7 +11,7 @@ enum class LocalizationState {
   /// less certain than tracking asks for, as along a tunnel.
   kDeadReckoning,
   /// Nothing has confirmed the pose for about a second, or it is no longer known to two metres: it
-  /// goes on by ego-motion, and the covariance grows until the map confirms a pose anew. Where the
+  /// goes on by ego-motion, and the covariance grows until the map confirms a pose again. Where the
   /// prediction is too uncertain for that, the map is searched.
   kLost,
 };

@@ -20,7 +20,7 @@
 
 namespace dcloc {
 
-/// How good one answer is; matches are those of the newest registration, which need not be this
+/// How good one answer is; inliers are those of the newest registration, which need not be this
 /// scan's.
 struct LocalizationQuality {
   int live_point_count = 0;     ///< static points in the sub-map
@@ -28,7 +28,7 @@ struct LocalizationQuality {
   double overlap = 0.0;         ///< matched share of the live points, [0, 1]
   double residual_scale = 0.0;  ///< root mean square of the whitened residuals; 1 is as modelled
   double edge_distance = 0.0;   ///< squared Mahalanobis distance to the prediction (METHOD eq 19)
-  bool edge_valid = false;      ///< its loop edge passed the test
+  bool edge_valid = false;      ///< its absolute pose factor passed the gate
   BetaCheck beta;               ///< of the scan's radar
 };
 

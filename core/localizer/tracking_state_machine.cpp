@@ -54,7 +54,7 @@ void TrackingStateMachine::OnPrediction(Stamp stamp, double position_sigma_m) {
   }
 }
 
-// A vehicle that is lost must be confirmed anew.
+// A vehicle that is lost must be confirmed from the beginning.
 void TrackingStateMachine::Lose(Stamp stamp) {
   if (mode_ != TrackingMode::kLost && outliers_in_a_row_ >= options_.confirmations) {
     contradicted_ =

@@ -30,10 +30,10 @@ struct Landmark {
 
 struct FusionOptions {
   double cell_m = 0.4;         ///< noiseless returns within a circle this wide are one landmark
-  bool has_elevation = false;  ///< false: returns tell x and y only, their z is assumed
+  bool has_elevation = false;  ///< false: returns have x and y only, their z is assumed
   std::uint32_t min_scan_count = 2;
-  /// Of the square of a landmark's height over planar radars, before its returns tell; 0: they are
-  /// taken for as high as the radar.
+  /// Of the square of a landmark's height over planar radars, before its returns are fitted; 0:
+  /// they are taken for as high as the radar.
   double height_square_sigma_m2 = 25.0;
 };
 

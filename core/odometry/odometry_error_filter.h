@@ -17,7 +17,7 @@ struct OdometryErrorFilterOptions {
   double yaw_rate_bias_sigma_radps = 1e-3;  ///< of a gyroscope that was zeroed at rest
   double course_sigma_rad = 0.01;           ///< mounts that are turned
   double time_offset_sigma_s = 0.03;        ///< clocks that differ
-  double min_scale_sigma = 0.002;           ///< what odometry is told: load and tyres change
+  double min_scale_sigma = 0.002;           ///< of the correction: load and tyres change
   /// What every registered pose lacks besides its own noise, by errors of the map that the next one
   /// shares.
   double pose_sigma_m = 0.1;
@@ -46,7 +46,7 @@ absl::Status Validate(const OdometryErrorFilterOptions& options);
 /// and four constants that drift slowly: these two and, as they would pass for them, the course
 /// (vehicles move the way they look, but for what the mounts are turned by) and the offset in time
 /// between odometry and poses, which at changing speed looks like a scale. Registered poses are its
-/// measurements. Where their errors vary more than they say, they are believed less.
+/// measurements. Where innovations exceed their covariance, it is scaled up.
 class OdometryErrorFilter {
  public:
   explicit OdometryErrorFilter(const OdometryErrorFilterOptions& options);
@@ -65,7 +65,7 @@ class OdometryErrorFilter {
   /// (x, y, yaw) in the tangent space on the right.
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance);
 
-  /// Where it was is no longer believed.
+  /// The pose was lost: the next one starts the filter's pose again.
   void OnJump() { T_map_vehicle_.reset(); }
 
  private:

@@ -45,7 +45,7 @@ bool SolveByCeres(StateChain<Dim>& chain, double tolerance) {
           EdgeResidual<Dim>::Make(state.odometry.pose, state.odometry.covariance).release(),
           nullptr, blocks[blocks.size() - 2].data(), block.data());
     }
-    if (state.loop) add_to_map(*state.loop);
+    if (state.absolute) add_to_map(*state.absolute);
   }
 
   ceres::Solver::Options options;

@@ -94,7 +94,7 @@ void ChainSolver<Dim>::Begin(const StateChain<Dim>& chain) {
     const typename StateChain<Dim>::State& state = chain.states[i];
     rows_[i].pose = state.pose;
     rows_[i].tie = Weigh(i == 0 ? chain.prior : state.odometry);
-    rows_[i].loop = state.loop ? std::optional(Weigh(*state.loop)) : std::nullopt;
+    rows_[i].absolute = state.absolute ? std::optional(Weigh(*state.absolute)) : std::nullopt;
   }
 }
 
@@ -107,7 +107,7 @@ double ChainSolver<Dim>::Linearize() {
     row.diagonal.setZero();
     row.gradient.setZero();
     cost += i == 0 ? AddToMap(row.tie, row) : AddBetween(row.tie, rows_[i - 1], row);
-    if (row.loop) cost += AddToMap(*row.loop, row);
+    if (row.absolute) cost += AddToMap(*row.absolute, row);
   }
   return cost;
 }

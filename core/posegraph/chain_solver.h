@@ -24,8 +24,8 @@ class ChainSolver {
   };
   // A state's part of the problem and of its normal equations.
   struct Row {
-    Edge tie;  // to the state before; of the first state, the prior
-    std::optional<Edge> loop;
+    Edge tie;                      // to the state before; of the first state, the prior
+    std::optional<Edge> absolute;  // pose factor
     Pose<Dim> pose;
     TangentMatrix<Dim> diagonal;
     TangentMatrix<Dim> before;  // of the state before with this one

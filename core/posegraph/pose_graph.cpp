@@ -58,7 +58,7 @@ void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior, const TangentMatrix<D
   chain_.states.clear();
   chain_.states.push_back({.pose = prior.pose,
                            .odometry = {},
-                           .loop = {},
+                           .absolute = {},
                            .covariance = chain_.prior.covariance,
                            .noise = chain_.prior.covariance,
                            .systematic = systematic});
@@ -78,23 +78,23 @@ void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry, const TangentMa
 }
 
 template <int Dim>
-EdgeTest PoseGraph<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& loop) {
+EdgeTest PoseGraph<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
   State& newest = chain_.states.back();
-  const Tangent<Dim> apart = Log(newest.pose.Inverse() * loop.pose);
-  const TangentMatrix<Dim> spread = loop.covariance + newest.covariance;
+  const Tangent<Dim> apart = Log(newest.pose.Inverse() * factor.pose);
+  const TangentMatrix<Dim> spread = factor.covariance + newest.covariance;
   EdgeTest test;
   test.distance = apart.dot(spread.ldlt().solve(apart));
   const double limit = Dim == 2 ? options_.max_distance_planar : options_.max_distance_spatial;
   // Written so that a distance that is not a number fails.
   test.valid = !options_.gate_outliers || test.distance <= limit;
   if (test.valid) {
-    newest.loop = {.pose = loop.pose, .covariance = loop.reused_covariance};
-    const TangentMatrix<Dim> gain = Gain<Dim>(newest.covariance, loop.reused_covariance);
+    newest.absolute = {.pose = factor.pose, .covariance = factor.reused_covariance};
+    const TangentMatrix<Dim> gain = Gain<Dim>(newest.covariance, factor.reused_covariance);
     const TangentMatrix<Dim> keep = TangentMatrix<Dim>::Identity() - gain;
     newest.noise = keep * newest.noise * keep.transpose() +
-                   gain * loop.noise.value_or(loop.reused_covariance) * gain.transpose();
-    newest.systematic = keep * newest.systematic + gain * loop.systematic;
-    newest.covariance = UpdatedCovariance<Dim>(NewestPredicted(), loop.reused_covariance);
+                   gain * factor.noise.value_or(factor.reused_covariance) * gain.transpose();
+    newest.systematic = keep * newest.systematic + gain * factor.systematic;
+    newest.covariance = UpdatedCovariance<Dim>(NewestPredicted(), factor.reused_covariance);
   }
   return test;
 }
@@ -122,12 +122,12 @@ void PoseGraph<Dim>::ChangeFrame(const Pose<Dim>& T_new_old) {
   chain_.prior.pose = T_new_old * chain_.prior.pose;
   for (State& state : chain_.states) {
     state.pose = T_new_old * state.pose;
-    if (state.loop) state.loop->pose = T_new_old * state.loop->pose;
+    if (state.absolute) state.absolute->pose = T_new_old * state.absolute->pose;
   }
 }
 
-// Without its own loop edge. In a chain the newest state's marginal covariance is what a filter
-// over the edges gives, so each state's is worked out once, from the one before.
+// Without its own absolute pose factor. In a chain the newest state's marginal covariance is what a
+// filter over the edges gives, so each state's is worked out once, from the one before.
 template <int Dim>
 TangentMatrix<Dim> PoseGraph<Dim>::NewestPredicted() const {
   if (size() == 1) return chain_.prior.covariance;
@@ -140,7 +140,7 @@ template <int Dim>
 void PoseGraph<Dim>::MarginalizeOldest() {
   const State& oldest = chain_.states.front();
   const PoseEstimate<Dim> known =
-      oldest.loop ? Update<Dim>(chain_.prior, *oldest.loop) : chain_.prior;
+      oldest.absolute ? Update<Dim>(chain_.prior, *oldest.absolute) : chain_.prior;
   const PoseEstimate<Dim>& odometry = chain_.states[1].odometry;
   chain_.prior = {
       .pose = known.pose * odometry.pose,

@@ -11,7 +11,8 @@
 
 namespace dcloc {
 
-/// A loop edge: the newest state's pose in the map frame, by registration.
+/// The newest state's pose in the map frame by a registration: the paper's loop edge (METHOD eq
+/// 15).
 template <int Dim>
 struct AbsolutePoseFactor {
   Pose<Dim> pose;
@@ -21,41 +22,41 @@ struct AbsolutePoseFactor {
   TangentMatrix<Dim> reused_covariance;
   /// What it really varies by, of which the weight may be a cautious multiple; absent: the weight.
   std::optional<TangentMatrix<Dim>> noise;
-  /// A square root L of the covariance L L^T of the errors that all loop edges share for good, by
+  /// A square root L of the covariance L L^T of the systematic errors that all factors share, by
   /// what is not known of mounts and clocks: each column is one such error's.
   TangentMatrix<Dim> systematic = TangentMatrix<Dim>::Zero();
 };
 
 struct PoseGraphOptions {
   int window = 10;  ///< states that are solved for, [1, 1000]
-  /// Loop edges that fail the chi-square test against the fused state are cut (METHOD 7).
+  /// Factors that fail the chi-square test against the fused state are left out (METHOD 7).
   bool gate_outliers = true;
   /// 95 % quantiles of the chi-square distribution with 3 and 6 degrees of freedom.
   double max_distance_planar = 7.815;
   double max_distance_spatial = 12.592;
-  /// Cut edges in a row that agree among themselves and so replace the believed chain, >= 2.
+  /// Factors left out in a row that agree among themselves and so replace the accepted chain, >= 2.
   int takeover_support = 25;
 };
 std::span<const OptionField<PoseGraphOptions>> FieldsOf(const PoseGraphOptions& options);
 absl::Status Validate(const PoseGraphOptions& options);
 
-/// What the test of a loop edge gave (METHOD eq 19, on the fused state).
+/// What the test of an absolute pose factor gave (METHOD eq 19, on the fused state).
 struct EdgeTest {
   double distance = 0.0;  ///< squared Mahalanobis distance to the predicted state
   bool valid = false;
 };
 
-/// The last states of one vehicle in a map frame: odometry edges between neighbours, loop edges to
-/// the map, and what older states knew as a prior on the oldest (METHOD eq 15-19). The chain is
-/// solved by Gauss-Newton, and by Ceres where that does not get there; older states are
+/// The last states of one vehicle in a map frame: odometry edges between neighbours, absolute
+/// pose factors, and what older states knew as a prior on the oldest (METHOD eq 15-19). The chain
+/// is solved by Gauss-Newton, and by Ceres where that does not get there; older states are
 /// marginalized into the prior. In the steady state it allocates nothing.
 template <int Dim>
 class PoseGraph {
  public:
   explicit PoseGraph(const PoseGraphOptions& options = {}) : options_(options) {}
 
-  /// Forgets everything and starts with one state, which has the errors `systematic` (see
-  /// AbsolutePoseFactor) where it comes of a registration.
+  /// Forgets everything and starts with one state. `systematic` is that of the factor that it comes
+  /// of, if it does.
   void Reset(const PoseEstimate<Dim>& prior,
              const TangentMatrix<Dim>& systematic = TangentMatrix<Dim>::Zero());
 
@@ -65,9 +66,9 @@ class PoseGraph {
   /// The same with odometry that varies by `noise` and weighs by its covariance.
   void AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise);
 
-  /// Gives the newest state a loop edge and tests it against the fused prediction; an edge that
-  /// fails stays cut, its state held by odometry.
-  EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& loop);
+  /// Gives the newest state an absolute pose factor and tests it against the fused prediction
+  /// (METHOD eq 18-19); one that fails is left out, and odometry alone holds the state.
+  EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor);
 
   /// Solves for all states of the window.
   void Solve();

@@ -31,14 +31,14 @@ void PoseHypotheses<Dim>::ChangeFrame(const Pose<Dim>& T_new_old) {
 }
 
 template <int Dim>
-EdgeTest PoseHypotheses<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& loop) {
-  EdgeTest test = accepted_chain_.AddAbsolutePose(loop);
+EdgeTest PoseHypotheses<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
+  EdgeTest test = accepted_chain_.AddAbsolutePose(factor);
   if (test.valid) {
     alternative_.reset();
     accepted_chain_.Solve();
     return test;
   }
-  UpdateAlternative(loop);
+  UpdateAlternative(factor);
   if (support_ >= options_.takeover_support) {
     accepted_chain_ = *std::exchange(alternative_, std::nullopt);
     test.valid = true;
@@ -47,14 +47,15 @@ EdgeTest PoseHypotheses<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& loo
 }
 
 template <int Dim>
-void PoseHypotheses<Dim>::UpdateAlternative(const AbsolutePoseFactor<Dim>& loop) {
-  if (alternative_ && alternative_->AddAbsolutePose(loop).valid) {
+void PoseHypotheses<Dim>::UpdateAlternative(const AbsolutePoseFactor<Dim>& factor) {
+  if (alternative_ && alternative_->AddAbsolutePose(factor).valid) {
     alternative_->Solve();
     ++support_;
     return;
   }
   alternative_.emplace(options_);
-  alternative_->Reset({.pose = loop.pose, .covariance = loop.reused_covariance}, loop.systematic);
+  alternative_->Reset({.pose = factor.pose, .covariance = factor.reused_covariance},
+                      factor.systematic);
   support_ = 1;
 }
 

@@ -6,10 +6,10 @@
 
 namespace dcloc {
 
-/// The chain of states that is believed and, while its loop edges are cut, a contender made of
-/// those cut edges. A burst of false registrations never lasts; a chain that has gone wrong is
-/// contradicted for good. So the contender takes over when `takeover_support` of its own edges in a
-/// row agree and the believed chain has accepted none of them.
+/// The accepted chain of states and, while its absolute pose factors are rejected as outliers, an
+/// alternative chain made of those. A burst of false registrations never lasts; a chain that has
+/// gone wrong is contradicted for good. So the alternative replaces the accepted chain when
+/// `takeover_support` of its own factors in a row agree and the accepted chain took none of them.
 template <int Dim>
 class PoseHypotheses {
  public:
@@ -19,7 +19,7 @@ class PoseHypotheses {
   /// Forgets every state.
   void Clear();
 
-  /// As in PoseGraph; a reset drops the contender.
+  /// As in PoseGraph; a reset drops the alternative.
   void Reset(const PoseEstimate<Dim>& prior,
              const TangentMatrix<Dim>& systematic = TangentMatrix<Dim>::Zero());
   void AddState(const PoseEstimate<Dim>& odometry) { AddState(odometry, odometry.covariance); }
@@ -29,12 +29,12 @@ class PoseHypotheses {
   PoseEstimate<Dim> Newest() const { return accepted_chain_.Newest(); }
   TangentMatrix<Dim> NewestNoise() const { return accepted_chain_.NewestNoise(); }
 
-  /// Gives the newest state a loop edge, tests it (the test is the believed chain's after a
-  /// takeover, if there was one), and solves.
-  EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& loop);
+  /// Gives the newest state an absolute pose factor, tests it (the test is the accepted chain's
+  /// after a takeover, if there was one), and solves.
+  EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor);
 
  private:
-  void UpdateAlternative(const AbsolutePoseFactor<Dim>& loop);
+  void UpdateAlternative(const AbsolutePoseFactor<Dim>& factor);
 
   PoseGraphOptions options_;
   PoseGraph<Dim> accepted_chain_;

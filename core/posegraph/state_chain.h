@@ -14,7 +14,7 @@ struct StateChain {
   struct State {
     Pose<Dim> pose;
     PoseEstimate<Dim> odometry;  ///< from the state before; of the first it means nothing
-    std::optional<PoseEstimate<Dim>> loop;  ///< to the map; absent, or cut
+    std::optional<PoseEstimate<Dim>> absolute;  ///< a registration; absent, or left out
     /// Of the pose, by all edges up to this state.
     TangentMatrix<Dim> covariance = TangentMatrix<Dim>::Zero();
     /// The same by what the edges vary rather than by what they weigh.

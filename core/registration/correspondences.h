@@ -20,18 +20,18 @@ struct Correspondence {
   Eigen::Matrix<double, Dim, Dim> information;
 };
 
-/// Which landmarks may be a live point's match.
+/// Which landmarks may be a live point's correspondence.
 struct CorrespondenceGates {
   double max_distance_m = 2.5;  ///< none further away
   double gate_sigmas = 3.5;     ///< nor further in units of the joint deviation
 };
 
 /// Finds the landmark of highest likelihood for each live point, again and again as the pose moves.
-/// What stays the same over a neighbourhood of poses is worked out once and anew only when the pose
-/// leaves it: over a wide one, which landmarks can pass the gates; over a narrow one, what they
-/// weigh and which of them can be the most likely. The matches are as if all were looked at every
-/// time, but for the weights, which are not turned within one milliradian.
-/// Keeps its memory from one sub-map to the next.
+/// What stays the same over a neighbourhood of poses is worked out once, and again only when the
+/// pose leaves it: over a wide one, which landmarks can pass the gates; over a narrow one, what
+/// they weigh and which of them can be the most likely. The correspondences are as if all were
+/// looked at every time, but for the weights, which are not turned within one milliradian. Keeps
+/// its memory from one sub-map to the next.
 template <int Dim>
 class CorrespondenceFinder {
  public:
@@ -39,8 +39,8 @@ class CorrespondenceFinder {
   void Begin(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
              const CorrespondenceGates& gates);
 
-  /// The matches at `T_local_vehicle`, in the order of the live points; `blur_m` is a deviation
-  /// added to every pair's. Valid until the next call.
+  /// The correspondences at `T_local_vehicle`, in the order of the live points; `blur_m` is a
+  /// deviation added to every pair's. Valid until the next call.
   std::span<const Correspondence<Dim>> Find(const Pose<Dim>& T_local_vehicle, double blur_m);
 
  private:
@@ -52,7 +52,8 @@ class CorrespondenceFinder {
     bool Holds(const Pose<Dim>& T, double radius_m, double radius_rad) const;
   };
 
-  // A landmark that may be a live point's match, as seen from the middle of a neighbourhood.
+  // A landmark that may be a live point's correspondence, as seen from the middle of a
+  // neighbourhood.
   struct Candidate {
     Eigen::Matrix<double, Dim, 1> q;
     Eigen::Matrix<double, Dim, Dim> information;

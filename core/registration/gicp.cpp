@@ -16,7 +16,7 @@ using Matrix = Eigen::Matrix<double, Dim, Dim>;
 constexpr double kNoBlur_m = 0.02;
 
 template <int Dim>
-using Matches = std::span<const Correspondence<Dim>>;
+using Correspondences = std::span<const Correspondence<Dim>>;
 
 // d (Exp(phi) p) / d phi at zero: the rotation's part of d (T Exp(xi) p) / d xi once both are
 // written in the axes of the local frame, where the translation's part is the identity.
@@ -73,12 +73,12 @@ double HuberWeight(double squared, double k) {
 }
 
 template <int Dim>
-double Cost(Matches<Dim> matches, const Pose<Dim>& T, double huber) {
+double Cost(Correspondences<Dim> correspondences, const Pose<Dim>& T, double huber) {
   const Matrix<Dim> R = T.Rotation();
   double cost = 0.0;
-  for (const Correspondence<Dim>& match : matches) {
-    const Vector<Dim> e = match.q - (R * match.p + T.translation_m);
-    cost += HuberCost(e.dot(match.information * e), huber);
+  for (const Correspondence<Dim>& pair : correspondences) {
+    const Vector<Dim> e = pair.q - (R * pair.p + T.translation_m);
+    cost += HuberCost(e.dot(pair.information * e), huber);
   }
   return cost;
 }
@@ -92,21 +92,22 @@ struct NormalEquations {
 };
 
 template <int Dim>
-NormalEquations<Dim> Linearize(Matches<Dim> matches, const Pose<Dim>& T, double huber) {
+NormalEquations<Dim> Linearize(Correspondences<Dim> correspondences, const Pose<Dim>& T,
+                               double huber) {
   constexpr int kTurns = InformationSum<Dim>::kTurns;
   const Matrix<Dim> R = T.Rotation();
   InformationSum<Dim> hessian;
   Vector<Dim> shift = Vector<Dim>::Zero();
   Eigen::Matrix<double, kTurns, 1> turn = Eigen::Matrix<double, kTurns, 1>::Zero();
   NormalEquations<Dim> normal;
-  for (const Correspondence<Dim>& match : matches) {
-    const Vector<Dim> turned_p = R * match.p;
-    const Vector<Dim> e = match.q - (turned_p + T.translation_m);
-    const Vector<Dim> pull = match.information * e;
+  for (const Correspondence<Dim>& pair : correspondences) {
+    const Vector<Dim> turned_p = R * pair.p;
+    const Vector<Dim> e = pair.q - (turned_p + T.translation_m);
+    const Vector<Dim> pull = pair.information * e;
     const double squared = e.dot(pull);
     const double weight = HuberWeight(squared, huber);
     const typename InformationSum<Dim>::Arm arm = LeverArm(turned_p);
-    hessian.Add(weight * match.information, arm);
+    hessian.Add(weight * pair.information, arm);
     shift -= weight * pull;
     turn -= weight * (arm.transpose() * pull);
     normal.cost += HuberCost(squared, huber);
@@ -117,12 +118,12 @@ NormalEquations<Dim> Linearize(Matches<Dim> matches, const Pose<Dim>& T, double 
   return normal;
 }
 
-// One step on frozen matches. The weights make the quadratic an upper bound of Huber's cost, so
-// that its minimum costs less, but for what a turn is not linear; after a large turn that is looked
-// at, and the step damped until the cost falls.
+// One step on frozen correspondences. The weights make the quadratic an upper bound of Huber's
+// cost, so that its minimum costs less, but for what a turn is not linear; after a large turn that
+// is looked at, and the step damped until the cost falls.
 template <int Dim>
-Tangent<Dim> Step(Matches<Dim> matches, const NormalEquations<Dim>& normal, double huber,
-                  Pose<Dim>& T) {
+Tangent<Dim> Step(Correspondences<Dim> correspondences, const NormalEquations<Dim>& normal,
+                  double huber, Pose<Dim>& T) {
   constexpr double kLinear_rad = 0.01;  // up to here sin x is x to one in 10^4
   double damping = 1e-6;
   for (int attempt = 0; attempt < 6; ++attempt, damping *= 30.0) {
@@ -131,7 +132,7 @@ Tangent<Dim> Step(Matches<Dim> matches, const NormalEquations<Dim>& normal, doub
     Tangent<Dim> step = -damped.ldlt().solve(normal.gradient);
     const Pose<Dim> candidate = T * Exp(step);
     if (step.template tail<Pose<Dim>::kDof - Dim>().norm() <= kLinear_rad ||
-        Cost<Dim>(matches, candidate, huber) <= normal.cost) {
+        Cost<Dim>(correspondences, candidate, huber) <= normal.cost) {
       T = candidate;
       return step;
     }
@@ -160,28 +161,29 @@ TangentMatrix<Dim> SandwichCovariance(const TangentMatrix<Dim>& hessian,
 
 // Covariance and quality at the pose that `result` holds.
 template <int Dim>
-void Judge(Matches<Dim> matches, std::size_t live_count, double huber, Registration<Dim>& result) {
+void Judge(Correspondences<Dim> correspondences, std::size_t live_count, double huber,
+           Registration<Dim>& result) {
   const Matrix<Dim> R = result.T_local_vehicle.Rotation();
   InformationSum<Dim> hessian;
   InformationSum<Dim> squared_weights;
   double squared_residuals = 0.0;
   double likelihood = 0.0;
-  for (const Correspondence<Dim>& match : matches) {
-    const Vector<Dim> turned_p = R * match.p;
-    const Vector<Dim> e = match.q - (turned_p + result.T_local_vehicle.translation_m);
-    const double squared = e.dot(match.information * e);
+  for (const Correspondence<Dim>& pair : correspondences) {
+    const Vector<Dim> turned_p = R * pair.p;
+    const Vector<Dim> e = pair.q - (turned_p + result.T_local_vehicle.translation_m);
+    const double squared = e.dot(pair.information * e);
     const double weight = HuberWeight(squared, huber);
     const typename InformationSum<Dim>::Arm arm = LeverArm(turned_p);
-    hessian.Add(weight * match.information, arm);
-    squared_weights.Add(weight * weight * match.information, arm);
+    hessian.Add(weight * pair.information, arm);
+    squared_weights.Add(weight * weight * pair.information, arm);
     squared_residuals += squared;
     likelihood += std::exp(-0.5 * squared);
   }
   result.information = hessian.InVehicle(R);
   result.covariance = SandwichCovariance<Dim>(result.information, squared_weights.InVehicle(R));
-  result.inlier_count = static_cast<int>(matches.size());
-  if (matches.empty()) return;
-  const auto inlier_count = static_cast<double>(matches.size());
+  result.inlier_count = static_cast<int>(correspondences.size());
+  if (correspondences.empty()) return;
+  const auto inlier_count = static_cast<double>(correspondences.size());
   result.overlap = inlier_count / static_cast<double>(live_count);
   result.score = likelihood / static_cast<double>(live_count);
   result.residual_scale = std::sqrt(squared_residuals / (Dim * inlier_count));
@@ -217,25 +219,25 @@ Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const L
   finder.Begin(live, map,
                {.max_distance_m = options.max_correspondence_distance_m,
                 .gate_sigmas = options.gate_sigmas});
-  Matches<Dim> matches;
+  Correspondences<Dim> correspondences;
   while (true) {
-    matches = finder.Find(result.T_local_vehicle, blur_m);
+    correspondences = finder.Find(result.T_local_vehicle, blur_m);
     if (result.iterations == options.max_iterations) break;
-    if (matches.size() < static_cast<std::size_t>(Pose<Dim>::kDof)) break;
+    if (correspondences.size() < static_cast<std::size_t>(Pose<Dim>::kDof)) break;
     const NormalEquations<Dim> normal =
-        Linearize<Dim>(matches, result.T_local_vehicle, options.huber_sigmas);
+        Linearize<Dim>(correspondences, result.T_local_vehicle, options.huber_sigmas);
     const Tangent<Dim> step =
-        Step<Dim>(matches, normal, options.huber_sigmas, result.T_local_vehicle);
+        Step<Dim>(correspondences, normal, options.huber_sigmas, result.T_local_vehicle);
     ++result.iterations;
     const bool sharp = blur_m == 0.0;
     blur_m = blur_m > kNoBlur_m ? 0.5 * blur_m : 0.0;
     result.converged =
         sharp && step.template head<Dim>().norm() < options.translation_tolerance_m &&
         step.template tail<Pose<Dim>::kDof - Dim>().norm() < options.rotation_tolerance_rad;
-    // So small a step changes no match worth looking for.
+    // So small a step changes no pair worth looking for.
     if (result.converged) break;
   }
-  Judge<Dim>(matches, live.size(), options.huber_sigmas, result);
+  Judge<Dim>(correspondences, live.size(), options.huber_sigmas, result);
   return result;
 }
 

@@ -28,10 +28,10 @@ std::span<const OptionField<GicpOptions>> FieldsOf(const GicpOptions& options);
 absl::Status Validate(const GicpOptions& options);
 
 /// Uncertainty-aware GICP (METHOD eq 12): minimises sum rho_Huber(e^T W e) over the pose of `live`
-/// (vehicle frame) in `map`, e = q - (R p + t), W = (S_q + R S_p R^T)^-1, matches being the
-/// landmark of highest likelihood. Levenberg-Marquardt with W and the matches frozen within an
-/// iteration (W for up to a milliradian, see CorrespondenceFinder); covariance and quality are
-/// those of the last matches at the final pose. `finder` lends its memory.
+/// (vehicle frame) in `map`, e = q - (R p + t), W = (S_q + R S_p R^T)^-1, correspondences being the
+/// landmark of highest likelihood. Levenberg-Marquardt with W and the correspondences frozen within
+/// an iteration (W for up to a milliradian, see CorrespondenceFinder); covariance and quality are
+/// those of the last correspondences at the final pose. `finder` lends its memory.
 template <int Dim>
 Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                                const Pose<Dim>& T_local_vehicle_initial, const GicpOptions& options,

@@ -85,7 +85,7 @@ class MapMatcher {
   /// Registers `live` (vehicle frame) around the predicted pose: refinement alone where the
   /// prediction is good, after a correlative search and descriptor matching where it is not, except
   /// in directions in which there is nothing to be found.
-  /// Nothing when no pose is believable, and when a wide prediction leaves another place that is as
+  /// Nothing when no pose is acceptable, and when a wide prediction leaves another place that is as
   /// good.
   std::optional<Registration<Dim>> Match(std::span<const GaussianPoint<Dim>> live,
                                          const PoseEstimate<Dim>& predicted,

@@ -15,16 +15,16 @@ struct Shift {
   double min_drop;
 };
 constexpr Shift kShifts[] = {{1.0, 0.05}, {3.0, 0.15}};
-constexpr double kDoubtSigma_m = 10.0;
+constexpr double kDegenerateSigma_m = 10.0;
 
 template <int Dim>
-double Score(std::size_t point_count, std::span<const Correspondence<Dim>> matches,
+double Score(std::size_t point_count, std::span<const Correspondence<Dim>> correspondences,
              const Pose<Dim>& T) {
   const Eigen::Matrix<double, Dim, Dim> R = T.Rotation();
   double score = 0.0;
-  for (const Correspondence<Dim>& match : matches) {
-    const Eigen::Matrix<double, Dim, 1> e = match.q - (R * match.p + T.translation_m);
-    score += std::exp(-0.5 * e.dot(match.information * e));
+  for (const Correspondence<Dim>& pair : correspondences) {
+    const Eigen::Matrix<double, Dim, 1> e = pair.q - (R * pair.p + T.translation_m);
+    score += std::exp(-0.5 * e.dot(pair.information * e));
   }
   return score / static_cast<double>(point_count);
 }
@@ -41,7 +41,8 @@ Eigen::Matrix2d Observability::DegeneracyCovariance() const {
   Eigen::Matrix2d degeneracy = Eigen::Matrix2d::Zero();
   for (const Direction& direction : directions) {
     if (direction.observed) continue;
-    degeneracy += kDoubtSigma_m * kDoubtSigma_m * direction.axis * direction.axis.transpose();
+    degeneracy +=
+        kDegenerateSigma_m * kDegenerateSigma_m * direction.axis * direction.axis.transpose();
   }
   return degeneracy;
 }

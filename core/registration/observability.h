@@ -13,8 +13,8 @@
 namespace dcloc {
 
 /// Whether points fit worse where a registration is shifted. The information matrix of matched
-/// points cannot tell: it takes each match for the only one, where the points of a smooth wall find
-/// others as good wherever they are put along it.
+/// points cannot tell: it takes each correspondence for the only possible one, where the points of
+/// a smooth wall find others as good wherever they are put along it.
 struct Observability {
   struct Direction {
     Eigen::Vector2d axis;  ///< of length 1, in the vehicle's xy plane

@@ -7,7 +7,7 @@
 
 namespace dcloc {
 
-/// What a satellite receiver knows.
+/// One fix of a satellite receiver.
 struct GnssFix {
   GeodeticPosition position;
   double horizontal_sigma_m = 0.0;  ///< along each horizontal axis

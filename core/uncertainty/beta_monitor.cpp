@@ -58,24 +58,24 @@ bool BetaMonitor<Dim>::IsDue(Stamp stamp, std::chrono::nanoseconds span) const {
 
 template <int Dim>
 void BetaMonitor<Dim>::OnRegistration(Stamp stamp, const LiveSubmap<Dim>& live,
-                                      std::span<const Correspondence<Dim>> matches,
+                                      std::span<const Correspondence<Dim>> correspondences,
                                       const Pose<Dim>& T_local_vehicle,
                                       const EgoVelocity& ego_velocity) {
   last_ = stamp;
   const Matrix R = T_local_vehicle.Rotation();
-  auto match = matches.begin();
+  auto pair = correspondences.begin();
   for (const auto& part : live.parts) {
     Radar& radar = radars_[static_cast<std::size_t>(part.radar_index)];
     const Eigen::Vector3d origin_m = part.T_newest_then * radar.origin_m;
-    for (std::size_t i = part.begin; i < part.end && match != matches.end(); ++i) {
+    for (std::size_t i = part.begin; i < part.end && pair != correspondences.end(); ++i) {
       const Vector& p_m = live.points[i].mean_m;
-      if (match->p != p_m) continue;
+      if (pair->p != p_m) continue;
       if ((p_m - origin_m.head<Dim>()).norm() >= options_.min_range_m) {
-        radar.normal.Add(p_m, R.transpose() * (match->q - T_local_vehicle.translation_m) - p_m,
-                         R.transpose() * match->information * R, origin_m, ego_velocity,
+        radar.normal.Add(p_m, R.transpose() * (pair->q - T_local_vehicle.translation_m) - p_m,
+                         R.transpose() * pair->information * R, origin_m, ego_velocity,
                          options_.huber_sigmas);
       }
-      ++match;
+      ++pair;
     }
   }
   for (Radar& radar : radars_) radar.TakeNormal(options_);

@@ -58,7 +58,7 @@ class BetaMonitor {
   /// An accepted registration of `live` at `T_local_vehicle`, with the correspondences there in the
   /// order of the live points.
   void OnRegistration(Stamp stamp, const LiveSubmap<Dim>& live,
-                      std::span<const Correspondence<Dim>> matches,
+                      std::span<const Correspondence<Dim>> correspondences,
                       const Pose<Dim>& T_local_vehicle, const EgoVelocity& ego_velocity);
 
   /// Of a radar of the rig, by its place there.
@@ -68,8 +68,8 @@ class BetaMonitor {
   using Vector = Eigen::Matrix<double, Dim, 1>;
   using Matrix = Eigen::Matrix<double, Dim, Dim>;
 
-  // One radar's matches in one registration: normal equations in the pose and in the errors of beta
-  // and range bias, in the vehicle frame's axes.
+  // One radar's correspondences in one registration: normal equations in the pose and in the errors
+  // of beta and range bias, in the vehicle frame's axes.
   struct Normal {
     TangentMatrix<Dim> pose = TangentMatrix<Dim>::Zero();
     Eigen::Matrix<double, Pose<Dim>::kDof, 2> cross =

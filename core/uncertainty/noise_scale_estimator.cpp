@@ -9,7 +9,7 @@ namespace dcloc {
 namespace {
 
 // What is kept of the pairs before, of which there were so many. The memory is the newest third of
-// them: the first ones tell of odometry whose constant errors were not known yet.
+// them: the first ones are of odometry whose constant errors were not known yet.
 double Kept(double pair_count, double max_memory) {
   return std::min(max_memory, 1.0 - 2.0 / (pair_count + 3.0));
 }

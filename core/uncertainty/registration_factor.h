@@ -39,14 +39,14 @@ struct RegistrationTiming {
 template <int Dim>
 TangentMatrix<Dim> ResidualScaledCovariance(const Registration<Dim>& registration);
 
-/// The loop edge that a registration is. `degeneracy` is what it does not observe, `noise` what its
-/// own noise has turned out to be, `systematic` the covariance of errors that last (see
-/// AbsolutePoseFactor).
+/// The absolute pose factor that a registration becomes (METHOD eq 31-33). `degeneracy` is the
+/// covariance of what it does not observe, `noise` its own learned covariance, `systematic` that of
+/// errors that do not average out (see AbsolutePoseFactor).
 ///
 /// Each scan's points take part in every registration while the scan is in the sub-map, and the
-/// landmarks while they are in view; so an edge's information is divided among those that share it.
-/// The weight takes what they share for large and for as long as the options say; of what really
-/// varies a part is the landmarks', while the vehicle passes them.
+/// landmarks while they are in view. So a factor's information is divided among those that share
+/// it. The weight assumes shared errors as large and lasting as the options say; of the noise a
+/// part is the landmarks', while the vehicle passes them.
 template <int Dim>
 AbsolutePoseFactor<Dim> RegistrationFactor(const Registration<Dim>& registration,
                                            const TangentMatrix<Dim>& degeneracy,

@@ -27,7 +27,7 @@ Rig ThreeRadars(double beta_s) {
   return rig;
 }
 
-// Two passes of the bend, as `truth` measures them and `described` is believed.
+// Two passes of the bend, as `truth` measures them with the rig `described`.
 Calibrator TwoPasses(const Rig& truth, const Rig& described, double range_bias_m = 0.0,
                      const CalibratorOptions& options = {}) {
   const SyntheticWorld world;

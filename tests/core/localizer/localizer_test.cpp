@@ -70,20 +70,20 @@ TEST_F(LocalizerTest, TheSameScansGiveTheSameBits) {
   }
 }
 
-TEST_F(LocalizerTest, BlindItReckonsEverLessCertainAndThenSaysThatItIsLost) {
+TEST_F(LocalizerTest, WithoutTargetsItDeadReckonsAndIsThenLost) {
   Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01));
   constexpr std::size_t kSeeing = 60;
   for (std::size_t i = 0; i < kSeeing; ++i) ASSERT_TRUE(localizer.Localize(drive_[i].scan).ok());
   bool reckoned = false;
   bool lost = false;
-  int quiet_ms = 0;  // since the last registration that was believed
+  int quiet_ms = 0;  // since the last registration that was accepted
   double sigma_m = 0.0;
   for (std::size_t i = 0; i < 100; ++i) {
     const double along_m = 0.077 * kLiveSpeed_mps * static_cast<double>(kSeeing + i);
-    const Scan blind{.stamp = drive_[0].scan.stamp + std::chrono::milliseconds(77 * (kSeeing + i)),
+    const Scan empty{.stamp = drive_[0].scan.stamp + std::chrono::milliseconds(77 * (kSeeing + i)),
                      .radar_id = "front",
                      .ego_velocity = SyntheticWorld::VelocityAt(kLiveSpeed_mps)};
-    const auto answer = localizer.Localize(blind);
+    const auto answer = localizer.Localize(empty);
     ASSERT_TRUE(answer.ok()) << answer.status();
     const double now_m = std::sqrt(answer->covariance.topLeftCorner<2, 2>().trace());
     // While older scans are still in the sub-map it may register.

@@ -82,18 +82,18 @@ TEST(TrackingStateMachineTest, DeadReckoningGrownUncertainIsLost) {
   EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
 }
 
-TEST(TrackingStateMachineTest, LostIsToldWithinASecondOfTheLastConfirmation) {
+TEST(TrackingStateMachineTest, LostIsReportedWithinASecondOfTheLastConfirmation) {
   constexpr int kLast_ms = 1000;
   TrackingStateMachine state = Tracking(kLast_ms);
   constexpr int kScan_ms = 77;
-  int told_ms = 0;
+  int reported_ms = 0;
   for (int ms = kLast_ms + kScan_ms; ms < 10'000; ms += kScan_ms) {
     Scan(state, ms, false, 0.3);
-    if (told_ms == 0 && state.Report(0.1) == LocalizationState::kLost) told_ms = ms;
-    EXPECT_TRUE(told_ms == 0 || state.Report(0.1) == LocalizationState::kLost) << ms;
+    if (reported_ms == 0 && state.Report(0.1) == LocalizationState::kLost) reported_ms = ms;
+    EXPECT_TRUE(reported_ms == 0 || state.Report(0.1) == LocalizationState::kLost) << ms;
   }
-  EXPECT_GT(told_ms, kLast_ms + 800) << "a short gap is bridged";
-  EXPECT_LE(told_ms, kLast_ms + 1000);
+  EXPECT_GT(reported_ms, kLast_ms + 800) << "a short gap is bridged";
+  EXPECT_LE(reported_ms, kLast_ms + 1000);
 }
 
 TEST(TrackingStateMachineTest, LostIsSearchedForOnlyWhileUncertain) {
@@ -143,7 +143,7 @@ TEST(TrackingStateMachineTest, ConfirmationsInARowRecoverFromBoth) {
   }
 }
 
-TEST(TrackingStateMachineTest, WhoWasLostMustBeConfirmedAnew) {
+TEST(TrackingStateMachineTest, AfterLostAllConfirmationsAreNeeded) {
   TrackingStateMachine state = Tracking(1000);
   // Silence, without a registration that could have failed.
   state.OnPrediction(StampAt(60'000), 30.0);

@@ -34,7 +34,7 @@ TEST(OdometryTest, TenScansFollowAFineIntegration) {
 }
 
 TEST(OdometryTest, TheSpreadIsThatOfDriftingVelocities) {
-  // Velocity errors that hold for the correlation time and are then drawn anew.
+  // Velocity errors that hold for the correlation time and are then drawn again.
   const MotionOptions options{.correlation_time = milliseconds(500)};
   Vector6d sigmas;
   sigmas << 0.2, 0.1, 0.05, 0.002, 0.003, 0.02;

@@ -22,10 +22,10 @@ struct Faults {
 class Drive {
  public:
   // Poses vary by `pose_sigma_m` and say that they vary by 0.03 m.
-  explicit Drive(const Faults& faults, double pose_sigma_m = kToldSigma_m)
+  explicit Drive(const Faults& faults, double pose_sigma_m = kStatedSigma_m)
       : faults_(faults), pose_sigma_m_(pose_sigma_m) {}
 
-  void Second(OdometryErrorFilter& errors, bool tell_pose = true) {
+  void Second(OdometryErrorFilter& errors, bool with_pose = true) {
     for (int scan = 0; scan < 10; ++scan, ++scan_) {
       speed_mps_ = 12.0 + 6.0 * std::sin(0.02 * scan_);
       yaw_rate_radps_ = 0.1 * std::sin(0.013 * scan_);
@@ -36,18 +36,18 @@ class Drive {
           yaw_rate_radps_ - faults_.yaw_rate_bias_radps + errors.yaw_rate_bias_radps());
       errors.OnMotion(Embed(Exp(Eigen::Vector3d(kScan_s * reported))), milliseconds(100));
     }
-    if (tell_pose) errors.OnPose(Registered(), Covariance());
+    if (with_pose) errors.OnPose(Registered(), Covariance());
   }
 
   void JumpInMap() { T_map_vehicle_.translation_m.x() += 500.0; }
 
  private:
   static constexpr double kScan_s = 0.1;
-  static constexpr double kToldSigma_m = 0.03;
+  static constexpr double kStatedSigma_m = 0.03;
   static constexpr double kPoseSigma_rad = 0.001;
 
   static Eigen::Matrix3d Covariance() {
-    return Eigen::Vector3d(kToldSigma_m, kToldSigma_m, kPoseSigma_rad).cwiseAbs2().asDiagonal();
+    return Eigen::Vector3d(kStatedSigma_m, kStatedSigma_m, kPoseSigma_rad).cwiseAbs2().asDiagonal();
   }
 
   Pose3 Registered() {
@@ -77,14 +77,14 @@ OdometryErrorFilter After(int seconds, Drive drive,
   return errors;
 }
 
-TEST(OdometryErrorsTest, CorrectsNothingAtFirst) {
+TEST(OdometryErrorFilterTest, CorrectsNothingAtFirst) {
   const OdometryErrorFilter errors({.scale_sigma = 0.03});
   EXPECT_EQ(errors.scale(), 1.0);
   EXPECT_EQ(errors.scale_sigma(), 0.03);
   EXPECT_EQ(errors.yaw_rate_bias_radps(), 0.0);
 }
 
-TEST(OdometryErrorsTest, LearnsScaleAndYawRateBias) {
+TEST(OdometryErrorFilterTest, LearnsScaleAndYawRateBias) {
   const OdometryErrorFilter errors =
       After(60, Drive({.scale = 1.017, .yaw_rate_bias_radps = 0.0012}));
   EXPECT_NEAR(errors.scale(), 1.017, 0.001);
@@ -92,30 +92,30 @@ TEST(OdometryErrorsTest, LearnsScaleAndYawRateBias) {
   EXPECT_EQ(errors.scale_sigma(), OdometryErrorFilterOptions().min_scale_sigma);
 }
 
-TEST(OdometryErrorsTest, FindsNothingInOdometryThatIsRight) {
+TEST(OdometryErrorFilterTest, FindsNothingInOdometryThatIsRight) {
   const OdometryErrorFilter errors = After(60, Drive({}));
   EXPECT_NEAR(errors.scale(), 1.0, 0.001);
   EXPECT_NEAR(errors.yaw_rate_bias_radps(), 0.0, 1e-4);
 }
 
-TEST(OdometryErrorsTest, TakesTurnedMountsForNeitherScaleNorYawRate) {
+TEST(OdometryErrorFilterTest, TakesTurnedMountsForNeitherScaleNorYawRate) {
   const OdometryErrorFilter errors = After(60, Drive({.course_rad = 0.015}));
   EXPECT_NEAR(errors.scale(), 1.0, 0.001);
   EXPECT_NEAR(errors.yaw_rate_bias_radps(), 0.0, 1.5e-4);
 }
 
-TEST(OdometryErrorsTest, TakesClocksThatDifferForNoScale) {
+TEST(OdometryErrorFilterTest, TakesClocksThatDifferForNoScale) {
   const OdometryErrorFilter errors = After(60, Drive({.time_offset_s = 0.06}));
   EXPECT_NEAR(errors.scale(), 1.0, 0.001);
 }
 
-TEST(OdometryErrorsTest, LearnsWithinTwelveSeconds) {
-  // Of some 140 m, by poses that are believed to 0.1 m.
+TEST(OdometryErrorFilterTest, LearnsWithinTwelveSeconds) {
+  // Of some 140 m, by poses with a deviation of 0.1 m.
   const OdometryErrorFilter errors = After(12, Drive({.scale = 1.012}));
   EXPECT_NEAR(errors.scale(), 1.012, 0.0025);
 }
 
-TEST(OdometryErrorsTest, LearnsNothingWithoutPoses) {
+TEST(OdometryErrorFilterTest, LearnsNothingWithoutPoses) {
   OdometryErrorFilter errors({});
   Drive drive({.scale = 1.02});
   for (int second = 0; second < 30; ++second) drive.Second(errors, false);
@@ -123,14 +123,14 @@ TEST(OdometryErrorsTest, LearnsNothingWithoutPoses) {
   EXPECT_EQ(errors.yaw_rate_bias_radps(), 0.0);
 }
 
-TEST(OdometryErrorsTest, BelievesPosesLessThatVaryMoreThanTheySay) {
+TEST(OdometryErrorFilterTest, WeighsPosesLessThatExceedTheirCovariance) {
   const OdometryErrorFilterOptions options{.min_scale_sigma = 0.0};
   const OdometryErrorFilter errors = After(40, Drive({}, 1.0), options);
   EXPECT_NEAR(errors.scale(), 1.0, 3.0 * errors.scale_sigma());
   EXPECT_GT(errors.scale_sigma(), 1.2 * After(40, Drive({}), options).scale_sigma());
 }
 
-TEST(OdometryErrorsTest, OneWrongPoseChangesLittle) {
+TEST(OdometryErrorFilterTest, OneWrongPoseChangesLittle) {
   OdometryErrorFilter errors({});
   Drive drive({.scale = 1.01});
   for (int second = 0; second < 30; ++second) drive.Second(errors);
@@ -140,7 +140,7 @@ TEST(OdometryErrorsTest, OneWrongPoseChangesLittle) {
   EXPECT_NEAR(errors.scale(), before, 0.02);
 }
 
-TEST(OdometryErrorsTest, AJumpInTheMapIsNotTheWheels) {
+TEST(OdometryErrorFilterTest, AJumpInTheMapIsNotTheWheels) {
   OdometryErrorFilter errors({});
   Drive drive({.scale = 1.01});
   for (int second = 0; second < 30; ++second) drive.Second(errors);

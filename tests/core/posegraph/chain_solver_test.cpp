@@ -19,7 +19,8 @@ class ChainSolverTest : public ::testing::Test {};
 using Dimensions = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(ChainSolverTest, Dimensions);
 
-// As a tracker has it: states as odometry leads to them, and a loop edge for three in four of them.
+// As a tracker has it: states as odometry leads to them, and an absolute pose for three in four of
+// them.
 template <int Dim>
 StateChain<Dim> ChainOf(const Chain<Dim>& drive) {
   StateChain<Dim> chain{.prior = drive.prior, .states = {{.pose = drive.prior.pose}}};
@@ -28,7 +29,7 @@ StateChain<Dim> ChainOf(const Chain<Dim>& drive) {
     chain.states.push_back(
         {.pose = chain.states.back().pose * step.odometry.pose, .odometry = step.odometry});
     if (i % 4 == 3) continue;
-    chain.states.back().loop = {.pose = step.loop.pose, .covariance = step.loop.reused_covariance};
+    chain.states.back().absolute = {.pose = step.absolute.pose, .covariance = step.absolute.reused_covariance};
   }
   return chain;
 }
@@ -46,7 +47,7 @@ double Cost(const StateChain<Dim>& chain) {
   for (std::size_t i = 0; i < chain.states.size(); ++i) {
     const auto& state = chain.states[i];
     if (i > 0) add(state.odometry, chain.states[i - 1].pose, state.pose);
-    if (state.loop) add(*state.loop, {}, state.pose);
+    if (state.absolute) add(*state.absolute, {}, state.pose);
   }
   return cost;
 }
@@ -122,7 +123,7 @@ TYPED_TEST(ChainSolverTest, WhatIsNoNumberIsRefused) {
   const Chain<kDim> drive(5, Diagonal<kDim>(0.05, 0.01), Diagonal<kDim>(0.2, 0.02), 5);
   const StateChain<kDim> good = ChainOf(drive);
   StateChain<kDim> chain = good;
-  chain.states[2].loop->pose.translation_m.x() = std::numeric_limits<double>::quiet_NaN();
+  chain.states[2].absolute->pose.translation_m.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(ChainSolver<kDim>().Solve(chain));
   EXPECT_EQ(FurthestApart(chain, good), 0.0);
 }

@@ -304,7 +304,7 @@ TYPED_TEST(PoseGraphTest, TheNoiseIsThatOfTheGainsThatTheWeightsGive) {
   const TangentMatrix<kDim> odometry = Diagonal<kDim>(0.02, 0.002);
   const TangentMatrix<kDim> loop = Diagonal<kDim>(0.06, 0.006);
   TangentMatrix<kDim> sampled = TangentMatrix<kDim>::Zero();
-  TangentMatrix<kDim> told;
+  TangentMatrix<kDim> stated;
   for (int run = 0; run < kRuns; ++run) {
     Chain<kDim> chain(25, odometry, loop, static_cast<unsigned>(100 + run));
     PoseGraph<kDim> graph({.gate_outliers = false});
@@ -319,15 +319,15 @@ TYPED_TEST(PoseGraphTest, TheNoiseIsThatOfTheGainsThatTheWeightsGive) {
     }
     const Tangent<kDim> error = ErrorOf<kDim>(graph.Newest().pose, chain.steps.back().truth);
     sampled += error * error.transpose() / kRuns;
-    told = graph.NewestNoise();
+    stated = graph.NewestNoise();
   }
   for (int i = 0; i < Pose<kDim>::kDof; ++i) {
-    EXPECT_NEAR(sampled(i, i) / told(i, i), 1.0, 0.25) << i;
+    EXPECT_NEAR(sampled(i, i) / stated(i, i), 1.0, 0.25) << i;
   }
 }
 
 TYPED_TEST(PoseGraphTest, WhatLastsPassesTheWeightsGains) {
-  // Every loop edge is off by the same; odometry is exact.
+  // Every absolute pose is off by the same; odometry is exact.
   constexpr int kDim = TypeParam::value;
   Chain<kDim> chain(40, Diagonal<kDim>(1e-9, 1e-9), Diagonal<kDim>(1e-9, 1e-9), 8);
   const Tangent<kDim> fault = Tangent<kDim>::Constant(2e-3);

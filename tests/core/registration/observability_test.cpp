@@ -54,7 +54,7 @@ TEST(ObservabilityTest, AlongSmoothWallsTheWayIsNotObservedAndOnlyThat) {
   EXPECT_LT(degeneracy(1, 1), 1e-6);
 }
 
-TEST(ObservabilityTest, NothingThatFitsIsNoReasonToDoubt) {
+TEST(ObservabilityTest, WithoutInliersAllIsCalledObserved) {
   std::mt19937 random(3);
   const Observability seen = Look(Walls(100, random), {PointAt(500.0, 500.0)}, {});
   EXPECT_TRUE(seen.Observed(0));

@@ -147,7 +147,7 @@ TEST(GlobalLocalizerTest, AmongPostsThatLookAlikeNothingWins) {
   }
 }
 
-TEST(GlobalLocalizerTest, TwinsAreToldApartByWhatFollows) {
+TEST(GlobalLocalizerTest, TwinsAreDistinguishedByWhatFollows) {
   constexpr double kApart_m = 65.0;
   const SyntheticWorld world = Twins(kApart_m);
   const auto map = MapOf(world);

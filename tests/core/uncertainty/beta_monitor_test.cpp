@@ -36,11 +36,11 @@ struct Wrong {
 template <int Dim>
 class Street {
  public:
-  explicit Street(const Wrong& wrong) : wrong_(wrong), watch_(FrontAndRear()) {}
+  explicit Street(const Wrong& wrong) : wrong_(wrong), monitor_(FrontAndRear()) {}
 
   const BetaMonitor<Dim>& Drive(int seconds) {
     for (int i = 0; i < seconds; ++i) Register(Stamp(milliseconds(1000 * i)));
-    return watch_;
+    return monitor_;
   }
 
  private:
@@ -58,7 +58,7 @@ class Street {
         AddPoint(radar, mount, ego_velocity, T_local_vehicle, live, matches);
       live.parts.push_back({.radar_index = radar, .begin = begin, .end = live.points.size()});
     }
-    watch_.OnRegistration(stamp, live, matches, T_local_vehicle, ego_velocity);
+    monitor_.OnRegistration(stamp, live, matches, T_local_vehicle, ego_velocity);
   }
 
   void AddPoint(int radar, const Pose3& mount, const EgoVelocity& ego_velocity,
@@ -86,11 +86,11 @@ class Street {
   }
 
   Wrong wrong_;
-  BetaMonitor<Dim> watch_;
+  BetaMonitor<Dim> monitor_;
   std::mt19937_64 random_{7};
 };
 
-TEST(BetaWatchTest, FindsAWrongBetaOfOneRadarAndNotOfTheOther) {
+TEST(BetaMonitorTest, FindsAWrongBetaOfOneRadarAndNotOfTheOther) {
   Street<2> street({.front_beta_s = 0.04});
   const BetaMonitor<2>& watch = street.Drive(60);
   EXPECT_NEAR(watch.Check(0).error_s, 0.04, 0.004);
@@ -99,26 +99,26 @@ TEST(BetaWatchTest, FindsAWrongBetaOfOneRadarAndNotOfTheOther) {
   EXPECT_FALSE(watch.Check(1).is_wrong);
 }
 
-TEST(BetaWatchTest, TellsTheSign) {
+TEST(BetaMonitorTest, FindsTheSign) {
   Street<2> street({.rear_beta_s = -0.03});
   EXPECT_NEAR(street.Drive(60).Check(1).error_s, -0.03, 0.004);
 }
 
-TEST(BetaWatchTest, WorksInSpace) {
+TEST(BetaMonitorTest, WorksInSpace) {
   Street<3> street({.front_beta_s = 0.04});
   const BetaMonitor<3>& watch = street.Drive(60);
   EXPECT_NEAR(watch.Check(0).error_s, 0.04, 0.004);
   EXPECT_FALSE(watch.Check(1).is_wrong);
 }
 
-TEST(BetaWatchTest, ClocksAndMountsAreNoWrongBeta) {
+TEST(BetaMonitorTest, ClocksAndMountsAreNoWrongBeta) {
   Street<2> street({.front_time_offset_s = 0.05, .front_mount_yaw_rad = 0.01});
   const BetaMonitor<2>& watch = street.Drive(60);
   EXPECT_NEAR(watch.Check(0).error_s, 0.0, 0.004);
   EXPECT_FALSE(watch.Check(0).is_wrong);
 }
 
-TEST(BetaWatchTest, AStandingVehicleTellsNothing) {
+TEST(BetaMonitorTest, AStandingVehicleShowsNothing) {
   Street<2> street({.front_beta_s = 0.04, .speed_mps = 0.0});
   const BetaCheck check = street.Drive(60).Check(0);
   EXPECT_NEAR(check.error_s, 0.0, 1e-9);
@@ -126,13 +126,13 @@ TEST(BetaWatchTest, AStandingVehicleTellsNothing) {
   EXPECT_FALSE(check.is_wrong);
 }
 
-TEST(BetaWatchTest, SaysNothingBeforeTheFirstRegistration) {
+TEST(BetaMonitorTest, SaysNothingBeforeTheFirstRegistration) {
   const BetaMonitor<2> watch(FrontAndRear());
   EXPECT_EQ(watch.Check(0).error_s, 0.0);
   EXPECT_FALSE(watch.Check(0).is_wrong);
 }
 
-TEST(BetaWatchTest, LooksAtRegistrationsThatShareNoScan) {
+TEST(BetaMonitorTest, LooksAtRegistrationsThatShareNoScan) {
   Street<2> street({});
   const BetaMonitor<2>& watch = street.Drive(1);
   EXPECT_FALSE(watch.IsDue(Stamp(milliseconds(600)), milliseconds(700)));

@@ -84,11 +84,11 @@ Ratios LearnedOverADrive(const Ratios& truth, bool of_rotation) {
   return sum;
 }
 
-TEST(EdgeNoiseTest, BelievesTheModelOfOdometryAtFirst) {
+TEST(NoiseScaleEstimatorTest, StartsWithTheModelOfOdometry) {
   EXPECT_EQ(OdometryRatio(NoiseScaleEstimator<2>()), Eigen::Vector2d::Ones());
 }
 
-TEST(EdgeNoiseTest, LearnsHowMuchOdometryReallyVaries) {
+TEST(NoiseScaleEstimatorTest, LearnsHowMuchOdometryReallyVaries) {
   for (const double ratio : {0.3, 1.0, 2.0}) {
     for (const bool of_rotation : {false, true}) {
       const Ratios learned =
@@ -98,7 +98,7 @@ TEST(EdgeNoiseTest, LearnsHowMuchOdometryReallyVaries) {
   }
 }
 
-TEST(EdgeNoiseTest, LearnsThatOdometryIsFarBetter) {
+TEST(NoiseScaleEstimatorTest, LearnsThatOdometryIsFarBetter) {
   for (const bool of_rotation : {false, true}) {
     EXPECT_LT(LearnedOverADrive({.odometry = 0.03, .registrations = 1.5}, of_rotation).odometry,
               0.1);
@@ -106,7 +106,7 @@ TEST(EdgeNoiseTest, LearnsThatOdometryIsFarBetter) {
 }
 
 // They tell of odometry before its constant errors were known.
-TEST(EdgeNoiseTest, TheFirstPairsSoonFade) {
+TEST(NoiseScaleEstimatorTest, TheFirstPairsSoonFade) {
   NoiseScaleEstimator<2> noise;
   Vehicle worse({.odometry = 2.0});
   for (int step = 0; step < 150; ++step) worse.Step(noise);
@@ -117,7 +117,7 @@ TEST(EdgeNoiseTest, TheFirstPairsSoonFade) {
   EXPECT_LT(OdometryRatio(noise).x(), 0.6);
 }
 
-TEST(EdgeNoiseTest, LearnsHowMuchRegistrationsReallyVary) {
+TEST(NoiseScaleEstimatorTest, LearnsHowMuchRegistrationsReallyVary) {
   for (const double ratio : {2.0, 4.0}) {
     for (const bool of_rotation : {false, true}) {
       const Ratios learned =
@@ -127,7 +127,7 @@ TEST(EdgeNoiseTest, LearnsHowMuchRegistrationsReallyVary) {
   }
 }
 
-TEST(EdgeNoiseTest, AFalseRegistrationCountsForLittle) {
+TEST(NoiseScaleEstimatorTest, AFalseRegistrationCountsForLittle) {
   NoiseScaleEstimator<2> noise;
   Vehicle vehicle({});
   for (int step = 0; step < 1000; ++step) vehicle.Step(noise);
@@ -137,7 +137,7 @@ TEST(EdgeNoiseTest, AFalseRegistrationCountsForLittle) {
   EXPECT_LT(OdometryRatio(noise).y(), 1.5 * before.y());
 }
 
-TEST(EdgeNoiseTest, AJumpIsNoNoise) {
+TEST(NoiseScaleEstimatorTest, AJumpIsNoNoise) {
   NoiseScaleEstimator<2> noise;
   Vehicle vehicle({});
   for (int step = 0; step < 1000; ++step) vehicle.Step(noise);
@@ -147,7 +147,7 @@ TEST(EdgeNoiseTest, AJumpIsNoNoise) {
   EXPECT_LT((OdometryRatio(noise) - before).norm(), 0.5);
 }
 
-TEST(EdgeNoiseTest, OdometryWeighsByTwiceItsNoiseWithinBounds) {
+TEST(NoiseScaleEstimatorTest, OdometryWeighsByTwiceItsNoiseWithinBounds) {
   NoiseScaleEstimator<2> noise;
   EXPECT_EQ(Deviations(noise.OdometryWeightCovariance(Eigen::Matrix3d::Identity())),
             Eigen::Vector2d::Ones());
@@ -163,7 +163,7 @@ TEST(EdgeNoiseTest, OdometryWeighsByTwiceItsNoiseWithinBounds) {
   EXPECT_NEAR(noise.OdometryWeightCovariance(Eigen::Matrix3d::Identity())(0, 0), 0.1, 1e-12);
 }
 
-TEST(EdgeNoiseTest, WhatIsLearnedKeepsTheCorrelation) {
+TEST(NoiseScaleEstimatorTest, WhatIsLearnedKeepsTheCorrelation) {
   NoiseScaleEstimator<2> noise;
   Vehicle vehicle({.odometry = 0.3});
   for (int step = 0; step < 300; ++step) vehicle.Step(noise);

@@ -32,7 +32,7 @@ RegistrationTiming At(double speed_mps, int count) {
           .count = count};
 }
 
-TEST(RegistrationEdgeTest, TheFirstSharesNothing) {
+TEST(RegistrationFactorTest, TheFirstSharesNothing) {
   const AbsolutePoseFactor<2> edge = Edge(At(10.0, 1));
   EXPECT_DOUBLE_EQ(edge.covariance(0, 0), 1e-4 + 0.01);
   EXPECT_DOUBLE_EQ(edge.covariance(2, 2), 1e-4 + 1e-4);
@@ -40,27 +40,27 @@ TEST(RegistrationEdgeTest, TheFirstSharesNothing) {
   EXPECT_EQ(edge.pose.yaw_rad, 0.3);
 }
 
-TEST(RegistrationEdgeTest, ScansAreDividedAmongTheRegistrationsThatTheyAreIn) {
+TEST(RegistrationFactorTest, ScansAreDividedAmongTheRegistrationsThatTheyAreIn) {
   // Ten registrations while a scan is in the sub-map, 31 while errors are shared.
   const AbsolutePoseFactor<2> edge = Edge(At(10.0, 1000));
   EXPECT_NEAR(edge.reused_covariance(0, 0), 10.0 * 1e-4 + 31.0 * 0.01, 1e-12);
 }
 
 // 50 m of landmarks: 5 s at 10 m/s, of which 0.15 are theirs, beside the scans' ten.
-TEST(RegistrationEdgeTest, LandmarksAreSharedForTheWayThatTheyAreSeen) {
+TEST(RegistrationFactorTest, LandmarksAreSharedForTheWayThatTheyAreSeen) {
   EXPECT_NEAR((*Edge(At(10.0, 1000)).noise)(0, 0), (10.0 + 0.15 * 51.0) * 1e-4, 1e-9);
   EXPECT_NEAR((*Edge(At(25.0, 1000)).noise)(0, 0), (10.0 + 0.15 * 21.0) * 1e-4, 1e-9);
   // Standing, for no longer than ten seconds.
   EXPECT_NEAR((*Edge(At(0.0, 1000)).noise)(0, 0), (10.0 + 0.15 * 101.0) * 1e-4, 1e-9);
 }
 
-TEST(RegistrationEdgeTest, ResidualsWidenTheWeightAndDoNotNarrowIt) {
+TEST(RegistrationFactorTest, ResidualsWidenTheWeightAndDoNotNarrowIt) {
   EXPECT_DOUBLE_EQ(Edge(At(10.0, 1), 1.5).covariance(0, 0), 2.25e-4 + 0.01);
   EXPECT_DOUBLE_EQ(Edge(At(10.0, 1), 0.5).covariance(0, 0), 1e-4 + 0.01);
   EXPECT_NEAR((*Edge(At(10.0, 1), 0.5).noise)(0, 0), 1.15 * 0.25e-4, 1e-12);
 }
 
-TEST(RegistrationEdgeTest, LastingErrorsAreASquareRoot) {
+TEST(RegistrationFactorTest, LastingErrorsAreASquareRoot) {
   const TangentMatrix<2> systematic = Edge(At(10.0, 1)).systematic;
   EXPECT_TRUE(
       (systematic * systematic.transpose()).isApprox(4e-6 * TangentMatrix<2>::Identity(), 1e-3));
