@@ -49,7 +49,7 @@ struct Chain {
     Tangent<Dim> odometry_noise;
     Tangent<Dim> loop_noise;
     PoseEstimate<Dim> odometry;  ///< from the step before
-    AbsolutePoseFactor<Dim> loop;
+    AbsolutePoseFactor<Dim> factor;
   };
   PoseEstimate<Dim> prior;
   Tangent<Dim> prior_noise;
@@ -68,7 +68,7 @@ struct Chain {
       step.odometry_noise = DrawTangent<Dim>(odometry, random);
       step.loop_noise = DrawTangent<Dim>(loop, random);
       step.odometry = {StepAhead<Dim>() * Exp(step.odometry_noise), odometry};
-      step.loop = {truth * Exp(step.loop_noise), loop, loop};
+      step.factor = {truth * Exp(step.loop_noise), loop, loop};
       steps.push_back(step);
     }
   }

@@ -29,7 +29,8 @@ StateChain<Dim> ChainOf(const Chain<Dim>& drive) {
     chain.states.push_back(
         {.pose = chain.states.back().pose * step.odometry.pose, .odometry = step.odometry});
     if (i % 4 == 3) continue;
-    chain.states.back().absolute = {.pose = step.absolute.pose, .covariance = step.absolute.reused_covariance};
+    chain.states.back().absolute = {.pose = step.factor.pose,
+                                    .covariance = step.factor.reused_covariance};
   }
   return chain;
 }

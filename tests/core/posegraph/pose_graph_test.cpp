@@ -47,7 +47,7 @@ PoseGraph<Dim> Run(const Chain<Dim>& chain, const PoseGraphOptions& options) {
   graph.Reset(chain.prior);
   for (const auto& step : chain.steps) {
     graph.AddState(step.odometry);
-    graph.AddAbsolutePose(step.loop);
+    graph.AddAbsolutePose(step.factor);
     graph.Solve();
   }
   return graph;
@@ -70,7 +70,7 @@ void ExpectKalman(int window) {
       graph.AddState(step.odometry);
       if (i % 4 != 3) {  // now and then a state without a registration
         filter.Update(loop, step.loop_noise);
-        graph.AddAbsolutePose(step.loop);
+        graph.AddAbsolutePose(step.factor);
       }
       graph.Solve();
       const PoseEstimate<Dim> newest = graph.Newest();
@@ -128,13 +128,14 @@ TYPED_TEST(PoseGraphTest, SingleOutliersAreCutAndOdometryHoldsTheState) {
     with.AddState(step.odometry);
     without.AddState(step.odometry);
     if (i % 10 == 5) {
-      AbsolutePoseFactor<kDim> outlier = step.loop;
+      AbsolutePoseFactor<kDim> outlier = step.factor;
       outlier.pose = outlier.pose * Exp(Tangent<kDim>(0.8 * Tangent<kDim>::Unit(1)));
       const EdgeTest test = with.AddAbsolutePose(outlier);
       EXPECT_FALSE(test.valid);
       EXPECT_GT(test.distance, 50.0);
     } else {
-      EXPECT_EQ(with.AddAbsolutePose(step.loop).valid, without.AddAbsolutePose(step.loop).valid);
+      EXPECT_EQ(with.AddAbsolutePose(step.factor).valid,
+                without.AddAbsolutePose(step.factor).valid);
     }
     with.Solve();
     without.Solve();
@@ -172,7 +173,7 @@ TYPED_TEST(PoseGraphTest, GoodEdgesAreCutAtTheTestsOwnRate) {
     PoseGraph<kDim> graph;
     graph.Reset(Run(chain, {.gate_outliers = false}).Newest());
     graph.AddState(last.odometry);
-    cut += graph.AddAbsolutePose(last.loop).valid ? 0 : 1;
+    cut += graph.AddAbsolutePose(last.factor).valid ? 0 : 1;
   }
   // 5 % of 1500: deviation 0.56 %; four times that.
   EXPECT_NEAR(static_cast<double>(cut) / kTrials, 0.05, 0.0225);
@@ -188,7 +189,7 @@ TYPED_TEST(PoseGraphTest, FailuresThatAgreeWithOneAnotherAreAllCut) {
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
     const auto& step = chain.steps[i];
     graph.AddState(step.odometry);
-    AbsolutePoseFactor<kDim> loop = step.loop;
+    AbsolutePoseFactor<kDim> loop = step.factor;
     const bool wrong = i >= 10 && i < 13;
     if (wrong) loop.pose = loop.pose * aside;
     const EdgeTest test = graph.AddAbsolutePose(loop);
@@ -232,9 +233,9 @@ TYPED_TEST(PoseGraphTest, AnotherFrameChangesNothingBetweenThePoses) {
     stays.AddState(step.odometry);
     moves.AddState(step.odometry);
     if (i == 15) moves.ChangeFrame(T_new_old);
-    AbsolutePoseFactor<kDim> loop = step.loop;
+    AbsolutePoseFactor<kDim> loop = step.factor;
     if (i >= 15) loop.pose = T_new_old * loop.pose;
-    const EdgeTest a = stays.AddAbsolutePose(step.loop);
+    const EdgeTest a = stays.AddAbsolutePose(step.factor);
     const EdgeTest b = moves.AddAbsolutePose(loop);
     EXPECT_NEAR(a.distance, b.distance, 1e-4 * (1.0 + a.distance));
     EXPECT_EQ(a.valid, b.valid);
@@ -252,7 +253,7 @@ TYPED_TEST(PoseGraphTest, ALoopThatIsNoNumberIsCut) {
   const Chain<kDim> chain(3, Diagonal<kDim>(0.05, 0.005), Diagonal<kDim>(0.1, 0.01), 12);
   PoseGraph<kDim> graph = Run(chain, {});
   const PoseEstimate<kDim> before = graph.Newest();
-  AbsolutePoseFactor<kDim> loop = chain.steps.back().loop;
+  AbsolutePoseFactor<kDim> loop = chain.steps.back().factor;
   loop.pose.translation_m.x() = std::numeric_limits<double>::quiet_NaN();
   PoseGraph<kDim> fresh;
   fresh.Reset(before);
@@ -311,10 +312,10 @@ TYPED_TEST(PoseGraphTest, TheNoiseIsThatOfTheGainsThatTheWeightsGive) {
     graph.Reset(chain.prior);
     for (auto& step : chain.steps) {
       step.odometry.covariance = 4.0 * odometry;
-      step.loop.reused_covariance = 30.0 * loop;
-      step.loop.noise = loop;
+      step.factor.reused_covariance = 30.0 * loop;
+      step.factor.noise = loop;
       graph.AddState(step.odometry, odometry);
-      graph.AddAbsolutePose(step.loop);
+      graph.AddAbsolutePose(step.factor);
       graph.Solve();
     }
     const Tangent<kDim> error = ErrorOf<kDim>(graph.Newest().pose, chain.steps.back().truth);
@@ -337,12 +338,12 @@ TYPED_TEST(PoseGraphTest, WhatLastsPassesTheWeightsGains) {
   without.Reset(chain.prior);
   for (auto& step : chain.steps) {
     step.odometry.covariance = Diagonal<kDim>(0.02, 0.002);
-    step.loop.reused_covariance = Diagonal<kDim>(0.3, 0.03);
-    step.loop.pose = step.truth * Exp(fault);
+    step.factor.reused_covariance = Diagonal<kDim>(0.3, 0.03);
+    step.factor.pose = step.truth * Exp(fault);
     for (PoseGraph<kDim>* one : {&graph, &without}) one->AddState(step.odometry);
-    without.AddAbsolutePose(step.loop);
-    step.loop.systematic.col(0) = fault;
-    graph.AddAbsolutePose(step.loop);
+    without.AddAbsolutePose(step.factor);
+    step.factor.systematic.col(0) = fault;
+    graph.AddAbsolutePose(step.factor);
     graph.Solve();
   }
   const Tangent<kDim> error = ErrorOf<kDim>(graph.Newest().pose, chain.steps.back().truth);

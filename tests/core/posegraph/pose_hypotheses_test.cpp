@@ -18,7 +18,7 @@ Chain<2> QuietChain(int count) {
   Chain<2> chain(count, Diagonal<2>(0.005, 0.0005), Diagonal<2>(0.01, 0.001), 3);
   for (auto& step : chain.steps) {
     step.odometry.covariance = Diagonal<2>(0.02, 0.002);
-    step.loop.covariance = step.loop.reused_covariance = Diagonal<2>(0.05, 0.005);
+    step.factor.covariance = step.factor.reused_covariance = Diagonal<2>(0.05, 0.005);
   }
   chain.prior.covariance = Diagonal<2>(0.05, 0.005);
   return chain;
@@ -56,8 +56,8 @@ TEST(PoseHypothesesTest, WithoutContradictionItIsThePoseGraph) {
   for (const auto& step : chain.steps) {
     hypotheses.AddState(step.odometry);
     graph.AddState(step.odometry);
-    EXPECT_EQ(hypotheses.AddAbsolutePose(step.loop).distance,
-              graph.AddAbsolutePose(step.loop).distance);
+    EXPECT_EQ(hypotheses.AddAbsolutePose(step.factor).distance,
+              graph.AddAbsolutePose(step.factor).distance);
     graph.Solve();
     EXPECT_EQ(hypotheses.Newest().pose.translation_m, graph.Newest().pose.translation_m);
   }
@@ -69,7 +69,7 @@ TEST(PoseHypothesesTest, AShorterBurstNeverTakesOver) {
   hypotheses.Reset(chain.prior);
   const auto in_burst = [](std::size_t i) { return i >= 10 && i < 10 + kSupport - 1; };
   const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
-    return in_burst(i) ? Aside(chain.steps[i].loop, 3.0) : chain.steps[i].loop;
+    return in_burst(i) ? Aside(chain.steps[i].factor, 3.0) : chain.steps[i].factor;
   });
   for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, !in_burst(i)) << i;
   EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.1);
@@ -81,7 +81,7 @@ TEST(PoseHypothesesTest, OneAcceptedEdgeEndsTheContention) {
   hypotheses.Reset(chain.prior);
   // Most registrations are wrong, and all the wrong ones agree; every seventh is right.
   const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
-    return i % 7 != 6 ? Aside(chain.steps[i].loop, 3.0) : chain.steps[i].loop;
+    return i % 7 != 6 ? Aside(chain.steps[i].factor, 3.0) : chain.steps[i].factor;
   });
   for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, i % 7 == 6) << i;
   EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.2);
@@ -92,7 +92,7 @@ TEST(PoseHypothesesTest, ScatteredFailuresNeverTakeOver) {
   PoseHypotheses<2> hypotheses(kOptions);
   hypotheses.Reset(chain.prior);
   const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
-    return Aside(chain.steps[i].loop, i % 2 == 0 ? 10.0 : -10.0);
+    return Aside(chain.steps[i].factor, i % 2 == 0 ? 10.0 : -10.0);
   });
   for (const EdgeTest& test : tests) EXPECT_FALSE(test.valid);
   EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.6);
@@ -106,7 +106,7 @@ TEST(PoseHypothesesTest, AChainThatIsWrongForGoodIsReplaced) {
   hypotheses.Reset(wrong);
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
     hypotheses.AddState(chain.steps[i].odometry);
-    const EdgeTest test = hypotheses.AddAbsolutePose(chain.steps[i].loop);
+    const EdgeTest test = hypotheses.AddAbsolutePose(chain.steps[i].factor);
     const bool taken_over = i + 1 >= kSupport;
     EXPECT_EQ(test.valid, taken_over) << i;
     if (taken_over) {
@@ -131,7 +131,7 @@ TEST(PoseHypothesesTest, StatesWithoutARegistrationDoNotEndTheContention) {
     hypotheses.AddState(chain.steps[i].odometry);
     if (i % 3 != 0) continue;
     ++given;
-    EXPECT_EQ(hypotheses.AddAbsolutePose(chain.steps[i].loop).valid, given >= kSupport) << i;
+    EXPECT_EQ(hypotheses.AddAbsolutePose(chain.steps[i].factor).valid, given >= kSupport) << i;
   }
   EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.2);
 }
@@ -146,7 +146,7 @@ TEST(PoseHypothesesTest, TheContentionSurvivesAChangeOfFrame) {
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
     hypotheses.AddState(chain.steps[i].odometry);
     if (i == 4) hypotheses.ChangeFrame(T_new_old);
-    AbsolutePoseFactor<2> loop = chain.steps[i].loop;
+    AbsolutePoseFactor<2> loop = chain.steps[i].factor;
     if (i >= 4) loop.pose = T_new_old * loop.pose;
     EXPECT_EQ(hypotheses.AddAbsolutePose(loop).valid, i + 1 >= kSupport) << i;
   }
@@ -159,11 +159,11 @@ TEST(PoseHypothesesTest, AResetDropsTheContender) {
   PoseEstimate<2> wrong = chain.prior;
   wrong.pose.translation_m.y() += 5.0;
   hypotheses.Reset(wrong);
-  Drive(chain, hypotheses, [&](std::size_t i) { return chain.steps[i].loop; });
+  Drive(chain, hypotheses, [&](std::size_t i) { return chain.steps[i].factor; });
   wrong.pose = wrong.pose * Pose2{.translation_m = {50.0, 0.0}};
   hypotheses.Reset(wrong);
   hypotheses.AddState(chain.steps.back().odometry);
-  EXPECT_FALSE(hypotheses.AddAbsolutePose(chain.steps.back().loop).valid);
+  EXPECT_FALSE(hypotheses.AddAbsolutePose(chain.steps.back().factor).valid);
   EXPECT_GT(DistanceTo(chain.steps.back().truth, hypotheses), 20.0);
 }
 
@@ -173,7 +173,7 @@ TEST(PoseHypothesesTest, LoopsThatAreNoNumbersAreCutAndLeaveNothingBehind) {
   hypotheses.Reset(chain.prior);
   const auto is_bad = [](std::size_t i) { return i >= 5 && i < 5 + 3 * kSupport; };
   const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
-    AbsolutePoseFactor<2> loop = chain.steps[i].loop;
+    AbsolutePoseFactor<2> loop = chain.steps[i].factor;
     if (is_bad(i)) loop.pose.yaw_rad = std::numeric_limits<double>::quiet_NaN();
     return loop;
   });
