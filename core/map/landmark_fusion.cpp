@@ -229,7 +229,7 @@ class Fusion {
 
   // Position c and squared height g of each landmark from its returns, z = c + g s + noise, with
   // what is assumed of g: both come of the normal equations in closed form.
-  void FitHeights(const Groups& groups) {
+  void FitHeights(const Groups& groups) {  // METHOD eq 40
     constexpr double kMaxHeightSquare_m2 = 100.0;
     constexpr double kMinReturns = 3.0;
     height_squares_m2_.assign(centers_m_.size(), 0.0);

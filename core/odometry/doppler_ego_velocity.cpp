@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 
 using Row = RangeRateRow;
 
-void MakeRows(std::span<const RadarScan> scans, std::vector<Row>& rows) {
+void MakeRows(std::span<const RadarScan> scans, std::vector<Row>& rows) {  // METHOD eq 21
   rows.clear();
   for (const auto& [scan, radar] : scans) {
     const Matrix3d R_vehicle_radar = radar->T_vehicle_radar.Rotation();
@@ -103,7 +103,7 @@ struct LeastSquares {
 };
 
 LeastSquares SolveMotion(const std::vector<Row>& rows, const Vector3d& linearization,
-                         const EgoVelocityOptions& options) {
+                         const EgoVelocityOptions& options) {  // METHOD eq 22
   LeastSquares solution;
   solution.normal = Matrix3d::Zero();
   solution.normal(1, 1) = 1.0 / (options.side_slip_sigma_mps * options.side_slip_sigma_mps);

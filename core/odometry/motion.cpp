@@ -62,7 +62,7 @@ EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, double scale_sigma,
   return result;
 }
 
-Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,
+Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,  // METHOD eq 8, 23
                  std::chrono::nanoseconds duration, const MotionOptions& options) {
   const double duration_s = Seconds(duration);
   Vector6d twist;

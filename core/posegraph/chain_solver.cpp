@@ -100,7 +100,7 @@ void ChainSolver<Dim>::Begin(const StateChain<Dim>& chain) {
 
 // The normal equations at the rows' poses; gives the cost there.
 template <int Dim>
-double ChainSolver<Dim>::Linearize() {
+double ChainSolver<Dim>::Linearize() {  // METHOD eq 15-17
   double cost = 0.0;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Row& row = rows_[i];

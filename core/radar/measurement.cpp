@@ -30,7 +30,7 @@ Eigen::Vector3d LineOfSight(double azimuth_rad, double elevation_rad) {
           std::sin(elevation_rad)};
 }
 
-double CompensatedRange(double range_m, double range_rate_mps, double beta_s) {
+double CompensatedRange(double range_m, double range_rate_mps, double beta_s) {  // METHOD eq 6
   return range_m - beta_s * range_rate_mps;
 }
 
@@ -42,13 +42,13 @@ double UnfoldRangeRate(double range_rate_mps, double predicted_mps, double unamb
 }
 
 double PredictedRangeRate(const Eigen::Vector3d& u_vehicle, const Pose3& T_vehicle_radar,
-                          const EgoVelocity& ego_velocity) {
+                          const EgoVelocity& ego_velocity) {  // METHOD eq 20
   const Eigen::Vector3d v_sensor =
       ego_velocity.linear_mps + ego_velocity.angular_radps.cross(T_vehicle_radar.translation_m);
   return -u_vehicle.dot(v_sensor);
 }
 
-Eigen::Vector3d PointInRadar(const Measurement& measurement, double beta_s) {
+Eigen::Vector3d PointInRadar(const Measurement& measurement, double beta_s) {  // METHOD eq 9
   return CompensatedRange(measurement.range_m, measurement.range_rate_mps, beta_s) *
          LineOfSight(measurement.azimuth_rad, measurement.elevation_rad);
 }
@@ -69,7 +69,7 @@ Eigen::Matrix<double, 3, 4> PointJacobian(const Measurement& measurement, double
   return jacobian;
 }
 
-Eigen::Matrix3d PointCovariance(const Measurement& measurement, double beta_s) {
+Eigen::Matrix3d PointCovariance(const Measurement& measurement, double beta_s) {  // METHOD eq 11
   const Eigen::Matrix<double, 3, 4> jacobian = PointJacobian(measurement, beta_s);
   const Eigen::Vector4d variances(
       measurement.range_sigma_m * measurement.range_sigma_m,

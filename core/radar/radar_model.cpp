@@ -80,7 +80,7 @@ absl::Status Validate(const Rig& rig) {
   return absl::OkStatus();
 }
 
-double BetaFromChirp(double centre_frequency_hz, double slope_hz_per_s) {
+double BetaFromChirp(double centre_frequency_hz, double slope_hz_per_s) {  // METHOD eq 5
   return centre_frequency_hz / slope_hz_per_s;
 }
 

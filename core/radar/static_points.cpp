@@ -30,7 +30,7 @@ double PredictionSigma(const Measurement& measurement, const Eigen::Vector3d& u_
 }
 
 Eigen::Vector2d SlantPerMetre(const Measurement& measurement, const Eigen::Vector3d& u_vehicle,
-                              const RadarModel& radar) {
+                              const RadarModel& radar) {  // METHOD eq 25
   if (radar.has_elevation) return Eigen::Vector2d::Zero();
   return u_vehicle.head<2>() / (2.0 * measurement.range_m);
 }

@@ -88,7 +88,7 @@ struct Entry {
 
 }  // namespace
 
-std::vector<PoseHypothesis> CorrelativeSearch(std::span<const Eigen::Vector2f> points,
+std::vector<PoseHypothesis> CorrelativeSearch(std::span<const Eigen::Vector2f> points,  // METHOD 5
                                               const LikelihoodField& field,
                                               const SearchWindow& window, int max_count) {
   if (points.empty() || field.empty() || max_count <= 0) return {};

@@ -35,7 +35,7 @@ std::vector<std::vector<Eigen::Index>> NearestRows(const Eigen::MatrixXf& distan
 }  // namespace
 
 Eigen::MatrixXf RadialStatistics(std::span<const Eigen::Vector2f> points,
-                                 const RadialStatisticsOptions& options) {
+                                 const RadialStatisticsOptions& options) {  // METHOD 5
   const auto bins = static_cast<Eigen::Index>(options.max_distance_m / options.bin_m) + 1;
   const auto count = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXf histograms = Eigen::MatrixXf::Zero(bins, count);

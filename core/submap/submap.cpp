@@ -98,7 +98,7 @@ void SubmapWindow::Push(Stamp stamp, int radar_index, const std::vector<RadarPoi
 
 template <typename Visit>
 void SubmapWindow::ForEachScan(const Visit& visit) const {
-  Motion since_then;  // from the entry at hand to the newest
+  Motion since_then;  // from the entry at hand to the newest (METHOD eq 7-8)
   for (auto entry = entries_.rbegin(); entry != entries_.rend(); ++entry) {
     visit(*entry, since_then.T_from_to.Inverse(), Carried(since_then));
     since_then = Compose(entry->motion, since_then);

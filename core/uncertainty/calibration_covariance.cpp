@@ -25,7 +25,7 @@ Eigen::Vector4d Deviations(const RadarModel& radar) {
 
 template <int Dim>
 TangentMatrix<Dim> CalibrationCovariance(const LiveSubmap<Dim>& live, const Rig& rig,
-                                         const EgoVelocity& ego_velocity) {
+                                         const EgoVelocity& ego_velocity) {  // METHOD eq 35
   constexpr int kDof = Pose<Dim>::kDof;
   using Pull = Eigen::Matrix<double, kDof, kRadarErrors>;
   Tangent<Dim> hold;

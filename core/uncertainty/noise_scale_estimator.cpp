@@ -106,7 +106,7 @@ void NoiseScaleEstimator<Dim>::Part::Add(const NoiseScaleOptions& options, Pairs
 // error = registration_ratio * registrations + odometry_ratio * odometry, for near pairs and for
 // far ones.
 template <int Dim>
-void NoiseScaleEstimator<Dim>::Part::Solve(const NoiseScaleOptions& options) {
+void NoiseScaleEstimator<Dim>::Part::Solve(const NoiseScaleOptions& options) {  // METHOD eq 34
   const double determinant = near.registrations * far.odometry - far.registrations * near.odometry;
   if (far.count == 0.0 || determinant <= 0.0) return;
   const double odometry =
