@@ -76,7 +76,7 @@ void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseco
   States drift;
   drift << options_.walk_sigma_m, options_.walk_sigma_m, options_.walk_sigma_rad,
       options_.scale_drift, options_.yaw_rate_bias_drift_radps, options_.course_drift_rad, 0.0;
-  covariance_ = by_states * covariance_ * by_states.transpose();
+  covariance_ = by_states * covariance_ * by_states.transpose();  // METHOD eq 36
   covariance_.diagonal() += duration_s * drift.cwiseAbs2();
 }
 

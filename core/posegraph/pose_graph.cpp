@@ -83,7 +83,7 @@ EdgeTest PoseGraph<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) 
   const Tangent<Dim> apart = Log(newest.pose.Inverse() * factor.pose);
   const TangentMatrix<Dim> spread = factor.covariance + newest.covariance;
   EdgeTest test;
-  test.distance = apart.dot(spread.ldlt().solve(apart));
+  test.distance = apart.dot(spread.ldlt().solve(apart));  // METHOD eq 19, 28
   const double limit = Dim == 2 ? options_.max_distance_planar : options_.max_distance_spatial;
   // Written so that a distance that is not a number fails.
   test.valid = !options_.gate_outliers || test.distance <= limit;
