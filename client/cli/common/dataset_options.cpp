@@ -4,6 +4,7 @@ namespace dcloc::cli {
 
 void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
   std::vector<std::string> names;
+  names.reserve(kDatasetFormatNames.size());
   for (const auto& [name, format] : kDatasetFormatNames) names.emplace_back(name);
   command.add_option("--dataset", arguments.format, "Layout of the data set")
       ->required()
