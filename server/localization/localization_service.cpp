@@ -6,7 +6,8 @@
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
-LocalizationService::LocalizationService(SessionHost host) : host_(host) {}
+
+LocalizationService::LocalizationService(SessionHost host) : host_(std::move(host)) {}
 
 grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* LocalizationService::Localize(
     grpc::CallbackServerContext* context) {
