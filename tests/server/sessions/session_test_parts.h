@@ -60,7 +60,8 @@ class SessionParts : public ::testing::Test {
             .totals = totals_,
             .metrics = metrics_,
             .create_localizer =
-                [this](std::shared_ptr<const RadarMap>, Rig, const std::optional<InitialPose>& pose,
+                [this](const std::shared_ptr<const RadarMap>&, const Rig&,
+                       const std::optional<InitialPose>& pose,
                        const LocalizerOptions&) -> absl::StatusOr<std::unique_ptr<ScanLocalizer>> {
               if (!create_status_.ok()) return create_status_;
               script_.created_with.push_back(pose);

@@ -103,8 +103,10 @@ TEST_P(CatalogueHoldsTest, AHoldMayOutliveItsCatalogue) {
 
 TEST_P(CatalogueHoldsTest, NoHoldIsTakenWhileItsVersionIsDeleted) {
   std::atomic<int> held = 0;
+  constexpr int kHolders = 2;
   std::vector<std::thread> holders;
-  for (int i = 0; i < 2; ++i) {
+  holders.reserve(kHolders);
+  for (int i = 0; i < kHolders; ++i) {
     holders.emplace_back([&] {
       for (int k = 0; k < 200; ++k) {
         const absl::StatusOr<Hold> hold = catalogue_->HoldVersion("town", 1, "a:1");
