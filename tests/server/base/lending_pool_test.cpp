@@ -37,8 +37,10 @@ TEST(LendingPoolTest, AMovedLoanIsGivenBackOnce) {
 TEST(LendingPoolTest, ThreadsNeverShareAnObject) {
   LendingPool<std::atomic<int>> pool;
   std::atomic<int> shared_count = 0;
+  constexpr int kThreads = 4;
   std::vector<std::thread> threads;
-  for (int i = 0; i < 4; ++i) {
+  threads.reserve(kThreads);
+  for (int i = 0; i < kThreads; ++i) {
     threads.emplace_back([&] {
       for (int round = 0; round < 2000; ++round) {
         const auto loan = pool.Lend();
