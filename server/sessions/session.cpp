@@ -49,7 +49,7 @@ Session::Session(const SessionContext& context, SessionStart start,
       strand_(context.pool),
       map_(std::move(start.map)),
       rig_(std::move(start.rig)),
-      options_(std::move(start.options)),
+      options_(start.options),
       localizer_(std::move(localizer)),
       last_pose_(std::move(start.initial_pose)),
       history_(context.answer_history_count) {
