@@ -87,7 +87,8 @@ InitialPose Prior(const Pose3& T_map_vehicle_true) {
 }
 
 // Until the session tracks, it searches: what a scan costs is asked of a tracker.
-Figures Drive(const Case& drives) {
+// The workspace is lent, as the server lends it: it is no part of the session.
+Figures Drive(const Case& drives, LocalizerWorkspace& workspace) {
   const auto bytes_before = static_cast<double>(mallinfo2().uordblks);
   auto localizer = Localizer::Create(drives.map, drives.live_drive.rig,
                                      Prior(drives.live_drive.scans.front().T_map_vehicle));
@@ -97,7 +98,7 @@ Figures Drive(const Case& drives) {
   for (const auto& [scan, T_map_vehicle] : drives.live_drive.scans) {
     const std::int64_t allocations_before = AllocationCount();
     const double begin_ms = CpuMilliseconds();
-    const auto answer = localizer->Localize(scan, &watch);
+    const auto answer = localizer->Localize(scan, workspace, &watch);
     const double scan_ms = CpuMilliseconds() - begin_ms;
     const std::int64_t allocations = AllocationCount() - allocations_before;
     const bool registers = watch.TakeRegisters();
@@ -120,10 +121,11 @@ Figures Drive(const Case& drives) {
 
 // Of several runs the fastest of each scan: what others do on the machine only ever adds.
 Figures BestOf(const Case& drives, int runs) {
-  Figures best = Drive(drives);
+  LocalizerWorkspace workspace;
+  Figures best = Drive(drives, workspace);
   for (int run = 1; run < runs; ++run) {
-    const Figures again = Drive(drives);
-    // The first run's holds also what it leaves to the thread.
+    const Figures again = Drive(drives, workspace);
+    // The first run also grows the workspace.
     best.session_bytes = again.session_bytes;
     for (std::size_t i = 0; i < best.scan_ms.size(); ++i) {
       best.scan_ms[i] = std::min(best.scan_ms[i], again.scan_ms[i]);
