@@ -11,12 +11,17 @@ std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& 
       {"max_gap_sigma_rad", &O::max_gap_sigma_rad, 1e-6, 10},
       {"contradicted_sigma_m", &O::contradicted_sigma_m, 0, 1000, "its covariance holds"},
       {"contradicted_sigma_rad", &O::contradicted_sigma_rad, 0, 10, "its covariance holds"},
+      {"clock_set_sigma_s", &O::clock_set_sigma_s, 0, 1000, "the odometry's covariance holds"},
+      {"max_fit_sigma_m", &O::max_fit_sigma_m, 0, 100, "predictions are tested as exact"},
   };
   return kFields;
 }
 
 absl::Status Validate(const LocalizerOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(Within("time_base", Validate(options.time_base)));
+  status.Update(Within("submap", Validate(options.submap)));
+  status.Update(Within("map_fit", Validate(options.map_fit)));
   status.Update(Within("ego_motion", Validate(options.ego_motion)));
   status.Update(Within("static_points", Validate(options.static_points)));
   status.Update(Within("schedule", Validate(options.schedule)));

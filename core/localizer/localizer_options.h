@@ -5,6 +5,7 @@
 #include "absl/status/status.h"
 #include "core/geometry/pose_estimate.h"
 #include "core/localizer/registration_schedule.h"
+#include "core/localizer/time_base.h"
 #include "core/localizer/tracking_state_machine.h"
 #include "core/odometry/ego_motion.h"
 #include "core/options/option_fields.h"
@@ -13,7 +14,9 @@
 #include "core/registration/map_matcher.h"
 #include "core/relocalization/global_localizer.h"
 #include "core/relocalization/pose_prior.h"
+#include "core/submap/submap.h"
 #include "core/uncertainty/beta_monitor.h"
+#include "core/uncertainty/map_fit_monitor.h"
 #include "core/uncertainty/noise_scale_estimator.h"
 #include "core/uncertainty/registration_factor.h"
 
@@ -38,6 +41,16 @@ struct LocalizerOptions {
   double contradicted_sigma_m = 4.0;
   double contradicted_sigma_rad = 0.15;
 
+  /// How long a vehicle moved while its clock was set.
+  double clock_set_sigma_s = 0.3;
+  /// A pose from a prior is held against other places before it is called tracking.
+  bool verify_prior = true;
+  /// A prediction that is less certain is tested as if it were as certain as this.
+  double max_fit_sigma_m = 0.5;
+
+  TimeBaseOptions time_base;
+  SubmapOptions submap;
+  MapFitOptions map_fit;
   EgoMotionOptions ego_motion;
   StaticPointsOptions static_points;
   RegistrationScheduleOptions schedule;

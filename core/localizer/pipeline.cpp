@@ -1,5 +1,6 @@
 #include "core/localizer/pipeline.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -47,50 +48,73 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
                         std::shared_ptr<const RegistrationMethod<Dim>> method)
     : rig_(std::move(rig)),
       options_(options),
+      time_base_(options.time_base),
       ego_motion_(options.ego_motion),
-      submap_(options.scans_per_submap),
+      submap_(options.scans_per_submap, options.submap),
       schedule_(options.schedule, options.scans_per_submap * static_cast<int>(rig_.radars.size())),
       matcher_(map, method, options.matcher),
-      global_localizer_(std::move(map), std::move(method), options.matcher.local_map_radius_m,
-                        options.global),
-      pose_prior_(options.prior),
+      relocalizer_(std::move(map), std::move(method), options.matcher.local_map_radius_m,
+                   options.prior, options.global),
       hypotheses_(GraphOptions(options)),
       tracking_(options.tracking),
       noise_scales_(options.noise_scales),
-      beta_monitor_(rig_, options.beta_monitor) {
+      beta_monitor_(rig_, options.beta_monitor),
+      map_fit_(rig_.radars.size(), options.map_fit) {
   if (initial_pose) Start(*initial_pose);
 }
 
 template <int Dim>
 void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
-  if (!pose_prior_.IsPrediction(initial_pose.covariance)) {
-    pose_prior_.Set({.pose = initial_pose.T_map_vehicle, .covariance = initial_pose.covariance});
-    return;
-  }
+  relocalizer_.SetPrior(
+      {.pose = initial_pose.T_map_vehicle, .covariance = initial_pose.covariance});
+  if (!relocalizer_.IsPrediction(initial_pose.covariance)) return;
   RegistrationWorkspace<Dim> workspace;
   matcher_.MoveTo(initial_pose.T_map_vehicle.translation_m, workspace);
   hypotheses_.Reset(FromSpace<Dim>(matcher_.T_map_local().Inverse() * initial_pose.T_map_vehicle,
                                    initial_pose.covariance));
   tracking_.OnPrior();
+  if (!options_.verify_prior) tracking_.OnVerified();
+}
+
+template <int Dim>
+absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan,
+                                                     LocalizerWorkspace& workspace,
+                                                     StageListener* listener) {
+  if (absl::Status status = Check(scan); !status.ok()) return status;
+  const std::uint64_t fingerprint = RecentAnswers::Fingerprint(scan);
+  if (const Localization* answer = recent_answers_.Find(fingerprint)) return *answer;
+  const absl::StatusOr<TimeBase::Placement> placement = time_base_.Place(scan.stamp);
+  if (!placement.ok()) return placement.status();
+  const Localization answer = placement->is_late
+                                  ? LocalizeLate(scan, placement->stamp, workspace)
+                                  : LocalizeNext(scan, *placement, workspace, listener);
+  recent_answers_.Add(fingerprint, answer);
+  return answer;
 }
 
 // One scan, top to bottom: the paper's Fig. 2.
 template <int Dim>
-absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan,
-                                                     LocalizerWorkspace& lent_workspace,
-                                                     StageListener* listener) {
-  if (absl::Status status = Check(scan); !status.ok()) return status;
-  stamp_order_.Accept(scan);
+Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
+                                         LocalizerWorkspace& lent_workspace,
+                                         StageListener* listener) {
+  const Stamp stamp = placement.stamp;
   const RadarModel& radar = *rig_.Find(scan.radar_id);
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
 
   Announce(listener, Stage::kCompensation);  // eq 6, 9-11
-  const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, radar, workspace.ego_velocity);
+  const EgoVelocity& ego_velocity =
+      ego_motion_.Advance(scan, stamp, radar, workspace.ego_velocity);
   StaticPoints(scan, radar, ego_velocity, PointOptions(options_), workspace.static_points);
 
   Announce(listener, Stage::kSubmap);  // eq 7-8
-  Move(ego_motion_.since_previous());
-  AddToSubmap(scan, radar, workspace.static_points, ego_motion_.since_previous());
+  Motion motion = ego_motion_.since_previous();
+  if (placement.clock_was_set) {  // for how long the vehicle moved is not known
+    motion.covariance(0, 0) +=
+        std::pow(options_.clock_set_sigma_s * ego_velocity.linear_mps.norm(), 2);
+  }
+  Move(motion);
+  AddToSubmap(stamp, radar, workspace.static_points, motion);
+  TestScanFit(radar, workspace);
 
   const bool is_steady = tracking_.mode() == TrackingMode::kTracking && quality_.edge_valid;
   if (schedule_.IsDue(is_steady)) {
@@ -99,24 +123,46 @@ absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan,
     quality_ = {};
 
     Announce(listener, Stage::kRegistration);  // eq 12-14
-    Predict(scan.stamp, workspace.registration);
-    const std::optional<Registration<Dim>> registration = Register(scan.stamp, workspace);
+    Predict(stamp, workspace.registration);
+    const std::optional<Registration<Dim>> registration = Register(stamp, workspace);
 
     Announce(listener, Stage::kPoseGraph);  // eq 15-19
-    if (registration) UpdateObservability(*registration, scan.stamp, workspace);
+    if (registration) UpdateObservability(*registration, stamp, workspace);
     const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
     const RegistrationOutcome outcome = UpdatePose(registration, ego_velocity, workspace);
+    UpdateOdometry(registration, outcome);
     if (!was_tracking) {
       ego_motion_.OnJump();
       noise_scales_.OnJump();
     } else if (outcome == RegistrationOutcome::kAccepted) {
-      UpdateEstimators(*registration, ego_velocity, scan.stamp, workspace);
+      UpdateEstimators(*registration, ego_velocity, stamp, workspace);
     }
-    tracking_.OnRegistration(scan.stamp, outcome);
-    HandleLoss(scan.stamp);
+    tracking_.OnRegistration(stamp, outcome);
+    HandleLoss(stamp);
     schedule_.OnRegistration();
   }
-  return Answer(scan);
+  return Answer(scan, stamp);
+}
+
+// A scan from before the newest one takes part in the registrations that follow. Its pose is
+// today's, carried back.
+template <int Dim>
+Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
+                                         LocalizerWorkspace& lent_workspace) {
+  Localization answer = Answer(scan, stamp);
+  const std::optional<MotionHistory::Moment> moment = ego_motion_.history().At(stamp);
+  if (!moment) return answer;
+  const RadarModel& radar = *rig_.Find(scan.radar_id);
+  Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
+  StaticPoints(scan, radar, moment->velocity, PointOptions(options_), workspace.static_points);
+  submap_.Insert(stamp, static_cast<int>(IndexOf(radar)), workspace.static_points);
+  const Motion& to_newest = moment->to_newest;
+  const Pose3 T_newest_then = to_newest.T_from_to.Inverse();
+  answer.T_map_vehicle = answer.T_map_vehicle * T_newest_then;
+  answer.covariance =
+      ComposeCovariance<3>(answer.covariance, T_newest_then,
+                           InvertCovariance<3>(to_newest.T_from_to, to_newest.covariance));
+  return answer;
 }
 
 template <int Dim>
@@ -126,19 +172,27 @@ absl::Status Pipeline<Dim>::Check(const Scan& scan) const {
     return absl::InvalidArgumentError(absl::StrFormat(
         "radar_id '%s' is not one of the rig's %d radars", scan.radar_id, rig_.radars.size()));
   }
-  return stamp_order_.Check(scan);
+  return absl::OkStatus();
+}
+
+template <int Dim>
+std::size_t Pipeline<Dim>::IndexOf(const RadarModel& radar) const {
+  return static_cast<std::size_t>(&radar - rig_.radars.data());
 }
 
 template <int Dim>
 void Pipeline<Dim>::Move(const Motion& motion) {
   noise_scales_.OnMotion(ToEstimate<Dim>(motion));
   since_state_ = Compose(since_state_, motion);
-  pose_prior_.OnMotion(motion);
-  global_localizer_.OnMotion(motion);
+  relocalizer_.OnMotion(motion);
+  // What was learned of the odometry was learned of other sources.
+  if (ego_motion_.sources_changed()) {
+    noise_scales_ = NoiseScaleEstimator<Dim>(options_.noise_scales);
+  }
 }
 
 template <int Dim>
-void Pipeline<Dim>::AddToSubmap(const Scan& scan, const RadarModel& radar,
+void Pipeline<Dim>::AddToSubmap(Stamp stamp, const RadarModel& radar,
                                 const std::vector<RadarPoint>& points, const Motion& motion) {
   if (PositionSigma(motion.covariance) > options_.max_gap_sigma_m ||
       std::sqrt(motion.covariance(5, 5)) > options_.max_gap_sigma_rad) {
@@ -146,8 +200,40 @@ void Pipeline<Dim>::AddToSubmap(const Scan& scan, const RadarModel& radar,
     noise_scales_.OnJump();
     gap_since_state_ = true;
   }
-  submap_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), points, motion);
-  schedule_.OnScan(scan.stamp, submap_.scan_count());
+  submap_.Push(stamp, static_cast<int>(IndexOf(radar)), points, motion);
+  schedule_.OnScan(stamp, submap_.scan_count());
+}
+
+// Whether the scan lies in the map where the vehicle is predicted to be, which registration does
+// not ask: it moves the pose.
+template <int Dim>
+void Pipeline<Dim>::TestScanFit(const RadarModel& radar, Workspace<Dim>& workspace) {
+  if (!tracking_.has_pose()) return;
+  const std::size_t count = std::min(workspace.static_points.size(),
+                                     static_cast<std::size_t>(options_.map_fit.max_point_count));
+  workspace.scan_points.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const RadarPoint& point =
+        workspace.static_points[i * workspace.static_points.size() / count];
+    workspace.scan_points.push_back(
+        {.mean_m = point.position_m.head<Dim>(),
+         .covariance_m2 = point.covariance_m2.topLeftCorner<Dim, Dim>()});
+    if constexpr (Dim == 2) workspace.scan_points.back().slant_per_m = point.slant_per_m;
+  }
+  const PoseEstimate<Dim> now = Now();
+  const double sigma_m = std::min(options_.max_fit_sigma_m, PositionSigma(now.covariance));
+  const double fit =
+      matcher_.Fit(workspace.scan_points, now.pose, sigma_m, workspace.registration);
+  const ScanFit verdict = map_fit_.Judge(IndexOf(radar), count, fit);
+  const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
+  tracking_.OnScanFit(verdict);
+  if (tracking_.mode() != TrackingMode::kTracking) {
+    if (was_tracking) relocalizer_.SetPrior(NowInMap());
+    return;
+  }
+  if (quality_.edge_valid && verdict != ScanFit::kContradicts) {
+    map_fit_.Learn(IndexOf(radar), count, fit);
+  }
 }
 
 // A new state, where odometry puts it, and the local map around it.
@@ -175,12 +261,18 @@ void Pipeline<Dim>::EnterLocalFrame(const Eigen::Vector3d& p_map,
 template <int Dim>
 std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<Dim>& workspace) {
   const std::span<const GaussianPoint<Dim>> live = workspace.submap.points;
-  std::optional<Registration<Dim>> registration =
-      tracking_.has_pose()
-          ? matcher_.Match(live, hypotheses_.Newest(), observability_,
-                           static_cast<std::uint64_t>(stamp.time_since_epoch().count()),
-                           workspace.registration)
-          : LocalizeGlobally(live, stamp, workspace.registration);
+  std::optional<Registration<Dim>> registration;
+  const std::optional<Place> place = SearchPlace(live, stamp, workspace.registration);
+  found_elsewhere_ = place && !place->is_supposed;
+  if (found_elsewhere_) {
+    EnterLocalFrame(place->T_map_vehicle.translation_m, workspace.registration);
+    registration = matcher_.MatchFound(live, place->T_map_vehicle, options_.global.gate,
+                                       workspace.registration);
+  } else if (tracking_.has_pose()) {
+    registration = matcher_.Match(live, hypotheses_.Newest(), observability_,
+                                  static_cast<std::uint64_t>(stamp.time_since_epoch().count()),
+                                  workspace.registration);
+  }
   if (!registration) return std::nullopt;
   quality_.inlier_count = registration->inlier_count;
   quality_.overlap = registration->overlap;
@@ -188,19 +280,28 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<
   return registration;
 }
 
+// Where there is no pose, or one that may be wrong.
 template <int Dim>
-std::optional<Registration<Dim>> Pipeline<Dim>::LocalizeGlobally(
-    std::span<const GaussianPoint<Dim>> live, Stamp stamp, RegistrationWorkspace<Dim>& workspace) {
-  const bool sees_enough =
-      submap_.span() >= options_.global.min_view_span &&
-      live.size() >= static_cast<std::size_t>(options_.global.gate.min_inlier_count);
-  if (sees_enough && global_localizer_.WantsView(stamp)) {
-    global_localizer_.AddView(stamp, live, pose_prior_.Region());
+std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
+    std::span<const GaussianPoint<Dim>> live, Stamp stamp,
+    RegistrationWorkspace<Dim>& workspace) {
+  using Belief = typename GlobalLocalizer<Dim>::Belief;
+  std::optional<typename Relocalizer<Dim>::Supposition> supposed;
+  if (tracking_.has_pose()) {
+    if (!tracking_.needs_verification()) return std::nullopt;
+    supposed = {.T_map_vehicle = NowInMap().pose,
+                .belief = tracking_.mode() == TrackingMode::kConfirmingPrior
+                              ? Belief::kPrior
+                              : Belief::kDoubted};
+    if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
   }
-  const std::optional<Pose3> T_map_vehicle = global_localizer_.Continue(workspace);
-  if (!T_map_vehicle) return std::nullopt;
-  global_localizer_.Clear();
-  return matcher_.MatchFound(live, *T_map_vehicle, options_.global.gate, workspace);
+  const std::optional<Place> place =
+      relocalizer_.Search(stamp, live, submap_.span(), supposed, workspace);
+  if (place && place->is_supposed) {
+    tracking_.OnVerified();
+    map_fit_.Forget();
+  }
+  return place;
 }
 
 // Streets change slowly: once for each sub-map is enough.
@@ -219,7 +320,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
                                               Workspace<Dim>& workspace) {
   if (!registration) return RegistrationOutcome::kNoMatch;
   const std::chrono::nanoseconds span = submap_.span();
-  factor_count_ = tracking_.has_pose() ? factor_count_ + 1 : 1;
+  factor_count_ = tracking_.has_pose() && !found_elsewhere_ ? factor_count_ + 1 : 1;
   TangentMatrix<Dim> degeneracy = TangentMatrix<Dim>::Zero();
   degeneracy.template topLeftCorner<2, 2>() = observability_.DegeneracyCovariance();
   const AbsolutePoseFactor<Dim> factor = RegistrationFactor<Dim>(
@@ -232,9 +333,10 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
        .count = factor_count_},
       options_.factor);
   EdgeTest test{.valid = true};
-  if (tracking_.has_pose()) {
+  if (tracking_.has_pose() && !found_elsewhere_) {
     test = hypotheses_.AddAbsolutePose(factor);
   } else {
+    map_fit_.Forget();
     hypotheses_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
     since_state_ = {};
     tracking_.OnPlaceFound();
@@ -242,6 +344,17 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
   quality_.edge_distance = test.distance;
   quality_.edge_valid = test.valid;
   return test.valid ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;
+}
+
+// What a registration says of the motion, which the sources of odometry did not make up.
+template <int Dim>
+void Pipeline<Dim>::UpdateOdometry(const std::optional<Registration<Dim>>& registration,
+                                   RegistrationOutcome outcome) {
+  if (outcome != RegistrationOutcome::kAccepted) return;
+  const Pose<Dim> T_map_local = FromSpace<Dim>(matcher_.T_map_local(), Matrix6d::Zero()).pose;
+  const PoseEstimate<Dim> T_map_vehicle{.pose = T_map_local * registration->T_local_vehicle,
+                                        .covariance = TangentMatrix<Dim>::Identity()};
+  ego_motion_.OnRegistration(ToSpace<Dim>(T_map_vehicle, options_.unobserved).pose);
 }
 
 // What an accepted registration tells of beta, of the odometry and of the noise of both. It is one
@@ -275,7 +388,7 @@ void Pipeline<Dim>::UpdateEstimators(const Registration<Dim>& registration,
 // A pose that is given up becomes a prior, but for a place that was refused.
 template <int Dim>
 void Pipeline<Dim>::HandleLoss(Stamp stamp) {
-  if (tracking_.mode() == TrackingMode::kTracking) pose_prior_.Forget();
+  if (tracking_.mode() == TrackingMode::kTracking) relocalizer_.OnFound();
   if (!tracking_.has_pose()) return;
   PoseEstimate<3> now = ToSpace<Dim>(Now(), options_.unobserved);
   const Loss loss = tracking_.GiveUpIfLost(stamp, PositionSigma(now.covariance));
@@ -287,7 +400,8 @@ void Pipeline<Dim>::HandleLoss(Stamp stamp) {
     noise_scales_ = NoiseScaleEstimator<Dim>(options_.noise_scales);
   }
   if (loss != Loss::kPlaceRefused) {
-    pose_prior_.Set({.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance});
+    relocalizer_.SetPrior(
+        {.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance});
   }
   hypotheses_.Clear();
 }
@@ -305,6 +419,12 @@ PoseEstimate<Dim> Pipeline<Dim>::Now() const {
   const PoseEstimate<Dim> motion = ToEstimate<Dim>(since_state_);
   return {.pose = newest.pose * motion.pose,
           .covariance = ComposeCovariance<Dim>(newest.covariance, motion.pose, motion.covariance)};
+}
+
+template <int Dim>
+PoseEstimate<3> Pipeline<Dim>::NowInMap() const {
+  const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_.unobserved);
+  return {.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance};
 }
 
 template <int Dim>
@@ -328,22 +448,22 @@ TangentMatrix<Dim> Pipeline<Dim>::OdometryNoise() const {
 }
 
 template <int Dim>
-Localization Pipeline<Dim>::Answer(const Scan& scan) {
+Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
   Localization answer{.stamp = scan.stamp, .quality = quality_};
   answer.quality.live_point_count = static_cast<int>(submap_.point_count());
   answer.quality.beta =
-      beta_monitor_.Check(static_cast<std::size_t>(rig_.Find(scan.radar_id) - rig_.radars.data()));
+      beta_monitor_.Check(IndexOf(*rig_.Find(scan.radar_id)));
   if (!tracking_.has_pose()) {
     answer.covariance = kUnknownVariance * Matrix6d::Identity();
-    if (pose_prior_.now()) {
-      answer.T_map_vehicle = pose_prior_.now()->pose;
-      answer.covariance = pose_prior_.now()->covariance;
+    if (const std::optional<PoseEstimate<3>>& prior = relocalizer_.prior()) {
+      answer.T_map_vehicle = prior->pose;
+      answer.covariance = prior->covariance;
     }
     answer.state = tracking_.Report(PositionSigma(answer.covariance));
     return answer;
   }
   const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_.unobserved);
-  tracking_.OnPrediction(scan.stamp, PositionSigma(now.covariance));
+  tracking_.OnPrediction(stamp, PositionSigma(now.covariance));
   answer.T_map_vehicle = matcher_.T_map_local() * now.pose;
   answer.covariance =
       ToSpace<Dim>({.pose = {}, .covariance = NoiseNow()}, options_.unobserved).covariance;

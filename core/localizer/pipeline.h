@@ -6,16 +6,17 @@
 
 #include "core/localizer/localizer.h"
 #include "core/localizer/registration_schedule.h"
-#include "core/localizer/stamp_order.h"
+#include "core/localizer/recent_answers.h"
+#include "core/localizer/time_base.h"
 #include "core/localizer/tracking_state_machine.h"
 #include "core/localizer/workspace.h"
 #include "core/odometry/ego_motion.h"
 #include "core/posegraph/pose_hypotheses.h"
 #include "core/registration/map_matcher.h"
-#include "core/relocalization/global_localizer.h"
-#include "core/relocalization/pose_prior.h"
+#include "core/relocalization/relocalizer.h"
 #include "core/submap/submap.h"
 #include "core/uncertainty/beta_monitor.h"
+#include "core/uncertainty/map_fit_monitor.h"
 #include "core/uncertainty/noise_scale_estimator.h"
 
 namespace dcloc {
@@ -46,27 +47,35 @@ class Pipeline final : public Localizer::Impl {
  private:
   void Start(const InitialPose& initial_pose);
 
-  // The stages of a scan.
+  // A scan in time or late, and the stages of one.
+  Localization LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
+                            LocalizerWorkspace& workspace, StageListener* listener);
+  Localization LocalizeLate(const Scan& scan, Stamp stamp, LocalizerWorkspace& workspace);
   absl::Status Check(const Scan& scan) const;
+  std::size_t IndexOf(const RadarModel& radar) const;
   void Move(const Motion& motion);
-  void AddToSubmap(const Scan& scan, const RadarModel& radar, const std::vector<RadarPoint>& points,
+  void AddToSubmap(Stamp stamp, const RadarModel& radar, const std::vector<RadarPoint>& points,
                    const Motion& motion);
+  void TestScanFit(const RadarModel& radar, Workspace<Dim>& workspace);
   void Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace);
   std::optional<Registration<Dim>> Register(Stamp stamp, Workspace<Dim>& workspace);
   void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
                            Workspace<Dim>& workspace);
   RegistrationOutcome UpdatePose(const std::optional<Registration<Dim>>& registration,
                                  const EgoVelocity& ego_velocity, Workspace<Dim>& workspace);
+  void UpdateOdometry(const std::optional<Registration<Dim>>& registration,
+                      RegistrationOutcome outcome);
   void UpdateEstimators(const Registration<Dim>& registration, const EgoVelocity& ego_velocity,
                         Stamp stamp, Workspace<Dim>& workspace);
   void HandleLoss(Stamp stamp);
-  Localization Answer(const Scan& scan);
+  Localization Answer(const Scan& scan, Stamp stamp);
 
-  std::optional<Registration<Dim>> LocalizeGlobally(std::span<const GaussianPoint<Dim>> live,
-                                                    Stamp stamp,
-                                                    RegistrationWorkspace<Dim>& workspace);
+  using Place = typename Relocalizer<Dim>::Place;
+  std::optional<Place> SearchPlace(std::span<const GaussianPoint<Dim>> live, Stamp stamp,
+                                   RegistrationWorkspace<Dim>& workspace);
   void EnterLocalFrame(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace);
   void InflateCovariance(Matrix6d& covariance) const;
+  PoseEstimate<3> NowInMap() const;
 
   // The newest state carried to the newest scan: with what it weighs, and with what it varies by.
   PoseEstimate<Dim> Now() const;
@@ -76,23 +85,25 @@ class Pipeline final : public Localizer::Impl {
 
   Rig rig_;
   LocalizerOptions options_;
-  StampOrder stamp_order_;
+  TimeBase time_base_;
+  RecentAnswers recent_answers_;
   EgoMotion ego_motion_;
   SubmapWindow submap_;
   RegistrationSchedule schedule_;
   MapMatcher<Dim> matcher_;
-  GlobalLocalizer<Dim> global_localizer_;  // while there is no pose
-  PosePrior pose_prior_;                   // likewise
+  Relocalizer<Dim> relocalizer_;    // while there is no pose, or one that may be wrong
   PoseHypotheses<Dim> hypotheses_;         // of the pose
   TrackingStateMachine tracking_;
   NoiseScaleEstimator<Dim> noise_scales_;
   BetaMonitor<Dim> beta_monitor_;
+  MapFitMonitor map_fit_;
   Observability observability_;
   std::optional<Stamp> observability_stamp_;
   Motion since_state_;                     // from the newest state to the newest scan
   bool gap_since_state_ = false;           // the sub-map ended meanwhile
   std::optional<Stamp> estimators_stamp_;  // of the last registration that they learned from
   int factor_count_ = 0;                   // registrations since the pose graph was started
+  bool found_elsewhere_ = false;           // the newest registration is at a place just found
   LocalizationQuality quality_;            // of the newest registration
 };
 

@@ -8,6 +8,7 @@ std::span<const OptionField<RegistrationScheduleOptions>> FieldsOf(
   static constexpr OptionField<O> kFields[] = {
       {"interval_ms", &O::interval, 0, 10'000, "each scan may be followed by a registration"},
       {"tracking_scans", &O::tracking_scans, 1, 100},
+      {"max_interval_ms", &O::max_interval, 0, 10'000, "no scan is waited for"},
       {"start_share", &O::start_share, 0, 1, "one scan is enough to begin with"},
       {"start_span_ms", &O::start_span, 0, 1e6, "one scan is enough to begin with"},
   };
@@ -30,8 +31,13 @@ bool RegistrationSchedule::IsDue(bool is_steady) const {
   const bool is_mature = submap_scan_count_ >= options_.start_share * full_scan_count_ ||
                          newest_ - submap_begin_ >= options_.start_span;
   if (!is_mature) return false;
-  if (is_steady && scans_since_registration_ < options_.tracking_scans) return false;
-  return !last_registration_ || newest_ - *last_registration_ >= options_.interval;
+  if (!last_registration_) return true;
+  const std::chrono::nanoseconds since_last = newest_ - *last_registration_;
+  if (is_steady && scans_since_registration_ < options_.tracking_scans &&
+      since_last < options_.max_interval) {
+    return false;
+  }
+  return since_last >= options_.interval;
 }
 
 void RegistrationSchedule::OnRegistration() {

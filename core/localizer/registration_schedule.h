@@ -17,6 +17,8 @@ struct RegistrationScheduleOptions {
   /// While tracking, after a registration that was accepted, the next one waits for so many new
   /// scans: the more of them two sub-maps have in common, the less the second one says.
   int tracking_scans = 2;
+  /// But no longer than this.
+  std::chrono::nanoseconds max_interval = std::chrono::milliseconds(180);
   /// At the start and after a silence registration waits for this share of a full sub-map, or so
   /// long.
   double start_share = 0.8;

@@ -1,5 +1,7 @@
 #include "core/localizer/tracking_state_machine.h"
 
+#include <algorithm>
+
 namespace dcloc {
 
 std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& /*options*/) {
@@ -8,6 +10,9 @@ std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& /*
       {"confirmations", &O::confirmations, 1, 1000},
       {"global_start_max_refusals", &O::global_start_max_refusals, 1, 1000},
       {"tracking_hold_ms", &O::tracking_hold, 0, 1e6, "the first refused registration ends it"},
+      {"hold_intervals", &O::hold_intervals, 0, 100, "tracking_hold_ms alone decides"},
+      {"max_usual_interval_ms", &O::max_usual_interval, 0, 1e5, "tracking_hold_ms alone decides"},
+      {"agreements", &O::agreements, 1, 1000},
       {"tracking_sigma_m", &O::tracking_sigma_m, 0, 1000, "nothing is called tracking"},
       {"lost_after_ms", &O::lost_after, 0, 1e6, "dead reckoning is lost at once"},
       {"lost_sigma_m", &O::lost_sigma_m, 1e-6, 1000},
@@ -42,12 +47,55 @@ void TrackingStateMachine::OnPlaceFound() {
   mode_ = mode;
 }
 
+// A place that has been confirmed already is so by what was registered there.
+void TrackingStateMachine::OnVerified() {
+  mode_ = Next(mode_, TrackingEvent::kVerified);
+  is_contradicted_ = false;
+  Confirm();
+}
+
+void TrackingStateMachine::OnScanFit(ScanFit fit) {
+  if (fit == ScanFit::kUnknown) return;
+  is_contradicted_ = fit == ScanFit::kContradicts;
+  if (is_contradicted_) {
+    agreed_in_a_row_ = 0;
+    accepted_since_doubt_ = false;
+    mode_ = Next(mode_, TrackingEvent::kDoubted);
+    return;
+  }
+  ++agreed_in_a_row_;
+  if (agreed_in_a_row_ >= options_.agreements && accepted_since_doubt_) {
+    mode_ = Next(mode_, TrackingEvent::kAgreed);
+  }
+}
+
+// Registrations of slow radars are rare without anything being wrong.
+std::chrono::nanoseconds TrackingStateMachine::Hold() const {
+  const auto by_interval = std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(options_.hold_intervals * usual_interval_s_));
+  return std::max(options_.tracking_hold, by_interval);
+}
+
+void TrackingStateMachine::LearnInterval(Stamp stamp) {
+  constexpr double kMemory = 0.8;
+  if (last_registration_) {
+    const double interval_s = std::chrono::duration<double>(
+                                  std::min(stamp - *last_registration_, options_.max_usual_interval))
+                                  .count();
+    usual_interval_s_ = usual_interval_s_ > 0.0
+                            ? kMemory * usual_interval_s_ + (1.0 - kMemory) * interval_s
+                            : interval_s;
+  }
+  last_registration_ = stamp;
+}
+
 void TrackingStateMachine::OnPrediction(Stamp stamp, double position_sigma_m) {
   if (!last_accepted_) return;
   const std::chrono::nanoseconds unconfirmed = stamp - *last_accepted_;
-  if (unconfirmed > options_.tracking_hold) mode_ = Next(mode_, TrackingEvent::kHoldExpired);
+  const std::chrono::nanoseconds hold = Hold();
+  if (unconfirmed > hold) mode_ = Next(mode_, TrackingEvent::kHoldExpired);
   if (mode_ != TrackingMode::kDeadReckoning && mode_ != TrackingMode::kLost) return;
-  if (unconfirmed > options_.lost_after) Lose(stamp);
+  if (unconfirmed > options_.lost_after + (hold - options_.tracking_hold)) Lose(stamp);
   if (!uncertain_since_ && position_sigma_m > options_.lost_sigma_m) {
     Lose(stamp);
     uncertain_since_ = stamp;
@@ -68,16 +116,25 @@ void TrackingStateMachine::Lose(Stamp stamp) {
 void TrackingStateMachine::OnRegistration(Stamp stamp, RegistrationOutcome outcome) {
   const bool accepted = outcome == RegistrationOutcome::kAccepted;
   // What was accepted before a silence confirms nothing after it.
-  if (last_accepted_ && stamp - *last_accepted_ > options_.tracking_hold) {
+  if (last_accepted_ && stamp - *last_accepted_ > Hold()) {
     accepted_in_a_row_ = 0;
     mode_ = Next(mode_, TrackingEvent::kHoldExpired);
   }
-  accepted_in_a_row_ = accepted ? accepted_in_a_row_ + 1 : 0;
+  LearnInterval(stamp);
+  // A registration that agrees with the estimate says little while the scans fit neither.
+  const bool confirms = accepted && !is_contradicted_;
+  accepted_in_a_row_ = confirms ? accepted_in_a_row_ + 1 : 0;
   refused_in_a_row_ = accepted ? 0 : refused_in_a_row_ + 1;
   outliers_in_a_row_ = outcome == RegistrationOutcome::kOutlier ? outliers_in_a_row_ + 1 : 0;
   if (accepted) last_accepted_ = stamp;
+  accepted_since_doubt_ = accepted_since_doubt_ || confirms;
+  Confirm();
+}
+
+void TrackingStateMachine::Confirm() {
   if (accepted_in_a_row_ < options_.confirmations) return;
   mode_ = Next(mode_, TrackingEvent::kConfirmed);
+  if (mode_ != TrackingMode::kTracking) return;
   uncertain_since_.reset();
   contradicted_ = false;
 }
@@ -101,6 +158,7 @@ Loss TrackingStateMachine::FindLoss(Stamp stamp, double position_sigma_m) const 
                                                                                 : Loss::kNone;
     case TrackingMode::kSearching:
     case TrackingMode::kTracking:
+    case TrackingMode::kDoubting:
     case TrackingMode::kDeadReckoning:
     case TrackingMode::kRecovering:
       return Loss::kNone;
@@ -115,6 +173,7 @@ LocalizationState TrackingStateMachine::Report(double position_sigma_m) const {
       // it is does not track.
       return position_sigma_m > options_.tracking_sigma_m ? LocalizationState::kDeadReckoning
                                                           : LocalizationState::kTracking;
+    case TrackingMode::kDoubting:
     case TrackingMode::kDeadReckoning:
       return LocalizationState::kDeadReckoning;
     case TrackingMode::kLost:

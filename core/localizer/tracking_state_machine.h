@@ -9,6 +9,7 @@
 #include "core/localizer/localization_state.h"
 #include "core/options/option_fields.h"
 #include "core/radar/scan.h"
+#include "core/uncertainty/map_fit_monitor.h"
 
 namespace dcloc {
 
@@ -17,8 +18,13 @@ struct TrackingOptions {
   int confirmations = 3;  ///< accepted registrations in a row that start tracking
   /// After global localization, refused registrations in a row that drop the place it found.
   int global_start_max_refusals = 3;
-  /// Tracking lasts so long without an accepted registration.
+  /// Tracking lasts so long without an accepted registration, or so many intervals of
+  /// registrations as they are usual, of which each is at most `max_usual_interval`.
   std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
+  double hold_intervals = 2.5;
+  std::chrono::nanoseconds max_usual_interval = std::chrono::milliseconds(600);
+  /// Scans in a row that fit the map as they should end a doubt.
+  int agreements = 3;
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
   /// Without an accepted registration for so long, or less certain than `lost_sigma_m`, dead
   /// reckoning is lost. Radars that scan ten times a second so report it within a second.
@@ -40,6 +46,7 @@ enum class TrackingMode {
   kConfirmingPrior,  ///< a pose from a prior that no registration has confirmed yet
   kConfirmingPlace,  ///< a pose from global localization that must be confirmed
   kTracking,
+  kDoubting,       ///< a pose that was confirmed, but the newest scans do not fit the map there
   kDeadReckoning,  ///< a pose carried by ego-motion, confirmed a moment ago
   kLost,           ///< a pose carried by ego-motion, for too long or too uncertain
   kRecovering,     ///< the pose was given up: global localization, nearby first
@@ -48,6 +55,9 @@ enum class TrackingMode {
 enum class TrackingEvent {
   kPriorGiven,   ///< a prior that registrations can start from
   kPlaceFound,   ///< by global localization
+  kVerified,     ///< global localization finds no better place than the supposed one
+  kDoubted,      ///< a scan does not fit the map where it should
+  kAgreed,       ///< `agreements` scans in a row do, and a registration was accepted meanwhile
   kConfirmed,    ///< `confirmations` accepted registrations in a row
   kHoldExpired,  ///< none accepted for `tracking_hold`
   kLossExpired,  ///< none accepted for `lost_after`, or less certain than `lost_sigma_m`
@@ -61,20 +71,25 @@ struct TrackingTransition {
   TrackingMode to;
 };
 
-inline constexpr std::array<TrackingTransition, 13> kTrackingTransitions = {{
+inline constexpr std::array<TrackingTransition, 18> kTrackingTransitions = {{
     {TrackingMode::kSearching, TrackingEvent::kPriorGiven, TrackingMode::kConfirmingPrior},
     {TrackingMode::kSearching, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kRecovering, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
-    {TrackingMode::kConfirmingPrior, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kConfirmingPrior, TrackingEvent::kVerified, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kConfirmingPrior, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kConfirmingPrior, TrackingEvent::kGivenUp, TrackingMode::kSearching},
     {TrackingMode::kConfirmingPlace, TrackingEvent::kConfirmed, TrackingMode::kTracking},
     {TrackingMode::kConfirmingPlace, TrackingEvent::kGivenUp, TrackingMode::kSearching},
     {TrackingMode::kTracking, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
+    {TrackingMode::kTracking, TrackingEvent::kDoubted, TrackingMode::kDoubting},
+    {TrackingMode::kDoubting, TrackingEvent::kAgreed, TrackingMode::kTracking},
+    {TrackingMode::kDoubting, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kDoubting, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
     {TrackingMode::kDeadReckoning, TrackingEvent::kConfirmed, TrackingMode::kTracking},
     {TrackingMode::kDeadReckoning, TrackingEvent::kLossExpired, TrackingMode::kLost},
     {TrackingMode::kLost, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kLost, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kLost, TrackingEvent::kGivenUp, TrackingMode::kRecovering},
-    {TrackingMode::kTracking, TrackingEvent::kConfirmed, TrackingMode::kTracking},
 }};
 
 /// Where `event` leads from `mode`.
@@ -110,9 +125,21 @@ class TrackingStateMachine {
   /// Starts from a prior; only while searching.
   void OnPrior() { mode_ = Next(mode_, TrackingEvent::kPriorGiven); }
 
-  /// Starts from a place that global localization found; only while there is no pose. What was
-  /// counted before does not matter any more.
+  /// Whether the pose that there is must be held against other places.
+  bool needs_verification() const {
+    return has_pose() && mode_ != TrackingMode::kTracking &&
+           mode_ != TrackingMode::kConfirmingPlace;
+  }
+
+  /// Starts from a place that global localization found. What was counted before does not matter
+  /// any more.
   void OnPlaceFound();
+
+  /// No other place fits as well as the pose.
+  void OnVerified();
+
+  /// Takes in how the newest scan fits the map.
+  void OnScanFit(ScanFit fit);
 
   /// Takes in the time and the position's standard deviation of a predicted pose; without a pose
   /// nothing.
@@ -131,12 +158,20 @@ class TrackingStateMachine {
  private:
   Loss FindLoss(Stamp stamp, double position_sigma_m) const;
   void Lose(Stamp stamp);
+  void Confirm();
+  std::chrono::nanoseconds Hold() const;
+  void LearnInterval(Stamp stamp);
 
   TrackingOptions options_;
   TrackingMode mode_ = TrackingMode::kSearching;
   int accepted_in_a_row_ = 0;
   int refused_in_a_row_ = 0;
   int outliers_in_a_row_ = 0;
+  int agreed_in_a_row_ = 0;             // scans, since the last one that contradicted
+  bool is_contradicted_ = false;        // by the newest scan whose fit is known
+  bool accepted_since_doubt_ = false;
+  std::optional<Stamp> last_registration_;
+  double usual_interval_s_ = 0.0;
   std::optional<Stamp> last_accepted_;
   std::optional<Stamp> uncertain_since_;  // while lost: less certain than lost_sigma_m
   std::optional<Stamp> last_lost_to_outliers_;

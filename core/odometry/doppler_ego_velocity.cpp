@@ -4,8 +4,11 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
+#include <bitset>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -20,6 +23,13 @@ using Eigen::Vector3d;
 
 using Row = RangeRateRow;
 
+constexpr int kDirectionCount = 36;
+
+int DirectionOf(const Vector3d& u) {
+  const double turns = std::atan2(u.y(), u.x()) / (2.0 * std::numbers::pi) + 0.5;
+  return std::min(kDirectionCount - 1, static_cast<int>(turns * kDirectionCount));
+}
+
 void MakeRows(std::span<const RadarScan> scans, std::vector<Row>& rows) {  // METHOD eq 21
   rows.clear();
   for (const auto& [scan, radar] : scans) {
@@ -32,9 +42,35 @@ void MakeRows(std::span<const RadarScan> scans, std::vector<Row>& rows) {  // ME
                       .range_rate_mps = m.range_rate_mps,
                       .unambiguous_mps = radar->unambiguous_range_rate_mps,
                       .sigma_mps = m.range_rate_sigma_mps,
-                      .cross_row_sigma_rad = m.azimuth_sigma_rad});
+                      .cross_row_sigma_rad = m.azimuth_sigma_rad,
+                      .direction = DirectionOf(u)});
     }
   }
+}
+
+// Returns the sum of all votes.
+double ShareVotes(std::vector<Row>& rows, double max_direction_share) {
+  std::array<int, kDirectionCount> counts{};
+  for (const Row& row : rows) ++counts[static_cast<std::size_t>(row.direction)];
+  const double max_votes = std::max(1.0, max_direction_share * static_cast<double>(rows.size()));
+  double sum = 0.0;
+  for (Row& row : rows) {
+    row.vote = std::min(1.0, max_votes / counts[static_cast<std::size_t>(row.direction)]);
+    sum += row.vote;
+  }
+  return sum;
+}
+
+double VotesOf(const std::vector<Row>& rows) {
+  double sum = 0.0;
+  for (const Row& row : rows) sum += row.vote;
+  return sum;
+}
+
+int CountDirections(const std::vector<Row>& rows) {
+  std::bitset<kDirectionCount> directions;
+  for (const Row& row : rows) directions.set(static_cast<std::size_t>(row.direction));
+  return static_cast<int>(directions.count());
 }
 
 double Residual(const Row& row, const Vector3d& state) {
@@ -64,12 +100,12 @@ double PairsNeeded(double right_share) {
 }
 
 // The best-supported motion among those through two targets without side slip.
-Vector3d RansacMotion(const std::vector<Row>& rows, std::uint64_t seed,
+Vector3d RansacMotion(const std::vector<Row>& rows, double votes, std::uint64_t seed,
                       const EgoVelocityOptions& options) {
   std::mt19937_64 random(seed);
   std::uniform_int_distribution<std::size_t> pick(0, rows.size() - 1);
   Vector3d best = Vector3d::Zero();
-  std::size_t best_count = 0;
+  double best_votes = 0.0;
   double pairs_needed = std::numeric_limits<double>::infinity();
   int pair_count = 0;
   for (int iteration = 0; iteration < options.ransac_iterations && pair_count < pairs_needed;
@@ -83,14 +119,14 @@ Vector3d RansacMotion(const std::vector<Row>& rows, std::uint64_t seed,
     ++pair_count;
     const Vector3d state =
         system.partialPivLu().solve(Vector3d(a.range_rate_mps, b.range_rate_mps, 0.0));
-    const auto agrees = [&](const Row& row) {
-      return std::abs(Residual(row, state)) <= options.inlier_gate_mps;
-    };
-    const auto count = static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), agrees));
-    if (count > best_count) {
-      best_count = count;
+    double agreeing = 0.0;
+    for (const Row& row : rows) {
+      if (std::abs(Residual(row, state)) <= options.inlier_gate_mps) agreeing += row.vote;
+    }
+    if (agreeing > best_votes) {
+      best_votes = agreeing;
       best = state;
-      pairs_needed = PairsNeeded(static_cast<double>(count) / static_cast<double>(rows.size()));
+      pairs_needed = PairsNeeded(agreeing / votes);
     }
   }
   return best;
@@ -160,6 +196,7 @@ std::span<const OptionField<EgoVelocityOptions>> FieldsOf(const EgoVelocityOptio
       {"zero_share", &O::zero_share, 0, 1, "a single target is enough to stand still"},
       {"zero_gate_mps", &O::zero_gate_mps, 0, 10, "only exact zeros stand still"},
       {"max_condition", &O::max_condition, 1, 1e12},
+      {"max_direction_share", &O::max_direction_share, 1e-3, 1},
       {"linear_sigma_floor_mps", &O::linear_sigma_floor_mps, 0, 100,
        "the estimate is as certain as its targets say"},
       {"yaw_rate_sigma_floor_radps", &O::yaw_rate_sigma_floor_radps, 0, 10,
@@ -187,23 +224,24 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
   MakeRows(scans, rows);
   const auto count = static_cast<int>(rows.size());
   if (count < options.min_inlier_count) return std::nullopt;
+  const double votes = ShareVotes(rows, options.max_direction_share);
 
   TakeInliers(rows, Vector3d::Zero(), options.zero_gate_mps, inliers);
-  if (static_cast<double>(inliers.size()) >= options.zero_share * count) {
+  if (VotesOf(inliers) >= options.zero_share * votes) {
     return DopplerEgoVelocity{
         .ego_velocity = PlanarEgoVelocity(Vector3d::Zero(), FloorVariances(options)),
         .inlier_count = static_cast<int>(inliers.size()),
         .target_count = count,
+        .direction_count = CountDirections(inliers),
         .standing_still = true};
   }
 
-  Vector3d state = RansacMotion(rows, seed, options);
+  Vector3d state = RansacMotion(rows, votes, seed, options);
   LeastSquares solution{};
   for (int pass = 0; pass < 3; ++pass) {  // inliers and weights depend on the state: refine both
     TakeInliers(rows, state, options.inlier_gate_mps, inliers);
-    const auto inlier_count = static_cast<int>(inliers.size());
-    if (inlier_count < options.min_inlier_count ||
-        inlier_count < options.min_inlier_share * count) {
+    if (static_cast<int>(inliers.size()) < options.min_inlier_count ||
+        VotesOf(inliers) < options.min_inlier_share * votes) {
       return std::nullopt;
     }
     solution = SolveMotion(inliers, state, options);
@@ -215,7 +253,8 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
       FloorVariances(options);
   return DopplerEgoVelocity{.ego_velocity = PlanarEgoVelocity(state, covariance),
                             .inlier_count = static_cast<int>(inliers.size()),
-                            .target_count = count};
+                            .target_count = count,
+                            .direction_count = CountDirections(inliers)};
 }
 
 EgoVelocity Fuse(const EgoVelocity& a, const EgoVelocity& b) {

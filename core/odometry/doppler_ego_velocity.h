@@ -32,6 +32,9 @@ struct EgoVelocityOptions {
   /// The normal matrix's largest over its smallest eigenvalue, beyond which the targets' directions
   /// do not determine the state.
   double max_condition = 1e6;
+  /// Targets within ten degrees of one another have together at most this share of all votes: one
+  /// mover that fills a part of the view does not outvote the rest.
+  double max_direction_share = 1.0 / 24.0;
   /// Floors of the estimate's deviations: what calibration errors leave however many targets.
   double linear_sigma_floor_mps = 0.5;
   double yaw_rate_sigma_floor_radps = 0.03;
@@ -44,6 +47,7 @@ struct DopplerEgoVelocity {
   EgoVelocity ego_velocity;  ///< planar: v_z, roll rate and pitch rate are 0; covariance is set
   int inlier_count = 0;
   int target_count = 0;
+  int direction_count = 0;  ///< in how many tens of degrees around the vehicle there are inliers
   bool standing_still = false;
 };
 
@@ -56,6 +60,8 @@ struct RangeRateRow {
   double sigma_mps;
   double
       cross_row_sigma_rad;  ///< azimuth error: turns the row, worth this times the cross velocity
+  int direction = 0;   ///< which ten degrees around the vehicle the target lies in, [0, 36)
+  double vote = 1.0;   ///< what it counts for, less where many lie in one direction
 };
 
 /// Memory of EstimateEgoVelocity.

@@ -17,6 +17,27 @@ double SquaredDistance(const EgoVelocity& a, const EgoVelocity& b) {
   return apart.dot(spread.ldlt().solve(apart));
 }
 
+OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
+                            const std::optional<DopplerEgoVelocity>& doppler) {
+  const auto speed_of = [](const EgoVelocity& velocity) {
+    return ScalarEstimate{velocity.linear_mps.x(), (*velocity.covariance)(0, 0)};
+  };
+  const auto yaw_rate_of = [](const EgoVelocity& velocity) {
+    return ScalarEstimate{velocity.angular_radps.z(), (*velocity.covariance)(5, 5)};
+  };
+  OdometryReadings readings;
+  if (reported) {
+    readings.wheel_speed = speed_of(*reported);
+    readings.yaw_rate = yaw_rate_of(*reported);
+  }
+  if (doppler) {
+    readings.doppler_speed = speed_of(doppler->ego_velocity);
+    readings.doppler_yaw_rate = yaw_rate_of(doppler->ego_velocity);
+    readings.doppler_direction_count = doppler->direction_count;
+  }
+  return readings;
+}
+
 }  // namespace
 
 std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& /*options*/) {
@@ -26,6 +47,9 @@ std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& 
       {"simultaneous_ms", &O::simultaneous, 0, 1e4, "each scan stands alone"},
       {"unknown_speed_sigma_mps", &O::unknown_speed_sigma_mps, 1e-6, 1000},
       {"unknown_yaw_rate_sigma_radps", &O::unknown_yaw_rate_sigma_radps, 1e-6, 100},
+      {"history_ms", &O::history, 1, 1e5},
+      {"missed_motion_sigma_share", &O::missed_motion_sigma_share, 0, 10,
+       "a missed motion is as certain as any other"},
   };
   return kFields;
 }
@@ -35,34 +59,78 @@ absl::Status Validate(const EgoMotionOptions& options) {
   status.Update(Within("doppler", Validate(options.doppler)));
   status.Update(Within("motion", Validate(options.motion)));
   status.Update(Within("error_filter", Validate(options.error_filter)));
+  status.Update(Within("sources", Validate(options.sources)));
   return status;
 }
 
-const EgoVelocity& EgoMotion::Advance(const Scan& scan, const RadarModel& radar,
+const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const RadarModel& radar,
                                       EgoVelocityMemory& memory) {
   const auto seed = static_cast<std::uint64_t>(scan.stamp.time_since_epoch().count());
   const std::optional<DopplerEgoVelocity> doppler =
-      EstimateEgoVelocity(Remember(scan, radar), seed, options_.doppler, memory);
-  const std::chrono::nanoseconds age =
-      velocity_ ? scan.stamp - stamp_ : std::chrono::nanoseconds(0);
+      EstimateEgoVelocity(Remember(scan, stamp, radar), seed, options_.doppler, memory);
+  const std::chrono::nanoseconds age = velocity_ ? stamp - stamp_ : std::chrono::nanoseconds(0);
+  std::optional<EgoVelocity> reported;
+  if (scan.ego_velocity) reported = Corrected(*scan.ego_velocity);
 
-  EgoVelocity now;
-  if (scan.ego_velocity) {
-    now = Corrected(*scan.ego_velocity);
-    // Doppler that contradicts the wheels may be that of a mover that fills the view.
-    if (doppler && SquaredDistance(now, doppler->ego_velocity) <= options_.max_squared_distance) {
-      now = Fuse(now, doppler->ego_velocity);
-    }
-  } else if (doppler) {
-    now = doppler->ego_velocity;
-  } else {
-    now = Held(age);
-  }
+  sources_.OnReadings(stamp, ReadingsOf(reported, doppler));
+  const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
+  AddMissedMotion();
   errors_.OnMotion(since_previous_.T_from_to, age);
+  history_.Add(stamp, since_previous_, now);
   velocity_ = now;
-  stamp_ = scan.stamp;
+  stamp_ = stamp;
   return *velocity_;
+}
+
+// Where all that is there is sound, what the vehicle sends and Doppler are fused as they are.
+EgoVelocity EgoMotion::FromSources(const std::optional<EgoVelocity>& reported,
+                                   const std::optional<DopplerEgoVelocity>& doppler,
+                                   std::chrono::nanoseconds age) const {
+  const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
+  if (reported) {
+    if (!sources_.IsSound(OdometrySource::kWheelSpeed) ||
+        !sources_.IsSound(OdometrySource::kYawRate)) {
+      return FromMonitor(doppler);
+    }
+    // A single moment's Doppler may be that of a mover, though most often it is sound.
+    if (!doppler_is_sound ||
+        SquaredDistance(*reported, doppler->ego_velocity) > options_.max_squared_distance) {
+      return *reported;
+    }
+    return Fuse(*reported, doppler->ego_velocity);
+  }
+  if (doppler_is_sound) return doppler->ego_velocity;
+  return doppler ? FromMonitor(std::nullopt) : Held(age);
+}
+
+// Speed and yaw rate by the sources that are sound; beside them vehicles move as they look.
+EgoVelocity EgoMotion::FromMonitor(const std::optional<DopplerEgoVelocity>& doppler) const {
+  const ScalarEstimate speed = sources_.speed();
+  const ScalarEstimate yaw_rate = sources_.yaw_rate();
+  EgoVelocity velocity = WithCovariance({}, 0.0, options_.motion);
+  if (doppler && sources_.IsSound(OdometrySource::kDoppler)) {
+    velocity.linear_mps.y() = doppler->ego_velocity.linear_mps.y();
+    (*velocity.covariance)(1, 1) = (*doppler->ego_velocity.covariance)(1, 1);
+  }
+  velocity.linear_mps.x() = speed.value;
+  velocity.angular_radps.z() = yaw_rate.value;
+  (*velocity.covariance)(0, 0) = speed.variance;
+  (*velocity.covariance)(5, 5) = yaw_rate.variance;
+  return velocity;
+}
+
+void EgoMotion::AddMissedMotion() {
+  const Pose2 used = Flatten(since_previous_.T_from_to);
+  const auto missed = sources_.OnUsedMotion(used.translation_m.x(), used.yaw_rad);
+  sources_changed_ = missed.has_value();
+  if (!missed) return;
+  Vector6d step = Vector6d::Zero();
+  step(0) = missed->forward_m;
+  step(5) = missed->turn_rad;
+  const Vector6d sigmas = options_.missed_motion_sigma_share * step;
+  since_previous_ = Compose(
+      since_previous_, {.T_from_to = Exp(step), .covariance = sigmas.cwiseAbs2().asDiagonal()});
 }
 
 EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
@@ -73,13 +141,15 @@ EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
 }
 
 // The newest scan of each radar, as far as they are of one moment.
-std::span<const RadarScan> EgoMotion::Remember(const Scan& scan, const RadarModel& radar) {
+std::span<const RadarScan> EgoMotion::Remember(const Scan& scan, Stamp stamp,
+                                               const RadarModel& radar) {
   RecentScan& newest = recent_[radar.id];
   newest.scan = scan;  // into the columns of the radar's last one
+  newest.stamp = stamp;
   newest.radar = &radar;
   of_one_moment_.clear();
   for (const auto& [id, recent] : recent_) {
-    if (scan.stamp - recent.scan.stamp > options_.simultaneous) continue;
+    if (stamp - recent.stamp > options_.simultaneous) continue;
     of_one_moment_.push_back({&recent.scan, recent.radar});
   }
   return of_one_moment_;

@@ -9,7 +9,9 @@
 #include "absl/status/status.h"
 #include "core/odometry/doppler_ego_velocity.h"
 #include "core/odometry/motion.h"
+#include "core/odometry/motion_history.h"
 #include "core/odometry/odometry_error_filter.h"
+#include "core/odometry/source_monitor.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
@@ -20,6 +22,7 @@ struct EgoMotionOptions {
   EgoVelocityOptions doppler;
   MotionOptions motion;
   OdometryErrorFilterOptions error_filter;
+  SourceMonitorOptions sources;
   /// Reported and Doppler velocity are fused where their squared Mahalanobis distance over speed
   /// and yaw rate is at most this: the chi-square quantile of 99.9 % with 2 degrees of freedom.
   double max_squared_distance = 13.8;
@@ -28,26 +31,41 @@ struct EgoMotionOptions {
   /// Deviations of the velocity while nothing is known of it.
   double unknown_speed_sigma_mps = 15.0;
   double unknown_yaw_rate_sigma_radps = 0.3;
+  /// How far back the motion can be asked for.
+  std::chrono::nanoseconds history = std::chrono::milliseconds(400);
+  /// Of a motion that was missed while a source was wrong, this share is its deviation.
+  double missed_motion_sigma_share = 0.3;
 };
 std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& options);
 absl::Status Validate(const EgoMotionOptions& options);
 
 /// One vehicle's ego-velocity over time: what the vehicle sends fused with what its radars' Doppler
-/// says, or either alone; the last one, ever less certain, where neither is there. What is
-/// constantly wrong with what the vehicle sends is learned from its poses (OdometryErrorFilter).
+/// says, as far as `SourceMonitor` calls them sound; the last one, ever less certain, where nothing
+/// is. What is constantly wrong with what the vehicle sends is learned from its poses
+/// (OdometryErrorFilter).
 class EgoMotion {
  public:
   explicit EgoMotion(const EgoMotionOptions& options = {})
-      : options_(options), errors_(options.error_filter) {}
+      : options_(options),
+        errors_(options.error_filter),
+        sources_(options.sources),
+        history_(options.history) {}
 
-  /// Takes in the next scan, whose stamp is not before the last one's, and gives the velocity at
-  /// it; the covariance is set. `radar` outlives this object, `memory` is lent for the call.
-  const EgoVelocity& Advance(const Scan& scan, const RadarModel& radar, EgoVelocityMemory& memory);
+  /// Takes in the next scan, taken at `stamp`, which is not before the last one's, and gives the
+  /// velocity at it; the covariance is set. `radar` outlives this object, `memory` is lent for the
+  /// call.
+  const EgoVelocity& Advance(const Scan& scan, Stamp stamp, const RadarModel& radar,
+                             EgoVelocityMemory& memory);
 
-  /// The same with memory of its own.
+  /// The same by the scan's own stamp, with memory of its own.
   const EgoVelocity& Advance(const Scan& scan, const RadarModel& radar) {
     EgoVelocityMemory memory;
-    return Advance(scan, radar, memory);
+    return Advance(scan, scan.stamp, radar, memory);
+  }
+
+  /// A registration puts the vehicle here at the last scan.
+  void OnRegistration(const Pose3& T_map_vehicle) {
+    sources_.OnRegistration(Flatten(T_map_vehicle));
   }
 
   /// A registration of scans that no other one took puts the vehicle here at the last scan, with a
@@ -55,29 +73,48 @@ class EgoMotion {
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
     errors_.OnPose(T_map_vehicle, covariance);
   }
-  void OnJump() { errors_.OnJump(); }
+  void OnJump() {
+    errors_.OnJump();
+    sources_.OnRegistrationLost();
+  }
   /// Poses that were given have been wrong.
   void Forget() { errors_ = OdometryErrorFilter(options_.error_filter); }
 
-  /// From the scan before the last one to the last one; identity at the first.
+  /// From the scan before the last one to the last one; identity at the first. It contains what has
+  /// been missed before, when a source is found to have been wrong.
   const Motion& since_previous() const { return since_previous_; }
+
+  /// Whether a source was found wrong, or sound again, at the last scan.
+  bool sources_changed() const { return sources_changed_; }
+  const SourceMonitor& sources() const { return sources_; }
+
+  /// The motion of the last moments.
+  const MotionHistory& history() const { return history_; }
 
  private:
   struct RecentScan {
     Scan scan;
+    Stamp stamp{};
     const RadarModel* radar = nullptr;
   };
 
-  std::span<const RadarScan> Remember(const Scan& scan, const RadarModel& radar);
+  std::span<const RadarScan> Remember(const Scan& scan, Stamp stamp, const RadarModel& radar);
+  EgoVelocity FromSources(const std::optional<EgoVelocity>& reported,
+                          const std::optional<DopplerEgoVelocity>& doppler,
+                          std::chrono::nanoseconds age) const;
+  EgoVelocity FromMonitor(const std::optional<DopplerEgoVelocity>& doppler) const;
   EgoVelocity Held(std::chrono::nanoseconds age) const;
-
   EgoVelocity Corrected(const EgoVelocity& reported) const;
+  void AddMissedMotion();
 
   EgoMotionOptions options_;
   OdometryErrorFilter errors_;
+  SourceMonitor sources_;
+  MotionHistory history_;
   std::optional<EgoVelocity> velocity_;
   Stamp stamp_{};
   Motion since_previous_;
+  bool sources_changed_ = false;
   std::map<std::string, RecentScan> recent_;  // by radar id
   std::vector<RadarScan> of_one_moment_;      // the newest scan and what of recent_ is as new
 };

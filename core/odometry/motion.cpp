@@ -80,4 +80,12 @@ Motion Compose(const Motion& first, const Motion& second) {
       .covariance = ComposeCovariance<3>(first.covariance, second.T_from_to, second.covariance)};
 }
 
+std::pair<Motion, Motion> Split(const Motion& motion, double share) {
+  const auto part = [&](double of_it) {
+    return Motion{.T_from_to = Exp(Vector6d(of_it * Log(motion.T_from_to))),
+                  .covariance = of_it * motion.covariance};
+  };
+  return {part(share), part(1.0 - share)};
+}
+
 }  // namespace dcloc

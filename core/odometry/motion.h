@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <span>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "core/geometry/pose_estimate.h"
@@ -47,6 +48,9 @@ Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,
 
 /// The motion `first`, then `second`, whose errors are independent.
 Motion Compose(const Motion& first, const Motion& second);
+
+/// The two parts of a steady motion, of which the first takes `share` of its time, [0, 1].
+std::pair<Motion, Motion> Split(const Motion& motion, double share);
 
 /// A motion in the dimension of a pipeline.
 template <int Dim>

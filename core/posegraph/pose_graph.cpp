@@ -43,6 +43,8 @@ std::span<const OptionField<PoseGraphOptions>> FieldsOf(const PoseGraphOptions& 
       {"max_distance_planar", &O::max_distance_planar, 1e-6, 1e6},
       {"max_distance_spatial", &O::max_distance_spatial, 1e-6, 1e6},
       {"takeover_support", &O::takeover_support, 2, 1'000'000},
+      {"near_distance", &O::near_distance, 0, 1e6, "no outlier is near"},
+      {"near_takeover_support", &O::near_takeover_support, 2, 1'000'000},
   };
   return kFields;
 }

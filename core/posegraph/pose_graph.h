@@ -36,6 +36,10 @@ struct PoseGraphOptions {
   double max_distance_spatial = 12.592;
   /// Factors left out in a row that agree among themselves and so replace the accepted chain, >= 2.
   int takeover_support = 25;
+  /// Where the first of them lay within this squared Mahalanobis distance, no more than so many:
+  /// an estimate that is off by little is off, and not misled.
+  double near_distance = 50.0;
+  int near_takeover_support = 5;
 };
 std::span<const OptionField<PoseGraphOptions>> FieldsOf(const PoseGraphOptions& options);
 absl::Status Validate(const PoseGraphOptions& options);

@@ -1,5 +1,6 @@
 #include "core/posegraph/pose_hypotheses.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace dcloc {
@@ -38,8 +39,8 @@ EdgeTest PoseHypotheses<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& fac
     accepted_chain_.Solve();
     return test;
   }
-  UpdateAlternative(factor);
-  if (support_ >= options_.takeover_support) {
+  UpdateAlternative(factor, test.distance);
+  if (support_ >= support_needed_) {
     accepted_chain_ = *std::exchange(alternative_, std::nullopt);
     test.valid = true;
   }
@@ -47,7 +48,8 @@ EdgeTest PoseHypotheses<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& fac
 }
 
 template <int Dim>
-void PoseHypotheses<Dim>::UpdateAlternative(const AbsolutePoseFactor<Dim>& factor) {
+void PoseHypotheses<Dim>::UpdateAlternative(const AbsolutePoseFactor<Dim>& factor,
+                                            double distance) {
   if (alternative_ && alternative_->AddAbsolutePose(factor).valid) {
     alternative_->Solve();
     ++support_;
@@ -57,6 +59,9 @@ void PoseHypotheses<Dim>::UpdateAlternative(const AbsolutePoseFactor<Dim>& facto
   alternative_->Reset({.pose = factor.pose, .covariance = factor.reused_covariance},
                       factor.systematic);
   support_ = 1;
+  support_needed_ = distance <= options_.near_distance
+                        ? std::min(options_.near_takeover_support, options_.takeover_support)
+                        : options_.takeover_support;
 }
 
 template class PoseHypotheses<2>;

@@ -9,7 +9,8 @@ namespace dcloc {
 /// The accepted chain of states and, while its absolute pose factors are rejected as outliers, an
 /// alternative chain made of those. A burst of false registrations never lasts; a chain that has
 /// gone wrong is contradicted for good. So the alternative replaces the accepted chain when
-/// `takeover_support` of its own factors in a row agree and the accepted chain took none of them.
+/// `takeover_support` of its own factors in a row agree and the accepted chain took none of them;
+/// fewer are enough where it began near by.
 template <int Dim>
 class PoseHypotheses {
  public:
@@ -34,12 +35,13 @@ class PoseHypotheses {
   EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor);
 
  private:
-  void UpdateAlternative(const AbsolutePoseFactor<Dim>& factor);
+  void UpdateAlternative(const AbsolutePoseFactor<Dim>& factor, double distance);
 
   PoseGraphOptions options_;
   PoseGraph<Dim> accepted_chain_;
   std::optional<PoseGraph<Dim>> alternative_;
   int support_ = 0;
+  int support_needed_ = 0;
 };
 
 }  // namespace dcloc

@@ -246,6 +246,20 @@ std::span<const Correspondence<Dim>> MapMatcher<Dim>::Correspondences(
 }
 
 template <int Dim>
+double MapMatcher<Dim>::Fit(std::span<const GaussianPoint<Dim>> points,
+                            const Pose<Dim>& T_local_vehicle, double sigma_m,
+                            RegistrationWorkspace<Dim>& workspace) const {
+  if (points.empty() || local_map_.empty()) return 0.0;
+  workspace.shifted_finder.Begin(points, local_map_, Gates());
+  double sum = 0.0;
+  for (const Correspondence<Dim>& one : workspace.shifted_finder.Find(T_local_vehicle, sigma_m)) {
+    const Eigen::Matrix<double, Dim, 1> apart = one.q - T_local_vehicle * one.p;
+    sum += std::exp(-0.5 * apart.dot(one.information * apart));
+  }
+  return sum / static_cast<double>(points.size());
+}
+
+template <int Dim>
 Observability MapMatcher<Dim>::Observed(std::span<const GaussianPoint<Dim>> live,
                                         const Registration<Dim>& registration,
                                         RegistrationWorkspace<Dim>& workspace) const {

@@ -105,6 +105,11 @@ class MapMatcher {
                                                        const Pose<Dim>& T_local_vehicle,
                                                        RegistrationWorkspace<Dim>& workspace) const;
 
+  /// How well points (vehicle frame) lie in the map at a pose that is off by `sigma_m`: the mean of
+  /// exp(-d^2 / 2), 0 of those without a correspondence; 0 without points or map.
+  double Fit(std::span<const GaussianPoint<Dim>> points, const Pose<Dim>& T_local_vehicle,
+             double sigma_m, RegistrationWorkspace<Dim>& workspace) const;
+
   /// In which directions a registration of `live` says something.
   Observability Observed(std::span<const GaussianPoint<Dim>> live,
                          const Registration<Dim>& registration,

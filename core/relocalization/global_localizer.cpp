@@ -58,8 +58,10 @@ void GlobalLocalizer<Dim>::OnMotion(const Motion& motion) {
   if (std::sqrt(covariance.topLeftCorner<2, 2>().trace()) > options_.max_view_sigma_m ||
       std::sqrt(covariance(5, 5)) > options_.max_view_sigma_rad) {
     const int view_count = view_count_;
+    const int searches_in_vain = searches_in_vain_;
     Clear();
     view_count_ = view_count;  // the search for it goes on
+    searches_in_vain_ = searches_in_vain;
   }
 }
 
@@ -78,7 +80,8 @@ bool GlobalLocalizer<Dim>::WantsView(Stamp stamp) const {
 
 template <int Dim>
 void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
-                                   const std::optional<SearchRegion>& region) {
+                                   const std::optional<SearchRegion>& region,
+                                   const std::optional<Supposition>& supposed) {
   if (views_.size() == static_cast<std::size_t>(options_.max_view_count)) {
     views_.erase(views_.begin());
     for (Candidate& candidate : candidates_) candidate.fits.erase(candidate.fits.begin());
@@ -91,6 +94,7 @@ void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Di
   view_stamp_ = stamp;
   ++view_count_;
   region_ = region;
+  supposed_ = supposed;
   const bool is_small = region && region->radius_m <= options_.small_region_radius_m;
   search_.emplace(
       map_, PositionsOf(live),
@@ -101,11 +105,13 @@ void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Di
 }
 
 template <int Dim>
-std::optional<Pose3> GlobalLocalizer<Dim>::Continue(RegistrationWorkspace<Dim>& workspace) {
+std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Continue(
+    RegistrationWorkspace<Dim>& workspace) {
   work_ = 0.0;
   while (work_ < options_.max_work && phase_ != Phase::kIdle) DoNextPiece(workspace);
-  if (!winner_ || Way() < options_.min_distance_m) return std::nullopt;
-  return *winner_ * since_view_.T_from_to;
+  if (!winner_ || (!winner_->is_supposed && Way() < options_.min_distance_m)) return std::nullopt;
+  return Place{.T_map_vehicle = winner_->T_map_vehicle * since_view_.T_from_to,
+               .is_supposed = winner_->is_supposed};
 }
 
 // From the oldest view on.
@@ -134,6 +140,7 @@ void GlobalLocalizer<Dim>::DoNextPiece(RegistrationWorkspace<Dim>& workspace) {
         break;
       }
       EndSearch();
+      AddSupposed(workspace);
       phase_ = Phase::kCoarseFit;
       break;
     case Phase::kCoarseFit:
@@ -158,6 +165,7 @@ void GlobalLocalizer<Dim>::DoNextPiece(RegistrationWorkspace<Dim>& workspace) {
       if (FillNextFit(workspace)) break;
       KeepBestCandidates();
       winner_ = Winner();
+      if (IsInVain()) ++searches_in_vain_;
       phase_ = Phase::kIdle;
       break;
     case Phase::kIdle:
@@ -245,7 +253,7 @@ void GlobalLocalizer<Dim>::DropUnlikelyNewCandidates() {
   double best = -std::numeric_limits<double>::infinity();
   for (const Candidate& one : candidates_) best = std::max(best, one.fits.back()->log_likelihood);
   std::erase_if(candidates_, [&](const Candidate& one) {
-    return !one.fits.front() &&
+    return !one.fits.front() && !one.is_supposed &&
            one.fits.back()->log_likelihood < best - options_.new_candidate_margin;
   });
 }
@@ -257,6 +265,30 @@ double GlobalLocalizer<Dim>::LogLikelihood(const Candidate& candidate) {
   return sum;
 }
 
+// The place that is supposed is a candidate, whether it was one before or not.
+template <int Dim>
+void GlobalLocalizer<Dim>::AddSupposed(RegistrationWorkspace<Dim>& workspace) {
+  for (Candidate& one : candidates_) one.is_supposed = false;
+  if (!supposed_) return;
+  const ViewFit fit = FitAround(views_.back(), supposed_->T_map_vehicle, workspace);
+  // What is doubted must be right as it is, and not some way from there.
+  if (supposed_->belief == Belief::kDoubted &&
+      !IsSamePlace(fit.T_map_vehicle, supposed_->T_map_vehicle)) {
+    return;
+  }
+  const auto same = std::ranges::find_if(candidates_, [&](const Candidate& one) {
+    return IsSamePlace(one.fits.back()->T_map_vehicle, fit.T_map_vehicle);
+  });
+  if (same != candidates_.end()) {
+    same->is_supposed = true;
+    return;
+  }
+  Candidate candidate{.fits = std::vector<std::optional<ViewFit>>(views_.size()),
+                      .is_supposed = true};
+  candidate.fits.back() = fit;
+  candidates_.push_back(std::move(candidate));
+}
+
 // The most likely first.
 template <int Dim>
 void GlobalLocalizer<Dim>::KeepBestCandidates() {
@@ -264,25 +296,73 @@ void GlobalLocalizer<Dim>::KeepBestCandidates() {
   std::ranges::stable_sort(candidates_, std::greater<>(), &GlobalLocalizer::LogLikelihood);
   std::erase_if(candidates_,
                 [least = LogLikelihood(candidates_.front()) - options_.candidate_margin](
-                    const Candidate& one) { return LogLikelihood(one) < least; });
+                    const Candidate& one) { return !one.is_supposed && LogLikelihood(one) < least; });
   const auto max_count = static_cast<std::size_t>(options_.max_kept_candidates);
-  if (candidates_.size() > max_count) candidates_.resize(max_count);
+  if (candidates_.size() > max_count) {
+    const auto supposed = std::ranges::find_if(candidates_, &Candidate::is_supposed);
+    if (supposed - candidates_.begin() >= static_cast<std::ptrdiff_t>(max_count)) {
+      std::swap(candidates_[max_count - 1], *supposed);
+    }
+    candidates_.resize(max_count);
+  }
 }
 
 template <int Dim>
-std::optional<Pose3> GlobalLocalizer<Dim>::Winner() const {
-  if (views_.size() < 2 || candidates_.empty()) return std::nullopt;
-  const Candidate& leader = candidates_.front();
-  const Pose3& T_map_view = leader.fits.back()->T_map_vehicle;
-  const bool is_acceptable =
-      std::ranges::all_of(leader.fits, [](const auto& fit) { return fit->is_acceptable; });
-  const double least = LogLikelihood(leader) - options_.min_lead;
-  const bool stands_out = std::ranges::none_of(candidates_, [&](const Candidate& other) {
+bool GlobalLocalizer<Dim>::IsAcceptable(const Candidate& candidate) {
+  return std::ranges::all_of(candidate.fits, [](const auto& fit) { return fit->is_acceptable; });
+}
+
+template <int Dim>
+bool GlobalLocalizer<Dim>::IsPlausible(const Candidate& candidate) {
+  return std::ranges::all_of(candidate.fits, [](const auto& fit) { return fit->is_plausible; });
+}
+
+template <int Dim>
+bool GlobalLocalizer<Dim>::StandsOut(const Candidate& candidate) const {
+  const double least = LogLikelihood(candidate) - options_.min_lead;
+  return std::ranges::none_of(candidates_, [&](const Candidate& other) {
     return LogLikelihood(other) > least &&
-           !IsSamePlace(other.fits.back()->T_map_vehicle, T_map_view);
+           !IsSamePlace(other.fits.back()->T_map_vehicle, candidate.fits.back()->T_map_vehicle);
   });
-  if (!is_acceptable || !stands_out) return std::nullopt;
-  return T_map_view;
+}
+
+// METHOD eq 46. The more views there are, the more must speak for another place.
+template <int Dim>
+bool GlobalLocalizer<Dim>::IsSupposedRight(const Candidate& supposed) const {
+  if (!IsAcceptable(supposed)) {
+    return views_.size() >= 2 && IsPlausible(supposed) && StandsOut(supposed);
+  }
+  double lead = 0.0;
+  if (supposed_->belief == Belief::kPrior) {
+    lead = std::min(options_.max_supposed_lead,
+                    options_.supposed_lead + options_.supposed_lead_per_view *
+                                                 static_cast<double>(views_.size() - 1));
+  }
+  return LogLikelihood(supposed) + lead >= LogLikelihood(candidates_.front());
+}
+
+// METHOD eq 38. A place that nothing was known of must stand out, and on more than one view.
+template <int Dim>
+std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Winner() const {
+  if (candidates_.empty()) return std::nullopt;
+  const auto supposed = std::ranges::find_if(candidates_, &Candidate::is_supposed);
+  if (supposed != candidates_.end() && IsSupposedRight(*supposed)) {
+    return Place{.T_map_vehicle = supposed->fits.back()->T_map_vehicle, .is_supposed = true};
+  }
+  const Candidate& leader = candidates_.front();
+  if (views_.size() < 2 || !IsAcceptable(leader) || !StandsOut(leader)) return std::nullopt;
+  return Place{.T_map_vehicle = leader.fits.back()->T_map_vehicle,
+               .is_supposed = leader.is_supposed};
+}
+
+// Nothing fits where was searched, so the vehicle is not there. The first view decides that for a
+// supposed place alone.
+template <int Dim>
+bool GlobalLocalizer<Dim>::IsInVain() const {
+  if (winner_) return false;
+  if (supposed_ && views_.size() == 1) return true;
+  return views_.size() >= 2 && Way() >= options_.min_distance_m &&
+         (candidates_.empty() || !IsAcceptable(candidates_.front()));
 }
 
 template <int Dim>
@@ -309,7 +389,8 @@ typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAround(
   gate.min_overlap = options_.view_overlap_share * options_.gate.min_overlap;
   return {.T_map_vehicle = found->T_map_vehicle,
           .log_likelihood = options_.log_likelihood_per_score * found->registration.score,
-          .is_acceptable = gate.Accepts(found->registration)};
+          .is_acceptable = gate.Accepts(found->registration),
+          .is_plausible = options_.supposed_gate.Accepts(found->registration)};
 }
 
 // Of a registered pose from the one that odometry expects, in units of what both are off by.

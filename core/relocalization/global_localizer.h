@@ -19,10 +19,26 @@ namespace dcloc {
 /// the sub-map is kept as a view, and the map is searched for places that look like it. All places
 /// found are registered with all views, joined by odometry. The pose is the one that fits every
 /// view acceptably, leads all others in log-likelihood over all views by `min_lead`, and does so
-/// over `min_distance_m` of way (METHOD eq 38).
+/// over `min_distance_m` of way (METHOD eq 38). Where the vehicle is supposed to be somewhere, that
+/// place takes part, and one view may decide for it.
 template <int Dim>
 class GlobalLocalizer {
  public:
+  /// How much is thought of a supposed place.
+  enum class Belief {
+    kPrior,   ///< it stands unless another is clearly better
+    kDoubted  ///< it must be as good as any other
+  };
+  struct Supposition {
+    Pose3 T_map_vehicle;  ///< now
+    Belief belief = Belief::kPrior;
+  };
+  /// Where the vehicle is.
+  struct Place {
+    Pose3 T_map_vehicle;
+    bool is_supposed = false;  ///< as was supposed with the views
+  };
+
   GlobalLocalizer(std::shared_ptr<const RadarMap> map,
                   std::shared_ptr<const RegistrationMethod<Dim>> method, double local_map_radius_m,
                   const GlobalLocalizerOptions& options)
@@ -39,14 +55,18 @@ class GlobalLocalizer {
   /// Whether all work is done and the vehicle has moved on, so that a new view says something new.
   bool WantsView(Stamp stamp) const;
 
-  /// Begins to search the map, or a region of it, for what is seen now (vehicle frame). Only when
-  /// `WantsView`.
+  /// Begins to search the map, or a region of it, for what is seen now (vehicle frame), beside
+  /// where the vehicle is supposed to be. Only when `WantsView`.
   void AddView(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
-               const std::optional<SearchRegion>& region);
+               const std::optional<SearchRegion>& region,
+               const std::optional<Supposition>& supposed = {});
 
   /// Goes on with the work, for some ten milliseconds: others wait no longer, however large the
   /// map. Where the vehicle is now, once that is decided.
-  std::optional<Pose3> Continue(RegistrationWorkspace<Dim>& workspace);
+  std::optional<Place> Continue(RegistrationWorkspace<Dim>& workspace);
+
+  /// How often, since all was forgotten, no place has been found that fits what is seen.
+  int searches_in_vain() const { return searches_in_vain_; }
 
   /// There is work on a view left.
   bool working() const { return phase_ != Phase::kIdle; }
@@ -67,6 +87,7 @@ class GlobalLocalizer {
     Pose3 T_map_vehicle;
     double log_likelihood = 0.0;
     bool is_acceptable = false;
+    bool is_plausible = false;  // enough for a supposed place
   };
   // A place that the search has found, registered with a view's coarse points.
   struct CoarseFit {
@@ -76,6 +97,7 @@ class GlobalLocalizer {
   // A way on which the vehicle may have come: a fit for each view, filled one after the other.
   struct Candidate {
     std::vector<std::optional<ViewFit>> fits;
+    bool is_supposed = false;
   };
 
   // The work on a view, in this order: candidates are registered with it; the map is searched for
@@ -91,7 +113,14 @@ class GlobalLocalizer {
   void FitFinely(const CoarseFit& fit, RegistrationWorkspace<Dim>& workspace);
   void DropUnlikelyNewCandidates();
   void KeepBestCandidates();
-  std::optional<Pose3> Winner() const;
+  void AddSupposed(RegistrationWorkspace<Dim>& workspace);
+  static bool IsAcceptable(const Candidate& candidate);
+  static bool IsPlausible(const Candidate& candidate);
+  bool StandsOut(const Candidate& candidate) const;
+  bool IsSupposedRight(const Candidate& supposed) const;
+  bool IsInVain() const;
+  std::optional<Place> Winner() const;
+  std::optional<Place> Elsewhere(const Candidate& leader) const;
   double Way() const;
   static double LogLikelihood(const Candidate& candidate);
   ViewFit FitAfterMotion(const View& view, const ViewFit& neighbour, const Motion& motion,
@@ -120,7 +149,9 @@ class GlobalLocalizer {
   std::vector<PlaceHypothesis> places_;  // left to be fitted coarsely, the best last
   std::vector<CoarseFit> coarse_fits_;   // left to be fitted finely, likewise
   std::vector<Candidate> candidates_;    // most likely first once all is done
-  std::optional<Pose3> winner_;          // T_map_vehicle at the newest view
+  std::optional<Supposition> supposed_;  // at the newest view
+  std::optional<Place> winner_;          // likewise
+  int searches_in_vain_ = 0;
   double work_ = 0.0;                    // done by this call of Continue
 };
 

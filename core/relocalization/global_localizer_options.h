@@ -16,8 +16,15 @@ struct GlobalLocalizerOptions {
   /// Of that overlap, so much is enough in each view: the first ones may show ground from before
   /// the map's beginning.
   double view_overlap_share = 0.83;
+  /// Of a supposed place that leads all others.
+  RegistrationGate supposed_gate = {.min_inlier_count = 30, .min_overlap = 0.25};
   double min_distance_m = 10.0;  ///< it holds over so much way: standing still, all views agree
   double min_lead = 4.5;         ///< of its log-likelihood to that of every other place
+  /// What a place where the vehicle is supposed to be has ahead of others in log-likelihood, with
+  /// one view, and more with each further one.
+  double supposed_lead = 4.0;
+  double supposed_lead_per_view = 5.0;
+  double max_supposed_lead = 14.0;
 
   /// A view's scans span so much time. A new one is taken after so much way and time; after the
   /// first few views, where nothing is found, less often by `late_view_interval_factor`.

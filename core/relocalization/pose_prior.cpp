@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/geometry/covariance.h"
 
@@ -26,6 +27,8 @@ std::span<const OptionField<PosePriorOptions>> FieldsOf(const PosePriorOptions& 
       {"region_sigmas", &O::region_sigmas, 1e-6, 100},
       {"max_region_radius_m", &O::max_region_radius_m, 0, 1e6,
        "every prior is searched with the whole map"},
+      {"region_growth_m", &O::region_growth_m, 0, 1000, "a region grows by its own size alone"},
+      {"region_growth_factor", &O::region_growth_factor, 1, 1000},
   };
   return kFields;
 }
@@ -52,18 +55,24 @@ bool PosePrior::IsPrediction(const Matrix6d& covariance) const {
          std::sqrt(covariance(5, 5)) <= options_.max_prediction_sigma_rad;
 }
 
-std::optional<SearchRegion> PosePrior::Region() const {
+std::optional<SearchRegion> PosePrior::Region(int searches_in_vain) const {
   if (!now_) return std::nullopt;
-  const double radius_m = options_.region_sigmas * std::hypot(LargestSigma(then_.covariance),
-                                                              LargestSigma(since_then_.covariance));
-  if (radius_m > options_.max_region_radius_m) return std::nullopt;
-  return SearchRegion{
-      .centre_m = then_.pose.translation_m.head<2>(),
-      .radius_m = radius_m,
-      .yaw_rad = Yaw(then_.pose.rotation),
-      .max_yaw_offset_rad =
-          options_.region_sigmas * std::sqrt(then_.covariance(5, 5) + since_then_.covariance(5, 5)),
-      .T_then_now = Flatten(since_then_.T_from_to)};
+  double radius_m = options_.region_sigmas * std::hypot(LargestSigma(then_.covariance),
+                                                        LargestSigma(since_then_.covariance));
+  double max_yaw_offset_rad =
+      options_.region_sigmas * std::sqrt(then_.covariance(5, 5) + since_then_.covariance(5, 5));
+  if (searches_in_vain > 0) {
+    radius_m = (radius_m + options_.region_growth_m) *
+               std::pow(options_.region_growth_factor, searches_in_vain);
+    max_yaw_offset_rad = std::numbers::pi;
+  }
+  // Written so that a radius that is not a number is no region.
+  if (!(radius_m <= options_.max_region_radius_m)) return std::nullopt;
+  return SearchRegion{.centre_m = then_.pose.translation_m.head<2>(),
+                      .radius_m = radius_m,
+                      .yaw_rad = Yaw(then_.pose.rotation),
+                      .max_yaw_offset_rad = max_yaw_offset_rad,
+                      .T_then_now = Flatten(since_then_.T_from_to)};
 }
 
 }  // namespace dcloc

@@ -19,6 +19,10 @@ struct PosePriorOptions {
   /// The search region holds so many deviations: a position is further off once in 450 times.
   double region_sigmas = 3.5;
   double max_region_radius_m = 150.0;  ///< wider ones are searched with the whole map
+  /// A region in which the vehicle has not been found was too small: for each search in vain its
+  /// radius, and this much, grows by this factor, and every heading is searched.
+  double region_growth_m = 10.0;
+  double region_growth_factor = 3.0;
 };
 std::span<const OptionField<PosePriorOptions>> FieldsOf(const PosePriorOptions& options);
 absl::Status Validate(const PosePriorOptions& options);
@@ -44,9 +48,10 @@ class PosePrior {
   /// searched.
   bool IsPrediction(const Matrix6d& covariance) const;
 
-  /// The ground and the headings that are left, of where it was when it was set, for of the way
-  /// since more is known; nothing where that is most of a map or unknown.
-  std::optional<SearchRegion> Region() const;
+  /// The ground and the headings to search, of where it was when it was set, for of the way since
+  /// more is known: after `searches_in_vain` searches that have not found it. Nothing where that is
+  /// most of a map or unknown.
+  std::optional<SearchRegion> Region(int searches_in_vain = 0) const;
 
  private:
   PosePriorOptions options_;

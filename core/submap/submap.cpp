@@ -73,27 +73,87 @@ RadarPoint SubmapWindow::KeptPoint::Unpack() const {
           .slant_per_m = slant_per_m.cast<double>()};
 }
 
+std::span<const OptionField<SubmapOptions>> FieldsOf(const SubmapOptions& /*options*/) {
+  using O = SubmapOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"max_age_ms", &O::max_age, 1, 60'000},
+      {"max_scan_points", &O::max_scan_points, 10, 100'000},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const SubmapOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 void SubmapWindow::Push(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points,
                         const Motion& motion) {
-  const auto of_same_radar = [&](const Entry& entry) { return entry.radar_index == radar_index; };
-  if (std::count_if(entries_.begin(), entries_.end(), of_same_radar) < scans_per_radar_) {
-    entries_.push_back({stamp, radar_index, {points.begin(), points.end()}, motion});
-    return;
-  }
-  // The new scan takes the oldest one's memory, and its successor the way over it.
-  const auto oldest = std::find_if(entries_.begin(), entries_.end(), of_same_radar);
-  const Motion over_oldest = oldest->motion;
-  std::rotate(oldest, std::next(oldest), entries_.end());
+  const auto is_old = [&](const Entry& entry) { return stamp - entry.stamp > options_.max_age; };
+  entries_.erase(entries_.begin(), std::ranges::find_if_not(entries_, is_old));
+  // The new scan takes the oldest one's memory.
+  const auto room = MakeRoom(radar_index);
+  std::rotate(room, std::next(room), entries_.end());
   Entry& newest = entries_.back();
   newest.stamp = stamp;
-  newest.points.clear();
-  // Room for some more, as the next scan may be a little larger.
-  if (points.size() > newest.points.capacity()) {
-    newest.points.reserve(points.size() + points.size() / 8);
-  }
-  for (const RadarPoint& point : points) newest.points.emplace_back(point);
+  newest.radar_index = radar_index;
   newest.motion = motion;
-  oldest->motion = Compose(over_oldest, oldest->motion);
+  Fill(newest, points);
+}
+
+void SubmapWindow::Insert(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points) {
+  const auto is_later = [&](const Entry& entry) { return entry.stamp > stamp; };
+  if (entries_.empty() || is_later(entries_.front())) return;
+  const auto room = MakeRoom(radar_index);
+  std::rotate(room, std::next(room), entries_.end());
+  // The scan that follows is reached by what is left of its motion.
+  const auto last = std::prev(entries_.end());
+  const auto next = std::find_if(entries_.begin(), last, is_later);
+  if (next == entries_.begin()) {  // the only scan from before it has made room
+    entries_.pop_back();
+    return;
+  }
+  Entry& late = *last;
+  late.stamp = stamp;
+  late.radar_index = radar_index;
+  late.motion = {};
+  if (next != last) {
+    const Stamp before = std::prev(next)->stamp;
+    const double share = next->stamp == before
+                             ? 1.0
+                             : std::chrono::duration<double>(stamp - before) /
+                                   std::chrono::duration<double>(next->stamp - before);
+    const auto [first, rest] = Split(next->motion, share);
+    late.motion = first;
+    next->motion = rest;
+  }
+  Fill(late, points);
+  std::rotate(next, last, entries_.end());
+}
+
+// An entry to be written anew: the oldest one of a radar that has enough of them, of which the
+// successor takes over the way; or one more.
+std::vector<SubmapWindow::Entry>::iterator SubmapWindow::MakeRoom(int radar_index) {
+  const auto of_same_radar = [&](const Entry& entry) { return entry.radar_index == radar_index; };
+  if (std::ranges::count_if(entries_, of_same_radar) < scans_per_radar_) {
+    entries_.emplace_back();
+    return std::prev(entries_.end());
+  }
+  const auto oldest = std::ranges::find_if(entries_, of_same_radar);
+  if (const auto successor = std::next(oldest); successor != entries_.end()) {
+    successor->motion = Compose(oldest->motion, successor->motion);
+  }
+  return oldest;
+}
+
+void SubmapWindow::Fill(Entry& entry, const std::vector<RadarPoint>& points) const {
+  const std::size_t count =
+      std::min(points.size(), static_cast<std::size_t>(options_.max_scan_points));
+  entry.points.clear();
+  // Room for some more, as the next scan may be a little larger.
+  if (count > entry.points.capacity()) entry.points.reserve(count + count / 8);
+  for (std::size_t i = 0; i < count; ++i) {
+    entry.points.emplace_back(points[i * points.size() / count]);
+  }
 }
 
 template <typename Visit>

@@ -2,11 +2,14 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <chrono>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "core/geometry/gaussian_point.h"
 #include "core/odometry/motion.h"
+#include "core/options/option_fields.h"
 #include "core/radar/static_points.h"
 
 namespace dcloc {
@@ -32,15 +35,29 @@ struct LiveSubmap {
   std::vector<Part> parts;  ///< in the order of the points, newest scan first
 };
 
+/// What a sub-map does not hold.
+struct SubmapOptions {
+  /// A scan that is older than this beside the newest is dropped: its radar has fallen silent.
+  std::chrono::nanoseconds max_age = std::chrono::milliseconds(2500);
+  int max_scan_points = 1500;  ///< a fuller scan is thinned evenly
+};
+std::span<const OptionField<SubmapOptions>> FieldsOf(const SubmapOptions& options);
+absl::Status Validate(const SubmapOptions& options);
+
 /// Keeps the last `scans_per_radar` scans of each radar of a rig and joins them on demand.
 class SubmapWindow {
  public:
-  explicit SubmapWindow(int scans_per_radar) : scans_per_radar_(scans_per_radar) {}
+  explicit SubmapWindow(int scans_per_radar, const SubmapOptions& options = {})
+      : scans_per_radar_(scans_per_radar), options_(options) {}
 
   /// Adds the points (vehicle frame at `stamp`) of a scan by radar `radar_index`; `motion` leads
   /// from the scan before, of whatever radar, to this one. Stamps do not go back.
   void Push(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points,
             const Motion& motion);
+
+  /// Adds the points (vehicle frame at `stamp`) of a scan that comes late. One from before the
+  /// oldest scan is dropped.
+  void Insert(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points);
 
   /// All kept points in the vehicle frame at the newest scan. With `carry_drift` each point's
   /// covariance holds what the motion since its scan adds: G S G^T (METHOD 3).
@@ -69,8 +86,8 @@ class SubmapWindow {
     Eigen::Vector2f slant_per_m;
   };
   struct Entry {
-    Stamp stamp;
-    int radar_index;
+    Stamp stamp{};
+    int radar_index = 0;
     std::vector<KeptPoint> points;
     Motion motion;  // from the entry before to this one
   };
@@ -80,7 +97,11 @@ class SubmapWindow {
   template <typename Visit>
   void ForEachScan(const Visit& visit) const;
 
+  void Fill(Entry& entry, const std::vector<RadarPoint>& points) const;
+  std::vector<Entry>::iterator MakeRoom(int radar_index);
+
   int scans_per_radar_;
+  SubmapOptions options_;
   std::vector<Entry> entries_;  // oldest first
 };
 

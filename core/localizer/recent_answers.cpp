@@ -1,0 +1,50 @@
+#include "core/localizer/recent_answers.h"
+
+#include <algorithm>
+#include <bit>
+#include <string_view>
+#include <vector>
+
+namespace dcloc {
+namespace {
+
+// Mixes as splitmix64 does.
+std::uint64_t Mixed(std::uint64_t hash, std::uint64_t value) {
+  hash += value + 0x9e3779b97f4a7c15U;
+  hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9U;
+  hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebU;
+  return hash ^ (hash >> 31);
+}
+
+std::uint64_t Mixed(std::uint64_t hash, const std::vector<float>& column) {
+  hash = Mixed(hash, column.size());
+  for (const float value : column) hash = Mixed(hash, std::bit_cast<std::uint32_t>(value));
+  return hash;
+}
+
+}  // namespace
+
+std::uint64_t RecentAnswers::Fingerprint(const Scan& scan) {
+  std::uint64_t hash = static_cast<std::uint64_t>(scan.stamp.time_since_epoch().count());
+  for (const char letter : scan.radar_id) {
+    hash = Mixed(hash, static_cast<std::uint64_t>(static_cast<unsigned char>(letter)));
+  }
+  hash = Mixed(hash, scan.range_m);
+  hash = Mixed(hash, scan.range_rate_mps);
+  return Mixed(hash, scan.azimuth_rad);
+}
+
+const Localization* RecentAnswers::Find(std::uint64_t fingerprint) const {
+  const auto end = answers_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kCount));
+  const auto found = std::find_if(answers_.begin(), end, [&](const Answered& answered) {
+    return answered.fingerprint == fingerprint;
+  });
+  return found == end ? nullptr : &found->answer;
+}
+
+void RecentAnswers::Add(std::uint64_t fingerprint, const Localization& answer) {
+  answers_[count_ % kCount] = {fingerprint, answer};
+  ++count_;
+}
+
+}  // namespace dcloc

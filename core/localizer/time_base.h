@@ -1,0 +1,52 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <span>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/options/option_fields.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// What of a vehicle's clock is taken as it is.
+struct TimeBaseOptions {
+  /// Scans that come so late are still taken at their stamp.
+  std::chrono::nanoseconds max_lateness = std::chrono::milliseconds(250);
+  /// So many later ones in a row, within so long by their own stamps, mean that the clock was set
+  /// back; then so much time has passed since the newest scan.
+  int scans_of_new_time = 3;
+  std::chrono::nanoseconds new_time_span = std::chrono::seconds(2);
+  std::chrono::nanoseconds new_time_gap = std::chrono::milliseconds(100);
+  /// A longer silence is as one of this length.
+  std::chrono::nanoseconds max_silence = std::chrono::minutes(10);
+};
+std::span<const OptionField<TimeBaseOptions>> FieldsOf(const TimeBaseOptions& options);
+absl::Status Validate(const TimeBaseOptions& options);
+
+/// Makes the stamps of a vehicle's scans, which come late and out of order and whose clock may be
+/// set, a time that everything else can rely on. While the clock is not set it is the scans' own.
+class TimeBase {
+ public:
+  explicit TimeBase(const TimeBaseOptions& options = {}) : options_(options) {}
+
+  struct Placement {
+    Stamp stamp;           ///< in the time that does not jump
+    bool is_late = false;  ///< before the newest scan, by at most `max_lateness`
+    bool clock_was_set = false;
+  };
+  /// Where a scan of this stamp belongs. InvalidArgument, with the stamp and the bound, for one
+  /// that comes too late, unless the clock is found to have been set.
+  absl::StatusOr<Placement> Place(Stamp stamp);
+
+ private:
+  TimeBaseOptions options_;
+  std::chrono::nanoseconds offset_{0};  // of the time to the vehicle's clock
+  std::optional<Stamp> newest_;
+  int too_late_in_a_row_ = 0;
+  Stamp first_too_late_{};
+};
+
+}  // namespace dcloc

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <vector>
+
+#include "core/odometry/motion.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// How the vehicle moved of late, which can be asked for at any time of it: a scan that comes late
+/// is placed where it was taken.
+class MotionHistory {
+ public:
+  /// Keeps what lies no further back than `span`.
+  explicit MotionHistory(std::chrono::nanoseconds span) : span_(span) {}
+
+  /// The vehicle moved so from the last stamp to `stamp`, which is not before it, and moves so now.
+  void Add(Stamp stamp, const Motion& since_last, const EgoVelocity& velocity);
+
+  /// The vehicle at one moment.
+  struct Moment {
+    Motion to_newest;  ///< from then to the newest stamp
+    EgoVelocity velocity;
+  };
+  /// At `stamp`, where it does not lie before or after all that is kept: between two stamps by the
+  /// share of the time. Nothing else.
+  std::optional<Moment> At(Stamp stamp) const;
+
+ private:
+  struct Entry {
+    Stamp stamp;
+    Motion since_last;
+    EgoVelocity velocity;
+  };
+  std::chrono::nanoseconds span_;
+  std::vector<Entry> entries_;  // oldest first
+};
+
+}  // namespace dcloc

@@ -1,0 +1,294 @@
+#include "core/odometry/source_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace dcloc {
+namespace {
+
+constexpr auto kWheelSpeed = static_cast<std::size_t>(OdometrySource::kWheelSpeed);
+constexpr auto kYawRate = static_cast<std::size_t>(OdometrySource::kYawRate);
+constexpr auto kDoppler = static_cast<std::size_t>(OdometrySource::kDoppler);
+
+// Hypotheses this much less probable than the best one are all the same.
+constexpr double kLeastLogWeight = -40.0;
+// Those that are less probable than this do not widen what is said of the motion.
+constexpr double kMixedLogWeight = -7.0;
+
+double SecondsOf(std::chrono::nanoseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+double SquareOf(double value) { return value * value; }
+
+double LogNormal(double difference, double variance) {
+  return -0.5 * (difference * difference / variance +
+                 std::log(2.0 * std::numbers::pi * variance));
+}
+
+// A reading of a state that is sound: its log-density; the state takes it in.
+double TakeIn(const ScalarEstimate& reading, ScalarEstimate& state) {
+  const double innovation = reading.value - state.value;
+  const double spread = state.variance + reading.variance;
+  const double gain = state.variance / spread;
+  state.value += gain * innovation;
+  state.variance *= 1.0 - gain;
+  return LogNormal(innovation, spread);
+}
+
+// Of a source that has failed: nearly what it said before, or anything.
+double FailedLogDensity(const ScalarEstimate& reading, const std::optional<ScalarEstimate>& before,
+                        double walk_variance, double range, double unchanged_share) {
+  const double anything = 1.0 / range;
+  if (!before) return std::log(anything);
+  const double unchanged = std::exp(LogNormal(
+      reading.value - before->value, reading.variance + before->variance + walk_variance));
+  return std::log(unchanged_share * unchanged + (1.0 - unchanged_share) * anything);
+}
+
+ScalarEstimate Floored(const ScalarEstimate& reading, double sigma) {
+  return {reading.value, std::max(reading.variance, sigma * sigma)};
+}
+
+}  // namespace
+
+std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
+    const SourceMonitorOptions& /*options*/) {
+  using O = SourceMonitorOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"interval_ms", &O::interval, 0, 1e4, "all readings are compared"},
+      {"wheel_failure_rate_hz", &O::wheel_failure_rate_hz, 1e-9, 10},
+      {"yaw_rate_failure_rate_hz", &O::yaw_rate_failure_rate_hz, 1e-9, 10},
+      {"doppler_failure_rate_hz", &O::doppler_failure_rate_hz, 1e-9, 10},
+      {"narrow_doppler_failure_rate_hz", &O::narrow_doppler_failure_rate_hz, 1e-9, 10},
+      {"narrow_direction_count", &O::narrow_direction_count, 0, 36, "Doppler is never narrow"},
+      {"recovery_rate_hz", &O::recovery_rate_hz, 1e-9, 10},
+      {"min_speed_sigma_mps", &O::min_speed_sigma_mps, 1e-6, 100},
+      {"min_speed_sigma_share", &O::min_speed_sigma_share, 0, 1, "the deviation is constant"},
+      {"min_yaw_rate_sigma_radps", &O::min_yaw_rate_sigma_radps, 1e-6, 10},
+      {"acceleration_sigma_mps2", &O::acceleration_sigma_mps2, 1e-6, 100},
+      {"yaw_acceleration_sigma_radps2", &O::yaw_acceleration_sigma_radps2, 1e-6, 100},
+      {"speed_range_mps", &O::speed_range_mps, 1, 1000},
+      {"yaw_rate_range_radps", &O::yaw_rate_range_radps, 0.01, 100},
+      {"unchanged_share", &O::unchanged_share, 0, 0.999, "a failed source may say anything"},
+      {"unknown_speed_sigma_mps", &O::unknown_speed_sigma_mps, 1e-6, 1000},
+      {"unknown_yaw_rate_sigma_radps", &O::unknown_yaw_rate_sigma_radps, 1e-6, 100},
+      {"restart_probability", &O::restart_probability, 1e-30, 0.5},
+      {"min_registered_interval_ms", &O::min_registered_interval, 1, 1e5},
+      {"max_registered_interval_ms", &O::max_registered_interval, 1, 1e6},
+      {"registered_sigma_m", &O::registered_sigma_m, 1e-6, 100},
+      {"registered_sigma_rad", &O::registered_sigma_rad, 1e-6, 1},
+      {"false_registration_share", &O::false_registration_share, 1e-9, 0.5},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const SourceMonitorOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
+SourceMonitor::SourceMonitor(const SourceMonitorOptions& options) : options_(options) {
+  const std::array<double, kOdometrySourceCount> failure_rates_hz = {
+      options.wheel_failure_rate_hz, options.yaw_rate_failure_rate_hz,
+      options.doppler_failure_rate_hz};
+  for (std::size_t i = 0; i < kHypothesisCount; ++i) {
+    Hypothesis& hypothesis = hypotheses_[i];
+    hypothesis.sound = OdometrySources(i);
+    hypothesis.speed.variance = SquareOf(options.unknown_speed_sigma_mps);
+    hypothesis.yaw_rate.variance = SquareOf(options.unknown_yaw_rate_sigma_radps);
+    for (std::size_t source = 0; source < kOdometrySourceCount; ++source) {
+      if (hypothesis.sound[source]) continue;
+      hypothesis.log_weight += std::log(failure_rates_hz[source] / options.recovery_rate_hz);
+    }
+  }
+  used_ = best().sound;
+}
+
+void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
+  if (newest_) since_used_s_ = SecondsOf(stamp - *newest_);
+  newest_ = stamp;
+  if (compared_ && stamp - *compared_ < options_.interval) return;
+  const double duration_s = compared_ ? SecondsOf(stamp - *compared_) : 0.0;
+  const bool doppler_is_narrow =
+      readings.doppler_speed && readings.doppler_direction_count < options_.narrow_direction_count;
+  Hypotheses next;
+  for (std::size_t i = 0; i < kHypothesisCount; ++i) {
+    next[i] = MostProbablePredecessor(OdometrySources(i), duration_s, doppler_is_narrow);
+  }
+  hypotheses_ = next;
+
+  OdometryReadings floored = readings;
+  const auto floor_speed = [&](std::optional<ScalarEstimate>& speed) {
+    if (!speed) return;
+    *speed = Floored(*speed, options_.min_speed_sigma_mps +
+                                 options_.min_speed_sigma_share * std::abs(speed->value));
+  };
+  const auto floor_yaw_rate = [&](std::optional<ScalarEstimate>& yaw_rate) {
+    if (yaw_rate) *yaw_rate = Floored(*yaw_rate, options_.min_yaw_rate_sigma_radps);
+  };
+  floor_speed(floored.wheel_speed);
+  floor_speed(floored.doppler_speed);
+  floor_yaw_rate(floored.yaw_rate);
+  floor_yaw_rate(floored.doppler_yaw_rate);
+  for (Hypothesis& hypothesis : hypotheses_) {
+    // A vehicle that moves as nothing let expect: the motion is begun anew, at a price.
+    Hypothesis restarted = hypothesis;
+    restarted.speed.variance = SquareOf(options_.unknown_speed_sigma_mps);
+    restarted.yaw_rate.variance = SquareOf(options_.unknown_yaw_rate_sigma_radps);
+    restarted.log_weight += std::log(options_.restart_probability);
+    Update(hypothesis, floored);
+    Update(restarted, floored);
+    if (restarted.log_weight > hypothesis.log_weight) hypothesis = restarted;
+  }
+  Normalize();
+  before_ = floored;
+  compared_ = stamp;
+}
+
+// METHOD eq 42: of the hypotheses that may have become this one, the most probable, carried on.
+SourceMonitor::Hypothesis SourceMonitor::MostProbablePredecessor(const OdometrySources& sound,
+                                                                 double duration_s,
+                                                                 bool doppler_is_narrow) const {
+  const std::array<double, kOdometrySourceCount> failure_rates_hz = {
+      options_.wheel_failure_rate_hz, options_.yaw_rate_failure_rate_hz,
+      doppler_is_narrow ? options_.narrow_doppler_failure_rate_hz
+                        : options_.doppler_failure_rate_hz};
+  const Hypothesis* chosen = nullptr;
+  double chosen_log_weight = -std::numeric_limits<double>::infinity();
+  for (const Hypothesis& before : hypotheses_) {
+    double log_weight = before.log_weight;
+    for (std::size_t source = 0; source < kOdometrySourceCount; ++source) {
+      const double rate_hz =
+          before.sound[source] ? failure_rates_hz[source] : options_.recovery_rate_hz;
+      const double stays = std::exp(-rate_hz * duration_s);
+      log_weight += std::log(before.sound[source] == sound[source] ? stays
+                                                                   : std::max(1e-12, 1.0 - stays));
+    }
+    if (log_weight <= chosen_log_weight) continue;
+    chosen_log_weight = log_weight;
+    chosen = &before;
+  }
+  Hypothesis next = chosen == nullptr ? best() : *chosen;
+  next.sound = sound;
+  next.log_weight = chosen_log_weight;
+  const auto walk = [duration_s](ScalarEstimate& state, double rate, double unknown) {
+    state.variance = std::min(state.variance + SquareOf(rate * duration_s), SquareOf(unknown));
+  };
+  walk(next.speed, options_.acceleration_sigma_mps2, options_.unknown_speed_sigma_mps);
+  walk(next.yaw_rate, options_.yaw_acceleration_sigma_radps2,
+       options_.unknown_yaw_rate_sigma_radps);
+  return next;
+}
+
+// METHOD eq 43.
+void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readings) const {
+  const auto compare = [&](std::size_t source, const std::optional<ScalarEstimate>& reading,
+                           const std::optional<ScalarEstimate>& before, double walk, double range,
+                           ScalarEstimate& state) {
+    if (!reading) return;
+    const double interval_s = SecondsOf(options_.interval);
+    hypothesis.log_weight +=
+        hypothesis.sound[source]
+            ? TakeIn(*reading, state)
+            : FailedLogDensity(*reading, before, SquareOf(walk * interval_s), range,
+                               options_.unchanged_share);
+  };
+  const double acceleration_mps2 = options_.acceleration_sigma_mps2;
+  const double yaw_acceleration_radps2 = options_.yaw_acceleration_sigma_radps2;
+  const double speed_range_mps = options_.speed_range_mps;
+  const double yaw_rate_range_radps = options_.yaw_rate_range_radps;
+  compare(kWheelSpeed, readings.wheel_speed, before_.wheel_speed, acceleration_mps2,
+          speed_range_mps, hypothesis.speed);
+  compare(kDoppler, readings.doppler_speed, before_.doppler_speed, acceleration_mps2,
+          speed_range_mps, hypothesis.speed);
+  compare(kYawRate, readings.yaw_rate, before_.yaw_rate, yaw_acceleration_radps2,
+          yaw_rate_range_radps, hypothesis.yaw_rate);
+  compare(kDoppler, readings.doppler_yaw_rate, before_.doppler_yaw_rate, yaw_acceleration_radps2,
+          yaw_rate_range_radps, hypothesis.yaw_rate);
+}
+
+// METHOD eq 44: the way between two registrations against each hypothesis' own.
+void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle) {
+  if (!newest_) return;
+  for (Hypothesis& hypothesis : hypotheses_) hypothesis.missed = {};
+  const auto begin_anew = [&] {
+    registered_ = {*newest_, T_map_vehicle};
+    for (Hypothesis& hypothesis : hypotheses_) hypothesis.since_registered = {};
+  };
+  if (!registered_) return begin_anew();
+  const std::chrono::nanoseconds interval = *newest_ - registered_->stamp;
+  if (interval < options_.min_registered_interval) return;
+  if (interval <= options_.max_registered_interval) {
+    const double duration_s = SecondsOf(interval);
+    const Tangent<2> moved = Log(registered_->T_map_vehicle.Inverse() * T_map_vehicle);
+    const double range_m = options_.speed_range_mps * duration_s;
+    const double range_rad = options_.yaw_rate_range_radps * duration_s;
+    for (Hypothesis& hypothesis : hypotheses_) {
+      const double way_variance_m2 = 2.0 * SquareOf(options_.registered_sigma_m) +
+                                     hypothesis.speed.variance * SquareOf(duration_s);
+      const double turn_variance_rad2 = 2.0 * SquareOf(options_.registered_sigma_rad) +
+                                        hypothesis.yaw_rate.variance * SquareOf(duration_s);
+      const double way_m = moved(0) - hypothesis.since_registered.forward_m;
+      const double turn_rad = WrapAngle(moved(2) - hypothesis.since_registered.turn_rad);
+      const double density = std::exp(LogNormal(way_m, way_variance_m2) +
+                                      LogNormal(turn_rad, turn_variance_rad2));
+      const double anything = 1.0 / (range_m * range_rad);
+      hypothesis.log_weight += std::log((1.0 - options_.false_registration_share) * density +
+                                        options_.false_registration_share * anything);
+    }
+    Normalize();
+  }
+  begin_anew();
+}
+
+void SourceMonitor::Normalize() {
+  double greatest = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < kHypothesisCount; ++i) {
+    if (hypotheses_[i].log_weight <= greatest) continue;
+    greatest = hypotheses_[i].log_weight;
+    best_ = i;
+  }
+  for (Hypothesis& hypothesis : hypotheses_) {
+    hypothesis.log_weight = std::max(kLeastLogWeight, hypothesis.log_weight - greatest);
+  }
+}
+
+double SourceMonitor::confidence() const {
+  double sum = 0.0;
+  for (const Hypothesis& hypothesis : hypotheses_) sum += std::exp(hypothesis.log_weight);
+  return 1.0 / sum;
+}
+
+ScalarEstimate SourceMonitor::Mixed(ScalarEstimate Hypothesis::*of) const {
+  const ScalarEstimate& chosen = best().*of;
+  double variance = 0.0;
+  double sum = 0.0;
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.log_weight < kMixedLogWeight) continue;
+    const double weight = std::exp(hypothesis.log_weight);
+    variance += weight * SquareOf((hypothesis.*of).value - chosen.value);
+    sum += weight;
+  }
+  return {chosen.value, chosen.variance + variance / sum};
+}
+
+std::optional<SourceMonitor::MissedMotion> SourceMonitor::OnUsedMotion(double forward_m,
+                                                                       double turn_rad) {
+  for (Hypothesis& hypothesis : hypotheses_) {
+    const double own_forward_m = hypothesis.speed.value * since_used_s_;
+    const double own_turn_rad = hypothesis.yaw_rate.value * since_used_s_;
+    hypothesis.missed.forward_m += own_forward_m - forward_m;
+    hypothesis.missed.turn_rad += own_turn_rad - turn_rad;
+    hypothesis.since_registered.forward_m += own_forward_m;
+    hypothesis.since_registered.turn_rad += own_turn_rad;
+  }
+  if (best().sound == used_) return std::nullopt;
+  used_ = best().sound;
+  const MissedMotion missed = best().missed;
+  for (Hypothesis& hypothesis : hypotheses_) hypothesis.missed = {};
+  return missed;
+}
+
+}  // namespace dcloc

@@ -1,0 +1,156 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/geometry/pose.h"
+#include "core/options/option_fields.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// What says how the vehicle moves.
+enum class OdometrySource : std::size_t { kWheelSpeed, kYawRate, kDoppler };
+inline constexpr std::size_t kOdometrySourceCount = 3;
+inline constexpr std::array<const char*, kOdometrySourceCount> kOdometrySourceNames = {
+    "wheel speed", "yaw rate", "Doppler"};
+
+/// A set of sources, by their number.
+using OdometrySources = std::bitset<kOdometrySourceCount>;
+
+/// A number and its variance.
+struct ScalarEstimate {
+  double value = 0.0;
+  double variance = 0.0;
+};
+
+/// What the sources say at one moment; those that are silent are absent. Speeds are forward, of the
+/// vehicle frame's origin [m/s]; yaw rates counter-clockwise [rad/s].
+struct OdometryReadings {
+  std::optional<ScalarEstimate> wheel_speed;
+  std::optional<ScalarEstimate> yaw_rate;
+  std::optional<ScalarEstimate> doppler_speed;  ///< there exactly when doppler_yaw_rate is
+  std::optional<ScalarEstimate> doppler_yaw_rate;
+  /// How many directions, ten degrees wide, the Doppler's inliers lie in: one mover that fills the
+  /// view is seen in few.
+  int doppler_direction_count = 0;
+};
+
+/// When a source is taken for wrong (METHOD eq 42-44).
+struct SourceMonitorOptions {
+  /// Sources are compared no more often than this: the noise of readings that follow one another
+  /// sooner is the same.
+  std::chrono::nanoseconds interval = std::chrono::milliseconds(70);
+  /// How often a sound source fails, and a failed one comes back, per second.
+  double wheel_failure_rate_hz = 0.02;
+  double yaw_rate_failure_rate_hz = 0.005;
+  double doppler_failure_rate_hz = 0.005;
+  double narrow_doppler_failure_rate_hz = 0.2;  ///< of targets in few directions
+  int narrow_direction_count = 9;
+  double recovery_rate_hz = 0.3;
+  /// Deviations that no source is better than, whatever it claims.
+  double min_speed_sigma_mps = 0.15;
+  double min_speed_sigma_share = 0.02;
+  double min_yaw_rate_sigma_radps = 0.01;
+  /// How the vehicle may change its motion in a second.
+  double acceleration_sigma_mps2 = 5.0;
+  double yaw_acceleration_sigma_radps2 = 1.0;
+  /// What a failed source may say: anything within this, or nearly what it said before.
+  double speed_range_mps = 60.0;
+  double yaw_rate_range_radps = 2.0;
+  double unchanged_share = 0.9;
+  double unknown_speed_sigma_mps = 15.0;
+  double unknown_yaw_rate_sigma_radps = 0.5;
+  /// That the vehicle moves as nothing before let expect, at a comparison.
+  double restart_probability = 1e-6;
+  /// Registrations that are compared lie at least so far apart, and err by so much.
+  std::chrono::nanoseconds min_registered_interval = std::chrono::milliseconds(500);
+  std::chrono::nanoseconds max_registered_interval = std::chrono::milliseconds(3000);
+  double registered_sigma_m = 0.15;
+  double registered_sigma_rad = 0.006;
+  double false_registration_share = 0.02;
+};
+std::span<const OptionField<SourceMonitorOptions>> FieldsOf(const SourceMonitorOptions& options);
+absl::Status Validate(const SourceMonitorOptions& options);
+
+/// Holds the sources of odometry against one another and against registrations, and says which of
+/// them to use. No source has a rank: a hypothesis for each set of sources that may be sound
+/// follows the vehicle's speed and yaw rate by a Kalman filter of its own, and is as probable as it
+/// predicted what its sources said. A source that is not sound may say anything, but most often
+/// nearly the same as before. Sources fail and recover at stated rates; of the hypotheses that lead
+/// to one set the most probable goes on.
+class SourceMonitor {
+ public:
+  explicit SourceMonitor(const SourceMonitorOptions& options = {});
+
+  /// Takes in what the sources say at `stamp`, which is not before the last one.
+  void OnReadings(Stamp stamp, const OdometryReadings& readings);
+
+  /// A registration puts the vehicle here at the last readings. It is compared with one before.
+  void OnRegistration(const Pose2& T_map_vehicle);
+  /// It is no longer known where the vehicle was.
+  void OnRegistrationLost() { registered_.reset(); }
+
+  /// Which sources are sound, most probably.
+  OdometrySources sound() const { return best().sound; }
+  bool IsSound(OdometrySource source) const { return sound()[static_cast<std::size_t>(source)]; }
+
+  /// Probability of `sound()`, [0, 1].
+  double confidence() const;
+
+  /// Speed [m/s] and yaw rate [rad/s] by the sound sources, with the spread of what other
+  /// hypotheses say that are not improbable.
+  ScalarEstimate speed() const { return Mixed(&Hypothesis::speed); }
+  ScalarEstimate yaw_rate() const { return Mixed(&Hypothesis::yaw_rate); }
+
+  /// The vehicle's motion since the readings before the last ones was taken to be this. Gives what
+  /// has been missed of it, where the sound sources are no longer those of the call before: how the
+  /// vehicle moved by the ones that are sound now, besides what was used since the last
+  /// registration.
+  struct MissedMotion {
+    double forward_m = 0.0;
+    double turn_rad = 0.0;
+  };
+  std::optional<MissedMotion> OnUsedMotion(double forward_m, double turn_rad);
+
+ private:
+  // Which sources are sound, and how the vehicle moves if so.
+  struct Hypothesis {
+    OdometrySources sound;
+    double log_weight = 0.0;
+    ScalarEstimate speed;
+    ScalarEstimate yaw_rate;
+    MissedMotion missed;                // besides the motion that was used
+    MissedMotion since_registered;  // the whole motion
+  };
+  static constexpr std::size_t kHypothesisCount = 1U << kOdometrySourceCount;
+  using Hypotheses = std::array<Hypothesis, kHypothesisCount>;
+  struct Registered {
+    Stamp stamp;
+    Pose2 T_map_vehicle;
+  };
+
+  const Hypothesis& best() const { return hypotheses_[best_]; }
+  ScalarEstimate Mixed(ScalarEstimate Hypothesis::*of) const;
+  Hypothesis MostProbablePredecessor(const OdometrySources& sound, double duration_s,
+                                     bool doppler_is_narrow) const;
+  void Update(Hypothesis& hypothesis, const OdometryReadings& readings) const;
+  void Normalize();
+
+  SourceMonitorOptions options_;
+  Hypotheses hypotheses_;
+  std::size_t best_ = kHypothesisCount - 1;
+  OdometrySources used_;  // sound at the last OnUsedMotion
+  OdometryReadings before_;
+  std::optional<Stamp> compared_;    // when the readings were last compared
+  std::optional<Stamp> newest_;      // of all readings
+  double since_used_s_ = 0.0;
+  std::optional<Registered> registered_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,32 @@
+#include "core/relocalization/relocalizer.h"
+
+namespace dcloc {
+
+template <int Dim>
+std::optional<typename Relocalizer<Dim>::Place> Relocalizer<Dim>::Search(
+    Stamp stamp, std::span<const GaussianPoint<Dim>> live, std::chrono::nanoseconds span,
+    const std::optional<Supposition>& supposed, RegistrationWorkspace<Dim>& workspace) {
+  const auto min_point_count = static_cast<std::size_t>(
+      supposed ? options_.supposed_gate.min_inlier_count : options_.gate.min_inlier_count);
+  const bool sees_enough = span >= options_.min_view_span && live.size() >= min_point_count;
+  if (sees_enough && global_.WantsView(stamp)) {
+    // A supposed place is held against those around it.
+    const int growth = global_.searches_in_vain() + (supposed ? 1 : 0);
+    global_.AddView(stamp, live, prior_.Region(growth), supposed);
+  }
+  const std::optional<Place> place = global_.Continue(workspace);
+  if (place) global_.Clear();
+  return place;
+}
+
+template <int Dim>
+void Relocalizer<Dim>::OnFound() {
+  if (!prior_.now()) return;
+  prior_.Forget();
+  global_.Clear();
+}
+
+template class Relocalizer<2>;
+template class Relocalizer<3>;
+
+}  // namespace dcloc

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "core/relocalization/global_localizer.h"
+#include "core/relocalization/pose_prior.h"
+
+namespace dcloc {
+
+/// Finds a vehicle that has no pose, near where it may be and, after that has been in vain, ever
+/// further away; and holds a pose that may be wrong against other places.
+template <int Dim>
+class Relocalizer {
+ public:
+  using Place = typename GlobalLocalizer<Dim>::Place;
+  using Supposition = typename GlobalLocalizer<Dim>::Supposition;
+
+  Relocalizer(std::shared_ptr<const RadarMap> map,
+              std::shared_ptr<const RegistrationMethod<Dim>> method, double local_map_radius_m,
+              const PosePriorOptions& prior_options, const GlobalLocalizerOptions& options)
+      : options_(options),
+        prior_(prior_options),
+        global_(std::move(map), std::move(method), local_map_radius_m, options) {}
+
+  /// Where the vehicle may be, carried on by odometry; absent where nothing is known.
+  const std::optional<PoseEstimate<3>>& prior() const { return prior_.now(); }
+  void SetPrior(const PoseEstimate<3>& T_map_vehicle) { prior_.Set(T_map_vehicle); }
+
+  /// Whether registrations can start from a pose that is known so well, without a search.
+  bool IsPrediction(const Matrix6d& covariance) const { return prior_.IsPrediction(covariance); }
+
+  /// The vehicle moved so.
+  void OnMotion(const Motion& motion) {
+    prior_.OnMotion(motion);
+    global_.OnMotion(motion);
+  }
+
+  /// Goes on searching for what is seen now: `live`, in the vehicle frame, of scans over `span`. If
+  /// the vehicle is supposed to be somewhere, that place is held against the others. Gives the
+  /// place where it is once that is decided, and forgets the views that led there.
+  std::optional<Place> Search(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
+                              std::chrono::nanoseconds span,
+                              const std::optional<Supposition>& supposed,
+                              RegistrationWorkspace<Dim>& workspace);
+
+  /// The vehicle has been found: there is nothing to search for.
+  void OnFound();
+
+ private:
+  GlobalLocalizerOptions options_;
+  PosePrior prior_;
+  GlobalLocalizer<Dim> global_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/options/option_fields.h"
+
+namespace dcloc {
+
+/// When a scan's fit is compared, and when it is too little.
+struct MapFitOptions {
+  int min_point_count = 12;   ///< of a scan; fewer say nothing
+  int max_point_count = 150;  ///< of a scan, more are thinned
+  int min_scan_count = 12;    ///< of a radar before anything is expected of it
+  double memory = 0.98;       ///< of older scans, some fifty
+  /// A fit contradicts the map that is so many deviations and this share below the expected one.
+  double contradiction_sigmas = 3.5;
+  double contradiction_share = 0.4;
+  double min_sigma = 0.04;  ///< fits vary by no less
+};
+std::span<const OptionField<MapFitOptions>> FieldsOf(const MapFitOptions& options);
+absl::Status Validate(const MapFitOptions& options);
+
+/// How a scan fits the map where the vehicle is predicted to be: as nothing is known to expect, as
+/// it should, or worse.
+enum class ScanFit { kUnknown, kAgrees, kContradicts };
+
+/// Knows how well each radar's scans fit the map while the vehicle tracks, and so when one does not
+/// fit (METHOD eq 45). Unlike a registration, a fit cannot be improved by moving the pose: the
+/// prediction is tested as it is.
+class MapFitMonitor {
+ public:
+  MapFitMonitor(std::size_t radar_count, const MapFitOptions& options)
+      : options_(options), radars_(radar_count) {}
+
+  const MapFitOptions& options() const { return options_; }
+
+  /// What the fit of a scan of `point_count` points by radar `radar_index` says: the mean of
+  /// exp(-d^2 / 2) over its points, [0, 1].
+  ScanFit Judge(std::size_t radar_index, std::size_t point_count, double fit) const;
+
+  /// Such a scan was taken where the vehicle surely is.
+  void Learn(std::size_t radar_index, std::size_t point_count, double fit);
+
+  /// What was learned does not hold any more.
+  void Forget();
+
+ private:
+  struct Expected {
+    double mean = 0.0;
+    double variance = 0.0;
+    int count = 0;
+  };
+  MapFitOptions options_;
+  std::vector<Expected> radars_;
+};
+
+}  // namespace dcloc
