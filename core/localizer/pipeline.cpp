@@ -114,7 +114,7 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
   }
   Move(motion);
   AddToSubmap(stamp, radar, workspace.static_points, motion);
-  TestScanFit(radar, workspace);
+  TestScanFit(stamp, radar, workspace);
 
   const bool is_steady = tracking_.mode() == TrackingMode::kTracking && quality_.edge_valid;
   if (schedule_.IsDue(is_steady)) {
@@ -207,7 +207,7 @@ void Pipeline<Dim>::AddToSubmap(Stamp stamp, const RadarModel& radar,
 // Whether the scan lies in the map where the vehicle is predicted to be, which registration does
 // not ask: it moves the pose.
 template <int Dim>
-void Pipeline<Dim>::TestScanFit(const RadarModel& radar, Workspace<Dim>& workspace) {
+void Pipeline<Dim>::TestScanFit(Stamp stamp, const RadarModel& radar, Workspace<Dim>& workspace) {
   if (!tracking_.has_pose()) return;
   const std::size_t count = std::min(workspace.static_points.size(),
                                      static_cast<std::size_t>(options_.map_fit.max_point_count));
@@ -227,6 +227,8 @@ void Pipeline<Dim>::TestScanFit(const RadarModel& radar, Workspace<Dim>& workspa
   const ScanFit verdict = map_fit_.Judge(IndexOf(radar), count, fit);
   const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
   tracking_.OnScanFit(verdict);
+  if (verdict == ScanFit::kContradicts && !doubted_since_) doubted_since_ = stamp;
+  if (tracking_.mode() == TrackingMode::kTracking) doubted_since_.reset();
   if (tracking_.mode() != TrackingMode::kTracking) {
     if (was_tracking) relocalizer_.SetPrior(NowInMap());
     return;
@@ -289,6 +291,8 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
   std::optional<typename Relocalizer<Dim>::Supposition> supposed;
   if (tracking_.has_pose()) {
     if (!tracking_.needs_verification()) return std::nullopt;
+    // Scans from before the first one that did not fit speak for the pose, whatever came since.
+    if (doubted_since_ && stamp - *doubted_since_ < submap_.span()) return std::nullopt;
     supposed = {.T_map_vehicle = NowInMap().pose,
                 .belief = tracking_.mode() == TrackingMode::kConfirmingPrior
                               ? Belief::kPrior
@@ -337,6 +341,8 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
     test = hypotheses_.AddAbsolutePose(factor);
   } else {
     map_fit_.Forget();
+    doubted_since_.reset();
+    ego_motion_.OnPlaceChanged();
     hypotheses_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
     since_state_ = {};
     tracking_.OnPlaceFound();
@@ -350,11 +356,12 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
 template <int Dim>
 void Pipeline<Dim>::UpdateOdometry(const std::optional<Registration<Dim>>& registration,
                                    RegistrationOutcome outcome) {
-  if (outcome != RegistrationOutcome::kAccepted) return;
+  if (!registration) return;
   const Pose<Dim> T_map_local = FromSpace<Dim>(matcher_.T_map_local(), Matrix6d::Zero()).pose;
   const PoseEstimate<Dim> T_map_vehicle{.pose = T_map_local * registration->T_local_vehicle,
                                         .covariance = TangentMatrix<Dim>::Identity()};
-  ego_motion_.OnRegistration(ToSpace<Dim>(T_map_vehicle, options_.unobserved).pose);
+  ego_motion_.OnRegistration(ToSpace<Dim>(T_map_vehicle, options_.unobserved).pose,
+                             outcome == RegistrationOutcome::kAccepted);
 }
 
 // What an accepted registration tells of beta, of the odometry and of the noise of both. It is one

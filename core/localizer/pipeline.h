@@ -56,7 +56,7 @@ class Pipeline final : public Localizer::Impl {
   void Move(const Motion& motion);
   void AddToSubmap(Stamp stamp, const RadarModel& radar, const std::vector<RadarPoint>& points,
                    const Motion& motion);
-  void TestScanFit(const RadarModel& radar, Workspace<Dim>& workspace);
+  void TestScanFit(Stamp stamp, const RadarModel& radar, Workspace<Dim>& workspace);
   void Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace);
   std::optional<Registration<Dim>> Register(Stamp stamp, Workspace<Dim>& workspace);
   void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
@@ -103,6 +103,7 @@ class Pipeline final : public Localizer::Impl {
   bool gap_since_state_ = false;           // the sub-map ended meanwhile
   std::optional<Stamp> estimators_stamp_;  // of the last registration that they learned from
   int factor_count_ = 0;                   // registrations since the pose graph was started
+  std::optional<Stamp> doubted_since_;     // of the first scan that did not fit the map
   bool found_elsewhere_ = false;           // the newest registration is at a place just found
   LocalizationQuality quality_;            // of the newest registration
 };

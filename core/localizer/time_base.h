@@ -21,7 +21,7 @@ struct TimeBaseOptions {
   std::chrono::nanoseconds new_time_span = std::chrono::seconds(2);
   std::chrono::nanoseconds new_time_gap = std::chrono::milliseconds(100);
   /// A longer silence is as one of this length.
-  std::chrono::nanoseconds max_silence = std::chrono::minutes(10);
+  std::chrono::nanoseconds max_silence = std::chrono::minutes(1);
 };
 std::span<const OptionField<TimeBaseOptions>> FieldsOf(const TimeBaseOptions& options);
 absl::Status Validate(const TimeBaseOptions& options);

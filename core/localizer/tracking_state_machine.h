@@ -71,7 +71,7 @@ struct TrackingTransition {
   TrackingMode to;
 };
 
-inline constexpr std::array<TrackingTransition, 18> kTrackingTransitions = {{
+inline constexpr std::array<TrackingTransition, 19> kTrackingTransitions = {{
     {TrackingMode::kSearching, TrackingEvent::kPriorGiven, TrackingMode::kConfirmingPrior},
     {TrackingMode::kSearching, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kRecovering, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
@@ -83,6 +83,7 @@ inline constexpr std::array<TrackingTransition, 18> kTrackingTransitions = {{
     {TrackingMode::kTracking, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
     {TrackingMode::kTracking, TrackingEvent::kDoubted, TrackingMode::kDoubting},
     {TrackingMode::kDoubting, TrackingEvent::kAgreed, TrackingMode::kTracking},
+    {TrackingMode::kDoubting, TrackingEvent::kVerified, TrackingMode::kTracking},
     {TrackingMode::kDoubting, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kDoubting, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
     {TrackingMode::kDeadReckoning, TrackingEvent::kConfirmed, TrackingMode::kTracking},

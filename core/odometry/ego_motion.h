@@ -63,9 +63,9 @@ class EgoMotion {
     return Advance(scan, scan.stamp, radar, memory);
   }
 
-  /// A registration puts the vehicle here at the last scan.
-  void OnRegistration(const Pose3& T_map_vehicle) {
-    sources_.OnRegistration(Flatten(T_map_vehicle));
+  /// A registration, accepted or an outlier, puts the vehicle here at the last scan.
+  void OnRegistration(const Pose3& T_map_vehicle, bool is_accepted) {
+    sources_.OnRegistration(Flatten(T_map_vehicle), is_accepted);
   }
 
   /// A registration of scans that no other one took puts the vehicle here at the last scan, with a
@@ -73,10 +73,9 @@ class EgoMotion {
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
     errors_.OnPose(T_map_vehicle, covariance);
   }
-  void OnJump() {
-    errors_.OnJump();
-    sources_.OnRegistrationLost();
-  }
+  void OnJump() { errors_.OnJump(); }
+  /// Registrations so far were at another place than those that follow.
+  void OnPlaceChanged() { sources_.OnRegistrationLost(); }
   /// Poses that were given have been wrong.
   void Forget() { errors_ = OdometryErrorFilter(options_.error_filter); }
 

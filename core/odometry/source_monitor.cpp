@@ -210,9 +210,11 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
 }
 
 // METHOD eq 44: the way between two registrations against each hypothesis' own.
-void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle) {
+void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle, bool is_accepted) {
   if (!newest_) return;
-  for (Hypothesis& hypothesis : hypotheses_) hypothesis.missed = {};
+  if (is_accepted) {
+    for (Hypothesis& hypothesis : hypotheses_) hypothesis.missed = {};
+  }
   const auto begin_anew = [&] {
     registered_ = {*newest_, T_map_vehicle};
     for (Hypothesis& hypothesis : hypotheses_) hypothesis.since_registered = {};

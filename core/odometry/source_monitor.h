@@ -48,7 +48,7 @@ struct SourceMonitorOptions {
   std::chrono::nanoseconds interval = std::chrono::milliseconds(70);
   /// How often a sound source fails, and a failed one comes back, per second.
   double wheel_failure_rate_hz = 0.02;
-  double yaw_rate_failure_rate_hz = 0.005;
+  double yaw_rate_failure_rate_hz = 0.01;
   double doppler_failure_rate_hz = 0.005;
   double narrow_doppler_failure_rate_hz = 0.2;  ///< of targets in few directions
   int narrow_direction_count = 9;
@@ -72,7 +72,7 @@ struct SourceMonitorOptions {
   std::chrono::nanoseconds min_registered_interval = std::chrono::milliseconds(500);
   std::chrono::nanoseconds max_registered_interval = std::chrono::milliseconds(3000);
   double registered_sigma_m = 0.15;
-  double registered_sigma_rad = 0.006;
+  double registered_sigma_rad = 0.004;
   double false_registration_share = 0.02;
 };
 std::span<const OptionField<SourceMonitorOptions>> FieldsOf(const SourceMonitorOptions& options);
@@ -91,8 +91,10 @@ class SourceMonitor {
   /// Takes in what the sources say at `stamp`, which is not before the last one.
   void OnReadings(Stamp stamp, const OdometryReadings& readings);
 
-  /// A registration puts the vehicle here at the last readings. It is compared with one before.
-  void OnRegistration(const Pose2& T_map_vehicle);
+  /// A registration puts the vehicle here at the last readings. It is compared with one before, be
+  /// it an outlier against the estimate or not: the estimate is made of the sources. Once one is
+  /// accepted, nothing has been missed before it.
+  void OnRegistration(const Pose2& T_map_vehicle, bool is_accepted);
   /// It is no longer known where the vehicle was.
   void OnRegistrationLost() { registered_.reset(); }
 

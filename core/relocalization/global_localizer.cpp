@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -297,14 +299,14 @@ void GlobalLocalizer<Dim>::KeepBestCandidates() {
   std::erase_if(candidates_,
                 [least = LogLikelihood(candidates_.front()) - options_.candidate_margin](
                     const Candidate& one) { return !one.is_supposed && LogLikelihood(one) < least; });
-  const auto max_count = static_cast<std::size_t>(options_.max_kept_candidates);
-  if (candidates_.size() > max_count) {
-    const auto supposed = std::ranges::find_if(candidates_, &Candidate::is_supposed);
-    if (supposed - candidates_.begin() >= static_cast<std::ptrdiff_t>(max_count)) {
-      std::swap(candidates_[max_count - 1], *supposed);
-    }
-    candidates_.resize(max_count);
-  }
+  // The supposed place is kept however unlikely it is.
+  const auto max_count = static_cast<std::ptrdiff_t>(options_.max_kept_candidates);
+  if (std::ssize(candidates_) <= max_count) return;
+  const auto last_kept = candidates_.begin() + max_count - 1;
+  const auto supposed =
+      std::find_if(std::next(last_kept), candidates_.end(), std::mem_fn(&Candidate::is_supposed));
+  if (supposed != candidates_.end()) std::iter_swap(last_kept, supposed);
+  candidates_.erase(std::next(last_kept), candidates_.end());
 }
 
 template <int Dim>
