@@ -33,8 +33,8 @@ double DistanceBetween(const StreamScan& a, const StreamScan& b) {
 Fault::Apply Misplacing(double distance_m, double turn_deg, bool is_along) {
   return [=](Stream& stream, const Window&, std::uint64_t seed) {
     std::mt19937_64 random(seed);
-    const double direction_rad = std::uniform_real_distribution<double>(
-        -std::numbers::pi, std::numbers::pi)(random);
+    const double direction_rad =
+        std::uniform_real_distribution<double>(-std::numbers::pi, std::numbers::pi)(random);
     Pose2 T_truth_prior;
     T_truth_prior.yaw_rad = turn_deg * kRadPerDeg;
     T_truth_prior.translation_m =
@@ -49,8 +49,8 @@ Fault::Apply Misplacing(double distance_m, double turn_deg, bool is_along) {
 
 void SkipWay(Stream& stream, Stamp begin, double way_m) {
   auto& scans = stream.scans;
-  const auto first = std::ranges::find_if(
-      scans, [&](const StreamScan& entry) { return entry.measured >= begin; });
+  const auto first =
+      std::ranges::find_if(scans, [&](const StreamScan& entry) { return entry.measured >= begin; });
   double way_so_far_m = 0.0;
   auto next = first;
   while (next != scans.end() && way_so_far_m < way_m) {

@@ -23,13 +23,14 @@ using ChangeOfRadar = std::function<void(Stream&, const Window&, const std::stri
 
 Fault MakeRadarFault(std::string id, std::string label, std::optional<double> duration_s,
                      ChangeOfRadar change) {
-  return {.id = absl::StrCat("radar-", id),
-          .family = "radar",
-          .label = std::move(label),
-          .duration_s = duration_s,
-          .apply = [change = std::move(change)](
-                       Stream& stream, const Window& window,
-                       std::uint64_t) { change(stream, window, stream.rig.radars.front().id); }};
+  return {
+      .id = absl::StrCat("radar-", id),
+      .family = "radar",
+      .label = std::move(label),
+      .duration_s = duration_s,
+      .apply = [change = std::move(change)](Stream& stream, const Window& window, std::uint64_t) {
+        change(stream, window, stream.rig.radars.front().id);
+      }};
 }
 
 void AddSilence(std::vector<Fault>& faults) {
@@ -54,23 +55,22 @@ void AddSilence(std::vector<Fault>& faults) {
 
 void AddMounts(std::vector<Fault>& faults) {
   const double yaw_rad = 10.0 * kRadPerDeg;
-  faults.push_back(MakeRadarFault(
-      "mirrored", "sign of one radar's azimuths wrong", std::nullopt,
-      [](Stream& stream, const Window& window, const std::string& radar_id) {
-        MirrorAzimuth(stream, window, radar_id);
-      }));
+  faults.push_back(
+      MakeRadarFault("mirrored", "sign of one radar's azimuths wrong", std::nullopt,
+                     [](Stream& stream, const Window& window, const std::string& radar_id) {
+                       MirrorAzimuth(stream, window, radar_id);
+                     }));
   faults.back().begin_s = 0.0;
-  faults.push_back(MakeRadarFault(
-      "mount-10deg", "one radar described 10 deg off", std::nullopt,
-      [=](Stream& stream, const Window&, const std::string& radar_id) {
-        TurnMount(stream, radar_id, yaw_rad);
-      }));
+  faults.push_back(MakeRadarFault("mount-10deg", "one radar described 10 deg off", std::nullopt,
+                                  [=](Stream& stream, const Window&, const std::string& radar_id) {
+                                    TurnMount(stream, radar_id, yaw_rad);
+                                  }));
   faults.back().begin_s = 0.0;
-  faults.push_back(MakeRadarFault(
-      "knocked-10deg", "one radar knocked by 10 deg", std::nullopt,
-      [=](Stream& stream, const Window& window, const std::string& radar_id) {
-        KnockRadar(stream, window, radar_id, yaw_rad);
-      }));
+  faults.push_back(
+      MakeRadarFault("knocked-10deg", "one radar knocked by 10 deg", std::nullopt,
+                     [=](Stream& stream, const Window& window, const std::string& radar_id) {
+                       KnockRadar(stream, window, radar_id, yaw_rad);
+                     }));
 }
 
 void AddRangeRates(std::vector<Fault>& faults) {
@@ -87,18 +87,17 @@ void AddRangeRates(std::vector<Fault>& faults) {
 
 void AddClockAndSigmas(std::vector<Fault>& faults) {
   for (const double shift_s : {0.2, -0.2}) {
-    faults.push_back(MakeRadarFault(
-        absl::StrCat("clock", shift_s < 0.0 ? "" : "+", shift_s, "s"),
-        absl::StrCat("one radar's stamps off by ", shift_s, " s"), std::nullopt,
-        [=](Stream& stream, const Window& window, const std::string& radar_id) {
-          ShiftStamps(stream, window, Duration(shift_s), radar_id);
-        }));
+    faults.push_back(
+        MakeRadarFault(absl::StrCat("clock", shift_s < 0.0 ? "" : "+", shift_s, "s"),
+                       absl::StrCat("one radar's stamps off by ", shift_s, " s"), std::nullopt,
+                       [=](Stream& stream, const Window& window, const std::string& radar_id) {
+                         ShiftStamps(stream, window, Duration(shift_s), radar_id);
+                       }));
   }
-  faults.push_back(
-      MakeRadarFault("sigmas", "stated deviations of 1e30 for 10 s", 10.0,
-                     [](Stream& stream, const Window& window, const std::string&) {
-                       StateSigmas(stream, window, 1e30F);
-                     }));
+  faults.push_back(MakeRadarFault("sigmas", "stated deviations of 1e30 for 10 s", 10.0,
+                                  [](Stream& stream, const Window& window, const std::string&) {
+                                    StateSigmas(stream, window, 1e30F);
+                                  }));
 }
 
 }  // namespace

@@ -11,9 +11,7 @@ namespace dcloc::faults {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::minutes;
 using std::chrono::nanoseconds;
-using std::chrono::seconds;
 
 // A radar's period is not exact; a scan that comes a little early still counts.
 constexpr double kRateTolerance = 0.02;
@@ -37,22 +35,25 @@ Fault::Apply Shifting(nanoseconds shift) {
 
 void AddClocks(std::vector<Fault>& faults) {
   faults.push_back(MakeTimeFault("ahead-10min", "clock 10 min ahead for 0.4 s", 0.4,
-                                 Shifting(minutes(10))));
-  faults.push_back(MakeTimeFault("back-5s", "clock set back by 5 s", 0.0, Shifting(seconds(-5))));
+                                 Shifting(std::chrono::minutes(10))));
   faults.push_back(
-      MakeTimeFault("forward-5s", "clock set forward by 5 s", 0.0, Shifting(seconds(5))));
+      MakeTimeFault("back-5s", "clock set back by 5 s", 0.0, Shifting(std::chrono::seconds(-5))));
+  faults.push_back(MakeTimeFault("forward-5s", "clock set forward by 5 s", 0.0,
+                                 Shifting(std::chrono::seconds(5))));
 }
 
 void AddLateness(std::vector<Fault>& faults) {
   for (const int late_ms : {60, 250}) {
     faults.push_back(MakeTimeFault(
-        absl::StrCat("late-", late_ms, "ms"), absl::StrCat("one radar arrives ", late_ms, " ms late"),
-        std::nullopt, [=](Stream& stream, const Window& window, std::uint64_t) {
+        absl::StrCat("late-", late_ms, "ms"),
+        absl::StrCat("one radar arrives ", late_ms, " ms late"), std::nullopt,
+        [=](Stream& stream, const Window& window, std::uint64_t) {
           DelayArrival(stream, window, stream.rig.radars.front().id, milliseconds(late_ms));
         }));
     faults.back().min_radars = 2;
   }
-  faults.push_back(MakeTimeFault("jitter-250ms", "every scan arrives up to 250 ms late", std::nullopt,
+  faults.push_back(MakeTimeFault("jitter-250ms", "every scan arrives up to 250 ms late",
+                                 std::nullopt,
                                  [](Stream& stream, const Window& window, std::uint64_t seed) {
                                    JitterArrival(stream, window, milliseconds(250), seed);
                                  }));
@@ -67,10 +68,9 @@ void AddStampsAndRates(std::vector<Fault>& faults) {
                                  [](Stream& stream, const Window& window, std::uint64_t) {
                                    RoundStamps(stream, window, milliseconds(50));
                                  }));
-  faults.push_back(MakeTimeFault("aligned", "one stamp for all radars of a cycle", std::nullopt,
-                                 [](Stream& stream, const Window& window, std::uint64_t) {
-                                   AlignStamps(stream, window);
-                                 }));
+  faults.push_back(MakeTimeFault(
+      "aligned", "one stamp for all radars of a cycle", std::nullopt,
+      [](Stream& stream, const Window& window, std::uint64_t) { AlignStamps(stream, window); }));
   faults.back().min_radars = 2;
   for (const int rate_hz : {2, 4}) {
     faults.push_back(MakeTimeFault(absl::StrCat("rate-", rate_hz, "hz"),

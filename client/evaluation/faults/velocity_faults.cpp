@@ -74,20 +74,19 @@ void AddZeroAndFrozen(std::vector<Fault>& faults) {
   faults.push_back(
       MakeVelocityFault("zero", "speed 0 from then on", std::nullopt, Scaling(0.0, 1.0)));
   for (const int seconds : {5, 10}) {
-    faults.push_back(
-        MakeVelocityFault(absl::StrCat("frozen-", seconds, "s"),
-                          absl::StrCat("velocity frozen for ", seconds, " s"), seconds,
-                          [](Stream& stream, const Window& window, std::uint64_t) {
-                            FreezeVelocity(stream, window);
-                          }));
+    faults.push_back(MakeVelocityFault(absl::StrCat("frozen-", seconds, "s"),
+                                       absl::StrCat("velocity frozen for ", seconds, " s"), seconds,
+                                       [](Stream& stream, const Window& window, std::uint64_t) {
+                                         FreezeVelocity(stream, window);
+                                       }));
   }
 }
 
 void AddScales(std::vector<Fault>& faults) {
   for (const double factor : {0.5, 0.7, 1.3, 1.5}) {
-    faults.push_back(
-        MakeVelocityFault(absl::StrCat("scale-", factor), absl::StrCat("speed times ", factor),
-                          std::nullopt, Scaling(factor, 1.0)));
+    faults.push_back(MakeVelocityFault(absl::StrCat("scale-", factor),
+                                       absl::StrCat("speed times ", factor), std::nullopt,
+                                       Scaling(factor, 1.0)));
     Fault always = faults.back();
     always.id += "-start";
     always.label += ", from the start";
@@ -98,12 +97,12 @@ void AddScales(std::vector<Fault>& faults) {
 
 void AddSignsAndBiases(std::vector<Fault>& faults) {
   for (const int bias_degps : {-5, -3, -1, 1, 3, 5}) {
-    faults.push_back(MakeVelocityFault(absl::StrCat("yaw-bias", bias_degps < 0 ? "" : "+", bias_degps),
-                                       absl::StrCat("yaw rate off by ", bias_degps, " deg/s"),
-                                       std::nullopt,
-                                       [=](Stream& stream, const Window& window, std::uint64_t) {
-                                         BiasYawRate(stream, window, bias_degps * kRadPerDeg);
-                                       }));
+    faults.push_back(
+        MakeVelocityFault(absl::StrCat("yaw-bias", bias_degps < 0 ? "" : "+", bias_degps),
+                          absl::StrCat("yaw rate off by ", bias_degps, " deg/s"), std::nullopt,
+                          [=](Stream& stream, const Window& window, std::uint64_t) {
+                            BiasYawRate(stream, window, bias_degps * kRadPerDeg);
+                          }));
   }
   faults.push_back(
       MakeVelocityFault("sign", "sign of the speed wrong", std::nullopt, Scaling(-1.0, 1.0)));
@@ -118,11 +117,11 @@ void AddSignsAndBiases(std::vector<Fault>& faults) {
 
 void AddLateAndMissing(std::vector<Fault>& faults) {
   for (const double delay_s : {0.1, 0.3}) {
-    Fault late = MakeVelocityFault(
-        absl::StrCat("late-", delay_s, "s"), absl::StrCat("velocity ", delay_s, " s late"),
-        std::nullopt, [=](Stream& stream, const Window& window, std::uint64_t) {
-          DelayVelocity(stream, window, delay_s);
-        });
+    Fault late = MakeVelocityFault(absl::StrCat("late-", delay_s, "s"),
+                                   absl::StrCat("velocity ", delay_s, " s late"), std::nullopt,
+                                   [=](Stream& stream, const Window& window, std::uint64_t) {
+                                     DelayVelocity(stream, window, delay_s);
+                                   });
     late.begin_s = 0.0;
     faults.push_back(std::move(late));
   }
@@ -137,8 +136,9 @@ void AddLateAndMissing(std::vector<Fault>& faults) {
       StateVelocitySigma(stream, window, sigma);
     };
   };
-  faults.push_back(MakeVelocityFault(
-      "sure", "speed times 1.3 with a stated deviation of 1e-6 for 10 s", 10.0, stating(1.3, 1e-6)));
+  faults.push_back(MakeVelocityFault("sure",
+                                     "speed times 1.3 with a stated deviation of 1e-6 for 10 s",
+                                     10.0, stating(1.3, 1e-6)));
   faults.push_back(MakeVelocityFault("unsure", "true velocity with a stated deviation of 1e6",
                                      std::nullopt, stating(1.0, 1e6)));
 }

@@ -27,8 +27,8 @@ std::vector<Kind> Kinds() {
   tunnel.tunnel_m = kTunnel_m;
   carla.radar = RadarKind::kCarla;
   five.rig_size = 5;
-  return {{"town", 40.0, false, {}},         {"highway", 100.0, false, highway},
-          {"tunnel", 40.0, false, tunnel},   {"carla", 40.0, false, carla},
+  return {{"town", 40.0, false, {}},          {"highway", 100.0, false, highway},
+          {"tunnel", 40.0, false, tunnel},    {"carla", 40.0, false, carla},
           {"five-radars", 40.0, false, five}, {"stop-and-go", 40.0, true, {}}};
 }
 

@@ -12,8 +12,8 @@ namespace dcloc::faults {
 
 /// A place with a map drive and a live drive, as they are without a fault.
 struct World {
-  std::string kind;  ///< "town", "highway", "tunnel", "carla", "five-radars", "stop-and-go"
-  std::string name;  ///< the kind with its number; unique, letters, digits and '-'
+  std::string kind;        ///< "town", "highway", "tunnel", "carla", "five-radars", "stop-and-go"
+  std::string name;        ///< the kind with its number; unique, letters, digits and '-'
   std::uint64_t seed = 1;  ///< of its simulation, and of all that is drawn on it
   std::size_t radar_count = 1;
   std::function<absl::StatusOr<robustness::Course>()> load;
