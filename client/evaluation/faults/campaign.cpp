@@ -8,12 +8,15 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/evaluation/faults/isolation.h"
 #include "client/evaluation/faults/judgement.h"
 #include "client/evaluation/faults/session.h"
 #include "client/evaluation/perturbation.h"
 
 namespace dcloc::faults {
 namespace {
+
+constexpr unsigned int kLimit_s = 600;  // of a session, which takes some seconds
 
 Fault Nothing(const char* id, bool is_reversing) {
   Fault fault{.id = id, .family = id, .label = id};
@@ -49,12 +52,32 @@ class FaultBench {
         StreamOf(drive, Perturb(drive.scans.front().T_map_vehicle, perturbation, world_.name, 0));
     const Window window = WindowOf(fault, stream);
     fault.apply(stream, window, world_.seed);
-    const auto outcome = RunSession(map_, stream);
-    if (!outcome.ok()) return outcome.status();
-    return JudgeFault(*outcome, window);
+    return RunAside(stream, window);
   }
 
  private:
+  // A session that ends its process is a failure of the localizer, not of the campaign.
+  absl::StatusOr<Record> RunAside(const Stream& stream, const Window& window) const {
+    const auto text = RunIsolated(
+        [&]() -> std::string {
+          const auto outcome = RunSession(map_, stream);
+          if (!outcome.ok()) return std::string(outcome.status().message());
+          return RecordToJson(JudgeFault(*outcome, window)).dump();
+        },
+        kLimit_s);
+    if (absl::IsAborted(text.status())) {
+      Record record{.cases = 1, .arrived = stream.scans.size()};
+      record.tally.episodes = window.is_open() ? 0 : 1;
+      record.failures = {absl::StrCat(world_.name, ": ", text.status().message())};
+      return record;
+    }
+    if (!text.ok()) return text.status();
+    const auto json = nlohmann::json::parse(*text, nullptr, /*allow_exceptions=*/false);
+    auto record = RecordFromJson(json);
+    if (!record) return absl::InvalidArgumentError(*text);
+    return *std::move(record);
+  }
+
   absl::Status Prepare() {
     if (map_ != nullptr) return absl::OkStatus();
     auto course = world_.load();
@@ -121,8 +144,7 @@ class FaultCampaign {
                               absl::StrCat(name, ": ", made.status().message()));
         }
         if (absl::Status status = store_.Save(name, *made); !status.ok()) return status;
-        // As it is read again, so that a campaign that was interrupted says the same.
-        record = RecordFromJson(RecordToJson(*made));
+        record = *std::move(made);
       }
       results.push_back({world.name, world.kind, fault.id, *std::move(record)});
       Tell(name);

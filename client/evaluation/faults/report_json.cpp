@@ -14,6 +14,8 @@ using robustness::Number;
 using robustness::QuantileOf;
 using robustness::Share;
 
+constexpr int kMaxIncidents = 20;  // of a session
+
 ordered_json ErrorsJson(const std::vector<double>& errors_m) {
   return {{"count", errors_m.size()},
           {"p50", Number(Quantile(errors_m, 0.5))},
@@ -77,7 +79,11 @@ ordered_json FaultJson(std::span<const FaultRows> rows, std::span<const CaseResu
       if (result.fault != fault.id) continue;
       ordered_json world = {{"world", result.world}, {"kind", result.kind}};
       world.update(RecordMeasures(result.record));
-      world["incidents"] = robustness::TallyToJson(result.record.tally)["incidents"];
+      ordered_json incidents = robustness::TallyToJson(result.record.tally)["incidents"];
+      if (incidents.size() > static_cast<std::size_t>(kMaxIncidents)) {
+        incidents.erase(incidents.begin() + kMaxIncidents, incidents.end());
+      }
+      world["incidents"] = std::move(incidents);
       json["worlds"].push_back(std::move(world));
     }
     faults.push_back(std::move(json));

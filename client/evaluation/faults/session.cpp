@@ -38,14 +38,20 @@ class FaultSession {
       }
       return;
     }
-    if (!IsFinite(*answer)) outcome_.failure = "an answer is not finite";
-    Keep(*answer, entry);
+    if (IsFinite(*answer)) {
+      Keep(*answer, entry);
+    } else {
+      ++infinite_count_;
+    }
   }
 
   void Fail(const char* what) { outcome_.failure = absl::StrCat("exception: ", what); }
 
   SessionOutcome Take() {
     SortByTime();
+    if (infinite_count_ > 0 && outcome_.failure.empty()) {
+      outcome_.failure = absl::StrCat(infinite_count_, " answers are not finite");
+    }
     return std::move(outcome_);
   }
 
@@ -80,6 +86,7 @@ class FaultSession {
 
   Localizer localizer_;
   SessionOutcome outcome_;
+  std::size_t infinite_count_ = 0;
 };
 
 }  // namespace
