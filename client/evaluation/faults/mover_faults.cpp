@@ -92,7 +92,7 @@ void PaintShare(const RadarModel& radar, double v_mover_mps, MoverRandom& random
   }
 }
 
-Fault MakeMoverFault(std::string id, std::string label, Fault::Apply apply) {
+Fault MakeMoverFault(const std::string& id, std::string label, Fault::Apply apply) {
   return {.id = absl::StrCat("movers-", id),
           .family = "movers",
           .label = std::move(label),
@@ -100,8 +100,8 @@ Fault MakeMoverFault(std::string id, std::string label, Fault::Apply apply) {
           .apply = std::move(apply)};
 }
 
-Fault TruckFault(std::string id, std::string label, double gap_m, double relative_mps) {
-  return MakeMoverFault(std::move(id), std::move(label),
+Fault TruckFault(const std::string& id, std::string label, double gap_m, double relative_mps) {
+  return MakeMoverFault(id, std::move(label),
                         [=](Stream& stream, const Window& window, std::uint64_t seed) {
                           PutTruckAhead(stream, window, gap_m, relative_mps, seed);
                         });

@@ -16,7 +16,7 @@ namespace {
 // What is left between the scans on either side of a stretch that is missing.
 constexpr double kSeam_s = 0.02;
 
-Fault MakePlaceFault(std::string id, std::string label, double begin_s, Fault::Apply apply) {
+Fault MakePlaceFault(const std::string& id, std::string label, double begin_s, Fault::Apply apply) {
   return {.id = absl::StrCat("place-", id),
           .family = "place",
           .label = std::move(label),

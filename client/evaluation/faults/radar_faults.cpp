@@ -21,7 +21,7 @@ void ChangeScansOf(Stream& stream, const Window& window, const std::string& rada
 /// A change of the rig's first radar.
 using ChangeOfRadar = std::function<void(Stream&, const Window&, const std::string& radar_id)>;
 
-Fault MakeRadarFault(std::string id, std::string label, std::optional<double> duration_s,
+Fault MakeRadarFault(const std::string& id, std::string label, std::optional<double> duration_s,
                      ChangeOfRadar change) {
   return {
       .id = absl::StrCat("radar-", id),

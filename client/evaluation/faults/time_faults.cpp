@@ -16,7 +16,7 @@ using std::chrono::nanoseconds;
 // A radar's period is not exact; a scan that comes a little early still counts.
 constexpr double kRateTolerance = 0.02;
 
-Fault MakeTimeFault(std::string id, std::string label, std::optional<double> duration_s,
+Fault MakeTimeFault(const std::string& id, std::string label, std::optional<double> duration_s,
                     Fault::Apply apply) {
   return {.id = absl::StrCat("time-", id),
           .family = "time",

@@ -50,7 +50,7 @@ EgoVelocity VelocityAt(const std::vector<TimedVelocity>& log, Stamp stamp) {
   return velocity;
 }
 
-Fault MakeVelocityFault(std::string id, std::string label, std::optional<double> duration_s,
+Fault MakeVelocityFault(const std::string& id, std::string label, std::optional<double> duration_s,
                         Fault::Apply apply) {
   return {.id = absl::StrCat("velocity-", id),
           .family = "velocity",
