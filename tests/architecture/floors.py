@@ -46,6 +46,7 @@ FLOORS = {
         "evaluation",
         "evaluation/paper",
         "evaluation/robustness",
+        "evaluation/faults",
         "load",
         "cli/common",
         "cli/remote",

@@ -4,6 +4,7 @@
 
 #include "client/cli/common/exit_codes.h"
 #include "client/cli/common/terminal.h"
+#include "client/cli/evaluate/evaluate_faults_command.h"
 #include "client/cli/evaluate/evaluate_paper_command.h"
 #include "client/cli/evaluate/evaluate_robustness_command.h"
 #include "client/cli/evaluate/evaluate_run.h"
@@ -115,6 +116,7 @@ void AddEvaluateCommand(CLI::App& app, int& exit_code) {
       "      --map-drive scene-0655 --map-radars RADAR_FRONT,RADAR_FRONT_LEFT,RADAR_FRONT_RIGHT "
       "\\\n"
       "      --drive scene-0655 --radars RADAR_BACK_LEFT,RADAR_BACK_RIGHT --json result.json");
+  AddEvaluateFaultsCommand(*evaluate, exit_code);
   AddEvaluatePaperCommand(*evaluate, exit_code);
   AddEvaluateRobustnessCommand(*evaluate, exit_code);
   evaluate->callback([evaluate, arguments, &exit_code] {

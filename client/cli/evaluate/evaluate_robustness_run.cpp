@@ -9,8 +9,8 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/common/atomic_file.h"
 #include "client/cli/common/campaign_progress.h"
-#include "client/cli/common/json_folder.h"
 #include "client/cli/common/terminal.h"
+#include "client/cli/evaluate/result_folder.h"
 #include "client/evaluation/robustness/report.h"
 #include "client/evaluation/robustness/sites.h"
 
@@ -18,23 +18,6 @@ namespace dcloc::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Finished trials as files.
-class TallyFolder final : public robustness::TallyStore {
- public:
-  explicit TallyFolder(JsonFolder files) : files_(std::move(files)) {}
-
-  std::optional<robustness::Tally> Load(const std::string& name) override {
-    const auto json = files_.Load(name);
-    return json ? robustness::TallyFromJson(*json) : std::nullopt;
-  }
-  absl::Status Save(const std::string& name, const robustness::Tally& tally) override {
-    return files_.Save(name, robustness::TallyToJson(tally));
-  }
-
- private:
-  JsonFolder files_;
-};
 
 absl::StatusOr<std::vector<robustness::Site>> AllSites(const RobustnessArguments& arguments) {
   std::vector<robustness::Site> sites = robustness::SimulatedSites(arguments.seed, arguments.quick);
@@ -65,8 +48,10 @@ absl::Status RunRobustness(const RobustnessArguments& arguments) {
   if (absl::Status status = MakeFolder(folder / "runs"); !status.ok()) return status;
   const auto sites = AllSites(arguments);
   if (!sites.ok()) return sites.status();
-  TallyFolder store({folder / "runs", absl::StrCat(ProgramHash(), arguments.quick ? " quick " : " ",
-                                                   arguments.seed, " ", arguments.data)});
+  ResultFolder<robustness::Tally> store(
+      {folder / "runs", absl::StrCat(ProgramHash(), arguments.quick ? " quick " : " ",
+                                     arguments.seed, " ", arguments.data)},
+      robustness::TallyFromJson, robustness::TallyToJson);
   CampaignProgress progress;
   const auto results = robustness::RunCampaign(
       *sites, store, [&](const std::string& name, double share) { progress.Update(name, share); });

@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
-#include "client/datasets/drive_map.h"
 
 namespace dcloc::robustness {
 namespace {
@@ -26,12 +25,6 @@ class Workbench {
   }
 
  private:
-  static absl::StatusOr<std::shared_ptr<const RadarMap>> MapOf(const Drive& drive) {
-    auto bytes = BuildMap(drive, {.name = drive.name});
-    if (!bytes.ok()) return bytes.status();
-    return RadarMap::FromBytes(*std::move(bytes));
-  }
-
   const Site& site_;
   std::optional<Course> course_;
   std::shared_ptr<const RadarMap> map_;

@@ -9,6 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/evaluation/robustness/result_store.h"
 #include "client/evaluation/robustness/trials.h"
 
 namespace dcloc::robustness {
@@ -52,13 +53,7 @@ struct TrialResult {
   Tally tally;
 };
 
-/// Keeps finished trials, so that an interrupted campaign goes on where it was.
-class TallyStore {
- public:
-  virtual ~TallyStore() = default;
-  virtual std::optional<Tally> Load(const std::string& name) = 0;
-  virtual absl::Status Save(const std::string& name, const Tally& tally) = 0;
-};
+using TallyStore = ResultStore<Tally>;
 
 /// Does all trials of all sites that `store` does not hold, and loads the drives of no other site.
 /// `progress` is told what is being done and the share of the trials done. Errors name the trial.

@@ -102,7 +102,7 @@ std::span<const ScanOutcome> Between(std::span<const ScanOutcome> scans, Stamp b
 
 }  // namespace
 
-Tally JudgeTrack(const DriveOutcome& outcome, std::span<const Episode> episodes) {
+Tally CountScans(const DriveOutcome& outcome, std::span<const Episode> episodes) {
   Tally tally;
   tally.refused = outcome.refused_count;
   if (outcome.scans.empty()) return tally;
@@ -118,6 +118,13 @@ Tally JudgeTrack(const DriveOutcome& outcome, std::span<const Episode> episodes)
         has_started || scan.answered() || Seconds(scan.answer.stamp - origin) > kStartAllowance_s;
     if (has_started) AddScan(scan, is_disturbed(scan), outcome.drive, origin, tally);
   }
+  return tally;
+}
+
+Tally JudgeTrack(const DriveOutcome& outcome, std::span<const Episode> episodes) {
+  Tally tally = CountScans(outcome, episodes);
+  if (outcome.scans.empty()) return tally;
+  const Stamp origin = outcome.scans.front().answer.stamp;
   const auto first = std::ranges::find_if(outcome.scans, IsRightTracking);
   for (std::size_t i = 0; i < episodes.size(); ++i) {
     if (first == outcome.scans.end() || first->answer.stamp >= episodes[i].begin) continue;

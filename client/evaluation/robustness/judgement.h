@@ -17,6 +17,10 @@ inline constexpr double kRecoveryGoal_s = 1.0;
 /// Data within which a start should be made.
 inline constexpr double kStartGoal_s = 2.0;
 
+/// Sorts the scans of one session over a drive, in which `episodes` were disturbed, into right,
+/// flagged and wrong; those of a start are not counted.
+Tally CountScans(const DriveOutcome& outcome, std::span<const Episode> episodes);
+
 /// Judges one session over a drive, in which `episodes` were disturbed. Of each episode, recovery
 /// is the time from the first scan after it to the first that tracks rightly for good; those before
 /// the session has tracked rightly at all belong to its start.

@@ -1,11 +1,10 @@
 #include "client/evaluation/robustness/report.h"
 
-#include <cmath>
 #include <functional>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "client/evaluation/html.h"
+#include "client/evaluation/robustness/cells.h"
 #include "client/evaluation/robustness/judgement.h"
 
 namespace dcloc::robustness {
@@ -21,30 +20,6 @@ constexpr const char* kReading =
     "the first scan after a disturbance to the first from which on every scan of a second is "
     "tracking and right. Starts are separate sessions; their time is the data until the first "
     "answer that is called tracking.";
-
-std::string Fixed(double value, int digits) {
-  if (std::isnan(value)) return "-";
-  if (std::isinf(value)) return "never";
-  return absl::StrFormat("%.*f", digits, value);
-}
-
-double Share(std::size_t count, std::size_t total) {
-  return total == 0 ? std::nan("") : static_cast<double>(count) / static_cast<double>(total);
-}
-
-ordered_json Number(double value) {
-  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
-std::string ThreeQuantiles(const std::vector<double>& values, std::size_t count) {
-  return absl::StrCat(Fixed(QuantileOf(values, count, 0.5), 2), " / ",
-                      Fixed(QuantileOf(values, count, 0.99), 2), " / ",
-                      Fixed(QuantileOf(values, count, 1.0), 2));
-}
-
-double Mean(double sum, std::size_t count) {
-  return count == 0 ? std::nan("") : sum / static_cast<double>(count);
-}
 
 double Anees(const Tally& tally) { return Mean(tally.nees_per_dof_sum, tally.nees_count); }
 

@@ -7,12 +7,10 @@
 #include <vector>
 
 #include "client/evaluation/robustness/campaign.h"
+#include "client/evaluation/robustness/cells.h"
 #include "client/evaluation/robustness/goals.h"
 
 namespace dcloc::robustness {
-
-/// Rows of text, the first being the header.
-using TextTable = std::vector<std::vector<std::string>>;
 
 /// Whole drives, a row for each of kRows that has results; by site below it where `by_site`.
 TextTable TrackText(std::span<const TrialResult> results, bool by_site);

@@ -1,65 +1,24 @@
 #include "client/evaluation/robustness/sites.h"
 
-#include <cmath>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client/evaluation/paper/recorded_cases.h"
+#include "client/evaluation/robustness/course.h"
 #include "client/simulation/option_names.h"
-#include "client/simulation/simulation.h"
 
 namespace dcloc::robustness {
 namespace {
 
 constexpr std::uint64_t kWorldsPerSeed = 1000;  // no world is another seed's
 
-/// A live drive through a world.
-struct Pass {
-  double speed_kmh;
-  bool stops;
-};
-
-// When the live drive is between the walls of its world's tunnel.
-std::vector<Episode> TunnelEpisodes(const simulation::World& world, const Drive& live) {
-  if (!world.tunnel) return {};
-  const simulation::PathPoint entry = world.route.At(world.tunnel->begin_m);
-  const Pose2 T_tunnel_map = Pose2{entry.position_m, entry.heading_rad}.Inverse();
-  const double length_m = world.tunnel->end_m - world.tunnel->begin_m;
-  std::vector<Episode> episodes;
-  for (const auto& [scan, T_map_vehicle] : live.scans) {
-    const Eigen::Vector2d p = T_tunnel_map * Eigen::Vector2d(T_map_vehicle.translation_m.head<2>());
-    const bool inside =
-        p.x() >= 0.0 && p.x() <= length_m && std::abs(p.y()) <= world.tunnel->half_width_m;
-    if (!inside) continue;
-    if (episodes.empty()) episodes.push_back({scan.stamp, scan.stamp});
-    episodes.back().end = scan.stamp;
-  }
-  return episodes;
-}
-
-absl::StatusOr<Course> Simulate(const SimulationOptions& options, const Pass& pass,
-                                const std::string& name) {
-  const simulation::World world = MakeWorld(options);
-  auto map = SimulatePassWithTruth(world, options,
-                                   {.name = "map", .mean_speed_mps = options.map_speed_mps});
-  if (!map.ok()) return map.status();
-  SimulationOptions live_options = options;
-  live_options.stops = pass.stops;
-  auto live = SimulatePassWithTruth(
-      world, live_options,
-      {.name = name, .index = 1, .mean_speed_mps = pass.speed_kmh * kMpsPerKmh});
-  if (!live.ok()) return live.status();
-  std::vector<Episode> episodes = TunnelEpisodes(world, live->drive);
-  return Course{std::move(map->drive), std::move(live->drive), std::move(episodes)};
-}
-
 Site MakeSite(const SimulationOptions& options, const Pass& pass) {
   Site site;
   site.name = absl::StrCat(NameOf(options.radar), "-", NameOf(options.world), "-",
                            options.tunnel_m > 0.0 ? "tunnel-" : "", options.seed, "-",
                            pass.speed_kmh, "kmh", pass.stops ? "-stops" : "");
-  site.load = [options, pass, name = site.name] { return Simulate(options, pass, name); };
+  site.load = [options, pass, name = site.name] { return SimulateCourse(options, pass, name); };
   return site;
 }
 

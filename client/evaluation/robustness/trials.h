@@ -8,20 +8,13 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/datasets/drive.h"
 #include "client/evaluation/disturbance.h"
 #include "client/evaluation/perturbation.h"
+#include "client/evaluation/robustness/course.h"
 #include "client/evaluation/robustness/tally.h"
 #include "core/map/radar_map.h"
 
 namespace dcloc::robustness {
-
-/// Drives of one place, and what is wrong with the live one as it is.
-struct Course {
-  Drive map;
-  Drive live;
-  std::vector<Episode> episodes;
-};
 
 /// Sessions over a whole drive, or over one part after another.
 struct TrackTrial {

@@ -1,0 +1,204 @@
+#include "client/evaluation/faults/velocity_faults.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/geometry/degrees.h"
+
+namespace dcloc::faults {
+namespace {
+
+template <typename Change>
+void ChangeVelocities(Stream& stream, const Window& window, const Change& change) {
+  for (StreamScan& entry : stream.scans) {
+    if (window.Contains(entry.measured) && entry.scan.ego_velocity) {
+      change(*entry.scan.ego_velocity);
+    }
+  }
+}
+
+/// A reported velocity and when it was true.
+struct TimedVelocity {
+  Stamp stamp;
+  EgoVelocity velocity;
+};
+
+std::vector<TimedVelocity> VelocitiesOf(const Stream& stream) {
+  std::vector<TimedVelocity> log;
+  for (const StreamScan& entry : stream.scans) {
+    if (entry.scan.ego_velocity) log.push_back({entry.measured, *entry.scan.ego_velocity});
+  }
+  std::ranges::stable_sort(log, {}, &TimedVelocity::stamp);
+  return log;
+}
+
+// Linear between the entries around `stamp`; `log` is not empty.
+EgoVelocity VelocityAt(const std::vector<TimedVelocity>& log, Stamp stamp) {
+  const auto next = std::ranges::lower_bound(log, stamp, {}, &TimedVelocity::stamp);
+  if (next == log.begin()) return next->velocity;
+  const auto previous = std::prev(next);
+  if (next == log.end()) return previous->velocity;
+  const double share = std::chrono::duration<double>(stamp - previous->stamp) /
+                       std::chrono::duration<double>(next->stamp - previous->stamp);
+  EgoVelocity velocity = previous->velocity;
+  velocity.linear_mps += share * (next->velocity.linear_mps - previous->velocity.linear_mps);
+  velocity.angular_radps +=
+      share * (next->velocity.angular_radps - previous->velocity.angular_radps);
+  return velocity;
+}
+
+Fault MakeVelocityFault(const std::string& id, std::string label, std::optional<double> duration_s,
+                        Fault::Apply apply) {
+  return {.id = absl::StrCat("velocity-", id),
+          .family = "velocity",
+          .label = std::move(label),
+          .duration_s = duration_s,
+          .apply = std::move(apply)};
+}
+
+Fault::Apply Scaling(double linear_factor, double angular_factor) {
+  return [=](Stream& stream, const Window& window, std::uint64_t) {
+    ScaleVelocity(stream, window, linear_factor, angular_factor);
+  };
+}
+
+void AddZeroAndFrozen(std::vector<Fault>& faults) {
+  for (const int seconds : {1, 3, 10}) {
+    faults.push_back(MakeVelocityFault(absl::StrCat("zero-", seconds, "s"),
+                                       absl::StrCat("speed 0 for ", seconds, " s"), seconds,
+                                       Scaling(0.0, 1.0)));
+  }
+  faults.push_back(
+      MakeVelocityFault("zero", "speed 0 from then on", std::nullopt, Scaling(0.0, 1.0)));
+  for (const int seconds : {5, 10}) {
+    faults.push_back(MakeVelocityFault(absl::StrCat("frozen-", seconds, "s"),
+                                       absl::StrCat("velocity frozen for ", seconds, " s"), seconds,
+                                       [](Stream& stream, const Window& window, std::uint64_t) {
+                                         FreezeVelocity(stream, window);
+                                       }));
+  }
+}
+
+void AddScales(std::vector<Fault>& faults) {
+  for (const double factor : {0.5, 0.7, 1.3, 1.5}) {
+    faults.push_back(MakeVelocityFault(absl::StrCat("scale-", factor),
+                                       absl::StrCat("speed times ", factor), std::nullopt,
+                                       Scaling(factor, 1.0)));
+    Fault always = faults.back();
+    always.id += "-start";
+    always.label += ", from the start";
+    always.begin_s = 0.0;
+    faults.push_back(std::move(always));
+  }
+}
+
+void AddSignsAndBiases(std::vector<Fault>& faults) {
+  for (const int bias_degps : {-5, -3, -1, 1, 3, 5}) {
+    faults.push_back(
+        MakeVelocityFault(absl::StrCat("yaw-bias", bias_degps < 0 ? "" : "+", bias_degps),
+                          absl::StrCat("yaw rate off by ", bias_degps, " deg/s"), std::nullopt,
+                          [=](Stream& stream, const Window& window, std::uint64_t) {
+                            BiasYawRate(stream, window, bias_degps * kRadPerDeg);
+                          }));
+  }
+  faults.push_back(
+      MakeVelocityFault("sign", "sign of the speed wrong", std::nullopt, Scaling(-1.0, 1.0)));
+  faults.push_back(MakeVelocityFault("yaw-sign", "sign of the yaw rate wrong", std::nullopt,
+                                     Scaling(1.0, -1.0)));
+  Fault unsigned_speed = MakeVelocityFault(
+      "unsigned", "speed without its sign for 10 s of reversing", 10.0,
+      [](Stream& stream, const Window& window, std::uint64_t) { UnsignSpeed(stream, window); });
+  unsigned_speed.is_reversing = true;
+  faults.push_back(std::move(unsigned_speed));
+}
+
+void AddLateAndMissing(std::vector<Fault>& faults) {
+  for (const double delay_s : {0.1, 0.3}) {
+    Fault late = MakeVelocityFault(absl::StrCat("late-", delay_s, "s"),
+                                   absl::StrCat("velocity ", delay_s, " s late"), std::nullopt,
+                                   [=](Stream& stream, const Window& window, std::uint64_t) {
+                                     DelayVelocity(stream, window, delay_s);
+                                   });
+    late.begin_s = 0.0;
+    faults.push_back(std::move(late));
+  }
+  Fault none = MakeVelocityFault(
+      "none", "no velocity at all", std::nullopt,
+      [](Stream& stream, const Window& window, std::uint64_t) { DropVelocity(stream, window); });
+  none.begin_s = 0.0;
+  faults.push_back(std::move(none));
+  const auto stating = [](double factor, double sigma) {
+    return [=](Stream& stream, const Window& window, std::uint64_t) {
+      ScaleVelocity(stream, window, factor, 1.0);
+      StateVelocitySigma(stream, window, sigma);
+    };
+  };
+  faults.push_back(MakeVelocityFault("sure",
+                                     "speed times 1.3 with a stated deviation of 1e-6 for 10 s",
+                                     10.0, stating(1.3, 1e-6)));
+  faults.push_back(MakeVelocityFault("unsure", "true velocity with a stated deviation of 1e6",
+                                     std::nullopt, stating(1.0, 1e6)));
+}
+
+}  // namespace
+
+void ScaleVelocity(Stream& stream, const Window& window, double linear_factor,
+                   double angular_factor) {
+  ChangeVelocities(stream, window, [&](EgoVelocity& velocity) {
+    velocity.linear_mps *= linear_factor;
+    velocity.angular_radps *= angular_factor;
+  });
+}
+
+void FreezeVelocity(Stream& stream, const Window& window) {
+  const std::vector<TimedVelocity> log = VelocitiesOf(stream);
+  if (log.empty()) return;
+  const auto after = std::ranges::lower_bound(log, window.begin, {}, &TimedVelocity::stamp);
+  const EgoVelocity& last = after == log.begin() ? after->velocity : std::prev(after)->velocity;
+  ChangeVelocities(stream, window, [&](EgoVelocity& velocity) { velocity = last; });
+}
+
+void BiasYawRate(Stream& stream, const Window& window, double bias_radps) {
+  ChangeVelocities(stream, window,
+                   [&](EgoVelocity& velocity) { velocity.angular_radps.z() += bias_radps; });
+}
+
+void UnsignSpeed(Stream& stream, const Window& window) {
+  ChangeVelocities(stream, window, [](EgoVelocity& velocity) {
+    velocity.linear_mps.x() = std::abs(velocity.linear_mps.x());
+  });
+}
+
+void DelayVelocity(Stream& stream, const Window& window, double delay_s) {
+  const std::vector<TimedVelocity> log = VelocitiesOf(stream);
+  for (StreamScan& entry : stream.scans) {
+    if (!window.Contains(entry.measured) || !entry.scan.ego_velocity) continue;
+    entry.scan.ego_velocity = VelocityAt(log, entry.measured - Duration(delay_s));
+  }
+}
+
+void DropVelocity(Stream& stream, const Window& window) {
+  for (StreamScan& entry : stream.scans) {
+    if (window.Contains(entry.measured)) entry.scan.ego_velocity.reset();
+  }
+}
+
+void StateVelocitySigma(Stream& stream, const Window& window, double sigma) {
+  ChangeVelocities(stream, window, [&](EgoVelocity& velocity) {
+    velocity.covariance = Matrix6d(Matrix6d::Identity() * (sigma * sigma));
+  });
+}
+
+std::vector<Fault> VelocityFaults() {
+  std::vector<Fault> faults;
+  AddZeroAndFrozen(faults);
+  AddScales(faults);
+  AddSignsAndBiases(faults);
+  AddLateAndMissing(faults);
+  return faults;
+}
+
+}  // namespace dcloc::faults

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "client/evaluation/faults/fault.h"
+
+namespace dcloc::faults {
+
+// Each changes the reported velocities of the scans that were measured within the window; scans
+// without one stay so. Stated covariances stay as they are.
+
+/// Multiplies speeds and turn rates.
+void ScaleVelocity(Stream& stream, const Window& window, double linear_factor,
+                   double angular_factor);
+
+/// Reports what the last scan before the window did, or the first one of the drive.
+void FreezeVelocity(Stream& stream, const Window& window);
+
+/// Adds `bias_radps` to the yaw rate.
+void BiasYawRate(Stream& stream, const Window& window, double bias_radps);
+
+/// Reports the speed along the vehicle's axis without its sign.
+void UnsignSpeed(Stream& stream, const Window& window);
+
+/// Reports the velocity of `delay_s` before, linear between the scans around that moment; the first
+/// scan's where that is before the drive.
+void DelayVelocity(Stream& stream, const Window& window, double delay_s);
+
+/// Reports none.
+void DropVelocity(Stream& stream, const Window& window);
+
+/// States the deviation `sigma` of each component, m/s and rad/s, independent of one another.
+void StateVelocitySigma(Stream& stream, const Window& window, double sigma);
+
+/// Of wheels and gyroscope.
+std::vector<Fault> VelocityFaults();
+
+}  // namespace dcloc::faults
