@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "core/calibration/calibration.h"
 #include "core/calibration/return_pairs.h"
 #include "core/calibration/static_return.h"
+#include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "core/radar/static_points.h"
@@ -46,6 +48,10 @@ struct CalibratorOptions {
   double stand_distance_m = 3.0;  ///< returns seen from poses nearer than this share their errors
   double block_m = 8.0;           ///< gradients of squares of this size are independent
 };
+std::span<const OptionField<CalibratorOptions>> FieldsOf(const CalibratorOptions& options);
+
+/// OK, or InvalidArgument that names the field, the value and the bound.
+absl::Status Validate(const CalibratorOptions& options);
 
 /// Estimates what is wrong with the description of each radar of a rig from static returns at known
 /// vehicle poses: beta, the time by which measurements are later than their stamps, a range bias
@@ -101,8 +107,5 @@ class Calibrator {
   CalibratorOptions options_;
   std::map<std::string, Frame> frames_;
 };
-
-/// OK, or InvalidArgument that names the field, the value and the bound.
-absl::Status Validate(const CalibratorOptions& options);
 
 }  // namespace dcloc

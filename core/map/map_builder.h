@@ -3,12 +3,14 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/geometry/geodetic_anchor.h"
+#include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "core/radar/static_points.h"
@@ -27,6 +29,7 @@ struct MapBuilderOptions {
   double height_square_sigma_m2 = 25.0;
   double max_keyframe_distance_m = 120.0;  ///< landmarks further from any keyframe are left out
 };
+std::span<const OptionField<MapBuilderOptions>> FieldsOf(const MapBuilderOptions& options);
 
 /// OK, or InvalidArgument that names the field, the value and the bound.
 absl::Status Validate(const MapBuilderOptions& options);

@@ -9,8 +9,10 @@
 #include <tuple>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "core/geometry/pose.h"
 #include "core/map/radar_map.h"
+#include "core/options/option_fields.h"
 
 namespace dcloc {
 
@@ -33,11 +35,15 @@ struct SearchRegion {
 
 struct PlaceSearchOptions {
   double cell_m = 1.0;  ///< step between positions; headings step likewise
-  double max_keyframe_distance_m =
-      6.0;  ///< the vehicle is this near to a keyframe along each of the map's axes
-  int max_count = 8;
+  /// Positions are searched within this distance of a keyframe along each of the map's axes.
+  double max_keyframe_distance_m = 6.0;
+  int max_count = 8;                        ///< of places that `Best` returns
   std::optional<SearchRegion> region = {};  ///< without it the whole map, in every heading
 };
+std::span<const OptionField<PlaceSearchOptions>> FieldsOf(const PlaceSearchOptions& options);
+
+/// OK, or InvalidArgument that names the field, the value and the bound.
+absl::Status Validate(const PlaceSearchOptions& options);
 
 /// A place of the map where points may have been seen.
 struct PlaceHypothesis {
@@ -52,7 +58,7 @@ struct PlaceHypothesis {
 /// number grows with the length of street, the memory does not.
 class PlaceSearch {
  public:
-  /// `points` are vehicle xy.
+  /// `points` are x and y in the vehicle frame; `options` are valid.
   PlaceSearch(std::shared_ptr<const RadarMap> map, std::span<const Eigen::Vector2f> points,
               const PlaceSearchOptions& options = {});
   ~PlaceSearch();
