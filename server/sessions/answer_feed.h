@@ -18,8 +18,8 @@ class AnswerSubscriber {
   virtual void OnEnd() = 0;
 };
 
-/// Hands a session's answers to whoever watches it. Thread-safe; costs one atomic read while nobody
-/// does.
+/// Hands a session's answers to its watchers. Thread-safe; costs one atomic read while there is
+/// none.
 class AnswerFeed {
  public:
   /// `subscriber` hears of what comes from now on, for as long as it lives.
