@@ -16,8 +16,8 @@
 
 namespace dcloc {
 
-/// Ground and headings to search: of where the vehicle was once, and the way that it came since.
-/// Whatever its heading was, now it is no further from there than that way.
+/// Positions and headings to search: where the vehicle was at an earlier time, and its motion
+/// since. For each possible heading then, the position now is that position moved by `T_then_now`.
 struct SearchRegion {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  ///< in the map's xy plane
   double radius_m = 0.0;
@@ -28,7 +28,8 @@ struct SearchRegion {
   /// Whether the vehicle may be here now.
   bool Contains(const Pose2& T_map_vehicle) const;
 
-  /// Likewise, with this heading somewhere in the box from `min_m` to `max_m`; position alone.
+  /// Whether the vehicle may now be somewhere in the box from `min_m` to `max_m`, if its heading
+  /// now is `yaw_now_rad`. The heading itself is not tested.
   bool MayContain(const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m,
                   double yaw_now_rad) const;
 };
@@ -52,10 +53,10 @@ struct PlaceHypothesis {
   double score;              ///< mean likelihood of the points, [0, 1]
 };
 
-/// Searches a map, or a region of it, for the places where some points may have been seen:
-/// exhaustively, every position near a keyframe and every heading on a coarse grid. It goes piece
-/// by piece, so that others can be served in between: a piece costs a millisecond or two, their
-/// number grows with the length of street, the memory does not.
+/// Searches a map, or a region of it, for the places where some points may have been seen.
+/// Exhaustive: every position near a keyframe and every heading on a coarse grid. It works in
+/// pieces, so that other vehicles can be served in between. A piece costs a millisecond or two. The
+/// number of pieces grows with the length of street, the memory does not.
 class PlaceSearch {
  public:
   /// `points` are x and y in the vehicle frame; `options` are valid.

@@ -25,8 +25,8 @@ class SlotRing {
   /// `max_pending_count` >= 1: messages that are read but not yet written.
   explicit SlotRing(int max_pending_count);
 
-  /// Drops the oldest messages from now on. The answers of dropped ones wait behind the scan that
-  /// is being localized, so the ring gets more slots. No slot may be in use.
+  /// Makes the ring longer, for a stream that drops its oldest messages: answers of dropped ones
+  /// wait behind the scan that is being localized. No slot may be in use.
   void Lengthen();
 
   /// The slot of the next message to be read, answered or written; and functions to say that this
@@ -42,7 +42,8 @@ class SlotRing {
   /// left. `first_is_taken`: the oldest one is being answered and does not wait.
   void DropOldest(bool first_is_taken);
 
-  /// Whether a slot is free: of one before the first answer, then of all.
+  /// Whether a message may be read: only one before the first one is answered, then as many as
+  /// there are slots.
   bool has_room() const;
   bool none_read() const { return read_count_ == 0; }
   bool any_written() const { return written_count_ > 0; }
