@@ -42,11 +42,10 @@ struct Registration {
   TangentMatrix<Dim> information = TangentMatrix<Dim>::Zero();
   bool converged = false;
   int iterations = 0;
-  int inlier_count = 0;  ///< points with a correspondence inside of the gates
-  double overlap = 0.0;  ///< share of the points that are inliers
-  double score = 0.0;    ///< mean of exp(-d^2 / 2) over all points, 0 of those without one
-  double residual_scale =
-      0.0;  ///< root mean square of whitened residuals; 1 if errors are as modelled
+  int inlier_count = 0;         ///< points with a correspondence inside of the gates
+  double overlap = 0.0;         ///< share of the points that are inliers
+  double score = 0.0;           ///< mean of exp(-d^2 / 2) over all points, 0 of those without one
+  double residual_scale = 0.0;  ///< root mean square of whitened residuals; 1: as modelled
 };
 
 /// The interface of a registration algorithm. Stateless: one object serves many vehicles at once,
