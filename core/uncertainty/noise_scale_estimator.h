@@ -23,7 +23,8 @@ struct NoiseScaleOptions {
   double max_squared_sigmas = 9.0;
   double max_memory =
       0.98;  ///< weight that older pairs keep: about fifty count, at first the newest third
-  /// Odometry weighs by its learned variance times this, but no less than so much of its model's.
+  /// Odometry is weighted by its learned variance times `weight_caution`, but by at least
+  /// `min_weight_ratio` of its model's variance.
   double weight_caution = 2.0;
   double min_weight_ratio = 0.1;
 };
