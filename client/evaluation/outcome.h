@@ -28,7 +28,7 @@ struct ScanOutcome {
   bool answered() const { return answer.state != LocalizationState::kInitializing; }
 };
 
-/// What became of one live drive.
+/// The judged answers of one live drive.
 struct DriveOutcome {
   std::string drive;
   std::shared_ptr<const RadarMap> map;  ///< it was localized in

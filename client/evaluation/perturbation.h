@@ -8,7 +8,7 @@
 
 namespace dcloc {
 
-/// How wrong the pose is that a localizer starts with.
+/// The error of the initial pose that a localizer is given.
 struct Perturbation {
   double translation_m = 1.0;  ///< exactly, in a random direction in the plane, [0, 1000]
   double rotation_deg = 2.0;   ///< exactly, about the vertical to a random side, [0, 180]

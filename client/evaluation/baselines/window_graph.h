@@ -8,8 +8,8 @@
 namespace dcloc {
 
 /// The paper's pose graph (eq 15-17) in the plane: the last n states, odometry edges between
-/// neighbours, loop edges to the map. Unlike core's it is a mere window: what leaves it is
-/// forgotten, and validity of edges is the caller's business.
+/// neighbours, loop edges to the map. Unlike core's, states that leave the window are dropped
+/// without marginalization, and the caller tests the edges.
 class WindowGraph {
  public:
   explicit WindowGraph(int window) : window_(window) {}

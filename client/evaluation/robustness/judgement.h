@@ -8,7 +8,8 @@
 
 namespace dcloc::robustness {
 
-/// Data after which an answer that is still initializing counts: until then a start is a start.
+/// Time since the first scan after which an answer that is still INITIALIZING counts as an error;
+/// before, it belongs to the start.
 inline constexpr double kStartAllowance_s = 2.0;
 /// Tracking is back when it is right and stays so for this long.
 inline constexpr double kSteady_s = 1.0;
