@@ -34,7 +34,7 @@ struct DriveOutcome {
   std::shared_ptr<const RadarMap> map;  ///< it was localized in
   std::vector<ScanOutcome> scans;  ///< those that the localizer took, in the order of their stamps
   std::size_t refused_count = 0;
-  std::string first_refusal;  ///< what the localizer said of the first scan that it refused
+  std::string first_refusal;  ///< the localizer's error for the first scan that it refused
 };
 
 }  // namespace dcloc

@@ -12,7 +12,7 @@
 
 namespace dcloc::load {
 
-/// How often something happened, and what was said the first time.
+/// A count of events, with the message of the first one.
 struct Incidents {
   std::int64_t count = 0;
   std::string first;

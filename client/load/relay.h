@@ -26,8 +26,8 @@ class Relay {
   /// Where it listens.
   std::string address() const;
 
-  /// Resets the connections that are there, on both sides: what is on its way is lost. New ones are
-  /// taken.
+  /// Resets the present connections on both sides; bytes in transit are lost. New connections are
+  /// accepted.
   void Cut();
 
  private:

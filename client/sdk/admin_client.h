@@ -32,7 +32,7 @@ class AdminClient {
 
   absl::StatusOr<v1::Session> GetSession(const std::string& session_id);
 
-  /// `reason` is told to the session's client.
+  /// The session's client is given `reason`.
   absl::Status EndSession(const std::string& session_id, const std::string& reason);
 
   /// Records the vehicle's next session: passes on its header and its scans until it ends.

@@ -28,9 +28,9 @@ struct ChannelOptions {
   bool own_connection = false;
 };
 
-/// A channel with the limits and keepalive that suit a dcloc server. Does not connect: an address
-/// where nobody answers shows on first use. InvalidArgument names the option; a file that cannot be
-/// read is named with the reason.
+/// A channel with the limits and keepalive that suit a dcloc server. Does not connect: an
+/// unreachable server causes an error on first use. InvalidArgument names the option; a file that
+/// cannot be read is named with the reason.
 absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const ChannelOptions& options);
 
 }  // namespace dcloc::client

@@ -40,7 +40,7 @@ struct CalibratedParameter {
   double applied = 0.0;
   double remaining_sigma = 0.0;  ///< of the error that remains, at most `prior_sigma`
 
-  /// The data narrowed it to less than half of what was known before.
+  /// The data reduced its deviation to less than half of the prior's.
   bool determined() const { return sigma < 0.5 * prior_sigma; }
   /// Determined, and 0 lies outside of the 95 % interval.
   bool significant() const;

@@ -59,7 +59,7 @@ struct MapMatcherOptions {
   double search_sigmas = 3.0;
   double max_search_m = 10.0;
   double max_search_rad = 0.8;
-  double search_guess_sigma_m = 0.3;  ///< of what a search finds: about a cell
+  double search_guess_sigma_m = 0.3;  ///< deviation of poses that a search finds: about a cell
   /// Number of points of a sub-map that count as independent: the weight of a score as evidence
   /// (METHOD eq 26).
   double independent_point_count = 20.0;
@@ -100,13 +100,14 @@ class MapMatcher {
                                               const RegistrationGate& gate,
                                               RegistrationWorkspace<Dim>& workspace);
 
-  /// The landmarks that `live` corresponds to at a pose, one for each point that has one. `live`
-  /// and `workspace` are those of the Match before, and not used since; valid as long.
+  /// The correspondences of `live` at a pose, one for each point that has one. `live` and
+  /// `workspace` must be those of the preceding `Match`, and not used since. The result is valid
+  /// until `workspace` is used again.
   std::span<const Correspondence<Dim>> Correspondences(std::span<const GaussianPoint<Dim>> live,
                                                        const Pose<Dim>& T_local_vehicle,
                                                        RegistrationWorkspace<Dim>& workspace) const;
 
-  /// In which directions a registration of `live` says something.
+  /// The directions in which a registration of `live` is observable.
   Observability Observed(std::span<const GaussianPoint<Dim>> live,
                          const Registration<Dim>& registration,
                          RegistrationWorkspace<Dim>& workspace) const;

@@ -80,7 +80,7 @@ class NoiseScaleEstimator {
     double registrations = 0.0;
     double odometry = 0.0;
     double count = 0.0;
-    double prior_count = 0.0;  // what the prior ratios are still worth
+    double prior_count = 0.0;  // remaining weight of the prior ratios
     double number = 0.0;       // of all pairs, which does not fade
   };
 

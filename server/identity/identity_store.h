@@ -47,10 +47,11 @@ class IdentityStore {
   /// NotFound: no such id. Revoking twice keeps the first time.
   virtual absl::Status Revoke(std::int64_t id) = 0;
 
-  /// Whose token that is. Unauthenticated says what is wrong with it, never the token.
+  /// The principal that a token belongs to. Unauthenticated says what is wrong with the token, but
+  /// does not contain it.
   virtual absl::StatusOr<Principal> FindToken(absl::string_view token) = 0;
 
-  /// Whose certificate has this common name. Unauthenticated when there is none.
+  /// The principal of a certificate with this common name. Unauthenticated if there is none.
   virtual absl::StatusOr<Principal> FindCertificate(absl::string_view common_name) = 0;
 
   /// Whether any identity was ever created. Revoking the last one does not make everyone an admin

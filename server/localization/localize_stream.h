@@ -68,7 +68,7 @@ class LocalizeStream final
     grpc::Status status;
     std::shared_ptr<Session> session;  ///< null where there is none to let go of
     bool keeps_session = false;
-    std::string reason;  ///< told to who asks for the session later
+    std::string reason;  ///< told to clients that ask for the session later
   };
 
   LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,
@@ -114,7 +114,7 @@ class LocalizeStream final
   bool read_under_way_ = false;
   Write write_under_way_ = Write::kNone;
   bool answer_under_way_ = false;  ///< a scan is being localized
-  bool pump_under_way_ = false;    ///< who is in it looks again before leaving
+  bool pump_under_way_ = false;    ///< the thread in `Pump` checks the state again before it leaves
 };
 
 }  // namespace dcloc::server

@@ -7,7 +7,7 @@ enum class AttachmentState {
   kAttached,   ///< a stream has it
   kEnding,     ///< a stream has it, and was told to end it
   kDetached,   ///< it waits for its client
-  kAbandoned,  ///< its stream was told to end and broke before it did
+  kAbandoned,  ///< its stream was told to end, but broke first
 };
 
 enum class AttachmentEvent {
@@ -22,7 +22,7 @@ enum class AttachmentAction {
   kRefuse,      ///< it cannot be resumed any more
   kDropStream,  ///< no stream has it
   kTellStream,  ///< its stream is to end
-  kRelease,     ///< nobody has it: it ends at once
+  kRelease,     ///< no stream has it: it ends at once
 };
 
 struct AttachmentTransition {

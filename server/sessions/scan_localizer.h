@@ -36,9 +36,9 @@ absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(
     WorkspacePool& workspaces, std::shared_ptr<const RadarMap> map, Rig rig,
     const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options);
 
-/// Integrates the ego-velocity that the client sends from the initial pose, the identity without
-/// one, and never looks at a target. It says so: its state is always kDeadReckoning, its quality
-/// zero, no degree of freedom is observed, and the covariance is the initial pose's.
+/// The stub. Integrates the ego-velocity that the client sends, from the initial pose or else the
+/// identity, and ignores all targets. Its answers show this: the state is always kDeadReckoning,
+/// the quality is zero, no degree of freedom is observed, and the covariance is the initial pose's.
 absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateStubScanLocalizer(
     std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
     const LocalizerOptions& options);

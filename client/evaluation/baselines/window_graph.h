@@ -14,7 +14,7 @@ class WindowGraph {
  public:
   explicit WindowGraph(int window) : window_(window) {}
 
-  /// Starts with one state and what is known of it.
+  /// Starts with one state and its prior.
   void Reset(const PoseEstimate<2>& first);
 
   /// Adds a state that the edge T_newest_new leads to.

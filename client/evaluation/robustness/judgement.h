@@ -19,8 +19,8 @@ inline constexpr double kRecoveryGoal_s = 1.0;
 inline constexpr double kStartGoal_s = 2.0;
 
 /// Judges one session over a drive, in which `episodes` were disturbed. Of each episode, recovery
-/// is the time from the first scan after it to the first that tracks rightly for good; those before
-/// the session has tracked rightly at all belong to its start.
+/// is the time from the first scan after it to the beginning of the first `kSteady_s` of right
+/// tracking. Episodes before the session has tracked rightly at all belong to its start.
 Tally JudgeTrack(const DriveOutcome& outcome, std::span<const Episode> episodes);
 
 /// Judges one session that ends with its first answer called tracking, or without one. `origin` is

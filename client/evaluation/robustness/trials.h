@@ -16,7 +16,7 @@
 
 namespace dcloc::robustness {
 
-/// Drives of one place, and what is wrong with the live one as it is.
+/// Drives of one place, and the disturbances of the live one.
 struct Course {
   Drive map;
   Drive live;

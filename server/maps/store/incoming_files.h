@@ -49,7 +49,7 @@ class IncomingFile {
   friend class IncomingFiles;
   struct Owner {
     std::mutex mutex;
-    std::int64_t number = 0;  ///< of who has the file
+    std::int64_t number = 0;  ///< of the present writer
   };
 
   IncomingFile(std::filesystem::path path, std::shared_ptr<Owner> owner, std::int64_t number)
@@ -83,8 +83,7 @@ class IncomingFiles {
   absl::StatusOr<std::int64_t> SizeOfOthers(absl::string_view tenant,
                                             absl::string_view sha256) const;
 
-  /// Removes files that nobody has written to since `time` and that nobody has taken; gives how
-  /// many.
+  /// Removes files that have not been written to since `time` and have no writer; returns how many.
   absl::StatusOr<int> RemoveUntouchedSince(SystemTime time);
 
   /// Files that there are.

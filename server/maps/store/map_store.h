@@ -124,8 +124,8 @@ class MapStore {
   const std::chrono::nanoseconds unfinished_upload_timeout_;
   StoreReport report_;
 
-  /// Ties what the catalogue says to which files and loaded maps there are. Held while a catalogue
-  /// row is read or written and while a file is renamed, not while a map is read.
+  /// Keeps catalogue, files and loaded maps consistent. Held while a catalogue row is read or
+  /// written and while a file is renamed, not while a map is read.
   std::mutex mutex_;
   std::map<Key, std::weak_ptr<Loaded>> loaded_;  ///< in memory, used or warm
   std::map<Key, std::weak_ptr<Use>> uses_;       ///< those in use
