@@ -10,11 +10,12 @@
 
 namespace dcloc {
 
-/// One scan of a drive with what the dataset knows beside it.
+/// One scan of a drive with its reference pose.
 struct DriveScan {
   /// `scan.ego_velocity` is set where the dataset has wheel or CAN data for its moment.
   Scan scan;
-  /// Reference pose at the scan's stamp: for mapping and judging, never given to a localizer.
+  /// Reference pose at the scan's stamp: to make maps and measure errors, never given to a
+  /// localizer.
   Pose3 T_map_vehicle;
 };
 

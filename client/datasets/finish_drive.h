@@ -6,7 +6,7 @@
 
 namespace dcloc {
 
-/// What every reader does last: takes over the request's beta, sorts the scans by stamp and radar,
+/// The last step of every reader: applies the request's beta, sorts the scans by stamp and radar,
 /// and checks that the drive is one that a localizer accepts. InvalidArgument names a fault.
 absl::Status FinishDrive(const DriveRequest& request, Drive& drive);
 

@@ -9,7 +9,7 @@
 namespace dcloc {
 
 /// OK when every one of `wanted` is one of `available` and none is asked for twice; otherwise
-/// NotFound or InvalidArgument that names it and what there is.
+/// NotFound or InvalidArgument that names it and the available ones.
 absl::Status CheckRadars(const std::vector<std::string>& wanted,
                          const std::vector<std::string>& available);
 

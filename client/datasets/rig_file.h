@@ -11,12 +11,11 @@ namespace dcloc {
 /// which the official tables have no place for.
 inline constexpr const char* kRigFileName = "dcloc_rig.json";
 
-/// Takes over what a rig file says of the radars of `rig`; its other radars are ignored:
-/// `{"radars": [{"id": "RADAR_FRONT", "beta_s": 0.04, "mount_yaw_correction_rad": 0.01, ...}]}`.
-/// Keys are RadarModel's numbers and `has_elevation`, and a yaw by which the mount is turned on
-/// about the vehicle's z axis; all but `id` may be left out, which keeps the model's value.
-/// DataLoss for a radar of the rig that the file does not list, for unknown keys and for values of
-/// a wrong type.
+/// Applies a rig file to the radars of `rig`; other radars in the file are ignored: `{"radars":
+/// [{"id": "RADAR_FRONT", "beta_s": 0.04, "mount_yaw_correction_rad": 0.01, ...}]}`. Keys are
+/// RadarModel's numbers and `has_elevation`, and a yaw by which the mount is turned on about the
+/// vehicle's z axis; all but `id` may be left out, which keeps the model's value. DataLoss for a
+/// radar of the rig that the file does not list, for unknown keys and for values of a wrong type.
 absl::Status ApplyRigFile(const std::filesystem::path& path, Rig& rig);
 
 }  // namespace dcloc

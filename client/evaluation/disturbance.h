@@ -9,7 +9,7 @@
 
 namespace dcloc {
 
-/// What can happen to the scans of a drive for a while.
+/// Kinds of disturbances of a drive's scans.
 enum class DisturbanceKind {
   kOutliers,       ///< most targets are elsewhere: half of them as if standing still
   kDisplacedCopy,  ///< all targets as seen from a place aside, the same one throughout
@@ -35,7 +35,7 @@ struct Episode {
   Stamp begin, end;
 };
 
-/// A drive as it came out.
+/// A disturbed drive.
 struct DisturbedDrive {
   Drive drive;                    ///< reference poses stay true; scans of a gap are gone
   std::vector<bool> touched;      ///< one for each of `drive.scans`

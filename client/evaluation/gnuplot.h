@@ -15,8 +15,8 @@ struct Picture {
   int height_px = 900;
 };
 
-/// Draws with the gnuplot program. Errors: NotFound without that program, Internal with what it
-/// says.
+/// Draws with the gnuplot program. Errors: NotFound without that program, Internal with its error
+/// message.
 absl::StatusOr<std::string> RenderSvg(const Picture& picture);
 absl::Status RenderPng(const Picture& picture, const std::filesystem::path& png);
 

@@ -12,7 +12,7 @@ namespace dcloc {
 /// "INITIALIZING", "TRACKING", "DEAD_RECKONING", "LOST".
 const char* StateName(LocalizationState state);
 
-/// The metrics under the names of METHOD section 8; what there is no number for is null.
+/// The metrics under the names of METHOD section 8; a metric without a value is null.
 nlohmann::ordered_json MetricsJson(const Metrics& metrics);
 
 /// A row of text for each metric, a column for each named set: the first row holds the names.

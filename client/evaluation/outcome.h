@@ -28,13 +28,13 @@ struct ScanOutcome {
   bool answered() const { return answer.state != LocalizationState::kInitializing; }
 };
 
-/// What became of one live drive.
+/// The judged answers of one live drive.
 struct DriveOutcome {
   std::string drive;
   std::shared_ptr<const RadarMap> map;  ///< it was localized in
   std::vector<ScanOutcome> scans;  ///< those that the localizer took, in the order of their stamps
   std::size_t refused_count = 0;
-  std::string first_refusal;  ///< what the localizer said of the first scan that it refused
+  std::string first_refusal;  ///< the localizer's error for the first scan that it refused
 };
 
 }  // namespace dcloc

@@ -8,7 +8,7 @@
 
 namespace dcloc {
 
-/// How wrong the pose is that a localizer starts with.
+/// The error of the initial pose that a localizer is given.
 struct Perturbation {
   double translation_m = 1.0;  ///< exactly, in a random direction in the plane, [0, 1000]
   double rotation_deg = 2.0;   ///< exactly, about the vertical to a random side, [0, 180]
@@ -19,9 +19,9 @@ struct Perturbation {
 /// bound.
 absl::Status Validate(const Perturbation& perturbation);
 
-/// The true pose perturbed, with a covariance that says so: (translation_m)^2 / 2 along x and y
-/// each, (rotation_deg)^2 in yaw, but never less than (5 cm)^2 and (0.1 deg)^2; 0.1 m and 0.5 deg
-/// in z, roll and pitch, which are not perturbed. The same drive, query and seed give the same
+/// The perturbed true pose, with the covariance of the perturbation: (translation_m)^2 / 2 along x
+/// and y each, (rotation_deg)^2 in yaw, but never less than (5 cm)^2 and (0.1 deg)^2; 0.1 m and 0.5
+/// deg in z, roll and pitch, which are not perturbed. The same drive, query and seed give the same
 /// pose.
 InitialPose Perturb(const Pose3& T_map_vehicle_true, const Perturbation& perturbation,
                     const std::string& drive, std::uint64_t query);

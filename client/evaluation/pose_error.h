@@ -6,7 +6,7 @@
 
 namespace dcloc {
 
-/// How far a pose estimate is from the truth, and whether its covariance owns up to it.
+/// The error of a pose estimate, and whether its covariance is consistent with it.
 struct PoseError {
   /// `truth = estimate Exp(tangent)`: (x, y, z [m], roll, pitch, yaw [rad]) in the estimate's
   /// frame.

@@ -11,7 +11,7 @@
 namespace dcloc {
 
 /// Measures the stages of one scan: made just before `Localize`, asked just after, by one thread.
-/// It is that thread's own time: what else runs on the machine does not count.
+/// It measures the thread's own processor time, so other programs on the machine do not count.
 class StageTimer final : public StageListener {
  public:
   using StageDurations = std::array<std::optional<double>, kStageNames.size()>;

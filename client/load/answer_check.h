@@ -22,17 +22,16 @@ struct Expected {
   bool resent = false;  ///< also on an earlier stream
 };
 
-/// What is wrong with an answer: another scan's, another stamp or map version, no pose that could
-/// be one, localized twice, or late and localized all the same. Nothing when it is as agreed. A
-/// rejection that the contract allows for is as agreed.
+/// The fault of an answer, if any: it belongs to another scan, stamp or map version, its pose is
+/// invalid, the scan was localized twice, or it was late and localized nevertheless. A rejection
+/// that the contract allows is no fault.
 std::optional<std::string> FaultOf(const v1::LocalizeResponse& answer, const Expected& expected,
                                    std::int64_t map_version);
 
 /// How far an answer is from the truth.
 struct PositionError {
   double distance_m = 0.0;  ///< in the plane
-  /// Taken for good (TRACKING), more than 2 m off, and with the truth outside of its 99.9 %
-  /// ellipse.
+  /// TRACKING, more than 2 m off, and with the truth outside of its 99.9 % ellipse.
   bool misleading = false;
 };
 

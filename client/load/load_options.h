@@ -8,7 +8,7 @@
 
 namespace dcloc::load {
 
-/// What goes wrong on purpose. Rates are per vehicle; shares are of all scans or vehicles, [0, 1].
+/// Faults that are injected. Rates are per vehicle; shares are of all scans or vehicles, [0, 1].
 struct FaultProfile {
   double disconnects_per_min = 0.0;  ///< the connection is reset, and the session resumed
   double stalls_per_min = 0.0;       ///< nothing is sent for a while, then all that is due
@@ -27,8 +27,8 @@ struct FaultProfile {
 /// How a server is loaded.
 struct LoadOptions {
   int vehicle_count = 10;
-  /// Open loop: each scan is sent when it is due, however the server does. Closed: each as soon as
-  /// the one before is answered.
+  /// Open loop: each scan is sent when it is due, whether or not the server keeps up. Closed loop:
+  /// each is sent as soon as the one before is answered.
   bool open_loop = true;
   std::chrono::milliseconds duration = std::chrono::seconds(20);  ///< that is measured
   std::chrono::milliseconds warmup = std::chrono::seconds(2);  ///< before it, once all have begun

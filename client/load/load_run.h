@@ -13,7 +13,7 @@
 
 namespace dcloc::load {
 
-/// What a run came to.
+/// The result of a run.
 struct LoadResult {
   int vehicle_count = 0;
   double measured_s = 0.0;
@@ -24,7 +24,7 @@ struct LoadResult {
   double RateHz() const;
 };
 
-/// Who looks on.
+/// Callbacks of a run.
 struct LoadObserver {
   std::function<void(const LoadSecond&)> on_second;  ///< each second, also before the measuring
   std::function<bool()> stopped;                     ///< true ends the run early
@@ -33,10 +33,9 @@ struct LoadObserver {
 /// Gives a vehicle its connection.
 using LinkFactory = std::function<absl::StatusOr<VehicleLink>()>;
 
-/// Lets the vehicles drive: vehicle i on route i modulo their number. Takes ramp, warm-up, duration
-/// and at most `drain`. InvalidArgument for options and routes that make no sense, Unavailable with
-/// the first reason when not one session could be opened, Cancelled when it was stopped before the
-/// measuring.
+/// Runs the vehicles: vehicle i on route i modulo their number. Takes ramp, warm-up, duration and
+/// at most `drain`. InvalidArgument for invalid options and routes, Unavailable with the first
+/// reason when not one session could be opened, Cancelled when it was stopped before the measuring.
 absl::StatusOr<LoadResult> RunLoad(const LoadOptions& options, const std::vector<Route>& routes,
                                    const LinkFactory& make_link, const LoadObserver& observer = {});
 

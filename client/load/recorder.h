@@ -12,7 +12,7 @@
 
 namespace dcloc::load {
 
-/// How often something happened, and what was said the first time.
+/// A count of events, with the message of the first one.
 struct Incidents {
   std::int64_t count = 0;
   std::string first;
@@ -22,7 +22,7 @@ struct Incidents {
   }
 };
 
-/// What came of a run's scans. Those of the measured time only, but for sessions and what is wrong.
+/// Counts of a run's scans. Only scans of the measured time count, except for sessions and faults.
 struct LoadTotals {
   std::int64_t answered_count = 0;
   std::int64_t repeated_count = 0;      ///< answered from memory
@@ -58,7 +58,7 @@ struct LoadSecond {
   double max_ms = 0.0;
 };
 
-/// Everything that a run came to.
+/// All results of a run.
 struct LoadRecord {
   LoadTotals totals;
   LatencyHistogram latency;         ///< from when a scan was due until its answer was there

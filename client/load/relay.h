@@ -13,8 +13,8 @@
 
 namespace dcloc::load {
 
-/// A way to a server through a port of this machine, which can be broken: how a network fails.
-/// Carries bytes and does not look at them, so TLS goes through it. Thread-safe.
+/// A TCP relay to a server through a port of this machine, whose connections can be reset to
+/// imitate a failing network. It does not inspect the bytes, so TLS works through it. Thread-safe.
 class Relay {
  public:
   /// To `server`, HOST:PORT. Errors name it, or say why there is no port.
@@ -26,8 +26,8 @@ class Relay {
   /// Where it listens.
   std::string address() const;
 
-  /// Resets the connections that are there, on both sides: what is on its way is lost. New ones are
-  /// taken.
+  /// Resets the present connections on both sides; bytes in transit are lost. New connections are
+  /// accepted.
   void Cut();
 
  private:

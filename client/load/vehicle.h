@@ -39,9 +39,9 @@ class Vehicle final : public client::Connection::Host {
 
   /// Opens the first session.
   void Start();
-  /// Sends no more scans; ends once what was sent is answered.
+  /// Stops sending; ends once all sent scans are answered.
   void Finish();
-  /// Ends at once; what is not answered is lost.
+  /// Ends at once; unanswered scans are lost.
   void Cancel();
   /// Has ended and will begin nothing more.
   bool done() const;

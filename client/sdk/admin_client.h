@@ -15,7 +15,7 @@
 
 namespace dcloc::client {
 
-/// What an operator asks of a server. Calls block, each for `timeout` at most; errors are the
+/// The operators' RPCs of a server. Calls block, each for `timeout` at most; errors are the
 /// server's own, or Unavailable and DeadlineExceeded when it cannot be reached. Thread-safe.
 class AdminClient {
  public:
@@ -24,7 +24,7 @@ class AdminClient {
 
   absl::StatusOr<v1::GetServerStateResponse> ServerState();
 
-  /// Gives how many sessions were told to move.
+  /// Returns how many sessions were told to move.
   absl::StatusOr<int> Drain();
 
   /// All open sessions, by ascending id.
@@ -32,12 +32,12 @@ class AdminClient {
 
   absl::StatusOr<v1::Session> GetSession(const std::string& session_id);
 
-  /// `reason` is told to the session's client.
+  /// The session's client is given `reason`.
   absl::Status EndSession(const std::string& session_id, const std::string& reason);
 
-  /// Waits for the vehicle's next session, and hands over its header and its scans until it ends;
-  /// `on_ready` is called once the server waits. OK when the session has ended or `stop` was
-  /// requested.
+  /// Records the vehicle's next session: passes on its header and its scans until it ends.
+  /// `on_ready` is called once the server waits for the session. OK when the session has ended or
+  /// `stop` was requested.
   absl::Status RecordSession(
       const std::string& vehicle_id, const std::stop_token& stop,
       const std::function<void()>& on_ready,

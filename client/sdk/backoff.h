@@ -6,7 +6,7 @@
 namespace dcloc::client {
 
 /// How long to wait before the next attempt: twice as long each time, with jitter, so that a fleet
-/// does not come back all at once.
+/// does not reconnect all at once.
 class Backoff {
  public:
   using Duration = std::chrono::duration<double, std::milli>;

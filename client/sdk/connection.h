@@ -9,9 +9,9 @@
 
 namespace dcloc::client {
 
-/// One Localize call, from its `open` to its status. What gRPC asks for is kept here: at most one
-/// write and one read are under way; while threads outside of the reactions may start operations
-/// there is a hold, given back once, when the read side has ended; nothing is touched after OnDone.
+/// One Localize call, from its `open` to its status. It obeys gRPC's rules. At most one write and
+/// one read are under way. A hold is kept while threads outside of the reactions may start
+/// operations, and given back once, when the read side has ended. Nothing is touched after OnDone.
 class Connection final : public grpc::ClientBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse> {
  public:
   enum class Fill { kRequest, kNothingYet, kNothingMore };

@@ -24,8 +24,8 @@ class MapClient {
   explicit MapClient(const std::shared_ptr<grpc::Channel>& channel,
                      std::chrono::milliseconds timeout = std::chrono::seconds(15));
 
-  /// Adds the map file as a new version, and the map if it is new. Goes on by itself where the
-  /// server has the file when the connection breaks; only the first call must get through at once.
+  /// Adds the map file as a new version, and the map if it is new. If the connection breaks, the
+  /// upload continues from the bytes that the server has; only the first call must succeed at once.
   /// On top of `timeout` each call may take as long as the file does at 1 MB/s.
   absl::StatusOr<v1::MapVersion> Upload(const std::filesystem::path& file,
                                         const std::string& map_name, const UploadOptions& options);
@@ -35,8 +35,8 @@ class MapClient {
     return Upload(file, map_name, UploadOptions{.activate = activate, .progress = progress});
   }
 
-  /// Writes a version's file, `version` 0 for the active one: beside `file` first, and under its
-  /// name once its hash is right. DataLoss when it is not. May take as long as it takes.
+  /// Writes a version's file, `version` 0 for the active one: first beside `file`, then renamed
+  /// once its hash is verified. DataLoss if the hash is wrong. Has no time limit.
   absl::StatusOr<v1::MapVersion> Download(const std::string& map_name, std::int64_t version,
                                           const std::filesystem::path& file,
                                           const TransferProgress& progress = {});
@@ -57,11 +57,12 @@ class MapClient {
       const v1::ActivateMapVersionRequest& request);
   absl::StatusOr<v1::Map> Activate(const std::string& map_name, std::int64_t version);
 
-  /// The same with the version that was active before.
+  /// Activates the version that was active before.
   absl::StatusOr<v1::RollBackMapResponse> RollBack(const v1::RollBackMapRequest& request);
   absl::StatusOr<v1::Map> RollBack(const std::string& map_name);
 
-  /// A share of the vehicles, (0, 1], gets this version; 0 and 0 for none.
+  /// Makes a version the canary for a share of the vehicles, (0, 1]; version 0 and share 0: no
+  /// canary.
   absl::StatusOr<v1::Map> SetCanary(const std::string& map_name, std::int64_t version,
                                     double share);
 
@@ -71,8 +72,8 @@ class MapClient {
   /// The landmarks and keyframes in a rectangle.
   absl::StatusOr<v1::ReadMapTileResponse> ReadTile(const v1::ReadMapTileRequest& request);
 
-  /// Has the server make a version of scans at known poses: `next` gives one after the other, until
-  /// it gives false. Returns when all are there; the build goes on by itself.
+  /// Has the server make a version of scans at known poses: `next` provides one after the other,
+  /// until it returns false. Returns when the server has all scans; the build goes on by itself.
   absl::StatusOr<v1::MapBuild> StartBuild(const v1::MapBuildHeader& header,
                                           const std::function<bool(v1::PosedScan*)>& next);
   absl::StatusOr<v1::MapBuild> GetBuild(const std::string& build_id);

@@ -11,13 +11,13 @@
 
 namespace dcloc::client {
 
-/// How far a file is on its way.
+/// The progress of a transfer.
 using TransferProgress = std::function<void(std::int64_t done_bytes, std::int64_t size_bytes)>;
 
 struct UploadOptions {
   bool activate = false;  ///< new sessions get the version at once
-  /// When the connection breaks, the upload goes on where the server has it, until there has been
-  /// no progress for so long.
+  /// After the connection breaks, the upload continues from the bytes that the server has. It gives
+  /// up after this time without progress.
   std::chrono::milliseconds give_up_after = std::chrono::minutes(1);
   TransferProgress progress;  ///< called between chunks
 };

@@ -10,8 +10,8 @@
 namespace dcloc::client {
 
 /// The scans of a session that are not answered yet, in their order: those sent on the stream that
-/// is open, then those that wait. Kept until they are answered, since the next stream must carry
-/// them again. Not thread-safe.
+/// is open, then those that wait. They are kept until they are answered, since the next stream must
+/// send them again. Not thread-safe.
 class Outbox {
  public:
   void Push(v1::Scan scan) { scans_.push_back(std::move(scan)); }

@@ -7,14 +7,14 @@
 
 namespace dcloc::client {
 
-/// What a session's answers say of the pose, for a session that has to begin anew. Not thread-safe.
+/// The pose from a session's last answers, as the prior of a new session. Not thread-safe.
 class Prior {
  public:
   void Note(const v1::LocalizationResult& result);
 
   /// Makes the last pose the initial one of `open`, its covariance widened by the way that the
-  /// vehicle may have come until `stamp_ns`. Without any answer `open` stays as it is; after one
-  /// without a confirmed pose nothing is known, and the initialization goes.
+  /// vehicle may have come until `stamp_ns`. Without any answer `open` stays as it is. If the last
+  /// answer has no confirmed pose, the initialization is removed.
   void Apply(std::int64_t stamp_ns, v1::OpenSession* open) const;
 
  private:

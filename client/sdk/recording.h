@@ -19,8 +19,8 @@ inline constexpr int kRecordingFormatVersion = 1;
 /// Writes a session to a file (see recording.proto) as it goes on. Not thread-safe.
 class RecordingWriter {
  public:
-  /// Begins the file; one that is there is replaced. Format version and secrets of `header` are
-  /// seen to. Errors name the path and the reason.
+  /// Begins the file; an existing one is replaced. Sets the format version of `header` and removes
+  /// its secrets. Errors name the path and the reason.
   static absl::StatusOr<RecordingWriter> Create(const std::filesystem::path& path,
                                                 v1::RecordingHeader header);
 

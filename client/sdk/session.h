@@ -17,10 +17,10 @@ class SessionEngine;
 
 /// One vehicle's localization session: scans in, exactly one answer to each out, in the same order.
 ///
-/// When the connection breaks or the server leaves, the session reconnects by itself and goes on
-/// where it was; scans that are not answered are sent again, and none is localized twice. Where the
-/// server has not kept the session, a new one begins with the last pose as prior, and `on_event`
-/// says so. It ends when the server ends it, or refuses it, or cannot be reached for too long.
+/// When the connection breaks or the server drains, the session reconnects by itself and continues.
+/// Unanswered scans are sent again, and none is localized twice. If the server has not kept the
+/// session, a new one begins with the last pose as prior, and `on_event` reports it. It ends when
+/// the server ends it, or refuses it, or cannot be reached for too long.
 ///
 /// All members may be called from any thread at any time; scans from several threads are sent in
 /// the order in which `Send` takes them. None but `Open`, a blocking `Send`, `Next` and the
@@ -62,10 +62,10 @@ class Session {
   /// FailedPrecondition while it has not ended.
   absl::Status EndStatus() const;
 
-  /// Whether all went well with the recording, after `Next` gave nothing.
+  /// The status of the recording; to be called after `Next` returned nothing.
   absl::Status record_status() const;
 
-  /// How often the connection broke, and what came of it.
+  /// How often the connection broke, and how the session was resumed.
   SessionStats stats() const;
 
  private:

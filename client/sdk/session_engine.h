@@ -21,7 +21,8 @@
 
 namespace dcloc::client {
 
-/// What is under a Session: a thread that opens one stream after the other, until the session ends.
+/// The implementation of Session: a thread that opens one stream after the other, until the session
+/// ends.
 ///
 /// Scans wait in the outbox until they are answered. Each stream begins at the oldest unanswered
 /// one; the server answers those that it had processed from memory, so each is answered once.
@@ -103,11 +104,11 @@ class SessionEngine final : public Connection::Host {
   std::optional<RecordingWriter> recording_;
   absl::Status record_status_;
 
-  // Of the stream that is there.
+  // State of the present stream.
   std::unique_ptr<Connection> connection_;
   std::optional<v1::SessionOpened> opened_;
   std::optional<absl::Status> stream_status_;
-  absl::Status fault_;  ///< what the server did that it may not do
+  absl::Status fault_;  ///< the server's violation of the contract
   bool moving_ = false;
   bool close_sent_ = false;
 

@@ -11,8 +11,8 @@
 
 namespace dcloc::client {
 
-/// The token in a file, without the line end that editors and `dcloc-server token create` leave.
-/// An error names the file, never what is in it.
+/// The token in a file, without the line end that editors and `dcloc-server token create` leave. An
+/// error names the file, never its contents.
 absl::StatusOr<std::string> ReadToken(const std::string& path);
 
 /// Whether HOST is this machine: "localhost", 127.0.0.0/8 or ::1.

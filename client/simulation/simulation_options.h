@@ -25,13 +25,13 @@ struct SimulationOptions {
   int rig_size = 1;                        ///< 1 (front) or 5
   std::uint64_t seed = 1;
   double length_m = 1000.0;  ///< of each drive
-  double tunnel_m = 0.0;     ///< of a tunnel without features in its middle; 0 for none
+  double tunnel_m = 0.0;  ///< of a tunnel without features in the middle of the drive; 0 for none
 
   double map_speed_mps = 72.0 / 3.6;                   ///< mean of the map pass
   std::vector<double> live_speeds_mps = {40.0 / 3.6};  ///< means of the live passes
   bool stops = false;                                  ///< halt at about every other crossroads
 
-  double noise_scale = 1.0;  ///< of all noise but that of detection; the rig is described as with 1
+  double noise_scale = 1.0;  ///< of all measurement noise; the rig's described sigmas do not change
   bool is_flat = false;      ///< ranges and range rates as if all stood at the radar's height
   double beta_s = 0.04;      ///< range-Doppler coupling of every radar
   bool has_elevation = false;

@@ -7,13 +7,13 @@ namespace dcloc {
 /// Fills in `applied` and `remaining_sigma` of all parameters from `correction`, `sigma`,
 /// `prior_sigma` and `calibration.covariance`.
 ///
-/// Corrections of one kind (all betas, all time offsets, ...) are their mean over the radars and
-/// each radar's own deviation from it, since data often know the one and not the other: radars that
-/// see one world compare their clocks with one another far better than with the poses' clock. The
-/// mean is applied or left out, and so are all deviations together. Applied, a part leaves errors
-/// of sigma^2; left out, of correction^2 - sigma^2 as far as the data tell. So it is applied if
-/// correction^2 > 2 sigma^2; where the data hardly determine it (sigma >= prior_sigma / 2), only if
-/// 0 lies outside of the 95 % interval.
+/// Corrections of one kind (all betas, all time offsets, ...) are split into their mean over the
+/// radars and each radar's deviation from it. Data often determine only one of the two: radars are
+/// compared with each other far better than with the clock of the poses. The mean is either applied
+/// or left out; so are all deviations together. If a part is applied, the expected squared error is
+/// sigma^2; if it is left out, correction^2 - sigma^2. So it is applied if correction^2 > 2
+/// sigma^2. If the data hardly determine it (sigma >= prior_sigma / 2), it is applied only if 0
+/// lies outside of the 95 % interval.
 void ChooseApplied(Calibration& calibration);
 
 }  // namespace dcloc

@@ -10,10 +10,10 @@
 
 namespace dcloc {
 
-/// What may be wrong with the description of one radar, in this order in every vector. The last two
-/// are no properties of the radar, but would otherwise pass for a range bias or for beta.
-/// Scatterers above or below a planar radar are seen too far by h^2 / 2r; where they are the higher
-/// the farther, or where azimuths scatter, by a share of the range (METHOD 4).
+/// Possible errors in the description of one radar, in this order in every vector. The last two are
+/// not properties of the radar, but would otherwise be taken for a range bias or for beta.
+/// Scatterers above or below a planar radar are seen too far by h^2 / 2r. If farther scatterers are
+/// higher, or if azimuths scatter, the error grows in proportion to the range (METHOD 4).
 enum class CalibrationParameter {
   kBeta,
   kTimeOffset,
@@ -30,17 +30,17 @@ using CalibrationVector = std::array<double, kCalibrationParameters>;
 /// "range_scale".
 const char* NameOf(CalibrationParameter parameter);
 
-/// One correction with what the data say of it.
+/// One correction with its uncertainty.
 struct CalibratedParameter {
-  double correction = 0.0;  ///< what the data say is to be added to the description
-  double sigma = 0.0;       ///< of the correction, never above what was known before the data
+  double correction = 0.0;  ///< estimated correction, to be added to the description
+  double sigma = 0.0;       ///< of the correction, at most `prior_sigma`
   double prior_sigma = 0.0;
   /// What is added to the description: all of the correction, or the part of it that the data
   /// support (`ChooseApplied`).
   double applied = 0.0;
-  double remaining_sigma = 0.0;  ///< of the error that stays, never above `prior_sigma`
+  double remaining_sigma = 0.0;  ///< of the error that remains, at most `prior_sigma`
 
-  /// The data narrowed it to less than half of what was known before.
+  /// The data reduced its deviation to less than half of the prior's.
   bool determined() const { return sigma < 0.5 * prior_sigma; }
   /// Determined, and 0 lies outside of the 95 % interval.
   bool significant() const;
@@ -56,7 +56,8 @@ struct RadarCalibration {
   }
 };
 
-/// Two parameters of which the data know a sum or a difference better than each.
+/// Two parameters that are strongly correlated: the data determine their sum or difference better
+/// than each.
 struct Confusion {
   std::string radar;
   CalibrationParameter parameter;
@@ -72,12 +73,12 @@ struct Calibration {
   std::size_t return_count = 0;
   std::size_t pair_count = 0;
 
-  /// Pairs of parameters that the data cannot tell apart, of what they determine at all.
+  /// The pairs, among the determined parameters, that the data cannot tell apart.
   std::vector<Confusion> Confusions() const;
 };
 
-/// The described radar with `parameter` corrected by `correction`; what is no property of the radar
-/// changes nothing.
+/// The described radar with `parameter` corrected by `correction`; a parameter that is no property
+/// of the radar changes nothing.
 RadarModel Corrected(const RadarModel& described, CalibrationParameter parameter,
                      double correction);
 

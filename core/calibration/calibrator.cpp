@@ -126,25 +126,35 @@ Eigen::VectorXd OfEachRadar(const CalibrationVector& values, std::size_t radar_c
 
 }  // namespace
 
+std::span<const OptionField<CalibratorOptions>> FieldsOf(const CalibratorOptions& /*options*/) {
+  using O = CalibratorOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"beta_spread_s", &O::beta_spread_s, 1e-6, 1},
+      {"far_range_m", &O::far_range_m, 0, 1000, "no return is left out"},
+      {"iterations_per_sigma", &O::iterations_per_sigma, 1, 100},
+      {"max_pair_distance_m", &O::max_pair_distance_m, 0.1, 10},
+      {"max_pairs_per_return", &O::max_pairs_per_return, 1, 10'000},
+      {"max_returns", &O::max_returns, 1, 1e9},
+      {"stand_distance_m", &O::stand_distance_m, 0, 100, "each pose has errors of its own"},
+      {"block_m", &O::block_m, 0.1, 1000},
+  };
+  return kFields;
+}
+
 absl::Status Validate(const CalibratorOptions& options) {
-  absl::Status status;
+  absl::Status status = ValidateFields(options, FieldsOf(options));
   for (const double sigma : options.prior_sigma) {
     status.Update(CheckBound("prior_sigma", sigma, 0.0, 100.0));
   }
   for (const double sigma : options.floor_sigma) {
     status.Update(CheckBound("floor_sigma", sigma, 0.0, 100.0));
   }
-  status.Update(CheckBound("beta_spread_s", options.beta_spread_s, 1e-6, 1.0));
   status.Update(CheckBound("scatterer_sigmas_m: size",
                            static_cast<double>(options.scatterer_sigmas_m.size()), 1, 100));
   for (const double sigma_m : options.scatterer_sigmas_m) {
     status.Update(CheckBound("scatterer_sigmas_m", sigma_m, 0.01, 10.0));
   }
-  status.Update(CheckBound("far_range_m", options.far_range_m, 0.0, 1000.0));
-  status.Update(CheckBound("iterations_per_sigma", options.iterations_per_sigma, 1, 100));
-  status.Update(CheckBound("max_pair_distance_m", options.max_pair_distance_m, 0.1, 10.0));
-  status.Update(CheckBound("stand_distance_m", options.stand_distance_m, 0.0, 100.0));
-  status.Update(CheckBound("block_m", options.block_m, 0.1, 1000.0));
+  status.Update(Within("static_points", Validate(options.static_points)));
   return status;
 }
 

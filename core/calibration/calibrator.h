@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "core/calibration/calibration.h"
 #include "core/calibration/return_pairs.h"
 #include "core/calibration/static_return.h"
+#include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "core/radar/static_points.h"
@@ -21,56 +23,59 @@
 namespace dcloc {
 
 struct CalibratorOptions {
-  /// What is known before the data: deviations from the rig's description, by
-  /// CalibrationParameter; 0 for one that is to be left alone. That of the range scale is half the
-  /// square of 4 degrees, for elevations or azimuths that spread that much; it is free only for
-  /// comparison (`Calibrator`).
+  /// Prior deviations from the rig's description, by CalibrationParameter; 0 for a parameter that
+  /// is not to be estimated. That of the range scale is half the square of 4 degrees, for
+  /// elevations or azimuths that spread that much; it is estimated only for comparison
+  /// (`Calibrator`).
   CalibrationVector prior_sigma = {0.05, 0.05, 0.3, 0.035, 10.0, 0.0025};
-  /// By how much one radar's beta may differ from the others': radars of one make have one waveform
-  /// and one firmware, and where each is judged alone, beta takes the blame for what else is wrong
-  /// with it.
+  /// Prior deviation of one radar's beta from the others'. Radars of one make have the same
+  /// waveform and firmware. If each beta were estimated alone, it would absorb other errors of its
+  /// radar.
   double beta_spread_s = 0.003;
   StaticPointsOptions static_points = {.min_range_m = 10.0};
   /// Returns nearer than this are left out, see `Calibrator`.
   double far_range_m = 20.0;
-  /// What no amount of data narrows, by CalibrationParameter: the errors that are left on simulated
-  /// drives, where neighbours that are not one scatterer still pull.
+  /// Lower bounds of the deviations, by CalibrationParameter, whatever the amount of data: the
+  /// errors that remain on simulated drives, because neighbouring scatterers are paired.
   CalibrationVector floor_sigma = {0.001, 0.001, 0.02, 0.0005, 0.5, 0.0};
-  /// Beyond its noise, the size of a scatterer: first wide, so that returns of one scatterer find
-  /// one another, then as it is.
+  /// Deviation of returns of one scatterer beyond their noise, in successive rounds: first wide, so
+  /// that they find one another, then the actual size.
   std::vector<double> scatterer_sigmas_m = {1.0, 0.6, 0.4, 0.3, 0.3};
   int iterations_per_sigma = 4;
   double max_pair_distance_m = 2.0;
   std::size_t max_pairs_per_return = 24;
-  std::size_t max_returns = 100'000;  ///< of more an even choice is taken
+  std::size_t max_returns = 100'000;  ///< if there are more, they are thinned evenly
   double stand_distance_m = 3.0;  ///< returns seen from poses nearer than this share their errors
-  double block_m = 8.0;           ///< gradients of squares of this size are independent
+  double block_m = 8.0;  ///< size of the squares whose gradients are taken to be independent
 };
+std::span<const OptionField<CalibratorOptions>> FieldsOf(const CalibratorOptions& options);
+
+/// OK, or InvalidArgument that names the field, the value and the bound.
+absl::Status Validate(const CalibratorOptions& options);
 
 /// Estimates what is wrong with the description of each radar of a rig from static returns at known
 /// vehicle poses: beta, the time by which measurements are later than their stamps, a range bias
-/// and a yaw of the mount (METHOD 1: they mimic each other, so all are free).
+/// and a yaw of the mount (METHOD 1: their effects are alike, so all are estimated together).
 ///
-/// Returns of one scatterer, seen by other radars or from elsewhere, must coincide in the map: the
-/// parameters draw all pairs of returns together that overlap as Gaussians (which needs no
-/// landmarks and no decisions about what belongs together), from a wide kernel to a narrow one.
-/// What the data are worth is the Godambe information H V^-1 H with V from the spread of the
-/// gradient over places, so that neither repeated views nor the size of objects count as knowledge;
-/// it is joined with the prior.
+/// Returns of one scatterer, seen by several radars or from several places, must coincide in the
+/// map. The estimate minimises the distances of all pairs of returns that overlap as Gaussians,
+/// with a kernel that is first wide, then narrow. That needs no landmarks and no data association.
+/// The information of the data is the Godambe information H V^-1 H. V is the spread of the gradient
+/// over places, so that neither repeated views nor extended objects count as more data. It is
+/// combined with the prior.
 ///
-/// Two more estimates are made, one with near returns, too, and one with a free range scale. What
-/// differs from them is not noise, but what the model leaves out (how high scatterers are, extended
-/// objects): an error that is common to the radars, which see one world, and one of each radar's
-/// own, which widen the covariance. What of the corrections is then worth applying, `ChooseApplied`
-/// says. Deterministic.
+/// Two more estimates are made: one that includes near returns, and one with a free range scale.
+/// Their differences are not noise, but effects that the model leaves out (heights of scatterers,
+/// extended objects). They are taken for an error common to all radars and one of each radar, which
+/// widen the covariance. `ChooseApplied` decides which corrections are applied. Deterministic.
 class Calibrator {
  public:
   /// InvalidArgument names what is wrong with the rig or the options.
   static absl::StatusOr<Calibrator> Create(Rig rig, CalibratorOptions options = {});
 
   /// Adds one scan taken at `T_map_vehicle`, a reference in the map frame named `frame`; drives in
-  /// one frame that pass the same places tell most. InvalidArgument for an invalid scan, an unknown
-  /// radar or a pose that is not finite.
+  /// one frame that pass the same places give the most information. InvalidArgument for an invalid
+  /// scan, an unknown radar or a pose that is not finite.
   absl::Status Add(const std::string& frame, const Scan& scan, const Pose3& T_map_vehicle,
                    const EgoVelocity& ego_velocity);
 
@@ -101,8 +106,5 @@ class Calibrator {
   CalibratorOptions options_;
   std::map<std::string, Frame> frames_;
 };
-
-/// OK, or InvalidArgument that names the field, the value and the bound.
-absl::Status Validate(const CalibratorOptions& options);
 
 }  // namespace dcloc

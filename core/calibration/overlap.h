@@ -8,8 +8,8 @@
 
 namespace dcloc {
 
-/// What draws the two returns of each pair together, linear in the parameters; n of them,
-/// kCalibrationParameters for each radar.
+/// Normal equations of the pairs' overlap in the n parameters, kCalibrationParameters for each
+/// radar.
 struct OverlapTerms {
   explicit OverlapTerms(Eigen::Index n)
       : hessian(Eigen::MatrixXd::Zero(n, n)),
@@ -30,10 +30,10 @@ struct OverlapOptions {
 /// Adds the pairs of one frame to `terms`. Each pair weighs as much as the two overlap as
 /// Gaussians, exp(-d^2 / 2) / sqrt(det S).
 ///
-/// Both Jacobians are taken midway between the two. Neighbours that are not one scatterer then pull
-/// as often one way as the other; at the returns' own places lines of sight diverge from one
-/// neighbour to the next, and a rig that measures everything too near would win, because that
-/// crowds the returns.
+/// Both Jacobians are taken at the middle of the two returns. Then pairs of two different
+/// scatterers pull equally often in both directions. At the returns' own positions, the lines of
+/// sight of neighbours diverge. The overlap would then grow with a range bias that pulls all
+/// returns towards the radar.
 ///
 /// `parameters` (n) are in units of `scale` (n).
 void AddOverlap(const FrameReturns& frame, std::span<const ReturnPair> pairs,

@@ -8,8 +8,7 @@
 
 namespace dcloc {
 
-/// From where one scan was taken, and how the vehicle moved; all in the xy plane of the map,
-/// relative to a local origin.
+/// The poses and velocities at one scan, in the xy plane of the map, relative to a local origin.
 struct ScanView {
   Eigen::Vector2d radar_m;
   Eigen::Vector2d radar_velocity_mps;
@@ -36,8 +35,8 @@ struct FrameReturns {
   std::vector<StaticReturn> returns;
 };
 
-/// How the parameters of a radar, in CalibrationParameter's order, move a return that is seen at
-/// `position_m` from `view` (METHOD 1).
+/// Jacobian of a return's position by the parameters of its radar, in CalibrationParameter's order,
+/// for a return at `position_m` seen from `view` (METHOD 1).
 Eigen::Matrix<double, 2, kCalibrationParameters> JacobianByParameters(
     const ScanView& view, const Eigen::Vector2d& position_m, double cos_elevation);
 

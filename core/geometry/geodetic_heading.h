@@ -5,13 +5,13 @@
 
 namespace dcloc {
 
-// Headings are in degrees, clockwise from true north. North at one place of a map is not quite
-// north at another, so directions go over the Earth.
+// Headings are in degrees, clockwise from true north. The direction of north differs between places
+// of a map, so it is computed on the ellipsoid at each place.
 
-/// Heading in [0, 360) of the x axis of what stands at `T_map_vehicle`.
+/// Heading of the vehicle's x axis, in [0, 360).
 double HeadingFromMap(const GeodeticAnchor& anchor, const Pose3& T_map_vehicle);
 
-/// Yaw [rad] in the map frame of what has `heading_deg` at `position`.
+/// Yaw [rad] in the map frame of a vehicle with `heading_deg` at `position`.
 double YawFromHeading(const GeodeticAnchor& anchor, const GeodeticPosition& position,
                       double heading_deg);
 

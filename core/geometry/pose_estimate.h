@@ -17,7 +17,8 @@ struct PoseEstimate {
   TangentMatrix<Dim> covariance = TangentMatrix<Dim>::Zero();
 };
 
-/// Deviations of what a planar rig does not observe and takes from the map's keyframes.
+/// Deviations of z, roll and pitch, which a planar rig does not observe and takes from the map's
+/// keyframes.
 struct UnobservedSigmas {
   double z_m = 0.5;
   double tilt_rad = 0.03;  ///< roll and pitch
@@ -25,7 +26,7 @@ struct UnobservedSigmas {
 std::span<const OptionField<UnobservedSigmas>> FieldsOf(const UnobservedSigmas& options);
 absl::Status Validate(const UnobservedSigmas& options);
 
-/// A pose in space and its covariance in the dimension of a pipeline.
+/// Converts a pose in space and its covariance to the dimension of a pipeline.
 template <int Dim>
 PoseEstimate<Dim> FromSpace(const Pose3& pose, const Matrix6d& covariance) {
   if constexpr (Dim == 2) {
@@ -35,7 +36,7 @@ PoseEstimate<Dim> FromSpace(const Pose3& pose, const Matrix6d& covariance) {
   }
 }
 
-/// Back into space; what the plane leaves open gets the deviations of `unobserved`.
+/// The inverse; z, roll and pitch of a planar pose get the deviations of `unobserved`.
 template <int Dim>
 PoseEstimate<3> ToSpace(const PoseEstimate<Dim>& estimate, const UnobservedSigmas& unobserved) {
   if constexpr (Dim == 2) {

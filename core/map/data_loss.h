@@ -5,7 +5,7 @@
 
 namespace dcloc {
 
-/// The error of a file that is not as its format asks.
+/// The error for a file that violates its format.
 template <typename... Args>
 absl::Status DataLoss(const absl::FormatSpec<Args...>& format, const Args&... args) {
   return absl::DataLossError(absl::StrFormat(format, args...));

@@ -15,7 +15,8 @@ namespace dcloc {
 /// by (cell_x, cell_y, keyframe).
 std::vector<IndexRecord> MakeIndex(std::span<const KeyframeRecord> keyframes, double cell_m);
 
-/// OK when `index` is what `MakeIndex` gives; otherwise DataLoss names the first wrong record.
+/// OK when `index` is what `MakeIndex` returns for these keyframes; otherwise DataLoss names the
+/// first wrong record.
 absl::Status CheckIndex(std::span<const IndexRecord> index,
                         std::span<const KeyframeRecord> keyframes, double cell_m);
 
@@ -29,11 +30,12 @@ class KeyframeIndex {
   /// Indices, ascending, of the keyframes within `radius_m` of `p_local_m` in xy.
   std::vector<std::size_t> Within(const Eigen::Vector2d& p_local_m, double radius_m) const;
 
-  /// The same in place of what `found` held; its memory is used again.
+  /// The same, into `found`, whose former contents are replaced; its memory is reused.
   void Within(const Eigen::Vector2d& p_local_m, double radius_m,
               std::vector<std::size_t>& found) const;
 
-  /// The nearest in xy if one lies within `max_distance_m`; of equally near ones the first.
+  /// The nearest keyframe in xy, if one lies within `max_distance_m`; of equally near ones the
+  /// first.
   std::optional<std::size_t> Nearest(const Eigen::Vector2d& p_local_m, double max_distance_m) const;
 
  private:

@@ -17,10 +17,10 @@ struct MapReturn {
   std::array<float, 2> slant_per_m = {0.0F, 0.0F};  ///< RadarPoint::slant_per_m, turned
 };
 
-/// What the returns of one scatterer have in common.
+/// A landmark: the fused returns of one scatterer.
 struct Landmark {
   Eigen::Vector3d position_m;
-  /// Where a further return may lie, without that return's own noise.
+  /// Of a further return's position, without that return's own measurement noise.
   Eigen::Matrix3d covariance_m2;
   float rcs_dbsm;
   std::uint32_t scan_count;
@@ -29,23 +29,23 @@ struct Landmark {
 };
 
 struct FusionOptions {
-  double cell_m = 0.4;         ///< noiseless returns within a circle this wide are one landmark
+  double cell_m = 0.4;  ///< noiseless returns within a circle of this diameter are one landmark
   bool has_elevation = false;  ///< false: returns have x and y only, their z is assumed
   std::uint32_t min_scan_count = 2;
-  /// Of the square of a landmark's height over planar radars, before its returns are fitted; 0:
-  /// they are taken for as high as the radar.
+  /// Prior deviation of the square of a landmark's height over planar radars; 0: every landmark is
+  /// taken to be as high as the radar.
   double height_square_sigma_m2 = 25.0;
 };
 
 /// Fuses returns into landmarks. `returns` are ordered by scan, and `pass_of_scan[scan]` ascends.
 ///
-/// Each return is a Gaussian: its measurement covariance plus the size of a scatterer. In the order
-/// of certainty, returns that no landmark so far explains found a new one; then, in a few rounds,
-/// every return joins the landmark that explains it best, landmarks move to the
-/// information-weighted mean of their returns, and those that end up in another's place are given
-/// up. Last, the height of each is found from how its returns draw nearer with their range, and
-/// what slant ranges do is taken from its position. No grid decides what belongs together, so
-/// nothing is cut at cell borders. The result depends on the returns and their order alone.
+/// Each return is a Gaussian: its measurement covariance plus the size of a scatterer. Starting
+/// with the most certain return, a return that no landmark explains founds a new one. Then, in a
+/// few rounds, every return joins the landmark that explains it best, and landmarks move to the
+/// information-weighted mean of their returns. A landmark that ends up at another's place is
+/// removed. Last, the height of each is fitted from how its slant ranges change with the range, and
+/// its position is corrected for it. No grid decides which returns belong together, so nothing is
+/// cut at cell borders. The result depends only on the returns and their order.
 std::vector<Landmark> FuseLandmarks(std::span<const MapReturn> returns,
                                     std::span<const std::uint32_t> pass_of_scan,
                                     const FusionOptions& options);

@@ -14,13 +14,13 @@
 
 namespace dcloc {
 
-/// Nearest landmarks around one place, in the frame of one keyframe: what a live sub-map is matched
-/// with. Several keyframes' landmarks are joined, so that a place is seen from all of its sides.
-/// In the plane (Dim = 2) the landmarks are projected onto the keyframe's xy plane.
+/// The landmarks around one place, in the frame of the nearest keyframe: the target of
+/// registrations. The landmarks of several keyframes are joined, so that a place is seen from all
+/// of its sides. In the plane (Dim = 2) the landmarks are projected onto the keyframe's xy plane.
 template <int Dim>
 class LocalMap {
  public:
-  /// What making one needs for a moment; lent from one to the next.
+  /// Memory that is needed only while a local map is made; reused for the next one.
   struct Memory {
     std::vector<std::size_t> keyframes;
     std::vector<PackedPoint<Dim>> points;
@@ -33,16 +33,16 @@ class LocalMap {
   /// keyframe within `radius_m` of `p_map`.
   LocalMap(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m);
 
-  /// Becomes that one, in the memory that it has.
+  /// Replaces this local map by that one, and reuses its memory.
   void MoveTo(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m, Memory& memory);
 
-  /// From points given in the local frame.
+  /// A local map of points in the local frame.
   LocalMap(const Pose3& T_map_local, const std::vector<GaussianPoint<Dim>>& points);
 
   bool empty() const { return points_.empty(); }
   const Pose3& T_map_local() const { return T_map_local_; }
 
-  /// In cell order.
+  /// The points, ordered by cell.
   std::span<const PackedPoint<Dim>> points() const { return points_; }
 
   /// Calls `visit(index)` for every point in the cells that touch the square of half-width

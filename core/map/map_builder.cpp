@@ -75,16 +75,25 @@ MapPoint PointInKeyframe(const Landmark& landmark, const Pose3& T_local_keyframe
 
 }  // namespace
 
+std::span<const OptionField<MapBuilderOptions>> FieldsOf(const MapBuilderOptions& /*options*/) {
+  using O = MapBuilderOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"keyframe_spacing_m", &O::keyframe_spacing_m, 0.5, 1000},
+      {"cell_m", &O::cell_m, 0.05, 10},
+      {"min_scan_count", &O::min_scan_count, 1, 65535},
+      {"height_square_sigma_m2", &O::height_square_sigma_m2, 0, 1000,
+       "landmarks are as high as the radar"},
+      {"max_keyframe_distance_m", &O::max_keyframe_distance_m, 1, 2000},
+  };
+  return kFields;
+}
+
 absl::Status Validate(const MapBuilderOptions& options) {
   absl::Status status = CheckText("name", options.name, kMaxMapName_bytes);
   status.Update(CheckText("description", options.description, kMaxMapDescription_bytes));
   if (options.anchor) status.Update(Validate(*options.anchor));
-  status.Update(CheckBound("keyframe_spacing_m", options.keyframe_spacing_m, 0.5, 1000.0));
-  status.Update(CheckBound("cell_m", options.cell_m, 0.05, 10.0));
-  status.Update(CheckBound("min_scan_count", options.min_scan_count, 1, 65535));
-  status.Update(CheckBound("height_square_sigma_m2", options.height_square_sigma_m2, 0.0, 1000.0));
-  status.Update(
-      CheckBound("max_keyframe_distance_m", options.max_keyframe_distance_m, 1.0, 2000.0));
+  status.Update(ValidateFields(options, FieldsOf(options)));
+  status.Update(Within("static_points", Validate(options.static_points)));
   return status;
 }
 

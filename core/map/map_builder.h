@@ -3,12 +3,14 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/geometry/geodetic_anchor.h"
+#include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "core/radar/static_points.h"
@@ -22,11 +24,13 @@ struct MapBuilderOptions {
   StaticPointsOptions static_points;
   double keyframe_spacing_m = 10.0;
   double cell_m = 0.4;     ///< returns nearer than about this fuse into one landmark
-  int min_scan_count = 2;  ///< landmarks that fewer scans saw are clutter
-  /// Of the square of landmarks' heights over planar radars, see FusionOptions; 0: all are as high.
+  int min_scan_count = 2;  ///< landmarks seen by fewer scans are clutter
+  /// Prior deviation of the square of a landmark's height over planar radars; 0: landmarks are
+  /// taken to be as high as the radar (FusionOptions).
   double height_square_sigma_m2 = 25.0;
   double max_keyframe_distance_m = 120.0;  ///< landmarks further from any keyframe are left out
 };
+std::span<const OptionField<MapBuilderOptions>> FieldsOf(const MapBuilderOptions& options);
 
 /// OK, or InvalidArgument that names the field, the value and the bound.
 absl::Status Validate(const MapBuilderOptions& options);
@@ -44,12 +48,12 @@ class MapBuilder {
   /// InvalidArgument for an invalid scan, an unknown radar or a pose that is not finite.
   absl::Status Add(const Scan& scan, const Pose3& T_map_vehicle, const EgoVelocity& ego_velocity);
 
-  /// What follows is a further drive over the same ground: landmarks count the passes that saw
-  /// them.
+  /// The scans added from now on are a further drive over the same ground. Landmarks count the
+  /// passes that saw them.
   void BeginPass();
 
-  /// The map file's bytes, for RadarMap::FromBytes or to be written as they are.
-  /// FailedPrecondition when nothing static was seen.
+  /// The map file's bytes, for RadarMap::FromBytes or to be written to a file. FailedPrecondition
+  /// when there is no landmark that enough scans saw.
   absl::StatusOr<std::vector<std::byte>> Build() const;
 
  private:

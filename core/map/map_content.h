@@ -10,15 +10,15 @@
 
 namespace dcloc {
 
-/// Checks the meaning of everything but the points: ranges, unit rotations, that the keyframes
-/// share the points out without gap or overlap, and that the index holds each keyframe once, in its
-/// cell. DataLoss names the first fault.
+/// Checks everything but the points: ranges of values, unit rotations, that each point belongs to
+/// exactly one keyframe, and that the index has each keyframe once, in its cell. DataLoss names the
+/// first fault.
 absl::Status CheckContent(const MapFileView& view);
 
 /// Finite values, positive semidefinite covariances. DataLoss names the first fault.
 absl::Status CheckPoints(std::span<const MapPoint> points);
 
-/// Whether a name or description may stand in a map: well-formed UTF-8 (the wire's strings must be)
+/// Whether a name or description may be stored in a map: well-formed UTF-8 (as protobuf demands)
 /// without NUL, at most `max_bytes`.
 bool IsMapText(std::string_view text, std::size_t max_bytes);
 

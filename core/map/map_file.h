@@ -14,7 +14,7 @@
 
 namespace dcloc {
 
-// The records of a map file as they lie on disk and in memory; maps/README.md has every byte.
+// The records of a map file as they lie on disk and in memory; maps/FORMAT.md describes every byte.
 static_assert(std::endian::native == std::endian::little, "map files are used in place");
 
 inline constexpr std::array<char, 8> kMapFileMagic = {'D', 'C', 'L', 'O', 'C', 'M', 'A', 'P'};
@@ -97,8 +97,8 @@ struct MapFileView {
 /// aligned to 8 and outlive the view.
 absl::StatusOr<MapFileView> ParseMapFile(std::span<const std::byte> bytes);
 
-/// Checks what `ParseMapFile` left out: the points, their checksum, and that what fills the gaps is
-/// zero. `view` is what `ParseMapFile` made of these `bytes`.
+/// Checks what `ParseMapFile` does not: the points, their checksum, and that all padding is zero.
+/// `view` is the result of `ParseMapFile` for these `bytes`.
 absl::Status VerifyMapFile(std::span<const std::byte> bytes, const MapFileView& view);
 
 /// The bytes of a file with these parts.

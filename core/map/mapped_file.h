@@ -8,11 +8,12 @@
 
 namespace dcloc {
 
-/// A file's bytes, mapped read-only. Who truncates the file meanwhile makes reading it fault
-/// (SIGBUS): map only files that nobody changes.
+/// A file's bytes, mapped read-only. If the file is truncated meanwhile, reading it faults
+/// (SIGBUS): map only files that do not change.
 class MappedFile {
  public:
-  /// NotFound, or what the system says, with the path; DataLoss for what is no regular file.
+  /// Errors name the path: NotFound or another error of the system, DataLoss for what is not a
+  /// regular file.
   static absl::StatusOr<MappedFile> Open(const std::filesystem::path& path);
 
   MappedFile(MappedFile&& other) noexcept;
@@ -21,7 +22,7 @@ class MappedFile {
 
   std::span<const std::byte> bytes() const { return bytes_; }
 
-  /// Says that from `offset_bytes` on reads jump about, so that reading ahead is waste.
+  /// Tells the system that reads from `offset_bytes` on are random, so that it does not read ahead.
   void ExpectRandomReadsFrom(std::size_t offset_bytes) const;
 
  private:

@@ -6,10 +6,10 @@
 
 namespace dcloc {
 
-/// A GaussianPoint of a local map, in its frame, packed into single precision: at each scan a
-/// tracker reads those around its vehicle, which the landmarks of all other vehicles have meanwhile
-/// driven out of the processor's caches, so that their bytes cost as much as their arithmetic.
-/// Places within 100 m of the frame's origin are held to 4 micrometres.
+/// A GaussianPoint of a local map, in its frame, packed into single precision. At each scan a
+/// tracker reads the landmarks around its vehicle. By then other vehicles' landmarks have evicted
+/// them from the processor's caches, so reading their bytes costs as much as the arithmetic.
+/// Positions within 100 m of the frame's origin are exact to 4 micrometres.
 template <int Dim>
 struct PackedPoint {
   Eigen::Matrix<float, Dim, 1> mean_m = Eigen::Matrix<float, Dim, 1>::Zero();
@@ -30,7 +30,7 @@ struct PackedPoint {
     }
   }
 
-  /// Where a point of this slant (GaussianPoint::slant_per_m) sees it.
+  /// Where a live point with this `GaussianPoint::slant_per_m` sees the landmark.
   template <typename Scalar>
   Eigen::Matrix<Scalar, Dim, 1> SeenBy(const Eigen::Matrix<Scalar, Dim, 1>& slant_per_m) const {
     return mean_m.template cast<Scalar>() + Scalar{height_square_m2} * slant_per_m;

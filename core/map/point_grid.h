@@ -14,7 +14,7 @@
 namespace dcloc {
 
 /// Points in the plane, in square cells, found by box. Points are numbered as inserted. Cells are
-/// kept in square blocks, so that a box of many cells asks the hash table only a few times.
+/// kept in square blocks, so that a box of many cells needs only a few look-ups in the hash table.
 class PointGrid {
  public:
   explicit PointGrid(double cell_m) : cell_m_(cell_m) {}

@@ -20,7 +20,7 @@ namespace dcloc {
 /// file.
 struct MapPoint {
   float x_m, y_m;
-  /// Or the height over the radars that saw it, in a map that `MapInfo::has_heights`.
+  /// If `MapInfo::has_heights`: the height over the radars that saw it.
   float z_m;
   /// Where a further return of this scatterer may lie, without that return's own noise [m^2].
   float xx_m2, xy_m2, xz_m2, yy_m2, yz_m2, zz_m2;
@@ -30,7 +30,7 @@ struct MapPoint {
 };
 static_assert(sizeof(MapPoint) == 44);
 
-/// A chart of the map: a vehicle pose on the mapping drive, and the landmarks nearest to it.
+/// A vehicle pose on the mapping drive, and the landmarks nearest to it.
 struct Keyframe {
   Pose3 T_map_keyframe;  ///< a vehicle pose: x ahead, y left, z up
   std::span<const MapPoint> points;
@@ -38,7 +38,7 @@ struct Keyframe {
 
 /// What a map is, without its points.
 struct MapInfo {
-  std::string name;         ///< of the drive it was made from
+  std::string name;         ///< of the drive that the map was made from
   std::string description;  ///< command and radars, for people
   std::uint64_t keyframe_count = 0;
   std::uint64_t point_count = 0;
@@ -52,13 +52,13 @@ struct MapInfo {
 };
 
 /// An immutable map, memory-mapped from its file or held in memory; safe to share between threads.
-/// The file's bytes are described in maps/README.md. Whatever the bytes are, no call reads outside
-/// of them; `Verify` says whether they are also what was written.
+/// maps/FORMAT.md describes the file's bytes. Whatever the bytes are, no call reads outside of
+/// them; `Verify` checks that they are intact.
 class RadarMap {
  public:
   /// Maps the file; checks everything but the points and their checksum, at a cost that grows with
-  /// the keyframes only. Nobody may change or truncate the file while it is open: reading what
-  /// was cut off faults (SIGBUS). Replace files by renaming, as the server's store does. Errors
+  /// the keyframes only. Nobody may change or truncate the file while it is open: reading beyond
+  /// its new end faults (SIGBUS). Replace files by renaming, as the server's store does. Errors
   /// name the file: NotFound and what else the system says, or DataLoss with what is wrong.
   static absl::StatusOr<std::shared_ptr<const RadarMap>> Open(const std::filesystem::path& path);
 
@@ -80,10 +80,10 @@ class RadarMap {
   Keyframe keyframe(std::size_t index) const;
 
   /// Indices, ascending, of the keyframes whose position lies within `radius_m` of `p_map` in the
-  /// map's xy plane. Costs what it finds, not what the map holds.
+  /// map's xy plane. The cost grows with the keyframes found, not with the size of the map.
   std::vector<std::size_t> KeyframesWithin(const Eigen::Vector3d& p_map, double radius_m) const;
 
-  /// The same in place of what `indices` held; its memory is used again.
+  /// The same, into `indices`, whose former contents are replaced; its memory is reused.
   void KeyframesWithin(const Eigen::Vector3d& p_map, double radius_m,
                        std::vector<std::size_t>& indices) const;
 

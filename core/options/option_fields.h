@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <span>
 #include <variant>
 
@@ -10,12 +11,14 @@
 
 namespace dcloc {
 
-/// One field of an options struct and the values that it may have, [min, max]. Those of a duration
-/// are milliseconds.
+/// One number of an options struct and its bounds, [min, max]. The bounds of a duration are in
+/// milliseconds.
 template <typename Options>
 struct OptionField {
   const char* name;
-  std::variant<double Options::*, int Options::*, std::chrono::nanoseconds Options::*> member;
+  std::variant<double Options::*, int Options::*, std::size_t Options::*,
+               std::chrono::nanoseconds Options::*>
+      member;
   double min;
   double max;
   /// What zero means, where it lies in [min, max].
@@ -28,13 +31,14 @@ struct OptionField {
  private:
   static double AsNumber(double value) { return value; }
   static double AsNumber(int value) { return value; }
+  static double AsNumber(std::size_t value) { return static_cast<double>(value); }
   static double AsNumber(std::chrono::nanoseconds value) {
     return std::chrono::duration<double, std::milli>(value).count();
   }
 };
 
-/// OK, or InvalidArgument that names the first field that lies outside of its bounds, its value and
-/// the bounds; NaN does.
+/// OK, or InvalidArgument that names the first field outside of its bounds, its value and the
+/// bounds. NaN is outside of all bounds.
 template <typename Options>
 absl::Status ValidateFields(const Options& options, std::span<const OptionField<Options>> fields) {
   for (const OptionField<Options>& field : fields) {
@@ -46,7 +50,8 @@ absl::Status ValidateFields(const Options& options, std::span<const OptionField<
   return absl::OkStatus();
 }
 
-/// `status` of options that are the member `group` of others: its message names the field in full.
+/// The status of options that are a member of other options. The message gets the member's name,
+/// `group`, in front of the field.
 inline absl::Status Within(const char* group, const absl::Status& status) {
   if (status.ok()) return status;
   return absl::Status(status.code(), absl::StrCat(group, ".", status.message()));

@@ -8,8 +8,9 @@
 
 namespace dcloc {
 
-/// One target's numbers, the range without the radar's bias, with their standard deviations, each
-/// from the scan's column or else from the radar model.
+/// One target's measured values and their standard deviations. The range is corrected for the
+/// radar's bias, but not yet compensated. A deviation is the scan's column, or else the radar
+/// model's.
 struct Measurement {
   double range_m = 0.0;
   double range_rate_mps = 0.0;
@@ -27,7 +28,8 @@ Measurement MeasurementAt(const Scan& scan, std::size_t index, const RadarModel&
 /// Unit line of sight u(azimuth, elevation) in the radar frame (METHOD 4).
 Eigen::Vector3d LineOfSight(double azimuth_rad, double elevation_rad);
 
-/// Range without the Doppler shift: `r - beta v_r` (METHOD eq 6).
+/// Range compensated for range-Doppler coupling: `r - beta v_r` (METHOD eq 6). `StaticPoints`
+/// compensates whole scans.
 double CompensatedRange(double range_m, double range_rate_mps, double beta_s);
 
 /// Of all `range_rate_mps + 2 n unambiguous_mps` the one nearest to `predicted_mps`; the range rate
@@ -39,11 +41,11 @@ double UnfoldRangeRate(double range_rate_mps, double predicted_mps, double unamb
 double PredictedRangeRate(const Eigen::Vector3d& u_vehicle, const Pose3& T_vehicle_radar,
                           const EgoVelocity& ego_velocity);
 
-/// The compensated target's position in the radar frame.
+/// The target's position in the radar frame, its range compensated.
 Eigen::Vector3d PointInRadar(const Measurement& measurement, double beta_s);
 
-/// Jacobian of `PointInRadar` by (range, range rate, elevation, azimuth), in this order (METHOD
-/// eq 10 with its columns named right).
+/// Jacobian of `PointInRadar` by (range, range rate, elevation, azimuth), in this order (METHOD eq
+/// 10).
 Eigen::Matrix<double, 3, 4> PointJacobian(const Measurement& measurement, double beta_s);
 
 /// Covariance of `PointInRadar` [m^2] (METHOD eq 11).

@@ -17,14 +17,13 @@ struct RadarModel {
   Pose3 T_vehicle_radar;
 
   /// Range-Doppler coupling: `measured range = range + beta_s * range_rate` (METHOD eq 5). Positive
-  /// for an up-chirp, negative for a down-chirp, 0 where the firmware compensates already.
+  /// for an up-chirp, negative for a down-chirp, 0 if the firmware compensates already.
   double beta_s = 0.0;
   double range_bias_m = 0.0;   ///< `measured range = range + range_bias_m`
   double time_offset_s = 0.0;  ///< a scan was measured this long after its stamp
 
-  /// How well that is known: deviations of the errors that stay in beta_s, range_bias_m,
-  /// time_offset_s and in the mount's yaw. The defaults are those of a vehicle that was built to
-  /// its drawing and never calibrated.
+  /// Deviations of the errors that remain in beta_s, range_bias_m, time_offset_s and in the mount's
+  /// yaw. The defaults are for a vehicle that was built to its drawing and never calibrated.
   double beta_sigma_s = 0.003;
   double range_bias_sigma_m = 0.1;
   double time_offset_sigma_s = 0.02;

@@ -1,7 +1,6 @@
 #include "core/radar/scan.h"
 
 #include <cmath>
-#include <limits>
 
 #include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
@@ -9,7 +8,6 @@
 namespace dcloc {
 namespace {
 
-constexpr double kLargest = std::numeric_limits<double>::infinity();
 constexpr double kPi_rad = 3.1415927410125732;  // pi as a float rounds it: up
 
 struct Column {
@@ -47,6 +45,11 @@ absl::Status CheckNorm(const char* field, const Eigen::Vector3d& vector, double 
 }  // namespace
 
 absl::Status Validate(const Scan& scan, const ScanLimits& limits) {
+  if (scan.stamp < limits.min_stamp || scan.stamp > limits.max_stamp) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "stamp is %d ns; it must lie in [%d, %d] ns", scan.stamp.time_since_epoch().count(),
+        limits.min_stamp.time_since_epoch().count(), limits.max_stamp.time_since_epoch().count()));
+  }
   const std::size_t size = scan.size();
   if (size > limits.max_targets) {
     return absl::InvalidArgumentError(
@@ -61,10 +64,11 @@ absl::Status Validate(const Scan& scan, const ScanLimits& limits) {
       {"azimuth_rad", scan.azimuth_rad, -kPi_rad, kPi_rad, true},
       {"elevation_rad", scan.elevation_rad, -kPi_rad / 2, kPi_rad / 2, false},
       {"rcs_dbsm", scan.rcs_dbsm, -200.0, 200.0, false},
-      {"range_sigma_m", scan.range_sigma_m, kMinSigma, kLargest, false},
-      {"range_rate_sigma_mps", scan.range_rate_sigma_mps, kMinSigma, kLargest, false},
-      {"azimuth_sigma_rad", scan.azimuth_sigma_rad, kMinSigma, kLargest, false},
-      {"elevation_sigma_rad", scan.elevation_sigma_rad, kMinSigma, kLargest, false},
+      {"range_sigma_m", scan.range_sigma_m, kMinSigma, limits.max_range_m, false},
+      {"range_rate_sigma_mps", scan.range_rate_sigma_mps, kMinSigma, limits.max_range_rate_mps,
+       false},
+      {"azimuth_sigma_rad", scan.azimuth_sigma_rad, kMinSigma, kPi_rad, false},
+      {"elevation_sigma_rad", scan.elevation_sigma_rad, kMinSigma, kPi_rad, false},
   };
   for (const Column& column : columns) {
     if (absl::Status status = CheckColumn(column, size); !status.ok()) return status;
@@ -80,6 +84,12 @@ absl::Status Validate(const EgoVelocity& ego_velocity, const ScanLimits& limits)
   if (status.ok() && ego_velocity.covariance && !IsCovariance(*ego_velocity.covariance)) {
     return absl::InvalidArgumentError(
         "ego_velocity.covariance must be finite, symmetric and positive semidefinite");
+  }
+  if (status.ok() && ego_velocity.covariance &&
+      ego_velocity.covariance->diagonal().maxCoeff() > limits.max_variance) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("ego_velocity.covariance has a variance of %g; the limit is %g",
+                        ego_velocity.covariance->diagonal().maxCoeff(), limits.max_variance));
   }
   return status;
 }

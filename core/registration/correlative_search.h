@@ -16,15 +16,15 @@ struct SearchWindow {
   double rotation_rad = 0.1;   ///< half-width; pi is every heading
 };
 
-/// One candidate pose with its likelihood score.
+/// One candidate pose with its likelihood score, [0, 1].
 struct PoseHypothesis {
   Pose2 T_local_vehicle;
   double score = 0.0;
 };
 
 /// Up to `max_count` best poses of `points` (vehicle xy) in the window, best first, no two within a
-/// grid step of one another (METHOD 5: correlative search). Exhaustive at a step of one grid cell
-/// and of the angle that moves the farthest points by about two.
+/// grid step of one another (METHOD 5: correlative search). Exhaustive; the step is one grid cell,
+/// and the angle that moves the farthest points by about two cells.
 std::vector<PoseHypothesis> CorrelativeSearch(std::span<const Eigen::Vector2f> points,
                                               const LikelihoodField& field,
                                               const SearchWindow& window, int max_count);

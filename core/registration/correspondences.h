@@ -12,11 +12,11 @@
 
 namespace dcloc {
 
-/// A live point with its landmark, and the information of their difference.
+/// A live point and its landmark, with the information matrix of their difference.
 template <int Dim>
 struct Correspondence {
   Eigen::Matrix<double, Dim, 1> p;  ///< live, vehicle frame
-  Eigen::Matrix<double, Dim, 1> q;  ///< landmark, local frame, as far off as its height puts p
+  Eigen::Matrix<double, Dim, 1> q;  ///< landmark, local frame, shifted as its height shifts p
   Eigen::Matrix<double, Dim, Dim> information;
 };
 
@@ -26,16 +26,16 @@ struct CorrespondenceGates {
   double gate_sigmas = 3.5;     ///< nor further in units of the joint deviation
 };
 
-/// Finds the landmark of highest likelihood for each live point, again and again as the pose moves.
-/// What stays the same over a neighbourhood of poses is worked out once, and again only when the
-/// pose leaves it: over a wide one, which landmarks can pass the gates; over a narrow one, what
-/// they weigh and which of them can be the most likely. The correspondences are as if all were
-/// looked at every time, but for the weights, which are not turned within one milliradian. Keeps
-/// its memory from one sub-map to the next.
+/// Finds the landmark of highest likelihood for each live point, at a sequence of poses near one
+/// another. Results that hold over a neighbourhood of poses are computed once, and again only when
+/// the pose leaves it. Over a wide neighbourhood: which landmarks can pass the gates. Over a narrow
+/// one: their information matrices, and which of them can be the most likely. The correspondences
+/// are the same as those of an exhaustive search at each pose, except that information matrices are
+/// not rotated within one milliradian. Keeps its memory from one sub-map to the next.
 template <int Dim>
 class CorrespondenceFinder {
  public:
-  /// What follows is about these; both outlive it.
+  /// Sets the points and the map for the following calls; both outlive these.
   void Begin(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
              const CorrespondenceGates& gates);
 

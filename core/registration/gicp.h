@@ -16,12 +16,12 @@ struct GicpOptions {
   int max_iterations = 30;
   /// Landmarks further from a live point are not its correspondence.
   double max_correspondence_distance_m = 2.5;
-  double gate_sigmas = 3.5;   ///< nor those further in units of the joint deviation
-  double huber_sigmas = 1.5;  ///< residuals beyond weigh less (Huber)
+  double gate_sigmas = 3.5;   ///< nor landmarks further in units of the joint deviation
+  double huber_sigmas = 1.5;  ///< larger residuals have a smaller weight (Huber)
   double translation_tolerance_m = 1e-3;
   double rotation_tolerance_rad = 1e-4;
-  /// Deviation added to every match at first, halved each iteration: finds the basin before it
-  /// trusts the fine structure. 0 when the start is already good.
+  /// Deviation that is added to every correspondence at first and halved in each iteration. It
+  /// widens the basin of convergence. 0 for a good initial guess.
   double initial_blur_m = 0.0;
 };
 std::span<const OptionField<GicpOptions>> FieldsOf(const GicpOptions& options);
@@ -31,7 +31,7 @@ absl::Status Validate(const GicpOptions& options);
 /// (vehicle frame) in `map`, e = q - (R p + t), W = (S_q + R S_p R^T)^-1, correspondences being the
 /// landmark of highest likelihood. Levenberg-Marquardt with W and the correspondences frozen within
 /// an iteration (W for up to a milliradian, see CorrespondenceFinder); covariance and quality are
-/// those of the last correspondences at the final pose. `finder` lends its memory.
+/// those of the last correspondences at the final pose. `finder` provides working memory.
 template <int Dim>
 Registration<Dim> RegisterGicp(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                                const Pose<Dim>& T_local_vehicle_initial, const GicpOptions& options,

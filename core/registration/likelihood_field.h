@@ -32,13 +32,13 @@ class LikelihoodField {
   bool empty() const { return cells_.empty(); }
   double cell_m() const { return cell_m_; }
 
-  /// Where a position lies, in cells from the field's corner (column, row); whole numbers below it
-  /// are its cell's, which need not be one of the field.
+  /// Where a position lies, in cells from the field's corner (column, row); rounded down it is the
+  /// cell's index, which may lie outside of the field.
   Eigen::Vector2d CellsFrom(const Eigen::Vector2d& position_m) const {
     return (position_m - min_m_) / cell_m_;
   }
-  /// Likelihoods from a cell of the field on to the end of its row, 255 is a landmark; the next row
-  /// begins `columns()` further.
+  /// Pointer to the likelihood of a cell of the field, where 255 is a landmark. The rest of its row
+  /// follows; the next row begins `columns()` further.
   const std::uint8_t* At(const Eigen::Vector2i& cell) const {
     return &cells_[static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(columns_) +
                    static_cast<std::size_t>(cell.x())];

@@ -18,7 +18,7 @@
 
 namespace dcloc {
 
-/// What a registration must reach to be accepted.
+/// Gates of a registration: it is accepted if it passes all of them.
 struct RegistrationGate {
   int min_inlier_count = 10;
   double min_overlap = 0.2;
@@ -33,35 +33,37 @@ struct RegistrationGate {
 std::span<const OptionField<RegistrationGate>> FieldsOf(const RegistrationGate& options);
 absl::Status Validate(const RegistrationGate& options);
 
-/// When a prediction is searched around, and what the result must reach.
+/// When the surroundings of a prediction are searched, and the gates of the result.
 struct MapMatcherOptions {
   double local_map_radius_m = 100.0;
   GicpOptions gicp;
   RegistrationGate gate;
-  /// Predictions less certain than this are searched around before refinement.
+  /// Around predictions less certain than this, a correlative search precedes the registration.
   double search_sigma_m = 0.4;
   double search_sigma_rad = 0.03;
   int hypotheses = 4;
-  /// Predictions less certain than this may leave several places that look alike. More of them are
-  /// tried, and the best is accepted only with this overlap, when its log-posterior leads that of
-  /// every other place by so much, and when none fits the scans better. With less overlap a place
-  /// that was searched for must so stand out whatever the prediction.
+  /// For predictions less certain than `wide_sigma_m`, several places may look alike. Then
+  /// `wide_hypotheses` places are registered. The best is accepted only if it has
+  /// `wide_min_overlap`, if its log-posterior leads that of every other place by `wide_min_lead`,
+  /// and if no other place fits the scans better. A place found by a search with less overlap than
+  /// that must also lead so, whatever the prediction.
   double wide_sigma_m = 1.8;
   int wide_hypotheses = 10;
   double wide_min_overlap = 0.3;
   double wide_min_lead = 2.5;
-  /// A search scores so many points at every pose, on cells of this size, up to so many deviations
-  /// of the prediction away, and no further than this.
+  /// A search scores `search_point_count` points at every pose, on cells of `search_cell_m`. It
+  /// reaches `search_sigmas` deviations of the prediction, at most `max_search_m` and
+  /// `max_search_rad`.
   int search_point_count = 300;
   double search_cell_m = 0.25;
   double search_sigmas = 3.0;
   double max_search_m = 10.0;
   double max_search_rad = 0.8;
-  double search_guess_sigma_m = 0.3;  ///< of what a search finds: about a cell
-  /// So many points of a sub-map are as good as independent: what a score is worth as evidence
+  double search_guess_sigma_m = 0.3;  ///< deviation of poses that a search finds: about a cell
+  /// Number of points of a sub-map that count as independent: the weight of a score as evidence
   /// (METHOD eq 26).
   double independent_point_count = 20.0;
-  double same_place_m = 1.0;  ///< results nearer to one another are the same place
+  double same_place_m = 1.0;  ///< results nearer to one another than this are the same place
 };
 std::span<const OptionField<MapMatcherOptions>> FieldsOf(const MapMatcherOptions& options);
 absl::Status Validate(const MapMatcherOptions& options);
@@ -75,32 +77,32 @@ class MapMatcher {
              const MapMatcherOptions& options)
       : map_(std::move(map)), method_(std::move(method)), options_(options) {}
 
-  /// Makes the local map the one around `p_map`, in the frame of the keyframe nearest to it. True
-  /// when that changed the local frame.
+  /// Loads the local map around `p_map`, in the frame of the nearest keyframe. True if the local
+  /// frame has changed.
   bool MoveTo(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace);
 
   /// Frame of the local map; the identity before the first MoveTo.
   const Pose3& T_map_local() const { return T_map_local_; }
 
-  /// Registers `live` (vehicle frame) around the predicted pose: refinement alone where the
-  /// prediction is good, after a correlative search and descriptor matching where it is not, except
-  /// in directions in which there is nothing to be found.
-  /// Nothing when no pose is acceptable, and when a wide prediction leaves another place that is as
-  /// good.
+  /// Registers `live` (vehicle frame) around the predicted pose. If the prediction is uncertain, a
+  /// correlative search and descriptor matching give the initial guesses, except along directions
+  /// that are not observed. Returns nothing if no pose passes the gates, or if a wide prediction
+  /// leaves another place that is as good.
   std::optional<Registration<Dim>> Match(std::span<const GaussianPoint<Dim>> live,
                                          const PoseEstimate<Dim>& predicted,
                                          const Observability& observability, std::uint64_t seed,
                                          RegistrationWorkspace<Dim>& workspace);
 
-  /// Registers `live` where a search found the vehicle, which becomes the place of the local map.
-  /// Nothing when it does not pass `gate`, which is that of poses without a prior.
+  /// Registers `live` at the place that global localization found, and moves the local map there.
+  /// Returns nothing if the result does not pass `gate`, the gate for poses without a prior.
   std::optional<Registration<Dim>> MatchFound(std::span<const GaussianPoint<Dim>> live,
                                               const Pose3& T_map_vehicle,
                                               const RegistrationGate& gate,
                                               RegistrationWorkspace<Dim>& workspace);
 
-  /// The landmarks that `live` corresponds to at a pose, one for each point that has one. `live`
-  /// and `workspace` are those of the Match before, and not used since; valid as long.
+  /// The correspondences of `live` at a pose, one for each point that has one. `live` and
+  /// `workspace` must be those of the preceding `Match`, and not used since. The result is valid
+  /// until `workspace` is used again.
   std::span<const Correspondence<Dim>> Correspondences(std::span<const GaussianPoint<Dim>> live,
                                                        const Pose<Dim>& T_local_vehicle,
                                                        RegistrationWorkspace<Dim>& workspace) const;
@@ -110,7 +112,7 @@ class MapMatcher {
   double Fit(std::span<const GaussianPoint<Dim>> points, const Pose<Dim>& T_local_vehicle,
              double sigma_m, RegistrationWorkspace<Dim>& workspace) const;
 
-  /// In which directions a registration of `live` says something.
+  /// The directions in which a registration of `live` is observable.
   Observability Observed(std::span<const GaussianPoint<Dim>> live,
                          const Registration<Dim>& registration,
                          RegistrationWorkspace<Dim>& workspace) const;
@@ -126,7 +128,7 @@ class MapMatcher {
   Registration<Dim> Refine(std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& start,
                            double blur_m, RegistrationWorkspace<Dim>& workspace);
 
-  // What a search needs of the local map, larger than all else that a session holds.
+  // Data of the local map that only searches need. It is larger than the rest of a session.
   struct SearchAids {
     LikelihoodField field;
     std::vector<Eigen::Vector2f> landmarks;

@@ -12,15 +12,15 @@
 
 namespace dcloc {
 
-/// Whether points fit worse where a registration is shifted. The information matrix of matched
-/// points cannot tell: it takes each correspondence for the only possible one, where the points of
-/// a smooth wall find others as good wherever they are put along it.
+/// Whether the points fit worse when a registration is shifted. The information matrix does not
+/// show this: it takes each correspondence for the only possible one, but a point on a smooth wall
+/// finds one that is as good anywhere along the wall.
 struct Observability {
   struct Direction {
     Eigen::Vector2d axis;  ///< of length 1, in the vehicle's xy plane
     bool observed = true;
   };
-  /// At right angles: the registration's largest and smallest deviation.
+  /// The directions of the registration's largest and smallest deviation, at right angles.
   std::array<Direction, 2> directions = {
       {{.axis = Eigen::Vector2d::UnitX()}, {.axis = Eigen::Vector2d::UnitY()}}};
 
@@ -28,12 +28,13 @@ struct Observability {
   /// direction that is not.
   bool Observed(int axis) const;
 
-  /// Variances that take a registration's word in the directions that it does not observe.
+  /// Covariance to be added to a registration's, so that it says nothing in the directions that are
+  /// not observed.
   Eigen::Matrix2d DegeneracyCovariance() const;
 };
 
-/// Of `live` (vehicle frame) registered at `T_local_vehicle` with `covariance`. Some of the points
-/// say it well enough; `chosen` and `finder` lend their memory.
+/// The observability of `live` (vehicle frame), registered at `T_local_vehicle` with `covariance`.
+/// It is tested with a subset of the points. `chosen` and `finder` provide working memory.
 template <int Dim>
 Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                       const Pose<Dim>& T_local_vehicle, const TangentMatrix<Dim>& covariance,

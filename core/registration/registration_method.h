@@ -18,20 +18,20 @@ struct RegistrationEffort {
   double rotation_tolerance_rad;
 };
 
-/// What a registration is asked. All of it outlives the call.
+/// The input of a registration. All of it outlives the call.
 template <int Dim>
 struct RegistrationInput {
   std::span<const GaussianPoint<Dim>> points;  ///< of the sub-map, vehicle frame
   const LocalMap<Dim>& map;
   Pose<Dim> T_local_vehicle_guess;                ///< the initial guess
-  double guess_sigma_m = 0.0;                     ///< how far off the guess may be; 0: it is good
+  double guess_sigma_m = 0.0;                     ///< deviation of the initial guess; 0: it is good
   std::optional<RegistrationEffort> effort = {};  ///< less than the method's own, where it has one
 };
 
 /// Variance [m^2, rad^2] that stands for "not observed".
 inline constexpr double kUnobserved = 1e6;
 
-/// How the points lie in the map.
+/// The result of a registration: the pose of the points in the map.
 template <int Dim>
 struct Registration {
   Pose<Dim> T_local_vehicle;
@@ -43,26 +43,26 @@ struct Registration {
   bool converged = false;
   int iterations = 0;
   int inlier_count = 0;         ///< points with a correspondence inside of the gates
-  double overlap = 0.0;         ///< their share
+  double overlap = 0.0;         ///< share of the points that are inliers
   double score = 0.0;           ///< mean of exp(-d^2 / 2) over all points, 0 of those without one
-  double residual_scale = 0.0;  ///< root mean square of whitened residuals, 1 is as modelled
+  double residual_scale = 0.0;  ///< root mean square of whitened residuals; 1: as modelled
 };
 
-/// The seam behind which a registration algorithm stands. Stateless: one object serves many
-/// vehicles at once, and the result depends on the input alone.
+/// The interface of a registration algorithm. Stateless: one object serves many vehicles at once,
+/// and the result depends only on the input.
 template <int Dim>
 class RegistrationMethod {
  public:
   virtual ~RegistrationMethod() = default;
 
-  /// Aligns `input.points`, of which there is at least one, with the map. A result that did not
-  /// converge is one with `converged` false; without correspondences `inlier_count` is 0.
-  /// `workspace` lends its memory.
+  /// Aligns `input.points`, of which there is at least one, with the map. If it does not converge,
+  /// `converged` is false; without correspondences `inlier_count` is 0. `workspace` provides
+  /// working memory.
   virtual Registration<Dim> Register(const RegistrationInput<Dim>& input,
                                      RegistrationWorkspace<Dim>& workspace) const = 0;
 
-  /// Whether Register leaves `workspace.finder` with the input's points and map, so that their
-  /// correspondences need not be begun again.
+  /// Whether `Register` has called `workspace.finder.Begin` with the input's points and map, so
+  /// that the caller need not.
   virtual bool LeavesFinder() const { return false; }
 };
 

@@ -8,11 +8,11 @@
 
 namespace dcloc {
 
-/// Memory that registrations need only while they run. No result depends on what is left in it.
+/// Memory that registrations need only while they run. No result depends on its former contents.
 template <int Dim>
 struct RegistrationWorkspace {
-  CorrespondenceFinder<Dim> finder;                ///< after a registration: of its points
-  std::vector<GaussianPoint<Dim>> shifted_points;  ///< those that observability is tested with
+  CorrespondenceFinder<Dim> finder;  ///< after a registration it has the registration's points
+  std::vector<GaussianPoint<Dim>> shifted_points;  ///< points with which observability is tested
   CorrespondenceFinder<Dim> shifted_finder;
   typename LocalMap<Dim>::Memory local_map;
 };

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
 
 namespace dcloc {
@@ -15,6 +16,20 @@ absl::Status Validate(const InitialPose& initial_pose) {
   if (!IsCovariance(initial_pose.covariance)) {
     return absl::InvalidArgumentError(
         "initial_pose.covariance must be finite, symmetric and positive semidefinite");
+  }
+  // Beyond, sums of squares would lose what is small beside them.
+  constexpr double kMaxTranslation_m = 1e8;
+  constexpr double kMaxVariance = 1e16;
+  if (pose.translation_m.norm() > kMaxTranslation_m) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("initial_pose.T_map_vehicle lies %g m from the map's origin; the limit is "
+                        "%g m",
+                        pose.translation_m.norm(), kMaxTranslation_m));
+  }
+  if (initial_pose.covariance.diagonal().maxCoeff() > kMaxVariance) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("initial_pose.covariance has a variance of %g; the limit is %g",
+                        initial_pose.covariance.diagonal().maxCoeff(), kMaxVariance));
   }
   return absl::OkStatus();
 }

@@ -5,7 +5,7 @@
 
 namespace dcloc {
 
-/// What is known of the pose before the first scan.
+/// The pose before the first scan, with its uncertainty: the prior.
 struct InitialPose {
   Pose3 T_map_vehicle;
   /// In the tangent space on the right of `T_map_vehicle`.

@@ -11,16 +11,16 @@
 
 namespace dcloc {
 
-/// How points that are registered at a place of the map lie in it.
+/// The registration of points at a place of the map.
 template <int Dim>
 struct PlaceRegistration {
   Pose3 T_map_vehicle;
   Registration<Dim> registration;
-  double work = 0.0;  ///< what it took: see GlobalLocalizerOptions::max_work
+  double work = 0.0;  ///< its cost, see GlobalLocalizerOptions::max_work
 };
 
-/// Registers points at places all over the map, each in the local map there. Places that follow one
-/// another near the same keyframe share it.
+/// Registers points at places anywhere in the map, each in the local map there. Successive places
+/// near the same keyframe share a local map.
 template <int Dim>
 class PlaceRegistrar {
  public:
@@ -29,7 +29,7 @@ class PlaceRegistrar {
       : map_(std::move(map)), method_(std::move(method)), local_map_radius_m_(local_map_radius_m) {}
 
   /// Registers `points` (vehicle frame) around `T_map_vehicle`, which may be off by
-  /// `guess_sigma_m`. Nothing where there is no map.
+  /// `guess_sigma_m`. Returns nothing if there is no keyframe within reach.
   std::optional<PlaceRegistration<Dim>> Register(std::span<const GaussianPoint<Dim>> points,
                                                  const Pose3& T_map_vehicle, double guess_sigma_m,
                                                  const RegistrationEffort& effort,

@@ -150,6 +150,21 @@ bool SearchRegion::MayContain(const Eigen::Vector2d& min_m, const Eigen::Vector2
   return DistanceToBox(CentreNow(*this, yaw_now_rad), min_m, max_m) <= radius_m;
 }
 
+std::span<const OptionField<PlaceSearchOptions>> FieldsOf(const PlaceSearchOptions& /*options*/) {
+  using O = PlaceSearchOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"cell_m", &O::cell_m, 0.1, 10},
+      {"max_keyframe_distance_m", &O::max_keyframe_distance_m, 0, 1000,
+       "only the block of cells around each keyframe is searched"},
+      {"max_count", &O::max_count, 1, 10'000},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const PlaceSearchOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 PlaceSearch::PlaceSearch(std::shared_ptr<const RadarMap> map,
                          std::span<const Eigen::Vector2f> points, const PlaceSearchOptions& options)
     : map_(std::move(map)),

@@ -9,13 +9,15 @@
 #include <tuple>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "core/geometry/pose.h"
 #include "core/map/radar_map.h"
+#include "core/options/option_fields.h"
 
 namespace dcloc {
 
-/// Ground and headings to search: of where the vehicle was once, and the way that it came since.
-/// Whatever its heading was, now it is no further from there than that way.
+/// Positions and headings to search: where the vehicle was at an earlier time, and its motion
+/// since. For each possible heading then, the position now is that position moved by `T_then_now`.
 struct SearchRegion {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  ///< in the map's xy plane
   double radius_m = 0.0;
@@ -26,18 +28,23 @@ struct SearchRegion {
   /// Whether the vehicle may be here now.
   bool Contains(const Pose2& T_map_vehicle) const;
 
-  /// Likewise, with this heading somewhere in the box from `min_m` to `max_m`; position alone.
+  /// Whether the vehicle may now be somewhere in the box from `min_m` to `max_m`, if its heading
+  /// now is `yaw_now_rad`. The heading itself is not tested.
   bool MayContain(const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m,
                   double yaw_now_rad) const;
 };
 
 struct PlaceSearchOptions {
   double cell_m = 1.0;  ///< step between positions; headings step likewise
-  double max_keyframe_distance_m =
-      6.0;  ///< the vehicle is this near to a keyframe along each of the map's axes
-  int max_count = 8;
+  /// Positions are searched within this distance of a keyframe along each of the map's axes.
+  double max_keyframe_distance_m = 6.0;
+  int max_count = 8;                        ///< of places that `Best` returns
   std::optional<SearchRegion> region = {};  ///< without it the whole map, in every heading
 };
+std::span<const OptionField<PlaceSearchOptions>> FieldsOf(const PlaceSearchOptions& options);
+
+/// OK, or InvalidArgument that names the field, the value and the bound.
+absl::Status Validate(const PlaceSearchOptions& options);
 
 /// A place of the map where points may have been seen.
 struct PlaceHypothesis {
@@ -46,13 +53,13 @@ struct PlaceHypothesis {
   double score;              ///< mean likelihood of the points, [0, 1]
 };
 
-/// Searches a map, or a region of it, for the places where some points may have been seen:
-/// exhaustively, every position near a keyframe and every heading on a coarse grid. It goes piece
-/// by piece, so that others can be served in between: a piece costs a millisecond or two, their
-/// number grows with the length of street, the memory does not.
+/// Searches a map, or a region of it, for the places where some points may have been seen.
+/// Exhaustive: every position near a keyframe and every heading on a coarse grid. It works in
+/// pieces, so that other vehicles can be served in between. A piece costs a millisecond or two. The
+/// number of pieces grows with the length of street, the memory does not.
 class PlaceSearch {
  public:
-  /// `points` are vehicle xy.
+  /// `points` are x and y in the vehicle frame; `options` are valid.
   PlaceSearch(std::shared_ptr<const RadarMap> map, std::span<const Eigen::Vector2f> points,
               const PlaceSearchOptions& options = {});
   ~PlaceSearch();

@@ -14,7 +14,8 @@
 
 namespace dcloc {
 
-/// The static points of the last scans, all in the vehicle frame at the newest one (METHOD eq 7-8).
+/// A sub-map: the static points of the last scans, all in the vehicle frame at the newest one
+/// (METHOD eq 7-8).
 struct Submap {
   std::vector<RadarPoint> points;
   int scan_count = 0;
@@ -24,7 +25,7 @@ struct Submap {
 /// The same for matching, in the plane (Dim = 2) or in space.
 template <int Dim>
 struct LiveSubmap {
-  /// Which points are of one scan: [begin, end).
+  /// The points of one scan: [begin, end).
   struct Part {
     int radar_index = 0;  ///< in the rig
     Pose3 T_newest_then;  ///< the vehicle at the scan, in its frame at the newest one
@@ -59,12 +60,12 @@ class SubmapWindow {
   /// oldest scan is dropped.
   void Insert(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points);
 
-  /// All kept points in the vehicle frame at the newest scan. With `carry_drift` each point's
-  /// covariance holds what the motion since its scan adds: G S G^T (METHOD 3).
+  /// All kept points in the vehicle frame at the newest scan. With `carry_drift`, G S G^T is added
+  /// to each point's covariance for the motion since its scan (METHOD 3).
   Submap Join(bool carry_drift) const;
 
-  /// The same for matching, in place of what `submap` held; its memory is used again. Of more than
-  /// `max_count` >= 1 points every n-th.
+  /// The same for registration, into `submap`, whose former contents are replaced; its memory is
+  /// reused. If there are more than `max_count` >= 1 points, every n-th is taken.
   template <int Dim>
   void Join(bool carry_drift, std::size_t max_count, LiveSubmap<Dim>& submap) const;
 

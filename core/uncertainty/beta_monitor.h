@@ -17,42 +17,42 @@
 
 namespace dcloc {
 
-/// What registrations say of a radar's `beta_s`.
+/// The estimated error of a radar's `beta_s`, from registrations.
 struct BetaCheck {
-  double error_s = 0.0;   ///< to be added to it; in dense maps only a part of what is wrong
-  double sigma_s = 0.0;   ///< deviation of that
+  double error_s = 0.0;  ///< to be added to `beta_s`; in dense maps only a part of the actual error
+  double sigma_s = 0.0;  ///< deviation of `error_s`
   bool is_wrong = false;  ///< the error is more than chance and geometry explain
 };
 
-/// What the monitor compares, and when it calls a beta wrong.
+/// Which inliers the monitor uses, and when it reports a wrong beta.
 struct BetaMonitorOptions {
-  double memory = 0.98;       ///< of older registrations, some fifty
-  double reuse = 4.0;         ///< registrations that see the same landmarks
+  double memory = 0.98;       ///< weight kept of older registrations: about fifty count
+  double reuse = 4.0;         ///< registrations that see the same landmarks, so not independent
   double min_range_m = 15.0;  ///< nearer by, heights of scatterers look like beta
   double huber_sigmas = 1.5;
   int min_inlier_count = 30;  ///< of a radar in a registration
   double prior_sigma_s = 0.05;
   double min_range_bias_sigma_m = 0.02;
-  /// What heights and false correspondences make of beta, however long it is monitored.
+  /// Error of beta that heights and false correspondences cause, however long it is monitored.
   double sigma_floor_s = 0.006;
   double wrong_sigmas = 3.0;  ///< a larger error is called wrong
 };
 std::span<const OptionField<BetaMonitorOptions>> FieldsOf(const BetaMonitorOptions& options);
 absl::Status Validate(const BetaMonitorOptions& options);
 
-/// Tests whether residuals depend on range rate, which a wrong beta makes them do (METHOD 1). Each
-/// radar is held against its own best pose, so that neither its mount and its clock nor what is
-/// wrong with other radars count: what is left of a wrong beta is how the shift changes with the
-/// direction, v cos^2 along the track and v sin cos across, for which a range bias is freed. It
-/// finds an error of hundredths of a second, where `Calibrator` finds thousandths, and less than
-/// its whole, because points with landmarks all around correspond to those that they were shifted
-/// to.
+/// Tests whether residuals depend on range rate, as they do if beta is wrong (METHOD 1). Each radar
+/// is compared with its own best pose. So errors of its mount and clock, and errors of other
+/// radars, do not count. What remains of a wrong beta is that the shift changes with the direction:
+/// v cos^2 along the track and v sin cos across. A range bias is estimated with it. The monitor
+/// detects errors of hundredths of a second; `Calibrator` finds thousandths. It estimates only a
+/// part of the error, because among dense landmarks a shifted point corresponds to a landmark near
+/// its shifted position.
 template <int Dim>
 class BetaMonitor {
  public:
   explicit BetaMonitor(const Rig& rig, const BetaMonitorOptions& options = {});
 
-  /// Whether a registration at `stamp` of scans over `span` has none of the last one's.
+  /// Whether a registration at `stamp`, whose scans cover `span`, shares no scan with the last one.
   bool IsDue(Stamp stamp, std::chrono::nanoseconds span) const;
 
   /// An accepted registration of `live` at `T_local_vehicle`, with the correspondences there in the
@@ -61,7 +61,7 @@ class BetaMonitor {
                       std::span<const Correspondence<Dim>> correspondences,
                       const Pose<Dim>& T_local_vehicle, const EgoVelocity& ego_velocity);
 
-  /// Of a radar of the rig, by its place there.
+  /// The result for a radar, by its index in the rig.
   BetaCheck Check(std::size_t radar_index) const;
 
  private:

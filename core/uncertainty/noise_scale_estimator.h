@@ -10,53 +10,55 @@
 
 namespace dcloc {
 
-/// Bounds of the learned ratios between actual and modelled variances, and what is assumed of them
-/// before pairs have been compared.
+/// Bounds and priors of the learned ratios between actual and modelled variances.
 struct NoiseScaleOptions {
   double min_odometry_ratio = 0.0005;
-  double min_registration_ratio = 1.0;  ///< no better than their points promise
+  double min_registration_ratio = 1.0;  ///< never smaller than the covariance from their points
   double max_ratio = 25.0;
   double prior_odometry_ratio = 1.0;
   double prior_registration_ratio = 3.0;
-  double prior_count = 0.005;  ///< pairs that the prior ratios are worth
-  /// A pair's squared error counts at most so many times its expectation: a registration that is
-  /// wrong must stand for neither.
+  double prior_count = 0.005;  ///< weight of the prior ratios, in pairs
+  /// A pair's squared error counts at most so many times its expectation, so that a wrong
+  /// registration changes neither ratio.
   double max_squared_sigmas = 9.0;
   double max_memory =
-      0.98;  ///< of older pairs, some fifty; at first it is the newest third of them
-  /// Odometry weighs by its learned variance times this, but no less than so much of its model's.
+      0.98;  ///< weight that older pairs keep: about fifty count, at first the newest third
+  /// Odometry is weighted by its learned variance times `weight_caution`, but by at least
+  /// `min_weight_ratio` of its model's variance.
   double weight_caution = 2.0;
   double min_weight_ratio = 0.1;
 };
 std::span<const OptionField<NoiseScaleOptions>> FieldsOf(const NoiseScaleOptions& options);
 absl::Status Validate(const NoiseScaleOptions& options);
 
-/// Learns by how much odometry and registrations vary less, or more, than their covariances say:
-/// good wheels are several times better than the cautious model that every vehicle gets, and
-/// registrations are worse than their points promise. Registrations whose sub-maps share no scan
-/// are compared by pairs with the odometry between them, near ones and far ones: what grows with
-/// the way is odometry's, what does not is the registrations' (METHOD eq 34).
+/// Learns the ratio of the actual variance to the modelled one, for odometry and for registrations.
+/// Good wheels are several times better than the cautious model that every vehicle gets;
+/// registrations are worse than the covariance from their points. Pairs of registrations whose
+/// sub-maps share no scan are compared with the odometry between them, near pairs and far pairs.
+/// Error that grows with the distance driven is odometry's, the rest is the registrations' (METHOD
+/// eq 34).
 template <int Dim>
 class NoiseScaleEstimator {
  public:
   explicit NoiseScaleEstimator(const NoiseScaleOptions& options = {})
       : options_(options), translation_(options), rotation_(options) {}
 
-  /// The vehicle moved so since the last call.
+  /// The motion since the last call.
   void OnMotion(const PoseEstimate<Dim>& motion);
 
-  /// An accepted registration in the map frame, with its own covariance, of scans that no other one
-  /// took.
+  /// An accepted registration in the map frame, with its own covariance. It shares no scan with the
+  /// others that are passed.
   void OnRegistration(const PoseEstimate<Dim>& registration);
 
-  /// The pose was lost, or odometry interrupted: what follows is not compared with what was before.
+  /// The pose was lost or odometry interrupted: later registrations are not compared with earlier
+  /// ones.
   void OnJump() { anchor_count_ = 0; }
 
-  /// `covariance` of odometry by its model, scaled to what it has turned out to be.
+  /// `covariance` of odometry by its model, scaled by the learned ratio.
   TangentMatrix<Dim> OdometryCovariance(const TangentMatrix<Dim>& covariance) const;
 
-  /// What odometry with this `covariance` by its model weighs by: the learned one times
-  /// `weight_caution`, but no more than the model's nor less than `min_weight_ratio` of it.
+  /// Covariance by which odometry is weighted: the learned one times `weight_caution`, but at most
+  /// the model's `covariance` and at least `min_weight_ratio` of it.
   TangentMatrix<Dim> OdometryWeightCovariance(const TangentMatrix<Dim>& covariance) const;
 
   /// As OdometryCovariance, of a registration.
@@ -78,7 +80,7 @@ class NoiseScaleEstimator {
     double registrations = 0.0;
     double odometry = 0.0;
     double count = 0.0;
-    double prior_count = 0.0;  // what the prior ratios are still worth
+    double prior_count = 0.0;  // remaining weight of the prior ratios
     double number = 0.0;       // of all pairs, which does not fade
   };
 

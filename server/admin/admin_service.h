@@ -11,7 +11,7 @@
 
 namespace dcloc::server {
 
-/// What of the server's state does not change while it runs.
+/// The part of the server's state that does not change while it runs.
 struct ServerFacts {
   std::string version;
   SystemTime start_time;
@@ -22,11 +22,11 @@ struct ServerFacts {
 
 /// How to empty the server.
 struct DrainControl {
-  std::function<int()> drain;      ///< gives how many sessions were told
+  std::function<int()> drain;      ///< returns how many sessions were told to move
   std::function<bool()> draining;  ///< whether it was called
 };
 
-/// AdminService: what the server is doing, and ending it.
+/// AdminService: the operators' RPCs (state, sessions, drain).
 class AdminService final : public v1::AdminService::CallbackService {
  public:
   /// `registry` and `recordings` outlive the service's calls.

@@ -14,8 +14,8 @@
 
 namespace dcloc::server {
 
-/// A call that sends its caller what comes up, in order. Who pushes never waits: messages queue up,
-/// and a derived class says what becomes of too many. Thread-safe.
+/// A call that streams messages to its caller, in order. Pushing never waits: messages are queued,
+/// and a derived class decides what happens when the queue is full. Thread-safe.
 template <typename Message>
 class PushStream : public grpc::ServerWriteReactor<Message> {
  public:
@@ -40,8 +40,8 @@ class PushStream : public grpc::ServerWriteReactor<Message> {
     return stream;
   }
 
-  /// The task that decides on the call is done: the caller hears of it with the initial metadata,
-  /// or the call ends with an error. Nothing is written before.
+  /// To be called when it is decided whether the call may proceed. With OK the initial metadata is
+  /// sent; with an error the call ends. Nothing is written before.
   void BeginWith(const absl::Status& status) {
     const std::lock_guard lock(mutex_);
     if (!status.ok()) EndLocked(ToGrpc(status));
@@ -50,7 +50,7 @@ class PushStream : public grpc::ServerWriteReactor<Message> {
     Pump();
   }
 
-  /// Ends the call; once what waits is written if all is well, else at once.
+  /// Ends the call: with OK once all queued messages are written, with an error at once.
   void End(const grpc::Status& status) {
     const std::lock_guard lock(mutex_);
     EndLocked(status);
@@ -65,7 +65,7 @@ class PushStream : public grpc::ServerWriteReactor<Message> {
 
   bool is_open() const { return state_ == State::kOpen; }
 
-  /// The first error counts, also after a good end.
+  /// The first error is kept, also after an end with OK.
   void EndLocked(const grpc::Status& status) {
     if (state_ == State::kOpen || end_status_.ok()) end_status_ = status;
     if (state_ == State::kOpen) state_ = State::kEnding;

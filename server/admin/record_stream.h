@@ -12,7 +12,7 @@
 
 namespace dcloc::server {
 
-/// How many recordings there are. A reservation ends with its holder.
+/// Counts the running recordings. A slot is given back when its holder is destroyed.
 class RecordingSlots {
  public:
   /// Null when all are taken.
@@ -28,14 +28,14 @@ class RecordingSlots {
 class RecordStream final : public PushStream<v1::RecordSessionResponse>,
                            public RecordingSubscriber {
  public:
-  /// What may wait to be written.
+  /// Bound on the messages that wait to be written.
   static constexpr std::size_t kMaxWaiting_bytes = 32 << 20;
 
   /// `program` is named in the recording.
   static std::shared_ptr<RecordStream> Start(OpenCalls& open_calls, std::string program);
 
-  /// The caller may record, and holds `slot`; or not, which ends the call. Nothing is written
-  /// before.
+  /// Says whether the caller may record; then it holds `slot`, else the call ends. Nothing is
+  /// written before.
   void Begin(const absl::Status& status, std::shared_ptr<void> slot);
 
   void OnOpened(const RecordingStart& start) override;

@@ -9,14 +9,13 @@
 
 namespace dcloc::server {
 
-/// One WatchSession call: a session's answers to someone who watches. Who is slow misses answers;
-/// the session never waits.
+/// One WatchSession call: a session's answers to someone who watches. A slow watcher misses
+/// answers; the session never waits.
 class WatchStream final : public PushStream<v1::WatchSessionResponse>, public AnswerSubscriber {
  public:
   static std::shared_ptr<WatchStream> Start(OpenCalls& open_calls);
 
-  /// The session has been found and answers may be written; or not, which ends the call. Nothing is
-  /// written before.
+  /// Says whether the session was found. If not, the call ends. Nothing is written before.
   void Begin(const absl::Status& status) { BeginWith(status); }
 
   void OnAnswer(const ScanAnswer& answer) override;

@@ -15,7 +15,7 @@ class Server {
   /// Opens the store and listens. Errors name what of the configuration is at fault.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config);
 
-  /// Shuts down at once if that has not been done.
+  /// Shuts down at once unless `Shutdown` was called.
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -26,14 +26,14 @@ class Server {
   /// HOST:PORT of the metrics; empty when they are not served.
   std::string metrics_address() const;
 
-  /// Takes what of `config` can change while the server runs (`ConfigField::reloadable`) and logs
-  /// what has changed and what needs a restart. InvalidArgument when `config` is not valid, and
-  /// then nothing changes.
+  /// Applies the settings of `config` that can change while the server runs
+  /// (`ConfigField::reloadable`). Logs which have changed and which need a restart. InvalidArgument
+  /// when `config` is not valid; then nothing changes.
   absl::Status Reload(const ServerConfig& config);
 
-  /// Refuses new sessions and tells those that can to move, then answers what the others have sent,
-  /// ends their streams with UNAVAILABLE, and cuts off what is still open after `deadline`. Returns
-  /// when nothing runs any more.
+  /// Refuses new sessions and tells resumable ones to move. Answers the scans that were read from
+  /// the others and ends their streams with UNAVAILABLE. Cuts off calls that are still open after
+  /// `deadline`. Returns when no call runs.
   void Shutdown(std::chrono::milliseconds deadline);
 
  private:

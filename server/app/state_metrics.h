@@ -14,17 +14,17 @@
 
 namespace dcloc::server {
 
-/// What the server is at the moment: looked up when Prometheus asks. Thread-safe.
+/// Gauges of the server's current state, computed when Prometheus asks. Thread-safe.
 class StateMetrics final : public prometheus::Collectable {
  public:
-  /// Where to look; outlives it.
+  /// The sources of the gauges; they outlive this object.
   struct Sources {
     const SessionRegistry& registry;
     MapStore& store;
     const WorkerPool& localization_pool;
     const WorkerPool& storage_pool;
     std::function<bool()> draining;
-    std::function<bool()> answering;  ///< own connections are
+    std::function<bool()> answering;  ///< whether the server answers its own connections
     std::function<std::int64_t()> refused_connection_count;
     std::string version;
   };

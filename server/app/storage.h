@@ -10,17 +10,17 @@
 
 namespace dcloc::server {
 
-/// What a server keeps. `OpenStorage` and `OpenIdentities` are the one place that chooses how it is
-/// kept: the implementations of Catalogue, MapFiles and IdentityStore. Another one stands beside
-/// its interface (`maps/catalogue/`, `maps/store/`, `identity/`) and is chosen there, by the form
-/// of the location.
+/// A server's persistent storage. `OpenStorage` and `OpenIdentities` are the only functions that
+/// choose the implementations of Catalogue, MapFiles and IdentityStore. A second implementation
+/// goes beside its interface (`maps/catalogue/`, `maps/store/`, `identity/`) and is chosen in these
+/// functions, by the form of the location.
 struct Storage {
-  FileDescriptor lock;  ///< of the folder; goes last
+  FileDescriptor lock;  ///< of the folder; released last
   std::unique_ptr<MapStore> maps;
   std::unique_ptr<IdentityStore> identities;
 };
 
-/// Opens or creates what is kept in `folder`: SQLite files and map files, for one process.
+/// Opens or creates the storage in `folder`: SQLite files and map files, for one process.
 /// FailedPrecondition when another one has it open.
 absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
                                     const MapStoreOptions& options = {});

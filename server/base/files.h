@@ -12,8 +12,8 @@
 /// The few calls to the operating system that need more than std::filesystem.
 namespace dcloc::server {
 
-/// The system's error about a file, which it names: ResourceExhausted when the disk or a limit is
-/// full, or else Internal.
+/// The system's error about a file, with its name: ResourceExhausted when the disk or a limit is
+/// full, else Internal.
 absl::Status FileError(const std::error_code& error, const std::filesystem::path& path);
 
 /// A file descriptor that closes itself.
@@ -33,11 +33,10 @@ class FileDescriptor {
 /// Opens a file for reading and writing, and makes it if it is not there.
 absl::StatusOr<FileDescriptor> OpenOrCreate(const std::filesystem::path& path);
 
-/// Writes all of `bytes` behind what was written or read before. ResourceExhausted when the disk is
-/// full.
+/// Writes all of `bytes` at the file's current position. ResourceExhausted when the disk is full.
 absl::Status WriteAll(const FileDescriptor& file, std::span<const std::byte> bytes);
 
-/// Fills `buffer` from where was written or read before; gives how many bytes there were.
+/// Fills `buffer` from the file's current position; returns the number of bytes read.
 absl::StatusOr<std::size_t> ReadUpTo(const FileDescriptor& file, std::span<std::byte> buffer);
 
 /// Cuts the file off at `size_bytes` and goes to its beginning.
@@ -54,7 +53,7 @@ absl::Status Sync(const FileDescriptor& file);
 absl::Status SyncFile(const std::filesystem::path& path);
 absl::Status SyncFolder(const std::filesystem::path& folder);
 
-/// Makes `folder` and what lies above it.
+/// Creates `folder` and its parents.
 absl::Status CreateFolders(const std::filesystem::path& folder);
 
 /// Holds `path` until the descriptor closes. FailedPrecondition when another process holds it.

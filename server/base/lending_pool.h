@@ -8,13 +8,13 @@
 
 namespace dcloc::server {
 
-/// Lends objects that are costly to make and worth nothing between two uses. What came back last is
-/// lent first, so that there are as many as were ever lent at once and the memory of the next one
-/// is still in the caches. Thread-safe; the lock is held to push or pop a pointer.
+/// Lends objects that are costly to make and hold no state between two uses. The object that was
+/// returned last is lent first. So there are only as many as were ever lent at once, and the next
+/// one's memory is still in the caches. Thread-safe; the lock is held to push or pop a pointer.
 template <typename T>
 class LendingPool {
  public:
-  /// Gives its object back at its end. The pool outlives it.
+  /// A lent object; returned to the pool when this is destroyed. The pool outlives it.
   class Loan {
    public:
     Loan(LendingPool& pool, std::unique_ptr<T> object) : pool_(&pool), object_(std::move(object)) {}
@@ -35,7 +35,7 @@ class LendingPool {
   LendingPool(const LendingPool&) = delete;
   LendingPool& operator=(const LendingPool&) = delete;
 
-  /// Makes an object where all are lent.
+  /// Creates an object if all are lent.
   Loan Lend() {
     {
       const std::lock_guard lock(mutex_);
@@ -48,7 +48,7 @@ class LendingPool {
     return Loan(*this, std::make_unique<T>());
   }
 
-  /// Objects that nobody uses.
+  /// The objects that are not lent.
   std::size_t idle_count() const {
     const std::lock_guard lock(mutex_);
     return idle_.size();

@@ -7,10 +7,9 @@
 
 namespace dcloc::server {
 
-/// Hands lines to `sink` on a thread of its own, so that nobody who logs waits for a disk or for
-/// the reader of a pipe. Of more than `max_line_count` that wait the oldest go, and a line says how
-/// many. `flush` and the end wait for what is there, but no longer than a second for a sink that is
-/// stuck.
+/// Passes lines to `sink` on a thread of its own, so that logging never waits for a disk or for the
+/// reader of a pipe. At most `max_line_count` lines wait; beyond that the oldest are dropped, and a
+/// line says how many. `flush` and the destructor wait for the queued lines, but at most a second.
 std::shared_ptr<spdlog::sinks::sink> QueuedSink(std::shared_ptr<spdlog::sinks::sink> sink,
                                                 std::size_t max_line_count);
 

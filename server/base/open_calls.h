@@ -6,11 +6,11 @@
 
 namespace dcloc::server {
 
-/// Counts the calls that are under way, so that a shutdown can wait for them alone: gRPC's own also
+/// Counts the running calls, so that a shutdown can wait for them alone. gRPC's own shutdown also
 /// waits for idle connections, whose clients may be asleep. Thread-safe.
 class OpenCalls {
  public:
-  /// A call under way, as long as it lives. Moved-from, it is none.
+  /// Counts as a running call as long as it lives. A moved-from object counts as none.
   class Token {
    public:
     explicit Token(OpenCalls& calls);
@@ -22,7 +22,7 @@ class OpenCalls {
     OpenCalls* calls_;
   };
 
-  /// Waits until there is none, or until `deadline` where there is one.
+  /// Waits until no call runs, or until `deadline` if given.
   void WaitUntilNone();
   void WaitUntilNone(std::chrono::steady_clock::time_point deadline);
 

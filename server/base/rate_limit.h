@@ -5,13 +5,13 @@
 
 namespace dcloc::server {
 
-/// A token bucket that holds one second's worth: what comes faster than `rate_hz` for longer is
+/// A token bucket with a burst of one second: events that come faster than `rate_hz` for longer are
 /// refused. Thread-safe; its lock is held for a few additions.
 class RateLimit {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Takes one at `now`; false when there is none left. `rate_hz` may change between calls; 0 is no
+  /// Takes a token at `now`; false when none is left. `rate_hz` may change between calls; 0 is no
   /// limit.
   bool Take(double rate_hz, Clock::time_point now);
 

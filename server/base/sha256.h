@@ -20,7 +20,7 @@ class Sha256 {
 
   void Update(std::span<const std::byte> bytes);
 
-  /// 64 lower-case hexadecimal digits; nothing may follow.
+  /// The hash as 64 lower-case hexadecimal digits; to be called last.
   std::string Finish();
 
  private:

@@ -9,10 +9,11 @@
 
 namespace dcloc::server {
 
-/// The same status for the wire: absl's codes are gRPC's.
+/// The gRPC status of the same code and message.
 grpc::Status ToGrpc(const absl::Status& status);
 
-/// What a client sent, fit for a message or a log line: in quotes, escaped, and cut when long.
+/// Text that a client sent, made safe for a message or a log line: quoted, escaped, and truncated
+/// when long.
 std::string Quoted(absl::string_view text);
 
 /// `status` with `prefix` before its message; OK stays OK.

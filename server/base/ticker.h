@@ -8,7 +8,7 @@
 
 namespace dcloc::server {
 
-/// Calls something again and again on a thread of its own, until it goes.
+/// Calls a function periodically on a thread of its own, until it is destroyed.
 class Ticker {
  public:
   Ticker(std::chrono::milliseconds interval, std::function<void()> tick)

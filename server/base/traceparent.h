@@ -8,8 +8,8 @@
 
 namespace dcloc::server {
 
-/// The trace id (32 hexadecimal digits) of a W3C `traceparent`, empty when it is malformed: as the
-/// recommendation has it, a broken one is ignored and never an error of the call.
+/// The trace id (32 hexadecimal digits) of a W3C `traceparent`, empty when it is malformed. As the
+/// W3C recommendation demands, a malformed one is ignored and is no error of the call.
 std::string TraceIdOf(absl::string_view traceparent);
 
 /// The same of a call's metadata.

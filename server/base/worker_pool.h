@@ -15,18 +15,19 @@ namespace dcloc::server {
 
 using Task = absl::AnyInvocable<void()>;
 
-/// What a task is like: one that takes tens of milliseconds must not stand before one that takes
-/// half of one.
+/// How long a task takes: half a millisecond, or tens of milliseconds. Lengthy tasks must not delay
+/// quick ones.
 enum class Lane { kQuick, kLengthy };
 
 /// A fixed number of threads that run tasks, in each lane oldest first. Tasks do not throw.
 class WorkerPool {
  public:
-  /// `thread_count` >= 1 for quick tasks. Lengthy ones have `lengthy_thread_count` of their own, to
-  /// which the system gives the processor after the others; with none they are run with the rest.
+  /// `thread_count` >= 1 for quick tasks. Lengthy tasks have `lengthy_thread_count` threads of
+  /// their own, with a lower priority; if that is 0, they run on the threads of the quick ones.
   explicit WorkerPool(int thread_count, int lengthy_thread_count = 0);
 
-  /// Runs what is still queued and what that posts, then joins. Nobody else may post any more.
+  /// Runs the queued tasks and those that they post, then joins the threads. No other thread may
+  /// post any more.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;

@@ -15,8 +15,8 @@ struct CommandLine {
   ServerConfig config;
 };
 
-/// Flags, over the file that --config names, over the defaults. InvalidArgument names what is
-/// wrong.
+/// Parses the flags, which override the file of --config, which overrides the defaults.
+/// InvalidArgument names what is wrong.
 absl::StatusOr<CommandLine> ParseCommandLine(int argc, const char* const* argv);
 
 }  // namespace dcloc::server

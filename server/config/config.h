@@ -24,7 +24,7 @@ struct ServerConfig {
 
   bool stub_matcher = false;
   int worker_count = 0;           ///< threads that localize; 0: one per processor
-  bool require_identity = false;  ///< refuse who has none, even before the first one is made
+  bool require_identity = false;  ///< refuse callers without one, even before the first is created
 
   int max_session_count = 1000;
   int max_session_count_per_principal = 0;  ///< 0: no limit of its own
@@ -38,7 +38,7 @@ struct ServerConfig {
   int max_map_mib = 1024;          ///< of one map file
   int max_tenant_storage_mib = 0;  ///< of a tenant's map versions together; 0: no limit
   int warm_map_mib = 1024;         ///< of maps that stay in memory without a session; 0: none do
-  int unfinished_upload_timeout_s = 86'400;  ///< until what came of a broken upload is removed
+  int unfinished_upload_timeout_s = 86'400;  ///< then bytes of an interrupted upload are removed
   int shutdown_deadline_ms = 5000;
   int self_probe_interval_ms = 5000;  ///< 0: never
   int drain_grace_ms = 1000;
@@ -67,8 +67,8 @@ void TakeField(const ConfigField& field, const ServerConfig& from, ServerConfig*
 /// All settings.
 std::span<const ConfigField> ConfigFields();
 
-/// Takes the settings that the JSON file has; the others stay. NotFound, or InvalidArgument naming
-/// the file, the key, the value and the bound; an unknown key is an error.
+/// Reads the settings that the JSON file has; the others keep their values. NotFound, or
+/// InvalidArgument naming the file, the key, the value and the bound; an unknown key is an error.
 absl::Status ReadConfigFile(const std::filesystem::path& path, ServerConfig* config);
 
 /// OK, or InvalidArgument naming the key, the value and the bound.

@@ -9,10 +9,10 @@
 
 namespace dcloc::server {
 
-/// What the server speaks: TLS from the configured files, which are read again when they change,
-/// with client certificates where an authority for them is given; else plaintext. InvalidArgument
-/// for plaintext on an address that other machines can reach, unless that is allowed by name, and
-/// for files that do not make up a key and its certificate.
+/// The server's credentials. TLS with the configured files, which are read again when they change,
+/// and with client certificates if an authority for them is given; without files plaintext.
+/// InvalidArgument for plaintext on an address that other machines can reach, unless
+/// `allow_plaintext_off_loopback` is set, and for files that are not a key and its certificate.
 absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeCredentials(
     const ServerConfig& config);
 

@@ -13,7 +13,7 @@ namespace dcloc::server {
 /// its own. Block signals before.
 void SetUpLog(const ServerConfig& config);
 
-/// Waits until what was logged is written, or a second if nobody takes it.
+/// Waits until all logged lines are written, at most a second.
 void FlushLog();
 
 /// A line "session opened session=ab12 vehicle=\"car 1\"" as JSON members: what stands before the
@@ -21,9 +21,9 @@ void FlushLog();
 /// `"event":"session opened","session":"ab12","vehicle":"car 1"`.
 std::string JsonMembers(absl::string_view line);
 
-/// Hands on at most `lines_per_s`, with a second's worth at once; says how many lines were left out
-/// when there is room again. Errors always pass. What a client does wrong makes lines: nobody may
-/// fill a disk with them.
+/// Passes on at most `lines_per_s`, with bursts of one second. A later line says how many were left
+/// out. Errors always pass. A client's faults are logged, and a client must not be able to fill the
+/// disk with them.
 std::shared_ptr<spdlog::sinks::sink> LimitedSink(std::shared_ptr<spdlog::sinks::sink> sink,
                                                  int lines_per_s);
 

@@ -11,7 +11,7 @@
 
 namespace dcloc::server {
 
-/// What a scan's steps took; zero for one that did not run.
+/// Durations of a scan's stages; zero for a stage that did not run.
 struct ScanTimings {
   std::chrono::nanoseconds queue{};       ///< from the scan's arrival until a worker took it
   std::chrono::nanoseconds conversion{};  ///< checking and converting the message
@@ -31,12 +31,12 @@ struct LocalizedScan {
   ScanTimings timings;
 };
 
-/// What one scan came to. Plain, so that whoever takes part in a session needs no message.
+/// The result of one scan, as a plain struct, so that its users need no message.
 struct ScanAnswer {
   std::int64_t sequence_number = -1;
-  absl::StatusOr<LocalizedScan> result;  ///< else why the scan was rejected
+  absl::StatusOr<LocalizedScan> result;  ///< or why the scan was rejected
   std::int64_t dropped_scan_count = 0;   ///< of the session, so far
-  bool from_memory = false;              ///< the scan came again
+  bool from_memory = false;              ///< the scan was sent again
 };
 
 namespace convert {

@@ -7,9 +7,9 @@
 #include "core/geometry/pose.h"
 #include "dcloc/v1/geometry.pb.h"
 
-/// Where wire and core types meet, and the only place. `FromProto` takes whatever a peer may send
-/// and gives a valid core value or InvalidArgument that names the field, the value and the bound;
-/// `field` is the message's path for that. `ToProto` cannot fail.
+/// Conversions between messages and core's types. `FromProto` accepts anything that a peer may
+/// send, and returns a valid core value or InvalidArgument that names the field, the value and the
+/// bound; `field` is the path of the message for that. `ToProto` cannot fail.
 namespace dcloc::server::convert {
 
 /// Finite, within 1e5 km of its parent's origin; the rotation's norm within 1e-3 of 1, then made 1.

@@ -32,7 +32,7 @@ struct CoverageQuery {
 
 absl::StatusOr<CoverageQuery> FromProto(const v1::FindCoverageRequest& message);
 
-/// What a tile shall be, of a map that the request also names.
+/// The tile that a request asks for.
 struct TileQuery {
   Rectangle bounds_m;
   std::size_t max_point_count = 0;

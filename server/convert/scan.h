@@ -12,8 +12,9 @@ namespace dcloc::server::convert {
 /// A valid rig; absent fields of a radar take core's defaults.
 absl::StatusOr<Rig> FromProto(const v1::Rig& message, absl::string_view field);
 
-/// Fills `scan`, which is valid and of a radar of `rig` when this is OK; its columns' memory is
-/// used again, so that a session's scans cost no allocation once they have reached their size.
+/// Fills `scan`. If OK is returned, it is valid and its radar is one of `rig`. Its columns' memory
+/// is reused, so that a session's scans need no allocation once the columns have reached their
+/// size.
 absl::Status FromProto(const v1::Scan& message, const Rig& rig, Scan* scan);
 
 }  // namespace dcloc::server::convert

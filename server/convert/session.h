@@ -26,7 +26,7 @@ struct OpenedSession {
 
 namespace convert {
 
-/// What an `open` asks for, checked as far as that goes without the map.
+/// An `open` request, checked as far as possible without the map.
 struct SessionRequest {
   std::string vehicle_id;
   std::string map_name;

@@ -13,23 +13,24 @@
 
 namespace dcloc::server {
 
-/// Decides who calls and whether they may: the one place that does. Identities are proven by
-/// "authorization: Bearer TOKEN" in the call's metadata, else by a client certificate. While no
-/// identity was ever made and none is required, everyone is an admin. Thread-safe.
+/// Authenticates and authorizes each call: the only place that does. A caller proves its identity
+/// by "authorization: Bearer TOKEN" in the call's metadata, or else by a client certificate. Until
+/// the first identity is created, and if none is required, everyone is an admin. Thread-safe.
 ///
-/// A call is allowed or refused when it begins; revoking a token does not end a running session.
+/// A call is checked once, when it begins; revoking a token does not end a running session. Which
+/// permission an RPC needs is in `MethodPermissions`.
 class AccessControl {
  public:
   /// `identities` outlives it.
   AccessControl(IdentityStore& identities, bool require_identity);
 
-  /// Who makes the call that takes `request`, which names the method, as each RPC has a request of
-  /// its own. Unauthenticated says what is wrong with the proof, PermissionDenied which permission
-  /// is missing; both are logged.
+  /// The principal of a call, if it may make it. The type of `request` says which RPC it is, as
+  /// each RPC has a request of its own. Unauthenticated says what is wrong with the proof,
+  /// PermissionDenied which permission is missing; both are logged.
   absl::StatusOr<Principal> Authorize(const grpc::ServerContextBase& context,
                                       const google::protobuf::Descriptor* request) const;
 
-  /// Everyone is let in at this moment.
+  /// Whether everyone is an admin at this moment.
   absl::StatusOr<bool> IsOpen() const;
 
  private:

@@ -28,15 +28,15 @@ struct IdentityRecord {
   std::optional<SystemTime> revoke_time;  ///< none: not revoked
 };
 
-/// The identities. Several processes may use one store: what one changes holds for the next call to
-/// each of the others. Thread-safe; calls may block on storage. Errors beyond those named are the
-/// storage's own: Internal, ResourceExhausted, and DataLoss for an identity that cannot be read,
-/// such as one with an unknown role.
+/// The identities. Several processes may use one store: a change by one is seen by the next call of
+/// the others. Thread-safe; calls may block on storage. Errors beyond those named are the storage's
+/// own: Internal, ResourceExhausted, and DataLoss for an identity that cannot be read, such as one
+/// with an unknown role.
 class IdentityStore {
  public:
   virtual ~IdentityStore() = default;
 
-  /// Adds an identity and gives a token's text, which is shown this once. InvalidArgument names
+  /// Adds an identity and returns a token's text, which cannot be read again. InvalidArgument names
   /// what of the principal is not well-formed; AlreadyExists: a certificate's name is taken.
   virtual absl::StatusOr<std::string> Create(Proof proof, const Principal& principal,
                                              std::optional<SystemTime> expire_time) = 0;
@@ -47,13 +47,15 @@ class IdentityStore {
   /// NotFound: no such id. Revoking twice keeps the first time.
   virtual absl::Status Revoke(std::int64_t id) = 0;
 
-  /// Whose token that is. Unauthenticated says what is wrong with it, never the token.
+  /// The principal that a token belongs to. Unauthenticated says what is wrong with the token, but
+  /// does not contain it.
   virtual absl::StatusOr<Principal> FindToken(absl::string_view token) = 0;
 
-  /// Whose certificate has this common name. Unauthenticated when there is none.
+  /// The principal of a certificate with this common name. Unauthenticated if there is none.
   virtual absl::StatusOr<Principal> FindCertificate(absl::string_view common_name) = 0;
 
-  /// Whether there ever was an identity: revoking the last one opens nothing.
+  /// Whether any identity was ever created. Revoking the last one does not make everyone an admin
+  /// again.
   virtual absl::StatusOr<bool> HasAny() = 0;
 };
 

@@ -6,15 +6,15 @@
 
 namespace dcloc::server {
 
-/// What one RPC needs.
+/// The permission that one RPC needs.
 struct MethodPermission {
   const char* method;  ///< full name, "dcloc.v1.MapService.ListMaps"
   Permission permission;
 };
 
-/// Every RPC of ours, once. An RPC that is not in it is refused; a test holds the table against the
-/// services that are served. `grpc.health.v1` and reflection are open to everyone: probes have no
-/// identity, and the contract is no secret.
+/// The table of all RPCs of dcloc.v1, each once. An RPC that is not in it is refused; a test
+/// compares the table with the services of the server. `grpc.health.v1` and reflection are open to
+/// everyone: probes have no identity, and the contract is public.
 std::span<const MethodPermission> MethodPermissions();
 
 }  // namespace dcloc::server

@@ -18,7 +18,7 @@ struct Principal {
 };
 
 /// A tenant's map in the catalogue: "acme/town", or "town" in the default tenant. Names of maps and
-/// tenants hold no slash, so tenants cannot reach each other's.
+/// tenants contain no slash, so no tenant can name another tenant's map.
 std::string ScopedMapName(absl::string_view tenant, absl::string_view map_name);
 
 /// The name without its tenant.

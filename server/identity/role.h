@@ -7,7 +7,7 @@
 
 namespace dcloc::server {
 
-/// What a call needs to be allowed to.
+/// Permissions. `MethodPermissions` says which one each RPC needs.
 enum class Permission {
   kLocalize,        ///< open sessions; a vehicle only those of its own name
   kReadCoverage,    ///< ask which places are mapped

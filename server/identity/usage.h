@@ -15,13 +15,13 @@
 
 namespace dcloc::server {
 
-/// What one principal uses of the server.
+/// The sessions and scans of one principal.
 struct PrincipalUsage {
   std::atomic<int> session_count = 0;
   RateLimit scans;
 };
 
-/// The right to hold one session; gives it back at its end. Thread-safe.
+/// The right to hold one session; given back when this is destroyed. Thread-safe.
 class SessionPermit {
  public:
   SessionPermit(const Limits& limits, std::shared_ptr<PrincipalUsage> usage);

@@ -21,9 +21,8 @@ struct AttachedSession {
 using AttachDone = absl::AnyInvocable<void(absl::StatusOr<AttachedSession>)>;
 
 /// Opens or resumes the session that a stream's first message asks for, and attaches it to the
-/// stream. May wait for a disk. `done` is called once: on the session's strand when all is well,
-/// and with the error that ends the stream when it is not. `host`, `context` and `request` live
-/// until then.
+/// stream. May wait for a disk. `done` is called once: on the session's strand with the session, or
+/// with the error that ends the stream. `host`, `context` and `request` live until then.
 void AttachSession(const SessionHost& host, const grpc::CallbackServerContext& context,
                    const v1::LocalizeRequest& request, std::shared_ptr<SessionStream> stream,
                    AttachDone done);

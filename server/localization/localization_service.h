@@ -22,16 +22,16 @@ class LocalizationService final : public v1::LocalizationService::CallbackServic
   grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* Localize(
       grpc::CallbackServerContext* context) override;
 
-  /// Refuses calls from now on and tells the clients of resumable sessions to move; gives how many
-  /// those are. After `grace` the rest is to be ended by `EndOverdue`. Only the first call counts.
+  /// Refuses new calls and tells the clients of resumable sessions to move; returns how many those
+  /// are. After `grace`, `EndOverdue` ends the remaining calls. Only the first call has an effect.
   int Drain(std::chrono::milliseconds grace);
 
   bool draining() const;
 
-  /// Ends all calls if a drain's grace is over at `now`; gives whether it is.
+  /// Ends all calls if the grace of a drain is over at `now`; returns whether it is.
   bool EndOverdue(Clock::time_point now);
 
-  /// Ends all calls, those to come as well, once what was read of them is answered.
+  /// Ends all present and future calls, each once the scans that were read are answered.
   void EndAll(const grpc::Status& status);
 
  private:
@@ -47,7 +47,7 @@ class LocalizationService final : public v1::LocalizationService::CallbackServic
 
   mutable std::mutex mutex_;
   std::map<LocalizeStream*, OpenStream> streams_;
-  grpc::Status refusal_;  ///< not OK once there are to be no more
+  grpc::Status refusal_;  ///< not OK once new calls are refused
   std::optional<Clock::time_point> drain_end_;
 };
 

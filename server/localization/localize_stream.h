@@ -17,23 +17,24 @@
 
 namespace dcloc::server {
 
-/// One Localize call: the stream that a session is attached to, or shall be.
+/// One Localize call: the stream to which a session is attached, or will be.
 ///
 /// Its messages go through a ring of slots: read, answered on the session's strand, written, free
-/// again. Each gets exactly one answer, and the next read starts only when a slot is free. Where
-/// the client asked for the oldest scans to be dropped the ring is longer, and a scan too many is
-/// marked and answered in its turn.
+/// again. Each scan gets exactly one answer. The next read starts only when a slot is free. If the
+/// client asked for the oldest scans to be dropped, the ring is longer; a dropped scan is marked,
+/// and its answer comes in its turn.
 ///
-/// The transport's events, the pool's and a shutdown change the state (stream_state.h) under the
-/// mutex, and then `Pump` starts what it allows. Only one thread at a time is in it, and it holds
-/// no lock while it calls gRPC: there is one write at a time, and nothing can follow `Finish`.
+/// Events of the transport, of the pool and of a shutdown change the state (stream_state.h) under
+/// the mutex. Then `Pump` starts the reads and writes that the state allows. Only one thread at a
+/// time runs `Pump`, and it holds no lock while it calls gRPC. So there is one write at a time, and
+/// no call follows `Finish`.
 class LocalizeStream final
     : public grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>,
       public SessionStream,
       public std::enable_shared_from_this<LocalizeStream> {
  public:
-  /// Lives until the call is done and the pools have let go of it. `on_done` is called once, when
-  /// the transport has no more use for it. `context` outlives the call.
+  /// Lives until the call is done and no task of the pools refers to it. `on_done` is called once,
+  /// when gRPC is done with the call. `context` outlives the call.
   static std::shared_ptr<LocalizeStream> Start(const SessionHost& host,
                                                grpc::CallbackServerContext* context,
                                                std::function<void(LocalizeStream*)> on_done);
@@ -43,7 +44,7 @@ class LocalizeStream final
   void Displace(grpc::Status status) override;
   void Abort() override;
 
-  /// Whether its client asked for a session that it can resume.
+  /// Whether the client asked for a resumable session.
   bool resumable() const;
 
   void OnReadDone(bool ok) override;
@@ -67,7 +68,7 @@ class LocalizeStream final
     grpc::Status status;
     std::shared_ptr<Session> session;  ///< null where there is none to let go of
     bool keeps_session = false;
-    std::string reason;  ///< told to who asks for the session later
+    std::string reason;  ///< told to clients that ask for the session later
   };
 
   LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,
@@ -113,7 +114,7 @@ class LocalizeStream final
   bool read_under_way_ = false;
   Write write_under_way_ = Write::kNone;
   bool answer_under_way_ = false;  ///< a scan is being localized
-  bool pump_under_way_ = false;    ///< who is in it looks again before leaving
+  bool pump_under_way_ = false;    ///< the thread in `Pump` checks the state again before it leaves
 };
 
 }  // namespace dcloc::server

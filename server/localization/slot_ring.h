@@ -9,7 +9,7 @@
 
 namespace dcloc::server {
 
-/// A message and its answer; both are used over and over.
+/// A message and its answer; the memory of both is reused.
 struct Slot {
   v1::LocalizeRequest request;
   v1::LocalizeResponse response;
@@ -17,19 +17,20 @@ struct Slot {
   bool dropped = false;  ///< newer ones wait: it is answered, but not looked at
 };
 
-/// A stream's messages on their way, in order: each is read, answered, written, and its slot is
-/// free again. Bounded, so that neither a fast writer nor a slow reader makes the server's memory
-/// grow. Not thread-safe.
+/// A stream's messages, in order: each is read, answered and written, then its slot is free again.
+/// Bounded, so that neither a fast sender nor a slow reader makes the server's memory grow. Not
+/// thread-safe.
 class SlotRing {
  public:
-  /// `max_pending_count` >= 1: messages that may be on their way.
+  /// `max_pending_count` >= 1: messages that are read but not yet written.
   explicit SlotRing(int max_pending_count);
 
-  /// To drop the oldest from now on: the answers of dropped ones wait behind the one that is being
-  /// localized, for which there are more slots. No slot may be in use.
+  /// Makes the ring longer, for a stream that drops its oldest messages: answers of dropped ones
+  /// wait behind the scan that is being localized. No slot may be in use.
   void Lengthen();
 
-  /// The slot of the next message to be read, answered or written; and that this was done.
+  /// The slot of the next message to be read, answered or written; and functions to say that this
+  /// is done.
   Slot& to_read() { return At(read_count_); }
   Slot& to_answer() { return At(answered_count_); }
   Slot& to_write() { return At(written_count_); }
@@ -41,7 +42,8 @@ class SlotRing {
   /// left. `first_is_taken`: the oldest one is being answered and does not wait.
   void DropOldest(bool first_is_taken);
 
-  /// Before the first answer, for one message; then for as many as there are slots.
+  /// Whether a message may be read: only one before the first one is answered, then as many as
+  /// there are slots.
   bool has_room() const;
   bool none_read() const { return read_count_ == 0; }
   bool any_written() const { return written_count_ > 0; }

@@ -6,8 +6,8 @@
 
 namespace dcloc::server {
 
-/// What `grpc.health.v1` tells of the server as a whole (the empty name) and of each of its
-/// services. One that drains localizes nobody any more, but still speaks of maps and of itself.
+/// The status that `grpc.health.v1` reports for the server (the empty name) and for each service.
+/// While draining, the server and localization are NOT_SERVING; the map and admin services go on.
 /// Thread-safe.
 class Health {
  public:

@@ -14,9 +14,9 @@
 
 namespace dcloc::server {
 
-/// Accepts connections and hands them to gRPC, which by itself would accept until the process has
-/// no file descriptor left, and then never again (CVE-2023-4785). Here a connection beyond the cap
-/// is closed at once, and what goes on needs nothing of it.
+/// Accepts connections and hands them to gRPC. On its own, gRPC accepts until the process has no
+/// file descriptor left, and then never again (CVE-2023-4785). Here a connection beyond the cap is
+/// closed at once, and existing calls go on.
 class Listener {
  public:
   /// Binds every address that the host has; port 0 takes a free one. A connection whose file

@@ -7,15 +7,14 @@
 
 namespace dcloc::server {
 
-/// Whether the server still does what it is there for, by trying it out. `Check` is for one thread,
-/// `ok` for any.
+/// Whether the server still answers, by probing it. `Check` is for one thread, `ok` for any.
 class Liveness {
  public:
-  /// `probe` tries; `report` is told when it turns out otherwise than before.
+  /// `probe` tests the server; `report` is called when the result changes.
   Liveness(std::function<absl::Status()> probe, std::function<void(bool ok)> report);
 
-  /// Tries once. One failure may be an accident, two in a row are not. Each success is told to the
-  /// service manager, whose watchdog ends a server that has none for too long.
+  /// Probes once. Only two failures in a row count as not answering. Each success is reported to
+  /// the service manager, whose watchdog restarts a server without successes.
   void Check();
 
   bool ok() const { return ok_; }

@@ -7,10 +7,10 @@
 
 namespace dcloc::server {
 
-/// Makes a new connection to a gRPC server on this machine and waits until it is spoken to: with
-/// TLS until a handshake is answered, in plaintext until HTTP/2's first frame comes. So it tells a
-/// server that still accepts from one whose kernel only does. A wildcard address is reached by
-/// loopback. Unavailable or DeadlineExceeded says what did not come.
+/// Makes a new connection to a gRPC server on this machine and waits for its first bytes: with TLS
+/// until a handshake is answered, in plaintext until HTTP/2's first frame comes. So it
+/// distinguishes a server that accepts connections from one where only the kernel does. A wildcard
+/// address is reached by loopback. Unavailable or DeadlineExceeded says what did not come.
 absl::Status ProbeListener(const ListenAddress& address, bool tls,
                            std::chrono::milliseconds timeout);
 

@@ -7,8 +7,9 @@
 
 namespace dcloc::server {
 
-/// Tells systemd how the program does ("READY=1", "WATCHDOG=1", "STOPPING=1"; see sd_notify(3)).
-/// Nothing where it was not started by systemd. False when it could not be told.
+/// Notifies systemd of the program's state ("READY=1", "WATCHDOG=1", "STOPPING=1"; see
+/// sd_notify(3)). Does nothing if the program was not started by systemd. False if the notification
+/// failed.
 bool NotifyServiceManager(absl::string_view state);
 
 /// How often systemd wants to hear "WATCHDOG=1"; nothing where it does not.

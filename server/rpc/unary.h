@@ -12,9 +12,9 @@
 
 namespace dcloc::server {
 
-/// Answers a unary call from the host's pool, if the caller may make it: `work` fills the response
-/// and gives the call's absl::Status. It takes nothing, or the Principal who calls. `lane` is the
-/// lengthy one for what reads whole maps.
+/// Answers a unary call on a thread of the host's pool, if the caller has the permission. `work`
+/// fills the response and returns the call's absl::Status; its argument is the calling Principal,
+/// or nothing. Calls that read whole maps use the lengthy `lane`.
 template <typename Request, typename Work>
 grpc::ServerUnaryReactor* AnswerOn(const StorageHost& host, grpc::CallbackServerContext* context,
                                    const Request* /*request*/, Work work,

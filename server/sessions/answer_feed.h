@@ -9,7 +9,7 @@
 
 namespace dcloc::server {
 
-/// Who watches a session. Called on the session's strand, so it must not wait.
+/// Watches a session. Called on the session's strand, so it must not wait.
 class AnswerSubscriber {
  public:
   virtual ~AnswerSubscriber() = default;
@@ -18,16 +18,16 @@ class AnswerSubscriber {
   virtual void OnEnd() = 0;
 };
 
-/// Hands a session's answers to whoever watches it. Thread-safe; costs one atomic read while nobody
-/// does.
+/// Hands a session's answers to its watchers. Thread-safe; costs one atomic read while there is
+/// none.
 class AnswerFeed {
  public:
-  /// `subscriber` hears of what comes from now on, for as long as it lives.
+  /// `subscriber` gets all later answers, for as long as it lives.
   void Subscribe(const std::shared_ptr<AnswerSubscriber>& subscriber);
 
   void Publish(const ScanAnswer& answer);
 
-  /// Nothing comes any more.
+  /// The session has ended: no more answers follow.
   void Close();
 
  private:

@@ -8,8 +8,8 @@
 
 namespace dcloc::server {
 
-/// The last answers of a session, to be given again to scans that come again. Bounded: the oldest
-/// one makes room. Not thread-safe.
+/// The last answers of a session, for scans that are sent again. Bounded: the oldest one is
+/// dropped. Not thread-safe.
 class AnswerHistory {
  public:
   /// `capacity` >= 1. Memory is taken as answers come.

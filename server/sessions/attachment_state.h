@@ -2,27 +2,27 @@
 
 namespace dcloc::server {
 
-/// How a session stands to its stream.
+/// Whether and how a stream is attached to a session.
 enum class AttachmentState {
   kAttached,   ///< a stream has it
-  kEnding,     ///< a stream has it and was told to end
+  kEnding,     ///< a stream has it, and was told to end it
   kDetached,   ///< it waits for its client
-  kAbandoned,  ///< its stream was told to end and broke before it did
+  kAbandoned,  ///< its stream was told to end, but broke first
 };
 
 enum class AttachmentEvent {
   kAttach,  ///< a stream resumes it, or takes it over
-  kDetach,  ///< its stream ends without it
+  kDetach,  ///< its stream ends, and the session waits
   kEnd,     ///< an operator, or its idleness, ends it
 };
 
 enum class AttachmentAction {
   kNone,
-  kTakeStream,  ///< the new stream has it; the one before, if any, is to be told
+  kTakeStream,  ///< the new stream has it; the former one, if any, is to be told
   kRefuse,      ///< it cannot be resumed any more
   kDropStream,  ///< no stream has it
   kTellStream,  ///< its stream is to end
-  kRelease,     ///< nobody has it: it ends at once
+  kRelease,     ///< no stream has it: it ends at once
 };
 
 struct AttachmentTransition {
@@ -30,7 +30,7 @@ struct AttachmentTransition {
   AttachmentAction action = AttachmentAction::kNone;
 };
 
-/// What follows. An event that has no arrow in the table changes nothing.
+/// The transition from `state` by `event`. An event that has no arrow in the table changes nothing.
 AttachmentTransition Next(AttachmentState state, AttachmentEvent event);
 
 /// No stream has it.

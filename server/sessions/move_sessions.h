@@ -9,8 +9,8 @@
 namespace dcloc::server {
 
 /// Moves the tenant's sessions in a map to the version that each would get if it were opened now,
-/// but for those that asked for a version. Gives how many are moved: each is when its strand comes
-/// to it, between two scans. One that cannot be moved keeps its version, and the log says why.
+/// except those that asked for a version. Returns how many will be moved: each moves on its strand,
+/// between two scans. One that cannot be moved keeps its version, and the log says why.
 /// `from_version`: only sessions in that one; 0 for any.
 int MoveSessions(const SessionRegistry& registry, MapStore& store, absl::string_view tenant,
                  absl::string_view map_name, std::int64_t from_version = 0);

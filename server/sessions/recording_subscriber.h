@@ -24,27 +24,29 @@ struct RecordingStart {
   std::string map_sha256;
 };
 
-/// Who records a session from its opening to its end. Called on the session's strand, so it must
-/// not wait.
+/// Records a session from its opening to its end. Called on the session's strand, so it must not
+/// wait.
 class RecordingSubscriber {
  public:
   virtual ~RecordingSubscriber() = default;
   virtual void OnOpened(const RecordingStart& start) = 0;
-  /// `scan` is as the client sent it; of one that was dropped there is the number alone.
+  /// `scan` is as the client sent it; a dropped scan has only its number.
   virtual void OnScan(const v1::Scan& scan, const ScanAnswer& answer) = 0;
   /// The session has ended; the last call.
   virtual void OnEnd() = 0;
 };
 
-/// Who waits for a vehicle's next session. Thread-safe; costs one atomic read while nobody does.
+/// The subscribers that wait for a vehicle's next session. Thread-safe; costs one atomic read while
+/// there is none.
 class RecordingRequests {
  public:
-  /// `subscriber` gets the next session of the tenant's vehicle, if it is alive then. Who asked
-  /// first is served first, one session each.
+  /// `subscriber` gets the next session of the tenant's vehicle, if it still exists then.
+  /// Subscribers are served in the order of their requests, one session each.
   void Add(absl::string_view tenant, absl::string_view vehicle_id,
            const std::shared_ptr<RecordingSubscriber>& subscriber);
 
-  /// Who waits for a session of that vehicle, which is being opened; null when nobody does.
+  /// The subscriber that waits for a session of that vehicle, which is being opened; null if there
+  /// is none.
   std::shared_ptr<RecordingSubscriber> Take(absl::string_view tenant, absl::string_view vehicle_id);
 
  private:

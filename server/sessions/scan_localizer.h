@@ -10,8 +10,8 @@
 
 namespace dcloc::server {
 
-/// What turns one vehicle's scans into poses. The server has two: the method, and a stub with which
-/// the transport alone can be measured. Not thread-safe.
+/// Turns one vehicle's scans into poses. There are two implementations: core's method, and a stub
+/// to measure the transport alone. Not thread-safe.
 class ScanLocalizer {
  public:
   virtual ~ScanLocalizer() = default;
@@ -28,7 +28,7 @@ using ScanLocalizerFactory = std::function<absl::StatusOr<std::unique_ptr<ScanLo
     std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
     const LocalizerOptions& options)>;
 
-/// The memory that a scan needs while it is localized, lent by a server's sessions to one another.
+/// The memory that a scan needs while it is localized; the sessions of a server share the pool.
 using WorkspacePool = LendingPool<LocalizerWorkspace>;
 
 /// The method: core's Localizer. `workspaces` outlives it.
@@ -36,9 +36,9 @@ absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(
     WorkspacePool& workspaces, std::shared_ptr<const RadarMap> map, Rig rig,
     const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options);
 
-/// Integrates the ego-velocity that the client sends from the initial pose, the identity without
-/// one, and never looks at a target. It says so: its state is always kDeadReckoning, its quality
-/// zero, no degree of freedom is observed, and the covariance is the initial pose's.
+/// The stub. Integrates the ego-velocity that the client sends, from the initial pose or else the
+/// identity, and ignores all targets. Its answers show this: the state is always kDeadReckoning,
+/// the quality is zero, no degree of freedom is observed, and the covariance is the initial pose's.
 absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateStubScanLocalizer(
     std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
     const LocalizerOptions& options);

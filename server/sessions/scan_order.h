@@ -15,10 +15,10 @@ class ScanOrder {
   /// when the stamp lies more than an hour after the newest scan's.
   absl::Status Check(std::int64_t sequence_number, Stamp stamp) const;
 
-  /// A scan was localized; gives how many numbers before it never came.
+  /// To be called when a scan was localized; returns how many numbers before it are missing.
   std::int64_t OnLocalized(std::int64_t sequence_number, Stamp stamp);
 
-  /// A scan was dropped; gives how many numbers before it never came.
+  /// To be called when a scan was dropped; returns how many numbers before it are missing.
   std::int64_t OnDropped(std::int64_t sequence_number);
 
   /// The highest number localized; -1 before the first one.

@@ -55,11 +55,11 @@ struct SessionStart {
 
 /// One vehicle's session: from its opening to its last answer, over one stream or, when it is
 /// resumed, several. Holds its map's version. It hands each answer as a plain value to the stream,
-/// to those who watch or record it, to the metrics, and keeps the last ones. Not thread-safe: what
-/// uses it runs on its strand.
+/// to those who watch or record it, to the metrics, and keeps the last ones. Not thread-safe:
+/// everything that uses it runs on its strand.
 class Session {
  public:
-  /// Takes an answer, to make a message of it; called once a scan.
+  /// Receives each scan's answer, to convert it into a message.
   using Reply = absl::FunctionRef<void(const ScanAnswer& answer)>;
 
   /// Errors of the localizer's.
@@ -79,10 +79,10 @@ class Session {
   /// called before the first scan, with the message that opened the session.
   void Record(std::shared_ptr<RecordingSubscriber> subscriber, const v1::OpenSession& open);
 
-  /// Answers a scan with a result, a rejection, or what it was answered before.
+  /// Answers a scan: with a result, a rejection, or the answer that it got before.
   void Answer(const v1::Scan& scan, const Arrival& arrival, Reply reply);
 
-  /// Answers a scan that is not to be looked at, since newer ones wait.
+  /// Answers a scan that is dropped because newer ones wait.
   void AnswerDropped(std::int64_t sequence_number, Reply reply);
 
   /// Goes on in another version of the map: the last pose and its covariance are the prior at the

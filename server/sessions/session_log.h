@@ -8,7 +8,7 @@
 #include "server/convert/answer.h"
 #include "server/sessions/session_record.h"
 
-/// What the log says of a session.
+/// The log lines of a session.
 namespace dcloc::server {
 
 void LogOpened(const SessionRecord& record, std::size_t radar_count);
@@ -21,7 +21,7 @@ void LogLocalized(const SessionRecord& record, std::int64_t sequence_number,
 void LogRejected(const SessionRecord& record, std::int64_t sequence_number,
                  const absl::Status& status);
 
-/// What registrations leave over contradicts the radar's `beta_s`.
+/// The residuals of registrations contradict the radar's `beta_s`.
 void LogBetaContradicted(const SessionRecord& record, const std::string& radar_id,
                          const BetaCheck& beta);
 

@@ -15,9 +15,9 @@
 
 namespace dcloc::server {
 
-/// What of sessions is counted and timed as it happens, for Prometheus; what can be looked up when
-/// asked for is the app's. Thread-safe; an observation takes a fraction of a microsecond, and no
-/// label depends on what a client sends.
+/// Prometheus counters and histograms of sessions and scans, updated at each event; gauges are in
+/// `app/state_metrics`. Thread-safe. An observation takes a fraction of a microsecond. No label
+/// depends on what a client sends.
 class SessionMetrics {
  public:
   SessionMetrics();
@@ -32,7 +32,7 @@ class SessionMetrics {
   void ObserveRepeated();
   /// A Localize call has opened or resumed a session, or not.
   void ObserveOpen(grpc::StatusCode code, bool resumed);
-  /// Getting a session's map took so long: microseconds where it was in memory.
+  /// The time to get a session's map: microseconds if it was in memory.
   void ObserveMapAcquired(std::chrono::nanoseconds duration, bool was_in_memory);
 
   const std::shared_ptr<prometheus::Registry>& registry() const { return registry_; }

@@ -11,7 +11,7 @@
 
 namespace dcloc::server {
 
-/// What of a session does not change.
+/// The part of a session that does not change.
 struct SessionDescription {
   std::string session_id;
   std::string resume_token;  ///< a secret; empty unless it is resumable
@@ -25,7 +25,7 @@ struct SessionDescription {
   bool resumable() const { return !resume_token.empty(); }
 };
 
-/// What its scans came to; written by the session, read by anyone.
+/// Counts of a session's scans by their result; written by the session, read by any thread.
 struct ScanCounts {
   std::atomic<std::int64_t> answered = 0;
   std::atomic<std::int64_t> rejected = 0;  ///< malformed or late
@@ -33,7 +33,7 @@ struct ScanCounts {
   std::atomic<std::int64_t> dropped = 0;
 };
 
-/// A session as all others see it than the one who localizes.
+/// The parts of a session that other threads may read.
 struct SessionRecord {
   using Clock = std::chrono::steady_clock;
 

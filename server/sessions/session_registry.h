@@ -41,8 +41,8 @@ struct SessionCensus {
 };
 
 /// Holds the sessions that are open: each is attached to a stream, or detached and waiting for its
-/// client to resume it. Also holds the counts of all that ever were, and for some time why ended
-/// ones ended. Thread-safe; nothing on a scan's path takes its lock.
+/// client to resume it. Also has the counts over all sessions so far and, for some time, why
+/// sessions ended. Thread-safe; localizing a scan does not take its lock.
 class SessionRegistry {
  public:
   using Clock = SessionRecord::Clock;
@@ -52,8 +52,8 @@ class SessionRegistry {
   SessionRegistry(const Limits& limits, const SessionTimeouts& timeouts)
       : limits_(limits), timeouts_(timeouts) {}
 
-  /// Adds a session attached to `stream`. Where there are too many, the one that has been detached
-  /// for longest makes room; ResourceExhausted when there is none.
+  /// Adds a session attached to `stream`. If there are too many sessions, the one that has been
+  /// detached for longest is ended; ResourceExhausted if none is detached.
   absl::Status Add(std::shared_ptr<SessionRecord> record, std::shared_ptr<Session> session,
                    Stream stream);
 
@@ -67,10 +67,10 @@ class SessionRegistry {
   /// above.
   absl::StatusOr<std::shared_ptr<SessionStream>> Attach(const SessionRecord& record, Stream stream);
 
-  /// The session waits without a stream from now on; nothing if it is not attached to `stream`.
+  /// Detaches the session from `stream`; does nothing if it is not attached to it.
   void Detach(const SessionRecord& record, const SessionStream& stream);
 
-  /// Lets go of a session; a later `Find` is told `reason`. Nothing if it is not attached to
+  /// Removes a session; a later `Find` is told `reason`. Does nothing if it is not attached to
   /// `stream`.
   void Remove(const SessionRecord& record, const SessionStream& stream, const std::string& reason);
 
@@ -82,10 +82,11 @@ class SessionRegistry {
   std::vector<std::shared_ptr<Session>> SessionsIn(absl::string_view tenant,
                                                    absl::string_view map_name) const;
 
-  /// Ends what has been detached or idle for too long, and cuts off who was told and does not go.
+  /// Ends sessions that have been detached or idle for too long, and cuts off streams that were
+  /// told to end and have not.
   void Reap(Clock::time_point now);
 
-  /// Lets go of all detached sessions.
+  /// Removes all detached sessions.
   void RemoveDetached(const std::string& reason);
 
   /// At most `limit` sessions of the tenant's with an id above `after_id`, by ascending id.

@@ -6,18 +6,18 @@
 
 namespace dcloc::server {
 
-/// The stream that a session is attached to, as those see it who may end it. Thread-safe.
+/// The interface through which others end the stream that a session is attached to. Thread-safe.
 class SessionStream {
  public:
   virtual ~SessionStream() = default;
 
-  /// Tells the client, if it could do something about it, that the session is about to end.
+  /// Tells the client that the session is about to end, if the session is resumable.
   virtual void Announce(const v1::SessionEnding& ending) = 0;
 
-  /// Reads no more, answers what was read, then ends with `status`.
+  /// Stops reading, answers the scans that were read, then ends with `status`.
   virtual void End(grpc::Status status) = 0;
 
-  /// Another stream has the session now: answers no more, then ends with `status`.
+  /// Another stream has taken the session: stops answering and ends with `status`.
   virtual void Displace(grpc::Status status) = 0;
 
   /// Ends at once, also when the client does not read.

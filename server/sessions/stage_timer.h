@@ -9,7 +9,7 @@
 
 namespace dcloc::server {
 
-/// Measures a scan's stages: core says when one begins, this reads the clock.
+/// Measures the stages of a scan: core reports when a stage begins, and this class reads the clock.
 class StageTimer final : public StageListener {
  public:
   using Clock = std::chrono::steady_clock;

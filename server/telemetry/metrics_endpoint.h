@@ -14,10 +14,10 @@
 
 namespace dcloc::server {
 
-/// Serves http://ADDRESS/metrics in Prometheus' text format, and /ready for who balances load (200,
-/// or 503 and why not), in plaintext and to whoever asks: there are counts in it, and no names of
-/// vehicles, maps or callers. One connection at a time, a
-/// second at most to hear what it wants and another one to say it.
+/// Serves http://ADDRESS/metrics in Prometheus' text format, and /ready for load balancers (200, or
+/// 503 with the reason). Plaintext without access control: metrics contain counts, but no names of
+/// vehicles, maps or callers. One connection at a time, with at most a second for the request and
+/// another one for the response.
 class MetricsEndpoint {
  public:
   /// Port 0 takes a free one. Unavailable when the address cannot be listened on.

@@ -7,12 +7,12 @@
 
 namespace dcloc::cli {
 
-/// The rig with all corrections as a file that `--rig` takes (client/datasets/rig_file.h). All or
-/// none: a part of them would leave errors standing that others were estimated to cancel.
+/// The rig with all corrections as a file that `--rig` takes (client/datasets/rig_file.h). All
+/// corrections or none: they were estimated together, and some cancel each other's effects.
 nlohmann::ordered_json RigFileJson(const Calibration& calibration);
 
-/// What was found, for scripts and for people: each correction with its 95 % interval, whether the
-/// data determine it and whether 0 lies in it, and what they cannot tell apart.
+/// The result as JSON and as text: each correction with its 95 % interval, whether the data
+/// determine it and whether 0 lies in the interval, and the pairs that the data cannot tell apart.
 nlohmann::ordered_json CalibrationJson(const Calibration& calibration);
 std::string CalibrationText(const Calibration& calibration);
 

@@ -7,8 +7,8 @@
 
 namespace dcloc::cli {
 
-/// Adds --anchor: where the drive's frame, and so its map's, lies on the Earth. What is no such
-/// place makes the command line an error.
+/// Adds --anchor: where the drive's frame, and so its map's, lies on the Earth. An invalid anchor
+/// is wrong usage.
 CLI::Option* AddAnchorOption(CLI::App& command, std::optional<GeodeticAnchor>& anchor);
 
 }  // namespace dcloc::cli

@@ -8,8 +8,8 @@
 
 namespace dcloc::cli {
 
-/// Writes `bytes` to `path` so that whoever opens it sees the old file or the whole new one: into a
-/// temporary file beside it, to the disk, then renamed. Errors name the path and the reason.
+/// Writes `bytes` to `path` so that a reader sees either the old file or the whole new one. Writes
+/// a temporary file beside it, syncs it and renames it. Errors name the path and the reason.
 absl::Status WriteFileAtomically(const std::filesystem::path& path,
                                  std::span<const std::byte> bytes);
 

@@ -22,8 +22,8 @@ void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments);
 /// Reads a drive of the data set that the arguments name.
 absl::StatusOr<Drive> ReadDrive(const DatasetArguments& arguments, const DriveRequest& request);
 
-/// Adds --rig and --beta-s, which say more of the radars than the data set does, or something else,
-/// and --from-s and --to-s, which take a part of the drive.
+/// Adds --rig and --beta-s, which override the data set's description of the radars, and --from-s
+/// and --to-s, which select a part of the drive.
 void AddDriveRequestOptions(CLI::App& command, DriveRequest& request);
 
 /// Adds an option that takes radar ids, separated by commas.

@@ -12,7 +12,7 @@ namespace dcloc::cli {
 /// Results by name as files, each written whole or not at all.
 class JsonFolder {
  public:
-  /// Results of another `fingerprint` are as if they were not there.
+  /// Results with another `fingerprint` are ignored.
   JsonFolder(std::filesystem::path folder, std::string fingerprint)
       : folder_(std::move(folder)), fingerprint_(std::move(fingerprint)) {}
 

@@ -4,8 +4,8 @@
 
 namespace dcloc::cli {
 
-/// A line on stderr that is drawn over and over; nothing where stderr is no terminal. It is wiped
-/// at the end.
+/// A line on stderr that is redrawn in place, and removed at the end. Does nothing if stderr is not
+/// a terminal.
 class LiveLine {
  public:
   LiveLine();

@@ -8,8 +8,8 @@
 
 namespace dcloc::cli {
 
-/// A line on stderr that says how far a long step is; nothing where stderr is no terminal. The line
-/// is wiped when the step ends.
+/// A progress line on stderr for a long step, removed when the step ends. Does nothing if stderr is
+/// not a terminal.
 class Progress {
  public:
   Progress(std::string step, std::size_t total);

@@ -7,7 +7,7 @@
 
 namespace dcloc::cli {
 
-/// Says on stderr what went wrong, and gives the exit code that says so too.
+/// Prints an error on stderr and returns the exit code for it.
 int Fail(const absl::Status& status);
 
 /// Rows of cells in aligned columns: the first column to the left, the others to the right. The

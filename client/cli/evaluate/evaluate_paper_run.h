@@ -11,10 +11,10 @@ struct PaperArguments {
   std::string folder;
   std::string data;  ///< empty for simulated drives alone
   bool quick = false;
-  bool keep_runs = false;  ///< finished runs are taken, whatever did them
+  bool keep_runs = false;  ///< reuse finished runs of any build and options
 };
 
-/// Does what of the study is not done yet, prints the summary and writes the report.
+/// Does the runs of the study that are not finished, prints the summary and writes the report.
 absl::Status RunPaper(const PaperArguments& arguments);
 
 }  // namespace dcloc::cli

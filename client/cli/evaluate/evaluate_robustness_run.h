@@ -15,8 +15,8 @@ struct RobustnessArguments {
   bool quick = false;
 };
 
-/// Does what of the campaign is not done yet, prints the tables and the goals, and writes the
-/// report.
+/// Does the trials of the campaign that are not finished, prints the tables and the goals, and
+/// writes the report.
 absl::Status RunRobustness(const RobustnessArguments& arguments);
 
 }  // namespace dcloc::cli

@@ -25,8 +25,8 @@ struct LoadArguments {
   std::string plot;
 };
 
-/// Runs the load, or searches for the most vehicles that hold the target, and prints what came of
-/// it. An error also when something was lost or wrong, or the target was not held.
+/// Runs the load test, or searches for the largest number of vehicles within the target, and prints
+/// the result. Also an error if a scan was lost, an answer was wrong or the target was missed.
 absl::Status RunLoadCommand(const LoadArguments& arguments);
 
 }  // namespace dcloc::cli

@@ -4,7 +4,7 @@
 
 namespace dcloc::cli {
 
-/// Adds `map coverage`, which asks which maps there are of a place.
+/// Adds `map coverage`, which lists the active maps that cover a place.
 void AddMapPlaceCommands(CLI::App& map_command, int& exit_code);
 
 }  // namespace dcloc::cli

@@ -19,8 +19,8 @@ namespace dcloc::cli {
 absl::Status WithAdminClient(const client::ChannelOptions& server,
                              const std::function<absl::Status(client::AdminClient&)>& work);
 
-/// The open session that `text` means: an id, the beginning of just one, or the vehicle of just
-/// one. NotFound, or InvalidArgument naming those that it could be.
+/// The open session that `text` names: an id, the unique beginning of an id, or a vehicle with one
+/// session. NotFound, or InvalidArgument with the candidates.
 absl::StatusOr<v1::Session> FindSession(client::AdminClient& admin, const std::string& text);
 
 /// Adds the command `name` to `parent`, with the options of a server and --json, which stand in

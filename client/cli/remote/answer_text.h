@@ -16,7 +16,7 @@ std::string TimeText(const google::protobuf::Timestamp& time);
 /// "950 ms", "12 s", "3 min", "5 h".
 std::string AgeText(double age_s);
 
-/// An answer as a line for people: number, state, position, heading, spread, what it cost.
+/// An answer as a line of text: number, state, position, heading, deviations, time.
 std::string AnswerLine(const v1::LocalizeResponse& answer);
 
 /// The same for scripts.

@@ -12,20 +12,21 @@
 
 namespace dcloc::cli {
 
-// Where core's types and the wire's meet on the client's side.
+// Conversions between core's types and messages, on the client's side.
 
 v1::Rig ToProto(const Rig& rig);
 v1::PoseWithCovariance ToProto(const InitialPose& initial_pose);
 v1::Scan ToProto(const Scan& scan, std::int64_t sequence_number);
 v1::GeodeticAnchor ToProto(const GeodeticAnchor& anchor);
 
-/// The pose as a receiver would tell it that is as good: position and heading, no roll and pitch.
+/// A GNSS fix with the position and heading of `pose` and their deviations; roll and pitch are left
+/// out.
 v1::GnssFix FixOf(const InitialPose& pose, const GeodeticAnchor& anchor);
 
 /// What a server of ours answers; without timings, map version and place on the Earth.
 v1::LocalizationResult ToProto(const Localization& localization, std::int64_t sequence_number);
 
-/// The answer as the localizer gave it. DataLoss for what no server of ours sends.
+/// The answer as the localizer returned it. DataLoss for a message that no dcloc server sends.
 absl::StatusOr<Localization> FromProto(const v1::LocalizationResult& result);
 
 }  // namespace dcloc::cli

@@ -12,7 +12,7 @@
 
 namespace dcloc {
 
-/// What a method makes of ego-motion and registrations, in the plane of a local map frame.
+/// Estimates the pose from ego-motion and registrations, in the plane of a local map frame.
 class Estimator {
  public:
   /// A pose; the covariance, in the tangent space on the right, is absent where it is not known.
@@ -26,8 +26,8 @@ class Estimator {
   /// The vehicle moved since the last call.
   virtual void Advance(const Motion& motion) = 0;
 
-  /// A registration was tried on `submap`. Gives the squared Mahalanobis distance that it was
-  /// tested by, 0 without such a test; nothing when it is rejected.
+  /// A registration was tried on `submap`. Returns the squared Mahalanobis distance of its test, 0
+  /// without a test; nothing if it is rejected.
   virtual std::optional<double> Correct(const std::optional<PlanarFit>& fit,
                                         std::span<const RadarPoint> submap) = 0;
 
@@ -37,7 +37,7 @@ class Estimator {
   virtual void ChangeFrame(const Pose2& T_new_old) = 0;
 };
 
-/// Each registration for itself: the last one, carried on by ego-motion.
+/// No filter: the last registration, moved on by ego-motion.
 std::unique_ptr<Estimator> MakeFrameEstimator(const PoseEstimate<2>& initial);
 
 /// The paper's truncated pose graph (III-E) over the last n states: odometry edges are

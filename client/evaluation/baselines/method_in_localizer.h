@@ -9,8 +9,9 @@
 
 namespace dcloc {
 
-/// Somebody else's registration behind the localizer's seam. The pose is its own; covariance,
-/// inliers and residuals, which it does not know, are judged at that pose as ours are.
+/// Another registration algorithm behind core's `RegistrationMethod`. The pose is its own.
+/// Covariance, inliers and residuals, which it does not provide, are computed at that pose as for
+/// our method.
 class MethodInLocalizer final : public RegistrationMethod<2> {
  public:
   MethodInLocalizer(std::unique_ptr<PlanarRegistration> registration, const GicpOptions& judge)

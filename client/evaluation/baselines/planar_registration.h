@@ -13,7 +13,7 @@
 
 namespace dcloc {
 
-/// How a sub-map was found to lie in a local map.
+/// A registration of a sub-map in a local map.
 struct PlanarFit {
   Pose2 T_local_vehicle;
   /// In the tangent space on the right; absent where the method does not know it.
@@ -21,7 +21,7 @@ struct PlanarFit {
   int inlier_count = 0;
 };
 
-/// Somebody else's way of registering a sub-map in the plane, with no more than it knows itself.
+/// Another registration algorithm in the plane, with only the results that it provides itself.
 class PlanarRegistration {
  public:
   virtual ~PlanarRegistration() = default;

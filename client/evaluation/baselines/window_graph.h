@@ -8,13 +8,13 @@
 namespace dcloc {
 
 /// The paper's pose graph (eq 15-17) in the plane: the last n states, odometry edges between
-/// neighbours, loop edges to the map. Unlike core's it is a mere window: what leaves it is
-/// forgotten, and validity of edges is the caller's business.
+/// neighbours, loop edges to the map. Unlike core's, states that leave the window are dropped
+/// without marginalization, and the caller tests the edges.
 class WindowGraph {
  public:
   explicit WindowGraph(int window) : window_(window) {}
 
-  /// Starts with one state and what is known of it.
+  /// Starts with one state and its prior.
   void Reset(const PoseEstimate<2>& first);
 
   /// Adds a state that the edge T_newest_new leads to.

@@ -16,7 +16,7 @@ struct Variant {
   bool uncertainty = true;
   bool truncation = true;
   int scans_per_submap = 10;
-  bool calibrated = false;  ///< told the rig as it was calibrated on other data
+  bool calibrated = false;  ///< uses the rig calibrated on other data
   bool far_prior = false;   ///< begins 3 m and 5 degrees off, not 1 m and 2 degrees
 
   bool operator==(const Variant&) const = default;
@@ -29,7 +29,7 @@ std::string VariantName(const Variant& variant);
 struct RowPlan {
   std::string label;
   Variant variant;
-  std::optional<Printed> printed;  ///< what the paper has there
+  std::optional<Printed> printed;  ///< the paper's numbers
 };
 
 /// Everything that Table I compares: the paper's methods, ICP and NDT also with compensation, which

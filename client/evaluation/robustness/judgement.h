@@ -8,7 +8,8 @@
 
 namespace dcloc::robustness {
 
-/// Data after which an answer that is still initializing counts: until then a start is a start.
+/// Time since the first scan after which an answer that is still INITIALIZING counts as an error;
+/// before, it belongs to the start.
 inline constexpr double kStartAllowance_s = 2.0;
 /// Tracking is back when it is right and stays so for this long.
 inline constexpr double kSteady_s = 1.0;
@@ -22,8 +23,8 @@ inline constexpr double kStartGoal_s = 2.0;
 Tally CountScans(const DriveOutcome& outcome, std::span<const Episode> episodes);
 
 /// Judges one session over a drive, in which `episodes` were disturbed. Of each episode, recovery
-/// is the time from the first scan after it to the first that tracks rightly for good; those before
-/// the session has tracked rightly at all belong to its start.
+/// is the time from the first scan after it to the beginning of the first `kSteady_s` of right
+/// tracking. Episodes before the session has tracked rightly at all belong to its start.
 Tally JudgeTrack(const DriveOutcome& outcome, std::span<const Episode> episodes);
 
 /// Judges one session that ends with its first answer called tracking, or without one. `origin` is

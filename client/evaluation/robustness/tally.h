@@ -19,8 +19,8 @@ struct Incident {
   double for_s = 0.0;  ///< how long it took, or lasted
 };
 
-/// What became of sessions, as counts that add up. Scans are sorted into right, flagged and wrong,
-/// so that these three add up to `scans`.
+/// Counts over sessions, which can be added. Scans are sorted into right, flagged and wrong, so
+/// that these three add up to `scans`.
 struct Tally {
   std::size_t scans = 0;
   std::size_t right = 0;       ///< answered within 2 m and 5 degrees, in whatever state

@@ -42,8 +42,8 @@ class SpeedProfile {
   double duration_s_ = 0.0;
 };
 
-/// A driver's speeds: slower in bends, unsteady by some 10 %, bounded accelerations. Where bends
-/// and halts make the mean impossible it stays below (the drive's own truth says what it was).
+/// A driver's speeds: slower in bends, unsteady by some 10 %, bounded accelerations. If bends and
+/// halts make the mean impossible, the actual mean is lower.
 SpeedProfile MakeSpeedProfile(const Path& path, const SpeedProfileOptions& options, Random& random);
 
 }  // namespace dcloc::simulation

@@ -33,7 +33,7 @@ struct Echo {
 };
 
 /// Gain over a target of the same RCS straight ahead at the reference range, one scan's two-way
-/// power; minus infinity where the radar does not look.
+/// power; minus infinity outside of the radar's field of view.
 double BeamGainDb(const RadarProfile& profile, const Observation& observation);
 
 /// RCS of `scatterer` (facing in the map) for a radar in the direction `aspect_rad` from it: its
@@ -41,8 +41,9 @@ double BeamGainDb(const RadarProfile& profile, const Observation& observation);
 /// sector.
 double AspectRcsDbsm(const Scatterer& scatterer, double aspect_rad);
 
-/// What the radar could see: everything in `scene` and `bodies` above the detection threshold and
-/// not hidden, but for ghosts and clutter. `occlusion` holds the walls of both.
+/// All echoes that the radar could detect: of everything in `scene` and `bodies` that is above the
+/// detection threshold and not hidden, without ghosts and clutter. `occlusion` holds the walls of
+/// both.
 std::vector<Echo> CollectEchoes(const Scene& scene, const std::vector<MovingBody>& bodies,
                                 const Occlusion& occlusion, const RadarView& view,
                                 const RadarProfile& profile, Random& random);

@@ -42,22 +42,22 @@ struct CoverageRecord {
   double distance_m = 0.0;  ///< to the nearest box
 };
 
-/// Which maps there are, and what of them is in use. Thread-safe; calls may block on storage. Each
-/// change is atomic and durable when it returns. Errors beyond those named are the storage's own:
-/// Internal, ResourceExhausted, DataLoss.
+/// Which maps and versions exist, and which versions are in use. Thread-safe; calls may block on
+/// storage. Each change is atomic, and durable when the call returns. Errors beyond those named are
+/// the storage's own: Internal, ResourceExhausted, DataLoss.
 ///
-/// Several processes may share one catalogue if its implementation says so. Who uses a version or
-/// handles a file therefore holds it here, not in its own memory only. `holder` names the process
-/// that holds: the same for all of its holds, and never used by a process before it. A hold lasts
-/// until it is given back or its holder has died; how that is noticed (a lease that is renewed, a
-/// connection that breaks) is the implementation's own. Localizing a scan takes and gives back no
+/// Several processes may share one catalogue if its implementation says so. So a process that uses
+/// a version or stores a file takes a hold of it here, not only in its own memory. `holder` names
+/// the process: the same name for all of its holds, and one that no earlier process had. A hold
+/// lasts until it is given back or its holder has died. How the implementation notices that (a
+/// lease, a broken connection) is its own choice. Localizing a scan neither takes nor gives back a
 /// hold.
 class Catalogue {
  public:
   virtual ~Catalogue() = default;
 
-  /// At most `limit` maps with a name above `after_name`, by ascending name, of those whose name
-  /// begins with `prefix` and has no slash behind it: one tenant's.
+  /// At most `limit` maps of one tenant with a name above `after_name`, by ascending name. `prefix`
+  /// is the tenant's: the names begin with it and have no slash after it.
   virtual absl::StatusOr<std::vector<MapRecord>> ListMaps(absl::string_view prefix,
                                                           absl::string_view after_name,
                                                           int limit) = 0;
@@ -78,14 +78,14 @@ class Catalogue {
   virtual absl::StatusOr<MapVersionRecord> GetVersion(absl::string_view map_name,
                                                       std::int64_t version) = 0;
 
-  /// Adds a version, and the map if it is new. A file that the map already has gives the version
-  /// that has it.
+  /// Adds a version, and the map if it is new. If a version of the map has this file already,
+  /// returns that version.
   virtual absl::StatusOr<MapVersionRecord> AddVersion(absl::string_view map_name,
                                                       absl::string_view sha256, const MapInfo& info,
                                                       const std::vector<CoverageBox>& coverage) = 0;
 
-  /// What was active becomes the previous version; a canary that becomes active is none any more.
-  /// NotFound: no such map or version.
+  /// The version that was active becomes the previous one. A canary that becomes active is no
+  /// longer the canary. NotFound: no such map or version.
   virtual absl::Status Activate(absl::string_view map_name, std::int64_t version) = 0;
 
   /// Version 0 and share 0: none. NotFound: no such map or version; FailedPrecondition: the version
@@ -93,14 +93,14 @@ class Catalogue {
   virtual absl::Status SetCanary(absl::string_view map_name, std::int64_t version,
                                  double share) = 0;
 
-  /// Keeps a version from being deleted; it may be held any number of times. NotFound: no such map
+  /// Keeps a version from being deleted. A version may be held several times. NotFound: no such map
   /// or version.
   virtual absl::StatusOr<Hold> HoldVersion(absl::string_view map_name, std::int64_t version,
                                            absl::string_view holder) = 0;
 
-  /// For who stores a file and then adds its version, or finds that no version has it and then
-  /// removes it: one holder at a time, whether there is such a file or not. Unavailable while it is
-  /// held already, also by the same holder.
+  /// Locks a file's hash: taken by a process that stores the file and then adds its version, or
+  /// that finds no version of it and removes it. One holder at a time, whether the file exists or
+  /// not. Unavailable while it is held, also by the same holder.
   virtual absl::StatusOr<Hold> HoldFile(absl::string_view sha256, absl::string_view holder) = 0;
 
   /// NotFound: no such map or version; FailedPrecondition: it is held, active or the canary.
@@ -112,17 +112,18 @@ class Catalogue {
   /// Whether any version has this file.
   virtual absl::StatusOr<bool> HasFile(absl::string_view sha256) = 0;
 
-  /// Of the file, in bytes, if a version of such maps (as with `ListMaps`) has it; else 0.
+  /// The file's size in bytes if a version of the maps with this prefix (as in `ListMaps`) has it;
+  /// else 0.
   virtual absl::StatusOr<std::int64_t> SizeOfFile(absl::string_view prefix,
                                                   absl::string_view sha256) = 0;
 
-  /// The files that there must be, each once, with their sizes.
+  /// The files of all versions, each once, with their sizes.
   virtual absl::StatusOr<std::vector<std::pair<std::string, std::int64_t>>> ListFiles() = 0;
 
-  /// Versions of which it is not known yet what they cover.
+  /// Versions without coverage, from a catalogue of an earlier program.
   virtual absl::StatusOr<std::vector<MapVersionRecord>> ListUncovered() = 0;
 
-  /// Says what a version covers that `ListUncovered` gave.
+  /// Adds the coverage of a version that `ListUncovered` returned.
   virtual absl::Status AddCoverage(absl::string_view map_name, std::int64_t version,
                                    const std::vector<CoverageBox>& coverage) = 0;
 

@@ -6,13 +6,13 @@
 
 namespace dcloc::server {
 
-/// Something in the catalogue that is held (Catalogue::HoldVersion, HoldFile); given back at its
-/// end. To give back never waits for storage, so that a hold may end anywhere: an implementation
-/// that has to tell an engine does so afterwards, from a thread of its own. A hold may outlive its
-/// catalogue. Not thread-safe.
+/// A hold of a version or file in the catalogue (Catalogue::HoldVersion, HoldFile); given back when
+/// this is destroyed. Giving back never waits for storage, so it may happen on any thread. An
+/// implementation that has to tell a database does so later, from a thread of its own. A hold may
+/// outlive its catalogue. Not thread-safe.
 class Hold {
  public:
-  Hold() = default;  ///< of nothing
+  Hold() = default;  ///< holds nothing
   explicit Hold(absl::AnyInvocable<void()> give_back) : give_back_(std::move(give_back)) {}
   Hold(Hold&& other) noexcept : give_back_(std::exchange(other.give_back_, nullptr)) {}
   Hold& operator=(Hold other) noexcept {

@@ -11,9 +11,9 @@
 
 namespace dcloc::server {
 
-/// The holds of a catalogue that only one process has open: they lie in its memory and are gone
-/// with it. A catalogue that several processes share must keep its holds where all of them see
-/// them. Thread-safe; no call waits for storage.
+/// The holds of a catalogue that only one process has open. They are in its memory and end with it.
+/// A catalogue that several processes share must keep its holds where all of them see them.
+/// Thread-safe; no call waits for storage.
 class LocalHolds {
  public:
   LocalHolds();

@@ -10,8 +10,8 @@
 
 namespace dcloc::server {
 
-/// The catalogue in one SQLite file, in WAL mode, for one process: who opens it makes sure that no
-/// other one does. Holds therefore lie in memory (LocalHolds).
+/// The catalogue in one SQLite file, in WAL mode, for one process. The caller makes sure that no
+/// other process opens it. Holds therefore lie in memory (LocalHolds).
 class SqliteCatalogue final : public Catalogue {
  public:
   /// Opens or creates it. FailedPrecondition when a newer program wrote it.

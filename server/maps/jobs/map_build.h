@@ -6,7 +6,8 @@
 
 namespace dcloc::server {
 
-/// What a client asks for, but for the tenant and the limits. InvalidArgument names the field.
+/// The build that a client asks for, without the tenant and the limits. InvalidArgument names the
+/// field.
 absl::StatusOr<BuildRequest> FromProto(const v1::MapBuildHeader& message);
 
 /// A build as the client is told of it.

@@ -19,7 +19,7 @@
 
 namespace dcloc::server {
 
-/// What shall be made of scans.
+/// The map to be built.
 struct BuildRequest {
   std::string tenant;
   std::string map_name;
@@ -44,13 +44,13 @@ struct BuildRecord {
 };
 
 /// Builds of maps from scans: one at a time, in the order in which they were started, on a thread
-/// of their own. They are kept in memory: the end of the process ends them, and the next one says
-/// so. Thread-safe.
+/// of their own. They are kept in memory. The end of the process ends them, and the next process
+/// reports them as failed. Thread-safe.
 class MapBuilds {
  public:
   /// `store` outlives it.
   explicit MapBuilds(MapStore& store);
-  /// Interrupts what has not ended.
+  /// Interrupts running builds.
   ~MapBuilds();
   MapBuilds(const MapBuilds&) = delete;
   MapBuilds& operator=(const MapBuilds&) = delete;
@@ -64,7 +64,7 @@ class MapBuilds {
   /// The tenant's, newest first.
   std::vector<BuildRecord> List(absl::string_view tenant) const;
 
-  /// Ends a build soon, unless it has ended. NotFound as above.
+  /// Cancels a build, unless it has ended; returns before it ends. NotFound as above.
   absl::StatusOr<BuildRecord> Cancel(absl::string_view tenant, absl::string_view build_id);
 
  private:

@@ -12,7 +12,7 @@
 
 namespace dcloc::server {
 
-/// Scans on their way to a map build, in a file that goes with this object. Not thread-safe.
+/// The scans of a map build, in a file that is removed with this object. Not thread-safe.
 class ScanSpool {
  public:
   /// Makes the file in `folder`.

@@ -20,15 +20,16 @@ struct UploadRequest {
   bool activate = false;
 };
 
-/// What an upload may take.
+/// Bounds of an upload.
 struct UploadLimits {
   std::int64_t max_map_bytes = 0;
   std::int64_t max_tenant_bytes = 0;  ///< of the tenant's versions together; 0: no limit
 };
 
-/// A map file on its way into the store. What has come of it stays when the upload is dropped, for
-/// another one to go on with; it is gone once it is a version, or turns out to be none. Not
-/// thread-safe; calls block on storage. Aborted once another upload has taken the same file.
+/// One upload of a map file into the store. If it is dropped, the bytes received stay, and another
+/// upload can continue with them. They are removed once the file is a version, or turns out to be
+/// invalid. Not thread-safe; calls block on storage. Aborted once another upload has taken the same
+/// file.
 class Upload {
  public:
   /// InvalidArgument names the field, the value and the bound, ResourceExhausted the limit that it
@@ -36,21 +37,21 @@ class Upload {
   static absl::StatusOr<Upload> Begin(MapStore& store, UploadRequest request,
                                       const UploadLimits& limits);
 
-  /// Appends bytes that begin at `offset_bytes` in the file: the first ones where bytes of an
-  /// earlier upload are or end, the others where the ones before ended. InvalidArgument if not, or
-  /// if the file would grow beyond its size.
+  /// Appends bytes that begin at `offset_bytes` in the file. The first call may begin anywhere in
+  /// the bytes of an earlier upload, or at their end; each later call where the one before ended.
+  /// InvalidArgument otherwise, or if the file would exceed its announced size.
   absl::Status Append(std::int64_t offset_bytes, absl::string_view bytes);
 
   /// Checks size, hash and the map in it, adds it to the store, and activates it if that was asked
-  /// for. DataLoss when the bytes are not those that were announced, or are no intact map. Without
-  /// any bytes, a file that the tenant has in the store already will do.
+  /// for. DataLoss when the bytes are not those that were announced, or are no intact map. If
+  /// nothing was appended, the file may be one that the tenant has in the store already.
   absl::StatusOr<MapVersionRecord> Finish();
 
  private:
   Upload(MapStore& store, UploadRequest request, IncomingFile file);
 
   absl::Status BeginAt(std::int64_t offset_bytes);
-  /// The version, and its map where this upload brought it.
+  /// The version, and its map if this upload stored it.
   absl::StatusOr<LoadedMap> Take();
 
   MapStore* store_;

@@ -12,8 +12,8 @@
 
 namespace dcloc::server {
 
-/// One StartMapBuild call: each scan is read, checked, written to disk on the call's strand, and
-/// only then the next one is read.
+/// One StartMapBuild call: each scan is read, checked and written to disk on the call's strand.
+/// Only then is the next one read.
 class BuildStream final : public grpc::ServerReadReactor<v1::StartMapBuildRequest>,
                           public std::enable_shared_from_this<BuildStream> {
  public:

@@ -8,11 +8,11 @@
 #include "dcloc/v1/map_service.pb.h"
 #include "server/maps/store/map_store.h"
 
-/// The calls that delete versions and maps, and get the sessions out of them if asked to.
+/// The calls that delete versions and maps, and drain their sessions if asked to.
 namespace dcloc::server {
 
-/// Gets a tenant's sessions out of a version of a map, 0 for any: by moving those that can go on in
-/// another one and ending the others, or by ending all.
+/// Drains a tenant's sessions from a version of a map (0: from all versions): moves those that can
+/// continue in another version and ends the others, or ends all.
 struct SessionDrainer {
   using Drain = std::function<void(const std::string& tenant, const std::string& map_name,
                                    std::int64_t version)>;

@@ -10,7 +10,7 @@
 /// The calls that say which sessions get which version.
 namespace dcloc::server {
 
-/// Moves a map's running sessions to what they would get now; gives how many.
+/// Moves a map's running sessions to the version that each would get now; returns how many.
 using SessionMover = std::function<int(const std::string& tenant, const std::string& map_name)>;
 
 absl::Status Activate(MapStore& store, const SessionMover& move, const std::string& tenant,

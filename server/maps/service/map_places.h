@@ -6,7 +6,7 @@
 #include "dcloc/v1/map_service.pb.h"
 #include "server/maps/store/map_store.h"
 
-/// The calls that ask what lies where.
+/// The calls that ask for coverage and tiles.
 namespace dcloc::server {
 
 absl::Status FindCoverage(Catalogue& catalogue, const std::string& tenant,

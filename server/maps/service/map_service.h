@@ -8,8 +8,7 @@
 
 namespace dcloc::server {
 
-/// MapService over a MapStore. All of it may wait for a disk, so all of it runs on the storage
-/// pool.
+/// MapService over a MapStore. All calls may wait for a disk, so all run on the storage pool.
 class MapService final : public v1::MapService::CallbackService {
  public:
   MapService(StorageHost host, SessionMover move_sessions, SessionDrainer drain_sessions);

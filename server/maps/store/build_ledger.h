@@ -13,7 +13,7 @@
 
 namespace dcloc::server {
 
-/// A build that is under way, as far as the next process has to know of it.
+/// What the next process must know of a running build.
 struct LedgerEntry {
   std::string tenant;
   std::string build_id;
@@ -22,15 +22,14 @@ struct LedgerEntry {
   SystemTime create_time;
 };
 
-/// Which builds are under way, a small file each, so that after a restart their clients can be told
-/// what became of them. Thread-safe.
+/// The running builds, a small file each, so that after a restart their clients can be told that
+/// they failed. Thread-safe.
 class BuildLedger {
  public:
   /// Makes the folder if it is not there.
   static absl::StatusOr<std::unique_ptr<BuildLedger>> Open(const std::filesystem::path& folder);
 
-  /// The builds that a process before this one has not ended, the oldest first; from now on they
-  /// are forgotten.
+  /// Returns and removes the builds that an earlier process has not ended, the oldest first.
   const std::vector<LedgerEntry>& interrupted() const { return interrupted_; }
 
   /// Durable when it returns.

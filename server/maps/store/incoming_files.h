@@ -17,20 +17,20 @@
 
 namespace dcloc::server {
 
-/// A file that is on its way into the store, and who writes it. At most one does at a time: who
-/// takes the same file later has it from then on. Not thread-safe, but for who has it.
+/// A file that is being uploaded, and its writer. There is one writer at a time: who takes the same
+/// file later replaces the earlier writer. Not thread-safe, except for taking the file.
 class IncomingFile {
  public:
-  /// Keeps all others out as long as it lives.
+  /// Excludes all other writers as long as it lives.
   using Hold = std::unique_lock<std::mutex>;
 
-  /// Waits for who is at work on the file. Aborted when another one has taken it meanwhile.
+  /// Waits until no other writer works on the file. Aborted if another one has taken it meanwhile.
   absl::StatusOr<Hold> Lock() const;
 
   // With the hold:
 
-  /// Cuts the file off at `offset_bytes`, or makes it, and hashes what is left: what is written
-  /// then follows.
+  /// Truncates the file to `offset_bytes`, or creates it, and hashes the rest. Bytes written later
+  /// are appended.
   absl::Status BeginAt(std::int64_t offset_bytes);
   absl::Status Write(absl::string_view bytes);
   bool begun() const { return descriptor_.has_value(); }
@@ -39,7 +39,7 @@ class IncomingFile {
   absl::StatusOr<std::int64_t> Size() const { return FileSize(path_); }
   std::int64_t hashed_bytes() const { return hashed_bytes_; }
 
-  /// Of all that is in it; makes it durable. Nothing may be written after that.
+  /// The hash of the whole file, which is then durable. Nothing may be written after this call.
   absl::StatusOr<std::string> Finish();
 
   absl::Status Remove() { return RemoveFile(path_); }
@@ -49,7 +49,7 @@ class IncomingFile {
   friend class IncomingFiles;
   struct Owner {
     std::mutex mutex;
-    std::int64_t number = 0;  ///< of who has the file
+    std::int64_t number = 0;  ///< of the present writer
   };
 
   IncomingFile(std::filesystem::path path, std::shared_ptr<Owner> owner, std::int64_t number)
@@ -63,27 +63,27 @@ class IncomingFile {
   Sha256 hash_;
 };
 
-/// Files on their way into the store, each named by the tenant who sends it and the SHA-256 that it
-/// shall have. What came of one whose sender is gone stays, so that another call can go on there.
+/// Files that are being uploaded, each named by its tenant and by the SHA-256 that the whole file
+/// will have. The bytes of an interrupted upload stay, so that another call can continue it.
 /// Thread-safe; calls may block on storage.
 class IncomingFiles {
  public:
-  /// Makes the folder if it is not there, and removes what is no such file; says how many.
+  /// Creates the folder if needed, and removes files that are no uploads; returns how many.
   static absl::StatusOr<std::unique_ptr<IncomingFiles>> Open(const std::filesystem::path& folder);
 
-  /// Takes a file for writing. Waits for who has it, and takes it away from them.
+  /// Takes a file for writing. Waits for its present writer's current operation, and replaces that
+  /// writer.
   IncomingFile Take(absl::string_view tenant, absl::string_view sha256);
 
-  /// Makes durable what has come of a file; gives how many bytes that are.
+  /// Makes the received bytes of a file durable; returns how many there are.
   absl::StatusOr<std::int64_t> DurableSize(absl::string_view tenant,
                                            absl::string_view sha256) const;
 
-  /// Bytes of the tenant's files together, without that of `sha256`.
+  /// Total bytes of the tenant's files, without the file `sha256`.
   absl::StatusOr<std::int64_t> SizeOfOthers(absl::string_view tenant,
                                             absl::string_view sha256) const;
 
-  /// Removes files that nobody has written to since `time` and that nobody has taken; gives how
-  /// many.
+  /// Removes files that have not been written to since `time` and have no writer; returns how many.
   absl::StatusOr<int> RemoveUntouchedSince(SystemTime time);
 
   /// Files that there are.

@@ -12,14 +12,14 @@
 
 namespace dcloc::server {
 
-/// Where map files lie, each under the SHA-256 of its bytes. Thread-safe; calls may block on
-/// storage.
+/// The storage of map files, each named by the SHA-256 of its bytes. Thread-safe; calls may block
+/// on storage.
 class MapFiles {
  public:
   virtual ~MapFiles() = default;
 
-  /// Takes over the local file `path`, whose bytes have this hash; durable when it returns.
-  /// Replaces a file of that hash, if there is one, by the same bytes.
+  /// Moves the local file `path`, whose bytes have this hash, into the storage. Durable when it
+  /// returns. An existing file of that hash is replaced.
   virtual absl::Status Keep(const std::filesystem::path& path, absl::string_view sha256) = 0;
 
   /// Errors of RadarMap::Open.

@@ -21,11 +21,11 @@
 
 namespace dcloc::server {
 
-/// A version with its map in memory.
+/// A version whose map is in memory.
 struct LoadedMap {
   MapVersionRecord record;
   std::shared_ptr<const RadarMap> map;
-  bool was_in_memory = false;  ///< someone else used it, or it was kept warm
+  bool was_in_memory = false;  ///< a session used it already, or it was kept warm
 };
 
 /// What a store is made of. Which implementations these are is chosen in `app/storage.h`.
@@ -38,20 +38,20 @@ struct MapStoreParts {
 };
 
 struct MapStoreOptions {
-  /// Of versions that stay in memory though no session uses them.
+  /// Bound on the versions that stay in memory without a session.
   std::int64_t max_warm_bytes = std::int64_t{1} << 30;
-  /// How long what came of a broken upload waits for the rest.
+  /// How long the bytes of an interrupted upload are kept.
   std::chrono::nanoseconds unfinished_upload_timeout = std::chrono::hours(24);
 };
 
-/// The server's maps: which there are (Catalogue), their files (MapFiles), which are on their way
-/// (IncomingFiles) and which are in use. All who use a version share one copy in memory and one
-/// hold in the catalogue; it is in use as long as anyone has `LoadedMap::map`, which may outlive
-/// the store and ends without waiting for storage. Versions that new sessions get stay in memory
+/// The server's maps: which exist (Catalogue), their files (MapFiles), uploads (IncomingFiles) and
+/// which versions are in use. All users of a version share one copy in memory and one hold in the
+/// catalogue. A version is in use as long as a `LoadedMap::map` of it exists; that may outlive the
+/// store, and destroying it does not wait for storage. Active versions and canaries stay in memory
 /// within bounds (WarmMaps). Thread-safe; calls may block on storage.
 class MapStore {
  public:
-  /// Checks what the parts hold, repairs what a crash left over, and logs what it did.
+  /// Checks the catalogue and the files, repairs what a crash left behind, and logs what it did.
   static absl::StatusOr<std::unique_ptr<MapStore>> Open(MapStoreParts parts,
                                                         const MapStoreOptions& options);
 
@@ -68,13 +68,13 @@ class MapStore {
   /// Catalogue::GetVersion, or DataLoss when the file is damaged.
   absl::StatusOr<LoadedMap> Acquire(absl::string_view map_name, std::int64_t version);
 
-  /// The version that a vehicle gets who asks for the active one: the canary for its share of the
-  /// vehicles. Where the canary cannot be loaded, the active one serves, and the log says so.
+  /// The version for a vehicle that asks for the active one: the canary for its share of the
+  /// vehicles. If the canary cannot be loaded, it is the active one, and the log says so.
   absl::StatusOr<LoadedMap> AcquireFor(absl::string_view map_name, absl::string_view vehicle_id);
 
-  /// Adds a version from a local file that was verified as `map` and has this hash; takes the file
-  /// over. Who asks for the version while what this gives is held gets the same map, and need not
-  /// verify it again.
+  /// Adds a version from a local file that was verified as `map` and has this hash; moves the file
+  /// into the store. While the result exists, callers that ask for the version get the same map,
+  /// which is not verified again.
   absl::StatusOr<LoadedMap> Add(const std::filesystem::path& path, absl::string_view map_name,
                                 absl::string_view sha256, std::shared_ptr<const RadarMap> map);
 
@@ -86,8 +86,8 @@ class MapStore {
   /// Whether `AddStored` would find the file.
   absl::StatusOr<bool> HasStored(absl::string_view prefix, absl::string_view sha256);
 
-  /// Loads and verifies a version, and only then makes it the one that new sessions get. Errors of
-  /// `Acquire`; the old one stays then.
+  /// Loads and verifies a version, and only then makes it the active one. Errors of `Acquire`; then
+  /// the old version stays active.
   absl::StatusOr<MapRecord> Activate(absl::string_view map_name, std::int64_t version);
 
   /// The same for the version that was active before. FailedPrecondition when there is none.
@@ -98,12 +98,12 @@ class MapStore {
   absl::StatusOr<MapRecord> SetCanary(absl::string_view map_name, std::int64_t version,
                                       double share);
 
-  /// Errors of the catalogue's, such as FailedPrecondition while a version is in use. Their files
-  /// go too, unless another version has them or another process is storing them (`RemoveOrphan`).
+  /// Errors of the catalogue, such as FailedPrecondition while a version is in use. Their files go
+  /// too, unless another version has them or another process is storing them (`RemoveOrphan`).
   absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version);
   absl::Status DeleteMap(absl::string_view map_name);
 
-  /// Removes what came of uploads that broke off too long before `now`; gives how many.
+  /// Removes unfinished uploads that are too old at `now`; returns how many.
   absl::StatusOr<int> RemoveStaleUploads(SystemTime now);
 
   /// Versions in memory.
@@ -124,8 +124,8 @@ class MapStore {
   const std::chrono::nanoseconds unfinished_upload_timeout_;
   StoreReport report_;
 
-  /// Ties what the catalogue says to which files and loaded maps there are. Held while a catalogue
-  /// row is read or written and while a file is renamed, not while a map is read.
+  /// Keeps catalogue, files and loaded maps consistent. Held while a catalogue row is read or
+  /// written and while a file is renamed, not while a map is read.
   std::mutex mutex_;
   std::map<Key, std::weak_ptr<Loaded>> loaded_;  ///< in memory, used or warm
   std::map<Key, std::weak_ptr<Use>> uses_;       ///< those in use

@@ -14,8 +14,8 @@ struct TilePoint {
   float rcs_dbsm = 0.0F;
 };
 
-/// A rectangle of a map, coordinates relative to its least corner: far from a map's origin, single
-/// precision would be too coarse.
+/// A rectangle of a map, with coordinates relative to its corner of least x and y: far from a map's
+/// origin, single precision would be too coarse.
 struct MapTile {
   Eigen::Vector3d origin_map_m;
   std::int64_t point_count = 0;  ///< in the rectangle; `points` are some of them

@@ -7,10 +7,9 @@
 
 namespace dcloc::server {
 
-/// Removes a map file that no version has, and gives whether it did. The file stays while a version
-/// has it, and while anyone holds it (Catalogue::HoldFile): then another process is storing it, and
-/// adds its version next. What a process that died while it stored a file left behind is held by
-/// nobody any more.
+/// Removes a map file that no version has; returns whether it was removed. The file stays if a
+/// version has it, or if it is held (Catalogue::HoldFile): then another process is storing it and
+/// will add its version. Files of a process that died while storing them are not held any more.
 absl::StatusOr<bool> RemoveOrphan(Catalogue& catalogue, MapFiles& files, absl::string_view sha256,
                                   absl::string_view holder);
 

@@ -10,9 +10,8 @@
 
 namespace dcloc::server {
 
-/// Keeps versions in memory that new sessions get, though none may use them just now, which is not
-/// to hold them in the catalogue: those used
-/// last, and together not more than so many bytes. Not thread-safe.
+/// Keeps active versions and canaries in memory when no session uses them: those used last, up to a
+/// bound in bytes. Keeping a version warm takes no hold in the catalogue. Not thread-safe.
 class WarmMaps {
  public:
   /// Map name and version.
@@ -21,11 +20,11 @@ class WarmMaps {
   /// `max_bytes` 0 keeps none.
   explicit WarmMaps(std::int64_t max_bytes) : max_bytes_(max_bytes) {}
 
-  /// Keeps `map`, of `size_bytes`, as the one used last, and drops what there is no room for any
-  /// more. One that is larger than all the room is not kept, and costs no other its place.
+  /// Keeps `map`, of `size_bytes`, as the one used last, and drops the least recently used ones
+  /// beyond the bound. A map larger than the bound is not kept, and drops no other.
   void Keep(const Key& key, std::shared_ptr<const void> map, std::int64_t size_bytes);
 
-  /// Drops the versions of a map but for those two.
+  /// Drops all versions of a map except those two.
   void KeepOnly(absl::string_view map_name, std::int64_t version, std::int64_t other_version);
 
   bool Has(const Key& key) const;

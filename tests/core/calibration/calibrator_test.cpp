@@ -8,6 +8,7 @@
 #include <string>
 
 #include "tests/core/localizer/synthetic_world.h"
+#include "tests/core/options/option_fields_check.h"
 
 namespace dcloc {
 namespace {
@@ -154,12 +155,18 @@ TEST(CalibratorTest, SaysWhenThereIsNothingToGoBy) {
   EXPECT_EQ(calibration.status().code(), absl::StatusCode::kFailedPrecondition);
 }
 
+TEST(CalibratorOptionsTest, EachFieldIsBounded) { ExpectEachFieldIsBounded<CalibratorOptions>(); }
+
 TEST(CalibratorTest, RefusesOptionsThatMakeNoSense) {
   const auto message = [](const CalibratorOptions& options) {
     return std::string(Calibrator::Create(FrontRadar(), options).status().message());
   };
   EXPECT_THAT(message({.prior_sigma = {-1.0, 1.0, 1.0, 1.0, 1.0, 1.0}}), HasSubstr("prior_sigma"));
   EXPECT_THAT(message({.scatterer_sigmas_m = {}}), HasSubstr("scatterer_sigmas_m"));
+  EXPECT_THAT(message({.static_points = {.static_gate_mps = std::nan("")}}),
+              HasSubstr("static_points.static_gate_mps"));
+  EXPECT_THAT(message({.floor_sigma = {0.0, 0.0, std::nan(""), 0.0, 0.0, 0.0}}),
+              HasSubstr("floor_sigma"));
   EXPECT_THAT(message({.iterations_per_sigma = 0}), HasSubstr("iterations_per_sigma"));
   EXPECT_THAT(message({.max_pair_distance_m = std::nan("")}), HasSubstr("max_pair_distance_m"));
 }

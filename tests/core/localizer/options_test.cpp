@@ -2,38 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cmath>
-#include <limits>
 #include <string>
-#include <type_traits>
-#include <variant>
 
 #include "core/localizer/localizer_options.h"
+#include "tests/core/options/option_fields_check.h"
 
 namespace dcloc {
 namespace {
 
 using ::testing::StartsWith;
-
-// Sets a field to a number; a duration to so many milliseconds. False where it cannot hold it.
-template <typename Options>
-bool Set(Options& options, const OptionField<Options>& field, double value) {
-  return std::visit(
-      [&](auto pointer) {
-        auto& member = options.*pointer;
-        using Member = std::remove_reference_t<decltype(member)>;
-        if constexpr (!std::is_same_v<Member, double>) {
-          if (std::isnan(value)) return false;
-        }
-        if constexpr (std::is_same_v<Member, std::chrono::nanoseconds>) {
-          member = std::chrono::milliseconds(static_cast<int>(value));
-        } else {
-          member = static_cast<Member>(value);
-        }
-        return true;
-      },
-      field.member);
-}
 
 template <typename Options>
 class StageOptionsTest : public ::testing::Test {};
@@ -46,26 +23,7 @@ using AllOptions =
                      PoseGraphOptions, TrackingOptions, UnobservedSigmas, LocalizerOptions>;
 TYPED_TEST_SUITE(StageOptionsTest, AllOptions);
 
-TYPED_TEST(StageOptionsTest, DefaultsAreValid) { EXPECT_TRUE(Validate(TypeParam()).ok()); }
-
-TYPED_TEST(StageOptionsTest, EachFieldIsNamedWhereItMeansNothing) {
-  for (const OptionField<TypeParam>& field : FieldsOf(TypeParam())) {
-    for (const double value : {std::numeric_limits<double>::quiet_NaN(), -1.0}) {
-      TypeParam options;
-      if (!Set(options, field, value)) continue;
-      EXPECT_THAT(std::string(Validate(options).message()), StartsWith(field.name)) << value;
-    }
-    TypeParam options;
-    ASSERT_TRUE(Set(options, field, 0.0));
-    const std::string message(ValidateFields(options, FieldsOf(options)).message());
-    if (field.min > 0.0) {
-      EXPECT_THAT(message, StartsWith(field.name));
-    } else {
-      EXPECT_EQ(message, "");
-      EXPECT_STRNE(field.zero, "") << field.name << ": say what zero means";
-    }
-  }
-}
+TYPED_TEST(StageOptionsTest, EachFieldIsBounded) { ExpectEachFieldIsBounded<TypeParam>(); }
 
 TEST(LocalizerOptionsTest, NamesAFieldByItsStage) {
   LocalizerOptions options;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "core/map/radar_map.h"
+#include "tests/core/options/option_fields_check.h"
 
 namespace dcloc {
 namespace {
@@ -207,6 +208,8 @@ TEST(MapBuilderTest, RefusesWhatIsNoScanOrPoseAndStaysUsable) {
   EXPECT_TRUE(builder.Build().ok());
 }
 
+TEST(MapBuilderOptionsTest, EachFieldIsBounded) { ExpectEachFieldIsBounded<MapBuilderOptions>(); }
+
 TEST(MapBuilderTest, OptionsErrorsNameTheField) {
   MapBuilderOptions options{.name = "street"};
   EXPECT_TRUE(Validate(options).ok());
@@ -218,6 +221,9 @@ TEST(MapBuilderTest, OptionsErrorsNameTheField) {
   EXPECT_THAT(std::string(Validate(options).message()), HasSubstr("min_scan_count"));
   options = {.name = "street", .keyframe_spacing_m = std::nan("")};
   EXPECT_THAT(std::string(Validate(options).message()), HasSubstr("keyframe_spacing_m"));
+  options = {.name = "street", .static_points = {.min_range_m = -1.0}};
+  EXPECT_EQ(Validate(options).message(),
+            "static_points.min_range_m is -1; it must lie in [0, 1000]");
   EXPECT_FALSE(MapBuilder::Create({}, {.name = "no radars"}).ok());
 }
 

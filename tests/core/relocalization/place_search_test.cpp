@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/core/map/synthetic_map.h"
+#include "tests/core/options/option_fields_check.h"
 
 namespace dcloc {
 namespace {
@@ -53,6 +54,8 @@ std::vector<PlaceHypothesis> Search(const std::shared_ptr<const RadarMap>& map,
   while (!search.done()) search.SearchOn();
   return search.Best();
 }
+
+TEST(PlaceSearchOptionsTest, EachFieldIsBounded) { ExpectEachFieldIsBounded<PlaceSearchOptions>(); }
 
 TEST(PlaceSearchTest, FindsThePlaceAmongManyAndItsHeading) {
   const auto map = RandomStreets(400);
