@@ -1,10 +1,18 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
 #include "core/geometry/pose.h"
 
 namespace dcloc {
+
+/// Deviation [m] of x and y together, of a pose in the plane or in space: the root of the sum of
+/// their variances.
+template <typename Matrix>
+double HorizontalSigma(const Matrix& covariance) {
+  return std::sqrt(covariance.template topLeftCorner<2, 2>().trace());
+}
 
 /// Covariance of `T_a_b * T_b_c` from those of its independent factors, all in the tangent space on
 /// the right: `Ad(T_b_c^-1) S_ab Ad(T_b_c^-1)^T + S_bc`.

@@ -12,7 +12,6 @@ std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& 
       {"contradicted_sigma_m", &O::contradicted_sigma_m, 0, 1000, "its covariance holds"},
       {"contradicted_sigma_rad", &O::contradicted_sigma_rad, 0, 10, "its covariance holds"},
       {"clock_set_sigma_s", &O::clock_set_sigma_s, 0, 1000, "the odometry's covariance holds"},
-      {"max_fit_sigma_m", &O::max_fit_sigma_m, 0, 100, "predictions are tested as exact"},
   };
   return kFields;
 }
@@ -35,6 +34,26 @@ absl::Status Validate(const LocalizerOptions& options) {
   status.Update(Within("tracking", Validate(options.tracking)));
   status.Update(Within("unobserved", Validate(options.unobserved)));
   return status;
+}
+
+StaticPointsOptions EffectiveStaticPoints(const LocalizerOptions& options) {
+  StaticPointsOptions points = options.static_points;
+  points.compensate = options.doppler_compensation;
+  points.uncertainty = options.uncertainty;
+  return points;
+}
+
+PoseGraphOptions EffectivePoseGraph(const LocalizerOptions& options) {
+  PoseGraphOptions graph = options.pose_graph;
+  graph.gate_outliers = options.truncation;
+  return graph;
+}
+
+Vector6d ContradictedVariances(const LocalizerOptions& options) {
+  Vector6d sigmas = Vector6d::Zero();
+  sigmas.head<2>().setConstant(options.contradicted_sigma_m);
+  sigmas(5) = options.contradicted_sigma_rad;
+  return sigmas.cwiseAbs2();
 }
 
 }  // namespace dcloc

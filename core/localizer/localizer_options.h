@@ -45,8 +45,6 @@ struct LocalizerOptions {
   double clock_set_sigma_s = 0.3;
   /// A pose from a prior is held against other places before it is called tracking.
   bool verify_prior = true;
-  /// A prediction that is less certain is tested as if it were as certain as this.
-  double max_fit_sigma_m = 0.5;
 
   TimeBaseOptions time_base;
   SubmapOptions submap;
@@ -69,5 +67,12 @@ std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& 
 
 /// OK, or InvalidArgument that names the field of whatever stage, the value and the bound.
 absl::Status Validate(const LocalizerOptions& options);
+
+/// The options of two stages under the paper's switches, which go before their own.
+StaticPointsOptions EffectiveStaticPoints(const LocalizerOptions& options);
+PoseGraphOptions EffectivePoseGraph(const LocalizerOptions& options);
+
+/// What a contradicted pose varies by besides its covariance, along each axis of the tangent space.
+Vector6d ContradictedVariances(const LocalizerOptions& options);
 
 }  // namespace dcloc

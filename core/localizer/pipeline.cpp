@@ -14,29 +14,10 @@
 namespace dcloc {
 namespace {
 
-constexpr int kDofInSpace = 6;
 constexpr double kUnknownVariance = 1e8;  // of a pose that nothing is known of
-
-StaticPointsOptions PointOptions(const LocalizerOptions& options) {
-  StaticPointsOptions points = options.static_points;
-  points.compensate = options.doppler_compensation;
-  points.uncertainty = options.uncertainty;
-  return points;
-}
-
-PoseGraphOptions GraphOptions(const LocalizerOptions& options) {
-  PoseGraphOptions graph = options.pose_graph;
-  graph.gate_outliers = options.truncation;
-  return graph;
-}
 
 void Announce(StageListener* listener, Stage stage) {
   if (listener != nullptr) listener->OnStageBegin(stage);
-}
-
-template <typename Matrix>
-double PositionSigma(const Matrix& covariance) {
-  return std::sqrt(covariance.template topLeftCorner<2, 2>().trace());
 }
 
 }  // namespace
@@ -55,11 +36,10 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       matcher_(map, method, options.matcher),
       relocalizer_(std::move(map), std::move(method), options.matcher.local_map_radius_m,
                    options.prior, options.global),
-      hypotheses_(GraphOptions(options)),
+      pose_(EffectivePoseGraph(options), options.noise_scales),
       tracking_(options.tracking),
-      noise_scales_(options.noise_scales),
       beta_monitor_(rig_, options.beta_monitor),
-      map_fit_(rig_.radars.size(), options.map_fit) {
+      scan_fit_(rig_.radars.size(), options.map_fit) {
   if (initial_pose) Start(*initial_pose);
 }
 
@@ -70,8 +50,8 @@ void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
   if (!relocalizer_.IsPrediction(initial_pose.covariance)) return;
   RegistrationWorkspace<Dim> workspace;
   matcher_.MoveTo(initial_pose.T_map_vehicle.translation_m, workspace);
-  hypotheses_.Reset(FromSpace<Dim>(matcher_.T_map_local().Inverse() * initial_pose.T_map_vehicle,
-                                   initial_pose.covariance));
+  pose_.Reset(FromSpace<Dim>(matcher_.T_map_local().Inverse() * initial_pose.T_map_vehicle,
+                             initial_pose.covariance));
   tracking_.OnPrior();
   if (!options_.verify_prior) tracking_.OnVerified();
 }
@@ -102,9 +82,8 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
 
   Announce(listener, Stage::kCompensation);  // eq 6, 9-11
-  const EgoVelocity& ego_velocity =
-      ego_motion_.Advance(scan, stamp, radar, workspace.ego_velocity);
-  StaticPoints(scan, radar, ego_velocity, PointOptions(options_), workspace.static_points);
+  const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, stamp, radar, workspace.ego_velocity);
+  StaticPoints(scan, radar, ego_velocity, EffectiveStaticPoints(options_), workspace.static_points);
 
   Announce(listener, Stage::kSubmap);  // eq 7-8
   Motion motion = ego_motion_.since_previous();
@@ -114,7 +93,7 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
   }
   Move(motion);
   AddToSubmap(stamp, radar, workspace.static_points, motion);
-  TestScanFit(stamp, radar, workspace);
+  TestScan(stamp, radar, workspace);
 
   const bool is_steady = tracking_.mode() == TrackingMode::kTracking && quality_.edge_valid;
   if (schedule_.IsDue(is_steady)) {
@@ -131,10 +110,7 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
     const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
     const RegistrationOutcome outcome = UpdatePose(registration, ego_velocity, workspace);
     UpdateOdometry(registration, outcome);
-    if (!was_tracking) {
-      ego_motion_.OnJump();
-      noise_scales_.OnJump();
-    } else if (outcome == RegistrationOutcome::kAccepted) {
+    if (was_tracking && outcome == RegistrationOutcome::kAccepted) {
       UpdateEstimators(*registration, ego_velocity, stamp, workspace);
     }
     tracking_.OnRegistration(stamp, outcome);
@@ -154,14 +130,13 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   if (!moment) return answer;
   const RadarModel& radar = *rig_.Find(scan.radar_id);
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  StaticPoints(scan, radar, moment->velocity, PointOptions(options_), workspace.static_points);
+  StaticPoints(scan, radar, moment->velocity, EffectiveStaticPoints(options_),
+               workspace.static_points);
   submap_.Insert(stamp, static_cast<int>(IndexOf(radar)), workspace.static_points);
-  const Motion& to_newest = moment->to_newest;
-  const Pose3 T_newest_then = to_newest.T_from_to.Inverse();
-  answer.T_map_vehicle = answer.T_map_vehicle * T_newest_then;
-  answer.covariance =
-      ComposeCovariance<3>(answer.covariance, T_newest_then,
-                           InvertCovariance<3>(to_newest.T_from_to, to_newest.covariance));
+  const Motion then =
+      Compose({answer.T_map_vehicle, answer.covariance}, Inverse(moment->to_newest));
+  answer.T_map_vehicle = then.T_from_to;
+  answer.covariance = then.covariance;
   return answer;
 }
 
@@ -182,59 +157,36 @@ std::size_t Pipeline<Dim>::IndexOf(const RadarModel& radar) const {
 
 template <int Dim>
 void Pipeline<Dim>::Move(const Motion& motion) {
-  noise_scales_.OnMotion(ToEstimate<Dim>(motion));
-  since_state_ = Compose(since_state_, motion);
+  pose_.OnMotion(motion);
   relocalizer_.OnMotion(motion);
   // What was learned of the odometry was learned of other sources.
-  if (ego_motion_.sources_changed()) {
-    noise_scales_ = NoiseScaleEstimator<Dim>(options_.noise_scales);
-  }
+  if (ego_motion_.sources_changed()) pose_.ForgetNoise();
 }
 
 template <int Dim>
 void Pipeline<Dim>::AddToSubmap(Stamp stamp, const RadarModel& radar,
                                 const std::vector<RadarPoint>& points, const Motion& motion) {
-  if (PositionSigma(motion.covariance) > options_.max_gap_sigma_m ||
+  if (HorizontalSigma(motion.covariance) > options_.max_gap_sigma_m ||
       std::sqrt(motion.covariance(5, 5)) > options_.max_gap_sigma_rad) {
     submap_.Clear();
-    noise_scales_.OnJump();
-    gap_since_state_ = true;
+    pose_.OnGap();
   }
   submap_.Push(stamp, static_cast<int>(IndexOf(radar)), points, motion);
   schedule_.OnScan(stamp, submap_.scan_count());
 }
 
-// Whether the scan lies in the map where the vehicle is predicted to be, which registration does
-// not ask: it moves the pose.
 template <int Dim>
-void Pipeline<Dim>::TestScanFit(Stamp stamp, const RadarModel& radar, Workspace<Dim>& workspace) {
+void Pipeline<Dim>::TestScan(Stamp stamp, const RadarModel& radar, Workspace<Dim>& workspace) {
   if (!tracking_.has_pose()) return;
-  const std::size_t count = std::min(workspace.static_points.size(),
-                                     static_cast<std::size_t>(options_.map_fit.max_point_count));
-  workspace.scan_points.clear();
-  for (std::size_t i = 0; i < count; ++i) {
-    const RadarPoint& point =
-        workspace.static_points[i * workspace.static_points.size() / count];
-    workspace.scan_points.push_back(
-        {.mean_m = point.position_m.head<Dim>(),
-         .covariance_m2 = point.covariance_m2.topLeftCorner<Dim, Dim>()});
-    if constexpr (Dim == 2) workspace.scan_points.back().slant_per_m = point.slant_per_m;
-  }
-  const PoseEstimate<Dim> now = Now();
-  const double sigma_m = std::min(options_.max_fit_sigma_m, PositionSigma(now.covariance));
-  const double fit =
-      matcher_.Fit(workspace.scan_points, now.pose, sigma_m, workspace.registration);
-  const ScanFit verdict = map_fit_.Judge(IndexOf(radar), count, fit);
   const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
-  tracking_.OnScanFit(verdict);
-  if (verdict == ScanFit::kContradicts && !doubted_since_) doubted_since_ = stamp;
-  if (tracking_.mode() == TrackingMode::kTracking) doubted_since_.reset();
-  if (tracking_.mode() != TrackingMode::kTracking) {
-    if (was_tracking) relocalizer_.SetPrior(NowInMap());
-    return;
-  }
-  if (quality_.edge_valid && verdict != ScanFit::kContradicts) {
-    map_fit_.Learn(IndexOf(radar), count, fit);
+  const ScanFit fit = scan_fit_.Test(stamp, IndexOf(radar), workspace.static_points, pose_.Now(),
+                                     matcher_, workspace);
+  tracking_.OnScanFit(fit);
+  if (tracking_.mode() == TrackingMode::kTracking) {
+    scan_fit_.OnConfirmed();
+    if (quality_.edge_valid && fit != ScanFit::kContradicts) scan_fit_.Learn();
+  } else if (was_tracking) {
+    relocalizer_.SetPrior(NowInMap());
   }
 }
 
@@ -242,11 +194,9 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, const RadarModel& radar, Workspace<
 template <int Dim>
 void Pipeline<Dim>::Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace) {
   if (!tracking_.has_pose()) return;
-  hypotheses_.AddState(OdometryEdge(), OdometryNoise());
-  since_state_ = {};
-  gap_since_state_ = false;
-  const PoseEstimate<3> predicted = ToSpace<Dim>(hypotheses_.Newest(), options_.unobserved);
-  tracking_.OnPrediction(stamp, PositionSigma(predicted.covariance));
+  pose_.AddState();
+  const PoseEstimate<3> predicted = ToSpace<Dim>(pose_.Newest(), options_.unobserved);
+  tracking_.OnPrediction(stamp, HorizontalSigma(predicted.covariance));
   EnterLocalFrame((matcher_.T_map_local() * predicted.pose).translation_m, workspace);
 }
 
@@ -257,7 +207,7 @@ void Pipeline<Dim>::EnterLocalFrame(const Eigen::Vector3d& p_map,
   const Pose3 T_map_old = matcher_.T_map_local();
   if (!matcher_.MoveTo(p_map, workspace)) return;
   const Pose3 T_new_old = matcher_.T_map_local().Inverse() * T_map_old;
-  hypotheses_.ChangeFrame(FromSpace<Dim>(T_new_old, Matrix6d::Zero()).pose);
+  pose_.ChangeFrame(FromSpace<Dim>(T_new_old, Matrix6d::Zero()).pose);
 }
 
 template <int Dim>
@@ -271,7 +221,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<
     registration = matcher_.MatchFound(live, place->T_map_vehicle, options_.global.gate,
                                        workspace.registration);
   } else if (tracking_.has_pose()) {
-    registration = matcher_.Match(live, hypotheses_.Newest(), observability_,
+    registration = matcher_.Match(live, pose_.Newest(), observability_,
                                   static_cast<std::uint64_t>(stamp.time_since_epoch().count()),
                                   workspace.registration);
   }
@@ -285,25 +235,22 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<
 // Where there is no pose, or one that may be wrong.
 template <int Dim>
 std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
-    std::span<const GaussianPoint<Dim>> live, Stamp stamp,
-    RegistrationWorkspace<Dim>& workspace) {
+    std::span<const GaussianPoint<Dim>> live, Stamp stamp, RegistrationWorkspace<Dim>& workspace) {
   using Belief = typename GlobalLocalizer<Dim>::Belief;
   std::optional<typename Relocalizer<Dim>::Supposition> supposed;
   if (tracking_.has_pose()) {
     if (!tracking_.needs_verification()) return std::nullopt;
-    // Scans from before the first one that did not fit speak for the pose, whatever came since.
-    if (doubted_since_ && stamp - *doubted_since_ < submap_.span()) return std::nullopt;
+    if (scan_fit_.IsTooSoonToJudge(stamp, submap_.span())) return std::nullopt;
     supposed = {.T_map_vehicle = NowInMap().pose,
-                .belief = tracking_.mode() == TrackingMode::kConfirmingPrior
-                              ? Belief::kPrior
-                              : Belief::kDoubted};
+                .belief = tracking_.mode() == TrackingMode::kConfirmingPrior ? Belief::kPrior
+                                                                             : Belief::kDoubted};
     if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
   }
   const std::optional<Place> place =
       relocalizer_.Search(stamp, live, submap_.span(), supposed, workspace);
   if (place && place->is_supposed) {
     tracking_.OnVerified();
-    map_fit_.Forget();
+    scan_fit_.Forget();
   }
   return place;
 }
@@ -329,7 +276,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
   degeneracy.template topLeftCorner<2, 2>() = observability_.DegeneracyCovariance();
   const AbsolutePoseFactor<Dim> factor = RegistrationFactor<Dim>(
       *registration, degeneracy,
-      noise_scales_.RegistrationCovariance(ResidualScaledCovariance<Dim>(*registration)),
+      pose_.noise_scales().RegistrationCovariance(ResidualScaledCovariance<Dim>(*registration)),
       CalibrationCovariance<Dim>(workspace.submap, rig_, ego_velocity),
       {.interval = schedule_.SinceRegistration().value_or(span),
        .submap_span = span,
@@ -338,13 +285,11 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
       options_.factor);
   EdgeTest test{.valid = true};
   if (tracking_.has_pose() && !found_elsewhere_) {
-    test = hypotheses_.AddAbsolutePose(factor);
+    test = pose_.AddAbsolutePose(factor);
   } else {
-    map_fit_.Forget();
-    doubted_since_.reset();
+    scan_fit_.Forget();
     ego_motion_.OnPlaceChanged();
-    hypotheses_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
-    since_state_ = {};
+    pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
     tracking_.OnPlaceFound();
   }
   quality_.edge_distance = test.distance;
@@ -356,11 +301,14 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
 template <int Dim>
 void Pipeline<Dim>::UpdateOdometry(const std::optional<Registration<Dim>>& registration,
                                    RegistrationOutcome outcome) {
+  if (tracking_.mode() != TrackingMode::kTracking) {
+    ego_motion_.OnJump();
+    pose_.OnJump();
+  }
   if (!registration) return;
-  const Pose<Dim> T_map_local = FromSpace<Dim>(matcher_.T_map_local(), Matrix6d::Zero()).pose;
-  const PoseEstimate<Dim> T_map_vehicle{.pose = T_map_local * registration->T_local_vehicle,
-                                        .covariance = TangentMatrix<Dim>::Identity()};
-  ego_motion_.OnRegistration(ToSpace<Dim>(T_map_vehicle, options_.unobserved).pose,
+  const PoseEstimate<3> T_local_vehicle =
+      ToSpace<Dim>({.pose = registration->T_local_vehicle}, options_.unobserved);
+  ego_motion_.OnRegistration(matcher_.T_map_local() * T_local_vehicle.pose,
                              outcome == RegistrationOutcome::kAccepted);
 }
 
@@ -383,13 +331,13 @@ void Pipeline<Dim>::UpdateEstimators(const Registration<Dim>& registration,
   const TangentMatrix<Dim> own = ResidualScaledCovariance<Dim>(registration);
   const PoseEstimate<3> in_space =
       ToSpace<Dim>({.pose = registration.T_local_vehicle,
-                    .covariance = noise_scales_.RegistrationCovariance(own)},
+                    .covariance = pose_.noise_scales().RegistrationCovariance(own)},
                    options_.unobserved);
   const Pose3& T_map_local = matcher_.T_map_local();
   ego_motion_.OnPose(T_map_local * in_space.pose, FlattenCovariance(in_space.covariance));
   const Pose<Dim> T_map_vehicle =
       FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registration.T_local_vehicle;
-  noise_scales_.OnRegistration({.pose = T_map_vehicle, .covariance = own});
+  pose_.noise_scales().OnRegistration({.pose = T_map_vehicle, .covariance = own});
 }
 
 // A pose that is given up becomes a prior, but for a place that was refused.
@@ -397,85 +345,49 @@ template <int Dim>
 void Pipeline<Dim>::HandleLoss(Stamp stamp) {
   if (tracking_.mode() == TrackingMode::kTracking) relocalizer_.OnFound();
   if (!tracking_.has_pose()) return;
-  PoseEstimate<3> now = ToSpace<Dim>(Now(), options_.unobserved);
-  const Loss loss = tracking_.GiveUpIfLost(stamp, PositionSigma(now.covariance));
+  PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
+  const Loss loss = tracking_.GiveUpIfLost(stamp, HorizontalSigma(now.covariance));
   if (loss == Loss::kNone) return;
   if (loss == Loss::kContradicted) {
-    InflateCovariance(now.covariance);
+    now.covariance.diagonal() += ContradictedVariances(options_);
     // What was learned on the way to a wrong pose is wrong.
     ego_motion_.Forget();
-    noise_scales_ = NoiseScaleEstimator<Dim>(options_.noise_scales);
+    pose_.ForgetNoise();
   }
   if (loss != Loss::kPlaceRefused) {
-    relocalizer_.SetPrior(
-        {.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance});
+    now.pose = matcher_.T_map_local() * now.pose;
+    relocalizer_.SetPrior(now);
   }
-  hypotheses_.Clear();
-}
-
-template <int Dim>
-void Pipeline<Dim>::InflateCovariance(Matrix6d& covariance) const {
-  covariance.topLeftCorner<2, 2>().diagonal().array() +=
-      options_.contradicted_sigma_m * options_.contradicted_sigma_m;
-  covariance(5, 5) += options_.contradicted_sigma_rad * options_.contradicted_sigma_rad;
-}
-
-template <int Dim>
-PoseEstimate<Dim> Pipeline<Dim>::Now() const {
-  const PoseEstimate<Dim> newest = hypotheses_.Newest();
-  const PoseEstimate<Dim> motion = ToEstimate<Dim>(since_state_);
-  return {.pose = newest.pose * motion.pose,
-          .covariance = ComposeCovariance<Dim>(newest.covariance, motion.pose, motion.covariance)};
+  pose_.Clear();
 }
 
 template <int Dim>
 PoseEstimate<3> Pipeline<Dim>::NowInMap() const {
-  const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_.unobserved);
+  const PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
   return {.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance};
-}
-
-template <int Dim>
-TangentMatrix<Dim> Pipeline<Dim>::NoiseNow() const {
-  return ComposeCovariance<Dim>(hypotheses_.NewestNoise(), ToEstimate<Dim>(since_state_).pose,
-                                OdometryNoise());
-}
-
-// What is learned of odometry says nothing of what happened in a gap.
-template <int Dim>
-PoseEstimate<Dim> Pipeline<Dim>::OdometryEdge() const {
-  PoseEstimate<Dim> edge = ToEstimate<Dim>(since_state_);
-  if (!gap_since_state_) edge.covariance = noise_scales_.OdometryWeightCovariance(edge.covariance);
-  return edge;
-}
-
-template <int Dim>
-TangentMatrix<Dim> Pipeline<Dim>::OdometryNoise() const {
-  const TangentMatrix<Dim> covariance = ToEstimate<Dim>(since_state_).covariance;
-  return gap_since_state_ ? covariance : noise_scales_.OdometryCovariance(covariance);
 }
 
 template <int Dim>
 Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
   Localization answer{.stamp = scan.stamp, .quality = quality_};
   answer.quality.live_point_count = static_cast<int>(submap_.point_count());
-  answer.quality.beta =
-      beta_monitor_.Check(IndexOf(*rig_.Find(scan.radar_id)));
+  answer.quality.beta = beta_monitor_.Check(IndexOf(*rig_.Find(scan.radar_id)));
   if (!tracking_.has_pose()) {
     answer.covariance = kUnknownVariance * Matrix6d::Identity();
     if (const std::optional<PoseEstimate<3>>& prior = relocalizer_.prior()) {
       answer.T_map_vehicle = prior->pose;
       answer.covariance = prior->covariance;
     }
-    answer.state = tracking_.Report(PositionSigma(answer.covariance));
+    answer.state = tracking_.Report(HorizontalSigma(answer.covariance));
     return answer;
   }
-  const PoseEstimate<3> now = ToSpace<Dim>(Now(), options_.unobserved);
-  tracking_.OnPrediction(stamp, PositionSigma(now.covariance));
+  const PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
+  tracking_.OnPrediction(stamp, HorizontalSigma(now.covariance));
   answer.T_map_vehicle = matcher_.T_map_local() * now.pose;
   answer.covariance =
-      ToSpace<Dim>({.pose = {}, .covariance = NoiseNow()}, options_.unobserved).covariance;
-  answer.state = tracking_.Report(PositionSigma(answer.covariance));
-  for (int i = 0; i < kDofInSpace; ++i) {
+      ToSpace<Dim>({.pose = {}, .covariance = pose_.NoiseNow()}, options_.unobserved).covariance;
+  answer.state = tracking_.Report(HorizontalSigma(answer.covariance));
+  for (int i = 0; i < Pose3::kDof; ++i) {
     answer.observed[static_cast<std::size_t>(i)] =
         i < 2 ? observability_.Observed(i) : Dim == 3 || i == 5;
   }

@@ -4,20 +4,19 @@
 #include <optional>
 #include <span>
 
+#include "core/localizer/current_pose.h"
 #include "core/localizer/localizer.h"
-#include "core/localizer/registration_schedule.h"
 #include "core/localizer/recent_answers.h"
+#include "core/localizer/registration_schedule.h"
+#include "core/localizer/scan_checker.h"
 #include "core/localizer/time_base.h"
 #include "core/localizer/tracking_state_machine.h"
 #include "core/localizer/workspace.h"
 #include "core/odometry/ego_motion.h"
-#include "core/posegraph/pose_hypotheses.h"
 #include "core/registration/map_matcher.h"
 #include "core/relocalization/relocalizer.h"
 #include "core/submap/submap.h"
 #include "core/uncertainty/beta_monitor.h"
-#include "core/uncertainty/map_fit_monitor.h"
-#include "core/uncertainty/noise_scale_estimator.h"
 
 namespace dcloc {
 
@@ -31,7 +30,7 @@ class Localizer::Impl {
 };
 
 /// One vehicle's pipeline with poses in the plane of the map's keyframes (Dim = 2) or in space
-/// (Dim = 3). `tracking_` says whether there is a pose; the pose graph has states exactly then.
+/// (Dim = 3). `tracking_` says whether there is a pose; `pose_` has states exactly then.
 template <int Dim>
 class Pipeline final : public Localizer::Impl {
  public:
@@ -56,7 +55,7 @@ class Pipeline final : public Localizer::Impl {
   void Move(const Motion& motion);
   void AddToSubmap(Stamp stamp, const RadarModel& radar, const std::vector<RadarPoint>& points,
                    const Motion& motion);
-  void TestScanFit(Stamp stamp, const RadarModel& radar, Workspace<Dim>& workspace);
+  void TestScan(Stamp stamp, const RadarModel& radar, Workspace<Dim>& workspace);
   void Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace);
   std::optional<Registration<Dim>> Register(Stamp stamp, Workspace<Dim>& workspace);
   void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
@@ -74,14 +73,7 @@ class Pipeline final : public Localizer::Impl {
   std::optional<Place> SearchPlace(std::span<const GaussianPoint<Dim>> live, Stamp stamp,
                                    RegistrationWorkspace<Dim>& workspace);
   void EnterLocalFrame(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace);
-  void InflateCovariance(Matrix6d& covariance) const;
   PoseEstimate<3> NowInMap() const;
-
-  // The newest state carried to the newest scan: with what it weighs, and with what it varies by.
-  PoseEstimate<Dim> Now() const;
-  TangentMatrix<Dim> NoiseNow() const;
-  PoseEstimate<Dim> OdometryEdge() const;
-  TangentMatrix<Dim> OdometryNoise() const;
 
   Rig rig_;
   LocalizerOptions options_;
@@ -91,19 +83,15 @@ class Pipeline final : public Localizer::Impl {
   SubmapWindow submap_;
   RegistrationSchedule schedule_;
   MapMatcher<Dim> matcher_;
-  Relocalizer<Dim> relocalizer_;    // while there is no pose, or one that may be wrong
-  PoseHypotheses<Dim> hypotheses_;         // of the pose
+  Relocalizer<Dim> relocalizer_;  // while there is no pose, or one that may be wrong
+  CurrentPose<Dim> pose_;
   TrackingStateMachine tracking_;
-  NoiseScaleEstimator<Dim> noise_scales_;
   BetaMonitor<Dim> beta_monitor_;
-  MapFitMonitor map_fit_;
+  ScanChecker<Dim> scan_checker_;
   Observability observability_;
   std::optional<Stamp> observability_stamp_;
-  Motion since_state_;                     // from the newest state to the newest scan
-  bool gap_since_state_ = false;           // the sub-map ended meanwhile
   std::optional<Stamp> estimators_stamp_;  // of the last registration that they learned from
   int factor_count_ = 0;                   // registrations since the pose graph was started
-  std::optional<Stamp> doubted_since_;     // of the first scan that did not fit the map
   bool found_elsewhere_ = false;           // the newest registration is at a place just found
   LocalizationQuality quality_;            // of the newest registration
 };

@@ -79,8 +79,8 @@ std::chrono::nanoseconds TrackingStateMachine::Hold() const {
 void TrackingStateMachine::LearnInterval(Stamp stamp) {
   constexpr double kMemory = 0.8;
   if (last_registration_) {
-    const double interval_s = std::chrono::duration<double>(
-                                  std::min(stamp - *last_registration_, options_.max_usual_interval))
+    const double interval_s = std::chrono::duration<double>(std::min(stamp - *last_registration_,
+                                                                     options_.max_usual_interval))
                                   .count();
     usual_interval_s_ = usual_interval_s_ > 0.0
                             ? kMemory * usual_interval_s_ + (1.0 - kMemory) * interval_s

@@ -168,8 +168,8 @@ class TrackingStateMachine {
   int accepted_in_a_row_ = 0;
   int refused_in_a_row_ = 0;
   int outliers_in_a_row_ = 0;
-  int agreed_in_a_row_ = 0;             // scans, since the last one that contradicted
-  bool is_contradicted_ = false;        // by the newest scan whose fit is known
+  int agreed_in_a_row_ = 0;       // scans, since the last one that contradicted
+  bool is_contradicted_ = false;  // by the newest scan whose fit is known
   bool accepted_since_doubt_ = false;
   std::optional<Stamp> last_registration_;
   double usual_interval_s_ = 0.0;

@@ -60,8 +60,8 @@ struct RangeRateRow {
   double sigma_mps;
   double
       cross_row_sigma_rad;  ///< azimuth error: turns the row, worth this times the cross velocity
-  int direction = 0;   ///< which ten degrees around the vehicle the target lies in, [0, 36)
-  double vote = 1.0;   ///< what it counts for, less where many lie in one direction
+  int direction = 0;        ///< which ten degrees around the vehicle the target lies in, [0, 36)
+  double vote = 1.0;        ///< what it counts for, less where many lie in one direction
 };
 
 /// Memory of EstimateEgoVelocity.

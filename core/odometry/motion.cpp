@@ -80,6 +80,11 @@ Motion Compose(const Motion& first, const Motion& second) {
       .covariance = ComposeCovariance<3>(first.covariance, second.T_from_to, second.covariance)};
 }
 
+Motion Inverse(const Motion& motion) {
+  return {.T_from_to = motion.T_from_to.Inverse(),
+          .covariance = InvertCovariance<3>(motion.T_from_to, motion.covariance)};
+}
+
 std::pair<Motion, Motion> Split(const Motion& motion, double share) {
   const auto part = [&](double of_it) {
     return Motion{.T_from_to = Exp(Vector6d(of_it * Log(motion.T_from_to))),

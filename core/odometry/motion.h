@@ -49,6 +49,9 @@ Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,
 /// The motion `first`, then `second`, whose errors are independent.
 Motion Compose(const Motion& first, const Motion& second);
 
+/// The way back.
+Motion Inverse(const Motion& motion);
+
 /// The two parts of a steady motion, of which the first takes `share` of its time, [0, 1].
 std::pair<Motion, Motion> Split(const Motion& motion, double share);
 

@@ -24,8 +24,7 @@ double SecondsOf(std::chrono::nanoseconds duration) {
 double SquareOf(double value) { return value * value; }
 
 double LogNormal(double difference, double variance) {
-  return -0.5 * (difference * difference / variance +
-                 std::log(2.0 * std::numbers::pi * variance));
+  return -0.5 * (difference * difference / variance + std::log(2.0 * std::numbers::pi * variance));
 }
 
 // A reading of a state that is sound: its log-density; the state takes it in.
@@ -43,8 +42,8 @@ double FailedLogDensity(const ScalarEstimate& reading, const std::optional<Scala
                         double walk_variance, double range, double unchanged_share) {
   const double anything = 1.0 / range;
   if (!before) return std::log(anything);
-  const double unchanged = std::exp(LogNormal(
-      reading.value - before->value, reading.variance + before->variance + walk_variance));
+  const double unchanged = std::exp(LogNormal(reading.value - before->value,
+                                              reading.variance + before->variance + walk_variance));
   return std::log(unchanged_share * unchanged + (1.0 - unchanged_share) * anything);
 }
 
@@ -163,8 +162,8 @@ SourceMonitor::Hypothesis SourceMonitor::MostProbablePredecessor(const OdometryS
       const double rate_hz =
           before.sound[source] ? failure_rates_hz[source] : options_.recovery_rate_hz;
       const double stays = std::exp(-rate_hz * duration_s);
-      log_weight += std::log(before.sound[source] == sound[source] ? stays
-                                                                   : std::max(1e-12, 1.0 - stays));
+      log_weight +=
+          std::log(before.sound[source] == sound[source] ? stays : std::max(1e-12, 1.0 - stays));
     }
     if (log_weight <= chosen_log_weight) continue;
     chosen_log_weight = log_weight;
@@ -189,11 +188,10 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
                            ScalarEstimate& state) {
     if (!reading) return;
     const double interval_s = SecondsOf(options_.interval);
-    hypothesis.log_weight +=
-        hypothesis.sound[source]
-            ? TakeIn(*reading, state)
-            : FailedLogDensity(*reading, before, SquareOf(walk * interval_s), range,
-                               options_.unchanged_share);
+    hypothesis.log_weight += hypothesis.sound[source]
+                                 ? TakeIn(*reading, state)
+                                 : FailedLogDensity(*reading, before, SquareOf(walk * interval_s),
+                                                    range, options_.unchanged_share);
   };
   const double acceleration_mps2 = options_.acceleration_sigma_mps2;
   const double yaw_acceleration_radps2 = options_.yaw_acceleration_sigma_radps2;
@@ -234,8 +232,8 @@ void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle, bool is_accepted)
                                         hypothesis.yaw_rate.variance * SquareOf(duration_s);
       const double way_m = moved(0) - hypothesis.since_registered.forward_m;
       const double turn_rad = WrapAngle(moved(2) - hypothesis.since_registered.turn_rad);
-      const double density = std::exp(LogNormal(way_m, way_variance_m2) +
-                                      LogNormal(turn_rad, turn_variance_rad2));
+      const double density =
+          std::exp(LogNormal(way_m, way_variance_m2) + LogNormal(turn_rad, turn_variance_rad2));
       const double anything = 1.0 / (range_m * range_rad);
       hypothesis.log_weight += std::log((1.0 - options_.false_registration_share) * density +
                                         options_.false_registration_share * anything);

@@ -127,7 +127,7 @@ class SourceMonitor {
     double log_weight = 0.0;
     ScalarEstimate speed;
     ScalarEstimate yaw_rate;
-    MissedMotion missed;                // besides the motion that was used
+    MissedMotion missed;            // besides the motion that was used
     MissedMotion since_registered;  // the whole motion
   };
   static constexpr std::size_t kHypothesisCount = 1U << kOdometrySourceCount;
@@ -149,8 +149,8 @@ class SourceMonitor {
   std::size_t best_ = kHypothesisCount - 1;
   OdometrySources used_;  // sound at the last OnUsedMotion
   OdometryReadings before_;
-  std::optional<Stamp> compared_;    // when the readings were last compared
-  std::optional<Stamp> newest_;      // of all readings
+  std::optional<Stamp> compared_;  // when the readings were last compared
+  std::optional<Stamp> newest_;    // of all readings
   double since_used_s_ = 0.0;
   std::optional<Registered> registered_;
 };

@@ -22,32 +22,6 @@ constexpr RegistrationEffort kFineEffort{
     .max_iterations = 15, .translation_tolerance_m = 0.005, .rotation_tolerance_rad = 0.0005};
 constexpr double kSearchPieceWork = 24e3;  // of a piece of a search, about a millisecond
 
-template <int Dim>
-std::vector<Eigen::Vector2f> PositionsOf(std::span<const GaussianPoint<Dim>> points) {
-  std::vector<Eigen::Vector2f> positions;
-  positions.reserve(points.size());
-  for (const GaussianPoint<Dim>& point : points) {
-    positions.push_back(point.mean_m.template head<2>().template cast<float>());
-  }
-  return positions;
-}
-
-// `max_count` points at even steps.
-template <int Dim>
-std::vector<GaussianPoint<Dim>> Subsample(std::span<const GaussianPoint<Dim>> points,
-                                          int max_count) {
-  std::vector<GaussianPoint<Dim>> thinned;
-  const std::size_t count = std::min(points.size(), static_cast<std::size_t>(max_count));
-  thinned.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) thinned.push_back(points[i * points.size() / count]);
-  return thinned;
-}
-
-Motion Reversed(const Motion& motion) {
-  return {.T_from_to = motion.T_from_to.Inverse(),
-          .covariance = InvertCovariance<3>(motion.T_from_to, motion.covariance)};
-}
-
 }  // namespace
 
 template <int Dim>
@@ -57,7 +31,7 @@ void GlobalLocalizer<Dim>::OnMotion(const Motion& motion) {
   way_since_view_m_ += motion.T_from_to.translation_m.norm();
   // Views that odometry does not join any more.
   const Matrix6d& covariance = since_view_.covariance;
-  if (std::sqrt(covariance.topLeftCorner<2, 2>().trace()) > options_.max_view_sigma_m ||
+  if (HorizontalSigma(covariance) > options_.max_view_sigma_m ||
       std::sqrt(covariance(5, 5)) > options_.max_view_sigma_rad) {
     const int view_count = view_count_;
     const int searches_in_vain = searches_in_vain_;
@@ -242,7 +216,7 @@ bool GlobalLocalizer<Dim>::FillNextFit(RegistrationWorkspace<Dim>& workspace) {
     if (fits[i]) {
       fits[i + 1] = FitAfterMotion(views_[i + 1], *fits[i], views_[i + 1].motion, workspace);
     } else {
-      fits[i] = FitAfterMotion(views_[i], *fits[i + 1], Reversed(views_[i + 1].motion), workspace);
+      fits[i] = FitAfterMotion(views_[i], *fits[i + 1], Inverse(views_[i + 1].motion), workspace);
     }
     return true;
   }
@@ -296,9 +270,10 @@ template <int Dim>
 void GlobalLocalizer<Dim>::KeepBestCandidates() {
   if (candidates_.empty()) return;
   std::ranges::stable_sort(candidates_, std::greater<>(), &GlobalLocalizer::LogLikelihood);
-  std::erase_if(candidates_,
-                [least = LogLikelihood(candidates_.front()) - options_.candidate_margin](
-                    const Candidate& one) { return !one.is_supposed && LogLikelihood(one) < least; });
+  std::erase_if(candidates_, [least = LogLikelihood(candidates_.front()) -
+                                      options_.candidate_margin](const Candidate& one) {
+    return !one.is_supposed && LogLikelihood(one) < least;
+  });
   // The supposed place is kept however unlikely it is.
   const auto max_count = static_cast<std::ptrdiff_t>(options_.max_kept_candidates);
   if (std::ssize(candidates_) <= max_count) return;
@@ -337,8 +312,8 @@ bool GlobalLocalizer<Dim>::IsSupposedRight(const Candidate& supposed) const {
   double lead = 0.0;
   if (supposed_->belief == Belief::kPrior) {
     lead = std::min(options_.max_supposed_lead,
-                    options_.supposed_lead + options_.supposed_lead_per_view *
-                                                 static_cast<double>(views_.size() - 1));
+                    options_.supposed_lead +
+                        options_.supposed_lead_per_view * static_cast<double>(views_.size() - 1));
   }
   return LogLikelihood(supposed) + lead >= LogLikelihood(candidates_.front());
 }
@@ -369,7 +344,7 @@ bool GlobalLocalizer<Dim>::IsInVain() const {
 
 template <int Dim>
 typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAfterMotion(
-    const View& view, const ViewFit& neighbour, const Motion& motion,
+    const View<Dim>& view, const ViewFit& neighbour, const Motion& motion,
     RegistrationWorkspace<Dim>& workspace) {
   const Pose3 T_map_expected = neighbour.T_map_vehicle * motion.T_from_to;
   ViewFit fit = FitAround(view, T_map_expected, workspace);
@@ -382,7 +357,7 @@ typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAfterMotion(
 // METHOD eq 38.
 template <int Dim>
 typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAround(
-    const View& view, const Pose3& T_map_vehicle, RegistrationWorkspace<Dim>& workspace) {
+    const View<Dim>& view, const Pose3& T_map_vehicle, RegistrationWorkspace<Dim>& workspace) {
   const auto found = registrar_.Register(view.fine_points, T_map_vehicle,
                                          options_.registration_sigma_m, kFineEffort, workspace);
   if (!found) return {.T_map_vehicle = T_map_vehicle};

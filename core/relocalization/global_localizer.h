@@ -12,6 +12,7 @@
 #include "core/relocalization/global_localizer_options.h"
 #include "core/relocalization/place_registration.h"
 #include "core/relocalization/place_search.h"
+#include "core/relocalization/view.h"
 
 namespace dcloc {
 
@@ -75,13 +76,6 @@ class GlobalLocalizer {
   void Clear();
 
  private:
-  // A sub-map, and how the vehicle moved to there since the view before.
-  struct View {
-    std::vector<GaussianPoint<Dim>> fine_points;
-    std::vector<GaussianPoint<Dim>> coarse_points;
-    Motion motion;
-    double way_m = 0.0;
-  };
   // A view registered at a place.
   struct ViewFit {
     Pose3 T_map_vehicle;
@@ -123,9 +117,9 @@ class GlobalLocalizer {
   std::optional<Place> Elsewhere(const Candidate& leader) const;
   double Way() const;
   static double LogLikelihood(const Candidate& candidate);
-  ViewFit FitAfterMotion(const View& view, const ViewFit& neighbour, const Motion& motion,
+  ViewFit FitAfterMotion(const View<Dim>& view, const ViewFit& neighbour, const Motion& motion,
                          RegistrationWorkspace<Dim>& workspace);
-  ViewFit FitAround(const View& view, const Pose3& T_map_vehicle,
+  ViewFit FitAround(const View<Dim>& view, const Pose3& T_map_vehicle,
                     RegistrationWorkspace<Dim>& workspace);
   double SquaredDistance(const Pose<Dim>& difference, const TangentMatrix<Dim>& odometry) const;
   bool IsSamePlace(const Pose3& a, const Pose3& b) const;
@@ -139,7 +133,7 @@ class GlobalLocalizer {
 
   Phase phase_ = Phase::kIdle;
   int view_count_ = 0;                  // taken since there was no pose
-  std::vector<View> views_;             // oldest first
+  std::vector<View<Dim>> views_;        // oldest first
   Stamp view_stamp_{};                  // of the newest view
   std::optional<SearchRegion> region_;  // likewise
   Motion since_view_;                   // likewise
@@ -152,7 +146,7 @@ class GlobalLocalizer {
   std::optional<Supposition> supposed_;  // at the newest view
   std::optional<Place> winner_;          // likewise
   int searches_in_vain_ = 0;
-  double work_ = 0.0;                    // done by this call of Continue
+  double work_ = 0.0;  // done by this call of Continue
 };
 
 }  // namespace dcloc

@@ -51,7 +51,7 @@ void PosePrior::OnMotion(const Motion& motion) {
 }
 
 bool PosePrior::IsPrediction(const Matrix6d& covariance) const {
-  return std::sqrt(covariance.topLeftCorner<2, 2>().trace()) <= options_.max_prediction_sigma_m &&
+  return HorizontalSigma(covariance) <= options_.max_prediction_sigma_m &&
          std::sqrt(covariance(5, 5)) <= options_.max_prediction_sigma_rad;
 }
 

@@ -15,6 +15,8 @@ std::span<const OptionField<MapFitOptions>> FieldsOf(const MapFitOptions& /*opti
       {"contradiction_sigmas", &O::contradiction_sigmas, 0, 1e6, "the share alone decides"},
       {"contradiction_share", &O::contradiction_share, 0, 1, "the deviations alone decide"},
       {"min_sigma", &O::min_sigma, 1e-6, 1},
+      {"max_prediction_sigma_m", &O::max_prediction_sigma_m, 0, 100,
+       "predictions are tested as exact"},
   };
   return kFields;
 }

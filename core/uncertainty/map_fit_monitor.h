@@ -19,6 +19,8 @@ struct MapFitOptions {
   double contradiction_sigmas = 3.5;
   double contradiction_share = 0.4;
   double min_sigma = 0.04;  ///< fits vary by no less
+  /// A prediction that is less certain is tested as if it were as certain as this.
+  double max_prediction_sigma_m = 0.5;
 };
 std::span<const OptionField<MapFitOptions>> FieldsOf(const MapFitOptions& options);
 absl::Status Validate(const MapFitOptions& options);
@@ -34,8 +36,6 @@ class MapFitMonitor {
  public:
   MapFitMonitor(std::size_t radar_count, const MapFitOptions& options)
       : options_(options), radars_(radar_count) {}
-
-  const MapFitOptions& options() const { return options_; }
 
   /// What the fit of a scan of `point_count` points by radar `radar_index` says: the mean of
   /// exp(-d^2 / 2) over its points, [0, 1].

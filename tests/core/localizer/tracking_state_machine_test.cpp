@@ -22,10 +22,11 @@ void Scan(TrackingStateMachine& state, int ms, bool accepted, double sigma_m = 0
   state.OnPrediction(StampAt(ms), sigma_m);
 }
 
-// One that began from a prior.
+// One that began from a prior that was held against other places.
 TrackingStateMachine Started(const TrackingOptions& options = kOptions) {
   TrackingStateMachine state(options);
   state.OnPrior();
+  state.OnVerified();
   return state;
 }
 
@@ -55,6 +56,67 @@ TEST(TrackingStateMachineTest, TracksAfterConfirmationsInARow) {
   EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
   Scan(state, 500, true);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+}
+
+TEST(TrackingStateMachineTest, APriorIsNotTrackedBeforeItIsVerified) {
+  TrackingStateMachine state(kOptions);
+  state.OnPrior();
+  EXPECT_TRUE(state.needs_verification());
+  for (int ms = 0; ms < 2000; ms += 100) Scan(state, ms, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
+  state.OnVerified();
+  EXPECT_FALSE(state.needs_verification());
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking) << "it was confirmed before";
+}
+
+TEST(TrackingStateMachineTest, AScanThatDoesNotFitEndsTrackingAtOnce) {
+  TrackingStateMachine state = Tracking(1000);
+  state.OnScanFit(ScanFit::kUnknown);
+  state.OnScanFit(ScanFit::kAgrees);
+  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+  state.OnScanFit(ScanFit::kContradicts);
+  EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
+  EXPECT_TRUE(state.needs_verification());
+}
+
+TEST(TrackingStateMachineTest, ADoubtEndsWhenScansAndARegistrationAgree) {
+  TrackingStateMachine state = Tracking(1000);
+  state.OnScanFit(ScanFit::kContradicts);
+  Scan(state, 1100, true);
+  EXPECT_EQ(state.mode(), TrackingMode::kDoubting) << "made of the scans before";
+  for (int i = 0; i < kOptions.agreements; ++i) state.OnScanFit(ScanFit::kAgrees);
+  EXPECT_EQ(state.mode(), TrackingMode::kDoubting) << "without a registration since";
+  Scan(state, 1200, true);
+  state.OnScanFit(ScanFit::kAgrees);
+  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+}
+
+TEST(TrackingStateMachineTest, ADoubtEndsWhenThePoseIsVerified) {
+  TrackingStateMachine state = Tracking(1000);
+  state.OnScanFit(ScanFit::kContradicts);
+  state.OnVerified();
+  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+}
+
+TEST(TrackingStateMachineTest, RegistrationsConfirmNothingWhileScansContradict) {
+  TrackingStateMachine state = Tracking(1000);
+  state.OnPrediction(StampAt(1600), 0.1);
+  EXPECT_EQ(state.mode(), TrackingMode::kDeadReckoning);
+  for (int ms = 1700; ms < 3000; ms += 100) {
+    state.OnScanFit(ScanFit::kContradicts);
+    Scan(state, ms, true);
+  }
+  EXPECT_NE(state.Report(0.1), LocalizationState::kTracking);
+}
+
+TEST(TrackingStateMachineTest, SlowRadarsAreHeldForLonger) {
+  TrackingStateMachine state = Started();
+  for (int ms = 0; ms <= 10'000; ms += 500) Scan(state, ms, true);
+  state.OnPrediction(StampAt(11'000), 0.1);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking) << "one was missed";
+  state.OnPrediction(StampAt(11'800), 0.1);
+  EXPECT_NE(state.Report(0.1), LocalizationState::kTracking);
 }
 
 TEST(TrackingStateMachineTest, InitializingStaysHoweverUncertain) {
@@ -220,7 +282,8 @@ TEST(TrackingStateMachineTest, AFoundPlaceThatIsRefusedIsGivenUp) {
 }
 
 TEST(TrackingStateMachineTest, AnUnconfirmedPriorThatHasGrownTooWideIsGivenUp) {
-  TrackingStateMachine state = Started();
+  TrackingStateMachine state(kOptions);
+  state.OnPrior();
   for (int ms = 0; ms < 2000; ms += 100) Scan(state, ms, false);
   EXPECT_EQ(state.GiveUpIfLost(StampAt(2000), kOptions.max_prior_sigma_m), Loss::kNone);
   EXPECT_EQ(state.GiveUpIfLost(StampAt(2000), kOptions.max_prior_sigma_m + 0.1),
@@ -235,13 +298,14 @@ TEST(TrackingStateMachineTest, AnUncertainPoseIsNotCalledTracking) {
   EXPECT_EQ(state.mode(), TrackingMode::kTracking);
 }
 
-constexpr TrackingMode kModes[] = {TrackingMode::kSearching,       TrackingMode::kConfirmingPrior,
-                                   TrackingMode::kConfirmingPlace, TrackingMode::kTracking,
-                                   TrackingMode::kDeadReckoning,   TrackingMode::kLost,
-                                   TrackingMode::kRecovering};
-constexpr TrackingEvent kEvents[] = {TrackingEvent::kPriorGiven,  TrackingEvent::kPlaceFound,
-                                     TrackingEvent::kConfirmed,   TrackingEvent::kHoldExpired,
-                                     TrackingEvent::kLossExpired, TrackingEvent::kGivenUp};
+constexpr TrackingMode kModes[] = {
+    TrackingMode::kSearching, TrackingMode::kConfirmingPrior, TrackingMode::kConfirmingPlace,
+    TrackingMode::kTracking,  TrackingMode::kDoubting,        TrackingMode::kDeadReckoning,
+    TrackingMode::kLost,      TrackingMode::kRecovering};
+constexpr TrackingEvent kEvents[] = {
+    TrackingEvent::kPriorGiven,  TrackingEvent::kPlaceFound,  TrackingEvent::kVerified,
+    TrackingEvent::kDoubted,     TrackingEvent::kAgreed,      TrackingEvent::kConfirmed,
+    TrackingEvent::kHoldExpired, TrackingEvent::kLossExpired, TrackingEvent::kGivenUp};
 
 class TrackingTransitionTest : public ::testing::TestWithParam<TrackingTransition> {};
 

@@ -40,6 +40,10 @@ SyntheticWorld Twins(double apart_m) {
   return world;
 }
 
+using Place = GlobalLocalizer<2>::Place;
+using Supposition = GlobalLocalizer<2>::Supposition;
+using Belief = GlobalLocalizer<2>::Belief;
+
 // A vehicle on the road that is looked for.
 class Seeker {
  public:
@@ -51,7 +55,7 @@ class Seeker {
         along_m_(along_m),
         sight_m_(sight_m) {}
 
-  std::optional<Pose3> Continue() { return global_localizer_.Continue(workspace_); }
+  std::optional<Pose3> Continue() { return PoseOf(global_localizer_.Continue(workspace_)); }
   Pose3 T_map_vehicle() const { return SyntheticWorld::OnRoad(along_m_); }
   bool WantsView() const { return global_localizer_.WantsView(stamp_); }
 
@@ -66,18 +70,30 @@ class Seeker {
 
   // Does all the work on what is seen here.
   std::optional<Pose3> Search(const std::optional<SearchRegion>& region = std::nullopt) {
-    global_localizer_.AddView(stamp_, Seen(), region);
+    return PoseOf(SearchSupposing(std::nullopt, region));
+  }
+
+  // The same while it is supposed to be somewhere.
+  std::optional<Place> SearchSupposing(const std::optional<Supposition>& supposed,
+                                       const std::optional<SearchRegion>& region = std::nullopt) {
+    global_localizer_.AddView(stamp_, Seen(), region, supposed);
     while (global_localizer_.working()) {
       if (auto place = global_localizer_.Continue(workspace_)) return place;
     }
     return std::nullopt;
   }
 
+  int searches_in_vain() const { return global_localizer_.searches_in_vain(); }
+
   double ErrorOf(const Pose3& found) const {
     return (found.translation_m - T_map_vehicle().translation_m).head<2>().norm();
   }
 
  private:
+  static std::optional<Pose3> PoseOf(const std::optional<Place>& place) {
+    return place ? std::optional(place->T_map_vehicle) : std::nullopt;
+  }
+
   // Of what stands within sight ahead, measured to a decimetre.
   std::vector<GaussianPoint<2>> Seen() {
     std::normal_distribution<double> noise_m(0.0, 0.1);
@@ -160,6 +176,59 @@ TEST(GlobalLocalizerTest, TwinsAreDistinguishedByWhatFollows) {
   ASSERT_TRUE(found.has_value())
       << "behind the first one it goes on, behind the second one it does not";
   EXPECT_LT(seeker.ErrorOf(*found), 0.3);
+}
+
+TEST(GlobalLocalizerTest, OneViewVerifiesAPlaceThatIsSupposedRightly) {
+  const SyntheticWorld world;
+  for (const Belief belief : {Belief::kPrior, Belief::kDoubted}) {
+    Seeker seeker(world, MapOf(world), 40.0);
+    const auto place = seeker.SearchSupposing(
+        Supposition{.T_map_vehicle = seeker.T_map_vehicle(), .belief = belief});
+    ASSERT_TRUE(place.has_value());
+    EXPECT_TRUE(place->is_supposed);
+    EXPECT_LT(seeker.ErrorOf(place->T_map_vehicle), 0.3);
+  }
+}
+
+TEST(GlobalLocalizerTest, AWrongSuppositionYieldsToThePlaceThatFits) {
+  const SyntheticWorld world;
+  for (const double wrong_m : {6.0, 20.0, 60.0}) {
+    Seeker seeker(world, MapOf(world), 40.0);
+    std::optional<Place> place;
+    for (const double along_m : {40.0, 46.0, 52.0, 58.0}) {
+      seeker.DriveTo(along_m);
+      const Pose3 T_map_wrong = SyntheticWorld::OnRoad(along_m + wrong_m);
+      place = seeker.SearchSupposing(Supposition{T_map_wrong, Belief::kPrior});
+      if (place) break;
+    }
+    ASSERT_TRUE(place.has_value()) << wrong_m;
+    EXPECT_FALSE(place->is_supposed) << wrong_m;
+    EXPECT_LT(seeker.ErrorOf(place->T_map_vehicle), 0.3) << wrong_m;
+  }
+}
+
+// The first one is supposed, and both fit.
+TEST(GlobalLocalizerTest, AmongTwinsAPriorDecidesAndADoubtedPoseIsAsGood) {
+  constexpr double kApart_m = 65.0;
+  const SyntheticWorld world = Twins(kApart_m);
+  const auto map = MapOf(world);
+  Seeker seeker(world, map, 27.0, 35.0);
+  const auto place = seeker.SearchSupposing(Supposition{seeker.T_map_vehicle(), Belief::kPrior});
+  ASSERT_TRUE(place.has_value());
+  EXPECT_TRUE(place->is_supposed);
+}
+
+TEST(GlobalLocalizerTest, ARegionWhereNothingFitsIsSearchedInVain) {
+  const SyntheticWorld world;
+  Seeker seeker(world, MapOf(world), 30.0);
+  const SearchRegion region{.centre_m = SyntheticWorld::OnRoad(120.0).translation_m.head<2>(),
+                            .radius_m = 12.0,
+                            .max_yaw_offset_rad = std::numbers::pi};
+  for (const double along_m : {30.0, 41.0, 52.0}) {
+    seeker.DriveTo(along_m);
+    seeker.Search(region);
+  }
+  EXPECT_GE(seeker.searches_in_vain(), 1);
 }
 
 TEST(GlobalLocalizerTest, NothingIsFoundInAWrongRegion) {

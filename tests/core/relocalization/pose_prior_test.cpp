@@ -57,6 +57,17 @@ TEST(PosePriorTest, TheRegionIsWhatIsLeft) {
   EXPECT_FALSE(region->Contains(T_map_begin * Pose2{.translation_m = {0.0, 0.0}, .yaw_rad = 0.4}));
 }
 
+TEST(PosePriorTest, TheRegionGrowsWithEachSearchInVainToTheWholeMap) {
+  PosePrior prior({});
+  prior.Set(About(0.5, 0.01));
+  const auto first = prior.Region(1);
+  ASSERT_TRUE(first.has_value());
+  EXPECT_GT(first->radius_m, 30.0);
+  EXPECT_GE(first->max_yaw_offset_rad, std::numbers::pi) << "every heading";
+  EXPECT_GT(prior.Region(2)->radius_m, 2.0 * first->radius_m);
+  EXPECT_FALSE(prior.Region(4).has_value());
+}
+
 TEST(PosePriorTest, TheRegionFollowsAndGrowsByOdometry) {
   PosePrior prior({});
   prior.Set(About(3.0, 0.1));

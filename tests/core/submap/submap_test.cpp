@@ -62,6 +62,53 @@ TEST(SubmapTest, KeepsTheLastScansOfEachRadar) {
   }
 }
 
+// The scans of a drive, of which some come late.
+TEST(SubmapTest, AScanThatComesLateLiesWhereItWasTaken) {
+  const Eigen::Vector3d p_first(20.0, 3.0, 0.0);
+  const auto seen_at = [&](double steps) {
+    const Pose3 T_first_now = Exp(Vector6d(steps * Log(Step().T_from_to)));
+    return std::vector<RadarPoint>{PointAt(T_first_now.Inverse() * p_first)};
+  };
+  SubmapWindow window(10);
+  for (int i = 0; i < 4; ++i) window.Push(At(100 * i), 0, seen_at(i), Step());
+  window.Insert(At(150), 1, seen_at(1.5));
+  window.Insert(At(100), 1, seen_at(1.0));
+  window.Insert(At(300), 1, seen_at(3.0));
+  window.Insert(At(-10), 1, seen_at(0.0));  // before all
+  const Submap submap = window.Join(true);
+  EXPECT_EQ(submap.scan_count, 7);
+  EXPECT_EQ(submap.span, milliseconds(300));
+  const Pose3 T_first_newest = Exp(Vector6d(3.0 * Log(Step().T_from_to)));
+  for (const RadarPoint& point : submap.points) {
+    EXPECT_LT((point.position_m - T_first_newest.Inverse() * p_first).norm(), kSinglePrecision_m);
+  }
+}
+
+TEST(SubmapTest, ALateScanTakesTheRoomOfItsRadarsOldest) {
+  SubmapWindow window(2);
+  for (int i = 0; i < 3; ++i) window.Push(At(100 * i), 0, {PointAt({1.0, 0.0, 0.0})}, Step());
+  window.Insert(At(150), 0, {PointAt({1.0, 0.0, 0.0})});
+  EXPECT_EQ(window.scan_count(), 2);
+  SubmapWindow single(1);
+  single.Push(At(0), 0, {PointAt({1.0, 0.0, 0.0})}, Step());
+  single.Insert(At(0), 0, {PointAt({1.0, 0.0, 0.0})});
+  EXPECT_LE(single.scan_count(), 1);
+}
+
+TEST(SubmapTest, ScansOfASilentRadarGrowTooOld) {
+  SubmapWindow window(10, {.max_age = milliseconds(1000)});
+  window.Push(At(0), 1, {PointAt({1.0, 0.0, 0.0})}, Step());
+  for (int i = 1; i < 30; ++i) window.Push(At(100 * i), 0, {PointAt({1.0, 0.0, 0.0})}, Step());
+  EXPECT_EQ(window.scan_count(), 10);
+  EXPECT_EQ(window.span(), milliseconds(900));
+}
+
+TEST(SubmapTest, AScanOfManyPointsIsThinned) {
+  SubmapWindow window(10, {.max_scan_points = 100});
+  window.Push(At(0), 0, std::vector<RadarPoint>(20'000, PointAt({1.0, 0.0, 0.0})), Step());
+  EXPECT_EQ(window.point_count(), 100U);
+}
+
 TEST(SubmapTest, SaysWhichPointsAreOfWhichScan) {
   SubmapWindow window(2);
   for (int i = 0; i < 3; ++i) {

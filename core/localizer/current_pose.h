@@ -1,0 +1,64 @@
+#pragma once
+
+#include "core/geometry/pose_estimate.h"
+#include "core/odometry/motion.h"
+#include "core/posegraph/pose_hypotheses.h"
+#include "core/uncertainty/noise_scale_estimator.h"
+
+namespace dcloc {
+
+/// The pose graph's newest state, carried to the newest scan by odometry: with what it weighs, and
+/// with what it varies by (METHOD section 9). Frames are those of the local map.
+template <int Dim>
+class CurrentPose {
+ public:
+  CurrentPose(const PoseGraphOptions& graph_options, const NoiseScaleOptions& noise_options)
+      : noise_options_(noise_options), hypotheses_(graph_options), noise_scales_(noise_options) {}
+
+  /// The vehicle moved so since the last call.
+  void OnMotion(const Motion& motion);
+
+  /// Odometry was interrupted: what was learned of its noise says nothing of this motion.
+  void OnGap();
+
+  /// What follows is not compared with what was before.
+  void OnJump() { noise_scales_.OnJump(); }
+
+  /// What was learned of the noise was learned of something else.
+  void ForgetNoise() { noise_scales_ = NoiseScaleEstimator<Dim>(noise_options_); }
+
+  /// Starts anew at the newest scan; `systematic` as of PoseGraph::Reset.
+  void Reset(const PoseEstimate<Dim>& now,
+             const TangentMatrix<Dim>& systematic = TangentMatrix<Dim>::Zero());
+  /// There is no pose any more.
+  void Clear() { hypotheses_.Clear(); }
+
+  /// The pose graph gets a state at the newest scan. Needs a pose, as all that follows.
+  void AddState();
+  EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
+    return hypotheses_.AddAbsolutePose(factor);
+  }
+  void ChangeFrame(const Pose<Dim>& T_new_old) { hypotheses_.ChangeFrame(T_new_old); }
+
+  /// The newest state.
+  PoseEstimate<Dim> Newest() const { return hypotheses_.Newest(); }
+  /// At the newest scan.
+  PoseEstimate<Dim> Now() const;
+  /// By what that varies.
+  TangentMatrix<Dim> NoiseNow() const;
+
+  /// Learns from registrations; see NoiseScaleEstimator.
+  NoiseScaleEstimator<Dim>& noise_scales() { return noise_scales_; }
+
+ private:
+  PoseEstimate<Dim> OdometryEdge() const;
+  TangentMatrix<Dim> OdometryNoise() const;
+
+  NoiseScaleOptions noise_options_;
+  PoseHypotheses<Dim> hypotheses_;
+  NoiseScaleEstimator<Dim> noise_scales_;
+  Motion since_state_;            // from the newest state to the newest scan
+  bool gap_since_state_ = false;  // odometry was interrupted meanwhile
+};
+
+}  // namespace dcloc

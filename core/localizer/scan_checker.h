@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose_estimate.h"
+#include "core/localizer/workspace.h"
+#include "core/radar/static_points.h"
+#include "core/registration/map_matcher.h"
+#include "core/uncertainty/map_fit_monitor.h"
+
+namespace dcloc {
+
+/// Tests whether a scan lies in the map where the vehicle is predicted to be. Registration does not
+/// ask that: it moves the pose until the scans fit (METHOD section 16).
+template <int Dim>
+class ScanChecker {
+ public:
+  ScanChecker(std::size_t radar_count, const MapFitOptions& options)
+      : options_(options), monitor_(radar_count, options) {}
+
+  /// The fit of a scan of radar `radar_index`, taken at `stamp` where the vehicle is predicted to
+  /// be `now`, in the local map of `matcher`. `points` are its static points, vehicle frame.
+  ScanFit Test(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,
+               const PoseEstimate<Dim>& now, const MapMatcher<Dim>& matcher,
+               Workspace<Dim>& workspace);
+
+  /// The vehicle surely was where the last scan was tested: it is what to expect.
+  void Learn() { monitor_.Learn(last_.radar_index, last_.point_count, last_.fit); }
+
+  /// The pose has been confirmed: scans that do not fit are counted anew.
+  void OnConfirmed() { contradicted_since_.reset(); }
+
+  /// It is at another place than before, or verified although scans did not fit.
+  void Forget();
+
+  /// Of the scans of the last `span` before `stamp`, some are from before the first that did not
+  /// fit: they speak for the pose, whatever came since.
+  bool IsTooSoonToJudge(Stamp stamp, std::chrono::nanoseconds span) const {
+    return contradicted_since_ && stamp - *contradicted_since_ < span;
+  }
+
+ private:
+  struct Tested {
+    std::size_t radar_index = 0;
+    std::size_t point_count = 0;
+    double fit = 0.0;
+  };
+  MapFitOptions options_;
+  MapFitMonitor monitor_;
+  Tested last_;
+  std::optional<Stamp> contradicted_since_;  // the first scan that did not fit
+};
+
+}  // namespace dcloc

@@ -1,0 +1,103 @@
+#include <algorithm>
+
+#include "tests/core/localizer/on_a_road.h"
+
+namespace dcloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+// What becomes of a session whose scans come so.
+struct Outcome {
+  int refused = 0;
+  int wrong = 0;     // called tracking, and more than two metres off
+  int tracking = 0;  // and right
+  double last_error_m = 0.0;
+};
+
+class LocalizerTimeTest : public OnARoad {
+ protected:
+  static Localizer Started() {
+    return MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02));
+  }
+
+  static Outcome Run(const std::vector<TrueScan>& scans) {
+    Localizer localizer = Started();
+    Outcome outcome;
+    for (const TrueScan& seen : scans) {
+      const auto answer = localizer.Localize(seen.scan);
+      if (!answer.ok()) {
+        ++outcome.refused;
+        continue;
+      }
+      EXPECT_EQ(answer->stamp, seen.scan.stamp);
+      outcome.last_error_m =
+          (answer->T_map_vehicle.translation_m - seen.T_map_vehicle.translation_m).norm();
+      if (answer->state != LocalizationState::kTracking) continue;
+      outcome.last_error_m > 2.0 ? ++outcome.wrong : ++outcome.tracking;
+    }
+    return outcome;
+  }
+};
+
+TEST_F(LocalizerTimeTest, AScanThatIsSentTwiceIsAnsweredTwiceAndUsedOnce) {
+  Localizer once = Started();
+  Localizer twice = Started();
+  for (const TrueScan& seen : drive_) {
+    const auto expected = once.Localize(seen.scan);
+    ASSERT_TRUE(expected.ok());
+    for (int i = 0; i < 2; ++i) {
+      const auto answer = twice.Localize(seen.scan);
+      ASSERT_TRUE(answer.ok()) << answer.status();
+      ExpectSame(*answer, *expected);
+    }
+  }
+}
+
+TEST_F(LocalizerTimeTest, ScansInAnyOrderWithinAQuarterOfASecondAreUsed) {
+  std::vector<TrueScan> mixed = drive_;
+  for (std::size_t i = 0; i + 3 <= mixed.size(); i += 3) std::swap(mixed[i], mixed[i + 2]);
+  const Outcome outcome = Run(mixed);
+  EXPECT_EQ(outcome.refused, 0);
+  EXPECT_EQ(outcome.wrong, 0);
+  EXPECT_GT(outcome.tracking, static_cast<int>(drive_.size()) * 8 / 10);
+  EXPECT_LT(outcome.last_error_m, 0.3);
+}
+
+TEST_F(LocalizerTimeTest, AClockThatIsSetCostsTwoScans) {
+  for (const auto by : {milliseconds(-5000), milliseconds(-600'000)}) {
+    std::vector<TrueScan> set = drive_;
+    for (std::size_t i = set.size() / 2; i < set.size(); ++i) set[i].scan.stamp += by;
+    const Outcome outcome = Run(set);
+    EXPECT_EQ(outcome.refused, 2);
+    EXPECT_EQ(outcome.wrong, 0);
+    EXPECT_LT(outcome.last_error_m, 0.3);
+  }
+}
+
+TEST_F(LocalizerTimeTest, ARadarThatFallsSilentLeavesTheSubmap) {
+  Rig rig = FrontRadar();
+  rig.radars.push_back(rig.radars[0]);
+  rig.radars[1].id = "second";
+  Localizer localizer = MakeLocalizer(map_, rig, PriorAt(Start(), 0.3, 0.02));
+  int most = 0;
+  int last = 0;
+  for (std::size_t i = 0; i < drive_.size(); ++i) {
+    Scan scan = drive_[i].scan;
+    if (i < 40 && i % 2 == 1) scan.radar_id = "second";
+    const auto answer = localizer.Localize(scan);
+    ASSERT_TRUE(answer.ok());
+    last = answer->quality.live_point_count;
+    most = std::max(most, last);
+  }
+  Localizer alone = Started();
+  int expected = 0;
+  for (const TrueScan& seen : drive_) {
+    expected = alone.Localize(seen.scan)->quality.live_point_count;
+  }
+  EXPECT_GT(most, expected);
+  EXPECT_EQ(last, expected);
+}
+
+}  // namespace
+}  // namespace dcloc

@@ -1,0 +1,89 @@
+#include <functional>
+
+#include "tests/core/localizer/on_a_road.h"
+
+namespace dcloc {
+namespace {
+
+// What a vehicle says of its motion, and how it is wrong.
+struct Lie {
+  const char* name;
+  std::function<void(EgoVelocity& reported)> tell;
+};
+
+const Lie kLies[] = {
+    {"Standing", [](EgoVelocity& v) { v.linear_mps.setZero(); }},
+    {"Backwards", [](EgoVelocity& v) { v.linear_mps *= -1.0; }},
+    {"HalfAsFast", [](EgoVelocity& v) { v.linear_mps *= 0.5; }},
+    {"AThirdFaster", [](EgoVelocity& v) { v.linear_mps *= 1.3; }},
+    {"Turning", [](EgoVelocity& v) { v.angular_radps.z() += 5.0 * kDegree; }},
+    {"AndSureOfIt",
+     [](EgoVelocity& v) {
+       v.linear_mps *= 1.3;
+       v.covariance = 1e-8 * Matrix6d::Identity();
+     }},
+};
+
+class LyingOdometryTest : public OnARoad, public ::testing::WithParamInterface<Lie> {};
+
+TEST_P(LyingOdometryTest, FromSomeMomentOnMisleadsNobody) {
+  std::vector<TrueScan> drive = drive_;
+  for (std::size_t i = drive.size() / 3; i < drive.size(); ++i) {
+    GetParam().tell(*drive[i].scan.ego_velocity);
+  }
+  const Errors errors = ErrorsOf(
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02)), drive));
+  EXPECT_LT(errors.max_m, 2.0);
+  EXPECT_LT(errors.max_rad, 5.0 * kDegree);
+  EXPECT_GT(errors.tracking_count, static_cast<int>(drive.size()) / 2);
+}
+
+TEST_P(LyingOdometryTest, FromTheStartMisleadsNobody) {
+  std::vector<TrueScan> drive = drive_;
+  for (TrueScan& seen : drive) GetParam().tell(*seen.scan.ego_velocity);
+  const Errors errors = ErrorsOf(
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02)), drive));
+  EXPECT_LT(errors.max_m, 2.0);
+  EXPECT_LT(errors.max_rad, 5.0 * kDegree);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lies, LyingOdometryTest, ::testing::ValuesIn(kLies),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+class WrongPlaceTest : public OnARoad {
+ protected:
+  // Answers that are called tracking and are not right; and whether the last one is right.
+  static void ExpectNeverWrongAndFound(const std::vector<TrueAnswer>& answers) {
+    for (const TrueAnswer& answer : answers) {
+      if (!answer.tracking()) continue;
+      EXPECT_LT(answer.position_error_m(), 2.0);
+      EXPECT_LT(answer.yaw_error_rad(), 5.0 * kDegree);
+    }
+    EXPECT_TRUE(answers.back().tracking());
+  }
+};
+
+TEST_F(WrongPlaceTest, APriorThatIsWrongAndSureOfItIsLeft) {
+  const Pose2 kWrong[] = {{{6.0, 0.0}, 0.0}, {{20.0, 0.0}, 0.0}, {{0.0, 0.0}, 3.14}};
+  for (const Pose2& wrong : kWrong) {
+    SCOPED_TRACE(wrong.translation_m.x());
+    const InitialPose prior = PriorAt(Start() * Embed(wrong), 0.5, 0.02);
+    ExpectNeverWrongAndFound(LocalizeDrive(MakeLocalizer(map_, FrontRadar(), prior), drive_));
+  }
+}
+
+TEST_F(WrongPlaceTest, AVehicleThatWasCarriedIsFoundAgain) {
+  // Forty metres are missing; the clock and the wheels say nothing of it.
+  std::vector<TrueScan> drive = drive_;
+  const std::size_t gone = 36;
+  const auto at = drive.begin() + 50;
+  drive.erase(at, at + gone);
+  for (std::size_t i = 50; i < drive.size(); ++i) {
+    drive[i].scan.stamp -= std::chrono::milliseconds(77 * gone);
+  }
+  ExpectNeverWrongAndFound(
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02)), drive));
+}
+
+}  // namespace
+}  // namespace dcloc

@@ -1,0 +1,188 @@
+#include "core/odometry/source_monitor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dcloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int kScan_ms = 77;
+
+ScalarEstimate Speed(double mps, double sigma_mps) { return {mps, sigma_mps * sigma_mps}; }
+
+// A vehicle at 15 m/s that speeds up and slows down and swerves, and what its sources say.
+class Vehicle {
+ public:
+  using Lie = std::function<void(OdometryReadings& readings)>;
+
+  // Goes on for `duration_s`, the sources spoilt by `lie`.
+  void Drive(
+      double duration_s, const Lie& lie = [](OdometryReadings&) {}) {
+    for (const double end_s = now_s_ + duration_s; now_s_ < end_s; now_s_ += 1e-3 * kScan_ms) {
+      const double speed_mps = 15.0 + 3.0 * std::sin(0.4 * now_s_);
+      const double yaw_rate_radps = 0.15 * std::sin(0.7 * now_s_);
+      OdometryReadings readings{.wheel_speed = Speed(speed_mps, 0.1),
+                                .yaw_rate = Speed(yaw_rate_radps, 0.005),
+                                .doppler_speed = Speed(speed_mps, 0.5),
+                                .doppler_yaw_rate = Speed(yaw_rate_radps, 0.03),
+                                .doppler_direction_count = 12};
+      lie(readings);
+      stamp_ += milliseconds(kScan_ms);
+      monitor.OnReadings(stamp_, readings);
+      const double step_s = 1e-3 * kScan_ms;
+      missed = monitor.OnUsedMotion(used(readings.wheel_speed, speed_mps) * step_s,
+                                    yaw_rate_radps * step_s);
+      T_map_vehicle_ =
+          T_map_vehicle_ * Exp(Eigen::Vector3d(speed_mps * step_s, 0.0, yaw_rate_radps * step_s));
+      if (is_registered) monitor.OnRegistration(T_map_vehicle_, true);
+      if (!found_wrong_after_s && monitor.sound() != OdometrySources(7)) {
+        found_wrong_after_s = now_s_;
+      }
+    }
+  }
+
+  SourceMonitor monitor;
+  bool is_registered = false;
+  std::optional<double> found_wrong_after_s;  // since the drive's beginning
+  std::optional<SourceMonitor::MissedMotion> missed;
+
+ private:
+  static double used(const std::optional<ScalarEstimate>& wheels, double otherwise) {
+    return wheels ? wheels->value : otherwise;
+  }
+
+  double now_s_ = 0.0;
+  Stamp stamp_{std::chrono::seconds(1'700'000'000)};
+  Pose2 T_map_vehicle_;
+};
+
+TEST(SourceMonitorTest, SourcesThatAgreeAreSound) {
+  Vehicle vehicle;
+  vehicle.Drive(60.0);
+  EXPECT_EQ(vehicle.monitor.sound(), OdometrySources(7));
+  EXPECT_FALSE(vehicle.found_wrong_after_s);
+  EXPECT_GT(vehicle.monitor.confidence(), 0.9);
+}
+
+struct Case {
+  const char* name;
+  OdometrySource source;
+  Vehicle::Lie lie;
+};
+
+const Case kCases[] = {
+    {"WheelsStand", OdometrySource::kWheelSpeed,
+     [](OdometryReadings& r) { r.wheel_speed->value = 0.0; }},
+    {"WheelsUnsigned", OdometrySource::kWheelSpeed,
+     [](OdometryReadings& r) { r.wheel_speed->value *= -1.0; }},
+    {"WheelsTooFast", OdometrySource::kWheelSpeed,
+     [](OdometryReadings& r) { r.wheel_speed->value *= 1.3; }},
+    {"WheelsTooSlowAndSureOfIt", OdometrySource::kWheelSpeed,
+     [](OdometryReadings& r) { *r.wheel_speed = Speed(0.6 * r.wheel_speed->value, 1e-6); }},
+    {"GyroTurns", OdometrySource::kYawRate, [](OdometryReadings& r) { r.yaw_rate->value += 0.2; }},
+    {"AMoverFillsTheView", OdometrySource::kDoppler,
+     [](OdometryReadings& r) {
+       r.doppler_speed = Speed(4.0, 0.5);
+       r.doppler_direction_count = 4;
+     }},
+};
+
+class FailingSourceTest : public ::testing::TestWithParam<Case> {};
+
+TEST_P(FailingSourceTest, IsFoundWithinHalfASecondAndTakenBack) {
+  Vehicle vehicle;
+  vehicle.Drive(10.0);
+  ASSERT_EQ(vehicle.monitor.sound(), OdometrySources(7));
+  vehicle.Drive(5.0, GetParam().lie);
+  ASSERT_TRUE(vehicle.found_wrong_after_s);
+  EXPECT_LT(*vehicle.found_wrong_after_s, 10.6);
+  OdometrySources others(7);
+  others.reset(static_cast<std::size_t>(GetParam().source));
+  EXPECT_EQ(vehicle.monitor.sound(), others);
+  vehicle.Drive(6.0);
+  EXPECT_EQ(vehicle.monitor.sound(), OdometrySources(7)) << "it agrees again";
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, FailingSourceTest, ::testing::ValuesIn(kCases),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+// A gyro that is off by less than Doppler can tell.
+TEST(SourceMonitorTest, RegistrationsTellWhatTheSourcesCannot) {
+  Vehicle vehicle;
+  vehicle.is_registered = true;
+  vehicle.Drive(10.0);
+  ASSERT_EQ(vehicle.monitor.sound(), OdometrySources(7));
+  vehicle.Drive(6.0, [](OdometryReadings& r) { r.yaw_rate->value += 0.05; });
+  EXPECT_FALSE(vehicle.monitor.IsSound(OdometrySource::kYawRate));
+  EXPECT_TRUE(vehicle.monitor.IsSound(OdometrySource::kWheelSpeed));
+}
+
+TEST(SourceMonitorTest, SpeedAndYawRateAreThoseOfTheSoundSources) {
+  Vehicle vehicle;
+  vehicle.Drive(10.0);
+  vehicle.Drive(4.0, [](OdometryReadings& r) { r.wheel_speed->value = 0.0; });
+  EXPECT_GT(vehicle.monitor.speed().value, 10.0);
+  EXPECT_LT(vehicle.monitor.speed().variance, 1.0);
+}
+
+TEST(SourceMonitorTest, SilentSourcesAreNoReasonToDoubt) {
+  Vehicle vehicle;
+  vehicle.Drive(10.0, [](OdometryReadings& r) {
+    r.wheel_speed.reset();
+    r.yaw_rate.reset();
+  });
+  EXPECT_TRUE(vehicle.monitor.IsSound(OdometrySource::kDoppler));
+  vehicle.Drive(10.0);
+  EXPECT_EQ(vehicle.monitor.sound(), OdometrySources(7));
+}
+
+// The wheels creep away from the truth, so that it takes a while to find them wrong.
+TEST(SourceMonitorTest, WhatWasMissedIsMadeGood) {
+  SourceMonitor monitor;
+  Stamp stamp{std::chrono::seconds(1'700'000'000)};
+  double missed_m = 0.0;
+  double used_m = 0.0;
+  double true_m = 0.0;
+  for (int i = 0; i < 130; ++i) {
+    stamp += milliseconds(kScan_ms);
+    const double off_mps = i < 60 ? 0.0 : 0.1 * (i - 60);
+    monitor.OnReadings(stamp, {.wheel_speed = Speed(15.0 + off_mps, 0.1),
+                               .yaw_rate = Speed(0.0, 0.005),
+                               .doppler_speed = Speed(15.0, 0.3),
+                               .doppler_yaw_rate = Speed(0.0, 0.03),
+                               .doppler_direction_count = 12});
+    const double step_m = monitor.speed().value * 1e-3 * kScan_ms;
+    used_m += step_m;
+    true_m += 15.0 * 1e-3 * kScan_ms;
+    if (const auto missed = monitor.OnUsedMotion(step_m, 0.0)) missed_m += missed->forward_m;
+  }
+  EXPECT_FALSE(monitor.IsSound(OdometrySource::kWheelSpeed));
+  EXPECT_LT(std::abs(used_m + missed_m - true_m), std::abs(used_m - true_m));
+}
+
+TEST(SourceMonitorTest, InputsThatMeanNothingGiveNumbers) {
+  SourceMonitor monitor;
+  Stamp stamp{std::chrono::seconds(1'700'000'000)};
+  for (int i = 0; i < 1000; ++i) {
+    const double absurd = i % 2 == 0 ? 150.0 : -150.0;
+    if (i % 3 != 0) stamp += std::chrono::nanoseconds(i * i * i * 100);
+    monitor.OnReadings(stamp, {.wheel_speed = ScalarEstimate{absurd, i % 5 == 0 ? 1e12 : 0.0},
+                               .yaw_rate = ScalarEstimate{-absurd / 15.0, 0.0},
+                               .doppler_speed = ScalarEstimate{-absurd, 1e-12},
+                               .doppler_yaw_rate = ScalarEstimate{absurd / 15.0, 1e12}});
+    monitor.OnUsedMotion(absurd, absurd);
+    monitor.OnRegistration(Pose2{{absurd * i, 0.0}, absurd}, i % 2 == 0);
+    ASSERT_TRUE(std::isfinite(monitor.speed().value) && std::isfinite(monitor.speed().variance));
+    ASSERT_TRUE(std::isfinite(monitor.yaw_rate().value) && std::isfinite(monitor.confidence()));
+  }
+}
+
+}  // namespace
+}  // namespace dcloc

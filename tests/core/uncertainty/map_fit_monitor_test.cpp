@@ -1,0 +1,55 @@
+#include "core/uncertainty/map_fit_monitor.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace dcloc {
+namespace {
+
+constexpr std::size_t kPoints = 50;
+
+MapFitMonitor Learned(double mean, double sigma, int count = 200) {
+  MapFitMonitor monitor(2, {});
+  std::mt19937 random(1);
+  std::normal_distribution<double> fit(mean, sigma);
+  for (int i = 0; i < count; ++i) monitor.Learn(0, kPoints, fit(random));
+  return monitor;
+}
+
+TEST(MapFitMonitorTest, NothingIsExpectedBeforeScansHaveBeenSeen) {
+  EXPECT_EQ(Learned(0.6, 0.05, 5).Judge(0, kPoints, 0.0), ScanFit::kUnknown);
+  EXPECT_EQ(Learned(0.6, 0.05).Judge(1, kPoints, 0.0), ScanFit::kUnknown) << "another radar";
+  EXPECT_EQ(Learned(0.6, 0.05).Judge(0, 3, 0.0), ScanFit::kUnknown) << "of three points";
+}
+
+TEST(MapFitMonitorTest, AScanOfAnotherPlaceContradicts) {
+  const MapFitMonitor monitor = Learned(0.6, 0.05);
+  EXPECT_EQ(monitor.Judge(0, kPoints, 0.6), ScanFit::kAgrees);
+  EXPECT_EQ(monitor.Judge(0, kPoints, 0.45), ScanFit::kAgrees);
+  EXPECT_EQ(monitor.Judge(0, kPoints, 0.15), ScanFit::kContradicts);
+}
+
+TEST(MapFitMonitorTest, UsualScansSeldomContradict) {
+  const MapFitMonitor monitor = Learned(0.6, 0.08);
+  std::mt19937 random(2);
+  std::normal_distribution<double> fit(0.6, 0.08);
+  int contradictions = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    if (monitor.Judge(0, kPoints, fit(random)) == ScanFit::kContradicts) ++contradictions;
+  }
+  EXPECT_LT(contradictions, 100);
+}
+
+TEST(MapFitMonitorTest, WhereScansFitLittleALittleLessSaysNothing) {
+  EXPECT_EQ(Learned(0.2, 0.08).Judge(0, kPoints, 0.02), ScanFit::kAgrees);
+}
+
+TEST(MapFitMonitorTest, ForgottenIsUnknown) {
+  MapFitMonitor monitor = Learned(0.6, 0.05);
+  monitor.Forget();
+  EXPECT_EQ(monitor.Judge(0, kPoints, 0.0), ScanFit::kUnknown);
+}
+
+}  // namespace
+}  // namespace dcloc
