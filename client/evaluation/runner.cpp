@@ -143,7 +143,10 @@ absl::StatusOr<DriveOutcome> Evaluate(const std::shared_ptr<const RadarMap>& map
   if (drive.scans.empty()) {
     return absl::InvalidArgumentError(absl::StrFormat("drive %s has no scans", drive.name));
   }
-  Judge judge(map, drive, options);
+  EvaluationOptions judged = options;
+  // A query is judged before its prior could be held against other places.
+  if (options.protocol == Protocol::kPairs) judged.localizer.verify_prior = false;
+  Judge judge(map, drive, judged);
   const absl::Status status = options.protocol == Protocol::kTrack
                                   ? Track(drive, judge, progress)
                                   : RunPairs(drive, options, judge, progress);

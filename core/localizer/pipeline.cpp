@@ -39,7 +39,7 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       pose_(EffectivePoseGraph(options), options.noise_scales),
       tracking_(options.tracking),
       beta_monitor_(rig_, options.beta_monitor),
-      scan_fit_(rig_.radars.size(), options.map_fit) {
+      scan_checker_(rig_.radars.size(), options.map_fit) {
   if (initial_pose) Start(*initial_pose);
 }
 
@@ -179,12 +179,12 @@ template <int Dim>
 void Pipeline<Dim>::TestScan(Stamp stamp, const RadarModel& radar, Workspace<Dim>& workspace) {
   if (!tracking_.has_pose()) return;
   const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
-  const ScanFit fit = scan_fit_.Test(stamp, IndexOf(radar), workspace.static_points, pose_.Now(),
-                                     matcher_, workspace);
+  const ScanFit fit = scan_checker_.Test(stamp, IndexOf(radar), workspace.static_points,
+                                         pose_.Now(), matcher_, workspace);
   tracking_.OnScanFit(fit);
   if (tracking_.mode() == TrackingMode::kTracking) {
-    scan_fit_.OnConfirmed();
-    if (quality_.edge_valid && fit != ScanFit::kContradicts) scan_fit_.Learn();
+    scan_checker_.OnConfirmed();
+    if (quality_.edge_valid && fit != ScanFit::kContradicts) scan_checker_.Learn();
   } else if (was_tracking) {
     relocalizer_.SetPrior(NowInMap());
   }
@@ -240,7 +240,7 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
   std::optional<typename Relocalizer<Dim>::Supposition> supposed;
   if (tracking_.has_pose()) {
     if (!tracking_.needs_verification()) return std::nullopt;
-    if (scan_fit_.IsTooSoonToJudge(stamp, submap_.span())) return std::nullopt;
+    if (scan_checker_.IsTooSoonToJudge(stamp, submap_.span())) return std::nullopt;
     supposed = {.T_map_vehicle = NowInMap().pose,
                 .belief = tracking_.mode() == TrackingMode::kConfirmingPrior ? Belief::kPrior
                                                                              : Belief::kDoubted};
@@ -250,7 +250,7 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
       relocalizer_.Search(stamp, live, submap_.span(), supposed, workspace);
   if (place && place->is_supposed) {
     tracking_.OnVerified();
-    scan_fit_.Forget();
+    scan_checker_.Forget();
   }
   return place;
 }
@@ -287,7 +287,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
   if (tracking_.has_pose() && !found_elsewhere_) {
     test = pose_.AddAbsolutePose(factor);
   } else {
-    scan_fit_.Forget();
+    scan_checker_.Forget();
     ego_motion_.OnPlaceChanged();
     pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
     tracking_.OnPlaceFound();

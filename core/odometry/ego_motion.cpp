@@ -83,36 +83,46 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   return *velocity_;
 }
 
-// Where all that is there is sound, what the vehicle sends and Doppler are fused as they are.
+// What the vehicle sends and Doppler are fused as far as they are sound.
 EgoVelocity EgoMotion::FromSources(const std::optional<EgoVelocity>& reported,
                                    const std::optional<DopplerEgoVelocity>& doppler,
                                    std::chrono::nanoseconds age) const {
+  const bool wheels_are_sound = sources_.IsSound(OdometrySource::kWheelSpeed);
+  const bool gyro_is_sound = sources_.IsSound(OdometrySource::kYawRate);
   const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
-  if (reported) {
-    if (!sources_.IsSound(OdometrySource::kWheelSpeed) ||
-        !sources_.IsSound(OdometrySource::kYawRate)) {
-      return FromMonitor(doppler);
-    }
-    // A single moment's Doppler may be that of a mover, though most often it is sound.
-    if (!doppler_is_sound ||
-        SquaredDistance(*reported, doppler->ego_velocity) > options_.max_squared_distance) {
-      return *reported;
-    }
-    return Fuse(*reported, doppler->ego_velocity);
+  if (!reported) {
+    if (doppler_is_sound) return doppler->ego_velocity;
+    return doppler ? FromMonitor() : Held(age);
   }
-  if (doppler_is_sound) return doppler->ego_velocity;
-  return doppler ? FromMonitor(std::nullopt) : Held(age);
+  if (wheels_are_sound && gyro_is_sound) {
+    // A single moment's Doppler may be that of a mover, though most often it is sound.
+    const bool agree = doppler_is_sound && SquaredDistance(*reported, doppler->ego_velocity) <=
+                                               options_.max_squared_distance;
+    return agree ? Fuse(*reported, doppler->ego_velocity) : *reported;
+  }
+  if (!doppler_is_sound) return FromMonitor();
+  // Of the reported components the sound one counts.
+  EgoVelocity sound = doppler->ego_velocity;
+  Matrix6d covariance = *sound.covariance;
+  covariance(0, 0) = std::pow(options_.unknown_speed_sigma_mps, 2);
+  covariance(5, 5) = std::pow(options_.unknown_yaw_rate_sigma_radps, 2);
+  if (wheels_are_sound) {
+    sound.linear_mps.x() = reported->linear_mps.x();
+    covariance(0, 0) = (*reported->covariance)(0, 0);
+  }
+  if (gyro_is_sound) {
+    sound.angular_radps.z() = reported->angular_radps.z();
+    covariance(5, 5) = (*reported->covariance)(5, 5);
+  }
+  sound.covariance = Matrix6d(covariance.diagonal().asDiagonal());
+  return Fuse(sound, doppler->ego_velocity);
 }
 
-// Speed and yaw rate by the sources that are sound; beside them vehicles move as they look.
-EgoVelocity EgoMotion::FromMonitor(const std::optional<DopplerEgoVelocity>& doppler) const {
+// Speed and yaw rate as the sound sources have had them; otherwise vehicles move as they look.
+EgoVelocity EgoMotion::FromMonitor() const {
   const ScalarEstimate speed = sources_.speed();
   const ScalarEstimate yaw_rate = sources_.yaw_rate();
   EgoVelocity velocity = WithCovariance({}, 0.0, options_.motion);
-  if (doppler && sources_.IsSound(OdometrySource::kDoppler)) {
-    velocity.linear_mps.y() = doppler->ego_velocity.linear_mps.y();
-    (*velocity.covariance)(1, 1) = (*doppler->ego_velocity.covariance)(1, 1);
-  }
   velocity.linear_mps.x() = speed.value;
   velocity.angular_radps.z() = yaw_rate.value;
   (*velocity.covariance)(0, 0) = speed.variance;

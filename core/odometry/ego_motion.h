@@ -101,7 +101,7 @@ class EgoMotion {
   EgoVelocity FromSources(const std::optional<EgoVelocity>& reported,
                           const std::optional<DopplerEgoVelocity>& doppler,
                           std::chrono::nanoseconds age) const;
-  EgoVelocity FromMonitor(const std::optional<DopplerEgoVelocity>& doppler) const;
+  EgoVelocity FromMonitor() const;
   EgoVelocity Held(std::chrono::nanoseconds age) const;
   EgoVelocity Corrected(const EgoVelocity& reported) const;
   void AddMissedMotion();

@@ -303,11 +303,12 @@ bool GlobalLocalizer<Dim>::StandsOut(const Candidate& candidate) const {
   });
 }
 
-// METHOD eq 46. The more views there are, the more must speak for another place.
+// METHOD eq 46. The more views there are, the more must speak for another place. One that fits less
+// well is right only where the whole map has nothing as good.
 template <int Dim>
 bool GlobalLocalizer<Dim>::IsSupposedRight(const Candidate& supposed) const {
   if (!IsAcceptable(supposed)) {
-    return views_.size() >= 2 && IsPlausible(supposed) && StandsOut(supposed);
+    return !region_ && views_.size() >= 2 && IsPlausible(supposed) && StandsOut(supposed);
   }
   double lead = 0.0;
   if (supposed_->belief == Belief::kPrior) {
@@ -332,14 +333,12 @@ std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Winner
                .is_supposed = leader.is_supposed};
 }
 
-// Nothing fits where was searched, so the vehicle is not there. The first view decides that for a
-// supposed place alone.
+// Nothing fits where was searched, so the vehicle is not there. A place that stands out must hold
+// over some way; one that is supposed, and those around it, need not.
 template <int Dim>
 bool GlobalLocalizer<Dim>::IsInVain() const {
-  if (winner_) return false;
-  if (supposed_ && views_.size() == 1) return true;
-  return views_.size() >= 2 && Way() >= options_.min_distance_m &&
-         (candidates_.empty() || !IsAcceptable(candidates_.front()));
+  if (winner_ || (!candidates_.empty() && IsAcceptable(candidates_.front()))) return false;
+  return supposed_ || (views_.size() >= 2 && Way() >= options_.min_distance_m);
 }
 
 template <int Dim>

@@ -1,30 +1,14 @@
 #include "server/sessions/scan_order.h"
 
-#include <chrono>
-
 #include "absl/strings/str_format.h"
 
 namespace dcloc::server {
-namespace {
-
-/// A recording has its own time, so any pace will do; but one wrong stamp far ahead would make all
-/// right ones after it late.
-constexpr std::chrono::hours kMaxStampStep(1);
-
-}  // namespace
-
-absl::Status ScanOrder::Check(std::int64_t sequence_number, Stamp stamp) const {
+absl::Status ScanOrder::Check(std::int64_t sequence_number) const {
   if (sequence_number <= last_localized_) {
     return absl::OutOfRangeError(absl::StrFormat(
         "scan.sequence_number is %d, which is late: %d has been processed, and no answer to the "
         "late one is in memory",
         sequence_number, last_localized_));
-  }
-  if (last_stamp_ && stamp - *last_stamp_ > kMaxStampStep) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("scan.stamp_ns is %d; it must lie at most %d h after %d, the newest scan's",
-                        stamp.time_since_epoch().count(), kMaxStampStep.count(),
-                        last_stamp_->time_since_epoch().count()));
   }
   return absl::OkStatus();
 }

@@ -8,12 +8,12 @@
 
 namespace dcloc::server {
 
-/// The order of a session's scans, by sequence number and stamp. Not thread-safe.
+/// The order of a session's scans, by sequence number. Stamps may jump; the localizer decides what
+/// that means. Not thread-safe.
 class ScanOrder {
  public:
-  /// OutOfRange when a scan with this number or a higher one has been localized; InvalidArgument
-  /// when the stamp lies more than an hour after the newest scan's.
-  absl::Status Check(std::int64_t sequence_number, Stamp stamp) const;
+  /// OutOfRange when a scan with this number or a higher one has been localized.
+  absl::Status Check(std::int64_t sequence_number) const;
 
   /// To be called when a scan was localized; returns how many numbers before it are missing.
   std::int64_t OnLocalized(std::int64_t sequence_number, Stamp stamp);

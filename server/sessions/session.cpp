@@ -166,7 +166,7 @@ absl::StatusOr<LocalizedScan> Session::Localize(const v1::Scan& message) {
 absl::Status Session::TakeScan(const v1::Scan& message, Clock::time_point begin) {
   absl::Status status = record_->description.caller.permit->TakeScan(message.range_m_size(), begin);
   if (status.ok()) status = WithPrefix("scan.", convert::FromProto(message, rig_, &scan_));
-  if (status.ok()) status = order_.Check(message.sequence_number(), scan_.stamp);
+  if (status.ok()) status = order_.Check(message.sequence_number());
   return status;
 }
 
