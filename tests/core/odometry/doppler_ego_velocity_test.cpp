@@ -126,5 +126,31 @@ TEST(FuseTest, IsTheInformationWeightedMean) {
   EXPECT_NEAR((*fused.covariance)(0, 0), 0.75, 1e-12);
 }
 
+// It fills most of the view, but few directions.
+TEST(EgoVelocityTest, AMoverAheadThatOutnumbersTheRestDoesNotWin) {
+  const RadarModel radar = RadarAt("front", 3.6, 0.0, 0.0);
+  Scan scan = StaticScan(radar, PlanarMotion(10.0, 0.0), 60, 2, 1.0);
+  for (int i = 0; i < 120; ++i) {  // a truck, twenty degrees wide, as fast as we are
+    scan.azimuth_rad.push_back(-0.17F + 0.34F * static_cast<float>(i) / 120.0F);
+    scan.range_m.push_back(12.0F);
+    scan.range_rate_mps.push_back(0.0F);
+  }
+  const RadarScan scans[] = {{&scan, &radar}};
+  const auto estimate = EstimateEgoVelocity(scans, 5);
+  ASSERT_TRUE(estimate.has_value());
+  EXPECT_FALSE(estimate->standing_still);
+  EXPECT_NEAR(estimate->ego_velocity.linear_mps.x(), 10.0, 0.2);
+}
+
+TEST(EgoVelocityTest, DirectionsAreThoseOfTheInliers) {
+  const RadarModel radar = RadarAt("front", 3.6, 0.0, 0.0);
+  const Scan scan = StaticScan(radar, PlanarMotion(10.0, 0.0), 200, 2, 1.0);
+  const RadarScan scans[] = {{&scan, &radar}};
+  const auto estimate = EstimateEgoVelocity(scans, 5);
+  ASSERT_TRUE(estimate.has_value());
+  EXPECT_GE(estimate->direction_count, 8);
+  EXPECT_LE(estimate->direction_count, 20);
+}
+
 }  // namespace
 }  // namespace dcloc

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <random>
 
@@ -11,7 +12,8 @@ namespace dcloc {
 namespace {
 
 constexpr int kSupport = 8;
-constexpr PoseGraphOptions kOptions{.takeover_support = kSupport};
+constexpr PoseGraphOptions kOptions{.takeover_support = kSupport,
+                                    .near_takeover_support = kSupport};
 
 // Registrations with a fraction of the noise that they claim, so that chance fails none of them.
 Chain<2> QuietChain(int count) {
@@ -179,6 +181,23 @@ TEST(PoseHypothesesTest, LoopsThatAreNoNumbersAreCutAndLeaveNothingBehind) {
   });
   for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, !is_bad(i)) << i;
   EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.1);
+}
+
+// An estimate that is off by little is corrected sooner than one that all contradict.
+TEST(PoseHypothesesTest, NearOutliersTakeOverSooner) {
+  const Chain<2> chain = QuietChain(40);
+  const auto first_valid = [&](double aside_m) {
+    PoseHypotheses<2> hypotheses({.takeover_support = 20, .near_takeover_support = 4});
+    hypotheses.Reset(chain.prior);
+    const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
+      return i >= 10 ? Aside(chain.steps[i].factor, aside_m) : chain.steps[i].factor;
+    });
+    const auto found = std::find_if(tests.begin() + 10, tests.end(),
+                                    [](const EdgeTest& test) { return test.valid; });
+    return found - tests.begin() - 10;
+  };
+  EXPECT_EQ(first_valid(0.35), 3);
+  EXPECT_EQ(first_valid(3.0), 19);
 }
 
 }  // namespace
