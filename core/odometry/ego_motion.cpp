@@ -17,8 +17,11 @@ double SquaredDistance(const EgoVelocity& a, const EgoVelocity& b) {
   return apart.dot(spread.ldlt().solve(apart));
 }
 
+// The yaw rate of a single radar is that of a vehicle without side slip at its frame's origin; it
+// may be used, but is no evidence against a gyroscope.
 OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
-                            const std::optional<DopplerEgoVelocity>& doppler) {
+                            const std::optional<DopplerEgoVelocity>& doppler,
+                            std::size_t radar_count) {
   const auto speed_of = [](const EgoVelocity& velocity) {
     return ScalarEstimate{velocity.linear_mps.x(), (*velocity.covariance)(0, 0)};
   };
@@ -32,7 +35,7 @@ OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
   }
   if (doppler) {
     readings.doppler_speed = speed_of(doppler->ego_velocity);
-    readings.doppler_yaw_rate = yaw_rate_of(doppler->ego_velocity);
+    if (radar_count > 1) readings.doppler_yaw_rate = yaw_rate_of(doppler->ego_velocity);
     readings.doppler_direction_count = doppler->direction_count;
   }
   return readings;
@@ -72,7 +75,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   std::optional<EgoVelocity> reported;
   if (scan.ego_velocity) reported = Corrected(*scan.ego_velocity);
 
-  sources_.OnReadings(stamp, ReadingsOf(reported, doppler));
+  sources_.OnReadings(stamp, ReadingsOf(reported, doppler, of_one_moment_.size()));
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
   AddMissedMotion();

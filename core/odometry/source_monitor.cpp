@@ -61,8 +61,10 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"wheel_failure_rate_hz", &O::wheel_failure_rate_hz, 1e-9, 10},
       {"yaw_rate_failure_rate_hz", &O::yaw_rate_failure_rate_hz, 1e-9, 10},
       {"doppler_failure_rate_hz", &O::doppler_failure_rate_hz, 1e-9, 10},
-      {"narrow_doppler_failure_rate_hz", &O::narrow_doppler_failure_rate_hz, 1e-9, 10},
-      {"narrow_direction_count", &O::narrow_direction_count, 0, 36, "Doppler is never narrow"},
+      {"second_bus_failure_rate_hz", &O::second_bus_failure_rate_hz, 1e-9, 10},
+      {"narrow_direction_count", &O::narrow_direction_count, 0, 36, "each direction counts"},
+      {"direction_factor", &O::direction_factor, 1e-3, 1},
+      {"bus_failure_rate_hz", &O::bus_failure_rate_hz, 1e-9, 10},
       {"recovery_rate_hz", &O::recovery_rate_hz, 1e-9, 10},
       {"min_speed_sigma_mps", &O::min_speed_sigma_mps, 1e-6, 100},
       {"min_speed_sigma_share", &O::min_speed_sigma_share, 0, 1, "the deviation is constant"},
@@ -89,18 +91,17 @@ absl::Status Validate(const SourceMonitorOptions& options) {
 }
 
 SourceMonitor::SourceMonitor(const SourceMonitorOptions& options) : options_(options) {
-  const std::array<double, kOdometrySourceCount> failure_rates_hz = {
-      options.wheel_failure_rate_hz, options.yaw_rate_failure_rate_hz,
-      options.doppler_failure_rate_hz};
+  // Before anything is known a source may have failed in the last second.
+  constexpr double kStart_s = 1.0;
+  const OdometrySources all(kHypothesisCount - 1);
   for (std::size_t i = 0; i < kHypothesisCount; ++i) {
     Hypothesis& hypothesis = hypotheses_[i];
     hypothesis.sound = OdometrySources(i);
     hypothesis.speed.variance = SquareOf(options.unknown_speed_sigma_mps);
     hypothesis.yaw_rate.variance = SquareOf(options.unknown_yaw_rate_sigma_radps);
-    for (std::size_t source = 0; source < kOdometrySourceCount; ++source) {
-      if (hypothesis.sound[source]) continue;
-      hypothesis.log_weight += std::log(failure_rates_hz[source] / options.recovery_rate_hz);
-    }
+    hypothesis.log_weight =
+        LogTransition(all, hypothesis.sound, kStart_s,
+                      options.doppler_failure_rate_hz * options.direction_factor);
   }
   used_ = best().sound;
 }
@@ -110,11 +111,10 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   newest_ = stamp;
   if (compared_ && stamp - *compared_ < options_.interval) return;
   const double duration_s = compared_ ? SecondsOf(stamp - *compared_) : 0.0;
-  const bool doppler_is_narrow =
-      readings.doppler_speed && readings.doppler_direction_count < options_.narrow_direction_count;
+  const double doppler_failure_rate_hz = DopplerFailureRate(readings);
   Hypotheses next;
   for (std::size_t i = 0; i < kHypothesisCount; ++i) {
-    next[i] = MostProbablePredecessor(OdometrySources(i), duration_s, doppler_is_narrow);
+    next[i] = MostProbablePredecessor(OdometrySources(i), duration_s, doppler_failure_rate_hz);
   }
   hypotheses_ = next;
 
@@ -146,25 +146,49 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   compared_ = stamp;
 }
 
+double SourceMonitor::DopplerFailureRate(const OdometryReadings& readings) const {
+  constexpr double kLeastRate_hz = 1e-6;
+  const int further = readings.doppler_direction_count - options_.narrow_direction_count;
+  return std::max(kLeastRate_hz, options_.doppler_failure_rate_hz *
+                                     std::pow(options_.direction_factor, std::max(0, further)));
+}
+
+// Of the sources that fail, recover, or stay as they are for `duration_s`.
+double SourceMonitor::LogTransition(const OdometrySources& before, const OdometrySources& after,
+                                    double duration_s, double doppler_failure_rate_hz) const {
+  const auto log_stay = [&](double rate_hz) { return -rate_hz * duration_s; };
+  const auto log_change = [&](double rate_hz) {
+    return std::log(std::max(1e-12, 1.0 - std::exp(-rate_hz * duration_s)));
+  };
+  const auto log_of = [&](std::size_t source, double failure_rate_hz) {
+    const double rate_hz = before[source] ? failure_rate_hz : options_.recovery_rate_hz;
+    return before[source] == after[source] ? log_stay(rate_hz) : log_change(rate_hz);
+  };
+  double log_probability = log_of(kDoppler, doppler_failure_rate_hz);
+  const bool both_sound = before[kWheelSpeed] && before[kYawRate];
+  const bool both_failed = !before[kWheelSpeed] && !before[kYawRate];
+  if (both_sound && !after[kWheelSpeed] && !after[kYawRate]) {
+    return log_probability + log_change(options_.bus_failure_rate_hz);
+  }
+  if (both_failed && after[kWheelSpeed] && after[kYawRate]) {
+    return log_probability + log_change(options_.recovery_rate_hz);
+  }
+  // The other one has failed already.
+  log_probability += log_of(kWheelSpeed, both_sound ? options_.wheel_failure_rate_hz
+                                                    : options_.second_bus_failure_rate_hz);
+  log_probability += log_of(kYawRate, both_sound ? options_.yaw_rate_failure_rate_hz
+                                                 : options_.second_bus_failure_rate_hz);
+  return log_probability;
+}
+
 // METHOD eq 42: of the hypotheses that may have become this one, the most probable, carried on.
-SourceMonitor::Hypothesis SourceMonitor::MostProbablePredecessor(const OdometrySources& sound,
-                                                                 double duration_s,
-                                                                 bool doppler_is_narrow) const {
-  const std::array<double, kOdometrySourceCount> failure_rates_hz = {
-      options_.wheel_failure_rate_hz, options_.yaw_rate_failure_rate_hz,
-      doppler_is_narrow ? options_.narrow_doppler_failure_rate_hz
-                        : options_.doppler_failure_rate_hz};
+SourceMonitor::Hypothesis SourceMonitor::MostProbablePredecessor(
+    const OdometrySources& sound, double duration_s, double doppler_failure_rate_hz) const {
   const Hypothesis* chosen = nullptr;
   double chosen_log_weight = -std::numeric_limits<double>::infinity();
   for (const Hypothesis& before : hypotheses_) {
-    double log_weight = before.log_weight;
-    for (std::size_t source = 0; source < kOdometrySourceCount; ++source) {
-      const double rate_hz =
-          before.sound[source] ? failure_rates_hz[source] : options_.recovery_rate_hz;
-      const double stays = std::exp(-rate_hz * duration_s);
-      log_weight +=
-          std::log(before.sound[source] == sound[source] ? stays : std::max(1e-12, 1.0 - stays));
-    }
+    const double log_weight =
+        before.log_weight + LogTransition(before.sound, sound, duration_s, doppler_failure_rate_hz);
     if (log_weight <= chosen_log_weight) continue;
     chosen_log_weight = log_weight;
     chosen = &before;

@@ -46,12 +46,17 @@ struct SourceMonitorOptions {
   /// Sources are compared no more often than this: the noise of readings that follow one another
   /// sooner is the same.
   std::chrono::nanoseconds interval = std::chrono::milliseconds(70);
-  /// How often a sound source fails, and a failed one comes back, per second.
+  /// How often a sound source fails, and a failed one comes back, per second. Wheel speed and yaw
+  /// rate come over the same bus: they fail together, or one soon after the other.
   double wheel_failure_rate_hz = 0.02;
   double yaw_rate_failure_rate_hz = 0.01;
-  double doppler_failure_rate_hz = 0.005;
-  double narrow_doppler_failure_rate_hz = 0.2;  ///< of targets in few directions
-  int narrow_direction_count = 9;
+  double bus_failure_rate_hz = 0.02;
+  double second_bus_failure_rate_hz = 1.0;
+  /// One mover that fills the view is seen in few directions. Doppler from so many fails at this
+  /// rate, and by this factor less often for each further one.
+  double doppler_failure_rate_hz = 0.2;
+  int narrow_direction_count = 5;
+  double direction_factor = 0.5;
   double recovery_rate_hz = 0.3;
   /// Deviations that no source is better than, whatever it claims.
   double min_speed_sigma_mps = 0.15;
@@ -139,8 +144,11 @@ class SourceMonitor {
 
   const Hypothesis& best() const { return hypotheses_[best_]; }
   ScalarEstimate Mixed(ScalarEstimate Hypothesis::*of) const;
+  double LogTransition(const OdometrySources& before, const OdometrySources& after,
+                       double duration_s, double doppler_failure_rate_hz) const;
   Hypothesis MostProbablePredecessor(const OdometrySources& sound, double duration_s,
-                                     bool doppler_is_narrow) const;
+                                     double doppler_failure_rate_hz) const;
+  double DopplerFailureRate(const OdometryReadings& readings) const;
   void Update(Hypothesis& hypothesis, const OdometryReadings& readings) const;
   void Normalize();
 

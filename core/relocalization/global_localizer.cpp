@@ -285,13 +285,8 @@ void GlobalLocalizer<Dim>::KeepBestCandidates() {
 }
 
 template <int Dim>
-bool GlobalLocalizer<Dim>::IsAcceptable(const Candidate& candidate) {
-  return std::ranges::all_of(candidate.fits, [](const auto& fit) { return fit->is_acceptable; });
-}
-
-template <int Dim>
-bool GlobalLocalizer<Dim>::IsPlausible(const Candidate& candidate) {
-  return std::ranges::all_of(candidate.fits, [](const auto& fit) { return fit->is_plausible; });
+bool GlobalLocalizer<Dim>::HoldsInAll(bool ViewFit::*quality, const Candidate& candidate) {
+  return std::ranges::all_of(candidate.fits, [&](const auto& fit) { return (*fit).*quality; });
 }
 
 template <int Dim>
@@ -307,8 +302,10 @@ bool GlobalLocalizer<Dim>::StandsOut(const Candidate& candidate) const {
 // well is right only where the whole map has nothing as good.
 template <int Dim>
 bool GlobalLocalizer<Dim>::IsSupposedRight(const Candidate& supposed) const {
-  if (!IsAcceptable(supposed)) {
-    return !region_ && views_.size() >= 2 && IsPlausible(supposed) && StandsOut(supposed);
+  if (region_ && !HoldsInAll(&ViewFit::is_convincing, supposed)) return false;
+  if (!HoldsInAll(&ViewFit::is_acceptable, supposed)) {
+    return views_.size() >= 2 && HoldsInAll(&ViewFit::is_plausible, supposed) &&
+           StandsOut(supposed);
   }
   double lead = 0.0;
   if (supposed_->belief == Belief::kPrior) {
@@ -328,7 +325,9 @@ std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Winner
     return Place{.T_map_vehicle = supposed->fits.back()->T_map_vehicle, .is_supposed = true};
   }
   const Candidate& leader = candidates_.front();
-  if (views_.size() < 2 || !IsAcceptable(leader) || !StandsOut(leader)) return std::nullopt;
+  if (views_.size() < 2 || !HoldsInAll(&ViewFit::is_acceptable, leader) || !StandsOut(leader))
+    return std::nullopt;
+  if (supposed_ && region_ && !HoldsInAll(&ViewFit::is_convincing, leader)) return std::nullopt;
   return Place{.T_map_vehicle = leader.fits.back()->T_map_vehicle,
                .is_supposed = leader.is_supposed};
 }
@@ -337,8 +336,11 @@ std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Winner
 // over some way; one that is supposed, and those around it, need not.
 template <int Dim>
 bool GlobalLocalizer<Dim>::IsInVain() const {
-  if (winner_ || (!candidates_.empty() && IsAcceptable(candidates_.front()))) return false;
-  return supposed_ || (views_.size() >= 2 && Way() >= options_.min_distance_m);
+  if (winner_) return false;
+  if (supposed_)
+    return candidates_.empty() || !HoldsInAll(&ViewFit::is_convincing, candidates_.front());
+  return views_.size() >= 2 && Way() >= options_.min_distance_m &&
+         (candidates_.empty() || !HoldsInAll(&ViewFit::is_acceptable, candidates_.front()));
 }
 
 template <int Dim>
@@ -366,7 +368,9 @@ typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAround(
   return {.T_map_vehicle = found->T_map_vehicle,
           .log_likelihood = options_.log_likelihood_per_score * found->registration.score,
           .is_acceptable = gate.Accepts(found->registration),
-          .is_plausible = options_.supposed_gate.Accepts(found->registration)};
+          .is_plausible = options_.supposed_gate.Accepts(found->registration),
+          .is_convincing = gate.Accepts(found->registration) &&
+                           found->registration.overlap >= options_.convincing_overlap};
 }
 
 // Of a registered pose from the one that odometry expects, in units of what both are off by.

@@ -81,7 +81,8 @@ class GlobalLocalizer {
     Pose3 T_map_vehicle;
     double log_likelihood = 0.0;
     bool is_acceptable = false;
-    bool is_plausible = false;  // enough for a supposed place
+    bool is_plausible = false;   // enough for a supposed place in the whole map
+    bool is_convincing = false;  // enough for one without the whole map
   };
   // A place that the search has found, registered with a view's coarse points.
   struct CoarseFit {
@@ -108,8 +109,7 @@ class GlobalLocalizer {
   void DropUnlikelyNewCandidates();
   void KeepBestCandidates();
   void AddSupposed(RegistrationWorkspace<Dim>& workspace);
-  static bool IsAcceptable(const Candidate& candidate);
-  static bool IsPlausible(const Candidate& candidate);
+  static bool HoldsInAll(bool ViewFit::*quality, const Candidate& candidate);
   bool StandsOut(const Candidate& candidate) const;
   bool IsSupposedRight(const Candidate& supposed) const;
   bool IsInVain() const;

@@ -7,6 +7,7 @@ std::span<const OptionField<GlobalLocalizerOptions>> FieldsOf(
   using O = GlobalLocalizerOptions;
   static constexpr OptionField<O> kFields[] = {
       {"view_overlap_share", &O::view_overlap_share, 0, 1, "any overlap is enough in a view"},
+      {"convincing_overlap", &O::convincing_overlap, 0, 1, "any acceptable place convinces"},
       {"min_distance_m", &O::min_distance_m, 0, 1000, "two views are enough"},
       {"min_lead", &O::min_lead, 0, 1000, "the best one needs no lead"},
       {"supposed_lead", &O::supposed_lead, 0, 1000, "a supposed place must fit best"},

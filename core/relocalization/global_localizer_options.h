@@ -16,7 +16,10 @@ struct GlobalLocalizerOptions {
   /// Of that overlap, so much is enough in each view: the first ones may show ground from before
   /// the map's beginning.
   double view_overlap_share = 0.83;
-  /// Of a supposed place that leads all others.
+  /// What is seen of a known place overlaps the map by more than this, of a wrong one by less. Only
+  /// such a supposed place is right before the whole map was searched.
+  double convincing_overlap = 0.7;
+  /// Of a supposed place that leads all others in the whole map.
   RegistrationGate supposed_gate = {.min_inlier_count = 30, .min_overlap = 0.25};
   double min_distance_m = 10.0;  ///< it holds over so much way: standing still, all views agree
   double min_lead = 4.5;         ///< of its log-likelihood to that of every other place

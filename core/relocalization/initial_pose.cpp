@@ -18,7 +18,7 @@ absl::Status Validate(const InitialPose& initial_pose) {
         "initial_pose.covariance must be finite, symmetric and positive semidefinite");
   }
   // Beyond, sums of squares would lose what is small beside them.
-  constexpr double kMaxTranslation_m = 1e8;
+  constexpr double kMaxTranslation_m = 1e10;
   constexpr double kMaxVariance = 1e16;
   if (pose.translation_m.norm() > kMaxTranslation_m) {
     return absl::InvalidArgumentError(

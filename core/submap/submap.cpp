@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <tuple>
+#include <utility>
 
 #include "core/geometry/covariance.h"
 
@@ -103,31 +105,20 @@ void SubmapWindow::Push(Stamp stamp, int radar_index, const std::vector<RadarPoi
 void SubmapWindow::Insert(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points) {
   const auto is_later = [&](const Entry& entry) { return entry.stamp > stamp; };
   if (entries_.empty() || is_later(entries_.front())) return;
-  const auto room = MakeRoom(radar_index);
-  std::rotate(room, std::next(room), entries_.end());
-  // The scan that follows is reached by what is left of its motion.
-  const auto last = std::prev(entries_.end());
-  const auto next = std::find_if(entries_.begin(), last, is_later);
-  if (next == entries_.begin()) {  // the only scan from before it has made room
-    entries_.pop_back();
-    return;
-  }
-  Entry& late = *last;
-  late.stamp = stamp;
-  late.radar_index = radar_index;
-  late.motion = {};
-  if (next != last) {
-    const Stamp before = std::prev(next)->stamp;
-    const double share = next->stamp == before
-                             ? 1.0
-                             : std::chrono::duration<double>(stamp - before) /
-                                   std::chrono::duration<double>(next->stamp - before);
-    const auto [first, rest] = Split(next->motion, share);
-    late.motion = first;
-    next->motion = rest;
-  }
+  const auto next = std::ranges::find_if(entries_, is_later);
+  Entry late{.stamp = stamp, .radar_index = radar_index, .points = {}, .motion = {}};
   Fill(late, points);
-  std::rotate(next, last, entries_.end());
+  if (next != entries_.end()) {  // it is reached by what is left of its motion
+    const Stamp before = std::prev(next)->stamp;
+    const double share = std::chrono::duration<double>(stamp - before) /
+                         std::chrono::duration<double>(next->stamp - before);
+    std::tie(late.motion, next->motion) = Split(next->motion, share);
+  }
+  entries_.insert(next, std::move(late));
+  const auto of_same_radar = [&](const Entry& entry) { return entry.radar_index == radar_index; };
+  if (std::ranges::count_if(entries_, of_same_radar) > scans_per_radar_) {
+    entries_.erase(MakeRoom(radar_index));
+  }
 }
 
 // An entry to be written anew: the oldest one of a radar that has enough of them, of which the

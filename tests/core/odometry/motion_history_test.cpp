@@ -7,7 +7,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-Stamp At(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
+Stamp MomentAt(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
 
 // A vehicle at 10 m/s that turns, seen every 50 ms.
 Motion Step() {
@@ -20,14 +20,14 @@ Motion Step() {
 MotionHistory Driven(int count) {
   MotionHistory history(milliseconds(400));
   for (int i = 0; i < count; ++i) {
-    history.Add(At(50 * i), Step(), {.linear_mps = {0.1 * i, 0.0, 0.0}});
+    history.Add(MomentAt(50 * i), Step(), {.linear_mps = {0.1 * i, 0.0, 0.0}});
   }
   return history;
 }
 
 TEST(MotionHistoryTest, AtAStampItGivesTheWholeSteps) {
   const MotionHistory history = Driven(11);
-  const auto moment = history.At(At(400));
+  const auto moment = history.At(MomentAt(400));
   ASSERT_TRUE(moment.has_value());
   const Pose3 expected = Step().T_from_to * Step().T_from_to;
   EXPECT_LT((moment->to_newest.T_from_to.translation_m - expected.translation_m).norm(), 1e-12);
@@ -35,7 +35,7 @@ TEST(MotionHistoryTest, AtAStampItGivesTheWholeSteps) {
 }
 
 TEST(MotionHistoryTest, BetweenTwoStampsItGivesAShare) {
-  const auto moment = Driven(11).At(At(475));
+  const auto moment = Driven(11).At(MomentAt(475));
   ASSERT_TRUE(moment.has_value());
   EXPECT_NEAR(moment->to_newest.T_from_to.translation_m.x(), 0.25, 1e-4);
   EXPECT_NEAR(Yaw(moment->to_newest.T_from_to.rotation), 0.01, 1e-9);
@@ -43,17 +43,17 @@ TEST(MotionHistoryTest, BetweenTwoStampsItGivesAShare) {
 }
 
 TEST(MotionHistoryTest, AtTheNewestStampNothingIsLeft) {
-  const auto moment = Driven(11).At(At(500));
+  const auto moment = Driven(11).At(MomentAt(500));
   ASSERT_TRUE(moment.has_value());
   EXPECT_EQ(moment->to_newest.T_from_to.translation_m, Eigen::Vector3d::Zero());
 }
 
 TEST(MotionHistoryTest, BeforeAndAfterItKnowsNothing) {
   const MotionHistory history = Driven(21);
-  EXPECT_FALSE(history.At(At(1001)).has_value());
-  EXPECT_FALSE(history.At(At(500)).has_value()) << "too long ago";
-  EXPECT_TRUE(history.At(At(650)).has_value());
-  EXPECT_FALSE(MotionHistory(milliseconds(400)).At(At(0)).has_value());
+  EXPECT_FALSE(history.At(MomentAt(1001)).has_value());
+  EXPECT_FALSE(history.At(MomentAt(500)).has_value()) << "too long ago";
+  EXPECT_TRUE(history.At(MomentAt(650)).has_value());
+  EXPECT_FALSE(MotionHistory(milliseconds(400)).At(MomentAt(0)).has_value());
 }
 
 TEST(MotionHistoryTest, TheTwoPartsOfAMotionAreTheWhole) {

@@ -158,9 +158,10 @@ TEST(SourceMonitorTest, WhatWasMissedIsMadeGood) {
                                .doppler_speed = Speed(15.0, 0.3),
                                .doppler_yaw_rate = Speed(0.0, 0.03),
                                .doppler_direction_count = 12});
-    const double step_m = monitor.speed().value * 1e-3 * kScan_ms;
+    const double step_s = i == 0 ? 0.0 : 1e-3 * kScan_ms;
+    const double step_m = monitor.speed().value * step_s;
     used_m += step_m;
-    true_m += 15.0 * 1e-3 * kScan_ms;
+    true_m += 15.0 * step_s;
     if (const auto missed = monitor.OnUsedMotion(step_m, 0.0)) missed_m += missed->forward_m;
   }
   EXPECT_FALSE(monitor.IsSound(OdometrySource::kWheelSpeed));

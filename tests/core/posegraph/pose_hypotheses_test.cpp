@@ -187,7 +187,7 @@ TEST(PoseHypothesesTest, LoopsThatAreNoNumbersAreCutAndLeaveNothingBehind) {
 TEST(PoseHypothesesTest, NearOutliersTakeOverSooner) {
   const Chain<2> chain = QuietChain(40);
   const auto first_valid = [&](double aside_m) {
-    PoseHypotheses<2> hypotheses({.takeover_support = 20, .near_takeover_support = 4});
+    PoseHypotheses<2> hypotheses({.takeover_support = 8, .near_takeover_support = 4});
     hypotheses.Reset(chain.prior);
     const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
       return i >= 10 ? Aside(chain.steps[i].factor, aside_m) : chain.steps[i].factor;
@@ -197,7 +197,7 @@ TEST(PoseHypothesesTest, NearOutliersTakeOverSooner) {
     return found - tests.begin() - 10;
   };
   EXPECT_EQ(first_valid(0.35), 3);
-  EXPECT_EQ(first_valid(3.0), 19);
+  EXPECT_EQ(first_valid(3.0), 7);
 }
 
 }  // namespace
