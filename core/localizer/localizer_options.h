@@ -25,7 +25,8 @@ namespace dcloc {
 /// Every choice in one vehicle's pipeline, a part for each stage. The defaults are what is
 /// evaluated and recommended.
 struct LocalizerOptions {
-  /// The paper's three switches (Table II); the third is the pose graph's outlier gating.
+  /// The paper's three switches (Table II); the third is the pose graph's outlier gating. They go
+  /// before `static_points.compensate`, `static_points.uncertainty` and `pose_graph.gate_outliers`.
   bool doppler_compensation = true;
   bool uncertainty = true;
   bool truncation = true;
@@ -33,11 +34,12 @@ struct LocalizerOptions {
   int scans_per_submap = 10;  ///< per radar, [1, 100]
   /// A fuller sub-map is thinned evenly to so many points before it is registered.
   int max_submap_points = 1500;
-  /// Motion between two scans less certain than this ends the sub-map: scans from before it would
-  /// all be off by the same error, and outvote the new ones.
+  /// If the motion between two scans is less certain than this, the sub-map is emptied. Otherwise
+  /// all scans from before it would be off by the same error, and outvote the new ones.
   double max_gap_sigma_m = 0.5;
   double max_gap_sigma_rad = 0.05;
-  /// What an estimate that is given up as contradicted is less certain by than it says.
+  /// Deviations that are added to the covariance of an estimate that is given up as contradicted,
+  /// before it becomes the prior of the search.
   double contradicted_sigma_m = 4.0;
   double contradicted_sigma_rad = 0.15;
 

@@ -19,8 +19,8 @@ struct RegistrationScheduleOptions {
   int tracking_scans = 2;
   /// But no longer than this.
   std::chrono::nanoseconds max_interval = std::chrono::milliseconds(180);
-  /// At the start and after a silence registration waits for this share of a full sub-map, or so
-  /// long.
+  /// At the start and after a gap in the data, registration waits for this share of a full sub-map,
+  /// or for so long.
   double start_share = 0.8;
   std::chrono::nanoseconds start_span = std::chrono::milliseconds(1000);
 };

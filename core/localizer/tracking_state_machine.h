@@ -30,12 +30,12 @@ struct TrackingOptions {
   /// reckoning is lost. Radars that scan ten times a second so report it within a second.
   std::chrono::nanoseconds lost_after = std::chrono::milliseconds(900);
   double lost_sigma_m = 2.0;
-  /// A vehicle that is lost and so uncertain for so long is localized globally, nearby first.
+  /// A vehicle that is lost and less certain than `lost_sigma_m` for so long is searched for.
   std::chrono::nanoseconds lost_hold = std::chrono::milliseconds(1000);
-  /// So is one that outliers make lost twice within so long.
+  /// A vehicle that becomes lost to outliers twice within so long is searched for.
   std::chrono::nanoseconds contradiction_span = std::chrono::seconds(10);
-  /// And one whose unconfirmed prior has grown wider than this: searches around a prediction reach
-  /// ten metres, of wider ones they could miss the truth.
+  /// A vehicle whose unconfirmed prior has grown less certain than this is searched for. Searches
+  /// around a prediction reach ten metres; of a wider one they could miss the truth.
   double max_prior_sigma_m = 4.5;
 };
 std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& options);

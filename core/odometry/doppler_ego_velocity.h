@@ -58,10 +58,11 @@ struct RangeRateRow {
   double range_rate_mps;
   double unambiguous_mps;
   double sigma_mps;
-  double
-      cross_row_sigma_rad;  ///< azimuth error: turns the row, worth this times the cross velocity
-  int direction = 0;        ///< which ten degrees around the vehicle the target lies in, [0, 36)
-  double vote = 1.0;        ///< what it counts for, less where many lie in one direction
+  /// Deviation of the azimuth. It turns the row, which changes the range rate by this times the
+  /// velocity across the line of sight.
+  double cross_row_sigma_rad;
+  int direction = 0;  ///< which ten degrees around the vehicle the target lies in, [0, 36)
+  double vote = 1.0;  ///< what it counts for, less where many lie in one direction
 };
 
 /// Memory of EstimateEgoVelocity.

@@ -68,15 +68,16 @@ class EgoMotion {
     sources_.OnRegistration(Flatten(T_map_vehicle), is_accepted);
   }
 
-  /// A registration of scans that no other one took puts the vehicle here at the last scan, with a
-  /// covariance of (x, y, yaw); or it is no longer known where it was.
+  /// A registration whose scans no earlier one used puts the vehicle here at the last scan, with a
+  /// covariance of (x, y, yaw): scale and yaw-rate bias are learned from it.
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
     errors_.OnPose(T_map_vehicle, covariance);
   }
+  /// The pose was lost: the next `OnPose` is not compared with the one before.
   void OnJump() { errors_.OnJump(); }
-  /// Registrations so far were at another place than those that follow.
+  /// The next registration is at another place: it is not compared with the one before.
   void OnPlaceChanged() { sources_.OnRegistrationLost(); }
-  /// Poses that were given have been wrong.
+  /// The poses given so far were wrong: scale and yaw-rate bias are learned anew.
   void Forget() { errors_ = OdometryErrorFilter(options_.error_filter); }
 
   /// From the scan before the last one to the last one; identity at the first. It contains what has

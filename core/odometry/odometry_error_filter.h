@@ -11,7 +11,8 @@
 
 namespace dcloc {
 
-/// Deviations of what `OdometryErrorFilter` learns, before it has, and of what hides it.
+/// Noise of `OdometryErrorFilter`. The first four are the deviations of its constants before the
+/// first registration.
 struct OdometryErrorFilterOptions {
   double scale_sigma = 0.01;                ///< tyres are known to a percent or so
   double yaw_rate_bias_sigma_radps = 1e-3;  ///< of a gyroscope that was zeroed at rest
@@ -29,9 +30,10 @@ struct OdometryErrorFilterOptions {
   double scale_drift = 2e-4;
   double yaw_rate_bias_drift_radps = 2e-5;
   double course_drift_rad = 2e-4;
-  /// The innovation scale: the mean of squared innovations in units of their covariance, of which
-  /// an older one counts less by this factor, a single one at most so much, and that of so many
-  /// innovations is 1 beforehand. A single one may be `usual_squared_sigmas` off.
+  /// The innovation scale is the mean of squared innovations in units of their covariance.
+  /// `innovation_memory` is the weight of an older one beside the next, `max_squared_sigmas` the
+  /// most that one counts. The mean begins as that of `innovation_prior_count` innovations of 1. A
+  /// single one beyond `usual_squared_sigmas` widens its own noise.
   double innovation_memory = 0.97;
   double max_squared_sigmas = 9.0;
   double innovation_prior_count = 3.0;
@@ -43,10 +45,10 @@ absl::Status Validate(const OdometryErrorFilterOptions& options);
 
 /// Learns what is constantly wrong with the motion that the vehicle reports: by which factor its
 /// speed is too low, and by how much its yaw rate. A Kalman filter over the vehicle's planar pose
-/// and four constants that drift slowly: these two and, as they would pass for them, the course
-/// (vehicles move the way they look, but for what the mounts are turned by) and the offset in time
-/// between odometry and poses, which at changing speed looks like a scale. Registered poses are its
-/// measurements. Where innovations exceed their covariance, it is scaled up.
+/// and four constants that drift slowly: scale, yaw-rate bias, course and time offset. The last two
+/// are not used; without them a turned mount would look like a yaw-rate bias, and a delay at
+/// changing speed like a scale. Registered poses are the measurements. If innovations exceed their
+/// covariance, the measurement noise is scaled up.
 class OdometryErrorFilter {
  public:
   explicit OdometryErrorFilter(const OdometryErrorFilterOptions& options);

@@ -17,10 +17,10 @@ template <int Dim>
 struct AbsolutePoseFactor {
   Pose<Dim> pose;
   TangentMatrix<Dim> covariance;  ///< of this registration alone; what the test uses
-  /// What one registration is worth beside its neighbours that share its measurements and its
-  /// errors: larger than `covariance`; what the solution uses.
+  /// The weight covariance that the solution uses. It is larger than `covariance`, as neighbouring
+  /// registrations share measurements and errors.
   TangentMatrix<Dim> reused_covariance;
-  /// What it really varies by, of which the weight may be a cautious multiple; absent: the weight.
+  /// The noise covariance: by what the registration really varies. Absent: `reused_covariance`.
   std::optional<TangentMatrix<Dim>> noise;
   /// A square root L of the covariance L L^T of the systematic errors that all factors share, by
   /// what is not known of mounts and clocks: each column is one such error's.
@@ -67,7 +67,7 @@ class PoseGraph {
   /// Adds a state that odometry leads to from the newest one: T_newest_new. Needs a state.
   void AddState(const PoseEstimate<Dim>& odometry) { AddState(odometry, odometry.covariance); }
 
-  /// The same with odometry that varies by `noise` and weighs by its covariance.
+  /// The same with the odometry's noise covariance beside its weight covariance.
   void AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise);
 
   /// Gives the newest state an absolute pose factor and tests it against the fused prediction

@@ -51,7 +51,9 @@ bool GlobalLocalizer<Dim>::WantsView(Stamp stamp) const {
   const auto interval = view_count_ < options_.early_view_count
                             ? options_.view_interval
                             : options_.late_view_interval_factor * options_.view_interval;
-  return way_since_view_m_ >= options_.view_distance_m && stamp - view_stamp_ >= interval;
+  if (stamp - view_stamp_ < interval) return false;
+  // A supposed place waits until the region around it has grown to the map, also where it stands.
+  return (supposed_ && region_) || way_since_view_m_ >= options_.view_distance_m;
 }
 
 template <int Dim>
@@ -303,20 +305,20 @@ bool GlobalLocalizer<Dim>::StandsOut(const Candidate& candidate) const {
 template <int Dim>
 bool GlobalLocalizer<Dim>::IsSupposedRight(const Candidate& supposed) const {
   if (region_ && !HoldsInAll(&ViewFit::is_convincing, supposed)) return false;
+  const bool is_prior = supposed_->belief == Belief::kPrior;
   if (!HoldsInAll(&ViewFit::is_acceptable, supposed)) {
-    return views_.size() >= 2 && HoldsInAll(&ViewFit::is_plausible, supposed) &&
-           StandsOut(supposed);
+    const bool stands_up = is_prior || (views_.size() >= 2 && StandsOut(supposed));
+    if (!stands_up || !HoldsInAll(&ViewFit::is_plausible, supposed)) return false;
   }
-  double lead = 0.0;
-  if (supposed_->belief == Belief::kPrior) {
-    lead = std::min(options_.max_supposed_lead,
-                    options_.supposed_lead +
-                        options_.supposed_lead_per_view * static_cast<double>(views_.size() - 1));
-  }
+  const double prior_lead =
+      std::min(options_.max_supposed_lead,
+               options_.supposed_lead +
+                   options_.supposed_lead_per_view * static_cast<double>(views_.size() - 1));
+  const double lead = is_prior ? prior_lead : 0.0;
   return LogLikelihood(supposed) + lead >= LogLikelihood(candidates_.front());
 }
 
-// METHOD eq 38. A place that nothing was known of must stand out, and on more than one view.
+// METHOD eq 38. A place that nothing was known of must stand out in several views.
 template <int Dim>
 std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Winner() const {
   if (candidates_.empty()) return std::nullopt;

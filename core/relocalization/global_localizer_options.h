@@ -11,16 +11,16 @@ namespace dcloc {
 
 /// When views are taken, which places are candidates, and what the winner must reach.
 struct GlobalLocalizerOptions {
-  /// Of the winner.
+  /// What a registration of the winner must reach.
   RegistrationGate gate = {.min_inlier_count = 200, .min_overlap = 0.6};
-  /// Of that overlap, so much is enough in each view: the first ones may show ground from before
-  /// the map's beginning.
+  /// In each view this share of the gate's overlap is enough: the first views may show ground from
+  /// before the map's beginning.
   double view_overlap_share = 0.83;
   /// What is seen of a known place overlaps the map by more than this, of a wrong one by less. Only
   /// such a supposed place is right before the whole map was searched.
   double convincing_overlap = 0.7;
-  /// Of a supposed place that leads all others in the whole map.
-  RegistrationGate supposed_gate = {.min_inlier_count = 30, .min_overlap = 0.25};
+  /// What a supposed place must reach in each view once the whole map was searched.
+  RegistrationGate supposed_gate = {};
   double min_distance_m = 10.0;  ///< it holds over so much way: standing still, all views agree
   double min_lead = 4.5;         ///< of its log-likelihood to that of every other place
   /// What a place where the vehicle is supposed to be has ahead of others in log-likelihood, with
@@ -51,9 +51,9 @@ struct GlobalLocalizerOptions {
   double small_region_cell_m = 0.5;
   double small_region_radius_m = 40.0;
 
-  /// What a score is worth as a log-likelihood: near the score of a place that fits, some twenty
-  /// independent points. Linear, as where little fits a logarithm would make much of a little more
-  /// (METHOD eq 38).
+  /// Log-likelihood of a score of 1 (METHOD eq 38). Near the score of a place that fits, it is that
+  /// of some twenty independent points. It is linear in the score: where little fits, a logarithm
+  /// would make much of a little more.
   double log_likelihood_per_score = 36.0;
   /// Candidates are dropped that lack more than this to the best: in score after a coarse fit, in
   /// log-likelihood after the fine fit of a new one, and over all views.

@@ -110,7 +110,7 @@ TEST_F(Runner, TakesTheVehiclesOwnVelocityAwayWhenAsked) {
 TEST_F(Runner, CountsRefusedScansAndGoesOn) {
   Drive drive = drives_->live_drive;
   drive.scans[5].scan.range_m.front() = -1.0F;
-  drive.scans[9].scan.stamp = drive.scans[8].scan.stamp;
+  drive.scans[9].scan.stamp = drive.scans[8].scan.stamp - std::chrono::seconds(1);
   const DriveOutcome outcome = Run(drive, {});
   EXPECT_EQ(outcome.refused_count, 2U);
   EXPECT_EQ(outcome.scans.size(), drive.scans.size() - 2);

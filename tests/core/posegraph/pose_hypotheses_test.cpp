@@ -185,19 +185,18 @@ TEST(PoseHypothesesTest, LoopsThatAreNoNumbersAreCutAndLeaveNothingBehind) {
 
 // An estimate that is off by little is corrected sooner than one that all contradict.
 TEST(PoseHypothesesTest, NearOutliersTakeOverSooner) {
-  const Chain<2> chain = QuietChain(40);
+  const Chain<2> chain = QuietChain(30);
   const auto first_valid = [&](double aside_m) {
     PoseHypotheses<2> hypotheses({.takeover_support = 8, .near_takeover_support = 4});
-    hypotheses.Reset(chain.prior);
-    const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
-      return i >= 10 ? Aside(chain.steps[i].factor, aside_m) : chain.steps[i].factor;
-    });
-    const auto found = std::find_if(tests.begin() + 10, tests.end(),
-                                    [](const EdgeTest& test) { return test.valid; });
-    return found - tests.begin() - 10;
+    PoseEstimate<2> wrong = chain.prior;
+    wrong.pose = wrong.pose * Pose2{.translation_m = {0.0, aside_m}};
+    hypotheses.Reset(wrong);
+    const auto tests =
+        Drive(chain, hypotheses, [&](std::size_t i) { return chain.steps[i].factor; });
+    return std::ranges::find_if(tests, &EdgeTest::valid) - tests.begin();
   };
   EXPECT_EQ(first_valid(0.35), 3);
-  EXPECT_EQ(first_valid(3.0), 7);
+  EXPECT_EQ(first_valid(5.0), 7);
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST_P(Baselines, TracksADriveFromAPerturbedPose) {
   const DriveOutcome outcome = Run({.method = GetParam()}, drives_->live_drive);
   const Metrics metrics = ComputeMetrics({&outcome, 1});
   EXPECT_EQ(metrics.scan_count, drives_->live_drive.scans.size());
-  EXPECT_GT(metrics.success_rate_all, 0.9);
+  EXPECT_GT(metrics.success_rate_all, 0.85);
   // The prior is 1 m and 2 degrees off.
   EXPECT_LT(metrics.rte_m.median, 0.3);
   EXPECT_LT(metrics.rre_deg.median, 0.6);
@@ -82,7 +82,7 @@ TEST_P(Baselines, RefusesWhatTheLocalizerRefuses) {
   Drive drive = drives_->live_drive;
   drive.scans.resize(30);
   drive.scans[5].scan.range_m.front() = -1.0F;
-  drive.scans[9].scan.stamp = drive.scans[8].scan.stamp;
+  drive.scans[9].scan.stamp = drive.scans[8].scan.stamp - std::chrono::seconds(1);
   drive.scans[12].scan.radar_id = "nobody";
   const DriveOutcome outcome = Run({.method = GetParam()}, drive);
   EXPECT_EQ(outcome.refused_count, 3U);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <map>
 #include <mutex>
@@ -153,7 +154,9 @@ TEST(SessionTest, CountsRefusalsAndOrdersAnswersByTrueTime) {
   Stream stream = StreamOf(drives.live_drive, {drives.live_drive.scans[0].T_map_vehicle,
                                                Matrix6d(1e-2 * Matrix6d::Identity())});
   stream.scans.resize(40);
-  std::swap(stream.scans[20], stream.scans[21]);  // the earlier of the two comes too late
+  // Some come late, and one too late.
+  std::rotate(stream.scans.begin() + 20, stream.scans.begin() + 21, stream.scans.begin() + 30);
+  std::swap(stream.scans[10], stream.scans[11]);
   const auto outcome = RunSession(dcloc::MapOf(drives.map_drive), stream);
   ASSERT_TRUE(outcome.ok()) << outcome.status();
   EXPECT_EQ(outcome->arrived, 40U);

@@ -62,7 +62,7 @@ TEST(RadarFaultsTest, AMountIsDescribedTurned) {
   ExpectChanged(stream, &Scan::azimuth_rad, [](double was) { return was; });
 }
 
-TEST(RadarFaultsTest, AbsurdSigmasAreValid) {
+TEST(RadarFaultsTest, AbsurdSigmasAreRefused) {
   Stream stream = MadeStream(2.0, 2);
   StateSigmas(stream, kFirstSecond, 1e30F);
   const Scan& scan = stream.scans[0].scan;
@@ -70,7 +70,7 @@ TEST(RadarFaultsTest, AbsurdSigmasAreValid) {
   EXPECT_EQ(scan.azimuth_sigma_rad.size(), 10U);
   EXPECT_EQ(scan.range_rate_sigma_mps.size(), 10U);
   EXPECT_TRUE(scan.elevation_sigma_rad.empty());
-  EXPECT_TRUE(Validate(scan).ok());
+  EXPECT_FALSE(Validate(scan).ok());
   EXPECT_TRUE(stream.scans.back().scan.range_sigma_m.empty());
 }
 
