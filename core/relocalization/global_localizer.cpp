@@ -308,7 +308,7 @@ bool GlobalLocalizer<Dim>::IsSupposedRight(const Candidate& supposed) const {
   const bool is_prior = supposed_->belief == Belief::kPrior;
   if (!HoldsInAll(&ViewFit::is_acceptable, supposed)) {
     const bool stands_up = is_prior || (views_.size() >= 2 && StandsOut(supposed));
-    if (!stands_up || !HoldsInAll(&ViewFit::is_plausible, supposed)) return false;
+    if (!stands_up || !supposed.fits.back()->is_plausible) return false;
   }
   const double prior_lead =
       std::min(options_.max_supposed_lead,
