@@ -30,12 +30,18 @@ int DirectionOf(const Vector3d& u) {
   return std::min(kDirectionCount - 1, static_cast<int>(turns * kDirectionCount));
 }
 
+// Of more targets than any rig's single moment has, every n-th is enough, and bounds the time.
+constexpr std::size_t kMaxRows = 3000;
+
 void MakeRows(std::span<const RadarScan> scans, std::vector<Row>& rows) {  // METHOD eq 21
   rows.clear();
+  std::size_t target_count = 0;
+  for (const RadarScan& one : scans) target_count += one.scan->size();
+  const std::size_t stride = std::max<std::size_t>(1, (target_count + kMaxRows - 1) / kMaxRows);
   for (const auto& [scan, radar] : scans) {
     const Matrix3d R_vehicle_radar = radar->T_vehicle_radar.Rotation();
     const Vector3d& mount = radar->T_vehicle_radar.translation_m;
-    for (std::size_t i = 0; i < scan->size(); ++i) {
+    for (std::size_t i = 0; i < scan->size(); i += stride) {
       const Measurement m = MeasurementAt(*scan, i, *radar);
       const Vector3d u = R_vehicle_radar * LineOfSight(m.azimuth_rad, m.elevation_rad);
       rows.push_back({.row = {-u.x(), -u.y(), -(mount.x() * u.y() - mount.y() * u.x())},
