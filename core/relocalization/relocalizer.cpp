@@ -14,7 +14,7 @@ std::optional<typename Relocalizer<Dim>::Place> Relocalizer<Dim>::Search(
     const int growth = global_.searches_in_vain() + (supposed ? 1 : 0);
     global_.AddView(stamp, live, prior_.Region(growth), supposed);
   }
-  const std::optional<Place> place = global_.Continue(workspace);
+  std::optional<Place> place = global_.Continue(workspace);
   if (place) global_.Clear();
   return place;
 }
