@@ -246,7 +246,7 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
                                                                              : Belief::kDoubted};
     if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
   }
-  const std::optional<Place> place =
+  std::optional<Place> place =
       relocalizer_.Search(stamp, live, submap_.span(), supposed, workspace);
   if (place && place->is_supposed) {
     tracking_.OnVerified();
