@@ -71,7 +71,7 @@ struct TrackingTransition {
   TrackingMode to;
 };
 
-inline constexpr std::array<TrackingTransition, 19> kTrackingTransitions = {{
+inline constexpr std::array<TrackingTransition, 20> kTrackingTransitions = {{
     {TrackingMode::kSearching, TrackingEvent::kPriorGiven, TrackingMode::kConfirmingPrior},
     {TrackingMode::kSearching, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kRecovering, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
@@ -87,6 +87,7 @@ inline constexpr std::array<TrackingTransition, 19> kTrackingTransitions = {{
     {TrackingMode::kDoubting, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kDoubting, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
     {TrackingMode::kDeadReckoning, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kDeadReckoning, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kDeadReckoning, TrackingEvent::kLossExpired, TrackingMode::kLost},
     {TrackingMode::kLost, TrackingEvent::kConfirmed, TrackingMode::kTracking},
     {TrackingMode::kLost, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},

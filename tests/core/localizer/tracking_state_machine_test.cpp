@@ -99,6 +99,18 @@ TEST(TrackingStateMachineTest, ADoubtEndsWhenThePoseIsVerified) {
   EXPECT_EQ(state.mode(), TrackingMode::kTracking);
 }
 
+// Whatever was claimed before, a place just found is confirmed from the beginning.
+TEST(TrackingStateMachineTest, APlaceFoundWhileThePoseIsInDoubtIsConfirmedFirst) {
+  for (const int silent_ms : {0, 600, 2000}) {  // doubting, dead reckoning, lost
+    TrackingStateMachine state = Tracking(1000);
+    state.OnScanFit(ScanFit::kContradicts);
+    state.OnPrediction(StampAt(1000 + silent_ms), 0.1);
+    state.OnPlaceFound();
+    EXPECT_EQ(state.mode(), TrackingMode::kConfirmingPlace) << silent_ms;
+    EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing) << silent_ms;
+  }
+}
+
 TEST(TrackingStateMachineTest, RegistrationsConfirmNothingWhileScansContradict) {
   TrackingStateMachine state = Tracking(1000);
   state.OnPrediction(StampAt(1600), 0.1);
