@@ -8,8 +8,10 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/geometry/pose.h"
+#include "core/localizer/health.h"
 #include "core/localizer/localization_state.h"
 #include "core/localizer/localizer_options.h"
+#include "core/localizer/position_fix.h"
 #include "core/localizer/workspace.h"
 #include "core/map/radar_map.h"
 #include "core/radar/radar_model.h"
@@ -42,6 +44,11 @@ struct Localization {
   /// Degrees of freedom (x, y, z, roll, pitch, yaw) of the vehicle frame that radar observed: not
   /// the vertical ones by planar radars, and not the way along smooth walls.
   std::bitset<6> observed;
+  /// The horizontal position is off by no more than this, but for once in ten thousand times
+  /// (METHOD eq 47). Absent where nothing is promised, as always where the state is not tracking.
+  std::optional<double> protection_level_m;
+  Health health;
+  PoseResets resets;
   LocalizationQuality quality;
 };
 
@@ -80,6 +87,11 @@ class Localizer {
 
   /// The same with a workspace of its own, which it keeps.
   absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener = nullptr);
+
+  /// Takes in what something else than radar says of the pose, between two scans. It can start and
+  /// guide a search, weighs as it is certain, and forces no pose that the radars contradict.
+  /// InvalidArgument names what is no pose or no covariance; then nothing has changed.
+  absl::StatusOr<FixUse> TakeFix(const PositionFix& fix);
 
   /// No pose is known, so the next scans search the whole map: that may take some tens of
   /// milliseconds a scan.

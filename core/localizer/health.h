@@ -1,0 +1,27 @@
+#pragma once
+
+#include "absl/container/inlined_vector.h"
+#include "core/geometry/pose.h"
+#include "core/odometry/source_fault.h"
+
+namespace dcloc {
+
+/// Which sources take part in an estimate.
+struct Health {
+  SourceHealth wheel_speed;
+  SourceHealth yaw_rate;
+  absl::InlinedVector<SourceHealth, 8> radars;  ///< in the rig's order
+
+  friend bool operator==(const Health&, const Health&) = default;
+};
+
+/// Jumps of the answered pose: a place found anew, a motion that was missed, a large correction.
+/// What the vehicle has moved meanwhile is no part of them.
+struct PoseResets {
+  int count = 0;
+  /// The last jump, in the vehicle frame: the pose without it, times this, is the pose with it. A
+  /// controller that keeps a path undoes it.
+  Pose3 T_before_after;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "absl/status/status.h"
+#include "core/radar/scan.h"
+#include "core/relocalization/initial_pose.h"
+
+namespace dcloc {
+
+/// Where something else than radar says that the vehicle was: a satellite receiver, an operator.
+struct PositionFix {
+  Stamp stamp;  ///< on the clock of the scans
+  /// As wide as it is not known: a receiver's heading has a variance of pi^2 / 3. What its errors
+  /// have in common over time is no part of it.
+  InitialPose pose;
+};
+
+/// What became of a fix.
+enum class FixUse : std::size_t {
+  kFused,         ///< it agrees with the pose, and weighs as it is certain
+  kGuidesSearch,  ///< there is no pose: the search begins around it
+  kContradicted,  ///< the radars say otherwise; if more fixes do, the pose is held against theirs
+  kOutOfTime,     ///< it is from before the last moments, or from after the newest scan by too much
+};
+inline constexpr std::array<const char*, 4> kFixUseNames = {"fused", "guides search",
+                                                            "contradicted", "out of time"};
+
+/// OK, or InvalidArgument that names what is no pose or no covariance.
+absl::Status Validate(const PositionFix& fix);
+
+}  // namespace dcloc
