@@ -2,6 +2,9 @@
 
 #include "absl/container/inlined_vector.h"
 #include "core/geometry/pose.h"
+#include "core/localizer/radar_monitor.h"
+#include "core/odometry/ego_motion.h"
+#include "core/odometry/learned_rig.h"
 #include "core/odometry/source_fault.h"
 
 namespace dcloc {
@@ -14,6 +17,10 @@ struct Health {
 
   friend bool operator==(const Health&, const Health&) = default;
 };
+
+/// What those who watch the sources say at `stamp`.
+Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
+                    const RadarMonitor& radar_monitor);
 
 /// Jumps of the answered pose: a place found anew, a motion that was missed, a large correction.
 /// What the vehicle has moved meanwhile is no part of them.

@@ -1,21 +1,40 @@
 #include "core/localizer/localizer.h"
 
+#include <cstdint>
 #include <utility>
 
 #include "core/localizer/pipeline.h"
+#include "core/localizer/recent_answers.h"
+#include "core/localizer/time_base.h"
 #include "core/registration/gicp_registration.h"
 
 namespace dcloc {
 namespace {
 
 template <int Dim>
-std::shared_ptr<const RegistrationMethod<Dim>> MethodOf(const RegistrationMethods& methods,
-                                                        const LocalizerOptions& options) {
-  if (methods.Of<Dim>() != nullptr) return methods.Of<Dim>();
-  return std::make_shared<GicpRegistration<Dim>>(options.matcher.gicp);
+std::unique_ptr<AnyPipeline> MakePipeline(std::shared_ptr<const RadarMap> map, Rig rig,
+                                          const std::optional<InitialPose>& initial_pose,
+                                          const LocalizerOptions& options,
+                                          const RegistrationMethods& methods) {
+  std::shared_ptr<const RegistrationMethod<Dim>> method = methods.Of<Dim>();
+  if (method == nullptr) {
+    method = std::make_shared<GicpRegistration<Dim>>(options.matcher.gicp);
+  }
+  return std::make_unique<Pipeline<Dim>>(std::move(map), std::move(rig), initial_pose, options,
+                                         std::move(method));
 }
 
 }  // namespace
+
+// The door: what comes twice is answered from memory, what comes late is told apart.
+struct Localizer::Impl {
+  std::unique_ptr<AnyPipeline> pipeline;
+  TimeBase time_base;
+  RecentAnswers recent_answers;
+
+  absl::StatusOr<Localization> Localize(const Scan& scan, LocalizerWorkspace& workspace,
+                                        StageListener* listener);
+};
 
 absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map, Rig rig,
                                             const std::optional<InitialPose>& initial_pose,
@@ -27,18 +46,33 @@ absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map,
   if (initial_pose) status.Update(Validate(*initial_pose));
   if (!status.ok()) return status;
   // All six degrees of freedom need a map and a rig that both measure in space.
-  if (map->info().has_elevation && rig.MeasuresElevation()) {
-    return Localizer(std::make_unique<Pipeline<3>>(std::move(map), std::move(rig), initial_pose,
-                                                   options, MethodOf<3>(methods, options)));
-  }
-  return Localizer(std::make_unique<Pipeline<2>>(std::move(map), std::move(rig), initial_pose,
-                                                 options, MethodOf<2>(methods, options)));
+  const bool in_space = map->info().has_elevation && rig.MeasuresElevation();
+  const auto make = in_space ? MakePipeline<3> : MakePipeline<2>;
+  std::unique_ptr<AnyPipeline> pipeline =
+      make(std::move(map), std::move(rig), initial_pose, options, methods);
+  return Localizer(std::make_unique<Impl>(
+      Impl{.pipeline = std::move(pipeline), .time_base = TimeBase(options.time_base), .recent_answers = {}}));
 }
 
 Localizer::Localizer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 Localizer::~Localizer() = default;
+
+absl::StatusOr<Localization> Localizer::Impl::Localize(const Scan& scan,
+                                                       LocalizerWorkspace& workspace,
+                                                       StageListener* listener) {
+  if (absl::Status status = Validate(scan, pipeline->rig()); !status.ok()) return status;
+  const std::uint64_t fingerprint = RecentAnswers::Fingerprint(scan);
+  if (const Localization* answer = recent_answers.Find(fingerprint)) return *answer;
+  const absl::StatusOr<TimeBase::Placement> placement = time_base.Place(scan.stamp);
+  if (!placement.ok()) return placement.status();
+  const Localization answer =
+      placement->is_late ? pipeline->LocalizeLate(scan, placement->stamp, workspace)
+                         : pipeline->LocalizeNext(scan, *placement, workspace, listener);
+  recent_answers.Add(fingerprint, answer);
+  return answer;
+}
 
 absl::StatusOr<Localization> Localizer::Localize(const Scan& scan, LocalizerWorkspace& workspace,
                                                  StageListener* listener) {
@@ -50,6 +84,11 @@ absl::StatusOr<Localization> Localizer::Localize(const Scan& scan, StageListener
   return Localize(scan, *own_workspace_, listener);
 }
 
-bool Localizer::searching() const { return impl_->searching(); }
+absl::StatusOr<FixUse> Localizer::TakeFix(const PositionFix& fix) {
+  if (absl::Status status = Validate(fix); !status.ok()) return status;
+  return impl_->pipeline->TakeFix(fix.pose, impl_->time_base.Convert(fix.stamp));
+}
+
+bool Localizer::searching() const { return impl_->pipeline->searching(); }
 
 }  // namespace dcloc

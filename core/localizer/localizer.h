@@ -97,9 +97,8 @@ class Localizer {
   /// milliseconds a scan.
   bool searching() const;
 
-  class Impl;
-
  private:
+  struct Impl;
   explicit Localizer(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
   std::unique_ptr<LocalizerWorkspace> own_workspace_;

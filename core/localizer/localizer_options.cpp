@@ -22,6 +22,8 @@ absl::Status Validate(const LocalizerOptions& options) {
   status.Update(Within("submap", Validate(options.submap)));
   status.Update(Within("map_fit", Validate(options.map_fit)));
   status.Update(Within("ego_motion", Validate(options.ego_motion)));
+  status.Update(Within("learned_rig", Validate(options.learned_rig)));
+  status.Update(Within("radar_monitor", Validate(options.radar_monitor)));
   status.Update(Within("static_points", Validate(options.static_points)));
   status.Update(Within("schedule", Validate(options.schedule)));
   status.Update(Within("matcher", Validate(options.matcher)));
@@ -32,6 +34,9 @@ absl::Status Validate(const LocalizerOptions& options) {
   status.Update(Within("factor", Validate(options.factor)));
   status.Update(Within("pose_graph", Validate(options.pose_graph)));
   status.Update(Within("tracking", Validate(options.tracking)));
+  status.Update(Within("fixes", Validate(options.fixes)));
+  status.Update(Within("resets", Validate(options.resets)));
+  status.Update(Within("protection_level", Validate(options.protection_level)));
   status.Update(Within("unobserved", Validate(options.unobserved)));
   return status;
 }

@@ -4,10 +4,14 @@
 
 #include "absl/status/status.h"
 #include "core/geometry/pose_estimate.h"
+#include "core/localizer/fix_monitor.h"
+#include "core/localizer/radar_monitor.h"
 #include "core/localizer/registration_schedule.h"
+#include "core/localizer/reset_counter.h"
 #include "core/localizer/time_base.h"
 #include "core/localizer/tracking_state_machine.h"
 #include "core/odometry/ego_motion.h"
+#include "core/odometry/learned_rig.h"
 #include "core/options/option_fields.h"
 #include "core/posegraph/pose_graph.h"
 #include "core/radar/static_points.h"
@@ -18,6 +22,7 @@
 #include "core/uncertainty/beta_monitor.h"
 #include "core/uncertainty/map_fit_monitor.h"
 #include "core/uncertainty/noise_scale_estimator.h"
+#include "core/uncertainty/protection_level.h"
 #include "core/uncertainty/registration_factor.h"
 
 namespace dcloc {
@@ -52,6 +57,8 @@ struct LocalizerOptions {
   SubmapOptions submap;
   MapFitOptions map_fit;
   EgoMotionOptions ego_motion;
+  LearnedRigOptions learned_rig;
+  RadarMonitorOptions radar_monitor;
   StaticPointsOptions static_points;
   RegistrationScheduleOptions schedule;
   MapMatcherOptions matcher;
@@ -62,6 +69,9 @@ struct LocalizerOptions {
   RegistrationFactorOptions factor;
   PoseGraphOptions pose_graph;
   TrackingOptions tracking;
+  FixMonitorOptions fixes;
+  ResetOptions resets;
+  ProtectionLevelOptions protection_level;
 
   UnobservedSigmas unobserved;  ///< of planar rigs
 };

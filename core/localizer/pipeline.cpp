@@ -27,19 +27,23 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
                         const std::optional<InitialPose>& initial_pose,
                         const LocalizerOptions& options,
                         std::shared_ptr<const RegistrationMethod<Dim>> method)
-    : rig_(std::move(rig)),
-      options_(options),
-      time_base_(options.time_base),
+    : options_(options),
+      learned_rig_(std::move(rig), options.learned_rig),
+      radar_monitor_(learned_rig_.rig().radars.size(), options.radar_monitor),
       ego_motion_(options.ego_motion),
       submap_(options.scans_per_submap, options.submap),
-      schedule_(options.schedule, options.scans_per_submap * static_cast<int>(rig_.radars.size())),
+      schedule_(options.schedule, options.scans_per_submap *
+                                      static_cast<int>(learned_rig_.rig().radars.size())),
       matcher_(map, method, options.matcher),
       relocalizer_(std::move(map), std::move(method), options.matcher.local_map_radius_m,
                    options.prior, options.global),
       pose_(EffectivePoseGraph(options), options.noise_scales),
       tracking_(options.tracking),
-      beta_monitor_(rig_, options.beta_monitor),
-      scan_checker_(rig_.radars.size(), options.map_fit) {
+      beta_monitor_(learned_rig_.rig(), options.beta_monitor),
+      scan_checker_(learned_rig_.rig().radars.size(), options.map_fit),
+      fix_monitor_(options.fixes),
+      protection_level_(options.protection_level),
+      reset_counter_(options.resets) {
   if (initial_pose) Start(*initial_pose);
 }
 
@@ -56,34 +60,20 @@ void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
   if (!options_.verify_prior) tracking_.OnVerified();
 }
 
-template <int Dim>
-absl::StatusOr<Localization> Pipeline<Dim>::Localize(const Scan& scan,
-                                                     LocalizerWorkspace& workspace,
-                                                     StageListener* listener) {
-  if (absl::Status status = Check(scan); !status.ok()) return status;
-  const std::uint64_t fingerprint = RecentAnswers::Fingerprint(scan);
-  if (const Localization* answer = recent_answers_.Find(fingerprint)) return *answer;
-  const absl::StatusOr<TimeBase::Placement> placement = time_base_.Place(scan.stamp);
-  if (!placement.ok()) return placement.status();
-  const Localization answer = placement->is_late
-                                  ? LocalizeLate(scan, placement->stamp, workspace)
-                                  : LocalizeNext(scan, *placement, workspace, listener);
-  recent_answers_.Add(fingerprint, answer);
-  return answer;
-}
-
 // One scan, top to bottom: the paper's Fig. 2.
 template <int Dim>
 Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
                                          LocalizerWorkspace& lent_workspace,
                                          StageListener* listener) {
   const Stamp stamp = placement.stamp;
-  const RadarModel& radar = *rig_.Find(scan.radar_id);
+  const RadarModel& radar = *learned_rig_.rig().Find(scan.radar_id);
+  const std::size_t radar_index = IndexOf(radar);
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
 
   Announce(listener, Stage::kCompensation);  // eq 6, 9-11
   const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, stamp, radar, workspace.ego_velocity);
-  StaticPoints(scan, radar, ego_velocity, EffectiveStaticPoints(options_), workspace.static_points);
+  LearnRig(scan, stamp, radar_index);
+  PlaceTargets(scan, stamp, ego_velocity, /*is_late=*/false, workspace.static_points);
 
   Announce(listener, Stage::kSubmap);  // eq 7-8
   Motion motion = ego_motion_.since_previous();
@@ -92,8 +82,9 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
         std::pow(options_.clock_set_sigma_s * ego_velocity.linear_mps.norm(), 2);
   }
   Move(motion);
-  AddToSubmap(stamp, radar, workspace.static_points, motion);
-  TestScan(stamp, radar, workspace);
+  TestScan(stamp, radar_index, workspace);
+  if (!IsUsed(radar_index, stamp)) workspace.static_points.clear();
+  AddToSubmap(stamp, radar_index, workspace.static_points, motion);
 
   const bool is_steady = tracking_.mode() == TrackingMode::kTracking && quality_.edge_valid;
   if (schedule_.IsDue(is_steady)) {
@@ -120,19 +111,16 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
   return Answer(scan, stamp);
 }
 
-// A scan from before the newest one takes part in the registrations that follow. Its pose is
-// today's, carried back.
 template <int Dim>
 Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
                                          LocalizerWorkspace& lent_workspace) {
   Localization answer = Answer(scan, stamp);
   const std::optional<MotionHistory::Moment> moment = ego_motion_.history().At(stamp);
   if (!moment) return answer;
-  const RadarModel& radar = *rig_.Find(scan.radar_id);
-  Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  StaticPoints(scan, radar, moment->velocity, EffectiveStaticPoints(options_),
-               workspace.static_points);
-  submap_.Insert(stamp, static_cast<int>(IndexOf(radar)), workspace.static_points);
+  const std::size_t radar_index = IndexOf(*learned_rig_.rig().Find(scan.radar_id));
+  std::vector<RadarPoint>& points = lent_workspace.Of<Dim>().static_points;
+  PlaceTargets(scan, stamp, moment->velocity, /*is_late=*/true, points);
+  if (IsUsed(radar_index, stamp)) submap_.Insert(stamp, static_cast<int>(radar_index), points);
   const Motion then =
       Compose({answer.T_map_vehicle, answer.covariance}, Inverse(moment->to_newest));
   answer.T_map_vehicle = then.T_from_to;
@@ -141,46 +129,60 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
 }
 
 template <int Dim>
-absl::Status Pipeline<Dim>::Check(const Scan& scan) const {
-  if (absl::Status status = Validate(scan); !status.ok()) return status;
-  if (rig_.Find(scan.radar_id) == nullptr) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "radar_id '%s' is not one of the rig's %d radars", scan.radar_id, rig_.radars.size()));
-  }
-  return absl::OkStatus();
-}
-
-template <int Dim>
 std::size_t Pipeline<Dim>::IndexOf(const RadarModel& radar) const {
-  return static_cast<std::size_t>(&radar - rig_.radars.data());
+  return static_cast<std::size_t>(&radar - learned_rig_.rig().radars.data());
 }
 
 template <int Dim>
 void Pipeline<Dim>::Move(const Motion& motion) {
   pose_.OnMotion(motion);
   relocalizer_.OnMotion(motion);
+  reset_counter_.OnMotion(ego_motion_.expected_motion());
   // What was learned of the odometry was learned of other sources.
   if (ego_motion_.sources_changed()) pose_.ForgetNoise();
 }
 
 template <int Dim>
-void Pipeline<Dim>::AddToSubmap(Stamp stamp, const RadarModel& radar,
+void Pipeline<Dim>::LearnRig(const Scan& scan, Stamp stamp, std::size_t radar_index) {
+  const std::optional<EgoVelocity>& velocity = ego_motion_.by_gyroscope();
+  if (velocity && learned_rig_.OnScan(stamp, radar_index, scan, *velocity)) {
+    submap_.DropPoints(static_cast<int>(radar_index));
+  }
+}
+
+template <int Dim>
+void Pipeline<Dim>::PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
+                                 bool is_late, std::vector<RadarPoint>& points) {
+  const RadarModel& radar = *learned_rig_.rig().Find(scan.radar_id);
+  StaticPoints(scan, radar, ego_velocity, EffectiveStaticPoints(options_), points);
+  radar_monitor_.OnScan(stamp, IndexOf(radar), scan.size(), points.size(), is_late);
+}
+
+template <int Dim>
+bool Pipeline<Dim>::IsUsed(std::size_t radar_index, Stamp stamp) const {
+  return learned_rig_.IsUsable(radar_index, stamp) && radar_monitor_.FitsTheMap(radar_index);
+}
+
+template <int Dim>
+void Pipeline<Dim>::AddToSubmap(Stamp stamp, std::size_t radar_index,
                                 const std::vector<RadarPoint>& points, const Motion& motion) {
   if (HorizontalSigma(motion.covariance) > options_.max_gap_sigma_m ||
       std::sqrt(motion.covariance(5, 5)) > options_.max_gap_sigma_rad) {
     submap_.Clear();
     pose_.OnGap();
   }
-  submap_.Push(stamp, static_cast<int>(IndexOf(radar)), points, motion);
+  submap_.Push(stamp, static_cast<int>(radar_index), points, motion);
   schedule_.OnScan(stamp, submap_.scan_count());
 }
 
 template <int Dim>
-void Pipeline<Dim>::TestScan(Stamp stamp, const RadarModel& radar, Workspace<Dim>& workspace) {
+void Pipeline<Dim>::TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace) {
   if (!tracking_.has_pose()) return;
   const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
-  const ScanFit fit = scan_checker_.Test(stamp, IndexOf(radar), workspace.static_points,
-                                         pose_.Now(), matcher_, workspace);
+  const ScanFit fit = scan_checker_.Test(stamp, radar_index, workspace.static_points, pose_.Now(),
+                                         matcher_, workspace);
+  radar_monitor_.OnFit(radar_index, scan_checker_.last_fit());
+  if (!IsUsed(radar_index, stamp)) return;
   tracking_.OnScanFit(fit);
   if (tracking_.mode() == TrackingMode::kTracking) {
     scan_checker_.OnConfirmed();
@@ -251,6 +253,7 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
   if (place && place->is_supposed) {
     tracking_.OnVerified();
     scan_checker_.Forget();
+    fix_monitor_.OnRefuted();
   }
   return place;
 }
@@ -277,7 +280,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
   const AbsolutePoseFactor<Dim> factor = RegistrationFactor<Dim>(
       *registration, degeneracy,
       pose_.noise_scales().RegistrationCovariance(ResidualScaledCovariance<Dim>(*registration)),
-      CalibrationCovariance<Dim>(workspace.submap, rig_, ego_velocity),
+      CalibrationCovariance<Dim>(workspace.submap, learned_rig_.rig(), ego_velocity),
       {.interval = schedule_.SinceRegistration().value_or(span),
        .submap_span = span,
        .speed_mps = ego_velocity.linear_mps.norm(),
@@ -286,8 +289,10 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
   EdgeTest test{.valid = true};
   if (tracking_.has_pose() && !found_elsewhere_) {
     test = pose_.AddAbsolutePose(factor);
+    protection_level_.OnInnovation(test.distance / Pose<Dim>::kDof);
   } else {
     scan_checker_.Forget();
+    radar_monitor_.ForgetFits();
     ego_motion_.OnPlaceChanged();
     pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
     tracking_.OnPlaceFound();
@@ -368,10 +373,51 @@ PoseEstimate<3> Pipeline<Dim>::NowInMap() const {
 }
 
 template <int Dim>
+FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
+  std::optional<PoseEstimate<3>> pose;
+  if (tracking_.has_pose()) pose = NowInMap();
+  const std::optional<PoseEstimate<3>> now =
+      CarriedToNow({fix.T_map_vehicle, fix.covariance}, stamp, pose, ego_motion_.history(),
+                   options_.fixes);
+  if (!now) return FixUse::kOutOfTime;
+  if (!pose) {
+    relocalizer_.OnFix(*now);
+    return FixUse::kGuidesSearch;
+  }
+  const FixVerdict verdict = fix_monitor_.Judge(stamp, *now, *pose);
+  if (verdict == FixVerdict::kInforms) Fuse(*now);
+  if (verdict == FixVerdict::kInsists) {
+    tracking_.OnFixesInsist();
+    relocalizer_.SetPrior(*now);
+  }
+  if (verdict == FixVerdict::kInsists || verdict == FixVerdict::kContradicts) {
+    return FixUse::kContradicted;
+  }
+  tracking_.OnFixAgrees();
+  return FixUse::kFused;
+}
+
+// Only the position: what turns the vehicle are the radars.
+template <int Dim>
+void Pipeline<Dim>::Fuse(const PoseEstimate<3>& T_map_vehicle) {
+  Matrix6d covariance = kUnknownVariance * Matrix6d::Identity();
+  covariance.topLeftCorner<2, 2>() = T_map_vehicle.covariance.topLeftCorner<2, 2>();
+  const PoseEstimate<Dim> factor =
+      FromSpace<Dim>(matcher_.T_map_local().Inverse() * T_map_vehicle.pose, covariance);
+  pose_.AddState();
+  pose_.AddAbsolutePose({.pose = factor.pose,
+                         .covariance = factor.covariance,
+                         .reused_covariance = factor.covariance,
+                         .noise = {}});
+}
+
+template <int Dim>
 Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
   Localization answer{.stamp = scan.stamp, .quality = quality_};
+  answer.health = ReportHealth(stamp, ego_motion_, learned_rig_, radar_monitor_);
+  answer.resets = reset_counter_.resets();
   answer.quality.live_point_count = static_cast<int>(submap_.point_count());
-  answer.quality.beta = beta_monitor_.Check(IndexOf(*rig_.Find(scan.radar_id)));
+  answer.quality.beta = beta_monitor_.Check(IndexOf(*learned_rig_.rig().Find(scan.radar_id)));
   if (!tracking_.has_pose()) {
     answer.covariance = kUnknownVariance * Matrix6d::Identity();
     if (const std::optional<PoseEstimate<3>>& prior = relocalizer_.prior()) {
@@ -387,6 +433,11 @@ Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
   answer.covariance =
       ToSpace<Dim>({.pose = {}, .covariance = pose_.NoiseNow()}, options_.unobserved).covariance;
   answer.state = tracking_.Report(HorizontalSigma(answer.covariance));
+  if (answer.state == LocalizationState::kTracking) {
+    answer.protection_level_m = protection_level_.Of(answer.covariance);
+  }
+  reset_counter_.OnAnswer(answer.T_map_vehicle);
+  answer.resets = reset_counter_.resets();
   for (int i = 0; i < Pose3::kDof; ++i) {
     answer.observed[static_cast<std::size_t>(i)] =
         i < 2 ? observability_.Observed(i) : Dim == 3 || i == 5;

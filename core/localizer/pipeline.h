@@ -5,57 +5,76 @@
 #include <span>
 
 #include "core/localizer/current_pose.h"
+#include "core/localizer/fix_monitor.h"
 #include "core/localizer/localizer.h"
-#include "core/localizer/recent_answers.h"
+#include "core/localizer/radar_monitor.h"
 #include "core/localizer/registration_schedule.h"
+#include "core/localizer/reset_counter.h"
 #include "core/localizer/scan_checker.h"
 #include "core/localizer/time_base.h"
 #include "core/localizer/tracking_state_machine.h"
 #include "core/localizer/workspace.h"
 #include "core/odometry/ego_motion.h"
+#include "core/odometry/learned_rig.h"
 #include "core/registration/map_matcher.h"
 #include "core/relocalization/relocalizer.h"
 #include "core/submap/submap.h"
 #include "core/uncertainty/beta_monitor.h"
+#include "core/uncertainty/protection_level.h"
 
 namespace dcloc {
 
-/// What Localizer holds: the pipeline in the plane or in space.
-class Localizer::Impl {
+/// The pipeline in the plane or in space. Scans are valid, are of the rig, and none comes twice.
+class AnyPipeline {
  public:
-  virtual ~Impl() = default;
-  virtual absl::StatusOr<Localization> Localize(const Scan& scan, LocalizerWorkspace& workspace,
-                                                StageListener* listener) = 0;
+  virtual ~AnyPipeline() = default;
+
+  /// The newest scan.
+  virtual Localization LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
+                                    LocalizerWorkspace& workspace, StageListener* listener) = 0;
+
+  /// A scan from before the newest one takes part in the registrations that follow. Its pose is
+  /// today's, carried back.
+  virtual Localization LocalizeLate(const Scan& scan, Stamp stamp,
+                                    LocalizerWorkspace& workspace) = 0;
+
+  /// What something else than radar says of the pose at `stamp`. It is valid.
+  virtual FixUse TakeFix(const InitialPose& fix, Stamp stamp) = 0;
+
   virtual bool searching() const = 0;
+  virtual const Rig& rig() const = 0;
 };
 
 /// One vehicle's pipeline with poses in the plane of the map's keyframes (Dim = 2) or in space
 /// (Dim = 3). `tracking_` says whether there is a pose; `pose_` has states exactly then.
 template <int Dim>
-class Pipeline final : public Localizer::Impl {
+class Pipeline final : public AnyPipeline {
  public:
   /// All arguments are valid.
   Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
            const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options,
            std::shared_ptr<const RegistrationMethod<Dim>> method);
 
-  absl::StatusOr<Localization> Localize(const Scan& scan, LocalizerWorkspace& workspace,
-                                        StageListener* listener) override;
+  Localization LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
+                            LocalizerWorkspace& workspace, StageListener* listener) override;
+  Localization LocalizeLate(const Scan& scan, Stamp stamp, LocalizerWorkspace& workspace) override;
+  FixUse TakeFix(const InitialPose& fix, Stamp stamp) override;
   bool searching() const override { return !tracking_.has_pose(); }
+  const Rig& rig() const override { return learned_rig_.rig(); }
 
  private:
   void Start(const InitialPose& initial_pose);
 
-  // A scan in time or late, and the stages of one.
-  Localization LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
-                            LocalizerWorkspace& workspace, StageListener* listener);
-  Localization LocalizeLate(const Scan& scan, Stamp stamp, LocalizerWorkspace& workspace);
-  absl::Status Check(const Scan& scan) const;
+  // The stages of one scan.
   std::size_t IndexOf(const RadarModel& radar) const;
   void Move(const Motion& motion);
-  void AddToSubmap(Stamp stamp, const RadarModel& radar, const std::vector<RadarPoint>& points,
+  void LearnRig(const Scan& scan, Stamp stamp, std::size_t radar_index);
+  void PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity, bool is_late,
+                    std::vector<RadarPoint>& points);
+  bool IsUsed(std::size_t radar_index, Stamp stamp) const;
+  void AddToSubmap(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,
                    const Motion& motion);
-  void TestScan(Stamp stamp, const RadarModel& radar, Workspace<Dim>& workspace);
+  void TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
   void Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace);
   std::optional<Registration<Dim>> Register(Stamp stamp, Workspace<Dim>& workspace);
   void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
@@ -74,11 +93,11 @@ class Pipeline final : public Localizer::Impl {
                                    RegistrationWorkspace<Dim>& workspace);
   void EnterLocalFrame(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace);
   PoseEstimate<3> NowInMap() const;
+  void Fuse(const PoseEstimate<3>& T_map_vehicle);
 
-  Rig rig_;
   LocalizerOptions options_;
-  TimeBase time_base_;
-  RecentAnswers recent_answers_;
+  LearnedRig learned_rig_;
+  RadarMonitor radar_monitor_;
   EgoMotion ego_motion_;
   SubmapWindow submap_;
   RegistrationSchedule schedule_;
@@ -88,6 +107,9 @@ class Pipeline final : public Localizer::Impl {
   TrackingStateMachine tracking_;
   BetaMonitor<Dim> beta_monitor_;
   ScanChecker<Dim> scan_checker_;
+  FixMonitor fix_monitor_;
+  ProtectionLevel protection_level_;
+  ResetCounter reset_counter_;
   Observability observability_;
   std::optional<Stamp> observability_stamp_;
   std::optional<Stamp> estimators_stamp_;  // of the last registration that they learned from

@@ -26,6 +26,9 @@ class ScanChecker {
                const PoseEstimate<Dim>& now, const MapMatcher<Dim>& matcher,
                Workspace<Dim>& workspace);
 
+  /// That of the scan that was tested last, [0, 1].
+  double last_fit() const { return last_.fit; }
+
   /// The vehicle surely was where the last scan was tested: it is what to expect.
   void Learn() { monitor_.Learn(last_.radar_index, last_.point_count, last_.fit); }
 

@@ -41,6 +41,9 @@ class TimeBase {
   /// that comes too late, unless the clock is found to have been set.
   absl::StatusOr<Placement> Place(Stamp stamp);
 
+  /// A stamp of the vehicle's clock as it is set now, in the time that does not jump.
+  Stamp Convert(Stamp stamp) const { return stamp + offset_; }
+
  private:
   TimeBaseOptions options_;
   std::chrono::nanoseconds offset_{0};  // of the time to the vehicle's clock

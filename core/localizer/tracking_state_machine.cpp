@@ -51,7 +51,13 @@ void TrackingStateMachine::OnPlaceFound() {
 void TrackingStateMachine::OnVerified() {
   mode_ = Next(mode_, TrackingEvent::kVerified);
   is_contradicted_ = false;
+  fixes_insist_ = false;
   Confirm();
+}
+
+void TrackingStateMachine::OnFixesInsist() {
+  fixes_insist_ = true;
+  mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
 void TrackingStateMachine::OnScanFit(ScanFit fit) {
@@ -64,7 +70,7 @@ void TrackingStateMachine::OnScanFit(ScanFit fit) {
     return;
   }
   ++agreed_in_a_row_;
-  if (agreed_in_a_row_ >= options_.agreements && accepted_since_doubt_) {
+  if (agreed_in_a_row_ >= options_.agreements && accepted_since_doubt_ && !fixes_insist_) {
     mode_ = Next(mode_, TrackingEvent::kAgreed);
   }
 }

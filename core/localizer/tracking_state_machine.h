@@ -46,7 +46,7 @@ enum class TrackingMode {
   kConfirmingPrior,  ///< a pose from a prior that no registration has confirmed yet
   kConfirmingPlace,  ///< a pose from global localization that must be confirmed
   kTracking,
-  kDoubting,       ///< a pose that was confirmed, but the newest scans do not fit the map there
+  kDoubting,       ///< a pose that was confirmed, but scans or fixes now contradict it
   kDeadReckoning,  ///< a pose carried by ego-motion, confirmed a moment ago
   kLost,           ///< a pose carried by ego-motion, for too long or too uncertain
   kRecovering,     ///< the pose was given up: global localization, nearby first
@@ -56,7 +56,7 @@ enum class TrackingEvent {
   kPriorGiven,   ///< a prior that registrations can start from
   kPlaceFound,   ///< by global localization
   kVerified,     ///< global localization finds no better place than the supposed one
-  kDoubted,      ///< a scan does not fit the map where it should
+  kDoubted,      ///< a scan does not fit the map where it should, or fixes lie elsewhere
   kAgreed,       ///< `agreements` scans in a row do, and a registration was accepted meanwhile
   kConfirmed,    ///< `confirmations` accepted registrations in a row
   kHoldExpired,  ///< none accepted for `tracking_hold`
@@ -140,6 +140,11 @@ class TrackingStateMachine {
   /// No other place fits as well as the pose.
   void OnVerified();
 
+  /// Fixes say that the vehicle is elsewhere: until they agree again, or the pose is verified, it
+  /// does not matter that scans fit.
+  void OnFixesInsist();
+  void OnFixAgrees() { fixes_insist_ = false; }
+
   /// Takes in how the newest scan fits the map.
   void OnScanFit(ScanFit fit);
 
@@ -172,6 +177,7 @@ class TrackingStateMachine {
   int agreed_in_a_row_ = 0;       // scans, since the last one that contradicted
   bool is_contradicted_ = false;  // by the newest scan whose fit is known
   bool accepted_since_doubt_ = false;
+  bool fixes_insist_ = false;  // that the vehicle is elsewhere
   std::optional<Stamp> last_registration_;
   double usual_interval_s_ = 0.0;
   std::optional<Stamp> last_accepted_;

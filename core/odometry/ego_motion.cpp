@@ -51,6 +51,10 @@ std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& 
       {"unknown_speed_sigma_mps", &O::unknown_speed_sigma_mps, 1e-6, 1000},
       {"unknown_yaw_rate_sigma_radps", &O::unknown_yaw_rate_sigma_radps, 1e-6, 100},
       {"history_ms", &O::history, 1, 1e5},
+      {"silent_after_ms", &O::silent_after, 1, 1e5},
+      {"diagnosis_speed_mps", &O::diagnosis_speed_mps, 1e-6, 100},
+      {"diagnosis_yaw_rate_radps", &O::diagnosis_yaw_rate_radps, 1e-6, 10},
+      {"unsound_yaw_rate_sigma_radps", &O::unsound_yaw_rate_sigma_radps, 1e-6, 10},
       {"missed_motion_sigma_share", &O::missed_motion_sigma_share, 0, 10,
        "a missed motion is as certain as any other"},
   };
@@ -78,12 +82,52 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   sources_.OnReadings(stamp, ReadingsOf(reported, doppler, of_one_moment_.size()));
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
+  expected_motion_ = since_previous_.T_from_to;
   AddMissedMotion();
   errors_.OnMotion(since_previous_.T_from_to, age);
   history_.Add(stamp, since_previous_, now);
   velocity_ = now;
   stamp_ = stamp;
+  Diagnose(reported);
   return *velocity_;
+}
+
+void EgoMotion::Diagnose(const std::optional<EgoVelocity>& reported) {
+  by_gyroscope_.reset();
+  if (!reported) return;
+  reported_stamp_ = stamp_;
+  const auto compare = [this](OdometrySource source, double said, double moved,
+                              SourceDiagnosis& diagnosis) {
+    if (sources_.IsSound(source)) return diagnosis.Clear();
+    diagnosis.OnReading(said, moved);
+  };
+  compare(OdometrySource::kWheelSpeed, reported->linear_mps.x(), sources_.speed().value,
+          wheel_speed_diagnosis_);
+  compare(OdometrySource::kYawRate, reported->angular_radps.z(), sources_.yaw_rate().value,
+          yaw_rate_diagnosis_);
+  by_gyroscope_ = reported;
+  if (!sources_.IsSound(OdometrySource::kWheelSpeed)) {
+    by_gyroscope_->linear_mps = {sources_.speed().value, 0.0, 0.0};
+  }
+  if (!sources_.IsSound(OdometrySource::kYawRate)) {
+    (*by_gyroscope_->covariance)(5, 5) = std::pow(options_.unsound_yaw_rate_sigma_radps, 2);
+  }
+}
+
+SourceHealth EgoMotion::HealthOf(OdometrySource source, const SourceDiagnosis& diagnosis) const {
+  if (!reported_stamp_ || stamp_ - *reported_stamp_ > options_.silent_after) {
+    return {.is_used = false, .fault = SourceFault::kSilent};
+  }
+  if (sources_.IsSound(source)) return {.is_used = true, .fault = SourceFault::kNone};
+  return {.is_used = false, .fault = diagnosis.fault()};
+}
+
+SourceHealth EgoMotion::wheel_speed() const {
+  return HealthOf(OdometrySource::kWheelSpeed, wheel_speed_diagnosis_);
+}
+
+SourceHealth EgoMotion::yaw_rate() const {
+  return HealthOf(OdometrySource::kYawRate, yaw_rate_diagnosis_);
 }
 
 // What the vehicle sends and Doppler are fused as far as they are sound.

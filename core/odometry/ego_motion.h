@@ -11,6 +11,8 @@
 #include "core/odometry/motion.h"
 #include "core/odometry/motion_history.h"
 #include "core/odometry/odometry_error_filter.h"
+#include "core/odometry/source_diagnosis.h"
+#include "core/odometry/source_fault.h"
 #include "core/odometry/source_monitor.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
@@ -32,7 +34,14 @@ struct EgoMotionOptions {
   double unknown_speed_sigma_mps = 15.0;
   double unknown_yaw_rate_sigma_radps = 0.3;
   /// How far back the motion can be asked for.
-  std::chrono::nanoseconds history = std::chrono::milliseconds(400);
+  std::chrono::nanoseconds history = std::chrono::milliseconds(1500);
+  /// What the vehicle sent is told of as silent when it is older than this.
+  std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);
+  /// What sound speeds and yaw rates differ by.
+  double diagnosis_speed_mps = 0.5;
+  double diagnosis_yaw_rate_radps = 0.02;
+  /// A gyroscope that is not sound errs by so much.
+  double unsound_yaw_rate_sigma_radps = 0.1;
   /// Of a motion that was missed while a source was wrong, this share is its deviation.
   double missed_motion_sigma_share = 0.3;
 };
@@ -49,7 +58,9 @@ class EgoMotion {
       : options_(options),
         errors_(options.error_filter),
         sources_(options.sources),
-        history_(options.history) {}
+        history_(options.history, options.motion),
+        wheel_speed_diagnosis_(options.diagnosis_speed_mps),
+        yaw_rate_diagnosis_(options.diagnosis_yaw_rate_radps) {}
 
   /// Takes in the next scan, taken at `stamp`, which is not before the last one's, and gives the
   /// velocity at it; the covariance is set. `radar` outlives this object, `memory` is lent for the
@@ -84,9 +95,20 @@ class EgoMotion {
   /// been missed before, when a source is found to have been wrong.
   const Motion& since_previous() const { return since_previous_; }
 
+  /// The same without what has been missed: how an answer was expected to move on.
+  const Pose3& expected_motion() const { return expected_motion_; }
+
   /// Whether a source was found wrong, or sound again, at the last scan.
   bool sources_changed() const { return sources_changed_; }
   const SourceMonitor& sources() const { return sources_; }
+
+  /// Whether what the vehicle sends takes part in the velocity, and if not, why.
+  SourceHealth wheel_speed() const;
+  SourceHealth yaw_rate() const;
+
+  /// The last velocity that the directions of radars can be held against: its yaw rate is the
+  /// gyroscope's, less certain where that is not sound. Absent without a gyroscope.
+  const std::optional<EgoVelocity>& by_gyroscope() const { return by_gyroscope_; }
 
   /// The motion of the last moments.
   const MotionHistory& history() const { return history_; }
@@ -106,6 +128,8 @@ class EgoMotion {
   EgoVelocity Held(std::chrono::nanoseconds age) const;
   EgoVelocity Corrected(const EgoVelocity& reported) const;
   void AddMissedMotion();
+  void Diagnose(const std::optional<EgoVelocity>& reported);
+  SourceHealth HealthOf(OdometrySource source, const SourceDiagnosis& diagnosis) const;
 
   EgoMotionOptions options_;
   OdometryErrorFilter errors_;
@@ -114,7 +138,12 @@ class EgoMotion {
   std::optional<EgoVelocity> velocity_;
   Stamp stamp_{};
   Motion since_previous_;
+  Pose3 expected_motion_;
   bool sources_changed_ = false;
+  std::optional<EgoVelocity> by_gyroscope_;
+  std::optional<Stamp> reported_stamp_;
+  SourceDiagnosis wheel_speed_diagnosis_;
+  SourceDiagnosis yaw_rate_diagnosis_;
   std::map<std::string, RecentScan> recent_;  // by radar id
   std::vector<RadarScan> of_one_moment_;      // the newest scan and what of recent_ is as new
 };

@@ -32,4 +32,14 @@ std::optional<MotionHistory::Moment> MotionHistory::At(Stamp stamp) const {
   return std::nullopt;
 }
 
+std::optional<MotionHistory::Moment> MotionHistory::AtOrSoonAfter(Stamp stamp) const {
+  if (entries_.empty() || stamp <= entries_.back().stamp) return At(stamp);
+  const Entry& newest = entries_.back();
+  const std::chrono::nanoseconds ahead = stamp - newest.stamp;
+  if (ahead > span_) return std::nullopt;
+  const EgoVelocity& velocity = newest.velocity;
+  return Moment{.to_newest = Inverse(Integrate(velocity, velocity, ahead, options_)),
+                .velocity = velocity};
+}
+
 }  // namespace dcloc

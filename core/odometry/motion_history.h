@@ -14,10 +14,13 @@ namespace dcloc {
 class MotionHistory {
  public:
   /// Keeps what lies no further back than `span`.
-  explicit MotionHistory(std::chrono::nanoseconds span) : span_(span) {}
+  explicit MotionHistory(std::chrono::nanoseconds span, const MotionOptions& options = {})
+      : span_(span), options_(options) {}
 
   /// The vehicle moved so from the last stamp to `stamp`, which is not before it, and moves so now.
   void Add(Stamp stamp, const Motion& since_last, const EgoVelocity& velocity);
+
+  bool empty() const { return entries_.empty(); }
 
   /// The vehicle at one moment.
   struct Moment {
@@ -28,6 +31,10 @@ class MotionHistory {
   /// share of the time. Nothing else.
   std::optional<Moment> At(Stamp stamp) const;
 
+  /// The same, and up to the same span after the newest stamp, if the vehicle goes on as it moves:
+  /// there `to_newest` leads back.
+  std::optional<Moment> AtOrSoonAfter(Stamp stamp) const;
+
  private:
   struct Entry {
     Stamp stamp;
@@ -35,6 +42,7 @@ class MotionHistory {
     EgoVelocity velocity;
   };
   std::chrono::nanoseconds span_;
+  MotionOptions options_;
   std::vector<Entry> entries_;  // oldest first
 };
 

@@ -80,6 +80,16 @@ absl::Status Validate(const Rig& rig) {
   return absl::OkStatus();
 }
 
+absl::Status Validate(const Scan& scan, const Rig& rig) {
+  if (absl::Status status = Validate(scan); !status.ok()) return status;
+  if (rig.Find(scan.radar_id) == nullptr) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("radar_id '%s' is not one of the rig's %d radars", scan.radar_id,
+                        rig.radars.size()));
+  }
+  return absl::OkStatus();
+}
+
 double BetaFromChirp(double centre_frequency_hz, double slope_hz_per_s) {  // METHOD eq 5
   return centre_frequency_hz / slope_hz_per_s;
 }

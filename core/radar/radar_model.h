@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "core/geometry/degrees.h"
 #include "core/geometry/pose.h"
+#include "core/radar/scan.h"
 
 namespace dcloc {
 
@@ -56,6 +57,10 @@ struct Rig {
 /// OK, or InvalidArgument that names the radar, the field, the value and the bound.
 absl::Status Validate(const RadarModel& radar);
 absl::Status Validate(const Rig& rig);
+
+/// OK, or InvalidArgument that names what is wrong with the scan, or that it is of no radar of
+/// `rig`.
+absl::Status Validate(const Scan& scan, const Rig& rig);
 
 /// beta_s of a chirp that sweeps `slope_hz_per_s` around `centre_frequency_hz` (METHOD eq 5).
 double BetaFromChirp(double centre_frequency_hz, double slope_hz_per_s);

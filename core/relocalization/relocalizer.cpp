@@ -20,6 +20,16 @@ std::optional<typename Relocalizer<Dim>::Place> Relocalizer<Dim>::Search(
 }
 
 template <int Dim>
+void Relocalizer<Dim>::OnFix(const PoseEstimate<3>& T_map_vehicle) {
+  const std::optional<PoseEstimate<3>>& prior = prior_.now();
+  if (prior && global_.searches_in_vain() == 0 &&
+      HorizontalSigma(prior->covariance) <= HorizontalSigma(T_map_vehicle.covariance)) {
+    return;
+  }
+  prior_.Set(T_map_vehicle);
+}
+
+template <int Dim>
 void Relocalizer<Dim>::OnFound() {
   if (!prior_.now()) return;
   prior_.Forget();

@@ -29,6 +29,10 @@ class Relocalizer {
   const std::optional<PoseEstimate<3>>& prior() const { return prior_.now(); }
   void SetPrior(const PoseEstimate<3>& T_map_vehicle) { prior_.Set(T_map_vehicle); }
 
+  /// Something else than radar says where the vehicle is. It replaces a prior that is less certain,
+  /// and one around which the vehicle has been searched for in vain.
+  void OnFix(const PoseEstimate<3>& T_map_vehicle);
+
   /// Whether registrations can start from a pose that is known so well, without a search.
   bool IsPrediction(const Matrix6d& covariance) const { return prior_.IsPrediction(covariance); }
 

@@ -190,6 +190,12 @@ void SubmapWindow::Join(bool carry_drift, std::size_t max_count, LiveSubmap<Dim>
   });
 }
 
+void SubmapWindow::DropPoints(int radar_index) {
+  for (Entry& entry : entries_) {
+    if (entry.radar_index == radar_index) entry.points.clear();
+  }
+}
+
 std::size_t SubmapWindow::point_count() const {
   std::size_t count = 0;
   for (const Entry& entry : entries_) count += entry.points.size();

@@ -69,6 +69,9 @@ class SubmapWindow {
   template <int Dim>
   void Join(bool carry_drift, std::size_t max_count, LiveSubmap<Dim>& submap) const;
 
+  /// Drops the points of all scans of a radar: they lie elsewhere than was thought.
+  void DropPoints(int radar_index);
+
   int scan_count() const { return static_cast<int>(entries_.size()); }
   std::size_t point_count() const;
   std::chrono::nanoseconds span() const;  ///< from the oldest scan to the newest

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/geometry/pose_estimate.h"
+#include "core/odometry/motion_history.h"
+#include "core/options/option_fields.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// What fixes weigh beside the radars.
+struct FixMonitorOptions {
+  /// A fix agrees with the pose up to this squared Mahalanobis distance of the two positions, and
+  /// of the two headings: the quantiles of 99.9 % with two degrees of freedom and with one.
+  double max_squared_distance = 13.8;
+  double max_squared_heading_distance = 10.8;
+  /// A deviation of the heading beyond this says that it is not known.
+  double unknown_heading_sigma_rad = 1.0;
+  /// So many fixes in a row, over so long, that contradict the pose make it doubted.
+  int insisting_fixes = 3;
+  std::chrono::nanoseconds insisting_span = std::chrono::milliseconds(800);
+  /// Fixes that the radars have refuted are ignored for so long.
+  std::chrono::nanoseconds refuted_span = std::chrono::seconds(30);
+  /// Errors of fixes last: in this time they are fused once, and only if a fix is nearly as certain
+  /// as the pose, by this factor.
+  std::chrono::nanoseconds fusion_interval = std::chrono::seconds(1);
+  double fusion_sigma_factor = 2.0;
+};
+std::span<const OptionField<FixMonitorOptions>> FieldsOf(const FixMonitorOptions& options);
+absl::Status Validate(const FixMonitorOptions& options);
+
+/// What a fix says of a pose.
+enum class FixVerdict {
+  kAgrees,       ///< nothing that the pose does not know better
+  kInforms,      ///< it agrees, and makes the pose more certain
+  kContradicts,  ///< it is elsewhere: one of the two is wrong
+  kInsists,      ///< as those before it: other places must be looked at
+};
+
+/// Holds fixes against the pose. A single one may be a reflection; several make the pose doubted,
+/// and the radars decide.
+class FixMonitor {
+ public:
+  explicit FixMonitor(const FixMonitorOptions& options) : options_(options) {}
+
+  /// Both in the map frame, at `stamp`.
+  FixVerdict Judge(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose);
+
+  /// The radars have confirmed the pose against the fixes so far.
+  void OnRefuted() {
+    if (contradicting_count_ > 0) refuted_ = newest_;
+    contradicting_count_ = 0;
+  }
+
+ private:
+  bool Agree(const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) const;
+  bool Informs(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose);
+  bool IsRefuted(Stamp stamp) const {
+    return refuted_ && stamp - *refuted_ < options_.refuted_span;
+  }
+
+  FixMonitorOptions options_;
+  Stamp newest_{};
+  std::optional<Stamp> fused_;
+  std::optional<Stamp> refuted_;
+  int contradicting_count_ = 0;  // in a row
+  Stamp contradicting_since_{};
+};
+
+/// Where a fix of `stamp` puts the vehicle at the newest scan, by how it has moved since; nothing
+/// where that is not known. Before the first scan, as it says. A fix without a heading has that of
+/// `pose`, where there is one: the pose at the newest scan.
+std::optional<PoseEstimate<3>> CarriedToNow(const PoseEstimate<3>& fix, Stamp stamp,
+                                            const std::optional<PoseEstimate<3>>& pose,
+                                            const MotionHistory& history,
+                                            const FixMonitorOptions& options);
+
+/// A fix with the heading of `pose` where it knows none.
+PoseEstimate<3> WithHeadingOf(const PoseEstimate<3>& pose, PoseEstimate<3> fix,
+                              const FixMonitorOptions& options);
+
+}  // namespace dcloc

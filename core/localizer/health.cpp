@@ -1,0 +1,20 @@
+#include "core/localizer/health.h"
+
+namespace dcloc {
+
+Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
+                    const RadarMonitor& radar_monitor) {
+  Health health{
+      .wheel_speed = ego_motion.wheel_speed(), .yaw_rate = ego_motion.yaw_rate(), .radars = {}};
+  for (std::size_t i = 0; i < learned_rig.rig().radars.size(); ++i) {
+    SourceFault fault = radar_monitor.FaultOf(i, stamp);
+    const bool says_something = fault != SourceFault::kSilent && fault != SourceFault::kDoppler;
+    if (fault == SourceFault::kNone) fault = learned_rig.FaultOf(i, stamp);
+    health.radars.push_back(
+        {.is_used = says_something && learned_rig.IsUsable(i, stamp) && radar_monitor.FitsTheMap(i),
+         .fault = fault});
+  }
+  return health;
+}
+
+}  // namespace dcloc

@@ -1,0 +1,89 @@
+#include "core/localizer/radar_monitor.h"
+
+#include <algorithm>
+
+namespace dcloc {
+namespace {
+
+double WatchedSecondsOf(std::chrono::nanoseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace
+
+std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOptions& /*options*/) {
+  using O = RadarMonitorOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"silent_intervals", &O::silent_intervals, 1, 1000},
+      {"silent_after_ms", &O::silent_after, 1, 1e5},
+      {"memory", &O::memory, 0, 0.999, "the newest scan counts alone"},
+      {"min_return_count", &O::min_return_count, 1, 10'000},
+      {"min_static_share", &O::min_static_share, 0, 1, "no Doppler is told of"},
+      {"min_fit_share", &O::min_fit_share, 0, 1, "no radar is set aside"},
+      {"min_fit_of_others", &O::min_fit_of_others, 1e-6, 1},
+      {"max_late_share", &O::max_late_share, 0, 1, "a single late scan is told of"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const RadarMonitorOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
+void RadarMonitor::OnScan(Stamp stamp, std::size_t index, std::size_t return_count,
+                          std::size_t static_count, bool is_late) {
+  Watched& radar = radars_[index];
+  Average(is_late ? 1.0 : 0.0, radar.late_share);
+  if (static_cast<int>(return_count) >= options_.min_return_count) {
+    Average(static_cast<double>(static_count) / static_cast<double>(return_count),
+            radar.static_share);
+  }
+  if (is_late) return;
+  if (radar.last) {
+    const double interval_s = WatchedSecondsOf(stamp - *radar.last);
+    if (radar.usual_interval_s == 0.0) radar.usual_interval_s = interval_s;
+    Average(std::min(interval_s, 2.0 * radar.usual_interval_s), radar.usual_interval_s);
+  }
+  radar.last = stamp;
+}
+
+void RadarMonitor::OnFit(std::size_t index, double fit) {
+  std::optional<double>& mean = radars_[index].fit;
+  if (!mean) mean = fit;
+  Average(fit, *mean);
+}
+
+void RadarMonitor::ForgetFits() {
+  for (Watched& radar : radars_) radar.fit.reset();
+}
+
+bool RadarMonitor::FitsTheMap(std::size_t index) const {
+  if (!radars_[index].fit) return true;
+  std::vector<double> others;
+  for (std::size_t i = 0; i < radars_.size(); ++i) {
+    if (i != index && radars_[i].fit) others.push_back(*radars_[i].fit);
+  }
+  if (others.size() < 2) return true;
+  const auto middle = others.begin() + static_cast<std::ptrdiff_t>(others.size() / 2);
+  std::nth_element(others.begin(), middle, others.end());
+  return *middle < options_.min_fit_of_others ||
+         *radars_[index].fit >= options_.min_fit_share * *middle;
+}
+
+bool RadarMonitor::IsSilent(const Watched& radar, Stamp stamp) const {
+  if (!radar.last) return true;
+  const double silence_s = WatchedSecondsOf(stamp - *radar.last);
+  return silence_s > WatchedSecondsOf(options_.silent_after) &&
+         silence_s > options_.silent_intervals * radar.usual_interval_s;
+}
+
+SourceFault RadarMonitor::FaultOf(std::size_t index, Stamp stamp) const {
+  const Watched& radar = radars_[index];
+  if (IsSilent(radar, stamp)) return SourceFault::kSilent;
+  if (!FitsTheMap(index)) return SourceFault::kMap;
+  if (radar.static_share < options_.min_static_share) return SourceFault::kDoppler;
+  if (radar.late_share > options_.max_late_share) return SourceFault::kClock;
+  return SourceFault::kNone;
+}
+
+}  // namespace dcloc

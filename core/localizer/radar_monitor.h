@@ -1,0 +1,76 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/odometry/source_fault.h"
+#include "core/options/option_fields.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// When a radar is told of, or set aside.
+struct RadarMonitorOptions {
+  /// Silent for so many of its usual intervals, and for so long.
+  double silent_intervals = 4.0;
+  std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);
+  /// The weight of what its scans said before beside the newest.
+  double memory = 0.9;
+  int min_return_count = 10;  ///< a scan of fewer says nothing of its Doppler
+  /// Its range rates contradict the motion if a smaller share of its returns stands still.
+  double min_static_share = 0.1;
+  /// Its targets do not lie in the map if they fit it by less than this share of how those of the
+  /// other radars do, which fit it by so much at least. It needs two others.
+  double min_fit_share = 0.4;
+  double min_fit_of_others = 0.15;
+  /// Its clock is off if a greater share of its scans comes late.
+  double max_late_share = 0.5;
+};
+std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOptions& options);
+absl::Status Validate(const RadarMonitorOptions& options);
+
+/// Watches the radars of one rig, and sets aside the one whose targets do not lie in the map where
+/// those of the others do.
+class RadarMonitor {
+ public:
+  RadarMonitor(std::size_t radar_count, const RadarMonitorOptions& options)
+      : options_(options), radars_(radar_count) {}
+
+  /// A scan of radar `index` at `stamp`: so many returns, of which so many stand still, and whether
+  /// it came after a newer one.
+  void OnScan(Stamp stamp, std::size_t index, std::size_t return_count, std::size_t static_count,
+              bool is_late);
+
+  /// How a scan of it fits the map, see MapFitMonitor.
+  void OnFit(std::size_t index, double fit);
+
+  /// The vehicle is elsewhere: how scans fit the map there is another matter.
+  void ForgetFits();
+
+  bool FitsTheMap(std::size_t index) const;
+
+  /// What is wrong with radar `index` at `stamp`.
+  SourceFault FaultOf(std::size_t index, Stamp stamp) const;
+
+ private:
+  struct Watched {
+    std::optional<Stamp> last;
+    double usual_interval_s = 0.0;
+    double static_share = 1.0;
+    double late_share = 0.0;
+    std::optional<double> fit;
+  };
+  void Average(double value, double& mean) const {
+    mean = options_.memory * mean + (1.0 - options_.memory) * value;
+  }
+  bool IsSilent(const Watched& radar, Stamp stamp) const;
+
+  RadarMonitorOptions options_;
+  std::vector<Watched> radars_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/geometry/pose.h"
+#include "core/localizer/health.h"
+#include "core/options/option_fields.h"
+
+namespace dcloc {
+
+/// Which changes of the answered pose, beyond how the vehicle moved, count as jumps.
+struct ResetOptions {
+  double min_jump_m = 0.3;
+  double min_jump_rad = 0.02;
+};
+std::span<const OptionField<ResetOptions>> FieldsOf(const ResetOptions& options);
+absl::Status Validate(const ResetOptions& options);
+
+/// Counts the jumps of the answered pose.
+class ResetCounter {
+ public:
+  explicit ResetCounter(const ResetOptions& options) : options_(options) {}
+
+  /// The vehicle moved so since the last call.
+  void OnMotion(const Pose3& T_from_to) {
+    if (expected_) expected_ = *expected_ * T_from_to;
+  }
+
+  /// This is answered. The first pose is no jump.
+  void OnAnswer(const Pose3& T_map_vehicle);
+
+  const PoseResets& resets() const { return resets_; }
+
+ private:
+  ResetOptions options_;
+  std::optional<Pose3> expected_;  // the last answer, carried on
+  PoseResets resets_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,120 @@
+#include "core/odometry/learned_rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/radar/measurement.h"
+
+namespace dcloc {
+namespace {
+
+// The direction in which the radar moves, counter-clockwise from its boresight.
+double DirectionOfMotion(const RadarModel& radar, const EgoVelocity& velocity) {
+  const Eigen::Vector3d radar_mps =
+      velocity.linear_mps + velocity.angular_radps.cross(radar.T_vehicle_radar.translation_m);
+  const Eigen::Vector3d in_radar = radar.T_vehicle_radar.Rotation().transpose() * radar_mps;
+  return std::atan2(in_radar.y(), in_radar.x());
+}
+
+// The share of the targets that stand still, if azimuths are counted so.
+double StaticShare(const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity,
+                   double azimuth_sign, double gate_mps) {
+  int count = 0;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Measurement m = MeasurementAt(scan, i, radar);
+    const Eigen::Vector3d u = radar.T_vehicle_radar.Rotation() *
+                              LineOfSight(azimuth_sign * m.azimuth_rad, m.elevation_rad);
+    const double predicted_mps = PredictedRangeRate(u, radar.T_vehicle_radar, velocity);
+    const double range_rate_mps =
+        UnfoldRangeRate(m.range_rate_mps, predicted_mps, radar.unambiguous_range_rate_mps);
+    if (std::abs(range_rate_mps - predicted_mps) <= gate_mps) ++count;
+  }
+  return static_cast<double>(count) / static_cast<double>(scan.size());
+}
+
+}  // namespace
+
+std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions& /*options*/) {
+  using O = LearnedRigOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"min_correction_rad", &O::min_correction_rad, 0, 3.2, "every mount is corrected"},
+      {"correction_sigmas", &O::correction_sigmas, 0, 1000, "a single reading corrects"},
+      {"min_reading_count", &O::min_reading_count, 1, 10'000},
+      {"corrected_sigma_rad", &O::corrected_sigma_rad, 1e-9, 1},
+      {"suspected_rad", &O::suspected_rad, 1e-9, 3.2},
+      {"max_correction_rad", &O::max_correction_rad, 0, 3.2, "no mount is corrected"},
+      {"mirrored_min_angle_rad", &O::mirrored_min_angle_rad, 1e-6, 3.2},
+      {"mirrored_share", &O::mirrored_share, 0.01, 1},
+      {"mirrored_memory", &O::mirrored_memory, 0, 0.999, "each scan stands alone"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const LearnedRigOptions& options) {
+  absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(Within("mount_yaw", Validate(options.mount_yaw)));
+  return status;
+}
+
+LearnedRig::LearnedRig(Rig described, const LearnedRigOptions& options)
+    : options_(options), described_(std::move(described)), rig_(described_) {
+  for (const RadarModel& radar : described_.radars) {
+    learned_.push_back({.mount_yaw = {radar.mount_yaw_sigma_rad, options.mount_yaw}});
+  }
+}
+
+bool LearnedRig::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
+                        const EgoVelocity& velocity) {
+  Learned& learned = learned_[index];
+  CheckMirrored(learned, rig_.radars[index], scan, velocity);
+  return learned.mount_yaw.OnScan(stamp, scan, described_.radars[index], velocity) &&
+         Correct(index);
+}
+
+bool LearnedRig::Correct(std::size_t index) {
+  Learned& learned = learned_[index];
+  const ScalarEstimate& error = learned.mount_yaw.error();
+  const double needed_rad =
+      std::max(options_.min_correction_rad, options_.correction_sigmas * std::sqrt(error.variance));
+  if (learned.mount_yaw.reading_count() < options_.min_reading_count ||
+      std::abs(error.value - learned.applied_rad) < needed_rad) {
+    return false;
+  }
+  learned.applied_rad = error.value;
+  RadarModel& radar = rig_.radars[index];
+  radar.T_vehicle_radar.rotation =
+      Eigen::AngleAxisd(error.value, Eigen::Vector3d::UnitZ()) *
+      described_.radars[index].T_vehicle_radar.rotation;
+  radar.mount_yaw_sigma_rad = std::max(options_.corrected_sigma_rad, std::sqrt(error.variance));
+  return true;
+}
+
+// Azimuths of the other sign explain more of the range rates.
+void LearnedRig::CheckMirrored(Learned& learned, const RadarModel& radar, const Scan& scan,
+                               const EgoVelocity& velocity) const {
+  if (scan.size() == 0 || velocity.linear_mps.head<2>().norm() < options_.mount_yaw.min_speed_mps ||
+      std::abs(DirectionOfMotion(radar, velocity)) < options_.mirrored_min_angle_rad) {
+    return;
+  }
+  const double gate_mps = options_.mount_yaw.inlier_gate_mps;
+  const double advantage = StaticShare(scan, radar, velocity, -1.0, gate_mps) -
+                           StaticShare(scan, radar, velocity, 1.0, gate_mps);
+  learned.mirrored_share = options_.mirrored_memory * learned.mirrored_share +
+                           (1.0 - options_.mirrored_memory) * advantage;
+}
+
+SourceFault LearnedRig::FaultOf(std::size_t index, Stamp stamp) const {
+  const bool is_suspected =
+      !IsUsable(index, stamp) || std::abs(learned_[index].applied_rad) > options_.suspected_rad;
+  return is_suspected ? SourceFault::kMount : SourceFault::kNone;
+}
+
+bool LearnedRig::IsUsable(std::size_t index, Stamp stamp) const {
+  const Learned& learned = learned_[index];
+  return learned.mirrored_share < options_.mirrored_share &&
+         std::abs(learned.applied_rad) <= options_.max_correction_rad &&
+         !learned.mount_yaw.IsInDoubt(stamp);
+}
+
+}  // namespace dcloc

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/odometry/mount_yaw_estimator.h"
+#include "core/odometry/source_fault.h"
+#include "core/options/option_fields.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// When what was learned of a rig goes before its description.
+struct LearnedRigOptions {
+  MountYawOptions mount_yaw;
+  /// A mount is corrected once its yaw is off by so much, and by so many deviations. Less is within
+  /// what the estimate itself errs by.
+  double min_correction_rad = 0.6 * kRadPerDeg;
+  double correction_sigmas = 4.0;
+  int min_reading_count = 4;
+  /// The deviation of a corrected mount is no less.
+  double corrected_sigma_rad = 0.2 * kRadPerDeg;
+  /// A mount that is off by more than this is told of; by more than that it is none to correct: its
+  /// description is of something else, and its scans are not used.
+  double suspected_rad = 2.0 * kRadPerDeg;
+  double max_correction_rad = 20.0 * kRadPerDeg;
+  /// A radar whose azimuths have the wrong sign is found where the vehicle does not move along its
+  /// boresight, by this share of its targets, averaged over so many scans.
+  double mirrored_min_angle_rad = 2.0 * kRadPerDeg;
+  double mirrored_share = 0.25;
+  double mirrored_memory = 0.8;
+};
+std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions& options);
+absl::Status Validate(const LearnedRigOptions& options);
+
+/// The radars of a vehicle as they were described, corrected by what their scans tell of them.
+class LearnedRig {
+ public:
+  LearnedRig(Rig described, const LearnedRigOptions& options);
+
+  /// As corrected so far; it has the described radars, in their order.
+  const Rig& rig() const { return rig_; }
+
+  /// A scan of radar `index`, of a vehicle that moves with `velocity`, whose yaw rate others
+  /// than radars say. Returns whether its mount has been corrected.
+  bool OnScan(Stamp stamp, std::size_t index, const Scan& scan, const EgoVelocity& velocity);
+
+  /// kNone, or kMount where a radar looks elsewhere than described.
+  SourceFault FaultOf(std::size_t index, Stamp stamp) const;
+
+  /// Whether the radar's targets lie where its mount, described or corrected, says, as far as is
+  /// known at `stamp`.
+  bool IsUsable(std::size_t index, Stamp stamp) const;
+
+  /// By how much the radar looks further to the left than described.
+  const ScalarEstimate& mount_yaw_error(std::size_t index) const {
+    return learned_[index].mount_yaw.error();
+  }
+
+ private:
+  struct Learned {
+    MountYawEstimator mount_yaw;
+    double applied_rad = 0.0;
+    double mirrored_share = 0.0;  // of the targets more than without, on average
+  };
+  void CheckMirrored(Learned& learned, const RadarModel& radar, const Scan& scan,
+                     const EgoVelocity& velocity) const;
+  bool Correct(std::size_t index);
+
+  LearnedRigOptions options_;
+  Rig described_;
+  Rig rig_;
+  std::vector<Learned> learned_;
+};
+
+}  // namespace dcloc

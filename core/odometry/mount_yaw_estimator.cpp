@@ -1,0 +1,191 @@
+#include "core/odometry/mount_yaw_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/radar/measurement.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kTrialStep_rad = 1.0 * kRadPerDeg;
+// A mount is first looked for where it is expected, then anywhere.
+constexpr double kNear_rad = 3.0 * kRadPerDeg;
+constexpr double kAnywhere_rad = 95.0 * kRadPerDeg;
+
+// A static target that is seen under the angle d further to the left has a range rate of
+// -(along cos d + across sin d).
+struct Target {
+  double along_mps;   // the radar's velocity along the line of sight
+  double across_mps;  // and across it, to the left
+  double range_rate_mps;
+  double sigma_mps;
+  double azimuth_sigma_rad;
+};
+
+class Targets {
+ public:
+  Targets(const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity, int max_count)
+      : unambiguous_mps_(radar.unambiguous_range_rate_mps),
+        lever_m_(radar.T_vehicle_radar.translation_m.head<2>().norm()) {
+    const Eigen::Matrix3d R_vehicle_radar = radar.T_vehicle_radar.Rotation();
+    const Eigen::Vector3d radar_mps =
+        velocity.linear_mps + velocity.angular_radps.cross(radar.T_vehicle_radar.translation_m);
+    const std::size_t count = std::min(scan.size(), static_cast<std::size_t>(max_count));
+    targets_.reserve(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Measurement m = MeasurementAt(scan, k * scan.size() / count, radar);
+      const Eigen::Vector3d u = R_vehicle_radar * LineOfSight(m.azimuth_rad, m.elevation_rad);
+      const Eigen::Vector3d left = Eigen::Vector3d::UnitZ().cross(u);
+      targets_.push_back({u.dot(radar_mps), left.dot(radar_mps), m.range_rate_mps,
+                          m.range_rate_sigma_mps, m.azimuth_sigma_rad});
+    }
+  }
+
+  // Of the direction in which the radar moves, by what is not known of the yaw rate.
+  double DirectionVariance(const EgoVelocity& velocity) const {
+    if (!velocity.covariance) return 0.0;
+    return (*velocity.covariance)(5, 5) * lever_m_ * lever_m_ /
+           velocity.linear_mps.head<2>().squaredNorm();
+  }
+
+  std::size_t size() const { return targets_.size(); }
+
+  int CountInliers(double yaw_rad, double gate_mps) const {
+    const double c = std::cos(yaw_rad);
+    const double s = std::sin(yaw_rad);
+    return static_cast<int>(std::count_if(targets_.begin(), targets_.end(), [&](const Target& t) {
+      return std::abs(Residual(t, -(c * t.along_mps + s * t.across_mps))) <= gate_mps;
+    }));
+  }
+
+  // One step of Gauss-Newton for the angle and the speed from the inliers at `yaw_rad`.
+  ScalarEstimate Refine(double yaw_rad, const MountYawOptions& options) const {
+    const double c = std::cos(yaw_rad);
+    const double s = std::sin(yaw_rad);
+    const double speed_sigma = options.speed_sigma_share;
+    Eigen::Matrix2d normal = Eigen::Vector2d(0.0, 1.0 / (speed_sigma * speed_sigma)).asDiagonal();
+    Eigen::Vector2d right = Eigen::Vector2d::Zero();
+    for (const Target& t : targets_) {
+      const double predicted_mps = -(c * t.along_mps + s * t.across_mps);
+      const double residual_mps = Residual(t, predicted_mps);
+      if (std::abs(residual_mps) > options.inlier_gate_mps) continue;
+      const double by_yaw = s * t.along_mps - c * t.across_mps;
+      const Eigen::Vector2d row(by_yaw, predicted_mps);
+      const double variance =
+          t.sigma_mps * t.sigma_mps + std::pow(t.azimuth_sigma_rad * by_yaw, 2);
+      normal += row * row.transpose() / variance;
+      right += row * residual_mps / variance;
+    }
+    const Eigen::Matrix2d covariance = normal.inverse();
+    return {yaw_rad + (covariance * right)(0), covariance(0, 0)};
+  }
+
+ private:
+  double Residual(const Target& target, double predicted_mps) const {
+    return UnfoldRangeRate(target.range_rate_mps, predicted_mps, unambiguous_mps_) - predicted_mps;
+  }
+
+  double unambiguous_mps_;
+  double lever_m_;
+  std::vector<Target> targets_;
+};
+
+}  // namespace
+
+std::span<const OptionField<MountYawOptions>> FieldsOf(const MountYawOptions& /*options*/) {
+  using O = MountYawOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"min_speed_mps", &O::min_speed_mps, 0.1, 1000},
+      {"max_yaw_rate_radps", &O::max_yaw_rate_radps, 0, 10, "nothing is learned"},
+      {"interval_ms", &O::interval, 0, 1e5, "each scan is a reading"},
+      {"inlier_gate_mps", &O::inlier_gate_mps, 1e-6, 100},
+      {"min_inlier_count", &O::min_inlier_count, 3, 10'000},
+      {"min_inlier_share", &O::min_inlier_share, 0, 1, "the count alone decides"},
+      {"max_target_count", &O::max_target_count, 3, 10'000},
+      {"reading_sigma_rad", &O::reading_sigma_rad, 1e-9, 1},
+      {"speed_sigma_share", &O::speed_sigma_share, 1e-9, 1},
+      {"drift_sigma_rad", &O::drift_sigma_rad, 0, 1, "what was learned holds for ever"},
+      {"outlier_sigmas", &O::outlier_sigmas, 1, 1000},
+      {"knocked_readings", &O::knocked_readings, 1, 1000},
+      {"doubt_span_ms", &O::doubt_span, 1, 1e5},
+      {"knocked_spread_rad", &O::knocked_spread_rad, 1e-6, 3.2},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const MountYawOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
+std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel& radar,
+                                             const EgoVelocity& velocity, double expected_rad,
+                                             double around_rad, const MountYawOptions& options) {
+  const Targets targets(scan, radar, velocity, options.max_target_count);
+  int most = 0;
+  double best_rad = expected_rad;
+  const auto trials = static_cast<int>(around_rad / kTrialStep_rad);
+  for (int i = -trials; i <= trials; ++i) {
+    const double yaw_rad = expected_rad + i * kTrialStep_rad;
+    const int count = targets.CountInliers(yaw_rad, options.inlier_gate_mps);
+    if (count > most || (count == most && std::abs(i * kTrialStep_rad) <
+                                              std::abs(best_rad - expected_rad))) {
+      most = count;
+      best_rad = yaw_rad;
+    }
+  }
+  if (most < options.min_inlier_count ||
+      most < options.min_inlier_share * static_cast<double>(targets.size())) {
+    return std::nullopt;
+  }
+  const double first_rad = targets.Refine(best_rad, options).value;
+  ScalarEstimate reading = targets.Refine(first_rad, options);
+  reading.variance += std::pow(options.reading_sigma_rad, 2) + targets.DirectionVariance(velocity);
+  return reading;
+}
+
+bool MountYawEstimator::OnScan(Stamp stamp, const Scan& scan, const RadarModel& radar,
+                               const EgoVelocity& velocity) {
+  if (velocity.linear_mps.head<2>().norm() < options_.min_speed_mps ||
+      std::abs(velocity.angular_radps.z()) > options_.max_yaw_rate_radps) {
+    return false;
+  }
+  const std::chrono::nanoseconds since_last = last_ ? stamp - *last_ : options_.interval;
+  if (since_last < options_.interval && !IsInDoubt(stamp)) return false;
+  if (since_last > options_.doubt_span) outliers_rad_.clear();
+  std::optional<ScalarEstimate> reading =
+      MountYawOfScan(scan, radar, velocity, error_.value, kNear_rad, options_);
+  if (!reading) reading = MountYawOfScan(scan, radar, velocity, 0.0, kAnywhere_rad, options_);
+  if (!reading) return false;
+  last_ = stamp;
+  error_.variance += std::pow(options_.drift_sigma_rad, 2) *
+                     std::chrono::duration<double>(since_last).count();
+  TakeIn(*reading);
+  return true;
+}
+
+void MountYawEstimator::TakeIn(const ScalarEstimate& reading) {
+  const double innovation = reading.value - error_.value;
+  const double spread = error_.variance + reading.variance;
+  if (innovation * innovation > std::pow(options_.outlier_sigmas, 2) * spread) {
+    if (!IsOfKnockedMount(reading)) return;
+    error_ = reading;
+    reading_count_ = 1;
+  } else {
+    const double gain = error_.variance / spread;
+    error_ = {error_.value + gain * innovation, (1.0 - gain) * error_.variance};
+    ++reading_count_;
+  }
+  outliers_rad_.clear();
+}
+
+bool MountYawEstimator::IsOfKnockedMount(const ScalarEstimate& reading) {
+  if (!outliers_rad_.empty() &&
+      std::abs(reading.value - outliers_rad_.back()) > options_.knocked_spread_rad) {
+    outliers_rad_.clear();
+  }
+  outliers_rad_.push_back(reading.value);
+  return static_cast<int>(outliers_rad_.size()) >= options_.knocked_readings;
+}
+
+}  // namespace dcloc

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/odometry/source_monitor.h"
+#include "core/options/option_fields.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// What a scan tells of its radar's mount, and how long it takes to believe that the mount changed.
+struct MountYawOptions {
+  /// A vehicle that drives straight moves as it looks. Slower, or in a curve, it tells less.
+  double min_speed_mps = 3.0;
+  double max_yaw_rate_radps = 0.1;
+  /// Readings that follow one another sooner share their errors.
+  std::chrono::nanoseconds interval = std::chrono::milliseconds(150);
+  /// A reading needs so many targets, and this share, that stand still as seen from a turned mount.
+  double inlier_gate_mps = 0.3;
+  int min_inlier_count = 8;
+  double min_inlier_share = 0.35;
+  int max_target_count = 100;  ///< a fuller scan is thinned
+  /// What a reading errs by besides the targets' noise.
+  double reading_sigma_rad = 0.4 * kRadPerDeg;
+  double speed_sigma_share = 0.03;  ///< of the vehicle's speed, as it is known
+  /// Mounts stay as they are, nearly.
+  double drift_sigma_rad = 0.08 * kRadPerDeg;  ///< in the square root of a second
+  /// So many readings in a row, this far from what is expected but near to one another, mean that
+  /// the radar was knocked, or that its mount was described wrongly.
+  double outlier_sigmas = 4.0;
+  int knocked_readings = 4;
+  double knocked_spread_rad = 1.5 * kRadPerDeg;
+  /// A reading that no other one follows is forgotten after so long.
+  std::chrono::nanoseconds doubt_span = std::chrono::milliseconds(500);
+};
+std::span<const OptionField<MountYawOptions>> FieldsOf(const MountYawOptions& options);
+absl::Status Validate(const MountYawOptions& options);
+
+/// By how much one radar looks further to the left than its mount says, from its own range rates:
+/// while the vehicle drives straight they tell where, to the radar, ahead is (METHOD eq 48).
+class MountYawEstimator {
+ public:
+  /// The mount is as described, within `described_sigma_rad`.
+  MountYawEstimator(double described_sigma_rad, const MountYawOptions& options)
+      : options_(options), error_{0.0, described_sigma_rad * described_sigma_rad} {}
+
+  /// A scan of `radar`, whose mount is the described one, at `stamp` of a vehicle that moves with
+  /// `velocity`, whose yaw rate others than radars say. Returns whether it told anything.
+  bool OnScan(Stamp stamp, const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity);
+
+  /// The angle [rad] and its variance.
+  const ScalarEstimate& error() const { return error_; }
+  int reading_count() const { return reading_count_; }
+
+  /// The last reading was far from what was expected: the next ones will tell whether the radar was
+  /// knocked.
+  bool IsInDoubt(Stamp stamp) const {
+    return !outliers_rad_.empty() && last_ && stamp - *last_ < options_.doubt_span;
+  }
+
+ private:
+  void TakeIn(const ScalarEstimate& reading);
+  bool IsOfKnockedMount(const ScalarEstimate& reading);
+
+  MountYawOptions options_;
+  ScalarEstimate error_;
+  std::optional<Stamp> last_;
+  int reading_count_ = 0;
+  std::vector<double> outliers_rad_;  // in a row
+};
+
+/// The angle that one scan alone tells, nothing if no angle explains enough of its range rates.
+/// Tried are all within `around_rad` of `expected_rad`.
+std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel& radar,
+                                             const EgoVelocity& velocity, double expected_rad,
+                                             double around_rad, const MountYawOptions& options);
+
+}  // namespace dcloc

@@ -1,0 +1,37 @@
+#include "core/uncertainty/protection_level.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dcloc {
+
+std::span<const OptionField<ProtectionLevelOptions>> FieldsOf(
+    const ProtectionLevelOptions& /*options*/) {
+  using O = ProtectionLevelOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"sigmas", &O::sigmas, 1, 100},
+      {"floor_m", &O::floor_m, 0, 100, "the covariance is all that is unknown"},
+      {"memory", &O::memory, 0, 0.999, "the newest innovation counts alone"},
+      {"max_squared_sigmas", &O::max_squared_sigmas, 1, 1e6},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const ProtectionLevelOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
+void ProtectionLevel::OnInnovation(double squared_distance_per_dof) {
+  const double counted = std::min(squared_distance_per_dof, options_.max_squared_sigmas);
+  squared_innovation_ = options_.memory * squared_innovation_ + (1.0 - options_.memory) * counted;
+}
+
+double ProtectionLevel::Of(const Matrix6d& covariance) const {
+  const double xx = covariance(0, 0);
+  const double yy = covariance(1, 1);
+  const double greatest_variance_m2 = 0.5 * (xx + yy + std::hypot(xx - yy, 2.0 * covariance(0, 1)));
+  return options_.floor_m +
+         options_.sigmas * std::sqrt(greatest_variance_m2 * std::max(1.0, squared_innovation_));
+}
+
+}  // namespace dcloc

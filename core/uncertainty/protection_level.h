@@ -1,0 +1,44 @@
+#pragma once
+
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/geometry/pose.h"
+#include "core/options/option_fields.h"
+
+namespace dcloc {
+
+/// What a protection level is made of.
+struct ProtectionLevelOptions {
+  /// An error along both axes is larger than so many deviations once in ten thousand times:
+  /// sqrt(-2 ln 1e-4).
+  double sigmas = 4.29;
+  /// What the map and its frame err by, which no covariance contains.
+  double floor_m = 0.15;
+  /// How far back innovations count: the weight of an older one beside the next.
+  double memory = 0.9;
+  double max_squared_sigmas = 100.0;  ///< the most that one innovation counts for
+};
+std::span<const OptionField<ProtectionLevelOptions>> FieldsOf(
+    const ProtectionLevelOptions& options);
+absl::Status Validate(const ProtectionLevelOptions& options);
+
+/// A bound of the horizontal error from the covariance and from how large innovations have been
+/// beside what it let expect (METHOD eq 47).
+class ProtectionLevel {
+ public:
+  explicit ProtectionLevel(const ProtectionLevelOptions& options) : options_(options) {}
+
+  /// A registration differed so from its prediction: squared Mahalanobis distance per degree of
+  /// freedom.
+  void OnInnovation(double squared_distance_per_dof);
+
+  /// Of a pose of this covariance (x and y first) [m].
+  double Of(const Matrix6d& covariance) const;
+
+ private:
+  ProtectionLevelOptions options_;
+  double squared_innovation_ = 1.0;  // mean
+};
+
+}  // namespace dcloc

@@ -1,0 +1,103 @@
+#include "core/localizer/localizer.h"
+#include "tests/core/localizer/on_a_road.h"
+
+namespace dcloc {
+namespace {
+
+// A drive with a fix of a receiver at every fifth scan.
+class LocalizerFixTest : public OnARoad {
+ protected:
+  static PositionFix FixAt(const TrueScan& seen, double ahead_m, double left_m,
+                           double sigma_m = 1.5) {
+    PositionFix fix{.stamp = seen.scan.stamp, .pose = {}};
+    fix.pose.T_map_vehicle = Embed(Pose2{
+        .translation_m = (seen.T_map_vehicle * Eigen::Vector3d(ahead_m, left_m, 0.0)).head<2>(),
+        .yaw_rad = 0.0});
+    Vector6d sigmas;
+    sigmas << sigma_m, sigma_m, 2.0, 0.05, 0.05, 1.8;
+    fix.pose.covariance = sigmas.cwiseAbs2().asDiagonal();
+    return fix;
+  }
+
+  // Fixes are off by (ahead, left) from scan `begin` on.
+  static std::vector<TrueAnswer> Localize(Localizer localizer, const std::vector<TrueScan>& drive,
+                                          double ahead_m, double left_m, std::size_t begin = 0) {
+    std::vector<TrueAnswer> answers;
+    for (std::size_t i = 0; i < drive.size(); ++i) {
+      absl::StatusOr<Localization> answer = localizer.Localize(drive[i].scan);
+      EXPECT_TRUE(answer.ok()) << answer.status();
+      if (answer.ok()) answers.push_back({*answer, drive[i].T_map_vehicle});
+      if (i % 5 != 0) continue;
+      const bool is_off = i >= begin;
+      last_use_ = *localizer.TakeFix(FixAt(drive[i], is_off ? ahead_m : 0.3, is_off ? left_m : 0.2));
+    }
+    return answers;
+  }
+
+  static inline FixUse last_use_ = FixUse::kOutOfTime;
+};
+
+TEST_F(LocalizerFixTest, StartsASearch) {
+  const Errors errors =
+      ErrorsOf(Localize(MakeLocalizer(map_, FrontRadar(), std::nullopt), drive_, 0.5, -0.5));
+  EXPECT_GT(errors.tracking_count, static_cast<int>(drive_.size()) / 2);
+  EXPECT_LT(errors.max_m, 2.0);
+  EXPECT_EQ(last_use_, FixUse::kFused);
+}
+
+TEST_F(LocalizerFixTest, ReflectionsForceNoPose) {
+  const std::size_t third = drive_.size() / 3;
+  const Errors without = ErrorsOf(
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02)), drive_));
+  for (const double ahead_m : {-30.0, -8.0, 8.0, 30.0}) {
+    const Errors errors =
+        ErrorsOf(Localize(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02)), drive_,
+                          ahead_m, 0.25 * ahead_m, third));
+    EXPECT_LT(errors.max_m, 1.1 * without.max_m + 0.05) << ahead_m;
+    EXPECT_GT(errors.tracking_count, 3 * without.tracking_count / 4) << ahead_m;
+    EXPECT_EQ(last_use_, FixUse::kContradicted) << ahead_m;
+  }
+}
+
+TEST_F(LocalizerFixTest, CorrectAWrongPriorThatLooksRight) {
+  const Errors errors = ErrorsOf(
+      Localize(MakeLocalizer(map_, FrontRadar(),
+                             PriorAt(Start() * Embed(Pose2{.translation_m = {40.0, 0.0}}), 0.5, 0.02)),
+               drive_, 0.3, 0.2));
+  EXPECT_LT(errors.max_m, 2.0);
+  EXPECT_GT(errors.tracking_count, static_cast<int>(drive_.size()) / 3);
+}
+
+TEST_F(LocalizerFixTest, OldAndBrokenFixesChangeNothing) {
+  Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02));
+  for (std::size_t i = 0; i < 40; ++i) ASSERT_TRUE(localizer.Localize(drive_[i].scan).ok());
+  EXPECT_EQ(*localizer.TakeFix(FixAt(drive_[10], 0.0, 0.0)), FixUse::kOutOfTime);
+  PositionFix ahead = FixAt(drive_[39], 0.0, 0.0);
+  ahead.stamp += std::chrono::minutes(10);
+  EXPECT_EQ(*localizer.TakeFix(ahead), FixUse::kOutOfTime);
+  PositionFix broken = FixAt(drive_[39], 0.0, 0.0);
+  broken.pose.covariance(0, 0) = -1.0;
+  EXPECT_FALSE(localizer.TakeFix(broken).ok());
+  EXPECT_EQ(*localizer.TakeFix(FixAt(drive_[35], 0.0, 0.0)), FixUse::kFused);
+  EXPECT_TRUE(localizer.Localize(drive_[40].scan)->state == LocalizationState::kTracking);
+}
+
+class MountTest : public OnARoad {};
+
+TEST_F(MountTest, ARadarThatWasKnockedIsFoundOutAndCorrected) {
+  Rig real = FrontRadar();
+  real.radars[0].T_vehicle_radar.rotation =
+      Eigen::AngleAxisd(9.0 * kDegree, Eigen::Vector3d::UnitZ());
+  const std::vector<TrueScan> drive = DriveRoad(SyntheticWorld(), real, kLiveSpeed_mps, 2);
+  const std::vector<TrueAnswer> answers =
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02)), drive);
+  const Errors errors = ErrorsOf(answers);
+  EXPECT_LT(errors.max_m, 1.0);
+  EXPECT_LT(errors.max_rad, 5.0 * kDegree);
+  EXPECT_GT(errors.tracking_count, static_cast<int>(drive.size()) / 2);
+  EXPECT_EQ(answers.back().localization.health.radars[0].fault, SourceFault::kMount);
+  EXPECT_TRUE(answers.back().localization.health.radars[0].is_used);
+}
+
+}  // namespace
+}  // namespace dcloc

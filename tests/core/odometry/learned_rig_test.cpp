@@ -1,0 +1,78 @@
+#include "core/odometry/learned_rig.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/radar/scan_fixture.h"
+
+namespace dcloc {
+namespace {
+
+class LearnedRigTest : public ::testing::Test {
+ protected:
+  // Gives scans of the first radar as it really is; returns how often its mount was corrected.
+  int Drive(const RadarModel& real, double azimuth_sign, const EgoVelocity& ego, int scans) {
+    int corrections = 0;
+    for (int i = 0; i < scans; ++i) {
+      stamp_ += std::chrono::milliseconds(200);
+      Scan scan = StaticScan(real, ego, 80, static_cast<unsigned>(++seed_), 1.0);
+      for (float& azimuth_rad : scan.azimuth_rad) azimuth_rad *= static_cast<float>(azimuth_sign);
+      corrections += rig_.OnScan(stamp_, 0, scan, ego) ? 1 : 0;
+    }
+    return corrections;
+  }
+  static RadarModel Turned(const RadarModel& radar, double yaw_deg) {
+    RadarModel turned = radar;
+    turned.T_vehicle_radar.rotation =
+        Eigen::AngleAxisd(yaw_deg * kRadPerDeg, Eigen::Vector3d::UnitZ()) *
+        turned.T_vehicle_radar.rotation;
+    return turned;
+  }
+
+  const RadarModel described_ = RadarAt("front", 3.6, 0.0, 0.0);
+  const EgoVelocity straight_{.linear_mps = {14.0, 0.0, 0.0}};
+  LearnedRig rig_{Rig{{described_, RadarAt("rear", -1.0, 0.0, 3.14)}}, {}};
+  Stamp stamp_{std::chrono::seconds(1)};
+  int seed_ = 0;
+};
+
+TEST_F(LearnedRigTest, ARightMountIsNotTouched) {
+  EXPECT_EQ(Drive(described_, 1.0, straight_, 100), 0);
+  EXPECT_TRUE(rig_.rig().radars[0].T_vehicle_radar.rotation.isApprox(
+      described_.T_vehicle_radar.rotation));
+  EXPECT_EQ(rig_.FaultOf(0, stamp_), SourceFault::kNone);
+}
+
+TEST_F(LearnedRigTest, ATurnedMountIsCorrectedAndToldOf) {
+  const RadarModel real = Turned(described_, 7.0);
+  EXPECT_GE(Drive(real, 1.0, straight_, 10), 1);
+  EXPECT_LT(rig_.rig().radars[0].T_vehicle_radar.rotation.angularDistance(
+                real.T_vehicle_radar.rotation),
+            0.6 * kRadPerDeg);
+  EXPECT_TRUE(rig_.IsUsable(0, stamp_));
+  EXPECT_EQ(rig_.FaultOf(0, stamp_), SourceFault::kMount);
+  EXPECT_EQ(rig_.FaultOf(1, stamp_), SourceFault::kNone);
+}
+
+TEST_F(LearnedRigTest, AMountThatIsMendedIsAsDescribedAgain) {
+  Drive(Turned(described_, 7.0), 1.0, straight_, 10);
+  Drive(described_, 1.0, straight_, 40);
+  EXPECT_EQ(rig_.FaultOf(0, stamp_), SourceFault::kNone);
+}
+
+TEST_F(LearnedRigTest, ARadarThatLooksElsewhereIsSetAside) {
+  Drive(Turned(described_, 60.0), 1.0, straight_, 10);
+  EXPECT_FALSE(rig_.IsUsable(0, stamp_));
+  EXPECT_EQ(rig_.FaultOf(0, stamp_), SourceFault::kMount);
+}
+
+TEST_F(LearnedRigTest, MirroredAzimuthsAreFoundInACurve) {
+  Drive(described_, -1.0, straight_, 20);
+  EXPECT_TRUE(rig_.IsUsable(0, stamp_)) << "straight ahead a mirrored radar sees what a right one sees";
+  Drive(described_, -1.0, {.linear_mps = {10.0, 0.0, 0.0}, .angular_radps = {0.0, 0.0, 0.4}}, 15);
+  EXPECT_FALSE(rig_.IsUsable(0, stamp_));
+  Drive(described_, 1.0, {.linear_mps = {10.0, 0.0, 0.0}, .angular_radps = {0.0, 0.0, 0.4}}, 15);
+  EXPECT_TRUE(rig_.IsUsable(0, stamp_));
+}
+
+}  // namespace
+}  // namespace dcloc

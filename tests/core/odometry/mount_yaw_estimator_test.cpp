@@ -1,0 +1,81 @@
+#include "core/odometry/mount_yaw_estimator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/core/radar/scan_fixture.h"
+
+namespace dcloc {
+namespace {
+
+EgoVelocity DrivingStraight(double speed_mps) { return {.linear_mps = {speed_mps, 0.0, 0.0}}; }
+
+// What a radar sees that looks `yaw_rad` further to the left than its description says.
+Scan SeenByTurned(const RadarModel& described, double yaw_rad, const EgoVelocity& ego,
+                  unsigned seed) {
+  RadarModel turned = described;
+  turned.T_vehicle_radar.rotation =
+      Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) * turned.T_vehicle_radar.rotation;
+  return StaticScan(turned, ego, 80, seed, 1.0);
+}
+
+class MountYawTest : public ::testing::Test {
+ protected:
+  void Drive(double yaw_rad, int scans, const EgoVelocity& ego = DrivingStraight(12.0)) {
+    for (int i = 0; i < scans; ++i) {
+      stamp_ += std::chrono::milliseconds(200);
+      estimator_.OnScan(stamp_, SeenByTurned(radar_, yaw_rad, ego, static_cast<unsigned>(++seed_)),
+                        radar_, ego);
+    }
+  }
+
+  RadarModel radar_ = RadarAt("front_left", 3.5, 0.7, 0.6);
+  MountYawEstimator estimator_{0.5 * kRadPerDeg, {}};
+  Stamp stamp_{std::chrono::seconds(1)};
+  int seed_ = 0;
+};
+
+TEST_F(MountYawTest, ADescribedMountStaysAsItIs) {
+  Drive(0.0, 50);
+  EXPECT_NEAR(estimator_.error().value, 0.0, 0.1 * kRadPerDeg);
+  EXPECT_LT(std::sqrt(estimator_.error().variance), 0.1 * kRadPerDeg);
+}
+
+TEST_F(MountYawTest, AMountDescribedWronglyIsFoundWithinASecond) {
+  for (const double yaw_deg : {-90.0, -15.0, -4.0, 3.0, 10.0, 30.0}) {
+    estimator_ = MountYawEstimator{0.5 * kRadPerDeg, {}};
+    Drive(yaw_deg * kRadPerDeg, 5);
+    EXPECT_NEAR(estimator_.error().value, yaw_deg * kRadPerDeg, 0.6 * kRadPerDeg) << yaw_deg;
+  }
+}
+
+TEST_F(MountYawTest, AKnockIsFoundAfterALongDrive) {
+  Drive(0.0, 100);
+  Drive(8.0 * kRadPerDeg, 5);
+  EXPECT_NEAR(estimator_.error().value, 8.0 * kRadPerDeg, 0.6 * kRadPerDeg);
+}
+
+TEST_F(MountYawTest, CurvesAndSlowDrivesTellNothing) {
+  Drive(5.0 * kRadPerDeg, 10, DrivingStraight(1.0));
+  EgoVelocity curve = DrivingStraight(12.0);
+  curve.angular_radps.z() = 0.3;
+  Drive(5.0 * kRadPerDeg, 10, curve);
+  EXPECT_EQ(estimator_.reading_count(), 0);
+}
+
+TEST_F(MountYawTest, ATruckThatFillsTheViewTellsNothing) {
+  const EgoVelocity ego = DrivingStraight(12.0);
+  Scan scan = SeenByTurned(radar_, 0.0, ego, 3);
+  for (float& range_rate_mps : scan.range_rate_mps) range_rate_mps = 0.1F;
+  EXPECT_FALSE(estimator_.OnScan(stamp_, scan, radar_, ego));
+}
+
+TEST_F(MountYawTest, AliasedRangeRatesAreUnfolded) {
+  radar_.unambiguous_range_rate_mps = 5.0;
+  Drive(4.0 * kRadPerDeg, 10);
+  EXPECT_NEAR(estimator_.error().value, 4.0 * kRadPerDeg, 0.6 * kRadPerDeg);
+}
+
+}  // namespace
+}  // namespace dcloc
