@@ -265,6 +265,7 @@ void Pipeline<Dim>::UpdateObservability(const Registration<Dim>& registration, S
   if (observability_stamp_ && stamp - *observability_stamp_ <= submap_.span()) return;
   observability_stamp_ = stamp;
   observability_ = matcher_.Observed(workspace.submap.points, registration, workspace.registration);
+  tracking_.OnObservability(stamp, observability_.ObservesAll());
 }
 
 // Where there is no pose, the registration starts a pose graph; else it is a factor of it.

@@ -14,6 +14,8 @@ std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& /*
       {"max_usual_interval_ms", &O::max_usual_interval, 0, 1e5, "tracking_hold_ms alone decides"},
       {"agreements", &O::agreements, 1, 1000},
       {"tracking_sigma_m", &O::tracking_sigma_m, 0, 1000, "nothing is called tracking"},
+      {"max_unobserved_ms", &O::max_unobserved, 0, 1e6, "tracking needs a way that is observed"},
+      {"min_observed_ms", &O::min_observed, 0, 1e6, "a single registration will do"},
       {"lost_after_ms", &O::lost_after, 0, 1e6, "dead reckoning is lost at once"},
       {"lost_sigma_m", &O::lost_sigma_m, 1e-6, 1000},
       {"lost_hold_ms", &O::lost_hold, 1, 1e6},
@@ -51,12 +53,12 @@ void TrackingStateMachine::OnPlaceFound() {
 void TrackingStateMachine::OnVerified() {
   mode_ = Next(mode_, TrackingEvent::kVerified);
   is_contradicted_ = false;
-  fixes_insist_ = false;
+  must_be_verified_ = false;
   Confirm();
 }
 
-void TrackingStateMachine::OnFixesInsist() {
-  fixes_insist_ = true;
+void TrackingStateMachine::DemandVerification() {
+  must_be_verified_ = true;
   mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
@@ -70,7 +72,7 @@ void TrackingStateMachine::OnScanFit(ScanFit fit) {
     return;
   }
   ++agreed_in_a_row_;
-  if (agreed_in_a_row_ >= options_.agreements && accepted_since_doubt_ && !fixes_insist_) {
+  if (agreed_in_a_row_ >= options_.agreements && accepted_since_doubt_ && !must_be_verified_) {
     mode_ = Next(mode_, TrackingEvent::kAgreed);
   }
 }
@@ -119,6 +121,21 @@ void TrackingStateMachine::Lose(Stamp stamp) {
   accepted_in_a_row_ = 0;
 }
 
+void TrackingStateMachine::OnObservability(Stamp stamp, bool is_observed) {
+  if (!is_observed) {
+    observed_since_.reset();
+    if (!unobserved_since_) unobserved_since_ = stamp;
+  } else if (!observed_since_) {
+    observed_since_ = stamp;
+  }
+  if (observed_since_ && stamp - *observed_since_ >= options_.min_observed) {
+    unobserved_since_.reset();
+  }
+  const bool was_unobserved = is_unobserved_;
+  is_unobserved_ = unobserved_since_ && stamp - *unobserved_since_ >= options_.max_unobserved;
+  if (was_unobserved && !is_unobserved_) DemandVerification();
+}
+
 void TrackingStateMachine::OnRegistration(Stamp stamp, RegistrationOutcome outcome) {
   const bool accepted = outcome == RegistrationOutcome::kAccepted;
   // What was accepted before a silence confirms nothing after it.
@@ -138,7 +155,7 @@ void TrackingStateMachine::OnRegistration(Stamp stamp, RegistrationOutcome outco
 }
 
 void TrackingStateMachine::Confirm() {
-  if (accepted_in_a_row_ < options_.confirmations) return;
+  if (accepted_in_a_row_ < options_.confirmations || must_be_verified_) return;
   mode_ = Next(mode_, TrackingEvent::kConfirmed);
   if (mode_ != TrackingMode::kTracking) return;
   uncertain_since_.reset();
@@ -177,8 +194,9 @@ LocalizationState TrackingStateMachine::Report(double position_sigma_m) const {
     case TrackingMode::kTracking:
       // However well registrations agree across, a vehicle that does not know where along a tunnel
       // it is does not track.
-      return position_sigma_m > options_.tracking_sigma_m ? LocalizationState::kDeadReckoning
-                                                          : LocalizationState::kTracking;
+      return position_sigma_m > options_.tracking_sigma_m || is_unobserved_
+                 ? LocalizationState::kDeadReckoning
+                 : LocalizationState::kTracking;
     case TrackingMode::kDoubting:
     case TrackingMode::kDeadReckoning:
       return LocalizationState::kDeadReckoning;

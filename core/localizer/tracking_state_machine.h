@@ -26,6 +26,11 @@ struct TrackingOptions {
   /// Scans in a row that fit the map as they should end a doubt.
   int agreements = 3;
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
+  /// Nor are those of a vehicle that has not observed its way for so long, as in a smooth tunnel:
+  /// where it is there, odometry alone says.
+  std::chrono::nanoseconds max_unobserved = std::chrono::milliseconds(1500);
+  /// What has been observed for less long may be chance.
+  std::chrono::nanoseconds min_observed = std::chrono::milliseconds(2000);
   /// Without an accepted registration for so long, or less certain than `lost_sigma_m`, dead
   /// reckoning is lost. Radars that scan ten times a second so report it within a second.
   std::chrono::nanoseconds lost_after = std::chrono::milliseconds(900);
@@ -58,7 +63,7 @@ enum class TrackingEvent {
   kVerified,     ///< global localization finds no better place than the supposed one
   kDoubted,      ///< a scan does not fit the map where it should, or fixes lie elsewhere
   kAgreed,       ///< `agreements` scans in a row do, and a registration was accepted meanwhile
-  kConfirmed,    ///< `confirmations` accepted registrations in a row
+  kConfirmed,    ///< `confirmations` accepted registrations in a row, where that is enough
   kHoldExpired,  ///< none accepted for `tracking_hold`
   kLossExpired,  ///< none accepted for `lost_after`, or less certain than `lost_sigma_m`
   kGivenUp,      ///< see Loss
@@ -142,8 +147,8 @@ class TrackingStateMachine {
 
   /// Fixes say that the vehicle is elsewhere: until they agree again, or the pose is verified, it
   /// does not matter that scans fit.
-  void OnFixesInsist();
-  void OnFixAgrees() { fixes_insist_ = false; }
+  void OnFixesInsist() { DemandVerification(); }
+  void OnFixAgrees() { must_be_verified_ = false; }
 
   /// Takes in how the newest scan fits the map.
   void OnScanFit(ScanFit fit);
@@ -151,6 +156,10 @@ class TrackingStateMachine {
   /// Takes in the time and the position's standard deviation of a predicted pose; without a pose
   /// nothing.
   void OnPrediction(Stamp stamp, double position_sigma_m);
+
+  /// Takes in whether the newest registration observed both horizontal directions. A vehicle that
+  /// comes out of a tunnel must be verified: registrations would fit it in where odometry says.
+  void OnObservability(Stamp stamp, bool is_observed);
 
   /// Takes in a registration's outcome at `stamp`.
   void OnRegistration(Stamp stamp, RegistrationOutcome outcome);
@@ -168,6 +177,7 @@ class TrackingStateMachine {
   void Confirm();
   std::chrono::nanoseconds Hold() const;
   void LearnInterval(Stamp stamp);
+  void DemandVerification();
 
   TrackingOptions options_;
   TrackingMode mode_ = TrackingMode::kSearching;
@@ -177,10 +187,13 @@ class TrackingStateMachine {
   int agreed_in_a_row_ = 0;       // scans, since the last one that contradicted
   bool is_contradicted_ = false;  // by the newest scan whose fit is known
   bool accepted_since_doubt_ = false;
-  bool fixes_insist_ = false;  // that the vehicle is elsewhere
+  bool must_be_verified_ = false;  // nothing but OnVerified, or another place, leads to tracking
   std::optional<Stamp> last_registration_;
   double usual_interval_s_ = 0.0;
   std::optional<Stamp> last_accepted_;
+  std::optional<Stamp> observed_since_;    // without a break
+  std::optional<Stamp> unobserved_since_;  // without `min_observed`
+  bool is_unobserved_ = false;  // for longer than `max_unobserved`
   std::optional<Stamp> uncertain_since_;  // while lost: less certain than lost_sigma_m
   std::optional<Stamp> last_lost_to_outliers_;
   bool contradicted_ = false;

@@ -18,7 +18,7 @@ struct LearnedRigOptions {
   MountYawOptions mount_yaw;
   /// A mount is corrected once its yaw is off by so much, and by so many deviations. Less is within
   /// what the estimate itself errs by.
-  double min_correction_rad = 0.6 * kRadPerDeg;
+  double min_correction_rad = 0.5 * kRadPerDeg;
   double correction_sigmas = 4.0;
   int min_reading_count = 4;
   /// The deviation of a corrected mount is no less.

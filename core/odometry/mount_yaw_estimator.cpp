@@ -64,7 +64,9 @@ class Targets {
     const double c = std::cos(yaw_rad);
     const double s = std::sin(yaw_rad);
     const double speed_sigma = options.speed_sigma_share;
-    Eigen::Matrix2d normal = Eigen::Vector2d(0.0, 1.0 / (speed_sigma * speed_sigma)).asDiagonal();
+    Eigen::Matrix2d normal = Eigen::Vector2d(1.0 / (kAnywhere_rad * kAnywhere_rad),
+                                             1.0 / (speed_sigma * speed_sigma))
+                                 .asDiagonal();
     Eigen::Vector2d right = Eigen::Vector2d::Zero();
     for (const Target& t : targets_) {
       const double predicted_mps = -(c * t.along_mps + s * t.across_mps);
@@ -122,6 +124,10 @@ std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel&
                                              const EgoVelocity& velocity, double expected_rad,
                                              double around_rad, const MountYawOptions& options) {
   const Targets targets(scan, radar, velocity, options.max_target_count);
+  const auto is_enough = [&](int inlier_count) {
+    return inlier_count >= options.min_inlier_count &&
+           inlier_count >= options.min_inlier_share * static_cast<double>(targets.size());
+  };
   int most = 0;
   double best_rad = expected_rad;
   const auto trials = static_cast<int>(around_rad / kTrialStep_rad);
@@ -134,11 +140,9 @@ std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel&
       best_rad = yaw_rad;
     }
   }
-  if (most < options.min_inlier_count ||
-      most < options.min_inlier_share * static_cast<double>(targets.size())) {
-    return std::nullopt;
-  }
+  if (!is_enough(most)) return std::nullopt;
   const double first_rad = targets.Refine(best_rad, options).value;
+  if (!is_enough(targets.CountInliers(first_rad, options.inlier_gate_mps))) return std::nullopt;
   ScalarEstimate reading = targets.Refine(first_rad, options);
   reading.variance += std::pow(options.reading_sigma_rad, 2) + targets.DirectionVariance(velocity);
   return reading;

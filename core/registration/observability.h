@@ -28,6 +28,9 @@ struct Observability {
   /// direction that is not.
   bool Observed(int axis) const;
 
+  /// Whether every direction is observed.
+  bool ObservesAll() const { return directions[0].observed && directions[1].observed; }
+
   /// Covariance to be added to a registration's, so that it says nothing in the directions that are
   /// not observed.
   Eigen::Matrix2d DegeneracyCovariance() const;
