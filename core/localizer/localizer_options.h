@@ -50,6 +50,8 @@ struct LocalizerOptions {
 
   /// How long a vehicle moved while its clock was set.
   double clock_set_sigma_s = 0.3;
+  /// An accepted registration of this overlap says that azimuths have the right sign.
+  double right_overlap = 0.75;
   /// A pose from a prior is held against other places before it is called tracking.
   bool verify_prior = true;
 

@@ -300,6 +300,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
   }
   quality_.edge_distance = test.distance;
   quality_.edge_valid = test.valid;
+  if (test.valid && registration->overlap >= options_.right_overlap) learned_rig_.OnRegistered();
   return test.valid ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;
 }
 

@@ -54,7 +54,6 @@ std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& 
       {"silent_after_ms", &O::silent_after, 1, 1e5},
       {"diagnosis_speed_mps", &O::diagnosis_speed_mps, 1e-6, 100},
       {"diagnosis_yaw_rate_radps", &O::diagnosis_yaw_rate_radps, 1e-6, 10},
-      {"unsound_yaw_rate_sigma_radps", &O::unsound_yaw_rate_sigma_radps, 1e-6, 10},
       {"missed_motion_sigma_share", &O::missed_motion_sigma_share, 0, 10,
        "a missed motion is as certain as any other"},
   };
@@ -105,12 +104,10 @@ void EgoMotion::Diagnose(const std::optional<EgoVelocity>& reported) {
           wheel_speed_diagnosis_);
   compare(OdometrySource::kYawRate, reported->angular_radps.z(), sources_.yaw_rate().value,
           yaw_rate_diagnosis_);
+  if (!sources_.IsSound(OdometrySource::kYawRate)) return;
   by_gyroscope_ = reported;
   if (!sources_.IsSound(OdometrySource::kWheelSpeed)) {
     by_gyroscope_->linear_mps = {sources_.speed().value, 0.0, 0.0};
-  }
-  if (!sources_.IsSound(OdometrySource::kYawRate)) {
-    (*by_gyroscope_->covariance)(5, 5) = std::pow(options_.unsound_yaw_rate_sigma_radps, 2);
   }
 }
 

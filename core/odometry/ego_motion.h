@@ -40,8 +40,6 @@ struct EgoMotionOptions {
   /// What sound speeds and yaw rates differ by.
   double diagnosis_speed_mps = 0.5;
   double diagnosis_yaw_rate_radps = 0.02;
-  /// A gyroscope that is not sound errs by so much.
-  double unsound_yaw_rate_sigma_radps = 0.1;
   /// Of a motion that was missed while a source was wrong, this share is its deviation.
   double missed_motion_sigma_share = 0.3;
 };
@@ -107,7 +105,7 @@ class EgoMotion {
   SourceHealth yaw_rate() const;
 
   /// The last velocity that the directions of radars can be held against: its yaw rate is the
-  /// gyroscope's, less certain where that is not sound. Absent without a gyroscope.
+  /// gyroscope's. Absent where there is none that is sound.
   const std::optional<EgoVelocity>& by_gyroscope() const { return by_gyroscope_; }
 
   /// The motion of the last moments.

@@ -104,6 +104,10 @@ void LearnedRig::CheckMirrored(Learned& learned, const RadarModel& radar, const 
                            (1.0 - options_.mirrored_memory) * advantage;
 }
 
+void LearnedRig::OnRegistered() {
+  for (Learned& learned : learned_) learned.mirrored_share = 0.0;
+}
+
 SourceFault LearnedRig::FaultOf(std::size_t index, Stamp stamp) const {
   const bool is_suspected =
       !IsUsable(index, stamp) || std::abs(learned_[index].applied_rad) > options_.suspected_rad;

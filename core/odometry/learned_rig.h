@@ -31,7 +31,7 @@ struct LearnedRigOptions {
   /// boresight, by this share of its targets, averaged over so many scans.
   double mirrored_min_angle_rad = 2.0 * kRadPerDeg;
   double mirrored_share = 0.25;
-  double mirrored_memory = 0.8;
+  double mirrored_memory = 0.95;
 };
 std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions& options);
 absl::Status Validate(const LearnedRigOptions& options);
@@ -47,6 +47,9 @@ class LearnedRig {
   /// A scan of radar `index`, of a vehicle that moves with `velocity`, whose yaw rate others
   /// than radars say. Returns whether its mount has been corrected.
   bool OnScan(Stamp stamp, std::size_t index, const Scan& scan, const EgoVelocity& velocity);
+
+  /// What the radars see fits the map well: their azimuths have the right sign.
+  void OnRegistered();
 
   /// kNone, or kMount where a radar looks elsewhere than described.
   SourceFault FaultOf(std::size_t index, Stamp stamp) const;

@@ -81,6 +81,8 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"max_registered_interval_ms", &O::max_registered_interval, 1, 1e6},
       {"registered_sigma_m", &O::registered_sigma_m, 1e-6, 100},
       {"registered_sigma_rad", &O::registered_sigma_rad, 1e-6, 1},
+      {"max_trial_spans", &O::max_trial_spans, 1, 1000},
+      {"trial_span_ms", &O::trial_span, 1, 1e6},
       {"false_registration_share", &O::false_registration_share, 1e-9, 0.5},
   };
   return kFields;
@@ -91,30 +93,36 @@ absl::Status Validate(const SourceMonitorOptions& options) {
 }
 
 SourceMonitor::SourceMonitor(const SourceMonitorOptions& options) : options_(options) {
-  // Before anything is known a source may have failed in the last second.
-  constexpr double kStart_s = 1.0;
-  const OdometrySources all(kHypothesisCount - 1);
   for (std::size_t i = 0; i < kHypothesisCount; ++i) {
     Hypothesis& hypothesis = hypotheses_[i];
     hypothesis.sound = OdometrySources(i);
     hypothesis.speed.variance = SquareOf(options.unknown_speed_sigma_mps);
     hypothesis.yaw_rate.variance = SquareOf(options.unknown_yaw_rate_sigma_radps);
-    hypothesis.log_weight =
-        LogTransition(all, hypothesis.sound, kStart_s,
-                      options.doppler_failure_rate_hz * options.direction_factor);
   }
+  Begin({});
   used_ = best().sound;
+}
+
+// Before anything is known a source may have failed in the last second.
+void SourceMonitor::Begin(const OdometryReadings& readings) {
+  constexpr double kStart_s = 1.0;
+  const OdometrySources all(kHypothesisCount - 1);
+  const Transitions transitions = TransitionsIn(kStart_s, readings.doppler_direction_count);
+  for (Hypothesis& hypothesis : hypotheses_) {
+    hypothesis.log_weight = LogTransition(all, hypothesis.sound, transitions);
+  }
 }
 
 void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   if (newest_) since_used_s_ = SecondsOf(stamp - *newest_);
   newest_ = stamp;
   if (compared_ && stamp - *compared_ < options_.interval) return;
+  if (!compared_) Begin(readings);
   const double duration_s = compared_ ? SecondsOf(stamp - *compared_) : 0.0;
-  const double doppler_failure_rate_hz = DopplerFailureRate(readings);
+  const Transitions transitions = TransitionsIn(duration_s, readings.doppler_direction_count);
   Hypotheses next;
   for (std::size_t i = 0; i < kHypothesisCount; ++i) {
-    next[i] = MostProbablePredecessor(OdometrySources(i), duration_s, doppler_failure_rate_hz);
+    next[i] = MostProbablePredecessor(OdometrySources(i), duration_s, transitions);
   }
   hypotheses_ = next;
 
@@ -142,53 +150,79 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
     if (restarted.log_weight > hypothesis.log_weight) hypothesis = restarted;
   }
   Normalize();
+  TryOthers(stamp, readings);
   before_ = floored;
   compared_ = stamp;
 }
 
-double SourceMonitor::DopplerFailureRate(const OdometryReadings& readings) const {
-  constexpr double kLeastRate_hz = 1e-6;
-  const int further = readings.doppler_direction_count - options_.narrow_direction_count;
-  return std::max(kLeastRate_hz, options_.doppler_failure_rate_hz *
-                                     std::pow(options_.direction_factor, std::max(0, further)));
+// All that explain the readings equally well stay as probable as they are, for ever, unless a
+// registration speaks for one. So they begin anew, without the one that was in vain.
+void SourceMonitor::TryOthers(Stamp stamp, const OdometryReadings& readings) {
+  if (!accepted_or_tried_) accepted_or_tried_ = stamp;
+  if (stamp - *accepted_or_tried_ < trial_count_ * options_.trial_span) return;
+  accepted_or_tried_ = stamp;
+  // To find a place takes the right ones their time.
+  trial_count_ = std::min(2 * trial_count_, options_.max_trial_spans);
+  const std::size_t in_vain = best_;
+  Begin(readings);
+  hypotheses_[in_vain].log_weight = kLeastLogWeight;
+  Normalize();
 }
 
-// Of the sources that fail, recover, or stay as they are for `duration_s`.
+// One mover is seen in few directions: the more there are, the less often Doppler fails.
+SourceMonitor::Transitions SourceMonitor::TransitionsIn(double duration_s,
+                                                        int direction_count) const {
+  constexpr double kLeastRate_hz = 1e-6;
+  const double further = std::max(0, direction_count - options_.narrow_direction_count);
+  const double rarer = std::pow(options_.direction_factor, further);
+  return {.wheel_failure = Change(options_.wheel_failure_rate_hz, duration_s),
+          .yaw_rate_failure = Change(options_.yaw_rate_failure_rate_hz, duration_s),
+          .bus_failure = Change(options_.bus_failure_rate_hz, duration_s),
+          .second_bus_failure = Change(options_.second_bus_failure_rate_hz, duration_s),
+          .doppler_failure =
+              Change(std::max(kLeastRate_hz, options_.doppler_failure_rate_hz * rarer), duration_s),
+          .recovery = Change(options_.recovery_rate_hz, duration_s)};
+}
+
+SourceMonitor::Change::Change(double rate_hz, double duration_s)
+    : log_stay(-rate_hz * duration_s),
+      log_change(std::log(std::max(1e-12, 1.0 - std::exp(-rate_hz * duration_s)))) {}
+
+// Of the sources that fail, recover, or stay as they are.
 double SourceMonitor::LogTransition(const OdometrySources& before, const OdometrySources& after,
-                                    double duration_s, double doppler_failure_rate_hz) const {
-  const auto log_stay = [&](double rate_hz) { return -rate_hz * duration_s; };
-  const auto log_change = [&](double rate_hz) {
-    return std::log(std::max(1e-12, 1.0 - std::exp(-rate_hz * duration_s)));
+                                    const Transitions& transitions) {
+  const auto log_of = [&](std::size_t source, const Change& failure, const Change& recovery) {
+    const Change& change = before[source] ? failure : recovery;
+    return before[source] == after[source] ? change.log_stay : change.log_change;
   };
-  const auto log_of = [&](std::size_t source, double failure_rate_hz) {
-    const double rate_hz = before[source] ? failure_rate_hz : options_.recovery_rate_hz;
-    return before[source] == after[source] ? log_stay(rate_hz) : log_change(rate_hz);
-  };
-  double log_probability = log_of(kDoppler, doppler_failure_rate_hz);
+  double log_probability =
+      log_of(kDoppler, transitions.doppler_failure, transitions.recovery);
   const bool both_sound = before[kWheelSpeed] && before[kYawRate];
   const bool both_failed = !before[kWheelSpeed] && !before[kYawRate];
   if (both_sound && !after[kWheelSpeed] && !after[kYawRate]) {
-    return log_probability + log_change(options_.bus_failure_rate_hz);
+    return log_probability + transitions.bus_failure.log_change;
   }
   if (both_failed && after[kWheelSpeed] && after[kYawRate]) {
-    return log_probability + log_change(options_.recovery_rate_hz);
+    return log_probability + transitions.recovery.log_change;
   }
-  // The other one has failed already.
-  log_probability += log_of(kWheelSpeed, both_sound ? options_.wheel_failure_rate_hz
-                                                    : options_.second_bus_failure_rate_hz);
-  log_probability += log_of(kYawRate, both_sound ? options_.yaw_rate_failure_rate_hz
-                                                 : options_.second_bus_failure_rate_hz);
+  // Else the other one has failed already.
+  log_probability +=
+      log_of(kWheelSpeed, both_sound ? transitions.wheel_failure : transitions.second_bus_failure,
+             transitions.recovery);
+  log_probability +=
+      log_of(kYawRate, both_sound ? transitions.yaw_rate_failure : transitions.second_bus_failure,
+             transitions.recovery);
   return log_probability;
 }
 
 // METHOD eq 42: of the hypotheses that may have become this one, the most probable, carried on.
 SourceMonitor::Hypothesis SourceMonitor::MostProbablePredecessor(
-    const OdometrySources& sound, double duration_s, double doppler_failure_rate_hz) const {
+    const OdometrySources& sound, double duration_s, const Transitions& transitions) const {
   const Hypothesis* chosen = nullptr;
   double chosen_log_weight = -std::numeric_limits<double>::infinity();
   for (const Hypothesis& before : hypotheses_) {
     const double log_weight =
-        before.log_weight + LogTransition(before.sound, sound, duration_s, doppler_failure_rate_hz);
+        before.log_weight + LogTransition(before.sound, sound, transitions);
     if (log_weight <= chosen_log_weight) continue;
     chosen_log_weight = log_weight;
     chosen = &before;
@@ -236,6 +270,8 @@ void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle, bool is_accepted)
   if (!newest_) return;
   if (is_accepted) {
     for (Hypothesis& hypothesis : hypotheses_) hypothesis.missed = {};
+    accepted_or_tried_ = newest_;
+    trial_count_ = 1;
   }
   const auto begin_anew = [&] {
     registered_ = {*newest_, T_map_vehicle};

@@ -79,6 +79,11 @@ struct SourceMonitorOptions {
   double registered_sigma_m = 0.15;
   double registered_sigma_rad = 0.004;
   double false_registration_share = 0.02;
+  /// Where nothing has been registered for so long, the next most probable sources are tried: wrong
+  /// ones let no scan be registered that could tell.
+  std::chrono::nanoseconds trial_span = std::chrono::milliseconds(3500);
+  /// Each trial takes twice as long as the one before, up to so many spans.
+  int max_trial_spans = 4;
 };
 std::span<const OptionField<SourceMonitorOptions>> FieldsOf(const SourceMonitorOptions& options);
 absl::Status Validate(const SourceMonitorOptions& options);
@@ -137,6 +142,20 @@ class SourceMonitor {
   };
   static constexpr std::size_t kHypothesisCount = 1U << kOdometrySourceCount;
   using Hypotheses = std::array<Hypothesis, kHypothesisCount>;
+  // Log-probabilities of what happens at a rate, or not, in some time.
+  struct Change {
+    Change(double rate_hz, double duration_s);
+    double log_stay;
+    double log_change;
+  };
+  struct Transitions {
+    Change wheel_failure;
+    Change yaw_rate_failure;
+    Change bus_failure;
+    Change second_bus_failure;
+    Change doppler_failure;
+    Change recovery;
+  };
   struct Registered {
     Stamp stamp;
     Pose2 T_map_vehicle;
@@ -144,12 +163,14 @@ class SourceMonitor {
 
   const Hypothesis& best() const { return hypotheses_[best_]; }
   ScalarEstimate Mixed(ScalarEstimate Hypothesis::*of) const;
-  double LogTransition(const OdometrySources& before, const OdometrySources& after,
-                       double duration_s, double doppler_failure_rate_hz) const;
+  Transitions TransitionsIn(double duration_s, int direction_count) const;
+  static double LogTransition(const OdometrySources& before, const OdometrySources& after,
+                              const Transitions& transitions);
   Hypothesis MostProbablePredecessor(const OdometrySources& sound, double duration_s,
-                                     double doppler_failure_rate_hz) const;
-  double DopplerFailureRate(const OdometryReadings& readings) const;
+                                     const Transitions& transitions) const;
   void Update(Hypothesis& hypothesis, const OdometryReadings& readings) const;
+  void Begin(const OdometryReadings& readings);
+  void TryOthers(Stamp stamp, const OdometryReadings& readings);
   void Normalize();
 
   SourceMonitorOptions options_;
@@ -161,6 +182,10 @@ class SourceMonitor {
   std::optional<Stamp> newest_;    // of all readings
   double since_used_s_ = 0.0;
   std::optional<Registered> registered_;
+  // When a registration last spoke for the best hypothesis, or its trial began, and for how many
+  // spans.
+  std::optional<Stamp> accepted_or_tried_;
+  int trial_count_ = 1;
 };
 
 }  // namespace dcloc

@@ -29,7 +29,14 @@ class LearnedRigTest : public ::testing::Test {
   }
 
   const RadarModel described_ = RadarAt("front", 3.6, 0.0, 0.0);
-  const EgoVelocity straight_{.linear_mps = {14.0, 0.0, 0.0}};
+  static EgoVelocity Driving(double speed_mps, double yaw_rate_radps) {
+    return {.linear_mps = {speed_mps, 0.0, 0.0},
+            .angular_radps = {0.0, 0.0, yaw_rate_radps},
+            .covariance = 1e-4 * Matrix6d::Identity()};
+  }
+
+  const EgoVelocity straight_ = Driving(14.0, 0.0);
+  const EgoVelocity curve_ = Driving(10.0, 0.4);
   LearnedRig rig_{Rig{{described_, RadarAt("rear", -1.0, 0.0, 3.14)}}, {}};
   Stamp stamp_{std::chrono::seconds(1)};
   int seed_ = 0;
@@ -68,9 +75,9 @@ TEST_F(LearnedRigTest, ARadarThatLooksElsewhereIsSetAside) {
 TEST_F(LearnedRigTest, MirroredAzimuthsAreFoundInACurve) {
   Drive(described_, -1.0, straight_, 20);
   EXPECT_TRUE(rig_.IsUsable(0, stamp_)) << "straight ahead a mirrored radar sees what a right one sees";
-  Drive(described_, -1.0, {.linear_mps = {10.0, 0.0, 0.0}, .angular_radps = {0.0, 0.0, 0.4}}, 15);
+  Drive(described_, -1.0, curve_, 30);
   EXPECT_FALSE(rig_.IsUsable(0, stamp_));
-  Drive(described_, 1.0, {.linear_mps = {10.0, 0.0, 0.0}, .angular_radps = {0.0, 0.0, 0.4}}, 15);
+  Drive(described_, 1.0, curve_, 30);
   EXPECT_TRUE(rig_.IsUsable(0, stamp_));
 }
 
