@@ -38,6 +38,13 @@ class CurrentPose {
   EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
     return hypotheses_.AddAbsolutePose(factor);
   }
+  /// The newest state is here, by something else than radar.
+  void AddPosition(const PoseEstimate<Dim>& position) {
+    hypotheses_.AddAbsolutePose({.pose = position.pose,
+                                 .covariance = position.covariance,
+                                 .reused_covariance = position.covariance,
+                                 .noise = {}});
+  }
   void ChangeFrame(const Pose<Dim>& T_new_old) { hypotheses_.ChangeFrame(T_new_old); }
 
   /// The newest state.

@@ -37,8 +37,7 @@ absl::Status Validate(const FixMonitorOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-FixVerdict FixMonitor::Judge(Stamp stamp, const PoseEstimate<3>& fix,
-                             const PoseEstimate<3>& pose) {
+FixVerdict FixMonitor::Judge(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) {
   newest_ = stamp;
   if (Agree(fix, pose)) {
     contradicting_count_ = 0;
@@ -51,8 +50,7 @@ FixVerdict FixMonitor::Judge(Stamp stamp, const PoseEstimate<3>& fix,
 }
 
 bool FixMonitor::Agree(const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) const {
-  const Eigen::Vector2d apart =
-      (fix.pose.translation_m - pose.pose.translation_m).head<2>();
+  const Eigen::Vector2d apart = (fix.pose.translation_m - pose.pose.translation_m).head<2>();
   const Eigen::Matrix2d spread = HorizontalCovariance(fix) + HorizontalCovariance(pose);
   if (apart.dot(spread.ldlt().solve(apart)) > options_.max_squared_distance) return false;
   const double heading_variance = fix.covariance(5, 5) + pose.covariance(5, 5);

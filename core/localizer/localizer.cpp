@@ -50,8 +50,9 @@ absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map,
   const auto make = in_space ? MakePipeline<3> : MakePipeline<2>;
   std::unique_ptr<AnyPipeline> pipeline =
       make(std::move(map), std::move(rig), initial_pose, options, methods);
-  return Localizer(std::make_unique<Impl>(
-      Impl{.pipeline = std::move(pipeline), .time_base = TimeBase(options.time_base), .recent_answers = {}}));
+  return Localizer(std::make_unique<Impl>(Impl{.pipeline = std::move(pipeline),
+                                               .time_base = TimeBase(options.time_base),
+                                               .recent_answers = {}}));
 }
 
 Localizer::Localizer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -67,9 +68,9 @@ absl::StatusOr<Localization> Localizer::Impl::Localize(const Scan& scan,
   if (const Localization* answer = recent_answers.Find(fingerprint)) return *answer;
   const absl::StatusOr<TimeBase::Placement> placement = time_base.Place(scan.stamp);
   if (!placement.ok()) return placement.status();
-  const Localization answer =
-      placement->is_late ? pipeline->LocalizeLate(scan, placement->stamp, workspace)
-                         : pipeline->LocalizeNext(scan, *placement, workspace, listener);
+  const Localization answer = placement->is_late
+                                  ? pipeline->LocalizeLate(scan, placement->stamp, workspace)
+                                  : pipeline->LocalizeNext(scan, *placement, workspace, listener);
   recent_answers.Add(fingerprint, answer);
   return answer;
 }

@@ -32,14 +32,14 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       radar_monitor_(learned_rig_.rig().radars.size(), options.radar_monitor),
       ego_motion_(options.ego_motion),
       submap_(options.scans_per_submap, options.submap),
-      schedule_(options.schedule, options.scans_per_submap *
-                                      static_cast<int>(learned_rig_.rig().radars.size())),
+      schedule_(options.schedule,
+                options.scans_per_submap * static_cast<int>(learned_rig_.rig().radars.size())),
       matcher_(map, method, options.matcher),
       relocalizer_(std::move(map), std::move(method), options.matcher.local_map_radius_m,
                    options.prior, options.global),
       pose_(EffectivePoseGraph(options), options.noise_scales),
       tracking_(options.tracking),
-      beta_monitor_(learned_rig_.rig(), options.beta_monitor),
+      learner_(learned_rig_.rig(), options.beta_monitor, options.unobserved),
       scan_checker_(learned_rig_.rig().radars.size(), options.map_fit),
       fix_monitor_(options.fixes),
       protection_level_(options.protection_level),
@@ -66,13 +66,16 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
                                          LocalizerWorkspace& lent_workspace,
                                          StageListener* listener) {
   const Stamp stamp = placement.stamp;
-  const RadarModel& radar = *learned_rig_.rig().Find(scan.radar_id);
-  const std::size_t radar_index = IndexOf(radar);
+  const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
+  const RadarModel& radar = learned_rig_.rig().radars[radar_index];
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
 
   Announce(listener, Stage::kCompensation);  // eq 6, 9-11
   const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, stamp, radar, workspace.ego_velocity);
-  LearnRig(scan, stamp, radar_index);
+  const std::optional<EgoVelocity>& by_gyroscope = ego_motion_.by_gyroscope();
+  if (by_gyroscope && learned_rig_.OnScan(stamp, radar_index, scan, *by_gyroscope)) {
+    submap_.DropPoints(static_cast<int>(radar_index));
+  }
   PlaceTargets(scan, stamp, ego_velocity, /*is_late=*/false, workspace.static_points);
 
   Announce(listener, Stage::kSubmap);  // eq 7-8
@@ -102,7 +105,8 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
     const RegistrationOutcome outcome = UpdatePose(registration, ego_velocity, workspace);
     UpdateOdometry(registration, outcome);
     if (was_tracking && outcome == RegistrationOutcome::kAccepted) {
-      UpdateEstimators(*registration, ego_velocity, stamp, workspace);
+      learner_.OnAccepted(stamp, *registration, ego_velocity, submap_.span(), matcher_, ego_motion_,
+                          pose_, workspace);
     }
     tracking_.OnRegistration(stamp, outcome);
     HandleLoss(stamp);
@@ -117,7 +121,7 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   Localization answer = Answer(scan, stamp);
   const std::optional<MotionHistory::Moment> moment = ego_motion_.history().At(stamp);
   if (!moment) return answer;
-  const std::size_t radar_index = IndexOf(*learned_rig_.rig().Find(scan.radar_id));
+  const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
   std::vector<RadarPoint>& points = lent_workspace.Of<Dim>().static_points;
   PlaceTargets(scan, stamp, moment->velocity, /*is_late=*/true, points);
   if (IsUsed(radar_index, stamp)) submap_.Insert(stamp, static_cast<int>(radar_index), points);
@@ -126,11 +130,6 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   answer.T_map_vehicle = then.T_from_to;
   answer.covariance = then.covariance;
   return answer;
-}
-
-template <int Dim>
-std::size_t Pipeline<Dim>::IndexOf(const RadarModel& radar) const {
-  return static_cast<std::size_t>(&radar - learned_rig_.rig().radars.data());
 }
 
 template <int Dim>
@@ -143,19 +142,12 @@ void Pipeline<Dim>::Move(const Motion& motion) {
 }
 
 template <int Dim>
-void Pipeline<Dim>::LearnRig(const Scan& scan, Stamp stamp, std::size_t radar_index) {
-  const std::optional<EgoVelocity>& velocity = ego_motion_.by_gyroscope();
-  if (velocity && learned_rig_.OnScan(stamp, radar_index, scan, *velocity)) {
-    submap_.DropPoints(static_cast<int>(radar_index));
-  }
-}
-
-template <int Dim>
 void Pipeline<Dim>::PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
                                  bool is_late, std::vector<RadarPoint>& points) {
-  const RadarModel& radar = *learned_rig_.rig().Find(scan.radar_id);
-  StaticPoints(scan, radar, ego_velocity, EffectiveStaticPoints(options_), points);
-  radar_monitor_.OnScan(stamp, IndexOf(radar), scan.size(), points.size(), is_late);
+  const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
+  StaticPoints(scan, learned_rig_.rig().radars[radar_index], ego_velocity,
+               EffectiveStaticPoints(options_), points);
+  radar_monitor_.OnScan(stamp, radar_index, scan.size(), points.size(), is_late);
 }
 
 template <int Dim>
@@ -319,34 +311,6 @@ void Pipeline<Dim>::UpdateOdometry(const std::optional<Registration<Dim>>& regis
                              outcome == RegistrationOutcome::kAccepted);
 }
 
-// What an accepted registration tells of beta, of the odometry and of the noise of both. It is one
-// of a vehicle that was tracking before it.
-template <int Dim>
-void Pipeline<Dim>::UpdateEstimators(const Registration<Dim>& registration,
-                                     const EgoVelocity& ego_velocity, Stamp stamp,
-                                     Workspace<Dim>& workspace) {
-  if (beta_monitor_.IsDue(stamp, submap_.span())) {
-    beta_monitor_.OnRegistration(
-        stamp, workspace.submap,
-        matcher_.Correspondences(workspace.submap.points, registration.T_local_vehicle,
-                                 workspace.registration),
-        registration.T_local_vehicle, ego_velocity);
-  }
-  // Registrations that share scans share their errors.
-  if (estimators_stamp_ && stamp - *estimators_stamp_ <= submap_.span()) return;
-  estimators_stamp_ = stamp;
-  const TangentMatrix<Dim> own = ResidualScaledCovariance<Dim>(registration);
-  const PoseEstimate<3> in_space =
-      ToSpace<Dim>({.pose = registration.T_local_vehicle,
-                    .covariance = pose_.noise_scales().RegistrationCovariance(own)},
-                   options_.unobserved);
-  const Pose3& T_map_local = matcher_.T_map_local();
-  ego_motion_.OnPose(T_map_local * in_space.pose, FlattenCovariance(in_space.covariance));
-  const Pose<Dim> T_map_vehicle =
-      FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registration.T_local_vehicle;
-  pose_.noise_scales().OnRegistration({.pose = T_map_vehicle, .covariance = own});
-}
-
 // A pose that is given up becomes a prior, but for a place that was refused.
 template <int Dim>
 void Pipeline<Dim>::HandleLoss(Stamp stamp) {
@@ -378,23 +342,21 @@ template <int Dim>
 FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
   std::optional<PoseEstimate<3>> pose;
   if (tracking_.has_pose()) pose = NowInMap();
-  const std::optional<PoseEstimate<3>> now =
-      CarriedToNow({fix.T_map_vehicle, fix.covariance}, stamp, pose, ego_motion_.history(),
-                   options_.fixes);
+  const std::optional<PoseEstimate<3>> now = CarriedToNow(
+      {fix.T_map_vehicle, fix.covariance}, stamp, pose, ego_motion_.history(), options_.fixes);
   if (!now) return FixUse::kOutOfTime;
   if (!pose) {
     relocalizer_.OnFix(*now);
     return FixUse::kGuidesSearch;
   }
   const FixVerdict verdict = fix_monitor_.Judge(stamp, *now, *pose);
-  if (verdict == FixVerdict::kInforms) Fuse(*now);
+  if (verdict == FixVerdict::kContradicts) return FixUse::kContradicted;
   if (verdict == FixVerdict::kInsists) {
     tracking_.OnFixesInsist();
     relocalizer_.SetPrior(*now);
-  }
-  if (verdict == FixVerdict::kInsists || verdict == FixVerdict::kContradicts) {
     return FixUse::kContradicted;
   }
+  if (verdict == FixVerdict::kInforms) Fuse(*now);
   tracking_.OnFixAgrees();
   return FixUse::kFused;
 }
@@ -404,13 +366,9 @@ template <int Dim>
 void Pipeline<Dim>::Fuse(const PoseEstimate<3>& T_map_vehicle) {
   Matrix6d covariance = kUnknownVariance * Matrix6d::Identity();
   covariance.topLeftCorner<2, 2>() = T_map_vehicle.covariance.topLeftCorner<2, 2>();
-  const PoseEstimate<Dim> factor =
-      FromSpace<Dim>(matcher_.T_map_local().Inverse() * T_map_vehicle.pose, covariance);
   pose_.AddState();
-  pose_.AddAbsolutePose({.pose = factor.pose,
-                         .covariance = factor.covariance,
-                         .reused_covariance = factor.covariance,
-                         .noise = {}});
+  pose_.AddPosition(
+      FromSpace<Dim>(matcher_.T_map_local().Inverse() * T_map_vehicle.pose, covariance));
 }
 
 template <int Dim>
@@ -419,7 +377,7 @@ Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
   answer.health = ReportHealth(stamp, ego_motion_, learned_rig_, radar_monitor_);
   answer.resets = reset_counter_.resets();
   answer.quality.live_point_count = static_cast<int>(submap_.point_count());
-  answer.quality.beta = beta_monitor_.Check(IndexOf(*learned_rig_.rig().Find(scan.radar_id)));
+  answer.quality.beta = learner_.CheckBeta(learned_rig_.IndexOf(scan.radar_id));
   if (!tracking_.has_pose()) {
     answer.covariance = kUnknownVariance * Matrix6d::Identity();
     if (const std::optional<PoseEstimate<3>>& prior = relocalizer_.prior()) {
@@ -440,10 +398,7 @@ Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
   }
   reset_counter_.OnAnswer(answer.T_map_vehicle);
   answer.resets = reset_counter_.resets();
-  for (int i = 0; i < Pose3::kDof; ++i) {
-    answer.observed[static_cast<std::size_t>(i)] =
-        i < 2 ? observability_.Observed(i) : Dim == 3 || i == 5;
-  }
+  answer.observed = observability_.ObservedDof(/*in_space=*/Dim == 3);
   return answer;
 }
 

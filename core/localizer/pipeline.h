@@ -8,6 +8,7 @@
 #include "core/localizer/fix_monitor.h"
 #include "core/localizer/localizer.h"
 #include "core/localizer/radar_monitor.h"
+#include "core/localizer/registration_learner.h"
 #include "core/localizer/registration_schedule.h"
 #include "core/localizer/reset_counter.h"
 #include "core/localizer/scan_checker.h"
@@ -19,7 +20,6 @@
 #include "core/registration/map_matcher.h"
 #include "core/relocalization/relocalizer.h"
 #include "core/submap/submap.h"
-#include "core/uncertainty/beta_monitor.h"
 #include "core/uncertainty/protection_level.h"
 
 namespace dcloc {
@@ -66,9 +66,7 @@ class Pipeline final : public AnyPipeline {
   void Start(const InitialPose& initial_pose);
 
   // The stages of one scan.
-  std::size_t IndexOf(const RadarModel& radar) const;
   void Move(const Motion& motion);
-  void LearnRig(const Scan& scan, Stamp stamp, std::size_t radar_index);
   void PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity, bool is_late,
                     std::vector<RadarPoint>& points);
   bool IsUsed(std::size_t radar_index, Stamp stamp) const;
@@ -83,8 +81,6 @@ class Pipeline final : public AnyPipeline {
                                  const EgoVelocity& ego_velocity, Workspace<Dim>& workspace);
   void UpdateOdometry(const std::optional<Registration<Dim>>& registration,
                       RegistrationOutcome outcome);
-  void UpdateEstimators(const Registration<Dim>& registration, const EgoVelocity& ego_velocity,
-                        Stamp stamp, Workspace<Dim>& workspace);
   void HandleLoss(Stamp stamp);
   Localization Answer(const Scan& scan, Stamp stamp);
 
@@ -105,17 +101,16 @@ class Pipeline final : public AnyPipeline {
   Relocalizer<Dim> relocalizer_;  // while there is no pose, or one that may be wrong
   CurrentPose<Dim> pose_;
   TrackingStateMachine tracking_;
-  BetaMonitor<Dim> beta_monitor_;
+  RegistrationLearner<Dim> learner_;
   ScanChecker<Dim> scan_checker_;
   FixMonitor fix_monitor_;
   ProtectionLevel protection_level_;
   ResetCounter reset_counter_;
   Observability observability_;
   std::optional<Stamp> observability_stamp_;
-  std::optional<Stamp> estimators_stamp_;  // of the last registration that they learned from
-  int factor_count_ = 0;                   // registrations since the pose graph was started
-  bool found_elsewhere_ = false;           // the newest registration is at a place just found
-  LocalizationQuality quality_;            // of the newest registration
+  int factor_count_ = 0;          // registrations since the pose graph was started
+  bool found_elsewhere_ = false;  // the newest registration is at a place just found
+  LocalizationQuality quality_;   // of the newest registration
 };
 
 }  // namespace dcloc

@@ -193,8 +193,8 @@ class TrackingStateMachine {
   std::optional<Stamp> last_accepted_;
   std::optional<Stamp> observed_since_;    // without a break
   std::optional<Stamp> unobserved_since_;  // without `min_observed`
-  bool is_unobserved_ = false;  // for longer than `max_unobserved`
-  std::optional<Stamp> uncertain_since_;  // while lost: less certain than lost_sigma_m
+  bool is_unobserved_ = false;             // for longer than `max_unobserved`
+  std::optional<Stamp> uncertain_since_;   // while lost: less certain than lost_sigma_m
   std::optional<Stamp> last_lost_to_outliers_;
   bool contradicted_ = false;
 };

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -43,6 +44,11 @@ class LearnedRig {
 
   /// As corrected so far; it has the described radars, in their order.
   const Rig& rig() const { return rig_; }
+
+  /// Of a radar of the rig.
+  std::size_t IndexOf(std::string_view radar_id) const {
+    return static_cast<std::size_t>(rig_.Find(radar_id) - rig_.radars.data());
+  }
 
   /// A scan of radar `index`, of a vehicle that moves with `velocity`, whose yaw rate others
   /// than radars say. Returns whether its mount has been corrected.

@@ -42,10 +42,10 @@ class Targets {
     }
   }
 
-  // Of the direction in which the radar moves, by what is not known of the yaw rate.
+  // Of the direction in which the radar moves: a yaw rate may be wrong by as much as it is.
   double DirectionVariance(const EgoVelocity& velocity) const {
-    if (!velocity.covariance) return 0.0;
-    return (*velocity.covariance)(5, 5) * lever_m_ * lever_m_ /
+    const double known = velocity.covariance ? (*velocity.covariance)(5, 5) : 0.0;
+    return (known + std::pow(velocity.angular_radps.z(), 2)) * lever_m_ * lever_m_ /
            velocity.linear_mps.head<2>().squaredNorm();
   }
 
@@ -64,9 +64,9 @@ class Targets {
     const double c = std::cos(yaw_rad);
     const double s = std::sin(yaw_rad);
     const double speed_sigma = options.speed_sigma_share;
-    Eigen::Matrix2d normal = Eigen::Vector2d(1.0 / (kAnywhere_rad * kAnywhere_rad),
-                                             1.0 / (speed_sigma * speed_sigma))
-                                 .asDiagonal();
+    Eigen::Matrix2d normal =
+        Eigen::Vector2d(1.0 / (kAnywhere_rad * kAnywhere_rad), 1.0 / (speed_sigma * speed_sigma))
+            .asDiagonal();
     Eigen::Vector2d right = Eigen::Vector2d::Zero();
     for (const Target& t : targets_) {
       const double predicted_mps = -(c * t.along_mps + s * t.across_mps);
@@ -74,8 +74,7 @@ class Targets {
       if (std::abs(residual_mps) > options.inlier_gate_mps) continue;
       const double by_yaw = s * t.along_mps - c * t.across_mps;
       const Eigen::Vector2d row(by_yaw, predicted_mps);
-      const double variance =
-          t.sigma_mps * t.sigma_mps + std::pow(t.azimuth_sigma_rad * by_yaw, 2);
+      const double variance = t.sigma_mps * t.sigma_mps + std::pow(t.azimuth_sigma_rad * by_yaw, 2);
       normal += row * row.transpose() / variance;
       right += row * residual_mps / variance;
     }
@@ -134,8 +133,8 @@ std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel&
   for (int i = -trials; i <= trials; ++i) {
     const double yaw_rad = expected_rad + i * kTrialStep_rad;
     const int count = targets.CountInliers(yaw_rad, options.inlier_gate_mps);
-    if (count > most || (count == most && std::abs(i * kTrialStep_rad) <
-                                              std::abs(best_rad - expected_rad))) {
+    if (count > most ||
+        (count == most && std::abs(i * kTrialStep_rad) < std::abs(best_rad - expected_rad))) {
       most = count;
       best_rad = yaw_rad;
     }
@@ -162,8 +161,8 @@ bool MountYawEstimator::OnScan(Stamp stamp, const Scan& scan, const RadarModel& 
   if (!reading) reading = MountYawOfScan(scan, radar, velocity, 0.0, kAnywhere_rad, options_);
   if (!reading) return false;
   last_ = stamp;
-  error_.variance += std::pow(options_.drift_sigma_rad, 2) *
-                     std::chrono::duration<double>(since_last).count();
+  error_.variance +=
+      std::pow(options_.drift_sigma_rad, 2) * std::chrono::duration<double>(since_last).count();
   TakeIn(*reading);
   return true;
 }

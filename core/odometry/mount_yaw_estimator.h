@@ -18,7 +18,7 @@ namespace dcloc {
 struct MountYawOptions {
   /// A vehicle that drives straight moves as it looks. Slower, or in a curve, it tells less.
   double min_speed_mps = 3.0;
-  double max_yaw_rate_radps = 0.03;
+  double max_yaw_rate_radps = 0.1;
   /// Readings that follow one another sooner share their errors.
   std::chrono::nanoseconds interval = std::chrono::milliseconds(150);
   /// A reading needs so many targets, and this share, that stand still as seen from a turned mount.

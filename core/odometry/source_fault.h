@@ -21,8 +21,8 @@ enum class SourceFault : std::size_t {
   kClock,     ///< its stamps come late, or its clock was set
 };
 inline constexpr std::array<const char*, 12> kSourceFaultNames = {
-    "none", "silent", "standing", "frozen",  "sign",  "scale",
-    "bias", "slip",   "doppler",  "mount",   "map",   "clock"};
+    "none", "silent", "standing", "frozen", "sign", "scale",
+    "bias", "slip",   "doppler",  "mount",  "map",  "clock"};
 
 constexpr const char* NameOf(SourceFault fault) {
   return kSourceFaultNames[static_cast<std::size_t>(fault)];

@@ -158,7 +158,7 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
 // All that explain the readings equally well stay as probable as they are, for ever, unless a
 // registration speaks for one. So they begin anew, without the one that was in vain.
 void SourceMonitor::TryOthers(Stamp stamp, const OdometryReadings& readings) {
-  if (!accepted_or_tried_) accepted_or_tried_ = stamp;
+  if (!accepted_or_tried_ || best().sound.all()) accepted_or_tried_ = stamp;
   if (stamp - *accepted_or_tried_ < trial_count_ * options_.trial_span) return;
   accepted_or_tried_ = stamp;
   // To find a place takes the right ones their time.
@@ -195,8 +195,7 @@ double SourceMonitor::LogTransition(const OdometrySources& before, const Odometr
     const Change& change = before[source] ? failure : recovery;
     return before[source] == after[source] ? change.log_stay : change.log_change;
   };
-  double log_probability =
-      log_of(kDoppler, transitions.doppler_failure, transitions.recovery);
+  double log_probability = log_of(kDoppler, transitions.doppler_failure, transitions.recovery);
   const bool both_sound = before[kWheelSpeed] && before[kYawRate];
   const bool both_failed = !before[kWheelSpeed] && !before[kYawRate];
   if (both_sound && !after[kWheelSpeed] && !after[kYawRate]) {
@@ -221,8 +220,7 @@ SourceMonitor::Hypothesis SourceMonitor::MostProbablePredecessor(
   const Hypothesis* chosen = nullptr;
   double chosen_log_weight = -std::numeric_limits<double>::infinity();
   for (const Hypothesis& before : hypotheses_) {
-    const double log_weight =
-        before.log_weight + LogTransition(before.sound, sound, transitions);
+    const double log_weight = before.log_weight + LogTransition(before.sound, sound, transitions);
     if (log_weight <= chosen_log_weight) continue;
     chosen_log_weight = log_weight;
     chosen = &before;

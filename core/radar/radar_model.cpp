@@ -83,9 +83,8 @@ absl::Status Validate(const Rig& rig) {
 absl::Status Validate(const Scan& scan, const Rig& rig) {
   if (absl::Status status = Validate(scan); !status.ok()) return status;
   if (rig.Find(scan.radar_id) == nullptr) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("radar_id '%s' is not one of the rig's %d radars", scan.radar_id,
-                        rig.radars.size()));
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "radar_id '%s' is not one of the rig's %d radars", scan.radar_id, rig.radars.size()));
   }
   return absl::OkStatus();
 }

@@ -37,6 +37,12 @@ bool Observability::Observed(int axis) const {
   });
 }
 
+std::bitset<6> Observability::ObservedDof(bool in_space) const {
+  std::bitset<6> observed(in_space ? 0b111100 : 0b100000);
+  for (int axis = 0; axis < 2; ++axis) observed[static_cast<std::size_t>(axis)] = Observed(axis);
+  return observed;
+}
+
 Eigen::Matrix2d Observability::DegeneracyCovariance() const {
   Eigen::Matrix2d degeneracy = Eigen::Matrix2d::Zero();
   for (const Direction& direction : directions) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <bitset>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct Observability {
   /// Whether the vehicle's x or y axis (0, 1) is observed: no more than half of it lies along a
   /// direction that is not.
   bool Observed(int axis) const;
+
+  /// Of x, y, z, roll, pitch and yaw, in the plane or `in_space`.
+  std::bitset<6> ObservedDof(bool in_space) const;
 
   /// Whether every direction is observed.
   bool ObservesAll() const { return directions[0].observed && directions[1].observed; }

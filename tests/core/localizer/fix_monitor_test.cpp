@@ -5,8 +5,7 @@
 namespace dcloc {
 namespace {
 
-PoseEstimate<3> Estimate(double x_m, double y_m, double yaw_rad, double sigma_m,
-                         double sigma_rad) {
+PoseEstimate<3> Estimate(double x_m, double y_m, double yaw_rad, double sigma_m, double sigma_rad) {
   Vector6d sigmas;
   sigmas << sigma_m, sigma_m, 1.0, 0.05, 0.05, sigma_rad;
   return {.pose = Embed(Pose2{.translation_m = {x_m, y_m}, .yaw_rad = yaw_rad}),

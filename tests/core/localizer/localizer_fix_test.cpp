@@ -29,7 +29,8 @@ class LocalizerFixTest : public OnARoad {
       if (answer.ok()) answers.push_back({*answer, drive[i].T_map_vehicle});
       if (i % 5 != 0) continue;
       const bool is_off = i >= begin;
-      last_use_ = *localizer.TakeFix(FixAt(drive[i], is_off ? ahead_m : 0.3, is_off ? left_m : 0.2));
+      last_use_ =
+          *localizer.TakeFix(FixAt(drive[i], is_off ? ahead_m : 0.3, is_off ? left_m : 0.2));
     }
     return answers;
   }
@@ -60,10 +61,10 @@ TEST_F(LocalizerFixTest, ReflectionsForceNoPose) {
 }
 
 TEST_F(LocalizerFixTest, CorrectAWrongPriorThatLooksRight) {
-  const Errors errors = ErrorsOf(
-      Localize(MakeLocalizer(map_, FrontRadar(),
-                             PriorAt(Start() * Embed(Pose2{.translation_m = {40.0, 0.0}}), 0.5, 0.02)),
-               drive_, 0.3, 0.2));
+  const Errors errors = ErrorsOf(Localize(
+      MakeLocalizer(map_, FrontRadar(),
+                    PriorAt(Start() * Embed(Pose2{.translation_m = {40.0, 0.0}}), 0.5, 0.02)),
+      drive_, 0.3, 0.2));
   EXPECT_LT(errors.max_m, 2.0);
   EXPECT_GT(errors.tracking_count, static_cast<int>(drive_.size()) / 3);
 }

@@ -20,7 +20,9 @@ using AllOptions =
                      MotionOptions, OdometryErrorFilterOptions, StaticPointsOptions,
                      RegistrationScheduleOptions, GicpOptions, RegistrationGate, MapMatcherOptions,
                      PosePriorOptions, GlobalLocalizerOptions, RegistrationFactorOptions,
-                     PoseGraphOptions, TrackingOptions, UnobservedSigmas, LocalizerOptions>;
+                     PoseGraphOptions, TrackingOptions, UnobservedSigmas, MountYawOptions,
+                     LearnedRigOptions, RadarMonitorOptions, FixMonitorOptions, ResetOptions,
+                     ProtectionLevelOptions, SourceMonitorOptions, LocalizerOptions>;
 TYPED_TEST_SUITE(StageOptionsTest, AllOptions);
 
 TYPED_TEST(StageOptionsTest, EachFieldIsBounded) { ExpectEachFieldIsBounded<TypeParam>(); }

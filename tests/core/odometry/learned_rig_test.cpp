@@ -44,17 +44,17 @@ class LearnedRigTest : public ::testing::Test {
 
 TEST_F(LearnedRigTest, ARightMountIsNotTouched) {
   EXPECT_EQ(Drive(described_, 1.0, straight_, 100), 0);
-  EXPECT_TRUE(rig_.rig().radars[0].T_vehicle_radar.rotation.isApprox(
-      described_.T_vehicle_radar.rotation));
+  EXPECT_TRUE(
+      rig_.rig().radars[0].T_vehicle_radar.rotation.isApprox(described_.T_vehicle_radar.rotation));
   EXPECT_EQ(rig_.FaultOf(0, stamp_), SourceFault::kNone);
 }
 
 TEST_F(LearnedRigTest, ATurnedMountIsCorrectedAndToldOf) {
   const RadarModel real = Turned(described_, 7.0);
   EXPECT_GE(Drive(real, 1.0, straight_, 10), 1);
-  EXPECT_LT(rig_.rig().radars[0].T_vehicle_radar.rotation.angularDistance(
-                real.T_vehicle_radar.rotation),
-            0.6 * kRadPerDeg);
+  EXPECT_LT(
+      rig_.rig().radars[0].T_vehicle_radar.rotation.angularDistance(real.T_vehicle_radar.rotation),
+      0.6 * kRadPerDeg);
   EXPECT_TRUE(rig_.IsUsable(0, stamp_));
   EXPECT_EQ(rig_.FaultOf(0, stamp_), SourceFault::kMount);
   EXPECT_EQ(rig_.FaultOf(1, stamp_), SourceFault::kNone);
@@ -74,7 +74,8 @@ TEST_F(LearnedRigTest, ARadarThatLooksElsewhereIsSetAside) {
 
 TEST_F(LearnedRigTest, MirroredAzimuthsAreFoundInACurve) {
   Drive(described_, -1.0, straight_, 20);
-  EXPECT_TRUE(rig_.IsUsable(0, stamp_)) << "straight ahead a mirrored radar sees what a right one sees";
+  EXPECT_TRUE(rig_.IsUsable(0, stamp_))
+      << "straight ahead a mirrored radar sees what a right one sees";
   Drive(described_, -1.0, curve_, 30);
   EXPECT_FALSE(rig_.IsUsable(0, stamp_));
   Drive(described_, 1.0, curve_, 30);

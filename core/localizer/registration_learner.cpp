@@ -1,0 +1,38 @@
+#include "core/localizer/registration_learner.h"
+
+#include "core/uncertainty/registration_factor.h"
+
+namespace dcloc {
+
+template <int Dim>
+void RegistrationLearner<Dim>::OnAccepted(Stamp stamp, const Registration<Dim>& registration,
+                                          const EgoVelocity& ego_velocity,
+                                          std::chrono::nanoseconds submap_span,
+                                          const MapMatcher<Dim>& matcher, EgoMotion& ego_motion,
+                                          CurrentPose<Dim>& pose, Workspace<Dim>& workspace) {
+  if (beta_monitor_.IsDue(stamp, submap_span)) {
+    beta_monitor_.OnRegistration(
+        stamp, workspace.submap,
+        matcher.Correspondences(workspace.submap.points, registration.T_local_vehicle,
+                                workspace.registration),
+        registration.T_local_vehicle, ego_velocity);
+  }
+  // Registrations that share scans share their errors.
+  if (learned_ && stamp - *learned_ <= submap_span) return;
+  learned_ = stamp;
+  const TangentMatrix<Dim> own = ResidualScaledCovariance<Dim>(registration);
+  const PoseEstimate<3> in_space =
+      ToSpace<Dim>({.pose = registration.T_local_vehicle,
+                    .covariance = pose.noise_scales().RegistrationCovariance(own)},
+                   unobserved_);
+  const Pose3& T_map_local = matcher.T_map_local();
+  ego_motion.OnPose(T_map_local * in_space.pose, FlattenCovariance(in_space.covariance));
+  const Pose<Dim> T_map_vehicle =
+      FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registration.T_local_vehicle;
+  pose.noise_scales().OnRegistration({.pose = T_map_vehicle, .covariance = own});
+}
+
+template class RegistrationLearner<2>;
+template class RegistrationLearner<3>;
+
+}  // namespace dcloc

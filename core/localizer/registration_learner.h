@@ -1,0 +1,40 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+
+#include "core/geometry/pose_estimate.h"
+#include "core/localizer/current_pose.h"
+#include "core/localizer/workspace.h"
+#include "core/odometry/ego_motion.h"
+#include "core/registration/map_matcher.h"
+#include "core/uncertainty/beta_monitor.h"
+
+namespace dcloc {
+
+/// Teaches what an accepted registration tells of beta, of the odometry and of the noise of both.
+template <int Dim>
+class RegistrationLearner {
+ public:
+  RegistrationLearner(const Rig& rig, const BetaMonitorOptions& options,
+                      const UnobservedSigmas& unobserved)
+      : unobserved_(unobserved), beta_monitor_(rig, options) {}
+
+  /// `registration` puts a vehicle that was tracking in the local map of `matcher` at `stamp`. It
+  /// is of the sub-map in `workspace`, whose scans span `submap_span`.
+  void OnAccepted(Stamp stamp, const Registration<Dim>& registration,
+                  const EgoVelocity& ego_velocity, std::chrono::nanoseconds submap_span,
+                  const MapMatcher<Dim>& matcher, EgoMotion& ego_motion, CurrentPose<Dim>& pose,
+                  Workspace<Dim>& workspace);
+
+  /// What is known of the beta of a radar.
+  BetaCheck CheckBeta(std::size_t radar_index) const { return beta_monitor_.Check(radar_index); }
+
+ private:
+  UnobservedSigmas unobserved_;
+  BetaMonitor<Dim> beta_monitor_;
+  std::optional<Stamp> learned_;  // when the odometry and the noise were
+};
+
+}  // namespace dcloc
