@@ -92,12 +92,14 @@ absl::Status ListSessions(const SessionRegistry& registry, const Principal& prin
 }  // namespace
 
 AdminService::AdminService(ServerFacts facts, SessionRegistry& registry,
-                           RecordingRequests& recordings, StorageHost host, DrainControl drain)
+                           RecordingRequests& recordings, StorageHost host, DrainControl drain,
+                           std::function<ServerGauges()> gauges)
     : facts_(std::move(facts)),
       registry_(registry),
       recordings_(recordings),
       host_(host),
-      drain_(std::move(drain)) {}
+      drain_(std::move(drain)),
+      gauges_(std::move(gauges)) {}
 
 void AdminService::Describe(v1::GetServerStateResponse* response) const {
   response->set_server_version(facts_.version);
@@ -105,7 +107,7 @@ void AdminService::Describe(v1::GetServerStateResponse* response) const {
   response->set_worker_count(facts_.worker_count);
   response->set_session_count(registry_.count());
   response->set_detached_session_count(registry_.detached_count());
-  response->set_max_session_count(facts_.max_session_count);
+  response->set_max_session_count(registry_.max_session_count());
   response->set_loaded_map_count(host_.store.loaded_map_count());
   response->set_scan_count(registry_.totals().answered);
   response->set_rejected_scan_count(registry_.totals().rejected);
@@ -114,6 +116,13 @@ void AdminService::Describe(v1::GetServerStateResponse* response) const {
   response->set_resume_count(registry_.resume_count());
   response->set_stub_matcher(facts_.stub_matcher);
   response->set_draining(drain_.draining());
+  const ServerGauges gauges = gauges_();
+  response->set_unopened_stream_count(gauges.unopened_stream_count);
+  response->set_max_unopened_stream_count(gauges.max_unopened_stream_count);
+  if (gauges.certificate_expire_time) {
+    *response->mutable_certificate_expire_time() = ToTimestamp(*gauges.certificate_expire_time);
+    response->set_certificate_fault(gauges.certificate_fault);
+  }
 }
 
 grpc::ServerUnaryReactor* AdminService::GetServerState(grpc::CallbackServerContext* context,
@@ -153,7 +162,7 @@ grpc::ServerUnaryReactor* AdminService::EndSession(grpc::CallbackServerContext* 
 
 grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
     grpc::CallbackServerContext* context, const v1::WatchSessionRequest* request) {
-  std::shared_ptr<WatchStream> stream = WatchStream::Start(host_.open_calls);
+  std::shared_ptr<WatchStream> stream = WatchStream::Start(host_, context);
   // The call lives until `Begin`, and so do the context and the request.
   host_.pool.Post([this, context, request, stream] {
     const auto principal = host_.access.Authorize(*context, v1::WatchSessionRequest::descriptor());
@@ -171,7 +180,7 @@ grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
 grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession(
     grpc::CallbackServerContext* context, const v1::RecordSessionRequest* request) {
   std::shared_ptr<RecordStream> stream =
-      RecordStream::Start(host_.open_calls, absl::StrCat("dcloc-server ", facts_.version));
+      RecordStream::Start(host_, context, absl::StrCat("dcloc-server ", facts_.version));
   // The call lives until `Begin`, and so do the context and the request.
   host_.pool.Post([this, context, request, stream] {
     const auto principal = host_.access.Authorize(*context, v1::RecordSessionRequest::descriptor());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "dcloc/v1/admin_service.grpc.pb.h"
@@ -16,8 +17,15 @@ struct ServerFacts {
   std::string version;
   SystemTime start_time;
   int worker_count = 0;
-  int max_session_count = 0;
   bool stub_matcher = false;
+};
+
+/// The part that does, beside sessions and maps.
+struct ServerGauges {
+  int unopened_stream_count = 0;
+  int max_unopened_stream_count = 0;
+  std::optional<SystemTime> certificate_expire_time;  ///< none without TLS
+  std::string certificate_fault;
 };
 
 /// How to empty the server.
@@ -31,7 +39,7 @@ class AdminService final : public v1::AdminService::CallbackService {
  public:
   /// `registry` and `recordings` outlive the service's calls.
   AdminService(ServerFacts facts, SessionRegistry& registry, RecordingRequests& recordings,
-               StorageHost host, DrainControl drain);
+               StorageHost host, DrainControl drain, std::function<ServerGauges()> gauges);
 
   grpc::ServerUnaryReactor* GetServerState(grpc::CallbackServerContext* context,
                                            const v1::GetServerStateRequest* request,
@@ -62,6 +70,7 @@ class AdminService final : public v1::AdminService::CallbackService {
   RecordingSlots recording_slots_;
   const StorageHost host_;
   const DrainControl drain_;
+  const std::function<ServerGauges()> gauges_;
 };
 
 }  // namespace dcloc::server

@@ -2,6 +2,7 @@
 
 #include <grpcpp/support/server_callback.h>
 
+#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <memory>
@@ -9,34 +10,46 @@
 #include <utility>
 
 #include "absl/status/status.h"
-#include "server/base/open_calls.h"
 #include "server/base/status.h"
+#include "server/rpc/storage_host.h"
 
 namespace dcloc::server {
 
 /// A call that streams messages to its caller, in order. Pushing never waits: messages are queued,
-/// and a derived class decides what happens when the queue is full. Thread-safe.
+/// and a derived class decides what happens when the queue is full. A caller who does not read for
+/// `peer_timeout_ms` is cut off. Thread-safe.
 template <typename Message>
-class PushStream : public grpc::ServerWriteReactor<Message> {
+class PushStream : public grpc::ServerWriteReactor<Message>, public PeerBoundCall {
  public:
   void OnWriteDone(bool ok) override {
     const std::lock_guard lock(mutex_);
     write_under_way_ = false;
+    peer_wait_.End();
     if (!ok) EndLocked(grpc::Status::CANCELLED);
     Pump();
   }
 
   void OnCancel() override { End(grpc::Status(grpc::StatusCode::CANCELLED, "cancelled")); }
 
+  void CheckPeer(PeerWait::Clock::time_point now) override {
+    const std::lock_guard lock(mutex_);
+    if (state_ == State::kFinished || !peer_wait_.TakeOverdue(now)) return;
+    ++host_.peer_bound_calls.faults().not_reading;
+    context_->TryCancel();
+  }
+
   void OnDone() override { const std::shared_ptr<PushStream> last = std::move(self_); }
 
  protected:
-  explicit PushStream(OpenCalls& open_calls) : token_(open_calls) {}
+  PushStream(const StorageHost& host, grpc::CallbackServerContext* context)
+      : host_(host), context_(context), token_(host.open_calls) {}
 
   /// Lives from here until the call is done and others have let go of it.
   template <typename Stream>
   static std::shared_ptr<Stream> Hold(std::shared_ptr<Stream> stream) {
-    static_cast<PushStream&>(*stream).self_ = stream;
+    PushStream& base = *stream;
+    base.self_ = stream;
+    base.host_.peer_bound_calls.Add(stream);
     return stream;
   }
 
@@ -79,6 +92,7 @@ class PushStream : public grpc::ServerWriteReactor<Message> {
       waiting_.pop_front();
       OnWrite(message_);
       write_under_way_ = true;
+      peer_wait_.Begin(std::chrono::milliseconds(host_.limits.peer_timeout_ms));
       this->StartWrite(&message_);
     } else if (state_ == State::kEnding) {
       state_ = State::kFinished;
@@ -94,7 +108,10 @@ class PushStream : public grpc::ServerWriteReactor<Message> {
   enum class State { kOpen, kEnding, kFinished };
 
   std::shared_ptr<PushStream> self_;  ///< reset by OnDone
+  const StorageHost& host_;
+  grpc::CallbackServerContext* const context_;
   const OpenCalls::Token token_;
+  PeerWait peer_wait_;
   State state_ = State::kOpen;
   bool begin_under_way_ = true;  ///< a task may use the call's context and request
   bool write_under_way_ = false;

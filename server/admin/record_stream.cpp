@@ -13,8 +13,10 @@ std::shared_ptr<void> RecordingSlots::Take(int max) {
   return {taken_.get(), [taken = taken_](void*) { taken->fetch_sub(1); }};
 }
 
-std::shared_ptr<RecordStream> RecordStream::Start(OpenCalls& open_calls, std::string program) {
-  return Hold(std::shared_ptr<RecordStream>(new RecordStream(open_calls, std::move(program))));
+std::shared_ptr<RecordStream> RecordStream::Start(const StorageHost& host,
+                                                  grpc::CallbackServerContext* context,
+                                                  std::string program) {
+  return Hold(std::shared_ptr<RecordStream>(new RecordStream(host, context, std::move(program))));
 }
 
 void RecordStream::Begin(const absl::Status& status, std::shared_ptr<void> slot) {

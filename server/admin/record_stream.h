@@ -32,7 +32,9 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   static constexpr std::size_t kMaxWaiting_bytes = 32 << 20;
 
   /// `program` is named in the recording.
-  static std::shared_ptr<RecordStream> Start(OpenCalls& open_calls, std::string program);
+  static std::shared_ptr<RecordStream> Start(const StorageHost& host,
+                                             grpc::CallbackServerContext* context,
+                                             std::string program);
 
   /// Says whether the caller may record; then it holds `slot`, else the call ends. Nothing is
   /// written before.
@@ -43,8 +45,8 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   void OnEnd() override { End(grpc::Status::OK); }
 
  private:
-  RecordStream(OpenCalls& open_calls, std::string program)
-      : PushStream(open_calls), program_(std::move(program)) {}
+  RecordStream(const StorageHost& host, grpc::CallbackServerContext* context, std::string program)
+      : PushStream(host, context), program_(std::move(program)) {}
 
   void Push(v1::RecordSessionResponse message);
   void OnWrite(v1::RecordSessionResponse& message) override;

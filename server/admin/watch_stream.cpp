@@ -7,8 +7,9 @@ constexpr std::size_t kMaxWaitingAnswers = 64;
 
 }  // namespace
 
-std::shared_ptr<WatchStream> WatchStream::Start(OpenCalls& open_calls) {
-  return Hold(std::shared_ptr<WatchStream>(new WatchStream(open_calls)));
+std::shared_ptr<WatchStream> WatchStream::Start(const StorageHost& host,
+                                                grpc::CallbackServerContext* context) {
+  return Hold(std::shared_ptr<WatchStream>(new WatchStream(host, context)));
 }
 
 void WatchStream::OnAnswer(const ScanAnswer& answer) {

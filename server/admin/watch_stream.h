@@ -13,7 +13,8 @@ namespace dcloc::server {
 /// answers; the session never waits.
 class WatchStream final : public PushStream<v1::WatchSessionResponse>, public AnswerSubscriber {
  public:
-  static std::shared_ptr<WatchStream> Start(OpenCalls& open_calls);
+  static std::shared_ptr<WatchStream> Start(const StorageHost& host,
+                                            grpc::CallbackServerContext* context);
 
   /// Says whether the session was found. If not, the call ends. Nothing is written before.
   void Begin(const absl::Status& status) { BeginWith(status); }
@@ -22,7 +23,7 @@ class WatchStream final : public PushStream<v1::WatchSessionResponse>, public An
   void OnEnd() override { End(grpc::Status::OK); }
 
  private:
-  explicit WatchStream(OpenCalls& open_calls) : PushStream(open_calls) {}
+  using PushStream::PushStream;
 
   void OnWrite(v1::WatchSessionResponse& message) override;
 

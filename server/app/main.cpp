@@ -73,7 +73,7 @@ int WaitForStop(const sigset_t& signals, int argc, const char* const* argv, Serv
 }
 
 int CheckConfig(const ServerConfig& config) {
-  const absl::Status status = MakeCredentials(config).status();
+  const absl::Status status = MakeCredentials(config, std::make_shared<CallGate>(0)).status();
   if (!status.ok()) {
     std::cerr << "dcloc-server: " << status.message() << "\n";
     return EXIT_FAILURE;

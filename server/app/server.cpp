@@ -9,11 +9,14 @@
 #include <latch>
 #include <thread>
 #include <utility>
+#include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "core/localizer/workspace.h"
 #include "server/admin/admin_service.h"
 #include "server/app/state_metrics.h"
 #include "server/app/storage.h"
+#include "server/app/transport.h"
 #include "server/base/status.h"
 #include "server/base/ticker.h"
 #include "server/config/credentials.h"
@@ -24,6 +27,7 @@
 #include "server/net/listen_address.h"
 #include "server/net/listener.h"
 #include "server/net/liveness.h"
+#include "server/net/readiness.h"
 #include "server/net/self_probe.h"
 #include "server/net/service_manager.h"
 #include "server/sessions/move_sessions.h"
@@ -33,24 +37,10 @@
 namespace dcloc::server {
 namespace {
 
-constexpr int kMaxMetadata_bytes = 16 << 10;
 /// What waits for a disk needs few threads; what reads whole maps has its own, which take the
 /// processor after those that localize.
 constexpr int kStorageThreads = 2;
 constexpr int kMapThreads = 2;
-/// A vehicle that is gone is noticed within their sum; clients may ping as often as the minimum.
-constexpr int kKeepaliveTime_ms = 30'000;
-constexpr int kKeepaliveTimeout_ms = 10'000;
-constexpr int kMinClientPingInterval_ms = 5'000;
-
-void WarnOfFewFiles(const ServerConfig& config) {
-  if (Listener::MaxDescriptor() >= config.max_session_count) return;
-  spdlog::warn(
-      "max_session_count is {}, and files are left for {} connections: raise the limit of "
-      "open files (LimitNOFILE)",
-      config.max_session_count, std::max(0, Listener::MaxDescriptor()));
-}
-
 absl::Status SayWhoIsLetIn(const AccessControl& access, const ServerConfig& config) {
   const absl::StatusOr<bool> open = access.IsOpen();
   if (!open.ok()) return open.status();
@@ -68,6 +58,10 @@ absl::Status SayWhoIsLetIn(const AccessControl& access, const ServerConfig& conf
 constexpr std::chrono::milliseconds kLastBytesGrace(200);
 constexpr std::chrono::seconds kSelfProbeTimeout(3);
 constexpr std::chrono::milliseconds kReadyTimeout(800);
+/// How old the answer to whether the server is ready may be.
+constexpr std::chrono::milliseconds kReadyInterval(500);
+/// How often the files of certificates are looked at.
+constexpr std::chrono::seconds kCertificateInterval(1);
 /// How exactly timeouts of sessions are kept.
 constexpr std::chrono::milliseconds kTickInterval(100);
 /// How exactly the timeout of unfinished uploads is kept.
@@ -101,25 +95,17 @@ void RemoveStaleUploads(MapStore& store) {
   }
 }
 
-void SetLimits(const ServerConfig& config, grpc::ServerBuilder& builder) {
-  builder.SetMaxReceiveMessageSize(config.max_message_kib << 10);
-  builder.SetMaxSendMessageSize(config.max_message_kib << 10);
-  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMaxMetadata_bytes);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
-                             kMinClientPingInterval_ms);
-}
-
 }  // namespace
 
 /// In the order in which they are built; they go in the reverse one. The pools go before what their
 /// tasks use.
 struct Server::Parts {
-  Parts(const ServerConfig& server_config, Storage opened)
+  Parts(const ServerConfig& server_config, Storage opened, std::shared_ptr<CallGate> call_gate,
+        std::shared_ptr<ServedCertificates> served_certificates)
       : config(server_config),
         drain_grace(config.drain_grace_ms),
+        gate(std::move(call_gate)),
+        certificates(std::move(served_certificates)),
         limits(config),
         kept(std::move(opened)),
         access(*kept.identities, config.require_identity),
@@ -151,15 +137,17 @@ struct Server::Parts {
         admin({.version = DCLOC_VERSION,
                .start_time = std::chrono::system_clock::now(),
                .worker_count = localization_pool.thread_count(),
-               .max_session_count = config.max_session_count,
                .stub_matcher = config.stub_matcher},
               registry, recordings, storage,
               {.drain = [this] { return Drain(drain_grace); },
-               .draining = [this] { return localization.draining(); }}),
+               .draining = [this] { return localization.draining(); }},
+              [this] { return Gauges(); }),
         ticker(kTickInterval,
                [this] {
                  const auto now = std::chrono::steady_clock::now();
                  registry.Reap(now);
+                 peer_bound_calls.Check(now);
+                 if (access.needs_proof()) gate->SetProofNeeded(true);
                  if (!localization.EndOverdue(now)) return;
                  // Nobody can resume them here any more.
                  registry.RemoveDetached("the server is draining");
@@ -168,6 +156,18 @@ struct Server::Parts {
     // The pools' threads are older than what they will use of this; their locks hand it to them.
     storage_pool.Post([] {});
     localization_pool.Post([] {});
+  }
+
+  ServerGauges Gauges() const {
+    ServerGauges gauges{.unopened_stream_count = localization.unopened_count(),
+                        .max_unopened_stream_count = limits.max_unopened_stream_count,
+                        .certificate_expire_time = std::nullopt,
+                        .certificate_fault = ""};
+    if (certificates == nullptr) return gauges;
+    ServedCertificates::State state = certificates->state();
+    gauges.certificate_expire_time = state.expire_time;
+    gauges.certificate_fault = std::move(state.fault);
+    return gauges;
   }
 
   ScanLocalizerFactory MakeLocalizerFactory() {
@@ -186,6 +186,32 @@ struct Server::Parts {
             .create_localizer = MakeLocalizerFactory(),
             .answer_history_count = config.answer_history_count,
             .detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms)};
+  }
+
+  /// Takes new certificates, and says so when those that are shown have expired.
+  void WatchCertificates() {
+    if (certificates == nullptr) return;
+    spdlog::info("certificate shown expires={}", DateText(certificates->state().expire_time));
+    certificate_ticker = std::make_unique<Ticker>(kCertificateInterval, [this] {
+      const SystemTime now = std::chrono::system_clock::now();
+      certificates->Refresh(now);
+      health->SetTrustworthy(now < certificates->state().expire_time);
+    });
+  }
+
+  /// Why not, or what there is to say.
+  absl::StatusOr<std::string> Ready() const {
+    if (localization.draining()) return absl::UnavailableError("the server is draining");
+    if (certificates != nullptr) {
+      const ServedCertificates::State state = certificates->state();
+      if (state.expire_time <= std::chrono::system_clock::now()) {
+        return absl::UnavailableError(
+            absl::StrCat("the certificate expired at ", DateText(state.expire_time)));
+      }
+      if (!state.fault.empty()) return absl::StrCat("ready; certificate not taken: ", state.fault);
+    }
+    if (absl::Status status = readiness->status(); !status.ok()) return status;
+    return "ready";
   }
 
   /// Not ready any more, and the sessions are told to move; gives how many were told.
@@ -220,22 +246,31 @@ struct Server::Parts {
         .localization_pool = localization_pool,
         .storage_pool = storage_pool,
         .draining = [this] { return localization.draining(); },
+        .unopened_stream_count = [this] { return localization.unopened_count(); },
+        .limits = limits,
+        .peer_faults = peer_bound_calls.faults(),
+        .refused_calls = gate->refused(),
+        .certificates = certificates.get(),
         .answering = [this] { return liveness->ok(); },
         .refused_connection_count = [this] { return listener->refused_count(); },
         .version = DCLOC_VERSION});
-    const auto ready = [this]() -> absl::Status {
-      if (localization.draining()) return absl::UnavailableError("the server is draining");
+    readiness = std::make_unique<Readiness>([this] {
       return ProbeListener(*ParseListenAddress(address), !config.tls_cert.empty(), kReadyTimeout);
-    };
-    auto endpoint = MetricsEndpoint::Start(*listen, {metrics.registry(), std::move(state)}, ready);
-    if (!endpoint.ok()) return endpoint.status();
-    metrics_endpoint = *std::move(endpoint);
-    spdlog::info("metrics served address={}", metrics_endpoint->address());
+    });
+    readiness->Check();
+    readiness_ticker = std::make_unique<Ticker>(kReadyInterval, [this] { readiness->Check(); });
+    auto pages = server::ServeMetrics(*listen, {metrics.registry(), std::move(state)},
+                                      [this] { return Ready(); });
+    if (!pages.ok()) return pages.status();
+    metrics_pages = *std::move(pages);
+    spdlog::info("metrics served address={}", metrics_pages->address());
     return absl::OkStatus();
   }
 
   ServerConfig config;
   const std::chrono::milliseconds drain_grace;
+  const std::shared_ptr<CallGate> gate;
+  std::shared_ptr<ServedCertificates> certificates;  ///< null without TLS
   Limits limits;
   UsageCounts usages{limits};
   Storage kept;
@@ -246,8 +281,9 @@ struct Server::Parts {
   SessionMetrics metrics;
   RecordingRequests recordings;
   OpenCalls open_calls;
+  PeerBoundCalls peer_bound_calls;
   WorkerPool storage_pool{kStorageThreads, kMapThreads};
-  const StorageHost storage{store, storage_pool, open_calls, access, limits};
+  const StorageHost storage{store, storage_pool, open_calls, peer_bound_calls, access, limits};
   WorkerPool localization_pool;
   LocalizationService localization;
   MapService maps;
@@ -258,7 +294,10 @@ struct Server::Parts {
   std::unique_ptr<Listener> listener;
   std::unique_ptr<Liveness> liveness;
   std::unique_ptr<Ticker> liveness_ticker;
-  std::unique_ptr<MetricsEndpoint> metrics_endpoint;
+  std::unique_ptr<Ticker> certificate_ticker;
+  std::unique_ptr<Readiness> readiness;
+  std::unique_ptr<Ticker> readiness_ticker;
+  std::unique_ptr<HttpPages> metrics_pages;
   Ticker ticker;
   Ticker upload_sweeper;
   std::string address;
@@ -266,27 +305,29 @@ struct Server::Parts {
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config) {
   if (absl::Status status = Validate(config); !status.ok()) return status;
-  absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = MakeCredentials(config);
+  auto gate = std::make_shared<CallGate>(config.max_call_rate_hz_per_connection);
+  absl::StatusOr<Credentials> credentials = MakeCredentials(config, gate);
   if (!credentials.ok()) return credentials.status();
   absl::StatusOr<Storage> storage = OpenStorage(config.data, MapStoreOptionsOf(config));
   if (!storage.ok()) return WithPrefix("data: ", storage.status());
-  auto parts = std::make_unique<Parts>(config, *std::move(storage));
+  auto parts = std::make_unique<Parts>(config, *std::move(storage), std::move(gate),
+                                       credentials->certificates);
   if (absl::Status status = SayWhoIsLetIn(parts->access, config); !status.ok()) return status;
-
-  WarnOfFewFiles(config);
+  parts->gate->SetProofNeeded(parts->access.needs_proof());
 
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  SetLimits(config, builder);
+  SetUpTransport(config, builder);
   absl::StatusOr<ListenAddress> address = ParseListenAddress(config.listen);
   if (!address.ok()) return address.status();
   absl::StatusOr<std::unique_ptr<Listener>> listener =
-      Listener::Bind(*address, Listener::MaxDescriptor());
+      Listener::Bind(*address, ConnectionBounds(config));
   if (!listener.ok()) return listener.status();
   address->port = (*listener)->port();
   auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
-      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, *credentials);
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+      credentials->credentials);
   builder.RegisterService(&parts->localization);
   builder.RegisterService(&parts->maps);
   builder.RegisterService(&parts->admin);
@@ -298,6 +339,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   parts->listener = *std::move(listener);
   parts->listener->Start(std::move(acceptor));
   parts->WatchItself(*address);
+  parts->WatchCertificates();
   if (absl::Status status = parts->ServeMetrics(); !status.ok()) return status;
   return std::unique_ptr<Server>(new Server(std::move(parts)));
 }
@@ -309,7 +351,7 @@ Server::~Server() { Shutdown(std::chrono::milliseconds(0)); }
 const std::string& Server::address() const { return parts_->address; }
 
 std::string Server::metrics_address() const {
-  return parts_->metrics_endpoint == nullptr ? "" : parts_->metrics_endpoint->address();
+  return parts_->metrics_pages == nullptr ? "" : parts_->metrics_pages->address();
 }
 
 absl::Status Server::Reload(const ServerConfig& config) {

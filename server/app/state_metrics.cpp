@@ -1,6 +1,7 @@
 #include "server/app/state_metrics.h"
 
 #include <array>
+#include <chrono>
 #include <tuple>
 #include <utility>
 
@@ -54,6 +55,24 @@ MetricFamily QueueDepths(const WorkerPool& localization, const WorkerPool& stora
   return family;
 }
 
+double Seconds(SystemTime time) {
+  return std::chrono::duration<double>(time.time_since_epoch()).count();
+}
+
+using Counts = std::vector<std::pair<const char*, std::int64_t>>;
+
+MetricFamily CountsByReason(const char* name, const char* help, const Counts& counts) {
+  MetricFamily family{
+      .name = name, .help = help, .type = prometheus::MetricType::Counter, .metric = {}};
+  for (const auto& [reason, count] : counts) {
+    ClientMetric metric;
+    metric.label = {{"reason", reason}};
+    metric.counter.value = static_cast<double>(count);
+    family.metric.push_back(std::move(metric));
+  }
+  return family;
+}
+
 }  // namespace
 
 std::vector<MetricFamily> StateMetrics::Collect() const {
@@ -71,6 +90,28 @@ std::vector<MetricFamily> StateMetrics::Collect() const {
   families.push_back(Gauge("dcloc_self_probe_ok",
                            "0 when the server does not answer its own connections",
                            sources_.answering() ? 1.0 : 0.0));
+  families.push_back(Gauge("dcloc_unopened_streams", "Localize streams whose open has not come",
+                           sources_.unopened_stream_count()));
+  families.push_back(Gauge("dcloc_unopened_streams_max", "The most of them",
+                           sources_.limits.max_unopened_stream_count));
+  if (sources_.certificates != nullptr) {
+    const ServedCertificates::State certificates = sources_.certificates->state();
+    families.push_back(Gauge("dcloc_tls_certificate_ok",
+                             "0 when the files have another certificate, which is not good",
+                             certificates.fault.empty() ? 1.0 : 0.0));
+    families.push_back(Gauge("dcloc_tls_certificate_expire_time_seconds",
+                             "When the certificate that is shown expires, Unix time",
+                             Seconds(certificates.expire_time)));
+  }
+  families.push_back(CountsByReason(
+      "dcloc_calls_ended_total", "Calls that were ended because of what their peer did not do",
+      {{"not_sending", sources_.peer_faults.not_sending},
+       {"not_reading", sources_.peer_faults.not_reading},
+       {"too_many_unopened", sources_.peer_faults.too_many_waiting}}));
+  families.push_back(CountsByReason("dcloc_calls_refused_total",
+                                    "Calls that were refused when their headers came",
+                                    {{"no_identity", sources_.refused_calls.without_proof},
+                                     {"too_fast", sources_.refused_calls.too_fast}}));
   MetricFamily refused{.name = "dcloc_connections_refused_total",
                        .help = "Connections closed at once, as too few file descriptors were left",
                        .type = prometheus::MetricType::Counter,

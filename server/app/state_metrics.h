@@ -8,8 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/peer_wait.h"
 #include "server/base/worker_pool.h"
+#include "server/config/limits.h"
+#include "server/config/served_certificates.h"
 #include "server/maps/store/map_store.h"
+#include "server/net/call_gate.h"
 #include "server/sessions/session_registry.h"
 
 namespace dcloc::server {
@@ -24,7 +28,12 @@ class StateMetrics final : public prometheus::Collectable {
     const WorkerPool& localization_pool;
     const WorkerPool& storage_pool;
     std::function<bool()> draining;
-    std::function<bool()> answering;  ///< whether the server answers its own connections
+    std::function<int()> unopened_stream_count;
+    const Limits& limits;
+    const PeerFaultCounts& peer_faults;
+    const CallGate::RefusedCounts& refused_calls;
+    const ServedCertificates* certificates;  ///< null without TLS
+    std::function<bool()> answering;         ///< whether the server answers its own connections
     std::function<std::int64_t()> refused_connection_count;
     std::string version;
   };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <optional>
 #include <set>
 #include <string>
@@ -11,6 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "nlohmann/json.hpp"
 #include "server/base/status.h"
+#include "server/config/small_file.h"
 #include "server/net/listen_address.h"
 #include "server/telemetry/metrics_endpoint.h"
 
@@ -46,6 +46,29 @@ constexpr std::array kFields = {
                 &ServerConfig::require_identity},
     ConfigField{"max_session_count", "N", "open sessions at most", &ServerConfig::max_session_count,
                 1, 1'000'000, true},
+    ConfigField{
+        "max_unopened_stream_count", "N",
+        "streams whose first message has not come, at most; beyond it the oldest one of the "
+        "peer that has the most is ended",
+        &ServerConfig::max_unopened_stream_count, 1, 1'000'000, true},
+    ConfigField{"max_unopened_stream_count_per_peer", "N",
+                "of these, of one address, or of one principal once it is known, at most; 0 for no "
+                "limit of its own",
+                &ServerConfig::max_unopened_stream_count_per_peer, 0, 1'000'000, true},
+    ConfigField{
+        "max_connection_count_per_peer", "N",
+        "connections of one address at most; 0 for half of those that the file limit allows",
+        &ServerConfig::max_connection_count_per_peer, 0, 1'000'000},
+    ConfigField{"max_call_rate_hz_per_connection", "N",
+                "calls that one connection may begin per second; 0 for no limit",
+                &ServerConfig::max_call_rate_hz_per_connection, 0, 1'000'000},
+    ConfigField{"open_timeout_ms", "N", "how long a stream's first message may take to come",
+                &ServerConfig::open_timeout_ms, 10, 600'000, true},
+    ConfigField{
+        "peer_timeout_ms", "N",
+        "how long a caller may take to send the next message of an upload or a build, or to "
+        "read an answer; then the call is ended",
+        &ServerConfig::peer_timeout_ms, 100, 3'600'000, true},
     ConfigField{"max_session_count_per_principal", "N",
                 "open sessions of one principal at most; 0 for no limit",
                 &ServerConfig::max_session_count_per_principal, 0, 1'000'000, true},
@@ -132,8 +155,8 @@ absl::Status Take(const std::string& key, const Json& value, ServerConfig* confi
 }
 
 absl::StatusOr<Json> ParseFile(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) return absl::NotFoundError(absl::StrCat(path.string(), ": cannot be read"));
+  const absl::StatusOr<std::string> text = ReadSmallFile(path);
+  if (!text.ok()) return text.status();
   std::set<std::string> keys;
   std::string repeated;
   const auto note = [&](int depth, Json::parse_event_t event, const Json& parsed) {
@@ -144,7 +167,7 @@ absl::StatusOr<Json> ParseFile(const std::filesystem::path& path) {
     return true;
   };
   try {
-    Json json = Json::parse(file, note);
+    Json json = Json::parse(*text, note);
     if (repeated.empty()) return json;
     return absl::InvalidArgumentError(
         absl::StrCat(path.string(), ": key ", Quoted(repeated), " is there more than once"));

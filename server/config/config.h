@@ -27,11 +27,17 @@ struct ServerConfig {
   bool require_identity = false;  ///< refuse callers without one, even before the first is created
 
   int max_session_count = 1000;
-  int max_session_count_per_principal = 0;  ///< 0: no limit of its own
-  int max_scan_rate_hz_per_principal = 0;   ///< over all of its sessions; 0: no limit
-  int max_target_count = 20'000;            ///< of one scan
-  int max_pending_scan_count = 8;           ///< per session, read but not yet answered
-  int answer_history_count = 256;           ///< per session, for scans that come again
+  int max_unopened_stream_count = 1000;          ///< streams whose first message has not come
+  int max_unopened_stream_count_per_peer = 200;  ///< of an address or principal; 0: no own limit
+  int max_connection_count_per_peer = 0;         ///< of an address; 0: half of what the files allow
+  int max_call_rate_hz_per_connection = 2000;    ///< 0: no limit
+  int open_timeout_ms = 10'000;                  ///< of a stream, for its first message
+  int peer_timeout_ms = 60'000;                  ///< of a peer that does not send, or does not read
+  int max_session_count_per_principal = 0;       ///< 0: no limit of its own
+  int max_scan_rate_hz_per_principal = 0;        ///< over all of its sessions; 0: no limit
+  int max_target_count = 20'000;                 ///< of one scan
+  int max_pending_scan_count = 8;                ///< per session, read but not yet answered
+  int answer_history_count = 256;                ///< per session, for scans that come again
   int session_detached_timeout_ms = 60'000;
   int session_idle_timeout_ms = 600'000;  ///< 0: for ever
   int max_message_kib = 2048;

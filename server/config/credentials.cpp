@@ -1,49 +1,108 @@
 #include "server/config/credentials.h"
 
-#include <grpcpp/security/tls_certificate_provider.h>
-#include <grpcpp/security/tls_credentials_options.h>
-#include <openssl/err.h>
-#include <openssl/ssl.h>
+#include <grpc/grpc.h>
+#include <grpc/grpc_security.h>
 
-#include <array>
+#include <chrono>
+#include <mutex>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
+#include "absl/strings/string_view.h"
 #include "server/base/status.h"
 #include "server/net/listen_address.h"
 
 namespace dcloc::server {
 namespace {
 
-constexpr unsigned kRefreshInterval_s = 1;
+/// gRPC asks at each handshake whether there are other certificates than before.
+class CertificateFetcher {
+ public:
+  explicit CertificateFetcher(std::shared_ptr<const ServedCertificates> certificates)
+      : certificates_(std::move(certificates)) {}
 
-absl::Status FileError(const char* key, const std::string& path) {
-  std::array<char, 256> reason{};
-  ERR_error_string_n(ERR_peek_last_error(), reason.data(), reason.size());
-  ERR_clear_error();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("%s is %s: %s", key, Quoted(path), reason.data()));
+  static grpc_ssl_certificate_config_reload_status Fetch(
+      void* self, grpc_ssl_server_certificate_config** config) {
+    return static_cast<CertificateFetcher*>(self)->FetchNew(config);
+  }
+
+ private:
+  grpc_ssl_certificate_config_reload_status FetchNew(grpc_ssl_server_certificate_config** config) {
+    const std::lock_guard lock(mutex_);
+    std::shared_ptr<const CertificateFiles> files = certificates_->files();
+    if (files == fetched_) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
+    const grpc_ssl_pem_key_cert_pair pair{.private_key = files->key.c_str(),
+                                          .cert_chain = files->chain.c_str()};
+    // gRPC asserts that there are roots. Without an authority no client is asked for a certificate,
+    // so that any will do.
+    const std::string& roots = files->client_ca.empty() ? files->chain : files->client_ca;
+    *config = grpc_ssl_server_certificate_config_create(roots.c_str(), &pair, 1);
+    fetched_ = std::move(files);
+    return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
+  }
+
+  const std::shared_ptr<const ServedCertificates> certificates_;
+  std::mutex mutex_;
+  std::shared_ptr<const CertificateFiles> fetched_;
+};
+
+absl::string_view ViewOf(const grpc_slice& slice) {
+  return {reinterpret_cast<const char*>(GRPC_SLICE_START_PTR(slice)), GRPC_SLICE_LENGTH(slice)};
 }
 
-/// gRPC would start with broken files and then refuse every client; better to say so at once.
-absl::Status CheckFiles(const ServerConfig& config) {
-  ERR_clear_error();
-  const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_server_method()),
-                                                                  &SSL_CTX_free);
-  if (SSL_CTX_use_certificate_chain_file(context.get(), config.tls_cert.c_str()) != 1) {
-    return FileError("tls_cert", config.tls_cert);
+/// Called by gRPC when a call's headers have come.
+void AdmitCall(void* gate, grpc_auth_context* connection, const grpc_metadata* headers,
+               std::size_t header_count, grpc_process_auth_metadata_done_cb done, void* call) {
+  absl::string_view path;
+  bool has_proof = grpc_auth_context_peer_is_authenticated(connection) != 0;
+  for (std::size_t i = 0; i < header_count; ++i) {
+    const absl::string_view key = ViewOf(headers[i].key);
+    if (key == ":path") path = ViewOf(headers[i].value);
+    has_proof |= key == "authorization";
   }
-  // Also checks that the key is the certificate's.
-  if (SSL_CTX_use_PrivateKey_file(context.get(), config.tls_key.c_str(), SSL_FILETYPE_PEM) != 1) {
-    return FileError("tls_key", config.tls_key);
-  }
-  if (!config.tls_client_ca.empty() &&
-      SSL_CTX_load_verify_locations(context.get(), config.tls_client_ca.c_str(), nullptr) != 1) {
-    return FileError("tls_client_ca", config.tls_client_ca);
-  }
-  return absl::OkStatus();
+  const absl::Status status =
+      static_cast<CallGate*>(gate)->Admit(connection, path, has_proof, RateLimit::Clock::now());
+  done(call, nullptr, 0, nullptr, 0, static_cast<grpc_status_code>(status.code()),
+       status.ok() ? nullptr : std::string(status.message()).c_str());
 }
+
+/// gRPC's C++ interface has no credentials whose certificates are fetched, and none in plaintext
+/// that see a call's headers; its C interface has.
+class GatedCredentials final : public grpc::ServerCredentials {
+ public:
+  /// `certificates`: null for plaintext.
+  GatedCredentials(std::shared_ptr<CallGate> gate,
+                   const std::shared_ptr<const ServedCertificates>& certificates)
+      : gate_(std::move(gate)) {
+    if (certificates == nullptr) {
+      credentials_ = grpc_insecure_server_credentials_create();
+    } else {
+      fetcher_ = std::make_unique<CertificateFetcher>(certificates);
+      const bool mutual = !certificates->files()->client_ca.empty();
+      credentials_ = grpc_ssl_server_credentials_create_with_options(
+          grpc_ssl_server_credentials_create_options_using_config_fetcher(
+              mutual ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
+                     : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE,
+              &CertificateFetcher::Fetch, fetcher_.get()));
+    }
+    grpc_server_credentials_set_auth_metadata_processor(
+        credentials_, {.process = &AdmitCall, .destroy = nullptr, .state = gate_.get()});
+  }
+  ~GatedCredentials() override { grpc_server_credentials_release(credentials_); }
+
+  void SetAuthMetadataProcessor(
+      const std::shared_ptr<grpc::AuthMetadataProcessor>& /*processor*/) override {}
+
+ private:
+  int AddPortToServer(const std::string& address, grpc_server* server) override {
+    return grpc_server_add_http2_port(server, address.c_str(), credentials_);
+  }
+
+  const std::shared_ptr<CallGate> gate_;
+  std::unique_ptr<CertificateFetcher> fetcher_;  ///< null in plaintext
+  grpc_server_credentials* credentials_ = nullptr;
+};
 
 absl::Status CheckPlaintext(const ServerConfig& config) {
   const absl::StatusOr<ListenAddress> address = ParseListenAddress(config.listen);
@@ -57,26 +116,19 @@ absl::Status CheckPlaintext(const ServerConfig& config) {
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeCredentials(
-    const ServerConfig& config) {
-  using grpc::experimental::FileWatcherCertificateProvider;
+absl::StatusOr<Credentials> MakeCredentials(const ServerConfig& config,
+                                            std::shared_ptr<CallGate> gate) {
   if (config.tls_cert.empty()) {
     if (absl::Status status = CheckPlaintext(config); !status.ok()) return status;
-    return grpc::InsecureServerCredentials();
+    return Credentials{.credentials = std::make_shared<GatedCredentials>(std::move(gate), nullptr),
+                       .certificates = nullptr};
   }
-  if (absl::Status status = CheckFiles(config); !status.ok()) return status;
-  const bool mutual = !config.tls_client_ca.empty();
-  grpc::experimental::TlsServerCredentialsOptions options(
-      mutual ? std::make_shared<FileWatcherCertificateProvider>(
-                   config.tls_key, config.tls_cert, config.tls_client_ca, kRefreshInterval_s)
-             : std::make_shared<FileWatcherCertificateProvider>(config.tls_key, config.tls_cert,
-                                                                kRefreshInterval_s));
-  options.watch_identity_key_cert_pairs();
-  if (mutual) {
-    options.watch_root_certs();
-    options.set_cert_request_type(GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
-  }
-  return grpc::experimental::TlsServerCredentials(options);
+  absl::StatusOr<std::shared_ptr<ServedCertificates>> certificates =
+      ServedCertificates::Load(config, std::chrono::system_clock::now());
+  if (!certificates.ok()) return certificates.status();
+  return Credentials{
+      .credentials = std::make_shared<GatedCredentials>(std::move(gate), *certificates),
+      .certificates = *certificates};
 }
 
 }  // namespace dcloc::server

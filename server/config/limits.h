@@ -13,6 +13,10 @@ struct Limits {
 
   void Set(const ServerConfig& config) {
     max_session_count = config.max_session_count;
+    max_unopened_stream_count = config.max_unopened_stream_count;
+    max_unopened_stream_count_per_peer = config.max_unopened_stream_count_per_peer;
+    open_timeout_ms = config.open_timeout_ms;
+    peer_timeout_ms = config.peer_timeout_ms;
     max_session_count_per_principal = config.max_session_count_per_principal;
     max_scan_rate_hz_per_principal = config.max_scan_rate_hz_per_principal;
     max_target_count = config.max_target_count;
@@ -21,6 +25,10 @@ struct Limits {
   }
 
   std::atomic<int> max_session_count;
+  std::atomic<int> max_unopened_stream_count;
+  std::atomic<int> max_unopened_stream_count_per_peer;  ///< 0: none of its own
+  std::atomic<int> open_timeout_ms;
+  std::atomic<int> peer_timeout_ms;
   std::atomic<int> max_session_count_per_principal;  ///< 0: none
   std::atomic<int> max_scan_rate_hz_per_principal;   ///< 0: none
   std::atomic<int> max_target_count;

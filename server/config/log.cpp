@@ -14,6 +14,7 @@
 #include "nlohmann/json.hpp"
 #include "server/base/log_queue.h"
 #include "server/base/rate_limit.h"
+#include "server/config/library_log.h"
 #include "spdlog/pattern_formatter.h"
 #include "spdlog/sinks/base_sink.h"
 #include "spdlog/spdlog.h"
@@ -22,6 +23,8 @@ namespace dcloc::server {
 namespace {
 
 constexpr int kLinesPerSecond = 200;
+/// Of gRPC and protobuf, which outsiders can make say much.
+constexpr int kLibraryLinesPerSecond = 5;
 constexpr std::size_t kMaxWaitingLines = 1000;
 constexpr char kTextPattern[] = "%Y-%m-%dT%H:%M:%S.%eZ %l %v";
 constexpr char kJsonPattern[] = "{\"time\":\"%Y-%m-%dT%H:%M:%S.%eZ\",\"level\":\"%l\",%*}";
@@ -156,11 +159,14 @@ std::shared_ptr<spdlog::sinks::sink> LimitedSink(std::shared_ptr<spdlog::sinks::
 }
 
 void SetUpLog(const ServerConfig& config) {
-  auto log = std::make_shared<spdlog::logger>(
-      "dcloc", LimitedSink(QueuedSink(std::make_shared<StandardError>(), kMaxWaitingLines),
-                           kLinesPerSecond));
-  log->set_formatter(MakeFormatter(config.log_format == "json"));
-  spdlog::set_default_logger(std::move(log));
+  const auto lines = QueuedSink(std::make_shared<StandardError>(), kMaxWaitingLines);
+  const auto log = [&](int lines_per_s) {
+    auto made = std::make_shared<spdlog::logger>("dcloc", LimitedSink(lines, lines_per_s));
+    made->set_formatter(MakeFormatter(config.log_format == "json"));
+    return made;
+  };
+  spdlog::set_default_logger(log(kLinesPerSecond));
+  TakeLibraryMessages(log(kLibraryLinesPerSecond));
   spdlog::set_level(spdlog::level::from_str(config.log_level));
 }
 

@@ -65,9 +65,10 @@ absl::StatusOr<Principal> AccessControl::Authorize(
 }
 
 absl::StatusOr<bool> AccessControl::IsOpen() const {
-  if (require_identity_) return false;
+  if (needs_proof()) return false;
   const absl::StatusOr<bool> any = identities_.HasAny();
   if (!any.ok()) return any.status();
+  if (*any) has_identities_ = true;
   return !*any;
 }
 

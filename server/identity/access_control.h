@@ -3,6 +3,7 @@
 #include <google/protobuf/descriptor.h>
 #include <grpcpp/server_context.h>
 
+#include <atomic>
 #include <map>
 #include <string>
 
@@ -30,6 +31,9 @@ class AccessControl {
   absl::StatusOr<Principal> Authorize(const grpc::ServerContextBase& context,
                                       const google::protobuf::Descriptor* request) const;
 
+  /// Whether it is certain that callers need a proof. Known without the store.
+  bool needs_proof() const { return require_identity_ || has_identities_; }
+
   /// Whether everyone is an admin at this moment.
   absl::StatusOr<bool> IsOpen() const;
 
@@ -38,6 +42,7 @@ class AccessControl {
 
   IdentityStore& identities_;
   const bool require_identity_;
+  mutable std::atomic<bool> has_identities_ = false;  ///< once true it stays so
   std::map<const google::protobuf::Descriptor*, MethodPermission> permissions_;
 };
 

@@ -9,16 +9,12 @@
 namespace dcloc::server {
 namespace {
 
-absl::StatusOr<Caller> Authorize(const SessionHost& host,
-                                 const grpc::CallbackServerContext& context,
-                                 const v1::OpenSession& open) {
-  absl::StatusOr<Principal> principal =
-      host.storage.access.Authorize(context, v1::LocalizeRequest::descriptor());
-  if (!principal.ok()) return principal.status();
-  if (absl::Status status = CheckVehicle(*principal, open.vehicle_id()); !status.ok()) {
+absl::StatusOr<Caller> CallerOf(const grpc::CallbackServerContext& context,
+                                const Principal& principal, const v1::OpenSession& open) {
+  if (absl::Status status = CheckVehicle(principal, open.vehicle_id()); !status.ok()) {
     return status;
   }
-  return Caller{.principal = *std::move(principal),
+  return Caller{.principal = principal,
                 .peer = context.peer(),
                 .trace_id = TraceIdOf(context),
                 .permit = nullptr};
@@ -55,14 +51,14 @@ absl::Status TakeOver(SessionRegistry& registry, const Session& session,
 }  // namespace
 
 void AttachSession(const SessionHost& host, const grpc::CallbackServerContext& context,
-                   const v1::LocalizeRequest& request, std::shared_ptr<SessionStream> stream,
-                   AttachDone done) {
+                   const Principal& principal, const v1::LocalizeRequest& request,
+                   std::shared_ptr<SessionStream> stream, AttachDone done) {
   if (!request.has_open()) {
     return done(
         absl::InvalidArgumentError("open is missing; it must be the first message of a stream"));
   }
   const v1::OpenSession& open = request.open();
-  absl::StatusOr<Caller> caller = Authorize(host, context, open);
+  absl::StatusOr<Caller> caller = CallerOf(context, principal, open);
   if (!caller.ok()) return done(caller.status());
   const bool resumes = !open.resume_token().empty();
   absl::StatusOr<std::shared_ptr<Session>> session =

@@ -22,9 +22,10 @@ using AttachDone = absl::AnyInvocable<void(absl::StatusOr<AttachedSession>)>;
 
 /// Opens or resumes the session that a stream's first message asks for, and attaches it to the
 /// stream. May wait for a disk. `done` is called once: on the session's strand with the session, or
-/// with the error that ends the stream. `host`, `context` and `request` live until then.
+/// with the error that ends the stream. `host`, `context` and `request` live until then;
+/// `principal` is who calls.
 void AttachSession(const SessionHost& host, const grpc::CallbackServerContext& context,
-                   const v1::LocalizeRequest& request, std::shared_ptr<SessionStream> stream,
-                   AttachDone done);
+                   const Principal& principal, const v1::LocalizeRequest& request,
+                   std::shared_ptr<SessionStream> stream, AttachDone done);
 
 }  // namespace dcloc::server

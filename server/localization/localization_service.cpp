@@ -1,31 +1,34 @@
 #include "server/localization/localization_service.h"
 
+#include <string>
 #include <utility>
 
-#include "absl/strings/str_format.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
+namespace {
+
+/// A peer as the transport names it, "ipv4:192.0.2.1:5000", without its port.
+std::string AddressOf(const std::string& peer) { return peer.substr(0, peer.rfind(':')); }
+
+}  // namespace
 
 LocalizationService::LocalizationService(SessionHost host) : host_(std::move(host)) {}
 
-grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* LocalizationService::Localize(
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* LocalizationService::Localize(
     grpc::CallbackServerContext* context) {
-  const std::shared_ptr<LocalizeStream> stream =
-      LocalizeStream::Start(host_, context, [this](LocalizeStream* done) { Forget(done); });
-  const int max_stream_count = host_.storage.limits.max_session_count;
-  grpc::Status refusal;
+  const std::shared_ptr<LocalizeStream> stream = LocalizeStream::Create(host_, context, *this);
+  grpc::Status draining;
+  std::optional<Refusal> excess;
   {
     const std::lock_guard lock(mutex_);
     streams_.emplace(stream.get(), OpenStream{stream, OpenCalls::Token(host_.storage.open_calls)});
-    refusal = refusal_;
-    if (refusal.ok() && static_cast<int>(streams_.size()) > max_stream_count) {
-      refusal = grpc::Status(
-          grpc::StatusCode::RESOURCE_EXHAUSTED,
-          absl::StrFormat("%d sessions are open, which is the limit", max_stream_count));
-    }
+    excess = RefusalOf(unopened_.Add(stream.get(), AddressOf(context->peer()), Bounds()));
+    draining = refusal_;
   }
-  if (!refusal.ok()) stream->End(refusal);
+  if (excess) excess->stream->End(excess->status);
+  if (!draining.ok()) stream->End(draining);
+  stream->Admit();
   return stream.get();
 }
 
@@ -86,9 +89,48 @@ std::vector<std::shared_ptr<LocalizeStream>> LocalizationService::Streams() {
   return open;
 }
 
-void LocalizationService::Forget(LocalizeStream* stream) {
+int LocalizationService::unopened_count() const {
   const std::lock_guard lock(mutex_);
-  streams_.erase(stream);
+  return unopened_.count();
+}
+
+UnopenedStreams::Bounds LocalizationService::Bounds() const {
+  const Limits& limits = host_.storage.limits;
+  return {.total = limits.max_unopened_stream_count,
+          .group = limits.max_unopened_stream_count_per_peer};
+}
+
+std::optional<LocalizationService::Refusal> LocalizationService::RefusalOf(
+    const std::optional<UnopenedStreams::Excess>& excess) {
+  if (!excess) return std::nullopt;
+  std::shared_ptr<LocalizeStream> stream = streams_.at(excess->stream).stream.lock();
+  if (stream == nullptr) return std::nullopt;
+  ++host_.storage.peer_bound_calls.faults().too_many_waiting;
+  return Refusal{std::move(stream),
+                 grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, excess->reason)};
+}
+
+void LocalizationService::OnAdmitted(LocalizeStream& stream, const Principal& principal) {
+  // As long as there are no identities, all are the same one; their addresses tell more.
+  if (host_.storage.access.IsOpen().value_or(true)) return;
+  std::optional<Refusal> excess;
+  {
+    const std::lock_guard lock(mutex_);
+    excess = RefusalOf(
+        unopened_.Move(&stream, ScopedMapName(principal.tenant, principal.name), Bounds()));
+  }
+  if (excess) excess->stream->End(excess->status);
+}
+
+void LocalizationService::OnFirstMessage(LocalizeStream& stream) {
+  const std::lock_guard lock(mutex_);
+  unopened_.Remove(&stream);
+}
+
+void LocalizationService::OnDone(LocalizeStream& stream) {
+  const std::lock_guard lock(mutex_);
+  unopened_.Remove(&stream);
+  streams_.erase(&stream);
 }
 
 }  // namespace dcloc::server

@@ -9,17 +9,22 @@
 
 #include "dcloc/v1/localization_service.grpc.pb.h"
 #include "server/localization/localize_stream.h"
+#include "server/localization/unopened_streams.h"
 
 namespace dcloc::server {
 
+/// Messages come and go as bytes, see `ParseMessage`.
+using RawLocalizationService =
+    v1::LocalizationService::WithRawCallbackMethod_Localize<v1::LocalizationService::Service>;
+
 /// Starts a LocalizeStream for each call and keeps track of those that are open.
-class LocalizationService final : public v1::LocalizationService::CallbackService {
+class LocalizationService final : public RawLocalizationService, private StreamKeeper {
  public:
   using Clock = std::chrono::steady_clock;
 
   explicit LocalizationService(SessionHost host);
 
-  grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* Localize(
+  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Localize(
       grpc::CallbackServerContext* context) override;
 
   /// Refuses new calls and tells the clients of resumable sessions to move; returns how many those
@@ -27,6 +32,9 @@ class LocalizationService final : public v1::LocalizationService::CallbackServic
   int Drain(std::chrono::milliseconds grace);
 
   bool draining() const;
+
+  /// Streams whose first message has not come.
+  int unopened_count() const;
 
   /// Ends all calls if the grace of a drain is over at `now`; returns whether it is.
   bool EndOverdue(Clock::time_point now);
@@ -40,13 +48,26 @@ class LocalizationService final : public v1::LocalizationService::CallbackServic
     OpenCalls::Token token;
   };
 
-  std::vector<std::shared_ptr<LocalizeStream>> Streams();  // with the mutex held
-  void Forget(LocalizeStream* stream);
+  /// A stream that has to go, and how.
+  struct Refusal {
+    std::shared_ptr<LocalizeStream> stream;
+    grpc::Status status;
+  };
+
+  // With the mutex held.
+  std::vector<std::shared_ptr<LocalizeStream>> Streams();
+  UnopenedStreams::Bounds Bounds() const;
+  std::optional<Refusal> RefusalOf(const std::optional<UnopenedStreams::Excess>& excess);
+
+  void OnAdmitted(LocalizeStream& stream, const Principal& principal) override;
+  void OnFirstMessage(LocalizeStream& stream) override;
+  void OnDone(LocalizeStream& stream) override;
 
   const SessionHost host_;
 
   mutable std::mutex mutex_;
   std::map<LocalizeStream*, OpenStream> streams_;
+  UnopenedStreams unopened_;
   grpc::Status refusal_;  ///< not OK once new calls are refused
   std::optional<Clock::time_point> drain_end_;
 };

@@ -4,25 +4,29 @@
 
 #include <utility>
 
+#include "absl/strings/str_format.h"
 #include "server/base/status.h"
+#include "server/rpc/wire.h"
+#include "spdlog/spdlog.h"
 
 namespace dcloc::server {
 
-std::shared_ptr<LocalizeStream> LocalizeStream::Start(
-    const SessionHost& host, grpc::CallbackServerContext* context,
-    std::function<void(LocalizeStream*)> on_done) {
-  std::shared_ptr<LocalizeStream> stream(new LocalizeStream(host, context, std::move(on_done)));
+std::shared_ptr<LocalizeStream> LocalizeStream::Create(const SessionHost& host,
+                                                       grpc::CallbackServerContext* context,
+                                                       StreamKeeper& keeper) {
+  std::shared_ptr<LocalizeStream> stream(new LocalizeStream(host, context, keeper));
   stream->self_ = stream;
-  stream->Pump();
+  host.storage.peer_bound_calls.Add(stream);
   return stream;
 }
 
+void LocalizeStream::Admit() {
+  host_.storage.pool.Post([self = shared_from_this()] { self->CheckCaller(); });
+}
+
 LocalizeStream::LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,
-                               std::function<void(LocalizeStream*)> on_done)
-    : host_(host),
-      context_(context),
-      on_done_(std::move(on_done)),
-      ring_(host.max_pending_scan_count) {}
+                               StreamKeeper& keeper)
+    : host_(host), context_(context), keeper_(keeper), ring_(host.max_pending_scan_count) {}
 
 // ---- What happens to it
 
@@ -58,31 +62,62 @@ void LocalizeStream::Abort() {
   if (state_ != StreamState::kFinished) context_->TryCancel();
 }
 
+void LocalizeStream::CheckPeer(PeerWait::Clock::time_point now) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (state_ == StreamState::kFinished || !peer_wait_.TakeOverdue(now)) return;
+    PeerFaultCounts& faults = host_.storage.peer_bound_calls.faults();
+    if (state_ != StreamState::kOpening) {
+      ++faults.not_reading;
+      spdlog::warn("stream cut off peer={} reason=\"its answers are not read\"", context_->peer());
+      return context_->TryCancel();
+    }
+    ++faults.not_sending;
+    TakeStatus(StreamEvent::kEnded,
+               grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED,
+                            absl::StrFormat("open did not come within open_timeout_ms, which is %d",
+                                            host_.storage.limits.open_timeout_ms.load())));
+  }
+  Pump();
+}
+
 bool LocalizeStream::resumable() const {
   const std::lock_guard lock(mutex_);
   return terms_.resumable;
 }
 
 void LocalizeStream::OnReadDone(bool ok) {
+  // The slot is the read's alone until it is done.
+  absl::Status parsed;
+  if (ok) parsed = ParseMessage(&incoming_, &ring_.to_read().request);
+  bool is_first = false;
   {
     const std::lock_guard lock(mutex_);
     read_under_way_ = false;
-    const StreamAction action = Take(EventOfRead(ok));
-    if (action == StreamAction::kOpenSession) {
-      ring_.OnRead();
-      open_under_way_ = true;
-      // Nothing else is read until this is answered, so no order is lost by leaving the strand.
-      host_.storage.pool.Post([self = shared_from_this()] { self->Open(); });
-    } else if (action == StreamAction::kQueueScan) {
-      QueueScan();
-    }
+    is_first = ring_.none_read();
+    if (is_first) peer_wait_.End();
+    parsed.ok() ? TakeRead(ok) : TakeStatus(StreamEvent::kFailed, ToGrpc(parsed));
   }
+  if (is_first) keeper_.OnFirstMessage(*this);
   Pump();
+}
+
+void LocalizeStream::TakeRead(bool ok) {
+  const StreamAction action = Take(EventOfRead(ok));
+  if (action == StreamAction::kOpenSession) {
+    ring_.OnRead();
+    open_under_way_ = true;
+    // Nothing else is read until this is answered, so no order is lost by leaving the strand.
+    host_.storage.pool.Post([self = shared_from_this()] { self->Open(); });
+  } else if (action == StreamAction::kQueueScan) {
+    QueueScan();
+  }
 }
 
 void LocalizeStream::OnWriteDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
+    peer_wait_.End();
     if (std::exchange(write_under_way_, Write::kNone) == Write::kAnswer) ring_.OnWritten();
     if (!ok) Take(StreamEvent::kCancelled);
   }
@@ -98,7 +133,7 @@ void LocalizeStream::OnCancel() {
 }
 
 void LocalizeStream::OnDone() {
-  on_done_(this);
+  keeper_.OnDone(*this);
   const std::shared_ptr<LocalizeStream> last = std::move(self_);
 }
 
@@ -115,7 +150,8 @@ void LocalizeStream::TakeStatus(StreamEvent event, grpc::Status status) {
 StreamEvent LocalizeStream::EventOfRead(bool ok) {
   if (!ok) return terms_.resumable ? StreamEvent::kHalfClosed : StreamEvent::kClosed;
   if (ring_.none_read()) return StreamEvent::kFirstRead;
-  return ring_.to_read().request.has_close() ? StreamEvent::kClosed : StreamEvent::kScanRead;
+  const bool closes = ring_.to_read().request.has_close();
+  return closes ? StreamEvent::kClosed : StreamEvent::kScanRead;
 }
 
 void LocalizeStream::QueueScan() {
@@ -131,29 +167,32 @@ void LocalizeStream::Pump() {
   if (pump_under_way_) return;
   pump_under_way_ = true;
   for (Step step = TakeStep(); step != Step::kNone; step = TakeStep()) {
-    v1::LocalizeRequest* const request = &ring_.to_read().request;
     v1::LocalizeResponse* const response =
         step == Step::kAnnounce ? &*announcement_ : &ring_.to_write().response;
     lock.unlock();
-    if (step == Step::kRead) StartRead(request);
-    if (step == Step::kWrite || step == Step::kAnnounce) StartWrite(response);
+    if (step == Step::kRead) StartRead(&incoming_);
+    if (step == Step::kWrite || step == Step::kAnnounce) {
+      outgoing_ = SerializeMessage(*response);
+      StartWrite(&outgoing_);
+    }
     if (step == Step::kFinish) FinishWith(*std::exchange(ending_, std::nullopt));
     lock.lock();
   }
   pump_under_way_ = false;
 }
 
+LocalizeStream::Step LocalizeStream::TakeWrite() {
+  if (!RulesOf(state_).writes || write_under_way_ != Write::kNone) return Step::kNone;
+  const bool announces = AnnouncementIsDue();
+  if (!announces && !ring_.has_answer_to_write()) return Step::kNone;
+  peer_wait_.Begin(std::chrono::milliseconds(host_.storage.limits.peer_timeout_ms));
+  write_under_way_ = announces ? Write::kAnnouncement : Write::kAnswer;
+  announced_ |= announces;
+  return announces ? Step::kAnnounce : Step::kWrite;
+}
+
 LocalizeStream::Step LocalizeStream::TakeStep() {
-  const bool may_write = RulesOf(state_).writes && write_under_way_ == Write::kNone;
-  if (may_write && AnnouncementIsDue()) {
-    write_under_way_ = Write::kAnnouncement;
-    announced_ = true;
-    return Step::kAnnounce;
-  }
-  if (may_write && ring_.has_answer_to_write()) {
-    write_under_way_ = Write::kAnswer;
-    return Step::kWrite;
-  }
+  if (const Step write = TakeWrite(); write != Step::kNone) return write;
   if (IsSettled()) {
     ending_ = TakeEnding();
     if (Take(StreamEvent::kSettled) == StreamAction::kFinish) return Step::kFinish;
@@ -213,8 +252,25 @@ void LocalizeStream::FinishWith(Ending ending) {
 
 // ---- What is done on the pools
 
+void LocalizeStream::CheckCaller() {
+  absl::StatusOr<Principal> principal =
+      host_.storage.access.Authorize(*context_, v1::LocalizeRequest::descriptor());
+  if (!principal.ok()) return Fail(ToGrpc(principal.status()));
+  keeper_.OnAdmitted(*this, *principal);
+  {
+    const std::lock_guard lock(mutex_);
+    open_under_way_ = false;
+    principal_ = *std::move(principal);
+    Take(StreamEvent::kAdmitted);
+    if (state_ == StreamState::kOpening) {
+      peer_wait_.Begin(std::chrono::milliseconds(host_.storage.limits.open_timeout_ms));
+    }
+  }
+  Pump();
+}
+
 void LocalizeStream::Open() {
-  AttachSession(host_, *context_, ring_.to_answer().request, shared_from_this(),
+  AttachSession(host_, *context_, principal_, ring_.to_answer().request, shared_from_this(),
                 [self = shared_from_this()](absl::StatusOr<AttachedSession> attached) {
                   attached.ok() ? self->Opened(*std::move(attached))
                                 : self->Fail(ToGrpc(attached.status()));

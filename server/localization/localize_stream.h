@@ -2,13 +2,13 @@
 
 #include <grpcpp/support/server_callback.h>
 
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
 #include "dcloc/v1/localization_service.pb.h"
+#include "server/base/peer_wait.h"
 #include "server/localization/attach_session.h"
 #include "server/localization/session_host.h"
 #include "server/localization/slot_ring.h"
@@ -16,6 +16,23 @@
 #include "server/sessions/session_stream.h"
 
 namespace dcloc::server {
+
+class LocalizeStream;
+
+/// Who keeps the streams. Outlives them.
+class StreamKeeper {
+ public:
+  virtual ~StreamKeeper() = default;
+
+  /// The stream's caller may localize; its first message is awaited now.
+  virtual void OnAdmitted(LocalizeStream& stream, const Principal& principal) = 0;
+
+  /// The stream's first message has come.
+  virtual void OnFirstMessage(LocalizeStream& stream) = 0;
+
+  /// gRPC is done with the stream's call; called once.
+  virtual void OnDone(LocalizeStream& stream) = 0;
+};
 
 /// One Localize call: the stream to which a session is attached, or will be.
 ///
@@ -28,21 +45,27 @@ namespace dcloc::server {
 /// the mutex. Then `Pump` starts the reads and writes that the state allows. Only one thread at a
 /// time runs `Pump`, and it holds no lock while it calls gRPC. So there is one write at a time, and
 /// no call follows `Finish`.
-class LocalizeStream final
-    : public grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>,
-      public SessionStream,
-      public std::enable_shared_from_this<LocalizeStream> {
+class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
+                             public SessionStream,
+                             public PeerBoundCall,
+                             public std::enable_shared_from_this<LocalizeStream> {
  public:
-  /// Lives until the call is done and no task of the pools refers to it. `on_done` is called once,
-  /// when gRPC is done with the call. `context` outlives the call.
-  static std::shared_ptr<LocalizeStream> Start(const SessionHost& host,
-                                               grpc::CallbackServerContext* context,
-                                               std::function<void(LocalizeStream*)> on_done);
+  /// Lives until the call is done and no task of the pools refers to it. `context` outlives the
+  /// call. Nothing happens before `Admit`.
+  static std::shared_ptr<LocalizeStream> Create(const SessionHost& host,
+                                                grpc::CallbackServerContext* context,
+                                                StreamKeeper& keeper);
+
+  /// Has it checked, on the pool, whether the caller may localize. Only then is anything read.
+  void Admit();
 
   void Announce(const v1::SessionEnding& ending) override;
   void End(grpc::Status status) override;
   void Displace(grpc::Status status) override;
   void Abort() override;
+
+  /// Ends a stream whose `open` does not come, and cuts off one whose answers are not read.
+  void CheckPeer(PeerWait::Clock::time_point now) override;
 
   /// Whether the client asked for a resumable session.
   bool resumable() const;
@@ -72,22 +95,25 @@ class LocalizeStream final
   };
 
   LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,
-                 std::function<void(LocalizeStream*)> on_done);
+                 StreamKeeper& keeper);
 
   // With the mutex held.
   StreamAction Take(StreamEvent event);
   void TakeStatus(StreamEvent event, grpc::Status status);
   StreamEvent EventOfRead(bool ok);
+  void TakeRead(bool ok);
   void QueueScan();
   void Attach(AttachedSession attached);
   bool AnnouncementIsDue() const;
   bool IsSettled() const;
+  Step TakeWrite();
   Step TakeStep();
   Ending TakeEnding();
 
   void Pump();
   void FinishWith(Ending ending);
 
+  void CheckCaller();
   void Open();
   void Opened(AttachedSession attached);
   void Fail(grpc::Status status);
@@ -96,12 +122,16 @@ class LocalizeStream final
 
   const SessionHost& host_;
   grpc::CallbackServerContext* const context_;
-  std::function<void(LocalizeStream*)> on_done_;
+  StreamKeeper& keeper_;
   std::shared_ptr<LocalizeStream> self_;  ///< reset by OnDone
 
   mutable std::mutex mutex_;
-  StreamState state_ = StreamState::kOpening;
+  StreamState state_ = StreamState::kAdmitting;
+  Principal principal_;  ///< from kOpening on
+  PeerWait peer_wait_;   ///< for the first message, then for each answer to be read
   SlotRing ring_;
+  grpc::ByteBuffer incoming_;         ///< the transport's while a read is under way
+  grpc::ByteBuffer outgoing_;         ///< the transport's while a write is under way
   std::shared_ptr<Session> session_;  ///< none before it is open and after it was let go
   Terms terms_;
   grpc::Status final_status_;
@@ -110,7 +140,7 @@ class LocalizeStream final
   bool announced_ = false;
 
   // What is under way, whatever the state.
-  bool open_under_way_ = false;  ///< a task may use the context, so the call may not end yet
+  bool open_under_way_ = true;  ///< a task may use the context, so the call may not end yet
   bool read_under_way_ = false;
   Write write_under_way_ = Write::kNone;
   bool answer_under_way_ = false;  ///< a scan is being localized

@@ -3,17 +3,21 @@
 #include <utility>
 
 namespace dcloc::server {
-namespace {
-
-/// For answers of dropped scans.
-constexpr std::size_t kDroppedSlots = 64;
-
-}  // namespace
 
 SlotRing::SlotRing(int max_pending_count)
-    : max_pending_count_(max_pending_count), slots_(static_cast<std::size_t>(max_pending_count)) {}
+    : max_pending_count_(max_pending_count),
+      size_(static_cast<std::size_t>(max_pending_count)),
+      slots_(1) {}
 
-void SlotRing::Lengthen() { slots_.resize(slots_.size() + kDroppedSlots); }
+void SlotRing::Lengthen() {
+  size_ += kDroppedSlots;
+  if (answered_count_ > 0) slots_.resize(size_);
+}
+
+void SlotRing::OnAnswered() {
+  if (answered_count_ == 0) slots_.resize(size_);
+  ++answered_count_;
+}
 
 void SlotRing::OnRead() {
   Slot& slot = to_read();

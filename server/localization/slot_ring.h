@@ -22,7 +22,8 @@ struct Slot {
 /// thread-safe.
 class SlotRing {
  public:
-  /// `max_pending_count` >= 1: messages that are read but not yet written.
+  /// `max_pending_count` >= 1: messages that are read but not yet written. Until the first message,
+  /// the opening, is answered there is one slot.
   explicit SlotRing(int max_pending_count);
 
   /// Makes the ring longer, for a stream that drops its oldest messages: answers of dropped ones
@@ -35,7 +36,7 @@ class SlotRing {
   Slot& to_answer() { return At(answered_count_); }
   Slot& to_write() { return At(written_count_); }
   void OnRead();
-  void OnAnswered() { ++answered_count_; }
+  void OnAnswered();
   void OnWritten() { ++written_count_; }
 
   /// Marks the oldest of the waiting messages as dropped until at most `max_pending_count` are
@@ -51,9 +52,13 @@ class SlotRing {
   bool all_read_is_written() const { return written_count_ == read_count_; }
 
  private:
+  /// For answers of dropped scans.
+  static constexpr std::size_t kDroppedSlots = 64;
+
   Slot& At(std::int64_t index) { return slots_[static_cast<std::size_t>(index) % slots_.size()]; }
 
   const std::int64_t max_pending_count_;
+  std::size_t size_;  ///< once the opening is answered
   std::vector<Slot> slots_;
   // written <= answered <= read.
   std::int64_t read_count_ = 0;

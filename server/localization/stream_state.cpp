@@ -17,6 +17,11 @@ struct Arrow {
 };
 
 constexpr std::array kArrows = {
+    Arrow{State::kAdmitting, Event::kAdmitted, State::kOpening, Action::kNone},
+    Arrow{State::kAdmitting, Event::kFailed, State::kFailing, Action::kTakeStatus},
+    Arrow{State::kAdmitting, Event::kEnded, State::kDraining, Action::kTakeStatus},
+    Arrow{State::kAdmitting, Event::kCancelled, State::kCancelled, Action::kNone},
+
     Arrow{State::kOpening, Event::kFirstRead, State::kOpening, Action::kOpenSession},
     Arrow{State::kOpening, Event::kOpened, State::kStreaming, Action::kAttachSession},
     Arrow{State::kOpening, Event::kClosed, State::kDraining, Action::kNone},
@@ -70,6 +75,8 @@ StreamTransition Next(StreamState state, StreamEvent event) {
 
 StreamRules RulesOf(StreamState state) {
   switch (state) {
+    case State::kAdmitting:
+      return {};
     case State::kOpening:
       return {.reads = true, .writes = true};
     case State::kStreaming:

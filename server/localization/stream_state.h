@@ -4,6 +4,7 @@ namespace dcloc::server {
 
 /// The states of a Localize stream; README.md has the diagram.
 enum class StreamState {
+  kAdmitting,         ///< not known yet who calls; nothing is read
   kOpening,           ///< no session yet: its first message is awaited, or worked on
   kStreaming,         ///< scans are read and answered
   kDetaching,         ///< half-closed by the client of a resumable session
@@ -16,6 +17,7 @@ enum class StreamState {
 
 /// What happens to a stream.
 enum class StreamEvent {
+  kAdmitted,    ///< the caller may localize
   kFirstRead,   ///< the first message has come
   kScanRead,    ///< another message has come
   kClosed,      ///< the client sent `close`, or half-closed a session that cannot be resumed
@@ -38,7 +40,7 @@ enum class StreamAction {
 };
 
 struct StreamTransition {
-  StreamState state = StreamState::kOpening;
+  StreamState state = StreamState::kAdmitting;
   StreamAction action = StreamAction::kNone;
 };
 

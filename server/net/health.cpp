@@ -2,6 +2,8 @@
 
 #include <grpcpp/health_check_service_interface.h>
 
+#include <utility>
+
 #include "dcloc/v1/admin_service.grpc.pb.h"
 #include "dcloc/v1/localization_service.grpc.pb.h"
 #include "dcloc/v1/map_service.grpc.pb.h"
@@ -16,6 +18,11 @@ void Health::SetAnswering(bool answering) {
   Tell();
 }
 
+void Health::SetTrustworthy(bool trustworthy) {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(trustworthy_, trustworthy) != trustworthy) Tell();
+}
+
 void Health::SetDraining() {
   const std::lock_guard lock(mutex_);
   draining_ = true;
@@ -26,11 +33,11 @@ void Health::Tell() {
   auto* health = server_.GetHealthCheckService();
   if (health == nullptr) return;
   for (const char* service : {"", v1::LocalizationService::service_full_name()}) {
-    health->SetServingStatus(service, answering_ && !draining_);
+    health->SetServingStatus(service, answering_ && trustworthy_ && !draining_);
   }
   for (const char* service :
        {v1::MapService::service_full_name(), v1::AdminService::service_full_name()}) {
-    health->SetServingStatus(service, answering_);
+    health->SetServingStatus(service, answering_ && trustworthy_);
   }
 }
 

@@ -17,6 +17,9 @@ class Health {
   /// Whether it answers new connections.
   void SetAnswering(bool answering);
 
+  /// Whether clients can trust its certificate, which may have expired.
+  void SetTrustworthy(bool trustworthy);
+
   /// For good.
   void SetDraining();
 
@@ -26,6 +29,7 @@ class Health {
   grpc::Server& server_;
   std::mutex mutex_;
   bool answering_ = true;
+  bool trustworthy_ = true;
   bool draining_ = false;
 };
 

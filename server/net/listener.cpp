@@ -1,5 +1,6 @@
 #include "server/net/listener.h"
 
+#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -9,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <utility>
@@ -23,6 +25,14 @@ constexpr int kOtherFilesShare = 8;
 constexpr int kMinOtherFiles = 32;
 constexpr std::chrono::milliseconds kRetryDelay(10);
 
+/// An address without its port.
+std::string TextOf(const sockaddr_storage& address, socklen_t size) {
+  std::array<char, NI_MAXHOST> text{};
+  const int error = getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, text.data(),
+                                text.size(), nullptr, 0, NI_NUMERICHOST);
+  return error == 0 ? text.data() : "unknown";
+}
+
 }  // namespace
 
 int Listener::MaxDescriptor() {
@@ -33,21 +43,22 @@ int Listener::MaxDescriptor() {
 }
 
 absl::StatusOr<std::unique_ptr<Listener>> Listener::Bind(const ListenAddress& address,
-                                                         int max_descriptor) {
+                                                         const Bounds& bounds) {
   absl::StatusOr<ListenSockets> listening = BindListenSockets(address, "listen");
   if (!listening.ok()) return listening.status();
   FileDescriptor wake(eventfd(0, EFD_CLOEXEC));
   if (wake.get() < 0) return absl::ErrnoToStatus(errno, "eventfd");
-  return std::unique_ptr<Listener>(new Listener(std::move(listening->sockets), std::move(wake),
-                                                listening->port, max_descriptor));
+  return std::unique_ptr<Listener>(
+      new Listener(std::move(listening->sockets), std::move(wake), listening->port, bounds));
 }
 
 Listener::Listener(std::vector<FileDescriptor> sockets, FileDescriptor wake, int port,
-                   int max_descriptor)
+                   const Bounds& bounds)
     : sockets_(std::move(sockets)),
       wake_(std::move(wake)),
       port_(port),
-      max_descriptor_(max_descriptor) {}
+      max_descriptor_(bounds.max_descriptor),
+      peers_(bounds.max_count_per_peer) {}
 
 void Listener::Start(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor) {
   acceptor_ = std::move(acceptor);
@@ -76,18 +87,30 @@ void Listener::Run() {
   }
 }
 
+bool Listener::MayStay(int fd, const std::string& peer) {
+  // A new descriptor is the lowest that is free, so as many as its number are open.
+  if (fd >= max_descriptor_) {
+    spdlog::warn("connection refused open_files={} max={}", fd, max_descriptor_);
+    return false;
+  }
+  if (peers_.Add(peer, fd)) return true;
+  spdlog::warn("connection refused peer={} reason=\"it has too many\"", peer);
+  return false;
+}
+
 void Listener::Accept(int socket_fd) {
-  const int fd = accept4(socket_fd, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  sockaddr_storage peer{};
+  socklen_t size = sizeof(peer);
+  const int fd =
+      accept4(socket_fd, reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (fd < 0) {
     // Out of descriptors, below the cap: files have taken them. It will pass.
     if (errno == EMFILE || errno == ENFILE) std::this_thread::sleep_for(kRetryDelay);
     return;
   }
-  // A new descriptor is the lowest that is free, so as many as its number are open.
-  if (fd >= max_descriptor_) {
+  if (!MayStay(fd, TextOf(peer, size))) {
     close(fd);
     ++refused_count_;
-    spdlog::warn("connection refused open_files={} max={}", fd, max_descriptor_);
     return;
   }
   const int on = 1;

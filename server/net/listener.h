@@ -5,12 +5,14 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "server/base/files.h"
 #include "server/net/listen_address.h"
+#include "server/net/peer_connections.h"
 
 namespace dcloc::server {
 
@@ -19,10 +21,15 @@ namespace dcloc::server {
 /// closed at once, and existing calls go on.
 class Listener {
  public:
-  /// Binds every address that the host has; port 0 takes a free one. A connection whose file
-  /// descriptor would be `max_descriptor` or above is closed. Unavailable says which address.
+  struct Bounds {
+    int max_descriptor = 0;      ///< a connection with this file descriptor or above is closed
+    int max_count_per_peer = 0;  ///< so is one beyond so many of its address; > 0
+  };
+
+  /// Binds every address that the host has; port 0 takes a free one. Unavailable says which
+  /// address.
   static absl::StatusOr<std::unique_ptr<Listener>> Bind(const ListenAddress& address,
-                                                        int max_descriptor);
+                                                        const Bounds& bounds);
   ~Listener() { Stop(); }
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
@@ -42,14 +49,17 @@ class Listener {
   static int MaxDescriptor();
 
  private:
-  Listener(std::vector<FileDescriptor> sockets, FileDescriptor wake, int port, int max_descriptor);
+  Listener(std::vector<FileDescriptor> sockets, FileDescriptor wake, int port,
+           const Bounds& bounds);
   void Run();
   void Accept(int socket_fd);
+  bool MayStay(int fd, const std::string& peer);
 
   std::vector<FileDescriptor> sockets_;
   FileDescriptor wake_;  ///< readable once it is to stop
   const int port_;
   const int max_descriptor_;
+  PeerConnections peers_;  ///< the thread's
   std::atomic<std::int64_t> refused_count_ = 0;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor_;
   std::thread thread_;

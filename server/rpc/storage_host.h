@@ -1,6 +1,7 @@
 #pragma once
 
 #include "server/base/open_calls.h"
+#include "server/base/peer_wait.h"
 #include "server/base/worker_pool.h"
 #include "server/config/limits.h"
 #include "server/identity/access_control.h"
@@ -13,6 +14,7 @@ struct StorageHost {
   MapStore& store;
   WorkerPool& pool;  ///< for all that may wait for a disk
   OpenCalls& open_calls;
+  PeerBoundCalls& peer_bound_calls;
   const AccessControl& access;
   const Limits& limits;
 };

@@ -95,9 +95,13 @@ class Server:
 
 
 def exposed_metrics():
-    """Every name that a query may use."""
-    with tempfile.TemporaryDirectory() as folder, Server(folder, "--metrics-listen", "0") as server:
-        text = urllib.request.urlopen(server.metrics, timeout=10).read().decode()
+    """Every name that a query may use, those of a server with TLS among them."""
+    with tempfile.TemporaryDirectory() as folder:
+        run(DEPLOY / "certificates", "--out", folder, "--server", "127.0.0.1")
+        pair = pathlib.Path(folder) / "127.0.0.1"
+        with Server(folder, "--metrics-listen", "0", "--tls-cert", f"{pair}.pem", "--tls-key",
+                    f"{pair}.key") as server:
+            text = urllib.request.urlopen(server.metrics, timeout=10).read().decode()
     names = set()
     for name, kind in re.findall(r"^# TYPE (\S+) (\S+)$", text, re.MULTILINE):
         names |= ({f"{name}_bucket", f"{name}_sum", f"{name}_count"} if kind == "histogram"

@@ -1,6 +1,7 @@
 #include "server/maps/service/download_stream.h"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <span>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "server/base/check.h"
 #include "server/base/status.h"
 #include "server/convert/map.h"
+#include "spdlog/spdlog.h"
 
 namespace dcloc::server {
 namespace {
@@ -18,31 +20,48 @@ constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
 
 DownloadStream* DownloadStream::Start(const StorageHost& host, grpc::CallbackServerContext* context,
                                       const v1::DownloadMapRequest& request) {
-  std::shared_ptr<DownloadStream> stream(new DownloadStream(host));
+  std::shared_ptr<DownloadStream> stream(new DownloadStream(host, context));
   stream->self_ = stream;
-  stream->strand_.Post([stream, context, request] { stream->SendVersion(*context, request); });
+  host.peer_bound_calls.Add(stream);
+  stream->strand_.Post([stream, request] { stream->SendVersion(request); });
   return stream.get();
 }
 
-DownloadStream::DownloadStream(const StorageHost& host)
-    : host_(host), token_(host.open_calls), strand_(host.pool) {
+DownloadStream::DownloadStream(const StorageHost& host, grpc::CallbackServerContext* context)
+    : host_(host), context_(context), token_(host.open_calls), strand_(host.pool) {
   strand_.SetLane(Lane::kLengthy);
 }
 
 void DownloadStream::OnWriteDone(bool ok) {
-  if (ok) {
-    strand_.Post([self = shared_from_this()] { self->SendChunk(); });
-  } else {
-    End(absl::CancelledError("cancelled"));
-  }
+  peer_wait_.End();
+  strand_.Post([self = shared_from_this(), ok] {
+    ok ? self->SendChunk() : self->End(absl::CancelledError("cancelled"));
+  });
 }
 
 void DownloadStream::OnDone() { const std::shared_ptr<DownloadStream> last = std::move(self_); }
 
-void DownloadStream::SendVersion(const grpc::CallbackServerContext& context,
-                                 const v1::DownloadMapRequest& request) {
+void DownloadStream::CheckPeer(PeerWait::Clock::time_point now) {
+  if (!peer_wait_.TakeOverdue(now)) return;
+  strand_.Post([self = shared_from_this()] { self->CutOff(); });
+}
+
+/// The write that nobody takes fails then, which ends the call.
+void DownloadStream::CutOff() {
+  if (ended_) return;
+  ++host_.peer_bound_calls.faults().not_reading;
+  spdlog::warn("download cut off peer={} reason=\"it is not read\"", context_->peer());
+  context_->TryCancel();
+}
+
+void DownloadStream::Send() {
+  peer_wait_.Begin(std::chrono::milliseconds(host_.limits.peer_timeout_ms));
+  StartWrite(&response_);
+}
+
+void DownloadStream::SendVersion(const v1::DownloadMapRequest& request) {
   const absl::StatusOr<Principal> principal =
-      host_.access.Authorize(context, v1::DownloadMapRequest::descriptor());
+      host_.access.Authorize(*context_, v1::DownloadMapRequest::descriptor());
   if (!principal.ok()) return End(principal.status());
   absl::Status status = CheckMapName("map_name", request.map_name());
   status.Update(CheckIntegerBetween("version", request.version(), 0,
@@ -53,7 +72,7 @@ void DownloadStream::SendVersion(const grpc::CallbackServerContext& context,
   if (!map.ok()) return End(map.status());
   map_ = *std::move(map);
   convert::ToProto(map_.record, response_.mutable_version());
-  StartWrite(&response_);
+  Send();
 }
 
 void DownloadStream::SendChunk() {
@@ -64,12 +83,13 @@ void DownloadStream::SendChunk() {
   chunk->set_offset_bytes(static_cast<std::int64_t>(sent_bytes_));
   chunk->set_data(left.data(), size);
   sent_bytes_ += size;
-  StartWrite(&response_);
+  Send();
 }
 
 void DownloadStream::End(const absl::Status& status) {
   // Before the client hears of the end, who may then delete the version.
   map_ = {};
+  ended_ = true;
   Finish(ToGrpc(status));
 }
 

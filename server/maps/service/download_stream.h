@@ -12,8 +12,10 @@
 namespace dcloc::server {
 
 /// One DownloadMap call: a message is filled on the call's strand, written, and then the next one
-/// is filled. The version counts as in use meanwhile.
+/// is filled. The version counts as in use meanwhile, so a caller who does not read for
+/// `peer_timeout_ms` is cut off.
 class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResponse>,
+                             public PeerBoundCall,
                              public std::enable_shared_from_this<DownloadStream> {
  public:
   /// Lives until the call is done and the pool has let go of it.
@@ -22,19 +24,25 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
 
   void OnWriteDone(bool ok) override;
   void OnDone() override;
+  void CheckPeer(PeerWait::Clock::time_point now) override;
 
  private:
-  explicit DownloadStream(const StorageHost& host);
+  DownloadStream(const StorageHost& host, grpc::CallbackServerContext* context);
 
-  void SendVersion(const grpc::CallbackServerContext& context,
-                   const v1::DownloadMapRequest& request);
+  // On the strand.
+  void SendVersion(const v1::DownloadMapRequest& request);
   void SendChunk();
+  void Send();
+  void CutOff();
   void End(const absl::Status& status);
 
   const StorageHost& host_;
+  grpc::CallbackServerContext* const context_;
   OpenCalls::Token token_;
   Strand strand_;
+  PeerWait peer_wait_;
   std::shared_ptr<DownloadStream> self_;  ///< reset by OnDone
+  bool ended_ = false;
   LoadedMap map_;
   std::size_t sent_bytes_ = 0;
   v1::DownloadMapResponse response_;

@@ -162,8 +162,8 @@ grpc::ServerUnaryReactor* MapService::GetMapVersion(grpc::CallbackServerContext*
   });
 }
 
-grpc::ServerReadReactor<v1::UploadMapRequest>* MapService::UploadMap(
-    grpc::CallbackServerContext* context, v1::UploadMapResponse* response) {
+grpc::ServerReadReactor<grpc::ByteBuffer>* MapService::UploadMap(
+    grpc::CallbackServerContext* context, grpc::ByteBuffer* response) {
   return UploadStream::Start(context, host_, response);
 }
 
@@ -229,8 +229,8 @@ grpc::ServerUnaryReactor* MapService::ReadMapTile(grpc::CallbackServerContext* c
   });
 }
 
-grpc::ServerReadReactor<v1::StartMapBuildRequest>* MapService::StartMapBuild(
-    grpc::CallbackServerContext* context, v1::StartMapBuildResponse* response) {
+grpc::ServerReadReactor<grpc::ByteBuffer>* MapService::StartMapBuild(
+    grpc::CallbackServerContext* context, grpc::ByteBuffer* response) {
   return BuildStream::Start(context, host_, builds_, response);
 }
 

@@ -8,8 +8,12 @@
 
 namespace dcloc::server {
 
+/// Streamed requests come as bytes, see `ReadStream`.
+using RawStreamsMapService = v1::MapService::WithRawCallbackMethod_UploadMap<
+    v1::MapService::WithRawCallbackMethod_StartMapBuild<v1::MapService::CallbackService>>;
+
 /// MapService over a MapStore. All calls may wait for a disk, so all run on the storage pool.
-class MapService final : public v1::MapService::CallbackService {
+class MapService final : public RawStreamsMapService {
  public:
   MapService(StorageHost host, SessionMover move_sessions, SessionDrainer drain_sessions);
 
@@ -25,8 +29,8 @@ class MapService final : public v1::MapService::CallbackService {
   grpc::ServerUnaryReactor* GetMapVersion(grpc::CallbackServerContext* context,
                                           const v1::GetMapVersionRequest* request,
                                           v1::GetMapVersionResponse* response) override;
-  grpc::ServerReadReactor<v1::UploadMapRequest>* UploadMap(
-      grpc::CallbackServerContext* context, v1::UploadMapResponse* response) override;
+  grpc::ServerReadReactor<grpc::ByteBuffer>* UploadMap(grpc::CallbackServerContext* context,
+                                                       grpc::ByteBuffer* response) override;
   grpc::ServerWriteReactor<v1::DownloadMapResponse>* DownloadMap(
       grpc::CallbackServerContext* context, const v1::DownloadMapRequest* request) override;
   grpc::ServerUnaryReactor* ActivateMapVersion(grpc::CallbackServerContext* context,
@@ -47,8 +51,8 @@ class MapService final : public v1::MapService::CallbackService {
   grpc::ServerUnaryReactor* ReadMapTile(grpc::CallbackServerContext* context,
                                         const v1::ReadMapTileRequest* request,
                                         v1::ReadMapTileResponse* response) override;
-  grpc::ServerReadReactor<v1::StartMapBuildRequest>* StartMapBuild(
-      grpc::CallbackServerContext* context, v1::StartMapBuildResponse* response) override;
+  grpc::ServerReadReactor<grpc::ByteBuffer>* StartMapBuild(grpc::CallbackServerContext* context,
+                                                           grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* GetMapBuild(grpc::CallbackServerContext* context,
                                         const v1::GetMapBuildRequest* request,
                                         v1::GetMapBuildResponse* response) override;

@@ -86,7 +86,7 @@ class CredentialsTest : public ::testing::Test {
   }
 
   static std::string ErrorOf(const ServerConfig& config) {
-    const absl::Status status = MakeCredentials(config).status();
+    const absl::Status status = MakeCredentials(config, std::make_shared<CallGate>(0)).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
     return std::string(status.message());
   }

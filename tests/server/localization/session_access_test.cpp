@@ -213,9 +213,11 @@ TEST_F(NarrowTest, EachSettingThatCanChangeHoldsAtOnce) {
   for (const ConfigField& field : ConfigFields()) {
     if (field.reloadable) reloadable.emplace_back(field.key);
   }
-  // Sizes of maps: AccessTest.UploadsBeyondALimitNameIt.
+  // Sizes of maps: AccessTest.UploadsBeyondALimitNameIt. Streams and peers: UnopenedStreamTest.
   EXPECT_THAT(reloadable,
-              ::testing::ElementsAre("max_session_count", "max_session_count_per_principal",
+              ::testing::ElementsAre("max_session_count", "max_unopened_stream_count",
+                                     "max_unopened_stream_count_per_peer", "open_timeout_ms",
+                                     "peer_timeout_ms", "max_session_count_per_principal",
                                      "max_scan_rate_hz_per_principal", "max_target_count",
                                      "max_map_mib", "max_tenant_storage_mib", "log_level"));
   ServerConfig config = Config();

@@ -15,11 +15,12 @@ using Event = StreamEvent;
 using State = StreamState;
 
 constexpr std::array kStreamStates = {
-    State::kOpening, State::kStreaming, State::kDetaching,        State::kDraining,
-    State::kFailing, State::kCancelled, State::kCancelledForGood, State::kFinished};
-constexpr std::array kStreamEvents = {Event::kFirstRead,  Event::kScanRead,  Event::kClosed,
-                                      Event::kHalfClosed, Event::kOpened,    Event::kFailed,
-                                      Event::kEnded,      Event::kCancelled, Event::kSettled};
+    State::kAdmitting, State::kOpening,          State::kStreaming,
+    State::kDetaching, State::kDraining,         State::kFailing,
+    State::kCancelled, State::kCancelledForGood, State::kFinished};
+constexpr std::array kStreamEvents = {
+    Event::kAdmitted, Event::kFirstRead, Event::kScanRead, Event::kClosed,    Event::kHalfClosed,
+    Event::kOpened,   Event::kFailed,    Event::kEnded,    Event::kCancelled, Event::kSettled};
 
 struct StreamArrow {
   const char* name;
@@ -33,6 +34,14 @@ void PrintTo(const StreamArrow& arrow, std::ostream* out) { *out << arrow.name; 
 
 const std::vector<StreamArrow>& StreamArrows() {
   static const std::vector<StreamArrow> arrows = {
+      {"ACallerThatMayLocalizeIsAdmitted", State::kAdmitting, Event::kAdmitted, State::kOpening,
+       Action::kNone},
+      {"ACallerThatMayNotIsRefused", State::kAdmitting, Event::kFailed, State::kFailing,
+       Action::kTakeStatus},
+      {"AServerThatTakesNoMoreEndsTheAdmission", State::kAdmitting, Event::kEnded, State::kDraining,
+       Action::kTakeStatus},
+      {"AnAdmissionIsCancelled", State::kAdmitting, Event::kCancelled, State::kCancelled,
+       Action::kNone},
       {"TheFirstMessageOpensASession", State::kOpening, Event::kFirstRead, State::kOpening,
        Action::kOpenSession},
       {"AnOpenSessionStreams", State::kOpening, Event::kOpened, State::kStreaming,

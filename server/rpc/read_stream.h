@@ -1,0 +1,133 @@
+#pragma once
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_format.h"
+#include "server/base/status.h"
+#include "server/rpc/storage_host.h"
+#include "server/rpc/wire.h"
+
+namespace dcloc::server {
+
+/// A call whose caller streams requests. First it is checked whether the caller may make it. Then
+/// each request is read, taken on the call's strand, and only then the next one is read. A caller
+/// who sends nothing for `peer_timeout_ms` is ended.
+template <typename Request, typename Response>
+class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
+                   public PeerBoundCall,
+                   public std::enable_shared_from_this<ReadStream<Request, Response>> {
+ public:
+  void OnReadDone(bool ok) override {
+    peer_wait_.End();
+    strand_.Post(
+        [self = this->shared_from_this(), ok] { ok ? self->TakeNext() : self->TakeEnd(); });
+  }
+
+  void OnDone() override { const std::shared_ptr<ReadStream> last = std::move(self_); }
+
+  void CheckPeer(PeerWait::Clock::time_point now) override {
+    if (!peer_wait_.TakeOverdue(now)) return;
+    strand_.Post([self = this->shared_from_this()] { self->GiveUp(); });
+  }
+
+ protected:
+  ReadStream(const StorageHost& host, grpc::CallbackServerContext* context,
+             grpc::ByteBuffer* response)
+      : host_(host),
+        context_(context),
+        response_(response),
+        token_(host.open_calls),
+        strand_(host.pool) {
+    strand_.SetLane(Lane::kLengthy);
+  }
+
+  /// Begins the call. `stream` lives until the call is done and the pool has let go of it.
+  template <typename Stream>
+  static Stream* Begin(std::shared_ptr<Stream> stream) {
+    ReadStream& base = *stream;
+    base.self_ = stream;
+    base.host_.peer_bound_calls.Add(stream);
+    base.strand_.Post([stream] { static_cast<ReadStream&>(*stream).CheckCaller(); });
+    return stream.get();
+  }
+
+  const StorageHost& host() const { return host_; }
+
+  /// Who calls; known when requests are taken.
+  const Principal& principal() const { return principal_; }
+
+  // On the strand.
+
+  /// An error ends the call.
+  virtual absl::Status Take(const Request& request) = 0;
+
+  /// All requests have been taken; the call ends.
+  virtual absl::Status Complete(Response* response) = 0;
+
+  /// Lets go of what was taken. Called before the client hears of the end.
+  virtual void Release() = 0;
+
+ private:
+  void CheckCaller() {
+    absl::StatusOr<Principal> principal = host_.access.Authorize(*context_, Request::descriptor());
+    if (!principal.ok()) return End(principal.status());
+    principal_ = *std::move(principal);
+    ReadNext();
+  }
+
+  void ReadNext() {
+    peer_wait_.Begin(std::chrono::milliseconds(host_.limits.peer_timeout_ms));
+    this->StartRead(&bytes_);
+  }
+
+  void TakeNext() {
+    if (ended_) return;
+    absl::Status status = ParseMessage(&bytes_, &request_);
+    if (status.ok()) status = Take(request_);
+    if (!status.ok()) return End(status);
+    ReadNext();
+  }
+
+  void TakeEnd() {
+    if (ended_) return;
+    if (context_->IsCancelled()) return End(absl::CancelledError("cancelled"));
+    Response response;
+    const absl::Status status = Complete(&response);
+    if (status.ok()) *response_ = SerializeMessage(response);
+    End(status);
+  }
+
+  void GiveUp() {
+    if (ended_) return;
+    ++host_.peer_bound_calls.faults().not_sending;
+    End(absl::DeadlineExceededError(
+        absl::StrFormat("the next message did not come within peer_timeout_ms, which is %d",
+                        host_.limits.peer_timeout_ms.load())));
+  }
+
+  void End(const absl::Status& status) {
+    ended_ = true;
+    Release();
+    this->Finish(ToGrpc(status));
+  }
+
+  const StorageHost& host_;
+  grpc::CallbackServerContext* const context_;
+  grpc::ByteBuffer* const response_;
+  const OpenCalls::Token token_;
+  Strand strand_;
+  PeerWait peer_wait_;
+  std::shared_ptr<ReadStream> self_;  ///< reset by OnDone
+  grpc::ByteBuffer bytes_;            ///< the transport's while a read is under way
+  Request request_;
+  Principal principal_;
+  bool ended_ = false;
+};
+
+}  // namespace dcloc::server

@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""Attacks a server from outside over real sockets, while vehicles drive and /ready is asked.
+
+Usage: attack.py DCLOC DCLOC_SERVER [--only NAME[,NAME...]] [--seed N] [--seconds S] [--list]
+"""
+
+import argparse
+import json
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+import time
+
+from attacks import ATTACKS, Case
+from target import Api, make_stubs
+
+
+def make_town(dcloc, folder):
+    """A small map."""
+    drives, town = folder / "drives", folder / "town.dclm"
+    for arguments in (["simulate", "--out", drives, "--length-m", "100"],
+                      ["map", "build", "--dataset", "nuscenes", "--root", drives, "--drive", "map",
+                       "--out", town]):
+        subprocess.run([dcloc, *arguments], check=True, stdout=subprocess.DEVNULL)
+    return town
+
+
+def run(attack, case):
+    """Whether it held."""
+    begin = time.monotonic()
+    attack(case)
+    print(f"{'ok' if not case.faults else 'FAILED':7} {attack.__name__:28} "
+          f"{time.monotonic() - begin:5.1f} s  {json.dumps(case.figures)}", flush=True)
+    for fault in case.faults:
+        print(f"        {fault}", flush=True)
+    return not case.faults
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("dcloc", type=pathlib.Path)
+    parser.add_argument("server", type=pathlib.Path)
+    parser.add_argument("--only", default="", help="names of attacks, with commas")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seconds", type=float, default=3.0, help="how long each one lasts")
+    parser.add_argument("--list", action="store_true", help="only print their names")
+    arguments = parser.parse_args()
+    chosen = [attack for attack in ATTACKS
+              if not arguments.only or attack.__name__ in arguments.only.split(",")]
+    if arguments.list:
+        print("\n".join(f"{attack.__name__:28} {attack.__doc__.splitlines()[0]}" for attack in chosen))
+        return 0
+    with tempfile.TemporaryDirectory(prefix="dcloc-attack-") as name:
+        folder = pathlib.Path(name)
+        stubs = folder / "stubs"
+        stubs.mkdir()
+        make_stubs(stubs)
+        api = Api(stubs)
+        town = make_town(arguments.dcloc, folder)
+        print(f"seed {arguments.seed}", flush=True)
+        results = [run(attack, Case(arguments.server, folder, stubs, api, town,
+                                    random.Random(arguments.seed), arguments.seconds))
+                   for attack in chosen]
+    print(f"{sum(results)} held, {len(results) - sum(results)} failed")
+    return 0 if results and all(results) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,409 @@
+"""What outsiders do to a server. Each attack yields figures, and a list of what did not hold."""
+
+import concurrent.futures
+import contextlib
+import json
+import shutil
+import socket
+import subprocess
+import sys
+import threading
+import time
+
+import grpc
+
+import frames
+from target import HERE, ReadyWatch, Target, Vehicles
+
+MAX_MS = 100.0
+LOCALIZE = "/dcloc.v1.LocalizationService/Localize"
+
+
+class Case:
+    """What an attack needs: where things are, how long it may take, and what it found."""
+
+    def __init__(self, program, folder, stubs, api, town, random, seconds):
+        self.program, self.folder, self.stubs, self.api = program, folder, stubs, api
+        self.town, self.random, self.seconds = town, random, seconds
+        self.figures = {}
+        self.faults = []
+
+    def target(self, *flags, **options):
+        return Target(self.program, self.folder, self.town, *flags, **options)
+
+    def with_town(self, *flags, **options):
+        """A target that has the map."""
+        target = self.target(*flags, **options)
+        self.upload(target)
+        return target
+
+    def upload(self, target, map_name="town"):
+        messages = self.api.map_service
+        bytes_ = self.town.read_bytes()
+
+        def requests():
+            request = messages.UploadMapRequest()
+            request.header.map_name = map_name
+            request.header.size_bytes = len(bytes_)
+            request.header.sha256 = subprocess.run(
+                ["sha256sum", self.town], check=True, text=True,
+                stdout=subprocess.PIPE).stdout.split()[0]
+            request.header.activate = True
+            yield request
+            for offset in range(0, len(bytes_), 1 << 20):
+                yield messages.UploadMapRequest(chunk=messages.MapChunk(
+                    offset_bytes=offset, data=bytes_[offset:offset + (1 << 20)]))
+
+        with target.channel() as channel:
+            return self.api.map_service_grpc.MapServiceStub(channel).UploadMap(
+                requests(), metadata=target.call_metadata()).version.version
+
+    def state(self, target):
+        with target.channel() as channel:
+            return self.api.admin_service_grpc.AdminServiceStub(channel).GetServerState(
+                self.api.admin_service.GetServerStateRequest(), metadata=target.call_metadata(),
+                timeout=10)
+
+    def expect(self, holds, fault):
+        if not holds:
+            self.faults.append(fault)
+
+    @contextlib.contextmanager
+    def meanwhile(self, target, vehicles=True, name=""):
+        """Vehicles drive and /ready is asked while the body runs; both must stay well."""
+        watch = ReadyWatch(target)
+        driving = Vehicles(target, self.stubs) if vehicles else None
+        try:
+            yield
+        finally:
+            ready = watch.result()
+            self.figures[f"{name}ready"] = ready
+            if driving:
+                self.figures[f"{name}vehicles"] = seen = driving.result()
+        self.expect(target.alive(), "the server is dead")
+        self.expect(ready["worst_ms"] <= MAX_MS, f"/ready took {ready['worst_ms']} ms")
+        self.expect(ready["failed"] == 0, f"/ready failed {ready['failed']} times")
+        if driving:
+            self.expect(seen["p99_ms"] <= MAX_MS, f"vehicles' p99 was {seen['p99_ms']} ms")
+            self.expect(not seen["refused"], f"vehicles were refused: {seen['refused'][:3]}")
+
+
+# ---- Streams that never open a session
+
+def silent_streams(case, count, connection_count, token):
+    """Localize calls that send nothing, over a few connections: half of them before the vehicles
+    come, half while they drive."""
+    with case.with_town("--max-session-count", 50) as target, contextlib.ExitStack() as stack:
+        block = frames.call_headers(LOCALIZE, target.vehicle_token if token else None)
+        connections = [stack.enter_context(contextlib.closing(frames.connect(target.address)))
+                       for _ in range(connection_count)]
+
+        def begin_half(first_stream):
+            for i in range(count // connection_count // 2):
+                for connection in connections:
+                    with contextlib.suppress(OSError):
+                        connection.sendall(frames.frame(frames.HEADERS, frames.END_HEADERS,
+                                                        first_stream + 4 * i, block))
+
+        begin_half(1)
+        time.sleep(1)
+        with case.meanwhile(target):
+            time.sleep(1)
+            begin_half(1 + 4 * count)
+            time.sleep(case.seconds)
+            case.figures["session_count"] = case.state(target).session_count
+            case.figures["unopened"] = target.metric("dcloc_unopened_streams")
+
+
+def streams_without_open(case):
+    """120 calls without a token, then 120 with one, none of which opens a session."""
+    silent_streams(case, 120, 1, token=False)
+    silent_streams(case, 120, 1, token=True)
+
+
+def many_streams(case):
+    """10,000 calls of an unknown peer over 10 connections."""
+    silent_streams(case, 10_000, 10, token=False)
+
+
+def many_streams_known(case):
+    """10,000 calls of a peer with a token over 10 connections."""
+    silent_streams(case, 10_000, 10, token=True)
+
+
+def many_connections(case):
+    """1,000 connections that say nothing, from one address."""
+    with case.with_town() as target:
+        with case.meanwhile(target), contextlib.ExitStack() as stack:
+            host, _, port = target.address.rpartition(":")
+            opened = 0
+            for _ in range(1000):
+                with contextlib.suppress(OSError):
+                    stack.enter_context(contextlib.closing(
+                        socket.create_connection((host, int(port)), 2)))
+                    opened += 1
+            case.figures["connections"] = opened
+            time.sleep(case.seconds)
+
+
+def a_stream_ends_without_open(case):
+    """A call that sends nothing is ended, and is told why."""
+    with case.target("--open-timeout-ms", 1000) as target, target.channel() as channel:
+        stub = case.api.localization_service_grpc.LocalizationServiceStub(channel)
+        begin = time.monotonic()
+        forever = threading.Event()
+
+        def nothing():
+            forever.wait(20)
+            yield from ()
+
+        call = stub.Localize(nothing(), metadata=target.call_metadata(target.vehicle_token),
+                             timeout=15)
+        code = code_of(lambda: next(call))
+        forever.set()
+        case.figures["ended"] = [code, round(time.monotonic() - begin, 1)]
+        case.expect(code[0] == "DEADLINE_EXCEEDED" and "open" in code[1], f"it ended with {code}")
+
+
+def code_of(call):
+    try:
+        call()
+    except grpc.RpcError as error:
+        return [error.code().name, error.details()]
+    return ["OK", ""]
+
+
+# ---- Certificates
+
+def make_certificate(folder, name, days=30):
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt",
+                    "ec_paramgen_curve:prime256v1", "-nodes", "-days", str(days), "-subj",
+                    f"/CN={name}", "-addext", "subjectAltName=IP:127.0.0.1", "-keyout",
+                    folder / f"{name}.key", "-out", folder / f"{name}.pem"], check=True,
+                   stderr=subprocess.DEVNULL)
+
+
+def certificates(case):
+    """Files that are empty, garbage or do not match while the server runs."""
+    folder = case.folder / "tls"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    make_certificate(folder, "first")
+    make_certificate(folder, "second")
+    served = [folder / "served.pem", folder / "served.key"]
+
+    def put(name):
+        for path, suffix in zip(served, ("pem", "key")):
+            shutil.copy(folder / f"{name}.{suffix}", path)
+
+    def serves(target, name):
+        trust = grpc.ssl_channel_credentials((folder / f"{name}.pem").read_bytes())
+        with target.channel(credentials=trust) as channel:
+            return code_of(lambda: case.api.admin_service_grpc.AdminServiceStub(
+                channel).GetServerState(case.api.admin_service.GetServerStateRequest(),
+                                        metadata=target.call_metadata(), timeout=5))[0] == "OK"
+
+    put("first")
+    with case.target("--tls-cert", served[0], "--tls-key", served[1]) as target:
+        case.expect(serves(target, "first"), "the first pair is not served")
+        spoils = {"empty certificate": (0, b""), "empty key": (1, b""),
+                  "garbage certificate": (0, case.random.randbytes(500)),
+                  "garbage key": (1, b"-----BEGIN PRIVATE KEY-----\nAAAA\n"),
+                  "another's key": (1, (folder / "second.key").read_bytes())}
+        for name, (which, content) in spoils.items():
+            put("first")
+            served[which].write_bytes(content)
+            time.sleep(3)
+            case.expect(target.alive(), f"{name}: the server is dead")
+            if not target.alive():
+                return
+            case.expect(serves(target, "first"), f"{name}: new connections fail")
+            case.expect(target.metric("dcloc_tls_certificate_ok") == 0.0, f"{name}: no metric says so")
+            case.expect("tls_" in target.log_text().split('"listening')[-1], f"{name}: not logged")
+        put("second")
+        time.sleep(3)
+        case.expect(serves(target, "second"), "the second pair is not served")
+        case.expect(target.metric("dcloc_tls_certificate_ok") == 1.0, "the metric says bad")
+
+
+# ---- The metrics port
+
+def silent_metrics_peers(case):
+    """Peers of the metrics port that say nothing, say it slowly, or do not read."""
+    with case.with_town() as target:
+        host, port = target.metrics.split(":")
+        for name, count in (("ten silent: ", 10), ("500 silent: ", 500)):
+            with case.meanwhile(target, vehicles=False, name=name), contextlib.ExitStack() as stack:
+                for _ in range(count):
+                    with contextlib.suppress(OSError):
+                        stack.enter_context(contextlib.closing(
+                            socket.create_connection((host, int(port)), 2)))
+                time.sleep(case.seconds)
+        with case.meanwhile(target, vehicles=False, name="slow: "), contextlib.ExitStack() as stack:
+            slow = [stack.enter_context(contextlib.closing(
+                socket.create_connection((host, int(port)), 2))) for _ in range(50)]
+            end = time.monotonic() + case.seconds
+            while time.monotonic() < end:
+                for connection in slow:
+                    with contextlib.suppress(OSError):
+                        connection.send(b"G")
+                time.sleep(0.1)
+        with case.meanwhile(target, vehicles=False, name="not reading: "), contextlib.ExitStack() as stack:
+            for _ in range(20):
+                connection = stack.enter_context(contextlib.closing(socket.socket()))
+                connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1024)
+                connection.connect((host, int(port)))
+                with contextlib.suppress(OSError):
+                    connection.sendall(b"GET /metrics HTTP/1.1\r\n\r\n")
+            time.sleep(case.seconds)
+
+
+# ---- Readers that do not read
+
+def unread_download(case):
+    """A download that nobody reads lets go of its version."""
+    with case.with_town("--peer-timeout-ms", 2000) as target:
+        # Larger than what the windows of HTTP/2 and TCP hold.
+        connection = frames.connect(target.address)
+        request = case.api.map_service.DownloadMapRequest(map_name="town").SerializeToString()
+        block = frames.call_headers("/dcloc.v1.MapService/DownloadMap", target.token)
+        connection.sendall(
+            frames.frame(frames.SETTINGS, 0, 0, b"\x00\x04\x00\x00\x00\x00")  # a window of nothing
+            + frames.frame(frames.HEADERS, frames.END_HEADERS, 1, block)
+            + frames.frame(frames.DATA, frames.END_STREAM, 1, frames.message(request)))
+        time.sleep(0.5)
+        with target.channel() as channel:
+            maps = case.api.map_service_grpc.MapServiceStub(channel)
+            begin = time.monotonic()
+            code = ["", ""]
+            while time.monotonic() < begin + 2 + max(5, case.seconds):
+                code = code_of(lambda: maps.DeleteMap(
+                    case.api.map_service.DeleteMapRequest(map_name="town"),
+                    metadata=target.call_metadata(), timeout=5))
+                if code[0] == "OK":
+                    break
+                time.sleep(0.2)
+            case.figures["let go after [s]"] = round(time.monotonic() - begin, 1)
+            case.expect(code[0] == "OK", f"the version is still held: {code}")
+        connection.close()
+
+
+# ---- Messages that do not parse
+
+METHODS = {
+    "LocalizationService": "Localize",
+    "MapService": "ListMaps GetMap ListMapVersions GetMapVersion UploadMap GetMapUpload DownloadMap "
+                  "ActivateMapVersion RollBackMap SetMapCanary FindCoverage ReadMapTile StartMapBuild "
+                  "GetMapBuild ListMapBuilds CancelMapBuild DeleteMapVersion DeleteMap",
+    "AdminService": "GetServerState ListSessions GetSession WatchSession EndSession RecordSession "
+                    "Drain"}
+
+
+def unparsed_messages(case):
+    """A message that is none, to each RPC: INVALID_ARGUMENT, and what is wrong."""
+    with case.with_town() as target, target.channel() as channel:
+        for service, methods in METHODS.items():
+            for method in methods.split():
+                call = channel.stream_stream(f"/dcloc.v1.{service}/{method}")
+                answers = call(iter([b"\xff\xff\xff"]), metadata=target.call_metadata(), timeout=5)
+                code = code_of(lambda: list(answers))  # pylint: disable=cell-var-from-loop
+                case.expect(code[0] == "INVALID_ARGUMENT" and "parse" in code[1],
+                            f"{method}: {code}")
+        case.figures["a second message"] = code = second_message(case, channel, target)
+        case.expect(code[0] == "INVALID_ARGUMENT" and "parse" in code[1], f"Localize, later: {code}")
+
+
+def second_message(case, channel, target):
+    """How a session ends that is opened well and then sends what is no message."""
+    opening = case.api.localization_service.LocalizeRequest()
+    opening.open.vehicle_id = "car-9"
+    opening.open.map_name = "town"
+    radar = opening.open.rig.radars.add(radar_id="front")
+    radar.t_vehicle_radar.translation_m.SetInParent()
+    radar.t_vehicle_radar.rotation.w = 1.0
+    call = channel.stream_stream(LOCALIZE)
+    answers = call(iter([opening.SerializeToString(), b"\xff\xff\xff"]),
+                   metadata=target.call_metadata(target.vehicle_token), timeout=5)
+    return code_of(lambda: list(answers))
+
+
+def log_flood(case):
+    """Messages with text that is no UTF-8: the log stays small, and JSON."""
+    with case.with_town() as target:
+        # vehicle_id is field 1 of field 1.
+        bad = b"\x0a\x04\x0a\x02\xff\xfe"
+        end = time.monotonic() + case.seconds
+
+        def flood():
+            sent = 0
+            with target.channel() as channel:
+                call = channel.stream_stream(LOCALIZE)
+                while time.monotonic() < end:
+                    code_of(lambda: list(call(iter([bad]), timeout=5)))
+                    sent += 1
+            return sent
+
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            sent = sum(pool.map(lambda _: flood(), range(4)))
+        time.sleep(1.5)
+        lines = target.log_text().splitlines()
+        case.figures["calls"], case.figures["lines"] = sent, len(lines)
+        bad_lines = [line for line in lines if not is_json(line)]
+        case.expect(not bad_lines, f"{len(bad_lines)} lines are no JSON: {bad_lines[:1]}")
+        case.expect(len(lines) <= 300 * (case.seconds + 3), f"{len(lines)} lines")
+
+
+def is_json(line):
+    try:
+        return isinstance(json.loads(line), dict)
+    except ValueError:
+        return False
+
+
+# ---- Settings
+
+def settings(case):
+    """A configuration that is a folder, at the start and while the server runs."""
+    folder = case.folder / "settings"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    started = subprocess.run([case.program, "--config", folder], text=True, timeout=20,
+                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+    case.figures["start"] = [started.returncode, started.stderr.splitlines()[:1]]
+    case.expect(started.returncode == 2, f"exit status {started.returncode}")
+    path = folder / "server.json"
+    path.write_text('{"max_session_count": 40}')
+    with case.target("--config", path) as target:
+        path.write_text('{"max_session_count": 70}')
+        target.reload()
+        time.sleep(1)
+        case.expect(case.state(target).max_session_count == 70, "the state tells the old limit")
+        path.unlink()
+        path.mkdir()
+        target.reload()
+        time.sleep(1)
+        case.expect(target.alive(), "the server is dead")
+        case.expect("settings not taken" in target.log_text(), "nothing is logged")
+
+
+# ---- Rapid reset
+
+def rapid_reset(case):
+    """Calls that are reset as soon as they begin, as fast as the server reads, on one connection at
+    a time."""
+    with case.with_town() as target:
+        flood = subprocess.Popen([sys.executable, HERE / "reset_flood.py", target.address, LOCALIZE],
+                                 text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        with case.meanwhile(target):
+            time.sleep(1)
+            flood.stdin.write("go\n")
+            flood.stdin.flush()
+            time.sleep(case.seconds)
+            out, _ = flood.communicate("stop\n", timeout=60)
+            time.sleep(1)
+        case.figures["resets"], case.figures["connections"] = map(int, out.split())
+
+
+ATTACKS = [streams_without_open, a_stream_ends_without_open, many_streams, many_streams_known,
+           many_connections, certificates, silent_metrics_peers, unread_download, unparsed_messages,
+           log_flood, settings, rapid_reset]

@@ -1,0 +1,143 @@
+"""A server under attack: its process, its metrics, and vehicles that drive meanwhile."""
+
+import http.client
+import importlib
+import json
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import grpc
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+
+
+def make_stubs(folder):
+    """Python's messages and stubs of the wire contract, made into `folder`."""
+    protos = sorted(str(path) for path in (ROOT / "proto/dcloc/v1").glob("*.proto"))
+    plugin = subprocess.run(["which", "grpc_python_plugin"], check=True, text=True,
+                            stdout=subprocess.PIPE).stdout.strip()
+    subprocess.run(["protoc", f"-I{ROOT / 'proto'}", f"--python_out={folder}",
+                    f"--grpc_python_out={folder}",
+                    f"--plugin=protoc-gen-grpc_python={plugin}", *protos], check=True)
+
+
+class Api:
+    """The modules that `make_stubs` has made."""
+
+    def __init__(self, folder):
+        sys.path.insert(0, str(folder))
+        for name in ("localization_service", "map_service", "admin_service", "scan", "geometry"):
+            setattr(self, name, importlib.import_module(f"dcloc.v1.{name}_pb2"))
+            if name.endswith("service"):
+                setattr(self, f"{name}_grpc", importlib.import_module(f"dcloc.v1.{name}_pb2_grpc"))
+
+
+class Target:
+    """A server on a store of its own, at free ports; killed at the end of the `with`."""
+
+    def __init__(self, program, folder, town, *flags, identities=True):
+        self.folder = pathlib.Path(tempfile.mkdtemp(dir=folder))
+        self.program = program
+        self.store = self.folder / "store"
+        self.town = town
+        self.token = self._token("admin", "ops") if identities else None
+        self.vehicle_token = self._token("operator", "fleet") if identities else None
+        self.log = open(self.folder / "log", "w+", encoding="utf-8")
+        self.process = subprocess.Popen(
+            [program, "--data", self.store, "--listen", "127.0.0.1:0", "--stub-matcher",
+             "--metrics-listen", "127.0.0.1:0", "--log-format", "json", *map(str, flags)],
+            text=True, stdout=subprocess.PIPE, stderr=self.log)
+        line = self.process.stdout.readline()
+        if not line.startswith("listening on "):
+            raise AssertionError(f"no server: {self.log_text()}")
+        self.address = line.removeprefix("listening on ").strip()
+        self.metrics = re.search(r'metrics served","address":"([^"]+)"', self.log_text()).group(1)
+
+    def _token(self, role, name):
+        self.store.mkdir(exist_ok=True)
+        result = subprocess.run([self.program, "token", "create", "--data", self.store, "--name", name,
+                                 "--role", role], check=True, text=True, stdout=subprocess.PIPE,
+                                stderr=subprocess.DEVNULL)
+        return re.search(r"dcloc_\S+", result.stdout).group(0)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+        self.log.close()
+
+    def alive(self):
+        return self.process.poll() is None
+
+    def log_text(self):
+        return (self.folder / "log").read_text(encoding="utf-8", errors="replace")
+
+    def reload(self):
+        self.process.send_signal(signal.SIGHUP)
+
+    def call_metadata(self, token=None):
+        token = token or self.token
+        return [("authorization", f"Bearer {token}")] if token else []
+
+    def get(self, path, timeout_s=10):
+        """The status, the body, and how long it took [s]."""
+        begin = time.monotonic()
+        connection = http.client.HTTPConnection(*self.metrics.split(":"), timeout=timeout_s)
+        try:
+            connection.request("GET", path)
+            response = connection.getresponse()
+            return response.status, response.read().decode(), time.monotonic() - begin
+        finally:
+            connection.close()
+
+    def metric(self, name):
+        """The sum over a metric's labels."""
+        _, text, _ = self.get("/metrics")
+        values = re.findall(rf"^{name}(?:{{[^}}]*}})? (\S+)$", text, re.MULTILINE)
+        return sum(map(float, values)) if values else None
+
+    def channel(self, *options, credentials=None):
+        options = [("grpc.use_local_subchannel_pool", 1), *options]
+        if credentials:
+            return grpc.secure_channel(self.address, credentials, options)
+        return grpc.insecure_channel(self.address, options)
+
+
+class Vehicles:
+    """Vehicles in a process of their own: what they see from the beginning to `result`."""
+
+    def __init__(self, target, stubs, count=5, rate_hz=10.0):
+        self.process = subprocess.Popen(
+            [sys.executable, HERE / "vehicles.py", stubs, target.address,
+             target.vehicle_token or "-", str(count), str(rate_hz)],
+            text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self.process.stdout.readline()  # they drive
+
+    def result(self):
+        """{"answers", "p50_ms", "p99_ms", "worst_ms", "refused": [text, ...]}."""
+        out, _ = self.process.communicate("stop\n", timeout=60)
+        return json.loads(out)
+
+
+class ReadyWatch:
+    """Asks /ready all the time, in a process of its own."""
+
+    def __init__(self, target, interval_s=0.05):
+        self.process = subprocess.Popen(
+            [sys.executable, HERE / "ready_watch.py", target.metrics, str(interval_s)], text=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self.process.stdout.readline()
+
+    def result(self):
+        """{"asked", "worst_ms", "p99_ms", "failed"}."""
+        out, _ = self.process.communicate("stop\n", timeout=60)
+        return json.loads(out)
