@@ -1,5 +1,6 @@
 #include <sched.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <array>
 #include <csignal>
@@ -107,6 +108,8 @@ int Run(int argc, const char* const* argv, const ServerConfig& config) {
 }
 
 int Main(int argc, const char* const* argv) {
+  // What the program writes is for its own user alone: maps, identities, tokens.
+  umask(S_IRWXG | S_IRWXO);
   if (IsTokenCommand(argc, argv)) return RunTokenCommand(argc, argv);
   const absl::StatusOr<CommandLine> command_line = ParseCommandLine(argc, argv);
   if (!command_line.ok()) {

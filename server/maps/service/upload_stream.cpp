@@ -62,6 +62,8 @@ void UploadStream::TakeEnd() {
     spdlog::info("map uploaded map={} version={} bytes={} active={}", record->map_name,
                  record->version, record->info.size_bytes, record->active);
   }
+  // Its room is given back before the client hears of the end, who may then begin the next one.
+  upload_.reset();
   Finish(ToGrpc(record.status()));
 }
 

@@ -106,7 +106,7 @@ TEST_F(CoverageStoreTest, PolesAreNoError) {
 /// What the catalogue was in its first version.
 constexpr char kFirstVersion[] = R"(
 DROP TRIGGER coverage_box_insert; DROP TRIGGER coverage_box_delete;
-DROP TABLE coverage_box; DROP TABLE coverage_map; DROP TABLE coverage_earth;
+DROP TABLE loose_file; DROP TABLE coverage_box; DROP TABLE coverage_map; DROP TABLE coverage_earth;
 DROP VIEW map_row; DROP VIEW map_version_row;
 ALTER TABLE map DROP COLUMN previous_version;
 ALTER TABLE map DROP COLUMN canary_version;
