@@ -20,6 +20,7 @@
 #include "server/identity/usage.h"
 #include "server/localization/localization_service.h"
 #include "server/maps/service/map_service.h"
+#include "server/maps/store/map_scrub.h"
 #include "server/net/health.h"
 #include "server/net/listen_address.h"
 #include "server/net/listener.h"
@@ -170,6 +171,7 @@ struct Server::Parts {
                  // Nobody can resume them here any more.
                  registry.RemoveDetached("the server is draining");
                }),
+        scrub(store.catalogue(), store.files(), {.max_bytes_per_s = 1e6 * config.scrub_mb_per_s}),
         sweeper(kSweepInterval, [this] { RemoveWhatIsTooOld(store); }) {
     // The pools' threads are older than what they will use of this; their locks hand it to them.
     storage_pool.Post([] {});
@@ -223,6 +225,7 @@ struct Server::Parts {
     auto state = std::make_shared<StateMetrics>(StateMetrics::Sources{
         .registry = registry,
         .store = store,
+        .scrub = scrub,
         .localization_pool = localization_pool,
         .storage_pool = storage_pool,
         .draining = [this] { return localization.draining(); },
@@ -266,6 +269,7 @@ struct Server::Parts {
   std::unique_ptr<Ticker> liveness_ticker;
   std::unique_ptr<MetricsEndpoint> metrics_endpoint;
   Ticker ticker;
+  MapScrub scrub;
   Ticker sweeper;
   std::string address;
 };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/base/worker_pool.h"
+#include "server/maps/store/map_scrub.h"
 #include "server/maps/store/map_store.h"
 #include "server/sessions/session_registry.h"
 
@@ -21,6 +22,7 @@ class StateMetrics final : public prometheus::Collectable {
   struct Sources {
     const SessionRegistry& registry;
     MapStore& store;
+    const MapScrub& scrub;
     const WorkerPool& localization_pool;
     const WorkerPool& storage_pool;
     std::function<bool()> draining;

@@ -59,9 +59,11 @@ absl::Status WithAdvice(const absl::Status& status, const std::filesystem::path&
   return absl::Status(
       status.code(),
       absl::StrFormat(
-          "%s: %s. Nothing was changed. \"dcloc-server store check --data %s\" says more; \"store "
-          "restore\" puts a backup in place; \"store repair\" sets aside what is unknown",
-          folder.string(), status.message(), folder.string()));
+          "%s: %s. Nothing was changed. Put a backup in place with \"dcloc-server store restore "
+          "--data %s --from BACKUP\", or set aside what is unknown with \"dcloc-server store "
+          "repair "
+          "--data %s\"",
+          folder.string(), status.message(), folder.string(), folder.string()));
 }
 
 }  // namespace

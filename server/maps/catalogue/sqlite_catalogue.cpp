@@ -101,6 +101,17 @@ absl::StatusOr<std::unique_ptr<SqliteCatalogue>> SqliteCatalogue::Open(
       new SqliteCatalogue(*std::move(writer), *std::move(reader)));
 }
 
+absl::StatusOr<std::unique_ptr<SqliteCatalogue>> SqliteCatalogue::OpenToRead(
+    const std::filesystem::path& path) {
+  absl::StatusOr<SqliteDatabase> writer = SqliteDatabase::Open(path, SqliteAccess::kRead);
+  if (!writer.ok()) return writer.status();
+  if (absl::Status status = CheckSchemaIsPresent(*writer); !status.ok()) return status;
+  absl::StatusOr<SqliteDatabase> reader = SqliteDatabase::Open(path, SqliteAccess::kRead);
+  if (!reader.ok()) return reader.status();
+  return std::unique_ptr<SqliteCatalogue>(
+      new SqliteCatalogue(*std::move(writer), *std::move(reader)));
+}
+
 template <typename Read>
 auto SqliteCatalogue::WithReader(const Read& read)
     -> decltype(read(std::declval<SqliteDatabase&>())) {

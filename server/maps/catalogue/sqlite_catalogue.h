@@ -19,6 +19,11 @@ class SqliteCatalogue final : public Catalogue {
   /// Opens or creates it. Errors of `PrepareSchema`.
   static absl::StatusOr<std::unique_ptr<SqliteCatalogue>> Open(const std::filesystem::path& path);
 
+  /// Opens it beside the process that has it: changes fail. NotFound; FailedPrecondition when it is
+  /// not of this program's version.
+  static absl::StatusOr<std::unique_ptr<SqliteCatalogue>> OpenToRead(
+      const std::filesystem::path& path);
+
   absl::StatusOr<std::vector<MapRecord>> ListMaps(absl::string_view prefix,
                                                   absl::string_view after_name, int limit) override;
   absl::StatusOr<std::int64_t> SizeOfMaps(absl::string_view prefix) override;

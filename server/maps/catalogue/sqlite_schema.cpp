@@ -139,6 +139,17 @@ absl::Status CheckSchema(SqliteDatabase& database) {
   return CheckIsOurs(database, *version);
 }
 
+absl::Status CheckSchemaIsPresent(SqliteDatabase& database) {
+  absl::Status status = CheckSchema(database);
+  const absl::StatusOr<std::int64_t> version = ReadNumber(database, "PRAGMA user_version");
+  status.Update(version.status());
+  if (!status.ok() || *version == kSchemaVersion) return status;
+  return absl::FailedPreconditionError(
+      absl::StrFormat("catalogue: its schema has version %d, from an earlier program; a start of "
+                      "the server brings it to %d",
+                      *version, kSchemaVersion));
+}
+
 absl::Status PrepareSchema(SqliteDatabase& database) {
   absl::Status status = CheckSchema(database);
   const absl::StatusOr<std::int64_t> version = ReadNumber(database, "PRAGMA user_version");

@@ -20,6 +20,9 @@ absl::Status PrepareSchema(SqliteDatabase& database);
 /// As `PrepareSchema`, but changes nothing: OK when it would succeed.
 absl::Status CheckSchema(SqliteDatabase& database);
 
+/// OK when the schema is of `kSchemaVersion`. FailedPrecondition otherwise.
+absl::Status CheckSchemaIsPresent(SqliteDatabase& database);
+
 /// Inserts what `BindVersion` binds.
 extern const char* const kInsertVersion;
 

@@ -23,7 +23,7 @@ absl::StatusOr<std::vector<std::filesystem::path>> QuarantinedIn(
   for (; !error && entry != std::filesystem::end(entry); entry.increment(error)) {
     if (entry->is_regular_file(error)) paths.push_back(entry->path());
   }
-  if (error) return FileError(error, folder);
+  if (error && error != std::errc::no_such_file_or_directory) return FileError(error, folder);
   return paths;
 }
 
@@ -37,8 +37,9 @@ absl::StatusOr<std::unique_ptr<MapFolder>> MapFolder::Open(
   return std::unique_ptr<MapFolder>(new MapFolder(folder, quarantine));
 }
 
-std::filesystem::path MapFolder::PathOf(absl::string_view sha256) const {
-  return folder_ / std::string(sha256.substr(0, kSpreadDigits)) /
+std::filesystem::path MapFolder::PathIn(const std::filesystem::path& folder,
+                                        absl::string_view sha256) {
+  return folder / std::string(sha256.substr(0, kSpreadDigits)) /
          absl::StrCat(sha256, kMapExtension);
 }
 
@@ -105,7 +106,7 @@ absl::StatusOr<std::vector<std::string>> MapFolder::List() {
     const std::string stem = entry->path().stem().string();
     if (entry->path().extension() == kMapExtension && IsSha256(stem)) hashes.push_back(stem);
   }
-  if (error) return FileError(error, folder_);
+  if (error && error != std::errc::no_such_file_or_directory) return FileError(error, folder_);
   return hashes;
 }
 

@@ -12,6 +12,10 @@ namespace dcloc::server {
 /// the same file system; the time of a file's last change is when it was set aside.
 class MapFolder final : public MapFiles {
  public:
+  /// For a store that is only read: makes no folder.
+  MapFolder(std::filesystem::path folder, std::filesystem::path quarantine)
+      : folder_(std::move(folder)), quarantine_(std::move(quarantine)) {}
+
   /// Makes the folders if they are not there.
   static absl::StatusOr<std::unique_ptr<MapFolder>> Open(const std::filesystem::path& folder,
                                                          const std::filesystem::path& quarantine);
@@ -27,10 +31,12 @@ class MapFolder final : public MapFiles {
   absl::StatusOr<std::int64_t> SizeOf(absl::string_view sha256) override;
   absl::StatusOr<std::vector<std::string>> List() override;
 
+  /// Where a file is in such a folder.
+  static std::filesystem::path PathIn(const std::filesystem::path& folder,
+                                      absl::string_view sha256);
+
  private:
-  MapFolder(std::filesystem::path folder, std::filesystem::path quarantine)
-      : folder_(std::move(folder)), quarantine_(std::move(quarantine)) {}
-  std::filesystem::path PathOf(absl::string_view sha256) const;
+  std::filesystem::path PathOf(absl::string_view sha256) const { return PathIn(folder_, sha256); }
 
   const std::filesystem::path folder_;
   const std::filesystem::path quarantine_;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -12,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/sqlite.h"
 #include "tests/server/fixtures/message_of.h"
 #include "tests/server/maps/store/map_store_case.h"
 
@@ -20,6 +23,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // ---- Versions
 
@@ -212,6 +216,21 @@ TEST_F(MapStoreTest, WhatAFileBecomesWhileItIsUsedDoesNotMatter) {
   EXPECT_TRUE(in_use->map->Verify().ok());
 }
 
+TEST_F(MapStoreTest, ErrorsNameNoPathOfTheServer) {
+  ASSERT_TRUE(Put(SmallMap()).ok());
+  Reopen();
+  // No file can be opened or made any more, whoever tries.
+  std::filesystem::rename(folder_.path() / "maps", folder_.path() / "gone");
+  std::ofstream(folder_.path() / "maps") << "no folder";
+  for (const absl::Status& status :
+       {store_->Acquire("town", 0).status(), Put(SmallMap("second")).status(),
+        store_->HasStored("", Sha256Of(SmallMap())).status()}) {
+    EXPECT_FALSE(status.ok());
+    EXPECT_THAT(MessageOf(status), Not(HasSubstr(folder_.path().string())));
+  }
+}
+
+/// Each byte when DCLOC_EVERY_BYTE is set, a sample otherwise.
 TEST_F(MapStoreTest, EachChangedByteAndEachCutIsNoticed) {
   const std::vector<std::byte> bytes = SmallMap();
   ASSERT_TRUE(Put(bytes).ok());
@@ -220,7 +239,8 @@ TEST_F(MapStoreTest, EachChangedByteAndEachCutIsNoticed) {
     std::ofstream(FileOf(bytes), std::ios::binary) << TextOf(changed);
     return files.Open(Sha256Of(bytes)).status().code();
   };
-  for (std::size_t i = 0; i < bytes.size(); i += 97) {
+  const std::size_t step = std::getenv("DCLOC_EVERY_BYTE") == nullptr ? 97 : 1;
+  for (std::size_t i = 0; i < bytes.size(); i += step) {
     std::vector<std::byte> changed = bytes;
     changed[i] ^= std::byte{1};
     ASSERT_EQ(write(changed), absl::StatusCode::kDataLoss) << "byte " << i;
@@ -308,6 +328,22 @@ TEST_F(MapStoreTest, AFileDamagedOnDiskIsNoticedBeforeItIsUsed) {
 }
 
 // ---- Beside other processes
+
+TEST_F(MapStoreTest, WhoeverKeepsTheCatalogueLockedHoldsUpNoSession) {
+  ASSERT_TRUE(Put(SmallMap()).ok());
+  absl::StatusOr<SqliteDatabase> other = SqliteDatabase::Open(folder_.path() / "catalogue.sqlite");
+  ASSERT_TRUE(other->Run("BEGIN IMMEDIATE").ok());
+  absl::Status activated;
+  std::thread activation([&] { activated = store_->Activate("town", 1).status(); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(store_->AcquireFor("town", "car-1").ok());
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(500));
+  activation.join();
+  EXPECT_EQ(activated.code(), absl::StatusCode::kUnavailable) << activated;
+  ASSERT_TRUE(other->Run("ROLLBACK").ok());
+  EXPECT_TRUE(store_->Activate("town", 1).ok());
+}
 
 TEST_F(MapStoreTest, AVersionThatAnotherProcessUsesIsNotDeleted) {
   ASSERT_TRUE(Put(SmallMap("first")).ok());
