@@ -160,6 +160,7 @@ absl::Status PrepareSchema(SqliteDatabase& database) {
   if (status.ok() && *version == 0) status = database.Run(kCreateTables);
   if (status.ok() && *version == 1) status = database.Run(kMigrateFrom1);
   if (status.ok() && *version < 2) status = database.Run(kCreateCoverage);
+  if (status.ok()) status = database.Run(kCreateCoverageInsert);
   if (status.ok()) status = database.Run(kCreateLooseFile);
   return status.ok() ? transaction.Commit() : status;
 }

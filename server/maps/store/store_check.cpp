@@ -5,6 +5,7 @@
 #include <set>
 
 #include "absl/strings/str_format.h"
+#include "server/base/status.h"
 #include "server/maps/catalogue/coverage.h"
 #include "server/maps/store/orphan_file.h"
 #include "spdlog/spdlog.h"
@@ -45,7 +46,12 @@ absl::Status SetLooseFilesAside(Catalogue& catalogue, MapFiles& files, absl::str
     const absl::StatusOr<bool> done = *size == 0
                                           ? RemoveOrphan(catalogue, files, sha256, holder)
                                           : QuarantineOrphan(catalogue, files, sha256, holder);
-    if (!done.ok()) return done.status();
+    if (!done.ok()) {
+      // A full disk is no reason not to start: the next start tries again.
+      spdlog::warn("map file not set aside sha256={} reason={}", sha256,
+                   Quoted(done.status().message()));
+      continue;
+    }
     report->quarantined_file_count += *done && *size > 0 ? 1 : 0;
   }
   return absl::OkStatus();

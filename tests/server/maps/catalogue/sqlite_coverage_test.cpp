@@ -121,6 +121,21 @@ CREATE VIEW map_version_row AS
 PRAGMA user_version = 1;
 )";
 
+TEST_F(CoverageStoreTest, AnEntryThatAFailureLeftInTheTreeIsInNobodysWay) {
+  Put(StraightStreet(5).Bytes());
+  {
+    absl::StatusOr<SqliteDatabase> database =
+        SqliteDatabase::Open(folder_.path() / "catalogue.sqlite");
+    const absl::Status status = database->Run(
+        "INSERT INTO coverage_map SELECT MAX(id) + 1, 0, 1, 9000, 9001 FROM coverage_box");
+    ASSERT_TRUE(status.ok()) << status;
+  }
+  EXPECT_THAT(NearPlace(0.5, 9000.5, 5.0), IsEmpty());
+  EXPECT_EQ(Put(StraightStreet(20).Bytes()), 2);
+  EXPECT_EQ(NearPlace(150.0, 0.0, 5.0).size(), 1U);
+  EXPECT_THAT(NearPlace(0.5, 9000.5, 5.0), IsEmpty());
+}
+
 TEST_F(CoverageStoreTest, ACatalogueOfTheFirstVersionIsBroughtUpToDate) {
   Put(StraightStreet(20).Bytes());
   Close();

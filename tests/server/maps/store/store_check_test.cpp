@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "server/base/sqlite.h"
 #include "server/maps/catalogue/sqlite_catalogue.h"
 #include "server/maps/store/map_folder.h"
 #include "tests/core/map/temporary_folder.h"
@@ -94,6 +95,18 @@ TEST_F(StoreCheckTest, WhatADeletionLeftIsKnown) {
   ASSERT_TRUE(catalogue_->DeleteVersion("city", 1).ok());
   EXPECT_EQ(*catalogue_->ListLooseFiles(), std::vector<std::string>{sha256_});
   EXPECT_EQ(QuarantinedCount(), 1);
+}
+
+TEST_F(StoreCheckTest, ACatalogueThatCannotBeChangedIsNoReasonNotToStart) {
+  ASSERT_TRUE(catalogue_->AddLooseFile(sha256_).ok());
+  WriteMapFile(sha256_);
+  absl::StatusOr<SqliteDatabase> other = SqliteDatabase::Open(folder_.path() / "catalogue.sqlite");
+  ASSERT_TRUE(other->Run("BEGIN IMMEDIATE").ok());
+  EXPECT_TRUE(Check().ok());
+  ASSERT_TRUE(other->Run("ROLLBACK").ok());
+  EXPECT_TRUE(Check().ok());
+  EXPECT_TRUE(catalogue_->ListLooseFiles()->empty());
+  EXPECT_EQ(*files_->QuarantinedCount(), 1);
 }
 
 TEST_F(StoreCheckTest, QuarantineEndsAfterItsTime) {
