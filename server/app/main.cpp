@@ -1,5 +1,6 @@
 #include <sched.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <array>
 #include <csignal>
@@ -8,6 +9,7 @@
 #include <memory>
 
 #include "server/app/server.h"
+#include "server/app/store_command.h"
 #include "server/app/token_command.h"
 #include "server/base/status.h"
 #include "server/config/command_line.h"
@@ -107,7 +109,10 @@ int Run(int argc, const char* const* argv, const ServerConfig& config) {
 }
 
 int Main(int argc, const char* const* argv) {
+  // What the program writes is for its own user alone: maps, identities, tokens.
+  umask(S_IRWXG | S_IRWXO);
   if (IsTokenCommand(argc, argv)) return RunTokenCommand(argc, argv);
+  if (IsStoreCommand(argc, argv)) return RunStoreCommand(argc, argv);
   const absl::StatusOr<CommandLine> command_line = ParseCommandLine(argc, argv);
   if (!command_line.ok()) {
     std::cerr << "dcloc-server: " << command_line.status().message()

@@ -23,6 +23,7 @@
 #include "server/identity/usage.h"
 #include "server/localization/localization_service.h"
 #include "server/maps/service/map_service.h"
+#include "server/maps/store/map_scrub.h"
 #include "server/net/health.h"
 #include "server/net/listen_address.h"
 #include "server/net/listener.h"
@@ -64,8 +65,8 @@ constexpr std::chrono::milliseconds kReadyInterval(500);
 constexpr std::chrono::seconds kCertificateInterval(1);
 /// How exactly timeouts of sessions are kept.
 constexpr std::chrono::milliseconds kTickInterval(100);
-/// How exactly the timeout of unfinished uploads is kept.
-constexpr std::chrono::minutes kUploadSweepInterval(1);
+/// How exactly the timeouts of unfinished uploads and of files in quarantine are kept.
+constexpr std::chrono::minutes kSweepInterval(1);
 
 int WorkerCount(const ServerConfig& config) {
   if (config.worker_count > 0) return config.worker_count;
@@ -83,16 +84,22 @@ SessionTimeouts SessionTimeoutsOf(const ServerConfig& config) {
 
 MapStoreOptions MapStoreOptionsOf(const ServerConfig& config) {
   return {.max_warm_bytes = std::int64_t{config.warm_map_mib} << 20,
-          .unfinished_upload_timeout = std::chrono::seconds(config.unfinished_upload_timeout_s)};
+          .unfinished_upload_timeout = std::chrono::seconds(config.unfinished_upload_timeout_s),
+          .quarantine_time = std::chrono::days(config.quarantine_days)};
 }
 
-void RemoveStaleUploads(MapStore& store) {
-  const absl::StatusOr<int> count = store.RemoveStaleUploads(std::chrono::system_clock::now());
+void LogRemoved(const char* what, const absl::StatusOr<int>& count) {
   if (!count.ok()) {
-    spdlog::warn("stale uploads not removed reason={}", Quoted(count.status().message()));
+    spdlog::warn("{} not removed reason={}", what, Quoted(count.status().message()));
   } else if (*count > 0) {
-    spdlog::info("stale uploads removed count={}", *count);
+    spdlog::info("{} removed count={}", what, *count);
   }
+}
+
+void RemoveWhatIsTooOld(MapStore& store) {
+  const auto now = std::chrono::system_clock::now();
+  LogRemoved("stale uploads", store.RemoveStaleUploads(now));
+  LogRemoved("files in quarantine", store.RemoveExpiredQuarantine(now));
 }
 
 }  // namespace
@@ -152,7 +159,8 @@ struct Server::Parts {
                  // Nobody can resume them here any more.
                  registry.RemoveDetached("the server is draining");
                }),
-        upload_sweeper(kUploadSweepInterval, [this] { RemoveStaleUploads(store); }) {
+        scrub(store.catalogue(), store.files(), {.max_bytes_per_s = 1e6 * config.scrub_mb_per_s}),
+        sweeper(kSweepInterval, [this] { RemoveWhatIsTooOld(store); }) {
     // The pools' threads are older than what they will use of this; their locks hand it to them.
     storage_pool.Post([] {});
     localization_pool.Post([] {});
@@ -243,6 +251,7 @@ struct Server::Parts {
     auto state = std::make_shared<StateMetrics>(StateMetrics::Sources{
         .registry = registry,
         .store = store,
+        .scrub = scrub,
         .localization_pool = localization_pool,
         .storage_pool = storage_pool,
         .draining = [this] { return localization.draining(); },
@@ -299,7 +308,8 @@ struct Server::Parts {
   std::unique_ptr<Ticker> readiness_ticker;
   std::unique_ptr<HttpPages> metrics_pages;
   Ticker ticker;
-  Ticker upload_sweeper;
+  MapScrub scrub;
+  Ticker sweeper;
   std::string address;
 };
 

@@ -31,6 +31,30 @@ MetricFamily Gauge(const char* name, const char* help, double value) {
   return family;
 }
 
+MetricFamily Counter(const char* name, const char* help, double value) {
+  MetricFamily family{.name = name,
+                      .help = help,
+                      .type = prometheus::MetricType::Counter,
+                      .metric = std::vector<ClientMetric>(1)};
+  family.metric[0].counter.value = value;
+  return family;
+}
+
+void AddScrub(const ScrubState& scrub, std::vector<MetricFamily>& families) {
+  families.push_back(Gauge("dcloc_map_files_damaged",
+                           "Map files that were missing or damaged when they were read last",
+                           scrub.damaged_file_count));
+  families.push_back(Counter("dcloc_map_scrub_bytes_total",
+                             "Bytes of map files that were read against their hashes",
+                             static_cast<double>(scrub.checked_bytes)));
+  if (!scrub.last_pass_end) return;
+  const std::chrono::duration<double> last = scrub.last_pass_end->time_since_epoch();
+  families.push_back(Gauge("dcloc_map_scrub_last_pass_seconds",
+                           "When all map files had been read last, in Unix time; the server's "
+                           "start before that. Not there when scrub_mb_per_s is 0",
+                           last.count()));
+}
+
 MetricFamily Sessions(const SessionRegistry& registry) {
   MetricFamily family = Gauge("dcloc_sessions",
                               "Open sessions, by whether a stream is attached and by the state of "
@@ -112,12 +136,14 @@ std::vector<MetricFamily> StateMetrics::Collect() const {
                                     "Calls that were refused when their headers came",
                                     {{"no_identity", sources_.refused_calls.without_proof},
                                      {"too_fast", sources_.refused_calls.too_fast}}));
-  MetricFamily refused{.name = "dcloc_connections_refused_total",
-                       .help = "Connections closed at once, as too few file descriptors were left",
-                       .type = prometheus::MetricType::Counter,
-                       .metric = std::vector<ClientMetric>(1)};
-  refused.metric[0].counter.value = static_cast<double>(sources_.refused_connection_count());
-  families.push_back(std::move(refused));
+  families.push_back(Counter("dcloc_connections_refused_total",
+                             "Connections closed at once, as too few file descriptors were left",
+                             static_cast<double>(sources_.refused_connection_count())));
+  AddScrub(sources_.scrub.state(), families);
+  if (const absl::StatusOr<int> count = sources_.store.files().QuarantinedCount(); count.ok()) {
+    families.push_back(Gauge("dcloc_map_files_quarantined",
+                             "Map files that belong to no version and are set aside", *count));
+  }
   MetricFamily build = Gauge("dcloc_build_info", "1; the label says which program this is");
   Add(build, {{"version", sources_.version}}, 1.0);
   families.push_back(std::move(build));

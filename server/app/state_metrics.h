@@ -12,6 +12,7 @@
 #include "server/base/worker_pool.h"
 #include "server/config/limits.h"
 #include "server/config/served_certificates.h"
+#include "server/maps/store/map_scrub.h"
 #include "server/maps/store/map_store.h"
 #include "server/net/call_gate.h"
 #include "server/sessions/session_registry.h"
@@ -25,6 +26,7 @@ class StateMetrics final : public prometheus::Collectable {
   struct Sources {
     const SessionRegistry& registry;
     MapStore& store;
+    const MapScrub& scrub;
     const WorkerPool& localization_pool;
     const WorkerPool& storage_pool;
     std::function<bool()> draining;

@@ -5,12 +5,15 @@
 #include <array>
 #include <chrono>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "server/identity/sqlite_identity_store.h"
 #include "server/maps/catalogue/sqlite_catalogue.h"
 #include "server/maps/store/map_folder.h"
+#include "spdlog/spdlog.h"
 
 namespace dcloc::server {
 namespace {
@@ -24,16 +27,69 @@ std::string NameOfThisProcess() {
                       std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
 }
 
+/// The store is its owner's alone, also one that an earlier program made. A folder of another owner
+/// (a mounted volume) keeps its mode.
+void MakePrivate(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::permissions(folder, fs::perms::owner_all, error);
+  if (error) spdlog::warn("mode of the store's folder not changed reason={}", error.message());
+  for (const char* file : {"catalogue.sqlite", "identities.sqlite"}) {
+    for (const char* part : {"", "-wal", "-shm"}) {
+      fs::permissions(folder / absl::StrCat(file, part),
+                      fs::perms::owner_read | fs::perms::owner_write, error);
+    }
+  }
+}
+
+/// A new catalogue is made only where there are no map files: beside some, it would know of none.
+absl::Status CheckCatalogueIsThere(const std::filesystem::path& path, MapFiles& files) {
+  const absl::StatusOr<std::int64_t> size = FileSize(path);
+  if (!size.ok()) return size.status();
+  const absl::StatusOr<std::vector<std::string>> present = files.List();
+  if (!present.ok()) return present.status();
+  if (*size > 0 || present->empty()) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "the catalogue is missing or empty, and %d map files are there", present->size()));
+}
+
+/// What an operator can do about a store that cannot be opened.
+absl::Status WithAdvice(const absl::Status& status, const std::filesystem::path& folder) {
+  if (!absl::IsFailedPrecondition(status) && !absl::IsDataLoss(status)) return WithPath(status);
+  return absl::Status(
+      status.code(),
+      absl::StrFormat(
+          "%s: %s. Nothing was changed. Put a backup in place with \"dcloc-server store restore "
+          "--data %s --from BACKUP\", or set aside what is unknown with \"dcloc-server store "
+          "repair "
+          "--data %s\"",
+          folder.string(), status.message(), folder.string(), folder.string()));
+}
+
+}  // namespace
+
+StorePaths PathsOf(const std::filesystem::path& folder) {
+  return {.catalogue = folder / "catalogue.sqlite",
+          .identities = folder / "identities.sqlite",
+          .maps = folder / "maps",
+          .quarantine = folder / "quarantine",
+          .incoming = folder / "incoming",
+          .builds = folder / "builds",
+          .lock = folder / "lock"};
+}
+
 absl::StatusOr<MapStoreParts> OpenMapParts(const std::filesystem::path& folder) {
-  absl::StatusOr<std::unique_ptr<SqliteCatalogue>> catalogue =
-      SqliteCatalogue::Open(folder / "catalogue.sqlite");
-  if (!catalogue.ok()) return catalogue.status();
-  absl::StatusOr<std::unique_ptr<MapFolder>> files = MapFolder::Open(folder / "maps");
+  const StorePaths paths = PathsOf(folder);
+  absl::StatusOr<std::unique_ptr<MapFolder>> files = MapFolder::Open(paths.maps, paths.quarantine);
   if (!files.ok()) return files.status();
-  absl::StatusOr<std::unique_ptr<IncomingFiles>> incoming =
-      IncomingFiles::Open(folder / "incoming");
+  absl::Status status = CheckCatalogueIsThere(paths.catalogue, **files);
+  if (!status.ok()) return WithAdvice(status, folder);
+  absl::StatusOr<std::unique_ptr<SqliteCatalogue>> catalogue =
+      SqliteCatalogue::Open(paths.catalogue);
+  if (!catalogue.ok()) return WithAdvice(catalogue.status(), folder);
+  absl::StatusOr<std::unique_ptr<IncomingFiles>> incoming = IncomingFiles::Open(paths.incoming);
   if (!incoming.ok()) return incoming.status();
-  absl::StatusOr<std::unique_ptr<BuildLedger>> builds = BuildLedger::Open(folder / "builds");
+  absl::StatusOr<std::unique_ptr<BuildLedger>> builds = BuildLedger::Open(paths.builds);
   if (!builds.ok()) return builds.status();
   return MapStoreParts{.catalogue = *std::move(catalogue),
                        .files = *std::move(files),
@@ -42,17 +98,22 @@ absl::StatusOr<MapStoreParts> OpenMapParts(const std::filesystem::path& folder) 
                        .holder = NameOfThisProcess()};
 }
 
-}  // namespace
+absl::StatusOr<FileDescriptor> LockStore(const std::filesystem::path& folder) {
+  if (absl::Status status = CreateFolders(folder); !status.ok()) return WithPath(status);
+  absl::StatusOr<FileDescriptor> lock = LockFile(PathsOf(folder).lock);
+  if (!lock.ok()) return WithPath(lock.status());
+  return lock;
+}
 
 absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
                                     const MapStoreOptions& options) {
-  if (absl::Status status = CreateFolders(folder); !status.ok()) return status;
-  absl::StatusOr<FileDescriptor> lock = LockFile(folder / "lock");
+  absl::StatusOr<FileDescriptor> lock = LockStore(folder);
   if (!lock.ok()) return lock.status();
+  MakePrivate(folder);
   absl::StatusOr<MapStoreParts> parts = OpenMapParts(folder);
-  if (!parts.ok()) return parts.status();
+  if (!parts.ok()) return WithPath(parts.status());
   absl::StatusOr<std::unique_ptr<MapStore>> maps = MapStore::Open(*std::move(parts), options);
-  if (!maps.ok()) return maps.status();
+  if (!maps.ok()) return WithAdvice(maps.status(), folder);
   absl::StatusOr<std::unique_ptr<IdentityStore>> identities = OpenIdentities(folder);
   if (!identities.ok()) return identities.status();
   return Storage{
@@ -60,8 +121,10 @@ absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
 }
 
 absl::StatusOr<std::unique_ptr<IdentityStore>> OpenIdentities(const std::filesystem::path& folder) {
-  if (absl::Status status = CreateFolders(folder); !status.ok()) return status;
-  return SqliteIdentityStore::Open(folder / "identities.sqlite");
+  if (absl::Status status = CreateFolders(folder); !status.ok()) return WithPath(status);
+  auto identities = SqliteIdentityStore::Open(PathsOf(folder).identities);
+  if (!identities.ok()) return WithPath(identities.status());
+  return identities;
 }
 
 }  // namespace dcloc::server

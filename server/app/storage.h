@@ -20,8 +20,26 @@ struct Storage {
   std::unique_ptr<IdentityStore> identities;
 };
 
-/// Opens or creates the storage in `folder`: SQLite files and map files, for one process.
-/// FailedPrecondition when another one has it open.
+/// Where the parts of the embedded store are.
+struct StorePaths {
+  std::filesystem::path catalogue, identities;               ///< SQLite files
+  std::filesystem::path maps, quarantine, incoming, builds;  ///< folders
+  std::filesystem::path lock;                                ///< of the process that serves it
+};
+StorePaths PathsOf(const std::filesystem::path& folder);
+
+/// Holds the folder, which is made if it is not there. FailedPrecondition when another process has
+/// it.
+absl::StatusOr<FileDescriptor> LockStore(const std::filesystem::path& folder);
+
+/// Opens or creates the parts of the embedded store's maps. FailedPrecondition when the catalogue
+/// is missing beside map files, is a newer program's or something else; DataLoss when it is no
+/// database. Then nothing is changed.
+absl::StatusOr<MapStoreParts> OpenMapParts(const std::filesystem::path& folder);
+
+/// Opens or creates the storage in `folder`: SQLite files and map files, for one process, readable
+/// by their owner alone. Errors of `LockStore`, `OpenMapParts` and `MapStore::Open`, with the
+/// folder and what mends it.
 absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
                                     const MapStoreOptions& options = {});
 

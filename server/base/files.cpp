@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -9,31 +10,64 @@
 #include <system_error>
 #include <utility>
 
+#include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
+#include "absl/types/optional.h"
 
 namespace dcloc::server {
 namespace {
 
-absl::Status ErrorOf(int error, absl::string_view doing) {
-  const std::string message =
-      absl::StrCat(doing, ": ", std::error_code(error, std::generic_category()).message());
-  if (error == ENOSPC || error == EDQUOT || error == EFBIG || error == EMFILE || error == ENFILE) {
-    return absl::ResourceExhaustedError(message);
+/// Of a status: which file it is about.
+constexpr char kPathPayload[] = "dcloc.path";
+
+absl::StatusCode CodeOfErrno(int error) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+    case EMFILE:
+    case ENFILE:
+      return absl::StatusCode::kResourceExhausted;
+    case ENOENT:
+      return absl::StatusCode::kNotFound;
+    default:
+      return absl::StatusCode::kInternal;
   }
-  return absl::InternalError(message);
+}
+
+absl::Status ErrorOf(int error, absl::string_view doing) {
+  const std::string reason = std::error_code(error, std::generic_category()).message();
+  return absl::Status(CodeOfErrno(error),
+                      absl::StrCat("a file of the store: ", doing, ": ", reason));
+}
+
+absl::Status ErrorOf(int error, absl::string_view doing, const std::filesystem::path& path) {
+  absl::Status status = ErrorOf(error, doing);
+  status.SetPayload(kPathPayload, absl::Cord(path.string()));
+  return status;
 }
 
 absl::StatusOr<FileDescriptor> OpenFile(const std::filesystem::path& path, int flags) {
   constexpr int kOwnerOnly = 0600;
-  FileDescriptor file(open(path.c_str(), flags | O_CLOEXEC, kOwnerOnly));
-  if (file.get() < 0) return ErrorOf(errno, path.string());
+  int descriptor = -1;
+  do {
+    descriptor = open(path.c_str(), flags | O_CLOEXEC, kOwnerOnly);
+  } while (descriptor < 0 && errno == EINTR);
+  FileDescriptor file(descriptor);
+  if (file.get() < 0) return ErrorOf(errno, "open", path);
   return file;
 }
 
 }  // namespace
 
 absl::Status FileError(const std::error_code& error, const std::filesystem::path& path) {
-  return ErrorOf(error.value(), path.string());
+  return ErrorOf(error.value(), "access", path);
+}
+
+absl::Status WithPath(const absl::Status& status) {
+  const absl::optional<absl::Cord> path = status.GetPayload(kPathPayload);
+  if (!path) return status;
+  return absl::Status(status.code(), absl::StrCat(std::string(*path), ": ", status.message()));
 }
 
 FileDescriptor::FileDescriptor(FileDescriptor&& other) noexcept
@@ -50,6 +84,22 @@ FileDescriptor::~FileDescriptor() {
 
 absl::StatusOr<FileDescriptor> OpenOrCreate(const std::filesystem::path& path) {
   return OpenFile(path, O_RDWR | O_CREAT);
+}
+
+absl::StatusOr<FileDescriptor> OpenToRead(const std::filesystem::path& path) {
+  // Non-blocking, so that a pipe in place of a file cannot hold the caller.
+  absl::StatusOr<FileDescriptor> file = OpenFile(path, O_RDONLY | O_NONBLOCK);
+  struct stat properties {};
+  if (!file.ok()) return file;
+  if (fstat(file->get(), &properties) != 0) return ErrorOf(errno, "stat", path);
+  if (!S_ISREG(properties.st_mode)) return absl::DataLossError("not a regular file");
+  return file;
+}
+
+absl::StatusOr<std::int64_t> FileSize(const FileDescriptor& file) {
+  struct stat properties {};
+  if (fstat(file.get(), &properties) != 0) return ErrorOf(errno, "stat");
+  return std::int64_t{properties.st_size};
 }
 
 absl::Status WriteAll(const FileDescriptor& file, std::span<const std::byte> bytes) {
@@ -83,18 +133,28 @@ absl::StatusOr<std::int64_t> FileSize(const std::filesystem::path& path) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error == std::errc::no_such_file_or_directory) return 0;
-  if (error) return ErrorOf(error.value(), path.string());
+  if (error) return ErrorOf(error.value(), "stat", path);
   return static_cast<std::int64_t>(size);
 }
 
 absl::Status RemoveFile(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::remove(path, error);
-  return error ? ErrorOf(error.value(), path.string()) : absl::OkStatus();
+  return error ? ErrorOf(error.value(), "remove", path) : absl::OkStatus();
+}
+
+absl::Status MoveFile(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code error;
+  std::filesystem::rename(from, to, error);
+  return error ? ErrorOf(error.value(), "rename", to) : absl::OkStatus();
 }
 
 absl::Status Sync(const FileDescriptor& file) {
-  return fsync(file.get()) == 0 ? absl::OkStatus() : ErrorOf(errno, "fsync");
+  int result = 0;
+  do {
+    result = fsync(file.get());
+  } while (result != 0 && errno == EINTR);
+  return result == 0 ? absl::OkStatus() : ErrorOf(errno, "fsync");
 }
 
 absl::Status SyncFile(const std::filesystem::path& path) {
@@ -110,14 +170,14 @@ absl::Status SyncFolder(const std::filesystem::path& folder) {
 absl::Status CreateFolders(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  return error ? ErrorOf(error.value(), folder.string()) : absl::OkStatus();
+  return error ? ErrorOf(error.value(), "mkdir", folder) : absl::OkStatus();
 }
 
 absl::StatusOr<FileDescriptor> LockFile(const std::filesystem::path& path) {
   absl::StatusOr<FileDescriptor> file = OpenFile(path, O_RDWR | O_CREAT);
   if (!file.ok()) return file.status();
   if (flock(file->get(), LOCK_EX | LOCK_NB) == 0) return file;
-  if (errno != EWOULDBLOCK) return ErrorOf(errno, path.string());
+  if (errno != EWOULDBLOCK) return ErrorOf(errno, "flock", path);
   return absl::FailedPreconditionError(
       absl::StrCat(path.string(), " is held by another server; one folder serves one process"));
 }

@@ -2,12 +2,12 @@
 
 #include <sqlite3.h>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/base/files.h"
 
 namespace dcloc::server {
 namespace {
-
-constexpr int kBusyTimeout_ms = 5000;
 
 absl::StatusCode CodeOf(int sqlite_code) {
   switch (sqlite_code & 0xff) {
@@ -33,15 +33,24 @@ void SqliteDatabase::Close::operator()(sqlite3* connection) const { sqlite3_clos
 
 SqliteDatabase::SqliteDatabase(sqlite3* connection) : connection_(connection) {}
 
-absl::StatusOr<SqliteDatabase> SqliteDatabase::Open(const std::filesystem::path& path) {
+absl::StatusOr<SqliteDatabase> SqliteDatabase::Open(const std::filesystem::path& path,
+                                                    SqliteAccess access,
+                                                    std::chrono::milliseconds busy_timeout) {
+  const bool creates = access == SqliteAccess::kCreate;
+  if (creates) {
+    // SQLite itself would let everyone read it. Its further files take over this one's mode.
+    if (absl::Status status = OpenOrCreate(path).status(); !status.ok()) return status;
+  } else if (!std::filesystem::exists(path)) {
+    return absl::NotFoundError(absl::StrCat(path.string(), ": there is no such file"));
+  }
   sqlite3* connection = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &connection,
-                                   SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
+                                   creates ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY, nullptr);
   // Even a failed open gives a connection, which holds the message.
   SqliteDatabase database(connection);
   if (code != SQLITE_OK) return database.Error(code, path.string());
   sqlite3_extended_result_codes(connection, 1);
-  sqlite3_busy_timeout(connection, kBusyTimeout_ms);
+  sqlite3_busy_timeout(connection, static_cast<int>(busy_timeout.count()));
   return database;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -14,11 +15,21 @@ struct sqlite3_stmt;
 
 namespace dcloc::server {
 
+/// What a connection to an SQLite database may do.
+enum class SqliteAccess {
+  kCreate,  ///< read and write; the file is made, for its owner alone, if it is not there
+  kRead,    ///< read only; NotFound when there is no file
+};
+
+/// How long a statement waits for another connection's lock, before it is Unavailable.
+inline constexpr std::chrono::milliseconds kSqliteBusyTimeout{1000};
+
 /// One connection to an SQLite database. Not thread-safe.
 class SqliteDatabase {
  public:
-  /// Opens or creates the file.
-  static absl::StatusOr<SqliteDatabase> Open(const std::filesystem::path& path);
+  static absl::StatusOr<SqliteDatabase> Open(
+      const std::filesystem::path& path, SqliteAccess access = SqliteAccess::kCreate,
+      std::chrono::milliseconds busy_timeout = kSqliteBusyTimeout);
 
   /// Runs statements that give no rows.
   absl::Status Run(const char* sql);
@@ -72,6 +83,26 @@ class SqliteStatement {
   absl::Status status_;
   int parameter_ = 0;
   int column_ = 0;
+};
+
+/// Gives the statements within its life the same view of the database, whatever other connections
+/// commit meanwhile. Waits for no writer.
+class SqliteSnapshot {
+ public:
+  explicit SqliteSnapshot(SqliteDatabase& database)
+      : database_(database), status_(database.Run("BEGIN")) {}
+  ~SqliteSnapshot() {
+    if (status_.ok()) database_.Run("COMMIT").IgnoreError();
+  }
+  SqliteSnapshot(const SqliteSnapshot&) = delete;
+  SqliteSnapshot& operator=(const SqliteSnapshot&) = delete;
+
+  /// Whether it began.
+  const absl::Status& status() const { return status_; }
+
+ private:
+  SqliteDatabase& database_;
+  absl::Status status_;
 };
 
 /// Rolls back at its end unless committed.

@@ -25,6 +25,8 @@ Examples:
       limits and log level from the file on SIGHUP
   dcloc-server token create --data ./store --name ops --role admin
       makes the first identity; from then on every caller needs one (see token --help)
+  dcloc-server store backup --data ./store --to /backup/dcloc
+      copies the store of a running server; check, repair and restore: see store --help
   dcloc-server --config server.json --log-level debug
       takes a JSON file with the same keys ("tls_cert" for --tls-cert); flags go before it)";
 

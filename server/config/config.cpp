@@ -103,6 +103,14 @@ constexpr std::array kFields = {
     ConfigField{"unfinished_upload_timeout_s", "N",
                 "how long an unfinished upload is kept, so that it can be completed",
                 &ServerConfig::unfinished_upload_timeout_s, 1, 31'536'000},
+    ConfigField{
+        "quarantine_days", "N",
+        "how long map files that belong to no version are kept in DIR/quarantine; 0 for good",
+        &ServerConfig::quarantine_days, 0, 36'500},
+    ConfigField{"scrub_mb_per_s", "N",
+                "how fast map files are read again and again against their hashes, to find damage "
+                "before a vehicle does [MB/s]; 0 for not at all",
+                &ServerConfig::scrub_mb_per_s, 0, 10'000},
     ConfigField{"shutdown_deadline_ms", "N",
                 "how long open calls may take to end when the server stops",
                 &ServerConfig::shutdown_deadline_ms, 0, 600'000},

@@ -45,6 +45,8 @@ struct ServerConfig {
   int max_tenant_storage_mib = 0;  ///< of a tenant's map versions together; 0: no limit
   int warm_map_mib = 1024;         ///< of maps that stay in memory without a session; 0: none do
   int unfinished_upload_timeout_s = 86'400;  ///< then bytes of an interrupted upload are removed
+  int quarantine_days = 30;  ///< of map files without a version; 0: they are kept for good
+  int scrub_mb_per_s = 20;   ///< of map files that are read to see whether they are whole; 0: none
   int shutdown_deadline_ms = 5000;
   int self_probe_interval_ms = 5000;  ///< 0: never
   int drain_grace_ms = 1000;

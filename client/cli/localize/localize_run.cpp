@@ -202,7 +202,7 @@ void PrintSummary(const DriveOutcome& outcome, std::size_t scan_count) {
                outcome.scans.size() + outcome.refused_count, scan_count);
   if (outcome.refused_count > 0) {
     absl::PrintF("%d scans were refused, the first because %s\n", outcome.refused_count,
-                 outcome.first_refusal);
+                 Visible(outcome.first_refusal));
   }
 }
 

@@ -80,10 +80,10 @@ ordered_json Json(const v1::MapVersion& version) {
 }
 
 std::string Text(const v1::MapVersion& version) {
-  return absl::StrFormat("%s version %d%s: %d landmarks over %.0f m of street, %s",
-                         version.map_name(), version.version(), version.active() ? ", active" : "",
-                         version.info().point_count(), version.info().length_m(),
-                         FormatBytes(static_cast<double>(version.size_bytes())));
+  return absl::StrFormat(
+      "%s version %d%s: %d landmarks over %.0f m of street, %s", Visible(version.map_name()),
+      version.version(), version.active() ? ", active" : "", version.info().point_count(),
+      version.info().length_m(), FormatBytes(static_cast<double>(version.size_bytes())));
 }
 
 }  // namespace dcloc::cli

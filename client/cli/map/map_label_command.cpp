@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "absl/strings/str_format.h"
+#include "client/cli/common/terminal.h"
 #include "client/cli/map/map_call.h"
 
 namespace dcloc::cli {
@@ -15,7 +16,7 @@ absl::Status Print(const absl::StatusOr<v1::Map>& map, bool json) {
     absl::PrintF("%s\n", Json(*map).dump(2));
     return absl::OkStatus();
   }
-  absl::PrintF("%s: version %d is active", map->name(), map->active_version());
+  absl::PrintF("%s: version %d is active", Visible(map->name()), map->active_version());
   if (map->previous_version() != 0) {
     absl::PrintF(", %d was before it", map->previous_version());
   }

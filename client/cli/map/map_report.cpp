@@ -39,7 +39,7 @@ std::string MapInfoText(const MapInfo& info) {
       "keyframes    %d over %.0f m of street\n"
       "extent [m]   %s to %s\n"
       "size         %s\n",
-      info.name, info.description, info.point_count,
+      Visible(info.name), Visible(info.description), info.point_count,
       info.has_elevation ? ", measured in three dimensions" : "", info.keyframe_count,
       info.length_m, extent(info.min_map_m), extent(info.max_map_m),
       FormatBytes(static_cast<double>(info.size_bytes)));

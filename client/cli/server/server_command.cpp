@@ -59,7 +59,7 @@ absl::Status ShowStatus(client::AdminClient& admin, const ServerArguments& argum
       "scans     %d localized, %d refused, %d dropped, %d repeated\n"
       "maps      %d in memory\n"
       "threads   %d localize\n",
-      state->server_version(), AgeText(up_s), state->draining() ? ", draining" : "",
+      Visible(state->server_version()), AgeText(up_s), state->draining() ? ", draining" : "",
       state->stub_matcher() ? ", stub matcher: poses mean nothing" : "", state->session_count(),
       state->max_session_count(), state->detached_session_count(), state->resume_count(),
       state->scan_count(), state->rejected_scan_count(), state->dropped_scan_count(),

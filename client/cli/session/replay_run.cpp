@@ -1,4 +1,5 @@
 #include "client/cli/session/replay_run.h"
+#include "client/cli/common/terminal.h"
 
 #include <cstdint>
 #include <functional>
@@ -138,8 +139,8 @@ void Print(const ReplayArguments& arguments, const v1::RecordingHeader& header,
     return;
   }
   absl::PrintF("session %s of %s, recorded by %s: %d scans, %d of them refused then\n",
-               header.opened().session_id(), header.open().vehicle_id(), header.program(),
-               comparison.scan_count, comparison.skipped_count);
+               Visible(header.opened().session_id()), Visible(header.open().vehicle_id()),
+               Visible(header.program()), comparison.scan_count, comparison.skipped_count);
   absl::PrintF("%d answers are the same to the bit, %d differ\n", comparison.equal_count,
                comparison.different_count);
 }

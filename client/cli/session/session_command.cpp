@@ -76,7 +76,8 @@ absl::Status Show(client::AdminClient& admin, const SessionArguments& arguments)
     return absl::OkStatus();
   }
   for (const auto& [key, value] : json.items()) {
-    absl::PrintF("%-22s %s\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    absl::PrintF("%-22s %s\n", key,
+                 value.is_string() ? Visible(value.get<std::string>()) : value.dump());
   }
   return absl::OkStatus();
 }
@@ -97,7 +98,7 @@ absl::Status Watch(client::AdminClient& admin, const SessionArguments& arguments
         }
         if (arguments.answer_count > 0 && count >= arguments.answer_count) return;
         absl::PrintF("%s\n", arguments.json ? AnswerJson(response.answer()).dump()
-                                            : AnswerLine(response.answer()));
+                                            : Visible(AnswerLine(response.answer())));
         std::fflush(stdout);
         if (++count == arguments.answer_count) stop.request_stop();
       });
@@ -111,7 +112,8 @@ absl::Status End(client::AdminClient& admin, const SessionArguments& arguments) 
   if (arguments.json) {
     absl::PrintF("%s\n", SessionJson(*session).dump(2));
   } else {
-    absl::PrintF("session %s of %s is being ended\n", session->session_id(), session->vehicle_id());
+    absl::PrintF("session %s of %s is being ended\n", Visible(session->session_id()),
+                 Visible(session->vehicle_id()));
   }
   return absl::OkStatus();
 }

@@ -41,8 +41,9 @@ void PrintRecorded(const RecordArguments& arguments, const v1::RecordingHeader& 
                                       {"end_reason", reason}}
                              .dump(2));
   } else {
-    absl::PrintF("session %s of %s: %d scans in %s; ended: %s\n", header.opened().session_id(),
-                 header.open().vehicle_id(), scan_count, arguments.out, reason);
+    absl::PrintF("session %s of %s: %d scans in %s; ended: %s\n",
+                 Visible(header.opened().session_id()), Visible(header.open().vehicle_id()),
+                 scan_count, arguments.out, reason);
   }
 }
 

@@ -43,8 +43,10 @@ struct CoverageRecord {
 };
 
 /// Which maps and versions exist, and which versions are in use. Thread-safe; calls may block on
-/// storage. Each change is atomic, and durable when the call returns. Errors beyond those named are
-/// the storage's own: Internal, ResourceExhausted, DataLoss.
+/// storage, but those that only read, and HoldVersion, never wait for a change that another thread
+/// or process is making. Each change is atomic, and durable when the call returns. Errors beyond
+/// those named are the storage's own: Internal, ResourceExhausted, DataLoss, and Unavailable when
+/// another process keeps it locked. After Internal a change may have been made or not.
 ///
 /// Several processes may share one catalogue if its implementation says so. So a process that uses
 /// a version or stores a file takes a hold of it here, not only in its own memory. `holder` names
@@ -94,7 +96,7 @@ class Catalogue {
                                  double share) = 0;
 
   /// Keeps a version from being deleted. A version may be held several times. NotFound: no such map
-  /// or version.
+  /// or version; Unavailable: it is being deleted at this moment.
   virtual absl::StatusOr<Hold> HoldVersion(absl::string_view map_name, std::int64_t version,
                                            absl::string_view holder) = 0;
 
@@ -108,6 +110,16 @@ class Catalogue {
 
   /// With all of its versions. NotFound: no such map; FailedPrecondition: one of them is held.
   virtual absl::Status DeleteMap(absl::string_view map_name) = 0;
+
+  /// Notes that a file may be there without a version: durable before the file is stored. Adding a
+  /// version with the file ends that. Deleting the last version that has it begins it, in the same
+  /// change.
+  virtual absl::Status AddLooseFile(absl::string_view sha256) = 0;
+
+  /// The file is gone, or was never there.
+  virtual absl::Status RemoveLooseFile(absl::string_view sha256) = 0;
+
+  virtual absl::StatusOr<std::vector<std::string>> ListLooseFiles() = 0;
 
   /// Whether any version has this file.
   virtual absl::StatusOr<bool> HasFile(absl::string_view sha256) = 0;

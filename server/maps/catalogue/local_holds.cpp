@@ -3,18 +3,50 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "server/base/status.h"
 
 namespace dcloc::server {
+namespace {
+
+constexpr std::int64_t kAllVersions = std::numeric_limits<std::int64_t>::max();
+
+absl::Status InUse(absl::string_view map_name, std::int64_t version) {
+  return absl::FailedPreconditionError(
+      absl::StrFormat("version %d of map %s is in use; its sessions and downloads must end first",
+                      version, Quoted(map_name)));
+}
+
+absl::Status BeingDeleted(absl::string_view map_name) {
+  return absl::UnavailableError(
+      absl::StrCat("a version of map ", Quoted(map_name), " is being deleted; try again"));
+}
+
+}  // namespace
 
 struct LocalHolds::State {
   using Key = std::pair<std::string, std::int64_t>;
 
   std::mutex mutex;
   std::map<Key, int> version_counts;         ///< held ones only
+  std::set<Key> barred;                      ///< kAllVersions for a whole map
   std::map<std::string, std::string> files;  ///< each held file's holder
+
+  bool IsBarred(const Key& key) const {
+    return barred.contains(key) || barred.contains(Key(key.first, kAllVersions));
+  }
+
+  /// The newest version of a map that is held; 0: none.
+  std::int64_t NewestHeld(const std::string& map_name) const {
+    const auto next = version_counts.upper_bound(Key(map_name, kAllVersions));
+    if (next == version_counts.begin()) return 0;
+    const auto& [name, version] = std::prev(next)->first;
+    return name == map_name ? version : 0;
+  }
 
   void GiveBackVersion(const Key& key) {
     const std::lock_guard lock(mutex);
@@ -26,14 +58,26 @@ struct LocalHolds::State {
     const std::lock_guard lock(mutex);
     files.erase(sha256);
   }
+
+  void Unbar(const Key& key) {
+    const std::lock_guard lock(mutex);
+    barred.erase(key);
+  }
+
+  /// With the mutex held.
+  static Hold Bar(const std::shared_ptr<State>& state, const Key& key) {
+    state->barred.insert(key);
+    return Hold([state, key] { state->Unbar(key); });
+  }
 };
 
 LocalHolds::LocalHolds() : state_(std::make_shared<State>()) {}
 
-Hold LocalHolds::HoldVersion(absl::string_view map_name, std::int64_t version) {
+absl::StatusOr<Hold> LocalHolds::HoldVersion(absl::string_view map_name, std::int64_t version) {
   State::Key key(map_name, version);
   {
     const std::lock_guard lock(state_->mutex);
+    if (state_->IsBarred(key)) return BeingDeleted(map_name);
     ++state_->version_counts[key];
   }
   return Hold([state = state_, key = std::move(key)] { state->GiveBackVersion(key); });
@@ -52,18 +96,21 @@ absl::StatusOr<Hold> LocalHolds::HoldFile(absl::string_view sha256, absl::string
   return Hold([state = state_, file = std::move(file)] { state->GiveBackFile(file); });
 }
 
-bool LocalHolds::IsHeld(absl::string_view map_name, std::int64_t version) const {
+absl::StatusOr<Hold> LocalHolds::BarVersion(absl::string_view map_name, std::int64_t version) {
+  const State::Key key(map_name, version);
   const std::lock_guard lock(state_->mutex);
-  return state_->version_counts.contains(State::Key(map_name, version));
+  if (state_->version_counts.contains(key)) return InUse(map_name, version);
+  if (state_->IsBarred(key)) return BeingDeleted(map_name);
+  return State::Bar(state_, key);
 }
 
-std::optional<std::int64_t> LocalHolds::NewestHeld(absl::string_view map_name) const {
+absl::StatusOr<Hold> LocalHolds::BarMap(absl::string_view map_name) {
+  const State::Key key(map_name, kAllVersions);
   const std::lock_guard lock(state_->mutex);
-  const State::Key above(map_name, std::numeric_limits<std::int64_t>::max());
-  const auto next = state_->version_counts.upper_bound(above);
-  if (next == state_->version_counts.begin()) return std::nullopt;
-  const auto& [name, version] = std::prev(next)->first;
-  return name == map_name ? std::optional(version) : std::nullopt;
+  const std::int64_t version = state_->NewestHeld(key.first);
+  if (version != 0) return InUse(map_name, version);
+  if (state_->IsBarred(key)) return BeingDeleted(map_name);
+  return State::Bar(state_, key);
 }
 
 }  // namespace dcloc::server

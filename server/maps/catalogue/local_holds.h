@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -18,15 +17,18 @@ class LocalHolds {
  public:
   LocalHolds();
 
-  Hold HoldVersion(absl::string_view map_name, std::int64_t version);
+  /// Unavailable while the version is barred.
+  absl::StatusOr<Hold> HoldVersion(absl::string_view map_name, std::int64_t version);
 
   /// As Catalogue::HoldFile.
   absl::StatusOr<Hold> HoldFile(absl::string_view sha256, absl::string_view holder);
 
-  bool IsHeld(absl::string_view map_name, std::int64_t version) const;
+  /// Keeps a version from being held while it is deleted. FailedPrecondition when it is held;
+  /// Unavailable when it is barred already.
+  absl::StatusOr<Hold> BarVersion(absl::string_view map_name, std::int64_t version);
 
-  /// The newest version of a map that is held, if there is one.
-  std::optional<std::int64_t> NewestHeld(absl::string_view map_name) const;
+  /// The same for all versions of a map.
+  absl::StatusOr<Hold> BarMap(absl::string_view map_name);
 
  private:
   struct State;

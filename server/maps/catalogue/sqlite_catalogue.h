@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "server/base/sqlite.h"
 #include "server/maps/catalogue/catalogue.h"
@@ -11,11 +12,17 @@
 namespace dcloc::server {
 
 /// The catalogue in one SQLite file, in WAL mode, for one process. The caller makes sure that no
-/// other process opens it. Holds therefore lie in memory (LocalHolds).
+/// other process changes it. Holds therefore lie in memory (LocalHolds). Changes and reads have a
+/// connection each, so that who reads never waits for who writes.
 class SqliteCatalogue final : public Catalogue {
  public:
-  /// Opens or creates it. FailedPrecondition when a newer program wrote it.
+  /// Opens or creates it. Errors of `PrepareSchema`.
   static absl::StatusOr<std::unique_ptr<SqliteCatalogue>> Open(const std::filesystem::path& path);
+
+  /// Opens it beside the process that has it: changes fail. NotFound; FailedPrecondition when it is
+  /// not of this program's version.
+  static absl::StatusOr<std::unique_ptr<SqliteCatalogue>> OpenToRead(
+      const std::filesystem::path& path);
 
   absl::StatusOr<std::vector<MapRecord>> ListMaps(absl::string_view prefix,
                                                   absl::string_view after_name, int limit) override;
@@ -36,6 +43,9 @@ class SqliteCatalogue final : public Catalogue {
   absl::StatusOr<Hold> HoldFile(absl::string_view sha256, absl::string_view holder) override;
   absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version) override;
   absl::Status DeleteMap(absl::string_view map_name) override;
+  absl::Status AddLooseFile(absl::string_view sha256) override;
+  absl::Status RemoveLooseFile(absl::string_view sha256) override;
+  absl::StatusOr<std::vector<std::string>> ListLooseFiles() override;
   absl::StatusOr<bool> HasFile(absl::string_view sha256) override;
   absl::StatusOr<std::int64_t> SizeOfFile(absl::string_view prefix,
                                           absl::string_view sha256) override;
@@ -51,19 +61,19 @@ class SqliteCatalogue final : public Catalogue {
                                                            double radius_m, int limit) override;
 
  private:
-  explicit SqliteCatalogue(SqliteDatabase database);
+  SqliteCatalogue(SqliteDatabase writer, SqliteDatabase reader);
 
-  // All with the mutex held.
-  absl::StatusOr<MapRecord> FindMap(absl::string_view map_name);
-  absl::StatusOr<MapVersionRecord> FindVersion(absl::string_view map_name, std::int64_t version);
-  /// The version that has this file, or 0.
-  absl::StatusOr<std::int64_t> VersionOfFile(absl::string_view map_name, absl::string_view sha256);
-  /// Takes the map's next number, and creates the map if it is new.
-  absl::StatusOr<std::int64_t> TakeNumber(absl::string_view map_name);
+  /// Runs `read(connection)` in a snapshot.
+  template <typename Read>
+  auto WithReader(const Read& read) -> decltype(read(std::declval<SqliteDatabase&>()));
+  /// Runs `change(connection)` in a transaction, which is committed when it returns OK.
+  template <typename Change>
+  absl::Status WithWriter(const Change& change);
 
-  /// Also held while a version gets a hold or is deleted, so that neither comes between.
-  std::mutex mutex_;
-  SqliteDatabase database_;
+  std::mutex write_mutex_;
+  SqliteDatabase writer_;
+  std::mutex read_mutex_;
+  SqliteDatabase reader_;  ///< closed first, so that the other one can tidy up
   LocalHolds holds_;
 };
 

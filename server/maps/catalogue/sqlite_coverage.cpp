@@ -82,17 +82,21 @@ CREATE INDEX coverage_box_version ON coverage_box(map_name, version);
 CREATE VIRTUAL TABLE coverage_map USING rtree(id, min_x, max_x, min_y, max_y);
 CREATE VIRTUAL TABLE coverage_earth USING rtree(id, min_x, max_x, min_y, max_y);
 
-CREATE TRIGGER coverage_box_insert AFTER INSERT ON coverage_box BEGIN
-  INSERT INTO coverage_map VALUES (new.id, new.min_x_m, new.max_x_m, new.min_y_m, new.max_y_m);
-  INSERT INTO coverage_earth
-    SELECT new.id, new.min_longitude_deg, new.max_longitude_deg,
-           new.min_latitude_deg, new.max_latitude_deg
-    WHERE new.min_longitude_deg IS NOT NULL;
-END;
-
 CREATE TRIGGER coverage_box_delete AFTER DELETE ON coverage_box BEGIN
   DELETE FROM coverage_map WHERE id = old.id;
   DELETE FROM coverage_earth WHERE id = old.id;
+END;
+)";
+
+const char* const kCreateCoverageInsert = R"(
+DROP TRIGGER IF EXISTS coverage_box_insert;
+CREATE TRIGGER coverage_box_insert AFTER INSERT ON coverage_box BEGIN
+  INSERT OR REPLACE INTO coverage_map
+    VALUES (new.id, new.min_x_m, new.max_x_m, new.min_y_m, new.max_y_m);
+  INSERT OR REPLACE INTO coverage_earth
+    SELECT new.id, new.min_longitude_deg, new.max_longitude_deg,
+           new.min_latitude_deg, new.max_latitude_deg
+    WHERE new.min_longitude_deg IS NOT NULL;
 END;
 )";
 

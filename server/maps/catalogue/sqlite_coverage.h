@@ -10,8 +10,13 @@
 /// ones stand in the table. Triggers keep the trees in step with it, and it goes with its version.
 namespace dcloc::server {
 
-/// Makes the table `coverage_box`, the trees and the triggers.
+/// Makes the table `coverage_box`, the trees, and the trigger that deletes from them.
 extern const char* const kCreateCoverage;
+
+/// Makes the trigger that inserts into the trees, in place of an earlier one. A tree may have an
+/// entry too many, which no box has: SQLite leaves it behind when a read fails while a box is
+/// added. The next box of that number takes its place.
+extern const char* const kCreateCoverageInsert;
 
 absl::Status InsertCoverage(SqliteDatabase& database, absl::string_view map_name,
                             std::int64_t version, const std::vector<CoverageBox>& boxes);

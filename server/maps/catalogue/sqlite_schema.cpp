@@ -2,6 +2,9 @@
 
 #include <optional>
 
+#include "absl/strings/str_format.h"
+#include "server/maps/catalogue/sqlite_coverage.h"
+
 namespace dcloc::server {
 namespace {
 
@@ -41,9 +44,7 @@ void BindAnchor(const std::optional<GeodeticAnchor>& anchor, SqliteStatement* in
   }
 }
 
-}  // namespace
-
-const char* const kCreateSchema = R"(
+constexpr char kCreateTables[] = R"(
 CREATE TABLE map (
   name TEXT PRIMARY KEY,
   active_version INTEGER NOT NULL DEFAULT 0,
@@ -85,11 +86,9 @@ CREATE VIEW map_row AS
 CREATE VIEW map_version_row AS
   SELECT map_version.*, active_version = version AS active
   FROM map_version JOIN map ON map_name = name;
-
-PRAGMA user_version = 2;
 )";
 
-const char* const kMigrateFrom1 = R"(
+constexpr char kMigrateFrom1[] = R"(
 ALTER TABLE map ADD COLUMN previous_version INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE map ADD COLUMN canary_version INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE map ADD COLUMN canary_share REAL NOT NULL DEFAULT 0;
@@ -100,9 +99,71 @@ CREATE VIEW map_row AS
          (SELECT COUNT(*) FROM map_version WHERE map_name = name) AS version_count, create_time_ns,
          previous_version, canary_version, canary_share
   FROM map;
-
-PRAGMA user_version = 2;
 )";
+
+/// Files that may be there without a version: they are about to be stored or removed.
+constexpr char kCreateLooseFile[] = R"(
+CREATE TABLE loose_file (sha256 TEXT PRIMARY KEY) STRICT, WITHOUT ROWID;
+PRAGMA application_id = 0x44434C43;
+PRAGMA user_version = 3;
+)";
+
+absl::StatusOr<std::int64_t> ReadNumber(SqliteDatabase& database, const char* sql) {
+  SqliteStatement query(database, sql);
+  const absl::StatusOr<bool> row = query.Step();
+  if (!row.ok()) return row.status();
+  return *row ? query.NextInteger() : 0;
+}
+
+absl::Status CheckIsOurs(SqliteDatabase& database, std::int64_t version) {
+  const auto tables = ReadNumber(database, "SELECT COUNT(*) FROM sqlite_master");
+  const auto ours = ReadNumber(
+      database, "SELECT COUNT(*) FROM sqlite_master WHERE name IN ('map', 'map_version')");
+  if (!tables.ok()) return tables.status();
+  if (!ours.ok()) return ours.status();
+  if (version == 0 ? *tables == 0 : *ours == 2) return absl::OkStatus();
+  return absl::FailedPreconditionError("catalogue: it is a database of something else");
+}
+
+}  // namespace
+
+absl::Status CheckSchema(SqliteDatabase& database) {
+  const absl::StatusOr<std::int64_t> version = ReadNumber(database, "PRAGMA user_version");
+  if (!version.ok()) return version.status();
+  if (*version > kSchemaVersion || *version < 0) {
+    return absl::FailedPreconditionError(
+        absl::StrFormat("catalogue: its schema has version %d, from a newer program; this program "
+                        "knows %d",
+                        *version, kSchemaVersion));
+  }
+  return CheckIsOurs(database, *version);
+}
+
+absl::Status CheckSchemaIsPresent(SqliteDatabase& database) {
+  absl::Status status = CheckSchema(database);
+  const absl::StatusOr<std::int64_t> version = ReadNumber(database, "PRAGMA user_version");
+  status.Update(version.status());
+  if (!status.ok() || *version == kSchemaVersion) return status;
+  return absl::FailedPreconditionError(
+      absl::StrFormat("catalogue: its schema has version %d, from an earlier program; a start of "
+                      "the server brings it to %d",
+                      *version, kSchemaVersion));
+}
+
+absl::Status PrepareSchema(SqliteDatabase& database) {
+  absl::Status status = CheckSchema(database);
+  const absl::StatusOr<std::int64_t> version = ReadNumber(database, "PRAGMA user_version");
+  status.Update(version.status());
+  if (!status.ok() || *version == kSchemaVersion) return status;
+  SqliteTransaction transaction(database);
+  status = transaction.status();
+  if (status.ok() && *version == 0) status = database.Run(kCreateTables);
+  if (status.ok() && *version == 1) status = database.Run(kMigrateFrom1);
+  if (status.ok() && *version < 2) status = database.Run(kCreateCoverage);
+  if (status.ok()) status = database.Run(kCreateCoverageInsert);
+  if (status.ok()) status = database.Run(kCreateLooseFile);
+  return status.ok() ? transaction.Commit() : status;
+}
 
 const char* const kInsertVersion =
     "INSERT INTO map_version VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)";

@@ -6,15 +6,22 @@
 /// The catalogue's tables, and how their rows are read and written.
 namespace dcloc::server {
 
-inline constexpr std::int64_t kSchemaVersion = 2;
+inline constexpr std::int64_t kSchemaVersion = 3;
 
-/// Makes the tables `map` and `map_version`, and the views `map_row` and `map_version_row` with the
-/// columns that `ReadMap` and `ReadVersion` take. Sets the schema's version.
-extern const char* const kCreateSchema;
+/// Makes the schema in an empty database, or brings that of an earlier program to the present one.
+/// FailedPrecondition when a newer program wrote it, or when it is no catalogue; then nothing is
+/// changed.
+///
+/// The tables are `map`, `map_version`, `loose_file` and those of the coverage. The views `map_row`
+/// and `map_version_row` have the columns that `ReadMap` and `ReadVersion` take. Versions of a
+/// catalogue of version 1 have no coverage yet, as their files are needed for it.
+absl::Status PrepareSchema(SqliteDatabase& database);
 
-/// Brings a catalogue of version 1 to the present one, but for the coverage of the versions that
-/// are there already, for which their files are needed.
-extern const char* const kMigrateFrom1;
+/// As `PrepareSchema`, but changes nothing: OK when it would succeed.
+absl::Status CheckSchema(SqliteDatabase& database);
+
+/// OK when the schema is of `kSchemaVersion`. FailedPrecondition otherwise.
+absl::Status CheckSchemaIsPresent(SqliteDatabase& database);
 
 /// Inserts what `BindVersion` binds.
 extern const char* const kInsertVersion;

@@ -4,12 +4,12 @@
 #include <memory>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/strip.h"
 #include "server/base/check.h"
+#include "server/base/status.h"
 #include "server/convert/map.h"
 #include "server/identity/principal.h"
+#include "server/maps/store/read_map.h"
 
 namespace dcloc::server {
 namespace {
@@ -23,49 +23,32 @@ absl::Status Validate(const UploadRequest& request, std::int64_t max_size_bytes)
   return status;
 }
 
-absl::Status CheckStorage(MapStore& store, const UploadRequest& request,
-                          std::int64_t max_tenant_bytes) {
-  if (max_tenant_bytes == 0) return absl::OkStatus();
-  const std::string prefix = ScopedMapName(request.tenant, "");
-  // A file that the tenant has already takes no more room.
-  const absl::StatusOr<std::int64_t> known = store.catalogue().SizeOfFile(prefix, request.sha256);
-  if (!known.ok()) return known.status();
-  if (*known != 0) return absl::OkStatus();
-  const absl::StatusOr<std::int64_t> used = store.catalogue().SizeOfMaps(prefix);
-  if (!used.ok()) return used.status();
-  const absl::StatusOr<std::int64_t> unfinished =
-      store.incoming().SizeOfOthers(request.tenant, request.sha256);
-  if (!unfinished.ok()) return unfinished.status();
-  if (*used + *unfinished + request.size_bytes <= max_tenant_bytes) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      absl::StrFormat("the maps take %d bytes, unfinished uploads %d, and header.size_bytes is %d; "
-                      "max_tenant_storage_mib is %d",
-                      *used, *unfinished, request.size_bytes, max_tenant_bytes >> 20));
-}
-
-absl::StatusOr<std::shared_ptr<const RadarMap>> VerifyMap(const std::filesystem::path& path) {
-  absl::StatusOr<std::shared_ptr<const RadarMap>> map = RadarMap::Open(path);
-  absl::Status status = map.status();
-  if (status.ok()) status = (*map)->Verify();
-  if (status.ok()) return map;
-  // Paths of this machine are nothing to a client.
-  return absl::DataLossError(
-      absl::StrCat("the file is no intact map: ",
-                   absl::StripPrefix(status.message(), absl::StrCat(path.string(), ": "))));
+absl::StatusOr<std::shared_ptr<const RadarMap>> VerifyMap(const std::filesystem::path& path,
+                                                          absl::string_view sha256) {
+  absl::StatusOr<std::shared_ptr<const RadarMap>> map = ReadMap(path, sha256);
+  if (!absl::IsDataLoss(map.status())) return map;
+  return WithPrefix("the file is no intact map: ", map.status());
 }
 
 }  // namespace
 
-Upload::Upload(MapStore& store, UploadRequest request, IncomingFile file)
-    : store_(&store), request_(std::move(request)), file_(std::move(file)) {}
+Upload::Upload(MapStore& store, UploadRequest request, Hold room, IncomingFile file)
+    : store_(&store),
+      request_(std::move(request)),
+      room_(std::move(room)),
+      file_(std::move(file)) {}
 
 absl::StatusOr<Upload> Upload::Begin(MapStore& store, UploadRequest request,
                                      const UploadLimits& limits) {
-  absl::Status status = Validate(request, limits.max_map_bytes);
-  if (status.ok()) status = CheckStorage(store, request, limits.max_tenant_bytes);
-  if (!status.ok()) return status;
+  if (absl::Status status = Validate(request, limits.max_map_bytes); !status.ok()) return status;
+  absl::StatusOr<Hold> room = store.quota().Reserve({.tenant = request.tenant,
+                                                     .prefix = ScopedMapName(request.tenant, ""),
+                                                     .sha256 = request.sha256,
+                                                     .size_bytes = request.size_bytes},
+                                                    limits.max_tenant_bytes);
+  if (!room.ok()) return room.status();
   IncomingFile file = store.incoming().Take(request.tenant, request.sha256);
-  return Upload(store, std::move(request), std::move(file));
+  return Upload(store, std::move(request), *std::move(room), std::move(file));
 }
 
 absl::Status Upload::Append(std::int64_t offset_bytes, absl::string_view bytes) {
@@ -127,15 +110,19 @@ absl::StatusOr<LoadedMap> Upload::Take() {
     if (absl::Status status = file_.BeginAt(*size); !status.ok()) return status;
   }
   const absl::StatusOr<std::string> sha256 = file_.Finish();
-  if (!sha256.ok()) return sha256.status();
+  if (!sha256.ok()) {
+    // What a sync did not write may be gone, though it can be read until it leaves the memory.
+    file_.Remove().IgnoreError();
+    return sha256.status();
+  }
   if (*sha256 != request_.sha256) {
     file_.Remove().IgnoreError();
     return absl::DataLossError(absl::StrFormat(
         "the bytes that came have the hash %s; header.sha256 is %s", *sha256, request_.sha256));
   }
-  absl::StatusOr<std::shared_ptr<const RadarMap>> map = VerifyMap(file_.path());
+  absl::StatusOr<std::shared_ptr<const RadarMap>> map = VerifyMap(file_.path(), *sha256);
   if (!map.ok()) {
-    file_.Remove().IgnoreError();
+    if (absl::IsDataLoss(map.status())) file_.Remove().IgnoreError();
     return map.status();
   }
   return store_->Add(file_.path(), map_name, *sha256, *std::move(map));

@@ -23,7 +23,8 @@ struct UploadRequest {
 /// Bounds of an upload.
 struct UploadLimits {
   std::int64_t max_map_bytes = 0;
-  std::int64_t max_tenant_bytes = 0;  ///< of the tenant's versions together; 0: no limit
+  std::int64_t max_tenant_bytes =
+      0;  ///< of the tenant's versions and uploads together; 0: no limit
 };
 
 /// One upload of a map file into the store. If it is dropped, the bytes received stay, and another
@@ -48,7 +49,7 @@ class Upload {
   absl::StatusOr<MapVersionRecord> Finish();
 
  private:
-  Upload(MapStore& store, UploadRequest request, IncomingFile file);
+  Upload(MapStore& store, UploadRequest request, Hold room, IncomingFile file);
 
   absl::Status BeginAt(std::int64_t offset_bytes);
   /// The version, and its map if this upload stored it.
@@ -56,6 +57,7 @@ class Upload {
 
   MapStore* store_;
   UploadRequest request_;
+  Hold room_;  ///< of the tenant's storage
   IncomingFile file_;
 };
 

@@ -175,9 +175,12 @@ grpc::ServerWriteReactor<v1::DownloadMapResponse>* MapService::DownloadMap(
 grpc::ServerUnaryReactor* MapService::GetMapUpload(grpc::CallbackServerContext* context,
                                                    const v1::GetMapUploadRequest* request,
                                                    v1::GetMapUploadResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
-    return GetUpload(host_.store, principal.tenant, request->sha256(), response);
-  });
+  return AnswerOn(
+      host_, context, request,
+      [this, request, response](const Principal& principal) {
+        return GetUpload(host_.store, principal.tenant, request->sha256(), response);
+      },
+      Lane::kLengthy);
 }
 
 grpc::ServerUnaryReactor* MapService::ActivateMapVersion(
@@ -271,7 +274,7 @@ grpc::ServerUnaryReactor* MapService::DeleteMapVersion(grpc::CallbackServerConte
       [this, request](const Principal& principal) {
         return DeleteVersion(host_.store, drain_sessions_, principal.tenant, *request);
       },
-      request->drain_sessions() ? Lane::kLengthy : Lane::kQuick);
+      Lane::kLengthy);
 }
 
 grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* context,
@@ -282,7 +285,7 @@ grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* con
       [this, request](const Principal& principal) {
         return server::DeleteMap(host_.store, drain_sessions_, principal.tenant, *request);
       },
-      request->drain_sessions() ? Lane::kLengthy : Lane::kQuick);
+      Lane::kLengthy);
 }
 
 }  // namespace dcloc::server

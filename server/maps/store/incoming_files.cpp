@@ -125,23 +125,25 @@ absl::StatusOr<std::int64_t> IncomingFiles::DurableSize(absl::string_view tenant
   // It may have gone into the store meanwhile.
   const absl::StatusOr<std::int64_t> size_now = FileSize(path);
   if (size_now.ok() && *size_now == 0) return 0;
+  // What a sync did not write may be gone, though it can be read until it leaves the memory.
+  RemoveFile(path).IgnoreError();
   return status;
 }
 
-absl::StatusOr<std::int64_t> IncomingFiles::SizeOfOthers(absl::string_view tenant,
-                                                         absl::string_view sha256) const {
+absl::StatusOr<std::map<std::string, std::int64_t>> IncomingFiles::SizesOf(
+    absl::string_view tenant) const {
   const absl::StatusOr<std::vector<std::filesystem::path>> paths = PathsIn(folder_);
   if (!paths.ok()) return paths.status();
   const std::string prefix = absl::StrCat(tenant, kSeparator);
-  std::int64_t sum = 0;
+  std::map<std::string, std::int64_t> sizes;
   for (const std::filesystem::path& path : *paths) {
-    if (!absl::StartsWith(path.filename().string(), prefix)) continue;
-    if (path == PathOf(tenant, sha256)) continue;
+    const std::string stem = path.stem().string();
+    if (!IsOurs(path) || !absl::StartsWith(stem, prefix)) continue;
     const absl::StatusOr<std::int64_t> size = FileSize(path);
     if (!size.ok()) return size.status();
-    sum += *size;
+    sizes[stem.substr(prefix.size())] = *size;
   }
-  return sum;
+  return sizes;
 }
 
 absl::StatusOr<int> IncomingFiles::RemoveUntouchedSince(SystemTime time) {

@@ -79,9 +79,8 @@ class IncomingFiles {
   absl::StatusOr<std::int64_t> DurableSize(absl::string_view tenant,
                                            absl::string_view sha256) const;
 
-  /// Total bytes of the tenant's files, without the file `sha256`.
-  absl::StatusOr<std::int64_t> SizeOfOthers(absl::string_view tenant,
-                                            absl::string_view sha256) const;
+  /// The hashes that the tenant's files will have, each with the bytes that are there.
+  absl::StatusOr<std::map<std::string, std::int64_t>> SizesOf(absl::string_view tenant) const;
 
   /// Removes files that have not been written to since `time` and have no writer; returns how many.
   absl::StatusOr<int> RemoveUntouchedSince(SystemTime time);

@@ -6,9 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/map/radar_map.h"
+#include "server/base/clock.h"
 
 namespace dcloc::server {
 
@@ -22,11 +25,26 @@ class MapFiles {
   /// returns. An existing file of that hash is replaced.
   virtual absl::Status Keep(const std::filesystem::path& path, absl::string_view sha256) = 0;
 
-  /// Errors of RadarMap::Open.
+  /// A verified copy in this process's own memory: what becomes of the file later does not matter.
+  /// Errors of `ReadMap`.
   virtual absl::StatusOr<std::shared_ptr<const RadarMap>> Open(absl::string_view sha256) = 0;
 
-  /// Removes a file if it is there; maps that were opened from it stay whole.
+  /// Reads the whole file, a piece at a time. NotFound; DataLoss: its bytes have another hash.
+  /// `pace` is called with the size of each piece; when it returns false, Cancelled.
+  virtual absl::Status Check(absl::string_view sha256,
+                             absl::FunctionRef<bool(std::size_t)> pace) = 0;
+
+  /// Removes a file if it is there.
   virtual absl::Status Remove(absl::string_view sha256) = 0;
+
+  /// Sets a file aside: it is in quarantine from now on, and no more among the others.
+  virtual absl::Status Quarantine(absl::string_view sha256) = 0;
+
+  /// Removes what was set aside before `time`; returns how many files.
+  virtual absl::StatusOr<int> RemoveQuarantinedBefore(SystemTime time) = 0;
+
+  /// Files that are set aside.
+  virtual absl::StatusOr<int> QuarantinedCount() = 0;
 
   /// A file's size in bytes; 0 when it is not there.
   virtual absl::StatusOr<std::int64_t> SizeOf(absl::string_view sha256) = 0;

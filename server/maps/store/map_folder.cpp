@@ -1,11 +1,12 @@
 #include "server/maps/store/map_folder.h"
 
+#include <chrono>
 #include <system_error>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "server/base/files.h"
 #include "server/base/sha256.h"
+#include "server/maps/store/read_map.h"
 
 namespace dcloc::server {
 namespace {
@@ -14,36 +15,84 @@ constexpr char kMapExtension[] = ".dcmap";
 /// Files are spread over folders by the first digits of their hash.
 constexpr std::size_t kSpreadDigits = 2;
 
-}  // namespace
-
-MapFolder::MapFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
-
-absl::StatusOr<std::unique_ptr<MapFolder>> MapFolder::Open(const std::filesystem::path& folder) {
-  if (absl::Status status = CreateFolders(folder); !status.ok()) return status;
-  return std::unique_ptr<MapFolder>(new MapFolder(folder));
+absl::StatusOr<std::vector<std::filesystem::path>> QuarantinedIn(
+    const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> paths;
+  std::error_code error;
+  std::filesystem::directory_iterator entry(folder, error);
+  for (; !error && entry != std::filesystem::end(entry); entry.increment(error)) {
+    if (entry->is_regular_file(error)) paths.push_back(entry->path());
+  }
+  if (error && error != std::errc::no_such_file_or_directory) return FileError(error, folder);
+  return paths;
 }
 
-std::filesystem::path MapFolder::PathOf(absl::string_view sha256) const {
-  return folder_ / std::string(sha256.substr(0, kSpreadDigits)) /
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<MapFolder>> MapFolder::Open(
+    const std::filesystem::path& folder, const std::filesystem::path& quarantine) {
+  absl::Status status = CreateFolders(folder);
+  status.Update(CreateFolders(quarantine));
+  if (!status.ok()) return status;
+  return std::unique_ptr<MapFolder>(new MapFolder(folder, quarantine));
+}
+
+std::filesystem::path MapFolder::PathIn(const std::filesystem::path& folder,
+                                        absl::string_view sha256) {
+  return folder / std::string(sha256.substr(0, kSpreadDigits)) /
          absl::StrCat(sha256, kMapExtension);
 }
 
 absl::Status MapFolder::Keep(const std::filesystem::path& path, absl::string_view sha256) {
   const std::filesystem::path target = PathOf(sha256);
   if (absl::Status status = CreateFolders(target.parent_path()); !status.ok()) return status;
-  std::error_code error;
-  std::filesystem::rename(path, target, error);
-  if (error) return FileError(error, target);
+  if (absl::Status status = MoveFile(path, target); !status.ok()) return status;
   absl::Status status = SyncFolder(target.parent_path());
   status.Update(SyncFolder(folder_));
   return status;
 }
 
 absl::StatusOr<std::shared_ptr<const RadarMap>> MapFolder::Open(absl::string_view sha256) {
-  return RadarMap::Open(PathOf(sha256));
+  return ReadMap(PathOf(sha256), sha256);
+}
+
+absl::Status MapFolder::Check(absl::string_view sha256, absl::FunctionRef<bool(std::size_t)> pace) {
+  return CheckMapFile(PathOf(sha256), sha256, pace);
 }
 
 absl::Status MapFolder::Remove(absl::string_view sha256) { return RemoveFile(PathOf(sha256)); }
+
+absl::Status MapFolder::Quarantine(absl::string_view sha256) {
+  const std::filesystem::path from = PathOf(sha256);
+  // From now on its time in quarantine counts, wherever a crash comes.
+  std::error_code error;
+  std::filesystem::last_write_time(from, std::filesystem::file_time_type::clock::now(), error);
+  if (error) return FileError(error, from);
+  absl::Status status = MoveFile(from, quarantine_ / from.filename());
+  if (status.ok()) status = SyncFolder(quarantine_);
+  if (status.ok()) status = SyncFolder(from.parent_path());
+  return status;
+}
+
+absl::StatusOr<int> MapFolder::RemoveQuarantinedBefore(SystemTime time) {
+  const auto paths = QuarantinedIn(quarantine_);
+  if (!paths.ok()) return paths.status();
+  int count = 0;
+  for (const std::filesystem::path& path : *paths) {
+    std::error_code error;
+    const auto since = std::filesystem::last_write_time(path, error);
+    if (error || std::chrono::file_clock::to_sys(since) >= time) continue;
+    if (absl::Status status = RemoveFile(path); !status.ok()) return status;
+    ++count;
+  }
+  return count;
+}
+
+absl::StatusOr<int> MapFolder::QuarantinedCount() {
+  const auto paths = QuarantinedIn(quarantine_);
+  if (!paths.ok()) return paths.status();
+  return static_cast<int>(paths->size());
+}
 
 absl::StatusOr<std::int64_t> MapFolder::SizeOf(absl::string_view sha256) {
   return FileSize(PathOf(sha256));
@@ -57,7 +106,7 @@ absl::StatusOr<std::vector<std::string>> MapFolder::List() {
     const std::string stem = entry->path().stem().string();
     if (entry->path().extension() == kMapExtension && IsSha256(stem)) hashes.push_back(stem);
   }
-  if (error) return FileError(error, folder_);
+  if (error && error != std::errc::no_such_file_or_directory) return FileError(error, folder_);
   return hashes;
 }
 

@@ -2,29 +2,44 @@
 
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "server/maps/store/map_files.h"
 
 namespace dcloc::server {
 
-/// Map files in a local folder: `ab/ab12....dcmap`.
+/// Map files in a local folder: `ab/ab12....dcmap`. Those in quarantine are in another folder of
+/// the same file system; the time of a file's last change is when it was set aside.
 class MapFolder final : public MapFiles {
  public:
-  /// Makes the folder if it is not there.
-  static absl::StatusOr<std::unique_ptr<MapFolder>> Open(const std::filesystem::path& folder);
+  /// For a store that is only read: makes no folder.
+  MapFolder(std::filesystem::path folder, std::filesystem::path quarantine)
+      : folder_(std::move(folder)), quarantine_(std::move(quarantine)) {}
+
+  /// Makes the folders if they are not there.
+  static absl::StatusOr<std::unique_ptr<MapFolder>> Open(const std::filesystem::path& folder,
+                                                         const std::filesystem::path& quarantine);
 
   /// `path` lies on the folder's file system.
   absl::Status Keep(const std::filesystem::path& path, absl::string_view sha256) override;
   absl::StatusOr<std::shared_ptr<const RadarMap>> Open(absl::string_view sha256) override;
+  absl::Status Check(absl::string_view sha256, absl::FunctionRef<bool(std::size_t)> pace) override;
   absl::Status Remove(absl::string_view sha256) override;
+  absl::Status Quarantine(absl::string_view sha256) override;
+  absl::StatusOr<int> RemoveQuarantinedBefore(SystemTime time) override;
+  absl::StatusOr<int> QuarantinedCount() override;
   absl::StatusOr<std::int64_t> SizeOf(absl::string_view sha256) override;
   absl::StatusOr<std::vector<std::string>> List() override;
 
- private:
-  explicit MapFolder(std::filesystem::path folder);
-  std::filesystem::path PathOf(absl::string_view sha256) const;
+  /// Where a file is in such a folder.
+  static std::filesystem::path PathIn(const std::filesystem::path& folder,
+                                      absl::string_view sha256);
 
-  std::filesystem::path folder_;
+ private:
+  std::filesystem::path PathOf(absl::string_view sha256) const { return PathIn(folder_, sha256); }
+
+  const std::filesystem::path folder_;
+  const std::filesystem::path quarantine_;
 };
 
 }  // namespace dcloc::server

@@ -30,7 +30,7 @@ double ShareOf(absl::string_view map_name, absl::string_view vehicle_id) {
 
 }  // namespace
 
-/// One version in memory. Who asks first loads it, who asks meanwhile waits for that.
+/// One file in memory. Who asks first loads it, who asks meanwhile waits for that.
 struct MapStore::Loaded {
   const std::string sha256;
   std::mutex mutex;
@@ -43,15 +43,13 @@ struct MapStore::Loaded {
     const std::lock_guard lock(mutex);
     if (map != nullptr) return true;
     absl::StatusOr<std::shared_ptr<const RadarMap>> opened = files.Open(sha256);
-    absl::Status status = opened.status();
-    // Also brings the whole file into memory before the first scan needs it.
-    if (status.ok()) status = (*opened)->Verify();
-    if (status.ok()) {
+    if (opened.ok()) {
       map = *std::move(opened);
       return false;
     }
+    const absl::Status& status = opened.status();
+    spdlog::error("map file not loaded sha256={} reason={}", sha256, Quoted(status.message()));
     if (!absl::IsNotFound(status) && !absl::IsDataLoss(status)) return status;
-    spdlog::error("map file not loaded reason={}", Quoted(status.message()));
     return absl::DataLossError("the version's file is missing or damaged on the server");
   }
 };
@@ -64,7 +62,8 @@ struct MapStore::Use {
 
 MapStore::MapStore(MapStoreParts parts, const MapStoreOptions& options)
     : parts_(std::move(parts)),
-      unfinished_upload_timeout_(options.unfinished_upload_timeout),
+      options_(options),
+      quota_(*parts_.catalogue, *parts_.incoming),
       warm_(options.max_warm_bytes) {}
 
 absl::StatusOr<std::unique_ptr<MapStore>> MapStore::Open(MapStoreParts parts,
@@ -118,29 +117,41 @@ absl::StatusOr<LoadedMap> MapStore::AcquireFor(absl::string_view map_name,
 absl::StatusOr<LoadedMap> MapStore::Add(const std::filesystem::path& path,
                                         absl::string_view map_name, absl::string_view sha256,
                                         std::shared_ptr<const RadarMap> map) {
-  const std::vector<CoverageBox> coverage = CoverageOf(*map);
+  const absl::StatusOr<MapVersionRecord> record = Store(path, map_name, sha256, *map);
+  if (!record.ok()) return record.status();
   const std::lock_guard lock(mutex_);
-  absl::StatusOr<Hold> file_hold = parts_.catalogue->HoldFile(sha256, parts_.holder);
-  if (!file_hold.ok()) return file_hold.status();
-  // The file first: a file without a row is a leftover, a row without a file would be a lie.
-  if (absl::Status status = parts_.files->Keep(path, sha256); !status.ok()) return status;
-  absl::StatusOr<MapVersionRecord> record =
-      parts_.catalogue->AddVersion(map_name, sha256, map->info(), coverage);
-  *file_hold = Hold();
-  if (!record.ok()) {
-    RemoveOrphan(*parts_.catalogue, *parts_.files, sha256, parts_.holder).IgnoreError();
-    return record.status();
-  }
-  std::weak_ptr<Loaded>& entry = loaded_[Key(map_name, record->version)];
-  // A map that has this file gives the version that has it, which may be in memory already.
-  if (!entry.expired()) return LoadedMap{.record = *std::move(record), .map = std::move(map)};
+  std::weak_ptr<Loaded>& entry = loaded_[record->sha256];
+  // The same file may be in memory already.
+  if (!entry.expired()) return LoadedMap{.record = *record, .map = std::move(map)};
   const auto loaded = std::make_shared<Loaded>(record->sha256);
   loaded->map = std::move(map);
   entry = loaded;
   absl::StatusOr<std::shared_ptr<Use>> use = UseVersion(*record);
   if (!use.ok()) return use.status();
-  return LoadedMap{.record = *std::move(record),
+  return LoadedMap{.record = *record,
                    .map = std::shared_ptr<const RadarMap>(*std::move(use), loaded->map.get())};
+}
+
+absl::StatusOr<MapVersionRecord> MapStore::Store(const std::filesystem::path& path,
+                                                 absl::string_view map_name,
+                                                 absl::string_view sha256, const RadarMap& map) {
+  const std::vector<CoverageBox> coverage = CoverageOf(map);
+  const std::lock_guard change(change_mutex_);
+  absl::StatusOr<Hold> file_hold = parts_.catalogue->HoldFile(sha256, parts_.holder);
+  if (!file_hold.ok()) return file_hold.status();
+  // The file before its row: a row without a file would be a lie. And a note before the file, so
+  // that one without a row is known to come from here.
+  const absl::StatusOr<bool> known = parts_.catalogue->HasFile(sha256);
+  absl::Status status = known.status();
+  if (status.ok() && !*known) status = parts_.catalogue->AddLooseFile(sha256);
+  if (status.ok()) status = parts_.files->Keep(path, sha256);
+  if (!status.ok()) return status;
+  absl::StatusOr<MapVersionRecord> record =
+      parts_.catalogue->AddVersion(map_name, sha256, map.info(), coverage);
+  *file_hold = Hold();
+  // After an internal error the row may be there once the catalogue is opened again.
+  if (!record.ok() && !absl::IsInternal(record.status())) RemoveFile(sha256);
+  return record;
 }
 
 absl::StatusOr<MapVersionRecord> MapStore::AddStored(absl::string_view prefix,
@@ -148,13 +159,14 @@ absl::StatusOr<MapVersionRecord> MapStore::AddStored(absl::string_view prefix,
                                                      absl::string_view sha256) {
   const absl::Status missing =
       absl::NotFoundError(absl::StrCat("header.sha256 is ", sha256, "; no map has that file"));
-  const absl::StatusOr<bool> stored = HasStored(prefix, sha256);
-  if (!stored.ok()) return stored.status();
-  if (!*stored) return missing;
+  const absl::StatusOr<std::int64_t> wanted = parts_.catalogue->SizeOfFile(prefix, sha256);
+  if (!wanted.ok()) return wanted.status();
+  if (*wanted == 0) return missing;
   const absl::StatusOr<std::shared_ptr<const RadarMap>> map = parts_.files->Open(sha256);
+  if (absl::IsNotFound(map.status()) || absl::IsDataLoss(map.status())) return missing;
   if (!map.ok()) return map.status();
   const std::vector<CoverageBox> coverage = CoverageOf(**map);
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard change(change_mutex_);
   const absl::StatusOr<Hold> file_hold = parts_.catalogue->HoldFile(sha256, parts_.holder);
   if (!file_hold.ok()) return file_hold.status();
   // Its version may have been deleted meanwhile.
@@ -167,21 +179,21 @@ absl::StatusOr<MapVersionRecord> MapStore::AddStored(absl::string_view prefix,
 absl::StatusOr<bool> MapStore::HasStored(absl::string_view prefix, absl::string_view sha256) {
   const absl::StatusOr<std::int64_t> wanted = parts_.catalogue->SizeOfFile(prefix, sha256);
   if (!wanted.ok()) return wanted.status();
-  const absl::StatusOr<std::int64_t> size = parts_.files->SizeOf(sha256);
-  if (!size.ok()) return size.status();
-  return *wanted != 0 && *size == *wanted;
+  if (*wanted == 0) return false;
+  const absl::Status status = parts_.files->Check(sha256, [](std::size_t) { return true; });
+  if (absl::IsNotFound(status) || absl::IsDataLoss(status)) return false;
+  if (!status.ok()) return status;
+  return true;
 }
 
 absl::StatusOr<MapRecord> MapStore::Activate(absl::string_view map_name, std::int64_t version) {
   // Warm before any session can ask for it, and held until it is known to be the active one.
   const absl::StatusOr<LoadedMap> loaded = Acquire(map_name, version);
   if (!loaded.ok()) return loaded.status();
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard change(change_mutex_);
   if (absl::Status status = parts_.catalogue->Activate(map_name, version); !status.ok())
     return status;
-  absl::StatusOr<MapRecord> map = parts_.catalogue->GetMap(map_name);
-  if (map.ok()) KeepWarm(*map, *loaded);
-  return map;
+  return Relabelled(map_name, *loaded);
 }
 
 absl::StatusOr<MapRecord> MapStore::RollBack(absl::string_view map_name) {
@@ -200,41 +212,57 @@ absl::StatusOr<MapRecord> MapStore::SetCanary(absl::string_view map_name, std::i
     if (!acquired.ok()) return acquired.status();
     loaded = *std::move(acquired);
   }
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard change(change_mutex_);
   absl::Status status = parts_.catalogue->SetCanary(map_name, version, share);
   if (!status.ok()) return status;
+  return Relabelled(map_name, loaded);
+}
+
+absl::StatusOr<MapRecord> MapStore::Relabelled(absl::string_view map_name,
+                                               const LoadedMap& loaded) {
   absl::StatusOr<MapRecord> map = parts_.catalogue->GetMap(map_name);
-  if (!map.ok()) return map.status();
-  KeepWarm(*map, loaded);
+  const std::lock_guard lock(mutex_);
+  if (map.ok()) KeepWarm(*map, loaded);
   return map;
 }
 
 absl::StatusOr<int> MapStore::RemoveStaleUploads(SystemTime now) {
-  return parts_.incoming->RemoveUntouchedSince(now - unfinished_upload_timeout_);
+  return parts_.incoming->RemoveUntouchedSince(now - options_.unfinished_upload_timeout);
+}
+
+absl::StatusOr<int> MapStore::RemoveExpiredQuarantine(SystemTime now) {
+  if (options_.quarantine_time.count() == 0) return 0;
+  return parts_.files->RemoveQuarantinedBefore(now - options_.quarantine_time);
 }
 
 absl::Status MapStore::DeleteVersion(absl::string_view map_name, std::int64_t version) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard change(change_mutex_);
   const absl::StatusOr<MapVersionRecord> record = parts_.catalogue->GetVersion(map_name, version);
   if (!record.ok()) return record.status();
   absl::Status status = parts_.catalogue->DeleteVersion(map_name, version);
-  if (!status.ok()) return status;
-  return RemoveOrphan(*parts_.catalogue, *parts_.files, record->sha256, parts_.holder).status();
+  if (status.ok()) RemoveFile(record->sha256);
+  return status;
 }
 
 absl::Status MapStore::DeleteMap(absl::string_view map_name) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard change(change_mutex_);
   const absl::StatusOr<std::vector<MapVersionRecord>> versions = parts_.catalogue->ListVersions(
       map_name, std::numeric_limits<std::int64_t>::max(), std::numeric_limits<int>::max());
   if (!versions.ok()) return versions.status();
   absl::Status status = parts_.catalogue->DeleteMap(map_name);
   if (!status.ok()) return status;
+  for (const MapVersionRecord& record : *versions) RemoveFile(record.sha256);
+  const std::lock_guard lock(mutex_);
   warm_.KeepOnly(map_name, 0, 0);
-  for (const MapVersionRecord& record : *versions) {
-    status.Update(
-        RemoveOrphan(*parts_.catalogue, *parts_.files, record.sha256, parts_.holder).status());
-  }
   return status;
+}
+
+void MapStore::RemoveFile(absl::string_view sha256) {
+  const absl::Status status =
+      RemoveOrphan(*parts_.catalogue, *parts_.files, sha256, parts_.holder).status();
+  if (status.ok()) return;
+  spdlog::warn("map file not removed sha256={} reason={}", std::string(sha256),
+               Quoted(status.message()));
 }
 
 int MapStore::loaded_map_count() {
@@ -255,12 +283,9 @@ absl::StatusOr<std::shared_ptr<MapStore::Use>> MapStore::UseVersion(
   absl::StatusOr<Hold> hold =
       parts_.catalogue->HoldVersion(record.map_name, record.version, parts_.holder);
   if (!hold.ok()) return hold.status();
-  std::weak_ptr<Loaded>& entry = loaded_[key];
+  std::weak_ptr<Loaded>& entry = loaded_[record.sha256];
   std::shared_ptr<Loaded> loaded = entry.lock();
-  // What is warm but not held may be another file by now: a map of that name, made anew elsewhere.
-  if (loaded == nullptr || loaded->sha256 != record.sha256) {
-    entry = loaded = std::make_shared<Loaded>(record.sha256);
-  }
+  if (loaded == nullptr) entry = loaded = std::make_shared<Loaded>(record.sha256);
   auto use = std::make_shared<Use>(Use{.hold = *std::move(hold), .loaded = std::move(loaded)});
   uses_[key] = use;
   return use;
@@ -269,7 +294,7 @@ absl::StatusOr<std::shared_ptr<MapStore::Use>> MapStore::UseVersion(
 void MapStore::KeepWarm(const MapRecord& map, const LoadedMap& loaded) {
   const Key key(map.name, loaded.record.version);
   if (key.second != 0 && (key.second == map.active_version || key.second == map.canary_version)) {
-    if (std::shared_ptr<Loaded> in_memory = loaded_[key].lock()) {
+    if (std::shared_ptr<Loaded> in_memory = loaded_[loaded.record.sha256].lock()) {
       warm_.Keep(key, std::move(in_memory),
                  static_cast<std::int64_t>(loaded.record.info.size_bytes));
     }

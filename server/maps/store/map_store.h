@@ -17,6 +17,7 @@
 #include "server/maps/store/incoming_files.h"
 #include "server/maps/store/map_files.h"
 #include "server/maps/store/store_check.h"
+#include "server/maps/store/tenant_quota.h"
 #include "server/maps/store/warm_maps.h"
 
 namespace dcloc::server {
@@ -42,23 +43,31 @@ struct MapStoreOptions {
   std::int64_t max_warm_bytes = std::int64_t{1} << 30;
   /// How long the bytes of an interrupted upload are kept.
   std::chrono::nanoseconds unfinished_upload_timeout = std::chrono::hours(24);
+  /// How long files without a version are kept in quarantine; 0: for good.
+  std::chrono::nanoseconds quarantine_time = std::chrono::days(30);
 };
 
 /// The server's maps: which exist (Catalogue), their files (MapFiles), uploads (IncomingFiles) and
-/// which versions are in use. All users of a version share one copy in memory and one hold in the
-/// catalogue. A version is in use as long as a `LoadedMap::map` of it exists; that may outlive the
-/// store, and destroying it does not wait for storage. Active versions and canaries stay in memory
-/// within bounds (WarmMaps). Thread-safe; calls may block on storage.
+/// which versions are in use. All users of a file share one copy in memory, and all users of a
+/// version one hold in the catalogue. A version is in use as long as a `LoadedMap::map` of it
+/// exists; that may outlive the store, and destroying it does not wait for storage. Active versions
+/// and canaries stay in memory within bounds (WarmMaps). Thread-safe; calls may block on storage,
+/// but `Acquire` of a version in memory never waits for a change that another call makes.
 class MapStore {
  public:
   /// Checks the catalogue and the files, repairs what a crash left behind, and logs what it did.
+  /// FailedPrecondition when there are files for which the catalogue cannot account (`CheckStore`).
   static absl::StatusOr<std::unique_ptr<MapStore>> Open(MapStoreParts parts,
                                                         const MapStoreOptions& options);
 
   /// For reading; changes go through the store.
   Catalogue& catalogue() { return *parts_.catalogue; }
 
+  /// For reading, beside the store.
+  MapFiles& files() { return *parts_.files; }
+
   IncomingFiles& incoming() { return *parts_.incoming; }
+  TenantQuota& quota() { return quota_; }
   BuildLedger& builds() { return *parts_.builds; }
 
   /// What `Open` found and did.
@@ -79,11 +88,11 @@ class MapStore {
                                 absl::string_view sha256, std::shared_ptr<const RadarMap> map);
 
   /// Adds a version of a file that a version of maps with this prefix (Catalogue::ListMaps) has
-  /// already. NotFound when there is none, or its file is not there.
+  /// already. NotFound when there is none, or its file is not there or damaged.
   absl::StatusOr<MapVersionRecord> AddStored(absl::string_view prefix, absl::string_view map_name,
                                              absl::string_view sha256);
 
-  /// Whether `AddStored` would find the file.
+  /// Whether `AddStored` would find the file, whole. Reads all of it.
   absl::StatusOr<bool> HasStored(absl::string_view prefix, absl::string_view sha256);
 
   /// Loads and verifies a version, and only then makes it the active one. Errors of `Acquire`; then
@@ -99,14 +108,18 @@ class MapStore {
                                       double share);
 
   /// Errors of the catalogue, such as FailedPrecondition while a version is in use. Their files go
-  /// too, unless another version has them or another process is storing them (`RemoveOrphan`).
+  /// too, unless another version has them or another process is storing them (`RemoveOrphan`). A
+  /// file that cannot be removed is set aside at the next start.
   absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version);
   absl::Status DeleteMap(absl::string_view map_name);
 
   /// Removes unfinished uploads that are too old at `now`; returns how many.
   absl::StatusOr<int> RemoveStaleUploads(SystemTime now);
 
-  /// Versions in memory.
+  /// Removes files that have been in quarantine for too long at `now`; returns how many.
+  absl::StatusOr<int> RemoveExpiredQuarantine(SystemTime now);
+
+  /// Files in memory.
   int loaded_map_count();
 
  private:
@@ -116,19 +129,32 @@ class MapStore {
 
   MapStore(MapStoreParts parts, const MapStoreOptions& options);
 
+  /// Moves the file into the store and adds its version.
+  absl::StatusOr<MapVersionRecord> Store(const std::filesystem::path& path,
+                                         absl::string_view map_name, absl::string_view sha256,
+                                         const RadarMap& map);
+  /// A map whose labels have just changed; what has a label stays in memory.
+  absl::StatusOr<MapRecord> Relabelled(absl::string_view map_name, const LoadedMap& loaded);
+
   // With the mutex held.
   absl::StatusOr<std::shared_ptr<Use>> UseVersion(const MapVersionRecord& record);
   void KeepWarm(const MapRecord& map, const LoadedMap& loaded);
 
-  const MapStoreParts parts_;
-  const std::chrono::nanoseconds unfinished_upload_timeout_;
-  StoreReport report_;
+  /// With the change mutex held.
+  void RemoveFile(absl::string_view sha256);
 
-  /// Keeps catalogue, files and loaded maps consistent. Held while a catalogue row is read or
-  /// written and while a file is renamed, not while a map is read.
+  const MapStoreParts parts_;
+  const MapStoreOptions options_;
+  StoreReport report_;
+  TenantQuota quota_;
+
+  /// Keeps catalogue and files consistent. Held while a row is written and a file is moved, which
+  /// may take as long as the disk likes. Taken before `mutex_`.
+  std::mutex change_mutex_;
+  /// Keeps the maps in memory consistent. Held while a row is read, which waits for no change.
   std::mutex mutex_;
-  std::map<Key, std::weak_ptr<Loaded>> loaded_;  ///< in memory, used or warm
-  std::map<Key, std::weak_ptr<Use>> uses_;       ///< those in use
+  std::map<std::string, std::weak_ptr<Loaded>> loaded_;  ///< by hash; in memory, used or warm
+  std::map<Key, std::weak_ptr<Use>> uses_;               ///< those in use
   WarmMaps warm_;
 };
 

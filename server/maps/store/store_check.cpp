@@ -1,9 +1,11 @@
 #include "server/maps/store/store_check.h"
 
-#include <map>
+#include <algorithm>
 #include <memory>
-#include <utility>
+#include <set>
 
+#include "absl/strings/str_format.h"
+#include "server/base/status.h"
 #include "server/maps/catalogue/coverage.h"
 #include "server/maps/store/orphan_file.h"
 #include "spdlog/spdlog.h"
@@ -22,21 +24,43 @@ absl::Status CheckIncoming(IncomingFiles& incoming, SystemTime stale_before, Sto
   return absl::OkStatus();
 }
 
-absl::Status CheckFiles(Catalogue& catalogue, MapFiles& files, absl::string_view holder,
-                        StoreReport* report) {
-  const absl::StatusOr<std::vector<std::pair<std::string, std::int64_t>>> wanted =
-      catalogue.ListFiles();
-  if (!wanted.ok()) return wanted.status();
-  const std::map<std::string, std::int64_t> sizes(wanted->begin(), wanted->end());
-  const absl::StatusOr<std::vector<std::string>> present = files.List();
-  if (!present.ok()) return present.status();
-  for (const std::string& sha256 : *present) {
-    if (sizes.contains(sha256)) continue;
-    const absl::StatusOr<bool> removed = RemoveOrphan(catalogue, files, sha256, holder);
-    if (!removed.ok()) return removed.status();
-    report->removed_map_file_count += *removed ? 1 : 0;
+absl::Status CheckAccounted(Catalogue& catalogue, MapFiles& files) {
+  const absl::StatusOr<std::vector<std::string>> unaccounted = UnaccountedFiles(catalogue, files);
+  if (!unaccounted.ok()) return unaccounted.status();
+  if (unaccounted->empty()) return absl::OkStatus();
+  const auto known = catalogue.ListFiles();
+  if (!known.ok()) return known.status();
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "the catalogue, which has %d map files, knows nothing of %d that are there (first: %s): it "
+      "is missing, older than they are, or that of another store",
+      known->size(), unaccounted->size(), unaccounted->front()));
+}
+
+absl::Status SetLooseFilesAside(Catalogue& catalogue, MapFiles& files, absl::string_view holder,
+                                StoreReport* report) {
+  const absl::StatusOr<std::vector<std::string>> loose = catalogue.ListLooseFiles();
+  if (!loose.ok()) return loose.status();
+  for (const std::string& sha256 : *loose) {
+    const absl::StatusOr<std::int64_t> size = files.SizeOf(sha256);
+    if (!size.ok()) return size.status();
+    const absl::StatusOr<bool> done = *size == 0
+                                          ? RemoveOrphan(catalogue, files, sha256, holder)
+                                          : QuarantineOrphan(catalogue, files, sha256, holder);
+    if (!done.ok()) {
+      // A full disk is no reason not to start: the next start tries again.
+      spdlog::warn("map file not set aside sha256={} reason={}", sha256,
+                   Quoted(done.status().message()));
+      continue;
+    }
+    report->quarantined_file_count += *done && *size > 0 ? 1 : 0;
   }
-  for (const auto& [sha256, size_bytes] : sizes) {
+  return absl::OkStatus();
+}
+
+absl::Status FindBroken(Catalogue& catalogue, MapFiles& files, StoreReport* report) {
+  const auto wanted = catalogue.ListFiles();
+  if (!wanted.ok()) return wanted.status();
+  for (const auto& [sha256, size_bytes] : *wanted) {
     const absl::StatusOr<std::int64_t> size = files.SizeOf(sha256);
     if (!size.ok()) return size.status();
     if (*size != size_bytes) report->broken_files.push_back(sha256);
@@ -59,21 +83,38 @@ absl::Status CoverTheRest(Catalogue& catalogue, MapFiles& files, StoreReport* re
 
 }  // namespace
 
+absl::StatusOr<std::vector<std::string>> UnaccountedFiles(Catalogue& catalogue, MapFiles& files) {
+  // The files first: what another process stores meanwhile is announced before it is there.
+  absl::StatusOr<std::vector<std::string>> present = files.List();
+  if (!present.ok()) return present;
+  const absl::StatusOr<std::vector<std::string>> loose = catalogue.ListLooseFiles();
+  if (!loose.ok()) return loose;
+  const auto wanted = catalogue.ListFiles();
+  if (!wanted.ok()) return wanted.status();
+  std::set<std::string> known(loose->begin(), loose->end());
+  for (const auto& [sha256, size_bytes] : *wanted) known.insert(sha256);
+  std::erase_if(*present, [&](const std::string& sha256) { return known.contains(sha256); });
+  std::ranges::sort(*present);
+  return present;
+}
+
 absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,
                                        IncomingFiles& incoming, SystemTime stale_before,
                                        absl::string_view holder) {
   StoreReport report;
-  absl::Status status = CheckIncoming(incoming, stale_before, &report);
-  if (status.ok()) status = CheckFiles(catalogue, files, holder, &report);
+  absl::Status status = CheckAccounted(catalogue, files);
+  if (status.ok()) status = CheckIncoming(incoming, stale_before, &report);
+  if (status.ok()) status = SetLooseFilesAside(catalogue, files, holder, &report);
+  if (status.ok()) status = FindBroken(catalogue, files, &report);
   if (status.ok()) status = CoverTheRest(catalogue, files, &report);
   if (!status.ok()) return status;
   return report;
 }
 
 void Log(const StoreReport& report) {
-  if (report.removed_leftover_count + report.removed_map_file_count > 0) {
-    spdlog::info("store repaired removed_leftovers={} removed_map_files={}",
-                 report.removed_leftover_count, report.removed_map_file_count);
+  if (report.removed_leftover_count + report.quarantined_file_count > 0) {
+    spdlog::info("store repaired removed_leftovers={} quarantined_map_files={}",
+                 report.removed_leftover_count, report.quarantined_file_count);
   }
   if (report.stale_upload_count + report.unfinished_upload_count > 0) {
     spdlog::info("unfinished uploads kept={} removed={}", report.unfinished_upload_count,

@@ -15,7 +15,7 @@ namespace dcloc::server {
 /// What the check of a store found when it was opened, and what it repaired.
 struct StoreReport {
   int removed_leftover_count = 0;   ///< files in `incoming` that belong to nothing
-  int removed_map_file_count = 0;   ///< map files that no version has, nor anyone holds
+  int quarantined_file_count = 0;   ///< map files that a crash left without a version: set aside
   int stale_upload_count = 0;       ///< unfinished uploads that were too old: removed
   int unfinished_upload_count = 0;  ///< kept, can be continued
   int covered_version_count = 0;    ///< versions to which coverage was added
@@ -24,10 +24,17 @@ struct StoreReport {
   std::vector<std::string> broken_files;
 };
 
-/// Compares files and catalogue, and repairs what a crash can leave behind. Other processes may use
-/// catalogue and files meanwhile: a file that no version has is left alone while anyone holds it
-/// (`RemoveOrphan`). `incoming` is this process's own. `stale_before`: unfinished uploads not
-/// written to since then are removed. `holder`: as in the catalogue's holds.
+/// Map files for which the catalogue cannot account: no version has them, and it does not know that
+/// they were being stored or removed (Catalogue::AddLooseFile). Then the catalogue is not the one
+/// of these files, or not the newest one.
+absl::StatusOr<std::vector<std::string>> UnaccountedFiles(Catalogue& catalogue, MapFiles& files);
+
+/// Compares files and catalogue, and repairs what a crash can leave behind: files that were being
+/// stored or removed are set aside. FailedPrecondition, and nothing is changed, when there are
+/// files for which the catalogue cannot account. Other processes may use catalogue and files
+/// meanwhile: a file that no version has is left alone while anyone holds it (`QuarantineOrphan`).
+/// `incoming` is this process's own. `stale_before`: unfinished uploads not written to since then
+/// are removed. `holder`: as in the catalogue's holds.
 absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,
                                        IncomingFiles& incoming, SystemTime stale_before,
                                        absl::string_view holder);

@@ -7,13 +7,16 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "server/base/sqlite.h"
 #include "tests/server/fixtures/message_of.h"
 #include "tests/server/maps/store/map_store_fixture.h"
 
 namespace dcloc::server {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 class StorageTest : public StoreFixture {};
@@ -29,6 +32,83 @@ TEST_F(StorageTest, ACatalogueThatIsNoDatabaseIsAnError) {
   std::filesystem::remove(folder_.path() / "catalogue.sqlite-wal");
   std::ofstream(folder_.path() / "catalogue.sqlite", std::ios::trunc) << std::string(4096, 'x');
   EXPECT_EQ(OpenStorage(folder_.path()).status().code(), absl::StatusCode::kDataLoss);
+}
+
+class CatalogueLostTest : public StoreFixture {
+ protected:
+  CatalogueLostTest() {
+    Put(bytes_);
+    Close();
+  }
+
+  /// That the store is refused, with all of these in the message, and that its map file stays.
+  void ExpectRefused(absl::StatusCode code, const std::string& reason) const {
+    const absl::Status status = OpenStorage(folder_.path()).status();
+    EXPECT_EQ(status.code(), code) << status;
+    EXPECT_THAT(MessageOf(status), AllOf(HasSubstr(reason), HasSubstr("store restore"),
+                                         HasSubstr(folder_.path().string())));
+    EXPECT_TRUE(std::filesystem::exists(FileOf(bytes_)));
+  }
+
+  const std::vector<std::byte> bytes_ = SmallMap();
+  const std::filesystem::path catalogue_ = folder_.path() / "catalogue.sqlite";
+};
+
+TEST_F(CatalogueLostTest, AMissingOneIsNotMadeAnew) {
+  std::filesystem::remove(catalogue_);
+  ExpectRefused(absl::StatusCode::kFailedPrecondition, "1 map files");
+  EXPECT_FALSE(std::filesystem::exists(catalogue_));
+}
+
+TEST_F(CatalogueLostTest, AnEmptyOneIsRefused) {
+  std::filesystem::resize_file(catalogue_, 0);
+  ExpectRefused(absl::StatusCode::kFailedPrecondition, "missing or empty");
+}
+
+TEST_F(CatalogueLostTest, AnOlderOneIsRefused) {
+  const std::filesystem::path older = folder_.path() / "older";
+  std::filesystem::copy_file(catalogue_, older);
+  Reopen();
+  Put(SmallMap("second"));
+  Close();
+  std::filesystem::rename(older, catalogue_);
+  ExpectRefused(absl::StatusCode::kFailedPrecondition, "knows nothing of 1");
+  EXPECT_TRUE(std::filesystem::exists(FileOf(SmallMap("second"))));
+}
+
+TEST_F(CatalogueLostTest, ANewerOneIsRefused) {
+  ASSERT_TRUE(SqliteDatabase::Open(catalogue_)->Run("PRAGMA user_version = 99").ok());
+  ExpectRefused(absl::StatusCode::kFailedPrecondition, "99");
+}
+
+TEST_F(CatalogueLostTest, AnotherProgramsDatabaseIsRefusedUnchanged) {
+  std::filesystem::remove(catalogue_);
+  ASSERT_TRUE(SqliteDatabase::Open(catalogue_)->Run("CREATE TABLE song (name TEXT)").ok());
+  ExpectRefused(absl::StatusCode::kFailedPrecondition, "something else");
+  std::filesystem::copy_file(folder_.path() / "identities.sqlite", catalogue_,
+                             std::filesystem::copy_options::overwrite_existing);
+  ExpectRefused(absl::StatusCode::kFailedPrecondition, "something else");
+}
+
+TEST_F(CatalogueLostTest, OneOfAnotherStoreIsRefused) {
+  const TemporaryFolder other;
+  ASSERT_TRUE(OpenStorage(other.path()).ok());
+  std::filesystem::copy_file(other.path() / "catalogue.sqlite", catalogue_,
+                             std::filesystem::copy_options::overwrite_existing);
+  ExpectRefused(absl::StatusCode::kFailedPrecondition, "knows nothing of 1");
+}
+
+TEST_F(StorageTest, IsItsOwnersAlone) {
+  Close();
+  std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
+  std::filesystem::permissions(folder_.path() / "catalogue.sqlite", std::filesystem::perms(0644));
+  Reopen();
+  EXPECT_EQ(std::filesystem::status(folder_.path()).permissions(), std::filesystem::perms(0700));
+  for (const char* name : {"catalogue.sqlite", "catalogue.sqlite-wal", "identities.sqlite"}) {
+    EXPECT_EQ(std::filesystem::status(folder_.path() / name).permissions(),
+              std::filesystem::perms(0600))
+        << name;
+  }
 }
 
 TEST(StorageOpenTest, AFolderThatCannotBeMadeIsAnErrorThatNamesIt) {

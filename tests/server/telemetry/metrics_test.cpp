@@ -74,6 +74,13 @@ class MetricsTest : public ::testing::Test {
   TestServer server_;
 };
 
+TEST_F(MetricsTest, TheStateOfTheMapFilesIsTold) {
+  EXPECT_GT(Value("dcloc_map_scrub_last_pass_seconds"), 1.7e9);
+  EXPECT_EQ(Value("dcloc_map_files_damaged"), 0.0);
+  EXPECT_EQ(Value("dcloc_map_files_quarantined"), 0.0);
+  EXPECT_GE(Value("dcloc_map_scrub_bytes_total"), 0.0);
+}
+
 TEST_F(MetricsTest, ScansSessionsAndMapsAreCounted) {
   EXPECT_EQ(Value("dcloc_scan_seconds_count"), 0.0);
   EXPECT_EQ(Value("dcloc_maps_loaded"), 0.0);

@@ -106,7 +106,7 @@ TEST_F(CoverageStoreTest, PolesAreNoError) {
 /// What the catalogue was in its first version.
 constexpr char kFirstVersion[] = R"(
 DROP TRIGGER coverage_box_insert; DROP TRIGGER coverage_box_delete;
-DROP TABLE coverage_box; DROP TABLE coverage_map; DROP TABLE coverage_earth;
+DROP TABLE loose_file; DROP TABLE coverage_box; DROP TABLE coverage_map; DROP TABLE coverage_earth;
 DROP VIEW map_row; DROP VIEW map_version_row;
 ALTER TABLE map DROP COLUMN previous_version;
 ALTER TABLE map DROP COLUMN canary_version;
@@ -120,6 +120,21 @@ CREATE VIEW map_version_row AS
   FROM map_version JOIN map ON map_name = name;
 PRAGMA user_version = 1;
 )";
+
+TEST_F(CoverageStoreTest, AnEntryThatAFailureLeftInTheTreeIsInNobodysWay) {
+  Put(StraightStreet(5).Bytes());
+  {
+    absl::StatusOr<SqliteDatabase> database =
+        SqliteDatabase::Open(folder_.path() / "catalogue.sqlite");
+    const absl::Status status = database->Run(
+        "INSERT INTO coverage_map SELECT MAX(id) + 1, 0, 1, 9000, 9001 FROM coverage_box");
+    ASSERT_TRUE(status.ok()) << status;
+  }
+  EXPECT_THAT(NearPlace(0.5, 9000.5, 5.0), IsEmpty());
+  EXPECT_EQ(Put(StraightStreet(20).Bytes()), 2);
+  EXPECT_EQ(NearPlace(150.0, 0.0, 5.0).size(), 1U);
+  EXPECT_THAT(NearPlace(0.5, 9000.5, 5.0), IsEmpty());
+}
 
 TEST_F(CoverageStoreTest, ACatalogueOfTheFirstVersionIsBroughtUpToDate) {
   Put(StraightStreet(20).Bytes());

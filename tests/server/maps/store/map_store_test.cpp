@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -12,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/sqlite.h"
 #include "tests/server/fixtures/message_of.h"
 #include "tests/server/maps/store/map_store_case.h"
 
@@ -20,6 +23,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // ---- Versions
 
@@ -185,9 +189,10 @@ TEST_F(MapStoreTest, TheAnchorIsKept) {
   EXPECT_EQ(record.info.anchor->x_axis_east_rad, 0.5);
 }
 
-TEST_F(MapStoreTest, ARestartRemovesWhatACrashLeftOver) {
+TEST_F(MapStoreTest, ARestartSetsAsideWhatACrashLeftOver) {
   ASSERT_TRUE(Put(SmallMap()).ok());
   const std::filesystem::path maps = folder_.path() / "maps";
+  ASSERT_TRUE(store_->catalogue().AddLooseFile(std::string(64, 'f')).ok());
   std::ofstream(folder_.path() / "incoming" / "upload-abc") << "half a map";
   std::filesystem::create_directories(maps / "ff");
   std::ofstream(maps / "ff" / (std::string(64, 'f') + ".dcmap")) << "a file without a row";
@@ -195,8 +200,119 @@ TEST_F(MapStoreTest, ARestartRemovesWhatACrashLeftOver) {
   EXPECT_EQ(IncomingCount(), 0);
   EXPECT_EQ(FileCount(), 1);
   EXPECT_EQ(store_->report().removed_leftover_count, 1);
-  EXPECT_EQ(store_->report().removed_map_file_count, 1);
+  EXPECT_EQ(store_->report().quarantined_file_count, 1);
+  EXPECT_EQ(*store_->files().QuarantinedCount(), 1);
   EXPECT_TRUE(store_->Acquire("town", 0).ok());
+}
+
+TEST_F(MapStoreTest, WhatAFileBecomesWhileItIsUsedDoesNotMatter) {
+  const std::vector<std::byte> bytes = SmallMap();
+  ASSERT_TRUE(Put(bytes).ok());
+  Reopen();
+  const absl::StatusOr<LoadedMap> in_use = store_->Acquire("town", 0);
+  ASSERT_TRUE(in_use.ok()) << in_use.status();
+  std::filesystem::resize_file(FileOf(bytes), 10);
+  EXPECT_TRUE(std::ranges::equal(in_use->map->bytes(), bytes));
+  EXPECT_TRUE(in_use->map->Verify().ok());
+}
+
+TEST_F(MapStoreTest, ErrorsNameNoPathOfTheServer) {
+  ASSERT_TRUE(Put(SmallMap()).ok());
+  Reopen();
+  // No file can be opened or made any more, whoever tries.
+  std::filesystem::rename(folder_.path() / "maps", folder_.path() / "gone");
+  std::ofstream(folder_.path() / "maps") << "no folder";
+  for (const absl::Status& status :
+       {store_->Acquire("town", 0).status(), Put(SmallMap("second")).status(),
+        store_->HasStored("", Sha256Of(SmallMap())).status()}) {
+    EXPECT_FALSE(status.ok());
+    EXPECT_THAT(MessageOf(status), Not(HasSubstr(folder_.path().string())));
+  }
+}
+
+/// Each byte when DCLOC_EVERY_BYTE is set, a sample otherwise.
+TEST_F(MapStoreTest, EachChangedByteAndEachCutIsNoticed) {
+  const std::vector<std::byte> bytes = SmallMap();
+  ASSERT_TRUE(Put(bytes).ok());
+  MapFiles& files = store_->files();
+  const auto write = [&](std::span<const std::byte> changed) {
+    std::ofstream(FileOf(bytes), std::ios::binary) << TextOf(changed);
+    return files.Open(Sha256Of(bytes)).status().code();
+  };
+  const std::size_t step = std::getenv("DCLOC_EVERY_BYTE") == nullptr ? 97 : 1;
+  for (std::size_t i = 0; i < bytes.size(); i += step) {
+    std::vector<std::byte> changed = bytes;
+    changed[i] ^= std::byte{1};
+    ASSERT_EQ(write(changed), absl::StatusCode::kDataLoss) << "byte " << i;
+    ASSERT_EQ(write(std::span(bytes).first(i)), absl::StatusCode::kDataLoss) << i << " bytes";
+  }
+  EXPECT_EQ(write(bytes), absl::StatusCode::kOk);
+}
+
+TEST_F(MapStoreTest, AnUploadOfTheSameBytesMendsTheFile) {
+  const std::vector<std::byte> bytes = SmallMap();
+  ASSERT_TRUE(Put(bytes).ok());
+  for (const bool in_use : {false, true}) {
+    Reopen();
+    absl::StatusOr<LoadedMap> user =
+        in_use ? store_->Acquire("town", 0) : absl::StatusOr<LoadedMap>(absl::CancelledError());
+    EXPECT_EQ(user.ok(), in_use);
+    std::fstream(FileOf(bytes), std::ios::in | std::ios::out | std::ios::binary).put('?');
+    EXPECT_FALSE(*store_->HasStored("", Sha256Of(bytes))) << "the client is to send it";
+    EXPECT_EQ(Upload::Begin(*store_, RequestFor(bytes), kLimits)->Finish().status().code(),
+              absl::StatusCode::kDataLoss)
+        << "a hash alone mends nothing";
+    EXPECT_EQ(Put(bytes)->version, 1);
+    EXPECT_TRUE(*store_->HasStored("", Sha256Of(bytes)));
+    user = absl::CancelledError();
+    Reopen();
+    EXPECT_TRUE(store_->Acquire("town", 0).ok());
+  }
+}
+
+TEST_F(MapStoreTest, UploadsUnderWayCountBeforeTheirBytesCome) {
+  const UploadLimits limits{.max_map_bytes = kMaxMapBytes, .max_tenant_bytes = 1 << 20};
+  std::vector<Upload> begun;
+  const auto begin = [&](char digit) {
+    UploadRequest request = RequestFor(SmallMap());
+    request.sha256 = std::string(64, digit);
+    request.size_bytes = 400'000;
+    absl::StatusOr<Upload> upload = Upload::Begin(*store_, request, limits);
+    if (upload.ok()) begun.push_back(*std::move(upload));
+    return upload.status();
+  };
+  EXPECT_TRUE(begin('a').ok());
+  EXPECT_TRUE(begin('b').ok());
+  const absl::Status refused = begin('c');
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(MessageOf(refused), AllOf(HasSubstr("unfinished uploads 800000"),
+                                        HasSubstr("max_tenant_storage_mib is 1")));
+  EXPECT_TRUE(begin('b').ok()) << "a file counts once";
+  begun.clear();
+  EXPECT_TRUE(begin('c').ok()) << "their room was given back";
+}
+
+TEST_F(MapStoreTest, BytesOfAnUnfinishedUploadCountAfterARestart) {
+  const std::vector<std::byte> bytes = SmallMap("long", 700);
+  {
+    absl::StatusOr<Upload> upload = Upload::Begin(*store_, RequestFor(bytes), kLimits);
+    ASSERT_TRUE(AppendAll(*upload, bytes).ok());
+  }
+  Reopen();
+  UploadRequest other = RequestFor(bytes);
+  other.sha256 = std::string(64, 'a');
+  const UploadLimits limits{.max_map_bytes = kMaxMapBytes, .max_tenant_bytes = 1 << 20};
+  EXPECT_EQ(Upload::Begin(*store_, other, limits).status().code(),
+            absl::StatusCode::kResourceExhausted);
+  EXPECT_TRUE(Upload::Begin(*store_, RequestFor(bytes), limits).ok());
+}
+
+TEST_F(MapStoreTest, AKnownHashWithAnotherSizeIsRefused) {
+  ASSERT_TRUE(Put(SmallMap()).ok());
+  UploadRequest request = RequestFor(SmallMap());
+  request.size_bytes += 1;
+  EXPECT_EQ(Upload::Begin(*store_, request, kLimits).status().code(),
+            absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(MapStoreTest, AFileDamagedOnDiskIsNoticedBeforeItIsUsed) {
@@ -212,6 +328,22 @@ TEST_F(MapStoreTest, AFileDamagedOnDiskIsNoticedBeforeItIsUsed) {
 }
 
 // ---- Beside other processes
+
+TEST_F(MapStoreTest, WhoeverKeepsTheCatalogueLockedHoldsUpNoSession) {
+  ASSERT_TRUE(Put(SmallMap()).ok());
+  absl::StatusOr<SqliteDatabase> other = SqliteDatabase::Open(folder_.path() / "catalogue.sqlite");
+  ASSERT_TRUE(other->Run("BEGIN IMMEDIATE").ok());
+  absl::Status activated;
+  std::thread activation([&] { activated = store_->Activate("town", 1).status(); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(store_->AcquireFor("town", "car-1").ok());
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(500));
+  activation.join();
+  EXPECT_EQ(activated.code(), absl::StatusCode::kUnavailable) << activated;
+  ASSERT_TRUE(other->Run("ROLLBACK").ok());
+  EXPECT_TRUE(store_->Activate("town", 1).ok());
+}
 
 TEST_F(MapStoreTest, AVersionThatAnotherProcessUsesIsNotDeleted) {
   ASSERT_TRUE(Put(SmallMap("first")).ok());

@@ -1,5 +1,6 @@
 #include "server/maps/store/store_check.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -8,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "server/base/sqlite.h"
 #include "server/maps/catalogue/sqlite_catalogue.h"
 #include "server/maps/store/map_folder.h"
 #include "tests/core/map/temporary_folder.h"
@@ -24,40 +26,97 @@ class StoreCheckTest : public ::testing::Test {
     std::ofstream(folder / (sha256 + ".dcmap")) << "a map";
   }
 
-  int RemovedCount() const {
-    const absl::StatusOr<StoreReport> report =
-        CheckStore(*catalogue_, *files_, *incoming_,
-                   std::chrono::system_clock::now() - std::chrono::hours(1), "this:1");
+  absl::StatusOr<StoreReport> Check() const {
+    return CheckStore(*catalogue_, *files_, *incoming_,
+                      std::chrono::system_clock::now() - std::chrono::hours(1), "this:1");
+  }
+
+  int QuarantinedCount() const {
+    const absl::StatusOr<StoreReport> report = Check();
     EXPECT_TRUE(report.ok()) << report.status();
-    return report->removed_map_file_count;
+    EXPECT_TRUE(catalogue_->ListLooseFiles()->empty() || report->quarantined_file_count == 0);
+    return report->quarantined_file_count;
   }
 
   const std::string sha256_ = std::string(64, 'a');
   TemporaryFolder folder_;
   const std::unique_ptr<Catalogue> catalogue_ =
       *SqliteCatalogue::Open(folder_.path() / "catalogue.sqlite");
-  const std::unique_ptr<MapFiles> files_ = *MapFolder::Open(folder_.path() / "maps");
+  const std::unique_ptr<MapFiles> files_ =
+      *MapFolder::Open(folder_.path() / "maps", folder_.path() / "quarantine");
   const std::unique_ptr<IncomingFiles> incoming_ =
       *IncomingFiles::Open(folder_.path() / "incoming");
 };
 
-TEST_F(StoreCheckTest, WhatACrashLeftIsRemovedAndWhatHasAVersionIsNot) {
+TEST_F(StoreCheckTest, WhatACrashLeftIsSetAsideAndWhatHasAVersionIsNot) {
+  const std::string left(64, 'b');
+  const std::string never_came(64, 'c');
   WriteMapFile(sha256_);
-  WriteMapFile(std::string(64, 'b'));
+  ASSERT_TRUE(catalogue_->AddLooseFile(left).ok());
+  ASSERT_TRUE(catalogue_->AddLooseFile(never_came).ok());
+  WriteMapFile(left);
   ASSERT_TRUE(catalogue_->AddVersion("town", sha256_, {}, {}).ok());
-  EXPECT_EQ(RemovedCount(), 1);
+  EXPECT_EQ(QuarantinedCount(), 1);
   EXPECT_EQ(*files_->List(), std::vector<std::string>{sha256_});
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "quarantine" / (left + ".dcmap")));
+  EXPECT_TRUE(catalogue_->ListLooseFiles()->empty());
 }
 
 TEST_F(StoreCheckTest, AFileThatAnotherProcessIsStoringIsLeftAlone) {
   absl::StatusOr<Hold> other = catalogue_->HoldFile(sha256_, "other:1");
   ASSERT_TRUE(other.ok()) << other.status();
+  ASSERT_TRUE(catalogue_->AddLooseFile(sha256_).ok());
   WriteMapFile(sha256_);
-  EXPECT_EQ(RemovedCount(), 0);
+  EXPECT_EQ(QuarantinedCount(), 0);
   EXPECT_EQ(files_->List()->size(), 1U);
   *other = Hold();  // it has died before it could add its version
-  EXPECT_EQ(RemovedCount(), 1);
+  EXPECT_EQ(QuarantinedCount(), 1);
   EXPECT_TRUE(files_->List()->empty());
+}
+
+TEST_F(StoreCheckTest, FilesOfWhichTheCatalogueKnowsNothingAreAnErrorAndStay) {
+  ASSERT_TRUE(catalogue_->AddVersion("town", sha256_, {}, {}).ok());
+  const std::string unknown(64, 'd');
+  WriteMapFile(sha256_);
+  WriteMapFile(unknown);
+  const absl::Status status = Check().status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr(unknown));
+  EXPECT_EQ(files_->List()->size(), 2U);
+  EXPECT_EQ(*files_->QuarantinedCount(), 0);
+}
+
+TEST_F(StoreCheckTest, WhatADeletionLeftIsKnown) {
+  ASSERT_TRUE(catalogue_->AddVersion("town", sha256_, {}, {}).ok());
+  ASSERT_TRUE(catalogue_->AddVersion("city", sha256_, {}, {}).ok());
+  WriteMapFile(sha256_);
+  ASSERT_TRUE(catalogue_->DeleteMap("town").ok());
+  EXPECT_TRUE(catalogue_->ListLooseFiles()->empty()) << "another map has it";
+  ASSERT_TRUE(catalogue_->DeleteVersion("city", 1).ok());
+  EXPECT_EQ(*catalogue_->ListLooseFiles(), std::vector<std::string>{sha256_});
+  EXPECT_EQ(QuarantinedCount(), 1);
+}
+
+TEST_F(StoreCheckTest, ACatalogueThatCannotBeChangedIsNoReasonNotToStart) {
+  ASSERT_TRUE(catalogue_->AddLooseFile(sha256_).ok());
+  WriteMapFile(sha256_);
+  absl::StatusOr<SqliteDatabase> other = SqliteDatabase::Open(folder_.path() / "catalogue.sqlite");
+  ASSERT_TRUE(other->Run("BEGIN IMMEDIATE").ok());
+  EXPECT_TRUE(Check().ok());
+  ASSERT_TRUE(other->Run("ROLLBACK").ok());
+  EXPECT_TRUE(Check().ok());
+  EXPECT_TRUE(catalogue_->ListLooseFiles()->empty());
+  EXPECT_EQ(*files_->QuarantinedCount(), 1);
+}
+
+TEST_F(StoreCheckTest, QuarantineEndsAfterItsTime) {
+  WriteMapFile(sha256_);
+  ASSERT_TRUE(files_->Quarantine(sha256_).ok());
+  const auto now = std::chrono::system_clock::now();
+  EXPECT_EQ(*files_->RemoveQuarantinedBefore(now - std::chrono::hours(1)), 0);
+  EXPECT_EQ(*files_->QuarantinedCount(), 1);
+  EXPECT_EQ(*files_->RemoveQuarantinedBefore(now + std::chrono::hours(1)), 1);
+  EXPECT_EQ(*files_->QuarantinedCount(), 0);
 }
 
 }  // namespace

@@ -1,0 +1,93 @@
+#include "server/app/store_repair.h"
+
+#include <memory>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "server/app/storage.h"
+#include "server/app/store_backup.h"
+#include "server/base/files.h"
+#include "server/base/sqlite_copy.h"
+#include "server/maps/catalogue/coverage.h"
+#include "server/maps/catalogue/sqlite_catalogue.h"
+#include "server/maps/store/map_folder.h"
+#include "server/maps/store/orphan_file.h"
+#include "server/maps/store/store_check.h"
+
+namespace dcloc::server {
+namespace {
+
+constexpr char kRepairer[] = "dcloc-server store repair";
+constexpr std::size_t kShownDigits = 12;
+
+/// The store's catalogue, or a new one in place of what is none.
+absl::StatusOr<std::unique_ptr<SqliteCatalogue>> OpenOrReplace(const std::filesystem::path& folder,
+                                                               RepairReport* report) {
+  const std::filesystem::path path = PathsOf(folder).catalogue;
+  if (std::filesystem::exists(path)) {
+    absl::Status status = CheckDatabase(path);
+    if (status.ok()) {
+      auto catalogue = SqliteCatalogue::Open(path);
+      if (catalogue.ok() || !absl::IsDataLoss(catalogue.status())) return catalogue;
+      status = catalogue.status();
+    }
+    if (!absl::IsDataLoss(status)) return status;
+  }
+  report->catalogue_replaced = true;
+  if (absl::Status status = SetCatalogueAside(folder); !status.ok()) return status;
+  return SqliteCatalogue::Open(path);
+}
+
+/// Makes a file that no version has a map of its own; false when it is no intact map.
+absl::StatusOr<bool> Adopt(Catalogue& catalogue, MapFiles& files, const std::string& sha256) {
+  const absl::StatusOr<std::shared_ptr<const RadarMap>> map = files.Open(sha256);
+  if (absl::IsDataLoss(map.status())) return false;
+  if (!map.ok()) return map.status();
+  const std::string name = absl::StrCat("recovered-", sha256.substr(0, kShownDigits));
+  const absl::Status status =
+      catalogue.AddVersion(name, sha256, (*map)->info(), CoverageOf(**map)).status();
+  if (!status.ok()) return status;
+  return true;
+}
+
+absl::Status PlaceUnaccounted(Catalogue& catalogue, MapFiles& files, const RepairOptions& options,
+                              RepairReport* report) {
+  const absl::StatusOr<std::vector<std::string>> unaccounted = UnaccountedFiles(catalogue, files);
+  if (!unaccounted.ok()) return unaccounted.status();
+  for (const std::string& sha256 : *unaccounted) {
+    const absl::StatusOr<bool> adopted =
+        options.adopt ? Adopt(catalogue, files, sha256) : absl::StatusOr<bool>(false);
+    if (!adopted.ok()) return adopted.status();
+    report->adopted_count += *adopted ? 1 : 0;
+    if (*adopted) continue;
+    const absl::Status status = QuarantineOrphan(catalogue, files, sha256, kRepairer).status();
+    if (!status.ok()) return status;
+    ++report->quarantined_count;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<RepairReport> RepairStore(const std::filesystem::path& folder,
+                                         const RepairOptions& options, StoreWatcher watch) {
+  if (!std::filesystem::exists(folder)) {
+    return absl::NotFoundError(absl::StrCat(folder.string(), ": there is no such folder"));
+  }
+  const absl::StatusOr<FileDescriptor> lock = LockStore(folder);
+  if (!lock.ok()) return lock.status();
+  RepairReport report;
+  const auto catalogue = OpenOrReplace(folder, &report);
+  if (!catalogue.ok()) return catalogue.status();
+  const StorePaths paths = PathsOf(folder);
+  const auto files = MapFolder::Open(paths.maps, paths.quarantine);
+  if (!files.ok()) return files.status();
+  absl::Status status = PlaceUnaccounted(**catalogue, **files, options, &report);
+  if (!status.ok()) return status;
+  absl::StatusOr<StoreAudit> audit = AuditStore(**catalogue, **files, watch);
+  if (!audit.ok()) return audit.status();
+  report.audit = *std::move(audit);
+  return report;
+}
+
+}  // namespace dcloc::server
