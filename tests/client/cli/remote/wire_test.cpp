@@ -359,9 +359,9 @@ TEST(WireTest, AReplayedAnswerIsTheServersToTheBit) {
       answer.protection_level_m.reset();
       answer.resets = {};
     }
-    server::ScanAnswer scan{.sequence_number = 7, .result = server::LocalizedScan()};
-    scan.result->localization = answer;
-    scan.result->rig = std::make_shared<const Rig>(TwoRadars());
+    const server::LocalizedScan localized{.localization = answer,
+                                          .rig = std::make_shared<const Rig>(TwoRadars())};
+    const server::ScanAnswer scan{.sequence_number = 7, .result = localized};
     v1::LocalizeResponse at_server;
     server::convert::ToProto(scan, &at_server);
     v1::LocalizationResult result = at_server.result();
