@@ -84,10 +84,9 @@ TEST_F(LocalizeCommandTest, ErrorsSayWhatIsWrongAndTouchNoFile) {
 
 TEST_F(LocalizeCommandTest, FixesGoAmongTheScansAndAreReplayedToTheBit) {
   Upload();
-  const std::string fixes = Shared("sim") + "/fixes/map.csv";
+  const std::string fixes = Shared("sim") + "/fixes/" + drive_ + ".csv";
   const std::string recording = File("session.rec");
-  Result result =
-      Dcloc(Localize("--rate max --json --drive map --fixes " + fixes + " --record " + recording));
+  Result result = Dcloc(Localize("--rate max --json --fixes " + fixes + " --record " + recording));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
   std::size_t fix_count = 0;
