@@ -115,7 +115,7 @@ SessionMetrics::SessionMetrics()
       overlap_(AddHistogram(*registry_, "dcloc_overlap",
                             "Share of a sub-map's points that are inliers of its registration",
                             {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0})),
-      protection_level_(AddHistogram(*registry_, "dcloc_protection_level_m",
+      protection_level_(AddHistogram(*registry_, "dcloc_protection_level_meters",
                                      "Protection levels of answers that have one",
                                      {0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 30.0})),
       map_acquire_(AddHistogram(*registry_, "dcloc_map_acquire_seconds",

@@ -87,7 +87,7 @@ TEST(SessionMetricsTest, AnswersWithoutAProtectionLevelAreNotInItsHistogram) {
   scan.localization.protection_level_m = 0.4;
   metrics.ObserveLocalized(scan, kEncodingTime);
   for (const prometheus::MetricFamily& family : metrics.registry()->Collect()) {
-    if (family.name != "dcloc_protection_level_m") continue;
+    if (family.name != "dcloc_protection_level_meters") continue;
     EXPECT_EQ(family.metric.front().histogram.sample_count, 1U);
     EXPECT_EQ(family.metric.front().histogram.sample_sum, 0.4);
   }
