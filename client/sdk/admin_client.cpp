@@ -86,6 +86,7 @@ absl::Status AdminClient::WatchSession(
   grpc::ClientContext context;
   v1::WatchSessionRequest request;
   request.set_session_id(session_id);
+  request.set_position_fixes(true);
   const auto reader = stub_->WatchSession(&context, request);
   return ReadAll(context, *reader, stop, on_answer);
 }
@@ -97,6 +98,7 @@ absl::Status AdminClient::RecordSession(
   grpc::ClientContext context;
   v1::RecordSessionRequest request;
   request.set_vehicle_id(vehicle_id);
+  request.set_position_fixes(true);
   const auto reader = stub_->RecordSession(&context, request);
   reader->WaitForInitialMetadata();
   on_ready();

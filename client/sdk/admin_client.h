@@ -35,7 +35,8 @@ class AdminClient {
   /// The session's client is given `reason`.
   absl::Status EndSession(const std::string& session_id, const std::string& reason);
 
-  /// Records the vehicle's next session: passes on its header and its scans until it ends.
+  /// Records the vehicle's next session: passes on its header, its scans and its position fixes
+  /// until it ends.
   /// `on_ready` is called once the server waits for the session. OK when the session has ended or
   /// `stop` was requested.
   absl::Status RecordSession(
@@ -43,8 +44,8 @@ class AdminClient {
       const std::function<void()>& on_ready,
       const std::function<void(const v1::RecordSessionResponse&)>& on_message);
 
-  /// Hands over the session's answers as they come, without a time limit. OK when the session has
-  /// ended or `stop` was requested.
+  /// Hands over the session's answers as they come, those to position fixes too, without a time
+  /// limit. OK when the session has ended or `stop` was requested.
   absl::Status WatchSession(const std::string& session_id, const std::stop_token& stop,
                             const std::function<void(const v1::WatchSessionResponse&)>& on_answer);
 

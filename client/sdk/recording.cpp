@@ -70,9 +70,17 @@ void RecordingWriter::Add(const v1::RecordedScan& scan) {
   ++scan_count_;
 }
 
+void RecordingWriter::Add(const v1::RecordedFix& fix) {
+  v1::RecordingEntry entry;
+  *entry.mutable_fix() = fix;
+  Write(entry);
+  ++fix_count_;
+}
+
 absl::Status RecordingWriter::Close(const std::string& reason) {
   v1::RecordingEntry entry;
   entry.mutable_end()->set_scan_count(scan_count_);
+  entry.mutable_end()->set_fix_count(fix_count_);
   entry.mutable_end()->set_reason(reason);
   entry.mutable_end()->set_crc32(Crc32(crc32_, reason));
   Write(entry);
@@ -139,14 +147,14 @@ absl::Status RecordingReader::ReadMessage(google::protobuf::MessageLite* message
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::optional<v1::RecordedScan>> RecordingReader::Next() {
+absl::StatusOr<std::optional<v1::RecordingEntry>> RecordingReader::Next() {
   if (ended_) return std::nullopt;
   const std::uint32_t crc32_before = crc32_;
   v1::RecordingEntry entry;
   if (absl::Status status = ReadMessage(&entry); !status.ok()) return status;
-  if (entry.has_scan()) {
-    ++scan_count_;
-    return std::move(*entry.mutable_scan());
+  if (entry.has_scan() || entry.has_fix()) {
+    ++(entry.has_scan() ? scan_count_ : fix_count_);
+    return entry;
   }
   if (absl::Status status = CheckEnd(entry.end(), crc32_before); !status.ok()) return status;
   ended_ = true;
@@ -155,7 +163,7 @@ absl::StatusOr<std::optional<v1::RecordedScan>> RecordingReader::Next() {
 }
 
 absl::Status RecordingReader::CheckEnd(const v1::RecordingEnd& end, std::uint32_t crc_before) {
-  if (end.scan_count() != scan_count_ ||
+  if (end.scan_count() != scan_count_ || end.fix_count() != fix_count_ ||
       end.crc32() != static_cast<std::int64_t>(Crc32(crc_before, end.reason()))) {
     return Damaged("is damaged: its end does not fit what is before it");
   }

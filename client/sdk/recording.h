@@ -14,7 +14,7 @@
 namespace dcloc::client {
 
 /// The format that is written, and the newest that is read.
-inline constexpr int kRecordingFormatVersion = 1;
+inline constexpr int kRecordingFormatVersion = 2;
 
 /// Writes a session to a file (see recording.proto) as it goes on. Not thread-safe.
 class RecordingWriter {
@@ -26,6 +26,7 @@ class RecordingWriter {
 
   /// Goes to the system when a buffer is full; what cannot be written shows in `Close`.
   void Add(const v1::RecordedScan& scan);
+  void Add(const v1::RecordedFix& fix);
 
   /// Ends the file, saying why. Without it the file counts as cut off. Errors as above.
   absl::Status Close(const std::string& reason);
@@ -41,6 +42,7 @@ class RecordingWriter {
   std::ofstream file_;
   std::uint32_t crc32_ = 0;
   std::int64_t scan_count_ = 0;
+  std::int64_t fix_count_ = 0;
 };
 
 /// Reads such a file. Errors name the path: NotFound and the like, InvalidArgument for what is no
@@ -52,8 +54,9 @@ class RecordingReader {
 
   const v1::RecordingHeader& header() const { return header_; }
 
-  /// The next scan; nothing after the last one, when the file has been found to be whole.
-  absl::StatusOr<std::optional<v1::RecordedScan>> Next();
+  /// The next `scan` or `fix`; nothing after the last one, when the file has been found to be
+  /// whole.
+  absl::StatusOr<std::optional<v1::RecordingEntry>> Next();
 
   /// Why the recording ended, once `Next` gave nothing.
   const std::string& end_reason() const { return end_reason_; }
@@ -74,6 +77,7 @@ class RecordingReader {
   std::uint32_t crc32_ = 0;
   std::int64_t offset_ = 0;
   std::int64_t scan_count_ = 0;
+  std::int64_t fix_count_ = 0;
   bool ended_ = false;
 };
 

@@ -24,6 +24,7 @@ Session::~Session() = default;
 
 const v1::SessionOpened& Session::opened() const { return engine_->opened(); }
 absl::Status Session::Send(v1::Scan scan) { return engine_->Send(std::move(scan)); }
+absl::Status Session::SendFix(v1::PositionFix fix) { return engine_->SendFix(std::move(fix)); }
 void Session::CloseSending() { engine_->CloseSending(); }
 std::optional<v1::LocalizeResponse> Session::Next() { return engine_->Next(); }
 void Session::Cancel() { engine_->Cancel(); }

@@ -16,6 +16,7 @@ namespace dcloc::client {
 class SessionEngine;
 
 /// One vehicle's localization session: scans in, exactly one answer to each out, in the same order.
+/// Position fixes may be sent among the scans, and are answered in their place.
 ///
 /// When the connection breaks or the server drains, the session reconnects by itself and continues.
 /// Unanswered scans are sent again, and none is localized twice. If the server has not kept the
@@ -23,8 +24,8 @@ class SessionEngine;
 /// the server ends it, or refuses it, or cannot be reached for too long.
 ///
 /// All members may be called from any thread at any time; scans from several threads are sent in
-/// the order in which `Send` takes them. None but `Open`, a blocking `Send`, `Next` and the
-/// destructor waits for the network.
+/// the order in which `Send` takes them. None but `Open`, a blocking `Send` or `SendFix`, `Next`
+/// and the destructor waits for the network.
 class Session {
  public:
   /// Opens a session and waits until the server has said that it is open. The server's own refusal
@@ -47,12 +48,18 @@ class Session {
   /// `EndStatus` then say why.
   absl::Status Send(v1::Scan scan);
 
-  /// Says that no more scans will come. The queued ones are still sent and answered, then the
-  /// session ends.
+  /// Queues a position fix behind the scans that were sent before it. ResourceExhausted when
+  /// `max_unanswered_fix_count` of them have no answer yet (`FullQueue::kReject`), Unimplemented
+  /// when the server is too old to take any, else as `Send`. A fix whose answer has not come when
+  /// the connection breaks is not sent again, since it may have been used; `stats` counts those.
+  absl::Status SendFix(v1::PositionFix fix);
+
+  /// Says that no more scans and fixes will come. The queued ones are still sent and answered, then
+  /// the session ends.
   void CloseSending();
 
-  /// The next answer, a `result` or `rejected`, waiting for it; nothing once the session has ended
-  /// and every answer has been given out.
+  /// The next answer, a `result` or `rejected`, or a `position_fix_answer` where fixes were sent,
+  /// waiting for it; nothing once the session has ended and every answer has been given out.
   std::optional<v1::LocalizeResponse> Next();
 
   /// Ends the session without waiting for what is under way.
@@ -65,7 +72,7 @@ class Session {
   /// The status of the recording; to be called after `Next` returned nothing.
   absl::Status record_status() const;
 
-  /// How often the connection broke, and how the session was resumed.
+  /// How often the connection broke, how the session was resumed, and what was lost.
   SessionStats stats() const;
 
  private:

@@ -1,7 +1,6 @@
 #include "client/sdk/session_engine.h"
 
 #include <algorithm>
-#include <ctime>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -28,11 +27,6 @@ bool IsPassing(const absl::Status& status, bool was_open) {
   }
 }
 
-std::int64_t SequenceNumber(const v1::LocalizeResponse& response) {
-  return response.has_result() ? response.result().sequence_number()
-                               : response.rejected().sequence_number();
-}
-
 }  // namespace
 
 SessionEngine::SessionEngine(std::unique_ptr<v1::LocalizationService::Stub> stub,
@@ -51,7 +45,7 @@ SessionEngine::~SessionEngine() {
   }
   Cancel();
   thread_.join();
-  if (recording_) CloseRecording("its client let go of it");
+  recorder_.End("its client let go of it");
 }
 
 absl::Status SessionEngine::WaitUntilOpen() {
@@ -60,19 +54,47 @@ absl::Status SessionEngine::WaitUntilOpen() {
   return first_opened_ ? absl::OkStatus() : *end_status_;
 }
 
-absl::Status SessionEngine::Send(v1::Scan scan) {
-  std::unique_lock lock(mutex_);
-  const auto has_room = [&] { return outbox_.waiting_count() < options_.max_queued_scan_count; };
+/// OK while there is room, and scans and fixes are taken.
+template <typename Predicate>
+absl::Status SessionEngine::WaitForRoom(std::unique_lock<std::mutex>& lock, Predicate has_room) {
   if (options_.when_full == FullQueue::kBlock) {
     changed_.wait(lock, [&] { return has_room() || end_status_.has_value() || sending_closed_; });
   }
   if (sending_closed_) return absl::FailedPreconditionError("sending has been closed");
   if (end_status_) return absl::UnavailableError("the session has ended");
+  return absl::OkStatus();
+}
+
+absl::Status SessionEngine::Send(v1::Scan scan) {
+  std::unique_lock lock(mutex_);
+  const auto has_room = [&] {
+    return outbox_.waiting_scan_count() < options_.max_queued_scan_count;
+  };
+  if (absl::Status status = WaitForRoom(lock, has_room); !status.ok()) return status;
   if (!has_room()) {
     return absl::ResourceExhaustedError(
-        absl::StrCat("the queue holds ", outbox_.waiting_count(), " scans, its limit"));
+        absl::StrCat("the queue holds ", outbox_.waiting_scan_count(), " scans, its limit"));
   }
   outbox_.Push(std::move(scan));
+  if (connection_ != nullptr) connection_->WriteOn();
+  return absl::OkStatus();
+}
+
+absl::Status SessionEngine::SendFix(v1::PositionFix fix) {
+  std::unique_lock lock(mutex_);
+  const auto has_room = [&] {
+    return !takes_fixes_ || outbox_.fix_count() < options_.max_unanswered_fix_count;
+  };
+  if (absl::Status status = WaitForRoom(lock, has_room); !status.ok()) return status;
+  if (!takes_fixes_) {
+    return absl::UnimplementedError("the server takes no position fixes; it is an older one");
+  }
+  if (!has_room()) {
+    return absl::ResourceExhaustedError(absl::StrCat(
+        outbox_.fix_count(), " position fixes are unanswered; max_unanswered_fix_count is ",
+        options_.max_unanswered_fix_count));
+  }
+  outbox_.Push(std::move(fix));
   if (connection_ != nullptr) connection_->WriteOn();
   return absl::OkStatus();
 }
@@ -110,36 +132,18 @@ std::optional<v1::LocalizeResponse> SessionEngine::Next() {
 // ---- The recording, with its mutex held
 
 absl::Status SessionEngine::StartRecording() {
-  v1::RecordingHeader header;
-  header.set_program("dcloc SDK");
-  header.mutable_open_time()->set_seconds(std::time(nullptr));
-  *header.mutable_open() = open_;
-  *header.mutable_opened() = *first_opened_;
-  auto writer = RecordingWriter::Create(options_.record_file, std::move(header));
-  if (!writer.ok()) return writer.status();
-  recording_.emplace(*std::move(writer));
-  return absl::OkStatus();
+  return recorder_.Begin(options_.record_file, open_, *first_opened_);
 }
 
 void SessionEngine::Record(const std::optional<Answered>& next) {
-  if (!recording_) return;
-  if (!next) return CloseRecording(std::string(EndStatus().message()));
-  if (next->restarted) return CloseRecording("the session was lost, and begun anew");
-  v1::RecordedScan recorded;
-  *recorded.mutable_scan() = next->scan;
-  *recorded.mutable_answer() = next->answer;
-  recorded.mutable_answer()->set_from_memory(false);  // it is here for the first time
-  recording_->Add(recorded);
-}
-
-void SessionEngine::CloseRecording(const std::string& reason) {
-  record_status_ = recording_->Close(reason.empty() ? "the session has ended" : reason);
-  recording_.reset();
+  if (!next) return recorder_.End(std::string(EndStatus().message()));
+  if (next->gap != nullptr) return recorder_.End(next->gap);
+  recorder_.Add(next->request, next->answer);
 }
 
 absl::Status SessionEngine::record_status() const {
   const std::lock_guard lock(record_mutex_);
-  return record_status_;
+  return recorder_.status();
 }
 
 void SessionEngine::Cancel() {
@@ -169,16 +173,17 @@ Connection::Fill SessionEngine::FillRequest(v1::LocalizeRequest* request) {
           ? options_.max_unanswered_scan_count
           : std::min(options_.max_unanswered_scan_count,
                      static_cast<std::size_t>(opened_->answer_history_count()));
-  const v1::Scan* scan = outbox_.Next();
-  if (scan != nullptr && outbox_.sent_count() >= window) return Connection::Fill::kNothingYet;
-  if (scan != nullptr) {
-    if (opened_->has_last_sequence_number() &&
-        scan->sequence_number() <= opened_->last_sequence_number()) {
+  if (const v1::LocalizeRequest* next = outbox_.Next(); next != nullptr) {
+    if (next->has_scan() && outbox_.sent_scan_count() >= window) {
+      return Connection::Fill::kNothingYet;
+    }
+    if (next->has_scan() && opened_->has_last_sequence_number() &&
+        next->scan().sequence_number() <= opened_->last_sequence_number()) {
       // The server knows it by its number.
       request->mutable_scan()->Clear();
-      request->mutable_scan()->set_sequence_number(scan->sequence_number());
+      request->mutable_scan()->set_sequence_number(next->scan().sequence_number());
     } else {
-      *request->mutable_scan() = *scan;
+      *request = *next;
     }
     outbox_.MarkSent();
     changed_.notify_all();
@@ -215,6 +220,8 @@ void SessionEngine::TakeOpened(v1::SessionOpened opened) {
   const bool first = !first_opened_;
   opened_ = opened;
   resume_token_ = opened.resume_token();
+  takes_fixes_ = opened.takes_position_fixes();
+  if (!takes_fixes_) LoseFixes(outbox_.DropFixes());
   if (first) {
     first_opened_ = std::move(opened);
     return;
@@ -235,14 +242,23 @@ void SessionEngine::TakeEnding(const v1::SessionEnding& ending) {
 }
 
 void SessionEngine::TakeAnswer(v1::LocalizeResponse response) {
-  absl::StatusOr<v1::Scan> scan = outbox_.TakeAnswer(SequenceNumber(response));
-  if (!scan.ok()) return GiveUp(scan.status());
+  absl::StatusOr<v1::LocalizeRequest> request = outbox_.TakeAnswer(response);
+  if (!request.ok()) return GiveUp(request.status());
   failing_since_.reset();
   if (backoff_) backoff_->Reset();
   if (response.has_result()) prior_.Note(response.result());
-  answers_.push_back({.answer = std::move(response),
-                      .scan = options_.record_file.empty() ? v1::Scan() : *std::move(scan),
-                      .restarted = stats_.restart_count > 0});
+  Answered& answered = answers_.emplace_back();
+  answered.answer = std::move(response);
+  if (options_.record_file.empty()) return;
+  answered.request = *std::move(request);
+  if (stats_.restart_count > 0) answered.gap = "the session was lost, and begun anew";
+  if (stats_.lost_fix_count > 0) answered.gap = "a position fix was lost with the connection";
+}
+
+/// They may have been used, and nobody knows.
+void SessionEngine::LoseFixes(std::size_t count) {
+  stats_.lost_fix_count += static_cast<std::int64_t>(count);
+  if (count > 0) changed_.notify_all();
 }
 
 void SessionEngine::GiveUp(const absl::Status& status) {
@@ -276,7 +292,7 @@ absl::Status SessionEngine::RunStream(std::unique_lock<std::mutex>& lock) {
   opened_.reset();
   stream_status_.reset();
   moving_ = close_sent_ = false;
-  outbox_.Rewind();
+  LoseFixes(outbox_.Rewind());
   connection_ = std::make_unique<Connection>(*stub_, mutex_, *this, OpenMessage());
   if (cancelled_) connection_->Cancel();
   const Clock::time_point deadline = Clock::now() + options_.open_timeout;
@@ -306,8 +322,11 @@ v1::OpenSession SessionEngine::OpenMessage() const {
   }
   open = open_;
   open.set_resumable(options_.reconnect.has_value());
-  const v1::Scan* first = outbox_.Next();
-  prior_.Apply(first == nullptr ? 0 : first->stamp_ns(), &open);
+  const v1::LocalizeRequest* first = outbox_.Next();
+  const std::int64_t stamp_ns = first == nullptr    ? 0
+                                : first->has_scan() ? first->scan().stamp_ns()
+                                                    : first->position_fix().stamp_ns();
+  prior_.Apply(stamp_ns, &open);
   return open;
 }
 
@@ -345,8 +364,9 @@ std::optional<absl::Status> SessionEngine::Judge(const absl::Status& status) {
 /// An early OK is no good end.
 absl::Status SessionEngine::Unanswered(absl::Status status) const {
   if (!status.ok() || outbox_.empty()) return status;
-  return absl::UnavailableError(
-      absl::StrCat("the server ended the session with ", outbox_.size(), " scans unanswered"));
+  return absl::UnavailableError(absl::StrCat("the server ended the session with ",
+                                             outbox_.scan_count(), " scans unanswered and ",
+                                             outbox_.fix_count(), " position fixes"));
 }
 
 /// False when the session was cancelled meanwhile.

@@ -15,8 +15,8 @@
 #include "client/sdk/connection.h"
 #include "client/sdk/outbox.h"
 #include "client/sdk/prior.h"
-#include "client/sdk/recording.h"
 #include "client/sdk/session_options.h"
+#include "client/sdk/session_recorder.h"
 #include "client/sdk/session_stats.h"
 
 namespace dcloc::client {
@@ -26,6 +26,7 @@ namespace dcloc::client {
 ///
 /// Scans wait in the outbox until they are answered. Each stream begins at the oldest unanswered
 /// one; the server answers those that it had processed from memory, so each is answered once.
+/// Position fixes wait there too, in their place among the scans, and are sent once.
 class SessionEngine final : public Connection::Host {
  public:
   /// Starts to open. `options` are valid.
@@ -39,6 +40,7 @@ class SessionEngine final : public Connection::Host {
   const v1::SessionOpened& opened() const { return *first_opened_; }
 
   absl::Status Send(v1::Scan scan);
+  absl::Status SendFix(v1::PositionFix fix);
   void CloseSending();
   std::optional<v1::LocalizeResponse> Next();
   void Cancel();
@@ -53,11 +55,11 @@ class SessionEngine final : public Connection::Host {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// An answer that waits for `Next`, and its scan where that is to be recorded.
+  /// An answer that waits for `Next`, and its request where that is to be recorded.
   struct Answered {
     v1::LocalizeResponse answer;
-    v1::Scan scan;
-    bool restarted = false;  ///< of another session than the one that is recorded
+    v1::LocalizeRequest request;
+    const char* gap = nullptr;  ///< why it does not follow what is recorded; null where it does
   };
 
   Connection::Fill FillRequest(v1::LocalizeRequest* request) override;
@@ -65,9 +67,11 @@ class SessionEngine final : public Connection::Host {
   void Take(v1::LocalizeResponse response) override;
   void OnEnd(const grpc::Status& status) override;
 
+  template <typename Predicate>
+  absl::Status WaitForRoom(std::unique_lock<std::mutex>& lock, Predicate has_room);
+  void LoseFixes(std::size_t count);
   std::optional<Answered> TakeNext();
   void Record(const std::optional<Answered>& next);
-  void CloseRecording(const std::string& reason);
   void Run();
   absl::Status RunStream(std::unique_lock<std::mutex>& lock);
   v1::OpenSession OpenMessage() const;
@@ -96,13 +100,13 @@ class SessionEngine final : public Connection::Host {
   std::optional<absl::Status> end_status_;
   std::string resume_token_;
   absl::Status restart_reason_;  ///< why the session before could not be resumed
+  bool takes_fixes_ = false;     ///< of the newest stream's server
   bool sending_closed_ = false;
   bool cancelled_ = false;
   bool abandoned_ = false;
 
   mutable std::mutex record_mutex_;  ///< taken before the other one
-  std::optional<RecordingWriter> recording_;
-  absl::Status record_status_;
+  SessionRecorder recorder_;
 
   // State of the present stream.
   std::unique_ptr<Connection> connection_;

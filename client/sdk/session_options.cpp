@@ -22,6 +22,7 @@ absl::Status Validate(const SessionOptions& options) {
   absl::Status status = CheckCount("max_queued_scan_count", options.max_queued_scan_count);
   status.Update(CheckCount("max_unread_answer_count", options.max_unread_answer_count));
   status.Update(CheckCount("max_unanswered_scan_count", options.max_unanswered_scan_count));
+  status.Update(CheckCount("max_unanswered_fix_count", options.max_unanswered_fix_count));
   status.Update(CheckPositive("open_timeout", options.open_timeout));
   if (!status.ok() || !options.reconnect) return status;
   const ReconnectOptions& reconnect = *options.reconnect;

@@ -11,7 +11,7 @@
 
 namespace dcloc::client {
 
-/// What `Session::Send` does when the queue is full.
+/// What `Session::Send` and `SendFix` do when the queue is full.
 enum class FullQueue {
   kBlock,   ///< waits: for a replay, where every scan counts
   kReject,  ///< refuses the scan at once: for a vehicle, where a late scan is worth little
@@ -47,6 +47,8 @@ struct SessionOptions {
   /// scans, and so the queue fills: nothing grows without bound.
   std::size_t max_unread_answer_count = 1024;
   std::chrono::milliseconds open_timeout = std::chrono::seconds(10);
+  /// Position fixes accepted by SendFix and not yet answered. They hold no scan back.
+  std::size_t max_unanswered_fix_count = 16;
   /// Scans on their way: sent and kept, since they may have to be sent again, until they are
   /// answered. Never more than the server keeps answers for.
   std::size_t max_unanswered_scan_count = 64;

@@ -48,7 +48,7 @@ absl::Status WriteJson(const fs::path& path, const nlohmann::ordered_json& json)
   return WriteFile(path, json.dump(0, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
-constexpr const char* kFolders[] = {kVersion, "samples", "sweeps", "maps", "can_bus"};
+constexpr const char* kFolders[] = {kVersion, "samples", "sweeps", "maps", "can_bus", kFixFolder};
 
 // True when nothing but a simulation is in `root`, so that it can be replaced as a whole.
 bool IsEarlierSimulation(const fs::path& root) {
@@ -124,6 +124,15 @@ absl::Status NuScenesWriter::AddPass(const SimulatedPass& pass) {
   tables_->tables.AddPass(pass, stored);
   tables_->rig = pass.drive.rig;
   return WriteJson(root_ / "can_bus" / (pass.drive.name + "_pose.json"), CanBusPose(pass));
+}
+
+absl::Status NuScenesWriter::AddFixes(const std::string& pass_name,
+                                      const std::vector<StampedFix>& fixes) {
+  const fs::path folder = root_ / kFixFolder;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return FileFailure(folder, "cannot make the folder", error);
+  return WriteFixes(folder / (pass_name + ".csv"), fixes);
 }
 
 absl::Status NuScenesWriter::Finish(const SimulationOptions& options) {

@@ -2,12 +2,18 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/datasets/fix_file.h"
 #include "client/simulation/simulation.h"
 
 namespace dcloc {
+
+/// Holds `<pass>.csv` with the pass's position fixes where there are any (fix_file.h).
+inline constexpr const char* kFixFolder = "fixes";
 
 /// Writes simulated drives in the official nuScenes layout, which the public devkit reads:
 /// `v1.0-sim/` with all tables, `samples/` and `sweeps/` with radar sweeps, `maps/` with a blank
@@ -32,6 +38,9 @@ class NuScenesWriter {
 
   /// Writes the pass's sweeps and bus log; its table rows wait for `Finish`.
   absl::Status AddPass(const SimulatedPass& pass);
+
+  /// Writes the pass's position fixes into kFixFolder.
+  absl::Status AddFixes(const std::string& pass_name, const std::vector<StampedFix>& fixes);
 
   /// Writes the tables. Without it the folder is not a data set.
   absl::Status Finish(const SimulationOptions& options);

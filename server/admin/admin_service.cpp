@@ -32,6 +32,8 @@ void SetCounts(const SessionRecord& record, v1::Session* session) {
   session->set_dropped_scan_count(record.counts.dropped);
   session->set_missing_scan_count(record.missing_scan_count);
   session->set_resume_count(record.resume_count);
+  session->set_position_fix_count(record.position_fix_count);
+  session->set_pose_reset_count(record.pose_reset_count);
 }
 
 void Describe(const ListedSession& listed, v1::Session* session) {
@@ -52,6 +54,9 @@ void Describe(const ListedSession& listed, v1::Session* session) {
     session->set_last_sequence_number(last);
   }
   session->set_last_stamp_age_ns(record.last_stamp_age_ns);
+  if (const LastHealth::Value last = record.health.Get(); last.rig != nullptr) {
+    convert::ToProto(last.health, *last.rig, session->mutable_health());
+  }
   const std::chrono::nanoseconds idle = SessionRecord::Clock::now() - record.last_activity.load();
   session->set_idle_duration_ns(idle.count());
 }
@@ -170,6 +175,7 @@ grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
     if (status.ok()) {
       const auto session = registry_.Get(principal->tenant, request->session_id());
       status = session.status();
+      if (request->position_fixes()) stream->TakeFixAnswers();
       if (status.ok()) session->record->feed.Subscribe(stream);
     }
     stream->Begin(status);
@@ -191,6 +197,7 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
       status = absl::ResourceExhaustedError(
           absl::StrFormat("%d recordings are under way, which is the limit", kMaxRecordingCount));
     }
+    if (request->position_fixes()) stream->TakeFixes();
     if (status.ok()) recordings_.Add(principal->tenant, request->vehicle_id(), stream);
     stream->Begin(status, std::move(slot));
   });

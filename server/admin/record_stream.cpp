@@ -46,6 +46,18 @@ void RecordStream::OnScan(const v1::Scan& scan, const ScanAnswer& answer) {
   Push(std::move(message));
 }
 
+void RecordStream::OnFix(const v1::PositionFix& fix, const FixAnswer& answer) {
+  if (!takes_fixes_) {
+    return End(grpc::Status(grpc::StatusCode::FAILED_PRECONDITION,
+                            "the vehicle sends position fixes, which this client cannot record; "
+                            "record it with a newer one"));
+  }
+  v1::RecordSessionResponse message;
+  *message.mutable_fix()->mutable_fix() = fix;
+  convert::ToProto(answer, message.mutable_fix()->mutable_answer());
+  Push(std::move(message));
+}
+
 void RecordStream::Push(v1::RecordSessionResponse message) {
   const std::size_t size = message.ByteSizeLong();
   const std::lock_guard lock(mutex_);

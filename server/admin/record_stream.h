@@ -36,12 +36,17 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
                                              grpc::CallbackServerContext* context,
                                              std::string program);
 
+  /// To be called before it waits for a session: the caller can keep position fixes. Without it the
+  /// first one ends the call.
+  void TakeFixes() { takes_fixes_ = true; }
+
   /// Says whether the caller may record; then it holds `slot`, else the call ends. Nothing is
   /// written before.
   void Begin(const absl::Status& status, std::shared_ptr<void> slot);
 
   void OnOpened(const RecordingStart& start) override;
   void OnScan(const v1::Scan& scan, const ScanAnswer& answer) override;
+  void OnFix(const v1::PositionFix& fix, const FixAnswer& answer) override;
   void OnEnd() override { End(grpc::Status::OK); }
 
  private:
@@ -53,6 +58,7 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   void OnFinish() override { slot_.reset(); }
 
   const std::string program_;
+  bool takes_fixes_ = false;
   std::shared_ptr<void> slot_;
   std::size_t waiting_bytes_ = 0;
 };

@@ -19,14 +19,20 @@ class WatchStream final : public PushStream<v1::WatchSessionResponse>, public An
   /// Says whether the session was found. If not, the call ends. Nothing is written before.
   void Begin(const absl::Status& status) { BeginWith(status); }
 
+  /// To be called before it is subscribed: it also gets the answers to position fixes.
+  void TakeFixAnswers() { takes_fix_answers_ = true; }
+
   void OnAnswer(const ScanAnswer& answer) override;
+  void OnFixAnswer(const FixAnswer& answer) override;
   void OnEnd() override { End(grpc::Status::OK); }
 
  private:
   using PushStream::PushStream;
 
+  v1::LocalizeResponse* Queue();
   void OnWrite(v1::WatchSessionResponse& message) override;
 
+  bool takes_fix_answers_ = false;
   std::int64_t missed_count_ = 0;
 };
 

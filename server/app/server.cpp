@@ -59,14 +59,10 @@ absl::Status SayWhoIsLetIn(const AccessControl& access, const ServerConfig& conf
 constexpr std::chrono::milliseconds kLastBytesGrace(200);
 constexpr std::chrono::seconds kSelfProbeTimeout(3);
 constexpr std::chrono::milliseconds kReadyTimeout(800);
-/// How old the answer to whether the server is ready may be.
-constexpr std::chrono::milliseconds kReadyInterval(500);
-/// How often the files of certificates are looked at.
-constexpr std::chrono::seconds kCertificateInterval(1);
-/// How exactly timeouts of sessions are kept.
-constexpr std::chrono::milliseconds kTickInterval(100);
-/// How exactly the timeouts of unfinished uploads and of files in quarantine are kept.
-constexpr std::chrono::minutes kSweepInterval(1);
+constexpr std::chrono::milliseconds kReadyInterval(500);  ///< of asking whether it is ready
+constexpr std::chrono::seconds kCertificateInterval(1);   ///< of looking at the files
+constexpr std::chrono::milliseconds kTickInterval(100);   ///< of timeouts of sessions
+constexpr std::chrono::minutes kSweepInterval(1);  ///< of unfinished uploads and the quarantine
 
 int WorkerCount(const ServerConfig& config) {
   if (config.worker_count > 0) return config.worker_count;

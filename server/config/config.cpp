@@ -73,7 +73,7 @@ constexpr std::array kFields = {
                 "open sessions of one principal at most; 0 for no limit",
                 &ServerConfig::max_session_count_per_principal, 0, 1'000'000, true},
     ConfigField{"max_scan_rate_hz_per_principal", "N",
-                "scans per second of one principal at most; 0 for no limit",
+                "scans, and position fixes, per second of one principal at most; 0 for no limit",
                 &ServerConfig::max_scan_rate_hz_per_principal, 0, 1'000'000, true},
     ConfigField{"max_target_count", "N", "targets of one scan at most",
                 &ServerConfig::max_target_count, 1, 20'000, true},

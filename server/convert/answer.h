@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "absl/status/statusor.h"
@@ -27,6 +28,7 @@ struct ScanTimings {
 struct LocalizedScan {
   std::int64_t map_version = 0;
   Localization localization;
+  std::shared_ptr<const Rig> rig;        ///< names the radars of its health; may be null
   std::optional<GeodeticAnchor> anchor;  ///< of the map; without one there is no geodetic pose
   ScanTimings timings;
 };
@@ -45,9 +47,12 @@ namespace convert {
 /// used again.
 void ToProto(const ScanAnswer& answer, v1::LocalizeResponse* message);
 
-/// Everything of the answer but the sequence number, the version, the timings and the geodetic
-/// pose.
+/// Everything of the answer but the sequence number, the version, the timings, the geodetic pose
+/// and the health.
 void ToProto(const Localization& localization, v1::LocalizationResult* message);
+
+/// `rig` is the one that `health` is of.
+void ToProto(const Health& health, const Rig& rig, v1::Health* message);
 
 v1::LocalizationState ToProto(LocalizationState state);
 

@@ -101,7 +101,7 @@ void TakeColumns(const v1::Scan& message, Scan* scan) {
 absl::Status CheckHeader(const v1::Scan& message, const Rig& rig) {
   constexpr long long kMax = std::numeric_limits<std::int64_t>::max();
   absl::Status status = CheckIntegerBetween("sequence_number", message.sequence_number(), 0, kMax);
-  status.Update(CheckIntegerBetween("stamp_ns", message.stamp_ns(), 1, kMaxStamp_ns));
+  status.Update(CheckStamp("stamp_ns", message.stamp_ns()));
   if (status.ok() && rig.Find(message.radar_id()) == nullptr) {
     return absl::InvalidArgumentError(
         absl::StrFormat("radar_id is %s; it must be one of the rig's", Quoted(message.radar_id())));
@@ -122,6 +122,10 @@ absl::StatusOr<Rig> FromProto(const v1::Rig& message, absl::string_view field) {
   absl::Status status = WithPrefix(absl::StrCat(field, ": "), Validate(rig));
   if (!status.ok()) return status;
   return rig;
+}
+
+absl::Status CheckStamp(absl::string_view field, std::int64_t stamp_ns) {
+  return CheckIntegerBetween(field, stamp_ns, 1, kMaxStamp_ns);
 }
 
 absl::Status FromProto(const v1::Scan& message, const Rig& rig, Scan* scan) {

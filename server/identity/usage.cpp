@@ -25,6 +25,14 @@ absl::Status SessionPermit::TakeScan(int target_count,
   return absl::OkStatus();
 }
 
+absl::Status SessionPermit::TakeFix(std::chrono::steady_clock::time_point now) const {
+  if (const int max = limits_.max_scan_rate_hz_per_principal; !usage_->fixes.Take(max, now)) {
+    return absl::ResourceExhaustedError(absl::StrFormat(
+        "position fixes come faster than max_scan_rate_hz_per_principal, which is %d", max));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::shared_ptr<const SessionPermit>> UsageCounts::TakeSession(
     const Principal& principal) {
   const std::lock_guard lock(mutex_);

@@ -15,10 +15,11 @@
 
 namespace dcloc::server {
 
-/// The sessions and scans of one principal.
+/// The sessions, scans and position fixes of one principal.
 struct PrincipalUsage {
   std::atomic<int> session_count = 0;
   RateLimit scans;
+  RateLimit fixes;
 };
 
 /// The right to hold one session; given back when this is destroyed. Thread-safe.
@@ -31,6 +32,9 @@ class SessionPermit {
 
   /// Asks for one scan of so many targets. ResourceExhausted names the limit and its value.
   absl::Status TakeScan(int target_count, std::chrono::steady_clock::time_point now) const;
+
+  /// Asks for one position fix. They may come as fast as scans may, and take nothing from those.
+  absl::Status TakeFix(std::chrono::steady_clock::time_point now) const;
 
  private:
   const Limits& limits_;

@@ -335,10 +335,18 @@ void LocalizeStream::AnswerNext() {
 }
 
 grpc::Status LocalizeStream::Answer(Session& session, Slot& slot, bool dropped) const {
+  if (slot.request.has_position_fix()) {
+    session.TakeFix(slot.request.position_fix(), [&slot](const FixAnswer& answer) {
+      slot.response.Clear();
+      convert::ToProto(answer, slot.response.mutable_position_fix_answer());
+    });
+    return grpc::Status::OK;
+  }
   if (!slot.request.has_scan()) {
     return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT,
-                        slot.request.has_open() ? "open came twice; a stream is one session"
-                                                : "message is missing; it must be a scan");
+                        slot.request.has_open()
+                            ? "open came twice; a stream is one session"
+                            : "message is missing; it must be a scan or a position_fix");
   }
   const auto reply = [&slot](const ScanAnswer& answer) {
     convert::ToProto(answer, &slot.response);

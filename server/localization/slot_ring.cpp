@@ -29,10 +29,11 @@ void SlotRing::OnRead() {
 void SlotRing::DropOldest(bool first_is_taken) {
   const std::int64_t first = answered_count_ + (first_is_taken ? 1 : 0);
   std::int64_t waiting = 0;
-  for (std::int64_t i = first; i < read_count_; ++i) waiting += At(i).dropped ? 0 : 1;
+  const auto waits = [](const Slot& slot) { return slot.request.has_scan() && !slot.dropped; };
+  for (std::int64_t i = first; i < read_count_; ++i) waiting += waits(At(i)) ? 1 : 0;
   for (std::int64_t i = first; waiting > max_pending_count_; ++i) {
     Slot& slot = At(i);
-    if (slot.dropped) continue;
+    if (!waits(slot)) continue;
     slot.dropped = true;
     --waiting;
     v1::LocalizeRequest header;  // the columns' memory goes

@@ -14,7 +14,7 @@ struct Slot {
   v1::LocalizeRequest request;
   v1::LocalizeResponse response;
   Arrival arrival;
-  bool dropped = false;  ///< newer ones wait: it is answered, but not looked at
+  bool dropped = false;  ///< newer scans wait: it is answered, but not looked at
 };
 
 /// A stream's messages, in order: each is read, answered and written, then its slot is free again.
@@ -39,8 +39,9 @@ class SlotRing {
   void OnAnswered();
   void OnWritten() { ++written_count_; }
 
-  /// Marks the oldest of the waiting messages as dropped until at most `max_pending_count` are
-  /// left. `first_is_taken`: the oldest one is being answered and does not wait.
+  /// Marks the oldest of the waiting scans as dropped until at most `max_pending_count` are left;
+  /// other messages are not dropped, and drop none. `first_is_taken`: the oldest message is being
+  /// answered and does not wait.
   void DropOldest(bool first_is_taken);
 
   /// Whether a message may be read: only one before the first one is answered, then as many as

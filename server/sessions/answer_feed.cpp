@@ -17,11 +17,20 @@ void AnswerFeed::Subscribe(const std::shared_ptr<AnswerSubscriber>& subscriber) 
 }
 
 void AnswerFeed::Publish(const ScanAnswer& answer) {
+  TellAll([&](AnswerSubscriber& subscriber) { subscriber.OnAnswer(answer); });
+}
+
+void AnswerFeed::Publish(const FixAnswer& answer) {
+  TellAll([&](AnswerSubscriber& subscriber) { subscriber.OnFixAnswer(answer); });
+}
+
+template <typename Tell>
+void AnswerFeed::TellAll(Tell tell) {
   if (!has_subscribers_) return;
   const std::lock_guard lock(mutex_);
   std::erase_if(subscribers_, [](const auto& subscriber) { return subscriber.expired(); });
   for (const auto& entry : subscribers_) {
-    if (const auto subscriber = entry.lock()) subscriber->OnAnswer(answer);
+    if (const auto subscriber = entry.lock()) tell(*subscriber);
   }
   has_subscribers_ = !subscribers_.empty();
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/convert/answer.h"
+#include "server/convert/position_fix.h"
 
 namespace dcloc::server {
 
@@ -14,6 +15,7 @@ class AnswerSubscriber {
  public:
   virtual ~AnswerSubscriber() = default;
   virtual void OnAnswer(const ScanAnswer& answer) = 0;
+  virtual void OnFixAnswer(const FixAnswer& answer) = 0;
   /// The session has ended; the last call.
   virtual void OnEnd() = 0;
 };
@@ -26,11 +28,15 @@ class AnswerFeed {
   void Subscribe(const std::shared_ptr<AnswerSubscriber>& subscriber);
 
   void Publish(const ScanAnswer& answer);
+  void Publish(const FixAnswer& answer);
 
   /// The session has ended: no more answers follow.
   void Close();
 
  private:
+  template <typename Tell>
+  void TellAll(Tell tell);
+
   std::atomic<bool> has_subscribers_ = false;
   std::mutex mutex_;
   std::vector<std::weak_ptr<AnswerSubscriber>> subscribers_;

@@ -16,6 +16,10 @@ class CoreScanLocalizer final : public ScanLocalizer {
     return localizer_.Localize(scan, *workspace, listener);
   }
 
+  absl::StatusOr<FixUse> TakeFix(const PositionFix& fix) override {
+    return localizer_.TakeFix(fix);
+  }
+
   bool searching() const override { return localizer_.searching(); }
 
  private:

@@ -11,6 +11,7 @@
 #include "absl/strings/string_view.h"
 #include "dcloc/v1/localization_service.pb.h"
 #include "server/convert/answer.h"
+#include "server/convert/position_fix.h"
 #include "server/convert/session.h"
 #include "server/maps/catalogue/catalogue.h"
 
@@ -32,6 +33,8 @@ class RecordingSubscriber {
   virtual void OnOpened(const RecordingStart& start) = 0;
   /// `scan` is as the client sent it; a dropped scan has only its number.
   virtual void OnScan(const v1::Scan& scan, const ScanAnswer& answer) = 0;
+  /// `fix` is as the client sent it.
+  virtual void OnFix(const v1::PositionFix& fix, const FixAnswer& answer) = 0;
   /// The session has ended; the last call.
   virtual void OnEnd() = 0;
 };

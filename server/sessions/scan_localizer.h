@@ -19,6 +19,9 @@ class ScanLocalizer {
   /// As Localizer::Localize. `scan` is valid and of a radar of the rig.
   virtual absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) = 0;
 
+  /// As Localizer::TakeFix.
+  virtual absl::StatusOr<FixUse> TakeFix(const PositionFix& fix) = 0;
+
   /// As Localizer::searching.
   virtual bool searching() const = 0;
 };
@@ -37,8 +40,9 @@ absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(
     const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options);
 
 /// The stub. Integrates the ego-velocity that the client sends, from the initial pose or else the
-/// identity, and ignores all targets. Its answers show this: the state is always kDeadReckoning,
-/// the quality is zero, no degree of freedom is observed, and the covariance is the initial pose's.
+/// identity, and ignores all targets and fixes. Its answers show this: the state is always
+/// kDeadReckoning, the quality is zero, no degree of freedom is observed, no source is healthy,
+/// every fix is contradicted, and the covariance is the initial pose's.
 absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateStubScanLocalizer(
     std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
     const LocalizerOptions& options);

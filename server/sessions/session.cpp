@@ -24,6 +24,12 @@ Scan MotionOf(const Scan& scan) {
   return {.stamp = scan.stamp, .radar_id = scan.radar_id, .ego_velocity = scan.ego_velocity};
 }
 
+/// `resets` of a localizer that goes on where others ended.
+void GoOnFrom(const PoseResets& before, PoseResets* resets) {
+  if (resets->count == 0) resets->T_before_after = before.T_before_after;
+  resets->count += before.count;
+}
+
 /// Two maps' frames lie at the same place of the Earth, as far as is known.
 bool SamePlace(const std::optional<GeodeticAnchor>& a, const std::optional<GeodeticAnchor>& b) {
   if (!a || !b) return a.has_value() == b.has_value();
@@ -48,12 +54,13 @@ Session::Session(const SessionContext& context, SessionStart start,
       record_(std::move(start.record)),
       strand_(context.pool),
       map_(std::move(start.map)),
-      rig_(std::move(start.rig)),
+      rig_(std::make_shared<const Rig>(std::move(start.rig))),
       options_(start.options),
       localizer_(std::move(localizer)),
       last_pose_(std::move(start.initial_pose)),
+      health_(record_, context_.metrics),
       history_(context.answer_history_count) {
-  LogOpened(*record_, rig_.radars.size());
+  LogOpened(*record_, rig_->radars.size());
 }
 
 Session::~Session() {
@@ -109,7 +116,28 @@ void Session::Answer(const v1::Scan& scan, const Arrival& arrival, Reply reply) 
   const std::chrono::nanoseconds encoding = Clock::now() - localized_time_;
   context_.metrics.ObserveLocalized(*answer.result, encoding);
   LogLocalized(*record_, answer.sequence_number, *answer.result, encoding);
+  health_.OnLocalized(*answer.result, begin);
   WarnOfBeta(scan.radar_id(), answer.result->localization.quality.beta);
+}
+
+void Session::TakeFix(const v1::PositionFix& fix, FixReply reply) {
+  const FixAnswer answer{.stamp_ns = fix.stamp_ns(), .use = Use(fix)};
+  ++record_->position_fix_count;
+  context_.metrics.ObserveFix(answer.use);
+  reply(answer);
+  record_->feed.Publish(answer);
+  if (recording_ != nullptr) recording_->OnFix(fix, answer);
+}
+
+absl::StatusOr<FixUse> Session::Use(const v1::PositionFix& message) {
+  absl::Status status = record_->description.caller.permit->TakeFix(Clock::now());
+  if (!status.ok()) return status;
+  const absl::StatusOr<PositionFix> fix = convert::FromProto(message, map_.map->info().anchor);
+  if (!fix.ok()) return fix.status();
+  absl::StatusOr<FixUse> use = localizer_->TakeFix(*fix);
+  ChooseLane();
+  if (!use.ok()) return WithPrefix("position_fix: ", use.status());
+  return use;
 }
 
 void Session::AnswerDropped(std::int64_t sequence_number, Reply reply) {
@@ -153,9 +181,11 @@ absl::StatusOr<LocalizedScan> Session::Localize(const v1::Scan& message) {
   timer.End();
   localized_time_ = Clock::now();
   if (!localization.ok()) return WithPrefix("scan: ", localization.status());
+  GoOnFrom(resets_before_move_, &localization->resets);
   OnLocalized(message, *localization);
   LocalizedScan scan{.map_version = record_->map_version,
                      .localization = *std::move(localization),
+                     .rig = rig_,
                      .anchor = map_.map->info().anchor};
   scan.timings.conversion = converted - begin;
   SetStages(timer, &scan.timings);
@@ -165,7 +195,7 @@ absl::StatusOr<LocalizedScan> Session::Localize(const v1::Scan& message) {
 /// Fills `scan_`, unless the principal may not send it, it is malformed, or out of order.
 absl::Status Session::TakeScan(const v1::Scan& message, Clock::time_point begin) {
   absl::Status status = record_->description.caller.permit->TakeScan(message.range_m_size(), begin);
-  if (status.ok()) status = WithPrefix("scan.", convert::FromProto(message, rig_, &scan_));
+  if (status.ok()) status = WithPrefix("scan.", convert::FromProto(message, *rig_, &scan_));
   if (status.ok()) status = order_.Check(message.sequence_number());
   return status;
 }
@@ -174,6 +204,7 @@ void Session::OnLocalized(const v1::Scan& message, const Localization& localizat
   record_->missing_scan_count += order_.OnLocalized(message.sequence_number(), scan_.stamp);
   std::swap(scan_, last_scan_);
   RememberPose(localization);
+  last_resets_ = localization.resets;
   ChooseLane();
   record_->last_sequence_number = order_.last_localized();
   record_->last_state = static_cast<int>(localization.state);
@@ -227,7 +258,7 @@ absl::Status Session::Move(LoadedMap map) {
     return absl::FailedPreconditionError("the versions' anchors on the Earth differ");
   }
   absl::StatusOr<std::unique_ptr<ScanLocalizer>> localizer =
-      context_.create_localizer(map.map, rig_, last_pose_, options_);
+      context_.create_localizer(map.map, *rig_, last_pose_, options_);
   if (!localizer.ok()) return localizer.status();
   // The pose holds at the last scan's stamp, and the vehicle has moved on since.
   if (order_.last_stamp()) {
@@ -235,6 +266,7 @@ absl::Status Session::Move(LoadedMap map) {
     if (!status.ok()) return status;
   }
   localizer_ = *std::move(localizer);
+  resets_before_move_ = last_resets_;
   ChooseLane();
   map_ = std::move(map);
   LogMoved(*record_, version);

@@ -13,9 +13,11 @@
 #include "dcloc/v1/localization_service.pb.h"
 #include "server/base/worker_pool.h"
 #include "server/convert/answer.h"
+#include "server/convert/position_fix.h"
 #include "server/convert/session.h"
 #include "server/maps/store/map_store.h"
 #include "server/sessions/answer_history.h"
+#include "server/sessions/health_report.h"
 #include "server/sessions/recording_subscriber.h"
 #include "server/sessions/scan_localizer.h"
 #include "server/sessions/scan_order.h"
@@ -61,6 +63,7 @@ class Session {
  public:
   /// Receives each scan's answer, to convert it into a message.
   using Reply = absl::FunctionRef<void(const ScanAnswer& answer)>;
+  using FixReply = absl::FunctionRef<void(const FixAnswer& answer)>;
 
   /// Errors of the localizer's.
   static absl::StatusOr<std::shared_ptr<Session>> Create(const SessionContext& context,
@@ -85,6 +88,9 @@ class Session {
   /// Answers a scan that is dropped because newer ones wait.
   void AnswerDropped(std::int64_t sequence_number, Reply reply);
 
+  /// Takes in a position fix and answers it.
+  void TakeFix(const v1::PositionFix& fix, FixReply reply);
+
   /// Goes on in another version of the map: the last pose and its covariance are the prior at the
   /// last scan. FailedPrecondition when the maps' anchors differ, and errors of the localizer's;
   /// then nothing changes.
@@ -100,6 +106,7 @@ class Session {
   absl::StatusOr<LocalizedScan> Localize(const v1::Scan& message);
   absl::Status TakeScan(const v1::Scan& message, Clock::time_point begin);
   void OnLocalized(const v1::Scan& message, const Localization& localization);
+  absl::StatusOr<FixUse> Use(const v1::PositionFix& message);
   void RememberPose(const Localization& localization);
   void ChooseLane();
   void Count(const ScanAnswer& answer);
@@ -110,10 +117,13 @@ class Session {
   const std::shared_ptr<SessionRecord> record_;
   Strand strand_;
   LoadedMap map_;
-  const Rig rig_;
+  const std::shared_ptr<const Rig> rig_;
   const LocalizerOptions options_;
   std::unique_ptr<ScanLocalizer> localizer_;
-  std::optional<InitialPose> last_pose_;    ///< at `last_scan_`; none when it is not known
+  std::optional<InitialPose> last_pose_;  ///< at `last_scan_`; none when it is not known
+  PoseResets last_resets_;                ///< of the last answer
+  PoseResets resets_before_move_;         ///< of the localizers before this one
+  HealthReport health_;
   std::set<std::string> radars_warned_of_;  ///< as their beta is contradicted
   ScanOrder order_;
   AnswerHistory history_;

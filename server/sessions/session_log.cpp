@@ -1,5 +1,6 @@
 #include "server/sessions/session_log.h"
 
+#include "core/geometry/degrees.h"
 #include "server/base/status.h"
 #include "spdlog/spdlog.h"
 
@@ -58,6 +59,24 @@ void LogBetaContradicted(const SessionRecord& record, const std::string& radar_i
       "beta contradicted session={} vehicle={} radar={} beta_error_s={:.4f} sigma_s={:.4f}",
       record.description.session_id, record.description.vehicle_id, radar_id, beta.error_s,
       beta.sigma_s);
+}
+
+void LogSource(const SessionRecord& record, const Rig& rig, const SourceChange& change) {
+  const bool is_radar = change.kind == SourceKind::kRadar;
+  const char* const name = kSourceKindNames[static_cast<std::size_t>(change.kind)];
+  spdlog::warn("{} session={} vehicle={} source={} reason={} changes={}",
+               change.health.is_used ? "source taken back" : "source set aside",
+               record.description.session_id, record.description.vehicle_id,
+               is_radar ? rig.radars.at(change.radar_index).id : name, NameOf(change.health.fault),
+               change.change_count);
+}
+
+void LogReset(const SessionRecord& record, const PoseResets& resets) {
+  const Pose3& jump = resets.T_before_after;
+  const double angle_rad = Eigen::AngleAxisd(jump.rotation).angle();
+  spdlog::warn("pose reset session={} vehicle={} distance_m={:.2f} rotation_deg={:.2f} count={}",
+               record.description.session_id, record.description.vehicle_id,
+               jump.translation_m.norm(), angle_rad * kDegPerRad, resets.count);
 }
 
 }  // namespace dcloc::server

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "server/convert/answer.h"
+#include "server/sessions/health_watch.h"
 #include "server/sessions/session_record.h"
 
 /// The log lines of a session.
@@ -24,5 +25,11 @@ void LogRejected(const SessionRecord& record, std::int64_t sequence_number,
 /// The residuals of registrations contradict the radar's `beta_s`.
 void LogBetaContradicted(const SessionRecord& record, const std::string& radar_id,
                          const BetaCheck& beta);
+
+/// A source of `rig`'s vehicle was set aside, with the reason, or taken back.
+void LogSource(const SessionRecord& record, const Rig& rig, const SourceChange& change);
+
+/// The pose has jumped; the last jump's size.
+void LogReset(const SessionRecord& record, const PoseResets& resets);
 
 }  // namespace dcloc::server

@@ -87,6 +87,14 @@ constexpr std::array kStageLabels = {"queue",        "conversion", "compensation
 constexpr std::array kStateLabels = {"initializing", "tracking", "dead_reckoning", "lost"};
 constexpr char kMapHelp[] = "Maps that new sessions asked for, by whether they were in memory";
 constexpr std::array kReasons = {"invalid", "late", "limit", "other"};
+/// Those of FixUse, then the refusals.
+constexpr std::array kUses = {"fused",       "guides_search", "contradicted",
+                              "out_of_time", "invalid",       "over_limit"};
+
+std::size_t IndexOf(const absl::StatusOr<FixUse>& use) {
+  if (use.ok()) return static_cast<std::size_t>(*use);
+  return kUses.size() - (absl::IsResourceExhausted(use.status()) ? 1 : 2);
+}
 
 }  // namespace
 
@@ -107,6 +115,9 @@ SessionMetrics::SessionMetrics()
       overlap_(AddHistogram(*registry_, "dcloc_overlap",
                             "Share of a sub-map's points that are inliers of its registration",
                             {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0})),
+      protection_level_(AddHistogram(*registry_, "dcloc_protection_level_meters",
+                                     "Protection levels of answers that have one",
+                                     {0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 30.0})),
       map_acquire_(AddHistogram(*registry_, "dcloc_map_acquire_seconds",
                                 "Getting a new session's map; microseconds where it is in memory",
                                 DurationBuckets_s())),
@@ -123,6 +134,9 @@ SessionMetrics::SessionMetrics()
       wrong_beta_(AddCounters(*registry_, "dcloc_wrong_beta_answers_total",
                               "Answers to scans of radars whose beta_s the residuals contradict")
                       .Add({})),
+      pose_resets_(AddCounters(*registry_, "dcloc_pose_resets_total",
+                               "Jumps of answered poses: a place found anew, a large correction")
+                       .Add({})),
       repeated_(AddCounters(*registry_, "dcloc_scans_repeated_total",
                             "Scans that were sent again and answered from memory")
                     .Add({})),
@@ -144,10 +158,30 @@ SessionMetrics::SessionMetrics()
   for (std::size_t i = 0; i < kStateCount; ++i) {
     answers_[i] = &answers.Add({{"state", kStateLabels[i]}});
   }
+  AddHealthCounters();
   // There from the start: a rate needs the zero before the first one.
   for (const char* reason : kReasons) rejected_.Add({{"reason", reason}});
   opens_.Add({{"code", "ok"}, {"resumed", "false"}});
   opens_.Add({{"code", "ok"}, {"resumed", "true"}});
+}
+
+void SessionMetrics::AddHealthCounters() {
+  auto& set_aside = AddCounters(*registry_, "dcloc_sources_set_aside_total",
+                                "Sources set aside, by their kind and the reason; one that flaps "
+                                "counts once in ten seconds");
+  auto& answers = AddCounters(*registry_, "dcloc_answers_with_source_set_aside_total",
+                              "Scans localized while a source of that kind was set aside");
+  for (std::size_t kind = 0; kind < kKindCount; ++kind) {
+    answers_set_aside_[kind] = &answers.Add({{"source", kSourceKindNames[kind]}});
+    for (std::size_t fault = 0; fault < kFaultCount; ++fault) {
+      set_aside_[kind][fault] = &set_aside.Add(
+          {{"source", kSourceKindNames[kind]}, {"reason", kSourceFaultNames[fault]}});
+    }
+  }
+  auto& fixes = AddCounters(*registry_, "dcloc_position_fixes_total",
+                            "Position fixes, by what became of them");
+  static_assert(kUses.size() == kUseCount);
+  for (std::size_t use = 0; use < kUseCount; ++use) fixes_[use] = &fixes.Add({{"use", kUses[use]}});
 }
 
 void SessionMetrics::ObserveLocalized(const LocalizedScan& scan,
@@ -165,6 +199,9 @@ void SessionMetrics::ObserveLocalized(const LocalizedScan& scan,
   const LocalizationQuality& quality = scan.localization.quality;
   if (timings.registration.count() > 0 && quality.inlier_count > 0) ObserveEdge(quality);
   if (quality.beta.is_wrong) wrong_beta_.Increment();
+  if (const auto& level_m = scan.localization.protection_level_m) {
+    protection_level_.Observe(*level_m);
+  }
 }
 
 void SessionMetrics::ObserveEdge(const LocalizationQuality& quality) {
@@ -176,6 +213,22 @@ void SessionMetrics::ObserveEdge(const LocalizationQuality& quality) {
 
 void SessionMetrics::ObserveRejection(absl::StatusCode code) {
   rejected_.Add({{"reason", ReasonOf(code)}}).Increment();
+}
+
+void SessionMetrics::ObserveHealth(const HealthNews& news) {
+  for (const SourceChange& change : news.changes) {
+    if (change.health.is_used) continue;
+    set_aside_[static_cast<std::size_t>(change.kind)][static_cast<std::size_t>(change.health.fault)]
+        ->Increment();
+  }
+  for (std::size_t kind = 0; kind < kKindCount; ++kind) {
+    if (news.set_aside[kind]) answers_set_aside_[kind]->Increment();
+  }
+  if (news.new_reset_count > 0) pose_resets_.Increment(news.new_reset_count);
+}
+
+void SessionMetrics::ObserveFix(const absl::StatusOr<FixUse>& use) {
+  fixes_[IndexOf(use)]->Increment();
 }
 
 void SessionMetrics::ObserveDropped() { dropped_.Increment(); }

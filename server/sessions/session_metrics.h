@@ -12,6 +12,7 @@
 
 #include "absl/status/status.h"
 #include "server/convert/answer.h"
+#include "server/sessions/health_watch.h"
 
 namespace dcloc::server {
 
@@ -30,6 +31,9 @@ class SessionMetrics {
   void ObserveRejection(absl::StatusCode code);
   void ObserveDropped();
   void ObserveRepeated();
+  /// Of one scan: sources that were set aside, and resets of the pose.
+  void ObserveHealth(const HealthNews& news);
+  void ObserveFix(const absl::StatusOr<FixUse>& use);
   /// A Localize call has opened or resumed a session, or not.
   void ObserveOpen(grpc::StatusCode code, bool resumed);
   /// The time to get a session's map: microseconds if it was in memory.
@@ -40,22 +44,31 @@ class SessionMetrics {
  private:
   static constexpr std::size_t kStageCount = 7;
   static constexpr std::size_t kStateCount = 4;
+  static constexpr std::size_t kKindCount = kSourceKindNames.size();
+  static constexpr std::size_t kFaultCount = kSourceFaultNames.size();
+  static constexpr std::size_t kUseCount = kFixUseNames.size() + 2;
 
+  void AddHealthCounters();
   void ObserveEdge(const LocalizationQuality& quality);
 
   std::shared_ptr<prometheus::Registry> registry_;
   std::array<prometheus::Histogram*, kStageCount> stages_{};
   std::array<prometheus::Counter*, kStateCount> answers_{};
+  std::array<std::array<prometheus::Counter*, kFaultCount>, kKindCount> set_aside_{};
+  std::array<prometheus::Counter*, kKindCount> answers_set_aside_{};
+  std::array<prometheus::Counter*, kUseCount> fixes_{};
   prometheus::Histogram& scan_;
   prometheus::Histogram& edge_distance_;
   prometheus::Histogram& residual_scale_;
   prometheus::Histogram& overlap_;
+  prometheus::Histogram& protection_level_;
   prometheus::Histogram& map_acquire_;
   prometheus::Counter& map_hits_;
   prometheus::Counter& map_misses_;
   prometheus::Counter& valid_edges_;
   prometheus::Counter& invalid_edges_;
   prometheus::Counter& wrong_beta_;
+  prometheus::Counter& pose_resets_;
   prometheus::Counter& repeated_;
   prometheus::Counter& dropped_;
   prometheus::Family<prometheus::Counter>& rejected_;

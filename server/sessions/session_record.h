@@ -3,8 +3,12 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <string>
 
+#include "core/localizer/health.h"
+#include "core/radar/radar_model.h"
 #include "server/identity/caller.h"
 #include "server/maps/catalogue/catalogue.h"
 #include "server/sessions/answer_feed.h"
@@ -33,6 +37,30 @@ struct ScanCounts {
   std::atomic<std::int64_t> dropped = 0;
 };
 
+/// The health of a session's last answer. Thread-safe.
+class LastHealth {
+ public:
+  struct Value {
+    Health health;
+    std::shared_ptr<const Rig> rig;  ///< null before the first answer
+  };
+
+  void Set(const Health& health, const std::shared_ptr<const Rig>& rig) {
+    const std::lock_guard lock(mutex_);
+    if (value_.rig == rig && value_.health == health) return;
+    value_ = {.health = health, .rig = rig};
+  }
+
+  Value Get() const {
+    const std::lock_guard lock(mutex_);
+    return value_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  Value value_;
+};
+
 /// The parts of a session that other threads may read.
 struct SessionRecord {
   using Clock = std::chrono::steady_clock;
@@ -42,12 +70,15 @@ struct SessionRecord {
   std::atomic<bool> recorded = false;  ///< from its opening on, and so in one version
   ScanCounts counts;
   std::atomic<std::int64_t> missing_scan_count = 0;
+  std::atomic<std::int64_t> position_fix_count = 0;
+  std::atomic<std::int64_t> pose_reset_count = 0;
   std::atomic<std::int64_t> resume_count = 0;
   std::atomic<std::int64_t> last_sequence_number = -1;  ///< the highest one processed, or -1
   std::atomic<std::int64_t> last_stamp_age_ns = 0;      ///< arrival minus stamp
   /// Of the last answer; a LocalizationState, or -1 before the first one.
   std::atomic<int> last_state = -1;
   std::atomic<Clock::time_point> last_activity = Clock::now();
+  LastHealth health;
   AnswerFeed feed;
 };
 

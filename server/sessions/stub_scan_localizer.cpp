@@ -9,8 +9,8 @@ namespace {
 
 class StubScanLocalizer final : public ScanLocalizer {
  public:
-  StubScanLocalizer(std::shared_ptr<const RadarMap> map, InitialPose pose)
-      : map_(std::move(map)), pose_(std::move(pose)) {}
+  StubScanLocalizer(std::shared_ptr<const RadarMap> map, std::size_t radar_count, InitialPose pose)
+      : map_(std::move(map)), radar_count_(radar_count), pose_(std::move(pose)) {}
 
   absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* /*listener*/) override {
     if (last_stamp_ && scan.stamp < *last_stamp_) {
@@ -25,18 +25,23 @@ class StubScanLocalizer final : public ScanLocalizer {
       pose_.T_map_vehicle = pose_.T_map_vehicle * Exp(Vector6d(motion * duration_s));
     }
     last_stamp_ = scan.stamp;
-    return Localization{.stamp = scan.stamp,
-                        .state = LocalizationState::kDeadReckoning,
-                        .T_map_vehicle = pose_.T_map_vehicle,
-                        .covariance = pose_.covariance,
-                        .observed = {},
-                        .quality = {}};
+    Localization localization{.stamp = scan.stamp,
+                              .state = LocalizationState::kDeadReckoning,
+                              .T_map_vehicle = pose_.T_map_vehicle,
+                              .covariance = pose_.covariance};
+    localization.health.radars.resize(radar_count_);
+    return localization;
+  }
+
+  absl::StatusOr<FixUse> TakeFix(const PositionFix& /*fix*/) override {
+    return FixUse::kContradicted;
   }
 
   bool searching() const override { return false; }
 
  private:
   std::shared_ptr<const RadarMap> map_;  // in use, as with the method
+  const std::size_t radar_count_;
   InitialPose pose_;
   std::optional<Stamp> last_stamp_;
 };
@@ -45,10 +50,11 @@ class StubScanLocalizer final : public ScanLocalizer {
 
 absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateStubScanLocalizer(
     // A ScanLocalizerFactory.  NOLINTNEXTLINE(performance-unnecessary-value-param)
-    std::shared_ptr<const RadarMap> map, Rig /*rig*/,
-    const std::optional<InitialPose>& initial_pose, const LocalizerOptions& /*options*/) {
+    std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
+    const LocalizerOptions& /*options*/) {
   const InitialPose unknown{.T_map_vehicle = {}, .covariance = Matrix6d::Zero()};
-  return std::make_unique<StubScanLocalizer>(std::move(map), initial_pose.value_or(unknown));
+  return std::make_unique<StubScanLocalizer>(std::move(map), rig.radars.size(),
+                                             initial_pose.value_or(unknown));
 }
 
 }  // namespace dcloc::server

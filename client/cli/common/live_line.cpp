@@ -25,4 +25,8 @@ void LiveLine::Show(const std::string& text) const {
   std::fflush(stderr);
 }
 
+void LiveLine::Say(const std::string& text) const {
+  absl::FPrintF(stderr, "%s%s\n", is_terminal_ ? kWipe : "", text);
+}
+
 }  // namespace dcloc::cli

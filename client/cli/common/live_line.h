@@ -16,6 +16,9 @@ class LiveLine {
   bool is_terminal() const { return is_terminal_; }
   void Show(const std::string& text) const;
 
+  /// Prints a line that stays, on stderr whatever it is.
+  void Say(const std::string& text) const;
+
  private:
   const bool is_terminal_;
 };

@@ -20,6 +20,8 @@ class Progress {
   void Update(std::size_t done);
   /// `share` of the whole, [0, 1].
   void UpdateShare(double share);
+  /// A line that stays, on stderr whatever it is.
+  void Say(const std::string& text) const { line_.Say(text); }
 
  private:
   std::string step_;

@@ -68,6 +68,10 @@ void AddRunOptions(CLI::App& command, LocalizeArguments& arguments) {
       ->required()
       ->type_name("FILE");
   command
+      .add_option("--fixes", arguments.fix_file,
+                  "Send the position fixes of this CSV file among the scans, by their stamps")
+      ->type_name("FILE");
+  command
       .add_option("--record", arguments.record_file, "Record the session, for dcloc session replay")
       ->type_name("FILE");
   command
@@ -95,6 +99,9 @@ void AddLocalizeCommand(CLI::App& app, int& exit_code) {
       "c is of\n(x, y, z, rotation about x, y, z) in the map's fixed axes. Ctrl-C stops sending "
       "and "
       "keeps what\nis answered.\n"
+      "Fixes: stamp_ns,latitude_deg,longitude_deg,height_m,horizontal_sigma_m,vertical_sigma_m\n"
+      "[,heading_deg,heading_sigma_deg], which needs a map with an anchor, or in the map frame\n"
+      "stamp_ns,x_m,y_m,z_m,horizontal_sigma_m,vertical_sigma_m[,yaw_deg,yaw_sigma_deg].\n"
       "Example:\n  dcloc localize --server localhost:50051 --map town --dataset nuscenes \\\n"
       "      --root ~/nuscenes --drive scene-0655 --radars RADAR_BACK_LEFT,RADAR_BACK_RIGHT \\\n"
       "      --rate max --out answers.csv");

@@ -19,8 +19,10 @@
 #include "client/cli/common/stop_signals.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/localize/answer_files.h"
+#include "client/cli/localize/trust_summary.h"
 #include "client/cli/remote/wire.h"
 #include "client/datasets/dataset.h"
+#include "client/datasets/fix_file.h"
 #include "client/evaluation/metrics_format.h"
 #include "client/sdk/session.h"
 
@@ -44,13 +46,15 @@ v1::OpenSession OpenRequest(const LocalizeArguments& arguments, const Drive& dri
   return open;
 }
 
-/// Sends a drive's scans on a thread of its own: when their stamps say, or each as soon as the one
-/// before it is answered.
+/// Sends a drive's scans, and position fixes among them, on a thread of its own: when their stamps
+/// say, or each scan as soon as the one before it is answered.
 class Sender {
  public:
-  Sender(client::Session& session, const Drive& drive, const LocalizeArguments& arguments)
+  Sender(client::Session& session, const Drive& drive, const std::vector<StampedFix>& fixes,
+         const LocalizeArguments& arguments)
       : session_(session),
         drive_(drive),
+        fixes_(fixes),
         is_realtime_(arguments.rate == "realtime"),
         sends_ego_velocity_(arguments.ego_velocity == "sensor"),
         sent_at_(drive.scans.size()),
@@ -79,11 +83,9 @@ class Sender {
     const Clock::time_point begin = Clock::now();
     for (std::size_t i = 0; i < drive_.scans.size(); ++i) {
       const Scan& scan = drive_.scans[i].scan;
-      if (is_realtime_) {
-        WaitUntil(begin + (scan.stamp - drive_.scans.front().scan.stamp), stop);
-      } else {
-        WaitForAnswers(i, stop);
-      }
+      if (!is_realtime_) WaitForAnswers(i, stop);
+      if (!SendFixesUntil(scan.stamp, begin, stop).ok()) return;
+      if (is_realtime_) WaitUntil(TimeOf(scan.stamp, begin), stop);
       if (stop.stop_requested()) return;
       v1::Scan message = ToProto(scan, static_cast<std::int64_t>(i));
       if (!sends_ego_velocity_) message.clear_ego_velocity();
@@ -92,6 +94,21 @@ class Sender {
       if (!session_.Send(std::move(message)).ok()) return;
     }
     session_.CloseSending();
+  }
+
+  /// When a vehicle that began at `begin` sends what has that stamp.
+  Clock::time_point TimeOf(Stamp stamp, Clock::time_point begin) const {
+    return begin + (stamp - drive_.scans.front().scan.stamp);
+  }
+
+  absl::Status SendFixesUntil(Stamp stamp, Clock::time_point begin, const std::stop_token& stop) {
+    for (; next_fix_ < fixes_.size() && fixes_[next_fix_].stamp <= stamp; ++next_fix_) {
+      const StampedFix& fix = fixes_[next_fix_];
+      if (is_realtime_) WaitUntil(TimeOf(fix.stamp, begin), stop);
+      if (stop.stop_requested()) return absl::CancelledError("stopped");
+      if (absl::Status status = session_.SendFix(ToProto(fix)); !status.ok()) return status;
+    }
+    return absl::OkStatus();
   }
 
   void WaitUntil(Clock::time_point time, const std::stop_token& stop) {
@@ -106,12 +123,14 @@ class Sender {
 
   client::Session& session_;
   const Drive& drive_;
+  const std::vector<StampedFix>& fixes_;
   const bool is_realtime_;
   const bool sends_ego_velocity_;
   std::vector<Clock::time_point> sent_at_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::size_t answered_count_ = 0;
+  std::size_t next_fix_ = 0;
   std::jthread thread_;  ///< last: it uses the others
 };
 
@@ -162,10 +181,14 @@ absl::StatusOr<ScanOutcome> Judge(const v1::LocalizationResult& result, const Dr
 
 // Takes the answers until the session has ended.
 absl::Status Receive(client::Session& session, Sender& sender, const Drive& drive,
-                     AnswerFiles& files, DriveOutcome& outcome) {
+                     AnswerFiles& files, DriveOutcome& outcome, TrustSummary& trust) {
   Progress progress(absl::StrCat("localizing ", drive.name), drive.scans.size());
   while (const std::optional<v1::LocalizeResponse> response = session.Next()) {
     const Clock::time_point now = Clock::now();
+    if (response->has_position_fix_answer()) {
+      trust.Add(response->position_fix_answer());
+      continue;
+    }
     const std::int64_t number = response->has_result() ? response->result().sequence_number()
                                                        : response->rejected().sequence_number();
     const auto index = static_cast<std::size_t>(number);
@@ -183,6 +206,9 @@ absl::Status Receive(client::Session& session, Sender& sender, const Drive& driv
     if (!scan.ok()) return scan.status();
     scan->total_ms = Milliseconds(now - sender.sent_at(index));
     files.Add(response->result(), *scan);
+    if (const std::string news = trust.Add(response->result()); !news.empty()) {
+      progress.Say(news);
+    }
     outcome.scans.push_back(*std::move(scan));
   }
   return session.EndStatus();
@@ -208,43 +234,63 @@ void PrintSummary(const DriveOutcome& outcome, std::size_t scan_count) {
 
 /// What `PrintSummary` and `PrintConnection` say, for scripts.
 void PrintJson(const DriveOutcome& outcome, std::size_t scan_count,
-               const client::SessionStats& stats) {
+               const client::SessionStats& stats, const TrustSummary& trust) {
   nlohmann::ordered_json json = {{"drive", outcome.drive},
                                  {"scan_count", scan_count},
                                  {"first_refusal", outcome.first_refusal},
                                  {"disconnect_count", stats.disconnect_count},
                                  {"resume_count", stats.resume_count},
-                                 {"restart_count", stats.restart_count}};
+                                 {"restart_count", stats.restart_count},
+                                 {"lost_fix_count", stats.lost_fix_count}};
+  json.update(trust.Json());
   json.update(MetricsJson(ComputeMetrics({&outcome, 1})));
   absl::PrintF("%s\n", json.dump(2));
 }
 
 absl::Status Localize(client::Session& session, const Drive& drive,
-                      const LocalizeArguments& arguments, const StopSignals& signals,
-                      AnswerFiles& files) {
+                      const std::vector<StampedFix>& fixes, const LocalizeArguments& arguments,
+                      const StopSignals& signals, AnswerFiles& files) {
   DriveOutcome outcome;
   outcome.drive = drive.name;
   std::atomic<bool> interrupted = false;
-  Sender sender(session, drive, arguments);
+  TrustSummary trust;
+  Sender sender(session, drive, fixes, arguments);
   // The first signal ends the sending, a second one does not wait for what is under way.
   const std::jthread watcher = signals.Watch([&](int count) {
     interrupted = true;
     sender.Stop();
     if (count > 1) session.Cancel();
   });
-  absl::Status status = Receive(session, sender, drive, files, outcome);
+  absl::Status status = Receive(session, sender, drive, files, outcome, trust);
   sender.Stop();
   session.Cancel();
   if (interrupted) status = absl::CancelledError("interrupted; the files hold what was answered");
   status.Update(files.Close());
   status.Update(session.record_status());
   if (arguments.json) {
-    PrintJson(outcome, drive.scans.size(), session.stats());
+    PrintJson(outcome, drive.scans.size(), session.stats(), trust);
   } else {
     PrintSummary(outcome, drive.scans.size());
+    absl::PrintF("%s", trust.Text());
     PrintConnection(session.stats());
   }
   return status;
+}
+
+/// Whether the server and its map can take the fixes.
+absl::Status CheckFixes(const std::vector<StampedFix>& fixes, const v1::SessionOpened& opened,
+                        const LocalizeArguments& arguments) {
+  if (fixes.empty()) return absl::OkStatus();
+  if (!opened.takes_position_fixes()) {
+    return absl::UnimplementedError(absl::StrCat(
+        arguments.server.server, ": the server takes no position fixes; it is an older one"));
+  }
+  if (std::holds_alternative<GnssFix>(fixes.front().position) && !opened.has_anchor()) {
+    return absl::FailedPreconditionError(absl::StrCat(arguments.fix_file,
+                                                      ": has positions on the Earth, and map ",
+                                                      opened.map_name(), " has no anchor"));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -255,6 +301,9 @@ absl::Status RunLocalize(const LocalizeArguments& arguments) {
   if (drive->scans.empty()) {
     return absl::InvalidArgumentError(absl::StrCat("drive ", drive->name, " has no scans"));
   }
+  absl::StatusOr<std::vector<StampedFix>> fixes = std::vector<StampedFix>();
+  if (!arguments.fix_file.empty()) fixes = ReadFixes(arguments.fix_file);
+  if (!fixes.ok()) return fixes.status();
   const StopSignals signals;
   const auto channel = client::MakeChannel(arguments.server);
   if (!channel.ok()) return channel.status();
@@ -264,9 +313,12 @@ absl::Status RunLocalize(const LocalizeArguments& arguments) {
     return absl::Status(session.status().code(),
                         absl::StrCat(arguments.server.server, ": ", session.status().message()));
   }
+  if (absl::Status status = CheckFixes(*fixes, (*session)->opened(), arguments); !status.ok()) {
+    return status;
+  }
   absl::StatusOr<AnswerFiles> files = AnswerFiles::Create(arguments.csv_file, arguments.tum_file);
   if (!files.ok()) return files.status();
-  return Localize(**session, *drive, arguments, signals, *files);
+  return Localize(**session, *drive, *fixes, arguments, signals, *files);
 }
 
 }  // namespace dcloc::cli

@@ -26,6 +26,7 @@ struct LocalizeArguments {
   double reconnect_s = 30.0;  ///< 0: never
   std::string csv_file;
   std::string tum_file;
+  std::string fix_file;     ///< position fixes to send; may be empty
   std::string record_file;  ///< of the session; may be empty
   bool json = false;
 };

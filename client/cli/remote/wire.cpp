@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -26,6 +27,15 @@ void Set(v1::GeodeticPosition* message, const GeodeticPosition& position) {
   message->set_height_m(position.height_m);
 }
 
+void Set(v1::GnssFix* message, const GnssFix& fix) {
+  Set(message->mutable_position(), fix.position);
+  message->set_horizontal_sigma_m(fix.horizontal_sigma_m);
+  message->set_vertical_sigma_m(fix.vertical_sigma_m);
+  if (!fix.heading_deg) return;
+  message->set_heading_deg(*fix.heading_deg);
+  message->set_heading_sigma_deg(fix.heading_sigma_deg);
+}
+
 void Set(v1::Pose* message, const Pose3& pose) {
   Set(message->mutable_translation_m(), pose.translation_m);
   message->mutable_rotation()->set_w(pose.rotation.w());
@@ -42,8 +52,51 @@ void Set(google::protobuf::RepeatedField<float>* message, const std::vector<floa
   message->Assign(column.begin(), column.end());
 }
 
-Eigen::Quaterniond RotationOf(const v1::Quaternion& message) {
-  return {message.w(), message.x(), message.y(), message.z()};
+Pose3 PoseOf(const v1::Pose& message) {
+  const v1::Vector3& t = message.translation_m();
+  const v1::Quaternion& q = message.rotation();
+  return {.translation_m = {t.x(), t.y(), t.z()},
+          .rotation = Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z())};
+}
+
+// On the wire 0 is "unspecified", and then come core's in their order.
+static_assert(static_cast<int>(SourceFault::kNone) + 1 == v1::SOURCE_FAULT_NONE);
+static_assert(static_cast<int>(SourceFault::kClock) + 1 == v1::SOURCE_FAULT_CLOCK);
+static_assert(static_cast<int>(FixUse::kFused) + 1 == v1::FIX_USE_FUSED);
+static_assert(static_cast<int>(FixUse::kOutOfTime) + 1 == v1::FIX_USE_OUT_OF_TIME);
+
+/// Of a SourceHealth or a RadarHealth.
+template <typename Message>
+void Set(Message* message, const SourceHealth& health) {
+  message->set_used(health.is_used);
+  message->set_fault(static_cast<v1::SourceFault>(static_cast<int>(health.fault) + 1));
+}
+
+template <typename Message>
+SourceHealth HealthOf(const Message& message) {
+  // A newer server may know more faults.
+  const int fault = static_cast<int>(message.fault()) - 1;
+  const bool is_known = fault >= 0 && fault < static_cast<int>(kSourceFaultNames.size());
+  return {.is_used = message.used(),
+          .fault = is_known ? static_cast<SourceFault>(fault) : SourceFault::kSilent};
+}
+
+Health HealthOf(const v1::Health& message) {
+  Health health{.wheel_speed = HealthOf(message.wheel_speed()),
+                .yaw_rate = HealthOf(message.yaw_rate()),
+                .radars = {}};
+  for (const v1::RadarHealth& radar : message.radars()) health.radars.push_back(HealthOf(radar));
+  return health;
+}
+
+void Set(v1::Health* message, const Health& health, const Rig& rig) {
+  Set(message->mutable_wheel_speed(), health.wheel_speed);
+  Set(message->mutable_yaw_rate(), health.yaw_rate);
+  for (std::size_t i = 0; i < health.radars.size(); ++i) {
+    v1::RadarHealth* radar = message->add_radars();
+    radar->set_radar_id(rig.radars.at(i).id);
+    Set(radar, health.radars[i]);
+  }
 }
 
 LocalizationQuality QualityOf(const v1::LocalizationQuality& message) {
@@ -162,7 +215,21 @@ v1::Scan ToProto(const Scan& scan, std::int64_t sequence_number) {
   return message;
 }
 
-v1::LocalizationResult ToProto(const Localization& localization, std::int64_t sequence_number) {
+v1::PositionFix ToProto(const StampedFix& fix) {
+  v1::PositionFix message;
+  message.set_stamp_ns(fix.stamp.time_since_epoch().count());
+  if (const auto* gnss = std::get_if<GnssFix>(&fix.position)) {
+    Set(message.mutable_gnss_fix(), *gnss);
+  } else {
+    *message.mutable_map_pose() = ToProto(PoseOf(std::get<MapFix>(fix.position)));
+  }
+  return message;
+}
+
+v1::FixUse ToProto(FixUse use) { return static_cast<v1::FixUse>(static_cast<int>(use) + 1); }
+
+v1::LocalizationResult ToProto(const Localization& localization, const Rig& rig,
+                               std::int64_t sequence_number) {
   v1::LocalizationResult message;
   message.set_sequence_number(sequence_number);
   message.set_stamp_ns(localization.stamp.time_since_epoch().count());
@@ -170,6 +237,13 @@ v1::LocalizationResult ToProto(const Localization& localization, std::int64_t se
   *message.mutable_pose() = ToProto(InitialPose{.T_map_vehicle = localization.T_map_vehicle,
                                                 .covariance = localization.covariance});
   message.set_observed_dof_mask(static_cast<std::int32_t>(localization.observed.to_ulong()));
+  if (localization.protection_level_m) {
+    message.set_protection_level_m(*localization.protection_level_m);
+  }
+  Set(message.mutable_health(), localization.health, rig);
+  const PoseResets& resets = localization.resets;
+  message.mutable_resets()->set_count(resets.count);
+  if (resets.count > 0) Set(message.mutable_resets()->mutable_last_jump(), resets.T_before_after);
   v1::LocalizationQuality& quality = *message.mutable_quality();
   quality.set_live_point_count(localization.quality.live_point_count);
   quality.set_inlier_count(localization.quality.inlier_count);
@@ -195,12 +269,16 @@ absl::StatusOr<Localization> FromProto(const v1::LocalizationResult& result) {
   Localization answer;
   answer.stamp = Stamp(std::chrono::nanoseconds(result.stamp_ns()));
   answer.state = *state;
-  const v1::Vector3& t = result.pose().pose().translation_m();
-  answer.T_map_vehicle = {.translation_m = {t.x(), t.y(), t.z()},
-                          .rotation = RotationOf(result.pose().pose().rotation())};
+  answer.T_map_vehicle = PoseOf(result.pose().pose());
   answer.covariance = TangentFromFixedAxes(answer.T_map_vehicle,
                                            RowMajor6d::Map(result.pose().covariance().data()));
   answer.observed = static_cast<unsigned long>(result.observed_dof_mask());
+  if (result.has_protection_level_m()) answer.protection_level_m = result.protection_level_m();
+  answer.health = HealthOf(result.health());
+  answer.resets.count = static_cast<int>(result.resets().count());
+  if (result.resets().has_last_jump()) {
+    answer.resets.T_before_after = PoseOf(result.resets().last_jump());
+  }
   answer.quality = QualityOf(result.quality());
   return answer;
 }

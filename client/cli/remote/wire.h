@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
+#include "client/datasets/fix_file.h"
 #include "core/geometry/geodetic_anchor.h"
 #include "core/localizer/localizer.h"
 #include "core/radar/radar_model.h"
@@ -23,8 +24,13 @@ v1::GeodeticAnchor ToProto(const GeodeticAnchor& anchor);
 /// out.
 v1::GnssFix FixOf(const InitialPose& pose, const GeodeticAnchor& anchor);
 
-/// What a server of ours answers; without timings, map version and place on the Earth.
-v1::LocalizationResult ToProto(const Localization& localization, std::int64_t sequence_number);
+v1::PositionFix ToProto(const StampedFix& fix);
+
+/// What a server of ours answers to a scan of `rig`; without timings, map version and place on the
+/// Earth.
+v1::LocalizationResult ToProto(const Localization& localization, const Rig& rig,
+                               std::int64_t sequence_number);
+v1::FixUse ToProto(FixUse use);
 
 /// The answer as the localizer returned it. DataLoss for a message that no dcloc server sends.
 absl::StatusOr<Localization> FromProto(const v1::LocalizationResult& result);

@@ -35,8 +35,8 @@ double Seconds(std::int64_t duration_ns) { return 1e-9 * static_cast<double>(dur
 
 void PrintTable(const std::vector<v1::Session>& sessions) {
   std::vector<std::vector<std::string>> rows = {{"session", "vehicle", "map", "state", "scans",
-                                                 "refused", "missing", "resumed", "idle",
-                                                 "client"}};
+                                                 "refused", "missing", "resumed", "idle", "client",
+                                                 "without"}};
   for (const v1::Session& session : sessions) {
     rows.push_back({session.session_id().substr(0, kShortId), session.vehicle_id(),
                     absl::StrCat(session.map_name(), ":", session.map_version()),
@@ -44,7 +44,8 @@ void PrintTable(const std::vector<v1::Session>& sessions) {
                     absl::StrCat(session.scan_count()), absl::StrCat(session.rejected_scan_count()),
                     absl::StrCat(session.missing_scan_count()),
                     absl::StrCat(session.resume_count()),
-                    AgeText(Seconds(session.idle_duration_ns())), session.peer()});
+                    AgeText(Seconds(session.idle_duration_ns())), session.peer(),
+                    SetAsideText(session.health())});
   }
   absl::PrintF("%s", FormatTable(rows));
 }

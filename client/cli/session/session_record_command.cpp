@@ -56,6 +56,7 @@ absl::Status Record(client::AdminClient& admin, const RecordArguments& arguments
   v1::RecordingHeader header;
   absl::Status file_status;
   const auto take = [&](const v1::RecordSessionResponse& message) {
+    if (message.has_fix() && writer) return writer->Add(message.fix());
     if (message.has_scan() && writer) {
       writer->Add(message.scan());
       line.Show(
@@ -105,7 +106,8 @@ void AddRecord(CLI::App& session_command, int& exit_code) {
       ->type_name("FILE");
   record->add_flag("--json", arguments->json, "Print as JSON");
   record->footer(
-      "Scans and answers of the whole session: what is needed to localize it again, bit by bit.\n"
+      "Scans, position fixes and answers of the whole session: what is needed to localize it "
+      "again, bit by bit.\n"
       "A session that is open is not recorded, as its past is not known any more.\n"
       "Example:\n  dcloc session record --server localhost:50051 --vehicle car-17 --out car.rec");
   record->callback([arguments, &exit_code] {
@@ -131,7 +133,7 @@ void AddReplay(CLI::App& session_command, int& exit_code) {
   replay->add_flag("--json", arguments->json, "Print as JSON");
   replay->footer(
       "With --server, in the map that the recording names. The exit code is 1 when an answer\n"
-      "differs in a single bit of state, pose, covariance or quality.\n"
+      "differs in a single bit of state, pose, covariance, quality or health.\n"
       "Examples:\n"
       "  dcloc session replay car.rec --map town.dclm\n"
       "  dcloc session replay car.rec --server localhost:50051");

@@ -78,7 +78,7 @@ GnssFix FixOf(const v1::GnssFix& message) {
 
 absl::StatusOr<InitialPose> PoseOf(const v1::PoseWithCovariance& message) {
   if (message.covariance_size() != RowMajor6d::SizeAtCompileTime) {
-    return absl::DataLossError("the recorded initial pose has no covariance of 36 values");
+    return absl::DataLossError("a recorded pose has no covariance of 36 values");
   }
   const Pose3 T_map_vehicle = PoseOf(message.pose());
   return InitialPose{.T_map_vehicle = T_map_vehicle,
@@ -111,6 +111,23 @@ absl::StatusOr<SessionStart> FromProto(const v1::OpenSession& open,
     start.initial_pose = *pose;
   }
   return start;
+}
+
+absl::StatusOr<PositionFix> FromProto(const v1::PositionFix& message,
+                                      const std::optional<GeodeticAnchor>& anchor) {
+  PositionFix fix{.stamp = Stamp(std::chrono::nanoseconds(message.stamp_ns())), .pose = {}};
+  if (message.has_gnss_fix()) {
+    if (!anchor) {
+      return absl::FailedPreconditionError(
+          "the session has GNSS fixes, and the map has no anchor on the Earth");
+    }
+    fix.pose = PriorFromGnss(FixOf(message.gnss_fix()), *anchor);
+    return fix;
+  }
+  const absl::StatusOr<InitialPose> pose = PoseOf(message.map_pose());
+  if (!pose.ok()) return pose.status();
+  fix.pose = *pose;
+  return fix;
 }
 
 Scan FromProto(const v1::Scan& message) {

@@ -21,6 +21,11 @@ struct SessionStart {
 absl::StatusOr<SessionStart> FromProto(const v1::OpenSession& open,
                                        const std::optional<GeodeticAnchor>& anchor);
 
+/// As above for a position fix that the server took. FailedPrecondition for a GNSS fix where the
+/// map has no anchor.
+absl::StatusOr<PositionFix> FromProto(const v1::PositionFix& message,
+                                      const std::optional<GeodeticAnchor>& anchor);
+
 /// As above for a scan that the server localized.
 Scan FromProto(const v1::Scan& message);
 

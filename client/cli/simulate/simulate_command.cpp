@@ -2,14 +2,17 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/cli/common/anchor_option.h"
 #include "client/cli/common/exit_codes.h"
 #include "client/cli/common/progress.h"
 #include "client/cli/common/terminal.h"
+#include "client/simulation/fix_simulator.h"
 #include "client/simulation/nuscenes_writer.h"
 #include "client/simulation/option_names.h"
 #include "client/simulation/simulation.h"
@@ -19,6 +22,8 @@ namespace {
 
 struct SimulateArguments {
   SimulationOptions options;
+  FixOptions fixes;
+  std::optional<GeodeticAnchor> anchor;  ///< of fixes on the Earth
   double map_speed_kmh = 72.0;
   std::vector<double> live_speeds_kmh = {40.0};
   std::string out;
@@ -44,7 +49,9 @@ absl::Status Simulate(SimulateArguments arguments) {
   for (const double kmh : arguments.live_speeds_kmh) {
     options.live_speeds_mps.push_back(kmh * kMpsPerKmh);
   }
-  if (absl::Status status = Validate(options); !status.ok()) return status;
+  absl::Status valid = Validate(options);
+  valid.Update(Validate(arguments.fixes));
+  if (!valid.ok()) return valid;
 
   auto writer = NuScenesWriter::Create(arguments.out, arguments.force);
   if (!writer.ok()) return writer.status();
@@ -58,6 +65,11 @@ absl::Status Simulate(SimulateArguments arguments) {
     }
     if (!simulated.ok()) return simulated.status();
     if (absl::Status status = writer->AddPass(*simulated); !status.ok()) return status;
+    if (arguments.fixes.rate_hz > 0.0) {
+      const auto fixes =
+          SimulateFixes(*simulated, pass.index, arguments.fixes, options.seed, arguments.anchor);
+      if (absl::Status status = writer->AddFixes(pass.name, fixes); !status.ok()) return status;
+    }
     PrintPass(*simulated, options.length_m);
   }
   return writer->Finish(options);
@@ -126,6 +138,28 @@ void AddRadarOptions(CLI::App& app, SimulationOptions& options) {
       ->type_name("SHARE");
 }
 
+void AddFixOptions(CLI::App& app, SimulateArguments& arguments) {
+  FixOptions& fixes = arguments.fixes;
+  app.add_option("--fixes", fixes.rate_hz,
+                 "Write position fixes at this rate into DIR/fixes/DRIVE.csv; 0 for none")
+      ->type_name("HZ");
+  app.add_option("--fix-sigma-m", fixes.sigma_m,
+                 "Their noise along each horizontal axis; the height's is twice that")
+      ->type_name("M");
+  app.add_option("--fix-heading-sigma-deg", fixes.heading_sigma_deg,
+                 "Noise of their heading; 0 for fixes without one")
+      ->type_name("DEG");
+  app.add_option("--fix-jumps", fixes.jumps_per_min, "Multipath jumps a minute, on average")
+      ->type_name("COUNT");
+  app.add_option("--fix-jump-m", fixes.jump_m, "Mean size of a jump, which no sigma tells")
+      ->type_name("M");
+  app.add_option("--fix-jump-s", fixes.jump_s, "How long a jump lasts")->type_name("S");
+  app.add_option("--fix-outages", fixes.outages_per_min, "Outages a minute, on average")
+      ->type_name("COUNT");
+  app.add_option("--fix-outage-s", fixes.outage_s, "How long an outage lasts")->type_name("S");
+  AddAnchorOption(app, arguments.anchor);
+}
+
 }  // namespace
 
 void AddSimulateCommand(CLI::App& app, int& exit_code) {
@@ -138,12 +172,18 @@ void AddSimulateCommand(CLI::App& app, int& exit_code) {
       ->type_name("DIR");
   AddWorldOptions(*simulate, *arguments);
   AddRadarOptions(*simulate, arguments->options);
+  AddFixOptions(*simulate, *arguments);
   simulate->add_flag("--force", arguments->force, "Write into a folder that holds other files too");
   simulate->footer(
       "The drives are scenes called map, live-0, live-1, ...\n"
       "Example, the setting of the paper's CARLA experiment:\n"
       "  dcloc simulate --out sim --radar carla --noise student --live-speed-kmh 40,60\n"
-      "  dcloc map build --dataset nuscenes --root sim --drive map --out town.dclm");
+      "  dcloc map build --dataset nuscenes --root sim --drive map --out town.dclm\n"
+      "Position fixes are in the map frame, or on the Earth where --anchor says where that lies.\n"
+      "Example, a receiver with two jumps of about 20 m and an outage a minute:\n"
+      "  dcloc simulate --out sim --fixes 5 --fix-jumps 2 --fix-jump-m 20 --fix-outages 1\n"
+      "  dcloc localize --server localhost:50051 --map town --dataset nuscenes --root sim \\\n"
+      "      --drive live-0 --fixes sim/fixes/live-0.csv --out live-0.csv");
   simulate->callback([arguments, &exit_code] {
     const absl::Status status = Simulate(*arguments);
     exit_code = status.ok() ? kSuccess : Fail(status);

@@ -22,6 +22,7 @@ enum class Stream : std::uint64_t {
   kSignals,
   kClock,
   kScan,
+  kFixes,
 };
 
 /// A generator that depends on all of its arguments and on nothing else.

@@ -109,6 +109,30 @@ class Package(unittest.TestCase):
             self.assertTrue(resumed.opened.resumed)
             self.assertTrue(resumed.localize(scan(4)).from_memory)
 
+    def test_fixes_are_answered_in_their_place(self):
+        import dcloc
+        from dcloc.v1 import localization_service_pb2 as messages, scan_pb2
+        fix = messages.PositionFix(stamp_ns=10**18)
+        fix.map_pose.pose.rotation.w = 1.0
+        fix.map_pose.pose.translation_m.x = 1.0
+        fix.map_pose.covariance.extend(float(i % 7 == 0) for i in range(36))
+        with dcloc.Session(dcloc.connect(self.server.address), self.open_message()) as session:
+            session.send_fix(fix)
+            session.send(scan_pb2.Scan(sequence_number=0, radar_id="front", stamp_ns=10**18))
+            session.send_fix(messages.PositionFix())
+            answers = iter(session)
+            first = next(answers).position_fix_answer
+            self.assertEqual(first.stamp_ns, 10**18)
+            self.assertNotEqual(first.use, messages.FIX_USE_INVALID, first.message)
+            result = next(answers).result
+            self.assertEqual([radar.radar_id for radar in result.health.radars], ["front"])
+            bad = next(answers).position_fix_answer
+            self.assertEqual(bad.use, messages.FIX_USE_INVALID)
+            self.assertIn("stamp_ns", bad.message)
+            session.opened.takes_position_fixes = False
+            with self.assertRaisesRegex(NotImplementedError, "older"):
+                session.send_fix(fix)
+
     def test_what_the_server_refuses_is_an_error(self):
         import dcloc
         import grpc

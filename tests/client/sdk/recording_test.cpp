@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <fstream>
 #include <iterator>
@@ -76,11 +77,48 @@ TEST_F(RecordingTest, GivesBackWhatWasRecorded) {
   for (int i = 0; i < 3; ++i) {
     const auto next = reader.Next();
     ASSERT_TRUE(next.ok() && next->has_value());
-    EXPECT_EQ((*next)->SerializeAsString(), ScanNumber(i).SerializeAsString());
+    EXPECT_EQ((*next)->scan().SerializeAsString(), ScanNumber(i).SerializeAsString());
   }
   EXPECT_FALSE(reader.Next()->has_value());
   EXPECT_EQ(reader.end_reason(), "it was over");
   EXPECT_FALSE(reader.Next()->has_value());
+}
+
+TEST_F(RecordingTest, FixesAreInTheirPlaceAndCounted) {
+  v1::RecordedFix fix;
+  fix.mutable_fix()->set_stamp_ns(7);
+  fix.mutable_answer()->set_use(v1::FIX_USE_CONTRADICTED);
+  auto writer = *RecordingWriter::Create(file_, Header());
+  writer.Add(ScanNumber(0));
+  writer.Add(fix);
+  writer.Add(ScanNumber(1));
+  ASSERT_TRUE(writer.Close("").ok());
+  EXPECT_EQ(writer.scan_count(), 2);
+  auto reader = *RecordingReader::Open(file_);
+  EXPECT_TRUE((*reader.Next())->has_scan());
+  EXPECT_EQ((*reader.Next())->fix().SerializeAsString(), fix.SerializeAsString());
+  EXPECT_TRUE((*reader.Next())->has_scan());
+  EXPECT_FALSE(reader.Next()->has_value());
+}
+
+TEST_F(RecordingTest, AFileOfTheFirstFormatIsRead) {
+  // Version 1 differs from one without fixes in its number alone, and so in its checksum.
+  v1::RecordingHeader header = Header();
+  header.set_format_version(1);
+  const auto delimited = [](const google::protobuf::MessageLite& message) {
+    const std::string text = message.SerializeAsString();
+    EXPECT_LT(text.size(), 128U);
+    return std::string(1, static_cast<char>(text.size())) + text;
+  };
+  v1::RecordingEntry scan;
+  scan.mutable_scan()->mutable_scan()->set_sequence_number(5);
+  std::string bytes = "DCLOCREC" + delimited(header) + delimited(scan);
+  v1::RecordingEntry end;
+  end.mutable_end()->set_scan_count(1);
+  end.mutable_end()->set_crc32(static_cast<std::int64_t>(
+      crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size()))));
+  bytes += delimited(end);
+  EXPECT_TRUE(StatusOf(bytes).ok()) << StatusOf(bytes);
 }
 
 TEST_F(RecordingTest, EveryTruncationIsNoticed) {
@@ -113,14 +151,14 @@ TEST_F(RecordingTest, OtherFilesAndNewerFormatsAreRefused) {
   EXPECT_EQ(other.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(other.message()), HasSubstr("no dcloc recording"));
   v1::RecordingHeader header;
-  header.set_format_version(2);
+  header.set_format_version(kRecordingFormatVersion + 1);
   header.set_program("dcloc-server 9.9");
   const std::string bytes = header.SerializeAsString();
   const absl::Status newer =
       StatusOf("DCLOCREC" + std::string(1, static_cast<char>(bytes.size())) + bytes);
   EXPECT_EQ(newer.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(newer.message()),
-              AllOf(HasSubstr("format version 2"), HasSubstr("dcloc-server 9.9")));
+              AllOf(HasSubstr("format version 3"), HasSubstr("dcloc-server 9.9")));
   const absl::Status huge = StatusOf("DCLOCREC\xff\xff\xff\xff\x0f");
   EXPECT_EQ(huge.code(), absl::StatusCode::kDataLoss) << "and no memory is taken for it";
 }
@@ -158,8 +196,8 @@ TEST_F(RecordingTest, ASessionIsRecordedAsItsAnswersAreTaken) {
   for (int i = 0; i < 5; ++i) {
     const auto next = reader->Next();
     ASSERT_TRUE(next.ok() && next->has_value());
-    EXPECT_EQ((*next)->scan().sequence_number(), i);
-    EXPECT_EQ((*next)->answer().has_rejected(), i == 3);
+    EXPECT_EQ((*next)->scan().scan().sequence_number(), i);
+    EXPECT_EQ((*next)->scan().answer().has_rejected(), i == 3);
   }
   const auto end = reader->Next();
   EXPECT_TRUE(end.ok() && !end->has_value()) << end.status();

@@ -310,6 +310,8 @@ TEST(SessionTest, OptionsErrorsNameTheField) {
   EXPECT_THAT(std::string(Validate({.open_timeout = -1ms}).message()), HasSubstr("-1 ms"));
   EXPECT_THAT(std::string(Validate({.max_unanswered_scan_count = 0}).message()),
               HasSubstr("max_unanswered_scan_count"));
+  EXPECT_THAT(std::string(Validate({.max_unanswered_fix_count = 0}).message()),
+              HasSubstr("max_unanswered_fix_count"));
   const ReconnectOptions shrinking{.initial_backoff = 2s, .max_backoff = 1s};
   EXPECT_THAT(std::string(Validate({.reconnect = shrinking}).message()),
               HasSubstr("reconnect.max_backoff is 1000 ms"));

@@ -254,6 +254,20 @@ TEST_F(NuScenesWriterTest, ReplacesAnEarlierSimulationAndNothingElse) {
   EXPECT_EQ(Bytes(root_ / "thesis.tex"), "mine");
 }
 
+TEST_F(NuScenesWriterTest, FixesLieBesideThePassAndGoWithIt) {
+  options_.rig_size = 1;
+  Write(root_, options_);
+  auto writer = NuScenesWriter::Create(root_, false);
+  ASSERT_TRUE(writer.ok()) << writer.status();
+  const std::vector<StampedFix> fixes = {
+      {Stamp(std::chrono::seconds(1)), MapFix{.horizontal_sigma_m = 1.0, .vertical_sigma_m = 2.0}}};
+  ASSERT_TRUE(writer->AddFixes("live-0", fixes).ok());
+  ASSERT_TRUE(writer->Finish(options_).ok());
+  EXPECT_EQ(ReadFixes(root_ / kFixFolder / "live-0.csv")->size(), 1U);
+  ASSERT_TRUE(NuScenesWriter::Create(root_, false).ok()) << "it is an earlier simulation";
+  EXPECT_FALSE(fs::exists(root_ / kFixFolder));
+}
+
 TEST_F(NuScenesWriterTest, SaysWhatItCannotWrite) {
   fs::create_directories(root_);
   std::ofstream(root_ / "file") << "x";

@@ -17,10 +17,11 @@ using ::testing::HasSubstr;
 /// A RecordSession call that the server has taken.
 struct Recorder {
   Recorder(v1::AdminService::Stub& admin, const std::string& vehicle_id,
-           const std::string& token = "") {
+           const std::string& token = "", bool position_fixes = true) {
     if (!token.empty()) call.AddMetadata("authorization", "Bearer " + token);
     v1::RecordSessionRequest request;
     request.set_vehicle_id(vehicle_id);
+    request.set_position_fixes(position_fixes);
     reader = admin.RecordSession(&call, request);
     reader->WaitForInitialMetadata();
   }
@@ -104,6 +105,36 @@ TEST_F(RecordTest, TheNextSessionIsTakenFromItsOpeningToItsEnd) {
   Close(*session);
   EXPECT_FALSE(recorder.Read().has_value());
   EXPECT_TRUE(recorder.reader->Finish().ok());
+}
+
+TEST_F(RecordTest, FixesAreInTheirPlaceAmongTheScans) {
+  Recorder recorder(*server_.admin, "car-1");
+  const auto session = OpenSession("car-1");
+  ASSERT_TRUE(session->Localize(ScanMessage(0))->has_result());
+  ASSERT_TRUE(session->Send(FixMessage(1)));
+  const auto answer = session->Read();
+  ASSERT_TRUE(session->Localize(ScanMessage(1))->has_result());
+  Close(*session);
+  ASSERT_TRUE(recorder.Read()->has_header());
+  EXPECT_EQ(recorder.Read()->scan().scan().sequence_number(), 0);
+  const auto recorded = recorder.Read();
+  EXPECT_EQ(recorded->fix().fix().SerializeAsString(), FixMessage(1).SerializeAsString());
+  EXPECT_EQ(recorded->fix().answer().SerializeAsString(),
+            answer->position_fix_answer().SerializeAsString());
+  EXPECT_EQ(recorder.Read()->scan().scan().sequence_number(), 1);
+  EXPECT_TRUE(recorder.Finish().ok());
+}
+
+TEST_F(RecordTest, ARecorderThatKnowsNoFixesIsEndedByTheFirstOne) {
+  Recorder recorder(*server_.admin, "car-1", "", /*position_fixes=*/false);
+  const auto session = OpenSession("car-1");
+  ASSERT_TRUE(session->Localize(ScanMessage(0))->has_result());
+  ASSERT_TRUE(session->Send(FixMessage(1)));
+  ASSERT_TRUE(session->Read().has_value());
+  const grpc::Status status = recorder.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(status.error_message(), HasSubstr("position fixes"));
+  EXPECT_TRUE(session->Localize(ScanMessage(1))->has_result()) << "the session goes on";
 }
 
 TEST_F(RecordTest, ASessionThatIsOpenIsNotTaken) {

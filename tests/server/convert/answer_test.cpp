@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <string>
 
+#include "absl/strings/ascii.h"
 #include "core/geometry/covariance.h"
 #include "server/convert/geometry.h"
 #include "server/convert/page.h"
@@ -83,8 +85,56 @@ TEST(ConvertAnswerTest, CarriesStateQualityAndObservedDegreesOfFreedom) {
   EXPECT_TRUE(message.quality().beta_is_wrong());
 }
 
+TEST(ConvertAnswerTest, CarriesTheHealthOfEachSourceByItsName) {
+  const Rig rig = FrontRig();
+  Health health{.wheel_speed = {.is_used = false, .fault = SourceFault::kScale},
+                .yaw_rate = {.is_used = true, .fault = SourceFault::kNone},
+                .radars = {}};
+  health.radars.push_back({.is_used = false, .fault = SourceFault::kMount});
+  v1::Health message;
+  for (int i = 0; i < 3; ++i) message.add_radars()->set_radar_id("before");
+  convert::ToProto(health, rig, &message);
+  EXPECT_FALSE(message.wheel_speed().used());
+  EXPECT_EQ(message.wheel_speed().fault(), v1::SOURCE_FAULT_SCALE);
+  EXPECT_TRUE(message.yaw_rate().used());
+  EXPECT_EQ(message.yaw_rate().fault(), v1::SOURCE_FAULT_NONE);
+  ASSERT_EQ(message.radars_size(), 1);
+  EXPECT_EQ(message.radars(0).radar_id(), "front");
+  EXPECT_EQ(message.radars(0).fault(), v1::SOURCE_FAULT_MOUNT);
+}
+
+TEST(ConvertAnswerTest, EachFaultHasItsNameOnTheWire) {
+  for (std::size_t i = 0; i < kSourceFaultNames.size(); ++i) {
+    v1::Health message;
+    convert::ToProto(Health{.wheel_speed = {.fault = static_cast<SourceFault>(i)}}, Rig(),
+                     &message);
+    const std::string name = absl::AsciiStrToUpper(kSourceFaultNames[i]);
+    EXPECT_EQ(v1::SourceFault_Name(message.wheel_speed().fault()), "SOURCE_FAULT_" + name);
+  }
+}
+
+TEST(ConvertAnswerTest, AJumpIsThereOnceOneHasBeen) {
+  Localization localization;
+  v1::LocalizationResult message;
+  convert::ToProto(localization, &message);
+  EXPECT_EQ(message.resets().count(), 0);
+  EXPECT_FALSE(message.resets().has_last_jump());
+  EXPECT_FALSE(message.has_protection_level_m());
+  localization.resets.count = 2;
+  localization.resets.T_before_after.translation_m.y() = 3.0;
+  localization.protection_level_m = 0.5;
+  convert::ToProto(localization, &message);
+  EXPECT_EQ(message.resets().count(), 2);
+  EXPECT_EQ(message.resets().last_jump().translation_m().y(), 3.0);
+  EXPECT_EQ(message.protection_level_m(), 0.5);
+}
+
 TEST(ConvertAnswerTest, NothingOfAnEarlierAnswerShowsThrough) {
-  LocalizedScan scan{.map_version = 3, .anchor = kAnchor};
+  LocalizedScan scan{
+      .map_version = 3, .rig = std::make_shared<const Rig>(FrontRig()), .anchor = kAnchor};
+  scan.localization.health.radars.resize(scan.rig->radars.size());
+  scan.localization.protection_level_m = 0.5;
+  scan.localization.resets.count = 1;
   scan.timings.queue = std::chrono::nanoseconds(11);
   scan.timings.stamp_age = std::chrono::nanoseconds(-12);
   ScanAnswer answer{.sequence_number = 7, .result = scan, .dropped_scan_count = 2};
@@ -101,6 +151,9 @@ TEST(ConvertAnswerTest, NothingOfAnEarlierAnswerShowsThrough) {
   for (const bool anchored : {false, true}) {
     answer.from_memory = !anchored;
     answer.result->anchor.reset();
+    answer.result->rig.reset();
+    answer.result->localization.protection_level_m.reset();
+    answer.result->localization.resets = {};
     if (anchored) answer.result->anchor = kAnchor;
     convert::ToProto(answer, &message);
     v1::LocalizeResponse fresh;

@@ -10,6 +10,7 @@
 
 #include "core/geometry/geodetic_anchor.h"
 #include "server/convert/answer.h"
+#include "server/convert/position_fix.h"
 #include "server/convert/scan.h"
 #include "server/convert/session.h"
 #include "tests/server/fixtures/messages.h"
@@ -40,6 +41,10 @@ inline absl::Status Convert(const v1::Scan& message) {
 inline absl::Status Convert(const v1::OpenSession& message) {
   if (auto request = convert::FromProto(message); !request.ok()) return request.status();
   return convert::InitialPoseFromProto(message, kAnchor).status();
+}
+
+inline absl::Status Convert(const v1::PositionFix& message) {
+  return convert::FromProto(message, kAnchor).status();
 }
 
 /// Something wrong, and what the error must name.

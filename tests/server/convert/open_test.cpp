@@ -14,12 +14,7 @@ using ::testing::HasSubstr;
 
 v1::OpenSession OpenWithFix() {
   v1::OpenSession open = OpenMessage();
-  v1::GnssFix* fix = open.mutable_gnss_fix();
-  fix->mutable_position()->set_latitude_deg(52.001);
-  fix->mutable_position()->set_longitude_deg(8.002);
-  fix->mutable_position()->set_height_m(100.0);
-  fix->set_horizontal_sigma_m(3.0);
-  fix->set_vertical_sigma_m(5.0);
+  *open.mutable_gnss_fix() = GnssFixMessage();
   return open;
 }
 

@@ -49,6 +49,19 @@ TEST_F(UsageTest, ScansOfAPrincipalShareOneRate) {
               HasSubstr("max_scan_rate_hz_per_principal, which is 3"));
 }
 
+TEST_F(UsageTest, FixesHaveTheRateOfScansToThemselves) {
+  limits_.max_scan_rate_hz_per_principal = 2;
+  const auto permit = *usages_.TakeSession(car_);
+  EXPECT_TRUE(permit->TakeFix(kNow).ok());
+  EXPECT_TRUE(permit->TakeFix(kNow).ok());
+  const absl::Status status = permit->TakeFix(kNow);
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(
+      std::string(status.message()),
+      AllOf(HasSubstr("position fixes"), HasSubstr("max_scan_rate_hz_per_principal, which is 2")));
+  EXPECT_TRUE(permit->TakeScan(10, kNow).ok());
+}
+
 TEST_F(UsageTest, TargetsOfAScanAreBounded) {
   limits_.max_target_count = 100;
   const auto permit = *usages_.TakeSession(car_);

@@ -69,6 +69,26 @@ TEST(SlotRingTest, TheOldestThatWaitAreDroppedAndLoseTheirColumns) {
   EXPECT_GT(ring.to_answer().request.scan().range_m_size(), 0);
 }
 
+TEST(SlotRingTest, FixesAreNotDroppedAndDropNothing) {
+  SlotRing ring = OpenRing(2);
+  ring.Lengthen();
+  Read(ring, 1);
+  for (int i = 0; i < 10; ++i) {
+    *ring.to_read().request.mutable_position_fix() = FixMessage(1);
+    ring.OnRead();
+    ring.DropOldest(/*first_is_taken=*/false);
+  }
+  Read(ring, 2);
+  ring.DropOldest(/*first_is_taken=*/false);
+  EXPECT_FALSE(ring.to_answer().dropped);
+  Read(ring, 3);
+  ring.DropOldest(/*first_is_taken=*/false);
+  EXPECT_TRUE(ring.to_answer().dropped) << "three scans wait";
+  ring.OnAnswered();
+  EXPECT_FALSE(ring.to_answer().dropped);
+  EXPECT_TRUE(ring.to_answer().request.has_position_fix());
+}
+
 TEST(SlotRingTest, WithoutOneBeingAnsweredTheFirstIsDroppedToo) {
   SlotRing ring = OpenRing(2);
   ring.Lengthen();

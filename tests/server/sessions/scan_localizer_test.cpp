@@ -57,6 +57,10 @@ TEST(StubScanLocalizerTest, GoesOnByTheVelocityThatIsSentAndSaysSo) {
   EXPECT_EQ(second->state, LocalizationState::kDeadReckoning);
   EXPECT_TRUE(second->observed.none());
   EXPECT_EQ(second->quality.live_point_count, 0);
+  EXPECT_EQ(second->health.radars.size(), 1U);
+  EXPECT_FALSE(second->health.radars[0].is_used);
+  EXPECT_EQ((*localizer)->TakeFix({.stamp = second->stamp, .pose = kAtOrigin}).value(),
+            FixUse::kContradicted);
   EXPECT_FALSE((*localizer)->searching());
   EXPECT_FALSE((*localizer)->Localize(ScanOf(1), nullptr).ok()) << "it is earlier";
 }

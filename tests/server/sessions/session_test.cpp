@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <future>
 #include <string>
 #include <vector>
 
@@ -18,9 +19,11 @@ class SessionTest : public SessionParts {};
 class Watcher final : public AnswerSubscriber {
  public:
   void OnAnswer(const ScanAnswer& answer) override { numbers.push_back(answer.sequence_number); }
+  void OnFixAnswer(const FixAnswer& answer) override { fixes.push_back(answer.stamp_ns); }
   void OnEnd() override { ended = true; }
 
   std::vector<std::int64_t> numbers;
+  std::vector<std::int64_t> fixes;
   bool ended = false;
 };
 
@@ -34,10 +37,15 @@ class Recorder final : public RecordingSubscriber {
     EXPECT_EQ(scan.sequence_number(), answer.sequence_number);
     target_counts.push_back(scan.range_m_size());
   }
+  void OnFix(const v1::PositionFix& fix, const FixAnswer& answer) override {
+    EXPECT_EQ(fix.stamp_ns(), answer.stamp_ns);
+    target_counts.push_back(kFix);
+  }
   void OnEnd() override { ended = true; }
 
   std::string vehicle_id;
   std::string resume_token = "none was given";
+  static constexpr int kFix = -1;
   std::vector<int> target_counts;
   bool ended = false;
 };
@@ -133,6 +141,104 @@ TEST_F(SessionTest, ARecordingHasTheOpeningWithoutItsSecretTheScansAndTheEnd) {
   EXPECT_EQ(recorder->target_counts, (std::vector<int>{20, 0}));
   session.reset();
   EXPECT_TRUE(recorder->ended);
+}
+
+TEST_F(SessionTest, AFixIsNoScan) {
+  const auto session = MakeSession();
+  Answer(*session, ScanMessage(1));
+  const FixAnswer answer = TakeFix(*session, FixMessage(2));
+  EXPECT_EQ(answer.use.value(), FixUse::kFused);
+  EXPECT_EQ(answer.stamp_ns, FixMessage(2).stamp_ns());
+  ASSERT_EQ(script_.fixes.size(), 1U);
+  EXPECT_EQ(script_.fixes[0].stamp.time_since_epoch().count(), FixMessage(2).stamp_ns());
+  const SessionRecord& record = *session->record();
+  EXPECT_EQ(record.position_fix_count, 1);
+  EXPECT_EQ(record.counts.answered, 1);
+  EXPECT_EQ(record.last_sequence_number, 1);
+  EXPECT_EQ(Answer(*session, ScanMessage(2)).result.ok(), true);
+  EXPECT_EQ(record.missing_scan_count, 0);
+}
+
+TEST_F(SessionTest, ABadFixNamesTheFieldAndReachesNoLocalizer) {
+  const auto session = MakeSession();
+  v1::PositionFix fix = FixMessage(1);
+  fix.mutable_map_pose()->clear_covariance();
+  const FixAnswer answer = TakeFix(*session, fix);
+  EXPECT_EQ(answer.use.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(answer.use.status().message()), HasSubstr("position_fix.map_pose"));
+  EXPECT_TRUE(script_.fixes.empty());
+  script_.fix_use = absl::InvalidArgumentError("too flat");
+  EXPECT_EQ(TakeFix(*session, FixMessage(1)).use.status().message(), "position_fix: too flat");
+}
+
+TEST_F(SessionTest, FixesBeyondTheRateOfScansAreNotLookedAt) {
+  limits_.max_scan_rate_hz_per_principal = 3;
+  const auto session = MakeSession();
+  int used = 0;
+  for (int i = 0; i < 1000; ++i) used += TakeFix(*session, FixMessage(i)).use.ok() ? 1 : 0;
+  EXPECT_LE(used, 5);
+  EXPECT_EQ(script_.fixes.size(), static_cast<std::size_t>(used));
+  EXPECT_EQ(session->record()->position_fix_count, 1000);
+  EXPECT_TRUE(Answer(*session, ScanMessage(1)).result.ok()) << "they take nothing from scans";
+}
+
+TEST_F(SessionTest, ASearchThatAFixBeginsIsOnTheLaneOfSearches) {
+  const auto session = MakeSession();
+  script_.searching = true;
+  TakeFix(*session, FixMessage(1));
+  std::promise<void> busy;
+  std::promise<void> release;
+  pool_.Post(
+      [&] {
+        busy.set_value();
+        release.get_future().wait();
+      },
+      Lane::kLengthy);
+  busy.get_future().wait();
+  session->strand().Post([] {});
+  EXPECT_EQ(pool_.queued_count(Lane::kLengthy), 1U);
+  release.set_value();
+}
+
+TEST_F(SessionTest, WatchersAndRecordersGetFixesInTheirPlace) {
+  const auto session = MakeSession();
+  const auto watcher = std::make_shared<Watcher>();
+  const auto recorder = std::make_shared<Recorder>();
+  session->record()->feed.Subscribe(watcher);
+  session->Record(recorder, OpenMessage());
+  Answer(*session, ScanMessage(1, 20));
+  TakeFix(*session, FixMessage(2));
+  Answer(*session, ScanMessage(2, 30));
+  EXPECT_EQ(watcher->fixes, (std::vector<std::int64_t>{FixMessage(2).stamp_ns()}));
+  EXPECT_EQ(recorder->target_counts, (std::vector<int>{20, Recorder::kFix, 30}));
+}
+
+TEST_F(SessionTest, TheHealthOfTheLastAnswerIsListed) {
+  const auto session = MakeSession();
+  EXPECT_EQ(session->record()->health.Get().rig, nullptr);
+  script_.health.radars.resize(1);
+  script_.health.radars[0].fault = SourceFault::kMount;
+  script_.resets.count = 2;
+  Answer(*session, ScanMessage(1));
+  const LastHealth::Value last = session->record()->health.Get();
+  EXPECT_EQ(last.health, script_.health);
+  EXPECT_EQ(last.rig->radars[0].id, "front");
+  EXPECT_EQ(session->record()->pose_reset_count, 2);
+}
+
+TEST_F(SessionTest, ResetsGoOnCountingAfterAMove) {
+  const auto session = MakeSession();
+  script_.resets.count = 2;
+  script_.resets.T_before_after.translation_m.x() = 7.0;
+  Answer(*session, ScanMessage(1));
+  ASSERT_TRUE(session->Move(Map(2)).ok());
+  script_.resets = {};
+  const ScanAnswer answer = Answer(*session, ScanMessage(2));
+  const PoseResets& resets = answer.result->localization.resets;
+  EXPECT_EQ(resets.count, 2);
+  EXPECT_EQ(resets.T_before_after.translation_m.x(), 7.0);
+  script_.resets.count = 1;
+  EXPECT_EQ(Answer(*session, ScanMessage(3)).result->localization.resets.count, 3);
 }
 
 TEST_F(SessionTest, MovesWithTheLastPoseAsPriorAtTheLastScan) {

@@ -20,6 +20,10 @@ struct LocalizerScript {
   absl::Status status;  ///< of the next scans
   bool searching = false;
   bool beta_is_wrong = false;
+  Health health;
+  PoseResets resets;
+  absl::StatusOr<FixUse> fix_use = FixUse::kFused;
+  std::vector<PositionFix> fixes;                        ///< of all localizers
   std::vector<std::optional<InitialPose>> created_with;  ///< one for each localizer
   std::vector<Scan> scans;                               ///< of all localizers
 };
@@ -36,8 +40,15 @@ class ScriptedLocalizer final : public ScanLocalizer {
     localization.T_map_vehicle.translation_m.x() = static_cast<double>(script_.scans.size());
     localization.covariance = Matrix6d::Identity();
     localization.quality.beta.is_wrong = script_.beta_is_wrong;
+    localization.health = script_.health;
+    localization.resets = script_.resets;
     script_.scans.push_back(scan);
     return localization;
+  }
+
+  absl::StatusOr<FixUse> TakeFix(const PositionFix& fix) override {
+    script_.fixes.push_back(fix);
+    return script_.fix_use;
   }
 
   bool searching() const override { return script_.searching; }
@@ -92,6 +103,12 @@ class SessionParts : public ::testing::Test {
     return copy.value();
   }
 
+  static FixAnswer TakeFix(Session& session, const v1::PositionFix& fix) {
+    std::optional<FixAnswer> copy;
+    session.TakeFix(fix, [&](const FixAnswer& answer) { copy = answer; });
+    return copy.value();
+  }
+
   static ScanAnswer AnswerDropped(Session& session, std::int64_t sequence_number) {
     std::optional<ScanAnswer> copy;
     session.AnswerDropped(sequence_number, [&](const ScanAnswer& answer) { copy = answer; });
@@ -101,7 +118,7 @@ class SessionParts : public ::testing::Test {
   ServerConfig config_;
   Limits limits_{config_};
   UsageCounts usages_{limits_};
-  WorkerPool pool_{1};
+  WorkerPool pool_{1, 1};
   ScanCounts totals_;
   SessionMetrics metrics_;
   LocalizerScript script_;

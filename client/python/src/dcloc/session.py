@@ -14,7 +14,7 @@ from dcloc.v1 import scan_pb2
 
 
 class Session:
-    """Scans in, exactly one answer to each out, in the same order.
+    """Scans and position fixes in, exactly one answer to each out, in the same order.
 
     Over one stream: when the connection breaks, a call raises grpc.RpcError, and a resumable
     session can be gone on with by opening one with `opened.resume_token`. One thread may send while
@@ -38,6 +38,16 @@ class Session:
         """Queues a scan. Does not wait."""
         self._requests.put(messages.LocalizeRequest(scan=scan))
 
+    def send_fix(self, fix: messages.PositionFix) -> None:
+        """Queues a position fix behind the scans that were sent before it. Does not wait.
+
+        Its answer, a `position_fix_answer`, comes in its turn. It must not be sent again on another
+        stream. NotImplementedError when the server is too old to take any.
+        """
+        if not self.opened.takes_position_fixes:
+            raise NotImplementedError("the server takes no position fixes; it is an older one")
+        self._requests.put(messages.LocalizeRequest(position_fix=fix))
+
     def close_sending(self) -> None:
         """Says that no more scans will come, and that the session is not to be resumed."""
         self._requests.put(messages.LocalizeRequest(close=messages.CloseSession()))
@@ -48,9 +58,12 @@ class Session:
         return (answer for answer in self._answers if not answer.HasField("ending"))
 
     def localize(self, scan: scan_pb2.Scan) -> messages.LocalizeResponse:
-        """Sends a scan and waits for its answer, a `result` or `rejected`."""
+        """Sends a scan and waits for its answer, a `result` or `rejected`.
+
+        Answers to position fixes that were sent before it, and not taken yet, are passed over.
+        """
         self.send(scan)
-        return next(iter(self))
+        return next(answer for answer in self if not answer.HasField("position_fix_answer"))
 
     def cancel(self) -> None:
         """Ends the stream without waiting. A resumable session stays, for a while."""

@@ -82,5 +82,37 @@ TEST_F(LocalizeCommandTest, ErrorsSayWhatIsWrongAndTouchNoFile) {
   EXPECT_EQ(Dcloc(Localize("--rate sometimes")).exit_code, 2);
 }
 
+TEST_F(LocalizeCommandTest, FixesGoAmongTheScansAndAreReplayedToTheBit) {
+  Upload();
+  const std::string fixes = Shared("sim") + "/fixes/" + drive_ + ".csv";
+  const std::string recording = File("session.rec");
+  Result result = Dcloc(Localize("--rate max --json --fixes " + fixes + " --record " + recording));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  std::size_t fix_count = 0;
+  for (const auto& [use, count] : json["fixes"].items()) fix_count += count.get<std::size_t>();
+  EXPECT_GE(fix_count, Lines(ReadText(fixes)).size() - 2) << "the last may come after all scans";
+  EXPECT_EQ(json["first_invalid_fix"], "");
+  EXPECT_EQ(json["refused"], 0);
+  result = Dcloc("session replay " + recording + " --json --map " + Shared("map"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out)["fix_count"], fix_count);
+  EXPECT_EQ(Dcloc(At("session replay") + recording).exit_code, 0);
+}
+
+TEST_F(LocalizeCommandTest, FixesThatCannotBeSentAreNamed) {
+  Upload();
+  const std::string file = File("fixes.csv");
+  std::ofstream(file) << "stamp_ns,latitude_deg,longitude_deg,height_m,horizontal_sigma_m,"
+                         "vertical_sigma_m\n1714557600000000000,48,10,0,1,1\n";
+  Result result = Dcloc(Localize("--rate max --fixes " + file));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, ::testing::AllOf(HasSubstr(file), HasSubstr("no anchor")));
+  std::ofstream(file, std::ios::app) << "1714557600000000000,99,10,0,1,1\n";
+  result = Dcloc(Localize("--rate max --fixes " + file));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, ::testing::AllOf(HasSubstr("line 3"), HasSubstr("latitude_deg is 99")));
+}
+
 }  // namespace
 }  // namespace dcloc

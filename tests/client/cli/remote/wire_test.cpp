@@ -4,10 +4,14 @@
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
+#include <variant>
+#include <vector>
 
 #include "client/cli/session/wire_session.h"
 #include "server/convert/answer.h"
+#include "server/convert/position_fix.h"
 #include "server/convert/scan.h"
 #include "server/convert/session.h"
 
@@ -261,12 +265,56 @@ TEST(WireTest, AnInitialPoseArrivesAsItWas) {
   EXPECT_LT(((*arrived)->covariance - sent.covariance).norm(), 1e-12);
 }
 
+TEST(WireTest, PositionFixesAreTakenAndReplayedToTheBit) {
+  const Stamp stamp(std::chrono::nanoseconds(1'535'385'092'141'303'001));
+  MapFix map_fix{.p_map = {10.0, 20.0, 1.0}, .horizontal_sigma_m = 2.0, .vertical_sigma_m = 4.0};
+  GnssFix gnss_fix{.position = {.latitude_deg = 48.401, .longitude_deg = 9.971, .height_m = 480.0},
+                   .horizontal_sigma_m = 1.5,
+                   .vertical_sigma_m = 3.0,
+                   .heading_deg = 77.0,
+                   .heading_sigma_deg = 2.0};
+  std::vector<StampedFix> fixes = {{stamp, map_fix}, {stamp, gnss_fix}};
+  map_fix.yaw_deg = 30.0;
+  map_fix.yaw_sigma_deg = 1.0;
+  gnss_fix.heading_deg.reset();
+  gnss_fix.heading_sigma_deg = 0.0;
+  fixes.push_back({stamp, map_fix});
+  fixes.push_back({stamp, gnss_fix});
+  for (const StampedFix& fix : fixes) {
+    const v1::PositionFix message = ToProto(fix);
+    const auto at_server = server::convert::FromProto(message, kAnchor);
+    ASSERT_TRUE(at_server.ok()) << at_server.status();
+    const auto replayed = FromProto(message, kAnchor);
+    ASSERT_TRUE(replayed.ok()) << replayed.status();
+    for (const PositionFix& taken : {*at_server, *replayed}) {
+      EXPECT_EQ(taken.stamp, stamp);
+      EXPECT_EQ(taken.pose.T_map_vehicle.translation_m,
+                at_server->pose.T_map_vehicle.translation_m);
+      EXPECT_EQ(taken.pose.T_map_vehicle.rotation.coeffs(),
+                at_server->pose.T_map_vehicle.rotation.coeffs());
+      EXPECT_EQ(taken.pose.covariance, at_server->pose.covariance);
+    }
+    if (!message.has_map_pose()) continue;
+    const InitialPose sent = PoseOf(std::get<MapFix>(fix.position));
+    EXPECT_LT(Log(at_server->pose.T_map_vehicle.Inverse() * sent.T_map_vehicle).norm(), 1e-12);
+    EXPECT_LT((at_server->pose.covariance - sent.covariance).norm(), 1e-12);
+  }
+  EXPECT_EQ(FromProto(ToProto(fixes[1]), std::nullopt).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+}
+
 Localization Answer() {
   return {.stamp = Stamp(std::chrono::nanoseconds(1'535'385'092'141'303'001)),
           .state = LocalizationState::kDeadReckoning,
           .T_map_vehicle = Exp(Vector6d(0.4 * Vector6d::Ones())),
           .covariance = 0.01 * Vector6d(1.0, 2.0, 3.0, 4.0, 5.0, 6.0).asDiagonal(),
           .observed = std::bitset<6>("100011"),
+          .protection_level_m = 0.75,
+          .health = {.wheel_speed = {.is_used = false, .fault = SourceFault::kSlip},
+                     .yaw_rate = {.is_used = true, .fault = SourceFault::kNone},
+                     .radars = {{.is_used = false, .fault = SourceFault::kMount},
+                                {.is_used = true, .fault = SourceFault::kNone}}},
+          .resets = {.count = 2, .T_before_after = Exp(Vector6d(0.1 * Vector6d::Ones()))},
           .quality = {.live_point_count = 7,
                       .inlier_count = 6,
                       .overlap = 0.5,
@@ -280,6 +328,7 @@ TEST(WireTest, AnAnswerArrivesAsItWas) {
   const Localization sent = Answer();
   v1::LocalizationResult result;
   server::convert::ToProto(sent, &result);
+  server::convert::ToProto(sent.health, TwoRadars(), result.mutable_health());
   const auto answer = FromProto(result);
   ASSERT_TRUE(answer.ok()) << answer.status();
   EXPECT_EQ(answer->stamp, sent.stamp);
@@ -297,6 +346,28 @@ TEST(WireTest, AnAnswerArrivesAsItWas) {
   EXPECT_EQ(answer->quality.beta.error_s, 0.03);
   EXPECT_EQ(answer->quality.beta.sigma_s, 0.007);
   EXPECT_TRUE(answer->quality.beta.is_wrong);
+  EXPECT_EQ(answer->protection_level_m, sent.protection_level_m);
+  EXPECT_EQ(answer->health, sent.health);
+  EXPECT_EQ(answer->resets.count, 2);
+  EXPECT_EQ(answer->resets.T_before_after.translation_m, sent.resets.T_before_after.translation_m);
+}
+
+TEST(WireTest, AReplayedAnswerIsTheServersToTheBit) {
+  Localization answer = Answer();
+  for (const bool is_plain : {false, true}) {
+    if (is_plain) {
+      answer.protection_level_m.reset();
+      answer.resets = {};
+    }
+    const server::LocalizedScan localized{.localization = answer,
+                                          .rig = std::make_shared<const Rig>(TwoRadars())};
+    const server::ScanAnswer scan{.sequence_number = 7, .result = localized};
+    v1::LocalizeResponse at_server;
+    server::convert::ToProto(scan, &at_server);
+    v1::LocalizationResult result = at_server.result();
+    result.clear_timings();
+    EXPECT_EQ(ToProto(answer, TwoRadars(), 7).SerializeAsString(), result.SerializeAsString());
+  }
 }
 
 TEST(WireTest, AnAnswerThatIsNoneIsAnError) {
