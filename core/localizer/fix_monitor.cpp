@@ -85,6 +85,13 @@ std::optional<PoseEstimate<3>> CarriedToNow(const PoseEstimate<3>& fix, Stamp st
   return PoseEstimate<3>{.pose = carried.T_from_to, .covariance = carried.covariance};
 }
 
+PoseEstimate<3> PositionOf(const PoseEstimate<3>& fix) {
+  constexpr double kUnknownVariance = 1e8;
+  PoseEstimate<3> position{.pose = fix.pose, .covariance = kUnknownVariance * Matrix6d::Identity()};
+  position.covariance.topLeftCorner<2, 2>() = fix.covariance.topLeftCorner<2, 2>();
+  return position;
+}
+
 PoseEstimate<3> WithHeadingOf(const PoseEstimate<3>& pose, PoseEstimate<3> fix,
                               const FixMonitorOptions& options) {
   if (std::sqrt(fix.covariance(5, 5)) < options.unknown_heading_sigma_rad) return fix;

@@ -79,6 +79,9 @@ std::optional<PoseEstimate<3>> CarriedToNow(const PoseEstimate<3>& fix, Stamp st
                                             const MotionHistory& history,
                                             const FixMonitorOptions& options);
 
+/// What a fix says of the position alone: how the vehicle is turned, radars know better.
+PoseEstimate<3> PositionOf(const PoseEstimate<3>& fix);
+
 /// A fix with the heading of `pose` where it knows none.
 PoseEstimate<3> WithHeadingOf(const PoseEstimate<3>& pose, PoseEstimate<3> fix,
                               const FixMonitorOptions& options);

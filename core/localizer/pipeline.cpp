@@ -1,11 +1,9 @@
 #include "core/localizer/pipeline.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 
-#include "absl/strings/str_format.h"
 #include "core/geometry/covariance.h"
 #include "core/geometry/pose_estimate.h"
 #include "core/uncertainty/calibration_covariance.h"
@@ -350,25 +348,19 @@ FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
     return FixUse::kGuidesSearch;
   }
   const FixVerdict verdict = fix_monitor_.Judge(stamp, *now, *pose);
-  if (verdict == FixVerdict::kContradicts) return FixUse::kContradicted;
   if (verdict == FixVerdict::kInsists) {
     tracking_.OnFixesInsist();
     relocalizer_.SetPrior(*now);
-    return FixUse::kContradicted;
   }
-  if (verdict == FixVerdict::kInforms) Fuse(*now);
+  if (verdict >= FixVerdict::kContradicts) return FixUse::kContradicted;
+  if (verdict == FixVerdict::kInforms) {
+    const PoseEstimate<3> position = PositionOf(*now);
+    pose_.AddState();
+    pose_.AddPosition(
+        FromSpace<Dim>(matcher_.T_map_local().Inverse() * position.pose, position.covariance));
+  }
   tracking_.OnFixAgrees();
   return FixUse::kFused;
-}
-
-// Only the position: what turns the vehicle are the radars.
-template <int Dim>
-void Pipeline<Dim>::Fuse(const PoseEstimate<3>& T_map_vehicle) {
-  Matrix6d covariance = kUnknownVariance * Matrix6d::Identity();
-  covariance.topLeftCorner<2, 2>() = T_map_vehicle.covariance.topLeftCorner<2, 2>();
-  pose_.AddState();
-  pose_.AddPosition(
-      FromSpace<Dim>(matcher_.T_map_local().Inverse() * T_map_vehicle.pose, covariance));
 }
 
 template <int Dim>
@@ -393,9 +385,8 @@ Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
   answer.covariance =
       ToSpace<Dim>({.pose = {}, .covariance = pose_.NoiseNow()}, options_.unobserved).covariance;
   answer.state = tracking_.Report(HorizontalSigma(answer.covariance));
-  if (answer.state == LocalizationState::kTracking) {
-    answer.protection_level_m = protection_level_.Of(answer.covariance);
-  }
+  const bool tracks = answer.state == LocalizationState::kTracking;
+  if (tracks) answer.protection_level_m = protection_level_.Of(answer.covariance);
   reset_counter_.OnAnswer(answer.T_map_vehicle);
   answer.resets = reset_counter_.resets();
   answer.observed = observability_.ObservedDof(/*in_space=*/Dim == 3);

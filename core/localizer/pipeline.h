@@ -89,7 +89,6 @@ class Pipeline final : public AnyPipeline {
                                    RegistrationWorkspace<Dim>& workspace);
   void EnterLocalFrame(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace);
   PoseEstimate<3> NowInMap() const;
-  void Fuse(const PoseEstimate<3>& T_map_vehicle);
 
   LocalizerOptions options_;
   LearnedRig learned_rig_;
