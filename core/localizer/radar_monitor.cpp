@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "absl/container/inlined_vector.h"
+#include "core/radar/radar_model.h"
+
 namespace dcloc {
 namespace {
 
@@ -59,7 +62,7 @@ void RadarMonitor::ForgetFits() {
 
 bool RadarMonitor::FitsTheMap(std::size_t index) const {
   if (!radars_[index].fit) return true;
-  std::vector<double> others;
+  absl::InlinedVector<double, kMaxRadars> others;
   for (std::size_t i = 0; i < radars_.size(); ++i) {
     if (i != index && radars_[i].fit) others.push_back(*radars_[i].fit);
   }

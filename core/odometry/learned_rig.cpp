@@ -68,7 +68,7 @@ bool LearnedRig::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
                         const EgoVelocity& velocity) {
   Learned& learned = learned_[index];
   CheckMirrored(learned, rig_.radars[index], scan, velocity);
-  return learned.mount_yaw.OnScan(stamp, scan, described_.radars[index], velocity) &&
+  return learned.mount_yaw.OnScan(stamp, scan, described_.radars[index], velocity, memory_) &&
          Correct(index);
 }
 

@@ -83,6 +83,7 @@ class LearnedRig {
   Rig described_;
   Rig rig_;
   std::vector<Learned> learned_;
+  MountYawMemory memory_;
 };
 
 }  // namespace dcloc

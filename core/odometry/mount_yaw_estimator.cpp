@@ -13,26 +13,20 @@ constexpr double kTrialStep_rad = 1.0 * kRadPerDeg;
 constexpr double kNear_rad = 3.0 * kRadPerDeg;
 constexpr double kAnywhere_rad = 95.0 * kRadPerDeg;
 
-// A static target that is seen under the angle d further to the left has a range rate of
-// -(along cos d + across sin d).
-struct Target {
-  double along_mps;   // the radar's velocity along the line of sight
-  double across_mps;  // and across it, to the left
-  double range_rate_mps;
-  double sigma_mps;
-  double azimuth_sigma_rad;
-};
+using Target = MountYawTarget;
 
 class Targets {
  public:
-  Targets(const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity, int max_count)
-      : unambiguous_mps_(radar.unambiguous_range_rate_mps),
+  Targets(const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity, int max_count,
+          MountYawMemory& targets)
+      : targets_(targets),
+        unambiguous_mps_(radar.unambiguous_range_rate_mps),
         lever_m_(radar.T_vehicle_radar.translation_m.head<2>().norm()) {
     const Eigen::Matrix3d R_vehicle_radar = radar.T_vehicle_radar.Rotation();
     const Eigen::Vector3d radar_mps =
         velocity.linear_mps + velocity.angular_radps.cross(radar.T_vehicle_radar.translation_m);
     const std::size_t count = std::min(scan.size(), static_cast<std::size_t>(max_count));
-    targets_.reserve(count);
+    targets_.clear();
     for (std::size_t k = 0; k < count; ++k) {
       const Measurement m = MeasurementAt(scan, k * scan.size() / count, radar);
       const Eigen::Vector3d u = R_vehicle_radar * LineOfSight(m.azimuth_rad, m.elevation_rad);
@@ -87,9 +81,9 @@ class Targets {
     return UnfoldRangeRate(target.range_rate_mps, predicted_mps, unambiguous_mps_) - predicted_mps;
   }
 
+  MountYawMemory& targets_;
   double unambiguous_mps_;
   double lever_m_;
-  std::vector<Target> targets_;
 };
 
 }  // namespace
@@ -121,8 +115,9 @@ absl::Status Validate(const MountYawOptions& options) {
 
 std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel& radar,
                                              const EgoVelocity& velocity, double expected_rad,
-                                             double around_rad, const MountYawOptions& options) {
-  const Targets targets(scan, radar, velocity, options.max_target_count);
+                                             double around_rad, const MountYawOptions& options,
+                                             MountYawMemory& memory) {
+  const Targets targets(scan, radar, velocity, options.max_target_count, memory);
   const auto is_enough = [&](int inlier_count) {
     return inlier_count >= options.min_inlier_count &&
            inlier_count >= options.min_inlier_share * static_cast<double>(targets.size());
@@ -148,7 +143,7 @@ std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel&
 }
 
 bool MountYawEstimator::OnScan(Stamp stamp, const Scan& scan, const RadarModel& radar,
-                               const EgoVelocity& velocity) {
+                               const EgoVelocity& velocity, MountYawMemory& memory) {
   if (velocity.linear_mps.head<2>().norm() < options_.min_speed_mps ||
       std::abs(velocity.angular_radps.z()) > options_.max_yaw_rate_radps) {
     return false;
@@ -157,8 +152,9 @@ bool MountYawEstimator::OnScan(Stamp stamp, const Scan& scan, const RadarModel& 
   if (since_last < options_.interval && !IsInDoubt(stamp)) return false;
   if (since_last > options_.doubt_span) outliers_rad_.clear();
   std::optional<ScalarEstimate> reading =
-      MountYawOfScan(scan, radar, velocity, error_.value, kNear_rad, options_);
-  if (!reading) reading = MountYawOfScan(scan, radar, velocity, 0.0, kAnywhere_rad, options_);
+      MountYawOfScan(scan, radar, velocity, error_.value, kNear_rad, options_, memory);
+  if (!reading)
+    reading = MountYawOfScan(scan, radar, velocity, 0.0, kAnywhere_rad, options_, memory);
   if (!reading) return false;
   last_ = stamp;
   error_.variance +=

@@ -42,6 +42,19 @@ struct MountYawOptions {
 std::span<const OptionField<MountYawOptions>> FieldsOf(const MountYawOptions& options);
 absl::Status Validate(const MountYawOptions& options);
 
+/// One target as the estimate of a mount sees it: seen under the angle d further to the left, it
+/// has a range rate of -(along cos d + across sin d) if it stands still.
+struct MountYawTarget {
+  double along_mps;   ///< the radar's velocity along the line of sight
+  double across_mps;  ///< and across it, to the left
+  double range_rate_mps;
+  double sigma_mps;
+  double azimuth_sigma_rad;
+};
+
+/// Memory of MountYawOfScan.
+using MountYawMemory = std::vector<MountYawTarget>;
+
 /// By how much one radar looks further to the left than its mount says, from its own range rates:
 /// while the vehicle drives straight they tell where, to the radar, ahead is (METHOD eq 48).
 class MountYawEstimator {
@@ -52,7 +65,8 @@ class MountYawEstimator {
 
   /// A scan of `radar`, whose mount is the described one, at `stamp` of a vehicle that moves with
   /// `velocity`, whose yaw rate others than radars say. Returns whether it told anything.
-  bool OnScan(Stamp stamp, const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity);
+  bool OnScan(Stamp stamp, const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity,
+              MountYawMemory& memory);
 
   /// The angle [rad] and its variance.
   const ScalarEstimate& error() const { return error_; }
@@ -79,6 +93,7 @@ class MountYawEstimator {
 /// Tried are all within `around_rad` of `expected_rad`.
 std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel& radar,
                                              const EgoVelocity& velocity, double expected_rad,
-                                             double around_rad, const MountYawOptions& options);
+                                             double around_rad, const MountYawOptions& options,
+                                             MountYawMemory& memory);
 
 }  // namespace dcloc

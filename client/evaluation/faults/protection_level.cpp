@@ -13,8 +13,6 @@ int CellOf(double value_m) {
 
 }  // namespace
 
-std::optional<double> ProtectionLevelOf(const Localization&) { return std::nullopt; }
-
 void StanfordHistogram::Add(double error_m, double level_m) {
   ++answers;
   if (error_m > level_m) ++exceeded;

@@ -3,16 +3,9 @@
 #include <cstddef>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 
-#include "core/localizer/localizer.h"
-
 namespace dcloc::faults {
-
-/// The radius around an answer's position that is said to hold the truth [m]; nothing where the
-/// answer has none. This is the one place that looks for it.
-std::optional<double> ProtectionLevelOf(const Localization& answer);
 
 /// Errors against protection levels, counted in cells of a tenth of a decade: a Stanford diagram.
 struct StanfordHistogram {

@@ -64,7 +64,7 @@ class FaultSession {
     scan.T_map_vehicle_true = entry.T_map_vehicle;
     scan.error =
         ComparePoses(answer.T_map_vehicle, answer.covariance, answer.observed, entry.T_map_vehicle);
-    outcome_.protection_level_m.push_back(ProtectionLevelOf(answer));
+    outcome_.protection_level_m.push_back(answer.protection_level_m);
   }
 
   void SortByTime() {

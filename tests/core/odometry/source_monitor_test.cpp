@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -119,8 +120,9 @@ INSTANTIATE_TEST_SUITE_P(Cases, FailingSourceTest, ::testing::ValuesIn(kCases),
 TEST(SourceMonitorTest, WhereNothingIsRegisteredOthersAreTried) {
   Vehicle vehicle;
   vehicle.Drive(10.0);
-  vehicle.Drive(2.0, [](OdometryReadings& r) {
-    r.wheel_speed->value *= 1.2;
+  double scale = 1.0;
+  vehicle.Drive(4.0, [&scale](OdometryReadings& r) {
+    r.wheel_speed->value *= scale = std::min(1.2, scale + 0.005);
     r.doppler_speed.reset();
     r.doppler_yaw_rate.reset();
   });

@@ -24,7 +24,7 @@ TEST(FaultsCommand, PrintsAndWritesWhatFaultsDidAndGoesOnWhereItWas) {
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_THAT(first.err, IsEmpty());  // no progress where stderr is no terminal
   EXPECT_THAT(first.out, HasSubstr("carried 20 m ahead"));
-  EXPECT_THAT(first.out, HasSubstr("no answer has a protection level"));
+  EXPECT_THAT(first.out, HasSubstr("with an error above their protection level"));
   EXPECT_THAT(FileText(out / "report.html"), HasSubstr("By world"));
 
   const std::string written = FileText(out / "results.json");
