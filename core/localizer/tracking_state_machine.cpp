@@ -122,18 +122,14 @@ void TrackingStateMachine::Lose(Stamp stamp) {
 }
 
 void TrackingStateMachine::OnObservability(Stamp stamp, bool is_observed) {
-  if (!is_observed) {
-    observed_since_.reset();
-    if (!unobserved_since_) unobserved_since_ = stamp;
-  } else if (!observed_since_) {
-    observed_since_ = stamp;
+  if (is_observed != was_observed_) observability_changed_ = stamp;
+  was_observed_ = is_observed;
+  const std::chrono::nanoseconds unchanged = stamp - observability_changed_;
+  if (!is_observed && unchanged >= options_.max_unobserved) is_unobserved_ = true;
+  if (is_unobserved_ && is_observed && unchanged >= options_.min_observed) {
+    is_unobserved_ = false;
+    DemandVerification();
   }
-  if (observed_since_ && stamp - *observed_since_ >= options_.min_observed) {
-    unobserved_since_.reset();
-  }
-  const bool was_unobserved = is_unobserved_;
-  is_unobserved_ = unobserved_since_ && stamp - *unobserved_since_ >= options_.max_unobserved;
-  if (was_unobserved && !is_unobserved_) DemandVerification();
 }
 
 void TrackingStateMachine::OnRegistration(Stamp stamp, RegistrationOutcome outcome) {

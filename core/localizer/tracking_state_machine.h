@@ -191,10 +191,10 @@ class TrackingStateMachine {
   std::optional<Stamp> last_registration_;
   double usual_interval_s_ = 0.0;
   std::optional<Stamp> last_accepted_;
-  std::optional<Stamp> observed_since_;    // without a break
-  std::optional<Stamp> unobserved_since_;  // without `min_observed`
-  bool is_unobserved_ = false;             // for longer than `max_unobserved`
-  std::optional<Stamp> uncertain_since_;   // while lost: less certain than lost_sigma_m
+  bool was_observed_ = true;       // the way, by the newest registration
+  Stamp observability_changed_{};  // when that was not so last
+  bool is_unobserved_ = false;  // for `max_unobserved`, and not observed for `min_observed` since
+  std::optional<Stamp> uncertain_since_;  // while lost: less certain than lost_sigma_m
   std::optional<Stamp> last_lost_to_outliers_;
   bool contradicted_ = false;
 };
