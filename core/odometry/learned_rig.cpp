@@ -85,7 +85,8 @@ bool LearnedRig::Correct(std::size_t index) {
   RadarModel& radar = rig_.radars[index];
   radar.T_vehicle_radar.rotation = Eigen::AngleAxisd(error.value, Eigen::Vector3d::UnitZ()) *
                                    described_.radars[index].T_vehicle_radar.rotation;
-  radar.mount_yaw_sigma_rad = std::max(options_.corrected_sigma_rad, std::sqrt(error.variance));
+  radar.mount_yaw_sigma_rad = std::max({options_.corrected_sigma_rad, std::sqrt(error.variance),
+                                        described_.radars[index].mount_yaw_sigma_rad});
   return true;
 }
 

@@ -17,12 +17,12 @@ namespace dcloc {
 /// When what was learned of a rig goes before its description.
 struct LearnedRigOptions {
   MountYawOptions mount_yaw;
-  /// A mount is corrected once its yaw is off by so much, and by so many deviations. Less is within
-  /// what the estimate itself errs by.
-  double min_correction_rad = 0.5 * kRadPerDeg;
+  /// A mount is corrected once its yaw is off by so much, and by so many deviations. On recordings,
+  /// whose azimuths have errors of their own, the estimate errs by up to a degree and a half.
+  double min_correction_rad = 2.0 * kRadPerDeg;
   double correction_sigmas = 4.0;
   int min_reading_count = 4;
-  /// The deviation of a corrected mount is no less.
+  /// The deviation of a corrected mount is no less, nor than described.
   double corrected_sigma_rad = 0.2 * kRadPerDeg;
   /// A mount that is off by more than this is told of; by more than that it is none to correct: its
   /// description is of something else, and its scans are not used.
