@@ -133,17 +133,17 @@ class EgoMotion {
   OdometryErrorFilter errors_;
   SourceMonitor sources_;
   MotionHistory history_;
-  std::optional<EgoVelocity> velocity_;
-  Stamp stamp_{};
-  Motion since_previous_;
   Pose3 expected_motion_;
-  bool sources_changed_ = false;
+  Motion since_previous_;
+  std::optional<EgoVelocity> velocity_;
   std::optional<EgoVelocity> by_gyroscope_;
+  Stamp stamp_{};
   std::optional<Stamp> reported_stamp_;
   SourceDiagnosis wheel_speed_diagnosis_;
   SourceDiagnosis yaw_rate_diagnosis_;
   std::map<std::string, RecentScan> recent_;  // by radar id
   std::vector<RadarScan> of_one_moment_;      // the newest scan and what of recent_ is as new
+  bool sources_changed_ = false;
 };
 
 }  // namespace dcloc
