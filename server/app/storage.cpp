@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/app/identity_mark.h"
 #include "server/identity/sqlite_identity_store.h"
 #include "server/maps/catalogue/sqlite_catalogue.h"
 #include "server/maps/store/map_folder.h"
@@ -66,6 +67,18 @@ absl::Status WithAdvice(const absl::Status& status, const std::filesystem::path&
           folder.string(), status.message(), folder.string(), folder.string()));
 }
 
+/// A store whose identities are lost would make everyone an admin.
+absl::Status CheckIdentitiesAreThere(const std::filesystem::path& folder, bool any) {
+  if (any) return SetIdentityMark(folder);
+  const absl::StatusOr<bool> seen = HasIdentityMark(folder);
+  if (!seen.ok() || !*seen) return seen.status();
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "%s: identities.sqlite is missing or empty, and the catalogue has seen identities: without "
+      "them everyone would be an admin. Put a backup's identities.sqlite in place, or make new "
+      "ones, beginning with \"dcloc-server token create --data %s --name NAME --role admin\"",
+      folder.string(), folder.string()));
+}
+
 }  // namespace
 
 StorePaths PathsOf(const std::filesystem::path& folder) {
@@ -112,10 +125,13 @@ absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
   MakePrivate(folder);
   absl::StatusOr<MapStoreParts> parts = OpenMapParts(folder);
   if (!parts.ok()) return WithPath(parts.status());
-  absl::StatusOr<std::unique_ptr<MapStore>> maps = MapStore::Open(*std::move(parts), options);
-  if (!maps.ok()) return WithAdvice(maps.status(), folder);
   absl::StatusOr<std::unique_ptr<IdentityStore>> identities = OpenIdentities(folder);
   if (!identities.ok()) return identities.status();
+  const absl::StatusOr<bool> any = (*identities)->HasAny();
+  absl::Status status = any.ok() ? CheckIdentitiesAreThere(folder, *any) : any.status();
+  if (!status.ok()) return WithPath(status);
+  absl::StatusOr<std::unique_ptr<MapStore>> maps = MapStore::Open(*std::move(parts), options);
+  if (!maps.ok()) return WithAdvice(maps.status(), folder);
   return Storage{
       .lock = *std::move(lock), .maps = *std::move(maps), .identities = *std::move(identities)};
 }

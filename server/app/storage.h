@@ -38,8 +38,8 @@ absl::StatusOr<FileDescriptor> LockStore(const std::filesystem::path& folder);
 absl::StatusOr<MapStoreParts> OpenMapParts(const std::filesystem::path& folder);
 
 /// Opens or creates the storage in `folder`: SQLite files and map files, for one process, readable
-/// by their owner alone. Errors of `LockStore`, `OpenMapParts` and `MapStore::Open`, with the
-/// folder and what mends it.
+/// by their owner alone. Errors of `LockStore`, `OpenMapParts` and `MapStore::Open`, and
+/// FailedPrecondition when identities that there were are lost; with the folder and what mends it.
 absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
                                     const MapStoreOptions& options = {});
 

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/app/identity_mark.h"
 #include "server/app/storage.h"
 #include "server/base/files.h"
 #include "server/base/sqlite_copy.h"
@@ -162,8 +163,11 @@ absl::Status PutInPlace(const Files& files, const StorePaths& from, const fs::pa
     absl::Status status = present.Keep(staging / sha256, sha256);
     if (!status.ok()) return status;
   }
+  // A catalogue that cannot be read may have been that of a store with identities.
+  const bool had_identities = HasIdentityMark(folder).value_or(true);
   absl::Status status = SetCatalogueAside(folder);
   if (status.ok()) status = CopyDatabase(from.catalogue, PathsOf(folder).catalogue);
+  if (status.ok() && had_identities) status = SetIdentityMark(folder);
   if (!status.ok()) return status;
   const absl::StatusOr<std::vector<std::string>> all = present.List();
   if (!all.ok()) return all.status();
@@ -172,7 +176,9 @@ absl::Status PutInPlace(const Files& files, const StorePaths& from, const fs::pa
     status.Update(present.Quarantine(sha256));
   }
   const fs::path identities = PathsOf(folder).identities;
-  if (status.ok() && !fs::exists(identities)) status = CopyIdentities(from.identities, identities);
+  const absl::StatusOr<std::int64_t> size = FileSize(identities);
+  status.Update(size.status());
+  if (status.ok() && *size == 0) status = CopyIdentities(from.identities, identities);
   return status;
 }
 

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "nlohmann/json.hpp"
+#include "server/app/identity_mark.h"
 #include "server/app/storage.h"
 
 namespace dcloc::server {
@@ -46,6 +47,10 @@ absl::Status Create(const Arguments& arguments) {
   const Proof proof = arguments.certificate ? Proof::kCertificate : Proof::kToken;
   const absl::StatusOr<std::string> token = (*store)->Create(proof, principal, expire_time);
   if (!token.ok()) return token.status();
+  if (const absl::Status status = SetIdentityMark(arguments.data); !status.ok()) {
+    std::cerr << "dcloc-server: the next start of the server notes that there are identities: "
+              << status.message() << "\n";
+  }
   // The token alone on standard output, so that it can go straight into a file.
   if (proof == Proof::kToken) std::cout << *token << "\n";
   std::cerr << principal.name << " is known as " << arguments.role

@@ -124,5 +124,46 @@ TEST_F(StorageTest, IdentitiesAreOpenedBesideAServerThatRuns) {
   EXPECT_EQ(storage_->identities->FindToken(token)->name, "ops");
 }
 
+class IdentitiesLostTest : public StoreFixture {
+ protected:
+  IdentitiesLostTest() {
+    EXPECT_TRUE(storage_->identities->Create(Proof::kToken, {.name = "ops"}, {}).ok());
+    Reopen();
+    Close();
+  }
+
+  absl::Status Open() const { return OpenStorage(folder_.path()).status(); }
+
+  void ExpectRefused() const {
+    for (int attempt = 0; attempt < 2; ++attempt) {
+      EXPECT_EQ(Open().code(), absl::StatusCode::kFailedPrecondition);
+      EXPECT_THAT(MessageOf(Open()), AllOf(HasSubstr("missing or empty"), HasSubstr("token create"),
+                                           HasSubstr(folder_.path().string())));
+    }
+  }
+
+  const std::filesystem::path identities_ = folder_.path() / "identities.sqlite";
+};
+
+TEST_F(IdentitiesLostTest, MissingOnesAreRefusedUntilThereAreNewOnes) {
+  std::filesystem::remove(identities_);
+  ExpectRefused();
+  const auto anew = OpenIdentities(folder_.path());
+  ASSERT_TRUE(anew.ok()) << anew.status();
+  ASSERT_TRUE((*anew)->Create(Proof::kToken, {.name = "ops"}, {}).ok());
+  EXPECT_TRUE(Open().ok());
+}
+
+TEST_F(IdentitiesLostTest, AnEmptyFileIsRefused) {
+  std::filesystem::resize_file(identities_, 0);
+  ExpectRefused();
+}
+
+TEST_F(StorageTest, AStoreThatNeverHadIdentitiesNeedsNone) {
+  Close();
+  std::filesystem::remove(folder_.path() / "identities.sqlite");
+  EXPECT_TRUE(OpenStorage(folder_.path()).ok());
+}
+
 }  // namespace
 }  // namespace dcloc::server
