@@ -92,12 +92,6 @@ void LogRemoved(const char* what, const absl::StatusOr<int>& count) {
   }
 }
 
-void RemoveWhatIsTooOld(MapStore& store) {
-  const auto now = std::chrono::system_clock::now();
-  LogRemoved("stale uploads", store.RemoveStaleUploads(now));
-  LogRemoved("files in quarantine", store.RemoveExpiredQuarantine(now));
-}
-
 }  // namespace
 
 /// In the order in which they are built; they go in the reverse one. The pools go before what their
@@ -156,7 +150,11 @@ struct Server::Parts {
                  registry.RemoveDetached("the server is draining");
                }),
         scrub(store.catalogue(), store.files(), {.max_bytes_per_s = 1e6 * config.scrub_mb_per_s}),
-        sweeper(kSweepInterval, [this] { RemoveWhatIsTooOld(store); }) {
+        sweeper(kSweepInterval, [this, last = std::chrono::steady_clock::now()]() mutable {
+          const auto begin = std::exchange(last, std::chrono::steady_clock::now());
+          LogRemoved("stale uploads", store.RemoveStaleUploads(last - begin));
+          LogRemoved("files in quarantine", store.RemoveExpiredQuarantine(last - begin));
+        }) {
     // The pools' threads are older than what they will use of this; their locks hand it to them.
     storage_pool.Post([] {});
     localization_pool.Post([] {});

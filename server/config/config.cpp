@@ -100,12 +100,15 @@ constexpr std::array kFields = {
                 "size of the maps at most that stay in memory for new sessions to get though none "
                 "uses them [MiB]; 0 for none",
                 &ServerConfig::warm_map_mib, 0, 1'000'000},
-    ConfigField{"unfinished_upload_timeout_s", "N",
-                "how long an unfinished upload is kept, so that it can be completed",
-                &ServerConfig::unfinished_upload_timeout_s, 1, 31'536'000},
+    ConfigField{
+        "unfinished_upload_timeout_s", "N",
+        "how long an unfinished upload is kept, in time that the server runs, so that it can be "
+        "completed",
+        &ServerConfig::unfinished_upload_timeout_s, 1, 31'536'000},
     ConfigField{
         "quarantine_days", "N",
-        "how long map files that belong to no version are kept in DIR/quarantine; 0 for good",
+        "how long map files that belong to no version are kept in DIR/quarantine, in time that the "
+        "server runs; 0 for good",
         &ServerConfig::quarantine_days, 0, 36'500},
     ConfigField{"scrub_mb_per_s", "N",
                 "how fast map files are read again and again against their hashes, to find damage "

@@ -1,7 +1,5 @@
 #include "server/maps/store/incoming_files.h"
 
-#include <sys/stat.h>
-
 #include <span>
 #include <system_error>
 #include <vector>
@@ -33,14 +31,6 @@ absl::StatusOr<std::vector<std::filesystem::path>> PathsIn(const std::filesystem
   }
   if (error) return FileError(error, folder);
   return paths;
-}
-
-SystemTime LastWrite(const std::filesystem::path& path) {
-  struct stat properties {};
-  // Gone meanwhile: nothing to remove.
-  if (stat(path.c_str(), &properties) != 0) return SystemTime::max();
-  return SystemTime(std::chrono::seconds(properties.st_mtim.tv_sec) +
-                    std::chrono::nanoseconds(properties.st_mtim.tv_nsec));
 }
 
 }  // namespace
@@ -146,16 +136,25 @@ absl::StatusOr<std::map<std::string, std::int64_t>> IncomingFiles::SizesOf(
   return sizes;
 }
 
-absl::StatusOr<int> IncomingFiles::RemoveUntouchedSince(SystemTime time) {
+absl::StatusOr<int> IncomingFiles::RemoveStale(std::chrono::nanoseconds served,
+                                               std::chrono::nanoseconds limit) {
   const std::lock_guard lock(mutex_);
   const absl::StatusOr<std::vector<std::filesystem::path>> paths = PathsIn(folder_);
   if (!paths.ok()) return paths.status();
-  int count = 0;
+  std::map<std::string, std::int64_t> sizes;
   for (const std::filesystem::path& path : *paths) {
     const auto owner = owners_.find(path);
     if (owner != owners_.end() && !owner->second.expired()) continue;
-    if (LastWrite(path) > time) continue;
-    if (absl::Status status = RemoveFile(path); !status.ok()) return status;
+    const absl::StatusOr<std::int64_t> size = FileSize(path);
+    if (!size.ok()) return size.status();
+    sizes[path.filename().string()] = *size;
+  }
+  const auto ages = ages_.Advance(served, sizes);
+  if (!ages.ok()) return ages.status();
+  int count = 0;
+  for (const auto& [name, age] : *ages) {
+    if (age < limit) continue;
+    if (absl::Status status = RemoveFile(folder_ / name); !status.ok()) return status;
     ++count;
   }
   return count;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -11,9 +12,9 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "server/base/clock.h"
 #include "server/base/files.h"
 #include "server/base/sha256.h"
+#include "server/maps/store/served_ages.h"
 
 namespace dcloc::server {
 
@@ -82,8 +83,9 @@ class IncomingFiles {
   /// The hashes that the tenant's files will have, each with the bytes that are there.
   absl::StatusOr<std::map<std::string, std::int64_t>> SizesOf(absl::string_view tenant) const;
 
-  /// Removes files that have not been written to since `time` and have no writer; returns how many.
-  absl::StatusOr<int> RemoveUntouchedSince(SystemTime time);
+  /// Adds `served`, the time served since the call before, to the ages of files that have no writer
+  /// and have not grown, and removes those of age `limit`; returns how many.
+  absl::StatusOr<int> RemoveStale(std::chrono::nanoseconds served, std::chrono::nanoseconds limit);
 
   /// Files that there are.
   absl::StatusOr<int> Count() const;
@@ -95,10 +97,12 @@ class IncomingFiles {
   int removed_count() const { return removed_count_; }
 
  private:
-  explicit IncomingFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  explicit IncomingFiles(std::filesystem::path folder)
+      : folder_(std::move(folder)), ages_(folder_.string() + ".ages") {}
   std::filesystem::path PathOf(absl::string_view tenant, absl::string_view sha256) const;
 
   std::filesystem::path folder_;
+  ServedAges ages_;
   int removed_count_ = 0;
   std::mutex mutex_;
   std::map<std::filesystem::path, std::weak_ptr<IncomingFile::Owner>> owners_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -11,7 +12,6 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/map/radar_map.h"
-#include "server/base/clock.h"
 
 namespace dcloc::server {
 
@@ -40,8 +40,10 @@ class MapFiles {
   /// Sets a file aside: it is in quarantine from now on, and no more among the others.
   virtual absl::Status Quarantine(absl::string_view sha256) = 0;
 
-  /// Removes what was set aside before `time`; returns how many files.
-  virtual absl::StatusOr<int> RemoveQuarantinedBefore(SystemTime time) = 0;
+  /// Adds `served`, the time served since the call before, to the time in quarantine of what is set
+  /// aside, and removes what has been there for `limit`; returns how many files.
+  virtual absl::StatusOr<int> RemoveExpiredQuarantine(std::chrono::nanoseconds served,
+                                                      std::chrono::nanoseconds limit) = 0;
 
   /// Files that are set aside.
   virtual absl::StatusOr<int> QuarantinedCount() = 0;

@@ -1,6 +1,6 @@
 #include "server/maps/store/map_folder.h"
 
-#include <chrono>
+#include <map>
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
@@ -64,25 +64,30 @@ absl::Status MapFolder::Remove(absl::string_view sha256) { return RemoveFile(Pat
 
 absl::Status MapFolder::Quarantine(absl::string_view sha256) {
   const std::filesystem::path from = PathOf(sha256);
-  // From now on its time in quarantine counts, wherever a crash comes.
-  std::error_code error;
-  std::filesystem::last_write_time(from, std::filesystem::file_time_type::clock::now(), error);
-  if (error) return FileError(error, from);
-  absl::Status status = MoveFile(from, quarantine_ / from.filename());
+  // One of that name may have been there for long.
+  absl::Status status = ages_.Forget(from.filename().string());
+  if (status.ok()) status = MoveFile(from, quarantine_ / from.filename());
   if (status.ok()) status = SyncFolder(quarantine_);
   if (status.ok()) status = SyncFolder(from.parent_path());
   return status;
 }
 
-absl::StatusOr<int> MapFolder::RemoveQuarantinedBefore(SystemTime time) {
+absl::StatusOr<int> MapFolder::RemoveExpiredQuarantine(std::chrono::nanoseconds served,
+                                                       std::chrono::nanoseconds limit) {
   const auto paths = QuarantinedIn(quarantine_);
   if (!paths.ok()) return paths.status();
-  int count = 0;
+  std::map<std::string, std::int64_t> sizes;
   for (const std::filesystem::path& path : *paths) {
-    std::error_code error;
-    const auto since = std::filesystem::last_write_time(path, error);
-    if (error || std::chrono::file_clock::to_sys(since) >= time) continue;
-    if (absl::Status status = RemoveFile(path); !status.ok()) return status;
+    const absl::StatusOr<std::int64_t> size = FileSize(path);
+    if (!size.ok()) return size.status();
+    sizes[path.filename().string()] = *size;
+  }
+  const auto ages = ages_.Advance(served, sizes);
+  if (!ages.ok()) return ages.status();
+  int count = 0;
+  for (const auto& [name, age] : *ages) {
+    if (age < limit) continue;
+    if (absl::Status status = RemoveFile(quarantine_ / name); !status.ok()) return status;
     ++count;
   }
   return count;

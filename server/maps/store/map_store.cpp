@@ -68,9 +68,8 @@ MapStore::MapStore(MapStoreParts parts, const MapStoreOptions& options)
 
 absl::StatusOr<std::unique_ptr<MapStore>> MapStore::Open(MapStoreParts parts,
                                                          const MapStoreOptions& options) {
-  absl::StatusOr<StoreReport> report = CheckStore(
-      *parts.catalogue, *parts.files, *parts.incoming,
-      std::chrono::system_clock::now() - options.unfinished_upload_timeout, parts.holder);
+  absl::StatusOr<StoreReport> report = CheckStore(*parts.catalogue, *parts.files, *parts.incoming,
+                                                  options.unfinished_upload_timeout, parts.holder);
   if (!report.ok()) return report.status();
   Log(*report);
   std::unique_ptr<MapStore> store(new MapStore(std::move(parts), options));
@@ -226,13 +225,13 @@ absl::StatusOr<MapRecord> MapStore::Relabelled(absl::string_view map_name,
   return map;
 }
 
-absl::StatusOr<int> MapStore::RemoveStaleUploads(SystemTime now) {
-  return parts_.incoming->RemoveUntouchedSince(now - options_.unfinished_upload_timeout);
+absl::StatusOr<int> MapStore::RemoveStaleUploads(std::chrono::nanoseconds served) {
+  return parts_.incoming->RemoveStale(served, options_.unfinished_upload_timeout);
 }
 
-absl::StatusOr<int> MapStore::RemoveExpiredQuarantine(SystemTime now) {
+absl::StatusOr<int> MapStore::RemoveExpiredQuarantine(std::chrono::nanoseconds served) {
   if (options_.quarantine_time.count() == 0) return 0;
-  return parts_.files->RemoveQuarantinedBefore(now - options_.quarantine_time);
+  return parts_.files->RemoveExpiredQuarantine(served, options_.quarantine_time);
 }
 
 absl::Status MapStore::DeleteVersion(absl::string_view map_name, std::int64_t version) {

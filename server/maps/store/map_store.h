@@ -41,9 +41,9 @@ struct MapStoreParts {
 struct MapStoreOptions {
   /// Bound on the versions that stay in memory without a session.
   std::int64_t max_warm_bytes = std::int64_t{1} << 30;
-  /// How long the bytes of an interrupted upload are kept.
+  /// How long the bytes of an interrupted upload are kept, in time served.
   std::chrono::nanoseconds unfinished_upload_timeout = std::chrono::hours(24);
-  /// How long files without a version are kept in quarantine; 0: for good.
+  /// How long files without a version are kept in quarantine, in time served; 0: for good.
   std::chrono::nanoseconds quarantine_time = std::chrono::days(30);
 };
 
@@ -113,11 +113,12 @@ class MapStore {
   absl::Status DeleteVersion(absl::string_view map_name, std::int64_t version);
   absl::Status DeleteMap(absl::string_view map_name);
 
-  /// Removes unfinished uploads that are too old at `now`; returns how many.
-  absl::StatusOr<int> RemoveStaleUploads(SystemTime now);
+  /// Removes unfinished uploads that are too old; returns how many. `served` is the time served
+  /// since the call before, which alone makes them older: the host's clock may jump.
+  absl::StatusOr<int> RemoveStaleUploads(std::chrono::nanoseconds served);
 
-  /// Removes files that have been in quarantine for too long at `now`; returns how many.
-  absl::StatusOr<int> RemoveExpiredQuarantine(SystemTime now);
+  /// The same for files that have been in quarantine for too long.
+  absl::StatusOr<int> RemoveExpiredQuarantine(std::chrono::nanoseconds served);
 
   /// Files in memory.
   int loaded_map_count();

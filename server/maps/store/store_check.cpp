@@ -13,9 +13,10 @@
 namespace dcloc::server {
 namespace {
 
-absl::Status CheckIncoming(IncomingFiles& incoming, SystemTime stale_before, StoreReport* report) {
+absl::Status CheckIncoming(IncomingFiles& incoming, std::chrono::nanoseconds stale_age,
+                           StoreReport* report) {
   report->removed_leftover_count = incoming.removed_count();
-  const absl::StatusOr<int> stale = incoming.RemoveUntouchedSince(stale_before);
+  const absl::StatusOr<int> stale = incoming.RemoveStale({}, stale_age);
   if (!stale.ok()) return stale.status();
   report->stale_upload_count = *stale;
   const absl::StatusOr<int> left = incoming.Count();
@@ -99,11 +100,11 @@ absl::StatusOr<std::vector<std::string>> UnaccountedFiles(Catalogue& catalogue, 
 }
 
 absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,
-                                       IncomingFiles& incoming, SystemTime stale_before,
+                                       IncomingFiles& incoming, std::chrono::nanoseconds stale_age,
                                        absl::string_view holder) {
   StoreReport report;
   absl::Status status = CheckAccounted(catalogue, files);
-  if (status.ok()) status = CheckIncoming(incoming, stale_before, &report);
+  if (status.ok()) status = CheckIncoming(incoming, stale_age, &report);
   if (status.ok()) status = SetLooseFilesAside(catalogue, files, holder, &report);
   if (status.ok()) status = FindBroken(catalogue, files, &report);
   if (status.ok()) status = CoverTheRest(catalogue, files, &report);

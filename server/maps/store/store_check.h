@@ -1,11 +1,11 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "server/base/clock.h"
 #include "server/maps/catalogue/catalogue.h"
 #include "server/maps/store/incoming_files.h"
 #include "server/maps/store/map_files.h"
@@ -33,10 +33,10 @@ absl::StatusOr<std::vector<std::string>> UnaccountedFiles(Catalogue& catalogue, 
 /// stored or removed are set aside. FailedPrecondition, and nothing is changed, when there are
 /// files for which the catalogue cannot account. Other processes may use catalogue and files
 /// meanwhile: a file that no version has is left alone while anyone holds it (`QuarantineOrphan`).
-/// `incoming` is this process's own. `stale_before`: unfinished uploads not written to since then
-/// are removed. `holder`: as in the catalogue's holds.
+/// `incoming` is this process's own. `stale_age`: unfinished uploads that have been there for so
+/// long are removed. `holder`: as in the catalogue's holds.
 absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,
-                                       IncomingFiles& incoming, SystemTime stale_before,
+                                       IncomingFiles& incoming, std::chrono::nanoseconds stale_age,
                                        absl::string_view holder);
 
 /// A line for each thing that was done or is wrong; none when all is well.

@@ -27,8 +27,7 @@ class StoreCheckTest : public ::testing::Test {
   }
 
   absl::StatusOr<StoreReport> Check() const {
-    return CheckStore(*catalogue_, *files_, *incoming_,
-                      std::chrono::system_clock::now() - std::chrono::hours(1), "this:1");
+    return CheckStore(*catalogue_, *files_, *incoming_, std::chrono::hours(24), "this:1");
   }
 
   int QuarantinedCount() const {
@@ -112,10 +111,15 @@ TEST_F(StoreCheckTest, ACatalogueThatCannotBeChangedIsNoReasonNotToStart) {
 TEST_F(StoreCheckTest, QuarantineEndsAfterItsTime) {
   WriteMapFile(sha256_);
   ASSERT_TRUE(files_->Quarantine(sha256_).ok());
-  const auto now = std::chrono::system_clock::now();
-  EXPECT_EQ(*files_->RemoveQuarantinedBefore(now - std::chrono::hours(1)), 0);
+  using std::chrono::hours;
+  EXPECT_EQ(*files_->RemoveExpiredQuarantine(hours(1), hours(2)), 0);
+  const auto long_ago = std::filesystem::file_time_type::clock::now() - hours(24 * 365);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path() / "quarantine")) {
+    std::filesystem::last_write_time(entry.path(), long_ago);
+  }
+  EXPECT_EQ(*files_->RemoveExpiredQuarantine(hours(1), hours(2)), 0) << "clocks do not count";
   EXPECT_EQ(*files_->QuarantinedCount(), 1);
-  EXPECT_EQ(*files_->RemoveQuarantinedBefore(now + std::chrono::hours(1)), 1);
+  EXPECT_EQ(*files_->RemoveExpiredQuarantine(hours(1), hours(2)), 1);
   EXPECT_EQ(*files_->QuarantinedCount(), 0);
 }
 

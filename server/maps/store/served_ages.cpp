@@ -1,0 +1,61 @@
+#include "server/maps/store/served_ages.h"
+
+#include <fstream>
+#include <span>
+
+#include "absl/strings/str_cat.h"
+#include "server/base/files.h"
+
+namespace dcloc::server {
+
+absl::StatusOr<std::map<std::string, ServedAges::Age>> ServedAges::Advance(
+    Age served, const std::map<std::string, std::int64_t>& sizes) {
+  const std::lock_guard lock(mutex_);
+  const Entries before = Load();
+  Entries entries;
+  std::map<std::string, Age> ages;
+  for (const auto& [name, size_bytes] : sizes) {
+    const auto known = before.find(name);
+    const bool same = known != before.end() && known->second.size_bytes == size_bytes;
+    const Age age = same ? known->second.age + served : Age::zero();
+    entries[name] = {.age = age, .size_bytes = size_bytes};
+    ages[name] = age;
+  }
+  // A full disk does not keep a server from starting: at the start there is nothing to add.
+  if (served == Age::zero() || entries == before) return ages;
+  if (absl::Status status = Save(entries); !status.ok()) return status;
+  return ages;
+}
+
+absl::Status ServedAges::Forget(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  Entries entries = Load();
+  return entries.erase(name) == 0 ? absl::OkStatus() : Save(entries);
+}
+
+ServedAges::Entries ServedAges::Load() const {
+  std::ifstream file(path_);
+  Entries entries;
+  std::int64_t age_ns = 0;
+  std::int64_t size_bytes = 0;
+  std::string name;
+  while (file >> age_ns >> size_bytes && file.get() == ' ' && std::getline(file, name)) {
+    if (age_ns >= 0) entries[name] = {.age = Age(age_ns), .size_bytes = size_bytes};
+  }
+  return entries;
+}
+
+absl::Status ServedAges::Save(const Entries& entries) const {
+  std::string text;
+  for (const auto& [name, entry] : entries) {
+    absl::StrAppend(&text, entry.age.count(), " ", entry.size_bytes, " ", name, "\n");
+  }
+  const std::filesystem::path next = path_.string() + ".next";
+  const absl::StatusOr<FileDescriptor> file = OpenOrCreate(next);
+  absl::Status status = file.status();
+  if (status.ok()) status = Truncate(*file, 0);
+  if (status.ok()) status = WriteAll(*file, std::as_bytes(std::span(text)));
+  return status.ok() ? MoveFile(next, path_) : status;
+}
+
+}  // namespace dcloc::server
