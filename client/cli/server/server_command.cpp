@@ -42,7 +42,22 @@ ordered_json Json(const v1::GetServerStateResponse& state) {
           {"repeated_scan_count", state.repeated_scan_count()},
           {"resume_count", state.resume_count()},
           {"draining", state.draining()},
-          {"stub_matcher", state.stub_matcher()}};
+          {"stub_matcher", state.stub_matcher()},
+          {"unopened_stream_count", state.unopened_stream_count()},
+          {"max_unopened_stream_count", state.max_unopened_stream_count()},
+          {"certificate_expire_time", state.has_certificate_expire_time()
+                                          ? ordered_json(TimeText(state.certificate_expire_time()))
+                                          : ordered_json()},
+          {"certificate_fault", state.certificate_fault()}};
+}
+
+/// Until when the certificate holds, and what is wrong with the files that are there now.
+std::string CertificateText(const v1::GetServerStateResponse& state) {
+  if (!state.has_certificate_expire_time()) return "none, plaintext";
+  const std::string until = absl::StrCat("until ", TimeText(state.certificate_expire_time()));
+  if (state.certificate_fault().empty()) return until;
+  return absl::StrCat(
+      until, "; the files that are there now are not shown: ", Visible(state.certificate_fault()));
 }
 
 absl::Status ShowStatus(client::AdminClient& admin, const ServerArguments& arguments) {
@@ -57,13 +72,17 @@ absl::Status ShowStatus(client::AdminClient& admin, const ServerArguments& argum
       "dcloc-server %s, up for %s%s%s\n"
       "sessions  %d of %d at most, %d of them away; resumed %d times\n"
       "scans     %d localized, %d refused, %d dropped, %d repeated\n"
+      "waiting   %d streams of %d at most have not opened a session\n"
       "maps      %d in memory\n"
-      "threads   %d localize\n",
+      "threads   %d localize\n"
+      "TLS       %s\n",
       Visible(state->server_version()), AgeText(up_s), state->draining() ? ", draining" : "",
       state->stub_matcher() ? ", stub matcher: poses mean nothing" : "", state->session_count(),
       state->max_session_count(), state->detached_session_count(), state->resume_count(),
       state->scan_count(), state->rejected_scan_count(), state->dropped_scan_count(),
-      state->repeated_scan_count(), state->loaded_map_count(), state->worker_count());
+      state->repeated_scan_count(), state->unopened_stream_count(),
+      state->max_unopened_stream_count(), state->loaded_map_count(), state->worker_count(),
+      CertificateText(*state));
   return absl::OkStatus();
 }
 

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
+#include "dcloc/v1/admin_service.pb.h"
 #include "tests/client/cli/fixtures/admin_commands.h"
 
 // `dcloc server`.
@@ -31,6 +33,19 @@ TEST_F(ServerCommandTest, TheServerSaysHowItDoesAndIsDrained) {
   EXPECT_EQ(drained["session_count"], 0);
   EXPECT_EQ(drained["draining"], true);
   EXPECT_THAT(Dcloc(At("server status")).out, HasSubstr("draining"));
+}
+
+TEST_F(ServerCommandTest, TheStatusHasAllThatTheServerTells) {
+  const json status = json::parse(Dcloc(At("server status") + "--json").out);
+  const google::protobuf::Descriptor& state = *v1::GetServerStateResponse::descriptor();
+  for (int i = 0; i < state.field_count(); ++i) {
+    const std::string& name = state.field(i)->name();
+    EXPECT_TRUE(status.contains(name == "server_version" ? "version" : name)) << name;
+  }
+  EXPECT_EQ(status["max_unopened_stream_count"], 1000);
+  EXPECT_TRUE(status["certificate_expire_time"].is_null()) << "without TLS";
+  EXPECT_THAT(Dcloc(At("server status")).out,
+              AllOf(HasSubstr("0 streams of 1000"), HasSubstr("none, plaintext")));
 }
 
 TEST_F(ServerCommandTest, ADrainThatTakesTooLongIsAnError) {
