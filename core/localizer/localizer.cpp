@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/localizer/pipeline.h"
+#include "core/localizer/radar_clocks.h"
 #include "core/localizer/recent_answers.h"
 #include "core/localizer/time_base.h"
 #include "core/registration/gicp_registration.h"
@@ -26,14 +27,18 @@ std::unique_ptr<AnyPipeline> MakePipeline(std::shared_ptr<const RadarMap> map, R
 
 }  // namespace
 
-// The door: what comes twice is answered from memory, what comes late is told apart.
+// The door: what comes twice is answered from memory, stamps are brought to one clock, and what
+// comes late is told apart.
 struct Localizer::Impl {
   std::unique_ptr<AnyPipeline> pipeline;
+  RadarClocks radar_clocks;
   TimeBase time_base;
   RecentAnswers recent_answers;
 
   absl::StatusOr<Localization> Localize(const Scan& scan, LocalizerWorkspace& workspace,
                                         StageListener* listener);
+  absl::StatusOr<Localization> LocalizeNew(const Scan& scan, LocalizerWorkspace& workspace,
+                                           StageListener* listener);
 };
 
 absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map, Rig rig,
@@ -50,7 +55,9 @@ absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map,
   const auto make = in_space ? MakePipeline<3> : MakePipeline<2>;
   std::unique_ptr<AnyPipeline> pipeline =
       make(std::move(map), std::move(rig), initial_pose, options, methods);
+  const std::size_t radar_count = pipeline->rig().radars.size();
   return Localizer(std::make_unique<Impl>(Impl{.pipeline = std::move(pipeline),
+                                               .radar_clocks = {radar_count, options.radar_clocks},
                                                .time_base = TimeBase(options.time_base),
                                                .recent_answers = {}}));
 }
@@ -66,13 +73,22 @@ absl::StatusOr<Localization> Localizer::Impl::Localize(const Scan& scan,
   if (absl::Status status = Validate(scan, pipeline->rig()); !status.ok()) return status;
   const std::uint64_t fingerprint = RecentAnswers::Fingerprint(scan);
   if (const Localization* answer = recent_answers.Find(fingerprint)) return *answer;
-  const absl::StatusOr<TimeBase::Placement> placement = time_base.Place(scan.stamp);
-  if (!placement.ok()) return placement.status();
-  const Localization answer = placement->is_late
-                                  ? pipeline->LocalizeLate(scan, placement->stamp, workspace)
-                                  : pipeline->LocalizeNext(scan, *placement, workspace, listener);
-  recent_answers.Add(fingerprint, answer);
+  const absl::StatusOr<Localization> answer = LocalizeNew(scan, workspace, listener);
+  if (answer.ok()) recent_answers.Add(fingerprint, *answer);
   return answer;
+}
+
+absl::StatusOr<Localization> Localizer::Impl::LocalizeNew(const Scan& scan,
+                                                          LocalizerWorkspace& workspace,
+                                                          StageListener* listener) {
+  const std::size_t index = pipeline->rig().IndexOf(scan.radar_id);
+  const std::optional<Stamp> taken = radar_clocks.Align(index, scan.stamp);
+  pipeline->OnClock(index, radar_clocks.IsOff(index));
+  if (!taken) return pipeline->LocalizeUnplaced(scan, time_base.newest());
+  const absl::StatusOr<TimeBase::Placement> placement = time_base.Place(*taken);
+  if (!placement.ok()) return placement.status();
+  return placement->is_late ? pipeline->LocalizeLate(scan, placement->stamp, workspace)
+                            : pipeline->LocalizeNext(scan, *placement, workspace, listener);
 }
 
 absl::StatusOr<Localization> Localizer::Localize(const Scan& scan, LocalizerWorkspace& workspace,

@@ -5,6 +5,7 @@
 #include "absl/status/status.h"
 #include "core/geometry/pose_estimate.h"
 #include "core/localizer/fix_monitor.h"
+#include "core/localizer/radar_clocks.h"
 #include "core/localizer/radar_monitor.h"
 #include "core/localizer/registration_schedule.h"
 #include "core/localizer/reset_counter.h"
@@ -55,6 +56,7 @@ struct LocalizerOptions {
   /// A pose from a prior is held against other places before it is called tracking.
   bool verify_prior = true;
 
+  RadarClocksOptions radar_clocks;
   TimeBaseOptions time_base;
   SubmapOptions submap;
   MapFitOptions map_fit;

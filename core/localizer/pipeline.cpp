@@ -74,7 +74,7 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
   if (by_gyroscope && learned_rig_.OnScan(stamp, radar_index, scan, *by_gyroscope)) {
     submap_.DropPoints(static_cast<int>(radar_index));
   }
-  PlaceTargets(scan, stamp, ego_velocity, /*is_late=*/false, workspace.static_points);
+  PlaceTargets(scan, stamp, ego_velocity, workspace.static_points);
 
   Announce(listener, Stage::kSubmap);  // eq 7-8
   Motion motion = ego_motion_.since_previous();
@@ -121,7 +121,7 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   if (!moment) return answer;
   const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
   std::vector<RadarPoint>& points = lent_workspace.Of<Dim>().static_points;
-  PlaceTargets(scan, stamp, moment->velocity, /*is_late=*/true, points);
+  PlaceTargets(scan, stamp, moment->velocity, points);
   if (IsUsed(radar_index, stamp)) submap_.Insert(stamp, static_cast<int>(radar_index), points);
   const Motion then =
       Compose({answer.T_map_vehicle, answer.covariance}, Inverse(moment->to_newest));
@@ -141,11 +141,11 @@ void Pipeline<Dim>::Move(const Motion& motion) {
 
 template <int Dim>
 void Pipeline<Dim>::PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
-                                 bool is_late, std::vector<RadarPoint>& points) {
+                                 std::vector<RadarPoint>& points) {
   const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
   StaticPoints(scan, learned_rig_.rig().radars[radar_index], ego_velocity,
                EffectiveStaticPoints(options_), points);
-  radar_monitor_.OnScan(stamp, radar_index, scan.size(), points.size(), is_late);
+  radar_monitor_.OnScan(stamp, radar_index, scan.size(), points.size());
 }
 
 template <int Dim>
@@ -334,33 +334,6 @@ template <int Dim>
 PoseEstimate<3> Pipeline<Dim>::NowInMap() const {
   const PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
   return {.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance};
-}
-
-template <int Dim>
-FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
-  std::optional<PoseEstimate<3>> pose;
-  if (tracking_.has_pose()) pose = NowInMap();
-  const std::optional<PoseEstimate<3>> now = CarriedToNow(
-      {fix.T_map_vehicle, fix.covariance}, stamp, pose, ego_motion_.history(), options_.fixes);
-  if (!now) return FixUse::kOutOfTime;
-  if (!pose) {
-    relocalizer_.OnFix(*now);
-    return FixUse::kGuidesSearch;
-  }
-  const FixVerdict verdict = fix_monitor_.Judge(stamp, *now, *pose);
-  if (verdict == FixVerdict::kInsists) {
-    tracking_.OnFixesInsist();
-    relocalizer_.SetPrior(*now);
-  }
-  if (verdict >= FixVerdict::kContradicts) return FixUse::kContradicted;
-  if (verdict == FixVerdict::kInforms) {
-    const PoseEstimate<3> position = PositionOf(*now);
-    pose_.AddState();
-    pose_.AddPosition(
-        FromSpace<Dim>(matcher_.T_map_local().Inverse() * position.pose, position.covariance));
-  }
-  tracking_.OnFixAgrees();
-  return FixUse::kFused;
 }
 
 template <int Dim>

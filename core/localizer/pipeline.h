@@ -38,6 +38,12 @@ class AnyPipeline {
   virtual Localization LocalizeLate(const Scan& scan, Stamp stamp,
                                     LocalizerWorkspace& workspace) = 0;
 
+  /// A scan of which is not known when it was taken says nothing. Its pose is that of `newest`.
+  virtual Localization LocalizeUnplaced(const Scan& scan, Stamp newest) = 0;
+
+  /// Whether the stamps of radar `index` had to be brought to the clock of the others.
+  virtual void OnClock(std::size_t index, bool is_off) = 0;
+
   /// What something else than radar says of the pose at `stamp`. It is valid.
   virtual FixUse TakeFix(const InitialPose& fix, Stamp stamp) = 0;
 
@@ -58,6 +64,10 @@ class Pipeline final : public AnyPipeline {
   Localization LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
                             LocalizerWorkspace& workspace, StageListener* listener) override;
   Localization LocalizeLate(const Scan& scan, Stamp stamp, LocalizerWorkspace& workspace) override;
+  Localization LocalizeUnplaced(const Scan& scan, Stamp newest) override {
+    return Answer(scan, newest);
+  }
+  void OnClock(std::size_t index, bool is_off) override { radar_monitor_.OnClock(index, is_off); }
   FixUse TakeFix(const InitialPose& fix, Stamp stamp) override;
   bool searching() const override { return !tracking_.has_pose(); }
   const Rig& rig() const override { return learned_rig_.rig(); }
@@ -67,7 +77,7 @@ class Pipeline final : public AnyPipeline {
 
   // The stages of one scan.
   void Move(const Motion& motion);
-  void PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity, bool is_late,
+  void PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
                     std::vector<RadarPoint>& points);
   bool IsUsed(std::size_t radar_index, Stamp stamp) const;
   void AddToSubmap(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,

@@ -24,7 +24,6 @@ std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOpt
       {"min_static_share", &O::min_static_share, 0, 1, "no Doppler is told of"},
       {"min_fit_share", &O::min_fit_share, 0, 1, "no radar is set aside"},
       {"min_fit_of_others", &O::min_fit_of_others, 1e-6, 1},
-      {"max_late_share", &O::max_late_share, 0, 1, "a single late scan is told of"},
   };
   return kFields;
 }
@@ -34,14 +33,13 @@ absl::Status Validate(const RadarMonitorOptions& options) {
 }
 
 void RadarMonitor::OnScan(Stamp stamp, std::size_t index, std::size_t return_count,
-                          std::size_t static_count, bool is_late) {
+                          std::size_t static_count) {
   Watched& radar = radars_[index];
-  Average(is_late ? 1.0 : 0.0, radar.late_share);
   if (static_cast<int>(return_count) >= options_.min_return_count) {
     Average(static_cast<double>(static_count) / static_cast<double>(return_count),
             radar.static_share);
   }
-  if (is_late) return;
+  if (radar.last && stamp <= *radar.last) return;
   if (radar.last) {
     const double interval_s = WatchedSecondsOf(stamp - *radar.last);
     if (radar.usual_interval_s == 0.0) radar.usual_interval_s = interval_s;
@@ -85,7 +83,7 @@ SourceFault RadarMonitor::FaultOf(std::size_t index, Stamp stamp) const {
   if (IsSilent(radar, stamp)) return SourceFault::kSilent;
   if (!FitsTheMap(index)) return SourceFault::kMap;
   if (radar.static_share < options_.min_static_share) return SourceFault::kDoppler;
-  if (radar.late_share > options_.max_late_share) return SourceFault::kClock;
+  if (radar.clock_is_off) return SourceFault::kClock;
   return SourceFault::kNone;
 }
 

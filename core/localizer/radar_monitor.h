@@ -27,8 +27,6 @@ struct RadarMonitorOptions {
   /// other radars do, which fit it by so much at least. It needs two others.
   double min_fit_share = 0.4;
   double min_fit_of_others = 0.15;
-  /// Its clock is off if a greater share of its scans comes late.
-  double max_late_share = 0.5;
 };
 std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOptions& options);
 absl::Status Validate(const RadarMonitorOptions& options);
@@ -40,10 +38,11 @@ class RadarMonitor {
   RadarMonitor(std::size_t radar_count, const RadarMonitorOptions& options)
       : options_(options), radars_(radar_count) {}
 
-  /// A scan of radar `index` at `stamp`: so many returns, of which so many stand still, and whether
-  /// it came after a newer one.
-  void OnScan(Stamp stamp, std::size_t index, std::size_t return_count, std::size_t static_count,
-              bool is_late);
+  /// A scan of radar `index` at `stamp`: so many returns, of which so many stand still.
+  void OnScan(Stamp stamp, std::size_t index, std::size_t return_count, std::size_t static_count);
+
+  /// Whether its stamps are those of another clock than the other radars'.
+  void OnClock(std::size_t index, bool is_off) { radars_[index].clock_is_off = is_off; }
 
   /// How a scan of it fits the map, see MapFitMonitor.
   void OnFit(std::size_t index, double fit);
@@ -61,7 +60,7 @@ class RadarMonitor {
     std::optional<Stamp> last;
     double usual_interval_s = 0.0;
     double static_share = 1.0;
-    double late_share = 0.0;
+    bool clock_is_off = false;
     std::optional<double> fit;
   };
   void Average(double value, double& mean) const {

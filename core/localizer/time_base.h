@@ -44,6 +44,9 @@ class TimeBase {
   /// A stamp of the vehicle's clock as it is set now, in the time that does not jump.
   Stamp Convert(Stamp stamp) const { return stamp + offset_; }
 
+  /// The newest scan's, in the time that does not jump; the epoch before the first one.
+  Stamp newest() const { return newest_.value_or(Stamp{}); }
+
  private:
   TimeBaseOptions options_;
   std::chrono::nanoseconds offset_{0};  // of the time to the vehicle's clock

@@ -47,7 +47,7 @@ class LearnedRig {
 
   /// Of a radar of the rig.
   std::size_t IndexOf(std::string_view radar_id) const {
-    return static_cast<std::size_t>(rig_.Find(radar_id) - rig_.radars.data());
+    return rig_.IndexOf(radar_id);
   }
 
   /// A scan of radar `index`, of a vehicle that moves with `velocity`, whose yaw rate others

@@ -18,7 +18,7 @@ enum class SourceFault : std::size_t {
   kDoppler,   ///< a radar's range rates contradict how the vehicle moves
   kMount,     ///< a radar looks elsewhere than its mount says
   kMap,       ///< a radar's targets do not lie in the map where those of others do
-  kClock,     ///< its stamps come late, or its clock was set
+  kClock,     ///< its stamps are not those of the other radars, or its clock was set
 };
 inline constexpr std::array<const char*, 12> kSourceFaultNames = {
     "none", "silent", "standing", "frozen", "sign", "scale",

@@ -50,6 +50,11 @@ struct Rig {
   /// The radar of that id, or nullptr.
   const RadarModel* Find(std::string_view id) const;
 
+  /// Of a radar of the rig.
+  std::size_t IndexOf(std::string_view id) const {
+    return static_cast<std::size_t>(Find(id) - radars.data());
+  }
+
   /// True when every radar measures elevation, so that all six degrees of freedom are observable.
   bool MeasuresElevation() const;
 };

@@ -75,6 +75,37 @@ TEST_F(LocalizerTimeTest, AClockThatIsSetCostsTwoScans) {
   }
 }
 
+TEST_F(LocalizerTimeTest, AnotherClockOfOneRadarCostsNothing) {
+  Rig rig = FrontRadar();
+  for (const char* id : {"second", "third"}) {
+    rig.radars.push_back(rig.radars[0]);
+    rig.radars.back().id = id;
+  }
+  for (const auto off : {milliseconds(300), milliseconds(5000), milliseconds(-5000)}) {
+    Localizer localizer = MakeLocalizer(map_, rig, PriorAt(Start(), 0.3, 0.02));
+    int wrong = 0;
+    int tracking = 0;
+    Health health;
+    for (std::size_t i = 0; i < drive_.size(); ++i) {
+      Scan scan = drive_[i].scan;
+      scan.radar_id = rig.radars[i % 3].id;
+      if (i % 3 == 1 && i > drive_.size() / 4) scan.stamp += off;
+      const auto answer = localizer.Localize(scan);
+      if (!answer.ok()) continue;
+      EXPECT_EQ(answer->stamp, scan.stamp);
+      health = answer->health;
+      if (answer->state != LocalizationState::kTracking) continue;
+      const Eigen::Vector3d error_m =
+          answer->T_map_vehicle.translation_m - drive_[i].T_map_vehicle.translation_m;
+      error_m.norm() > 2.0 ? ++wrong : ++tracking;
+    }
+    EXPECT_LE(wrong, 4) << "until it is known";
+    EXPECT_GT(tracking, static_cast<int>(drive_.size()) * 7 / 10) << off.count();
+    EXPECT_EQ(health.radars[1].fault, SourceFault::kClock);
+    EXPECT_EQ(health.radars[0].fault, SourceFault::kNone);
+  }
+}
+
 TEST_F(LocalizerTimeTest, ARadarThatFallsSilentLeavesTheSubmap) {
   Rig rig = FrontRadar();
   rig.radars.push_back(rig.radars[0]);

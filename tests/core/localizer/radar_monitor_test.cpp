@@ -12,7 +12,7 @@ class RadarMonitorTest : public ::testing::Test {
     for (int i = 0; i < scans; ++i) {
       stamp_ += std::chrono::milliseconds(100);
       for (std::size_t radar = 0; radar < 4; ++radar) {
-        if (radar != silent) monitor_.OnScan(stamp_, radar, 100, 60, false);
+        if (radar != silent) monitor_.OnScan(stamp_, radar, 100, 60);
       }
     }
   }
@@ -42,21 +42,32 @@ TEST_F(RadarMonitorTest, SilenceIsToldOfAndEnds) {
 TEST_F(RadarMonitorTest, ASlowRadarIsNotSilent) {
   for (int i = 0; i < 10; ++i) {
     stamp_ += std::chrono::seconds(1);
-    monitor_.OnScan(stamp_, 0, 100, 60, false);
+    monitor_.OnScan(stamp_, 0, 100, 60);
   }
   EXPECT_EQ(monitor_.FaultOf(0, stamp_ + std::chrono::milliseconds(1500)), SourceFault::kNone);
 }
 
 TEST_F(RadarMonitorTest, RangeRatesThatNothingExplainsAreToldOf) {
   Drive(30);
-  for (int i = 0; i < 30; ++i) monitor_.OnScan(stamp_, 1, 100, 2, false);
+  for (int i = 0; i < 30; ++i) monitor_.OnScan(stamp_, 1, 100, 2);
   EXPECT_EQ(monitor_.FaultOf(1, stamp_), SourceFault::kDoppler);
 }
 
-TEST_F(RadarMonitorTest, AClockThatIsAlwaysLateIsToldOf) {
+TEST_F(RadarMonitorTest, AnotherClockIsToldOf) {
   Drive(30);
-  for (int i = 0; i < 30; ++i) monitor_.OnScan(stamp_, 1, 100, 60, true);
+  monitor_.OnClock(1, true);
   EXPECT_EQ(monitor_.FaultOf(1, stamp_), SourceFault::kClock);
+  monitor_.OnClock(1, false);
+  EXPECT_EQ(monitor_.FaultOf(1, stamp_), SourceFault::kNone);
+}
+
+TEST_F(RadarMonitorTest, ARadarWhoseScansAllComeLateIsNotSilent) {
+  Drive(30, 1);
+  for (int i = 0; i < 30; ++i) {
+    Drive(1, 1);
+    monitor_.OnScan(stamp_ - std::chrono::milliseconds(250), 1, 100, 60);
+  }
+  EXPECT_EQ(monitor_.FaultOf(1, stamp_), SourceFault::kNone);
 }
 
 TEST_F(RadarMonitorTest, TheOneThatDoesNotFitTheMapIsSetAside) {

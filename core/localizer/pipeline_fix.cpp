@@ -1,0 +1,37 @@
+// What something else than radar says of the pose.
+#include "core/geometry/pose_estimate.h"
+#include "core/localizer/pipeline.h"
+
+namespace dcloc {
+
+template <int Dim>
+FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
+  std::optional<PoseEstimate<3>> pose;
+  if (tracking_.has_pose()) pose = NowInMap();
+  const std::optional<PoseEstimate<3>> now = CarriedToNow(
+      {fix.T_map_vehicle, fix.covariance}, stamp, pose, ego_motion_.history(), options_.fixes);
+  if (!now) return FixUse::kOutOfTime;
+  if (!pose) {
+    relocalizer_.OnFix(*now);
+    return FixUse::kGuidesSearch;
+  }
+  const FixVerdict verdict = fix_monitor_.Judge(stamp, *now, *pose);
+  if (verdict == FixVerdict::kInsists) {
+    tracking_.OnFixesInsist();
+    relocalizer_.SetPrior(*now);
+  }
+  if (verdict >= FixVerdict::kContradicts) return FixUse::kContradicted;
+  if (verdict == FixVerdict::kInforms) {
+    const PoseEstimate<3> position = PositionOf(*now);
+    pose_.AddState();
+    pose_.AddPosition(
+        FromSpace<Dim>(matcher_.T_map_local().Inverse() * position.pose, position.covariance));
+  }
+  tracking_.OnFixAgrees();
+  return FixUse::kFused;
+}
+
+template class Pipeline<2>;
+template class Pipeline<3>;
+
+}  // namespace dcloc

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "absl/container/inlined_vector.h"
+#include "absl/status/status.h"
+#include "core/options/option_fields.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// When a radar's clock is another one than that of the others.
+struct RadarClocksOptions {
+  /// Scans may come so late, and lie so far ahead of later ones, while all clocks are one.
+  std::chrono::nanoseconds max_behind = std::chrono::milliseconds(300);
+  std::chrono::nanoseconds max_ahead = std::chrono::milliseconds(100);
+  /// A scan that lies so far ahead of all others is not used until it is known why.
+  std::chrono::nanoseconds max_lead = std::chrono::seconds(1);
+  /// So many scans in a row tell that a clock is off, and by how much.
+  int scans_to_tell = 4;
+};
+std::span<const OptionField<RadarClocksOptions>> FieldsOf(const RadarClocksOptions& options);
+absl::Status Validate(const RadarClocksOptions& options);
+
+/// Brings the stamps of a rig's radars to one clock. Scans arrive about in the order in which they
+/// were taken, so that the order of arrival tells by how much a radar's clock is off (METHOD eq
+/// 49).
+class RadarClocks {
+ public:
+  RadarClocks(std::size_t radar_count, const RadarClocksOptions& options)
+      : options_(options), radars_(radar_count) {}
+
+  /// When a scan of radar `index`, stamped `stamp` by the radar's own clock, was taken, by the
+  /// clock of the rig. Nothing while that is not known. Scans are given in the order of arrival.
+  std::optional<Stamp> Align(std::size_t index, Stamp stamp);
+
+  /// By how much the clock of radar `index` is ahead of that of the rig.
+  std::chrono::nanoseconds Offset(std::size_t index) const { return radars_[index].offset; }
+  bool IsOff(std::size_t index) const { return Offset(index) != std::chrono::nanoseconds(0); }
+
+ private:
+  /// The time from another radar's newest scan to each of the last ones of this radar.
+  using SinceOther = absl::InlinedVector<std::chrono::nanoseconds, 4>;
+  struct Watched {
+    std::chrono::nanoseconds offset{0};
+    std::optional<Stamp> last;  // by the rig's clock
+    bool has_leapt = false;     // ahead of all others, and not known why
+    std::size_t arrival = 0;    // of the last scan, counted over all radars
+    std::size_t arrival_before_last = 0;
+    std::vector<SinceOther> since_others;  // by the index of the other radar
+  };
+
+  bool IsAlive(const Watched& other, const Watched& radar) const;
+  void Compare(std::size_t index, Stamp stamp);
+  /// By how much, at least, radar `a` lies behind `b` in each of the last comparisons.
+  std::optional<std::chrono::nanoseconds> Behind(std::size_t a, std::size_t b) const;
+  /// The middle of what the order of arrival allows for by how much `a` is ahead of `b`.
+  std::optional<std::chrono::nanoseconds> Ahead(std::size_t a, std::size_t b) const;
+  bool DiffersFromMost(std::size_t index) const;
+  void SetRight(std::size_t index);
+  bool HasLeapt(std::size_t index, Stamp stamp) const;
+
+  RadarClocksOptions options_;
+  std::vector<Watched> radars_;
+  std::size_t arrivals_ = 0;
+};
+
+}  // namespace dcloc
