@@ -46,9 +46,7 @@ class LearnedRig {
   const Rig& rig() const { return rig_; }
 
   /// Of a radar of the rig.
-  std::size_t IndexOf(std::string_view radar_id) const {
-    return rig_.IndexOf(radar_id);
-  }
+  std::size_t IndexOf(std::string_view radar_id) const { return rig_.IndexOf(radar_id); }
 
   /// A scan of radar `index`, of a vehicle that moves with `velocity`, whose yaw rate others
   /// than radars say. Returns whether its mount has been corrected.
