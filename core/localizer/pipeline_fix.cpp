@@ -31,7 +31,7 @@ FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
   return FixUse::kFused;
 }
 
-template class Pipeline<2>;
-template class Pipeline<3>;
+template FixUse Pipeline<2>::TakeFix(const InitialPose& fix, Stamp stamp);
+template FixUse Pipeline<3>::TakeFix(const InitialPose& fix, Stamp stamp);
 
 }  // namespace dcloc

@@ -53,12 +53,13 @@ void TrackingStateMachine::OnPlaceFound() {
 void TrackingStateMachine::OnVerified() {
   mode_ = Next(mode_, TrackingEvent::kVerified);
   is_contradicted_ = false;
-  must_be_verified_ = false;
+  fixes_insist_ = false;
+  comes_from_unobserved_ = false;
   Confirm();
 }
 
-void TrackingStateMachine::DemandVerification() {
-  must_be_verified_ = true;
+void TrackingStateMachine::OnFixesInsist() {
+  fixes_insist_ = true;
   mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
@@ -72,7 +73,7 @@ void TrackingStateMachine::OnScanFit(ScanFit fit) {
     return;
   }
   ++agreed_in_a_row_;
-  if (agreed_in_a_row_ >= options_.agreements && accepted_since_doubt_ && !must_be_verified_) {
+  if (agreed_in_a_row_ >= options_.agreements && accepted_since_doubt_ && !must_be_verified()) {
     mode_ = Next(mode_, TrackingEvent::kAgreed);
   }
 }
@@ -128,7 +129,8 @@ void TrackingStateMachine::OnObservability(Stamp stamp, bool is_observed) {
   if (!is_observed && unchanged >= options_.max_unobserved) is_unobserved_ = true;
   if (is_unobserved_ && is_observed && unchanged >= options_.min_observed) {
     is_unobserved_ = false;
-    DemandVerification();
+    comes_from_unobserved_ = true;
+    mode_ = Next(mode_, TrackingEvent::kDoubted);
   }
 }
 
@@ -151,7 +153,7 @@ void TrackingStateMachine::OnRegistration(Stamp stamp, RegistrationOutcome outco
 }
 
 void TrackingStateMachine::Confirm() {
-  if (accepted_in_a_row_ < options_.confirmations || must_be_verified_) return;
+  if (accepted_in_a_row_ < options_.confirmations || must_be_verified()) return;
   mode_ = Next(mode_, TrackingEvent::kConfirmed);
   if (mode_ != TrackingMode::kTracking) return;
   uncertain_since_.reset();

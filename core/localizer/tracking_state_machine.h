@@ -147,8 +147,8 @@ class TrackingStateMachine {
 
   /// Fixes say that the vehicle is elsewhere: until they agree again, or the pose is verified, it
   /// does not matter that scans fit.
-  void OnFixesInsist() { DemandVerification(); }
-  void OnFixAgrees() { must_be_verified_ = false; }
+  void OnFixesInsist();
+  void OnFixAgrees() { fixes_insist_ = false; }
 
   /// Takes in how the newest scan fits the map.
   void OnScanFit(ScanFit fit);
@@ -177,7 +177,8 @@ class TrackingStateMachine {
   void Confirm();
   std::chrono::nanoseconds Hold() const;
   void LearnInterval(Stamp stamp);
-  void DemandVerification();
+  /// Nothing but OnVerified, or another place, leads to tracking.
+  bool must_be_verified() const { return fixes_insist_ || comes_from_unobserved_; }
 
   TrackingOptions options_;
   TrackingMode mode_ = TrackingMode::kSearching;
@@ -187,7 +188,8 @@ class TrackingStateMachine {
   int agreed_in_a_row_ = 0;       // scans, since the last one that contradicted
   bool is_contradicted_ = false;  // by the newest scan whose fit is known
   bool accepted_since_doubt_ = false;
-  bool must_be_verified_ = false;  // nothing but OnVerified, or another place, leads to tracking
+  bool fixes_insist_ = false;           // that the vehicle is elsewhere
+  bool comes_from_unobserved_ = false;  // ground, and has not been verified since
   std::optional<Stamp> last_registration_;
   double usual_interval_s_ = 0.0;
   std::optional<Stamp> last_accepted_;

@@ -332,6 +332,19 @@ TEST(TrackingStateMachineTest, SingleRegistrationsThatDoNotObserveTheWayMeanNoth
   EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
 }
 
+TEST(TrackingStateMachineTest, AFixThatAgreesDoesNotVerifyTheExitOfATunnel) {
+  TrackingStateMachine state = Tracking(1000);
+  int ms = 1100;
+  Observe(state, ms, ms + 3000, false);
+  Observe(state, ms, ms + 3000, true);
+  ASSERT_EQ(state.mode(), TrackingMode::kDoubting);
+  state.OnFixAgrees();
+  for (int i = 0; i < 5; ++i) state.OnScanFit(ScanFit::kAgrees);
+  EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
+  state.OnVerified();
+  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+}
+
 TEST(TrackingStateMachineTest, FixesThatInsistAskForVerification) {
   TrackingStateMachine state = Tracking(1000);
   state.OnFixesInsist();
