@@ -86,7 +86,7 @@ void AddRangeRates(std::vector<Fault>& faults) {
 }
 
 void AddClockAndSigmas(std::vector<Fault>& faults) {
-  for (const double shift_s : {0.2, -0.2}) {
+  for (const double shift_s : {0.2, -0.2, 5.0, -5.0}) {
     faults.push_back(
         MakeRadarFault(absl::StrCat("clock", shift_s < 0.0 ? "" : "+", shift_s, "s"),
                        absl::StrCat("one radar's stamps off by ", shift_s, " s"), std::nullopt,
