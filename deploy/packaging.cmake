@@ -39,11 +39,13 @@ list(TRANSFORM SDK_HEADERS PREPEND client/sdk/)
 list(TRANSFORM SDK_HEADERS APPEND .h)
 install(FILES ${SDK_HEADERS}
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dcloc/client/sdk COMPONENT sdk)
+install(FILES client/sdk/pose/pose_estimate.h client/sdk/pose/rigid_pose.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dcloc/client/sdk/pose COMPONENT sdk)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/proto/generated/dcloc
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dcloc COMPONENT sdk FILES_MATCHING PATTERN "*.pb.h")
 install(DIRECTORY proto/dcloc
   DESTINATION ${CMAKE_INSTALL_DATADIR}/dcloc/proto COMPONENT sdk FILES_MATCHING PATTERN "*.proto")
-install(TARGETS dcloc_client dcloc_proto
+install(TARGETS dcloc_client dcloc_sdk_pose dcloc_proto
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT sdk)
 include(CMakePackageConfigHelpers)
 configure_package_config_file(deploy/dclocConfig.cmake.in ${CMAKE_BINARY_DIR}/dclocConfig.cmake

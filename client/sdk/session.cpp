@@ -27,6 +27,15 @@ absl::Status Session::Send(v1::Scan scan) { return engine_->Send(std::move(scan)
 absl::Status Session::SendFix(v1::PositionFix fix) { return engine_->SendFix(std::move(fix)); }
 void Session::CloseSending() { engine_->CloseSending(); }
 std::optional<v1::LocalizeResponse> Session::Next() { return engine_->Next(); }
+absl::Status Session::AddEgoVelocity(std::int64_t stamp_ns, const v1::EgoVelocity& velocity) {
+  return engine_->poses().AddVelocity(stamp_ns, velocity);
+}
+absl::StatusOr<PoseEstimate> Session::PoseAt(std::int64_t stamp_ns) const {
+  return engine_->poses().PoseAt(stamp_ns);
+}
+absl::StatusOr<PoseEstimate> Session::SmoothPoseAt(std::int64_t stamp_ns) const {
+  return engine_->poses().SmoothPoseAt(stamp_ns);
+}
 void Session::Cancel() { engine_->Cancel(); }
 absl::Status Session::EndStatus() const { return engine_->EndStatus(); }
 absl::Status Session::record_status() const { return engine_->record_status(); }

@@ -2,11 +2,13 @@
 
 #include <grpcpp/channel.h>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/sdk/pose/pose_estimate.h"
 #include "client/sdk/session_options.h"
 #include "client/sdk/session_stats.h"
 #include "dcloc/v1/localization_service.pb.h"
@@ -61,6 +63,19 @@ class Session {
   /// The next answer, a `result` or `rejected`, or a `position_fix_answer` where fixes were sent,
   /// waiting for it; nothing once the session has ended and every answer has been given out.
   std::optional<v1::LocalizeResponse> Next();
+
+  /// Takes the vehicle's velocity as its wheels and gyroscope say, for `PoseAt`; nothing is sent.
+  /// That of scans is taken already. InvalidArgument names the field and the value.
+  absl::Status AddEgoVelocity(std::int64_t stamp_ns, const v1::EgoVelocity& velocity);
+
+  /// Where the vehicle was at a stamp of its clock, between answers or shortly after the newest, by
+  /// its own motion. Takes no lock. FailedPrecondition while no answer has a pose; OutOfRange later
+  /// than `SessionOptions::pose.max_ahead` after the newest answer, and before what is kept.
+  absl::StatusOr<PoseEstimate> PoseAt(std::int64_t stamp_ns) const;
+
+  /// The same for controllers: where an answer makes `PoseAt` jump, this follows at a bounded rate
+  /// (`SessionOptions::pose.bleed_mps`), with a covariance that tells of the way that is left.
+  absl::StatusOr<PoseEstimate> SmoothPoseAt(std::int64_t stamp_ns) const;
 
   /// Ends the session without waiting for what is under way.
   void Cancel();

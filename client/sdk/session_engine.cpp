@@ -4,34 +4,16 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/sdk/retry.h"
 #include "client/sdk/status.h"
 
 namespace dcloc::client {
-namespace {
-
-/// Whether another attempt may do better. Before a stream is open the server may just be full;
-/// after that, what exhausts it is what was sent.
-bool IsPassing(const absl::Status& status, bool was_open) {
-  switch (status.code()) {
-    case absl::StatusCode::kOk:
-    case absl::StatusCode::kUnavailable:
-    case absl::StatusCode::kCancelled:
-    case absl::StatusCode::kUnknown:
-    case absl::StatusCode::kInternal:
-    case absl::StatusCode::kDeadlineExceeded:
-      return true;
-    case absl::StatusCode::kResourceExhausted:
-      return !was_open;
-    default:
-      return false;
-  }
-}
-
-}  // namespace
-
 SessionEngine::SessionEngine(std::unique_ptr<v1::LocalizationService::Stub> stub,
                              v1::OpenSession open, SessionOptions options)
-    : stub_(std::move(stub)), open_(std::move(open)), options_(std::move(options)) {
+    : stub_(std::move(stub)),
+      open_(std::move(open)),
+      options_(std::move(options)),
+      poses_(options_.pose) {
   if (options_.reconnect) {
     backoff_.emplace(options_.reconnect->initial_backoff, options_.reconnect->max_backoff);
   }
@@ -74,6 +56,10 @@ absl::Status SessionEngine::Send(v1::Scan scan) {
   if (!has_room()) {
     return absl::ResourceExhaustedError(
         absl::StrCat("the queue holds ", outbox_.waiting_scan_count(), " scans, its limit"));
+  }
+  // One that is not valid the server refuses.
+  if (scan.has_ego_velocity()) {
+    poses_.AddVelocity(scan.stamp_ns(), scan.ego_velocity()).IgnoreError();
   }
   outbox_.Push(std::move(scan));
   if (connection_ != nullptr) connection_->WriteOn();
@@ -227,6 +213,7 @@ void SessionEngine::TakeOpened(v1::SessionOpened opened) {
     return;
   }
   if (outbox_.empty()) failing_since_.reset();
+  if (!opened.resumed()) poses_.BeginAnew();
   ++(opened.resumed() ? stats_.resume_count : stats_.restart_count);
   Tell({.kind = opened.resumed() ? SessionEvent::Kind::kResumed : SessionEvent::Kind::kRestarted,
         .status = opened.resumed() ? absl::OkStatus() : restart_reason_,
@@ -246,7 +233,10 @@ void SessionEngine::TakeAnswer(v1::LocalizeResponse response) {
   if (!request.ok()) return GiveUp(request.status());
   failing_since_.reset();
   if (backoff_) backoff_->Reset();
-  if (response.has_result()) prior_.Note(response.result());
+  if (response.has_result()) {
+    prior_.Note(response.result());
+    poses_.AddAnswer(response.result());
+  }
   Answered& answered = answers_.emplace_back();
   answered.answer = std::move(response);
   if (options_.record_file.empty()) return;
@@ -344,7 +334,7 @@ std::optional<absl::Status> SessionEngine::Judge(const absl::Status& status) {
   if (resuming && absl::IsNotFound(status)) {
     restart_reason_ = status;
     resume_token_.clear();
-  } else if (!can_return || !IsPassing(status, opened_.has_value())) {
+  } else if (!can_return || !MayPass(status, opened_.has_value())) {
     return Unanswered(status);
   }
   const Clock::time_point now = Clock::now();

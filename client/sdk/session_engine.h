@@ -14,6 +14,7 @@
 #include "client/sdk/backoff.h"
 #include "client/sdk/connection.h"
 #include "client/sdk/outbox.h"
+#include "client/sdk/pose/pose_tracker.h"
 #include "client/sdk/prior.h"
 #include "client/sdk/session_options.h"
 #include "client/sdk/session_recorder.h"
@@ -52,6 +53,9 @@ class SessionEngine final : public Connection::Host {
 
   SessionStats stats() const;
 
+  /// Poses at any time, of the answers as they come; needs no lock.
+  PoseTracker& poses() { return poses_; }
+
  private:
   using Clock = std::chrono::steady_clock;
 
@@ -88,6 +92,7 @@ class SessionEngine final : public Connection::Host {
   const std::unique_ptr<v1::LocalizationService::Stub> stub_;
   const v1::OpenSession open_;
   const SessionOptions options_;
+  PoseTracker poses_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

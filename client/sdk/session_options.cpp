@@ -24,6 +24,7 @@ absl::Status Validate(const SessionOptions& options) {
   status.Update(CheckCount("max_unanswered_scan_count", options.max_unanswered_scan_count));
   status.Update(CheckCount("max_unanswered_fix_count", options.max_unanswered_fix_count));
   status.Update(CheckPositive("open_timeout", options.open_timeout));
+  status.Update(Validate(options.pose));
   if (!status.ok() || !options.reconnect) return status;
   const ReconnectOptions& reconnect = *options.reconnect;
   status.Update(CheckPositive("reconnect.initial_backoff", reconnect.initial_backoff));

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "client/sdk/pose/pose_estimate.h"
 #include "dcloc/v1/localization_service.pb.h"
 
 namespace dcloc::client {
@@ -57,6 +58,8 @@ struct SessionOptions {
   /// Not empty: the session is recorded there (see recording.h) as its answers are taken with
   /// `Next`, until it ends or begins anew.
   std::string record_file;
+  /// How `PoseAt` and `SmoothPoseAt` tell poses.
+  PoseOptions pose;
   /// Called on a thread of the SDK, one event at a time; must not call the session's destructor.
   std::function<void(const SessionEvent&)> on_event;
 };

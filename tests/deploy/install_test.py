@@ -34,7 +34,7 @@ class ClientLibrary(unittest.TestCase):
             prefix = folder / "prefix"
             run("cmake", "--install", ARGUMENTS[2], "--component", "sdk", "--prefix", prefix)
             include = prefix / "include/dcloc"
-            for header in include.glob("client/sdk/*.h"):
+            for header in include.glob("client/sdk/**/*.h"):
                 for used in re.findall(r'#include "((?:client|dcloc)/[^"]+)"', header.read_text()):
                     self.assertTrue((include / used).is_file(), f"{header.name} needs {used}")
             source = folder / "example"

@@ -1,0 +1,212 @@
+// The pose between answers and after them, as a vehicle's control asks for it: its error 100 ms
+// after the last answer, how honest its covariance is, and what asking costs.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "client/cli/remote/wire.h"
+#include "client/datasets/drive_map.h"
+#include "client/evaluation/metrics.h"
+#include "client/sdk/pose/pose_tracker.h"
+#include "client/simulation/simulation.h"
+#include "core/geometry/covariance.h"
+#include "core/geometry/degrees.h"
+#include "core/localizer/localizer.h"
+#include "tests/benchmarks/inputs.h"
+
+namespace dcloc::benchmarks {
+namespace {
+
+using client::PoseEstimate;
+using client::PoseTracker;
+
+/// What a vehicle has of its own motion when it asks.
+enum class Wheels {
+  kUntilNow,     ///< at 50 Hz, up to the moment that it asks for
+  kUntilAnswer,  ///< at 50 Hz, up to the answer's stamp: the pose is foretold
+  kOfScans,      ///< what goes along with scans
+  kNone,
+};
+
+/// A drive with the server's answers to it.
+struct AnsweredDrive {
+  Rig rig;
+  std::vector<v1::LocalizationResult> answers;
+  std::vector<std::optional<EgoVelocity>> velocities;  ///< of the scans
+  std::vector<VehicleSignal> signals;
+};
+
+struct Errors {
+  std::vector<double> position_m, heading_deg, nees;
+};
+
+std::int64_t Nanoseconds(Stamp stamp) { return stamp.time_since_epoch().count(); }
+
+Pose3 ToPose3(const client::RigidPose& T) {
+  const auto& [w, x, y, z] = T.rotation_wxyz;
+  return {Eigen::Vector3d(T.translation_m.data()), Eigen::Quaterniond(w, x, y, z)};
+}
+
+AnsweredDrive Localized(double length_m, double speed_mps, int rig_size, std::uint64_t seed) {
+  SimulationOptions options;
+  options.length_m = length_m;
+  options.rig_size = rig_size;
+  options.seed = seed;
+  options.live_speeds_mps = {speed_mps};
+  const auto passes = Passes(options);
+  const simulation::World world = MakeWorld(options);
+  const SimulatedPass map_pass = SimulatePassWithTruth(world, options, passes[0]).value();
+  SimulatedPass live = SimulatePassWithTruth(world, options, passes[1]).value();
+  const auto map = RadarMap::FromBytes(BuildMap(map_pass.drive, {.name = "town"}).value()).value();
+  Vector6d sigmas;
+  sigmas << 0.7, 0.7, 0.1, 0.01, 0.01, 0.035;
+  auto localizer = Localizer::Create(map, live.drive.rig,
+                                     InitialPose{live.drive.scans.front().T_map_vehicle,
+                                                 sigmas.cwiseAbs2().asDiagonal()})
+                       .value();
+  AnsweredDrive answered{live.drive.rig, {}, {}, std::move(live.signals)};
+  for (const DriveScan& entry : live.drive.scans) {
+    const auto answer = localizer.Localize(entry.scan);
+    if (!answer.ok()) continue;
+    answered.answers.push_back(cli::ToProto(*answer, live.drive.rig, 0));
+    answered.velocities.push_back(entry.scan.ego_velocity);
+  }
+  return answered;
+}
+
+v1::EgoVelocity OfWheels(const VehicleSignal& signal) {
+  v1::EgoVelocity velocity;
+  velocity.mutable_linear_mps()->set_x(signal.speed_mps);
+  velocity.mutable_angular_radps()->set_z(signal.yaw_rate_radps);
+  return velocity;
+}
+
+void Judge(const PoseEstimate& estimate, const Pose3& truth, Errors& errors) {
+  const Pose3 T = ToPose3(estimate.T_map_vehicle);
+  const Eigen::Vector3d error =
+      Log(Flatten(T.Inverse() * truth));  // in the vehicle frame, as is the covariance below
+  const Matrix6d covariance = TangentFromFixedAxes(
+      T,
+      Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(estimate.covariance.data()));
+  errors.position_m.push_back(error.head<2>().norm());
+  errors.heading_deg.push_back(std::abs(error.z()) * kDegPerRad);
+  errors.nees.push_back(error.dot(FlattenCovariance(covariance).ldlt().solve(error)) / 3.0);
+}
+
+/// Each answer is followed by a pause in which the vehicle asks for its pose, at the first moment
+/// of its bus that is 100 ms later: then the truth is known. Answers within the pause are left out.
+void AskAhead(const AnsweredDrive& drive, Wheels wheels, std::chrono::milliseconds ahead,
+              Errors& errors) {
+  PoseTracker poses({});
+  std::size_t next = 0;  // signal
+  Stamp asked{};
+  const auto give_until = [&](Stamp stamp) {
+    for (; next < drive.signals.size() && drive.signals[next].stamp <= stamp; ++next) {
+      const VehicleSignal& signal = drive.signals[next];
+      static_cast<void>(poses.AddVelocity(Nanoseconds(signal.stamp), OfWheels(signal)));
+    }
+  };
+  const bool has_bus = wheels == Wheels::kUntilNow || wheels == Wheels::kUntilAnswer;
+  for (std::size_t i = 0; i < drive.answers.size(); ++i) {
+    const v1::LocalizationResult& answer = drive.answers[i];
+    const Stamp stamp{std::chrono::nanoseconds(answer.stamp_ns())};
+    if (stamp < asked) continue;
+    if (has_bus) give_until(stamp);
+    if (wheels == Wheels::kOfScans && drive.velocities[i]) {
+      v1::EgoVelocity velocity;
+      velocity.mutable_linear_mps()->set_x(drive.velocities[i]->linear_mps.x());
+      velocity.mutable_angular_radps()->set_z(drive.velocities[i]->angular_radps.z());
+      static_cast<void>(poses.AddVelocity(answer.stamp_ns(), velocity));
+    }
+    poses.AddAnswer(answer);
+    const auto signal = std::ranges::lower_bound(drive.signals, stamp + ahead, std::ranges::less(),
+                                                 &VehicleSignal::stamp);
+    if (signal == drive.signals.end()) break;
+    asked = signal->stamp;
+    if (wheels == Wheels::kUntilNow) give_until(asked);
+    if (stamp < drive.signals.front().stamp + std::chrono::seconds(2)) continue;  // it settles
+    const auto estimate = poses.PoseAt(Nanoseconds(asked));
+    if (!estimate.ok() || estimate->state != v1::LOCALIZATION_STATE_TRACKING) continue;
+    Judge(*estimate, signal->T_map_vehicle, errors);
+  }
+}
+
+void PrintErrors(const char* name, const std::vector<AnsweredDrive>& drives, Wheels wheels,
+                 std::chrono::milliseconds ahead = std::chrono::milliseconds(100)) {
+  Errors errors;
+  for (const AnsweredDrive& drive : drives) AskAhead(drive, wheels, ahead, errors);
+  double sum = 0.0;
+  for (const double nees : errors.nees) sum += nees;
+  std::printf("%-44s %7zu %9.3f %9.3f %9.3f %9.3f %7.2f\n", name, errors.nees.size(),
+              Quantile(errors.position_m, 0.5), Quantile(errors.position_m, 0.95),
+              Quantile(errors.position_m, 1.0), Quantile(errors.heading_deg, 0.5),
+              sum / static_cast<double>(errors.nees.size()));
+}
+
+double CpuNanoseconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e9 * static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec);
+}
+
+/// Medians over batches, since a clock is slower than what is measured.
+void PrintCosts(const AnsweredDrive& drive, int batch_count) {
+  PoseTracker poses({});
+  constexpr std::size_t kAnswers = 60;
+  const std::int64_t end_ns = drive.answers[kAnswers - 1].stamp_ns();
+  for (std::size_t i = 0; i < kAnswers; ++i) poses.AddAnswer(drive.answers[i]);
+  for (const VehicleSignal& signal : drive.signals) {
+    if (Nanoseconds(signal.stamp) > end_ns) break;
+    static_cast<void>(poses.AddVelocity(Nanoseconds(signal.stamp), OfWheels(signal)));
+  }
+  constexpr int kBatch = 1000;
+  double sum = 0.0;  // keeps what is measured
+  const auto median_ns = [&](const std::function<void(int)>& call) {
+    std::vector<double> times_ns;
+    for (int batch = 0; batch < batch_count; ++batch) {
+      const double begin_ns = CpuNanoseconds();
+      for (int i = 0; i < kBatch; ++i) call(i);
+      times_ns.push_back((CpuNanoseconds() - begin_ns) / kBatch);
+    }
+    return Quantile(times_ns, 0.5);
+  };
+  const auto stamp_ns = [&](int i) { return end_ns + (i % 400 - 300) * 1'000'000; };
+  const double pose_ns =
+      median_ns([&](int i) { sum += poses.PoseAt(stamp_ns(i))->T_map_vehicle.translation_m[0]; });
+  const double smooth_ns = median_ns(
+      [&](int i) { sum += poses.SmoothPoseAt(stamp_ns(i))->T_map_vehicle.translation_m[0]; });
+  const double answer_ns = median_ns([&](int) { poses.AddAnswer(drive.answers[kAnswers - 1]); });
+  std::printf("\nPoseAt %.0f ns, SmoothPoseAt %.0f ns, taking an answer %.0f ns%s\n", pose_ns,
+              smooth_ns, answer_ns, std::isfinite(sum) ? "" : " (not finite)");
+}
+
+}  // namespace
+}  // namespace dcloc::benchmarks
+
+int main(int argc, char** argv) {
+  using namespace dcloc::benchmarks;  // NOLINT(google-build-using-namespace)
+  const bool smoke = IsSmokeRun(argc, argv);
+  std::printf("%-44s %7s %9s %9s %9s %9s %7s\n", "100 ms after the last answer, 20 m/s", "asked",
+              "p50 m", "p95 m", "max m", "p50 deg", "ANEES");
+  for (const int rig_size : {1, 5}) {
+    if (smoke && rig_size > 1) break;
+    // Wheels are wrong by a factor that is drawn once a drive.
+    std::vector<AnsweredDrive> drives;
+    for (std::uint64_t seed = 1; seed <= (smoke ? 1 : 6); ++seed) {
+      drives.push_back(Localized(smoke ? 100.0 : 1000.0, 20.0, rig_size, seed));
+    }
+    std::printf("%d radar%s\n", rig_size, rig_size == 1 ? "" : "s");
+    PrintErrors("  0 ms after it", drives, Wheels::kUntilNow, std::chrono::milliseconds(0));
+    PrintErrors("  wheels at 50 Hz until the moment asked for", drives, Wheels::kUntilNow);
+    PrintErrors("  wheels at 50 Hz until the answer", drives, Wheels::kUntilAnswer);
+    PrintErrors("  the velocity that went with the scans", drives, Wheels::kOfScans);
+    PrintErrors("  answers alone", drives, Wheels::kNone);
+    if (rig_size == 1) PrintCosts(drives.front(), smoke ? 3 : 101);
+  }
+}
