@@ -73,7 +73,7 @@ absl::StatusOr<Localization> Localizer::Impl::Localize(const Scan& scan,
   if (absl::Status status = Validate(scan, pipeline->rig()); !status.ok()) return status;
   const std::uint64_t fingerprint = RecentAnswers::Fingerprint(scan);
   if (const Localization* answer = recent_answers.Find(fingerprint)) return *answer;
-  const absl::StatusOr<Localization> answer = LocalizeNew(scan, workspace, listener);
+  absl::StatusOr<Localization> answer = LocalizeNew(scan, workspace, listener);
   if (answer.ok()) recent_answers.Add(fingerprint, *answer);
   return answer;
 }

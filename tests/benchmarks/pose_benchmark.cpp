@@ -176,7 +176,7 @@ void PrintCosts(const AnsweredDrive& drive, int batch_count) {
     }
     return Quantile(times_ns, 0.5);
   };
-  const auto stamp_ns = [&](int i) { return end_ns + (i % 400 - 300) * 1'000'000; };
+  const auto stamp_ns = [&](int i) { return end_ns + std::int64_t{i % 400 - 300} * 1'000'000; };
   const double pose_ns =
       median_ns([&](int i) { sum += poses.PoseAt(stamp_ns(i))->T_map_vehicle.translation_m[0]; });
   const double smooth_ns = median_ns(

@@ -20,6 +20,7 @@ TEST(PoseReadersTest, WhatIsReadIsWhole) {
   std::atomic<bool> ended = false;
   std::atomic<int> newest_ms = 0;
   std::vector<std::jthread> readers;
+  readers.reserve(2);
   std::atomic<int> read_count = 0;
   for (int i = 0; i < 2; ++i) {
     readers.emplace_back([&] {
