@@ -54,7 +54,7 @@ ordered_json Json(const v1::GetServerStateResponse& state) {
 /// Until when the certificate holds, and what is wrong with the files that are there now.
 std::string CertificateText(const v1::GetServerStateResponse& state) {
   if (!state.has_certificate_expire_time()) return "none, plaintext";
-  const std::string until = absl::StrCat("until ", TimeText(state.certificate_expire_time()));
+  std::string until = absl::StrCat("until ", TimeText(state.certificate_expire_time()));
   if (state.certificate_fault().empty()) return until;
   return absl::StrCat(
       until, "; the files that are there now are not shown: ", Visible(state.certificate_fault()));
