@@ -37,7 +37,7 @@ FLOORS = {
     "client": [
         "sdk/pose",
         "sdk",
-        "sdk/example",
+        "sdk/c sdk/example",
         "datasets",
         "simulation/world",
         "simulation/motion",
@@ -67,7 +67,7 @@ MODULES = {
 }
 
 # What a vehicle links stays thin.
-WITHOUT = {"client/sdk": ("core",), "client/sdk/pose": ("core",),
+WITHOUT = {"client/sdk": ("core",), "client/sdk/pose": ("core",), "client/sdk/c": ("core",),
            "client/sdk/example": ("core",)}
 
 FLOOR_OF = {f"{module}/{room}": index
