@@ -255,8 +255,9 @@ dcloc_status dcloc_session_open(const dcloc_config* config, dcloc_session** sess
     const auto channel = client::MakeChannel(config->channel);
     if (!channel.ok()) return channel.status();
     auto opened = client::Session::Open(*channel, config->open, config->session);
-    if (opened.ok()) *session = new dcloc_session{*std::move(opened)};
-    return opened.status();
+    if (!opened.ok()) return opened.status();
+    *session = new dcloc_session{*std::move(opened)};
+    return status;
   });
 }
 
