@@ -41,7 +41,7 @@ void TakeProtobufMessage(google::protobuf::LogLevel level, const char* /*file*/,
 
 }  // namespace
 
-void TakeLibraryMessages(std::shared_ptr<spdlog::logger> log) {
+void TakeLibraryMessages(const std::shared_ptr<spdlog::logger>& log) {
   spdlog::drop(kLogger);
   spdlog::register_logger(log->clone(kLogger));
   gpr_set_log_function(&TakeGrpcMessage);

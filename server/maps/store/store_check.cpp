@@ -89,7 +89,7 @@ absl::StatusOr<std::vector<std::string>> UnaccountedFiles(Catalogue& catalogue, 
   absl::StatusOr<std::vector<std::string>> present = files.List();
   if (!present.ok()) return present;
   const absl::StatusOr<std::vector<std::string>> loose = catalogue.ListLooseFiles();
-  if (!loose.ok()) return loose;
+  if (!loose.ok()) return loose.status();
   const auto wanted = catalogue.ListFiles();
   if (!wanted.ok()) return wanted.status();
   std::set<std::string> known(loose->begin(), loose->end());
