@@ -7,6 +7,7 @@
 #include "core/localizer/radar_clocks.h"
 #include "core/localizer/recent_answers.h"
 #include "core/localizer/time_base.h"
+#include "core/odometry/seconds.h"
 #include "core/registration/gicp_registration.h"
 
 namespace dcloc {
@@ -39,6 +40,7 @@ struct Localizer::Impl {
                                         StageListener* listener);
   absl::StatusOr<Localization> LocalizeNew(const Scan& scan, LocalizerWorkspace& workspace,
                                            StageListener* listener);
+  void TellClocks(RigKnowledge& known) const;
 };
 
 absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map, Rig rig,
@@ -74,8 +76,19 @@ absl::StatusOr<Localization> Localizer::Impl::Localize(const Scan& scan,
   const std::uint64_t fingerprint = RecentAnswers::Fingerprint(scan);
   if (const Localization* answer = recent_answers.Find(fingerprint)) return *answer;
   absl::StatusOr<Localization> answer = LocalizeNew(scan, workspace, listener);
+  if (answer.ok() && answer->learned) TellClocks(*answer->learned);
   if (answer.ok()) recent_answers.Add(fingerprint, *answer);
   return answer;
+}
+
+// The order of arrival tells a clock within the time between two scans of different radars.
+void Localizer::Impl::TellClocks(RigKnowledge& known) const {
+  constexpr double kClockSigma_s = 0.05;
+  for (std::size_t i = 0; i < pipeline->rig().radars.size(); ++i) {
+    if (!radar_clocks.IsOff(i)) continue;
+    known.Of(pipeline->rig().radars[i].id).clock_ahead = {SecondsOf(radar_clocks.Offset(i)),
+                                                          kClockSigma_s * kClockSigma_s};
+  }
 }
 
 absl::StatusOr<Localization> Localizer::Impl::LocalizeNew(const Scan& scan,

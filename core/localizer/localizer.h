@@ -50,6 +50,8 @@ struct Localization {
   Health health;
   PoseResets resets;
   LocalizationQuality quality;
+  /// All that was learned of the rig; absent unless it has changed since it was last told.
+  std::optional<RigKnowledge> learned;
 };
 
 /// The stages of one scan, in order (the paper's Table V).

@@ -25,6 +25,8 @@ absl::Status Validate(const LocalizerOptions& options) {
   status.Update(Within("map_fit", Validate(options.map_fit)));
   status.Update(Within("ego_motion", Validate(options.ego_motion)));
   status.Update(Within("learned_rig", Validate(options.learned_rig)));
+  status.Update(Within("known", Validate(options.known)));
+  status.Update(Within("knowledge_report", Validate(options.knowledge_report)));
   status.Update(Within("radar_monitor", Validate(options.radar_monitor)));
   status.Update(Within("static_points", Validate(options.static_points)));
   status.Update(Within("schedule", Validate(options.schedule)));

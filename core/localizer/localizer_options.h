@@ -5,6 +5,7 @@
 #include "absl/status/status.h"
 #include "core/geometry/pose_estimate.h"
 #include "core/localizer/fix_monitor.h"
+#include "core/localizer/knowledge_report.h"
 #include "core/localizer/radar_clocks.h"
 #include "core/localizer/radar_monitor.h"
 #include "core/localizer/registration_schedule.h"
@@ -13,6 +14,7 @@
 #include "core/localizer/tracking_state_machine.h"
 #include "core/odometry/ego_motion.h"
 #include "core/odometry/learned_rig.h"
+#include "core/odometry/rig_knowledge.h"
 #include "core/options/option_fields.h"
 #include "core/posegraph/pose_graph.h"
 #include "core/radar/static_points.h"
@@ -53,6 +55,10 @@ struct LocalizerOptions {
   double clock_set_sigma_s = 0.3;
   /// An accepted registration of this overlap says that azimuths have the right sign.
   double right_overlap = 0.75;
+  /// What an earlier session of the same vehicle learned. Learning begins with it.
+  RigKnowledge known;
+  KnowledgeReportOptions knowledge_report;
+
   /// A pose from a prior is held against other places before it is called tracking.
   bool verify_prior = true;
 

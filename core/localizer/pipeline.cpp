@@ -41,7 +41,10 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       scan_checker_(learned_rig_.rig().radars.size(), options.map_fit),
       fix_monitor_(options.fixes),
       protection_level_(options.protection_level),
-      reset_counter_(options.resets) {
+      reset_counter_(options.resets),
+      knowledge_report_(options.knowledge_report) {
+  learned_rig_.Begin(options.known);
+  ego_motion_.Begin(options.known);
   if (initial_pose) Start(*initial_pose);
 }
 
@@ -337,9 +340,23 @@ PoseEstimate<3> Pipeline<Dim>::NowInMap() const {
 }
 
 template <int Dim>
+RigKnowledge Pipeline<Dim>::Knowledge() const {
+  RigKnowledge known;
+  ego_motion_.AddTo(known);
+  learned_rig_.AddTo(known);
+  for (std::size_t i = 0; i < rig().radars.size(); ++i) {
+    const BetaCheck beta = learner_.CheckBeta(i);
+    if (beta.sigma_s > options_.knowledge_report.max_beta_sigma_s) continue;
+    known.Of(rig().radars[i].id).beta_error = {beta.error_s, beta.sigma_s * beta.sigma_s};
+  }
+  return known;
+}
+
+template <int Dim>
 Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
   Localization answer{.stamp = scan.stamp, .quality = quality_};
   answer.health = ReportHealth(stamp, ego_motion_, learned_rig_, radar_monitor_);
+  if (knowledge_report_.IsDue(stamp)) answer.learned = knowledge_report_.OnKnown(Knowledge());
   answer.resets = reset_counter_.resets();
   answer.quality.live_point_count = static_cast<int>(submap_.point_count());
   answer.quality.beta = learner_.CheckBeta(learned_rig_.IndexOf(scan.radar_id));

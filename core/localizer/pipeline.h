@@ -6,6 +6,7 @@
 
 #include "core/localizer/current_pose.h"
 #include "core/localizer/fix_monitor.h"
+#include "core/localizer/knowledge_report.h"
 #include "core/localizer/localizer.h"
 #include "core/localizer/radar_monitor.h"
 #include "core/localizer/registration_learner.h"
@@ -92,6 +93,7 @@ class Pipeline final : public AnyPipeline {
   void UpdateOdometry(const std::optional<Registration<Dim>>& registration,
                       RegistrationOutcome outcome);
   void HandleLoss(Stamp stamp);
+  RigKnowledge Knowledge() const;
   Localization Answer(const Scan& scan, Stamp stamp);
 
   using Place = typename Relocalizer<Dim>::Place;
@@ -115,6 +117,7 @@ class Pipeline final : public AnyPipeline {
   FixMonitor fix_monitor_;
   ProtectionLevel protection_level_;
   ResetCounter reset_counter_;
+  KnowledgeReport knowledge_report_;
   Observability observability_;
   std::optional<Stamp> observability_stamp_;
   int factor_count_ = 0;          // registrations since the pose graph was started

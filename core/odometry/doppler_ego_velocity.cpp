@@ -189,6 +189,32 @@ Matrix3d FloorVariances(const EgoVelocityOptions& options) {
       .asDiagonal();
 }
 
+// The motion that most of `rows` agree on, by at least `min_share` of their `votes`.
+std::optional<DopplerEgoVelocity> MovingEgoVelocity(const std::vector<Row>& rows, double votes,
+                                                    double min_share, std::uint64_t seed,
+                                                    const EgoVelocityOptions& options,
+                                                    std::vector<Row>& inliers) {
+  Vector3d state = RansacMotion(rows, votes, seed, options);
+  LeastSquares solution{};
+  for (int pass = 0; pass < 3; ++pass) {  // inliers and weights depend on the state: refine both
+    TakeInliers(rows, state, options.inlier_gate_mps, inliers);
+    if (static_cast<int>(inliers.size()) < options.min_inlier_count ||
+        VotesOf(inliers) < min_share * votes) {
+      return std::nullopt;
+    }
+    solution = SolveMotion(inliers, state, options);
+    state = solution.state;
+  }
+  if (!IsWellConditioned(solution.normal, options.max_condition)) return std::nullopt;
+  const Matrix3d covariance =
+      std::max(1.0, solution.residual_variance) * solution.normal.inverse() +
+      FloorVariances(options);
+  return DopplerEgoVelocity{.ego_velocity = PlanarEgoVelocity(state, covariance),
+                            .inlier_count = static_cast<int>(inliers.size()),
+                            .target_count = static_cast<int>(rows.size()),
+                            .direction_count = CountDirections(inliers)};
+}
+
 }  // namespace
 
 std::span<const OptionField<EgoVelocityOptions>> FieldsOf(const EgoVelocityOptions& /*options*/) {
@@ -207,6 +233,9 @@ std::span<const OptionField<EgoVelocityOptions>> FieldsOf(const EgoVelocityOptio
        "the estimate is as certain as its targets say"},
       {"yaw_rate_sigma_floor_radps", &O::yaw_rate_sigma_floor_radps, 0, 10,
        "the estimate is as certain as its targets say"},
+      {"min_rival_share", &O::min_rival_share, 0.01, 1},
+      {"min_rival_direction_count", &O::min_rival_direction_count, 0, 36,
+       "one mover can be a rival of the ground"},
   };
   return kFields;
 }
@@ -242,25 +271,30 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
         .standing_still = true};
   }
 
-  Vector3d state = RansacMotion(rows, votes, seed, options);
-  LeastSquares solution{};
-  for (int pass = 0; pass < 3; ++pass) {  // inliers and weights depend on the state: refine both
-    TakeInliers(rows, state, options.inlier_gate_mps, inliers);
-    if (static_cast<int>(inliers.size()) < options.min_inlier_count ||
-        VotesOf(inliers) < options.min_inlier_share * votes) {
-      return std::nullopt;
-    }
-    solution = SolveMotion(inliers, state, options);
-    state = solution.state;
+  return MovingEgoVelocity(rows, votes, options.min_inlier_share, seed, options, inliers);
+}
+
+std::optional<DopplerEgoVelocity> EstimateRivalEgoVelocity(const DopplerEgoVelocity& first,
+                                                           std::uint64_t seed,
+                                                           const EgoVelocityOptions& options,
+                                                           EgoVelocityMemory& memory) {
+  auto& [rows, inliers] = memory;
+  const double votes = VotesOf(rows);
+  const EgoVelocity& velocity = first.ego_velocity;
+  const Vector3d state(velocity.linear_mps.x(), velocity.linear_mps.y(),
+                       velocity.angular_radps.z());
+  std::erase_if(rows, [&](const Row& row) {
+    return std::abs(Residual(row, state)) <= options.inlier_gate_mps;
+  });
+  const double left = VotesOf(rows);
+  if (static_cast<int>(rows.size()) < options.min_inlier_count ||
+      left < options.min_rival_share * votes) {
+    return std::nullopt;
   }
-  if (!IsWellConditioned(solution.normal, options.max_condition)) return std::nullopt;
-  const Matrix3d covariance =
-      std::max(1.0, solution.residual_variance) * solution.normal.inverse() +
-      FloorVariances(options);
-  return DopplerEgoVelocity{.ego_velocity = PlanarEgoVelocity(state, covariance),
-                            .inlier_count = static_cast<int>(inliers.size()),
-                            .target_count = count,
-                            .direction_count = CountDirections(inliers)};
+  std::optional<DopplerEgoVelocity> rival = MovingEgoVelocity(
+      rows, left, options.min_rival_share * votes / left, seed, options, inliers);
+  if (rival && rival->direction_count < options.min_rival_direction_count) return std::nullopt;
+  return rival;
 }
 
 EgoVelocity Fuse(const EgoVelocity& a, const EgoVelocity& b) {

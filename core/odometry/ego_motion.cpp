@@ -1,6 +1,7 @@
 #include "core/odometry/ego_motion.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 namespace dcloc {
@@ -21,6 +22,7 @@ double SquaredDistance(const EgoVelocity& a, const EgoVelocity& b) {
 // may be used, but is no evidence against a gyroscope.
 OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
                             const std::optional<DopplerEgoVelocity>& doppler,
+                            const std::optional<DopplerEgoVelocity>& rival,
                             std::size_t radar_count) {
   const auto speed_of = [](const EgoVelocity& velocity) {
     return ScalarEstimate{velocity.linear_mps.x(), (*velocity.covariance)(0, 0)};
@@ -38,7 +40,20 @@ OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
     if (radar_count > 1) readings.doppler_yaw_rate = yaw_rate_of(doppler->ego_velocity);
     readings.doppler_direction_count = doppler->direction_count;
   }
+  if (rival) {
+    readings.rival_speed = speed_of(rival->ego_velocity);
+    if (radar_count > 1) readings.rival_yaw_rate = yaw_rate_of(rival->ego_velocity);
+  }
   return readings;
+}
+
+// Whether the vehicle's `speed` speaks for the motion `a` rather than for `b`.
+bool IsNearer(const DopplerEgoVelocity& a, const DopplerEgoVelocity& b,
+              const ScalarEstimate& speed) {
+  const auto apart = [&](const DopplerEgoVelocity& doppler) {
+    return std::abs(doppler.ego_velocity.linear_mps.x() - speed.value);
+  };
+  return apart(a) < apart(b);
 }
 
 }  // namespace
@@ -66,29 +81,68 @@ absl::Status Validate(const EgoMotionOptions& options) {
   status.Update(Within("motion", Validate(options.motion)));
   status.Update(Within("error_filter", Validate(options.error_filter)));
   status.Update(Within("sources", Validate(options.sources)));
+  status.Update(Within("late", Validate(options.late)));
   return status;
+}
+
+void EgoMotion::Begin(const RigKnowledge& known) {
+  errors_.Suppose(known.wheel_scale, known.yaw_rate_correction);
+  if (known.odometry_delay) late_.Suppose(*known.odometry_delay);
+}
+
+void EgoMotion::AddTo(RigKnowledge& known) const {
+  known.wheel_scale = errors_.LearnedScale();
+  known.yaw_rate_correction = errors_.LearnedYawRateBias();
+  known.odometry_delay = late_.delay_s();
 }
 
 const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const RadarModel& radar,
                                       EgoVelocityMemory& memory) {
   const auto seed = static_cast<std::uint64_t>(scan.stamp.time_since_epoch().count());
-  const std::optional<DopplerEgoVelocity> doppler =
+  std::optional<DopplerEgoVelocity> doppler =
       EstimateEgoVelocity(Remember(scan, stamp, radar), seed, options_.doppler, memory);
+  std::optional<DopplerEgoVelocity> rival;
+  if (doppler) rival = EstimateRivalEgoVelocity(*doppler, seed, options_.doppler, memory);
   const std::chrono::nanoseconds age = velocity_ ? stamp - stamp_ : std::chrono::nanoseconds(0);
   std::optional<EgoVelocity> reported;
-  if (scan.ego_velocity) reported = Corrected(*scan.ego_velocity);
-
-  sources_.OnReadings(stamp, ReadingsOf(reported, doppler, of_one_moment_.size()));
+  if (scan.ego_velocity) {
+    late_.OnReported(stamp, *scan.ego_velocity);
+    reported = late_.AsOfNow(Corrected(*scan.ego_velocity));
+  }
+  sources_.OnReadings(stamp, ReadingsOf(reported, doppler, rival, of_one_moment_.size()));
+  if (rival && IsNearer(*rival, *doppler, sources_.speed())) doppler = rival;
+  const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
+  if (doppler_is_sound) late_.OnDoppler(moment_, doppler->ego_velocity);
+  if (reported) {
+    reported = late_.BroughtToNow(stamp, Corrected(*scan.ego_velocity),
+                                  doppler_is_sound ? &doppler->ego_velocity : nullptr,
+                                  sources_.IsSound(OdometrySource::kWheelSpeed),
+                                  sources_.IsSound(OdometrySource::kYawRate));
+  }
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
   expected_motion_ = since_previous_.T_from_to;
   AddMissedMotion();
-  errors_.OnMotion(since_previous_.T_from_to, age);
+  Learn(reported, age);
   history_.Add(stamp, since_previous_, now);
   velocity_ = now;
   stamp_ = stamp;
   Diagnose(reported);
   return *velocity_;
+}
+
+// Of what is set aside, too: it may be taken back once it is known by what it is wrong.
+void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, std::chrono::nanoseconds age) {
+  const bool is_used = sources_.IsSound(OdometrySource::kWheelSpeed) &&
+                       sources_.IsSound(OdometrySource::kYawRate);
+  if (is_used) {
+    errors_.OnMotion(since_previous_.T_from_to, age);
+  } else if (reported && reported_) {
+    errors_.OnMotion(Integrate(*reported_, *reported, age, options_.motion).T_from_to, age);
+  } else {
+    errors_.OnJump();
+  }
+  reported_ = reported;
 }
 
 void EgoMotion::Diagnose(const std::optional<EgoVelocity>& reported) {
@@ -115,7 +169,10 @@ SourceHealth EgoMotion::HealthOf(OdometrySource source, const SourceDiagnosis& d
   if (!reported_stamp_ || stamp_ - *reported_stamp_ > options_.silent_after) {
     return {.is_used = false, .fault = SourceFault::kSilent};
   }
-  if (sources_.IsSound(source)) return {.is_used = true, .fault = SourceFault::kNone};
+  if (sources_.IsSound(source)) {
+    return {.is_used = true,
+            .fault = late_.delay_s() ? SourceFault::kDelay : SourceFault::kNone};
+  }
   return {.is_used = false, .fault = diagnosis.fault()};
 }
 
@@ -191,7 +248,11 @@ EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
   EgoVelocity corrected = reported;
   corrected.linear_mps *= errors_.scale();
   corrected.angular_radps.z() += errors_.yaw_rate_bias_radps();
-  return WithCovariance(corrected, errors_.scale_sigma(), options_.motion);
+  EgoVelocity result = WithCovariance(corrected, errors_.scale_sigma(), options_.motion);
+  // A bias that is being learned afresh may still be anything.
+  double& variance = (*result.covariance)(5, 5);
+  variance = std::max(variance, std::pow(errors_.yaw_rate_bias_sigma_radps(), 2));
+  return result;
 }
 
 // The newest scan of each radar, as far as they are of one moment.
@@ -202,10 +263,16 @@ std::span<const RadarScan> EgoMotion::Remember(const Scan& scan, Stamp stamp,
   newest.stamp = stamp;
   newest.radar = &radar;
   of_one_moment_.clear();
+  double target_count = 0.0;
+  std::chrono::duration<double, std::nano> age_sum(0.0);
   for (const auto& [id, recent] : recent_) {
     if (stamp - recent.stamp > options_.simultaneous) continue;
     of_one_moment_.push_back({&recent.scan, recent.radar});
+    age_sum += static_cast<double>(recent.scan.size()) * (stamp - recent.stamp);
+    target_count += static_cast<double>(recent.scan.size());
   }
+  moment_ = stamp - std::chrono::round<std::chrono::nanoseconds>(age_sum /
+                                                                 std::max(1.0, target_count));
   return of_one_moment_;
 }
 

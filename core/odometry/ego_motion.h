@@ -8,9 +8,11 @@
 
 #include "absl/status/status.h"
 #include "core/odometry/doppler_ego_velocity.h"
+#include "core/odometry/late_odometry.h"
 #include "core/odometry/motion.h"
 #include "core/odometry/motion_history.h"
 #include "core/odometry/odometry_error_filter.h"
+#include "core/odometry/rig_knowledge.h"
 #include "core/odometry/source_diagnosis.h"
 #include "core/odometry/source_fault.h"
 #include "core/odometry/source_monitor.h"
@@ -25,6 +27,7 @@ struct EgoMotionOptions {
   MotionOptions motion;
   OdometryErrorFilterOptions error_filter;
   SourceMonitorOptions sources;
+  LateOdometryOptions late;
   /// Reported and Doppler velocity are fused where their squared Mahalanobis distance over speed
   /// and yaw rate is at most this: the chi-square quantile of 99.9 % with 2 degrees of freedom.
   double max_squared_distance = 13.8;
@@ -56,9 +59,16 @@ class EgoMotion {
       : options_(options),
         errors_(options.error_filter),
         sources_(options.sources),
+        late_(options.late),
         history_(options.history, options.motion),
         wheel_speed_diagnosis_(options.diagnosis_speed_mps),
         yaw_rate_diagnosis_(options.diagnosis_yaw_rate_radps) {}
+
+  /// An earlier session found this of what the vehicle sends. Before the first scan.
+  void Begin(const RigKnowledge& known);
+
+  /// Adds what was learned of what the vehicle sends.
+  void AddTo(RigKnowledge& known) const;
 
   /// Takes in the next scan, taken at `stamp`, which is not before the last one's, and gives the
   /// velocity at it; the covariance is set. `radar` outlives this object, `memory` is lent for the
@@ -100,6 +110,9 @@ class EgoMotion {
   bool sources_changed() const { return sources_changed_; }
   const SourceMonitor& sources() const { return sources_; }
 
+  /// By how many seconds the reported velocity is late; nothing while no delay is believed.
+  const std::optional<ScalarEstimate>& reported_delay_s() const { return late_.delay_s(); }
+
   /// Whether what the vehicle sends takes part in the velocity, and if not, why.
   SourceHealth wheel_speed() const;
   SourceHealth yaw_rate() const;
@@ -125,6 +138,7 @@ class EgoMotion {
   EgoVelocity FromMonitor() const;
   EgoVelocity Held(std::chrono::nanoseconds age) const;
   EgoVelocity Corrected(const EgoVelocity& reported) const;
+  void Learn(const std::optional<EgoVelocity>& reported, std::chrono::nanoseconds age);
   void AddMissedMotion();
   void Diagnose(const std::optional<EgoVelocity>& reported);
   SourceHealth HealthOf(OdometrySource source, const SourceDiagnosis& diagnosis) const;
@@ -132,10 +146,12 @@ class EgoMotion {
   EgoMotionOptions options_;
   OdometryErrorFilter errors_;
   SourceMonitor sources_;
+  LateOdometry late_;
   MotionHistory history_;
   Pose3 expected_motion_;
   Motion since_previous_;
   std::optional<EgoVelocity> velocity_;
+  std::optional<EgoVelocity> reported_;  // at the last scan, corrected
   std::optional<EgoVelocity> by_gyroscope_;
   Stamp stamp_{};
   std::optional<Stamp> reported_stamp_;
@@ -143,6 +159,7 @@ class EgoMotion {
   SourceDiagnosis yaw_rate_diagnosis_;
   std::map<std::string, RecentScan> recent_;  // by radar id
   std::vector<RadarScan> of_one_moment_;      // the newest scan and what of recent_ is as new
+  Stamp moment_{};                            // when their targets were measured, on average
   bool sources_changed_ = false;
 };
 

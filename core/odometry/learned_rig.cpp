@@ -41,6 +41,7 @@ std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions
       {"min_correction_rad", &O::min_correction_rad, 0, 3.2, "every mount is corrected"},
       {"correction_sigmas", &O::correction_sigmas, 0, 1000, "a single reading corrects"},
       {"min_reading_count", &O::min_reading_count, 1, 10'000},
+      {"known_sigma_rad", &O::known_sigma_rad, 1e-9, 1},
       {"corrected_sigma_rad", &O::corrected_sigma_rad, 1e-9, 1},
       {"suspected_rad", &O::suspected_rad, 1e-9, 3.2},
       {"max_correction_rad", &O::max_correction_rad, 0, 3.2, "no mount is corrected"},
@@ -61,6 +62,27 @@ LearnedRig::LearnedRig(Rig described, const LearnedRigOptions& options)
     : options_(options), described_(std::move(described)), rig_(described_) {
   for (const RadarModel& radar : described_.radars) {
     learned_.push_back({.mount_yaw = {radar.mount_yaw_sigma_rad, options.mount_yaw}});
+  }
+}
+
+void LearnedRig::Begin(const RigKnowledge& known) {
+  for (std::size_t i = 0; i < learned_.size(); ++i) {
+    const RadarKnowledge* radar = known.Find(described_.radars[i].id);
+    if (radar == nullptr || !radar->mount_yaw_error) continue;
+    const ScalarEstimate& error = *radar->mount_yaw_error;
+    learned_[i].mount_yaw.Suppose(
+        {error.value, std::max(error.variance, std::pow(options_.known_sigma_rad, 2))},
+        options_.min_reading_count - 1);
+  }
+}
+
+void LearnedRig::AddTo(RigKnowledge& known) const {
+  for (std::size_t i = 0; i < learned_.size(); ++i) {
+    const MountYawEstimator& mount_yaw = learned_[i].mount_yaw;
+    if (mount_yaw.reading_count() < options_.min_reading_count) continue;
+    const double variance =
+        std::max(mount_yaw.error().variance, std::pow(options_.corrected_sigma_rad, 2));
+    known.Of(described_.radars[i].id).mount_yaw_error = {mount_yaw.error().value, variance};
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "core/odometry/mount_yaw_estimator.h"
+#include "core/odometry/rig_knowledge.h"
 #include "core/odometry/source_fault.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
@@ -22,6 +23,9 @@ struct LearnedRigOptions {
   double min_correction_rad = 2.0 * kRadPerDeg;
   double correction_sigmas = 4.0;
   int min_reading_count = 4;
+  /// What an earlier session found is no more certain than this, and counts as one reading less
+  /// than are needed: the first scan that agrees confirms it.
+  double known_sigma_rad = 0.5 * kRadPerDeg;
   /// The deviation of a corrected mount is no less, nor than described.
   double corrected_sigma_rad = 0.2 * kRadPerDeg;
   /// A mount that is off by more than this is told of; by more than that it is none to correct: its
@@ -41,6 +45,12 @@ absl::Status Validate(const LearnedRigOptions& options);
 class LearnedRig {
  public:
   LearnedRig(Rig described, const LearnedRigOptions& options);
+
+  /// An earlier session found this. What says nothing of a radar of the rig is ignored.
+  void Begin(const RigKnowledge& known);
+
+  /// Adds what was learned of the mounts.
+  void AddTo(RigKnowledge& known) const;
 
   /// As corrected so far; it has the described radars, in their order.
   const Rig& rig() const { return rig_; }

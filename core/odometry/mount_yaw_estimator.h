@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/odometry/source_monitor.h"
+#include "core/odometry/scalar_estimate.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
@@ -62,6 +62,13 @@ class MountYawEstimator {
   /// The mount is as described, within `described_sigma_rad`.
   MountYawEstimator(double described_sigma_rad, const MountYawOptions& options)
       : options_(options), error_{0.0, described_sigma_rad * described_sigma_rad} {}
+
+  /// An earlier session found this. It counts as so many readings of now, and like them it is given
+  /// up if the next ones contradict it.
+  void Suppose(const ScalarEstimate& error, int reading_count) {
+    error_ = error;
+    reading_count_ = reading_count;
+  }
 
   /// A scan of `radar`, whose mount is the described one, at `stamp` of a vehicle that moves with
   /// `velocity`, whose yaw rate others than radars say. Returns whether it told anything.

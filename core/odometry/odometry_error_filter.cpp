@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace dcloc {
 namespace {
@@ -38,16 +39,22 @@ std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
       {"max_squared_sigmas", &O::max_squared_sigmas, 1e-6, 1e6},
       {"innovation_prior_count", &O::innovation_prior_count, 1e-6, 1e6},
       {"usual_squared_sigmas", &O::usual_squared_sigmas, 1e-6, 1e6},
+      {"max_scale_error", &O::max_scale_error, 0, 0.9, "the scale does not change at once"},
+      {"max_yaw_rate_bias_radps", &O::max_yaw_rate_bias_radps, 0, 1,
+       "the bias does not change at once"},
+      {"max_change_interval_ms", &O::max_change_interval, 0, 1e5, "no change at once is found"},
   };
   return kFields;
 }
 
 absl::Status Validate(const OdometryErrorFilterOptions& options) {
-  return ValidateFields(options, FieldsOf(options));
+  absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(Within("change", Validate(options.change)));
+  return status;
 }
 
 OdometryErrorFilter::OdometryErrorFilter(const OdometryErrorFilterOptions& options)
-    : options_(options) {
+    : options_(options), scale_change_(options.change), bias_change_(options.change) {
   covariance_.diagonal() << 0.0, 0.0, 0.0, Square(options.scale_sigma),
       Square(options.yaw_rate_bias_sigma_radps), Square(options.course_sigma_rad),
       Square(options.time_offset_sigma_s);
@@ -57,10 +64,43 @@ double OdometryErrorFilter::scale_sigma() const {
   return std::max(options_.min_scale_sigma, std::sqrt(covariance_(kScale, kScale)));
 }
 
+double OdometryErrorFilter::yaw_rate_bias_sigma_radps() const {
+  return std::sqrt(covariance_(kYawRateBias, kYawRateBias));
+}
+
+void OdometryErrorFilter::Suppose(const std::optional<ScalarEstimate>& scale,
+                                  const std::optional<ScalarEstimate>& yaw_rate_bias_radps) {
+  if (scale) {
+    scale_ = scale->value;
+    LearnAfresh(kScale, std::max(scale->variance, Square(options_.scale_sigma)));
+  }
+  if (yaw_rate_bias_radps) {
+    yaw_rate_bias_radps_ = yaw_rate_bias_radps->value;
+    LearnAfresh(kYawRateBias, std::max(yaw_rate_bias_radps->variance,
+                                       Square(options_.yaw_rate_bias_sigma_radps)));
+  }
+}
+
+std::optional<ScalarEstimate> OdometryErrorFilter::LearnedScale() const {
+  const double variance = covariance_(kScale, kScale);
+  if (2.0 * variance > Square(options_.scale_sigma)) return std::nullopt;
+  return ScalarEstimate{scale_, Square(scale_sigma())};
+}
+
+std::optional<ScalarEstimate> OdometryErrorFilter::LearnedYawRateBias() const {
+  const double variance = covariance_(kYawRateBias, kYawRateBias);
+  if (2.0 * variance > Square(options_.yaw_rate_bias_sigma_radps)) return std::nullopt;
+  return ScalarEstimate{yaw_rate_bias_radps_, variance};
+}
+
 void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseconds duration) {
   const double duration_s = std::chrono::duration<double>(duration).count();
   if (!T_map_vehicle_ || duration_s <= 0.0) return;
   const Pose2 reported = Flatten(T_from_to);
+  if (last_pose_) {
+    last_pose_->T_then_now = last_pose_->T_then_now * reported;
+    last_pose_->duration += duration;
+  }
   const Pose2 T_before_now{
       .translation_m = Eigen::Rotation2Dd(course_rad_) * reported.translation_m,
       .yaw_rad = reported.yaw_rad};
@@ -84,6 +124,7 @@ void OdometryErrorFilter::OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix
   Eigen::Matrix3d noise = covariance;
   noise.diagonal().head<2>().array() += Square(options_.pose_sigma_m);
   noise(2, 2) += Square(options_.pose_sigma_rad);
+  TestForChange(Flatten(T_map_vehicle), noise);
   if (!T_map_vehicle_) return StartAt(T_map_vehicle, noise);
 
   Eigen::Matrix<double, kPose, kStates> by_states = Eigen::Matrix<double, kPose, kStates>::Zero();
@@ -115,15 +156,58 @@ void OdometryErrorFilter::StartAt(const Pose3& T_map_vehicle, const Eigen::Matri
   covariance_.topLeftCorner<kPose, kPose>() = covariance;
 }
 
+// METHOD eq 62. Neighbouring poses alone are compared: a pose that is wrong makes two deviations of
+// opposite sign, and a change makes all that follow.
+void OdometryErrorFilter::TestForChange(const Pose2& T_map_vehicle, const Eigen::Matrix3d& noise) {
+  const std::optional<LastPose> last = std::exchange(
+      last_pose_,
+      LastPose{.T_map_vehicle = T_map_vehicle, .noise = noise, .T_then_now = {}, .duration = {}});
+  if (!last || last->duration > options_.max_change_interval) return;
+  const double duration_s = std::chrono::duration<double>(last->duration).count();
+  const Pose2 T_then_now = last->T_map_vehicle.Inverse() * T_map_vehicle;
+  const Eigen::Matrix3d both = InnovationScaleOfLate() * (last->noise + noise);
+  const double turn_variance = both(2, 2) + Square(options_.walk_sigma_rad) * duration_s +
+                               covariance_(kYawRateBias, kYawRateBias) * Square(duration_s);
+  const auto bias_change = bias_change_.OnDeviation(
+      {WrapAngle(T_then_now.yaw_rad - last->T_then_now.yaw_rad), turn_variance}, duration_s);
+  if (bias_change && std::abs(yaw_rate_bias_radps_ + bias_change->value) <=
+                         options_.max_yaw_rate_bias_radps) {
+    LearnAfresh(kYawRateBias, bias_change->variance);
+    yaw_rate_bias_radps_ += bias_change->value;
+  }
+  // Only a way along which the vehicle moves tells of its scale.
+  const double way_m = last->T_then_now.translation_m.x();
+  const double way_variance = both(0, 0) + Square(options_.walk_sigma_m) * duration_s +
+                              covariance_(kScale, kScale) * Square(way_m);
+  const double further_m = T_then_now.translation_m.x() - way_m;
+  const auto scale_change = scale_change_.OnDeviation(
+      {way_m < 0.0 ? -further_m : further_m, way_variance}, std::abs(way_m));
+  if (!scale_change) return;
+  const double scale = scale_ * (1.0 + scale_change->value);
+  if (std::abs(scale - 1.0) > options_.max_scale_error) return;
+  LearnAfresh(kScale, Square(scale) * scale_change->variance);
+  scale_ = scale;
+}
+
+// What else correlates with a constant says nothing of its new value.
+void OdometryErrorFilter::LearnAfresh(int state, double variance) {
+  covariance_.row(state).setZero();
+  covariance_.col(state).setZero();
+  covariance_(state, state) = variance;
+}
+
+double OdometryErrorFilter::InnovationScaleOfLate() const {
+  return std::max(1.0, (options_.innovation_prior_count + squared_sigmas_) /
+                           (options_.innovation_prior_count + count_));
+}
+
 // By how much innovations exceed their covariance, lately or now; `squared_sigmas` is the newest
 // one's, for each degree of freedom (METHOD eq 37).
 double OdometryErrorFilter::InnovationScale(double squared_sigmas) {
   squared_sigmas_ = options_.innovation_memory * squared_sigmas_ +
                     std::min(squared_sigmas, options_.max_squared_sigmas);
   count_ = options_.innovation_memory * count_ + 1.0;
-  const double of_late = (options_.innovation_prior_count + squared_sigmas_) /
-                         (options_.innovation_prior_count + count_);
-  return std::max({1.0, of_late, squared_sigmas / options_.usual_squared_sigmas});
+  return std::max(InnovationScaleOfLate(), squared_sigmas / options_.usual_squared_sigmas);
 }
 
 }  // namespace dcloc

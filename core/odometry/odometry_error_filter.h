@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
+#include "core/odometry/page_test.h"
 #include "core/options/option_fields.h"
 
 namespace dcloc {
@@ -38,6 +39,13 @@ struct OdometryErrorFilterOptions {
   double max_squared_sigmas = 9.0;
   double innovation_prior_count = 3.0;
   double usual_squared_sigmas = 3.0;
+  /// When scale or bias is said to have changed at once, and not to have drifted.
+  PageTestOptions change;
+  /// What is further off is no error of a scale or of a zero, and is not corrected.
+  double max_scale_error = 0.6;
+  double max_yaw_rate_bias_radps = 0.15;
+  /// Poses further apart are not compared.
+  std::chrono::nanoseconds max_change_interval = std::chrono::seconds(3);
 };
 std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
     const OdometryErrorFilterOptions& options);
@@ -48,7 +56,9 @@ absl::Status Validate(const OdometryErrorFilterOptions& options);
 /// and four constants that drift slowly: scale, yaw-rate bias, course and time offset. The last two
 /// are not used; without them a turned mount would look like a yaw-rate bias, and a delay at
 /// changing speed like a scale. Registered poses are the measurements. If innovations exceed their
-/// covariance, the measurement noise is scaled up.
+/// covariance, the measurement noise is scaled up. A scale or bias that changes at once, as when a
+/// gyroscope is set anew, is found by the motion between neighbouring poses, and learned afresh
+/// (METHOD eq 62).
 class OdometryErrorFilter {
  public:
   explicit OdometryErrorFilter(const OdometryErrorFilterOptions& options);
@@ -59,6 +69,16 @@ class OdometryErrorFilter {
 
   /// What is to be added to the reported yaw rate.
   double yaw_rate_bias_radps() const { return yaw_rate_bias_radps_; }
+  double yaw_rate_bias_sigma_radps() const;
+
+  /// An earlier session found this of scale and yaw-rate bias: where learning begins, no more certain
+  /// than without it.
+  void Suppose(const std::optional<ScalarEstimate>& scale,
+               const std::optional<ScalarEstimate>& yaw_rate_bias_radps);
+
+  /// What was learned so far, where that is more than was known before the first pose.
+  std::optional<ScalarEstimate> LearnedScale() const;
+  std::optional<ScalarEstimate> LearnedYawRateBias() const;
 
   /// The vehicle moved so since the last call, by odometry that was corrected as said above.
   void OnMotion(const Pose3& T_from_to, std::chrono::nanoseconds duration);
@@ -68,7 +88,10 @@ class OdometryErrorFilter {
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance);
 
   /// The pose was lost: the next one starts the filter's pose again.
-  void OnJump() { T_map_vehicle_.reset(); }
+  void OnJump() {
+    T_map_vehicle_.reset();
+    last_pose_.reset();
+  }
 
  private:
   static constexpr int kPose = 3;  // x, y, yaw
@@ -77,7 +100,10 @@ class OdometryErrorFilter {
   using Covariance = Eigen::Matrix<double, kStates, kStates>;
 
   void StartAt(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance);
+  double InnovationScaleOfLate() const;
   double InnovationScale(double squared_sigmas);
+  void TestForChange(const Pose2& T_map_vehicle, const Eigen::Matrix3d& noise);
+  void LearnAfresh(int state, double variance);
 
   OdometryErrorFilterOptions options_;
   std::optional<Pose3> T_map_vehicle_;  // height and tilt as last registered
@@ -90,6 +116,17 @@ class OdometryErrorFilter {
   // Squared deviations of measurements by their expectation, and how many; older ones count less.
   double squared_sigmas_ = 0.0;
   double count_ = 0.0;
+
+  // The last pose, and the motion by odometry since.
+  struct LastPose {
+    Pose2 T_map_vehicle;
+    Eigen::Matrix3d noise;
+    Pose2 T_then_now;
+    std::chrono::nanoseconds duration{0};
+  };
+  std::optional<LastPose> last_pose_;
+  PageTest scale_change_;
+  PageTest bias_change_;
 };
 
 }  // namespace dcloc

@@ -19,10 +19,11 @@ enum class SourceFault : std::size_t {
   kMount,     ///< a radar looks elsewhere than its mount says
   kMap,       ///< a radar's targets do not lie in the map where those of others do
   kClock,     ///< its stamps are not those of the other radars, or its clock was set
+  kDelay,     ///< what it says was true some time before; it is used, brought to the present
 };
-inline constexpr std::array<const char*, 12> kSourceFaultNames = {
+inline constexpr std::array<const char*, 13> kSourceFaultNames = {
     "none", "silent", "standing", "frozen", "sign", "scale",
-    "bias", "slip",   "doppler",  "mount",  "map",  "clock"};
+    "bias", "slip",   "doppler",  "mount",  "map",  "clock", "delay"};
 
 constexpr const char* NameOf(SourceFault fault) {
   return kSourceFaultNames[static_cast<std::size_t>(fault)];

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/odometry/seconds.h"
+
 namespace dcloc {
 namespace {
 
@@ -17,14 +19,14 @@ constexpr double kLeastLogWeight = -40.0;
 // Those that are less probable than this do not widen what is said of the motion.
 constexpr double kMixedLogWeight = -7.0;
 
-double SecondsOf(std::chrono::nanoseconds duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 double SquareOf(double value) { return value * value; }
 
 double LogNormal(double difference, double variance) {
   return -0.5 * (difference * difference / variance + std::log(2.0 * std::numbers::pi * variance));
+}
+
+double LogDensity(const ScalarEstimate& reading, const ScalarEstimate& state) {
+  return LogNormal(reading.value - state.value, state.variance + reading.variance);
 }
 
 // A reading of a state that is sound: its log-density; the state takes it in.
@@ -137,8 +139,10 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   };
   floor_speed(floored.wheel_speed);
   floor_speed(floored.doppler_speed);
+  floor_speed(floored.rival_speed);
   floor_yaw_rate(floored.yaw_rate);
   floor_yaw_rate(floored.doppler_yaw_rate);
+  floor_yaw_rate(floored.rival_yaw_rate);
   for (Hypothesis& hypothesis : hypotheses_) {
     // A vehicle that moves as nothing let expect: the motion is begun anew, at a price.
     Hypothesis restarted = hypothesis;
@@ -255,12 +259,17 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
   const double yaw_rate_range_radps = options_.yaw_rate_range_radps;
   compare(kWheelSpeed, readings.wheel_speed, before_.wheel_speed, acceleration_mps2,
           speed_range_mps, hypothesis.speed);
-  compare(kDoppler, readings.doppler_speed, before_.doppler_speed, acceleration_mps2,
-          speed_range_mps, hypothesis.speed);
+  // Of two motions that the targets agree on, a hypothesis believes the one that it expects.
+  const bool takes_rival = hypothesis.sound[kDoppler] && readings.rival_speed &&
+                           LogDensity(*readings.rival_speed, hypothesis.speed) >
+                               LogDensity(*readings.doppler_speed, hypothesis.speed);
+  compare(kDoppler, takes_rival ? readings.rival_speed : readings.doppler_speed,
+          before_.doppler_speed, acceleration_mps2, speed_range_mps, hypothesis.speed);
   compare(kYawRate, readings.yaw_rate, before_.yaw_rate, yaw_acceleration_radps2,
           yaw_rate_range_radps, hypothesis.yaw_rate);
-  compare(kDoppler, readings.doppler_yaw_rate, before_.doppler_yaw_rate, yaw_acceleration_radps2,
-          yaw_rate_range_radps, hypothesis.yaw_rate);
+  compare(kDoppler, takes_rival ? readings.rival_yaw_rate : readings.doppler_yaw_rate,
+          before_.doppler_yaw_rate, yaw_acceleration_radps2, yaw_rate_range_radps,
+          hypothesis.yaw_rate);
 }
 
 // METHOD eq 44: the way between two registrations against each hypothesis' own.

@@ -9,6 +9,7 @@
 
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
+#include "core/odometry/scalar_estimate.h"
 #include "core/options/option_fields.h"
 #include "core/radar/scan.h"
 
@@ -23,12 +24,6 @@ inline constexpr std::array<const char*, kOdometrySourceCount> kOdometrySourceNa
 /// A set of sources, by their number.
 using OdometrySources = std::bitset<kOdometrySourceCount>;
 
-/// A number and its variance.
-struct ScalarEstimate {
-  double value = 0.0;
-  double variance = 0.0;
-};
-
 /// What the sources say at one moment; those that are silent are absent. Speeds are forward, of the
 /// vehicle frame's origin [m/s]; yaw rates counter-clockwise [rad/s].
 struct OdometryReadings {
@@ -36,6 +31,10 @@ struct OdometryReadings {
   std::optional<ScalarEstimate> yaw_rate;
   std::optional<ScalarEstimate> doppler_speed;  ///< there exactly when doppler_yaw_rate is
   std::optional<ScalarEstimate> doppler_yaw_rate;
+  /// What the targets say that contradict those of `doppler_speed`, where they agree among
+  /// themselves: of the two, one is a convoy's, and the hypotheses choose.
+  std::optional<ScalarEstimate> rival_speed;
+  std::optional<ScalarEstimate> rival_yaw_rate;  ///< there exactly when both others are
   /// How many directions, ten degrees wide, the Doppler's inliers lie in: one mover that fills the
   /// view is seen in few.
   int doppler_direction_count = 0;

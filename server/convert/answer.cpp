@@ -55,6 +55,8 @@ v1::SourceFault FaultOf(SourceFault fault) {
       return v1::SOURCE_FAULT_MAP;
     case SourceFault::kClock:
       return v1::SOURCE_FAULT_CLOCK;
+    case SourceFault::kDelay:
+      return v1::SOURCE_FAULT_DELAY;
   }
   return v1::SOURCE_FAULT_UNSPECIFIED;
 }

@@ -61,7 +61,7 @@ Pose3 PoseOf(const v1::Pose& message) {
 
 // On the wire 0 is "unspecified", and then come core's in their order.
 static_assert(static_cast<int>(SourceFault::kNone) + 1 == v1::SOURCE_FAULT_NONE);
-static_assert(static_cast<int>(SourceFault::kClock) + 1 == v1::SOURCE_FAULT_CLOCK);
+static_assert(static_cast<int>(SourceFault::kDelay) + 1 == v1::SOURCE_FAULT_DELAY);
 static_assert(static_cast<int>(FixUse::kFused) + 1 == v1::FIX_USE_FUSED);
 static_assert(static_cast<int>(FixUse::kOutOfTime) + 1 == v1::FIX_USE_OUT_OF_TIME);
 

@@ -83,7 +83,7 @@ void AddZeroAndFrozen(std::vector<Fault>& faults) {
 }
 
 void AddScales(std::vector<Fault>& faults) {
-  for (const double factor : {0.5, 0.7, 1.3, 1.5}) {
+  for (const double factor : {0.5, 0.7, 0.95, 1.05, 1.3, 1.5}) {
     faults.push_back(MakeVelocityFault(absl::StrCat("scale-", factor),
                                        absl::StrCat("speed times ", factor), std::nullopt,
                                        Scaling(factor, 1.0)));
@@ -116,7 +116,7 @@ void AddSignsAndBiases(std::vector<Fault>& faults) {
 }
 
 void AddLateAndMissing(std::vector<Fault>& faults) {
-  for (const double delay_s : {0.1, 0.3}) {
+  for (const double delay_s : {0.05, 0.1, 0.2, 0.3}) {
     Fault late = MakeVelocityFault(absl::StrCat("late-", delay_s, "s"),
                                    absl::StrCat("velocity ", delay_s, " s late"), std::nullopt,
                                    [=](Stream& stream, const Window& window, std::uint64_t) {

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/odometry/rig_knowledge.h"
+#include "core/options/option_fields.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+struct KnowledgeReportOptions {
+  /// What was learned is looked at no more often than this, and so told no more often.
+  std::chrono::nanoseconds interval = std::chrono::seconds(5);
+  /// A beta that is known less well is not told.
+  double max_beta_sigma_s = 0.02;
+};
+std::span<const OptionField<KnowledgeReportOptions>> FieldsOf(
+    const KnowledgeReportOptions& options);
+absl::Status Validate(const KnowledgeReportOptions& options);
+
+/// Decides when an answer tells what was learned of the rig: where it has changed, at a bounded
+/// rate.
+class KnowledgeReport {
+ public:
+  explicit KnowledgeReport(const KnowledgeReportOptions& options) : options_(options) {}
+
+  /// Whether it is time to look at what is known. The first look is one interval after the first
+  /// call.
+  bool IsDue(Stamp stamp);
+
+  /// What is to be told of `known`: all of it, or nothing.
+  std::optional<RigKnowledge> OnKnown(RigKnowledge known);
+
+ private:
+  KnowledgeReportOptions options_;
+  std::optional<Stamp> last_look_;
+  RigKnowledge told_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/odometry/late_signal.h"
+#include "core/odometry/odometry_delay_estimator.h"
+#include "core/options/option_fields.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+struct LateOdometryOptions {
+  OdometryDelayOptions delay;
+  /// How a vehicle's speed and yaw rate change in a second, and how quickly that change changes.
+  double acceleration_sigma_mps2 = 1.5;
+  double acceleration_walk_mps2 = 2.5;
+  double yaw_acceleration_sigma_radps2 = 0.25;
+  double yaw_acceleration_walk_radps2 = 0.3;
+  /// What Doppler of one moment errs by on its own, beside what it constantly differs by.
+  double doppler_speed_sigma_mps = 0.06;
+  double doppler_yaw_rate_sigma_radps = 0.015;
+  double offset_speed_sigma_mps = 0.3;
+  double offset_yaw_rate_sigma_radps = 0.03;
+  double offset_speed_walk_mps = 0.03;
+  double offset_yaw_rate_walk_radps = 0.002;
+};
+std::span<const OptionField<LateOdometryOptions>> FieldsOf(const LateOdometryOptions& options);
+absl::Status Validate(const LateOdometryOptions& options);
+
+/// Finds by how much the reported velocity is late, and brings it to the present: it says what the
+/// vehicle did then, and Doppler how that went on.
+class LateOdometry {
+ public:
+  explicit LateOdometry(const LateOdometryOptions& options);
+
+  /// As OdometryDelayEstimator::Suppose.
+  void Suppose(const ScalarEstimate& delay_s) { estimator_.Suppose(delay_s); }
+
+  /// The vehicle reports this at `stamp`, which is not before the last one.
+  void OnReported(Stamp stamp, const EgoVelocity& reported);
+  /// Doppler that is sound says this of `stamp`.
+  void OnDoppler(Stamp stamp, const EgoVelocity& doppler);
+
+  /// By how many seconds the reported velocity is late; nothing while no delay is believed.
+  const std::optional<ScalarEstimate>& delay_s() const { return estimator_.delay_s(); }
+
+  /// `reported`, which has a covariance, as far as it tells of now by itself: less certain by what
+  /// the vehicle may have done since. As it is, while no delay is believed.
+  EgoVelocity AsOfNow(const EgoVelocity& reported) const;
+
+  /// `reported` at `stamp` brought to the present, with what Doppler says where that is sound. A
+  /// signal that is not sound is left as it is, and all is while no delay is believed.
+  EgoVelocity BroughtToNow(Stamp stamp, const EgoVelocity& reported, const EgoVelocity* doppler,
+                           bool speed_is_sound, bool yaw_rate_is_sound);
+
+ private:
+  LateOdometryOptions options_;
+  OdometryDelayEstimator estimator_;
+  std::optional<LateSignal> speed_, yaw_rate_;  // while a delay is believed
+  std::optional<Stamp> advanced_, doppler_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/odometry/scalar_estimate.h"
+#include "core/options/option_fields.h"
+
+namespace dcloc {
+
+/// When a mean is said to have changed (Page 1954): each deviation beyond `drift_sigmas` counts,
+/// up to `max_sigmas`, until `limit_sigmas` are exceeded or the sum falls below 0.
+struct PageTestOptions {
+  double drift_sigmas = 1.0;
+  double max_sigmas = 3.0;
+  double limit_sigmas = 4.0;
+};
+std::span<const OptionField<PageTestOptions>> FieldsOf(const PageTestOptions& options);
+absl::Status Validate(const PageTestOptions& options);
+
+/// Finds that a quantity which is expected to be 0 has changed for good, to either side: sums of
+/// its deviations, none of which counts much alone.
+class PageTest {
+ public:
+  explicit PageTest(const PageTestOptions& options) : options_(options) {}
+
+  /// A deviation from 0 that came about over `exposure`, a time or a way. Gives the deviation per
+  /// unit of exposure since the change, and its variance, once there is one; the test then begins
+  /// anew.
+  std::optional<ScalarEstimate> OnDeviation(const ScalarEstimate& deviation, double exposure);
+
+  void Reset() { rising_ = falling_ = {}; }
+
+ private:
+  struct Side {
+    double sum_sigmas = 0.0;
+    // Since the sum last was 0.
+    double deviation = 0.0;
+    double variance = 0.0;
+    double exposure = 0.0;
+  };
+  bool Count(double sigmas, const ScalarEstimate& deviation, double exposure, Side& side) const;
+
+  PageTestOptions options_;
+  Side rising_, falling_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,67 @@
+#include "core/odometry/page_test.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace dcloc {
+namespace {
+
+constexpr double kPageVariance = 0.01 * 0.01;
+
+TEST(PageTestTest, ChanceIsNoChange) {
+  PageTest test({});
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal(0.0, 0.01);
+  int changes = 0;
+  for (int i = 0; i < 3000; ++i) {
+    if (test.OnDeviation({normal(random), kPageVariance}, 1.0)) ++changes;
+  }
+  EXPECT_LE(changes, 1);
+}
+
+TEST(PageTestTest, AChangeIsFoundAndMeasuredToEitherSide) {
+  for (const double rate : {0.03, -0.03}) {
+    PageTest test({});
+    for (int i = 0; i < 10; ++i) EXPECT_FALSE(test.OnDeviation({0.0, kPageVariance}, 2.0));
+    std::optional<ScalarEstimate> change;
+    int count = 0;
+    while (!change && count < 10) {
+      change = test.OnDeviation({2.0 * rate, kPageVariance}, 2.0);
+      ++count;
+    }
+    ASSERT_TRUE(change) << rate;
+    EXPECT_EQ(count, 3) << "each counts for two deviations, and four are to be exceeded";
+    EXPECT_NEAR(change->value, rate, 1e-12);
+    EXPECT_NEAR(change->variance, 3.0 * kPageVariance / 36.0, 1e-12);
+  }
+}
+
+TEST(PageTestTest, ASmallChangeTakesLonger) {
+  PageTest test({});
+  int count = 0;
+  while (!test.OnDeviation({0.015, kPageVariance}, 1.0)) ++count;
+  EXPECT_GT(count, 6);
+  EXPECT_LT(count, 12);
+}
+
+TEST(PageTestTest, OneThatIsFarOffIsNoChange) {
+  PageTest test({});
+  EXPECT_FALSE(test.OnDeviation({1e6, kPageVariance}, 1.0));
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(test.OnDeviation({0.0, kPageVariance}, 1.0));
+}
+
+TEST(PageTestTest, WhatTookNoTimeSaysNothing) {
+  PageTest test({});
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(test.OnDeviation({1.0, kPageVariance}, 0.0));
+}
+
+TEST(PageTestTest, ItsOptionsAreBounded) {
+  EXPECT_TRUE(Validate(PageTestOptions{}).ok());
+  EXPECT_FALSE(Validate(PageTestOptions{.max_sigmas = std::nan("")}).ok());
+  EXPECT_FALSE(Validate(PageTestOptions{.limit_sigmas = -1.0}).ok());
+}
+
+}  // namespace
+}  // namespace dcloc
