@@ -291,8 +291,8 @@ std::optional<DopplerEgoVelocity> EstimateRivalEgoVelocity(const DopplerEgoVeloc
       left < options.min_rival_share * votes) {
     return std::nullopt;
   }
-  std::optional<DopplerEgoVelocity> rival = MovingEgoVelocity(
-      rows, left, options.min_rival_share * votes / left, seed, options, inliers);
+  std::optional<DopplerEgoVelocity> rival =
+      MovingEgoVelocity(rows, left, options.min_rival_share * votes / left, seed, options, inliers);
   if (rival && rival->direction_count < options.min_rival_direction_count) return std::nullopt;
   return rival;
 }

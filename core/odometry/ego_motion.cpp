@@ -114,10 +114,9 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
   if (doppler_is_sound) late_.OnDoppler(moment_, doppler->ego_velocity);
   if (reported) {
-    reported = late_.BroughtToNow(stamp, Corrected(*scan.ego_velocity),
-                                  doppler_is_sound ? &doppler->ego_velocity : nullptr,
-                                  sources_.IsSound(OdometrySource::kWheelSpeed),
-                                  sources_.IsSound(OdometrySource::kYawRate));
+    reported = late_.BroughtToNow(
+        stamp, Corrected(*scan.ego_velocity), doppler_is_sound ? &doppler->ego_velocity : nullptr,
+        sources_.IsSound(OdometrySource::kWheelSpeed), sources_.IsSound(OdometrySource::kYawRate));
   }
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
@@ -133,8 +132,8 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
 
 // Of what is set aside, too: it may be taken back once it is known by what it is wrong.
 void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, std::chrono::nanoseconds age) {
-  const bool is_used = sources_.IsSound(OdometrySource::kWheelSpeed) &&
-                       sources_.IsSound(OdometrySource::kYawRate);
+  const bool is_used =
+      sources_.IsSound(OdometrySource::kWheelSpeed) && sources_.IsSound(OdometrySource::kYawRate);
   if (is_used) {
     errors_.OnMotion(since_previous_.T_from_to, age);
   } else if (reported && reported_) {
@@ -170,8 +169,7 @@ SourceHealth EgoMotion::HealthOf(OdometrySource source, const SourceDiagnosis& d
     return {.is_used = false, .fault = SourceFault::kSilent};
   }
   if (sources_.IsSound(source)) {
-    return {.is_used = true,
-            .fault = late_.delay_s() ? SourceFault::kDelay : SourceFault::kNone};
+    return {.is_used = true, .fault = late_.delay_s() ? SourceFault::kDelay : SourceFault::kNone};
   }
   return {.is_used = false, .fault = diagnosis.fault()};
 }
@@ -271,8 +269,8 @@ std::span<const RadarScan> EgoMotion::Remember(const Scan& scan, Stamp stamp,
     age_sum += static_cast<double>(recent.scan.size()) * (stamp - recent.stamp);
     target_count += static_cast<double>(recent.scan.size());
   }
-  moment_ = stamp - std::chrono::round<std::chrono::nanoseconds>(age_sum /
-                                                                 std::max(1.0, target_count));
+  moment_ =
+      stamp - std::chrono::round<std::chrono::nanoseconds>(age_sum / std::max(1.0, target_count));
   return of_one_moment_;
 }
 

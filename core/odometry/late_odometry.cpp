@@ -45,7 +45,8 @@ EgoVelocity LateOdometry::AsOfNow(const EgoVelocity& reported) const {
   if (!delay_s()) return reported;
   EgoVelocity wider = reported;
   (*wider.covariance)(0, 0) += std::pow(options_.acceleration_sigma_mps2 * delay_s()->value, 2);
-  (*wider.covariance)(5, 5) += std::pow(options_.yaw_acceleration_sigma_radps2 * delay_s()->value, 2);
+  (*wider.covariance)(5, 5) +=
+      std::pow(options_.yaw_acceleration_sigma_radps2 * delay_s()->value, 2);
   return wider;
 }
 
@@ -86,8 +87,8 @@ EgoVelocity LateOdometry::BroughtToNow(Stamp stamp, const EgoVelocity& reported,
          .change_walk = options_.acceleration_walk_mps2,
          .offset_sigma = options_.offset_speed_sigma_mps,
          .offset_walk = options_.offset_speed_walk_mps},
-        {reported.linear_mps.x(), (*reported.covariance)(0, 0)}, doppler_speed,
-        now.linear_mps.x(), (*now.covariance)(0, 0));
+        {reported.linear_mps.x(), (*reported.covariance)(0, 0)}, doppler_speed, now.linear_mps.x(),
+        (*now.covariance)(0, 0));
   bring(yaw_rate_, yaw_rate_is_sound,
         {.unknown_sigma = 1.0,
          .change_sigma = options_.yaw_acceleration_sigma_radps2,

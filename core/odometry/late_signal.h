@@ -8,11 +8,11 @@ namespace dcloc {
 
 /// How a speed [m/s] or a yaw rate [rad/s] that is reported late may change.
 struct LateSignalNoise {
-  double unknown_sigma = 0.0;      ///< of the signal, before anything is known
-  double change_sigma = 0.0;       ///< of its change in a second, likewise
-  double change_walk = 0.0;        ///< of what a second adds to its change
-  double offset_sigma = 0.0;       ///< of what the two sources differ by, at first
-  double offset_walk = 0.0;        ///< of what a second adds to that
+  double unknown_sigma = 0.0;  ///< of the signal, before anything is known
+  double change_sigma = 0.0;   ///< of its change in a second, likewise
+  double change_walk = 0.0;    ///< of what a second adds to its change
+  double offset_sigma = 0.0;   ///< of what the two sources differ by, at first
+  double offset_walk = 0.0;    ///< of what a second adds to that
 };
 
 /// One signal that a source reports late, and another one measures at once, less exactly and with

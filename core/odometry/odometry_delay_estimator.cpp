@@ -46,16 +46,17 @@ OdometryDelayEstimator::OdometryDelayEstimator(const OdometryDelayOptions& optio
 void OdometryDelayEstimator::Suppose(const ScalarEstimate& delay_s) {
   const double last = SecondsOf(DelayOf(static_cast<int>(candidates_.size()) - 1));
   if (delay_s.value <= SecondsOf(DelayOf(0)) || delay_s.value >= last) return;
-  supposed_s_ = {delay_s.value,
-                 std::max(delay_s.variance, std::pow(options_.supposed_sigma_s, 2))};
+  supposed_s_ = {delay_s.value, std::max(delay_s.variance, std::pow(options_.supposed_sigma_s, 2))};
   supposed_weight_ = 1.0;
   if (std::abs(delay_s.value) >= SecondsOf(options_.min_delay)) delay_s_ = supposed_s_;
 }
 
 void OdometryDelayEstimator::OnReported(Stamp stamp, double speed_mps, double yaw_rate_radps) {
   reported_.push_back({stamp, speed_mps, yaw_rate_radps});
-  while (!waiting_.empty() && waiting_.front().stamp + DelayOf(static_cast<int>(
-                                  candidates_.size()) - 1) + options_.smoothing <= stamp) {
+  while (!waiting_.empty() && waiting_.front().stamp +
+                                      DelayOf(static_cast<int>(candidates_.size()) - 1) +
+                                      options_.smoothing <=
+                                  stamp) {
     Compare(waiting_.front());
     waiting_.pop_front();
   }
@@ -77,8 +78,8 @@ std::optional<OdometryDelayEstimator::Sample> OdometryDelayEstimator::ReportedAt
   if (reported_.empty() || reported_.front().stamp > stamp || reported_.back().stamp < stamp) {
     return std::nullopt;
   }
-  const auto first = std::ranges::lower_bound(reported_, stamp - options_.smoothing, {},
-                                              &Sample::stamp);
+  const auto first =
+      std::ranges::lower_bound(reported_, stamp - options_.smoothing, {}, &Sample::stamp);
   const double width_s = SecondsOf(options_.smoothing);
   Sample mean{stamp, 0.0, 0.0};
   double sum = 0.0;
@@ -110,9 +111,10 @@ void OdometryDelayEstimator::Compare(const Sample& doppler) {
     if (!reported) return;
     reported_then_.push_back(*reported);
   }
-  const double keep = last_compared_ ? std::exp(-SecondsOf(doppler.stamp - *last_compared_) /
-                                                SecondsOf(options_.memory))
-                                     : 1.0;
+  const double keep =
+      last_compared_
+          ? std::exp(-SecondsOf(doppler.stamp - *last_compared_) / SecondsOf(options_.memory))
+          : 1.0;
   last_compared_ = doppler.stamp;
   supposed_weight_ *= keep;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {

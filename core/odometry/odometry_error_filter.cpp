@@ -72,11 +72,11 @@ void OdometryErrorFilter::Suppose(const std::optional<ScalarEstimate>& scale,
                                   const std::optional<ScalarEstimate>& yaw_rate_bias_radps) {
   if (scale) {
     scale_ = scale->value;
-    LearnAfresh(kScale, std::max(scale->variance, Square(options_.scale_sigma)));
+    SetVariance(kScale, std::max(scale->variance, Square(options_.scale_sigma)));
   }
   if (yaw_rate_bias_radps) {
     yaw_rate_bias_radps_ = yaw_rate_bias_radps->value;
-    LearnAfresh(kYawRateBias, std::max(yaw_rate_bias_radps->variance,
+    SetVariance(kYawRateBias, std::max(yaw_rate_bias_radps->variance,
                                        Square(options_.yaw_rate_bias_sigma_radps)));
   }
 }
@@ -124,8 +124,8 @@ void OdometryErrorFilter::OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix
   Eigen::Matrix3d noise = covariance;
   noise.diagonal().head<2>().array() += Square(options_.pose_sigma_m);
   noise(2, 2) += Square(options_.pose_sigma_rad);
-  TestForChange(Flatten(T_map_vehicle), noise);
-  if (!T_map_vehicle_) return StartAt(T_map_vehicle, noise);
+  const bool has_changed = HasChangedAtOnce(Flatten(T_map_vehicle), noise);
+  if (!T_map_vehicle_ || has_changed) return StartAt(T_map_vehicle, noise);
 
   Eigen::Matrix<double, kPose, kStates> by_states = Eigen::Matrix<double, kPose, kStates>::Zero();
   by_states.leftCols<kPose>().setIdentity();
@@ -158,39 +158,51 @@ void OdometryErrorFilter::StartAt(const Pose3& T_map_vehicle, const Eigen::Matri
 
 // METHOD eq 62. Neighbouring poses alone are compared: a pose that is wrong makes two deviations of
 // opposite sign, and a change makes all that follow.
-void OdometryErrorFilter::TestForChange(const Pose2& T_map_vehicle, const Eigen::Matrix3d& noise) {
+bool OdometryErrorFilter::HasChangedAtOnce(const Pose2& T_map_vehicle,
+                                           const Eigen::Matrix3d& noise) {
   const std::optional<LastPose> last = std::exchange(
       last_pose_,
       LastPose{.T_map_vehicle = T_map_vehicle, .noise = noise, .T_then_now = {}, .duration = {}});
-  if (!last || last->duration > options_.max_change_interval) return;
+  if (!last || last->duration > options_.max_change_interval) return false;
   const double duration_s = std::chrono::duration<double>(last->duration).count();
   const Pose2 T_then_now = last->T_map_vehicle.Inverse() * T_map_vehicle;
   const Eigen::Matrix3d both = InnovationScaleOfLate() * (last->noise + noise);
   const double turn_variance = both(2, 2) + Square(options_.walk_sigma_rad) * duration_s +
                                covariance_(kYawRateBias, kYawRateBias) * Square(duration_s);
-  const auto bias_change = bias_change_.OnDeviation(
-      {WrapAngle(T_then_now.yaw_rad - last->T_then_now.yaw_rad), turn_variance}, duration_s);
-  if (bias_change && std::abs(yaw_rate_bias_radps_ + bias_change->value) <=
-                         options_.max_yaw_rate_bias_radps) {
-    LearnAfresh(kYawRateBias, bias_change->variance);
-    yaw_rate_bias_radps_ += bias_change->value;
-  }
+  const bool bias_has_changed = LearnAfresh(
+      kYawRateBias,
+      bias_change_.OnDeviation(
+          {WrapAngle(T_then_now.yaw_rad - last->T_then_now.yaw_rad), turn_variance}, duration_s),
+      1.0, {0.0, options_.max_yaw_rate_bias_radps}, yaw_rate_bias_radps_);
   // Only a way along which the vehicle moves tells of its scale.
   const double way_m = last->T_then_now.translation_m.x();
   const double way_variance = both(0, 0) + Square(options_.walk_sigma_m) * duration_s +
                               covariance_(kScale, kScale) * Square(way_m);
   const double further_m = T_then_now.translation_m.x() - way_m;
-  const auto scale_change = scale_change_.OnDeviation(
-      {way_m < 0.0 ? -further_m : further_m, way_variance}, std::abs(way_m));
-  if (!scale_change) return;
-  const double scale = scale_ * (1.0 + scale_change->value);
-  if (std::abs(scale - 1.0) > options_.max_scale_error) return;
-  LearnAfresh(kScale, Square(scale) * scale_change->variance);
-  scale_ = scale;
+  const bool scale_has_changed =
+      LearnAfresh(kScale,
+                  scale_change_.OnDeviation({way_m < 0.0 ? -further_m : further_m, way_variance},
+                                            std::abs(way_m)),
+                  scale_, {1.0, options_.max_scale_error}, scale_);
+  // The innovations of late were those of the change.
+  if (bias_has_changed || scale_has_changed) squared_sigmas_ = count_ = 0.0;
+  return bias_has_changed || scale_has_changed;
+}
+
+// The constant changed by `change` units, where that is possible: further from the usual value than
+// the range says, it is no error of this kind.
+bool OdometryErrorFilter::LearnAfresh(int state, const std::optional<ScalarEstimate>& change,
+                                      double unit, const Range& possible, double& constant) {
+  if (!change) return false;
+  const double changed = constant + unit * change->value;
+  if (std::abs(changed - possible.usual) > possible.furthest) return false;
+  constant = changed;
+  SetVariance(state, Square(unit) * change->variance);
+  return true;
 }
 
 // What else correlates with a constant says nothing of its new value.
-void OdometryErrorFilter::LearnAfresh(int state, double variance) {
+void OdometryErrorFilter::SetVariance(int state, double variance) {
   covariance_.row(state).setZero();
   covariance_.col(state).setZero();
   covariance_(state, state) = variance;

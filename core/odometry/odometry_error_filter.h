@@ -71,8 +71,8 @@ class OdometryErrorFilter {
   double yaw_rate_bias_radps() const { return yaw_rate_bias_radps_; }
   double yaw_rate_bias_sigma_radps() const;
 
-  /// An earlier session found this of scale and yaw-rate bias: where learning begins, no more certain
-  /// than without it.
+  /// An earlier session found this of scale and yaw-rate bias: where learning begins, no more
+  /// certain than without it.
   void Suppose(const std::optional<ScalarEstimate>& scale,
                const std::optional<ScalarEstimate>& yaw_rate_bias_radps);
 
@@ -102,8 +102,14 @@ class OdometryErrorFilter {
   void StartAt(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance);
   double InnovationScaleOfLate() const;
   double InnovationScale(double squared_sigmas);
-  void TestForChange(const Pose2& T_map_vehicle, const Eigen::Matrix3d& noise);
-  void LearnAfresh(int state, double variance);
+  struct Range {
+    double usual;
+    double furthest;  // from it
+  };
+  bool HasChangedAtOnce(const Pose2& T_map_vehicle, const Eigen::Matrix3d& noise);
+  bool LearnAfresh(int state, const std::optional<ScalarEstimate>& change, double unit,
+                   const Range& possible, double& constant);
+  void SetVariance(int state, double variance);
 
   OdometryErrorFilterOptions options_;
   std::optional<Pose3> T_map_vehicle_;  // height and tilt as last registered

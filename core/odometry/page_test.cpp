@@ -22,8 +22,9 @@ absl::Status Validate(const PageTestOptions& options) {
 std::optional<ScalarEstimate> PageTest::OnDeviation(const ScalarEstimate& deviation,
                                                     double exposure) {
   if (exposure <= 0.0) return std::nullopt;
-  const double sigmas = std::clamp(deviation.value / std::sqrt(deviation.variance),
-                                   -options_.max_sigmas, options_.max_sigmas);
+  const double stated = deviation.value / std::sqrt(deviation.variance);
+  const double sigmas =
+      std::clamp(stated / SpreadWith(stated), -options_.max_sigmas, options_.max_sigmas);
   const bool rose = Count(sigmas, deviation, exposure, rising_);
   const bool fell = Count(-sigmas, deviation, exposure, falling_);
   if (!rose && !fell) return std::nullopt;
@@ -32,6 +33,19 @@ std::optional<ScalarEstimate> PageTest::OnDeviation(const ScalarEstimate& deviat
                               side.variance / (side.exposure * side.exposure)};
   Reset();
   return change;
+}
+
+// By how much deviations vary more than they say, at least 1: by the median of the last differences
+// between neighbours, of which a change makes one large.
+double PageTest::SpreadWith(double sigmas) {
+  if (last_sigmas_) {
+    differences_[difference_count_++ % kDifferences] = std::abs(sigmas - *last_sigmas_);
+  }
+  last_sigmas_ = sigmas;
+  std::array<double, kDifferences> sorted = differences_;
+  std::ranges::sort(sorted);
+  constexpr double kMedianOfUnitNormal = 0.6745;
+  return std::max(1.0, sorted[kDifferences / 2] / (std::sqrt(2.0) * kMedianOfUnitNormal));
 }
 
 bool PageTest::Count(double sigmas, const ScalarEstimate& deviation, double exposure,

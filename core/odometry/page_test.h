@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
 
@@ -20,7 +22,9 @@ std::span<const OptionField<PageTestOptions>> FieldsOf(const PageTestOptions& op
 absl::Status Validate(const PageTestOptions& options);
 
 /// Finds that a quantity which is expected to be 0 has changed for good, to either side: sums of
-/// its deviations, none of which counts much alone.
+/// its deviations, none of which counts much alone. Where they vary by more than they say, they
+/// count for less: the spread is told by neighbouring ones, whose difference no change adds to but
+/// once.
 class PageTest {
  public:
   explicit PageTest(const PageTestOptions& options) : options_(options) {}
@@ -42,7 +46,13 @@ class PageTest {
   };
   bool Count(double sigmas, const ScalarEstimate& deviation, double exposure, Side& side) const;
 
+  double SpreadWith(double sigmas);
+
   PageTestOptions options_;
+  static constexpr std::size_t kDifferences = 5;
+  std::array<double, kDifferences> differences_{};  // of neighbouring deviations, in sigmas
+  std::size_t difference_count_ = 0;                // ever
+  std::optional<double> last_sigmas_;
   Side rising_, falling_;
 };
 

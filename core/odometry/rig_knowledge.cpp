@@ -21,9 +21,8 @@ absl::Status CheckKnown(const MaybeKnown& known, const std::string& name, double
   }
   const double sigma = std::sqrt(known->variance);
   if (!(sigma > 0.0 && sigma <= kMaxKnownSigma)) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("%s has a sigma of %g; it must lie in (0, %g]", name, sigma,
-                        kMaxKnownSigma));
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "%s has a sigma of %g; it must lie in (0, %g]", name, sigma, kMaxKnownSigma));
   }
   return absl::OkStatus();
 }
@@ -48,10 +47,9 @@ const RadarKnowledge* RigKnowledge::Find(const std::string& radar_id) const {
 }
 
 absl::Status Validate(const RigKnowledge& knowledge) {
-  absl::Status status = CheckKnown(knowledge.odometry_delay, "odometry_delay_s", -kMaxKnownDelay_s,
-                                   kMaxKnownDelay_s);
-  status.Update(
-      CheckKnown(knowledge.wheel_scale, "wheel_scale", kMinKnownScale, kMaxKnownScale));
+  absl::Status status =
+      CheckKnown(knowledge.odometry_delay, "odometry_delay_s", -kMaxKnownDelay_s, kMaxKnownDelay_s);
+  status.Update(CheckKnown(knowledge.wheel_scale, "wheel_scale", kMinKnownScale, kMaxKnownScale));
   status.Update(CheckKnown(knowledge.yaw_rate_correction, "yaw_rate_correction_radps",
                            -kMaxKnownYawRateCorrection_radps, kMaxKnownYawRateCorrection_radps));
   std::set<std::string> ids;

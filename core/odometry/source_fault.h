@@ -22,8 +22,8 @@ enum class SourceFault : std::size_t {
   kDelay,     ///< what it says was true some time before; it is used, brought to the present
 };
 inline constexpr std::array<const char*, 13> kSourceFaultNames = {
-    "none", "silent", "standing", "frozen", "sign", "scale",
-    "bias", "slip",   "doppler",  "mount",  "map",  "clock", "delay"};
+    "none", "silent",  "standing", "frozen", "sign",  "scale", "bias",
+    "slip", "doppler", "mount",    "map",    "clock", "delay"};
 
 constexpr const char* NameOf(SourceFault fault) {
   return kSourceFaultNames[static_cast<std::size_t>(fault)];

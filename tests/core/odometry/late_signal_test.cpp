@@ -9,10 +9,10 @@ namespace dcloc {
 namespace {
 
 constexpr LateSignalNoise kSwingingNoise{.unknown_sigma = 15.0,
-                                 .change_sigma = 1.5,
-                                 .change_walk = 2.5,
-                                 .offset_sigma = 0.3,
-                                 .offset_walk = 0.03};
+                                         .change_sigma = 1.5,
+                                         .change_walk = 2.5,
+                                         .offset_sigma = 0.3,
+                                         .offset_walk = 0.03};
 
 double SwingingSpeed(double t_s) { return 11.0 + 3.0 * std::sin(0.8 * t_s); }
 

@@ -49,6 +49,34 @@ TEST_F(LearnedRigTest, ARightMountIsNotTouched) {
   EXPECT_EQ(rig_.FaultOf(0, stamp_), SourceFault::kNone);
 }
 
+RigKnowledge Known(double yaw_deg) {
+  RigKnowledge known;
+  known.Of("front").mount_yaw_error = {yaw_deg * kRadPerDeg, 1e-9};
+  known.Of("of another vehicle").mount_yaw_error = {0.1, 1e-9};
+  return known;
+}
+
+TEST_F(LearnedRigTest, WhatIsKnownIsConfirmedByTheFirstScan) {
+  rig_.Begin(Known(7.0));
+  EXPECT_TRUE(
+      rig_.rig().radars[0].T_vehicle_radar.rotation.isApprox(described_.T_vehicle_radar.rotation))
+      << "nothing is corrected before a scan agrees";
+  EXPECT_EQ(Drive(Turned(described_, 7.0), 1.0, straight_, 1), 1);
+  RigKnowledge learned;
+  rig_.AddTo(learned);
+  ASSERT_EQ(learned.radars.size(), 1U);
+  EXPECT_NEAR(learned.radars[0].mount_yaw_error->value, 7.0 * kRadPerDeg, 0.5 * kRadPerDeg);
+}
+
+TEST_F(LearnedRigTest, WhatIsKnownWronglyIsGivenUp) {
+  rig_.Begin(Known(15.0));
+  Drive(described_, 1.0, straight_, 20);
+  EXPECT_LT(rig_.rig().radars[0].T_vehicle_radar.rotation.angularDistance(
+                described_.T_vehicle_radar.rotation),
+            0.6 * kRadPerDeg);
+  EXPECT_TRUE(rig_.IsUsable(0, stamp_));
+}
+
 TEST_F(LearnedRigTest, ATurnedMountIsCorrectedAndToldOf) {
   const RadarModel real = Turned(described_, 7.0);
   EXPECT_GE(Drive(real, 1.0, straight_, 10), 1);

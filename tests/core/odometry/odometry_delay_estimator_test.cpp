@@ -67,8 +67,8 @@ TEST(OdometryDelayEstimatorTest, NeitherScaleNorBiasIsADelay) {
 
 TEST(OdometryDelayEstimatorTest, ASteadyDriveTellsNothing) {
   const ReportedDrive drive{.speed_mps = [](double) { return 25.0; },
-                    .yaw_rate_radps = [](double) { return 0.0; },
-                    .delay_s = 0.3};
+                            .yaw_rate_radps = [](double) { return 0.0; },
+                            .delay_s = 0.3};
   EXPECT_FALSE(DelayAfter(60.0, drive));
 }
 

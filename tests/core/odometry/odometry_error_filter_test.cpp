@@ -39,6 +39,7 @@ class Drive {
     if (with_pose) errors.OnPose(Registered(), Covariance());
   }
 
+  void Become(const Faults& faults) { faults_ = faults; }
   void JumpInMap() { T_map_vehicle_.translation_m.x() += 500.0; }
 
  private:
@@ -138,6 +139,40 @@ TEST(OdometryErrorFilterTest, OneWrongPoseChangesLittle) {
   drive.JumpInMap();
   drive.Second(errors);
   EXPECT_NEAR(errors.scale(), before, 0.02);
+}
+
+TEST(OdometryErrorFilterTest, LearnsWithinSecondsWhatChangesAtOnce) {
+  OdometryErrorFilter errors({});
+  Drive drive({});
+  for (int second = 0; second < 30; ++second) drive.Second(errors);
+  const Faults faults{.scale = 1.06, .yaw_rate_bias_radps = -0.05};
+  drive.Become(faults);
+  for (int second = 0; second < 10; ++second) drive.Second(errors);
+  EXPECT_NEAR(errors.yaw_rate_bias_radps(), -0.05, 0.004);
+  EXPECT_NEAR(errors.scale(), 1.06, 0.01);
+  drive.Become({});
+  for (int second = 0; second < 10; ++second) drive.Second(errors);
+  EXPECT_NEAR(errors.yaw_rate_bias_radps(), 0.0, 0.004);
+  EXPECT_NEAR(errors.scale(), 1.0, 0.01);
+}
+
+TEST(OdometryErrorFilterTest, WhatWasSupposedIsGivenUpWhereTheDriveContradictsIt) {
+  OdometryErrorFilter errors({});
+  errors.Suppose(ScalarEstimate{1.3, 1e-12}, ScalarEstimate{0.1, 1e-12});
+  EXPECT_EQ(errors.scale(), 1.3);
+  Drive drive({});
+  for (int second = 0; second < 20; ++second) drive.Second(errors);
+  EXPECT_NEAR(errors.yaw_rate_bias_radps(), 0.0, 0.004);
+  EXPECT_NEAR(errors.scale(), 1.0, 0.01);
+}
+
+TEST(OdometryErrorFilterTest, TellsOnlyWhatItHasLearned) {
+  const OdometryErrorFilter fresh({});
+  EXPECT_FALSE(fresh.LearnedScale());
+  EXPECT_FALSE(fresh.LearnedYawRateBias());
+  const OdometryErrorFilter errors = After(60, Drive({.scale = 1.017}));
+  ASSERT_TRUE(errors.LearnedScale());
+  EXPECT_NEAR(errors.LearnedScale()->value, 1.017, 0.001);
 }
 
 TEST(OdometryErrorFilterTest, AJumpInTheMapIsNotTheWheels) {

@@ -52,6 +52,20 @@ TEST(PageTestTest, OneThatIsFarOffIsNoChange) {
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(test.OnDeviation({0.0, kPageVariance}, 1.0));
 }
 
+TEST(PageTestTest, DeviationsThatVaryByMoreThanTheySayAreNoChange) {
+  PageTest test({});
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal(0.0, 0.1);
+  int changes = 0;
+  double before = normal(random);
+  for (int i = 0; i < 1000; ++i) {  // of neighbouring poses
+    const double now = normal(random);
+    if (test.OnDeviation({now - before, kPageVariance}, 1.0)) ++changes;
+    before = now;
+  }
+  EXPECT_LE(changes, 20);
+}
+
 TEST(PageTestTest, WhatTookNoTimeSaysNothing) {
   PageTest test({});
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(test.OnDeviation({1.0, kPageVariance}, 0.0));
