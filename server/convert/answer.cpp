@@ -4,6 +4,7 @@
 #include <string>
 
 #include "server/convert/geometry.h"
+#include "server/convert/learned_rig.h"
 
 namespace dcloc::server::convert {
 namespace {
@@ -132,6 +133,11 @@ void ToProto(const Localization& localization, v1::LocalizationResult* message) 
   }
   SetResets(localization.resets, message->mutable_resets());
   SetQuality(localization.quality, message->mutable_quality());
+  if (localization.learned) {
+    ToProto(*localization.learned, message->mutable_learned_rig());
+  } else {
+    message->clear_learned_rig();
+  }
 }
 
 void ToProto(const Health& health, const Rig& rig, v1::Health* message) {

@@ -1,11 +1,13 @@
 #include "server/convert/session.h"
 
 #include <limits>
+#include <utility>
 
 #include "server/base/check.h"
 #include "server/base/status.h"
 #include "server/convert/geometry.h"
 #include "server/convert/initial_pose.h"
+#include "server/convert/learned_rig.h"
 #include "server/convert/scan.h"
 
 namespace dcloc::server::convert {
@@ -32,7 +34,12 @@ absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& message) {
   if (!status.ok()) return status;
   absl::StatusOr<Rig> rig = FromProto(message.rig(), "open.rig");
   if (!rig.ok()) return rig.status();
-  const LocalizerOptions options = OptionsFromProto(message.options());
+  LocalizerOptions options = OptionsFromProto(message.options());
+  if (message.has_learned_rig()) {
+    absl::StatusOr<RigKnowledge> known = FromProto(message.learned_rig(), "open.learned_rig");
+    if (!known.ok()) return known.status();
+    options.known = *std::move(known);
+  }
   status = WithPrefix("open.options: ", Validate(options));
   if (!status.ok()) return status;
   return SessionRequest{.vehicle_id = message.vehicle_id(),

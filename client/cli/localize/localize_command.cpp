@@ -72,6 +72,12 @@ void AddRunOptions(CLI::App& command, LocalizeArguments& arguments) {
                   "Send the position fixes of this CSV file among the scans, by their stamps")
       ->type_name("FILE");
   command
+      .add_option(
+          "--learned-rig", arguments.learned_rig_file,
+          "Begin with what this file says was learned of the rig, if there is one, and keep "
+          "in it what is learned")
+      ->type_name("FILE");
+  command
       .add_option("--record", arguments.record_file, "Record the session, for dcloc session replay")
       ->type_name("FILE");
   command

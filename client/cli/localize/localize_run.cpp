@@ -20,6 +20,7 @@
 #include "client/cli/common/terminal.h"
 #include "client/cli/localize/answer_files.h"
 #include "client/cli/localize/trust_summary.h"
+#include "client/cli/remote/learned_rig.h"
 #include "client/cli/remote/wire.h"
 #include "client/datasets/dataset.h"
 #include "client/datasets/fix_file.h"
@@ -181,7 +182,8 @@ absl::StatusOr<ScanOutcome> Judge(const v1::LocalizationResult& result, const Dr
 
 // Takes the answers until the session has ended.
 absl::Status Receive(client::Session& session, Sender& sender, const Drive& drive,
-                     AnswerFiles& files, DriveOutcome& outcome, TrustSummary& trust) {
+                     AnswerFiles& files, DriveOutcome& outcome, TrustSummary& trust,
+                     std::optional<v1::LearnedRig>& learned) {
   Progress progress(absl::StrCat("localizing ", drive.name), drive.scans.size());
   while (const std::optional<v1::LocalizeResponse> response = session.Next()) {
     const Clock::time_point now = Clock::now();
@@ -206,6 +208,7 @@ absl::Status Receive(client::Session& session, Sender& sender, const Drive& driv
     if (!scan.ok()) return scan.status();
     scan->total_ms = Milliseconds(now - sender.sent_at(index));
     files.Add(response->result(), *scan);
+    if (response->result().has_learned_rig()) learned = response->result().learned_rig();
     if (const std::string news = trust.Add(response->result()); !news.empty()) {
       progress.Say(news);
     }
@@ -261,17 +264,22 @@ absl::Status Localize(client::Session& session, const Drive& drive,
     sender.Stop();
     if (count > 1) session.Cancel();
   });
-  absl::Status status = Receive(session, sender, drive, files, outcome, trust);
+  std::optional<v1::LearnedRig> learned;
+  absl::Status status = Receive(session, sender, drive, files, outcome, trust, learned);
   sender.Stop();
   session.Cancel();
   if (interrupted) status = absl::CancelledError("interrupted; the files hold what was answered");
   status.Update(files.Close());
   status.Update(session.record_status());
+  if (learned && !arguments.learned_rig_file.empty()) {
+    status.Update(WriteLearnedRig(arguments.learned_rig_file, *learned));
+  }
   if (arguments.json) {
     PrintJson(outcome, drive.scans.size(), session.stats(), trust);
   } else {
     PrintSummary(outcome, drive.scans.size());
     absl::PrintF("%s", trust.Text());
+    if (learned) absl::PrintF("%s", LearnedRigText(*learned));
     PrintConnection(session.stats());
   }
   return status;
@@ -304,11 +312,15 @@ absl::Status RunLocalize(const LocalizeArguments& arguments) {
   absl::StatusOr<std::vector<StampedFix>> fixes = std::vector<StampedFix>();
   if (!arguments.fix_file.empty()) fixes = ReadFixes(arguments.fix_file);
   if (!fixes.ok()) return fixes.status();
+  absl::StatusOr<std::optional<v1::LearnedRig>> known = std::optional<v1::LearnedRig>();
+  if (!arguments.learned_rig_file.empty()) known = ReadLearnedRig(arguments.learned_rig_file);
+  if (!known.ok()) return known.status();
+  v1::OpenSession open = OpenRequest(arguments, *drive);
+  if (*known) *open.mutable_learned_rig() = **known;
   const StopSignals signals;
   const auto channel = client::MakeChannel(arguments.server);
   if (!channel.ok()) return channel.status();
-  auto session =
-      client::Session::Open(*channel, OpenRequest(arguments, *drive), SessionOptionsOf(arguments));
+  auto session = client::Session::Open(*channel, std::move(open), SessionOptionsOf(arguments));
   if (!session.ok()) {
     return absl::Status(session.status().code(),
                         absl::StrCat(arguments.server.server, ": ", session.status().message()));

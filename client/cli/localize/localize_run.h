@@ -26,8 +26,9 @@ struct LocalizeArguments {
   double reconnect_s = 30.0;  ///< 0: never
   std::string csv_file;
   std::string tum_file;
-  std::string fix_file;     ///< position fixes to send; may be empty
-  std::string record_file;  ///< of the session; may be empty
+  std::string fix_file;          ///< position fixes to send; may be empty
+  std::string learned_rig_file;  ///< what was learned, read and kept; may be empty
+  std::string record_file;       ///< of the session; may be empty
   bool json = false;
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/remote/learned_rig.h"
 #include "core/geometry/covariance.h"
 #include "core/geometry/degrees.h"
 #include "core/geometry/geodetic_heading.h"
@@ -254,6 +255,7 @@ v1::LocalizationResult ToProto(const Localization& localization, const Rig& rig,
   quality.set_beta_error_s(localization.quality.beta.error_s);
   quality.set_beta_error_sigma_s(localization.quality.beta.sigma_s);
   quality.set_beta_is_wrong(localization.quality.beta.is_wrong);
+  if (localization.learned) *message.mutable_learned_rig() = ToProto(*localization.learned);
   return message;
 }
 
@@ -280,6 +282,7 @@ absl::StatusOr<Localization> FromProto(const v1::LocalizationResult& result) {
     answer.resets.T_before_after = PoseOf(result.resets().last_jump());
   }
   answer.quality = QualityOf(result.quality());
+  if (result.has_learned_rig()) answer.learned = FromProto(result.learned_rig());
   return answer;
 }
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "client/cli/remote/learned_rig.h"
 #include "core/geometry/covariance.h"
 #include "core/relocalization/gnss_prior.h"
 
@@ -99,6 +100,7 @@ absl::StatusOr<SessionStart> FromProto(const v1::OpenSession& open,
     start.rig.radars.push_back(RadarOf(radar));
   }
   start.options = OptionsOf(open.options());
+  if (open.has_learned_rig()) start.options.known = FromProto(open.learned_rig());
   if (open.has_gnss_fix()) {
     if (!anchor) {
       return absl::FailedPreconditionError(
