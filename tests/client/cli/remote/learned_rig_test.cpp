@@ -1,0 +1,51 @@
+#include "client/cli/remote/learned_rig.h"
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/message_differencer.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "server/convert/learned_rig.h"
+
+namespace dcloc::cli {
+namespace {
+
+TEST(LearnedRigWireTest, WhatWasLearnedOfARigArrivesAsItWas) {
+  RigKnowledge known;
+  known.odometry_delay = {0.2, 1e-4};
+  known.wheel_scale = {1.02, 4e-6};
+  known.yaw_rate_correction = {-0.03, 1e-8};
+  known.Of("front") = {.radar_id = "front",
+                       .mount_yaw_error = ScalarEstimate{0.05, 1e-6},
+                       .clock_ahead = ScalarEstimate{0.4, 1e-2},
+                       .beta_error = ScalarEstimate{0.01, 1e-6}};
+  const v1::LearnedRig message = ToProto(known);
+  const auto arrived = server::convert::FromProto(message, "open.learned_rig");
+  ASSERT_TRUE(arrived.ok()) << arrived.status();
+  v1::LearnedRig told;
+  told.add_radars()->set_radar_id("of the answer before");
+  server::convert::ToProto(*arrived, &told);
+  EXPECT_TRUE(google::protobuf::util::MessageDifferencer::ApproximatelyEquals(told, message))
+      << told.DebugString();
+  EXPECT_FALSE(HasChanged(known, FromProto(told)));
+  EXPECT_FALSE(HasChanged(FromProto(told), known));
+}
+
+TEST(LearnedRigWireTest, ARigThatCannotHaveBeenLearnedIsRefusedByName) {
+  v1::LearnedRig message;
+  message.mutable_wheel_scale()->set_value(1.0);
+  const auto without_sigma = server::convert::FromProto(message, "open.learned_rig");
+  EXPECT_THAT(std::string(without_sigma.status().message()),
+              ::testing::AllOf(::testing::HasSubstr("open.learned_rig"),
+                               ::testing::HasSubstr("wheel_scale")));
+  message.mutable_wheel_scale()->set_sigma(-0.01);
+  EXPECT_FALSE(server::convert::FromProto(message, "open.learned_rig").ok());
+  message.mutable_wheel_scale()->set_sigma(0.01);
+  EXPECT_TRUE(server::convert::FromProto(message, "open.learned_rig").ok());
+  for (int i = 0; i < 100; ++i) message.add_radars()->set_radar_id("r" + std::to_string(i));
+  EXPECT_FALSE(server::convert::FromProto(message, "open.learned_rig").ok());
+}
+
+}  // namespace
+}  // namespace dcloc::cli
