@@ -15,8 +15,8 @@ namespace dcloc {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr int kRounds = 3;
-constexpr double kGridCell_m = 1.0;
+constexpr int kRounds = 3;  // of joining and moving; returns hardly change owner after them
+constexpr double kGridCell_m = 1.0;  // of the look-up: about as far as a return joins
 // Two standard deviations in the plane (86 % of a scatterer's returns), and as much of them in
 // space.
 constexpr double kPlanarGate = 4.0;

@@ -10,7 +10,7 @@
 
 namespace dcloc::server {
 
-/// A server's persistent storage. `OpenStorage` and `OpenIdentities` are the only functions that
+/// A server's persistent storage. `OpenMapParts` and `OpenIdentities` are the only functions that
 /// choose the implementations of Catalogue, MapFiles and IdentityStore. A second implementation
 /// goes beside its interface (`maps/catalogue/`, `maps/store/`, `identity/`) and is chosen in these
 /// functions, by the form of the location.
