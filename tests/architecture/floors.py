@@ -14,8 +14,8 @@ FLOORS = {
         "registration",
         "relocalization",
         "uncertainty",
-        "localizer",
         "calibration",
+        "localizer mapping",
     ],
     "server": [
         "base",
