@@ -30,7 +30,7 @@ constexpr char kForgetStart[] =
     "CREATE OR REPLACE VIEW dcloc.live_holder AS"
     " SELECT name FROM dcloc.holder WHERE lease_end > clock_timestamp()";
 
-std::string FileNamed(char digit) { return std::string(64, digit); }
+std::string HashOfAll(char digit) { return std::string(64, digit); }
 
 template <typename Predicate>
 bool Within(std::chrono::milliseconds time, Predicate done) {
@@ -54,7 +54,7 @@ class PostgresCatalogueTest : public ::testing::Test {
     a_ = Open();
     b_ = Open();
     for (const char digit : {'a', 'b'}) {
-      ASSERT_TRUE(a_->AddVersion("town", FileNamed(digit), {}, {}).ok());
+      ASSERT_TRUE(a_->AddVersion("town", HashOfAll(digit), {}, {}).ok());
     }
     ASSERT_TRUE(a_->Activate("town", 1).ok());
     Run(kForgetStart);
@@ -100,9 +100,9 @@ TEST_F(PostgresCatalogueTest, TheHoldsOfOneThatDiedEndWithItsLease) {
       "INSERT INTO dcloc.file_hold VALUES (repeat('f', 64), 'dead:1', nextval("
       "'dcloc.file_hold_token'))");
   EXPECT_EQ(a_->DeleteVersion("town", 2).code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_FALSE(a_->HoldFile(FileNamed('f'), "a:1").ok());
+  EXPECT_FALSE(a_->HoldFile(HashOfAll('f'), "a:1").ok());
   EXPECT_TRUE(Within(kRecovery, [&] { return a_->DeleteVersion("town", 2).ok(); }));
-  EXPECT_TRUE(a_->HoldFile(FileNamed('f'), "a:1").ok());
+  EXPECT_TRUE(a_->HoldFile(HashOfAll('f'), "a:1").ok());
 }
 
 TEST_F(PostgresCatalogueTest, ALeaseIsRenewedAndWhoWasAwayForLongHoldsItAllAgain) {
@@ -116,7 +116,7 @@ TEST_F(PostgresCatalogueTest, ALeaseIsRenewedAndWhoWasAwayForLongHoldsItAllAgain
 TEST_F(PostgresCatalogueTest, AfterAStartOfTheDatabaseNobodyIsTakenForDead) {
   address_ = PostgresCluster::Get().NewDatabase();  // with the view as it is made
   const auto c = Open();
-  ASSERT_TRUE(c->AddVersion("town", FileNamed('a'), {}, {}).ok());
+  ASSERT_TRUE(c->AddVersion("town", HashOfAll('a'), {}, {}).ok());
   Run("INSERT INTO dcloc.holder VALUES ('b:1', clock_timestamp() - interval '10 s');"
       "INSERT INTO dcloc.version_hold VALUES ('b:1', 'town', 1)");
   PostgresCluster::Get().Stop();
@@ -126,20 +126,20 @@ TEST_F(PostgresCatalogueTest, AfterAStartOfTheDatabaseNobodyIsTakenForDead) {
 }
 
 TEST_F(PostgresCatalogueTest, WhoLostAFileAddsNoVersionOfIt) {
-  const Hold lost = *b_->HoldFile(FileNamed('f'), "b:1");
-  ASSERT_TRUE(b_->AddLooseFile(FileNamed('f')).ok());
+  const Hold lost = *b_->HoldFile(HashOfAll('f'), "b:1");
+  ASSERT_TRUE(b_->AddLooseFile(HashOfAll('f')).ok());
   {
     absl::StatusOr<Hold> taken;
     EXPECT_TRUE(Within(kRecovery, [&] {
       Run(kEndLeases);  // which is renewed now and then
-      taken = a_->HoldFile(FileNamed('f'), "a:1");
+      taken = a_->HoldFile(HashOfAll('f'), "a:1");
       return taken.ok();
     }));
-    const auto added = b_->AddVersion("town", FileNamed('f'), {}, {});
+    const auto added = b_->AddVersion("town", HashOfAll('f'), {}, {});
     EXPECT_EQ(added.status().code(), absl::StatusCode::kUnavailable);
     EXPECT_THAT(MessageOf(added.status()), HasSubstr("upload it again"));
   }
-  EXPECT_FALSE(*a_->HasFile(FileNamed('f')));
+  EXPECT_FALSE(*a_->HasFile(HashOfAll('f')));
 }
 
 TEST_F(PostgresCatalogueTest, ChangesThatAreCutInTheMiddleAreWholeOrNot) {
