@@ -19,6 +19,7 @@ FLOORS = {
     ],
     "server": [
         "base",
+        "postgres",
         "net",
         "telemetry",
         "config",
