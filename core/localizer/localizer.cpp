@@ -59,11 +59,12 @@ absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map,
   std::unique_ptr<AnyPipeline> pipeline =
       make(std::move(map), std::move(rig), initial_pose, options, methods);
   const std::size_t radar_count = pipeline->rig().radars.size();
-  return Localizer(std::make_unique<Impl>(Impl{.pipeline = std::move(pipeline),
-                                               .stamp_monitor = {radar_count, options.stamp_monitor},
-                                               .radar_clocks = {radar_count, options.radar_clocks},
-                                               .time_base = TimeBase(options.time_base),
-                                               .recent_answers = {}}));
+  return Localizer(
+      std::make_unique<Impl>(Impl{.pipeline = std::move(pipeline),
+                                  .stamp_monitor = {radar_count, options.stamp_monitor},
+                                  .radar_clocks = {radar_count, options.radar_clocks},
+                                  .time_base = TimeBase(options.time_base),
+                                  .recent_answers = {}}));
 }
 
 Localizer::Localizer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -19,8 +19,7 @@ void Pipeline<Dim>::Claim(Localization& answer) {
   }
   Vector6d per_second;
   per_second << velocity.linear_mps, velocity.angular_radps;
-  answer.covariance +=
-      std::pow(stamp_error_.sigma_s, 2) * per_second * per_second.transpose();
+  answer.covariance += std::pow(stamp_error_.sigma_s, 2) * per_second * per_second.transpose();
 }
 
 template <int Dim>
@@ -32,7 +31,8 @@ std::optional<double> Pipeline<Dim>::FitAt(const Scan& scan, Stamp stamp,
   StaticPoints(scan, learned_rig_.rig().radars[learned_rig_.IndexOf(scan.radar_id)],
                moment->velocity, EffectiveStaticPoints(options_), workspace.static_points);
   PoseEstimate<Dim> pose = pose_.Now();
-  pose.pose = pose.pose * FromSpace<Dim>(moment->to_newest.T_from_to.Inverse(), Matrix6d::Zero()).pose;
+  pose.pose =
+      pose.pose * FromSpace<Dim>(moment->to_newest.T_from_to.Inverse(), Matrix6d::Zero()).pose;
   return scan_checker_.FitAt(workspace.static_points, pose, matcher_, workspace);
 }
 

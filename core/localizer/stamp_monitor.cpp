@@ -65,8 +65,7 @@ bool StampMonitor::Suspect(Watched& radar, nanoseconds interval) const {
   const nanoseconds least =
       std::max(options_.min_step, NanosecondsIn(options_.min_step_share * radar.period_s));
   const bool leapt = std::chrono::abs(leap) >= least;
-  const bool is_suspect =
-      leapt && std::chrono::abs(leap) <= options_.max_step && IsRegular(radar);
+  const bool is_suspect = leapt && std::chrono::abs(leap) <= options_.max_step && IsRegular(radar);
   radar.irregular_share = kMemory * radar.irregular_share + (leapt ? 1.0 - kMemory : 0.0);
   if (leapt) radar.step.reset();
   if (!is_suspect) return false;
@@ -98,7 +97,7 @@ void StampMonitor::NoteShared(std::size_t index, Stamp stamp) {
   for (std::size_t i = 0; i < radars_.size(); ++i) {
     if (i == index || radars_[i].last != stamp) continue;
     shared_ = stamp;
-    shared_bound_s_ = 0.5 * std::max(radars_[i].period_s, radars_[index].period_s);
+    shared_bound_s_ = std::max(radars_[i].period_s, radars_[index].period_s);
   }
   if (shared_ && std::chrono::abs(stamp - *shared_) > options_.memory) shared_.reset();
 }

@@ -72,9 +72,9 @@ class StampMonitor {
     int interval_count = 0;
     double irregular_share = 0.0;
     double period_s = 0.0;
-    Stamp phase{};             // where the line has the last stamp
-    double deviation_s = 0.0;  // the largest of late
-    double square_s2 = 0.0;    // mean
+    Stamp phase{};                                 // where the line has the last stamp
+    double deviation_s = 0.0;                      // the largest of late
+    double square_s2 = 0.0;                        // mean
     std::optional<std::chrono::nanoseconds> step;  // suspected
     double step_evidence = 0.0;
     int doubtful_scans = 0;
