@@ -357,9 +357,7 @@ Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
   answer.T_map_vehicle = matcher_.T_map_local() * now.pose;
   answer.covariance =
       ToSpace<Dim>({.pose = {}, .covariance = pose_.NoiseNow()}, options_.unobserved).covariance;
-  answer.state = tracking_.Report(HorizontalSigma(answer.covariance));
-  const bool tracks = answer.state == LocalizationState::kTracking;
-  if (tracks) answer.protection_level_m = protection_level_.Of(answer.covariance);
+  Claim(answer);
   reset_counter_.OnAnswer(answer.T_map_vehicle);
   answer.resets = reset_counter_.resets();
   answer.observed = observability_.ObservedDof(/*in_space=*/Dim == 3);
