@@ -52,7 +52,8 @@ class CatalogueTest : public ::testing::TestWithParam<CatalogueImplementation> {
   std::vector<std::string> NamesOf(const std::string& prefix, const std::string& after = "",
                                    int limit = 100) {
     std::vector<std::string> names;
-    for (const MapRecord& map : *catalogue_->ListMaps(prefix, after, limit)) {
+    const auto maps = catalogue_->ListMaps(prefix, after, limit);
+    for (const MapRecord& map : *maps) {
       names.push_back(map.name);
     }
     return names;
@@ -106,7 +107,8 @@ TEST_P(CatalogueTest, VersionsAreNumberedOnceAndListedNewestFirst) {
   EXPECT_EQ(Add("town", 'c'), 3) << "a number is not used again";
   EXPECT_EQ(Add("town", 'b'), 4);
   std::vector<std::int64_t> versions;
-  for (const MapVersionRecord& record : *catalogue_->ListVersions("town", 4, 2)) {
+  const auto listed = catalogue_->ListVersions("town", 4, 2);
+  for (const MapVersionRecord& record : *listed) {
     versions.push_back(record.version);
   }
   EXPECT_THAT(versions, ElementsAre(3, 1));
