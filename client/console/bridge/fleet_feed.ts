@@ -36,6 +36,7 @@ export class FleetFeed {
   constructor(
     private readonly upstream: Upstream,
     private readonly login: Pick<Login, "token">,
+    private readonly periodMs = PERIOD_MS,
   ) {}
 
   /** Calls `listener` with all that is known, and then with each change, until the result is called. */
@@ -67,7 +68,7 @@ export class FleetFeed {
     }
     this.reading = false;
     if (this.listeners.size === 0) return;
-    const wait = Math.max(PERIOD_MS, (Date.now() - begin) / MAX_DUTY);
+    const wait = Math.max(this.periodMs, (Date.now() - begin) / MAX_DUTY);
     this.timer = setTimeout(() => void this.read(), wait);
   }
 
