@@ -75,7 +75,7 @@ export class App {
       return answerJson(response, this.describe(this.loginOf(request)));
     }
     if (first === "api" && method === "POST") return this.changeLogin(second, request, response);
-    const isData = ["rpc", "live", "watch", "upload", "download"].includes(first);
+    const isData = ["rpc", "feed", "watch", "upload", "download"].includes(first);
     if (!isData) {
       if (method !== "GET" && method !== "HEAD") {
         throw new RequestError(status.UNIMPLEMENTED, `${method} is not answered here`);
@@ -97,7 +97,7 @@ export class App {
     if (request.method !== wanted) {
       throw new RequestError(status.UNIMPLEMENTED, `/${kind} takes ${wanted} alone`);
     }
-    if (kind === "live") return this.live.answer(login, response);
+    if (kind === "feed") return this.live.answer(login, response);
     const upstream = this.parts.upstreams.find((u) => u.name === serverName);
     if (!upstream) throw new RequestError(status.NOT_FOUND, "there is no server of that name");
     switch (kind) {

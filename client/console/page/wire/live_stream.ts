@@ -30,7 +30,7 @@ export function followFleet(
   const readOnce = async (): Promise<void> => {
     const silence = new AbortController();
     stop.signal.addEventListener("abort", () => silence.abort());
-    const response = await fetch("/live", { signal: silence.signal });
+    const response = await fetch("/feed", { signal: silence.signal });
     if (!response.ok) throw await failureOfResponse(response);
     const reader = response.body!.getReader();
     const splitter = new LineSplitter();

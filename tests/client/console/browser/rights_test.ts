@@ -45,7 +45,7 @@ test("who may only look is told so by the server, and loses nothing", async () =
   await signIn(page, "not-a-token");
   await page.getByText("No server knows this token").waitFor();
   await signIn(page, token);
-  await page.getByRole("link", { name: "Maps" }).click();
+  await page.getByRole("navigation").getByRole("link", { name: "Maps" }).click();
   await page.getByRole("link", { name: "town" }).click();
   await page.getByRole("button", { name: "Delete the map" }).click();
   const dialog = page.getByRole("dialog");
@@ -63,7 +63,7 @@ test("a vehicle's token sees that it may see nothing", async () => {
   const { page, faults } = await openPage(browser, bridge.address);
   await signIn(page, createToken("car-1", "vehicle"));
   await page.getByText("Not permitted").waitFor();
-  await page.getByRole("link", { name: "Maps" }).click();
+  await page.getByRole("navigation").getByRole("link", { name: "Maps" }).click();
   await page.getByText("Not permitted").waitFor();
   await page.getByRole("link", { name: "Servers" }).click();
   await page.getByText("Not permitted").waitFor();
@@ -86,7 +86,7 @@ test("a token that is revoked while the page is open ends the visit with a word"
 
 test("the bridge answers nobody else", async () => {
   const { address } = bridge;
-  const as = (headers: Record<string, string>, path = "/live", method = "GET") =>
+  const as = (headers: Record<string, string>, path = "/feed", method = "GET") =>
     fetch(address + path, { method, headers }).then(({ status }) => status);
   assert.equal(await as({}), 401);
   assert.equal(await as({ cookie: "dcloc-console=guess" }), 401);
