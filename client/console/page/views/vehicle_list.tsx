@@ -97,7 +97,7 @@ function StateFilter({ vehicles, filter, onFilter }: FilterProps) {
           key={state}
           class={`tile state-${state}`}
           aria-pressed={filter.state === state}
-          aria-label={`${stateName(state)}: ${counts.get(state) ?? 0}`}
+          aria-label={`${count(counts.get(state) ?? 0)} ${stateName(state)}`}
           onClick={() => onFilter({ ...filter, state: filter.state === state ? -1 : state })}
         >
           <strong>{count(counts.get(state) ?? 0)}</strong>

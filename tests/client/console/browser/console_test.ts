@@ -53,7 +53,7 @@ after(async () => {
 test("without a token where servers need none, and the vehicles are there, moving", async () => {
   assert.deepEqual(await seriousFindings(page), []);
   await signIn(page);
-  await page.getByRole("button", { name: "Tracking: 5" }).waitFor();
+  await page.getByRole("button", { name: "5 Tracking" }).waitFor();
   await page.locator(".row").first().getByRole("button").first().click();
   await page.getByRole("button", { name: "Follow" }).click();
   const canvas = page.locator("canvas");
@@ -176,7 +176,7 @@ test("a server that leaves is told, and its vehicles are back when it is", async
   await page.getByText("does not answer; its vehicles are shown as they last were").waitFor();
   server = await startServer(store, address);
   vehicles = town.drive(address, "town", 3);
-  await page.getByRole("button", { name: "Tracking: 3" }).waitFor();
+  await page.getByRole("button", { name: "3 Tracking" }).waitFor();
   await page.getByText("does not answer").waitFor({ state: "hidden" });
 });
 
@@ -192,7 +192,7 @@ test("a page that is cut off from its bridge says so, and goes on", async () => 
   // The bridge has forgotten who signed in.
   await page.getByText("The servers no longer know your token").waitFor();
   await signIn(page);
-  await page.getByRole("button", { name: "Tracking: 3" }).waitFor();
+  await page.getByRole("button", { name: "3 Tracking" }).waitFor();
 });
 
 test("German is there as well", async () => {
