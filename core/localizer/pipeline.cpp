@@ -125,6 +125,10 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   if (IsUsed(radar_index, stamp)) submap_.Insert(stamp, static_cast<int>(radar_index), points);
   const Motion then =
       Compose({answer.T_map_vehicle, answer.covariance}, Inverse(moment->to_newest));
+  if (answer.protection_level_m) {  // the way between the two is as uncertain as it makes the pose
+    *answer.protection_level_m +=
+        protection_level_.Of(then.covariance) - protection_level_.Of(answer.covariance);
+  }
   answer.T_map_vehicle = then.T_from_to;
   answer.covariance = then.covariance;
   return answer;

@@ -74,7 +74,9 @@ class Pipeline final : public AnyPipeline {
                             LocalizerWorkspace& workspace, StageListener* listener) override;
   Localization LocalizeLate(const Scan& scan, Stamp stamp, LocalizerWorkspace& workspace) override;
   Localization LocalizeUnplaced(const Scan& scan, Stamp newest) override {
-    return Answer(scan, newest);
+    Localization answer = Answer(scan, newest);
+    answer.protection_level_m.reset();  // nobody knows where the vehicle was at such a stamp
+    return answer;
   }
   void OnClock(std::size_t index, bool is_off) override { radar_monitor_.OnClock(index, is_off); }
   void OnStamp(const StampError& error) override { stamp_error_ = error; }
