@@ -82,7 +82,8 @@ class Localizer {
   /// Localizes one scan. A late scan is used at its stamp, and a repeated one is answered from
   /// memory. InvalidArgument for an invalid scan, an unknown radar, or a stamp that lies more than
   /// `time_base.max_lateness` before the newest scan. The pose then stays as it was; several such
-  /// stamps in a row mean that the clock was set back (METHOD 17). `workspace` is lent for the call.
+  /// stamps in a row mean that the clock was set back (METHOD 17). `workspace` is lent for the
+  /// call.
   absl::StatusOr<Localization> Localize(const Scan& scan, LocalizerWorkspace& workspace,
                                         StageListener* listener = nullptr);
 
