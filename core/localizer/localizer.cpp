@@ -106,7 +106,10 @@ absl::StatusOr<Localization> Localizer::Impl::LocalizeNew(const Scan& scan,
   pipeline->OnClock(index, radar_clocks.IsOff(index));
   if (!taken) return pipeline->LocalizeUnplaced(scan, time_base.newest());
   const absl::StatusOr<TimeBase::Placement> placement = time_base.Place(*taken);
-  if (!placement.ok()) return placement.status();
+  if (!placement.ok()) {
+    stamp_monitor.Withdraw(index);
+    return placement.status();
+  }
   return placement->is_late ? pipeline->LocalizeLate(scan, placement->stamp, workspace)
                             : pipeline->LocalizeNext(scan, *placement, workspace, listener);
 }

@@ -41,6 +41,8 @@ absl::Status Validate(const StampMonitorOptions& options) {
 
 std::optional<nanoseconds> StampMonitor::OnStamp(std::size_t index, Stamp stamp) {
   Watched& radar = radars_[index];
+  radar_before_ = radar;
+  shared_before_ = shared_;
   NoteShared(index, stamp);
   if (!radar.last || Suspect(radar, stamp - *radar.last)) {
     radar.phase = stamp;
@@ -96,10 +98,9 @@ void StampMonitor::Follow(Watched& radar, Stamp stamp) const {
 void StampMonitor::NoteShared(std::size_t index, Stamp stamp) {
   for (std::size_t i = 0; i < radars_.size(); ++i) {
     if (i == index || radars_[i].last != stamp) continue;
-    shared_ = stamp;
-    shared_bound_s_ = std::max(radars_[i].period_s, radars_[index].period_s);
+    shared_ = {.last = stamp, .bound_s = std::max(radars_[i].period_s, radars_[index].period_s)};
   }
-  if (shared_ && std::chrono::abs(stamp - *shared_) > options_.memory) shared_.reset();
+  if (shared_.last && std::chrono::abs(stamp - *shared_.last) > options_.memory) shared_ = {};
 }
 
 bool StampMonitor::OnFits(std::size_t index, double as_stamped, double without_step) {
@@ -115,6 +116,11 @@ bool StampMonitor::OnFits(std::size_t index, double as_stamped, double without_s
   return was_set;
 }
 
+void StampMonitor::Withdraw(std::size_t index) {
+  radars_[index] = radar_before_;
+  shared_ = shared_before_;
+}
+
 StampError StampMonitor::ErrorOf(std::size_t index) const {
   const Watched& radar = radars_[index];
   const double jitter_s = SecondsIn(options_.usual_jitter);
@@ -123,9 +129,9 @@ StampError StampMonitor::ErrorOf(std::size_t index) const {
     error.bound_s = radar.deviation_s;
     error.sigma_s = std::sqrt(radar.square_s2);
   }
-  if (shared_) {
-    error.bound_s += shared_bound_s_;
-    error.sigma_s = std::hypot(error.sigma_s, shared_bound_s_ / std::sqrt(3.0));
+  if (shared_.last) {
+    error.bound_s += shared_.bound_s;
+    error.sigma_s = std::hypot(error.sigma_s, shared_.bound_s / std::sqrt(12.0));
   }
   if (radar.step) error.doubt_s = std::abs(SecondsIn(*radar.step));
   return error;

@@ -63,6 +63,9 @@ class StampMonitor {
   /// vehicle was without the step. Returns whether the clock was surely set.
   bool OnFits(std::size_t index, double as_stamped, double without_step);
 
+  /// The scan that was given last, of radar `index`, was refused: it says nothing.
+  void Withdraw(std::size_t index);
+
   /// Of the newest scan of radar `index`.
   StampError ErrorOf(std::size_t index) const;
 
@@ -85,10 +88,17 @@ class StampMonitor {
   void Follow(Watched& radar, Stamp stamp) const;
   void NoteShared(std::size_t index, Stamp stamp);
 
+  // Stamps that radars have in common.
+  struct Shared {
+    std::optional<Stamp> last;
+    double bound_s = 0.0;
+  };
+
   StampMonitorOptions options_;
   std::vector<Watched> radars_;
-  std::optional<Stamp> shared_;  // the last stamp that two radars had in common
-  double shared_bound_s_ = 0.0;
+  Shared shared_;
+  Watched radar_before_;  // the newest scan
+  Shared shared_before_;
 };
 
 }  // namespace dcloc

@@ -54,19 +54,30 @@ TEST_F(StampMonitorTest, RegularStampsAreExact) {
 }
 
 TEST_F(StampMonitorTest, RoundedStampsAreKnownToBeOffByWhatTheyAreRounded) {
-  Drive(30);
-  const auto rounded = [](Stamp taken, std::size_t) {
-    const nanoseconds since = taken.time_since_epoch() + milliseconds(25);
-    return Stamp(since / milliseconds(50) * milliseconds(50));
-  };
-  EXPECT_EQ(Drive(60, rounded), std::nullopt);
-  const StampError error = monitor_.ErrorOf(0);
-  EXPECT_GT(error.bound_s, 0.020);
-  EXPECT_LT(error.bound_s, 0.065);
-  EXPECT_GT(error.sigma_s, 0.010);
-  EXPECT_LT(error.sigma_s, 0.030);
-  Drive(200);
-  EXPECT_EQ(monitor_.ErrorOf(0).bound_s, 0.0);
+  StampMonitor alone(1, StampMonitorOptions{});
+  for (int cycle = 0; cycle < 30; ++cycle) alone.OnStamp(0, TakenAt(cycle, 0));
+  for (int cycle = 30; cycle < 90; ++cycle) {
+    const nanoseconds since = TakenAt(cycle, 0).time_since_epoch() + milliseconds(25);
+    const Stamp rounded(since / milliseconds(50) * milliseconds(50));
+    EXPECT_EQ(alone.OnStamp(0, rounded), std::nullopt);
+  }
+  const StampError error = alone.ErrorOf(0);
+  EXPECT_GT(error.bound_s, 0.015);
+  EXPECT_LT(error.bound_s, 0.050);
+  EXPECT_GT(error.sigma_s, 0.008);
+  EXPECT_LT(error.sigma_s, 0.025);
+  for (int cycle = 90; cycle < 290; ++cycle) alone.OnStamp(0, TakenAt(cycle, 0));
+  EXPECT_EQ(alone.ErrorOf(0).bound_s, 0.0);
+}
+
+TEST_F(StampMonitorTest, AScanThatWasRefusedSaysNothing) {
+  Drive(40);
+  const StampError before = monitor_.ErrorOf(0);
+  EXPECT_TRUE(monitor_.OnStamp(0, TakenAt(cycle_, 0) - milliseconds(600)).has_value());
+  monitor_.Withdraw(0);
+  EXPECT_EQ(monitor_.ErrorOf(0).doubt_s, before.doubt_s);
+  EXPECT_EQ(monitor_.ErrorOf(0).bound_s, before.bound_s);
+  EXPECT_EQ(Drive(1), std::nullopt);
 }
 
 TEST_F(StampMonitorTest, AStampThatRadarsShareIsThatOfACycle) {
