@@ -13,6 +13,7 @@ constexpr std::size_t kMaxLivePasses = 100;
 constexpr double kMinTunnel_m = 20.0;
 constexpr double kMinLoop_m = 800.0;  // streets inside of a smaller ring would meet
 constexpr double kMaxLoop_m = 20'000.0;
+constexpr double kMaxBegin_m = 1e6;  // a hundred drives on the longest ring
 constexpr double kLoopShareBetweenDrives = 0.37;
 constexpr double kLengthWithoutTunnel_m = 100.0;  // of a drive, before and after
 
@@ -74,6 +75,7 @@ absl::Status Validate(const SimulationOptions& options) {
 absl::Status Validate(const PassOptions& pass) {
   if (pass.name.empty()) return absl::InvalidArgumentError("pass name is empty");
   absl::Status status = CheckRange("pass index", pass.index, 0.0, kMaxLivePasses);
+  status.Update(CheckRange("pass begin_m", pass.begin_m, 0.0, kMaxBegin_m));
   status.Update(
       CheckRange("pass mean_speed_mps", pass.mean_speed_mps, kMinMeanSpeed_mps, kMaxMeanSpeed_mps));
   return status;

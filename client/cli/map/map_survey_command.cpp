@@ -21,6 +21,14 @@ void AddMapSurveyCommand(CLI::App& map_command, int& exit_code) {
   AddRadarsOption(*app, "--radars", arguments->request.radars,
                   "Radars to survey with; all by default");
   AddDriveRequestOptions(*app, arguments->request);
+  CLI::Option* gnss =
+      app->add_option("--gnss", arguments->fix_files,
+                      "Position fixes, as `dcloc localize --fixes` reads them; of any of the "
+                      "drives, by their stamps")
+          ->delimiter(',')
+          ->check(CLI::ExistingFile)
+          ->type_name("CSV,...");
+  AddAnchorOption(*app, arguments->anchor)->needs(gnss);
   app->add_option("--name", arguments->name, "Name of the map; the first drive's by default");
   app->add_option("--out", arguments->out, "Map file to write")->required()->type_name("FILE");
   app->add_option("--trajectory-out", arguments->trajectory_file,
@@ -31,6 +39,7 @@ void AddMapSurveyCommand(CLI::App& map_command, int& exit_code) {
                 "itself does not use");
   app->add_flag("--json", arguments->json, "Print what was found as JSON");
   app->footer(
+      "With fixes the map is in their frame, otherwise in one that begins at the first node.\n"
       "Example, a simulated town that is driven through four times:\n"
       "  dcloc simulate --out sim --loop-m 1500 --length-m 3000 --rig 5 \\\n"
       "      --live-speed-kmh 40,50,30\n"

@@ -1,6 +1,6 @@
 #include "client/cli/map/survey_run.h"
 
-#include <algorithm>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -11,6 +11,7 @@
 #include "client/cli/common/terminal.h"
 #include "client/cli/map/map_report.h"
 #include "client/cli/map/stage_line.h"
+#include "client/cli/map/survey_fixes.h"
 #include "client/cli/map/survey_fuse.h"
 #include "client/cli/map/survey_judge.h"
 #include "client/cli/map/survey_summary.h"
@@ -29,10 +30,14 @@ class SurveyRun {
   absl::Status Run() {
     absl::Status status = TrackDrives();
     if (!status.ok()) return status;
-    auto survey = SurveyDrives(tracks_, {}, options_, [&](const char* stage, double share) {
-      line_.Update(stage, share);
-      return true;
-    });
+    auto fixes = ReadSurveyFixes(arguments_.fix_files, tracks_, arguments_.anchor);
+    if (!fixes.ok()) return fixes.status();
+    fixes_ = *std::move(fixes);
+    auto survey =
+        SurveyDrives(tracks_, fixes_.fixes, options_, [&](const char* stage, double share) {
+          line_.Update(stage, share);
+          return true;
+        });
     if (!survey.ok()) return survey.status();
     survey_ = *std::move(survey);
     status = WriteMap();
@@ -75,6 +80,7 @@ class SurveyRun {
     options.name = arguments_.name.empty() ? arguments_.drives.front() : arguments_.name;
     options.description = absl::StrCat("dcloc map survey: ", arguments_.dataset.format, " ",
                                        absl::StrJoin(arguments_.drives, ", "));
+    if (survey_.accepted_fix_count > 0) options.anchor = fixes_.anchor;
     auto builder = MapBuilder::Create(rig_.rig(), options);
     if (!builder.ok()) return builder.status();
     for (std::size_t i = 0; i < survey_.drives.size(); ++i) {
@@ -126,6 +132,7 @@ class SurveyRun {
   std::vector<DriveTrack> tracks_;
   std::vector<DriveTruth> truths_;
   JoinedRig rig_;
+  SurveyFixes fixes_;
   Survey survey_;
   MapInfo info_;
 };

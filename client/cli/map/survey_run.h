@@ -17,11 +17,10 @@ struct SurveyArguments {
   DriveRequest request;  ///< all but its name, which `drives` holds
   std::vector<std::string> drives;
   std::vector<std::string> fix_files;
-  std::optional<GeodeticAnchor> anchor;
+  std::optional<GeodeticAnchor> anchor;  ///< of the fixes' frame
   std::string name;
   std::string out;
   std::string trajectory_file;
-  std::string report_file;
   bool compare_truth = false;
   bool json = false;
 };
