@@ -10,6 +10,9 @@ const WIDTH_M = 1.9;
 /** Below so many pixels a vehicle is an arrow, above its true size. */
 const MIN_LENGTH_PX = 17;
 const MAX_LABEL_COUNT = 40;
+/** Nearer to one another, two labels cannot be read. */
+const LABEL_WIDTH_PX = 90;
+const LABEL_HEIGHT_PX = 15;
 const MAX_TRAIL_COUNT = 300;
 const HEAT_RADIUS_PX = 26;
 
@@ -178,7 +181,16 @@ export function drawVehicles(
   if (placed.length > MAX_LABEL_COUNT) return;
   context.font = "600 11.5px 'Inter Variable', sans-serif";
   context.textAlign = "left";
-  for (const { vehicle, pose } of placed) drawLabel(context, camera, pose, vehicle.vehicle, palette);
+  // The state that needs somebody has the first claim to a place.
+  const taken: { x: number; y: number }[] = [];
+  for (const { vehicle, pose } of placed.reverse()) {
+    const [x, y] = [camera.toScreenX(pose.x), camera.toScreenY(pose.y)];
+    if (taken.some((t) => Math.abs(t.x - x) < LABEL_WIDTH_PX && Math.abs(t.y - y) < LABEL_HEIGHT_PX)) {
+      continue;
+    }
+    taken.push({ x, y });
+    drawLabel(context, camera, pose, vehicle.vehicle, palette);
+  }
 }
 
 /** Where vehicles got lost, the brighter the more of them. */

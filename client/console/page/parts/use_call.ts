@@ -1,6 +1,9 @@
 import { useCallback, useEffect, useState } from "preact/hooks";
 import { type CallFailure, Code, failureOf } from "../wire/failure.ts";
 
+/** What asking again does not change. */
+const FINAL = new Set<number>([Code.Unauthenticated, Code.PermissionDenied, Code.NotFound]);
+
 /** Something that is read from a server: what there is of it, and what went wrong. */
 export interface Loaded<T> {
   value?: T;
@@ -39,7 +42,7 @@ export function useCall<T>(
           const failure = failureOf(error);
           if (stop.signal.aborted) return;
           setLoaded((old) => ({ ...old, failure }));
-          if (failure.code !== Code.Unauthenticated && failure.code !== Code.PermissionDenied) again();
+          if (!FINAL.has(failure.code)) again();
         },
       );
     };

@@ -199,10 +199,10 @@ export const de: Record<TextKey, string> = {
   why_beta: "Beta eines Radars scheint um {beta} ms falsch: kalibrieren (dcloc calibrate).",
   why_slow: "Antworten kommen spät: {latency} ms im Server (p99 des Gezeigten).",
   why_silent: "Seit {seconds} s kam kein Scan.",
-  why_rejected: "{count} Scans wurden abgelehnt, der letzte: {message}",
+  why_rejected: "Abgelehnte Scans in der letzten Minute: {count}. Der letzte: {message}",
   why_left_map: "Die Pose liegt {distance} m außerhalb des kartierten Gebiets.",
   why_version: "Die Karte wechselte vor {seconds} s von v{from} zu v{to}.",
-  why_reset: "Die Pose sprang {count}-mal, seit die Sitzung offen ist.",
+  why_reset: "Sprünge der Pose, seit die Sitzung offen ist: {count}.",
   why_no_cause: "Keine der gezeigten Größen fällt auf. Zeichnen Sie die nächste Sitzung auf und spielen Sie sie ab, um mehr zu erfahren.",
 
   server: "Server",

@@ -197,10 +197,10 @@ export const en = {
   why_beta: "Beta of a radar seems wrong by {beta} ms: calibrate it (dcloc calibrate).",
   why_slow: "Answers come late: {latency} ms in the server (p99 of what is shown).",
   why_silent: "No scan has come for {seconds} s.",
-  why_rejected: "{count} scans were rejected, the last one: {message}",
+  why_rejected: "Rejected scans in the last minute: {count}. The last one: {message}",
   why_left_map: "The pose lies {distance} m outside of the mapped area.",
   why_version: "The map changed from v{from} to v{to} {seconds} s ago.",
-  why_reset: "The pose jumped {count} times since the session was opened.",
+  why_reset: "Jumps of the pose since the session was opened: {count}.",
   why_no_cause: "None of the figures shown stands out. Record the next session and replay it for more.",
 
   server: "Server",

@@ -3,7 +3,7 @@ import { ellipseOf } from "../map/draw_vehicles.ts";
 import { Fleet, type Vehicle } from "../map/fleet.ts";
 import { Link } from "../parts/link.tsx";
 import { pathOf } from "../parts/route.ts";
-import { StateMark, stateName } from "../parts/state_mark.tsx";
+import { StateMark } from "../parts/state_mark.tsx";
 import { count, decimals, t } from "../texts/texts.ts";
 
 /** More rows than that help nobody; the filter finds the others. */
@@ -97,10 +97,9 @@ function StateFilter({ vehicles, filter, onFilter }: FilterProps) {
           key={state}
           class={`tile state-${state}`}
           aria-pressed={filter.state === state}
-          aria-label={`${count(counts.get(state) ?? 0)} ${stateName(state)}`}
           onClick={() => onFilter({ ...filter, state: filter.state === state ? -1 : state })}
         >
-          <strong>{count(counts.get(state) ?? 0)}</strong>
+          <strong>{count(counts.get(state) ?? 0)}</strong>{" "}
           <StateMark state={state} />
         </button>
       ))}

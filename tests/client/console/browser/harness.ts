@@ -62,8 +62,9 @@ export class Town {
   readonly drives = join(this.folder, "drives");
 
   constructor() {
-    const speeds = ["--map-speed-kmh", "72", "--live-speed-kmh", "40"];
-    dcloc("simulate", "--out", this.drives, "--length-m", "250", "--seed", "5", ...speeds);
+    // Slowly, so that a session lasts for minutes.
+    const speeds = ["--map-speed-kmh", "72", "--live-speed-kmh", "10"];
+    dcloc("simulate", "--out", this.drives, "--length-m", "400", "--seed", "5", ...speeds);
   }
 
   /** Makes a map file of the town; the name tells whose drive it was. */
@@ -116,7 +117,7 @@ export async function openPage(
 ): Promise<{ page: Page; faults: string[] }> {
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, locale: "en-GB" });
   const faults: string[] = [];
-  page.setDefaultTimeout(15_000);
+  page.setDefaultTimeout(30_000);
   page.on("pageerror", (error) => faults.push(`uncaught: ${error.message}`));
   page.on("console", (message) => {
     const text = message.text();

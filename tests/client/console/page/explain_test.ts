@@ -94,7 +94,7 @@ test("silence, rejections, late answers and a new version are told", () => {
   const rejections = [{ timeMs: 26_000, message: "range_m[3] is -1; it must be > 0" }];
   const found = texts(evidence({ totalMs: 80, version: 2 }, { rejections, nowMs: 30_900 }));
   assert.match(found, /No scan has come for 4 s/);
-  assert.match(found, /1 scans were rejected, the last one: range_m\[3\] is -1/);
+  assert.match(found, /last minute: 1\. The last one: range_m\[3\] is -1/);
   assert.match(found, /80 ms in the server/);
   assert.match(found, /from v1 to v2 11 s ago/);
 });
