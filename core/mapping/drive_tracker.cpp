@@ -124,10 +124,8 @@ std::vector<GaussianPoint<2>> DriveTracker::FuseParts(const Pose2& T_odometry_no
   }
   const std::vector<std::uint32_t> pass_of_scan(parts_.size(), 0);
   const std::vector<Landmark> fused =
-      FuseLandmarks(returns, pass_of_scan,
-                    {.cell_m = options_.cell_m,
-                     .has_elevation = rig_.MeasuresElevation(),
-                     .min_scan_count = static_cast<std::uint32_t>(options_.min_scan_count)});
+      FuseLandmarks(returns, pass_of_scan, rig_.MeasuresElevation(),
+                    {.cell_m = options_.cell_m, .min_scan_count = options_.min_scan_count});
   std::vector<GaussianPoint<2>> landmarks;
   landmarks.reserve(fused.size());
   for (const Landmark& landmark : fused) {

@@ -23,7 +23,7 @@ struct DriveTrackerOptions {
   /// stands or crawls.
   double min_move_m = 0.2;
   double min_turn_rad = 0.02;
-  double cell_m = 0.4;     ///< of landmarks, as MapBuilderOptions::cell_m
+  double cell_m = 0.4;     ///< of landmarks, as FusionOptions::cell_m
   int min_scan_count = 2;  ///< landmarks that fewer scans of a node show are clutter
 };
 std::span<const OptionField<DriveTrackerOptions>> FieldsOf(const DriveTrackerOptions& options);
