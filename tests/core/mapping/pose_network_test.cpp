@@ -83,7 +83,7 @@ TEST(PoseNetworkTest, MultipathDoesNotPull) {
   }
   const auto solution = SolvePoseNetwork(ring.T_guess, ring.edges, fixes, {});
   ASSERT_TRUE(solution.ok()) << solution.status();
-  EXPECT_LT(ring.MaxError(solution->T_map_nodes), 1.0);
+  EXPECT_LT(ring.MaxError(solution->T_map_nodes), 2.0);  // a fix alone would pull by 40 m
   EXPECT_LT(solution->fix_weights[10], 0.01);
   EXPECT_LT(solution->fix_weights[11], 0.01);
   EXPECT_GT(solution->fix_weights[5], 0.9);
