@@ -226,14 +226,16 @@ function VersionFacts({ version }: { version: MapVersion }) {
     ["SHA-256", `${version.sha256.slice(0, 16)}…`],
   ];
   return (
-    <dl class="facts">
-      {facts.map(([name, value]) => (
-        <div key={name}>
-          <dt>{name}</dt>
-          <dd>{value}</dd>
-        </div>
-      ))}
-      {info?.description && <p class="soft">{info.description}</p>}
-    </dl>
+    <>
+      <dl class="facts">
+        {facts.map(([name, value]) => (
+          <div key={name}>
+            <dt>{name}</dt>
+            <dd>{value}</dd>
+          </div>
+        ))}
+      </dl>
+      {info?.description && <p class="facts-note soft">{info.description}</p>}
+    </>
   );
 }
