@@ -38,7 +38,9 @@ FLOORS = {
         "sdk/pose",
         "sdk",
         "sdk/c sdk/example",
+        "rosbag",
         "datasets",
+        "datasets/check",
         "simulation/world",
         "simulation/motion",
         "simulation/radar",
@@ -51,8 +53,8 @@ FLOORS = {
         "load",
         "cli/common",
         "cli/remote",
-        "cli/calibrate cli/evaluate cli/load cli/localize cli/map cli/server cli/session"
-        " cli/simulate",
+        "cli/calibrate cli/dataset cli/evaluate cli/load cli/localize cli/map cli/plot"
+        " cli/server cli/session cli/simulate",
         "cli",
     ],
 }
