@@ -38,7 +38,7 @@ FLOORS = {
         "sdk/pose",
         "sdk",
         "sdk/c sdk/example",
-        "rosbag",
+        "trajectory rosbag",
         "datasets",
         "datasets/check",
         "simulation/world",
