@@ -49,7 +49,6 @@ struct SurveyedDrive {
   std::vector<Pose2> T_map_nodes;    ///< of the track's nodes; in its own frame if not in map
   std::vector<Pose2> T_start_nodes;  ///< by ego-motion and neighbours alone, from the first node
   std::size_t neighbour_count = 0;   ///< registrations within the drive
-  double unobserved_way_m = 0.0;     ///< on which ego-motion alone says how far the drive came
 };
 
 /// A registration that closes a loop or joins two drives.
