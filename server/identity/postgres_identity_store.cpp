@@ -82,7 +82,8 @@ PostgresIdentityStore::PostgresIdentityStore(std::shared_ptr<PostgresDatabase> d
                                              std::chrono::nanoseconds max_away)
     : database_(std::move(database)),
       known_(*database_->watch, ChangeTopic::kIdentities, {.max_away = max_away}),
-      any_(*database_->watch, ChangeTopic::kIdentities, {.max_away = max_away}) {}
+      // That nobody is known makes everyone an admin: it is believed only while it is certain.
+      any_(*database_->watch, ChangeTopic::kIdentities, {.max_away = std::chrono::seconds(0)}) {}
 
 absl::StatusOr<std::unique_ptr<PostgresIdentityStore>> PostgresIdentityStore::Open(
     std::shared_ptr<PostgresDatabase> database, std::chrono::nanoseconds max_away) {

@@ -201,6 +201,7 @@ TEST_F(ReplicasTest, WhileTheDatabaseIsAwayVehiclesDriveOnAndMoreMayCome) {
   ASSERT_TRUE(a_->Upload(SmallMap()).ok());
   const auto store = *PostgresIdentityStore::Open(*PostgresDatabase::Open({.address = database_}));
   const std::string token = *store->Create(Proof::kToken, {.name = "admin"}, {});
+  std::this_thread::sleep_for(std::chrono::seconds(1));  // until a token is needed
   Vehicle first(*a_, token);
   ASSERT_TRUE(first.is_open() && first.Localize());
   PostgresCluster::Get().Stop();
