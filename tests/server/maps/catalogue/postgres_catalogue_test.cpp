@@ -153,10 +153,10 @@ TEST_F(PostgresCatalogueTest, ChangesThatAreCutInTheMiddleAreWholeOrNot) {
         const std::string sha256 = absl::StrCat(std::string(56, 'c'), k, 1'000'000 + i);
         const CoverageBox box{.map_m = {0, 1, 0, 1}, .degrees = std::nullopt};
         const auto added = catalogue->AddVersion("cut", sha256, {}, {box, box});
-        if (added.ok()) ++acknowledged;
-        if (added.ok()) {
-          EXPECT_TRUE(catalogue->GetVersion("cut", added->version).ok());
-        }
+        if (!added.ok()) continue;
+        ++acknowledged;
+        const auto found = catalogue->GetVersion("cut", added->version);
+        EXPECT_TRUE(found.ok() || absl::IsUnavailable(found.status())) << found.status();
       }
     });
   }
