@@ -132,7 +132,7 @@ absl::StatusOr<std::vector<IdentityRecord>> PostgresIdentityStore::List() {
 }
 
 absl::Status PostgresIdentityStore::Revoke(std::int64_t id) {
-  const absl::Status status = database_->pool.InTransaction([&](PostgresConnection& connection) {
+  absl::Status status = database_->pool.InTransaction([&](PostgresConnection& connection) {
     const absl::StatusOr<PostgresRows> rows = connection.Query(
         "UPDATE identity SET revoke_time_ns = COALESCE(revoke_time_ns, $1) WHERE id = $2",
         PostgresValues().Bind(NowNanoseconds()).Bind(id));

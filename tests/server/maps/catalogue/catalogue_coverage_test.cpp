@@ -143,7 +143,8 @@ TEST_P(CatalogueCoverageTest, PlacesOnTheEarthAreFoundAsByLookingAtEveryBox) {
 TEST_P(CatalogueCoverageTest, PlacesInAMapAreFoundAsByLookingAtEveryBox) {
   int found_count = 0;
   for (int i = 0; i < 200; ++i) {
-    const auto& [name, boxes] = boxes_[static_cast<std::size_t>(i % kMapCount)];
+    const auto& [map_name, boxes] = boxes_[static_cast<std::size_t>(i % kMapCount)];
+    const std::string& name = map_name;
     const Rectangle& near = boxes[static_cast<std::size_t>(i % 5)].map_m;
     const Eigen::Vector2d p_map(near.min_x + Random(-90.0, 90.0), near.min_y + Random(-90.0, 90.0));
     const double radius_m = Random(0.0, 60.0);
