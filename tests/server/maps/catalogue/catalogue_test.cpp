@@ -233,6 +233,7 @@ TEST_P(CatalogueTest, OfTwoThatDeleteTheLastVersionsOfAFileOneNotesIt) {
     const std::vector<std::string> names = {"town", "city"};
     for (const std::string& name : names) Add(name, 'a');
     std::vector<std::thread> clients;
+    clients.reserve(names.size());
     for (const std::string& name : names) {
       clients.emplace_back([&] { EXPECT_TRUE(catalogue_->DeleteMap(name).ok()); });
     }
