@@ -7,6 +7,7 @@
 #include "client/datasets/nuscenes.h"
 #include "client/datasets/radarscenes.h"
 #include "client/datasets/rig_file.h"
+#include "client/datasets/rosbag.h"
 
 namespace dcloc {
 namespace {
@@ -17,6 +18,8 @@ absl::StatusOr<Drive> ReadAsDescribed(const Dataset& dataset, const DriveRequest
       return ReadNuScenesDrive(dataset.root, request, {.version = dataset.version});
     case DatasetFormat::kRadarScenes:
       return ReadRadarScenesDrive(dataset.root, request);
+    case DatasetFormat::kRosbag:
+      return ReadRosbagDrive(dataset.root, request);
   }
   return absl::InvalidArgumentError(absl::StrFormat("format is %d; it is none of DatasetFormat",
                                                     static_cast<int>(dataset.format)));

@@ -12,11 +12,13 @@
 
 namespace dcloc {
 
-enum class DatasetFormat { kNuScenes, kRadarScenes };
+enum class DatasetFormat { kNuScenes, kRadarScenes, kRosbag };
 
 /// The formats by the names that users write.
-inline constexpr std::array<std::pair<const char*, DatasetFormat>, 2> kDatasetFormatNames = {
-    {{"nuscenes", DatasetFormat::kNuScenes}, {"radarscenes", DatasetFormat::kRadarScenes}}};
+inline constexpr std::array<std::pair<const char*, DatasetFormat>, 3> kDatasetFormatNames = {
+    {{"nuscenes", DatasetFormat::kNuScenes},
+     {"radarscenes", DatasetFormat::kRadarScenes},
+     {"rosbag", DatasetFormat::kRosbag}}};
 
 /// The format of that name; InvalidArgument names it, and those that there are.
 absl::StatusOr<DatasetFormat> DatasetFormatByName(absl::string_view name);

@@ -14,4 +14,10 @@ absl::Status CheckRadarsOfScans(const Drive& drive) {
   return absl::OkStatus();
 }
 
+absl::Status CheckHasReference(const Drive& drive, absl::string_view purpose) {
+  if (drive.pose_source == PoseSource::kReference) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("drive ", drive.name, " has no reference poses, which ", purpose, " needs"));
+}
+
 }  // namespace dcloc

@@ -9,6 +9,7 @@ namespace dcloc {
 
 absl::Status AddDrive(const Drive& drive, Calibrator& calibrator,
                       const std::function<void(std::size_t)>& progress) {
+  if (absl::Status status = CheckHasReference(drive, "calibration"); !status.ok()) return status;
   const std::string& frame = drive.place.empty() ? drive.name : drive.place;
   EgoMotion ego_motion;
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {

@@ -8,6 +8,7 @@ namespace dcloc {
 absl::StatusOr<std::vector<std::byte>> BuildMap(const Drive& drive,
                                                 const MapBuilderOptions& options,
                                                 const std::function<void(std::size_t)>& progress) {
+  if (drive.pose_source == PoseSource::kNone) return CheckHasReference(drive, "a map");
   auto builder = MapBuilder::Create(drive.rig, options);
   if (!builder.ok()) return builder.status();
   if (absl::Status status = CheckRadarsOfScans(drive); !status.ok()) return status;

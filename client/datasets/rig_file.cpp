@@ -1,9 +1,11 @@
 #include "client/datasets/rig_file.h"
 
 #include <Eigen/Geometry>
+#include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client/datasets/file_error.h"
@@ -14,19 +16,24 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::array<std::pair<const char*, double RadarModel::*>, 12> kNumbers = {
+    {{"beta_s", &RadarModel::beta_s},
+     {"range_bias_m", &RadarModel::range_bias_m},
+     {"time_offset_s", &RadarModel::time_offset_s},
+     {"beta_sigma_s", &RadarModel::beta_sigma_s},
+     {"range_bias_sigma_m", &RadarModel::range_bias_sigma_m},
+     {"time_offset_sigma_s", &RadarModel::time_offset_sigma_s},
+     {"mount_yaw_sigma_rad", &RadarModel::mount_yaw_sigma_rad},
+     {"range_sigma_m", &RadarModel::range_sigma_m},
+     {"range_rate_sigma_mps", &RadarModel::range_rate_sigma_mps},
+     {"azimuth_sigma_rad", &RadarModel::azimuth_sigma_rad},
+     {"elevation_sigma_rad", &RadarModel::elevation_sigma_rad},
+     {"unambiguous_range_rate_mps", &RadarModel::unambiguous_range_rate_mps}}};
+
 double* NumberField(RadarModel& radar, const std::string& key) {
-  if (key == "beta_s") return &radar.beta_s;
-  if (key == "range_bias_m") return &radar.range_bias_m;
-  if (key == "time_offset_s") return &radar.time_offset_s;
-  if (key == "beta_sigma_s") return &radar.beta_sigma_s;
-  if (key == "range_bias_sigma_m") return &radar.range_bias_sigma_m;
-  if (key == "time_offset_sigma_s") return &radar.time_offset_sigma_s;
-  if (key == "mount_yaw_sigma_rad") return &radar.mount_yaw_sigma_rad;
-  if (key == "range_sigma_m") return &radar.range_sigma_m;
-  if (key == "range_rate_sigma_mps") return &radar.range_rate_sigma_mps;
-  if (key == "azimuth_sigma_rad") return &radar.azimuth_sigma_rad;
-  if (key == "elevation_sigma_rad") return &radar.elevation_sigma_rad;
-  if (key == "unambiguous_range_rate_mps") return &radar.unambiguous_range_rate_mps;
+  for (const auto& [name, member] : kNumbers) {
+    if (key == name) return &(radar.*member);
+  }
   return nullptr;
 }
 
@@ -102,6 +109,16 @@ absl::Status ApplyRigFile(const std::filesystem::path& path, Rig& rig) {
     }
   }
   return absl::OkStatus();
+}
+
+nlohmann::ordered_json RigJson(const Rig& rig) {
+  auto radars = nlohmann::ordered_json::array();
+  for (const RadarModel& radar : rig.radars) {
+    nlohmann::ordered_json entry = {{"id", radar.id}, {"has_elevation", radar.has_elevation}};
+    for (const auto& [name, member] : kNumbers) entry[name] = radar.*member;
+    radars.push_back(std::move(entry));
+  }
+  return {{"radars", std::move(radars)}};
 }
 
 }  // namespace dcloc

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "absl/status/status.h"
 #include "core/radar/radar_model.h"
@@ -17,5 +18,8 @@ inline constexpr const char* kRigFileName = "dcloc_rig.json";
 /// vehicle's z axis; all but `id` may be left out, which keeps the model's value. DataLoss for a
 /// radar of the rig that the file does not list, for unknown keys and for values of a wrong type.
 absl::Status ApplyRigFile(const std::filesystem::path& path, Rig& rig);
+
+/// A rig file that says all of how the radars measure, which a rig file can say; not their mounts.
+nlohmann::ordered_json RigJson(const Rig& rig);
 
 }  // namespace dcloc

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "client/simulation/motion/traffic.h"
 #include "client/simulation/radar/scan_simulator.h"
 #include "client/simulation/radar/scene.h"
@@ -63,6 +64,7 @@ class PassSimulator {
         pass_(pass),
         lane_offset_m_(world.ego_lane_offsets_m[static_cast<std::size_t>(pass.index) %
                                                 world.ego_lane_offsets_m.size()]),
+        route_(pass.is_reversed ? world.route.Reversed() : world.route),
         motion_(MakeMotion()),
         scene_(world, simulation::ParkVehicles(world, options.seed, pass.index,
                                                options.parked_change_share)),
@@ -93,8 +95,8 @@ class PassSimulator {
   EgoMotion MakeMotion() const {
     Random random = RandomFor(Stream::kSpeed);
     simulation::SpeedProfileOptions speed;
-    speed.begin_m = world_.drive_begin_m;
-    speed.end_m = world_.drive_begin_m + world_.length_m;
+    speed.begin_m = world_.drive_begin_m + pass_.begin_m;
+    speed.end_m = speed.begin_m + world_.length_m;
     speed.mean_speed_mps = pass_.mean_speed_mps;
     speed.max_lateral_acceleration_mps2 = world_.max_lateral_acceleration_mps2;
     for (const double stop_m : world_.stop_lines_m) {
@@ -104,13 +106,14 @@ class PassSimulator {
     }
     Random lane = RandomFor(Stream::kLane);
     const double offset_m = lane_offset_m_ + simulation::Uniform(lane, -0.4, 0.4);
-    return {world_.route, MakeSpeedProfile(world_.route, speed, random),
+    return {route_, MakeSpeedProfile(route_, speed, random),
             simulation::LaneKeeping(offset_m, lane)};
   }
 
   simulation::Traffic MakeTraffic() const {
     Random random = RandomFor(Stream::kTraffic);
-    return {world_, motion_, lane_offset_m_, pass_.mean_speed_mps, random};
+    const double lane_m = pass_.is_reversed ? -lane_offset_m_ : lane_offset_m_;
+    return {world_, motion_, lane_m, pass_.mean_speed_mps, random};
   }
 
   std::vector<VehicleSignal> RecordSignals() const {
@@ -182,6 +185,7 @@ class PassSimulator {
   const SimulationOptions& options_;
   const PassOptions& pass_;
   double lane_offset_m_;
+  simulation::Path route_;
   EgoMotion motion_;
   simulation::Scene scene_;
   simulation::Traffic traffic_;
@@ -192,6 +196,9 @@ class PassSimulator {
 }  // namespace
 
 simulation::World MakeWorld(const SimulationOptions& options) {
+  if (options.loop_m > 0.0) {
+    return simulation::MakeTownRing(options.seed, options.length_m, options.loop_m);
+  }
   return simulation::MakeWorld(options.world, options.seed, options.length_m, options.tunnel_m);
 }
 
@@ -201,6 +208,10 @@ absl::StatusOr<SimulatedPass> SimulatePassWithTruth(const simulation::World& wor
                                                     const std::function<void(double)>& progress) {
   absl::Status status = Validate(options);
   status.Update(Validate(pass));
+  if (!world.route.is_closed() && (pass.begin_m != 0.0 || pass.is_reversed)) {
+    status.Update(absl::InvalidArgumentError(
+        absl::StrCat("pass ", pass.name, " begins elsewhere or is reversed: only on a ring")));
+  }
   if (!status.ok()) return status;
   return PassSimulator(world, options, pass).Run(progress);
 }

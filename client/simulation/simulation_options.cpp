@@ -11,6 +11,10 @@ constexpr double kMinMeanSpeed_mps = 2.0;
 constexpr double kMaxMeanSpeed_mps = 60.0;
 constexpr std::size_t kMaxLivePasses = 100;
 constexpr double kMinTunnel_m = 20.0;
+constexpr double kMinLoop_m = 800.0;  // streets inside of a smaller ring would meet
+constexpr double kMaxLoop_m = 20'000.0;
+constexpr double kMaxBegin_m = 1e6;  // a hundred drives on the longest ring
+constexpr double kLoopShareBetweenDrives = 0.37;
 constexpr double kLengthWithoutTunnel_m = 100.0;  // of a drive, before and after
 
 absl::Status ValidateKinds(const SimulationOptions& options) {
@@ -30,6 +34,17 @@ absl::Status ValidateKinds(const SimulationOptions& options) {
   return absl::OkStatus();
 }
 
+absl::Status ValidateLoop(const SimulationOptions& options) {
+  if (options.loop_m == 0.0) {
+    if (!options.both_ways) return absl::OkStatus();
+    return absl::InvalidArgumentError("both_ways needs a ring: loop_m is 0");
+  }
+  if (options.world != WorldKind::kTown || options.tunnel_m != 0.0) {
+    return absl::InvalidArgumentError("loop_m makes a ring of a town without a tunnel only");
+  }
+  return CheckRange("loop_m", options.loop_m, kMinLoop_m, kMaxLoop_m);
+}
+
 }  // namespace
 
 absl::Status Validate(const SimulationOptions& options) {
@@ -39,6 +54,7 @@ absl::Status Validate(const SimulationOptions& options) {
     status.Update(CheckRange("tunnel_m", options.tunnel_m, kMinTunnel_m,
                              options.length_m - kLengthWithoutTunnel_m));
   }
+  status.Update(ValidateLoop(options));
   status.Update(
       CheckRange("map_speed_mps", options.map_speed_mps, kMinMeanSpeed_mps, kMaxMeanSpeed_mps));
   for (std::size_t i = 0; i < options.live_speeds_mps.size(); ++i) {
@@ -59,6 +75,7 @@ absl::Status Validate(const SimulationOptions& options) {
 absl::Status Validate(const PassOptions& pass) {
   if (pass.name.empty()) return absl::InvalidArgumentError("pass name is empty");
   absl::Status status = CheckRange("pass index", pass.index, 0.0, kMaxLivePasses);
+  status.Update(CheckRange("pass begin_m", pass.begin_m, 0.0, kMaxBegin_m));
   status.Update(
       CheckRange("pass mean_speed_mps", pass.mean_speed_mps, kMinMeanSpeed_mps, kMaxMeanSpeed_mps));
   return status;
@@ -69,6 +86,10 @@ std::vector<PassOptions> Passes(const SimulationOptions& options) {
   for (std::size_t i = 0; i < options.live_speeds_mps.size(); ++i) {
     passes.push_back(
         {absl::StrCat("live-", i), static_cast<int>(i) + 1, options.live_speeds_mps[i]});
+  }
+  for (PassOptions& pass : passes) {
+    pass.begin_m = kLoopShareBetweenDrives * options.loop_m * pass.index;
+    pass.is_reversed = options.both_ways && pass.index % 2 == 1;
   }
   return passes;
 }

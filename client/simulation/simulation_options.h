@@ -27,6 +27,11 @@ struct SimulationOptions {
   double length_m = 1000.0;  ///< of each drive
   double tunnel_m = 0.0;  ///< of a tunnel without features in the middle of the drive; 0 for none
 
+  /// A lap of the town's street, which then is a ring: drives begin at different places of it. 0
+  /// for a street with two ends.
+  double loop_m = 0.0;
+  bool both_ways = false;  ///< on the ring, every second drive goes the other way round
+
   double map_speed_mps = 72.0 / 3.6;                   ///< mean of the map pass
   std::vector<double> live_speeds_mps = {40.0 / 3.6};  ///< means of the live passes
   bool stops = false;                                  ///< halt at about every other crossroads
@@ -51,6 +56,8 @@ struct PassOptions {
   std::string name = "map";
   int index = 0;  ///< 0 is the map pass; others differ in traffic, lane and parked vehicles
   double mean_speed_mps = 20.0;
+  double begin_m = 0.0;      ///< from where drives begin; other than 0 only on a ring
+  bool is_reversed = false;  ///< goes the other way; only on a ring
 };
 
 /// InvalidArgument naming the field, its value and its bound; OK otherwise.

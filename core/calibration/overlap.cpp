@@ -41,14 +41,14 @@ Square SquareAt(const Eigen::Vector2d& position_m, double block_m) {
 
 void AddOverlap(const FrameReturns& frame, std::span<const ReturnPair> pairs,
                 const Eigen::VectorXd& parameters, const Eigen::VectorXd& scale,
-                const OverlapOptions& options, OverlapTerms& terms) {
+                const OverlapKernel& kernel, OverlapTerms& terms) {
   absl::btree_map<Square, Eigen::VectorXd> gradients;
   const Eigen::Matrix2d scatterer_m2 =
-      options.scatterer_sigma_m * options.scatterer_sigma_m * Eigen::Matrix2d::Identity();
+      kernel.scatterer_sigma_m * kernel.scatterer_sigma_m * Eigen::Matrix2d::Identity();
   for (const auto& [first, second] : pairs) {
     const StaticReturn& one = frame.returns[first];
     const StaticReturn& other = frame.returns[second];
-    if (std::min(one.range_m, other.range_m) < options.min_range_m) continue;
+    if (std::min(one.range_m, other.range_m) < kernel.min_range_m) continue;
     const Eigen::Vector2d middle_m = 0.5 * (one.position_m + other.position_m);
     const Side a(one, frame.views[one.view], middle_m, parameters, scale);
     const Side b(other, frame.views[other.view], middle_m, parameters, scale);
@@ -67,7 +67,7 @@ void AddOverlap(const FrameReturns& frame, std::span<const ReturnPair> pairs,
     terms.hessian.block<kN, kN>(a.at, b.at) -= mixed;
     terms.hessian.block<kN, kN>(b.at, a.at) -= mixed.transpose();
 
-    Eigen::VectorXd& gradient = gradients[SquareAt(middle_m, options.block_m)];
+    Eigen::VectorXd& gradient = gradients[SquareAt(middle_m, kernel.block_m)];
     if (gradient.size() == 0) gradient = Eigen::VectorXd::Zero(scale.size());
     gradient.segment<kN>(a.at) += weighted_a.transpose() * offset_m;
     gradient.segment<kN>(b.at) -= weighted_b.transpose() * offset_m;

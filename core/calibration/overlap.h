@@ -21,10 +21,11 @@ struct OverlapTerms {
   Eigen::MatrixXd spread;    ///< covariance of the gradient, from its blocks
 };
 
-struct OverlapOptions {
-  double scatterer_sigma_m = 0.3;  ///< returns of one scatterer lie this far apart beyond noise
-  double block_m = 8.0;            ///< squares of this size are taken to be independent
-  double min_range_m = 0.0;        ///< pairs with a nearer return are left out
+/// How overlap is counted in one round of a calibration (`CalibratorOptions` has the bounds).
+struct OverlapKernel {
+  double scatterer_sigma_m;  ///< returns of one scatterer lie this far apart beyond noise
+  double block_m;            ///< squares of this size are taken to be independent
+  double min_range_m;        ///< pairs with a nearer return are left out
 };
 
 /// Adds the pairs of one frame to `terms`. Each pair weighs as much as the two overlap as
@@ -38,6 +39,6 @@ struct OverlapOptions {
 /// `parameters` (n) are in units of `scale` (n).
 void AddOverlap(const FrameReturns& frame, std::span<const ReturnPair> pairs,
                 const Eigen::VectorXd& parameters, const Eigen::VectorXd& scale,
-                const OverlapOptions& options, OverlapTerms& terms);
+                const OverlapKernel& kernel, OverlapTerms& terms);
 
 }  // namespace dcloc

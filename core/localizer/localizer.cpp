@@ -6,6 +6,7 @@
 #include "core/localizer/pipeline.h"
 #include "core/localizer/radar_clocks.h"
 #include "core/localizer/recent_answers.h"
+#include "core/localizer/stamp_monitor.h"
 #include "core/localizer/time_base.h"
 #include "core/odometry/seconds.h"
 #include "core/registration/gicp_registration.h"
@@ -32,6 +33,7 @@ std::unique_ptr<AnyPipeline> MakePipeline(std::shared_ptr<const RadarMap> map, R
 // comes late is told apart.
 struct Localizer::Impl {
   std::unique_ptr<AnyPipeline> pipeline;
+  StampMonitor stamp_monitor;
   RadarClocks radar_clocks;
   TimeBase time_base;
   RecentAnswers recent_answers;
@@ -41,6 +43,7 @@ struct Localizer::Impl {
   absl::StatusOr<Localization> LocalizeNew(const Scan& scan, LocalizerWorkspace& workspace,
                                            StageListener* listener);
   void TellClocks(RigKnowledge& known) const;
+  void CheckStamp(std::size_t radar_index, const Scan& scan, LocalizerWorkspace& workspace);
 };
 
 absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map, Rig rig,
@@ -58,10 +61,12 @@ absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map,
   std::unique_ptr<AnyPipeline> pipeline =
       make(std::move(map), std::move(rig), initial_pose, options, methods);
   const std::size_t radar_count = pipeline->rig().radars.size();
-  return Localizer(std::make_unique<Impl>(Impl{.pipeline = std::move(pipeline),
-                                               .radar_clocks = {radar_count, options.radar_clocks},
-                                               .time_base = TimeBase(options.time_base),
-                                               .recent_answers = {}}));
+  return Localizer(
+      std::make_unique<Impl>(Impl{.pipeline = std::move(pipeline),
+                                  .stamp_monitor = {radar_count, options.stamp_monitor},
+                                  .radar_clocks = {radar_count, options.radar_clocks},
+                                  .time_base = TimeBase(options.time_base),
+                                  .recent_answers = {}}));
 }
 
 Localizer::Localizer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -91,15 +96,33 @@ void Localizer::Impl::TellClocks(RigKnowledge& known) const {
   }
 }
 
+// A clock that may have been set is held against the map, before the scan moves the time.
+void Localizer::Impl::CheckStamp(std::size_t radar_index, const Scan& scan,
+                                 LocalizerWorkspace& workspace) {
+  if (const auto step = stamp_monitor.OnStamp(radar_index, scan.stamp)) {
+    const Stamp as_stamped = time_base.Convert(scan.stamp - radar_clocks.Offset(radar_index));
+    const std::optional<double> fit = pipeline->FitAt(scan, as_stamped, workspace);
+    const std::optional<double> other = pipeline->FitAt(scan, as_stamped - *step, workspace);
+    if (fit && other && stamp_monitor.OnFits(radar_index, *fit, *other)) {
+      radar_clocks.OnStep(radar_index, *step);
+    }
+  }
+  pipeline->OnStamp(stamp_monitor.ErrorOf(radar_index));
+}
+
 absl::StatusOr<Localization> Localizer::Impl::LocalizeNew(const Scan& scan,
                                                           LocalizerWorkspace& workspace,
                                                           StageListener* listener) {
   const std::size_t index = pipeline->rig().IndexOf(scan.radar_id);
+  CheckStamp(index, scan, workspace);
   const std::optional<Stamp> taken = radar_clocks.Align(index, scan.stamp);
   pipeline->OnClock(index, radar_clocks.IsOff(index));
   if (!taken) return pipeline->LocalizeUnplaced(scan, time_base.newest());
   const absl::StatusOr<TimeBase::Placement> placement = time_base.Place(*taken);
-  if (!placement.ok()) return placement.status();
+  if (!placement.ok()) {
+    stamp_monitor.Withdraw(index);
+    return placement.status();
+  }
   return placement->is_late ? pipeline->LocalizeLate(scan, placement->stamp, workspace)
                             : pipeline->LocalizeNext(scan, *placement, workspace, listener);
 }

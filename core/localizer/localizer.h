@@ -81,9 +81,11 @@ class Localizer {
   Localizer& operator=(Localizer&&) noexcept;
   ~Localizer();
 
-  /// Localizes one scan. InvalidArgument, leaving the state as it was, for an invalid scan, an
-  /// unknown radar, or a stamp that is not after the same radar's last one or lies before the
-  /// newest scan. `workspace` is lent for the call.
+  /// Localizes one scan. A late scan is used at its stamp, and a repeated one is answered from
+  /// memory. InvalidArgument for an invalid scan, an unknown radar, or a stamp that lies more than
+  /// `time_base.max_lateness` before the newest scan. The pose then stays as it was; several such
+  /// stamps in a row mean that the clock was set back (METHOD 17). `workspace` is lent for the
+  /// call.
   absl::StatusOr<Localization> Localize(const Scan& scan, LocalizerWorkspace& workspace,
                                         StageListener* listener = nullptr);
 
@@ -95,8 +97,7 @@ class Localizer {
   /// InvalidArgument names what is no pose or no covariance; then nothing has changed.
   absl::StatusOr<FixUse> TakeFix(const PositionFix& fix);
 
-  /// No pose is known, so the next scans search the whole map: that may take some tens of
-  /// milliseconds a scan.
+  /// No pose is known, so the next scans search the map: about ten milliseconds a scan.
   bool searching() const;
 
  private:

@@ -19,6 +19,7 @@ std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& 
 
 absl::Status Validate(const LocalizerOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(Within("stamp_monitor", Validate(options.stamp_monitor)));
   status.Update(Within("radar_clocks", Validate(options.radar_clocks)));
   status.Update(Within("time_base", Validate(options.time_base)));
   status.Update(Within("submap", Validate(options.submap)));

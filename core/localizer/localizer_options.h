@@ -10,6 +10,7 @@
 #include "core/localizer/radar_monitor.h"
 #include "core/localizer/registration_schedule.h"
 #include "core/localizer/reset_counter.h"
+#include "core/localizer/stamp_monitor.h"
 #include "core/localizer/time_base.h"
 #include "core/localizer/tracking_state_machine.h"
 #include "core/odometry/ego_motion.h"
@@ -62,6 +63,7 @@ struct LocalizerOptions {
   /// A pose from a prior is held against other places before it is called tracking.
   bool verify_prior = true;
 
+  StampMonitorOptions stamp_monitor;
   RadarClocksOptions radar_clocks;
   TimeBaseOptions time_base;
   SubmapOptions submap;

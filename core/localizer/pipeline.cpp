@@ -128,6 +128,10 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   if (IsUsed(radar_index, stamp)) submap_.Insert(stamp, static_cast<int>(radar_index), points);
   const Motion then =
       Compose({answer.T_map_vehicle, answer.covariance}, Inverse(moment->to_newest));
+  if (answer.protection_level_m) {  // the way between the two is as uncertain as it makes the pose
+    *answer.protection_level_m +=
+        protection_level_.Of(then.covariance) - protection_level_.Of(answer.covariance);
+  }
   answer.T_map_vehicle = then.T_from_to;
   answer.covariance = then.covariance;
   return answer;
@@ -374,9 +378,7 @@ Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
   answer.T_map_vehicle = matcher_.T_map_local() * now.pose;
   answer.covariance =
       ToSpace<Dim>({.pose = {}, .covariance = pose_.NoiseNow()}, options_.unobserved).covariance;
-  answer.state = tracking_.Report(HorizontalSigma(answer.covariance));
-  const bool tracks = answer.state == LocalizationState::kTracking;
-  if (tracks) answer.protection_level_m = protection_level_.Of(answer.covariance);
+  Claim(answer);
   reset_counter_.OnAnswer(answer.T_map_vehicle);
   answer.resets = reset_counter_.resets();
   answer.observed = observability_.ObservedDof(/*in_space=*/Dim == 3);

@@ -13,6 +13,7 @@
 #include "core/localizer/registration_schedule.h"
 #include "core/localizer/reset_counter.h"
 #include "core/localizer/scan_checker.h"
+#include "core/localizer/stamp_monitor.h"
 #include "core/localizer/time_base.h"
 #include "core/localizer/tracking_state_machine.h"
 #include "core/localizer/workspace.h"
@@ -45,6 +46,14 @@ class AnyPipeline {
   /// Whether the stamps of radar `index` had to be brought to the clock of the others.
   virtual void OnClock(std::size_t index, bool is_off) = 0;
 
+  /// How far the stamp of the scan that comes next may be from when it was taken.
+  virtual void OnStamp(const StampError& error) = 0;
+
+  /// How the scan would fit the map if it were taken at `stamp`, [0, 1]. Nothing without a pose, or
+  /// where the motion until then is not known.
+  virtual std::optional<double> FitAt(const Scan& scan, Stamp stamp,
+                                      LocalizerWorkspace& workspace) = 0;
+
   /// What something else than radar says of the pose at `stamp`. It is valid.
   virtual FixUse TakeFix(const InitialPose& fix, Stamp stamp) = 0;
 
@@ -66,9 +75,14 @@ class Pipeline final : public AnyPipeline {
                             LocalizerWorkspace& workspace, StageListener* listener) override;
   Localization LocalizeLate(const Scan& scan, Stamp stamp, LocalizerWorkspace& workspace) override;
   Localization LocalizeUnplaced(const Scan& scan, Stamp newest) override {
-    return Answer(scan, newest);
+    Localization answer = Answer(scan, newest);
+    answer.protection_level_m.reset();  // nobody knows where the vehicle was at such a stamp
+    return answer;
   }
   void OnClock(std::size_t index, bool is_off) override { radar_monitor_.OnClock(index, is_off); }
+  void OnStamp(const StampError& error) override { stamp_error_ = error; }
+  std::optional<double> FitAt(const Scan& scan, Stamp stamp,
+                              LocalizerWorkspace& workspace) override;
   FixUse TakeFix(const InitialPose& fix, Stamp stamp) override;
   bool searching() const override { return !tracking_.has_pose(); }
   const Rig& rig() const override { return learned_rig_.rig(); }
@@ -95,6 +109,7 @@ class Pipeline final : public AnyPipeline {
   void HandleLoss(Stamp stamp);
   RigKnowledge Knowledge() const;
   Localization Answer(const Scan& scan, Stamp stamp);
+  void Claim(Localization& answer);
 
   using Place = typename Relocalizer<Dim>::Place;
   std::optional<Place> SearchPlace(std::span<const GaussianPoint<Dim>> live, Stamp stamp,
@@ -116,6 +131,7 @@ class Pipeline final : public AnyPipeline {
   ScanChecker<Dim> scan_checker_;
   FixMonitor fix_monitor_;
   ProtectionLevel protection_level_;
+  StampError stamp_error_;  // of the newest scan
   ResetCounter reset_counter_;
   KnowledgeReport knowledge_report_;
   Observability observability_;

@@ -39,6 +39,9 @@ class RadarClocks {
   /// clock of the rig. Nothing while that is not known. Scans are given in the order of arrival.
   std::optional<Stamp> Align(std::size_t index, Stamp stamp);
 
+  /// The clock of radar `index` was set: it is ahead by so much more than before.
+  void OnStep(std::size_t index, std::chrono::nanoseconds step);
+
   /// By how much the clock of radar `index` is ahead of that of the rig.
   std::chrono::nanoseconds Offset(std::size_t index) const { return radars_[index].offset; }
   bool IsOff(std::size_t index) const { return Offset(index) != std::chrono::nanoseconds(0); }
@@ -63,6 +66,7 @@ class RadarClocks {
   std::optional<std::chrono::nanoseconds> Ahead(std::size_t a, std::size_t b) const;
   bool DiffersFromMost(std::size_t index) const;
   void SetRight(std::size_t index);
+  void ForgetComparisons(std::size_t index);
   bool HasLeapt(std::size_t index, Stamp stamp) const;
 
   RadarClocksOptions options_;

@@ -29,9 +29,13 @@ std::uint64_t RecentAnswers::Fingerprint(const Scan& scan) {
   for (const char letter : scan.radar_id) {
     hash = Mixed(hash, static_cast<std::uint64_t>(static_cast<unsigned char>(letter)));
   }
-  hash = Mixed(hash, scan.range_m);
-  hash = Mixed(hash, scan.range_rate_mps);
-  return Mixed(hash, scan.azimuth_rad);
+  for (const std::vector<float>* column :
+       {&scan.range_m, &scan.range_rate_mps, &scan.azimuth_rad, &scan.elevation_rad, &scan.rcs_dbsm,
+        &scan.range_sigma_m, &scan.range_rate_sigma_mps, &scan.azimuth_sigma_rad,
+        &scan.elevation_sigma_rad}) {
+    hash = Mixed(hash, *column);
+  }
+  return hash;
 }
 
 const Localization* RecentAnswers::Find(std::uint64_t fingerprint) const {

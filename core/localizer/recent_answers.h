@@ -12,7 +12,7 @@ namespace dcloc {
 /// The answers to the last scans: one that is sent twice is answered twice, and used once.
 class RecentAnswers {
  public:
-  /// What tells `scan` from others, whatever their stamps.
+  /// A hash of the stamp, the radar and all columns of targets.
   static std::uint64_t Fingerprint(const Scan& scan);
 
   /// The answer to the scan of this fingerprint, or null.

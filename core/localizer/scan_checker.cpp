@@ -27,16 +27,20 @@ template <int Dim>
 ScanFit ScanChecker<Dim>::Test(Stamp stamp, std::size_t radar_index,
                                const std::vector<RadarPoint>& points, const PoseEstimate<Dim>& now,
                                const MapMatcher<Dim>& matcher, Workspace<Dim>& workspace) {
-  TakePoints(points, static_cast<std::size_t>(options_.max_point_count), workspace.scan_points);
-  const double sigma_m = HorizontalSigma(now.covariance);
-  last_ = {.radar_index = radar_index,
-           .point_count = workspace.scan_points.size(),
-           .fit = matcher.Fit(workspace.scan_points, now.pose,
-                              std::min(options_.max_prediction_sigma_m, sigma_m),
-                              workspace.registration)};
+  const double fit = FitAt(points, now, matcher, workspace);
+  last_ = {.radar_index = radar_index, .point_count = workspace.scan_points.size(), .fit = fit};
   const ScanFit verdict = monitor_.Judge(radar_index, last_.point_count, last_.fit);
   if (verdict == ScanFit::kContradicts && !contradicted_since_) contradicted_since_ = stamp;
   return verdict;
+}
+
+template <int Dim>
+double ScanChecker<Dim>::FitAt(const std::vector<RadarPoint>& points, const PoseEstimate<Dim>& pose,
+                               const MapMatcher<Dim>& matcher, Workspace<Dim>& workspace) const {
+  TakePoints(points, static_cast<std::size_t>(options_.max_point_count), workspace.scan_points);
+  const double sigma_m = HorizontalSigma(pose.covariance);
+  return matcher.Fit(workspace.scan_points, pose.pose,
+                     std::min(options_.max_prediction_sigma_m, sigma_m), workspace.registration);
 }
 
 template <int Dim>

@@ -26,6 +26,10 @@ class ScanChecker {
                const PoseEstimate<Dim>& now, const MapMatcher<Dim>& matcher,
                Workspace<Dim>& workspace);
 
+  /// How such points would fit where the vehicle may be, with as little certainty: [0, 1].
+  double FitAt(const std::vector<RadarPoint>& points, const PoseEstimate<Dim>& pose,
+               const MapMatcher<Dim>& matcher, Workspace<Dim>& workspace) const;
+
   /// That of the scan that was tested last, [0, 1].
   double last_fit() const { return last_.fit; }
 

@@ -8,14 +8,15 @@
 #include <numeric>
 #include <utility>
 
+#include "core/map/height_fit.h"
 #include "core/map/point_grid.h"
 
 namespace dcloc {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr int kRounds = 3;
-constexpr double kGridCell_m = 1.0;
+constexpr int kRounds = 3;  // of joining and moving; returns hardly change owner after them
+constexpr double kGridCell_m = 1.0;  // of the look-up: about as far as a return joins
 // Two standard deviations in the plane (86 % of a scatterer's returns), and as much of them in
 // space.
 constexpr double kPlanarGate = 4.0;
@@ -72,8 +73,11 @@ struct Fit {
 class Fusion {
  public:
   Fusion(std::span<const MapReturn> returns, std::span<const std::uint32_t> pass_of_scan,
-         const FusionOptions& options)
-      : returns_(returns), pass_of_scan_(pass_of_scan), options_(options) {}
+         bool has_elevation, const FusionOptions& options)
+      : returns_(returns),
+        pass_of_scan_(pass_of_scan),
+        has_elevation_(has_elevation),
+        options_(options) {}
 
   std::vector<Landmark> Run() {
     FoundCenters();
@@ -96,14 +100,14 @@ class Fusion {
 
   // Its inverse; without elevation that of x and y, and z weighs the same in every return.
   Eigen::Matrix3d Information(const Eigen::Matrix3d& covariance) const {
-    if (options_.has_elevation) return covariance.inverse();
+    if (has_elevation_) return covariance.inverse();
     Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
     information.topLeftCorner<2, 2>() = covariance.topLeftCorner<2, 2>().inverse();
     return information;
   }
 
   double SquaredDistance(Eigen::Vector3d offset_m, const Eigen::Matrix3d& information) const {
-    if (!options_.has_elevation) offset_m.z() = 0.0;
+    if (!has_elevation_) offset_m.z() = 0.0;
     return offset_m.dot(information * offset_m);
   }
 
@@ -111,7 +115,7 @@ class Fusion {
   std::uint32_t BestCenter(std::uint32_t i) const {
     const Eigen::Matrix3d covariance = ScattererCovariance(i);
     const Eigen::Matrix3d information = Information(covariance);
-    const double gate = options_.has_elevation ? kSpatialGate : kPlanarGate;
+    const double gate = has_elevation_ ? kSpatialGate : kPlanarGate;
     const Eigen::Vector2d box_m = (gate * covariance.diagonal().head<2>()).cwiseSqrt();
     std::pair<double, std::uint32_t> best(gate, kNone);
     grid_.ForEachNear(returns_[i].position_m.head<2>(), box_m, [&](std::uint32_t center) {
@@ -184,7 +188,7 @@ class Fusion {
 
   // Noise alone puts returns this far from their scatterer: one landmark explains them all.
   bool IsOneScatterer(const Fit& fit) const {
-    const double freedom = options_.has_elevation ? 3.0 : 2.0;
+    const double freedom = has_elevation_ ? 3.0 : 2.0;
     return fit.misfit <= freedom * fit.support;
   }
 
@@ -227,42 +231,25 @@ class Fusion {
     return best.second;
   }
 
-  // Position c and squared height g of each landmark from its returns, z = c + g s + noise, with
-  // what is assumed of g: both come of the normal equations in closed form.
-  void FitHeights(const Groups& groups) {  // METHOD eq 40
-    constexpr double kMaxHeightSquare_m2 = 100.0;
+  // Squared heights of the landmarks, and their positions corrected for them.
+  void FitHeights(const Groups& groups) {
     constexpr double kMinReturns = 3.0;
     height_squares_m2_.assign(centers_m_.size(), 0.0);
-    if (options_.has_elevation || options_.height_square_sigma_m2 <= 0.0) return;
+    if (has_elevation_ || options_.height_square_sigma_m2 <= 0.0) return;
     for (std::size_t c = 0; c < centers_m_.size(); ++c) {
-      Eigen::Matrix2d by_position = Eigen::Matrix2d::Zero();
-      Eigen::Vector2d by_both = Eigen::Vector2d::Zero();
-      double by_height = 0.0;
-      Eigen::Vector2d position_pull = Eigen::Vector2d::Zero();
-      double height_pull = 0.0;
-      for (const std::uint32_t i : groups.Of(c)) {
-        const Eigen::Matrix2d information =
-            Information(ScattererCovariance(i)).topLeftCorner<2, 2>();
-        const Eigen::Vector2d slant = Slant(i);
-        const Eigen::Vector2d offset_m = (returns_[i].position_m - centers_m_[c]).head<2>();
-        by_position += information;
-        by_both += information * slant;
-        by_height += slant.dot(information * slant);
-        position_pull += information * offset_m;
-        height_pull += slant.dot(information * offset_m);
-      }
       const auto count = static_cast<double>(fits_[c].support);
       if (count < kMinReturns) continue;
-      const Eigen::Matrix2d position_covariance = by_position.inverse();
-      const Eigen::Vector2d explained = position_covariance * by_both;
+      HeightFit fit;
+      for (const std::uint32_t i : groups.Of(c)) {
+        fit.Add(Information(ScattererCovariance(i)).topLeftCorner<2, 2>(), Slant(i),
+                (returns_[i].position_m - centers_m_[c]).head<2>());
+      }
       // Returns that lie further apart than their noise says tell less.
       const double misfit = std::max(1.0, fits_[c].misfit / (2.0 * count - 2.0));
-      const double assumed = misfit / std::pow(options_.height_square_sigma_m2, 2);
-      const double height_square_m2 = std::clamp((height_pull - position_pull.dot(explained)) /
-                                                     (by_height - by_both.dot(explained) + assumed),
-                                                 0.0, kMaxHeightSquare_m2);
-      height_squares_m2_[c] = height_square_m2;
-      centers_m_[c].head<2>() += position_covariance * (position_pull - height_square_m2 * by_both);
+      const HeightFit::Solution solution =
+          fit.Solve(misfit / std::pow(options_.height_square_sigma_m2, 2));
+      height_squares_m2_[c] = solution.height_square_m2;
+      centers_m_[c].head<2>() += solution.shift_m;
     }
   }
 
@@ -271,10 +258,11 @@ class Fusion {
   }
 
   std::vector<Landmark> DescribeLandmarks(const Groups& groups) const {
+    const auto min_scan_count = static_cast<std::uint32_t>(options_.min_scan_count);
     std::vector<Landmark> landmarks;
     for (std::size_t c = 0; c < centers_m_.size(); ++c) {
       const Landmark landmark = Describe(c, groups.Of(c));
-      if (landmark.scan_count >= options_.min_scan_count) landmarks.push_back(landmark);
+      if (landmark.scan_count >= min_scan_count) landmarks.push_back(landmark);
     }
     return landmarks;
   }
@@ -321,7 +309,7 @@ class Fusion {
     spread *= count > 1.0 ? count / (count - 1.0) / weights : 0.0;
     noise /= weights;
     const Eigen::Matrix3d floor = kFloor_m2 * Eigen::Matrix3d::Identity();
-    if (options_.has_elevation) {
+    if (has_elevation_) {
       return ClipToPsd<3>(spread - noise) + total.inverse() + floor;
     }
     // Without elevation, what is not known of a return's z is not known of the landmark's.
@@ -334,6 +322,7 @@ class Fusion {
 
   std::span<const MapReturn> returns_;
   std::span<const std::uint32_t> pass_of_scan_;
+  bool has_elevation_;
   FusionOptions options_;
   std::vector<Eigen::Vector3d> centers_m_;
   std::vector<double> height_squares_m2_;
@@ -343,10 +332,25 @@ class Fusion {
 
 }  // namespace
 
+std::span<const OptionField<FusionOptions>> FieldsOf(const FusionOptions& /*options*/) {
+  using O = FusionOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"cell_m", &O::cell_m, 0.05, 10},
+      {"min_scan_count", &O::min_scan_count, 1, 65535},
+      {"height_square_sigma_m2", &O::height_square_sigma_m2, 0, 1000,
+       "landmarks are as high as the radar"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const FusionOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 std::vector<Landmark> FuseLandmarks(std::span<const MapReturn> returns,
-                                    std::span<const std::uint32_t> pass_of_scan,
+                                    std::span<const std::uint32_t> pass_of_scan, bool has_elevation,
                                     const FusionOptions& options) {
-  return Fusion(returns, pass_of_scan, options).Run();
+  return Fusion(returns, pass_of_scan, has_elevation, options).Run();
 }
 
 }  // namespace dcloc

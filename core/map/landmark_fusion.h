@@ -6,6 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "absl/status/status.h"
+#include "core/options/option_fields.h"
+
 namespace dcloc {
 
 /// One static return in the map, relative to the local origin (positions of the order of 1e6 m).
@@ -29,15 +32,19 @@ struct Landmark {
 };
 
 struct FusionOptions {
-  double cell_m = 0.4;  ///< noiseless returns within a circle of this diameter are one landmark
-  bool has_elevation = false;  ///< false: returns have x and y only, their z is assumed
-  std::uint32_t min_scan_count = 2;
+  double cell_m = 0.4;     ///< noiseless returns within a circle of this diameter are one landmark
+  int min_scan_count = 2;  ///< landmarks seen by fewer scans are clutter
   /// Prior deviation of the square of a landmark's height over planar radars; 0: every landmark is
   /// taken to be as high as the radar.
   double height_square_sigma_m2 = 25.0;
 };
+std::span<const OptionField<FusionOptions>> FieldsOf(const FusionOptions& options);
+
+/// OK, or InvalidArgument that names the field, the value and the bound.
+absl::Status Validate(const FusionOptions& options);
 
 /// Fuses returns into landmarks. `returns` are ordered by scan, and `pass_of_scan[scan]` ascends.
+/// Without `has_elevation` returns have x and y only, and their z is assumed.
 ///
 /// Each return is a Gaussian: its measurement covariance plus the size of a scatterer. Starting
 /// with the most certain return, a return that no landmark explains founds a new one. Then, in a
@@ -47,7 +54,7 @@ struct FusionOptions {
 /// its position is corrected for it. No grid decides which returns belong together, so nothing is
 /// cut at cell borders. The result depends only on the returns and their order.
 std::vector<Landmark> FuseLandmarks(std::span<const MapReturn> returns,
-                                    std::span<const std::uint32_t> pass_of_scan,
+                                    std::span<const std::uint32_t> pass_of_scan, bool has_elevation,
                                     const FusionOptions& options);
 
 }  // namespace dcloc

@@ -79,10 +79,6 @@ std::span<const OptionField<MapBuilderOptions>> FieldsOf(const MapBuilderOptions
   using O = MapBuilderOptions;
   static constexpr OptionField<O> kFields[] = {
       {"keyframe_spacing_m", &O::keyframe_spacing_m, 0.5, 1000},
-      {"cell_m", &O::cell_m, 0.05, 10},
-      {"min_scan_count", &O::min_scan_count, 1, 65535},
-      {"height_square_sigma_m2", &O::height_square_sigma_m2, 0, 1000,
-       "landmarks are as high as the radar"},
       {"max_keyframe_distance_m", &O::max_keyframe_distance_m, 1, 2000},
   };
   return kFields;
@@ -93,6 +89,7 @@ absl::Status Validate(const MapBuilderOptions& options) {
   status.Update(CheckText("description", options.description, kMaxMapDescription_bytes));
   if (options.anchor) status.Update(Validate(*options.anchor));
   status.Update(ValidateFields(options, FieldsOf(options)));
+  status.Update(Within("fusion", Validate(options.fusion)));
   status.Update(Within("static_points", Validate(options.static_points)));
   return status;
 }
@@ -169,7 +166,7 @@ struct MapBuilder::Impl {
   }
 
   bool HasHeights() const {
-    return !rig.MeasuresElevation() && options.height_square_sigma_m2 > 0.0;
+    return !rig.MeasuresElevation() && options.fusion.height_square_sigma_m2 > 0.0;
   }
 
   // The points in the order of their keyframes, whose records learn which are theirs.
@@ -254,12 +251,8 @@ absl::Status MapBuilder::Add(const Scan& scan, const Pose3& T_map_vehicle,
 void MapBuilder::BeginPass() { ++impl_->pass; }
 
 absl::StatusOr<std::vector<std::byte>> MapBuilder::Build() const {
-  const std::vector<Landmark> landmarks =
-      FuseLandmarks(impl_->returns, impl_->pass_of_scan,
-                    {.cell_m = impl_->options.cell_m,
-                     .has_elevation = impl_->rig.MeasuresElevation(),
-                     .min_scan_count = static_cast<std::uint32_t>(impl_->options.min_scan_count),
-                     .height_square_sigma_m2 = impl_->options.height_square_sigma_m2});
+  const std::vector<Landmark> landmarks = FuseLandmarks(
+      impl_->returns, impl_->pass_of_scan, impl_->rig.MeasuresElevation(), impl_->options.fusion);
   std::vector<KeyframeRecord> keyframes = impl_->KeyframeRecords();
   const std::vector<IndexRecord> index = MakeIndex(keyframes, kIndexCell_m);
   const std::vector<MapPoint> points =
@@ -267,7 +260,7 @@ absl::StatusOr<std::vector<std::byte>> MapBuilder::Build() const {
   if (points.empty()) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "%d scans with %d static returns gave no landmark that %d scans saw",
-        impl_->pass_of_scan.size(), impl_->returns.size(), impl_->options.min_scan_count));
+        impl_->pass_of_scan.size(), impl_->returns.size(), impl_->options.fusion.min_scan_count));
   }
   return WriteMapFile({.info = impl_->Info(),
                        .name = impl_->options.name,

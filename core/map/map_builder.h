@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/geometry/geodetic_anchor.h"
+#include "core/map/landmark_fusion.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
@@ -23,11 +24,7 @@ struct MapBuilderOptions {
   std::optional<GeodeticAnchor> anchor;
   StaticPointsOptions static_points;
   double keyframe_spacing_m = 10.0;
-  double cell_m = 0.4;     ///< returns nearer than about this fuse into one landmark
-  int min_scan_count = 2;  ///< landmarks seen by fewer scans are clutter
-  /// Prior deviation of the square of a landmark's height over planar radars; 0: landmarks are
-  /// taken to be as high as the radar (FusionOptions).
-  double height_square_sigma_m2 = 25.0;
+  FusionOptions fusion;
   double max_keyframe_distance_m = 120.0;  ///< landmarks further from any keyframe are left out
 };
 std::span<const OptionField<MapBuilderOptions>> FieldsOf(const MapBuilderOptions& options);

@@ -121,6 +121,9 @@ class EgoMotion {
   /// gyroscope's. Absent where there is none that is sound.
   const std::optional<EgoVelocity>& by_gyroscope() const { return by_gyroscope_; }
 
+  /// At the last scan; nothing before the first one.
+  const std::optional<EgoVelocity>& velocity() const { return velocity_; }
+
   /// The motion of the last moments.
   const MotionHistory& history() const { return history_; }
 

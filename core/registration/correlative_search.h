@@ -22,9 +22,10 @@ struct PoseHypothesis {
   double score = 0.0;
 };
 
-/// Up to `max_count` best poses of `points` (vehicle xy) in the window, best first, no two within a
-/// grid step of one another (METHOD 5: correlative search). Exhaustive; the step is one grid cell,
-/// and the angle that moves the farthest points by about two cells.
+/// Up to `max_count` best poses of `points` (vehicle xy) in the window, best first, no two within
+/// four grid steps of one another in position and in angle (METHOD 5: correlative search).
+/// Exhaustive; the step is one grid cell, and the angle that moves the farthest points by about two
+/// cells.
 std::vector<PoseHypothesis> CorrelativeSearch(std::span<const Eigen::Vector2f> points,
                                               const LikelihoodField& field,
                                               const SearchWindow& window, int max_count);

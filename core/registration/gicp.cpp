@@ -125,10 +125,15 @@ template <int Dim>
 Tangent<Dim> Step(Correspondences<Dim> correspondences, const NormalEquations<Dim>& normal,
                   double huber, Pose<Dim>& T) {
   constexpr double kLinear_rad = 0.01;  // up to here sin x is x to one in 10^4
-  double damping = 1e-6;
-  for (int attempt = 0; attempt < 6; ++attempt, damping *= 30.0) {
+  // Damping relative to the diagonal: from none to far beyond it, in six steps.
+  constexpr int kMaxAttempts = 6;
+  constexpr double kFirstDamping = 1e-6;
+  constexpr double kDampingFactor = 30.0;
+  constexpr double kMinDiagonal = 1e-3;  // 1/m^2 and 1/rad^2, of directions without information
+  double damping = kFirstDamping;
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt, damping *= kDampingFactor) {
     TangentMatrix<Dim> damped = normal.hessian;
-    damped.diagonal() += damping * normal.hessian.diagonal().cwiseMax(1e-3);
+    damped.diagonal() += damping * normal.hessian.diagonal().cwiseMax(kMinDiagonal);
     Tangent<Dim> step = -damped.ldlt().solve(normal.gradient);
     const Pose<Dim> candidate = T * Exp(step);
     if (step.template tail<Pose<Dim>::kDof - Dim>().norm() <= kLinear_rad ||

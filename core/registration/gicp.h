@@ -21,7 +21,8 @@ struct GicpOptions {
   double translation_tolerance_m = 1e-3;
   double rotation_tolerance_rad = 1e-4;
   /// Deviation that is added to every correspondence at first and halved in each iteration. It
-  /// widens the basin of convergence. 0 for a good initial guess.
+  /// widens the basin of convergence. 0 for a good initial guess. `GicpRegistration` takes the
+  /// deviation of the initial guess instead.
   double initial_blur_m = 0.0;
 };
 std::span<const OptionField<GicpOptions>> FieldsOf(const GicpOptions& options);

@@ -7,7 +7,8 @@
 namespace dcloc {
 namespace {
 
-constexpr double kMaxLikelihood = 255.0;
+constexpr double kMaxLikelihood = 255.0;  // of a byte
+// A point between two cells loses a tenth of its likelihood: the grid does not show.
 constexpr double kSigma_cells = 1.4;
 
 // Likelihoods around a landmark's cell, up to `reach` cells away to each side, row by row.

@@ -12,6 +12,11 @@
 namespace dcloc {
 namespace {
 
+// A local map holds more landmarks than a view shows of it; each shall find its own.
+constexpr std::size_t kLandmarksPerSearchPoint = 4;
+// Two neighbours of each descriptor give RANSAC more right pairs to choose from than one.
+constexpr int kDescriptorNeighbours = 2;
+
 template <typename Point>
 std::vector<Eigen::Vector2f> Thinned(std::span<const Point> points, std::size_t max_count) {
   const std::size_t stride = std::max<std::size_t>(1, (points.size() + max_count - 1) / max_count);
@@ -195,7 +200,8 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
     search_.emplace();
     search_->field = LikelihoodField(local_map_, options_.search_cell_m);
     search_->landmarks =
-        Thinned(local_map_.points(), 4 * static_cast<std::size_t>(options_.search_point_count));
+        Thinned(local_map_.points(),
+                kLandmarksPerSearchPoint * static_cast<std::size_t>(options_.search_point_count));
     search_->descriptors = RadialStatistics(search_->landmarks);
   }
   const SearchWindow window{
@@ -212,7 +218,7 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
     hypotheses.push_back(found.T_local_vehicle);
   }
   const std::vector<IndexPair> pairs =
-      MutualNearest(search_->descriptors, RadialStatistics(points), 2);
+      MutualNearest(search_->descriptors, RadialStatistics(points), kDescriptorNeighbours);
   if (const auto match = MatchRigid(search_->landmarks, points, pairs, seed)) {
     hypotheses.push_back(match->T_a_b);
   }

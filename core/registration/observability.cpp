@@ -7,6 +7,7 @@
 namespace dcloc {
 namespace {
 
+// An even choice of so many points is enough for a share of the score.
 constexpr std::size_t kPoints = 300;
 // In streets a shift costs a third of the score and more, between smooth walls nothing. Facades and
 // rails in dense maps look like themselves a metre further, but not three.
@@ -15,6 +16,7 @@ struct Shift {
   double min_drop;
 };
 constexpr Shift kShifts[] = {{1.0, 0.05}, {3.0, 0.15}};
+// Far beyond what a registration can be off by, so that it says nothing along such a direction.
 constexpr double kDegenerateSigma_m = 10.0;
 
 template <int Dim>

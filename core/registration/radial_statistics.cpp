@@ -1,6 +1,7 @@
 #include "core/registration/radial_statistics.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -34,8 +35,23 @@ std::vector<std::vector<Eigen::Index>> NearestRows(const Eigen::MatrixXf& distan
 
 }  // namespace
 
+std::span<const OptionField<RadialStatisticsOptions>> FieldsOf(
+    const RadialStatisticsOptions& /*options*/) {
+  using O = RadialStatisticsOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"bin_m", &O::bin_m, 0.01, 100},
+      {"max_distance_m", &O::max_distance_m, 0.1, 1000},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const RadialStatisticsOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 Eigen::MatrixXf RadialStatistics(std::span<const Eigen::Vector2f> points,
                                  const RadialStatisticsOptions& options) {  // METHOD 5
+  assert(Validate(options).ok());
   const auto bins = static_cast<Eigen::Index>(options.max_distance_m / options.bin_m) + 1;
   const auto count = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXf histograms = Eigen::MatrixXf::Zero(bins, count);

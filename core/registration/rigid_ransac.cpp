@@ -1,5 +1,6 @@
 #include "core/registration/rigid_ransac.h"
 
+#include <cassert>
 #include <cmath>
 #include <random>
 
@@ -58,9 +59,25 @@ Pose2 FitRigid(std::span<const Vector2f> a, std::span<const Vector2f> b,
 
 }  // namespace
 
+std::span<const OptionField<RigidRansacOptions>> FieldsOf(const RigidRansacOptions& /*options*/) {
+  using O = RigidRansacOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"iterations", &O::iterations, 1, 1'000'000},
+      {"inlier_distance_m", &O::inlier_distance_m, 0.01, 100},
+      {"min_baseline_m", &O::min_baseline_m, 0.01, 1000},
+      {"min_inlier_count", &O::min_inlier_count, 2, 1'000'000},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const RigidRansacOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 std::optional<RigidMatch> MatchRigid(std::span<const Vector2f> a, std::span<const Vector2f> b,
                                      std::span<const IndexPair> pairs, std::uint64_t seed,
                                      const RigidRansacOptions& options) {
+  assert(Validate(options).ok());
   if (pairs.size() < 2) return std::nullopt;
   std::mt19937_64 random(seed);
   std::uniform_int_distribution<std::size_t> pick(0, pairs.size() - 1);

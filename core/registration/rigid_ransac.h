@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "core/geometry/pose.h"
+#include "core/options/option_fields.h"
 #include "core/registration/radial_statistics.h"
 
 namespace dcloc {
@@ -17,6 +19,10 @@ struct RigidRansacOptions {
   double min_baseline_m = 4.0;  ///< two points nearer to one another give no heading
   int min_inlier_count = 6;
 };
+std::span<const OptionField<RigidRansacOptions>> FieldsOf(const RigidRansacOptions& options);
+
+/// OK, or InvalidArgument that names the field, the value and the bound.
+absl::Status Validate(const RigidRansacOptions& options);
 
 /// A planar rigid motion and the pairs that follow it.
 struct RigidMatch {

@@ -43,10 +43,11 @@ struct GlobalLocalizerOptions {
 
   int candidate_count = 60;      ///< places that are tried for each view
   int max_kept_candidates = 32;  ///< that are kept for the next one
-  /// Of a view's points, so many tell places apart, and so many what is no place at all.
+  /// Points of a view in a fine fit, which compares places, and in a coarse one, which drops those
+  /// that are none.
   int fine_point_count = 400;
   int coarse_point_count = 100;
-  /// Step of the search; finer in a small region, which is most alike within itself.
+  /// Step of the search; finer in a small region.
   double cell_m = 1.0;
   double small_region_cell_m = 0.5;
   double small_region_radius_m = 40.0;

@@ -24,7 +24,8 @@ std::optional<PlaceRegistration<Dim>> PlaceRegistrar<Dim>::Register(
                                                             .guess_sigma_m = guess_sigma_m,
                                                             .effort = effort},
                                                            workspace);
-  // Each iteration goes through all points, and the landmarks around each.
+  // Each iteration goes through all points, and the landmarks around each: as much again for every
+  // thousand landmarks of the local map.
   constexpr double kLandmarksOfAUnit = 1000.0;
   const double work = static_cast<double>(points.size()) * (1 + registration.iterations) *
                       (1.0 + static_cast<double>(local_map_.points().size()) / kLandmarksOfAUnit);

@@ -16,7 +16,7 @@ namespace {
 constexpr int kBlock_cells = 16;
 constexpr int kTile_blocks = 16;
 constexpr std::size_t kPieceSums = 2048;  // blocks times headings, worth a millisecond or so
-// Enough points to tell places apart.
+// Enough points to tell places apart; a multiple of kAtOnce.
 constexpr std::size_t kMaxPoints = 152;
 // Likelihoods are added as bytes, so many at a time as a byte holds, and then as shorts.
 constexpr std::size_t kAtOnce = 8;
@@ -24,7 +24,7 @@ constexpr int kShift = 3;
 constexpr int kMostLikely = 255 >> kShift;
 static_assert(kAtOnce * kMostLikely <= 255);
 static_assert(kMaxPoints * kMostLikely <= 32767);
-constexpr std::size_t kMaxCandidates = 2000;
+constexpr std::size_t kMaxCandidates = 2000;  // before they are thinned to the best
 
 // One point a cell, as the returns of one scatterer in several scans say one thing, and of those an
 // even choice.
@@ -252,8 +252,9 @@ void PlaceSearch::SearchBlock(const Cell& block) {
 
 std::vector<PlaceHypothesis> PlaceSearch::Best() {
   KeepBest();
+  // The maximum of one place is as wide as the points' deviation: some four cells.
   const double apart_m = 4.0 * options_.cell_m;
-  constexpr double kApart_rad = 0.25;
+  constexpr double kApart_rad = 0.25;  // by which a point at 16 m moves by four cells of 1 m
   std::vector<Candidate> kept;
   for (const Candidate& candidate : candidates_) {
     if (kept.size() == static_cast<std::size_t>(options_.max_count)) break;

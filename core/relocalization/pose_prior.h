@@ -36,7 +36,7 @@ class PosePrior {
   /// The vehicle is about here now, in the map frame.
   void Set(const PoseEstimate<3>& T_map_vehicle);
 
-  /// It moved so.
+  /// Carries the pose on by the vehicle's `motion`.
   void OnMotion(const Motion& motion);
 
   /// It has been found, or nothing is known of it.
@@ -48,9 +48,9 @@ class PosePrior {
   /// searched.
   bool IsPrediction(const Matrix6d& covariance) const;
 
-  /// The ground and the headings to search, of where it was when it was set, for of the way since
-  /// more is known: after `searches_in_vain` searches that have not found it. Nothing where that is
-  /// most of a map or unknown.
+  /// The positions and headings to search, after `searches_in_vain` searches without a result. They
+  /// are those of the moment of `Set`; `T_then_now` is the better known motion since then. Nothing
+  /// without a prior, or when the radius exceeds `max_region_radius_m`.
   std::optional<SearchRegion> Region(int searches_in_vain = 0) const;
 
  private:

@@ -10,7 +10,8 @@
 namespace dcloc {
 namespace {
 
-constexpr double kHold = 1e-6;  // information of directions of which no point tells
+// Information [1/m^2, 1/rad^2, 1/s^2] of directions of which no point tells: a solver needs some.
+constexpr double kMinInformation = 1e-6;
 
 static_assert(kBetaError == 0 && kRangeBiasError == 1);
 
@@ -116,7 +117,7 @@ template <int Dim>
 void BetaMonitor<Dim>::Radar::TakeNormal(const BetaMonitorOptions& options) {
   Normal& n = normal;
   if (n.count >= static_cast<std::size_t>(options.min_inlier_count)) {
-    n.pose.diagonal().array() += kHold;
+    n.pose.diagonal().array() += kMinInformation;
     const Eigen::LDLT<TangentMatrix<Dim>> solver(n.pose);
     const double misfit = n.squared_residuals / (Dim * static_cast<double>(n.count));
     const double worth = 1.0 / (options.reuse * std::max(1.0, misfit));

@@ -10,11 +10,12 @@
 namespace dcloc {
 namespace {
 
-// A choice of the points says it well enough.
+// An even choice of points says it well enough.
 constexpr std::size_t kChosenPoints = 256;
-// What holds the pose in a direction of which the points say nothing.
-constexpr double kHold_m = 1.0;
-constexpr double kHold_rad = 0.1;
+// Prior of the pose, for directions of which the points say nothing: far wider than a
+// registration's own error, so that it changes nothing where they do.
+constexpr double kPriorSigma_m = 1.0;
+constexpr double kPriorSigma_rad = 0.1;
 
 Eigen::Vector4d Deviations(const RadarModel& radar) {
   return {radar.beta_sigma_s, radar.range_bias_sigma_m, radar.time_offset_sigma_s,
@@ -28,10 +29,10 @@ TangentMatrix<Dim> CalibrationCovariance(const LiveSubmap<Dim>& live, const Rig&
                                          const EgoVelocity& ego_velocity) {  // METHOD eq 35
   constexpr int kDof = Pose<Dim>::kDof;
   using Pull = Eigen::Matrix<double, kDof, kRadarErrors>;
-  Tangent<Dim> hold;
-  hold.template head<Dim>().setConstant(1.0 / (kHold_m * kHold_m));
-  hold.template tail<kDof - Dim>().setConstant(1.0 / (kHold_rad * kHold_rad));
-  TangentMatrix<Dim> information = hold.asDiagonal();
+  Tangent<Dim> prior;
+  prior.template head<Dim>().setConstant(1.0 / (kPriorSigma_m * kPriorSigma_m));
+  prior.template tail<kDof - Dim>().setConstant(1.0 / (kPriorSigma_rad * kPriorSigma_rad));
+  TangentMatrix<Dim> information = prior.asDiagonal();
   std::array<Pull, kMaxRadars> pulls;
   std::fill_n(pulls.begin(), rig.radars.size(), Pull::Zero());
   const std::size_t stride = std::max<std::size_t>(1, live.points.size() / kChosenPoints);

@@ -26,11 +26,11 @@ void ProtectionLevel::OnInnovation(double squared_distance_per_dof) {
   squared_innovation_ = options_.memory * squared_innovation_ + (1.0 - options_.memory) * counted;
 }
 
-double ProtectionLevel::Of(const Matrix6d& covariance) const {
+double ProtectionLevel::Of(const Matrix6d& covariance, double bias_m) const {
   const double xx = covariance(0, 0);
   const double yy = covariance(1, 1);
   const double greatest_variance_m2 = 0.5 * (xx + yy + std::hypot(xx - yy, 2.0 * covariance(0, 1)));
-  return options_.floor_m +
+  return options_.floor_m + bias_m +
          options_.sigmas * std::sqrt(greatest_variance_m2 * std::max(1.0, squared_innovation_));
 }
 

@@ -33,8 +33,9 @@ class ProtectionLevel {
   /// freedom.
   void OnInnovation(double squared_distance_per_dof);
 
-  /// Of a pose of this covariance (x and y first) [m].
-  double Of(const Matrix6d& covariance) const;
+  /// Of a pose of this covariance (x and y first) [m], which is off by up to `bias_m` beyond what
+  /// the covariance says.
+  double Of(const Matrix6d& covariance, double bias_m = 0.0) const;
 
  private:
   ProtectionLevelOptions options_;

@@ -1,6 +1,7 @@
 #include "server/admin/admin_service.h"
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "server/base/check.h"
 #include "server/base/status.h"
 #include "server/convert/answer.h"
+#include "server/convert/geometry.h"
 #include "server/convert/page.h"
 #include "server/rpc/unary.h"
 
@@ -56,6 +58,10 @@ void Describe(const ListedSession& listed, v1::Session* session) {
   session->set_last_stamp_age_ns(record.last_stamp_age_ns);
   if (const LastHealth::Value last = record.health.Get(); last.rig != nullptr) {
     convert::ToProto(last.health, *last.rig, session->mutable_health());
+  }
+  if (const std::optional<LastPose::Value> last = record.pose.Get()) {
+    convert::ToProto(last->T_map_vehicle, last->covariance, session->mutable_pose());
+    session->set_pose_stamp_ns(last->stamp_ns);
   }
   const std::chrono::nanoseconds idle = SessionRecord::Clock::now() - record.last_activity.load();
   session->set_idle_duration_ns(idle.count());

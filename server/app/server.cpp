@@ -312,7 +312,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   auto gate = std::make_shared<CallGate>(config.max_call_rate_hz_per_connection);
   absl::StatusOr<Credentials> credentials = MakeCredentials(config, gate);
   if (!credentials.ok()) return credentials.status();
-  absl::StatusOr<Storage> storage = OpenStorage(config.data, MapStoreOptionsOf(config));
+  absl::StatusOr<Storage> storage = OpenStorage(config, MapStoreOptionsOf(config));
   if (!storage.ok()) return WithPrefix("data: ", storage.status());
   auto parts = std::make_unique<Parts>(config, *std::move(storage), std::move(gate),
                                        credentials->certificates);

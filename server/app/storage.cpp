@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "server/app/identity_mark.h"
+#include "server/app/shared_storage.h"
 #include "server/identity/sqlite_identity_store.h"
 #include "server/maps/catalogue/sqlite_catalogue.h"
 #include "server/maps/store/map_folder.h"
@@ -141,6 +142,16 @@ absl::StatusOr<std::unique_ptr<IdentityStore>> OpenIdentities(const std::filesys
   auto identities = SqliteIdentityStore::Open(PathsOf(folder).identities);
   if (!identities.ok()) return WithPath(identities.status());
   return identities;
+}
+
+absl::StatusOr<Storage> OpenStorage(const ServerConfig& config, const MapStoreOptions& options) {
+  if (config.catalogue.empty()) return OpenStorage(std::filesystem::path(config.data), options);
+  return OpenSharedStorage(config, options, NameOfThisProcess());
+}
+
+absl::StatusOr<std::unique_ptr<IdentityStore>> OpenIdentities(const ServerConfig& config) {
+  if (config.catalogue.empty()) return OpenIdentities(std::filesystem::path(config.data));
+  return OpenSharedIdentities(config);
 }
 
 }  // namespace dcloc::server

@@ -5,15 +5,16 @@
 
 #include "absl/status/statusor.h"
 #include "server/base/files.h"
+#include "server/config/config.h"
 #include "server/identity/identity_store.h"
 #include "server/maps/store/map_store.h"
 
 namespace dcloc::server {
 
 /// A server's persistent storage. `OpenStorage` and `OpenIdentities` are the only functions that
-/// choose the implementations of Catalogue, MapFiles and IdentityStore. A second implementation
-/// goes beside its interface (`maps/catalogue/`, `maps/store/`, `identity/`) and is chosen in these
-/// functions, by the form of the location.
+/// choose the implementations of Catalogue, MapFiles and IdentityStore: the embedded ones in a
+/// folder, or with `ServerConfig::catalogue` those that several servers share
+/// (`app/shared_storage`).
 struct Storage {
   FileDescriptor lock;  ///< of the folder; released last
   std::unique_ptr<MapStore> maps;
@@ -43,7 +44,13 @@ absl::StatusOr<MapStoreParts> OpenMapParts(const std::filesystem::path& folder);
 absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
                                     const MapStoreOptions& options = {});
 
+/// The storage that `config` names: the embedded one in `data`, or the shared one.
+absl::StatusOr<Storage> OpenStorage(const ServerConfig& config, const MapStoreOptions& options);
+
 /// Opens or creates the identities alone, beside a server that runs on `folder` or without one.
 absl::StatusOr<std::unique_ptr<IdentityStore>> OpenIdentities(const std::filesystem::path& folder);
+
+/// Those that `config` names.
+absl::StatusOr<std::unique_ptr<IdentityStore>> OpenIdentities(const ServerConfig& config);
 
 }  // namespace dcloc::server

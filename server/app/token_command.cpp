@@ -21,7 +21,7 @@ namespace {
 constexpr int kUsageError = 2;
 
 struct Arguments {
-  std::string data;
+  ServerConfig config;  ///< of which only the identities' place counts
   Principal principal;
   std::string role;
   int expire_days = 90;
@@ -35,6 +35,23 @@ std::string TimeText(const std::optional<SystemTime>& time) {
   return absl::FormatTime("%Y-%m-%dT%H:%M:%SZ", absl::FromChrono(*time), absl::UTCTimeZone());
 }
 
+absl::StatusOr<std::unique_ptr<IdentityStore>> OpenIdentitiesOf(const Arguments& arguments) {
+  if (!arguments.config.catalogue.empty()) {
+    absl::Status status = Validate(DatabaseOptionsOf(arguments.config));
+    if (!status.ok()) return status;
+  }
+  return OpenIdentities(arguments.config);
+}
+
+/// The embedded catalogue notes that there are identities, which lie in another file.
+void NoteIdentities(const ServerConfig& config) {
+  if (!config.catalogue.empty()) return;
+  const absl::Status status = SetIdentityMark(config.data);
+  if (status.ok()) return;
+  std::cerr << "dcloc-server: the next start of the server notes that there are identities: "
+            << status.message() << "\n";
+}
+
 absl::Status Create(const Arguments& arguments) {
   Principal principal = arguments.principal;
   principal.role = *RoleFromName(arguments.role);
@@ -42,15 +59,12 @@ absl::Status Create(const Arguments& arguments) {
   if (arguments.expire_days > 0) {
     expire_time = std::chrono::system_clock::now() + std::chrono::days(arguments.expire_days);
   }
-  const auto store = OpenIdentities(arguments.data);
+  const auto store = OpenIdentitiesOf(arguments);
   if (!store.ok()) return store.status();
   const Proof proof = arguments.certificate ? Proof::kCertificate : Proof::kToken;
   const absl::StatusOr<std::string> token = (*store)->Create(proof, principal, expire_time);
   if (!token.ok()) return token.status();
-  if (const absl::Status status = SetIdentityMark(arguments.data); !status.ok()) {
-    std::cerr << "dcloc-server: the next start of the server notes that there are identities: "
-              << status.message() << "\n";
-  }
+  NoteIdentities(arguments.config);
   // The token alone on standard output, so that it can go straight into a file.
   if (proof == Proof::kToken) std::cout << *token << "\n";
   std::cerr << principal.name << " is known as " << arguments.role
@@ -70,7 +84,7 @@ nlohmann::ordered_json Json(const IdentityRecord& record) {
 }
 
 absl::Status List(const Arguments& arguments) {
-  const auto store = OpenIdentities(arguments.data);
+  const auto store = OpenIdentitiesOf(arguments);
   if (!store.ok()) return store.status();
   const absl::StatusOr<std::vector<IdentityRecord>> records = (*store)->List();
   if (!records.ok()) return records.status();
@@ -92,7 +106,7 @@ absl::Status List(const Arguments& arguments) {
 }
 
 absl::Status Revoke(const Arguments& arguments) {
-  const auto store = OpenIdentities(arguments.data);
+  const auto store = OpenIdentitiesOf(arguments);
   return store.ok() ? (*store)->Revoke(arguments.id) : store.status();
 }
 
@@ -100,9 +114,14 @@ CLI::App* AddCommand(CLI::App& token, const char* name, const char* description,
                      absl::Status (*command)(const Arguments&), Arguments& arguments,
                      absl::Status& result) {
   CLI::App* app = token.add_subcommand(name, description);
-  app->add_option("--data", arguments.data, "Folder of the server's store")
-      ->required()
+  CLI::Option_group* place = app->add_option_group("Place");
+  place->add_option("--data", arguments.config.data, "Folder of the server's store")
       ->type_name("DIR");
+  place
+      ->add_option("--catalogue", arguments.config.catalogue,
+                   "Database that servers share, postgresql://USER@HOST/DATABASE")
+      ->type_name("URI");
+  place->require_option(1);
   app->callback([command, &arguments, &result] { result = command(arguments); });
   return app;
 }

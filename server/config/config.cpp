@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <optional>
 #include <set>
 #include <string>
@@ -21,6 +22,23 @@ using Json = nlohmann::json;
 
 constexpr std::array kFields = {
     ConfigField{"data", "DIR", "folder of the maps; made if it is not there", &ServerConfig::data},
+    ConfigField{"catalogue", "URI",
+                "PostgreSQL database with PostGIS that several servers share, "
+                "postgresql://USER@HOST/DATABASE?sslmode=verify-full, for maps and identities; "
+                "none if empty: they are in DIR",
+                &ServerConfig::catalogue},
+    ConfigField{"map_folder", "DIR",
+                "folder of the map files that all servers with one catalogue share",
+                &ServerConfig::map_folder},
+    ConfigField{"database_connection_count", "N",
+                "connections to the database at most; one more waits for changes",
+                &ServerConfig::database_connection_count, 1, 100},
+    ConfigField{"database_timeout_ms", "N", "how long a statement to the database may take",
+                &ServerConfig::database_timeout_ms, 100, 60'000},
+    ConfigField{"identity_away_s", "N",
+                "how long tokens and certificates that were known to be good hold while the "
+                "database is away; 0 for not at all",
+                &ServerConfig::identity_away_s, 0, 86'400},
     ConfigField{"listen", "HOST:PORT", "address to listen on; port 0 takes a free one",
                 &ServerConfig::listen},
     ConfigField{
@@ -200,7 +218,23 @@ absl::Status ValidateTls(const ServerConfig& config) {
   return absl::OkStatus();
 }
 
+absl::Status ValidateCatalogue(const ServerConfig& config) {
+  if (config.catalogue.empty() != config.map_folder.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("catalogue is %s and map_folder is %s; one needs the other",
+                        config.catalogue.empty() ? "empty" : "there", Quoted(config.map_folder)));
+  }
+  return config.catalogue.empty() ? absl::OkStatus() : Validate(DatabaseOptionsOf(config));
+}
+
 }  // namespace
+
+PostgresOptions DatabaseOptionsOf(const ServerConfig& config) {
+  return {.address = config.catalogue,
+          .max_connection_count = config.database_connection_count,
+          .statement_timeout = std::chrono::milliseconds(config.database_timeout_ms),
+          .connect_timeout = std::chrono::milliseconds(config.database_timeout_ms)};
+}
 
 std::span<const ConfigField> ConfigFields() { return kFields; }
 
@@ -260,6 +294,7 @@ absl::Status Validate(const ServerConfig& config) {
     return absl::InvalidArgumentError(
         absl::StrFormat("log_format is %s; it must be text or json", Quoted(config.log_format)));
   }
+  if (absl::Status status = ValidateCatalogue(config); !status.ok()) return status;
   return ValidateTls(config);
 }
 

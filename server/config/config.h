@@ -8,12 +8,18 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "server/postgres/postgres_options.h"
 
 namespace dcloc::server {
 
 /// How a server is set up. Defaults are here and nowhere else.
 struct ServerConfig {
   std::string data;                        ///< folder of the embedded store
+  std::string catalogue;                   ///< "postgresql://..."; empty: the embedded one
+  std::string map_folder;                  ///< of map files that servers with one catalogue share
+  int database_connection_count = 4;       ///< for statements, at most
+  int database_timeout_ms = 2000;          ///< of a statement
+  int identity_away_s = 900;               ///< known identities hold so long without the database
   std::string listen = "127.0.0.1:50051";  ///< HOST:PORT; port 0 takes a free one
   std::string metrics_listen;              ///< HOST:PORT or PORT of HTTP; empty: no metrics
 
@@ -78,6 +84,9 @@ std::span<const ConfigField> ConfigFields();
 /// Reads the settings that the JSON file has; the others keep their values. NotFound, or
 /// InvalidArgument naming the file, the key, the value and the bound; an unknown key is an error.
 absl::Status ReadConfigFile(const std::filesystem::path& path, ServerConfig* config);
+
+/// How the database of `catalogue` is reached.
+PostgresOptions DatabaseOptionsOf(const ServerConfig& config);
 
 /// OK, or InvalidArgument naming the key, the value and the bound.
 absl::Status Validate(const ServerConfig& config);

@@ -28,10 +28,10 @@ struct IdentityRecord {
   std::optional<SystemTime> revoke_time;  ///< none: not revoked
 };
 
-/// The identities. Several processes may use one store: a change by one is seen by the next call of
-/// the others. Thread-safe; calls may block on storage. Errors beyond those named are the storage's
-/// own: Internal, ResourceExhausted, and DataLoss for an identity that cannot be read, such as one
-/// with an unknown role.
+/// The identities. Several processes may use one store: a change by one is seen by the others
+/// within a second. Thread-safe; calls may block on storage. Errors beyond those named are the
+/// storage's own: Internal, ResourceExhausted, Unavailable, and DataLoss for an identity that
+/// cannot be read, such as one with an unknown role.
 class IdentityStore {
  public:
   virtual ~IdentityStore() = default;

@@ -4,8 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/base/check.h"
-#include "server/base/status.h"
+#include "server/identity/identity_rules.h"
 #include "server/identity/token.h"
 
 namespace dcloc::server {
@@ -45,13 +44,9 @@ absl::StatusOr<IdentityRecord> Read(SqliteStatement& row) {
   record.proof = row.NextInteger() != 0 ? Proof::kCertificate : Proof::kToken;
   record.principal.name = row.NextText();
   record.principal.tenant = row.NextText();
-  const std::string role_name = row.NextText();
-  const std::optional<Role> role = RoleFromName(role_name);
-  if (!role) {
-    return absl::DataLossError(
-        absl::StrCat("identity ", record.id, ": role of ", Quoted(record.principal.name), " is ",
-                     Quoted(role_name), "; it must be vehicle, viewer, operator or admin"));
-  }
+  const absl::StatusOr<Role> role =
+      RoleOfIdentity(record.id, record.principal.name, row.NextText());
+  if (!role.ok()) return role.status();
   record.principal.role = *role;
   record.create_time = SystemTime(std::chrono::nanoseconds(row.NextInteger()));
   record.expire_time = NextTime(row);
@@ -76,10 +71,7 @@ absl::StatusOr<std::unique_ptr<SqliteIdentityStore>> SqliteIdentityStore::Open(
 
 absl::StatusOr<std::string> SqliteIdentityStore::Create(Proof proof, const Principal& principal,
                                                         std::optional<SystemTime> expire_time) {
-  absl::Status status = CheckId("name", principal.name);
-  if (!principal.tenant.empty()) {
-    status.Update(CheckMapName("tenant", principal.tenant));
-  }
+  absl::Status status = CheckPrincipal(principal);
   if (!status.ok()) return status;
   std::string token;
   if (proof == Proof::kToken) {
@@ -100,10 +92,7 @@ absl::StatusOr<std::string> SqliteIdentityStore::Create(Proof proof, const Princ
   insert.Bind(Nanoseconds(std::chrono::system_clock::now()));
   expire_time ? insert.Bind(Nanoseconds(*expire_time)) : insert.BindNull();
   status = insert.Run();
-  if (absl::IsAlreadyExists(status)) {
-    return absl::AlreadyExistsError(absl::StrCat("name is ", Quoted(principal.name),
-                                                 "; a certificate of that name is known already"));
-  }
+  if (absl::IsAlreadyExists(status)) return CertificateNameTaken(principal.name);
   if (!status.ok()) return status;
   return token;
 }
@@ -127,19 +116,17 @@ absl::Status SqliteIdentityStore::Revoke(std::int64_t id) {
   SqliteStatement update(
       database_, "UPDATE identity SET revoke_time_ns = COALESCE(revoke_time_ns, ?) WHERE id = ?");
   absl::Status status = update.Bind(Nanoseconds(std::chrono::system_clock::now())).Bind(id).Run();
-  if (status.ok() && database_.ChangedRowCount() == 0) {
-    return absl::NotFoundError(absl::StrCat("id is ", id, "; there is no such identity"));
-  }
+  if (status.ok() && database_.ChangedRowCount() == 0) return NoSuchIdentity(id);
   return status;
 }
 
 absl::StatusOr<Principal> SqliteIdentityStore::FindToken(absl::string_view token) {
-  return Find("WHERE token_sha256 = ?", HashOfToken(token), "the token");
+  return Find("WHERE token_sha256 = ?", HashOfToken(token), ProofByToken());
 }
 
 absl::StatusOr<Principal> SqliteIdentityStore::FindCertificate(absl::string_view common_name) {
   return Find("WHERE common_name = ? ORDER BY id DESC LIMIT 1", common_name,
-              absl::StrCat("the certificate of ", Quoted(common_name)));
+              ProofByCertificate(common_name));
 }
 
 absl::StatusOr<Principal> SqliteIdentityStore::Find(const char* sql, absl::string_view key,
@@ -148,14 +135,10 @@ absl::StatusOr<Principal> SqliteIdentityStore::Find(const char* sql, absl::strin
   SqliteStatement query(database_, absl::StrCat(kColumns, sql).c_str());
   const absl::StatusOr<bool> row = query.Bind(key).Step();
   if (!row.ok()) return row.status();
-  if (!*row) return absl::UnauthenticatedError(absl::StrCat(what, " is not known"));
-  absl::StatusOr<IdentityRecord> record = Read(query);
+  if (!*row) return ProofNotKnown(what);
+  const absl::StatusOr<IdentityRecord> record = Read(query);
   if (!record.ok()) return record.status();
-  if (record->revoke_time) return absl::UnauthenticatedError(absl::StrCat(what, " was revoked"));
-  if (record->expire_time && *record->expire_time <= std::chrono::system_clock::now()) {
-    return absl::UnauthenticatedError(absl::StrCat(what, " has expired"));
-  }
-  return std::move(record->principal);
+  return ValidPrincipal(*record, what, std::chrono::system_clock::now());
 }
 
 absl::StatusOr<bool> SqliteIdentityStore::HasAny() {

@@ -217,6 +217,10 @@ void Session::RememberPose(const Localization& localization) {
       localization.state == LocalizationState::kInitializing && !last_pose_.has_value();
   last_pose_.reset();
   if (!unknown) last_pose_ = {localization.T_map_vehicle, localization.covariance};
+  if (unknown) return record_->pose.Set(std::nullopt);
+  record_->pose.Set(LastPose::Value{.stamp_ns = localization.stamp.time_since_epoch().count(),
+                                    .T_map_vehicle = localization.T_map_vehicle,
+                                    .covariance = localization.covariance});
 }
 
 /// Whoever searches a whole map does so on a thread of its own, and nobody else waits for it.

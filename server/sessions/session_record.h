@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
+#include "core/geometry/pose.h"
 #include "core/localizer/health.h"
 #include "core/radar/radar_model.h"
 #include "server/identity/caller.h"
@@ -61,6 +63,31 @@ class LastHealth {
   Value value_;
 };
 
+/// The pose of a session's last answer, for lists. Thread-safe; its lock is this session's alone.
+class LastPose {
+ public:
+  struct Value {
+    std::int64_t stamp_ns = 0;  ///< of the answered scan
+    Pose3 T_map_vehicle;
+    Matrix6d covariance;  ///< in the tangent space on the right of `T_map_vehicle`
+  };
+
+  /// None where no pose is known.
+  void Set(const std::optional<Value>& value) {
+    const std::lock_guard lock(mutex_);
+    value_ = value;
+  }
+
+  std::optional<Value> Get() const {
+    const std::lock_guard lock(mutex_);
+    return value_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::optional<Value> value_;
+};
+
 /// The parts of a session that other threads may read.
 struct SessionRecord {
   using Clock = std::chrono::steady_clock;
@@ -79,6 +106,7 @@ struct SessionRecord {
   std::atomic<int> last_state = -1;
   std::atomic<Clock::time_point> last_activity = Clock::now();
   LastHealth health;
+  LastPose pose;
   AnswerFeed feed;
 };
 

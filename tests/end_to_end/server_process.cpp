@@ -19,6 +19,12 @@ ServerProcess::ServerProcess(const std::string& program, const std::filesystem::
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
   const int log_file = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+  std::vector<std::string> arguments = {program, "--listen", "127.0.0.1:0", "--data", store};
+  if (options.stub_matcher) arguments.emplace_back("--stub-matcher");
+  arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
   pid_ = fork();
   if (pid_ == 0) {
     dup2(ends[1], STDOUT_FILENO);
@@ -29,8 +35,7 @@ ServerProcess::ServerProcess(const std::string& program, const std::filesystem::
       const rlimit limit{.rlim_cur = options.max_file_bytes, .rlim_max = options.max_file_bytes};
       setrlimit(RLIMIT_FSIZE, &limit);
     }
-    execl(program.c_str(), program.c_str(), "--listen", "127.0.0.1:0", "--data", store.c_str(),
-          options.stub_matcher ? "--stub-matcher" : nullptr, nullptr);
+    execv(program.c_str(), argv.data());
     _exit(127);
   }
   close(ends[1]);

@@ -7,12 +7,14 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace dcloc {
 
 struct ServerProcessOptions {
   std::uint64_t max_file_bytes = 0;  ///< the disk takes no larger files; 0: it does
   bool stub_matcher = true;
+  std::vector<std::string> arguments;  ///< further ones
 };
 
 /// The dcloc-server program as a process of its own, on a free port and a given store. Its log goes

@@ -51,8 +51,8 @@ void UseMap(std::vector<std::byte> bytes) {
 
 }  // namespace
 
-std::vector<std::vector<std::uint8_t>> FuzzSeeds() {
-  std::vector<std::vector<std::uint8_t>> seeds;
+std::vector<FuzzInput> FuzzSeeds() {
+  std::vector<FuzzInput> seeds;
   for (const std::size_t keyframe_count : {0U, 1U, 12U}) {
     const std::vector<std::byte> bytes = SyntheticMap(keyframe_count, 5).Bytes();
     const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());

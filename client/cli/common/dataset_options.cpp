@@ -1,5 +1,8 @@
 #include "client/cli/common/dataset_options.h"
 
+#include "absl/strings/str_format.h"
+#include "client/cli/common/terminal.h"
+
 namespace dcloc::cli {
 
 void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
@@ -22,7 +25,13 @@ void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
 absl::StatusOr<Drive> ReadDrive(const DatasetArguments& arguments, const DriveRequest& request) {
   const absl::StatusOr<DatasetFormat> format = DatasetFormatByName(arguments.format);
   if (!format.ok()) return format.status();
-  return ReadDrive(Dataset{*format, arguments.root, arguments.version}, request);
+  absl::StatusOr<Drive> drive =
+      ReadDrive(Dataset{*format, arguments.root, arguments.version}, request);
+  if (!drive.ok()) return drive;
+  for (const std::string& note : drive->notes) {
+    absl::FPrintF(stderr, "%s: %s\n", Visible(drive->name), Visible(note));
+  }
+  return drive;
 }
 
 void AddDriveRequestOptions(CLI::App& command, DriveRequest& request) {

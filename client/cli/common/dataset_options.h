@@ -19,7 +19,8 @@ struct DatasetArguments {
 /// Adds --dataset, --root and --version to `command`; fills `arguments` when it is parsed.
 void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments);
 
-/// Reads a drive of the data set that the arguments name.
+/// Reads a drive of the data set that the arguments name. What the reader has to say of it goes to
+/// stderr.
 absl::StatusOr<Drive> ReadDrive(const DatasetArguments& arguments, const DriveRequest& request);
 
 /// Adds --rig and --beta-s, which override the data set's description of the radars, and --from-s

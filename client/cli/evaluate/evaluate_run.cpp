@@ -31,6 +31,7 @@ double CustomaryQueryInterval_s(DatasetFormat format) {
     case DatasetFormat::kNuScenes:
       return 0.5;
     case DatasetFormat::kRadarScenes:
+    case DatasetFormat::kRosbag:
       return 1.0;
   }
   return 1.0;
@@ -61,6 +62,8 @@ absl::StatusOr<Drives> ReadDrives(const DatasetArguments& dataset,
     request.name = name;
     auto drive = ReadDrive(dataset, request);
     if (!drive.ok()) return drive.status();
+    const absl::Status status = CheckHasReference(*drive, "an evaluation");
+    if (!status.ok()) return status;
     drives.push_back(*std::move(drive));
   }
   return drives;

@@ -97,6 +97,12 @@ void AddLocalizeCommand(CLI::App& app, int& exit_code) {
   localize->add_option("--map", arguments->map, "Map of the server; its active version is used")
       ->required()
       ->type_name("NAME");
+  localize
+      ->add_option("--vehicle", arguments->vehicle,
+                   "Who the vehicle is said to be, as canaries, session list and session record "
+                   "know it")
+      ->type_name("NAME")
+      ->capture_default_str();
   AddDriveOptions(*localize, *arguments);
   AddInitialPoseOptions(*localize, *arguments);
   AddRunOptions(*localize, *arguments);

@@ -34,7 +34,7 @@ using Clock = std::chrono::steady_clock;
 
 v1::OpenSession OpenRequest(const LocalizeArguments& arguments, const Drive& drive) {
   v1::OpenSession open;
-  open.set_vehicle_id("dcloc-localize");
+  open.set_vehicle_id(arguments.vehicle);
   open.set_map_name(arguments.map);
   *open.mutable_rig() = ToProto(drive.rig);
   const InitialPose perturbed =
@@ -225,8 +225,19 @@ void PrintConnection(const client::SessionStats& stats) {
       stats.disconnect_count, stats.resume_count, stats.restart_count);
 }
 
-void PrintSummary(const DriveOutcome& outcome, std::size_t scan_count) {
-  absl::PrintF("%s", FormatTable(MetricsRows({{outcome.drive, ComputeMetrics({&outcome, 1})}})));
+/// Errors only where the drive has poses to judge by.
+void PrintSummary(const DriveOutcome& outcome, const Drive& drive) {
+  const std::size_t scan_count = drive.scans.size();
+  const Metrics metrics = ComputeMetrics({&outcome, 1});
+  if (drive.pose_source == PoseSource::kReference) {
+    absl::PrintF("%s", FormatTable(MetricsRows({{outcome.drive, metrics}})));
+  } else {
+    absl::PrintF(
+        "Tracking, dead reckoning, lost: %d, %d, %d of %d scans. The drive has no reference poses "
+        "to judge by.\n",
+        metrics.state_counts[1], metrics.state_counts[2], metrics.state_counts[3],
+        metrics.scan_count);
+  }
   absl::PrintF("%d of %d scans were answered. Total is the round trip as the vehicle sees it.\n",
                outcome.scans.size() + outcome.refused_count, scan_count);
   if (outcome.refused_count > 0) {
@@ -236,10 +247,10 @@ void PrintSummary(const DriveOutcome& outcome, std::size_t scan_count) {
 }
 
 /// What `PrintSummary` and `PrintConnection` say, for scripts.
-void PrintJson(const DriveOutcome& outcome, std::size_t scan_count,
-               const client::SessionStats& stats, const TrustSummary& trust) {
+void PrintJson(const DriveOutcome& outcome, const Drive& drive, const client::SessionStats& stats,
+               const TrustSummary& trust) {
   nlohmann::ordered_json json = {{"drive", outcome.drive},
-                                 {"scan_count", scan_count},
+                                 {"scan_count", drive.scans.size()},
                                  {"first_refusal", outcome.first_refusal},
                                  {"disconnect_count", stats.disconnect_count},
                                  {"resume_count", stats.resume_count},
@@ -247,6 +258,12 @@ void PrintJson(const DriveOutcome& outcome, std::size_t scan_count,
                                  {"lost_fix_count", stats.lost_fix_count}};
   json.update(trust.Json());
   json.update(MetricsJson(ComputeMetrics({&outcome, 1})));
+  if (drive.pose_source != PoseSource::kReference) {
+    for (const char* judged : {"rte_m", "rre_deg", "success_rate", "success_rate_all", "anees",
+                               "coverage_95", "coverage_999", "misleading_count"}) {
+      json[judged] = nullptr;
+    }
+  }
   absl::PrintF("%s\n", json.dump(2));
 }
 
@@ -275,9 +292,9 @@ absl::Status Localize(client::Session& session, const Drive& drive,
     status.Update(WriteLearnedRig(arguments.learned_rig_file, *learned));
   }
   if (arguments.json) {
-    PrintJson(outcome, drive.scans.size(), session.stats(), trust);
+    PrintJson(outcome, drive, session.stats(), trust);
   } else {
-    PrintSummary(outcome, drive.scans.size());
+    PrintSummary(outcome, drive);
     absl::PrintF("%s", trust.Text());
     if (learned) absl::PrintF("%s", LearnedRigText(*learned));
     PrintConnection(session.stats());
@@ -308,6 +325,13 @@ absl::Status RunLocalize(const LocalizeArguments& arguments) {
   if (!drive.ok()) return drive.status();
   if (drive->scans.empty()) {
     return absl::InvalidArgumentError(absl::StrCat("drive ", drive->name, " has no scans"));
+  }
+  if (arguments.initial != "none") {
+    const absl::Status status =
+        CheckHasReference(*drive, absl::StrCat("--initial ", arguments.initial));
+    if (!status.ok()) {
+      return absl::FailedPreconditionError(absl::StrCat(status.message(), "; say --initial none"));
+    }
   }
   absl::StatusOr<std::vector<StampedFix>> fixes = std::vector<StampedFix>();
   if (!arguments.fix_file.empty()) fixes = ReadFixes(arguments.fix_file);

@@ -15,6 +15,7 @@ namespace dcloc::cli {
 struct LocalizeArguments {
   client::ChannelOptions server;
   std::string map;
+  std::string vehicle = "dcloc-localize";
   DatasetArguments dataset;
   DriveRequest drive;
   std::string ego_velocity = "sensor";

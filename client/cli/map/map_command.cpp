@@ -17,6 +17,7 @@
 #include "client/cli/common/progress.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/map/map_report.h"
+#include "client/cli/map/map_survey_command.h"
 #include "client/datasets/drive_map.h"
 
 namespace dcloc::cli {
@@ -114,6 +115,7 @@ void AddMapCommand(CLI::App& app, int& exit_code) {
   CLI::App* map = app.add_subcommand("map", "Make, inspect and manage maps");
   map->require_subcommand(1);
   AddBuild(*map, exit_code);
+  AddMapSurveyCommand(*map, exit_code);
   AddInspect(*map, exit_code);
 }
 

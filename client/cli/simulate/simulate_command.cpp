@@ -99,6 +99,12 @@ void AddWorldOptions(CLI::App& app, SimulateArguments& arguments) {
   app.add_option("--tunnel-m", options.tunnel_m,
                  "Length of a tunnel in the middle, whose walls show nothing of the way along it")
       ->type_name("M");
+  app.add_option("--loop-m", options.loop_m,
+                 "Make the town's street a ring of about this length; drives begin at different "
+                 "places of it. 0 for a street with two ends")
+      ->type_name("M");
+  app.add_flag("--both-ways", options.both_ways,
+               "On a ring, every second drive goes the other way round");
   app.add_option("--map-speed-kmh", arguments.map_speed_kmh,
                  "Mean speed of the map pass, where bends allow it")
       ->type_name("KMH");

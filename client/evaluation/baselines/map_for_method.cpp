@@ -16,7 +16,7 @@ absl::StatusOr<std::shared_ptr<const RadarMap>> MapForMethod(
   map_options.static_points.compensate = options.doppler_compensation;
   map_options.static_points.uncertainty = options.uncertainty;
   // Others know nothing of heights: landmarks stay where slant ranges show them.
-  if (!RunsInLocalizer(kind) || !has_heights) map_options.height_square_sigma_m2 = 0.0;
+  if (!RunsInLocalizer(kind) || !has_heights) map_options.fusion.height_square_sigma_m2 = 0.0;
   auto bytes = kind == MethodKind::kMcRansac
                    ? BuildMap(WithEgoRangeRates(drive), map_options, progress)
                    : BuildMap(drive, map_options, progress);

@@ -38,8 +38,8 @@ class PoseTracker {
 
   /// The same without jumps, for controllers that ask for the present: where the newest answer or
   /// velocity moves the pose, this one follows by at most `bleed_mps` and `bleed_radps`. What is
-  /// left of the jump is added to the covariance. A stamp before the newest one that was given is
-  /// told as far from `PoseAt` as that one.
+  /// left of the jump is added to the covariance. A stamp before the newest one that was asked for
+  /// gets the newest one's offset from `PoseAt`.
   absl::StatusOr<PoseEstimate> SmoothPoseAt(std::int64_t stamp_ns) const;
 
  private:

@@ -47,6 +47,8 @@ class EgoMotion {
   MotionState At(double t_s) const;
   /// Where along the path, and how fast along it.
   SpeedProfile::State PathStateAt(double t_s) const { return profile_.At(t_s); }
+  /// The path that it follows.
+  const Path& path() const { return path_; }
   double duration_s() const { return profile_.duration_s(); }
 
  private:

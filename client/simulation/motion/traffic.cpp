@@ -86,7 +86,8 @@ MovingBody Traffic::BodyOf(const Companion& companion, double t_s) const {
   const SpeedProfile::State ego = ego_.PathStateAt(t_s + std::copysign(0.5, companion.gap_m));
   const double s = ego.s_m + gap;
   const double speed = ego.speed_mps + gap_rate;
-  const MotionState state = MotionOnPath(world_.route, s, speed, {ego_lane_offset_m_, 0.0, 0.0});
+  const double lane_m = -std::abs(ego_lane_offset_m_);  // on the right, whichever way
+  const MotionState state = MotionOnPath(ego_.path(), s, speed, {lane_m, 0.0, 0.0});
   return {&companion.vehicle, state.T_map_vehicle,
           state.speed_mps * Along(state.T_map_vehicle.yaw_rad), state.yaw_rate_radps};
 }

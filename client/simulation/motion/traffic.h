@@ -22,8 +22,9 @@ struct MovingBody {
 /// would touch the ego vehicle is left out (crossing traffic does not wait at lights).
 class Traffic {
  public:
-  /// `world` and `ego` must outlive it; `ego_speed_mps` is what traffic in the ego's direction
-  /// flows at, more or less.
+  /// `world` and `ego` must outlive it; `ego_lane_offset_m` is left of the world's route, whichever
+  /// way the ego vehicle goes. `ego_speed_mps` is what traffic in its direction flows at, more or
+  /// less.
   Traffic(const World& world, const EgoMotion& ego, double ego_lane_offset_m, double ego_speed_mps,
           Random& random);
 

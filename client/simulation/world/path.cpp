@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace dcloc::simulation {
 namespace {
@@ -16,7 +17,7 @@ double BlendRate(double u) { return 6.0 * u * (1.0 - u); }
 
 }  // namespace
 
-Path::Path() { end_.position_m = Eigen::Vector2d::Zero(); }
+Path::Path() { start_.position_m = end_.position_m = Eigen::Vector2d::Zero(); }
 
 double Path::HeadingIn(const Piece& piece, double s_m) {
   const double length = piece.end_m - piece.begin_m;
@@ -70,9 +71,37 @@ void Path::AppendBend(double angle_rad, double radius_m, double blend_m) {
   Append(blend_m, 0.0);
 }
 
+Path Path::Reversed() const {
+  Path reversed;
+  reversed.is_closed_ = is_closed_;
+  reversed.start_ = {end_.position_m, end_.heading_rad + std::numbers::pi, 0.0, 0.0};
+  reversed.end_ = {start_.position_m, start_.heading_rad + std::numbers::pi, 0.0, 0.0};
+  for (auto piece = pieces_.rbegin(); piece != pieces_.rend(); ++piece) {
+    // The blend of curvatures is symmetric, so that the way back is a piece like this one.
+    reversed.pieces_.push_back({length_m() - piece->end_m,
+                                length_m() - piece->begin_m,
+                                -piece->end_curvature,
+                                -piece->begin_curvature,
+                                HeadingIn(*piece, piece->end_m) + std::numbers::pi,
+                                {piece->knots_m.rbegin(), piece->knots_m.rend()},
+                                piece->step_m});
+  }
+  return reversed;
+}
+
 PathPoint Path::At(double s_m) const {
+  if (!is_closed_ || pieces_.empty()) return Within(s_m);
+  const double laps = std::floor(s_m / length_m());
+  PathPoint point = Within(s_m - laps * length_m());
+  point.heading_rad += laps * (end_.heading_rad - start_.heading_rad);
+  return point;
+}
+
+PathPoint Path::Within(double s_m) const {
   if (pieces_.empty() || s_m < 0.0) {
-    return {Eigen::Vector2d(s_m, 0.0), 0.0, 0.0, 0.0};
+    PathPoint before = start_;
+    before.position_m += s_m * Along(start_.heading_rad);
+    return before;
   }
   if (s_m >= length_m()) {
     PathPoint beyond = end_;

@@ -14,7 +14,7 @@ struct PathPoint {
 };
 
 /// A planar curve by arc length whose curvature has a continuous derivative, starting at the origin
-/// along x. Before its start and after its end it goes on straight.
+/// along x. Before its start and after its end it goes on straight, or round again if it is closed.
 ///
 /// Heading is exact; positions are Gauss-Legendre integrals good to about 1e-12 m.
 class Path {
@@ -27,6 +27,14 @@ class Path {
   /// A bend by `angle_rad` (positive left) at radius `radius_m`, entered and left by blends of
   /// `blend_m` each; no shorter than the two blends, so a small angle gets a larger radius.
   void AppendBend(double angle_rad, double radius_m, double blend_m);
+
+  /// Makes it a ring: its end must lie at its start, in the same direction. Nothing is appended
+  /// afterwards.
+  void Close() { is_closed_ = true; }
+  bool is_closed() const { return is_closed_; }
+
+  /// The same curve from its end to its start.
+  Path Reversed() const;
 
   PathPoint At(double s_m) const;
 
@@ -44,8 +52,12 @@ class Path {
   static double HeadingIn(const Piece& piece, double s_m);
   static Eigen::Vector2d Integrate(const Piece& piece, double from_m, double to_m);
 
+  PathPoint Within(double s_m) const;
+
   std::vector<Piece> pieces_;
+  PathPoint start_;
   PathPoint end_;
+  bool is_closed_ = false;
 };
 
 /// The point `offset_m` to the left of the path at `s_m`.

@@ -113,18 +113,19 @@ void AddParking(double side, const TownPlan& plan, World& world, Random& random)
   }
 }
 
-}  // namespace
-
-World MakeTown(std::uint64_t seed, double length_m, double tunnel_m) {
+World EmptyTown(double length_m) {
   World world;
   world.name = "town";
   world.length_m = length_m;
-  world.drive_begin_m = kTownLeadIn;
   world.max_lateral_acceleration_mps2 = 3.5;
+  world.parking_occupancy = 0.65;
+  world.ego_lane_offsets_m = {-kLaneOffset};
+  world.truck_share = 0.06;
+  return world;
+}
 
-  Random route_random = MakeRandom(seed, Stream::kRoute);
-  TownPlan plan(world, kTownLeadIn + length_m + kTownLeadOut, tunnel_m, route_random);
-
+// What stands along the streets.
+void Furnish(TownPlan& plan, std::uint64_t seed, World& world) {
   Random houses_random = MakeRandom(seed, Stream::kBuildings);
   AddHouses(plan, world, houses_random);
 
@@ -136,12 +137,28 @@ World MakeTown(std::uint64_t seed, double length_m, double tunnel_m) {
     AddPoleRow(side, plan, world, furniture_random);
     AddParking(side, plan, world, parking_random);
   }
-  world.parking_occupancy = 0.65;
-  BuildTunnel(world);
+}
 
-  world.ego_lane_offsets_m = {-kLaneOffset};
+}  // namespace
+
+World MakeTown(std::uint64_t seed, double length_m, double tunnel_m) {
+  World world = EmptyTown(length_m);
+  world.drive_begin_m = kTownLeadIn;
   world.lanes = {{kLaneOffset, -1, 10.5, 14.0}};
-  world.truck_share = 0.06;
+  Random route_random = MakeRandom(seed, Stream::kRoute);
+  TownPlan plan(world, kTownLeadIn + length_m + kTownLeadOut, tunnel_m, route_random);
+  Furnish(plan, seed, world);
+  BuildTunnel(world);
+  return world;
+}
+
+World MakeTownRing(std::uint64_t seed, double length_m, double lap_m) {
+  World world = EmptyTown(length_m);
+  // Drives may go either way round.
+  world.lanes = {{kLaneOffset, -1, 10.5, 14.0}, {-kLaneOffset, 1, 10.5, 14.0}};
+  Random route_random = MakeRandom(seed, Stream::kRoute);
+  TownPlan plan(world, lap_m, route_random);
+  Furnish(plan, seed, world);
   return world;
 }
 

@@ -48,6 +48,36 @@ TownPlan::TownPlan(World& world, double route_length_m, double tunnel_m, Random&
     AddCrossroads(world, random);
   }
   world.route.Append(kSideStreetLength, 0.0);
+  AddMainStreet(world);
+}
+
+TownPlan::TownPlan(World& world, double lap_m, Random& random) {
+  // A way that turns by half a turn, driven twice, ends where it began: the second half is the
+  // first one again, turned. What stands beside it differs.
+  Random same_again = random;
+  LayHalfRing(world, 0.5 * lap_m, random);
+  LayHalfRing(world, 0.5 * lap_m, same_again);
+  world.route.Close();
+  AddMainStreet(world);
+}
+
+// Two sides of a rectangle, about as long as each other, and the corners after them.
+void TownPlan::LayHalfRing(World& world, double length_m, Random& random) {
+  constexpr double kCornerRadius = 22.0;  // [m]
+  const double begin_m = world.route.length_m();
+  const double begin_rad = world.route.At(begin_m).heading_rad;
+  for (const int side : {1, 2}) {
+    AddBlock(world, random);
+    while (world.route.length_m() < begin_m + 0.5 * side * length_m - kSideStreetLength) {
+      AddCrossing(world, random);
+      AddBlock(world, random);
+    }
+    const double turned_rad = world.route.At(world.route.length_m()).heading_rad - begin_rad;
+    AddCorner(world, side * 0.5 * std::numbers::pi - turned_rad, kCornerRadius);
+  }
+}
+
+void TownPlan::AddMainStreet(const World& world) {
   Street main{{}, kStreetHalfWidth};
   for (const double s : Steps(0.0, world.route.length_m(), kPointSpacing)) {
     main.points_m.push_back(world.route.At(s).position_m);
@@ -74,29 +104,38 @@ void TownPlan::AddSideStreet(World& world, const Eigen::Vector2d& centre, double
 }
 
 void TownPlan::AddCrossroads(World& world, Random& random) {
+  if (Chance(random, 0.7)) {
+    AddCrossing(world, random);
+    return;
+  }
+  // Turning back to the first heading whenever possible keeps the route from meeting itself.
+  const int turn = quarter_turns_ != 0 ? -quarter_turns_ : (Chance(random, 0.5) ? 1 : -1);
+  quarter_turns_ += turn;
+  const double angle_rad = turn * (0.5 * std::numbers::pi + Uniform(random, -0.12, 0.12));
+  AddCorner(world, angle_rad, Uniform(random, 18.0, 28.0));
+}
+
+void TownPlan::AddCrossing(World& world, Random& random) {
   const double begin_m = world.route.length_m();
   const PathPoint entry = world.route.At(begin_m);
-  const bool goes_through = Chance(random, 0.7);
-  if (goes_through) {
-    world.route.Append(30.0, 0.0);
-    const Eigen::Vector2d centre = entry.position_m + 15.0 * Along(entry.heading_rad);
-    const double cross_rad =
-        entry.heading_rad + 0.5 * std::numbers::pi + Uniform(random, -0.2, 0.2);
-    AddSideStreet(world, centre, cross_rad, kSideStreetLength, kSideStreetLength);
-    crossroads_.push_back({centre, begin_m, world.route.length_m()});
-  } else {
-    // Turning back to the first heading whenever possible keeps the route from meeting itself.
-    const int turn = quarter_turns_ != 0 ? -quarter_turns_ : (Chance(random, 0.5) ? 1 : -1);
-    quarter_turns_ += turn;
-    const double angle = turn * (0.5 * std::numbers::pi + Uniform(random, -0.12, 0.12));
-    world.route.AppendBend(angle, Uniform(random, 18.0, 28.0), 14.0);
-    const PathPoint exit = world.route.At(world.route.length_m());
-    const Eigen::Vector2d centre =
-        Intersection(entry.position_m, entry.heading_rad, exit.position_m, exit.heading_rad);
-    AddSideStreet(world, centre, entry.heading_rad, 0.0, kSideStreetLength);
-    AddSideStreet(world, centre, exit.heading_rad, kSideStreetLength, 0.0);
-    crossroads_.push_back({centre, begin_m, world.route.length_m()});
-  }
+  world.route.Append(30.0, 0.0);
+  const Eigen::Vector2d centre = entry.position_m + 15.0 * Along(entry.heading_rad);
+  const double cross_rad = entry.heading_rad + 0.5 * std::numbers::pi + Uniform(random, -0.2, 0.2);
+  AddSideStreet(world, centre, cross_rad, kSideStreetLength, kSideStreetLength);
+  crossroads_.push_back({centre, begin_m, world.route.length_m()});
+  world.stop_lines_m.push_back(begin_m - 4.0);
+}
+
+void TownPlan::AddCorner(World& world, double angle_rad, double radius_m) {
+  const double begin_m = world.route.length_m();
+  const PathPoint entry = world.route.At(begin_m);
+  world.route.AppendBend(angle_rad, radius_m, 14.0);
+  const PathPoint exit = world.route.At(world.route.length_m());
+  const Eigen::Vector2d centre =
+      Intersection(entry.position_m, entry.heading_rad, exit.position_m, exit.heading_rad);
+  AddSideStreet(world, centre, entry.heading_rad, 0.0, kSideStreetLength);
+  AddSideStreet(world, centre, exit.heading_rad, kSideStreetLength, 0.0);
+  crossroads_.push_back({centre, begin_m, world.route.length_m()});
   world.stop_lines_m.push_back(begin_m - 4.0);
 }
 

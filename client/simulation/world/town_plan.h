@@ -32,6 +32,9 @@ class TownPlan {
   /// of `tunnel_m` in the middle of the drive stays straight.
   TownPlan(World& world, double route_length_m, double tunnel_m, Random& random);
 
+  /// The same for a ring of about `lap_m`, on which a drive may go on for ever.
+  TownPlan(World& world, double lap_m, Random& random);
+
   const std::vector<Street>& streets() const { return streets_; }
   const std::vector<Crossroads>& crossroads() const { return crossroads_; }
 
@@ -47,6 +50,10 @@ class TownPlan {
  private:
   void AddBlock(World& world, Random& random);
   void AddCrossroads(World& world, Random& random);
+  void AddCrossing(World& world, Random& random);
+  void AddCorner(World& world, double angle_rad, double radius_m);
+  void LayHalfRing(World& world, double length_m, Random& random);
+  void AddMainStreet(const World& world);
   void AddSideStreet(World& world, const Eigen::Vector2d& centre, double heading_rad, double back_m,
                      double ahead_m);
 

@@ -39,7 +39,8 @@ struct Tunnel {
 ///
 /// Map frame: x along the route's first metres, z up, the origin at the route's start.
 /// The route has a lead-in and a lead-out, so that a drive sees world ahead and behind throughout:
-/// a drive of `length_m` uses [drive_begin_m, drive_begin_m + length_m] of it.
+/// a drive of `length_m` uses [drive_begin_m, drive_begin_m + length_m] of it. A route that is a
+/// ring has neither; it is longer or shorter than a drive.
 struct World {
   std::string name;
   Path route;
@@ -65,6 +66,8 @@ struct World {
 /// Worlds depend on their arguments alone; `length_m` > 0 is the length of a drive. In its middle a
 /// tunnel of `tunnel_m`, 100 m shorter than the drive at least; 0 for none.
 World MakeTown(std::uint64_t seed, double length_m, double tunnel_m = 0.0);
+/// A town whose route is a ring of about `lap_m`.
+World MakeTownRing(std::uint64_t seed, double length_m, double lap_m);
 World MakeHighway(std::uint64_t seed, double length_m, double tunnel_m = 0.0);
 World MakeWorld(WorldKind kind, std::uint64_t seed, double length_m, double tunnel_m = 0.0);
 

@@ -6,25 +6,12 @@
 #include <set>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
-#include "server/base/status.h"
+#include "server/maps/catalogue/catalogue_errors.h"
 
 namespace dcloc::server {
 namespace {
 
 constexpr std::int64_t kAllVersions = std::numeric_limits<std::int64_t>::max();
-
-absl::Status InUse(absl::string_view map_name, std::int64_t version) {
-  return absl::FailedPreconditionError(
-      absl::StrFormat("version %d of map %s is in use; its sessions and downloads must end first",
-                      version, Quoted(map_name)));
-}
-
-absl::Status BeingDeleted(absl::string_view map_name) {
-  return absl::UnavailableError(
-      absl::StrCat("a version of map ", Quoted(map_name), " is being deleted; try again"));
-}
 
 }  // namespace
 
@@ -77,7 +64,7 @@ absl::StatusOr<Hold> LocalHolds::HoldVersion(absl::string_view map_name, std::in
   State::Key key(map_name, version);
   {
     const std::lock_guard lock(state_->mutex);
-    if (state_->IsBarred(key)) return BeingDeleted(map_name);
+    if (state_->IsBarred(key)) return VersionBeingDeleted(map_name);
     ++state_->version_counts[key];
   }
   return Hold([state = state_, key = std::move(key)] { state->GiveBackVersion(key); });
@@ -88,10 +75,7 @@ absl::StatusOr<Hold> LocalHolds::HoldFile(absl::string_view sha256, absl::string
   {
     const std::lock_guard lock(state_->mutex);
     const auto [entry, added] = state_->files.try_emplace(file, holder);
-    if (!added) {
-      return absl::UnavailableError(absl::StrCat("file ", sha256, " is being stored or removed by ",
-                                                 entry->second, "; try again"));
-    }
+    if (!added) return FileHeld(sha256, entry->second);
   }
   return Hold([state = state_, file = std::move(file)] { state->GiveBackFile(file); });
 }
@@ -99,8 +83,8 @@ absl::StatusOr<Hold> LocalHolds::HoldFile(absl::string_view sha256, absl::string
 absl::StatusOr<Hold> LocalHolds::BarVersion(absl::string_view map_name, std::int64_t version) {
   const State::Key key(map_name, version);
   const std::lock_guard lock(state_->mutex);
-  if (state_->version_counts.contains(key)) return InUse(map_name, version);
-  if (state_->IsBarred(key)) return BeingDeleted(map_name);
+  if (state_->version_counts.contains(key)) return VersionInUse(map_name, version);
+  if (state_->IsBarred(key)) return VersionBeingDeleted(map_name);
   return State::Bar(state_, key);
 }
 
@@ -108,8 +92,8 @@ absl::StatusOr<Hold> LocalHolds::BarMap(absl::string_view map_name) {
   const State::Key key(map_name, kAllVersions);
   const std::lock_guard lock(state_->mutex);
   const std::int64_t version = state_->NewestHeld(key.first);
-  if (version != 0) return InUse(map_name, version);
-  if (state_->IsBarred(key)) return BeingDeleted(map_name);
+  if (version != 0) return VersionInUse(map_name, version);
+  if (state_->IsBarred(key)) return VersionBeingDeleted(map_name);
   return State::Bar(state_, key);
 }
 

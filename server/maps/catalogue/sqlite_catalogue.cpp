@@ -1,10 +1,7 @@
 #include "server/maps/catalogue/sqlite_catalogue.h"
 
-#include <algorithm>
-
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
-#include "server/base/status.h"
+#include "server/maps/catalogue/catalogue_errors.h"
+#include "server/maps/catalogue/coverage_search.h"
 #include "server/maps/catalogue/sqlite_coverage.h"
 #include "server/maps/catalogue/sqlite_rows.h"
 #include "server/maps/catalogue/sqlite_schema.h"
@@ -52,28 +49,12 @@ absl::Status NoteLooseFiles(SqliteDatabase& database, const std::vector<std::str
   return absl::OkStatus();
 }
 
-absl::Status CheckMayBeDeleted(const MapRecord& map, std::int64_t version) {
-  if (map.canary_version == version) {
-    return absl::FailedPreconditionError(absl::StrFormat(
-        "version %d of map %s is the canary; set another one or none", version, Quoted(map.name)));
-  }
-  if (map.active_version == version) {
-    return absl::FailedPreconditionError(absl::StrFormat(
-        "version %d of map %s is active; activate another one or delete the whole map", version,
-        Quoted(map.name)));
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<MapVersionRecord> ReadVersionOrActive(SqliteDatabase& database,
                                                      absl::string_view map_name,
                                                      std::int64_t version) {
   const absl::StatusOr<MapRecord> map = FindMap(database, map_name);
   if (!map.ok()) return map.status();
-  if (version == 0 && map->active_version == 0) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("map ", Quoted(map_name), " has no active version"));
-  }
+  if (version == 0 && map->active_version == 0) return NoActiveVersion(map_name);
   return FindVersion(database, map_name, version == 0 ? map->active_version : version);
 }
 
@@ -230,11 +211,8 @@ absl::Status SqliteCatalogue::SetCanary(absl::string_view map_name, std::int64_t
     if (!map.ok()) return map.status();
     if (version != 0) {
       absl::Status status = FindVersion(database, map_name, version).status();
+      if (status.ok()) status = CheckMayBeCanary(*map, version);
       if (!status.ok()) return status;
-      if (map->active_version == version) {
-        return absl::FailedPreconditionError(absl::StrFormat(
-            "version is %d; it is the active one of map %s", version, Quoted(map_name)));
-      }
     }
     SqliteStatement update(database,
                            "UPDATE map SET canary_version = ?, canary_share = ? WHERE name = ?");
@@ -366,10 +344,7 @@ absl::StatusOr<std::vector<CoverageRecord>> SqliteCatalogue::FindCoverage(
     return FindEarthCoverage(database, prefix, position, radius_m);
   });
   if (!records.ok()) return records;
-  std::ranges::stable_sort(*records, {}, &CoverageRecord::distance_m);
-  if (static_cast<int>(records->size()) > limit) {
-    records->resize(static_cast<std::size_t>(limit));
-  }
+  KeepNearest(limit, &*records);
   return records;
 }
 

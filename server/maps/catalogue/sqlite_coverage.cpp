@@ -1,21 +1,12 @@
 #include "server/maps/catalogue/sqlite_coverage.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
 #include <string>
 #include <utility>
 
-#include "core/geometry/degrees.h"
+#include "server/maps/catalogue/coverage_search.h"
 
 namespace dcloc::server {
 namespace {
-
-/// Of a degree of latitude; its spread over the ellipsoid is 1 %, by which the search is widened.
-constexpr double kDegree_m = 111'320.0;
-constexpr double kWiden = 1.01;
-/// Near the poles a degree of longitude is next to nothing.
-constexpr double kMinCosine = 1e-6;
 
 void BindRectangle(const Rectangle& rectangle, SqliteStatement* statement) {
   statement->Bind(rectangle.min_x)
@@ -33,36 +24,17 @@ Rectangle NextRectangle(SqliteStatement& row) {
   return rectangle;
 }
 
-/// What lies within half of `width` and half of `height` around a place.
-Rectangle Around(double x, double y, double reach_x, double reach_y) {
-  return {.min_x = x - reach_x, .max_x = x + reach_x, .min_y = y - reach_y, .max_y = y + reach_y};
-}
-
-using Nearest = std::map<std::pair<std::string, std::int64_t>, double>;
-
-/// Goes through boxes and keeps each version's least distance within the radius.
+/// Goes through boxes and notes how far each is.
 template <typename Distance>
-absl::Status Collect(SqliteStatement& query, double radius_m, const Distance& distance,
-                     Nearest* nearest) {
+absl::Status Collect(SqliteStatement& query, const Distance& distance, NearestVersions* nearest) {
   while (true) {
     const absl::StatusOr<bool> row = query.Step();
     if (!row.ok()) return row.status();
     if (!*row) return absl::OkStatus();
     std::string map_name = query.NextText();
     const std::int64_t version = query.NextInteger();
-    const double distance_m = distance(NextRectangle(query));
-    if (distance_m > radius_m) continue;
-    const auto [entry, is_new] = nearest->try_emplace({std::move(map_name), version}, distance_m);
-    entry->second = std::min(entry->second, distance_m);
+    nearest->Add(std::move(map_name), version, distance(NextRectangle(query)));
   }
-}
-
-std::vector<CoverageRecord> Records(const Nearest& nearest) {
-  std::vector<CoverageRecord> records;
-  for (const auto& [key, distance_m] : nearest) {
-    records.push_back({.map_name = key.first, .version = key.second, .distance_m = distance_m});
-  }
-  return records;
 }
 
 }  // namespace
@@ -128,25 +100,19 @@ absl::StatusOr<std::vector<CoverageRecord>> FindMapCoverage(SqliteDatabase& data
                         " AND map_name = ?");
   BindRectangle(Around(p_map.x(), p_map.y(), radius_m, radius_m), &query);
   query.Bind(map_name);
-  Nearest nearest;
+  NearestVersions nearest(radius_m);
   absl::Status status = Collect(
-      query, radius_m, [&](const Rectangle& box) { return DistanceTo(box, p_map.x(), p_map.y()); },
-      &nearest);
+      query, [&](const Rectangle& box) { return DistanceTo(box, p_map.x(), p_map.y()); }, &nearest);
   if (!status.ok()) return status;
-  return Records(nearest);
+  return nearest.Records();
 }
 
 absl::StatusOr<std::vector<CoverageRecord>> FindEarthCoverage(SqliteDatabase& database,
                                                               absl::string_view prefix,
                                                               const GeodeticPosition& position,
                                                               double radius_m) {
-  const double cosine = std::max(kMinCosine, std::cos(position.latitude_deg * kRadPerDeg));
-  const double latitude_reach_deg = kWiden * radius_m / kDegree_m;
-  const double longitude_reach_deg = std::min(180.0, latitude_reach_deg / cosine);
-  Nearest nearest;
-  // The date line: boxes across it go on above 180, and a place beside it is near both ends.
-  for (const double turn_deg : {-360.0, 0.0, 360.0}) {
-    const double longitude_deg = position.longitude_deg + turn_deg;
+  NearestVersions nearest(radius_m);
+  for (const EarthWindow& window : EarthWindows(position, radius_m)) {
     SqliteStatement query(database,
                           "SELECT map_name, version, min_longitude_deg, max_longitude_deg,"
                           " min_latitude_deg, max_latitude_deg"
@@ -156,19 +122,13 @@ absl::StatusOr<std::vector<CoverageRecord>> FindEarthCoverage(SqliteDatabase& da
                           " WHERE max_x >= ?1 AND min_x <= ?2 AND max_y >= ?3 AND min_y <= ?4"
                           " AND substr(map_name, 1, length(?5)) = ?5"
                           " AND instr(substr(map_name, length(?5) + 1), '/') = 0");
-    BindRectangle(
-        Around(longitude_deg, position.latitude_deg, longitude_reach_deg, latitude_reach_deg),
-        &query);
+    BindRectangle(window.reach, &query);
     query.Bind(prefix);
     absl::Status status = Collect(
-        query, radius_m,
-        [&](const Rectangle& box) {
-          return kDegree_m * DistanceTo(box, longitude_deg, position.latitude_deg, cosine);
-        },
-        &nearest);
+        query, [&](const Rectangle& box) { return window.DistanceTo_m(box); }, &nearest);
     if (!status.ok()) return status;
   }
-  return Records(nearest);
+  return nearest.Records();
 }
 
 }  // namespace dcloc::server

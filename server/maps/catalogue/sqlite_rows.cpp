@@ -1,16 +1,9 @@
 #include "server/maps/catalogue/sqlite_rows.h"
 
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
-#include "server/base/status.h"
+#include "server/maps/catalogue/catalogue_errors.h"
 #include "server/maps/catalogue/sqlite_schema.h"
 
 namespace dcloc::server {
-
-absl::Status NoSuchMap(absl::string_view map_name) {
-  return absl::NotFoundError(
-      absl::StrCat("map_name is ", Quoted(map_name), "; there is no such map"));
-}
 
 absl::StatusOr<MapRecord> FindMap(SqliteDatabase& database, absl::string_view map_name) {
   SqliteStatement query(database, "SELECT * FROM map_row WHERE name = ?");
@@ -27,8 +20,7 @@ absl::StatusOr<MapVersionRecord> FindVersion(SqliteDatabase& database, absl::str
   const absl::StatusOr<bool> row = query.Bind(map_name).Bind(version).Step();
   if (!row.ok()) return row.status();
   if (*row) return ReadVersion(query);
-  return absl::NotFoundError(
-      absl::StrFormat("version is %d; map %s has no such version", version, Quoted(map_name)));
+  return NoSuchVersion(map_name, version);
 }
 
 absl::StatusOr<std::int64_t> VersionOfFile(SqliteDatabase& database, absl::string_view map_name,

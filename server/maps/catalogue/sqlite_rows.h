@@ -28,8 +28,6 @@ absl::StatusOr<bool> HasVersionOfFile(SqliteDatabase& database, absl::string_vie
 absl::StatusOr<std::int64_t> TakeVersionNumber(SqliteDatabase& database,
                                                absl::string_view map_name);
 
-absl::Status NoSuchMap(absl::string_view map_name);
-
 /// All rows of a query, each as `read` takes it.
 template <typename Record>
 absl::StatusOr<std::vector<Record>> ReadAll(SqliteStatement& query,

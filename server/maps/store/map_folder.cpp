@@ -3,9 +3,11 @@
 #include <map>
 #include <system_error>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "server/base/files.h"
 #include "server/base/sha256.h"
+#include "server/maps/store/copy_map_file.h"
 #include "server/maps/store/read_map.h"
 
 namespace dcloc::server {
@@ -15,8 +17,8 @@ constexpr char kMapExtension[] = ".dcmap";
 /// Files are spread over folders by the first digits of their hash.
 constexpr std::size_t kSpreadDigits = 2;
 
-absl::StatusOr<std::vector<std::filesystem::path>> QuarantinedIn(
-    const std::filesystem::path& folder) {
+/// Of a folder, which need not be there.
+absl::StatusOr<std::vector<std::filesystem::path>> FilesIn(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> paths;
   std::error_code error;
   std::filesystem::directory_iterator entry(folder, error);
@@ -29,12 +31,13 @@ absl::StatusOr<std::vector<std::filesystem::path>> QuarantinedIn(
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<MapFolder>> MapFolder::Open(
-    const std::filesystem::path& folder, const std::filesystem::path& quarantine) {
+absl::StatusOr<std::unique_ptr<MapFolder>> MapFolder::Open(const std::filesystem::path& folder,
+                                                           const std::filesystem::path& quarantine,
+                                                           const std::string& copier) {
   absl::Status status = CreateFolders(folder);
   status.Update(CreateFolders(quarantine));
   if (!status.ok()) return status;
-  return std::unique_ptr<MapFolder>(new MapFolder(folder, quarantine));
+  return std::unique_ptr<MapFolder>(new MapFolder(folder, quarantine, copier));
 }
 
 std::filesystem::path MapFolder::PathIn(const std::filesystem::path& folder,
@@ -46,10 +49,33 @@ std::filesystem::path MapFolder::PathIn(const std::filesystem::path& folder,
 absl::Status MapFolder::Keep(const std::filesystem::path& path, absl::string_view sha256) {
   const std::filesystem::path target = PathOf(sha256);
   if (absl::Status status = CreateFolders(target.parent_path()); !status.ok()) return status;
-  if (absl::Status status = MoveFile(path, target); !status.ok()) return status;
-  absl::Status status = SyncFolder(target.parent_path());
+  absl::Status status = copier_.empty() ? MoveFile(path, target) : Copy(path, sha256);
+  if (!status.ok()) return status;
+  status = SyncFolder(target.parent_path());
   status.Update(SyncFolder(folder_));
   return status;
+}
+
+absl::Status MapFolder::Copy(const std::filesystem::path& path, absl::string_view sha256) const {
+  const std::filesystem::path target = PathOf(sha256);
+  const std::filesystem::path part = absl::StrCat(target.string(), ".", copier_);
+  absl::Status status = RemoveParts(sha256);
+  if (status.ok()) status = CopyMapFile(path, part, sha256, [](std::size_t) { return true; });
+  if (status.ok()) status = MoveFile(part, target);
+  return status.ok() ? RemoveFile(path) : status;
+}
+
+absl::Status MapFolder::RemoveParts(absl::string_view sha256) const {
+  if (copier_.empty()) return absl::OkStatus();
+  const std::filesystem::path whole = PathOf(sha256);
+  const std::string prefix = absl::StrCat(whole.filename().string(), ".");
+  const auto paths = FilesIn(whole.parent_path());
+  if (!paths.ok()) return paths.status();
+  for (const std::filesystem::path& path : *paths) {
+    if (!absl::StartsWith(path.filename().string(), prefix)) continue;
+    if (absl::Status status = RemoveFile(path); !status.ok()) return status;
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::shared_ptr<const RadarMap>> MapFolder::Open(absl::string_view sha256) {
@@ -60,7 +86,10 @@ absl::Status MapFolder::Check(absl::string_view sha256, absl::FunctionRef<bool(s
   return CheckMapFile(PathOf(sha256), sha256, pace);
 }
 
-absl::Status MapFolder::Remove(absl::string_view sha256) { return RemoveFile(PathOf(sha256)); }
+absl::Status MapFolder::Remove(absl::string_view sha256) {
+  absl::Status status = RemoveFile(PathOf(sha256));
+  return status.ok() ? RemoveParts(sha256) : status;
+}
 
 absl::Status MapFolder::Quarantine(absl::string_view sha256) {
   const std::filesystem::path from = PathOf(sha256);
@@ -69,12 +98,12 @@ absl::Status MapFolder::Quarantine(absl::string_view sha256) {
   if (status.ok()) status = MoveFile(from, quarantine_ / from.filename());
   if (status.ok()) status = SyncFolder(quarantine_);
   if (status.ok()) status = SyncFolder(from.parent_path());
-  return status;
+  return status.ok() ? RemoveParts(sha256) : status;
 }
 
 absl::StatusOr<int> MapFolder::RemoveExpiredQuarantine(std::chrono::nanoseconds served,
                                                        std::chrono::nanoseconds limit) {
-  const auto paths = QuarantinedIn(quarantine_);
+  const auto paths = FilesIn(quarantine_);
   if (!paths.ok()) return paths.status();
   std::map<std::string, std::int64_t> sizes;
   for (const std::filesystem::path& path : *paths) {
@@ -94,7 +123,7 @@ absl::StatusOr<int> MapFolder::RemoveExpiredQuarantine(std::chrono::nanoseconds 
 }
 
 absl::StatusOr<int> MapFolder::QuarantinedCount() {
-  const auto paths = QuarantinedIn(quarantine_);
+  const auto paths = FilesIn(quarantine_);
   if (!paths.ok()) return paths.status();
   return static_cast<int>(paths->size());
 }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "server/maps/store/map_files.h"
@@ -9,21 +10,27 @@
 
 namespace dcloc::server {
 
-/// Map files in a local folder: `ab/ab12....dcmap`. Those in quarantine are in another folder of
-/// the same file system, with how long they have been there beside it (`QUARANTINE.ages`).
+/// Map files in a folder: `ab/ab12....dcmap`. Those in quarantine are in another folder of the same
+/// file system, with how long they have been there beside it (`QUARANTINE.ages`).
+///
+/// Several processes may share the folder. Then each keeps files by copying them, under a name of
+/// its own until they are whole. Who keeps, removes or sets aside a file holds it in the catalogue
+/// (Catalogue::HoldFile), and one process at a time calls `RemoveExpiredQuarantine`.
 class MapFolder final : public MapFiles {
  public:
-  /// For a store that is only read: makes no folder.
-  MapFolder(std::filesystem::path folder, std::filesystem::path quarantine)
+  /// For a store that is only read: makes no folder. `copier` names this process among those that
+  /// share the folder; empty: files come from the same file system, and are moved.
+  MapFolder(std::filesystem::path folder, std::filesystem::path quarantine, std::string copier = "")
       : folder_(std::move(folder)),
         quarantine_(std::move(quarantine)),
+        copier_(std::move(copier)),
         ages_(quarantine_.string() + ".ages") {}
 
   /// Makes the folders if they are not there.
   static absl::StatusOr<std::unique_ptr<MapFolder>> Open(const std::filesystem::path& folder,
-                                                         const std::filesystem::path& quarantine);
+                                                         const std::filesystem::path& quarantine,
+                                                         const std::string& copier = "");
 
-  /// `path` lies on the folder's file system.
   absl::Status Keep(const std::filesystem::path& path, absl::string_view sha256) override;
   absl::StatusOr<std::shared_ptr<const RadarMap>> Open(absl::string_view sha256) override;
   absl::Status Check(absl::string_view sha256, absl::FunctionRef<bool(std::size_t)> pace) override;
@@ -42,8 +49,14 @@ class MapFolder final : public MapFiles {
  private:
   std::filesystem::path PathOf(absl::string_view sha256) const { return PathIn(folder_, sha256); }
 
+  /// Copies a file to its place, where it is whole or not at all.
+  absl::Status Copy(const std::filesystem::path& path, absl::string_view sha256) const;
+  /// Removes what copiers that died have left of a file.
+  absl::Status RemoveParts(absl::string_view sha256) const;
+
   const std::filesystem::path folder_;
   const std::filesystem::path quarantine_;
+  const std::string copier_;
   ServedAges ages_;  ///< of what is in quarantine
 };
 

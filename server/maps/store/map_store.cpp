@@ -28,6 +28,9 @@ double ShareOf(absl::string_view map_name, absl::string_view vehicle_id) {
   return kScale * static_cast<double>(std::stoul(digits, nullptr, 16));
 }
 
+/// Held like a file by who counts how long files have been in quarantine.
+constexpr char kQuarantine[] = "quarantine";
+
 }  // namespace
 
 /// One file in memory. Who asks first loads it, who asks meanwhile waits for that.
@@ -231,6 +234,13 @@ absl::StatusOr<int> MapStore::RemoveStaleUploads(std::chrono::nanoseconds served
 
 absl::StatusOr<int> MapStore::RemoveExpiredQuarantine(std::chrono::nanoseconds served) {
   if (options_.quarantine_time.count() == 0) return 0;
+  if (!sweeps_) {
+    // Of the processes that share the files, one counts the time, as long as it lives.
+    absl::StatusOr<Hold> hold = parts_.catalogue->HoldFile(kQuarantine, parts_.holder);
+    if (absl::IsUnavailable(hold.status())) return 0;
+    if (!hold.ok()) return hold.status();
+    sweeps_ = *std::move(hold);
+  }
   return parts_.files->RemoveExpiredQuarantine(served, options_.quarantine_time);
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -117,7 +118,8 @@ class MapStore {
   /// since the call before, which alone makes them older: the host's clock may jump.
   absl::StatusOr<int> RemoveStaleUploads(std::chrono::nanoseconds served);
 
-  /// The same for files that have been in quarantine for too long.
+  /// The same for files that have been in quarantine for too long. Of the processes that share the
+  /// files one does it; the others return 0. Not for several threads at once.
   absl::StatusOr<int> RemoveExpiredQuarantine(std::chrono::nanoseconds served);
 
   /// Files in memory.
@@ -148,6 +150,7 @@ class MapStore {
   const MapStoreOptions options_;
   StoreReport report_;
   TenantQuota quota_;
+  std::optional<Hold> sweeps_;  ///< this process counts the time in quarantine
 
   /// Keeps catalogue and files consistent. Held while a row is written and a file is moved, which
   /// may take as long as the disk likes. Taken before `mutex_`.

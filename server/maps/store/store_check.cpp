@@ -64,7 +64,11 @@ absl::Status FindBroken(Catalogue& catalogue, MapFiles& files, StoreReport* repo
   for (const auto& [sha256, size_bytes] : *wanted) {
     const absl::StatusOr<std::int64_t> size = files.SizeOf(sha256);
     if (!size.ok()) return size.status();
-    if (*size != size_bytes) report->broken_files.push_back(sha256);
+    if (*size == size_bytes) continue;
+    // Another process may have deleted its version meanwhile.
+    const absl::StatusOr<bool> needed = catalogue.HasFile(sha256);
+    if (!needed.ok()) return needed.status();
+    if (*needed) report->broken_files.push_back(sha256);
   }
   return absl::OkStatus();
 }
@@ -95,6 +99,12 @@ absl::StatusOr<std::vector<std::string>> UnaccountedFiles(Catalogue& catalogue, 
   std::set<std::string> known(loose->begin(), loose->end());
   for (const auto& [sha256, size_bytes] : *wanted) known.insert(sha256);
   std::erase_if(*present, [&](const std::string& sha256) { return known.contains(sha256); });
+  if (present->empty()) return present;
+  // One may have been removed meanwhile by a process that deleted its version.
+  const absl::StatusOr<std::vector<std::string>> still_present = files.List();
+  if (!still_present.ok()) return still_present.status();
+  const std::set<std::string> still(still_present->begin(), still_present->end());
+  std::erase_if(*present, [&](const std::string& sha256) { return !still.contains(sha256); });
   std::ranges::sort(*present);
   return present;
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -180,6 +181,29 @@ TEST_F(Simulated, BuildsAndInspectsAMap) {
   EXPECT_EQ(inspected.exit_code, 0) << inspected.err;
   EXPECT_EQ(nlohmann::json::parse(inspected.out), made);
   EXPECT_THAT(Dcloc("map inspect " + File("a.dclm")).out, HasSubstr("name         town\n"));
+}
+
+TEST_F(Simulated, SurveysADriveWithoutItsPoses) {
+  const Result made = Dcloc("map survey " + Dataset() +
+                            " --drive map,live-0 --compare-truth --json --trajectory-out " +
+                            File("s.tum") + " --out " + File("s.dclm"));
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto json = nlohmann::json::parse(made.out);
+  EXPECT_TRUE(json["drives"][0]["is_in_map"]);
+  EXPECT_TRUE(json["drives"][1]["is_in_map"]) << json["drives"][1]["reason"];
+  EXPECT_LT(json["truth"]["rmse_m"], 0.5);
+  EXPECT_EQ(json["truth"]["wrong_loop_count"], 0);
+  EXPECT_EQ(Dcloc("map inspect " + File("s.dclm")).exit_code, 0);
+  const std::string tum = ReadText(File("s.tum"));
+  EXPECT_EQ(std::count(tum.begin(), tum.end(), ' '), 7 * std::count(tum.begin(), tum.end(), '\n'));
+}
+
+TEST_F(Simulated, SurveyWritesNothingWhenNothingMoved) {
+  const Result none =
+      Dcloc("map survey " + Dataset() + " --drive map --to-s 0.3 --out " + File("none.dclm"));
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("map: it moved"));
+  EXPECT_FALSE(std::filesystem::exists(File("none.dclm")));
 }
 
 TEST_F(Simulated, CalibratesARigThatAMapIsBuiltWith) {

@@ -9,11 +9,11 @@ namespace {
 
 TEST(SimulationOptionsTest, EachFieldIsValidated) {
   // A field that is added does not compile here until it has a row below.
-  [[maybe_unused]] const auto& [world, radar, noise, rig_size, seed, length_m, tunnel_m,
-                                map_speed_mps, live_speeds_mps, stops, noise_scale, is_flat, beta_s,
-                                has_elevation, unambiguous_range_rate_mps, range_rate_step_mps,
-                                parked_change_share, clutter_share, ghost_share] =
-      SimulationOptions{};
+  [[maybe_unused]] const auto& [world, radar, noise, rig_size, seed, length_m, tunnel_m, loop_m,
+                                both_ways, map_speed_mps, live_speeds_mps, stops, noise_scale,
+                                is_flat, beta_s, has_elevation, unambiguous_range_rate_mps,
+                                range_rate_step_mps, parked_change_share, clutter_share,
+                                ghost_share] = SimulationOptions{};
   ExpectEachFieldIsValidated<SimulationOptions>(
       {},
       {{"rig_size",
@@ -21,6 +21,7 @@ TEST(SimulationOptionsTest, EachFieldIsValidated) {
         {.nan = kIsAnInteger}},
        {"length_m", [](auto& o, double v) { o.length_m = v; }, {}},
        {"tunnel_m", [](auto& o, double v) { o.tunnel_m = v; }, {.zero = "no tunnel"}},
+       {"loop_m", [](auto& o, double v) { o.loop_m = v; }, {.zero = "a street with two ends"}},
        {"map_speed_mps", [](auto& o, double v) { o.map_speed_mps = v; }, {}},
        {"live_speeds_mps[0]", [](auto& o, double v) { o.live_speeds_mps = {v}; }, {}},
        {"noise_scale", [](auto& o, double v) { o.noise_scale = v; }, {.zero = "no noise"}},
@@ -38,13 +39,25 @@ TEST(SimulationOptionsTest, EachFieldIsValidated) {
        {"ghost_share", [](auto& o, double v) { o.ghost_share = v; }, {.zero = "no ghosts"}}});
 }
 
+TEST(SimulationOptionsTest, ARingIsOfATownOnly) {
+  SimulationOptions options{.loop_m = 1500.0, .both_ways = true};
+  EXPECT_TRUE(Validate(options).ok()) << Validate(options);
+  options.tunnel_m = 100.0;
+  EXPECT_FALSE(Validate(options).ok());
+  options = {.world = WorldKind::kHighway, .loop_m = 1500.0};
+  EXPECT_FALSE(Validate(options).ok());
+  EXPECT_FALSE(Validate(SimulationOptions{.both_ways = true}).ok());
+}
+
 TEST(PassOptionsTest, EachFieldIsValidated) {
-  [[maybe_unused]] const auto& [name, index, mean_speed_mps] = PassOptions{};
+  [[maybe_unused]] const auto& [name, index, mean_speed_mps, begin_m, is_reversed] = PassOptions{};
   ExpectEachFieldIsValidated<PassOptions>(
-      {}, {{"pass index",
-            [](auto& o, double v) { o.index = static_cast<int>(v); },
-            {.nan = kIsAnInteger, .zero = "the map pass"}},
-           {"pass mean_speed_mps", [](auto& o, double v) { o.mean_speed_mps = v; }, {}}});
+      {},
+      {{"pass index",
+        [](auto& o, double v) { o.index = static_cast<int>(v); },
+        {.nan = kIsAnInteger, .zero = "the map pass"}},
+       {"pass begin_m", [](auto& o, double v) { o.begin_m = v; }, {.zero = "where drives begin"}},
+       {"pass mean_speed_mps", [](auto& o, double v) { o.mean_speed_mps = v; }, {}}});
 }
 
 }  // namespace

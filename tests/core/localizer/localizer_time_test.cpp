@@ -75,6 +75,44 @@ TEST_F(LocalizerTimeTest, AClockThatIsSetCostsTwoScans) {
   }
 }
 
+TEST_F(LocalizerTimeTest, ASmallStepOfTheOnlyClockIsSeenByTheMap) {
+  for (const auto by : {milliseconds(-200), milliseconds(200)}) {
+    std::vector<TrueScan> set = drive_;
+    for (std::size_t i = set.size() / 2; i < set.size(); ++i) set[i].scan.stamp += by;
+    Localizer localizer = Started();
+    for (const TrueScan& seen : set) {
+      const auto answer = localizer.Localize(seen.scan);
+      ASSERT_TRUE(answer.ok()) << answer.status();
+      if (answer->state != LocalizationState::kTracking) continue;
+      const double error_m =
+          (answer->T_map_vehicle.translation_m - seen.T_map_vehicle.translation_m).norm();
+      EXPECT_LT(error_m, 0.5);
+      EXPECT_LE(error_m, answer->protection_level_m.value_or(0.0));
+    }
+  }
+}
+
+TEST_F(LocalizerTimeTest, LevelsHoldWhereStampsAreRounded) {
+  std::vector<TrueScan> rounded = drive_;
+  for (std::size_t i = rounded.size() / 3; i < rounded.size(); ++i) {
+    Stamp& stamp = rounded[i].scan.stamp;
+    stamp =
+        Stamp((stamp.time_since_epoch() + milliseconds(25)) / milliseconds(50) * milliseconds(50));
+  }
+  Localizer localizer = Started();
+  double worst_m = 0.0;
+  for (const TrueScan& seen : rounded) {
+    const auto answer = localizer.Localize(seen.scan);
+    ASSERT_TRUE(answer.ok()) << answer.status();
+    if (!answer->protection_level_m) continue;
+    const double error_m =
+        (answer->T_map_vehicle.translation_m - seen.T_map_vehicle.translation_m).norm();
+    worst_m = std::max(worst_m, error_m);
+    EXPECT_LE(error_m, *answer->protection_level_m);
+  }
+  EXPECT_GT(worst_m, 0.2) << "rounding matters";
+}
+
 TEST_F(LocalizerTimeTest, AnotherClockOfOneRadarCostsNothing) {
   Rig rig = FrontRadar();
   for (const char* id : {"second", "third"}) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/core/options/option_fields_check.h"
+
 namespace dcloc {
 namespace {
 
@@ -39,8 +41,8 @@ class FusionTest : public ::testing::Test {
     pass_of_scan_.push_back(pass_);
   }
 
-  std::vector<Landmark> Fuse(FusionOptions options = {}) const {
-    return FuseLandmarks(returns_, pass_of_scan_, options);
+  std::vector<Landmark> Fuse(FusionOptions options = {}, bool has_elevation = false) const {
+    return FuseLandmarks(returns_, pass_of_scan_, has_elevation, options);
   }
 
   std::mt19937 random_{11};
@@ -49,6 +51,8 @@ class FusionTest : public ::testing::Test {
   std::vector<std::uint32_t> pass_of_scan_;
   std::uint32_t pass_ = 0;
 };
+
+TEST(FusionOptionsTest, EachFieldIsBounded) { ExpectEachFieldIsBounded<FusionOptions>(); }
 
 TEST_F(FusionTest, NothingGivesNothing) { EXPECT_TRUE(Fuse().empty()); }
 
@@ -142,7 +146,7 @@ TEST_F(FusionTest, WithElevationHeightsSeparateAndAverage) {
     See({5.0, 5.0, 0.5}, NoiseSeenFrom(0.1 * scan, 0.1, 0.1, 0.2), /*planar=*/false);
     See({5.0, 5.0, 3.5}, NoiseSeenFrom(0.1 * scan, 0.1, 0.1, 0.2), /*planar=*/false);
   }
-  const std::vector<Landmark> landmarks = Fuse({.has_elevation = true, .min_scan_count = 20});
+  const std::vector<Landmark> landmarks = Fuse({.min_scan_count = 20}, true);
   ASSERT_EQ(landmarks.size(), 2U);
   const auto [low, high] = std::minmax(landmarks[0].position_m.z(), landmarks[1].position_m.z());
   EXPECT_NEAR(low, 0.5, 0.12);

@@ -213,11 +213,11 @@ TEST(MapBuilderOptionsTest, EachFieldIsBounded) { ExpectEachFieldIsBounded<MapBu
 TEST(MapBuilderTest, OptionsErrorsNameTheField) {
   MapBuilderOptions options{.name = "street"};
   EXPECT_TRUE(Validate(options).ok());
-  options.cell_m = 0.0;
-  EXPECT_EQ(Validate(options).message(), "cell_m is 0; it must lie in [0.05, 10]");
+  options.fusion.cell_m = 0.0;
+  EXPECT_EQ(Validate(options).message(), "fusion.cell_m is 0; it must lie in [0.05, 10]");
   options = {.name = "bad \xFF"};
   EXPECT_THAT(std::string(Validate(options).message()), HasSubstr("name"));
-  options = {.name = "street", .min_scan_count = 0};
+  options = {.name = "street", .fusion = {.min_scan_count = 0}};
   EXPECT_THAT(std::string(Validate(options).message()), HasSubstr("min_scan_count"));
   options = {.name = "street", .keyframe_spacing_m = std::nan("")};
   EXPECT_THAT(std::string(Validate(options).message()), HasSubstr("keyframe_spacing_m"));

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/core/options/option_fields_check.h"
+
 namespace dcloc {
 namespace {
 
@@ -18,6 +20,10 @@ Vector2fs Scattered(int count, float half_m, unsigned seed) {
   Vector2fs points;
   for (int i = 0; i < count; ++i) points.emplace_back(place_m(random), place_m(random));
   return points;
+}
+
+TEST(RadialStatisticsOptionsTest, EachFieldIsBounded) {
+  ExpectEachFieldIsBounded<RadialStatisticsOptions>();
 }
 
 TEST(RadialStatisticsTest, TurnsAndShiftsChangeNothing) {

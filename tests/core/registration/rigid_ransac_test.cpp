@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <random>
 
+#include "tests/core/options/option_fields_check.h"
+
 namespace dcloc {
 namespace {
 
@@ -32,6 +34,8 @@ Pairs MakePairs(const Pose2& T_a_b, int count, int true_count, float noise_m, un
   std::shuffle(result.pairs.begin(), result.pairs.end(), random);
   return result;
 }
+
+TEST(RigidRansacOptionsTest, EachFieldIsBounded) { ExpectEachFieldIsBounded<RigidRansacOptions>(); }
 
 TEST(RigidRansacTest, FindsAMotionAmongSixtyPercentOutliers) {
   for (unsigned seed = 1; seed <= 10; ++seed) {

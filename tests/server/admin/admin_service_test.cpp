@@ -87,6 +87,9 @@ TEST_F(AdminServiceTest, SessionsAreListedInPages) {
     EXPECT_EQ(session.scan_count(), drove ? 1 : 0);
     EXPECT_EQ(session.state(),
               drove ? v1::LOCALIZATION_STATE_DEAD_RECKONING : v1::LOCALIZATION_STATE_UNSPECIFIED);
+    EXPECT_EQ(session.has_pose(), drove);
+    EXPECT_EQ(session.pose().covariance_size(), drove ? 36 : 0);
+    EXPECT_EQ(session.pose_stamp_ns(), drove ? ScanMessage(1).stamp_ns() : 0);
   }
   EXPECT_THAT(vehicles, ::testing::UnorderedElementsAre("car-1", "car-2", "car-3"));
 }

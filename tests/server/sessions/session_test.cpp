@@ -189,9 +189,9 @@ TEST_F(SessionTest, ASearchThatAFixBeginsIsOnTheLaneOfSearches) {
   std::promise<void> busy;
   std::promise<void> release;
   pool_.Post(
-      [&] {
+      [&busy, released = release.get_future().share()] {
         busy.set_value();
-        release.get_future().wait();
+        released.wait();
       },
       Lane::kLengthy);
   busy.get_future().wait();

@@ -57,6 +57,20 @@ TEST(PathTest, BendTurnsByItsAngle) {
   }
 }
 
+TEST(PathTest, ReversedIsTheSameCurve) {
+  const Path path = Winding();
+  const Path back = path.Reversed();
+  EXPECT_DOUBLE_EQ(back.length_m(), path.length_m());
+  for (const double s : Steps(-5.0, path.length_m() + 5.0, 0.7)) {
+    const PathPoint here = path.At(s);
+    const PathPoint there = back.At(path.length_m() - s);
+    EXPECT_LT((here.position_m - there.position_m).norm(), 1e-9) << s;
+    EXPECT_NEAR(std::cos(here.heading_rad - there.heading_rad), -1.0, 1e-12) << s;
+    EXPECT_NEAR(here.curvature_per_m, -there.curvature_per_m, 1e-12) << s;
+    EXPECT_NEAR(here.curvature_rate_per_m2, there.curvature_rate_per_m2, 1e-12) << s;
+  }
+}
+
 TEST(PathTest, GoesOnStraightBeyondItsEnds) {
   const Path path = Winding();
   EXPECT_EQ(path.At(-4.0).position_m, Eigen::Vector2d(-4.0, 0.0));

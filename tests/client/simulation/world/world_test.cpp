@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numbers>
 
 #include "client/simulation/world/parking.h"
 #include "client/simulation/world/steps.h"
@@ -150,6 +151,26 @@ TEST(ParkingTest, AboutAFifthOfTheParkedVehiclesChanges) {
   EXPECT_NE(poses(1), poses(2));
   EXPECT_NEAR(static_cast<double>(poses(1).size()), static_cast<double>(map.size()),
               0.1 * static_cast<double>(map.size()));
+}
+
+TEST(WorldTest, ARingClosesAndNothingStandsOnIt) {
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    const World world = MakeTownRing(seed, 3000.0, 1500.0);
+    const double lap_m = world.route.length_m();
+    EXPECT_NEAR(lap_m, 1500.0, 450.0) << seed;
+    const PathPoint end = world.route.At(lap_m - 1e-9);
+    const PathPoint start = world.route.At(0.0);
+    EXPECT_LT((end.position_m - start.position_m).norm(), 1e-6) << seed;
+    EXPECT_NEAR(end.heading_rad - start.heading_rad, 2.0 * std::numbers::pi, 1e-6) << seed;
+    const PathPoint second_lap = world.route.At(lap_m + 100.0);
+    EXPECT_LT((second_lap.position_m - world.route.At(100.0).position_m).norm(), 1e-6) << seed;
+    for (const Wall& wall : world.walls) {
+      const Eigen::Vector2d middle = 0.5 * (wall.begin_m + wall.end_m);
+      for (const double s : Steps(0.0, lap_m, 2.0)) {
+        ASSERT_GT((world.route.At(s).position_m - middle).norm(), 3.0) << seed << " at " << s;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -2,45 +2,35 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "server/maps/catalogue/sqlite_catalogue.h"
-#include "tests/core/map/temporary_folder.h"
 #include "tests/server/fixtures/message_of.h"
+#include "tests/server/fixtures/places.h"
 
-// What each catalogue promises of holds. Another implementation gets a line in `kImplementations`.
+// What each catalogue promises of holds.
 namespace dcloc::server {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-struct Implementation {
-  const char* name;
-  std::unique_ptr<Catalogue> (*open)(const std::filesystem::path& folder);
-};
-
-std::unique_ptr<Catalogue> OpenSqlite(const std::filesystem::path& folder) {
-  return *SqliteCatalogue::Open(folder / "catalogue.sqlite");
-}
-
-constexpr Implementation kImplementations[] = {{"Sqlite", &OpenSqlite}};
-
 /// A catalogue with versions 1 and 2 of a map, none of them active.
-class CatalogueHoldsTest : public ::testing::TestWithParam<Implementation> {
+class CatalogueHoldsTest : public ::testing::TestWithParam<CatalogueImplementation> {
  protected:
-  CatalogueHoldsTest() {
+  void SetUp() override {
+    if (!GetParam().is_there) GTEST_SKIP() << GetParam().name << " is not installed";
+    place_ = GetParam().make_place();
+    catalogue_ = place_->Open();
     for (const char digit : {'a', 'b'}) {
       EXPECT_TRUE(catalogue_->AddVersion("town", std::string(64, digit), {}, {}).ok());
     }
   }
 
-  TemporaryFolder folder_;
-  std::unique_ptr<Catalogue> catalogue_ = GetParam().open(folder_.path());
+  std::unique_ptr<CataloguePlace> place_;
+  std::unique_ptr<Catalogue> catalogue_;
 };
 
 TEST_P(CatalogueHoldsTest, AVersionIsDeletedOnceItsLastHolderHasGivenItBack) {
@@ -97,7 +87,7 @@ TEST_P(CatalogueHoldsTest, AHoldMayOutliveItsCatalogue) {
   const Hold file = *catalogue_->HoldFile(std::string(64, 'a'), "a:1");
   catalogue_.reset();
   version = Hold();
-  catalogue_ = GetParam().open(folder_.path());
+  catalogue_ = place_->Open();
   EXPECT_TRUE(catalogue_->DeleteVersion("town", 1).ok());
 }
 
@@ -122,8 +112,8 @@ TEST_P(CatalogueHoldsTest, NoHoldIsTakenWhileItsVersionIsDeleted) {
   for (std::thread& holder : holders) holder.join();
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogues, CatalogueHoldsTest, ::testing::ValuesIn(kImplementations),
-                         [](const auto& instance) { return instance.param.name; });
+INSTANTIATE_TEST_SUITE_P(Catalogues, CatalogueHoldsTest,
+                         ::testing::ValuesIn(CatalogueImplementations()), NameOfImplementation());
 
 }  // namespace
 }  // namespace dcloc::server

@@ -29,6 +29,7 @@ TEST_F(TenantQuotaTest, OfManyUploadsAtOnceOnlyThoseThatFitBegin) {
   std::mutex mutex;
   std::vector<Hold> holds;
   std::vector<std::jthread> threads;
+  threads.reserve(kUploads);
   for (int i = 0; i < kUploads; ++i) {
     threads.emplace_back([&, i] {
       absl::StatusOr<Hold> hold =

@@ -1,0 +1,54 @@
+#include "client/cli/map/map_survey_command.h"
+
+#include <memory>
+
+#include "client/cli/common/anchor_option.h"
+#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/terminal.h"
+#include "client/cli/map/survey_run.h"
+
+namespace dcloc::cli {
+
+void AddMapSurveyCommand(CLI::App& map_command, int& exit_code) {
+  auto arguments = std::make_shared<SurveyArguments>();
+  CLI::App* app = map_command.add_subcommand(
+      "survey", "Make a map of drives whose poses are not known, from their scans alone");
+  AddDatasetOptions(*app, arguments->dataset);
+  app->add_option("--drive", arguments->drives, "Drives to survey: scenes or sequences")
+      ->required()
+      ->delimiter(',')
+      ->type_name("NAME,...");
+  AddRadarsOption(*app, "--radars", arguments->request.radars,
+                  "Radars to survey with; all by default");
+  AddDriveRequestOptions(*app, arguments->request);
+  CLI::Option* gnss =
+      app->add_option("--gnss", arguments->fix_files,
+                      "Position fixes, as `dcloc localize --fixes` reads them; of any of the "
+                      "drives, by their stamps")
+          ->delimiter(',')
+          ->check(CLI::ExistingFile)
+          ->type_name("CSV,...");
+  AddAnchorOption(*app, arguments->anchor)->needs(gnss);
+  app->add_option("--name", arguments->name, "Name of the map; the first drive's by default");
+  app->add_option("--out", arguments->out, "Map file to write")->required()->type_name("FILE");
+  app->add_option("--trajectory-out", arguments->trajectory_file,
+                  "Write the poses of all scans in the map, in the TUM format")
+      ->type_name("FILE");
+  app->add_flag("--compare-truth", arguments->compare_truth,
+                "Say how far the result is from the data set's reference poses, which the survey "
+                "itself does not use");
+  app->add_flag("--json", arguments->json, "Print what was found as JSON");
+  app->footer(
+      "With fixes the map is in their frame, otherwise in one that begins at the first node.\n"
+      "Example, a simulated town that is driven through four times:\n"
+      "  dcloc simulate --out sim --loop-m 1500 --length-m 3000 --rig 5 \\\n"
+      "      --live-speed-kmh 40,50,30\n"
+      "  dcloc map survey --dataset nuscenes --root sim --drive map,live-0,live-1,live-2 \\\n"
+      "      --out town.dclm --compare-truth");
+  app->callback([arguments, &exit_code] {
+    const absl::Status status = RunSurvey(*arguments);
+    exit_code = status.ok() ? kSuccess : Fail(status);
+  });
+}
+
+}  // namespace dcloc::cli

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "client/cli/map/survey_judge.h"
+#include "core/mapping/survey.h"
+
+namespace dcloc::cli {
+
+/// What a survey found: for scripts, and for people.
+nlohmann::ordered_json SurveyJson(std::span<const DriveTrack> tracks, const Survey& survey,
+                                  const std::optional<SurveyJudgement>& judgement);
+std::string SurveyText(std::span<const DriveTrack> tracks, const Survey& survey,
+                       const std::optional<SurveyJudgement>& judgement);
+
+/// The poses of all scans of the drives in the map, in the TUM format: a line "stamp x y z qx qy qz
+/// qw" each, in seconds and metres, by ascending stamp.
+std::string TumOf(std::span<const DriveTrack> tracks, const Survey& survey);
+
+}  // namespace dcloc::cli

@@ -1,0 +1,182 @@
+import type { IncomingMessage, ServerResponse } from "node:http";
+import { status } from "@grpc/grpc-js";
+import { AdminService } from "proto/dcloc/v1/admin_service_pb.ts";
+import { MapService } from "proto/dcloc/v1/map_service_pb.ts";
+import type { Guard } from "./guard.ts";
+import { RequestError, answerFailure, answerJson, cookieOf, parameter, readBody } from "./http.ts";
+import type { Login, Logins } from "./logins.ts";
+import type { PageFiles } from "./page_files.ts";
+import { SharedWatches } from "./shared_watch.ts";
+import { signIn } from "./sign_in.ts";
+import { LiveStreams, answerWatch } from "./streams.ts";
+import { answerDownload, takeUpload } from "./transfers.ts";
+import { type Failure, type Upstream, failureOf } from "./upstream.ts";
+
+const MAX_REQUEST_BYTES = 64 << 10;
+/** Activating and deleting wait for maps to load and sessions to move. */
+const DEADLINE_MS = 60_000;
+
+/** The unary methods that the page may call: all there are of maps and administration. */
+const UNARY_METHODS = new Set(
+  [AdminService, MapService].flatMap((service) =>
+    service.methods
+      .filter((method) => method.methodKind === "unary")
+      .map((method) => `/${service.typeName}/${method.name}`),
+  ),
+);
+
+interface Exchange {
+  request: IncomingMessage;
+  response: ServerResponse;
+  url: URL;
+  login: Login;
+}
+
+/** Answers the browsers' requests. */
+export class App {
+  private readonly live: LiveStreams;
+  private readonly watches: SharedWatches;
+  private readonly cookieName: string;
+
+  constructor(
+    private readonly parts: {
+      upstreams: readonly Upstream[];
+      logins: Logins;
+      guard: Guard;
+      page: PageFiles;
+      tls: boolean;
+      maxWatchCount: number;
+      /** Told of faults of our own. */
+      log: (text: string) => void;
+    },
+  ) {
+    this.live = new LiveStreams(parts.upstreams);
+    this.watches = new SharedWatches(parts.maxWatchCount);
+    // The prefix makes browsers refuse the cookie from anybody but this host over TLS.
+    this.cookieName = parts.tls ? "__Host-dcloc" : "dcloc-console";
+  }
+
+  async answer(request: IncomingMessage, response: ServerResponse): Promise<void> {
+    try {
+      this.parts.guard.protect(response);
+      const refusal = this.parts.guard.refusal(request);
+      if (refusal !== undefined) throw new RequestError(status.PERMISSION_DENIED, refusal);
+      const url = new URL(request.url ?? "/", "http://console");
+      await this.route(url, request, response);
+    } catch (error) {
+      this.answerError(error, response);
+    }
+  }
+
+  private async route(url: URL, request: IncomingMessage, response: ServerResponse): Promise<void> {
+    const [, first = "", second = "", ...rest] = url.pathname.split("/");
+    const method = request.method ?? "";
+    if (first === "api" && method === "GET" && second === "session") {
+      return answerJson(response, this.describe(this.loginOf(request)));
+    }
+    if (first === "api" && method === "POST") return this.changeLogin(second, request, response);
+    const isData = ["rpc", "feed", "watch", "upload", "download"].includes(first);
+    if (!isData) {
+      if (method !== "GET" && method !== "HEAD") {
+        throw new RequestError(status.UNIMPLEMENTED, `${method} is not answered here`);
+      }
+      return this.parts.page.answer(url.pathname, request, response);
+    }
+    const login = this.loginOf(request);
+    if (!login) throw new RequestError(status.UNAUTHENTICATED, "sign in first");
+    return this.answerData(first, second, rest, { request, response, url, login });
+  }
+
+  private async answerData(
+    kind: string,
+    serverName: string,
+    rest: string[],
+    { request, response, url, login }: Exchange,
+  ): Promise<void> {
+    const wanted = { rpc: "POST", upload: "PUT" }[kind] ?? "GET";
+    if (request.method !== wanted) {
+      throw new RequestError(status.UNIMPLEMENTED, `/${kind} takes ${wanted} alone`);
+    }
+    if (kind === "feed") return this.live.answer(login, response);
+    const upstream = this.parts.upstreams.find((u) => u.name === serverName);
+    if (!upstream) throw new RequestError(status.NOT_FOUND, "there is no server of that name");
+    switch (kind) {
+      case "watch": {
+        const sessionId = parameter(url, "session");
+        return answerWatch(this.watches, upstream, login, sessionId, response);
+      }
+      case "download":
+        return answerDownload(upstream, login, url, response);
+      case "upload":
+        return answerBytes(response, await takeUpload(upstream, login, url, request));
+      default:
+        return this.pass(upstream, `/${rest.join("/")}`, { request, response, url, login });
+    }
+  }
+
+  /** Hands a unary call on, as it is. */
+  private async pass(upstream: Upstream, method: string, exchange: Exchange): Promise<void> {
+    if (!UNARY_METHODS.has(method)) {
+      throw new RequestError(status.UNIMPLEMENTED, "the page may not call that");
+    }
+    const { request, response, login } = exchange;
+    const body = await readBody(request, MAX_REQUEST_BYTES);
+    const gone = new AbortController();
+    response.on("close", () => gone.abort());
+    const answer = await upstream.unary(method, login.token, body, DEADLINE_MS, gone.signal);
+    answerBytes(response, answer);
+  }
+
+  private async changeLogin(
+    action: string,
+    request: IncomingMessage,
+    response: ServerResponse,
+  ): Promise<void> {
+    const secret = cookieOf(request, this.cookieName);
+    if (action === "logout") {
+      this.parts.logins.remove(secret);
+      response.setHeader("Set-Cookie", this.cookie("", 0));
+      return answerJson(response, {});
+    }
+    if (action !== "login") throw new RequestError(status.NOT_FOUND, "there is no such address");
+    const token = await signIn(this.parts.upstreams, await readBody(request, MAX_REQUEST_BYTES));
+    this.parts.logins.remove(secret);
+    const added = this.parts.logins.add(token);
+    response.setHeader("Set-Cookie", this.cookie(added));
+    answerJson(response, this.describe(this.parts.logins.find(added)));
+  }
+
+  private cookie(value: string, maxAgeS?: number): string {
+    const secure = this.parts.tls ? "; Secure" : "";
+    const age = maxAgeS === undefined ? "" : `; Max-Age=${maxAgeS}`;
+    return `${this.cookieName}=${value}; Path=/; HttpOnly; SameSite=Strict${secure}${age}`;
+  }
+
+  private describe(login: Login | undefined): object {
+    const servers = this.parts.upstreams.map(({ name, address }) => ({ name, address }));
+    return login ? { signedIn: true, hasToken: login.token !== "", servers } : { signedIn: false };
+  }
+
+  private loginOf(request: IncomingMessage): Login | undefined {
+    return this.parts.logins.find(cookieOf(request, this.cookieName));
+  }
+
+  private answerError(error: unknown, response: ServerResponse): void {
+    const failure: Failure =
+      error instanceof RequestError ? { code: error.code, message: error.message } : failureOf(error);
+    if (failure.code === status.INTERNAL && error instanceof Error) {
+      this.parts.log(error.stack ?? error.message);
+    }
+    if (response.headersSent || response.destroyed) response.destroy();
+    else answerFailure(response, failure);
+  }
+}
+
+function answerBytes(response: ServerResponse, bytes: Buffer): void {
+  response.writeHead(200, {
+    "Content-Type": "application/x-protobuf",
+    "Content-Length": bytes.length,
+    "Cache-Control": "no-store",
+  });
+  response.end(bytes);
+}

@@ -1,0 +1,107 @@
+import type { ServerResponse } from "node:http";
+import { WATCH_HEADER_BYTES, WatchFrameKind } from "../shared/live.ts";
+import { FleetFeed } from "./fleet_feed.ts";
+import type { Login } from "./logins.ts";
+import type { SharedWatches } from "./shared_watch.ts";
+import type { Upstream } from "./upstream.ts";
+
+/** What a page that does not read may hold here; beyond it answers are left out, and counted. */
+const MAX_UNREAD_BYTES = 1 << 20;
+
+function beginStream(response: ServerResponse, type: string): void {
+  response.writeHead(200, {
+    "Content-Type": type,
+    "Cache-Control": "no-store",
+    // A proxy must hand on each frame at once.
+    "X-Accel-Buffering": "no",
+  });
+  response.flushHeaders();
+}
+
+/** The live view: frames of every server, as LiveFrame lines. */
+export class LiveStreams {
+  private readonly feeds = new Map<string, FleetFeed>();
+
+  constructor(private readonly upstreams: readonly Upstream[]) {}
+
+  answer(login: Login, response: ServerResponse): void {
+    beginStream(response, "application/x-ndjson");
+    const leave = this.upstreams.map((upstream) =>
+      this.feedOf(upstream, login).subscribe((line) => {
+        if (response.writableLength > MAX_UNREAD_BYTES || response.destroyed) return false;
+        response.write(line);
+        return true;
+      }),
+    );
+    response.on("close", () => {
+      for (const unsubscribe of leave) unsubscribe();
+      this.forgetUnwatched();
+    });
+  }
+
+  get feedCount(): number {
+    return this.feeds.size;
+  }
+
+  private feedOf(upstream: Upstream, login: Login): FleetFeed {
+    const key = `${upstream.name}/${login.tokenKey}`;
+    let feed = this.feeds.get(key);
+    if (feed === undefined) {
+      feed = new FleetFeed(upstream, login);
+      this.feeds.set(key, feed);
+    }
+    return feed;
+  }
+
+  private forgetUnwatched(): void {
+    for (const [key, feed] of this.feeds) if (!feed.isWatched) this.feeds.delete(key);
+  }
+}
+
+function frame(kind: WatchFrameKind, payload: Uint8Array): Buffer {
+  const bytes = Buffer.allocUnsafe(WATCH_HEADER_BYTES + payload.length);
+  bytes.writeUInt8(kind, 0);
+  bytes.writeUInt32BE(payload.length, 1);
+  bytes.set(payload, WATCH_HEADER_BYTES);
+  return bytes;
+}
+
+/** One session's answers as they come. Rejects, before anything is answered, if it may not be. */
+export async function answerWatch(
+  watches: SharedWatches,
+  upstream: Upstream,
+  login: Login,
+  sessionId: string,
+  response: ServerResponse,
+): Promise<void> {
+  let missed = 0;
+  let toldMissed = 0;
+  const waiting: Buffer[] = [];
+  let begun = false;
+  const write = (bytes: Buffer): void => {
+    if (!begun) waiting.push(bytes);
+    else if (!response.destroyed) response.write(bytes);
+  };
+  const leave = await watches.join(upstream, login, sessionId, {
+    onAnswer(bytes) {
+      if (response.writableLength > MAX_UNREAD_BYTES) {
+        ++missed;
+        return;
+      }
+      if (missed !== toldMissed) {
+        write(frame(WatchFrameKind.Missed, Buffer.from(String(missed))));
+        toldMissed = missed;
+      }
+      write(frame(WatchFrameKind.Answer, bytes));
+    },
+    onEnd(end) {
+      write(frame(WatchFrameKind.End, Buffer.from(JSON.stringify(end))));
+      response.end();
+    },
+  });
+  if (response.destroyed) return leave();
+  response.on("close", leave);
+  beginStream(response, "application/octet-stream");
+  begun = true;
+  for (const bytes of waiting) response.write(bytes);
+}

@@ -1,0 +1,90 @@
+import * as grpc from "@grpc/grpc-js";
+
+/** A message as it is on the wire: the bridge passes it on and does not look inside. */
+export type Bytes = Buffer;
+
+export type ServerStream = grpc.ClientReadableStream<Bytes>;
+export type Upload = grpc.ClientWritableStream<Bytes>;
+
+const asIs = (bytes: Bytes): Bytes => bytes;
+const MAX_MESSAGE_BYTES = 32 << 20;
+const MAX_RECONNECT_MS = 5_000;
+
+/** One dcloc server. Connects when it is first called, and again by itself after a break. */
+export class Upstream {
+  private readonly client: grpc.Client;
+
+  /** `ca` is the authority's certificate (PEM); without it the connection is plaintext. */
+  constructor(
+    readonly name: string,
+    readonly address: string,
+    ca: Buffer | undefined,
+  ) {
+    const credentials = ca ? grpc.credentials.createSsl(ca) : grpc.credentials.createInsecure();
+    this.client = new grpc.Client(address, credentials, {
+      "grpc.max_receive_message_length": MAX_MESSAGE_BYTES,
+      "grpc.max_reconnect_backoff_ms": MAX_RECONNECT_MS,
+      "grpc.initial_reconnect_backoff_ms": 500,
+      // Notices within half a minute that a server is gone without a word.
+      "grpc.keepalive_time_ms": 30_000,
+      "grpc.keepalive_timeout_ms": 10_000,
+      // A server's proxy must not be found through the environment: the token would go there.
+      "grpc.enable_http_proxy": 0,
+    });
+  }
+
+  /** Rejects with grpc.ServiceError. `signal` cancels the call. */
+  unary(
+    method: string,
+    token: string,
+    request: Bytes,
+    deadlineMs: number,
+    signal?: AbortSignal,
+  ): Promise<Bytes> {
+    return new Promise((resolve, reject) => {
+      const call = this.client.makeUnaryRequest(
+        method,
+        asIs,
+        asIs,
+        request,
+        metadataOf(token),
+        { deadline: Date.now() + deadlineMs },
+        (error, response) => (error ? reject(error) : resolve(response!)),
+      );
+      signal?.addEventListener("abort", () => call.cancel(), { once: true });
+    });
+  }
+
+  serverStream(method: string, token: string, request: Bytes): ServerStream {
+    return this.client.makeServerStreamRequest(method, asIs, asIs, request, metadataOf(token));
+  }
+
+  upload(method: string, token: string, done: grpc.requestCallback<Bytes>): Upload {
+    return this.client.makeClientStreamRequest(method, asIs, asIs, metadataOf(token), done);
+  }
+
+  close(): void {
+    this.client.close();
+  }
+}
+
+function metadataOf(token: string): grpc.Metadata {
+  const metadata = new grpc.Metadata();
+  if (token !== "") metadata.set("authorization", `Bearer ${token}`);
+  return metadata;
+}
+
+/** What the page is told of a failed call. */
+export interface Failure {
+  /** A gRPC status code. */
+  code: number;
+  message: string;
+}
+
+export function failureOf(error: unknown): Failure {
+  if (error instanceof Error && "code" in error && typeof error.code === "number") {
+    const details = "details" in error ? String(error.details) : error.message;
+    return { code: error.code, message: details };
+  }
+  return { code: grpc.status.INTERNAL, message: "the bridge failed; its log says why" };
+}

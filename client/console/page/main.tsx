@@ -1,0 +1,11 @@
+import "@fontsource-variable/inter/wght.css";
+import "uplot/dist/uPlot.min.css";
+import "./style.css";
+import { render } from "preact";
+import { Shell } from "./shell.tsx";
+import { startTheme } from "./theme.ts";
+import { chooseLanguage, currentLanguage } from "./texts/texts.ts";
+
+startTheme();
+chooseLanguage(currentLanguage());
+render(<Shell />, document.getElementById("page")!);

@@ -1,0 +1,230 @@
+import type { LivePose } from "../../shared/live.ts";
+import type { Camera } from "./camera.ts";
+import { Fleet, type Loss, State, type Vehicle } from "./fleet.ts";
+import type { Palette } from "./palette.ts";
+
+/** Of a two-dimensional normal distribution: the ellipse that has 95 %. */
+const SIGMAS_OF_95 = 2.4477;
+const LENGTH_M = 4.6;
+const WIDTH_M = 1.9;
+/** Below so many pixels a vehicle is an arrow, above its true size. */
+const MIN_LENGTH_PX = 17;
+const MAX_LABEL_COUNT = 40;
+/** Nearer to one another, two labels cannot be read. */
+const LABEL_WIDTH_PX = 90;
+const LABEL_HEIGHT_PX = 15;
+const MAX_TRAIL_COUNT = 300;
+const HEAT_RADIUS_PX = 26;
+
+export interface Ellipse {
+  major: number;
+  minor: number;
+  /** Of the major axis, from x. */
+  angle: number;
+}
+
+/** The ellipse that holds the position with 95 %; half axes in metres. */
+export function ellipseOf({ xx, xy, yy }: Pick<LivePose, "xx" | "xy" | "yy">): Ellipse {
+  const mean = (xx + yy) / 2;
+  const spread = Math.hypot((xx - yy) / 2, xy);
+  return {
+    major: SIGMAS_OF_95 * Math.sqrt(Math.max(0, mean + spread)),
+    minor: SIGMAS_OF_95 * Math.sqrt(Math.max(0, mean - spread)),
+    angle: Math.atan2(2 * xy, xx - yy) / 2,
+  };
+}
+
+function drawEllipse(
+  context: CanvasRenderingContext2D,
+  camera: Camera,
+  pose: LivePose,
+  colour: string,
+): void {
+  const { major, minor, angle } = ellipseOf(pose);
+  if (major * camera.scale < 4) return;
+  context.beginPath();
+  context.ellipse(
+    camera.toScreenX(pose.x),
+    camera.toScreenY(pose.y),
+    Math.min(major * camera.scale, 1e4),
+    Math.max(1, Math.min(minor * camera.scale, 1e4)),
+    -angle,
+    0,
+    2 * Math.PI,
+  );
+  context.globalAlpha = 0.14;
+  context.fillStyle = colour;
+  context.fill();
+  context.globalAlpha = 0.8;
+  context.strokeStyle = colour;
+  context.lineWidth = 1.2;
+  context.stroke();
+  context.globalAlpha = 1;
+}
+
+function drawBody(
+  context: CanvasRenderingContext2D,
+  camera: Camera,
+  pose: LivePose,
+  colour: string,
+  halo: string,
+): void {
+  const length = Math.max(MIN_LENGTH_PX, LENGTH_M * camera.scale);
+  const width = Math.max(0.62 * MIN_LENGTH_PX, WIDTH_M * camera.scale);
+  const x = camera.toScreenX(pose.x);
+  const y = camera.toScreenY(pose.y);
+  const cos = Math.cos(pose.yaw);
+  const sin = -Math.sin(pose.yaw);
+  const at = (ahead: number, left: number): [number, number] => [
+    x + ahead * cos + left * sin,
+    y + ahead * sin - left * cos,
+  ];
+  context.beginPath();
+  context.moveTo(...at(length / 2, 0));
+  context.lineTo(...at(-length / 2, width / 2));
+  context.lineTo(...at(-0.28 * length, 0));
+  context.lineTo(...at(-length / 2, -width / 2));
+  context.closePath();
+  context.lineWidth = 2.5;
+  context.lineJoin = "round";
+  context.strokeStyle = halo;
+  context.stroke();
+  context.fillStyle = colour;
+  context.fill();
+}
+
+function drawTrail(context: CanvasRenderingContext2D, camera: Camera, trail: number[]): void {
+  context.beginPath();
+  for (let i = 0; i + 1 < trail.length; i += 2) {
+    context.lineTo(camera.toScreenX(trail[i]!), camera.toScreenY(trail[i + 1]!));
+  }
+  context.stroke();
+}
+
+function drawLabel(
+  context: CanvasRenderingContext2D,
+  camera: Camera,
+  pose: LivePose,
+  text: string,
+  palette: Palette,
+): void {
+  const x = camera.toScreenX(pose.x) + Math.max(12, 0.6 * LENGTH_M * camera.scale);
+  const y = camera.toScreenY(pose.y) + 4;
+  context.lineWidth = 3;
+  context.strokeStyle = palette.halo;
+  context.strokeText(text, x, y);
+  context.fillStyle = palette.ink;
+  context.fillText(text, x, y);
+}
+
+/** A lost vehicle is told by a ring as well, not by its colour alone; so is a chosen one. */
+function drawRing(
+  context: CanvasRenderingContext2D,
+  camera: Camera,
+  pose: LivePose,
+  colour: string,
+  radius: number,
+): void {
+  context.beginPath();
+  context.arc(camera.toScreenX(pose.x), camera.toScreenY(pose.y), radius, 0, 2 * Math.PI);
+  context.strokeStyle = colour;
+  context.lineWidth = 2;
+  context.stroke();
+}
+
+interface Placed {
+  vehicle: Vehicle;
+  pose: LivePose;
+}
+
+function visibleOf(vehicles: Iterable<Vehicle>, camera: Camera, nowMs: number): Placed[] {
+  const { minX, minY, maxX, maxY } = camera.bounds;
+  const placed: Placed[] = [];
+  for (const vehicle of vehicles) {
+    const pose = Fleet.poseOf(vehicle, nowMs);
+    if (!pose || pose.x < minX || pose.x > maxX || pose.y < minY || pose.y > maxY) continue;
+    placed.push({ vehicle, pose });
+  }
+  // The lost ones last, on top of all others.
+  return placed.sort((a, b) => a.vehicle.state - b.vehicle.state);
+}
+
+/** Draws those of the vehicles that are in view. */
+export function drawVehicles(
+  context: CanvasRenderingContext2D,
+  camera: Camera,
+  palette: Palette,
+  vehicles: Iterable<Vehicle>,
+  chosen: string | undefined,
+  nowMs: number,
+): void {
+  const placed = visibleOf(vehicles, camera, nowMs);
+  const colourOf = (state: number): string => palette.states[state] ?? palette.states[0]!;
+  if (placed.length <= MAX_TRAIL_COUNT) {
+    context.lineWidth = 2;
+    context.globalAlpha = 0.45;
+    for (const { vehicle } of placed) {
+      context.strokeStyle = colourOf(vehicle.state);
+      drawTrail(context, camera, vehicle.trail);
+    }
+    context.globalAlpha = 1;
+  }
+  for (const { vehicle, pose } of placed) drawEllipse(context, camera, pose, colourOf(vehicle.state));
+  for (const { vehicle, pose } of placed) {
+    const colour = colourOf(vehicle.state);
+    if (vehicle.state === State.Lost) drawRing(context, camera, pose, colour, 15);
+    if (Fleet.key(vehicle.server, vehicle.id) === chosen) {
+      drawRing(context, camera, pose, palette.ink, 20);
+    }
+    drawBody(context, camera, pose, colour, palette.halo);
+  }
+  if (placed.length > MAX_LABEL_COUNT) return;
+  context.font = "600 11.5px 'Inter Variable', sans-serif";
+  context.textAlign = "left";
+  // The state that needs somebody has the first claim to a place.
+  const taken: { x: number; y: number }[] = [];
+  for (const { vehicle, pose } of placed.reverse()) {
+    const [x, y] = [camera.toScreenX(pose.x), camera.toScreenY(pose.y)];
+    if (taken.some((t) => Math.abs(t.x - x) < LABEL_WIDTH_PX && Math.abs(t.y - y) < LABEL_HEIGHT_PX)) {
+      continue;
+    }
+    taken.push({ x, y });
+    drawLabel(context, camera, pose, vehicle.vehicle, palette);
+  }
+}
+
+/** Where vehicles got lost, the brighter the more of them. */
+export function drawHeat(
+  context: CanvasRenderingContext2D,
+  camera: Camera,
+  palette: Palette,
+  losses: readonly Loss[],
+): void {
+  const [r, g, b] = palette.heat;
+  for (const loss of losses) {
+    const x = camera.toScreenX(loss.x);
+    const y = camera.toScreenY(loss.y);
+    const glow = context.createRadialGradient(x, y, 0, x, y, HEAT_RADIUS_PX);
+    glow.addColorStop(0, `rgba(${r}, ${g}, ${b}, 0.35)`);
+    glow.addColorStop(1, `rgba(${r}, ${g}, ${b}, 0)`);
+    context.fillStyle = glow;
+    context.fillRect(x - HEAT_RADIUS_PX, y - HEAT_RADIUS_PX, 2 * HEAT_RADIUS_PX, 2 * HEAT_RADIUS_PX);
+  }
+}
+
+/** The vehicle drawn nearest to a point of the screen, within `radiusPx`. */
+export function vehicleAt(
+  vehicles: Iterable<Vehicle>,
+  camera: Camera,
+  screenX: number,
+  screenY: number,
+  radiusPx: number,
+  nowMs: number,
+): Vehicle | undefined {
+  let best: { vehicle: Vehicle; distance: number } | undefined;
+  for (const { vehicle, pose } of visibleOf(vehicles, camera, nowMs)) {
+    const distance = Math.hypot(camera.toScreenX(pose.x) - screenX, camera.toScreenY(pose.y) - screenY);
+    if (distance <= radiusPx && distance < (best?.distance ?? Infinity)) best = { vehicle, distance };
+  }
+  return best?.vehicle;
+}

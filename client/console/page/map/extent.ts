@@ -1,0 +1,39 @@
+import type { MapInfo } from "proto/dcloc/v1/map_service_pb.ts";
+import type { Bounds } from "./camera.ts";
+import type { Vehicle } from "./fleet.ts";
+
+/** How far from its street a map has landmarks. */
+const MARGIN_M = 80;
+
+/** The rectangle of a map's landmarks. */
+export function extentOf(info: MapInfo | undefined): Bounds | undefined {
+  if (!info?.minMapM || !info.maxMapM) return undefined;
+  return {
+    minX: info.minMapM.x - MARGIN_M,
+    minY: info.minMapM.y - MARGIN_M,
+    maxX: info.maxMapM.x + MARGIN_M,
+    maxY: info.maxMapM.y + MARGIN_M,
+  };
+}
+
+/** The rectangle of the vehicles that have a pose. */
+export function extentOfVehicles(vehicles: Iterable<Vehicle>): Bounds | undefined {
+  let bounds: Bounds | undefined;
+  for (const { pose } of vehicles) {
+    if (!pose) continue;
+    const { x, y } = pose;
+    bounds ??= { minX: x, minY: y, maxX: x, maxY: y };
+    bounds.minX = Math.min(bounds.minX, x);
+    bounds.minY = Math.min(bounds.minY, y);
+    bounds.maxX = Math.max(bounds.maxX, x);
+    bounds.maxY = Math.max(bounds.maxY, y);
+  }
+  return bounds;
+}
+
+/** How far a position is outside of a map's street; 0 inside of its rectangle. */
+export function distanceOutside(info: MapInfo, x: number, y: number): number {
+  const { minMapM: min, maxMapM: max } = info;
+  if (!min || !max) return 0;
+  return Math.hypot(Math.max(min.x - x, 0, x - max.x), Math.max(min.y - y, 0, y - max.y));
+}

@@ -1,0 +1,74 @@
+import { useEffect, useRef } from "preact/hooks";
+import { t } from "../texts/texts.ts";
+import type { Bounds } from "./camera.ts";
+import type { Loss, Vehicle } from "./fleet.ts";
+import { Scene } from "./scene.ts";
+import { TileStore } from "./tile_store.ts";
+
+interface Props {
+  /** The map to draw; undefined: the vehicles alone. */
+  map: { server: string; name: string; version: number } | undefined;
+  extent: Bounds | undefined;
+  vehicles: () => Iterable<Vehicle>;
+  losses?: readonly Loss[];
+  chosen?: string | undefined;
+  follow?: boolean;
+  onChoose?: (vehicle: Vehicle | undefined) => void;
+  onDrawn?: (landmarks: { shown: number; count: number }) => void;
+  /** Changes when there is something new to draw. */
+  tick?: number;
+}
+
+const NO_LOSSES: readonly Loss[] = [];
+
+/** A map with its vehicles, and buttons to move the view. */
+export function MapCanvas(props: Props) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const scene = useRef<Scene>();
+  const tiles = useRef<TileStore>();
+  const { map, extent, vehicles, losses = NO_LOSSES, chosen, follow = false } = props;
+
+  const content = () => ({
+    tiles: tiles.current,
+    extent,
+    vehicles,
+    losses,
+    chosen,
+    follow,
+    ...(props.onChoose ? { onChoose: props.onChoose } : {}),
+    ...(props.onDrawn ? { onDrawn: props.onDrawn } : {}),
+  });
+
+  useEffect(() => {
+    const made = new Scene(canvas.current!, content());
+    scene.current = made;
+    return () => made.close();
+  }, []);
+
+  useEffect(() => {
+    const made =
+      map && new TileStore(map.server, map.name, map.version, () => scene.current?.redraw());
+    tiles.current = made;
+    scene.current?.set(content());
+    return () => made?.close();
+  }, [map?.server, map?.name, map?.version]);
+
+  useEffect(() => scene.current?.set(content()));
+
+  return (
+    <div class="map">
+      <canvas ref={canvas} tabIndex={0} role="application" aria-label={t("map_canvas")} />
+      <div class="map-buttons">
+        <button onClick={() => scene.current?.zoom(1.6)} aria-label={t("zoom_in")} title={t("zoom_in")}>
+          +
+        </button>
+        <button onClick={() => scene.current?.zoom(1 / 1.6)} aria-label={t("zoom_out")} title={t("zoom_out")}>
+          −
+        </button>
+        <button onClick={() => scene.current?.fit()} aria-label={t("fit")} title={t("fit")}>
+          ⤢
+        </button>
+      </div>
+    </div>
+  );
+}

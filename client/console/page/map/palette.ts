@@ -1,0 +1,36 @@
+/** The colours of the canvases, read from the style sheet: one place has them. */
+export interface Palette {
+  theme: string;
+  ground: string;
+  grid: string;
+  gridText: string;
+  coverage: string;
+  landmark: [number, number, number];
+  ink: string;
+  halo: string;
+  states: string[];
+  heat: [number, number, number];
+}
+
+const NUMBERS = /\d+/g;
+
+export function readPalette(): Palette {
+  const style = getComputedStyle(document.documentElement);
+  const value = (name: string): string => style.getPropertyValue(name).trim();
+  const numbers = (name: string): [number, number, number] => {
+    const [r = 0, g = 0, b = 0] = (value(name).match(NUMBERS) ?? []).map(Number);
+    return [r, g, b];
+  };
+  return {
+    theme: value("--theme"),
+    ground: value("--map-ground"),
+    grid: value("--map-grid"),
+    gridText: value("--text-soft"),
+    coverage: value("--map-coverage"),
+    landmark: numbers("--map-landmark"),
+    ink: value("--text"),
+    halo: value("--map-ground"),
+    states: [0, 1, 2, 3, 4].map((state) => value(`--state-${state}`)),
+    heat: numbers("--map-heat"),
+  };
+}

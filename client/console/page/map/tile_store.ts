@@ -1,0 +1,100 @@
+import { MapService, type ReadMapTileResponse } from "proto/dcloc/v1/map_service_pb.ts";
+import { call } from "../wire/calls.ts";
+import { Code, failureOf } from "../wire/failure.ts";
+import { MARGIN_M, type TileId, boundsOf, keyOf, pointCountOf } from "./tile_grid.ts";
+
+const MAX_TILE_COUNT = 128;
+const MAX_CALL_COUNT = 4;
+const RETRY_MS = 5_000;
+
+export interface Tile {
+  id: TileId;
+  data: ReadMapTileResponse;
+  /** The tile drawn, in the colours of `theme`; made when it is first shown. */
+  bitmap?: { theme: string; image: HTMLCanvasElement };
+}
+
+/** The tiles of one version of a map: read as they are wanted, the ones not shown for longest dropped. */
+export class TileStore {
+  private readonly tiles = new Map<string, Tile>();
+  private readonly failedUntil = new Map<string, number>();
+  private readonly calls = new Map<string, AbortController>();
+  private wanted: TileId[] = [];
+
+  constructor(
+    private readonly server: string,
+    private readonly map: string,
+    private readonly version: number,
+    private readonly onTile: () => void,
+  ) {}
+
+  /** What is there of a tile; counts as shown. */
+  get(id: TileId): Tile | undefined {
+    const key = keyOf(id);
+    const tile = this.tiles.get(key);
+    if (tile) {
+      this.tiles.delete(key);
+      this.tiles.set(key, tile);
+    }
+    return tile;
+  }
+
+  /** Reads these, in this order, and no longer those that were wanted before. */
+  want(ids: TileId[]): void {
+    this.wanted = ids.filter((id) => !this.tiles.has(keyOf(id)));
+    const keys = new Set(ids.map(keyOf));
+    for (const [key, stop] of this.calls) if (!keys.has(key)) stop.abort();
+    this.readOn();
+  }
+
+  close(): void {
+    this.want([]);
+  }
+
+  private readOn(): void {
+    const now = Date.now();
+    while (this.calls.size < MAX_CALL_COUNT) {
+      const next = this.wanted.findIndex((id) => (this.failedUntil.get(keyOf(id)) ?? 0) < now);
+      if (next < 0) return;
+      const [id] = this.wanted.splice(next, 1);
+      if (!this.calls.has(keyOf(id!))) void this.read(id!);
+    }
+  }
+
+  private async read(id: TileId): Promise<void> {
+    const key = keyOf(id);
+    const stop = new AbortController();
+    this.calls.set(key, stop);
+    const { minX, minY, maxX, maxY } = boundsOf(id);
+    try {
+      const data = await call(
+        this.server,
+        MapService.method.readMapTile,
+        {
+          mapName: this.map,
+          version: BigInt(this.version),
+          minXM: minX - MARGIN_M,
+          minYM: minY - MARGIN_M,
+          maxXM: maxX + MARGIN_M,
+          maxYM: maxY + MARGIN_M,
+          maxPointCount: pointCountOf(id.level),
+        },
+        stop.signal,
+      );
+      this.keep({ id, data });
+    } catch (error) {
+      if (failureOf(error).code !== Code.Cancelled) this.failedUntil.set(key, Date.now() + RETRY_MS);
+    }
+    this.calls.delete(key);
+    this.onTile();
+    this.readOn();
+  }
+
+  private keep(tile: Tile): void {
+    this.tiles.set(keyOf(tile.id), tile);
+    for (const key of this.tiles.keys()) {
+      if (this.tiles.size <= MAX_TILE_COUNT) break;
+      this.tiles.delete(key);
+    }
+  }
+}

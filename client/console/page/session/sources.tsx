@@ -1,0 +1,33 @@
+import { type Health, SourceFault } from "proto/dcloc/v1/localization_service_pb.ts";
+import { numbered, t } from "../texts/texts.ts";
+
+/** Which of a vehicle's sources take part, and what is wrong with the others. */
+export function Sources({ health }: { health: Health | undefined }) {
+  if (!health) return null;
+  const sources = [
+    { name: t("wheel_speed"), source: health.wheelSpeed },
+    { name: t("yaw_rate"), source: health.yawRate },
+    ...health.radars.map((source) => ({ name: source.radarId, source })),
+  ];
+  return (
+    <section aria-labelledby="sources">
+      <h2 id="sources">{t("sources")}</h2>
+      <ul class="sources">
+        {sources.map(({ name, source }) => {
+          if (!source) return null;
+          const isWell = source.used && source.fault <= SourceFault.NONE;
+          return (
+            <li key={name} class={isWell ? "well" : "ill"}>
+              <strong>{name}</strong>
+              <span>{t(source.used ? "used" : "set_aside")}</span>
+              <span class="soft">
+                {source.fault > SourceFault.NONE &&
+                  numbered("fault_", source.fault, String(source.fault))}
+              </span>
+            </li>
+          );
+        })}
+      </ul>
+    </section>
+  );
+}

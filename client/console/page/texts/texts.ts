@@ -1,0 +1,56 @@
+import { de } from "./de.ts";
+import { type TextKey, en } from "./en.ts";
+
+export type { TextKey };
+
+const LANGUAGES = { en, de } as const;
+export type Language = keyof typeof LANGUAGES;
+export const LANGUAGE_NAMES: Record<Language, string> = { en: "English", de: "Deutsch" };
+
+const STORED = "dcloc.language";
+
+function firstLanguage(): Language {
+  const wanted = localStorage.getItem(STORED) ?? navigator.language.slice(0, 2);
+  return wanted in LANGUAGES ? (wanted as Language) : "en";
+}
+
+let language: Language = firstLanguage();
+
+export function currentLanguage(): Language {
+  return language;
+}
+
+export function chooseLanguage(chosen: Language): void {
+  language = chosen;
+  localStorage.setItem(STORED, chosen);
+  document.documentElement.lang = chosen;
+}
+
+/** The text in the chosen language, with {names} replaced. */
+export function t(key: TextKey, values: Record<string, string | number> = {}): string {
+  const text: string = LANGUAGES[language][key];
+  return text.replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
+}
+
+/** A text whose key is made of a number that a newer server may not have told us of. */
+export function numbered(prefix: string, value: number, otherwise: string): string {
+  const key = `${prefix}${value}`;
+  return key in en ? t(key as TextKey) : otherwise;
+}
+
+export const count = (value: number): string => value.toLocaleString(language);
+
+export const decimals = (value: number, digits: number): string =>
+  value.toLocaleString(language, { minimumFractionDigits: digits, maximumFractionDigits: digits });
+
+export function kilometres(metres: number): string {
+  return `${decimals(metres / 1000, metres < 100_000 ? 2 : 0)} km`;
+}
+
+export function megabytes(bytes: number): string {
+  return bytes < 1e6 ? `${decimals(bytes / 1e3, 0)} kB` : `${decimals(bytes / 1e6, 1)} MB`;
+}
+
+export function dateTime(ms: number): string {
+  return new Date(ms).toLocaleString(language, { dateStyle: "medium", timeStyle: "short" });
+}

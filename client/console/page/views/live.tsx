@@ -1,0 +1,200 @@
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { MapService } from "proto/dcloc/v1/map_service_pb.ts";
+import { extentOf, extentOfVehicles } from "../map/extent.ts";
+import { Fleet, State, type Vehicle, worstPlace } from "../map/fleet.ts";
+import { MapCanvas } from "../map/map_canvas.tsx";
+import { FailureNotice, Loading, Notice } from "../parts/notice.tsx";
+import { useCall } from "../parts/use_call.ts";
+import { t } from "../texts/texts.ts";
+import { type ServerName, call } from "../wire/calls.ts";
+import { CallFailure, Code } from "../wire/failure.ts";
+import type { FleetLink } from "../wire/use_fleet.ts";
+import { type Filter, NO_FILTER, VehicleList, matches } from "./vehicle_list.tsx";
+
+const LOSS_RADIUS_M = 50;
+const LOSS_MINUTES = 10;
+
+/** A map of a server: each has a frame of its own, so one is shown at a time. */
+interface Place {
+  server: string;
+  map: string;
+}
+
+const placeKey = ({ server, map }: Place): string => `${server}/${map}`;
+
+/** The places with vehicles, the one with the most first, and then the other maps. */
+function placesOf(fleet: Fleet, maps: readonly Place[]): Place[] {
+  const counts = new Map<string, Place & { count: number }>();
+  for (const { server, map } of [...fleet.vehicles.values(), ...maps]) {
+    const key = placeKey({ server, map });
+    if (!counts.has(key)) counts.set(key, { server, map, count: 0 });
+  }
+  for (const vehicle of fleet.vehicles.values()) counts.get(placeKey(vehicle))!.count += 1;
+  return [...counts.values()].sort((a, b) => b.count - a.count || a.map.localeCompare(b.map));
+}
+
+function useMaps(servers: readonly ServerName[]): Place[] {
+  const { value } = useCall(
+    async (signal) => {
+      const lists = await Promise.allSettled(
+        servers.map(async ({ name }) => {
+          const { maps } = await call(name, MapService.method.listMaps, {}, signal);
+          return maps.map((map) => ({ server: name, map: map.name }));
+        }),
+      );
+      return lists.flatMap((list) => (list.status === "fulfilled" ? list.value : []));
+    },
+    [servers.length],
+    30_000,
+  );
+  return value ?? [];
+}
+
+/** The active version of a map and where it lies. */
+function useActiveVersion(place: Place | undefined) {
+  return useCall(
+    async (signal) => {
+      if (!place) return undefined;
+      const request = { mapName: place.map };
+      return (await call(place.server, MapService.method.getMapVersion, request, signal)).version;
+    },
+    [place && placeKey(place)],
+    60_000,
+  );
+}
+
+/** The vehicles on their map, and in words beside it. */
+export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readonly ServerName[] }) {
+  const [chosenPlace, setPlace] = useState<string>();
+  const [chosen, setChosen] = useState<string>();
+  const [follow, setFollow] = useState(false);
+  const [filter, setFilter] = useState<Filter>(NO_FILTER);
+  const [showHeat, setShowHeat] = useState(true);
+  const places = placesOf(fleet.fleet, useMaps(servers));
+  // The first choice stays, though other maps may get more vehicles.
+  const first = useRef<string>();
+  if (!first.current && places[0]) first.current = placeKey(places[0]);
+  const wanted = chosenPlace ?? first.current;
+  const place = places.find((p) => placeKey(p) === wanted) ?? places[0];
+  const active = useActiveVersion(place);
+
+  const inPlace = place
+    ? [...fleet.fleet.vehicles.values()].filter((v) => placeKey(v) === placeKey(place))
+    : [];
+  const shown = useRef<Vehicle[]>([]);
+  shown.current = inPlace.filter((vehicle) => matches(vehicle, filter));
+  const losses = place ? fleet.fleet.losses.filter((l) => placeKey(l) === placeKey(place)) : [];
+  const extent = useExtent(active.value?.info && extentOf(active.value.info), inPlace);
+
+  if (fleet.fleet.heardOf.size === 0) return <Loading />;
+  if (!place) return <NoPlaces fleet={fleet.fleet} />;
+  const onChoose = (vehicle: Vehicle | undefined): void => {
+    setChosen(vehicle && Fleet.key(vehicle.server, vehicle.id));
+    if (!vehicle) setFollow(false);
+  };
+  const version = Number(active.value?.version ?? 0n);
+  return (
+    <div class="live">
+      <VehicleList
+        vehicles={inPlace}
+        filter={filter}
+        onFilter={setFilter}
+        chosen={chosen}
+        onChoose={onChoose}
+        follow={follow}
+        onFollow={setFollow}
+      >
+        <label class="place">
+          {t("map")}
+          <select value={placeKey(place)} onChange={(e) => setPlace(e.currentTarget.value)}>
+            {places.map((p) => (
+              <option key={placeKey(p)} value={placeKey(p)}>
+                {servers.length > 1 ? `${p.map} · ${p.server}` : p.map}
+              </option>
+            ))}
+          </select>
+        </label>
+        <Faults fleet={fleet.fleet} />
+      </VehicleList>
+      <div class="stage">
+        <MapCanvas
+          map={version > 0 ? { server: place.server, name: place.map, version } : undefined}
+          extent={extent}
+          vehicles={() => shown.current}
+          losses={showHeat ? losses : []}
+          chosen={chosen}
+          follow={follow}
+          onChoose={onChoose}
+          tick={fleet.tick}
+        />
+        <LossAlarm fleet={fleet.fleet} place={place} />
+        <label class="chip heat-choice">
+          <input type="checkbox" checked={showHeat} onChange={(e) => setShowHeat(e.currentTarget.checked)} />
+          {t("heat")}
+        </label>
+      </div>
+      <Announcements vehicles={inPlace} />
+    </div>
+  );
+}
+
+/** The map's own extent; where it is not known, that of the vehicles as they were first seen. */
+function useExtent(ofMap: ReturnType<typeof extentOf>, vehicles: readonly Vehicle[]) {
+  const ofVehicles = useRef<ReturnType<typeof extentOf>>();
+  if (!ofMap) ofVehicles.current ??= extentOfVehicles(vehicles);
+  const { minX, minY, maxX, maxY } = ofMap ?? ofVehicles.current ?? {};
+  return useMemo(() => ofMap ?? ofVehicles.current, [minX, minY, maxX, maxY]);
+}
+
+function NoPlaces({ fleet }: { fleet: Fleet }) {
+  const [fault] = fleet.faults.values();
+  if (fault) return <FailureNotice failure={new CallFailure(fault.code, fault.message)} />;
+  return (
+    <Notice title={t("no_vehicles_title")}>
+      <p>{t("no_vehicles_text")}</p>
+    </Notice>
+  );
+}
+
+/** Servers whose vehicles are not, or no longer, known. */
+function Faults({ fleet }: { fleet: Fleet }) {
+  return (
+    <>
+      {[...fleet.faults].map(([server, { code }]) => (
+        <p key={server} class="fault small" role="alert">
+          {t(code === Code.PermissionDenied ? "no_permission_sessions" : "old_figures", { server })}
+        </p>
+      ))}
+    </>
+  );
+}
+
+/** Several vehicles that got lost in one place are no fault of the vehicles. */
+function LossAlarm({ fleet, place }: { fleet: Fleet; place: Place }) {
+  const here = fleet.losses.filter((loss) => placeKey(loss) === placeKey(place));
+  const worst = worstPlace(here, LOSS_RADIUS_M, performance.now() - LOSS_MINUTES * 60_000);
+  if (!worst) return null;
+  return (
+    <div class="alarm" role="alert">
+      {t("lost_here", { count: worst.count, radius: LOSS_RADIUS_M, minutes: LOSS_MINUTES })}
+    </div>
+  );
+}
+
+/** Says to who does not see the map which vehicles have got lost. */
+function Announcements({ vehicles }: { vehicles: readonly Vehicle[] }) {
+  const before = useRef(new Set<string>());
+  const [text, setText] = useState("");
+  const lost = vehicles.filter((v) => v.state === State.Lost).map((v) => v.vehicle);
+  const key = lost.join();
+  useEffect(() => {
+    const news = lost.filter((name) => !before.current.has(name));
+    before.current = new Set(lost);
+    if (news.length > 0) setText(news.map((vehicle) => t("just_lost", { vehicle })).join(" "));
+  }, [key]);
+  return (
+    <div class="unseen" aria-live="polite">
+      {text}
+    </div>
+  );
+}

@@ -1,0 +1,164 @@
+import { useState } from "preact/hooks";
+import { type Map as RadarMap, MapBuildState, MapService } from "proto/dcloc/v1/map_service_pb.ts";
+import { Link } from "../parts/link.tsx";
+import { FailureNotice, Loading, Notice } from "../parts/notice.tsx";
+import { pathOf } from "../parts/route.ts";
+import { useCall } from "../parts/use_call.ts";
+import { count, dateTime, decimals, numbered, t } from "../texts/texts.ts";
+import { type ServerName, call } from "../wire/calls.ts";
+import { Code } from "../wire/failure.ts";
+import type { FleetLink } from "../wire/use_fleet.ts";
+import { UploadDialog } from "./upload.tsx";
+
+const MAX_PAGE_COUNT = 20;
+
+/** All maps of a server, page by page. */
+async function listMaps(server: string, signal: AbortSignal): Promise<RadarMap[]> {
+  const maps: RadarMap[] = [];
+  let pageToken = "";
+  for (let page = 0; page < MAX_PAGE_COUNT; ++page) {
+    const request = { pageSize: 1000, pageToken };
+    const answer = await call(server, MapService.method.listMaps, request, signal);
+    maps.push(...answer.maps);
+    pageToken = answer.nextPageToken;
+    if (pageToken === "") break;
+  }
+  return maps;
+}
+
+export function MapsView({ servers, fleet }: { servers: readonly ServerName[]; fleet: FleetLink }) {
+  const [isUploading, setUploading] = useState(false);
+  const [round, setRound] = useState(0);
+  return (
+    <div class="sheet">
+      <div class="sheet-head">
+        <h1>{t("maps")}</h1>
+        <button class="primary" onClick={() => setUploading(true)}>
+          {t("upload")}
+        </button>
+      </div>
+      {servers.map((server) => (
+        <section key={server.name}>
+          {servers.length > 1 && <h2>{server.name}</h2>}
+          <MapsOfServer server={server.name} fleet={fleet} round={round} />
+          <Builds server={server.name} />
+        </section>
+      ))}
+      {isUploading && (
+        <UploadDialog
+          servers={servers}
+          onClose={() => setUploading(false)}
+          onDone={() => setRound((n) => n + 1)}
+        />
+      )}
+    </div>
+  );
+}
+
+function MapsOfServer({ server, fleet, round }: { server: string; fleet: FleetLink; round: number }) {
+  const { value: maps, failure, reload } = useCall((s) => listMaps(server, s), [server, round], 10_000);
+  if (failure && (!maps || failure.code === Code.PermissionDenied)) {
+    return <FailureNotice failure={failure} retry={reload} />;
+  }
+  if (!maps) return <Loading />;
+  if (maps.length === 0) {
+    return (
+      <Notice title={t("no_maps_title")}>
+        <p>{t("no_maps_text")}</p>
+      </Notice>
+    );
+  }
+  const inUse = new Map<string, number>();
+  for (const vehicle of fleet.fleet.vehicles.values()) {
+    if (vehicle.server === server) inUse.set(vehicle.map, (inUse.get(vehicle.map) ?? 0) + 1);
+  }
+  return (
+    <div class="table-frame">
+      <table>
+        <thead>
+          <tr>
+            <th scope="col">{t("map")}</th>
+            <th scope="col">{t("active")}</th>
+            <th scope="col" class="number">
+              {t("versions")}
+            </th>
+            <th scope="col" class="number">
+              {t("sessions")}
+            </th>
+            <th scope="col">{t("created")}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {maps.map((map) => (
+            <tr key={map.name}>
+              <th scope="row">
+                <Link to={pathOf("maps", server, map.name)}>{map.name}</Link>
+              </th>
+              <td>
+                <MapLabels map={map} />
+              </td>
+              <td class="number">{count(map.versionCount)}</td>
+              <td class="number">{count(inUse.get(map.name) ?? 0)}</td>
+              <td>{dateTime(Number(map.createTime?.seconds ?? 0n) * 1000)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function MapLabels({ map }: { map: RadarMap }) {
+  return (
+    <>
+      {map.activeVersion > 0n ? (
+        <span class="label active">{t("version_n", { version: String(map.activeVersion) })}</span>
+      ) : (
+        <span class="soft">{t("none_active")}</span>
+      )}{" "}
+      {map.canaryVersion > 0n && (
+        <span class="label canary">
+          {t("version_n", { version: String(map.canaryVersion) })} ·{" "}
+          {t("canary_share", { percent: decimals(100 * map.canaryShare, 0) })}
+        </span>
+      )}
+    </>
+  );
+}
+
+/** Builds that servers make of scans; nothing is shown where there are none. */
+function Builds({ server }: { server: string }) {
+  const { value } = useCall(
+    async (signal) => (await call(server, MapService.method.listMapBuilds, {}, signal)).builds,
+    [server],
+    5_000,
+  );
+  if (!value || value.length === 0) return null;
+  return (
+    <>
+      <h2>{t("builds")}</h2>
+      <ul class="builds">
+        {value.slice(0, 20).map((build) => (
+          <li key={build.buildId}>
+            <strong>{build.mapName}</strong>
+            <span>{numbered("build_state_", build.state, String(build.state))}</span>
+            {build.state === MapBuildState.RUNNING && (
+              <progress
+                aria-label={build.mapName}
+                max={Math.max(1, Number(build.scanCount))}
+                value={Number(build.doneScanCount)}
+              />
+            )}
+            <span class="soft">
+              {build.errorMessage ||
+                t("build_scans", {
+                  done: count(Number(build.doneScanCount)),
+                  count: count(Number(build.scanCount)),
+                })}
+            </span>
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}

@@ -1,0 +1,209 @@
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { AdminService, type Session } from "proto/dcloc/v1/admin_service_pb.ts";
+import { MapService } from "proto/dcloc/v1/map_service_pb.ts";
+import type { WatchEnd } from "../../shared/live.ts";
+import { distanceOutside, extentOf } from "../map/extent.ts";
+import { Fleet } from "../map/fleet.ts";
+import { MapCanvas } from "../map/map_canvas.tsx";
+import { Dialog } from "../parts/dialog.tsx";
+import { Link } from "../parts/link.tsx";
+import { FailureNotice, Loading, Notice } from "../parts/notice.tsx";
+import { StateMark } from "../parts/state_mark.tsx";
+import { useCall } from "../parts/use_call.ts";
+import { SessionCharts } from "../session/charts.tsx";
+import { explain } from "../session/explain.ts";
+import { History } from "../session/history.ts";
+import { Sources } from "../session/sources.tsx";
+import { count, dateTime, t } from "../texts/texts.ts";
+import { call } from "../wire/calls.ts";
+import { CallFailure, Code } from "../wire/failure.ts";
+import type { FleetLink } from "../wire/use_fleet.ts";
+import { watchSession } from "../wire/watch_stream.ts";
+
+const SHOW_MS = 200;
+const RETRY_MS = 2_000;
+
+/** Watches a session; what uses it is shown again five times a second. */
+function useWatch(server: string, id: string) {
+  const history = useRef(new History());
+  const [tick, setTick] = useState(0);
+  const [end, setEnd] = useState<WatchEnd>();
+  useEffect(() => {
+    let leave: () => void = () => undefined;
+    let retry: ReturnType<typeof setTimeout>;
+    history.current = new History();
+    setEnd(undefined);
+    const watch = (): void => {
+      leave = watchSession(server, id, {
+        onAnswer: (answer) => history.current.take(answer, performance.now()),
+        onMissed: (missed) => (history.current.missed = missed),
+        onEnd: (told) => {
+          if (told.code === Code.Unavailable) retry = setTimeout(watch, RETRY_MS);
+          else setEnd(told);
+        },
+      });
+    };
+    watch();
+    const timer = setInterval(() => setTick((n) => n + 1), SHOW_MS);
+    return () => {
+      leave();
+      clearTimeout(retry);
+      clearInterval(timer);
+    };
+  }, [server, id]);
+  return { history: history.current, tick, end };
+}
+
+/** One session: what it answers, how it got there, and what explains it. */
+export function SessionView({ server, id, fleet }: { server: string; id: string; fleet: FleetLink }) {
+  const { history, tick, end } = useWatch(server, id);
+  const loaded = useCall(
+    async (signal) => {
+      const request = { sessionId: id };
+      return (await call(server, AdminService.method.getSession, request, signal)).session!;
+    },
+    [server, id],
+    2_000,
+  );
+  const session = loaded.value;
+  const mapName = session?.mapName ?? "";
+  const version = Number(session?.mapVersion ?? 0n);
+  const map = useCall(
+    async (signal) => {
+      if (!mapName) return undefined;
+      const request = { mapName, version: BigInt(version) };
+      return (await call(server, MapService.method.getMapVersion, request, signal)).version;
+    },
+    [server, mapName, version],
+  );
+  const extent = useMemo(() => extentOf(map.value?.info), [map.value]);
+  const [isEnding, setEnding] = useState(false);
+  if (!session) {
+    if (!loaded.failure) return <Loading />;
+    return <FailureNotice failure={loaded.failure} retry={loaded.reload} />;
+  }
+  const { last } = history;
+  const key = Fleet.key(server, id);
+  const vehicle = fleet.fleet.vehicles.get(key);
+  return (
+    <div class="session">
+      <section class="session-main">
+        <header class="session-head">
+          <div>
+            <p class="crumbs">
+              <Link to="/live">{t("live")}</Link> / {session.mapName} v{version}
+            </p>
+            <h1>{session.vehicleId}</h1>
+          </div>
+          <StateMark state={last?.state ?? session.state} />
+          {!end && (
+            <button class="danger" onClick={() => setEnding(true)}>
+              {t("end_session")} …
+            </button>
+          )}
+        </header>
+        {end && <Ended end={end} />}
+        <Why history={history} outsideM={map.value?.info && last ? distanceOutside(map.value.info, last.x, last.y) : 0} />
+        {history.missed > 0 && <p class="hint">{t("missed", { count: count(history.missed) })}</p>}
+        <SessionCharts history={history} tick={tick} />
+      </section>
+      <aside class="session-side">
+        <div class="session-map">
+          <MapCanvas
+            map={version > 0 ? { server, name: session.mapName, version } : undefined}
+            extent={extent}
+            vehicles={() => (vehicle ? [vehicle] : [])}
+            chosen={key}
+            tick={fleet.tick}
+          />
+        </div>
+        <Sources health={history.health ?? session.health} />
+        <Facts session={session} />
+      </aside>
+      {isEnding && <EndDialog server={server} session={session} onClose={() => setEnding(false)} />}
+    </div>
+  );
+}
+
+function Ended({ end }: { end: WatchEnd }) {
+  if (end.code === 0 || end.code === Code.NotFound) {
+    const text = end.message ? t("session_over_because", { message: end.message }) : t("session_over");
+    return <Notice title={text} />;
+  }
+  return <FailureNotice failure={new CallFailure(end.code, end.message)} />;
+}
+
+function Why({ history, outsideM }: { history: History; outsideM: number }) {
+  const { samples, rejections, health } = history;
+  const findings = explain({ samples, rejections, health, outsideM, nowMs: performance.now() });
+  return (
+    <section class="why" aria-labelledby="why">
+      <h2 id="why">{t("why")}</h2>
+      {findings.length === 0 ? (
+        <p class="soft">{t("waiting_answers")}</p>
+      ) : (
+        <ul>
+          {findings.map(({ kind, text }) => (
+            <li key={text} class={kind}>
+              {text}
+            </li>
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}
+
+function Facts({ session }: { session: Session }) {
+  const n = (value: bigint): string => count(Number(value));
+  const facts: [string, string][] = [
+    [t("opened"), dateTime(Number(session.openTime?.seconds ?? 0n) * 1000)],
+    [t("scans"), n(session.scanCount)],
+    [t("rejected"), n(session.rejectedScanCount)],
+    [t("dropped"), n(session.droppedScanCount)],
+    [t("missing"), n(session.missingScanCount)],
+    [t("resumed"), n(session.resumeCount)],
+    [t("resets"), n(session.poseResetCount)],
+    [t("peer"), session.peer],
+    [t("session"), session.sessionId],
+  ];
+  return (
+    <section aria-label={t("session")}>
+      <h2>{t("session")}</h2>
+      <dl class="facts">
+        {facts.map(([name, value]) => (
+          <div key={name}>
+            <dt>{name}</dt>
+            <dd>{value}</dd>
+          </div>
+        ))}
+      </dl>
+    </section>
+  );
+}
+
+interface EndProps {
+  server: string;
+  session: Session;
+  onClose: () => void;
+}
+
+function EndDialog({ server, session, onClose }: EndProps) {
+  const [reason, setReason] = useState("");
+  const { sessionId } = session;
+  return (
+    <Dialog
+      title={t("end_session_title", { vehicle: session.vehicleId })}
+      action={t("end_session")}
+      isDangerous
+      onClose={onClose}
+      onDo={() => call(server, AdminService.method.endSession, { sessionId, reason })}
+    >
+      <p>{t("end_session_text")}</p>
+      <label>
+        {t("reason")}
+        <input maxLength={200} value={reason} onInput={(e) => setReason(e.currentTarget.value)} />
+      </label>
+    </Dialog>
+  );
+}

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+
+#include "absl/status/statusor.h"
+#include "client/datasets/bag_mapping.h"
+#include "client/datasets/drive.h"
+#include "client/datasets/drive_request.h"
+
+namespace dcloc {
+
+/// The mapping of a folder's bags: `dcloc_bag.json` beside them, else what `ProposeMapping`
+/// suggests for `bag`. Errors as of either; InvalidArgument where no topic of the bag can be taken
+/// for a radar.
+absl::StatusOr<BagMapping> MappingFor(const std::filesystem::path& bag);
+
+/// Reads the bag "<root>/<request.name>.bag" of ROS 1 by `MappingFor`. Mounts are TF's; how the
+/// radars measure, `dcloc_rig.json` beside the bag says where there is one. Poses are those of the
+/// reference topic, or of TF from the map's frame to the vehicle's; else the odometry's, or none
+/// (`Drive::pose_source`). Ego-velocities are interpolated; absent where there is none within 0.1
+/// s. `Drive::notes` says what was left out, and where a bag is cut off. NotFound for a name, topic
+/// or radar that is not there; other errors name the bag, the topic and what is wrong.
+absl::StatusOr<Drive> ReadRosbagDrive(const std::filesystem::path& root,
+                                      const DriveRequest& request);
+
+}  // namespace dcloc

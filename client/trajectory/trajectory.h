@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/geodetic_anchor.h"
+#include "core/geometry/pose.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+struct TrajectoryPose {
+  Stamp stamp;
+  Pose3 T_map_vehicle;
+};
+
+/// Where a vehicle was over time, by ascending stamp.
+struct Trajectory {
+  std::string name;
+  /// Where the map's frame lies on the Earth; without it there are no latitudes.
+  std::optional<GeodeticAnchor> anchor;
+  std::vector<TrajectoryPose> poses;
+};
+
+}  // namespace dcloc

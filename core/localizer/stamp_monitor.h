@@ -1,0 +1,104 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/options/option_fields.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// What the regularity of stamps is worth.
+struct StampMonitorOptions {
+  /// A radar's period is known after so many intervals.
+  int min_interval_count = 8;
+  /// How much a stamp moves the line of regular stamps, and an interval the period.
+  double phase_gain = 0.15;
+  double period_gain = 0.005;
+  /// Radars keep their period no better than this.
+  std::chrono::nanoseconds usual_jitter = std::chrono::milliseconds(6);
+  /// For so long the largest deviation from the line is held against the stamps.
+  std::chrono::nanoseconds memory = std::chrono::milliseconds(2000);
+  /// A stamp this far from where the line lets expect it, in periods and in time, but by no more
+  /// than `max_step`, may be of a clock that was set, or come after scans that were lost.
+  double min_step_share = 0.4;
+  std::chrono::nanoseconds min_step = std::chrono::milliseconds(40);
+  std::chrono::nanoseconds max_step = std::chrono::milliseconds(1000);
+  /// Nothing is suspected of a radar of whose intervals a larger share is irregular.
+  double max_irregular_share = 0.2;
+  /// A step is decided by so much fit in sum, where scans fit by `min_fit`; and, undecided after so
+  /// many scans, is taken for none.
+  double deciding_fit = 0.15;
+  double min_fit = 0.15;
+  int max_doubtful_scans = 20;
+};
+std::span<const OptionField<StampMonitorOptions>> FieldsOf(const StampMonitorOptions& options);
+absl::Status Validate(const StampMonitorOptions& options);
+
+/// How far the stamp of a scan may be from when the scan was taken, beside that of the others.
+struct StampError {
+  double bound_s = 0.0;  ///< no more than this, as far as the stamps themselves tell
+  double sigma_s = 0.0;  ///< the deviation to that
+  double doubt_s = 0.0;  ///< or by so much, if its clock was set: that is not decided yet
+};
+
+/// Tells from the stamps of each radar how exact they are. Radars scan in a period of their own, so
+/// stamps that leave its line are rounded, jump, or come after scans that were lost (METHOD eq 50).
+/// Stamps that radars share say only that the scans are of one cycle.
+class StampMonitor {
+ public:
+  StampMonitor(std::size_t radar_count, const StampMonitorOptions& options)
+      : options_(options), radars_(radar_count) {}
+
+  /// A scan of radar `index`, stamped so by the radar's own clock. Scans are given in the order of
+  /// arrival, none twice. Gives by how much the clock may have been set, while that is not decided:
+  /// the scan was taken at its stamp, or so much earlier.
+  std::optional<std::chrono::nanoseconds> OnStamp(std::size_t index, Stamp stamp);
+
+  /// Of a step that `OnStamp` has given: how the scan fits the map at its stamp, and where the
+  /// vehicle was without the step. Returns whether the clock was surely set.
+  bool OnFits(std::size_t index, double as_stamped, double without_step);
+
+  /// The scan that was given last, of radar `index`, was refused: it says nothing.
+  void Withdraw(std::size_t index);
+
+  /// Of the newest scan of radar `index`.
+  StampError ErrorOf(std::size_t index) const;
+
+ private:
+  struct Watched {
+    std::optional<Stamp> last;
+    int interval_count = 0;
+    double irregular_share = 0.0;
+    double period_s = 0.0;
+    Stamp phase{};                                 // where the line has the last stamp
+    double deviation_s = 0.0;                      // the largest of late
+    double square_s2 = 0.0;                        // mean
+    std::optional<std::chrono::nanoseconds> step;  // suspected
+    double step_evidence = 0.0;
+    int doubtful_scans = 0;
+  };
+
+  bool IsRegular(const Watched& radar) const;
+  bool Suspect(Watched& radar, std::chrono::nanoseconds interval) const;
+  void Follow(Watched& radar, Stamp stamp) const;
+  void NoteShared(std::size_t index, Stamp stamp);
+
+  // Stamps that radars have in common.
+  struct Shared {
+    std::optional<Stamp> last;
+    double bound_s = 0.0;
+  };
+
+  StampMonitorOptions options_;
+  std::vector<Watched> radars_;
+  Shared shared_;
+  Watched radar_before_;  // the newest scan
+  Shared shared_before_;
+};
+
+}  // namespace dcloc

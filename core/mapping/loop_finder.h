@@ -1,0 +1,70 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/mapping/submap_matcher.h"
+#include "core/mapping/survey_graph.h"
+#include "core/options/option_fields.h"
+
+namespace dcloc {
+
+struct LoopFinderOptions {
+  SubmapMatcherOptions matcher;
+  int neighbour_count = 5;  ///< each node is registered with so many before it
+  RegistrationGate neighbour_gate = {.min_inlier_count = 20, .min_overlap = 0.2};
+  RegistrationGate loop_gate = {.min_inlier_count = 40, .min_overlap = 0.4};
+  /// Nodes of one drive are a loop only over more way than this; before, they are neighbours.
+  double min_loop_way_m = 80.0;
+  double near_m = 12.0;  ///< middles of views that may show the same ground
+  /// How the deviation of one node from another grows with the way between them.
+  double base_sigma_m = 0.1;
+  double base_sigma_rad = 0.003;
+  double drift_share = 0.005;
+  double drift_rad_per_m = 5e-5;
+  /// Where the deviation is larger than this, nearness says nothing: that is for place search.
+  double max_sigma_m = 17.0;
+  std::size_t view_half_count = 1;  ///< nodes before and after that take part in a view
+};
+std::span<const OptionField<LoopFinderOptions>> FieldsOf(const LoopFinderOptions& options);
+absl::Status Validate(const LoopFinderOptions& options);
+
+/// Finds registrations between the nodes of a survey.
+class LoopFinder {
+ public:
+  explicit LoopFinder(const LoopFinderOptions& options = {})
+      : options_(options), matcher_(options.matcher) {}
+
+  /// Registrations of the nodes of one drive with the few before them.
+  std::vector<NetworkEdge> Neighbours(const SurveyGraph& graph, std::size_t drive);
+
+  /// Registrations of nodes that lie near one another by what is known so far, within and between
+  /// drives that are joined: of every `stride`-th node, with the nearest node of each time that a
+  /// drive passes there. None twice. `progress` is told the share done
+  /// and says whether to go on.
+  std::vector<NetworkEdge> NearLoops(const SurveyGraph& graph, std::size_t stride,
+                                     const std::function<bool(double)>& progress);
+
+  /// The registration of node `to` around a supposed place in the frame of node `from`.
+  std::optional<NetworkEdge> Register(const SurveyGraph& graph, std::size_t from, std::size_t to,
+                                      const SubmapGuess& guess, const RegistrationGate& gate);
+
+ private:
+  struct Visit {
+    std::size_t node;
+    double way_m;
+    double distance_m;  // between the middles of the views
+  };
+  std::vector<Visit> VisitsNear(const SurveyGraph& graph, std::size_t node) const;
+  double SigmaAfter(double way_m) const {
+    return options_.base_sigma_m + options_.drift_share * way_m;
+  }
+
+  LoopFinderOptions options_;
+  SubmapMatcher matcher_;
+};
+
+}  // namespace dcloc

@@ -1,0 +1,89 @@
+#include "core/mapping/loop_vote.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace dcloc {
+namespace {
+
+enum class Verdict { kUnrelated, kAgrees, kDisagrees };
+
+double WayBetween(const SurveyGraph& graph, std::size_t a, std::size_t b) {
+  return std::abs(graph.node(a).way_m - graph.node(b).way_m);
+}
+
+// The way around: over `a`, along the drive of the one ends, back over `b`, along the other drive.
+Verdict Compare(const NetworkEdge& a, const NetworkEdge& b, const SurveyGraph& graph,
+                const LoopVoteOptions& options) {
+  if (graph.PlaceOf(a.from).drive != graph.PlaceOf(b.from).drive ||
+      graph.PlaceOf(a.to).drive != graph.PlaceOf(b.to).drive) {
+    return Verdict::kUnrelated;
+  }
+  const double way_from_m = WayBetween(graph, a.from, b.from);
+  const double way_to_m = WayBetween(graph, a.to, b.to);
+  if (way_from_m > options.reach_m || way_to_m > options.reach_m) return Verdict::kUnrelated;
+  const std::vector<Pose2>& T = graph.T_map_nodes;
+  const Pose2 around = a.T_from_to.pose * (T[a.to].Inverse() * T[b.to]) *
+                       b.T_from_to.pose.Inverse() * (T[b.from].Inverse() * T[a.from]);
+  const double way_m = way_from_m + way_to_m;
+  const bool closes =
+      around.translation_m.norm() <= options.tolerance_m + options.tolerance_share * way_m &&
+      std::abs(WrapAngle(around.yaw_rad)) <=
+          options.tolerance_rad + options.tolerance_rad_per_m * way_m;
+  return closes ? Verdict::kAgrees : Verdict::kDisagrees;
+}
+
+}  // namespace
+
+std::span<const OptionField<LoopVoteOptions>> FieldsOf(const LoopVoteOptions& /*options*/) {
+  using O = LoopVoteOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"reach_m", &O::reach_m, 1, 10'000},
+      {"tolerance_m", &O::tolerance_m, 0.01, 100},
+      {"tolerance_share", &O::tolerance_share, 1e-4, 1},
+      {"tolerance_rad", &O::tolerance_rad, 1e-4, 3},
+      {"tolerance_rad_per_m", &O::tolerance_rad_per_m, 1e-6, 1},
+      {"min_support", &O::min_support, 1, 100},
+      {"max_conflict_share", &O::max_conflict_share, 1e-3, 1},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const LoopVoteOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
+std::vector<NetworkEdge> ConfirmedLoops(const std::vector<NetworkEdge>& candidates,
+                                        const SurveyGraph& graph, const LoopVoteOptions& options) {
+  std::vector<std::size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return candidates[i].to; });
+  std::vector<int> support(candidates.size(), 0);
+  std::vector<int> conflict(candidates.size(), 0);
+  for (std::size_t a = 0; a < order.size(); ++a) {
+    for (std::size_t b = a + 1; b < order.size(); ++b) {
+      const NetworkEdge& one = candidates[order[a]];
+      const NetworkEdge& other = candidates[order[b]];
+      if (graph.PlaceOf(one.to).drive != graph.PlaceOf(other.to).drive ||
+          WayBetween(graph, one.to, other.to) > options.reach_m) {
+        break;
+      }
+      const Verdict verdict = Compare(one, other, graph, options);
+      if (verdict == Verdict::kUnrelated) continue;
+      std::vector<int>& tally = verdict == Verdict::kAgrees ? support : conflict;
+      ++tally[order[a]];
+      ++tally[order[b]];
+    }
+  }
+  std::vector<NetworkEdge> confirmed;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const double compared = support[i] + conflict[i];
+    if (support[i] >= options.min_support && conflict[i] <= options.max_conflict_share * compared) {
+      confirmed.push_back(candidates[i]);
+    }
+  }
+  return confirmed;
+}
+
+}  // namespace dcloc

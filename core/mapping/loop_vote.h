@@ -1,0 +1,56 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/mapping/pose_network.h"
+#include "core/mapping/survey_graph.h"
+#include "core/options/option_fields.h"
+
+namespace dcloc {
+
+/// When two loops agree, and how many must.
+struct LoopVoteOptions {
+  /// Loops are compared where both of their ends lie within this on the way of one drive each.
+  double reach_m = 150.0;
+  /// Two loops agree when the way around, over both of them, closes within this, and within the
+  /// shares of the way that lies between their ends.
+  double tolerance_m = 0.6;
+  double tolerance_share = 0.01;
+  double tolerance_rad = 0.02;
+  double tolerance_rad_per_m = 1e-4;
+  int min_support = 2;               ///< loops that agree
+  double max_conflict_share = 0.34;  ///< of the compared ones may disagree
+};
+std::span<const OptionField<LoopVoteOptions>> FieldsOf(const LoopVoteOptions& options);
+absl::Status Validate(const LoopVoteOptions& options);
+
+/// The loops of `candidates` that enough others confirm: a wrong registration is rarely wrong in
+/// the same way twice (pairwise consistency, Mangelson et al., ICRA 2018). The ways between their
+/// ends are those of `graph`.
+std::vector<NetworkEdge> ConfirmedLoops(const std::vector<NetworkEdge>& candidates,
+                                        const SurveyGraph& graph, const LoopVoteOptions& options);
+
+/// The largest set, by greedy choice, of items that all agree pairwise; indices ascend.
+/// `agrees(i, j)` is symmetric.
+template <typename Agrees>
+std::vector<std::size_t> ConsistentSet(std::size_t count, const Agrees& agrees) {
+  std::vector<std::size_t> best;
+  for (std::size_t first = 0; first < count; ++first) {
+    std::vector<std::size_t> set;
+    for (std::size_t step = 0; step < count; ++step) {
+      const std::size_t i = (first + step) % count;
+      bool fits = true;
+      for (const std::size_t member : set) fits = fits && agrees(member, i);
+      if (fits) set.push_back(i);
+    }
+    if (set.size() > best.size()) best = set;
+  }
+  std::ranges::sort(best);
+  return best;
+}
+
+}  // namespace dcloc

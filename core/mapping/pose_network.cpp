@@ -1,0 +1,252 @@
+#include "core/mapping/pose_network.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+#include "absl/strings/str_cat.h"
+#include "core/posegraph/edge_residual.h"
+
+namespace dcloc {
+namespace {
+
+// A vehicle's position from a node's pose, whitened.
+struct FixResidual {
+  NetworkFix fix;
+
+  template <typename T>
+  bool operator()(const T* node, T* residual) const {
+    const T c = ceres::cos(node[2]);
+    const T s = ceres::sin(node[2]);
+    residual[0] = (node[0] + c * fix.p_node.x() - s * fix.p_node.y() - fix.p_map.x()) / fix.sigma_m;
+    residual[1] = (node[1] + s * fix.p_node.x() + c * fix.p_node.y() - fix.p_map.y()) / fix.sigma_m;
+    return true;
+  }
+};
+
+double SquaredDistance(const NetworkFix& fix, std::span<const Pose2> T_map_nodes) {
+  return (T_map_nodes[fix.node] * fix.p_node - fix.p_map).squaredNorm() /
+         (fix.sigma_m * fix.sigma_m);
+}
+
+// What may be wrong: its weight in the surrogate cost of truncated least squares.
+class Doubted {
+ public:
+  explicit Doubted(double max_distance) : max_distance_(max_distance) {}
+
+  // Of a measurement at a squared distance, for the control parameter mu.
+  double Weight(double distance, double mu) const {
+    const double ratio = distance / max_distance_;
+    if (ratio <= mu / (mu + 1.0)) return 1.0;
+    if (ratio >= (mu + 1.0) / mu) return 0.0;
+    return std::sqrt(mu * (mu + 1.0) / ratio) - mu;
+  }
+
+  // At which the surrogate is convex for a measurement at that distance.
+  double ConvexMu(double distance) const {
+    const double excess = 2.0 * distance / max_distance_ - 1.0;
+    return excess <= 0.0 ? 1e6 : 1.0 / excess;
+  }
+
+ private:
+  double max_distance_;
+};
+
+// The first node of each part of the network that has no fix.
+std::vector<std::size_t> NodesToHold(std::size_t node_count, std::span<const NetworkEdge> edges,
+                                     std::span<const NetworkFix> fixes) {
+  const std::vector<std::size_t> part_of = PartsOf(node_count, edges);
+  std::vector<bool> has_fix(node_count, false);
+  for (const NetworkFix& fix : fixes) has_fix[part_of[fix.node]] = true;
+  std::vector<std::size_t> held;
+  for (std::size_t node = 0; node < node_count; ++node) {
+    if (part_of[node] == node && !has_fix[node]) held.push_back(node);
+  }
+  return held;
+}
+
+class Network {
+ public:
+  Network(std::vector<Pose2> T_map_nodes, std::span<const NetworkEdge> edges,
+          std::span<const NetworkFix> fixes, const PoseNetworkOptions& options)
+      : edges_(edges), fixes_(fixes), options_(options), problem_(ProblemOptions()) {
+    blocks_.reserve(T_map_nodes.size());
+    for (const Pose2& T : T_map_nodes) blocks_.push_back(ToParameters(T));
+    for (Eigen::Vector3d& block : blocks_) problem_.AddParameterBlock(block.data(), 3);
+    for (const std::size_t node : NodesToHold(T_map_nodes.size(), edges, fixes)) {
+      problem_.SetParameterBlockConstant(blocks_[node].data());
+    }
+    for (const NetworkEdge& edge : edges) {
+      edge_losses_.push_back(
+          std::make_unique<ceres::LossFunctionWrapper>(nullptr, ceres::TAKE_OWNERSHIP));
+      problem_.AddResidualBlock(
+          EdgeResidual<2>::Make(edge.T_from_to.pose, edge.T_from_to.covariance).release(),
+          edge_losses_.back().get(), blocks_[edge.from].data(), blocks_[edge.to].data());
+    }
+    for (const NetworkFix& fix : fixes) {
+      fix_losses_.push_back(
+          std::make_unique<ceres::LossFunctionWrapper>(nullptr, ceres::TAKE_OWNERSHIP));
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<FixResidual, 2, 3>(new FixResidual{fix}),
+          fix_losses_.back().get(), blocks_[fix.node].data());
+    }
+  }
+
+  std::vector<Pose2> Poses() const {
+    std::vector<Pose2> poses;
+    poses.reserve(blocks_.size());
+    for (const Eigen::Vector3d& block : blocks_) poses.push_back(FromParameters(block));
+    return poses;
+  }
+
+  absl::Status Solve(const std::vector<double>& edge_weights,
+                     const std::vector<double>& fix_weights) {
+    SetWeights(edge_weights, edge_losses_);
+    SetWeights(fix_weights, fix_losses_);
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    solver.max_num_iterations = options_.max_iterations;
+    solver.function_tolerance = 1e-7;
+    solver.logging_type = ceres::SILENT;
+    solver.num_threads = 1;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem_, &summary);
+    if (summary.IsSolutionUsable()) return absl::OkStatus();
+    return absl::FailedPreconditionError(
+        absl::StrCat("the pose graph has no solution: ", summary.message));
+  }
+
+ private:
+  static ceres::Problem::Options ProblemOptions() {
+    ceres::Problem::Options options;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  static void SetWeights(const std::vector<double>& weights,
+                         std::vector<std::unique_ptr<ceres::LossFunctionWrapper>>& losses) {
+    for (std::size_t i = 0; i < losses.size(); ++i) {
+      losses[i]->Reset(new ceres::ScaledLoss(nullptr, weights[i], ceres::TAKE_OWNERSHIP),
+                       ceres::TAKE_OWNERSHIP);
+    }
+  }
+
+  std::span<const NetworkEdge> edges_;
+  std::span<const NetworkFix> fixes_;
+  const PoseNetworkOptions& options_;
+  std::vector<Eigen::Vector3d> blocks_;
+  std::vector<std::unique_ptr<ceres::LossFunctionWrapper>> edge_losses_;
+  std::vector<std::unique_ptr<ceres::LossFunctionWrapper>> fix_losses_;
+  ceres::Problem problem_;
+};
+
+// Sets the weights for poses; the largest change of one.
+template <typename Measurement, typename WeightOf>
+double Reweigh(std::span<const Measurement> measurements, const WeightOf& weight_of,
+               std::vector<double>& weights) {
+  double change = 0.0;
+  for (std::size_t i = 0; i < measurements.size(); ++i) {
+    const double weight = weight_of(measurements[i]);
+    change = std::max(change, std::abs(weight - weights[i]));
+    weights[i] = weight;
+  }
+  return change;
+}
+
+}  // namespace
+
+std::span<const OptionField<PoseNetworkOptions>> FieldsOf(const PoseNetworkOptions& /*options*/) {
+  using O = PoseNetworkOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"max_edge_distance", &O::max_edge_distance, 0.1, 1e6},
+      {"max_fix_distance", &O::max_fix_distance, 0.1, 1e6},
+      {"growth", &O::growth, 1.05, 10},
+      {"max_round_count", &O::max_round_count, 1, 1000},
+      {"max_iterations", &O::max_iterations, 1, 1000},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const PoseNetworkOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
+std::vector<std::size_t> PartsOf(std::size_t node_count, std::span<const NetworkEdge> edges) {
+  std::vector<std::size_t> part_of(node_count);
+  std::iota(part_of.begin(), part_of.end(), std::size_t{0});
+  const auto first_of = [&](std::size_t node) {
+    while (part_of[node] != node) node = part_of[node] = part_of[part_of[node]];
+    return node;
+  };
+  for (const NetworkEdge& edge : edges) {
+    const std::size_t a = first_of(edge.from);
+    const std::size_t b = first_of(edge.to);
+    part_of[std::max(a, b)] = std::min(a, b);
+  }
+  for (std::size_t node = 0; node < node_count; ++node) part_of[node] = first_of(node);
+  return part_of;
+}
+
+double SquaredDistance(const NetworkEdge& edge, std::span<const Pose2> T_map_nodes) {
+  const Pose2 difference =
+      edge.T_from_to.pose.Inverse() * T_map_nodes[edge.from].Inverse() * T_map_nodes[edge.to];
+  Eigen::Vector3d error;
+  error << difference.translation_m, WrapAngle(difference.yaw_rad);
+  return error.dot(edge.T_from_to.covariance.ldlt().solve(error));
+}
+
+absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::vector<Pose2> T_map_nodes,
+                                                 std::span<const NetworkEdge> edges,
+                                                 std::span<const NetworkFix> fixes,
+                                                 const PoseNetworkOptions& options) {
+  NetworkSolution solution{.T_map_nodes = {},
+                           .edge_weights = std::vector<double>(edges.size(), 1.0),
+                           .fix_weights = std::vector<double>(fixes.size(), 1.0)};
+  const Doubted edge_doubt(options.max_edge_distance);
+  const Doubted fix_doubt(options.max_fix_distance);
+  Network network(std::move(T_map_nodes), edges, fixes, options);
+  if (absl::Status status = network.Solve(solution.edge_weights, solution.fix_weights);
+      !status.ok()) {
+    return status;
+  }
+  solution.T_map_nodes = network.Poses();
+  double mu = 1e6;
+  for (const NetworkEdge& edge : edges) {
+    if (edge.is_certain) continue;
+    mu = std::min(mu, edge_doubt.ConvexMu(SquaredDistance(edge, solution.T_map_nodes)));
+  }
+  for (const NetworkFix& fix : fixes) {
+    mu = std::min(mu, fix_doubt.ConvexMu(SquaredDistance(fix, solution.T_map_nodes)));
+  }
+  for (int round = 0; round < options.max_round_count; ++round) {
+    const double change = std::max(
+        Reweigh(
+            edges,
+            [&](const NetworkEdge& edge) {
+              return edge.is_certain
+                         ? 1.0
+                         : edge_doubt.Weight(SquaredDistance(edge, solution.T_map_nodes), mu);
+            },
+            solution.edge_weights),
+        Reweigh(
+            fixes,
+            [&](const NetworkFix& fix) {
+              return fix_doubt.Weight(SquaredDistance(fix, solution.T_map_nodes), mu);
+            },
+            solution.fix_weights));
+    if (change < 1e-3 && mu > 10.0) break;
+    if (absl::Status status = network.Solve(solution.edge_weights, solution.fix_weights);
+        !status.ok()) {
+      return status;
+    }
+    solution.T_map_nodes = network.Poses();
+    mu *= options.growth;
+  }
+  return solution;
+}
+
+}  // namespace dcloc

@@ -1,0 +1,91 @@
+#include "core/mapping/submap_matcher.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/registration/correlative_search.h"
+#include "core/registration/gicp.h"
+#include "core/registration/observability.h"
+#include "core/relocalization/view.h"
+#include "core/uncertainty/registration_factor.h"
+
+namespace dcloc {
+
+std::span<const OptionField<SubmapMatcherOptions>> FieldsOf(
+    const SubmapMatcherOptions& /*options*/) {
+  using O = SubmapMatcherOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"shared_sigma_m", &O::shared_sigma_m, 1e-3, 10},
+      {"shared_sigma_rad", &O::shared_sigma_rad, 1e-5, 1},
+      {"search_sigma_m", &O::search_sigma_m, 0, 100, "every guess is searched around"},
+      {"search_sigmas", &O::search_sigmas, 0.5, 10},
+      {"hypotheses", &O::hypotheses, 1, 100},
+      {"search_point_count", &O::search_point_count, 10, 10'000},
+      {"max_search_cell_m", &O::max_search_cell_m, 0.1, 5},
+      {"min_search_cell_m", &O::min_search_cell_m, 0.1, 5},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const SubmapMatcherOptions& options) {
+  absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(Within("gicp", Validate(options.gicp)));
+  return status;
+}
+
+std::optional<SubmapMatch> SubmapMatcher::Match(std::span<const GaussianPoint<2>> live,
+                                                const LocalMap<2>& target, const SubmapGuess& guess,
+                                                const RegistrationGate& gate) {
+  if (live.empty() || target.empty()) return std::nullopt;
+  double start_sigma_m = guess.sigma_m;
+  std::optional<Registration<2>> best;
+  for (const Pose2& start : Starts(live, target, guess, start_sigma_m)) {
+    GicpOptions gicp = options_.gicp;
+    gicp.initial_blur_m = start_sigma_m;
+    const Registration<2> one = RegisterGicp<2>(live, target, start, gicp, workspace_.finder);
+    if (gate.Accepts(one) && (!best || one.score > best->score)) best = one;
+  }
+  if (!best) return std::nullopt;
+
+  const Observability observed =
+      Observe<2>(live, target, best->T_local_vehicle, best->covariance,
+                 {.max_distance_m = options_.gicp.max_correspondence_distance_m,
+                  .gate_sigmas = options_.gicp.gate_sigmas},
+                 workspace_.shifted_points, workspace_.shifted_finder);
+  Eigen::Matrix3d covariance = ResidualScaledCovariance<2>(*best);
+  covariance.topLeftCorner<2, 2>() += observed.DegeneracyCovariance();
+  covariance.diagonal() +=
+      Eigen::Vector3d(std::pow(options_.shared_sigma_m, 2), std::pow(options_.shared_sigma_m, 2),
+                      std::pow(options_.shared_sigma_rad, 2));
+  return SubmapMatch{.T_target_live = {.pose = best->T_local_vehicle, .covariance = covariance},
+                     .inlier_count = best->inlier_count,
+                     .overlap = best->overlap,
+                     .residual_scale = best->residual_scale,
+                     .observes_all = observed.ObservesAll()};
+}
+
+std::vector<Pose2> SubmapMatcher::Starts(std::span<const GaussianPoint<2>> live,
+                                         const LocalMap<2>& target, const SubmapGuess& guess,
+                                         double& start_sigma_m) const {
+  if (guess.sigma_m < options_.search_sigma_m) return {guess.T_target_live};
+  const double reach_m = options_.search_sigmas * guess.sigma_m;
+  const double cell_m =
+      std::clamp(reach_m / 15.0, options_.min_search_cell_m, options_.max_search_cell_m);
+  start_sigma_m = cell_m;
+  const LikelihoodField field(target, cell_m);
+  const std::vector<Eigen::Vector2f> points =
+      PositionsOf<2>(Subsample<2>(live, options_.search_point_count));
+  const double reach_rad = std::min(options_.search_sigmas * guess.sigma_rad, 3.1);
+  std::vector<Pose2> starts;
+  for (const PoseHypothesis& hypothesis :
+       CorrelativeSearch(points, field,
+                         {.centre_local_vehicle = guess.T_target_live,
+                         .translation_m = reach_m,
+                         .rotation_rad = reach_rad},
+                         options_.hypotheses)) {
+    starts.push_back(hypothesis.T_local_vehicle);
+  }
+  return starts;
+}
+
+}  // namespace dcloc

@@ -1,0 +1,366 @@
+#include "core/mapping/survey.h"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <iterator>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "core/mapping/fix_alignment.h"
+#include "core/mapping/survey_graph.h"
+
+namespace dcloc {
+namespace {
+
+std::size_t LandmarkCount(const DriveTrack& track) {
+  std::size_t count = 0;
+  for (const SurveyNode& node : track.nodes) count += node.landmarks.size();
+  return count;
+}
+
+// Why a drive can be no part of any map; empty where it can.
+std::string WhyUseless(const DriveTrack& track, const SurveyOptions& options) {
+  if (track.scans.empty()) return "it has no scan";
+  if (track.way_m < options.min_way_m) {
+    return absl::StrFormat("it moved %.1f m by its ego-motion; at least %g m make a track",
+                           track.way_m, options.min_way_m);
+  }
+  const std::size_t landmark_count = LandmarkCount(track);
+  if (landmark_count < options.min_landmark_count) {
+    return absl::StrFormat("its scans show %d landmarks; at least %d make a place recognisable",
+                           landmark_count, options.min_landmark_count);
+  }
+  return "";
+}
+
+// The survey of drives that are all fit for it, stage by stage.
+class Surveyor {
+ public:
+  Surveyor(std::vector<const DriveTrack*> tracks, const SurveyOptions& options,
+           const SurveyProgress& progress)
+      : options_(options), progress_(progress), graph_(std::move(tracks)), finder_(options.loops) {}
+
+  absl::Status Run(const std::vector<NetworkFix>& fixes) {
+    absl::Status status = TieNeighbours();
+    if (status.ok()) status = CloseLoops(options_.coarse_stride, "closing loops");
+    if (status.ok()) status = JoinDrives();
+    if (status.ok()) status = PlaceByFixes(fixes);
+    for (int round = 0; round < options_.refine_rounds && status.ok(); ++round) {
+      status = CloseLoops(1, "refining");
+    }
+    return status;
+  }
+
+  const SurveyGraph& graph() const { return graph_; }
+  const std::vector<Pose2>& T_start_nodes() const { return T_start_nodes_; }
+  const std::vector<NetworkEdge>& refused_loops() const { return refused_; }
+  std::size_t unconfirmed_count() const { return unconfirmed_count_; }
+  std::size_t accepted_fix_count() const { return accepted_fix_count_; }
+  const std::string& FindingOf(std::size_t drive) const { return findings_[drive]; }
+
+ private:
+  absl::Status Continue(const char* stage, double share) const {
+    if (progress_(stage, share)) return absl::OkStatus();
+    return absl::CancelledError("the survey was stopped");
+  }
+
+  absl::Status TieNeighbours() {
+    for (std::size_t drive = 0; drive < graph_.drive_count(); ++drive) {
+      const std::vector<NetworkEdge> edges = finder_.Neighbours(graph_, drive);
+      graph_.neighbours.insert(graph_.neighbours.end(), edges.begin(), edges.end());
+      const double share =
+          static_cast<double>(drive + 1) / static_cast<double>(graph_.drive_count());
+      if (absl::Status status = Continue("tying neighbours", share); !status.ok()) return status;
+    }
+    if (absl::Status status = Solve(); !status.ok()) return status;
+    T_start_nodes_ = graph_.T_map_nodes;
+    return absl::OkStatus();
+  }
+
+  // Places that are passed again, as far as drives are joined.
+  absl::Status CloseLoops(std::size_t stride, const char* stage) {
+    absl::Status status;
+    std::vector<NetworkEdge> found = finder_.NearLoops(graph_, stride, [&](double share) {
+      status = Continue(stage, share);
+      return status.ok();
+    });
+    if (!status.ok()) return status;
+    found.insert(found.end(), graph_.loops.begin(), graph_.loops.end());
+    std::vector<NetworkEdge> confirmed = ConfirmedLoops(found, graph_, options_.vote);
+    unconfirmed_count_ = found.size() - confirmed.size();
+    graph_.loops = std::move(confirmed);
+    return Solve();
+  }
+
+  // Drives that are not joined yet are looked for in the largest group, then in the others.
+  absl::Status JoinDrives() {
+    findings_.assign(graph_.drive_count(), "");
+    bool has_joined = true;
+    while (has_joined) {
+      has_joined = false;
+      for (std::size_t drive = 0; drive < graph_.drive_count(); ++drive) {
+        const absl::StatusOr<bool> joined = JoinDrive(drive);
+        if (!joined.ok()) return joined.status();
+        has_joined = has_joined || *joined;
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  // Each group of drives that enough fixes agree with goes into the frame of the fixes.
+  absl::Status PlaceByFixes(const std::vector<NetworkFix>& fixes) {
+    const std::vector<std::size_t> groups = graph_.GroupOfDrives();
+    for (std::size_t group = 0; group < graph_.drive_count(); ++group) {
+      std::vector<NetworkFix> own;
+      for (const NetworkFix& fix : fixes) {
+        if (groups[graph_.PlaceOf(fix.node).drive] == group) own.push_back(fix);
+      }
+      const auto T_map_nodes = AlignWithFixes(graph_.T_map_nodes, own, options_.fix_slack_m);
+      if (!T_map_nodes) continue;
+      MoveGroup(group, *T_map_nodes);
+      graph_.fixes.insert(graph_.fixes.end(), own.begin(), own.end());
+    }
+    return graph_.fixes.empty() ? absl::OkStatus() : Solve();
+  }
+
+  absl::StatusOr<bool> JoinDrive(std::size_t drive) {
+    for (const std::size_t group : GroupsBySize()) {
+      const std::size_t own = graph_.GroupOfDrives()[drive];
+      if (own == group || !tried_.emplace(drive, group, GroupSize(group)).second) continue;
+      PlaceFinder places(options_.places, options_.loops);
+      absl::Status status;
+      const absl::StatusOr<PlaceFinding> found =
+          places.Find(graph_, drive, group, [&](double share) {
+            status = Continue("joining drives", share);
+            return status.ok();
+          });
+      if (!status.ok()) return status;
+      if (!found.ok()) return found.status();
+      findings_[drive] =
+          absl::StrFormat("%d of its views were searched for, %d matched, too few agree",
+                          found->query_count, found->match_count);
+      if (found->loops.empty()) continue;
+      const NetworkEdge& loop = found->loops.front();
+      MoveGroup(own, graph_.T_map_nodes[loop.from] * loop.T_from_to.pose *
+                         graph_.T_map_nodes[loop.to].Inverse());
+      graph_.loops.insert(graph_.loops.end(), found->loops.begin(), found->loops.end());
+      if (absl::Status solved = Solve(); !solved.ok()) return solved;
+      return true;
+    }
+    return false;
+  }
+
+  void MoveGroup(std::size_t group, const Pose2& T_new_old) {
+    const std::vector<std::size_t> groups = graph_.GroupOfDrives();
+    for (std::size_t node = 0; node < graph_.node_count(); ++node) {
+      if (groups[graph_.PlaceOf(node).drive] != group) continue;
+      graph_.T_map_nodes[node] = T_new_old * graph_.T_map_nodes[node];
+    }
+  }
+
+  std::size_t GroupSize(std::size_t group) const {
+    const std::vector<std::size_t> groups = graph_.GroupOfDrives();
+    std::size_t size = 0;
+    for (std::size_t drive = 0; drive < groups.size(); ++drive) {
+      if (groups[drive] == group) size += graph_.track(drive).nodes.size();
+    }
+    return size;
+  }
+
+  std::vector<std::size_t> GroupsBySize() const {
+    std::vector<std::size_t> groups = graph_.GroupOfDrives();
+    std::ranges::sort(groups);
+    groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
+    std::ranges::stable_sort(groups, std::greater<>(),
+                             [&](std::size_t group) { return GroupSize(group); });
+    return groups;
+  }
+
+  // Loops that contradict the others are left out for good.
+  absl::Status Solve() {
+    const auto solution =
+        SolvePoseNetwork(graph_.T_map_nodes, graph_.Edges(), graph_.fixes, options_.network);
+    if (!solution.ok()) return solution.status();
+    graph_.T_map_nodes = solution->T_map_nodes;
+    const std::size_t first_loop = graph_.motions.size() + graph_.neighbours.size();
+    std::vector<NetworkEdge> kept;
+    for (std::size_t i = 0; i < graph_.loops.size(); ++i) {
+      const bool is_accepted = solution->edge_weights[first_loop + i] >= options_.min_weight;
+      (is_accepted ? kept : refused_).push_back(graph_.loops[i]);
+    }
+    graph_.loops = std::move(kept);
+    accepted_fix_count_ = static_cast<std::size_t>(std::ranges::count_if(
+        solution->fix_weights, [&](double weight) { return weight >= options_.min_weight; }));
+    return absl::OkStatus();
+  }
+
+  const SurveyOptions& options_;
+  const SurveyProgress& progress_;
+  SurveyGraph graph_;
+  LoopFinder finder_;
+  std::vector<Pose2> T_start_nodes_;
+  std::vector<NetworkEdge> refused_;
+  std::size_t unconfirmed_count_ = 0;
+  std::size_t accepted_fix_count_ = 0;
+  std::vector<std::string> findings_;                                  // by drive
+  std::set<std::tuple<std::size_t, std::size_t, std::size_t>> tried_;  // drive, group, its size
+};
+
+SurveyLoop Describe(const NetworkEdge& loop, const SurveyGraph& graph,
+                    const std::vector<std::size_t>& track_of, bool is_accepted) {
+  const SurveyGraph::Place from = graph.PlaceOf(loop.from);
+  const SurveyGraph::Place to = graph.PlaceOf(loop.to);
+  return {.drive_from = track_of[from.drive],
+          .node_from = from.index,
+          .drive_to = track_of[to.drive],
+          .node_to = to.index,
+          .T_from_to = loop.T_from_to.pose,
+          .distance = SquaredDistance(loop, graph.T_map_nodes),
+          .is_accepted = is_accepted};
+}
+
+// The vehicle between two scans, at a steady motion.
+Pose2 Between(const TrackedScan& before, const TrackedScan& after, Stamp stamp) {
+  const double share = std::chrono::duration<double>(stamp - before.stamp) /
+                       std::chrono::duration<double>(after.stamp - before.stamp);
+  const Pose2 moved = before.T_odometry_vehicle.Inverse() * after.T_odometry_vehicle;
+  return before.T_odometry_vehicle * Exp(Eigen::Vector3d(share * Log(moved)));
+}
+
+// Each fix at the node before it. Those outside of the drives' time are left out.
+std::vector<NetworkFix> TieFixes(std::span<const SurveyFix> fixes,
+                                 const std::vector<std::size_t>& track_of,
+                                 const SurveyGraph& graph) {
+  std::vector<NetworkFix> ties;
+  for (const SurveyFix& fix : fixes) {
+    const auto drive = std::ranges::find(track_of, fix.drive);
+    if (drive == track_of.end()) continue;
+    const auto index = static_cast<std::size_t>(drive - track_of.begin());
+    const DriveTrack& track = graph.track(index);
+    const auto scan = std::ranges::lower_bound(track.scans, fix.stamp, {}, &TrackedScan::stamp);
+    if (scan == track.scans.end() || scan == track.scans.begin()) continue;
+    const auto next = std::ranges::upper_bound(track.nodes, fix.stamp, {}, &SurveyNode::stamp);
+    const std::size_t node =
+        next == track.nodes.begin() ? 0 : static_cast<std::size_t>(next - track.nodes.begin()) - 1;
+    const Pose2 T_node_vehicle =
+        track.nodes[node].T_odometry_node.Inverse() * Between(*std::prev(scan), *scan, fix.stamp);
+    ties.push_back({.node = graph.NodeAt({index, node}),
+                    .p_node = T_node_vehicle.translation_m,
+                    .p_map = fix.p_map,
+                    .sigma_m = fix.sigma_m});
+  }
+  return ties;
+}
+
+// For each drive the first one of those that lie in one frame with it: by edges or by fixes.
+std::vector<std::size_t> FrameOfDrives(const SurveyGraph& graph) {
+  std::vector<std::size_t> frames = graph.GroupOfDrives();
+  const std::vector<bool> has_fix = graph.HasFix();
+  const auto first = static_cast<std::size_t>(std::ranges::find(has_fix, true) - has_fix.begin());
+  for (std::size_t drive = 0; drive < frames.size(); ++drive) {
+    if (has_fix[drive]) frames[drive] = frames[first];
+  }
+  return frames;
+}
+
+// The frame with the longest way in it.
+std::size_t MainFrame(const SurveyGraph& graph, const std::vector<std::size_t>& groups) {
+  std::vector<double> way_m(groups.size(), 0.0);
+  for (std::size_t drive = 0; drive < groups.size(); ++drive) {
+    way_m[groups[drive]] += graph.track(drive).way_m;
+  }
+  return static_cast<std::size_t>(std::ranges::max_element(way_m) - way_m.begin());
+}
+
+Survey Collect(const Surveyor& surveyor, const std::vector<std::size_t>& track_of,
+               std::vector<SurveyedDrive> drives) {
+  const SurveyGraph& graph = surveyor.graph();
+  const std::vector<std::size_t> frames = FrameOfDrives(graph);
+  const std::size_t main_frame = MainFrame(graph, frames);
+  std::size_t node = 0;
+  for (std::size_t i = 0; i < graph.drive_count(); ++i) {
+    SurveyedDrive& drive = drives[track_of[i]];
+    drive.T_map_nodes = graph.PosesOf(i);
+    const auto count = static_cast<std::ptrdiff_t>(drive.T_map_nodes.size());
+    const auto begin = surveyor.T_start_nodes().begin() + static_cast<std::ptrdiff_t>(node);
+    drive.T_start_nodes.assign(begin, begin + count);
+    node += static_cast<std::size_t>(count);
+    drive.is_in_map = frames[i] == main_frame;
+    if (!drive.is_in_map) {
+      drive.reason = absl::StrCat("it shares no ground with the others: ", surveyor.FindingOf(i));
+    }
+  }
+  for (const NetworkEdge& edge : graph.neighbours) {
+    ++drives[track_of[graph.PlaceOf(edge.from).drive]].neighbour_count;
+  }
+  Survey survey{.drives = std::move(drives),
+                .loops = {},
+                .unconfirmed_loop_count = surveyor.unconfirmed_count()};
+  for (const NetworkEdge& loop : graph.loops) {
+    survey.loops.push_back(Describe(loop, graph, track_of, true));
+  }
+  for (const NetworkEdge& loop : surveyor.refused_loops()) {
+    survey.loops.push_back(Describe(loop, graph, track_of, false));
+  }
+  return survey;
+}
+
+}  // namespace
+
+std::span<const OptionField<SurveyOptions>> FieldsOf(const SurveyOptions& /*options*/) {
+  using O = SurveyOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"refine_rounds", &O::refine_rounds, 0, 100, "loops are looked for once"},
+      {"coarse_stride", &O::coarse_stride, 1, 1000},
+      {"min_way_m", &O::min_way_m, 1, 10'000},
+      {"min_landmark_count", &O::min_landmark_count, 1, 1e9},
+      {"min_weight", &O::min_weight, 0.01, 0.99},
+      {"fix_slack_m", &O::fix_slack_m, 0, 100, "drives are not bent"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const SurveyOptions& options) {
+  absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(Within("loops", Validate(options.loops)));
+  status.Update(Within("vote", Validate(options.vote)));
+  status.Update(Within("places", Validate(options.places)));
+  status.Update(Within("network", Validate(options.network)));
+  return status;
+}
+
+absl::StatusOr<Survey> SurveyDrives(std::span<const DriveTrack> tracks,
+                                    std::span<const SurveyFix> fixes, const SurveyOptions& options,
+                                    const SurveyProgress& progress) {
+  if (absl::Status status = Validate(options); !status.ok()) return status;
+  std::vector<SurveyedDrive> drives;
+  std::vector<std::size_t> track_of;  // of each drive that is fit
+  std::vector<const DriveTrack*> fit;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    drives.push_back({.name = tracks[i].name, .reason = WhyUseless(tracks[i], options)});
+    if (!drives.back().reason.empty()) continue;
+    track_of.push_back(i);
+    fit.push_back(&tracks[i]);
+  }
+  if (fit.empty()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("no drive can be surveyed: ",
+                     absl::StrJoin(drives, "; ", [](std::string* text, const SurveyedDrive& drive) {
+                       absl::StrAppend(text, drive.name, ": ", drive.reason);
+                     })));
+  }
+  Surveyor surveyor(std::move(fit), options, progress);
+  const std::vector<NetworkFix> ties = TieFixes(fixes, track_of, surveyor.graph());
+  if (absl::Status status = surveyor.Run(ties); !status.ok()) return status;
+  Survey survey = Collect(surveyor, track_of, std::move(drives));
+  survey.fix_count = ties.size();
+  survey.accepted_fix_count = surveyor.accepted_fix_count();
+  return survey;
+}
+
+}  // namespace dcloc

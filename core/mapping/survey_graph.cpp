@@ -1,0 +1,130 @@
+#include "core/mapping/survey_graph.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <span>
+#include <utility>
+
+namespace dcloc {
+
+SurveyGraph::SurveyGraph(std::vector<const DriveTrack*> tracks) : tracks_(std::move(tracks)) {
+  for (const DriveTrack* const each : tracks_) {
+    const DriveTrack& track = *each;
+    first_node_.push_back(T_map_nodes.size());
+    const Pose2 T_map_odometry = track.nodes.front().T_odometry_node.Inverse();
+    for (std::size_t i = 0; i < track.nodes.size(); ++i) {
+      if (i > 0) {
+        motions.push_back({.from = T_map_nodes.size() - 1,
+                           .to = T_map_nodes.size(),
+                           .T_from_to = track.nodes[i].motion,
+                           .is_certain = true});
+      }
+      T_map_nodes.push_back(T_map_odometry * track.nodes[i].T_odometry_node);
+    }
+  }
+  first_node_.push_back(T_map_nodes.size());
+}
+
+SurveyGraph::Place SurveyGraph::PlaceOf(std::size_t node) const {
+  const auto after = std::ranges::upper_bound(first_node_, node);
+  const auto drive = static_cast<std::size_t>(after - first_node_.begin()) - 1;
+  return {drive, node - first_node_[drive]};
+}
+
+const SurveyNode& SurveyGraph::node(std::size_t node) const {
+  const Place place = PlaceOf(node);
+  return track(place.drive).nodes[place.index];
+}
+
+std::vector<Pose2> SurveyGraph::PosesOf(std::size_t drive) const {
+  return {T_map_nodes.begin() + static_cast<std::ptrdiff_t>(first_node_[drive]),
+          T_map_nodes.begin() + static_cast<std::ptrdiff_t>(first_node_[drive + 1])};
+}
+
+Eigen::Vector2d SurveyGraph::CentreOf(std::size_t node) const {
+  return T_map_nodes[node] * this->node(node).centre_m;
+}
+
+std::vector<GaussianPoint<2>> SurveyGraph::ViewOf(std::size_t node, std::size_t half_count) const {
+  const Place place = PlaceOf(node);
+  const std::size_t begin = first_node_[place.drive];
+  const std::size_t count = first_node_[place.drive + 1] - begin;
+  return JoinView(track(place.drive), std::span(T_map_nodes).subspan(begin, count), place.index,
+                  half_count);
+}
+
+std::vector<NetworkEdge> SurveyGraph::Edges() const {
+  std::vector<NetworkEdge> edges = motions;
+  edges.insert(edges.end(), neighbours.begin(), neighbours.end());
+  edges.insert(edges.end(), loops.begin(), loops.end());
+  return edges;
+}
+
+std::vector<std::size_t> SurveyGraph::GroupOfDrives() const {
+  const std::vector<std::size_t> part_of = PartsOf(node_count(), Edges());
+  std::vector<std::size_t> groups;
+  for (std::size_t drive = 0; drive < drive_count(); ++drive) {
+    groups.push_back(PlaceOf(part_of[first_node_[drive]]).drive);
+  }
+  return groups;
+}
+
+std::vector<bool> SurveyGraph::HasFix() const {
+  const std::vector<std::size_t> groups = GroupOfDrives();
+  std::vector<bool> group_has_fix(drive_count(), false);
+  for (const NetworkFix& fix : fixes) group_has_fix[groups[PlaceOf(fix.node).drive]] = true;
+  std::vector<bool> has_fix;
+  for (const std::size_t group : groups) has_fix.push_back(group_has_fix[group]);
+  return has_fix;
+}
+
+std::vector<std::pair<std::size_t, double>> SurveyGraph::WaysFrom(std::size_t from,
+                                                                  double limit_m) const {
+  // Loops by node; the way along a drive needs no list.
+  std::vector<std::vector<std::size_t>> across(node_count());
+  for (const NetworkEdge& loop : loops) {
+    across[loop.from].push_back(loop.to);
+    across[loop.to].push_back(loop.from);
+  }
+  // The fixes' frame is one more node.
+  const std::size_t hub = node_count();
+  std::vector<double> to_hub_m(node_count(), std::numeric_limits<double>::infinity());
+  for (const NetworkFix& fix : fixes) {
+    to_hub_m[fix.node] = std::min(to_hub_m[fix.node], kWayPerSigma * fix.sigma_m);
+  }
+  using Entry = std::pair<double, std::size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  std::vector<double> way_m(node_count() + 1, std::numeric_limits<double>::infinity());
+  std::vector<std::pair<std::size_t, double>> reached;
+  const auto reach = [&](std::size_t node, double way) {
+    if (way > limit_m || way >= way_m[node]) return;
+    way_m[node] = way;
+    open.emplace(way, node);
+  };
+  reach(from, 0.0);
+  while (!open.empty()) {
+    const auto [way, here] = open.top();
+    open.pop();
+    if (way > way_m[here]) continue;
+    if (here == hub) {
+      for (const NetworkFix& fix : fixes) reach(fix.node, way + to_hub_m[fix.node]);
+      continue;
+    }
+    reached.emplace_back(here, way);
+    reach(hub, way + to_hub_m[here]);
+    const Place place = PlaceOf(here);
+    const std::vector<SurveyNode>& nodes = track(place.drive).nodes;
+    if (place.index > 0) {
+      reach(here - 1, way + nodes[place.index].way_m - nodes[place.index - 1].way_m);
+    }
+    if (place.index + 1 < nodes.size()) {
+      reach(here + 1, way + nodes[place.index + 1].way_m - nodes[place.index].way_m);
+    }
+    for (const std::size_t there : across[here]) reach(there, way + kLoopWay_m);
+  }
+  return reached;
+}
+
+}  // namespace dcloc

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "core/mapping/drive_track.h"
+#include "core/mapping/pose_network.h"
+
+namespace dcloc {
+
+/// The nodes of all drives, numbered in one row, with what is known of how they lie to one another.
+/// Drives that nothing joins lie in frames of their own.
+class SurveyGraph {
+ public:
+  /// The nodes where ego-motion puts them, each drive from the identity. The tracks outlive
+  /// this; each has a node.
+  explicit SurveyGraph(std::vector<const DriveTrack*> tracks);
+
+  /// A node by its drive and its place there.
+  struct Place {
+    std::size_t drive;
+    std::size_t index;
+  };
+  Place PlaceOf(std::size_t node) const;
+  std::size_t NodeAt(const Place& place) const { return first_node_[place.drive] + place.index; }
+  const SurveyNode& node(std::size_t node) const;
+  std::size_t node_count() const { return T_map_nodes.size(); }
+  std::size_t drive_count() const { return tracks_.size(); }
+  const DriveTrack& track(std::size_t drive) const { return *tracks_[drive]; }
+
+  /// Poses of one drive's nodes.
+  std::vector<Pose2> PosesOf(std::size_t drive) const;
+
+  /// Middle of what a node shows, in the map.
+  Eigen::Vector2d CentreOf(std::size_t node) const;
+
+  /// The landmarks around a node, in its frame.
+  std::vector<GaussianPoint<2>> ViewOf(std::size_t node, std::size_t half_count) const;
+
+  /// All edges: motion, then neighbours, then loops.
+  std::vector<NetworkEdge> Edges() const;
+
+  /// For each drive, the first drive of those that edges join it with.
+  std::vector<std::size_t> GroupOfDrives() const;
+
+  /// The nodes that edges lead to from `from` over at most `limit_m` of way, each with the shortest
+  /// such way: what lies between two nodes decides how well one knows where they are to one
+  /// another. A loop counts `kLoopWay_m`; two fixes join nodes as so much way as has the same
+  /// deviation.
+  std::vector<std::pair<std::size_t, double>> WaysFrom(std::size_t from, double limit_m) const;
+
+  /// For each drive, whether a fix places it or one that edges join it with.
+  std::vector<bool> HasFix() const;
+
+  std::vector<Pose2> T_map_nodes;
+  std::vector<NetworkEdge> motions;     ///< by ego-motion, between successive nodes
+  std::vector<NetworkEdge> neighbours;  ///< registrations of nodes of a drive a few apart
+  std::vector<NetworkEdge> loops;       ///< registrations of all others
+  std::vector<NetworkFix> fixes;        ///< of drives that are placed by them
+
+ private:
+  static constexpr double kLoopWay_m = 10.0;
+  static constexpr double kWayPerSigma = 100.0;  ///< of a fix
+
+  std::vector<const DriveTrack*> tracks_;
+  std::vector<std::size_t> first_node_;  // of each drive, and the end
+};
+
+}  // namespace dcloc

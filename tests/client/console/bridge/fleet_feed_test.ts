@@ -1,0 +1,105 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { create, toBinary } from "@bufbuild/protobuf";
+import {
+  ListSessionsResponseSchema,
+  type Session,
+  SessionSchema,
+} from "proto/dcloc/v1/admin_service_pb.ts";
+import { FleetFeed } from "../../../../client/console/bridge/fleet_feed.ts";
+import type { Upstream } from "../../../../client/console/bridge/upstream.ts";
+import type { LiveFrame } from "../../../../client/console/shared/live.ts";
+
+function session(sessionId: string, state: number): Session {
+  return create(SessionSchema, { sessionId, vehicleId: `car-${sessionId}`, mapName: "town", state });
+}
+
+/** A server with these sessions, which counts how often it was asked. */
+class FakeServer {
+  sessions: Session[] = [];
+  failure: Error | undefined;
+  calls = 0;
+  readonly name = "a";
+
+  unary(): Promise<Buffer> {
+    ++this.calls;
+    if (this.failure) return Promise.reject(this.failure);
+    const response = create(ListSessionsResponseSchema, { sessions: this.sessions });
+    return Promise.resolve(Buffer.from(toBinary(ListSessionsResponseSchema, response)));
+  }
+}
+
+/** Until something holds; the feed reads in its own time. */
+async function until(holds: () => boolean): Promise<void> {
+  for (let i = 0; i < 500 && !holds(); ++i) await new Promise((resolve) => setTimeout(resolve, 10));
+  assert.ok(holds());
+}
+
+function readerOf(feed: FleetFeed): { frames: LiveFrame[]; leave: () => void; keepsUp: boolean } {
+  const reader = { frames: [] as LiveFrame[], leave: (): void => undefined, keepsUp: true };
+  reader.leave = feed.subscribe((line) => {
+    if (reader.keepsUp) reader.frames.push(JSON.parse(line) as LiveFrame);
+    return reader.keepsUp;
+  });
+  return reader;
+}
+
+function begin(periodMs = 30): { server: FakeServer; feed: FleetFeed } {
+  const server = new FakeServer();
+  server.sessions = [session("1", 2), session("2", 2)];
+  return { server, feed: new FleetFeed(server as unknown as Upstream, { token: "" }, periodMs) };
+}
+
+test("all first, then what has changed", async () => {
+  const { server, feed } = begin();
+  const { frames, leave } = readerOf(feed);
+  await until(() => frames.length > 0);
+  assert.equal(frames[0]?.full, true);
+  assert.deepEqual(frames[0]?.set?.map((s) => s.id), ["1", "2"]);
+  frames.length = 0;
+  server.sessions = [session("1", 4)];
+  await until(() => frames.some((frame) => frame.gone?.length === 1));
+  const change = frames.find((frame) => frame.gone?.length === 1)!;
+  assert.deepEqual(change.set?.map((s) => [s.id, s.state]), [["1", 4]]);
+  assert.deepEqual(change.gone, ["2"]);
+  leave();
+});
+
+test("a server is asked once for all pages, and not at all without pages", async () => {
+  const { server, feed } = begin(100_000);
+  const readers = Array.from({ length: 20 }, () => readerOf(feed));
+  await until(() => readers.every(({ frames }) => frames.length === 1));
+  assert.equal(server.calls, 1);
+  for (const { leave } of readers) leave();
+  assert.equal(feed.isWatched, false);
+});
+
+test("a page that was behind gets everything at once", async () => {
+  const { server, feed } = begin();
+  const reader = readerOf(feed);
+  await until(() => reader.frames.length > 0);
+  reader.keepsUp = false;
+  const { calls } = server;
+  server.sessions = [session("3", 2)];
+  await until(() => server.calls > calls + 2);
+  reader.frames.length = 0;
+  reader.keepsUp = true;
+  await until(() => reader.frames.length > 0);
+  assert.equal(reader.frames[0]?.full, true);
+  assert.deepEqual(reader.frames[0]?.set?.map((s) => s.id), ["3"]);
+  reader.leave();
+});
+
+test("a server that leaves is told, and comes back whole", async () => {
+  const { server, feed } = begin();
+  const { frames, leave } = readerOf(feed);
+  await until(() => frames.length > 0);
+  server.failure = Object.assign(new Error("14 UNAVAILABLE: gone"), { code: 14, details: "gone" });
+  await until(() => frames.some((frame) => frame.failure !== undefined));
+  assert.deepEqual(frames.find((f) => f.failure)?.failure, { code: 14, message: "gone" });
+  frames.length = 0;
+  server.failure = undefined;
+  await until(() => frames.some((frame) => frame.full));
+  assert.equal(frames.find((frame) => frame.full)?.set?.length, 2);
+  leave();
+});

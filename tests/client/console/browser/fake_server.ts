@@ -1,0 +1,76 @@
+import * as grpc from "@grpc/grpc-js";
+import { create, toBinary } from "@bufbuild/protobuf";
+import {
+  ListSessionsResponseSchema,
+  type Session,
+  SessionSchema,
+} from "proto/dcloc/v1/admin_service_pb.ts";
+import { ListMapsResponseSchema } from "proto/dcloc/v1/map_service_pb.ts";
+
+const asIs = (bytes: Buffer): Buffer => bytes;
+
+function unary(path: string) {
+  return {
+    path,
+    requestStream: false,
+    responseStream: false,
+    requestSerialize: asIs,
+    requestDeserialize: asIs,
+    responseSerialize: asIs,
+    responseDeserialize: asIs,
+  };
+}
+
+/** A server that lists any sessions at all: as many, and as strange, as no real one would. */
+export class FakeServer {
+  sessions: Session[] = [];
+  listCount = 0;
+  private readonly server = new grpc.Server();
+
+  async start(): Promise<string> {
+    const service = {
+      listSessions: unary("/dcloc.v1.AdminService/ListSessions"),
+      listMaps: unary("/dcloc.v1.MapService/ListMaps"),
+    };
+    this.server.addService(service, {
+      listSessions: (_: unknown, done: grpc.sendUnaryData<Buffer>) => {
+        ++this.listCount;
+        const answer = create(ListSessionsResponseSchema, { sessions: this.sessions });
+        done(null, Buffer.from(toBinary(ListSessionsResponseSchema, answer)));
+      },
+      listMaps: (_: unknown, done: grpc.sendUnaryData<Buffer>) =>
+        done(null, Buffer.from(toBinary(ListMapsResponseSchema, create(ListMapsResponseSchema)))),
+    });
+    const insecure = grpc.ServerCredentials.createInsecure();
+    const port = await new Promise<number>((resolve, reject) =>
+      this.server.bindAsync("127.0.0.1:0", insecure, (error, taken) =>
+        error ? reject(error) : resolve(taken),
+      ),
+    );
+    return `127.0.0.1:${port}`;
+  }
+
+  stop(): void {
+    this.server.forceShutdown();
+  }
+}
+
+/** A session at a place, as a server lists it. */
+export function sessionAt(
+  sessionId: string,
+  vehicleId: string,
+  state: number,
+  x: number,
+  y: number,
+): Session {
+  const covariance = new Array<number>(36).fill(0);
+  covariance[0] = covariance[7] = 0.04;
+  return create(SessionSchema, {
+    sessionId,
+    vehicleId,
+    mapName: "town",
+    mapVersion: 1n,
+    state,
+    pose: { pose: { translationM: { x, y, z: 0 }, rotation: { w: 1, x: 0, y: 0, z: 0 } }, covariance },
+  });
+}

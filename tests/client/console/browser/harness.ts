@@ -1,0 +1,141 @@
+import { type ChildProcess, execFileSync, spawn } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { type Browser, type Page, chromium } from "playwright-core";
+
+/** Where the programs are: the test's caller says so. */
+function environment(name: string): string {
+  const value = process.env[name];
+  if (!value) throw new Error(`${name} is not set; see tests/client/console/run`);
+  return value;
+}
+
+const DCLOC = environment("DCLOC");
+const DCLOC_SERVER = environment("DCLOC_SERVER");
+const CONSOLE = environment("DCLOC_CONSOLE");
+const CHROMIUM_FLAGS = [
+  "--no-sandbox",
+  "--disable-gpu",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+];
+
+/** A process that tells its address on its standard output. */
+export class Program {
+  private constructor(
+    private readonly child: ChildProcess,
+    readonly address: string,
+    /** What it has written to standard error. */
+    readonly log: string[],
+  ) {}
+
+  static start(command: string, args: string[]): Promise<Program> {
+    const child = spawn(command, args, { stdio: ["ignore", "pipe", "pipe"] });
+    const log: string[] = [];
+    child.stderr!.on("data", (bytes: Buffer) => log.push(bytes.toString()));
+    return new Promise((resolve, reject) => {
+      let told = "";
+      child.stdout!.on("data", (bytes: Buffer) => {
+        told += bytes.toString();
+        const address = /listening on (\S+)/.exec(told)?.[1];
+        if (address) resolve(new Program(child, address, log));
+      });
+      child.on("exit", (code) => reject(new Error(`${command} ended with ${code}: ${log.join("")}`)));
+    });
+  }
+
+  async stop(signal: NodeJS.Signals = "SIGTERM"): Promise<void> {
+    if (this.child.exitCode !== null || this.child.signalCode !== null) return;
+    const ended = new Promise((resolve) => this.child.once("exit", resolve));
+    this.child.kill(signal);
+    await ended;
+  }
+}
+
+/** A folder for the test's data, with a simulated town: a map and a drive in it. */
+export class Town {
+  readonly folder = mkdtempSync(join(tmpdir(), "dcloc-console-"));
+  readonly drives = join(this.folder, "drives");
+
+  constructor() {
+    // Slowly, so that a session lasts for minutes.
+    const speeds = ["--map-speed-kmh", "72", "--live-speed-kmh", "10"];
+    dcloc("simulate", "--out", this.drives, "--length-m", "400", "--seed", "5", ...speeds);
+  }
+
+  /** Makes a map file of the town; the name tells whose drive it was. */
+  makeMap(file: string, name: string): string {
+    const path = join(this.folder, file);
+    const data = ["--dataset", "nuscenes", "--root", this.drives, "--drive", "map"];
+    dcloc("map", "build", ...data, "--name", name, "--out", path);
+    return path;
+  }
+
+  /** Vehicles that drive through the town until they are stopped. */
+  drive(address: string, map: string, count: number): ChildProcess {
+    const data = ["--dataset", "nuscenes", "--root", this.drives, "--drive", "live-0"];
+    const load = ["--vehicles", String(count), "--duration-s", "600", "--ramp-s", "0.5"];
+    const args = ["load", "--server", address, "--map", map, ...data, ...load];
+    return spawn(DCLOC, args, { stdio: "ignore" });
+  }
+
+  remove(): void {
+    rmSync(this.folder, { recursive: true, force: true });
+  }
+}
+
+export function dcloc(...args: string[]): string {
+  return execFileSync(DCLOC, args, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+}
+
+export function serverCommand(...args: string[]): string {
+  return execFileSync(DCLOC_SERVER, args, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+}
+
+export const startServer = (store: string, address = "127.0.0.1:0"): Promise<Program> =>
+  Program.start(DCLOC_SERVER, ["--data", store, "--listen", address]);
+
+export const startConsole = (servers: string[], listen = "127.0.0.1:0"): Promise<Program> =>
+  Program.start(process.execPath, [
+    CONSOLE,
+    "--listen",
+    listen,
+    ...servers.flatMap((server) => ["--server", server]),
+  ]);
+
+export const launch = (): Promise<Browser> =>
+  chromium.launch({ executablePath: environment("CHROMIUM"), args: CHROMIUM_FLAGS });
+
+/** A page, and what went wrong in it: errors that nothing caught, and calls to other hosts. */
+export async function openPage(
+  browser: Browser,
+  address: string,
+): Promise<{ page: Page; faults: string[] }> {
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, locale: "en-GB" });
+  const faults: string[] = [];
+  page.setDefaultTimeout(30_000);
+  page.on("pageerror", (error) => faults.push(`uncaught: ${error.message}`));
+  page.on("console", (message) => {
+    const text = message.text();
+    // A failed request is told here by the browser; the page has to show it, which tests look at.
+    if (message.type() === "error" && !text.startsWith("Failed to load resource")) faults.push(text);
+  });
+  page.on("request", (request) => {
+    if (!/^(https?:\/\/127\.0\.0\.1:|blob:|data:)/.test(request.url())) faults.push(request.url());
+  });
+  await page.goto(address);
+  return { page, faults };
+}
+
+export async function signIn(page: Page, token?: string): Promise<void> {
+  if (token === undefined) {
+    await page.getByRole("button", { name: "Continue without a token" }).click();
+    return;
+  }
+  await page.getByLabel("Token").fill(token);
+  await page.getByRole("button", { name: "Sign in" }).click();
+}

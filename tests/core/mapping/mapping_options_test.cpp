@@ -1,0 +1,27 @@
+#include <gtest/gtest.h>
+
+#include "core/mapping/drive_tracker.h"
+#include "core/mapping/survey.h"
+#include "tests/core/options/option_fields_check.h"
+
+namespace dcloc {
+namespace {
+
+TEST(MappingOptionsTest, EachFieldIsBounded) {
+  ExpectEachFieldIsBounded<DriveTrackerOptions>();
+  ExpectEachFieldIsBounded<SubmapMatcherOptions>();
+  ExpectEachFieldIsBounded<PoseNetworkOptions>();
+  ExpectEachFieldIsBounded<LoopVoteOptions>();
+  ExpectEachFieldIsBounded<LoopFinderOptions>();
+  ExpectEachFieldIsBounded<PlaceFinderOptions>();
+  ExpectEachFieldIsBounded<SurveyOptions>();
+}
+
+TEST(MappingOptionsTest, NamesThePartThatIsWrong) {
+  SurveyOptions options;
+  options.loops.matcher.hypotheses = 0;
+  EXPECT_EQ(Validate(options).message(), "loops.matcher.hypotheses is 0; it must lie in [1, 100]");
+}
+
+}  // namespace
+}  // namespace dcloc
