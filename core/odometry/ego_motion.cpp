@@ -120,6 +120,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   }
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
+  if (velocity_ && late_.T_previous_now()) since_previous_.T_from_to = *late_.T_previous_now();
   expected_motion_ = since_previous_.T_from_to;
   AddMissedMotion();
   Learn(reported, age);

@@ -110,7 +110,7 @@ class EgoMotion {
   bool sources_changed() const { return sources_changed_; }
   const SourceMonitor& sources() const { return sources_; }
 
-  /// By how many seconds the reported velocity is late; nothing while no delay is believed.
+  /// By how many seconds the reported velocity is late; nothing while no delay is accepted.
   const std::optional<ScalarEstimate>& reported_delay_s() const { return late_.delay_s(); }
 
   /// Whether what the vehicle sends takes part in the velocity, and if not, why.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/odometry/motion.h"
 #include "core/odometry/seconds.h"
 
 namespace dcloc {
@@ -57,10 +58,14 @@ EgoVelocity LateOdometry::BroughtToNow(Stamp stamp, const EgoVelocity& reported,
     speed_.reset();
     yaw_rate_.reset();
     advanced_.reset();
+    reported_.reset();
+    T_previous_now_.reset();
     return reported;
   }
   EgoVelocity now = AsOfNow(reported);
-  const double duration_s = advanced_ ? SecondsOf(stamp - *advanced_) : 0.0;
+  const std::chrono::nanoseconds duration =
+      advanced_ ? stamp - *advanced_ : std::chrono::nanoseconds(0);
+  const double duration_s = SecondsOf(duration);
   advanced_ = stamp;
   // Moments that follow one another sooner share their scans.
   const bool doppler_is_new =
@@ -97,7 +102,29 @@ EgoVelocity LateOdometry::BroughtToNow(Stamp stamp, const EgoVelocity& reported,
          .offset_walk = options_.offset_yaw_rate_walk_radps},
         {reported.angular_radps.z(), (*reported.covariance)(5, 5)}, doppler_yaw_rate,
         now.angular_radps.z(), (*now.covariance)(5, 5));
+  if (speed_is_sound && yaw_rate_is_sound) {
+    Move(reported, now, duration);
+  } else {
+    reported_.reset();
+    T_previous_now_.reset();
+  }
   return now;
+}
+
+// Reports sum up to where the vehicle was, without an error; what it did since is the mean of what
+// it did then and does now. So no error of that adds up.
+void LateOdometry::Move(const EgoVelocity& reported, const EgoVelocity& now,
+                        std::chrono::nanoseconds duration) {  // METHOD eq 63
+  Vector6d since;
+  since << reported.linear_mps + now.linear_mps, reported.angular_radps + now.angular_radps;
+  const Pose3 T_late_now = Exp(Vector6d(0.5 * delay_s()->value * since));
+  T_previous_now_.reset();
+  if (reported_) {
+    T_previous_now_ = T_late_now_.Inverse() *
+                      Integrate(*reported_, reported, duration, {}).T_from_to * T_late_now;
+  }
+  reported_ = reported;
+  T_late_now_ = T_late_now;
 }
 
 }  // namespace dcloc

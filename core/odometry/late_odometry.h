@@ -5,6 +5,7 @@
 #include <span>
 
 #include "absl/status/status.h"
+#include "core/geometry/pose.h"
 #include "core/odometry/late_signal.h"
 #include "core/odometry/odometry_delay_estimator.h"
 #include "core/options/option_fields.h"
@@ -44,23 +45,32 @@ class LateOdometry {
   /// Doppler that is sound says this of `stamp`.
   void OnDoppler(Stamp stamp, const EgoVelocity& doppler);
 
-  /// By how many seconds the reported velocity is late; nothing while no delay is believed.
+  /// By how many seconds the reported velocity is late; nothing while no delay is accepted.
   const std::optional<ScalarEstimate>& delay_s() const { return estimator_.delay_s(); }
 
   /// `reported`, which has a covariance, as far as it tells of now by itself: less certain by what
-  /// the vehicle may have done since. As it is, while no delay is believed.
+  /// the vehicle may have done since. As it is, while no delay is accepted.
   EgoVelocity AsOfNow(const EgoVelocity& reported) const;
 
   /// `reported` at `stamp` brought to the present, with what Doppler says where that is sound. A
-  /// signal that is not sound is left as it is, and all is while no delay is believed.
+  /// signal that is not sound is left as it is, and all is while no delay is accepted.
   EgoVelocity BroughtToNow(Stamp stamp, const EgoVelocity& reported, const EgoVelocity* doppler,
                            bool speed_is_sound, bool yaw_rate_is_sound);
 
+  /// The motion between the last two moments that were brought to the present (METHOD eq 63);
+  /// nothing while no delay is accepted, or where a signal is not sound.
+  const std::optional<Pose3>& T_previous_now() const { return T_previous_now_; }
+
  private:
+  void Move(const EgoVelocity& reported, const EgoVelocity& now, std::chrono::nanoseconds duration);
+
   LateOdometryOptions options_;
   OdometryDelayEstimator estimator_;
   std::optional<LateSignal> speed_, yaw_rate_;  // while a delay is believed
   std::optional<Stamp> advanced_, doppler_;
+  std::optional<EgoVelocity> reported_;  // at `advanced_`
+  Pose3 T_late_now_;                     // from where the vehicle reports to be, at `advanced_`
+  std::optional<Pose3> T_previous_now_;
 };
 
 }  // namespace dcloc

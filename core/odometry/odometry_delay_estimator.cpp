@@ -48,7 +48,7 @@ void OdometryDelayEstimator::Suppose(const ScalarEstimate& delay_s) {
   if (delay_s.value <= SecondsOf(DelayOf(0)) || delay_s.value >= last) return;
   supposed_s_ = {delay_s.value, std::max(delay_s.variance, std::pow(options_.supposed_sigma_s, 2))};
   supposed_weight_ = 1.0;
-  if (std::abs(delay_s.value) >= SecondsOf(options_.min_delay)) delay_s_ = supposed_s_;
+  if (delay_s.value >= SecondsOf(options_.min_delay)) delay_s_ = supposed_s_;
 }
 
 void OdometryDelayEstimator::OnReported(Stamp stamp, double speed_mps, double yaw_rate_radps) {
@@ -127,7 +127,8 @@ void OdometryDelayEstimator::Compare(const Sample& doppler) {
 
 // METHOD eq 60: the noise is unknown, so the residuals' own variance stands for it. What was
 // supposed weighs no more than what makes a delay believed, and less as the drive goes on.
-double OdometryDelayEstimator::Cost(std::size_t index) const {
+double OdometryDelayEstimator::Cost(std::size_t index, double speed_count,
+                                    double yaw_rate_count) const {
   const Candidate& candidate = candidates_[index];
   double supposed = 0.0;
   if (supposed_s_) {
@@ -138,53 +139,81 @@ double OdometryDelayEstimator::Cost(std::size_t index) const {
   const double speed = candidate.speed.ResidualVariance() + std::pow(options_.speed_floor_mps, 2);
   const double yaw_rate =
       candidate.yaw_rate.ResidualVariance() + std::pow(options_.yaw_rate_floor_radps, 2);
-  return supposed + 0.5 * candidate.speed.weight * (std::log(speed) + std::log(yaw_rate));
+  return supposed + 0.5 * (speed_count * std::log(speed) + yaw_rate_count * std::log(yaw_rate));
 }
 
-void OdometryDelayEstimator::Decide() {
+std::size_t OdometryDelayEstimator::LeastCost(double speed_count, double yaw_rate_count) const {
   std::size_t best = 0;
-  double least = Cost(0);
+  double least = Cost(0, speed_count, yaw_rate_count);
   for (std::size_t i = 1; i < candidates_.size(); ++i) {
-    const double cost = Cost(i);
+    const double cost = Cost(i, speed_count, yaw_rate_count);
     if (cost >= least) continue;
     least = cost;
     best = i;
   }
-  const double none = Cost(static_cast<std::size_t>(options_.earliest_steps));
+  return best;
+}
+
+void OdometryDelayEstimator::Decide() {
+  const double count = candidates_.front().speed.weight;
+  const Candidate& likeliest = candidates_[LeastCost(count, count)];
+  const double speed_count = count * likeliest.speed.IndependentShare();
+  const double yaw_rate_count = count * likeliest.yaw_rate.IndependentShare();
+  const std::size_t best = LeastCost(speed_count, yaw_rate_count);
+  const auto cost = [&](std::size_t i) { return Cost(i, speed_count, yaw_rate_count); };
+  const double gain = cost(static_cast<std::size_t>(options_.earliest_steps)) - cost(best);
   const double needed = delay_s_ ? 0.5 : 1.0;
+  delay_s_.reset();
   // Beyond the delays that are compared lies none that can be told.
-  if (best == 0 || best + 1 == candidates_.size() ||
-      none - least < needed * options_.min_log_likelihood) {
-    delay_s_.reset();
+  if (best == 0 || best + 1 == candidates_.size() || gain < needed * options_.min_log_likelihood) {
     return;
   }
-  const double before = Cost(best - 1);
-  const double after = Cost(best + 1);
-  const double bend = std::max(1e-9, before - 2.0 * least + after);
+  const double before = cost(best - 1);
+  const double after = cost(best + 1);
+  const double bend = std::max(1e-9, before - 2.0 * cost(best) + after);
   const double step_s = SecondsOf(options_.step);
   const double delay_s = SecondsOf(DelayOf(static_cast<int>(best))) +
                          step_s * std::clamp(0.5 * (before - after) / bend, -0.5, 0.5);
-  delay_s_.reset();
-  if (std::abs(delay_s) < needed * SecondsOf(options_.min_delay)) return;
+  // What seems early is scans that are stamped late, by map and vehicle alike.
+  if (delay_s < needed * SecondsOf(options_.min_delay)) return;
   delay_s_ = {.value = delay_s, .variance = step_s * step_s / bend};
 }
 
 void OdometryDelayEstimator::Regression::Add(double keep, double x_new, double y_new) {
   const auto add = [keep](double& sum, double value) { sum = keep * sum + value; };
+  if (weight == 0.0) x_last = x_new, y_last = y_new;
   add(weight, 1.0);
   add(x, x_new);
   add(y, y_new);
   add(xx, x_new * x_new);
   add(xy, x_new * y_new);
   add(yy, y_new * y_new);
+  add(xx_next, x_new * x_last);
+  add(xy_next, 0.5 * (x_new * y_last + x_last * y_new));
+  add(yy_next, y_new * y_last);
+  x_last = x_new;
+  y_last = y_new;
+}
+
+double OdometryDelayEstimator::Regression::Slope() const {
+  const double variance_x = xx / weight - std::pow(x / weight, 2);
+  if (variance_x < 1e-12) return 0.0;
+  return (xy / weight - x * y / (weight * weight)) / variance_x;
 }
 
 double OdometryDelayEstimator::Regression::ResidualVariance() const {
-  const double variance_x = std::max(0.0, xx / weight - std::pow(x / weight, 2));
-  const double variance_y = std::max(0.0, yy / weight - std::pow(y / weight, 2));
   const double covariance = xy / weight - x * y / (weight * weight);
-  if (variance_x < 1e-12) return variance_y;
-  return std::max(0.0, variance_y - covariance * covariance / variance_x);
+  return std::max(0.0, yy / weight - std::pow(y / weight, 2) - Slope() * covariance);
+}
+
+double OdometryDelayEstimator::Regression::IndependentShare() const {
+  const double slope = Slope();
+  const double variance = ResidualVariance();
+  if (variance <= 0.0) return 1.0;
+  const double next = (yy_next - 2.0 * slope * xy_next + slope * slope * xx_next) / weight -
+                      std::pow((y - slope * x) / weight, 2);
+  const double correlation = std::clamp(next / variance, 0.0, 0.95);
+  return (1.0 - correlation) / (1.0 + correlation);
 }
 
 }  // namespace dcloc

@@ -27,7 +27,7 @@ struct OdometryDelayOptions {
   std::chrono::nanoseconds interval = std::chrono::milliseconds(70);
   /// What was so long ago weighs a third.
   std::chrono::nanoseconds memory = std::chrono::seconds(20);
-  /// A delay is believed where it is this much more probable than none, in the logarithm, from so
+  /// A delay is accepted where it is this much more probable than none, in the logarithm, from so
   /// many moments at least, and from `min_delay` on. It is no longer where it falls below a half
   /// of both.
   double min_log_likelihood = 25.0;
@@ -50,7 +50,7 @@ class OdometryDelayEstimator {
  public:
   explicit OdometryDelayEstimator(const OdometryDelayOptions& options);
 
-  /// An earlier session found this delay. It is believed until this drive says otherwise.
+  /// An earlier session found this delay. It holds until this drive says otherwise.
   void Suppose(const ScalarEstimate& delay_s);
 
   /// The vehicle reports this speed [m/s] and yaw rate [rad/s] at `stamp`, which is not before the
@@ -73,9 +73,15 @@ class OdometryDelayEstimator {
   /// Of y on x; sums of older pairs count less.
   struct Regression {
     double weight = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+    double x_last = 0.0, y_last = 0.0;                   // of the newest pair
+    double xx_next = 0.0, xy_next = 0.0, yy_next = 0.0;  // of each pair with the one before it
 
     void Add(double keep, double x_new, double y_new);
+    double Slope() const;
     double ResidualVariance() const;
+    /// Residuals that resemble their neighbours tell less than as many independent ones: by this
+    /// factor, (1 - r) / (1 + r) of their correlation r.
+    double IndependentShare() const;
   };
   struct Candidate {
     Regression speed;
@@ -88,7 +94,8 @@ class OdometryDelayEstimator {
   std::optional<Sample> ReportedAt(Stamp stamp) const;
   void Compare(const Sample& doppler);
   void Decide();
-  double Cost(std::size_t candidate) const;
+  double Cost(std::size_t candidate, double speed_count, double yaw_rate_count) const;
+  std::size_t LeastCost(double speed_count, double yaw_rate_count) const;
 
   OdometryDelayOptions options_;
   std::vector<Candidate> candidates_;
