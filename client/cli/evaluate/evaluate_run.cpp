@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "client/cli/common/atomic_file.h"
 #include "client/cli/common/progress.h"
 #include "client/cli/common/terminal.h"
@@ -150,8 +151,9 @@ absl::Status WriteTrajectories(const EvaluateArguments& arguments, const Outcome
     TrajectoryArguments trajectory = arguments.trajectory;
     if (outcomes.size() > 1 && !trajectory.file.empty()) {
       const std::filesystem::path path = trajectory.file;
-      trajectory.file = path.parent_path() / absl::StrCat(path.stem().string(), "-", outcome.drive,
-                                                          path.extension().string());
+      const std::string drive = absl::StrReplaceAll(outcome.drive, {{"/", "_"}});
+      trajectory.file = path.parent_path() /
+                        absl::StrCat(path.stem().string(), "-", drive, path.extension().string());
     }
     status.Update(WriteTrajectory(trajectory, TrajectoryOf(outcome, arguments.anchor)));
   }
