@@ -9,6 +9,7 @@
 #include "client/cli/common/terminal.h"
 #include "client/cli/dataset/dataset_command.h"
 #include "client/cli/describe_command.h"
+#include "client/cli/doctor/doctor_command.h"
 #include "client/cli/evaluate/evaluate_command.h"
 #include "client/cli/load/load_command.h"
 #include "client/cli/localize/localize_command.h"
@@ -46,6 +47,7 @@ int main(int argc, char** argv) {
     AddServerCommand(app, exit_code);
     AddCalibrateCommand(app, exit_code);
     AddDatasetCommand(app, exit_code);
+    AddDoctorCommand(app, exit_code);
     AddEvaluateCommand(app, exit_code);
     AddPlotCommand(app, exit_code);
     AddSimulateCommand(app, exit_code);
