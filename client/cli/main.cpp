@@ -1,26 +1,42 @@
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <string>
 
+#include "absl/strings/str_cat.h"
 #include "client/cli/calibrate/calibrate_command.h"
 #include "client/cli/common/exit_codes.h"
+#include "client/cli/common/json_folder.h"
 #include "client/cli/common/terminal.h"
+#include "client/cli/dataset/dataset_command.h"
 #include "client/cli/describe_command.h"
+#include "client/cli/doctor/doctor_command.h"
 #include "client/cli/evaluate/evaluate_command.h"
 #include "client/cli/load/load_command.h"
 #include "client/cli/localize/localize_command.h"
 #include "client/cli/map/map_command.h"
 #include "client/cli/map/map_server_command.h"
+#include "client/cli/plot/plot_command.h"
 #include "client/cli/server/server_command.h"
 #include "client/cli/session/session_command.h"
 #include "client/cli/session/session_record_command.h"
 #include "client/cli/simulate/simulate_command.h"
+
+namespace {
+
+/// The version, and the build: a hash of this very program, and what it was made with.
+std::string VersionText() {
+  return absl::StrCat("dcloc " DCLOC_VERSION "\nbuild ", dcloc::cli::ProgramHash(),
+                      ", " DCLOC_BUILD);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace dcloc::cli;  // NOLINT(google-build-using-namespace): main is its front end
   int exit_code = kSuccess;
   try {
     CLI::App app("Radar localization: make maps, localize in them, simulate, evaluate", "dcloc");
-    app.set_version_flag("--version", "dcloc " DCLOC_VERSION);
+    app.set_version_flag("--version", VersionText);
     app.require_subcommand(1);
     app.footer("Each command has its own --help, with an example.");
     AddMapCommand(app, exit_code);
@@ -30,7 +46,10 @@ int main(int argc, char** argv) {
     AddSessionRecordCommands(*AddSessionCommand(app, exit_code), exit_code);
     AddServerCommand(app, exit_code);
     AddCalibrateCommand(app, exit_code);
+    AddDatasetCommand(app, exit_code);
+    AddDoctorCommand(app, exit_code);
     AddEvaluateCommand(app, exit_code);
+    AddPlotCommand(app, exit_code);
     AddSimulateCommand(app, exit_code);
     AddDescribeCommands(app, DCLOC_VERSION, exit_code);
     try {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <span>
@@ -59,6 +60,35 @@ absl::Status LookAt(const Message& message, BagTopic& topic, BagOverview& overvi
   return absl::OkStatus();
 }
 
+double SecondsBetween(Stamp begin, Stamp end) {
+  return std::chrono::duration<double>(end - begin).count();
+}
+
+void TakeStamp(Stamp stamp, Stamp record_time, BagStamps& stamps) {
+  const double delay_s = SecondsBetween(stamp, record_time);
+  if (stamps.count++ == 0) {
+    stamps.first = stamps.last = stamp;
+    stamps.least_delay_s = stamps.greatest_delay_s = delay_s;
+  } else {
+    stamps.backward_count += stamp < stamps.previous ? 1 : 0;
+    stamps.repeated_count += stamp == stamps.previous ? 1 : 0;
+    stamps.longest_gap_s = std::max(stamps.longest_gap_s, SecondsBetween(stamps.previous, stamp));
+  }
+  stamps.first = std::min(stamps.first, stamp);
+  stamps.last = std::max(stamps.last, stamp);
+  stamps.least_delay_s = std::min(stamps.least_delay_s, delay_s);
+  stamps.greatest_delay_s = std::max(stamps.greatest_delay_s, delay_s);
+  stamps.previous = stamp;
+}
+
+/// Of a message of a known type; TF has a stamp for each transform instead.
+void TakeHeaderStamp(const Message& message, BagTopic& topic) {
+  const std::string& type = message.connection.type;
+  if (type == rosbag::kTf2.name || type == rosbag::kTf.name) return;
+  const absl::StatusOr<rosbag::Header> header = rosbag::ParseMessageHeader(message.data);
+  if (header.ok()) TakeStamp(header->stamp, message.record_time, topic.stamps);
+}
+
 void TakeMessage(const Message& message, std::map<std::string, BagTopic>& topics,
                  BagOverview& overview) {
   BagTopic& topic = topics[message.connection.topic];
@@ -72,6 +102,7 @@ void TakeMessage(const Message& message, std::map<std::string, BagTopic>& topics
   topic.first_record = std::min(topic.first_record, message.record_time);
   topic.last_record = std::max(topic.last_record, message.record_time);
   if (!topic.fault.empty()) return;
+  TakeHeaderStamp(message, topic);
   topic.fault = std::string(LookAt(message, topic, overview).message());
 }
 

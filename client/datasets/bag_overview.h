@@ -13,12 +13,26 @@
 
 namespace dcloc {
 
+/// The stamps in a topic's headers, in the order of its messages.
+struct BagStamps {
+  std::int64_t count = 0;
+  Stamp first;                      ///< the earliest
+  Stamp last;                       ///< the latest
+  Stamp previous;                   ///< of the last message
+  std::int64_t backward_count = 0;  ///< that lie before the one before them
+  std::int64_t repeated_count = 0;  ///< that are the one before them
+  double longest_gap_s = 0.0;
+  double least_delay_s = 0.0;  ///< from a stamp to the recorder's clock when it came
+  double greatest_delay_s = 0.0;
+};
+
 /// What a bag holds of one topic.
 struct BagTopic {
   rosbag::Connection connection;
   std::int64_t message_count = 0;
   Stamp first_record;
   Stamp last_record;
+  BagStamps stamps;                 ///< of types with a header that are known
   std::string frame;                ///< of the first message, where its type has one
   std::string child_frame;          ///< of the first Odometry
   std::vector<std::string> fields;  ///< of the first point cloud

@@ -2,6 +2,8 @@
 
 #include <chrono>
 
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/datasets/nuscenes.h"
@@ -57,6 +59,35 @@ absl::StatusOr<DatasetFormat> DatasetFormatByName(absl::string_view name) {
   }
   return absl::InvalidArgumentError(
       absl::StrFormat("dataset is '%s'; it must be one of %s", name, absl::StrJoin(names, ", ")));
+}
+
+absl::StatusOr<DatasetFormat> DetectFormat(const std::filesystem::path& root) {
+  std::error_code error;
+  const auto exists = [&](const char* name) { return std::filesystem::exists(root / name, error); };
+  if (exists("sensors.json") || exists("data/sensors.json")) return DatasetFormat::kRadarScenes;
+  if (!BagNames(root).empty()) return DatasetFormat::kRosbag;
+  for (const auto& entry : std::filesystem::directory_iterator(root, error)) {
+    const bool is_tables = absl::StartsWith(entry.path().filename().string(), "v1.0-");
+    if (is_tables && entry.is_directory(error)) return DatasetFormat::kNuScenes;
+  }
+  return absl::NotFoundError(absl::StrCat(
+      root.string(),
+      ": holds no v1.0-* folder of nuScenes, no sensors.json of RadarScenes, and no bag"));
+}
+
+absl::StatusOr<std::vector<std::string>> DriveNames(const Dataset& dataset) {
+  switch (dataset.format) {
+    case DatasetFormat::kNuScenes:
+      return NuScenesScenes(dataset.root, dataset.version);
+    case DatasetFormat::kRadarScenes:
+      return RadarScenesSequences(dataset.root);
+    case DatasetFormat::kRosbag: {
+      std::vector<std::string> names = BagNames(dataset.root);
+      if (!names.empty()) return names;
+      return absl::NotFoundError(absl::StrCat(dataset.root.string(), ": holds no bag"));
+    }
+  }
+  return absl::InvalidArgumentError("format is none of DatasetFormat");
 }
 
 absl::StatusOr<Drive> ReadDrive(const Dataset& dataset, const DriveRequest& request) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
@@ -29,6 +30,14 @@ struct Dataset {
   std::filesystem::path root;
   std::string version;  ///< nuScenes only; may be empty where there is just one
 };
+
+/// The format by what lies in the folder `root`; a data set of ours is one of nuScenes. NotFound
+/// where nothing of these formats does.
+absl::StatusOr<DatasetFormat> DetectFormat(const std::filesystem::path& root);
+
+/// The names of the drives that there are, in the data set's order. NotFound where there is none;
+/// other errors are those of the format's reader.
+absl::StatusOr<std::vector<std::string>> DriveNames(const Dataset& dataset);
 
 /// Reads a drive of the data set with its format's default options. InvalidArgument names a field
 /// of the request that makes no sense; other errors are those of the format's reader.

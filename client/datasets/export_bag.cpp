@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "client/datasets/json_file.h"
 #include "client/datasets/rig_file.h"
 #include "client/rosbag/bag_writer.h"
@@ -113,21 +114,54 @@ absl::Status AddScan(const DriveScan& entry, OptionalColumns columns, bool is_ne
   return status;
 }
 
-absl::Status WriteRig(const Rig& rig, const fs::path& path) {
-  const nlohmann::ordered_json wanted = RigJson(rig);
+/// Under which name a file is written until it is whole.
+fs::path PartOf(const fs::path& path) { return path.string() + ".part"; }
+
+/// Gives a file that is whole its name.
+absl::Status Commit(const fs::path& part, const fs::path& path) {
   std::error_code error;
-  if (fs::exists(path, error)) {
-    const auto present = ReadJson(path);
-    if (!present.ok()) return present.status();
-    if (*present == nlohmann::json(wanted)) return absl::OkStatus();
-    return absl::FailedPreconditionError(absl::StrCat(
-        path.string(), ": describes other radars; put the bag into a folder of its own"));
-  }
-  std::ofstream file(path);
-  file << wanted.dump(2) << "\n";
+  fs::rename(part, path, error);
+  if (!error) return absl::OkStatus();
+  return absl::ErrnoToStatus(error.value(), absl::StrCat(path.string(), ": cannot be written"));
+}
+
+/// FailedPrecondition where the file is there and says something else.
+absl::Status CheckRig(const Rig& rig, const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return absl::OkStatus();
+  const auto present = ReadJson(path);
+  if (!present.ok()) return present.status();
+  if (*present == nlohmann::json(RigJson(rig))) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(
+      path.string(), ": describes other radars; put the bag into a folder of its own"));
+}
+
+absl::Status WriteRig(const Rig& rig, const fs::path& path) {
+  const fs::path part = PartOf(path);
+  std::ofstream file(part);
+  file << RigJson(rig).dump(2) << "\n";
   file.close();
-  return file ? absl::OkStatus()
-              : absl::DataLossError(absl::StrCat(path.string(), ": could not be written"));
+  if (file) return Commit(part, path);
+  return absl::DataLossError(absl::StrCat(path.string(), ": could not be written"));
+}
+
+absl::Status WriteBag(const Drive& drive, std::map<std::string, OptionalColumns> columns,
+                      const fs::path& path, rosbag::Compression compression) {
+  absl::StatusOr<rosbag::BagWriter> bag = rosbag::BagWriter::Create(path, compression);
+  if (!bag.ok()) return bag.status();
+  std::optional<Stamp> previous;
+  for (const DriveScan& entry : drive.scans) {
+    const Stamp stamp = entry.scan.stamp;
+    absl::Status status;
+    if (!previous) status = bag->Add("/tf_static", rosbag::kTf2, stamp, Mounts(drive, stamp));
+    status.Update(AddScan(entry, columns[entry.scan.radar_id], previous != stamp,
+                          drive.pose_source == PoseSource::kReference, *bag));
+    if (!status.ok()) {
+      return absl::Status(status.code(), absl::StrCat(path.string(), ": ", status.message()));
+    }
+    previous = stamp;
+  }
+  return bag->Close();
 }
 
 }  // namespace
@@ -135,21 +169,16 @@ absl::Status WriteRig(const Rig& rig, const fs::path& path) {
 absl::Status ExportBag(const Drive& drive, const fs::path& path, rosbag::Compression compression) {
   absl::StatusOr<std::map<std::string, OptionalColumns>> columns = OptionalColumnsOf(drive);
   if (!columns.ok()) return columns.status();
-  absl::Status status = WriteRig(drive.rig, path.parent_path() / kRigFileName);
-  if (!status.ok()) return status;
-  absl::StatusOr<rosbag::BagWriter> bag = rosbag::BagWriter::Create(path, compression);
-  if (!bag.ok()) return bag.status();
-  std::optional<Stamp> previous;
-  for (const DriveScan& entry : drive.scans) {
-    const Stamp stamp = entry.scan.stamp;
-    if (!previous) status = bag->Add("/tf_static", rosbag::kTf2, stamp, Mounts(drive, stamp));
-    status.Update(AddScan(entry, (*columns)[entry.scan.radar_id], previous != stamp,
-                          drive.pose_source == PoseSource::kReference, *bag));
-    if (!status.ok())
-      return absl::Status(status.code(), absl::StrCat(path.string(), ": ", status.message()));
-    previous = stamp;
-  }
-  return bag->Close();
+  const fs::path rig_file = path.parent_path() / kRigFileName;
+  if (absl::Status status = CheckRig(drive.rig, rig_file); !status.ok()) return status;
+  const fs::path part = PartOf(path);
+  absl::Status status = WriteBag(drive, *std::move(columns), part, compression);
+  if (status.ok()) status = Commit(part, path);
+  if (status.ok()) return WriteRig(drive.rig, rig_file);
+  std::error_code ignored;
+  fs::remove(part, ignored);
+  return absl::Status(status.code(),
+                      absl::StrReplaceAll(status.message(), {{part.string(), path.string()}}));
 }
 
 }  // namespace dcloc

@@ -160,4 +160,11 @@ absl::StatusOr<Drive> ReadNuScenesDrive(const fs::path& root, const DriveRequest
   return drive;
 }
 
+absl::StatusOr<std::vector<std::string>> NuScenesScenes(const fs::path& root,
+                                                        const std::string& version) {
+  const absl::StatusOr<fs::path> tables = FindTables(root, version);
+  if (!tables.ok()) return tables.status();
+  return ReadNuScenesSceneNames(*tables);
+}
+
 }  // namespace dcloc

@@ -38,4 +38,8 @@ absl::StatusOr<Drive> ReadNuScenesDrive(const std::filesystem::path& root,
                                         const DriveRequest& request,
                                         const NuScenesOptions& options = {});
 
+/// The names of the scenes, in the table's order. Errors as above.
+absl::StatusOr<std::vector<std::string>> NuScenesScenes(const std::filesystem::path& root,
+                                                        const std::string& version);
+
 }  // namespace dcloc

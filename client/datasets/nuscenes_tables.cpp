@@ -207,4 +207,14 @@ absl::StatusOr<NuScenesScene> ReadNuScenesScene(const fs::path& folder, const st
   return scene;
 }
 
+absl::StatusOr<std::vector<std::string>> ReadNuScenesSceneNames(const fs::path& folder) {
+  std::vector<std::string> names;
+  const absl::Status status = ReadTable(folder / "scene.json", [&](TableRecord& record) {
+    names.emplace_back(record.Text("name"));
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return names;
+}
+
 }  // namespace dcloc

@@ -26,6 +26,10 @@ struct NuScenesScene {
   std::vector<NuScenesSweep> sweeps;             ///< in the table's order
 };
 
+/// The names of the scenes in the tables in `folder`, in their order.
+absl::StatusOr<std::vector<std::string>> ReadNuScenesSceneNames(
+    const std::filesystem::path& folder);
+
 /// Reads the scene called `name` from the tables in `folder` (".../v1.0-mini"). NotFound, naming
 /// the scenes that there are, when it has none of that name; DataLoss naming the file and record
 /// for a malformed table or a token that leads nowhere.

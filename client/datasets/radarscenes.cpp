@@ -33,13 +33,23 @@ std::string WithPrefix(const std::string& name, const char* prefix) {
   return is_number ? prefix + name : name;
 }
 
-absl::StatusOr<fs::path> FindSequence(const fs::path& data, const std::string& name) {
+fs::path DataFolder(const fs::path& root) {
+  std::error_code error;
+  return fs::exists(root / "sensors.json", error) ? root : root / "data";
+}
+
+std::vector<std::string> SequencesOf(const fs::path& data) {
   std::error_code error;
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(data, error)) {
     if (entry.is_directory(error)) names.push_back(entry.path().filename().string());
   }
   std::sort(names.begin(), names.end());
+  return names;
+}
+
+absl::StatusOr<fs::path> FindSequence(const fs::path& data, const std::string& name) {
+  const std::vector<std::string> names = SequencesOf(data);
   if (std::find(names.begin(), names.end(), name) != names.end()) return data / name;
   return absl::NotFoundError(absl::StrCat(data.string(), ": there is no sequence \"", name,
                                           "\"; the sequences are ", absl::StrJoin(names, ", ")));
@@ -172,8 +182,7 @@ absl::Status AddScans(const fs::path& sequence, const RadarScenesOptions& option
 
 absl::StatusOr<Drive> ReadRadarScenesDrive(const fs::path& root, const DriveRequest& request,
                                            const RadarScenesOptions& options) {
-  std::error_code error;
-  const fs::path data = fs::exists(root / "sensors.json", error) ? root : root / "data";
+  const fs::path data = DataFolder(root);
   const auto mounts = ReadRadarScenesMounts(data / "sensors.json");
   if (!mounts.ok()) return mounts.status();
   auto rig = BuildRig(*mounts, request.radars);
@@ -188,6 +197,12 @@ absl::StatusOr<Drive> ReadRadarScenesDrive(const fs::path& root, const DriveRequ
     return FileError(*sequence, status.message());
   }
   return drive;
+}
+
+absl::StatusOr<std::vector<std::string>> RadarScenesSequences(const fs::path& root) {
+  std::vector<std::string> names = SequencesOf(DataFolder(root));
+  if (!names.empty()) return names;
+  return absl::NotFoundError(absl::StrCat(root.string(), ": there is no folder of a sequence"));
 }
 
 }  // namespace dcloc

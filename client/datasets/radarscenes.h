@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/datasets/drive.h"
@@ -21,5 +23,8 @@ struct RadarScenesOptions {
 absl::StatusOr<Drive> ReadRadarScenesDrive(const std::filesystem::path& root,
                                            const DriveRequest& request,
                                            const RadarScenesOptions& options = {});
+
+/// The names of the sequences, sorted. NotFound where there is none.
+absl::StatusOr<std::vector<std::string>> RadarScenesSequences(const std::filesystem::path& root);
 
 }  // namespace dcloc

@@ -27,20 +27,6 @@ absl::Status Naming(const fs::path& path, const absl::Status& status) {
   return absl::Status(status.code(), absl::StrCat(path.string(), ": ", status.message()));
 }
 
-absl::StatusOr<fs::path> FindBag(const fs::path& root, const std::string& name) {
-  std::error_code error;
-  const fs::path path = root / (absl::EndsWith(name, ".bag") ? name : name + ".bag");
-  if (fs::exists(path, error)) return path;
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(root, error)) {
-    if (entry.path().extension() == ".bag") names.push_back(entry.path().stem().string());
-  }
-  std::ranges::sort(names);
-  return absl::NotFoundError(absl::StrCat(root.string(), ": there is no bag \"", name,
-                                          "\"; the bags are ",
-                                          names.empty() ? "none" : absl::StrJoin(names, ", ")));
-}
-
 absl::StatusOr<Rig> RigOf(const BagContents& contents, const BagMapping& mapping) {
   Rig rig;
   for (const RadarMapping& radar : mapping.radars) {
@@ -170,6 +156,26 @@ absl::StatusOr<Drive> DriveOf(const fs::path& bag, const BagMapping& mapping,
 
 }  // namespace
 
+std::vector<std::string> BagNames(const fs::path& root) {
+  std::error_code error;
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(root, error)) {
+    if (entry.path().extension() == ".bag") names.push_back(entry.path().stem().string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+absl::StatusOr<fs::path> FindBag(const fs::path& root, const std::string& name) {
+  std::error_code error;
+  const fs::path path = root / (absl::EndsWith(name, ".bag") ? name : name + ".bag");
+  if (fs::exists(path, error)) return path;
+  const std::vector<std::string> names = BagNames(root);
+  return absl::NotFoundError(absl::StrCat(root.string(), ": there is no bag \"", name,
+                                          "\"; the bags are ",
+                                          names.empty() ? "none" : absl::StrJoin(names, ", ")));
+}
+
 absl::StatusOr<BagMapping> MappingFor(const fs::path& bag) {
   std::error_code error;
   const fs::path file = bag.parent_path() / kBagMappingFileName;
@@ -178,6 +184,12 @@ absl::StatusOr<BagMapping> MappingFor(const fs::path& bag) {
   if (!overview.ok()) return overview.status();
   BagMapping mapping = ProposeMapping(*overview);
   if (!mapping.radars.empty()) return mapping;
+  if (overview->summary.message_count == 0) {
+    const std::int64_t cut_at = overview->summary.cut_at;
+    return absl::InvalidArgumentError(absl::StrCat(
+        bag.string(), ": has no message",
+        cut_at < 0 ? "" : absl::StrCat(" before byte ", cut_at, ", where it is cut off")));
+  }
   return absl::InvalidArgumentError(
       absl::StrCat(bag.string(),
                    ": no topic is a point cloud with range rates under a known name; name them in ",

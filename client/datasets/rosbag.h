@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/datasets/bag_mapping.h"
@@ -8,6 +10,13 @@
 #include "client/datasets/drive_request.h"
 
 namespace dcloc {
+
+/// The names of the bags in a folder, without ".bag", sorted.
+std::vector<std::string> BagNames(const std::filesystem::path& root);
+
+/// Where the bag `name` lies, which may end with ".bag". NotFound names the bags that there are.
+absl::StatusOr<std::filesystem::path> FindBag(const std::filesystem::path& root,
+                                              const std::string& name);
 
 /// The mapping of a folder's bags: `dcloc_bag.json` beside them, else what `ProposeMapping`
 /// suggests for `bag`. Errors as of either; InvalidArgument where no topic of the bag can be taken

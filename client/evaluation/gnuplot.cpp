@@ -107,9 +107,14 @@ absl::Status RenderPng(const Picture& picture, const fs::path& png) {
   if (absl::Status status = Render(picture, terminal, scratch.path(), drawn); !status.ok()) {
     return status;
   }
+  // Beside its place first, so that the file is whole or the older one.
+  const fs::path part = png.string() + ".part";
   std::error_code error;
-  fs::copy_file(drawn, png, fs::copy_options::overwrite_existing, error);
+  fs::copy_file(drawn, part, fs::copy_options::overwrite_existing, error);
+  if (!error) fs::rename(part, png, error);
   if (error) {
+    std::error_code ignored;
+    fs::remove(part, ignored);
     return absl::UnavailableError(
         absl::StrCat(png.string(), ": cannot be written: ", error.message()));
   }

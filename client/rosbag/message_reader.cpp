@@ -153,6 +153,13 @@ absl::StatusOr<Pose3> CheckedPose(Pose3 pose) {
   return pose;
 }
 
+absl::StatusOr<Header> ParseMessageHeader(absl::string_view data) {
+  ByteReader reader(data);
+  Header header = TakeHeader(reader);
+  if (absl::Status status = Whole(reader); !status.ok()) return status;
+  return header;
+}
+
 absl::StatusOr<PointCloud> ParsePointCloud(absl::string_view data) {
   ByteReader reader(data);
   PointCloud cloud{.header = TakeHeader(reader)};

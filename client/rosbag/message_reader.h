@@ -20,6 +20,8 @@ absl::StatusOr<Pose3> CheckedPose(Pose3 pose);
 // Each parses a message's data. DataLoss where it is shorter than its type, or holds what its type
 // does not allow; the message's topic is not named.
 
+/// Of any type that begins with a header: all known ones but TF's.
+absl::StatusOr<Header> ParseMessageHeader(absl::string_view data);
 absl::StatusOr<PointCloud> ParsePointCloud(absl::string_view data);
 absl::StatusOr<std::vector<Transform>> ParseTransforms(absl::string_view data);
 absl::StatusOr<ImuSample> ParseImu(absl::string_view data);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -107,18 +108,6 @@ Cells CellsOf(absl::string_view line, TrajectoryFormat format) {
   return absl::StrSplit(line, absl::ByAnyChar(" \t"), absl::SkipEmpty());
 }
 
-/// By ascending stamp, one pose a stamp.
-void Sort(std::vector<TrajectoryPose>& poses) {
-  std::ranges::stable_sort(poses, {}, &TrajectoryPose::stamp);
-  std::vector<TrajectoryPose> unique;
-  unique.reserve(poses.size());
-  for (const TrajectoryPose& pose : poses) {
-    if (!unique.empty() && unique.back().stamp == pose.stamp) unique.pop_back();
-    unique.push_back(pose);
-  }
-  poses = std::move(unique);
-}
-
 }  // namespace
 
 absl::StatusOr<Trajectory> ParseTrajectory(absl::string_view text, TrajectoryFormat format,
@@ -155,12 +144,16 @@ absl::StatusOr<Trajectory> ParseTrajectory(absl::string_view text, TrajectoryFor
   if (trajectory.poses.empty()) {
     return absl::DataLossError(absl::StrCat(name, ": has no pose"));
   }
-  Sort(trajectory.poses);
+  SortByStamp(trajectory.poses);
   return trajectory;
 }
 
 absl::StatusOr<Trajectory> ReadTrajectory(const std::filesystem::path& path,
                                           TrajectoryFormat format) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    return absl::InvalidArgumentError(absl::StrCat(path.string(), ": is a folder"));
+  }
   std::ifstream file(path, std::ios::binary);
   if (!file) return absl::ErrnoToStatus(errno, path.string());
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};

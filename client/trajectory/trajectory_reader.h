@@ -12,8 +12,8 @@ namespace dcloc {
 /// Reads a trajectory with stamps: TUM, or CSV that names its columns (`x_m` or `x`, ... as
 /// `FormatTrajectory` and `dcloc localize --out` write it; rows whose `state` is INITIALIZING are
 /// left out). Rows come by ascending stamp, and of equal stamps the last one counts. Errors name
-/// the path and the line: NotFound, DataLoss; InvalidArgument for the other formats, which have no
-/// stamps or no poses.
+/// the path and the line: NotFound, DataLoss; InvalidArgument for a folder, and for the other
+/// formats, which have no stamps or no poses.
 absl::StatusOr<Trajectory> ReadTrajectory(const std::filesystem::path& path,
                                           TrajectoryFormat format);
 

@@ -28,15 +28,8 @@ void AppendPose(std::string& line, const Pose3& pose, char separator) {
 }
 
 std::string Tum(const Trajectory& trajectory) {
-  constexpr std::int64_t kPerSecond = 1'000'000'000;
   std::string text;
-  for (const auto& [stamp, pose] : trajectory.poses) {
-    // Not through a double, which does not hold the nanoseconds of today.
-    absl::StrAppendFormat(&text, "%d.%09d", Nanoseconds(stamp) / kPerSecond,
-                          Nanoseconds(stamp) % kPerSecond);
-    AppendPose(text, pose, ' ');
-    text += '\n';
-  }
+  for (const TrajectoryPose& entry : trajectory.poses) text += TumLine(entry);
   return text;
 }
 
@@ -114,6 +107,15 @@ std::string Gpx(const Trajectory& trajectory) {
 }
 
 }  // namespace
+
+std::string TumLine(const TrajectoryPose& entry) {
+  constexpr std::int64_t kPerSecond = 1'000'000'000;
+  // Not through a double, which does not hold the nanoseconds of today.
+  const std::int64_t stamp_ns = Nanoseconds(entry.stamp);
+  std::string line = absl::StrFormat("%d.%09d", stamp_ns / kPerSecond, stamp_ns % kPerSecond);
+  AppendPose(line, entry.T_map_vehicle, ' ');
+  return line + "\n";
+}
 
 absl::StatusOr<std::string> FormatTrajectory(const Trajectory& trajectory,
                                              TrajectoryFormat format) {

@@ -13,4 +13,7 @@ namespace dcloc {
 /// and the trajectory has none.
 absl::StatusOr<std::string> FormatTrajectory(const Trajectory& trajectory, TrajectoryFormat format);
 
+/// One line of TUM with its end, for those who write poses as they come.
+std::string TumLine(const TrajectoryPose& entry);
+
 }  // namespace dcloc

@@ -98,10 +98,12 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// Vehicles spread over the copies, all driving at once.
+// Vehicles spread over the copies, all driving at once. The workspace is lent, as the server lends
+// it: it is no part of a session.
 Fleet DriveFleet(const std::shared_ptr<const RadarMap>& map, const Case& drives, int copies,
                  std::size_t scan_count, double resident_before_mb) {
   Fleet fleet;
+  LocalizerWorkspace workspace;
   std::vector<Localizer> localizers;
   std::vector<Eigen::Vector3d> offsets_m;
   const auto allocated_before = static_cast<double>(mallinfo2().uordblks);
@@ -120,7 +122,7 @@ Fleet DriveFleet(const std::shared_ptr<const RadarMap>& map, const Case& drives,
     const auto& [scan, T_map_vehicle] = drives.live_drive.scans[i];
     for (std::size_t vehicle = 0; vehicle < localizers.size(); ++vehicle) {
       const double begin_ms = CpuMilliseconds();
-      const auto answer = localizers[vehicle].Localize(scan);
+      const auto answer = localizers[vehicle].Localize(scan, workspace);
       const double scan_ms = CpuMilliseconds() - begin_ms;
       if (answer->state != LocalizationState::kTracking) continue;
       times_ms.push_back(scan_ms);

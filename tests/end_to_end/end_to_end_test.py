@@ -5,6 +5,7 @@ wrong on the way.
 Usage: end_to_end_test.py DCLOC DCLOC_SERVER [TEST...]
 """
 
+import json
 import math
 import pathlib
 import statistics
@@ -77,6 +78,22 @@ class EndToEndTest(unittest.TestCase):
             self.assertGreater(float(answer["c00"]), 0.0)
             self.assertAlmostEqual(float(answer["c01"]), float(answer["c10"]), delta=1e-12)
             self.assertGreater(float(answer["latency_ms"]), 0.0)
+
+    def test_a_bag_is_localized_and_compared_with_the_reference(self):
+        bag = self.own / "live-0.bag"
+        PROGRAMS.succeed("dataset", "export", *self.data(), "--drive", "live-0", "--bag", bag)
+        told = json.loads(PROGRAMS.succeed("dataset", "inspect", bag, "--json"))
+        self.assertTrue(told["mapping_is_sound"])
+        truth, way = self.own / "truth.tum", self.own / "way.csv"
+        PROGRAMS.succeed("dataset", "trajectory", *self.data(), "--drive", "live-0",
+                         "--trajectory-out", truth)
+        with self.serve_town() as server:
+            PROGRAMS.succeed("localize", "--server", server.address, "--map", "town", "--dataset",
+                             "rosbag", "--root", self.own, "--drive", "live-0", "--rate", "max",
+                             "--out", self.own / "answers.csv", "--trajectory-out", way)
+        errors = json.loads(PROGRAMS.succeed("plot", way, "--reference", truth, "--json"))[0]
+        self.assertGreater(errors["compared_count"], 200)
+        self.assertLess(errors["position_error_m"]["p95"], 0.3)
 
     def test_vehicles_at_once_get_what_each_alone_gets(self):
         with self.serve_town() as server:

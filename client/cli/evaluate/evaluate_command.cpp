@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "client/cli/common/anchor_option.h"
 #include "client/cli/common/exit_codes.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/evaluate/evaluate_faults_command.h"
@@ -99,6 +100,8 @@ void AddProtocolOptions(CLI::App& command, Arguments& arguments) {
       .add_option("--report", arguments.report_file,
                   "Write a page with pictures, and PNG files beside it (needs gnuplot)")
       ->type_name("FILE");
+  AddTrajectoryOptions(command, arguments.trajectory);
+  AddAnchorOption(command, arguments.anchor);
 }
 
 }  // namespace

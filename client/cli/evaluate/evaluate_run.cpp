@@ -1,6 +1,7 @@
 #include "client/cli/evaluate/evaluate_run.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <utility>
@@ -8,11 +9,13 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "client/cli/common/atomic_file.h"
 #include "client/cli/common/progress.h"
 #include "client/cli/common/terminal.h"
 #include "client/evaluation/baselines/map_for_method.h"
 #include "client/evaluation/metrics_format.h"
+#include "client/evaluation/outcome_trajectory.h"
 #include "client/evaluation/report.h"
 
 namespace dcloc::cli {
@@ -141,6 +144,22 @@ absl::Status WriteText(const std::string& file, const std::string& text) {
   return WriteFileAtomically(file, std::as_bytes(std::span(text)));
 }
 
+/// To the file itself, or of several drives to "FILE-DRIVE.EXTENSION" each.
+absl::Status WriteTrajectories(const EvaluateArguments& arguments, const Outcomes& outcomes) {
+  absl::Status status;
+  for (const DriveOutcome& outcome : outcomes) {
+    TrajectoryArguments trajectory = arguments.trajectory;
+    if (outcomes.size() > 1 && !trajectory.file.empty()) {
+      const std::filesystem::path path = trajectory.file;
+      const std::string drive = absl::StrReplaceAll(outcome.drive, {{"/", "_"}});
+      trajectory.file = path.parent_path() /
+                        absl::StrCat(path.stem().string(), "-", drive, path.extension().string());
+    }
+    status.Update(WriteTrajectory(trajectory, TrajectoryOf(outcome, arguments.anchor)));
+  }
+  return status;
+}
+
 bool HasCoupling(const Drive& drive) {
   return std::ranges::any_of(drive.rig.radars,
                              [](const RadarModel& radar) { return radar.beta_s != 0.0; });
@@ -209,6 +228,8 @@ absl::Status RunEvaluation(const EvaluateArguments& arguments) {
   const absl::StatusOr<EvaluationOptions> options = ToOptions(arguments);
   if (!options.ok()) return options.status();
   if (absl::Status status = Validate(*options); !status.ok()) return status;
+  absl::Status writable = CheckTrajectory(arguments.trajectory, arguments.anchor.has_value());
+  if (!writable.ok()) return writable;
   const auto map_drives = ReadMapDrives(arguments);
   if (!map_drives.ok()) return map_drives.status();
   const auto drives = ReadDrives(arguments.dataset, arguments.drives, arguments.live);
@@ -219,6 +240,7 @@ absl::Status RunEvaluation(const EvaluateArguments& arguments) {
   Print(*outcomes);
   absl::Status status = WriteText(arguments.json_file, ToJson(*outcomes).dump(2) + "\n");
   status.Update(WriteText(arguments.csv_file, ScansCsv(*outcomes)));
+  status.Update(WriteTrajectories(arguments, *outcomes));
   if (!arguments.report_file.empty()) {
     status.Update(WriteReportFile(arguments, *map_drives, *drives, *options, *std::move(outcomes)));
   }

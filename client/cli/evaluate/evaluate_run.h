@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "client/cli/common/dataset_options.h"
+#include "client/cli/common/trajectory_options.h"
 #include "client/evaluation/runner.h"
 
 namespace dcloc::cli {
@@ -27,6 +28,8 @@ struct EvaluateArguments {
   std::string json_file;
   std::string csv_file;
   std::string report_file;
+  TrajectoryArguments trajectory;        ///< a file for each drive
+  std::optional<GeodeticAnchor> anchor;  ///< of the drives' frame, for the trajectories
 };
 
 /// Makes the map, localizes the drives, prints the metrics and writes the files that were asked

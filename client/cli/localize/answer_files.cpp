@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/evaluation/metrics_format.h"
+#include "client/trajectory/trajectory_writer.h"
 
 namespace dcloc::cli {
 namespace {
@@ -38,15 +39,6 @@ std::string CsvLine(const v1::LocalizationResult& result, const ScanOutcome& out
   return line;
 }
 
-std::string TumLine(const v1::LocalizationResult& result) {
-  constexpr std::int64_t kPerSecond = 1'000'000'000;
-  // Not through a double, which does not hold the nanoseconds of today.
-  std::string line =
-      absl::StrFormat("%d.%09d", result.stamp_ns() / kPerSecond, result.stamp_ns() % kPerSecond);
-  AppendPose(line, result.pose().pose(), ' ');
-  return line + "\n";
-}
-
 }  // namespace
 
 absl::Status AnswerFiles::Open(const std::string& path, File& file) {
@@ -74,7 +66,9 @@ absl::StatusOr<AnswerFiles> AnswerFiles::Create(const std::string& csv_path,
 
 void AnswerFiles::Add(const v1::LocalizationResult& result, const ScanOutcome& outcome) {
   csv_.stream << CsvLine(result, outcome);
-  if (tum_.stream.is_open() && outcome.answered()) tum_.stream << TumLine(result);
+  if (tum_.stream.is_open() && outcome.answered()) {
+    tum_.stream << TumLine({outcome.answer.stamp, outcome.answer.T_map_vehicle});
+  }
 }
 
 absl::Status AnswerFiles::Close() {

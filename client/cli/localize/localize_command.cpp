@@ -84,6 +84,7 @@ void AddRunOptions(CLI::App& command, LocalizeArguments& arguments) {
       .add_option("--tum", arguments.tum_file,
                   "Write the poses in the map as TUM lines: stamp x y z qx qy qz qw")
       ->type_name("FILE");
+  AddTrajectoryOptions(command, arguments.trajectory);
   command.add_flag("--json", arguments.json, "Print as JSON");
 }
 

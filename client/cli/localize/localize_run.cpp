@@ -25,6 +25,7 @@
 #include "client/datasets/dataset.h"
 #include "client/datasets/fix_file.h"
 #include "client/evaluation/metrics_format.h"
+#include "client/evaluation/outcome_trajectory.h"
 #include "client/sdk/session.h"
 
 namespace dcloc::cli {
@@ -267,6 +268,11 @@ void PrintJson(const DriveOutcome& outcome, const Drive& drive, const client::Se
   absl::PrintF("%s\n", json.dump(2));
 }
 
+std::optional<GeodeticAnchor> AnchorOf(const v1::SessionOpened& opened) {
+  if (!opened.has_anchor()) return std::nullopt;
+  return FromProto(opened.anchor());
+}
+
 absl::Status Localize(client::Session& session, const Drive& drive,
                       const std::vector<StampedFix>& fixes, const LocalizeArguments& arguments,
                       const StopSignals& signals, AnswerFiles& files) {
@@ -287,6 +293,8 @@ absl::Status Localize(client::Session& session, const Drive& drive,
   session.Cancel();
   if (interrupted) status = absl::CancelledError("interrupted; the files hold what was answered");
   status.Update(files.Close());
+  status.Update(
+      WriteTrajectory(arguments.trajectory, TrajectoryOf(outcome, AnchorOf(session.opened()))));
   status.Update(session.record_status());
   if (learned && !arguments.learned_rig_file.empty()) {
     status.Update(WriteLearnedRig(arguments.learned_rig_file, *learned));
@@ -339,6 +347,10 @@ absl::Status RunLocalize(const LocalizeArguments& arguments) {
   absl::StatusOr<std::optional<v1::LearnedRig>> known = std::optional<v1::LearnedRig>();
   if (!arguments.learned_rig_file.empty()) known = ReadLearnedRig(arguments.learned_rig_file);
   if (!known.ok()) return known.status();
+  // Before a server is asked for anything; whether its map has an anchor, it will say.
+  if (absl::Status status = CheckTrajectory(arguments.trajectory, true); !status.ok()) {
+    return status;
+  }
   v1::OpenSession open = OpenRequest(arguments, *drive);
   if (*known) *open.mutable_learned_rig() = **known;
   const StopSignals signals;
@@ -349,9 +361,10 @@ absl::Status RunLocalize(const LocalizeArguments& arguments) {
     return absl::Status(session.status().code(),
                         absl::StrCat(arguments.server.server, ": ", session.status().message()));
   }
-  if (absl::Status status = CheckFixes(*fixes, (*session)->opened(), arguments); !status.ok()) {
-    return status;
-  }
+  const v1::SessionOpened& opened = (*session)->opened();
+  absl::Status status = CheckFixes(*fixes, opened, arguments);
+  status.Update(CheckTrajectory(arguments.trajectory, opened.has_anchor()));
+  if (!status.ok()) return status;
   absl::StatusOr<AnswerFiles> files = AnswerFiles::Create(arguments.csv_file, arguments.tum_file);
   if (!files.ok()) return files.status();
   return Localize(**session, *drive, *fixes, arguments, signals, *files);

@@ -5,6 +5,7 @@
 
 #include "absl/status/status.h"
 #include "client/cli/common/dataset_options.h"
+#include "client/cli/common/trajectory_options.h"
 #include "client/evaluation/perturbation.h"
 #include "client/sdk/channel.h"
 #include "core/geometry/geodetic_anchor.h"
@@ -27,6 +28,7 @@ struct LocalizeArguments {
   double reconnect_s = 30.0;  ///< 0: never
   std::string csv_file;
   std::string tum_file;
+  TrajectoryArguments trajectory;
   std::string fix_file;          ///< position fixes to send; may be empty
   std::string learned_rig_file;  ///< what was learned, read and kept; may be empty
   std::string record_file;       ///< of the session; may be empty

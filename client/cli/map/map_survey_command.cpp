@@ -31,9 +31,7 @@ void AddMapSurveyCommand(CLI::App& map_command, int& exit_code) {
   AddAnchorOption(*app, arguments->anchor)->needs(gnss);
   app->add_option("--name", arguments->name, "Name of the map; the first drive's by default");
   app->add_option("--out", arguments->out, "Map file to write")->required()->type_name("FILE");
-  app->add_option("--trajectory-out", arguments->trajectory_file,
-                  "Write the poses of all scans in the map, in the TUM format")
-      ->type_name("FILE");
+  AddTrajectoryOptions(*app, arguments->trajectory);
   app->add_flag("--compare-truth", arguments->compare_truth,
                 "Say how far the result is from the data set's reference poses, which the survey "
                 "itself does not use");

@@ -14,7 +14,9 @@ constexpr double kDriftStretch_m = 100.0;
 
 std::vector<TrajectoryPair> Pair(std::span<const Pose2> found, std::span<const Pose2> truth) {
   std::vector<TrajectoryPair> pairs;
-  for (std::size_t i = 0; i < found.size(); ++i) pairs.push_back({found[i], truth[i]});
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    pairs.push_back({Embed(found[i]), Embed(truth[i])});
+  }
   return pairs;
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "client/datasets/drive.h"
-#include "client/evaluation/trajectory_error.h"
+#include "client/trajectory/trajectory_error.h"
 #include "core/mapping/survey.h"
 
 namespace dcloc::cli {

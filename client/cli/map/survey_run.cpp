@@ -28,7 +28,8 @@ class SurveyRun {
   explicit SurveyRun(const SurveyArguments& arguments) : arguments_(arguments) {}
 
   absl::Status Run() {
-    absl::Status status = TrackDrives();
+    absl::Status status = CheckTrajectory(arguments_.trajectory, !arguments_.fix_files.empty());
+    if (status.ok()) status = TrackDrives();
     if (!status.ok()) return status;
     auto fixes = ReadSurveyFixes(arguments_.fix_files, tracks_, arguments_.anchor);
     if (!fixes.ok()) return fixes.status();
@@ -41,7 +42,7 @@ class SurveyRun {
     if (!survey.ok()) return survey.status();
     survey_ = *std::move(survey);
     status = WriteMap();
-    if (status.ok()) status = WriteTrajectory();
+    if (status.ok()) status = WritePoses();
     if (status.ok()) Report();
     return status;
   }
@@ -107,10 +108,11 @@ class SurveyRun {
     return absl::OkStatus();
   }
 
-  absl::Status WriteTrajectory() const {
-    if (arguments_.trajectory_file.empty()) return absl::OkStatus();
-    const std::string text = TumOf(tracks_, survey_);
-    return WriteFileAtomically(arguments_.trajectory_file, std::as_bytes(std::span(text)));
+  absl::Status WritePoses() const {
+    Trajectory trajectory = TrajectoryOf(tracks_, survey_);
+    trajectory.name = info_.name;
+    trajectory.anchor = info_.anchor;
+    return WriteTrajectory(arguments_.trajectory, trajectory);
   }
 
   void Report() const {

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "client/cli/common/dataset_options.h"
+#include "client/cli/common/trajectory_options.h"
 #include "client/datasets/drive_request.h"
 #include "core/geometry/geodetic_anchor.h"
 
@@ -20,7 +21,7 @@ struct SurveyArguments {
   std::optional<GeodeticAnchor> anchor;  ///< of the fixes' frame
   std::string name;
   std::string out;
-  std::string trajectory_file;
+  TrajectoryArguments trajectory;
   bool compare_truth = false;
   bool json = false;
 };

@@ -1,7 +1,6 @@
 #include "client/cli/map/survey_summary.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -125,25 +124,17 @@ std::string SurveyText(std::span<const DriveTrack> tracks, const Survey& survey,
   return text;
 }
 
-std::string TumOf(std::span<const DriveTrack> tracks, const Survey& survey) {
-  std::vector<std::pair<Stamp, Pose2>> poses;
+Trajectory TrajectoryOf(std::span<const DriveTrack> tracks, const Survey& survey) {
+  Trajectory trajectory;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     if (!survey.drives[i].is_in_map) continue;
     for (const TrackedScan& scan : tracks[i].scans) {
-      poses.emplace_back(scan.stamp, PlaceScan(tracks[i], survey.drives[i].T_map_nodes, scan));
+      const Pose2 pose = PlaceScan(tracks[i], survey.drives[i].T_map_nodes, scan);
+      trajectory.poses.push_back({scan.stamp, Embed(pose)});
     }
   }
-  std::ranges::stable_sort(poses, {}, &std::pair<Stamp, Pose2>::first);
-  std::string text;
-  for (const auto& [stamp, pose] : poses) {
-    const std::int64_t stamp_ns = stamp.time_since_epoch().count();
-    const Eigen::Quaterniond q = Embed(pose).rotation;
-    absl::StrAppendFormat(&text, "%d.%09d %.4f %.4f 0 %.9f %.9f %.9f %.9f\n",
-                          stamp_ns / 1'000'000'000, stamp_ns % 1'000'000'000,
-                          pose.translation_m.x(), pose.translation_m.y(), q.x(), q.y(), q.z(),
-                          q.w());
-  }
-  return text;
+  SortByStamp(trajectory.poses);
+  return trajectory;
 }
 
 }  // namespace dcloc::cli

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "client/cli/map/survey_judge.h"
+#include "client/trajectory/trajectory.h"
 #include "core/mapping/survey.h"
 
 namespace dcloc::cli {
@@ -16,8 +17,7 @@ nlohmann::ordered_json SurveyJson(std::span<const DriveTrack> tracks, const Surv
 std::string SurveyText(std::span<const DriveTrack> tracks, const Survey& survey,
                        const std::optional<SurveyJudgement>& judgement);
 
-/// The poses of all scans of the drives in the map, in the TUM format: a line "stamp x y z qx qy qz
-/// qw" each, in seconds and metres, by ascending stamp.
-std::string TumOf(std::span<const DriveTrack> tracks, const Survey& survey);
+/// The poses of all scans of the drives in the map.
+Trajectory TrajectoryOf(std::span<const DriveTrack> tracks, const Survey& survey);
 
 }  // namespace dcloc::cli

@@ -181,6 +181,14 @@ v1::GeodeticAnchor ToProto(const GeodeticAnchor& anchor) {
   return message;
 }
 
+GeodeticAnchor FromProto(const v1::GeodeticAnchor& anchor) {
+  const v1::GeodeticPosition& origin = anchor.origin();
+  return {.origin = {.latitude_deg = origin.latitude_deg(),
+                     .longitude_deg = origin.longitude_deg(),
+                     .height_m = origin.height_m()},
+          .x_axis_east_rad = anchor.x_axis_east_rad()};
+}
+
 v1::GnssFix FixOf(const InitialPose& pose, const GeodeticAnchor& anchor) {
   const Vector6d variances = pose.covariance.diagonal();
   v1::GnssFix message;

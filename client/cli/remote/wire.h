@@ -20,6 +20,8 @@ v1::PoseWithCovariance ToProto(const InitialPose& initial_pose);
 v1::Scan ToProto(const Scan& scan, std::int64_t sequence_number);
 v1::GeodeticAnchor ToProto(const GeodeticAnchor& anchor);
 
+GeodeticAnchor FromProto(const v1::GeodeticAnchor& anchor);
+
 /// A GNSS fix with the position and heading of `pose` and their deviations; roll and pitch are left
 /// out.
 v1::GnssFix FixOf(const InitialPose& pose, const GeodeticAnchor& anchor);

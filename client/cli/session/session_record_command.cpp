@@ -12,8 +12,11 @@
 #include "client/cli/common/live_line.h"
 #include "client/cli/common/stop_signals.h"
 #include "client/cli/common/terminal.h"
+#include "client/cli/common/trajectory_options.h"
+#include "client/cli/common/written_file.h"
 #include "client/cli/remote/admin_run.h"
 #include "client/cli/remote/server_options.h"
+#include "client/cli/session/recorded_trajectory.h"
 #include "client/cli/session/replay_run.h"
 #include "client/sdk/recording.h"
 
@@ -26,6 +29,7 @@ struct RecordArguments {
   client::ChannelOptions server;
   std::string vehicle;
   std::string out;
+  TrajectoryArguments trajectory;
   bool json = false;
 };
 
@@ -49,6 +53,9 @@ void PrintRecorded(const RecordArguments& arguments, const v1::RecordingHeader& 
 
 absl::Status Record(client::AdminClient& admin, const RecordArguments& arguments,
                     const StopSignals& signals) {
+  if (absl::Status status = CheckTrajectory(arguments.trajectory, true); !status.ok()) {
+    return status;
+  }
   std::stop_source stop;
   const std::jthread watcher = signals.Watch([&stop](int) { stop.request_stop(); });
   LiveLine line;
@@ -90,6 +97,9 @@ absl::Status Record(client::AdminClient& admin, const RecordArguments& arguments
   const std::int64_t scan_count = writer->scan_count();
   status = writer->Close(reason);
   if (status.ok()) PrintRecorded(arguments, header, scan_count, reason);
+  if (status.ok() && !arguments.trajectory.file.empty()) {
+    status = WriteRecordedTrajectory(arguments.out, arguments.trajectory).status();
+  }
   return status;
 }
 
@@ -104,6 +114,7 @@ void AddRecord(CLI::App& session_command, int& exit_code) {
   record->add_option("--out", arguments->out, "The recording; an older one is replaced")
       ->required()
       ->type_name("FILE");
+  AddTrajectoryOptions(*record, arguments->trajectory);
   record->add_flag("--json", arguments->json, "Print as JSON");
   record->footer(
       "Scans, position fixes and answers of the whole session: what is needed to localize it "
@@ -146,11 +157,34 @@ void AddReplay(CLI::App& session_command, int& exit_code) {
   });
 }
 
+void AddTrajectory(CLI::App& session_command, int& exit_code) {
+  struct Arguments {
+    std::string file;
+    TrajectoryArguments trajectory;
+    bool json = false;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* trajectory = session_command.add_subcommand(
+      "trajectory", "Write the poses that were answered in a recorded session");
+  trajectory->add_option("file", arguments->file, "The recording")->required()->type_name("FILE");
+  AddTrajectoryOptions(*trajectory, arguments->trajectory)->required();
+  trajectory->add_flag("--json", arguments->json, "Print as JSON");
+  trajectory->footer("Example:\n  dcloc session trajectory car.rec --trajectory-out car.gpx");
+  trajectory->callback([arguments, &exit_code] {
+    const std::string& out = arguments->trajectory.file;
+    const absl::StatusOr<std::size_t> count =
+        WriteRecordedTrajectory(arguments->file, arguments->trajectory);
+    exit_code = count.ok() ? kSuccess : Fail(count.status());
+    if (count.ok()) PrintWritten(out, "pose", *count, arguments->json);
+  });
+}
+
 }  // namespace
 
 void AddSessionRecordCommands(CLI::App& session_command, int& exit_code) {
   AddRecord(session_command, exit_code);
   AddReplay(session_command, exit_code);
+  AddTrajectory(session_command, exit_code);
 }
 
 }  // namespace dcloc::cli

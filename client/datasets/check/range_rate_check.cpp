@@ -1,6 +1,7 @@
 #include "client/datasets/check/range_rate_check.h"
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -18,6 +19,8 @@ constexpr double kGateOfSpeed = 0.04;  ///< velocities and directions are known 
 constexpr std::size_t kMinTargets = 200;
 constexpr double kMinShare = 0.3;  ///< less stand still nowhere but in a jam
 constexpr double kClearlyBetter = 1.3;
+constexpr std::chrono::nanoseconds kPoseStep = std::chrono::milliseconds(100);
+constexpr std::chrono::nanoseconds kMaxPoseSpan = std::chrono::seconds(1);
 
 /// An explanation of the range rates.
 struct Hypothesis {
@@ -47,8 +50,8 @@ class Tally {
   Tally(const Pose3& T_vehicle_radar, Hypothesis hypothesis)
       : T_vehicle_radar_(T_vehicle_radar), hypothesis_(hypothesis) {}
 
-  void Add(const Scan& scan) {
-    const Eigen::Vector3d velocity = RadarVelocity(*scan.ego_velocity, T_vehicle_radar_);
+  void Add(const Scan& scan, const EgoVelocity& ego) {
+    const Eigen::Vector3d velocity = RadarVelocity(ego, T_vehicle_radar_);
     const double gate = kGate_mps + kGateOfSpeed * velocity.norm();
     for (std::size_t i = 0; i < scan.size(); ++i) {
       const double azimuth = hypothesis_.azimuth_sign * scan.azimuth_rad[i];
@@ -76,8 +79,32 @@ class Tally {
   std::size_t fitting_count_ = 0;
 };
 
-bool Tells(const Scan& scan) {
-  return scan.ego_velocity && scan.ego_velocity->linear_mps.norm() > kMinSpeed_mps;
+/// The vehicle's velocity at scan `index` by the poses of the scans around it; nothing where they
+/// are too far.
+std::optional<EgoVelocity> VelocityByPoses(const Drive& drive, std::size_t index) {
+  if (drive.pose_source == PoseSource::kNone) return std::nullopt;
+  const Stamp stamp = drive.scans[index].scan.stamp;
+  std::size_t before = index;
+  std::size_t after = index;
+  while (before > 0 && stamp - drive.scans[before].scan.stamp < kPoseStep) --before;
+  while (after + 1 < drive.scans.size() && drive.scans[after].scan.stamp - stamp < kPoseStep) {
+    ++after;
+  }
+  const auto duration = drive.scans[after].scan.stamp - drive.scans[before].scan.stamp;
+  if (duration < kPoseStep || duration > kMaxPoseSpan) return std::nullopt;
+  const Vector6d twist =
+      Log(drive.scans[before].T_map_vehicle.Inverse() * drive.scans[after].T_map_vehicle) /
+      std::chrono::duration<double>(duration).count();
+  return EgoVelocity{twist.head<3>(), twist.tail<3>(), std::nullopt};
+}
+
+/// The velocity by which the targets of a scan tell something.
+std::optional<EgoVelocity> TellingVelocity(const Drive& drive, std::size_t index) {
+  const Scan& scan = drive.scans[index].scan;
+  const std::optional<EgoVelocity> velocity =
+      scan.ego_velocity ? scan.ego_velocity : VelocityByPoses(drive, index);
+  if (!velocity || velocity->linear_mps.norm() <= kMinSpeed_mps) return std::nullopt;
+  return velocity;
 }
 
 /// A candidate's tally is the best one where it is clearly better than all before it.
@@ -100,9 +127,12 @@ RangeRateCheck CheckRangeRatesOf(const Drive& drive, const RadarModel& radar) {
     others.push_back(&other);
     tallies.emplace_back(other.T_vehicle_radar, kHypotheses.front());
   }
-  for (const DriveScan& entry : drive.scans) {
-    if (entry.scan.radar_id != radar.id || !Tells(entry.scan)) continue;
-    for (Tally& tally : tallies) tally.Add(entry.scan);
+  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+    const Scan& scan = drive.scans[i].scan;
+    if (scan.radar_id != radar.id) continue;
+    const std::optional<EgoVelocity> velocity = TellingVelocity(drive, i);
+    if (!velocity) continue;
+    for (Tally& tally : tallies) tally.Add(scan, *velocity);
   }
   RangeRateCheck check{.radar_id = radar.id,
                        .target_count = tallies.front().count(),
@@ -136,14 +166,14 @@ std::string MeaningText(const RangeRateCheck& check) {
     case RangeRateMeaning::kAway:
       return "positive for what recedes, relative to the moving radar, as they must be";
     case RangeRateMeaning::kTowards:
-      return "positive for what comes nearer: set range_rate_is_towards";
+      return "positive for what comes nearer: the other sign is needed";
     case RangeRateMeaning::kCompensated:
-      return "over ground, the vehicle's motion is taken out: set range_rate_is_compensated";
+      return "over ground: the vehicle's own motion is taken out";
     case RangeRateMeaning::kAwayMirrored:
-      return "right, but azimuths are clockwise: set azimuth_is_clockwise";
+      return "right, but azimuths are clockwise: the other sign is needed";
     case RangeRateMeaning::kTowardsMirrored:
-      return "positive for what comes nearer, and azimuths are clockwise: set "
-             "range_rate_is_towards and azimuth_is_clockwise";
+      return "positive for what comes nearer, and azimuths are clockwise: the other sign is needed "
+             "of both";
     case RangeRateMeaning::kOfAnotherMount:
       return absl::StrCat("right as if the radar sat where ", check.better_mount,
                           " does: are their mounts or names swapped?");

@@ -29,8 +29,9 @@ struct RangeRateCheck {
   double best_share = 0.0;       ///< those that fit `meaning`
 };
 
-/// Compares each target with what a thing that stands would show, by the vehicle's own velocity.
-/// Scans without ego-velocity, and slower than 2 m/s, tell nothing. A check a radar, in the rig's
+/// Compares each target with what a thing that stands would show, by the vehicle's own velocity, or
+/// by its poses where a scan has no velocity. Scans with neither, and slower than 2 m/s, tell
+/// nothing. A check a radar, in the rig's
 /// order. Straight ahead a radar that looks ahead cannot tell its azimuth's sign: then the
 /// described one counts.
 std::vector<RangeRateCheck> CheckRangeRates(const Drive& drive);

@@ -135,7 +135,8 @@ TEST(CommandLine, WhatAsksAServerAnswersScriptsToo) {
 TEST(CommandLine, SaysItsVersion) {
   const Result result = Dcloc("--version");
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.out, ::testing::MatchesRegex("dcloc [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  EXPECT_THAT(result.out,
+              ::testing::MatchesRegex("dcloc [0-9]+\\.[0-9]+\\.[0-9]+\nbuild [0-9a-f]+, .+\n"));
 }
 
 TEST(CommandLine, ReturnsTwoForWhatMakesNoSense) {
@@ -271,7 +272,8 @@ TEST_F(Simulated, LeavesNothingBehindWhereItCannotWrite) {
 TEST_F(Simulated, EvaluatesAndWritesWhatIsAskedFor) {
   const Result result =
       Dcloc("evaluate " + Dataset() + " --map-drive map --drive live-0,map --json " +
-            File("e.json") + " --csv " + File("e.csv") + " --report " + File("e.html"));
+            File("e.json") + " --csv " + File("e.csv") + " --report " + File("e.html") +
+            " --trajectory-out " + File("e.geojson") + " --anchor 48.1,11.6");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("RTE mean / median / rms / p95 / max [m]"));
   const auto json = nlohmann::json::parse(ReadText(File("e.json")));
@@ -284,6 +286,10 @@ TEST_F(Simulated, EvaluatesAndWritesWhatIsAskedFor) {
   EXPECT_THAT(ReadText(File("e.csv")), HasSubstr("live-0,"));
   EXPECT_THAT(ReadText(File("e.html")), HasSubstr("without Doppler compensation"));
   EXPECT_TRUE(std::filesystem::exists(File("e-live-0.png")));
+  const auto way = nlohmann::json::parse(ReadText(File("e-live-0.geojson")))["features"][0];
+  EXPECT_EQ(way["properties"]["name"], "live-0");
+  EXPECT_GT(way["geometry"]["coordinates"].size(), 50U);
+  EXPECT_TRUE(std::filesystem::exists(File("e-map.geojson")));
 }
 
 TEST_F(Simulated, EvaluatesEachDriveInItsOwnMap) {

@@ -5,56 +5,22 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
+#include "client/datasets/bag_overview.h"
 #include "client/datasets/check/range_rate_check.h"
 #include "client/datasets/export_bag.h"
 #include "client/rosbag/bag_reader.h"
 #include "tests/client/datasets/temp_folder.h"
+#include "tests/client/datasets/two_radars.h"
 
 namespace dcloc {
 namespace {
 
 using rosbag::Compression;
 using ::testing::HasSubstr;
-
-/// A rig of two radars drives at 10 m/s past things that stand all around it.
-Drive TwoRadars() {
-  Drive drive{.name = "drive"};
-  for (const auto& [id, yaw] : {std::pair{"front", 0.7}, std::pair{"rear", -2.2}}) {
-    RadarModel radar;
-    radar.id = id;
-    radar.beta_s = 0.04;
-    radar.T_vehicle_radar = {{1.7, 0.3, 0.5},
-                             Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()))};
-    drive.rig.radars.push_back(radar);
-  }
-  for (int i = 0; i < 40; ++i) {
-    const RadarModel& radar = drive.rig.radars[static_cast<std::size_t>(i % 2)];
-    DriveScan entry;
-    entry.scan.stamp =
-        Stamp(std::chrono::nanoseconds(1'714'557'600'123'456'789 + i * 70'000'001LL));
-    entry.scan.radar_id = radar.id;
-    entry.T_map_vehicle = {
-        {0.7 * i, 0.01 * i, 0.0},
-        Eigen::Quaterniond(Eigen::AngleAxisd(0.01 * i, Eigen::Vector3d::UnitZ()))};
-    entry.scan.ego_velocity = EgoVelocity{{10.0, 0.0, 0.0}, {0.0, 0.0, 0.1}, std::nullopt};
-    if (i % 3 == 0) entry.scan.ego_velocity->covariance = 0.01 * Matrix6d::Identity();
-    const Eigen::Vector3d v_radar = radar.T_vehicle_radar.rotation.conjugate() *
-                                    Eigen::Vector3d(10.0 - 0.1 * 0.3, 0.1 * 1.7, 0.0);
-    for (int k = 0; k < 30; ++k) {
-      const double azimuth = -1.0 + k / 14.9;
-      entry.scan.range_m.push_back(static_cast<float>(10.0 + k / 7.0));
-      entry.scan.azimuth_rad.push_back(static_cast<float>(azimuth));
-      entry.scan.range_rate_mps.push_back(
-          static_cast<float>(-(v_radar.x() * std::cos(azimuth) + v_radar.y() * std::sin(azimuth))));
-      entry.scan.rcs_dbsm.push_back(static_cast<float>(k));
-    }
-    drive.scans.push_back(std::move(entry));
-  }
-  return drive;
-}
 
 std::string ReadBytes(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -174,6 +140,23 @@ TEST_F(RosbagTest, AMappingThatDoesNotFitIsNamed) {
   EXPECT_THAT(Read().status().message(), HasSubstr("colour"));
 }
 
+TEST_F(RosbagTest, WhatCannotBeWrittenLeavesTheOlderBag) {
+  Export(TwoRadars());
+  const std::string older = ReadBytes(Bag());
+  Drive early = TwoRadars();
+  early.scans.back().scan.stamp = Stamp(std::chrono::hours(24 * 365 * 150));
+  EXPECT_THAT(ExportBag(early, Bag(), Compression::kLz4).message(), HasSubstr("2106"));
+  Drive other = TwoRadars();
+  other.rig.radars[0].beta_s = 0.05;
+  EXPECT_THAT(ExportBag(other, Bag(), Compression::kLz4).message(), HasSubstr("other radars"));
+  EXPECT_EQ(ReadBytes(Bag()), older);
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    count += entry.is_regular_file() ? 1U : 0U;
+  }
+  EXPECT_EQ(count, 2U) << "the bag and its rig, nothing half-written";
+}
+
 TEST_F(RosbagTest, SignsAndMountsAreToldByTheData) {
   Drive drive = TwoRadars();
   const auto meanings = [](const Drive& checked) {
@@ -204,6 +187,31 @@ TEST_F(RosbagTest, SignsAndMountsAreToldByTheData) {
   }
   // With mounts that look the other way, the sign is wrong as well as the mount.
   for (const RangeRateMeaning meaning : meanings(swapped)) EXPECT_NE(meaning, kAway);
+}
+
+TEST_F(RosbagTest, PosesTellTheVelocityWhereNothingElseDoes) {
+  Drive drive = TwoRadars();
+  for (DriveScan& entry : drive.scans) {
+    entry.scan.ego_velocity.reset();
+    for (float& rate : entry.scan.range_rate_mps) rate = -rate;
+  }
+  EXPECT_EQ(CheckRangeRates(drive)[0].meaning, RangeRateMeaning::kTowards);
+  drive.pose_source = PoseSource::kNone;
+  EXPECT_EQ(CheckRangeRates(drive)[0].meaning, RangeRateMeaning::kUnknown);
+}
+
+TEST_F(RosbagTest, TheOverviewHasTheStamps) {
+  Export(TwoRadars());
+  const auto overview = ReadBagOverview(Bag());
+  ASSERT_TRUE(overview.ok()) << overview.status();
+  const BagTopic* const front = overview->Find("/radar/front/points");
+  ASSERT_NE(front, nullptr);
+  EXPECT_EQ(front->stamps.count, 20);
+  EXPECT_EQ(front->stamps.first, TwoRadars().scans.front().scan.stamp);
+  EXPECT_EQ(front->stamps.backward_count, 0);
+  EXPECT_NEAR(front->stamps.longest_gap_s, 0.14, 1e-6);
+  EXPECT_EQ(front->stamps.greatest_delay_s, 0.0);
+  EXPECT_EQ(overview->Find("/tf")->stamps.count, 0);
 }
 
 TEST_F(RosbagTest, AMappingTurnsSignsBack) {

@@ -116,13 +116,45 @@ TEST(TrajectoryTest, ErrorsAreAgainstTheReferenceBetweenItsPoses) {
   const Pose3 half_way{{1.0 / 3.0 + 0.5, 2.2, 0.1}, trajectory.poses[0].T_map_vehicle.rotation};
   trajectory.poses = {{trajectory.poses[0].stamp + std::chrono::milliseconds(500), half_way},
                       {trajectory.poses[1].stamp + std::chrono::seconds(1), half_way}};
-  const auto errors = ErrorsAgainst(trajectory, Two(), std::chrono::seconds(2));
-  ASSERT_EQ(errors.size(), 1U) << "one is after the reference's end";
-  EXPECT_NEAR(errors[0].position_m, 0.2, 1e-6);
-  EXPECT_NEAR(errors[0].heading_deg, 0.0, 1e-9);
-  EXPECT_THAT(ErrorsAgainst(trajectory, Two(), std::chrono::milliseconds(900)),
-              ::testing::IsEmpty())
+  const auto pairs = PairByStamp(trajectory, Two(), std::chrono::seconds(2));
+  ASSERT_EQ(pairs.size(), 1U) << "one is after the reference's end";
+  EXPECT_NEAR(OffsetOf(pairs[0]).position_m, 0.2, 1e-6);
+  EXPECT_NEAR(OffsetOf(pairs[0]).heading_deg, 0.0, 1e-9);
+  EXPECT_THAT(PairByStamp(trajectory, Two(), std::chrono::milliseconds(900)), ::testing::IsEmpty())
       << "in a gap of the reference nothing is compared";
+}
+
+/// A way of 200 m that bends, and the same way as a trajectory that is `T_truth_map` off.
+std::vector<TrajectoryPair> Bend(const Pose2& T_truth_map) {
+  std::vector<TrajectoryPair> pairs;
+  Pose2 truth;
+  for (int i = 0; i < 200; ++i) {
+    pairs.push_back({Embed(T_truth_map.Inverse() * truth), Embed(truth)});
+    truth = truth * Pose2{{1.0, 0.0}, 0.005};
+  }
+  return pairs;
+}
+
+TEST(TrajectoryTest, AlignmentTakesWhatIsTheFramesAndLeavesWhatIsTheTrajectorys) {
+  const Pose2 T_truth_map{{30.0, -4.0}, 0.4};
+  std::vector<TrajectoryPair> pairs = Bend(T_truth_map);
+  EXPECT_GT(ErrorOf(pairs, {}).rmse_m, 20.0);
+  const Pose2 found = AlignTrajectory(pairs);
+  EXPECT_NEAR(found.yaw_rad, 0.4, 1e-9);
+  const TrajectoryError aligned = ErrorOf(pairs, found);
+  EXPECT_NEAR(aligned.rmse_m, 0.0, 1e-9);
+  EXPECT_NEAR(aligned.rmse_deg, 0.0, 1e-6);
+  pairs[100].T_map_vehicle.translation_m.z() += 2.0;
+  EXPECT_NEAR(ErrorOf(pairs, AlignTrajectory(pairs)).max_m, 2.0, 1e-9) << "heights count";
+}
+
+TEST(TrajectoryTest, DriftIsTheShareOfTheWayThatIsLost) {
+  std::vector<TrajectoryPair> pairs = Bend({});
+  EXPECT_NEAR(DriftOver(pairs, 50.0).translation_percent, 0.0, 1e-9);
+  for (TrajectoryPair& pair : pairs) pair.T_map_vehicle.translation_m *= 1.02;
+  const TrajectoryDrift drift = DriftOver(pairs, 50.0);
+  EXPECT_NEAR(drift.translation_percent, 2.0, 0.1);
+  EXPECT_GE(drift.stretch_count, 149U);
 }
 
 }  // namespace

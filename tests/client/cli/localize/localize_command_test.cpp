@@ -74,6 +74,9 @@ TEST_F(LocalizeCommandTest, ErrorsSayWhatIsWrongAndTouchNoFile) {
   result = Dcloc(Localize("--rate max"));
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr(address_));
+  result = Dcloc(Localize("--trajectory-out " + File("way.xyz")));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("way.xyz"));
   result = Dcloc(Localize("--rate max --tls-ca " + File("missing.pem")));
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("missing.pem"));

@@ -22,8 +22,17 @@ using SessionRecordCommandTest = ServerCommands;
 TEST_F(SessionRecordCommandTest, AVehiclesRecordingIsReplayedToTheBit) {
   Upload();
   const std::string file = File("session.rec");
-  ASSERT_EQ(Dcloc(Localize("--rate max --record " + file)).exit_code, 0);
-  Result result = Dcloc("session replay " + file + " --json --map " + Shared("map"));
+  ASSERT_EQ(Dcloc(Localize("--rate max --record " + file + " --trajectory-out " + File("a.tum")))
+                .exit_code,
+            0);
+  Result result = Dcloc("session trajectory " + file + " --json --trajectory-out " + File("b.tum"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_GT(nlohmann::json::parse(result.out)["pose_count"], 100);
+  EXPECT_EQ(ReadText(File("a.tum")), ReadText(File("b.tum")));
+  result = Dcloc("session trajectory " + file + " --trajectory-out " + File("b.gpx"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("the map has no anchor"));
+  result = Dcloc("session replay " + file + " --json --map " + Shared("map"));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto here = nlohmann::json::parse(result.out);
   EXPECT_EQ(here["vehicle_id"], "dcloc-localize");
@@ -81,7 +90,8 @@ TEST_F(SessionRecordCommandTest, ASessionThatBeganWithAFixIsReplayedToTheBit) {
 TEST_F(SessionRecordCommandTest, AnOperatorRecordsTheNextSessionOfAVehicle) {
   Upload();
   const std::string file = File("session.rec");
-  DclocProcess record(At("session record") + "--vehicle dcloc-localize --json --out " + file);
+  DclocProcess record(At("session record") + "--vehicle dcloc-localize --json --out " + file +
+                      " --trajectory-out " + File("way.csv"));
   while (record.Err().find("waiting") == std::string::npos) {
     ASSERT_FALSE(record.HasEnded()) << record.Err();
     std::this_thread::sleep_for(20ms);
@@ -90,6 +100,7 @@ TEST_F(SessionRecordCommandTest, AnOperatorRecordsTheNextSessionOfAVehicle) {
   Result result = record.Wait();
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_GT(nlohmann::json::parse(result.out)["scan_count"], 100);
+  EXPECT_GT(Lines(ReadText(File("way.csv"))).size(), 100U);
   result = Dcloc("session replay " + file + " --json --map " + Shared("map"));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_GT(nlohmann::json::parse(result.out)["equal_count"], 100);
