@@ -45,11 +45,23 @@ struct SharedFiles {
   std::shared_ptr<const MapCache> cache;
 };
 
+/// InvalidArgument when the service answers and refuses this server, so that waiting does not help:
+/// no such bucket, a key or a certificate that is not good. OK while it is away: what is in the
+/// cache can be served.
+absl::Status CheckAtTheDoor(ObjectStore& objects) {
+  const absl::Status status = objects.List("quarantine").status();
+  if (status.ok() || objects.away()) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("map_files is ", objects.options().location,
+                                                 " at ", objects.options().endpoint, ": ",
+                                                 ObjectStoreReason(status)));
+}
+
 absl::StatusOr<SharedFiles> OpenFarFiles(const ServerConfig& config, const std::string& holder) {
   if (!config.map_files.empty()) {
     absl::StatusOr<std::shared_ptr<ObjectStore>> objects =
         ObjectStore::Open(ObjectOptionsOf(config));
     if (!objects.ok()) return objects.status();
+    if (absl::Status status = CheckAtTheDoor(**objects); !status.ok()) return status;
     return SharedFiles{
         .files = std::make_unique<MapBucket>(*objects), .objects = *objects, .cache = nullptr};
   }

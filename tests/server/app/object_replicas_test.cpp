@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -90,6 +91,8 @@ TEST_F(ObjectReplicasTest, AServiceOfAnUnknownAuthorityOrKeyIsRefused) {
   std::filesystem::permissions(stranger.credentials_file, std::filesystem::perms::owner_read);
   const absl::Status wrong = (*ObjectStore::Open(stranger))->List("").status();
   EXPECT_THAT(ObjectStoreReason(wrong), HasSubstr("403 SignatureDoesNotMatch"));
+  options_.location = "s3://no-such-bucket/site";
+  EXPECT_THROW(Start("c"), std::runtime_error) << "a server that it would refuse does not start";
 }
 
 TEST_F(ObjectReplicasTest, WhileTheStoreIsAwayWhatIsHereGoesOnAndTheRestComesBack) {
