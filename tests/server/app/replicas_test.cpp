@@ -11,8 +11,8 @@
 #include "absl/strings/str_cat.h"
 #include "server/identity/postgres_identity_store.h"
 #include "server/postgres/postgres_database.h"
-#include "tests/server/fixtures/postgres_cluster.h"
 #include "tests/server/app/replica.h"
+#include "tests/server/fixtures/postgres_cluster.h"
 #include "tests/server/fixtures/test_maps.h"
 #include "tests/server/fixtures/test_server.h"
 
