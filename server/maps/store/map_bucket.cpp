@@ -19,7 +19,7 @@ constexpr char kMapsFolder[] = "maps/";
 constexpr char kQuarantineFolder[] = "quarantine/";
 constexpr char kAges[] = "quarantine.ages";
 /// That are read at once where nobody wants all of a file.
-constexpr std::int64_t kCheckPiece_bytes = std::int64_t{1} << 20;
+constexpr std::int64_t kCheckPiece_bytes = std::int64_t{4} << 20;
 
 std::string KeyOf(absl::string_view sha256) {
   return MapFolder::PathIn(kMapsFolder, sha256).generic_string();

@@ -35,17 +35,15 @@ absl::StatusOr<std::vector<std::string>> UnaccountedOf(std::vector<std::string> 
   if (!wanted.ok()) return wanted.status();
   std::set<std::string> known(loose->begin(), loose->end());
   for (const auto& [sha256, size_bytes] : *wanted) known.insert(sha256);
-  std::vector<std::string> unaccounted;
-  for (std::string& sha256 : present) {
-    if (known.contains(sha256)) continue;
-    // It may have been removed meanwhile by a process that deleted its version, or be in a list
-    // that is late.
-    const absl::StatusOr<std::int64_t> size = files.SizeOf(sha256);
-    if (!size.ok()) return size.status();
-    if (*size > 0) unaccounted.push_back(std::move(sha256));
-  }
-  std::ranges::sort(unaccounted);
-  return unaccounted;
+  std::erase_if(present, [&](const std::string& sha256) { return known.contains(sha256); });
+  if (present.empty()) return present;
+  // One may have been removed meanwhile by a process that deleted its version.
+  const absl::StatusOr<std::vector<std::string>> still_present = files.List();
+  if (!still_present.ok()) return still_present.status();
+  const std::set<std::string> still(still_present->begin(), still_present->end());
+  std::erase_if(present, [&](const std::string& sha256) { return !still.contains(sha256); });
+  std::ranges::sort(present);
+  return present;
 }
 
 absl::Status CheckAccounted(std::vector<std::string> present, Catalogue& catalogue,
