@@ -16,6 +16,7 @@
 #include "server/config/credentials.h"
 #include "server/config/log.h"
 #include "server/net/service_manager.h"
+#include "server/objects/object_store.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
@@ -75,7 +76,10 @@ int WaitForStop(const sigset_t& signals, int argc, const char* const* argv, Serv
 }
 
 int CheckConfig(const ServerConfig& config) {
-  const absl::Status status = MakeCredentials(config, std::make_shared<CallGate>(0)).status();
+  absl::Status status = MakeCredentials(config, std::make_shared<CallGate>(0)).status();
+  if (status.ok() && !config.map_files.empty()) {
+    status = ObjectStore::Open(ObjectOptionsOf(config)).status();
+  }
   if (!status.ok()) {
     std::cerr << "dcloc-server: " << status.message() << "\n";
     return EXIT_FAILURE;

@@ -256,6 +256,8 @@ struct Server::Parts {
         .certificates = certificates.get(),
         .answering = [this] { return liveness->ok(); },
         .refused_connection_count = [this] { return listener->refused_count(); },
+        .objects = kept.objects.get(),
+        .cache = kept.cache.get(),
         .version = DCLOC_VERSION});
     readiness = std::make_unique<Readiness>([this] {
       return ProbeListener(*ParseListenAddress(address), !config.tls_cert.empty(), kReadyTimeout);

@@ -7,7 +7,10 @@
 #include "server/base/status.h"
 #include "server/identity/postgres_identity_store.h"
 #include "server/maps/catalogue/postgres_catalogue.h"
+#include "server/maps/store/cached_map_files.h"
+#include "server/maps/store/map_bucket.h"
 #include "server/maps/store/map_folder.h"
+#include "server/objects/object_error.h"
 #include "server/postgres/postgres_database.h"
 #include "server/postgres/postgres_error.h"
 
@@ -35,11 +38,63 @@ absl::StatusOr<std::unique_ptr<IdentityStore>> OpenIdentitiesIn(
   return identities;
 }
 
-absl::StatusOr<MapStoreParts> OpenParts(const std::shared_ptr<PostgresDatabase>& database,
-                                        const ServerConfig& config, const std::string& holder) {
+/// The files that all servers share, and what of them is counted.
+struct SharedFiles {
+  std::unique_ptr<MapFiles> files;
+  std::shared_ptr<const ObjectStore> objects;
+  std::shared_ptr<const MapCache> cache;
+};
+
+/// InvalidArgument when the service answers and refuses this server, so that waiting does not help:
+/// no such bucket, a key or a certificate that is not good. OK while it is away: what is in the
+/// cache can be served.
+absl::Status CheckAtTheDoor(ObjectStore& objects) {
+  const absl::Status status = objects.List("quarantine").status();
+  if (status.ok() || objects.away()) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("map_files is ", objects.options().location,
+                                                 " at ", objects.options().endpoint, ": ",
+                                                 ObjectStoreReason(status)));
+}
+
+absl::StatusOr<SharedFiles> OpenFarFiles(const ServerConfig& config, const std::string& holder) {
+  if (!config.map_files.empty()) {
+    absl::StatusOr<std::shared_ptr<ObjectStore>> objects =
+        ObjectStore::Open(ObjectOptionsOf(config));
+    if (!objects.ok()) return objects.status();
+    if (absl::Status status = CheckAtTheDoor(**objects); !status.ok()) return status;
+    return SharedFiles{
+        .files = std::make_unique<MapBucket>(*objects), .objects = *objects, .cache = nullptr};
+  }
   const std::filesystem::path shared(config.map_folder);
   auto files = MapFolder::Open(shared / "maps", shared / "quarantine", holder);
   if (!files.ok()) return WithPrefix("map_folder: ", WithPath(files.status()));
+  return SharedFiles{.files = *std::move(files), .objects = nullptr, .cache = nullptr};
+}
+
+absl::StatusOr<SharedFiles> OpenFiles(const ServerConfig& config, const std::string& holder) {
+  absl::StatusOr<SharedFiles> far = OpenFarFiles(config, holder);
+  if (!far.ok() || config.map_cache_mib == 0) return far;
+  const std::filesystem::path folder = config.map_cache.empty()
+                                           ? PathsOf(config.data).cache
+                                           : std::filesystem::path(config.map_cache);
+  absl::StatusOr<std::shared_ptr<MapCache>> cache =
+      MapCache::Open(folder, std::int64_t{config.map_cache_mib} << 20);
+  if (!cache.ok()) return WithPrefix("map_cache: ", WithPath(cache.status()));
+  far->files = std::make_unique<CachedMapFiles>(std::move(far->files), *cache);
+  far->cache = *std::move(cache);
+  return far;
+}
+
+/// The setting in front, and for an operator why an object store refuses this server.
+absl::Status AtStart(const SharedFiles& files, const absl::Status& status) {
+  if (files.objects == nullptr) return WithPrefix("map_folder: ", WithPath(status));
+  if (!IsObjectStoreError(status)) return WithPrefix("map_files: ", status);
+  return absl::UnavailableError(absl::StrCat("map_files: ", ObjectStoreReason(status)));
+}
+
+absl::StatusOr<MapStoreParts> OpenParts(const std::shared_ptr<PostgresDatabase>& database,
+                                        const ServerConfig& config, const std::string& holder,
+                                        std::unique_ptr<MapFiles> files) {
   auto catalogue = PostgresCatalogue::Open(database);
   if (!catalogue.ok()) return AtStart(catalogue.status());
   const StorePaths own = PathsOf(config.data);
@@ -48,7 +103,7 @@ absl::StatusOr<MapStoreParts> OpenParts(const std::shared_ptr<PostgresDatabase>&
   auto builds = BuildLedger::Open(own.builds);
   if (!builds.ok()) return WithPath(builds.status());
   return MapStoreParts{.catalogue = *std::move(catalogue),
-                       .files = *std::move(files),
+                       .files = std::move(files),
                        .incoming = *std::move(incoming),
                        .builds = *std::move(builds),
                        .holder = holder};
@@ -63,14 +118,20 @@ absl::StatusOr<Storage> OpenSharedStorage(const ServerConfig& config,
   if (!lock.ok()) return lock.status();
   const auto database = OpenDatabase(config);
   if (!database.ok()) return database.status();
-  absl::StatusOr<MapStoreParts> parts = OpenParts(*database, config, holder);
+  absl::StatusOr<SharedFiles> files = OpenFiles(config, holder);
+  if (!files.ok()) return files.status();
+  absl::StatusOr<MapStoreParts> parts =
+      OpenParts(*database, config, holder, std::move(files->files));
   if (!parts.ok()) return parts.status();
   auto identities = OpenIdentitiesIn(*database, config);
   if (!identities.ok()) return identities.status();
   absl::StatusOr<std::unique_ptr<MapStore>> maps = MapStore::Open(*std::move(parts), options);
-  if (!maps.ok()) return WithPrefix("map_folder: ", WithPath(maps.status()));
-  return Storage{
-      .lock = *std::move(lock), .maps = *std::move(maps), .identities = *std::move(identities)};
+  if (!maps.ok()) return AtStart(*files, maps.status());
+  return Storage{.lock = *std::move(lock),
+                 .maps = *std::move(maps),
+                 .identities = *std::move(identities),
+                 .objects = std::move(files->objects),
+                 .cache = std::move(files->cache)};
 }
 
 absl::StatusOr<std::unique_ptr<IdentityStore>> OpenSharedIdentities(const ServerConfig& config) {

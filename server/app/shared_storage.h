@@ -11,9 +11,10 @@
 namespace dcloc::server {
 
 /// The storage that several servers share: catalogue and identities in `config.catalogue`, a
-/// PostgreSQL database, and map files in `config.map_folder`. What is this server's own (unfinished
-/// uploads, builds, and the lock that makes it so) is in `config.data`. `holder` names this
-/// process. Errors name the setting and, for the log, why the database is away.
+/// PostgreSQL database, and map files in `config.map_folder` or `config.map_files`, an object
+/// store, read through a cache on this host. What is this server's own (unfinished uploads, builds,
+/// and the lock that makes it so) is in `config.data`. `holder` names this process. Errors name the
+/// setting and, for the log, why the database is away.
 absl::StatusOr<Storage> OpenSharedStorage(const ServerConfig& config,
                                           const MapStoreOptions& options,
                                           const std::string& holder);

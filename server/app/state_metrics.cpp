@@ -5,77 +5,53 @@
 #include <tuple>
 #include <utility>
 
+#include "server/app/map_file_metrics.h"
+#include "server/telemetry/metric_family.h"
 #include "server/telemetry/process_metrics.h"
 
 namespace dcloc::server {
 namespace {
 
-using prometheus::ClientMetric;
 using prometheus::MetricFamily;
-using Labels = std::vector<ClientMetric::Label>;
-
-MetricFamily Gauge(const char* name, const char* help) {
-  return {.name = name, .help = help, .type = prometheus::MetricType::Gauge, .metric = {}};
-}
-
-void Add(MetricFamily& family, Labels labels, double value) {
-  ClientMetric metric;
-  metric.label = std::move(labels);
-  metric.gauge.value = value;
-  family.metric.push_back(std::move(metric));
-}
-
-MetricFamily Gauge(const char* name, const char* help, double value) {
-  MetricFamily family = Gauge(name, help);
-  Add(family, {}, value);
-  return family;
-}
-
-MetricFamily Counter(const char* name, const char* help, double value) {
-  MetricFamily family{.name = name,
-                      .help = help,
-                      .type = prometheus::MetricType::Counter,
-                      .metric = std::vector<ClientMetric>(1)};
-  family.metric[0].counter.value = value;
-  return family;
-}
 
 void AddScrub(const ScrubState& scrub, std::vector<MetricFamily>& families) {
-  families.push_back(Gauge("dcloc_map_files_damaged",
-                           "Map files that were missing or damaged when they were read last",
-                           scrub.damaged_file_count));
-  families.push_back(Counter("dcloc_map_scrub_bytes_total",
-                             "Bytes of map files that were read against their hashes",
-                             static_cast<double>(scrub.checked_bytes)));
+  families.push_back(GaugeOf("dcloc_map_files_damaged",
+                             "Map files that were missing or damaged when they were read last",
+                             scrub.damaged_file_count));
+  families.push_back(CounterOf("dcloc_map_scrub_bytes_total",
+                               "Bytes of map files that were read against their hashes",
+                               static_cast<double>(scrub.checked_bytes)));
   if (!scrub.last_pass_end) return;
   const std::chrono::duration<double> last = scrub.last_pass_end->time_since_epoch();
-  families.push_back(Gauge("dcloc_map_scrub_last_pass_seconds",
-                           "When all map files had been read last, in Unix time; the server's "
-                           "start before that. Not there when scrub_mb_per_s is 0",
-                           last.count()));
+  families.push_back(GaugeOf("dcloc_map_scrub_last_pass_seconds",
+                             "When all map files had been read last, in Unix time; the server's "
+                             "start before that. Not there when scrub_mb_per_s is 0",
+                             last.count()));
 }
 
 MetricFamily Sessions(const SessionRegistry& registry) {
-  MetricFamily family = Gauge("dcloc_sessions",
-                              "Open sessions, by whether a stream is attached and by the state of "
-                              "the last answer");
+  MetricFamily family =
+      GaugeOf("dcloc_sessions",
+              "Open sessions, by whether a stream is attached and by the state of "
+              "the last answer");
   constexpr std::array kStates = {"none", "initializing", "tracking", "dead_reckoning", "lost"};
   const SessionCensus census = registry.Census();
   static_assert(kStates.size() == std::tuple_size_v<decltype(census.attached)>);
   for (std::size_t i = 0; i < kStates.size(); ++i) {
-    Add(family, {{"stream", "attached"}, {"state", kStates[i]}}, census.attached[i]);
-    Add(family, {{"stream", "detached"}, {"state", kStates[i]}}, census.detached[i]);
+    AddGauge(family, {{"stream", "attached"}, {"state", kStates[i]}}, census.attached[i]);
+    AddGauge(family, {{"stream", "detached"}, {"state", kStates[i]}}, census.detached[i]);
   }
   return family;
 }
 
 MetricFamily QueueDepths(const WorkerPool& localization, const WorkerPool& storage) {
   MetricFamily family =
-      Gauge("dcloc_queue_depth", "Tasks that wait for a thread: one for each session at most");
-  Add(family, {{"pool", "localization"}}, static_cast<double>(localization.queued_count()));
-  Add(family, {{"pool", "search"}}, static_cast<double>(localization.queued_count(Lane::kLengthy)));
-  Add(family, {{"pool", "storage"}}, static_cast<double>(storage.queued_count()));
-  Add(family, {{"pool", "maps"}}, static_cast<double>(storage.queued_count(Lane::kLengthy)));
+      GaugeOf("dcloc_queue_depth", "Tasks that wait for a thread: one for each session at most");
+  AddGauge(family, {{"pool", "localization"}}, static_cast<double>(localization.queued_count()));
+  AddGauge(family, {{"pool", "search"}},
+           static_cast<double>(localization.queued_count(Lane::kLengthy)));
+  AddGauge(family, {{"pool", "storage"}}, static_cast<double>(storage.queued_count()));
+  AddGauge(family, {{"pool", "maps"}}, static_cast<double>(storage.queued_count(Lane::kLengthy)));
   return family;
 }
 
@@ -83,69 +59,59 @@ double Seconds(SystemTime time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
-using Counts = std::vector<std::pair<const char*, std::int64_t>>;
-
-MetricFamily CountsByReason(const char* name, const char* help, const Counts& counts) {
-  MetricFamily family{
-      .name = name, .help = help, .type = prometheus::MetricType::Counter, .metric = {}};
-  for (const auto& [reason, count] : counts) {
-    ClientMetric metric;
-    metric.label = {{"reason", reason}};
-    metric.counter.value = static_cast<double>(count);
-    family.metric.push_back(std::move(metric));
-  }
-  return family;
-}
-
 }  // namespace
 
 std::vector<MetricFamily> StateMetrics::Collect() const {
   std::vector<MetricFamily> families = ProcessMetrics();
   families.push_back(Sessions(sources_.registry));
-  families.push_back(Gauge("dcloc_sessions_max", "The most sessions that the server takes",
-                           sources_.registry.max_session_count()));
+  families.push_back(GaugeOf("dcloc_sessions_max", "The most sessions that the server takes",
+                             sources_.registry.max_session_count()));
   families.push_back(QueueDepths(sources_.localization_pool, sources_.storage_pool));
   families.push_back(
-      Gauge("dcloc_workers", "Threads that localize", sources_.localization_pool.thread_count()));
+      GaugeOf("dcloc_workers", "Threads that localize", sources_.localization_pool.thread_count()));
   families.push_back(
-      Gauge("dcloc_maps_loaded", "Map versions in memory", sources_.store.loaded_map_count()));
-  families.push_back(Gauge("dcloc_draining", "1 when the server takes no more sessions",
-                           sources_.draining() ? 1.0 : 0.0));
-  families.push_back(Gauge("dcloc_self_probe_ok",
-                           "0 when the server does not answer its own connections",
-                           sources_.answering() ? 1.0 : 0.0));
-  families.push_back(Gauge("dcloc_unopened_streams", "Localize streams whose open has not come",
-                           sources_.unopened_stream_count()));
-  families.push_back(Gauge("dcloc_unopened_streams_max", "The most of them",
-                           sources_.limits.max_unopened_stream_count));
+      GaugeOf("dcloc_maps_loaded", "Map versions in memory", sources_.store.loaded_map_count()));
+  families.push_back(GaugeOf("dcloc_draining", "1 when the server takes no more sessions",
+                             sources_.draining() ? 1.0 : 0.0));
+  families.push_back(GaugeOf("dcloc_self_probe_ok",
+                             "0 when the server does not answer its own connections",
+                             sources_.answering() ? 1.0 : 0.0));
+  families.push_back(GaugeOf("dcloc_unopened_streams", "Localize streams whose open has not come",
+                             sources_.unopened_stream_count()));
+  families.push_back(GaugeOf("dcloc_unopened_streams_max", "The most of them",
+                             sources_.limits.max_unopened_stream_count));
   if (sources_.certificates != nullptr) {
     const ServedCertificates::State certificates = sources_.certificates->state();
-    families.push_back(Gauge("dcloc_tls_certificate_ok",
-                             "0 when the files have another certificate, which is not good",
-                             certificates.fault.empty() ? 1.0 : 0.0));
-    families.push_back(Gauge("dcloc_tls_certificate_expire_time_seconds",
-                             "When the certificate that is shown expires, Unix time",
-                             Seconds(certificates.expire_time)));
+    families.push_back(GaugeOf("dcloc_tls_certificate_ok",
+                               "0 when the files have another certificate, which is not good",
+                               certificates.fault.empty() ? 1.0 : 0.0));
+    families.push_back(GaugeOf("dcloc_tls_certificate_expire_time_seconds",
+                               "When the certificate that is shown expires, Unix time",
+                               Seconds(certificates.expire_time)));
   }
-  families.push_back(CountsByReason(
-      "dcloc_calls_ended_total", "Calls that were ended because of what their peer did not do",
-      {{"not_sending", sources_.peer_faults.not_sending},
-       {"not_reading", sources_.peer_faults.not_reading},
-       {"too_many_unopened", sources_.peer_faults.too_many_waiting}}));
-  families.push_back(CountsByReason("dcloc_calls_refused_total",
-                                    "Calls that were refused when their headers came",
-                                    {{"no_identity", sources_.refused_calls.without_proof},
-                                     {"too_fast", sources_.refused_calls.too_fast}}));
-  families.push_back(Counter("dcloc_connections_refused_total",
-                             "Connections closed at once, as too few file descriptors were left",
-                             static_cast<double>(sources_.refused_connection_count())));
+  families.push_back(CountersBy("reason", "dcloc_calls_ended_total",
+                                "Calls that were ended because of what their peer did not do",
+                                {{"not_sending", sources_.peer_faults.not_sending},
+                                 {"not_reading", sources_.peer_faults.not_reading},
+                                 {"too_many_unopened", sources_.peer_faults.too_many_waiting}}));
+  families.push_back(CountersBy("reason", "dcloc_calls_refused_total",
+                                "Calls that were refused when their headers came",
+                                {{"no_identity", sources_.refused_calls.without_proof},
+                                 {"too_fast", sources_.refused_calls.too_fast}}));
+  families.push_back(CounterOf("dcloc_connections_refused_total",
+                               "Connections closed at once, as too few file descriptors were left",
+                               static_cast<double>(sources_.refused_connection_count())));
   AddScrub(sources_.scrub.state(), families);
-  if (const absl::StatusOr<int> count = sources_.store.files().QuarantinedCount(); count.ok()) {
-    families.push_back(Gauge("dcloc_map_files_quarantined",
-                             "Map files that belong to no version and are set aside", *count));
+  if (const std::optional<int> count = sources_.store.quarantined_count()) {
+    families.push_back(
+        GaugeOf("dcloc_map_files_quarantined",
+                "Map files that belong to no version and are set aside, as they were "
+                "counted in the last minutes",
+                *count));
   }
-  MetricFamily build = Gauge("dcloc_build_info", "1; the label says which program this is");
-  Add(build, {{"version", sources_.version}}, 1.0);
+  AddMapFileMetrics(sources_.objects, sources_.cache, families);
+  MetricFamily build = GaugeOf("dcloc_build_info", "1; the label says which program this is");
+  AddGauge(build, {{"version", sources_.version}}, 1.0);
   families.push_back(std::move(build));
   return families;
 }

@@ -12,9 +12,11 @@
 #include "server/base/worker_pool.h"
 #include "server/config/limits.h"
 #include "server/config/served_certificates.h"
+#include "server/maps/store/map_cache.h"
 #include "server/maps/store/map_scrub.h"
 #include "server/maps/store/map_store.h"
 #include "server/net/call_gate.h"
+#include "server/objects/object_store.h"
 #include "server/sessions/session_registry.h"
 
 namespace dcloc::server {
@@ -37,6 +39,8 @@ class StateMetrics final : public prometheus::Collectable {
     const ServedCertificates* certificates;  ///< null without TLS
     std::function<bool()> answering;         ///< whether the server answers its own connections
     std::function<std::int64_t()> refused_connection_count;
+    const ObjectStore* objects;  ///< null: map files are in a folder
+    const MapCache* cache;       ///< null: there is none
     std::string version;
   };
 

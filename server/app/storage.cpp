@@ -89,6 +89,7 @@ StorePaths PathsOf(const std::filesystem::path& folder) {
           .quarantine = folder / "quarantine",
           .incoming = folder / "incoming",
           .builds = folder / "builds",
+          .cache = folder / "cache",
           .lock = folder / "lock"};
 }
 
@@ -133,8 +134,11 @@ absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
   if (!status.ok()) return WithPath(status);
   absl::StatusOr<std::unique_ptr<MapStore>> maps = MapStore::Open(*std::move(parts), options);
   if (!maps.ok()) return WithAdvice(maps.status(), folder);
-  return Storage{
-      .lock = *std::move(lock), .maps = *std::move(maps), .identities = *std::move(identities)};
+  return Storage{.lock = *std::move(lock),
+                 .maps = *std::move(maps),
+                 .identities = *std::move(identities),
+                 .objects = nullptr,
+                 .cache = nullptr};
 }
 
 absl::StatusOr<std::unique_ptr<IdentityStore>> OpenIdentities(const std::filesystem::path& folder) {

@@ -7,7 +7,9 @@
 #include "server/base/files.h"
 #include "server/config/config.h"
 #include "server/identity/identity_store.h"
+#include "server/maps/store/map_cache.h"
 #include "server/maps/store/map_store.h"
+#include "server/objects/object_store.h"
 
 namespace dcloc::server {
 
@@ -19,12 +21,15 @@ struct Storage {
   FileDescriptor lock;  ///< of the folder; released last
   std::unique_ptr<MapStore> maps;
   std::unique_ptr<IdentityStore> identities;
+  std::shared_ptr<const ObjectStore> objects;  ///< null: map files are in a folder
+  std::shared_ptr<const MapCache> cache;       ///< null: there is none
 };
 
 /// Where the parts of the embedded store are.
 struct StorePaths {
   std::filesystem::path catalogue, identities;               ///< SQLite files
   std::filesystem::path maps, quarantine, incoming, builds;  ///< folders
+  std::filesystem::path cache;                               ///< of files that servers share
   std::filesystem::path lock;                                ///< of the process that serves it
 };
 StorePaths PathsOf(const std::filesystem::path& folder);

@@ -15,8 +15,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
+#include "server/base/small_file.h"
 #include "server/base/status.h"
-#include "server/config/small_file.h"
 
 namespace dcloc::server {
 namespace {

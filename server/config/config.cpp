@@ -10,8 +10,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "nlohmann/json.hpp"
+#include "server/base/small_file.h"
 #include "server/base/status.h"
-#include "server/config/small_file.h"
 #include "server/net/listen_address.h"
 #include "server/telemetry/metrics_endpoint.h"
 
@@ -30,6 +30,33 @@ constexpr std::array kFields = {
     ConfigField{"map_folder", "DIR",
                 "folder of the map files that all servers with one catalogue share",
                 &ServerConfig::map_folder},
+    ConfigField{"map_files", "URI",
+                "object store of the map files that all servers with one catalogue share, "
+                "s3://BUCKET/PREFIX, in place of map_folder",
+                &ServerConfig::map_files},
+    ConfigField{"object_endpoint", "URL",
+                "service that has the bucket of map_files, https://HOST:PORT",
+                &ServerConfig::object_endpoint},
+    ConfigField{"object_region", "NAME", "region of that service", &ServerConfig::object_region},
+    ConfigField{"object_credentials", "FILE",
+                "access key for that service: lines aws_access_key_id = KEY and "
+                "aws_secret_access_key = SECRET, read anew for each request; the environment "
+                "(AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY) if empty",
+                &ServerConfig::object_credentials},
+    ConfigField{"object_ca", "FILE",
+                "authority (PEM) that must have signed that service's certificate; those that the "
+                "system trusts if empty",
+                &ServerConfig::object_ca},
+    ConfigField{"object_timeout_ms", "N",
+                "how long attempts at a request to that service, and a pause in its body, may take",
+                &ServerConfig::object_timeout_ms, 100, 600'000},
+    ConfigField{"map_cache", "DIR",
+                "folder of copies of the map files that servers share; servers of one user on this "
+                "host may have one; DIR/cache if empty",
+                &ServerConfig::map_cache},
+    ConfigField{"map_cache_mib", "N",
+                "size of these copies at most [MiB], the least recently used ones go; 0 for none",
+                &ServerConfig::map_cache_mib, 0, 100'000'000},
     ConfigField{"database_connection_count", "N",
                 "connections to the database at most; one more waits for changes",
                 &ServerConfig::database_connection_count, 1, 100},
@@ -218,12 +245,34 @@ absl::Status ValidateTls(const ServerConfig& config) {
   return absl::OkStatus();
 }
 
-absl::Status ValidateCatalogue(const ServerConfig& config) {
-  if (config.catalogue.empty() != config.map_folder.empty()) {
+absl::Status ValidateMapFiles(const ServerConfig& config) {
+  if (config.map_files.empty() && config.object_endpoint.empty()) return absl::OkStatus();
+  if (config.map_files.empty()) {
     return absl::InvalidArgumentError(
-        absl::StrFormat("catalogue is %s and map_folder is %s; one needs the other",
-                        config.catalogue.empty() ? "empty" : "there", Quoted(config.map_folder)));
+        absl::StrFormat("object_endpoint is %s and map_files is empty; one needs the other",
+                        Quoted(config.object_endpoint)));
   }
+  if (absl::Status status = Validate(ObjectOptionsOf(config)); !status.ok()) return status;
+  constexpr int kMaxMap_mib = static_cast<int>(kMaxObject_bytes >> 20);
+  if (config.max_map_mib <= kMaxMap_mib) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("max_map_mib is %d; with map_files in an object store it must be at most %d",
+                      config.max_map_mib, kMaxMap_mib));
+}
+
+absl::Status ValidateCatalogue(const ServerConfig& config) {
+  if (!config.map_folder.empty() && !config.map_files.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("map_folder is %s and map_files is %s; only one can be there",
+                        Quoted(config.map_folder), Quoted(config.map_files)));
+  }
+  if (config.catalogue.empty() != (config.map_folder.empty() && config.map_files.empty())) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "catalogue is %s, map_folder is %s and map_files is %s; one needs one of the others",
+        config.catalogue.empty() ? "empty" : "there", Quoted(config.map_folder),
+        Quoted(config.map_files)));
+  }
+  if (absl::Status status = ValidateMapFiles(config); !status.ok()) return status;
   return config.catalogue.empty() ? absl::OkStatus() : Validate(DatabaseOptionsOf(config));
 }
 
@@ -234,6 +283,15 @@ PostgresOptions DatabaseOptionsOf(const ServerConfig& config) {
           .max_connection_count = config.database_connection_count,
           .statement_timeout = std::chrono::milliseconds(config.database_timeout_ms),
           .connect_timeout = std::chrono::milliseconds(config.database_timeout_ms)};
+}
+
+ObjectOptions ObjectOptionsOf(const ServerConfig& config) {
+  return {.location = config.map_files,
+          .endpoint = config.object_endpoint,
+          .region = config.object_region,
+          .credentials_file = config.object_credentials,
+          .ca_file = config.object_ca,
+          .timeout = std::chrono::milliseconds(config.object_timeout_ms)};
 }
 
 std::span<const ConfigField> ConfigFields() { return kFields; }

@@ -8,15 +8,24 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "server/objects/object_options.h"
 #include "server/postgres/postgres_options.h"
 
 namespace dcloc::server {
 
 /// How a server is set up. Defaults are here and nowhere else.
 struct ServerConfig {
-  std::string data;                        ///< folder of the embedded store
-  std::string catalogue;                   ///< "postgresql://..."; empty: the embedded one
-  std::string map_folder;                  ///< of map files that servers with one catalogue share
+  std::string data;             ///< folder of the embedded store
+  std::string catalogue;        ///< "postgresql://..."; empty: the embedded one
+  std::string map_folder;       ///< of map files that servers with one catalogue share
+  std::string map_files;        ///< "s3://BUCKET/PREFIX", in place of such a folder
+  std::string object_endpoint;  ///< "https://HOST:PORT" of the bucket's service
+  std::string object_region = "us-east-1";
+  std::string object_credentials;          ///< file of an access key; empty: the environment
+  std::string object_ca;                   ///< PEM; empty: the authorities that the system trusts
+  int object_timeout_ms = 10'000;          ///< of a request, but for its body
+  std::string map_cache;                   ///< folder; empty: `cache` in `data`
+  int map_cache_mib = 4096;                ///< of copies of map files that servers share; 0: none
   int database_connection_count = 4;       ///< for statements, at most
   int database_timeout_ms = 2000;          ///< of a statement
   int identity_away_s = 900;               ///< known identities hold so long without the database
@@ -87,6 +96,9 @@ absl::Status ReadConfigFile(const std::filesystem::path& path, ServerConfig* con
 
 /// How the database of `catalogue` is reached.
 PostgresOptions DatabaseOptionsOf(const ServerConfig& config);
+
+/// How the object store of `map_files` is reached.
+ObjectOptions ObjectOptionsOf(const ServerConfig& config);
 
 /// OK, or InvalidArgument naming the key, the value and the bound.
 absl::Status Validate(const ServerConfig& config);

@@ -19,7 +19,7 @@ FLOORS = {
     ],
     "server": [
         "base",
-        "postgres",
+        "postgres objects",
         "net",
         "telemetry",
         "config",

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "absl/strings/str_format.h"
 #include "server/base/files.h"
 #include "server/base/sha256.h"
+#include "server/maps/store/read_map.h"
 
 namespace dcloc::server {
 namespace {
@@ -27,10 +27,8 @@ absl::Status CopyBytes(const FileDescriptor& from, const FileDescriptor& to,
     if (absl::Status status = WriteAll(to, piece); !status.ok()) return status;
     if (!pace(*size)) return absl::CancelledError("stopped");
   }
-  const std::string found = hash.Finish();
-  if (found == sha256) return Sync(to);
-  return absl::DataLossError(
-      absl::StrFormat("the file's bytes have the hash %s; it must be %s", found, sha256));
+  absl::Status status = CheckMapHash(hash, sha256);
+  return status.ok() ? Sync(to) : status;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -16,7 +17,8 @@
 namespace dcloc::server {
 
 /// The storage of map files, each named by the SHA-256 of its bytes. Thread-safe; calls may block
-/// on storage.
+/// on storage. Unavailable: the storage is away, and what is there is not known; whoever tries
+/// again later may find it back.
 class MapFiles {
  public:
   virtual ~MapFiles() = default;
@@ -25,9 +27,13 @@ class MapFiles {
   /// returns. An existing file of that hash is replaced.
   virtual absl::Status Keep(const std::filesystem::path& path, absl::string_view sha256) = 0;
 
-  /// A verified copy in this process's own memory: what becomes of the file later does not matter.
-  /// Errors of `ReadMap`.
-  virtual absl::StatusOr<std::shared_ptr<const RadarMap>> Open(absl::string_view sha256) = 0;
+  /// A file's bytes in this process's own memory, compared with their hash. Errors of
+  /// `ReadMapFile`.
+  virtual absl::StatusOr<std::vector<std::byte>> Read(absl::string_view sha256) = 0;
+
+  /// The map of such bytes, verified: what becomes of the file later does not matter. Errors of
+  /// `ReadMap`.
+  virtual absl::StatusOr<std::shared_ptr<const RadarMap>> Open(absl::string_view sha256);
 
   /// Reads the whole file, a piece at a time. NotFound; DataLoss: its bytes have another hash.
   /// `pace` is called with the size of each piece; when it returns false, Cancelled.

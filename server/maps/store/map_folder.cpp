@@ -2,6 +2,7 @@
 
 #include <map>
 #include <system_error>
+#include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -78,8 +79,13 @@ absl::Status MapFolder::RemoveParts(absl::string_view sha256) const {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::shared_ptr<const RadarMap>> MapFolder::Open(absl::string_view sha256) {
-  return ReadMap(PathOf(sha256), sha256);
+std::string MapFolder::HashOf(const std::filesystem::path& path) {
+  std::string stem = path.stem().string();
+  return path.extension() == kMapExtension && IsSha256(stem) ? std::move(stem) : "";
+}
+
+absl::StatusOr<std::vector<std::byte>> MapFolder::Read(absl::string_view sha256) {
+  return ReadMapFile(PathOf(sha256), sha256);
 }
 
 absl::Status MapFolder::Check(absl::string_view sha256, absl::FunctionRef<bool(std::size_t)> pace) {
@@ -137,8 +143,8 @@ absl::StatusOr<std::vector<std::string>> MapFolder::List() {
   std::error_code error;
   std::filesystem::recursive_directory_iterator entry(folder_, error);
   for (; !error && entry != std::filesystem::end(entry); entry.increment(error)) {
-    const std::string stem = entry->path().stem().string();
-    if (entry->path().extension() == kMapExtension && IsSha256(stem)) hashes.push_back(stem);
+    std::string hash = HashOf(entry->path());
+    if (!hash.empty()) hashes.push_back(std::move(hash));
   }
   if (error && error != std::errc::no_such_file_or_directory) return FileError(error, folder_);
   return hashes;

@@ -32,7 +32,7 @@ class MapFolder final : public MapFiles {
                                                          const std::string& copier = "");
 
   absl::Status Keep(const std::filesystem::path& path, absl::string_view sha256) override;
-  absl::StatusOr<std::shared_ptr<const RadarMap>> Open(absl::string_view sha256) override;
+  absl::StatusOr<std::vector<std::byte>> Read(absl::string_view sha256) override;
   absl::Status Check(absl::string_view sha256, absl::FunctionRef<bool(std::size_t)> pace) override;
   absl::Status Remove(absl::string_view sha256) override;
   absl::Status Quarantine(absl::string_view sha256) override;
@@ -45,6 +45,9 @@ class MapFolder final : public MapFiles {
   /// Where a file is in such a folder.
   static std::filesystem::path PathIn(const std::filesystem::path& folder,
                                       absl::string_view sha256);
+
+  /// The hash of the file that is at such a place; empty when it is no place of a map file.
+  static std::string HashOf(const std::filesystem::path& path);
 
  private:
   std::filesystem::path PathOf(absl::string_view sha256) const { return PathIn(folder_, sha256); }

@@ -41,16 +41,18 @@ void MapScrub::Pass(const std::stop_token& stop) {
     const std::lock_guard lock(mutex_);
     std::erase_if(damaged_, [&](const std::string& sha256) { return !names.contains(sha256); });
   }
+  bool all_read = true;
   for (const auto& [sha256, size_bytes] : *wanted) {
-    Check(sha256, stop);
+    all_read = Check(sha256, stop) && all_read;
     if (stop.stop_requested()) return;
   }
+  if (!all_read) return;
   const std::lock_guard lock(mutex_);
   ++state_.pass_count;
   state_.last_pass_end = std::chrono::system_clock::now();
 }
 
-void MapScrub::Check(const std::string& sha256, const std::stop_token& stop) {
+bool MapScrub::Check(const std::string& sha256, const std::stop_token& stop) {
   const absl::Status status = files_.Check(sha256, [&](std::size_t piece_bytes) {
     {
       const std::lock_guard lock(mutex_);
@@ -60,9 +62,10 @@ void MapScrub::Check(const std::string& sha256, const std::stop_token& stop) {
                                               options_.max_bytes_per_s);
     return Sleep(std::chrono::duration_cast<std::chrono::nanoseconds>(pause), stop);
   });
-  if (absl::IsCancelled(status)) return;
+  // Of a storage that is away nothing is known.
+  if (absl::IsCancelled(status) || absl::IsUnavailable(status)) return false;
   const absl::StatusOr<bool> needed = catalogue_.HasFile(sha256);
-  if (!needed.ok() || !*needed) return;  // deleted meanwhile
+  if (!needed.ok() || !*needed) return true;  // deleted meanwhile
   const std::lock_guard lock(mutex_);
   if (status.ok()) {
     if (damaged_.erase(sha256) > 0) spdlog::info("map file whole again sha256={}", sha256);
@@ -70,6 +73,7 @@ void MapScrub::Check(const std::string& sha256, const std::stop_token& stop) {
     spdlog::error("map file damaged, upload it again sha256={} reason={}", sha256,
                   Quoted(status.message()));
   }
+  return true;
 }
 
 bool MapScrub::Sleep(std::chrono::nanoseconds duration, const std::stop_token& stop) {

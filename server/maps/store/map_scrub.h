@@ -44,7 +44,8 @@ class MapScrub {
  private:
   void Run(const std::stop_token& stop);
   void Pass(const std::stop_token& stop);
-  void Check(const std::string& sha256, const std::stop_token& stop);
+  /// False when the file could not be read.
+  bool Check(const std::string& sha256, const std::stop_token& stop);
   /// Waits; false when the scrub is to end.
   bool Sleep(std::chrono::nanoseconds duration, const std::stop_token& stop);
 

@@ -77,6 +77,7 @@ absl::StatusOr<std::unique_ptr<MapStore>> MapStore::Open(MapStoreParts parts,
   Log(*report);
   std::unique_ptr<MapStore> store(new MapStore(std::move(parts), options));
   store->report_ = *std::move(report);
+  store->CountQuarantine();
   return store;
 }
 
@@ -138,7 +139,7 @@ absl::StatusOr<MapVersionRecord> MapStore::Store(const std::filesystem::path& pa
                                                  absl::string_view map_name,
                                                  absl::string_view sha256, const RadarMap& map) {
   const std::vector<CoverageBox> coverage = CoverageOf(map);
-  const std::lock_guard change(change_mutex_);
+  const KeyedMutex::Lock file_lock = file_mutexes_.Take(std::string(sha256));
   absl::StatusOr<Hold> file_hold = parts_.catalogue->HoldFile(sha256, parts_.holder);
   if (!file_hold.ok()) return file_hold.status();
   // The file before its row: a row without a file would be a lie. And a note before the file, so
@@ -148,6 +149,7 @@ absl::StatusOr<MapVersionRecord> MapStore::Store(const std::filesystem::path& pa
   if (status.ok() && !*known) status = parts_.catalogue->AddLooseFile(sha256);
   if (status.ok()) status = parts_.files->Keep(path, sha256);
   if (!status.ok()) return status;
+  const std::lock_guard change(change_mutex_);
   absl::StatusOr<MapVersionRecord> record =
       parts_.catalogue->AddVersion(map_name, sha256, map.info(), coverage);
   *file_hold = Hold();
@@ -168,6 +170,7 @@ absl::StatusOr<MapVersionRecord> MapStore::AddStored(absl::string_view prefix,
   if (absl::IsNotFound(map.status()) || absl::IsDataLoss(map.status())) return missing;
   if (!map.ok()) return map.status();
   const std::vector<CoverageBox> coverage = CoverageOf(**map);
+  const KeyedMutex::Lock file_lock = file_mutexes_.Take(std::string(sha256));
   const std::lock_guard change(change_mutex_);
   const absl::StatusOr<Hold> file_hold = parts_.catalogue->HoldFile(sha256, parts_.holder);
   if (!file_hold.ok()) return file_hold.status();
@@ -233,6 +236,7 @@ absl::StatusOr<int> MapStore::RemoveStaleUploads(std::chrono::nanoseconds served
 }
 
 absl::StatusOr<int> MapStore::RemoveExpiredQuarantine(std::chrono::nanoseconds served) {
+  CountQuarantine();
   if (options_.quarantine_time.count() == 0) return 0;
   if (!sweeps_) {
     // Of the processes that share the files, one counts the time, as long as it lives.
@@ -242,6 +246,15 @@ absl::StatusOr<int> MapStore::RemoveExpiredQuarantine(std::chrono::nanoseconds s
     sweeps_ = *std::move(hold);
   }
   return parts_.files->RemoveExpiredQuarantine(served, options_.quarantine_time);
+}
+
+void MapStore::CountQuarantine() {
+  quarantined_count_ = parts_.files->QuarantinedCount().value_or(-1);
+}
+
+std::optional<int> MapStore::quarantined_count() const {
+  const int count = quarantined_count_;
+  return count < 0 ? std::nullopt : std::optional<int>(count);
 }
 
 absl::Status MapStore::DeleteVersion(absl::string_view map_name, std::int64_t version) {

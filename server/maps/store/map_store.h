@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include "absl/strings/string_view.h"
 #include "core/map/radar_map.h"
 #include "server/base/clock.h"
+#include "server/base/keyed_mutex.h"
 #include "server/maps/catalogue/catalogue.h"
 #include "server/maps/store/build_ledger.h"
 #include "server/maps/store/incoming_files.h"
@@ -125,12 +127,18 @@ class MapStore {
   /// Files in memory.
   int loaded_map_count();
 
+  /// Files in quarantine, as they were counted at the start and with each call of
+  /// `RemoveExpiredQuarantine`; none when that failed. Never waits.
+  std::optional<int> quarantined_count() const;
+
  private:
   struct Loaded;
   struct Use;
   using Key = WarmMaps::Key;
 
   MapStore(MapStoreParts parts, const MapStoreOptions& options);
+
+  void CountQuarantine();
 
   /// Moves the file into the store and adds its version.
   absl::StatusOr<MapVersionRecord> Store(const std::filesystem::path& path,
@@ -150,10 +158,12 @@ class MapStore {
   const MapStoreOptions options_;
   StoreReport report_;
   TenantQuota quota_;
-  std::optional<Hold> sweeps_;  ///< this process counts the time in quarantine
+  std::optional<Hold> sweeps_;               ///< this process counts the time in quarantine
+  std::atomic<int> quarantined_count_ = -1;  ///< -1: not known
+  KeyedMutex file_mutexes_;  ///< by hash, of files that are being stored; taken before the others
 
-  /// Keeps catalogue and files consistent. Held while a row is written and a file is moved, which
-  /// may take as long as the disk likes. Taken before `mutex_`.
+  /// Keeps labels, versions and what is in memory consistent. Held while a row is written and while
+  /// a file is removed, but not while one is stored, which may take minutes. Taken before `mutex_`.
   std::mutex change_mutex_;
   /// Keeps the maps in memory consistent. Held while a row is read, which waits for no change.
   std::mutex mutex_;

@@ -1,17 +1,42 @@
 #include "server/maps/store/served_ages.h"
 
 #include <fstream>
+#include <iterator>
 #include <span>
+#include <sstream>
 
 #include "absl/strings/str_cat.h"
 #include "server/base/files.h"
 
 namespace dcloc::server {
+namespace {
+
+std::string TextIn(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+absl::Status Replace(const std::filesystem::path& path, const std::string& text) {
+  const std::filesystem::path next = path.string() + ".next";
+  const absl::StatusOr<FileDescriptor> file = OpenOrCreate(next);
+  absl::Status status = file.status();
+  if (status.ok()) status = Truncate(*file, 0);
+  if (status.ok()) status = WriteAll(*file, std::as_bytes(std::span(text)));
+  return status.ok() ? MoveFile(next, path) : status;
+}
+
+}  // namespace
+
+ServedAges::ServedAges(const std::filesystem::path& path)
+    : ServedAges(Place{.load = [path] { return TextIn(path); },
+                       .save = [path](const std::string& text) { return Replace(path, text); }}) {}
 
 absl::StatusOr<std::map<std::string, ServedAges::Age>> ServedAges::Advance(
     Age served, const std::map<std::string, std::int64_t>& sizes) {
   const std::lock_guard lock(mutex_);
-  const Entries before = Load();
+  const absl::StatusOr<Entries> loaded = Load();
+  if (!loaded.ok()) return loaded.status();
+  const Entries& before = *loaded;
   Entries entries;
   std::map<std::string, Age> ages;
   for (const auto& [name, size_bytes] : sizes) {
@@ -29,17 +54,20 @@ absl::StatusOr<std::map<std::string, ServedAges::Age>> ServedAges::Advance(
 
 absl::Status ServedAges::Forget(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  Entries entries = Load();
-  return entries.erase(name) == 0 ? absl::OkStatus() : Save(entries);
+  absl::StatusOr<Entries> entries = Load();
+  if (!entries.ok()) return entries.status();
+  return entries->erase(name) == 0 ? absl::OkStatus() : Save(*entries);
 }
 
-ServedAges::Entries ServedAges::Load() const {
-  std::ifstream file(path_);
+absl::StatusOr<ServedAges::Entries> ServedAges::Load() const {
+  const absl::StatusOr<std::string> kept = place_.load();
+  if (!kept.ok()) return kept.status();
+  std::istringstream text(*kept);
   Entries entries;
   std::int64_t age_ns = 0;
   std::int64_t size_bytes = 0;
   std::string name;
-  while (file >> age_ns >> size_bytes && file.get() == ' ' && std::getline(file, name)) {
+  while (text >> age_ns >> size_bytes && text.get() == ' ' && std::getline(text, name)) {
     if (age_ns >= 0) entries[name] = {.age = Age(age_ns), .size_bytes = size_bytes};
   }
   return entries;
@@ -50,12 +78,7 @@ absl::Status ServedAges::Save(const Entries& entries) const {
   for (const auto& [name, entry] : entries) {
     absl::StrAppend(&text, entry.age.count(), " ", entry.size_bytes, " ", name, "\n");
   }
-  const std::filesystem::path next = path_.string() + ".next";
-  const absl::StatusOr<FileDescriptor> file = OpenOrCreate(next);
-  absl::Status status = file.status();
-  if (status.ok()) status = Truncate(*file, 0);
-  if (status.ok()) status = WriteAll(*file, std::as_bytes(std::span(text)));
-  return status.ok() ? MoveFile(next, path_) : status;
+  return place_.save(text);
 }
 
 }  // namespace dcloc::server

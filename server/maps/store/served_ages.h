@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
@@ -14,13 +15,22 @@
 
 namespace dcloc::server {
 
-/// How long each of some files has been there unchanged while a server served, kept in a file. The
+/// How long each of some files has been there unchanged while a server served, kept in a text. The
 /// host's clock has no part in it: it may jump, and must not delete. Thread-safe.
 class ServedAges {
  public:
   using Age = std::chrono::nanoseconds;
 
-  explicit ServedAges(std::filesystem::path path) : path_(std::move(path)) {}
+  /// Where the text is kept.
+  struct Place {
+    std::function<absl::StatusOr<std::string>()> load;  ///< empty when there is none
+    std::function<absl::Status(const std::string&)> save;
+  };
+
+  explicit ServedAges(Place place) : place_(std::move(place)) {}
+
+  /// Kept in a file.
+  explicit ServedAges(const std::filesystem::path& path);
 
   /// Adds `served`, the time served since the call before, to the ages of files that were there
   /// then with the same size. Others begin at 0, also all of them when the ages have been lost.
@@ -39,10 +49,10 @@ class ServedAges {
   };
   using Entries = std::map<std::string, Entry>;
 
-  Entries Load() const;
+  absl::StatusOr<Entries> Load() const;
   absl::Status Save(const Entries& entries) const;
 
-  const std::filesystem::path path_;
+  const Place place_;
   std::mutex mutex_;
 };
 

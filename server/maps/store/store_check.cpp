@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 #include "server/base/status.h"
@@ -25,8 +26,30 @@ absl::Status CheckIncoming(IncomingFiles& incoming, std::chrono::nanoseconds sta
   return absl::OkStatus();
 }
 
-absl::Status CheckAccounted(Catalogue& catalogue, MapFiles& files) {
-  const absl::StatusOr<std::vector<std::string>> unaccounted = UnaccountedFiles(catalogue, files);
+/// Those of `present`, which were listed before, for which the catalogue cannot account.
+absl::StatusOr<std::vector<std::string>> UnaccountedOf(std::vector<std::string> present,
+                                                       Catalogue& catalogue, MapFiles& files) {
+  const absl::StatusOr<std::vector<std::string>> loose = catalogue.ListLooseFiles();
+  if (!loose.ok()) return loose.status();
+  const auto wanted = catalogue.ListFiles();
+  if (!wanted.ok()) return wanted.status();
+  std::set<std::string> known(loose->begin(), loose->end());
+  for (const auto& [sha256, size_bytes] : *wanted) known.insert(sha256);
+  std::erase_if(present, [&](const std::string& sha256) { return known.contains(sha256); });
+  if (present.empty()) return present;
+  // One may have been removed meanwhile by a process that deleted its version.
+  const absl::StatusOr<std::vector<std::string>> still_present = files.List();
+  if (!still_present.ok()) return still_present.status();
+  const std::set<std::string> still(still_present->begin(), still_present->end());
+  std::erase_if(present, [&](const std::string& sha256) { return !still.contains(sha256); });
+  std::ranges::sort(present);
+  return present;
+}
+
+absl::Status CheckAccounted(std::vector<std::string> present, Catalogue& catalogue,
+                            MapFiles& files) {
+  const absl::StatusOr<std::vector<std::string>> unaccounted =
+      UnaccountedOf(std::move(present), catalogue, files);
   if (!unaccounted.ok()) return unaccounted.status();
   if (unaccounted->empty()) return absl::OkStatus();
   const auto known = catalogue.ListFiles();
@@ -92,29 +115,20 @@ absl::StatusOr<std::vector<std::string>> UnaccountedFiles(Catalogue& catalogue, 
   // The files first: what another process stores meanwhile is announced before it is there.
   absl::StatusOr<std::vector<std::string>> present = files.List();
   if (!present.ok()) return present;
-  const absl::StatusOr<std::vector<std::string>> loose = catalogue.ListLooseFiles();
-  if (!loose.ok()) return loose.status();
-  const auto wanted = catalogue.ListFiles();
-  if (!wanted.ok()) return wanted.status();
-  std::set<std::string> known(loose->begin(), loose->end());
-  for (const auto& [sha256, size_bytes] : *wanted) known.insert(sha256);
-  std::erase_if(*present, [&](const std::string& sha256) { return known.contains(sha256); });
-  if (present->empty()) return present;
-  // One may have been removed meanwhile by a process that deleted its version.
-  const absl::StatusOr<std::vector<std::string>> still_present = files.List();
-  if (!still_present.ok()) return still_present.status();
-  const std::set<std::string> still(still_present->begin(), still_present->end());
-  std::erase_if(*present, [&](const std::string& sha256) { return !still.contains(sha256); });
-  std::ranges::sort(*present);
-  return present;
+  return UnaccountedOf(*std::move(present), catalogue, files);
 }
 
 absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,
                                        IncomingFiles& incoming, std::chrono::nanoseconds stale_age,
                                        absl::string_view holder) {
   StoreReport report;
-  absl::Status status = CheckAccounted(catalogue, files);
+  absl::StatusOr<std::vector<std::string>> present = files.List();
+  report.files_away = absl::IsUnavailable(present.status());
+  if (!present.ok() && !report.files_away) return present.status();
+  absl::Status status;
+  if (!report.files_away) status = CheckAccounted(*std::move(present), catalogue, files);
   if (status.ok()) status = CheckIncoming(incoming, stale_age, &report);
+  if (status.ok() && report.files_away) return report;
   if (status.ok()) status = SetLooseFilesAside(catalogue, files, holder, &report);
   if (status.ok()) status = FindBroken(catalogue, files, &report);
   if (status.ok()) status = CoverTheRest(catalogue, files, &report);
@@ -123,6 +137,7 @@ absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,
 }
 
 void Log(const StoreReport& report) {
+  if (report.files_away) spdlog::warn("map files not checked, their storage is away");
   if (report.removed_leftover_count + report.quarantined_file_count > 0) {
     spdlog::info("store repaired removed_leftovers={} quarantined_map_files={}",
                  report.removed_leftover_count, report.quarantined_file_count);

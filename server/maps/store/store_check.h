@@ -19,6 +19,7 @@ struct StoreReport {
   int stale_upload_count = 0;       ///< unfinished uploads that were too old: removed
   int unfinished_upload_count = 0;  ///< kept, can be continued
   int covered_version_count = 0;    ///< versions to which coverage was added
+  bool files_away = false;          ///< the storage of files was away: they were not checked
   /// Hashes of files that versions have but that are missing or have a wrong size. The versions
   /// stay but cannot be loaded; uploading the same file again repairs them.
   std::vector<std::string> broken_files;
@@ -33,6 +34,7 @@ absl::StatusOr<std::vector<std::string>> UnaccountedFiles(Catalogue& catalogue, 
 /// stored or removed are set aside. FailedPrecondition, and nothing is changed, when there are
 /// files for which the catalogue cannot account. Other processes may use catalogue and files
 /// meanwhile: a file that no version has is left alone while anyone holds it (`QuarantineOrphan`).
+/// While the storage of files is away they are not checked: what is loaded is verified anyway.
 /// `incoming` is this process's own. `stale_age`: unfinished uploads that have been there for so
 /// long are removed. `holder`: as in the catalogue's holds.
 absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,

@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/identity/postgres_identity_store.h"
 #include "server/postgres/postgres_database.h"
-#include "tests/end_to_end/server_process.h"
+#include "tests/server/app/replica.h"
 #include "tests/server/fixtures/postgres_cluster.h"
 #include "tests/server/fixtures/test_maps.h"
 #include "tests/server/fixtures/test_server.h"
@@ -23,88 +23,6 @@ namespace {
 using ::testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
-/// One of them, with what is its own in a folder of its own.
-class Replica {
- public:
-  Replica(const std::filesystem::path& folder, const std::string& name, const std::string& database)
-      : log_(folder / (name + ".log")),
-        process_(DCLOC_SERVER_PROGRAM, folder / name, log_,
-                 {.arguments = {"--catalogue", database, "--map-folder", folder / "shared",
-                                "--warm-map-mib", "0"}}) {
-    if (!process_.WaitUntilReady()) throw std::runtime_error(name + " did not start");
-    channel_ = process_.Channel();
-    maps = v1::MapService::NewStub(channel_);
-    localization = v1::LocalizationService::NewStub(channel_);
-    admin = v1::AdminService::NewStub(channel_);
-  }
-
-  void Kill() { process_.Kill(); }
-  bool Terminate() { return process_.Terminate(); }
-
-  grpc::Status Activate(std::int64_t version) {
-    v1::ActivateMapVersionRequest request;
-    request.set_map_name("town");
-    request.set_version(version);
-    v1::ActivateMapVersionResponse response;
-    Call call;
-    return maps->ActivateMapVersion(&call, request, &response);
-  }
-
-  grpc::Status DeleteMap() {
-    v1::DeleteMapRequest request;
-    request.set_map_name("town");
-    v1::DeleteMapResponse response;
-    Call call;
-    return maps->DeleteMap(&call, request, &response);
-  }
-
-  grpc::Status Upload(const std::vector<std::byte>& bytes) {
-    v1::UploadMapResponse response;
-    return UploadMap(*maps, HeaderOf(bytes), bytes, &response);
-  }
-
-  grpc::StatusCode ListMaps(const std::string& token) {
-    CallAs call(token);
-    v1::ListMapsResponse response;
-    return maps->ListMaps(&call, {}, &response).error_code();
-  }
-
-  std::unique_ptr<v1::MapService::Stub> maps;
-  std::unique_ptr<v1::LocalizationService::Stub> localization;
-  std::unique_ptr<v1::AdminService::Stub> admin;
-
- private:
-  const std::filesystem::path log_;
-  ServerProcess process_;
-  std::shared_ptr<grpc::Channel> channel_;
-};
-
-/// A session of a vehicle, with a scan after the other.
-class Vehicle {
- public:
-  explicit Vehicle(Replica& replica, const std::string& token = "")
-      : session_(*replica.localization, token) {
-    session_.Open(OpenMessage());
-    const auto answer = session_.Read();
-    is_open_ = answer && answer->has_opened();
-    if (is_open_) version_ = answer->opened().map_version();
-  }
-
-  bool is_open() const { return is_open_; }
-  std::int64_t version() const { return version_; }
-  bool Localize() { return session_.Localize(ScanMessage(next_++)).has_value(); }
-  grpc::Status End() {
-    session_.CloseSending();
-    return session_.Finish();
-  }
-
- private:
-  TestSession session_;
-  bool is_open_ = false;
-  std::int64_t version_ = 0;
-  std::int64_t next_ = 1;
-};
-
 class ReplicasTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -115,7 +33,9 @@ class ReplicasTest : public ::testing::Test {
   }
 
   std::unique_ptr<Replica> Start(const std::string& name) const {
-    return std::make_unique<Replica>(folder_.path(), name, database_);
+    const std::vector<std::string> arguments = {"--catalogue", database_, "--map-folder",
+                                                folder_.path() / "shared"};
+    return std::make_unique<Replica>(folder_.path(), name, arguments);
   }
 
   template <typename Predicate>

@@ -123,6 +123,52 @@ TEST(ConfigTest, LimitsAndLogLevelChangeWhileRunningAddressesDoNot) {
   }
 }
 
+class SharedConfigTest : public ::testing::Test {
+ protected:
+  std::string Error() const {
+    const absl::Status status = Validate(config_);
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    return std::string(status.message());
+  }
+
+  ServerConfig config_ = [] {
+    ServerConfig config;
+    config.data = "/srv/dcloc";
+    config.catalogue = "postgresql://dcloc@/dcloc";
+    config.map_files = "s3://maps/site";
+    config.object_endpoint = "https://s3.example.org";
+    return config;
+  }();
+};
+
+TEST_F(SharedConfigTest, MapFilesAreInAFolderOrInAnObjectStore) {
+  EXPECT_TRUE(Validate(config_).ok());
+  config_.map_folder = "/srv/maps";
+  EXPECT_THAT(Error(), AllOf(HasSubstr("map_folder is \"/srv/maps\""),
+                             HasSubstr("map_files is \"s3://maps/site\"")));
+  config_.map_folder = config_.map_files = config_.object_endpoint = "";
+  EXPECT_THAT(Error(), AllOf(HasSubstr("catalogue is there"), HasSubstr("map_files is \"\"")));
+  config_.map_files = "s3://maps/site";
+  config_.object_endpoint = "https://s3.example.org";
+  config_.catalogue = "";
+  EXPECT_THAT(Error(), HasSubstr("catalogue is empty"));
+}
+
+TEST_F(SharedConfigTest, AnObjectStoreIsCheckedAtTheDoor) {
+  config_.object_endpoint = "s3.example.org";
+  EXPECT_THAT(Error(), HasSubstr("object_endpoint is \"s3.example.org\""));
+  config_.object_endpoint = "https://s3.example.org";
+  config_.max_map_mib = 5121;
+  EXPECT_THAT(Error(), AllOf(HasSubstr("max_map_mib is 5121"), HasSubstr("5120")));
+  config_.max_map_mib = 5120;
+  config_.object_timeout_ms = 99;
+  EXPECT_THAT(Error(), HasSubstr("object_timeout_ms is 99"));
+  config_.object_timeout_ms = 100;
+  config_.map_files = "";
+  config_.map_folder = "/srv/maps";
+  EXPECT_THAT(Error(), AllOf(HasSubstr("object_endpoint"), HasSubstr("map_files is empty")));
+}
+
 TEST(CommandLineTest, HelpShowsEverySettingAndExamples) {
   const absl::StatusOr<CommandLine> line = Parse({"--help"});
   ASSERT_TRUE(line.ok());

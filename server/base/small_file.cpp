@@ -1,4 +1,4 @@
-#include "server/config/small_file.h"
+#include "server/base/small_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "server/config/small_file.h"
+#include "server/base/small_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
