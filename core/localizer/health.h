@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "absl/container/inlined_vector.h"
 #include "core/geometry/pose.h"
 #include "core/localizer/radar_monitor.h"
@@ -18,7 +20,15 @@ struct Health {
   friend bool operator==(const Health&, const Health&) = default;
 };
 
-/// What those who watch the sources say at `stamp`.
+/// Whether the targets of radar `index` are put into the sub-map at `stamp`: it looks where its
+/// description or the correction of it says, and its targets lie in the map as those of the others
+/// do. The pipeline and ReportHealth ask here.
+bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
+               const RadarMonitor& radar_monitor);
+
+/// What those who watch the sources say at `stamp`. A radar is used if it is trusted and its scans
+/// have something to put into the sub-map: it is not silent, and its targets stand still. One of
+/// another clock is used, as its stamps are brought to the clock of the others.
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
                     const RadarMonitor& radar_monitor);
 

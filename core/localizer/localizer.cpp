@@ -129,6 +129,6 @@ absl::StatusOr<FixUse> Localizer::TakeFix(const PositionFix& fix) {
   return impl_->pipeline->TakeFix(fix.pose, impl_->time_base.Convert(fix.stamp));
 }
 
-bool Localizer::searching() const { return impl_->pipeline->searching(); }
+bool Localizer::has_pose() const { return impl_->pipeline->has_pose(); }
 
 }  // namespace dcloc

@@ -84,7 +84,7 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
   }
   Move(motion);
   TestScan(stamp, radar_index, workspace);
-  if (!IsUsed(radar_index, stamp)) workspace.static_points.clear();
+  if (!IsTrusted(radar_index, stamp)) workspace.static_points.clear();
   AddToSubmap(stamp, radar_index, workspace.static_points, motion);
 
   const bool is_steady = tracking_.mode() == TrackingMode::kTracking && quality_.edge_valid;
@@ -122,7 +122,7 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
   std::vector<RadarPoint>& points = lent_workspace.Of<Dim>().static_points;
   PlaceTargets(scan, stamp, moment->velocity, points);
-  if (IsUsed(radar_index, stamp)) submap_.Insert(stamp, static_cast<int>(radar_index), points);
+  if (IsTrusted(radar_index, stamp)) submap_.Insert(stamp, static_cast<int>(radar_index), points);
   const Motion then =
       Compose({answer.T_map_vehicle, answer.covariance}, Inverse(moment->to_newest));
   if (answer.protection_level_m) {  // the way between the two is as uncertain as it makes the pose
@@ -153,11 +153,6 @@ void Pipeline<Dim>::PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocit
 }
 
 template <int Dim>
-bool Pipeline<Dim>::IsUsed(std::size_t radar_index, Stamp stamp) const {
-  return learned_rig_.IsUsable(radar_index, stamp) && radar_monitor_.FitsTheMap(radar_index);
-}
-
-template <int Dim>
 void Pipeline<Dim>::AddToSubmap(Stamp stamp, std::size_t radar_index,
                                 const std::vector<RadarPoint>& points, const Motion& motion) {
   if (HorizontalSigma(motion.covariance) > options_.max_gap_sigma_m ||
@@ -176,7 +171,7 @@ void Pipeline<Dim>::TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim
   const ScanFit fit = scan_checker_.Test(stamp, radar_index, workspace.static_points, pose_.Now(),
                                          matcher_, workspace);
   radar_monitor_.OnFit(radar_index, scan_checker_.last_fit());
-  if (!IsUsed(radar_index, stamp)) return;
+  if (!IsTrusted(radar_index, stamp)) return;
   tracking_.OnScanFit(fit);
   if (tracking_.mode() == TrackingMode::kTracking) {
     scan_checker_.OnConfirmed();

@@ -56,7 +56,7 @@ class AnyPipeline {
   /// What something else than radar says of the pose at `stamp`. It is valid.
   virtual FixUse TakeFix(const InitialPose& fix, Stamp stamp) = 0;
 
-  virtual bool searching() const = 0;
+  virtual bool has_pose() const = 0;
   virtual const Rig& rig() const = 0;
 };
 
@@ -83,7 +83,7 @@ class Pipeline final : public AnyPipeline {
   std::optional<double> FitAt(const Scan& scan, Stamp stamp,
                               LocalizerWorkspace& workspace) override;
   FixUse TakeFix(const InitialPose& fix, Stamp stamp) override;
-  bool searching() const override { return !tracking_.has_pose(); }
+  bool has_pose() const override { return tracking_.has_pose(); }
   const Rig& rig() const override { return learned_rig_.rig(); }
 
  private:
@@ -93,7 +93,9 @@ class Pipeline final : public AnyPipeline {
   void Move(const Motion& motion);
   void PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
                     std::vector<RadarPoint>& points);
-  bool IsUsed(std::size_t radar_index, Stamp stamp) const;
+  bool IsTrusted(std::size_t radar_index, Stamp stamp) const {
+    return dcloc::IsTrusted(radar_index, stamp, learned_rig_, radar_monitor_);
+  }
   void AddToSubmap(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,
                    const Motion& motion);
   void TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
