@@ -12,8 +12,6 @@
 namespace dcloc {
 namespace {
 
-constexpr double kUnknownVariance = 1e8;  // of a pose that nothing is known of
-
 void Announce(StageListener* listener, Stage stage) {
   if (listener != nullptr) listener->OnStageBegin(stage);
 }

@@ -19,6 +19,7 @@ std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOpt
   static constexpr OptionField<O> kFields[] = {
       {"silent_intervals", &O::silent_intervals, 1, 1000},
       {"silent_after_ms", &O::silent_after, 1, 1e5},
+      {"max_interval_ratio", &O::max_interval_ratio, 1, 1000},
       {"memory", &O::memory, 0, 0.999, "the newest scan counts alone"},
       {"min_return_count", &O::min_return_count, 1, 10'000},
       {"min_static_share", &O::min_static_share, 0, 1, "no Doppler is told of"},
@@ -43,7 +44,8 @@ void RadarMonitor::OnScan(Stamp stamp, std::size_t index, std::size_t return_cou
   if (radar.last) {
     const double interval_s = WatchedSecondsOf(stamp - *radar.last);
     if (radar.usual_interval_s == 0.0) radar.usual_interval_s = interval_s;
-    Average(std::min(interval_s, 2.0 * radar.usual_interval_s), radar.usual_interval_s);
+    Average(std::min(interval_s, options_.max_interval_ratio * radar.usual_interval_s),
+            radar.usual_interval_s);
   }
   radar.last = stamp;
 }

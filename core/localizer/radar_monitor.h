@@ -18,6 +18,8 @@ struct RadarMonitorOptions {
   /// Silent for so many of its usual intervals, and for so long.
   double silent_intervals = 4.0;
   std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);
+  /// A longer interval counts as so many usual ones: lost scans do not make a radar a slow one.
+  double max_interval_ratio = 2.0;
   /// The weight of what its scans said before beside the newest.
   double memory = 0.9;
   int min_return_count = 10;  ///< a scan of fewer says nothing of its Doppler
