@@ -32,11 +32,11 @@ bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
                     const RadarMonitor& radar_monitor);
 
-/// Jumps of the answered pose: a place found anew, a motion that was missed, a large correction.
-/// What the vehicle has moved meanwhile is no part of them.
+/// Resets, changes of the answered pose that the vehicle did not make: a place found anew, a motion
+/// that was missed, a large correction. What the vehicle has moved meanwhile is no part of them.
 struct PoseResets {
   int count = 0;
-  /// The last jump, in the vehicle frame: the pose without it, times this, is the pose with it. A
+  /// The last one, in the vehicle frame: the pose without it, times this, is the pose with it. A
   /// controller that keeps a path undoes it.
   Pose3 T_before_after;
 };

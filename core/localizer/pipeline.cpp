@@ -58,10 +58,10 @@ void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
 
 // One scan, top to bottom: the paper's Fig. 2.
 template <int Dim>
-Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
+Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::ScanTime& time,
                                          LocalizerWorkspace& lent_workspace,
                                          StageListener* listener) {
-  const Stamp stamp = placement.stamp;
+  const Stamp stamp = time.stamp;
   const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
   const RadarModel& radar = learned_rig_.rig().radars[radar_index];
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
@@ -72,11 +72,11 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
   if (by_gyroscope && learned_rig_.OnScan(stamp, radar_index, scan, *by_gyroscope)) {
     submap_.DropPoints(static_cast<int>(radar_index));
   }
-  PlaceTargets(scan, stamp, ego_velocity, workspace.static_points);
+  Compensate(scan, stamp, ego_velocity, workspace.static_points);
 
   Announce(listener, Stage::kSubmap);  // eq 7-8
   Motion motion = ego_motion_.since_previous();
-  if (placement.clock_was_set) {  // for how long the vehicle moved is not known
+  if (time.clock_was_set) {  // for how long the vehicle moved is not known
     motion.covariance(0, 0) +=
         std::pow(options_.clock_set_sigma_s * ego_velocity.linear_mps.norm(), 2);
   }
@@ -119,7 +119,7 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   if (!moment) return answer;
   const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
   std::vector<RadarPoint>& points = lent_workspace.Of<Dim>().static_points;
-  PlaceTargets(scan, stamp, moment->velocity, points);
+  Compensate(scan, stamp, moment->velocity, points);
   if (IsTrusted(radar_index, stamp)) submap_.Insert(stamp, static_cast<int>(radar_index), points);
   const Motion then =
       Compose({answer.T_map_vehicle, answer.covariance}, Inverse(moment->to_newest));
@@ -142,8 +142,8 @@ void Pipeline<Dim>::Move(const Motion& motion) {
 }
 
 template <int Dim>
-void Pipeline<Dim>::PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
-                                 std::vector<RadarPoint>& points) {
+void Pipeline<Dim>::Compensate(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
+                               std::vector<RadarPoint>& points) {
   const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
   StaticPoints(scan, learned_rig_.rig().radars[radar_index], ego_velocity,
                EffectiveStaticPoints(options_), points);
@@ -277,7 +277,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
   EdgeTest test{.valid = true};
   if (tracking_.has_pose() && !found_elsewhere_) {
     test = pose_.AddAbsolutePose(factor);
-    protection_level_.OnInnovation(test.distance / Pose<Dim>::kDof);
+    protection_level_.OnInnovation(test.squared_distance / Pose<Dim>::kDof);
   } else {
     scan_checker_.Forget();
     radar_monitor_.ForgetFits();
@@ -285,7 +285,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
     pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
     tracking_.OnPlaceFound();
   }
-  quality_.edge_distance = test.distance;
+  quality_.edge_distance = test.squared_distance;
   quality_.edge_valid = test.valid;
   if (test.valid && registration->overlap >= options_.right_overlap) learned_rig_.OnRegistered();
   return test.valid ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;

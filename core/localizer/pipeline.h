@@ -31,7 +31,7 @@ class AnyPipeline {
   virtual ~AnyPipeline() = default;
 
   /// The newest scan.
-  virtual Localization LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
+  virtual Localization LocalizeNext(const Scan& scan, const TimeBase::ScanTime& time,
                                     LocalizerWorkspace& workspace, StageListener* listener) = 0;
 
   /// A scan from before the newest one takes part in the registrations that follow. Its pose is
@@ -40,7 +40,7 @@ class AnyPipeline {
                                     LocalizerWorkspace& workspace) = 0;
 
   /// A scan of which is not known when it was taken says nothing. Its pose is that of `newest`.
-  virtual Localization LocalizeUnplaced(const Scan& scan, Stamp newest) = 0;
+  virtual Localization LocalizeUntimed(const Scan& scan, Stamp newest) = 0;
 
   /// Whether the stamps of radar `index` had to be brought to the clock of the others.
   virtual void OnClock(std::size_t index, bool is_off) = 0;
@@ -70,10 +70,10 @@ class Pipeline final : public AnyPipeline {
            const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options,
            std::shared_ptr<const RegistrationMethod<Dim>> method);
 
-  Localization LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
+  Localization LocalizeNext(const Scan& scan, const TimeBase::ScanTime& time,
                             LocalizerWorkspace& workspace, StageListener* listener) override;
   Localization LocalizeLate(const Scan& scan, Stamp stamp, LocalizerWorkspace& workspace) override;
-  Localization LocalizeUnplaced(const Scan& scan, Stamp newest) override {
+  Localization LocalizeUntimed(const Scan& scan, Stamp newest) override {
     Localization answer = Answer(scan, newest);
     answer.protection_level_m.reset();  // nobody knows where the vehicle was at such a stamp
     return answer;
@@ -91,8 +91,8 @@ class Pipeline final : public AnyPipeline {
 
   // The stages of one scan.
   void Move(const Motion& motion);
-  void PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
-                    std::vector<RadarPoint>& points);
+  void Compensate(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
+                  std::vector<RadarPoint>& points);
   bool IsTrusted(std::size_t radar_index, Stamp stamp) const {
     return dcloc::IsTrusted(radar_index, stamp, learned_rig_, radar_monitor_);
   }
