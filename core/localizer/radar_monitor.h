@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "core/odometry/source_fault.h"
 #include "core/options/option_fields.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 

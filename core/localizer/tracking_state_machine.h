@@ -8,7 +8,7 @@
 #include "core/localizer/localization_state.h"
 #include "core/localizer/tracking_states.h"
 #include "core/options/option_fields.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 #include "core/uncertainty/map_fit_monitor.h"
 
 namespace dcloc {
