@@ -10,6 +10,7 @@
 #include "client/rosbag/bag_reader.h"
 #include "client/rosbag/messages.h"
 #include "client/rosbag/transform_tree.h"
+#include "core/radar/scan.h"
 
 namespace dcloc {
 

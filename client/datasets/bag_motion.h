@@ -7,7 +7,8 @@
 #include "client/datasets/bag_contents.h"
 #include "client/datasets/bag_mapping.h"
 #include "client/datasets/drive.h"
-#include "core/radar/scan.h"
+#include "core/radar/ego_velocity.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/radar/scan.h"
+#include "core/radar/ego_velocity.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 

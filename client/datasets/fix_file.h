@@ -8,7 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 #include "core/relocalization/gnss_prior.h"
 #include "core/relocalization/initial_pose.h"
 

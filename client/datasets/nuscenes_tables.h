@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/geometry/pose.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 

@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc::rosbag {
 

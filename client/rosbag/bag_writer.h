@@ -13,7 +13,7 @@
 #include "absl/strings/string_view.h"
 #include "client/rosbag/compression.h"
 #include "client/rosbag/message_types.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc::rosbag {
 

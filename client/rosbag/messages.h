@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "core/geometry/pose.h"
-#include "core/radar/scan.h"
+#include "core/radar/ego_velocity.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc::rosbag {
 

@@ -7,7 +7,7 @@
 
 #include "client/rosbag/messages.h"
 #include "core/geometry/pose.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc::rosbag {
 

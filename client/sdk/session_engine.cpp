@@ -23,7 +23,7 @@ SessionEngine::SessionEngine(std::unique_ptr<v1::LocalizationService::Stub> stub
 SessionEngine::~SessionEngine() {
   {
     const std::lock_guard lock(mutex_);
-    abandoned_ = true;
+    stop_ = Stop::kAbandoned;
   }
   Cancel();
   thread_.join();
@@ -134,7 +134,7 @@ absl::Status SessionEngine::record_status() const {
 
 void SessionEngine::Cancel() {
   const std::lock_guard lock(mutex_);
-  cancelled_ = true;
+  if (stop_ == Stop::kNo) stop_ = Stop::kCancelled;
   changed_.notify_all();
   if (connection_ != nullptr) connection_->Cancel();
 }
@@ -153,7 +153,7 @@ SessionStats SessionEngine::stats() const {
 
 Connection::Fill SessionEngine::FillRequest(v1::LocalizeRequest* request) {
   if (!opened_) return Connection::Fill::kNothingYet;
-  if (moving_) return Connection::Fill::kNothingMore;
+  if (sending_ == Sending::kMoving) return Connection::Fill::kNothingMore;
   const std::size_t window =
       opened_->answer_history_count() == 0
           ? options_.max_unanswered_scan_count
@@ -176,20 +176,21 @@ Connection::Fill SessionEngine::FillRequest(v1::LocalizeRequest* request) {
     return Connection::Fill::kRequest;
   }
   if (!sending_closed_) return Connection::Fill::kNothingYet;
-  if (resume_token_.empty() || close_sent_) return Connection::Fill::kNothingMore;
+  if (resume_token_.empty() || sending_ == Sending::kCloseSent)
+    return Connection::Fill::kNothingMore;
   // Only now: until all is answered the session may have to be resumed.
   if (!outbox_.empty()) return Connection::Fill::kNothingYet;
-  close_sent_ = true;
+  sending_ = Sending::kCloseSent;
   request->mutable_close();
   return Connection::Fill::kRequest;
 }
 
 bool SessionEngine::HasRoom() const {
-  return cancelled_ || answers_.size() < options_.max_unread_answer_count;
+  return stop_ != Stop::kNo || answers_.size() < options_.max_unread_answer_count;
 }
 
 void SessionEngine::Take(v1::LocalizeResponse response) {
-  if (abandoned_) return;
+  if (stop_ == Stop::kAbandoned) return;
   if (response.has_opened() != !opened_.has_value()) {
     GiveUp(absl::DataLossError("the server's first message must be `opened`, and no other one"));
   } else if (response.has_opened()) {
@@ -222,7 +223,7 @@ void SessionEngine::TakeOpened(v1::SessionOpened opened) {
 
 void SessionEngine::TakeEnding(const v1::SessionEnding& ending) {
   if (ending.reason() != v1::SESSION_END_REASON_DRAINING) return;  // the status says the same
-  moving_ = true;
+  sending_ = Sending::kMoving;
   Tell({.kind = SessionEvent::Kind::kMoving,
         .status = absl::UnavailableError(ending.message()),
         .opened = {}});
@@ -281,10 +282,10 @@ void SessionEngine::Run() {
 absl::Status SessionEngine::RunStream(std::unique_lock<std::mutex>& lock) {
   opened_.reset();
   stream_status_.reset();
-  moving_ = close_sent_ = false;
+  sending_ = Sending::kOpen;
   LoseFixes(outbox_.Rewind());
   connection_ = std::make_unique<Connection>(*stub_, mutex_, *this, OpenMessage());
-  if (cancelled_) connection_->Cancel();
+  if (stop_ != Stop::kNo) connection_->Cancel();
   const Clock::time_point deadline = Clock::now() + options_.open_timeout;
   absl::Status timeout;
   while (!stream_status_) {
@@ -323,7 +324,7 @@ v1::OpenSession SessionEngine::OpenMessage() const {
 /// What a stream's end means: the session's end with a status, or another attempt.
 std::optional<absl::Status> SessionEngine::Judge(const absl::Status& status) {
   if (!fault_.ok()) return fault_;
-  if (cancelled_) return absl::CancelledError("cancelled");
+  if (stop_ != Stop::kNo) return absl::CancelledError("cancelled");
   if (!first_opened_) {
     return status.ok() ? absl::InternalError("the server ended the stream without opening it")
                        : status;
@@ -361,8 +362,8 @@ absl::Status SessionEngine::Unanswered(absl::Status status) const {
 
 /// False when the session was cancelled meanwhile.
 bool SessionEngine::WaitForNextAttempt(std::unique_lock<std::mutex>& lock) {
-  changed_.wait_for(lock, backoff_->Next(), [&] { return cancelled_; });
-  return !cancelled_;
+  changed_.wait_for(lock, backoff_->Next(), [&] { return stop_ != Stop::kNo; });
+  return stop_ == Stop::kNo;
 }
 
 void SessionEngine::Tell(SessionEvent event) {

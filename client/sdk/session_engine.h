@@ -66,6 +66,20 @@ class SessionEngine final : public Connection::Host {
     const char* gap = nullptr;  ///< why it does not follow what is recorded; null where it does
   };
 
+  /// Whether the application has ended the session before its end.
+  enum class Stop {
+    kNo,
+    kCancelled,  ///< what is under way is not waited for
+    kAbandoned,  ///< nor is anything that still comes taken: the engine is being destroyed
+  };
+
+  /// What the present stream may still send. A new stream begins at kOpen.
+  enum class Sending {
+    kOpen,       ///< scans and fixes; and `close`, once there will be no more
+    kCloseSent,  ///< nothing: the client has closed the session
+    kMoving,     ///< nothing: the server drains, and the next stream goes on
+  };
+
   Connection::Fill FillRequest(v1::LocalizeRequest* request) override;
   bool HasRoom() const override;
   void Take(v1::LocalizeResponse response) override;
@@ -107,8 +121,7 @@ class SessionEngine final : public Connection::Host {
   absl::Status restart_reason_;  ///< why the session before could not be resumed
   bool takes_fixes_ = false;     ///< of the newest stream's server
   bool sending_closed_ = false;
-  bool cancelled_ = false;
-  bool abandoned_ = false;
+  Stop stop_ = Stop::kNo;
 
   mutable std::mutex record_mutex_;  ///< taken before the other one
   SessionRecorder recorder_;
@@ -118,8 +131,7 @@ class SessionEngine final : public Connection::Host {
   std::optional<v1::SessionOpened> opened_;
   std::optional<absl::Status> stream_status_;
   absl::Status fault_;  ///< the server's violation of the contract
-  bool moving_ = false;
-  bool close_sent_ = false;
+  Sending sending_ = Sending::kOpen;
 
   // Since the last progress.
   std::optional<Backoff> backoff_;

@@ -6,7 +6,7 @@
 
 #include "core/geometry/geodetic_anchor.h"
 #include "core/geometry/pose.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 

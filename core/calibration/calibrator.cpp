@@ -7,6 +7,7 @@
 #include "absl/strings/str_format.h"
 #include "core/calibration/applied_corrections.h"
 #include "core/calibration/overlap.h"
+#include "core/geometry/thinning.h"
 
 namespace dcloc {
 namespace {
@@ -18,12 +19,14 @@ absl::Status CheckBound(const char* field, double value, double min, double max)
       absl::StrFormat("%s is %g; it must lie in [%g, %g]", field, value, min, max));
 }
 
-std::vector<StaticReturn> Subsample(const std::vector<StaticReturn>& returns, double share) {
+// This share of the returns, evenly among them.
+std::vector<StaticReturn> EvenSubsample(const std::vector<StaticReturn>& returns, double share) {
   const auto count =
       static_cast<std::size_t>(std::ceil(share * static_cast<double>(returns.size())));
   std::vector<StaticReturn> chosen;
   chosen.reserve(count);
-  for (std::size_t k = 0; k < count; ++k) chosen.push_back(returns[k * returns.size() / count]);
+  for (std::size_t k = 0; k < count; ++k)
+    chosen.push_back(returns[EvenIndex(k, count, returns.size())]);
   return chosen;
 }
 
@@ -234,7 +237,7 @@ absl::StatusOr<Calibration> Calibrator::Estimate(const ProgressCallback& progres
   std::vector<PairedFrame> frames;
   for (const auto& [name, frame] : frames_) {
     PairedFrame paired{
-        .seen = {.views = frame.seen.views, .returns = Subsample(frame.seen.returns, share)}};
+        .seen = {.views = frame.seen.views, .returns = EvenSubsample(frame.seen.returns, share)}};
     paired.pairs =
         FindPairs(paired.seen, options_.max_pair_distance_m, options_.max_pairs_per_return);
     calibration.return_count += paired.seen.returns.size();

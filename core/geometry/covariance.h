@@ -7,8 +7,9 @@
 
 namespace dcloc {
 
-/// Deviation [m] of x and y together, of a pose in the plane or in space: the root of the sum of
-/// their variances.
+/// The DRMS (distance root mean square) of a position [m], of a pose in the plane or in space:
+/// sqrt(sigma_x^2 + sigma_y^2), the root mean square of the horizontal error. Where both axes have
+/// the deviation s, it is 1.41 s. Options that say `sigma_m` of a position bound this.
 template <typename Matrix>
 double HorizontalSigma(const Matrix& covariance) {
   return std::sqrt(covariance.template topLeftCorner<2, 2>().trace());

@@ -10,6 +10,10 @@
 
 namespace dcloc {
 
+/// Variance of a coordinate of which nothing is known [m^2, rad^2]: a deviation of 10 km or 10^4
+/// rad, wider than any map and any turn, and still far from where 6 x 6 inverses lose digits.
+inline constexpr double kUnknownVariance = 1e8;
+
 /// A pose with its covariance in the tangent space on its right.
 template <int Dim>
 struct PoseEstimate {

@@ -18,20 +18,20 @@ void CurrentPose<Dim>::OnGap() {
 
 template <int Dim>
 void CurrentPose<Dim>::Reset(const PoseEstimate<Dim>& now, const TangentMatrix<Dim>& systematic) {
-  hypotheses_.Reset(now, systematic);
+  chains_.Reset(now, systematic);
   since_state_ = {};
 }
 
 template <int Dim>
 void CurrentPose<Dim>::AddState() {
-  hypotheses_.AddState(OdometryEdge(), OdometryNoise());
+  chains_.AddState(OdometryEdge(), OdometryNoise());
   since_state_ = {};
   gap_since_state_ = false;
 }
 
 template <int Dim>
 PoseEstimate<Dim> CurrentPose<Dim>::Now() const {
-  const PoseEstimate<Dim> newest = hypotheses_.Newest();
+  const PoseEstimate<Dim> newest = chains_.Newest();
   const PoseEstimate<Dim> motion = ToEstimate<Dim>(since_state_);
   return {.pose = newest.pose * motion.pose,
           .covariance = ComposeCovariance<Dim>(newest.covariance, motion.pose, motion.covariance)};
@@ -39,7 +39,7 @@ PoseEstimate<Dim> CurrentPose<Dim>::Now() const {
 
 template <int Dim>
 TangentMatrix<Dim> CurrentPose<Dim>::NoiseNow() const {
-  return ComposeCovariance<Dim>(hypotheses_.NewestNoise(), ToEstimate<Dim>(since_state_).pose,
+  return ComposeCovariance<Dim>(chains_.NewestNoise(), ToEstimate<Dim>(since_state_).pose,
                                 OdometryNoise());
 }
 

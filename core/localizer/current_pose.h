@@ -2,7 +2,7 @@
 
 #include "core/geometry/pose_estimate.h"
 #include "core/odometry/motion.h"
-#include "core/posegraph/pose_hypotheses.h"
+#include "core/posegraph/pose_chains.h"
 #include "core/uncertainty/noise_scale_estimator.h"
 
 namespace dcloc {
@@ -13,7 +13,7 @@ template <int Dim>
 class CurrentPose {
  public:
   CurrentPose(const PoseGraphOptions& graph_options, const NoiseScaleOptions& noise_options)
-      : noise_options_(noise_options), hypotheses_(graph_options), noise_scales_(noise_options) {}
+      : noise_options_(noise_options), chains_(graph_options), noise_scales_(noise_options) {}
 
   /// The vehicle moved so since the last call.
   void OnMotion(const Motion& motion);
@@ -31,24 +31,24 @@ class CurrentPose {
   void Reset(const PoseEstimate<Dim>& now,
              const TangentMatrix<Dim>& systematic = TangentMatrix<Dim>::Zero());
   /// There is no pose any more.
-  void Clear() { hypotheses_.Clear(); }
+  void Clear() { chains_.Clear(); }
 
   /// The pose graph gets a state at the newest scan. Needs a pose, as all that follows.
   void AddState();
   EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
-    return hypotheses_.AddAbsolutePose(factor);
+    return chains_.AddAbsolutePose(factor);
   }
   /// The newest state is here, by something else than radar.
   void AddPosition(const PoseEstimate<Dim>& position) {
-    hypotheses_.AddAbsolutePose({.pose = position.pose,
-                                 .covariance = position.covariance,
-                                 .reused_covariance = position.covariance,
-                                 .noise = {}});
+    chains_.AddAbsolutePose({.pose = position.pose,
+                             .covariance = position.covariance,
+                             .reused_covariance = position.covariance,
+                             .noise = {}});
   }
-  void ChangeFrame(const Pose<Dim>& T_new_old) { hypotheses_.ChangeFrame(T_new_old); }
+  void ChangeFrame(const Pose<Dim>& T_new_old) { chains_.ChangeFrame(T_new_old); }
 
   /// The newest state.
-  PoseEstimate<Dim> Newest() const { return hypotheses_.Newest(); }
+  PoseEstimate<Dim> Newest() const { return chains_.Newest(); }
   /// At the newest scan.
   PoseEstimate<Dim> Now() const;
   /// By what that varies.
@@ -62,7 +62,7 @@ class CurrentPose {
   TangentMatrix<Dim> OdometryNoise() const;
 
   NoiseScaleOptions noise_options_;
-  PoseHypotheses<Dim> hypotheses_;
+  PoseChains<Dim> chains_;
   NoiseScaleEstimator<Dim> noise_scales_;
   Motion since_state_;            // from the newest state to the newest scan
   bool gap_since_state_ = false;  // odometry was interrupted meanwhile

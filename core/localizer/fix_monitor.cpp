@@ -86,7 +86,6 @@ std::optional<PoseEstimate<3>> CarriedToNow(const PoseEstimate<3>& fix, Stamp st
 }
 
 PoseEstimate<3> PositionOf(const PoseEstimate<3>& fix) {
-  constexpr double kUnknownVariance = 1e8;
   PoseEstimate<3> position{.pose = fix.pose, .covariance = kUnknownVariance * Matrix6d::Identity()};
   position.covariance.topLeftCorner<2, 2>() = fix.covariance.topLeftCorner<2, 2>();
   return position;

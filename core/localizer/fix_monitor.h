@@ -8,7 +8,7 @@
 #include "core/geometry/pose_estimate.h"
 #include "core/odometry/motion_history.h"
 #include "core/options/option_fields.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 

@@ -2,6 +2,11 @@
 
 namespace dcloc {
 
+bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
+               const RadarMonitor& radar_monitor) {
+  return learned_rig.IsUsable(index, stamp) && radar_monitor.FitsTheMap(index);
+}
+
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
                     const RadarMonitor& radar_monitor) {
   Health health{
@@ -11,7 +16,7 @@ Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& 
     const bool says_something = fault != SourceFault::kSilent && fault != SourceFault::kDoppler;
     if (fault == SourceFault::kNone) fault = learned_rig.FaultOf(i, stamp);
     health.radars.push_back(
-        {.is_used = says_something && learned_rig.IsUsable(i, stamp) && radar_monitor.FitsTheMap(i),
+        {.is_used = says_something && IsTrusted(i, stamp, learned_rig, radar_monitor),
          .fault = fault});
   }
   return health;

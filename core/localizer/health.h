@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "absl/container/inlined_vector.h"
 #include "core/geometry/pose.h"
 #include "core/localizer/radar_monitor.h"
@@ -18,15 +20,23 @@ struct Health {
   friend bool operator==(const Health&, const Health&) = default;
 };
 
-/// What those who watch the sources say at `stamp`.
+/// Whether the targets of radar `index` are put into the sub-map at `stamp`: it looks where its
+/// description or the correction of it says, and its targets lie in the map as those of the others
+/// do. The pipeline and ReportHealth ask here.
+bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
+               const RadarMonitor& radar_monitor);
+
+/// What those who watch the sources say at `stamp`. A radar is used if it is trusted and its scans
+/// have something to put into the sub-map: it is not silent, and its targets stand still. One of
+/// another clock is used, as its stamps are brought to the clock of the others.
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
                     const RadarMonitor& radar_monitor);
 
-/// Jumps of the answered pose: a place found anew, a motion that was missed, a large correction.
-/// What the vehicle has moved meanwhile is no part of them.
+/// Resets, changes of the answered pose that the vehicle did not make: a place found anew, a motion
+/// that was missed, a large correction. What the vehicle has moved meanwhile is no part of them.
 struct PoseResets {
   int count = 0;
-  /// The last jump, in the vehicle frame: the pose without it, times this, is the pose with it. A
+  /// The last one, in the vehicle frame: the pose without it, times this, is the pose with it. A
   /// controller that keeps a path undoes it.
   Pose3 T_before_after;
 };

@@ -117,14 +117,14 @@ absl::StatusOr<Localization> Localizer::Impl::LocalizeNew(const Scan& scan,
   CheckStamp(index, scan, workspace);
   const std::optional<Stamp> taken = radar_clocks.Align(index, scan.stamp);
   pipeline->OnClock(index, radar_clocks.IsOff(index));
-  if (!taken) return pipeline->LocalizeUnplaced(scan, time_base.newest());
-  const absl::StatusOr<TimeBase::Placement> placement = time_base.Place(*taken);
-  if (!placement.ok()) {
+  if (!taken) return pipeline->LocalizeUntimed(scan, time_base.newest());
+  const absl::StatusOr<TimeBase::ScanTime> time = time_base.Take(*taken);
+  if (!time.ok()) {
     stamp_monitor.Withdraw(index);
-    return placement.status();
+    return time.status();
   }
-  return placement->is_late ? pipeline->LocalizeLate(scan, placement->stamp, workspace)
-                            : pipeline->LocalizeNext(scan, *placement, workspace, listener);
+  return time->is_late ? pipeline->LocalizeLate(scan, time->stamp, workspace)
+                       : pipeline->LocalizeNext(scan, *time, workspace, listener);
 }
 
 absl::StatusOr<Localization> Localizer::Localize(const Scan& scan, LocalizerWorkspace& workspace,
@@ -142,6 +142,6 @@ absl::StatusOr<FixUse> Localizer::TakeFix(const PositionFix& fix) {
   return impl_->pipeline->TakeFix(fix.pose, impl_->time_base.Convert(fix.stamp));
 }
 
-bool Localizer::searching() const { return impl_->pipeline->searching(); }
+bool Localizer::has_pose() const { return impl_->pipeline->has_pose(); }
 
 }  // namespace dcloc

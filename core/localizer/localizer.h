@@ -97,8 +97,10 @@ class Localizer {
   /// InvalidArgument names what is no pose or no covariance; then nothing has changed.
   absl::StatusOr<FixUse> TakeFix(const PositionFix& fix);
 
-  /// No pose is known, so the next scans search the map: about ten milliseconds a scan.
-  bool searching() const;
+  /// Whether there is a pose that registrations start from. While there is none, scans search the
+  /// map, for about ten milliseconds each. A pose that is doubted, lost or from an unverified prior
+  /// counts: scans then register, and may search beside it to hold it against other places.
+  bool has_pose() const;
 
  private:
   struct Impl;

@@ -12,8 +12,6 @@
 namespace dcloc {
 namespace {
 
-constexpr double kUnknownVariance = 1e8;  // of a pose that nothing is known of
-
 void Announce(StageListener* listener, Stage stage) {
   if (listener != nullptr) listener->OnStageBegin(stage);
 }
@@ -63,10 +61,10 @@ void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
 
 // One scan, top to bottom: the paper's Fig. 2.
 template <int Dim>
-Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
+Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::ScanTime& time,
                                          LocalizerWorkspace& lent_workspace,
                                          StageListener* listener) {
-  const Stamp stamp = placement.stamp;
+  const Stamp stamp = time.stamp;
   const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
   const RadarModel& radar = learned_rig_.rig().radars[radar_index];
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
@@ -77,17 +75,17 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::Place
   if (by_gyroscope && learned_rig_.OnScan(stamp, radar_index, scan, *by_gyroscope)) {
     submap_.DropPoints(static_cast<int>(radar_index));
   }
-  PlaceTargets(scan, stamp, ego_velocity, workspace.static_points);
+  Compensate(scan, stamp, ego_velocity, workspace.static_points);
 
   Announce(listener, Stage::kSubmap);  // eq 7-8
   Motion motion = ego_motion_.since_previous();
-  if (placement.clock_was_set) {  // for how long the vehicle moved is not known
+  if (time.clock_was_set) {  // for how long the vehicle moved is not known
     motion.covariance(0, 0) +=
         std::pow(options_.clock_set_sigma_s * ego_velocity.linear_mps.norm(), 2);
   }
   Move(motion);
   TestScan(stamp, radar_index, workspace);
-  if (!IsUsed(radar_index, stamp)) workspace.static_points.clear();
+  if (!IsTrusted(radar_index, stamp)) workspace.static_points.clear();
   AddToSubmap(stamp, radar_index, workspace.static_points, motion);
 
   const bool is_steady = tracking_.mode() == TrackingMode::kTracking && quality_.edge_valid;
@@ -124,8 +122,8 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   if (!moment) return answer;
   const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
   std::vector<RadarPoint>& points = lent_workspace.Of<Dim>().static_points;
-  PlaceTargets(scan, stamp, moment->velocity, points);
-  if (IsUsed(radar_index, stamp)) submap_.Insert(stamp, static_cast<int>(radar_index), points);
+  Compensate(scan, stamp, moment->velocity, points);
+  if (IsTrusted(radar_index, stamp)) submap_.Insert(stamp, static_cast<int>(radar_index), points);
   const Motion then =
       Compose({answer.T_map_vehicle, answer.covariance}, Inverse(moment->to_newest));
   if (answer.protection_level_m) {  // the way between the two is as uncertain as it makes the pose
@@ -147,17 +145,12 @@ void Pipeline<Dim>::Move(const Motion& motion) {
 }
 
 template <int Dim>
-void Pipeline<Dim>::PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
-                                 std::vector<RadarPoint>& points) {
+void Pipeline<Dim>::Compensate(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
+                               std::vector<RadarPoint>& points) {
   const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
   StaticPoints(scan, learned_rig_.rig().radars[radar_index], ego_velocity,
                EffectiveStaticPoints(options_), points);
   radar_monitor_.OnScan(stamp, radar_index, scan.size(), points.size());
-}
-
-template <int Dim>
-bool Pipeline<Dim>::IsUsed(std::size_t radar_index, Stamp stamp) const {
-  return learned_rig_.IsUsable(radar_index, stamp) && radar_monitor_.FitsTheMap(radar_index);
 }
 
 template <int Dim>
@@ -179,7 +172,7 @@ void Pipeline<Dim>::TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim
   const ScanFit fit = scan_checker_.Test(stamp, radar_index, workspace.static_points, pose_.Now(),
                                          matcher_, workspace);
   radar_monitor_.OnFit(radar_index, scan_checker_.last_fit());
-  if (!IsUsed(radar_index, stamp)) return;
+  if (!IsTrusted(radar_index, stamp)) return;
   tracking_.OnScanFit(fit);
   if (tracking_.mode() == TrackingMode::kTracking) {
     scan_checker_.OnConfirmed();
@@ -287,7 +280,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
   EdgeTest test{.valid = true};
   if (tracking_.has_pose() && !found_elsewhere_) {
     test = pose_.AddAbsolutePose(factor);
-    protection_level_.OnInnovation(test.distance / Pose<Dim>::kDof);
+    protection_level_.OnInnovation(test.squared_distance / Pose<Dim>::kDof);
   } else {
     scan_checker_.Forget();
     radar_monitor_.ForgetFits();
@@ -295,7 +288,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
     pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
     tracking_.OnPlaceFound();
   }
-  quality_.edge_distance = test.distance;
+  quality_.edge_distance = test.squared_distance;
   quality_.edge_valid = test.valid;
   if (test.valid && registration->overlap >= options_.right_overlap) learned_rig_.OnRegistered();
   return test.valid ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;

@@ -32,7 +32,7 @@ class AnyPipeline {
   virtual ~AnyPipeline() = default;
 
   /// The newest scan.
-  virtual Localization LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
+  virtual Localization LocalizeNext(const Scan& scan, const TimeBase::ScanTime& time,
                                     LocalizerWorkspace& workspace, StageListener* listener) = 0;
 
   /// A scan from before the newest one takes part in the registrations that follow. Its pose is
@@ -41,7 +41,7 @@ class AnyPipeline {
                                     LocalizerWorkspace& workspace) = 0;
 
   /// A scan of which is not known when it was taken says nothing. Its pose is that of `newest`.
-  virtual Localization LocalizeUnplaced(const Scan& scan, Stamp newest) = 0;
+  virtual Localization LocalizeUntimed(const Scan& scan, Stamp newest) = 0;
 
   /// Whether the stamps of radar `index` had to be brought to the clock of the others.
   virtual void OnClock(std::size_t index, bool is_off) = 0;
@@ -57,7 +57,7 @@ class AnyPipeline {
   /// What something else than radar says of the pose at `stamp`. It is valid.
   virtual FixUse TakeFix(const InitialPose& fix, Stamp stamp) = 0;
 
-  virtual bool searching() const = 0;
+  virtual bool has_pose() const = 0;
   virtual const Rig& rig() const = 0;
 };
 
@@ -71,10 +71,10 @@ class Pipeline final : public AnyPipeline {
            const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options,
            std::shared_ptr<const RegistrationMethod<Dim>> method);
 
-  Localization LocalizeNext(const Scan& scan, const TimeBase::Placement& placement,
+  Localization LocalizeNext(const Scan& scan, const TimeBase::ScanTime& time,
                             LocalizerWorkspace& workspace, StageListener* listener) override;
   Localization LocalizeLate(const Scan& scan, Stamp stamp, LocalizerWorkspace& workspace) override;
-  Localization LocalizeUnplaced(const Scan& scan, Stamp newest) override {
+  Localization LocalizeUntimed(const Scan& scan, Stamp newest) override {
     Localization answer = Answer(scan, newest);
     answer.protection_level_m.reset();  // nobody knows where the vehicle was at such a stamp
     return answer;
@@ -84,7 +84,7 @@ class Pipeline final : public AnyPipeline {
   std::optional<double> FitAt(const Scan& scan, Stamp stamp,
                               LocalizerWorkspace& workspace) override;
   FixUse TakeFix(const InitialPose& fix, Stamp stamp) override;
-  bool searching() const override { return !tracking_.has_pose(); }
+  bool has_pose() const override { return tracking_.has_pose(); }
   const Rig& rig() const override { return learned_rig_.rig(); }
 
  private:
@@ -92,9 +92,11 @@ class Pipeline final : public AnyPipeline {
 
   // The stages of one scan.
   void Move(const Motion& motion);
-  void PlaceTargets(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
-                    std::vector<RadarPoint>& points);
-  bool IsUsed(std::size_t radar_index, Stamp stamp) const;
+  void Compensate(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
+                  std::vector<RadarPoint>& points);
+  bool IsTrusted(std::size_t radar_index, Stamp stamp) const {
+    return dcloc::IsTrusted(radar_index, stamp, learned_rig_, radar_monitor_);
+  }
   void AddToSubmap(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,
                    const Motion& motion);
   void TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "absl/status/status.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 #include "core/relocalization/initial_pose.h"
 
 namespace dcloc {

@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 

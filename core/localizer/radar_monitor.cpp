@@ -19,8 +19,9 @@ std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOpt
   static constexpr OptionField<O> kFields[] = {
       {"silent_intervals", &O::silent_intervals, 1, 1000},
       {"silent_after_ms", &O::silent_after, 1, 1e5},
+      {"max_interval_ratio", &O::max_interval_ratio, 1, 1000},
       {"memory", &O::memory, 0, 0.999, "the newest scan counts alone"},
-      {"min_return_count", &O::min_return_count, 1, 10'000},
+      {"min_target_count", &O::min_target_count, 1, 10'000},
       {"min_static_share", &O::min_static_share, 0, 1, "no Doppler is told of"},
       {"min_fit_share", &O::min_fit_share, 0, 1, "no radar is set aside"},
       {"min_fit_of_others", &O::min_fit_of_others, 1e-6, 1},
@@ -32,18 +33,19 @@ absl::Status Validate(const RadarMonitorOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-void RadarMonitor::OnScan(Stamp stamp, std::size_t index, std::size_t return_count,
+void RadarMonitor::OnScan(Stamp stamp, std::size_t index, std::size_t target_count,
                           std::size_t static_count) {
   Watched& radar = radars_[index];
-  if (static_cast<int>(return_count) >= options_.min_return_count) {
-    Average(static_cast<double>(static_count) / static_cast<double>(return_count),
+  if (static_cast<int>(target_count) >= options_.min_target_count) {
+    Average(static_cast<double>(static_count) / static_cast<double>(target_count),
             radar.static_share);
   }
   if (radar.last && stamp <= *radar.last) return;
   if (radar.last) {
     const double interval_s = WatchedSecondsOf(stamp - *radar.last);
     if (radar.usual_interval_s == 0.0) radar.usual_interval_s = interval_s;
-    Average(std::min(interval_s, 2.0 * radar.usual_interval_s), radar.usual_interval_s);
+    Average(std::min(interval_s, options_.max_interval_ratio * radar.usual_interval_s),
+            radar.usual_interval_s);
   }
   radar.last = stamp;
 }

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "core/odometry/source_fault.h"
 #include "core/options/option_fields.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 
@@ -18,10 +18,12 @@ struct RadarMonitorOptions {
   /// Silent for so many of its usual intervals, and for so long.
   double silent_intervals = 4.0;
   std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);
+  /// A longer interval counts as so many usual ones: lost scans do not make a radar a slow one.
+  double max_interval_ratio = 2.0;
   /// The weight of what its scans said before beside the newest.
   double memory = 0.9;
-  int min_return_count = 10;  ///< a scan of fewer says nothing of its Doppler
-  /// Its range rates contradict the motion if a smaller share of its returns stands still.
+  int min_target_count = 10;  ///< a scan of fewer says nothing of its Doppler
+  /// Its range rates contradict the motion if a smaller share of its targets stands still.
   double min_static_share = 0.1;
   /// Its targets do not lie in the map if they fit it by less than this share of how those of the
   /// other radars do, which fit it by so much at least. It needs two others.
@@ -38,8 +40,8 @@ class RadarMonitor {
   RadarMonitor(std::size_t radar_count, const RadarMonitorOptions& options)
       : options_(options), radars_(radar_count) {}
 
-  /// A scan of radar `index` at `stamp`: so many returns, of which so many stand still.
-  void OnScan(Stamp stamp, std::size_t index, std::size_t return_count, std::size_t static_count);
+  /// A scan of radar `index` at `stamp`: so many targets, of which so many stand still.
+  void OnScan(Stamp stamp, std::size_t index, std::size_t target_count, std::size_t static_count);
 
   /// Whether its stamps are those of another clock than the other radars'.
   void OnClock(std::size_t index, bool is_off) { radars_[index].clock_is_off = is_off; }

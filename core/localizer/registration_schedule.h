@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "core/options/option_fields.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 

@@ -5,8 +5,8 @@ namespace dcloc {
 std::span<const OptionField<ResetOptions>> FieldsOf(const ResetOptions& /*options*/) {
   using O = ResetOptions;
   static constexpr OptionField<O> kFields[] = {
-      {"min_jump_m", &O::min_jump_m, 0, 1e6, "every correction is a jump"},
-      {"min_jump_rad", &O::min_jump_rad, 0, 10, "every correction is a jump"},
+      {"min_reset_m", &O::min_reset_m, 0, 1e6, "every correction is a reset"},
+      {"min_reset_rad", &O::min_reset_rad, 0, 10, "every correction is a reset"},
   };
   return kFields;
 }
@@ -18,9 +18,9 @@ absl::Status Validate(const ResetOptions& options) {
 void ResetCounter::OnAnswer(const Pose3& T_map_vehicle) {
   if (expected_) {
     const Pose3 T_before_after = expected_->Inverse() * T_map_vehicle;
-    const Vector6d jump = Log(T_before_after);
-    if (T_before_after.translation_m.norm() > options_.min_jump_m ||
-        jump.tail<3>().norm() > options_.min_jump_rad) {
+    const Vector6d change = Log(T_before_after);
+    if (T_before_after.translation_m.norm() > options_.min_reset_m ||
+        change.tail<3>().norm() > options_.min_reset_rad) {
       ++resets_.count;
       resets_.T_before_after = T_before_after;
     }

@@ -10,15 +10,15 @@
 
 namespace dcloc {
 
-/// Which changes of the answered pose, beyond how the vehicle moved, count as jumps.
+/// Which changes of the answered pose, beyond how the vehicle moved, count as resets.
 struct ResetOptions {
-  double min_jump_m = 0.3;
-  double min_jump_rad = 0.02;
+  double min_reset_m = 0.3;
+  double min_reset_rad = 0.02;
 };
 std::span<const OptionField<ResetOptions>> FieldsOf(const ResetOptions& options);
 absl::Status Validate(const ResetOptions& options);
 
-/// Counts the jumps of the answered pose.
+/// Counts the resets of the answered pose.
 class ResetCounter {
  public:
   explicit ResetCounter(const ResetOptions& options) : options_(options) {}
@@ -28,7 +28,7 @@ class ResetCounter {
     if (expected_) expected_ = *expected_ * T_from_to;
   }
 
-  /// This is answered. The first pose is no jump.
+  /// This is answered. The first pose is no reset.
   void OnAnswer(const Pose3& T_map_vehicle);
 
   const PoseResets& resets() const { return resets_; }

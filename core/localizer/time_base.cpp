@@ -22,13 +22,13 @@ absl::Status Validate(const TimeBaseOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-absl::StatusOr<TimeBase::Placement> TimeBase::Place(Stamp stamp) {
-  Placement placement{.stamp = stamp + offset_};
+absl::StatusOr<TimeBase::ScanTime> TimeBase::Take(Stamp stamp) {
+  ScanTime time{.stamp = stamp + offset_};
   if (!newest_) {
     newest_ = stamp;
-    return placement;
+    return time;
   }
-  const std::chrono::nanoseconds lateness = *newest_ - placement.stamp;
+  const std::chrono::nanoseconds lateness = *newest_ - time.stamp;
   if (lateness > options_.max_lateness) {
     // In a new time stamps follow one another; scans that are merely late are scattered.
     const std::chrono::nanoseconds since_first = stamp - first_too_late_;
@@ -46,17 +46,17 @@ absl::StatusOr<TimeBase::Placement> TimeBase::Place(Stamp stamp) {
           stamp.time_since_epoch().count(), Milliseconds(lateness).count(),
           Milliseconds(options_.max_lateness).count()));
     }
-    placement.clock_was_set = true;
-    placement.stamp = *newest_ + options_.new_time_gap;
+    time.clock_was_set = true;
+    time.stamp = *newest_ + options_.new_time_gap;
   }
-  placement.stamp = std::min(placement.stamp, *newest_ + options_.max_silence);
-  placement.is_late = placement.stamp < *newest_;
-  if (!placement.is_late) {
-    newest_ = placement.stamp;
-    offset_ = placement.stamp - stamp;
+  time.stamp = std::min(time.stamp, *newest_ + options_.max_silence);
+  time.is_late = time.stamp < *newest_;
+  if (!time.is_late) {
+    newest_ = time.stamp;
+    offset_ = time.stamp - stamp;
   }
   too_late_in_a_row_ = 0;
-  return placement;
+  return time;
 }
 
 }  // namespace dcloc

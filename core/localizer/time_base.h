@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/options/option_fields.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 
@@ -32,19 +32,19 @@ class TimeBase {
  public:
   explicit TimeBase(const TimeBaseOptions& options = {}) : options_(options) {}
 
-  struct Placement {
-    Stamp stamp;           ///< in the time that does not jump
+  struct ScanTime {
+    Stamp stamp;           ///< in the time that does not go back
     bool is_late = false;  ///< before the newest scan, by at most `max_lateness`
     bool clock_was_set = false;
   };
-  /// Where a scan of this stamp belongs. InvalidArgument, with the stamp and the bound, for one
-  /// that comes too late, unless the clock is found to have been set.
-  absl::StatusOr<Placement> Place(Stamp stamp);
+  /// When a scan of this stamp was taken; time moves on to it. InvalidArgument, with the stamp and
+  /// the bound, for one that comes too late, unless the clock is found to have been set.
+  absl::StatusOr<ScanTime> Take(Stamp stamp);
 
-  /// A stamp of the vehicle's clock as it is set now, in the time that does not jump.
+  /// A stamp of the vehicle's clock as it is set now, in the time that does not go back.
   Stamp Convert(Stamp stamp) const { return stamp + offset_; }
 
-  /// The newest scan's, in the time that does not jump; the epoch before the first one.
+  /// The newest scan's, in the time that does not go back; the epoch before the first one.
   Stamp newest() const { return newest_.value_or(Stamp{}); }
 
  private:

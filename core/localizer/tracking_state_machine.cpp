@@ -12,6 +12,7 @@ std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& /*
       {"tracking_hold_ms", &O::tracking_hold, 0, 1e6, "the first refused registration ends it"},
       {"hold_intervals", &O::hold_intervals, 0, 100, "tracking_hold_ms alone decides"},
       {"max_usual_interval_ms", &O::max_usual_interval, 0, 1e5, "tracking_hold_ms alone decides"},
+      {"interval_memory", &O::interval_memory, 0, 0.999, "the newest interval counts alone"},
       {"agreements", &O::agreements, 1, 1000},
       {"tracking_sigma_m", &O::tracking_sigma_m, 0, 1000, "nothing is called tracking"},
       {"max_unobserved_ms", &O::max_unobserved, 0, 1e6, "tracking needs a way that is observed"},
@@ -36,13 +37,6 @@ absl::Status Validate(const TrackingOptions& options) {
   return status;
 }
 
-TrackingMode Next(TrackingMode mode, TrackingEvent event) {
-  for (const TrackingTransition& transition : kTrackingTransitions) {
-    if (transition.from == mode && transition.event == event) return transition.to;
-  }
-  return mode;
-}
-
 void TrackingStateMachine::OnPlaceFound() {
   const TrackingMode mode = Next(mode_, TrackingEvent::kPlaceFound);
   *this = TrackingStateMachine(options_);
@@ -52,28 +46,28 @@ void TrackingStateMachine::OnPlaceFound() {
 // A place that has been confirmed already is so by what was registered there.
 void TrackingStateMachine::OnVerified() {
   mode_ = Next(mode_, TrackingEvent::kVerified);
-  is_contradicted_ = false;
-  fixes_insist_ = false;
-  comes_from_unobserved_ = false;
+  agreement_ = Next(agreement_, ScanAgreementEvent::kFits);
+  verification_ = Next(verification_, VerificationEvent::kVerified);
   Confirm();
 }
 
 void TrackingStateMachine::OnFixesInsist() {
-  fixes_insist_ = true;
+  verification_ = Next(verification_, VerificationEvent::kFixesInsist);
   mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
 void TrackingStateMachine::OnScanFit(ScanFit fit) {
   if (fit == ScanFit::kUnknown) return;
-  is_contradicted_ = fit == ScanFit::kContradicts;
-  if (is_contradicted_) {
+  if (fit == ScanFit::kContradicts) {
+    agreement_ = Next(agreement_, ScanAgreementEvent::kDoesNotFit);
     agreed_in_a_row_ = 0;
-    accepted_since_doubt_ = false;
     mode_ = Next(mode_, TrackingEvent::kDoubted);
     return;
   }
+  agreement_ = Next(agreement_, ScanAgreementEvent::kFits);
   ++agreed_in_a_row_;
-  if (agreed_in_a_row_ >= options_.agreements && accepted_since_doubt_ && !must_be_verified()) {
+  if (agreed_in_a_row_ >= options_.agreements && agreement_ == ScanAgreement::kAgreeAndRegistered &&
+      verification_ == Verification::kNotNeeded) {
     mode_ = Next(mode_, TrackingEvent::kAgreed);
   }
 }
@@ -86,14 +80,13 @@ std::chrono::nanoseconds TrackingStateMachine::Hold() const {
 }
 
 void TrackingStateMachine::LearnInterval(Stamp stamp) {
-  constexpr double kMemory = 0.8;
   if (last_registration_) {
     const double interval_s = std::chrono::duration<double>(std::min(stamp - *last_registration_,
                                                                      options_.max_usual_interval))
                                   .count();
-    usual_interval_s_ = usual_interval_s_ > 0.0
-                            ? kMemory * usual_interval_s_ + (1.0 - kMemory) * interval_s
-                            : interval_s;
+    usual_interval_s_ = usual_interval_s_ > 0.0 ? options_.interval_memory * usual_interval_s_ +
+                                                      (1.0 - options_.interval_memory) * interval_s
+                                                : interval_s;
   }
   last_registration_ = stamp;
 }
@@ -103,7 +96,9 @@ void TrackingStateMachine::OnPrediction(Stamp stamp, double position_sigma_m) {
   const std::chrono::nanoseconds unconfirmed = stamp - *last_accepted_;
   const std::chrono::nanoseconds hold = Hold();
   if (unconfirmed > hold) mode_ = Next(mode_, TrackingEvent::kHoldExpired);
-  if (mode_ != TrackingMode::kDeadReckoning && mode_ != TrackingMode::kLost) return;
+  const bool is_carried = mode_ == TrackingMode::kDeadReckoning || mode_ == TrackingMode::kLost ||
+                          mode_ == TrackingMode::kContradicted;
+  if (!is_carried) return;
   if (unconfirmed > options_.lost_after + (hold - options_.tracking_hold)) Lose(stamp);
   if (!uncertain_since_ && position_sigma_m > options_.lost_sigma_m) {
     Lose(stamp);
@@ -113,23 +108,28 @@ void TrackingStateMachine::OnPrediction(Stamp stamp, double position_sigma_m) {
 
 // A vehicle that is lost must be confirmed from the beginning.
 void TrackingStateMachine::Lose(Stamp stamp) {
-  if (mode_ != TrackingMode::kLost && outliers_in_a_row_ >= options_.confirmations) {
-    contradicted_ =
+  TrackingEvent event = TrackingEvent::kLossExpired;
+  if (mode_ == TrackingMode::kDeadReckoning && outliers_in_a_row_ >= options_.confirmations) {
+    const bool again =
         last_lost_to_outliers_ && stamp - *last_lost_to_outliers_ <= options_.contradiction_span;
+    if (again) event = TrackingEvent::kContradicted;
     last_lost_to_outliers_ = stamp;
   }
-  mode_ = Next(mode_, TrackingEvent::kLossExpired);
+  mode_ = Next(mode_, event);
   accepted_in_a_row_ = 0;
 }
 
 void TrackingStateMachine::OnObservability(Stamp stamp, bool is_observed) {
-  if (is_observed != was_observed_) observability_changed_ = stamp;
-  was_observed_ = is_observed;
-  const std::chrono::nanoseconds unchanged = stamp - observability_changed_;
-  if (!is_observed && unchanged >= options_.max_unobserved) is_unobserved_ = true;
-  if (is_unobserved_ && is_observed && unchanged >= options_.min_observed) {
-    is_unobserved_ = false;
-    comes_from_unobserved_ = true;
+  const WayObservation before = way_;
+  way_ = Next(way_, is_observed ? WayEvent::kSeen : WayEvent::kUnseen);
+  if (way_ != before) way_changed_ = stamp;
+  const std::chrono::nanoseconds unchanged = stamp - way_changed_;
+  if (!is_observed && unchanged >= options_.max_unobserved) {
+    way_ = Next(way_, WayEvent::kUnseenForLong);
+  }
+  if (way_ == WayObservation::kReturning && unchanged >= options_.min_observed) {
+    way_ = Next(way_, WayEvent::kSeenForLong);
+    verification_ = Next(verification_, VerificationEvent::kWayReturns);
     mode_ = Next(mode_, TrackingEvent::kDoubted);
   }
 }
@@ -143,21 +143,23 @@ void TrackingStateMachine::OnRegistration(Stamp stamp, RegistrationOutcome outco
   }
   LearnInterval(stamp);
   // A registration that agrees with the estimate says little while the scans fit neither.
-  const bool confirms = accepted && !is_contradicted_;
+  const bool confirms = accepted && agreement_ != ScanAgreement::kDisagree;
   accepted_in_a_row_ = confirms ? accepted_in_a_row_ + 1 : 0;
   refused_in_a_row_ = accepted ? 0 : refused_in_a_row_ + 1;
   outliers_in_a_row_ = outcome == RegistrationOutcome::kOutlier ? outliers_in_a_row_ + 1 : 0;
-  if (accepted) last_accepted_ = stamp;
-  accepted_since_doubt_ = accepted_since_doubt_ || confirms;
+  if (accepted) {
+    last_accepted_ = stamp;
+    agreement_ = Next(agreement_, ScanAgreementEvent::kRegistrationAccepted);
+  }
   Confirm();
 }
 
 void TrackingStateMachine::Confirm() {
-  if (accepted_in_a_row_ < options_.confirmations || must_be_verified()) return;
+  const bool is_enough =
+      accepted_in_a_row_ >= options_.confirmations && verification_ == Verification::kNotNeeded;
+  if (!is_enough) return;
   mode_ = Next(mode_, TrackingEvent::kConfirmed);
-  if (mode_ != TrackingMode::kTracking) return;
-  uncertain_since_.reset();
-  contradicted_ = false;
+  if (mode_ == TrackingMode::kTracking) uncertain_since_.reset();
 }
 
 Loss TrackingStateMachine::GiveUpIfLost(Stamp stamp, double position_sigma_m) {
@@ -173,8 +175,9 @@ Loss TrackingStateMachine::FindLoss(Stamp stamp, double position_sigma_m) const 
                                                                      : Loss::kNone;
     case TrackingMode::kConfirmingPrior:
       return position_sigma_m > options_.max_prior_sigma_m ? Loss::kPriorTooWide : Loss::kNone;
+    case TrackingMode::kContradicted:
+      return Loss::kContradicted;
     case TrackingMode::kLost:
-      if (contradicted_) return Loss::kContradicted;
       return uncertain_since_ && stamp - *uncertain_since_ > options_.lost_hold ? Loss::kUncertain
                                                                                 : Loss::kNone;
     case TrackingMode::kSearching:
@@ -189,16 +192,20 @@ Loss TrackingStateMachine::FindLoss(Stamp stamp, double position_sigma_m) const 
 
 LocalizationState TrackingStateMachine::Report(double position_sigma_m) const {
   switch (mode_) {
-    case TrackingMode::kTracking:
+    case TrackingMode::kTracking: {
       // However well registrations agree across, a vehicle that does not know where along a tunnel
       // it is does not track.
-      return position_sigma_m > options_.tracking_sigma_m || is_unobserved_
+      const bool is_unobserved =
+          way_ == WayObservation::kNotObserved || way_ == WayObservation::kReturning;
+      return is_unobserved || position_sigma_m > options_.tracking_sigma_m
                  ? LocalizationState::kDeadReckoning
                  : LocalizationState::kTracking;
+    }
     case TrackingMode::kDoubting:
     case TrackingMode::kDeadReckoning:
       return LocalizationState::kDeadReckoning;
     case TrackingMode::kLost:
+    case TrackingMode::kContradicted:
     case TrackingMode::kRecovering:
       return LocalizationState::kLost;
     case TrackingMode::kSearching:

@@ -1,14 +1,14 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <optional>
 #include <span>
 
 #include "absl/status/status.h"
 #include "core/localizer/localization_state.h"
+#include "core/localizer/tracking_states.h"
 #include "core/options/option_fields.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 #include "core/uncertainty/map_fit_monitor.h"
 
 namespace dcloc {
@@ -23,6 +23,7 @@ struct TrackingOptions {
   std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
   double hold_intervals = 2.5;
   std::chrono::nanoseconds max_usual_interval = std::chrono::milliseconds(600);
+  double interval_memory = 0.8;  ///< the weight of older intervals in the usual one
   /// Scans in a row that fit the map as they should end a doubt.
   int agreements = 3;
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
@@ -45,62 +46,6 @@ struct TrackingOptions {
 };
 std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& options);
 absl::Status Validate(const TrackingOptions& options);
-
-enum class TrackingMode {
-  kSearching,        ///< no pose: global localization from nothing or from a vague prior
-  kConfirmingPrior,  ///< a pose from a prior that no registration has confirmed yet
-  kConfirmingPlace,  ///< a pose from global localization that must be confirmed
-  kTracking,
-  kDoubting,       ///< a pose that was confirmed, but scans or fixes now contradict it
-  kDeadReckoning,  ///< a pose carried by ego-motion, confirmed a moment ago
-  kLost,           ///< a pose carried by ego-motion, for too long or too uncertain
-  kRecovering,     ///< the pose was given up: global localization, nearby first
-};
-
-enum class TrackingEvent {
-  kPriorGiven,   ///< a prior that registrations can start from
-  kPlaceFound,   ///< by global localization
-  kVerified,     ///< global localization finds no better place than the supposed one
-  kDoubted,      ///< a scan does not fit the map where it should, or fixes lie elsewhere
-  kAgreed,       ///< `agreements` scans in a row do, and a registration was accepted meanwhile
-  kConfirmed,    ///< `confirmations` accepted registrations in a row, where that is enough
-  kHoldExpired,  ///< none accepted for `tracking_hold`
-  kLossExpired,  ///< none accepted for `lost_after`, or less certain than `lost_sigma_m`
-  kGivenUp,      ///< see Loss
-};
-
-/// One arrow of the machine. Events without an arrow from a mode leave it as it is.
-struct TrackingTransition {
-  TrackingMode from;
-  TrackingEvent event;
-  TrackingMode to;
-};
-
-inline constexpr std::array<TrackingTransition, 20> kTrackingTransitions = {{
-    {TrackingMode::kSearching, TrackingEvent::kPriorGiven, TrackingMode::kConfirmingPrior},
-    {TrackingMode::kSearching, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
-    {TrackingMode::kRecovering, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
-    {TrackingMode::kConfirmingPrior, TrackingEvent::kVerified, TrackingMode::kConfirmingPlace},
-    {TrackingMode::kConfirmingPrior, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
-    {TrackingMode::kConfirmingPrior, TrackingEvent::kGivenUp, TrackingMode::kSearching},
-    {TrackingMode::kConfirmingPlace, TrackingEvent::kConfirmed, TrackingMode::kTracking},
-    {TrackingMode::kConfirmingPlace, TrackingEvent::kGivenUp, TrackingMode::kSearching},
-    {TrackingMode::kTracking, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
-    {TrackingMode::kTracking, TrackingEvent::kDoubted, TrackingMode::kDoubting},
-    {TrackingMode::kDoubting, TrackingEvent::kAgreed, TrackingMode::kTracking},
-    {TrackingMode::kDoubting, TrackingEvent::kVerified, TrackingMode::kTracking},
-    {TrackingMode::kDoubting, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
-    {TrackingMode::kDoubting, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
-    {TrackingMode::kDeadReckoning, TrackingEvent::kConfirmed, TrackingMode::kTracking},
-    {TrackingMode::kDeadReckoning, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
-    {TrackingMode::kDeadReckoning, TrackingEvent::kLossExpired, TrackingMode::kLost},
-    {TrackingMode::kLost, TrackingEvent::kConfirmed, TrackingMode::kTracking},
-    {TrackingMode::kLost, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
-    {TrackingMode::kLost, TrackingEvent::kGivenUp, TrackingMode::kRecovering},
-}};
-
-/// Where `event` leads from `mode`.
-TrackingMode Next(TrackingMode mode, TrackingEvent event);
 
 /// What came of a registration: no pose fits the map, the one that fits is an outlier against the
 /// estimate, or it is accepted.
@@ -129,7 +74,7 @@ class TrackingStateMachine {
     return mode_ != TrackingMode::kSearching && mode_ != TrackingMode::kRecovering;
   }
 
-  /// Starts from a prior; only while searching.
+  /// Starts from a prior; only in kSearching.
   void OnPrior() { mode_ = Next(mode_, TrackingEvent::kPriorGiven); }
 
   /// Whether the pose that there is must be held against other places.
@@ -148,7 +93,7 @@ class TrackingStateMachine {
   /// Fixes say that the vehicle is elsewhere: until they agree again, or the pose is verified, it
   /// does not matter that scans fit.
   void OnFixesInsist();
-  void OnFixAgrees() { fixes_insist_ = false; }
+  void OnFixAgrees() { verification_ = Next(verification_, VerificationEvent::kFixAgrees); }
 
   /// Takes in how the newest scan fits the map.
   void OnScanFit(ScanFit fit);
@@ -177,28 +122,22 @@ class TrackingStateMachine {
   void Confirm();
   std::chrono::nanoseconds Hold() const;
   void LearnInterval(Stamp stamp);
-  /// Nothing but OnVerified, or another place, leads to tracking.
-  bool must_be_verified() const { return fixes_insist_ || comes_from_unobserved_; }
 
   TrackingOptions options_;
   TrackingMode mode_ = TrackingMode::kSearching;
+  ScanAgreement agreement_ = ScanAgreement::kAgree;
+  Verification verification_ = Verification::kNotNeeded;
+  WayObservation way_ = WayObservation::kObserved;
+  Stamp way_changed_{};  // when registrations began to observe the way, or not to
   int accepted_in_a_row_ = 0;
   int refused_in_a_row_ = 0;
   int outliers_in_a_row_ = 0;
-  int agreed_in_a_row_ = 0;       // scans, since the last one that contradicted
-  bool is_contradicted_ = false;  // by the newest scan whose fit is known
-  bool accepted_since_doubt_ = false;
-  bool fixes_insist_ = false;           // that the vehicle is elsewhere
-  bool comes_from_unobserved_ = false;  // ground, and has not been verified since
+  int agreed_in_a_row_ = 0;  // scans, since the last one that contradicted
   std::optional<Stamp> last_registration_;
   double usual_interval_s_ = 0.0;
   std::optional<Stamp> last_accepted_;
-  bool was_observed_ = true;       // the way, by the newest registration
-  Stamp observability_changed_{};  // when that was not so last
-  bool is_unobserved_ = false;  // for `max_unobserved`, and not observed for `min_observed` since
   std::optional<Stamp> uncertain_since_;  // while lost: less certain than lost_sigma_m
   std::optional<Stamp> last_lost_to_outliers_;
-  bool contradicted_ = false;
 };
 
 }  // namespace dcloc

@@ -8,7 +8,7 @@
 
 #include "core/geometry/gaussian_point.h"
 #include "core/geometry/pose_estimate.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 

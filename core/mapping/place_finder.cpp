@@ -61,7 +61,7 @@ std::span<const OptionField<PlaceFinderOptions>> FieldsOf(const PlaceFinderOptio
       {"query_spacing_m", &O::query_spacing_m, 1, 10'000},
       {"view_half_count", &O::view_half_count, 0, 20, "a view is one node"},
       {"search_point_count", &O::search_point_count, 10, 10'000},
-      {"hypotheses", &O::hypotheses, 1, 100},
+      {"candidate_count", &O::candidate_count, 1, 100},
       {"guess_sigma_m", &O::guess_sigma_m, 0.01, 10},
       {"guess_sigma_rad", &O::guess_sigma_rad, 1e-4, 1},
       {"min_agreeing_count", &O::min_agreeing_count, 2, 100},
@@ -113,10 +113,10 @@ absl::StatusOr<PlaceFinding> PlaceFinder::Find(const SurveyGraph& graph, std::si
     const std::vector<GaussianPoint<2>> view = graph.ViewOf(node, options_.view_half_count);
     if (view.empty()) continue;
     ++finding.query_count;
-    PlaceSearch search(*map, PositionsOf<2>(Subsample<2>(view, options_.search_point_count)),
-                       {.max_count = options_.hypotheses});
+    PlaceSearch search(*map, PositionsOf<2>(EvenSubsample<2>(view, options_.search_point_count)),
+                       {.max_count = options_.candidate_count});
     while (!search.done()) search.SearchOn();
-    for (const PlaceHypothesis& place : search.Best()) {
+    for (const PlaceCandidate& place : search.Best()) {
       const auto match = loops_.Register(graph, nodes[place.keyframe], node,
                                          {.T_target_live = place.T_keyframe_vehicle,
                                           .sigma_m = options_.guess_sigma_m,

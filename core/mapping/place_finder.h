@@ -20,7 +20,7 @@ struct PlaceFinderOptions {
   double query_spacing_m = 40.0;    ///< way between the views that are searched for
   std::size_t view_half_count = 2;  ///< nodes before and after that take part in a view
   int search_point_count = 300;
-  int hypotheses = 4;           ///< of each view that are registered
+  int candidate_count = 4;      ///< of each view that are registered
   double guess_sigma_m = 0.45;  ///< of a place that the search finds
   double guess_sigma_rad = 0.02;
   RegistrationGate gate = {.min_inlier_count = 120, .min_overlap = 0.45};

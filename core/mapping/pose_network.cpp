@@ -36,24 +36,24 @@ double SquaredDistance(const NetworkFix& fix, std::span<const Pose2> T_map_nodes
 // What may be wrong: its weight in the surrogate cost of truncated least squares.
 class Doubted {
  public:
-  explicit Doubted(double max_distance) : max_distance_(max_distance) {}
+  explicit Doubted(double max_squared_distance) : max_squared_distance_(max_squared_distance) {}
 
   // Of a measurement at a squared distance, for the control parameter mu.
-  double Weight(double distance, double mu) const {
-    const double ratio = distance / max_distance_;
+  double Weight(double squared_distance, double mu) const {
+    const double ratio = squared_distance / max_squared_distance_;
     if (ratio <= mu / (mu + 1.0)) return 1.0;
     if (ratio >= (mu + 1.0) / mu) return 0.0;
     return std::sqrt(mu * (mu + 1.0) / ratio) - mu;
   }
 
   // At which the surrogate is convex for a measurement at that distance.
-  double ConvexMu(double distance) const {
-    const double excess = 2.0 * distance / max_distance_ - 1.0;
+  double ConvexMu(double squared_distance) const {
+    const double excess = 2.0 * squared_distance / max_squared_distance_ - 1.0;
     return excess <= 0.0 ? 1e6 : 1.0 / excess;
   }
 
  private:
-  double max_distance_;
+  double max_squared_distance_;
 };
 
 // The first node of each part of the network that has no fix.
@@ -162,8 +162,8 @@ double Reweigh(std::span<const Measurement> measurements, const WeightOf& weight
 std::span<const OptionField<PoseNetworkOptions>> FieldsOf(const PoseNetworkOptions& /*options*/) {
   using O = PoseNetworkOptions;
   static constexpr OptionField<O> kFields[] = {
-      {"max_edge_distance", &O::max_edge_distance, 0.1, 1e6},
-      {"max_fix_distance", &O::max_fix_distance, 0.1, 1e6},
+      {"max_squared_edge_distance", &O::max_squared_edge_distance, 0.1, 1e6},
+      {"max_squared_fix_distance", &O::max_squared_fix_distance, 0.1, 1e6},
       {"growth", &O::growth, 1.05, 10},
       {"max_round_count", &O::max_round_count, 1, 1000},
       {"max_iterations", &O::max_iterations, 1, 1000},
@@ -206,8 +206,8 @@ absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::vector<Pose2> T_map_nodes,
   NetworkSolution solution{.T_map_nodes = {},
                            .edge_weights = std::vector<double>(edges.size(), 1.0),
                            .fix_weights = std::vector<double>(fixes.size(), 1.0)};
-  const Doubted edge_doubt(options.max_edge_distance);
-  const Doubted fix_doubt(options.max_fix_distance);
+  const Doubted edge_doubt(options.max_squared_edge_distance);
+  const Doubted fix_doubt(options.max_squared_fix_distance);
   Network network(std::move(T_map_nodes), edges, fixes, options);
   if (absl::Status status = network.Solve(solution.edge_weights, solution.fix_weights);
       !status.ok()) {

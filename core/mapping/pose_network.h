@@ -33,8 +33,8 @@ struct NetworkFix {
 struct PoseNetworkOptions {
   /// An uncertain edge with a squared Mahalanobis distance beyond this is left out: the chi-square
   /// quantile of 99.9 % with 3 degrees of freedom, and with 2 for fixes.
-  double max_edge_distance = 16.27;
-  double max_fix_distance = 13.82;
+  double max_squared_edge_distance = 16.27;
+  double max_squared_fix_distance = 13.82;
   /// In each round of graduated non-convexity the surrogate cost's control parameter grows by this.
   double growth = 2.0;
   int max_round_count = 40;

@@ -19,7 +19,7 @@ std::span<const OptionField<SubmapMatcherOptions>> FieldsOf(
       {"shared_sigma_rad", &O::shared_sigma_rad, 1e-5, 1},
       {"search_sigma_m", &O::search_sigma_m, 0, 100, "every guess is searched around"},
       {"search_sigmas", &O::search_sigmas, 0.5, 10},
-      {"hypotheses", &O::hypotheses, 1, 100},
+      {"candidate_count", &O::candidate_count, 1, 100},
       {"search_point_count", &O::search_point_count, 10, 10'000},
       {"max_search_cell_m", &O::max_search_cell_m, 0.1, 5},
       {"min_search_cell_m", &O::min_search_cell_m, 0.1, 5},
@@ -74,16 +74,16 @@ std::vector<Pose2> SubmapMatcher::Starts(std::span<const GaussianPoint<2>> live,
   start_sigma_m = cell_m;
   const LikelihoodField field(target, cell_m);
   const std::vector<Eigen::Vector2f> points =
-      PositionsOf<2>(Subsample<2>(live, options_.search_point_count));
+      PositionsOf<2>(EvenSubsample<2>(live, options_.search_point_count));
   const double reach_rad = std::min(options_.search_sigmas * guess.sigma_rad, 3.1);
   std::vector<Pose2> starts;
-  for (const PoseHypothesis& hypothesis :
+  for (const PoseCandidate& candidate :
        CorrelativeSearch(points, field,
                          {.centre_local_vehicle = guess.T_target_live,
                          .translation_m = reach_m,
                          .rotation_rad = reach_rad},
-                         options_.hypotheses)) {
-    starts.push_back(hypothesis.T_local_vehicle);
+                         options_.candidate_count)) {
+    starts.push_back(candidate.T_local_vehicle);
   }
   return starts;
 }

@@ -21,7 +21,7 @@ struct SubmapMatcherOptions {
   /// Around a guess less certain than this, a correlative search precedes the registration.
   double search_sigma_m = 0.5;
   double search_sigmas = 3.0;  ///< how far it reaches
-  int hypotheses = 4;          ///< of its results that are registered
+  int candidate_count = 4;     ///< of its results that are registered
   int search_point_count = 250;
   /// Its cells, at most: in a small window they are a thirtieth of its width.
   double max_search_cell_m = 1.0;

@@ -220,7 +220,7 @@ SurveyLoop Describe(const NetworkEdge& loop, const SurveyGraph& graph,
           .drive_to = track_of[to.drive],
           .node_to = to.index,
           .T_from_to = loop.T_from_to.pose,
-          .distance = SquaredDistance(loop, graph.T_map_nodes),
+          .squared_distance = SquaredDistance(loop, graph.T_map_nodes),
           .is_accepted = is_accepted};
 }
 

@@ -55,8 +55,8 @@ struct SurveyedDrive {
 struct SurveyLoop {
   std::size_t drive_from = 0, node_from = 0;
   std::size_t drive_to = 0, node_to = 0;
-  Pose2 T_from_to;        ///< as registered
-  double distance = 0.0;  ///< squared Mahalanobis distance from the solution
+  Pose2 T_from_to;                ///< as registered
+  double squared_distance = 0.0;  ///< Mahalanobis, from the solution
   bool is_accepted = false;
 };
 

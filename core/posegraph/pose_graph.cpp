@@ -40,10 +40,10 @@ std::span<const OptionField<PoseGraphOptions>> FieldsOf(const PoseGraphOptions& 
   using O = PoseGraphOptions;
   static constexpr OptionField<O> kFields[] = {
       {"window", &O::window, 1, 1000},
-      {"max_distance_planar", &O::max_distance_planar, 1e-6, 1e6},
-      {"max_distance_spatial", &O::max_distance_spatial, 1e-6, 1e6},
+      {"max_squared_distance_planar", &O::max_squared_distance_planar, 1e-6, 1e6},
+      {"max_squared_distance_spatial", &O::max_squared_distance_spatial, 1e-6, 1e6},
       {"takeover_support", &O::takeover_support, 2, 1'000'000},
-      {"near_distance", &O::near_distance, 0, 1e6, "no outlier is near"},
+      {"near_squared_distance", &O::near_squared_distance, 0, 1e6, "no outlier is near"},
       {"near_takeover_support", &O::near_takeover_support, 2, 1'000'000},
   };
   return kFields;
@@ -85,10 +85,11 @@ EdgeTest PoseGraph<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) 
   const Tangent<Dim> apart = Log(newest.pose.Inverse() * factor.pose);
   const TangentMatrix<Dim> spread = factor.covariance + newest.covariance;
   EdgeTest test;
-  test.distance = apart.dot(spread.ldlt().solve(apart));  // METHOD eq 19, 28
-  const double limit = Dim == 2 ? options_.max_distance_planar : options_.max_distance_spatial;
+  test.squared_distance = apart.dot(spread.ldlt().solve(apart));  // METHOD eq 19, 28
+  const double limit =
+      Dim == 2 ? options_.max_squared_distance_planar : options_.max_squared_distance_spatial;
   // Written so that a distance that is not a number fails.
-  test.valid = !options_.gate_outliers || test.distance <= limit;
+  test.valid = !options_.gate_outliers || test.squared_distance <= limit;
   if (test.valid) {
     newest.absolute = {.pose = factor.pose, .covariance = factor.reused_covariance};
     const TangentMatrix<Dim> gain = Gain<Dim>(newest.covariance, factor.reused_covariance);

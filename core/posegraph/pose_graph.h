@@ -32,13 +32,13 @@ struct PoseGraphOptions {
   /// Factors that fail the chi-square test against the fused state are left out (METHOD 7).
   bool gate_outliers = true;
   /// 95 % quantiles of the chi-square distribution with 3 and 6 degrees of freedom.
-  double max_distance_planar = 7.815;
-  double max_distance_spatial = 12.592;
+  double max_squared_distance_planar = 7.815;
+  double max_squared_distance_spatial = 12.592;
   /// Factors left out in a row that agree among themselves and so replace the accepted chain, >= 2.
   int takeover_support = 25;
   /// Where the first of them lay within this squared Mahalanobis distance, no more than so many:
   /// an estimate that is off by little is off, and not misled.
-  double near_distance = 50.0;
+  double near_squared_distance = 50.0;
   int near_takeover_support = 5;
 };
 std::span<const OptionField<PoseGraphOptions>> FieldsOf(const PoseGraphOptions& options);
@@ -46,7 +46,7 @@ absl::Status Validate(const PoseGraphOptions& options);
 
 /// What the test of an absolute pose factor gave (METHOD eq 19, on the fused state).
 struct EdgeTest {
-  double distance = 0.0;  ///< squared Mahalanobis distance to the predicted state
+  double squared_distance = 0.0;  ///< Mahalanobis, to the predicted state
   bool valid = false;
 };
 

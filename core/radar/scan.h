@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <chrono>
 #include <cstddef>
 #include <optional>
@@ -8,20 +7,10 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/geometry/pose.h"
+#include "core/radar/ego_velocity.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
-
-/// Time of a measurement, nanoseconds since the Unix epoch on the vehicle's clock.
-using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
-
-/// Velocity of the vehicle frame's origin and its turn rate, both in the vehicle frame.
-struct EgoVelocity {
-  Eigen::Vector3d linear_mps = Eigen::Vector3d::Zero();
-  Eigen::Vector3d angular_radps = Eigen::Vector3d::Zero();
-  /// Of (linear, angular); absent when the source does not know it.
-  std::optional<Matrix6d> covariance;
-};
 
 /// One radar scan: columns of equal length, one row a target, in the radar's own polar frame
 /// (x forward, y left, z up; azimuth counter-clockwise from x, elevation up from the xy plane).

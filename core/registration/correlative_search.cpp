@@ -88,9 +88,9 @@ struct Entry {
 
 }  // namespace
 
-std::vector<PoseHypothesis> CorrelativeSearch(std::span<const Eigen::Vector2f> points,  // METHOD 5
-                                              const LikelihoodField& field,
-                                              const SearchWindow& window, int max_count) {
+std::vector<PoseCandidate> CorrelativeSearch(std::span<const Eigen::Vector2f> points,  // METHOD 5
+                                             const LikelihoodField& field,
+                                             const SearchWindow& window, int max_count) {
   if (points.empty() || field.empty() || max_count <= 0) return {};
   const double step_m = field.cell_m();
   const double step_rad = 2.0 * step_m / std::max(10.0, MedianRange(points));
@@ -114,17 +114,17 @@ std::vector<PoseHypothesis> CorrelativeSearch(std::span<const Eigen::Vector2f> p
   // Only the best few are asked for: a heap gives them without sorting the rest.
   std::make_heap(entries.begin(), entries.end());
   const int side = 2 * shifts + 1;
-  std::vector<PoseHypothesis> best;
+  std::vector<PoseCandidate> best;
   while (!entries.empty() && best.size() < static_cast<std::size_t>(max_count)) {
     std::pop_heap(entries.begin(), entries.end());
     const auto number = static_cast<int>(entries.back().number);
-    PoseHypothesis candidate{
+    PoseCandidate candidate{
         .T_local_vehicle = turned(number / (side * side) - turns),
         .score = entries.back().sum / (255.0 * static_cast<double>(points.size()))};
     entries.pop_back();
     candidate.T_local_vehicle.translation_m +=
         step_m * Eigen::Vector2d(number % side - shifts, number / side % side - shifts);
-    const bool seen = std::any_of(best.begin(), best.end(), [&](const PoseHypothesis& kept) {
+    const bool seen = std::any_of(best.begin(), best.end(), [&](const PoseCandidate& kept) {
       const Pose2 apart = kept.T_local_vehicle.Inverse() * candidate.T_local_vehicle;
       return apart.translation_m.norm() < 4.0 * step_m && std::abs(apart.yaw_rad) < 4.0 * step_rad;
     });

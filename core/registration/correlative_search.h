@@ -17,7 +17,7 @@ struct SearchWindow {
 };
 
 /// One candidate pose with its likelihood score, [0, 1].
-struct PoseHypothesis {
+struct PoseCandidate {
   Pose2 T_local_vehicle;
   double score = 0.0;
 };
@@ -26,8 +26,8 @@ struct PoseHypothesis {
 /// four grid steps of one another in position and in angle (METHOD 5: correlative search).
 /// Exhaustive; the step is one grid cell, and the angle that moves the farthest points by about two
 /// cells.
-std::vector<PoseHypothesis> CorrelativeSearch(std::span<const Eigen::Vector2f> points,
-                                              const LikelihoodField& field,
-                                              const SearchWindow& window, int max_count);
+std::vector<PoseCandidate> CorrelativeSearch(std::span<const Eigen::Vector2f> points,
+                                             const LikelihoodField& field,
+                                             const SearchWindow& window, int max_count);
 
 }  // namespace dcloc

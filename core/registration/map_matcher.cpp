@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/geometry/pose_estimate.h"
+#include "core/geometry/thinning.h"
 #include "core/registration/radial_statistics.h"
 #include "core/registration/rigid_ransac.h"
 
@@ -17,17 +18,18 @@ constexpr std::size_t kLandmarksPerSearchPoint = 4;
 // Two neighbours of each descriptor give RANSAC more right pairs to choose from than one.
 constexpr int kDescriptorNeighbours = 2;
 
+// xy of each n-th point, at most `max_count`.
 template <typename Point>
-std::vector<Eigen::Vector2f> Thinned(std::span<const Point> points, std::size_t max_count) {
-  const std::size_t stride = std::max<std::size_t>(1, (points.size() + max_count - 1) / max_count);
-  std::vector<Eigen::Vector2f> thinned;
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    thinned.push_back(points[i].mean_m.template head<2>().template cast<float>());
+std::vector<Eigen::Vector2f> EveryNth(std::span<const Point> points, std::size_t max_count) {
+  const std::size_t step = StepToKeep(max_count, points.size());
+  std::vector<Eigen::Vector2f> chosen;
+  for (std::size_t i = 0; i < points.size(); i += step) {
+    chosen.push_back(points[i].mean_m.template head<2>().template cast<float>());
   }
-  return thinned;
+  return chosen;
 }
 
-// A planar hypothesis with the rest of the predicted pose.
+// A planar candidate with the rest of the predicted pose.
 template <int Dim>
 Pose<Dim> Lift(const Pose2& planar, const Pose<Dim>& predicted) {
   if constexpr (Dim == 2) {
@@ -114,10 +116,11 @@ std::span<const OptionField<MapMatcherOptions>> FieldsOf(const MapMatcherOptions
       {"local_map_radius_m", &O::local_map_radius_m, 10, 1000},
       {"search_sigma_m", &O::search_sigma_m, 0, 100, "every prediction is searched around"},
       {"search_sigma_rad", &O::search_sigma_rad, 0, 10, "every prediction is searched around"},
-      {"hypotheses", &O::hypotheses, 0, 1000, "the initial guess alone is tried"},
+      {"candidate_count", &O::candidate_count, 0, 1000, "the initial guess alone is tried"},
       {"wide_sigma_m", &O::wide_sigma_m, 0, 100,
        "every prediction that is searched around is wide"},
-      {"wide_hypotheses", &O::wide_hypotheses, 0, 1000, "the initial guess alone is tried"},
+      {"wide_candidate_count", &O::wide_candidate_count, 0, 1000,
+       "the initial guess alone is tried"},
       {"wide_min_overlap", &O::wide_min_overlap, 0, 1, "any overlap is enough"},
       {"wide_min_lead", &O::wide_min_lead, 0, 1000, "the best one needs no lead"},
       {"search_point_count", &O::search_point_count, 10, 100'000},
@@ -174,9 +177,9 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::Search(std::span<const Gaussia
                                                          bool wide, std::uint64_t seed,
                                                          RegistrationWorkspace<Dim>& workspace) {
   std::vector<Registration<Dim>> found = {Refine(live, predicted.pose, 0.0, workspace)};
-  const int count = wide ? options_.wide_hypotheses : options_.hypotheses;
-  for (const Pose2& hypothesis : Hypotheses(live, predicted, count, seed)) {
-    found.push_back(Refine(live, Lift<Dim>(hypothesis, predicted.pose),
+  const int count = wide ? options_.wide_candidate_count : options_.candidate_count;
+  for (const Pose2& candidate : Candidates(live, predicted, count, seed)) {
+    found.push_back(Refine(live, Lift<Dim>(candidate, predicted.pose),
                            options_.search_guess_sigma_m, workspace));
   }
   const Registration<Dim> best = *std::ranges::max_element(
@@ -193,15 +196,15 @@ std::optional<Registration<Dim>> MapMatcher<Dim>::Search(std::span<const Gaussia
 }
 
 template <int Dim>
-std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim>> live,
+std::vector<Pose2> MapMatcher<Dim>::Candidates(std::span<const GaussianPoint<Dim>> live,
                                                const PoseEstimate<Dim>& predicted, int count,
                                                std::uint64_t seed) {
   if (!search_) {
     search_.emplace();
     search_->field = LikelihoodField(local_map_, options_.search_cell_m);
     search_->landmarks =
-        Thinned(local_map_.points(),
-                kLandmarksPerSearchPoint * static_cast<std::size_t>(options_.search_point_count));
+        EveryNth(local_map_.points(),
+                 kLandmarksPerSearchPoint * static_cast<std::size_t>(options_.search_point_count));
     search_->descriptors = RadialStatistics(search_->landmarks);
   }
   const SearchWindow window{
@@ -212,17 +215,17 @@ std::vector<Pose2> MapMatcher<Dim>::Hypotheses(std::span<const GaussianPoint<Dim
       .rotation_rad = std::min(options_.max_search_rad,
                                options_.search_sigmas * YawSigma<Dim>(predicted.covariance))};
   const std::vector<Eigen::Vector2f> points =
-      Thinned(live, static_cast<std::size_t>(options_.search_point_count));
-  std::vector<Pose2> hypotheses;
-  for (const PoseHypothesis& found : CorrelativeSearch(points, search_->field, window, count)) {
-    hypotheses.push_back(found.T_local_vehicle);
+      EveryNth(live, static_cast<std::size_t>(options_.search_point_count));
+  std::vector<Pose2> candidates;
+  for (const PoseCandidate& found : CorrelativeSearch(points, search_->field, window, count)) {
+    candidates.push_back(found.T_local_vehicle);
   }
   const std::vector<IndexPair> pairs =
       MutualNearest(search_->descriptors, RadialStatistics(points), kDescriptorNeighbours);
   if (const auto match = MatchRigid(search_->landmarks, points, pairs, seed)) {
-    hypotheses.push_back(match->T_a_b);
+    candidates.push_back(match->T_a_b);
   }
-  return hypotheses;
+  return candidates;
 }
 
 template <int Dim>

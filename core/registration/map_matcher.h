@@ -41,14 +41,14 @@ struct MapMatcherOptions {
   /// Around predictions less certain than this, a correlative search precedes the registration.
   double search_sigma_m = 0.4;
   double search_sigma_rad = 0.03;
-  int hypotheses = 4;
+  int candidate_count = 4;
   /// For predictions less certain than `wide_sigma_m`, several places may look alike. Then
-  /// `wide_hypotheses` places are registered. The best is accepted only if it has
+  /// `wide_candidate_count` places are registered. The best is accepted only if it has
   /// `wide_min_overlap`, if its log-posterior leads that of every other place by `wide_min_lead`,
   /// and if no other place fits the scans better. A place found by a search with less overlap than
   /// that must also lead so, whatever the prediction.
   double wide_sigma_m = 1.8;
-  int wide_hypotheses = 10;
+  int wide_candidate_count = 10;
   double wide_min_overlap = 0.3;
   double wide_min_lead = 2.5;
   /// A search scores `search_point_count` points at every pose, on cells of `search_cell_m`. It
@@ -122,7 +122,7 @@ class MapMatcher {
                                           const PoseEstimate<Dim>& predicted, bool wide,
                                           std::uint64_t seed,
                                           RegistrationWorkspace<Dim>& workspace);
-  std::vector<Pose2> Hypotheses(std::span<const GaussianPoint<Dim>> live,
+  std::vector<Pose2> Candidates(std::span<const GaussianPoint<Dim>> live,
                                 const PoseEstimate<Dim>& predicted, int count, std::uint64_t seed);
   CorrespondenceGates Gates() const;
   Registration<Dim> Refine(std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& start,

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "core/geometry/pose.h"
-#include "core/radar/scan.h"
+#include "core/radar/ego_velocity.h"
 
 namespace dcloc {
 

@@ -64,8 +64,8 @@ void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Di
     views_.erase(views_.begin());
     for (Candidate& candidate : candidates_) candidate.fits.erase(candidate.fits.begin());
   }
-  views_.push_back({.fine_points = Subsample(live, options_.fine_point_count),
-                    .coarse_points = Subsample(live, options_.coarse_point_count),
+  views_.push_back({.fine_points = EvenSubsample(live, options_.fine_point_count),
+                    .coarse_points = EvenSubsample(live, options_.coarse_point_count),
                     .motion = std::exchange(since_view_, {}),
                     .way_m = std::exchange(way_since_view_m_, 0.0)});
   for (Candidate& candidate : candidates_) candidate.fits.emplace_back();
@@ -160,7 +160,7 @@ void GlobalLocalizer<Dim>::EndSearch() {
 }
 
 template <int Dim>
-void GlobalLocalizer<Dim>::FitCoarsely(const PlaceHypothesis& place,
+void GlobalLocalizer<Dim>::FitCoarsely(const PlaceCandidate& place,
                                        RegistrationWorkspace<Dim>& workspace) {
   const Pose3 T_map_vehicle =
       map_->keyframe(place.keyframe).T_map_keyframe * Embed(place.T_keyframe_vehicle);

@@ -103,7 +103,7 @@ class GlobalLocalizer {
   void DoNextPiece(RegistrationWorkspace<Dim>& workspace);
   void EndSearch();
   bool FillNextFit(RegistrationWorkspace<Dim>& workspace);
-  void FitCoarsely(const PlaceHypothesis& place, RegistrationWorkspace<Dim>& workspace);
+  void FitCoarsely(const PlaceCandidate& place, RegistrationWorkspace<Dim>& workspace);
   void KeepPromisingFits();
   void FitFinely(const CoarseFit& fit, RegistrationWorkspace<Dim>& workspace);
   void DropUnlikelyNewCandidates();
@@ -140,7 +140,7 @@ class GlobalLocalizer {
   double way_since_view_m_ = 0.0;       // likewise
   std::optional<PlaceSearch> search_;
   double cell_m_ = 1.0;                  // of the last search
-  std::vector<PlaceHypothesis> places_;  // left to be fitted coarsely, the best last
+  std::vector<PlaceCandidate> places_;   // left to be fitted coarsely, the best last
   std::vector<CoarseFit> coarse_fits_;   // left to be fitted finely, likewise
   std::vector<Candidate> candidates_;    // most likely first once all is done
   std::optional<Supposition> supposed_;  // at the newest view

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/geometry/thinning.h"
 #include "core/registration/likelihood_field.h"
 
 namespace dcloc {
@@ -26,9 +27,9 @@ static_assert(kAtOnce * kMostLikely <= 255);
 static_assert(kMaxPoints * kMostLikely <= 32767);
 constexpr std::size_t kMaxCandidates = 2000;  // before they are thinned to the best
 
-// One point a cell, as the returns of one scatterer in several scans say one thing, and of those an
-// even choice.
-std::vector<Eigen::Vector2f> Thinned(std::span<const Eigen::Vector2f> points, double cell_m) {
+// One point a cell, as the detections of one scatterer in several scans say one thing, and of those
+// each n-th.
+std::vector<Eigen::Vector2f> OnePerCell(std::span<const Eigen::Vector2f> points, double cell_m) {
   struct Placed {
     int x, y;
     std::size_t index;
@@ -45,13 +46,11 @@ std::vector<Eigen::Vector2f> Thinned(std::span<const Eigen::Vector2f> points, do
                   [](const Placed& a, const Placed& b) { return a.x == b.x && a.y == b.y; });
   placed.erase(doubles, placed.end());
   std::ranges::sort(placed, {}, &Placed::index);
-  const std::size_t stride =
-      std::max<std::size_t>(1, (placed.size() + kMaxPoints - 1) / kMaxPoints);
-  std::vector<Eigen::Vector2f> thinned;
-  thinned.reserve(placed.size() / stride + 1);
-  for (std::size_t i = 0; i < placed.size(); i += stride)
-    thinned.push_back(points[placed[i].index]);
-  return thinned;
+  const std::size_t step = StepToKeep(kMaxPoints, placed.size());
+  std::vector<Eigen::Vector2f> chosen;
+  chosen.reserve(placed.size() / step + 1);
+  for (std::size_t i = 0; i < placed.size(); i += step) chosen.push_back(points[placed[i].index]);
+  return chosen;
 }
 
 // For each position of a block, row by row.
@@ -172,7 +171,7 @@ PlaceSearch::PlaceSearch(std::shared_ptr<const RadarMap> map,
       block_m_(kBlock_cells * options.cell_m),
       tile_m_(kTile_blocks * block_m_) {
   if (points.empty()) return;
-  const std::vector<Eigen::Vector2f> chosen = Thinned(points, options.cell_m);
+  const std::vector<Eigen::Vector2f> chosen = OnePerCell(points, options.cell_m);
   std::vector<float> ranges;
   ranges.reserve(chosen.size());
   for (const Eigen::Vector2f& point : chosen) ranges.push_back(point.norm());
@@ -250,7 +249,7 @@ void PlaceSearch::SearchBlock(const Cell& block) {
   if (candidates_.size() >= 2 * kMaxCandidates) KeepBest();
 }
 
-std::vector<PlaceHypothesis> PlaceSearch::Best() {
+std::vector<PlaceCandidate> PlaceSearch::Best() {
   KeepBest();
   // The maximum of one place is as wide as the points' deviation: some four cells.
   const double apart_m = 4.0 * options_.cell_m;
@@ -264,7 +263,7 @@ std::vector<PlaceHypothesis> PlaceSearch::Best() {
     });
     if (!seen) kept.push_back(candidate);
   }
-  std::vector<PlaceHypothesis> places;
+  std::vector<PlaceCandidate> places;
   places.reserve(kept.size());
   for (const Candidate& candidate : kept) places.push_back(InKeyframe(candidate));
   return places;
@@ -355,7 +354,7 @@ void PlaceSearch::KeepBest() {
   least_sum_ = candidates_.back().sum;
 }
 
-PlaceHypothesis PlaceSearch::InKeyframe(const Candidate& candidate) const {
+PlaceCandidate PlaceSearch::InKeyframe(const Candidate& candidate) const {
   Pose3 T_map_vehicle =
       Embed(Pose2{.translation_m = candidate.position_m, .yaw_rad = candidate.yaw_rad});
   // The keyframe that the block was searched for lies no further from it than this.

@@ -47,7 +47,7 @@ std::span<const OptionField<PlaceSearchOptions>> FieldsOf(const PlaceSearchOptio
 absl::Status Validate(const PlaceSearchOptions& options);
 
 /// A place of the map where points may have been seen.
-struct PlaceHypothesis {
+struct PlaceCandidate {
   std::size_t keyframe;      ///< the nearest one
   Pose2 T_keyframe_vehicle;  ///< in its xy plane, within half a step
   double score;              ///< mean likelihood of the points, [0, 1]
@@ -73,7 +73,7 @@ class PlaceSearch {
   void SearchOn();
 
   /// Up to `max_count` best places so far, best first, no two within four steps of one another.
-  std::vector<PlaceHypothesis> Best();
+  std::vector<PlaceCandidate> Best();
 
  private:
   // Of a square grid in the map's xy plane.
@@ -106,7 +106,7 @@ class PlaceSearch {
   std::vector<std::size_t> KeyframesAround(const Cell& tile, double margin_m) const;
   std::vector<Eigen::Vector2d> LandmarksAround(const Cell& tile) const;
   void KeepBest();
-  PlaceHypothesis InKeyframe(const Candidate& candidate) const;
+  PlaceCandidate InKeyframe(const Candidate& candidate) const;
 
   std::shared_ptr<const RadarMap> map_;
   PlaceSearchOptions options_;

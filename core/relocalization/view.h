@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/gaussian_point.h"
+#include "core/geometry/thinning.h"
 #include "core/odometry/motion.h"
 
 namespace dcloc {
@@ -32,15 +33,17 @@ std::vector<Eigen::Vector2f> PositionsOf(std::span<const GaussianPoint<Dim>> poi
   return positions;
 }
 
-/// `max_count` points at even steps.
+/// `max_count` points, or all, evenly among them (EvenIndex).
 template <int Dim>
-std::vector<GaussianPoint<Dim>> Subsample(std::span<const GaussianPoint<Dim>> points,
-                                          int max_count) {
-  std::vector<GaussianPoint<Dim>> thinned;
+std::vector<GaussianPoint<Dim>> EvenSubsample(std::span<const GaussianPoint<Dim>> points,
+                                              int max_count) {
+  std::vector<GaussianPoint<Dim>> chosen;
   const std::size_t count = std::min(points.size(), static_cast<std::size_t>(max_count));
-  thinned.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) thinned.push_back(points[i * points.size() / count]);
-  return thinned;
+  chosen.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    chosen.push_back(points[EvenIndex(i, count, points.size())]);
+  }
+  return chosen;
 }
 
 }  // namespace dcloc

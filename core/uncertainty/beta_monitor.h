@@ -10,8 +10,9 @@
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
 #include "core/options/option_fields.h"
+#include "core/radar/ego_velocity.h"
 #include "core/radar/radar_model.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 #include "core/registration/correspondences.h"
 #include "core/submap/submap.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/geometry/pose.h"
+#include "core/radar/ego_velocity.h"
 #include "core/radar/radar_model.h"
-#include "core/radar/scan.h"
 #include "core/submap/submap.h"
 
 namespace dcloc {

@@ -13,10 +13,10 @@
 
 namespace dcloc::server {
 
-/// A server's persistent storage. `OpenStorage` and `OpenIdentities` are the only functions that
-/// choose the implementations of Catalogue, MapFiles and IdentityStore: the embedded ones in a
-/// folder, or with `ServerConfig::catalogue` those that several servers share
-/// (`app/shared_storage`).
+/// A server's persistent storage. `OpenStorage` and `OpenIdentities` choose the implementations of
+/// Catalogue, MapFiles and IdentityStore that a server and `dcloc-server token` use: the embedded
+/// ones in a folder, or with `ServerConfig::catalogue` those that several servers share
+/// (`app/shared_storage`). Tools of the embedded store (`store_*`, `identity_mark`) name its own.
 struct Storage {
   FileDescriptor lock;  ///< of the folder; released last
   std::unique_ptr<MapStore> maps;

@@ -106,7 +106,7 @@ void LocalizeStream::TakeRead(bool ok) {
   const StreamAction action = Take(EventOfRead(ok));
   if (action == StreamAction::kOpenSession) {
     ring_.OnRead();
-    open_under_way_ = true;
+    task_under_way_ = Task::kOpening;
     // Nothing else is read until this is answered, so no order is lost by leaving the strand.
     host_.storage.pool.Post([self = shared_from_this()] { self->Open(); });
   } else if (action == StreamAction::kQueueScan) {
@@ -157,7 +157,7 @@ StreamEvent LocalizeStream::EventOfRead(bool ok) {
 void LocalizeStream::QueueScan() {
   ring_.OnRead();
   session_->strand().Post([self = shared_from_this()] { self->AnswerNext(); });
-  if (terms_.drops_oldest) ring_.DropOldest(answer_under_way_);
+  if (terms_.drops_oldest) ring_.DropOldest(task_under_way_ == Task::kScan);
 }
 
 // ---- What it does next
@@ -209,8 +209,13 @@ bool LocalizeStream::AnnouncementIsDue() const {
   return announcement_ && !announced_ && terms_.resumable && ring_.any_written();
 }
 
+/// The call may not end while a task has its context.
+bool LocalizeStream::UsesContext() const {
+  return task_under_way_ == Task::kAdmission || task_under_way_ == Task::kOpening;
+}
+
 bool LocalizeStream::IsSettled() const {
-  if (write_under_way_ != Write::kNone || open_under_way_) return false;
+  if (write_under_way_ != Write::kNone || UsesContext()) return false;
   switch (RulesOf(state_).must_write) {
     case MustWrite::kEverything:
       return false;
@@ -259,7 +264,7 @@ void LocalizeStream::CheckCaller() {
   keeper_.OnAdmitted(*this, *principal);
   {
     const std::lock_guard lock(mutex_);
-    open_under_way_ = false;
+    task_under_way_ = Task::kNone;
     principal_ = *std::move(principal);
     Take(StreamEvent::kAdmitted);
     if (state_ == StreamState::kOpening) {
@@ -280,7 +285,7 @@ void LocalizeStream::Open() {
 void LocalizeStream::Opened(AttachedSession attached) {
   {
     const std::lock_guard lock(mutex_);
-    open_under_way_ = false;
+    task_under_way_ = Task::kNone;
     host_.sessions.context.metrics.ObserveOpen(grpc::StatusCode::OK, attached.resumed);
     if (Take(StreamEvent::kOpened) == StreamAction::kAttachSession) Attach(std::move(attached));
   }
@@ -302,7 +307,9 @@ void LocalizeStream::Attach(AttachedSession attached) {
 void LocalizeStream::Fail(grpc::Status status) {
   {
     const std::lock_guard lock(mutex_);
-    if (std::exchange(open_under_way_, false)) {
+    const bool refused = UsesContext();
+    task_under_way_ = Task::kNone;
+    if (refused) {
       const bool resumes = !ring_.to_answer().request.open().resume_token().empty();
       host_.sessions.context.metrics.ObserveOpen(status.error_code(), resumes);
     }
@@ -321,14 +328,14 @@ void LocalizeStream::AnswerNext() {
     slot = &ring_.to_answer();
     dropped = slot->dropped;
     session = session_;
-    answer_under_way_ = true;
+    task_under_way_ = Task::kScan;
   }
   grpc::Status status = Answer(*session, *slot, dropped);
   session.reset();  // before the stream can end
   if (!status.ok()) return Fail(std::move(status));
   {
     const std::lock_guard lock(mutex_);
-    answer_under_way_ = false;
+    task_under_way_ = Task::kNone;
     ring_.OnAnswered();
   }
   Pump();

@@ -79,6 +79,9 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   enum class Step { kNone, kRead, kWrite, kAnnounce, kFinish };
   enum class Write { kNone, kAnswer, kAnnouncement };
 
+  /// What a pool does for the stream, in this order, and the last again and again.
+  enum class Task { kNone, kAdmission, kOpening, kScan };
+
   /// What was agreed when the session was opened or resumed.
   struct Terms {
     bool resumable = false;
@@ -105,6 +108,7 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   void QueueScan();
   void Attach(AttachedSession attached);
   bool AnnouncementIsDue() const;
+  bool UsesContext() const;
   bool IsSettled() const;
   Step TakeWrite();
   Step TakeStep();
@@ -140,11 +144,10 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   bool announced_ = false;
 
   // What is under way, whatever the state.
-  bool open_under_way_ = true;  ///< a task may use the context, so the call may not end yet
+  Task task_under_way_ = Task::kAdmission;
   bool read_under_way_ = false;
   Write write_under_way_ = Write::kNone;
-  bool answer_under_way_ = false;  ///< a scan is being localized
-  bool pump_under_way_ = false;    ///< the thread in `Pump` checks the state again before it leaves
+  bool pump_under_way_ = false;  ///< the thread in `Pump` checks the state again before it leaves
 };
 
 }  // namespace dcloc::server

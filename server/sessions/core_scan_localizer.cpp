@@ -20,7 +20,7 @@ class CoreScanLocalizer final : public ScanLocalizer {
     return localizer_.TakeFix(fix);
   }
 
-  bool searching() const override { return localizer_.searching(); }
+  bool has_pose() const override { return localizer_.has_pose(); }
 
  private:
   WorkspacePool& workspaces_;

@@ -22,8 +22,8 @@ class ScanLocalizer {
   /// As Localizer::TakeFix.
   virtual absl::StatusOr<FixUse> TakeFix(const PositionFix& fix) = 0;
 
-  /// As Localizer::searching.
-  virtual bool searching() const = 0;
+  /// As Localizer::has_pose.
+  virtual bool has_pose() const = 0;
 };
 
 /// Makes a session's localizer, as Localizer::Create.

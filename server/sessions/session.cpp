@@ -223,9 +223,10 @@ void Session::RememberPose(const Localization& localization) {
                                     .covariance = localization.covariance});
 }
 
-/// Whoever searches a whole map does so on a thread of its own, and nobody else waits for it.
+/// Who has no pose searches the map, scan after scan, on threads of its own: nobody else waits for
+/// it. Who has one and holds it against other places does so only for some scans.
 void Session::ChooseLane() {
-  strand_.SetLane(localizer_->searching() ? Lane::kLengthy : Lane::kQuick);
+  strand_.SetLane(localizer_->has_pose() ? Lane::kQuick : Lane::kLengthy);
 }
 
 void Session::Count(const ScanAnswer& answer) {

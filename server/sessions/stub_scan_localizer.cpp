@@ -37,7 +37,7 @@ class StubScanLocalizer final : public ScanLocalizer {
     return FixUse::kContradicted;
   }
 
-  bool searching() const override { return false; }
+  bool has_pose() const override { return true; }
 
  private:
   std::shared_ptr<const RadarMap> map_;  // in use, as with the method

@@ -46,7 +46,7 @@ std::optional<Pose2> ByDclocSearch(const Query& query, const Pose2& start) {
   const SearchWindow window{
       .centre_local_vehicle = start, .translation_m = 2.0, .rotation_rad = 0.1};
   std::optional<Registration<2>> best;
-  for (const PoseHypothesis& found : CorrelativeSearch(points, field, window, 3)) {
+  for (const PoseCandidate& found : CorrelativeSearch(points, field, window, 3)) {
     const auto refined = RegisterGicp<2>(query.live, query.local_map, found.T_local_vehicle,
                                          {.initial_blur_m = 0.3});
     if (!best || refined.score > best->score) best = refined;

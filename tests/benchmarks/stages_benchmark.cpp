@@ -16,7 +16,7 @@
 #include "client/datasets/drive_map.h"
 #include "core/localizer/localizer.h"
 #include "core/odometry/ego_motion.h"
-#include "core/posegraph/pose_hypotheses.h"
+#include "core/posegraph/pose_chains.h"
 #include "core/registration/correlative_search.h"
 #include "core/registration/gicp.h"
 #include "core/registration/radial_statistics.h"
@@ -161,7 +161,7 @@ void DescribeAndRansac(benchmark::State& state, const std::string& name) {
 }
 
 void SolvePoseGraph(benchmark::State& state) {
-  PoseHypotheses<2> graph{PoseGraphOptions{}};
+  PoseChains<2> graph{PoseGraphOptions{}};
   const auto spread = [](double sigma_m, double sigma_rad) -> Eigen::Matrix3d {
     return Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad)
         .asDiagonal();

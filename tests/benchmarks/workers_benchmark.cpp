@@ -141,7 +141,7 @@ std::vector<double> Latencies_ms(const Case& drives, std::size_t searching_count
     for (std::size_t j = 0; j < searching_count; ++j) {
       if (busy[j]->exchange(true)) continue;
       blind[j]->strand.Post([&drives, own_lane, is_busy = busy[j].get(), v = blind[j].get()] {
-        if (v->done() || !v->localizer.searching()) {
+        if (v->done() || v->localizer.has_pose()) {
           v->localizer = Vehicle::Make(drives, /*with_prior=*/false);
           v->next = 0;
         }

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMinPoints = 10;
 
 // Squared Mahalanobis distance (eq 18-19) of what was measured to what was predicted.
-double Distance(const Pose2& predicted, const PoseEstimate<2>& measured) {
+double SquaredDistance(const Pose2& predicted, const PoseEstimate<2>& measured) {
   const Eigen::Vector3d apart = Log(predicted.Inverse() * measured.pose);
   return apart.dot(measured.covariance.ldlt().solve(apart));
 }
@@ -22,7 +22,7 @@ class GraphEstimator final : public Estimator {
  public:
   GraphEstimator(const PoseEstimate<2>& initial, const LocalizerOptions& options)
       : gicp_(options.matcher.gicp),
-        max_distance_(options.pose_graph.max_distance_planar),
+        max_squared_distance_(options.pose_graph.max_squared_distance_planar),
         graph_(options.pose_graph.window) {
     graph_.Reset(initial);
   }
@@ -41,8 +41,8 @@ class GraphEstimator final : public Estimator {
     std::optional<double> distance;
     if (fit && fit->covariance) {
       const PoseEstimate<2> loop{.pose = fit->T_local_vehicle, .covariance = *fit->covariance};
-      distance = raw_ ? Distance(*raw_, loop) : 0.0;
-      if (*distance <= max_distance_) {
+      distance = raw_ ? SquaredDistance(*raw_, loop) : 0.0;
+      if (*distance <= max_squared_distance_) {
         graph_.AddAbsolutePose(loop);
       } else {
         distance.reset();
@@ -76,11 +76,12 @@ class GraphEstimator final : public Estimator {
     if (!registration.converged) return predicted;
     PoseEstimate<2> measured{.pose = registration.T_local_vehicle,
                              .covariance = registration.covariance};
-    return Distance(predicted.pose, measured) <= max_distance_ ? measured : predicted;
+    return SquaredDistance(predicted.pose, measured) <= max_squared_distance_ ? measured
+                                                                              : predicted;
   }
 
   GicpOptions gicp_;
-  double max_distance_;
+  double max_squared_distance_;
   WindowGraph graph_;
   Motion since_state_;
   LocalMap<2> previous_;      // the last state's sub-map, in its own vehicle frame

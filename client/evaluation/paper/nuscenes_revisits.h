@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc::paper {
 

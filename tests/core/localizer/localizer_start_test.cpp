@@ -62,7 +62,7 @@ TEST_F(LocalizerStartTest, APriorWithoutAHeadingIsSearchedAround) {
   InitialPose prior = PriorAt(Start(), 3.0, 1.8);
   prior.T_map_vehicle.rotation = Eigen::AngleAxisd(2.5, Eigen::Vector3d::UnitZ());
   Localizer localizer = MakeLocalizer(map_, FrontRadar(), prior);
-  EXPECT_TRUE(localizer.searching());
+  EXPECT_FALSE(localizer.has_pose());
   const auto answers = LocalizeDrive(std::move(localizer), drive_);
   EXPECT_EQ(answers[5].localization.state, LocalizationState::kInitializing);
   EXPECT_TRUE(answers.back().tracking());

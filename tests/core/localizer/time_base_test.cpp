@@ -18,30 +18,30 @@ Stamp At(std::chrono::nanoseconds since) { return Stamp(seconds(1'700'000'000)) 
 TEST(TimeBaseTest, ScansInOrderKeepTheirStamps) {
   TimeBase time;
   for (int i = 0; i < 100; ++i) {
-    const auto placed = time.Place(At(milliseconds(77 * i)));
-    ASSERT_TRUE(placed.ok());
-    EXPECT_EQ(placed->stamp, At(milliseconds(77 * i)));
-    EXPECT_FALSE(placed->is_late);
-    EXPECT_FALSE(placed->clock_was_set);
+    const auto taken = time.Take(At(milliseconds(77 * i)));
+    ASSERT_TRUE(taken.ok());
+    EXPECT_EQ(taken->stamp, At(milliseconds(77 * i)));
+    EXPECT_FALSE(taken->is_late);
+    EXPECT_FALSE(taken->clock_was_set);
   }
-  EXPECT_TRUE(time.Place(At(milliseconds(77 * 99))).ok()) << "two radars may share a stamp";
+  EXPECT_TRUE(time.Take(At(milliseconds(77 * 99))).ok()) << "two radars may share a stamp";
 }
 
 TEST(TimeBaseTest, LateScansAreTakenAtTheirStamp) {
   TimeBase time;
-  ASSERT_TRUE(time.Place(At(milliseconds(1000))).ok());
+  ASSERT_TRUE(time.Take(At(milliseconds(1000))).ok());
   for (const int late_ms : {1, 60, 250}) {
-    const auto placed = time.Place(At(milliseconds(1000 - late_ms)));
-    ASSERT_TRUE(placed.ok()) << late_ms;
-    EXPECT_TRUE(placed->is_late);
-    EXPECT_EQ(placed->stamp, At(milliseconds(1000 - late_ms)));
+    const auto taken = time.Take(At(milliseconds(1000 - late_ms)));
+    ASSERT_TRUE(taken.ok()) << late_ms;
+    EXPECT_TRUE(taken->is_late);
+    EXPECT_EQ(taken->stamp, At(milliseconds(1000 - late_ms)));
   }
 }
 
 TEST(TimeBaseTest, AScanThatIsTooLateIsRefusedWithItsStamp) {
   TimeBase time;
-  ASSERT_TRUE(time.Place(At(milliseconds(1000))).ok());
-  const auto refused = time.Place(At(milliseconds(749)));
+  ASSERT_TRUE(time.Take(At(milliseconds(1000))).ok());
+  const auto refused = time.Take(At(milliseconds(749)));
   EXPECT_EQ(refused.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(refused.status().message()),
               HasSubstr(std::to_string(At(milliseconds(749)).time_since_epoch().count())));
@@ -52,20 +52,20 @@ class ClockTest : public ::testing::TestWithParam<std::chrono::nanoseconds> {};
 
 TEST_P(ClockTest, SetBackCostsTwoScansAndTimeGoesOn) {
   TimeBase time;
-  for (int i = 0; i < 10; ++i) ASSERT_TRUE(time.Place(At(milliseconds(77 * i))).ok());
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(time.Take(At(milliseconds(77 * i))).ok());
   Stamp newest = At(milliseconds(77 * 9));
   int refused = 0;
   bool was_set = false;
   for (int i = 10; i < 40; ++i) {
-    const auto placed = time.Place(At(milliseconds(77 * i)) - GetParam());
-    if (!placed.ok()) {
+    const auto taken = time.Take(At(milliseconds(77 * i)) - GetParam());
+    if (!taken.ok()) {
       ++refused;
       continue;
     }
-    was_set = was_set || placed->clock_was_set;
-    EXPECT_GE(placed->stamp, newest);
-    EXPECT_LE(placed->stamp - newest, milliseconds(200));
-    newest = placed->stamp;
+    was_set = was_set || taken->clock_was_set;
+    EXPECT_GE(taken->stamp, newest);
+    EXPECT_LE(taken->stamp - newest, milliseconds(200));
+    newest = taken->stamp;
   }
   EXPECT_EQ(refused, 2);
   EXPECT_TRUE(was_set);
@@ -80,7 +80,7 @@ TEST(TimeBaseTest, AClockThatIsAheadForAMomentCostsTwoScans) {
   int refused = 0;
   for (int i = 0; i < 60; ++i) {
     const auto ahead = i >= 20 && i < 25 ? minutes(10) : minutes(0);
-    if (!time.Place(At(milliseconds(77 * i)) + ahead).ok()) ++refused;
+    if (!time.Take(At(milliseconds(77 * i)) + ahead).ok()) ++refused;
   }
   EXPECT_EQ(refused, 2);
 }
@@ -88,19 +88,19 @@ TEST(TimeBaseTest, AClockThatIsAheadForAMomentCostsTwoScans) {
 TEST(TimeBaseTest, OldScansNowAndThenAreNoNewTime) {
   TimeBase time;
   for (int i = 0; i < 100; ++i) {
-    ASSERT_TRUE(time.Place(At(seconds(10) + milliseconds(77 * i))).ok());
-    EXPECT_FALSE(time.Place(At(milliseconds(77 * i))).ok());
-    EXPECT_FALSE(time.Place(At(seconds(3) - milliseconds(900 * i))).ok());
+    ASSERT_TRUE(time.Take(At(seconds(10) + milliseconds(77 * i))).ok());
+    EXPECT_FALSE(time.Take(At(milliseconds(77 * i))).ok());
+    EXPECT_FALSE(time.Take(At(seconds(3) - milliseconds(900 * i))).ok());
   }
 }
 
 TEST(TimeBaseTest, AYearOfSilenceIsAMinute) {
   TimeBase time;
-  ASSERT_TRUE(time.Place(At(seconds(0))).ok());
-  const auto placed = time.Place(At(std::chrono::hours(24 * 365)));
-  ASSERT_TRUE(placed.ok());
-  EXPECT_EQ(placed->stamp, At(minutes(1)));
-  EXPECT_EQ(time.Place(At(std::chrono::hours(24 * 365) + milliseconds(77)))->stamp,
+  ASSERT_TRUE(time.Take(At(seconds(0))).ok());
+  const auto taken = time.Take(At(std::chrono::hours(24 * 365)));
+  ASSERT_TRUE(taken.ok());
+  EXPECT_EQ(taken->stamp, At(minutes(1)));
+  EXPECT_EQ(time.Take(At(std::chrono::hours(24 * 365) + milliseconds(77)))->stamp,
             At(minutes(1) + milliseconds(77)));
 }
 

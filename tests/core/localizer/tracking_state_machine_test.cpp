@@ -249,7 +249,9 @@ TEST(TrackingStateMachineTest, LostToOutliersTwiceIsContradicted) {
     state.OnRegistration(StampAt(ms), RegistrationOutcome::kOutlier);
     state.OnPrediction(StampAt(ms), 0.1);
   }
+  EXPECT_EQ(state.mode(), TrackingMode::kContradicted);
   EXPECT_EQ(state.GiveUpIfLost(StampAt(4000), 0.1), Loss::kContradicted);
+  EXPECT_EQ(state.mode(), TrackingMode::kRecovering);
   state.OnPlaceFound();
   EXPECT_EQ(state.GiveUpIfLost(StampAt(4100), 0.1), Loss::kNone);
 }
@@ -332,6 +334,33 @@ TEST(TrackingStateMachineTest, SingleRegistrationsThatDoNotObserveTheWayMeanNoth
   EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
 }
 
+TEST(TrackingStateMachineTest, AWayThatIsObservedForAMomentIsStillUnobserved) {
+  TrackingStateMachine state = Tracking(1000);
+  int ms = 1100;
+  Observe(state, ms, 3000, false);
+  Observe(state, ms, 4900, true);   // a hundred milliseconds too short
+  Observe(state, ms, 5000, false);  // it does not last
+  Observe(state, ms, 6900, true);
+  EXPECT_EQ(state.mode(), TrackingMode::kTracking) << "nothing to verify yet";
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
+  Observe(state, ms, 7100, true);
+  EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
+}
+
+TEST(TrackingStateMachineTest, AfterATunnelFixesThatAgreeAreNotEnough) {
+  TrackingStateMachine state = Tracking(1000);
+  state.OnFixesInsist();
+  int ms = 1100;
+  Observe(state, ms, 3000, false);
+  Observe(state, ms, 7000, true);
+  state.OnFixesInsist();
+  state.OnFixAgrees();
+  for (int i = 0; i < 5; ++i) state.OnScanFit(ScanFit::kAgrees);
+  EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
+  state.OnVerified();
+  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+}
+
 TEST(TrackingStateMachineTest, FixesThatInsistAskForVerification) {
   TrackingStateMachine state = Tracking(1000);
   state.OnFixesInsist();
@@ -348,52 +377,6 @@ TEST(TrackingStateMachineTest, AnUncertainPoseIsNotCalledTracking) {
   EXPECT_EQ(state.Report(kOptions.tracking_sigma_m), LocalizationState::kTracking);
   EXPECT_EQ(state.Report(kOptions.tracking_sigma_m + 0.01), LocalizationState::kDeadReckoning);
   EXPECT_EQ(state.mode(), TrackingMode::kTracking);
-}
-
-constexpr TrackingMode kModes[] = {
-    TrackingMode::kSearching, TrackingMode::kConfirmingPrior, TrackingMode::kConfirmingPlace,
-    TrackingMode::kTracking,  TrackingMode::kDoubting,        TrackingMode::kDeadReckoning,
-    TrackingMode::kLost,      TrackingMode::kRecovering};
-constexpr TrackingEvent kEvents[] = {
-    TrackingEvent::kPriorGiven,  TrackingEvent::kPlaceFound,  TrackingEvent::kVerified,
-    TrackingEvent::kDoubted,     TrackingEvent::kAgreed,      TrackingEvent::kConfirmed,
-    TrackingEvent::kHoldExpired, TrackingEvent::kLossExpired, TrackingEvent::kGivenUp};
-
-class TrackingTransitionTest : public ::testing::TestWithParam<TrackingTransition> {};
-
-TEST_P(TrackingTransitionTest, IsTaken) {
-  const TrackingTransition& arrow = GetParam();
-  EXPECT_EQ(Next(arrow.from, arrow.event), arrow.to);
-}
-
-INSTANTIATE_TEST_SUITE_P(All, TrackingTransitionTest, ::testing::ValuesIn(kTrackingTransitions));
-
-TEST(TrackingTransitionsTest, EachArrowStandsOnceAndNothingElseMoves) {
-  std::size_t count = 0;
-  for (const TrackingMode mode : kModes) {
-    for (const TrackingEvent event : kEvents) {
-      const auto arrows = std::ranges::count_if(kTrackingTransitions, [&](const auto& arrow) {
-        return arrow.from == mode && arrow.event == event;
-      });
-      EXPECT_LE(arrows, 1);
-      count += static_cast<std::size_t>(arrows);
-      if (arrows == 0) {
-        EXPECT_EQ(Next(mode, event), mode);
-      }
-    }
-  }
-  EXPECT_EQ(count, kTrackingTransitions.size());
-}
-
-TEST(TrackingTransitionsTest, EveryModeIsReachedAndLeft) {
-  for (const TrackingMode mode : kModes) {
-    EXPECT_TRUE(mode == TrackingMode::kSearching ||
-                std::ranges::any_of(kTrackingTransitions,
-                                    [&](const auto& arrow) { return arrow.to == mode; }));
-    EXPECT_TRUE(std::ranges::any_of(kTrackingTransitions, [&](const auto& arrow) {
-      return arrow.from == mode && arrow.to != mode;
-    }));
-  }
 }
 
 }  // namespace

@@ -19,8 +19,9 @@ TEST(MappingOptionsTest, EachFieldIsBounded) {
 
 TEST(MappingOptionsTest, NamesThePartThatIsWrong) {
   SurveyOptions options;
-  options.loops.matcher.hypotheses = 0;
-  EXPECT_EQ(Validate(options).message(), "loops.matcher.hypotheses is 0; it must lie in [1, 100]");
+  options.loops.matcher.candidate_count = 0;
+  EXPECT_EQ(Validate(options).message(),
+            "loops.matcher.candidate_count is 0; it must lie in [1, 100]");
 }
 
 }  // namespace

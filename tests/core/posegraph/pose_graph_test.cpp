@@ -110,7 +110,7 @@ TYPED_TEST(PoseGraphTest, TheSolutionWeighsByTheReusedCovarianceTheTestByTheOwn)
   graph.AddState({{}, Diagonal<kDim>(1e-4, 1e-4)});
   const Tangent<kDim> xi = 0.02 * Tangent<kDim>::Unit(0);
   const EdgeTest test = graph.AddAbsolutePose({Exp(xi), one, 9.0 * one});
-  EXPECT_NEAR(test.distance, 4.0 / 2.0, 0.01);
+  EXPECT_NEAR(test.squared_distance, 4.0 / 2.0, 0.01);
   graph.Solve();
   EXPECT_NEAR(Log(graph.Newest().pose)(0), 0.02 / 10.0, 1e-5);
   EXPECT_NEAR(graph.Newest().covariance(0, 0), 0.9 * one(0, 0), 1e-6);
@@ -132,7 +132,7 @@ TYPED_TEST(PoseGraphTest, SingleOutliersAreCutAndOdometryHoldsTheState) {
       outlier.pose = outlier.pose * Exp(Tangent<kDim>(0.8 * Tangent<kDim>::Unit(1)));
       const EdgeTest test = with.AddAbsolutePose(outlier);
       EXPECT_FALSE(test.valid);
-      EXPECT_GT(test.distance, 50.0);
+      EXPECT_GT(test.squared_distance, 50.0);
     } else {
       EXPECT_EQ(with.AddAbsolutePose(step.factor).valid,
                 without.AddAbsolutePose(step.factor).valid);
@@ -237,7 +237,7 @@ TYPED_TEST(PoseGraphTest, AnotherFrameChangesNothingBetweenThePoses) {
     if (i >= 15) loop.pose = T_new_old * loop.pose;
     const EdgeTest a = stays.AddAbsolutePose(step.factor);
     const EdgeTest b = moves.AddAbsolutePose(loop);
-    EXPECT_NEAR(a.distance, b.distance, 1e-4 * (1.0 + a.distance));
+    EXPECT_NEAR(a.squared_distance, b.squared_distance, 1e-4 * (1.0 + a.squared_distance));
     EXPECT_EQ(a.valid, b.valid);
     stays.Solve();
     moves.Solve();

@@ -47,9 +47,9 @@ std::vector<Eigen::Vector2f> Seen(const RadarMap& map, const Pose3& T_map_vehicl
   return points;
 }
 
-std::vector<PlaceHypothesis> Search(const std::shared_ptr<const RadarMap>& map,
-                                    std::span<const Eigen::Vector2f> points,
-                                    const PlaceSearchOptions& options = {}) {
+std::vector<PlaceCandidate> Search(const std::shared_ptr<const RadarMap>& map,
+                                   std::span<const Eigen::Vector2f> points,
+                                   const PlaceSearchOptions& options = {}) {
   PlaceSearch search(map, points, options);
   while (!search.done()) search.SearchOn();
   return search.Best();
@@ -107,11 +107,11 @@ TEST(PlaceSearchTest, FindsNothingOutsideOfItsRegion) {
   EXPECT_LT((T_map_found.translation_m - T_map_vehicle.translation_m).head<2>().norm(), 1.5);
 
   region.yaw_rad += 2.0;  // the true heading is none of its own
-  for (const PlaceHypothesis& place : Search(map, points, {.region = region})) {
+  for (const PlaceCandidate& place : Search(map, points, {.region = region})) {
     EXPECT_LT(place.score, 0.6 * found[0].score);
   }
   region.centre_m = map->keyframe(390).T_map_keyframe.translation_m.head<2>();
-  for (const PlaceHypothesis& place : Search(map, points, {.region = region})) {
+  for (const PlaceCandidate& place : Search(map, points, {.region = region})) {
     const Pose3 T_map_place =
         map->keyframe(place.keyframe).T_map_keyframe * Embed(place.T_keyframe_vehicle);
     // Blocks of 16 m that touch the region are searched whole.
@@ -138,7 +138,7 @@ TEST(PlaceSearchTest, FindsWhereAKnownWayLedTo) {
   SearchRegion with_blocks = region;
   with_blocks.radius_m += 23.0;
   EXPECT_FALSE(with_blocks.Contains(T_map_vehicle));
-  for (const PlaceHypothesis& place : Search(map, points, {.region = region})) {
+  for (const PlaceCandidate& place : Search(map, points, {.region = region})) {
     const Pose2 T_map_place =
         Flatten(map->keyframe(place.keyframe).T_map_keyframe) * place.T_keyframe_vehicle;
     EXPECT_TRUE(with_blocks.Contains(T_map_place));

@@ -61,7 +61,7 @@ TEST(StubScanLocalizerTest, GoesOnByTheVelocityThatIsSentAndSaysSo) {
   EXPECT_FALSE(second->health.radars[0].is_used);
   EXPECT_EQ((*localizer)->TakeFix({.stamp = second->stamp, .pose = kAtOrigin}).value(),
             FixUse::kContradicted);
-  EXPECT_FALSE((*localizer)->searching());
+  EXPECT_TRUE((*localizer)->has_pose());
   EXPECT_FALSE((*localizer)->Localize(ScanOf(1), nullptr).ok()) << "it is earlier";
 }
 

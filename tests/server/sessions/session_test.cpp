@@ -184,7 +184,7 @@ TEST_F(SessionTest, FixesBeyondTheRateOfScansAreNotLookedAt) {
 
 TEST_F(SessionTest, ASearchThatAFixBeginsIsOnTheLaneOfSearches) {
   const auto session = MakeSession();
-  script_.searching = true;
+  script_.has_pose = false;
   TakeFix(*session, FixMessage(1));
   std::promise<void> busy;
   std::promise<void> release;

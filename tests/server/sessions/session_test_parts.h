@@ -18,7 +18,7 @@ namespace dcloc::server {
 struct LocalizerScript {
   LocalizationState state = LocalizationState::kTracking;
   absl::Status status;  ///< of the next scans
-  bool searching = false;
+  bool has_pose = true;
   bool beta_is_wrong = false;
   Health health;
   PoseResets resets;
@@ -51,7 +51,7 @@ class ScriptedLocalizer final : public ScanLocalizer {
     return script_.fix_use;
   }
 
-  bool searching() const override { return script_.searching; }
+  bool has_pose() const override { return script_.has_pose; }
 
  private:
   LocalizerScript& script_;

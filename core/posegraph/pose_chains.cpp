@@ -1,4 +1,4 @@
-#include "core/posegraph/pose_hypotheses.h"
+#include "core/posegraph/pose_chains.h"
 
 #include <algorithm>
 #include <utility>
@@ -6,40 +6,38 @@
 namespace dcloc {
 
 template <int Dim>
-void PoseHypotheses<Dim>::Clear() {
+void PoseChains<Dim>::Clear() {
   accepted_chain_ = PoseGraph<Dim>(options_);
   alternative_.reset();
 }
 
 template <int Dim>
-void PoseHypotheses<Dim>::Reset(const PoseEstimate<Dim>& prior,
-                                const TangentMatrix<Dim>& systematic) {
+void PoseChains<Dim>::Reset(const PoseEstimate<Dim>& prior, const TangentMatrix<Dim>& systematic) {
   accepted_chain_.Reset(prior, systematic);
   alternative_.reset();
 }
 
 template <int Dim>
-void PoseHypotheses<Dim>::AddState(const PoseEstimate<Dim>& odometry,
-                                   const TangentMatrix<Dim>& noise) {
+void PoseChains<Dim>::AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise) {
   accepted_chain_.AddState(odometry, noise);
   if (alternative_) alternative_->AddState(odometry, noise);
 }
 
 template <int Dim>
-void PoseHypotheses<Dim>::ChangeFrame(const Pose<Dim>& T_new_old) {
+void PoseChains<Dim>::ChangeFrame(const Pose<Dim>& T_new_old) {
   accepted_chain_.ChangeFrame(T_new_old);
   if (alternative_) alternative_->ChangeFrame(T_new_old);
 }
 
 template <int Dim>
-EdgeTest PoseHypotheses<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
+EdgeTest PoseChains<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
   EdgeTest test = accepted_chain_.AddAbsolutePose(factor);
   if (test.valid) {
     alternative_.reset();
     accepted_chain_.Solve();
     return test;
   }
-  UpdateAlternative(factor, test.distance);
+  UpdateAlternative(factor, test.squared_distance);
   if (support_ >= support_needed_) {
     accepted_chain_ = *std::exchange(alternative_, std::nullopt);
     test.valid = true;
@@ -48,8 +46,8 @@ EdgeTest PoseHypotheses<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& fac
 }
 
 template <int Dim>
-void PoseHypotheses<Dim>::UpdateAlternative(const AbsolutePoseFactor<Dim>& factor,
-                                            double distance) {
+void PoseChains<Dim>::UpdateAlternative(const AbsolutePoseFactor<Dim>& factor,
+                                        double squared_distance) {
   if (alternative_ && alternative_->AddAbsolutePose(factor).valid) {
     alternative_->Solve();
     ++support_;
@@ -59,12 +57,12 @@ void PoseHypotheses<Dim>::UpdateAlternative(const AbsolutePoseFactor<Dim>& facto
   alternative_->Reset({.pose = factor.pose, .covariance = factor.reused_covariance},
                       factor.systematic);
   support_ = 1;
-  support_needed_ = distance <= options_.near_distance
+  support_needed_ = squared_distance <= options_.near_squared_distance
                         ? std::min(options_.near_takeover_support, options_.takeover_support)
                         : options_.takeover_support;
 }
 
-template class PoseHypotheses<2>;
-template class PoseHypotheses<3>;
+template class PoseChains<2>;
+template class PoseChains<3>;
 
 }  // namespace dcloc

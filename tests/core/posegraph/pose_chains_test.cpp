@@ -1,4 +1,4 @@
-#include "core/posegraph/pose_hypotheses.h"
+#include "core/posegraph/pose_chains.h"
 
 #include <gtest/gtest.h>
 
@@ -26,8 +26,8 @@ Chain<2> QuietChain(int count) {
   return chain;
 }
 
-double DistanceTo(const Pose2& truth, const PoseHypotheses<2>& hypotheses) {
-  return (hypotheses.Newest().pose.translation_m - truth.translation_m).norm();
+double DistanceTo(const Pose2& truth, const PoseChains<2>& chains) {
+  return (chains.Newest().pose.translation_m - truth.translation_m).norm();
 }
 
 AbsolutePoseFactor<2> Aside(AbsolutePoseFactor<2> loop, double y_m) {
@@ -37,162 +37,162 @@ AbsolutePoseFactor<2> Aside(AbsolutePoseFactor<2> loop, double y_m) {
 
 // The outcome of every step's edge; `loop_at(i)` gives the edge.
 template <typename LoopAt>
-std::vector<EdgeTest> Drive(const Chain<2>& chain, PoseHypotheses<2>& hypotheses,
-                            const LoopAt& loop_at) {
+std::vector<EdgeTest> Drive(const Chain<2>& chain, PoseChains<2>& chains, const LoopAt& loop_at) {
   std::vector<EdgeTest> tests;
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
-    hypotheses.AddState(chain.steps[i].odometry);
-    tests.push_back(hypotheses.AddAbsolutePose(loop_at(i)));
+    chains.AddState(chain.steps[i].odometry);
+    tests.push_back(chains.AddAbsolutePose(loop_at(i)));
   }
   return tests;
 }
 
-TEST(PoseHypothesesTest, WithoutContradictionItIsThePoseGraph) {
+TEST(PoseChainsTest, WithoutContradictionItIsThePoseGraph) {
   const Chain<2> chain = QuietChain(30);
-  PoseHypotheses<2> hypotheses(kOptions);
-  EXPECT_TRUE(hypotheses.empty());
-  hypotheses.Reset(chain.prior);
-  EXPECT_FALSE(hypotheses.empty());
+  PoseChains<2> chains(kOptions);
+  EXPECT_TRUE(chains.empty());
+  chains.Reset(chain.prior);
+  EXPECT_FALSE(chains.empty());
   PoseGraph<2> graph(kOptions);
   graph.Reset(chain.prior);
   for (const auto& step : chain.steps) {
-    hypotheses.AddState(step.odometry);
+    chains.AddState(step.odometry);
     graph.AddState(step.odometry);
-    EXPECT_EQ(hypotheses.AddAbsolutePose(step.factor).distance,
-              graph.AddAbsolutePose(step.factor).distance);
+    EXPECT_EQ(chains.AddAbsolutePose(step.factor).squared_distance,
+              graph.AddAbsolutePose(step.factor).squared_distance);
     graph.Solve();
-    EXPECT_EQ(hypotheses.Newest().pose.translation_m, graph.Newest().pose.translation_m);
+    EXPECT_EQ(chains.Newest().pose.translation_m, graph.Newest().pose.translation_m);
   }
 }
 
-TEST(PoseHypothesesTest, AShorterBurstNeverTakesOver) {
+TEST(PoseChainsTest, AShorterBurstNeverTakesOver) {
   const Chain<2> chain = QuietChain(40);
-  PoseHypotheses<2> hypotheses(kOptions);
-  hypotheses.Reset(chain.prior);
+  PoseChains<2> chains(kOptions);
+  chains.Reset(chain.prior);
   const auto in_burst = [](std::size_t i) { return i >= 10 && i < 10 + kSupport - 1; };
-  const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
+  const auto tests = Drive(chain, chains, [&](std::size_t i) {
     return in_burst(i) ? Aside(chain.steps[i].factor, 3.0) : chain.steps[i].factor;
   });
   for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, !in_burst(i)) << i;
-  EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.1);
+  EXPECT_LT(DistanceTo(chain.steps.back().truth, chains), 0.1);
 }
 
-TEST(PoseHypothesesTest, OneAcceptedEdgeEndsTheContention) {
+TEST(PoseChainsTest, OneAcceptedEdgeEndsTheContention) {
   const Chain<2> chain = QuietChain(60);
-  PoseHypotheses<2> hypotheses(kOptions);
-  hypotheses.Reset(chain.prior);
+  PoseChains<2> chains(kOptions);
+  chains.Reset(chain.prior);
   // Most registrations are wrong, and all the wrong ones agree; every seventh is right.
-  const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
+  const auto tests = Drive(chain, chains, [&](std::size_t i) {
     return i % 7 != 6 ? Aside(chain.steps[i].factor, 3.0) : chain.steps[i].factor;
   });
   for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, i % 7 == 6) << i;
-  EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.2);
+  EXPECT_LT(DistanceTo(chain.steps.back().truth, chains), 0.2);
 }
 
-TEST(PoseHypothesesTest, ScatteredFailuresNeverTakeOver) {
+TEST(PoseChainsTest, ScatteredFailuresNeverTakeOver) {
   const Chain<2> chain = QuietChain(60);
-  PoseHypotheses<2> hypotheses(kOptions);
-  hypotheses.Reset(chain.prior);
-  const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
+  PoseChains<2> chains(kOptions);
+  chains.Reset(chain.prior);
+  const auto tests = Drive(chain, chains, [&](std::size_t i) {
     return Aside(chain.steps[i].factor, i % 2 == 0 ? 10.0 : -10.0);
   });
   for (const EdgeTest& test : tests) EXPECT_FALSE(test.valid);
-  EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.6);
+  EXPECT_LT(DistanceTo(chain.steps.back().truth, chains), 0.6);
 }
 
-TEST(PoseHypothesesTest, AChainThatIsWrongForGoodIsReplaced) {
+TEST(PoseChainsTest, AChainThatIsWrongForGoodIsReplaced) {
   const Chain<2> chain = QuietChain(30);
-  PoseHypotheses<2> hypotheses(kOptions);
+  PoseChains<2> chains(kOptions);
   PoseEstimate<2> wrong = chain.prior;
   wrong.pose = wrong.pose * Pose2{.translation_m = {0.0, 5.0}, .yaw_rad = 0.1};
-  hypotheses.Reset(wrong);
+  chains.Reset(wrong);
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
-    hypotheses.AddState(chain.steps[i].odometry);
-    const EdgeTest test = hypotheses.AddAbsolutePose(chain.steps[i].factor);
+    chains.AddState(chain.steps[i].odometry);
+    const EdgeTest test = chains.AddAbsolutePose(chain.steps[i].factor);
     const bool taken_over = i + 1 >= kSupport;
     EXPECT_EQ(test.valid, taken_over) << i;
+    // At the takeover it is the distance to the chain that is replaced.
+    EXPECT_EQ(test.squared_distance > kOptions.max_squared_distance_planar, i < kSupport) << i;
     if (taken_over) {
-      EXPECT_LT(DistanceTo(chain.steps[i].truth, hypotheses), 0.1) << i;
+      EXPECT_LT(DistanceTo(chain.steps[i].truth, chains), 0.1) << i;
       // What took over was made of a few registrations: it claims no more than that.
-      EXPECT_LT(hypotheses.Newest().covariance(0, 0), 0.05 * 0.05);
-      EXPECT_GT(hypotheses.Newest().covariance(0, 0), 0.01 * 0.01);
+      EXPECT_LT(chains.Newest().covariance(0, 0), 0.05 * 0.05);
+      EXPECT_GT(chains.Newest().covariance(0, 0), 0.01 * 0.01);
     } else {
-      EXPECT_GT(DistanceTo(chain.steps[i].truth, hypotheses), 3.0) << i;
+      EXPECT_GT(DistanceTo(chain.steps[i].truth, chains), 3.0) << i;
     }
   }
 }
 
-TEST(PoseHypothesesTest, StatesWithoutARegistrationDoNotEndTheContention) {
+TEST(PoseChainsTest, StatesWithoutARegistrationDoNotEndTheContention) {
   const Chain<2> chain = QuietChain(40);
-  PoseHypotheses<2> hypotheses(kOptions);
+  PoseChains<2> chains(kOptions);
   PoseEstimate<2> wrong = chain.prior;
   wrong.pose.translation_m.y() += 5.0;
-  hypotheses.Reset(wrong);
+  chains.Reset(wrong);
   int given = 0;
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
-    hypotheses.AddState(chain.steps[i].odometry);
+    chains.AddState(chain.steps[i].odometry);
     if (i % 3 != 0) continue;
     ++given;
-    EXPECT_EQ(hypotheses.AddAbsolutePose(chain.steps[i].factor).valid, given >= kSupport) << i;
+    EXPECT_EQ(chains.AddAbsolutePose(chain.steps[i].factor).valid, given >= kSupport) << i;
   }
-  EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.2);
+  EXPECT_LT(DistanceTo(chain.steps.back().truth, chains), 0.2);
 }
 
-TEST(PoseHypothesesTest, TheContentionSurvivesAChangeOfFrame) {
+TEST(PoseChainsTest, TheContentionSurvivesAChangeOfFrame) {
   const Chain<2> chain = QuietChain(20);
   const Pose2 T_new_old{.translation_m = {-30.0, 12.0}, .yaw_rad = 1.1};
-  PoseHypotheses<2> hypotheses(kOptions);
+  PoseChains<2> chains(kOptions);
   PoseEstimate<2> wrong = chain.prior;
   wrong.pose.translation_m.y() += 5.0;
-  hypotheses.Reset(wrong);
+  chains.Reset(wrong);
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
-    hypotheses.AddState(chain.steps[i].odometry);
-    if (i == 4) hypotheses.ChangeFrame(T_new_old);
+    chains.AddState(chain.steps[i].odometry);
+    if (i == 4) chains.ChangeFrame(T_new_old);
     AbsolutePoseFactor<2> loop = chain.steps[i].factor;
     if (i >= 4) loop.pose = T_new_old * loop.pose;
-    EXPECT_EQ(hypotheses.AddAbsolutePose(loop).valid, i + 1 >= kSupport) << i;
+    EXPECT_EQ(chains.AddAbsolutePose(loop).valid, i + 1 >= kSupport) << i;
   }
-  EXPECT_LT(DistanceTo(T_new_old * chain.steps.back().truth, hypotheses), 0.1);
+  EXPECT_LT(DistanceTo(T_new_old * chain.steps.back().truth, chains), 0.1);
 }
 
-TEST(PoseHypothesesTest, AResetDropsTheContender) {
+TEST(PoseChainsTest, AResetDropsTheContender) {
   const Chain<2> chain = QuietChain(kSupport - 1);
-  PoseHypotheses<2> hypotheses(kOptions);
+  PoseChains<2> chains(kOptions);
   PoseEstimate<2> wrong = chain.prior;
   wrong.pose.translation_m.y() += 5.0;
-  hypotheses.Reset(wrong);
-  Drive(chain, hypotheses, [&](std::size_t i) { return chain.steps[i].factor; });
+  chains.Reset(wrong);
+  Drive(chain, chains, [&](std::size_t i) { return chain.steps[i].factor; });
   wrong.pose = wrong.pose * Pose2{.translation_m = {50.0, 0.0}};
-  hypotheses.Reset(wrong);
-  hypotheses.AddState(chain.steps.back().odometry);
-  EXPECT_FALSE(hypotheses.AddAbsolutePose(chain.steps.back().factor).valid);
-  EXPECT_GT(DistanceTo(chain.steps.back().truth, hypotheses), 20.0);
+  chains.Reset(wrong);
+  chains.AddState(chain.steps.back().odometry);
+  EXPECT_FALSE(chains.AddAbsolutePose(chain.steps.back().factor).valid);
+  EXPECT_GT(DistanceTo(chain.steps.back().truth, chains), 20.0);
 }
 
-TEST(PoseHypothesesTest, LoopsThatAreNoNumbersAreCutAndLeaveNothingBehind) {
+TEST(PoseChainsTest, LoopsThatAreNoNumbersAreCutAndLeaveNothingBehind) {
   const Chain<2> chain = QuietChain(60);
-  PoseHypotheses<2> hypotheses(kOptions);
-  hypotheses.Reset(chain.prior);
+  PoseChains<2> chains(kOptions);
+  chains.Reset(chain.prior);
   const auto is_bad = [](std::size_t i) { return i >= 5 && i < 5 + 3 * kSupport; };
-  const auto tests = Drive(chain, hypotheses, [&](std::size_t i) {
+  const auto tests = Drive(chain, chains, [&](std::size_t i) {
     AbsolutePoseFactor<2> loop = chain.steps[i].factor;
     if (is_bad(i)) loop.pose.yaw_rad = std::numeric_limits<double>::quiet_NaN();
     return loop;
   });
   for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, !is_bad(i)) << i;
-  EXPECT_LT(DistanceTo(chain.steps.back().truth, hypotheses), 0.1);
+  EXPECT_LT(DistanceTo(chain.steps.back().truth, chains), 0.1);
 }
 
 // An estimate that is off by little is corrected sooner than one that all contradict.
-TEST(PoseHypothesesTest, NearOutliersTakeOverSooner) {
+TEST(PoseChainsTest, NearOutliersTakeOverSooner) {
   const Chain<2> chain = QuietChain(30);
   const auto first_valid = [&](double aside_m) {
-    PoseHypotheses<2> hypotheses({.takeover_support = 8, .near_takeover_support = 4});
+    PoseChains<2> chains({.takeover_support = 8, .near_takeover_support = 4});
     PoseEstimate<2> wrong = chain.prior;
     wrong.pose = wrong.pose * Pose2{.translation_m = {0.0, aside_m}};
-    hypotheses.Reset(wrong);
-    const auto tests =
-        Drive(chain, hypotheses, [&](std::size_t i) { return chain.steps[i].factor; });
+    chains.Reset(wrong);
+    const auto tests = Drive(chain, chains, [&](std::size_t i) { return chain.steps[i].factor; });
     return std::ranges::find_if(tests, &EdgeTest::valid) - tests.begin();
   };
   EXPECT_EQ(first_valid(0.35), 3);

@@ -12,9 +12,9 @@ namespace dcloc {
 /// `takeover_support` of its own factors in a row agree and the accepted chain took none of them;
 /// fewer are enough where it began near by.
 template <int Dim>
-class PoseHypotheses {
+class PoseChains {
  public:
-  explicit PoseHypotheses(const PoseGraphOptions& options)
+  explicit PoseChains(const PoseGraphOptions& options)
       : options_(options), accepted_chain_(options) {}
 
   /// Forgets every state.
@@ -30,12 +30,14 @@ class PoseHypotheses {
   PoseEstimate<Dim> Newest() const { return accepted_chain_.Newest(); }
   TangentMatrix<Dim> NewestNoise() const { return accepted_chain_.NewestNoise(); }
 
-  /// Gives the newest state an absolute pose factor, tests it (the test is the accepted chain's
-  /// after a takeover, if there was one), and solves.
+  /// Gives the newest state an absolute pose factor, tests it, and solves. The test is that of the
+  /// chain that was accepted before the call. After a takeover `valid` is true, as the new chain
+  /// holds the factor, and `squared_distance` is still to the chain that was replaced: it exceeds
+  /// the gate.
   EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor);
 
  private:
-  void UpdateAlternative(const AbsolutePoseFactor<Dim>& factor, double distance);
+  void UpdateAlternative(const AbsolutePoseFactor<Dim>& factor, double squared_distance);
 
   PoseGraphOptions options_;
   PoseGraph<Dim> accepted_chain_;

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <array>
+
+#include "core/localizer/transition.h"
+
+/// The states of TrackingStateMachine, as tables of arrows. The mode is what answers report; the
+/// other three say which evidence is still missing, in any mode. README.md draws them.
+namespace dcloc {
+
+enum class TrackingMode {
+  kSearching,        ///< no pose: global localization from nothing or from a vague prior
+  kConfirmingPrior,  ///< a pose from a prior that no registration has confirmed yet
+  kConfirmingPlace,  ///< a pose from global localization that must be confirmed
+  kTracking,
+  kDoubting,       ///< a pose that was confirmed, but scans or fixes now contradict it
+  kDeadReckoning,  ///< a pose carried by ego-motion, confirmed a moment ago
+  kLost,           ///< a pose carried by ego-motion, for too long or too uncertain
+  kContradicted,   ///< lost, to outliers and for the second time: the pose is wrong
+  kRecovering,     ///< the pose was given up: global localization, nearby first
+};
+
+enum class TrackingEvent {
+  kPriorGiven,    ///< a prior that registrations can start from
+  kPlaceFound,    ///< by global localization
+  kVerified,      ///< global localization finds no better place than the supposed one
+  kDoubted,       ///< a scan does not fit the map where it should, or fixes lie elsewhere
+  kAgreed,        ///< `agreements` scans in a row do, and a registration was accepted meanwhile
+  kConfirmed,     ///< `confirmations` accepted registrations in a row, where that is enough
+  kHoldExpired,   ///< none accepted for `tracking_hold`
+  kLossExpired,   ///< none accepted for `lost_after`, or less certain than `lost_sigma_m`
+  kContradicted,  ///< the same, to outliers, for the second time within `contradiction_span`
+  kGivenUp,       ///< see Loss
+};
+
+using TrackingTransition = Transition<TrackingMode, TrackingEvent>;
+inline constexpr std::array<TrackingTransition, 24> kTrackingTransitions = {{
+    {TrackingMode::kSearching, TrackingEvent::kPriorGiven, TrackingMode::kConfirmingPrior},
+    {TrackingMode::kSearching, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+
+    {TrackingMode::kConfirmingPrior, TrackingEvent::kVerified, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kConfirmingPrior, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kConfirmingPrior, TrackingEvent::kGivenUp, TrackingMode::kSearching},
+
+    {TrackingMode::kConfirmingPlace, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kConfirmingPlace, TrackingEvent::kGivenUp, TrackingMode::kSearching},
+
+    {TrackingMode::kTracking, TrackingEvent::kDoubted, TrackingMode::kDoubting},
+    {TrackingMode::kTracking, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
+
+    {TrackingMode::kDoubting, TrackingEvent::kAgreed, TrackingMode::kTracking},
+    {TrackingMode::kDoubting, TrackingEvent::kVerified, TrackingMode::kTracking},
+    {TrackingMode::kDoubting, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kDoubting, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
+
+    {TrackingMode::kDeadReckoning, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kDeadReckoning, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kDeadReckoning, TrackingEvent::kLossExpired, TrackingMode::kLost},
+    {TrackingMode::kDeadReckoning, TrackingEvent::kContradicted, TrackingMode::kContradicted},
+
+    {TrackingMode::kLost, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kLost, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kLost, TrackingEvent::kGivenUp, TrackingMode::kRecovering},
+
+    {TrackingMode::kContradicted, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kContradicted, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kContradicted, TrackingEvent::kGivenUp, TrackingMode::kRecovering},
+
+    {TrackingMode::kRecovering, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+}};
+
+/// How the newest scans lie in the map at the predicted pose.
+enum class ScanAgreement {
+  kDisagree,            ///< the newest one does not fit
+  kAgree,               ///< it fits, or none was tested yet
+  kAgreeAndRegistered,  ///< and a registration was accepted since the last one that did not
+};
+
+enum class ScanAgreementEvent { kDoesNotFit, kFits, kRegistrationAccepted };
+
+/// A registration that is accepted while scans disagree says little: it is no arrow.
+inline constexpr std::array<Transition<ScanAgreement, ScanAgreementEvent>, 4>
+    kScanAgreementTransitions = {{
+        {ScanAgreement::kDisagree, ScanAgreementEvent::kFits, ScanAgreement::kAgree},
+        {ScanAgreement::kAgree, ScanAgreementEvent::kDoesNotFit, ScanAgreement::kDisagree},
+        {ScanAgreement::kAgree, ScanAgreementEvent::kRegistrationAccepted,
+         ScanAgreement::kAgreeAndRegistered},
+        {ScanAgreement::kAgreeAndRegistered, ScanAgreementEvent::kDoesNotFit,
+         ScanAgreement::kDisagree},
+    }};
+
+/// Whether accepted registrations and scans that fit are enough for TRACKING, or global
+/// localization must hold the pose against other places first.
+enum class Verification {
+  kNotNeeded,
+  kUnlessFixesAgree,  ///< fixes insist on another place
+  kNeeded,            ///< the vehicle comes from where the way was not observed
+};
+
+enum class VerificationEvent { kFixesInsist, kFixAgrees, kWayReturns, kVerified };
+
+inline constexpr std::array<Transition<Verification, VerificationEvent>, 6>
+    kVerificationTransitions = {{
+        {Verification::kNotNeeded, VerificationEvent::kFixesInsist,
+         Verification::kUnlessFixesAgree},
+        {Verification::kNotNeeded, VerificationEvent::kWayReturns, Verification::kNeeded},
+        {Verification::kUnlessFixesAgree, VerificationEvent::kFixAgrees, Verification::kNotNeeded},
+        {Verification::kUnlessFixesAgree, VerificationEvent::kWayReturns, Verification::kNeeded},
+        {Verification::kUnlessFixesAgree, VerificationEvent::kVerified, Verification::kNotNeeded},
+        {Verification::kNeeded, VerificationEvent::kVerified, Verification::kNotNeeded},
+    }};
+
+/// Whether registrations observe both horizontal directions. Single ones may say either by chance.
+enum class WayObservation {
+  kObserved,
+  kFading,       ///< not observed, but not yet for `max_unobserved`
+  kNotObserved,  ///< as in a smooth tunnel: odometry alone says where along it the vehicle is
+  kReturning,    ///< observed again, but not yet for `min_observed`
+};
+
+enum class WayEvent { kSeen, kUnseen, kSeenForLong, kUnseenForLong };
+
+inline constexpr std::array<Transition<WayObservation, WayEvent>, 6> kWayTransitions = {{
+    {WayObservation::kObserved, WayEvent::kUnseen, WayObservation::kFading},
+    {WayObservation::kFading, WayEvent::kSeen, WayObservation::kObserved},
+    {WayObservation::kFading, WayEvent::kUnseenForLong, WayObservation::kNotObserved},
+    {WayObservation::kNotObserved, WayEvent::kSeen, WayObservation::kReturning},
+    {WayObservation::kReturning, WayEvent::kUnseen, WayObservation::kNotObserved},
+    {WayObservation::kReturning, WayEvent::kSeenForLong, WayObservation::kObserved},
+}};
+
+/// A state that follows its table.
+inline TrackingMode Next(TrackingMode mode, TrackingEvent event) {
+  return Next(kTrackingTransitions, mode, event);
+}
+inline ScanAgreement Next(ScanAgreement agreement, ScanAgreementEvent event) {
+  return Next(kScanAgreementTransitions, agreement, event);
+}
+inline Verification Next(Verification verification, VerificationEvent event) {
+  return Next(kVerificationTransitions, verification, event);
+}
+inline WayObservation Next(WayObservation way, WayEvent event) {
+  return Next(kWayTransitions, way, event);
+}
+
+}  // namespace dcloc

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <chrono>
+
+namespace dcloc {
+
+/// Time of a measurement, nanoseconds since the Unix epoch on the vehicle's clock.
+using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
+
+}  // namespace dcloc

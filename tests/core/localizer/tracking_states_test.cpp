@@ -1,0 +1,105 @@
+#include "core/localizer/tracking_states.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+namespace dcloc {
+namespace {
+
+constexpr std::array kModes = {
+    TrackingMode::kSearching, TrackingMode::kConfirmingPrior, TrackingMode::kConfirmingPlace,
+    TrackingMode::kTracking,  TrackingMode::kDoubting,        TrackingMode::kDeadReckoning,
+    TrackingMode::kLost,      TrackingMode::kContradicted,    TrackingMode::kRecovering};
+constexpr std::array kEvents = {TrackingEvent::kPriorGiven,   TrackingEvent::kPlaceFound,
+                                TrackingEvent::kVerified,     TrackingEvent::kDoubted,
+                                TrackingEvent::kAgreed,       TrackingEvent::kConfirmed,
+                                TrackingEvent::kHoldExpired,  TrackingEvent::kLossExpired,
+                                TrackingEvent::kContradicted, TrackingEvent::kGivenUp};
+constexpr std::array kAgreements = {ScanAgreement::kDisagree, ScanAgreement::kAgree,
+                                    ScanAgreement::kAgreeAndRegistered};
+constexpr std::array kAgreementEvents = {ScanAgreementEvent::kDoesNotFit, ScanAgreementEvent::kFits,
+                                         ScanAgreementEvent::kRegistrationAccepted};
+constexpr std::array kVerifications = {Verification::kNotNeeded, Verification::kUnlessFixesAgree,
+                                       Verification::kNeeded};
+constexpr std::array kVerificationEvents = {
+    VerificationEvent::kFixesInsist, VerificationEvent::kFixAgrees, VerificationEvent::kWayReturns,
+    VerificationEvent::kVerified};
+constexpr std::array kWays = {WayObservation::kObserved, WayObservation::kFading,
+                              WayObservation::kNotObserved, WayObservation::kReturning};
+constexpr std::array kWayEvents = {WayEvent::kSeen, WayEvent::kUnseen, WayEvent::kSeenForLong,
+                                   WayEvent::kUnseenForLong};
+
+// Each arrow is taken and stands once; every other event leaves every state as it is.
+template <typename Table, typename States, typename Events>
+void ExpectNothingElseMoves(const Table& table, const States& states, const Events& events) {
+  std::size_t count = 0;
+  for (const auto state : states) {
+    for (const auto event : events) {
+      const auto starts_here = [&](const auto& arrow) {
+        return arrow.from == state && arrow.event == event;
+      };
+      const auto arrows = std::ranges::count_if(table, starts_here);
+      ASSERT_LE(arrows, 1);
+      count += static_cast<std::size_t>(arrows);
+      const auto expected = arrows == 1 ? std::ranges::find_if(table, starts_here)->to : state;
+      EXPECT_EQ(Next(state, event), expected);
+    }
+  }
+  EXPECT_EQ(count, table.size());
+}
+
+template <typename Table, typename States>
+void ExpectEachIsReachedAndLeft(const Table& table, const States& states) {
+  for (const auto state : states) {
+    EXPECT_TRUE(std::ranges::any_of(
+        table, [&](const auto& arrow) { return arrow.to == state && arrow.from != state; }));
+    EXPECT_TRUE(std::ranges::any_of(
+        table, [&](const auto& arrow) { return arrow.from == state && arrow.to != state; }));
+  }
+}
+
+TEST(TrackingStatesTest, ModesFollowTheirTable) {
+  ExpectNothingElseMoves(kTrackingTransitions, kModes, kEvents);
+  ExpectEachIsReachedAndLeft(kTrackingTransitions, kModes);
+}
+
+TEST(TrackingStatesTest, AgreementsFollowTheirTable) {
+  ExpectNothingElseMoves(kScanAgreementTransitions, kAgreements, kAgreementEvents);
+  ExpectEachIsReachedAndLeft(kScanAgreementTransitions, kAgreements);
+}
+
+TEST(TrackingStatesTest, VerificationsFollowTheirTable) {
+  ExpectNothingElseMoves(kVerificationTransitions, kVerifications, kVerificationEvents);
+  ExpectEachIsReachedAndLeft(kVerificationTransitions, kVerifications);
+}
+
+TEST(TrackingStatesTest, ObservationsOfTheWayFollowTheirTable) {
+  ExpectNothingElseMoves(kWayTransitions, kWays, kWayEvents);
+  ExpectEachIsReachedAndLeft(kWayTransitions, kWays);
+}
+
+// A pose is claimed only where it was confirmed, agreed or verified.
+TEST(TrackingStatesTest, TrackingBeginsByThreeEventsOnly) {
+  for (const TrackingTransition& arrow : kTrackingTransitions) {
+    if (arrow.to != TrackingMode::kTracking) continue;
+    EXPECT_TRUE(arrow.event == TrackingEvent::kConfirmed || arrow.event == TrackingEvent::kAgreed ||
+                arrow.event == TrackingEvent::kVerified);
+    EXPECT_NE(arrow.from, TrackingMode::kSearching);
+    EXPECT_NE(arrow.from, TrackingMode::kConfirmingPrior);
+    EXPECT_NE(arrow.from, TrackingMode::kRecovering);
+  }
+}
+
+class TrackingTransitionTest : public ::testing::TestWithParam<TrackingTransition> {};
+
+TEST_P(TrackingTransitionTest, IsTaken) {
+  const TrackingTransition& arrow = GetParam();
+  EXPECT_EQ(Next(arrow.from, arrow.event), arrow.to);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, TrackingTransitionTest, ::testing::ValuesIn(kTrackingTransitions));
+
+}  // namespace
+}  // namespace dcloc
