@@ -123,7 +123,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   if (velocity_ && late_.T_previous_now()) since_previous_.T_from_to = *late_.T_previous_now();
   expected_motion_ = since_previous_.T_from_to;
   AddMissedMotion();
-  Learn(reported, age);
+  Learn(reported, now, age);
   history_.Add(stamp, since_previous_, now);
   velocity_ = now;
   stamp_ = stamp;
@@ -131,18 +131,24 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   return *velocity_;
 }
 
-// Of what is set aside, too: it may be taken back once it is known by what it is wrong.
-void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, std::chrono::nanoseconds age) {
+// Of a gyroscope that is set aside, too: it may be taken back once its bias is known. Wheels that
+// are set aside slip, and no scale describes that.
+void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, const EgoVelocity& now,
+                      std::chrono::nanoseconds age) {
   const bool is_used =
       sources_.IsSound(OdometrySource::kWheelSpeed) && sources_.IsSound(OdometrySource::kYawRate);
+  std::optional<EgoVelocity> turning = reported;
+  if (turning && !sources_.IsSound(OdometrySource::kWheelSpeed)) {
+    turning->linear_mps = now.linear_mps;
+  }
   if (is_used) {
     errors_.OnMotion(since_previous_.T_from_to, age);
-  } else if (reported && reported_) {
-    errors_.OnMotion(Integrate(*reported_, *reported, age, options_.motion).T_from_to, age);
+  } else if (turning && turning_) {
+    errors_.OnMotion(Integrate(*turning_, *turning, age, options_.motion).T_from_to, age);
   } else {
     errors_.OnJump();
   }
-  reported_ = reported;
+  turning_ = turning;
 }
 
 void EgoMotion::Diagnose(const std::optional<EgoVelocity>& reported) {

@@ -141,7 +141,8 @@ class EgoMotion {
   EgoVelocity FromMonitor() const;
   EgoVelocity Held(std::chrono::nanoseconds age) const;
   EgoVelocity Corrected(const EgoVelocity& reported) const;
-  void Learn(const std::optional<EgoVelocity>& reported, std::chrono::nanoseconds age);
+  void Learn(const std::optional<EgoVelocity>& reported, const EgoVelocity& now,
+             std::chrono::nanoseconds age);
   void AddMissedMotion();
   void Diagnose(const std::optional<EgoVelocity>& reported);
   SourceHealth HealthOf(OdometrySource source, const SourceDiagnosis& diagnosis) const;
@@ -154,7 +155,8 @@ class EgoMotion {
   Pose3 expected_motion_;
   Motion since_previous_;
   std::optional<EgoVelocity> velocity_;
-  std::optional<EgoVelocity> reported_;  // at the last scan, corrected
+  // At the last scan: what the vehicle reports, corrected; without wheels that are not sound.
+  std::optional<EgoVelocity> turning_;
   std::optional<EgoVelocity> by_gyroscope_;
   Stamp stamp_{};
   std::optional<Stamp> reported_stamp_;

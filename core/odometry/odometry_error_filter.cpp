@@ -39,7 +39,7 @@ std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
       {"max_squared_sigmas", &O::max_squared_sigmas, 1e-6, 1e6},
       {"innovation_prior_count", &O::innovation_prior_count, 1e-6, 1e6},
       {"usual_squared_sigmas", &O::usual_squared_sigmas, 1e-6, 1e6},
-      {"max_scale_error", &O::max_scale_error, 0, 0.9, "the scale does not change at once"},
+      {"max_supposed_sigmas", &O::max_supposed_sigmas, 0, 100, "no scale is taken"},
       {"max_yaw_rate_bias_radps", &O::max_yaw_rate_bias_radps, 0, 1,
        "the bias does not change at once"},
       {"max_change_interval_ms", &O::max_change_interval, 0, 1e5, "no change at once is found"},
@@ -54,7 +54,7 @@ absl::Status Validate(const OdometryErrorFilterOptions& options) {
 }
 
 OdometryErrorFilter::OdometryErrorFilter(const OdometryErrorFilterOptions& options)
-    : options_(options), scale_change_(options.change), bias_change_(options.change) {
+    : options_(options), bias_change_(options.change) {
   covariance_.diagonal() << 0.0, 0.0, 0.0, Square(options.scale_sigma),
       Square(options.yaw_rate_bias_sigma_radps), Square(options.course_sigma_rad),
       Square(options.time_offset_sigma_s);
@@ -70,7 +70,8 @@ double OdometryErrorFilter::yaw_rate_bias_sigma_radps() const {
 
 void OdometryErrorFilter::Suppose(const std::optional<ScalarEstimate>& scale,
                                   const std::optional<ScalarEstimate>& yaw_rate_bias_radps) {
-  if (scale) {
+  if (scale &&
+      std::abs(scale->value - 1.0) <= options_.max_supposed_sigmas * options_.scale_sigma) {
     scale_ = scale->value;
     SetVariance(kScale, std::max(scale->variance, Square(options_.scale_sigma)));
   }
@@ -98,7 +99,7 @@ void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseco
   if (!T_map_vehicle_ || duration_s <= 0.0) return;
   const Pose2 reported = Flatten(T_from_to);
   if (last_pose_) {
-    last_pose_->T_then_now = last_pose_->T_then_now * reported;
+    last_pose_->turn_rad += reported.yaw_rad;
     last_pose_->duration += duration;
   }
   const Pose2 T_before_now{
@@ -157,47 +158,28 @@ void OdometryErrorFilter::StartAt(const Pose3& T_map_vehicle, const Eigen::Matri
 }
 
 // METHOD eq 62. Neighbouring poses alone are compared: a pose that is wrong makes two deviations of
-// opposite sign, and a change makes all that follow.
+// opposite sign, and a change makes all that follow. What is further off than a zero can be is no
+// bias.
 bool OdometryErrorFilter::HasChangedAtOnce(const Pose2& T_map_vehicle,
                                            const Eigen::Matrix3d& noise) {
   const std::optional<LastPose> last = std::exchange(
       last_pose_,
-      LastPose{.T_map_vehicle = T_map_vehicle, .noise = noise, .T_then_now = {}, .duration = {}});
+      LastPose{.T_map_vehicle = T_map_vehicle, .noise = noise, .turn_rad = 0.0, .duration = {}});
   if (!last || last->duration > options_.max_change_interval) return false;
   const double duration_s = std::chrono::duration<double>(last->duration).count();
-  const Pose2 T_then_now = last->T_map_vehicle.Inverse() * T_map_vehicle;
-  const Eigen::Matrix3d both = InnovationScaleOfLate() * (last->noise + noise);
-  const double turn_variance = both(2, 2) + Square(options_.walk_sigma_rad) * duration_s +
+  const double turn_rad = WrapAngle(T_map_vehicle.yaw_rad - last->T_map_vehicle.yaw_rad);
+  const double turn_variance = InnovationScaleOfLate() * (last->noise(2, 2) + noise(2, 2)) +
+                               Square(options_.walk_sigma_rad) * duration_s +
                                covariance_(kYawRateBias, kYawRateBias) * Square(duration_s);
-  const bool bias_has_changed = LearnAfresh(
-      kYawRateBias,
-      bias_change_.OnDeviation(
-          {WrapAngle(T_then_now.yaw_rad - last->T_then_now.yaw_rad), turn_variance}, duration_s),
-      1.0, {0.0, options_.max_yaw_rate_bias_radps}, yaw_rate_bias_radps_);
-  // Only a way along which the vehicle moves tells of its scale.
-  const double way_m = last->T_then_now.translation_m.x();
-  const double way_variance = both(0, 0) + Square(options_.walk_sigma_m) * duration_s +
-                              covariance_(kScale, kScale) * Square(way_m);
-  const double further_m = T_then_now.translation_m.x() - way_m;
-  const bool scale_has_changed =
-      LearnAfresh(kScale,
-                  scale_change_.OnDeviation({way_m < 0.0 ? -further_m : further_m, way_variance},
-                                            std::abs(way_m)),
-                  scale_, {1.0, options_.max_scale_error}, scale_);
-  // The innovations of late were those of the change.
-  if (bias_has_changed || scale_has_changed) squared_sigmas_ = count_ = 0.0;
-  return bias_has_changed || scale_has_changed;
-}
-
-// The constant changed by `change` units, where that is possible: further from the usual value than
-// the range says, it is no error of this kind.
-bool OdometryErrorFilter::LearnAfresh(int state, const std::optional<ScalarEstimate>& change,
-                                      double unit, const Range& possible, double& constant) {
-  if (!change) return false;
-  const double changed = constant + unit * change->value;
-  if (std::abs(changed - possible.usual) > possible.furthest) return false;
-  constant = changed;
-  SetVariance(state, Square(unit) * change->variance);
+  const std::optional<ScalarEstimate> change =
+      bias_change_.OnDeviation({WrapAngle(turn_rad - last->turn_rad), turn_variance}, duration_s);
+  if (!change ||
+      std::abs(yaw_rate_bias_radps_ + change->value) > options_.max_yaw_rate_bias_radps) {
+    return false;
+  }
+  yaw_rate_bias_radps_ += change->value;
+  SetVariance(kYawRateBias, change->variance);
+  squared_sigmas_ = count_ = 0.0;  // the innovations of late were those of the change
   return true;
 }
 

@@ -39,11 +39,13 @@ struct OdometryErrorFilterOptions {
   double max_squared_sigmas = 9.0;
   double innovation_prior_count = 3.0;
   double usual_squared_sigmas = 3.0;
-  /// When scale or bias is said to have changed at once, and not to have drifted.
+  /// When the bias is said to have changed at once, and not to have drifted.
   PageTestOptions change;
-  /// What is further off is no error of a scale or of a zero, and is not corrected.
-  double max_scale_error = 0.6;
+  /// What is further off is no error of a zero, and is not corrected.
   double max_yaw_rate_bias_radps = 0.15;
+  /// A scale that an earlier session found is taken up to so many `scale_sigma` from 1: load and
+  /// tyres make no more.
+  double max_supposed_sigmas = 5.0;
   /// Poses further apart are not compared.
   std::chrono::nanoseconds max_change_interval = std::chrono::seconds(3);
 };
@@ -56,8 +58,8 @@ absl::Status Validate(const OdometryErrorFilterOptions& options);
 /// and four constants that drift slowly: scale, yaw-rate bias, course and time offset. The last two
 /// are not used; without them a turned mount would look like a yaw-rate bias, and a delay at
 /// changing speed like a scale. Registered poses are the measurements. If innovations exceed their
-/// covariance, the measurement noise is scaled up. A scale or bias that changes at once, as when a
-/// gyroscope is set anew, is found by the motion between neighbouring poses, and learned afresh
+/// covariance, the measurement noise is scaled up. A bias that changes at once, as when a gyroscope
+/// is set anew, is found by the motion between neighbouring poses, and learned afresh
 /// (METHOD eq 62).
 class OdometryErrorFilter {
  public:
@@ -102,13 +104,7 @@ class OdometryErrorFilter {
   void StartAt(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance);
   double InnovationScaleOfLate() const;
   double InnovationScale(double squared_sigmas);
-  struct Range {
-    double usual;
-    double furthest;  // from it
-  };
   bool HasChangedAtOnce(const Pose2& T_map_vehicle, const Eigen::Matrix3d& noise);
-  bool LearnAfresh(int state, const std::optional<ScalarEstimate>& change, double unit,
-                   const Range& possible, double& constant);
   void SetVariance(int state, double variance);
 
   OdometryErrorFilterOptions options_;
@@ -123,15 +119,14 @@ class OdometryErrorFilter {
   double squared_sigmas_ = 0.0;
   double count_ = 0.0;
 
-  // The last pose, and the motion by odometry since.
+  // The last pose, and by how much the vehicle turned since, by odometry.
   struct LastPose {
     Pose2 T_map_vehicle;
     Eigen::Matrix3d noise;
-    Pose2 T_then_now;
+    double turn_rad = 0.0;
     std::chrono::nanoseconds duration{0};
   };
   std::optional<LastPose> last_pose_;
-  PageTest scale_change_;
   PageTest bias_change_;
 };
 
