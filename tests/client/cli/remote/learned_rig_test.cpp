@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "server/convert/learned_rig.h"
 
 namespace dcloc::cli {
@@ -43,7 +44,7 @@ TEST(LearnedRigWireTest, ARigThatCannotHaveBeenLearnedIsRefusedByName) {
   EXPECT_FALSE(server::convert::FromProto(message, "open.learned_rig").ok());
   message.mutable_wheel_scale()->set_sigma(0.01);
   EXPECT_TRUE(server::convert::FromProto(message, "open.learned_rig").ok());
-  for (int i = 0; i < 100; ++i) message.add_radars()->set_radar_id("r" + std::to_string(i));
+  for (int i = 0; i < 100; ++i) message.add_radars()->set_radar_id(absl::StrCat("r", i));
   EXPECT_FALSE(server::convert::FromProto(message, "open.learned_rig").ok());
 }
 
