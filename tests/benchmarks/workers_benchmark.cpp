@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/localizer/localizer.h"
+#include "server/base/lending_pool.h"
 #include "server/base/worker_pool.h"
 #include "tests/benchmarks/inputs.h"
 
@@ -24,6 +25,7 @@ using Clock = std::chrono::steady_clock;
 using server::Lane;
 using server::Strand;
 using server::WorkerPool;
+using WorkspacePool = server::LendingPool<LocalizerWorkspace>;
 
 double CpuSecondsOfThread() {
   timespec now{};
@@ -37,8 +39,11 @@ double SecondsSince(Clock::time_point begin) {
 
 // One vehicle on the live drive, from its beginning.
 struct Vehicle {
-  Vehicle(const Case& drives, WorkerPool& pool, bool with_prior)
-      : scans(&drives.live_drive.scans), localizer(Make(drives, with_prior)), strand(pool) {}
+  Vehicle(const Case& drives, WorkerPool& pool, WorkspacePool& lender, bool with_prior)
+      : scans(&drives.live_drive.scans),
+        localizer(Make(drives, with_prior)),
+        strand(pool),
+        workspaces(&lender) {}
 
   static Localizer Make(const Case& drives, bool with_prior) {
     Vector6d sigmas;
@@ -52,10 +57,11 @@ struct Vehicle {
     return *std::move(made);
   }
 
-  // The next scan; on the strand.
+  // The next scan; on the strand, in a workspace that is lent as the server lends it.
   void Localize() {
+    const WorkspacePool::Loan workspace = workspaces->Lend();
     const double begin_s = CpuSecondsOfThread();
-    if (!localizer.Localize((*scans)[next++].scan).ok()) std::abort();
+    if (!localizer.Localize((*scans)[next++].scan, *workspace).ok()) std::abort();
     cpu_s += CpuSecondsOfThread() - begin_s;
   }
 
@@ -64,6 +70,7 @@ struct Vehicle {
   const std::vector<DriveScan>* scans;
   Localizer localizer;
   Strand strand;
+  WorkspacePool* workspaces;
   std::size_t next = 0;
   double cpu_s = 0.0;
 };
@@ -78,9 +85,10 @@ Throughput Run(const Case& drives, int worker_count, std::size_t vehicle_count) 
   std::vector<std::unique_ptr<Vehicle>> vehicles;
   const std::size_t scan_count = drives.live_drive.scans.size();
   std::latch done(static_cast<std::ptrdiff_t>(vehicle_count * scan_count));
+  WorkspacePool workspaces;
   WorkerPool pool(worker_count);
   for (std::size_t i = 0; i < vehicle_count; ++i) {
-    vehicles.push_back(std::make_unique<Vehicle>(drives, pool, /*with_prior=*/true));
+    vehicles.push_back(std::make_unique<Vehicle>(drives, pool, workspaces, /*with_prior=*/true));
   }
   const Clock::time_point begin = Clock::now();
   for (std::size_t scan = 0; scan < scan_count; ++scan) {
@@ -129,10 +137,11 @@ std::vector<double> Latencies_ms(const Case& drives, std::size_t searching_count
   std::vector<std::unique_ptr<Vehicle>> blind;
   std::vector<std::unique_ptr<std::atomic<bool>>> busy;
   std::unique_ptr<Vehicle> tracker;
+  WorkspacePool workspaces;
   WorkerPool pool(1, 1);  // goes first: its tasks use the others
-  tracker = std::make_unique<Vehicle>(drives, pool, /*with_prior=*/true);
+  tracker = std::make_unique<Vehicle>(drives, pool, workspaces, /*with_prior=*/true);
   for (std::size_t i = 0; i < searching_count; ++i) {
-    blind.push_back(std::make_unique<Vehicle>(drives, pool, /*with_prior=*/false));
+    blind.push_back(std::make_unique<Vehicle>(drives, pool, workspaces, /*with_prior=*/false));
     busy.push_back(std::make_unique<std::atomic<bool>>(false));
   }
   const Clock::time_point begin = Clock::now();
