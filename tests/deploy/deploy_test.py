@@ -163,7 +163,8 @@ class Monitoring(unittest.TestCase):
     def check(self, expression, where):
         names = set(METRIC.findall(expression))
         self.assertTrue(names, f"{where} names no metric: {expression}")
-        self.assertEqual(names - self.exposed - self.shared, set(), f"{where} names what is not exposed")
+        self.assertEqual(names - self.exposed - self.shared, set(),
+                         f"{where} names what is not exposed")
 
     def test_the_dashboard_shows_what_is_exposed(self):
         dashboard = json.loads((DEPLOY / "monitoring/grafana/dcloc.json").read_text())
