@@ -10,7 +10,7 @@ namespace dcloc {
 namespace {
 
 // However fast scans come, and whatever their stamps.
-constexpr std::size_t kMaxSamples = 1024;
+constexpr std::ptrdiff_t kMaxSamples = 1024;
 
 }  // namespace
 
@@ -53,23 +53,25 @@ void OdometryDelayEstimator::Suppose(const ScalarEstimate& delay_s) {
 
 void OdometryDelayEstimator::OnReported(Stamp stamp, double speed_mps, double yaw_rate_radps) {
   reported_.push_back({stamp, speed_mps, yaw_rate_radps});
-  while (!waiting_.empty() && waiting_.front().stamp +
-                                      DelayOf(static_cast<int>(candidates_.size()) - 1) +
-                                      options_.smoothing <=
-                                  stamp) {
-    Compare(waiting_.front());
-    waiting_.pop_front();
+  const std::chrono::nanoseconds latest =
+      DelayOf(static_cast<int>(candidates_.size()) - 1) + options_.smoothing;
+  auto waiting = waiting_.begin();
+  for (; waiting != waiting_.end() && waiting->stamp + latest <= stamp; ++waiting) {
+    Compare(*waiting);
   }
+  waiting_.erase(waiting_.begin(), waiting);
   const Stamp oldest = (waiting_.empty() ? stamp : waiting_.front().stamp) -
                        options_.earliest_steps * options_.step - options_.smoothing;
-  while (reported_.front().stamp < oldest || reported_.size() > kMaxSamples) reported_.pop_front();
+  auto kept = std::ranges::lower_bound(reported_, oldest, {}, &Sample::stamp);
+  if (reported_.end() - kept > kMaxSamples) kept = reported_.end() - kMaxSamples;
+  reported_.erase(reported_.begin(), kept);
 }
 
 void OdometryDelayEstimator::OnDoppler(Stamp stamp, double speed_mps, double yaw_rate_radps) {
   if (last_doppler_ && stamp - *last_doppler_ < options_.interval) return;
   last_doppler_ = stamp;
   waiting_.push_back({stamp, speed_mps, yaw_rate_radps});
-  if (waiting_.size() > kMaxSamples) waiting_.pop_front();
+  if (std::ssize(waiting_) > kMaxSamples) waiting_.erase(waiting_.begin());
 }
 
 // The mean of what was reported around `stamp`; nothing where that is not all around it.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <deque>
 #include <optional>
 #include <span>
 #include <vector>
@@ -100,8 +99,8 @@ class OdometryDelayEstimator {
   OdometryDelayOptions options_;
   std::vector<Candidate> candidates_;
   std::vector<Sample> reported_then_;  // by candidate; memory of Compare
-  std::deque<Sample> reported_;        // the newest last
-  std::deque<Sample> waiting_;         // Doppler of which not all candidates are known yet
+  std::vector<Sample> reported_;       // the newest last
+  std::vector<Sample> waiting_;        // Doppler of which not all candidates are known yet
   std::optional<Stamp> last_doppler_, last_compared_;
   int moment_count_ = 0;
   std::optional<ScalarEstimate> supposed_s_;
