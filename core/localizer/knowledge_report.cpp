@@ -1,7 +1,5 @@
 #include "core/localizer/knowledge_report.h"
 
-#include <utility>
-
 namespace dcloc {
 
 std::span<const OptionField<KnowledgeReportOptions>> FieldsOf(
@@ -25,9 +23,9 @@ bool KnowledgeReport::IsDue(Stamp stamp) {
   return true;
 }
 
-std::optional<RigKnowledge> KnowledgeReport::OnKnown(RigKnowledge known) {
+std::optional<RigKnowledge> KnowledgeReport::OnKnown(const RigKnowledge& known) {
   if (!HasChanged(told_, known)) return std::nullopt;
-  told_ = std::move(known);
+  told_ = known;
   return told_;
 }
 

@@ -32,7 +32,7 @@ class KnowledgeReport {
   bool IsDue(Stamp stamp);
 
   /// What is to be told of `known`: all of it, or nothing.
-  std::optional<RigKnowledge> OnKnown(RigKnowledge known);
+  std::optional<RigKnowledge> OnKnown(const RigKnowledge& known);
 
  private:
   KnowledgeReportOptions options_;

@@ -337,16 +337,16 @@ PoseEstimate<3> Pipeline<Dim>::NowInMap() const {
 }
 
 template <int Dim>
-RigKnowledge Pipeline<Dim>::Knowledge() const {
-  RigKnowledge known;
-  ego_motion_.AddTo(known);
-  learned_rig_.AddTo(known);
+const RigKnowledge& Pipeline<Dim>::Knowledge() {
+  known_.radars.clear();
+  ego_motion_.AddTo(known_);
+  learned_rig_.AddTo(known_);
   for (std::size_t i = 0; i < rig().radars.size(); ++i) {
     const BetaCheck beta = learner_.CheckBeta(i);
     if (beta.sigma_s > options_.knowledge_report.max_beta_sigma_s) continue;
-    known.Of(rig().radars[i].id).beta_error = {beta.error_s, beta.sigma_s * beta.sigma_s};
+    known_.Of(rig().radars[i].id).beta_error = {beta.error_s, beta.sigma_s * beta.sigma_s};
   }
-  return known;
+  return known_;
 }
 
 template <int Dim>

@@ -109,7 +109,7 @@ class Pipeline final : public AnyPipeline {
   void UpdateOdometry(const std::optional<Registration<Dim>>& registration,
                       RegistrationOutcome outcome);
   void HandleLoss(Stamp stamp);
-  RigKnowledge Knowledge() const;
+  const RigKnowledge& Knowledge();
   Localization Answer(const Scan& scan, Stamp stamp);
   void Claim(Localization& answer);
 
@@ -136,6 +136,7 @@ class Pipeline final : public AnyPipeline {
   StampError stamp_error_;  // of the newest scan
   ResetCounter reset_counter_;
   KnowledgeReport knowledge_report_;
+  RigKnowledge known_;  // memory of Knowledge
   Observability observability_;
   std::optional<Stamp> observability_stamp_;
   int factor_count_ = 0;          // registrations since the pose graph was started
