@@ -26,6 +26,8 @@ export class TileStore {
     private readonly map: string,
     private readonly version: number,
     private readonly onTile: () => void,
+    /** How many landmarks a tile of a level may have; of more, some are left out. */
+    private readonly countOf: (level: number) => number = pointCountOf,
   ) {}
 
   /** What is there of a tile; counts as shown. */
@@ -77,7 +79,7 @@ export class TileStore {
           minYM: minY - MARGIN_M,
           maxXM: maxX + MARGIN_M,
           maxYM: maxY + MARGIN_M,
-          maxPointCount: pointCountOf(id.level),
+          maxPointCount: this.countOf(id.level),
         },
         stop.signal,
       );
