@@ -11,6 +11,7 @@ import {
   currentLanguage,
   t,
 } from "./texts/texts.ts";
+import { CompareView } from "./views/compare.tsx";
 import { LiveView } from "./views/live.tsx";
 import { MapView } from "./views/map.tsx";
 import { MapsView } from "./views/maps.tsx";
@@ -144,7 +145,7 @@ function TopBar({ onSignOut, settings }: Pick<ConsoleProps, "onSignOut" | "setti
   const [first = ""] = useRoute();
   const views = [
     { path: "/live", name: t("live"), isHere: first === "" || first === "live" || first === "session" },
-    { path: "/maps", name: t("maps"), isHere: first === "maps" },
+    { path: "/maps", name: t("maps"), isHere: first === "maps" || first === "compare" },
     { path: "/recordings", name: t("recordings"), isHere: first === "recordings" },
     { path: "/servers", name: t("servers"), isHere: first === "servers" },
   ];
@@ -173,10 +174,13 @@ function TopBar({ onSignOut, settings }: Pick<ConsoleProps, "onSignOut" | "setti
 }
 
 function View({ visit, fleet, shelf }: Pick<ConsoleProps, "visit" | "shelf"> & { fleet: FleetLink }) {
-  const [first = "", second = "", third = ""] = useRoute();
+  const [first = "", second = "", third = "", fourth = "", fifth = ""] = useRoute();
   const servers = visit.servers ?? [];
   if (first === "maps" && third !== "") return <MapView server={second} name={third} fleet={fleet} />;
   if (first === "maps") return <MapsView servers={servers} fleet={fleet} />;
+  if (first === "compare") {
+    return <CompareView server={second} map={third} from={Number(fourth)} to={Number(fifth)} />;
+  }
   if (first === "servers") return <ServersView servers={servers} />;
   if (first === "session") {
     return <SessionView server={second} id={third} fleet={fleet} shelf={shelf} />;

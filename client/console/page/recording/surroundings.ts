@@ -1,3 +1,4 @@
+import { LandmarkGrid } from "../map/landmark_grid.ts";
 import { type TileId, sideOf, tilesIn } from "../map/tile_grid.ts";
 import { type Tile, TileStore } from "../map/tile_store.ts";
 
@@ -9,47 +10,6 @@ const LEVEL = 4;
 const REACH_M = 150;
 const MAX_POINT_COUNT = 50_000;
 const EVERYWHERE = { minX: -1e9, minY: -1e9, maxX: 1e9, maxY: 1e9 };
-
-/** Landmarks by squares as wide as NEAR_M, so that the nearest ones of a place are in nine of them. */
-export class LandmarkGrid {
-  private readonly cells = new Map<number, number[]>();
-
-  /** Coordinates in metres, of any frame; `all` is false where landmarks were left out. */
-  constructor(
-    private readonly x: ArrayLike<number>,
-    private readonly y: ArrayLike<number>,
-    readonly all = true,
-    private readonly radiusM = NEAR_M,
-  ) {
-    for (let i = 0; i < x.length; ++i) {
-      const key = this.keyAt(this.cellOf(x[i]!), this.cellOf(y[i]!));
-      const cell = this.cells.get(key);
-      if (cell) cell.push(i);
-      else this.cells.set(key, [i]);
-    }
-  }
-
-  hasNear(x: number, y: number): boolean {
-    const [column, row] = [this.cellOf(x), this.cellOf(y)];
-    const limit = this.radiusM * this.radiusM;
-    for (let dc = -1; dc <= 1; ++dc) {
-      for (let dr = -1; dr <= 1; ++dr) {
-        for (const i of this.cells.get(this.keyAt(column + dc, row + dr)) ?? []) {
-          if ((this.x[i]! - x) ** 2 + (this.y[i]! - y) ** 2 <= limit) return true;
-        }
-      }
-    }
-    return false;
-  }
-
-  private cellOf(metres: number): number {
-    return Math.floor(metres / this.radiusM);
-  }
-
-  private keyAt(column: number, row: number): number {
-    return column * 2 ** 25 + row;
-  }
-}
 
 /** The landmarks around a vehicle, read square by square as it drives. */
 export class Surroundings {
@@ -73,13 +33,13 @@ export class Surroundings {
     if (!tile) return undefined;
     let grid = this.grids.get(tile);
     if (!grid) {
-      const { xM, yM, pointCount } = tile.data;
-      grid = new LandmarkGrid(xM, yM, Number(pointCount) === xM.length);
+      grid = new LandmarkGrid(tile.data.xM, tile.data.yM, NEAR_M);
       this.grids.set(tile, grid);
     }
-    const { originM } = tile.data;
+    const { originM, xM, pointCount } = tile.data;
     const isNear = grid.hasNear(x - (originM?.x ?? 0), y - (originM?.y ?? 0));
-    return isNear || grid.all ? isNear : undefined;
+    const isWhole = Number(pointCount) === xM.length;
+    return isNear || isWhole ? isNear : undefined;
   }
 
   close(): void {

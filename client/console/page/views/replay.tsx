@@ -19,7 +19,7 @@ import { SessionCharts } from "../session/charts.tsx";
 import { explain } from "../session/explain.ts";
 import { Sources } from "../session/sources.tsx";
 import { Why } from "../session/why.tsx";
-import { count, decimals, numbered, t } from "../texts/texts.ts";
+import { count, currentLanguage, decimals, numbered, t } from "../texts/texts.ts";
 import type { ServerName } from "../wire/calls.ts";
 import { itemText, refusalText, useShelf } from "./recordings.tsx";
 
@@ -166,12 +166,12 @@ function Replay({ item, shelf, servers }: Omit<Props, "id"> & { item: Item }) {
           ) : (
             <Loading />
           )}
-          <ScanLegend />
           <label class="chip">
             <input type="checkbox" checked={follow} onChange={(e) => setFollow(e.currentTarget.checked)} />
             {t("follow")}
           </label>
         </div>
+        <ScanLegend />
         <Transport player={player} recording={recording} act={act} />
         <BandChart
           bands={recording.bands.all}
@@ -246,7 +246,7 @@ function Figures({ recording, positionMs, tick, map }: FiguresProps) {
       nowMs: positionMs,
     });
     return { samples, findings };
-  }, [recording, tick, info]);
+  }, [recording, tick, info, currentLanguage()]);
   return (
     <>
       <Why findings={content.findings} />
@@ -257,11 +257,17 @@ function Figures({ recording, positionMs, tick, map }: FiguresProps) {
 
 function ScanLegend() {
   return (
-    <div class="legend scan-legend">
-      <span class="target near" aria-hidden="true" /> {t("target_near", { distance: decimals(NEAR_M, 0) })}
-      <span class="target far" aria-hidden="true" /> {t("target_far")}
-      <span class="swatch rates" aria-hidden="true" /> {t("target_rates")}
-    </div>
+    <p class="scan-legend">
+      <span>
+        <i class="target near" aria-hidden="true" /> {t("target_near", { distance: decimals(NEAR_M, 0) })}
+      </span>
+      <span>
+        <i class="target far" aria-hidden="true" /> {t("target_far")}
+      </span>
+      <span>
+        <i class="swatch rates" aria-hidden="true" /> {t("target_rates")}
+      </span>
+    </p>
   );
 }
 

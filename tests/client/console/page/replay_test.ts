@@ -6,7 +6,7 @@ import { HealthSchema, SourceFault } from "proto/dcloc/v1/localization_service_p
 import { RadarModelSchema, ScanSchema } from "proto/dcloc/v1/scan_pb.ts";
 import { colourStep } from "../../../../client/console/page/map/draw_scan.ts";
 import { Player } from "../../../../client/console/page/recording/player.ts";
-import { LandmarkGrid } from "../../../../client/console/page/recording/surroundings.ts";
+import { LandmarkGrid } from "../../../../client/console/page/map/landmark_grid.ts";
 import { targetsOf } from "../../../../client/console/page/recording/targets.ts";
 import { Bands, faultOf, isUsed } from "../../../../client/console/page/session/bands.ts";
 
@@ -37,7 +37,7 @@ test("columns of unequal length give as many targets as are whole", () => {
 });
 
 test("a landmark is near within a metre, across the edges of its square", () => {
-  const grid = new LandmarkGrid([0.95, -3.02], [0.1, -7.9]);
+  const grid = new LandmarkGrid([0.95, -3.02], [0.1, -7.9], 1);
   assert.ok(grid.hasNear(1.9, 0.1));
   assert.ok(!grid.hasNear(2, 0.1));
   assert.ok(grid.hasNear(-2.5, -8.1));
