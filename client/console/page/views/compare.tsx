@@ -77,6 +77,7 @@ export function CompareView(props: Props) {
     () => union(extentOf(first?.info), extentOf(second?.info)),
     [first?.sha256, second?.sha256],
   );
+  const [isDetailed, setDetailed] = useState(true);
   const { comparison, tick } = useComparison(props, first && second ? extent : undefined);
   if (!versions) {
     return loaded.failure ? <FailureNotice failure={loaded.failure} retry={loaded.reload} /> : <Loading />;
@@ -109,9 +110,9 @@ export function CompareView(props: Props) {
         <MapCanvas
           map={undefined}
           extent={extent}
-          overlay={(context, camera, palette) =>
-            comparison && drawDifference(context, camera, palette, comparison)
-          }
+          overlay={(context, camera, palette) => {
+            if (comparison) setDetailed(drawDifference(context, camera, palette, comparison));
+          }}
           vehicles={() => []}
           tick={tick}
         />
@@ -119,7 +120,7 @@ export function CompareView(props: Props) {
           <span class="swatch only-from" aria-hidden="true" /> {t("compare_only_from", { version: from })}
           <span class="swatch only-to" aria-hidden="true" /> {t("compare_only_to", { version: to })}
           <span class="swatch both" aria-hidden="true" /> {t("compare_both")}
-          <span class="soft">{t("compare_zoom")}</span>
+          {!isDetailed && <span class="soft">{t("compare_zoom")}</span>}
         </div>
       </div>
     </div>

@@ -48,6 +48,10 @@ export class Program {
     });
   }
 
+  get pid(): number {
+    return this.child.pid!;
+  }
+
   async stop(signal: NodeJS.Signals = "SIGTERM"): Promise<void> {
     if (this.child.exitCode !== null || this.child.signalCode !== null) return;
     const ended = new Promise((resolve) => this.child.once("exit", resolve));
