@@ -9,6 +9,7 @@ import {
 } from "proto/dcloc/v1/recording_pb.ts";
 import { Bands, FIX_BAND } from "../session/bands.ts";
 import { type Rejection, type Sample, sampleOf } from "../session/history.ts";
+import { shortened } from "../texts/shortened.ts";
 
 /** Stamps further from one another say that the clock was set, not that it was silent for so long. */
 const MAX_GAP_MS = 10 * 60_000;
@@ -56,7 +57,9 @@ export class Recording {
     this.keep(step);
     ++this.scanCount;
     const answer = scan.answer?.message;
-    if (answer?.case === "rejected") this.rejections.push({ timeMs, message: answer.value.message });
+    if (answer?.case === "rejected") {
+      this.rejections.push({ timeMs, message: shortened(answer.value.message) });
+    }
     if (answer?.case !== "result") return;
     this.bands.take(timeMs, answer.value.state, answer.value.health);
     const sample = sampleOf(answer.value, timeMs);

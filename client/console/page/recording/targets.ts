@@ -8,6 +8,9 @@ export interface Targets {
   rangeRateMps: Float32Array;
 }
 
+/** Far above what a radar gives; a file may say anything. */
+const MAX_TARGET_COUNT = 20_000;
+
 /** Measured range = range + beta * range rate: beta as given, or by the waveform (METHOD eq 5). */
 function betaOf({ coupling }: RadarModel): number {
   if (coupling.case === "betaS") return coupling.value;
@@ -38,7 +41,7 @@ export type Triple = [number, number, number];
  */
 export function targetsOf(scan: Scan, radar: RadarModel | undefined, T_map_vehicle: Pose): Targets {
   const { rangeM, rangeRateMps, azimuthRad, elevationRad } = scan;
-  const count = Math.min(rangeM.length, rangeRateMps.length, azimuthRad.length);
+  const count = Math.min(rangeM.length, rangeRateMps.length, azimuthRad.length, MAX_TARGET_COUNT);
   const targets: Targets = {
     x_map: new Float64Array(count),
     y_map: new Float64Array(count),

@@ -18,7 +18,7 @@ function step(player: Player, recording: Recording, direction: 1 | -1): void {
   player.seek(steps[before]?.timeMs ?? 0, durationMs);
 }
 
-/** What keys do anywhere in the view, but where something is typed or chosen. */
+/** What keys do anywhere on the page, but where something is typed or chosen. */
 export function keyAction(event: KeyboardEvent, player: Player, recording: Recording, act: Act): void {
   const target = event.target as Element;
   if (event.ctrlKey || event.metaKey || event.altKey) return;

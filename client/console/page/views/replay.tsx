@@ -19,6 +19,7 @@ import { SessionCharts } from "../session/charts.tsx";
 import { explain } from "../session/explain.ts";
 import { Sources } from "../session/sources.tsx";
 import { Why } from "../session/why.tsx";
+import { shortened } from "../texts/shortened.ts";
 import { count, currentLanguage, decimals, numbered, t } from "../texts/texts.ts";
 import type { ServerName } from "../wire/calls.ts";
 import { itemText, refusalText, useShelf } from "./recordings.tsx";
@@ -92,12 +93,24 @@ function usePlayer(recording: Recording): { player: Player; show: () => void } {
   return { player: player.current, show };
 }
 
+/** Keys work wherever the focus is. */
+function useKeys(onKey: (event: KeyboardEvent) => void): void {
+  const latest = useRef(onKey);
+  latest.current = onKey;
+  useEffect(() => {
+    const listener = (event: KeyboardEvent): void => latest.current(event);
+    addEventListener("keydown", listener);
+    return () => removeEventListener("keydown", listener);
+  }, []);
+}
+
 function useSurroundings(map: FoundMap | undefined, onTile: () => void): Surroundings | undefined {
   const made = useRef<Surroundings>();
   const { server, version } = map ?? {};
   useEffect(() => {
     if (!server || !version) return undefined;
     made.current = new Surroundings(server, version.mapName, Number(version.version), onTile);
+    onTile();
     return () => {
       made.current?.close();
       made.current = undefined;
@@ -128,19 +141,20 @@ function Replay({ item, shelf, servers }: Omit<Props, "id"> & { item: Item }) {
     change();
     show();
   };
+  useKeys((event) => keyAction(event, player, recording, act));
   const seek = (timeMs: number): void => act(() => player.seek(timeMs, recording.durationMs));
   const figures = Math.floor(positionMs / FIGURES_MS);
   const tick = figures + recording.samples.length;
   return (
-    <div class="session replay" onKeyDown={(event) => keyAction(event, player, recording, act)}>
+    <div class="session replay">
       <section class="session-main">
         <header class="session-head">
           <div>
             <p class="crumbs">
-              <Link to="/recordings">{t("recordings")}</Link> / {header.opened?.mapName} v
+              <Link to="/recordings">{t("recordings")}</Link> / {shortened(header.opened?.mapName ?? "")} v
               {String(header.opened?.mapVersion ?? 0n)}
             </p>
-            <h1>{header.open?.vehicleId || item.name}</h1>
+            <h1>{shortened(header.open?.vehicleId || item.name)}</h1>
           </div>
           {last && <StateMark state={last.state} />}
           {recorder && recorder.state !== "ended" && (
@@ -287,8 +301,8 @@ function RecordedFacts({ recording }: { recording: Recording }) {
       count(times),
     ]),
     [t("radars"), count(header?.open?.rig?.radars.length ?? 0)],
-    [t("program_version"), header?.program ?? ""],
-    [t("session"), header?.opened?.sessionId ?? ""],
+    [t("program_version"), shortened(header?.program ?? "")],
+    [t("session"), shortened(header?.opened?.sessionId ?? "")],
   ];
   return (
     <section aria-label={t("session")}>

@@ -163,3 +163,11 @@ test("an entry is kept as it came, with fields that this page does not know", ()
   const file = Buffer.from(fileOf(recording));
   assert.ok(file.includes(Buffer.from([0xfa, 0x3f, 1, 7])));
 });
+
+test("what a hostile file says without end is cut short", () => {
+  const message = "x".repeat(1 << 20);
+  const rejected = { case: "rejected" as const, value: { message, code: 3, sequenceNumber: 1n } };
+  const answer = create(LocalizeResponseSchema, { message: rejected });
+  const recording = recordingOf([create(RecordedScanSchema, { scan: { stampNs: 1n }, answer })]);
+  assert.ok(recording.rejections[0]!.message.length < 300);
+});
