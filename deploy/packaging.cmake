@@ -84,4 +84,5 @@ set(CPACK_DEBIAN_SDK_PACKAGE_DEPENDS
   "libgrpc++-dev, libprotobuf-dev, libabsl-dev, libssl-dev, zlib1g-dev")
 set(CPACK_DEBIAN_SDK_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION_SUMMARY} (client library)
  What a vehicle links to be localized by a dcloc server: find_package(dcloc).")
+include(${CMAKE_CURRENT_LIST_DIR}/console.cmake)
 include(CPack)

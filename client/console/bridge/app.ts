@@ -6,6 +6,7 @@ import type { Guard } from "./guard.ts";
 import { RequestError, answerFailure, answerJson, cookieOf, parameter, readBody } from "./http.ts";
 import type { Login, Logins } from "./logins.ts";
 import type { PageFiles } from "./page_files.ts";
+import { Recordings } from "./recordings.ts";
 import { SharedWatches } from "./shared_watch.ts";
 import { signIn } from "./sign_in.ts";
 import { LiveStreams, answerWatch } from "./streams.ts";
@@ -36,6 +37,7 @@ interface Exchange {
 export class App {
   private readonly live: LiveStreams;
   private readonly watches: SharedWatches;
+  private readonly recordings: Recordings;
   private readonly cookieName: string;
 
   constructor(
@@ -46,12 +48,14 @@ export class App {
       page: PageFiles;
       tls: boolean;
       maxWatchCount: number;
+      maxRecordingCount: number;
       /** Told of faults of our own. */
       log: (text: string) => void;
     },
   ) {
     this.live = new LiveStreams(parts.upstreams);
     this.watches = new SharedWatches(parts.maxWatchCount);
+    this.recordings = new Recordings(parts.maxRecordingCount);
     // The prefix makes browsers refuse the cookie from anybody but this host over TLS.
     this.cookieName = parts.tls ? "__Host-dcloc" : "dcloc-console";
   }
@@ -75,7 +79,7 @@ export class App {
       return answerJson(response, this.describe(this.loginOf(request)));
     }
     if (first === "api" && method === "POST") return this.changeLogin(second, request, response);
-    const isData = ["rpc", "feed", "watch", "upload", "download"].includes(first);
+    const isData = ["rpc", "feed", "watch", "record", "upload", "download"].includes(first);
     if (!isData) {
       if (method !== "GET" && method !== "HEAD") {
         throw new RequestError(status.UNIMPLEMENTED, `${method} is not answered here`);
@@ -105,6 +109,8 @@ export class App {
         const sessionId = parameter(url, "session");
         return answerWatch(this.watches, upstream, login, sessionId, response);
       }
+      case "record":
+        return this.recordings.answer(upstream, login, parameter(url, "vehicle"), response);
       case "download":
         return answerDownload(upstream, login, url, response);
       case "upload":

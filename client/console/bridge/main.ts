@@ -46,6 +46,7 @@ function start(options: Options): void {
       page,
       tls: secure,
       maxWatchCount: options.maxWatchCount,
+      maxRecordingCount: options.maxRecordingCount,
       log,
     });
     server.on("request", (request, response) => void app.answer(request, response));

@@ -20,6 +20,8 @@ export interface Options {
   idleHours: number;
   /** Most sessions that are watched at once, over all servers. */
   maxWatchCount: number;
+  /** Most sessions that are recorded, or waited for, at once, over all servers. */
+  maxRecordingCount: number;
 }
 
 export const USAGE = `Usage: dcloc-console --server [NAME=]HOST:PORT [...]
@@ -33,6 +35,7 @@ Serves the console's page and speaks to dcloc servers with each visitor's own to
   --origin URL               as browsers name this page, where a proxy is in front (may repeat)
   --idle-hours N             forget a sign-in after N hours without a request, 12 by default
   --max-watch-count N        sessions watched at once, 64 by default
+  --max-recording-count N    sessions recorded at once, 8 by default
   --allow-plaintext-off-loopback
                              allow plaintext to other machines: tokens and maps can then be read
                              by the network between
@@ -95,6 +98,7 @@ export function parseOptions(argv: string[]): Options {
     allowPlaintextOffLoopback: false,
     idleHours: 12,
     maxWatchCount: 64,
+    maxRecordingCount: 8,
   };
   let certificate: string | undefined;
   let key: string | undefined;
@@ -108,6 +112,8 @@ export function parseOptions(argv: string[]): Options {
     "--idle-hours": (v) => (options.idleHours = takeInteger("--idle-hours", v, 1, 720)),
     "--max-watch-count": (v) =>
       (options.maxWatchCount = takeInteger("--max-watch-count", v, 1, 10_000)),
+    "--max-recording-count": (v) =>
+      (options.maxRecordingCount = takeInteger("--max-recording-count", v, 1, 1_000)),
   };
   for (let i = 0; i < argv.length; ++i) {
     const option = argv[i]!;

@@ -4,7 +4,7 @@ import {
   GetSessionRequestSchema,
   WatchSessionRequestSchema,
 } from "proto/dcloc/v1/admin_service_pb.ts";
-import type { WatchEnd } from "../shared/live.ts";
+import type { StreamEnd } from "../shared/live.ts";
 import { RequestError } from "./http.ts";
 import type { Login } from "./logins.ts";
 import { type Bytes, type ServerStream, type Upstream, failureOf } from "./upstream.ts";
@@ -14,7 +14,7 @@ const DEADLINE_MS = 10_000;
 export interface WatchListener {
   /** A WatchSessionResponse. */
   onAnswer(bytes: Bytes): void;
-  onEnd(end: WatchEnd): void;
+  onEnd(end: StreamEnd): void;
 }
 
 interface Watch {
@@ -72,7 +72,7 @@ export class SharedWatches {
     );
     const watch: Watch = { stream, listeners: new Set() };
     this.watches.set(key, watch);
-    const end = (failure: WatchEnd): void => {
+    const end = (failure: StreamEnd): void => {
       if (this.watches.get(key) === watch) this.watches.delete(key);
       for (const listener of watch.listeners) listener.onEnd(failure);
       watch.listeners.clear();

@@ -1,22 +1,13 @@
 import type { ServerResponse } from "node:http";
-import { WATCH_HEADER_BYTES, WatchFrameKind } from "../shared/live.ts";
+import { FrameKind } from "../shared/live.ts";
 import { FleetFeed } from "./fleet_feed.ts";
+import { beginStream, frame } from "./frames.ts";
 import type { Login } from "./logins.ts";
 import type { SharedWatches } from "./shared_watch.ts";
 import type { Upstream } from "./upstream.ts";
 
 /** What a page that does not read may hold here; beyond it answers are left out, and counted. */
 const MAX_UNREAD_BYTES = 1 << 20;
-
-function beginStream(response: ServerResponse, type: string): void {
-  response.writeHead(200, {
-    "Content-Type": type,
-    "Cache-Control": "no-store",
-    // A proxy must hand on each frame at once.
-    "X-Accel-Buffering": "no",
-  });
-  response.flushHeaders();
-}
 
 /** The live view: frames of every server, as LiveFrame lines. */
 export class LiveStreams {
@@ -58,14 +49,6 @@ export class LiveStreams {
   }
 }
 
-function frame(kind: WatchFrameKind, payload: Uint8Array): Buffer {
-  const bytes = Buffer.allocUnsafe(WATCH_HEADER_BYTES + payload.length);
-  bytes.writeUInt8(kind, 0);
-  bytes.writeUInt32BE(payload.length, 1);
-  bytes.set(payload, WATCH_HEADER_BYTES);
-  return bytes;
-}
-
 /** One session's answers as they come. Rejects, before anything is answered, if it may not be. */
 export async function answerWatch(
   watches: SharedWatches,
@@ -89,13 +72,13 @@ export async function answerWatch(
         return;
       }
       if (missed !== toldMissed) {
-        write(frame(WatchFrameKind.Missed, Buffer.from(String(missed))));
+        write(frame(FrameKind.Missed, Buffer.from(String(missed))));
         toldMissed = missed;
       }
-      write(frame(WatchFrameKind.Answer, bytes));
+      write(frame(FrameKind.Message, bytes));
     },
     onEnd(end) {
-      write(frame(WatchFrameKind.End, Buffer.from(JSON.stringify(end))));
+      write(frame(FrameKind.End, Buffer.from(JSON.stringify(end))));
       response.end();
     },
   });

@@ -1,8 +1,8 @@
-import { useEffect, useState } from "preact/hooks";
-import { Loading } from "./parts/notice.tsx";
-import { FailureNotice } from "./parts/notice.tsx";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { FailureNotice, Loading } from "./parts/notice.tsx";
 import { Link } from "./parts/link.tsx";
 import { useRoute } from "./parts/route.ts";
+import { Shelf } from "./recording/shelf.ts";
 import { type Theme, chooseTheme, currentTheme } from "./theme.ts";
 import {
   LANGUAGE_NAMES,
@@ -11,9 +11,12 @@ import {
   currentLanguage,
   t,
 } from "./texts/texts.ts";
+import { CompareView } from "./views/compare.tsx";
 import { LiveView } from "./views/live.tsx";
 import { MapView } from "./views/map.tsx";
 import { MapsView } from "./views/maps.tsx";
+import { RecordingsView } from "./views/recordings.tsx";
+import { ReplayView } from "./views/replay.tsx";
 import { ServersView } from "./views/servers.tsx";
 import { SessionView } from "./views/session.tsx";
 import { SignIn } from "./views/sign_in.tsx";
@@ -33,6 +36,7 @@ export function Shell() {
   };
   useEffect(load, []);
 
+  const shelf = useShelfOfPage();
   const settings = <Settings onChange={() => setRound((n) => n + 1)} />;
   if (failure) return <FailureNotice failure={failure} retry={load} />;
   if (!visit) return <Loading />;
@@ -48,8 +52,25 @@ export function Shell() {
     setVisit({ signedIn: false });
     void signOut();
   };
-  const onSignOut = (): void => void signOut().then(setVisit, () => undefined);
-  return <Console visit={visit} onRefused={onRefused} onSignOut={onSignOut} settings={settings} />;
+  const onSignOut = (): void => {
+    shelf.clear();
+    void signOut().then(setVisit, () => undefined);
+  };
+  return <Console visit={visit} shelf={shelf} onRefused={onRefused} onSignOut={onSignOut} settings={settings} />;
+}
+
+/** Recordings stay while the page is open, though somebody may have to sign in again. */
+function useShelfOfPage(): Shelf {
+  const made = useRef<Shelf>();
+  const shelf = (made.current ??= new Shelf());
+  useEffect(() => {
+    const onLeave = (event: BeforeUnloadEvent): void => {
+      if (shelf.hasUnsaved) event.preventDefault();
+    };
+    addEventListener("beforeunload", onLeave);
+    return () => removeEventListener("beforeunload", onLeave);
+  }, [shelf]);
+  return shelf;
 }
 
 function Settings({ onChange }: { onChange: () => void }) {
@@ -88,12 +109,13 @@ function Settings({ onChange }: { onChange: () => void }) {
 
 interface ConsoleProps {
   visit: Visit;
+  shelf: Shelf;
   onRefused: () => void;
   onSignOut: () => void;
   settings: preact.ComponentChild;
 }
 
-function Console({ visit, onRefused, onSignOut, settings }: ConsoleProps) {
+function Console({ visit, shelf, onRefused, onSignOut, settings }: ConsoleProps) {
   const fleet = useFleet();
   const servers = visit.servers ?? [];
   const refusedBy = [...fleet.fleet.faults.values()].filter((f) => f.code === Code.Unauthenticated);
@@ -113,7 +135,7 @@ function Console({ visit, onRefused, onSignOut, settings }: ConsoleProps) {
         </div>
       )}
       <main id="content" tabIndex={-1}>
-        <View visit={visit} fleet={fleet} />
+        <View visit={visit} fleet={fleet} shelf={shelf} />
       </main>
     </>
   );
@@ -123,7 +145,8 @@ function TopBar({ onSignOut, settings }: Pick<ConsoleProps, "onSignOut" | "setti
   const [first = ""] = useRoute();
   const views = [
     { path: "/live", name: t("live"), isHere: first === "" || first === "live" || first === "session" },
-    { path: "/maps", name: t("maps"), isHere: first === "maps" },
+    { path: "/maps", name: t("maps"), isHere: first === "maps" || first === "compare" },
+    { path: "/recordings", name: t("recordings"), isHere: first === "recordings" },
     { path: "/servers", name: t("servers"), isHere: first === "servers" },
   ];
   return (
@@ -150,12 +173,21 @@ function TopBar({ onSignOut, settings }: Pick<ConsoleProps, "onSignOut" | "setti
   );
 }
 
-function View({ visit, fleet }: { visit: Visit; fleet: FleetLink }) {
-  const [first = "", second = "", third = ""] = useRoute();
+function View({ visit, fleet, shelf }: Pick<ConsoleProps, "visit" | "shelf"> & { fleet: FleetLink }) {
+  const [first = "", second = "", third = "", fourth = "", fifth = ""] = useRoute();
   const servers = visit.servers ?? [];
   if (first === "maps" && third !== "") return <MapView server={second} name={third} fleet={fleet} />;
   if (first === "maps") return <MapsView servers={servers} fleet={fleet} />;
+  if (first === "compare") {
+    return <CompareView server={second} map={third} from={Number(fourth)} to={Number(fifth)} />;
+  }
   if (first === "servers") return <ServersView servers={servers} />;
-  if (first === "session") return <SessionView server={second} id={third} fleet={fleet} />;
+  if (first === "session") {
+    return <SessionView server={second} id={third} fleet={fleet} shelf={shelf} />;
+  }
+  if (first === "recordings" && second !== "") {
+    return <ReplayView shelf={shelf} id={second} servers={servers} />;
+  }
+  if (first === "recordings") return <RecordingsView shelf={shelf} servers={servers} />;
   return <LiveView fleet={fleet} servers={servers} />;
 }

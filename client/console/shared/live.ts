@@ -40,20 +40,20 @@ export interface LiveFrame {
   failure?: { code: number; message: string };
 }
 
-/** The kinds of a watched session's frames: a byte, the payload's length in four, the payload. */
-export const enum WatchFrameKind {
-  /** WatchSessionResponse. */
-  Answer = 0,
-  /** JSON, WatchEnd: nothing follows. */
+/** The kinds of a stream's frames: a byte, the payload's length in four, the payload. */
+export const enum FrameKind {
+  /** A message of the server's stream, as it came. */
+  Message = 0,
+  /** JSON, StreamEnd: nothing follows. */
   End = 1,
-  /** JSON, a number: answers that this page was too slow for, so far. */
+  /** JSON, a number: messages that this page was too slow for, so far. */
   Missed = 2,
 }
 
-export interface WatchEnd {
+export interface StreamEnd {
   /** A gRPC status code; 0: the session ended. */
   code: number;
   message: string;
 }
 
-export const WATCH_HEADER_BYTES = 5;
+export const FRAME_HEADER_BYTES = 5;

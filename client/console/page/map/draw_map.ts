@@ -4,6 +4,8 @@ import { type TileId, boundsOf, keyOf, levelFor, parentOf, sideOf, tilesIn } fro
 import type { Tile, TileStore } from "./tile_store.ts";
 
 const BITMAP_PX = 896;
+/** Kept drawn beside those in view, for who goes back and forth. */
+const SPARE_BITMAP_COUNT = 12;
 /** A keyframe stands for the street around it. */
 const STREET_HALF_WIDTH_M = 7;
 const WEAK_DBSM = -10;
@@ -82,6 +84,7 @@ export function drawTiles(
 ): { shown: number; count: number } {
   const wanted = tilesIn(camera.bounds, extent, levelFor(camera.scale));
   const missing: TileId[] = [];
+  let blitCount = 0;
   let shown = 0;
   let count = 0;
   for (const id of wanted) {
@@ -94,8 +97,11 @@ export function drawTiles(
     }
     // Until it is there, the part of a coarser one.
     for (let up = parentOf(id); !tile && up; up = parentOf(up)) tile = store.get(up);
-    if (tile) blit(context, camera, palette, tile, id);
+    if (!tile) continue;
+    blit(context, camera, palette, tile, id);
+    ++blitCount;
   }
+  store.keepBitmaps(blitCount + SPARE_BITMAP_COUNT);
   // The coarse ones first, in a map that is seen for the first time: they are there at once.
   const coarse = new Map<string, TileId>();
   for (const id of missing) {

@@ -2,13 +2,15 @@ import { useEffect, useRef } from "preact/hooks";
 import { t } from "../texts/texts.ts";
 import type { Bounds } from "./camera.ts";
 import type { Loss, Vehicle } from "./fleet.ts";
-import { Scene } from "./scene.ts";
+import { type Overlay, Scene } from "./scene.ts";
 import { TileStore } from "./tile_store.ts";
 
 interface Props {
   /** The map to draw; undefined: the vehicles alone. */
   map: { server: string; name: string; version: number } | undefined;
   extent: Bounds | undefined;
+  firstView?: Bounds | undefined;
+  overlay?: Overlay;
   vehicles: () => Iterable<Vehicle>;
   losses?: readonly Loss[];
   chosen?: string | undefined;
@@ -35,6 +37,8 @@ export function MapCanvas(props: Props) {
     losses,
     chosen,
     follow,
+    ...(props.firstView ? { firstView: props.firstView } : {}),
+    ...(props.overlay ? { overlay: props.overlay } : {}),
     ...(props.onChoose ? { onChoose: props.onChoose } : {}),
     ...(props.onDrawn ? { onDrawn: props.onDrawn } : {}),
   });

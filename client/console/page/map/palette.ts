@@ -10,6 +10,14 @@ export interface Palette {
   halo: string;
   states: string[];
   heat: [number, number, number];
+  /** Of range rates. */
+  approaching: [number, number, number];
+  still: [number, number, number];
+  receding: [number, number, number];
+  /** Of landmarks that two versions have in common, or one of them alone. */
+  both: string;
+  onlyFrom: string;
+  onlyTo: string;
 }
 
 const NUMBERS = /\d+/g;
@@ -32,5 +40,11 @@ export function readPalette(): Palette {
     halo: value("--map-ground"),
     states: [0, 1, 2, 3, 4].map((state) => value(`--state-${state}`)),
     heat: numbers("--map-heat"),
+    approaching: numbers("--rate-approaching"),
+    still: numbers("--rate-still"),
+    receding: numbers("--rate-receding"),
+    both: value("--map-both"),
+    onlyFrom: value("--map-only-from"),
+    onlyTo: value("--map-only-to"),
   };
 }

@@ -5,6 +5,9 @@ import { Fleet, type Loss, type Vehicle } from "./fleet.ts";
 import { type Palette, readPalette } from "./palette.ts";
 import type { TileStore } from "./tile_store.ts";
 
+/** Draws something between the map and its vehicles. */
+export type Overlay = (context: CanvasRenderingContext2D, camera: Camera, palette: Palette) => void;
+
 const PICK_RADIUS_PX = 18;
 const PAN_STEP_PX = 80;
 const ZOOM_STEP = 1.5;
@@ -13,6 +16,9 @@ const ZOOM_STEP = 1.5;
 export interface SceneContent {
   tiles: TileStore | undefined;
   extent: Bounds | undefined;
+  /** What is shown at first; all of the extent where it is absent. */
+  firstView?: Bounds;
+  overlay?: Overlay;
   vehicles: () => Iterable<Vehicle>;
   losses: readonly Loss[];
   chosen: string | undefined;
@@ -97,8 +103,9 @@ export class Scene {
     const { content, camera, palette } = this;
     const context = this.canvas.getContext("2d", { alpha: false });
     if (!context || this.stop.signal.aborted) return;
-    if (!this.isFitted && content.extent && camera.width > 1) {
-      camera.fit(content.extent);
+    const firstView = content.firstView ?? content.extent;
+    if (!this.isFitted && firstView && camera.width > 1) {
+      camera.fit(firstView);
       this.isFitted = true;
     }
     const now = performance.now();
@@ -112,6 +119,7 @@ export class Scene {
       const landmarks = drawTiles(context, camera, palette, content.tiles, content.extent);
       content.onDrawn?.(landmarks);
     }
+    content.overlay?.(context, camera, palette);
     drawHeat(context, camera, palette, content.losses);
     drawVehicles(context, camera, palette, content.vehicles(), content.chosen, now);
     if (this.isMoving(now)) this.redraw();

@@ -26,6 +26,8 @@ export class TileStore {
     private readonly map: string,
     private readonly version: number,
     private readonly onTile: () => void,
+    /** How many landmarks a tile of a level may have; of more, some are left out. */
+    private readonly countOf: (level: number) => number = pointCountOf,
   ) {}
 
   /** What is there of a tile; counts as shown. */
@@ -39,6 +41,12 @@ export class TileStore {
     return tile;
   }
 
+  /** Lets go of the drawn tiles not shown for longest, beyond `count`: each takes some megabytes. */
+  keepBitmaps(count: number): void {
+    const drawn = [...this.tiles.values()].filter((tile) => tile.bitmap);
+    for (const tile of drawn.slice(0, Math.max(0, drawn.length - count))) dropBitmap(tile);
+  }
+
   /** Reads these, in this order, and no longer those that were wanted before. */
   want(ids: TileId[]): void {
     this.wanted = ids.filter((id) => !this.tiles.has(keyOf(id)));
@@ -49,6 +57,7 @@ export class TileStore {
 
   close(): void {
     this.want([]);
+    this.keepBitmaps(0);
   }
 
   private readOn(): void {
@@ -77,7 +86,7 @@ export class TileStore {
           minYM: minY - MARGIN_M,
           maxXM: maxX + MARGIN_M,
           maxYM: maxY + MARGIN_M,
-          maxPointCount: pointCountOf(id.level),
+          maxPointCount: this.countOf(id.level),
         },
         stop.signal,
       );
@@ -92,9 +101,17 @@ export class TileStore {
 
   private keep(tile: Tile): void {
     this.tiles.set(keyOf(tile.id), tile);
-    for (const key of this.tiles.keys()) {
+    for (const [key, oldest] of this.tiles) {
       if (this.tiles.size <= MAX_TILE_COUNT) break;
+      dropBitmap(oldest);
       this.tiles.delete(key);
     }
   }
+}
+
+/** At once; a canvas that is only forgotten waits for the garbage collection. */
+function dropBitmap(tile: Tile): void {
+  if (!tile.bitmap) return;
+  tile.bitmap.image.width = tile.bitmap.image.height = 0;
+  delete tile.bitmap;
 }

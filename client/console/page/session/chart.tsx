@@ -23,6 +23,8 @@ interface Props {
   nowMs: number;
   /** A value that is told by a dashed line: a gate, a bound. */
   mark?: number;
+  /** Then the mark is always in view, and named. */
+  markLabel?: string;
   tick: number;
 }
 
@@ -75,7 +77,8 @@ function drawMark(plot: uPlot, mark: number): void {
 }
 
 /** A time line of the last minute. */
-export function Chart({ title, lines, samples, nowMs, mark, tick }: Props) {
+export function Chart({ title, lines, samples, nowMs, mark, markLabel, tick }: Props) {
+  const least = markLabel ? 1.2 * (mark ?? 0) : 1e-3;
   const frame = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot>();
   const shown = useRef<Sample[]>([]);
@@ -97,7 +100,9 @@ export function Chart({ title, lines, samples, nowMs, mark, tick }: Props) {
         cursor: { sync: { key: "session" }, y: false },
         scales: {
           x: { time: false, range: () => [-SHOWN_MS / 1000, 0] },
-          y: { range: (_, least, most) => [Math.min(0, least ?? 0), Math.max(1e-3, (most ?? 1) * 1.1)] },
+          y: {
+            range: (_, low, high) => [Math.min(0, low ?? 0), Math.max(least, (high ?? 1) * 1.1)],
+          },
         },
         axes: [
           { ...axis, size: 22, values: (_, ticks) => ticks.map((n) => `${n} s`) },
@@ -129,13 +134,13 @@ export function Chart({ title, lines, samples, nowMs, mark, tick }: Props) {
       resizing.disconnect();
       made.destroy();
     };
-  }, [theme]);
+  }, [theme, mark]);
 
   useEffect(() => {
     shown.current = shownOf(samples, nowMs);
     const times = shown.current.map((sample) => (sample.timeMs - nowMs) / 1000);
     plot.current?.setData([times, ...lines.map((line) => shown.current.map(line.value))]);
-  }, [tick, theme]);
+  }, [tick, theme, mark]);
 
   const last = samples[samples.length - 1];
   return (
@@ -143,6 +148,7 @@ export function Chart({ title, lines, samples, nowMs, mark, tick }: Props) {
       <figcaption>
         {title}
         <span class="chart-values">
+          {markLabel && <span class="soft">{markLabel}</span>}
           {lines.map((line) => (
             <span key={line.label} class={`chart-${line.colour}`}>
               {lines.length > 1 && `${line.label} `}

@@ -1,15 +1,21 @@
 import { useMemo } from "preact/hooks";
-import { t } from "../texts/texts.ts";
+import { decimals, t } from "../texts/texts.ts";
 import { Chart, type Line } from "./chart.tsx";
-import type { History } from "./history.ts";
+import type { Sample } from "./history.ts";
+
+/** 95 % quantiles of the chi-square distribution: the server's gates of the edge distance. */
+const PLANAR_GATE = 7.815;
+const SPATIAL_GATE = 12.592;
 
 interface Panel {
   title: string;
   lines: Line[];
   mark?: number;
+  markLabel?: string;
 }
 
-function panels(): Panel[] {
+function panels(isSpatial: boolean): Panel[] {
+  const gate = isSpatial ? SPATIAL_GATE : PLANAR_GATE;
   return [
     {
       title: t("chart_sigma"),
@@ -35,6 +41,8 @@ function panels(): Panel[] {
     {
       title: t("chart_edge"),
       lines: [{ label: "d²", colour: 1, value: (s) => s.edge }],
+      mark: gate,
+      markLabel: t("gate", { gate: decimals(gate, 1) }),
     },
     {
       title: t("chart_latency"),
@@ -47,14 +55,22 @@ function panels(): Panel[] {
   ];
 }
 
+interface Props {
+  samples: readonly Sample[];
+  /** The end of the minute that is shown. */
+  nowMs: number;
+  /** The session is localized in space, not in the plane. */
+  isSpatial: boolean;
+  tick: number;
+}
+
 /** The time lines of a session, under one cursor. */
-export function SessionCharts({ history, tick }: { history: History; tick: number }) {
-  const shown = useMemo(panels, [t("chart_sigma")]);
-  const nowMs = performance.now();
+export function SessionCharts({ samples, nowMs, isSpatial, tick }: Props) {
+  const shown = useMemo(() => panels(isSpatial), [t("chart_sigma"), isSpatial]);
   return (
     <div class="charts">
       {shown.map((panel) => (
-        <Chart key={panel.title} {...panel} samples={history.samples} nowMs={nowMs} tick={tick} />
+        <Chart key={panel.title} {...panel} samples={samples} nowMs={nowMs} tick={tick} />
       ))}
     </div>
   );

@@ -1,5 +1,6 @@
 import type { WatchSessionResponse } from "proto/dcloc/v1/admin_service_pb.ts";
 import type { Health, LocalizationResult } from "proto/dcloc/v1/localization_service_pb.ts";
+import { Bands } from "./bands.ts";
 
 const NS_PER_MS = 1e6;
 /** Some five minutes of a vehicle with five radars. */
@@ -80,6 +81,7 @@ export function sampleOf(result: LocalizationResult, timeMs: number): Sample | u
 export class History {
   samples: Sample[] = [];
   rejections: Rejection[] = [];
+  readonly bands = new Bands();
   health: Health | undefined;
   missed = 0;
 
@@ -91,6 +93,7 @@ export class History {
     }
     if (answer?.case !== "result" || message.answer?.fromMemory) return;
     this.health = answer.value.health ?? this.health;
+    this.bands.take(timeMs, answer.value.state, answer.value.health);
     const sample = sampleOf(answer.value, timeMs);
     if (!sample) return;
     this.samples.push(sample);

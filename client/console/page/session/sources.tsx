@@ -1,13 +1,16 @@
 import { type Health, SourceFault } from "proto/dcloc/v1/localization_service_pb.ts";
 import { numbered, t } from "../texts/texts.ts";
 
+/** A file may list any number of them. */
+const MAX_RADAR_COUNT = 40;
+
 /** Which of a vehicle's sources take part, and what is wrong with the others. */
 export function Sources({ health }: { health: Health | undefined }) {
   if (!health) return null;
   const sources = [
     { name: t("wheel_speed"), source: health.wheelSpeed },
     { name: t("yaw_rate"), source: health.yawRate },
-    ...health.radars.map((source) => ({ name: source.radarId, source })),
+    ...health.radars.slice(0, MAX_RADAR_COUNT).map((source) => ({ name: source.radarId, source })),
   ];
   return (
     <section aria-labelledby="sources">

@@ -54,3 +54,10 @@ export function megabytes(bytes: number): string {
 export function dateTime(ms: number): string {
   return new Date(ms).toLocaleString(language, { dateStyle: "medium", timeStyle: "short" });
 }
+
+/** Minutes and seconds, as of a recording; before it they are negative. */
+export function clock(ms: number): string {
+  const seconds = Math.round(Math.abs(ms) / 100) / 10;
+  const rest = decimals(seconds % 60, 1).padStart(4, "0");
+  return `${ms < 0 ? "−" : ""}${Math.floor(seconds / 60)}:${rest}`;
+}

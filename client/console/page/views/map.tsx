@@ -14,6 +14,7 @@ import { useCall } from "../parts/use_call.ts";
 import { count, dateTime, decimals, kilometres, megabytes, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
 import type { FleetLink } from "../wire/use_fleet.ts";
+import { comparePath } from "./compare.tsx";
 import { type MapAction, MapActionDialog } from "./map_actions.tsx";
 import { UploadDialog } from "./upload.tsx";
 
@@ -159,6 +160,9 @@ interface RowProps {
 
 function VersionRow({ map, version, server, isChosen, vehicles, onChoose, onAction }: RowProps) {
   const number = Number(version.version);
+  const active = Number(map.activeVersion);
+  // With the one that vehicles get; that one with the one before it.
+  const other = number === active ? Number(map.previousVersion) : active;
   const inUse = vehicles.filter((v) => v.version === number).length;
   const address = `/download/${server}?${new URLSearchParams({ map: map.name, version: String(number) })}`;
   return (
@@ -187,6 +191,11 @@ function VersionRow({ map, version, server, isChosen, vehicles, onChoose, onActi
                   {t("set_canary")}
                 </button>
               </>
+            )}
+            {other > 0 && (
+              <Link class="button" to={comparePath({ server, map: map.name, from: other, to: number })}>
+                {t("compare_with", { version: other })}
+              </Link>
             )}
             <a class="button" href={address} download>
               {t("download")}

@@ -1,19 +1,23 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { AdminService, type Session } from "proto/dcloc/v1/admin_service_pb.ts";
 import { MapService } from "proto/dcloc/v1/map_service_pb.ts";
-import type { WatchEnd } from "../../shared/live.ts";
+import type { StreamEnd } from "../../shared/live.ts";
 import { distanceOutside, extentOf } from "../map/extent.ts";
 import { Fleet } from "../map/fleet.ts";
 import { MapCanvas } from "../map/map_canvas.tsx";
 import { Dialog } from "../parts/dialog.tsx";
 import { Link } from "../parts/link.tsx";
 import { FailureNotice, Loading, Notice } from "../parts/notice.tsx";
+import { go, pathOf } from "../parts/route.ts";
 import { StateMark } from "../parts/state_mark.tsx";
 import { useCall } from "../parts/use_call.ts";
+import type { Shelf } from "../recording/shelf.ts";
+import { BandChart, StateChanges } from "../session/band_chart.tsx";
 import { SessionCharts } from "../session/charts.tsx";
 import { explain } from "../session/explain.ts";
 import { History } from "../session/history.ts";
 import { Sources } from "../session/sources.tsx";
+import { Why } from "../session/why.tsx";
 import { count, dateTime, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
 import { CallFailure, Code } from "../wire/failure.ts";
@@ -22,12 +26,14 @@ import { watchSession } from "../wire/watch_stream.ts";
 
 const SHOW_MS = 200;
 const RETRY_MS = 2_000;
+/** So much of the states is shown. */
+const BANDS_MS = 10 * 60_000;
 
 /** Watches a session; what uses it is shown again five times a second. */
 function useWatch(server: string, id: string) {
   const history = useRef(new History());
   const [tick, setTick] = useState(0);
-  const [end, setEnd] = useState<WatchEnd>();
+  const [end, setEnd] = useState<StreamEnd>();
   useEffect(() => {
     let leave: () => void = () => undefined;
     let retry: ReturnType<typeof setTimeout>;
@@ -54,8 +60,15 @@ function useWatch(server: string, id: string) {
   return { history: history.current, tick, end };
 }
 
+interface Props {
+  server: string;
+  id: string;
+  fleet: FleetLink;
+  shelf: Shelf;
+}
+
 /** One session: what it answers, how it got there, and what explains it. */
-export function SessionView({ server, id, fleet }: { server: string; id: string; fleet: FleetLink }) {
+export function SessionView({ server, id, fleet, shelf }: Props) {
   const { history, tick, end } = useWatch(server, id);
   const loaded = useCall(
     async (signal) => {
@@ -83,6 +96,11 @@ export function SessionView({ server, id, fleet }: { server: string; id: string;
     return <FailureNotice failure={loaded.failure} retry={loaded.reload} />;
   }
   const { last } = history;
+  const nowMs = performance.now();
+  const info = map.value?.info;
+  const { samples, rejections, health } = history;
+  const outsideM = info && last ? distanceOutside(info, last.x, last.y) : 0;
+  const findings = explain({ samples, rejections, health, outsideM, nowMs });
   const key = Fleet.key(server, id);
   const vehicle = fleet.fleet.vehicles.get(key);
   return (
@@ -96,6 +114,9 @@ export function SessionView({ server, id, fleet }: { server: string; id: string;
             <h1>{session.vehicleId}</h1>
           </div>
           <StateMark state={last?.state ?? session.state} />
+          <button onClick={() => go(pathOf("recordings", shelf.record(server, session.vehicleId).id))}>
+            {t("record_next")}
+          </button>
           {!end && (
             <button class="danger" onClick={() => setEnding(true)}>
               {t("end_session")} …
@@ -103,9 +124,26 @@ export function SessionView({ server, id, fleet }: { server: string; id: string;
           )}
         </header>
         {end && <Ended end={end} />}
-        <Why history={history} outsideM={map.value?.info && last ? distanceOutside(map.value.info, last.x, last.y) : 0} />
+        <Why findings={findings} />
         {history.missed > 0 && <p class="hint">{t("missed", { count: count(history.missed) })}</p>}
-        <SessionCharts history={history} tick={tick} />
+        <BandChart
+          bands={history.bands.all}
+          beginMs={nowMs - BANDS_MS}
+          endMs={nowMs}
+          tick={tick}
+        >
+          <p class="band-axis soft">
+            <span>{t("minutes_ago", { minutes: BANDS_MS / 60_000 })}</span>
+            <span>{t("now")}</span>
+          </p>
+          <StateChanges segments={history.bands.states} originMs={nowMs} />
+        </BandChart>
+        <SessionCharts
+          samples={samples}
+          nowMs={nowMs}
+          isSpatial={info?.hasElevation ?? false}
+          tick={tick}
+        />
       </section>
       <aside class="session-side">
         <div class="session-map">
@@ -117,7 +155,7 @@ export function SessionView({ server, id, fleet }: { server: string; id: string;
             tick={fleet.tick}
           />
         </div>
-        <Sources health={history.health ?? session.health} />
+        <Sources health={health ?? session.health} />
         <Facts session={session} />
       </aside>
       {isEnding && <EndDialog server={server} session={session} onClose={() => setEnding(false)} />}
@@ -125,33 +163,12 @@ export function SessionView({ server, id, fleet }: { server: string; id: string;
   );
 }
 
-function Ended({ end }: { end: WatchEnd }) {
+function Ended({ end }: { end: StreamEnd }) {
   if (end.code === 0 || end.code === Code.NotFound) {
     const text = end.message ? t("session_over_because", { message: end.message }) : t("session_over");
     return <Notice title={text} />;
   }
   return <FailureNotice failure={new CallFailure(end.code, end.message)} />;
-}
-
-function Why({ history, outsideM }: { history: History; outsideM: number }) {
-  const { samples, rejections, health } = history;
-  const findings = explain({ samples, rejections, health, outsideM, nowMs: performance.now() });
-  return (
-    <section class="why" aria-labelledby="why">
-      <h2 id="why">{t("why")}</h2>
-      {findings.length === 0 ? (
-        <p class="soft">{t("waiting_answers")}</p>
-      ) : (
-        <ul>
-          {findings.map(({ kind, text }) => (
-            <li key={text} class={kind}>
-              {text}
-            </li>
-          ))}
-        </ul>
-      )}
-    </section>
-  );
 }
 
 function Facts({ session }: { session: Session }) {

@@ -64,7 +64,7 @@ test("without a token where servers need none, and the vehicles are there, movin
 });
 
 test("no axe finding is serious, in light colours and in dark ones", async () => {
-  for (const view of ["/live", "/maps", "/maps/dcloc/town", "/servers"]) {
+  for (const view of ["/live", "/maps", "/maps/dcloc/town", "/recordings", "/servers"]) {
     await page.goto(bridge.address + view);
     await page.locator("main button, main table").first().waitFor();
     assert.deepEqual(await seriousFindings(page), [], view);
@@ -145,6 +145,22 @@ test("a canary begins and ends, a version is rolled back, and one in use is not 
   await dialog().getByRole("button", { name: "Cancel" }).click();
 });
 
+test("two versions are compared, under an address that can be shared", async () => {
+  await page.locator(".row", { hasText: "v2" }).getByRole("link", { name: "Compare with v1" }).click();
+  await page.getByText(/^(\d+) of \1 squares of the map compared$/).waitFor();
+  // The same drive made both: nothing differs.
+  const counts = (name: string) => page.getByRole("row", { name }).locator("td").innerText();
+  assert.deepEqual([await counts("only in v1"), await counts("only in v2")], ["0", "0"]);
+  assert.ok(Number((await counts("in both")).replace(",", "")) > 100);
+  assert.deepEqual(await seriousFindings(page), []);
+  await page.goto(page.url());
+  await page.getByRole("heading", { name: "town: v1 and v2" }).waitFor();
+  await page.goto(`${bridge.address}/compare/dcloc/town/1/77`);
+  await page.getByText("There is nothing here").waitFor();
+  await page.goto(`${bridge.address}/maps/dcloc/town`);
+  await page.locator(".row", { hasText: "v2" }).getByRole("button").first().click();
+});
+
 test("what is downloaded is what was uploaded", async () => {
   const download = page.waitForEvent("download");
   await page.locator(".row", { hasText: "v2" }).getByRole("link", { name: "Download" }).click();
@@ -159,6 +175,7 @@ test("a session is told in words and time lines, and can be ended", async () => 
   await page.getByRole("link", { name: "Details" }).click();
   await page.getByText("The scans agree with the map").waitFor();
   assert.equal(await page.locator(".chart canvas").count(), 6);
+  await page.getByRole("img", { name: /^States over time: Tracking/ }).waitFor();
   await page.getByRole("heading", { name: "Sources" }).waitFor();
   assert.deepEqual(await seriousFindings(page), []);
   await page.getByRole("button", { name: "End the session" }).click();

@@ -1,11 +1,25 @@
 import * as grpc from "@grpc/grpc-js";
-import { create, toBinary } from "@bufbuild/protobuf";
+import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import {
   ListSessionsResponseSchema,
   type Session,
   SessionSchema,
 } from "proto/dcloc/v1/admin_service_pb.ts";
-import { ListMapsResponseSchema } from "proto/dcloc/v1/map_service_pb.ts";
+import {
+  GetMapVersionResponseSchema,
+  ListMapsResponseSchema,
+  type MapVersion,
+  ReadMapTileRequestSchema,
+  type ReadMapTileRequest,
+  type ReadMapTileResponse,
+  ReadMapTileResponseSchema,
+} from "proto/dcloc/v1/map_service_pb.ts";
+
+/** A map as the server serves it. */
+export interface FakeMap {
+  version: MapVersion;
+  readTile(request: ReadMapTileRequest): ReadMapTileResponse;
+}
 
 const asIs = (bytes: Buffer): Buffer => bytes;
 
@@ -24,11 +38,19 @@ function unary(path: string) {
 /** A server that lists any sessions at all: as many, and as strange, as no real one would. */
 export class FakeServer {
   sessions: Session[] = [];
+  /** None: the server is so old that it does not know the calls. */
+  map: FakeMap | undefined;
   listCount = 0;
   private readonly server = new grpc.Server();
 
   async start(): Promise<string> {
+    const asked = (done: grpc.sendUnaryData<Buffer>, answer: (map: FakeMap) => Uint8Array) =>
+      this.map
+        ? done(null, Buffer.from(answer(this.map)))
+        : done({ code: grpc.status.UNIMPLEMENTED, details: "unknown method" });
     const service = {
+      getMapVersion: unary("/dcloc.v1.MapService/GetMapVersion"),
+      readMapTile: unary("/dcloc.v1.MapService/ReadMapTile"),
       listSessions: unary("/dcloc.v1.AdminService/ListSessions"),
       listMaps: unary("/dcloc.v1.MapService/ListMaps"),
     };
@@ -38,6 +60,17 @@ export class FakeServer {
         const answer = create(ListSessionsResponseSchema, { sessions: this.sessions });
         done(null, Buffer.from(toBinary(ListSessionsResponseSchema, answer)));
       },
+      getMapVersion: (_: unknown, done: grpc.sendUnaryData<Buffer>) =>
+        asked(done, ({ version }) =>
+          toBinary(GetMapVersionResponseSchema, create(GetMapVersionResponseSchema, { version })),
+        ),
+      readMapTile: (call: { request: Buffer }, done: grpc.sendUnaryData<Buffer>) =>
+        asked(done, ({ readTile }) =>
+          toBinary(
+            ReadMapTileResponseSchema,
+            readTile(fromBinary(ReadMapTileRequestSchema, call.request)),
+          ),
+        ),
       listMaps: (_: unknown, done: grpc.sendUnaryData<Buffer>) =>
         done(null, Buffer.from(toBinary(ListMapsResponseSchema, create(ListMapsResponseSchema)))),
     });

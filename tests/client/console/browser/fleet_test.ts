@@ -39,6 +39,26 @@ test("hostile names and values are shown, and nothing is executed", async () => 
   await page.close();
 });
 
+test("an older server is told by name, call by call, and the rest goes on", async () => {
+  fake.sessions = [sessionAt("1", "car", 2, 0, 0)];
+  const { page, faults } = await openPage(browser, bridge.address);
+  await signIn(page);
+  await page.locator(".row").first().getByRole("button").first().click();
+  await page.getByRole("link", { name: "Details" }).click();
+  await page.getByText("This server is older and does not know that.").waitFor();
+  await page.getByRole("link", { name: "Recordings" }).click();
+  await page.getByRole("button", { name: "Record a vehicle" }).click();
+  await page.getByRole("dialog").getByLabel("Vehicle").fill("car");
+  await page.getByRole("dialog").getByRole("button", { name: "Record", exact: true }).click();
+  await page.locator(".item").getByText("This server is older and does not know that.").waitFor();
+  await page.goto(`${bridge.address}/compare/dcloc/town/1/2`);
+  await page.getByText("This server is older and does not know that.").waitFor();
+  await page.getByRole("link", { name: "Live" }).click();
+  await page.locator(".row", { hasText: "car" }).waitFor();
+  assert.deepEqual(faults, []);
+  await page.close();
+});
+
 test("ten thousand vehicles: the page answers, and shows those that need somebody", async () => {
   fake.sessions = Array.from({ length: 10_000 }, (_, i) => {
     const state = i === 7_777 ? 4 : 2;

@@ -24,6 +24,9 @@ const CHROMIUM_FLAGS = [
   "--disable-sync",
 ];
 
+/** For a page on a machine that does much else. */
+const PATIENCE_MS = 60_000;
+
 /** A process that tells its address on its standard output. */
 export class Program {
   private constructor(
@@ -46,6 +49,10 @@ export class Program {
       });
       child.on("exit", (code) => reject(new Error(`${command} ended with ${code}: ${log.join("")}`)));
     });
+  }
+
+  get pid(): number {
+    return this.child.pid!;
   }
 
   async stop(signal: NodeJS.Signals = "SIGTERM"): Promise<void> {
@@ -96,15 +103,23 @@ export function serverCommand(...args: string[]): string {
   return execFileSync(DCLOC_SERVER, args, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 }
 
-export const startServer = (store: string, address = "127.0.0.1:0"): Promise<Program> =>
-  Program.start(DCLOC_SERVER, ["--data", store, "--listen", address]);
+export const startServer = (
+  store: string,
+  address = "127.0.0.1:0",
+  more: string[] = [],
+): Promise<Program> => Program.start(DCLOC_SERVER, ["--data", store, "--listen", address, ...more]);
 
-export const startConsole = (servers: string[], listen = "127.0.0.1:0"): Promise<Program> =>
+export const startConsole = (
+  servers: string[],
+  listen = "127.0.0.1:0",
+  more: string[] = [],
+): Promise<Program> =>
   Program.start(process.execPath, [
     CONSOLE,
     "--listen",
     listen,
     ...servers.flatMap((server) => ["--server", server]),
+    ...more,
   ]);
 
 export const launch = (): Promise<Browser> =>
@@ -115,9 +130,14 @@ export async function openPage(
   browser: Browser,
   address: string,
 ): Promise<{ page: Page; faults: string[] }> {
-  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, locale: "en-GB" });
+  const page = await browser.newPage({
+    viewport: { width: 1280, height: 800 },
+    locale: "en-GB",
+    // Tests make certificates of their own; that the bridge's is checked is the browser's affair.
+    ignoreHTTPSErrors: true,
+  });
   const faults: string[] = [];
-  page.setDefaultTimeout(30_000);
+  page.setDefaultTimeout(PATIENCE_MS);
   page.on("pageerror", (error) => faults.push(`uncaught: ${error.message}`));
   page.on("console", (message) => {
     const text = message.text();

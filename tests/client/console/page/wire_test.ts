@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { LineSplitter } from "../../../../client/console/page/wire/live_stream.ts";
-import { FrameReader } from "../../../../client/console/page/wire/watch_stream.ts";
+import { FrameReader } from "../../../../client/console/page/wire/frames.ts";
 
 test("lines are whole wherever they are cut, within a character too", () => {
   const bytes = new TextEncoder().encode('{"a":"ä"}\n{"b":1}\n');
