@@ -62,10 +62,18 @@ class Database:
     def stop(self):
         self.program.end()
 
+    def _psql(self, *words, timeout_s=120):
+        return run(_POSTGRES / "psql", "-h", self.folder, "-U", "dcloc", "-d", "dcloc", "-Atq", "-v",
+                   "ON_ERROR_STOP=1", *words, timeout_s=timeout_s).stdout.strip()
+
     def query(self, sql):
-        """The first column of the last statement's rows."""
-        return run(_POSTGRES / "psql", "-h", self.folder, "-U", "dcloc", "-d", "dcloc", "-Atqc", sql,
-                   "-v", "ON_ERROR_STOP=1").stdout.split()
+        """What its rows have, a line each."""
+        return self._psql("-c", sql).splitlines()
+
+    def run_file(self, path, **variables):
+        """Runs a file of psql with variables; what it prints."""
+        given = [word for name, value in variables.items() for word in ("-v", f"{name}={value}")]
+        return self._psql(*given, "-f", path, timeout_s=3600)
 
     def statement_count(self):
         """Statements since it was made, without those of this program."""
