@@ -116,7 +116,8 @@ class ObjectStore:
 
 
 class SharedFolder:
-    """A folder that all replicas see; away means that it cannot be opened."""
+    """A folder that all replicas see. While it is away a file stands in its place, so that nothing can
+    be opened or made there."""
 
     name = "the shared folder"
     program = None
@@ -127,7 +128,9 @@ class SharedFolder:
         self.flags = ["--map-folder", self.folder]
 
     def start(self):
+        self.folder.unlink()
         self.folder.with_suffix(".away").rename(self.folder)
 
     def stop(self):
         self.folder.rename(self.folder.with_suffix(".away"))
+        self.folder.touch()

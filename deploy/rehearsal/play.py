@@ -60,8 +60,9 @@ def play(name, site, options, say):
     say(f"{title}")
     begin = time.monotonic()
     stage = Stage(site, options.vehicles + options.cars, options.seconds, options.patience, say)
-    vehicles = Vehicles(site, options.vehicles, options.cars)
+    vehicles = None
     try:
+        vehicles = Vehicles(site, options.vehicles, options.cars, 60 * options.patience)
         say(f"{stage.vehicle_count} vehicles drive")
         time.sleep(RAMP_S + WARMUP_S)  # from here on the load counts
         meter = Meter(site)
@@ -75,7 +76,8 @@ def play(name, site, options, say):
         used, seen = {}, []
         mend(site)
     finally:
-        vehicles.kill()
+        if vehicles is not None:
+            vehicles.kill()
     for one in seen:
         stage.faults += faults_of(one, limits, options.patience)
     return Played(name, title, time.monotonic() - begin, seen, used, stage.faults)

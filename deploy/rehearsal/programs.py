@@ -36,11 +36,15 @@ def wait_until(condition, timeout_s, what):
         time.sleep(0.05)
 
 
-def run(*command, check=True, timeout_s=120, **options):
+def run(*command, check=True, timeout_s=300, **options):
     """A program that is waited for; its output is text."""
-    done = subprocess.run([str(word) for word in command], text=True, stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, timeout=timeout_s, stdin=subprocess.DEVNULL,
-                          check=False, **options)
+    try:
+        done = subprocess.run([str(word) for word in command], text=True, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, timeout=timeout_s, stdin=subprocess.DEVNULL,
+                              check=False, **options)
+    except subprocess.TimeoutExpired:
+        raise Failure(f"{pathlib.Path(command[0]).name} {command[1]} has not ended within "
+                      f"{timeout_s} s") from None
     if check and done.returncode != 0:
         raise Failure(f"{pathlib.Path(command[0]).name} {command[1]} failed with "
                       f"{done.returncode}: {(done.stderr or done.stdout).strip()}")

@@ -43,7 +43,8 @@ class Replica:
         site = self.site
         self.program = Program(
             self.name, [site.server, "--catalogue", site.database.address, *site.files.flags,
-                        "--database-timeout-ms", site.database_timeout_ms, "--data", self.data, "--listen", f"{LOOPBACK}:{self.port}",
+                        "--database-timeout-ms", site.database_timeout_ms, "--data", self.data,
+                        "--listen", f"{LOOPBACK}:{self.port}",
                         "--metrics-listen", f"{LOOPBACK}:{self.metrics_port}",
                         "--tls-cert", site.folder / "certificates/localhost.pem",
                         "--tls-key", site.folder / "certificates/localhost.key",

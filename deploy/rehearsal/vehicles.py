@@ -124,7 +124,7 @@ def together(kind, seen):
 class Vehicles:
     """All that drive during an act."""
 
-    def __init__(self, site, load_count, sdk_count):
+    def __init__(self, site, load_count, sdk_count, timeout_s):
         self.load = Load(site, load_count)
         self.cars = [SdkVehicle(site, number) for number in range(sdk_count)]
         programs = [self.load.program, *(car.program for car in self.cars)]
@@ -136,7 +136,7 @@ class Vehicles:
             return site.session_count() >= load_count + sdk_count
 
         try:
-            wait_until(all_drive, 60, "a session for each vehicle")
+            wait_until(all_drive, timeout_s, "a session for each vehicle")
         except BaseException:
             self.kill()
             raise
