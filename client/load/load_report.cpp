@@ -28,9 +28,11 @@ ordered_json ToJson(const LoadTotals& totals) {
           {"lost_count", totals.lost_count},
           {"opened_count", totals.opened_count},
           {"moved_count", totals.moved_count},
+          {"restart_count", totals.restart_count},
           {"disconnect_count", totals.disconnect_count},
           {"stall_count", totals.stall_count},
           {"tracking_count", totals.tracking_count},
+          {"lost_state_count", totals.lost_state_count},
           {"judged_count", totals.judged_count},
           {"mean_error_m", totals.MeanErrorM()},
           {"max_error_m", totals.max_error_m},
@@ -67,6 +69,7 @@ ordered_json ToJson(const LoadResult& result, const std::vector<std::string>& sh
           {"latency", ToJson(result.record.latency)},
           {"server_latency", ToJson(result.record.server_latency)},
           {"open_latency", ToJson(result.record.open_latency)},
+          {"answer_gap", ToJson(result.record.gap)},
           {"totals", ToJson(result.record.totals)},
           {"seconds", ToJson(result.record.seconds)}};
 }
@@ -96,6 +99,7 @@ std::vector<std::string> NotesOf(const LoadResult& result) {
     if (count > 0) notes.push_back(absl::StrCat(count, " ", what));
   };
   add(totals.moved_count, "times a session was moved to another map version");
+  add(totals.restart_count, "sessions began anew, as their server was gone");
   add(totals.disconnect_count, "connections were broken on purpose");
   add(totals.stall_count, "stalls were made on purpose");
   add(totals.repeated_count, "answers came again from memory");

@@ -41,6 +41,7 @@ void Recorder::AddAnswer(const v1::LocalizeResponse& answer, std::chrono::nanose
   const v1::LocalizationResult& result = answer.result();
   ++record_.totals.answered_count;
   if (result.state() == v1::LOCALIZATION_STATE_TRACKING) ++record_.totals.tracking_count;
+  if (result.state() == v1::LOCALIZATION_STATE_LOST) ++record_.totals.lost_state_count;
   if (!counts_latency) return;
   second_.Add(latency);
   record_.latency.Add(latency);
@@ -58,6 +59,12 @@ void Recorder::AddError(const PositionError& error) {
   totals.misleading_count += error.misleading ? 1 : 0;
   totals.error_sum_m += error.distance_m;
   totals.max_error_m = std::max(totals.max_error_m, error.distance_m);
+}
+
+void Recorder::AddGap(Clock::time_point from, Clock::time_point to) {
+  const std::lock_guard lock(mutex_);
+  const bool has_begun = begin_ != Clock::time_point();
+  if (has_begun && to > begin_) record_.gap.Add(to - std::max(from, begin_));
 }
 
 void Recorder::AddRepeated() {
@@ -92,6 +99,11 @@ void Recorder::AddLost(std::int64_t count) {
 void Recorder::AddMoved() {
   const std::lock_guard lock(mutex_);
   ++record_.totals.moved_count;
+}
+
+void Recorder::AddRestarted() {
+  const std::lock_guard lock(mutex_);
+  ++record_.totals.restart_count;
 }
 
 void Recorder::AddDisconnect() {

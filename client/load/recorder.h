@@ -32,9 +32,11 @@ struct LoadTotals {
   std::int64_t lost_count = 0;          ///< sent, and never answered
   std::int64_t opened_count = 0;        ///< sessions
   std::int64_t moved_count = 0;         ///< sessions that went on in another map version
+  std::int64_t restart_count = 0;       ///< sessions begun anew, as the server had lost them
   std::int64_t disconnect_count = 0;    ///< connections that were broken on purpose
   std::int64_t stall_count = 0;         ///< likewise
   std::int64_t tracking_count = 0;
+  std::int64_t lost_state_count = 0;  ///< answers that say LOST
   std::int64_t misleading_count = 0;
   std::int64_t judged_count = 0;  ///< compared with the truth
   double error_sum_m = 0.0;       ///< of those
@@ -64,6 +66,7 @@ struct LoadRecord {
   LatencyHistogram latency;         ///< from when a scan was due until its answer was there
   LatencyHistogram server_latency;  ///< the server's own part of it
   LatencyHistogram open_latency;    ///< from the call until the session was open
+  LatencyHistogram gap;             ///< between two answers to one vehicle
   std::vector<LoadSecond> seconds;
 };
 
@@ -83,12 +86,15 @@ class Recorder {
   void AddAnswer(const v1::LocalizeResponse& answer, std::chrono::nanoseconds latency,
                  bool counts_latency);
   void AddError(const PositionError& error);
+  /// Time without an answer to a vehicle; counts also if it ends after the measured time.
+  void AddGap(Clock::time_point from, Clock::time_point to);
   void AddRepeated();
   void AddLateRefused();
   void AddRejected(const v1::ScanRejected& rejected);
   void AddSkipped();
   void AddLost(std::int64_t count);
   void AddMoved();
+  void AddRestarted();
   void AddDisconnect();
   void AddStall();
   void AddBroken(const std::string& text);

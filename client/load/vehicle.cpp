@@ -6,6 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/sdk/retry.h"
+#include "client/sdk/status.h"
 
 namespace dcloc::load {
 namespace {
@@ -57,6 +59,7 @@ void Vehicle::Start() {
 void Vehicle::Finish() {
   const std::lock_guard lock(mutex_);
   finishing_ = true;
+  if (last_answer_ && !is_slow_reader_) fleet_.recorder.AddGap(*last_answer_, Clock::now());
   Flush();
   ReadOn();
 }
@@ -92,6 +95,7 @@ void Vehicle::BeginTrip(std::size_t first) {
   begin_.reset();
   held_.reset();
   resume_token_.clear();
+  prior_ = {};
   stalled_until_ = {};
   OpenStream();
 }
@@ -113,6 +117,9 @@ v1::OpenSession Vehicle::OpenMessage() const {
     open = route_.open(first_, static_cast<std::uint64_t>(index_ * 1000L + trip_));
     open.set_resumable(true);
     open.set_queue_policy(fleet_.options.queue_policy);
+    const std::size_t next = std::min(next_, route_.scans.size() - 1);
+    const v1::Scan& scan = outbox_.empty() ? route_.scans[next] : *outbox_.front().expected.scan;
+    prior_.Apply(scan.stamp_ns(), &open);
   } else {
     open.set_resume_token(resume_token_);
   }
@@ -218,9 +225,12 @@ void Vehicle::ReadOn() {
 void Vehicle::TakeOpened(const v1::SessionOpened& opened) {
   opened_ = opened;
   mending_ = false;
+  const bool is_new = resume_token_.empty();
   resume_token_ = opened.resume_token();
+  if (is_new) map_version_ = opened.map_version();
+  if (is_new && begin_) fleet_.recorder.AddRestarted();
   if (begin_) return;
-  map_version_ = opened.map_version();
+  is_kept_ = !resume_token_.empty();
   fleet_.recorder.AddOpened(Clock::now() - open_time_);
   begin_ = last_due_ = Clock::now();
   if (fleet_.options.faults.disconnects_per_min > 0.0) PlanDisconnect();
@@ -241,6 +251,10 @@ void Vehicle::TakeAnswer(const v1::LocalizeResponse& answer) {
   outbox_.pop_front();
   --sent_count_;
   Count(answer, answered);
+  if (answer.has_result()) prior_.Note(answer.result());
+  const Clock::time_point now = Clock::now();
+  if (last_answer_ && !is_slow_reader_) fleet_.recorder.AddGap(*last_answer_, now);
+  last_answer_ = now;
   if (!fleet_.options.open_loop && outbox_.empty()) PlanNextScan();
 }
 
@@ -281,11 +295,14 @@ void Vehicle::OnEnd(const grpc::Status& status) {
 void Vehicle::AfterEnd() {
   connection_.reset();
   const bool as_planned = end_status_->ok() && close_sent_ && outbox_.empty();
-  if (!as_planned && !cutting_ && !mending_ && !cancelled_)
+  const bool is_gone = end_status_->error_code() == grpc::StatusCode::NOT_FOUND &&
+                       !resume_token_.empty() && !opened_;
+  if (!as_planned && !is_gone && !cutting_ && !mending_ && !cancelled_)
     fleet_.recorder.AddBroken(TextOf(*end_status_));
   if (as_planned || cancelled_) {
     if (begin_) fleet_.recorder.AddEnded();
     LoseOutbox();
+    last_answer_.reset();
     if (finishing_) {
       done_ = true;
     } else {
@@ -293,17 +310,22 @@ void Vehicle::AfterEnd() {
     }
     return;
   }
-  const bool can_resume = !resume_token_.empty() &&
-                          end_status_->error_code() != grpc::StatusCode::NOT_FOUND &&
-                          end_status_->error_code() != grpc::StatusCode::ABORTED;
-  if (can_resume) {
+  // As the SDK does: what the server no longer has begins anew, from the last pose.
+  if (is_gone) resume_token_.clear();
+  if (is_gone || MayGoOn()) {
     for (std::size_t i = 0; i < sent_count_; ++i) outbox_[i].expected.resent = true;
-    At(Clock::now() + (cutting_ ? Clock::duration(0) : kResumeDelay), &Vehicle::OpenStream);
-  } else {
-    if (begin_) fleet_.recorder.AddEnded();
-    LoseOutbox();
-    At(Clock::now() + kRetryDelay, &Vehicle::Restart);
+    const bool at_once = cutting_ || is_gone;
+    At(Clock::now() + (at_once ? Clock::duration(0) : kResumeDelay), &Vehicle::OpenStream);
+    return;
   }
+  if (begin_) fleet_.recorder.AddEnded();
+  LoseOutbox();
+  At(Clock::now() + kRetryDelay, &Vehicle::Restart);
+}
+
+/// Whether the session that was open can be resumed, or begun anew, after its stream has ended.
+bool Vehicle::MayGoOn() const {
+  return begin_ && is_kept_ && client::MayPass(client::FromGrpc(*end_status_), opened_.has_value());
 }
 
 void Vehicle::Restart() {

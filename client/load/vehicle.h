@@ -16,6 +16,7 @@
 #include "client/load/scheduler.h"
 #include "client/load/vehicle_link.h"
 #include "client/sdk/connection.h"
+#include "client/sdk/prior.h"
 
 namespace dcloc::load {
 
@@ -72,6 +73,7 @@ class Vehicle final : public client::Connection::Host {
   void Flush();
   void ReadOn();
   void AfterEnd();
+  bool MayGoOn() const;
   void Restart();
   void LoseOutbox();
   void PlanDisconnect();
@@ -106,10 +108,13 @@ class Vehicle final : public client::Connection::Host {
   Clock::time_point stalled_until_;
   std::optional<Outgoing> held_;  ///< to be sent behind the next one
   std::string resume_token_;
+  bool is_kept_ = false;  ///< by the server, when its stream breaks
   bool asked_for_version_ = false;
   std::int64_t map_version_ = 0;  ///< of the newest answer
-  std::deque<Outgoing> outbox_;   ///< not answered yet, in the order of sending
-  std::size_t sent_count_ = 0;    ///< of them, on this stream
+  client::Prior prior_;
+  std::optional<Clock::time_point> last_answer_;  ///< none since a trip began as planned
+  std::deque<Outgoing> outbox_;                   ///< not answered yet, in the order of sending
+  std::size_t sent_count_ = 0;                    ///< of them, on this stream
 
   // Of the stream.
   std::unique_ptr<client::Connection> connection_;

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """Attacks a server from outside over real sockets, while vehicles drive and /ready is asked.
 
-Usage: attack.py DCLOC DCLOC_SERVER [--only NAME[,NAME...]] [--seed N] [--seconds S] [--list]
+Usage: attack.py DCLOC DCLOC_SERVER [--only NAME[,NAME...]] [--seed N] [--seconds S] [--list] [--router]
+With --router HAProxy of deploy/haproxy.cfg stands in front, and attacks come from another address than
+vehicles; only attacks that go through it are run.
 """
 
 import argparse
 import json
+import os
 import pathlib
 import random
 import subprocess
@@ -13,8 +16,25 @@ import sys
 import tempfile
 import time
 
-from attacks import ATTACKS, Case
-from target import Api, make_stubs
+def through_router():
+    """Runs this program again, with the router's certificates in the environment."""
+    with tempfile.TemporaryDirectory(prefix="dcloc-attack-tls-") as name:
+        folder = pathlib.Path(name)
+        certificates = pathlib.Path(__file__).resolve().parent.parent.parent / "deploy/certificates"
+        subprocess.run([certificates, "--out", folder, "--server", "localhost,127.0.0.1"], check=True,
+                       stdout=subprocess.DEVNULL)
+        (folder / "router.pem").write_text((folder / "localhost.pem").read_text()
+                                           + (folder / "localhost.key").read_text())
+        return subprocess.run([sys.executable, "-B", *sys.argv], check=False, env={
+            **os.environ, "DCLOC_ATTACK_CA": str(folder / "ca.pem")}).returncode
+
+
+if __name__ == "__main__" and "--router" in sys.argv and "DCLOC_ATTACK_CA" not in os.environ:
+    sys.exit(through_router())  # before what is imported here reads it
+
+from attacks import ATTACKS, Case  # noqa: E402
+from router_attacks import ROUTER_ATTACKS  # noqa: E402
+from target import Api, make_stubs  # noqa: E402
 
 
 def make_town(dcloc, folder):
@@ -45,9 +65,10 @@ def main():
     parser.add_argument("--only", default="", help="names of attacks, with commas")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=3.0, help="how long each one lasts")
+    parser.add_argument("--router", action="store_true", help="through HAProxy")
     parser.add_argument("--list", action="store_true", help="only print their names")
     arguments = parser.parse_args()
-    chosen = [attack for attack in ATTACKS
+    chosen = [attack for attack in (ROUTER_ATTACKS if arguments.router else ATTACKS)
               if not arguments.only or attack.__name__ in arguments.only.split(",")]
     if arguments.list:
         print("\n".join(f"{attack.__name__:28} {attack.__doc__.splitlines()[0]}" for attack in chosen))

@@ -1,7 +1,14 @@
 """HTTP/2 as bytes, for what no gRPC client would send."""
 
+import os
 import socket
+import ssl
 import struct
+
+# Behind a router: its authority. The attacker then comes from an address of its own, as the router's
+# limits go by it.
+ROUTER_CA = os.environ.get("DCLOC_ATTACK_CA")
+ATTACKER = "127.0.0.2"
 
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"
 DATA, HEADERS, RST_STREAM, SETTINGS = 0, 1, 3, 4
@@ -23,14 +30,24 @@ def call_headers(method, token=None):
               ("content-type", "application/grpc"), ("te", "trailers")]
     if token:
         fields.append(("authorization", f"Bearer {token}"))
+    return header_block(fields)
+
+
+def header_block(fields):
+    """Header fields as literals that no table keeps."""
     return b"".join(b"\x00" + _text(name) + _text(value) for name, value in fields)
 
 
 def connect(address, timeout_s=5):
     """A connection of HTTP/2, greeted."""
     host, _, port = address.rpartition(":")
-    connection = socket.create_connection((host, int(port)), timeout_s)
+    source = (ATTACKER, 0) if ROUTER_CA else None
+    connection = socket.create_connection((host, int(port)), timeout_s, source)
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    if ROUTER_CA:
+        context = ssl.create_default_context(cafile=ROUTER_CA)
+        context.set_alpn_protocols(["h2"])
+        connection = context.wrap_socket(connection, server_hostname="localhost")
     connection.sendall(PREFACE + frame(SETTINGS, 0, 0))
     return connection
 

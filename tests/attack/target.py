@@ -3,15 +3,19 @@
 import http.client
 import importlib
 import json
+import os
 import pathlib
 import re
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
 import time
 
 import grpc
+
+import frames
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -58,6 +62,9 @@ class Target:
             raise AssertionError(f"no server: {self.log_text()}")
         self.address = line.removeprefix("listening on ").strip()
         self.metrics = re.search(r'metrics served","address":"([^"]+)"', self.log_text()).group(1)
+        self.router = Router(self.folder, self.address, self.metrics) if frames.ROUTER_CA else None
+        if self.router:
+            self.address = self.router.address
 
     def _token(self, role, name):
         self.store.mkdir(exist_ok=True)
@@ -70,13 +77,17 @@ class Target:
         return self
 
     def __exit__(self, *_):
+        if self.router:
+            self.router.process.kill()
+            self.router.process.wait()
         self.process.kill()
         self.process.wait()
         self.process.stdout.close()
         self.log.close()
 
     def alive(self):
-        return self.process.poll() is None
+        return self.process.poll() is None and (
+            self.router is None or self.router.process.poll() is None)
 
     def log_text(self):
         return (self.folder / "log").read_text(encoding="utf-8", errors="replace")
@@ -107,9 +118,42 @@ class Target:
 
     def channel(self, *options, credentials=None):
         options = [("grpc.use_local_subchannel_pool", 1), *options]
+        if frames.ROUTER_CA:
+            credentials = grpc.ssl_channel_credentials(
+                pathlib.Path(frames.ROUTER_CA).read_bytes())
         if credentials:
             return grpc.secure_channel(self.address, credentials, options)
         return grpc.insecure_channel(self.address, options)
+
+
+class Router:
+    """HAProxy of deploy/haproxy.cfg in front of one server; its certificate lies beside ROUTER_CA."""
+
+    def __init__(self, folder, server, metrics):
+        with socket.create_server(("127.0.0.1", 0)) as one, \
+                socket.create_server(("127.0.0.1", 0)) as other:
+            port, status = one.getsockname()[1], other.getsockname()[1]
+        self.address = f"127.0.0.1:{port}"
+        replicas = folder / "haproxy-replicas.cfg"
+        replicas.write_text("backend dcloc from replicas\n  server dcloc-1 "
+                            f"{server} port {metrics.rpartition(':')[2]} check-proto h1\n")
+        environment = {
+            "DCLOC_ROUTER_LISTEN": self.address, "DCLOC_ROUTER_STATUS": f"127.0.0.1:{status}",
+            "DCLOC_ROUTER_CERTIFICATE": str(pathlib.Path(frames.ROUTER_CA).parent / "router.pem"),
+            "DCLOC_ROUTER_CONNECTIONS": "5000", "PATH": os.environ["PATH"] + ":/usr/sbin"}
+        with open(folder / "haproxy.log", "w", encoding="utf-8") as log:
+            self.process = subprocess.Popen(
+                ["haproxy", "-db", "-f", ROOT / "deploy/haproxy.cfg", "-f", replicas],
+                env={**os.environ, **environment}, stdout=log, stderr=log)
+        end = time.monotonic() + 20
+        while True:
+            try:
+                socket.create_connection(("127.0.0.1", port)).close()
+                return
+            except OSError:
+                if time.monotonic() > end or self.process.poll() is not None:
+                    raise AssertionError((folder / "haproxy.log").read_text()) from None
+                time.sleep(0.1)
 
 
 class Vehicles:

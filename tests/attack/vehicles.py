@@ -4,6 +4,7 @@ Usage: vehicles.py STUBS ADDRESS TOKEN|- COUNT RATE_HZ
 """
 
 import json
+import pathlib
 import queue
 import sys
 import threading
@@ -11,6 +12,7 @@ import time
 
 import grpc
 
+from frames import ROUTER_CA
 from target import Api
 
 STUBS, ADDRESS, TOKEN, COUNT, RATE_HZ = sys.argv[1:6]
@@ -49,6 +51,13 @@ def scan(number):
     return request
 
 
+def channel_to(address, options):
+    if not ROUTER_CA:
+        return grpc.insecure_channel(address, options)
+    return grpc.secure_channel(
+        address, grpc.ssl_channel_credentials(pathlib.Path(ROUTER_CA).read_bytes()), options)
+
+
 class Vehicle(threading.Thread):
     """One session at a time; a new one, on a new connection, every 2 s."""
 
@@ -63,7 +72,7 @@ class Vehicle(threading.Thread):
     def run(self):
         while not self.stop.is_set():
             options = [("grpc.use_local_subchannel_pool", 1)]
-            with grpc.insecure_channel(ADDRESS, options) as channel:
+            with channel_to(ADDRESS, options) as channel:
                 try:
                     self.drive(channel)
                 except grpc.RpcError as error:

@@ -148,6 +148,12 @@ def closure(packages):
     return found
 
 
+def servers_of(haproxy_list):
+    """[(name, host)] of the router's list; each with the check of /ready."""
+    return re.findall(r"^ *server (\S+) (\S+):50051 port 9464 check-proto h1$", haproxy_list,
+                      re.MULTILINE)
+
+
 def load_yaml(path):
     return list(yaml.safe_load_all(path.read_text(encoding="utf-8")))
 
@@ -259,7 +265,7 @@ class Files(unittest.TestCase):
     @needs_yaml
     def test_compose_refers_to_what_is_there(self):
         (compose,) = load_yaml(DEPLOY / "compose.yml")
-        made_by_user = {"./certs/dcloc.pem"}
+        made_by_user = {"./certs/dcloc.pem", "./certs/pgpass", "./certs/database-password"}
         services = compose["services"]
         for name, service in services.items():
             for volume in service.get("volumes", []):
@@ -272,13 +278,15 @@ class Files(unittest.TestCase):
             for network in service["networks"]:
                 self.assertIn(network, compose["networks"], name)
         self.check_server_arguments(services["dcloc-1"]["command"])
-        targets = load_yaml(DEPLOY / "monitoring/prometheus.yml")[0]["scrape_configs"][0][
-            "static_configs"][0]["targets"]
+        for secret in compose["secrets"].values():
+            self.assertIn(secret["file"], made_by_user)
+        jobs = {job["job_name"]: job["static_configs"][0]["targets"] for job in load_yaml(
+            DEPLOY / "monitoring/prometheus.yml")[0]["scrape_configs"]}
         servers = [name for name in services if name.startswith("dcloc-")]
-        self.assertEqual(targets, [f"{name}:9464" for name in servers])
-        proxied = re.findall(r"^  server (\S+) (\S+):50051$",
-                             (DEPLOY / "haproxy.cfg").read_text(), re.MULTILINE)
-        self.assertEqual(proxied, [(name, name) for name in servers])
+        self.assertEqual(jobs["dcloc"], [f"{name}:9464" for name in servers])
+        self.assertEqual(jobs["router"], ["router:8404"])
+        self.assertEqual(servers_of((DEPLOY / "haproxy-replicas.cfg").read_text()),
+                         [(name, name) for name in servers])
 
     @needs_program("docker-compose", "docker-compose")
     def test_compose_reads_its_file(self):
@@ -337,7 +345,7 @@ class Files(unittest.TestCase):
                 shutil.copy(library, copy)
             (base / "bin").mkdir()
             shutil.copy("/bin/sh", base / "bin")
-            for program in ("apt-get", "rm", "strip", "useradd"):
+            for program in ("apt-get", "install", "rm", "strip", "useradd"):
                 script(base / "bin" / program)
             (folder / "Basefile").write_text("FROM scratch\nCOPY base /\n")
             made = build(folder / "Basefile", "docker.io/library/debian:bookworm-slim", folder)
@@ -362,9 +370,10 @@ class Files(unittest.TestCase):
 
     @needs_yaml
     def test_kubernetes_objects_fit_each_other(self):
-        objects = {item["kind"]: item for item in load_yaml(DEPLOY / "kubernetes.yml")}
-        for item in objects.values():
+        items = load_yaml(DEPLOY / "kubernetes.yml")
+        for item in items:
             self.assertTrue(item["apiVersion"] and item["metadata"]["name"])
+        objects = {item["kind"]: item for item in items if item["metadata"]["name"] == "dcloc"}
         stateful = objects["StatefulSet"]["spec"]
         pod = stateful["template"]
         self.assertEqual(stateful["selector"]["matchLabels"], pod["metadata"]["labels"])
@@ -373,7 +382,8 @@ class Files(unittest.TestCase):
         (container,) = pod["spec"]["containers"]
         volumes = {volume["name"] for volume in pod["spec"]["volumes"]}
         volumes |= {claim["metadata"]["name"] for claim in stateful["volumeClaimTemplates"]}
-        self.assertEqual({mount["name"] for mount in container["volumeMounts"]}, volumes)
+        self.assertEqual({mount["name"] for one in (container, *pod["spec"]["initContainers"])
+                          for mount in one["volumeMounts"]}, volumes)
         ports = {port["name"]: port["containerPort"] for port in container["ports"]}
         for port in objects["Service"]["spec"]["ports"]:
             self.assertEqual(ports[port["name"]], port["port"])
@@ -386,12 +396,38 @@ class Files(unittest.TestCase):
                            settings["shutdown_deadline_ms"])
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "server.json"
-            # Its certificates are not here.
+            # Its certificates and keys are not here.
             path.write_text(json.dumps({key: value for key, value in settings.items()
-                                        if not key.startswith("tls_")}
+                                        if not key.startswith(("tls_", "object_cred"))}
                                        | {"listen": "127.0.0.1:0"}))
-            checked = run(PROGRAMS[1], "--config", path, "--check-config")
+            checked = run(PROGRAMS[1], "--config", path, "--check-config", env={
+                **os.environ, "AWS_ACCESS_KEY_ID": "key", "AWS_SECRET_ACCESS_KEY": "secret"})
         self.assertEqual(checked.returncode, 0, checked.stdout)
+
+    @needs_yaml
+    def test_the_router_of_kubernetes_knows_each_replica_that_there_may_be(self):
+        items = load_yaml(DEPLOY / "kubernetes.yml")
+        objects = {(item["kind"], item["metadata"]["name"]): item for item in items}
+        scaler = objects["HorizontalPodAutoscaler", "dcloc"]["spec"]
+        self.assertIn((scaler["scaleTargetRef"]["kind"], scaler["scaleTargetRef"]["name"]), objects)
+        listed = servers_of(objects["ConfigMap", "dcloc-replicas"]["data"]["haproxy-replicas.cfg"])
+        self.assertEqual(listed, [(f"dcloc-{i}", f"dcloc-{i}.dcloc.default.svc.cluster.local")
+                                  for i in range(scaler["maxReplicas"])])
+        exposed = exposed_metrics()
+        for metric in scaler["metrics"]:
+            if metric["type"] == "Pods":
+                self.assertIn(metric["pods"]["metric"]["name"], exposed)
+        router = objects["Deployment", "dcloc-router"]["spec"]["template"]
+        for kind in ("Service", "PodDisruptionBudget"):
+            selector = objects[kind, "dcloc-router"]["spec"]["selector"]
+            self.assertEqual(selector.get("matchLabels", selector), router["metadata"]["labels"])
+        (container,) = router["spec"]["containers"]
+        files = [word for word in container["args"] if word.endswith(".cfg")]
+        mounted = {mount["mountPath"] for mount in container["volumeMounts"]}
+        for file in files:
+            self.assertIn(os.path.dirname(file), mounted)
+        self.assertEqual({mount["name"] for mount in container["volumeMounts"]},
+                         {volume["name"] for volume in router["spec"]["volumes"]})
 
     @needs_yaml
     @unittest.skipIf(kubernetes_objects is None, "needs Debian's python3-kubernetes")
@@ -404,15 +440,17 @@ class Files(unittest.TestCase):
     def test_what_kubernetes_does_not_know_is_found(self):
         text = (DEPLOY / "kubernetes.yml").read_text()
         for right, wrong, fault in (
-                ("periodSeconds: 5", "periodSecond: 5", "periodSecond: there is no such field"),
-                ("maxUnavailable:", "maxUnavailables:", "maxUnavailables: there is no such field"),
-                ("replicas: 2", "replicas: two", "replicas must be of type int, not 'two'"),
-                ("runAsNonRoot: true", "runAsNonRoot: 1", "runAsNonRoot must be of type bool"),
-                ("drop: [ALL]", "drop: ALL", "drop must be a list"),
+                ("periodSeconds: 5\n", "periodSecond: 5\n", "periodSecond: there is no such field"),
+                ("  maxUnavailable: 1\n  selector:\n    matchLabels: {app: dcloc}\n---",
+                 "  maxUnavailables: 1\n  selector:\n    matchLabels: {app: dcloc}\n---", "maxUnavailables: there is no such field"),
+                ("replicas: 2\n", "replicas: two\n", "replicas must be of type int, not 'two'"),
+                ("runAsUser: 99\n", "runAsUser: root\n", "runAsUser must be of type int"),
+                ("policies: [{type: Pods, value: 1, periodSeconds: 300}]", "policies: Pods",
+                 "policies must be a list"),
                 ("- {name: grpc, containerPort: 50051}", "- {name: grpc}", "container_port"),
                 ("serviceName: dcloc", "", "service_name"),
                 ("policy/v1", "apps/v1", "apps/v1 has no PodDisruptionBudget")):
-            broken = text.replace(right, wrong)
+            broken = text.replace(right, wrong, 1)
             self.assertNotEqual(broken, text, right)
             found = [line for item in yaml.safe_load_all(broken)
                      for line in kubernetes_objects.faults(item)]
@@ -426,6 +464,11 @@ class Files(unittest.TestCase):
 
     @needs_program("haproxy", "haproxy")
     def test_haproxy_accepts_its_configuration(self):
+        lists = [(DEPLOY / "haproxy-replicas.cfg").read_text()]
+        if yaml is not None:
+            lists += [item["data"]["haproxy-replicas.cfg"]
+                      for item in load_yaml(DEPLOY / "kubernetes.yml")
+                      if item["metadata"]["name"] == "dcloc-replicas"]
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder)
             made = run(DEPLOY / "certificates", "--out", folder, "--server", "localhost")
@@ -433,11 +476,13 @@ class Files(unittest.TestCase):
             pem = path / "dcloc.pem"
             pem.write_text((path / "localhost.pem").read_text() +
                            (path / "localhost.key").read_text())
-            configuration = path / "haproxy.cfg"
-            configuration.write_text((DEPLOY / "haproxy.cfg").read_text().replace(
-                "/etc/haproxy/dcloc.pem", str(pem)))
-            result = run("haproxy", "-c", "-f", configuration)
-            self.assertEqual(result.returncode, 0, result.stdout)
+            for text in lists:
+                replicas = path / "replicas.cfg"
+                replicas.write_text(text.replace("/etc/haproxy-tls/ca.crt", str(path / "ca.pem")))
+                for more in ({}, {"DCLOC_ROUTER_CLIENT_CA": str(path / "ca.pem")}):
+                    result = run("haproxy", "-c", "-f", DEPLOY / "haproxy.cfg", "-f", replicas,
+                                 env={**os.environ, "DCLOC_ROUTER_CERTIFICATE": str(pem), **more})
+                    self.assertEqual(result.returncode, 0, result.stdout)
 
     @needs_program("systemd-analyze", "systemd")
     def test_systemd_accepts_the_unit(self):

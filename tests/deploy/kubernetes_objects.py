@@ -10,9 +10,14 @@ SCALARS = {"str": str, "int": int, "float": (int, float), "bool": bool, "object"
            "datetime": (str, datetime.datetime)}
 
 
+# What became of them has the same fields; Debian's models are from before.
+MODELS = {"autoscaling/v2": "autoscaling/v2beta2"}
+
+
 def faults(item):
     """A line for each fault of an object as read from YAML."""
     version, kind = str(item.get("apiVersion")), str(item.get("kind"))
+    version = MODELS.get(version, version)
     group, _, version = version.rpartition("/")
     name = (group.split(".")[0] or "core").capitalize() + version.capitalize() + "Api"
     create = "_".join(["create_namespaced", *re.findall("[A-Z][a-z]+", kind)]).lower()

