@@ -12,10 +12,12 @@ void Pipeline<Dim>::Claim(Localization& answer) {
   const EgoVelocity velocity = ego_motion_.velocity().value_or(EgoVelocity{});
   const double speed_mps = velocity.linear_mps.norm();
   const double doubt_m = speed_mps * stamp_error_.doubt_s;
-  answer.state = tracking_.Report(std::hypot(HorizontalSigma(answer.covariance), doubt_m));
+  const double doubted_way_m = ego_motion_.doubted_way_m();
+  answer.state = tracking_.Report(
+      std::hypot(HorizontalSigma(answer.covariance), doubt_m, doubted_way_m));
   if (answer.state == LocalizationState::kTracking) {
-    answer.protection_level_m =
-        protection_level_.Of(answer.covariance, speed_mps * stamp_error_.bound_s + doubt_m);
+    answer.protection_level_m = protection_level_.Of(
+        answer.covariance, speed_mps * stamp_error_.bound_s + doubt_m + doubted_way_m);
   }
   Vector6d per_second;
   per_second << velocity.linear_mps, velocity.angular_radps;

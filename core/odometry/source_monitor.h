@@ -72,6 +72,8 @@ struct SourceMonitorOptions {
   double unknown_yaw_rate_sigma_radps = 0.5;
   /// That the vehicle moves as nothing before let expect, at a comparison.
   double restart_probability = 1e-6;
+  /// Hypotheses less probable than this, beside the best one, make nothing doubtful.
+  double doubt_probability = 1e-4;
   /// Registrations that are compared lie at least so far apart, and err by so much.
   std::chrono::nanoseconds min_registered_interval = std::chrono::milliseconds(500);
   std::chrono::nanoseconds max_registered_interval = std::chrono::milliseconds(3000);
@@ -128,6 +130,17 @@ class SourceMonitor {
     double turn_rad = 0.0;
   };
   std::optional<MissedMotion> OnUsedMotion(double forward_m, double turn_rad);
+
+  /// By how much the vehicle may have moved otherwise than was used, since a registration was last
+  /// accepted, and may move so now. Zero while all hypotheses that are not improbable agree.
+  struct Doubt {
+    double speed_variance = 0.0;     ///< about the best hypothesis' [m2/s2]
+    double yaw_rate_variance = 0.0;  ///< [rad2/s2]
+    double way_variance_m2 = 0.0;    ///< about the motion that was used
+    double turn_variance_rad2 = 0.0;
+    double way_bound_m = 0.0;  ///< the most that a hypothesis says of the way
+  };
+  Doubt CurrentDoubt() const;
 
  private:
   // Which sources are sound, and how the vehicle moves if so.
