@@ -165,7 +165,7 @@ void Pipeline<Dim>::AddToSubmap(Stamp stamp, std::size_t radar_index,
     pose_.OnGap();
   }
   submap_.Push(stamp, static_cast<int>(radar_index), points, motion);
-  schedule_.OnScan(stamp, submap_.scan_count());
+  schedule_.OnScan(stamp, submap_.scan_count(), points.size());
 }
 
 template <int Dim>
@@ -176,6 +176,7 @@ void Pipeline<Dim>::TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim
                                          matcher_, workspace);
   radar_monitor_.OnFit(radar_index, scan_checker_.last_fit());
   if (!IsTrusted(radar_index, stamp)) return;
+  TellSourcesApart(workspace);
   tracking_.OnScanFit(fit);
   if (tracking_.mode() == TrackingMode::kTracking) {
     scan_checker_.OnConfirmed();

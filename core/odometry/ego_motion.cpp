@@ -257,11 +257,21 @@ void EgoMotion::AddDoubt() {
   const SourceMonitor::Doubt before = std::exchange(doubt_, sources_.CurrentDoubt());
   doubt_since_previous_.setZero();
   doubt_since_previous_(0, 0) = std::max(0.0, doubt_.way_variance_m2 - before.way_variance_m2);
-  doubt_since_previous_(5, 5) = std::max(0.0, doubt_.turn_variance_rad2 - before.turn_variance_rad2);
+  doubt_since_previous_(5, 5) =
+      std::max(0.0, doubt_.turn_variance_rad2 - before.turn_variance_rad2);
   since_previous_.covariance += doubt_since_previous_;
   Matrix6d& covariance = *doubted_velocity_->covariance;
   covariance(0, 0) += doubt_.speed_variance;
   covariance(5, 5) += doubt_.yaw_rate_variance;
+}
+
+std::optional<Pose3> EgoMotion::RivalPlace() const {
+  const std::optional<SourceMonitor::MissedMotion> rival = sources_.Rival();
+  if (!rival) return std::nullopt;
+  Vector6d step = Vector6d::Zero();
+  step(0) = rival->forward_m;
+  step(5) = rival->turn_rad;
+  return Exp(step);
 }
 
 EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {

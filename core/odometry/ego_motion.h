@@ -88,6 +88,13 @@ class EgoMotion {
     if (is_accepted) doubt_ = sources_.CurrentDoubt();
   }
 
+  /// Where the vehicle would be now, from where it is taken to be, if other sources were sound;
+  /// and how the newest scan fits the map at both places.
+  std::optional<Pose3> RivalPlace() const;
+  void OnFits(double fit, double rival_fit) {
+    if (const auto rival = sources_.Rival()) sources_.OnFits(*rival, fit, rival_fit);
+  }
+
   /// A registration whose scans no earlier one used puts the vehicle here at the last scan, with a
   /// covariance of (x, y, yaw): scale and yaw-rate bias are learned from it.
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {

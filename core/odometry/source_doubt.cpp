@@ -46,4 +46,29 @@ SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
   return doubt;
 }
 
+std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
+  if (fits_compared_ && *newest_ - *fits_compared_ < options_.interval) return std::nullopt;
+  const Hypothesis* rival = nullptr;
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.log_weight < std::log(options_.doubt_probability) ||
+        !Any(hypothesis.sound, OdometrySource::kWheelSpeed, OdometrySource::kDoppler) ||
+        std::abs(hypothesis.missed.forward_m) < options_.min_rival_way_m) {
+      continue;
+    }
+    if (rival == nullptr || hypothesis.log_weight > rival->log_weight) rival = &hypothesis;
+  }
+  return rival == nullptr ? std::nullopt : std::optional(rival->missed);
+}
+
+// METHOD eq 65. Of each hypothesis, the nearer of the two places is its own.
+void SourceMonitor::OnFits(const MissedMotion& rival, double fit, double rival_fit) {
+  fits_compared_ = newest_;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    const bool is_rivals = std::abs(hypothesis.missed.forward_m - rival.forward_m) <
+                           std::abs(hypothesis.missed.forward_m);
+    hypothesis.log_weight += options_.log_likelihood_per_fit * (is_rivals ? rival_fit : fit);
+  }
+  Normalize();
+}
+
 }  // namespace dcloc

@@ -16,44 +16,44 @@ constexpr int kFull = 10;
 TEST(RegistrationScheduleTest, WaitsForAShareOfASubmapOrForTime) {
   RegistrationSchedule by_count({}, kFull);
   for (int scans = 1; scans <= kFull; ++scans) {
-    by_count.OnScan(ScanTime(50 * scans), scans);
+    by_count.OnScan(ScanTime(50 * scans), scans, kPoints);
     EXPECT_EQ(by_count.IsDue(false), scans >= 8) << scans;
   }
   RegistrationSchedule by_time({}, kFull);
   for (int scans = 1; scans <= 5; ++scans) {
-    by_time.OnScan(ScanTime(300 * scans), scans);
+    by_time.OnScan(ScanTime(300 * scans), scans, kPoints);
     EXPECT_EQ(by_time.IsDue(false), scans == 5) << scans;
   }
 }
 
 TEST(RegistrationScheduleTest, ASubmapThatBeginsAnewWaitsAgain) {
   RegistrationSchedule schedule({}, kFull);
-  schedule.OnScan(ScanTime(0), kFull);
+  schedule.OnScan(ScanTime(0), kFull, kPoints);
   EXPECT_TRUE(schedule.IsDue(false));
-  schedule.OnScan(ScanTime(5000), 1);
+  schedule.OnScan(ScanTime(5000), 1, kPoints);
   EXPECT_FALSE(schedule.IsDue(false));
 }
 
 TEST(RegistrationScheduleTest, RadarsThatFollowOneAnotherShareARegistration) {
   RegistrationSchedule schedule({}, kFull);
   EXPECT_FALSE(schedule.SinceRegistration().has_value());
-  schedule.OnScan(ScanTime(0), kFull);
+  schedule.OnScan(ScanTime(0), kFull, kPoints);
   schedule.OnRegistration();
-  schedule.OnScan(ScanTime(39), kFull);
+  schedule.OnScan(ScanTime(39), kFull, kPoints);
   EXPECT_FALSE(schedule.IsDue(false));
   EXPECT_EQ(*schedule.SinceRegistration(), milliseconds(39));
-  schedule.OnScan(ScanTime(40), kFull);
+  schedule.OnScan(ScanTime(40), kFull, kPoints);
   EXPECT_TRUE(schedule.IsDue(false));
 }
 
 TEST(RegistrationScheduleTest, ASteadyTrackerRegistersEverySecondScan) {
   RegistrationSchedule schedule({}, kFull);
-  schedule.OnScan(ScanTime(0), kFull);
+  schedule.OnScan(ScanTime(0), kFull, kPoints);
   schedule.OnRegistration();
-  schedule.OnScan(ScanTime(80), kFull);
+  schedule.OnScan(ScanTime(80), kFull, kPoints);
   EXPECT_FALSE(schedule.IsDue(true));
   EXPECT_TRUE(schedule.IsDue(false));
-  schedule.OnScan(ScanTime(160), kFull);
+  schedule.OnScan(ScanTime(160), kFull, kPoints);
   EXPECT_TRUE(schedule.IsDue(true));
 }
 
