@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstddef>
 
 namespace dcloc {
 namespace {
@@ -12,6 +13,7 @@ using std::chrono::milliseconds;
 Stamp ScanTime(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
 
 constexpr int kFull = 10;
+constexpr std::size_t kPoints = 50;  // of a scan
 
 TEST(RegistrationScheduleTest, WaitsForAShareOfASubmapOrForTime) {
   RegistrationSchedule by_count({}, kFull);
@@ -55,6 +57,19 @@ TEST(RegistrationScheduleTest, ASteadyTrackerRegistersEverySecondScan) {
   EXPECT_TRUE(schedule.IsDue(false));
   schedule.OnScan(ScanTime(160), kFull, kPoints);
   EXPECT_TRUE(schedule.IsDue(true));
+}
+
+TEST(RegistrationScheduleTest, OldPointsAloneAreNotRegistered) {
+  const std::size_t enough = RegistrationScheduleOptions().min_new_points;
+  RegistrationSchedule schedule({}, kFull);
+  schedule.OnScan(ScanTime(0), kFull, enough - 1);
+  EXPECT_FALSE(schedule.IsDue(false));
+  schedule.OnScan(ScanTime(80), kFull, 1);
+  EXPECT_TRUE(schedule.IsDue(false));
+  schedule.OnRegistration();
+  schedule.OnScan(ScanTime(160), kFull, 0);
+  schedule.OnScan(ScanTime(1000), kFull, 0);
+  EXPECT_FALSE(schedule.IsDue(false)) << "however long it waits";
 }
 
 }  // namespace
