@@ -142,6 +142,7 @@ void Pipeline<Dim>::Move(const Motion& motion) {
   reset_counter_.OnMotion(ego_motion_.expected_motion());
   // What was learned of the odometry was learned of other sources.
   if (ego_motion_.sources_changed()) pose_.ForgetNoise();
+  if (HorizontalSigma(ego_motion_.doubt_since_previous()) > options_.usual_doubt_m) pose_.OnGap();
 }
 
 template <int Dim>
@@ -156,13 +157,15 @@ void Pipeline<Dim>::Compensate(const Scan& scan, Stamp stamp, const EgoVelocity&
 template <int Dim>
 void Pipeline<Dim>::AddToSubmap(Stamp stamp, std::size_t radar_index,
                                 const std::vector<RadarPoint>& points, const Motion& motion) {
-  if (HorizontalSigma(motion.covariance) > options_.max_gap_sigma_m ||
-      std::sqrt(motion.covariance(5, 5)) > options_.max_gap_sigma_rad) {
+  // Whichever sources are sound, the scans of before are where these put them, or none of them is.
+  const Matrix6d gap = motion.covariance - ego_motion_.doubt_since_previous();
+  if (HorizontalSigma(gap) > options_.max_gap_sigma_m ||
+      std::sqrt(gap(5, 5)) > options_.max_gap_sigma_rad) {
     submap_.Clear();
     pose_.OnGap();
   }
   submap_.Push(stamp, static_cast<int>(radar_index), points, motion);
-  schedule_.OnScan(stamp, submap_.scan_count());
+  schedule_.OnScan(stamp, submap_.scan_count(), points.size());
 }
 
 template <int Dim>
@@ -173,6 +176,7 @@ void Pipeline<Dim>::TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim
                                          matcher_, workspace);
   radar_monitor_.OnFit(radar_index, scan_checker_.last_fit());
   if (!IsTrusted(radar_index, stamp)) return;
+  TellSourcesApart(workspace);
   tracking_.OnScanFit(fit);
   if (tracking_.mode() == TrackingMode::kTracking) {
     scan_checker_.OnConfirmed();

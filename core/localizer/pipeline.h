@@ -100,6 +100,7 @@ class Pipeline final : public AnyPipeline {
   void AddToSubmap(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,
                    const Motion& motion);
   void TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
+  void TellSourcesApart(Workspace<Dim>& workspace);
   void Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace);
   std::optional<Registration<Dim>> Register(Stamp stamp, Workspace<Dim>& workspace);
   void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <optional>
 #include <span>
 
@@ -19,6 +20,9 @@ struct RegistrationScheduleOptions {
   int tracking_scans = 2;
   /// But no longer than this.
   std::chrono::nanoseconds max_interval = std::chrono::milliseconds(180);
+  /// A sub-map with fewer new points than this repeats what was known: it tells how odometry moves
+  /// old points, and nothing of where the vehicle is.
+  int min_new_points = 10;
   /// At the start and after a gap in the data, registration waits for this share of a full sub-map,
   /// or for so long.
   double start_share = 0.8;
@@ -35,8 +39,9 @@ class RegistrationSchedule {
   RegistrationSchedule(const RegistrationScheduleOptions& options, int full_scan_count)
       : options_(options), full_scan_count_(full_scan_count) {}
 
-  /// A scan at `stamp` was added to the sub-map, which then had so many.
-  void OnScan(Stamp stamp, int submap_scan_count);
+  /// A scan of so many static points at `stamp` was added to the sub-map, which then had so many
+  /// scans.
+  void OnScan(Stamp stamp, int submap_scan_count, std::size_t point_count);
 
   /// Whether that scan is to be followed by a registration. `is_steady`: tracking, and the newest
   /// registration was accepted.
@@ -55,6 +60,7 @@ class RegistrationSchedule {
   Stamp submap_begin_{};  // of the first scan since the sub-map was empty
   int submap_scan_count_ = 0;
   int scans_since_registration_ = 0;
+  std::size_t points_since_registration_ = 0;
   std::optional<Stamp> last_registration_;
 };
 

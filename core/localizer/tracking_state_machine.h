@@ -79,8 +79,10 @@ class TrackingStateMachine {
 
   /// Whether the pose that there is must be held against other places.
   bool needs_verification() const {
-    return has_pose() && mode_ != TrackingMode::kTracking &&
-           mode_ != TrackingMode::kConfirmingPlace;
+    if (mode_ == TrackingMode::kConfirmingPlace) {
+      return verification_ != Verification::kNotNeeded;  // fixes insist on yet another place
+    }
+    return has_pose() && mode_ != TrackingMode::kTracking;
   }
 
   /// Starts from a place that global localization found. What was counted before does not matter

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace dcloc {
 namespace {
@@ -124,11 +125,12 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   expected_motion_ = since_previous_.T_from_to;
   AddMissedMotion();
   Learn(reported, now, age);
-  history_.Add(stamp, since_previous_, now);
-  velocity_ = now;
+  velocity_ = doubted_velocity_ = now;
+  AddDoubt();
+  history_.Add(stamp, since_previous_, *doubted_velocity_);
   stamp_ = stamp;
   Diagnose(reported);
-  return *velocity_;
+  return *doubted_velocity_;
 }
 
 // Of a gyroscope that is set aside, too: it may be taken back once its bias is known. Wheels that
@@ -247,6 +249,29 @@ void EgoMotion::AddMissedMotion() {
   const Vector6d sigmas = options_.missed_motion_sigma_share * step;
   since_previous_ = Compose(
       since_previous_, {.T_from_to = Exp(step), .covariance = sigmas.cwiseAbs2().asDiagonal()});
+}
+
+// METHOD eq 64. Targets of each motion that is not improbable stay static, and the pose becomes as
+// uncertain as the ways differ. A doubt that ends leaves the pose as uncertain as it was.
+void EgoMotion::AddDoubt() {
+  const SourceMonitor::Doubt before = std::exchange(doubt_, sources_.CurrentDoubt());
+  doubt_since_previous_.setZero();
+  doubt_since_previous_(0, 0) = std::max(0.0, doubt_.way_variance_m2 - before.way_variance_m2);
+  doubt_since_previous_(5, 5) =
+      std::max(0.0, doubt_.turn_variance_rad2 - before.turn_variance_rad2);
+  since_previous_.covariance += doubt_since_previous_;
+  Matrix6d& covariance = *doubted_velocity_->covariance;
+  covariance(0, 0) += doubt_.speed_variance;
+  covariance(5, 5) += doubt_.yaw_rate_variance;
+}
+
+std::optional<Pose3> EgoMotion::RivalPlace() const {
+  const std::optional<SourceMonitor::MissedMotion> rival = sources_.Rival();
+  if (!rival) return std::nullopt;
+  Vector6d step = Vector6d::Zero();
+  step(0) = rival->forward_m;
+  step(5) = rival->turn_rad;
+  return Exp(step);
 }
 
 EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {

@@ -85,6 +85,14 @@ class EgoMotion {
   /// A registration, accepted or an outlier, puts the vehicle here at the last scan.
   void OnRegistration(const Pose3& T_map_vehicle, bool is_accepted) {
     sources_.OnRegistration(Flatten(T_map_vehicle), is_accepted);
+    if (is_accepted) doubt_ = sources_.CurrentDoubt();
+  }
+
+  /// Where the vehicle would be now, from where it is taken to be, if other sources were sound;
+  /// and how the newest scan fits the map at both places.
+  std::optional<Pose3> RivalPlace() const;
+  void OnFits(double fit, double rival_fit) {
+    if (const auto rival = sources_.Rival()) sources_.OnFits(*rival, fit, rival_fit);
   }
 
   /// A registration whose scans no earlier one used puts the vehicle here at the last scan, with a
@@ -102,6 +110,13 @@ class EgoMotion {
   /// From the scan before the last one to the last one; identity at the first. It contains what has
   /// been missed before, when a source is found to have been wrong.
   const Motion& since_previous() const { return since_previous_; }
+
+  /// What of its covariance comes of doubt in the sources (METHOD eq 64): it is not of the noise
+  /// that odometry usually has.
+  const Matrix6d& doubt_since_previous() const { return doubt_since_previous_; }
+
+  /// By how much the way since the last accepted registration may be another one [m].
+  double doubted_way_m() const { return doubt_.way_bound_m; }
 
   /// The same without what has been missed: how an answer was expected to move on.
   const Pose3& expected_motion() const { return expected_motion_; }
@@ -121,8 +136,8 @@ class EgoMotion {
   /// gyroscope's. Absent where there is none that is sound.
   const std::optional<EgoVelocity>& by_gyroscope() const { return by_gyroscope_; }
 
-  /// At the last scan; nothing before the first one.
-  const std::optional<EgoVelocity>& velocity() const { return velocity_; }
+  /// At the last scan, as uncertain as the sources are doubted; nothing before the first one.
+  const std::optional<EgoVelocity>& velocity() const { return doubted_velocity_; }
 
   /// The motion of the last moments.
   const MotionHistory& history() const { return history_; }
@@ -144,6 +159,7 @@ class EgoMotion {
   void Learn(const std::optional<EgoVelocity>& reported, const EgoVelocity& now,
              std::chrono::nanoseconds age);
   void AddMissedMotion();
+  void AddDoubt();
   void Diagnose(const std::optional<EgoVelocity>& reported);
   SourceHealth HealthOf(OdometrySource source, const SourceDiagnosis& diagnosis) const;
 
@@ -154,7 +170,10 @@ class EgoMotion {
   MotionHistory history_;
   Pose3 expected_motion_;
   Motion since_previous_;
-  std::optional<EgoVelocity> velocity_;
+  Matrix6d doubt_since_previous_ = Matrix6d::Zero();
+  SourceMonitor::Doubt doubt_;
+  std::optional<EgoVelocity> velocity_;  // if the sources that are used are sound
+  std::optional<EgoVelocity> doubted_velocity_;
   // At the last scan: what the vehicle reports, corrected; without wheels that are not sound.
   std::optional<EgoVelocity> turning_;
   std::optional<EgoVelocity> by_gyroscope_;

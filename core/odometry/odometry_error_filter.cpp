@@ -39,7 +39,6 @@ std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
       {"max_squared_sigmas", &O::max_squared_sigmas, 1e-6, 1e6},
       {"innovation_prior_count", &O::innovation_prior_count, 1e-6, 1e6},
       {"usual_squared_sigmas", &O::usual_squared_sigmas, 1e-6, 1e6},
-      {"max_supposed_sigmas", &O::max_supposed_sigmas, 0, 100, "no scale is taken"},
       {"max_yaw_rate_bias_radps", &O::max_yaw_rate_bias_radps, 0, 1,
        "the bias does not change at once"},
       {"max_change_interval_ms", &O::max_change_interval, 0, 1e5, "no change at once is found"},
@@ -70,8 +69,7 @@ double OdometryErrorFilter::yaw_rate_bias_sigma_radps() const {
 
 void OdometryErrorFilter::Suppose(const std::optional<ScalarEstimate>& scale,
                                   const std::optional<ScalarEstimate>& yaw_rate_bias_radps) {
-  if (scale &&
-      std::abs(scale->value - 1.0) <= options_.max_supposed_sigmas * options_.scale_sigma) {
+  if (scale) {
     scale_ = scale->value;
     SetVariance(kScale, std::max(scale->variance, Square(options_.scale_sigma)));
   }

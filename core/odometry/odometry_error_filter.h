@@ -43,9 +43,6 @@ struct OdometryErrorFilterOptions {
   PageTestOptions change;
   /// What is further off is no error of a zero, and is not corrected.
   double max_yaw_rate_bias_radps = 0.15;
-  /// A scale that an earlier session found is taken up to so many `scale_sigma` from 1: load and
-  /// tyres make no more.
-  double max_supposed_sigmas = 5.0;
   /// Poses further apart are not compared.
   std::chrono::nanoseconds max_change_interval = std::chrono::seconds(3);
 };

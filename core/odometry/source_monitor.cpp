@@ -79,6 +79,9 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"unknown_speed_sigma_mps", &O::unknown_speed_sigma_mps, 1e-6, 1000},
       {"unknown_yaw_rate_sigma_radps", &O::unknown_yaw_rate_sigma_radps, 1e-6, 100},
       {"restart_probability", &O::restart_probability, 1e-30, 0.5},
+      {"min_rival_way_m", &O::min_rival_way_m, 1e-3, 1000},
+      {"log_likelihood_per_fit", &O::log_likelihood_per_fit, 0, 1000, "scans tell nothing apart"},
+      {"doubt_probability", &O::doubt_probability, 1e-12, 1, "the best hypothesis is sure"},
       {"min_registered_interval_ms", &O::min_registered_interval, 1, 1e5},
       {"max_registered_interval_ms", &O::max_registered_interval, 1, 1e6},
       {"registered_sigma_m", &O::registered_sigma_m, 1e-6, 100},
@@ -353,8 +356,12 @@ std::optional<SourceMonitor::MissedMotion> SourceMonitor::OnUsedMotion(double fo
   }
   if (best().sound == used_) return std::nullopt;
   used_ = best().sound;
+  // What the others say is besides what the best one has added now.
   const MissedMotion missed = best().missed;
-  for (Hypothesis& hypothesis : hypotheses_) hypothesis.missed = {};
+  for (Hypothesis& hypothesis : hypotheses_) {
+    hypothesis.missed.forward_m -= missed.forward_m;
+    hypothesis.missed.turn_rad -= missed.turn_rad;
+  }
   return missed;
 }
 

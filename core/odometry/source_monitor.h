@@ -72,6 +72,12 @@ struct SourceMonitorOptions {
   double unknown_yaw_rate_sigma_radps = 0.5;
   /// That the vehicle moves as nothing before let expect, at a comparison.
   double restart_probability = 1e-6;
+  /// Hypotheses less probable than this, beside the best one, make nothing doubtful.
+  double doubt_probability = 1e-4;
+  /// Scans tell hypotheses apart that put the vehicle so far from one another. A fit that is better
+  /// by 1 makes a hypothesis more probable by so much, in log-likelihood.
+  double min_rival_way_m = 0.4;
+  double log_likelihood_per_fit = 10.0;
   /// Registrations that are compared lie at least so far apart, and err by so much.
   std::chrono::nanoseconds min_registered_interval = std::chrono::milliseconds(500);
   std::chrono::nanoseconds max_registered_interval = std::chrono::milliseconds(3000);
@@ -129,6 +135,26 @@ class SourceMonitor {
   };
   std::optional<MissedMotion> OnUsedMotion(double forward_m, double turn_rad);
 
+  /// By how much the vehicle may have moved otherwise than was used, since a registration was last
+  /// accepted, and may move so now. Zero while all hypotheses that are not improbable agree.
+  struct Doubt {
+    double speed_variance = 0.0;     ///< about the best hypothesis' [m2/s2]
+    double yaw_rate_variance = 0.0;  ///< [rad2/s2]
+    double way_variance_m2 = 0.0;    ///< about the motion that was used
+    double turn_variance_rad2 = 0.0;
+    double way_bound_m = 0.0;  ///< the most that a hypothesis says of the way
+  };
+  Doubt CurrentDoubt() const;
+
+  /// The most probable other motion, besides the one that was used since a registration was last
+  /// accepted, that is not improbable and puts the vehicle elsewhere. Nothing too soon after the
+  /// last `OnFits`.
+  std::optional<MissedMotion> Rival() const;
+
+  /// A scan at the last readings fits the map so well, [0, 1], where the vehicle is by the motion
+  /// that was used, and so well where the rival puts it.
+  void OnFits(const MissedMotion& rival, double fit, double rival_fit);
+
  private:
   // Which sources are sound, and how the vehicle moves if so.
   struct Hypothesis {
@@ -180,6 +206,7 @@ class SourceMonitor {
   std::optional<Stamp> compared_;  // when the readings were last compared
   std::optional<Stamp> newest_;    // of all readings
   double since_used_s_ = 0.0;
+  std::optional<Stamp> fits_compared_;
   std::optional<Registered> registered_;
   // When a registration last spoke for the best hypothesis, or its trial began, and for how many
   // spans.

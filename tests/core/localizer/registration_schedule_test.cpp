@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstddef>
 
 namespace dcloc {
 namespace {
@@ -12,49 +13,63 @@ using std::chrono::milliseconds;
 Stamp ScanTime(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
 
 constexpr int kFull = 10;
+constexpr std::size_t kPoints = 50;  // of a scan
 
 TEST(RegistrationScheduleTest, WaitsForAShareOfASubmapOrForTime) {
   RegistrationSchedule by_count({}, kFull);
   for (int scans = 1; scans <= kFull; ++scans) {
-    by_count.OnScan(ScanTime(50 * scans), scans);
+    by_count.OnScan(ScanTime(50 * scans), scans, kPoints);
     EXPECT_EQ(by_count.IsDue(false), scans >= 8) << scans;
   }
   RegistrationSchedule by_time({}, kFull);
   for (int scans = 1; scans <= 5; ++scans) {
-    by_time.OnScan(ScanTime(300 * scans), scans);
+    by_time.OnScan(ScanTime(300 * scans), scans, kPoints);
     EXPECT_EQ(by_time.IsDue(false), scans == 5) << scans;
   }
 }
 
 TEST(RegistrationScheduleTest, ASubmapThatBeginsAnewWaitsAgain) {
   RegistrationSchedule schedule({}, kFull);
-  schedule.OnScan(ScanTime(0), kFull);
+  schedule.OnScan(ScanTime(0), kFull, kPoints);
   EXPECT_TRUE(schedule.IsDue(false));
-  schedule.OnScan(ScanTime(5000), 1);
+  schedule.OnScan(ScanTime(5000), 1, kPoints);
   EXPECT_FALSE(schedule.IsDue(false));
 }
 
 TEST(RegistrationScheduleTest, RadarsThatFollowOneAnotherShareARegistration) {
   RegistrationSchedule schedule({}, kFull);
   EXPECT_FALSE(schedule.SinceRegistration().has_value());
-  schedule.OnScan(ScanTime(0), kFull);
+  schedule.OnScan(ScanTime(0), kFull, kPoints);
   schedule.OnRegistration();
-  schedule.OnScan(ScanTime(39), kFull);
+  schedule.OnScan(ScanTime(39), kFull, kPoints);
   EXPECT_FALSE(schedule.IsDue(false));
   EXPECT_EQ(*schedule.SinceRegistration(), milliseconds(39));
-  schedule.OnScan(ScanTime(40), kFull);
+  schedule.OnScan(ScanTime(40), kFull, kPoints);
   EXPECT_TRUE(schedule.IsDue(false));
 }
 
 TEST(RegistrationScheduleTest, ASteadyTrackerRegistersEverySecondScan) {
   RegistrationSchedule schedule({}, kFull);
-  schedule.OnScan(ScanTime(0), kFull);
+  schedule.OnScan(ScanTime(0), kFull, kPoints);
   schedule.OnRegistration();
-  schedule.OnScan(ScanTime(80), kFull);
+  schedule.OnScan(ScanTime(80), kFull, kPoints);
   EXPECT_FALSE(schedule.IsDue(true));
   EXPECT_TRUE(schedule.IsDue(false));
-  schedule.OnScan(ScanTime(160), kFull);
+  schedule.OnScan(ScanTime(160), kFull, kPoints);
   EXPECT_TRUE(schedule.IsDue(true));
+}
+
+TEST(RegistrationScheduleTest, OldPointsAloneAreNotRegistered) {
+  const std::size_t enough = RegistrationScheduleOptions().min_new_points;
+  RegistrationSchedule schedule({}, kFull);
+  schedule.OnScan(ScanTime(0), kFull, enough - 1);
+  EXPECT_FALSE(schedule.IsDue(false));
+  schedule.OnScan(ScanTime(80), kFull, 1);
+  EXPECT_TRUE(schedule.IsDue(false));
+  schedule.OnRegistration();
+  schedule.OnScan(ScanTime(160), kFull, 0);
+  schedule.OnScan(ScanTime(1000), kFull, 0);
+  EXPECT_FALSE(schedule.IsDue(false)) << "however long it waits";
 }
 
 }  // namespace

@@ -372,6 +372,18 @@ TEST(TrackingStateMachineTest, FixesThatInsistAskForVerification) {
   EXPECT_EQ(state.mode(), TrackingMode::kTracking);
 }
 
+TEST(TrackingStateMachineTest, FixesThatInsistWhileAPlaceIsConfirmedAskForVerification) {
+  TrackingStateMachine state = Found();
+  EXPECT_FALSE(state.needs_verification());
+  state.OnFixesInsist();
+  for (int ms = 0; ms < 1000; ms += 100) Scan(state, ms, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
+  EXPECT_TRUE(state.needs_verification()) << "else nothing would ever end it";
+  state.OnVerified();
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+  EXPECT_FALSE(state.needs_verification());
+}
+
 TEST(TrackingStateMachineTest, AnUncertainPoseIsNotCalledTracking) {
   const TrackingStateMachine state = Tracking(1000);
   EXPECT_EQ(state.Report(kOptions.tracking_sigma_m), LocalizationState::kTracking);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "core/odometry/rig_knowledge.h"
+
 namespace dcloc {
 namespace {
 
@@ -166,11 +168,18 @@ TEST(OdometryErrorFilterTest, SlipIsNoScale) {
   EXPECT_NEAR(errors.scale(), 1.0, 0.02);
 }
 
+// What `open` takes is what learning begins with, however far from 1.
+TEST(OdometryErrorFilterTest, EveryScaleThatMayBeKnownIsTaken) {
+  for (const double scale : {kMinKnownScale, 1.0 / 0.7, kMaxKnownScale}) {
+    OdometryErrorFilter errors({});
+    errors.Suppose(ScalarEstimate{scale, 1e-4}, std::nullopt);
+    EXPECT_EQ(errors.scale(), scale);
+  }
+}
+
 TEST(OdometryErrorFilterTest, WhatWasSupposedIsGivenUpWhereTheDriveContradictsIt) {
   OdometryErrorFilter errors({});
-  errors.Suppose(ScalarEstimate{1.3, 1e-12}, ScalarEstimate{0.1, 1e-12});
-  EXPECT_EQ(errors.scale(), 1.0) << "nothing that load and tyres make";
-  errors.Suppose(ScalarEstimate{1.04, 1e-12}, std::nullopt);
+  errors.Suppose(ScalarEstimate{1.04, 1e-12}, ScalarEstimate{0.1, 1e-12});
   EXPECT_EQ(errors.scale(), 1.04);
   Drive drive({});
   for (int second = 0; second < 60; ++second) drive.Second(errors);

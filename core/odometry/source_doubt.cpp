@@ -1,0 +1,74 @@
+// By how much the sources that may be sound disagree on how the vehicle moves.
+#include <algorithm>
+#include <cmath>
+
+#include "core/odometry/source_monitor.h"
+
+namespace dcloc {
+namespace {
+
+bool Any(const OdometrySources& sound, OdometrySource a, OdometrySource b) {
+  return sound[static_cast<std::size_t>(a)] || sound[static_cast<std::size_t>(b)];
+}
+
+}  // namespace
+
+// METHOD eq 64. A hypothesis without a sound source of speed, or of yaw rate, says nothing of it.
+SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
+  const double least_log_weight = std::log(options_.doubt_probability);
+  Doubt doubt;
+  double speed_sum = 0.0;
+  double yaw_rate_sum = 0.0;
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.log_weight < least_log_weight) continue;
+    const double weight = std::exp(hypothesis.log_weight);
+    if (Any(hypothesis.sound, OdometrySource::kWheelSpeed, OdometrySource::kDoppler)) {
+      speed_sum += weight;
+      doubt.speed_variance += weight * std::pow(hypothesis.speed.value - best().speed.value, 2);
+      doubt.way_variance_m2 += weight * std::pow(hypothesis.missed.forward_m, 2);
+      doubt.way_bound_m = std::max(doubt.way_bound_m, std::abs(hypothesis.missed.forward_m));
+    }
+    if (Any(hypothesis.sound, OdometrySource::kYawRate, OdometrySource::kDoppler)) {
+      yaw_rate_sum += weight;
+      doubt.yaw_rate_variance +=
+          weight * std::pow(hypothesis.yaw_rate.value - best().yaw_rate.value, 2);
+      doubt.turn_variance_rad2 += weight * std::pow(hypothesis.missed.turn_rad, 2);
+    }
+  }
+  if (speed_sum > 0.0) {
+    doubt.speed_variance /= speed_sum;
+    doubt.way_variance_m2 /= speed_sum;
+  }
+  if (yaw_rate_sum > 0.0) {
+    doubt.yaw_rate_variance /= yaw_rate_sum;
+    doubt.turn_variance_rad2 /= yaw_rate_sum;
+  }
+  return doubt;
+}
+
+std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
+  if (fits_compared_ && *newest_ - *fits_compared_ < options_.interval) return std::nullopt;
+  const Hypothesis* rival = nullptr;
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.log_weight < std::log(options_.doubt_probability) ||
+        !Any(hypothesis.sound, OdometrySource::kWheelSpeed, OdometrySource::kDoppler) ||
+        std::abs(hypothesis.missed.forward_m) < options_.min_rival_way_m) {
+      continue;
+    }
+    if (rival == nullptr || hypothesis.log_weight > rival->log_weight) rival = &hypothesis;
+  }
+  return rival == nullptr ? std::nullopt : std::optional(rival->missed);
+}
+
+// METHOD eq 65. Of each hypothesis, the nearer of the two places is its own.
+void SourceMonitor::OnFits(const MissedMotion& rival, double fit, double rival_fit) {
+  fits_compared_ = newest_;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    const bool is_rivals = std::abs(hypothesis.missed.forward_m - rival.forward_m) <
+                           std::abs(hypothesis.missed.forward_m);
+    hypothesis.log_weight += options_.log_likelihood_per_fit * (is_rivals ? rival_fit : fit);
+  }
+  Normalize();
+}
+
+}  // namespace dcloc

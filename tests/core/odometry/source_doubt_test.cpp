@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "core/odometry/source_monitor.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kInterval_s = 0.075;
+constexpr double kTrue_mps = 20.0;
+
+// A vehicle at 20 m/s from its first scan on. Of its motion, that of the best sources is used.
+class DoubtedVehicle {
+ public:
+  explicit DoubtedVehicle(double wheel_mps) : wheel_mps_(wheel_mps) {}
+
+  void Scan() {
+    stamp_ += std::chrono::milliseconds(75);
+    monitor.OnReadings(stamp_, {.wheel_speed = ScalarEstimate{wheel_mps_, 0.01},
+                                .yaw_rate = ScalarEstimate{0.0, 1e-4},
+                                .doppler_speed = ScalarEstimate{kTrue_mps, 0.01},
+                                .doppler_direction_count = 7});
+    monitor.OnUsedMotion(monitor.speed().value * kInterval_s, 0.0);
+  }
+  void Scans(int count) {
+    for (int i = 0; i < count; ++i) Scan();
+  }
+  // Scans that lie in the map where a vehicle at `speed_mps` is.
+  void ScansThatFitAt(double speed_mps, int count) {
+    for (int i = 0; i < count; ++i) {
+      Scan();
+      const auto rival = monitor.Rival();
+      if (!rival) continue;
+      const bool uses = std::abs(monitor.speed().value - speed_mps) < 1.0;
+      monitor.OnFits(*rival, uses ? 0.7 : 0.2, uses ? 0.2 : 0.7);
+    }
+  }
+
+  SourceMonitor monitor;
+
+ private:
+  double wheel_mps_;
+  Stamp stamp_{std::chrono::seconds(1'000)};
+};
+
+TEST(SourceDoubtTest, SourcesThatAgreeLeaveNoDoubt) {
+  DoubtedVehicle vehicle(kTrue_mps);
+  vehicle.Scans(40);
+  const SourceMonitor::Doubt doubt = vehicle.monitor.CurrentDoubt();
+  EXPECT_LT(doubt.way_bound_m, 0.05);
+  EXPECT_LT(doubt.way_variance_m2, 1e-3);
+  EXPECT_LT(doubt.speed_variance, 1e-2);
+  EXPECT_FALSE(vehicle.monitor.Rival());
+}
+
+TEST(SourceDoubtTest, TheWayIsAsDoubtfulAsTheSourcesDiffer) {
+  DoubtedVehicle vehicle(0.7 * kTrue_mps);
+  vehicle.Scans(5);
+  const double apart_m = 0.3 * kTrue_mps * 4 * kInterval_s;  // since the first scan
+  const SourceMonitor::Doubt doubt = vehicle.monitor.CurrentDoubt();
+  EXPECT_NEAR(doubt.way_bound_m, apart_m, 0.1);
+  EXPECT_GT(std::sqrt(doubt.speed_variance), 0.1 * kTrue_mps);
+  EXPECT_GT(std::sqrt(doubt.way_variance_m2), 0.3 * apart_m);
+  const auto rival = vehicle.monitor.Rival();
+  ASSERT_TRUE(rival);
+  EXPECT_NEAR(std::abs(rival->forward_m), apart_m, 0.1);
+}
+
+TEST(SourceDoubtTest, WhereScansFitDecides) {
+  for (const double right_mps : {kTrue_mps, 0.7 * kTrue_mps}) {
+    DoubtedVehicle vehicle(0.7 * kTrue_mps);
+    vehicle.ScansThatFitAt(right_mps, 12);
+    EXPECT_NEAR(vehicle.monitor.speed().value, right_mps, 0.5);
+    EXPECT_FALSE(vehicle.monitor.Rival());
+    EXPECT_LT(vehicle.monitor.CurrentDoubt().speed_variance, 0.1);
+  }
+}
+
+TEST(SourceDoubtTest, FitsThatAreEqualDecideNothing) {
+  DoubtedVehicle vehicle(0.7 * kTrue_mps);
+  vehicle.Scans(5);
+  const double before = vehicle.monitor.confidence();
+  const auto rival = vehicle.monitor.Rival();
+  ASSERT_TRUE(rival);
+  vehicle.monitor.OnFits(*rival, 0.5, 0.5);
+  EXPECT_NEAR(vehicle.monitor.confidence(), before, 1e-9);
+  EXPECT_FALSE(vehicle.monitor.Rival()) << "the same scan tells nothing twice";
+}
+
+// What the others say is then besides what the pose was moved by.
+TEST(SourceDoubtTest, DoubtOutlivesAChangeOfTheSources) {
+  DoubtedVehicle vehicle(0.7 * kTrue_mps);
+  vehicle.Scans(5);
+  const double speed_mps = vehicle.monitor.speed().value;
+  const auto rival = vehicle.monitor.Rival();
+  ASSERT_TRUE(rival);
+  vehicle.monitor.OnFits(*rival, 0.4, 0.5);
+  vehicle.Scan();
+  ASSERT_GT(std::abs(vehicle.monitor.speed().value - speed_mps), 1.0) << "the rival is used";
+  EXPECT_NEAR(vehicle.monitor.CurrentDoubt().way_bound_m, 0.3 * kTrue_mps * 5 * kInterval_s, 0.2);
+}
+
+TEST(SourceDoubtTest, ARegistrationThatIsAcceptedEndsTheDoubtInTheWay) {
+  DoubtedVehicle vehicle(0.7 * kTrue_mps);
+  vehicle.Scans(5);
+  vehicle.monitor.OnRegistration({}, true);
+  EXPECT_EQ(vehicle.monitor.CurrentDoubt().way_bound_m, 0.0);
+  EXPECT_GT(vehicle.monitor.CurrentDoubt().speed_variance, 1.0) << "which speed is right, is open";
+}
+
+}  // namespace
+}  // namespace dcloc
