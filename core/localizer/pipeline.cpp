@@ -216,7 +216,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<
     EnterLocalFrame(place->T_map_vehicle.translation_m, workspace.registration);
     registration = matcher_.MatchFound(live, place->T_map_vehicle, options_.global.gate,
                                        workspace.registration);
-  } else if (tracking_.has_pose()) {
+  } else if (tracking_.has_pose() && schedule_.has_new_points()) {
     registration = matcher_.Match(live, pose_.Newest(), observability_,
                                   static_cast<std::uint64_t>(stamp.time_since_epoch().count()),
                                   workspace.registration);

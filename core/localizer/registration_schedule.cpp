@@ -9,7 +9,7 @@ std::span<const OptionField<RegistrationScheduleOptions>> FieldsOf(
       {"interval_ms", &O::interval, 0, 10'000, "each scan may be followed by a registration"},
       {"tracking_scans", &O::tracking_scans, 1, 100},
       {"max_interval_ms", &O::max_interval, 0, 10'000, "no scan is waited for"},
-      {"min_new_points", &O::min_new_points, 0, 100'000, "old scans alone may be registered"},
+      {"min_new_points", &O::min_new_points, 0, 100'000, "old points alone are registered"},
       {"start_share", &O::start_share, 0, 1, "one scan is enough to begin with"},
       {"start_span_ms", &O::start_span, 0, 1e6, "one scan is enough to begin with"},
   };
@@ -33,7 +33,6 @@ bool RegistrationSchedule::IsDue(bool is_steady) const {
   const bool is_mature = submap_scan_count_ >= options_.start_share * full_scan_count_ ||
                          newest_ - submap_begin_ >= options_.start_span;
   if (!is_mature) return false;
-  if (points_since_registration_ < static_cast<std::size_t>(options_.min_new_points)) return false;
   if (!last_registration_) return true;
   const std::chrono::nanoseconds since_last = newest_ - *last_registration_;
   if (is_steady && scans_since_registration_ < options_.tracking_scans &&
@@ -46,7 +45,7 @@ bool RegistrationSchedule::IsDue(bool is_steady) const {
 void RegistrationSchedule::OnRegistration() {
   last_registration_ = newest_;
   scans_since_registration_ = 0;
-  points_since_registration_ = 0;
+  if (has_new_points()) points_since_registration_ = 0;
 }
 
 std::optional<std::chrono::nanoseconds> RegistrationSchedule::SinceRegistration() const {

@@ -47,6 +47,11 @@ class RegistrationSchedule {
   /// registration was accepted.
   bool IsDue(bool is_steady) const;
 
+  /// Whether enough static points have come since they last had.
+  bool has_new_points() const {
+    return points_since_registration_ >= static_cast<std::size_t>(options_.min_new_points);
+  }
+
   /// It was.
   void OnRegistration();
 

@@ -252,13 +252,15 @@ void EgoMotion::AddMissedMotion() {
 }
 
 // METHOD eq 64. Targets of each motion that is not improbable stay static, and the pose becomes as
-// uncertain as the ways differ. A doubt that ends leaves the pose as uncertain as it was.
+// uncertain as the ways differ. A doubt that ends leaves the pose as uncertain as it was, until a
+// registration is accepted.
 void EgoMotion::AddDoubt() {
-  const SourceMonitor::Doubt before = std::exchange(doubt_, sources_.CurrentDoubt());
+  const SourceMonitor::Doubt counted = std::exchange(doubt_, sources_.CurrentDoubt());
+  doubt_.way_variance_m2 = std::max(doubt_.way_variance_m2, counted.way_variance_m2);
+  doubt_.turn_variance_rad2 = std::max(doubt_.turn_variance_rad2, counted.turn_variance_rad2);
   doubt_since_previous_.setZero();
-  doubt_since_previous_(0, 0) = std::max(0.0, doubt_.way_variance_m2 - before.way_variance_m2);
-  doubt_since_previous_(5, 5) =
-      std::max(0.0, doubt_.turn_variance_rad2 - before.turn_variance_rad2);
+  doubt_since_previous_(0, 0) = doubt_.way_variance_m2 - counted.way_variance_m2;
+  doubt_since_previous_(5, 5) = doubt_.turn_variance_rad2 - counted.turn_variance_rad2;
   since_previous_.covariance += doubt_since_previous_;
   Matrix6d& covariance = *doubted_velocity_->covariance;
   covariance(0, 0) += doubt_.speed_variance;

@@ -7,13 +7,23 @@
 namespace dcloc {
 namespace {
 
-bool Any(const OdometrySources& sound, OdometrySource a, OdometrySource b) {
-  return sound[static_cast<std::size_t>(a)] || sound[static_cast<std::size_t>(b)];
+bool IsIn(const OdometrySources& sound, OdometrySource source) {
+  return sound[static_cast<std::size_t>(source)];
+}
+
+// A source that is silent says nothing, be it sound or not.
+bool SaySpeed(const OdometrySources& sound, const OdometryReadings& readings) {
+  return (IsIn(sound, OdometrySource::kWheelSpeed) && readings.wheel_speed) ||
+         (IsIn(sound, OdometrySource::kDoppler) && readings.doppler_speed);
+}
+bool SayYawRate(const OdometrySources& sound, const OdometryReadings& readings) {
+  return (IsIn(sound, OdometrySource::kYawRate) && readings.yaw_rate) ||
+         (IsIn(sound, OdometrySource::kDoppler) && readings.doppler_yaw_rate);
 }
 
 }  // namespace
 
-// METHOD eq 64. A hypothesis without a sound source of speed, or of yaw rate, says nothing of it.
+// METHOD eq 64. A hypothesis of which no sound source speaks says nothing.
 SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
   const double least_log_weight = std::log(options_.doubt_probability);
   Doubt doubt;
@@ -22,13 +32,13 @@ SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (hypothesis.log_weight < least_log_weight) continue;
     const double weight = std::exp(hypothesis.log_weight);
-    if (Any(hypothesis.sound, OdometrySource::kWheelSpeed, OdometrySource::kDoppler)) {
+    if (SaySpeed(hypothesis.sound, before_)) {
       speed_sum += weight;
       doubt.speed_variance += weight * std::pow(hypothesis.speed.value - best().speed.value, 2);
       doubt.way_variance_m2 += weight * std::pow(hypothesis.missed.forward_m, 2);
       doubt.way_bound_m = std::max(doubt.way_bound_m, std::abs(hypothesis.missed.forward_m));
     }
-    if (Any(hypothesis.sound, OdometrySource::kYawRate, OdometrySource::kDoppler)) {
+    if (SayYawRate(hypothesis.sound, before_)) {
       yaw_rate_sum += weight;
       doubt.yaw_rate_variance +=
           weight * std::pow(hypothesis.yaw_rate.value - best().yaw_rate.value, 2);
@@ -51,7 +61,7 @@ std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
   const Hypothesis* rival = nullptr;
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (hypothesis.log_weight < std::log(options_.doubt_probability) ||
-        !Any(hypothesis.sound, OdometrySource::kWheelSpeed, OdometrySource::kDoppler) ||
+        !SaySpeed(hypothesis.sound, before_) ||
         std::abs(hypothesis.missed.forward_m) < options_.min_rival_way_m) {
       continue;
     }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "core/odometry/source_monitor.h"
 
@@ -22,7 +23,8 @@ class DoubtedVehicle {
                                 .yaw_rate = ScalarEstimate{0.0, 1e-4},
                                 .doppler_speed = ScalarEstimate{kTrue_mps, 0.01},
                                 .doppler_direction_count = 7});
-    monitor.OnUsedMotion(monitor.speed().value * kInterval_s, 0.0);
+    const double step_s = std::exchange(has_begun_, true) ? kInterval_s : 0.0;
+    monitor.OnUsedMotion(monitor.speed().value * step_s, 0.0);
   }
   void Scans(int count) {
     for (int i = 0; i < count; ++i) Scan();
@@ -42,6 +44,7 @@ class DoubtedVehicle {
 
  private:
   double wheel_mps_;
+  bool has_begun_ = false;
   Stamp stamp_{std::chrono::seconds(1'000)};
 };
 
@@ -96,7 +99,7 @@ TEST(SourceDoubtTest, DoubtOutlivesAChangeOfTheSources) {
   const double speed_mps = vehicle.monitor.speed().value;
   const auto rival = vehicle.monitor.Rival();
   ASSERT_TRUE(rival);
-  vehicle.monitor.OnFits(*rival, 0.4, 0.5);
+  vehicle.monitor.OnFits(*rival, 0.2, 0.7);
   vehicle.Scan();
   ASSERT_GT(std::abs(vehicle.monitor.speed().value - speed_mps), 1.0) << "the rival is used";
   EXPECT_NEAR(vehicle.monitor.CurrentDoubt().way_bound_m, 0.3 * kTrue_mps * 5 * kInterval_s, 0.2);
