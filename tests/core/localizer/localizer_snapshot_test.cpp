@@ -117,15 +117,15 @@ TEST_F(LocalizerSnapshotTest, ThereIsNoneOfAVehicleThatWasNeverTracked) {
   EXPECT_FALSE(localizer.Snapshot());
 }
 
-struct Fault {
+struct SnapshotFault {
   const char* field;
   std::function<void(LocalizerSnapshot&)> make;
 };
 
 TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
   using S = LocalizerSnapshot;
-  const Fault kFaults[] = {
+  const SnapshotFault kFaults[] = {
       {"stamp", [](S& s) { s.stamp = Stamp(std::chrono::nanoseconds(-1)); }},
       {"stamp", [](S& s) { s.stamp = Stamp::max(); }},
       {"last_accepted", [](S& s) { s.tracking.last_accepted = s.stamp + Stamp::duration(1); }},
@@ -133,8 +133,8 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
       {"mode", [](S& s) { s.tracking.mode = TrackingMode::kSearching; }},
       {"mode", [](S& s) { s.tracking.mode = static_cast<TrackingMode>(99); }},
       {"verification", [](S& s) { s.tracking.verification = static_cast<Verification>(9); }},
-      {"usual_interval_s", [](S& s) { s.tracking.usual_interval_s = kNan; }},
-      {"T_map_vehicle", [](S& s) { s.pose.T_map_vehicle.translation_m.x() = kNan; }},
+      {"usual_interval_s", [](S& s) { s.tracking.usual_interval_s = kNoNumber; }},
+      {"T_map_vehicle", [](S& s) { s.pose.T_map_vehicle.translation_m.x() = kNoNumber; }},
       {"covariance", [](S& s) { s.pose.covariance(0, 0) = -1.0; }},
       {"velocity", [](S& s) { s.velocity.covariance.reset(); }},
       {"linear", [](S& s) { s.velocity.linear_mps.x() = 1e9; }},
@@ -142,17 +142,18 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
        [](S& s) {
          s.known.wheel_scale = {9.0, 1.0};
        }},
-      {"noise.rotation.far.count", [](S& s) { s.noise.rotation.far.count = kNan; }},
+      {"noise.rotation.far.count", [](S& s) { s.noise.rotation.far.count = kNoNumber; }},
       {"noise.translation.odometry_ratio", [](S& s) { s.noise.translation.odometry_ratio = -1; }},
       {"resets.count", [](S& s) { s.resets.count = -1; }},
-      {"resets.T_before_after", [](S& s) { s.resets.T_before_after.translation_m.y() = kNan; }},
-      {"squared_innovation", [](S& s) { s.squared_innovation = kNan; }},
+      {"resets.T_before_after",
+       [](S& s) { s.resets.T_before_after.translation_m.y() = kNoNumber; }},
+      {"squared_innovation", [](S& s) { s.squared_innovation = kNoNumber; }},
       {"factor_count", [](S& s) { s.factor_count = -1; }},
       {"clocks_ahead", [](S& s) { s.clocks_ahead = {std::chrono::nanoseconds::max()}; }},
       {"clocks_ahead", [](S& s) { s.clocks_ahead.resize(3); }},
   };
   const LocalizerSnapshot valid = Taken();
-  for (const Fault& fault : kFaults) {
+  for (const SnapshotFault& fault : kFaults) {
     LocalizerSnapshot snapshot = valid;
     fault.make(snapshot);
     Localizer localizer = Fresh();
