@@ -15,6 +15,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Servers may die one after the other before the next has made a ticket; but not so many.
+constexpr std::int64_t kMaxEpochsBehind = 16;
+
 /// 128 random bits in hexadecimal: nothing that can be guessed.
 absl::StatusOr<std::string> RandomName() {
   std::array<unsigned char, 16> bytes{};
@@ -59,7 +62,7 @@ OpenedTicket OpenTicket(const v1::OpenSession& open, const TicketBinding& bindin
   const std::int64_t version = open.map_version();
   if (version != 0 && version != ticket.content.map_version) {
     ticket.use = TicketUse::kOtherMapVersion;
-  } else if (ticket.content.epoch < open.epoch()) {
+  } else if (ticket.content.epoch + kMaxEpochsBehind < open.epoch()) {
     ticket.use = TicketUse::kStale;
   }
   return ticket;

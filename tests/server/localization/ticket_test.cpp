@@ -134,6 +134,21 @@ TEST_F(TicketTest, AnotherServerGoesOnWhereTheVehicleIs) {
   }
 }
 
+// The next server was gone too, before it had made a ticket.
+TEST_F(TicketTest, ATicketCanBeUsedTwice) {
+  DriveFirst();
+  v1::OpenSession open = GoOn();
+  std::int64_t epoch = opened_.epoch();
+  for (int i = 0; i < 3; ++i) {
+    open.set_epoch(epoch);
+    TestSession session(*second_.localization);
+    const v1::SessionOpened opened = Open(session, open);
+    EXPECT_EQ(opened.ticket_use(), v1::TICKET_USE_ACCEPTED);
+    EXPECT_GT(opened.epoch(), epoch);
+    epoch = opened.epoch();
+  }
+}
+
 TEST_F(TicketTest, ThoseThatCannotBeUsedAreToldAndAnOrdinarySessionBegins) {
   DriveFirst();
   v1::OpenSession open = GoOn();
@@ -149,7 +164,7 @@ TEST_F(TicketTest, ThoseThatCannotBeUsedAreToldAndAnOrdinarySessionBegins) {
   open.set_vehicle_id("car-2");
   ExpectRefused(open, TicketUse::kForeign);
   open = GoOn();
-  open.set_epoch(opened_.epoch() + 5);
+  open.set_epoch(opened_.epoch() + 17);
   ExpectRefused(open, TicketUse::kStale);
 }
 
