@@ -151,40 +151,6 @@ SessionStats SessionEngine::stats() const {
 
 // ---- The stream, with the mutex held
 
-Connection::Fill SessionEngine::FillRequest(v1::LocalizeRequest* request) {
-  if (!opened_) return Connection::Fill::kNothingYet;
-  if (sending_ == Sending::kMoving) return Connection::Fill::kNothingMore;
-  const std::size_t window =
-      opened_->answer_history_count() == 0
-          ? options_.max_unanswered_scan_count
-          : std::min(options_.max_unanswered_scan_count,
-                     static_cast<std::size_t>(opened_->answer_history_count()));
-  if (const v1::LocalizeRequest* next = outbox_.Next(); next != nullptr) {
-    if (next->has_scan() && outbox_.sent_scan_count() >= window) {
-      return Connection::Fill::kNothingYet;
-    }
-    if (next->has_scan() && opened_->has_last_sequence_number() &&
-        next->scan().sequence_number() <= opened_->last_sequence_number()) {
-      // The server knows it by its number.
-      request->mutable_scan()->Clear();
-      request->mutable_scan()->set_sequence_number(next->scan().sequence_number());
-    } else {
-      *request = *next;
-    }
-    outbox_.MarkSent();
-    changed_.notify_all();
-    return Connection::Fill::kRequest;
-  }
-  if (!sending_closed_) return Connection::Fill::kNothingYet;
-  if (resume_token_.empty() || sending_ == Sending::kCloseSent)
-    return Connection::Fill::kNothingMore;
-  // Only now: until all is answered the session may have to be resumed.
-  if (!outbox_.empty()) return Connection::Fill::kNothingYet;
-  sending_ = Sending::kCloseSent;
-  request->mutable_close();
-  return Connection::Fill::kRequest;
-}
-
 bool SessionEngine::HasRoom() const {
   return stop_ != Stop::kNo || answers_.size() < options_.max_unread_answer_count;
 }
@@ -205,6 +171,19 @@ void SessionEngine::Take(v1::LocalizeResponse response) {
 
 void SessionEngine::TakeOpened(v1::SessionOpened opened) {
   const bool first = !first_opened_;
+  if (opened.epoch() > 0 && opened.epoch() < tickets_.epoch()) {
+    return GiveUp(absl::DataLossError(absl::StrCat("the server opened epoch ", opened.epoch(),
+                                                   ", which is stale: epoch ", tickets_.epoch(),
+                                                   " has been open")));
+  }
+  const bool goes_on = opened.ticket_use() == v1::TICKET_USE_ACCEPTED;
+  const bool begins_anew = !opened.resumed() && !goes_on;
+  if (begins_anew && opened.ticket_use() != v1::TICKET_USE_UNSPECIFIED) {
+    restart_reason_ = absl::NotFoundError(absl::StrCat("the server has not taken the ticket: ",
+                                                       v1::TicketUse_Name(opened.ticket_use())));
+  }
+  tickets_.OnOpened(opened);
+  catches_up_ = goes_on;
   opened_ = opened;
   resume_token_ = opened.resume_token();
   takes_fixes_ = opened.takes_position_fixes();
@@ -214,10 +193,11 @@ void SessionEngine::TakeOpened(v1::SessionOpened opened) {
     return;
   }
   if (outbox_.empty()) failing_since_.reset();
-  if (!opened.resumed()) poses_.BeginAnew();
-  ++(opened.resumed() ? stats_.resume_count : stats_.restart_count);
-  Tell({.kind = opened.resumed() ? SessionEvent::Kind::kResumed : SessionEvent::Kind::kRestarted,
-        .status = opened.resumed() ? absl::OkStatus() : restart_reason_,
+  if (begins_anew) poses_.BeginAnew();
+  ++(begins_anew ? stats_.restart_count : stats_.resume_count);
+  if (goes_on) ++stats_.ticket_resume_count;
+  Tell({.kind = begins_anew ? SessionEvent::Kind::kRestarted : SessionEvent::Kind::kResumed,
+        .status = begins_anew ? restart_reason_ : absl::OkStatus(),
         .opened = std::move(opened)});
 }
 
@@ -238,10 +218,13 @@ void SessionEngine::TakeAnswer(v1::LocalizeResponse response) {
     prior_.Note(response.result());
     poses_.AddAnswer(response.result());
   }
+  if (request->has_scan()) tickets_.OnAnswered(request->scan(), response);
+  response.clear_ticket();  // a secret
   Answered& answered = answers_.emplace_back();
   answered.answer = std::move(response);
   if (options_.record_file.empty()) return;
   answered.request = *std::move(request);
+  if (stats_.ticket_resume_count > 0) answered.gap = "the session went on at another server";
   if (stats_.restart_count > 0) answered.gap = "the session was lost, and begun anew";
   if (stats_.lost_fix_count > 0) answered.gap = "a position fix was lost with the connection";
 }
@@ -283,6 +266,8 @@ absl::Status SessionEngine::RunStream(std::unique_lock<std::mutex>& lock) {
   opened_.reset();
   stream_status_.reset();
   sending_ = Sending::kOpen;
+  catches_up_ = false;
+  caught_up_count_ = 0;
   LoseFixes(outbox_.Rewind());
   connection_ = std::make_unique<Connection>(*stub_, mutex_, *this, OpenMessage());
   if (stop_ != Stop::kNo) connection_->Cancel();
@@ -302,23 +287,6 @@ absl::Status SessionEngine::RunStream(std::unique_lock<std::mutex>& lock) {
   }
   connection_.reset();  // nothing touches it after OnEnd
   return timeout.ok() ? *stream_status_ : timeout;
-}
-
-v1::OpenSession SessionEngine::OpenMessage() const {
-  v1::OpenSession open;
-  if (!resume_token_.empty()) {
-    open.set_vehicle_id(open_.vehicle_id());
-    open.set_resume_token(resume_token_);
-    return open;
-  }
-  open = open_;
-  open.set_resumable(options_.reconnect.has_value());
-  const v1::LocalizeRequest* first = outbox_.Next();
-  const std::int64_t stamp_ns = first == nullptr    ? 0
-                                : first->has_scan() ? first->scan().stamp_ns()
-                                                    : first->position_fix().stamp_ns();
-  prior_.Apply(stamp_ns, &open);
-  return open;
 }
 
 /// What a stream's end means: the session's end with a status, or another attempt.

@@ -19,6 +19,7 @@
 #include "client/sdk/session_options.h"
 #include "client/sdk/session_recorder.h"
 #include "client/sdk/session_stats.h"
+#include "client/sdk/ticket_keeper.h"
 
 namespace dcloc::client {
 
@@ -28,6 +29,9 @@ namespace dcloc::client {
 /// Scans wait in the outbox until they are answered. Each stream begins at the oldest unanswered
 /// one; the server answers those that it had processed from memory, so each is answered once.
 /// Position fixes wait there too, in their place among the scans, and are sent once.
+///
+/// A server that knows nothing of the session may go on from its ticket. Then it gets the answered
+/// scans since that ticket first, which it does not answer.
 class SessionEngine final : public Connection::Host {
  public:
   /// Starts to open. `options` are valid.
@@ -96,6 +100,7 @@ class SessionEngine final : public Connection::Host {
   std::optional<absl::Status> Judge(const absl::Status& status);
   absl::Status Unanswered(absl::Status status) const;
   bool WaitForNextAttempt(std::unique_lock<std::mutex>& lock);
+  bool FillCatchUp(v1::LocalizeRequest* request);
   void TakeOpened(v1::SessionOpened opened);
   void TakeEnding(const v1::SessionEnding& ending);
   void TakeAnswer(v1::LocalizeResponse response);
@@ -113,6 +118,7 @@ class SessionEngine final : public Connection::Host {
   Outbox outbox_;
   std::deque<Answered> answers_;
   Prior prior_;
+  TicketKeeper tickets_;
   SessionStats stats_;
   std::deque<SessionEvent> events_;  ///< not yet told
   std::optional<v1::SessionOpened> first_opened_;
@@ -132,6 +138,8 @@ class SessionEngine final : public Connection::Host {
   std::optional<absl::Status> stream_status_;
   absl::Status fault_;  ///< the server's violation of the contract
   Sending sending_ = Sending::kOpen;
+  bool catches_up_ = false;          ///< the server goes on from a ticket, and needs scans first
+  std::size_t caught_up_count_ = 0;  ///< of the kept scans, sent or passed over
 
   // Since the last progress.
   std::optional<Backoff> backoff_;

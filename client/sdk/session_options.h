@@ -31,7 +31,9 @@ struct SessionEvent {
   enum class Kind {
     kDisconnected,  ///< the stream ended with `status`; another one will be tried
     kMoving,        ///< the server is leaving, `status` says why; the session looks for another one
-    kResumed,       ///< the session goes on as if nothing had happened
+    /// The session goes on as if nothing had happened; at another server, where `opened.ticket_use`
+    /// is TICKET_USE_ACCEPTED.
+    kResumed,
     /// A new session was opened with the last pose as prior, since `status` says why the one before
     /// could not be resumed. Poses may jump, and `opened` may name another map version.
     kRestarted,

@@ -30,6 +30,11 @@ class CurrentPose {
   /// Starts anew at the newest scan; `systematic` as of PoseGraph::Reset.
   void Reset(const PoseEstimate<Dim>& now,
              const TangentMatrix<Dim>& systematic = TangentMatrix<Dim>::Zero());
+  /// Starts anew at the newest scan with a pose, and with what it varies by beside what it weighs.
+  void GoOnFrom(const PoseEstimate<Dim>& now, const NoiseKnowledge& noise) {
+    Reset(now);
+    noise_scales_.Suppose(noise);
+  }
   /// There is no pose any more.
   void Clear() { chains_.Clear(); }
 

@@ -1,8 +1,10 @@
 #include "core/localizer/localizer.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
+#include "absl/strings/str_format.h"
 #include "core/localizer/pipeline.h"
 #include "core/localizer/radar_clocks.h"
 #include "core/localizer/recent_answers.h"
@@ -140,6 +142,40 @@ absl::StatusOr<Localization> Localizer::Localize(const Scan& scan, StageListener
 absl::StatusOr<FixUse> Localizer::TakeFix(const PositionFix& fix) {
   if (absl::Status status = Validate(fix); !status.ok()) return status;
   return impl_->pipeline->TakeFix(fix.pose, impl_->time_base.Convert(fix.stamp));
+}
+
+std::optional<LocalizerSnapshot> Localizer::Snapshot() {
+  std::optional<LocalizerSnapshot> snapshot = impl_->pipeline->Snapshot();
+  if (!snapshot) return std::nullopt;
+  const auto bring_back = [this](Stamp& time) {
+    // What never happened has the stamp 0, which a clock that was set may not reach.
+    time = std::max(Stamp{}, impl_->time_base.OnVehicleClock(time));
+  };
+  snapshot->stamp = impl_->time_base.newest();
+  bring_back(snapshot->stamp);
+  bring_back(snapshot->tracking.way_changed);
+  bring_back(snapshot->tracking.last_accepted);
+  if (auto& lost = snapshot->tracking.last_lost_to_outliers) bring_back(*lost);
+  for (std::size_t i = 0; i < impl_->pipeline->rig().radars.size(); ++i) {
+    snapshot->clocks_ahead.push_back(impl_->radar_clocks.Offset(i));
+  }
+  return snapshot;
+}
+
+absl::Status Localizer::GoOnFrom(const LocalizerSnapshot& snapshot) {
+  if (absl::Status status = Validate(snapshot); !status.ok()) return status;
+  const std::size_t radar_count = impl_->pipeline->rig().radars.size();
+  if (!snapshot.clocks_ahead.empty() && snapshot.clocks_ahead.size() != radar_count) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("snapshot: clocks_ahead has %d radars; the rig has %d",
+                        snapshot.clocks_ahead.size(), radar_count));
+  }
+  for (std::size_t i = 0; i < snapshot.clocks_ahead.size(); ++i) {
+    impl_->radar_clocks.Suppose(i, snapshot.clocks_ahead[i]);
+  }
+  impl_->time_base.GoOnFrom(snapshot.stamp);
+  impl_->pipeline->GoOnFrom(snapshot);
+  return absl::OkStatus();
 }
 
 bool Localizer::has_pose() const { return impl_->pipeline->has_pose(); }

@@ -11,6 +11,7 @@
 #include "core/localizer/health.h"
 #include "core/localizer/localization_state.h"
 #include "core/localizer/localizer_options.h"
+#include "core/localizer/localizer_snapshot.h"
 #include "core/localizer/position_fix.h"
 #include "core/localizer/workspace.h"
 #include "core/map/radar_map.h"
@@ -96,6 +97,16 @@ class Localizer {
   /// guide a search, weighs as it is certain, and forces no pose that the radars contradict.
   /// InvalidArgument names what is no pose or no covariance; then nothing has changed.
   absl::StatusOr<FixUse> TakeFix(const PositionFix& fix);
+
+  /// What another localizer of the same vehicle, rig and map goes on from, after the newest scan.
+  /// Nothing while the vehicle is not tracked and has not been since it was found, and while a
+  /// source of its odometry is set aside.
+  std::optional<LocalizerSnapshot> Snapshot();
+
+  /// Goes on from the snapshot of an earlier localizer. To be called before the first scan; the
+  /// scans that follow are those after the snapshot's. InvalidArgument names what is wrong with it;
+  /// then nothing has changed.
+  absl::Status GoOnFrom(const LocalizerSnapshot& snapshot);
 
   /// Whether there is a pose that registrations start from. While there is none, scans search the
   /// map, for about ten milliseconds each. A pose that is doubted, lost or from an unverified prior

@@ -8,6 +8,7 @@
 #include "core/localizer/fix_monitor.h"
 #include "core/localizer/knowledge_report.h"
 #include "core/localizer/localizer.h"
+#include "core/localizer/localizer_snapshot.h"
 #include "core/localizer/radar_monitor.h"
 #include "core/localizer/registration_learner.h"
 #include "core/localizer/registration_schedule.h"
@@ -57,6 +58,12 @@ class AnyPipeline {
   /// What something else than radar says of the pose at `stamp`. It is valid.
   virtual FixUse TakeFix(const InitialPose& fix, Stamp stamp) = 0;
 
+  /// What another pipeline goes on from, but for the clocks; nothing where there is nothing sure.
+  virtual std::optional<LocalizerSnapshot> Snapshot() = 0;
+
+  /// Goes on from a valid one. Before the first scan.
+  virtual void GoOnFrom(const LocalizerSnapshot& snapshot) = 0;
+
   virtual bool has_pose() const = 0;
   virtual const Rig& rig() const = 0;
 };
@@ -84,6 +91,8 @@ class Pipeline final : public AnyPipeline {
   std::optional<double> FitAt(const Scan& scan, Stamp stamp,
                               LocalizerWorkspace& workspace) override;
   FixUse TakeFix(const InitialPose& fix, Stamp stamp) override;
+  std::optional<LocalizerSnapshot> Snapshot() override;
+  void GoOnFrom(const LocalizerSnapshot& snapshot) override;
   bool has_pose() const override { return tracking_.has_pose(); }
   const Rig& rig() const override { return learned_rig_.rig(); }
 

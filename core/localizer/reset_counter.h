@@ -31,6 +31,12 @@ class ResetCounter {
   /// This is answered. The first pose is no reset.
   void OnAnswer(const Pose3& T_map_vehicle);
 
+  /// An earlier localizer of the same vehicle counted so many, and answered this last.
+  void GoOnFrom(const PoseResets& resets, const Pose3& T_map_vehicle) {
+    resets_ = resets;
+    expected_ = T_map_vehicle;
+  }
+
   const PoseResets& resets() const { return resets_; }
 
  private:

@@ -44,6 +44,12 @@ class TimeBase {
   /// A stamp of the vehicle's clock as it is set now, in the time that does not go back.
   Stamp Convert(Stamp stamp) const { return stamp + offset_; }
 
+  /// The inverse of `Convert`.
+  Stamp OnVehicleClock(Stamp time) const { return time - offset_; }
+
+  /// Goes on after a scan of that stamp. Before the first one.
+  void GoOnFrom(Stamp newest) { newest_ = newest; }
+
   /// The newest scan's, in the time that does not go back; the epoch before the first one.
   Stamp newest() const { return newest_.value_or(Stamp{}); }
 

@@ -63,6 +63,20 @@ enum class Loss {
   kContradicted,
 };
 
+/// What of a vehicle that has been tracked another state machine goes on from.
+struct TrackingSnapshot {
+  TrackingMode mode = TrackingMode::kDeadReckoning;
+  Verification verification = Verification::kNotNeeded;
+  WayObservation way = WayObservation::kObserved;
+  Stamp way_changed{};
+  Stamp last_accepted{};
+  double usual_interval_s = 0.0;  ///< of registrations; 0: not known
+  std::optional<Stamp> last_lost_to_outliers;
+};
+
+/// OK, or InvalidArgument that names what can be no snapshot of a vehicle that was tracked.
+absl::Status Validate(const TrackingSnapshot& snapshot);
+
 /// Decides what an answer claims: whether its pose is TRACKING stands here and nowhere else.
 class TrackingStateMachine {
  public:
@@ -114,6 +128,13 @@ class TrackingStateMachine {
   /// Whether the pose, as uncertain as said, is to be given up at `stamp`; then it is: `has_pose()`
   /// is false afterwards.
   Loss GiveUpIfLost(Stamp stamp, double position_sigma_m);
+
+  /// Where the vehicle has been tracked and its pose is not given up; else nothing.
+  std::optional<TrackingSnapshot> Snapshot() const;
+
+  /// Goes on from a valid snapshot. What it counted in a row is counted anew: three registrations
+  /// confirm the pose. Before the first event.
+  void GoOnFrom(const TrackingSnapshot& snapshot);
 
   /// What to claim of a pose whose position has this standard deviation.
   LocalizationState Report(double position_sigma_m) const;

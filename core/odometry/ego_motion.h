@@ -67,6 +67,14 @@ class EgoMotion {
   /// An earlier session found this of what the vehicle sends. Before the first scan.
   void Begin(const RigKnowledge& known);
 
+  /// The vehicle moved so at the last scan of an earlier localizer, at `stamp`. Before the first
+  /// scan; `velocity` has a covariance.
+  void GoOnFrom(Stamp stamp, const EgoVelocity& velocity) {
+    velocity_ = velocity;
+    stamp_ = stamp;
+    history_.Add(stamp, Motion{}, velocity);
+  }
+
   /// Adds what was learned of what the vehicle sends.
   void AddTo(RigKnowledge& known) const;
 

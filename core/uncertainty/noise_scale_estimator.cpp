@@ -122,6 +122,21 @@ void NoiseScaleEstimator<Dim>::Part::Solve(const NoiseScaleOptions& options) {  
 }
 
 template <int Dim>
+void NoiseScaleEstimator<Dim>::Part::Suppose(const NoiseScaleOptions& options,
+                                             const NoisePart& part) {
+  static_cast<NoisePart&>(*this) = part;
+  odometry_ratio = std::clamp(odometry_ratio, options.min_odometry_ratio, options.max_ratio);
+  registration_ratio =
+      std::clamp(registration_ratio, options.min_registration_ratio, options.max_ratio);
+}
+
+template <int Dim>
+void NoiseScaleEstimator<Dim>::Suppose(const NoiseKnowledge& knowledge) {
+  translation_.Suppose(options_, knowledge.translation);
+  rotation_.Suppose(options_, knowledge.rotation);
+}
+
+template <int Dim>
 TangentMatrix<Dim> NoiseScaleEstimator<Dim>::Scaled(const TangentMatrix<Dim>& covariance,
                                                     double of_translation, double of_rotation) {
   Tangent<Dim> scale;

@@ -7,6 +7,7 @@
 #include "absl/status/status.h"
 #include "core/geometry/pose_estimate.h"
 #include "core/options/option_fields.h"
+#include "core/uncertainty/noise_knowledge.h"
 
 namespace dcloc {
 
@@ -54,6 +55,13 @@ class NoiseScaleEstimator {
   /// ones.
   void OnJump() { anchor_count_ = 0; }
 
+  /// What was learned so far.
+  NoiseKnowledge knowledge() const { return {translation_, rotation_}; }
+
+  /// An earlier estimator of the same vehicle learned this. Its ratios are brought within the
+  /// bounds of the options. Before the first registration.
+  void Suppose(const NoiseKnowledge& knowledge);
+
   /// `covariance` of odometry by its model, scaled by the learned ratio.
   TangentMatrix<Dim> OdometryCovariance(const TangentMatrix<Dim>& covariance) const;
 
@@ -73,34 +81,21 @@ class NoiseScaleEstimator {
     PoseEstimate<Dim> to_now;
   };
 
-  // Sums over pairs of squared errors and of what the two covariances expect of them, of which old
-  // ones fade.
-  struct Pairs {
-    double error = 0.0;
-    double registrations = 0.0;
-    double odometry = 0.0;
-    double count = 0.0;
-    double prior_count = 0.0;  // remaining weight of the prior ratios
-    double number = 0.0;       // of all pairs, which does not fade
-  };
+  using Pairs = NoisePairs;
 
   // Of translation, or of rotation.
-  struct Part {
+  struct Part : NoisePart {
     explicit Part(const NoiseScaleOptions& options)
-        : near{.prior_count = options.prior_count},
-          far{.prior_count = options.prior_count},
-          odometry_ratio(options.prior_odometry_ratio),
-          registration_ratio(options.prior_registration_ratio) {}
-
-    Pairs near;
-    Pairs far;
-    double odometry_ratio;
-    double registration_ratio;
+        : NoisePart{.near = {.prior_count = options.prior_count},
+                    .far = {.prior_count = options.prior_count},
+                    .odometry_ratio = options.prior_odometry_ratio,
+                    .registration_ratio = options.prior_registration_ratio} {}
 
     // `known` is what of the error has another cause.
     void Add(const NoiseScaleOptions& options, Pairs& pairs, double squared_error, double known,
              double registrations, double odometry) const;
     void Solve(const NoiseScaleOptions& options);
+    void Suppose(const NoiseScaleOptions& options, const NoisePart& part);
   };
 
   void Compare(const Anchor& anchor, const PoseEstimate<Dim>& registration, Pairs Part::*pairs);

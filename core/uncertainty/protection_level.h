@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "absl/status/status.h"
@@ -32,6 +33,13 @@ class ProtectionLevel {
   /// A registration differed so from its prediction: squared Mahalanobis distance per degree of
   /// freedom.
   void OnInnovation(double squared_distance_per_dof);
+
+  /// How large innovations have been: the mean of what `OnInnovation` took.
+  double squared_innovation() const { return squared_innovation_; }
+  /// An earlier localizer of the same vehicle found this mean, >= 0.
+  void Suppose(double squared_innovation) {
+    squared_innovation_ = std::min(squared_innovation, options_.max_squared_sigmas);
+  }
 
   /// Of a pose of this covariance (x and y first) [m], which is off by up to `bias_m` beyond what
   /// the covariance says.

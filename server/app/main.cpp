@@ -8,6 +8,7 @@
 #include <iostream>
 #include <memory>
 
+#include "server/app/part_options.h"
 #include "server/app/server.h"
 #include "server/app/store_command.h"
 #include "server/app/token_command.h"
@@ -80,6 +81,7 @@ int CheckConfig(const ServerConfig& config) {
   if (status.ok() && !config.map_files.empty()) {
     status = ObjectStore::Open(ObjectOptionsOf(config)).status();
   }
+  if (status.ok()) status = TicketsOf(config).status();
   if (!status.ok()) {
     std::cerr << "dcloc-server: " << status.message() << "\n";
     return EXIT_FAILURE;

@@ -14,6 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/localizer/workspace.h"
 #include "server/admin/admin_service.h"
+#include "server/app/part_options.h"
 #include "server/app/state_metrics.h"
 #include "server/app/storage.h"
 #include "server/app/transport.h"
@@ -64,26 +65,6 @@ constexpr std::chrono::seconds kCertificateInterval(1);   ///< of looking at the
 constexpr std::chrono::milliseconds kTickInterval(100);   ///< of timeouts of sessions
 constexpr std::chrono::minutes kSweepInterval(1);  ///< of unfinished uploads and the quarantine
 
-int WorkerCount(const ServerConfig& config) {
-  if (config.worker_count > 0) return config.worker_count;
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
-
-/// Threads for searches of whole maps: enough for a fleet that starts at once, and no more than get
-/// some of the processor.
-int SearcherCount(const ServerConfig& config) { return std::max(1, WorkerCount(config) / 4); }
-
-SessionTimeouts SessionTimeoutsOf(const ServerConfig& config) {
-  return {.detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms),
-          .idle_timeout = std::chrono::milliseconds(config.session_idle_timeout_ms)};
-}
-
-MapStoreOptions MapStoreOptionsOf(const ServerConfig& config) {
-  return {.max_warm_bytes = std::int64_t{config.warm_map_mib} << 20,
-          .unfinished_upload_timeout = std::chrono::seconds(config.unfinished_upload_timeout_s),
-          .quarantine_time = std::chrono::days(config.quarantine_days)};
-}
-
 void LogRemoved(const char* what, const absl::StatusOr<int>& count) {
   if (!count.ok()) {
     spdlog::warn("{} not removed reason={}", what, Quoted(count.status().message()));
@@ -98,11 +79,13 @@ void LogRemoved(const char* what, const absl::StatusOr<int>& count) {
 /// tasks use.
 struct Server::Parts {
   Parts(const ServerConfig& server_config, Storage opened, std::shared_ptr<CallGate> call_gate,
-        std::shared_ptr<ServedCertificates> served_certificates)
+        std::shared_ptr<ServedCertificates> served_certificates,
+        std::unique_ptr<SessionTickets> fleet_tickets)
       : config(server_config),
         drain_grace(config.drain_grace_ms),
         gate(std::move(call_gate)),
         certificates(std::move(served_certificates)),
+        tickets(std::move(fleet_tickets)),
         limits(config),
         kept(std::move(opened)),
         access(*kept.identities, config.require_identity),
@@ -187,7 +170,8 @@ struct Server::Parts {
             .metrics = metrics,
             .create_localizer = MakeLocalizerFactory(),
             .answer_history_count = config.answer_history_count,
-            .detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms)};
+            .detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms),
+            .tickets = tickets.get()};
   }
 
   /// Takes new certificates, and says so when those that are shown have expired.
@@ -276,6 +260,7 @@ struct Server::Parts {
   const std::chrono::milliseconds drain_grace;
   const std::shared_ptr<CallGate> gate;
   std::shared_ptr<ServedCertificates> certificates;  ///< null without TLS
+  std::unique_ptr<SessionTickets> tickets;           ///< null without fleet keys
   Limits limits;
   UsageCounts usages{limits};
   Storage kept;
@@ -314,10 +299,12 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   auto gate = std::make_shared<CallGate>(config.max_call_rate_hz_per_connection);
   absl::StatusOr<Credentials> credentials = MakeCredentials(config, gate);
   if (!credentials.ok()) return credentials.status();
+  absl::StatusOr<std::unique_ptr<SessionTickets>> tickets = TicketsOf(config);
+  if (!tickets.ok()) return tickets.status();
   absl::StatusOr<Storage> storage = OpenStorage(config, MapStoreOptionsOf(config));
   if (!storage.ok()) return WithPrefix("data: ", storage.status());
   auto parts = std::make_unique<Parts>(config, *std::move(storage), std::move(gate),
-                                       credentials->certificates);
+                                       credentials->certificates, *std::move(tickets));
   if (absl::Status status = SayWhoIsLetIn(parts->access, config); !status.ok()) return status;
   parts->gate->SetProofNeeded(parts->access.needs_proof());
 

@@ -134,6 +134,16 @@ constexpr std::array kFields = {
     ConfigField{"session_idle_timeout_ms", "N",
                 "a session that gets no scan for so long is ended; 0 for never",
                 &ServerConfig::session_idle_timeout_ms, 0, 86'400'000},
+    ConfigField{"ticket_keys", "FILE",
+                "the fleet's keys, by which any of its servers goes on with the sessions of one "
+                "that is gone: lines \"ID SECRET\", the secret as 64 hexadecimal digits; the first "
+                "key seals, all open; read anew every second; no session tickets if empty",
+                &ServerConfig::ticket_keys},
+    ConfigField{"ticket_lifetime_s", "N", "how long a session ticket can be used",
+                &ServerConfig::ticket_lifetime_s, 5, 3600},
+    ConfigField{"ticket_interval_ms", "N",
+                "time between two tickets of a session, and from which the client keeps scans",
+                &ServerConfig::ticket_interval_ms, 200, 60'000},
     ConfigField{"max_message_kib", "N", "size of a message at most [KiB]",
                 &ServerConfig::max_message_kib, 512, 65'536},
     ConfigField{"max_map_mib", "N", "size of an uploaded map file at most [MiB]",

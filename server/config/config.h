@@ -55,6 +55,9 @@ struct ServerConfig {
   int answer_history_count = 256;                ///< per session, for scans that come again
   int session_detached_timeout_ms = 60'000;
   int session_idle_timeout_ms = 600'000;  ///< 0: for ever
+  std::string ticket_keys;                ///< file of the fleet's keys; empty: no tickets
+  int ticket_lifetime_s = 60;             ///< how long a ticket can be used
+  int ticket_interval_ms = 1000;          ///< between two tickets of a session
   int max_message_kib = 2048;
   int max_map_mib = 1024;          ///< of one map file
   int max_tenant_storage_mib = 0;  ///< of a tenant's map versions together; 0: no limit

@@ -163,6 +163,10 @@ void ToProto(const ScanAnswer& answer, v1::LocalizeResponse* message) {
   }
   message->set_dropped_scan_count(answer.dropped_scan_count);
   message->set_from_memory(answer.from_memory);
+  message->clear_ticket();
+  if (!answer.ticket) return;
+  message->mutable_ticket()->set_sealed(answer.ticket->sealed);
+  message->mutable_ticket()->set_last_sequence_number(answer.ticket->last_sequence_number);
 }
 
 }  // namespace dcloc::server::convert

@@ -33,12 +33,20 @@ struct LocalizedScan {
   ScanTimings timings;
 };
 
+/// What a client goes on with elsewhere, should this server be gone.
+struct AnswerTicket {
+  std::string sealed;
+  std::int64_t last_sequence_number = 0;
+};
+
 /// The result of one scan, as a plain struct, so that its users need no message.
 struct ScanAnswer {
   std::int64_t sequence_number = -1;
   absl::StatusOr<LocalizedScan> result;  ///< or why the scan was rejected
   std::int64_t dropped_scan_count = 0;   ///< of the session, so far
   bool from_memory = false;              ///< the scan was sent again
+  /// For the vehicle alone: who watches or records it gets none.
+  std::optional<AnswerTicket> ticket;
 };
 
 namespace convert {

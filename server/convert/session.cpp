@@ -13,6 +13,12 @@
 namespace dcloc::server::convert {
 namespace {
 
+static_assert(v1::TicketUse_MAX == v1::TICKET_USE_UNUSABLE &&
+              kTicketUseNames.size() == v1::TicketUse_ARRAYSIZE);
+
+/// One more can always be added.
+constexpr std::int64_t kMaxEpoch = std::int64_t{1} << 53;
+
 LocalizerOptions OptionsFromProto(const v1::LocalizationOptions& message) {
   LocalizerOptions options;
   if (message.has_scans_per_submap()) options.scans_per_submap = message.scans_per_submap();
@@ -31,6 +37,7 @@ absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& message) {
   status.Update(CheckMapName("open.map_name", message.map_name()));
   status.Update(CheckIntegerBetween("open.map_version", message.map_version(), 0,
                                     std::numeric_limits<std::int64_t>::max()));
+  status.Update(CheckIntegerBetween("open.epoch", message.epoch(), 0, kMaxEpoch));
   if (!status.ok()) return status;
   absl::StatusOr<Rig> rig = FromProto(message.rig(), "open.rig");
   if (!rig.ok()) return rig.status();
@@ -46,7 +53,8 @@ absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& message) {
                         .map_name = message.map_name(),
                         .map_version = message.map_version(),
                         .rig = *std::move(rig),
-                        .options = options};
+                        .options = options,
+                        .epoch = message.epoch()};
 }
 
 absl::StatusOr<std::optional<InitialPose>> InitialPoseFromProto(
@@ -72,6 +80,9 @@ void ToProto(const OpenedSession& session, v1::SessionOpened* message) {
   message->set_answer_history_count(session.answer_history_count);
   message->set_detached_timeout_ns(session.detached_timeout.count());
   message->set_takes_position_fixes(true);
+  message->set_ticket_use(static_cast<v1::TicketUse>(session.ticket_use));
+  message->set_epoch(session.epoch);
+  message->set_ticket_interval_ns(session.ticket_interval.count());
 }
 
 }  // namespace dcloc::server::convert

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,6 +12,28 @@
 #include "dcloc/v1/localization_service.pb.h"
 
 namespace dcloc::server {
+
+/// What became of the ticket of an `open`; numbers as on the wire.
+enum class TicketUse {
+  kNone,
+  kAccepted,
+  kNotOffered,
+  kMalformed,
+  kUnknownKey,
+  kForged,
+  kForeign,
+  kExpired,
+  kOtherMapVersion,
+  kStale,
+  kUnusable,
+};
+inline constexpr std::array<const char*, 11> kTicketUseNames = {
+    "none",    "accepted", "not_offered",       "malformed", "unknown_key", "forged",
+    "foreign", "expired",  "other_map_version", "stale",     "unusable"};
+
+constexpr const char* NameOf(TicketUse use) {
+  return kTicketUseNames[static_cast<std::size_t>(use)];
+}
 
 /// What a client is told of its session when it is open.
 struct OpenedSession {
@@ -22,6 +46,9 @@ struct OpenedSession {
   std::optional<std::int64_t> last_sequence_number;  ///< the highest one localized
   int answer_history_count = 0;
   std::chrono::nanoseconds detached_timeout{};  ///< zero unless it is resumable
+  TicketUse ticket_use = TicketUse::kNone;
+  std::int64_t epoch = 1;
+  std::chrono::nanoseconds ticket_interval{};  ///< zero where there are no tickets
 };
 
 namespace convert {
@@ -33,6 +60,7 @@ struct SessionRequest {
   std::int64_t map_version = 0;  ///< 0: the active one
   Rig rig;
   LocalizerOptions options;
+  std::int64_t epoch = 0;  ///< the highest one that the client has seen
 };
 
 absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& message);

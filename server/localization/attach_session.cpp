@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "server/base/traceparent.h"
 
 namespace dcloc::server {
@@ -35,6 +36,19 @@ absl::StatusOr<std::shared_ptr<Session>> OpenNew(const SessionHost& host, Caller
   return session;
 }
 
+/// The session of a resume token, unless the vehicle has gone on elsewhere since then.
+absl::StatusOr<std::shared_ptr<Session>> FindToResume(const SessionRegistry& registry,
+                                                      const Caller& caller,
+                                                      const v1::OpenSession& open) {
+  absl::StatusOr<std::shared_ptr<Session>> session =
+      registry.Find(open.resume_token(), caller.principal, open.vehicle_id());
+  if (!session.ok()) return session;
+  const std::int64_t epoch = (*session)->record()->description.epoch;
+  if (epoch >= open.epoch()) return session;
+  return absl::NotFoundError(absl::StrCat("the session is stale: its epoch is ", epoch,
+                                          ", and the vehicle has had ", open.epoch()));
+}
+
 /// Takes a session over from the stream that has it. On its strand, so that what that stream has
 /// begun is done.
 absl::Status TakeOver(SessionRegistry& registry, const Session& session,
@@ -60,10 +74,13 @@ void AttachSession(const SessionHost& host, const grpc::CallbackServerContext& c
   const v1::OpenSession& open = request.open();
   absl::StatusOr<Caller> caller = CallerOf(context, principal, open);
   if (!caller.ok()) return done(caller.status());
-  const bool resumes = !open.resume_token().empty();
+  bool resumes = !open.resume_token().empty();
   absl::StatusOr<std::shared_ptr<Session>> session =
-      resumes ? host.registry.Find(open.resume_token(), caller->principal, open.vehicle_id())
-              : OpenNew(host, *std::move(caller), open, stream);
+      resumes ? FindToResume(host.registry, *caller, open) : OpenNew(host, *caller, open, stream);
+  if (resumes && absl::IsNotFound(session.status()) && !open.ticket().empty()) {
+    resumes = false;
+    session = OpenNew(host, *std::move(caller), open, stream);
+  }
   if (!session.ok()) return done(session.status());
   // Others know the session by now and may have posted to its strand.
   Strand& strand = (*session)->strand();

@@ -157,7 +157,10 @@ StreamEvent LocalizeStream::EventOfRead(bool ok) {
 void LocalizeStream::QueueScan() {
   ring_.OnRead();
   session_->strand().Post([self = shared_from_this()] { self->AnswerNext(); });
-  if (terms_.drops_oldest) ring_.DropOldest(task_under_way_ == Task::kScan);
+  const v1::LocalizeRequest& request = ring_.newest_read().request;
+  const bool catches_up =
+      request.has_scan() && session_->IsToCatchUp(request.scan().sequence_number());
+  if (terms_.drops_oldest && !catches_up) ring_.DropOldest(task_under_way_ == Task::kScan);
 }
 
 // ---- What it does next
@@ -183,6 +186,7 @@ void LocalizeStream::Pump() {
 
 LocalizeStream::Step LocalizeStream::TakeWrite() {
   if (!RulesOf(state_).writes || write_under_way_ != Write::kNone) return Step::kNone;
+  ring_.PassSilent();
   const bool announces = AnnouncementIsDue();
   if (!announces && !ring_.has_answer_to_write()) return Step::kNone;
   peer_wait_.Begin(std::chrono::milliseconds(host_.storage.limits.peer_timeout_ms));
@@ -354,6 +358,11 @@ grpc::Status LocalizeStream::Answer(Session& session, Slot& slot, bool dropped) 
                         slot.request.has_open()
                             ? "open came twice; a stream is one session"
                             : "message is missing; it must be a scan or a position_fix");
+  }
+  slot.silent = session.IsToCatchUp(slot.request.scan().sequence_number());
+  if (slot.silent) {
+    if (!dropped) session.CatchUp(slot.request.scan());
+    return grpc::Status::OK;
   }
   const auto reply = [&slot](const ScanAnswer& answer) {
     convert::ToProto(answer, &slot.response);

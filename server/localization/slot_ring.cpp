@@ -23,6 +23,7 @@ void SlotRing::OnRead() {
   Slot& slot = to_read();
   slot.arrival = Arrival::Now();
   slot.dropped = false;
+  slot.silent = false;
   ++read_count_;
 }
 

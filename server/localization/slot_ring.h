@@ -15,6 +15,7 @@ struct Slot {
   v1::LocalizeResponse response;
   Arrival arrival;
   bool dropped = false;  ///< newer scans wait: it is answered, but not looked at
+  bool silent = false;   ///< it needs no answer
 };
 
 /// A stream's messages, in order: each is read, answered and written, then its slot is free again.
@@ -33,11 +34,17 @@ class SlotRing {
   /// The slot of the next message to be read, answered or written; and functions to say that this
   /// is done.
   Slot& to_read() { return At(read_count_); }
+  Slot& newest_read() { return At(read_count_ - 1); }
   Slot& to_answer() { return At(answered_count_); }
   Slot& to_write() { return At(written_count_); }
   void OnRead();
   void OnAnswered();
   void OnWritten() { ++written_count_; }
+
+  /// Frees the slots of messages that need no answer, as far as they are next to be written.
+  void PassSilent() {
+    while (has_answer_to_write() && to_write().silent) OnWritten();
+  }
 
   /// Marks the oldest of the waiting scans as dropped until at most `max_pending_count` are left;
   /// other messages are not dropped, and drop none. `first_is_taken`: the oldest message is being

@@ -20,6 +20,12 @@ class CoreScanLocalizer final : public ScanLocalizer {
     return localizer_.TakeFix(fix);
   }
 
+  std::optional<LocalizerSnapshot> Snapshot() override { return localizer_.Snapshot(); }
+
+  absl::Status GoOnFrom(const LocalizerSnapshot& snapshot) override {
+    return localizer_.GoOnFrom(snapshot);
+  }
+
   bool has_pose() const override { return localizer_.has_pose(); }
 
  private:

@@ -2,16 +2,21 @@
 
 #include <openssl/rand.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
 #include "absl/strings/escaping.h"
 #include "server/base/status.h"
+#include "server/sessions/session_log.h"
 
 namespace dcloc::server {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// Servers may die one after the other before the next has made a ticket; but not so many.
+constexpr std::int64_t kMaxEpochsBehind = 16;
 
 /// 128 random bits in hexadecimal: nothing that can be guessed.
 absl::StatusOr<std::string> RandomName() {
@@ -24,7 +29,8 @@ absl::StatusOr<std::string> RandomName() {
 
 absl::StatusOr<std::shared_ptr<SessionRecord>> MakeRecord(const v1::OpenSession& open,
                                                           const Caller& caller,
-                                                          const MapVersionRecord& map) {
+                                                          const MapVersionRecord& map,
+                                                          std::int64_t epoch) {
   absl::StatusOr<std::string> session_id = RandomName();
   if (!session_id.ok()) return session_id.status();
   absl::StatusOr<std::string> resume_token = open.resumable() ? RandomName() : std::string();
@@ -37,9 +43,29 @@ absl::StatusOr<std::shared_ptr<SessionRecord>> MakeRecord(const v1::OpenSession&
                          .map_name = open.map_name(),
                          .map_version_asked_for = open.map_version() != 0,
                          .open_time = std::chrono::system_clock::now(),
-                         .drops_oldest = open.queue_policy() == v1::QUEUE_POLICY_DROP_OLDEST};
+                         .drops_oldest = open.queue_policy() == v1::QUEUE_POLICY_DROP_OLDEST,
+                         .epoch = epoch};
   record->map_version = map.version;
   return record;
+}
+
+/// Opens the ticket of `open`, if it has one.
+OpenedTicket OpenTicket(const v1::OpenSession& open, const TicketBinding& binding,
+                        const SessionContext& context) {
+  if (open.ticket().empty()) return {};
+  if (context.tickets == nullptr) {
+    return {.use = TicketUse::kNotOffered, .content = {}, .key_id = ""};
+  }
+  OpenedTicket ticket =
+      context.tickets->Open(open.ticket(), binding, std::chrono::system_clock::now());
+  if (ticket.use != TicketUse::kAccepted) return ticket;
+  const std::int64_t version = open.map_version();
+  if (version != 0 && version != ticket.content.map_version) {
+    ticket.use = TicketUse::kOtherMapVersion;
+  } else if (ticket.content.epoch + kMaxEpochsBehind < open.epoch()) {
+    ticket.use = TicketUse::kStale;
+  }
+  return ticket;
 }
 
 absl::StatusOr<LoadedMap> AcquireMap(const convert::SessionRequest& request,
@@ -54,6 +80,32 @@ absl::StatusOr<LoadedMap> AcquireMap(const convert::SessionRequest& request,
   return map;
 }
 
+/// The version that the ticket is of; or the one that is asked for, where that cannot be had.
+absl::StatusOr<LoadedMap> AcquireMapOf(OpenedTicket& ticket, const convert::SessionRequest& request,
+                                       const std::string& tenant, const SessionSources& sources) {
+  if (ticket.use != TicketUse::kAccepted) return AcquireMap(request, tenant, sources);
+  convert::SessionRequest of_ticket = request;
+  of_ticket.map_version = ticket.content.map_version;
+  absl::StatusOr<LoadedMap> map = AcquireMap(of_ticket, tenant, sources);
+  if (map.ok() && map->record.sha256 == ticket.content.map_sha256) return map;
+  ticket.use = TicketUse::kOtherMapVersion;
+  return AcquireMap(request, tenant, sources);
+}
+
+/// Above all that the vehicle has had, as far as it tells.
+std::int64_t EpochOf(const convert::SessionRequest& request, const OpenedTicket& ticket) {
+  const bool goes_on = ticket.use == TicketUse::kAccepted;
+  return std::max(request.epoch, goes_on ? ticket.content.epoch : 0) + 1;
+}
+
+void TellTicketUse(const Session& session, const std::string& key_id, SessionMetrics& metrics) {
+  const TicketUse use = session.ticket_use();
+  metrics.ObserveTicketUse(use);
+  if (use != TicketUse::kNone && use != TicketUse::kAccepted) {
+    LogTicketNotTaken(*session.record(), use, key_id);
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<Session>> OpenSession(const v1::OpenSession& open,
@@ -62,20 +114,33 @@ absl::StatusOr<std::shared_ptr<Session>> OpenSession(const v1::OpenSession& open
   const std::string& tenant = caller.principal.tenant;
   absl::StatusOr<convert::SessionRequest> request = convert::FromProto(open);
   if (!request.ok()) return request.status();
-  absl::StatusOr<LoadedMap> map = AcquireMap(*request, tenant, sources);
+  TicketBinding binding = BindingOf(caller.principal, open);
+  OpenedTicket ticket = OpenTicket(open, binding, sources.context);
+  absl::StatusOr<LoadedMap> map = AcquireMapOf(ticket, *request, tenant, sources);
   if (!map.ok()) return map.status();
   absl::StatusOr<std::optional<InitialPose>> initial_pose =
       convert::InitialPoseFromProto(open, map->map->info().anchor);
   if (!initial_pose.ok()) return initial_pose.status();
-  absl::StatusOr<std::shared_ptr<SessionRecord>> record = MakeRecord(open, caller, map->record);
+  absl::StatusOr<std::shared_ptr<SessionRecord>> record =
+      MakeRecord(open, caller, map->record, EpochOf(*request, ticket));
   if (!record.ok()) return record.status();
+  SessionStart start{.record = *std::move(record),
+                     .map = *std::move(map),
+                     .rig = std::move(request->rig),
+                     .options = request->options,
+                     .initial_pose = *std::move(initial_pose),
+                     .binding = std::move(binding),
+                     .ticket_use = ticket.use,
+                     .ticket = std::nullopt,
+                     .answered_until = std::nullopt};
+  if (ticket.use == TicketUse::kAccepted) start.ticket = std::move(ticket.content);
+  if (open.has_answered_sequence_number()) start.answered_until = open.answered_sequence_number();
   absl::StatusOr<std::shared_ptr<Session>> session =
-      Session::Create(sources.context, {.record = *std::move(record),
-                                        .map = *std::move(map),
-                                        .rig = std::move(request->rig),
-                                        .options = request->options,
-                                        .initial_pose = *std::move(initial_pose)});
+      Session::Create(sources.context, std::move(start));
   if (!session.ok()) return WithPrefix("open: ", session.status());
+  TellTicketUse(**session, ticket.key_id, sources.context.metrics);
+  // A recording that began in the middle of a session could not be replayed.
+  if ((*session)->ticket_use() == TicketUse::kAccepted) return session;
   if (auto subscriber = sources.recordings.Take(tenant, open.vehicle_id())) {
     (*session)->Record(std::move(subscriber), open);
   }

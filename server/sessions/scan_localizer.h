@@ -22,6 +22,10 @@ class ScanLocalizer {
   /// As Localizer::TakeFix.
   virtual absl::StatusOr<FixUse> TakeFix(const PositionFix& fix) = 0;
 
+  /// As Localizer::Snapshot and Localizer::GoOnFrom.
+  virtual std::optional<LocalizerSnapshot> Snapshot() = 0;
+  virtual absl::Status GoOnFrom(const LocalizerSnapshot& snapshot) = 0;
+
   /// As Localizer::has_pose.
   virtual bool has_pose() const = 0;
 };
@@ -42,7 +46,7 @@ absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(
 /// The stub. Integrates the ego-velocity that the client sends, from the initial pose or else the
 /// identity, and ignores all targets and fixes. Its answers show this: the state is always
 /// kDeadReckoning, the quality is zero, no degree of freedom is observed, no source is healthy,
-/// every fix is contradicted, and the covariance is the initial pose's.
+/// every fix is contradicted, there is no snapshot, and the covariance is the initial pose's.
 absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateStubScanLocalizer(
     std::shared_ptr<const RadarMap> map, Rig rig, const std::optional<InitialPose>& initial_pose,
     const LocalizerOptions& options);

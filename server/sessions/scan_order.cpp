@@ -13,6 +13,11 @@ absl::Status ScanOrder::Check(std::int64_t sequence_number) const {
   return absl::OkStatus();
 }
 
+void ScanOrder::GoOnFrom(std::int64_t sequence_number, Stamp stamp) {
+  last_localized_ = highest_ = sequence_number;
+  last_stamp_ = stamp;
+}
+
 std::int64_t ScanOrder::OnLocalized(std::int64_t sequence_number, Stamp stamp) {
   last_localized_ = sequence_number;
   last_stamp_ = stamp;

@@ -15,6 +15,9 @@ class ScanOrder {
   /// OutOfRange when a scan with this number or a higher one has been localized.
   absl::Status Check(std::int64_t sequence_number) const;
 
+  /// Goes on after a scan that another session localized. Before the first one.
+  void GoOnFrom(std::int64_t sequence_number, Stamp stamp);
+
   /// To be called when a scan was localized; returns how many numbers before it are missing.
   std::int64_t OnLocalized(std::int64_t sequence_number, Stamp stamp);
 

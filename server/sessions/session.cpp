@@ -45,6 +45,14 @@ absl::StatusOr<std::shared_ptr<Session>> Session::Create(const SessionContext& c
   absl::StatusOr<std::unique_ptr<ScanLocalizer>> localizer =
       context.create_localizer(start.map.map, start.rig, start.initial_pose, start.options);
   if (!localizer.ok()) return localizer.status();
+  if (start.ticket) {
+    if ((*localizer)->GoOnFrom(start.ticket->snapshot).ok()) {
+      start.initial_pose = start.ticket->snapshot.pose;
+    } else {
+      start.ticket.reset();
+      start.ticket_use = TicketUse::kUnusable;
+    }
+  }
   return std::shared_ptr<Session>(new Session(context, std::move(start), *std::move(localizer)));
 }
 
@@ -59,7 +67,16 @@ Session::Session(const SessionContext& context, SessionStart start,
       localizer_(std::move(localizer)),
       last_pose_(std::move(start.initial_pose)),
       health_(record_, context_.metrics),
+      ticket_writer_(context.tickets, record_, std::move(start.binding)),
+      ticket_use_(start.ticket_use),
+      answered_until_(start.ticket ? start.answered_until : std::nullopt),
       history_(context.answer_history_count) {
+  if (start.ticket) {
+    order_.GoOnFrom(start.ticket->last_sequence_number, start.ticket->snapshot.stamp);
+    last_resets_ = start.ticket->snapshot.resets;
+    ChooseLane();
+    LogGoesOn(*record_, start.ticket->session_id);
+  }
   LogOpened(*record_, rig_->radars.size());
 }
 
@@ -79,14 +96,20 @@ OpenedSession Session::Describe(bool resumed) const {
                        .resumed = resumed,
                        .last_sequence_number = std::nullopt,
                        .answer_history_count = context_.answer_history_count,
-                       .detached_timeout = {}};
+                       .detached_timeout = {},
+                       .ticket_use = resumed ? TicketUse::kNone : ticket_use_,
+                       .epoch = description.epoch,
+                       .ticket_interval = {}};
   if (order_.last_localized() >= 0) opened.last_sequence_number = order_.last_localized();
   if (description.resumable()) opened.detached_timeout = context_.detached_timeout;
+  if (ticket_writer_.writes()) opened.ticket_interval = context_.tickets->interval();
   return opened;
 }
 
 void Session::Record(std::shared_ptr<RecordingSubscriber> subscriber, const v1::OpenSession& open) {
-  RecordingStart start{.open = open,
+  v1::OpenSession without_secret = open;
+  without_secret.clear_ticket();
+  RecordingStart start{.open = without_secret,
                        .session = Describe(/*resumed=*/false),
                        .open_time = record_->description.open_time,
                        .map_sha256 = map_.record.sha256};
@@ -108,6 +131,9 @@ void Session::Answer(const v1::Scan& scan, const Arrival& arrival, Reply reply) 
     timings.stamp_age =
         arrival.system.time_since_epoch() - std::chrono::nanoseconds(scan.stamp_ns());
     record_->last_stamp_age_ns = timings.stamp_age.count();
+    answer.ticket =
+        ticket_writer_.OnAnswered(answer.sequence_number, *answer.result, map_.record, *localizer_);
+    if (answer.ticket) context_.metrics.ObserveTicket(answer.ticket->sealed.size());
   }
   Count(answer);
   answer.dropped_scan_count = record_->counts.dropped;
@@ -118,6 +144,13 @@ void Session::Answer(const v1::Scan& scan, const Arrival& arrival, Reply reply) 
   LogLocalized(*record_, answer.sequence_number, *answer.result, encoding);
   health_.OnLocalized(*answer.result, begin);
   WarnOfBeta(scan.radar_id(), answer.result->localization.quality.beta);
+}
+
+void Session::CatchUp(const v1::Scan& scan) {
+  record_->last_activity = Clock::now();
+  const absl::Status status = Localize(scan).status();
+  context_.metrics.ObserveCatchUp();
+  if (!status.ok()) LogRejected(*record_, scan.sequence_number(), status);
 }
 
 void Session::TakeFix(const v1::PositionFix& fix, FixReply reply) {
@@ -247,8 +280,9 @@ void Session::WarnOfBeta(const std::string& radar_id, const BetaCheck& beta) {
   LogBetaContradicted(*record_, radar_id, beta);
 }
 
-void Session::HandOn(const v1::Scan& scan, const ScanAnswer& answer, Reply reply) {
+void Session::HandOn(const v1::Scan& scan, ScanAnswer& answer, Reply reply) {
   reply(answer);
+  answer.ticket.reset();
   record_->feed.Publish(answer);
   // One that is late stays so, and must not push out an answer that may still be wanted.
   const bool late = !answer.result.ok() && answer.sequence_number <= order_.last_localized();
@@ -272,6 +306,7 @@ absl::Status Session::Move(LoadedMap map) {
   }
   localizer_ = *std::move(localizer);
   resets_before_move_ = last_resets_;
+  ticket_writer_.OnMoved();
   ChooseLane();
   map_ = std::move(map);
   LogMoved(*record_, version);

@@ -23,6 +23,8 @@
 #include "server/sessions/scan_order.h"
 #include "server/sessions/session_metrics.h"
 #include "server/sessions/session_record.h"
+#include "server/sessions/ticket_writer.h"
+#include "server/tickets/session_tickets.h"
 
 namespace dcloc::server {
 
@@ -44,6 +46,7 @@ struct SessionContext {
   ScanLocalizerFactory create_localizer;
   int answer_history_count;
   std::chrono::nanoseconds detached_timeout;
+  const SessionTickets* tickets;  ///< null without a fleet key
 };
 
 /// What a session starts from.
@@ -53,6 +56,11 @@ struct SessionStart {
   Rig rig;
   LocalizerOptions options;
   std::optional<InitialPose> initial_pose;
+  TicketBinding binding;  ///< of the session's tickets
+  TicketUse ticket_use = TicketUse::kNone;
+  std::optional<TicketContent> ticket;  ///< which it goes on from
+  /// With a ticket: scans up to it need no answer, as they have had one.
+  std::optional<std::int64_t> answered_until;
 };
 
 /// One vehicle's session: from its opening to its last answer, over one stream or, when it is
@@ -78,12 +86,24 @@ class Session {
 
   OpenedSession Describe(bool resumed) const;
 
+  /// What became of the ticket that it was opened with.
+  TicketUse ticket_use() const { return ticket_use_; }
+
   /// `subscriber` gets what comes from now on; the session then stays in its map's version. To be
   /// called before the first scan, with the message that opened the session.
   void Record(std::shared_ptr<RecordingSubscriber> subscriber, const v1::OpenSession& open);
 
   /// Answers a scan: with a result, a rejection, or the answer that it got before.
   void Answer(const v1::Scan& scan, const Arrival& arrival, Reply reply);
+
+  /// Whether the vehicle has had the answer to a scan from another session, which this one goes on
+  /// from.
+  bool IsToCatchUp(std::int64_t sequence_number) const {
+    return answered_until_ && sequence_number >= 0 && sequence_number <= *answered_until_;
+  }
+
+  /// Localizes such a scan, for those that follow. Nobody is told.
+  void CatchUp(const v1::Scan& scan);
 
   /// Answers a scan that is dropped because newer ones wait.
   void AnswerDropped(std::int64_t sequence_number, Reply reply);
@@ -111,7 +131,7 @@ class Session {
   void ChooseLane();
   void Count(const ScanAnswer& answer);
   void WarnOfBeta(const std::string& radar_id, const BetaCheck& beta);
-  void HandOn(const v1::Scan& scan, const ScanAnswer& answer, Reply reply);
+  void HandOn(const v1::Scan& scan, ScanAnswer& answer, Reply reply);
 
   const SessionContext context_;
   const std::shared_ptr<SessionRecord> record_;
@@ -126,6 +146,9 @@ class Session {
   HealthReport health_;
   std::set<std::string> radars_warned_of_;  ///< as their beta is contradicted
   ScanOrder order_;
+  TicketWriter ticket_writer_;
+  const TicketUse ticket_use_;
+  const std::optional<std::int64_t> answered_until_;
   AnswerHistory history_;
   std::shared_ptr<RecordingSubscriber> recording_;  ///< null while nobody records it
   Clock::time_point localized_time_;  ///< of the newest scan; what follows is encoding

@@ -19,6 +19,18 @@ void LogOpened(const SessionRecord& record, std::size_t radar_count) {
                description.caller.trace_id);
 }
 
+void LogGoesOn(const SessionRecord& record, const std::string& before) {
+  spdlog::info("session goes on session={} vehicle={} from={} epoch={}",
+               record.description.session_id, record.description.vehicle_id, before,
+               record.description.epoch);
+}
+
+void LogTicketNotTaken(const SessionRecord& record, TicketUse use, const std::string& key_id) {
+  spdlog::warn("ticket not taken session={} vehicle={} peer={} reason={} key={}",
+               record.description.session_id, record.description.vehicle_id,
+               record.description.caller.peer, NameOf(use), key_id);
+}
+
 void LogMoved(const SessionRecord& record, std::int64_t to_version) {
   spdlog::info("session moved session={} vehicle={} from={} to={}", record.description.session_id,
                record.description.vehicle_id, record.map_version.load(), to_version);

@@ -13,6 +13,10 @@
 namespace dcloc::server {
 
 void LogOpened(const SessionRecord& record, std::size_t radar_count);
+/// It goes on from a ticket of session `before`.
+void LogGoesOn(const SessionRecord& record, const std::string& before);
+/// A new session begins instead.
+void LogTicketNotTaken(const SessionRecord& record, TicketUse use, const std::string& key_id);
 void LogMoved(const SessionRecord& record, std::int64_t to_version);
 void LogClosed(const SessionRecord& record);
 

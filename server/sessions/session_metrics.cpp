@@ -143,6 +143,13 @@ SessionMetrics::SessionMetrics()
       dropped_(AddCounters(*registry_, "dcloc_scans_dropped_total",
                            "Scans dropped for newer ones, where the client asked for it")
                    .Add({})),
+      tickets_(
+          AddCounters(*registry_, "dcloc_tickets_total", "Session tickets handed out").Add({})),
+      ticket_bytes_(
+          AddCounters(*registry_, "dcloc_ticket_bytes_total", "Bytes of these tickets").Add({})),
+      catch_up_scans_(AddCounters(*registry_, "dcloc_catch_up_scans_total",
+                                  "Scans localized without an answer, to go on from a ticket")
+                          .Add({})),
       rejected_(AddCounters(*registry_, "dcloc_scans_rejected_total",
                             "Scans that were refused, by reason")),
       opens_(AddCounters(*registry_, "dcloc_session_opens_total",
@@ -159,6 +166,7 @@ SessionMetrics::SessionMetrics()
     answers_[i] = &answers.Add({{"state", kStateLabels[i]}});
   }
   AddHealthCounters();
+  AddTicketCounters();
   // There from the start: a rate needs the zero before the first one.
   for (const char* reason : kReasons) rejected_.Add({{"reason", reason}});
   opens_.Add({{"code", "ok"}, {"resumed", "false"}});
@@ -229,6 +237,23 @@ void SessionMetrics::ObserveHealth(const HealthNews& news) {
 
 void SessionMetrics::ObserveFix(const absl::StatusOr<FixUse>& use) {
   fixes_[IndexOf(use)]->Increment();
+}
+
+void SessionMetrics::AddTicketCounters() {
+  auto& uses = AddCounters(*registry_, "dcloc_ticket_uses_total",
+                           "Tickets that opening clients presented, by what became of them");
+  for (std::size_t use = 1; use < ticket_uses_.size(); ++use) {
+    ticket_uses_[use] = &uses.Add({{"use", kTicketUseNames[use]}});
+  }
+}
+
+void SessionMetrics::ObserveTicket(std::size_t size) {
+  tickets_.Increment();
+  ticket_bytes_.Increment(static_cast<double>(size));
+}
+
+void SessionMetrics::ObserveTicketUse(TicketUse use) {
+  if (use != TicketUse::kNone) ticket_uses_[static_cast<std::size_t>(use)]->Increment();
 }
 
 void SessionMetrics::ObserveDropped() { dropped_.Increment(); }

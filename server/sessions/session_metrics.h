@@ -12,6 +12,7 @@
 
 #include "absl/status/status.h"
 #include "server/convert/answer.h"
+#include "server/convert/session.h"
 #include "server/sessions/health_watch.h"
 
 namespace dcloc::server {
@@ -36,6 +37,10 @@ class SessionMetrics {
   void ObserveFix(const absl::StatusOr<FixUse>& use);
   /// A Localize call has opened or resumed a session, or not.
   void ObserveOpen(grpc::StatusCode code, bool resumed);
+  /// A ticket of that size was handed out; one was presented; a scan was localized to catch up.
+  void ObserveTicket(std::size_t size);
+  void ObserveTicketUse(TicketUse use);
+  void ObserveCatchUp() { catch_up_scans_.Increment(); }
   /// The time to get a session's map: microseconds if it was in memory.
   void ObserveMapAcquired(std::chrono::nanoseconds duration, bool was_in_memory);
 
@@ -49,6 +54,7 @@ class SessionMetrics {
   static constexpr std::size_t kUseCount = kFixUseNames.size() + 2;
 
   void AddHealthCounters();
+  void AddTicketCounters();
   void ObserveEdge(const LocalizationQuality& quality);
 
   std::shared_ptr<prometheus::Registry> registry_;
@@ -71,6 +77,10 @@ class SessionMetrics {
   prometheus::Counter& pose_resets_;
   prometheus::Counter& repeated_;
   prometheus::Counter& dropped_;
+  prometheus::Counter& tickets_;
+  prometheus::Counter& ticket_bytes_;
+  prometheus::Counter& catch_up_scans_;
+  std::array<prometheus::Counter*, kTicketUseNames.size()> ticket_uses_{};
   prometheus::Family<prometheus::Counter>& rejected_;
   prometheus::Family<prometheus::Counter>& opens_;
 };

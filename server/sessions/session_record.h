@@ -27,6 +27,8 @@ struct SessionDescription {
   bool map_version_asked_for = false;  ///< the client named it, so the session keeps it
   SystemTime open_time;
   bool drops_oldest = false;  ///< when its queue is full
+  /// Rises with each session of the vehicle, as far as its client tells.
+  std::int64_t epoch = 1;
 
   bool resumable() const { return !resume_token.empty(); }
 };

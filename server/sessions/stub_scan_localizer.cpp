@@ -37,6 +37,11 @@ class StubScanLocalizer final : public ScanLocalizer {
     return FixUse::kContradicted;
   }
 
+  std::optional<LocalizerSnapshot> Snapshot() override { return std::nullopt; }
+  absl::Status GoOnFrom(const LocalizerSnapshot& /*snapshot*/) override {
+    return absl::UnimplementedError("the stub goes on from nothing");
+  }
+
   bool has_pose() const override { return true; }
 
  private:

@@ -28,6 +28,7 @@ FLOORS = {
         "maps/store",
         "convert",
         "maps/jobs",
+        "tickets",
         "sessions",
         "rpc",
         "maps/service",

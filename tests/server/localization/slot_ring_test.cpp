@@ -51,6 +51,23 @@ TEST(SlotRingTest, IsFullUntilAnAnswerIsWritten) {
   EXPECT_TRUE(ring.has_room());
 }
 
+TEST(SlotRingTest, WhatNeedsNoAnswerIsPassedOverInItsTurn) {
+  SlotRing ring = OpenRing(3);
+  for (int i = 1; i <= 3; ++i) Read(ring, i);
+  for (const bool silent : {false, true, true}) {
+    ring.to_answer().silent = silent;
+    ring.OnAnswered();
+  }
+  ring.PassSilent();
+  EXPECT_EQ(ring.to_write().request.scan().sequence_number(), 1) << "not before its turn";
+  ring.OnWritten();
+  ring.PassSilent();
+  EXPECT_TRUE(ring.all_read_is_written());
+  EXPECT_TRUE(ring.has_room());
+  Read(ring, 4);
+  EXPECT_FALSE(ring.newest_read().silent) << "the slot is used again";
+}
+
 TEST(SlotRingTest, TheOldestThatWaitAreDroppedAndLoseTheirColumns) {
   SlotRing ring = OpenRing(2);
   ring.Lengthen();

@@ -24,6 +24,15 @@ TEST(ScanOrderTest, ANumberMustBeHigherThanTheLastOneLocalized) {
   EXPECT_THAT(std::string(late.message()), HasSubstr("scan.sequence_number is 5"));
 }
 
+TEST(ScanOrderTest, GoesOnWhereAnotherSessionWas) {
+  ScanOrder order;
+  order.GoOnFrom(7, kStart);
+  EXPECT_EQ(order.last_localized(), 7);
+  EXPECT_EQ(order.last_stamp(), kStart);
+  EXPECT_FALSE(order.Check(7).ok());
+  EXPECT_EQ(order.OnLocalized(9, kStart), 1) << "a gap is one from there";
+}
+
 TEST(ScanOrderTest, CountsTheNumbersThatNeverCame) {
   ScanOrder order;
   EXPECT_EQ(order.OnLocalized(100, kStart), 0) << "where a session begins is no gap";

@@ -51,6 +51,10 @@ class ScriptedLocalizer final : public ScanLocalizer {
     return script_.fix_use;
   }
 
+  std::optional<LocalizerSnapshot> Snapshot() override { return std::nullopt; }
+  absl::Status GoOnFrom(const LocalizerSnapshot& /*snapshot*/) override {
+    return absl::UnimplementedError("it follows its script");
+  }
   bool has_pose() const override { return script_.has_pose; }
 
  private:
@@ -79,7 +83,8 @@ class SessionParts : public ::testing::Test {
               return std::make_unique<ScriptedLocalizer>(script_);
             },
             .answer_history_count = 4,
-            .detached_timeout = std::chrono::minutes(1)};
+            .detached_timeout = std::chrono::minutes(1),
+            .tickets = nullptr};
   }
 
   std::shared_ptr<Session> MakeSession(std::optional<InitialPose> initial_pose = std::nullopt) {

@@ -1,0 +1,58 @@
+// What another pipeline of the same vehicle goes on from.
+#include "core/geometry/pose_estimate.h"
+#include "core/localizer/localizer_snapshot.h"
+#include "core/localizer/pipeline.h"
+
+namespace dcloc {
+namespace {
+
+// Which of them is wrong is known after moments only, and would have to be found again.
+bool IsSetAside(const SourceHealth& source) {
+  return !source.is_used && source.fault != SourceFault::kSilent;
+}
+
+}  // namespace
+
+template <int Dim>
+std::optional<LocalizerSnapshot> Pipeline<Dim>::Snapshot() {
+  const std::optional<TrackingSnapshot> tracking = tracking_.Snapshot();
+  const std::optional<EgoVelocity>& velocity = ego_motion_.velocity();
+  if (!tracking || !velocity || !velocity->covariance) return std::nullopt;
+  if (IsSetAside(ego_motion_.wheel_speed()) || IsSetAside(ego_motion_.yaw_rate())) {
+    return std::nullopt;
+  }
+  const PoseEstimate<3> now = NowInMap();
+  return LocalizerSnapshot{.pose = {.T_map_vehicle = now.pose, .covariance = now.covariance},
+                           .velocity = *velocity,
+                           .tracking = *tracking,
+                           .known = Knowledge(),
+                           .noise = pose_.noise_scales().knowledge(),
+                           .resets = reset_counter_.resets(),
+                           .squared_innovation = protection_level_.squared_innovation(),
+                           .factor_count = factor_count_,
+                           .clocks_ahead = {}};
+}
+
+template <int Dim>
+void Pipeline<Dim>::GoOnFrom(const LocalizerSnapshot& snapshot) {
+  learned_rig_.Begin(snapshot.known);
+  ego_motion_.Begin(snapshot.known);
+  ego_motion_.GoOnFrom(snapshot.stamp, snapshot.velocity);
+  const Pose3& T_map_vehicle = snapshot.pose.T_map_vehicle;
+  RegistrationWorkspace<Dim> workspace;
+  matcher_.MoveTo(T_map_vehicle.translation_m, workspace);
+  pose_.GoOnFrom(
+      FromSpace<Dim>(matcher_.T_map_local().Inverse() * T_map_vehicle, snapshot.pose.covariance),
+      snapshot.noise);
+  tracking_.GoOnFrom(snapshot.tracking);
+  reset_counter_.GoOnFrom(snapshot.resets, T_map_vehicle);
+  protection_level_.Suppose(snapshot.squared_innovation);
+  factor_count_ = snapshot.factor_count;
+}
+
+template std::optional<LocalizerSnapshot> Pipeline<2>::Snapshot();
+template std::optional<LocalizerSnapshot> Pipeline<3>::Snapshot();
+template void Pipeline<2>::GoOnFrom(const LocalizerSnapshot&);
+template void Pipeline<3>::GoOnFrom(const LocalizerSnapshot&);
+
+}  // namespace dcloc

@@ -1,0 +1,38 @@
+#include "server/app/part_options.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+namespace dcloc::server {
+
+int WorkerCount(const ServerConfig& config) {
+  if (config.worker_count > 0) return config.worker_count;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+int SearcherCount(const ServerConfig& config) { return std::max(1, WorkerCount(config) / 4); }
+
+SessionTimeouts SessionTimeoutsOf(const ServerConfig& config) {
+  return {.detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms),
+          .idle_timeout = std::chrono::milliseconds(config.session_idle_timeout_ms)};
+}
+
+MapStoreOptions MapStoreOptionsOf(const ServerConfig& config) {
+  return {.max_warm_bytes = std::int64_t{config.warm_map_mib} << 20,
+          .unfinished_upload_timeout = std::chrono::seconds(config.unfinished_upload_timeout_s),
+          .quarantine_time = std::chrono::days(config.quarantine_days)};
+}
+
+absl::StatusOr<std::unique_ptr<SessionTickets>> TicketsOf(const ServerConfig& config) {
+  if (config.ticket_keys.empty()) return nullptr;
+  absl::StatusOr<std::unique_ptr<ServedTicketKeys>> keys =
+      ServedTicketKeys::Load(config.ticket_keys);
+  if (!keys.ok()) return keys.status();
+  return std::make_unique<SessionTickets>(*std::move(keys),
+                                          std::chrono::seconds(config.ticket_lifetime_s),
+                                          std::chrono::milliseconds(config.ticket_interval_ms));
+}
+
+}  // namespace dcloc::server

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+
+#include "absl/status/statusor.h"
+#include "server/config/config.h"
+#include "server/maps/store/map_store.h"
+#include "server/sessions/session_registry.h"
+#include "server/tickets/session_tickets.h"
+
+/// What the parts of a server are made with, out of its settings.
+namespace dcloc::server {
+
+/// Threads that localize scans.
+int WorkerCount(const ServerConfig& config);
+
+/// Threads for searches of whole maps: enough for a fleet that starts at once, and no more than get
+/// some of the processor.
+int SearcherCount(const ServerConfig& config);
+
+SessionTimeouts SessionTimeoutsOf(const ServerConfig& config);
+
+MapStoreOptions MapStoreOptionsOf(const ServerConfig& config);
+
+/// Null where no fleet keys are configured. InvalidArgument says what is wrong with their file.
+absl::StatusOr<std::unique_ptr<SessionTickets>> TicketsOf(const ServerConfig& config);
+
+}  // namespace dcloc::server

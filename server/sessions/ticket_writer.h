@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "server/convert/answer.h"
+#include "server/sessions/scan_localizer.h"
+#include "server/sessions/session_record.h"
+#include "server/tickets/session_tickets.h"
+
+namespace dcloc::server {
+
+/// Makes a session's tickets. Each is of the vehicle as it was an interval before: whoever goes on
+/// from it gets the scans since then, which fill a sub-map. Not thread-safe.
+class TicketWriter {
+ public:
+  /// `tickets` outlives it; null where there is no fleet key.
+  TicketWriter(const SessionTickets* tickets, std::shared_ptr<const SessionRecord> record,
+               TicketBinding binding)
+      : tickets_(tickets), record_(std::move(record)), binding_(std::move(binding)) {}
+
+  /// Only sessions that can be resumed get tickets, and none that is recorded: its recording could
+  /// not be continued elsewhere.
+  bool writes() const {
+    return tickets_ != nullptr && record_->description.resumable() && !record_->recorded;
+  }
+
+  /// A scan was localized by `localizer` in `map`. Gives a ticket about once an interval by the
+  /// scans' stamps. None where the vehicle has been found elsewhere since it was as the ticket
+  /// would say.
+  std::optional<AnswerTicket> OnAnswered(std::int64_t sequence_number, const LocalizedScan& scan,
+                                         const MapVersionRecord& map, ScanLocalizer& localizer);
+
+  /// The session goes on in another version of its map.
+  void OnMoved() { pending_.reset(); }
+
+ private:
+  std::optional<AnswerTicket> Seal(const TicketContent& content) const;
+
+  const SessionTickets* tickets_;
+  std::shared_ptr<const SessionRecord> record_;
+  TicketBinding binding_;
+  std::optional<Stamp> last_look_;
+  std::optional<TicketContent> pending_;  ///< of the last look
+};
+
+}  // namespace dcloc::server
