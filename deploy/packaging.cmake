@@ -24,6 +24,8 @@ install(CODE "
     OUTPUT_FILE ${CMAKE_BINARY_DIR}/described/dcloc.1 COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND $<TARGET_FILE:dcloc> completion
     OUTPUT_FILE ${CMAKE_BINARY_DIR}/described/dcloc COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND $<TARGET_FILE:dcloc> completion zsh
+    OUTPUT_FILE ${CMAKE_BINARY_DIR}/described/_dcloc COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:dcloc-server>
     -DOUTPUT=${CMAKE_BINARY_DIR}/described/dcloc-server.8
     -P ${CMAKE_SOURCE_DIR}/deploy/server_manual.cmake COMMAND_ERROR_IS_FATAL ANY)"
@@ -34,6 +36,8 @@ install(FILES ${CMAKE_BINARY_DIR}/described/dcloc.1
   DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs)
 install(FILES ${CMAKE_BINARY_DIR}/described/dcloc
   DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT programs)
+install(FILES ${CMAKE_BINARY_DIR}/described/_dcloc
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT programs)
 
 # ---- The C interface
 install(TARGETS dcloc_sdk_c EXPORT dcloc-c

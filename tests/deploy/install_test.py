@@ -115,6 +115,7 @@ class Packages(unittest.TestCase):
                 self.assertIn(said, manual)
             self.assertNotIn(ARGUMENTS[1], manual, "no path of the build")
             self.assertTrue((root / "usr/share/bash-completion/completions/dcloc").is_file())
+            self.assertTrue((root / "usr/share/zsh/vendor-completions/_dcloc").is_file())
             self.assertTrue(list(root.glob("usr/lib/**/cmake/dcloc/dclocConfig.cmake")))
             self.assertTrue((root / "usr/include/dcloc/client/sdk/session.h").is_file())
             self.assertTrue((root / "usr/include/dcloc.h").is_file())
