@@ -1,5 +1,8 @@
-# What `cmake --install` and `cpack` make: the package dcloc (programs, unit, manual, completion) and
-# libdcloc-dev (the client library, for find_package(dcloc)).
+# What `cmake --install` and `cpack` make, a package for each component:
+# programs: dcloc (programs, unit, manuals, completion);
+# c:        libdcloc1 (the C interface's shared library);
+# c_dev:    libdcloc-dev (its header, pkg-config, find_package(dcloc-c));
+# sdk:      libdcloc++-dev (the C++ library, find_package(dcloc)).
 include(GNUInstallDirs)
 
 # ---- Programs
@@ -21,6 +24,8 @@ install(CODE "
     OUTPUT_FILE ${CMAKE_BINARY_DIR}/described/dcloc.1 COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND $<TARGET_FILE:dcloc> completion
     OUTPUT_FILE ${CMAKE_BINARY_DIR}/described/dcloc COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND $<TARGET_FILE:dcloc> completion zsh
+    OUTPUT_FILE ${CMAKE_BINARY_DIR}/described/_dcloc COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:dcloc-server>
     -DOUTPUT=${CMAKE_BINARY_DIR}/described/dcloc-server.8
     -P ${CMAKE_SOURCE_DIR}/deploy/server_manual.cmake COMMAND_ERROR_IS_FATAL ANY)"
@@ -31,8 +36,25 @@ install(FILES ${CMAKE_BINARY_DIR}/described/dcloc.1
   DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs)
 install(FILES ${CMAKE_BINARY_DIR}/described/dcloc
   DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT programs)
+install(FILES ${CMAKE_BINARY_DIR}/described/_dcloc
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT programs)
 
-# ---- The client library. Includes are written from the root, so the headers keep their folders.
+# ---- The C interface
+install(TARGETS dcloc_sdk_c EXPORT dcloc-c
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT c NAMELINK_COMPONENT c_dev)
+install(FILES client/sdk/c/dcloc.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT c_dev)
+file(RELATIVE_PATH PREFIX_FROM_PKGCONFIG /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+configure_file(client/sdk/c/dcloc.pc.in ${CMAKE_BINARY_DIR}/dcloc.pc @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/dcloc.pc
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT c_dev)
+install(EXPORT dcloc-c NAMESPACE dcloc:: FILE dcloc-cConfig.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/dcloc-c COMPONENT c_dev)
+install(FILES ${CMAKE_BINARY_DIR}/dclocConfigVersion.cmake RENAME dcloc-cConfigVersion.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/dcloc-c COMPONENT c_dev)
+install(DIRECTORY client/sdk/c/example/
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/dcloc/example-c COMPONENT c_dev)
+
+# ---- The C++ library. Includes are written from the root, so the headers keep their folders.
 set(SDK_HEADERS admin_client channel map_client map_upload recording session session_options
   session_stats)
 list(TRANSFORM SDK_HEADERS PREPEND client/sdk/)
@@ -64,7 +86,7 @@ set(CPACK_PACKAGE_CONTACT "the dcloc authors <dcloc@localhost>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Localizes vehicles by automotive radar")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL programs sdk)
+set(CPACK_COMPONENTS_ALL programs c c_dev sdk)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -78,11 +100,23 @@ set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION_SUMMARY}
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_CONTROL_EXTRA
   ${CMAKE_SOURCE_DIR}/deploy/debian/postinst ${CMAKE_SOURCE_DIR}/deploy/debian/postrm
   ${CMAKE_SOURCE_DIR}/deploy/debian/prerm)
-set(CPACK_DEBIAN_SDK_PACKAGE_NAME libdcloc-dev)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_C_PACKAGE_NAME libdcloc1)
+set(CPACK_DEBIAN_C_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_C_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_C_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION_SUMMARY} (C interface)
+ The shared library that vehicles, and the Python package, call.")
+set(CPACK_DEBIAN_C_DEV_PACKAGE_NAME libdcloc-dev)
+set(CPACK_DEBIAN_C_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_C_DEV_PACKAGE_DEPENDS "libdcloc1 (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_C_DEV_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION_SUMMARY} (C interface, header)
+ What a vehicle's program in C is built with: dcloc.h, pkg-config dcloc, find_package(dcloc-c).")
+set(CPACK_DEBIAN_SDK_PACKAGE_NAME libdcloc++-dev)
 set(CPACK_DEBIAN_SDK_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_SDK_PACKAGE_DEPENDS
   "libgrpc++-dev, libprotobuf-dev, libabsl-dev, libssl-dev, zlib1g-dev")
-set(CPACK_DEBIAN_SDK_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION_SUMMARY} (client library)
- What a vehicle links to be localized by a dcloc server: find_package(dcloc).")
+set(CPACK_DEBIAN_SDK_PACKAGE_REPLACES "libdcloc-dev (<= 0.1.0)")  # its name until then
+set(CPACK_DEBIAN_SDK_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION_SUMMARY} (C++ library)
+ What a vehicle's program in C++ is built with: find_package(dcloc).")
 include(${CMAKE_CURRENT_LIST_DIR}/console.cmake)
 include(CPack)

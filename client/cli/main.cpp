@@ -8,7 +8,7 @@
 #include "client/cli/common/json_folder.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/dataset/dataset_command.h"
-#include "client/cli/describe_command.h"
+#include "client/cli/describe/describe_command.h"
 #include "client/cli/doctor/doctor_command.h"
 #include "client/cli/evaluate/evaluate_command.h"
 #include "client/cli/load/load_command.h"

@@ -55,8 +55,8 @@ FLOORS = {
         "load",
         "cli/common",
         "cli/remote",
-        "cli/calibrate cli/dataset cli/doctor cli/evaluate cli/load cli/localize cli/map"
-        " cli/plot cli/server cli/session cli/simulate",
+        "cli/calibrate cli/dataset cli/describe cli/doctor cli/evaluate cli/load cli/localize"
+        " cli/map cli/plot cli/server cli/session cli/simulate",
         "cli",
     ],
 }

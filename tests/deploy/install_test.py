@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What is installed can be used: the client library from another project, the Debian packages.
+"""What is installed can be used: the client libraries from other projects, the Debian packages.
 
 Usage: install_test.py DCLOC SERVER BUILD [unittest arguments]
 """
@@ -26,33 +26,62 @@ def run(*command, **options):
     return done.stdout
 
 
-class ClientLibrary(unittest.TestCase):
-    def test_a_project_of_ones_own_finds_builds_and_runs_the_example(self):
+class ClientLibraries(unittest.TestCase):
+    """Each as a project of one's own finds it: nothing of the checkout is looked at."""
+
+    @classmethod
+    def setUpClass(cls):
         from processes import Programs, Server
-        with tempfile.TemporaryDirectory() as name:
-            folder = pathlib.Path(name)
-            prefix = folder / "prefix"
-            run("cmake", "--install", ARGUMENTS[2], "--component", "sdk", "--prefix", prefix)
-            include = prefix / "include/dcloc"
-            for header in include.glob("client/sdk/**/*.h"):
-                for used in re.findall(r'#include "((?:client|dcloc)/[^"]+)"', header.read_text()):
-                    self.assertTrue((include / used).is_file(), f"{header.name} needs {used}")
-            source = folder / "example"
-            shutil.copytree(prefix / "share/dcloc/example", source)
-            # Nothing of the checkout is looked at.
-            run("cmake", "-S", source, "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={prefix}",
-                "-DCMAKE_BUILD_TYPE=Debug")
-            run("cmake", "--build", folder / "build")
-            programs = Programs(*ARGUMENTS[:2])
-            programs.succeed("simulate", "--out", folder / "sim", "--length-m", "100")
-            programs.succeed("map", "build", "--dataset", "nuscenes", "--root", folder / "sim",
-                             "--drive", "map", "--out", folder / "map")
-            with Server(programs, folder / "store") as server:
-                programs.succeed("map", "upload", "--server", server.address, "--map", "town",
-                                 "--activate", folder / "map")
-                answer = run(folder / "build/example", server.address, "town")
-            self.assertIn("result {", answer)
-            self.assertIn("LOCALIZATION_STATE_", answer)
+        cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
+        programs = Programs(*ARGUMENTS[:2])
+        programs.succeed("simulate", "--out", cls.folder / "sim", "--length-m", "100")
+        programs.succeed("map", "build", "--dataset", "nuscenes", "--root", cls.folder / "sim",
+                         "--drive", "map", "--out", cls.folder / "map")
+        cls.server = cls.enterClassContext(Server(programs, cls.folder / "store"))
+        programs.succeed("map", "upload", "--server", cls.server.address, "--map", "town",
+                         "--activate", cls.folder / "map")
+
+    def install(self, *components):
+        """Where they are, as nowhere known to compilers."""
+        prefix = self.folder / components[0]
+        for component in components:
+            run("cmake", "--install", ARGUMENTS[2], "--component", component, "--prefix", prefix)
+        return prefix
+
+    def build(self, prefix, example):
+        """The program of an example that is installed with the library."""
+        source = self.folder / f"source-{example}"
+        shutil.copytree(prefix / "share/dcloc" / example, source)
+        run("cmake", "-S", source, "-B", source / "build", f"-DCMAKE_PREFIX_PATH={prefix}",
+            "-DCMAKE_BUILD_TYPE=Debug")
+        run("cmake", "--build", source / "build")
+        return source / "build/example"
+
+    def test_the_cpp_library_is_found_by_cmake(self):
+        prefix = self.install("sdk")
+        include = prefix / "include/dcloc"
+        for header in include.glob("client/sdk/**/*.h"):
+            for used in re.findall(r'#include "((?:client|dcloc)/[^"]+)"', header.read_text()):
+                self.assertTrue((include / used).is_file(), f"{header.name} needs {used}")
+        answer = run(self.build(prefix, "example"), self.server.address, "town")
+        self.assertIn("result {", answer)
+        self.assertIn("LOCALIZATION_STATE_", answer)
+        self.assertEqual(len(re.findall("^(?:x |no pose yet)", answer, re.MULTILINE)), 10, answer)
+
+    def test_the_c_library_is_found_by_cmake_and_by_pkg_config(self):
+        prefix = self.install("c", "c_dev")
+        self.assertIn("answer 0, state",
+                      run(self.build(prefix, "example-c"), self.server.address, "town"))
+        if shutil.which("pkg-config") is None:
+            self.skipTest("needs pkg-config")
+        (folder,) = prefix.glob("lib*/**/pkgconfig")
+        flags = run("pkg-config", "--cflags", "--libs", "dcloc",
+                    env={**os.environ, "PKG_CONFIG_PATH": str(folder)}).split()
+        program = self.folder / "by-pkg-config"
+        run("cc", prefix / "share/dcloc/example-c/example.c", "-o", program, *flags)
+        said = run(program, self.server.address, "town",
+                   env={**os.environ, "LD_LIBRARY_PATH": str(folder.parent)})
+        self.assertIn("answer 0, state", said)
 
 
 @unittest.skipIf(shutil.which("dpkg-deb") is None, "needs dpkg-deb")
@@ -63,13 +92,16 @@ class Packages(unittest.TestCase):
             run("cpack", "--config", pathlib.Path(ARGUMENTS[2]) / "CPackConfig.cmake", "-B",
                 folder, cwd=folder)
             (programs,) = folder.glob("dcloc_*.deb")
-            (sdk,) = folder.glob("libdcloc-dev_*.deb")
+            (library,) = folder.glob("libdcloc1_*.deb")
+            (header,) = folder.glob("libdcloc-dev_*.deb")
+            (sdk,) = folder.glob("libdcloc++-dev_*.deb")
             depends = run("dpkg-deb", "--field", programs, "Depends")
             for package in ("libgrpc++1.51", "libprotobuf32", "libsqlite3-0", "libc6"):
                 self.assertIn(package, depends)
             root = folder / "root"
             run("dpkg-deb", "-x", programs, root)
-            run("dpkg-deb", "-x", sdk, root)
+            for package in (library, header, sdk):
+                run("dpkg-deb", "-x", package, root)
             unit = (root / "lib/systemd/system/dcloc-server.service"
                     if (root / "lib/systemd/system").exists()
                     else root / "usr/lib/systemd/system/dcloc-server.service").read_text()
@@ -83,8 +115,18 @@ class Packages(unittest.TestCase):
                 self.assertIn(said, manual)
             self.assertNotIn(ARGUMENTS[1], manual, "no path of the build")
             self.assertTrue((root / "usr/share/bash-completion/completions/dcloc").is_file())
+            self.assertTrue((root / "usr/share/zsh/vendor-completions/_dcloc").is_file())
             self.assertTrue(list(root.glob("usr/lib/**/cmake/dcloc/dclocConfig.cmake")))
             self.assertTrue((root / "usr/include/dcloc/client/sdk/session.h").is_file())
+            self.assertTrue((root / "usr/include/dcloc.h").is_file())
+            (link,) = root.glob("usr/lib/**/libdcloc.so")
+            self.assertEqual(os.readlink(link), "libdcloc.so.1")
+            self.assertTrue(link.is_file(), "the package of the library has what it points to")
+            self.assertIn("libdcloc1 (=", run("dpkg-deb", "--field", header, "Depends"))
+            self.assertIn("libgrpc++1.51", run("dpkg-deb", "--field", library, "Depends"))
+            control = folder / "control-library"
+            run("dpkg-deb", "-e", library, control)
+            self.assertEqual((control / "shlibs").read_text().split()[:2], ["libdcloc", "1"])
             control = folder / "control"
             run("dpkg-deb", "-e", programs, control)
             for script in ("postinst", "postrm", "prerm"):

@@ -38,10 +38,10 @@ class Programs:
 class Server:
     """A server on a store, at a free port of this machine; killed at the end of the `with`."""
 
-    def __init__(self, programs, store):
+    def __init__(self, programs, store, *arguments, environment=None):
         self.process = subprocess.Popen(
-            [programs.server, "--data", store, "--listen", "127.0.0.1:0"], text=True,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            [programs.server, "--data", store, "--listen", "127.0.0.1:0", *arguments], text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
         line = self.process.stdout.readline()
         if not line.startswith("listening on "):
             raise AssertionError(f"no server: {line}{self.process.communicate()[1]}")

@@ -20,6 +20,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
+constexpr int kWarned = 3;  // beside those of exit_codes.h: no other command warns
+
 struct DoctorArguments {
   ServerCheckOptions server{.channel = {}, .map = "", .at_map_m = {}, .vehicle = "dcloc-doctor"};
   std::vector<double> at_m;
@@ -58,7 +60,14 @@ int Run(const DoctorArguments& arguments) {
                                           2, ' ', false, ordered_json::error_handler_t::replace) +
                                           "\n"
                                     : FindingsText(*findings));
-  return WorstOf(*findings) == CheckResult::kFailed ? kFailure : kSuccess;
+  switch (WorstOf(*findings)) {
+    case CheckResult::kFailed:
+      return kFailure;
+    case CheckResult::kWarning:
+      return kWarned;
+    default:
+      return kSuccess;
+  }
 }
 
 void AddServer(CLI::App& doctor, DoctorArguments& arguments) {
@@ -105,7 +114,7 @@ void AddDoctorCommand(CLI::App& app, int& exit_code) {
   AddDriveRequestOptions(*doctor, arguments->drive);
   doctor->add_flag("--json", arguments->json, "Print as JSON");
   doctor->footer(
-      "The exit code is 1 where a check failed; warnings do not count.\n"
+      "The exit code is 1 where a check failed, else 3 where one warns, else 0.\n"
       "Examples:\n"
       "  dcloc doctor --server localhost:50051 --map town --at 120,40 --open-session\n"
       "  dcloc doctor --dataset rosbag --root bags --drive monday --json");

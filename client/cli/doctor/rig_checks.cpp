@@ -32,6 +32,8 @@ constexpr std::array kJudged = {
 };
 
 constexpr double kSurely = 4.0;  ///< sigmas; four parameters of each radar are looked at
+/// A parameter whose interval is wider, in what is tolerated, is not known well enough to be right.
+constexpr double kWidestInterval = 2.0;
 
 Finding RangeRateFinding(const RangeRateCheck& check) {
   Finding finding{.check = absl::StrCat("radar ", check.radar_id, ": range rates"),
@@ -121,10 +123,14 @@ Finding CorrectionFinding(const Calibration& calibration, const RadarCalibration
   } else if (!confused.empty()) {
     finding.result = CheckResult::kSkipped;
     absl::StrAppend(&finding.what, ": the drive does not tell it from ", confused);
-  } else if (std::abs(correction) > kSurely * parameter.sigma / judged.per_unit &&
-             std::abs(correction) > judged.tolerated) {
+  } else if (const bool is_off = std::abs(correction) > judged.tolerated;
+             is_off && std::abs(correction) > kSurely * parameter.sigma / judged.per_unit) {
     finding.result = CheckResult::kWarning;
     finding.advice = "make a rig file by `dcloc calibrate` of several drives, and give it as --rig";
+  } else if (is_off || interval > kWidestInterval * judged.tolerated) {
+    finding.result = CheckResult::kSkipped;
+    absl::StrAppend(&finding.what, ": the drive does not tell well enough");
+    finding.advice = "take a longer one, with bends and other speeds";
   }
   return finding;
 }

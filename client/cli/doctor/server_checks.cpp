@@ -176,6 +176,9 @@ class ServerExamination {
         options_.channel.token_file.empty() && options_.channel.tls_cert.empty();
     if (granted.empty()) {
       Add("rights", kFailed, "the caller may do nothing", "have the role of its token changed");
+    } else if (!options_.map.empty() && !rights_.Grants("localize")) {
+      Add("rights", kFailed, may + "; it may not localize",
+          "vehicles need the role vehicle: `dcloc-server token create --role vehicle`");
     } else if (is_anybody && rights_.Grants("manage_maps")) {
       Add("rights", kWarning, absl::StrCat(may, "; so may all who reach the server"),
           "make tokens (`dcloc-server token create`): from the first one on, callers need one");

@@ -1,5 +1,7 @@
-// One scan to a server, its pose back: example HOST:PORT MAP
+// A scan to a server, then the pose 100 times a second: example HOST:PORT MAP
+#include <chrono>
 #include <iostream>
+#include <thread>
 
 #include "client/sdk/channel.h"
 #include "client/sdk/session.h"
@@ -22,6 +24,21 @@ int main(int argc, char** argv) {
   scan.set_radar_id("front");
   scan.set_stamp_ns(1'700'000'000'000'000'000);
   if (const auto sent = (*session)->Send(scan); !sent.ok()) return std::cerr << sent << "\n", 1;
+  if (const auto answer = (*session)->Next()) std::cout << answer->DebugString();
+
+  dcloc::v1::EgoVelocity velocity;
+  velocity.mutable_linear_mps()->set_x(20.0);
+  velocity.mutable_angular_radps();
+  std::int64_t now_ns = scan.stamp_ns();
+  for (int i = 0; i < 10; ++i, now_ns += 10'000'000) {
+    (*session)->AddEgoVelocity(now_ns, velocity).IgnoreError();  // as wheels and gyroscope say
+    if (const auto pose = (*session)->SmoothPoseAt(now_ns); pose.ok()) {
+      std::cout << "x " << pose->T_map_vehicle.translation_m[0] << "\n";
+    } else {
+      std::cout << "no pose yet: " << pose.status().message() << "\n";
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   (*session)->CloseSending();
   while (const auto answer = (*session)->Next()) std::cout << answer->DebugString();
   return (*session)->EndStatus().ok() ? 0 : 1;

@@ -5,10 +5,8 @@ Usage: python_test.py DCLOC SERVER [unittest arguments]; exit status 77 where gR
 is not there.
 """
 
-import importlib.util
 import os
 import pathlib
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -18,36 +16,10 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent.parent
 sys.path.append(str(ROOT / "tests/end_to_end"))
-PROGRAMS = []
 
+from package import build_wheel, install, start_or_skip  # noqa: E402
 
-SYSTEM_PYTHON = pathlib.Path("/usr/bin/python3")
-
-
-def missing_modules():
-    missing = []
-    for module in ("grpc", "google.protobuf", "pip", "setuptools"):
-        try:
-            found = importlib.util.find_spec(module)
-        except ModuleNotFoundError:
-            found = None
-        if found is None:
-            missing.append(module)
-    return missing
-
-
-def install(target):
-    """Out of a copy: pip would leave what it makes in the tree."""
-    with tempfile.TemporaryDirectory() as folder:
-        copy = pathlib.Path(folder)
-        for part in ("client/python", "proto"):
-            shutil.copytree(ROOT / part, copy / part)
-        made = subprocess.run(
-            [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index",
-             "--no-build-isolation", "--target", target, copy / "client/python"],
-            text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, timeout=120)
-    if made.returncode != 0:
-        raise AssertionError(f"pip install failed: {made.stdout}")
+PROGRAMS = [None, None]
 
 
 class Package(unittest.TestCase):
@@ -57,7 +29,7 @@ class Package(unittest.TestCase):
         folder = cls.enterClassContext(tempfile.TemporaryDirectory())
         cls.folder = pathlib.Path(folder)
         cls.site = cls.folder / "site"
-        install(cls.site)
+        install(build_wheel(cls.folder), cls.site)
         sys.path.insert(0, str(cls.site))
         programs = Programs(*PROGRAMS)
         programs.succeed("simulate", "--out", cls.folder / "sim", "--length-m", "100")
@@ -230,12 +202,4 @@ class Token(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    PROGRAMS[:] = map(os.path.abspath, sys.argv[1:3])
-    missing = missing_modules()
-    if missing and pathlib.Path(sys.executable).resolve() != SYSTEM_PYTHON.resolve():
-        # Debian's packages are for Debian's Python, whichever comes first in PATH.
-        os.execv(SYSTEM_PYTHON, [SYSTEM_PYTHON, "-B", *sys.argv])
-    if missing:
-        print(f"skipped: needs Python's {', '.join(missing)}")
-        sys.exit(77)
-    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+    start_or_skip(PROGRAMS)

@@ -9,10 +9,4 @@ namespace dcloc::cli {
 /// `app`, a program of that version. The program returns `exit_code`.
 void AddDescribeCommands(CLI::App& app, const std::string& version, int& exit_code);
 
-/// A bash script that completes the commands and options of `app`.
-std::string BashCompletion(const CLI::App& app);
-
-/// The manual page of `app` (section 1, troff).
-std::string ManualPage(const CLI::App& app, const std::string& version);
-
 }  // namespace dcloc::cli
