@@ -90,6 +90,12 @@ class Campaign {
     truth_ = town.live.scans;
     if (absl::Status status = site_.Start(town.map); !status.ok()) return status;
     client::SessionOptions options{.when_full = client::FullQueue::kBlock};
+    options.on_event = [this](const client::SessionEvent& event) {
+      const std::lock_guard lock(mutex_);
+      if (event.kind == client::SessionEvent::Kind::kDisconnected) {
+        stream_ends_.push_back(Clock::now());
+      }
+    };
     auto session = client::Session::Open(site_.Channel(), town.Open(), options);
     if (!session.ok()) return session.status();
     if (absl::Status status = Drive(**session); !status.ok()) return status;
@@ -176,31 +182,27 @@ class Campaign {
     return absl::OkStatus();
   }
 
-  /// The first answer of the server that goes on: after the longest wait. What the vehicle had been
-  /// answered before the kill may still have been on its way.
-  std::size_t FirstAfter(Clock::time_point kill) const {
-    std::size_t first = told_.size() - 1;
-    Clock::duration longest(0);
-    for (std::size_t i = told_.size() - 1; i > 0; --i) {
-      if (told_[i].time <= kill) break;
-      if (told_[i].time > kill + 2 * kMaxGap) continue;
-      const Clock::duration wait = told_[i].time - told_[i - 1].time;
-      if (wait < longest) continue;
-      longest = wait;
-      first = i;
-    }
-    return first;
+  /// The first answer of the server that goes on: it comes after the other's stream has ended.
+  std::size_t FirstAfter(Clock::time_point stream_end) const {
+    const auto first = std::ranges::find_if(
+        told_, [stream_end](const Told& told) { return told.time > stream_end; });
+    return static_cast<std::size_t>(first - told_.begin());
   }
 
   /// Against the truth, so that the vehicle's own motion is no jump.
   absl::Status Judge() {
-    for (const Clock::time_point kill : kills_) {
-      const std::size_t index = FirstAfter(kill);
+    if (stream_ends_.size() != kills_.size()) {
+      return absl::InternalError(
+          absl::StrFormat("%d streams ended by %d kills", stream_ends_.size(), kills_.size()));
+    }
+    for (std::size_t i = 0; i < kills_.size(); ++i) {
+      const std::size_t index = FirstAfter(stream_ends_[i]);
+      if (index == 0 || index == told_.size()) return absl::InternalError("no answer came");
       const Told& next = told_[index];
       Outcome& outcome = outcomes_.emplace_back();
-      outcome.gap_s = std::chrono::duration<double>(next.time - kill).count();
-      for (std::size_t i = index; i < told_.size(); ++i) {
-        if (told_[i].result.state() == v1::LOCALIZATION_STATE_TRACKING) break;
+      outcome.gap_s = std::chrono::duration<double>(next.time - kills_[i]).count();
+      for (std::size_t k = index; k < told_.size(); ++k) {
+        if (told_[k].result.state() == v1::LOCALIZATION_STATE_TRACKING) break;
         ++outcome.scans_until_tracking;
       }
       const v1::LocalizationResult& before = told_[index - 1].result;
@@ -232,6 +234,7 @@ class Campaign {
   std::mutex mutex_;
   std::vector<Told> told_;
   std::vector<Clock::time_point> kills_;
+  std::vector<Clock::time_point> stream_ends_;
   std::vector<Outcome> outcomes_;
   client::SessionStats stats_;
 };
