@@ -295,8 +295,11 @@ void Vehicle::OnEnd(const grpc::Status& status) {
 void Vehicle::AfterEnd() {
   connection_.reset();
   const bool as_planned = end_status_->ok() && close_sent_ && outbox_.empty();
-  const bool is_gone = end_status_->error_code() == grpc::StatusCode::NOT_FOUND &&
-                       !resume_token_.empty() && !opened_;
+  const grpc::StatusCode code = end_status_->error_code();
+  // A proxy may answer with a reset in place of NOT_FOUND.
+  const bool is_refused =
+      code == grpc::StatusCode::NOT_FOUND || (code == grpc::StatusCode::CANCELLED && !cancelled_);
+  const bool is_gone = is_refused && !resume_token_.empty() && !opened_;
   if (!as_planned && !is_gone && !cutting_ && !mending_ && !cancelled_)
     fleet_.recorder.AddBroken(TextOf(*end_status_));
   if (as_planned || cancelled_) {

@@ -300,7 +300,8 @@ std::optional<absl::Status> SessionEngine::Judge(const absl::Status& status) {
   if (sending_closed_ && outbox_.empty()) return absl::OkStatus();
   const bool resuming = !resume_token_.empty() && !opened_;
   const bool can_return = options_.reconnect && !first_opened_->resume_token().empty();
-  if (resuming && absl::IsNotFound(status)) {
+  // HAProxy 2.6 loses a refusal that a reset follows, and hands on the reset. It was not us.
+  if (resuming && (absl::IsNotFound(status) || absl::IsCancelled(status))) {
     restart_reason_ = status;
     resume_token_.clear();
   } else if (!can_return || !MayPass(status, opened_.has_value())) {

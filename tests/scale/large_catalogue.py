@@ -42,7 +42,7 @@ class Server:
         self.program = Program("dcloc-server", [
             program, "--catalogue", database.address, *files.flags, "--data", folder / "data",
             "--listen", f"{LOOPBACK}:{port}", "--metrics-listen", f"{LOOPBACK}:{metrics_port}",
-            "--scrub-mb-per-s", 0], folder / "server.log")
+            "--scrub-mb-per-s", 0, "--database-timeout-ms", 60000], folder / "server.log")
         wait_until(lambda: not self.program.alive() or http(metrics_port, "/ready")[0] == 200, 600,
                    "the server")
         if not self.program.alive():

@@ -309,7 +309,7 @@ TEST(LoadAgainstABadServerTest, TimeWithoutAnAnswerCountsToTheEnd) {
     return VehicleLink{server.Channel(), {}};
   });
   ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_GE(result->record.gap.max_ms(), 1900.0) << "from the beginning of the measured time";
+  EXPECT_GE(result->record.gap.max_ms(), 500.0) << "no later answer ends it";
 }
 
 }  // namespace
