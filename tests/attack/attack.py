@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Attacks a server from outside over real sockets, while vehicles drive and /ready is asked.
+"""Attacks a server over real sockets and spoils its machine, while vehicles drive and /ready is asked.
 
 Usage: attack.py DCLOC DCLOC_SERVER [--only NAME[,NAME...]] [--seed N] [--seconds S] [--list]
 """
@@ -14,6 +14,7 @@ import tempfile
 import time
 
 from attacks import ATTACKS, Case
+from faults import FAULTS
 from target import Api, make_stubs
 
 
@@ -47,7 +48,7 @@ def main():
     parser.add_argument("--seconds", type=float, default=3.0, help="how long each one lasts")
     parser.add_argument("--list", action="store_true", help="only print their names")
     arguments = parser.parse_args()
-    chosen = [attack for attack in ATTACKS
+    chosen = [attack for attack in ATTACKS + FAULTS
               if not arguments.only or attack.__name__ in arguments.only.split(",")]
     if arguments.list:
         print("\n".join(f"{attack.__name__:28} {attack.__doc__.splitlines()[0]}" for attack in chosen))
