@@ -7,24 +7,19 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <memory>
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "absl/types/span.h"
+#include "server/net/health_question.h"
 
 namespace dcloc::server {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// HTTP/2's connection preface, and an empty SETTINGS frame behind it.
-constexpr absl::string_view kPreface("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\x04\0\0\0\0\0",
-                                     24 + 9);
-constexpr std::size_t kFrameHeaderSize = 9;
-constexpr char kSettingsFrame = 4;
 
 /// A socket with a deadline; closed at its end.
 class Socket {
@@ -66,47 +61,111 @@ class Socket {
   const Clock::time_point deadline_;
 };
 
+absl::Status Closed() { return absl::UnavailableError("the server closed the connection"); }
+
+class PlaintextBytes : public ProbeBytes {
+ public:
+  explicit PlaintextBytes(const Socket& connection) : connection_(connection) {}
+
+  absl::Status Write(absl::string_view bytes) override {
+    // A new connection takes so little at once.
+    const ssize_t sent = send(connection_.fd(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    return sent == static_cast<ssize_t>(bytes.size())
+               ? absl::OkStatus()
+               : absl::UnavailableError("the connection takes nothing");
+  }
+
+  absl::Status Read(absl::Span<char> bytes) override {
+    while (!bytes.empty()) {
+      if (absl::Status status = connection_.Wait(POLLIN); !status.ok()) return status;
+      const ssize_t got = recv(connection_.fd(), bytes.data(), bytes.size(), 0);
+      if (got <= 0) return Closed();
+      bytes.remove_prefix(static_cast<std::size_t>(got));
+    }
+    return absl::OkStatus();
+  }
+
+ private:
+  const Socket& connection_;
+};
+
+class TlsBytes : public ProbeBytes {
+ public:
+  explicit TlsBytes(const Socket& connection)
+      : connection_(connection),
+        context_(SSL_CTX_new(TLS_client_method()), &SSL_CTX_free),
+        ssl_(SSL_new(context_.get()), &SSL_free) {
+    // Whose certificate it is does not matter: nothing that counts is said over it.
+    SSL_set_verify(ssl_.get(), SSL_VERIFY_NONE, nullptr);
+    static constexpr unsigned char kHttp2[] = {2, 'h', '2'};
+    SSL_set_alpn_protos(ssl_.get(), kHttp2, sizeof(kHttp2));
+    SSL_set_fd(ssl_.get(), connection.fd());
+  }
+
+  absl::Status Handshake() {
+    return Repeat([this] { return SSL_connect(ssl_.get()); });
+  }
+
+  absl::Status Write(absl::string_view bytes) override {
+    return Repeat(
+        [&] { return SSL_write(ssl_.get(), bytes.data(), static_cast<int>(bytes.size())); });
+  }
+
+  absl::Status Read(absl::Span<char> bytes) override {
+    while (!bytes.empty()) {
+      int got = 0;
+      absl::Status status = Repeat(
+          [&] { return got = SSL_read(ssl_.get(), bytes.data(), static_cast<int>(bytes.size())); });
+      if (!status.ok()) return status;
+      bytes.remove_prefix(static_cast<std::size_t>(got));
+    }
+    return absl::OkStatus();
+  }
+
+  /// Whether the server has refused us by TLS's own means, as one does that wants a certificate.
+  bool refused() const { return refused_; }
+
+ private:
+  template <typename Step>
+  absl::Status Repeat(Step step) {
+    while (true) {
+      ERR_clear_error();
+      const int result = step();
+      if (result > 0) return absl::OkStatus();
+      const int error = SSL_get_error(ssl_.get(), result);
+      absl::Status status;
+      if (error == SSL_ERROR_WANT_READ) {
+        status = connection_.Wait(POLLIN);
+      } else if (error == SSL_ERROR_WANT_WRITE) {
+        status = connection_.Wait(POLLOUT);
+      } else {
+        ERR_clear_error();
+        refused_ = error == SSL_ERROR_SSL;
+        status = Closed();
+      }
+      if (!status.ok()) return status;
+    }
+  }
+
+  const Socket& connection_;
+  const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context_;
+  const std::unique_ptr<SSL, decltype(&SSL_free)> ssl_;
+  bool refused_ = false;
+};
+
 absl::Status ProbePlaintext(const Socket& connection) {
-  if (send(connection.fd(), kPreface.data(), kPreface.size(), MSG_NOSIGNAL) !=
-      static_cast<ssize_t>(kPreface.size())) {
-    return absl::UnavailableError("the connection takes nothing");
-  }
-  std::array<char, kFrameHeaderSize> frame{};
-  for (std::size_t size = 0; size < frame.size();) {
-    if (absl::Status status = connection.Wait(POLLIN); !status.ok()) return status;
-    const ssize_t got = recv(connection.fd(), frame.data() + size, frame.size() - size, 0);
-    if (got <= 0) return absl::UnavailableError("the server closed the connection");
-    size += static_cast<std::size_t>(got);
-  }
-  // The type, behind three bytes of length.
-  return frame[3] == kSettingsFrame ? absl::OkStatus()
-                                    : absl::UnavailableError("the server speaks, but not HTTP/2");
+  PlaintextBytes bytes(connection);
+  return AskHealth(bytes);
 }
 
 absl::Status ProbeTls(const Socket& connection) {
-  ERR_clear_error();
-  const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_client_method()),
-                                                                  &SSL_CTX_free);
-  const std::unique_ptr<SSL, decltype(&SSL_free)> ssl(SSL_new(context.get()), &SSL_free);
-  // Whose certificate it is does not matter: nothing is said over it.
-  SSL_set_verify(ssl.get(), SSL_VERIFY_NONE, nullptr);
-  SSL_set_fd(ssl.get(), connection.fd());
-  while (true) {
-    const int result = SSL_connect(ssl.get());
-    const int error = SSL_get_error(ssl.get(), result);
-    absl::Status status;
-    if (error == SSL_ERROR_WANT_READ) {
-      status = connection.Wait(POLLIN);
-    } else if (error == SSL_ERROR_WANT_WRITE) {
-      status = connection.Wait(POLLOUT);
-    } else {
-      ERR_clear_error();
-      // Also a server that wants a certificate has answered.
-      if (result == 1 || error == SSL_ERROR_SSL) return absl::OkStatus();
-      return absl::UnavailableError("the server closed the connection");
-    }
-    if (!status.ok()) return status;
-  }
+  TlsBytes bytes(connection);
+  absl::Status status = bytes.Handshake();
+  if (bytes.refused()) return absl::OkStatus();
+  if (!status.ok()) return status;
+  status = AskHealth(bytes);
+  // A server that wants a certificate may end the connection behind the handshake.
+  return absl::IsDeadlineExceeded(status) ? status : absl::OkStatus();
 }
 
 std::string ReachableHost(const ListenAddress& address) {

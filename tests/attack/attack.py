@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Attacks a server from outside over real sockets, while vehicles drive and /ready is asked.
+"""Attacks a server over real sockets and spoils its machine, while vehicles drive and /ready is asked.
 
 Usage: attack.py DCLOC DCLOC_SERVER [--only NAME[,NAME...]] [--seed N] [--seconds S] [--list] [--router]
 With --router HAProxy of deploy/haproxy.cfg stands in front, and attacks come from another address than
@@ -33,6 +33,7 @@ if __name__ == "__main__" and "--router" in sys.argv and "DCLOC_ATTACK_CA" not i
     sys.exit(through_router())  # before what is imported here reads it
 
 from attacks import ATTACKS, Case  # noqa: E402
+from faults import FAULTS  # noqa: E402
 from router_attacks import ROUTER_ATTACKS  # noqa: E402
 from target import Api, make_stubs  # noqa: E402
 
@@ -68,7 +69,7 @@ def main():
     parser.add_argument("--router", action="store_true", help="through HAProxy")
     parser.add_argument("--list", action="store_true", help="only print their names")
     arguments = parser.parse_args()
-    chosen = [attack for attack in (ROUTER_ATTACKS if arguments.router else ATTACKS)
+    chosen = [attack for attack in (ROUTER_ATTACKS if arguments.router else ATTACKS + FAULTS)
               if not arguments.only or attack.__name__ in arguments.only.split(",")]
     if arguments.list:
         print("\n".join(f"{attack.__name__:28} {attack.__doc__.splitlines()[0]}" for attack in chosen))

@@ -58,11 +58,11 @@ class Case:
             return self.api.map_service_grpc.MapServiceStub(channel).UploadMap(
                 requests(), metadata=target.call_metadata()).version.version
 
-    def state(self, target):
+    def state(self, target, timeout_s=10):
         with target.channel() as channel:
             return self.api.admin_service_grpc.AdminServiceStub(channel).GetServerState(
                 self.api.admin_service.GetServerStateRequest(), metadata=target.call_metadata(),
-                timeout=10)
+                timeout=timeout_s)
 
     def expect(self, holds, fault):
         if not holds:

@@ -45,7 +45,8 @@ class Api:
 class Target:
     """A server on a store of its own, at free ports; killed at the end of the `with`."""
 
-    def __init__(self, program, folder, town, *flags, identities=True):
+    def __init__(self, program, folder, town, *flags, identities=True, environment=None,
+                 stub=True):
         self.folder = pathlib.Path(tempfile.mkdtemp(dir=folder))
         self.program = program
         self.store = self.folder / "store"
@@ -53,18 +54,30 @@ class Target:
         self.token = self._token("admin", "ops") if identities else None
         self.vehicle_token = self._token("operator", "fleet") if identities else None
         self.log = open(self.folder / "log", "w+", encoding="utf-8")
+        self.flags = [*(["--stub-matcher"] if stub else []), *flags]
+        self.environment = {**os.environ, **(environment or {})}
+        self._start()
+
+    def _start(self):
         self.process = subprocess.Popen(
-            [program, "--data", self.store, "--listen", "127.0.0.1:0", "--stub-matcher",
-             "--metrics-listen", "127.0.0.1:0", "--log-format", "json", *map(str, flags)],
-            text=True, stdout=subprocess.PIPE, stderr=self.log)
+            [self.program, "--data", self.store, "--listen", "127.0.0.1:0",
+             "--metrics-listen", "127.0.0.1:0", "--log-format", "json", *map(str, self.flags)],
+            text=True, stdout=subprocess.PIPE, stderr=self.log, env=self.environment)
         line = self.process.stdout.readline()
         if not line.startswith("listening on "):
             raise AssertionError(f"no server: {self.log_text()}")
         self.address = line.removeprefix("listening on ").strip()
-        self.metrics = re.search(r'metrics served","address":"([^"]+)"', self.log_text()).group(1)
+        self.metrics = re.findall(r'metrics served","address":"([^"]+)"', self.log_text())[-1]
         self.router = Router(self.folder, self.address, self.metrics) if frames.ROUTER_CA else None
         if self.router:
             self.address = self.router.address
+
+    def restart(self):
+        """Kills it, and starts it again on the same store, at other ports."""
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+        self._start()
 
     def _token(self, role, name):
         self.store.mkdir(exist_ok=True)
@@ -157,12 +170,13 @@ class Router:
 
 
 class Vehicles:
-    """Vehicles in a process of their own: what they see from the beginning to `result`."""
+    """Vehicles in a process of their own: what they see from the beginning to `result`. Each begins
+    a new session, on a new connection, every `session_s`."""
 
-    def __init__(self, target, stubs, count=5, rate_hz=10.0):
+    def __init__(self, target, stubs, count=5, rate_hz=10.0, session_s=2.0):
         self.process = subprocess.Popen(
             [sys.executable, HERE / "vehicles.py", stubs, target.address,
-             target.vehicle_token or "-", str(count), str(rate_hz)],
+             target.vehicle_token or "-", str(count), str(rate_hz), str(session_s)],
             text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         self.process.stdout.readline()  # they drive
 

@@ -1,6 +1,6 @@
 """Vehicles that localize until they are told to stop.
 
-Usage: vehicles.py STUBS ADDRESS TOKEN|- COUNT RATE_HZ
+Usage: vehicles.py STUBS ADDRESS TOKEN|- COUNT RATE_HZ SESSION_S
 """
 
 import json
@@ -15,7 +15,7 @@ import grpc
 from frames import ROUTER_CA
 from target import Api
 
-STUBS, ADDRESS, TOKEN, COUNT, RATE_HZ = sys.argv[1:6]
+STUBS, ADDRESS, TOKEN, COUNT, RATE_HZ, SESSION_S = sys.argv[1:7]
 API = Api(STUBS)
 MESSAGES = API.localization_service
 
@@ -59,7 +59,7 @@ def channel_to(address, options):
 
 
 class Vehicle(threading.Thread):
-    """One session at a time; a new one, on a new connection, every 2 s."""
+    """One session at a time; a new one, on a new connection, every SESSION_S."""
 
     def __init__(self, number, stop):
         super().__init__(daemon=True)
@@ -83,13 +83,13 @@ class Vehicle(threading.Thread):
         outgoing = queue.Queue()
         metadata = [] if TOKEN == "-" else [("authorization", f"Bearer {TOKEN}")]
         answers = API.localization_service_grpc.LocalizationServiceStub(channel).Localize(
-            iter(outgoing.get, None), metadata=metadata, timeout=60)
+            iter(outgoing.get, None), metadata=metadata, timeout=60 + float(SESSION_S))
         begin = time.monotonic()
         outgoing.put(opening(self.vehicle_id))
         next(answers)
         self.openings_ms.append(1e3 * (time.monotonic() - begin))
         number = 0
-        while not self.stop.is_set() and number < 2.0 * float(RATE_HZ):
+        while not self.stop.is_set() and number < float(SESSION_S) * float(RATE_HZ):
             due = time.monotonic()
             outgoing.put(scan(number))
             next(answers)

@@ -87,10 +87,9 @@ TEST(ConvertAnswerTest, CarriesStateQualityAndObservedDegreesOfFreedom) {
 
 TEST(ConvertAnswerTest, CarriesTheHealthOfEachSourceByItsName) {
   const Rig rig = FrontRig();
-  Health health{.wheel_speed = {.is_used = false, .fault = SourceFault::kScale},
-                .yaw_rate = {.is_used = true, .fault = SourceFault::kNone},
-                .radars = {}};
-  health.radars.push_back({.is_used = false, .fault = SourceFault::kMount});
+  const Health health{.wheel_speed = {.is_used = false, .fault = SourceFault::kScale},
+                      .yaw_rate = {.is_used = true, .fault = SourceFault::kNone},
+                      .radars = {{.is_used = false, .fault = SourceFault::kMount}}};
   v1::Health message;
   for (int i = 0; i < 3; ++i) message.add_radars()->set_radar_id("before");
   convert::ToProto(health, rig, &message);
