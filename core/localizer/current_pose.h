@@ -22,7 +22,7 @@ class CurrentPose {
   void OnGap();
 
   /// What follows is not compared with what was before.
-  void OnJump() { noise_scales_.OnJump(); }
+  void OnBreak() { noise_scales_.OnBreak(); }
 
   /// What was learned of the noise was learned of something else.
   void ForgetNoise() { noise_scales_ = NoiseScaleEstimator<Dim>(noise_options_); }

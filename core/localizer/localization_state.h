@@ -4,7 +4,8 @@ namespace dcloc {
 
 /// What an answer claims of its pose. `TrackingStateMachine` decides.
 enum class LocalizationState {
-  kInitializing,  ///< no pose in the map has been confirmed yet
+  kInitializing,  ///< no pose in the map is confirmed: at the start, or after a search found a
+                  ///< place
   /// The last registrations agree with the estimate, and it is certain enough.
   kTracking,
   /// Held by ego-motion from a pose that was confirmed: the last registrations were not accepted,

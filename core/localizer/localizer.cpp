@@ -10,7 +10,7 @@
 #include "core/localizer/recent_answers.h"
 #include "core/localizer/stamp_monitor.h"
 #include "core/localizer/time_base.h"
-#include "core/odometry/seconds.h"
+#include "core/radar/stamp.h"
 #include "core/registration/gicp_registration.h"
 
 namespace dcloc {

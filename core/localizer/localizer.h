@@ -31,8 +31,10 @@ struct LocalizationQuality {
   double overlap = 0.0;         ///< matched share of the live points, [0, 1]
   double residual_scale = 0.0;  ///< root mean square of the whitened residuals; 1 is as modelled
   double edge_distance = 0.0;   ///< squared Mahalanobis distance to the prediction (METHOD eq 19)
-  bool edge_valid = false;      ///< its absolute pose factor passed the gate
-  BetaCheck beta;               ///< of the scan's radar
+  /// Its absolute pose factor passed the gate, began the pose graph anew, or made the alternative
+  /// chain the accepted one.
+  bool edge_valid = false;
+  BetaCheck beta;  ///< of the scan's radar
 };
 
 /// The answer to one scan.

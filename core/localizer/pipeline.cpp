@@ -303,8 +303,8 @@ template <int Dim>
 void Pipeline<Dim>::UpdateOdometry(const std::optional<Registration<Dim>>& registration,
                                    RegistrationOutcome outcome) {
   if (tracking_.mode() != TrackingMode::kTracking) {
-    ego_motion_.OnJump();
-    pose_.OnJump();
+    ego_motion_.OnBreak();
+    pose_.OnBreak();
   }
   if (!registration) return;
   const PoseEstimate<3> T_local_vehicle =

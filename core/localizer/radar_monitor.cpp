@@ -6,13 +6,7 @@
 #include "core/radar/radar_model.h"
 
 namespace dcloc {
-namespace {
-
-double WatchedSecondsOf(std::chrono::nanoseconds duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
-}  // namespace
+namespace {}  // namespace
 
 std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOptions& /*options*/) {
   using O = RadarMonitorOptions;
@@ -42,7 +36,7 @@ void RadarMonitor::OnScan(Stamp stamp, std::size_t index, std::size_t target_cou
   }
   if (radar.last && stamp <= *radar.last) return;
   if (radar.last) {
-    const double interval_s = WatchedSecondsOf(stamp - *radar.last);
+    const double interval_s = SecondsOf(stamp - *radar.last);
     if (radar.usual_interval_s == 0.0) radar.usual_interval_s = interval_s;
     Average(std::min(interval_s, options_.max_interval_ratio * radar.usual_interval_s),
             radar.usual_interval_s);
@@ -75,8 +69,8 @@ bool RadarMonitor::FitsTheMap(std::size_t index) const {
 
 bool RadarMonitor::IsSilent(const Watched& radar, Stamp stamp) const {
   if (!radar.last) return true;
-  const double silence_s = WatchedSecondsOf(stamp - *radar.last);
-  return silence_s > WatchedSecondsOf(options_.silent_after) &&
+  const double silence_s = SecondsOf(stamp - *radar.last);
+  return silence_s > SecondsOf(options_.silent_after) &&
          silence_s > options_.silent_intervals * radar.usual_interval_s;
 }
 

@@ -8,8 +8,6 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-double SecondsIn(nanoseconds duration) { return std::chrono::duration<double>(duration).count(); }
-
 nanoseconds NanosecondsIn(double seconds) {
   return std::chrono::round<nanoseconds>(std::chrono::duration<double>(seconds));
 }
@@ -79,7 +77,7 @@ bool StampMonitor::Suspect(Watched& radar, nanoseconds interval) const {
 
 // METHOD eq 50. At first the period is the mean of the intervals.
 void StampMonitor::Follow(Watched& radar, Stamp stamp) const {
-  const double interval_s = SecondsIn(stamp - *radar.last);
+  const double interval_s = SecondsOf(stamp - *radar.last);
   if (radar.interval_count < options_.min_interval_count) {
     ++radar.interval_count;
     radar.period_s += (std::abs(interval_s) - radar.period_s) / radar.interval_count;
@@ -87,8 +85,8 @@ void StampMonitor::Follow(Watched& radar, Stamp stamp) const {
     return;
   }
   const double periods = radar.period_s > 0.0 ? std::round(interval_s / radar.period_s) : 0.0;
-  const double deviation_s = SecondsIn(stamp - radar.phase) - periods * radar.period_s;
-  const double fading = std::exp(-std::abs(interval_s) / SecondsIn(options_.memory));
+  const double deviation_s = SecondsOf(stamp - radar.phase) - periods * radar.period_s;
+  const double fading = std::exp(-std::abs(interval_s) / SecondsOf(options_.memory));
   radar.deviation_s = std::max(fading * radar.deviation_s, std::abs(deviation_s));
   radar.square_s2 = fading * radar.square_s2 + (1.0 - fading) * deviation_s * deviation_s;
   radar.phase = stamp - NanosecondsIn((1.0 - options_.phase_gain) * deviation_s);
@@ -123,7 +121,7 @@ void StampMonitor::Withdraw(std::size_t index) {
 
 StampError StampMonitor::ErrorOf(std::size_t index) const {
   const Watched& radar = radars_[index];
-  const double jitter_s = SecondsIn(options_.usual_jitter);
+  const double jitter_s = SecondsOf(options_.usual_jitter);
   StampError error;
   if (radar.deviation_s > jitter_s) {
     error.bound_s = radar.deviation_s;
@@ -133,7 +131,7 @@ StampError StampMonitor::ErrorOf(std::size_t index) const {
     error.bound_s += shared_.bound_s;
     error.sigma_s = std::hypot(error.sigma_s, shared_.bound_s / std::sqrt(12.0));
   }
-  if (radar.step) error.doubt_s = std::abs(SecondsIn(*radar.step));
+  if (radar.step) error.doubt_s = std::abs(SecondsOf(*radar.step));
   return error;
 }
 

@@ -120,16 +120,17 @@ void TrackingStateMachine::Lose(Stamp stamp) {
 }
 
 void TrackingStateMachine::OnObservability(Stamp stamp, bool is_observed) {
-  const WayObservation before = way_;
-  way_ = Next(way_, is_observed ? WayEvent::kSeen : WayEvent::kUnseen);
-  if (way_ != before) way_changed_ = stamp;
-  const std::chrono::nanoseconds unchanged = stamp - way_changed_;
+  const AlongTrackObservability before = observability_;
+  observability_ =
+      Next(observability_, is_observed ? ObservabilityEvent::kSeen : ObservabilityEvent::kUnseen);
+  if (observability_ != before) observability_changed_ = stamp;
+  const std::chrono::nanoseconds unchanged = stamp - observability_changed_;
   if (!is_observed && unchanged >= options_.max_unobserved) {
-    way_ = Next(way_, WayEvent::kUnseenForLong);
+    observability_ = Next(observability_, ObservabilityEvent::kUnseenForLong);
   }
-  if (way_ == WayObservation::kReturning && unchanged >= options_.min_observed) {
-    way_ = Next(way_, WayEvent::kSeenForLong);
-    verification_ = Next(verification_, VerificationEvent::kWayReturns);
+  if (observability_ == AlongTrackObservability::kReturning && unchanged >= options_.min_observed) {
+    observability_ = Next(observability_, ObservabilityEvent::kSeenForLong);
+    verification_ = Next(verification_, VerificationEvent::kObservedAgain);
     mode_ = Next(mode_, TrackingEvent::kDoubted);
   }
 }
@@ -195,8 +196,8 @@ LocalizationState TrackingStateMachine::Report(double position_sigma_m) const {
     case TrackingMode::kTracking: {
       // However well registrations agree across, a vehicle that does not know where along a tunnel
       // it is does not track.
-      const bool is_unobserved =
-          way_ == WayObservation::kNotObserved || way_ == WayObservation::kReturning;
+      const bool is_unobserved = observability_ == AlongTrackObservability::kNotObserved ||
+                                 observability_ == AlongTrackObservability::kReturning;
       return is_unobserved || position_sigma_m > options_.tracking_sigma_m
                  ? LocalizationState::kDeadReckoning
                  : LocalizationState::kTracking;

@@ -67,7 +67,7 @@ enum class Loss {
 struct TrackingSnapshot {
   TrackingMode mode = TrackingMode::kDeadReckoning;
   Verification verification = Verification::kNotNeeded;
-  WayObservation way = WayObservation::kObserved;
+  AlongTrackObservability way = AlongTrackObservability::kObserved;
   Stamp way_changed{};
   Stamp last_accepted{};
   double usual_interval_s = 0.0;  ///< of registrations; 0: not known
@@ -150,8 +150,8 @@ class TrackingStateMachine {
   TrackingMode mode_ = TrackingMode::kSearching;
   ScanAgreement agreement_ = ScanAgreement::kAgree;
   Verification verification_ = Verification::kNotNeeded;
-  WayObservation way_ = WayObservation::kObserved;
-  Stamp way_changed_{};  // when registrations began to observe the way, or not to
+  AlongTrackObservability observability_ = AlongTrackObservability::kObserved;
+  Stamp observability_changed_{};  // when registrations began to observe the way, or not to
   int accepted_in_a_row_ = 0;
   int refused_in_a_row_ = 0;
   int outliers_in_a_row_ = 0;

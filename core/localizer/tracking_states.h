@@ -5,7 +5,7 @@
 #include "core/localizer/transition.h"
 
 /// The states of TrackingStateMachine, as tables of arrows. The mode is what answers report; the
-/// other three say which evidence is still missing, in any mode. README.md draws them.
+/// other three say which evidence is still missing, in any mode. STATES.md draws them.
 namespace dcloc {
 
 enum class TrackingMode {
@@ -97,37 +97,44 @@ enum class Verification {
   kNeeded,            ///< the vehicle comes from where the way was not observed
 };
 
-enum class VerificationEvent { kFixesInsist, kFixAgrees, kWayReturns, kVerified };
+enum class VerificationEvent { kFixesInsist, kFixAgrees, kObservedAgain, kVerified };
 
 inline constexpr std::array<Transition<Verification, VerificationEvent>, 6>
     kVerificationTransitions = {{
         {Verification::kNotNeeded, VerificationEvent::kFixesInsist,
          Verification::kUnlessFixesAgree},
-        {Verification::kNotNeeded, VerificationEvent::kWayReturns, Verification::kNeeded},
+        {Verification::kNotNeeded, VerificationEvent::kObservedAgain, Verification::kNeeded},
         {Verification::kUnlessFixesAgree, VerificationEvent::kFixAgrees, Verification::kNotNeeded},
-        {Verification::kUnlessFixesAgree, VerificationEvent::kWayReturns, Verification::kNeeded},
+        {Verification::kUnlessFixesAgree, VerificationEvent::kObservedAgain, Verification::kNeeded},
         {Verification::kUnlessFixesAgree, VerificationEvent::kVerified, Verification::kNotNeeded},
         {Verification::kNeeded, VerificationEvent::kVerified, Verification::kNotNeeded},
     }};
 
 /// Whether registrations observe both horizontal directions. Single ones may say either by chance.
-enum class WayObservation {
+enum class AlongTrackObservability {
   kObserved,
   kFading,       ///< not observed, but not yet for `max_unobserved`
   kNotObserved,  ///< as in a smooth tunnel: odometry alone says where along it the vehicle is
   kReturning,    ///< observed again, but not yet for `min_observed`
 };
 
-enum class WayEvent { kSeen, kUnseen, kSeenForLong, kUnseenForLong };
+enum class ObservabilityEvent { kSeen, kUnseen, kSeenForLong, kUnseenForLong };
 
-inline constexpr std::array<Transition<WayObservation, WayEvent>, 6> kWayTransitions = {{
-    {WayObservation::kObserved, WayEvent::kUnseen, WayObservation::kFading},
-    {WayObservation::kFading, WayEvent::kSeen, WayObservation::kObserved},
-    {WayObservation::kFading, WayEvent::kUnseenForLong, WayObservation::kNotObserved},
-    {WayObservation::kNotObserved, WayEvent::kSeen, WayObservation::kReturning},
-    {WayObservation::kReturning, WayEvent::kUnseen, WayObservation::kNotObserved},
-    {WayObservation::kReturning, WayEvent::kSeenForLong, WayObservation::kObserved},
-}};
+inline constexpr std::array<Transition<AlongTrackObservability, ObservabilityEvent>, 6>
+    kObservabilityTransitions = {{
+        {AlongTrackObservability::kObserved, ObservabilityEvent::kUnseen,
+         AlongTrackObservability::kFading},
+        {AlongTrackObservability::kFading, ObservabilityEvent::kSeen,
+         AlongTrackObservability::kObserved},
+        {AlongTrackObservability::kFading, ObservabilityEvent::kUnseenForLong,
+         AlongTrackObservability::kNotObserved},
+        {AlongTrackObservability::kNotObserved, ObservabilityEvent::kSeen,
+         AlongTrackObservability::kReturning},
+        {AlongTrackObservability::kReturning, ObservabilityEvent::kUnseen,
+         AlongTrackObservability::kNotObserved},
+        {AlongTrackObservability::kReturning, ObservabilityEvent::kSeenForLong,
+         AlongTrackObservability::kObserved},
+    }};
 
 /// A state that follows its table.
 inline TrackingMode Next(TrackingMode mode, TrackingEvent event) {
@@ -139,8 +146,8 @@ inline ScanAgreement Next(ScanAgreement agreement, ScanAgreementEvent event) {
 inline Verification Next(Verification verification, VerificationEvent event) {
   return Next(kVerificationTransitions, verification, event);
 }
-inline WayObservation Next(WayObservation way, WayEvent event) {
-  return Next(kWayTransitions, way, event);
+inline AlongTrackObservability Next(AlongTrackObservability way, ObservabilityEvent event) {
+  return Next(kObservabilityTransitions, way, event);
 }
 
 }  // namespace dcloc

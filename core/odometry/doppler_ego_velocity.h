@@ -76,10 +76,10 @@ struct EgoVelocityMemory {
 };
 
 /// Planar ego-velocity (v_x, v_y, yaw rate) from the range rates of one or several scans of the
-/// same moment: RANSAC on pairs of targets, weighted least squares on the inliers, covariance s^2
-/// (H^T H)^-1 (METHOD 2, Kellner 2013). Aliased range rates are unfolded to each hypothesis.
-/// Nothing when too few targets agree or their directions do not determine the motion.
-/// The same scans and `seed` give the same answer, whatever `memory` held.
+/// same moment: RANSAC on pairs of targets, weighted least squares on the inliers, covariance
+/// max(1, s^2) (H^T W H)^-1 and a floor (METHOD eq 22, Kellner 2013). Aliased range rates are
+/// unfolded to each hypothesis. Nothing when too few targets agree or their directions do not
+/// determine the motion. The same scans and `seed` give the same answer, whatever `memory` held.
 std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
                                                       std::uint64_t seed,
                                                       const EgoVelocityOptions& options,

@@ -148,7 +148,7 @@ void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, const EgoVeloc
   } else if (turning && turning_) {
     errors_.OnMotion(Integrate(*turning_, *turning, age, options_.motion).T_from_to, age);
   } else {
-    errors_.OnJump();
+    errors_.OnBreak();
   }
   turning_ = turning;
 }

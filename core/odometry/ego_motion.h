@@ -109,7 +109,7 @@ class EgoMotion {
     errors_.OnPose(T_map_vehicle, covariance);
   }
   /// The pose was lost: the next `OnPose` is not compared with the one before.
-  void OnJump() { errors_.OnJump(); }
+  void OnBreak() { errors_.OnBreak(); }
   /// The next registration is at another place: it is not compared with the one before.
   void OnPlaceChanged() { sources_.OnRegistrationLost(); }
   /// The poses given so far were wrong: scale and yaw-rate bias are learned anew.

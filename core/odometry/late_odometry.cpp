@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/odometry/motion.h"
-#include "core/odometry/seconds.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 std::span<const OptionField<LateOdometryOptions>> FieldsOf(const LateOdometryOptions& /*options*/) {

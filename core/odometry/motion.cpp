@@ -7,10 +7,6 @@
 namespace dcloc {
 namespace {
 
-double Seconds(std::chrono::nanoseconds duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 // The velocity may have risen above the line from the one end to the other and come back: a
 // triangle of a / 2 half-way is an eighth of a dt^2 of way. A turn that went so has led aside by
 // half of it, give or take, as it came early or late.
@@ -20,7 +16,9 @@ Matrix6d BetweenTheEnds(double way_m, double duration_s, const MotionOptions& op
   Vector6d turn = Vector6d::Zero();
   turn(5) = options.yaw_acceleration_sigma_radps2 * eighth_s2;
   turn(1) = 0.5 * way_m * turn(5);
-  const double aside_m = 0.29 * way_m * turn(5);
+  // The deviation of a share that is equally likely anywhere in [0, 1]: 1 / sqrt(12).
+  constexpr double kUniformSigma = 0.289;
+  const double aside_m = kUniformSigma * way_m * turn(5);
   Matrix6d covariance = turn * turn.transpose();
   covariance(0, 0) += ahead_m * ahead_m;
   covariance(1, 1) += aside_m * aside_m;
@@ -64,13 +62,13 @@ EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, double scale_sigma,
 
 Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,  // METHOD eq 8, 23
                  std::chrono::nanoseconds duration, const MotionOptions& options) {
-  const double duration_s = Seconds(duration);
+  const double duration_s = SecondsOf(duration);
   Vector6d twist;
   twist << 0.5 * (begin.linear_mps + end.linear_mps),
       0.5 * (begin.angular_radps + end.angular_radps);
   const Matrix6d twist_covariance = 0.5 * (*begin.covariance + *end.covariance);
   return {.T_from_to = Exp(Vector6d(twist * duration_s)),
-          .covariance = twist_covariance * (duration_s * Seconds(options.correlation_time)) +
+          .covariance = twist_covariance * (duration_s * SecondsOf(options.correlation_time)) +
                         BetweenTheEnds(twist.x() * duration_s, duration_s, options)};
 }
 

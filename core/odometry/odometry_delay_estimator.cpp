@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/odometry/seconds.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 namespace {

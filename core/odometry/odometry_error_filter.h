@@ -7,7 +7,7 @@
 
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
-#include "core/odometry/page_test.h"
+#include "core/odometry/cusum_detector.h"
 #include "core/options/option_fields.h"
 
 namespace dcloc {
@@ -40,7 +40,7 @@ struct OdometryErrorFilterOptions {
   double innovation_prior_count = 3.0;
   double usual_squared_sigmas = 3.0;
   /// When the bias is said to have changed at once, and not to have drifted.
-  PageTestOptions change;
+  CusumOptions change;
   /// What is further off is no error of a zero, and is not corrected.
   double max_yaw_rate_bias_radps = 0.15;
   /// Poses further apart are not compared.
@@ -87,7 +87,7 @@ class OdometryErrorFilter {
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance);
 
   /// The pose was lost: the next one starts the filter's pose again.
-  void OnJump() {
+  void OnBreak() {
     T_map_vehicle_.reset();
     last_pose_.reset();
   }
@@ -124,7 +124,7 @@ class OdometryErrorFilter {
     std::chrono::nanoseconds duration{0};
   };
   std::optional<LastPose> last_pose_;
-  PageTest bias_change_;
+  CusumDetector bias_change_;
 };
 
 }  // namespace dcloc

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/odometry/seconds.h"
+#include "core/radar/stamp.h"
 
 namespace dcloc {
 namespace {

@@ -40,6 +40,8 @@ struct Registration {
   TangentMatrix<Dim> covariance;
   /// H, the weighted sum of G^T W G (METHOD eq 13), in the same tangent space.
   TangentMatrix<Dim> information = TangentMatrix<Dim>::Zero();
+  /// Told, and no gate: what did not converge within the iterations has few inliers or large
+  /// residuals.
   bool converged = false;
   int iterations = 0;
   int inlier_count = 0;         ///< points with a correspondence inside of the gates

@@ -34,10 +34,10 @@ void GlobalLocalizer<Dim>::OnMotion(const Motion& motion) {
   if (HorizontalSigma(covariance) > options_.max_view_sigma_m ||
       std::sqrt(covariance(5, 5)) > options_.max_view_sigma_rad) {
     const int view_count = view_count_;
-    const int searches_in_vain = searches_in_vain_;
+    const int failed_search_count = failed_search_count_;
     Clear();
     view_count_ = view_count;  // the search for it goes on
-    searches_in_vain_ = searches_in_vain;
+    failed_search_count_ = failed_search_count;
   }
 }
 
@@ -143,7 +143,7 @@ void GlobalLocalizer<Dim>::DoNextPiece(RegistrationWorkspace<Dim>& workspace) {
       if (FillNextFit(workspace)) break;
       KeepBestCandidates();
       winner_ = Winner();
-      if (IsInVain()) ++searches_in_vain_;
+      if (IsInVain()) ++failed_search_count_;
       phase_ = Phase::kIdle;
       break;
     case Phase::kIdle:

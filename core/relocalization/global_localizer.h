@@ -67,7 +67,7 @@ class GlobalLocalizer {
   std::optional<Place> Continue(RegistrationWorkspace<Dim>& workspace);
 
   /// How often, since all was forgotten, no place has been found that fits what is seen.
-  int searches_in_vain() const { return searches_in_vain_; }
+  int failed_search_count() const { return failed_search_count_; }
 
   /// There is work on a view left.
   bool working() const { return phase_ != Phase::kIdle; }
@@ -145,7 +145,7 @@ class GlobalLocalizer {
   std::vector<Candidate> candidates_;    // most likely first once all is done
   std::optional<Supposition> supposed_;  // at the newest view
   std::optional<Place> winner_;          // likewise
-  int searches_in_vain_ = 0;
+  int failed_search_count_ = 0;
   double work_ = 0.0;  // done by this call of Continue
 };
 

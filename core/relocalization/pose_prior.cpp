@@ -55,15 +55,15 @@ bool PosePrior::IsPrediction(const Matrix6d& covariance) const {
          std::sqrt(covariance(5, 5)) <= options_.max_prediction_sigma_rad;
 }
 
-std::optional<SearchRegion> PosePrior::Region(int searches_in_vain) const {
+std::optional<SearchRegion> PosePrior::Region(int failed_search_count) const {
   if (!now_) return std::nullopt;
   double radius_m = options_.region_sigmas * std::hypot(LargestSigma(then_.covariance),
                                                         LargestSigma(since_then_.covariance));
   double max_yaw_offset_rad =
       options_.region_sigmas * std::sqrt(then_.covariance(5, 5) + since_then_.covariance(5, 5));
-  if (searches_in_vain > 0) {
+  if (failed_search_count > 0) {
     radius_m = (radius_m + options_.region_growth_m) *
-               std::pow(options_.region_growth_factor, searches_in_vain);
+               std::pow(options_.region_growth_factor, failed_search_count);
     max_yaw_offset_rad = std::numbers::pi;
   }
   // Written so that a radius that is not a number is no region.

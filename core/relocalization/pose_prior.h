@@ -48,10 +48,10 @@ class PosePrior {
   /// searched.
   bool IsPrediction(const Matrix6d& covariance) const;
 
-  /// The positions and headings to search, after `searches_in_vain` searches without a result. They
-  /// are those of the moment of `Set`; `T_then_now` is the better known motion since then. Nothing
-  /// without a prior, or when the radius exceeds `max_region_radius_m`.
-  std::optional<SearchRegion> Region(int searches_in_vain = 0) const;
+  /// The positions and headings to search, after `failed_search_count` searches without a result.
+  /// They are those of the moment of `Set`; `T_then_now` is the better known motion since then.
+  /// Nothing without a prior, or when the radius exceeds `max_region_radius_m`.
+  std::optional<SearchRegion> Region(int failed_search_count = 0) const;
 
  private:
   PosePriorOptions options_;

@@ -11,7 +11,7 @@ std::optional<typename Relocalizer<Dim>::Place> Relocalizer<Dim>::Search(
   const bool sees_enough = span >= options_.min_view_span && live.size() >= min_point_count;
   if (sees_enough && global_.WantsView(stamp)) {
     // A supposed place is held against those around it.
-    const int growth = global_.searches_in_vain() + (supposed ? 1 : 0);
+    const int growth = global_.failed_search_count() + (supposed ? 1 : 0);
     global_.AddView(stamp, live, prior_.Region(growth), supposed);
   }
   std::optional<Place> place = global_.Continue(workspace);
@@ -22,7 +22,7 @@ std::optional<typename Relocalizer<Dim>::Place> Relocalizer<Dim>::Search(
 template <int Dim>
 void Relocalizer<Dim>::OnFix(const PoseEstimate<3>& T_map_vehicle) {
   const std::optional<PoseEstimate<3>>& prior = prior_.now();
-  if (prior && global_.searches_in_vain() == 0 &&
+  if (prior && global_.failed_search_count() == 0 &&
       HorizontalSigma(prior->covariance) <= HorizontalSigma(T_map_vehicle.covariance)) {
     return;
   }

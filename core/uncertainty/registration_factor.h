@@ -6,7 +6,7 @@
 #include "absl/status/status.h"
 #include "core/options/option_fields.h"
 #include "core/posegraph/pose_graph.h"
-#include "core/registration/gicp.h"
+#include "core/registration/registration_method.h"
 
 namespace dcloc {
 

@@ -24,12 +24,14 @@ constexpr std::array kAgreementEvents = {ScanAgreementEvent::kDoesNotFit, ScanAg
 constexpr std::array kVerifications = {Verification::kNotNeeded, Verification::kUnlessFixesAgree,
                                        Verification::kNeeded};
 constexpr std::array kVerificationEvents = {
-    VerificationEvent::kFixesInsist, VerificationEvent::kFixAgrees, VerificationEvent::kWayReturns,
-    VerificationEvent::kVerified};
-constexpr std::array kWays = {WayObservation::kObserved, WayObservation::kFading,
-                              WayObservation::kNotObserved, WayObservation::kReturning};
-constexpr std::array kWayEvents = {WayEvent::kSeen, WayEvent::kUnseen, WayEvent::kSeenForLong,
-                                   WayEvent::kUnseenForLong};
+    VerificationEvent::kFixesInsist, VerificationEvent::kFixAgrees,
+    VerificationEvent::kObservedAgain, VerificationEvent::kVerified};
+constexpr std::array kWays = {AlongTrackObservability::kObserved, AlongTrackObservability::kFading,
+                              AlongTrackObservability::kNotObserved,
+                              AlongTrackObservability::kReturning};
+constexpr std::array kWayEvents = {ObservabilityEvent::kSeen, ObservabilityEvent::kUnseen,
+                                   ObservabilityEvent::kSeenForLong,
+                                   ObservabilityEvent::kUnseenForLong};
 
 // Each arrow is taken and stands once; every other event leaves every state as it is.
 template <typename Table, typename States, typename Events>
@@ -76,8 +78,8 @@ TEST(TrackingStatesTest, VerificationsFollowTheirTable) {
 }
 
 TEST(TrackingStatesTest, ObservationsOfTheWayFollowTheirTable) {
-  ExpectNothingElseMoves(kWayTransitions, kWays, kWayEvents);
-  ExpectEachIsReachedAndLeft(kWayTransitions, kWays);
+  ExpectNothingElseMoves(kObservabilityTransitions, kWays, kWayEvents);
+  ExpectEachIsReachedAndLeft(kObservabilityTransitions, kWays);
 }
 
 // A pose is claimed only where it was confirmed, agreed or verified.

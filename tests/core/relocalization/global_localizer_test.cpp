@@ -83,7 +83,7 @@ class Seeker {
     return std::nullopt;
   }
 
-  int searches_in_vain() const { return global_localizer_.searches_in_vain(); }
+  int failed_search_count() const { return global_localizer_.failed_search_count(); }
 
   double ErrorOf(const Pose3& found) const {
     return (found.translation_m - T_map_vehicle().translation_m).head<2>().norm();
@@ -228,7 +228,7 @@ TEST(GlobalLocalizerTest, ARegionWhereNothingFitsIsSearchedInVain) {
     seeker.DriveTo(along_m);
     seeker.Search(region);
   }
-  EXPECT_GE(seeker.searches_in_vain(), 1);
+  EXPECT_GE(seeker.failed_search_count(), 1);
 }
 
 TEST(GlobalLocalizerTest, NothingIsFoundInAWrongRegion) {

@@ -13,21 +13,21 @@ namespace dcloc {
 
 /// When a mean is said to have changed (Page 1954): each deviation beyond `drift_sigmas` counts,
 /// up to `max_sigmas`, until `limit_sigmas` are exceeded or the sum falls below 0.
-struct PageTestOptions {
+struct CusumOptions {
   double drift_sigmas = 1.0;
   double max_sigmas = 3.0;
   double limit_sigmas = 4.0;
 };
-std::span<const OptionField<PageTestOptions>> FieldsOf(const PageTestOptions& options);
-absl::Status Validate(const PageTestOptions& options);
+std::span<const OptionField<CusumOptions>> FieldsOf(const CusumOptions& options);
+absl::Status Validate(const CusumOptions& options);
 
 /// Finds that a quantity which is expected to be 0 has changed for good, to either side: sums of
 /// its deviations, none of which counts much alone. Where they vary by more than they say, they
 /// count for less: the spread is told by neighbouring ones, whose difference no change adds to but
 /// once.
-class PageTest {
+class CusumDetector {
  public:
-  explicit PageTest(const PageTestOptions& options) : options_(options) {}
+  explicit CusumDetector(const CusumOptions& options) : options_(options) {}
 
   /// A deviation from 0 that came about over `exposure`, a time or a way. Gives the deviation per
   /// unit of exposure since the change, and its variance, once there is one; the test then begins
@@ -48,7 +48,7 @@ class PageTest {
 
   double SpreadWith(double sigmas);
 
-  PageTestOptions options_;
+  CusumOptions options_;
   static constexpr std::size_t kDifferences = 5;
   std::array<double, kDifferences> differences_{};  // of neighbouring deviations, in sigmas
   std::size_t difference_count_ = 0;                // ever

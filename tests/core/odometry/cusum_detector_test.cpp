@@ -1,4 +1,4 @@
-#include "core/odometry/page_test.h"
+#include "core/odometry/cusum_detector.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kPageVariance = 0.01 * 0.01;
 
-TEST(PageTestTest, ChanceIsNoChange) {
-  PageTest test({});
+TEST(CusumDetectorTest, ChanceIsNoChange) {
+  CusumDetector test({});
   std::mt19937 random(4);
   std::normal_distribution<double> normal(0.0, 0.01);
   int changes = 0;
@@ -21,9 +21,9 @@ TEST(PageTestTest, ChanceIsNoChange) {
   EXPECT_LE(changes, 1);
 }
 
-TEST(PageTestTest, AChangeIsFoundAndMeasuredToEitherSide) {
+TEST(CusumDetectorTest, AChangeIsFoundAndMeasuredToEitherSide) {
   for (const double rate : {0.03, -0.03}) {
-    PageTest test({});
+    CusumDetector test({});
     for (int i = 0; i < 10; ++i) EXPECT_FALSE(test.OnDeviation({0.0, kPageVariance}, 2.0));
     std::optional<ScalarEstimate> change;
     int count = 0;
@@ -38,22 +38,22 @@ TEST(PageTestTest, AChangeIsFoundAndMeasuredToEitherSide) {
   }
 }
 
-TEST(PageTestTest, ASmallChangeTakesLonger) {
-  PageTest test({});
+TEST(CusumDetectorTest, ASmallChangeTakesLonger) {
+  CusumDetector test({});
   int count = 0;
   while (!test.OnDeviation({0.015, kPageVariance}, 1.0)) ++count;
   EXPECT_GT(count, 6);
   EXPECT_LT(count, 12);
 }
 
-TEST(PageTestTest, OneThatIsFarOffIsNoChange) {
-  PageTest test({});
+TEST(CusumDetectorTest, OneThatIsFarOffIsNoChange) {
+  CusumDetector test({});
   EXPECT_FALSE(test.OnDeviation({1e6, kPageVariance}, 1.0));
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(test.OnDeviation({0.0, kPageVariance}, 1.0));
 }
 
-TEST(PageTestTest, DeviationsThatVaryByMoreThanTheySayAreNoChange) {
-  PageTest test({});
+TEST(CusumDetectorTest, DeviationsThatVaryByMoreThanTheySayAreNoChange) {
+  CusumDetector test({});
   std::mt19937 random(4);
   std::normal_distribution<double> normal(0.0, 0.1);
   int changes = 0;
@@ -66,15 +66,15 @@ TEST(PageTestTest, DeviationsThatVaryByMoreThanTheySayAreNoChange) {
   EXPECT_LE(changes, 20);
 }
 
-TEST(PageTestTest, WhatTookNoTimeSaysNothing) {
-  PageTest test({});
+TEST(CusumDetectorTest, WhatTookNoTimeSaysNothing) {
+  CusumDetector test({});
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(test.OnDeviation({1.0, kPageVariance}, 0.0));
 }
 
-TEST(PageTestTest, ItsOptionsAreBounded) {
-  EXPECT_TRUE(Validate(PageTestOptions{}).ok());
-  EXPECT_FALSE(Validate(PageTestOptions{.max_sigmas = std::nan("")}).ok());
-  EXPECT_FALSE(Validate(PageTestOptions{.limit_sigmas = -1.0}).ok());
+TEST(CusumDetectorTest, ItsOptionsAreBounded) {
+  EXPECT_TRUE(Validate(CusumOptions{}).ok());
+  EXPECT_FALSE(Validate(CusumOptions{.max_sigmas = std::nan("")}).ok());
+  EXPECT_FALSE(Validate(CusumOptions{.limit_sigmas = -1.0}).ok());
 }
 
 }  // namespace

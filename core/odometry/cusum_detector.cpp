@@ -1,12 +1,12 @@
-#include "core/odometry/page_test.h"
+#include "core/odometry/cusum_detector.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace dcloc {
 
-std::span<const OptionField<PageTestOptions>> FieldsOf(const PageTestOptions& /*options*/) {
-  using O = PageTestOptions;
+std::span<const OptionField<CusumOptions>> FieldsOf(const CusumOptions& /*options*/) {
+  using O = CusumOptions;
   static constexpr OptionField<O> kFields[] = {
       {"drift_sigmas", &O::drift_sigmas, 0, 1000, "each deviation counts"},
       {"max_sigmas", &O::max_sigmas, 1e-3, 1e6},
@@ -15,12 +15,12 @@ std::span<const OptionField<PageTestOptions>> FieldsOf(const PageTestOptions& /*
   return kFields;
 }
 
-absl::Status Validate(const PageTestOptions& options) {
+absl::Status Validate(const CusumOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-std::optional<ScalarEstimate> PageTest::OnDeviation(const ScalarEstimate& deviation,
-                                                    double exposure) {
+std::optional<ScalarEstimate> CusumDetector::OnDeviation(const ScalarEstimate& deviation,
+                                                         double exposure) {
   if (exposure <= 0.0) return std::nullopt;
   const double stated = deviation.value / std::sqrt(deviation.variance);
   const double sigmas =
@@ -37,7 +37,7 @@ std::optional<ScalarEstimate> PageTest::OnDeviation(const ScalarEstimate& deviat
 
 // By how much deviations vary more than they say, at least 1: by the median of the last differences
 // between neighbours, of which a change makes one large.
-double PageTest::SpreadWith(double sigmas) {
+double CusumDetector::SpreadWith(double sigmas) {
   if (last_sigmas_) {
     differences_[difference_count_++ % kDifferences] = std::abs(sigmas - *last_sigmas_);
   }
@@ -48,8 +48,8 @@ double PageTest::SpreadWith(double sigmas) {
   return std::max(1.0, sorted[kDifferences / 2] / (std::sqrt(2.0) * kMedianOfUnitNormal));
 }
 
-bool PageTest::Count(double sigmas, const ScalarEstimate& deviation, double exposure,
-                     Side& side) const {
+bool CusumDetector::Count(double sigmas, const ScalarEstimate& deviation, double exposure,
+                          Side& side) const {
   side.sum_sigmas += sigmas - options_.drift_sigmas;
   if (side.sum_sigmas <= 0.0) {
     side = {};
