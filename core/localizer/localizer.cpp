@@ -153,7 +153,7 @@ std::optional<LocalizerSnapshot> Localizer::Snapshot() {
   };
   snapshot->stamp = impl_->time_base.newest();
   bring_back(snapshot->stamp);
-  bring_back(snapshot->tracking.way_changed);
+  bring_back(snapshot->tracking.observability_changed);
   bring_back(snapshot->tracking.last_accepted);
   if (auto& lost = snapshot->tracking.last_lost_to_outliers) bring_back(*lost);
   for (std::size_t i = 0; i < impl_->pipeline->rig().radars.size(); ++i) {

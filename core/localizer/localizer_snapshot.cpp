@@ -23,7 +23,8 @@ absl::Status CheckStamps(const LocalizerSnapshot& snapshot) {
   const TrackingSnapshot& tracking = snapshot.tracking;
   const Stamp newest = snapshot.stamp;
   absl::Status status = CheckStamp("stamp", newest, ScanLimits{}.max_stamp);
-  status.Update(CheckStamp("tracking.way_changed", tracking.way_changed, newest));
+  status.Update(
+      CheckStamp("tracking.observability_changed", tracking.observability_changed, newest));
   status.Update(CheckStamp("tracking.last_accepted", tracking.last_accepted, newest));
   if (tracking.last_lost_to_outliers) {
     status.Update(

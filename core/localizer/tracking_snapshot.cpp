@@ -24,10 +24,10 @@ absl::Status Validate(const TrackingSnapshot& snapshot) {
                         static_cast<int>(snapshot.mode)));
   }
   if (!is_of(snapshot.verification, Verification::kNeeded) ||
-      !is_of(snapshot.way, WayObservation::kReturning)) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("tracking.verification and tracking.way are %d and %d; they must be known",
-                        static_cast<int>(snapshot.verification), static_cast<int>(snapshot.way)));
+      !is_of(snapshot.observability, AlongTrackObservability::kReturning)) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "tracking.verification and tracking.way are %d and %d; they must be known",
+        static_cast<int>(snapshot.verification), static_cast<int>(snapshot.observability)));
   }
   if (!(snapshot.usual_interval_s >= 0.0 && snapshot.usual_interval_s <= kMaxInterval_s)) {
     return absl::InvalidArgumentError(
@@ -41,8 +41,8 @@ std::optional<TrackingSnapshot> TrackingStateMachine::Snapshot() const {
   if (!HasBeenTracked(mode_) || !last_accepted_) return std::nullopt;
   return TrackingSnapshot{.mode = mode_,
                           .verification = verification_,
-                          .way = way_,
-                          .way_changed = way_changed_,
+                          .observability = observability_,
+                          .observability_changed = observability_changed_,
                           .last_accepted = *last_accepted_,
                           .usual_interval_s = usual_interval_s_,
                           .last_lost_to_outliers = last_lost_to_outliers_};
@@ -51,8 +51,8 @@ std::optional<TrackingSnapshot> TrackingStateMachine::Snapshot() const {
 void TrackingStateMachine::GoOnFrom(const TrackingSnapshot& snapshot) {
   mode_ = snapshot.mode;
   verification_ = snapshot.verification;
-  way_ = snapshot.way;
-  way_changed_ = snapshot.way_changed;
+  observability_ = snapshot.observability;
+  observability_changed_ = snapshot.observability_changed;
   usual_interval_s_ = snapshot.usual_interval_s;
   last_accepted_ = snapshot.last_accepted;
   last_lost_to_outliers_ = snapshot.last_lost_to_outliers;

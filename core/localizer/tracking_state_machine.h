@@ -67,8 +67,8 @@ enum class Loss {
 struct TrackingSnapshot {
   TrackingMode mode = TrackingMode::kDeadReckoning;
   Verification verification = Verification::kNotNeeded;
-  AlongTrackObservability way = AlongTrackObservability::kObserved;
-  Stamp way_changed{};
+  AlongTrackObservability observability = AlongTrackObservability::kObserved;
+  Stamp observability_changed{};
   Stamp last_accepted{};
   double usual_interval_s = 0.0;  ///< of registrations; 0: not known
   std::optional<Stamp> last_lost_to_outliers;

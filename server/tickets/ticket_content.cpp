@@ -76,8 +76,8 @@ void ForEach(Knowledge& noise, Use use) {
 void Write(const TrackingSnapshot& tracking, sealed::Tracking* message) {
   message->set_mode(static_cast<int>(tracking.mode));
   message->set_verification(static_cast<int>(tracking.verification));
-  message->set_way(static_cast<int>(tracking.way));
-  message->set_way_changed_ns(Nanoseconds(tracking.way_changed));
+  message->set_observability(static_cast<int>(tracking.observability));
+  message->set_observability_changed_ns(Nanoseconds(tracking.observability_changed));
   message->set_last_accepted_ns(Nanoseconds(tracking.last_accepted));
   message->set_usual_interval_s(tracking.usual_interval_s);
   if (tracking.last_lost_to_outliers) {
@@ -86,13 +86,14 @@ void Write(const TrackingSnapshot& tracking, sealed::Tracking* message) {
 }
 
 TrackingSnapshot Read(const sealed::Tracking& message) {
-  TrackingSnapshot tracking{.mode = static_cast<TrackingMode>(message.mode()),
-                            .verification = static_cast<Verification>(message.verification()),
-                            .way = static_cast<WayObservation>(message.way()),
-                            .way_changed = StampOf(message.way_changed_ns()),
-                            .last_accepted = StampOf(message.last_accepted_ns()),
-                            .usual_interval_s = message.usual_interval_s(),
-                            .last_lost_to_outliers = std::nullopt};
+  TrackingSnapshot tracking{
+      .mode = static_cast<TrackingMode>(message.mode()),
+      .verification = static_cast<Verification>(message.verification()),
+      .observability = static_cast<AlongTrackObservability>(message.observability()),
+      .observability_changed = StampOf(message.observability_changed_ns()),
+      .last_accepted = StampOf(message.last_accepted_ns()),
+      .usual_interval_s = message.usual_interval_s(),
+      .last_lost_to_outliers = std::nullopt};
   if (message.has_last_lost_to_outliers_ns()) {
     tracking.last_lost_to_outliers = StampOf(message.last_lost_to_outliers_ns());
   }

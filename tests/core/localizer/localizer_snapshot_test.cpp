@@ -129,7 +129,8 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
       {"stamp", [](S& s) { s.stamp = Stamp(std::chrono::nanoseconds(-1)); }},
       {"stamp", [](S& s) { s.stamp = Stamp::max(); }},
       {"last_accepted", [](S& s) { s.tracking.last_accepted = s.stamp + Stamp::duration(1); }},
-      {"way_changed", [](S& s) { s.tracking.way_changed = s.stamp + Stamp::duration(1); }},
+      {"observability_changed",
+       [](S& s) { s.tracking.observability_changed = s.stamp + Stamp::duration(1); }},
       {"mode", [](S& s) { s.tracking.mode = TrackingMode::kSearching; }},
       {"mode", [](S& s) { s.tracking.mode = static_cast<TrackingMode>(99); }},
       {"verification", [](S& s) { s.tracking.verification = static_cast<Verification>(9); }},
@@ -189,7 +190,7 @@ TEST_F(LocalizerSnapshotTest, NothingValidBreaksIt) {
       [](S& s) { s.clocks_ahead = {std::chrono::hours(24 * 300)}; },
       [](S& s) { s.stamp += std::chrono::hours(24 * 300); },
       [](S& s) {
-        s.tracking.last_accepted = s.tracking.way_changed = {};
+        s.tracking.last_accepted = s.tracking.observability_changed = {};
         s.stamp = {};
       },
   };

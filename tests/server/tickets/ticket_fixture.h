@@ -51,7 +51,7 @@ inline TicketContent SomeContent() {
   snapshot.velocity.linear_mps = {13.0, 0.1, 0.0};
   snapshot.velocity.covariance = 0.02 * Matrix6d::Identity();
   snapshot.tracking.mode = TrackingMode::kTracking;
-  snapshot.tracking.way = WayObservation::kFading;
+  snapshot.tracking.observability = AlongTrackObservability::kFading;
   snapshot.tracking.last_accepted = snapshot.stamp - std::chrono::milliseconds(77);
   snapshot.tracking.last_lost_to_outliers = snapshot.stamp - std::chrono::hours(1);
   snapshot.tracking.usual_interval_s = 0.15;
