@@ -26,7 +26,7 @@ absl::Status Validate(const TrackingSnapshot& snapshot) {
   if (!is_of(snapshot.verification, Verification::kNeeded) ||
       !is_of(snapshot.observability, AlongTrackObservability::kReturning)) {
     return absl::InvalidArgumentError(absl::StrFormat(
-        "tracking.verification and tracking.way are %d and %d; they must be known",
+        "tracking.verification and tracking.observability are %d and %d; they must be known",
         static_cast<int>(snapshot.verification), static_cast<int>(snapshot.observability)));
   }
   if (!(snapshot.usual_interval_s >= 0.0 && snapshot.usual_interval_s <= kMaxInterval_s)) {
