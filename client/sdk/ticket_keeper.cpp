@@ -12,13 +12,22 @@ void TicketKeeper::OnOpened(const v1::SessionOpened& opened) {
   if (keeps_ && goes_on) return;
   // Of another session than this one, which begins anew.
   ticket_.reset();
+  answered_.reset();
   scans_.clear();
 }
 
 void TicketKeeper::OnAnswered(const v1::Scan& scan, const v1::LocalizeResponse& answer) {
   answered_ = std::max(answered_.value_or(scan.sequence_number()), scan.sequence_number());
   if (!keeps_) return;
-  if (answer.has_result()) scans_.push_back(scan);
+  if (answer.has_result() && !answer.from_memory()) {
+    const v1::LocalizationResult& result = answer.result();
+    if (result.resets().count() != reset_count_ || result.map_version() != map_version_) {
+      ticket_.reset();
+    }
+    reset_count_ = result.resets().count();
+    map_version_ = result.map_version();
+    scans_.push_back(scan);
+  }
   if (answer.has_ticket()) {
     ticket_ = answer.ticket();
     std::erase_if(scans_, [this](const v1::Scan& kept) {

@@ -38,6 +38,9 @@ class TicketKeeper {
   std::int64_t epoch_ = 0;
   std::optional<v1::SessionTicket> ticket_;
   std::optional<std::int64_t> answered_;  ///< the highest number with an answer
+  /// Of the last answer; a ticket from before either changed is of a pose that was given up.
+  std::int64_t reset_count_ = 0;
+  std::int64_t map_version_ = 0;
   std::deque<v1::Scan> scans_;
 };
 

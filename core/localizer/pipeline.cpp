@@ -92,11 +92,15 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::ScanT
   if (schedule_.IsDue(is_steady)) {
     submap_.Join(options_.uncertainty, static_cast<std::size_t>(options_.max_submap_points),
                  workspace.submap);
-    quality_ = {};
 
     Announce(listener, Stage::kRegistration);  // eq 12-14
     Predict(stamp, workspace.registration);
+    const bool waits_for_points = tracking_.has_pose() && !schedule_.has_new_points();
     const std::optional<Registration<Dim>> registration = Register(stamp, workspace);
+    if (!registration && waits_for_points) {  // nothing was tried that could have failed
+      HandleLoss(stamp);
+      return Answer(scan, stamp);
+    }
 
     Announce(listener, Stage::kPoseGraph);  // eq 15-19
     if (registration) UpdateObservability(*registration, stamp, workspace);
@@ -221,10 +225,13 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<
                                   static_cast<std::uint64_t>(stamp.time_since_epoch().count()),
                                   workspace.registration);
   }
-  if (!registration) return std::nullopt;
-  quality_.inlier_count = registration->inlier_count;
-  quality_.overlap = registration->overlap;
-  quality_.residual_scale = registration->residual_scale;
+  if (registration) {
+    quality_ = {.inlier_count = registration->inlier_count,
+                .overlap = registration->overlap,
+                .residual_scale = registration->residual_scale};
+  } else if (found_elsewhere_ || schedule_.has_new_points()) {
+    quality_ = {};
+  }
   return registration;
 }
 

@@ -29,6 +29,10 @@ template <int Dim>
 void Pipeline<Dim>::TellSourcesApart(Workspace<Dim>& workspace) {
   const std::optional<Pose3> T_used_rival = ego_motion_.RivalPlace();
   if (!T_used_rival) return;
+  // A mean over a few points says little.
+  if (workspace.static_points.size() < static_cast<std::size_t>(options_.map_fit.min_point_count)) {
+    return;
+  }
   const Pose<Dim> used = pose_.Now().pose;
   const Pose<Dim> rival = used * FromSpace<Dim>(*T_used_rival, Matrix6d::Zero()).pose;
   const auto fit_at = [&](const Pose<Dim>& pose) {

@@ -6,6 +6,8 @@
 namespace dcloc {
 namespace {
 
+constexpr double kMaxDoubtedWay_m = 0.4;  // as SourceMonitorOptions::min_rival_way_m
+
 // Which of them is wrong is known after moments only, and would have to be found again.
 bool IsSetAside(const SourceHealth& source) {
   return !source.is_used && source.fault != SourceFault::kSilent;
@@ -21,6 +23,8 @@ std::optional<LocalizerSnapshot> Pipeline<Dim>::Snapshot() {
   if (IsSetAside(ego_motion_.wheel_speed()) || IsSetAside(ego_motion_.yaw_rate())) {
     return std::nullopt;
   }
+  // What the sources differ by is not handed on.
+  if (ego_motion_.doubted_way_m() > kMaxDoubtedWay_m) return std::nullopt;
   const PoseEstimate<3> now = NowInMap();
   return LocalizerSnapshot{.pose = {.T_map_vehicle = now.pose, .covariance = now.covariance},
                            .velocity = *velocity,
@@ -45,6 +49,8 @@ void Pipeline<Dim>::GoOnFrom(const LocalizerSnapshot& snapshot) {
       FromSpace<Dim>(matcher_.T_map_local().Inverse() * T_map_vehicle, snapshot.pose.covariance),
       snapshot.noise);
   tracking_.GoOnFrom(snapshot.tracking);
+  // The prior that came with the opening is of a later moment.
+  relocalizer_.SetPrior({.pose = T_map_vehicle, .covariance = snapshot.pose.covariance});
   reset_counter_.GoOnFrom(snapshot.resets, T_map_vehicle);
   protection_level_.Suppose(snapshot.squared_innovation);
   factor_count_ = snapshot.factor_count;

@@ -60,7 +60,7 @@ std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
   if (fits_compared_ && *newest_ - *fits_compared_ < options_.interval) return std::nullopt;
   const Hypothesis* rival = nullptr;
   for (const Hypothesis& hypothesis : hypotheses_) {
-    if (hypothesis.log_weight < std::log(options_.doubt_probability) ||
+    if (&hypothesis == &best() || hypothesis.log_weight < std::log(options_.doubt_probability) ||
         !SaySpeed(hypothesis.sound, before_) ||
         std::abs(hypothesis.missed.forward_m) < options_.min_rival_way_m) {
       continue;
@@ -70,10 +70,11 @@ std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
   return rival == nullptr ? std::nullopt : std::optional(rival->missed);
 }
 
-// METHOD eq 65. Of each hypothesis, the nearer of the two places is its own.
+// METHOD eq 65. Of each hypothesis that speaks, the nearer of the two places is its own.
 void SourceMonitor::OnFits(const MissedMotion& rival, double fit, double rival_fit) {
   fits_compared_ = newest_;
   for (Hypothesis& hypothesis : hypotheses_) {
+    if (!SaySpeed(hypothesis.sound, before_)) continue;
     const bool is_rivals = std::abs(hypothesis.missed.forward_m - rival.forward_m) <
                            std::abs(hypothesis.missed.forward_m);
     hypothesis.log_weight += options_.log_likelihood_per_fit * (is_rivals ? rival_fit : fit);

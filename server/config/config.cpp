@@ -143,7 +143,7 @@ constexpr std::array kFields = {
                 &ServerConfig::ticket_lifetime_s, 5, 3600},
     ConfigField{"ticket_interval_ms", "N",
                 "time between two tickets of a session, and from which the client keeps scans",
-                &ServerConfig::ticket_interval_ms, 200, 60'000},
+                &ServerConfig::ticket_interval_ms, 200, 5'000},
     ConfigField{"max_message_kib", "N", "size of a message at most [KiB]",
                 &ServerConfig::max_message_kib, 512, 65'536},
     ConfigField{"max_map_mib", "N", "size of an uploaded map file at most [MiB]",

@@ -157,10 +157,10 @@ StreamEvent LocalizeStream::EventOfRead(bool ok) {
 void LocalizeStream::QueueScan() {
   ring_.OnRead();
   session_->strand().Post([self = shared_from_this()] { self->AnswerNext(); });
-  const v1::LocalizeRequest& request = ring_.newest_read().request;
-  const bool catches_up =
-      request.has_scan() && session_->IsToCatchUp(request.scan().sequence_number());
-  if (terms_.drops_oldest && !catches_up) ring_.DropOldest(task_under_way_ == Task::kScan);
+  Slot& slot = ring_.newest_read();
+  slot.catches_up =
+      slot.request.has_scan() && session_->IsToCatchUp(slot.request.scan().sequence_number());
+  if (terms_.drops_oldest && !slot.catches_up) ring_.DropOldest(task_under_way_ == Task::kScan);
 }
 
 // ---- What it does next

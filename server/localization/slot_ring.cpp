@@ -24,13 +24,16 @@ void SlotRing::OnRead() {
   slot.arrival = Arrival::Now();
   slot.dropped = false;
   slot.silent = false;
+  slot.catches_up = false;
   ++read_count_;
 }
 
 void SlotRing::DropOldest(bool first_is_taken) {
   const std::int64_t first = answered_count_ + (first_is_taken ? 1 : 0);
   std::int64_t waiting = 0;
-  const auto waits = [](const Slot& slot) { return slot.request.has_scan() && !slot.dropped; };
+  const auto waits = [](const Slot& slot) {
+    return slot.request.has_scan() && !slot.dropped && !slot.catches_up;
+  };
   for (std::int64_t i = first; i < read_count_; ++i) waiting += waits(At(i)) ? 1 : 0;
   for (std::int64_t i = first; waiting > max_pending_count_; ++i) {
     Slot& slot = At(i);

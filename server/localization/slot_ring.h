@@ -16,6 +16,8 @@ struct Slot {
   Arrival arrival;
   bool dropped = false;  ///< newer scans wait: it is answered, but not looked at
   bool silent = false;   ///< it needs no answer
+  /// Its answer was another session's: it is localized for those that follow, and never dropped.
+  bool catches_up = false;
 };
 
 /// A stream's messages, in order: each is read, answered and written, then its slot is free again.

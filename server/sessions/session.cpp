@@ -109,6 +109,7 @@ OpenedSession Session::Describe(bool resumed) const {
 void Session::Record(std::shared_ptr<RecordingSubscriber> subscriber, const v1::OpenSession& open) {
   v1::OpenSession without_secret = open;
   without_secret.clear_ticket();
+  without_secret.clear_resume_token();
   RecordingStart start{.open = without_secret,
                        .session = Describe(/*resumed=*/false),
                        .open_time = record_->description.open_time,
