@@ -50,6 +50,10 @@ after(async () => {
   town.remove();
 });
 
+/** The row of a version in the view of a map; other rows may name it, too. */
+const versionRow = (name: string) =>
+  page.locator(".row").filter({ has: page.locator("strong", { hasText: new RegExp(`^${name}\\b`) }) });
+
 test("without a token where servers need none, and the vehicles are there, moving", async () => {
   assert.deepEqual(await seriousFindings(page), []);
   await signIn(page);
@@ -111,7 +115,7 @@ test("an upload goes on where it stopped, after the page was closed and the netw
 
 test("activating says what it does to how many sessions, asks once, and moves them", async () => {
   await page.goto(`${bridge.address}/maps/dcloc/town`);
-  await page.locator(".row", { hasText: "v2" }).getByRole("button").first().click();
+  await versionRow("v2").getByRole("button").first().click();
   await page.getByText(HOSTILE_DRIVE).waitFor();
   await page.getByRole("button", { name: "Activate" }).click();
   await dialog().getByText("New sessions get v2 instead of v1. 5 sessions are open in this map.").waitFor();
@@ -120,25 +124,25 @@ test("activating says what it does to how many sessions, asks once, and moves th
   assert.deepEqual(await seriousFindings(page), []);
   await dialog().getByRole("button", { name: "Activate" }).click();
   await dialog().waitFor({ state: "hidden" });
-  await page.locator(".row", { hasText: "v2" }).getByText("Active").waitFor();
-  await page.locator(".row", { hasText: "v2" }).getByText("Sessions: 5").waitFor();
+  await versionRow("v2").getByText("Active").waitFor();
+  await versionRow("v2").getByText("Sessions: 5").waitFor();
 });
 
 test("a canary begins and ends, a version is rolled back, and one in use is not deleted", async () => {
-  await page.locator(".row", { hasText: "v1" }).getByRole("button").first().click();
+  await versionRow("v1").getByRole("button").first().click();
   await page.getByRole("button", { name: "Canary …" }).click();
   await dialog().getByLabel("Share of the vehicles").fill("25");
   await dialog().getByText("25 % of the vehicles get v1").waitFor();
   await dialog().getByRole("button", { name: "Canary" }).click();
-  await page.locator(".row", { hasText: "v1" }).getByText("Canary, 25 %").waitFor();
+  await versionRow("v1").getByText("Canary, 25 %").waitFor();
   await page.getByRole("button", { name: "End the canary" }).click();
   await dialog().getByRole("button", { name: "End the canary" }).click();
   await page.getByText("Canary, 25 %").waitFor({ state: "hidden" });
   await page.getByRole("button", { name: "Roll back" }).click();
   await dialog().getByRole("button", { name: "Roll back" }).click();
-  await page.locator(".row", { hasText: "v1" }).getByText("Active").waitFor();
-  await page.locator(".row", { hasText: "v2" }).getByRole("button").first().click();
-  await page.locator(".row", { hasText: "v2" }).getByRole("button", { name: "Delete" }).click();
+  await versionRow("v1").getByText("Active").waitFor();
+  await versionRow("v2").getByRole("button").first().click();
+  await versionRow("v2").getByRole("button", { name: "Delete" }).click();
   await dialog().getByText("5 sessions use this version").waitFor();
   await dialog().getByRole("button", { name: "Delete" }).click();
   await dialog().getByRole("alert").waitFor();
@@ -146,7 +150,7 @@ test("a canary begins and ends, a version is rolled back, and one in use is not 
 });
 
 test("two versions are compared, under an address that can be shared", async () => {
-  await page.locator(".row", { hasText: "v2" }).getByRole("link", { name: "Compare with v1" }).click();
+  await versionRow("v2").getByRole("link", { name: "Compare with v1" }).click();
   await page.getByText(/^(\d+) of \1 squares of the map compared$/).waitFor();
   // The same drive made both: nothing differs.
   const counts = (name: string) => page.getByRole("row", { name }).locator("td").innerText();
@@ -158,12 +162,12 @@ test("two versions are compared, under an address that can be shared", async () 
   await page.goto(`${bridge.address}/compare/dcloc/town/1/77`);
   await page.getByText("There is nothing here").waitFor();
   await page.goto(`${bridge.address}/maps/dcloc/town`);
-  await page.locator(".row", { hasText: "v2" }).getByRole("button").first().click();
+  await versionRow("v2").getByRole("button").first().click();
 });
 
 test("what is downloaded is what was uploaded", async () => {
   const download = page.waitForEvent("download");
-  await page.locator(".row", { hasText: "v2" }).getByRole("link", { name: "Download" }).click();
+  await versionRow("v2").getByRole("link", { name: "Download" }).click();
   const file = await download;
   assert.equal(file.suggestedFilename(), "town-v2.dclm");
   assert.ok(readFileSync(await file.path()).equals(readFileSync(join(town.folder, "second.dclm"))));
