@@ -92,6 +92,7 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::ScanT
   if (schedule_.IsDue(is_steady)) {
     submap_.Join(options_.uncertainty, static_cast<std::size_t>(options_.max_submap_points),
                  workspace.submap);
+    quality_ = {};
 
     Announce(listener, Stage::kRegistration);  // eq 12-14
     Predict(stamp, workspace.registration);
@@ -225,13 +226,10 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<
                                   static_cast<std::uint64_t>(stamp.time_since_epoch().count()),
                                   workspace.registration);
   }
-  if (registration) {
-    quality_ = {.inlier_count = registration->inlier_count,
-                .overlap = registration->overlap,
-                .residual_scale = registration->residual_scale};
-  } else if (found_elsewhere_ || schedule_.has_new_points()) {
-    quality_ = {};
-  }
+  if (!registration) return std::nullopt;
+  quality_.inlier_count = registration->inlier_count;
+  quality_.overlap = registration->overlap;
+  quality_.residual_scale = registration->residual_scale;
   return registration;
 }
 

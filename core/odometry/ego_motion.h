@@ -71,6 +71,7 @@ class EgoMotion {
   /// scan; `velocity` has a covariance.
   void GoOnFrom(Stamp stamp, const EgoVelocity& velocity) {
     velocity_ = velocity;
+    doubted_velocity_ = velocity;
     stamp_ = stamp;
     history_.Add(stamp, Motion{}, velocity);
   }

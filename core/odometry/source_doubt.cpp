@@ -23,7 +23,8 @@ bool SayYawRate(const OdometrySources& sound, const OdometryReadings& readings) 
 
 }  // namespace
 
-// METHOD eq 64. A hypothesis of which no sound source speaks says nothing.
+// METHOD eq 64. A hypothesis of which no sound source speaks says nothing. What even the best one
+// misses is how motion was summed up, and no doubt.
 SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
   const double least_log_weight = std::log(options_.doubt_probability);
   Doubt doubt;
@@ -35,14 +36,16 @@ SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
     if (SaySpeed(hypothesis.sound, before_)) {
       speed_sum += weight;
       doubt.speed_variance += weight * std::pow(hypothesis.speed.value - best().speed.value, 2);
-      doubt.way_variance_m2 += weight * std::pow(hypothesis.missed.forward_m, 2);
-      doubt.way_bound_m = std::max(doubt.way_bound_m, std::abs(hypothesis.missed.forward_m));
+      const double missed_m = hypothesis.missed.forward_m - best().missed.forward_m;
+      doubt.way_variance_m2 += weight * std::pow(missed_m, 2);
+      doubt.way_bound_m = std::max(doubt.way_bound_m, std::abs(missed_m));
     }
     if (SayYawRate(hypothesis.sound, before_)) {
       yaw_rate_sum += weight;
       doubt.yaw_rate_variance +=
           weight * std::pow(hypothesis.yaw_rate.value - best().yaw_rate.value, 2);
-      doubt.turn_variance_rad2 += weight * std::pow(hypothesis.missed.turn_rad, 2);
+      doubt.turn_variance_rad2 +=
+          weight * std::pow(hypothesis.missed.turn_rad - best().missed.turn_rad, 2);
     }
   }
   if (speed_sum > 0.0) {
@@ -62,22 +65,28 @@ std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (&hypothesis == &best() || hypothesis.log_weight < std::log(options_.doubt_probability) ||
         !SaySpeed(hypothesis.sound, before_) ||
-        std::abs(hypothesis.missed.forward_m) < options_.min_rival_way_m) {
+        std::abs(hypothesis.missed.forward_m - best().missed.forward_m) <
+            options_.min_rival_way_m) {
       continue;
     }
     if (rival == nullptr || hypothesis.log_weight > rival->log_weight) rival = &hypothesis;
   }
-  return rival == nullptr ? std::nullopt : std::optional(rival->missed);
+  if (rival == nullptr) return std::nullopt;
+  return MissedMotion{.forward_m = rival->missed.forward_m - best().missed.forward_m,
+                      .turn_rad = rival->missed.turn_rad - best().missed.turn_rad};
 }
 
-// METHOD eq 65. Of each hypothesis that speaks, the nearer of the two places is its own.
+// METHOD eq 65. Of each hypothesis that speaks, the nearer of the two places is its own. The others
+// belong to neither.
 void SourceMonitor::OnFits(const MissedMotion& rival, double fit, double rival_fit) {
   fits_compared_ = newest_;
   for (Hypothesis& hypothesis : hypotheses_) {
-    if (!SaySpeed(hypothesis.sound, before_)) continue;
-    const bool is_rivals = std::abs(hypothesis.missed.forward_m - rival.forward_m) <
-                           std::abs(hypothesis.missed.forward_m);
-    hypothesis.log_weight += options_.log_likelihood_per_fit * (is_rivals ? rival_fit : fit);
+    const double missed_m = hypothesis.missed.forward_m - best().missed.forward_m;
+    const bool is_rivals = std::abs(missed_m - rival.forward_m) < std::abs(missed_m);
+    const double own_fit = !SaySpeed(hypothesis.sound, before_) ? 0.5 * (fit + rival_fit)
+                           : is_rivals                          ? rival_fit
+                                                                : fit;
+    hypothesis.log_weight += options_.log_likelihood_per_fit * own_fit;
   }
   Normalize();
 }

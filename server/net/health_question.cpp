@@ -75,13 +75,16 @@ absl::Status ReadFrame(ProbeBytes& connection, Frame& frame) {
 }  // namespace
 
 absl::Status AskHealth(ProbeBytes& connection) {
+  // The server speaks first. One that wants a certificate says so instead, and closes: what is
+  // written then is written to nobody.
+  Frame frame;
+  if (absl::Status status = ReadFrame(connection, frame); !status.ok()) return status;
+  if (frame.type != kSettings) {
+    return absl::UnavailableError("the server speaks, but not HTTP/2");
+  }
   if (absl::Status status = connection.Write(Question()); !status.ok()) return status;
-  for (bool greeted = false;; greeted = true) {
-    Frame frame;
+  while (true) {
     if (absl::Status status = ReadFrame(connection, frame); !status.ok()) return status;
-    if (!greeted && frame.type != kSettings) {
-      return absl::UnavailableError("the server speaks, but not HTTP/2");
-    }
     if (frame.type == kGoAway) return absl::UnavailableError("the server takes no calls");
     if (frame.stream != kOurStream) continue;
     if (frame.type == kHeaders) return absl::OkStatus();
