@@ -18,6 +18,7 @@
 #include "client/cli/plot/plot_command.h"
 #include "client/cli/server/server_command.h"
 #include "client/cli/session/session_command.h"
+#include "client/cli/session/session_propose_command.h"
 #include "client/cli/session/session_record_command.h"
 #include "client/cli/simulate/simulate_command.h"
 
@@ -43,7 +44,9 @@ int main(int argc, char** argv) {
     AddMapServerCommands(*app.get_subcommand("map"), exit_code);
     AddLocalizeCommand(app, exit_code);
     AddLoadCommand(app, exit_code);
-    AddSessionRecordCommands(*AddSessionCommand(app, exit_code), exit_code);
+    CLI::App* session = AddSessionCommand(app, exit_code);
+    AddSessionProposeCommand(*session, exit_code);
+    AddSessionRecordCommands(*session, exit_code);
     AddServerCommand(app, exit_code);
     AddCalibrateCommand(app, exit_code);
     AddDatasetCommand(app, exit_code);

@@ -37,6 +37,19 @@ absl::Status ReadAll(grpc::ClientContext& context, grpc::ClientReader<Response>&
   return stopped ? absl::OkStatus() : FromGrpc(status);
 }
 
+/// The entries of all pages: `read` gets one page, `entries_of` says where its entries are.
+template <typename Entry, typename Request, typename Read, typename EntriesOf>
+absl::StatusOr<std::vector<Entry>> ReadPages(Request request, Read read, EntriesOf entries_of) {
+  std::vector<Entry> all;
+  do {
+    auto page = read(request);
+    if (!page.ok()) return page.status();
+    for (Entry& entry : *entries_of(*page)) all.push_back(std::move(entry));
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return all;
+}
+
 }  // namespace
 
 AdminClient::AdminClient(const std::shared_ptr<grpc::Channel>& channel,
@@ -54,15 +67,10 @@ absl::StatusOr<int> AdminClient::Drain() {
 }
 
 absl::StatusOr<std::vector<v1::Session>> AdminClient::ListSessions() {
-  std::vector<v1::Session> all;
-  v1::ListSessionsRequest request;
-  do {
-    auto page = Call(*stub_, &Stub::ListSessions, request, timeout_);
-    if (!page.ok()) return page.status();
-    for (v1::Session& session : *page->mutable_sessions()) all.push_back(std::move(session));
-    request.set_page_token(page->next_page_token());
-  } while (!request.page_token().empty());
-  return all;
+  return ReadPages<v1::Session>(
+      v1::ListSessionsRequest(),
+      [this](const auto& request) { return Call(*stub_, &Stub::ListSessions, request, timeout_); },
+      [](v1::ListSessionsResponse& page) { return page.mutable_sessions(); });
 }
 
 absl::StatusOr<v1::Session> AdminClient::GetSession(const std::string& session_id) {
@@ -78,6 +86,40 @@ absl::Status AdminClient::EndSession(const std::string& session_id, const std::s
   request.set_session_id(session_id);
   request.set_reason(reason);
   return Call(*stub_, &Stub::EndSession, request, timeout_).status();
+}
+
+absl::StatusOr<v1::PositionFixAnswer> AdminClient::ProposePose(const std::string& session_id,
+                                                               const v1::PoseWithCovariance& pose) {
+  v1::ProposePoseRequest request;
+  request.set_session_id(session_id);
+  *request.mutable_pose() = pose;
+  auto response = Call(*stub_, &Stub::ProposePose, request, timeout_);
+  if (!response.ok()) return response.status();
+  return std::move(*response->mutable_answer());
+}
+
+absl::StatusOr<std::vector<v1::Operation>> AdminClient::ListOperations() {
+  return ReadPages<v1::Operation>(
+      v1::ListOperationsRequest(),
+      [this](const auto& request) {
+        return Call(*stub_, &Stub::ListOperations, request, timeout_);
+      },
+      [](v1::ListOperationsResponse& page) { return page.mutable_operations(); });
+}
+
+absl::StatusOr<std::vector<v1::Identity>> AdminClient::ListIdentities() {
+  return ReadPages<v1::Identity>(
+      v1::ListIdentitiesRequest(),
+      [this](const auto& request) {
+        return Call(*stub_, &Stub::ListIdentities, request, timeout_);
+      },
+      [](v1::ListIdentitiesResponse& page) { return page.mutable_identities(); });
+}
+
+absl::Status AdminClient::RevokeIdentity(std::int64_t id) {
+  v1::RevokeIdentityRequest request;
+  request.set_id(id);
+  return Call(*stub_, &Stub::RevokeIdentity, request, timeout_).status();
 }
 
 absl::Status AdminClient::WatchSession(

@@ -3,6 +3,7 @@
 #include <grpcpp/channel.h>
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <stop_token>
@@ -34,6 +35,18 @@ class AdminClient {
 
   /// The session's client is given `reason`.
   absl::Status EndSession(const std::string& session_id, const std::string& reason);
+
+  /// Tells the session where its vehicle was at its last scan, and returns what became of it.
+  absl::StatusOr<v1::PositionFixAnswer> ProposePose(const std::string& session_id,
+                                                    const v1::PoseWithCovariance& pose);
+
+  /// What the tenant's callers changed lately, newest first.
+  absl::StatusOr<std::vector<v1::Operation>> ListOperations();
+
+  /// Who is let in, by ascending id, those that were revoked among them.
+  absl::StatusOr<std::vector<v1::Identity>> ListIdentities();
+
+  absl::Status RevokeIdentity(std::int64_t id);
 
   /// Records the vehicle's next session: passes on its header, its scans and its position fixes
   /// until it ends.

@@ -7,13 +7,16 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "google/protobuf/util/time_util.h"
+#include "server/admin/identity_calls.h"
+#include "server/admin/operation_calls.h"
+#include "server/admin/propose_pose.h"
 #include "server/admin/watch_stream.h"
 #include "server/base/check.h"
 #include "server/base/status.h"
 #include "server/convert/answer.h"
 #include "server/convert/geometry.h"
 #include "server/convert/page.h"
+#include "server/convert/time.h"
 #include "server/rpc/unary.h"
 
 namespace dcloc::server {
@@ -22,10 +25,6 @@ namespace {
 constexpr std::size_t kMaxReason = 200;
 /// Each may hold some megabytes for a caller who reads slowly.
 constexpr int kMaxRecordingCount = 16;
-
-google::protobuf::Timestamp ToTimestamp(SystemTime time) {
-  return google::protobuf::util::TimeUtil::NanosecondsToTimestamp(time.time_since_epoch().count());
-}
 
 void SetCounts(const SessionRecord& record, v1::Session* session) {
   session->set_scan_count(record.counts.answered);
@@ -46,7 +45,7 @@ void Describe(const ListedSession& listed, v1::Session* session) {
   session->set_peer(description.caller.peer);
   session->set_map_name(description.map_name);
   session->set_map_version(record.map_version);
-  *session->mutable_open_time() = ToTimestamp(description.open_time);
+  *session->mutable_open_time() = convert::ToProto(description.open_time);
   session->set_detached(listed.detached);
   SetCounts(record, session);
   if (const int state = record.last_state; state >= 0) {
@@ -103,18 +102,20 @@ absl::Status ListSessions(const SessionRegistry& registry, const Principal& prin
 }  // namespace
 
 AdminService::AdminService(ServerFacts facts, SessionRegistry& registry,
-                           RecordingRequests& recordings, StorageHost host, DrainControl drain,
+                           RecordingRequests& recordings, IdentityStore& identities,
+                           StorageHost host, DrainControl drain,
                            std::function<ServerGauges()> gauges)
     : facts_(std::move(facts)),
       registry_(registry),
       recordings_(recordings),
+      identities_(identities),
       host_(host),
       drain_(std::move(drain)),
       gauges_(std::move(gauges)) {}
 
 void AdminService::Describe(v1::GetServerStateResponse* response) const {
   response->set_server_version(facts_.version);
-  *response->mutable_start_time() = ToTimestamp(facts_.start_time);
+  *response->mutable_start_time() = convert::ToProto(facts_.start_time);
   response->set_worker_count(facts_.worker_count);
   response->set_session_count(registry_.count());
   response->set_detached_session_count(registry_.detached_count());
@@ -131,7 +132,8 @@ void AdminService::Describe(v1::GetServerStateResponse* response) const {
   response->set_unopened_stream_count(gauges.unopened_stream_count);
   response->set_max_unopened_stream_count(gauges.max_unopened_stream_count);
   if (gauges.certificate_expire_time) {
-    *response->mutable_certificate_expire_time() = ToTimestamp(*gauges.certificate_expire_time);
+    *response->mutable_certificate_expire_time() =
+        convert::ToProto(*gauges.certificate_expire_time);
     response->set_certificate_fault(gauges.certificate_fault);
   }
 }
@@ -205,9 +207,44 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
     }
     if (request->position_fixes()) stream->TakeFixes();
     if (status.ok()) recordings_.Add(principal->tenant, request->vehicle_id(), stream);
+    if (principal.ok()) host_.operations.Note(*context, *principal, *request, status);
     stream->Begin(status, std::move(slot));
   });
   return stream.get();
+}
+
+grpc::ServerUnaryReactor* AdminService::ProposePose(grpc::CallbackServerContext* context,
+                                                    const v1::ProposePoseRequest* request,
+                                                    v1::ProposePoseResponse* response) {
+  return BeginAnswerOn(
+      host_, context, request, [this, request, response](UnaryEnd<v1::ProposePoseRequest> end) {
+        const auto session = registry_.GetSession(end.principal().tenant, request->session_id());
+        if (!session.ok()) return end(session.status());
+        server::ProposePose(*session, *request, response, std::move(end));
+      });
+}
+
+grpc::ServerUnaryReactor* AdminService::ListOperations(grpc::CallbackServerContext* context,
+                                                       const v1::ListOperationsRequest* request,
+                                                       v1::ListOperationsResponse* response) {
+  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+    return server::ListOperations(host_.operations, principal.tenant, *request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* AdminService::ListIdentities(grpc::CallbackServerContext* context,
+                                                       const v1::ListIdentitiesRequest* request,
+                                                       v1::ListIdentitiesResponse* response) {
+  return AnswerOn(host_, context, request, [this, request, response] {
+    return server::ListIdentities(identities_, *request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* AdminService::RevokeIdentity(grpc::CallbackServerContext* context,
+                                                       const v1::RevokeIdentityRequest* request,
+                                                       v1::RevokeIdentityResponse* /*response*/) {
+  return AnswerOn(host_, context, request,
+                  [this, request] { return identities_.Revoke(request->id()); });
 }
 
 grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* context,

@@ -34,12 +34,13 @@ struct DrainControl {
   std::function<bool()> draining;  ///< whether it was called
 };
 
-/// AdminService: the operators' RPCs (state, sessions, drain).
+/// AdminService: the operators' RPCs (state, sessions, identities, what was changed, drain).
 class AdminService final : public v1::AdminService::CallbackService {
  public:
-  /// `registry` and `recordings` outlive the service's calls.
+  /// The references outlive the service's calls.
   AdminService(ServerFacts facts, SessionRegistry& registry, RecordingRequests& recordings,
-               StorageHost host, DrainControl drain, std::function<ServerGauges()> gauges);
+               IdentityStore& identities, StorageHost host, DrainControl drain,
+               std::function<ServerGauges()> gauges);
 
   grpc::ServerUnaryReactor* GetServerState(grpc::CallbackServerContext* context,
                                            const v1::GetServerStateRequest* request,
@@ -57,6 +58,18 @@ class AdminService final : public v1::AdminService::CallbackService {
       grpc::CallbackServerContext* context, const v1::WatchSessionRequest* request) override;
   grpc::ServerWriteReactor<v1::RecordSessionResponse>* RecordSession(
       grpc::CallbackServerContext* context, const v1::RecordSessionRequest* request) override;
+  grpc::ServerUnaryReactor* ProposePose(grpc::CallbackServerContext* context,
+                                        const v1::ProposePoseRequest* request,
+                                        v1::ProposePoseResponse* response) override;
+  grpc::ServerUnaryReactor* ListOperations(grpc::CallbackServerContext* context,
+                                           const v1::ListOperationsRequest* request,
+                                           v1::ListOperationsResponse* response) override;
+  grpc::ServerUnaryReactor* ListIdentities(grpc::CallbackServerContext* context,
+                                           const v1::ListIdentitiesRequest* request,
+                                           v1::ListIdentitiesResponse* response) override;
+  grpc::ServerUnaryReactor* RevokeIdentity(grpc::CallbackServerContext* context,
+                                           const v1::RevokeIdentityRequest* request,
+                                           v1::RevokeIdentityResponse* response) override;
   grpc::ServerUnaryReactor* Drain(grpc::CallbackServerContext* context,
                                   const v1::DrainRequest* request,
                                   v1::DrainResponse* response) override;
@@ -67,6 +80,7 @@ class AdminService final : public v1::AdminService::CallbackService {
   const ServerFacts facts_;
   SessionRegistry& registry_;
   RecordingRequests& recordings_;
+  IdentityStore& identities_;
   RecordingSlots recording_slots_;
   const StorageHost host_;
   const DrainControl drain_;

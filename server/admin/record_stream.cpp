@@ -1,7 +1,7 @@
 #include "server/admin/record_stream.h"
 
 #include "absl/strings/str_cat.h"
-#include "google/protobuf/util/time_util.h"
+#include "server/convert/time.h"
 
 namespace dcloc::server {
 
@@ -31,8 +31,7 @@ void RecordStream::OnOpened(const RecordingStart& start) {
   v1::RecordSessionResponse message;
   v1::RecordingHeader* header = message.mutable_header();
   header->set_program(program_);
-  *header->mutable_open_time() = google::protobuf::util::TimeUtil::NanosecondsToTimestamp(
-      start.open_time.time_since_epoch().count());
+  *header->mutable_open_time() = convert::ToProto(start.open_time);
   *header->mutable_open() = start.open;
   convert::ToProto(start.session, header->mutable_opened());
   header->set_map_sha256(start.map_sha256);

@@ -118,7 +118,7 @@ struct Server::Parts {
                .start_time = std::chrono::system_clock::now(),
                .worker_count = localization_pool.thread_count(),
                .stub_matcher = config.stub_matcher},
-              registry, recordings, storage,
+              registry, recordings, *kept.identities, storage,
               {.drain = [this] { return Drain(drain_grace); },
                .draining = [this] { return localization.draining(); }},
               [this] { return Gauges(); }),
@@ -273,7 +273,9 @@ struct Server::Parts {
   OpenCalls open_calls;
   PeerBoundCalls peer_bound_calls;
   WorkerPool storage_pool{kStorageThreads, kMapThreads};
-  const StorageHost storage{store, storage_pool, open_calls, peer_bound_calls, access, limits};
+  OperationLog operations;
+  const StorageHost storage{store,  storage_pool, open_calls, peer_bound_calls,
+                            access, operations,   limits};
   WorkerPool localization_pool;
   LocalizationService localization;
   MapService maps;

@@ -3,17 +3,16 @@
 #include <limits>
 
 #include "absl/strings/str_cat.h"
-#include "google/protobuf/util/time_util.h"
 #include "server/base/check.h"
 #include "server/base/sha256.h"
 #include "server/base/status.h"
 #include "server/convert/geometry.h"
+#include "server/convert/time.h"
 #include "server/identity/principal.h"
 
 namespace dcloc::server::convert {
 namespace {
 
-using google::protobuf::util::TimeUtil;
 
 /// As poses on the wire: within 1e5 km of the origin.
 constexpr double kMaxCoordinate_m = 1e8;
@@ -47,8 +46,7 @@ void ToProto(const MapRecord& record, v1::Map* message) {
   message->set_previous_version(record.previous_version);
   message->set_canary_version(record.canary_version);
   message->set_canary_share(record.canary_share);
-  *message->mutable_create_time() =
-      TimeUtil::NanosecondsToTimestamp(record.create_time.time_since_epoch().count());
+  *message->mutable_create_time() = ToProto(record.create_time);
 }
 
 void ToProto(const MapVersionRecord& record, v1::MapVersion* message) {
@@ -57,8 +55,7 @@ void ToProto(const MapVersionRecord& record, v1::MapVersion* message) {
   message->set_active(record.active);
   message->set_size_bytes(static_cast<std::int64_t>(record.info.size_bytes));
   message->set_sha256(record.sha256);
-  *message->mutable_create_time() =
-      TimeUtil::NanosecondsToTimestamp(record.create_time.time_since_epoch().count());
+  *message->mutable_create_time() = ToProto(record.create_time);
   SetInfo(record.info, message->mutable_info());
 }
 

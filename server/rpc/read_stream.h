@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "absl/status/status.h"
@@ -76,7 +77,7 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
  private:
   void CheckCaller() {
     absl::StatusOr<Principal> principal = host_.access.Authorize(*context_, Request::descriptor());
-    if (!principal.ok()) return End(principal.status());
+    if (!principal.ok()) return Refuse(principal.status());
     principal_ = *std::move(principal);
     ReadNext();
   }
@@ -89,6 +90,7 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   void TakeNext() {
     if (ended_) return;
     absl::Status status = ParseMessage(&bytes_, &request_);
+    if (first_request_.empty()) first_request_ = OperationLog::TextOf(request_);
     if (status.ok()) status = Take(request_);
     if (!status.ok()) return End(status);
     ReadNext();
@@ -112,6 +114,11 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   }
 
   void End(const absl::Status& status) {
+    host_.operations.Note(*context_, principal_, Request::descriptor(), first_request_, status);
+    Refuse(status);
+  }
+
+  void Refuse(const absl::Status& status) {
     ended_ = true;
     Release();
     this->Finish(ToGrpc(status));
@@ -126,6 +133,7 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   std::shared_ptr<ReadStream> self_;  ///< reset by OnDone
   grpc::ByteBuffer bytes_;            ///< the transport's while a read is under way
   Request request_;
+  std::string first_request_;  ///< its text: what the call is about
   Principal principal_;
   bool ended_ = false;
 };

@@ -5,6 +5,7 @@
 #include "server/base/worker_pool.h"
 #include "server/config/limits.h"
 #include "server/identity/access_control.h"
+#include "server/identity/operation_log.h"
 #include "server/maps/store/map_store.h"
 
 namespace dcloc::server {
@@ -16,6 +17,7 @@ struct StorageHost {
   OpenCalls& open_calls;
   PeerBoundCalls& peer_bound_calls;
   const AccessControl& access;
+  OperationLog& operations;
   const Limits& limits;
 };
 

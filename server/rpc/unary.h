@@ -12,28 +12,74 @@
 
 namespace dcloc::server {
 
-/// Answers a unary call on a thread of the host's pool, if the caller has the permission. `work`
-/// fills the response and returns the call's absl::Status; its argument is the calling Principal,
-/// or nothing. Calls that read whole maps use the lengthy `lane`.
+/// The end of a unary call that the caller may make: whoever holds it finishes the call, once.
+template <typename Request>
+class UnaryEnd {
+ public:
+  UnaryEnd(const StorageHost& host, grpc::CallbackServerContext* context,
+           grpc::ServerUnaryReactor* reactor, const Request* request, Principal principal,
+           OpenCalls::Token token)
+      : host_(host),
+        context_(context),
+        reactor_(reactor),
+        request_(request),
+        principal_(std::move(principal)),
+        token_(std::move(token)) {}
+
+  const Principal& principal() const { return principal_; }
+
+  /// Notes the call where it changes something. Context, request and response are gone afterwards.
+  void operator()(const absl::Status& status) {
+    host_.operations.Note(*context_, principal_, *request_, status);
+    reactor_->Finish(ToGrpc(status));
+  }
+
+ private:
+  const StorageHost& host_;
+  grpc::CallbackServerContext* context_;
+  grpc::ServerUnaryReactor* reactor_;
+  const Request* request_;
+  Principal principal_;
+  OpenCalls::Token token_;
+};
+
+/// Answers a unary call, if the caller has the permission. `work` begins on a thread of the host's
+/// pool, and gets the call's `UnaryEnd`, which it may hand on. Calls that read whole maps use the
+/// lengthy `lane`.
 template <typename Request, typename Work>
-grpc::ServerUnaryReactor* AnswerOn(const StorageHost& host, grpc::CallbackServerContext* context,
-                                   const Request* /*request*/, Work work,
-                                   Lane lane = Lane::kQuick) {
+grpc::ServerUnaryReactor* BeginAnswerOn(const StorageHost& host,
+                                        grpc::CallbackServerContext* context,
+                                        const Request* request, Work work,
+                                        Lane lane = Lane::kQuick) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   host.pool.Post(
-      [&host, context, reactor, work = std::move(work), token = OpenCalls::Token(host.open_calls)] {
-        const absl::StatusOr<Principal> principal =
+      [&host, context, reactor, request, work = std::move(work),
+       token = OpenCalls::Token(host.open_calls)]() mutable {
+        absl::StatusOr<Principal> principal =
             host.access.Authorize(*context, Request::descriptor());
-        if (!principal.ok()) {
-          reactor->Finish(ToGrpc(principal.status()));
-        } else if constexpr (std::is_invocable_v<Work, const Principal&>) {
-          reactor->Finish(ToGrpc(work(*principal)));
-        } else {
-          reactor->Finish(ToGrpc(work()));
-        }
+        if (!principal.ok()) return reactor->Finish(ToGrpc(principal.status()));
+        work(UnaryEnd<Request>(host, context, reactor, request, *std::move(principal),
+                               std::move(token)));
       },
       lane);
   return reactor;
+}
+
+/// The same for work that ends where it began: it fills the response and returns the call's
+/// absl::Status. Its argument is the calling Principal, or nothing.
+template <typename Request, typename Work>
+grpc::ServerUnaryReactor* AnswerOn(const StorageHost& host, grpc::CallbackServerContext* context,
+                                   const Request* request, Work work, Lane lane = Lane::kQuick) {
+  return BeginAnswerOn(
+      host, context, request,
+      [work = std::move(work)](UnaryEnd<Request> end) {
+        if constexpr (std::is_invocable_v<Work, const Principal&>) {
+          end(work(end.principal()));
+        } else {
+          end(work());
+        }
+      },
+      lane);
 }
 
 }  // namespace dcloc::server

@@ -111,6 +111,9 @@ class Session {
   /// Takes in a position fix and answers it.
   void TakeFix(const v1::PositionFix& fix, FixReply reply);
 
+  /// Of the last scan that was localized; none before the first one.
+  std::optional<Stamp> last_stamp() const { return order_.last_stamp(); }
+
   /// Goes on in another version of the map: the last pose and its covariance are the prior at the
   /// last scan. FailedPrecondition when the maps' anchors differ, and errors of the localizer's;
   /// then nothing changes.

@@ -198,6 +198,14 @@ absl::StatusOr<ListedSession> SessionRegistry::Get(absl::string_view tenant,
   return ListedSession{entry->second.record, IsDetached(entry->second.state)};
 }
 
+absl::StatusOr<std::shared_ptr<Session>> SessionRegistry::GetSession(
+    absl::string_view tenant, absl::string_view session_id) {
+  const std::lock_guard lock(mutex_);
+  const auto entry = FindOf(tenant, session_id);
+  if (entry == entries_.end()) return Gone(session_id, "session_id");
+  return entry->second.session;
+}
+
 SessionRegistry::Entries::iterator SessionRegistry::FindOf(absl::string_view tenant,
                                                            absl::string_view session_id) {
   const auto entry = entries_.find(session_id);

@@ -96,6 +96,10 @@ class SessionRegistry {
   /// A session of the tenant's. NotFound says why it is gone where that is still known.
   absl::StatusOr<ListedSession> Get(absl::string_view tenant, absl::string_view session_id);
 
+  /// The same, to be used on its strand.
+  absl::StatusOr<std::shared_ptr<Session>> GetSession(absl::string_view tenant,
+                                                      absl::string_view session_id);
+
   int count() const;
   SessionCensus Census() const;
   int max_session_count() const { return limits_.max_session_count; }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -116,6 +117,45 @@ absl::Status Drain(client::AdminClient& admin, const ServerArguments& arguments)
                                                      state->session_count(), arguments.wait_s));
 }
 
+/// "ok", or the code and what the server said.
+std::string ResultText(const v1::Operation& operation) {
+  if (operation.status_code() == 0) return "ok";
+  const auto code = static_cast<absl::StatusCode>(operation.status_code());
+  return absl::StrCat(absl::StatusCodeToString(code), ": ", operation.status_message());
+}
+
+ordered_json Json(const v1::Operation& operation) {
+  return {{"number", operation.number()},
+          {"time", TimeText(operation.time())},
+          {"principal", operation.principal()},
+          {"role", operation.role()},
+          {"peer", operation.peer()},
+          {"method", operation.method()},
+          {"request", operation.request()},
+          {"status_code", operation.status_code()},
+          {"status_message", operation.status_message()}};
+}
+
+absl::Status ShowOperations(client::AdminClient& admin, const ServerArguments& arguments) {
+  const auto operations = admin.ListOperations();
+  if (!operations.ok()) return operations.status();
+  if (arguments.json) {
+    ordered_json list = ordered_json::array();
+    for (const v1::Operation& operation : *operations) list.push_back(Json(operation));
+    absl::PrintF("%s\n", list.dump(2));
+    return absl::OkStatus();
+  }
+  std::vector<std::vector<std::string>> rows = {
+      {"time", "who", "role", "client", "call", "asked for", "result"}};
+  for (const v1::Operation& operation : *operations) {
+    rows.push_back({TimeText(operation.time()), operation.principal(), operation.role(),
+                    operation.peer(), operation.method().substr(operation.method().rfind('.') + 1),
+                    operation.request(), ResultText(operation)});
+  }
+  absl::PrintF("%s", FormatTable(rows));
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void AddServerCommand(CLI::App& app, int& exit_code) {
@@ -126,6 +166,13 @@ void AddServerCommand(CLI::App& app, int& exit_code) {
   CLI::App* command = AddAdminCommand(*server, "status", "Say what a server is doing", status,
                                       exit_code, &ShowStatus);
   command->footer("Example:\n  dcloc server status --server localhost:50051");
+
+  auto operations = std::make_shared<ServerArguments>();
+  command = AddAdminCommand(*server, "operations", "Say who changed what lately, newest first",
+                            operations, exit_code, &ShowOperations);
+  command->footer(
+      "The server keeps the last 1,000 since its start; its log has all.\n"
+      "Example:\n  dcloc server operations --server localhost:50051 --json");
 
   auto drain = std::make_shared<ServerArguments>();
   command =

@@ -1,17 +1,16 @@
 #include "server/maps/jobs/map_build.h"
 
 #include "absl/strings/str_format.h"
-#include "google/protobuf/util/time_util.h"
 #include "server/base/check.h"
 #include "server/base/status.h"
 #include "server/convert/geometry.h"
 #include "server/convert/map.h"
 #include "server/convert/scan.h"
+#include "server/convert/time.h"
 
 namespace dcloc::server {
 namespace {
 
-using google::protobuf::util::TimeUtil;
 
 constexpr std::size_t kMaxDescription = 1000;
 
@@ -75,8 +74,7 @@ void ToProto(const BuildRecord& record, v1::MapBuild* message) {
   message->set_state(ToProto(record.state));
   message->set_scan_count(record.scan_count);
   message->set_done_scan_count(record.done_scan_count);
-  *message->mutable_create_time() =
-      TimeUtil::NanosecondsToTimestamp(record.create_time.time_since_epoch().count());
+  *message->mutable_create_time() = convert::ToProto(record.create_time);
   message->set_error_code(static_cast<std::int32_t>(record.error.code()));
   message->set_error_message(std::string(record.error.message()));
   if (record.version) convert::ToProto(*record.version, message->mutable_version());

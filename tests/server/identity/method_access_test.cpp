@@ -24,9 +24,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
+/// For admins of the default tenant alone.
+bool IsForAdmins(const std::string& method) {
+  return method == "Drain" || method == "ListIdentities" || method == "RevokeIdentity";
+}
+
 /// The lowest role that may call a method; what only reads is for viewers.
 Role LowestRole(const std::string& method) {
-  if (method == "Drain") return Role::kAdmin;
+  if (IsForAdmins(method)) return Role::kAdmin;
   constexpr std::array kReading = {"Get", "List", "Read", "Find", "Download", "Watch"};
   const bool reads = std::ranges::any_of(
       kReading, [&](const char* verb) { return absl::StartsWith(method, verb); });
@@ -34,7 +39,7 @@ Role LowestRole(const std::string& method) {
 }
 
 bool MayCall(const Principal& caller, const std::string& method) {
-  const bool is_of_the_whole_server = method == "GetServerState" || method == "Drain";
+  const bool is_of_the_whole_server = method == "GetServerState" || IsForAdmins(method);
   if (is_of_the_whole_server && !caller.tenant.empty()) return false;
   if (caller.role == Role::kVehicle) return method == "Localize" || method == "FindCoverage";
   return caller.role >= LowestRole(method);

@@ -34,10 +34,13 @@ export function ellipseOf({ xx, xy, yy }: Pick<LivePose, "xx" | "xy" | "yy">): E
   };
 }
 
-function drawEllipse(
+/** A place and how well it is known. */
+export type UncertainPose = Pick<LivePose, "x" | "y" | "yaw" | "xx" | "xy" | "yy">;
+
+export function drawEllipse(
   context: CanvasRenderingContext2D,
   camera: Camera,
-  pose: LivePose,
+  pose: UncertainPose,
   colour: string,
 ): void {
   const { major, minor, angle } = ellipseOf(pose);
@@ -62,10 +65,11 @@ function drawEllipse(
   context.globalAlpha = 1;
 }
 
-function drawBody(
+/** An arrow, or the vehicle in its true size. */
+export function drawBody(
   context: CanvasRenderingContext2D,
   camera: Camera,
-  pose: LivePose,
+  pose: UncertainPose,
   colour: string,
   halo: string,
 ): void {

@@ -10,12 +10,13 @@ interface Props {
   map: { server: string; name: string; version: number } | undefined;
   extent: Bounds | undefined;
   firstView?: Bounds | undefined;
-  overlay?: Overlay;
+  overlay?: Overlay | undefined;
   vehicles: () => Iterable<Vehicle>;
   losses?: readonly Loss[];
   chosen?: string | undefined;
   follow?: boolean;
   onChoose?: (vehicle: Vehicle | undefined) => void;
+  onPlace?: ((x: number, y: number) => void) | undefined;
   onDrawn?: (landmarks: { shown: number; count: number }) => void;
   /** Changes when there is something new to draw. */
   tick?: number;
@@ -40,6 +41,7 @@ export function MapCanvas(props: Props) {
     ...(props.firstView ? { firstView: props.firstView } : {}),
     ...(props.overlay ? { overlay: props.overlay } : {}),
     ...(props.onChoose ? { onChoose: props.onChoose } : {}),
+    ...(props.onPlace ? { onPlace: props.onPlace } : {}),
     ...(props.onDrawn ? { onDrawn: props.onDrawn } : {}),
   });
 
@@ -60,7 +62,7 @@ export function MapCanvas(props: Props) {
   useEffect(() => scene.current?.set(content()));
 
   return (
-    <div class="map">
+    <div class={props.onPlace ? "map placing" : "map"}>
       <canvas ref={canvas} tabIndex={0} role="application" aria-label={t("map_canvas")} />
       <div class="map-buttons">
         <button onClick={() => scene.current?.zoom(1.6)} aria-label={t("zoom_in")} title={t("zoom_in")}>

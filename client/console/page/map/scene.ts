@@ -24,6 +24,8 @@ export interface SceneContent {
   chosen: string | undefined;
   follow: boolean;
   onChoose?: (vehicle: Vehicle | undefined) => void;
+  /** A click means this place, and chooses no vehicle. */
+  onPlace?: (x: number, y: number) => void;
   onDrawn?: (landmarks: { shown: number; count: number }) => void;
 }
 
@@ -205,8 +207,9 @@ export class Scene {
   private onUp(event: PointerEvent): void {
     this.pointers.delete(event.pointerId);
     if (event.type !== "pointerup" || this.dragged > 5) return;
-    const { vehicles, onChoose } = this.content;
+    const { vehicles, onChoose, onPlace } = this.content;
     const { offsetX, offsetY } = event;
+    if (onPlace) return onPlace(this.camera.toMapX(offsetX), this.camera.toMapY(offsetY));
     const now = performance.now();
     onChoose?.(vehicleAt(vehicles(), this.camera, offsetX, offsetY, PICK_RADIUS_PX, now));
   }

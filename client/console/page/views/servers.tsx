@@ -6,6 +6,8 @@ import { useCall } from "../parts/use_call.ts";
 import { count, dateTime, decimals, t } from "../texts/texts.ts";
 import { type ServerName, call } from "../wire/calls.ts";
 import { Code } from "../wire/failure.ts";
+import { Identities } from "./identities.tsx";
+import { Operations } from "./operations.tsx";
 
 const PERIOD_MS = 2_000;
 
@@ -20,7 +22,13 @@ export function ServersView({ servers }: { servers: readonly ServerName[] }) {
           <ServerCard key={server.name} server={server} />
         ))}
       </div>
-      <p class="hint">{t("tokens_hint")}</p>
+      {servers.map(({ name }) => (
+        <section key={name} class="sheet-part" aria-label={t("records_of", { server: name })}>
+          {servers.length > 1 && <h2>{name}</h2>}
+          <Operations server={name} />
+          <Identities server={name} />
+        </section>
+      ))}
     </div>
   );
 }

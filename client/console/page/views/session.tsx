@@ -16,6 +16,8 @@ import { BandChart, StateChanges } from "../session/band_chart.tsx";
 import { SessionCharts } from "../session/charts.tsx";
 import { explain } from "../session/explain.ts";
 import { History } from "../session/history.ts";
+import { FIRST_PROPOSAL, type ProposalDraft, drawProposal, isPlaced } from "../session/proposal.ts";
+import { ProposePose } from "../session/propose_pose.tsx";
 import { Sources } from "../session/sources.tsx";
 import { Why } from "../session/why.tsx";
 import { count, dateTime, t } from "../texts/texts.ts";
@@ -91,6 +93,12 @@ export function SessionView({ server, id, fleet, shelf }: Props) {
   );
   const extent = useMemo(() => extentOf(map.value?.info), [map.value]);
   const [isEnding, setEnding] = useState(false);
+  const [isProposing, setProposing] = useState(false);
+  const [proposal, setProposal] = useState<ProposalDraft>(FIRST_PROPOSAL);
+  const overlay = useMemo(
+    () => (isProposing && isPlaced(proposal) ? drawProposal(proposal) : undefined),
+    [isProposing, proposal],
+  );
   if (!session) {
     if (!loaded.failure) return <Loading />;
     return <FailureNotice failure={loaded.failure} retry={loaded.reload} />;
@@ -117,6 +125,11 @@ export function SessionView({ server, id, fleet, shelf }: Props) {
           <button onClick={() => go(pathOf("recordings", shelf.record(server, session.vehicleId).id))}>
             {t("record_next")}
           </button>
+          {!end && (
+            <button aria-pressed={isProposing} onClick={() => setProposing(!isProposing)}>
+              {t("propose_pose")} …
+            </button>
+          )}
           {!end && (
             <button class="danger" onClick={() => setEnding(true)}>
               {t("end_session")} …
@@ -152,9 +165,20 @@ export function SessionView({ server, id, fleet, shelf }: Props) {
             extent={extent}
             vehicles={() => (vehicle ? [vehicle] : [])}
             chosen={key}
+            overlay={overlay}
+            onPlace={isProposing ? (x, y) => setProposal((old) => ({ ...old, x, y })) : undefined}
             tick={fleet.tick}
           />
         </div>
+        {isProposing && !end && (
+          <ProposePose
+            server={server}
+            session={id}
+            proposal={proposal}
+            onChange={setProposal}
+            onClose={() => setProposing(false)}
+          />
+        )}
         <Sources health={health ?? session.health} />
         <Facts session={session} />
       </aside>

@@ -48,6 +48,18 @@ TEST_F(ServerCommandTest, TheStatusHasAllThatTheServerTells) {
               AllOf(HasSubstr("0 streams of 1000"), HasSubstr("none, plaintext")));
 }
 
+TEST_F(ServerCommandTest, WhatWasChangedIsSaidWithWhoDidIt) {
+  const auto session = OpenSession("car-1");
+  EXPECT_EQ(Dcloc(At("session end") + "car-1 --reason roadworks").exit_code, 0);
+  const json operations = json::parse(Dcloc(At("server operations") + "--json").out);
+  ASSERT_GE(operations.size(), 2U);
+  EXPECT_EQ(operations[0]["method"], "dcloc.v1.AdminService.EndSession");
+  EXPECT_EQ(operations[0]["principal"], "anonymous");
+  EXPECT_EQ(operations[0]["status_code"], 0);
+  EXPECT_THAT(Dcloc(At("server operations")).out,
+              AllOf(HasSubstr("EndSession"), HasSubstr("roadworks"), HasSubstr("UploadMap")));
+}
+
 TEST_F(ServerCommandTest, ADrainThatTakesTooLongIsAnError) {
   server::ServerConfig config = server::TestServer::StubConfig();
   config.drain_grace_ms = 60'000;

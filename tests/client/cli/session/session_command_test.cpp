@@ -55,6 +55,22 @@ TEST_F(SessionCommandTest, ANameThatIsNotOneSessionsIsAnError) {
   EXPECT_EQ(Dcloc(At("session show")).exit_code, 2);
 }
 
+TEST_F(SessionCommandTest, APoseIsProposed) {
+  const auto session = OpenSession("car-1");
+  const std::string propose = At("session propose") + "car-1 --x 12 --y -3 ";
+  const Result early = Dcloc(propose);
+  EXPECT_EQ(early.exit_code, 1);
+  EXPECT_THAT(early.err, HasSubstr("no scan"));
+  ASSERT_TRUE(session->Localize(server::ScanMessage(0)).has_value());
+  const json answer = json::parse(Dcloc(propose + "--yaw-deg 90 --json").out);
+  EXPECT_EQ(answer["session_id"], ids_[0]);
+  EXPECT_EQ(answer["stamp_ns"], server::ScanMessage(0).stamp_ns());
+  EXPECT_EQ(answer["use"], "contradicted") << "by the stub";
+  EXPECT_THAT(Dcloc(propose).out, HasSubstr("contradicted"));
+  EXPECT_EQ(Dcloc(propose + "--sigma-m 0").exit_code, 2);
+  EXPECT_EQ(Dcloc(At("session propose") + "car-1 --x 12").exit_code, 2);
+}
+
 TEST_F(SessionCommandTest, AnswersAreWatched) {
   const auto session = OpenSession("car-1");
   DclocProcess watch(At("session watch") + "car-1 --json --count 2");

@@ -173,6 +173,23 @@ test("what is downloaded is what was uploaded", async () => {
   assert.ok(readFileSync(await file.path()).equals(readFileSync(join(town.folder, "second.dclm"))));
 });
 
+/** Where a session's vehicle is, as nearly as a click can say it: its map shows the whole town. */
+async function proposeByClick(): Promise<void> {
+  await page.getByRole("button", { name: "Propose a pose" }).click();
+  const form = page.getByRole("region", { name: "Propose a pose" });
+  const submit = form.getByRole("button", { name: "Propose" });
+  assert.ok(await submit.isDisabled(), "no place is chosen yet");
+  await page.locator(".session-map canvas").click({ position: { x: 60, y: 60 } });
+  assert.match(await form.getByLabel("x, m").inputValue(), /^-?\d/);
+  await form.getByLabel("Heading").fill("90");
+  await form.getByLabel("Spread").fill("30");
+  assert.deepEqual(await seriousFindings(page), []);
+  await submit.click();
+  // Somewhere else in the town, or near enough: the radars decide.
+  await form.getByText(/The radars contradict it|It is fused/).waitFor();
+  await form.getByRole("button", { name: "Close" }).click();
+}
+
 test("a session is told in words and time lines, and can be ended", async () => {
   await page.goto(`${bridge.address}/live`);
   await page.locator(".row").first().getByRole("button").first().click();
@@ -182,10 +199,21 @@ test("a session is told in words and time lines, and can be ended", async () => 
   await page.getByRole("img", { name: /^States over time: Tracking/ }).waitFor();
   await page.getByRole("heading", { name: "Sources" }).waitFor();
   assert.deepEqual(await seriousFindings(page), []);
+  await proposeByClick();
   await page.getByRole("button", { name: "End the session" }).click();
   await dialog().getByLabel("Reason").fill("<b>maintenance</b>");
   await dialog().getByRole("button", { name: "End the session" }).click();
   await page.getByText("The session is over").waitFor();
+});
+
+test("who changed what is listed, and what is hostile in it is only shown", async () => {
+  await page.goto(`${bridge.address}/servers`);
+  const row = (call: string) => page.getByRole("row").filter({ hasText: call }).first();
+  await row("EndSession").getByText("<b>maintenance</b>").waitFor();
+  await row("DeleteMapVersion").getByText("failed").waitFor();
+  await row("ProposePose").getByText("anonymous").waitFor();
+  await page.getByText("There are none: everyone who reaches the server is an admin.").waitFor();
+  assert.deepEqual(await seriousFindings(page), []);
 });
 
 test("a server that leaves is told, and its vehicles are back when it is", async () => {

@@ -84,6 +84,22 @@ test("a token that is revoked while the page is open ends the visit with a word"
   await page.close();
 });
 
+test("an admin sees who is let in, and revokes one", async () => {
+  const { page, faults } = await openPage(browser, bridge.address);
+  const revoked = createToken("mallory", "operator");
+  await signIn(page, createToken("alice", "admin"));
+  await page.getByRole("link", { name: "Servers" }).click();
+  await page.getByRole("button", { name: "Revoke: mallory" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByText("Sessions that are open go on").waitFor();
+  await dialog.getByRole("button", { name: "Revoke" }).click();
+  await page.getByRole("row").filter({ hasText: "mallory" }).getByText("revoked").waitFor();
+  await page.getByRole("row").filter({ hasText: "RevokeIdentity" }).getByText("alice").waitFor();
+  assert.ok(!(await page.content()).includes(revoked));
+  assert.deepEqual(faults, []);
+  await page.close();
+});
+
 test("the bridge answers nobody else", async () => {
   const { address } = bridge;
   const as = (headers: Record<string, string>, path = "/feed", method = "GET") =>
