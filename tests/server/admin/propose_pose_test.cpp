@@ -64,7 +64,7 @@ TEST_F(ProposePoseTest, ErrorsNameWhatIsWrong) {
   endless.mutable_pose()->set_covariance(0, std::numeric_limits<double>::infinity());
   const grpc::Status status = Propose(endless, &response);
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(status.error_message(), HasSubstr("covariance[0]"));
+  EXPECT_THAT(status.error_message(), HasSubstr("pose.covariance[0]"));
   EXPECT_TRUE(session->Localize(ScanMessage(1))->has_result());
 }
 

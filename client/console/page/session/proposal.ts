@@ -1,3 +1,5 @@
+import type { MessageInitShape } from "@bufbuild/protobuf";
+import type { PoseWithCovarianceSchema } from "proto/dcloc/v1/geometry_pb.ts";
 import type { Overlay } from "../map/scene.ts";
 import { drawBody, drawEllipse } from "../map/draw_vehicles.ts";
 
@@ -31,7 +33,13 @@ const ANY_YAW_VARIANCE = Math.PI ** 2 / 3;
 const radians = (degrees: number): number => (degrees * Math.PI) / 180;
 
 /** As PoseWithCovariance. */
-export function poseOf({ x, y, yawDeg, sigmaM, yawSigmaDeg }: Proposal) {
+export function poseOf({
+  x,
+  y,
+  yawDeg,
+  sigmaM,
+  yawSigmaDeg,
+}: Proposal): MessageInitShape<typeof PoseWithCovarianceSchema> {
   const half = radians(yawDeg ?? 0) / 2;
   const variances = [
     sigmaM ** 2,
@@ -43,7 +51,7 @@ export function poseOf({ x, y, yawDeg, sigmaM, yawSigmaDeg }: Proposal) {
   ];
   return {
     pose: {
-      translation: { x, y, z: 0 },
+      translationM: { x, y, z: 0 },
       rotation: { w: Math.cos(half), x: 0, y: 0, z: Math.sin(half) },
     },
     covariance: Array.from({ length: 36 }, (_, i) => (i % 7 === 0 ? variances[i / 7]! : 0)),

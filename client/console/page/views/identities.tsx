@@ -54,7 +54,7 @@ interface TableProps {
 
 function IdentityTable({ identities, onRevoke }: TableProps) {
   return (
-    <div class="table-frame">
+    <div class="table-frame" role="region" aria-label={t("identities")} tabIndex={0}>
       <table>
         <thead>
           <tr>

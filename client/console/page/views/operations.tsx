@@ -33,7 +33,7 @@ export function Operations({ server }: { server: string }) {
 
 function OperationTable({ operations }: { operations: readonly Operation[] }) {
   return (
-    <div class="table-frame">
+    <div class="table-frame" role="region" aria-label={t("operations")} tabIndex={0}>
       <table>
         <thead>
           <tr>

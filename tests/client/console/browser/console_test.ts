@@ -186,7 +186,7 @@ async function proposeByClick(): Promise<void> {
   assert.deepEqual(await seriousFindings(page), []);
   await submit.click();
   // Somewhere else in the town, or near enough: the radars decide.
-  await form.getByText(/The radars contradict it|It is fused/).waitFor();
+  await form.getByText(/^(The radars contradict it|It is fused|It guides)/).waitFor();
   await form.getByRole("button", { name: "Close" }).click();
 }
 

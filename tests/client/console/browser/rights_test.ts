@@ -66,7 +66,9 @@ test("a vehicle's token sees that it may see nothing", async () => {
   await page.getByRole("navigation").getByRole("link", { name: "Maps" }).click();
   await page.getByText("Not permitted").waitFor();
   await page.getByRole("link", { name: "Servers" }).click();
-  await page.getByText("Not permitted").waitFor();
+  await page.getByText("Not permitted").first().waitFor();
+  // The server's state, what was changed, and who is let in.
+  assert.equal(await page.getByText("Not permitted").count(), 3);
   assert.deepEqual(faults, []);
   await page.close();
 });

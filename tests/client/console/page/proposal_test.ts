@@ -1,7 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { isPlaced, poseOf } from "../../../../client/console/page/session/proposal.ts";
+import { create } from "@bufbuild/protobuf";
+import { PoseWithCovarianceSchema } from "proto/dcloc/v1/geometry_pb.ts";
+import { type Proposal, isPlaced, poseOf } from "../../../../client/console/page/session/proposal.ts";
 
+const messageOf = (proposal: Proposal) => create(PoseWithCovarianceSchema, poseOf(proposal));
 const PLACED = { x: 12, y: -3, yawDeg: undefined, sigmaM: 5, yawSigmaDeg: 10 };
 
 test("a proposal needs a place and a spread; its heading may be any", () => {
@@ -12,10 +15,11 @@ test("a proposal needs a place and a spread; its heading may be any", () => {
 });
 
 test("it becomes a pose with a covariance", () => {
-  const { pose, covariance } = poseOf({ ...PLACED, yawDeg: 90 });
-  assert.deepEqual(pose.translation, { x: 12, y: -3, z: 0 });
-  assert.ok(Math.abs(pose.rotation.w - Math.SQRT1_2) < 1e-12);
-  assert.ok(Math.abs(pose.rotation.z - Math.SQRT1_2) < 1e-12);
+  const { pose, covariance } = messageOf({ ...PLACED, yawDeg: 90 });
+  assert.equal(pose!.translationM!.x, 12);
+  assert.equal(pose!.translationM!.y, -3);
+  assert.ok(Math.abs(pose!.rotation!.w - Math.SQRT1_2) < 1e-12);
+  assert.ok(Math.abs(pose!.rotation!.z - Math.SQRT1_2) < 1e-12);
   assert.equal(covariance.length, 36);
   assert.equal(covariance[0], 25);
   assert.equal(covariance[7], 25);
@@ -24,6 +28,6 @@ test("it becomes a pose with a covariance", () => {
 });
 
 test("a heading that is not given is spread over all of them", () => {
-  const { covariance } = poseOf(PLACED);
+  const { covariance } = messageOf(PLACED);
   assert.ok(Math.abs(covariance[35]! - Math.PI ** 2 / 3) < 1e-12);
 });
