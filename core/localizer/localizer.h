@@ -12,6 +12,7 @@
 #include "core/localizer/localization_state.h"
 #include "core/localizer/localizer_options.h"
 #include "core/localizer/localizer_snapshot.h"
+#include "core/localizer/pose_resets.h"
 #include "core/localizer/position_fix.h"
 #include "core/localizer/workspace.h"
 #include "core/map/radar_map.h"
