@@ -49,7 +49,7 @@ struct Localization {
   /// the vertical ones by planar radars, and not the way along smooth walls.
   std::bitset<6> observed;
   /// The horizontal position is off by no more than this, but for once in ten thousand times
-  /// (METHOD eq 47). Absent where nothing is promised, as always where the state is not tracking.
+  /// (METHOD eq 56). Absent where nothing is promised, as always where the state is not tracking.
   std::optional<double> protection_level_m;
   Health health;
   PoseResets resets;

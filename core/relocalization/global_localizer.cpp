@@ -300,7 +300,7 @@ bool GlobalLocalizer<Dim>::StandsOut(const Candidate& candidate) const {
   });
 }
 
-// METHOD eq 46. The more views there are, the more must speak for another place. One that fits less
+// METHOD eq 52. The more views there are, the more must speak for another place. One that fits less
 // well is right only where the whole map has nothing as good.
 template <int Dim>
 bool GlobalLocalizer<Dim>::IsExpectedRight(const Candidate& expected) const {

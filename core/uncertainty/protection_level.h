@@ -25,7 +25,7 @@ std::span<const OptionField<ProtectionLevelOptions>> FieldsOf(
 absl::Status Validate(const ProtectionLevelOptions& options);
 
 /// A bound of the horizontal error from the covariance and from how large innovations have been
-/// beside what it let expect (METHOD eq 47).
+/// beside what it let expect (METHOD eq 56).
 class ProtectionLevel {
  public:
   explicit ProtectionLevel(const ProtectionLevelOptions& options) : options_(options) {}
