@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -15,16 +14,14 @@
 #include "absl/strings/str_split.h"
 #include "client/datasets/check_range.h"
 #include "client/datasets/file_error.h"
-#include "core/geometry/covariance.h"
 #include "core/geometry/degrees.h"
+#include "core/radar/stamp.h"
+#include "core/relocalization/gnss_prior.h"
 
 namespace dcloc {
 namespace {
 
 constexpr const char* kStampColumn = "stamp_ns";
-constexpr std::int64_t kMaxStamp_ns = 4'102'444'800'000'000'000;  ///< the year 2100
-constexpr double kUnknownYawVariance_rad2 = std::numbers::pi * std::numbers::pi / 3.0;
-constexpr double kRollPitchSigma_rad = 3.0 * kRadPerDeg;
 
 struct FixColumn {
   const char* name;
@@ -109,6 +106,7 @@ absl::StatusOr<double> FixNumberOf(const FixColumn& column, absl::string_view te
 
 absl::StatusOr<Stamp> FixStampOf(absl::string_view text) {
   std::int64_t stamp_ns = 0;
+  constexpr std::int64_t kMaxStamp_ns = kMaxStamp.time_since_epoch().count();
   if (!absl::SimpleAtoi(text, &stamp_ns) || stamp_ns < 1 || stamp_ns > kMaxStamp_ns) {
     return absl::DataLossError(absl::StrFormat(
         "stamp_ns is \"%s\"; it must be an integer in [1, %d]", text, kMaxStamp_ns));
@@ -177,17 +175,13 @@ FixValues FixValuesOf(const StampedFix& fix) {
 }  // namespace
 
 InitialPose PoseOf(const MapFix& fix) {
-  const double horizontal_m2 = fix.horizontal_sigma_m * fix.horizontal_sigma_m;
-  const double yaw_sigma_rad = fix.yaw_sigma_deg * kRadPerDeg;
-  const double yaw_rad2 = fix.yaw_deg ? yaw_sigma_rad * yaw_sigma_rad : kUnknownYawVariance_rad2;
-  InitialPose pose;
-  pose.T_map_vehicle.translation_m = fix.p_map;
-  pose.T_map_vehicle.rotation =
-      Eigen::AngleAxisd(fix.yaw_deg.value_or(0.0) * kRadPerDeg, Eigen::Vector3d::UnitZ());
-  pose.covariance = EmbedCovariance(
-      Eigen::Vector3d(horizontal_m2, horizontal_m2, yaw_rad2).asDiagonal(),
-      fix.vertical_sigma_m * fix.vertical_sigma_m, kRollPitchSigma_rad * kRollPitchSigma_rad);
-  return pose;
+  MapPosition position{.p_map = fix.p_map,
+                       .horizontal_sigma_m = fix.horizontal_sigma_m,
+                       .vertical_sigma_m = fix.vertical_sigma_m,
+                       .yaw_rad = std::nullopt,
+                       .yaw_sigma_rad = fix.yaw_sigma_deg * kRadPerDeg};
+  if (fix.yaw_deg) position.yaw_rad = *fix.yaw_deg * kRadPerDeg;
+  return PriorFromPosition(position);
 }
 
 absl::StatusOr<std::vector<StampedFix>> ReadFixes(const std::filesystem::path& path) {

@@ -33,7 +33,7 @@ class CurrentPose {
   /// Starts anew at the newest scan with a pose, and with what it varies by beside what it weighs.
   void GoOnFrom(const PoseEstimate<Dim>& now, const NoiseKnowledge& noise) {
     Reset(now);
-    noise_scales_.Suppose(noise);
+    noise_scales_.StartFrom(noise);
   }
   /// There is no pose any more.
   void Clear() { chains_.Clear(); }

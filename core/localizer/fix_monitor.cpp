@@ -3,8 +3,6 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "core/localizer/position_fix.h"
-
 namespace dcloc {
 namespace {
 
@@ -15,8 +13,6 @@ Eigen::Matrix2d HorizontalCovariance(const PoseEstimate<3>& estimate) {
 }
 
 }  // namespace
-
-absl::Status Validate(const PositionFix& fix) { return Validate(fix.pose); }
 
 std::span<const OptionField<FixMonitorOptions>> FieldsOf(const FixMonitorOptions& /*options*/) {
   using O = FixMonitorOptions;

@@ -3,7 +3,6 @@
 #include <cstddef>
 
 #include "absl/container/inlined_vector.h"
-#include "core/geometry/pose.h"
 #include "core/localizer/radar_monitor.h"
 #include "core/odometry/ego_motion.h"
 #include "core/odometry/learned_rig.h"
@@ -31,14 +30,5 @@ bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
 /// another clock is used, as its stamps are brought to the clock of the others.
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
                     const RadarMonitor& radar_monitor);
-
-/// Resets, changes of the answered pose that the vehicle did not make: a place found anew, a motion
-/// that was missed, a large correction. What the vehicle has moved meanwhile is no part of them.
-struct PoseResets {
-  int count = 0;
-  /// The last one, in the vehicle frame: the pose without it, times this, is the pose with it. A
-  /// controller that keeps a path undoes it.
-  Pose3 T_before_after;
-};
 
 }  // namespace dcloc

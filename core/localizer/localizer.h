@@ -12,6 +12,7 @@
 #include "core/localizer/localization_state.h"
 #include "core/localizer/localizer_options.h"
 #include "core/localizer/localizer_snapshot.h"
+#include "core/localizer/pose_resets.h"
 #include "core/localizer/position_fix.h"
 #include "core/localizer/workspace.h"
 #include "core/map/radar_map.h"
@@ -48,7 +49,7 @@ struct Localization {
   /// the vertical ones by planar radars, and not the way along smooth walls.
   std::bitset<6> observed;
   /// The horizontal position is off by no more than this, but for once in ten thousand times
-  /// (METHOD eq 47). Absent where nothing is promised, as always where the state is not tracking.
+  /// (METHOD eq 56). Absent where nothing is promised, as always where the state is not tracking.
   std::optional<double> protection_level_m;
   Health health;
   PoseResets resets;

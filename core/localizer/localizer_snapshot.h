@@ -5,6 +5,7 @@
 
 #include "absl/status/status.h"
 #include "core/localizer/health.h"
+#include "core/localizer/pose_resets.h"
 #include "core/localizer/tracking_state_machine.h"
 #include "core/odometry/rig_knowledge.h"
 #include "core/radar/ego_velocity.h"

@@ -216,7 +216,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<
   const std::span<const GaussianPoint<Dim>> live = workspace.submap.points;
   std::optional<Registration<Dim>> registration;
   const std::optional<Place> place = SearchPlace(live, stamp, workspace.registration);
-  found_elsewhere_ = place && !place->is_supposed;
+  found_elsewhere_ = place && !place->is_expected;
   if (found_elsewhere_) {
     EnterLocalFrame(place->T_map_vehicle.translation_m, workspace.registration);
     registration = matcher_.MatchFound(live, place->T_map_vehicle, options_.global.gate,
@@ -237,19 +237,19 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<
 template <int Dim>
 std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
     std::span<const GaussianPoint<Dim>> live, Stamp stamp, RegistrationWorkspace<Dim>& workspace) {
-  using Belief = typename GlobalLocalizer<Dim>::Belief;
-  std::optional<typename Relocalizer<Dim>::Supposition> supposed;
+  using Basis = typename GlobalLocalizer<Dim>::Basis;
+  std::optional<typename Relocalizer<Dim>::ExpectedPlace> expected;
   if (tracking_.has_pose()) {
     if (!tracking_.needs_verification()) return std::nullopt;
     if (scan_checker_.IsTooSoonToJudge(stamp, submap_.span())) return std::nullopt;
-    supposed = {.T_map_vehicle = NowInMap().pose,
-                .belief = tracking_.mode() == TrackingMode::kConfirmingPrior ? Belief::kPrior
-                                                                             : Belief::kDoubted};
+    expected = {.T_map_vehicle = NowInMap().pose,
+                .basis = tracking_.mode() == TrackingMode::kConfirmingPrior ? Basis::kPrior
+                                                                            : Basis::kDoubted};
     if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
   }
   std::optional<Place> place =
-      relocalizer_.Search(stamp, live, submap_.span(), supposed, workspace);
-  if (place && place->is_supposed) {
+      relocalizer_.Search(stamp, live, submap_.span(), expected, workspace);
+  if (place && place->is_expected) {
     tracking_.OnVerified();
     scan_checker_.Forget();
     fix_monitor_.OnRefuted();

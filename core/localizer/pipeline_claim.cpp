@@ -6,7 +6,7 @@
 
 namespace dcloc {
 
-// A stamp that is off is an error along the way (METHOD eq 50).
+// A stamp that is off is an error along the way (METHOD eq 54).
 template <int Dim>
 void Pipeline<Dim>::Claim(Localization& answer) {
   const EgoVelocity velocity = ego_motion_.velocity().value_or(EgoVelocity{});
@@ -24,7 +24,7 @@ void Pipeline<Dim>::Claim(Localization& answer) {
   answer.covariance += std::pow(stamp_error_.sigma_s, 2) * per_second * per_second.transpose();
 }
 
-// METHOD eq 65. What stands still lies in the map where the vehicle has really come to.
+// METHOD eq 50. What stands still lies in the map where the vehicle has really come to.
 template <int Dim>
 void Pipeline<Dim>::TellSourcesApart(Workspace<Dim>& workspace) {
   const std::optional<Pose3> T_used_rival = ego_motion_.RivalPlace();

@@ -52,7 +52,7 @@ void Pipeline<Dim>::GoOnFrom(const LocalizerSnapshot& snapshot) {
   // The prior that came with the opening is of a later moment.
   relocalizer_.SetPrior({.pose = T_map_vehicle, .covariance = snapshot.pose.covariance});
   reset_counter_.GoOnFrom(snapshot.resets, T_map_vehicle);
-  protection_level_.Suppose(snapshot.squared_innovation);
+  protection_level_.StartFrom(snapshot.squared_innovation);
   factor_count_ = snapshot.factor_count;
 }
 

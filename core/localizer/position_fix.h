@@ -28,6 +28,6 @@ inline constexpr std::array<const char*, 4> kFixUseNames = {"fused", "guides sea
                                                             "contradicted", "out of time"};
 
 /// OK, or InvalidArgument that names what is no pose or no covariance.
-absl::Status Validate(const PositionFix& fix);
+inline absl::Status Validate(const PositionFix& fix) { return Validate(fix.pose); }
 
 }  // namespace dcloc

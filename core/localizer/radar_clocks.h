@@ -29,7 +29,7 @@ absl::Status Validate(const RadarClocksOptions& options);
 
 /// Brings the stamps of a rig's radars to one clock. Scans arrive about in the order in which they
 /// were taken, so that the order of arrival tells by how much a radar's clock is off (METHOD eq
-/// 49).
+/// 53).
 class RadarClocks {
  public:
   RadarClocks(std::size_t radar_count, const RadarClocksOptions& options)

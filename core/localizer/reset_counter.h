@@ -5,7 +5,7 @@
 
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
-#include "core/localizer/health.h"
+#include "core/localizer/pose_resets.h"
 #include "core/options/option_fields.h"
 
 namespace dcloc {

@@ -75,7 +75,7 @@ bool StampMonitor::Suspect(Watched& radar, nanoseconds interval) const {
   return true;
 }
 
-// METHOD eq 50. At first the period is the mean of the intervals.
+// METHOD eq 54. At first the period is the mean of the intervals.
 void StampMonitor::Follow(Watched& radar, Stamp stamp) const {
   const double interval_s = SecondsOf(stamp - *radar.last);
   if (radar.interval_count < options_.min_interval_count) {

@@ -47,7 +47,7 @@ struct StampError {
 };
 
 /// Tells from the stamps of each radar how exact they are. Radars scan in a period of their own, so
-/// stamps that leave its line are rounded, leap, or come after scans that were lost (METHOD eq 50).
+/// stamps that leave its line are rounded, leap, or come after scans that were lost (METHOD eq 54).
 /// Stamps that radars share say only that the scans are of one cycle.
 class StampMonitor {
  public:

@@ -23,7 +23,7 @@ enum class TrackingMode {
 enum class TrackingEvent {
   kPriorGiven,    ///< a prior that registrations can start from
   kPlaceFound,    ///< by global localization
-  kVerified,      ///< global localization finds no better place than the supposed one
+  kVerified,      ///< global localization finds no better place than the expected one
   kDoubted,       ///< a scan does not fit the map where it should, or fixes lie elsewhere
   kAgreed,        ///< `agreements` scans in a row do, and a registration was accepted meanwhile
   kConfirmed,     ///< `confirmations` accepted registrations in a row, where that is enough

@@ -6,7 +6,8 @@
 namespace dcloc {
 namespace {
 
-constexpr std::size_t kMaxTried = 40;  // fixes that candidates are made of
+constexpr std::size_t kMaxTried = 40;     // fixes that candidates are made of
+constexpr double kAgreementSigmas = 3.0;  // 99 % of what is normal in the plane
 
 // A fix and where the nodes say that the vehicle was.
 struct Tie {
@@ -34,7 +35,7 @@ Agreement AgreeingWith(const Pose2& T, std::span<const Tie> ties, double slack_m
   Eigen::Vector2d min_m = Eigen::Vector2d::Constant(1e300);
   Eigen::Vector2d max_m = -min_m;
   for (const Tie& tie : ties) {
-    if ((T * tie.p_nodes - tie.p_map).norm() > 3.0 * tie.sigma_m + slack_m) continue;
+    if ((T * tie.p_nodes - tie.p_map).norm() > kAgreementSigmas * tie.sigma_m + slack_m) continue;
     ++agreement.count;
     min_m = min_m.cwiseMin(tie.p_map);
     max_m = max_m.cwiseMax(tie.p_map);

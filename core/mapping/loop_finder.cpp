@@ -18,6 +18,7 @@ std::span<const OptionField<LoopFinderOptions>> FieldsOf(const LoopFinderOptions
       {"drift_share", &O::drift_share, 1e-5, 1},
       {"drift_rad_per_m", &O::drift_rad_per_m, 1e-7, 0.1},
       {"max_sigma_m", &O::max_sigma_m, 0.1, 100},
+      {"search_sigmas", &O::search_sigmas, 0.5, 10},
       {"view_half_count", &O::view_half_count, 0, 20, "a view is one node"},
   };
   return kFields;
@@ -26,6 +27,7 @@ std::span<const OptionField<LoopFinderOptions>> FieldsOf(const LoopFinderOptions
 absl::Status Validate(const LoopFinderOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
   status.Update(Within("matcher", Validate(options.matcher)));
+  status.Update(Within("way_costs", Validate(options.way_costs)));
   status.Update(Within("neighbour_gate", Validate(options.neighbour_gate)));
   status.Update(Within("loop_gate", Validate(options.loop_gate)));
   return status;
@@ -62,9 +64,12 @@ std::optional<NetworkEdge> LoopFinder::Register(const SurveyGraph& graph, std::s
   // As far as the search may move the view, the target has ground beneath it.
   const DriveTrack& track = graph.track(graph.PlaceOf(from).drive);
   const double spacing_m = std::max(1.0, track.way_m / static_cast<double>(track.nodes.size()));
-  const auto wider = static_cast<std::size_t>(std::ceil(2.0 * guess.sigma_m / spacing_m));
+  const auto wider =
+      static_cast<std::size_t>(std::ceil(options_.search_sigmas * guess.sigma_m / spacing_m));
+  // A view of more nodes is bent by the ego-motion within it.
+  constexpr std::size_t kMaxWider = 4;
   const LocalMap<2> target(
-      Pose3{}, graph.ViewOf(from, options_.view_half_count + 1 + std::min<std::size_t>(wider, 4)));
+      Pose3{}, graph.ViewOf(from, options_.view_half_count + 1 + std::min(wider, kMaxWider)));
   const std::optional<SubmapMatch> match =
       matcher_.Match(graph.ViewOf(to, options_.view_half_count), target, guess, gate);
   if (!match) return std::nullopt;
@@ -97,14 +102,14 @@ std::vector<LoopFinder::Visit> LoopFinder::VisitsNear(const SurveyGraph& graph,
   const double limit_m = (options_.max_sigma_m - options_.base_sigma_m) / options_.drift_share;
   std::vector<Visit> near;
   const SurveyGraph::Place here = graph.PlaceOf(node);
-  for (const auto& [other, way_m] : graph.WaysFrom(node, limit_m)) {
+  for (const auto& [other, way_m] : graph.WaysFrom(node, limit_m, options_.way_costs)) {
     if (other >= node) continue;
     if (graph.PlaceOf(other).drive == here.drive &&
         graph.node(node).way_m - graph.node(other).way_m < options_.min_loop_way_m) {
       continue;
     }
     const double distance_m = (graph.CentreOf(node) - graph.CentreOf(other)).norm();
-    if (distance_m <= options_.near_m + 2.0 * SigmaAfter(way_m)) {
+    if (distance_m <= options_.near_m + options_.search_sigmas * SigmaAfter(way_m)) {
       near.push_back({other, way_m, distance_m});
     }
   }

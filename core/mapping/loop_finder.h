@@ -27,7 +27,10 @@ struct LoopFinderOptions {
   double drift_rad_per_m = 5e-5;
   /// Where the deviation is larger than this, nearness says nothing: that is for place search.
   double max_sigma_m = 17.0;
+  /// How many such deviations two views may be apart for a registration to be tried.
+  double search_sigmas = 2.0;
   std::size_t view_half_count = 1;  ///< nodes before and after that take part in a view
+  WayCosts way_costs;               ///< what joins nodes otherwise than by driving
 };
 std::span<const OptionField<LoopFinderOptions>> FieldsOf(const LoopFinderOptions& options);
 absl::Status Validate(const LoopFinderOptions& options);
@@ -48,7 +51,7 @@ class LoopFinder {
   std::vector<NetworkEdge> NearLoops(const SurveyGraph& graph, std::size_t stride,
                                      const std::function<bool(double)>& progress);
 
-  /// The registration of node `to` around a supposed place in the frame of node `from`.
+  /// The registration of node `to` around an expected place in the frame of node `from`.
   std::optional<NetworkEdge> Register(const SurveyGraph& graph, std::size_t from, std::size_t to,
                                       const SubmapGuess& guess, const RegistrationGate& gate);
 

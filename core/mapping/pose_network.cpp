@@ -14,6 +14,11 @@
 namespace dcloc {
 namespace {
 
+// The rounds end when no weight changes by more than this, and each is all or nothing to within a
+// tenth.
+constexpr double kSettledWeight = 1e-3;
+constexpr double kNearlyHard = 10.0;
+
 // A vehicle's position from a node's pose, whitened.
 struct FixResidual {
   NetworkFix fix;
@@ -238,7 +243,7 @@ absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::vector<Pose2> T_map_nodes,
               return fix_doubt.Weight(SquaredDistance(fix, solution.T_map_nodes), mu);
             },
             solution.fix_weights));
-    if (change < 1e-3 && mu > 10.0) break;
+    if (change < kSettledWeight && mu > kNearlyHard) break;
     if (absl::Status status = network.Solve(solution.edge_weights, solution.fix_weights);
         !status.ok()) {
       return status;

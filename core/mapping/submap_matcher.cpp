@@ -21,6 +21,7 @@ std::span<const OptionField<SubmapMatcherOptions>> FieldsOf(
       {"search_sigmas", &O::search_sigmas, 0.5, 10},
       {"candidate_count", &O::candidate_count, 1, 100},
       {"search_point_count", &O::search_point_count, 10, 10'000},
+      {"search_window_cells", &O::search_window_cells, 2, 1000},
       {"max_search_cell_m", &O::max_search_cell_m, 0.1, 5},
       {"min_search_cell_m", &O::min_search_cell_m, 0.1, 5},
   };
@@ -69,13 +70,14 @@ std::vector<Pose2> SubmapMatcher::Starts(std::span<const GaussianPoint<2>> live,
                                          double& start_sigma_m) const {
   if (guess.sigma_m < options_.search_sigma_m) return {guess.T_target_live};
   const double reach_m = options_.search_sigmas * guess.sigma_m;
-  const double cell_m =
-      std::clamp(reach_m / 15.0, options_.min_search_cell_m, options_.max_search_cell_m);
+  const double cell_m = std::clamp(2.0 * reach_m / options_.search_window_cells,
+                                   options_.min_search_cell_m, options_.max_search_cell_m);
   start_sigma_m = cell_m;
   const LikelihoodField field(target, cell_m);
   const std::vector<Eigen::Vector2f> points =
       PositionsOf<2>(EvenSubsample<2>(live, options_.search_point_count));
-  const double reach_rad = std::min(options_.search_sigmas * guess.sigma_rad, 3.1);
+  constexpr double kAllAround_rad = 3.1;  // short of a half turn, which would be searched twice
+  const double reach_rad = std::min(options_.search_sigmas * guess.sigma_rad, kAllAround_rad);
   std::vector<Pose2> starts;
   for (const PoseCandidate& candidate :
        CorrelativeSearch(points, field,

@@ -23,7 +23,8 @@ struct SubmapMatcherOptions {
   double search_sigmas = 3.0;  ///< how far it reaches
   int candidate_count = 4;     ///< of its results that are registered
   int search_point_count = 250;
-  /// Its cells, at most: in a small window they are a thirtieth of its width.
+  /// Its cells: a window of any width is this many wide, within the bounds.
+  double search_window_cells = 30.0;
   double max_search_cell_m = 1.0;
   double min_search_cell_m = 0.4;
 };
@@ -39,7 +40,7 @@ struct SubmapMatch {
   bool observes_all = true;  ///< false where the view may be shifted along itself, as in a tunnel
 };
 
-/// Where the live view is supposed to lie.
+/// Where the live view is expected to lie.
 struct SubmapGuess {
   Pose2 T_target_live;
   double sigma_m = 0.1;

@@ -9,6 +9,19 @@
 
 namespace dcloc {
 
+std::span<const OptionField<WayCosts>> FieldsOf(const WayCosts& /*options*/) {
+  using O = WayCosts;
+  static constexpr OptionField<O> kFields[] = {
+      {"loop_m", &O::loop_m, 0, 10'000, "a loop joins nodes as if they were one"},
+      {"way_per_fix_sigma", &O::way_per_fix_sigma, 0, 1e6, "fixes join nodes as if they were one"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const WayCosts& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 SurveyGraph::SurveyGraph(std::vector<const DriveTrack*> tracks) : tracks_(std::move(tracks)) {
   for (const DriveTrack* const each : tracks_) {
     const DriveTrack& track = *each;
@@ -80,8 +93,8 @@ std::vector<bool> SurveyGraph::HasFix() const {
   return has_fix;
 }
 
-std::vector<std::pair<std::size_t, double>> SurveyGraph::WaysFrom(std::size_t from,
-                                                                  double limit_m) const {
+std::vector<std::pair<std::size_t, double>> SurveyGraph::WaysFrom(std::size_t from, double limit_m,
+                                                                  const WayCosts& costs) const {
   // Loops by node; the way along a drive needs no list.
   std::vector<std::vector<std::size_t>> across(node_count());
   for (const NetworkEdge& loop : loops) {
@@ -92,7 +105,7 @@ std::vector<std::pair<std::size_t, double>> SurveyGraph::WaysFrom(std::size_t fr
   const std::size_t hub = node_count();
   std::vector<double> to_hub_m(node_count(), std::numeric_limits<double>::infinity());
   for (const NetworkFix& fix : fixes) {
-    to_hub_m[fix.node] = std::min(to_hub_m[fix.node], kWayPerSigma * fix.sigma_m);
+    to_hub_m[fix.node] = std::min(to_hub_m[fix.node], costs.way_per_fix_sigma * fix.sigma_m);
   }
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
@@ -122,7 +135,7 @@ std::vector<std::pair<std::size_t, double>> SurveyGraph::WaysFrom(std::size_t fr
     if (place.index + 1 < nodes.size()) {
       reach(here + 1, way + nodes[place.index + 1].way_m - nodes[place.index].way_m);
     }
-    for (const std::size_t there : across[here]) reach(there, way + kLoopWay_m);
+    for (const std::size_t there : across[here]) reach(there, way + costs.loop_m);
   }
   return reached;
 }

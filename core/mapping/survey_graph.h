@@ -1,13 +1,26 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "core/mapping/drive_track.h"
 #include "core/mapping/pose_network.h"
+#include "core/options/option_fields.h"
 
 namespace dcloc {
+
+/// What joins two nodes otherwise than by driving from one to the other, as the way over which
+/// ego-motion becomes as uncertain.
+struct WayCosts {
+  double loop_m = 10.0;  ///< a registration of the two: about 0.1 m
+  /// Two fixes, for each metre of their deviations: as if ego-motion drifted by a hundredth.
+  double way_per_fix_sigma = 100.0;
+};
+std::span<const OptionField<WayCosts>> FieldsOf(const WayCosts& options);
+absl::Status Validate(const WayCosts& options);
 
 /// The nodes of all drives, numbered in one row, with what is known of how they lie to one another.
 /// Drives that nothing joins lie in frames of their own.
@@ -46,9 +59,9 @@ class SurveyGraph {
 
   /// The nodes that edges lead to from `from` over at most `limit_m` of way, each with the shortest
   /// such way: what lies between two nodes decides how well one knows where they are to one
-  /// another. A loop counts `kLoopWay_m`; two fixes join nodes as so much way as has the same
-  /// deviation.
-  std::vector<std::pair<std::size_t, double>> WaysFrom(std::size_t from, double limit_m) const;
+  /// another. Loops and fixes count as `costs` say.
+  std::vector<std::pair<std::size_t, double>> WaysFrom(std::size_t from, double limit_m,
+                                                       const WayCosts& costs) const;
 
   /// For each drive, whether a fix places it or one that edges join it with.
   std::vector<bool> HasFix() const;
@@ -60,9 +73,6 @@ class SurveyGraph {
   std::vector<NetworkFix> fixes;        ///< of drives that are placed by them
 
  private:
-  static constexpr double kLoopWay_m = 10.0;
-  static constexpr double kWayPerSigma = 100.0;  ///< of a fix
-
   std::vector<const DriveTrack*> tracks_;
   std::vector<std::size_t> first_node_;  // of each drive, and the end
 };

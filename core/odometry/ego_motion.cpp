@@ -251,7 +251,7 @@ void EgoMotion::AddMissedMotion() {
       since_previous_, {.T_from_to = Exp(step), .covariance = sigmas.cwiseAbs2().asDiagonal()});
 }
 
-// METHOD eq 64. Targets of each motion that is not improbable stay static, and the pose becomes as
+// METHOD eq 49. Targets of each motion that is not improbable stay static, and the pose becomes as
 // uncertain as the ways differ. A doubt that ends leaves the pose as uncertain as it was, until a
 // registration is accepted.
 void EgoMotion::AddDoubt() {

@@ -120,7 +120,7 @@ class EgoMotion {
   /// been missed before, when a source is found to have been wrong.
   const Motion& since_previous() const { return since_previous_; }
 
-  /// What of its covariance comes of doubt in the sources (METHOD eq 64): it is not of the noise
+  /// What of its covariance comes of doubt in the sources (METHOD eq 49): it is not of the noise
   /// that odometry usually has.
   const Matrix6d& doubt_since_previous() const { return doubt_since_previous_; }
 

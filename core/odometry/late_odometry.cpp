@@ -114,7 +114,7 @@ EgoVelocity LateOdometry::BroughtToNow(Stamp stamp, const EgoVelocity& reported,
 // Reports sum up to where the vehicle was, without an error; what it did since is the mean of what
 // it did then and does now. So no error of that adds up.
 void LateOdometry::Move(const EgoVelocity& reported, const EgoVelocity& now,
-                        std::chrono::nanoseconds duration) {  // METHOD eq 63
+                        std::chrono::nanoseconds duration) {  // METHOD eq 47
   Vector6d since;
   since << reported.linear_mps + now.linear_mps, reported.angular_radps + now.angular_radps;
   const Pose3 T_late_now = Exp(Vector6d(0.5 * delay_s()->value * since));

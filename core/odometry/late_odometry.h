@@ -57,7 +57,7 @@ class LateOdometry {
   EgoVelocity BroughtToNow(Stamp stamp, const EgoVelocity& reported, const EgoVelocity* doppler,
                            bool speed_is_sound, bool yaw_rate_is_sound);
 
-  /// The motion between the last two moments that were brought to the present (METHOD eq 63);
+  /// The motion between the last two moments that were brought to the present (METHOD eq 47);
   /// nothing while no delay is accepted, or where a signal is not sound.
   const std::optional<Pose3>& T_previous_now() const { return T_previous_now_; }
 

@@ -17,7 +17,7 @@ struct LateSignalNoise {
 
 /// One signal that a source reports late, and another one measures at once, less exactly and with
 /// an offset of its own: a Kalman filter over the signal, its change, and the offset (METHOD eq
-/// 61). The late source says what the signal was, the other one how it went on.
+/// 46). The late source says what the signal was, the other one how it went on.
 class LateSignal {
  public:
   explicit LateSignal(const LateSignalNoise& noise);

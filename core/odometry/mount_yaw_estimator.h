@@ -56,7 +56,7 @@ struct MountYawTarget {
 using MountYawMemory = std::vector<MountYawTarget>;
 
 /// By how much one radar looks further to the left than its mount says, from its own range rates:
-/// while the vehicle drives straight they tell where, to the radar, ahead is (METHOD eq 48).
+/// while the vehicle drives straight they tell where, to the radar, ahead is (METHOD eq 55).
 class MountYawEstimator {
  public:
   /// The mount is as described, within `described_sigma_rad`.

@@ -127,7 +127,7 @@ void OdometryDelayEstimator::Compare(const Sample& doppler) {
   if (moment_count_ >= options_.min_moment_count) Decide();
 }
 
-// METHOD eq 60: the noise is unknown, so the residuals' own variance stands for it. What was
+// METHOD eq 45: the noise is unknown, so the residuals' own variance stands for it. What was
 // supposed weighs no more than what makes a delay believed, and less as the drive goes on.
 double OdometryDelayEstimator::Cost(std::size_t index, double speed_count,
                                     double yaw_rate_count) const {

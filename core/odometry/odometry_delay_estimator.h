@@ -12,7 +12,7 @@
 
 namespace dcloc {
 
-/// How a delay is looked for, and when it is believed (METHOD eq 60).
+/// How a delay is looked for, and when it is believed (METHOD eq 45).
 struct OdometryDelayOptions {
   /// Delays that are compared: from -`earliest_steps` to `latest_steps` steps. A negative one is
   /// that of a vehicle whose radars stamp their scans too early.

@@ -155,7 +155,7 @@ void OdometryErrorFilter::StartAt(const Pose3& T_map_vehicle, const Eigen::Matri
   covariance_.topLeftCorner<kPose, kPose>() = covariance;
 }
 
-// METHOD eq 62. Neighbouring poses alone are compared: a pose that is wrong makes two deviations of
+// METHOD eq 48. Neighbouring poses alone are compared: a pose that is wrong makes two deviations of
 // opposite sign, and a change makes all that follow. What is further off than a zero can be is no
 // bias.
 bool OdometryErrorFilter::HasChangedAtOnce(const Pose2& T_map_vehicle,

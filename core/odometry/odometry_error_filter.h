@@ -57,7 +57,7 @@ absl::Status Validate(const OdometryErrorFilterOptions& options);
 /// changing speed like a scale. Registered poses are the measurements. If innovations exceed their
 /// covariance, the measurement noise is scaled up. A bias that changes at once, as when a gyroscope
 /// is set anew, is found by the motion between neighbouring poses, and learned afresh
-/// (METHOD eq 62).
+/// (METHOD eq 48).
 class OdometryErrorFilter {
  public:
   explicit OdometryErrorFilter(const OdometryErrorFilterOptions& options);

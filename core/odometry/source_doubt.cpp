@@ -23,7 +23,7 @@ bool SayYawRate(const OdometrySources& sound, const OdometryReadings& readings) 
 
 }  // namespace
 
-// METHOD eq 64. A hypothesis of which no sound source speaks says nothing. What even the best one
+// METHOD eq 49. A hypothesis of which no sound source speaks says nothing. What even the best one
 // misses is how motion was summed up, and no doubt.
 SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
   const double least_log_weight = std::log(options_.doubt_probability);
@@ -76,7 +76,7 @@ std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
                       .turn_rad = rival->missed.turn_rad - best().missed.turn_rad};
 }
 
-// METHOD eq 65. Of each hypothesis that speaks, the nearer of the two places is its own. The others
+// METHOD eq 50. Of each hypothesis that speaks, the nearer of the two places is its own. The others
 // belong to neither.
 void SourceMonitor::OnFits(const MissedMotion& rival, double fit, double rival_fit) {
   fits_compared_ = newest_;

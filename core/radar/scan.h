@@ -44,9 +44,8 @@ struct ScanLimits {
   double max_speed_mps = 150.0;
   double max_turn_rate_radps = 10.0;
   double max_variance = 1e12;  ///< of a velocity, in its units squared
-  /// From 1970 to the year 2200: beyond, durations between stamps could overflow.
-  Stamp min_stamp{};
-  Stamp max_stamp{std::chrono::hours(24 * 84'006)};
+  Stamp min_stamp{};           ///< the year 1970
+  Stamp max_stamp = kMaxStamp;
 };
 
 /// OK, or InvalidArgument that names the column, the row, the value and the bound. Checks lengths,

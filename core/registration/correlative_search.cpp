@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <numbers>
 
+#include "core/registration/search_grid.h"
+
 namespace dcloc {
 namespace {
 
@@ -93,7 +95,7 @@ std::vector<PoseCandidate> CorrelativeSearch(std::span<const Eigen::Vector2f> po
                                              const SearchWindow& window, int max_count) {
   if (points.empty() || field.empty() || max_count <= 0) return {};
   const double step_m = field.cell_m();
-  const double step_rad = 2.0 * step_m / std::max(10.0, MedianRange(points));
+  const double step_rad = HeadingStep_rad(step_m, MedianRange(points));
   const double half_rad = std::min(window.rotation_rad, std::numbers::pi);
   const int turns = static_cast<int>(std::ceil(half_rad / step_rad));
   const int shifts = static_cast<int>(std::ceil(window.translation_m / step_m));
@@ -126,7 +128,8 @@ std::vector<PoseCandidate> CorrelativeSearch(std::span<const Eigen::Vector2f> po
         step_m * Eigen::Vector2d(number % side - shifts, number / side % side - shifts);
     const bool seen = std::any_of(best.begin(), best.end(), [&](const PoseCandidate& kept) {
       const Pose2 apart = kept.T_local_vehicle.Inverse() * candidate.T_local_vehicle;
-      return apart.translation_m.norm() < 4.0 * step_m && std::abs(apart.yaw_rad) < 4.0 * step_rad;
+      return apart.translation_m.norm() < kPeakWidth_cells * step_m &&
+             std::abs(apart.yaw_rad) < kPeakWidth_cells * step_rad;
     });
     if (!seen) best.push_back(candidate);
   }

@@ -14,7 +14,7 @@ class GicpRegistration final : public RegistrationMethod<Dim> {
   Registration<Dim> Register(const RegistrationInput<Dim>& input,
                              RegistrationWorkspace<Dim>& workspace) const override;
 
-  bool LeavesFinder() const override { return true; }
+  bool PreparesFinder() const override { return true; }
 
  private:
   GicpOptions options_;

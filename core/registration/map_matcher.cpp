@@ -250,7 +250,7 @@ template <int Dim>
 std::span<const Correspondence<Dim>> MapMatcher<Dim>::Correspondences(
     std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& T_local_vehicle,
     RegistrationWorkspace<Dim>& workspace) const {
-  if (!method_->LeavesFinder()) workspace.finder.Begin(live, local_map_, Gates());
+  if (!method_->PreparesFinder()) workspace.finder.Begin(live, local_map_, Gates());
   return workspace.finder.Find(T_local_vehicle, 0.0);
 }
 

@@ -65,7 +65,7 @@ class RegistrationMethod {
 
   /// Whether `Register` has called `workspace.finder.Begin` with the input's points and map, so
   /// that the caller need not.
-  virtual bool LeavesFinder() const { return false; }
+  virtual bool PreparesFinder() const { return false; }
 };
 
 /// The methods of a localizer, in the plane and in space; null is ours, GicpRegistration.

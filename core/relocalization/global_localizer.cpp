@@ -52,14 +52,14 @@ bool GlobalLocalizer<Dim>::WantsView(Stamp stamp) const {
                             ? options_.view_interval
                             : options_.late_view_interval_factor * options_.view_interval;
   if (stamp - view_stamp_ < interval) return false;
-  // A supposed place waits until the region around it has grown to the map, also where it stands.
-  return (supposed_ && region_) || way_since_view_m_ >= options_.view_distance_m;
+  // An expected place waits until the region around it has grown to the map, also where it stands.
+  return (expected_ && region_) || way_since_view_m_ >= options_.view_distance_m;
 }
 
 template <int Dim>
 void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
                                    const std::optional<SearchRegion>& region,
-                                   const std::optional<Supposition>& supposed) {
+                                   const std::optional<ExpectedPlace>& expected) {
   if (views_.size() == static_cast<std::size_t>(options_.max_view_count)) {
     views_.erase(views_.begin());
     for (Candidate& candidate : candidates_) candidate.fits.erase(candidate.fits.begin());
@@ -72,7 +72,7 @@ void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Di
   view_stamp_ = stamp;
   ++view_count_;
   region_ = region;
-  supposed_ = supposed;
+  expected_ = expected;
   const bool is_small = region && region->radius_m <= options_.small_region_radius_m;
   search_.emplace(
       map_, PositionsOf(live),
@@ -87,9 +87,9 @@ std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Contin
     RegistrationWorkspace<Dim>& workspace) {
   work_ = 0.0;
   while (work_ < options_.max_work && phase_ != Phase::kIdle) DoNextPiece(workspace);
-  if (!winner_ || (!winner_->is_supposed && Way() < options_.min_distance_m)) return std::nullopt;
+  if (!winner_ || (!winner_->is_expected && Way() < options_.min_distance_m)) return std::nullopt;
   return Place{.T_map_vehicle = winner_->T_map_vehicle * since_view_.T_from_to,
-               .is_supposed = winner_->is_supposed};
+               .is_expected = winner_->is_expected};
 }
 
 // From the oldest view on.
@@ -118,7 +118,7 @@ void GlobalLocalizer<Dim>::DoNextPiece(RegistrationWorkspace<Dim>& workspace) {
         break;
       }
       EndSearch();
-      AddSupposed(workspace);
+      AddExpected(workspace);
       phase_ = Phase::kCoarseFit;
       break;
     case Phase::kCoarseFit:
@@ -231,7 +231,7 @@ void GlobalLocalizer<Dim>::DropUnlikelyNewCandidates() {
   double best = -std::numeric_limits<double>::infinity();
   for (const Candidate& one : candidates_) best = std::max(best, one.fits.back()->log_likelihood);
   std::erase_if(candidates_, [&](const Candidate& one) {
-    return !one.fits.front() && !one.is_supposed &&
+    return !one.fits.front() && !one.is_expected &&
            one.fits.back()->log_likelihood < best - options_.new_candidate_margin;
   });
 }
@@ -243,26 +243,26 @@ double GlobalLocalizer<Dim>::LogLikelihood(const Candidate& candidate) {
   return sum;
 }
 
-// The place that is supposed is a candidate, whether it was one before or not.
+// The place that is expected is a candidate, whether it was one before or not.
 template <int Dim>
-void GlobalLocalizer<Dim>::AddSupposed(RegistrationWorkspace<Dim>& workspace) {
-  for (Candidate& one : candidates_) one.is_supposed = false;
-  if (!supposed_) return;
-  const ViewFit fit = FitAround(views_.back(), supposed_->T_map_vehicle, workspace);
+void GlobalLocalizer<Dim>::AddExpected(RegistrationWorkspace<Dim>& workspace) {
+  for (Candidate& one : candidates_) one.is_expected = false;
+  if (!expected_) return;
+  const ViewFit fit = FitAround(views_.back(), expected_->T_map_vehicle, workspace);
   // What is doubted must be right as it is, and not some way from there.
-  if (supposed_->belief == Belief::kDoubted &&
-      !IsSamePlace(fit.T_map_vehicle, supposed_->T_map_vehicle)) {
+  if (expected_->basis == Basis::kDoubted &&
+      !IsSamePlace(fit.T_map_vehicle, expected_->T_map_vehicle)) {
     return;
   }
   const auto same = std::ranges::find_if(candidates_, [&](const Candidate& one) {
     return IsSamePlace(one.fits.back()->T_map_vehicle, fit.T_map_vehicle);
   });
   if (same != candidates_.end()) {
-    same->is_supposed = true;
+    same->is_expected = true;
     return;
   }
   Candidate candidate{.fits = std::vector<std::optional<ViewFit>>(views_.size()),
-                      .is_supposed = true};
+                      .is_expected = true};
   candidate.fits.back() = fit;
   candidates_.push_back(std::move(candidate));
 }
@@ -274,15 +274,15 @@ void GlobalLocalizer<Dim>::KeepBestCandidates() {
   std::ranges::stable_sort(candidates_, std::greater<>(), &GlobalLocalizer::LogLikelihood);
   std::erase_if(candidates_, [least = LogLikelihood(candidates_.front()) -
                                       options_.candidate_margin](const Candidate& one) {
-    return !one.is_supposed && LogLikelihood(one) < least;
+    return !one.is_expected && LogLikelihood(one) < least;
   });
-  // The supposed place is kept however unlikely it is.
+  // The expected place is kept however unlikely it is.
   const auto max_count = static_cast<std::ptrdiff_t>(options_.max_kept_candidates);
   if (std::ssize(candidates_) <= max_count) return;
   const auto last_kept = candidates_.begin() + max_count - 1;
-  const auto supposed =
-      std::find_if(std::next(last_kept), candidates_.end(), std::mem_fn(&Candidate::is_supposed));
-  if (supposed != candidates_.end()) std::iter_swap(last_kept, supposed);
+  const auto expected =
+      std::find_if(std::next(last_kept), candidates_.end(), std::mem_fn(&Candidate::is_expected));
+  if (expected != candidates_.end()) std::iter_swap(last_kept, expected);
   candidates_.erase(std::next(last_kept), candidates_.end());
 }
 
@@ -300,46 +300,46 @@ bool GlobalLocalizer<Dim>::StandsOut(const Candidate& candidate) const {
   });
 }
 
-// METHOD eq 46. The more views there are, the more must speak for another place. One that fits less
+// METHOD eq 52. The more views there are, the more must speak for another place. One that fits less
 // well is right only where the whole map has nothing as good.
 template <int Dim>
-bool GlobalLocalizer<Dim>::IsSupposedRight(const Candidate& supposed) const {
-  if (region_ && !HoldsInAll(&ViewFit::is_convincing, supposed)) return false;
-  const bool is_prior = supposed_->belief == Belief::kPrior;
-  if (!HoldsInAll(&ViewFit::is_acceptable, supposed)) {
-    const bool stands_up = is_prior || (views_.size() >= 2 && StandsOut(supposed));
-    if (!stands_up || !supposed.fits.back()->is_plausible) return false;
+bool GlobalLocalizer<Dim>::IsExpectedRight(const Candidate& expected) const {
+  if (region_ && !HoldsInAll(&ViewFit::is_convincing, expected)) return false;
+  const bool is_prior = expected_->basis == Basis::kPrior;
+  if (!HoldsInAll(&ViewFit::is_acceptable, expected)) {
+    const bool stands_up = is_prior || (views_.size() >= 2 && StandsOut(expected));
+    if (!stands_up || !expected.fits.back()->is_plausible) return false;
   }
   const double prior_lead =
-      std::min(options_.max_supposed_lead,
-               options_.supposed_lead +
-                   options_.supposed_lead_per_view * static_cast<double>(views_.size() - 1));
+      std::min(options_.max_expected_lead,
+               options_.expected_lead +
+                   options_.expected_lead_per_view * static_cast<double>(views_.size() - 1));
   const double lead = is_prior ? prior_lead : 0.0;
-  return LogLikelihood(supposed) + lead >= LogLikelihood(candidates_.front());
+  return LogLikelihood(expected) + lead >= LogLikelihood(candidates_.front());
 }
 
 // METHOD eq 38. A place that nothing was known of must stand out in several views.
 template <int Dim>
 std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Winner() const {
   if (candidates_.empty()) return std::nullopt;
-  const auto supposed = std::ranges::find_if(candidates_, &Candidate::is_supposed);
-  if (supposed != candidates_.end() && IsSupposedRight(*supposed)) {
-    return Place{.T_map_vehicle = supposed->fits.back()->T_map_vehicle, .is_supposed = true};
+  const auto expected = std::ranges::find_if(candidates_, &Candidate::is_expected);
+  if (expected != candidates_.end() && IsExpectedRight(*expected)) {
+    return Place{.T_map_vehicle = expected->fits.back()->T_map_vehicle, .is_expected = true};
   }
   const Candidate& leader = candidates_.front();
   if (views_.size() < 2 || !HoldsInAll(&ViewFit::is_acceptable, leader) || !StandsOut(leader))
     return std::nullopt;
-  if (supposed_ && region_ && !HoldsInAll(&ViewFit::is_convincing, leader)) return std::nullopt;
+  if (expected_ && region_ && !HoldsInAll(&ViewFit::is_convincing, leader)) return std::nullopt;
   return Place{.T_map_vehicle = leader.fits.back()->T_map_vehicle,
-               .is_supposed = leader.is_supposed};
+               .is_expected = leader.is_expected};
 }
 
 // Nothing fits where was searched, so the vehicle is not there. A place that stands out must hold
-// over some way; one that is supposed, and those around it, need not.
+// over some way; one that is expected, and those around it, need not.
 template <int Dim>
 bool GlobalLocalizer<Dim>::IsInVain() const {
   if (winner_) return false;
-  if (supposed_)
+  if (expected_)
     return candidates_.empty() || !HoldsInAll(&ViewFit::is_convincing, candidates_.front());
   return views_.size() >= 2 && Way() >= options_.min_distance_m &&
          (candidates_.empty() || !HoldsInAll(&ViewFit::is_acceptable, candidates_.front()));
@@ -370,7 +370,7 @@ typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAround(
   return {.T_map_vehicle = found->T_map_vehicle,
           .log_likelihood = options_.log_likelihood_per_score * found->registration.score,
           .is_acceptable = gate.Accepts(found->registration),
-          .is_plausible = options_.supposed_gate.Accepts(found->registration),
+          .is_plausible = options_.expected_gate.Accepts(found->registration),
           .is_convincing = gate.Accepts(found->registration) &&
                            found->registration.overlap >= options_.convincing_overlap};
 }

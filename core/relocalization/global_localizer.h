@@ -20,24 +20,25 @@ namespace dcloc {
 /// the sub-map is kept as a view, and the map is searched for places that look like it. All places
 /// found are registered with all views, joined by odometry. The pose is the one that fits every
 /// view acceptably, leads all others in log-likelihood over all views by `min_lead`, and does so
-/// over `min_distance_m` of way (METHOD eq 38). Where the vehicle is supposed to be somewhere, that
-/// place takes part, and one view may decide for it.
+/// over `min_distance_m` of way (METHOD eq 38). A place at which the vehicle is expected takes
+/// part, and one view may decide for it.
 template <int Dim>
 class GlobalLocalizer {
  public:
-  /// How much is thought of a supposed place.
-  enum class Belief {
+  /// Why a place is expected.
+  enum class Basis {
     kPrior,   ///< it stands unless another is clearly better
     kDoubted  ///< it must be as good as any other
   };
-  struct Supposition {
+  /// Where the vehicle is by a prior or by a doubted pose.
+  struct ExpectedPlace {
     Pose3 T_map_vehicle;  ///< now
-    Belief belief = Belief::kPrior;
+    Basis basis = Basis::kPrior;
   };
   /// Where the vehicle is.
   struct Place {
     Pose3 T_map_vehicle;
-    bool is_supposed = false;  ///< as was supposed with the views
+    bool is_expected = false;  ///< it is the one that was expected
   };
 
   GlobalLocalizer(std::shared_ptr<const RadarMap> map,
@@ -57,10 +58,10 @@ class GlobalLocalizer {
   bool WantsView(Stamp stamp) const;
 
   /// Begins to search the map, or a region of it, for what is seen now (vehicle frame), beside
-  /// where the vehicle is supposed to be. Only when `WantsView`.
+  /// where it is expected. Only when `WantsView`.
   void AddView(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
                const std::optional<SearchRegion>& region,
-               const std::optional<Supposition>& supposed = {});
+               const std::optional<ExpectedPlace>& expected = {});
 
   /// Goes on with the work, for some ten milliseconds: others wait no longer, however large the
   /// map. Where the vehicle is now, once that is decided.
@@ -81,7 +82,7 @@ class GlobalLocalizer {
     Pose3 T_map_vehicle;
     double log_likelihood = 0.0;
     bool is_acceptable = false;
-    bool is_plausible = false;   // enough for a supposed place in the whole map
+    bool is_plausible = false;   // enough for an expected place in the whole map
     bool is_convincing = false;  // enough for one without the whole map
   };
   // A place that the search has found, registered with a view's coarse points.
@@ -92,7 +93,7 @@ class GlobalLocalizer {
   // A way on which the vehicle may have come: a fit for each view, filled one after the other.
   struct Candidate {
     std::vector<std::optional<ViewFit>> fits;
-    bool is_supposed = false;
+    bool is_expected = false;
   };
 
   // The work on a view, in this order: candidates are registered with it; the map is searched for
@@ -108,10 +109,10 @@ class GlobalLocalizer {
   void FitFinely(const CoarseFit& fit, RegistrationWorkspace<Dim>& workspace);
   void DropUnlikelyNewCandidates();
   void KeepBestCandidates();
-  void AddSupposed(RegistrationWorkspace<Dim>& workspace);
+  void AddExpected(RegistrationWorkspace<Dim>& workspace);
   static bool HoldsInAll(bool ViewFit::*quality, const Candidate& candidate);
   bool StandsOut(const Candidate& candidate) const;
-  bool IsSupposedRight(const Candidate& supposed) const;
+  bool IsExpectedRight(const Candidate& expected) const;
   bool IsInVain() const;
   std::optional<Place> Winner() const;
   std::optional<Place> Elsewhere(const Candidate& leader) const;
@@ -139,12 +140,12 @@ class GlobalLocalizer {
   Motion since_view_;                   // likewise
   double way_since_view_m_ = 0.0;       // likewise
   std::optional<PlaceSearch> search_;
-  double cell_m_ = 1.0;                  // of the last search
-  std::vector<PlaceCandidate> places_;   // left to be fitted coarsely, the best last
-  std::vector<CoarseFit> coarse_fits_;   // left to be fitted finely, likewise
-  std::vector<Candidate> candidates_;    // most likely first once all is done
-  std::optional<Supposition> supposed_;  // at the newest view
-  std::optional<Place> winner_;          // likewise
+  double cell_m_ = 1.0;                    // of the last search
+  std::vector<PlaceCandidate> places_;     // left to be fitted coarsely, the best last
+  std::vector<CoarseFit> coarse_fits_;     // left to be fitted finely, likewise
+  std::vector<Candidate> candidates_;      // most likely first once all is done
+  std::optional<ExpectedPlace> expected_;  // at the newest view
+  std::optional<Place> winner_;            // likewise
   int failed_search_count_ = 0;
   double work_ = 0.0;  // done by this call of Continue
 };

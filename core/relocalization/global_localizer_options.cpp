@@ -10,9 +10,9 @@ std::span<const OptionField<GlobalLocalizerOptions>> FieldsOf(
       {"convincing_overlap", &O::convincing_overlap, 0, 1, "any acceptable place convinces"},
       {"min_distance_m", &O::min_distance_m, 0, 1000, "two views are enough"},
       {"min_lead", &O::min_lead, 0, 1000, "the best one needs no lead"},
-      {"supposed_lead", &O::supposed_lead, 0, 1000, "a supposed place must fit best"},
-      {"supposed_lead_per_view", &O::supposed_lead_per_view, 0, 1000, "the lead is constant"},
-      {"max_supposed_lead", &O::max_supposed_lead, 0, 1000, "a supposed place must fit best"},
+      {"expected_lead", &O::expected_lead, 0, 1000, "an expected place must fit best"},
+      {"expected_lead_per_view", &O::expected_lead_per_view, 0, 1000, "the lead is constant"},
+      {"max_expected_lead", &O::max_expected_lead, 0, 1000, "an expected place must fit best"},
       {"min_view_span_ms", &O::min_view_span, 0, 1e6, "one scan is a view"},
       {"view_interval_ms", &O::view_interval, 0, 1e6, "the way alone decides"},
       {"view_distance_m", &O::view_distance_m, 0, 1000, "a standing vehicle takes views too"},
@@ -44,7 +44,7 @@ std::span<const OptionField<GlobalLocalizerOptions>> FieldsOf(
 absl::Status Validate(const GlobalLocalizerOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
   status.Update(Within("gate", Validate(options.gate)));
-  status.Update(Within("supposed_gate", Validate(options.supposed_gate)));
+  status.Update(Within("expected_gate", Validate(options.expected_gate)));
   return status;
 }
 

@@ -17,17 +17,17 @@ struct GlobalLocalizerOptions {
   /// before the map's beginning.
   double view_overlap_share = 0.83;
   /// What is seen of a known place overlaps the map by more than this, of a wrong one by less. Only
-  /// such a supposed place is right before the whole map was searched.
+  /// such an expected place is right before the whole map was searched.
   double convincing_overlap = 0.7;
-  /// What a supposed place must reach in each view once the whole map was searched.
-  RegistrationGate supposed_gate = {};
+  /// What an expected place must reach in each view once the whole map was searched.
+  RegistrationGate expected_gate = {};
   double min_distance_m = 10.0;  ///< it holds over so much way: standing still, all views agree
   double min_lead = 4.5;         ///< of its log-likelihood to that of every other place
-  /// What a place where the vehicle is supposed to be has ahead of others in log-likelihood, with
+  /// What an expected place has ahead of others in log-likelihood, with
   /// one view, and more with each further one.
-  double supposed_lead = 4.0;
-  double supposed_lead_per_view = 5.0;
-  double max_supposed_lead = 14.0;
+  double expected_lead = 4.0;
+  double expected_lead_per_view = 5.0;
+  double max_expected_lead = 14.0;
 
   /// A view's scans span so much time. A new one is taken after so much way and time; after the
   /// first few views, where nothing is found, less often by `late_view_interval_factor`.

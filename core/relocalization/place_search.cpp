@@ -8,6 +8,7 @@
 
 #include "core/geometry/thinning.h"
 #include "core/registration/likelihood_field.h"
+#include "core/registration/search_grid.h"
 
 namespace dcloc {
 namespace {
@@ -178,8 +179,7 @@ PlaceSearch::PlaceSearch(std::shared_ptr<const RadarMap> map,
   std::ranges::sort(ranges);
   margin_m_ = options_.cell_m * std::ceil(ranges.back() / options_.cell_m + 1.0);
 
-  // The angle that moves half of the points by less than two cells.
-  const double step_rad = 2.0 * options_.cell_m / std::max(10.0F, ranges[ranges.size() / 2]);
+  const double step_rad = HeadingStep_rad(options_.cell_m, ranges[ranges.size() / 2]);
   const int count = static_cast<int>(std::ceil(2.0 * std::numbers::pi / step_rad));
   for (int i = 0; i < count; ++i) {
     if (!IsSought(2.0 * std::numbers::pi * i / count)) continue;
@@ -251,8 +251,7 @@ void PlaceSearch::SearchBlock(const Cell& block) {
 
 std::vector<PlaceCandidate> PlaceSearch::Best() {
   KeepBest();
-  // The maximum of one place is as wide as the points' deviation: some four cells.
-  const double apart_m = 4.0 * options_.cell_m;
+  const double apart_m = kPeakWidth_cells * options_.cell_m;
   constexpr double kApart_rad = 0.25;  // by which a point at 16 m moves by four cells of 1 m
   std::vector<Candidate> kept;
   for (const Candidate& candidate : candidates_) {

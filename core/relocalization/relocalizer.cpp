@@ -5,14 +5,14 @@ namespace dcloc {
 template <int Dim>
 std::optional<typename Relocalizer<Dim>::Place> Relocalizer<Dim>::Search(
     Stamp stamp, std::span<const GaussianPoint<Dim>> live, std::chrono::nanoseconds span,
-    const std::optional<Supposition>& supposed, RegistrationWorkspace<Dim>& workspace) {
+    const std::optional<ExpectedPlace>& expected, RegistrationWorkspace<Dim>& workspace) {
   const auto min_point_count = static_cast<std::size_t>(
-      supposed ? options_.supposed_gate.min_inlier_count : options_.gate.min_inlier_count);
+      expected ? options_.expected_gate.min_inlier_count : options_.gate.min_inlier_count);
   const bool sees_enough = span >= options_.min_view_span && live.size() >= min_point_count;
   if (sees_enough && global_.WantsView(stamp)) {
-    // A supposed place is held against those around it.
-    const int growth = global_.failed_search_count() + (supposed ? 1 : 0);
-    global_.AddView(stamp, live, prior_.Region(growth), supposed);
+    // An expected place is held against those around it.
+    const int growth = global_.failed_search_count() + (expected ? 1 : 0);
+    global_.AddView(stamp, live, prior_.Region(growth), expected);
   }
   std::optional<Place> place = global_.Continue(workspace);
   if (place) global_.Clear();

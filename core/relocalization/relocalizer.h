@@ -16,7 +16,7 @@ template <int Dim>
 class Relocalizer {
  public:
   using Place = typename GlobalLocalizer<Dim>::Place;
-  using Supposition = typename GlobalLocalizer<Dim>::Supposition;
+  using ExpectedPlace = typename GlobalLocalizer<Dim>::ExpectedPlace;
 
   Relocalizer(std::shared_ptr<const RadarMap> map,
               std::shared_ptr<const RegistrationMethod<Dim>> method, double local_map_radius_m,
@@ -42,12 +42,12 @@ class Relocalizer {
     global_.OnMotion(motion);
   }
 
-  /// Goes on searching for what is seen now: `live`, in the vehicle frame, of scans over `span`. If
-  /// the vehicle is supposed to be somewhere, that place is held against the others. Gives the
-  /// place where it is once that is decided, and forgets the views that led there.
+  /// Goes on searching for what is seen now: `live`, in the vehicle frame, of scans over `span`. An
+  /// expected place is held against the others. Gives the place where the vehicle is once that is
+  /// decided, and forgets the views that led there.
   std::optional<Place> Search(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
                               std::chrono::nanoseconds span,
-                              const std::optional<Supposition>& supposed,
+                              const std::optional<ExpectedPlace>& expected,
                               RegistrationWorkspace<Dim>& workspace);
 
   /// The vehicle has been found: there is nothing to search for.

@@ -25,7 +25,7 @@ absl::Status Validate(const MapFitOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-// METHOD eq 45.
+// METHOD eq 51.
 ScanFit MapFitMonitor::Judge(std::size_t radar_index, std::size_t point_count, double fit) const {
   const Expected& expected = radars_[radar_index];
   if (expected.count < options_.min_scan_count ||

@@ -30,7 +30,7 @@ absl::Status Validate(const MapFitOptions& options);
 enum class ScanFit { kUnknown, kAgrees, kContradicts };
 
 /// Knows how well each radar's scans fit the map while the vehicle tracks, and so when one does not
-/// fit (METHOD eq 45). Unlike a registration, a fit cannot be improved by moving the pose: the
+/// fit (METHOD eq 51). Unlike a registration, a fit cannot be improved by moving the pose: the
 /// prediction is tested as it is.
 class MapFitMonitor {
  public:

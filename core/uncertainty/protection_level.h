@@ -25,7 +25,7 @@ std::span<const OptionField<ProtectionLevelOptions>> FieldsOf(
 absl::Status Validate(const ProtectionLevelOptions& options);
 
 /// A bound of the horizontal error from the covariance and from how large innovations have been
-/// beside what it let expect (METHOD eq 47).
+/// beside what it let expect (METHOD eq 56).
 class ProtectionLevel {
  public:
   explicit ProtectionLevel(const ProtectionLevelOptions& options) : options_(options) {}
@@ -37,7 +37,7 @@ class ProtectionLevel {
   /// How large innovations have been: the mean of what `OnInnovation` took.
   double squared_innovation() const { return squared_innovation_; }
   /// An earlier localizer of the same vehicle found this mean, >= 0.
-  void Suppose(double squared_innovation) {
+  void StartFrom(double squared_innovation) {
     squared_innovation_ = std::min(squared_innovation, options_.max_squared_sigmas);
   }
 

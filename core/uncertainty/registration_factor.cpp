@@ -24,12 +24,13 @@ TangentMatrix<Dim> SquareRoot(TangentMatrix<Dim> covariance) {
   return covariance.llt().matrixL();
 }
 
-// Into how many registrations what lasts for `duration` is divided; no more than there were.
-double Share(std::chrono::nanoseconds duration, const RegistrationTiming& timing) {
-  const double share =
+// METHOD eq 31: into how many registrations what lasts for `duration` is divided; no more than
+// there were.
+double SharingCount(std::chrono::nanoseconds duration, const RegistrationTiming& timing) {
+  const double count =
       1.0 + static_cast<double>(duration.count()) /
                 static_cast<double>(std::max<std::int64_t>(1, timing.interval.count()));
-  return std::min<double>(share, timing.count);
+  return std::min<double>(count, timing.count);
 }
 
 // How long landmarks are seen.
@@ -77,12 +78,12 @@ AbsolutePoseFactor<Dim> RegistrationFactor(const Registration<Dim>& registration
   const double scale = std::max(1.0, registration.residual_scale);
   const TangentMatrix<Dim> own = scale * scale * registration.covariance + degeneracy;
   const TangentMatrix<Dim> shared = SharedErrors<Dim>(options);
-  const double by_scans = Share(timing.submap_span, timing);
+  const double by_scans = SharingCount(timing.submap_span, timing);
   const double by_view =
-      options.landmark_share * Share(TimeInView(timing.speed_mps, options), timing);
+      options.landmark_share * SharingCount(TimeInView(timing.speed_mps, options), timing);
   return {.pose = registration.T_local_vehicle,
           .covariance = own + shared,
-          .reused_covariance = by_scans * own + Share(options.shared_time, timing) * shared,
+          .reused_covariance = by_scans * own + SharingCount(options.shared_time, timing) * shared,
           .noise = (by_scans + by_view) * noise + degeneracy,
           .systematic = SquareRoot<Dim>(systematic)};
 }

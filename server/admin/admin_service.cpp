@@ -26,43 +26,43 @@ constexpr std::size_t kMaxReason = 200;
 /// Each may hold some megabytes for a caller who reads slowly.
 constexpr int kMaxRecordingCount = 16;
 
-void SetCounts(const SessionRecord& record, v1::Session* session) {
-  session->set_scan_count(record.counts.answered);
-  session->set_rejected_scan_count(record.counts.rejected);
-  session->set_repeated_scan_count(record.counts.repeated);
-  session->set_dropped_scan_count(record.counts.dropped);
-  session->set_missing_scan_count(record.missing_scan_count);
-  session->set_resume_count(record.resume_count);
-  session->set_position_fix_count(record.position_fix_count);
-  session->set_pose_reset_count(record.pose_reset_count);
+void SetCounts(const SessionInfo& info, v1::Session* session) {
+  session->set_scan_count(info.counts.answered);
+  session->set_rejected_scan_count(info.counts.rejected);
+  session->set_repeated_scan_count(info.counts.repeated);
+  session->set_dropped_scan_count(info.counts.dropped);
+  session->set_missing_scan_count(info.missing_scan_count);
+  session->set_resume_count(info.resume_count);
+  session->set_position_fix_count(info.position_fix_count);
+  session->set_pose_reset_count(info.pose_reset_count);
 }
 
 void Describe(const ListedSession& listed, v1::Session* session) {
-  const SessionRecord& record = *listed.record;
-  const SessionDescription& description = record.description;
+  const SessionInfo& info = *listed.info;
+  const SessionDescription& description = info.description;
   session->set_session_id(description.session_id);
   session->set_vehicle_id(description.vehicle_id);
   session->set_peer(description.caller.peer);
   session->set_map_name(description.map_name);
-  session->set_map_version(record.map_version);
+  session->set_map_version(info.map_version);
   *session->mutable_open_time() = convert::ToProto(description.open_time);
   session->set_detached(listed.detached);
-  SetCounts(record, session);
-  if (const int state = record.last_state; state >= 0) {
+  SetCounts(info, session);
+  if (const int state = info.last_state; state >= 0) {
     session->set_state(convert::ToProto(static_cast<LocalizationState>(state)));
   }
-  if (const std::int64_t last = record.last_sequence_number; last >= 0) {
+  if (const std::int64_t last = info.last_sequence_number; last >= 0) {
     session->set_last_sequence_number(last);
   }
-  session->set_last_stamp_age_ns(record.last_stamp_age_ns);
-  if (const LastHealth::Value last = record.health.Get(); last.rig != nullptr) {
+  session->set_last_stamp_age_ns(info.last_stamp_age_ns);
+  if (const LastHealth::Value last = info.health.Get(); last.rig != nullptr) {
     convert::ToProto(last.health, *last.rig, session->mutable_health());
   }
-  if (const std::optional<LastPose::Value> last = record.pose.Get()) {
+  if (const std::optional<LastPose::Value> last = info.pose.Get()) {
     convert::ToProto(last->T_map_vehicle, last->covariance, session->mutable_pose());
     session->set_pose_stamp_ns(last->stamp_ns);
   }
-  const std::chrono::nanoseconds idle = SessionRecord::Clock::now() - record.last_activity.load();
+  const std::chrono::nanoseconds idle = SessionInfo::Clock::now() - info.last_activity.load();
   session->set_idle_duration_ns(idle.count());
 }
 
@@ -184,7 +184,7 @@ grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
       const auto session = registry_.Get(principal->tenant, request->session_id());
       status = session.status();
       if (request->position_fixes()) stream->TakeFixAnswers();
-      if (status.ok()) session->record->feed.Subscribe(stream);
+      if (status.ok()) session->info->feed.Subscribe(stream);
     }
     stream->Begin(status);
   });

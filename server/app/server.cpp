@@ -78,10 +78,12 @@ void LogRemoved(const char* what, const absl::StatusOr<int>& count) {
 /// In the order in which they are built; they go in the reverse one. The pools go before what their
 /// tasks use.
 struct Server::Parts {
-  Parts(const ServerConfig& server_config, Storage opened, std::shared_ptr<CallGate> call_gate,
+  Parts(const ServerConfig& server_config, RegistrationMethods registration, Storage opened,
+        std::shared_ptr<CallGate> call_gate,
         std::shared_ptr<ServedCertificates> served_certificates,
         std::unique_ptr<SessionTickets> fleet_tickets)
       : config(server_config),
+        methods(std::move(registration)),
         drain_grace(config.drain_grace_ms),
         gate(std::move(call_gate)),
         certificates(std::move(served_certificates)),
@@ -160,7 +162,7 @@ struct Server::Parts {
     return [this](std::shared_ptr<const RadarMap> map, Rig rig,
                   const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options) {
       return CreateCoreScanLocalizer(workspaces, std::move(map), std::move(rig), initial_pose,
-                                     options);
+                                     options, methods);
     };
   }
 
@@ -257,6 +259,7 @@ struct Server::Parts {
   }
 
   ServerConfig config;
+  const RegistrationMethods methods;
   const std::chrono::milliseconds drain_grace;
   const std::shared_ptr<CallGate> gate;
   std::shared_ptr<ServedCertificates> certificates;  ///< null without TLS
@@ -296,7 +299,8 @@ struct Server::Parts {
   std::string address;
 };
 
-absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config) {
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config,
+                                                      RegistrationMethods methods) {
   if (absl::Status status = Validate(config); !status.ok()) return status;
   auto gate = std::make_shared<CallGate>(config.max_call_rate_hz_per_connection);
   absl::StatusOr<Credentials> credentials = MakeCredentials(config, gate);
@@ -305,8 +309,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   if (!tickets.ok()) return tickets.status();
   absl::StatusOr<Storage> storage = OpenStorage(config, MapStoreOptionsOf(config));
   if (!storage.ok()) return WithPrefix("data: ", storage.status());
-  auto parts = std::make_unique<Parts>(config, *std::move(storage), std::move(gate),
-                                       credentials->certificates, *std::move(tickets));
+  auto parts =
+      std::make_unique<Parts>(config, std::move(methods), *std::move(storage), std::move(gate),
+                              credentials->certificates, *std::move(tickets));
   if (absl::Status status = SayWhoIsLetIn(parts->access, config); !status.ok()) return status;
   parts->gate->SetProofNeeded(parts->access.needs_proof());
 

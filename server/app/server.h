@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "core/registration/registration_method.h"
 #include "server/config/config.h"
 
 namespace dcloc::server {
@@ -12,8 +13,10 @@ namespace dcloc::server {
 /// A running dcloc server: map store, worker pools, and the gRPC services over them.
 class Server {
  public:
-  /// Opens the store and listens. Errors name what of the configuration is at fault.
-  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config);
+  /// Opens the store and listens. Errors name what of the configuration is at fault. `methods`
+  /// replace core's registration in all sessions, but for those of the stub.
+  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config,
+                                                       RegistrationMethods methods = {});
 
   /// Shuts down at once unless `Shutdown` was called.
   ~Server();

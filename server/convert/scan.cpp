@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kMaxCentreFrequency_hz = 1e13;
 constexpr double kMaxSlope_hz_per_s = 1e18;
-constexpr std::int64_t kMaxStamp_ns = 4'102'444'800'000'000'000;  ///< the year 2100
 
 absl::StatusOr<double> BetaFromProto(const v1::Chirp& message, absl::string_view field) {
   absl::Status status = CheckBetween(absl::StrCat(field, ".centre_frequency_hz"),
@@ -125,7 +124,7 @@ absl::StatusOr<Rig> FromProto(const v1::Rig& message, absl::string_view field) {
 }
 
 absl::Status CheckStamp(absl::string_view field, std::int64_t stamp_ns) {
-  return CheckIntegerBetween(field, stamp_ns, 1, kMaxStamp_ns);
+  return CheckIntegerBetween(field, stamp_ns, 1, kMaxStamp.time_since_epoch().count());
 }
 
 absl::Status FromProto(const v1::Scan& message, const Rig& rig, Scan* scan) {

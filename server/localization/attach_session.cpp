@@ -31,7 +31,7 @@ absl::StatusOr<std::shared_ptr<Session>> OpenNew(const SessionHost& host, Caller
   caller.permit = *std::move(permit);
   absl::StatusOr<std::shared_ptr<Session>> session = OpenSession(open, caller, host.sessions);
   if (!session.ok()) return session.status();
-  absl::Status status = host.registry.Add((*session)->record(), *session, stream);
+  absl::Status status = host.registry.Add((*session)->info(), *session, stream);
   if (!status.ok()) return status;
   return session;
 }
@@ -43,7 +43,7 @@ absl::StatusOr<std::shared_ptr<Session>> FindToResume(const SessionRegistry& reg
   absl::StatusOr<std::shared_ptr<Session>> session =
       registry.Find(open.resume_token(), caller.principal, open.vehicle_id());
   if (!session.ok()) return session;
-  const std::int64_t epoch = (*session)->record()->description.epoch;
+  const std::int64_t epoch = (*session)->info()->description.epoch;
   if (epoch >= open.epoch()) return session;
   return absl::NotFoundError(absl::StrCat("the session is stale: its epoch is ", epoch,
                                           ", and the vehicle has had ", open.epoch()));
@@ -53,7 +53,7 @@ absl::StatusOr<std::shared_ptr<Session>> FindToResume(const SessionRegistry& reg
 /// begun is done.
 absl::Status TakeOver(SessionRegistry& registry, const Session& session,
                       const std::shared_ptr<SessionStream>& stream) {
-  const auto before = registry.Attach(*session.record(), stream);
+  const auto before = registry.Attach(*session.info(), stream);
   if (!before.ok()) return before.status();
   if (*before != nullptr) {
     (*before)->Displace(grpc::Status(grpc::StatusCode::ABORTED,

@@ -248,11 +248,11 @@ LocalizeStream::Ending LocalizeStream::TakeEnding() {
 /// Lets go of the session before the client hears of the end, who may then delete the map.
 void LocalizeStream::FinishWith(Ending ending) {
   if (ending.session != nullptr) {
-    const SessionRecord& record = *ending.session->record();
+    const SessionInfo& info = *ending.session->info();
     if (ending.keeps_session) {
-      host_.registry.Detach(record, *this);
+      host_.registry.Detach(info, *this);
     } else {
-      host_.registry.Remove(record, *this, ending.reason);
+      host_.registry.Remove(info, *this, ending.reason);
     }
     ending.session.reset();
   }
@@ -297,7 +297,7 @@ void LocalizeStream::Opened(AttachedSession attached) {
 }
 
 void LocalizeStream::Attach(AttachedSession attached) {
-  const SessionDescription& description = attached.session->record()->description;
+  const SessionDescription& description = attached.session->info()->description;
   terms_ = {.resumable = description.resumable(),
             .drops_oldest = description.drops_oldest,
             .resumed = attached.resumed};

@@ -5,37 +5,40 @@
 namespace dcloc::server {
 namespace {
 
+using State = AttachmentState;
+using Event = AttachmentEvent;
+using Action = AttachmentAction;
+
 struct AttachmentArrow {
-  AttachmentState from;
-  AttachmentEvent event;
-  AttachmentState to;
-  AttachmentAction action;
+  State from;
+  Event event;
+  State to;
+  Action action;
 };
 
 constexpr std::array kAttachmentArrows = {
-    AttachmentArrow{AttachmentState::kAttached, AttachmentEvent::kAttach,
-                    AttachmentState::kAttached, AttachmentAction::kTakeStream},
-    AttachmentArrow{AttachmentState::kAttached, AttachmentEvent::kDetach,
-                    AttachmentState::kDetached, AttachmentAction::kDropStream},
-    AttachmentArrow{AttachmentState::kAttached, AttachmentEvent::kEnd, AttachmentState::kEnding,
-                    AttachmentAction::kTellStream},
+    AttachmentArrow{State::kAttached, Event::kAttach, State::kAttached, Action::kTakeStream},
+    AttachmentArrow{State::kAttached, Event::kDetach, State::kDetached, Action::kDropStream},
+    AttachmentArrow{State::kAttached, Event::kClose, State::kEnded, Action::kRelease},
+    AttachmentArrow{State::kAttached, Event::kEnd, State::kEnding, Action::kTellStream},
 
-    AttachmentArrow{AttachmentState::kEnding, AttachmentEvent::kAttach, AttachmentState::kEnding,
-                    AttachmentAction::kRefuse},
-    AttachmentArrow{AttachmentState::kEnding, AttachmentEvent::kDetach, AttachmentState::kAbandoned,
-                    AttachmentAction::kDropStream},
-    AttachmentArrow{AttachmentState::kEnding, AttachmentEvent::kEnd, AttachmentState::kEnding,
-                    AttachmentAction::kTellStream},
+    AttachmentArrow{State::kEnding, Event::kAttach, State::kEnding, Action::kRefuse},
+    AttachmentArrow{State::kEnding, Event::kDetach, State::kAbandoned, Action::kDropStream},
+    AttachmentArrow{State::kEnding, Event::kClose, State::kEnded, Action::kRelease},
+    AttachmentArrow{State::kEnding, Event::kEnd, State::kEnding, Action::kTellStream},
+    AttachmentArrow{State::kEnding, Event::kOverdue, State::kEnding, Action::kAbortStream},
 
-    AttachmentArrow{AttachmentState::kDetached, AttachmentEvent::kAttach,
-                    AttachmentState::kAttached, AttachmentAction::kTakeStream},
-    AttachmentArrow{AttachmentState::kDetached, AttachmentEvent::kEnd, AttachmentState::kDetached,
-                    AttachmentAction::kRelease},
+    AttachmentArrow{State::kDetached, Event::kAttach, State::kAttached, Action::kTakeStream},
+    AttachmentArrow{State::kDetached, Event::kEnd, State::kEnded, Action::kRelease},
+    AttachmentArrow{State::kDetached, Event::kExpire, State::kEnded, Action::kRelease},
+    AttachmentArrow{State::kDetached, Event::kEvict, State::kEnded, Action::kRelease},
+    AttachmentArrow{State::kDetached, Event::kDrain, State::kEnded, Action::kRelease},
 
-    AttachmentArrow{AttachmentState::kAbandoned, AttachmentEvent::kAttach,
-                    AttachmentState::kAbandoned, AttachmentAction::kRefuse},
-    AttachmentArrow{AttachmentState::kAbandoned, AttachmentEvent::kEnd, AttachmentState::kAbandoned,
-                    AttachmentAction::kRelease},
+    AttachmentArrow{State::kAbandoned, Event::kAttach, State::kAbandoned, Action::kRefuse},
+    AttachmentArrow{State::kAbandoned, Event::kEnd, State::kEnded, Action::kRelease},
+    AttachmentArrow{State::kAbandoned, Event::kExpire, State::kEnded, Action::kRelease},
+    AttachmentArrow{State::kAbandoned, Event::kEvict, State::kEnded, Action::kRelease},
+    AttachmentArrow{State::kAbandoned, Event::kDrain, State::kEnded, Action::kRelease},
 };
 
 }  // namespace

@@ -37,9 +37,10 @@ class CoreScanLocalizer final : public ScanLocalizer {
 
 absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(
     WorkspacePool& workspaces, std::shared_ptr<const RadarMap> map, Rig rig,
-    const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options) {
+    const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options,
+    const RegistrationMethods& methods) {
   absl::StatusOr<Localizer> localizer =
-      Localizer::Create(std::move(map), std::move(rig), initial_pose, options);
+      Localizer::Create(std::move(map), std::move(rig), initial_pose, options, methods);
   if (!localizer.ok()) return localizer.status();
   return std::make_unique<CoreScanLocalizer>(workspaces, *std::move(localizer));
 }

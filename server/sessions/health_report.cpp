@@ -6,12 +6,12 @@ namespace dcloc::server {
 
 void HealthReport::OnLocalized(const LocalizedScan& scan, HealthWatch::Clock::time_point now) {
   const Localization& localization = scan.localization;
-  record_->health.Set(localization.health, scan.rig);
-  record_->pose_reset_count = localization.resets.count;
+  info_->health.Set(localization.health, scan.rig);
+  info_->pose_reset_count = localization.resets.count;
   const HealthNews news = watch_.Observe(localization.health, localization.resets, now);
   metrics_.ObserveHealth(news);
-  for (const SourceChange& change : news.changes) LogSource(*record_, *scan.rig, change);
-  if (news.reset_is_told) LogReset(*record_, localization.resets);
+  for (const SourceChange& change : news.changes) LogSource(*info_, *scan.rig, change);
+  if (news.reset_is_told) LogReset(*info_, localization.resets);
 }
 
 }  // namespace dcloc::server

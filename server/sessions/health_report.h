@@ -4,8 +4,8 @@
 
 #include "server/convert/answer.h"
 #include "server/sessions/health_watch.h"
+#include "server/sessions/session_info.h"
 #include "server/sessions/session_metrics.h"
-#include "server/sessions/session_record.h"
 
 namespace dcloc::server {
 
@@ -14,14 +14,14 @@ namespace dcloc::server {
 class HealthReport {
  public:
   /// `metrics` outlives it.
-  HealthReport(std::shared_ptr<SessionRecord> record, SessionMetrics& metrics)
-      : record_(std::move(record)), metrics_(metrics) {}
+  HealthReport(std::shared_ptr<SessionInfo> info, SessionMetrics& metrics)
+      : info_(std::move(info)), metrics_(metrics) {}
 
   /// `scan` has a rig.
   void OnLocalized(const LocalizedScan& scan, HealthWatch::Clock::time_point now);
 
  private:
-  const std::shared_ptr<SessionRecord> record_;
+  const std::shared_ptr<SessionInfo> info_;
   SessionMetrics& metrics_;
   HealthWatch watch_;
 };

@@ -10,8 +10,8 @@
 namespace dcloc::server {
 namespace {
 
-void LogNotMoved(const SessionRecord& record, absl::string_view reason) {
-  spdlog::warn("session not moved session={} reason={}", record.description.session_id,
+void LogNotMoved(const SessionInfo& info, absl::string_view reason) {
+  spdlog::warn("session not moved session={} reason={}", info.description.session_id,
                Quoted(reason));
 }
 
@@ -22,23 +22,23 @@ int MoveSessions(const SessionRegistry& registry, MapStore& store, absl::string_
   const std::string scoped_name = ScopedMapName(tenant, map_name);
   int count = 0;
   for (const auto& session : registry.SessionsIn(tenant, map_name)) {
-    const SessionRecord& record = *session->record();
-    if (record.description.map_version_asked_for) continue;
-    if (from_version != 0 && record.map_version != from_version) continue;
-    absl::StatusOr<LoadedMap> map = store.AcquireFor(scoped_name, record.description.vehicle_id);
+    const SessionInfo& info = *session->info();
+    if (info.description.map_version_asked_for) continue;
+    if (from_version != 0 && info.map_version != from_version) continue;
+    absl::StatusOr<LoadedMap> map = store.AcquireFor(scoped_name, info.description.vehicle_id);
     if (!map.ok()) {
-      LogNotMoved(record, map.status().message());
+      LogNotMoved(info, map.status().message());
       continue;
     }
-    if (map->record.version == record.map_version) continue;
-    if (record.recorded) {
-      LogNotMoved(record, "it is recorded, and a recording is of one version");
+    if (map->record.version == info.map_version) continue;
+    if (info.recorded) {
+      LogNotMoved(info, "it is recorded, and a recording is of one version");
       continue;
     }
     ++count;
     session->strand().Post([session, loaded = *std::move(map)]() mutable {
       const absl::Status status = session->Move(std::move(loaded));
-      if (!status.ok()) LogNotMoved(*session->record(), status.message());
+      if (!status.ok()) LogNotMoved(*session->info(), status.message());
     });
   }
   return count;
@@ -50,12 +50,12 @@ void EndSessions(SessionRegistry& registry, absl::string_view tenant, absl::stri
   ending.set_reason(v1::SESSION_END_REASON_OPERATOR);
   ending.set_message("its map version is being deleted");
   for (const auto& session : registry.SessionsIn(tenant, map_name)) {
-    const SessionRecord& record = *session->record();
-    const bool stays = record.description.map_version_asked_for || record.recorded;
-    if (version != 0 && record.map_version != version) continue;
+    const SessionInfo& info = *session->info();
+    const bool stays = info.description.map_version_asked_for || info.recorded;
+    if (version != 0 && info.map_version != version) continue;
     if (which == EndOf::kThoseThatStay && !stays) continue;
     // One that has just ended by itself is not found, which is as well.
-    registry.End(record.description.session_id, tenant, ending).IgnoreError();
+    registry.End(info.description.session_id, tenant, ending).IgnoreError();
   }
 }
 

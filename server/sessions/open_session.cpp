@@ -27,26 +27,26 @@ absl::StatusOr<std::string> RandomName() {
   return absl::BytesToHexString({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-absl::StatusOr<std::shared_ptr<SessionRecord>> MakeRecord(const v1::OpenSession& open,
-                                                          const Caller& caller,
-                                                          const MapVersionRecord& map,
-                                                          std::int64_t epoch) {
+absl::StatusOr<std::shared_ptr<SessionInfo>> MakeInfo(const v1::OpenSession& open,
+                                                      const Caller& caller,
+                                                      const MapVersionRecord& map,
+                                                      std::int64_t epoch) {
   absl::StatusOr<std::string> session_id = RandomName();
   if (!session_id.ok()) return session_id.status();
   absl::StatusOr<std::string> resume_token = open.resumable() ? RandomName() : std::string();
   if (!resume_token.ok()) return resume_token.status();
-  auto record = std::make_shared<SessionRecord>();
-  record->description = {.session_id = *std::move(session_id),
-                         .resume_token = *std::move(resume_token),
-                         .vehicle_id = open.vehicle_id(),
-                         .caller = caller,
-                         .map_name = open.map_name(),
-                         .map_version_asked_for = open.map_version() != 0,
-                         .open_time = std::chrono::system_clock::now(),
-                         .drops_oldest = open.queue_policy() == v1::QUEUE_POLICY_DROP_OLDEST,
-                         .epoch = epoch};
-  record->map_version = map.version;
-  return record;
+  auto info = std::make_shared<SessionInfo>();
+  info->description = {.session_id = *std::move(session_id),
+                       .resume_token = *std::move(resume_token),
+                       .vehicle_id = open.vehicle_id(),
+                       .caller = caller,
+                       .map_name = open.map_name(),
+                       .map_version_asked_for = open.map_version() != 0,
+                       .open_time = std::chrono::system_clock::now(),
+                       .drops_oldest = open.queue_policy() == v1::QUEUE_POLICY_DROP_OLDEST,
+                       .epoch = epoch};
+  info->map_version = map.version;
+  return info;
 }
 
 /// Opens the ticket of `open`, if it has one.
@@ -102,7 +102,7 @@ void TellTicketUse(const Session& session, const std::string& key_id, SessionMet
   const TicketUse use = session.ticket_use();
   metrics.ObserveTicketUse(use);
   if (use != TicketUse::kNone && use != TicketUse::kAccepted) {
-    LogTicketNotTaken(*session.record(), use, key_id);
+    LogTicketNotTaken(*session.info(), use, key_id);
   }
 }
 
@@ -121,10 +121,10 @@ absl::StatusOr<std::shared_ptr<Session>> OpenSession(const v1::OpenSession& open
   absl::StatusOr<std::optional<InitialPose>> initial_pose =
       convert::InitialPoseFromProto(open, map->map->info().anchor);
   if (!initial_pose.ok()) return initial_pose.status();
-  absl::StatusOr<std::shared_ptr<SessionRecord>> record =
-      MakeRecord(open, caller, map->record, EpochOf(*request, ticket));
-  if (!record.ok()) return record.status();
-  SessionStart start{.record = *std::move(record),
+  absl::StatusOr<std::shared_ptr<SessionInfo>> info =
+      MakeInfo(open, caller, map->record, EpochOf(*request, ticket));
+  if (!info.ok()) return info.status();
+  SessionStart start{.info = *std::move(info),
                      .map = *std::move(map),
                      .rig = std::move(request->rig),
                      .options = request->options,

@@ -38,10 +38,11 @@ using ScanLocalizerFactory = std::function<absl::StatusOr<std::unique_ptr<ScanLo
 /// The memory that a scan needs while it is localized; the sessions of a server share the pool.
 using WorkspacePool = LendingPool<LocalizerWorkspace>;
 
-/// The method: core's Localizer. `workspaces` outlives it.
+/// The method: core's Localizer. `workspaces` outlives it. `methods` replace core's registration.
 absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(
     WorkspacePool& workspaces, std::shared_ptr<const RadarMap> map, Rig rig,
-    const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options);
+    const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options,
+    const RegistrationMethods& methods = {});
 
 /// The stub. Integrates the ego-velocity that the client sends, from the initial pose or else the
 /// identity, and ignores all targets and fixes. Its answers show this: the state is always

@@ -59,15 +59,15 @@ absl::StatusOr<std::shared_ptr<Session>> Session::Create(const SessionContext& c
 Session::Session(const SessionContext& context, SessionStart start,
                  std::unique_ptr<ScanLocalizer> localizer)
     : context_(context),
-      record_(std::move(start.record)),
+      info_(std::move(start.info)),
       strand_(context.pool),
       map_(std::move(start.map)),
       rig_(std::make_shared<const Rig>(std::move(start.rig))),
       options_(start.options),
       localizer_(std::move(localizer)),
       last_pose_(std::move(start.initial_pose)),
-      health_(record_, context_.metrics),
-      ticket_writer_(context.tickets, record_, std::move(start.binding)),
+      health_(info_, context_.metrics),
+      ticket_writer_(context.tickets, info_, std::move(start.binding)),
       ticket_use_(start.ticket_use),
       answered_until_(start.ticket ? start.answered_until : std::nullopt),
       history_(context.answer_history_count) {
@@ -75,22 +75,22 @@ Session::Session(const SessionContext& context, SessionStart start,
     order_.GoOnFrom(start.ticket->last_sequence_number, start.ticket->snapshot.stamp);
     last_resets_ = start.ticket->snapshot.resets;
     ChooseLane();
-    LogGoesOn(*record_, start.ticket->session_id);
+    LogGoesOn(*info_, start.ticket->session_id);
   }
-  LogOpened(*record_, rig_->radars.size());
+  LogOpened(*info_, rig_->radars.size());
 }
 
 Session::~Session() {
-  record_->feed.Close();
+  info_->feed.Close();
   if (recording_ != nullptr) recording_->OnEnd();
-  LogClosed(*record_);
+  LogClosed(*info_);
 }
 
 OpenedSession Session::Describe(bool resumed) const {
-  const SessionDescription& description = record_->description;
+  const SessionDescription& description = info_->description;
   OpenedSession opened{.session_id = description.session_id,
                        .map_name = description.map_name,
-                       .map_version = record_->map_version,
+                       .map_version = info_->map_version,
                        .anchor = map_.map->info().anchor,
                        .resume_token = description.resume_token,
                        .resumed = resumed,
@@ -112,17 +112,17 @@ void Session::Record(std::shared_ptr<RecordingSubscriber> subscriber, const v1::
   without_secret.clear_resume_token();
   RecordingStart start{.open = without_secret,
                        .session = Describe(/*resumed=*/false),
-                       .open_time = record_->description.open_time,
+                       .open_time = info_->description.open_time,
                        .map_sha256 = map_.record.sha256};
   start.session.resume_token.clear();
   subscriber->OnOpened(start);
   recording_ = std::move(subscriber);
-  record_->recorded = true;
+  info_->recorded = true;
 }
 
 void Session::Answer(const v1::Scan& scan, const Arrival& arrival, Reply reply) {
   const Clock::time_point begin = Clock::now();
-  record_->last_activity = begin;
+  info_->last_activity = begin;
   if (AnswerFromHistory(scan.sequence_number(), reply)) return;
   ScanAnswer answer{.sequence_number = scan.sequence_number(), .result = Localize(scan)};
   if (answer.result.ok()) {
@@ -131,40 +131,40 @@ void Session::Answer(const v1::Scan& scan, const Arrival& arrival, Reply reply) 
     timings.total = Clock::now() - arrival.steady;
     timings.stamp_age =
         arrival.system.time_since_epoch() - std::chrono::nanoseconds(scan.stamp_ns());
-    record_->last_stamp_age_ns = timings.stamp_age.count();
+    info_->last_stamp_age_ns = timings.stamp_age.count();
     answer.ticket =
         ticket_writer_.OnAnswered(answer.sequence_number, *answer.result, map_.record, *localizer_);
     if (answer.ticket) context_.metrics.ObserveTicket(answer.ticket->sealed.size());
   }
   Count(answer);
-  answer.dropped_scan_count = record_->counts.dropped;
+  answer.dropped_scan_count = info_->counts.dropped;
   HandOn(scan, answer, reply);
   if (!answer.result.ok()) return;
   const std::chrono::nanoseconds encoding = Clock::now() - localized_time_;
   context_.metrics.ObserveLocalized(*answer.result, encoding);
-  LogLocalized(*record_, answer.sequence_number, *answer.result, encoding);
+  LogLocalized(*info_, answer.sequence_number, *answer.result, encoding);
   health_.OnLocalized(*answer.result, begin);
   WarnOfBeta(scan.radar_id(), answer.result->localization.quality.beta);
 }
 
 void Session::CatchUp(const v1::Scan& scan) {
-  record_->last_activity = Clock::now();
+  info_->last_activity = Clock::now();
   const absl::Status status = Localize(scan).status();
   context_.metrics.ObserveCatchUp();
-  if (!status.ok()) LogRejected(*record_, scan.sequence_number(), status);
+  if (!status.ok()) LogRejected(*info_, scan.sequence_number(), status);
 }
 
 void Session::TakeFix(const v1::PositionFix& fix, FixReply reply) {
   const FixAnswer answer{.stamp_ns = fix.stamp_ns(), .use = Use(fix)};
-  ++record_->position_fix_count;
+  ++info_->position_fix_count;
   context_.metrics.ObserveFix(answer.use);
   reply(answer);
-  record_->feed.Publish(answer);
+  info_->feed.Publish(answer);
   if (recording_ != nullptr) recording_->OnFix(fix, answer);
 }
 
 absl::StatusOr<FixUse> Session::Use(const v1::PositionFix& message) {
-  absl::Status status = record_->description.caller.permit->TakeFix(Clock::now());
+  absl::Status status = info_->description.caller.permit->TakeFix(Clock::now());
   if (!status.ok()) return status;
   const absl::StatusOr<PositionFix> fix = convert::FromProto(message, map_.map->info().anchor);
   if (!fix.ok()) return fix.status();
@@ -175,17 +175,17 @@ absl::StatusOr<FixUse> Session::Use(const v1::PositionFix& message) {
 }
 
 void Session::AnswerDropped(std::int64_t sequence_number, Reply reply) {
-  ++record_->counts.dropped;
+  ++info_->counts.dropped;
   ++context_.totals.dropped;
   context_.metrics.ObserveDropped();
-  record_->missing_scan_count += order_.OnDropped(sequence_number);
+  info_->missing_scan_count += order_.OnDropped(sequence_number);
   const ScanAnswer answer{
       .sequence_number = sequence_number,
       .result = absl::ResourceExhaustedError("scan dropped: newer ones were waiting"),
-      .dropped_scan_count = record_->counts.dropped};
-  LogRejected(*record_, sequence_number, answer.result.status());
+      .dropped_scan_count = info_->counts.dropped};
+  LogRejected(*info_, sequence_number, answer.result.status());
   reply(answer);
-  record_->feed.Publish(answer);
+  info_->feed.Publish(answer);
   history_.Keep(answer);
   if (recording_ == nullptr) return;
   v1::Scan scan;  // its columns are gone
@@ -200,7 +200,7 @@ bool Session::AnswerFromHistory(std::int64_t sequence_number, Reply reply) {
   ScanAnswer answer = *kept;
   answer.from_memory = true;
   reply(answer);
-  ++record_->counts.repeated;
+  ++info_->counts.repeated;
   ++context_.totals.repeated;
   context_.metrics.ObserveRepeated();
   return true;
@@ -217,7 +217,7 @@ absl::StatusOr<LocalizedScan> Session::Localize(const v1::Scan& message) {
   if (!localization.ok()) return WithPrefix("scan: ", localization.status());
   GoOnFrom(resets_before_move_, &localization->resets);
   OnLocalized(message, *localization);
-  LocalizedScan scan{.map_version = record_->map_version,
+  LocalizedScan scan{.map_version = info_->map_version,
                      .localization = *std::move(localization),
                      .rig = rig_,
                      .anchor = map_.map->info().anchor};
@@ -228,20 +228,20 @@ absl::StatusOr<LocalizedScan> Session::Localize(const v1::Scan& message) {
 
 /// Fills `scan_`, unless the principal may not send it, it is malformed, or out of order.
 absl::Status Session::TakeScan(const v1::Scan& message, Clock::time_point begin) {
-  absl::Status status = record_->description.caller.permit->TakeScan(message.range_m_size(), begin);
+  absl::Status status = info_->description.caller.permit->TakeScan(message.range_m_size(), begin);
   if (status.ok()) status = WithPrefix("scan.", convert::FromProto(message, *rig_, &scan_));
   if (status.ok()) status = order_.Check(message.sequence_number());
   return status;
 }
 
 void Session::OnLocalized(const v1::Scan& message, const Localization& localization) {
-  record_->missing_scan_count += order_.OnLocalized(message.sequence_number(), scan_.stamp);
+  info_->missing_scan_count += order_.OnLocalized(message.sequence_number(), scan_.stamp);
   std::swap(scan_, last_scan_);
   RememberPose(localization);
   last_resets_ = localization.resets;
   ChooseLane();
-  record_->last_sequence_number = order_.last_localized();
-  record_->last_state = static_cast<int>(localization.state);
+  info_->last_sequence_number = order_.last_localized();
+  info_->last_state = static_cast<int>(localization.state);
 }
 
 void Session::RememberPose(const Localization& localization) {
@@ -251,10 +251,10 @@ void Session::RememberPose(const Localization& localization) {
       localization.state == LocalizationState::kInitializing && !last_pose_.has_value();
   last_pose_.reset();
   if (!unknown) last_pose_ = {localization.T_map_vehicle, localization.covariance};
-  if (unknown) return record_->pose.Set(std::nullopt);
-  record_->pose.Set(LastPose::Value{.stamp_ns = localization.stamp.time_since_epoch().count(),
-                                    .T_map_vehicle = localization.T_map_vehicle,
-                                    .covariance = localization.covariance});
+  if (unknown) return info_->pose.Set(std::nullopt);
+  info_->pose.Set(LastPose::Value{.stamp_ns = localization.stamp.time_since_epoch().count(),
+                                  .T_map_vehicle = localization.T_map_vehicle,
+                                  .covariance = localization.covariance});
 }
 
 /// Who has no pose searches the map, scan after scan, on threads of its own: nobody else waits for
@@ -265,26 +265,26 @@ void Session::ChooseLane() {
 
 void Session::Count(const ScanAnswer& answer) {
   if (answer.result.ok()) {
-    ++record_->counts.answered;
+    ++info_->counts.answered;
     ++context_.totals.answered;
     return;
   }
-  ++record_->counts.rejected;
+  ++info_->counts.rejected;
   ++context_.totals.rejected;
   context_.metrics.ObserveRejection(answer.result.status().code());
-  LogRejected(*record_, answer.sequence_number, answer.result.status());
+  LogRejected(*info_, answer.sequence_number, answer.result.status());
 }
 
 // Once for each radar: it stays wrong until somebody calibrates it.
 void Session::WarnOfBeta(const std::string& radar_id, const BetaCheck& beta) {
   if (!beta.is_wrong || !radars_warned_of_.insert(radar_id).second) return;
-  LogBetaContradicted(*record_, radar_id, beta);
+  LogBetaContradicted(*info_, radar_id, beta);
 }
 
 void Session::HandOn(const v1::Scan& scan, ScanAnswer& answer, Reply reply) {
   reply(answer);
   answer.ticket.reset();
-  record_->feed.Publish(answer);
+  info_->feed.Publish(answer);
   // One that is late stays so, and must not push out an answer that may still be wanted.
   const bool late = !answer.result.ok() && answer.sequence_number <= order_.last_localized();
   if (!late) history_.Keep(answer);
@@ -293,7 +293,7 @@ void Session::HandOn(const v1::Scan& scan, ScanAnswer& answer, Reply reply) {
 
 absl::Status Session::Move(LoadedMap map) {
   const std::int64_t version = map.record.version;
-  if (version == record_->map_version) return absl::OkStatus();
+  if (version == info_->map_version) return absl::OkStatus();
   if (!SamePlace(map.map->info().anchor, map_.map->info().anchor)) {
     return absl::FailedPreconditionError("the versions' anchors on the Earth differ");
   }
@@ -310,8 +310,8 @@ absl::Status Session::Move(LoadedMap map) {
   ticket_writer_.OnMoved();
   ChooseLane();
   map_ = std::move(map);
-  LogMoved(*record_, version);
-  record_->map_version = version;
+  LogMoved(*info_, version);
+  info_->map_version = version;
   return absl::OkStatus();
 }
 

@@ -21,8 +21,8 @@
 #include "server/sessions/recording_subscriber.h"
 #include "server/sessions/scan_localizer.h"
 #include "server/sessions/scan_order.h"
+#include "server/sessions/session_info.h"
 #include "server/sessions/session_metrics.h"
-#include "server/sessions/session_record.h"
 #include "server/sessions/ticket_writer.h"
 #include "server/tickets/session_tickets.h"
 
@@ -51,7 +51,7 @@ struct SessionContext {
 
 /// What a session starts from.
 struct SessionStart {
-  std::shared_ptr<SessionRecord> record;
+  std::shared_ptr<SessionInfo> info;
   LoadedMap map;
   Rig rig;
   LocalizerOptions options;
@@ -82,7 +82,7 @@ class Session {
 
   /// Thread-safe.
   Strand& strand() { return strand_; }
-  const std::shared_ptr<SessionRecord>& record() const { return record_; }
+  const std::shared_ptr<SessionInfo>& info() const { return info_; }
 
   OpenedSession Describe(bool resumed) const;
 
@@ -137,7 +137,7 @@ class Session {
   void HandOn(const v1::Scan& scan, ScanAnswer& answer, Reply reply);
 
   const SessionContext context_;
-  const std::shared_ptr<SessionRecord> record_;
+  const std::shared_ptr<SessionInfo> info_;
   Strand strand_;
   LoadedMap map_;
   const std::shared_ptr<const Rig> rig_;

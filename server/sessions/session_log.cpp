@@ -11,84 +11,84 @@ std::int64_t Microseconds(std::chrono::nanoseconds duration) { return duration.c
 
 }  // namespace
 
-void LogOpened(const SessionRecord& record, std::size_t radar_count) {
-  const SessionDescription& description = record.description;
+void LogOpened(const SessionInfo& info, std::size_t radar_count) {
+  const SessionDescription& description = info.description;
   spdlog::info("session opened session={} vehicle={} peer={} map={} version={} radars={} trace={}",
                description.session_id, description.vehicle_id, description.caller.peer,
-               description.map_name, record.map_version.load(), radar_count,
+               description.map_name, info.map_version.load(), radar_count,
                description.caller.trace_id);
 }
 
-void LogGoesOn(const SessionRecord& record, const std::string& before) {
+void LogGoesOn(const SessionInfo& info, const std::string& before) {
   spdlog::info("session goes on session={} vehicle={} from={} epoch={}",
-               record.description.session_id, record.description.vehicle_id, before,
-               record.description.epoch);
+               info.description.session_id, info.description.vehicle_id, before,
+               info.description.epoch);
 }
 
-void LogTicketNotTaken(const SessionRecord& record, TicketUse use, const std::string& key_id) {
+void LogTicketNotTaken(const SessionInfo& info, TicketUse use, const std::string& key_id) {
   spdlog::warn("ticket not taken session={} vehicle={} peer={} reason={} key={}",
-               record.description.session_id, record.description.vehicle_id,
-               record.description.caller.peer, NameOf(use), key_id);
+               info.description.session_id, info.description.vehicle_id,
+               info.description.caller.peer, NameOf(use), key_id);
 }
 
-void LogMoved(const SessionRecord& record, std::int64_t to_version) {
-  spdlog::info("session moved session={} vehicle={} from={} to={}", record.description.session_id,
-               record.description.vehicle_id, record.map_version.load(), to_version);
+void LogMoved(const SessionInfo& info, std::int64_t to_version) {
+  spdlog::info("session moved session={} vehicle={} from={} to={}", info.description.session_id,
+               info.description.vehicle_id, info.map_version.load(), to_version);
 }
 
-void LogClosed(const SessionRecord& record) {
+void LogClosed(const SessionInfo& info) {
   spdlog::info("session closed session={} vehicle={} scans={} rejected={} repeated={} dropped={}",
-               record.description.session_id, record.description.vehicle_id,
-               record.counts.answered.load(), record.counts.rejected.load(),
-               record.counts.repeated.load(), record.counts.dropped.load());
+               info.description.session_id, info.description.vehicle_id,
+               info.counts.answered.load(), info.counts.rejected.load(),
+               info.counts.repeated.load(), info.counts.dropped.load());
 }
 
-void LogLocalized(const SessionRecord& record, std::int64_t sequence_number,
-                  const LocalizedScan& scan, std::chrono::nanoseconds encoding) {
+void LogLocalized(const SessionInfo& info, std::int64_t sequence_number, const LocalizedScan& scan,
+                  std::chrono::nanoseconds encoding) {
   if (!spdlog::should_log(spdlog::level::debug)) return;
   const ScanTimings& timings = scan.timings;
   spdlog::debug(
       "scan localized session={} trace={} sequence_number={} state={} queue_us={} conversion_us={} "
       "compensation_us={} submap_us={} registration_us={} posegraph_us={} encoding_us={}",
-      record.description.session_id, record.description.caller.trace_id, sequence_number,
+      info.description.session_id, info.description.caller.trace_id, sequence_number,
       v1::LocalizationState_Name(convert::ToProto(scan.localization.state)),
       Microseconds(timings.queue), Microseconds(timings.conversion),
       Microseconds(timings.compensation), Microseconds(timings.submap),
       Microseconds(timings.registration), Microseconds(timings.posegraph), Microseconds(encoding));
 }
 
-void LogRejected(const SessionRecord& record, std::int64_t sequence_number,
+void LogRejected(const SessionInfo& info, std::int64_t sequence_number,
                  const absl::Status& status) {
   if (!spdlog::should_log(spdlog::level::debug)) return;
   spdlog::debug("scan rejected session={} trace={} sequence_number={} reason={}",
-                record.description.session_id, record.description.caller.trace_id, sequence_number,
+                info.description.session_id, info.description.caller.trace_id, sequence_number,
                 Quoted(status.message()));
 }
 
-void LogBetaContradicted(const SessionRecord& record, const std::string& radar_id,
+void LogBetaContradicted(const SessionInfo& info, const std::string& radar_id,
                          const BetaCheck& beta) {
   spdlog::warn(
       "beta contradicted session={} vehicle={} radar={} beta_error_s={:.4f} sigma_s={:.4f}",
-      record.description.session_id, record.description.vehicle_id, radar_id, beta.error_s,
+      info.description.session_id, info.description.vehicle_id, radar_id, beta.error_s,
       beta.sigma_s);
 }
 
-void LogSource(const SessionRecord& record, const Rig& rig, const SourceChange& change) {
+void LogSource(const SessionInfo& info, const Rig& rig, const SourceChange& change) {
   const bool is_radar = change.kind == SourceKind::kRadar;
   const char* const name = kSourceKindNames[static_cast<std::size_t>(change.kind)];
   spdlog::warn("{} session={} vehicle={} source={} reason={} changes={}",
                change.health.is_used ? "source taken back" : "source set aside",
-               record.description.session_id, record.description.vehicle_id,
+               info.description.session_id, info.description.vehicle_id,
                is_radar ? rig.radars.at(change.radar_index).id : name, NameOf(change.health.fault),
                change.change_count);
 }
 
-void LogReset(const SessionRecord& record, const PoseResets& resets) {
+void LogReset(const SessionInfo& info, const PoseResets& resets) {
   const Pose3& jump = resets.T_before_after;
   const double angle_rad = Eigen::AngleAxisd(jump.rotation).angle();
   spdlog::warn("pose reset session={} vehicle={} distance_m={:.2f} rotation_deg={:.2f} count={}",
-               record.description.session_id, record.description.vehicle_id,
-               jump.translation_m.norm(), angle_rad * kDegPerRad, resets.count);
+               info.description.session_id, info.description.vehicle_id, jump.translation_m.norm(),
+               angle_rad * kDegPerRad, resets.count);
 }
 
 }  // namespace dcloc::server

@@ -26,7 +26,7 @@ bool IsAttachedTo(const std::weak_ptr<SessionStream>& attached, const SessionStr
 
 }  // namespace
 
-absl::Status SessionRegistry::Add(std::shared_ptr<SessionRecord> record,
+absl::Status SessionRegistry::Add(std::shared_ptr<SessionInfo> info,
                                   std::shared_ptr<Session> session, Stream stream) {
   Released released;
   const std::lock_guard lock(mutex_);
@@ -35,12 +35,12 @@ absl::Status SessionRegistry::Add(std::shared_ptr<SessionRecord> record,
     return absl::ResourceExhaustedError(
         absl::StrFormat("%d sessions are open, which is the limit", max));
   }
-  const SessionDescription& description = record->description;
+  const SessionDescription& description = info->description;
   if (description.resumable()) {
     id_of_token_[description.resume_token] = description.session_id;
   }
   const std::string id = description.session_id;
-  entries_[id] = Entry{.record = std::move(record),
+  entries_[id] = Entry{.info = std::move(info),
                        .session = std::move(session),
                        .stream = std::move(stream),
                        .state = AttachmentState::kAttached,
@@ -55,7 +55,7 @@ absl::StatusOr<std::shared_ptr<Session>> SessionRegistry::Find(absl::string_view
   const auto token = id_of_token_.find(resume_token);
   if (token == id_of_token_.end()) return Gone(resume_token, "open.resume_token");
   const Entry& entry = entries_.find(token->second)->second;
-  const SessionDescription& description = entry.record->description;
+  const SessionDescription& description = entry.info->description;
   if (!(description.caller.principal == principal)) {
     return absl::PermissionDeniedError("open.resume_token is of another principal's session");
   }
@@ -67,37 +67,37 @@ absl::StatusOr<std::shared_ptr<Session>> SessionRegistry::Find(absl::string_view
   return entry.session;
 }
 
-absl::StatusOr<std::shared_ptr<SessionStream>> SessionRegistry::Attach(const SessionRecord& record,
+absl::StatusOr<std::shared_ptr<SessionStream>> SessionRegistry::Attach(const SessionInfo& info,
                                                                        Stream stream) {
   const std::lock_guard lock(mutex_);
-  const auto found = entries_.find(record.description.session_id);
-  if (found == entries_.end()) return Gone(record.description.resume_token, "open.resume_token");
+  const auto found = entries_.find(info.description.session_id);
+  if (found == entries_.end()) return Gone(info.description.resume_token, "open.resume_token");
   Entry& entry = found->second;
   if (Take(AttachmentEvent::kAttach, &entry) == AttachmentAction::kRefuse) {
     return absl::NotFoundError("open.resume_token: the session is being ended");
   }
-  ++entry.record->resume_count;
+  ++entry.info->resume_count;
   ++resume_count_;
-  entry.record->last_activity = Clock::now();
+  entry.info->last_activity = Clock::now();
   return std::exchange(entry.stream, std::move(stream)).lock();
 }
 
-void SessionRegistry::Detach(const SessionRecord& record, const SessionStream& stream) {
+void SessionRegistry::Detach(const SessionInfo& info, const SessionStream& stream) {
   const std::lock_guard lock(mutex_);
-  Entry* entry = FindAttached(record, stream);
+  Entry* entry = FindAttached(info, stream);
   if (entry == nullptr) return;
   if (Take(AttachmentEvent::kDetach, entry) != AttachmentAction::kDropStream) return;
   entry->stream.reset();
-  spdlog::info("session detached session={} vehicle={}", record.description.session_id,
-               record.description.vehicle_id);
+  spdlog::info("session detached session={} vehicle={}", info.description.session_id,
+               info.description.vehicle_id);
 }
 
-void SessionRegistry::Remove(const SessionRecord& record, const SessionStream& stream,
+void SessionRegistry::Remove(const SessionInfo& info, const SessionStream& stream,
                              const std::string& reason) {
   Released released;
   const std::lock_guard lock(mutex_);
-  if (FindAttached(record, stream) == nullptr) return;
-  Release(entries_.find(record.description.session_id), reason, &released);
+  if (FindAttached(info, stream) == nullptr) return;
+  Take(AttachmentEvent::kClose, entries_.find(info.description.session_id), reason, &released);
 }
 
 absl::Status SessionRegistry::End(absl::string_view session_id, absl::string_view tenant,
@@ -108,13 +108,11 @@ absl::Status SessionRegistry::End(absl::string_view session_id, absl::string_vie
     const std::lock_guard lock(mutex_);
     const auto entry = FindOf(tenant, session_id);
     if (entry == entries_.end()) return Gone(session_id, "session_id");
-    if (Take(AttachmentEvent::kEnd, &entry->second) == AttachmentAction::kTellStream) {
-      stream = entry->second.stream.lock();
-    }
-    if (stream == nullptr) {
-      Release(entry, ending.message(), &released);
-      return absl::OkStatus();
-    }
+    stream = entry->second.stream.lock();
+    // A stream that is gone, and has not said so, has detached.
+    if (stream == nullptr) Take(AttachmentEvent::kDetach, &entry->second);
+    const AttachmentAction action = Take(AttachmentEvent::kEnd, entry, ending.message(), &released);
+    if (action != AttachmentAction::kTellStream) return absl::OkStatus();
   }
   stream->Announce(ending);
   stream->End(grpc::Status(grpc::StatusCode::ABORTED, ending.message()));
@@ -126,7 +124,7 @@ std::vector<std::shared_ptr<Session>> SessionRegistry::SessionsIn(
   std::vector<std::shared_ptr<Session>> sessions;
   const std::lock_guard lock(mutex_);
   for (const auto& [id, entry] : entries_) {
-    const SessionDescription& description = entry.record->description;
+    const SessionDescription& description = entry.info->description;
     if (description.caller.principal.tenant == tenant && description.map_name == map_name) {
       sessions.push_back(entry.session);
     }
@@ -134,7 +132,29 @@ std::vector<std::shared_ptr<Session>> SessionRegistry::SessionsIn(
   return sessions;
 }
 
+std::optional<AttachmentEvent> SessionRegistry::DueEvent(const Entry& entry,
+                                                         Clock::time_point now) const {
+  const auto in_state = now - entry.since;
+  switch (entry.state) {
+    case AttachmentState::kAttached:
+      if (timeouts_.idle_timeout.count() <= 0) return std::nullopt;
+      if (now - entry.info->last_activity.load() < timeouts_.idle_timeout) return std::nullopt;
+      return AttachmentEvent::kEnd;
+    case AttachmentState::kEnding:
+      return in_state < kEndGrace ? std::nullopt : std::optional(AttachmentEvent::kOverdue);
+    case AttachmentState::kDetached:
+    case AttachmentState::kAbandoned:
+      if (in_state < timeouts_.detached_timeout) return std::nullopt;
+      return AttachmentEvent::kExpire;
+    case AttachmentState::kEnded:
+      break;
+  }
+  return std::nullopt;
+}
+
 void SessionRegistry::Reap(Clock::time_point now) {
+  const std::string expired =
+      absl::StrCat("it was without a stream for more than ", Text(timeouts_.detached_timeout));
   std::vector<SessionDescription> idle;
   std::vector<std::shared_ptr<SessionStream>> overdue;
   Released released;
@@ -142,19 +162,16 @@ void SessionRegistry::Reap(Clock::time_point now) {
     const std::lock_guard lock(mutex_);
     for (auto entry = entries_.begin(); entry != entries_.end();) {
       const auto current = entry++;
-      const Entry& session = current->second;
-      if (IsDetached(session.state)) {
-        if (now - session.since < timeouts_.detached_timeout) continue;
-        Release(current,
-                absl::StrCat("it was without a stream for more than ",
-                             Text(timeouts_.detached_timeout)),
-                &released);
-      } else if (session.state == AttachmentState::kEnding) {
-        if (now - session.since < kEndGrace) continue;
-        if (auto stream = session.stream.lock()) overdue.push_back(std::move(stream));
-      } else if (timeouts_.idle_timeout.count() > 0 &&
-                 now - session.record->last_activity.load() >= timeouts_.idle_timeout) {
-        idle.push_back(session.record->description);
+      const std::optional<AttachmentEvent> event = DueEvent(current->second, now);
+      if (!event) continue;
+      if (*event == AttachmentEvent::kEnd) {
+        idle.push_back(current->second.info->description);
+        continue;
+      }
+      auto stream = current->second.stream.lock();
+      const AttachmentAction action = Take(*event, current, expired, &released);
+      if (action == AttachmentAction::kAbortStream && stream != nullptr) {
+        overdue.push_back(std::move(stream));
       }
     }
   }
@@ -172,8 +189,7 @@ void SessionRegistry::RemoveDetached(const std::string& reason) {
   Released released;
   const std::lock_guard lock(mutex_);
   for (auto entry = entries_.begin(); entry != entries_.end();) {
-    const auto current = entry++;
-    if (IsDetached(current->second.state)) Release(current, reason, &released);
+    Take(AttachmentEvent::kDrain, entry++, reason, &released);
   }
 }
 
@@ -184,8 +200,8 @@ std::vector<ListedSession> SessionRegistry::List(absl::string_view tenant,
   for (auto entry = entries_.upper_bound(after_id);
        entry != entries_.end() && static_cast<int>(list.size()) < limit; ++entry) {
     const Entry& session = entry->second;
-    if (session.record->description.caller.principal.tenant != tenant) continue;
-    list.push_back({session.record, IsDetached(session.state)});
+    if (session.info->description.caller.principal.tenant != tenant) continue;
+    list.push_back({session.info, IsDetached(session.state)});
   }
   return list;
 }
@@ -195,7 +211,7 @@ absl::StatusOr<ListedSession> SessionRegistry::Get(absl::string_view tenant,
   const std::lock_guard lock(mutex_);
   const auto entry = FindOf(tenant, session_id);
   if (entry == entries_.end()) return Gone(session_id, "session_id");
-  return ListedSession{entry->second.record, IsDetached(entry->second.state)};
+  return ListedSession{entry->second.info, IsDetached(entry->second.state)};
 }
 
 absl::StatusOr<std::shared_ptr<Session>> SessionRegistry::GetSession(
@@ -209,8 +225,8 @@ absl::StatusOr<std::shared_ptr<Session>> SessionRegistry::GetSession(
 SessionRegistry::Entries::iterator SessionRegistry::FindOf(absl::string_view tenant,
                                                            absl::string_view session_id) {
   const auto entry = entries_.find(session_id);
-  const bool found = entry != entries_.end() &&
-                     entry->second.record->description.caller.principal.tenant == tenant;
+  const bool found =
+      entry != entries_.end() && entry->second.info->description.caller.principal.tenant == tenant;
   return found ? entry : entries_.end();
 }
 
@@ -223,7 +239,7 @@ SessionCensus SessionRegistry::Census() const {
   SessionCensus census;
   const std::lock_guard lock(mutex_);
   for (const auto& [id, entry] : entries_) {
-    const int state = entry.record->last_state + 1;
+    const int state = entry.info->last_state + 1;
     ++(IsDetached(entry.state) ? census.detached
                                : census.attached)[static_cast<std::size_t>(state)];
   }
@@ -249,16 +265,23 @@ AttachmentAction SessionRegistry::Take(AttachmentEvent event, Entry* entry) {
   return transition.action;
 }
 
-SessionRegistry::Entry* SessionRegistry::FindAttached(const SessionRecord& record,
+AttachmentAction SessionRegistry::Take(AttachmentEvent event, Entries::iterator entry,
+                                       const std::string& reason, Released* released) {
+  const AttachmentAction action = Take(event, &entry->second);
+  if (action == AttachmentAction::kRelease) Release(entry, reason, released);
+  return action;
+}
+
+SessionRegistry::Entry* SessionRegistry::FindAttached(const SessionInfo& info,
                                                       const SessionStream& stream) {
-  const auto entry = entries_.find(record.description.session_id);
+  const auto entry = entries_.find(info.description.session_id);
   const bool found = entry != entries_.end() && IsAttachedTo(entry->second.stream, stream);
   return found ? &entry->second : nullptr;
 }
 
 void SessionRegistry::Release(Entries::iterator entry, const std::string& reason,
                               Released* released) {
-  const SessionDescription& description = entry->second.record->description;
+  const SessionDescription& description = entry->second.info->description;
   spdlog::info("session released session={} vehicle={} reason={}", description.session_id,
                description.vehicle_id, Quoted(reason));
   Remember(description, reason);
@@ -274,7 +297,8 @@ bool SessionRegistry::EvictLongestDetached(Released* released) {
     if (longest == entries_.end() || entry->second.since < longest->second.since) longest = entry;
   }
   if (longest == entries_.end()) return false;
-  Release(longest, "it was without a stream when others needed the place", released);
+  Take(AttachmentEvent::kEvict, longest, "it was without a stream when others needed the place",
+       released);
   return true;
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@
 #include "absl/strings/string_view.h"
 #include "server/config/limits.h"
 #include "server/sessions/attachment_state.h"
-#include "server/sessions/session_record.h"
+#include "server/sessions/session_info.h"
 #include "server/sessions/session_stream.h"
 
 namespace dcloc::server {
@@ -29,7 +30,7 @@ struct SessionTimeouts {
 
 /// A session as lists show it.
 struct ListedSession {
-  std::shared_ptr<SessionRecord> record;
+  std::shared_ptr<SessionInfo> info;
   bool detached = false;
 };
 
@@ -45,7 +46,7 @@ struct SessionCensus {
 /// sessions ended. Thread-safe; localizing a scan does not take its lock.
 class SessionRegistry {
  public:
-  using Clock = SessionRecord::Clock;
+  using Clock = SessionInfo::Clock;
   using Stream = std::weak_ptr<SessionStream>;
 
   /// `limits` outlives it.
@@ -54,7 +55,7 @@ class SessionRegistry {
 
   /// Adds a session attached to `stream`. If there are too many sessions, the one that has been
   /// detached for longest is ended; ResourceExhausted if none is detached.
-  absl::Status Add(std::shared_ptr<SessionRecord> record, std::shared_ptr<Session> session,
+  absl::Status Add(std::shared_ptr<SessionInfo> info, std::shared_ptr<Session> session,
                    Stream stream);
 
   /// The session of a resume token. NotFound says why it is gone; PermissionDenied for another
@@ -65,14 +66,14 @@ class SessionRegistry {
 
   /// Attaches a session to another stream; gives the one that it was attached to. NotFound as
   /// above.
-  absl::StatusOr<std::shared_ptr<SessionStream>> Attach(const SessionRecord& record, Stream stream);
+  absl::StatusOr<std::shared_ptr<SessionStream>> Attach(const SessionInfo& info, Stream stream);
 
   /// Detaches the session from `stream`; does nothing if it is not attached to it.
-  void Detach(const SessionRecord& record, const SessionStream& stream);
+  void Detach(const SessionInfo& info, const SessionStream& stream);
 
   /// Removes a session; a later `Find` is told `reason`. Does nothing if it is not attached to
   /// `stream`.
-  void Remove(const SessionRecord& record, const SessionStream& stream, const std::string& reason);
+  void Remove(const SessionInfo& info, const SessionStream& stream, const std::string& reason);
 
   /// Tells the client and ends a session of the tenant's. NotFound.
   absl::Status End(absl::string_view session_id, absl::string_view tenant,
@@ -109,7 +110,7 @@ class SessionRegistry {
 
  private:
   struct Entry {
-    std::shared_ptr<SessionRecord> record;
+    std::shared_ptr<SessionInfo> info;
     std::shared_ptr<Session> session;
     Stream stream;
     AttachmentState state = AttachmentState::kAttached;
@@ -121,7 +122,12 @@ class SessionRegistry {
 
   // With the mutex held.
   static AttachmentAction Take(AttachmentEvent event, Entry* entry);
-  Entry* FindAttached(const SessionRecord& record, const SessionStream& stream);
+  /// The same, for events that may end a session: then it is released.
+  AttachmentAction Take(AttachmentEvent event, Entries::iterator entry, const std::string& reason,
+                        Released* released);
+  /// What a session's timeouts bring by `now`, if anything.
+  std::optional<AttachmentEvent> DueEvent(const Entry& entry, Clock::time_point now) const;
+  Entry* FindAttached(const SessionInfo& info, const SessionStream& stream);
   void Release(Entries::iterator entry, const std::string& reason, Released* released);
   bool EvictLongestDetached(Released* released);
   Entries::iterator FindOf(absl::string_view tenant, absl::string_view session_id);

@@ -25,9 +25,9 @@ std::optional<AnswerTicket> TicketWriter::OnAnswered(std::int64_t sequence_numbe
   snapshot->resets = scan.localization.resets;
   pending_ = {.map_version = map.version,
               .map_sha256 = map.sha256,
-              .epoch = record_->description.epoch,
+              .epoch = info_->description.epoch,
               .last_sequence_number = sequence_number,
-              .session_id = record_->description.session_id,
+              .session_id = info_->description.session_id,
               .snapshot = *std::move(snapshot)};
   const bool was_right = before && before->snapshot.resets.count == scan.localization.resets.count;
   return was_right ? Seal(*before) : std::nullopt;
@@ -37,7 +37,7 @@ std::optional<AnswerTicket> TicketWriter::Seal(const TicketContent& content) con
   absl::StatusOr<std::string> sealed =
       tickets_->Seal(content, binding_, std::chrono::system_clock::now());
   if (!sealed.ok()) {
-    spdlog::debug("ticket not made session={} reason={}", record_->description.session_id,
+    spdlog::debug("ticket not made session={} reason={}", info_->description.session_id,
                   Quoted(sealed.status().message()));
     return std::nullopt;
   }

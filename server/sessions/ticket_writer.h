@@ -6,7 +6,7 @@
 
 #include "server/convert/answer.h"
 #include "server/sessions/scan_localizer.h"
-#include "server/sessions/session_record.h"
+#include "server/sessions/session_info.h"
 #include "server/tickets/session_tickets.h"
 
 namespace dcloc::server {
@@ -16,14 +16,14 @@ namespace dcloc::server {
 class TicketWriter {
  public:
   /// `tickets` outlives it; null where there is no fleet key.
-  TicketWriter(const SessionTickets* tickets, std::shared_ptr<const SessionRecord> record,
+  TicketWriter(const SessionTickets* tickets, std::shared_ptr<const SessionInfo> info,
                TicketBinding binding)
-      : tickets_(tickets), record_(std::move(record)), binding_(std::move(binding)) {}
+      : tickets_(tickets), info_(std::move(info)), binding_(std::move(binding)) {}
 
   /// Only sessions that can be resumed get tickets, and none that is recorded: its recording could
   /// not be continued elsewhere.
   bool writes() const {
-    return tickets_ != nullptr && record_->description.resumable() && !record_->recorded;
+    return tickets_ != nullptr && info_->description.resumable() && !info_->recorded;
   }
 
   /// A scan was localized by `localizer` in `map`. Gives a ticket about once an interval by the
@@ -39,7 +39,7 @@ class TicketWriter {
   std::optional<AnswerTicket> Seal(const TicketContent& content) const;
 
   const SessionTickets* tickets_;
-  std::shared_ptr<const SessionRecord> record_;
+  std::shared_ptr<const SessionInfo> info_;
   TicketBinding binding_;
   std::optional<Stamp> last_look_;
   std::optional<TicketContent> pending_;  ///< of the last look

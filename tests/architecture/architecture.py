@@ -12,13 +12,14 @@ sys.dont_write_bytecode = True  # the tree stays as it is
 
 from include_check import IncludeCheck  # noqa: E402
 from link_check import LinkCheck  # noqa: E402
+from mirror_check import MirrorCheck  # noqa: E402
 from shape_check import ShapeCheck  # noqa: E402
 
 
 def violations(root):
     """One line for each violation in the tree at `root`."""
     found = []
-    for check in (ShapeCheck, IncludeCheck, LinkCheck):
+    for check in (ShapeCheck, MirrorCheck, IncludeCheck, LinkCheck):
         check(root, lambda path, text: found.append(f"{path}: {text}")).run()
     return found
 

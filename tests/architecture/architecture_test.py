@@ -102,6 +102,20 @@ class TreeTest(ArchitectureTest):
         for path in ("tests/core/fixtures/a.h", "tests/benchmarks/a.cpp"):
             self.assertEqual(violations({path: ""}), [])
 
+    def test_sources_of_core_have_a_test_beside(self):
+        source, other = "core/map/a.cpp", "tests/core/map/b_test.cpp"
+        self.expect_one({source: "", other: ""}, source, "no test in tests/core/map")
+        self.assertEqual(violations({source: "", "tests/core/map/a_test.cpp": ""}), [])
+        self.assertEqual(violations({"core/map/a.h": "", source: "",
+                                     other: '#include "core/map/a.h"\n'}), [])
+
+    def test_what_is_tested_elsewhere_says_where(self):
+        source, test = "core/map/map_content.cpp", "tests/core/map/map_file_test.cpp"
+        self.assertEqual(violations({source: "", test: ""}), [])
+        self.expect_one({source: "", "tests/core/map/b_test.cpp": ""}, source, "is not there")
+        self.expect_one({source: "", "tests/core/map/map_content_test.cpp": ""}, source,
+                        "has a test of its own")
+
 
 class IncludeTest(ArchitectureTest):
     def test_core_includes_nothing_of_ours(self):

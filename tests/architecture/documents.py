@@ -17,6 +17,7 @@ MAX_DECISION_LINES = 40
 MAX_PARAGRAPH_WORDS = 90
 
 METHOD = "core/METHOD.md"
+FIRST_OWN_EQUATION = 20  # those before it have the paper's numbers, each row in its own order
 NOT_OURS = {"build", "node_modules"}
 SOURCES = (".h", ".cpp", ".proto", ".py")
 OWN = {"tests/architecture/documents.py", "tests/architecture/documents_test.py"}
@@ -108,12 +109,16 @@ class Checker:
             return
         text = method.read_text()
         self.sections = {int(n) for n in SECTION_TAG.findall(text)}
+        last = {False: 0, True: 0}  # of the paper's and of our equations
         for block in FENCED.finditer(text):
             for tag in EQUATION_TAG.finditer(block.group()):
                 number = int(tag.group(1))
+                line = line_of(text, block.start() + tag.start())
                 if number in self.equations:
-                    self.report(METHOD, line_of(text, block.start() + tag.start()),
-                                f"equation {number} stands here again")
+                    self.report(METHOD, line, f"equation {number} stands here again")
+                elif (before := last[number >= FIRST_OWN_EQUATION]) > number:
+                    self.report(METHOD, line, f"equation {number} stands after {before}")
+                last[number >= FIRST_OWN_EQUATION] = number
                 self.equations.add(number)
         prose = without_code(text)
         for match in EQUATION_IN_PROSE.finditer(prose):

@@ -62,6 +62,13 @@ class DocumentsTest(unittest.TestCase):
         self.expect_violation("core/METHOD.md", method + "```\nq = 3 (7)\n```\n",
                               "core/METHOD.md:10", "equation 7 stands here again")
 
+    def test_equations_stand_in_order(self):
+        method = SOUND["core/METHOD.md"]
+        self.expect_violation("core/METHOD.md", method + "```\nq = 3 (5)\n```\n",
+                              "core/METHOD.md:10", "equation 5 stands after 7")
+        self.assertEqual(violations({"core/METHOD.md": method +
+                                     "```\nq = 3 (20)\ns = 4 (8)\nt = 5 (21)\n```\n"}), [])
+
     def test_the_method_is_there(self):
         found = violations({"core/METHOD.md": "# Empty\n"})
         self.assertTrue(any("no equation 6" in one for one in found), found)

@@ -12,6 +12,7 @@ TEST(MappingOptionsTest, EachFieldIsBounded) {
   ExpectEachFieldIsBounded<SubmapMatcherOptions>();
   ExpectEachFieldIsBounded<PoseNetworkOptions>();
   ExpectEachFieldIsBounded<LoopVoteOptions>();
+  ExpectEachFieldIsBounded<WayCosts>();
   ExpectEachFieldIsBounded<LoopFinderOptions>();
   ExpectEachFieldIsBounded<PlaceFinderOptions>();
   ExpectEachFieldIsBounded<SurveyOptions>();

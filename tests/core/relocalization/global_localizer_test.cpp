@@ -6,6 +6,7 @@
 
 #include "core/registration/gicp_registration.h"
 #include "tests/core/localizer/synthetic_world.h"
+#include "tests/core/relocalization/seen_points.h"
 
 namespace dcloc {
 namespace {
@@ -41,8 +42,8 @@ SyntheticWorld Twins(double apart_m) {
 }
 
 using Place = GlobalLocalizer<2>::Place;
-using Supposition = GlobalLocalizer<2>::Supposition;
-using Belief = GlobalLocalizer<2>::Belief;
+using ExpectedPlace = GlobalLocalizer<2>::ExpectedPlace;
+using Basis = GlobalLocalizer<2>::Basis;
 
 // A vehicle on the road that is looked for.
 class Seeker {
@@ -70,13 +71,13 @@ class Seeker {
 
   // Does all the work on what is seen here.
   std::optional<Pose3> Search(const std::optional<SearchRegion>& region = std::nullopt) {
-    return PoseOf(SearchSupposing(std::nullopt, region));
+    return PoseOf(SearchExpecting(std::nullopt, region));
   }
 
-  // The same while it is supposed to be somewhere.
-  std::optional<Place> SearchSupposing(const std::optional<Supposition>& supposed,
+  // The same while it is expected to be somewhere.
+  std::optional<Place> SearchExpecting(const std::optional<ExpectedPlace>& expected,
                                        const std::optional<SearchRegion>& region = std::nullopt) {
-    global_localizer_.AddView(stamp_, Seen(), region, supposed);
+    global_localizer_.AddView(stamp_, Seen(), region, expected);
     while (global_localizer_.working()) {
       if (auto place = global_localizer_.Continue(workspace_)) return place;
     }
@@ -94,17 +95,8 @@ class Seeker {
     return place ? std::optional(place->T_map_vehicle) : std::nullopt;
   }
 
-  // Of what stands within sight ahead, measured to a decimetre.
   std::vector<GaussianPoint<2>> Seen() {
-    std::normal_distribution<double> noise_m(0.0, 0.1);
-    std::vector<GaussianPoint<2>> points;
-    for (const Eigen::Vector3d& scatterer_m : world_.scatterers_m) {
-      const Eigen::Vector3d p = T_map_vehicle().Inverse() * scatterer_m;
-      if (p.x() < 5.0 || p.norm() > sight_m_) continue;
-      points.push_back({.mean_m = p.head<2>() + Eigen::Vector2d(noise_m(random_), noise_m(random_)),
-                        .covariance_m2 = 0.02 * Eigen::Matrix2d::Identity()});
-    }
-    return points;
+    return SeenFrom(world_, T_map_vehicle(), sight_m_, random_);
   }
 
   const SyntheticWorld& world_;
@@ -178,19 +170,19 @@ TEST(GlobalLocalizerTest, TwinsAreDistinguishedByWhatFollows) {
   EXPECT_LT(seeker.ErrorOf(*found), 0.3);
 }
 
-TEST(GlobalLocalizerTest, OneViewVerifiesAPlaceThatIsSupposedRightly) {
+TEST(GlobalLocalizerTest, OneViewVerifiesAPlaceThatIsExpectedRightly) {
   const SyntheticWorld world;
-  for (const Belief belief : {Belief::kPrior, Belief::kDoubted}) {
+  for (const Basis basis : {Basis::kPrior, Basis::kDoubted}) {
     Seeker seeker(world, MapOf(world), 40.0);
-    const auto place = seeker.SearchSupposing(
-        Supposition{.T_map_vehicle = seeker.T_map_vehicle(), .belief = belief});
+    const auto place = seeker.SearchExpecting(
+        ExpectedPlace{.T_map_vehicle = seeker.T_map_vehicle(), .basis = basis});
     ASSERT_TRUE(place.has_value());
-    EXPECT_TRUE(place->is_supposed);
+    EXPECT_TRUE(place->is_expected);
     EXPECT_LT(seeker.ErrorOf(place->T_map_vehicle), 0.3);
   }
 }
 
-TEST(GlobalLocalizerTest, AWrongSuppositionYieldsToThePlaceThatFits) {
+TEST(GlobalLocalizerTest, AWrongExpectationYieldsToThePlaceThatFits) {
   const SyntheticWorld world;
   for (const double wrong_m : {6.0, 20.0, 60.0}) {
     Seeker seeker(world, MapOf(world), 40.0);
@@ -198,24 +190,24 @@ TEST(GlobalLocalizerTest, AWrongSuppositionYieldsToThePlaceThatFits) {
     for (const double along_m : {40.0, 46.0, 52.0, 58.0}) {
       seeker.DriveTo(along_m);
       const Pose3 T_map_wrong = SyntheticWorld::OnRoad(along_m + wrong_m);
-      place = seeker.SearchSupposing(Supposition{T_map_wrong, Belief::kPrior});
+      place = seeker.SearchExpecting(ExpectedPlace{T_map_wrong, Basis::kPrior});
       if (place) break;
     }
     ASSERT_TRUE(place.has_value()) << wrong_m;
-    EXPECT_FALSE(place->is_supposed) << wrong_m;
+    EXPECT_FALSE(place->is_expected) << wrong_m;
     EXPECT_LT(seeker.ErrorOf(place->T_map_vehicle), 0.3) << wrong_m;
   }
 }
 
-// The first one is supposed, and both fit.
+// The first one is expected, and both fit.
 TEST(GlobalLocalizerTest, AmongTwinsAPriorDecidesAndADoubtedPoseIsAsGood) {
   constexpr double kApart_m = 65.0;
   const SyntheticWorld world = Twins(kApart_m);
   const auto map = MapOf(world);
   Seeker seeker(world, map, 27.0, 35.0);
-  const auto place = seeker.SearchSupposing(Supposition{seeker.T_map_vehicle(), Belief::kPrior});
+  const auto place = seeker.SearchExpecting(ExpectedPlace{seeker.T_map_vehicle(), Basis::kPrior});
   ASSERT_TRUE(place.has_value());
-  EXPECT_TRUE(place->is_supposed);
+  EXPECT_TRUE(place->is_expected);
 }
 
 TEST(GlobalLocalizerTest, ARegionWhereNothingFitsIsSearchedInVain) {

@@ -63,9 +63,9 @@ TEST_F(SessionTest, AnswersWithWhatTheLocalizerSays) {
   EXPECT_GT(timings.registration.count(), 0);
   EXPECT_EQ(timings.posegraph.count(), 0) << "it did not run";
   EXPECT_GE(timings.total, timings.queue + timings.conversion + timings.registration);
-  EXPECT_EQ(session->record()->counts.answered, 1);
+  EXPECT_EQ(session->info()->counts.answered, 1);
   EXPECT_EQ(totals_.answered, 1);
-  EXPECT_EQ(session->record()->last_sequence_number, 7);
+  EXPECT_EQ(session->info()->last_sequence_number, 7);
   EXPECT_EQ(session->Describe(true).last_sequence_number, 7);
 }
 
@@ -79,7 +79,7 @@ TEST_F(SessionTest, AScanThatComesAgainIsNotLocalizedAgain) {
   EXPECT_TRUE(again.from_memory);
   EXPECT_EQ(again.result->timings.total, first.result->timings.total) << "as it was";
   EXPECT_EQ(script_.scans.size(), 1U);
-  EXPECT_EQ(session->record()->counts.repeated, 1);
+  EXPECT_EQ(session->info()->counts.repeated, 1);
 }
 
 TEST_F(SessionTest, ARejectionNamesTheFieldAndChangesNothing) {
@@ -90,11 +90,11 @@ TEST_F(SessionTest, ARejectionNamesTheFieldAndChangesNothing) {
   const ScanAnswer answer = Answer(*session, broken);
   EXPECT_EQ(answer.result.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(answer.result.status().message()), HasSubstr("scan.radar_id"));
-  EXPECT_EQ(session->record()->counts.rejected, 1);
+  EXPECT_EQ(session->info()->counts.rejected, 1);
   EXPECT_EQ(session->Describe(false).last_sequence_number, 1);
   script_.status = absl::InvalidArgumentError("stamp_ns is early");
   EXPECT_EQ(Answer(*session, ScanMessage(3)).result.status().message(), "scan: stamp_ns is early");
-  EXPECT_EQ(session->record()->missing_scan_count, 0);
+  EXPECT_EQ(session->info()->missing_scan_count, 0);
 }
 
 TEST_F(SessionTest, ALateScanPushesNoAnswerOut) {
@@ -110,7 +110,7 @@ TEST_F(SessionTest, ADroppedScanIsAnsweredAndCounted) {
   const ScanAnswer dropped = AnswerDropped(*session, 3);
   EXPECT_EQ(dropped.result.status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(dropped.dropped_scan_count, 1);
-  EXPECT_EQ(session->record()->missing_scan_count, 1) << "2 never came";
+  EXPECT_EQ(session->info()->missing_scan_count, 1) << "2 never came";
   EXPECT_EQ(Answer(*session, ScanMessage(4)).dropped_scan_count, 1);
   EXPECT_TRUE(Answer(*session, ScanMessage(3)).from_memory);
 }
@@ -118,7 +118,7 @@ TEST_F(SessionTest, ADroppedScanIsAnsweredAndCounted) {
 TEST_F(SessionTest, WatchersSeeNewAnswersAloneAndTheEnd) {
   auto session = MakeSession();
   const auto watcher = std::make_shared<Watcher>();
-  session->record()->feed.Subscribe(watcher);
+  session->info()->feed.Subscribe(watcher);
   Answer(*session, ScanMessage(1));
   Answer(*session, ScanMessage(1));
   AnswerDropped(*session, 2);
@@ -132,7 +132,7 @@ TEST_F(SessionTest, ARecordingHasTheOpeningWithoutItsSecretTheScansAndTheEnd) {
   auto session = MakeSession();
   const auto recorder = std::make_shared<Recorder>();
   session->Record(recorder, OpenMessage());
-  EXPECT_TRUE(session->record()->recorded);
+  EXPECT_TRUE(session->info()->recorded);
   EXPECT_EQ(recorder->vehicle_id, "car-1");
   EXPECT_EQ(recorder->resume_token, "");
   Answer(*session, ScanMessage(1, 20));
@@ -151,12 +151,12 @@ TEST_F(SessionTest, AFixIsNoScan) {
   EXPECT_EQ(answer.stamp_ns, FixMessage(2).stamp_ns());
   ASSERT_EQ(script_.fixes.size(), 1U);
   EXPECT_EQ(script_.fixes[0].stamp.time_since_epoch().count(), FixMessage(2).stamp_ns());
-  const SessionRecord& record = *session->record();
-  EXPECT_EQ(record.position_fix_count, 1);
-  EXPECT_EQ(record.counts.answered, 1);
-  EXPECT_EQ(record.last_sequence_number, 1);
+  const SessionInfo& info = *session->info();
+  EXPECT_EQ(info.position_fix_count, 1);
+  EXPECT_EQ(info.counts.answered, 1);
+  EXPECT_EQ(info.last_sequence_number, 1);
   EXPECT_EQ(Answer(*session, ScanMessage(2)).result.ok(), true);
-  EXPECT_EQ(record.missing_scan_count, 0);
+  EXPECT_EQ(info.missing_scan_count, 0);
 }
 
 TEST_F(SessionTest, ABadFixNamesTheFieldAndReachesNoLocalizer) {
@@ -178,7 +178,7 @@ TEST_F(SessionTest, FixesBeyondTheRateOfScansAreNotLookedAt) {
   for (int i = 0; i < 1000; ++i) used += TakeFix(*session, FixMessage(i)).use.ok() ? 1 : 0;
   EXPECT_LE(used, 5);
   EXPECT_EQ(script_.fixes.size(), static_cast<std::size_t>(used));
-  EXPECT_EQ(session->record()->position_fix_count, 1000);
+  EXPECT_EQ(session->info()->position_fix_count, 1000);
   EXPECT_TRUE(Answer(*session, ScanMessage(1)).result.ok()) << "they take nothing from scans";
 }
 
@@ -204,7 +204,7 @@ TEST_F(SessionTest, WatchersAndRecordersGetFixesInTheirPlace) {
   const auto session = MakeSession();
   const auto watcher = std::make_shared<Watcher>();
   const auto recorder = std::make_shared<Recorder>();
-  session->record()->feed.Subscribe(watcher);
+  session->info()->feed.Subscribe(watcher);
   session->Record(recorder, OpenMessage());
   Answer(*session, ScanMessage(1, 20));
   TakeFix(*session, FixMessage(2));
@@ -215,15 +215,15 @@ TEST_F(SessionTest, WatchersAndRecordersGetFixesInTheirPlace) {
 
 TEST_F(SessionTest, TheHealthOfTheLastAnswerIsListed) {
   const auto session = MakeSession();
-  EXPECT_EQ(session->record()->health.Get().rig, nullptr);
+  EXPECT_EQ(session->info()->health.Get().rig, nullptr);
   script_.health.radars.resize(1);
   script_.health.radars[0].fault = SourceFault::kMount;
   script_.resets.count = 2;
   Answer(*session, ScanMessage(1));
-  const LastHealth::Value last = session->record()->health.Get();
+  const LastHealth::Value last = session->info()->health.Get();
   EXPECT_EQ(last.health, script_.health);
   EXPECT_EQ(last.rig->radars[0].id, "front");
-  EXPECT_EQ(session->record()->pose_reset_count, 2);
+  EXPECT_EQ(session->info()->pose_reset_count, 2);
 }
 
 TEST_F(SessionTest, ResetsGoOnCountingAfterAMove) {
@@ -253,7 +253,7 @@ TEST_F(SessionTest, MovesWithTheLastPoseAsPriorAtTheLastScan) {
   ASSERT_EQ(script_.scans.size(), 3U);
   EXPECT_EQ(script_.scans[2].stamp, script_.scans[1].stamp);
   EXPECT_TRUE(script_.scans[2].range_m.empty()) << "its motion is known without its targets";
-  EXPECT_EQ(session->record()->map_version, 2);
+  EXPECT_EQ(session->info()->map_version, 2);
   EXPECT_EQ(Answer(*session, ScanMessage(3)).result->map_version, 2);
 }
 
@@ -269,14 +269,14 @@ TEST_F(SessionTest, StaysWhereItCannotMove) {
   const auto session = MakeSession();
   create_status_ = absl::InvalidArgumentError("no");
   EXPECT_EQ(session->Move(Map(2)), create_status_);
-  EXPECT_EQ(session->record()->map_version, 1);
+  EXPECT_EQ(session->info()->map_version, 1);
   EXPECT_EQ(Answer(*session, ScanMessage(1)).result->map_version, 1);
 }
 
 TEST_F(SessionTest, OnlyAResumableOneNamesItsTimeout) {
   const auto session = MakeSession();
   EXPECT_EQ(session->Describe(false).detached_timeout, std::chrono::minutes(1));
-  session->record()->description.resume_token.clear();
+  session->info()->description.resume_token.clear();
   EXPECT_EQ(session->Describe(false).detached_timeout.count(), 0);
   EXPECT_FALSE(session->Describe(false).last_sequence_number.has_value());
   EXPECT_EQ(session->Describe(false).answer_history_count, 4);

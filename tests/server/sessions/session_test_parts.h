@@ -88,12 +88,12 @@ class SessionParts : public ::testing::Test {
   }
 
   std::shared_ptr<Session> MakeSession(std::optional<InitialPose> initial_pose = std::nullopt) {
-    auto record = std::make_shared<SessionRecord>();
-    record->description.session_id = "session";
-    record->description.resume_token = "secret";
-    record->description.caller.permit = *usages_.TakeSession({});
-    record->map_version = 1;
-    auto session = Session::Create(Context(), {.record = std::move(record),
+    auto info = std::make_shared<SessionInfo>();
+    info->description.session_id = "session";
+    info->description.resume_token = "secret";
+    info->description.caller.permit = *usages_.TakeSession({});
+    info->map_version = 1;
+    auto session = Session::Create(Context(), {.info = std::move(info),
                                                .map = Map(1),
                                                .rig = convert::FromProto(OpenMessage())->rig,
                                                .options = {},

@@ -91,7 +91,7 @@ class LastPose {
 };
 
 /// The parts of a session that other threads may read.
-struct SessionRecord {
+struct SessionInfo {
   using Clock = std::chrono::steady_clock;
 
   SessionDescription description;
