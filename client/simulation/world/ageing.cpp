@@ -15,7 +15,7 @@
 namespace dcloc::simulation {
 namespace {
 
-// Where along the drive changes lie, as shares of its length.
+// Where changes lie, as shares of the drive's length.
 constexpr double kSiteAt = 0.2;
 constexpr double kGoneWallAt = 0.5;
 constexpr double kPostsAt = 0.75;
@@ -67,7 +67,11 @@ class Ager {
     return value >= range.first && value <= range.second;
   }
 
-  double At(double share) const { return aged_.world.drive_begin_m + share * aged_.world.length_m; }
+  // Of the drive, or of the lap of a ring on which drives go round more than once.
+  double At(double share) const {
+    const World& world = aged_.world;
+    return world.drive_begin_m + share * std::min(world.length_m, world.route.length_m());
+  }
 
   Beside NearestOnRoute(const Eigen::Vector2d& p) const {
     Beside beside;
@@ -136,7 +140,6 @@ class Ager {
         const Eigen::Vector2d leaf =
             tree.position_m.head<2>() + Uniform(random, 0.3, kCrownRadius_m) *
                                             Along(Uniform(random, 0.0, 2.0 * std::numbers::pi));
-        // Just under kTreeExtent_m would be a lamp's; a crown moves in the wind.
         builder.AddPole(leaf, Normal(random, -10.0, 3.0), 4.0, Uniform(random, 0.3, 0.8));
       }
     }
@@ -178,6 +181,7 @@ bool ChangesWorld(const AgeingOptions& options) {
 }
 
 AgedWorld Age(const World& world, const AgeingOptions& options, std::uint64_t seed) {
+  if (!ChangesWorld(options)) return {.world = world, .changes = {}};
   return Ager(world, options, seed).Run();
 }
 

@@ -65,6 +65,13 @@ TEST(AgeingTest, TheChangesAreTheWholeDifference) {
   EXPECT_LT(aged.world.walls.size(), Town().walls.size() + 6);
 }
 
+TEST(AgeingTest, OnARingChangesLieOnTheLap) {
+  const AgedWorld aged = Age(MakeTownRing(3, 2500.0, 1000.0),
+                             {.site_m = 60.0, .post_count = 9, .gone_wall_m = 60.0}, 3);
+  EXPECT_GT(Count(aged, "site", true), 10);
+  EXPECT_GT(Count(aged, "gone wall", false), 20);
+}
+
 TEST(AgeingTest, AShareIsReplacedNearby) {
   const AgedWorld aged = Age(Town(), {.replaced_share = 0.1}, 3);
   const auto count = static_cast<double>(Town().scatterers.size());
