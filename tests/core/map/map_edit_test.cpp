@@ -24,7 +24,7 @@ std::shared_ptr<const RadarMap> Load(std::vector<std::byte> bytes) {
 }
 
 // 40 keyframes on 400 m of spiral, each with 50 points that differ.
-MapParts Spiral() {
+MapParts SpiralParts() {
   SyntheticMap map(40, 50);
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     map.points[i].rcs_dbsm = static_cast<float>(i) * 0.01F;
@@ -65,7 +65,7 @@ TEST(MapPartsTest, TakenApartAndPutTogetherIsTheSameFile) {
 }
 
 TEST(MapPartsTest, WhatNoMapMayHoldIsNotWritten) {
-  MapParts map = Spiral();
+  MapParts map = SpiralParts();
   map.keyframes[3].points[0].xx_m2 = -1.0F;
   EXPECT_THAT(PutTogether(map).status().message(), HasSubstr("point 150"));
   for (KeyframePart& keyframe : map.keyframes) keyframe.points.clear();
@@ -73,7 +73,7 @@ TEST(MapPartsTest, WhatNoMapMayHoldIsNotWritten) {
 }
 
 TEST(MapEditTest, EachLandmarkIsOnOneSide) {
-  const MapParts map = Spiral();
+  const MapParts map = SpiralParts();
   const MapParts inside = Keep(map, RegionSide::kInside);
   const MapParts outside = Keep(map, RegionSide::kOutside);
   EXPECT_GT(inside.PointCount(), 300U);
@@ -90,7 +90,7 @@ TEST(MapEditTest, EachLandmarkIsOnOneSide) {
 }
 
 TEST(MapEditTest, ARegionAroundAllChangesNothing) {
-  const MapParts map = Spiral();
+  const MapParts map = SpiralParts();
   const Eigen::Vector2d origin = map.Origin_m().head<2>();
   const PlanarRegion all{.polygons = {BoxPolygon(origin - Eigen::Vector2d(1e4, 1e4),
                                                  origin + Eigen::Vector2d(1e4, 1e4))}};
@@ -103,7 +103,7 @@ TEST(MapEditTest, ARegionAroundAllChangesNothing) {
 // What registrations see around every keyframe of the whole is there in the merged halves, bit for
 // bit.
 TEST(MapEditTest, MergedHalvesShowTheWhole) {
-  const MapParts map = Spiral();
+  const MapParts map = SpiralParts();
   MergeCounts counts;
   const auto merged =
       Merge(Keep(map, RegionSide::kInside), Keep(map, RegionSide::kOutside), counts);
@@ -122,14 +122,14 @@ TEST(MapEditTest, MergedHalvesShowTheWhole) {
 }
 
 TEST(MapEditTest, MergingAMapWithItselfIsThatMap) {
-  const MapParts map = Spiral();
+  const MapParts map = SpiralParts();
   MergeCounts counts;
   EXPECT_EQ(BytesOf(*Merge(map, map, counts)), BytesOf(map));
   EXPECT_EQ(counts.shared_landmarks, map.PointCount());
 }
 
 TEST(MapEditTest, AnchorsTieFramesTogether) {
-  MapParts a = Spiral();
+  MapParts a = SpiralParts();
   a.info.local_origin_m = {10.0, 20.0, 0.0};
   a.info.flags |= kHasAnchorFlag;
   a.info.anchor_latitude_deg = 48.0;
@@ -169,7 +169,7 @@ TEST(MapEditTest, AnchorsTieFramesTogether) {
 }
 
 TEST(MapEditTest, MapsThatDoNotFitTogetherAreRefused) {
-  const MapParts a = Spiral();
+  const MapParts a = SpiralParts();
   MapParts b = a;
   b.name = "other";
   EXPECT_THAT(CheckFrames(a, b, false).message(), HasSubstr("\"spiral\" has no anchor"));

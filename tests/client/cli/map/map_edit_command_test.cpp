@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::json;
 using ::testing::HasSubstr;
 
-std::string ContentsOf(const std::string& path) {
+std::string BytesIn(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
@@ -80,8 +80,8 @@ TEST_F(MapEditCommandTest, CropAndRemoveAreTheHalvesOfASplit) {
                  File("out")));
   ExpectOk(Dcloc("map crop " + Town() + polygon + "--out " + File("crop")));
   ExpectOk(Dcloc("map remove " + Town() + polygon + "--out " + File("remove")));
-  EXPECT_EQ(ContentsOf(File("crop")), ContentsOf(File("in")));
-  EXPECT_EQ(ContentsOf(File("remove")), ContentsOf(File("out")));
+  EXPECT_EQ(BytesIn(File("crop")), BytesIn(File("in")));
+  EXPECT_EQ(BytesIn(File("remove")), BytesIn(File("out")));
 }
 
 TEST_F(MapEditCommandTest, ARegionMayBeDrawnOnTheEarth) {
@@ -109,9 +109,9 @@ TEST_F(MapEditCommandTest, NothingIsReplacedWithoutBeingAsked) {
   const Result refused = Dcloc(crop);
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.err, HasSubstr("old.dclm: is there already; --force replaces it"));
-  EXPECT_EQ(ContentsOf(file), "old");
+  EXPECT_EQ(BytesIn(file), "old");
   ExpectOk(Dcloc(crop + " --force"));
-  EXPECT_EQ(ContentsOf(file), ContentsOf(Town()));
+  EXPECT_EQ(BytesIn(file), BytesIn(Town()));
   EXPECT_THAT(Dcloc("map split " + Town() + " --box 0,0,9,9 --inside " + File("x") + " --outside " +
                     File("x"))
                   .err,
@@ -126,14 +126,14 @@ TEST_F(MapEditCommandTest, ExportAndImportGiveTheSameMap) {
         Dcloc("map import --json --base " + Town() + " --landmarks " + File(file) +
               " --trajectory " + File("town.tum") + " --out " + File(file + ".dclm"));
     ExpectOk(imported);
-    EXPECT_EQ(ContentsOf(File(file + ".dclm")), ContentsOf(Town()));
+    EXPECT_EQ(BytesIn(File(file + ".dclm")), BytesIn(Town()));
     EXPECT_EQ(Json::parse(imported.out)["landmarks"]["moved_count"], 0);
   }
 }
 
 TEST_F(MapEditCommandTest, MendedLandmarksAreWhatDiffTells) {
   ExpectOk(Dcloc("map export " + Town() + " --landmarks " + File("town.geojson")));
-  Json json = Json::parse(ContentsOf(File("town.geojson")));
+  Json json = Json::parse(BytesIn(File("town.geojson")));
   Json& features = json["features"];
   const std::size_t count = features.size();
   features.erase(3);
@@ -157,7 +157,7 @@ TEST_F(MapEditCommandTest, ADiffIsDrawn) {
       Dcloc("map diff " + Town() + " " + File("less.dclm") + " --picture " + File("diff.svg"));
   ExpectOk(diff);
   EXPECT_THAT(diff.out, HasSubstr("came         0"));
-  EXPECT_THAT(ContentsOf(File("diff.svg")), HasSubstr("went: "));
+  EXPECT_THAT(BytesIn(File("diff.svg")), HasSubstr("went: "));
 }
 
 TEST_F(MapEditCommandTest, WrongUsageIsSaid) {
