@@ -116,7 +116,7 @@ void NuScenesTables::AddLogAndScene(const SimulatedPass& pass, const StoredPass&
   log_tokens_.push_back(log_token);
   log_.push_back({{"token", log_token},
                   {"logfile", stored.logfile},
-                  {"vehicle", "sim"},
+                  {"vehicle", pass.vehicle == 0 ? "sim" : absl::StrCat("sim-", pass.vehicle)},
                   {"date_captured", stored.date},
                   {"location", pass.drive.place}});
   const std::size_t count = stored.sample_times.size();

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/datasets/rig_file.h"
+#include "client/simulation/change_description.h"
 #include "client/simulation/nuscenes_tables_writer.h"
 #include "client/simulation/radar_pcd_writer.h"
 
@@ -93,6 +94,7 @@ absl::Status Prepare(const fs::path& root, bool force) {
 struct NuScenesWriter::Tables {
   NuScenesTables tables;
   Rig rig;
+  nlohmann::ordered_json parked = nlohmann::ordered_json::object();  ///< by the pass's name
 };
 
 NuScenesWriter::NuScenesWriter(fs::path root, std::unique_ptr<Tables> tables)
@@ -123,6 +125,7 @@ absl::Status NuScenesWriter::AddPass(const SimulatedPass& pass) {
   }
   tables_->tables.AddPass(pass, stored);
   tables_->rig = pass.drive.rig;
+  tables_->parked[pass.drive.name] = ParkedVehicles(pass);
   return WriteJson(root_ / "can_bus" / (pass.drive.name + "_pose.json"), CanBusPose(pass));
 }
 
@@ -135,13 +138,23 @@ absl::Status NuScenesWriter::AddFixes(const std::string& pass_name,
   return WriteFixes(folder / (pass_name + ".csv"), fixes);
 }
 
+absl::Status NuScenesWriter::AddChanges(const std::vector<simulation::ScattererChange>& changes) {
+  return WriteJson(root_ / kVersion / kChangesFileName,
+                   {{"scatterers", ScattererChanges(changes)}, {"parked", tables_->parked}});
+}
+
 absl::Status NuScenesWriter::Finish(const SimulationOptions& options) {
   const fs::path folder = root_ / kVersion;
   absl::Status status = WriteFile(root_ / tables_->tables.map_filename(), kBlankPng);
   for (const auto& [name, table] : tables_->tables.All()) {
     status.Update(WriteJson(folder / (name + ".json"), table));
   }
-  status.Update(WriteJson(folder / kRigFileName, RigDescription(tables_->rig, options)));
+  nlohmann::ordered_json rig = RigDescription(tables_->rig, options);
+  // Left out where it says nothing, so that a simulation without it keeps its bytes.
+  if (options.day != 0 || options.vehicle_count > 1 || ChangesWorld(options.ageing)) {
+    rig["simulation"]["ageing"] = AgeingDescription(options);
+  }
+  status.Update(WriteJson(folder / kRigFileName, rig));
   return status;
 }
 

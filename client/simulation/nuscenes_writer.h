@@ -15,6 +15,9 @@ namespace dcloc {
 /// Holds `<pass>.csv` with the pass's position fixes where there are any (fix_file.h).
 inline constexpr const char* kFixFolder = "fixes";
 
+/// Beside the tables, where the world has aged.
+inline constexpr const char* kChangesFileName = "dcloc_changes.json";
+
 /// Writes simulated drives in the official nuScenes layout, which the public devkit reads:
 /// `v1.0-sim/` with all tables, `samples/` and `sweeps/` with radar sweeps, `maps/` with a blank
 /// raster, and the CAN bus expansion's `can_bus/<pass>_pose.json`. Each pass is a scene of its name
@@ -41,6 +44,10 @@ class NuScenesWriter {
 
   /// Writes the pass's position fixes into kFixFolder.
   absl::Status AddFixes(const std::string& pass_name, const std::vector<StampedFix>& fixes);
+
+  /// Writes what live passes see otherwise than the map pass, beside the tables: scatterers that
+  /// came and went, and the vehicles that stood at the kerb in each pass added so far.
+  absl::Status AddChanges(const std::vector<simulation::ScattererChange>& changes);
 
   /// Writes the tables. Without it the folder is not a data set.
   absl::Status Finish(const SimulationOptions& options);

@@ -33,7 +33,15 @@ constexpr double kGyroBiasSigma = 0.0005;  // [rad/s]
 constexpr double kGyroNoise = 0.001;       // [rad/s]
 
 // Each pass on its own day.
-Stamp Departure(int pass_index) { return kFirstDay + std::chrono::days(pass_index) + kDeparture; }
+Stamp Departure(int day, int pass_index) {
+  return kFirstDay + std::chrono::days(day + pass_index) + kDeparture;
+}
+
+// What a pass draws its random numbers by: other on every day, and never that of a pass of day 0.
+int DrawOf(int day, int pass_index) {
+  constexpr int kPassesPerDay = 1000;  // more than a simulation may have
+  return day * kPassesPerDay + pass_index;
+}
 
 // Whole microseconds: what the nuScenes layout can say.
 std::chrono::microseconds Microseconds(double t_s) {
@@ -55,6 +63,22 @@ simulation::RadarProfile Noisier(simulation::RadarProfile profile, double scale)
   return profile;
 }
 
+// The rig of a further vehicle: each radar some decimetres and degrees elsewhere.
+Rig RigOfVehicle(Rig rig, std::uint64_t seed, int vehicle) {
+  if (vehicle == 0) return rig;
+  for (std::size_t i = 0; i < rig.radars.size(); ++i) {
+    Random random = MakeRandom(seed, Stream::kVehicle, {static_cast<std::uint64_t>(vehicle), i});
+    Pose3& T_vehicle_radar = rig.radars[i].T_vehicle_radar;
+    for (const auto& [axis, reach_m] : {std::pair(0, 0.4), std::pair(1, 0.1), std::pair(2, 0.15)}) {
+      T_vehicle_radar.translation_m(axis) += simulation::Uniform(random, -reach_m, reach_m);
+    }
+    T_vehicle_radar.rotation =
+        T_vehicle_radar.rotation *
+        Eigen::AngleAxisd(simulation::Uniform(random, -0.07, 0.07), Eigen::Vector3d::UnitZ());
+  }
+  return rig;
+}
+
 // One pass while it is being driven.
 class PassSimulator {
  public:
@@ -66,13 +90,17 @@ class PassSimulator {
                                                 world.ego_lane_offsets_m.size()]),
         route_(pass.is_reversed ? world.route.Reversed() : world.route),
         motion_(MakeMotion()),
-        scene_(world, simulation::ParkVehicles(world, options.seed, pass.index,
-                                               options.parked_change_share)),
+        parked_(simulation::ParkVehicles(world, options.seed, DrawOf(options.day, pass.index),
+                                         options.parked_change_share)),
+        scene_(world, parked_),
         traffic_(MakeTraffic()),
         simulator_{Noisier(ProfileOf(options), options.noise_scale), options.clutter_share,
                    options.ghost_share, options.range_rate_step_mps, options.is_flat},
-        rig_(simulation::MakeRig(ProfileOf(options), options.rig_size, options.beta_s,
-                                 options.has_elevation, options.unambiguous_range_rate_mps)) {}
+        vehicle_(pass.index % options.vehicle_count),
+        rig_(RigOfVehicle(
+            simulation::MakeRig(ProfileOf(options), options.rig_size, options.beta_s,
+                                options.has_elevation, options.unambiguous_range_rate_mps),
+            options.seed, vehicle_)) {}
 
   SimulatedPass Run(const std::function<void(double)>& progress) const {
     SimulatedPass result;
@@ -80,6 +108,8 @@ class PassSimulator {
     result.drive.place = "sim-" + world_.name;
     result.drive.rig = rig_;
     result.signals = RecordSignals();
+    result.vehicle = vehicle_;
+    result.parked = parked_;
     for (const auto& [time, radar] : Schedule()) {
       Record(time, radar, result);
       if (progress) progress(Seconds(time) / motion_.duration_s());
@@ -89,7 +119,8 @@ class PassSimulator {
 
  private:
   Random RandomFor(Stream stream, std::uint64_t index = 0) const {
-    return MakeRandom(options_.seed, stream, {static_cast<std::uint64_t>(pass_.index), index});
+    return MakeRandom(options_.seed, stream,
+                      {static_cast<std::uint64_t>(DrawOf(options_.day, pass_.index)), index});
   }
 
   EgoMotion MakeMotion() const {
@@ -126,7 +157,7 @@ class PassSimulator {
       const std::chrono::microseconds time = Microseconds(t);
       const MotionState state = motion_.At(Seconds(time));
       const double change = motion_.At(t + 0.01).speed_mps - motion_.At(t - 0.01).speed_mps;
-      signals.push_back({Departure(pass_.index) + time,
+      signals.push_back({Departure(options_.day, pass_.index) + time,
                          Embed(state.T_map_vehicle),
                          wheel_scale * state.speed_mps + Normal(random, 0.0, kWheelNoise),
                          state.yaw_rate_radps + gyro_bias + Normal(random, 0.0, kGyroNoise),
@@ -174,7 +205,7 @@ class PassSimulator {
     Random random = RandomFor(Stream::kScan, result.drive.scans.size());
     simulation::SimulatedScan simulated = SimulateScan(scene_, traffic_.At(t, radius_m), state,
                                                        rig_.radars[radar], simulator_, random);
-    simulated.scan.stamp = Departure(pass_.index) + time;
+    simulated.scan.stamp = Departure(options_.day, pass_.index) + time;
     simulated.scan.radar_id = rig_.radars[radar].id;
     simulated.scan.ego_velocity = MeasuredVelocity(result.signals, simulated.scan.stamp);
     result.drive.scans.push_back({std::move(simulated.scan), Embed(state.T_map_vehicle)});
@@ -187,9 +218,11 @@ class PassSimulator {
   double lane_offset_m_;
   simulation::Path route_;
   EgoMotion motion_;
+  std::vector<simulation::ParkedVehicle> parked_;
   simulation::Scene scene_;
   simulation::Traffic traffic_;
   simulation::ScanSimulatorOptions simulator_;
+  int vehicle_;
   Rig rig_;
 };
 
@@ -200,6 +233,10 @@ simulation::World MakeWorld(const SimulationOptions& options) {
     return simulation::MakeTownRing(options.seed, options.length_m, options.loop_m);
   }
   return simulation::MakeWorld(options.world, options.seed, options.length_m, options.tunnel_m);
+}
+
+simulation::AgedWorld AgeWorld(const simulation::World& world, const SimulationOptions& options) {
+  return simulation::Age(world, options.ageing, options.seed);
 }
 
 absl::StatusOr<SimulatedPass> SimulatePassWithTruth(const simulation::World& world,
@@ -218,8 +255,9 @@ absl::StatusOr<SimulatedPass> SimulatePassWithTruth(const simulation::World& wor
 
 absl::StatusOr<Drive> SimulatePass(const SimulationOptions& options, const PassOptions& pass) {
   if (absl::Status status = Validate(options); !status.ok()) return status;
-  absl::StatusOr<SimulatedPass> simulated =
-      SimulatePassWithTruth(MakeWorld(options), options, pass);
+  simulation::World world = MakeWorld(options);
+  if (pass.index > 0) world = AgeWorld(world, options).world;
+  absl::StatusOr<SimulatedPass> simulated = SimulatePassWithTruth(world, options, pass);
   if (!simulated.ok()) return simulated.status();
   return std::move(simulated->drive);
 }

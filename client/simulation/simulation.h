@@ -8,6 +8,8 @@
 #include "client/simulation/motion/ego_motion.h"
 #include "client/simulation/radar/echoes.h"
 #include "client/simulation/simulation_options.h"
+#include "client/simulation/world/ageing.h"
+#include "client/simulation/world/parking.h"
 #include "client/simulation/world/world.h"
 
 namespace dcloc {
@@ -32,12 +34,17 @@ struct SimulatedPass {
   Drive drive;
   std::vector<ScanTruth> truth;  ///< one for each of `drive.scans`
   std::vector<VehicleSignal> signals;
+  int vehicle = 0;                                ///< its number; vehicles have rigs of their own
+  std::vector<simulation::ParkedVehicle> parked;  ///< at the kerb, for the whole drive
 };
 
 /// The world that `options` describe. `options` are valid.
 simulation::World MakeWorld(const SimulationOptions& options);
 
-/// Drives `pass` through `world` (made from the same options).
+/// That world as live passes see it: after `options.ageing`. The map pass sees it as it was.
+simulation::AgedWorld AgeWorld(const simulation::World& world, const SimulationOptions& options);
+
+/// Drives `pass` through `world` (made from the same options, and aged for live passes).
 /// Scans carry an ego-velocity without covariance from wheels and gyroscope: a scale error (sigma
 /// 0.5 %) and a gyro bias (sigma 0.0005 rad/s) drawn once a pass, noise of 0.02 m/s and 0.001
 /// rad/s. Stamps are whole microseconds; poses, speeds and yaw rates are exact at them.

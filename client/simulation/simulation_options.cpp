@@ -14,6 +14,9 @@ constexpr double kMinTunnel_m = 20.0;
 constexpr double kMinLoop_m = 800.0;  // streets inside of a smaller ring would meet
 constexpr double kMaxLoop_m = 20'000.0;
 constexpr double kMaxBegin_m = 1e6;  // a hundred drives on the longest ring
+constexpr int kMaxDay = 10'000;
+constexpr double kMaxPostCount = 1000.0;
+constexpr double kMaxLeafCount = 100.0;
 constexpr double kLoopShareBetweenDrives = 0.37;
 constexpr double kLengthWithoutTunnel_m = 100.0;  // of a drive, before and after
 
@@ -45,6 +48,21 @@ absl::Status ValidateLoop(const SimulationOptions& options) {
   return CheckRange("loop_m", options.loop_m, kMinLoop_m, kMaxLoop_m);
 }
 
+absl::Status ValidateAgeing(const SimulationOptions& options) {
+  const simulation::AgeingOptions& ageing = options.ageing;
+  absl::Status status = CheckRange("day", options.day, 0.0, kMaxDay);
+  status.Update(CheckRange("vehicle_count", options.vehicle_count, 1.0, kMaxLivePasses));
+  status.Update(CheckRange("ageing.replaced_share", ageing.replaced_share, 0.0, 1.0));
+  status.Update(CheckRange("ageing.site_m", ageing.site_m, 0.0, options.length_m));
+  status.Update(CheckRange("ageing.post_count", ageing.post_count, 0.0, kMaxPostCount));
+  status.Update(CheckRange("ageing.gone_wall_m", ageing.gone_wall_m, 0.0, options.length_m));
+  status.Update(CheckRange("ageing.leaf_count", ageing.leaf_count, 0.0, kMaxLeafCount));
+  if (status.ok() && options.world != WorldKind::kTown && ChangesWorld(ageing)) {
+    return absl::InvalidArgumentError("ageing: only a town ages");
+  }
+  return status;
+}
+
 }  // namespace
 
 absl::Status Validate(const SimulationOptions& options) {
@@ -69,6 +87,7 @@ absl::Status Validate(const SimulationOptions& options) {
   status.Update(CheckRange("parked_change_share", options.parked_change_share, 0.0, 1.0));
   status.Update(CheckRange("clutter_share", options.clutter_share, 0.0, 0.5));
   status.Update(CheckRange("ghost_share", options.ghost_share, 0.0, 0.5));
+  status.Update(ValidateAgeing(options));
   return status;
 }
 

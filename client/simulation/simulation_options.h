@@ -7,6 +7,7 @@
 #include "absl/status/status.h"
 #include "client/simulation/radar/noise.h"
 #include "client/simulation/radar/radar_profile.h"
+#include "client/simulation/world/ageing.h"
 #include "client/simulation/world/world.h"
 
 namespace dcloc {
@@ -46,6 +47,15 @@ struct SimulationOptions {
   double parked_change_share = 0.2;  ///< of the parked vehicles, between map and live passes
   double clutter_share = 0.04;       ///< of a scan's targets
   double ghost_share = 0.04;         ///< likewise
+
+  /// The day of the map pass; live passes follow, a day each. Another day has other drives, traffic
+  /// and parked vehicles in the same world.
+  int day = 0;
+  /// Passes take vehicles in turn. All but the first have their radars elsewhere on the body, as
+  /// their rigs say.
+  int vehicle_count = 1;
+  /// What has changed since the map pass, which sees the world as it was; live passes see it aged.
+  simulation::AgeingOptions ageing;
 };
 
 /// InvalidArgument naming the field, its value and its bound; OK otherwise.

@@ -41,7 +41,7 @@ FLOORS = {
         "sdk",
         "sdk/c sdk/example",
         "trajectory rosbag",
-        "datasets",
+        "landmarks datasets",
         "datasets/check",
         "simulation/world",
         "simulation/motion",

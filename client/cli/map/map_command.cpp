@@ -16,6 +16,9 @@
 #include "client/cli/common/exit_codes.h"
 #include "client/cli/common/progress.h"
 #include "client/cli/common/terminal.h"
+#include "client/cli/map/map_diff_command.h"
+#include "client/cli/map/map_edit_command.h"
+#include "client/cli/map/map_exchange_command.h"
 #include "client/cli/map/map_report.h"
 #include "client/cli/map/map_survey_command.h"
 #include "client/datasets/drive_map.h"
@@ -117,6 +120,9 @@ void AddMapCommand(CLI::App& app, int& exit_code) {
   AddBuild(*map, exit_code);
   AddMapSurveyCommand(*map, exit_code);
   AddInspect(*map, exit_code);
+  AddMapEditCommands(*map, exit_code);
+  AddMapDiffCommand(*map, exit_code);
+  AddMapExchangeCommands(*map, exit_code);
 }
 
 }  // namespace dcloc::cli

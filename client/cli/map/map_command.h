@@ -4,7 +4,7 @@
 
 namespace dcloc::cli {
 
-/// Adds `map` with its subcommands that need no server, `build` and `inspect`.
+/// Adds `map` with its subcommands that need no server.
 void AddMapCommand(CLI::App& app, int& exit_code);
 
 }  // namespace dcloc::cli

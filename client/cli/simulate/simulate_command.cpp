@@ -56,11 +56,12 @@ absl::Status Simulate(SimulateArguments arguments) {
   auto writer = NuScenesWriter::Create(arguments.out, arguments.force);
   if (!writer.ok()) return writer.status();
   const simulation::World world = MakeWorld(options);
+  const simulation::AgedWorld aged = AgeWorld(world, options);
   for (const PassOptions& pass : Passes(options)) {
     absl::StatusOr<SimulatedPass> simulated;
     {
       Progress progress("simulating " + pass.name);
-      simulated = SimulatePassWithTruth(world, options, pass,
+      simulated = SimulatePassWithTruth(pass.index > 0 ? aged.world : world, options, pass,
                                         [&](double share) { progress.UpdateShare(share); });
     }
     if (!simulated.ok()) return simulated.status();
@@ -71,6 +72,9 @@ absl::Status Simulate(SimulateArguments arguments) {
       if (absl::Status status = writer->AddFixes(pass.name, fixes); !status.ok()) return status;
     }
     PrintPass(*simulated, options.length_m);
+  }
+  if (ChangesWorld(options.ageing)) {
+    if (absl::Status status = writer->AddChanges(aged.changes); !status.ok()) return status;
   }
   return writer->Finish(options);
 }
@@ -116,6 +120,31 @@ void AddWorldOptions(CLI::App& app, SimulateArguments& arguments) {
   app.add_option("--parked-change", options.parked_change_share,
                  "Share of the parked vehicles that is gone or replaced in live passes")
       ->type_name("SHARE");
+}
+
+void AddAgeingOptions(CLI::App& app, SimulationOptions& options) {
+  simulation::AgeingOptions& ageing = options.ageing;
+  app.add_option("--day", options.day,
+                 "Day of the map pass: other drives, traffic and parked vehicles in the same world")
+      ->type_name("DAY");
+  app.add_option("--vehicles", options.vehicle_count,
+                 "Vehicles that drive in turn; each has its radars elsewhere, as its rig says")
+      ->type_name("COUNT");
+  app.add_option("--replaced", ageing.replaced_share,
+                 "Share of what stands that live passes find 2 to 5 m from where the map pass saw "
+                 "it")
+      ->type_name("SHARE");
+  app.add_option("--site-m", ageing.site_m,
+                 "Length of a construction site at the right kerb, in live passes")
+      ->type_name("M");
+  app.add_option("--new-posts", ageing.post_count, "New posts at the left kerb, in live passes")
+      ->type_name("COUNT");
+  app.add_option("--gone-wall-m", ageing.gone_wall_m,
+                 "Length of street whose houses on the left are gone in live passes")
+      ->type_name("M");
+  app.add_option("--leaves", ageing.leaf_count,
+                 "Weak reflections that move in the wind, around each tree, in live passes")
+      ->type_name("COUNT");
 }
 
 void AddRadarOptions(CLI::App& app, SimulationOptions& options) {
@@ -177,6 +206,7 @@ void AddSimulateCommand(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("DIR");
   AddWorldOptions(*simulate, *arguments);
+  AddAgeingOptions(*simulate, arguments->options);
   AddRadarOptions(*simulate, arguments->options);
   AddFixOptions(*simulate, *arguments);
   simulate->add_flag("--force", arguments->force, "Write into a folder that holds other files too");
@@ -185,6 +215,10 @@ void AddSimulateCommand(CLI::App& app, int& exit_code) {
       "Example, the setting of the paper's CARLA experiment:\n"
       "  dcloc simulate --out sim --radar carla --noise student --live-speed-kmh 40,60\n"
       "  dcloc map build --dataset nuscenes --root sim --drive map --out town.dclm\n"
+      "Live passes may find the world changed; DIR/v1.0-sim/dcloc_changes.json says by what.\n"
+      "Example, a town in which a site was fenced in, posts were set and a house is gone:\n"
+      "  dcloc simulate --out aged --site-m 60 --new-posts 12 --gone-wall-m 25 --live-speed-kmh "
+      "40,50\n"
       "Position fixes are in the map frame, or on the Earth where --anchor says where that lies.\n"
       "Example, a receiver with two jumps of about 20 m and an outage a minute:\n"
       "  dcloc simulate --out sim --fixes 5 --fix-jumps 2 --fix-jump-m 20 --fix-outages 1\n"

@@ -23,6 +23,8 @@ enum class Stream : std::uint64_t {
   kClock,
   kScan,
   kFixes,
+  kAgeing,
+  kVehicle,
 };
 
 /// A generator that depends on all of its arguments and on nothing else.

@@ -215,6 +215,36 @@ TEST_F(NuScenesWriterTest, OurReaderReadsTheSameDrive) {
   }
 }
 
+TEST_F(NuScenesWriterTest, OurReaderReadsEachVehiclesRig) {
+  options_.vehicle_count = 2;
+  for (const SimulatedPass& pass : Write(root_, options_)) {
+    const auto read = ReadNuScenesDrive(root_, {pass.drive.name, {}, {}});
+    ASSERT_TRUE(read.ok()) << read.status();
+    ExpectSameDrive(pass.drive, *read);
+  }
+  EXPECT_EQ(Table("log")[0]["vehicle"], "sim");
+  EXPECT_EQ(Table("log")[1]["vehicle"], "sim-1");
+}
+
+TEST_F(NuScenesWriterTest, WhatChangedLiesBesideTheTables) {
+  options_.ageing = {.replaced_share = 0.2, .post_count = 4};
+  auto writer = NuScenesWriter::Create(root_, false);
+  ASSERT_TRUE(writer.ok());
+  const simulation::AgedWorld aged = AgeWorld(MakeWorld(options_), options_);
+  const auto pass = SimulatePassWithTruth(aged.world, options_, Passes(options_)[1]);
+  ASSERT_TRUE(writer->AddPass(*pass).ok());
+  ASSERT_TRUE(writer->AddChanges(aged.changes).ok());
+  ASSERT_TRUE(writer->Finish(options_).ok());
+  const json changes = Table("dcloc_changes");
+  EXPECT_EQ(changes["scatterers"].size(), aged.changes.size());
+  EXPECT_EQ(changes["scatterers"].back()["cause"], "posts");
+  EXPECT_EQ(changes["parked"]["live-0"].size(), pass->parked.size());
+  EXPECT_EQ(Table("dcloc_rig")["simulation"]["ageing"]["post_count"], 4);
+  // It goes with the simulation that it belongs to.
+  ASSERT_TRUE(NuScenesWriter::Create(root_, false).ok());
+  EXPECT_FALSE(fs::exists(root_ / "v1.0-sim" / kChangesFileName));
+}
+
 TEST_F(NuScenesWriterTest, OurReaderReadsElevations) {
   options_.has_elevation = true;
   options_.radar = RadarKind::kCarla;

@@ -13,7 +13,9 @@ TEST(SimulationOptionsTest, EachFieldIsValidated) {
                                 both_ways, map_speed_mps, live_speeds_mps, stops, noise_scale,
                                 is_flat, beta_s, has_elevation, unambiguous_range_rate_mps,
                                 range_rate_step_mps, parked_change_share, clutter_share,
-                                ghost_share] = SimulationOptions{};
+                                ghost_share, day, vehicle_count, ageing] = SimulationOptions{};
+  [[maybe_unused]] const auto& [replaced_share, site_m, post_count, gone_wall_m, leaf_count] =
+      ageing;
   ExpectEachFieldIsValidated<SimulationOptions>(
       {},
       {{"rig_size",
@@ -35,6 +37,25 @@ TEST(SimulationOptionsTest, EachFieldIsValidated) {
        {"parked_change_share",
         [](auto& o, double v) { o.parked_change_share = v; },
         {.zero = "all stay"}},
+       {"day",
+        [](auto& o, double v) { o.day = static_cast<int>(v); },
+        {.nan = kIsAnInteger, .zero = "the first day"}},
+       {"vehicle_count",
+        [](auto& o, double v) { o.vehicle_count = static_cast<int>(v); },
+        {.nan = kIsAnInteger}},
+       {"ageing.replaced_share",
+        [](auto& o, double v) { o.ageing.replaced_share = v; },
+        {.zero = "none"}},
+       {"ageing.site_m", [](auto& o, double v) { o.ageing.site_m = v; }, {.zero = "none"}},
+       {"ageing.post_count",
+        [](auto& o, double v) { o.ageing.post_count = static_cast<int>(v); },
+        {.nan = kIsAnInteger, .zero = "none"}},
+       {"ageing.gone_wall_m",
+        [](auto& o, double v) { o.ageing.gone_wall_m = v; },
+        {.zero = "none"}},
+       {"ageing.leaf_count",
+        [](auto& o, double v) { o.ageing.leaf_count = static_cast<int>(v); },
+        {.nan = kIsAnInteger, .zero = "none"}},
        {"clutter_share", [](auto& o, double v) { o.clutter_share = v; }, {.zero = "no clutter"}},
        {"ghost_share", [](auto& o, double v) { o.ghost_share = v; }, {.zero = "no ghosts"}}});
 }

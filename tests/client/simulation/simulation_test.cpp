@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <set>
+#include <vector>
 
 namespace dcloc {
 namespace {
@@ -49,6 +52,60 @@ TEST(SimulationTest, EqualOptionsGiveEqualScans) {
     EXPECT_EQ(a.ego_velocity->linear_mps, b.ego_velocity->linear_mps);
   }
   EXPECT_NE(first.drive.scans[5].scan.range_m, third.drive.scans[5].scan.range_m);
+}
+
+TEST(SimulationTest, AnotherDayHasOtherDrivesAndParkedVehiclesInTheSameTown) {
+  SimulationOptions options = Small(WorldKind::kTown, RadarKind::kArs408);
+  options.parked_change_share = 0.5;
+  const SimulatedPass first = PassOf(options, 1);
+  options.day = 7;
+  const SimulatedPass later = PassOf(options, 1);
+  EXPECT_GT(later.drive.scans.front().scan.stamp,
+            first.drive.scans.front().scan.stamp + std::chrono::days(6));
+  EXPECT_NE(first.drive.scans[5].scan.range_m, later.drive.scans[5].scan.range_m);
+  const auto places = [](const SimulatedPass& pass) {
+    std::set<double> xs_m;
+    for (const auto& parked : pass.parked) xs_m.insert(parked.T_map_body.translation_m.x());
+    return xs_m;
+  };
+  std::vector<double> both;
+  std::ranges::set_intersection(places(first), places(later), std::back_inserter(both));
+  EXPECT_FALSE(both.empty());
+  EXPECT_LT(both.size(), places(first).size());
+}
+
+TEST(SimulationTest, LivePassesSeeTheWorldAged) {
+  SimulationOptions options = Small(WorldKind::kTown, RadarKind::kArs408);
+  const std::vector<PassOptions> passes = Passes(options);
+  const auto map = SimulatePass(options, passes[0]);
+  const auto live = SimulatePass(options, passes[1]);
+  options.ageing.post_count = 30;
+  const auto aged_map = SimulatePass(options, passes[0]);
+  const auto aged_live = SimulatePass(options, passes[1]);
+  ASSERT_TRUE(map.ok() && live.ok() && aged_map.ok() && aged_live.ok());
+  const auto same = [](const Drive& a, const Drive& b) {
+    return std::ranges::equal(a.scans, b.scans, [](const DriveScan& x, const DriveScan& y) {
+      return x.scan.range_m == y.scan.range_m;
+    });
+  };
+  EXPECT_TRUE(same(*map, *aged_map));
+  EXPECT_FALSE(same(*live, *aged_live));
+}
+
+TEST(SimulationTest, VehiclesTakeTurnsWithRigsOfTheirOwn) {
+  SimulationOptions options = Small(WorldKind::kTown, RadarKind::kArs408);
+  const SimulatedPass alone = PassOf(options, 1);
+  options.vehicle_count = 2;
+  const SimulatedPass first = PassOf(options, 0);
+  const SimulatedPass second = PassOf(options, 1);
+  EXPECT_EQ(first.vehicle, 0);
+  EXPECT_EQ(second.vehicle, 1);
+  const auto mount = [](const SimulatedPass& pass) {
+    return pass.drive.rig.radars[0].T_vehicle_radar.translation_m;
+  };
+  EXPECT_EQ(mount(first), mount(alone));
+  EXPECT_GT((mount(second) - mount(first)).norm(), 0.01);
+  EXPECT_LT((mount(second) - mount(first)).norm(), 0.5);
 }
 
 /// What a pass sees from the middle of its world's tunnel, where the ends are farther than a radar

@@ -1,0 +1,190 @@
+#include "client/landmarks/landmark_rows.h"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "core/map/map_content.h"
+#include "core/map/point_grid.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kMoved_m = 0.01;
+constexpr double kMaxKeyframeDistance_m = 120.0;  // MapBuilderOptions::max_keyframe_distance_m
+
+Pose3 PoseInMap(const MapParts& map, std::size_t keyframe) {
+  Pose3 pose = PoseOf(map.keyframes[keyframe].record);
+  pose.translation_m += map.Origin_m();
+  return pose;
+}
+
+bool IsSame(const MapPoint& a, const MapPoint& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
+
+Eigen::Matrix3d CovarianceOf(const MapPoint& p) {
+  Eigen::Matrix3d covariance_m2;
+  covariance_m2 << p.xx_m2, p.xy_m2, p.xz_m2, p.xy_m2, p.yy_m2, p.yz_m2, p.xz_m2, p.yz_m2, p.zz_m2;
+  return covariance_m2;
+}
+
+MapPoint Placed(MapPoint point, const Eigen::Vector3d& p_keyframe,
+                const Eigen::Matrix3d& covariance_m2) {
+  const Eigen::Vector3f p = p_keyframe.cast<float>();
+  const Eigen::Matrix3f c = covariance_m2.cast<float>();
+  point.x_m = p.x();
+  point.y_m = p.y();
+  point.z_m = p.z();
+  point.xx_m2 = c(0, 0);
+  point.xy_m2 = c(0, 1);
+  point.xz_m2 = c(0, 2);
+  point.yy_m2 = c(1, 1);
+  point.yz_m2 = c(1, 2);
+  point.zz_m2 = c(2, 2);
+  return point;
+}
+
+// Puts rows into a copy of the base, one at a time.
+class Mender {
+ public:
+  explicit Mender(const MapParts& base)
+      : base_(base), mended_(base), grid_(kMaxKeyframeDistance_m) {
+    for (std::size_t i = 0; i < base.keyframes.size(); ++i) {
+      mended_.keyframes[i].points.clear();
+      grid_.Insert(PoseInMap(base, i).translation_m.head<2>());
+      taken_.emplace_back(base.keyframes[i].points.size(), false);
+    }
+  }
+
+  absl::Status Add(const LandmarkRow& row) {
+    if (!row.p_map.allFinite()) return Error(row, "its position is not finite");
+    if (row.keyframe && *row.keyframe >= base_.keyframes.size()) {
+      return Error(row, absl::StrFormat("keyframe is %d; the base map has %d", *row.keyframe,
+                                        base_.keyframes.size()));
+    }
+    if (row.keyframe) {
+      const Eigen::Vector3d shown = PoseInMap(base_, *row.keyframe) * PositionOf(row.point);
+      LandmarkRow in_space = row;
+      if (!row.has_height) in_space.p_map.z() = shown.z();
+      return (in_space.p_map - shown).norm() < kMoved_m ? Keep(row) : Place(in_space);
+    }
+    return Place(row);
+  }
+
+  MapParts Finish(MendCounts& counts) && {
+    counts_.removed = base_.PointCount() - counts_.same - counts_.moved - counts_.edited;
+    counts = counts_;
+    return std::move(mended_);
+  }
+
+ private:
+  static absl::Status Error(const LandmarkRow& row, absl::string_view what) {
+    return absl::InvalidArgumentError(absl::StrCat(row.name, ": ", what));
+  }
+
+  absl::Status Put(const LandmarkRow& row, std::size_t keyframe, const MapPoint& point) {
+    if (absl::Status status = CheckPoints({&point, 1}); !status.ok()) {
+      return Error(row, status.message().substr(status.message().find(": ") + 2));
+    }
+    mended_.keyframes[keyframe].points.push_back(point);
+    return absl::OkStatus();
+  }
+
+  // Takes the base's landmark that `is_wanted`, once, so that a copied row counts as added.
+  template <typename Wanted>
+  bool Take(std::size_t keyframe, const Wanted& is_wanted) {
+    const std::vector<MapPoint>& points = base_.keyframes[keyframe].points;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (taken_[keyframe][i] || !is_wanted(points[i])) continue;
+      taken_[keyframe][i] = true;
+      return true;
+    }
+    return false;
+  }
+
+  absl::Status Keep(const LandmarkRow& row) {
+    const auto same = [&](const MapPoint& point) { return IsSame(point, row.point); };
+    const auto same_place = [&](const MapPoint& point) {
+      return PositionOf(point) == PositionOf(row.point);
+    };
+    ++(Take(*row.keyframe, same)         ? counts_.same
+       : Take(*row.keyframe, same_place) ? counts_.edited
+                                         : counts_.added);
+    return Put(row, *row.keyframe, row.point);
+  }
+
+  absl::Status Place(const LandmarkRow& row) {
+    const std::optional<std::size_t> keyframe = KeyframeFor(row);
+    if (!keyframe) {
+      return Error(row, absl::StrFormat("it lies at (%.1f, %.1f) m, more than %g m from every "
+                                        "keyframe of the base map",
+                                        row.p_map.x(), row.p_map.y(), kMaxKeyframeDistance_m));
+    }
+    const auto same_place = [&](const MapPoint& point) {
+      return PositionOf(point) == PositionOf(row.point);
+    };
+    const bool is_of_base = row.keyframe && Take(*row.keyframe, same_place);
+    ++(is_of_base ? counts_.moved : counts_.added);
+    const Pose3 T_map_keyframe = PoseInMap(base_, *keyframe);
+    const Pose3 T_map_old = row.keyframe ? PoseInMap(base_, *row.keyframe) : Pose3();
+    const Eigen::Matrix3d turn = T_map_keyframe.Rotation().transpose() * T_map_old.Rotation();
+    const Eigen::Matrix3d covariance_m2 = CovarianceOf(row.point);
+    const bool is_turned = row.keyframe != keyframe;
+    return Put(row, *keyframe,
+               Placed(row.point, T_map_keyframe.Inverse() * row.p_map,
+                      is_turned ? turn * covariance_m2 * turn.transpose() : covariance_m2));
+  }
+
+  std::optional<std::size_t> KeyframeFor(const LandmarkRow& row) const {
+    const auto distance_m = [&](std::size_t i) {
+      return (PoseInMap(base_, i).translation_m - row.p_map).head<2>().norm();
+    };
+    if (row.keyframe && distance_m(*row.keyframe) <= kMaxKeyframeDistance_m) return *row.keyframe;
+    std::optional<std::size_t> nearest;
+    grid_.ForEachNear(row.p_map.head<2>(), Eigen::Vector2d::Constant(kMaxKeyframeDistance_m),
+                      [&](std::uint32_t i) {
+                        if (distance_m(i) > kMaxKeyframeDistance_m) return;
+                        if (!nearest || distance_m(i) < distance_m(*nearest)) nearest = i;
+                      });
+    return nearest;
+  }
+
+  const MapParts& base_;
+  MapParts mended_;
+  PointGrid grid_;
+  std::vector<std::vector<bool>> taken_;  ///< of the base's landmarks, by keyframe
+  MendCounts counts_;
+};
+
+}  // namespace
+
+std::vector<LandmarkRow> RowsOf(const MapParts& map) {
+  std::vector<LandmarkRow> rows;
+  rows.reserve(map.PointCount());
+  for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
+    const Pose3 T_map_keyframe = PoseInMap(map, i);
+    for (const MapPoint& point : map.keyframes[i].points) {
+      rows.push_back({.p_map = T_map_keyframe * PositionOf(point),
+                      .keyframe = static_cast<std::uint32_t>(i),
+                      .point = point,
+                      .name = {}});
+    }
+  }
+  return rows;
+}
+
+absl::StatusOr<MapParts> Mend(const MapParts& base, const std::vector<LandmarkRow>& rows,
+                              MendCounts& counts) {
+  if (rows.empty()) return absl::FailedPreconditionError("the file has no landmark");
+  Mender mender(base);
+  for (const LandmarkRow& row : rows) {
+    if (absl::Status status = mender.Add(row); !status.ok()) return status;
+  }
+  return std::move(mender).Finish(counts);
+}
+
+}  // namespace dcloc
