@@ -17,7 +17,7 @@ struct NetworkEdge {
   std::size_t from = 0;
   std::size_t to = 0;
   PoseEstimate<2> T_from_to;
-  /// False where it may be wrong altogether: then it is believed only as far as it agrees with the
+  /// False where it may be wrong altogether: then it counts only as far as it agrees with the
   /// others.
   bool is_certain = false;
 };
@@ -43,7 +43,7 @@ struct PoseNetworkOptions {
 std::span<const OptionField<PoseNetworkOptions>> FieldsOf(const PoseNetworkOptions& options);
 absl::Status Validate(const PoseNetworkOptions& options);
 
-/// What the network's poses are, and what was believed.
+/// What the network's poses are, and what was kept.
 struct NetworkSolution {
   std::vector<Pose2> T_map_nodes;
   std::vector<double> edge_weights;  ///< [0, 1]; 1 of certain edges, near 0 of what was left out

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/localizer/health.h"
+#include "core/localizer/pose_resets.h"
 
 namespace dcloc::server {
 

@@ -77,7 +77,7 @@ TEST_F(SurveyGraphTest, ALoopIsAShortWay) {
 TEST_F(SurveyGraphTest, TwoFixesJoinNodesAsTheyAreCertain) {
   AddFix(0, 0.2);
   AddFix(5, 0.3);
-  const auto ways = WaysFrom(0, 60.0, {.way_per_fix_sigma = 100.0});
+  const auto ways = WaysFrom(0, 61.0, {.way_per_fix_sigma = 100.0});
   EXPECT_NEAR(ways.at(5), 50.0, 1e-9);
   EXPECT_NEAR(ways.at(6), 60.0, 1e-9);
   EXPECT_EQ(WaysFrom(0, 49.0).count(5), 0U);

@@ -51,7 +51,7 @@ TEST(ServerTest, LocalizesByTheRegistrationThatTheProgramChose) {
 }
 
 TEST(ServerTest, TheStubRegistersNothing) {
-  const TownDrive drive(20.0);
+  const TownDrive drive(60.0);
   const auto method = std::make_shared<CountingMethod>();
   TestServer server(TestServer::StubConfig(), {.planar = method, .spatial = nullptr});
   EXPECT_NE(LastResult(server, drive).state(), v1::LOCALIZATION_STATE_TRACKING);

@@ -108,7 +108,7 @@ TEST(AttachmentStateTest, AnEventWithoutAnArrowChangesNothing) {
   for (const State state : kStates) {
     for (const Event event : kEvents) {
       const AttachmentTransition next = Next(state, event);
-      if (next.action == Action::kNone) EXPECT_EQ(next.state, state);
+      EXPECT_TRUE(next.action != Action::kNone || next.state == state);
     }
   }
 }
