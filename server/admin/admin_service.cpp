@@ -220,7 +220,12 @@ grpc::ServerUnaryReactor* AdminService::ProposePose(grpc::CallbackServerContext*
       host_, context, request, [this, request, response](UnaryEnd<v1::ProposePoseRequest> end) {
         const auto session = registry_.GetSession(end.principal().tenant, request->session_id());
         if (!session.ok()) return end(session.status());
-        server::ProposePose(*session, *request, response, std::move(end));
+        // Vehicles wait for the strand's threads, so the call ends on one of the host's.
+        server::ProposePose(
+            *session, *request, response,
+            [this, end = std::move(end)](const absl::Status& status) mutable {
+              host_.pool.Post([status, end = std::move(end)]() mutable { end(status); });
+            });
       });
 }
 

@@ -44,6 +44,7 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   /// written before.
   void Begin(const absl::Status& status, std::shared_ptr<void> slot);
 
+  bool TakesFixes() const override { return takes_fixes_; }
   void OnOpened(const RecordingStart& start) override;
   void OnScan(const v1::Scan& scan, const ScanAnswer& answer) override;
   void OnFix(const v1::PositionFix& fix, const FixAnswer& answer) override;

@@ -273,10 +273,10 @@ struct Server::Parts {
   SessionRegistry registry;
   SessionMetrics metrics;
   RecordingRequests recordings;
+  OperationLog operations;
   OpenCalls open_calls;
   PeerBoundCalls peer_bound_calls;
   WorkerPool storage_pool{kStorageThreads, kMapThreads};
-  OperationLog operations;
   const StorageHost storage{store,  storage_pool, open_calls, peer_bound_calls,
                             access, operations,   limits};
   WorkerPool localization_pool;

@@ -1,5 +1,6 @@
 #include "server/identity/operation_log.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/escaping.h"
@@ -55,14 +56,25 @@ void OperationLog::Note(const grpc::ServerContextBase& context, const Principal&
                       .request = CutOff(std::move(text)),
                       .code = status.code(),
                       .message = CutOff(absl::CHexEscape(status.message()))};
-  spdlog::info("operation method={} principal={} role={} tenant={} peer={} code={} request={}",
-               operation.method, Quoted(principal.name), std::string(NameOf(principal.role)),
-               Quoted(principal.tenant), operation.peer, absl::StatusCodeToString(operation.code),
-               Quoted(operation.request));
+  spdlog::info(
+      "operation method={} principal={} role={} tenant={} peer={} code={} request=\"{}\" "
+      "message=\"{}\"",
+      operation.method, Quoted(principal.name), std::string(NameOf(principal.role)),
+      Quoted(principal.tenant), operation.peer, absl::StatusCodeToString(operation.code),
+      absl::CHexEscape(operation.request), operation.message);
   const std::lock_guard lock(mutex_);
   operation.number = ++last_number_;
   kept_.push_back(std::move(operation));
-  if (kept_.size() > kMaxKept) kept_.pop_front();
+  if (kept_.size() > kMaxKept) DropOldestOfLargest();
+}
+
+void OperationLog::DropOldestOfLargest() {
+  std::map<absl::string_view, int> count_of;
+  for (const Operation& kept : kept_) ++count_of[kept.principal.tenant];
+  const auto largest =
+      std::ranges::max_element(count_of, {}, [](const auto& tenant) { return tenant.second; });
+  kept_.erase(std::ranges::find_if(
+      kept_, [&](const Operation& kept) { return kept.principal.tenant == largest->first; }));
 }
 
 std::vector<Operation> OperationLog::List(absl::string_view tenant, std::int64_t before,

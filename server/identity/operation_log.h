@@ -32,12 +32,13 @@ struct Operation {
 
 /// Who did what lately: the calls of RPCs that change something (`MethodPermissions` says which),
 /// whether they succeeded or not. Those that were not permitted are in the log alone, so that
-/// nobody without rights can push out the others. Bounded, in memory; each is also a line of the
-/// log, "operation". Thread-safe.
+/// nobody without rights can push out the others, and when it is full, the oldest of the tenant
+/// with the most goes. Bounded, in memory; each is also a line of the log, "operation".
+/// Thread-safe.
 class OperationLog {
  public:
-  static constexpr std::size_t kMaxKept = 1000;
-  static constexpr std::size_t kMaxText = 200;  ///< of a request or a message
+  static constexpr std::size_t kMaxKept = 1000;  ///< of all tenants
+  static constexpr std::size_t kMaxText = 200;   ///< of a request or a message
 
   OperationLog();
 
@@ -58,6 +59,8 @@ class OperationLog {
   std::vector<Operation> List(absl::string_view tenant, std::int64_t before, int limit) const;
 
  private:
+  void DropOldestOfLargest();  ///< with the mutex held
+
   std::map<const google::protobuf::Descriptor*, const char*> method_of_;
   mutable std::mutex mutex_;
   std::deque<Operation> kept_;  ///< oldest first

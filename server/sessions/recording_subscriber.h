@@ -33,7 +33,9 @@ class RecordingSubscriber {
   virtual void OnOpened(const RecordingStart& start) = 0;
   /// `scan` is as the client sent it; a dropped scan has only its number.
   virtual void OnScan(const v1::Scan& scan, const ScanAnswer& answer) = 0;
-  /// `fix` is as the client sent it.
+  /// Whether it can keep position fixes; if not, the first one ends it.
+  virtual bool TakesFixes() const = 0;
+  /// `fix` is as the client sent it, or as somebody proposed it.
   virtual void OnFix(const v1::PositionFix& fix, const FixAnswer& answer) = 0;
   /// The session has ended; the last call.
   virtual void OnEnd() = 0;

@@ -163,6 +163,20 @@ void Session::TakeFix(const v1::PositionFix& fix, FixReply reply) {
   if (recording_ != nullptr) recording_->OnFix(fix, answer);
 }
 
+absl::StatusOr<FixAnswer> Session::TakeProposal(v1::PositionFix fix) {
+  if (!order_.last_stamp()) {
+    return absl::FailedPreconditionError("no scan of the session has been localized yet");
+  }
+  if (recording_ != nullptr && !recording_->TakesFixes()) {
+    return absl::FailedPreconditionError(
+        "the session is recorded by a client that cannot record position fixes");
+  }
+  if (fix.stamp_ns() == 0) fix.set_stamp_ns(order_.last_stamp()->time_since_epoch().count());
+  std::optional<FixAnswer> taken;
+  TakeFix(fix, [&taken](const FixAnswer& answer) { taken = answer; });
+  return *std::move(taken);
+}
+
 absl::StatusOr<FixUse> Session::Use(const v1::PositionFix& message) {
   absl::Status status = info_->description.caller.permit->TakeFix(Clock::now());
   if (!status.ok()) return status;

@@ -111,8 +111,10 @@ class Session {
   /// Takes in a position fix and answers it.
   void TakeFix(const v1::PositionFix& fix, FixReply reply);
 
-  /// Of the last scan that was localized; none before the first one.
-  std::optional<Stamp> last_stamp() const { return order_.last_stamp(); }
+  /// Takes in a pose that somebody proposes for `fix.stamp_ns`, or for the last scan where that is
+  /// 0, as a position fix. FailedPrecondition, and nothing changes: before the first scan, or while
+  /// the session is recorded by somebody who cannot keep fixes. Other errors are in the answer.
+  absl::StatusOr<FixAnswer> TakeProposal(v1::PositionFix fix);
 
   /// Goes on in another version of the map: the last pose and its covariance are the prior at the
   /// last scan. FailedPrecondition when the maps' anchors differ, and errors of the localizer's;

@@ -134,6 +134,8 @@ std::vector<std::shared_ptr<Session>> SessionRegistry::SessionsIn(
 
 std::optional<AttachmentEvent> SessionRegistry::DueEvent(const Entry& entry,
                                                          Clock::time_point now) const {
+  // A stream that is gone, and has not said so, has detached.
+  if (!IsDetached(entry.state) && entry.stream.expired()) return AttachmentEvent::kDetach;
   const auto in_state = now - entry.since;
   switch (entry.state) {
     case AttachmentState::kAttached:
@@ -214,8 +216,8 @@ absl::StatusOr<ListedSession> SessionRegistry::Get(absl::string_view tenant,
   return ListedSession{entry->second.info, IsDetached(entry->second.state)};
 }
 
-absl::StatusOr<std::shared_ptr<Session>> SessionRegistry::GetSession(
-    absl::string_view tenant, absl::string_view session_id) {
+absl::StatusOr<std::shared_ptr<Session>> SessionRegistry::GetSession(absl::string_view tenant,
+                                                                     absl::string_view session_id) {
   const std::lock_guard lock(mutex_);
   const auto entry = FindOf(tenant, session_id);
   if (entry == entries_.end()) return Gone(session_id, "session_id");

@@ -171,7 +171,7 @@ void AddServerCommand(CLI::App& app, int& exit_code) {
   command = AddAdminCommand(*server, "operations", "Say who changed what lately, newest first",
                             operations, exit_code, &ShowOperations);
   command->footer(
-      "The server keeps the last 1,000 since its start; its log has all.\n"
+      "The server keeps the last 1,000 since its start; its log has a line for each.\n"
       "Example:\n  dcloc server operations --server localhost:50051 --json");
 
   auto drain = std::make_shared<ServerArguments>();

@@ -183,7 +183,7 @@ function View({ visit, fleet, shelf }: Pick<ConsoleProps, "visit" | "shelf"> & {
   }
   if (first === "servers") return <ServersView servers={servers} />;
   if (first === "session") {
-    return <SessionView server={second} id={third} fleet={fleet} shelf={shelf} />;
+    return <SessionView key={`${second}/${third}`} server={second} id={third} fleet={fleet} shelf={shelf} />;
   }
   if (first === "recordings" && second !== "") {
     return <ReplayView shelf={shelf} id={second} servers={servers} />;

@@ -63,6 +63,13 @@ TEST_F(OperationLogTest, IsBoundedAndKeepsTheNewest) {
   EXPECT_EQ(log_.List("", all.back().number + 2, count).size(), 2U);
 }
 
+TEST_F(OperationLogTest, ATenantPushesOutOnlyItsOwn) {
+  Note("", v1::DrainRequest());
+  for (std::size_t i = 0; i < 2 * OperationLog::kMaxKept; ++i) Note("acme", Deletion());
+  EXPECT_EQ(log_.List("", kAll, 10).size(), 1U);
+  EXPECT_EQ(log_.List("acme", kAll, 5000).size(), OperationLog::kMaxKept - 1);
+}
+
 TEST_F(OperationLogTest, LongTextIsCutOff) {
   v1::EndSessionRequest request;
   request.set_reason(std::string(100'000, 'x'));

@@ -9,6 +9,7 @@ class SilentSubscriber final : public RecordingSubscriber {
  public:
   void OnOpened(const RecordingStart& /*start*/) override {}
   void OnScan(const v1::Scan& /*scan*/, const ScanAnswer& /*answer*/) override {}
+  bool TakesFixes() const override { return true; }
   void OnFix(const v1::PositionFix& /*fix*/, const FixAnswer& /*answer*/) override {}
   void OnEnd() override {}
 };

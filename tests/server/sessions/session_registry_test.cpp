@@ -132,6 +132,14 @@ TEST_F(SessionRegistryTest, OneWithoutScansForTooLongIsToldToEnd) {
   EXPECT_EQ(registry_.count(), 1);
 }
 
+TEST_F(SessionRegistryTest, AStreamThatIsGoneWithoutAWordHasDetached) {
+  ASSERT_TRUE(EndSession().ok());
+  stream_.reset();
+  registry_.Reap(Clock::now());
+  registry_.Reap(Clock::now() + kTimeout);
+  EXPECT_EQ(registry_.count(), 0);
+}
+
 TEST_F(SessionRegistryTest, TheLongestDetachedMakesRoom) {
   limits_.max_session_count = 1;
   auto info = std::make_shared<SessionInfo>();

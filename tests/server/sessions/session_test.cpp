@@ -37,6 +37,7 @@ class Recorder final : public RecordingSubscriber {
     EXPECT_EQ(scan.sequence_number(), answer.sequence_number);
     target_counts.push_back(scan.range_m_size());
   }
+  bool TakesFixes() const override { return takes_fixes; }
   void OnFix(const v1::PositionFix& fix, const FixAnswer& answer) override {
     EXPECT_EQ(fix.stamp_ns(), answer.stamp_ns);
     target_counts.push_back(kFix);
@@ -46,6 +47,7 @@ class Recorder final : public RecordingSubscriber {
   std::string vehicle_id;
   std::string resume_token = "none was given";
   static constexpr int kFix = -1;
+  bool takes_fixes = true;
   std::vector<int> target_counts;
   bool ended = false;
 };
@@ -211,6 +213,30 @@ TEST_F(SessionTest, WatchersAndRecordersGetFixesInTheirPlace) {
   Answer(*session, ScanMessage(2, 30));
   EXPECT_EQ(watcher->fixes, (std::vector<std::int64_t>{FixMessage(2).stamp_ns()}));
   EXPECT_EQ(recorder->target_counts, (std::vector<int>{20, Recorder::kFix, 30}));
+}
+
+TEST_F(SessionTest, AProposalIsAFixAtTheLastScan) {
+  const auto session = MakeSession();
+  v1::PositionFix pose = FixMessage(0);
+  pose.clear_stamp_ns();
+  EXPECT_EQ(session->TakeProposal(pose).status().code(), absl::StatusCode::kFailedPrecondition)
+      << "no scan has told the vehicle's clock";
+  Answer(*session, ScanMessage(1));
+  EXPECT_EQ(session->TakeProposal(pose)->stamp_ns, ScanMessage(1).stamp_ns());
+  EXPECT_EQ(session->TakeProposal(FixMessage(0))->stamp_ns, FixMessage(0).stamp_ns());
+  EXPECT_EQ(script_.fixes.size(), 2U);
+}
+
+TEST_F(SessionTest, AProposalEndsNoRecording) {
+  const auto session = MakeSession();
+  const auto recorder = std::make_shared<Recorder>();
+  recorder->takes_fixes = false;
+  session->Record(recorder, OpenMessage());
+  Answer(*session, ScanMessage(1, 20));
+  EXPECT_EQ(session->TakeProposal(FixMessage(1)).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+  EXPECT_TRUE(script_.fixes.empty());
+  EXPECT_EQ(recorder->target_counts, (std::vector<int>{20}));
 }
 
 TEST_F(SessionTest, TheHealthOfTheLastAnswerIsListed) {

@@ -2,7 +2,12 @@ import { useCallback, useEffect, useState } from "preact/hooks";
 import { type CallFailure, Code, failureOf } from "../wire/failure.ts";
 
 /** What asking again does not change. */
-const FINAL = new Set<number>([Code.Unauthenticated, Code.PermissionDenied, Code.NotFound]);
+const FINAL = new Set<number>([
+  Code.Unauthenticated,
+  Code.PermissionDenied,
+  Code.NotFound,
+  Code.Unimplemented,
+]);
 
 /** Something that is read from a server: what there is of it, and what went wrong. */
 export interface Loaded<T> {

@@ -1,4 +1,4 @@
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { AdminService } from "proto/dcloc/v1/admin_service_pb.ts";
 import { numbered, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
@@ -89,8 +89,19 @@ interface FieldProps {
   onChange: (value: number | undefined) => void;
 }
 
+const textOf = (value: number | undefined): string =>
+  value === undefined ? "" : String(Math.round(value * 100) / 100);
+
+const numberOf = (text: string): number | undefined =>
+  text === "" || !Number.isFinite(Number(text)) ? undefined : Number(text);
+
 function NumberField({ label, value, range = [-1e8, 1e8], isOptional = false, onChange }: FieldProps) {
   const [min, max] = range;
+  // What is being typed stays as it is; a value from elsewhere, as from a click, replaces it.
+  const [text, setText] = useState(textOf(value));
+  useEffect(() => {
+    if (numberOf(text) !== value) setText(textOf(value));
+  }, [value]);
   return (
     <label>
       {label}
@@ -100,10 +111,11 @@ function NumberField({ label, value, range = [-1e8, 1e8], isOptional = false, on
         min={min}
         max={max}
         required={!isOptional}
-        value={value === undefined ? "" : String(Math.round(value * 100) / 100)}
-        onInput={({ currentTarget: { valueAsNumber } }) =>
-          onChange(Number.isFinite(valueAsNumber) ? valueAsNumber : undefined)
-        }
+        value={text}
+        onInput={({ currentTarget: { value: typed } }) => {
+          setText(typed);
+          onChange(numberOf(typed));
+        }}
       />
     </label>
   );

@@ -5,6 +5,7 @@ import { FailureNotice, Loading } from "../parts/notice.tsx";
 import { usePages } from "../parts/use_pages.ts";
 import { dateTime, numbered, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
+import { Code } from "../wire/failure.ts";
 
 const PERIOD_MS = 10_000;
 const PAGE_SIZE = 100;
@@ -21,10 +22,12 @@ export function Identities({ server }: { server: string }) {
     [server],
     PERIOD_MS,
   );
+  const isDenied = failure?.code === Code.PermissionDenied;
   return (
     <>
       <h3>{t("identities")}</h3>
-      {failure && !value && <FailureNotice failure={failure} retry={reload} />}
+      {failure && !value && isDenied && <p class="hint">{t("identities_denied")}</p>}
+      {failure && !value && !isDenied && <FailureNotice failure={failure} retry={reload} />}
       {!failure && !value && <Loading />}
       {value?.length === 0 && <p class="hint">{t("no_identities")}</p>}
       {value && value.length > 0 && <IdentityTable identities={value} onRevoke={setChosen} />}

@@ -94,10 +94,11 @@ export function SessionView({ server, id, fleet, shelf }: Props) {
   const extent = useMemo(() => extentOf(map.value?.info), [map.value]);
   const [isEnding, setEnding] = useState(false);
   const [isProposing, setProposing] = useState(false);
+  const isPlacing = isProposing && !end;
   const [proposal, setProposal] = useState<ProposalDraft>(FIRST_PROPOSAL);
   const overlay = useMemo(
-    () => (isProposing && isPlaced(proposal) ? drawProposal(proposal) : undefined),
-    [isProposing, proposal],
+    () => (isPlacing && isPlaced(proposal) ? drawProposal(proposal) : undefined),
+    [isPlacing, proposal],
   );
   if (!session) {
     if (!loaded.failure) return <Loading />;
@@ -166,11 +167,11 @@ export function SessionView({ server, id, fleet, shelf }: Props) {
             vehicles={() => (vehicle ? [vehicle] : [])}
             chosen={key}
             overlay={overlay}
-            onPlace={isProposing ? (x, y) => setProposal((old) => ({ ...old, x, y })) : undefined}
+            onPlace={isPlacing ? (x, y) => setProposal((old) => ({ ...old, x, y })) : undefined}
             tick={fleet.tick}
           />
         </div>
-        {isProposing && !end && (
+        {isPlacing && (
           <ProposePose
             server={server}
             session={id}

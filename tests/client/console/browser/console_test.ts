@@ -181,6 +181,10 @@ async function proposeByClick(): Promise<void> {
   assert.ok(await submit.isDisabled(), "no place is chosen yet");
   await page.locator(".session-map canvas").click({ position: { x: 60, y: 60 } });
   assert.match(await form.getByLabel("x, m").inputValue(), /^-?\d/);
+  const x = form.getByLabel("x, m");
+  await x.fill("");
+  await x.pressSequentially("-10.05");
+  assert.equal(await x.inputValue(), "-10.05");
   await form.getByLabel("Heading").fill("90");
   await form.getByLabel("Spread").fill("30");
   assert.deepEqual(await seriousFindings(page), []);
