@@ -18,6 +18,7 @@ TESTED_BY = {
     "core/localizer/registration_learner": "localizer_test",
     "core/localizer/tracking_snapshot": "localizer_snapshot_test",
     "core/map/map_content": "map_file_test",
+    "core/map/map_parts": "map_edit_test",
     "core/map/mapped_file": "map_file_test",
     "core/mapping/loop_finder": "survey_test",
     "core/mapping/place_finder": "survey_test",
