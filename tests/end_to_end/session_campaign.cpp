@@ -315,13 +315,7 @@ int Main(int argc, char** argv) {
   app.add_option("--seed", arguments.seed, "Of the random moments");
   CLI11_PARSE(app, argc, argv);
   Campaign campaign(arguments);
-  const absl::Status status = campaign.Run();
-  if (!status.ok()) {
-    absl::FPrintF(stderr, "%s (seed %d)\n", status.message(), arguments.seed);
-    return EXIT_FAILURE;
-  }
-  campaign.Report();
-  return EXIT_SUCCESS;
+  return RunCampaign(campaign, arguments.seed);
 }
 
 }  // namespace

@@ -18,15 +18,8 @@ std::string WordsOf(const CLI::App& app) {
 /// A line each of: "map build --dataset") words='nuscenes rosbag' ;;
 std::string ChoiceCases(const CLI::App& app) {
   std::string cases;
-  ForEachCommand(app, [&](const CLI::App& command, const std::string& path) {
-    for (const CLI::Option* option : OptionsOf(command)) {
-      const std::vector<std::string> choices = ChoicesOf(*option);
-      if (choices.empty()) continue;
-      for (const std::string& flag : FlagsOf(*option)) {
-        absl::StrAppend(&cases, "    '", path, " ", flag, "') words='", absl::StrJoin(choices, " "),
-                        "' ;;\n");
-      }
-    }
+  ForEachChoice(app, [&](const std::string& flag, const std::vector<std::string>& choices) {
+    absl::StrAppend(&cases, "    '", flag, "') words='", absl::StrJoin(choices, " "), "' ;;\n");
   });
   return cases;
 }
@@ -42,12 +35,8 @@ std::string BashCompletion(const CLI::App& app) {
                    "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
                    "    word=${COMP_WORDS[i]}\n"
                    "    case \"$path $word\" in\n");
-  ForEachCommand(app, [&](const CLI::App& /*command*/, const std::string& path) {
-    if (path.empty()) return;
-    absl::StrAppend(&script, "      '", ParentPath(path), " ", LastName(path), "') path='", path,
-                    "' ;;\n");
-  });
-  absl::StrAppend(&script, "    esac\n  done\n  local words\n  case \"$path\" in\n");
+  absl::StrAppend(&script, PathCases(app, "path"),
+                  "    esac\n  done\n  local words\n  case \"$path\" in\n");
   ForEachCommand(app, [&](const CLI::App& command, const std::string& path) {
     absl::StrAppend(&script, "    '", path, "') words='", WordsOf(command), "' ;;\n");
   });

@@ -15,6 +15,18 @@ void VisitBelow(const CLI::App& app, const std::string& path, const Visit& visit
   }
 }
 
+// The last one of a command's names: "build" of "map build".
+std::string LastName(const std::string& path) {
+  const std::size_t space = path.rfind(' ');
+  return space == std::string::npos ? path : path.substr(space + 1);
+}
+
+// All but the last one: "map" of "map build", "" of "map".
+std::string ParentPath(const std::string& path) {
+  const std::size_t space = path.rfind(' ');
+  return space == std::string::npos ? "" : path.substr(0, space);
+}
+
 }  // namespace
 
 std::vector<const CLI::App*> CommandsOf(const CLI::App& app) {
@@ -51,14 +63,28 @@ std::vector<std::string> ChoicesOf(const CLI::Option& option) {
   return absl::StrSplit(type.substr(begin + 1, end - begin - 1), ',', absl::SkipEmpty());
 }
 
-std::string LastName(const std::string& path) {
-  const std::size_t space = path.rfind(' ');
-  return space == std::string::npos ? path : path.substr(space + 1);
+void ForEachChoice(
+    const CLI::App& app,
+    const std::function<void(const std::string&, const std::vector<std::string>&)>& visit) {
+  ForEachCommand(app, [&](const CLI::App& command, const std::string& path) {
+    for (const CLI::Option* option : OptionsOf(command)) {
+      const std::vector<std::string> choices = ChoicesOf(*option);
+      if (choices.empty()) continue;
+      for (const std::string& flag : FlagsOf(*option)) {
+        visit(absl::StrCat(path, " ", flag), choices);
+      }
+    }
+  });
 }
 
-std::string ParentPath(const std::string& path) {
-  const std::size_t space = path.rfind(' ');
-  return space == std::string::npos ? "" : path.substr(0, space);
+std::string PathCases(const CLI::App& app, const std::string& variable) {
+  std::string cases;
+  ForEachCommand(app, [&](const CLI::App& /*command*/, const std::string& path) {
+    if (path.empty()) return;
+    absl::StrAppend(&cases, "      '", ParentPath(path), " ", LastName(path), "') ", variable, "='",
+                    path, "' ;;\n");
+  });
+  return cases;
 }
 
 }  // namespace dcloc::cli

@@ -27,10 +27,14 @@ bool TakesValue(const CLI::Option& option);
 /// The values that the option takes, where it takes none but these; else none.
 std::vector<std::string> ChoicesOf(const CLI::Option& option);
 
-/// The last one of a command's names: "build" of "map build".
-std::string LastName(const std::string& path);
+/// Calls `visit("map build --dataset", {"nuscenes", "rosbag"})` for each flag of each command, the
+/// path of the program being empty, whose values are all known.
+void ForEachChoice(
+    const CLI::App& app,
+    const std::function<void(const std::string&, const std::vector<std::string>&)>& visit);
 
-/// All but the last one: "map" of "map build", "" of "map".
-std::string ParentPath(const std::string& path);
+/// A line of a shell's `case` for each command, which leads `variable` from the path of the command
+/// above it and its own name to its path: "map build") path='map build' ;;
+std::string PathCases(const CLI::App& app, const std::string& variable);
 
 }  // namespace dcloc::cli

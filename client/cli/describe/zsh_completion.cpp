@@ -30,16 +30,10 @@ std::string CommandCase(const CLI::App& command, const std::string& path) {
 
 std::string ValueCases(const CLI::App& app) {
   std::string cases;
-  ForEachCommand(app, [&](const CLI::App& command, const std::string& path) {
-    for (const CLI::Option* option : OptionsOf(command)) {
-      const std::vector<std::string> choices = ChoicesOf(*option);
-      if (choices.empty()) continue;
-      for (const std::string& flag : FlagsOf(*option)) {
-        absl::StrAppend(&cases, "    '", path, " ", flag, "') values=(");
-        for (const std::string& choice : choices) absl::StrAppend(&cases, Entry(choice, ""));
-        absl::StrAppend(&cases, ") ;;\n");
-      }
-    }
+  ForEachChoice(app, [&](const std::string& flag, const std::vector<std::string>& choices) {
+    absl::StrAppend(&cases, "    '", flag, "') values=(");
+    for (const std::string& choice : choices) absl::StrAppend(&cases, Entry(choice, ""));
+    absl::StrAppend(&cases, ") ;;\n");
   });
   return cases;
 }
@@ -55,12 +49,7 @@ std::string ZshCompletion(const CLI::App& app) {
                                     "  local -a commands options values\n"
                                     "  for ((i = 2; i < CURRENT; ++i)); do\n"
                                     "    case \"$place ${words[i]}\" in\n");
-  ForEachCommand(app, [&](const CLI::App& /*command*/, const std::string& path) {
-    if (path.empty()) return;
-    absl::StrAppend(&script, "      '", ParentPath(path), " ", LastName(path), "') place='", path,
-                    "' ;;\n");
-  });
-  absl::StrAppend(&script, "    esac\n  done\n  case \"$place\" in\n");
+  absl::StrAppend(&script, PathCases(app, "place"), "    esac\n  done\n  case \"$place\" in\n");
   ForEachCommand(app, [&](const CLI::App& command, const std::string& path) {
     absl::StrAppend(&script, CommandCase(command, path));
   });
