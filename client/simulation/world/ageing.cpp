@@ -112,7 +112,7 @@ class Ager {
                                    : NearestOnRoute(scatterer.position_m.head<2>()).heading_rad;
       const double way_m = (Chance(random, 0.5) ? 1.0 : -1.0) * Uniform(random, 2.0, 5.0);
       scatterer.position_m.head<2>() += way_m * Along(along_rad);
-      scatterer.id = static_cast<std::uint32_t>(MixBits(scatterer.id ^ (seed_ << 32)));
+      scatterer.id = static_cast<std::uint32_t>(random());
       aged_.changes.push_back({true, "replaced", scatterer});
     }
   }
@@ -127,7 +127,8 @@ class Ager {
     for (std::size_t i = before; i < aged_.world.scatterers.size(); ++i) {
       Scatterer& scatterer = aged_.world.scatterers[i];
       // The builder counts on from what is there, which other changes may have thinned out.
-      scatterer.id = static_cast<std::uint32_t>(MixBits((purpose << 32) ^ (i - before) ^ seed_));
+      scatterer.id =
+          static_cast<std::uint32_t>(MixBits(MixBits(MixBits(seed_) + purpose) + (i - before)));
       aged_.changes.push_back({true, cause, scatterer});
     }
   }
