@@ -128,7 +128,10 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   const std::size_t radar_index = learned_rig_.IndexOf(scan.radar_id);
   std::vector<RadarPoint>& points = lent_workspace.Of<Dim>().static_points;
   Compensate(scan, stamp, moment->velocity, points);
-  if (IsTrusted(radar_index, stamp)) submap_.Insert(stamp, static_cast<int>(radar_index), points);
+  if (IsTrusted(radar_index, stamp)) {
+    submap_.Insert(stamp, static_cast<int>(radar_index), points);
+    schedule_.OnLateScan(points.size());
+  }
   const Motion then =
       Compose({answer.T_map_vehicle, answer.covariance}, Inverse(moment->to_newest));
   if (answer.protection_level_m) {  // the way between the two is as uncertain as it makes the pose
@@ -181,7 +184,8 @@ void Pipeline<Dim>::TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim
                                          matcher_, workspace);
   radar_monitor_.OnFit(radar_index, scan_checker_.last_fit());
   if (!IsTrusted(radar_index, stamp)) return;
-  TellSourcesApart(workspace);
+  // Both places are off by as much as the pose is, and of a lost one nobody knows by how much.
+  if (!tracking_.is_lost()) TellSourcesApart(workspace);
   tracking_.OnScanFit(fit);
   if (tracking_.mode() == TrackingMode::kTracking) {
     scan_checker_.OnConfirmed();
@@ -315,7 +319,8 @@ void Pipeline<Dim>::UpdateOdometry(const std::optional<Registration<Dim>>& regis
   const PoseEstimate<3> T_local_vehicle =
       ToSpace<Dim>({.pose = registration->T_local_vehicle}, options_.unobserved);
   ego_motion_.OnRegistration(matcher_.T_map_local() * T_local_vehicle.pose,
-                             outcome == RegistrationOutcome::kAccepted);
+                             {.is_accepted = outcome == RegistrationOutcome::kAccepted,
+                              .observes_way = observability_.Observed(0)});
 }
 
 // A pose that is given up becomes a prior, but for a place that was refused.

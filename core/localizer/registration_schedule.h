@@ -43,6 +43,10 @@ class RegistrationSchedule {
   /// scans.
   void OnScan(Stamp stamp, int submap_scan_count, std::size_t point_count);
 
+  /// A scan of so many static points was added that was taken before the newest one. No
+  /// registration has used them: they are as new as any.
+  void OnLateScan(std::size_t point_count) { points_since_registration_ += point_count; }
+
   /// Whether that scan is to be followed by a registration. `is_steady`: tracking, and the newest
   /// registration was accepted.
   bool IsDue(bool is_steady) const;

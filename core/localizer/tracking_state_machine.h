@@ -88,6 +88,11 @@ class TrackingStateMachine {
     return mode_ != TrackingMode::kSearching && mode_ != TrackingMode::kRecovering;
   }
 
+  /// Whether the pose was not confirmed for so long that it may be anywhere.
+  bool is_lost() const {
+    return mode_ == TrackingMode::kLost || mode_ == TrackingMode::kContradicted;
+  }
+
   /// Starts from a prior; only in kSearching.
   void OnPrior() { mode_ = Next(mode_, TrackingEvent::kPriorGiven); }
 

@@ -1,5 +1,6 @@
 // By how much the sources that may be sound disagree on how the vehicle moves.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "core/odometry/source_monitor.h"
@@ -7,21 +8,34 @@
 namespace dcloc {
 namespace {
 
+// The gate of static targets: a constant part, and so many deviations of the range rate
+// (StaticPointsOptions::static_gate_mps, static_gate_sigmas).
+constexpr double kStaticGate_mps = 0.3;
+constexpr double kStaticGateSigmas = 3.0;
+// What a source said counts until it is told of as silent (EgoMotionOptions::silent_after).
+constexpr auto kSilentAfter = std::chrono::milliseconds(500);
+
 bool IsIn(const OdometrySources& sound, OdometrySource source) {
   return sound[static_cast<std::size_t>(source)];
 }
 
-// A source that is silent says nothing, be it sound or not.
-bool SaySpeed(const OdometrySources& sound, const OdometryReadings& readings) {
-  return (IsIn(sound, OdometrySource::kWheelSpeed) && readings.wheel_speed) ||
-         (IsIn(sound, OdometrySource::kDoppler) && readings.doppler_speed);
-}
-bool SayYawRate(const OdometrySources& sound, const OdometryReadings& readings) {
-  return (IsIn(sound, OdometrySource::kYawRate) && readings.yaw_rate) ||
-         (IsIn(sound, OdometrySource::kDoppler) && readings.doppler_yaw_rate);
+}  // namespace
+
+bool SourceMonitor::SaysSpeed(const Hypothesis& hypothesis) const {
+  const auto is_recent = [this](const std::optional<Stamp>& heard) {
+    return heard && *compared_ - *heard <= kSilentAfter;
+  };
+  return (IsIn(hypothesis.sound, OdometrySource::kWheelSpeed) && is_recent(heard_.wheel_speed)) ||
+         (IsIn(hypothesis.sound, OdometrySource::kDoppler) && is_recent(heard_.doppler_speed));
 }
 
-}  // namespace
+bool SourceMonitor::SaysYawRate(const Hypothesis& hypothesis) const {
+  const auto is_recent = [this](const std::optional<Stamp>& heard) {
+    return heard && *compared_ - *heard <= kSilentAfter;
+  };
+  return (IsIn(hypothesis.sound, OdometrySource::kYawRate) && is_recent(heard_.yaw_rate)) ||
+         (IsIn(hypothesis.sound, OdometrySource::kDoppler) && is_recent(heard_.doppler_yaw_rate));
+}
 
 // METHOD eq 49. A hypothesis of which no sound source speaks says nothing. What even the best one
 // misses is how motion was summed up, and no doubt.
@@ -33,14 +47,16 @@ SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (hypothesis.log_weight < least_log_weight) continue;
     const double weight = std::exp(hypothesis.log_weight);
-    if (SaySpeed(hypothesis.sound, before_)) {
+    if (SaysSpeed(hypothesis)) {
       speed_sum += weight;
-      doubt.speed_variance += weight * std::pow(hypothesis.speed.value - best().speed.value, 2);
+      const double apart_mps = std::abs(hypothesis.speed.value - best().speed.value);
+      const double beyond_gate_mps = std::max(0.0, apart_mps - kStaticGate_mps);
+      doubt.speed_variance += weight * std::pow(beyond_gate_mps / kStaticGateSigmas, 2);
       const double missed_m = hypothesis.missed.forward_m - best().missed.forward_m;
       doubt.way_variance_m2 += weight * std::pow(missed_m, 2);
       doubt.way_bound_m = std::max(doubt.way_bound_m, std::abs(missed_m));
     }
-    if (SayYawRate(hypothesis.sound, before_)) {
+    if (SaysYawRate(hypothesis)) {
       yaw_rate_sum += weight;
       doubt.yaw_rate_variance +=
           weight * std::pow(hypothesis.yaw_rate.value - best().yaw_rate.value, 2);
@@ -49,7 +65,6 @@ SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
     }
   }
   if (speed_sum > 0.0) {
-    doubt.speed_variance /= speed_sum;
     doubt.way_variance_m2 /= speed_sum;
   }
   if (yaw_rate_sum > 0.0) {
@@ -64,7 +79,7 @@ std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
   const Hypothesis* rival = nullptr;
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (&hypothesis == &best() || hypothesis.log_weight < std::log(options_.doubt_probability) ||
-        !SaySpeed(hypothesis.sound, before_) ||
+        !SaysSpeed(hypothesis) ||
         std::abs(hypothesis.missed.forward_m - best().missed.forward_m) <
             options_.min_rival_way_m) {
       continue;
@@ -83,9 +98,9 @@ void SourceMonitor::OnFits(const MissedMotion& rival, double fit, double rival_f
   for (Hypothesis& hypothesis : hypotheses_) {
     const double missed_m = hypothesis.missed.forward_m - best().missed.forward_m;
     const bool is_rivals = std::abs(missed_m - rival.forward_m) < std::abs(missed_m);
-    const double own_fit = !SaySpeed(hypothesis.sound, before_) ? 0.5 * (fit + rival_fit)
-                           : is_rivals                          ? rival_fit
-                                                                : fit;
+    const double own_fit = !SaysSpeed(hypothesis) ? 0.5 * (fit + rival_fit)
+                           : is_rivals            ? rival_fit
+                                                  : fit;
     hypothesis.log_weight += options_.log_likelihood_per_fit * own_fit;
   }
   Normalize();

@@ -160,6 +160,10 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   TryOthers(stamp, readings);
   before_ = floored;
   compared_ = stamp;
+  if (readings.wheel_speed) heard_.wheel_speed = stamp;
+  if (readings.yaw_rate) heard_.yaw_rate = stamp;
+  if (readings.doppler_speed) heard_.doppler_speed = stamp;
+  if (readings.doppler_yaw_rate) heard_.doppler_yaw_rate = stamp;
 }
 
 // All that explain the readings equally well stay as probable as they are, for ever, unless a
@@ -275,16 +279,21 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
           hypothesis.yaw_rate);
 }
 
-// METHOD eq 44: the way between two registrations against each hypothesis' own.
-void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle, bool is_accepted) {
+// METHOD eq 44: the way between two registrations against each hypothesis' own, as far as both
+// observe it.
+void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
+                                   const RegistrationEvidence& evidence) {
   if (!newest_) return;
-  if (is_accepted) {
-    for (Hypothesis& hypothesis : hypotheses_) hypothesis.missed = {};
+  if (evidence.is_accepted) {
+    for (Hypothesis& hypothesis : hypotheses_) {
+      hypothesis.missed.turn_rad = 0.0;
+      if (evidence.observes_way) hypothesis.missed.forward_m = 0.0;
+    }
     accepted_or_tried_ = newest_;
     trial_count_ = 1;
   }
   const auto begin_anew = [&] {
-    registered_ = {*newest_, T_map_vehicle};
+    registered_ = {*newest_, T_map_vehicle, evidence.observes_way};
     for (Hypothesis& hypothesis : hypotheses_) hypothesis.since_registered = {};
   };
   if (!registered_) return begin_anew();
@@ -293,6 +302,7 @@ void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle, bool is_accepted)
   if (interval <= options_.max_registered_interval) {
     const double duration_s = SecondsOf(interval);
     const Tangent<2> moved = Log(registered_->T_map_vehicle.Inverse() * T_map_vehicle);
+    const bool compares_way = registered_->observes_way && evidence.observes_way;
     const double range_m = options_.speed_range_mps * duration_s;
     const double range_rad = options_.yaw_rate_range_radps * duration_s;
     for (Hypothesis& hypothesis : hypotheses_) {
@@ -302,8 +312,9 @@ void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle, bool is_accepted)
                                         hypothesis.yaw_rate.variance * SquareOf(duration_s);
       const double way_m = moved(0) - hypothesis.since_registered.forward_m;
       const double turn_rad = WrapAngle(moved(2) - hypothesis.since_registered.turn_rad);
-      const double density =
-          std::exp(LogNormal(way_m, way_variance_m2) + LogNormal(turn_rad, turn_variance_rad2));
+      const double way_density =
+          compares_way ? std::exp(LogNormal(way_m, way_variance_m2)) : 1.0 / range_m;
+      const double density = way_density * std::exp(LogNormal(turn_rad, turn_variance_rad2));
       const double anything = 1.0 / (range_m * range_rad);
       hypothesis.log_weight += std::log((1.0 - options_.false_registration_share) * density +
                                         options_.false_registration_share * anything);

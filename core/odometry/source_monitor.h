@@ -40,6 +40,15 @@ struct OdometryReadings {
   int doppler_direction_count = 0;
 };
 
+/// What a registration says of the motion before it.
+struct RegistrationEvidence {
+  /// Not an outlier against the estimate.
+  bool is_accepted = true;
+  /// It would have seen that the vehicle moved faster or slower. Between smooth walls it does not:
+  /// along them it lies where the odometry in use has put it.
+  bool observes_way = true;
+};
+
 /// When a source is taken for wrong (METHOD eq 42-44).
 struct SourceMonitorOptions {
   /// Sources are compared no more often than this: the noise of readings that follow one another
@@ -108,8 +117,8 @@ class SourceMonitor {
 
   /// A registration puts the vehicle here at the last readings. It is compared with one before, be
   /// it an outlier against the estimate or not: the estimate is made of the sources. Once one is
-  /// accepted, nothing has been missed before it.
-  void OnRegistration(const Pose2& T_map_vehicle, bool is_accepted);
+  /// accepted, nothing has been missed before it of what it observes.
+  void OnRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   /// It is no longer known where the vehicle was.
   void OnRegistrationLost() { registered_.reset(); }
 
@@ -138,7 +147,9 @@ class SourceMonitor {
   /// By how much the vehicle may have moved otherwise than was used, since a registration was last
   /// accepted, and may move so now. Zero while all hypotheses that are not improbable agree.
   struct Doubt {
-    double speed_variance = 0.0;     ///< about the best hypothesis' [m2/s2]
+    /// With it, the gate of static targets reaches those of each motion that is as probable as the
+    /// best one, and of others as far as they are probable [m2/s2].
+    double speed_variance = 0.0;
     double yaw_rate_variance = 0.0;  ///< [rad2/s2]
     double way_variance_m2 = 0.0;    ///< about the motion that was used
     double turn_variance_rad2 = 0.0;
@@ -184,9 +195,21 @@ class SourceMonitor {
   struct Registered {
     Stamp stamp;
     Pose2 T_map_vehicle;
+    bool observes_way;
+  };
+  // When something was last heard of each quantity.
+  struct Heard {
+    std::optional<Stamp> wheel_speed;
+    std::optional<Stamp> yaw_rate;
+    std::optional<Stamp> doppler_speed;
+    std::optional<Stamp> doppler_yaw_rate;
   };
 
   const Hypothesis& best() const { return hypotheses_[best_]; }
+  // Whether one of its sound sources has spoken lately. A silent one says nothing, be it sound or
+  // not.
+  bool SaysSpeed(const Hypothesis& hypothesis) const;
+  bool SaysYawRate(const Hypothesis& hypothesis) const;
   ScalarEstimate Mixed(ScalarEstimate Hypothesis::*of) const;
   Transitions TransitionsIn(double duration_s, int direction_count) const;
   static double LogTransition(const OdometrySources& before, const OdometrySources& after,
@@ -203,6 +226,7 @@ class SourceMonitor {
   std::size_t best_ = kHypothesisCount - 1;
   OdometrySources used_;  // sound at the last OnUsedMotion
   OdometryReadings before_;
+  Heard heard_;
   std::optional<Stamp> compared_;  // when the readings were last compared
   std::optional<Stamp> newest_;    // of all readings
   double since_used_s_ = 0.0;

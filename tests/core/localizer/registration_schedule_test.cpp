@@ -72,5 +72,15 @@ TEST(RegistrationScheduleTest, NewPointsAreCountedUntilTheyAreEnough) {
   EXPECT_FALSE(schedule.has_new_points());
 }
 
+TEST(RegistrationScheduleTest, PointsOfALateScanAreNew) {
+  const std::size_t enough = RegistrationScheduleOptions().min_new_points;
+  RegistrationSchedule schedule({}, kFull);
+  schedule.OnScan(ScanTime(0), kFull, enough);
+  schedule.OnRegistration();
+  schedule.OnLateScan(enough);
+  EXPECT_TRUE(schedule.has_new_points());
+  EXPECT_FALSE(schedule.IsDue(true)) << "a registration follows the newest scan";
+}
+
 }  // namespace
 }  // namespace dcloc

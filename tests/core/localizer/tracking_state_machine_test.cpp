@@ -150,7 +150,9 @@ TEST(TrackingStateMachineTest, DeadReckoningGrownUncertainIsLost) {
   TrackingStateMachine state = Tracking(1000);
   Scan(state, 1500, false, 1.99);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
+  EXPECT_FALSE(state.is_lost());
   Scan(state, 1600, false, 2.01);
+  EXPECT_TRUE(state.is_lost());
   EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
   Scan(state, 1700, false, 1.0);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/odometry/source_monitor.h"
+#include "core/radar/static_points.h"
 
 namespace dcloc {
 namespace {
@@ -12,19 +13,30 @@ namespace {
 constexpr double kInterval_s = 0.075;
 constexpr double kTrue_mps = 20.0;
 
+// How far off a range rate the gate of static targets lets pass [m/s].
+double GateOf(const SourceMonitor::Doubt& doubt) {
+  const StaticPointsOptions gate;
+  return gate.static_gate_mps + gate.static_gate_sigmas * std::sqrt(doubt.speed_variance);
+}
+
 // A vehicle at 20 m/s from its first scan on. Of its motion, that of the best sources is used.
 class DoubtedVehicle {
  public:
   explicit DoubtedVehicle(double wheel_mps) : wheel_mps_(wheel_mps) {}
 
-  void Scan() {
+  void Scan(bool has_doppler = true) {
     stamp_ += std::chrono::milliseconds(75);
-    monitor.OnReadings(stamp_, {.wheel_speed = ScalarEstimate{wheel_mps_, 0.01},
-                                .yaw_rate = ScalarEstimate{0.0, 1e-4},
-                                .doppler_speed = ScalarEstimate{kTrue_mps, 0.01},
-                                .doppler_direction_count = 7});
+    OdometryReadings readings{.wheel_speed = ScalarEstimate{wheel_mps_, 0.01},
+                              .yaw_rate = ScalarEstimate{0.0, 1e-4}};
+    if (has_doppler) {
+      readings.doppler_speed = ScalarEstimate{kTrue_mps, 0.01};
+      readings.doppler_direction_count = 7;
+    }
+    monitor.OnReadings(stamp_, readings);
     const double step_s = std::exchange(has_begun_, true) ? kInterval_s : 0.0;
-    monitor.OnUsedMotion(monitor.speed().value * step_s, 0.0);
+    used_m += monitor.speed().value * step_s;
+    const auto missed = monitor.OnUsedMotion(monitor.speed().value * step_s, 0.0);
+    if (missed) used_m += missed->forward_m;
   }
   void Scans(int count) {
     for (int i = 0; i < count; ++i) Scan();
@@ -41,6 +53,7 @@ class DoubtedVehicle {
   }
 
   SourceMonitor monitor;
+  double used_m = 0.0;  // the way by the motion that was used
 
  private:
   double wheel_mps_;
@@ -64,7 +77,7 @@ TEST(SourceDoubtTest, TheWayIsAsDoubtfulAsTheSourcesDiffer) {
   const double apart_m = 0.3 * kTrue_mps * 4 * kInterval_s;  // since the first scan
   const SourceMonitor::Doubt doubt = vehicle.monitor.CurrentDoubt();
   EXPECT_NEAR(doubt.way_bound_m, apart_m, 0.1);
-  EXPECT_GT(std::sqrt(doubt.speed_variance), 0.1 * kTrue_mps);
+  EXPECT_GT(GateOf(doubt), 0.15 * kTrue_mps) << "half of what they differ by";
   EXPECT_GT(std::sqrt(doubt.way_variance_m2), 0.3 * apart_m);
   const auto rival = vehicle.monitor.Rival();
   ASSERT_TRUE(rival);
@@ -108,9 +121,60 @@ TEST(SourceDoubtTest, DoubtOutlivesAChangeOfTheSources) {
 TEST(SourceDoubtTest, ARegistrationThatIsAcceptedEndsTheDoubtInTheWay) {
   DoubtedVehicle vehicle(0.7 * kTrue_mps);
   vehicle.Scans(5);
-  vehicle.monitor.OnRegistration({}, true);
+  vehicle.monitor.OnRegistration(Pose2{}, {});
   EXPECT_EQ(vehicle.monitor.CurrentDoubt().way_bound_m, 0.0);
   EXPECT_GT(vehicle.monitor.CurrentDoubt().speed_variance, 1.0) << "which speed is right, is open";
+}
+
+TEST(SourceDoubtTest, BetweenSmoothWallsRegistrationsEndNoDoubtInTheWay) {
+  DoubtedVehicle vehicle(0.7 * kTrue_mps);
+  vehicle.Scans(5);
+  const double before_m = vehicle.monitor.CurrentDoubt().way_bound_m;
+  ASSERT_GT(before_m, 1.0);
+  vehicle.monitor.OnRegistration(Pose2{}, {.observes_way = false});
+  EXPECT_EQ(vehicle.monitor.CurrentDoubt().way_bound_m, before_m);
+  EXPECT_TRUE(vehicle.monitor.Rival());
+  vehicle.monitor.OnRegistration(Pose2{}, {});
+  EXPECT_EQ(vehicle.monitor.CurrentDoubt().way_bound_m, 0.0);
+}
+
+// They lie where the used motion has put them, whichever it was.
+TEST(SourceDoubtTest, BetweenSmoothWallsRegistrationsSpeakForNoSpeed) {
+  const auto confidence_after = [](bool observes_way) {
+    DoubtedVehicle vehicle(0.7 * kTrue_mps);
+    for (int i = 0; i < 8; ++i) {
+      vehicle.Scan();
+      vehicle.monitor.OnRegistration(Pose2{{vehicle.used_m, 0.0}, 0.0},
+                                     {.is_accepted = false, .observes_way = observes_way});
+    }
+    return vehicle.monitor.confidence();
+  };
+  EXPECT_LT(confidence_after(false), 0.95);
+  EXPECT_GT(confidence_after(true), 0.99);
+}
+
+TEST(SourceDoubtTest, AScanWithoutDopplerEndsNoDoubt) {
+  DoubtedVehicle vehicle(0.7 * kTrue_mps);
+  vehicle.Scans(5);
+  const double before_m = vehicle.monitor.CurrentDoubt().way_bound_m;
+  vehicle.Scan(/*has_doppler=*/false);
+  EXPECT_GT(vehicle.monitor.CurrentDoubt().way_bound_m, before_m);
+  EXPECT_GT(GateOf(vehicle.monitor.CurrentDoubt()), 0.15 * kTrue_mps);
+}
+
+// The gate of static targets has room for both.
+TEST(SourceDoubtTest, SpeedsThatDifferByLittleWidenNoGate) {
+  DoubtedVehicle vehicle(kTrue_mps - 0.25);
+  vehicle.Scans(10);
+  EXPECT_EQ(vehicle.monitor.CurrentDoubt().speed_variance, 0.0);
+}
+
+TEST(SourceDoubtTest, TheGateReachesNotMuchBeyondWhatTheSourcesDifferBy) {
+  for (const double apart_mps : {0.5, 1.0, 3.0, 6.0}) {
+    DoubtedVehicle vehicle(kTrue_mps - apart_mps);
+    vehicle.Scans(5);
+    EXPECT_LT(GateOf(vehicle.monitor.CurrentDoubt()), 2.0 * apart_mps) << apart_mps;
+  }
 }
 
 }  // namespace

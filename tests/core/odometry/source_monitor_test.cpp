@@ -41,7 +41,7 @@ class Vehicle {
                                     yaw_rate_radps * step_s);
       T_map_vehicle_ =
           T_map_vehicle_ * Exp(Eigen::Vector3d(speed_mps * step_s, 0.0, yaw_rate_radps * step_s));
-      if (is_registered) monitor.OnRegistration(T_map_vehicle_, true);
+      if (is_registered) monitor.OnRegistration(T_map_vehicle_, {});
       if (!found_wrong_after_s && monitor.sound() != OdometrySources(7)) {
         found_wrong_after_s = now_s_;
       }
@@ -195,7 +195,8 @@ TEST(SourceMonitorTest, InputsThatMeanNothingGiveNumbers) {
                                .doppler_speed = ScalarEstimate{-absurd, 1e-12},
                                .doppler_yaw_rate = ScalarEstimate{absurd / 15.0, 1e12}});
     monitor.OnUsedMotion(absurd, absurd);
-    monitor.OnRegistration(Pose2{{absurd * i, 0.0}, absurd}, i % 2 == 0);
+    monitor.OnRegistration(Pose2{{absurd * i, 0.0}, absurd},
+                           {.is_accepted = i % 2 == 0, .observes_way = i % 3 == 0});
     ASSERT_TRUE(std::isfinite(monitor.speed().value) && std::isfinite(monitor.speed().variance));
     ASSERT_TRUE(std::isfinite(monitor.yaw_rate().value) && std::isfinite(monitor.confidence()));
   }
