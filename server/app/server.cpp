@@ -91,6 +91,8 @@ struct Server::Parts {
         access(*kept.identities, config.require_identity),
         store(*kept.maps),
         registry(limits, SessionTimeoutsOf(config)),
+        replicas({.directory = kept.replicas.get(), .access = access, .pool = storage_pool},
+                 ReplicaTlsOf(config), std::chrono::milliseconds(config.replica_timeout_ms)),
         localization_pool(WorkerCount(config), SearcherCount(config)),
         localization({.storage = storage,
                       .registry = registry,
@@ -118,7 +120,7 @@ struct Server::Parts {
                .start_time = std::chrono::system_clock::now(),
                .worker_count = localization_pool.thread_count(),
                .stub_matcher = config.stub_matcher},
-              registry, recordings, storage,
+              registry, recordings, storage, replicas,
               {.drain = [this] { return Drain(drain_grace); },
                .draining = [this] { return localization.draining(); }},
               [this] { return Gauges(); }),
@@ -234,6 +236,7 @@ struct Server::Parts {
         .storage_pool = storage_pool,
         .draining = [this] { return localization.draining(); },
         .unopened_stream_count = [this] { return localization.unopened_count(); },
+        .replica_count = [this] { return replicas.known_count(); },
         .limits = limits,
         .peer_faults = peer_bound_calls.faults(),
         .refused_calls = gate->refused(),
@@ -273,6 +276,7 @@ struct Server::Parts {
   OpenCalls open_calls;
   PeerBoundCalls peer_bound_calls;
   WorkerPool storage_pool{kStorageThreads, kMapThreads};
+  Replicas replicas;
   const StorageHost storage{store, storage_pool, open_calls, peer_bound_calls, access, limits};
   WorkerPool localization_pool;
   LocalizationService localization;
@@ -329,6 +333,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   parts->health = std::make_unique<Health>(*parts->server);
   parts->server_is_set.count_down();
   parts->address = address->ToString();
+  if (!config.replica_address.empty()) {
+    absl::StatusOr<std::string> known_as = ReplicaAddressOf(config, address->port);
+    if (!known_as.ok()) return known_as.status();
+    parts->replicas.Join(*std::move(known_as));
+  }
   parts->listener = *std::move(listener);
   parts->listener->Start(std::move(acceptor));
   parts->WatchItself(*address);

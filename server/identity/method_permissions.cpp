@@ -27,6 +27,7 @@ constexpr std::array kTable = {
     MethodPermission{"dcloc.v1.MapService.DeleteMapVersion", Permission::kManageMaps},
     MethodPermission{"dcloc.v1.MapService.DeleteMap", Permission::kManageMaps},
 
+    MethodPermission{"dcloc.v1.AdminService.ListReplicas", Permission::kReadServer},
     MethodPermission{"dcloc.v1.AdminService.GetServerState", Permission::kReadServer},
     MethodPermission{"dcloc.v1.AdminService.ListSessions", Permission::kReadSessions},
     MethodPermission{"dcloc.v1.AdminService.GetSession", Permission::kReadSessions},

@@ -2,6 +2,8 @@
 
 #include <grpcpp/server_context.h>
 
+#include <functional>
+#include <memory>
 #include <type_traits>
 #include <utility>
 
@@ -33,6 +35,27 @@ grpc::ServerUnaryReactor* AnswerOn(const StorageHost& host, grpc::CallbackServer
         }
       },
       lane);
+  return reactor;
+}
+
+/// How a call ends whose answer comes later; to be called once.
+using UnaryDone = std::function<void(const absl::Status& status)>;
+
+/// The same for a call that waits for others: `work(principal, done)` must not wait, and the
+/// request and the response live until `done`.
+template <typename Request, typename Work>
+grpc::ServerUnaryReactor* AnswerLaterOn(const StorageHost& host,
+                                        grpc::CallbackServerContext* context,
+                                        const Request* /*request*/, Work work) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  auto token = std::make_shared<const OpenCalls::Token>(host.open_calls);
+  host.pool.Post([&host, context, reactor, work = std::move(work), token = std::move(token)] {
+    const absl::StatusOr<Principal> principal =
+        host.access.Authorize(*context, Request::descriptor());
+    if (!principal.ok()) return reactor->Finish(ToGrpc(principal.status()));
+    work(*principal,
+         [reactor, token](const absl::Status& status) { reactor->Finish(ToGrpc(status)); });
+  });
   return reactor;
 }
 
