@@ -2,6 +2,7 @@
 
 #include <grpcpp/client_context.h>
 
+#include <map>
 #include <utility>
 
 #include "client/sdk/status.h"
@@ -56,21 +57,44 @@ AdminClient::AdminClient(const std::shared_ptr<grpc::Channel>& channel,
                          std::chrono::milliseconds timeout)
     : stub_(v1::AdminService::NewStub(channel)), timeout_(timeout) {}
 
-absl::StatusOr<v1::GetServerStateResponse> AdminClient::ServerState() {
-  return Call(*stub_, &Stub::GetServerState, v1::GetServerStateRequest(), timeout_);
+absl::StatusOr<std::vector<v1::Replica>> AdminClient::ListReplicas() {
+  const auto response = Call(*stub_, &Stub::ListReplicas, v1::ListReplicasRequest(), timeout_);
+  if (!response.ok()) return response.status();
+  return std::vector<v1::Replica>(response->replicas().begin(), response->replicas().end());
 }
 
-absl::StatusOr<int> AdminClient::Drain() {
-  const auto response = Call(*stub_, &Stub::Drain, v1::DrainRequest(), timeout_);
+absl::StatusOr<v1::GetServerStateResponse> AdminClient::ServerState(const std::string& replica) {
+  v1::GetServerStateRequest request;
+  request.set_replica(replica);
+  return Call(*stub_, &Stub::GetServerState, request, timeout_);
+}
+
+absl::StatusOr<int> AdminClient::Drain(const std::string& replica) {
+  v1::DrainRequest request;
+  request.set_replica(replica);
+  const auto response = Call(*stub_, &Stub::Drain, request, timeout_);
   if (!response.ok()) return response.status();
   return response->session_count();
 }
 
-absl::StatusOr<std::vector<v1::Session>> AdminClient::ListSessions() {
-  return ReadPages<v1::Session>(
-      v1::ListSessionsRequest(),
-      [this](const auto& request) { return Call(*stub_, &Stub::ListSessions, request, timeout_); },
-      [](v1::ListSessionsResponse& page) { return page.mutable_sessions(); });
+absl::StatusOr<std::vector<v1::Session>> AdminClient::ListSessions(
+    std::vector<v1::ReplicaFault>* unanswered) {
+  std::map<std::string, v1::ReplicaFault> faults;  // each page tells them
+  std::vector<v1::Session> all;
+  v1::ListSessionsRequest request;
+  do {
+    auto page = Call(*stub_, &Stub::ListSessions, request, timeout_);
+    if (!page.ok()) return page.status();
+    for (v1::Session& session : *page->mutable_sessions()) all.push_back(std::move(session));
+    for (v1::ReplicaFault& fault : *page->mutable_unanswered()) {
+      faults[fault.address()] = std::move(fault);
+    }
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  if (unanswered == nullptr) return all;
+  unanswered->clear();
+  for (auto& [address, fault] : faults) unanswered->push_back(std::move(fault));
+  return all;
 }
 
 absl::StatusOr<v1::Session> AdminClient::GetSession(const std::string& session_id) {

@@ -23,13 +23,19 @@ class AdminClient {
   explicit AdminClient(const std::shared_ptr<grpc::Channel>& channel,
                        std::chrono::milliseconds timeout = std::chrono::seconds(15));
 
-  absl::StatusOr<v1::GetServerStateResponse> ServerState();
+  /// The servers that share a catalogue with this one, itself among them.
+  absl::StatusOr<std::vector<v1::Replica>> ListReplicas();
+
+  /// Of the server itself, or of another one with the address `replica`.
+  absl::StatusOr<v1::GetServerStateResponse> ServerState(const std::string& replica = "");
 
   /// Returns how many sessions were told to move.
-  absl::StatusOr<int> Drain();
+  absl::StatusOr<int> Drain(const std::string& replica = "");
 
-  /// All open sessions, by ascending id.
-  absl::StatusOr<std::vector<v1::Session>> ListSessions();
+  /// All open sessions of all replicas, by ascending id. Where some did not answer their sessions
+  /// are missing, and `unanswered`, if it is not null, has them.
+  absl::StatusOr<std::vector<v1::Session>> ListSessions(
+      std::vector<v1::ReplicaFault>* unanswered = nullptr);
 
   absl::StatusOr<v1::Session> GetSession(const std::string& session_id);
 

@@ -183,7 +183,8 @@ void SessionEngine::TakeOpened(v1::SessionOpened opened) {
                                                        v1::TicketUse_Name(opened.ticket_use())));
   }
   tickets_.OnOpened(opened);
-  catches_up_ = goes_on;
+  // A session that goes on from a ticket may be resumed before it has caught up.
+  catches_up_ = (goes_on || opened.resumed()) && opened.has_last_sequence_number();
   opened_ = opened;
   resume_token_ = opened.resume_token();
   takes_fixes_ = opened.takes_position_fixes();

@@ -17,7 +17,10 @@ void TicketKeeper::OnOpened(const v1::SessionOpened& opened) {
 }
 
 void TicketKeeper::OnAnswered(const v1::Scan& scan, const v1::LocalizeResponse& answer) {
-  answered_ = std::max(answered_.value_or(scan.sequence_number()), scan.sequence_number());
+  // A rejected one is not sent again to catch up, and others below it may still be unanswered.
+  if (answer.has_result()) {
+    answered_ = std::max(answered_.value_or(scan.sequence_number()), scan.sequence_number());
+  }
   if (!keeps_) return;
   if (answer.has_result() && !answer.from_memory()) {
     const v1::LocalizationResult& result = answer.result();

@@ -37,7 +37,7 @@ class TicketKeeper {
   bool keeps_ = false;  ///< the server hands out tickets
   std::int64_t epoch_ = 0;
   std::optional<v1::SessionTicket> ticket_;
-  std::optional<std::int64_t> answered_;  ///< the highest number with an answer
+  std::optional<std::int64_t> answered_;  ///< the highest number with a result
   /// Of the last answer; a ticket from before either changed is of a pose that was given up.
   std::int64_t reset_count_ = 0;
   std::int64_t map_version_ = 0;

@@ -48,6 +48,8 @@ class Replica:
                         "--metrics-listen", f"{LOOPBACK}:{self.metrics_port}",
                         "--tls-cert", site.folder / "certificates/localhost.pem",
                         "--tls-key", site.folder / "certificates/localhost.key",
+                        "--replica-address", LOOPBACK,
+                        "--replica-ca", site.folder / "certificates/ca.pem",
                         "--require-identity"], site.folder / f"{self.name}.log")
 
         def is_ready():
@@ -75,6 +77,7 @@ class Site:
         self.folder = pathlib.Path(folder)
         self.dcloc = pathlib.Path(bin_folder) / "dcloc"
         self.server = pathlib.Path(bin_folder) / "dcloc-server"
+        self.patience = patience
         self.database_timeout_ms = int(2000 * patience)
         self.say = say
         self.replicas = []
@@ -96,6 +99,8 @@ class Site:
         self.say(f"{self.replica_count} replicas with TLS")
         self._start_router()
         self.expect_call("map", "list")
+        wait_until(lambda: len(self.replicas_seen()) == self.replica_count, 20 * self.patience,
+                   "a view of all replicas")
         self.say(f"HAProxy on {self.address}")
 
     def _make_certificates(self):
@@ -179,6 +184,11 @@ class Site:
     def drive(self, name="live-0"):
         """Flags of a drive."""
         return ["--dataset", "nuscenes", "--root", self.drives, "--drive", name]
+
+    def replicas_seen(self):
+        """The replicas that answer, as whichever of them the router asks says."""
+        done = self.call("server", "status", "--all", "--json", check=False)
+        return [seen for seen in json.loads(done.stdout or "[]") if seen["state"]]
 
     def session_count(self):
         return sum(replica.session_count() for replica in self.replicas)

@@ -1,5 +1,6 @@
 #include "server/admin/admin_service.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -10,11 +11,11 @@
 #include "server/admin/identity_calls.h"
 #include "server/admin/operation_calls.h"
 #include "server/admin/propose_pose.h"
-#include "server/admin/watch_stream.h"
+#include "server/admin/record_elsewhere.h"
+#include "server/admin/relay.h"
+#include "server/admin/session_list.h"
 #include "server/base/check.h"
 #include "server/base/status.h"
-#include "server/convert/answer.h"
-#include "server/convert/geometry.h"
 #include "server/convert/page.h"
 #include "server/convert/time.h"
 #include "server/rpc/unary.h"
@@ -23,48 +24,10 @@ namespace dcloc::server {
 namespace {
 
 constexpr std::size_t kMaxReason = 200;
+using AsyncAdmin = v1::AdminService::StubInterface::async_interface;
+
 /// Each may hold some megabytes for a caller who reads slowly.
 constexpr int kMaxRecordingCount = 16;
-
-void SetCounts(const SessionInfo& info, v1::Session* session) {
-  session->set_scan_count(info.counts.answered);
-  session->set_rejected_scan_count(info.counts.rejected);
-  session->set_repeated_scan_count(info.counts.repeated);
-  session->set_dropped_scan_count(info.counts.dropped);
-  session->set_missing_scan_count(info.missing_scan_count);
-  session->set_resume_count(info.resume_count);
-  session->set_position_fix_count(info.position_fix_count);
-  session->set_pose_reset_count(info.pose_reset_count);
-}
-
-void Describe(const ListedSession& listed, v1::Session* session) {
-  const SessionInfo& info = *listed.info;
-  const SessionDescription& description = info.description;
-  session->set_session_id(description.session_id);
-  session->set_vehicle_id(description.vehicle_id);
-  session->set_peer(description.caller.peer);
-  session->set_map_name(description.map_name);
-  session->set_map_version(info.map_version);
-  *session->mutable_open_time() = convert::ToProto(description.open_time);
-  session->set_detached(listed.detached);
-  SetCounts(info, session);
-  if (const int state = info.last_state; state >= 0) {
-    session->set_state(convert::ToProto(static_cast<LocalizationState>(state)));
-  }
-  if (const std::int64_t last = info.last_sequence_number; last >= 0) {
-    session->set_last_sequence_number(last);
-  }
-  session->set_last_stamp_age_ns(info.last_stamp_age_ns);
-  if (const LastHealth::Value last = info.health.Get(); last.rig != nullptr) {
-    convert::ToProto(last.health, *last.rig, session->mutable_health());
-  }
-  if (const std::optional<LastPose::Value> last = info.pose.Get()) {
-    convert::ToProto(last->T_map_vehicle, last->covariance, session->mutable_pose());
-    session->set_pose_stamp_ns(last->stamp_ns);
-  }
-  const std::chrono::nanoseconds idle = SessionInfo::Clock::now() - info.last_activity.load();
-  session->set_idle_duration_ns(idle.count());
-}
 
 absl::Status EndSession(SessionRegistry& registry, const Principal& principal,
                         const v1::EndSessionRequest& request) {
@@ -80,40 +43,61 @@ absl::Status EndSession(SessionRegistry& registry, const Principal& principal,
   return registry.End(request.session_id(), principal.tenant, ending);
 }
 
-absl::Status ListSessions(const SessionRegistry& registry, const Principal& principal,
-                          const v1::ListSessionsRequest& request,
-                          v1::ListSessionsResponse* response) {
-  const absl::StatusOr<int> size = convert::PageSizeFromProto(request.page_size());
-  if (!size.ok()) return size.status();
-  if (absl::Status status = convert::CheckPageToken(request.page_token()); !status.ok()) {
-    return status;
-  }
-  for (const ListedSession& listed :
-       registry.List(principal.tenant, request.page_token(), *size + 1)) {
-    if (response->sessions_size() == *size) {
-      response->set_next_page_token(response->sessions(*size - 1).session_id());
-      break;
+/// The answer of the one that has the session; else NotFound as it is `here`, or Unavailable where
+/// a replica that may have it did not answer.
+template <typename Response>
+absl::Status TakeFound(const absl::Status& here, std::vector<ReplicaAnswer<Response>> answers,
+                       Response* response, std::string* address = nullptr) {
+  absl::Status status = here;
+  for (ReplicaAnswer<Response>& answer : answers) {
+    if (answer.status.ok()) {
+      if (address != nullptr) *address = answer.address;
+      *response = std::move(answer.response);
+      return absl::OkStatus();
     }
-    Describe(listed, response->add_sessions());
+    if (answer.status.error_code() == grpc::StatusCode::NOT_FOUND) continue;
+    status = absl::UnavailableError(absl::StrCat(here.message(), " here, and ", answer.address,
+                                                 " did not say: ", answer.status.error_message()));
   }
-  return absl::OkStatus();
+  return status;
+}
+
+void SetAnswer(ReplicaAnswer<v1::GetServerStateResponse> answer, v1::Replica* replica) {
+  replica->set_address(answer.address);
+  if (answer.status.ok()) {
+    *replica->mutable_state() = std::move(answer.response);
+  } else {
+    replica->set_fault(answer.status.error_message());
+  }
+}
+
+/// What the one replica that was asked said.
+template <typename Response>
+absl::Status TakeOnly(std::vector<ReplicaAnswer<Response>> answers, Response* response) {
+  ReplicaAnswer<Response>& answer = answers.front();
+  *response = std::move(answer.response);
+  if (answer.status.ok()) return absl::OkStatus();
+  return {static_cast<absl::StatusCode>(answer.status.error_code()),
+          absl::StrCat("replica ", answer.address, ": ", answer.status.error_message())};
 }
 
 }  // namespace
 
 AdminService::AdminService(ServerFacts facts, SessionRegistry& registry,
                            RecordingRequests& recordings, IdentityStore& identities,
-                           StorageHost host, DrainControl drain,
+                           StorageHost host, Replicas& replicas, DrainControl drain,
                            std::function<ServerGauges()> gauges)
     : facts_(std::move(facts)),
       registry_(registry),
       recordings_(recordings),
       identities_(identities),
       host_(host),
+      replicas_(replicas),
       drain_(std::move(drain)),
       gauges_(std::move(gauges)) {}
 
 void AdminService::Describe(v1::GetServerStateResponse* response) const {
+  response->set_replica(replicas_.own_address());
   response->set_server_version(facts_.version);
   *response->mutable_start_time() = convert::ToProto(facts_.start_time);
   response->set_worker_count(facts_.worker_count);
@@ -138,39 +122,95 @@ void AdminService::Describe(v1::GetServerStateResponse* response) const {
   }
 }
 
+grpc::ServerUnaryReactor* AdminService::ListReplicas(grpc::CallbackServerContext* context,
+                                                     const v1::ListReplicasRequest* request,
+                                                     v1::ListReplicasResponse* response) {
+  return AnswerLaterOn(
+      host_, context, request, [this, context, response](const Principal&, const UnaryDone& done) {
+        replicas_.Ask<v1::GetServerStateRequest, v1::GetServerStateResponse>(
+            replicas_.OthersFor(*context), *context, {}, &AsyncAdmin::GetServerState,
+            [this, response, done](auto answers) {
+              auto& own = answers.emplace_back();
+              own.address = replicas_.own_address();
+              Describe(&own.response);
+              std::ranges::sort(answers, {}, [](const auto& answer) { return answer.address; });
+              for (auto& answer : answers) SetAnswer(std::move(answer), response->add_replicas());
+              done(absl::OkStatus());
+            });
+      });
+}
+
 grpc::ServerUnaryReactor* AdminService::GetServerState(grpc::CallbackServerContext* context,
                                                        const v1::GetServerStateRequest* request,
                                                        v1::GetServerStateResponse* response) {
-  return AnswerOn(host_, context, request, [this, response] {
-    Describe(response);
-    return absl::OkStatus();
-  });
+  return AnswerLaterOn(
+      host_, context, request,
+      [this, context, request, response](const Principal&, const UnaryDone& done) {
+        const auto named = replicas_.Named(*context, request->replica());
+        if (!named.ok()) return done(named.status());
+        if (named->empty()) {
+          Describe(response);
+          return done(absl::OkStatus());
+        }
+        replicas_.Ask<v1::GetServerStateRequest, v1::GetServerStateResponse>(
+            *named, *context, *request, &AsyncAdmin::GetServerState,
+            [response, done](auto answers) { done(TakeOnly(std::move(answers), response)); });
+      });
 }
 
 grpc::ServerUnaryReactor* AdminService::ListSessions(grpc::CallbackServerContext* context,
                                                      const v1::ListSessionsRequest* request,
                                                      v1::ListSessionsResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
-    return server::ListSessions(registry_, principal, *request, response);
-  });
+  return AnswerLaterOn(
+      host_, context, request,
+      [this, context, request, response](const Principal& principal, const UnaryDone& done) {
+        const absl::Status status =
+            server::ListSessions(registry_, principal, replicas_.own_address(), *request, response);
+        const std::vector<std::string> others = replicas_.OthersFor(*context);
+        if (!status.ok() || others.empty()) return done(status);
+        replicas_.Ask<v1::ListSessionsRequest, v1::ListSessionsResponse>(
+            others, *context, *request, &AsyncAdmin::ListSessions,
+            [request, response, done](auto pages) {
+              MergePages(*convert::PageSizeFromProto(request->page_size()), std::move(pages),
+                         response);
+              done(absl::OkStatus());
+            });
+      });
 }
 
 grpc::ServerUnaryReactor* AdminService::GetSession(grpc::CallbackServerContext* context,
                                                    const v1::GetSessionRequest* request,
                                                    v1::GetSessionResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
-    const auto session = registry_.Get(principal.tenant, request->session_id());
-    if (session.ok()) server::Describe(*session, response->mutable_session());
-    return session.status();
-  });
+  return AnswerLaterOn(
+      host_, context, request,
+      [this, context, request, response](const Principal& principal, const UnaryDone& done) {
+        const auto session = registry_.Get(principal.tenant, request->session_id());
+        if (session.ok()) {
+          server::Describe(*session, replicas_.own_address(), response->mutable_session());
+        }
+        if (!absl::IsNotFound(session.status())) return done(session.status());
+        replicas_.Ask<v1::GetSessionRequest, v1::GetSessionResponse>(
+            replicas_.OthersFor(*context), *context, *request, &AsyncAdmin::GetSession,
+            [here = session.status(), response, done](auto answers) {
+              done(TakeFound(here, std::move(answers), response));
+            });
+      });
 }
 
 grpc::ServerUnaryReactor* AdminService::EndSession(grpc::CallbackServerContext* context,
                                                    const v1::EndSessionRequest* request,
-                                                   v1::EndSessionResponse* /*response*/) {
-  return AnswerOn(host_, context, request, [this, request](const Principal& principal) {
-    return server::EndSession(registry_, principal, *request);
-  });
+                                                   v1::EndSessionResponse* response) {
+  return AnswerLaterOn(
+      host_, context, request,
+      [this, context, request, response](const Principal& principal, const UnaryDone& done) {
+        const absl::Status status = server::EndSession(registry_, principal, *request);
+        if (!absl::IsNotFound(status)) return done(status);
+        replicas_.Ask<v1::EndSessionRequest, v1::EndSessionResponse>(
+            replicas_.OthersFor(*context), *context, *request, &AsyncAdmin::EndSession,
+            [status, response, done](auto answers) {
+              done(TakeFound(status, std::move(answers), response));
+            });
+      });
 }
 
 grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
@@ -179,16 +219,40 @@ grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
   // The call lives until `Begin`, and so do the context and the request.
   host_.pool.Post([this, context, request, stream] {
     const auto principal = host_.access.Authorize(*context, v1::WatchSessionRequest::descriptor());
-    absl::Status status = principal.status();
-    if (status.ok()) {
-      const auto session = registry_.Get(principal->tenant, request->session_id());
-      status = session.status();
-      if (request->position_fixes()) stream->TakeFixAnswers();
-      if (status.ok()) session->info->feed.Subscribe(stream);
+    if (!principal.ok()) return stream->Begin(principal.status());
+    const auto session = registry_.Get(principal->tenant, request->session_id());
+    if (absl::IsNotFound(session.status())) {
+      return WatchElsewhere(context, *request, session.status(), stream);
     }
-    stream->Begin(status);
+    if (request->position_fixes()) stream->TakeFixAnswers();
+    if (session.ok()) session->info->feed.Subscribe(stream);
+    stream->Begin(session.status());
   });
   return stream.get();
+}
+
+void AdminService::WatchElsewhere(grpc::CallbackServerContext* context,
+                                  const v1::WatchSessionRequest& request, const absl::Status& here,
+                                  const std::shared_ptr<WatchStream>& stream) {
+  v1::GetSessionRequest get;
+  get.set_session_id(request.session_id());
+  replicas_.Ask<v1::GetSessionRequest, v1::GetSessionResponse>(
+      replicas_.OthersFor(*context), *context, get, &AsyncAdmin::GetSession,
+      [this, context, &request, here, stream](auto answers) {
+        v1::GetSessionResponse found;
+        std::string address;
+        absl::Status status = TakeFound(here, std::move(answers), &found, &address);
+        if (!status.ok()) return stream->Begin(status);
+        absl::StatusOr<Replicas::Line> line = replicas_.Call(address, *context);
+        if (!line.ok()) return stream->Begin(line.status());
+        using WatchRelay = Relay<v1::WatchSessionRequest, v1::WatchSessionResponse>;
+        WatchRelay::Start(
+            *std::move(line), request, &AsyncAdmin::WatchSession,
+            {.on_begin = [] {},
+             .on_message = [stream](auto message) { stream->OnRelayed(std::move(message)); },
+             .on_end = [stream](const grpc::Status& end) { stream->OnRelayEnd(end); }});
+        stream->Begin(absl::OkStatus());
+      });
 }
 
 grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession(
@@ -206,9 +270,15 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
           absl::StrFormat("%d recordings are under way, which is the limit", kMaxRecordingCount));
     }
     if (request->position_fixes()) stream->TakeFixes();
-    if (status.ok()) recordings_.Add(principal->tenant, request->vehicle_id(), stream);
+    const std::vector<std::string> others = replicas_.OthersFor(*context);
+    const auto begin = [this, request, stream, tenant = status.ok() ? principal->tenant : "",
+                        slot = std::move(slot)](const absl::Status& armed) {
+      if (armed.ok()) recordings_.Add(tenant, request->vehicle_id(), stream);
+      stream->Begin(armed, slot);
+    };
     if (principal.ok()) host_.operations.Note(*context, *principal, *request, status);
-    stream->Begin(status, std::move(slot));
+    if (!status.ok() || others.empty()) return begin(status);
+    RecordElsewhere(replicas_, recordings_, others, *context, *request, stream, begin);
   });
   return stream.get();
 }
@@ -216,15 +286,22 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
 grpc::ServerUnaryReactor* AdminService::ProposePose(grpc::CallbackServerContext* context,
                                                     const v1::ProposePoseRequest* request,
                                                     v1::ProposePoseResponse* response) {
-  return BeginAnswerOn(
-      host_, context, request, [this, request, response](UnaryEnd<v1::ProposePoseRequest> end) {
-        const auto session = registry_.GetSession(end.principal().tenant, request->session_id());
-        if (!session.ok()) return end(session.status());
-        // Vehicles wait for the strand's threads, so the call ends on one of the host's.
-        server::ProposePose(
-            *session, *request, response,
-            [this, end = std::move(end)](const absl::Status& status) mutable {
-              host_.pool.Post([status, end = std::move(end)]() mutable { end(status); });
+  return AnswerLaterOn(
+      host_, context, request,
+      [this, context, request, response](const Principal& principal, const UnaryDone& done) {
+        const auto session = registry_.GetSession(principal.tenant, request->session_id());
+        if (session.ok()) {
+          // Vehicles wait for the strand's threads, so the call ends on one of the host's.
+          return server::ProposePose(*session, *request, response,
+                                     [this, done](const absl::Status& status) {
+                                       host_.pool.Post([done, status] { done(status); });
+                                     });
+        }
+        if (!absl::IsNotFound(session.status())) return done(session.status());
+        replicas_.Ask<v1::ProposePoseRequest, v1::ProposePoseResponse>(
+            replicas_.OthersFor(*context), *context, *request, &AsyncAdmin::ProposePose,
+            [here = session.status(), response, done](auto answers) {
+              done(TakeFound(here, std::move(answers), response));
             });
       });
 }
@@ -255,10 +332,20 @@ grpc::ServerUnaryReactor* AdminService::RevokeIdentity(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* context,
                                               const v1::DrainRequest* request,
                                               v1::DrainResponse* response) {
-  return AnswerOn(host_, context, request, [this, response] {
-    response->set_session_count(drain_.drain());
-    return absl::OkStatus();
-  });
+  return AnswerLaterOn(
+      host_, context, request,
+      [this, context, request, response](const Principal&, const UnaryDone& done) {
+        const auto named = replicas_.Named(*context, request->replica());
+        if (!named.ok()) return done(named.status());
+        if (named->empty()) {
+          response->set_session_count(drain_.drain());
+          response->set_replica(replicas_.own_address());
+          return done(absl::OkStatus());
+        }
+        replicas_.Ask<v1::DrainRequest, v1::DrainResponse>(
+            *named, *context, *request, &AsyncAdmin::Drain,
+            [response, done](auto answers) { done(TakeOnly(std::move(answers), response)); });
+      });
 }
 
 }  // namespace dcloc::server

@@ -6,6 +6,8 @@
 
 #include "dcloc/v1/admin_service.grpc.pb.h"
 #include "server/admin/record_stream.h"
+#include "server/admin/watch_stream.h"
+#include "server/replicas/replicas.h"
 #include "server/rpc/storage_host.h"
 #include "server/sessions/recording_subscriber.h"
 #include "server/sessions/session_registry.h"
@@ -34,14 +36,18 @@ struct DrainControl {
   std::function<bool()> draining;  ///< whether it was called
 };
 
-/// AdminService: the operators' RPCs (state, sessions, identities, what was changed, drain).
+/// AdminService: the operators' RPCs: state, sessions and drain of all replicas, identities, and
+/// what was changed here.
 class AdminService final : public v1::AdminService::CallbackService {
  public:
   /// The references outlive the service's calls.
   AdminService(ServerFacts facts, SessionRegistry& registry, RecordingRequests& recordings,
-               IdentityStore& identities, StorageHost host, DrainControl drain,
+               IdentityStore& identities, StorageHost host, Replicas& replicas, DrainControl drain,
                std::function<ServerGauges()> gauges);
 
+  grpc::ServerUnaryReactor* ListReplicas(grpc::CallbackServerContext* context,
+                                         const v1::ListReplicasRequest* request,
+                                         v1::ListReplicasResponse* response) override;
   grpc::ServerUnaryReactor* GetServerState(grpc::CallbackServerContext* context,
                                            const v1::GetServerStateRequest* request,
                                            v1::GetServerStateResponse* response) override;
@@ -77,12 +83,17 @@ class AdminService final : public v1::AdminService::CallbackService {
  private:
   void Describe(v1::GetServerStateResponse* response) const;
 
+  /// Watches a session that is not here; `here` says why. `request` lives until `Begin`.
+  void WatchElsewhere(grpc::CallbackServerContext* context, const v1::WatchSessionRequest& request,
+                      const absl::Status& here, const std::shared_ptr<WatchStream>& stream);
+
   const ServerFacts facts_;
   SessionRegistry& registry_;
   RecordingRequests& recordings_;
   IdentityStore& identities_;
   RecordingSlots recording_slots_;
   const StorageHost host_;
+  Replicas& replicas_;
   const DrainControl drain_;
   const std::function<ServerGauges()> gauges_;
 };

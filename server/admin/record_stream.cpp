@@ -27,7 +27,20 @@ void RecordStream::Begin(const absl::Status& status, std::shared_ptr<void> slot)
   BeginWith(status);
 }
 
+void RecordStream::OnRelayed(int place, v1::RecordSessionResponse message) {
+  if (contest_->Take(place)) Push(std::move(message));
+}
+
+void RecordStream::OnRelayEnd(int place, const grpc::Status& status) {
+  if (contest_->IsFirst(place)) End(status);
+}
+
+void RecordStream::OnEnd() {
+  if (IsHere()) End(grpc::Status::OK);
+}
+
 void RecordStream::OnOpened(const RecordingStart& start) {
+  if (!IsHere()) return;
   v1::RecordSessionResponse message;
   v1::RecordingHeader* header = message.mutable_header();
   header->set_program(program_);
@@ -39,6 +52,7 @@ void RecordStream::OnOpened(const RecordingStart& start) {
 }
 
 void RecordStream::OnScan(const v1::Scan& scan, const ScanAnswer& answer) {
+  if (!IsHere()) return;
   v1::RecordSessionResponse message;
   *message.mutable_scan()->mutable_scan() = scan;
   convert::ToProto(answer, message.mutable_scan()->mutable_answer());
@@ -46,6 +60,7 @@ void RecordStream::OnScan(const v1::Scan& scan, const ScanAnswer& answer) {
 }
 
 void RecordStream::OnFix(const v1::PositionFix& fix, const FixAnswer& answer) {
+  if (!IsHere()) return;
   if (!takes_fixes_) {
     return End(grpc::Status(grpc::StatusCode::FAILED_PRECONDITION,
                             "the vehicle sends position fixes, which this client cannot record; "

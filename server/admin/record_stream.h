@@ -8,6 +8,7 @@
 
 #include "dcloc/v1/admin_service.pb.h"
 #include "server/admin/push_stream.h"
+#include "server/admin/record_contest.h"
 #include "server/sessions/recording_subscriber.h"
 
 namespace dcloc::server {
@@ -40,6 +41,13 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   /// first one ends the call.
   void TakeFixes() { takes_fixes_ = true; }
 
+  /// To be called before it waits for a session: it may also be recorded at other replicas.
+  void Join(std::shared_ptr<RecordContest> contest) { contest_ = std::move(contest); }
+
+  /// What the replica of `place` in the contest says.
+  void OnRelayed(int place, v1::RecordSessionResponse message);
+  void OnRelayEnd(int place, const grpc::Status& status);
+
   /// Says whether the caller may record; then it holds `slot`, else the call ends. Nothing is
   /// written before.
   void Begin(const absl::Status& status, std::shared_ptr<void> slot);
@@ -48,11 +56,14 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   void OnOpened(const RecordingStart& start) override;
   void OnScan(const v1::Scan& scan, const ScanAnswer& answer) override;
   void OnFix(const v1::PositionFix& fix, const FixAnswer& answer) override;
-  void OnEnd() override { End(grpc::Status::OK); }
+  void OnEnd() override;
 
  private:
   RecordStream(const StorageHost& host, grpc::CallbackServerContext* context, std::string program)
       : PushStream(host, context), program_(std::move(program)) {}
+
+  /// Whether the session of this server is the one that is recorded.
+  bool IsHere() const { return contest_ == nullptr || contest_->Take(RecordContest::kHere); }
 
   void Push(v1::RecordSessionResponse message);
   void OnWrite(v1::RecordSessionResponse& message) override;
@@ -60,6 +71,7 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
 
   const std::string program_;
   bool takes_fixes_ = false;
+  std::shared_ptr<RecordContest> contest_;  ///< null where it can only be here
   std::shared_ptr<void> slot_;
   std::size_t waiting_bytes_ = 0;
 };

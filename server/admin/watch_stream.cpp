@@ -1,5 +1,7 @@
 #include "server/admin/watch_stream.h"
 
+#include <utility>
+
 namespace dcloc::server {
 namespace {
 
@@ -15,7 +17,7 @@ std::shared_ptr<WatchStream> WatchStream::Start(const StorageHost& host,
 void WatchStream::OnAnswer(const ScanAnswer& answer) {
   const std::lock_guard lock(mutex_);
   if (!is_open()) return;
-  convert::ToProto(answer, Queue());
+  convert::ToProto(answer, Queue()->mutable_answer());
   Pump();
 }
 
@@ -23,21 +25,29 @@ void WatchStream::OnFixAnswer(const FixAnswer& answer) {
   if (!takes_fix_answers_) return;
   const std::lock_guard lock(mutex_);
   if (!is_open()) return;
-  convert::ToProto(answer, Queue()->mutable_position_fix_answer());
+  convert::ToProto(answer, Queue()->mutable_answer()->mutable_position_fix_answer());
+  Pump();
+}
+
+void WatchStream::OnRelayed(v1::WatchSessionResponse message) {
+  const std::lock_guard lock(mutex_);
+  if (!is_open()) return;
+  *Queue() = std::move(message);
   Pump();
 }
 
 /// Room for one more answer, with the mutex held.
-v1::LocalizeResponse* WatchStream::Queue() {
+v1::WatchSessionResponse* WatchStream::Queue() {
   if (waiting_.size() >= kMaxWaitingAnswers) {
     waiting_.pop_front();
     ++missed_count_;
   }
-  return waiting_.emplace_back().mutable_answer();
+  return &waiting_.emplace_back();
 }
 
 void WatchStream::OnWrite(v1::WatchSessionResponse& message) {
-  message.set_missed_answer_count(missed_count_);
+  // Some may have been missed before they came here.
+  message.set_missed_answer_count(message.missed_answer_count() + missed_count_);
 }
 
 }  // namespace dcloc::server

@@ -26,10 +26,14 @@ class WatchStream final : public PushStream<v1::WatchSessionResponse>, public An
   void OnFixAnswer(const FixAnswer& answer) override;
   void OnEnd() override { End(grpc::Status::OK); }
 
+  /// What another server's stream of the session says.
+  void OnRelayed(v1::WatchSessionResponse message);
+  void OnRelayEnd(const grpc::Status& status) { End(status); }
+
  private:
   using PushStream::PushStream;
 
-  v1::LocalizeResponse* Queue();
+  v1::WatchSessionResponse* Queue();
   void OnWrite(v1::WatchSessionResponse& message) override;
 
   bool takes_fix_answers_ = false;

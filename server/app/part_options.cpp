@@ -5,6 +5,10 @@
 #include <thread>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "server/base/status.h"
+#include "server/net/listen_address.h"
+
 namespace dcloc::server {
 
 int WorkerCount(const ServerConfig& config) {
@@ -33,6 +37,26 @@ absl::StatusOr<std::unique_ptr<SessionTickets>> TicketsOf(const ServerConfig& co
   return std::make_unique<SessionTickets>(*std::move(keys),
                                           std::chrono::seconds(config.ticket_lifetime_s),
                                           std::chrono::milliseconds(config.ticket_interval_ms));
+}
+
+ReplicaTls ReplicaTlsOf(const ServerConfig& config) {
+  return {.enabled = !config.tls_cert.empty(),
+          .ca = config.replica_ca,
+          .cert = config.replica_cert,
+          .key = config.replica_key};
+}
+
+absl::StatusOr<std::string> ReplicaAddressOf(const ServerConfig& config, int port) {
+  const std::string& text = config.replica_address;
+  const bool has_port = ParseListenAddress(text).ok();
+  absl::StatusOr<ListenAddress> address =
+      ParseListenAddress(has_port ? text : absl::StrCat(text, ":", port));
+  if (!address.ok() || address->host == "0.0.0.0" || address->host == "::") {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "replica_address is ", Quoted(text), "; it must be a HOST[:PORT] that others can reach"));
+  }
+  if (address->port == 0) address->port = port;
+  return address->ToString();
 }
 
 }  // namespace dcloc::server

@@ -14,6 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/localizer/workspace.h"
 #include "server/admin/admin_service.h"
+#include "server/app/access_notice.h"
 #include "server/app/part_options.h"
 #include "server/app/state_metrics.h"
 #include "server/app/storage.h"
@@ -43,19 +44,6 @@ namespace {
 /// processor after those that localize.
 constexpr int kStorageThreads = 2;
 constexpr int kMapThreads = 2;
-absl::Status SayWhoIsLetIn(const AccessControl& access, const ServerConfig& config) {
-  const absl::StatusOr<bool> open = access.IsOpen();
-  if (!open.ok()) return open.status();
-  if (!*open) return absl::OkStatus();
-  const absl::StatusOr<ListenAddress> address = ParseListenAddress(config.listen);
-  if (!address.ok()) return address.status();
-  const auto level = address->IsLoopback() ? spdlog::level::info : spdlog::level::warn;
-  spdlog::log(level,
-              "no identities: whoever reaches {} is an admin; \"dcloc-server token create\" makes "
-              "the first one",
-              config.listen);
-  return absl::OkStatus();
-}
 
 constexpr std::chrono::milliseconds kLastBytesGrace(200);
 constexpr std::chrono::seconds kSelfProbeTimeout(3);
@@ -93,6 +81,8 @@ struct Server::Parts {
         access(*kept.identities, config.require_identity),
         store(*kept.maps),
         registry(limits, SessionTimeoutsOf(config)),
+        replicas({.directory = kept.replicas.get(), .access = access, .pool = storage_pool},
+                 ReplicaTlsOf(config), std::chrono::milliseconds(config.replica_timeout_ms)),
         localization_pool(WorkerCount(config), SearcherCount(config)),
         localization({.storage = storage,
                       .registry = registry,
@@ -120,7 +110,7 @@ struct Server::Parts {
                .start_time = std::chrono::system_clock::now(),
                .worker_count = localization_pool.thread_count(),
                .stub_matcher = config.stub_matcher},
-              registry, recordings, *kept.identities, storage,
+              registry, recordings, *kept.identities, storage, replicas,
               {.drain = [this] { return Drain(drain_grace); },
                .draining = [this] { return localization.draining(); }},
               [this] { return Gauges(); }),
@@ -236,6 +226,7 @@ struct Server::Parts {
         .storage_pool = storage_pool,
         .draining = [this] { return localization.draining(); },
         .unopened_stream_count = [this] { return localization.unopened_count(); },
+        .replica_count = [this] { return replicas.known_count(); },
         .limits = limits,
         .peer_faults = peer_bound_calls.faults(),
         .refused_calls = gate->refused(),
@@ -277,6 +268,7 @@ struct Server::Parts {
   OpenCalls open_calls;
   PeerBoundCalls peer_bound_calls;
   WorkerPool storage_pool{kStorageThreads, kMapThreads};
+  Replicas replicas;
   const StorageHost storage{store,  storage_pool, open_calls, peer_bound_calls,
                             access, operations,   limits};
   WorkerPool localization_pool;
@@ -336,6 +328,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   parts->health = std::make_unique<Health>(*parts->server);
   parts->server_is_set.count_down();
   parts->address = address->ToString();
+  if (!config.replica_address.empty()) {
+    absl::StatusOr<std::string> known_as = ReplicaAddressOf(config, address->port);
+    if (!known_as.ok()) return known_as.status();
+    parts->replicas.Join(*std::move(known_as));
+  }
   parts->listener = *std::move(listener);
   parts->listener->Start(std::move(acceptor));
   parts->WatchItself(*address);

@@ -13,6 +13,7 @@
 #include "server/objects/object_error.h"
 #include "server/postgres/postgres_database.h"
 #include "server/postgres/postgres_error.h"
+#include "server/replicas/postgres_replica_directory.h"
 
 namespace dcloc::server {
 namespace {
@@ -92,17 +93,31 @@ absl::Status AtStart(const SharedFiles& files, const absl::Status& status) {
   return absl::UnavailableError(absl::StrCat("map_files: ", ObjectStoreReason(status)));
 }
 
-absl::StatusOr<MapStoreParts> OpenParts(const std::shared_ptr<PostgresDatabase>& database,
+/// A folder that is not there, and is missed, has not been mounted or is another one: made anew it
+/// would say that all maps are damaged.
+absl::Status CheckFolderIsThere(const ServerConfig& config, Catalogue& catalogue) {
+  if (!config.map_files.empty()) return absl::OkStatus();
+  std::error_code error;
+  if (std::filesystem::exists(std::filesystem::path(config.map_folder) / "maps", error)) {
+    return absl::OkStatus();
+  }
+  const auto wanted = catalogue.ListFiles();
+  if (!wanted.ok()) return AtStart(wanted.status());
+  if (wanted->empty()) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(
+      "map_folder: ", config.map_folder, " has no folder \"maps\", and the catalogue has ",
+      wanted->size(), " map files: mount it, or name the folder that they are in"));
+}
+
+absl::StatusOr<MapStoreParts> OpenParts(std::unique_ptr<Catalogue> catalogue,
                                         const ServerConfig& config, const std::string& holder,
                                         std::unique_ptr<MapFiles> files) {
-  auto catalogue = PostgresCatalogue::Open(database);
-  if (!catalogue.ok()) return AtStart(catalogue.status());
   const StorePaths own = PathsOf(config.data);
   auto incoming = IncomingFiles::Open(own.incoming);
   if (!incoming.ok()) return WithPath(incoming.status());
   auto builds = BuildLedger::Open(own.builds);
   if (!builds.ok()) return WithPath(builds.status());
-  return MapStoreParts{.catalogue = *std::move(catalogue),
+  return MapStoreParts{.catalogue = std::move(catalogue),
                        .files = std::move(files),
                        .incoming = *std::move(incoming),
                        .builds = *std::move(builds),
@@ -118,18 +133,24 @@ absl::StatusOr<Storage> OpenSharedStorage(const ServerConfig& config,
   if (!lock.ok()) return lock.status();
   const auto database = OpenDatabase(config);
   if (!database.ok()) return database.status();
+  auto catalogue = PostgresCatalogue::Open(*database);
+  if (!catalogue.ok()) return AtStart(catalogue.status());
+  if (absl::Status status = CheckFolderIsThere(config, **catalogue); !status.ok()) return status;
   absl::StatusOr<SharedFiles> files = OpenFiles(config, holder);
   if (!files.ok()) return files.status();
   absl::StatusOr<MapStoreParts> parts =
-      OpenParts(*database, config, holder, std::move(files->files));
+      OpenParts(*std::move(catalogue), config, holder, std::move(files->files));
   if (!parts.ok()) return parts.status();
   auto identities = OpenIdentitiesIn(*database, config);
   if (!identities.ok()) return identities.status();
+  auto replicas = PostgresReplicaDirectory::Open(*database);
+  if (!replicas.ok()) return AtStart(replicas.status());
   absl::StatusOr<std::unique_ptr<MapStore>> maps = MapStore::Open(*std::move(parts), options);
   if (!maps.ok()) return AtStart(*files, maps.status());
   return Storage{.lock = *std::move(lock),
                  .maps = *std::move(maps),
                  .identities = *std::move(identities),
+                 .replicas = *std::move(replicas),
                  .objects = std::move(files->objects),
                  .cache = std::move(files->cache)};
 }

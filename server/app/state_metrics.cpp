@@ -73,6 +73,9 @@ std::vector<MetricFamily> StateMetrics::Collect() const {
       GaugeOf("dcloc_maps_loaded", "Map versions in memory", sources_.store.loaded_map_count()));
   families.push_back(GaugeOf("dcloc_draining", "1 when the server takes no more sessions",
                              sources_.draining() ? 1.0 : 0.0));
+  families.push_back(GaugeOf(
+      "dcloc_replicas", "Servers that share its catalogue, as it knows them, itself among them",
+      sources_.replica_count()));
   families.push_back(GaugeOf("dcloc_self_probe_ok",
                              "0 when the server does not answer its own connections",
                              sources_.answering() ? 1.0 : 0.0));

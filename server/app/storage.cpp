@@ -137,6 +137,7 @@ absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
   return Storage{.lock = *std::move(lock),
                  .maps = *std::move(maps),
                  .identities = *std::move(identities),
+                 .replicas = nullptr,
                  .objects = nullptr,
                  .cache = nullptr};
 }

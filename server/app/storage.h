@@ -10,6 +10,7 @@
 #include "server/maps/store/map_cache.h"
 #include "server/maps/store/map_store.h"
 #include "server/objects/object_store.h"
+#include "server/replicas/replica_directory.h"
 
 namespace dcloc::server {
 
@@ -21,6 +22,7 @@ struct Storage {
   FileDescriptor lock;  ///< of the folder; released last
   std::unique_ptr<MapStore> maps;
   std::unique_ptr<IdentityStore> identities;
+  std::unique_ptr<ReplicaDirectory> replicas;  ///< null: this server is by itself
   std::shared_ptr<const ObjectStore> objects;  ///< null: map files are in a folder
   std::shared_ptr<const MapCache> cache;       ///< null: there is none
 };

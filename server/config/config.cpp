@@ -12,6 +12,7 @@
 #include "nlohmann/json.hpp"
 #include "server/base/small_file.h"
 #include "server/base/status.h"
+#include "server/config/config_together.h"
 #include "server/net/listen_address.h"
 #include "server/telemetry/metrics_endpoint.h"
 
@@ -68,6 +69,18 @@ constexpr std::array kFields = {
                 &ServerConfig::identity_away_s, 0, 86'400},
     ConfigField{"listen", "HOST:PORT", "address to listen on; port 0 takes a free one",
                 &ServerConfig::listen},
+    ConfigField{"replica_address", "HOST[:PORT]",
+                "by which other servers with the same catalogue reach this one, the port of listen "
+                "without PORT; then each answers operators for all; by itself if empty",
+                &ServerConfig::replica_address},
+    ConfigField{"replica_ca", "FILE", "authority of the other servers' certificates (PEM)",
+                &ServerConfig::replica_ca},
+    ConfigField{"replica_cert", "FILE",
+                "certificate that is shown to other servers, where they want one (PEM)",
+                &ServerConfig::replica_cert},
+    ConfigField{"replica_key", "FILE", "its key (PEM)", &ServerConfig::replica_key},
+    ConfigField{"replica_timeout_ms", "N", "how long another server may take to answer",
+                &ServerConfig::replica_timeout_ms, 100, 10'000},
     ConfigField{
         "metrics_listen", "[HOST:]PORT",
         "serve Prometheus metrics over HTTP there, on 127.0.0.1 without HOST; none if empty",
@@ -242,67 +255,7 @@ absl::StatusOr<Json> ParseFile(const std::filesystem::path& path) {
   }
 }
 
-absl::Status ValidateTls(const ServerConfig& config) {
-  if (config.tls_cert.empty() != config.tls_key.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("tls_cert is %s and tls_key is %s; one needs the other",
-                        Quoted(config.tls_cert), Quoted(config.tls_key)));
-  }
-  if (config.tls_cert.empty() && !config.tls_client_ca.empty()) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "tls_client_ca is %s; it needs tls_cert and tls_key", Quoted(config.tls_client_ca)));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status ValidateMapFiles(const ServerConfig& config) {
-  if (config.map_files.empty() && config.object_endpoint.empty()) return absl::OkStatus();
-  if (config.map_files.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("object_endpoint is %s and map_files is empty; one needs the other",
-                        Quoted(config.object_endpoint)));
-  }
-  if (absl::Status status = Validate(ObjectOptionsOf(config)); !status.ok()) return status;
-  constexpr int kMaxMap_mib = static_cast<int>(kMaxObject_bytes >> 20);
-  if (config.max_map_mib <= kMaxMap_mib) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("max_map_mib is %d; with map_files in an object store it must be at most %d",
-                      config.max_map_mib, kMaxMap_mib));
-}
-
-absl::Status ValidateCatalogue(const ServerConfig& config) {
-  if (!config.map_folder.empty() && !config.map_files.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("map_folder is %s and map_files is %s; only one can be there",
-                        Quoted(config.map_folder), Quoted(config.map_files)));
-  }
-  if (config.catalogue.empty() != (config.map_folder.empty() && config.map_files.empty())) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "catalogue is %s, map_folder is %s and map_files is %s; one needs one of the others",
-        config.catalogue.empty() ? "empty" : "there", Quoted(config.map_folder),
-        Quoted(config.map_files)));
-  }
-  if (absl::Status status = ValidateMapFiles(config); !status.ok()) return status;
-  return config.catalogue.empty() ? absl::OkStatus() : Validate(DatabaseOptionsOf(config));
-}
-
 }  // namespace
-
-PostgresOptions DatabaseOptionsOf(const ServerConfig& config) {
-  return {.address = config.catalogue,
-          .max_connection_count = config.database_connection_count,
-          .statement_timeout = std::chrono::milliseconds(config.database_timeout_ms),
-          .connect_timeout = std::chrono::milliseconds(config.database_timeout_ms)};
-}
-
-ObjectOptions ObjectOptionsOf(const ServerConfig& config) {
-  return {.location = config.map_files,
-          .endpoint = config.object_endpoint,
-          .region = config.object_region,
-          .credentials_file = config.object_credentials,
-          .ca_file = config.object_ca,
-          .timeout = std::chrono::milliseconds(config.object_timeout_ms)};
-}
 
 std::span<const ConfigField> ConfigFields() { return kFields; }
 
@@ -362,8 +315,7 @@ absl::Status Validate(const ServerConfig& config) {
     return absl::InvalidArgumentError(
         absl::StrFormat("log_format is %s; it must be text or json", Quoted(config.log_format)));
   }
-  if (absl::Status status = ValidateCatalogue(config); !status.ok()) return status;
-  return ValidateTls(config);
+  return ValidateTogether(config);
 }
 
 }  // namespace dcloc::server

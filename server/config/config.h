@@ -30,7 +30,12 @@ struct ServerConfig {
   int database_timeout_ms = 2000;          ///< of a statement
   int identity_away_s = 900;               ///< known identities hold so long without the database
   std::string listen = "127.0.0.1:50051";  ///< HOST:PORT; port 0 takes a free one
-  std::string metrics_listen;              ///< HOST:PORT or PORT of HTTP; empty: no metrics
+  std::string replica_address;             ///< by which other servers reach this; empty: not known
+  std::string replica_ca;                  ///< PEM files for calls to other servers
+  std::string replica_cert;
+  std::string replica_key;
+  int replica_timeout_ms = 2000;  ///< of a call to another server
+  std::string metrics_listen;     ///< HOST:PORT or PORT of HTTP; empty: no metrics
 
   std::string tls_cert;  ///< PEM files; without a certificate the server speaks plaintext
   std::string tls_key;

@@ -16,9 +16,6 @@ namespace {
 static_assert(v1::TicketUse_MAX == v1::TICKET_USE_UNUSABLE &&
               kTicketUseNames.size() == v1::TicketUse_ARRAYSIZE);
 
-/// One more can always be added.
-constexpr std::int64_t kMaxEpoch = std::int64_t{1} << 53;
-
 LocalizerOptions OptionsFromProto(const v1::LocalizationOptions& message) {
   LocalizerOptions options;
   if (message.has_scans_per_submap()) options.scans_per_submap = message.scans_per_submap();

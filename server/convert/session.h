@@ -53,6 +53,9 @@ struct OpenedSession {
 
 namespace convert {
 
+/// Of sessions; one a second would need 285 million years.
+inline constexpr std::int64_t kMaxEpoch = std::int64_t{1} << 53;
+
 /// An `open` request, checked as far as possible without the map.
 struct SessionRequest {
   std::string vehicle_id;

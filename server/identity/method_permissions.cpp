@@ -31,6 +31,7 @@ constexpr std::array kTable = {
                      Effect::kChanges},
     MethodPermission{"dcloc.v1.MapService.DeleteMap", Permission::kManageMaps, Effect::kChanges},
 
+    MethodPermission{"dcloc.v1.AdminService.ListReplicas", Permission::kReadServer},
     MethodPermission{"dcloc.v1.AdminService.GetServerState", Permission::kReadServer},
     MethodPermission{"dcloc.v1.AdminService.ListSessions", Permission::kReadSessions},
     MethodPermission{"dcloc.v1.AdminService.GetSession", Permission::kReadSessions},

@@ -159,7 +159,7 @@ void LocalizeStream::QueueScan() {
   session_->strand().Post([self = shared_from_this()] { self->AnswerNext(); });
   Slot& slot = ring_.newest_read();
   slot.catches_up =
-      slot.request.has_scan() && session_->IsToCatchUp(slot.request.scan().sequence_number());
+      slot.request.has_scan() && session_->MayCatchUp(slot.request.scan().sequence_number());
   if (terms_.drops_oldest && !slot.catches_up) ring_.DropOldest(task_under_way_ == Task::kScan);
 }
 

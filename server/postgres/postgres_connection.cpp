@@ -165,6 +165,20 @@ absl::StatusOr<PostgresRows> PostgresConnection::Query(const char* sql,
   return Receive(deadline);
 }
 
+absl::Status PostgresConnection::SetStatementTimeout(std::chrono::milliseconds timeout) {
+  return RunAll(absl::StrFormat("SET statement_timeout = %d", timeout.count()), timeout_).status();
+}
+
+absl::StatusOr<PostgresRows> PostgresConnection::QueryWhole(const std::string& sql) {
+  const std::chrono::milliseconds timeout = std::max(timeout_, kWholeTableTimeout);
+  if (absl::Status status = SetStatementTimeout(timeout); !status.ok()) return status;
+  absl::StatusOr<PostgresRows> rows = RunAll(sql, timeout + kAnswerGrace);
+  if (lost_) return rows;
+  if (absl::Status status = SetStatementTimeout(timeout_); !status.ok())
+    return Lost("not set back");
+  return rows;
+}
+
 absl::StatusOr<PostgresRows> PostgresConnection::RunAll(const std::string& sql,
                                                         std::chrono::milliseconds timeout) {
   if (lost_) return absl::UnavailableError(kDatabaseIsAway);

@@ -86,6 +86,11 @@ class PostgresConnection {
   /// One statement.
   absl::StatusOr<PostgresRows> Query(const char* sql, const PostgresValues& values = {});
 
+  /// A statement that reads a whole table. A million rows may take longer than what a caller waits
+  /// for, so it has a bound of its own, `kWholeTableTimeout`.
+  absl::StatusOr<PostgresRows> QueryWhole(const std::string& sql);
+  static constexpr std::chrono::milliseconds kWholeTableTimeout{60'000};
+
   /// Several statements without values; the rows of the last one. Takes `timeout` at most.
   absl::StatusOr<PostgresRows> RunAll(const std::string& sql, std::chrono::milliseconds timeout);
 
@@ -107,6 +112,7 @@ class PostgresConnection {
 
   absl::Status Connect(Clock::time_point deadline);
   absl::Status SetUp();
+  absl::Status SetStatementTimeout(std::chrono::milliseconds timeout);
   /// Waits until the socket is ready, for what `poll` calls `events`.
   absl::Status Wait(short events, Clock::time_point deadline);
   absl::StatusOr<PostgresRows> Receive(Clock::time_point deadline);

@@ -2,6 +2,8 @@
 
 #include <grpcpp/server_context.h>
 
+#include <functional>
+#include <memory>
 #include <type_traits>
 #include <utility>
 
@@ -80,6 +82,22 @@ grpc::ServerUnaryReactor* AnswerOn(const StorageHost& host, grpc::CallbackServer
         }
       },
       lane);
+}
+
+/// How a call ends whose answer comes later; to be called once.
+using UnaryDone = std::function<void(const absl::Status& status)>;
+
+/// The same for a call that waits for others: `work(principal, done)` must not wait, and the
+/// request and the response live until `done`.
+template <typename Request, typename Work>
+grpc::ServerUnaryReactor* AnswerLaterOn(const StorageHost& host,
+                                        grpc::CallbackServerContext* context,
+                                        const Request* request, Work work) {
+  return BeginAnswerOn(host, context, request, [work = std::move(work)](UnaryEnd<Request> end) {
+    const Principal principal = end.principal();
+    auto shared = std::make_shared<UnaryEnd<Request>>(std::move(end));
+    work(principal, [shared](const absl::Status& status) { (*shared)(status); });
+  });
 }
 
 }  // namespace dcloc::server

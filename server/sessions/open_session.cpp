@@ -62,7 +62,7 @@ OpenedTicket OpenTicket(const v1::OpenSession& open, const TicketBinding& bindin
   const std::int64_t version = open.map_version();
   if (version != 0 && version != ticket.content.map_version) {
     ticket.use = TicketUse::kOtherMapVersion;
-  } else if (ticket.content.epoch + kMaxEpochsBehind < open.epoch()) {
+  } else if (ticket.content.epoch < open.epoch() - kMaxEpochsBehind) {
     ticket.use = TicketUse::kStale;
   }
   return ticket;
@@ -92,10 +92,11 @@ absl::StatusOr<LoadedMap> AcquireMapOf(OpenedTicket& ticket, const convert::Sess
   return AcquireMap(request, tenant, sources);
 }
 
-/// Above all that the vehicle has had, as far as it tells.
+/// Above all that the vehicle has had, as far as it tells; never one that it could not send back.
 std::int64_t EpochOf(const convert::SessionRequest& request, const OpenedTicket& ticket) {
   const bool goes_on = ticket.use == TicketUse::kAccepted;
-  return std::max(request.epoch, goes_on ? ticket.content.epoch : 0) + 1;
+  const std::int64_t highest = std::max(request.epoch, goes_on ? ticket.content.epoch : 0);
+  return std::min(highest, convert::kMaxEpoch - 1) + 1;
 }
 
 void TellTicketUse(const Session& session, const std::string& key_id, SessionMetrics& metrics) {

@@ -14,6 +14,16 @@ void RecordingRequests::Add(absl::string_view tenant, absl::string_view vehicle_
   has_any_ = true;
 }
 
+void RecordingRequests::Forget(const RecordingSubscriber& subscriber) {
+  const std::lock_guard lock(mutex_);
+  for (auto& [key, subscribers] : waiting_) {
+    std::erase_if(subscribers,
+                  [&](const auto& waiting) { return waiting.lock().get() == &subscriber; });
+  }
+  std::erase_if(waiting_, [](const auto& entry) { return entry.second.empty(); });
+  has_any_ = !waiting_.empty();
+}
+
 std::shared_ptr<RecordingSubscriber> RecordingRequests::Take(absl::string_view tenant,
                                                              absl::string_view vehicle_id) {
   if (!has_any_) return nullptr;

@@ -50,6 +50,9 @@ class RecordingRequests {
   void Add(absl::string_view tenant, absl::string_view vehicle_id,
            const std::shared_ptr<RecordingSubscriber>& subscriber);
 
+  /// `subscriber` waits no more; it may just have been taken.
+  void Forget(const RecordingSubscriber& subscriber);
+
   /// The subscriber that waits for a session of that vehicle, which is being opened; null if there
   /// is none.
   std::shared_ptr<RecordingSubscriber> Take(absl::string_view tenant, absl::string_view vehicle_id);

@@ -24,6 +24,16 @@ Scan MotionOf(const Scan& scan) {
   return {.stamp = scan.stamp, .radar_id = scan.radar_id, .ego_velocity = scan.ego_velocity};
 }
 
+/// The newest scan that the localizer of `snapshot` had, as far as a move needs it.
+Scan LastScanOf(const LocalizerSnapshot& snapshot, const Rig& rig) {
+  Scan scan{.stamp = snapshot.stamp,
+            .radar_id = rig.radars.front().id,
+            .ego_velocity = snapshot.velocity};
+  // It is that radar's stamp.
+  if (!snapshot.clocks_ahead.empty()) scan.stamp += snapshot.clocks_ahead.front();
+  return scan;
+}
+
 /// `resets` of a localizer that goes on where others ended.
 void GoOnFrom(const PoseResets& before, PoseResets* resets) {
   if (resets->count == 0) resets->T_before_after = before.T_before_after;
@@ -73,6 +83,7 @@ Session::Session(const SessionContext& context, SessionStart start,
       history_(context.answer_history_count) {
   if (start.ticket) {
     order_.GoOnFrom(start.ticket->last_sequence_number, start.ticket->snapshot.stamp);
+    last_scan_ = LastScanOf(start.ticket->snapshot, *rig_);
     last_resets_ = start.ticket->snapshot.resets;
     ChooseLane();
     LogGoesOn(*info_, start.ticket->session_id);

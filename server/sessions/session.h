@@ -96,10 +96,16 @@ class Session {
   /// Answers a scan: with a result, a rejection, or the answer that it got before.
   void Answer(const v1::Scan& scan, const Arrival& arrival, Reply reply);
 
-  /// Whether the vehicle has had the answer to a scan from another session, which this one goes on
-  /// from.
-  bool IsToCatchUp(std::int64_t sequence_number) const {
+  /// Whether the vehicle may have had the answer to a scan from another session, which this one
+  /// goes on from. Thread-safe.
+  bool MayCatchUp(std::int64_t sequence_number) const {
     return answered_until_ && sequence_number >= 0 && sequence_number <= *answered_until_;
+  }
+
+  /// Whether it has had it. A client catches up in the order of numbers, so one that comes late was
+  /// late before too, and waits for its answer.
+  bool IsToCatchUp(std::int64_t sequence_number) const {
+    return MayCatchUp(sequence_number) && sequence_number > order_.last_localized();
   }
 
   /// Localizes such a scan, for those that follow. Nobody is told.

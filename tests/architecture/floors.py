@@ -31,6 +31,7 @@ FLOORS = {
         "tickets",
         "sessions",
         "rpc",
+        "replicas",
         "maps/service",
         "localization",
         "admin",

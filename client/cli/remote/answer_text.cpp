@@ -166,6 +166,7 @@ ordered_json SessionJson(const v1::Session& session) {
   ordered_json json = {{"session_id", session.session_id()},
                        {"vehicle_id", session.vehicle_id()},
                        {"peer", session.peer()},
+                       {"replica", session.replica()},
                        {"map", session.map_name()},
                        {"map_version", session.map_version()},
                        {"open_time", TimeText(session.open_time())},

@@ -25,12 +25,15 @@ constexpr std::chrono::milliseconds kPoll(200);
 
 struct ServerArguments {
   client::ChannelOptions server;
+  std::string replica;
+  bool all = false;
   double wait_s = 0.0;
   bool json = false;
 };
 
 ordered_json Json(const v1::GetServerStateResponse& state) {
-  return {{"version", state.server_version()},
+  return {{"replica", state.replica()},
+          {"version", state.server_version()},
           {"start_time", TimeText(state.start_time())},
           {"worker_count", state.worker_count()},
           {"session_count", state.session_count()},
@@ -61,8 +64,49 @@ std::string CertificateText(const v1::GetServerStateResponse& state) {
       until, "; the files that are there now are not shown: ", Visible(state.certificate_fault()));
 }
 
+ordered_json Json(const v1::Replica& replica) {
+  return {{"replica", replica.address()},
+          {"state", replica.has_state() ? Json(replica.state()) : ordered_json()},
+          {"fault", replica.fault()}};
+}
+
+std::vector<std::string> RowOf(const v1::Replica& replica) {
+  const std::string name = replica.address().empty() ? "this server" : replica.address();
+  if (!replica.has_state()) {
+    return {name, "-", "-", "-", "-", "-", absl::StrCat("does not answer: ", replica.fault())};
+  }
+  const v1::GetServerStateResponse& state = replica.state();
+  const auto up_s = static_cast<double>(std::time(nullptr) - state.start_time().seconds());
+  return {name,
+          state.server_version(),
+          AgeText(up_s),
+          absl::StrCat(state.session_count(), " of ", state.max_session_count()),
+          absl::StrCat(state.detached_session_count()),
+          absl::StrCat(state.scan_count()),
+          state.draining() ? "draining" : "serving"};
+}
+
+absl::Status ShowAll(client::AdminClient& admin, const ServerArguments& arguments) {
+  const auto replicas = admin.ListReplicas();
+  if (!replicas.ok()) return replicas.status();
+  std::vector<std::vector<std::string>> rows = {
+      {"replica", "version", "up for", "sessions", "away", "scans", "state"}};
+  ordered_json json = ordered_json::array();
+  int fault_count = 0;
+  for (const v1::Replica& replica : *replicas) {
+    fault_count += replica.has_state() ? 0 : 1;
+    rows.push_back(RowOf(replica));
+    json.push_back(Json(replica));
+  }
+  absl::PrintF("%s", arguments.json ? absl::StrCat(json.dump(2), "\n") : FormatTable(rows));
+  if (fault_count == 0) return absl::OkStatus();
+  return absl::UnavailableError(
+      absl::StrFormat("%d of %d replicas do not answer", fault_count, replicas->size()));
+}
+
 absl::Status ShowStatus(client::AdminClient& admin, const ServerArguments& arguments) {
-  const auto state = admin.ServerState();
+  if (arguments.all) return ShowAll(admin, arguments);
+  const auto state = admin.ServerState(arguments.replica);
   if (!state.ok()) return state.status();
   if (arguments.json) {
     absl::PrintF("%s\n", Json(*state).dump(2));
@@ -70,14 +114,16 @@ absl::Status ShowStatus(client::AdminClient& admin, const ServerArguments& argum
   }
   const auto up_s = static_cast<double>(std::time(nullptr) - state->start_time().seconds());
   absl::PrintF(
-      "dcloc-server %s, up for %s%s%s\n"
+      "dcloc-server %s%s, up for %s%s%s\n"
       "sessions  %d of %d at most, %d of them away; resumed %d times\n"
       "scans     %d localized, %d refused, %d dropped, %d repeated\n"
       "waiting   %d streams of %d at most have not opened a session\n"
       "maps      %d in memory\n"
       "threads   %d localize\n"
       "TLS       %s\n",
-      Visible(state->server_version()), AgeText(up_s), state->draining() ? ", draining" : "",
+      Visible(state->server_version()),
+      state->replica().empty() ? "" : absl::StrCat(" at ", Visible(state->replica())),
+      AgeText(up_s), state->draining() ? ", draining" : "",
       state->stub_matcher() ? ", stub matcher: poses mean nothing" : "", state->session_count(),
       state->max_session_count(), state->detached_session_count(), state->resume_count(),
       state->scan_count(), state->rejected_scan_count(), state->dropped_scan_count(),
@@ -89,20 +135,21 @@ absl::Status ShowStatus(client::AdminClient& admin, const ServerArguments& argum
 
 /// Waits for the sessions to go, as long as it was asked to.
 absl::StatusOr<v1::GetServerStateResponse> WaitUntilEmpty(client::AdminClient& admin,
+                                                          const std::string& replica,
                                                           double wait_s) {
   const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                                    std::chrono::duration<double>(wait_s));
   while (true) {
-    auto state = admin.ServerState();
+    auto state = admin.ServerState(replica);
     if (!state.ok() || state->session_count() == 0 || Clock::now() >= end) return state;
     std::this_thread::sleep_for(kPoll);
   }
 }
 
 absl::Status Drain(client::AdminClient& admin, const ServerArguments& arguments) {
-  const absl::StatusOr<int> told = admin.Drain();
+  const absl::StatusOr<int> told = admin.Drain(arguments.replica);
   if (!told.ok()) return told.status();
-  const auto state = WaitUntilEmpty(admin, arguments.wait_s);
+  const auto state = WaitUntilEmpty(admin, arguments.replica, arguments.wait_s);
   if (!state.ok()) return state.status();
   if (arguments.json) {
     ordered_json json = Json(*state);
@@ -156,6 +203,13 @@ absl::Status ShowOperations(client::AdminClient& admin, const ServerArguments& a
   return absl::OkStatus();
 }
 
+void AddReplicaOption(CLI::App& command, ServerArguments& arguments) {
+  command
+      .add_option("--replica", arguments.replica,
+                  "Another server, as \"server status --all\" names it, in place of --server")
+      ->type_name("HOST:PORT");
+}
+
 }  // namespace
 
 void AddServerCommand(CLI::App& app, int& exit_code) {
@@ -165,7 +219,15 @@ void AddServerCommand(CLI::App& app, int& exit_code) {
   auto status = std::make_shared<ServerArguments>();
   CLI::App* command = AddAdminCommand(*server, "status", "Say what a server is doing", status,
                                       exit_code, &ShowStatus);
-  command->footer("Example:\n  dcloc server status --server localhost:50051");
+  AddReplicaOption(*command, *status);
+  command
+      ->add_flag("--all", status->all,
+                 "Of each server that shares a catalogue with this one; an error if one does "
+                 "not answer")
+      ->excludes("--replica");
+  command->footer(
+      "Examples:\n  dcloc server status --server localhost:50051\n"
+      "  dcloc server status --all --server localhost:50051");
 
   auto operations = std::make_shared<ServerArguments>();
   command = AddAdminCommand(*server, "operations", "Say who changed what lately, newest first",
@@ -178,6 +240,7 @@ void AddServerCommand(CLI::App& app, int& exit_code) {
   command =
       AddAdminCommand(*server, "drain", "Take no more sessions, and tell the vehicles to move",
                       drain, exit_code, &Drain);
+  AddReplicaOption(*command, *drain);
   command
       ->add_option("--wait-s", drain->wait_s,
                    "Wait so long until all have gone; an error if they have not")

@@ -1,5 +1,6 @@
 #include "client/cli/session/session_command.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <stop_token>
@@ -34,9 +35,12 @@ constexpr std::size_t kShortId = 8;
 double Seconds(std::int64_t duration_ns) { return 1e-9 * static_cast<double>(duration_ns); }
 
 void PrintTable(const std::vector<v1::Session>& sessions) {
+  const bool has_replicas = std::ranges::any_of(
+      sessions, [](const v1::Session& session) { return !session.replica().empty(); });
   std::vector<std::vector<std::string>> rows = {{"session", "vehicle", "map", "state", "scans",
                                                  "refused", "missing", "resumed", "idle", "client",
                                                  "without"}};
+  if (has_replicas) rows.front().push_back("replica");
   for (const v1::Session& session : sessions) {
     rows.push_back({session.session_id().substr(0, kShortId), session.vehicle_id(),
                     absl::StrCat(session.map_name(), ":", session.map_version()),
@@ -46,13 +50,19 @@ void PrintTable(const std::vector<v1::Session>& sessions) {
                     absl::StrCat(session.resume_count()),
                     AgeText(Seconds(session.idle_duration_ns())), session.peer(),
                     SetAsideText(session.health())});
+    if (has_replicas) rows.back().push_back(session.replica());
   }
   absl::PrintF("%s", FormatTable(rows));
 }
 
 absl::Status List(client::AdminClient& admin, const SessionArguments& arguments) {
-  absl::StatusOr<std::vector<v1::Session>> sessions = admin.ListSessions();
+  std::vector<v1::ReplicaFault> unanswered;
+  absl::StatusOr<std::vector<v1::Session>> sessions = admin.ListSessions(&unanswered);
   if (!sessions.ok()) return sessions.status();
+  for (const v1::ReplicaFault& fault : unanswered) {
+    absl::FPrintF(stderr, "sessions at %s are missing: %s\n", Visible(fault.address()),
+                  Visible(fault.fault()));
+  }
   if (!arguments.vehicle.empty()) {
     std::erase_if(*sessions, [&](const v1::Session& session) {
       return session.vehicle_id() != arguments.vehicle;

@@ -265,7 +265,7 @@ absl::Status PostgresCatalogue::RemoveLooseFile(absl::string_view sha256) {
 absl::StatusOr<std::vector<std::string>> PostgresCatalogue::ListLooseFiles() {
   return database_->pool.WithConnection(
       [&](PostgresConnection& connection) -> absl::StatusOr<std::vector<std::string>> {
-        absl::StatusOr<PostgresRows> rows = connection.Query("SELECT sha256 FROM loose_file");
+        absl::StatusOr<PostgresRows> rows = connection.QueryWhole("SELECT sha256 FROM loose_file");
         if (!rows.ok()) return rows.status();
         return TextsOf(*std::move(rows));
       });
@@ -298,7 +298,7 @@ absl::StatusOr<std::vector<std::pair<std::string, std::int64_t>>> PostgresCatalo
   return database_->pool.WithConnection(
       [&](PostgresConnection& connection) -> absl::StatusOr<Files> {
         absl::StatusOr<PostgresRows> rows =
-            connection.Query("SELECT DISTINCT sha256, size_bytes FROM map_version");
+            connection.QueryWhole("SELECT DISTINCT sha256, size_bytes FROM map_version");
         if (!rows.ok()) return rows.status();
         return ReadAll(*rows, &ReadFile);
       });

@@ -68,6 +68,61 @@ TEST(SessionTest, EachScanIsAnsweredInOrder) {
   EXPECT_EQ(session->Send(ScanNumber(0)).code(), absl::StatusCode::kFailedPrecondition);
 }
 
+/// A server of a fleet that goes on from scan `last`, or from none where it is negative.
+void GoOn(LocalizeServerStream& stream, int epoch, int last, bool resumed) {
+  v1::LocalizeRequest request;
+  stream.Read(&request);
+  v1::LocalizeResponse response;
+  v1::SessionOpened& opened = *response.mutable_opened();
+  opened.set_resume_token("token");
+  opened.set_resumed(resumed);
+  opened.set_epoch(epoch);
+  opened.set_ticket_interval_ns(1'000'000'000);
+  if (last >= 0) opened.set_last_sequence_number(last);
+  if (request.open().has_answered_sequence_number() && !resumed) {
+    opened.set_ticket_use(v1::TICKET_USE_ACCEPTED);
+  }
+  stream.Write(response);
+}
+
+TEST(SessionTest, ASessionThatIsResumedWhileItCatchesUpGetsTheRest) {
+  const grpc::Status gone(grpc::StatusCode::UNAVAILABLE, "gone");
+  int attempt = 0;
+  std::vector<std::int64_t> sent;
+  const FakeServer server([&](grpc::ServerContext&, LocalizeServerStream& stream) {
+    v1::LocalizeRequest request;
+    if (++attempt == 2) {
+      GoOn(stream, 2, 4, /*resumed=*/false);
+      stream.Read(&request);
+      sent.push_back(request.scan().sequence_number());
+      return gone;
+    }
+    attempt == 1 ? GoOn(stream, 1, -1, false) : GoOn(stream, 2, 5, /*resumed=*/true);
+    while (stream.Read(&request) && request.has_scan()) {
+      const std::int64_t number = request.scan().sequence_number();
+      if (attempt > 1) sent.push_back(number);
+      if (attempt > 1 && number < 10) continue;  // its answer is there
+      v1::LocalizeResponse response;
+      response.mutable_result()->set_sequence_number(number);
+      if (number == 9) {
+        response.mutable_ticket()->set_sealed("ticket");
+        response.mutable_ticket()->set_last_sequence_number(4);
+      }
+      stream.Write(response);
+      if (number == 9) return gone;
+    }
+    return grpc::Status::OK;
+  });
+  const auto session = Open(server, {.reconnect = ReconnectOptions{.initial_backoff = 1ms}});
+  for (int i = 0; i <= 10; ++i) {
+    ASSERT_TRUE(session->Send(ScanNumber(i)).ok());
+    const auto answer = session->Next();
+    ASSERT_TRUE(answer.has_value()) << session->EndStatus();
+    EXPECT_EQ(answer->result().sequence_number(), i);
+  }
+  EXPECT_EQ(sent, (std::vector<std::int64_t>{5, 6, 7, 8, 9, 10}));
+}
+
 TEST(SessionTest, AProxyIsToldWhoseStreamItIs) {
   std::mutex mutex;
   std::vector<std::string> names;

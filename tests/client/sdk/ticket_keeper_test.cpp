@@ -66,6 +66,17 @@ TEST_F(TicketKeeperTest, KeepsTheNewestTicketAndTheScansSinceThen) {
   EXPECT_EQ(ScansAfter(5), (std::vector<std::int64_t>{6}));
 }
 
+TEST_F(TicketKeeperTest, ARejectedScanHidesNoneThatIsStillUnanswered) {
+  Answered(0, 0);
+  Answered(1);
+  v1::Scan scan;
+  scan.set_sequence_number(3);
+  v1::LocalizeResponse answer;
+  answer.mutable_rejected()->set_sequence_number(3);
+  keeper_.OnAnswered(scan, answer);
+  EXPECT_EQ(Open().answered_sequence_number(), 1) << "2 may come yet";
+}
+
 TEST_F(TicketKeeperTest, KeepsNothingOfAServerThatHandsOutNone) {
   Opened(2, false);
   Answered(0);

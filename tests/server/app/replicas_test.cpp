@@ -148,6 +148,20 @@ TEST_F(ReplicasTest, WhileTheDatabaseIsAwayVehiclesDriveOnAndMoreMayCome) {
   }));
 }
 
+TEST_F(ReplicasTest, AFolderThatIsGoneIsNotMadeAnew) {
+  ASSERT_TRUE(a_->Upload(SmallMap()).ok());
+  a_->Kill();
+  b_->Kill();
+  const std::filesystem::path shared = folder_.path() / "shared";
+  std::filesystem::rename(shared, folder_.path() / "unmounted");
+  std::filesystem::create_directory(shared);  // where it was mounted
+  EXPECT_THROW(Start("a"), std::runtime_error);
+  EXPECT_TRUE(std::filesystem::is_empty(shared)) << "the next start must see that too";
+  std::filesystem::remove(shared);
+  std::filesystem::rename(folder_.path() / "unmounted", shared);
+  EXPECT_TRUE(Vehicle(*Start("a")).is_open());
+}
+
 TEST_F(ReplicasTest, AStoreOfAnotherCatalogueIsRefused) {
   ASSERT_TRUE(a_->Upload(SmallMap()).ok());
   a_->Kill();

@@ -231,6 +231,63 @@ TEST_F(TicketTest, WithoutAResumableSessionThereAreNone) {
   for (std::size_t i = 0; i < 60; ++i) EXPECT_FALSE(session.Localize(scans_[i])->has_ticket());
 }
 
+// Its answer was never given, although those of higher numbers were.
+TEST_F(TicketTest, AScanThatWasLateIsAnsweredAfterTheCatchingUp) {
+  DriveFirst();
+  TestSession session(*second_.localization);
+  const v1::SessionOpened opened = Open(session, GoOn());
+  constexpr int kLate = kSent - 4;
+  for (auto i = opened.last_sequence_number() + 1; i < kSent; ++i) {
+    if (i == kLate) continue;
+    ASSERT_TRUE(session.Send(scans_[static_cast<std::size_t>(i)]));
+  }
+  for (const std::int64_t number : {std::int64_t{kLate}, opened.last_sequence_number() - 1}) {
+    const auto answer = session.Localize(scans_[static_cast<std::size_t>(number)]);
+    ASSERT_TRUE(answer && answer->has_rejected());
+    EXPECT_EQ(answer->rejected().sequence_number(), number);
+    EXPECT_EQ(answer->rejected().code(), grpc::StatusCode::OUT_OF_RANGE);
+  }
+  EXPECT_TRUE(session.Localize(scans_[kSent])->has_result());
+}
+
+TEST_F(TicketTest, CanBeMovedBeforeItsFirstScan) {
+  DriveFirst();
+  TestSession session(*second_.localization);
+  ASSERT_EQ(Open(session, GoOn()).ticket_use(), v1::TICKET_USE_ACCEPTED);
+  const std::vector<std::byte> bytes = town_->Map("the next drive");
+  v1::UploadMapHeader header = HeaderOf(bytes);
+  header.set_activate(false);
+  v1::UploadMapResponse uploaded;
+  ASSERT_TRUE(UploadMap(*second_.maps, header, bytes, &uploaded).ok());
+  Call call;
+  v1::ActivateMapVersionRequest activate;
+  activate.set_map_name("town");
+  activate.set_version(2);
+  activate.set_move_sessions(true);
+  v1::ActivateMapVersionResponse moved;
+  ASSERT_TRUE(second_.maps->ActivateMapVersion(&call, activate, &moved).ok());
+  EXPECT_EQ(moved.moved_session_count(), 1);
+
+  for (std::size_t i = kSent; i < kSent + 20; ++i) {
+    const auto answer = session.Localize(scans_[i]);
+    ASSERT_TRUE(answer && answer->has_result());
+    EXPECT_EQ(answer->result().map_version(), 2);
+    const v1::Vector3& p = answer->result().pose().pose().translation_m();
+    const Eigen::Vector3d truth = town_->live.scans[i].T_map_vehicle.translation_m;
+    EXPECT_LT(std::hypot(p.x() - truth.x(), p.y() - truth.y()), 0.5);
+  }
+}
+
+TEST_F(TicketTest, TheHighestEpochCanBeSentBack) {
+  v1::OpenSession open = Resumable();
+  open.set_epoch(std::int64_t{1} << 53);
+  for (int i = 0; i < 2; ++i) {
+    TestSession session(*first_.localization);
+    open.set_epoch(Open(session, open).epoch());
+    EXPECT_EQ(open.epoch(), std::int64_t{1} << 53);
+  }
+}
+
 TEST_F(TicketTest, ANumberThatIsNoneIsRejectedAlthoughTheSessionCatchesUp) {
   DriveFirst();
   TestSession session(*second_.localization);

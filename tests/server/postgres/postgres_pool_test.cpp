@@ -135,5 +135,13 @@ TEST_F(PostgresPoolTest, AWrongAddressIsAnErrorThatDoesNotSayWhereToClients) {
   EXPECT_EQ(MessageOf(status), kDatabaseIsAway);
 }
 
+TEST_F(PostgresPoolTest, AWholeTableMayTakeLongerThanOtherStatements) {
+  options_.statement_timeout = std::chrono::milliseconds(100);
+  const auto connection = *PostgresConnection::Open(options_);
+  EXPECT_TRUE(connection->QueryWhole("SELECT pg_sleep(0.4)").ok());
+  EXPECT_TRUE(absl::IsUnavailable(connection->Query("SELECT pg_sleep(5)").status()))
+      << "which still have their bound";
+}
+
 }  // namespace
 }  // namespace dcloc::server

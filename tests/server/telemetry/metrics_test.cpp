@@ -201,6 +201,7 @@ TEST_F(MetricsTest, RefusedOpeningsAreCountedByCode) {
 TEST_F(MetricsTest, ADrainShows) {
   EXPECT_EQ(Value("dcloc_draining"), 0.0);
   EXPECT_EQ(Value("dcloc_self_probe_ok"), 1.0);
+  EXPECT_EQ(Value("dcloc_replicas"), 1.0);
   EXPECT_EQ(Value("dcloc_connections_refused_total"), 0.0);
   EXPECT_THAT(Get(server_.server->metrics_address(), "/ready"), HasSubstr(" 200 "));
   Call call;

@@ -1,0 +1,90 @@
+#include "server/admin/record_elsewhere.h"
+
+#include <mutex>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/admin/record_contest.h"
+#include "server/admin/relay.h"
+
+namespace dcloc::server {
+namespace {
+
+using AsyncAdmin = v1::AdminService::StubInterface::async_interface;
+using RecordRelay = Relay<v1::RecordSessionRequest, v1::RecordSessionResponse>;
+using Done = std::function<void(const absl::Status& status)>;
+
+/// Waits until all replicas have begun, or one has not.
+class Beginning {
+ public:
+  Beginning(std::size_t count, Done done) : left_(count), done_(std::move(done)) {}
+
+  void OnBegun() { Tell(absl::OkStatus()); }
+  void OnFault(const std::string& address, absl::string_view why) {
+    Tell(absl::UnavailableError(absl::StrCat("replica ", address, " does not record: ", why,
+                                             "; a session that opens there would be missed")));
+  }
+
+ private:
+  void Tell(const absl::Status& status) {
+    Done done;
+    {
+      const std::lock_guard lock(mutex_);
+      if (status.ok() && --left_ > 0) return;
+      done = std::exchange(done_, nullptr);
+    }
+    if (done != nullptr) done(status);
+  }
+
+  std::mutex mutex_;
+  std::size_t left_;
+  Done done_;  ///< null once it was told
+};
+
+RecordRelay::Listener ListenerOf(int place, std::string address, RecordingRequests& recordings,
+                                 const std::shared_ptr<RecordStream>& stream,
+                                 const std::shared_ptr<Beginning>& beginning) {
+  return {.on_begin = [beginning] { beginning->OnBegun(); },
+          .on_message =
+              [place, &recordings, stream](v1::RecordSessionResponse message) {
+                if (message.has_header()) recordings.Forget(*stream);
+                stream->OnRelayed(place, std::move(message));
+              },
+          .on_end =
+              [place, address = std::move(address), stream, beginning](const grpc::Status& status) {
+                beginning->OnFault(address, status.error_message());
+                stream->OnRelayEnd(place, status);
+              }};
+}
+
+}  // namespace
+
+void RecordElsewhere(Replicas& replicas, RecordingRequests& recordings,
+                     const std::vector<std::string>& others,
+                     const grpc::CallbackServerContext& context,
+                     const v1::RecordSessionRequest& request,
+                     const std::shared_ptr<RecordStream>& stream, Done done) {
+  const auto contest = std::make_shared<RecordContest>();
+  stream->Join(contest);
+  const auto beginning = std::make_shared<Beginning>(
+      others.size(), [contest, done = std::move(done)](const absl::Status& status) {
+        if (!status.ok()) contest->GiveUp();
+        done(status);
+      });
+  std::vector<Replicas::Line> lines;
+  for (const std::string& address : others) {
+    absl::StatusOr<Replicas::Line> line = replicas.Call(address, context);
+    if (!line.ok()) return beginning->OnFault(address, line.status().message());
+    contest->Add(static_cast<int>(lines.size()), line->context);
+    lines.push_back(*std::move(line));
+  }
+  // From the first one on the call may end at any time, with what it has lent.
+  const v1::RecordSessionRequest copy = request;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const int place = static_cast<int>(i);
+    RecordRelay::Start(std::move(lines[i]), copy, &AsyncAdmin::RecordSession,
+                       ListenerOf(place, others[i], recordings, stream, beginning));
+  }
+}
+
+}  // namespace dcloc::server

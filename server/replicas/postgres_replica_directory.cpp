@@ -1,0 +1,119 @@
+#include "server/replicas/postgres_replica_directory.h"
+
+#include <utility>
+
+#include "server/base/status.h"
+#include "server/postgres/postgres_migrations.h"
+#include "spdlog/spdlog.h"
+
+namespace dcloc::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kRenewalInterval(3);
+constexpr std::chrono::seconds kLookInterval(1);
+
+constexpr const char* kSteps[] = {R"(
+CREATE TABLE dcloc.replica (
+  address text COLLATE "C" PRIMARY KEY,
+  lease_end timestamptz NOT NULL
+);
+)"};
+constexpr PostgresMigrations kMigrations{.part = "replicas", .steps = kSteps};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<PostgresReplicaDirectory>> PostgresReplicaDirectory::Open(
+    std::shared_ptr<PostgresDatabase> database) {
+  absl::Status status = database->pool.WithConnection(
+      [](PostgresConnection& connection) { return Migrate(connection, kMigrations); });
+  if (!status.ok()) return status;
+  return std::unique_ptr<PostgresReplicaDirectory>(
+      new PostgresReplicaDirectory(std::move(database)));
+}
+
+PostgresReplicaDirectory::PostgresReplicaDirectory(std::shared_ptr<PostgresDatabase> database)
+    : database_(std::move(database)) {
+  task_ = database_->watch->Add(
+      [this](PostgresConnection& connection, bool is_new) { return Keep(connection, is_new); });
+}
+
+PostgresReplicaDirectory::~PostgresReplicaDirectory() {
+  task_.reset();
+  if (own_address_.empty()) return;
+  const absl::Status status =
+      database_->pool.WithConnection([this](PostgresConnection& connection) {
+        return connection
+            .Query("DELETE FROM replica WHERE address = $1", PostgresValues().Bind(own_address_))
+            .status();
+      });
+  // It ends with its lease.
+  if (!status.ok()) spdlog::warn("replica not taken away reason={}", Quoted(status.message()));
+}
+
+void PostgresReplicaDirectory::Announce(const std::string& address) {
+  {
+    const std::lock_guard lock(mutex_);
+    own_address_ = address;
+  }
+  database_->watch->Wake();
+}
+
+std::vector<std::string> PostgresReplicaDirectory::Others() const {
+  const std::lock_guard lock(mutex_);
+  return others_;
+}
+
+std::string PostgresReplicaDirectory::own_address() const {
+  const std::lock_guard lock(mutex_);
+  return own_address_;
+}
+
+absl::Status PostgresReplicaDirectory::Keep(PostgresConnection& connection, bool is_new) {
+  if (own_address().empty()) return absl::OkStatus();
+  const Clock::time_point now = Clock::now();
+  if (is_new || now >= next_renewal_) {
+    if (absl::Status status = Renew(connection); !status.ok()) return status;
+    next_renewal_ = now + kRenewalInterval;
+  }
+  if (!is_new && now < next_look_) return absl::OkStatus();
+  absl::StatusOr<std::vector<std::string>> others = ReadOthers(connection);
+  if (!others.ok()) return others.status();
+  next_look_ = now + kLookInterval;
+  const std::lock_guard lock(mutex_);
+  others_ = *std::move(others);
+  return absl::OkStatus();
+}
+
+/// While the database was away nobody could renew a lease, so after its start all live for the time
+/// of one.
+absl::Status PostgresReplicaDirectory::Renew(PostgresConnection& connection) const {
+  absl::Status status =
+      connection
+          .Query(
+              "INSERT INTO replica VALUES ($1, clock_timestamp() + $2::bigint * interval '1 s')"
+              " ON CONFLICT (address) DO UPDATE SET lease_end = excluded.lease_end",
+              PostgresValues().Bind(own_address()).Bind(std::int64_t{kLease.count()}))
+          .status();
+  if (!status.ok()) return status;
+  return connection
+      .Query(
+          "DELETE FROM replica WHERE lease_end < clock_timestamp()"
+          " AND pg_postmaster_start_time() < clock_timestamp() - $1::bigint * interval '1 s'",
+          PostgresValues().Bind(std::int64_t{kLease.count()}))
+      .status();
+}
+
+absl::StatusOr<std::vector<std::string>> PostgresReplicaDirectory::ReadOthers(
+    PostgresConnection& connection) const {
+  absl::StatusOr<PostgresRows> rows =
+      connection.Query("SELECT address FROM replica WHERE address <> $1 ORDER BY address",
+                       PostgresValues().Bind(own_address()));
+  if (!rows.ok()) return rows.status();
+  std::vector<std::string> others;
+  while (rows->Next()) others.push_back(rows->NextText());
+  return others;
+}
+
+}  // namespace dcloc::server
