@@ -39,7 +39,8 @@ Role LowestRole(const std::string& method) {
 }
 
 bool MayCall(const Principal& caller, const std::string& method) {
-  const bool is_of_the_whole_server = method == "GetServerState" || IsForAdmins(method);
+  const bool is_of_the_whole_server =
+      method == "GetServerState" || method == "ListReplicas" || IsForAdmins(method);
   if (is_of_the_whole_server && !caller.tenant.empty()) return false;
   if (caller.role == Role::kVehicle) return method == "Localize" || method == "FindCoverage";
   return caller.role >= LowestRole(method);
