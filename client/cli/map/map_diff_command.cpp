@@ -32,22 +32,22 @@ struct DiffArguments {
   bool json = false;
 };
 
-ordered_json Json(const LandmarkChange& landmark) {
+ordered_json ChangeJson(const LandmarkChange& landmark) {
   return {{"x_m", landmark.p_map.x()},         {"y_m", landmark.p_map.y()},
           {"z_m", landmark.p_map.z()},         {"rcs_dbsm", landmark.rcs_dbsm},
           {"scan_count", landmark.scan_count}, {"pass_count", landmark.pass_count}};
 }
 
-ordered_json Json(const std::vector<LandmarkChange>& landmarks) {
+ordered_json ChangesJson(const std::vector<LandmarkChange>& landmarks) {
   ordered_json list = ordered_json::array();
-  for (const LandmarkChange& landmark : landmarks) list.push_back(Json(landmark));
+  for (const LandmarkChange& landmark : landmarks) list.push_back(ChangeJson(landmark));
   return list;
 }
 
 ordered_json DiffJson(const DiffArguments& arguments, const MapDiff& diff) {
   ordered_json moved = ordered_json::array();
   for (const auto& [before, after] : diff.moved) {
-    moved.push_back({{"from", Json(before)}, {"to", Json(after)}});
+    moved.push_back({{"from", ChangeJson(before)}, {"to", ChangeJson(after)}});
   }
   return {{"old", arguments.old_file},
           {"new", arguments.new_file},
@@ -55,8 +55,8 @@ ordered_json DiffJson(const DiffArguments& arguments, const MapDiff& diff) {
           {"same_rms_m", diff.same_rms_m},
           {"only_old_covers_count", diff.only_old_covers_count},
           {"only_new_covers_count", diff.only_new_covers_count},
-          {"came", Json(diff.came)},
-          {"went", Json(diff.went)},
+          {"came", ChangesJson(diff.came)},
+          {"went", ChangesJson(diff.went)},
           {"moved", moved}};
 }
 
