@@ -16,8 +16,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent.parent.parent
 sys.path.append(str(ROOT / "tests/end_to_end"))
 
 from processes import Programs, Server  # noqa: E402
-from setups import (Bag, Clock, Listener, Sites, answer_http, answer_tls,  # noqa: E402
-                    certificates, front_mount, set_of_all_radars, set_of_first_radar, swap_mounts)
+from setups import (Bag, Listener, Sites, answer_http, answer_tls, certificates,  # noqa: E402
+                    clock_off_by, front_mount, set_of_all_radars, set_of_first_radar, swap_mounts)
 
 PROGRAMS = []
 FRONT, LEFT = "RADAR_FRONT", "RADAR_FRONT_LEFT"
@@ -32,7 +32,6 @@ class DoctorTable(unittest.TestCase):
         cls.simulate("town", "--rig", "5")
         cls.programs.succeed("map", "build", *cls.drive("town", "map"), "--out", cls.folder / "map")
         cls.sites = Sites(cls.programs, cls.folder, cls.folder / "map")
-        cls.clock = Clock(cls.folder)
         cls.certs = certificates(cls.folder / "certs", "--server", "127.0.0.1,localhost",
                                  "--server", "maps.example", "--client", "car")
         cls.ca = ["--tls-ca", cls.certs / "ca.pem"]
@@ -84,9 +83,9 @@ class DoctorTable(unittest.TestCase):
         named = self.serve(Server(self.programs, self.folder / "named", *self.tls("maps.example")))
         days = 86_400
         expired = certificates(self.folder / "expired", "--server", "127.0.0.1", "--days", "1",
-                               environment=self.clock.off_by(-5 * days))
+                               environment=clock_off_by(-5 * days))
         early = certificates(self.folder / "early", "--server", "127.0.0.1",
-                             environment=self.clock.off_by(5 * days))
+                             environment=clock_off_by(5 * days))
         mutual = self.serve(self.sites.guarded(
             "mutual", *self.tls(), "--tls-client-ca", self.certs / "ca.pem",
             words=[*self.ca, "--tls-cert", self.certs / "car.pem", "--tls-key",
@@ -123,7 +122,7 @@ class DoctorTable(unittest.TestCase):
             return [*here, "--token-file", f"{store}.{who}"]
         plain = ["--server", self.serve(self.sites.open("everyone")).address]
         stub = self.serve(Server(self.programs, self.folder / "stub", "--stub-matcher"))
-        late = self.serve(self.sites.guarded("late", environment=self.clock.off_by(3)))
+        late = self.serve(self.sites.guarded("late", environment=clock_off_by(3)))
         drained = self.serve(self.sites.open("drained"))
         self.programs.succeed("server", "drain", "--server", drained.address)
         self.simulate("elsewhere", "--seed", "9", "--anchor", "48,11")
@@ -159,7 +158,7 @@ class DoctorTable(unittest.TestCase):
                 ("range rates over ground", bag.planted(
                     set_of_all_radars(range_rate_is_compensated=True)), rates, ""),
                 ("radians taken for degrees", bag.planted(set_of_all_radars(angles_in_degrees=True)),
-                 f"radar {LEFT}: range rates", ""),
+                 first + "scans", "radians"),
                 ("a mount turned by 180 degrees",
                  bag.planted(set_of_first_radar(**front_mount(180))), rates, ""),
                 ("a mount turned by 4 degrees", bag.planted(set_of_first_radar(**front_mount(4))),

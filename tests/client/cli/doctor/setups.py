@@ -14,49 +14,15 @@ from processes import Server
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent.parent.parent
 
-CLOCK_SHIM = r"""
-#define _GNU_SOURCE
-#include <dlfcn.h>
-#include <stdlib.h>
-#include <sys/time.h>
-#include <time.h>
-
-static long Shift(void) { return atol(getenv("CLOCK_SHIFT_S")); }
-
-int clock_gettime(clockid_t clock, struct timespec* now) {
-  int (*real)(clockid_t, struct timespec*) = dlsym(RTLD_NEXT, "clock_gettime");
-  const int result = real(clock, now);
-  if (clock == CLOCK_REALTIME) now->tv_sec += Shift();
-  return result;
-}
-int gettimeofday(struct timeval* now, void* zone) {
-  struct timespec time;
-  (void)zone;
-  clock_gettime(CLOCK_REALTIME, &time);
-  now->tv_sec = time.tv_sec;
-  now->tv_usec = time.tv_nsec / 1000;
-  return 0;
-}
-time_t time(time_t* now) {
-  struct timespec time;
-  clock_gettime(CLOCK_REALTIME, &time);
-  if (now != NULL) *now = time.tv_sec;
-  return time.tv_sec;
-}
-"""
+FAKETIME = pathlib.Path("/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1")
 
 
-class Clock:
+def clock_off_by(seconds):
     """The environment of a program whose clock is another."""
-
-    def __init__(self, folder):
-        self._library = folder / "clock.so"
-        (folder / "clock.c").write_text(CLOCK_SHIM)
-        subprocess.run(["cc", "-shared", "-fPIC", "-o", self._library, folder / "clock.c"],
-                       check=True)
-
-    def off_by(self, seconds):
-        return {**os.environ, "LD_PRELOAD": str(self._library), "CLOCK_SHIFT_S": str(seconds)}
+    if not FAKETIME.exists():
+        raise FileNotFoundError(f"{FAKETIME} is missing: install libfaketime")
+    return {**os.environ, "LD_PRELOAD": str(FAKETIME), "FAKETIME": f"{seconds:+d}s",
+            "FAKETIME_DONT_FAKE_MONOTONIC": "1"}
 
 
 def certificates(folder, *arguments, environment=None):
