@@ -7,6 +7,7 @@
 #include "client/evaluation/drive_picture.h"
 #include "client/evaluation/html.h"
 #include "client/evaluation/metrics_format.h"
+#include "client/trajectory/file_of_drive.h"
 
 namespace dcloc {
 namespace {
@@ -38,8 +39,8 @@ std::string Settings(const Report& report) {
 }
 
 fs::path PngPath(const fs::path& html, const std::string& drive, bool is_only_one) {
-  const std::string suffix = is_only_one ? "" : "-" + drive;
-  return html.parent_path() / (html.stem().string() + suffix + ".png");
+  const fs::path png = fs::path(html).replace_extension(".png");
+  return is_only_one ? png : FileOfDrive(png, drive);
 }
 
 bool HasAnswer(const LabelledOutcome& labelled) {

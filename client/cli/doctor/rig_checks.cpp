@@ -78,6 +78,9 @@ Finding RangeRateFinding(const RangeRateCheck& check) {
 
 Finding ScanFinding(const ScanStatistics& radar) {
   constexpr double kGapOfIntervals = 5.0;
+  // Radians that were turned into radians once more span less, and no radar sees less.
+  constexpr double kNarrowestView_rad = 5.0 * kRadPerDeg;
+  constexpr std::size_t kTellingTargets = 200;
   Finding finding{.check = absl::StrCat("radar ", radar.radar_id, ": scans"),
                   .result = CheckResult::kOk,
                   .what = absl::StrFormat("%d scans, %.1f Hz, longest gap %.2f s", radar.scan_count,
@@ -86,6 +89,11 @@ Finding ScanFinding(const ScanStatistics& radar) {
   if (radar.target_count == 0) {
     finding.result = CheckResult::kFailed;
     finding.advice = "no targets at all: is the radar on, and are its targets not filtered away?";
+  } else if (radar.target_count >= kTellingTargets && radar.azimuth_span_rad < kNarrowestView_rad) {
+    finding.result = CheckResult::kFailed;
+    absl::StrAppendFormat(&finding.what, "; all azimuths lie within %.1f deg",
+                          radar.azimuth_span_rad / kRadPerDeg);
+    finding.advice = "are angles in radians read as degrees?";
   } else if (radar.longest_gap_s > kGapOfIntervals * radar.median_interval_s) {
     finding.result = CheckResult::kWarning;
     finding.advice = "scans are missing: look for drops on the bus or in the recorder";

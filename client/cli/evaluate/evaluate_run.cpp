@@ -1,7 +1,6 @@
 #include "client/cli/evaluate/evaluate_run.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <utility>
@@ -9,7 +8,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_replace.h"
 #include "client/cli/common/atomic_file.h"
 #include "client/cli/common/progress.h"
 #include "client/cli/common/terminal.h"
@@ -17,6 +15,7 @@
 #include "client/evaluation/metrics_format.h"
 #include "client/evaluation/outcome_trajectory.h"
 #include "client/evaluation/report.h"
+#include "client/trajectory/file_of_drive.h"
 
 namespace dcloc::cli {
 namespace {
@@ -150,10 +149,7 @@ absl::Status WriteTrajectories(const EvaluateArguments& arguments, const Outcome
   for (const DriveOutcome& outcome : outcomes) {
     TrajectoryArguments trajectory = arguments.trajectory;
     if (outcomes.size() > 1 && !trajectory.file.empty()) {
-      const std::filesystem::path path = trajectory.file;
-      const std::string drive = absl::StrReplaceAll(outcome.drive, {{"/", "_"}});
-      trajectory.file = path.parent_path() /
-                        absl::StrCat(path.stem().string(), "-", drive, path.extension().string());
+      trajectory.file = FileOfDrive(trajectory.file, outcome.drive);
     }
     status.Update(WriteTrajectory(trajectory, TrajectoryOf(outcome, arguments.anchor)));
   }

@@ -15,6 +15,7 @@
 #include "client/cli/map/survey_fuse.h"
 #include "client/cli/map/survey_judge.h"
 #include "client/cli/map/survey_summary.h"
+#include "client/trajectory/file_of_drive.h"
 #include "core/mapping/drive_tracker.h"
 #include "core/mapping/survey.h"
 
@@ -108,11 +109,21 @@ class SurveyRun {
     return absl::OkStatus();
   }
 
+  /// To the file itself, or of several drives to one each; of those in the map.
   absl::Status WritePoses() const {
-    Trajectory trajectory = TrajectoryOf(tracks_, survey_);
-    trajectory.name = info_.name;
-    trajectory.anchor = info_.anchor;
-    return WriteTrajectory(arguments_.trajectory, trajectory);
+    absl::Status status;
+    for (std::size_t i = 0; i < tracks_.size(); ++i) {
+      const SurveyedDrive& drive = survey_.drives[i];
+      if (!drive.is_in_map) continue;
+      TrajectoryArguments arguments = arguments_.trajectory;
+      if (tracks_.size() > 1 && !arguments.file.empty()) {
+        arguments.file = FileOfDrive(arguments.file, drive.name);
+      }
+      Trajectory trajectory = TrajectoryOf(tracks_[i], drive);
+      trajectory.anchor = info_.anchor;
+      status.Update(WriteTrajectory(arguments, trajectory));
+    }
+    return status;
   }
 
   void Report() const {

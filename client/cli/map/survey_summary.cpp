@@ -124,16 +124,12 @@ std::string SurveyText(std::span<const DriveTrack> tracks, const Survey& survey,
   return text;
 }
 
-Trajectory TrajectoryOf(std::span<const DriveTrack> tracks, const Survey& survey) {
-  Trajectory trajectory;
-  for (std::size_t i = 0; i < tracks.size(); ++i) {
-    if (!survey.drives[i].is_in_map) continue;
-    for (const TrackedScan& scan : tracks[i].scans) {
-      const Pose2 pose = PlaceScan(tracks[i], survey.drives[i].T_map_nodes, scan);
-      trajectory.poses.push_back({scan.stamp, Embed(pose)});
-    }
+Trajectory TrajectoryOf(const DriveTrack& track, const SurveyedDrive& drive) {
+  Trajectory trajectory{.name = drive.name, .anchor = std::nullopt, .poses = {}};
+  trajectory.poses.reserve(track.scans.size());
+  for (const TrackedScan& scan : track.scans) {
+    trajectory.poses.push_back({scan.stamp, Embed(PlaceScan(track, drive.T_map_nodes, scan))});
   }
-  SortByStamp(trajectory.poses);
   return trajectory;
 }
 

@@ -17,7 +17,7 @@ nlohmann::ordered_json SurveyJson(std::span<const DriveTrack> tracks, const Surv
 std::string SurveyText(std::span<const DriveTrack> tracks, const Survey& survey,
                        const std::optional<SurveyJudgement>& judgement);
 
-/// The poses of all scans of the drives in the map.
-Trajectory TrajectoryOf(std::span<const DriveTrack> tracks, const Survey& survey);
+/// The poses of all scans of a drive that is in the map.
+Trajectory TrajectoryOf(const DriveTrack& track, const SurveyedDrive& drive);
 
 }  // namespace dcloc::cli

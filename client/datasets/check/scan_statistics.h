@@ -19,6 +19,7 @@ struct ScanStatistics {
   Stamp last;
   double median_interval_s = 0.0;
   double longest_gap_s = 0.0;
+  double azimuth_span_rad = 0.0;  ///< from the least to the greatest of all targets
 
   /// Scans a second; 0 for a single scan.
   double Rate_hz() const { return median_interval_s > 0.0 ? 1.0 / median_interval_s : 0.0; }

@@ -58,6 +58,18 @@ TEST(WriteReport, MakesASelfContainedPageWithPictures) {
   EXPECT_THAT(ReadText(folder.path() / "report.png"), StartsWith("\x89PNG"));
 }
 
+TEST(WriteReport, NamesPicturesOfDrivesInFolders) {
+  const TempFolder folder;
+  Report report = MakeReport();
+  for (ReportRun& run : report.runs) {
+    run.outcomes.push_back(run.outcomes.front());
+    run.outcomes.back().drive = "monday/north";
+  }
+  const absl::Status status = WriteReport(report, folder.path() / "report.html");
+  ASSERT_TRUE(status.ok()) << status;
+  EXPECT_THAT(ReadText(folder.path() / "report-monday_north.png"), StartsWith("\x89PNG"));
+}
+
 TEST(WriteReport, NamesThePicturesOfSeveralDrives) {
   const TempFolder folder;
   Report report = MakeReport();

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "client/trajectory/file_of_drive.h"
 #include "client/trajectory/trajectory_error.h"
 #include "client/trajectory/trajectory_reader.h"
 #include "client/trajectory/trajectory_writer.h"
@@ -39,6 +40,11 @@ void ExpectSamePoses(const Trajectory& a, const Trajectory& b) {
         a.poses[i].T_map_vehicle.rotation.angularDistance(b.poses[i].T_map_vehicle.rotation), 0.0,
         1e-15);
   }
+}
+
+TEST(FileOfDriveTest, LiesBesideTheFileWhateverTheDriveIsNamed) {
+  EXPECT_EQ(FileOfDrive("out.1/way.tum", "monday/north"), "out.1/way-monday_north.tum");
+  EXPECT_EQ(FileOfDrive("way", "../up"), "way-.._up");
 }
 
 TEST(TrajectoryTest, TumAndCsvComeBackAsTheyWere) {

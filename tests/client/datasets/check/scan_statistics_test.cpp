@@ -30,5 +30,18 @@ TEST(ScanStatisticsTest, CountsWhatARadarSaw) {
   EXPECT_EQ(statistics[2].Rate_hz(), 0.0);
 }
 
+TEST(ScanStatisticsTest, SpansTheAzimuthsOfAllTargets) {
+  Drive drive = TwoRadars();
+  for (DriveScan& entry : drive.scans) {
+    for (float& azimuth_rad : entry.scan.azimuth_rad) azimuth_rad = 0.1F;
+  }
+  drive.scans.front().scan.azimuth_rad.front() = -0.2F;
+  drive.scans.back().scan.azimuth_rad.back() = 0.4F;  // of the other radar
+  EXPECT_NEAR(ScanStatisticsOf(drive)[0].azimuth_span_rad, 0.3, 1e-6);
+  EXPECT_NEAR(ScanStatisticsOf(drive)[1].azimuth_span_rad, 0.3, 1e-6);
+  drive.scans.clear();
+  EXPECT_EQ(ScanStatisticsOf(drive)[0].azimuth_span_rad, 0.0);
+}
+
 }  // namespace
 }  // namespace dcloc
