@@ -167,7 +167,7 @@ grpc::ServerUnaryReactor* AdminService::ListSessions(grpc::CallbackServerContext
         const absl::Status status =
             server::ListSessions(registry_, principal, replicas_.own_address(), *request, response);
         const std::vector<std::string> others = replicas_.OthersFor(*context);
-        if (!status.ok() || others.empty()) return done(status);
+        if (!status.ok() || request->this_replica_only() || others.empty()) return done(status);
         replicas_.Ask<v1::ListSessionsRequest, v1::ListSessionsResponse>(
             others, *context, *request, &AsyncAdmin::ListSessions,
             [request, response, done](auto pages) {

@@ -37,6 +37,8 @@ export class FleetFeed {
     private readonly upstream: Upstream,
     private readonly login: Pick<Login, "token">,
     private readonly periodMs = PERIOD_MS,
+    /** Its own sessions alone: the others of its fleet are asked, too. */
+    private readonly isOneOfSeveral = false,
   ) {}
 
   /** Calls `listener` with all that is known, and then with each change, until the result is called. */
@@ -76,7 +78,11 @@ export class FleetFeed {
     const rows = new Map<string, string>();
     let pageToken = "";
     for (let page = 0; page < MAX_PAGE_COUNT; ++page) {
-      const request = create(ListSessionsRequestSchema, { pageSize: PAGE_SIZE, pageToken });
+      const request = create(ListSessionsRequestSchema, {
+        pageSize: PAGE_SIZE,
+        pageToken,
+        thisReplicaOnly: this.isOneOfSeveral,
+      });
       const bytes = Buffer.from(toBinary(ListSessionsRequestSchema, request));
       const answer = await this.upstream.unary(METHOD, this.login.token, bytes, DEADLINE_MS);
       const response = fromBinary(ListSessionsResponseSchema, answer);

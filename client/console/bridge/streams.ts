@@ -38,7 +38,7 @@ export class LiveStreams {
     const key = `${upstream.name}/${login.tokenKey}`;
     let feed = this.feeds.get(key);
     if (feed === undefined) {
-      feed = new FleetFeed(upstream, login);
+      feed = new FleetFeed(upstream, login, undefined, this.upstreams.length > 1);
       this.feeds.set(key, feed);
     }
     return feed;

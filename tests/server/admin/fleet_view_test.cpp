@@ -104,6 +104,18 @@ TEST_F(FleetViewTest, EachListsTheSessionsOfAllAndSaysWhereTheyAre) {
   }
 }
 
+TEST_F(FleetViewTest, WhoAsksEachServerGetsItsOwnSessionsAlone) {
+  const auto at_a = Drive(*a_, "car-a");
+  const auto at_b = Drive(*b_, "car-b");
+  Call call;
+  v1::ListSessionsRequest request;
+  request.set_this_replica_only(true);
+  v1::ListSessionsResponse list;
+  ASSERT_TRUE(b_->admin->ListSessions(&call, request, &list).ok());
+  ASSERT_EQ(list.sessions_size(), 1);
+  EXPECT_EQ(list.sessions(0).vehicle_id(), "car-b");
+}
+
 TEST_F(FleetViewTest, PagesHaveEachSessionOnce) {
   std::vector<std::unique_ptr<TestSession>> sessions;
   for (int i = 0; i < 9; ++i) {

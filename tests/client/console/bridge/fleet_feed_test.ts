@@ -1,7 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { create, toBinary } from "@bufbuild/protobuf";
+import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import {
+  type ListSessionsRequest,
+  ListSessionsRequestSchema,
   ListSessionsResponseSchema,
   type Session,
   SessionSchema,
@@ -21,8 +23,11 @@ class FakeServer {
   calls = 0;
   readonly name = "a";
 
-  unary(): Promise<Buffer> {
+  lastRequest: ListSessionsRequest | undefined;
+
+  unary(_method: string, _token: string, request: Buffer): Promise<Buffer> {
     ++this.calls;
+    this.lastRequest = fromBinary(ListSessionsRequestSchema, request);
     if (this.failure) return Promise.reject(this.failure);
     const response = create(ListSessionsResponseSchema, { sessions: this.sessions });
     return Promise.resolve(Buffer.from(toBinary(ListSessionsResponseSchema, response)));
@@ -49,6 +54,17 @@ function begin(periodMs = 30): { server: FakeServer; feed: FleetFeed } {
   server.sessions = [session("1", 2), session("2", 2)];
   return { server, feed: new FleetFeed(server as unknown as Upstream, { token: "" }, periodMs) };
 }
+
+test("a server is asked for its own sessions alone where the others are asked as well", async () => {
+  for (const isOneOfSeveral of [false, true]) {
+    const { server } = begin();
+    const feed = new FleetFeed(server as unknown as Upstream, { token: "" }, 30, isOneOfSeveral);
+    const { frames, leave } = readerOf(feed);
+    await until(() => frames.length > 0);
+    leave();
+    assert.equal(server.lastRequest!.thisReplicaOnly, isOneOfSeveral);
+  }
+});
 
 test("all first, then what has changed", async () => {
   const { server, feed } = begin();
