@@ -267,14 +267,6 @@ void EgoMotion::AddDoubt() {
   covariance(5, 5) += doubt_.yaw_rate_variance;
 }
 
-// What is not observed stays as doubtful as the pose has been made by it.
-void EgoMotion::OnRegistration(const Pose3& T_map_vehicle, const RegistrationEvidence& evidence) {
-  sources_.OnRegistration(Flatten(T_map_vehicle), evidence);
-  if (!evidence.is_accepted) return;
-  const SourceMonitor::Doubt before = std::exchange(doubt_, sources_.CurrentDoubt());
-  if (!evidence.observes_way) doubt_.way_variance_m2 = before.way_variance_m2;
-}
-
 std::optional<Pose3> EgoMotion::RivalPlace() const {
   const std::optional<SourceMonitor::MissedMotion> rival = sources_.Rival();
   if (!rival) return std::nullopt;

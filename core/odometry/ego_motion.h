@@ -92,7 +92,10 @@ class EgoMotion {
   }
 
   /// A registration, accepted or an outlier, puts the vehicle here at the last scan.
-  void OnRegistration(const Pose3& T_map_vehicle, const RegistrationEvidence& evidence);
+  void OnRegistration(const Pose3& T_map_vehicle, const RegistrationEvidence& evidence) {
+    sources_.OnRegistration(Flatten(T_map_vehicle), evidence);
+    if (evidence.is_accepted) doubt_ = sources_.CurrentDoubt();
+  }
 
   /// Where the vehicle would be now, from where it is taken to be, if other sources were sound;
   /// and how the newest scan fits the map at both places.
@@ -121,7 +124,7 @@ class EgoMotion {
   /// that odometry usually has.
   const Matrix6d& doubt_since_previous() const { return doubt_since_previous_; }
 
-  /// By how much the way since an accepted registration last observed it may be another one [m].
+  /// By how much the way since the last accepted registration may be another one [m].
   double doubted_way_m() const { return doubt_.way_bound_m; }
 
   /// The same without what has been missed: how an answer was expected to move on.

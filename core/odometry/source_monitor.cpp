@@ -285,10 +285,7 @@ void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
                                    const RegistrationEvidence& evidence) {
   if (!newest_) return;
   if (evidence.is_accepted) {
-    for (Hypothesis& hypothesis : hypotheses_) {
-      hypothesis.missed.turn_rad = 0.0;
-      if (evidence.observes_way) hypothesis.missed.forward_m = 0.0;
-    }
+    for (Hypothesis& hypothesis : hypotheses_) hypothesis.missed = {};
     accepted_or_tried_ = newest_;
     trial_count_ = 1;
   }

@@ -117,7 +117,7 @@ class SourceMonitor {
 
   /// A registration puts the vehicle here at the last readings. It is compared with one before, be
   /// it an outlier against the estimate or not: the estimate is made of the sources. Once one is
-  /// accepted, nothing has been missed before it of what it observes.
+  /// accepted, nothing has been missed before it.
   void OnRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   /// It is no longer known where the vehicle was.
   void OnRegistrationLost() { registered_.reset(); }

@@ -122,6 +122,11 @@ void AdminService::Describe(v1::GetServerStateResponse* response) const {
   }
 }
 
+std::vector<std::string> AdminService::OthersToAsk(
+    const grpc::CallbackServerContext& context) const {
+  return replicas_.CanHandOn(context) ? replicas_.OthersFor(context) : std::vector<std::string>();
+}
+
 grpc::ServerUnaryReactor* AdminService::ListReplicas(grpc::CallbackServerContext* context,
                                                      const v1::ListReplicasRequest* request,
                                                      v1::ListReplicasResponse* response) {
@@ -190,7 +195,7 @@ grpc::ServerUnaryReactor* AdminService::GetSession(grpc::CallbackServerContext* 
         }
         if (!absl::IsNotFound(session.status())) return done(session.status());
         replicas_.Ask<v1::GetSessionRequest, v1::GetSessionResponse>(
-            replicas_.OthersFor(*context), *context, *request, &AsyncAdmin::GetSession,
+            OthersToAsk(*context), *context, *request, &AsyncAdmin::GetSession,
             [here = session.status(), response, done](auto answers) {
               done(TakeFound(here, std::move(answers), response));
             });
@@ -206,7 +211,7 @@ grpc::ServerUnaryReactor* AdminService::EndSession(grpc::CallbackServerContext* 
         const absl::Status status = server::EndSession(registry_, principal, *request);
         if (!absl::IsNotFound(status)) return done(status);
         replicas_.Ask<v1::EndSessionRequest, v1::EndSessionResponse>(
-            replicas_.OthersFor(*context), *context, *request, &AsyncAdmin::EndSession,
+            OthersToAsk(*context), *context, *request, &AsyncAdmin::EndSession,
             [status, response, done](auto answers) {
               done(TakeFound(status, std::move(answers), response));
             });
@@ -237,7 +242,7 @@ void AdminService::WatchElsewhere(grpc::CallbackServerContext* context,
   v1::GetSessionRequest get;
   get.set_session_id(request.session_id());
   replicas_.Ask<v1::GetSessionRequest, v1::GetSessionResponse>(
-      replicas_.OthersFor(*context), *context, get, &AsyncAdmin::GetSession,
+      OthersToAsk(*context), *context, get, &AsyncAdmin::GetSession,
       [this, context, &request, here, stream](auto answers) {
         v1::GetSessionResponse found;
         std::string address;
@@ -270,13 +275,16 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
           absl::StrFormat("%d recordings are under way, which is the limit", kMaxRecordingCount));
     }
     if (request->position_fixes()) stream->TakeFixes();
-    const std::vector<std::string> others = replicas_.OthersFor(*context);
-    const auto begin = [this, request, stream, tenant = status.ok() ? principal->tenant : "",
+    // Who cannot be spoken for elsewhere records here alone.
+    const std::vector<std::string> others = OthersToAsk(*context);
+    const auto begin = [this, context, request, stream, caller = principal,
                         slot = std::move(slot)](const absl::Status& armed) {
-      if (armed.ok()) recordings_.Add(tenant, request->vehicle_id(), stream);
+      if (caller.ok()) host_.operations.Note(*context, *caller, *request, armed);
+      if (armed.ok()) recordings_.Add(caller->tenant, request->vehicle_id(), stream);
+      // A session that has opened elsewhere by now is the one.
+      if (stream->IsDecidedAgainst(RecordContest::kHere)) recordings_.Forget(*stream);
       stream->Begin(armed, slot);
     };
-    if (principal.ok()) host_.operations.Note(*context, *principal, *request, status);
     if (!status.ok() || others.empty()) return begin(status);
     RecordElsewhere(replicas_, recordings_, others, *context, *request, stream, begin);
   });
@@ -299,7 +307,7 @@ grpc::ServerUnaryReactor* AdminService::ProposePose(grpc::CallbackServerContext*
         }
         if (!absl::IsNotFound(session.status())) return done(session.status());
         replicas_.Ask<v1::ProposePoseRequest, v1::ProposePoseResponse>(
-            replicas_.OthersFor(*context), *context, *request, &AsyncAdmin::ProposePose,
+            OthersToAsk(*context), *context, *request, &AsyncAdmin::ProposePose,
             [here = session.status(), response, done](auto answers) {
               done(TakeFound(here, std::move(answers), response));
             });

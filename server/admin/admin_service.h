@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dcloc/v1/admin_service.grpc.pb.h"
 #include "server/admin/record_stream.h"
@@ -82,6 +83,10 @@ class AdminService final : public v1::AdminService::CallbackService {
 
  private:
   void Describe(v1::GetServerStateResponse* response) const;
+
+  /// Those that a call about one session is handed on to; none where the caller cannot be spoken
+  /// for.
+  std::vector<std::string> OthersToAsk(const grpc::CallbackServerContext& context) const;
 
   /// Watches a session that is not here; `here` says why. `request` lives until `Begin`.
   void WatchElsewhere(grpc::CallbackServerContext* context, const v1::WatchSessionRequest& request,

@@ -40,8 +40,13 @@ class RecordContest {
     return first_ == place;
   }
 
-  /// Nothing will be recorded.
-  void GiveUp() { Take(kNowhere); }
+  bool IsDecidedAgainst(int place) const {
+    const std::lock_guard lock(mutex_);
+    return first_ && *first_ != place;
+  }
+
+  /// Nothing will be recorded, unless something is already, which is said by false.
+  bool GiveUp() { return Take(kNowhere); }
 
  private:
   static constexpr int kNowhere = -2;

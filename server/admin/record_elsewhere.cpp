@@ -14,10 +14,24 @@ using AsyncAdmin = v1::AdminService::StubInterface::async_interface;
 using RecordRelay = Relay<v1::RecordSessionRequest, v1::RecordSessionResponse>;
 using Done = std::function<void(const absl::Status& status)>;
 
-/// Waits until all replicas have begun, or one has not.
+/// Waits until all replicas have begun, or one has not, and until all were asked: with `done` the
+/// call may end, from which theirs are made.
 class Beginning {
  public:
   Beginning(std::size_t count, Done done) : left_(count), done_(std::move(done)) {}
+
+  void OnAllAsked() {
+    Done done;
+    absl::Status status;
+    {
+      const std::lock_guard lock(mutex_);
+      is_asking_ = false;
+      if (fault_.ok() && left_ > 0) return;
+      done = std::exchange(done_, nullptr);
+      status = fault_;
+    }
+    if (done != nullptr) done(status);
+  }
 
   void OnBegun() { Tell(absl::OkStatus()); }
   void OnFault(const std::string& address, absl::string_view why) {
@@ -30,7 +44,9 @@ class Beginning {
     Done done;
     {
       const std::lock_guard lock(mutex_);
+      if (fault_.ok()) fault_ = status;
       if (status.ok() && --left_ > 0) return;
+      if (is_asking_) return;
       done = std::exchange(done_, nullptr);
     }
     if (done != nullptr) done(status);
@@ -38,6 +54,8 @@ class Beginning {
 
   std::mutex mutex_;
   std::size_t left_;
+  bool is_asking_ = true;
+  absl::Status fault_;
   Done done_;  ///< null once it was told
 };
 
@@ -52,8 +70,13 @@ RecordRelay::Listener ListenerOf(int place, std::string address, RecordingReques
               },
           .on_end =
               [place, address = std::move(address), stream, beginning](const grpc::Status& status) {
-                beginning->OnFault(address, status.error_message());
-                stream->OnRelayEnd(place, status);
+                // Once a session has opened elsewhere, nobody waits for this one.
+                if (stream->IsDecidedAgainst(place)) {
+                  beginning->OnBegun();
+                } else {
+                  beginning->OnFault(address, status.error_message());
+                }
+                stream->OnRelayEnd(place, address, status);
               }};
 }
 
@@ -74,17 +97,19 @@ void RecordElsewhere(Replicas& replicas, RecordingRequests& recordings,
   std::vector<Replicas::Line> lines;
   for (const std::string& address : others) {
     absl::StatusOr<Replicas::Line> line = replicas.Call(address, context);
-    if (!line.ok()) return beginning->OnFault(address, line.status().message());
+    if (!line.ok()) {
+      beginning->OnFault(address, line.status().message());
+      return beginning->OnAllAsked();
+    }
     contest->Add(static_cast<int>(lines.size()), line->context);
     lines.push_back(*std::move(line));
   }
-  // From the first one on the call may end at any time, with what it has lent.
-  const v1::RecordSessionRequest copy = request;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const int place = static_cast<int>(i);
-    RecordRelay::Start(std::move(lines[i]), copy, &AsyncAdmin::RecordSession,
+    RecordRelay::Start(std::move(lines[i]), request, &AsyncAdmin::RecordSession,
                        ListenerOf(place, others[i], recordings, stream, beginning));
   }
+  beginning->OnAllAsked();
 }
 
 }  // namespace dcloc::server

@@ -46,7 +46,10 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
 
   /// What the replica of `place` in the contest says.
   void OnRelayed(int place, v1::RecordSessionResponse message);
-  void OnRelayEnd(int place, const grpc::Status& status);
+  void OnRelayEnd(int place, const std::string& address, const grpc::Status& status);
+
+  /// Whether the session that is recorded is somewhere, and elsewhere than at `place`.
+  bool IsDecidedAgainst(int place) const;
 
   /// Says whether the caller may record; then it holds `slot`, else the call ends. Nothing is
   /// written before.

@@ -103,7 +103,7 @@ void MergePages(int page_size, std::vector<ReplicaAnswer<v1::ListSessionsRespons
     sessions.DeleteSubrange(page_size, sessions.size() - page_size);
   }
   response->clear_next_page_token();
-  if (more) response->set_next_page_token(sessions.rbegin()->session_id());
+  if (more && !sessions.empty()) response->set_next_page_token(sessions.rbegin()->session_id());
 }
 
 }  // namespace dcloc::server

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/base/status.h"
 #include "server/net/listen_address.h"
+#include "server/replicas/replica_address.h"
 
 namespace dcloc::server {
 
@@ -56,7 +57,12 @@ absl::StatusOr<std::string> ReplicaAddressOf(const ServerConfig& config, int por
         "replica_address is ", Quoted(text), "; it must be a HOST[:PORT] that others can reach"));
   }
   if (address->port == 0) address->port = port;
-  return address->ToString();
+  std::string told = address->ToString();
+  if (!IsReplicaAddress(told)) {
+    return absl::InvalidArgumentError(absl::StrCat("replica_address is ", Quoted(text),
+                                                   "; its host must be a name or an address"));
+  }
+  return told;
 }
 
 }  // namespace dcloc::server

@@ -4,6 +4,7 @@
 
 #include "server/base/status.h"
 #include "server/postgres/postgres_migrations.h"
+#include "server/replicas/replica_address.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
@@ -70,7 +71,16 @@ std::string PostgresReplicaDirectory::own_address() const {
   return own_address_;
 }
 
+// Other tasks of the watch, as the holds of maps in use, must not wait for what is wrong with this
+// one alone: only a connection that is lost is told.
 absl::Status PostgresReplicaDirectory::Keep(PostgresConnection& connection, bool is_new) {
+  const absl::Status status = RenewAndLook(connection, is_new);
+  if (status.ok() || absl::IsUnavailable(status)) return status;
+  spdlog::warn("replicas not kept reason={}", Quoted(status.message()));
+  return absl::OkStatus();
+}
+
+absl::Status PostgresReplicaDirectory::RenewAndLook(PostgresConnection& connection, bool is_new) {
   if (own_address().empty()) return absl::OkStatus();
   const Clock::time_point now = Clock::now();
   if (is_new || now >= next_renewal_) {
@@ -112,7 +122,14 @@ absl::StatusOr<std::vector<std::string>> PostgresReplicaDirectory::ReadOthers(
                        PostgresValues().Bind(own_address()));
   if (!rows.ok()) return rows.status();
   std::vector<std::string> others;
-  while (rows->Next()) others.push_back(rows->NextText());
+  while (rows->Next()) {
+    std::string address = rows->NextText();
+    if (IsReplicaAddress(address)) {
+      others.push_back(std::move(address));
+    } else {
+      spdlog::warn("replica left out address={} reason=\"it is no HOST:PORT\"", Quoted(address));
+    }
+  }
   return others;
 }
 

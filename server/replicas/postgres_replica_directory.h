@@ -33,6 +33,7 @@ class PostgresReplicaDirectory final : public ReplicaDirectory {
   explicit PostgresReplicaDirectory(std::shared_ptr<PostgresDatabase> database);
 
   absl::Status Keep(PostgresConnection& connection, bool is_new);
+  absl::Status RenewAndLook(PostgresConnection& connection, bool is_new);
   absl::Status Renew(PostgresConnection& connection) const;
   absl::StatusOr<std::vector<std::string>> ReadOthers(PostgresConnection& connection) const;
   std::string own_address() const;

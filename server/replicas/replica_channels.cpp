@@ -15,12 +15,17 @@ namespace {
 constexpr int kKeepaliveTime_ms = 10'000;
 constexpr int kKeepaliveTimeout_ms = 5'000;
 constexpr int kMaxReconnectBackoff_ms = 1'000;
+constexpr int kMaxMessage_bytes = 64 << 20;  ///< far above a page of sessions and a recorded scan
 
 grpc::ChannelArguments Arguments() {
   grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(-1);  // it is one of ours
+  arguments.SetMaxReceiveMessageSize(kMaxMessage_bytes);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
+  // A relayed stream sends nothing after its request.
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  // A proxy that the environment names must not see callers' tokens.
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMaxReconnectBackoff_ms);
   return arguments;
 }

@@ -37,8 +37,10 @@ std::vector<std::string> Replicas::OthersFor(const grpc::CallbackServerContext& 
 
 absl::StatusOr<std::vector<std::string>> Replicas::Named(const grpc::CallbackServerContext& context,
                                                          const std::string& address) const {
-  if (address.empty() || address == own_address_ || IsHandedOn(context)) {
-    return std::vector<std::string>();
+  if (address.empty() || address == own_address_) return std::vector<std::string>();
+  if (IsHandedOn(context)) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("replica is ", Quoted(address), "; this one has become ", own_address_));
   }
   std::vector<std::string> others = OthersFor(context);
   if (std::ranges::find(others, address) != others.end()) return std::vector{address};
@@ -51,10 +53,14 @@ absl::StatusOr<std::vector<std::string>> Replicas::Named(const grpc::CallbackSer
       absl::StrCat("replica is ", Quoted(address), "; there are ", absl::StrJoin(others, ", ")));
 }
 
+bool Replicas::CanHandOn(const grpc::CallbackServerContext& context) const {
+  return context.client_metadata().contains(kProof) || !parts_.access.needs_proof();
+}
+
 absl::StatusOr<Replicas::Line> Replicas::Call(const std::string& address,
                                               const grpc::CallbackServerContext& context) {
   const auto proof = context.client_metadata().find(kProof);
-  if (proof == context.client_metadata().end() && parts_.access.needs_proof()) {
+  if (!CanHandOn(context)) {
     return absl::FailedPreconditionError(
         "the caller's certificate cannot be handed on: ask it by itself, or call with a token");
   }

@@ -62,8 +62,11 @@ class Replicas {
   /// Whom to ask beside this server for a call: nobody if it was handed on already.
   std::vector<std::string> OthersFor(const grpc::CallbackServerContext& context) const;
 
-  /// The one that a request names; none when it is this server, or the call was handed on. NotFound
-  /// names those that there are.
+  /// Whether calls can be made in the caller's name: a certificate cannot be handed on.
+  bool CanHandOn(const grpc::CallbackServerContext& context) const;
+
+  /// The one that a request names; none when it is this server. NotFound names those that there
+  /// are; FailedPrecondition when the call was handed on to another one.
   absl::StatusOr<std::vector<std::string>> Named(const grpc::CallbackServerContext& context,
                                                  const std::string& address) const;
 
