@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/landmarks/geojson_text.h"
 #include "client/landmarks/point_fields.h"
 
 namespace dcloc {
@@ -27,12 +28,11 @@ std::string FeatureOf(const LandmarkRow& row, const GeodeticAnchor& anchor) {
 }
 
 absl::Status ReadPosition(const Json& feature, const GeodeticAnchor& anchor, LandmarkRow& row) {
-  const auto geometry = feature.find("geometry");
-  if (geometry == feature.end() || !geometry->is_object() ||
-      geometry->value("type", Json()) != "Point") {
+  const Json& geometry = MemberOf(feature, "geometry");
+  if (MemberOf(geometry, "type") != "Point") {
     return absl::InvalidArgumentError("geometry is no Point");
   }
-  const Json coordinates = geometry->value("coordinates", Json());
+  const Json& coordinates = MemberOf(geometry, "coordinates");
   const bool is_position = coordinates.is_array() && coordinates.size() >= 2 &&
                            coordinates.size() <= 3 && coordinates.front().is_number() &&
                            coordinates[1].is_number() && coordinates.back().is_number();
@@ -115,13 +115,14 @@ absl::StatusOr<std::string> FormatLandmarkGeoJson(const MapParts& map) {
 absl::StatusOr<std::vector<LandmarkRow>> ParseLandmarkGeoJson(absl::string_view text,
                                                               absl::string_view name,
                                                               const GeodeticAnchor& anchor) {
-  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object() || json.value("type", Json()) != "FeatureCollection" ||
-      !json.value("features", Json()).is_array()) {
+  const absl::StatusOr<Json> json = ParseGeoJson(text, name);
+  if (!json.ok()) return json.status();
+  const Json& features = MemberOf(*json, "features");
+  if (MemberOf(*json, "type") != "FeatureCollection" || !features.is_array()) {
     return absl::DataLossError(absl::StrCat(name, ": is no FeatureCollection of GeoJSON"));
   }
   std::vector<LandmarkRow> rows;
-  for (const Json& feature : json["features"]) {
+  for (const Json& feature : features) {
     LandmarkRow row{.p_map = Eigen::Vector3d::Zero(),
                     .keyframe = {},
                     .point = {},

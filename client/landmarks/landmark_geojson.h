@@ -17,8 +17,9 @@ absl::StatusOr<std::string> FormatLandmarkGeoJson(const MapParts& map);
 
 /// The point features of such a file, also after another tool has written it. A feature without
 /// the property `keyframe` is a new landmark; it has the covariance in the map frame, and without a
-/// third coordinate the anchor's height. `name` is for errors: DataLoss for what
-/// is no GeoJSON, InvalidArgument naming the feature, the property, the value and the bound.
+/// third coordinate the anchor's height. `name` is for errors: DataLoss for what is no GeoJSON,
+/// InvalidArgument naming the feature, the property, the value and the bound, or how deep the file
+/// is nested.
 absl::StatusOr<std::vector<LandmarkRow>> ParseLandmarkGeoJson(absl::string_view text,
                                                               absl::string_view name,
                                                               const GeodeticAnchor& anchor);

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/map/map_content.h"
+#include "core/map/map_file.h"
 #include "core/map/point_grid.h"
 
 namespace dcloc {
@@ -48,11 +49,14 @@ MapPoint Placed(MapPoint point, const Eigen::Vector3d& p_keyframe,
   return point;
 }
 
+// Keyframes of a map lie no further away.
+constexpr double kMaxCoordinate_m = kMaxOrigin_m + kMaxLocal_m;
+
 // Puts rows into a copy of the base, one at a time.
 class Mender {
  public:
   explicit Mender(const MapParts& base)
-      : base_(base), mended_(base), grid_(kMaxKeyframeDistance_m) {
+      : base_(base), anchor_(base.Anchor()), mended_(base), grid_(kMaxKeyframeDistance_m) {
     for (std::size_t i = 0; i < base.keyframes.size(); ++i) {
       mended_.keyframes[i].points.clear();
       grid_.Insert(PoseInMap(base, i).translation_m.head<2>());
@@ -61,7 +65,7 @@ class Mender {
   }
 
   absl::Status Add(const LandmarkRow& row) {
-    if (!row.p_map.allFinite()) return Error(row, "its position is not finite");
+    if (absl::Status status = CheckPlace(row); !status.ok()) return status;
     if (row.keyframe && *row.keyframe >= base_.keyframes.size()) {
       return Error(row, absl::StrFormat("keyframe is %d; the base map has %d", *row.keyframe,
                                         base_.keyframes.size()));
@@ -69,7 +73,7 @@ class Mender {
     if (row.keyframe) {
       const Eigen::Vector3d shown = PoseInMap(base_, *row.keyframe) * PositionOf(row.point);
       LandmarkRow in_space = row;
-      if (!row.has_height) in_space.p_map.z() = shown.z();
+      if (!row.has_height) in_space.p_map = AtHeightOf(shown, row.p_map);
       return (in_space.p_map - shown).norm() < kMoved_m ? Keep(row) : Place(in_space);
     }
     return Place(row);
@@ -84,6 +88,26 @@ class Mender {
  private:
   static absl::Status Error(const LandmarkRow& row, absl::string_view what) {
     return absl::InvalidArgumentError(absl::StrCat(row.name, ": ", what));
+  }
+
+  static absl::Status CheckPlace(const LandmarkRow& row) {
+    constexpr std::array kNames = {"x", "y", "z"};
+    for (std::size_t i = 0; i < kNames.size(); ++i) {
+      const double value = row.p_map(static_cast<Eigen::Index>(i));
+      if (std::abs(value) <= kMaxCoordinate_m) continue;  // NaN is not
+      return Error(row, absl::StrFormat("%s is %g m in the map; it must lie in [%g, %g]", kNames[i],
+                                        value, -kMaxCoordinate_m, kMaxCoordinate_m));
+    }
+    return absl::OkStatus();
+  }
+
+  // `p_map` as high as `like`: over the ellipsoid, so that longitude and latitude stay, whose
+  // verticals are not the map's z.
+  Eigen::Vector3d AtHeightOf(const Eigen::Vector3d& like, const Eigen::Vector3d& p_map) const {
+    if (!anchor_) return {p_map.x(), p_map.y(), like.z()};
+    GeodeticPosition place = GeodeticFromMap(*anchor_, p_map);
+    place.height_m = GeodeticFromMap(*anchor_, like).height_m;
+    return MapFromGeodetic(*anchor_, place);
   }
 
   absl::Status Put(const LandmarkRow& row, std::size_t keyframe, const MapPoint& point) {
@@ -154,6 +178,7 @@ class Mender {
   }
 
   const MapParts& base_;
+  const std::optional<GeodeticAnchor> anchor_;
   MapParts mended_;
   PointGrid grid_;
   std::vector<std::vector<bool>> taken_;  ///< of the base's landmarks, by keyframe

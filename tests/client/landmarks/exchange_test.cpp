@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "client/landmarks/keyframe_trajectory.h"
 #include "client/landmarks/landmark_geojson.h"
@@ -150,14 +152,38 @@ TEST(ExchangeTest, ALandmarkThatWasDrawnAnewJoinsTheNearestKeyframe) {
 }
 
 TEST(ExchangeTest, ToolsOfThePlaneMayLeaveTheHeightOut) {
-  const MapParts town = Town(true);
-  Rows rows = FromGeoJson(town, *FormatLandmarkGeoJson(town));
-  for (LandmarkRow& row : rows) {
-    row.has_height = false;
-    row.p_map.z() = 0.0;
+  MapParts town = Town(true);
+  town.info.local_origin_m[2] = 300.0;  // where 4 km from the anchor the vertical is 0.2 m off
+  std::string text = *FormatLandmarkGeoJson(town);
+  for (std::size_t i = 0; (i = text.find("\"coordinates\":[", i)) != std::string::npos; ++i) {
+    const std::size_t end = text.find(']', i);
+    const std::size_t comma = text.rfind(',', end);
+    text.erase(comma, end - comma);
   }
+  ASSERT_FALSE(FromGeoJson(town, text)[0].has_height);
   MendCounts counts;
-  EXPECT_EQ(BytesOf(Mend(town, rows, counts)), BytesOf(town));
+  EXPECT_EQ(BytesOf(Mend(town, FromGeoJson(town, text), counts)), BytesOf(town));
+  EXPECT_EQ(counts.same, town.PointCount());
+}
+
+TEST(ExchangeTest, AMoveInThePlaneLeavesTheHeight) {
+  MapParts town = Town(true);
+  town.info.local_origin_m[2] = 300.0;
+  Rows rows = RowsOf(town);
+  const GeodeticPosition before = GeodeticFromMap(*town.Anchor(), rows[3].p_map);
+  GeodeticPosition moved = before;
+  moved.latitude_deg += 1e-5;
+  moved.height_m = 0.0;
+  rows[3].p_map = MapFromGeodetic(*town.Anchor(), moved);
+  rows[3].has_height = false;
+  MendCounts counts;
+  const auto mended = Mend(town, rows, counts);
+  ASSERT_TRUE(mended.ok()) << mended.status();
+  EXPECT_EQ(counts.moved, 1U);
+  const GeodeticPosition after = GeodeticFromMap(*town.Anchor(), RowsOf(*mended)[3].p_map);
+  EXPECT_NEAR(after.latitude_deg, moved.latitude_deg, 1e-10);
+  EXPECT_NEAR(after.longitude_deg, before.longitude_deg, 1e-10);
+  EXPECT_NEAR(after.height_m, before.height_m, 1e-4);
 }
 
 TEST(ExchangeTest, AsciiFromAnotherToolIsRead) {
@@ -188,7 +214,13 @@ TEST(ExchangeTest, ErrorsNameTheRowTheFieldAndTheBound) {
   EXPECT_THAT(geojson("\"keyframe\":0,", "\"keyframe\":\"a\","), HasSubstr("keyframe is \"a\""));
   EXPECT_THAT(geojson("FeatureCollection", "Feature"), HasSubstr("no FeatureCollection"));
   EXPECT_THAT(geojson("\"Point\"", "\"Polygon\""), HasSubstr("geometry is no Point"));
-  EXPECT_THAT(geojson("[", "[1e9,"), HasSubstr("t.geojson"));
+  EXPECT_THAT(geojson("\"features\":[", "\"features\":[1e9,"),
+              HasSubstr("t.geojson: feature 0: is no object"));
+  EXPECT_THAT(geojson("\"coordinates\":[", "\"coordinates\":[1e9,"),
+              HasSubstr("t.geojson: feature 0: coordinates must be 2 or 3 numbers"));
+  EXPECT_THAT(geojson("\"keyframe\":0,", "\"keyframe\":" + std::string(100'000, '[') +
+                                             std::string(100'000, ']') + ","),
+              HasSubstr("t.geojson: is nested 100004 deep; it must be at most 32"));
 
   const std::string pcd = FormatLandmarkPcd(town);
   const auto parse = [&](const std::string& bytes) {
@@ -207,6 +239,14 @@ TEST(ExchangeTest, ErrorsNameTheRowTheFieldAndTheBound) {
   MendCounts counts;
   EXPECT_THAT(Mend(town, rows, counts).status().message(),
               HasSubstr("t.pcd: point 7: keyframe is 12; the base map has 12"));
+  for (const double value : {1e300, -1.1e9, std::numeric_limits<double>::quiet_NaN()}) {
+    rows[7] = rows[6];
+    rows[7].name = "t.pcd: point 7";
+    rows[7].p_map.x() = value;
+    EXPECT_THAT(Mend(town, rows, counts).status().message(),
+                HasSubstr(absl::StrCat("t.pcd: point 7: x is ", value,
+                                       " m in the map; it must lie in [-1.01e+09, 1.01e+09]")));
+  }
   rows[7] = rows[6];
   rows[7].name = "t.pcd: point 7";
   rows[7].point.xx_m2 = -1.0F;

@@ -46,6 +46,29 @@ TEST(RegionGeoJsonTest, PolygonsLieWhereTheAnchorPutsThem) {
   }
 }
 
+// In the middle of 20 km a circle of latitude lies 9 m beside the straight line.
+TEST(RegionGeoJsonTest, EdgesAreStraightInLongitudeAndLatitude) {
+  for (const std::string corners :
+       {"[8.866,48.0],[9.134,48.0],[9.134,48.05],[8.866,48.05],[8.866,48.0]",
+        "[8.866,48.0],[8.866,48.05],[9.134,48.05],[9.134,48.0]"}) {
+    const auto region = ParseRegionGeoJson(Polygon("[[" + corners + "]]"), "r.geojson", kAnchor);
+    ASSERT_TRUE(region.ok()) << region.status();
+    const auto holds = [&](double latitude_deg) {
+      const GeodeticPosition p{.latitude_deg = latitude_deg, .longitude_deg = 9.0001};
+      return Contains(*region, MapFromGeodetic(kAnchor, p).head<2>());
+    };
+    EXPECT_TRUE(holds(48.000005));
+    EXPECT_FALSE(holds(47.999995));
+    EXPECT_TRUE(holds(48.049995));
+    EXPECT_FALSE(holds(48.050005));
+    for (const auto& ring_m : region->polygons[0].rings_m) {
+      for (std::size_t i = 1; i < ring_m.size(); ++i) {
+        EXPECT_LE((ring_m[i] - ring_m[i - 1]).norm(), 500.0);
+      }
+    }
+  }
+}
+
 TEST(RegionGeoJsonTest, WhatIsNoRegionIsRefused) {
   const auto error = [](const std::string& text) {
     return std::string(ParseRegionGeoJson(text, "r.geojson", kAnchor).status().message());
@@ -55,11 +78,18 @@ TEST(RegionGeoJsonTest, WhatIsNoRegionIsRefused) {
   EXPECT_THAT(error(R"({"type":"Point","coordinates":[1,2]})"), HasSubstr("type is Point"));
   EXPECT_THAT(error(Polygon("[[[9,48],[9.1,48]]]")), HasSubstr("has 2 vertices"));
   EXPECT_THAT(error(Polygon("[[[9,95],[9.1,48],[9,48]]]")), HasSubstr("latitude_deg is 95"));
+  EXPECT_THAT(error(Polygon("[[[9,48],[9.1,48],[9,53]]]")),
+              HasSubstr("[9, 53] lies 555.9 km from the map's anchor; it must be at most 500 km"));
   EXPECT_THAT(error(Polygon("[[[9],[9.1,48],[9,48]]]")), HasSubstr("longitude and latitude"));
   EXPECT_THAT(error(R"({"type":"FeatureCollection","features":[]})"), HasSubstr("no polygon"));
   std::string deep = Polygon(kSquare);
   for (int i = 0; i < 20; ++i) deep = R"({"type":"Feature","geometry":)" + deep + "}";
   EXPECT_THAT(error(deep), HasSubstr("more than 8 deep"));
+  const std::string brackets(100'000, '[');
+  EXPECT_THAT(error(Polygon(brackets + std::string(100'000, ']'))),
+              HasSubstr("r.geojson: is nested 100001 deep; it must be at most 32"));
+  EXPECT_THAT(error(R"({"type":"\\\"[{)" + brackets + R"("})"), HasSubstr("type is \\\"[{"))
+      << "brackets in a string are text";
 }
 
 }  // namespace
