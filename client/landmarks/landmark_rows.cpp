@@ -74,6 +74,7 @@ class Mender {
       const Eigen::Vector3d shown = PoseInMap(base_, *row.keyframe) * PositionOf(row.point);
       LandmarkRow in_space = row;
       if (!row.has_height) in_space.p_map = AtHeightOf(shown, row.p_map);
+      if (absl::Status status = CheckPlace(in_space); !status.ok()) return status;
       return (in_space.p_map - shown).norm() < kMoved_m ? Keep(row) : Place(in_space);
     }
     return Place(row);

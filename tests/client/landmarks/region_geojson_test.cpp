@@ -79,7 +79,7 @@ TEST(RegionGeoJsonTest, WhatIsNoRegionIsRefused) {
   EXPECT_THAT(error(Polygon("[[[9,48],[9.1,48]]]")), HasSubstr("has 2 vertices"));
   EXPECT_THAT(error(Polygon("[[[9,95],[9.1,48],[9,48]]]")), HasSubstr("latitude_deg is 95"));
   EXPECT_THAT(error(Polygon("[[[9,48],[9.1,48],[9,53]]]")),
-              HasSubstr("[9, 53] lies 555.9 km from the map's anchor; it must be at most 500 km"));
+              HasSubstr("[9, 53] lies 556.0 km from the map's anchor; it must be at most 500 km"));
   EXPECT_THAT(error(Polygon("[[[9],[9.1,48],[9,48]]]")), HasSubstr("longitude and latitude"));
   EXPECT_THAT(error(R"({"type":"FeatureCollection","features":[]})"), HasSubstr("no polygon"));
   std::string deep = Polygon(kSquare);
