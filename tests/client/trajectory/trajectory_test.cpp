@@ -107,6 +107,24 @@ TEST(TrajectoryTest, ErrorsNameTheLine) {
   EXPECT_THAT(error("", TrajectoryFormat::kTum), HasSubstr("no pose"));
 }
 
+TEST(TrajectoryTest, StampsOfTumAreReadHoweverTheyAreWritten) {
+  const auto stamp_of = [](const std::string& text) -> std::int64_t {
+    const auto read = ParseTrajectory(text + " 0 0 0 0 0 0 1\n", TrajectoryFormat::kTum, "file");
+    return read.ok() ? read->poses[0].stamp.time_since_epoch().count() : -1;
+  };
+  EXPECT_EQ(stamp_of("1.100000000000000000e+01"), 11'000'000'000) << "as NumPy writes it";
+  EXPECT_EQ(stamp_of("1.5E-01"), 150'000'000);
+  EXPECT_EQ(stamp_of("2e3"), 2'000'000'000'000);
+  EXPECT_EQ(stamp_of("1714557600.000000001999"), 1'714'557'600'000'000'001);
+  EXPECT_EQ(stamp_of("7"), 7'000'000'000);
+  EXPECT_EQ(stamp_of("7."), 7'000'000'000);
+  EXPECT_EQ(stamp_of(".5"), 500'000'000);
+  for (const char* text : {"1.5x", "1.123456789x", "1.5e", "1.2.3", "-0.5", "-1", "1.-5", ".",
+                           "nan", "inf", "1e10", "99999999999999999999"}) {
+    EXPECT_EQ(stamp_of(text), -1) << text;
+  }
+}
+
 TEST(TrajectoryTest, AnswersThatAreNoPosesAreLeftOut) {
   const auto read = ParseTrajectory(
       "stamp_ns,radar,state,x,y,z,qx,qy,qz,qw\n1,r,INITIALIZING,0,0,0,0,0,0,1\n"
