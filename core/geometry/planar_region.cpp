@@ -11,6 +11,7 @@ namespace dcloc {
 namespace {
 
 constexpr double kMaxCoordinate_m = 1e9;
+constexpr double kBoxMargin_m = 1e-5;  // more than rounding moves the crossing of an edge
 
 // Whether the ray from `p` along +x crosses an odd number of edges. Edges hold their lower end and
 // not their upper one, so that a ray through a vertex crosses once.
@@ -26,12 +27,6 @@ bool IsAround(std::span<const Eigen::Vector2d> ring_m, const Eigen::Vector2d& p)
     if (p.x() < a.x() + (p.y() - a.y()) / edge.y() * edge.x()) is_around = !is_around;
   }
   return is_around;
-}
-
-bool IsWithin(const PlanarPolygon& polygon, const Eigen::Vector2d& p_m) {
-  const auto count = std::ranges::count_if(
-      polygon.rings_m, [&](const auto& ring_m) { return IsAround(ring_m, p_m); });
-  return count % 2 == 1;
 }
 
 double Area_m2(std::span<const Eigen::Vector2d> ring_m) {
@@ -72,8 +67,28 @@ PlanarPolygon BoxPolygon(const Eigen::Vector2d& min_m, const Eigen::Vector2d& ma
 }
 
 bool Contains(const PlanarRegion& region, const Eigen::Vector2d& p_m) {
-  return std::ranges::any_of(region.polygons,
-                             [&](const PlanarPolygon& polygon) { return IsWithin(polygon, p_m); });
+  return RegionTest(region).Holds(p_m);
+}
+
+RegionTest::RegionTest(const PlanarRegion& region) {
+  for (const PlanarPolygon& polygon : region.polygons) {
+    std::vector<BoxedRing>& rings = polygons_.emplace_back();
+    for (const auto& ring_m : polygon.rings_m) {
+      Eigen::AlignedBox2d box_m;
+      for (const Eigen::Vector2d& vertex_m : ring_m) box_m.extend(vertex_m);
+      rings.push_back(
+          {&ring_m, {box_m.min().array() - kBoxMargin_m, box_m.max().array() + kBoxMargin_m}});
+    }
+  }
+}
+
+bool RegionTest::Holds(const Eigen::Vector2d& p_m) const {
+  return std::ranges::any_of(polygons_, [&](const std::vector<BoxedRing>& rings) {
+    const auto count = std::ranges::count_if(rings, [&](const BoxedRing& ring) {
+      return ring.box_m.contains(p_m) && IsAround(*ring.ring_m, p_m);
+    });
+    return count % 2 == 1;
+  });
 }
 
 absl::Status Validate(const PlanarRegion& region) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <tuple>
 
 #include "core/map/map_edit.h"
@@ -18,37 +19,53 @@ struct Landmarks {
   std::vector<bool> is_paired;
 };
 
-bool IsNearAny(const std::vector<Eigen::Vector2d>& positions_m, const PointGrid& grid,
-               const Eigen::Vector2d& p, double radius_m) {
-  bool found = false;
-  grid.ForEachNear(p, Eigen::Vector2d::Constant(radius_m), [&](std::uint32_t i) {
-    found = found || (positions_m[i] - p).norm() <= radius_m;
-  });
-  return found;
-}
-
 Pose3 PoseInMap(const MapParts& map, const KeyframeRecord& record, const Pose3& T_frame_map) {
   Pose3 T_map_keyframe = PoseOf(record);
   T_map_keyframe.translation_m += map.Origin_m();
   return T_frame_map * T_map_keyframe;
 }
 
-Landmarks LandmarksOf(const MapParts& map, const Pose3& T_frame_map, const MapParts& other,
-                      const Pose3& T_frame_other, double covered_m) {
-  std::vector<Eigen::Vector2d> keyframes_m;
-  PointGrid grid(covered_m);
-  for (const KeyframePart& keyframe : other.keyframes) {
-    keyframes_m.emplace_back(
-        PoseInMap(other, keyframe.record, T_frame_other).translation_m.head<2>());
-    grid.Insert(keyframes_m.back());
+// The ground near a map's keyframes.
+class Coverage {
+ public:
+  Coverage(const MapParts& map, const Pose3& T_frame_map, double radius_m)
+      : radius_m_(radius_m), grid_(radius_m) {
+    for (const KeyframePart& keyframe : map.keyframes) {
+      keyframes_m_.emplace_back(
+          PoseInMap(map, keyframe.record, T_frame_map).translation_m.head<2>());
+      grid_.Insert(keyframes_m_.back());
+    }
   }
+
+  bool Holds(const Eigen::Vector2d& p) {
+    // Landmarks come along the way: the keyframe that covers one mostly covers the next.
+    if (last_ && IsNear(*last_, p)) return true;
+    last_.reset();
+    grid_.ForEachNear(p, Eigen::Vector2d::Constant(radius_m_), [&](std::uint32_t i) {
+      if (!last_ && IsNear(i, p)) last_ = i;
+    });
+    return last_.has_value();
+  }
+
+ private:
+  bool IsNear(std::uint32_t i, const Eigen::Vector2d& p) const {
+    return (keyframes_m_[i] - p).norm() <= radius_m_;
+  }
+
+  double radius_m_;
+  PointGrid grid_;
+  std::vector<Eigen::Vector2d> keyframes_m_;
+  std::optional<std::uint32_t> last_;  ///< the keyframe that covered the last one
+};
+
+Landmarks LandmarksOf(const MapParts& map, const Pose3& T_frame_map, Coverage of_other) {
   Landmarks landmarks;
   for (const KeyframePart& keyframe : map.keyframes) {
     const Pose3 T_frame_keyframe = PoseInMap(map, keyframe.record, T_frame_map);
     for (const MapPoint& point : keyframe.points) {
       const Eigen::Vector3d p = T_frame_keyframe * PositionOf(point);
       landmarks.all.push_back({p, point.rcs_dbsm, point.scan_count, point.pass_count});
-      landmarks.is_covered.push_back(IsNearAny(keyframes_m, grid, p.head<2>(), covered_m));
+      landmarks.is_covered.push_back(of_other.Holds(p.head<2>()));
     }
   }
   landmarks.is_paired.assign(landmarks.all.size(), false);
@@ -114,8 +131,8 @@ absl::StatusOr<MapDiff> Compare(const MapParts& old_map, const MapParts& new_map
   if (old_map.Anchor() && new_map.Anchor()) {
     diff.T_old_new = FrameChange(*old_map.Anchor(), *new_map.Anchor());
   }
-  Landmarks before = LandmarksOf(old_map, {}, new_map, diff.T_old_new, options.covered_m);
-  Landmarks after = LandmarksOf(new_map, diff.T_old_new, old_map, {}, options.covered_m);
+  Landmarks before = LandmarksOf(old_map, {}, {new_map, diff.T_old_new, options.covered_m});
+  Landmarks after = LandmarksOf(new_map, diff.T_old_new, {old_map, {}, options.covered_m});
   double sum_m2 = 0.0;
   PairNearest(before, after, options.same_m,
               [&](const LandmarkChange& old_one, const LandmarkChange&, double distance_m) {

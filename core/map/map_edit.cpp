@@ -26,12 +26,13 @@ PoseBits BitsOf(const KeyframeRecord& record) {
 
 PointBits BitsOf(const MapPoint& point) { return std::bit_cast<PointBits>(point); }
 
-bool IsOn(RegionSide side, const PlanarRegion& region, const Eigen::Vector3d& p_map) {
-  return Contains(region, p_map.head<2>()) == (side == RegionSide::kInside);
+bool IsOn(RegionSide side, const RegionTest& region, const Eigen::Vector3d& p_map) {
+  return region.Holds(p_map.head<2>()) == (side == RegionSide::kInside);
 }
 
-// Of the street's length, what `part` of `whole` keyframes stand for.
+// Of the street's length, what `part` of the keyframes stand for.
 double ShareOfLength(const MapParts& map, std::size_t part) {
+  if (map.keyframes.empty()) return 0.0;
   return map.info.length_m * static_cast<double>(part) / static_cast<double>(map.keyframes.size());
 }
 
@@ -85,14 +86,15 @@ absl::StatusOr<MapParts> KeepSide(const MapParts& map, const PlanarRegion& regio
   if (absl::Status status = Validate(region); !status.ok()) return status;
   MapParts kept{
       .info = map.info, .name = map.name, .description = map.description, .keyframes = {}};
+  const RegionTest test(region);
   for (const KeyframePart& keyframe : map.keyframes) {
     Pose3 T_map_keyframe = PoseOf(keyframe.record);
     T_map_keyframe.translation_m += map.Origin_m();
     KeyframePart part{.record = keyframe.record, .points = {}};
     for (const MapPoint& point : keyframe.points) {
-      if (IsOn(side, region, T_map_keyframe * PositionOf(point))) part.points.push_back(point);
+      if (IsOn(side, test, T_map_keyframe * PositionOf(point))) part.points.push_back(point);
     }
-    if (part.points.empty() && !IsOn(side, region, T_map_keyframe.translation_m)) continue;
+    if (part.points.empty() && !IsOn(side, test, T_map_keyframe.translation_m)) continue;
     kept.keyframes.push_back(std::move(part));
   }
   if (kept.PointCount() == 0) {

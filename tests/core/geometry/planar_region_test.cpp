@@ -48,6 +48,25 @@ TEST(PlanarRegionTest, APointOnASharedBorderIsInExactlyOnePolygon) {
   EXPECT_FALSE(Contains(lower, {-1.0, 0.0}));
 }
 
+TEST(PlanarRegionTest, FarRingsAreNotWalkedRound) {
+  // A thousand rings of a thousand vertices, and a point in each.
+  PlanarRegion region;
+  for (int i = 0; i < 1000; ++i) {
+    auto& ring_m = region.polygons.emplace_back().rings_m.emplace_back();
+    for (int k = 0; k < 1000; ++k) {
+      const double angle_rad = 2.0 * M_PI * k / 1000.0;
+      ring_m.emplace_back(10.0 * i + 4.0 * std::cos(angle_rad), 4.0 * std::sin(angle_rad));
+    }
+  }
+  const RegionTest test(region);
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_TRUE(test.Holds({10.0 * i + 3.9, 0.5}));
+    EXPECT_FALSE(test.Holds({10.0 * i + 3.9, 3.9}));  // in the box alone
+    EXPECT_FALSE(test.Holds({10.0 * i + 5.0, 0.0}));
+  }
+  EXPECT_FALSE(RegionTest(PlanarRegion{.polygons = {{.rings_m = {{}}}}}).Holds({0.0, 0.0}));
+}
+
 TEST(PlanarRegionTest, ErrorsNameRingAndValue) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(Validate(PlanarRegion{}).message(), HasSubstr("no polygon"));

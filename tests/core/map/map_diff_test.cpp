@@ -61,6 +61,18 @@ TEST(MapDiffTest, GroundThatOneMapDoesNotCoverIsNoChange) {
   EXPECT_EQ(diff->only_old_covers_count, 1U);
 }
 
+TEST(MapDiffTest, EachKeyframeCoversItsGround) {
+  // Landmarks in turn near the one and the other of two keyframes, and far from both.
+  const MapParts before = MapWith({{10, 0}, {210, 0}, {100, 0}, {20, 0}, {220, 0}, {110, 0}});
+  MapParts after = MapWith({});
+  after.keyframes.push_back(after.keyframes[0]);
+  after.keyframes[1].record.translation_local_m[1] = 200.0;
+  const auto diff = Compare(before, after, {});
+  ASSERT_TRUE(diff.ok());
+  EXPECT_EQ(diff->went.size(), 4U);
+  EXPECT_EQ(diff->only_old_covers_count, 2U);
+}
+
 TEST(MapDiffTest, AMapDoesNotDifferFromItself) {
   const MapParts map = MapWith({{1, 1}, {2, 2}, {2.1F, 2}, {50, -3}});
   const auto diff = Compare(map, map, {});

@@ -128,6 +128,14 @@ TEST(MapEditTest, MergingAMapWithItselfIsThatMap) {
   EXPECT_EQ(counts.shared_landmarks, map.PointCount());
 }
 
+TEST(MapEditTest, AMapWithoutKeyframesAddsNoLength) {
+  const MapParts map = SpiralParts();
+  MapParts none = map;
+  none.keyframes.clear();
+  MergeCounts counts;
+  EXPECT_EQ(Merge(map, none, counts)->info.length_m, map.info.length_m);
+}
+
 TEST(MapEditTest, AnchorsTieFramesTogether) {
   MapParts a = SpiralParts();
   a.info.local_origin_m = {10.0, 20.0, 0.0};
