@@ -7,7 +7,8 @@
 #include <ostream>
 #include <string>
 
-namespace dcloc::server {
+// A namespace of its own: the states of streams have the same short names.
+namespace dcloc::server::attachment_state_test {
 namespace {
 
 using State = AttachmentState;
@@ -123,4 +124,4 @@ TEST(AttachmentStateTest, WithoutAStreamThereIsNoneToLose) {
 }
 
 }  // namespace
-}  // namespace dcloc::server
+}  // namespace dcloc::server::attachment_state_test
