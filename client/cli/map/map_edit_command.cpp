@@ -56,23 +56,27 @@ absl::Status Cut(const CutArguments& arguments) {
   const absl::StatusOr<PlanarRegion> region = RegionOf(arguments.region, *map);
   if (!region.ok()) return region.status();
   // Both before one is written, so that an error leaves no half of a split.
-  std::vector<std::pair<std::string, MapParts>> parts;
+  std::vector<MadeFile> parts;
+  std::vector<MapInfo> infos;
   for (const auto& [file, side] : {std::pair(arguments.inside, RegionSide::kInside),
                                    std::pair(arguments.outside, RegionSide::kOutside)}) {
     if (file.empty()) continue;
-    absl::StatusOr<MapParts> part = KeepSide(*map, *region, side);
+    const absl::StatusOr<MapParts> part = KeepSide(*map, *region, side);
     if (!part.ok()) {
       return absl::Status(part.status().code(),
                           absl::StrCat(arguments.file, ": ", part.status().message()));
     }
-    parts.emplace_back(file, *std::move(part));
-  }
-  ordered_json list = ordered_json::array();
-  for (const auto& [file, part] : parts) {
-    const absl::StatusOr<MapInfo> info = WriteMapParts(part, file);
+    const absl::StatusOr<MapInfo> info =
+        MakeMapFile(*part, parts.emplace_back(MadeFile{.file = file, .bytes = {}}));
     if (!info.ok()) return info.status();
-    if (!arguments.json) PrintFile(file, *info);
-    list.push_back({{"file", file}, {"map", MapInfoJson(*info)}});
+    infos.push_back(*info);
+  }
+  status = WriteMadeFiles(parts, arguments.force);
+  if (!status.ok()) return status;
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!arguments.json) PrintFile(parts[i].file, infos[i]);
+    list.push_back({{"file", parts[i].file}, {"map", MapInfoJson(infos[i])}});
   }
   if (arguments.json) absl::PrintF("%s\n", Dump(list));
   return absl::OkStatus();
@@ -93,6 +97,11 @@ absl::Status MergeFiles(const MergeArguments& arguments) {
       return absl::Status(status.code(),
                           absl::StrCat(file, ": ", status.message(),
                                        "; --same-frame says that both frames are one"));
+    }
+    if (!merged->Anchor() && further->Anchor()) {
+      return absl::FailedPreconditionError(
+          absl::StrCat(file, ": has an anchor on the Earth, and ", arguments.files.front(),
+                       " has none, whose frame is kept; name a map with an anchor first"));
     }
     MergeCounts counts;
     merged = Merge(*merged, *further, counts);
@@ -194,7 +203,8 @@ void AddMerge(CLI::App& map, int& exit_code) {
   AddForceOption(*merge, arguments->force);
   merge->add_flag("--json", arguments->json, "Print what was written as JSON");
   merge->footer(
-      "Anchors tie the frames together. What parts of one map share comes once. Landmarks of\n"
+      "Anchors tie the frames together; the first map's is kept. What parts of one map share comes "
+      "once. Landmarks of\n"
       "different drives over the same street are not fused: survey the drives for that.\n"
       "Example:\n"
       "  dcloc map merge west.dclm east.dclm --same-frame --out town.dclm");

@@ -1,5 +1,6 @@
 #include "client/cli/map/map_exchange_command.h"
 
+#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -9,7 +10,6 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/cli/common/atomic_file.h"
 #include "client/cli/common/exit_codes.h"
 #include "client/cli/common/input_file.h"
 #include "client/cli/common/output_file.h"
@@ -21,6 +21,7 @@
 #include "client/landmarks/landmark_geojson.h"
 #include "client/landmarks/landmark_pcd.h"
 #include "client/trajectory/trajectory_reader.h"
+#include "client/trajectory/trajectory_writer.h"
 
 namespace dcloc::cli {
 namespace {
@@ -57,12 +58,20 @@ void PrintJson(const ordered_json& json) {
   absl::PrintF("%s\n", json.dump(2, ' ', false, ordered_json::error_handler_t::replace));
 }
 
-absl::Status WriteLandmarks(const MapParts& map, const std::string& file) {
-  if (file.empty()) return absl::OkStatus();
-  const absl::StatusOr<std::string> text =
-      IsPcd(file) ? FormatLandmarkPcd(map) : FormatLandmarkGeoJson(map);
+absl::Status AddMadeFile(const std::string& file, const absl::StatusOr<std::string>& text,
+                         std::vector<MadeFile>& made) {
   if (!text.ok()) return text.status();
-  return WriteFileAtomically(file, std::as_bytes(std::span(*text)));
+  const auto bytes = std::as_bytes(std::span(*text));
+  made.push_back({file, {bytes.begin(), bytes.end()}});
+  return absl::OkStatus();
+}
+
+// `CheckTrajectory` has passed it.
+absl::StatusOr<std::string> KeyframeText(const TrajectoryArguments& arguments,
+                                         const MapParts& map) {
+  const auto format = TrajectoryFormatOf(arguments.file, arguments.format);
+  if (!format.ok()) return format.status();
+  return FormatTrajectory(KeyframeTrajectory(map), *format);
 }
 
 absl::Status Export(const ExportArguments& arguments) {
@@ -72,8 +81,17 @@ absl::Status Export(const ExportArguments& arguments) {
   const absl::StatusOr<MapParts> map = ReadMapParts(arguments.file);
   if (!map.ok()) return map.status();
   status = CheckTrajectory(arguments.trajectory, map->Anchor().has_value());
-  if (status.ok()) status = WriteLandmarks(*map, arguments.landmarks);
-  if (status.ok()) status = WriteTrajectory(arguments.trajectory, KeyframeTrajectory(*map));
+  // Both before one is written, so that an error leaves no half of an export.
+  std::vector<MadeFile> made;
+  if (status.ok() && !arguments.landmarks.empty()) {
+    const bool is_pcd = IsPcd(arguments.landmarks);
+    status = AddMadeFile(arguments.landmarks,
+                         is_pcd ? FormatLandmarkPcd(*map) : FormatLandmarkGeoJson(*map), made);
+  }
+  if (status.ok() && !arguments.trajectory.file.empty()) {
+    status = AddMadeFile(arguments.trajectory.file, KeyframeText(arguments.trajectory, *map), made);
+  }
+  if (status.ok()) status = WriteMadeFiles(made, arguments.force);
   if (!status.ok()) return status;
   if (arguments.json) {
     PrintJson({{"landmarks", arguments.landmarks},
@@ -133,6 +151,12 @@ absl::Status Import(const ImportArguments& arguments) {
   std::size_t moved_keyframe_count = 0;
   absl::StatusOr<MapParts> map = Mended(arguments, *std::move(base), counts, moved_keyframe_count);
   if (!map.ok()) return map.status();
+  if (counts.same + counts.moved + counts.edited == 0) {
+    absl::FPrintF(stderr,
+                  "%s: none of its landmarks is one of %s; --base must be the map that was "
+                  "exported\n",
+                  Visible(arguments.landmarks), Visible(arguments.base));
+  }
   if (!arguments.name.empty()) map->name = arguments.name;
   const absl::StatusOr<MapInfo> info = WriteMapParts(*map, arguments.out);
   if (!info.ok()) return info.status();

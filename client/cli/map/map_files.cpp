@@ -1,15 +1,30 @@
 #include "client/cli/map/map_files.h"
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/common/atomic_file.h"
+#include "client/cli/common/output_file.h"
 
 namespace dcloc::cli {
 namespace {
 
 absl::Status Named(const std::string& file, const absl::Status& status) {
   return absl::Status(status.code(), absl::StrCat(file, ": ", status.message()));
+}
+
+// Whether a file may be put there.
+absl::Status CheckFolder(const std::string& file) {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  std::error_code error;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
+    return absl::NotFoundError(
+        absl::StrCat(file, ": cannot be written: there is no folder ", folder.string()));
+  }
+  if (!std::filesystem::is_directory(file, error)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(file, ": cannot be written: it is a folder"));
 }
 
 }  // namespace
@@ -22,12 +37,31 @@ absl::StatusOr<MapParts> ReadMapParts(const std::string& file) {
 }
 
 absl::StatusOr<MapInfo> WriteMapParts(const MapParts& map, const std::string& file) {
+  MadeFile made{.file = file, .bytes = {}};
+  absl::StatusOr<MapInfo> info = MakeMapFile(map, made);
+  if (!info.ok()) return info;
+  if (absl::Status status = WriteFileAtomically(file, made.bytes); !status.ok()) return status;
+  return info;
+}
+
+absl::StatusOr<MapInfo> MakeMapFile(const MapParts& map, MadeFile& made) {
   absl::StatusOr<std::vector<std::byte>> bytes = PutTogether(map);
-  if (!bytes.ok()) return Named(file, bytes.status());
-  if (absl::Status status = WriteFileAtomically(file, *bytes); !status.ok()) return status;
-  const auto written = RadarMap::FromBytes(*std::move(bytes));
-  if (!written.ok()) return Named(file, written.status());
-  return (*written)->info();
+  if (!bytes.ok()) return Named(made.file, bytes.status());
+  const auto read = RadarMap::FromBytes(*bytes);
+  if (!read.ok()) return Named(made.file, read.status());
+  made.bytes = *std::move(bytes);
+  return (*read)->info();
+}
+
+absl::Status WriteMadeFiles(const std::vector<MadeFile>& files, bool force) {
+  OutputFiles outputs{.paths = {}, .force = force};
+  for (const MadeFile& made : files) outputs.paths.push_back(made.file);
+  absl::Status status = CheckOutputFiles(outputs);
+  for (const MadeFile& made : files) status.Update(CheckFolder(made.file));
+  for (const MadeFile& made : files) {
+    if (status.ok()) status = WriteFileAtomically(made.file, made.bytes);
+  }
+  return status;
 }
 
 }  // namespace dcloc::cli

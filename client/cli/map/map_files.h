@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -13,5 +15,18 @@ absl::StatusOr<MapParts> ReadMapParts(const std::string& file);
 
 /// Writes the map whole and gives what it is. Errors name the file.
 absl::StatusOr<MapInfo> WriteMapParts(const MapParts& map, const std::string& file);
+
+/// A file that is made and not written yet.
+struct MadeFile {
+  std::string file;
+  std::vector<std::byte> bytes;
+};
+
+/// The map's file, and what it is. Errors name the file.
+absl::StatusOr<MapInfo> MakeMapFile(const MapParts& map, MadeFile& made);
+
+/// Writes all files, or none where one of them cannot be: AlreadyExists for one that is there
+/// without `force`, NotFound for one whose folder is not, InvalidArgument for a folder.
+absl::Status WriteMadeFiles(const std::vector<MadeFile>& files, bool force);
 
 }  // namespace dcloc::cli

@@ -11,6 +11,7 @@
 
 #include "client/datasets/dataset.h"
 #include "client/evaluation/runner.h"
+#include "core/map/map_parts.h"
 #include "tests/client/cli/fixtures/dcloc_process.h"
 #include "tests/client/datasets/temp_folder.h"
 
@@ -118,6 +119,42 @@ TEST_F(MapEditCommandTest, NothingIsReplacedWithoutBeingAsked) {
               HasSubstr("two outputs would have this path"));
 }
 
+TEST_F(MapEditCommandTest, WhereOneOutputCannotBeWrittenNoneIs) {
+  const Result split = Dcloc("map split " + Town() + " --box -1000,-1000,120,1000 --inside " +
+                             File("west") + " --outside " + File("none/east"));
+  EXPECT_EQ(split.exit_code, 1);
+  EXPECT_THAT(split.err, HasSubstr("none/east: cannot be written: there is no folder"));
+  EXPECT_FALSE(std::filesystem::exists(File("west")));
+  const Result exported =
+      Dcloc("map export " + Town() + " --force --landmarks " + File("a.pcd") +
+            " --trajectory-format tum --trajectory-out " + folder_.path().string());
+  EXPECT_EQ(exported.exit_code, 1);
+  EXPECT_THAT(exported.err, HasSubstr("cannot be written: it is a folder"));
+  EXPECT_FALSE(std::filesystem::exists(File("a.pcd")));
+}
+
+TEST_F(MapEditCommandTest, NoAnchorIsLostInAMerge) {
+  auto map = RadarMap::Open(Town());
+  ASSERT_TRUE(map.ok()) << map.status();
+  MapParts parts = TakeApart(**map);
+  parts.info.flags &= ~kHasAnchorFlag;
+  parts.info.anchor_latitude_deg = parts.info.anchor_longitude_deg = 0.0;
+  parts.info.anchor_height_m = parts.info.anchor_x_axis_east_rad = 0.0;
+  const auto bytes = PutTogether(parts);
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  const std::string bare =
+      folder_
+          .Write("bare.dclm",
+                 std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()))
+          .string();
+  const std::string end = " --same-frame --force --out " + File("both");
+  const Result lost = Dcloc("map merge " + bare + " " + Town() + end);
+  EXPECT_EQ(lost.exit_code, 1);
+  EXPECT_THAT(lost.err, HasSubstr("town.dclm: has an anchor on the Earth, and"));
+  ExpectOk(Dcloc("map merge " + Town() + " " + bare + end));
+  EXPECT_EQ(BytesIn(File("both")), BytesIn(Town()));
+}
+
 TEST_F(MapEditCommandTest, ExportAndImportGiveTheSameMap) {
   for (const std::string file : {"town.geojson", "town.pcd"}) {
     ExpectOk(Dcloc("map export " + Town() + " --landmarks " + File(file) + " --trajectory-out " +
@@ -147,6 +184,7 @@ TEST_F(MapEditCommandTest, MendedLandmarksAreWhatDiffTells) {
   ExpectOk(diff);
   const Json found = Json::parse(diff.out);
   EXPECT_EQ(found["same_count"], count - 2);
+  EXPECT_GT(found["went"].size(), 0U);
   EXPECT_EQ(found["went"].size() + found["only_old_covers_count"].get<std::size_t>(), 2U);
   EXPECT_EQ(found["came"].size() + found["only_new_covers_count"].get<std::size_t>(), 1U);
 }
@@ -157,6 +195,8 @@ TEST_F(MapEditCommandTest, ADiffIsDrawn) {
       Dcloc("map diff " + Town() + " " + File("less.dclm") + " --picture " + File("diff.svg"));
   ExpectOk(diff);
   EXPECT_THAT(diff.out, HasSubstr("came         0"));
+  const Result counted = Dcloc("map diff --json " + Town() + " " + File("less.dclm"));
+  EXPECT_GT(Json::parse(counted.out)["went"].size(), 0U);
   EXPECT_THAT(BytesIn(File("diff.svg")), HasSubstr("went: "));
 }
 
