@@ -103,7 +103,8 @@ TEST(AgeingTest, NewThingsHaveIdsOfTheirOwn) {
   std::map<std::uint32_t, int> ids;
   for (const Scatterer& scatterer : aged.world.scatterers) ++ids[scatterer.id];
   for (const ScattererChange& change : aged.changes) {
-    if (change.came) EXPECT_EQ(ids[change.scatterer.id], 1) << change.cause;
+    if (!change.came) continue;
+    EXPECT_EQ(ids[change.scatterer.id], 1) << change.cause;
   }
 }
 
