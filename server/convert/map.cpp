@@ -13,7 +13,6 @@
 namespace dcloc::server::convert {
 namespace {
 
-
 /// As poses on the wire: within 1e5 km of the origin.
 constexpr double kMaxCoordinate_m = 1e8;
 constexpr double kMaxCoverageRadius_m = 10'000.0;

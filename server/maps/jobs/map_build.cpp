@@ -11,7 +11,6 @@
 namespace dcloc::server {
 namespace {
 
-
 constexpr std::size_t kMaxDescription = 1000;
 
 absl::Status CheckLength(absl::string_view field, const std::string& text) {
