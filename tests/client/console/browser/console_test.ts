@@ -180,8 +180,9 @@ async function proposeByClick(): Promise<void> {
   const submit = form.getByRole("button", { name: "Propose" });
   assert.ok(await submit.isDisabled(), "no place is chosen yet");
   await page.locator(".session-map canvas").click({ position: { x: 60, y: 60 } });
-  assert.match(await form.getByLabel("x, m").inputValue(), /^-?\d/);
   const x = form.getByLabel("x, m");
+  for (let i = 0; i < 100 && (await x.inputValue()) === ""; ++i) await settled(50);
+  assert.match(await x.inputValue(), /^-?\d/);
   await x.fill("");
   await x.pressSequentially("-10.05");
   assert.equal(await x.inputValue(), "-10.05");
