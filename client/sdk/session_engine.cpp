@@ -8,6 +8,13 @@
 #include "client/sdk/status.h"
 
 namespace dcloc::client {
+namespace {
+
+/// So many resets of attempts to resume a session mean that it is gone.
+constexpr int kRefusingResetCount = 2;
+
+}  // namespace
+
 SessionEngine::SessionEngine(std::unique_ptr<v1::LocalizationService::Stub> stub,
                              v1::OpenSession open, SessionOptions options)
     : stub_(std::move(stub)),
@@ -187,6 +194,7 @@ void SessionEngine::TakeOpened(v1::SessionOpened opened) {
   catches_up_ = (goes_on || opened.resumed()) && opened.has_last_sequence_number();
   opened_ = opened;
   resume_token_ = opened.resume_token();
+  resume_reset_count_ = 0;
   takes_fixes_ = opened.takes_position_fixes();
   if (!takes_fixes_) LoseFixes(outbox_.DropFixes());
   if (first) {
@@ -301,8 +309,7 @@ std::optional<absl::Status> SessionEngine::Judge(const absl::Status& status) {
   if (sending_closed_ && outbox_.empty()) return absl::OkStatus();
   const bool resuming = !resume_token_.empty() && !opened_;
   const bool can_return = options_.reconnect && !first_opened_->resume_token().empty();
-  // HAProxy 2.6 loses a refusal that a reset follows, and hands on the reset. It was not us.
-  if (resuming && (absl::IsNotFound(status) || absl::IsCancelled(status))) {
+  if (resuming && IsRefusal(status)) {
     restart_reason_ = status;
     resume_token_.clear();
   } else if (!can_return || !MayPass(status, opened_.has_value())) {
@@ -320,6 +327,13 @@ std::optional<absl::Status> SessionEngine::Judge(const absl::Status& status) {
     Tell({.kind = SessionEvent::Kind::kDisconnected, .status = status, .opened = {}});
   }
   return std::nullopt;
+}
+
+/// Whether the session will not be resumed. HAProxy 2.6 loses a refusal that a reset follows, and
+/// hands on the reset. One reset is also what a server or a proxy gives that is stopping.
+bool SessionEngine::IsRefusal(const absl::Status& status) {
+  if (absl::IsNotFound(status)) return true;
+  return absl::IsCancelled(status) && ++resume_reset_count_ >= kRefusingResetCount;
 }
 
 /// An early OK is no good end.

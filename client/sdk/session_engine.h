@@ -98,6 +98,7 @@ class SessionEngine final : public Connection::Host {
   absl::Status RunStream(std::unique_lock<std::mutex>& lock);
   v1::OpenSession OpenMessage() const;
   std::optional<absl::Status> Judge(const absl::Status& status);
+  bool IsRefusal(const absl::Status& status);
   absl::Status Unanswered(absl::Status status) const;
   bool WaitForNextAttempt(std::unique_lock<std::mutex>& lock);
   bool FillCatchUp(v1::LocalizeRequest* request);
@@ -124,6 +125,7 @@ class SessionEngine final : public Connection::Host {
   std::optional<v1::SessionOpened> first_opened_;
   std::optional<absl::Status> end_status_;
   std::string resume_token_;
+  int resume_reset_count_ = 0;   ///< attempts to resume it that were reset
   absl::Status restart_reason_;  ///< why the session before could not be resumed
   bool takes_fixes_ = false;     ///< of the newest stream's server
   bool sending_closed_ = false;

@@ -51,8 +51,7 @@ SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
       speed_sum += weight;
       const double apart_mps = std::abs(hypothesis.speed.value - best().speed.value);
       const double beyond_gate_mps = std::max(0.0, apart_mps - kStaticGate_mps);
-      doubt.speed_variance =
-          std::max(doubt.speed_variance, weight * std::pow(beyond_gate_mps / kStaticGateSigmas, 2));
+      doubt.speed_variance += weight * std::pow(beyond_gate_mps / kStaticGateSigmas, 2);
       const double missed_m = hypothesis.missed.forward_m - best().missed.forward_m;
       doubt.way_variance_m2 += weight * std::pow(missed_m, 2);
       doubt.way_bound_m = std::max(doubt.way_bound_m, std::abs(missed_m));
