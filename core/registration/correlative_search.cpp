@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 
 #include "core/registration/search_grid.h"
@@ -88,6 +89,44 @@ struct Entry {
   }
 };
 
+// The best `count` of all entries that are added. A window has millions; these stay in the cache.
+class BestEntries {
+ public:
+  explicit BestEntries(std::size_t count) : count_(count) { entries_.reserve(2 * count); }
+
+  void Add(const Entry& entry) {
+    if (!(beaten_ < entry)) return;
+    entries_.push_back(entry);
+    if (entries_.size() == 2 * count_) Prune();
+  }
+
+  /// The best first.
+  std::span<const Entry> Sorted() {
+    std::ranges::sort(entries_, [](const Entry& a, const Entry& b) { return b < a; });
+    return std::span(entries_).first(std::min(count_, entries_.size()));
+  }
+
+ private:
+  void Prune() {
+    const auto last = entries_.begin() + static_cast<std::ptrdiff_t>(count_) - 1;
+    std::ranges::nth_element(entries_, last, [](const Entry& a, const Entry& b) { return b < a; });
+    beaten_ = *last;
+    entries_.resize(count_);
+  }
+
+  std::size_t count_;
+  std::vector<Entry> entries_;
+  // `count_` entries are at least as good as this one.
+  Entry beaten_{.sum = 0, .number = std::numeric_limits<std::uint32_t>::max()};
+};
+
+// At most so many poses of a window are of one peak: a cube around its best one. Its corners make
+// up for headings that a whole turn repeats.
+constexpr std::size_t kPosesOfPeak = [] {
+  constexpr auto kSide = 2 * static_cast<std::size_t>(kPeakWidth_cells) + 1;
+  return kSide * kSide * kSide;
+}();
+
 }  // namespace
 
 std::vector<PoseCandidate> CorrelativeSearch(std::span<const Eigen::Vector2f> points,  // METHOD 5
@@ -106,32 +145,31 @@ std::vector<PoseCandidate> CorrelativeSearch(std::span<const Eigen::Vector2f> po
   };
 
   WindowSums sums(shifts);
-  std::vector<Entry> entries;
+  // Before the last peak is found, at most all poses of the others have come.
+  BestEntries entries(kPosesOfPeak * static_cast<std::size_t>(max_count));
+  std::uint32_t number = 0;
   for (int turn = -turns; turn <= turns; ++turn) {
     for (const std::uint32_t sum : sums.At(points, field, turned(turn))) {
-      entries.push_back({sum, static_cast<std::uint32_t>(entries.size())});
+      entries.Add({.sum = sum, .number = number++});
     }
   }
 
-  // Only the best few are asked for: a heap gives them without sorting the rest.
-  std::make_heap(entries.begin(), entries.end());
   const int side = 2 * shifts + 1;
   std::vector<PoseCandidate> best;
-  while (!entries.empty() && best.size() < static_cast<std::size_t>(max_count)) {
-    std::pop_heap(entries.begin(), entries.end());
-    const auto number = static_cast<int>(entries.back().number);
-    PoseCandidate candidate{
-        .T_local_vehicle = turned(number / (side * side) - turns),
-        .score = entries.back().sum / (255.0 * static_cast<double>(points.size()))};
-    entries.pop_back();
+  for (const Entry& entry : entries.Sorted()) {
+    const auto at = static_cast<int>(entry.number);
+    PoseCandidate candidate{.T_local_vehicle = turned(at / (side * side) - turns),
+                            .score = entry.sum / (255.0 * static_cast<double>(points.size()))};
     candidate.T_local_vehicle.translation_m +=
-        step_m * Eigen::Vector2d(number % side - shifts, number / side % side - shifts);
+        step_m * Eigen::Vector2d(at % side - shifts, at / side % side - shifts);
     const bool seen = std::any_of(best.begin(), best.end(), [&](const PoseCandidate& kept) {
       const Pose2 apart = kept.T_local_vehicle.Inverse() * candidate.T_local_vehicle;
       return apart.translation_m.norm() < kPeakWidth_cells * step_m &&
              std::abs(apart.yaw_rad) < kPeakWidth_cells * step_rad;
     });
-    if (!seen) best.push_back(candidate);
+    if (seen) continue;
+    best.push_back(candidate);
+    if (best.size() == static_cast<std::size_t>(max_count)) break;
   }
   return best;
 }

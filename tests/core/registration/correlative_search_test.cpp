@@ -171,6 +171,24 @@ TEST(CorrelativeSearchTest, EveryHeadingOverAWindowLargerThanTheMap) {
   EXPECT_LT(std::abs(error.yaw_rad), 0.15);
 }
 
+TEST(CorrelativeSearchTest, TheBestFewAreTheFirstOfMany) {
+  const Scene scene = SceneAt({}, 60, 0.1, 35);
+  const LikelihoodField field(scene.map, 0.5);
+  // So many poses that most are dropped on the way.
+  const SearchWindow window{.translation_m = 15.0, .rotation_rad = 1.5};
+  const auto many = CorrelativeSearch(scene.points, field, window, 40);
+  ASSERT_EQ(many.size(), 40U);
+  for (const int count : {1, 2, 7}) {
+    const auto few = CorrelativeSearch(scene.points, field, window, count);
+    ASSERT_EQ(few.size(), static_cast<std::size_t>(count));
+    for (std::size_t i = 0; i < few.size(); ++i) {
+      EXPECT_EQ(few[i].score, many[i].score);
+      EXPECT_EQ(few[i].T_local_vehicle.translation_m, many[i].T_local_vehicle.translation_m);
+      EXPECT_EQ(few[i].T_local_vehicle.yaw_rad, many[i].T_local_vehicle.yaw_rad);
+    }
+  }
+}
+
 TEST(CorrelativeSearchTest, EmptyInputsFindNothing) {
   const Scene scene = SceneAt({}, 10, 0.0, 50);
   const LikelihoodField field(scene.map, 0.5);
