@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/calibration/applied_corrections.h"
-#include "core/calibration/overlap.h"
+#include "core/calibration/gaussian_overlap.h"
 #include "core/geometry/thinning.h"
 
 namespace dcloc {

@@ -21,8 +21,9 @@ Pose2 PlaceScan(const DriveTrack& track, std::span<const Pose2> T_map_nodes,
   return T_map_nodes[here] * T_node_vehicle * Exp(Eigen::Vector3d(share * Log(missed)));
 }
 
-std::vector<GaussianPoint<2>> JoinView(const DriveTrack& track, std::span<const Pose2> T_map_nodes,
-                                       std::size_t centre, std::size_t half_count) {
+std::vector<GaussianPoint<2>> JoinSubmap(const DriveTrack& track,
+                                         std::span<const Pose2> T_map_nodes, std::size_t centre,
+                                         std::size_t half_count) {
   const std::size_t begin = centre - std::min(centre, half_count);
   const std::size_t end = std::min(track.nodes.size(), centre + half_count + 1);
   const Pose2 T_centre_map = T_map_nodes[centre].Inverse();

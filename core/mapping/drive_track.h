@@ -54,7 +54,8 @@ Pose2 PlaceScan(const DriveTrack& track, std::span<const Pose2> T_map_nodes,
 
 /// The landmarks of the nodes `centre` - `half_count` to `centre` + `half_count` of a drive, in the
 /// frame of the node `centre`, nodes lying at `T_map_nodes`.
-std::vector<GaussianPoint<2>> JoinView(const DriveTrack& track, std::span<const Pose2> T_map_nodes,
-                                       std::size_t centre, std::size_t half_count);
+std::vector<GaussianPoint<2>> JoinSubmap(const DriveTrack& track,
+                                         std::span<const Pose2> T_map_nodes, std::size_t centre,
+                                         std::size_t half_count);
 
 }  // namespace dcloc

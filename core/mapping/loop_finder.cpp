@@ -19,7 +19,7 @@ std::span<const OptionField<LoopFinderOptions>> FieldsOf(const LoopFinderOptions
       {"drift_rad_per_m", &O::drift_rad_per_m, 1e-7, 0.1},
       {"max_sigma_m", &O::max_sigma_m, 0.1, 100},
       {"search_sigmas", &O::search_sigmas, 0.5, 10},
-      {"view_half_count", &O::view_half_count, 0, 20, "a view is one node"},
+      {"submap_half_count", &O::submap_half_count, 0, 20, "a sub-map is one node"},
   };
   return kFields;
 }
@@ -61,17 +61,17 @@ std::vector<NetworkEdge> LoopFinder::Neighbours(const SurveyGraph& graph, std::s
 std::optional<NetworkEdge> LoopFinder::Register(const SurveyGraph& graph, std::size_t from,
                                                 std::size_t to, const SubmapGuess& guess,
                                                 const RegistrationGate& gate) {
-  // As far as the search may move the view, the target has ground beneath it.
+  // As far as the search may move the sub-map, the target has ground beneath it.
   const DriveTrack& track = graph.track(graph.PlaceOf(from).drive);
   const double spacing_m = std::max(1.0, track.way_m / static_cast<double>(track.nodes.size()));
   const auto wider =
       static_cast<std::size_t>(std::ceil(options_.search_sigmas * guess.sigma_m / spacing_m));
-  // A view of more nodes is bent by the ego-motion within it.
+  // A sub-map of more nodes is bent by the ego-motion within it.
   constexpr std::size_t kMaxWider = 4;
   const LocalMap<2> target(
-      Pose3{}, graph.ViewOf(from, options_.view_half_count + 1 + std::min(wider, kMaxWider)));
+      Pose3{}, graph.SubmapOf(from, options_.submap_half_count + 1 + std::min(wider, kMaxWider)));
   const std::optional<SubmapMatch> match =
-      matcher_.Match(graph.ViewOf(to, options_.view_half_count), target, guess, gate);
+      matcher_.Match(graph.SubmapOf(to, options_.submap_half_count), target, guess, gate);
   if (!match) return std::nullopt;
   return NetworkEdge{.from = from, .to = to, .T_from_to = match->T_target_live};
 }

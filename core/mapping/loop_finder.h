@@ -19,7 +19,7 @@ struct LoopFinderOptions {
   RegistrationGate loop_gate = {.min_inlier_count = 40, .min_overlap = 0.4};
   /// Nodes of one drive are a loop only over more way than this; before, they are neighbours.
   double min_loop_way_m = 80.0;
-  double near_m = 12.0;  ///< middles of views that may show the same ground
+  double near_m = 12.0;  ///< middles of sub-maps that may show the same ground
   /// How the deviation of one node from another grows with the way between them.
   double base_sigma_m = 0.1;
   double base_sigma_rad = 0.003;
@@ -27,10 +27,10 @@ struct LoopFinderOptions {
   double drift_rad_per_m = 5e-5;
   /// Where the deviation is larger than this, nearness says nothing: that is for place search.
   double max_sigma_m = 17.0;
-  /// How many such deviations two views may be apart for a registration to be tried.
+  /// How many such deviations two sub-maps may be apart for a registration to be tried.
   double search_sigmas = 2.0;
-  std::size_t view_half_count = 1;  ///< nodes before and after that take part in a view
-  WayCosts way_costs;               ///< what joins nodes otherwise than by driving
+  std::size_t submap_half_count = 1;  ///< nodes before and after that take part in a sub-map
+  WayCosts way_costs;                 ///< what joins nodes otherwise than by driving
 };
 std::span<const OptionField<LoopFinderOptions>> FieldsOf(const LoopFinderOptions& options);
 absl::Status Validate(const LoopFinderOptions& options);
@@ -59,7 +59,7 @@ class LoopFinder {
   struct Visit {
     std::size_t node;
     double way_m;
-    double distance_m;  // between the middles of the views
+    double distance_m;  // between the middles of the sub-maps
   };
   std::vector<Visit> VisitsNear(const SurveyGraph& graph, std::size_t node) const;
   double SigmaAfter(double way_m) const {

@@ -59,13 +59,13 @@ std::span<const OptionField<PlaceFinderOptions>> FieldsOf(const PlaceFinderOptio
   using O = PlaceFinderOptions;
   static constexpr OptionField<O> kFields[] = {
       {"query_spacing_m", &O::query_spacing_m, 1, 10'000},
-      {"view_half_count", &O::view_half_count, 0, 20, "a view is one node"},
+      {"submap_half_count", &O::submap_half_count, 0, 20, "a sub-map is one node"},
       {"search_point_count", &O::search_point_count, 10, 10'000},
       {"candidate_count", &O::candidate_count, 1, 100},
       {"guess_sigma_m", &O::guess_sigma_m, 0.01, 10},
       {"guess_sigma_rad", &O::guess_sigma_rad, 1e-4, 1},
       {"min_agreeing_count", &O::min_agreeing_count, 2, 100},
-      {"min_agreeing_way_m", &O::min_agreeing_way_m, 0, 10'000, "views of one place suffice"},
+      {"min_agreeing_way_m", &O::min_agreeing_way_m, 0, 10'000, "sub-maps of one place suffice"},
   };
   return kFields;
 }
@@ -110,10 +110,10 @@ absl::StatusOr<PlaceFinding> PlaceFinder::Find(const SurveyGraph& graph, std::si
     if (track.nodes[i].way_m < next_way_m) continue;
     next_way_m = track.nodes[i].way_m + options_.query_spacing_m;
     const std::size_t node = graph.NodeAt({drive, i});
-    const std::vector<GaussianPoint<2>> view = graph.ViewOf(node, options_.view_half_count);
-    if (view.empty()) continue;
+    const std::vector<GaussianPoint<2>> submap = graph.SubmapOf(node, options_.submap_half_count);
+    if (submap.empty()) continue;
     ++finding.query_count;
-    PlaceSearch search(*map, PositionsOf<2>(EvenSubsample<2>(view, options_.search_point_count)),
+    PlaceSearch search(*map, PositionsOf<2>(EvenSubsample<2>(submap, options_.search_point_count)),
                        {.max_count = options_.candidate_count});
     while (!search.done()) search.SearchOn();
     for (const PlaceCandidate& place : search.Best()) {
@@ -138,7 +138,7 @@ std::vector<NetworkEdge> PlaceFinder::Agreeing(const SurveyGraph& graph,
   const auto agrees = [&](std::size_t a, std::size_t b) {
     const NetworkEdge& one = matches[a];
     const NetworkEdge& other = matches[b];
-    if (one.to == other.to) return false;  // one view is at one place
+    if (one.to == other.to) return false;  // one sub-map is at one place
     const double way_m = std::abs(graph.node(one.to).way_m - graph.node(other.to).way_m);
     const Pose2 T_one_other =
         (T[one.from] * one.T_from_to.pose).Inverse() * T[other.from] * other.T_from_to.pose;

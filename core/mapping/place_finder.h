@@ -17,14 +17,14 @@
 namespace dcloc {
 
 struct PlaceFinderOptions {
-  double query_spacing_m = 40.0;    ///< way between the views that are searched for
-  std::size_t view_half_count = 2;  ///< nodes before and after that take part in a view
+  double query_spacing_m = 40.0;      ///< way between the sub-maps that are searched for
+  std::size_t submap_half_count = 2;  ///< nodes before and after that take part in a sub-map
   int search_point_count = 300;
-  int candidate_count = 4;      ///< of each view that are registered
+  int candidate_count = 4;      ///< of each sub-map that are registered
   double guess_sigma_m = 0.45;  ///< of a place that the search finds
   double guess_sigma_rad = 0.02;
   RegistrationGate gate = {.min_inlier_count = 120, .min_overlap = 0.45};
-  int min_agreeing_count = 3;        ///< views that must agree on how two drives lie to one another
+  int min_agreeing_count = 3;  ///< sub-maps that must agree on how two drives lie to one another
   double min_agreeing_way_m = 60.0;  ///< and so far must they lie apart
   LoopVoteOptions vote = {.tolerance_m = 1.5, .tolerance_share = 0.02};
 };
@@ -39,13 +39,13 @@ absl::StatusOr<std::shared_ptr<const RadarMap>> MapOfNodes(const SurveyGraph& gr
 /// How a drive was looked for in the frame of others.
 struct PlaceFinding {
   std::vector<NetworkEdge> loops;  ///< that agree; empty where the drive was not found
-  int query_count = 0;             ///< views that were searched for
+  int query_count = 0;             ///< sub-maps that were searched for
   int match_count = 0;             ///< registrations that passed the gate
 };
 
-/// Finds where a drive crosses ground that other drives show, of which nothing is known: its views
-/// are searched for in the whole map of the others, and what is found is registered. Views that
-/// agree decide, as soon as there are enough.
+/// Finds where a drive crosses ground that other drives show, of which nothing is known: its
+/// sub-maps are searched for in the whole map of the others, and what is found is registered.
+/// Sub-maps that agree decide, as soon as there are enough.
 class PlaceFinder {
  public:
   PlaceFinder(const PlaceFinderOptions& options, const LoopFinderOptions& loops)

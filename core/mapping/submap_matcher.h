@@ -31,23 +31,23 @@ struct SubmapMatcherOptions {
 std::span<const OptionField<SubmapMatcherOptions>> FieldsOf(const SubmapMatcherOptions& options);
 absl::Status Validate(const SubmapMatcherOptions& options);
 
-/// Two views of the same ground, one placed in the frame of the other.
+/// Two sub-maps of the same ground, one placed in the frame of the other.
 struct SubmapMatch {
   PoseEstimate<2> T_target_live;  ///< the covariance holds what is not observed, and shared errors
   int inlier_count = 0;
   double overlap = 0.0;  ///< share of the live landmarks that are inliers
   double residual_scale = 0.0;
-  bool observes_all = true;  ///< false where the view may be shifted along itself, as in a tunnel
+  bool observes_all = true;  ///< false where it may be shifted along itself, as in a tunnel
 };
 
-/// Where the live view is expected to lie.
+/// Where the live sub-map is expected to lie.
 struct SubmapGuess {
   Pose2 T_target_live;
   double sigma_m = 0.1;
   double sigma_rad = 0.005;
 };
 
-/// Registers views of landmarks with one another by the localizer's own registration.
+/// Registers sub-maps of landmarks with one another by the localizer's own registration.
 class SubmapMatcher {
  public:
   explicit SubmapMatcher(const SubmapMatcherOptions& options = {}) : options_(options) {}

@@ -60,12 +60,13 @@ Eigen::Vector2d SurveyGraph::CentreOf(std::size_t node) const {
   return T_map_nodes[node] * this->node(node).centre_m;
 }
 
-std::vector<GaussianPoint<2>> SurveyGraph::ViewOf(std::size_t node, std::size_t half_count) const {
+std::vector<GaussianPoint<2>> SurveyGraph::SubmapOf(std::size_t node,
+                                                    std::size_t half_count) const {
   const Place place = PlaceOf(node);
   const std::size_t begin = first_node_[place.drive];
   const std::size_t count = first_node_[place.drive + 1] - begin;
-  return JoinView(track(place.drive), std::span(T_map_nodes).subspan(begin, count), place.index,
-                  half_count);
+  return JoinSubmap(track(place.drive), std::span(T_map_nodes).subspan(begin, count), place.index,
+                    half_count);
 }
 
 std::vector<NetworkEdge> SurveyGraph::Edges() const {

@@ -49,7 +49,7 @@ class SurveyGraph {
   Eigen::Vector2d CentreOf(std::size_t node) const;
 
   /// The landmarks around a node, in its frame.
-  std::vector<GaussianPoint<2>> ViewOf(std::size_t node, std::size_t half_count) const;
+  std::vector<GaussianPoint<2>> SubmapOf(std::size_t node, std::size_t half_count) const;
 
   /// All edges: motion, then neighbours, then loops.
   std::vector<NetworkEdge> Edges() const;

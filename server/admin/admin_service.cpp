@@ -127,6 +127,25 @@ std::vector<std::string> AdminService::OthersToAsk(
   return replicas_.CanHandOn(context) ? replicas_.OthersFor(context) : std::vector<std::string>();
 }
 
+template <typename Request, typename Response>
+void AdminService::AskWhoHasIt(const grpc::CallbackServerContext& context, const Request& request,
+                               Replicas::Method<Request, Response> method, const absl::Status& here,
+                               Response* response, const UnaryDone& done) {
+  replicas_.Ask<Request, Response>(OthersToAsk(context), context, request, method,
+                                   [here, response, done](auto answers) {
+                                     done(TakeFound(here, std::move(answers), response));
+                                   });
+}
+
+template <typename Request, typename Response>
+void AdminService::AskOne(std::string address, const grpc::CallbackServerContext& context,
+                          const Request& request, Replicas::Method<Request, Response> method,
+                          Response* response, const UnaryDone& done) {
+  replicas_.Ask<Request, Response>(
+      {std::move(address)}, context, request, method,
+      [response, done](auto answers) { done(TakeOnly(std::move(answers), response)); });
+}
+
 grpc::ServerUnaryReactor* AdminService::ListReplicas(grpc::CallbackServerContext* context,
                                                      const v1::ListReplicasRequest* request,
                                                      v1::ListReplicasResponse* response) {
@@ -148,19 +167,17 @@ grpc::ServerUnaryReactor* AdminService::ListReplicas(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* AdminService::GetServerState(grpc::CallbackServerContext* context,
                                                        const v1::GetServerStateRequest* request,
                                                        v1::GetServerStateResponse* response) {
-  return AnswerLaterOn(
-      host_, context, request,
-      [this, context, request, response](const Principal&, const UnaryDone& done) {
-        const auto named = replicas_.Named(*context, request->replica());
-        if (!named.ok()) return done(named.status());
-        if (named->empty()) {
-          Describe(response);
-          return done(absl::OkStatus());
-        }
-        replicas_.Ask<v1::GetServerStateRequest, v1::GetServerStateResponse>(
-            *named, *context, *request, &AsyncAdmin::GetServerState,
-            [response, done](auto answers) { done(TakeOnly(std::move(answers), response)); });
-      });
+  return AnswerLaterOn(host_, context, request,
+                       [this, context, request, response](const Principal&, const UnaryDone& done) {
+                         const auto named = replicas_.Named(*context, request->replica());
+                         if (!named.ok()) return done(named.status());
+                         if (named->empty()) {
+                           Describe(response);
+                           return done(absl::OkStatus());
+                         }
+                         AskOne(named->front(), *context, *request, &AsyncAdmin::GetServerState,
+                                response, done);
+                       });
 }
 
 grpc::ServerUnaryReactor* AdminService::ListSessions(grpc::CallbackServerContext* context,
@@ -194,11 +211,7 @@ grpc::ServerUnaryReactor* AdminService::GetSession(grpc::CallbackServerContext* 
           server::Describe(*session, replicas_.own_address(), response->mutable_session());
         }
         if (!absl::IsNotFound(session.status())) return done(session.status());
-        replicas_.Ask<v1::GetSessionRequest, v1::GetSessionResponse>(
-            OthersToAsk(*context), *context, *request, &AsyncAdmin::GetSession,
-            [here = session.status(), response, done](auto answers) {
-              done(TakeFound(here, std::move(answers), response));
-            });
+        AskWhoHasIt(*context, *request, &AsyncAdmin::GetSession, session.status(), response, done);
       });
 }
 
@@ -210,11 +223,7 @@ grpc::ServerUnaryReactor* AdminService::EndSession(grpc::CallbackServerContext* 
       [this, context, request, response](const Principal& principal, const UnaryDone& done) {
         const absl::Status status = server::EndSession(registry_, principal, *request);
         if (!absl::IsNotFound(status)) return done(status);
-        replicas_.Ask<v1::EndSessionRequest, v1::EndSessionResponse>(
-            OthersToAsk(*context), *context, *request, &AsyncAdmin::EndSession,
-            [status, response, done](auto answers) {
-              done(TakeFound(status, std::move(answers), response));
-            });
+        AskWhoHasIt(*context, *request, &AsyncAdmin::EndSession, status, response, done);
       });
 }
 
@@ -306,11 +315,7 @@ grpc::ServerUnaryReactor* AdminService::ProposePose(grpc::CallbackServerContext*
                                      });
         }
         if (!absl::IsNotFound(session.status())) return done(session.status());
-        replicas_.Ask<v1::ProposePoseRequest, v1::ProposePoseResponse>(
-            OthersToAsk(*context), *context, *request, &AsyncAdmin::ProposePose,
-            [here = session.status(), response, done](auto answers) {
-              done(TakeFound(here, std::move(answers), response));
-            });
+        AskWhoHasIt(*context, *request, &AsyncAdmin::ProposePose, session.status(), response, done);
       });
 }
 
@@ -340,20 +345,18 @@ grpc::ServerUnaryReactor* AdminService::RevokeIdentity(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* context,
                                               const v1::DrainRequest* request,
                                               v1::DrainResponse* response) {
-  return AnswerLaterOn(
-      host_, context, request,
-      [this, context, request, response](const Principal&, const UnaryDone& done) {
-        const auto named = replicas_.Named(*context, request->replica());
-        if (!named.ok()) return done(named.status());
-        if (named->empty()) {
-          response->set_session_count(drain_.drain());
-          response->set_replica(replicas_.own_address());
-          return done(absl::OkStatus());
-        }
-        replicas_.Ask<v1::DrainRequest, v1::DrainResponse>(
-            *named, *context, *request, &AsyncAdmin::Drain,
-            [response, done](auto answers) { done(TakeOnly(std::move(answers), response)); });
-      });
+  return AnswerLaterOn(host_, context, request,
+                       [this, context, request, response](const Principal&, const UnaryDone& done) {
+                         const auto named = replicas_.Named(*context, request->replica());
+                         if (!named.ok()) return done(named.status());
+                         if (named->empty()) {
+                           response->set_session_count(drain_.drain());
+                           response->set_replica(replicas_.own_address());
+                           return done(absl::OkStatus());
+                         }
+                         AskOne(named->front(), *context, *request, &AsyncAdmin::Drain, response,
+                                done);
+                       });
 }
 
 }  // namespace dcloc::server

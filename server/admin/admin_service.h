@@ -10,6 +10,7 @@
 #include "server/admin/watch_stream.h"
 #include "server/replicas/replicas.h"
 #include "server/rpc/storage_host.h"
+#include "server/rpc/unary.h"
 #include "server/sessions/recording_subscriber.h"
 #include "server/sessions/session_registry.h"
 
@@ -87,6 +88,19 @@ class AdminService final : public v1::AdminService::CallbackService {
   /// Those that a call about one session is handed on to; none where the caller cannot be spoken
   /// for.
   std::vector<std::string> OthersToAsk(const grpc::CallbackServerContext& context) const;
+
+  /// Hands a call on about a session that is not here, as `here` says: `done` is told what the
+  /// replica that has it answered.
+  template <typename Request, typename Response>
+  void AskWhoHasIt(const grpc::CallbackServerContext& context, const Request& request,
+                   Replicas::Method<Request, Response> method, const absl::Status& here,
+                   Response* response, const UnaryDone& done);
+
+  /// Hands a call on to the replica of that address.
+  template <typename Request, typename Response>
+  void AskOne(std::string address, const grpc::CallbackServerContext& context,
+              const Request& request, Replicas::Method<Request, Response> method,
+              Response* response, const UnaryDone& done);
 
   /// Watches a session that is not here; `here` says why. `request` lives until `Begin`.
   void WatchElsewhere(grpc::CallbackServerContext* context, const v1::WatchSessionRequest& request,

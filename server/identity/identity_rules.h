@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
@@ -17,6 +19,30 @@ absl::Status CheckPrincipal(const Principal& principal);
 /// DataLoss names whose identity has a role that this program does not know.
 absl::StatusOr<Role> RoleOfIdentity(std::int64_t id, absl::string_view principal_name,
                                     absl::string_view role_name);
+
+/// Reads id, proof, name, tenant, role and the times of creation, expiry and revocation, in this
+/// order, from a row of any database. `IsCertificate` takes the proof.
+template <typename Row, typename IsCertificate>
+absl::StatusOr<IdentityRecord> ReadIdentity(Row& row, const IsCertificate& is_certificate) {
+  const auto next_time = [&row]() -> std::optional<SystemTime> {
+    const bool present = !row.NextIsNull();
+    const std::chrono::nanoseconds time(row.NextInteger());
+    return present ? std::optional(SystemTime(time)) : std::nullopt;
+  };
+  IdentityRecord record;
+  record.id = row.NextInteger();
+  record.proof = is_certificate(row) ? Proof::kCertificate : Proof::kToken;
+  record.principal.name = row.NextText();
+  record.principal.tenant = row.NextText();
+  const absl::StatusOr<Role> role =
+      RoleOfIdentity(record.id, record.principal.name, row.NextText());
+  if (!role.ok()) return role.status();
+  record.principal.role = *role;
+  record.create_time = SystemTime(std::chrono::nanoseconds(row.NextInteger()));
+  record.expire_time = next_time();
+  record.revoke_time = next_time();
+  return record;
+}
 
 /// The principal of an identity that is neither revoked nor expired; else Unauthenticated. `what`
 /// names the proof.

@@ -39,26 +39,8 @@ std::int64_t NanosecondsOf(SystemTime time) { return time.time_since_epoch().cou
 
 std::int64_t NowNanoseconds() { return NanosecondsOf(std::chrono::system_clock::now()); }
 
-std::optional<SystemTime> NextTime(PostgresRows& row) {
-  const bool present = !row.NextIsNull();
-  const std::chrono::nanoseconds time_ns(row.NextInteger());
-  return present ? std::optional(SystemTime(time_ns)) : std::nullopt;
-}
-
 absl::StatusOr<IdentityRecord> Read(PostgresRows& row) {
-  IdentityRecord record;
-  record.id = row.NextInteger();
-  record.proof = row.NextBool() ? Proof::kCertificate : Proof::kToken;
-  record.principal.name = row.NextText();
-  record.principal.tenant = row.NextText();
-  const absl::StatusOr<Role> role =
-      RoleOfIdentity(record.id, record.principal.name, row.NextText());
-  if (!role.ok()) return role.status();
-  record.principal.role = *role;
-  record.create_time = SystemTime(std::chrono::nanoseconds(row.NextInteger()));
-  record.expire_time = NextTime(row);
-  record.revoke_time = NextTime(row);
-  return record;
+  return ReadIdentity(row, [](PostgresRows& proof) { return proof.NextBool(); });
 }
 
 /// `token` is empty for a certificate.

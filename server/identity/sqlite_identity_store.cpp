@@ -32,26 +32,8 @@ constexpr char kColumns[] =
 
 std::int64_t Nanoseconds(SystemTime time) { return time.time_since_epoch().count(); }
 
-std::optional<SystemTime> NextTime(SqliteStatement& row) {
-  const bool present = !row.NextIsNull();
-  const std::chrono::nanoseconds time_ns(row.NextInteger());
-  return present ? std::optional(SystemTime(time_ns)) : std::nullopt;
-}
-
 absl::StatusOr<IdentityRecord> Read(SqliteStatement& row) {
-  IdentityRecord record;
-  record.id = row.NextInteger();
-  record.proof = row.NextInteger() != 0 ? Proof::kCertificate : Proof::kToken;
-  record.principal.name = row.NextText();
-  record.principal.tenant = row.NextText();
-  const absl::StatusOr<Role> role =
-      RoleOfIdentity(record.id, record.principal.name, row.NextText());
-  if (!role.ok()) return role.status();
-  record.principal.role = *role;
-  record.create_time = SystemTime(std::chrono::nanoseconds(row.NextInteger()));
-  record.expire_time = NextTime(row);
-  record.revoke_time = NextTime(row);
-  return record;
+  return ReadIdentity(row, [](SqliteStatement& proof) { return proof.NextInteger() != 0; });
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks the documents: their length, and that links, names and cited equations exist.
+"""Checks the documents: their length, and that links, names and cited equations exist; that each
+decision stands in its index.
 
 Usage: documents.py [ROOT]
 Prints FILE:LINE: and what is wrong, one line for each violation; the exit status is 1 if there is
@@ -10,6 +11,10 @@ import os
 import pathlib
 import re
 import sys
+
+sys.dont_write_bytecode = True  # the tree stays as it is
+
+from index_check import check_indexes  # noqa: E402
 
 MAX_README_LINES = 130
 MAX_FOLDER_README_LINES = 80
@@ -149,6 +154,8 @@ class Checker:
         limit = None
         if path == "README.md":
             limit = MAX_README_LINES
+        elif path.endswith("/decisions/README.md"):
+            limit = None  # one line a record
         elif name == "README.md":
             limit = MAX_FOLDER_README_LINES
         elif "/decisions/" in path:
@@ -208,6 +215,7 @@ class Checker:
             self.check_citations(path, without_code(text))
             if not is_record(path):
                 self.check_names(path, text, words)
+        check_indexes(self.root, self.report)
         for path, text in self.files(*SOURCES):
             if path not in OWN:
                 self.check_source(path, text)

@@ -15,6 +15,7 @@ SOUND = {
                 'const char* a = "eq 99"; int eq = 5;  // of METHOD\n/// eq 7\n'
                 "struct RadarScan { void TakeColumns(); };\n",
     "core/decisions/0001-a.md": "# 0001 A\n\nShort.\n",
+    "core/decisions/README.md": "- [0001](0001-a.md) A\n",
     "build/README.md": "[nowhere](nowhere.md)\n",
 }
 
@@ -76,7 +77,7 @@ class DocumentsTest(unittest.TestCase):
     def test_documents_are_short(self):
         self.expect_violation("README.md", "a\n\n" * 66, "README.md:131", "132 lines, 130 at most")
         self.expect_violation("core/README.md", "a\n" * 81, "core/README.md:81", "81 lines")
-        self.expect_violation("core/decisions/0002-b.md", "a\n" * 41, "core/decisions/0002-b.md:41",
+        self.expect_violation("core/decisions/0001-a.md", "a\n" * 41, "core/decisions/0001-a.md:41",
                               "41 lines, 40 at most")
 
     def test_paragraphs_are_short(self):
@@ -97,6 +98,17 @@ class DocumentsTest(unittest.TestCase):
                               "no heading is called METHOD.md#2-points")
         self.assertEqual(violations({"core/b.md": "`[c](c.md)`\n\n```\n[c](c.md)\n```\n"}), [])
 
+    def test_each_decision_stands_in_its_index(self):
+        record, index = "core/decisions/0001-a.md", "core/decisions/README.md"
+        line = "- [0001](0001-a.md) What was decided\n"
+        self.assertEqual(violations({record: "", index: line}), [])
+        for text, message in [("", "has no line for 0001-a.md"), (line + line, "in line 1, too"),
+                              (line.replace("\n", " x" * 60), "at most"),
+                              ("| [0001](0001-a.md) What |\n" + line, "a record's line is")]:
+            found = violations({record: "", index: text})
+            self.assertEqual(len(found), 1, found)
+            self.assertIn(message, found[0])
+
     def test_names_are_those_of_the_tree(self):
         self.expect_violation("core/b.md", "\nIn `core/gone.h`.\n", "core/b.md:2",
                               "nothing is called core/gone.h")
@@ -106,7 +118,7 @@ class DocumentsTest(unittest.TestCase):
             "core/b.md": "`core/a`, `core/ROOM/x.h`, `RadarScan::TakeColumns`, `RadarScan.TakeCol...`, "
                          "`METHOD`, `Nothing`.\n\n```\nGoneAway core/gone.h\n```\n",
             "server/maps/store/x.h": "", "server/rpc/b.md": "`maps/store/x`",
-            "core/decisions/0002-b.md": "Then it was `GoneAway` in `core/gone.h`.\n"}), [])
+            "core/decisions/0001-a.md": "Then it was `GoneAway` in `core/gone.h`.\n"}), [])
 
 
 if __name__ == "__main__":

@@ -30,6 +30,7 @@ class IncludeCheck:
         self.report = report  # (path, text) of a violation
         self.room_edges = collections.defaultdict(set)  # {room: rooms that it includes as it may}
         self.file_edges = collections.defaultdict(set)  # {file: files of ours that it includes}
+        self.cycle_counts = {}  # of folders and of files
 
     def run(self):
         for path, file in files(self.root, *SOURCES):
@@ -37,8 +38,14 @@ class IncludeCheck:
         for path, file in files(self.root, ".proto"):
             self.check_proto(path, file.read_text())
         for edges, what in ((self.room_edges, "folders"), (self.file_edges, "files")):
-            for cycle in cycles(edges):
+            found = cycles(edges)
+            self.cycle_counts[what] = len(found)
+            for cycle in found:
                 self.report(cycle[0], f"{what} use each other: {', '.join(cycle)}")
+
+    def figures(self):
+        for what, count in self.cycle_counts.items():
+            yield f"cycles of {what}: {count}"
 
     def check_source(self, path, text):
         room = room_of(path)

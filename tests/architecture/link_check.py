@@ -1,5 +1,6 @@
 """What CMake says: a library for each room, linked as the floors allow, of a size to understand."""
 
+import collections
 import re
 
 from floors import ROOM_OF_TARGET, FLOOR_OF, may_use, module_of, room_of, target_of
@@ -21,6 +22,7 @@ class LinkCheck:
     def __init__(self, root, report):
         self.root = root
         self.report = report  # (path, text) of a violation
+        self.source_counts = collections.Counter()  # by target
 
     def run(self):
         for path, file in files(self.root, "CMakeLists.txt"):
@@ -28,20 +30,31 @@ class LinkCheck:
             for command, arguments in COMMAND.findall(text):
                 words = arguments.split()
                 if command in TARGETS and words:
-                    self.check_target(path, command, words)
+                    self.check_name(path, command, words[0])
+                if command in TARGETS | {"target_sources"} and words:
+                    self.check_size(path, words)
                 if command in TARGETS | {"target_link_libraries"} and module_of(path) != "tests":
                     self.check_links(path, words[1:])
             if path.startswith("core/"):
                 for library in sorted(set(CORE_FORBIDDEN.findall(text))):
                     self.report(path, f"core may not link {library}")
 
-    def check_target(self, path, command, words):
-        name, room = words[0], room_of(path)
+    def figures(self):
+        name, count = self.source_counts.most_common(1)[0]
+        yield (f"{len(self.source_counts)} targets, the largest {name} with {count} sources "
+               f"(at most {MAX_SOURCES})")
+
+    def check_name(self, path, command, name):
+        room = room_of(path)
         if command in LIBRARIES and room in FLOOR_OF and "$" not in name:
             if name != target_of(room):
                 self.report(path, f"{name} is to be called {target_of(room)}")
-        count = sum(1 for word in words[1:] if SOURCE.match(word))
-        if count > MAX_SOURCES:
+
+    def check_size(self, path, words):
+        name, before = words[0], self.source_counts[words[0]]
+        self.source_counts[name] += sum(1 for word in words[1:] if SOURCE.match(word))
+        count = self.source_counts[name]
+        if "$" not in name and before <= MAX_SOURCES < count:
             self.report(path, f"{name} has {count} sources; at most {MAX_SOURCES}")
 
     def check_links(self, path, words):

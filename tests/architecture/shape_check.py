@@ -18,6 +18,7 @@ class ShapeCheck:
     def __init__(self, root, report):
         self.root = root
         self.report = report  # (path, text) of a violation
+        self.lengths = {}  # lines of each source
 
     def run(self):
         self.check_top_level()
@@ -30,15 +31,27 @@ class ShapeCheck:
                 self.report(entry, "the top level has no place for it")
 
     def check_lengths(self):
-        lengths = {path: file.read_text().count("\n") for path, file in files(self.root, *SOURCES)}
-        for path, length in lengths.items():
+        self.lengths = {path: file.read_text().count("\n")
+                        for path, file in files(self.root, *SOURCES)}
+        for path, length in self.lengths.items():
             if length > MAX_LINES:
                 self.report(path, f"has {length} lines; at most {MAX_LINES}")
         for module, bound in MAX_MEDIAN_LINES.items():
-            of_module = [n for path, n in lengths.items() if path.startswith(module + "/")]
-            median = statistics.median(of_module or [0])
+            median = self.median_of(module)
             if median > bound:
                 self.report(module, f"its files have a median of {median:g} lines; at most {bound}")
+
+    def median_of(self, module):
+        return statistics.median(
+            [n for path, n in self.lengths.items() if path.startswith(module + "/")] or [0])
+
+    def figures(self):
+        for module, bound in MAX_MEDIAN_LINES.items():
+            count = sum(path.startswith(module + "/") for path in self.lengths)
+            yield (f"{module}: {count} sources, median {self.median_of(module):g} lines "
+                   f"(at most {bound})")
+        longest = max(self.lengths, key=self.lengths.get)
+        yield f"longest source: {longest}, {self.lengths[longest]} lines (at most {MAX_LINES})"
 
     def check_mirror(self):
         """Each folder of tests/<module> with sources stands for a folder of the module."""

@@ -139,25 +139,13 @@ absl::StatusOr<std::map<std::string, std::int64_t>> IncomingFiles::SizesOf(
 absl::StatusOr<int> IncomingFiles::RemoveStale(std::chrono::nanoseconds served,
                                                std::chrono::nanoseconds limit) {
   const std::lock_guard lock(mutex_);
-  const absl::StatusOr<std::vector<std::filesystem::path>> paths = PathsIn(folder_);
+  absl::StatusOr<std::vector<std::filesystem::path>> paths = PathsIn(folder_);
   if (!paths.ok()) return paths.status();
-  std::map<std::string, std::int64_t> sizes;
-  for (const std::filesystem::path& path : *paths) {
+  std::erase_if(*paths, [this](const std::filesystem::path& path) {
     const auto owner = owners_.find(path);
-    if (owner != owners_.end() && !owner->second.expired()) continue;
-    const absl::StatusOr<std::int64_t> size = FileSize(path);
-    if (!size.ok()) return size.status();
-    sizes[path.filename().string()] = *size;
-  }
-  const auto ages = ages_.Advance(served, sizes);
-  if (!ages.ok()) return ages.status();
-  int count = 0;
-  for (const auto& [name, age] : *ages) {
-    if (age < limit) continue;
-    if (absl::Status status = RemoveFile(folder_ / name); !status.ok()) return status;
-    ++count;
-  }
-  return count;
+    return owner != owners_.end() && !owner->second.expired();
+  });
+  return ages_.RemoveAged(served, limit, *paths);
 }
 
 absl::StatusOr<int> IncomingFiles::Count() const {

@@ -1,6 +1,5 @@
 #include "server/maps/store/map_folder.h"
 
-#include <map>
 #include <system_error>
 #include <utility>
 
@@ -111,21 +110,7 @@ absl::StatusOr<int> MapFolder::RemoveExpiredQuarantine(std::chrono::nanoseconds 
                                                        std::chrono::nanoseconds limit) {
   const auto paths = FilesIn(quarantine_);
   if (!paths.ok()) return paths.status();
-  std::map<std::string, std::int64_t> sizes;
-  for (const std::filesystem::path& path : *paths) {
-    const absl::StatusOr<std::int64_t> size = FileSize(path);
-    if (!size.ok()) return size.status();
-    sizes[path.filename().string()] = *size;
-  }
-  const auto ages = ages_.Advance(served, sizes);
-  if (!ages.ok()) return ages.status();
-  int count = 0;
-  for (const auto& [name, age] : *ages) {
-    if (age < limit) continue;
-    if (absl::Status status = RemoveFile(quarantine_ / name); !status.ok()) return status;
-    ++count;
-  }
-  return count;
+  return ages_.RemoveAged(served, limit, *paths);
 }
 
 absl::StatusOr<int> MapFolder::QuarantinedCount() {

@@ -52,6 +52,25 @@ absl::StatusOr<std::map<std::string, ServedAges::Age>> ServedAges::Advance(
   return ages;
 }
 
+absl::StatusOr<int> ServedAges::RemoveAged(Age served, Age limit,
+                                           const std::vector<std::filesystem::path>& files) {
+  std::map<std::string, std::int64_t> sizes;
+  for (const std::filesystem::path& file : files) {
+    const absl::StatusOr<std::int64_t> size = FileSize(file);
+    if (!size.ok()) return size.status();
+    sizes[file.filename().string()] = *size;
+  }
+  const auto ages = Advance(served, sizes);
+  if (!ages.ok()) return ages.status();
+  int count = 0;
+  for (const std::filesystem::path& file : files) {
+    if (ages->at(file.filename().string()) < limit) continue;
+    if (absl::Status status = RemoveFile(file); !status.ok()) return status;
+    ++count;
+  }
+  return count;
+}
+
 absl::Status ServedAges::Forget(const std::string& name) {
   const std::lock_guard lock(mutex_);
   absl::StatusOr<Entries> entries = Load();

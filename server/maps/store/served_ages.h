@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -37,6 +38,11 @@ class ServedAges {
   /// `sizes` are those of the files that are there; the result has their ages.
   absl::StatusOr<std::map<std::string, Age>> Advance(
       Age served, const std::map<std::string, std::int64_t>& sizes);
+
+  /// The same for the files of a folder, of which those of age `limit` are removed; returns how
+  /// many.
+  absl::StatusOr<int> RemoveAged(Age served, Age limit,
+                                 const std::vector<std::filesystem::path>& files);
 
   /// The file begins at 0 again.
   absl::Status Forget(const std::string& name);

@@ -39,12 +39,12 @@ TEST(JoinViewTest, TurnsLandmarksIntoTheMiddleNode) {
   const DriveTrack track = Straight();
   const std::vector<Pose2> T_map_nodes = {
       {}, {.translation_m = {10, 0}, .yaw_rad = M_PI / 2}, {.translation_m = {10, 10}}};
-  const std::vector<GaussianPoint<2>> view = JoinView(track, T_map_nodes, 1, 1);
-  ASSERT_EQ(view.size(), 3U);
-  EXPECT_NEAR((view[0].mean_m - Eigen::Vector2d(1, 5)).norm(), 0.0, 1e-9);
-  EXPECT_NEAR(view[0].covariance_m2(0, 0), 4.0, 1e-9);
-  EXPECT_NEAR((view[1].mean_m - Eigen::Vector2d(5, 1)).norm(), 0.0, 1e-9);
-  EXPECT_EQ(JoinView(track, T_map_nodes, 0, 0).size(), 1U);
+  const std::vector<GaussianPoint<2>> submap = JoinSubmap(track, T_map_nodes, 1, 1);
+  ASSERT_EQ(submap.size(), 3U);
+  EXPECT_NEAR((submap[0].mean_m - Eigen::Vector2d(1, 5)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR(submap[0].covariance_m2(0, 0), 4.0, 1e-9);
+  EXPECT_NEAR((submap[1].mean_m - Eigen::Vector2d(5, 1)).norm(), 0.0, 1e-9);
+  EXPECT_EQ(JoinSubmap(track, T_map_nodes, 0, 0).size(), 1U);
 }
 
 }  // namespace

@@ -38,6 +38,20 @@ TEST_F(ServedAgesTest, WhatChangesOrGoesBeginsAnew) {
             (Ages{{"a", hours(1)}, {"b", hours(0)}, {"c", hours(0)}}));
 }
 
+TEST_F(ServedAgesTest, FilesAreRemovedWhenTheyHaveBeenThereForLong) {
+  const std::vector<std::filesystem::path> files = {folder_.path() / "old", folder_.path() / "new"};
+  const auto remove_after = [&](hours served) {
+    return ServedAges(path_).RemoveAged(served, hours(10), files).value_or(-1);
+  };
+  std::ofstream(files[0]) << "old";
+  EXPECT_EQ(remove_after(hours(6)), 0);
+  std::ofstream(files[1]) << "new";
+  EXPECT_EQ(remove_after(hours(6)), 0);
+  EXPECT_EQ(remove_after(hours(4)), 1);
+  EXPECT_FALSE(std::filesystem::exists(files[0]));
+  EXPECT_TRUE(std::filesystem::exists(files[1]));
+}
+
 TEST_F(ServedAgesTest, LostOrBrokenAgesBeginAnew) {
   After(hours(1), {{"a", 1}});
   After(hours(1), {{"a", 1}});

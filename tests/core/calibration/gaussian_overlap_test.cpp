@@ -1,4 +1,4 @@
-#include "core/calibration/overlap.h"
+#include "core/calibration/gaussian_overlap.h"
 
 #include <gtest/gtest.h>
 
