@@ -171,7 +171,7 @@ absl::Status Localizer::GoOnFrom(const LocalizerSnapshot& snapshot) {
                         snapshot.clocks_ahead.size(), radar_count));
   }
   for (std::size_t i = 0; i < snapshot.clocks_ahead.size(); ++i) {
-    impl_->radar_clocks.Suppose(i, snapshot.clocks_ahead[i]);
+    impl_->radar_clocks.StartFrom(i, snapshot.clocks_ahead[i]);
   }
   impl_->time_base.GoOnFrom(snapshot.stamp);
   impl_->pipeline->GoOnFrom(snapshot);

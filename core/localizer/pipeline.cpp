@@ -84,11 +84,11 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::ScanT
         std::pow(options_.clock_set_sigma_s * ego_velocity.linear_mps.norm(), 2);
   }
   Move(motion);
-  TestScan(stamp, radar_index, workspace);
+  CheckScanFit(stamp, radar_index, workspace);
   if (!IsTrusted(radar_index, stamp)) workspace.static_points.clear();
   AddToSubmap(stamp, radar_index, workspace.static_points, motion);
 
-  const bool is_steady = tracking_.mode() == TrackingMode::kTracking && quality_.edge_valid;
+  const bool is_steady = tracking_.mode() == TrackingMode::kConfirmed && quality_.edge_valid;
   if (schedule_.IsDue(is_steady)) {
     submap_.Join(options_.uncertainty, static_cast<std::size_t>(options_.max_submap_points),
                  workspace.submap);
@@ -105,7 +105,7 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::ScanT
 
     Announce(listener, Stage::kPoseGraph);  // eq 15-19
     if (registration) UpdateObservability(*registration, stamp, workspace);
-    const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
+    const bool was_tracking = tracking_.mode() == TrackingMode::kConfirmed;
     const RegistrationOutcome outcome = UpdatePose(registration, ego_velocity, workspace);
     UpdateOdometry(registration, outcome);
     if (was_tracking && outcome == RegistrationOutcome::kAccepted) {
@@ -149,7 +149,7 @@ void Pipeline<Dim>::Move(const Motion& motion) {
   relocalizer_.OnMotion(motion);
   reset_counter_.OnMotion(ego_motion_.expected_motion());
   // What was learned of the odometry was learned of other sources.
-  if (ego_motion_.sources_changed()) pose_.ForgetNoise();
+  if (ego_motion_.sources_changed()) pose_.ResetNoise();
   if (HorizontalSigma(ego_motion_.doubt_since_previous()) > options_.usual_doubt_m) pose_.OnGap();
 }
 
@@ -177,17 +177,17 @@ void Pipeline<Dim>::AddToSubmap(Stamp stamp, std::size_t radar_index,
 }
 
 template <int Dim>
-void Pipeline<Dim>::TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace) {
+void Pipeline<Dim>::CheckScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace) {
   if (!tracking_.has_pose()) return;
-  const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
+  const bool was_tracking = tracking_.mode() == TrackingMode::kConfirmed;
   const ScanFit fit = scan_checker_.Test(stamp, radar_index, workspace.static_points, pose_.Now(),
                                          matcher_, workspace);
   radar_monitor_.OnFit(radar_index, scan_checker_.last_fit());
   if (!IsTrusted(radar_index, stamp)) return;
   // Both places are off by as much as the pose is, and of a lost one nobody knows by how much.
-  if (!tracking_.is_lost()) TellSourcesApart(workspace);
+  if (!tracking_.is_lost()) CompareSourcesByMapFit(workspace);
   tracking_.OnScanFit(fit);
-  if (tracking_.mode() == TrackingMode::kTracking) {
+  if (tracking_.mode() == TrackingMode::kConfirmed) {
     scan_checker_.OnConfirmed();
     if (quality_.edge_valid && fit != ScanFit::kContradicts) scan_checker_.Learn();
   } else if (was_tracking) {
@@ -255,7 +255,7 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
       relocalizer_.Search(stamp, live, submap_.span(), expected, workspace);
   if (place && place->is_expected) {
     tracking_.OnVerified();
-    scan_checker_.Forget();
+    scan_checker_.Reset();
     fix_monitor_.OnRefuted();
   }
   return place;
@@ -295,15 +295,16 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
     test = pose_.AddAbsolutePose(factor);
     protection_level_.OnInnovation(test.squared_distance / Pose<Dim>::kDof);
   } else {
-    scan_checker_.Forget();
-    radar_monitor_.ForgetFits();
+    scan_checker_.Reset();
+    radar_monitor_.ResetFits();
     ego_motion_.OnPlaceChanged();
     pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
     tracking_.OnPlaceFound();
   }
   quality_.edge_distance = test.squared_distance;
   quality_.edge_valid = test.valid;
-  if (test.valid && registration->overlap >= options_.right_overlap) learned_rig_.OnRegistered();
+  if (test.valid && registration->overlap >= options_.azimuth_sign_overlap)
+    learned_rig_.OnRegistered();
   return test.valid ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;
 }
 
@@ -311,7 +312,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
 template <int Dim>
 void Pipeline<Dim>::UpdateOdometry(const std::optional<Registration<Dim>>& registration,
                                    RegistrationOutcome outcome) {
-  if (tracking_.mode() != TrackingMode::kTracking) {
+  if (tracking_.mode() != TrackingMode::kConfirmed) {
     ego_motion_.OnBreak();
     pose_.OnBreak();
   }
@@ -326,7 +327,7 @@ void Pipeline<Dim>::UpdateOdometry(const std::optional<Registration<Dim>>& regis
 // A pose that is given up becomes a prior, but for a place that was refused.
 template <int Dim>
 void Pipeline<Dim>::HandleLoss(Stamp stamp) {
-  if (tracking_.mode() == TrackingMode::kTracking) relocalizer_.OnFound();
+  if (tracking_.mode() == TrackingMode::kConfirmed) relocalizer_.OnFound();
   if (!tracking_.has_pose()) return;
   PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
   const Loss loss = tracking_.GiveUpIfLost(stamp, HorizontalSigma(now.covariance));
@@ -334,8 +335,8 @@ void Pipeline<Dim>::HandleLoss(Stamp stamp) {
   if (loss == Loss::kContradicted) {
     now.covariance.diagonal() += ContradictedVariances(options_);
     // What was learned on the way to a wrong pose is wrong.
-    ego_motion_.Forget();
-    pose_.ForgetNoise();
+    ego_motion_.ResetErrors();
+    pose_.ResetNoise();
   }
   if (loss != Loss::kPlaceRefused) {
     now.pose = matcher_.T_map_local() * now.pose;

@@ -41,7 +41,7 @@ class AnyPipeline {
   virtual Localization LocalizeLate(const Scan& scan, Stamp stamp,
                                     LocalizerWorkspace& workspace) = 0;
 
-  /// A scan of which is not known when it was taken says nothing. Its pose is that of `newest`.
+  /// A scan that was taken nobody knows when is not used. It is answered with the pose at `newest`.
   virtual Localization LocalizeUntimed(const Scan& scan, Stamp newest) = 0;
 
   /// Whether the stamps of radar `index` had to be brought to the clock of the others.
@@ -55,10 +55,11 @@ class AnyPipeline {
   virtual std::optional<double> FitAt(const Scan& scan, Stamp stamp,
                                       LocalizerWorkspace& workspace) = 0;
 
-  /// What something else than radar says of the pose at `stamp`. It is valid.
+  /// A position fix that was true at `stamp`. It is valid.
   virtual FixUse TakeFix(const InitialPose& fix, Stamp stamp) = 0;
 
-  /// What another pipeline goes on from, but for the clocks; nothing where there is nothing sure.
+  /// What another pipeline goes on from, but for the clocks; nothing where the pose or its sources
+  /// are in doubt.
   virtual std::optional<LocalizerSnapshot> Snapshot() = 0;
 
   /// Goes on from a valid one. Before the first scan.
@@ -108,8 +109,8 @@ class Pipeline final : public AnyPipeline {
   }
   void AddToSubmap(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,
                    const Motion& motion);
-  void TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
-  void TellSourcesApart(Workspace<Dim>& workspace);
+  void CheckScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
+  void CompareSourcesByMapFit(Workspace<Dim>& workspace);
   void Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace);
   std::optional<Registration<Dim>> Register(Stamp stamp, Workspace<Dim>& workspace);
   void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,

@@ -26,7 +26,7 @@ void Pipeline<Dim>::Claim(Localization& answer) {
 
 // METHOD eq 50. What stands still lies in the map where the vehicle has really come to.
 template <int Dim>
-void Pipeline<Dim>::TellSourcesApart(Workspace<Dim>& workspace) {
+void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
   const std::optional<Pose3> T_used_rival = ego_motion_.RivalPlace();
   if (!T_used_rival) return;
   // A mean over a few points says little.
@@ -57,8 +57,8 @@ std::optional<double> Pipeline<Dim>::FitAt(const Scan& scan, Stamp stamp,
   return scan_checker_.FitAt(workspace.static_points, pose, matcher_, workspace);
 }
 
-template void Pipeline<2>::TellSourcesApart(Workspace<2>& workspace);
-template void Pipeline<3>::TellSourcesApart(Workspace<3>& workspace);
+template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>& workspace);
+template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>& workspace);
 template void Pipeline<2>::Claim(Localization& answer);
 template void Pipeline<3>::Claim(Localization& answer);
 template std::optional<double> Pipeline<2>::FitAt(const Scan&, Stamp, LocalizerWorkspace&);

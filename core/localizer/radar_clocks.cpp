@@ -94,16 +94,16 @@ void RadarClocks::SetRight(std::size_t index) {
   const auto middle = ahead.begin() + static_cast<std::ptrdiff_t>(ahead.size() / 2);
   std::nth_element(ahead.begin(), middle, ahead.end());
   radars_[index].offset += *middle;
-  ForgetComparisons(index);
+  ResetComparisons(index);
 }
 
 void RadarClocks::OnStep(std::size_t index, std::chrono::nanoseconds step) {
   radars_[index].offset += step;
-  ForgetComparisons(index);
+  ResetComparisons(index);
 }
 
 // What was compared by another offset.
-void RadarClocks::ForgetComparisons(std::size_t index) {
+void RadarClocks::ResetComparisons(std::size_t index) {
   radars_[index].since_others.resize(radars_.size());
   for (std::size_t i = 0; i < radars_.size(); ++i) {
     radars_[index].since_others[i].clear();

@@ -45,7 +45,7 @@ class RadarClocks {
   /// By how much the clock of radar `index` is ahead of that of the rig.
   std::chrono::nanoseconds Offset(std::size_t index) const { return radars_[index].offset; }
   /// It was found to be so by an earlier localizer of the same vehicle. Before the first scan.
-  void Suppose(std::size_t index, std::chrono::nanoseconds offset) {
+  void StartFrom(std::size_t index, std::chrono::nanoseconds offset) {
     radars_[index].offset = offset;
   }
   bool IsOff(std::size_t index) const { return Offset(index) != std::chrono::nanoseconds(0); }
@@ -70,7 +70,7 @@ class RadarClocks {
   std::optional<std::chrono::nanoseconds> Ahead(std::size_t a, std::size_t b) const;
   bool DiffersFromMost(std::size_t index) const;
   void SetRight(std::size_t index);
-  void ForgetComparisons(std::size_t index);
+  void ResetComparisons(std::size_t index);
   bool HasLeapt(std::size_t index, Stamp stamp) const;
 
   RadarClocksOptions options_;

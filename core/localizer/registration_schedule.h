@@ -25,7 +25,7 @@ struct RegistrationScheduleOptions {
   int min_new_points = 10;
   /// At the start and after a gap in the data, registration waits for this share of a full sub-map,
   /// or for so long.
-  double start_share = 0.8;
+  double start_fraction = 0.8;
   std::chrono::nanoseconds start_span = std::chrono::milliseconds(1000);
 };
 std::span<const OptionField<RegistrationScheduleOptions>> FieldsOf(

@@ -70,7 +70,7 @@ std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& 
       {"silent_after_ms", &O::silent_after, 1, 1e5},
       {"diagnosis_speed_mps", &O::diagnosis_speed_mps, 1e-6, 100},
       {"diagnosis_yaw_rate_radps", &O::diagnosis_yaw_rate_radps, 1e-6, 10},
-      {"missed_motion_sigma_share", &O::missed_motion_sigma_share, 0, 10,
+      {"missed_motion_sigma_fraction", &O::missed_motion_sigma_fraction, 0, 10,
        "a missed motion is as certain as any other"},
   };
   return kFields;
@@ -87,8 +87,8 @@ absl::Status Validate(const EgoMotionOptions& options) {
 }
 
 void EgoMotion::Begin(const RigKnowledge& known) {
-  errors_.Suppose(known.wheel_scale, known.yaw_rate_correction);
-  if (known.odometry_delay) late_.Suppose(*known.odometry_delay);
+  errors_.StartFrom(known.wheel_scale, known.yaw_rate_correction);
+  if (known.odometry_delay) late_.StartFrom(*known.odometry_delay);
 }
 
 void EgoMotion::AddTo(RigKnowledge& known) const {
@@ -246,7 +246,7 @@ void EgoMotion::AddMissedMotion() {
   Vector6d step = Vector6d::Zero();
   step(0) = missed->forward_m;
   step(5) = missed->turn_rad;
-  const Vector6d sigmas = options_.missed_motion_sigma_share * step;
+  const Vector6d sigmas = options_.missed_motion_sigma_fraction * step;
   since_previous_ = Compose(
       since_previous_, {.T_from_to = Exp(step), .covariance = sigmas.cwiseAbs2().asDiagonal()});
 }

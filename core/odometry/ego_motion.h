@@ -44,7 +44,7 @@ struct EgoMotionOptions {
   double diagnosis_speed_mps = 0.5;
   double diagnosis_yaw_rate_radps = 0.02;
   /// Of a motion that was missed while a source was wrong, this share is its deviation.
-  double missed_motion_sigma_share = 0.3;
+  double missed_motion_sigma_fraction = 0.3;
 };
 std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& options);
 absl::Status Validate(const EgoMotionOptions& options);
@@ -114,7 +114,7 @@ class EgoMotion {
   /// The next registration is at another place: it is not compared with the one before.
   void OnPlaceChanged() { sources_.OnRegistrationLost(); }
   /// The poses given so far were wrong: scale and yaw-rate bias are learned anew.
-  void Forget() { errors_ = OdometryErrorFilter(options_.error_filter); }
+  void ResetErrors() { errors_ = OdometryErrorFilter(options_.error_filter); }
 
   /// From the scan before the last one to the last one; identity at the first. It contains what has
   /// been missed before, when a source is found to have been wrong.

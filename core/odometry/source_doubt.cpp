@@ -21,7 +21,7 @@ bool IsIn(const OdometrySources& sound, OdometrySource source) {
 
 }  // namespace
 
-bool SourceMonitor::SaysSpeed(const Hypothesis& hypothesis) const {
+bool SourceMonitor::MeasuresSpeed(const Hypothesis& hypothesis) const {
   const auto is_recent = [this](const std::optional<Stamp>& heard) {
     return heard && *compared_ - *heard <= kSilentAfter;
   };
@@ -29,7 +29,7 @@ bool SourceMonitor::SaysSpeed(const Hypothesis& hypothesis) const {
          (IsIn(hypothesis.sound, OdometrySource::kDoppler) && is_recent(heard_.doppler_speed));
 }
 
-bool SourceMonitor::SaysYawRate(const Hypothesis& hypothesis) const {
+bool SourceMonitor::MeasuresYawRate(const Hypothesis& hypothesis) const {
   const auto is_recent = [this](const std::optional<Stamp>& heard) {
     return heard && *compared_ - *heard <= kSilentAfter;
   };
@@ -47,7 +47,7 @@ SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (hypothesis.log_weight < least_log_weight) continue;
     const double weight = std::exp(hypothesis.log_weight);
-    if (SaysSpeed(hypothesis)) {
+    if (MeasuresSpeed(hypothesis)) {
       speed_sum += weight;
       const double apart_mps = std::abs(hypothesis.speed.value - best().speed.value);
       const double beyond_gate_mps = std::max(0.0, apart_mps - kStaticGate_mps);
@@ -56,7 +56,7 @@ SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
       doubt.way_variance_m2 += weight * std::pow(missed_m, 2);
       doubt.way_bound_m = std::max(doubt.way_bound_m, std::abs(missed_m));
     }
-    if (SaysYawRate(hypothesis)) {
+    if (MeasuresYawRate(hypothesis)) {
       yaw_rate_sum += weight;
       doubt.yaw_rate_variance +=
           weight * std::pow(hypothesis.yaw_rate.value - best().yaw_rate.value, 2);
@@ -79,7 +79,7 @@ std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
   const Hypothesis* rival = nullptr;
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (&hypothesis == &best() || hypothesis.log_weight < std::log(options_.doubt_probability) ||
-        !SaysSpeed(hypothesis) ||
+        !MeasuresSpeed(hypothesis) ||
         std::abs(hypothesis.missed.forward_m - best().missed.forward_m) <
             options_.min_rival_way_m) {
       continue;
@@ -98,9 +98,9 @@ void SourceMonitor::OnFits(const MissedMotion& rival, double fit, double rival_f
   for (Hypothesis& hypothesis : hypotheses_) {
     const double missed_m = hypothesis.missed.forward_m - best().missed.forward_m;
     const bool is_rivals = std::abs(missed_m - rival.forward_m) < std::abs(missed_m);
-    const double own_fit = !SaysSpeed(hypothesis) ? 0.5 * (fit + rival_fit)
-                           : is_rivals            ? rival_fit
-                                                  : fit;
+    const double own_fit = !MeasuresSpeed(hypothesis) ? 0.5 * (fit + rival_fit)
+                           : is_rivals                ? rival_fit
+                                                      : fit;
     hypothesis.log_weight += options_.log_likelihood_per_fit * own_fit;
   }
   Normalize();

@@ -30,7 +30,7 @@ double LogDensity(const ScalarEstimate& reading, const ScalarEstimate& state) {
 }
 
 // A reading of a state that is sound: its log-density; the state takes it in.
-double TakeIn(const ScalarEstimate& reading, ScalarEstimate& state) {
+double KalmanUpdate(const ScalarEstimate& reading, ScalarEstimate& state) {
   const double innovation = reading.value - state.value;
   const double spread = state.variance + reading.variance;
   const double gain = state.variance / spread;
@@ -41,12 +41,12 @@ double TakeIn(const ScalarEstimate& reading, ScalarEstimate& state) {
 
 // Of a source that has failed: nearly what it said before, or anything.
 double FailedLogDensity(const ScalarEstimate& reading, const std::optional<ScalarEstimate>& before,
-                        double walk_variance, double range, double unchanged_share) {
+                        double walk_variance, double range, double unchanged_fraction) {
   const double anything = 1.0 / range;
   if (!before) return std::log(anything);
   const double unchanged = std::exp(LogNormal(reading.value - before->value,
                                               reading.variance + before->variance + walk_variance));
-  return std::log(unchanged_share * unchanged + (1.0 - unchanged_share) * anything);
+  return std::log(unchanged_fraction * unchanged + (1.0 - unchanged_fraction) * anything);
 }
 
 ScalarEstimate Floored(const ScalarEstimate& reading, double sigma) {
@@ -69,13 +69,13 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"bus_failure_rate_hz", &O::bus_failure_rate_hz, 1e-9, 10},
       {"recovery_rate_hz", &O::recovery_rate_hz, 1e-9, 10},
       {"min_speed_sigma_mps", &O::min_speed_sigma_mps, 1e-6, 100},
-      {"min_speed_sigma_share", &O::min_speed_sigma_share, 0, 1, "the deviation is constant"},
+      {"min_speed_sigma_fraction", &O::min_speed_sigma_fraction, 0, 1, "the deviation is constant"},
       {"min_yaw_rate_sigma_radps", &O::min_yaw_rate_sigma_radps, 1e-6, 10},
       {"acceleration_sigma_mps2", &O::acceleration_sigma_mps2, 1e-6, 100},
       {"yaw_acceleration_sigma_radps2", &O::yaw_acceleration_sigma_radps2, 1e-6, 100},
       {"speed_range_mps", &O::speed_range_mps, 1, 1000},
       {"yaw_rate_range_radps", &O::yaw_rate_range_radps, 0.01, 100},
-      {"unchanged_share", &O::unchanged_share, 0, 0.999, "a failed source may say anything"},
+      {"unchanged_fraction", &O::unchanged_fraction, 0, 0.999, "a failed source may say anything"},
       {"unknown_speed_sigma_mps", &O::unknown_speed_sigma_mps, 1e-6, 1000},
       {"unknown_yaw_rate_sigma_radps", &O::unknown_yaw_rate_sigma_radps, 1e-6, 100},
       {"restart_probability", &O::restart_probability, 1e-30, 0.5},
@@ -88,7 +88,7 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"registered_sigma_rad", &O::registered_sigma_rad, 1e-6, 1},
       {"max_trial_spans", &O::max_trial_spans, 1, 1000},
       {"trial_span_ms", &O::trial_span, 1, 1e6},
-      {"false_registration_share", &O::false_registration_share, 1e-9, 0.5},
+      {"false_registration_fraction", &O::false_registration_fraction, 1e-9, 0.5},
   };
   return kFields;
 }
@@ -135,7 +135,7 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   const auto floor_speed = [&](std::optional<ScalarEstimate>& speed) {
     if (!speed) return;
     *speed = Floored(*speed, options_.min_speed_sigma_mps +
-                                 options_.min_speed_sigma_share * std::abs(speed->value));
+                                 options_.min_speed_sigma_fraction * std::abs(speed->value));
   };
   const auto floor_yaw_rate = [&](std::optional<ScalarEstimate>& yaw_rate) {
     if (yaw_rate) *yaw_rate = Floored(*yaw_rate, options_.min_yaw_rate_sigma_radps);
@@ -256,9 +256,9 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
     if (!reading) return;
     const double interval_s = SecondsOf(options_.interval);
     hypothesis.log_weight += hypothesis.sound[source]
-                                 ? TakeIn(*reading, state)
+                                 ? KalmanUpdate(*reading, state)
                                  : FailedLogDensity(*reading, before, SquareOf(walk * interval_s),
-                                                    range, options_.unchanged_share);
+                                                    range, options_.unchanged_fraction);
   };
   const double acceleration_mps2 = options_.acceleration_sigma_mps2;
   const double yaw_acceleration_radps2 = options_.yaw_acceleration_sigma_radps2;
@@ -266,7 +266,7 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
   const double yaw_rate_range_radps = options_.yaw_rate_range_radps;
   compare(kWheelSpeed, readings.wheel_speed, before_.wheel_speed, acceleration_mps2,
           speed_range_mps, hypothesis.speed);
-  // Of two motions that the targets agree on, a hypothesis believes the one that it expects.
+  // Of two motions that the targets agree on, a hypothesis takes the one nearer to its prediction.
   const bool takes_rival = hypothesis.sound[kDoppler] && readings.rival_speed &&
                            LogDensity(*readings.rival_speed, hypothesis.speed) >
                                LogDensity(*readings.doppler_speed, hypothesis.speed);
@@ -313,8 +313,8 @@ void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
           compares_way ? std::exp(LogNormal(way_m, way_variance_m2)) : 1.0 / range_m;
       const double density = way_density * std::exp(LogNormal(turn_rad, turn_variance_rad2));
       const double anything = 1.0 / (range_m * range_rad);
-      hypothesis.log_weight += std::log((1.0 - options_.false_registration_share) * density +
-                                        options_.false_registration_share * anything);
+      hypothesis.log_weight += std::log((1.0 - options_.false_registration_fraction) * density +
+                                        options_.false_registration_fraction * anything);
     }
     Normalize();
   }

@@ -68,7 +68,7 @@ struct SourceMonitorOptions {
   double recovery_rate_hz = 0.3;
   /// Deviations that no source is better than, whatever it claims.
   double min_speed_sigma_mps = 0.15;
-  double min_speed_sigma_share = 0.02;
+  double min_speed_sigma_fraction = 0.02;
   double min_yaw_rate_sigma_radps = 0.01;
   /// How the vehicle may change its motion in a second.
   double acceleration_sigma_mps2 = 5.0;
@@ -76,7 +76,7 @@ struct SourceMonitorOptions {
   /// What a failed source may say: anything within this, or nearly what it said before.
   double speed_range_mps = 60.0;
   double yaw_rate_range_radps = 2.0;
-  double unchanged_share = 0.9;
+  double unchanged_fraction = 0.9;
   double unknown_speed_sigma_mps = 15.0;
   double unknown_yaw_rate_sigma_radps = 0.5;
   /// That the vehicle moves as nothing before let expect, at a comparison.
@@ -92,7 +92,7 @@ struct SourceMonitorOptions {
   std::chrono::nanoseconds max_registered_interval = std::chrono::milliseconds(3000);
   double registered_sigma_m = 0.15;
   double registered_sigma_rad = 0.004;
-  double false_registration_share = 0.02;
+  double false_registration_fraction = 0.02;
   /// Where nothing has been registered for so long, the next most probable sources are tried: wrong
   /// ones let no scan be registered that could tell.
   std::chrono::nanoseconds trial_span = std::chrono::milliseconds(3500);
@@ -208,8 +208,8 @@ class SourceMonitor {
   const Hypothesis& best() const { return hypotheses_[best_]; }
   // Whether one of its sound sources has spoken lately. A silent one says nothing, be it sound or
   // not.
-  bool SaysSpeed(const Hypothesis& hypothesis) const;
-  bool SaysYawRate(const Hypothesis& hypothesis) const;
+  bool MeasuresSpeed(const Hypothesis& hypothesis) const;
+  bool MeasuresYawRate(const Hypothesis& hypothesis) const;
   ScalarEstimate Mixed(ScalarEstimate Hypothesis::*of) const;
   Transitions TransitionsIn(double duration_s, int direction_count) const;
   static double LogTransition(const OdometrySources& before, const OdometrySources& after,
