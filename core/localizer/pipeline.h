@@ -98,6 +98,12 @@ class Pipeline final : public AnyPipeline {
   const Rig& rig() const override { return learned_rig_.rig(); }
 
  private:
+  // A registration around the predicted pose, or at a place that was just found.
+  struct Registered {
+    Registration<Dim> registration;
+    bool is_new_place = false;
+  };
+
   void Start(const InitialPose& initial_pose);
 
   // The stages of one scan.
@@ -112,13 +118,12 @@ class Pipeline final : public AnyPipeline {
   void CheckScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
   void CompareSourcesByMapFit(Workspace<Dim>& workspace);
   void Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace);
-  std::optional<Registration<Dim>> Register(Stamp stamp, Workspace<Dim>& workspace);
+  std::optional<Registered> Register(Stamp stamp, Workspace<Dim>& workspace);
   void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
                            Workspace<Dim>& workspace);
-  RegistrationOutcome UpdatePose(const std::optional<Registration<Dim>>& registration,
+  RegistrationOutcome UpdatePose(const std::optional<Registered>& registered,
                                  const EgoVelocity& ego_velocity, Workspace<Dim>& workspace);
-  void UpdateOdometry(const std::optional<Registration<Dim>>& registration,
-                      RegistrationOutcome outcome);
+  void UpdateOdometry(const std::optional<Registered>& registered, RegistrationOutcome outcome);
   void HandleLoss(Stamp stamp);
   const RigKnowledge& Knowledge();
   Localization Answer(const Scan& scan, Stamp stamp);
@@ -150,9 +155,9 @@ class Pipeline final : public AnyPipeline {
   RigKnowledge known_;  // memory of Knowledge
   Observability observability_;
   std::optional<Stamp> observability_stamp_;
-  int factor_count_ = 0;          // registrations since the pose graph was started
-  bool found_elsewhere_ = false;  // the newest registration is at a place just found
-  LocalizationQuality quality_;   // of the newest registration
+  int factor_count_ = 0;         // registrations since the pose graph was started
+  LocalizationQuality quality_;  // of the newest registration that was due, and what came of it
+  RegistrationOutcome newest_outcome_ = RegistrationOutcome::kNoMatch;
 };
 
 }  // namespace dcloc

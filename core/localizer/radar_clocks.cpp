@@ -11,12 +11,19 @@ std::span<const OptionField<RadarClocksOptions>> FieldsOf(const RadarClocksOptio
       {"max_ahead_ms", &O::max_ahead, 0, 1e5, "every scan that is ahead tells"},
       {"max_lead_ms", &O::max_lead, 1, 1e6},
       {"scans_to_tell", &O::scans_to_tell, 2, 100},
+      {"offset_sigma_s", &O::offset_sigma_s, 1e-6, 10},
   };
   return kFields;
 }
 
 absl::Status Validate(const RadarClocksOptions& options) {
   return ValidateFields(options, FieldsOf(options));
+}
+
+std::optional<ScalarEstimate> RadarClocks::OffsetEstimate(std::size_t index) const {
+  if (!IsOff(index)) return std::nullopt;
+  return ScalarEstimate{SecondsOf(Offset(index)),
+                        options_.offset_sigma_s * options_.offset_sigma_s};
 }
 
 std::optional<Stamp> RadarClocks::Align(std::size_t index, Stamp stamp) {

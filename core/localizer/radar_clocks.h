@@ -8,6 +8,7 @@
 
 #include "absl/container/inlined_vector.h"
 #include "absl/status/status.h"
+#include "core/odometry/scalar_estimate.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/stamp.h"
@@ -23,6 +24,9 @@ struct RadarClocksOptions {
   std::chrono::nanoseconds max_lead = std::chrono::seconds(1);
   /// So many scans in a row tell that a clock is off, and by how much.
   int scans_to_tell = 4;
+  /// The deviation of an offset. The order of arrival tells it within the time between two scans of
+  /// different radars.
+  double offset_sigma_s = 0.05;
 };
 std::span<const OptionField<RadarClocksOptions>> FieldsOf(const RadarClocksOptions& options);
 absl::Status Validate(const RadarClocksOptions& options);
@@ -49,6 +53,8 @@ class RadarClocks {
     radars_[index].offset = offset;
   }
   bool IsOff(std::size_t index) const { return Offset(index) != std::chrono::nanoseconds(0); }
+  /// The same offset [s] with its variance; nothing for a clock that is not off.
+  std::optional<ScalarEstimate> OffsetEstimate(std::size_t index) const;
 
  private:
   /// The time from another radar's newest scan to each of the last ones of this radar.

@@ -23,10 +23,10 @@ struct RadarMonitorOptions {
   /// The weight of what its scans said before beside the newest.
   double memory = 0.9;
   int min_target_count = 10;  ///< a scan of fewer says nothing of its Doppler
-  /// Its range rates contradict the motion if a smaller share of its targets stands still.
+  /// Its range rates contradict the motion if a smaller fraction of its targets stands still.
   double min_static_fraction = 0.1;
-  /// Its targets do not lie in the map if they fit it by less than this share of how those of the
-  /// other radars do, which fit it by so much at least. It needs two others.
+  /// Its targets do not lie in the map if they fit it by less than this fraction of how those of
+  /// the other radars do, which fit it by so much at least. It needs two others.
   double min_fit_fraction = 0.4;
   double min_fit_of_others = 0.15;
 };

@@ -26,6 +26,7 @@ std::span<const OptionField<StampMonitorOptions>> FieldsOf(const StampMonitorOpt
       {"min_step_ms", &O::min_step, 1, 1e4},
       {"max_step_ms", &O::max_step, 0, 1e5, "no step is suspected"},
       {"max_irregular_fraction", &O::max_irregular_fraction, 0, 1, "no step is suspected"},
+      {"irregular_memory", &O::irregular_memory, 0, 0.999, "the newest interval counts alone"},
       {"deciding_fit", &O::deciding_fit, 1e-3, 100},
       {"min_fit", &O::min_fit, 0, 1, "any fit decides"},
       {"max_doubtful_scans", &O::max_doubtful_scans, 1, 1000},
@@ -59,14 +60,14 @@ bool StampMonitor::IsRegular(const Watched& radar) const {
 // Whether the stamps go on along another line. A step that is not decided lasts until they leap
 // once more.
 bool StampMonitor::Suspect(Watched& radar, nanoseconds interval) const {
-  constexpr double kMemory = 0.95;
   if (radar.interval_count < options_.min_interval_count) return false;
   const nanoseconds leap = interval - NanosecondsIn(radar.period_s);
   const nanoseconds least =
       std::max(options_.min_step, NanosecondsIn(options_.min_step_fraction * radar.period_s));
   const bool leapt = std::chrono::abs(leap) >= least;
   const bool is_suspect = leapt && std::chrono::abs(leap) <= options_.max_step && IsRegular(radar);
-  radar.irregular_fraction = kMemory * radar.irregular_fraction + (leapt ? 1.0 - kMemory : 0.0);
+  const double memory = options_.irregular_memory;
+  radar.irregular_fraction = memory * radar.irregular_fraction + (leapt ? 1.0 - memory : 0.0);
   if (leapt) radar.step.reset();
   if (!is_suspect) return false;
   radar.step = leap;

@@ -28,8 +28,10 @@ struct StampMonitorOptions {
   double min_step_fraction = 0.4;
   std::chrono::nanoseconds min_step = std::chrono::milliseconds(40);
   std::chrono::nanoseconds max_step = std::chrono::milliseconds(1000);
-  /// Nothing is suspected of a radar of whose intervals a larger share is irregular.
+  /// Nothing is suspected of a radar of whose intervals a larger fraction is irregular, as a mean
+  /// in which older ones weigh `irregular_memory` beside the next.
   double max_irregular_fraction = 0.2;
+  double irregular_memory = 0.95;
   /// A step is decided by so much fit in sum, where scans fit by `min_fit`; and, undecided after so
   /// many scans, is taken for none.
   double deciding_fit = 0.15;

@@ -17,7 +17,7 @@ double DirectionOfMotion(const RadarModel& radar, const EgoVelocity& velocity) {
   return std::atan2(in_radar.y(), in_radar.x());
 }
 
-// The share of the targets that stand still, if azimuths are counted so.
+// The fraction of the targets that stand still, if azimuths are counted so.
 double StaticFraction(const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity,
                       double azimuth_sign, double gate_mps) {
   int count = 0;

@@ -33,7 +33,7 @@ struct LearnedRigOptions {
   double suspected_rad = 2.0 * kRadPerDeg;
   double max_correction_rad = 20.0 * kRadPerDeg;
   /// A radar whose azimuths have the wrong sign is found where the vehicle does not move along its
-  /// boresight, by this share of its targets, averaged over so many scans.
+  /// boresight, by this fraction of its targets, averaged over so many scans.
   double mirrored_min_angle_rad = 2.0 * kRadPerDeg;
   double mirrored_fraction = 0.25;
   double mirrored_memory = 0.95;

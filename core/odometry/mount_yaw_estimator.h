@@ -21,7 +21,8 @@ struct MountYawOptions {
   double max_yaw_rate_radps = 0.1;
   /// Readings that follow one another sooner share their errors.
   std::chrono::nanoseconds interval = std::chrono::milliseconds(150);
-  /// A reading needs so many targets, and this share, that stand still as seen from a turned mount.
+  /// A reading needs so many targets, and this fraction, that stand still as seen from a turned
+  /// mount.
   double inlier_gate_mps = 0.3;
   int min_inlier_count = 8;
   double min_inlier_fraction = 0.35;

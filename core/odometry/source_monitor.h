@@ -12,6 +12,7 @@
 #include "core/odometry/scalar_estimate.h"
 #include "core/options/option_fields.h"
 #include "core/radar/scan.h"
+#include "core/radar/static_points.h"
 
 namespace dcloc {
 
@@ -65,7 +66,12 @@ struct SourceMonitorOptions {
   double doppler_failure_rate_hz = 0.2;
   int narrow_direction_count = 5;
   double direction_factor = 0.5;
+  double min_doppler_failure_rate_hz = 1e-6;
   double recovery_rate_hz = 0.3;
+  /// Sources may have failed in so long before the first comparison.
+  std::chrono::nanoseconds start_span = std::chrono::seconds(1);
+  /// What the vehicle sent is silent when it is older than this.
+  std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);
   /// Deviations that no source is better than, whatever it claims.
   double min_speed_sigma_mps = 0.15;
   double min_speed_sigma_fraction = 0.02;
@@ -81,6 +87,10 @@ struct SourceMonitorOptions {
   double unknown_yaw_rate_sigma_radps = 0.5;
   /// That the vehicle moves as nothing before let expect, at a comparison.
   double restart_probability = 1e-6;
+  /// A hypothesis is less probable than the best one by at most the first ratio, in the logarithm,
+  /// so that it can recover. By up to the second it widens the variance of the motion.
+  double max_log_ratio = 40.0;
+  double spread_log_ratio = 7.0;
   /// Hypotheses less probable than this, beside the best one, make nothing doubtful.
   double doubt_probability = 1e-4;
   /// Scans tell hypotheses apart that put the vehicle so far from one another. A fit that is better
@@ -110,7 +120,9 @@ absl::Status Validate(const SourceMonitorOptions& options);
 /// to one set the most probable goes on.
 class SourceMonitor {
  public:
-  explicit SourceMonitor(const SourceMonitorOptions& options = {});
+  /// The gate of `static_points` is what the doubt in the speed has to widen.
+  explicit SourceMonitor(const SourceMonitorOptions& options = {},
+                         const StaticPointsOptions& static_points = {});
 
   /// Takes in what the sources say at `stamp`, which is not before the last one.
   void OnReadings(Stamp stamp, const OdometryReadings& readings);
@@ -197,8 +209,8 @@ class SourceMonitor {
     Pose2 T_map_vehicle;
     bool observes_way;
   };
-  // When something was last heard of each quantity.
-  struct Heard {
+  // When each quantity was last reported.
+  struct LastReported {
     std::optional<Stamp> wheel_speed;
     std::optional<Stamp> yaw_rate;
     std::optional<Stamp> doppler_speed;
@@ -206,8 +218,7 @@ class SourceMonitor {
   };
 
   const Hypothesis& best() const { return hypotheses_[best_]; }
-  // Whether one of its sound sources has spoken lately. A silent one says nothing, be it sound or
-  // not.
+  // Whether one of its sound sources has reported within `silent_after`.
   bool MeasuresSpeed(const Hypothesis& hypothesis) const;
   bool MeasuresYawRate(const Hypothesis& hypothesis) const;
   ScalarEstimate Mixed(ScalarEstimate Hypothesis::*of) const;
@@ -222,11 +233,13 @@ class SourceMonitor {
   void Normalize();
 
   SourceMonitorOptions options_;
+  double static_gate_mps_;
+  double static_gate_sigmas_;
   Hypotheses hypotheses_;
   std::size_t best_ = kHypothesisCount - 1;
   OdometrySources used_;  // sound at the last OnUsedMotion
   OdometryReadings before_;
-  Heard heard_;
+  LastReported last_reported_;
   std::optional<Stamp> compared_;  // when the readings were last compared
   std::optional<Stamp> newest_;    // of all readings
   double since_used_s_ = 0.0;
