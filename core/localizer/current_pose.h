@@ -25,7 +25,7 @@ class CurrentPose {
   void OnBreak() { noise_scales_.OnBreak(); }
 
   /// What was learned of the noise was learned of something else.
-  void ForgetNoise() { noise_scales_ = NoiseScaleEstimator<Dim>(noise_options_); }
+  void ResetNoise() { noise_scales_ = NoiseScaleEstimator<Dim>(noise_options_); }
 
   /// Starts anew at the newest scan; `systematic` as of PoseGraph::Reset.
   void Reset(const PoseEstimate<Dim>& now,

@@ -20,8 +20,8 @@ std::span<const OptionField<FixMonitorOptions>> FieldsOf(const FixMonitorOptions
       {"max_squared_distance", &O::max_squared_distance, 0.1, 1e6},
       {"max_squared_heading_distance", &O::max_squared_heading_distance, 0.1, 1e6},
       {"unknown_heading_sigma_rad", &O::unknown_heading_sigma_rad, 1e-6, 10},
-      {"insisting_fixes", &O::insisting_fixes, 1, 1000},
-      {"insisting_span_ms", &O::insisting_span, 0, 1e6, "the count alone decides"},
+      {"persistent_fixes", &O::persistent_fixes, 1, 1000},
+      {"persistent_span_ms", &O::persistent_span, 0, 1e6, "the count alone decides"},
       {"refuted_span_ms", &O::refuted_span, 0, 1e9, "the pose is doubted again at once"},
       {"fusion_interval_ms", &O::fusion_interval, 1, 1e6},
       {"fusion_sigma_factor", &O::fusion_sigma_factor, 0, 1000, "no fix is fused"},
@@ -40,9 +40,10 @@ FixVerdict FixMonitor::Judge(Stamp stamp, const PoseEstimate<3>& fix, const Pose
     return Informs(stamp, fix, pose) ? FixVerdict::kInforms : FixVerdict::kAgrees;
   }
   if (contradicting_count_++ == 0) contradicting_since_ = stamp;
-  const bool insists = contradicting_count_ >= options_.insisting_fixes &&
-                       stamp - contradicting_since_ >= options_.insisting_span;
-  return insists && !IsRefuted(stamp) ? FixVerdict::kInsists : FixVerdict::kContradicts;
+  const bool persists = contradicting_count_ >= options_.persistent_fixes &&
+                        stamp - contradicting_since_ >= options_.persistent_span;
+  return persists && !IsRefuted(stamp) ? FixVerdict::kContradictsPersistently
+                                       : FixVerdict::kContradicts;
 }
 
 bool FixMonitor::Agree(const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) const {

@@ -12,7 +12,7 @@
 
 namespace dcloc {
 
-/// What fixes weigh beside the radars.
+/// When fixes agree with the pose of the radars, and when they are fused.
 struct FixMonitorOptions {
   /// A fix agrees with the pose up to this squared Mahalanobis distance of the two positions, and
   /// of the two headings: the quantiles of 99.9 % with two degrees of freedom and with one.
@@ -20,13 +20,13 @@ struct FixMonitorOptions {
   double max_squared_heading_distance = 10.8;
   /// A deviation of the heading beyond this says that it is not known.
   double unknown_heading_sigma_rad = 1.0;
-  /// So many fixes in a row, over so long, that contradict the pose make it doubted.
-  int insisting_fixes = 3;
-  std::chrono::nanoseconds insisting_span = std::chrono::milliseconds(800);
+  /// So many fixes in a row, over so long, that contradict the pose do so persistently.
+  int persistent_fixes = 3;
+  std::chrono::nanoseconds persistent_span = std::chrono::milliseconds(800);
   /// Fixes that the radars have refuted are ignored for so long.
   std::chrono::nanoseconds refuted_span = std::chrono::seconds(30);
-  /// Errors of fixes last: in this time they are fused once, and only if a fix is nearly as certain
-  /// as the pose, by this factor.
+  /// Errors of fixes are correlated in time: within this interval one is fused, and only if its
+  /// deviation is at most so many times the pose's.
   std::chrono::nanoseconds fusion_interval = std::chrono::seconds(1);
   double fusion_sigma_factor = 2.0;
 };
@@ -35,10 +35,10 @@ absl::Status Validate(const FixMonitorOptions& options);
 
 /// What a fix says of a pose.
 enum class FixVerdict {
-  kAgrees,       ///< nothing that the pose does not know better
-  kInforms,      ///< it agrees, and makes the pose more certain
-  kContradicts,  ///< it is elsewhere: one of the two is wrong
-  kInsists,      ///< as those before it: other places must be looked at
+  kAgrees,                   ///< nothing that the pose does not know better
+  kInforms,                  ///< it agrees, and makes the pose more certain
+  kContradicts,              ///< it is elsewhere: one of the two is wrong
+  kContradictsPersistently,  ///< as those before it did: the pose must be held against other places
 };
 
 /// Holds fixes against the pose. A single one may be a reflection; several make the pose doubted,

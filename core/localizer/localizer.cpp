@@ -44,7 +44,7 @@ struct Localizer::Impl {
                                         StageListener* listener);
   absl::StatusOr<Localization> LocalizeNew(const Scan& scan, LocalizerWorkspace& workspace,
                                            StageListener* listener);
-  void TellClocks(RigKnowledge& known) const;
+  void AddClocksTo(RigKnowledge& known) const;
   void CheckStamp(std::size_t radar_index, const Scan& scan, LocalizerWorkspace& workspace);
 };
 
@@ -83,18 +83,16 @@ absl::StatusOr<Localization> Localizer::Impl::Localize(const Scan& scan,
   const std::uint64_t fingerprint = RecentAnswers::Fingerprint(scan);
   if (const Localization* answer = recent_answers.Find(fingerprint)) return *answer;
   absl::StatusOr<Localization> answer = LocalizeNew(scan, workspace, listener);
-  if (answer.ok() && answer->learned) TellClocks(*answer->learned);
+  if (answer.ok() && answer->learned) AddClocksTo(*answer->learned);
   if (answer.ok()) recent_answers.Add(fingerprint, *answer);
   return answer;
 }
 
-// The order of arrival tells a clock within the time between two scans of different radars.
-void Localizer::Impl::TellClocks(RigKnowledge& known) const {
-  constexpr double kClockSigma_s = 0.05;
+void Localizer::Impl::AddClocksTo(RigKnowledge& known) const {
   for (std::size_t i = 0; i < pipeline->rig().radars.size(); ++i) {
-    if (!radar_clocks.IsOff(i)) continue;
-    known.Of(pipeline->rig().radars[i].id).clock_ahead = {SecondsOf(radar_clocks.Offset(i)),
-                                                          kClockSigma_s * kClockSigma_s};
+    if (const std::optional<ScalarEstimate> offset = radar_clocks.OffsetEstimate(i)) {
+      known.Of(pipeline->rig().radars[i].id).clock_ahead = *offset;
+    }
   }
 }
 
@@ -171,7 +169,7 @@ absl::Status Localizer::GoOnFrom(const LocalizerSnapshot& snapshot) {
                         snapshot.clocks_ahead.size(), radar_count));
   }
   for (std::size_t i = 0; i < snapshot.clocks_ahead.size(); ++i) {
-    impl_->radar_clocks.Suppose(i, snapshot.clocks_ahead[i]);
+    impl_->radar_clocks.StartFrom(i, snapshot.clocks_ahead[i]);
   }
   impl_->time_base.GoOnFrom(snapshot.stamp);
   impl_->pipeline->GoOnFrom(snapshot);

@@ -29,7 +29,7 @@ namespace dcloc {
 struct LocalizationQuality {
   int live_point_count = 0;     ///< static points in the sub-map
   int inlier_count = 0;         ///< live points that matched a landmark
-  double overlap = 0.0;         ///< matched share of the live points, [0, 1]
+  double overlap = 0.0;         ///< matched fraction of the live points, [0, 1]
   double residual_scale = 0.0;  ///< root mean square of the whitened residuals; 1 is as modelled
   double edge_distance = 0.0;   ///< squared Mahalanobis distance to the prediction (METHOD eq 19)
   /// Its absolute pose factor passed the gate, began the pose graph anew, or made the alternative

@@ -1,6 +1,18 @@
 #include "core/localizer/localizer_options.h"
 
+#include "absl/strings/str_cat.h"
+
 namespace dcloc {
+namespace {
+
+// A stage's switch that one of the localizer's own sets.
+absl::Status ValidateOwned(const char* field, bool is_on, const char* owner) {
+  if (is_on) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(field, " is false; set ", owner, " to false instead, which owns it"));
+}
+
+}  // namespace
 
 std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& /*options*/) {
   using O = LocalizerOptions;
@@ -12,7 +24,7 @@ std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& 
       {"usual_doubt_m", &O::usual_doubt_m, 0, 1000, "any doubt is beyond what was learned"},
       {"contradicted_sigma_m", &O::contradicted_sigma_m, 0, 1000, "its covariance holds"},
       {"contradicted_sigma_rad", &O::contradicted_sigma_rad, 0, 10, "its covariance holds"},
-      {"right_overlap", &O::right_overlap, 1e-6, 1},
+      {"azimuth_sign_overlap", &O::azimuth_sign_overlap, 1e-6, 1},
       {"clock_set_sigma_s", &O::clock_set_sigma_s, 0, 1000, "the odometry's covariance holds"},
   };
   return kFields;
@@ -20,6 +32,12 @@ std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& 
 
 absl::Status Validate(const LocalizerOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(ValidateOwned("static_points.compensate", options.static_points.compensate,
+                              "doppler_compensation"));
+  status.Update(
+      ValidateOwned("static_points.uncertainty", options.static_points.uncertainty, "uncertainty"));
+  status.Update(
+      ValidateOwned("pose_graph.gate_outliers", options.pose_graph.gate_outliers, "truncation"));
   status.Update(Within("stamp_monitor", Validate(options.stamp_monitor)));
   status.Update(Within("radar_clocks", Validate(options.radar_clocks)));
   status.Update(Within("time_base", Validate(options.time_base)));

@@ -34,8 +34,9 @@ namespace dcloc {
 /// Every choice in one vehicle's pipeline, a part for each stage. The defaults are what is
 /// evaluated and recommended.
 struct LocalizerOptions {
-  /// The paper's three switches (Table II); the third is the pose graph's outlier gating. They go
-  /// before `static_points.compensate`, `static_points.uncertainty` and `pose_graph.gate_outliers`.
+  /// The paper's three switches (Table II); the third is the pose graph's outlier gating. They own
+  /// `static_points.compensate`, `static_points.uncertainty` and `pose_graph.gate_outliers`, which
+  /// `Validate` refuses to be switched off beside them.
   bool doppler_compensation = true;
   bool uncertainty = true;
   bool truncation = true;
@@ -57,8 +58,8 @@ struct LocalizerOptions {
 
   /// How long a vehicle moved while its clock was set.
   double clock_set_sigma_s = 0.3;
-  /// An accepted registration of this overlap says that azimuths have the right sign.
-  double right_overlap = 0.75;
+  /// An accepted registration of this overlap shows that azimuths have the right sign.
+  double azimuth_sign_overlap = 0.75;
   /// What an earlier session of the same vehicle learned. Learning begins with it.
   RigKnowledge known;
   KnowledgeReportOptions knowledge_report;
@@ -95,7 +96,7 @@ std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& 
 /// OK, or InvalidArgument that names the field of whatever stage, the value and the bound.
 absl::Status Validate(const LocalizerOptions& options);
 
-/// The options of two stages under the paper's switches, which go before their own.
+/// The options of two stages as the paper's switches set them.
 StaticPointsOptions EffectiveStaticPoints(const LocalizerOptions& options);
 PoseGraphOptions EffectivePoseGraph(const LocalizerOptions& options);
 

@@ -26,7 +26,7 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
     : options_(options),
       learned_rig_(std::move(rig), options.learned_rig),
       radar_monitor_(learned_rig_.rig().radars.size(), options.radar_monitor),
-      ego_motion_(options.ego_motion),
+      ego_motion_(options.ego_motion, options.static_points),
       submap_(options.scans_per_submap, options.submap),
       schedule_(options.schedule,
                 options.scans_per_submap * static_cast<int>(learned_rig_.rig().radars.size())),
@@ -84,35 +84,37 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::ScanT
         std::pow(options_.clock_set_sigma_s * ego_velocity.linear_mps.norm(), 2);
   }
   Move(motion);
-  TestScan(stamp, radar_index, workspace);
+  CheckScanFit(stamp, radar_index, workspace);
   if (!IsTrusted(radar_index, stamp)) workspace.static_points.clear();
   AddToSubmap(stamp, radar_index, workspace.static_points, motion);
 
-  const bool is_steady = tracking_.mode() == TrackingMode::kTracking && quality_.edge_valid;
+  const bool is_steady = tracking_.mode() == TrackingMode::kConfirmed &&
+                         newest_outcome_ == RegistrationOutcome::kAccepted;
   if (schedule_.IsDue(is_steady)) {
     submap_.Join(options_.uncertainty, static_cast<std::size_t>(options_.max_submap_points),
                  workspace.submap);
     quality_ = {};
+    newest_outcome_ = RegistrationOutcome::kNoMatch;
 
     Announce(listener, Stage::kRegistration);  // eq 12-14
     Predict(stamp, workspace.registration);
     const bool waits_for_points = tracking_.has_pose() && !schedule_.has_new_points();
-    const std::optional<Registration<Dim>> registration = Register(stamp, workspace);
-    if (!registration && waits_for_points) {  // nothing was tried that could have failed
+    const std::optional<Registered> registered = Register(stamp, workspace);
+    if (!registered && waits_for_points) {  // nothing was tried that could have failed
       HandleLoss(stamp);
       return Answer(scan, stamp);
     }
 
     Announce(listener, Stage::kPoseGraph);  // eq 15-19
-    if (registration) UpdateObservability(*registration, stamp, workspace);
-    const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
-    const RegistrationOutcome outcome = UpdatePose(registration, ego_velocity, workspace);
-    UpdateOdometry(registration, outcome);
-    if (was_tracking && outcome == RegistrationOutcome::kAccepted) {
-      learner_.OnAccepted(stamp, *registration, ego_velocity, submap_.span(), matcher_, ego_motion_,
-                          pose_, workspace);
+    if (registered) UpdateObservability(registered->registration, stamp, workspace);
+    const bool was_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
+    newest_outcome_ = UpdatePose(registered, ego_velocity, workspace);
+    UpdateOdometry(registered, newest_outcome_);
+    if (was_confirmed && newest_outcome_ == RegistrationOutcome::kAccepted) {
+      learner_.OnAccepted(stamp, registered->registration, ego_velocity, submap_.span(), matcher_,
+                          ego_motion_, pose_, workspace);
     }
-    tracking_.OnRegistration(stamp, outcome);
+    tracking_.OnRegistration(stamp, newest_outcome_);
     HandleLoss(stamp);
     schedule_.OnRegistration();
   }
@@ -148,8 +150,8 @@ void Pipeline<Dim>::Move(const Motion& motion) {
   pose_.OnMotion(motion);
   relocalizer_.OnMotion(motion);
   reset_counter_.OnMotion(ego_motion_.expected_motion());
-  // What was learned of the odometry was learned of other sources.
-  if (ego_motion_.sources_changed()) pose_.ForgetNoise();
+  // The noise was learned with other sources in use.
+  if (ego_motion_.sources_changed()) pose_.ResetNoise();
   if (HorizontalSigma(ego_motion_.doubt_since_previous()) > options_.usual_doubt_m) pose_.OnGap();
 }
 
@@ -165,7 +167,8 @@ void Pipeline<Dim>::Compensate(const Scan& scan, Stamp stamp, const EgoVelocity&
 template <int Dim>
 void Pipeline<Dim>::AddToSubmap(Stamp stamp, std::size_t radar_index,
                                 const std::vector<RadarPoint>& points, const Motion& motion) {
-  // Whichever sources are sound, the scans of before are where these put them, or none of them is.
+  // Doubt in the sources is left out. If those in use are wrong, they misplace new scans as they
+  // did the old ones, and dropping these mends nothing.
   const Matrix6d gap = motion.covariance - ego_motion_.doubt_since_previous();
   if (HorizontalSigma(gap) > options_.max_gap_sigma_m ||
       std::sqrt(gap(5, 5)) > options_.max_gap_sigma_rad) {
@@ -177,20 +180,22 @@ void Pipeline<Dim>::AddToSubmap(Stamp stamp, std::size_t radar_index,
 }
 
 template <int Dim>
-void Pipeline<Dim>::TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace) {
+void Pipeline<Dim>::CheckScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace) {
   if (!tracking_.has_pose()) return;
-  const bool was_tracking = tracking_.mode() == TrackingMode::kTracking;
+  const bool was_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
   const ScanFit fit = scan_checker_.Test(stamp, radar_index, workspace.static_points, pose_.Now(),
                                          matcher_, workspace);
   radar_monitor_.OnFit(radar_index, scan_checker_.last_fit());
   if (!IsTrusted(radar_index, stamp)) return;
-  // Both places are off by as much as the pose is, and of a lost one nobody knows by how much.
-  if (!tracking_.is_lost()) TellSourcesApart(workspace);
+  // The places that are compared are relative to the pose: where that is lost, both are wrong.
+  if (!tracking_.is_lost()) CompareSourcesByMapFit(workspace);
   tracking_.OnScanFit(fit);
-  if (tracking_.mode() == TrackingMode::kTracking) {
+  if (tracking_.mode() == TrackingMode::kConfirmed) {
     scan_checker_.OnConfirmed();
-    if (quality_.edge_valid && fit != ScanFit::kContradicts) scan_checker_.Learn();
-  } else if (was_tracking) {
+    if (newest_outcome_ == RegistrationOutcome::kAccepted && fit != ScanFit::kContradicts) {
+      scan_checker_.Learn();
+    }
+  } else if (was_confirmed) {
     relocalizer_.SetPrior(NowInMap());
   }
 }
@@ -216,12 +221,13 @@ void Pipeline<Dim>::EnterLocalFrame(const Eigen::Vector3d& p_map,
 }
 
 template <int Dim>
-std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<Dim>& workspace) {
+std::optional<typename Pipeline<Dim>::Registered> Pipeline<Dim>::Register(
+    Stamp stamp, Workspace<Dim>& workspace) {
   const std::span<const GaussianPoint<Dim>> live = workspace.submap.points;
   std::optional<Registration<Dim>> registration;
   const std::optional<Place> place = SearchPlace(live, stamp, workspace.registration);
-  found_elsewhere_ = place && !place->is_expected;
-  if (found_elsewhere_) {
+  const bool is_new_place = place && !place->is_expected;
+  if (is_new_place) {
     EnterLocalFrame(place->T_map_vehicle.translation_m, workspace.registration);
     registration = matcher_.MatchFound(live, place->T_map_vehicle, options_.global.gate,
                                        workspace.registration);
@@ -234,7 +240,7 @@ std::optional<Registration<Dim>> Pipeline<Dim>::Register(Stamp stamp, Workspace<
   quality_.inlier_count = registration->inlier_count;
   quality_.overlap = registration->overlap;
   quality_.residual_scale = registration->residual_scale;
-  return registration;
+  return Registered{.registration = *registration, .is_new_place = is_new_place};
 }
 
 // Where there is no pose, or one that may be wrong.
@@ -255,7 +261,7 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
       relocalizer_.Search(stamp, live, submap_.span(), expected, workspace);
   if (place && place->is_expected) {
     tracking_.OnVerified();
-    scan_checker_.Forget();
+    scan_checker_.Reset();
     fix_monitor_.OnRefuted();
   }
   return place;
@@ -271,19 +277,21 @@ void Pipeline<Dim>::UpdateObservability(const Registration<Dim>& registration, S
   tracking_.OnObservability(stamp, observability_.ObservesAll());
 }
 
-// Where there is no pose, the registration starts a pose graph; else it is a factor of it.
+// A registration at a new place starts a pose graph; any other is a factor of the one there is.
 template <int Dim>
-RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<Dim>>& registration,
+RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& registered,
                                               const EgoVelocity& ego_velocity,
                                               Workspace<Dim>& workspace) {
-  if (!registration) return RegistrationOutcome::kNoMatch;
+  if (!registered) return RegistrationOutcome::kNoMatch;
+  const Registration<Dim>& registration = registered->registration;
   const std::chrono::nanoseconds span = submap_.span();
-  factor_count_ = tracking_.has_pose() && !found_elsewhere_ ? factor_count_ + 1 : 1;
+  factor_count_ = registered->is_new_place ? 1 : factor_count_ + 1;
   TangentMatrix<Dim> degeneracy = TangentMatrix<Dim>::Zero();
-  degeneracy.template topLeftCorner<2, 2>() = observability_.DegeneracyCovariance();
+  degeneracy.template topLeftCorner<2, 2>() =
+      observability_.DegeneracyCovariance(options_.matcher.observability.degenerate_sigma_m);
   const AbsolutePoseFactor<Dim> factor = RegistrationFactor<Dim>(
-      *registration, degeneracy,
-      pose_.noise_scales().RegistrationCovariance(ResidualScaledCovariance<Dim>(*registration)),
+      registration, degeneracy,
+      pose_.noise_scales().RegistrationCovariance(ResidualScaledCovariance<Dim>(registration)),
       CalibrationCovariance<Dim>(workspace.submap, learned_rig_.rig(), ego_velocity),
       {.interval = schedule_.SinceRegistration().value_or(span),
        .submap_span = span,
@@ -291,51 +299,54 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registration<D
        .count = factor_count_},
       options_.factor);
   EdgeTest test{.valid = true};
-  if (tracking_.has_pose() && !found_elsewhere_) {
+  if (!registered->is_new_place) {
     test = pose_.AddAbsolutePose(factor);
     protection_level_.OnInnovation(test.squared_distance / Pose<Dim>::kDof);
   } else {
-    scan_checker_.Forget();
-    radar_monitor_.ForgetFits();
+    scan_checker_.Reset();
+    radar_monitor_.ResetFits();
     ego_motion_.OnPlaceChanged();
     pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
     tracking_.OnPlaceFound();
   }
   quality_.edge_distance = test.squared_distance;
   quality_.edge_valid = test.valid;
-  if (test.valid && registration->overlap >= options_.right_overlap) learned_rig_.OnRegistered();
+  if (test.valid && registration.overlap >= options_.azimuth_sign_overlap) {
+    learned_rig_.OnRegistered();
+  }
   return test.valid ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;
 }
 
-// What a registration says of the motion, which the sources of odometry did not make up.
+// Registrations measure the motion without the sources of odometry, which are held against them.
+// While the pose is not confirmed, two in a row may be at two places, and teach nothing.
 template <int Dim>
-void Pipeline<Dim>::UpdateOdometry(const std::optional<Registration<Dim>>& registration,
+void Pipeline<Dim>::UpdateOdometry(const std::optional<Registered>& registered,
                                    RegistrationOutcome outcome) {
-  if (tracking_.mode() != TrackingMode::kTracking) {
+  if (tracking_.mode() != TrackingMode::kConfirmed) {
     ego_motion_.OnBreak();
     pose_.OnBreak();
   }
-  if (!registration) return;
+  if (!registered) return;
   const PoseEstimate<3> T_local_vehicle =
-      ToSpace<Dim>({.pose = registration->T_local_vehicle}, options_.unobserved);
+      ToSpace<Dim>({.pose = registered->registration.T_local_vehicle}, options_.unobserved);
   ego_motion_.OnRegistration(matcher_.T_map_local() * T_local_vehicle.pose,
                              {.is_accepted = outcome == RegistrationOutcome::kAccepted,
                               .observes_way = observability_.Observed(0)});
 }
 
-// A pose that is given up becomes a prior, but for a place that was refused.
+// A pose that is given up becomes the prior of the search, unless it is a place that was refused.
 template <int Dim>
 void Pipeline<Dim>::HandleLoss(Stamp stamp) {
-  if (tracking_.mode() == TrackingMode::kTracking) relocalizer_.OnFound();
+  if (tracking_.mode() == TrackingMode::kConfirmed) relocalizer_.OnFound();
   if (!tracking_.has_pose()) return;
   PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
   const Loss loss = tracking_.GiveUpIfLost(stamp, HorizontalSigma(now.covariance));
   if (loss == Loss::kNone) return;
   if (loss == Loss::kContradicted) {
     now.covariance.diagonal() += ContradictedVariances(options_);
-    // What was learned on the way to a wrong pose is wrong.
-    ego_motion_.Forget();
-    pose_.ForgetNoise();
+    // Scale, bias and noise were learned from poses at a wrong place.
+    ego_motion_.ResetErrors();
+    pose_.ResetNoise();
   }
   if (loss != Loss::kPlaceRefused) {
     now.pose = matcher_.T_map_local() * now.pose;
@@ -348,48 +359,6 @@ template <int Dim>
 PoseEstimate<3> Pipeline<Dim>::NowInMap() const {
   const PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
   return {.pose = matcher_.T_map_local() * now.pose, .covariance = now.covariance};
-}
-
-template <int Dim>
-const RigKnowledge& Pipeline<Dim>::Knowledge() {
-  known_.radars.clear();
-  ego_motion_.AddTo(known_);
-  learned_rig_.AddTo(known_);
-  for (std::size_t i = 0; i < rig().radars.size(); ++i) {
-    const BetaCheck beta = learner_.CheckBeta(i);
-    if (beta.sigma_s > options_.knowledge_report.max_beta_sigma_s) continue;
-    known_.Of(rig().radars[i].id).beta_error = {beta.error_s, beta.sigma_s * beta.sigma_s};
-  }
-  return known_;
-}
-
-template <int Dim>
-Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
-  Localization answer{.stamp = scan.stamp, .quality = quality_};
-  answer.health = ReportHealth(stamp, ego_motion_, learned_rig_, radar_monitor_);
-  if (knowledge_report_.IsDue(stamp)) answer.learned = knowledge_report_.OnKnown(Knowledge());
-  answer.resets = reset_counter_.resets();
-  answer.quality.live_point_count = static_cast<int>(submap_.point_count());
-  answer.quality.beta = learner_.CheckBeta(learned_rig_.IndexOf(scan.radar_id));
-  if (!tracking_.has_pose()) {
-    answer.covariance = kUnknownVariance * Matrix6d::Identity();
-    if (const std::optional<PoseEstimate<3>>& prior = relocalizer_.prior()) {
-      answer.T_map_vehicle = prior->pose;
-      answer.covariance = prior->covariance;
-    }
-    answer.state = tracking_.Report(HorizontalSigma(answer.covariance));
-    return answer;
-  }
-  const PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
-  tracking_.OnPrediction(stamp, HorizontalSigma(now.covariance));
-  answer.T_map_vehicle = matcher_.T_map_local() * now.pose;
-  answer.covariance =
-      ToSpace<Dim>({.pose = {}, .covariance = pose_.NoiseNow()}, options_.unobserved).covariance;
-  Claim(answer);
-  reset_counter_.OnAnswer(answer.T_map_vehicle);
-  answer.resets = reset_counter_.resets();
-  answer.observed = observability_.ObservedDof(/*in_space=*/Dim == 3);
-  return answer;
 }
 
 template class Pipeline<2>;

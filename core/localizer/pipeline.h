@@ -41,7 +41,7 @@ class AnyPipeline {
   virtual Localization LocalizeLate(const Scan& scan, Stamp stamp,
                                     LocalizerWorkspace& workspace) = 0;
 
-  /// A scan of which is not known when it was taken says nothing. Its pose is that of `newest`.
+  /// A scan that was taken nobody knows when is not used. It is answered with the pose at `newest`.
   virtual Localization LocalizeUntimed(const Scan& scan, Stamp newest) = 0;
 
   /// Whether the stamps of radar `index` had to be brought to the clock of the others.
@@ -55,10 +55,11 @@ class AnyPipeline {
   virtual std::optional<double> FitAt(const Scan& scan, Stamp stamp,
                                       LocalizerWorkspace& workspace) = 0;
 
-  /// What something else than radar says of the pose at `stamp`. It is valid.
+  /// A position fix that was true at `stamp`. It is valid.
   virtual FixUse TakeFix(const InitialPose& fix, Stamp stamp) = 0;
 
-  /// What another pipeline goes on from, but for the clocks; nothing where there is nothing sure.
+  /// What another pipeline goes on from, but for the clocks; nothing where the pose or its sources
+  /// are in doubt.
   virtual std::optional<LocalizerSnapshot> Snapshot() = 0;
 
   /// Goes on from a valid one. Before the first scan.
@@ -97,6 +98,12 @@ class Pipeline final : public AnyPipeline {
   const Rig& rig() const override { return learned_rig_.rig(); }
 
  private:
+  // A registration around the predicted pose, or at a place that was just found.
+  struct Registered {
+    Registration<Dim> registration;
+    bool is_new_place = false;
+  };
+
   void Start(const InitialPose& initial_pose);
 
   // The stages of one scan.
@@ -108,16 +115,15 @@ class Pipeline final : public AnyPipeline {
   }
   void AddToSubmap(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,
                    const Motion& motion);
-  void TestScan(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
-  void TellSourcesApart(Workspace<Dim>& workspace);
+  void CheckScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
+  void CompareSourcesByMapFit(Workspace<Dim>& workspace);
   void Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace);
-  std::optional<Registration<Dim>> Register(Stamp stamp, Workspace<Dim>& workspace);
+  std::optional<Registered> Register(Stamp stamp, Workspace<Dim>& workspace);
   void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
                            Workspace<Dim>& workspace);
-  RegistrationOutcome UpdatePose(const std::optional<Registration<Dim>>& registration,
+  RegistrationOutcome UpdatePose(const std::optional<Registered>& registered,
                                  const EgoVelocity& ego_velocity, Workspace<Dim>& workspace);
-  void UpdateOdometry(const std::optional<Registration<Dim>>& registration,
-                      RegistrationOutcome outcome);
+  void UpdateOdometry(const std::optional<Registered>& registered, RegistrationOutcome outcome);
   void HandleLoss(Stamp stamp);
   const RigKnowledge& Knowledge();
   Localization Answer(const Scan& scan, Stamp stamp);
@@ -149,9 +155,9 @@ class Pipeline final : public AnyPipeline {
   RigKnowledge known_;  // memory of Knowledge
   Observability observability_;
   std::optional<Stamp> observability_stamp_;
-  int factor_count_ = 0;          // registrations since the pose graph was started
-  bool found_elsewhere_ = false;  // the newest registration is at a place just found
-  LocalizationQuality quality_;   // of the newest registration
+  int factor_count_ = 0;         // registrations since the pose graph was started
+  LocalizationQuality quality_;  // of the newest registration that was due, and what came of it
+  RegistrationOutcome newest_outcome_ = RegistrationOutcome::kNoMatch;
 };
 
 }  // namespace dcloc

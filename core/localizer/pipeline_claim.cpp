@@ -1,12 +1,42 @@
-// What an answer claims of its pose, beyond the pose graph's covariance.
+// What an answer says: the pose, what is claimed of it, and which hypotheses scans speak for.
 #include <cmath>
 
 #include "core/geometry/covariance.h"
+#include "core/geometry/pose_estimate.h"
 #include "core/localizer/pipeline.h"
 
 namespace dcloc {
 
-// A stamp that is off is an error along the way (METHOD eq 54).
+template <int Dim>
+Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
+  Localization answer{.stamp = scan.stamp, .quality = quality_};
+  answer.health = ReportHealth(stamp, ego_motion_, learned_rig_, radar_monitor_);
+  if (knowledge_report_.IsDue(stamp)) answer.learned = knowledge_report_.OnKnown(Knowledge());
+  answer.resets = reset_counter_.resets();
+  answer.quality.live_point_count = static_cast<int>(submap_.point_count());
+  answer.quality.beta = learner_.CheckBeta(learned_rig_.IndexOf(scan.radar_id));
+  if (!tracking_.has_pose()) {
+    answer.covariance = kUnknownVariance * Matrix6d::Identity();
+    if (const std::optional<PoseEstimate<3>>& prior = relocalizer_.prior()) {
+      answer.T_map_vehicle = prior->pose;
+      answer.covariance = prior->covariance;
+    }
+    answer.state = tracking_.Report(HorizontalSigma(answer.covariance));
+    return answer;
+  }
+  const PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
+  tracking_.OnPrediction(stamp, HorizontalSigma(now.covariance));
+  answer.T_map_vehicle = matcher_.T_map_local() * now.pose;
+  answer.covariance =
+      ToSpace<Dim>({.pose = {}, .covariance = pose_.NoiseNow()}, options_.unobserved).covariance;
+  Claim(answer);
+  reset_counter_.OnAnswer(answer.T_map_vehicle);
+  answer.resets = reset_counter_.resets();
+  answer.observed = observability_.ObservedDof(/*in_space=*/Dim == 3);
+  return answer;
+}
+
+// A stamp that is off by a time is a position that is off along the way (METHOD eq 54).
 template <int Dim>
 void Pipeline<Dim>::Claim(Localization& answer) {
   const EgoVelocity velocity = ego_motion_.velocity().value_or(EgoVelocity{});
@@ -24,9 +54,10 @@ void Pipeline<Dim>::Claim(Localization& answer) {
   answer.covariance += std::pow(stamp_error_.sigma_s, 2) * per_second * per_second.transpose();
 }
 
-// METHOD eq 50. What stands still lies in the map where the vehicle has really come to.
+// METHOD eq 50. Where the vehicle really is, static points lie on landmarks: how they fit at the
+// place by the sources in use and at the rival's tells which of the two is right.
 template <int Dim>
-void Pipeline<Dim>::TellSourcesApart(Workspace<Dim>& workspace) {
+void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
   const std::optional<Pose3> T_used_rival = ego_motion_.RivalPlace();
   if (!T_used_rival) return;
   // A mean over a few points says little.
@@ -57,8 +88,10 @@ std::optional<double> Pipeline<Dim>::FitAt(const Scan& scan, Stamp stamp,
   return scan_checker_.FitAt(workspace.static_points, pose, matcher_, workspace);
 }
 
-template void Pipeline<2>::TellSourcesApart(Workspace<2>& workspace);
-template void Pipeline<3>::TellSourcesApart(Workspace<3>& workspace);
+template Localization Pipeline<2>::Answer(const Scan&, Stamp);
+template Localization Pipeline<3>::Answer(const Scan&, Stamp);
+template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>& workspace);
+template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>& workspace);
 template void Pipeline<2>::Claim(Localization& answer);
 template void Pipeline<3>::Claim(Localization& answer);
 template std::optional<double> Pipeline<2>::FitAt(const Scan&, Stamp, LocalizerWorkspace&);

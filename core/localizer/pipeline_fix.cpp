@@ -1,4 +1,4 @@
-// What something else than radar says of the pose.
+// What position fixes do to the pose.
 #include "core/geometry/pose_estimate.h"
 #include "core/localizer/pipeline.h"
 
@@ -16,8 +16,8 @@ FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
     return FixUse::kGuidesSearch;
   }
   const FixVerdict verdict = fix_monitor_.Judge(stamp, *now, *pose);
-  if (verdict == FixVerdict::kInsists) {
-    tracking_.OnFixesInsist();
+  if (verdict == FixVerdict::kContradictsPersistently) {
+    tracking_.OnFixesContradict();
     relocalizer_.SetPrior(*now);
   }
   if (verdict >= FixVerdict::kContradicts) return FixUse::kContradicted;

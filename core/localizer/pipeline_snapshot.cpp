@@ -1,12 +1,10 @@
-// What another pipeline of the same vehicle goes on from.
+// What was learned, and what another pipeline of the same vehicle goes on from.
 #include "core/geometry/pose_estimate.h"
 #include "core/localizer/localizer_snapshot.h"
 #include "core/localizer/pipeline.h"
 
 namespace dcloc {
 namespace {
-
-constexpr double kMaxDoubtedWay_m = 0.4;  // as SourceMonitorOptions::min_rival_way_m
 
 // Which of them is wrong is known after moments only, and would have to be found again.
 bool IsSetAside(const SourceHealth& source) {
@@ -16,6 +14,19 @@ bool IsSetAside(const SourceHealth& source) {
 }  // namespace
 
 template <int Dim>
+const RigKnowledge& Pipeline<Dim>::Knowledge() {
+  known_.radars.clear();
+  ego_motion_.AddTo(known_);
+  learned_rig_.AddTo(known_);
+  for (std::size_t i = 0; i < rig().radars.size(); ++i) {
+    const BetaCheck beta = learner_.CheckBeta(i);
+    if (beta.sigma_s > options_.knowledge_report.max_beta_sigma_s) continue;
+    known_.Of(rig().radars[i].id).beta_error = {beta.error_s, beta.sigma_s * beta.sigma_s};
+  }
+  return known_;
+}
+
+template <int Dim>
 std::optional<LocalizerSnapshot> Pipeline<Dim>::Snapshot() {
   const std::optional<TrackingSnapshot> tracking = tracking_.Snapshot();
   const std::optional<EgoVelocity>& velocity = ego_motion_.velocity();
@@ -23,8 +34,10 @@ std::optional<LocalizerSnapshot> Pipeline<Dim>::Snapshot() {
   if (IsSetAside(ego_motion_.wheel_speed()) || IsSetAside(ego_motion_.yaw_rate())) {
     return std::nullopt;
   }
-  // What the sources differ by is not handed on.
-  if (ego_motion_.doubted_way_m() > kMaxDoubtedWay_m) return std::nullopt;
+  // The hypotheses are not handed on: there must be no rival among them.
+  if (ego_motion_.doubted_way_m() > options_.ego_motion.sources.min_rival_way_m) {
+    return std::nullopt;
+  }
   const PoseEstimate<3> now = NowInMap();
   return LocalizerSnapshot{.pose = {.T_map_vehicle = now.pose, .covariance = now.covariance},
                            .velocity = *velocity,
@@ -56,6 +69,8 @@ void Pipeline<Dim>::GoOnFrom(const LocalizerSnapshot& snapshot) {
   factor_count_ = snapshot.factor_count;
 }
 
+template const RigKnowledge& Pipeline<2>::Knowledge();
+template const RigKnowledge& Pipeline<3>::Knowledge();
 template std::optional<LocalizerSnapshot> Pipeline<2>::Snapshot();
 template std::optional<LocalizerSnapshot> Pipeline<3>::Snapshot();
 template void Pipeline<2>::GoOnFrom(const LocalizerSnapshot&);

@@ -11,12 +11,19 @@ std::span<const OptionField<RadarClocksOptions>> FieldsOf(const RadarClocksOptio
       {"max_ahead_ms", &O::max_ahead, 0, 1e5, "every scan that is ahead tells"},
       {"max_lead_ms", &O::max_lead, 1, 1e6},
       {"scans_to_tell", &O::scans_to_tell, 2, 100},
+      {"offset_sigma_s", &O::offset_sigma_s, 1e-6, 10},
   };
   return kFields;
 }
 
 absl::Status Validate(const RadarClocksOptions& options) {
   return ValidateFields(options, FieldsOf(options));
+}
+
+std::optional<ScalarEstimate> RadarClocks::OffsetEstimate(std::size_t index) const {
+  if (!IsOff(index)) return std::nullopt;
+  return ScalarEstimate{SecondsOf(Offset(index)),
+                        options_.offset_sigma_s * options_.offset_sigma_s};
 }
 
 std::optional<Stamp> RadarClocks::Align(std::size_t index, Stamp stamp) {
@@ -94,16 +101,16 @@ void RadarClocks::SetRight(std::size_t index) {
   const auto middle = ahead.begin() + static_cast<std::ptrdiff_t>(ahead.size() / 2);
   std::nth_element(ahead.begin(), middle, ahead.end());
   radars_[index].offset += *middle;
-  ForgetComparisons(index);
+  ResetComparisons(index);
 }
 
 void RadarClocks::OnStep(std::size_t index, std::chrono::nanoseconds step) {
   radars_[index].offset += step;
-  ForgetComparisons(index);
+  ResetComparisons(index);
 }
 
 // What was compared by another offset.
-void RadarClocks::ForgetComparisons(std::size_t index) {
+void RadarClocks::ResetComparisons(std::size_t index) {
   radars_[index].since_others.resize(radars_.size());
   for (std::size_t i = 0; i < radars_.size(); ++i) {
     radars_[index].since_others[i].clear();

@@ -8,6 +8,7 @@
 
 #include "absl/container/inlined_vector.h"
 #include "absl/status/status.h"
+#include "core/odometry/scalar_estimate.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/stamp.h"
@@ -23,6 +24,9 @@ struct RadarClocksOptions {
   std::chrono::nanoseconds max_lead = std::chrono::seconds(1);
   /// So many scans in a row tell that a clock is off, and by how much.
   int scans_to_tell = 4;
+  /// The deviation of an offset. The order of arrival tells it within the time between two scans of
+  /// different radars.
+  double offset_sigma_s = 0.05;
 };
 std::span<const OptionField<RadarClocksOptions>> FieldsOf(const RadarClocksOptions& options);
 absl::Status Validate(const RadarClocksOptions& options);
@@ -45,10 +49,12 @@ class RadarClocks {
   /// By how much the clock of radar `index` is ahead of that of the rig.
   std::chrono::nanoseconds Offset(std::size_t index) const { return radars_[index].offset; }
   /// It was found to be so by an earlier localizer of the same vehicle. Before the first scan.
-  void Suppose(std::size_t index, std::chrono::nanoseconds offset) {
+  void StartFrom(std::size_t index, std::chrono::nanoseconds offset) {
     radars_[index].offset = offset;
   }
   bool IsOff(std::size_t index) const { return Offset(index) != std::chrono::nanoseconds(0); }
+  /// The same offset [s] with its variance; nothing for a clock that is not off.
+  std::optional<ScalarEstimate> OffsetEstimate(std::size_t index) const;
 
  private:
   /// The time from another radar's newest scan to each of the last ones of this radar.
@@ -70,7 +76,7 @@ class RadarClocks {
   std::optional<std::chrono::nanoseconds> Ahead(std::size_t a, std::size_t b) const;
   bool DiffersFromMost(std::size_t index) const;
   void SetRight(std::size_t index);
-  void ForgetComparisons(std::size_t index);
+  void ResetComparisons(std::size_t index);
   bool HasLeapt(std::size_t index, Stamp stamp) const;
 
   RadarClocksOptions options_;

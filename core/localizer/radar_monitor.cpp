@@ -16,8 +16,8 @@ std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOpt
       {"max_interval_ratio", &O::max_interval_ratio, 1, 1000},
       {"memory", &O::memory, 0, 0.999, "the newest scan counts alone"},
       {"min_target_count", &O::min_target_count, 1, 10'000},
-      {"min_static_share", &O::min_static_share, 0, 1, "no Doppler is told of"},
-      {"min_fit_share", &O::min_fit_share, 0, 1, "no radar is set aside"},
+      {"min_static_fraction", &O::min_static_fraction, 0, 1, "no Doppler is told of"},
+      {"min_fit_fraction", &O::min_fit_fraction, 0, 1, "no radar is set aside"},
       {"min_fit_of_others", &O::min_fit_of_others, 1e-6, 1},
   };
   return kFields;
@@ -32,7 +32,7 @@ void RadarMonitor::OnScan(Stamp stamp, std::size_t index, std::size_t target_cou
   Watched& radar = radars_[index];
   if (static_cast<int>(target_count) >= options_.min_target_count) {
     Average(static_cast<double>(static_count) / static_cast<double>(target_count),
-            radar.static_share);
+            radar.static_fraction);
   }
   if (radar.last && stamp <= *radar.last) return;
   if (radar.last) {
@@ -50,7 +50,7 @@ void RadarMonitor::OnFit(std::size_t index, double fit) {
   Average(fit, *mean);
 }
 
-void RadarMonitor::ForgetFits() {
+void RadarMonitor::ResetFits() {
   for (Watched& radar : radars_) radar.fit.reset();
 }
 
@@ -64,7 +64,7 @@ bool RadarMonitor::FitsTheMap(std::size_t index) const {
   const auto middle = others.begin() + static_cast<std::ptrdiff_t>(others.size() / 2);
   std::nth_element(others.begin(), middle, others.end());
   return *middle < options_.min_fit_of_others ||
-         *radars_[index].fit >= options_.min_fit_share * *middle;
+         *radars_[index].fit >= options_.min_fit_fraction * *middle;
 }
 
 bool RadarMonitor::IsSilent(const Watched& radar, Stamp stamp) const {
@@ -78,7 +78,7 @@ SourceFault RadarMonitor::FaultOf(std::size_t index, Stamp stamp) const {
   const Watched& radar = radars_[index];
   if (IsSilent(radar, stamp)) return SourceFault::kSilent;
   if (!FitsTheMap(index)) return SourceFault::kMap;
-  if (radar.static_share < options_.min_static_share) return SourceFault::kDoppler;
+  if (radar.static_fraction < options_.min_static_fraction) return SourceFault::kDoppler;
   if (radar.clock_is_off) return SourceFault::kClock;
   return SourceFault::kNone;
 }

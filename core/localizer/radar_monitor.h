@@ -23,11 +23,11 @@ struct RadarMonitorOptions {
   /// The weight of what its scans said before beside the newest.
   double memory = 0.9;
   int min_target_count = 10;  ///< a scan of fewer says nothing of its Doppler
-  /// Its range rates contradict the motion if a smaller share of its targets stands still.
-  double min_static_share = 0.1;
-  /// Its targets do not lie in the map if they fit it by less than this share of how those of the
-  /// other radars do, which fit it by so much at least. It needs two others.
-  double min_fit_share = 0.4;
+  /// Its range rates contradict the motion if a smaller fraction of its targets stands still.
+  double min_static_fraction = 0.1;
+  /// Its targets do not lie in the map if they fit it by less than this fraction of how those of
+  /// the other radars do, which fit it by so much at least. It needs two others.
+  double min_fit_fraction = 0.4;
   double min_fit_of_others = 0.15;
 };
 std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOptions& options);
@@ -50,7 +50,7 @@ class RadarMonitor {
   void OnFit(std::size_t index, double fit);
 
   /// The vehicle is elsewhere: how scans fit the map there is another matter.
-  void ForgetFits();
+  void ResetFits();
 
   bool FitsTheMap(std::size_t index) const;
 
@@ -61,7 +61,7 @@ class RadarMonitor {
   struct Watched {
     std::optional<Stamp> last;
     double usual_interval_s = 0.0;
-    double static_share = 1.0;
+    double static_fraction = 1.0;
     bool clock_is_off = false;
     std::optional<double> fit;
   };

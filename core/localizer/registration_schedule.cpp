@@ -10,7 +10,7 @@ std::span<const OptionField<RegistrationScheduleOptions>> FieldsOf(
       {"tracking_scans", &O::tracking_scans, 1, 100},
       {"max_interval_ms", &O::max_interval, 0, 10'000, "no scan is waited for"},
       {"min_new_points", &O::min_new_points, 0, 100'000, "old points alone are registered"},
-      {"start_share", &O::start_share, 0, 1, "one scan is enough to begin with"},
+      {"start_fraction", &O::start_fraction, 0, 1, "one scan is enough to begin with"},
       {"start_span_ms", &O::start_span, 0, 1e6, "one scan is enough to begin with"},
   };
   return kFields;
@@ -30,7 +30,7 @@ void RegistrationSchedule::OnScan(Stamp stamp, int submap_scan_count, std::size_
 
 bool RegistrationSchedule::IsDue(bool is_steady) const {
   // A few points are easily registered wrong, and the better ones that follow then are outliers.
-  const bool is_mature = submap_scan_count_ >= options_.start_share * full_scan_count_ ||
+  const bool is_mature = submap_scan_count_ >= options_.start_fraction * full_scan_count_ ||
                          newest_ - submap_begin_ >= options_.start_span;
   if (!is_mature) return false;
   if (!last_registration_) return true;

@@ -23,9 +23,9 @@ struct RegistrationScheduleOptions {
   /// A sub-map with fewer new points than this repeats what was known: it tells how odometry moves
   /// old points, and nothing of where the vehicle is.
   int min_new_points = 10;
-  /// At the start and after a gap in the data, registration waits for this share of a full sub-map,
-  /// or for so long.
-  double start_share = 0.8;
+  /// At the start and after a gap in the data, registration waits for this fraction of a full
+  /// sub-map, or for so long.
+  double start_fraction = 0.8;
   std::chrono::nanoseconds start_span = std::chrono::milliseconds(1000);
 };
 std::span<const OptionField<RegistrationScheduleOptions>> FieldsOf(

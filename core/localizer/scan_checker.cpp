@@ -45,8 +45,8 @@ double ScanChecker<Dim>::FitAt(const std::vector<RadarPoint>& points, const Pose
 }
 
 template <int Dim>
-void ScanChecker<Dim>::Forget() {
-  monitor_.Forget();
+void ScanChecker<Dim>::Reset() {
+  monitor_.Reset();
   contradicted_since_.reset();
 }
 

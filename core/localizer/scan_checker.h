@@ -40,7 +40,7 @@ class ScanChecker {
   void OnConfirmed() { contradicted_since_.reset(); }
 
   /// It is at another place than before, or verified although scans did not fit.
-  void Forget();
+  void Reset();
 
   /// Of the scans of the last `span` before `stamp`, some are from before the first that did not
   /// fit: they speak for the pose, whatever came since.

@@ -22,10 +22,11 @@ std::span<const OptionField<StampMonitorOptions>> FieldsOf(const StampMonitorOpt
       {"period_gain", &O::period_gain, 1e-4, 1},
       {"usual_jitter_ms", &O::usual_jitter, 0, 1000, "every deviation counts"},
       {"memory_ms", &O::memory, 1, 1e5},
-      {"min_step_share", &O::min_step_share, 0, 10, "the time alone decides"},
+      {"min_step_fraction", &O::min_step_fraction, 0, 10, "the time alone decides"},
       {"min_step_ms", &O::min_step, 1, 1e4},
       {"max_step_ms", &O::max_step, 0, 1e5, "no step is suspected"},
-      {"max_irregular_share", &O::max_irregular_share, 0, 1, "no step is suspected"},
+      {"max_irregular_fraction", &O::max_irregular_fraction, 0, 1, "no step is suspected"},
+      {"irregular_memory", &O::irregular_memory, 0, 0.999, "the newest interval counts alone"},
       {"deciding_fit", &O::deciding_fit, 1e-3, 100},
       {"min_fit", &O::min_fit, 0, 1, "any fit decides"},
       {"max_doubtful_scans", &O::max_doubtful_scans, 1, 1000},
@@ -53,20 +54,20 @@ std::optional<nanoseconds> StampMonitor::OnStamp(std::size_t index, Stamp stamp)
 
 bool StampMonitor::IsRegular(const Watched& radar) const {
   return radar.interval_count >= options_.min_interval_count &&
-         radar.irregular_share <= options_.max_irregular_share;
+         radar.irregular_fraction <= options_.max_irregular_fraction;
 }
 
 // Whether the stamps go on along another line. A step that is not decided lasts until they leap
 // once more.
 bool StampMonitor::Suspect(Watched& radar, nanoseconds interval) const {
-  constexpr double kMemory = 0.95;
   if (radar.interval_count < options_.min_interval_count) return false;
   const nanoseconds leap = interval - NanosecondsIn(radar.period_s);
   const nanoseconds least =
-      std::max(options_.min_step, NanosecondsIn(options_.min_step_share * radar.period_s));
+      std::max(options_.min_step, NanosecondsIn(options_.min_step_fraction * radar.period_s));
   const bool leapt = std::chrono::abs(leap) >= least;
   const bool is_suspect = leapt && std::chrono::abs(leap) <= options_.max_step && IsRegular(radar);
-  radar.irregular_share = kMemory * radar.irregular_share + (leapt ? 1.0 - kMemory : 0.0);
+  const double memory = options_.irregular_memory;
+  radar.irregular_fraction = memory * radar.irregular_fraction + (leapt ? 1.0 - memory : 0.0);
   if (leapt) radar.step.reset();
   if (!is_suspect) return false;
   radar.step = leap;

@@ -25,11 +25,13 @@ struct StampMonitorOptions {
   std::chrono::nanoseconds memory = std::chrono::milliseconds(2000);
   /// A stamp this far from where the line lets expect it, in periods and in time, but by no more
   /// than `max_step`, may be of a clock that was set, or come after scans that were lost.
-  double min_step_share = 0.4;
+  double min_step_fraction = 0.4;
   std::chrono::nanoseconds min_step = std::chrono::milliseconds(40);
   std::chrono::nanoseconds max_step = std::chrono::milliseconds(1000);
-  /// Nothing is suspected of a radar of whose intervals a larger share is irregular.
-  double max_irregular_share = 0.2;
+  /// Nothing is suspected of a radar of whose intervals a larger fraction is irregular, as a mean
+  /// in which older ones weigh `irregular_memory` beside the next.
+  double max_irregular_fraction = 0.2;
+  double irregular_memory = 0.95;
   /// A step is decided by so much fit in sum, where scans fit by `min_fit`; and, undecided after so
   /// many scans, is taken for none.
   double deciding_fit = 0.15;
@@ -73,7 +75,7 @@ class StampMonitor {
   struct Watched {
     std::optional<Stamp> last;
     int interval_count = 0;
-    double irregular_share = 0.0;
+    double irregular_fraction = 0.0;
     double period_s = 0.0;
     Stamp phase{};                                 // where the line has the last stamp
     double deviation_s = 0.0;                      // the largest of late

@@ -7,7 +7,7 @@ namespace {
 
 // In all others there is no pose, or one that nothing has confirmed, or one that is wrong.
 bool HasBeenTracked(TrackingMode mode) {
-  return mode == TrackingMode::kTracking || mode == TrackingMode::kDoubting ||
+  return mode == TrackingMode::kConfirmed || mode == TrackingMode::kDoubting ||
          mode == TrackingMode::kDeadReckoning || mode == TrackingMode::kLost;
 }
 

@@ -43,7 +43,7 @@ void TrackingStateMachine::OnPlaceFound() {
   mode_ = mode;
 }
 
-// A place that has been confirmed already is so by what was registered there.
+// Registrations that were accepted before the verification count.
 void TrackingStateMachine::OnVerified() {
   mode_ = Next(mode_, TrackingEvent::kVerified);
   agreement_ = Next(agreement_, ScanAgreementEvent::kFits);
@@ -51,8 +51,8 @@ void TrackingStateMachine::OnVerified() {
   Confirm();
 }
 
-void TrackingStateMachine::OnFixesInsist() {
-  verification_ = Next(verification_, VerificationEvent::kFixesInsist);
+void TrackingStateMachine::OnFixesContradict() {
+  verification_ = Next(verification_, VerificationEvent::kFixesContradict);
   mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
@@ -97,7 +97,7 @@ void TrackingStateMachine::OnPrediction(Stamp stamp, double position_sigma_m) {
   const std::chrono::nanoseconds hold = Hold();
   if (unconfirmed > hold) mode_ = Next(mode_, TrackingEvent::kHoldExpired);
   const bool is_carried = mode_ == TrackingMode::kDeadReckoning || mode_ == TrackingMode::kLost ||
-                          mode_ == TrackingMode::kContradicted;
+                          mode_ == TrackingMode::kLostTwice;
   if (!is_carried) return;
   if (unconfirmed > options_.lost_after + (hold - options_.tracking_hold)) Lose(stamp);
   if (!uncertain_since_ && position_sigma_m > options_.lost_sigma_m) {
@@ -110,9 +110,9 @@ void TrackingStateMachine::OnPrediction(Stamp stamp, double position_sigma_m) {
 void TrackingStateMachine::Lose(Stamp stamp) {
   TrackingEvent event = TrackingEvent::kLossExpired;
   if (mode_ == TrackingMode::kDeadReckoning && outliers_in_a_row_ >= options_.confirmations) {
-    const bool again =
+    const bool is_again =
         last_lost_to_outliers_ && stamp - *last_lost_to_outliers_ <= options_.contradiction_span;
-    if (again) event = TrackingEvent::kContradicted;
+    if (is_again) event = TrackingEvent::kLostAgain;
     last_lost_to_outliers_ = stamp;
   }
   mode_ = Next(mode_, event);
@@ -160,7 +160,7 @@ void TrackingStateMachine::Confirm() {
       accepted_in_a_row_ >= options_.confirmations && verification_ == Verification::kNotNeeded;
   if (!is_enough) return;
   mode_ = Next(mode_, TrackingEvent::kConfirmed);
-  if (mode_ == TrackingMode::kTracking) uncertain_since_.reset();
+  if (mode_ == TrackingMode::kConfirmed) uncertain_since_.reset();
 }
 
 Loss TrackingStateMachine::GiveUpIfLost(Stamp stamp, double position_sigma_m) {
@@ -176,13 +176,13 @@ Loss TrackingStateMachine::FindLoss(Stamp stamp, double position_sigma_m) const 
                                                                      : Loss::kNone;
     case TrackingMode::kConfirmingPrior:
       return position_sigma_m > options_.max_prior_sigma_m ? Loss::kPriorTooWide : Loss::kNone;
-    case TrackingMode::kContradicted:
+    case TrackingMode::kLostTwice:
       return Loss::kContradicted;
     case TrackingMode::kLost:
       return uncertain_since_ && stamp - *uncertain_since_ > options_.lost_hold ? Loss::kUncertain
                                                                                 : Loss::kNone;
     case TrackingMode::kSearching:
-    case TrackingMode::kTracking:
+    case TrackingMode::kConfirmed:
     case TrackingMode::kDoubting:
     case TrackingMode::kDeadReckoning:
     case TrackingMode::kRecovering:
@@ -193,7 +193,7 @@ Loss TrackingStateMachine::FindLoss(Stamp stamp, double position_sigma_m) const 
 
 LocalizationState TrackingStateMachine::Report(double position_sigma_m) const {
   switch (mode_) {
-    case TrackingMode::kTracking: {
+    case TrackingMode::kConfirmed: {
       // However well registrations agree across, a vehicle that does not know where along a tunnel
       // it is does not track.
       const bool is_unobserved = observability_ == AlongTrackObservability::kNotObserved ||
@@ -206,7 +206,7 @@ LocalizationState TrackingStateMachine::Report(double position_sigma_m) const {
     case TrackingMode::kDeadReckoning:
       return LocalizationState::kDeadReckoning;
     case TrackingMode::kLost:
-    case TrackingMode::kContradicted:
+    case TrackingMode::kLostTwice:
     case TrackingMode::kRecovering:
       return LocalizationState::kLost;
     case TrackingMode::kSearching:

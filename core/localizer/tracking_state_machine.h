@@ -57,9 +57,8 @@ enum class Loss {
   kPlaceRefused,  ///< the place found by global localization is refused by what followed
   kPriorTooWide,  ///< nothing has confirmed the prior, and it has grown beyond `max_prior_sigma_m`
   kUncertain,     ///< lost and less certain than `lost_sigma_m` for `lost_hold`
-  /// Lost a second time within `contradiction_span` to outliers in a row. A burst of false
-  /// registrations passes, and a step of true ones is followed; an estimate that took a wrong place
-  /// for its own is contradicted again and again.
+  /// Lost to outliers twice within `contradiction_span`. A burst of false registrations passes, and
+  /// a step of true ones is followed; a pose at a wrong place is contradicted again and again.
   kContradicted,
 };
 
@@ -77,7 +76,7 @@ struct TrackingSnapshot {
 /// OK, or InvalidArgument that names what can be no snapshot of a vehicle that was tracked.
 absl::Status Validate(const TrackingSnapshot& snapshot);
 
-/// Decides what an answer claims: whether its pose is TRACKING stands here and nowhere else.
+/// Decides what an answer claims of its pose. Nothing else decides whether it is TRACKING.
 class TrackingStateMachine {
  public:
   explicit TrackingStateMachine(const TrackingOptions& options) : options_(options) {}
@@ -89,9 +88,7 @@ class TrackingStateMachine {
   }
 
   /// Whether the pose was not confirmed for so long that it may be anywhere.
-  bool is_lost() const {
-    return mode_ == TrackingMode::kLost || mode_ == TrackingMode::kContradicted;
-  }
+  bool is_lost() const { return mode_ == TrackingMode::kLost || mode_ == TrackingMode::kLostTwice; }
 
   /// Starts from a prior; only in kSearching.
   void OnPrior() { mode_ = Next(mode_, TrackingEvent::kPriorGiven); }
@@ -99,9 +96,9 @@ class TrackingStateMachine {
   /// Whether the pose that there is must be held against other places.
   bool needs_verification() const {
     if (mode_ == TrackingMode::kConfirmingPlace) {
-      return verification_ != Verification::kNotNeeded;  // fixes insist on yet another place
+      return verification_ != Verification::kNotNeeded;  // fixes contradict this place, too
     }
-    return has_pose() && mode_ != TrackingMode::kTracking;
+    return has_pose() && mode_ != TrackingMode::kConfirmed;
   }
 
   /// Starts from a place that global localization found. What was counted before does not matter
@@ -111,9 +108,9 @@ class TrackingStateMachine {
   /// No other place fits as well as the pose.
   void OnVerified();
 
-  /// Fixes say that the vehicle is elsewhere: until they agree again, or the pose is verified, it
-  /// does not matter that scans fit.
-  void OnFixesInsist();
+  /// Fixes contradict the pose persistently: until they agree again, or the pose is verified, scans
+  /// that fit do not make it confirmed.
+  void OnFixesContradict();
   void OnFixAgrees() { verification_ = Next(verification_, VerificationEvent::kFixAgrees); }
 
   /// Takes in how the newest scan fits the map.

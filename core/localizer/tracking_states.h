@@ -12,25 +12,25 @@ enum class TrackingMode {
   kSearching,        ///< no pose: global localization from nothing or from a vague prior
   kConfirmingPrior,  ///< a pose from a prior that no registration has confirmed yet
   kConfirmingPlace,  ///< a pose from global localization that must be confirmed
-  kTracking,
-  kDoubting,       ///< a pose that was confirmed, but scans or fixes now contradict it
-  kDeadReckoning,  ///< a pose carried by ego-motion, confirmed a moment ago
-  kLost,           ///< a pose carried by ego-motion, for too long or too uncertain
-  kContradicted,   ///< lost, to outliers and for the second time: the pose is wrong
-  kRecovering,     ///< the pose was given up: global localization, nearby first
+  kConfirmed,        ///< a pose that registrations have confirmed; TRACKING, if it is certain too
+  kDoubting,         ///< a pose that was confirmed, but scans or fixes now contradict it
+  kDeadReckoning,    ///< a pose carried by ego-motion, confirmed a moment ago
+  kLost,             ///< a pose carried by ego-motion, for too long or too uncertain
+  kLostTwice,        ///< lost to outliers, as a moment ago: registrations contradict the pose
+  kRecovering,       ///< the pose was given up: global localization, nearby first
 };
 
 enum class TrackingEvent {
-  kPriorGiven,    ///< a prior that registrations can start from
-  kPlaceFound,    ///< by global localization
-  kVerified,      ///< global localization finds no better place than the expected one
-  kDoubted,       ///< a scan does not fit the map where it should, or fixes lie elsewhere
-  kAgreed,        ///< `agreements` scans in a row do, and a registration was accepted meanwhile
-  kConfirmed,     ///< `confirmations` accepted registrations in a row, where that is enough
-  kHoldExpired,   ///< none accepted for `tracking_hold`
-  kLossExpired,   ///< none accepted for `lost_after`, or less certain than `lost_sigma_m`
-  kContradicted,  ///< the same, to outliers, for the second time within `contradiction_span`
-  kGivenUp,       ///< see Loss
+  kPriorGiven,   ///< a prior that registrations can start from
+  kPlaceFound,   ///< by global localization
+  kVerified,     ///< global localization finds no better place than the expected one
+  kDoubted,      ///< a scan does not fit the map at the predicted pose, or fixes contradict it
+  kAgreed,       ///< `agreements` scans in a row fit, and a registration was accepted meanwhile
+  kConfirmed,    ///< `confirmations` accepted registrations in a row, where that is enough
+  kHoldExpired,  ///< none accepted for `tracking_hold`
+  kLossExpired,  ///< none accepted for `lost_after`, or less certain than `lost_sigma_m`
+  kLostAgain,    ///< the same, to outliers, for the second time within `contradiction_span`
+  kGivenUp,      ///< see Loss
 };
 
 using TrackingTransition = Transition<TrackingMode, TrackingEvent>;
@@ -42,29 +42,29 @@ inline constexpr std::array<TrackingTransition, 24> kTrackingTransitions = {{
     {TrackingMode::kConfirmingPrior, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kConfirmingPrior, TrackingEvent::kGivenUp, TrackingMode::kSearching},
 
-    {TrackingMode::kConfirmingPlace, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kConfirmingPlace, TrackingEvent::kConfirmed, TrackingMode::kConfirmed},
     {TrackingMode::kConfirmingPlace, TrackingEvent::kGivenUp, TrackingMode::kSearching},
 
-    {TrackingMode::kTracking, TrackingEvent::kDoubted, TrackingMode::kDoubting},
-    {TrackingMode::kTracking, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
+    {TrackingMode::kConfirmed, TrackingEvent::kDoubted, TrackingMode::kDoubting},
+    {TrackingMode::kConfirmed, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
 
-    {TrackingMode::kDoubting, TrackingEvent::kAgreed, TrackingMode::kTracking},
-    {TrackingMode::kDoubting, TrackingEvent::kVerified, TrackingMode::kTracking},
+    {TrackingMode::kDoubting, TrackingEvent::kAgreed, TrackingMode::kConfirmed},
+    {TrackingMode::kDoubting, TrackingEvent::kVerified, TrackingMode::kConfirmed},
     {TrackingMode::kDoubting, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kDoubting, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
 
-    {TrackingMode::kDeadReckoning, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kDeadReckoning, TrackingEvent::kConfirmed, TrackingMode::kConfirmed},
     {TrackingMode::kDeadReckoning, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kDeadReckoning, TrackingEvent::kLossExpired, TrackingMode::kLost},
-    {TrackingMode::kDeadReckoning, TrackingEvent::kContradicted, TrackingMode::kContradicted},
+    {TrackingMode::kDeadReckoning, TrackingEvent::kLostAgain, TrackingMode::kLostTwice},
 
-    {TrackingMode::kLost, TrackingEvent::kConfirmed, TrackingMode::kTracking},
+    {TrackingMode::kLost, TrackingEvent::kConfirmed, TrackingMode::kConfirmed},
     {TrackingMode::kLost, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kLost, TrackingEvent::kGivenUp, TrackingMode::kRecovering},
 
-    {TrackingMode::kContradicted, TrackingEvent::kConfirmed, TrackingMode::kTracking},
-    {TrackingMode::kContradicted, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
-    {TrackingMode::kContradicted, TrackingEvent::kGivenUp, TrackingMode::kRecovering},
+    {TrackingMode::kLostTwice, TrackingEvent::kConfirmed, TrackingMode::kConfirmed},
+    {TrackingMode::kLostTwice, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kLostTwice, TrackingEvent::kGivenUp, TrackingMode::kRecovering},
 
     {TrackingMode::kRecovering, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
 }};
@@ -93,15 +93,15 @@ inline constexpr std::array<Transition<ScanAgreement, ScanAgreementEvent>, 4>
 /// localization must hold the pose against other places first.
 enum class Verification {
   kNotNeeded,
-  kUnlessFixesAgree,  ///< fixes insist on another place
+  kUnlessFixesAgree,  ///< fixes contradict the pose persistently
   kNeeded,            ///< the vehicle comes from where the way was not observed
 };
 
-enum class VerificationEvent { kFixesInsist, kFixAgrees, kObservedAgain, kVerified };
+enum class VerificationEvent { kFixesContradict, kFixAgrees, kObservedAgain, kVerified };
 
 inline constexpr std::array<Transition<Verification, VerificationEvent>, 6>
     kVerificationTransitions = {{
-        {Verification::kNotNeeded, VerificationEvent::kFixesInsist,
+        {Verification::kNotNeeded, VerificationEvent::kFixesContradict,
          Verification::kUnlessFixesAgree},
         {Verification::kNotNeeded, VerificationEvent::kObservedAgain, Verification::kNeeded},
         {Verification::kUnlessFixesAgree, VerificationEvent::kFixAgrees, Verification::kNotNeeded},

@@ -48,13 +48,15 @@ std::optional<SubmapMatch> SubmapMatcher::Match(std::span<const GaussianPoint<2>
   }
   if (!best) return std::nullopt;
 
+  const ObservabilityOptions observability;
   const Observability observed =
       Observe<2>(live, target, best->T_local_vehicle, best->covariance,
                  {.max_distance_m = options_.gicp.max_correspondence_distance_m,
                   .gate_sigmas = options_.gicp.gate_sigmas},
-                 workspace_.shifted_points, workspace_.shifted_finder);
+                 observability, workspace_.shifted_points, workspace_.shifted_finder);
   Eigen::Matrix3d covariance = ResidualScaledCovariance<2>(*best);
-  covariance.topLeftCorner<2, 2>() += observed.DegeneracyCovariance();
+  covariance.topLeftCorner<2, 2>() +=
+      observed.DegeneracyCovariance(observability.degenerate_sigma_m);
   covariance.diagonal() +=
       Eigen::Vector3d(std::pow(options_.shared_sigma_m, 2), std::pow(options_.shared_sigma_m, 2),
                       std::pow(options_.shared_sigma_rad, 2));

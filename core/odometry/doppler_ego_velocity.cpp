@@ -55,10 +55,10 @@ void MakeRows(std::span<const RadarScan> scans, std::vector<Row>& rows) {  // ME
 }
 
 // Returns the sum of all votes.
-double ShareVotes(std::vector<Row>& rows, double max_direction_share) {
+double ShareVotes(std::vector<Row>& rows, double max_direction_fraction) {
   std::array<int, kDirectionCount> counts{};
   for (const Row& row : rows) ++counts[static_cast<std::size_t>(row.direction)];
-  const double max_votes = std::max(1.0, max_direction_share * static_cast<double>(rows.size()));
+  const double max_votes = std::max(1.0, max_direction_fraction * static_cast<double>(rows.size()));
   double sum = 0.0;
   for (Row& row : rows) {
     row.vote = std::min(1.0, max_votes / counts[static_cast<std::size_t>(row.direction)]);
@@ -100,9 +100,9 @@ void TakeInliers(const std::vector<Row>& rows, const Vector3d& state, double gat
 }
 
 // After how many pairs one of two right targets is missed once in ten thousand times.
-double PairsNeeded(double right_share) {
-  const double wrong_pair_share = std::max(1e-9, 1.0 - right_share * right_share);
-  return std::log(1e-4) / std::log(wrong_pair_share);
+double PairsNeeded(double right_fraction) {
+  const double wrong_pair_fraction = std::max(1e-9, 1.0 - right_fraction * right_fraction);
+  return std::log(1e-4) / std::log(wrong_pair_fraction);
 }
 
 // The best-supported motion among those through two targets without side slip.
@@ -189,9 +189,9 @@ Matrix3d FloorVariances(const EgoVelocityOptions& options) {
       .asDiagonal();
 }
 
-// The motion that most of `rows` agree on, by at least `min_share` of their `votes`.
+// The motion that most of `rows` agree on, by at least `min_fraction` of their `votes`.
 std::optional<DopplerEgoVelocity> MovingEgoVelocity(const std::vector<Row>& rows, double votes,
-                                                    double min_share, std::uint64_t seed,
+                                                    double min_fraction, std::uint64_t seed,
                                                     const EgoVelocityOptions& options,
                                                     std::vector<Row>& inliers) {
   Vector3d state = RansacMotion(rows, votes, seed, options);
@@ -199,7 +199,7 @@ std::optional<DopplerEgoVelocity> MovingEgoVelocity(const std::vector<Row>& rows
   for (int pass = 0; pass < 3; ++pass) {  // inliers and weights depend on the state: refine both
     TakeInliers(rows, state, options.inlier_gate_mps, inliers);
     if (static_cast<int>(inliers.size()) < options.min_inlier_count ||
-        VotesOf(inliers) < min_share * votes) {
+        VotesOf(inliers) < min_fraction * votes) {
       return std::nullopt;
     }
     solution = SolveMotion(inliers, state, options);
@@ -223,17 +223,17 @@ std::span<const OptionField<EgoVelocityOptions>> FieldsOf(const EgoVelocityOptio
       {"ransac_iterations", &O::ransac_iterations, 1, 10'000},
       {"inlier_gate_mps", &O::inlier_gate_mps, 1e-6, 100},
       {"min_inlier_count", &O::min_inlier_count, 3, 1000},
-      {"min_inlier_share", &O::min_inlier_share, 0, 1, "the count alone decides"},
+      {"min_inlier_fraction", &O::min_inlier_fraction, 0, 1, "the count alone decides"},
       {"side_slip_sigma_mps", &O::side_slip_sigma_mps, 1e-6, 100},
-      {"zero_share", &O::zero_share, 0, 1, "a single target is enough to stand still"},
+      {"zero_fraction", &O::zero_fraction, 0, 1, "a single target is enough to stand still"},
       {"zero_gate_mps", &O::zero_gate_mps, 0, 10, "only exact zeros stand still"},
       {"max_condition", &O::max_condition, 1, 1e12},
-      {"max_direction_share", &O::max_direction_share, 1e-3, 1},
+      {"max_direction_fraction", &O::max_direction_fraction, 1e-3, 1},
       {"linear_sigma_floor_mps", &O::linear_sigma_floor_mps, 0, 100,
        "the estimate is as certain as its targets say"},
       {"yaw_rate_sigma_floor_radps", &O::yaw_rate_sigma_floor_radps, 0, 10,
        "the estimate is as certain as its targets say"},
-      {"min_rival_share", &O::min_rival_share, 0.01, 1},
+      {"min_rival_fraction", &O::min_rival_fraction, 0.01, 1},
       {"min_rival_direction_count", &O::min_rival_direction_count, 0, 36,
        "one mover can be a rival of the ground"},
   };
@@ -259,10 +259,10 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
   MakeRows(scans, rows);
   const auto count = static_cast<int>(rows.size());
   if (count < options.min_inlier_count) return std::nullopt;
-  const double votes = ShareVotes(rows, options.max_direction_share);
+  const double votes = ShareVotes(rows, options.max_direction_fraction);
 
   TakeInliers(rows, Vector3d::Zero(), options.zero_gate_mps, inliers);
-  if (VotesOf(inliers) >= options.zero_share * votes) {
+  if (VotesOf(inliers) >= options.zero_fraction * votes) {
     return DopplerEgoVelocity{
         .ego_velocity = PlanarEgoVelocity(Vector3d::Zero(), FloorVariances(options)),
         .inlier_count = static_cast<int>(inliers.size()),
@@ -271,7 +271,7 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
         .standing_still = true};
   }
 
-  return MovingEgoVelocity(rows, votes, options.min_inlier_share, seed, options, inliers);
+  return MovingEgoVelocity(rows, votes, options.min_inlier_fraction, seed, options, inliers);
 }
 
 std::optional<DopplerEgoVelocity> EstimateRivalEgoVelocity(const DopplerEgoVelocity& first,
@@ -288,11 +288,11 @@ std::optional<DopplerEgoVelocity> EstimateRivalEgoVelocity(const DopplerEgoVeloc
   });
   const double left = VotesOf(rows);
   if (static_cast<int>(rows.size()) < options.min_inlier_count ||
-      left < options.min_rival_share * votes) {
+      left < options.min_rival_fraction * votes) {
     return std::nullopt;
   }
-  std::optional<DopplerEgoVelocity> rival =
-      MovingEgoVelocity(rows, left, options.min_rival_share * votes / left, seed, options, inliers);
+  std::optional<DopplerEgoVelocity> rival = MovingEgoVelocity(
+      rows, left, options.min_rival_fraction * votes / left, seed, options, inliers);
   if (rival && rival->direction_count < options.min_rival_direction_count) return std::nullopt;
   return rival;
 }

@@ -22,25 +22,25 @@ struct EgoVelocityOptions {
   int ransac_iterations = 60;
   double inlier_gate_mps = 0.3;
   int min_inlier_count = 6;
-  double min_inlier_share = 0.3;
+  double min_inlier_fraction = 0.3;
   /// Side slip at the vehicle frame's origin: with a single radar it is what makes the yaw rate
   /// observable (METHOD 2: omega = V_y / l).
   double side_slip_sigma_mps = 0.05;
-  /// Standing still: this share of the targets has a range rate within `zero_gate_mps`.
-  double zero_share = 0.6;
+  /// Standing still: this fraction of the targets has a range rate within `zero_gate_mps`.
+  double zero_fraction = 0.6;
   double zero_gate_mps = 0.15;
   /// The normal matrix's largest over its smallest eigenvalue, beyond which the targets' directions
   /// do not determine the state.
   double max_condition = 1e6;
-  /// Targets within ten degrees of one another have together at most this share of all votes: one
-  /// mover that fills a part of the view does not outvote the rest.
-  double max_direction_share = 1.0 / 24.0;
+  /// Targets within ten degrees of one another have together at most this fraction of all votes:
+  /// one mover that fills a part of the view does not outvote the rest.
+  double max_direction_fraction = 1.0 / 24.0;
   /// Floors of the estimate's deviations: what calibration errors leave however many targets.
   double linear_sigma_floor_mps = 0.5;
   double yaw_rate_sigma_floor_radps = 0.03;
-  /// A rival motion needs this share of all votes, and to be seen in so many directions: more than
-  /// one mover fills.
-  double min_rival_share = 0.15;
+  /// A rival motion needs this fraction of all votes, and to be seen in so many directions: more
+  /// than one mover fills.
+  double min_rival_fraction = 0.15;
   int min_rival_direction_count = 6;
 };
 std::span<const OptionField<EgoVelocityOptions>> FieldsOf(const EgoVelocityOptions& options);

@@ -65,12 +65,14 @@ std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& 
       {"max_squared_distance", &O::max_squared_distance, 0, 1e6, "Doppler is used alone or not"},
       {"simultaneous_ms", &O::simultaneous, 0, 1e4, "each scan stands alone"},
       {"unknown_speed_sigma_mps", &O::unknown_speed_sigma_mps, 1e-6, 1000},
+      {"unknown_lateral_sigma_mps", &O::unknown_lateral_sigma_mps, 1e-6, 100},
+      {"unknown_vertical_sigma_mps", &O::unknown_vertical_sigma_mps, 1e-6, 100},
+      {"unknown_tilt_rate_sigma_radps", &O::unknown_tilt_rate_sigma_radps, 1e-6, 10},
       {"unknown_yaw_rate_sigma_radps", &O::unknown_yaw_rate_sigma_radps, 1e-6, 100},
       {"history_ms", &O::history, 1, 1e5},
-      {"silent_after_ms", &O::silent_after, 1, 1e5},
       {"diagnosis_speed_mps", &O::diagnosis_speed_mps, 1e-6, 100},
       {"diagnosis_yaw_rate_radps", &O::diagnosis_yaw_rate_radps, 1e-6, 10},
-      {"missed_motion_sigma_share", &O::missed_motion_sigma_share, 0, 10,
+      {"missed_motion_sigma_fraction", &O::missed_motion_sigma_fraction, 0, 10,
        "a missed motion is as certain as any other"},
   };
   return kFields;
@@ -87,8 +89,8 @@ absl::Status Validate(const EgoMotionOptions& options) {
 }
 
 void EgoMotion::Begin(const RigKnowledge& known) {
-  errors_.Suppose(known.wheel_scale, known.yaw_rate_correction);
-  if (known.odometry_delay) late_.Suppose(*known.odometry_delay);
+  errors_.StartFrom(known.wheel_scale, known.yaw_rate_correction);
+  if (known.odometry_delay) late_.StartFrom(*known.odometry_delay);
 }
 
 void EgoMotion::AddTo(RigKnowledge& known) const {
@@ -174,7 +176,7 @@ void EgoMotion::Diagnose(const std::optional<EgoVelocity>& reported) {
 }
 
 SourceHealth EgoMotion::HealthOf(OdometrySource source, const SourceDiagnosis& diagnosis) const {
-  if (!reported_stamp_ || stamp_ - *reported_stamp_ > options_.silent_after) {
+  if (!reported_stamp_ || stamp_ - *reported_stamp_ > options_.sources.silent_after) {
     return {.is_used = false, .fault = SourceFault::kSilent};
   }
   if (sources_.IsSound(source)) {
@@ -246,7 +248,7 @@ void EgoMotion::AddMissedMotion() {
   Vector6d step = Vector6d::Zero();
   step(0) = missed->forward_m;
   step(5) = missed->turn_rad;
-  const Vector6d sigmas = options_.missed_motion_sigma_share * step;
+  const Vector6d sigmas = options_.missed_motion_sigma_fraction * step;
   since_previous_ = Compose(
       since_previous_, {.T_from_to = Exp(step), .covariance = sigmas.cwiseAbs2().asDiagonal()});
 }
@@ -312,8 +314,9 @@ EgoVelocity EgoMotion::Held(std::chrono::nanoseconds age) const {
   EgoVelocity held = velocity_.value_or(EgoVelocity{});
   if (!velocity_) {
     Vector6d sigmas;
-    sigmas << options_.unknown_speed_sigma_mps, 0.5, 0.1, 0.05, 0.05,
-        options_.unknown_yaw_rate_sigma_radps;
+    sigmas << options_.unknown_speed_sigma_mps, options_.unknown_lateral_sigma_mps,
+        options_.unknown_vertical_sigma_mps, options_.unknown_tilt_rate_sigma_radps,
+        options_.unknown_tilt_rate_sigma_radps, options_.unknown_yaw_rate_sigma_radps;
     held.covariance = sigmas.cwiseAbs2().asDiagonal();
     return held;
   }

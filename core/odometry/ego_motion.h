@@ -19,6 +19,7 @@
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
+#include "core/radar/static_points.h"
 
 namespace dcloc {
 
@@ -35,16 +36,17 @@ struct EgoMotionOptions {
   std::chrono::nanoseconds simultaneous = std::chrono::milliseconds(80);
   /// Deviations of the velocity while nothing is known of it.
   double unknown_speed_sigma_mps = 15.0;
+  double unknown_lateral_sigma_mps = 0.5;       ///< side slip at the origin, in a curve
+  double unknown_vertical_sigma_mps = 0.1;      ///< suspension
+  double unknown_tilt_rate_sigma_radps = 0.05;  ///< of roll and pitch
   double unknown_yaw_rate_sigma_radps = 0.3;
   /// How far back the motion can be asked for.
   std::chrono::nanoseconds history = std::chrono::milliseconds(1500);
-  /// What the vehicle sent is told of as silent when it is older than this.
-  std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);
   /// What sound speeds and yaw rates differ by.
   double diagnosis_speed_mps = 0.5;
   double diagnosis_yaw_rate_radps = 0.02;
-  /// Of a motion that was missed while a source was wrong, this share is its deviation.
-  double missed_motion_sigma_share = 0.3;
+  /// Of a motion that was missed while a source was wrong, this fraction is its deviation.
+  double missed_motion_sigma_fraction = 0.3;
 };
 std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& options);
 absl::Status Validate(const EgoMotionOptions& options);
@@ -55,10 +57,12 @@ absl::Status Validate(const EgoMotionOptions& options);
 /// (OdometryErrorFilter).
 class EgoMotion {
  public:
-  explicit EgoMotion(const EgoMotionOptions& options = {})
+  /// `static_points` are those of the stage whose gate the doubt in sources widens.
+  explicit EgoMotion(const EgoMotionOptions& options = {},
+                     const StaticPointsOptions& static_points = {})
       : options_(options),
         errors_(options.error_filter),
-        sources_(options.sources),
+        sources_(options.sources, static_points),
         late_(options.late),
         history_(options.history, options.motion),
         wheel_speed_diagnosis_(options.diagnosis_speed_mps),
@@ -113,8 +117,8 @@ class EgoMotion {
   void OnBreak() { errors_.OnBreak(); }
   /// The next registration is at another place: it is not compared with the one before.
   void OnPlaceChanged() { sources_.OnRegistrationLost(); }
-  /// The poses given so far were wrong: scale and yaw-rate bias are learned anew.
-  void Forget() { errors_ = OdometryErrorFilter(options_.error_filter); }
+  /// The poses given so far were wrong: scale and yaw-rate bias are estimated anew.
+  void ResetErrors() { errors_ = OdometryErrorFilter(options_.error_filter); }
 
   /// From the scan before the last one to the last one; identity at the first. It contains what has
   /// been missed before, when a source is found to have been wrong.

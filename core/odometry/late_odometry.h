@@ -37,8 +37,8 @@ class LateOdometry {
  public:
   explicit LateOdometry(const LateOdometryOptions& options);
 
-  /// As OdometryDelayEstimator::Suppose.
-  void Suppose(const ScalarEstimate& delay_s) { estimator_.Suppose(delay_s); }
+  /// As OdometryDelayEstimator::StartFrom.
+  void StartFrom(const ScalarEstimate& delay_s) { estimator_.StartFrom(delay_s); }
 
   /// The vehicle reports this at `stamp`, which is not before the last one.
   void OnReported(Stamp stamp, const EgoVelocity& reported);
@@ -66,7 +66,7 @@ class LateOdometry {
 
   LateOdometryOptions options_;
   OdometryDelayEstimator estimator_;
-  std::optional<LateSignal> speed_, yaw_rate_;  // while a delay is believed
+  std::optional<LateSignal> speed_, yaw_rate_;  // while a delay is accepted
   std::optional<Stamp> advanced_, doppler_;
   std::optional<EgoVelocity> reported_;  // at `advanced_`
   Pose3 T_late_now_;                     // from where the vehicle reports to be, at `advanced_`

@@ -28,14 +28,14 @@ void LateSignal::OnLate(const ScalarEstimate& reading, double delay_s) {
   // What the walk of the change made of the signal meanwhile.
   const double late_s = std::abs(delay_s);
   const double walked = noise_.change_walk * noise_.change_walk * late_s * late_s * late_s / 3.0;
-  TakeIn({1.0, -delay_s, 0.0}, reading.value, reading.variance + walked);
+  KalmanUpdate({1.0, -delay_s, 0.0}, reading.value, reading.variance + walked);
 }
 
 void LateSignal::OnPrompt(const ScalarEstimate& reading) {
-  TakeIn({1.0, 0.0, 1.0}, reading.value, reading.variance);
+  KalmanUpdate({1.0, 0.0, 1.0}, reading.value, reading.variance);
 }
 
-void LateSignal::TakeIn(const Eigen::RowVector3d& row, double value, double variance) {
+void LateSignal::KalmanUpdate(const Eigen::RowVector3d& row, double value, double variance) {
   const double spread = row * covariance_ * row.transpose() + variance;
   const Eigen::Vector3d gain = covariance_ * row.transpose() / spread;
   state_ += gain * (value - row * state_);

@@ -34,7 +34,7 @@ class LateSignal {
   ScalarEstimate now() const { return {state_(0), covariance_(0, 0)}; }
 
  private:
-  void TakeIn(const Eigen::RowVector3d& row, double value, double variance);
+  void KalmanUpdate(const Eigen::RowVector3d& row, double value, double variance);
 
   LateSignalNoise noise_;
   Eigen::Vector3d state_ = Eigen::Vector3d::Zero();  // signal, its change in a second, offset

@@ -17,9 +17,9 @@ double DirectionOfMotion(const RadarModel& radar, const EgoVelocity& velocity) {
   return std::atan2(in_radar.y(), in_radar.x());
 }
 
-// The share of the targets that stand still, if azimuths are counted so.
-double StaticShare(const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity,
-                   double azimuth_sign, double gate_mps) {
+// The fraction of the targets that stand still, if azimuths are counted so.
+double StaticFraction(const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity,
+                      double azimuth_sign, double gate_mps) {
   int count = 0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Measurement m = MeasurementAt(scan, i, radar);
@@ -46,7 +46,7 @@ std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions
       {"suspected_rad", &O::suspected_rad, 1e-9, 3.2},
       {"max_correction_rad", &O::max_correction_rad, 0, 3.2, "no mount is corrected"},
       {"mirrored_min_angle_rad", &O::mirrored_min_angle_rad, 1e-6, 3.2},
-      {"mirrored_share", &O::mirrored_share, 0.01, 1},
+      {"mirrored_fraction", &O::mirrored_fraction, 0.01, 1},
       {"mirrored_memory", &O::mirrored_memory, 0, 0.999, "each scan stands alone"},
   };
   return kFields;
@@ -70,7 +70,7 @@ void LearnedRig::Begin(const RigKnowledge& known) {
     const RadarKnowledge* radar = known.Find(described_.radars[i].id);
     if (radar == nullptr || !radar->mount_yaw_error) continue;
     const ScalarEstimate& error = *radar->mount_yaw_error;
-    learned_[i].mount_yaw.Suppose(
+    learned_[i].mount_yaw.StartFrom(
         {error.value, std::max(error.variance, std::pow(options_.known_sigma_rad, 2))},
         options_.min_reading_count - 1);
   }
@@ -120,14 +120,14 @@ void LearnedRig::CheckMirrored(Learned& learned, const RadarModel& radar, const 
     return;
   }
   const double gate_mps = options_.mount_yaw.inlier_gate_mps;
-  const double advantage = StaticShare(scan, radar, velocity, -1.0, gate_mps) -
-                           StaticShare(scan, radar, velocity, 1.0, gate_mps);
-  learned.mirrored_share = options_.mirrored_memory * learned.mirrored_share +
-                           (1.0 - options_.mirrored_memory) * advantage;
+  const double advantage = StaticFraction(scan, radar, velocity, -1.0, gate_mps) -
+                           StaticFraction(scan, radar, velocity, 1.0, gate_mps);
+  learned.mirrored_fraction = options_.mirrored_memory * learned.mirrored_fraction +
+                              (1.0 - options_.mirrored_memory) * advantage;
 }
 
 void LearnedRig::OnRegistered() {
-  for (Learned& learned : learned_) learned.mirrored_share = 0.0;
+  for (Learned& learned : learned_) learned.mirrored_fraction = 0.0;
 }
 
 SourceFault LearnedRig::FaultOf(std::size_t index, Stamp stamp) const {
@@ -138,7 +138,7 @@ SourceFault LearnedRig::FaultOf(std::size_t index, Stamp stamp) const {
 
 bool LearnedRig::IsUsable(std::size_t index, Stamp stamp) const {
   const Learned& learned = learned_[index];
-  return learned.mirrored_share < options_.mirrored_share &&
+  return learned.mirrored_fraction < options_.mirrored_fraction &&
          std::abs(learned.applied_rad) <= options_.max_correction_rad &&
          !learned.mount_yaw.IsInDoubt(stamp);
 }

@@ -33,9 +33,9 @@ struct LearnedRigOptions {
   double suspected_rad = 2.0 * kRadPerDeg;
   double max_correction_rad = 20.0 * kRadPerDeg;
   /// A radar whose azimuths have the wrong sign is found where the vehicle does not move along its
-  /// boresight, by this share of its targets, averaged over so many scans.
+  /// boresight, by this fraction of its targets, averaged over so many scans.
   double mirrored_min_angle_rad = 2.0 * kRadPerDeg;
-  double mirrored_share = 0.25;
+  double mirrored_fraction = 0.25;
   double mirrored_memory = 0.95;
 };
 std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions& options);
@@ -81,7 +81,7 @@ class LearnedRig {
   struct Learned {
     MountYawEstimator mount_yaw;
     double applied_rad = 0.0;
-    double mirrored_share = 0.0;  // of the targets more than without, on average
+    double mirrored_fraction = 0.0;  // of the targets more than without, on average
   };
   void CheckMirrored(Learned& learned, const RadarModel& radar, const Scan& scan,
                      const EgoVelocity& velocity) const;

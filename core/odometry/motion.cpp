@@ -16,7 +16,7 @@ Matrix6d BetweenTheEnds(double way_m, double duration_s, const MotionOptions& op
   Vector6d turn = Vector6d::Zero();
   turn(5) = options.yaw_acceleration_sigma_radps2 * eighth_s2;
   turn(1) = 0.5 * way_m * turn(5);
-  // The deviation of a share that is equally likely anywhere in [0, 1]: 1 / sqrt(12).
+  // The deviation of a fraction that is equally likely anywhere in [0, 1]: 1 / sqrt(12).
   constexpr double kUniformSigma = 0.289;
   const double aside_m = kUniformSigma * way_m * turn(5);
   Matrix6d covariance = turn * turn.transpose();
@@ -83,12 +83,12 @@ Motion Inverse(const Motion& motion) {
           .covariance = InvertCovariance<3>(motion.T_from_to, motion.covariance)};
 }
 
-std::pair<Motion, Motion> Split(const Motion& motion, double share) {
+std::pair<Motion, Motion> Split(const Motion& motion, double fraction) {
   const auto part = [&](double of_it) {
     return Motion{.T_from_to = Exp(Vector6d(of_it * Log(motion.T_from_to))),
                   .covariance = of_it * motion.covariance};
   };
-  return {part(share), part(1.0 - share)};
+  return {part(fraction), part(1.0 - fraction)};
 }
 
 }  // namespace dcloc

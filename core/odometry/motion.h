@@ -35,8 +35,8 @@ struct MotionOptions {
 std::span<const OptionField<MotionOptions>> FieldsOf(const MotionOptions& options);
 absl::Status Validate(const MotionOptions& options);
 
-/// `ego_velocity` with a covariance: its own or, where it has none, the options' and on top a share
-/// `scale_sigma` of the speed.
+/// `ego_velocity` with a covariance: its own or, where it has none, the options' and on top a
+/// fraction `scale_sigma` of the speed.
 EgoVelocity WithCovariance(const EgoVelocity& ego_velocity, double scale_sigma,
                            const MotionOptions& options);
 
@@ -52,8 +52,8 @@ Motion Compose(const Motion& first, const Motion& second);
 /// The way back.
 Motion Inverse(const Motion& motion);
 
-/// The two parts of a steady motion, of which the first takes `share` of its time, [0, 1].
-std::pair<Motion, Motion> Split(const Motion& motion, double share);
+/// The two parts of a steady motion, of which the first takes `fraction` of its time, [0, 1].
+std::pair<Motion, Motion> Split(const Motion& motion, double fraction);
 
 /// A motion in the dimension of a pipeline.
 template <int Dim>

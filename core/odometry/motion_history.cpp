@@ -24,9 +24,9 @@ std::optional<MotionHistory::Moment> MotionHistory::At(Stamp stamp) const {
       moment.to_newest = Compose(entry->since_last, moment.to_newest);
       continue;
     }
-    const double share = std::chrono::duration<double>(stamp - before->stamp) /
-                         std::chrono::duration<double>(entry->stamp - before->stamp);
-    moment.to_newest = Compose(Split(entry->since_last, share).second, moment.to_newest);
+    const double fraction = std::chrono::duration<double>(stamp - before->stamp) /
+                            std::chrono::duration<double>(entry->stamp - before->stamp);
+    moment.to_newest = Compose(Split(entry->since_last, fraction).second, moment.to_newest);
     return moment;
   }
   return std::nullopt;

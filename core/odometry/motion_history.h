@@ -28,7 +28,7 @@ class MotionHistory {
     EgoVelocity velocity;
   };
   /// At `stamp`, where it does not lie before or after all that is kept: between two stamps by the
-  /// share of the time. Nothing else.
+  /// fraction of the time. Nothing else.
   std::optional<Moment> At(Stamp stamp) const;
 
   /// The same, and up to the same span after the newest stamp, if the vehicle goes on as it moves:

@@ -57,7 +57,7 @@ class Targets {
   ScalarEstimate Refine(double yaw_rad, const MountYawOptions& options) const {
     const double c = std::cos(yaw_rad);
     const double s = std::sin(yaw_rad);
-    const double speed_sigma = options.speed_sigma_share;
+    const double speed_sigma = options.speed_sigma_fraction;
     Eigen::Matrix2d normal =
         Eigen::Vector2d(1.0 / (kAnywhere_rad * kAnywhere_rad), 1.0 / (speed_sigma * speed_sigma))
             .asDiagonal();
@@ -96,10 +96,10 @@ std::span<const OptionField<MountYawOptions>> FieldsOf(const MountYawOptions& /*
       {"interval_ms", &O::interval, 0, 1e5, "each scan is a reading"},
       {"inlier_gate_mps", &O::inlier_gate_mps, 1e-6, 100},
       {"min_inlier_count", &O::min_inlier_count, 3, 10'000},
-      {"min_inlier_share", &O::min_inlier_share, 0, 1, "the count alone decides"},
+      {"min_inlier_fraction", &O::min_inlier_fraction, 0, 1, "the count alone decides"},
       {"max_target_count", &O::max_target_count, 3, 10'000},
       {"reading_sigma_rad", &O::reading_sigma_rad, 1e-9, 1},
-      {"speed_sigma_share", &O::speed_sigma_share, 1e-9, 1},
+      {"speed_sigma_fraction", &O::speed_sigma_fraction, 1e-9, 1},
       {"drift_sigma_rad", &O::drift_sigma_rad, 0, 1, "what was learned holds for ever"},
       {"outlier_sigmas", &O::outlier_sigmas, 1, 1000},
       {"knocked_readings", &O::knocked_readings, 1, 1000},
@@ -120,7 +120,7 @@ std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel&
   const Targets targets(scan, radar, velocity, options.max_target_count, memory);
   const auto is_enough = [&](int inlier_count) {
     return inlier_count >= options.min_inlier_count &&
-           inlier_count >= options.min_inlier_share * static_cast<double>(targets.size());
+           inlier_count >= options.min_inlier_fraction * static_cast<double>(targets.size());
   };
   int most = 0;
   double best_rad = expected_rad;
@@ -159,11 +159,11 @@ bool MountYawEstimator::OnScan(Stamp stamp, const Scan& scan, const RadarModel& 
   last_ = stamp;
   error_.variance +=
       std::pow(options_.drift_sigma_rad, 2) * std::chrono::duration<double>(since_last).count();
-  TakeIn(*reading);
+  KalmanUpdate(*reading);
   return true;
 }
 
-void MountYawEstimator::TakeIn(const ScalarEstimate& reading) {
+void MountYawEstimator::KalmanUpdate(const ScalarEstimate& reading) {
   const double innovation = reading.value - error_.value;
   const double spread = error_.variance + reading.variance;
   if (innovation * innovation > std::pow(options_.outlier_sigmas, 2) * spread) {

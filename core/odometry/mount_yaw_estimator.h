@@ -14,21 +14,22 @@
 
 namespace dcloc {
 
-/// What a scan tells of its radar's mount, and how long it takes to believe that the mount changed.
+/// What a scan tells of its radar's mount, and what shows that the mount changed.
 struct MountYawOptions {
   /// A vehicle that drives straight moves as it looks. Slower, or in a curve, it tells less.
   double min_speed_mps = 3.0;
   double max_yaw_rate_radps = 0.1;
   /// Readings that follow one another sooner share their errors.
   std::chrono::nanoseconds interval = std::chrono::milliseconds(150);
-  /// A reading needs so many targets, and this share, that stand still as seen from a turned mount.
+  /// A reading needs so many targets, and this fraction, that stand still as seen from a turned
+  /// mount.
   double inlier_gate_mps = 0.3;
   int min_inlier_count = 8;
-  double min_inlier_share = 0.35;
+  double min_inlier_fraction = 0.35;
   int max_target_count = 100;  ///< a fuller scan is thinned
   /// What a reading errs by besides the targets' noise.
   double reading_sigma_rad = 0.4 * kRadPerDeg;
-  double speed_sigma_share = 0.03;  ///< of the vehicle's speed, as it is known
+  double speed_sigma_fraction = 0.03;  ///< of the vehicle's speed, as it is known
   /// Mounts stay as they are, nearly.
   double drift_sigma_rad = 0.08 * kRadPerDeg;  ///< in the square root of a second
   /// So many readings in a row, this far from what is expected but near to one another, mean that
@@ -36,7 +37,7 @@ struct MountYawOptions {
   double outlier_sigmas = 4.0;
   int knocked_readings = 4;
   double knocked_spread_rad = 1.5 * kRadPerDeg;
-  /// A reading that no other one follows is forgotten after so long.
+  /// An outlier that no other reading follows counts no longer than this.
   std::chrono::nanoseconds doubt_span = std::chrono::milliseconds(500);
 };
 std::span<const OptionField<MountYawOptions>> FieldsOf(const MountYawOptions& options);
@@ -65,7 +66,7 @@ class MountYawEstimator {
 
   /// An earlier session found this. It counts as so many readings of now, and like them it is given
   /// up if the next ones contradict it.
-  void Suppose(const ScalarEstimate& error, int reading_count) {
+  void StartFrom(const ScalarEstimate& error, int reading_count) {
     error_ = error;
     reading_count_ = reading_count;
   }
@@ -86,7 +87,7 @@ class MountYawEstimator {
   }
 
  private:
-  void TakeIn(const ScalarEstimate& reading);
+  void KalmanUpdate(const ScalarEstimate& reading);
   bool IsOfKnockedMount(const ScalarEstimate& reading);
 
   MountYawOptions options_;

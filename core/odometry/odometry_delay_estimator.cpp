@@ -24,11 +24,11 @@ std::span<const OptionField<OdometryDelayOptions>> FieldsOf(
       {"smoothing_ms", &O::smoothing, 1, 1000},
       {"interval_ms", &O::interval, 0, 1e4, "all moments are compared"},
       {"memory_ms", &O::memory, 100, 1e7},
-      {"min_log_likelihood", &O::min_log_likelihood, 0, 1e9, "the best delay is believed"},
+      {"min_log_likelihood", &O::min_log_likelihood, 0, 1e9, "the best delay is accepted"},
       {"min_moment_count", &O::min_moment_count, 3, 1'000'000},
       {"min_delay_ms", &O::min_delay, 0, 1e4, "each delay is compensated"},
       {"speed_floor_mps", &O::speed_floor_mps, 1e-6, 100},
-      {"supposed_sigma_s", &O::supposed_sigma_s, 1e-6, 10},
+      {"prior_sigma_s", &O::prior_sigma_s, 1e-6, 10},
       {"yaw_rate_floor_radps", &O::yaw_rate_floor_radps, 1e-9, 10},
   };
   return kFields;
@@ -43,12 +43,12 @@ OdometryDelayEstimator::OdometryDelayEstimator(const OdometryDelayOptions& optio
   candidates_.resize(static_cast<std::size_t>(options.earliest_steps + options.latest_steps + 1));
 }
 
-void OdometryDelayEstimator::Suppose(const ScalarEstimate& delay_s) {
+void OdometryDelayEstimator::StartFrom(const ScalarEstimate& delay_s) {
   const double last = SecondsOf(DelayOf(static_cast<int>(candidates_.size()) - 1));
   if (delay_s.value <= SecondsOf(DelayOf(0)) || delay_s.value >= last) return;
-  supposed_s_ = {delay_s.value, std::max(delay_s.variance, std::pow(options_.supposed_sigma_s, 2))};
-  supposed_weight_ = 1.0;
-  if (delay_s.value >= SecondsOf(options_.min_delay)) delay_s_ = supposed_s_;
+  prior_s_ = {delay_s.value, std::max(delay_s.variance, std::pow(options_.prior_sigma_s, 2))};
+  prior_weight_ = 1.0;
+  if (delay_s.value >= SecondsOf(options_.min_delay)) delay_s_ = prior_s_;
 }
 
 void OdometryDelayEstimator::OnReported(Stamp stamp, double speed_mps, double yaw_rate_radps) {
@@ -118,7 +118,7 @@ void OdometryDelayEstimator::Compare(const Sample& doppler) {
           ? std::exp(-SecondsOf(doppler.stamp - *last_compared_) / SecondsOf(options_.memory))
           : 1.0;
   last_compared_ = doppler.stamp;
-  supposed_weight_ *= keep;
+  prior_weight_ *= keep;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     candidates_[i].speed.Add(keep, reported_then_[i].speed_mps, doppler.speed_mps);
     candidates_[i].yaw_rate.Add(keep, reported_then_[i].yaw_rate_radps, doppler.yaw_rate_radps);
@@ -127,21 +127,21 @@ void OdometryDelayEstimator::Compare(const Sample& doppler) {
   if (moment_count_ >= options_.min_moment_count) Decide();
 }
 
-// METHOD eq 45: the noise is unknown, so the residuals' own variance stands for it. What was
-// supposed weighs no more than what makes a delay believed, and less as the drive goes on.
+// METHOD eq 45: the noise is unknown, so the residuals' own variance stands for it. A prior
+// weighs no more than what a delay needs to be accepted, and less as the drive goes on.
 double OdometryDelayEstimator::Cost(std::size_t index, double speed_count,
                                     double yaw_rate_count) const {
   const Candidate& candidate = candidates_[index];
-  double supposed = 0.0;
-  if (supposed_s_) {
-    const double apart_s = SecondsOf(DelayOf(static_cast<int>(index))) - supposed_s_->value;
-    supposed = supposed_weight_ * std::min(options_.min_log_likelihood,
-                                           0.5 * apart_s * apart_s / supposed_s_->variance);
+  double prior = 0.0;
+  if (prior_s_) {
+    const double apart_s = SecondsOf(DelayOf(static_cast<int>(index))) - prior_s_->value;
+    prior = prior_weight_ *
+            std::min(options_.min_log_likelihood, 0.5 * apart_s * apart_s / prior_s_->variance);
   }
   const double speed = candidate.speed.ResidualVariance() + std::pow(options_.speed_floor_mps, 2);
   const double yaw_rate =
       candidate.yaw_rate.ResidualVariance() + std::pow(options_.yaw_rate_floor_radps, 2);
-  return supposed + 0.5 * (speed_count * std::log(speed) + yaw_rate_count * std::log(yaw_rate));
+  return prior + 0.5 * (speed_count * std::log(speed) + yaw_rate_count * std::log(yaw_rate));
 }
 
 std::size_t OdometryDelayEstimator::LeastCost(double speed_count, double yaw_rate_count) const {
@@ -159,8 +159,8 @@ std::size_t OdometryDelayEstimator::LeastCost(double speed_count, double yaw_rat
 void OdometryDelayEstimator::Decide() {
   const double count = candidates_.front().speed.weight;
   const Candidate& likeliest = candidates_[LeastCost(count, count)];
-  const double speed_count = count * likeliest.speed.IndependentShare();
-  const double yaw_rate_count = count * likeliest.yaw_rate.IndependentShare();
+  const double speed_count = count * likeliest.speed.IndependentFraction();
+  const double yaw_rate_count = count * likeliest.yaw_rate.IndependentFraction();
   const std::size_t best = LeastCost(speed_count, yaw_rate_count);
   const auto cost = [&](std::size_t i) { return Cost(i, speed_count, yaw_rate_count); };
   const double gain = cost(static_cast<std::size_t>(options_.earliest_steps)) - cost(best);
@@ -208,7 +208,7 @@ double OdometryDelayEstimator::Regression::ResidualVariance() const {
   return std::max(0.0, yy / weight - std::pow(y / weight, 2) - Slope() * covariance);
 }
 
-double OdometryDelayEstimator::Regression::IndependentShare() const {
+double OdometryDelayEstimator::Regression::IndependentFraction() const {
   const double slope = Slope();
   const double variance = ResidualVariance();
   if (variance <= 0.0) return 1.0;

@@ -12,7 +12,7 @@
 
 namespace dcloc {
 
-/// How a delay is looked for, and when it is believed (METHOD eq 45).
+/// How a delay is looked for, and when it is accepted (METHOD eq 45).
 struct OdometryDelayOptions {
   /// Delays that are compared: from -`earliest_steps` to `latest_steps` steps. A negative one is
   /// that of a vehicle whose radars stamp their scans too early.
@@ -36,7 +36,7 @@ struct OdometryDelayOptions {
   double speed_floor_mps = 0.02;
   double yaw_rate_floor_radps = 0.002;
   /// A delay that an earlier session found is no more certain than this.
-  double supposed_sigma_s = 0.02;
+  double prior_sigma_s = 0.02;
 };
 std::span<const OptionField<OdometryDelayOptions>> FieldsOf(const OdometryDelayOptions& options);
 absl::Status Validate(const OdometryDelayOptions& options);
@@ -50,7 +50,7 @@ class OdometryDelayEstimator {
   explicit OdometryDelayEstimator(const OdometryDelayOptions& options);
 
   /// An earlier session found this delay. It holds until this drive says otherwise.
-  void Suppose(const ScalarEstimate& delay_s);
+  void StartFrom(const ScalarEstimate& delay_s);
 
   /// The vehicle reports this speed [m/s] and yaw rate [rad/s] at `stamp`, which is not before the
   /// last one.
@@ -60,7 +60,7 @@ class OdometryDelayEstimator {
   void OnDoppler(Stamp stamp, double speed_mps, double yaw_rate_radps);
 
   /// By how many seconds the reported velocity is late, and the variance of that. Nothing while no
-  /// delay is believed.
+  /// delay is accepted.
   const std::optional<ScalarEstimate>& delay_s() const { return delay_s_; }
 
  private:
@@ -80,7 +80,7 @@ class OdometryDelayEstimator {
     double ResidualVariance() const;
     /// Residuals that resemble their neighbours tell less than as many independent ones: by this
     /// factor, (1 - r) / (1 + r) of their correlation r.
-    double IndependentShare() const;
+    double IndependentFraction() const;
   };
   struct Candidate {
     Regression speed;
@@ -103,8 +103,8 @@ class OdometryDelayEstimator {
   std::vector<Sample> waiting_;        // Doppler of which not all candidates are known yet
   std::optional<Stamp> last_doppler_, last_compared_;
   int moment_count_ = 0;
-  std::optional<ScalarEstimate> supposed_s_;
-  double supposed_weight_ = 0.0;
+  std::optional<ScalarEstimate> prior_s_;
+  double prior_weight_ = 0.0;
   std::optional<ScalarEstimate> delay_s_;
 };
 

@@ -1,4 +1,4 @@
-// By how much the sources that may be sound disagree on how the vehicle moves.
+// By how much the hypotheses that are probable differ in how the vehicle moves.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,37 +8,33 @@
 namespace dcloc {
 namespace {
 
-// The gate of static targets: a constant part, and so many deviations of the range rate
-// (StaticPointsOptions::static_gate_mps, static_gate_sigmas).
-constexpr double kStaticGate_mps = 0.3;
-constexpr double kStaticGateSigmas = 3.0;
-// What a source said counts until it is told of as silent (EgoMotionOptions::silent_after).
-constexpr auto kSilentAfter = std::chrono::milliseconds(500);
-
 bool IsIn(const OdometrySources& sound, OdometrySource source) {
   return sound[static_cast<std::size_t>(source)];
 }
 
 }  // namespace
 
-bool SourceMonitor::SaysSpeed(const Hypothesis& hypothesis) const {
-  const auto is_recent = [this](const std::optional<Stamp>& heard) {
-    return heard && *compared_ - *heard <= kSilentAfter;
+bool SourceMonitor::MeasuresSpeed(const Hypothesis& hypothesis) const {
+  const auto is_recent = [this](const std::optional<Stamp>& reported) {
+    return reported && *compared_ - *reported <= options_.silent_after;
   };
-  return (IsIn(hypothesis.sound, OdometrySource::kWheelSpeed) && is_recent(heard_.wheel_speed)) ||
-         (IsIn(hypothesis.sound, OdometrySource::kDoppler) && is_recent(heard_.doppler_speed));
+  return (IsIn(hypothesis.sound, OdometrySource::kWheelSpeed) &&
+          is_recent(last_reported_.wheel_speed)) ||
+         (IsIn(hypothesis.sound, OdometrySource::kDoppler) &&
+          is_recent(last_reported_.doppler_speed));
 }
 
-bool SourceMonitor::SaysYawRate(const Hypothesis& hypothesis) const {
-  const auto is_recent = [this](const std::optional<Stamp>& heard) {
-    return heard && *compared_ - *heard <= kSilentAfter;
+bool SourceMonitor::MeasuresYawRate(const Hypothesis& hypothesis) const {
+  const auto is_recent = [this](const std::optional<Stamp>& reported) {
+    return reported && *compared_ - *reported <= options_.silent_after;
   };
-  return (IsIn(hypothesis.sound, OdometrySource::kYawRate) && is_recent(heard_.yaw_rate)) ||
-         (IsIn(hypothesis.sound, OdometrySource::kDoppler) && is_recent(heard_.doppler_yaw_rate));
+  return (IsIn(hypothesis.sound, OdometrySource::kYawRate) && is_recent(last_reported_.yaw_rate)) ||
+         (IsIn(hypothesis.sound, OdometrySource::kDoppler) &&
+          is_recent(last_reported_.doppler_yaw_rate));
 }
 
-// METHOD eq 49. A hypothesis of which no sound source speaks says nothing. What even the best one
-// misses is how motion was summed up, and no doubt.
+// METHOD eq 49. Hypotheses count whose sound sources have reported. All ways are compared with that
+// of the best one, as what it misses itself comes of how motions are summed up.
 SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
   const double least_log_weight = std::log(options_.doubt_probability);
   Doubt doubt;
@@ -47,16 +43,18 @@ SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (hypothesis.log_weight < least_log_weight) continue;
     const double weight = std::exp(hypothesis.log_weight);
-    if (SaysSpeed(hypothesis)) {
+    if (MeasuresSpeed(hypothesis)) {
       speed_sum += weight;
       const double apart_mps = std::abs(hypothesis.speed.value - best().speed.value);
-      const double beyond_gate_mps = std::max(0.0, apart_mps - kStaticGate_mps);
-      doubt.speed_variance += weight * std::pow(beyond_gate_mps / kStaticGateSigmas, 2);
+      const double beyond_gate_mps = std::max(0.0, apart_mps - static_gate_mps_);
+      if (static_gate_sigmas_ > 0.0) {  // else deviations do not widen the gate
+        doubt.speed_variance += weight * std::pow(beyond_gate_mps / static_gate_sigmas_, 2);
+      }
       const double missed_m = hypothesis.missed.forward_m - best().missed.forward_m;
       doubt.way_variance_m2 += weight * std::pow(missed_m, 2);
       doubt.way_bound_m = std::max(doubt.way_bound_m, std::abs(missed_m));
     }
-    if (SaysYawRate(hypothesis)) {
+    if (MeasuresYawRate(hypothesis)) {
       yaw_rate_sum += weight;
       doubt.yaw_rate_variance +=
           weight * std::pow(hypothesis.yaw_rate.value - best().yaw_rate.value, 2);
@@ -79,7 +77,7 @@ std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
   const Hypothesis* rival = nullptr;
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (&hypothesis == &best() || hypothesis.log_weight < std::log(options_.doubt_probability) ||
-        !SaysSpeed(hypothesis) ||
+        !MeasuresSpeed(hypothesis) ||
         std::abs(hypothesis.missed.forward_m - best().missed.forward_m) <
             options_.min_rival_way_m) {
       continue;
@@ -91,16 +89,16 @@ std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
                       .turn_rad = rival->missed.turn_rad - best().missed.turn_rad};
 }
 
-// METHOD eq 50. Of each hypothesis that speaks, the nearer of the two places is its own. The others
-// belong to neither.
+// METHOD eq 50. Each hypothesis is as probable as the nearer of the two places fits. One whose
+// sources are silent has no place of its own: it counts with the mean.
 void SourceMonitor::OnFits(const MissedMotion& rival, double fit, double rival_fit) {
   fits_compared_ = newest_;
   for (Hypothesis& hypothesis : hypotheses_) {
     const double missed_m = hypothesis.missed.forward_m - best().missed.forward_m;
     const bool is_rivals = std::abs(missed_m - rival.forward_m) < std::abs(missed_m);
-    const double own_fit = !SaysSpeed(hypothesis) ? 0.5 * (fit + rival_fit)
-                           : is_rivals            ? rival_fit
-                                                  : fit;
+    const double own_fit = !MeasuresSpeed(hypothesis) ? 0.5 * (fit + rival_fit)
+                           : is_rivals                ? rival_fit
+                                                      : fit;
     hypothesis.log_weight += options_.log_likelihood_per_fit * own_fit;
   }
   Normalize();

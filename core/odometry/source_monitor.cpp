@@ -14,11 +14,6 @@ constexpr auto kWheelSpeed = static_cast<std::size_t>(OdometrySource::kWheelSpee
 constexpr auto kYawRate = static_cast<std::size_t>(OdometrySource::kYawRate);
 constexpr auto kDoppler = static_cast<std::size_t>(OdometrySource::kDoppler);
 
-// Hypotheses this much less probable than the best one are all the same.
-constexpr double kLeastLogWeight = -40.0;
-// Those that are less probable than this do not widen what is said of the motion.
-constexpr double kMixedLogWeight = -7.0;
-
 double SquareOf(double value) { return value * value; }
 
 double LogNormal(double difference, double variance) {
@@ -30,7 +25,7 @@ double LogDensity(const ScalarEstimate& reading, const ScalarEstimate& state) {
 }
 
 // A reading of a state that is sound: its log-density; the state takes it in.
-double TakeIn(const ScalarEstimate& reading, ScalarEstimate& state) {
+double KalmanUpdate(const ScalarEstimate& reading, ScalarEstimate& state) {
   const double innovation = reading.value - state.value;
   const double spread = state.variance + reading.variance;
   const double gain = state.variance / spread;
@@ -41,12 +36,12 @@ double TakeIn(const ScalarEstimate& reading, ScalarEstimate& state) {
 
 // Of a source that has failed: nearly what it said before, or anything.
 double FailedLogDensity(const ScalarEstimate& reading, const std::optional<ScalarEstimate>& before,
-                        double walk_variance, double range, double unchanged_share) {
+                        double walk_variance, double range, double unchanged_fraction) {
   const double anything = 1.0 / range;
   if (!before) return std::log(anything);
   const double unchanged = std::exp(LogNormal(reading.value - before->value,
                                               reading.variance + before->variance + walk_variance));
-  return std::log(unchanged_share * unchanged + (1.0 - unchanged_share) * anything);
+  return std::log(unchanged_fraction * unchanged + (1.0 - unchanged_fraction) * anything);
 }
 
 ScalarEstimate Floored(const ScalarEstimate& reading, double sigma) {
@@ -67,15 +62,20 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"narrow_direction_count", &O::narrow_direction_count, 0, 36, "each direction counts"},
       {"direction_factor", &O::direction_factor, 1e-3, 1},
       {"bus_failure_rate_hz", &O::bus_failure_rate_hz, 1e-9, 10},
+      {"min_doppler_failure_rate_hz", &O::min_doppler_failure_rate_hz, 1e-12, 10},
       {"recovery_rate_hz", &O::recovery_rate_hz, 1e-9, 10},
+      {"start_span_ms", &O::start_span, 1, 1e6},
+      {"silent_after_ms", &O::silent_after, 1, 1e5},
+      {"max_log_ratio", &O::max_log_ratio, 1, 700},
+      {"spread_log_ratio", &O::spread_log_ratio, 0, 700, "no other hypothesis widens the motion"},
       {"min_speed_sigma_mps", &O::min_speed_sigma_mps, 1e-6, 100},
-      {"min_speed_sigma_share", &O::min_speed_sigma_share, 0, 1, "the deviation is constant"},
+      {"min_speed_sigma_fraction", &O::min_speed_sigma_fraction, 0, 1, "the deviation is constant"},
       {"min_yaw_rate_sigma_radps", &O::min_yaw_rate_sigma_radps, 1e-6, 10},
       {"acceleration_sigma_mps2", &O::acceleration_sigma_mps2, 1e-6, 100},
       {"yaw_acceleration_sigma_radps2", &O::yaw_acceleration_sigma_radps2, 1e-6, 100},
       {"speed_range_mps", &O::speed_range_mps, 1, 1000},
       {"yaw_rate_range_radps", &O::yaw_rate_range_radps, 0.01, 100},
-      {"unchanged_share", &O::unchanged_share, 0, 0.999, "a failed source may say anything"},
+      {"unchanged_fraction", &O::unchanged_fraction, 0, 0.999, "a failed source may say anything"},
       {"unknown_speed_sigma_mps", &O::unknown_speed_sigma_mps, 1e-6, 1000},
       {"unknown_yaw_rate_sigma_radps", &O::unknown_yaw_rate_sigma_radps, 1e-6, 100},
       {"restart_probability", &O::restart_probability, 1e-30, 0.5},
@@ -88,7 +88,7 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"registered_sigma_rad", &O::registered_sigma_rad, 1e-6, 1},
       {"max_trial_spans", &O::max_trial_spans, 1, 1000},
       {"trial_span_ms", &O::trial_span, 1, 1e6},
-      {"false_registration_share", &O::false_registration_share, 1e-9, 0.5},
+      {"false_registration_fraction", &O::false_registration_fraction, 1e-9, 0.5},
   };
   return kFields;
 }
@@ -97,7 +97,11 @@ absl::Status Validate(const SourceMonitorOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-SourceMonitor::SourceMonitor(const SourceMonitorOptions& options) : options_(options) {
+SourceMonitor::SourceMonitor(const SourceMonitorOptions& options,
+                             const StaticPointsOptions& static_points)
+    : options_(options),
+      static_gate_mps_(static_points.static_gate_mps),
+      static_gate_sigmas_(static_points.static_gate_sigmas) {
   for (std::size_t i = 0; i < kHypothesisCount; ++i) {
     Hypothesis& hypothesis = hypotheses_[i];
     hypothesis.sound = OdometrySources(i);
@@ -108,11 +112,10 @@ SourceMonitor::SourceMonitor(const SourceMonitorOptions& options) : options_(opt
   used_ = best().sound;
 }
 
-// Before anything is known a source may have failed in the last second.
 void SourceMonitor::Begin(const OdometryReadings& readings) {
-  constexpr double kStart_s = 1.0;
   const OdometrySources all(kHypothesisCount - 1);
-  const Transitions transitions = TransitionsIn(kStart_s, readings.doppler_direction_count);
+  const Transitions transitions =
+      TransitionsIn(SecondsOf(options_.start_span), readings.doppler_direction_count);
   for (Hypothesis& hypothesis : hypotheses_) {
     hypothesis.log_weight = LogTransition(all, hypothesis.sound, transitions);
   }
@@ -135,7 +138,7 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   const auto floor_speed = [&](std::optional<ScalarEstimate>& speed) {
     if (!speed) return;
     *speed = Floored(*speed, options_.min_speed_sigma_mps +
-                                 options_.min_speed_sigma_share * std::abs(speed->value));
+                                 options_.min_speed_sigma_fraction * std::abs(speed->value));
   };
   const auto floor_yaw_rate = [&](std::optional<ScalarEstimate>& yaw_rate) {
     if (yaw_rate) *yaw_rate = Floored(*yaw_rate, options_.min_yaw_rate_sigma_radps);
@@ -147,7 +150,7 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   floor_yaw_rate(floored.doppler_yaw_rate);
   floor_yaw_rate(floored.rival_yaw_rate);
   for (Hypothesis& hypothesis : hypotheses_) {
-    // A vehicle that moves as nothing let expect: the motion is begun anew, at a price.
+    // Where the motion is unlike any prediction, its filter begins anew, with a small probability.
     Hypothesis restarted = hypothesis;
     restarted.speed.variance = SquareOf(options_.unknown_speed_sigma_mps);
     restarted.yaw_rate.variance = SquareOf(options_.unknown_yaw_rate_sigma_radps);
@@ -160,38 +163,39 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   TryOthers(stamp, readings);
   before_ = floored;
   compared_ = stamp;
-  if (readings.wheel_speed) heard_.wheel_speed = stamp;
-  if (readings.yaw_rate) heard_.yaw_rate = stamp;
-  if (readings.doppler_speed) heard_.doppler_speed = stamp;
-  if (readings.doppler_yaw_rate) heard_.doppler_yaw_rate = stamp;
+  if (readings.wheel_speed) last_reported_.wheel_speed = stamp;
+  if (readings.yaw_rate) last_reported_.yaw_rate = stamp;
+  if (readings.doppler_speed) last_reported_.doppler_speed = stamp;
+  if (readings.doppler_yaw_rate) last_reported_.doppler_yaw_rate = stamp;
 }
 
-// All that explain the readings equally well stay as probable as they are, for ever, unless a
-// registration speaks for one. So they begin anew, without the one that was in vain.
+// Hypotheses that explain the readings equally well stay as probable as they are unless a
+// registration tells them apart. So they begin anew without the best one, with which nothing was
+// registered.
 void SourceMonitor::TryOthers(Stamp stamp, const OdometryReadings& readings) {
   if (!accepted_or_tried_ || best().sound.all()) accepted_or_tried_ = stamp;
   if (stamp - *accepted_or_tried_ < trial_count_ * options_.trial_span) return;
   accepted_or_tried_ = stamp;
-  // To find a place takes the right ones their time.
+  // With the right sources, too, finding the place takes a while.
   trial_count_ = std::min(2 * trial_count_, options_.max_trial_spans);
-  const std::size_t in_vain = best_;
+  const std::size_t refuted = best_;
   Begin(readings);
-  hypotheses_[in_vain].log_weight = kLeastLogWeight;
+  hypotheses_[refuted].log_weight = -options_.max_log_ratio;
   Normalize();
 }
 
 // One mover is seen in few directions: the more there are, the less often Doppler fails.
 SourceMonitor::Transitions SourceMonitor::TransitionsIn(double duration_s,
                                                         int direction_count) const {
-  constexpr double kLeastRate_hz = 1e-6;
   const double further = std::max(0, direction_count - options_.narrow_direction_count);
   const double rarer = std::pow(options_.direction_factor, further);
   return {.wheel_failure = Change(options_.wheel_failure_rate_hz, duration_s),
           .yaw_rate_failure = Change(options_.yaw_rate_failure_rate_hz, duration_s),
           .bus_failure = Change(options_.bus_failure_rate_hz, duration_s),
           .second_bus_failure = Change(options_.second_bus_failure_rate_hz, duration_s),
-          .doppler_failure =
-              Change(std::max(kLeastRate_hz, options_.doppler_failure_rate_hz * rarer), duration_s),
+          .doppler_failure = Change(std::max(options_.min_doppler_failure_rate_hz,
+                                             options_.doppler_failure_rate_hz * rarer),
+                                    duration_s),
           .recovery = Change(options_.recovery_rate_hz, duration_s)};
 }
 
@@ -256,9 +260,9 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
     if (!reading) return;
     const double interval_s = SecondsOf(options_.interval);
     hypothesis.log_weight += hypothesis.sound[source]
-                                 ? TakeIn(*reading, state)
+                                 ? KalmanUpdate(*reading, state)
                                  : FailedLogDensity(*reading, before, SquareOf(walk * interval_s),
-                                                    range, options_.unchanged_share);
+                                                    range, options_.unchanged_fraction);
   };
   const double acceleration_mps2 = options_.acceleration_sigma_mps2;
   const double yaw_acceleration_radps2 = options_.yaw_acceleration_sigma_radps2;
@@ -266,7 +270,7 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
   const double yaw_rate_range_radps = options_.yaw_rate_range_radps;
   compare(kWheelSpeed, readings.wheel_speed, before_.wheel_speed, acceleration_mps2,
           speed_range_mps, hypothesis.speed);
-  // Of two motions that the targets agree on, a hypothesis believes the one that it expects.
+  // Of two motions that the targets agree on, a hypothesis takes the one nearer to its prediction.
   const bool takes_rival = hypothesis.sound[kDoppler] && readings.rival_speed &&
                            LogDensity(*readings.rival_speed, hypothesis.speed) >
                                LogDensity(*readings.doppler_speed, hypothesis.speed);
@@ -313,8 +317,8 @@ void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
           compares_way ? std::exp(LogNormal(way_m, way_variance_m2)) : 1.0 / range_m;
       const double density = way_density * std::exp(LogNormal(turn_rad, turn_variance_rad2));
       const double anything = 1.0 / (range_m * range_rad);
-      hypothesis.log_weight += std::log((1.0 - options_.false_registration_share) * density +
-                                        options_.false_registration_share * anything);
+      hypothesis.log_weight += std::log((1.0 - options_.false_registration_fraction) * density +
+                                        options_.false_registration_fraction * anything);
     }
     Normalize();
   }
@@ -329,7 +333,7 @@ void SourceMonitor::Normalize() {
     best_ = i;
   }
   for (Hypothesis& hypothesis : hypotheses_) {
-    hypothesis.log_weight = std::max(kLeastLogWeight, hypothesis.log_weight - greatest);
+    hypothesis.log_weight = std::max(-options_.max_log_ratio, hypothesis.log_weight - greatest);
   }
 }
 
@@ -344,7 +348,7 @@ ScalarEstimate SourceMonitor::Mixed(ScalarEstimate Hypothesis::*of) const {
   double variance = 0.0;
   double sum = 0.0;
   for (const Hypothesis& hypothesis : hypotheses_) {
-    if (hypothesis.log_weight < kMixedLogWeight) continue;
+    if (hypothesis.log_weight < -options_.spread_log_ratio) continue;
     const double weight = std::exp(hypothesis.log_weight);
     variance += weight * SquareOf((hypothesis.*of).value - chosen.value);
     sum += weight;

@@ -12,6 +12,7 @@
 #include "core/odometry/scalar_estimate.h"
 #include "core/options/option_fields.h"
 #include "core/radar/scan.h"
+#include "core/radar/static_points.h"
 
 namespace dcloc {
 
@@ -65,10 +66,15 @@ struct SourceMonitorOptions {
   double doppler_failure_rate_hz = 0.2;
   int narrow_direction_count = 5;
   double direction_factor = 0.5;
+  double min_doppler_failure_rate_hz = 1e-6;
   double recovery_rate_hz = 0.3;
+  /// Sources may have failed in so long before the first comparison.
+  std::chrono::nanoseconds start_span = std::chrono::seconds(1);
+  /// What the vehicle sent is silent when it is older than this.
+  std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);
   /// Deviations that no source is better than, whatever it claims.
   double min_speed_sigma_mps = 0.15;
-  double min_speed_sigma_share = 0.02;
+  double min_speed_sigma_fraction = 0.02;
   double min_yaw_rate_sigma_radps = 0.01;
   /// How the vehicle may change its motion in a second.
   double acceleration_sigma_mps2 = 5.0;
@@ -76,11 +82,15 @@ struct SourceMonitorOptions {
   /// What a failed source may say: anything within this, or nearly what it said before.
   double speed_range_mps = 60.0;
   double yaw_rate_range_radps = 2.0;
-  double unchanged_share = 0.9;
+  double unchanged_fraction = 0.9;
   double unknown_speed_sigma_mps = 15.0;
   double unknown_yaw_rate_sigma_radps = 0.5;
   /// That the vehicle moves as nothing before let expect, at a comparison.
   double restart_probability = 1e-6;
+  /// A hypothesis is less probable than the best one by at most the first ratio, in the logarithm,
+  /// so that it can recover. By up to the second it widens the variance of the motion.
+  double max_log_ratio = 40.0;
+  double spread_log_ratio = 7.0;
   /// Hypotheses less probable than this, beside the best one, make nothing doubtful.
   double doubt_probability = 1e-4;
   /// Scans tell hypotheses apart that put the vehicle so far from one another. A fit that is better
@@ -92,7 +102,7 @@ struct SourceMonitorOptions {
   std::chrono::nanoseconds max_registered_interval = std::chrono::milliseconds(3000);
   double registered_sigma_m = 0.15;
   double registered_sigma_rad = 0.004;
-  double false_registration_share = 0.02;
+  double false_registration_fraction = 0.02;
   /// Where nothing has been registered for so long, the next most probable sources are tried: wrong
   /// ones let no scan be registered that could tell.
   std::chrono::nanoseconds trial_span = std::chrono::milliseconds(3500);
@@ -110,7 +120,9 @@ absl::Status Validate(const SourceMonitorOptions& options);
 /// to one set the most probable goes on.
 class SourceMonitor {
  public:
-  explicit SourceMonitor(const SourceMonitorOptions& options = {});
+  /// The gate of `static_points` is what the doubt in the speed has to widen.
+  explicit SourceMonitor(const SourceMonitorOptions& options = {},
+                         const StaticPointsOptions& static_points = {});
 
   /// Takes in what the sources say at `stamp`, which is not before the last one.
   void OnReadings(Stamp stamp, const OdometryReadings& readings);
@@ -197,8 +209,8 @@ class SourceMonitor {
     Pose2 T_map_vehicle;
     bool observes_way;
   };
-  // When something was last heard of each quantity.
-  struct Heard {
+  // When each quantity was last reported.
+  struct LastReported {
     std::optional<Stamp> wheel_speed;
     std::optional<Stamp> yaw_rate;
     std::optional<Stamp> doppler_speed;
@@ -206,10 +218,9 @@ class SourceMonitor {
   };
 
   const Hypothesis& best() const { return hypotheses_[best_]; }
-  // Whether one of its sound sources has spoken lately. A silent one says nothing, be it sound or
-  // not.
-  bool SaysSpeed(const Hypothesis& hypothesis) const;
-  bool SaysYawRate(const Hypothesis& hypothesis) const;
+  // Whether one of its sound sources has reported within `silent_after`.
+  bool MeasuresSpeed(const Hypothesis& hypothesis) const;
+  bool MeasuresYawRate(const Hypothesis& hypothesis) const;
   ScalarEstimate Mixed(ScalarEstimate Hypothesis::*of) const;
   Transitions TransitionsIn(double duration_s, int direction_count) const;
   static double LogTransition(const OdometrySources& before, const OdometrySources& after,
@@ -222,11 +233,13 @@ class SourceMonitor {
   void Normalize();
 
   SourceMonitorOptions options_;
+  double static_gate_mps_;
+  double static_gate_sigmas_;
   Hypotheses hypotheses_;
   std::size_t best_ = kHypothesisCount - 1;
   OdometrySources used_;  // sound at the last OnUsedMotion
   OdometryReadings before_;
-  Heard heard_;
+  LastReported last_reported_;
   std::optional<Stamp> compared_;  // when the readings were last compared
   std::optional<Stamp> newest_;    // of all readings
   double since_used_s_ = 0.0;

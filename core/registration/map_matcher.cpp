@@ -139,6 +139,7 @@ absl::Status Validate(const MapMatcherOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
   status.Update(Within("gicp", Validate(options.gicp)));
   status.Update(Within("gate", Validate(options.gate)));
+  status.Update(Within("observability", Validate(options.observability)));
   return status;
 }
 
@@ -273,7 +274,8 @@ Observability MapMatcher<Dim>::Observed(std::span<const GaussianPoint<Dim>> live
                                         const Registration<Dim>& registration,
                                         RegistrationWorkspace<Dim>& workspace) const {
   return Observe<Dim>(live, local_map_, registration.T_local_vehicle, registration.covariance,
-                      Gates(), workspace.shifted_points, workspace.shifted_finder);
+                      Gates(), options_.observability, workspace.shifted_points,
+                      workspace.shifted_finder);
 }
 
 template <int Dim>

@@ -38,6 +38,7 @@ struct MapMatcherOptions {
   double local_map_radius_m = 100.0;
   GicpOptions gicp;
   RegistrationGate gate;
+  ObservabilityOptions observability;
   /// Around predictions less certain than this, a correlative search precedes the registration.
   double search_sigma_m = 0.4;
   double search_sigma_rad = 0.03;

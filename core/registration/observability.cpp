@@ -7,18 +7,10 @@
 namespace dcloc {
 namespace {
 
-// An even choice of so many points is enough for a share of the score.
-constexpr std::size_t kPoints = 300;
-// In streets a shift costs a third of the score and more, between smooth walls nothing. Facades and
-// rails in dense maps look like themselves a metre further, but not three (METHOD 9, decision
-// 0012).
 struct Shift {
   double length_m;
-  double min_drop;  // of the score, as a share of it
+  double min_drop;  // of the score, as a fraction of it
 };
-constexpr Shift kShifts[] = {{1.0, 0.05}, {3.0, 0.15}};
-// Far beyond what a registration can be off by, so that it says nothing along such a direction.
-constexpr double kDegenerateSigma_m = 10.0;
 
 template <int Dim>
 double Score(std::size_t point_count, std::span<const Correspondence<Dim>> correspondences,
@@ -34,6 +26,24 @@ double Score(std::size_t point_count, std::span<const Correspondence<Dim>> corre
 
 }  // namespace
 
+std::span<const OptionField<ObservabilityOptions>> FieldsOf(
+    const ObservabilityOptions& /*options*/) {
+  using O = ObservabilityOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"max_point_count", &O::max_point_count, 10, 100'000},
+      {"near_shift_m", &O::near_shift_m, 1e-3, 100},
+      {"near_min_drop", &O::near_min_drop, 0, 1, "each direction is observed"},
+      {"far_shift_m", &O::far_shift_m, 1e-3, 100},
+      {"far_min_drop", &O::far_min_drop, 0, 1, "each direction is observed"},
+      {"degenerate_sigma_m", &O::degenerate_sigma_m, 0, 1e6, "all directions weigh the same"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const ObservabilityOptions& options) {
+  return ValidateFields(options, FieldsOf(options));
+}
+
 bool Observability::Observed(int axis) const {
   return std::ranges::none_of(directions, [&](const Direction& direction) {
     return !direction.observed && std::abs(direction.axis(axis)) > 0.5;
@@ -46,12 +56,11 @@ std::bitset<6> Observability::ObservedDof(bool in_space) const {
   return observed;
 }
 
-Eigen::Matrix2d Observability::DegeneracyCovariance() const {
+Eigen::Matrix2d Observability::DegeneracyCovariance(double sigma_m) const {
   Eigen::Matrix2d degeneracy = Eigen::Matrix2d::Zero();
   for (const Direction& direction : directions) {
     if (direction.observed) continue;
-    degeneracy +=
-        kDegenerateSigma_m * kDegenerateSigma_m * direction.axis * direction.axis.transpose();
+    degeneracy += sigma_m * sigma_m * direction.axis * direction.axis.transpose();
   }
   return degeneracy;
 }
@@ -59,9 +68,10 @@ Eigen::Matrix2d Observability::DegeneracyCovariance() const {
 template <int Dim>
 Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                       const Pose<Dim>& T_local_vehicle, const TangentMatrix<Dim>& covariance,
-                      const CorrespondenceGates& gates, std::vector<GaussianPoint<Dim>>& chosen,
-                      CorrespondenceFinder<Dim>& finder) {
-  const std::size_t stride = std::max<std::size_t>(1, live.size() / kPoints);
+                      const CorrespondenceGates& gates, const ObservabilityOptions& options,
+                      std::vector<GaussianPoint<Dim>>& chosen, CorrespondenceFinder<Dim>& finder) {
+  const std::size_t stride =
+      std::max<std::size_t>(1, live.size() / static_cast<std::size_t>(options.max_point_count));
   chosen.clear();
   for (std::size_t i = 0; i < live.size(); i += stride) chosen.push_back(live[i]);
   finder.Begin(chosen, map, gates);
@@ -71,12 +81,14 @@ Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<D
   const double here = score(T_local_vehicle);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
       covariance.template topLeftCorner<2, 2>());
+  const std::array<Shift, 2> shifts = {
+      {{options.near_shift_m, options.near_min_drop}, {options.far_shift_m, options.far_min_drop}}};
   Observability observability;
   if (!(here > 0.0)) return observability;
   for (int i = 0; i < 2; ++i) {
     auto& direction = observability.directions.at(static_cast<std::size_t>(i));
     direction.axis = solver.eigenvectors().col(1 - i);
-    direction.observed = std::ranges::any_of(kShifts, [&](const Shift& shift) {
+    direction.observed = std::ranges::any_of(shifts, [&](const Shift& shift) {
       Tangent<Dim> aside = Tangent<Dim>::Zero();
       aside.template head<2>() = shift.length_m * direction.axis;
       const double there = std::max(score(T_local_vehicle * Exp(aside)),
@@ -89,9 +101,11 @@ Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<D
 
 template Observability Observe<2>(std::span<const GaussianPoint<2>>, const LocalMap<2>&,
                                   const Pose2&, const TangentMatrix<2>&, const CorrespondenceGates&,
-                                  std::vector<GaussianPoint<2>>&, CorrespondenceFinder<2>&);
+                                  const ObservabilityOptions&, std::vector<GaussianPoint<2>>&,
+                                  CorrespondenceFinder<2>&);
 template Observability Observe<3>(std::span<const GaussianPoint<3>>, const LocalMap<3>&,
                                   const Pose3&, const TangentMatrix<3>&, const CorrespondenceGates&,
-                                  std::vector<GaussianPoint<3>>&, CorrespondenceFinder<3>&);
+                                  const ObservabilityOptions&, std::vector<GaussianPoint<3>>&,
+                                  CorrespondenceFinder<3>&);
 
 }  // namespace dcloc

@@ -9,9 +9,28 @@
 #include "core/geometry/gaussian_point.h"
 #include "core/geometry/pose.h"
 #include "core/map/local_map.h"
+#include "core/options/option_fields.h"
 #include "core/registration/correspondences.h"
 
 namespace dcloc {
+
+/// When a direction counts as observed. Measured in streets, tunnels and dense maps (METHOD 9,
+/// decision 0012).
+struct ObservabilityOptions {
+  int max_point_count = 300;  ///< an even choice of so many is enough for a fraction of the score
+  /// A shift along the direction, by one of two lengths, costs at least this fraction of the score.
+  /// In streets it is a third and more, between smooth walls nothing. Facades and rails in dense
+  /// maps look like themselves a metre further, but not three.
+  double near_shift_m = 1.0;
+  double near_min_drop = 0.05;
+  double far_shift_m = 3.0;
+  double far_min_drop = 0.15;
+  /// A registration has this deviation along a direction that is not observed: far beyond what it
+  /// can be off by.
+  double degenerate_sigma_m = 10.0;
+};
+std::span<const OptionField<ObservabilityOptions>> FieldsOf(const ObservabilityOptions& options);
+absl::Status Validate(const ObservabilityOptions& options);
 
 /// Whether the points fit worse when a registration is shifted. The information matrix does not
 /// show this: it takes each correspondence for the only possible one, but a point on a smooth wall
@@ -35,17 +54,18 @@ struct Observability {
   /// Whether every direction is observed.
   bool ObservesAll() const { return directions[0].observed && directions[1].observed; }
 
-  /// Covariance to be added to a registration's, so that it says nothing in the directions that are
+  /// Covariance to be added to a registration's: `sigma_m` squared along the directions that are
   /// not observed.
-  Eigen::Matrix2d DegeneracyCovariance() const;
+  Eigen::Matrix2d DegeneracyCovariance(double sigma_m) const;
 };
 
 /// The observability of `live` (vehicle frame), registered at `T_local_vehicle` with `covariance`.
-/// It is tested with a subset of the points. `chosen` and `finder` provide working memory.
+/// It is tested with a subset of the points; `options` are valid. `chosen` and `finder` provide
+/// working memory.
 template <int Dim>
 Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                       const Pose<Dim>& T_local_vehicle, const TangentMatrix<Dim>& covariance,
-                      const CorrespondenceGates& gates, std::vector<GaussianPoint<Dim>>& chosen,
-                      CorrespondenceFinder<Dim>& finder);
+                      const CorrespondenceGates& gates, const ObservabilityOptions& options,
+                      std::vector<GaussianPoint<Dim>>& chosen, CorrespondenceFinder<Dim>& finder);
 
 }  // namespace dcloc

@@ -40,7 +40,7 @@ class PosePrior {
   void OnMotion(const Motion& motion);
 
   /// It has been found, or nothing is known of it.
-  void Forget() { now_.reset(); }
+  void Reset() { now_.reset(); }
 
   const std::optional<PoseEstimate<3>>& now() const { return now_; }
 

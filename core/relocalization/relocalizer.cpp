@@ -32,7 +32,7 @@ void Relocalizer<Dim>::OnFix(const PoseEstimate<3>& T_map_vehicle) {
 template <int Dim>
 void Relocalizer<Dim>::OnFound() {
   if (!prior_.now()) return;
-  prior_.Forget();
+  prior_.Reset();
   global_.Clear();
 }
 

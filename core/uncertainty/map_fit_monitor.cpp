@@ -49,6 +49,6 @@ void MapFitMonitor::Learn(std::size_t radar_index, std::size_t point_count, doub
   expected.variance = (1.0 - share) * (expected.variance + share * apart * apart);
 }
 
-void MapFitMonitor::Forget() { std::ranges::fill(radars_, Expected{}); }
+void MapFitMonitor::Reset() { std::ranges::fill(radars_, Expected{}); }
 
 }  // namespace dcloc

@@ -45,7 +45,7 @@ class MapFitMonitor {
   void Learn(std::size_t radar_index, std::size_t point_count, double fit);
 
   /// What was learned does not hold any more.
-  void Forget();
+  void Reset();
 
  private:
   struct Expected {

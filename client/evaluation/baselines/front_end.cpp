@@ -33,7 +33,7 @@ absl::StatusOr<Submap> FrontEnd::Add(const Scan& scan, StageListener* listener) 
 bool FrontEnd::RegistrationIsDue(Stamp stamp, const Submap& submap) {
   const auto full =
       static_cast<double>(options_.scans_per_submap) * static_cast<double>(rig_.radars.size());
-  const bool is_mature = submap.scan_count >= options_.schedule.start_share * full ||
+  const bool is_mature = submap.scan_count >= options_.schedule.start_fraction * full ||
                          submap.span >= options_.schedule.start_span;
   if (!last_registration_ && !is_mature) return false;
   if (last_registration_ && stamp - *last_registration_ < options_.schedule.interval) {

@@ -57,12 +57,12 @@ TEST(CurrentPoseTest, WhatIsLearnedOfTheNoiseIsNotUsedOverAGap) {
   EXPECT_GT(sigma_after(true), 2.0 * sigma_after(false));
 }
 
-TEST(CurrentPoseTest, ForgottenNoiseIsThatOfTheModel) {
+TEST(CurrentPoseTest, NoiseThatIsResetIsThatOfTheModel) {
   CurrentPose<2> pose({}, {});
   pose.noise_scales().OnMotion(ToEstimate<2>(Ahead(1.0, 0.1)));
   const Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d fresh = NoiseScaleEstimator<2>().OdometryCovariance(covariance);
-  pose.ForgetNoise();
+  pose.ResetNoise();
   EXPECT_EQ(pose.noise_scales().OdometryCovariance(covariance), fresh);
 }
 

@@ -35,11 +35,11 @@ TEST_F(FixMonitorTest, AFixInformsAPoseThatIsLessCertainOnceASecond) {
   EXPECT_EQ(Judge(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kInforms);
 }
 
-TEST_F(FixMonitorTest, OneReflectionIsContradictedThreeInsist) {
+TEST_F(FixMonitorTest, OneReflectionContradictsThreeDoSoPersistently) {
   const PoseEstimate<3> far = Estimate(130.0, 50.0, 1.0, 1.5, 0.1);
   EXPECT_EQ(Judge(far), FixVerdict::kContradicts);
   EXPECT_EQ(Judge(far), FixVerdict::kContradicts);
-  EXPECT_EQ(Judge(far), FixVerdict::kInsists);
+  EXPECT_EQ(Judge(far), FixVerdict::kContradictsPersistently);
 }
 
 TEST_F(FixMonitorTest, AgreementBetweenThemEndsIt) {
@@ -56,7 +56,7 @@ TEST_F(FixMonitorTest, WhatTheRadarsHaveRefutedIsIgnoredForAWhile) {
   monitor_.OnRefuted();
   for (int i = 0; i < 50; ++i) EXPECT_EQ(Judge(far), FixVerdict::kContradicts) << i;
   for (int i = 0; i < 20; ++i) Judge(far);
-  EXPECT_EQ(Judge(far), FixVerdict::kInsists);
+  EXPECT_EQ(Judge(far), FixVerdict::kContradictsPersistently);
 }
 
 TEST_F(FixMonitorTest, AWrongHeadingContradicts) {

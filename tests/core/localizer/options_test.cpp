@@ -15,14 +15,13 @@ using ::testing::StartsWith;
 template <typename Options>
 class StageOptionsTest : public ::testing::Test {};
 
-using AllOptions =
-    ::testing::Types<EgoVelocityOptions, EgoMotionOptions, NoiseScaleOptions, BetaMonitorOptions,
-                     MotionOptions, OdometryErrorFilterOptions, StaticPointsOptions,
-                     RegistrationScheduleOptions, GicpOptions, RegistrationGate, MapMatcherOptions,
-                     PosePriorOptions, GlobalLocalizerOptions, RegistrationFactorOptions,
-                     PoseGraphOptions, TrackingOptions, UnobservedSigmas, MountYawOptions,
-                     LearnedRigOptions, RadarMonitorOptions, FixMonitorOptions, ResetOptions,
-                     ProtectionLevelOptions, SourceMonitorOptions, LocalizerOptions>;
+using AllOptions = ::testing::Types<
+    EgoVelocityOptions, EgoMotionOptions, NoiseScaleOptions, BetaMonitorOptions, MotionOptions,
+    OdometryErrorFilterOptions, StaticPointsOptions, RegistrationScheduleOptions, GicpOptions,
+    RegistrationGate, MapMatcherOptions, PosePriorOptions, GlobalLocalizerOptions,
+    RegistrationFactorOptions, PoseGraphOptions, TrackingOptions, UnobservedSigmas, MountYawOptions,
+    LearnedRigOptions, RadarMonitorOptions, FixMonitorOptions, ResetOptions, ProtectionLevelOptions,
+    SourceMonitorOptions, ObservabilityOptions, RadarClocksOptions, LocalizerOptions>;
 TYPED_TEST_SUITE(StageOptionsTest, AllOptions);
 
 TYPED_TEST(StageOptionsTest, EachFieldIsBounded) { ExpectEachFieldIsBounded<TypeParam>(); }
@@ -32,6 +31,26 @@ TEST(LocalizerOptionsTest, NamesAFieldByItsStage) {
   options.ego_motion.motion.correlation_time = -std::chrono::seconds(1);
   EXPECT_EQ(Validate(options).message(),
             "ego_motion.motion.correlation_time_ms is -1000; it must lie in [1, 1e+06]");
+}
+
+TEST(LocalizerOptionsTest, AStagesSwitchIsRefusedWhereTheLocalizerOwnsIt) {
+  LocalizerOptions options;
+  options.static_points.compensate = false;
+  EXPECT_EQ(Validate(options).message(),
+            "static_points.compensate is false; set doppler_compensation to false instead, which "
+            "owns it");
+  options = {};
+  options.static_points.uncertainty = false;
+  EXPECT_THAT(std::string(Validate(options).message()), StartsWith("static_points.uncertainty"));
+  options = {};
+  options.pose_graph.gate_outliers = false;
+  EXPECT_THAT(std::string(Validate(options).message()), StartsWith("pose_graph.gate_outliers"));
+  options = {};
+  options.doppler_compensation = options.uncertainty = options.truncation = false;
+  EXPECT_TRUE(Validate(options).ok());
+  EXPECT_FALSE(EffectiveStaticPoints(options).compensate);
+  EXPECT_FALSE(EffectiveStaticPoints(options).uncertainty);
+  EXPECT_FALSE(EffectivePoseGraph(options).gate_outliers);
 }
 
 TEST(LocalizerOptionsTest, FieldsThatDependOnOneAnotherAreHeldTogether) {

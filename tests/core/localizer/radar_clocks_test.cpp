@@ -56,6 +56,16 @@ TEST_F(RadarClocksTest, StampsOfOneClockStayAsTheyAre) {
   EXPECT_EQ(worst_error_.count(), 0);
 }
 
+TEST_F(RadarClocksTest, AnOffsetIsToldWithItsVariance) {
+  is_off_[1] = seconds(20);
+  Drive(50);
+  EXPECT_FALSE(clocks_->OffsetEstimate(0));
+  const std::optional<ScalarEstimate> offset_s = clocks_->OffsetEstimate(1);
+  ASSERT_TRUE(offset_s);
+  EXPECT_NEAR(offset_s->value, 20.0, 0.1);
+  EXPECT_DOUBLE_EQ(offset_s->variance, 0.05 * 0.05);
+}
+
 TEST_F(RadarClocksTest, ScansThatComeLateAreOfTheSameClock) {
   is_off_[2] = -milliseconds(250);
   EXPECT_EQ(Drive(50), 0);

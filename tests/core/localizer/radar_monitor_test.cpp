@@ -88,7 +88,7 @@ TEST_F(RadarMonitorTest, WhereNoneFitsNobodyIsToBlame) {
   }
   EXPECT_TRUE(monitor_.FitsTheMap(3));
   monitor_.OnFit(0, 1.0);
-  monitor_.ForgetFits();
+  monitor_.ResetFits();
   EXPECT_TRUE(monitor_.FitsTheMap(3));
 }
 

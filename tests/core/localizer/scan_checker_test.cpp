@@ -60,9 +60,9 @@ TEST_F(ScanCheckerTest, ScansFromBeforeADoubtDoNotJudgeIt) {
   EXPECT_FALSE(checker_.IsTooSoonToJudge(then, span));
 }
 
-TEST_F(ScanCheckerTest, ForgottenItExpectsNothing) {
+TEST_F(ScanCheckerTest, AfterAResetItExpectsNothing) {
   LearnUntil(60);
-  checker_.Forget();
+  checker_.Reset();
   EXPECT_EQ(Test(60, {{9.0, 0.0}, 0.0}), ScanFit::kUnknown);
 }
 

@@ -73,7 +73,7 @@ TEST(TrackingStateMachineTest, AScanThatDoesNotFitEndsTrackingAtOnce) {
   TrackingStateMachine state = Tracking(1000);
   state.OnScanFit(ScanFit::kUnknown);
   state.OnScanFit(ScanFit::kAgrees);
-  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
   state.OnScanFit(ScanFit::kContradicts);
   EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
@@ -89,14 +89,14 @@ TEST(TrackingStateMachineTest, ADoubtEndsWhenScansAndARegistrationAgree) {
   EXPECT_EQ(state.mode(), TrackingMode::kDoubting) << "without a registration since";
   Scan(state, 1200, true);
   state.OnScanFit(ScanFit::kAgrees);
-  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
 }
 
 TEST(TrackingStateMachineTest, ADoubtEndsWhenThePoseIsVerified) {
   TrackingStateMachine state = Tracking(1000);
   state.OnScanFit(ScanFit::kContradicts);
   state.OnVerified();
-  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
 }
 
 // Whatever was claimed before, a place just found is confirmed from the beginning.
@@ -251,7 +251,7 @@ TEST(TrackingStateMachineTest, LostToOutliersTwiceIsContradicted) {
     state.OnRegistration(StampAt(ms), RegistrationOutcome::kOutlier);
     state.OnPrediction(StampAt(ms), 0.1);
   }
-  EXPECT_EQ(state.mode(), TrackingMode::kContradicted);
+  EXPECT_EQ(state.mode(), TrackingMode::kLostTwice);
   EXPECT_EQ(state.GiveUpIfLost(StampAt(4000), 0.1), Loss::kContradicted);
   EXPECT_EQ(state.mode(), TrackingMode::kRecovering);
   state.OnPlaceFound();
@@ -343,7 +343,7 @@ TEST(TrackingStateMachineTest, AWayThatIsObservedForAMomentIsStillUnobserved) {
   Observe(state, ms, 4900, true);   // a hundred milliseconds too short
   Observe(state, ms, 5000, false);  // it does not last
   Observe(state, ms, 6900, true);
-  EXPECT_EQ(state.mode(), TrackingMode::kTracking) << "nothing to verify yet";
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed) << "nothing to verify yet";
   EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
   Observe(state, ms, 7100, true);
   EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
@@ -351,33 +351,33 @@ TEST(TrackingStateMachineTest, AWayThatIsObservedForAMomentIsStillUnobserved) {
 
 TEST(TrackingStateMachineTest, AfterATunnelFixesThatAgreeAreNotEnough) {
   TrackingStateMachine state = Tracking(1000);
-  state.OnFixesInsist();
+  state.OnFixesContradict();
   int ms = 1100;
   Observe(state, ms, 3000, false);
   Observe(state, ms, 7000, true);
-  state.OnFixesInsist();
+  state.OnFixesContradict();
   state.OnFixAgrees();
   for (int i = 0; i < 5; ++i) state.OnScanFit(ScanFit::kAgrees);
   EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
   state.OnVerified();
-  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
 }
 
-TEST(TrackingStateMachineTest, FixesThatInsistAskForVerification) {
+TEST(TrackingStateMachineTest, FixesThatContradictAskForVerification) {
   TrackingStateMachine state = Tracking(1000);
-  state.OnFixesInsist();
+  state.OnFixesContradict();
   Scan(state, 1100, true);
   for (int i = 0; i < 5; ++i) state.OnScanFit(ScanFit::kAgrees);
   EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
   state.OnFixAgrees();
   for (int i = 0; i < 5; ++i) state.OnScanFit(ScanFit::kAgrees);
-  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
 }
 
-TEST(TrackingStateMachineTest, FixesThatInsistWhileAPlaceIsConfirmedAskForVerification) {
+TEST(TrackingStateMachineTest, FixesThatContradictWhileAPlaceIsConfirmedAskForVerification) {
   TrackingStateMachine state = Found();
   EXPECT_FALSE(state.needs_verification());
-  state.OnFixesInsist();
+  state.OnFixesContradict();
   for (int ms = 0; ms < 1000; ms += 100) Scan(state, ms, true);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
   EXPECT_TRUE(state.needs_verification()) << "else nothing would ever end it";
@@ -390,7 +390,7 @@ TEST(TrackingStateMachineTest, AnUncertainPoseIsNotCalledTracking) {
   const TrackingStateMachine state = Tracking(1000);
   EXPECT_EQ(state.Report(kOptions.tracking_sigma_m), LocalizationState::kTracking);
   EXPECT_EQ(state.Report(kOptions.tracking_sigma_m + 0.01), LocalizationState::kDeadReckoning);
-  EXPECT_EQ(state.mode(), TrackingMode::kTracking);
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
 }
 
 }  // namespace

@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::array kModes = {
     TrackingMode::kSearching, TrackingMode::kConfirmingPrior, TrackingMode::kConfirmingPlace,
-    TrackingMode::kTracking,  TrackingMode::kDoubting,        TrackingMode::kDeadReckoning,
-    TrackingMode::kLost,      TrackingMode::kContradicted,    TrackingMode::kRecovering};
-constexpr std::array kEvents = {TrackingEvent::kPriorGiven,   TrackingEvent::kPlaceFound,
-                                TrackingEvent::kVerified,     TrackingEvent::kDoubted,
-                                TrackingEvent::kAgreed,       TrackingEvent::kConfirmed,
-                                TrackingEvent::kHoldExpired,  TrackingEvent::kLossExpired,
-                                TrackingEvent::kContradicted, TrackingEvent::kGivenUp};
+    TrackingMode::kConfirmed, TrackingMode::kDoubting,        TrackingMode::kDeadReckoning,
+    TrackingMode::kLost,      TrackingMode::kLostTwice,       TrackingMode::kRecovering};
+constexpr std::array kEvents = {TrackingEvent::kPriorGiven,  TrackingEvent::kPlaceFound,
+                                TrackingEvent::kVerified,    TrackingEvent::kDoubted,
+                                TrackingEvent::kAgreed,      TrackingEvent::kConfirmed,
+                                TrackingEvent::kHoldExpired, TrackingEvent::kLossExpired,
+                                TrackingEvent::kLostAgain,   TrackingEvent::kGivenUp};
 constexpr std::array kAgreements = {ScanAgreement::kDisagree, ScanAgreement::kAgree,
                                     ScanAgreement::kAgreeAndRegistered};
 constexpr std::array kAgreementEvents = {ScanAgreementEvent::kDoesNotFit, ScanAgreementEvent::kFits,
@@ -24,7 +24,7 @@ constexpr std::array kAgreementEvents = {ScanAgreementEvent::kDoesNotFit, ScanAg
 constexpr std::array kVerifications = {Verification::kNotNeeded, Verification::kUnlessFixesAgree,
                                        Verification::kNeeded};
 constexpr std::array kVerificationEvents = {
-    VerificationEvent::kFixesInsist, VerificationEvent::kFixAgrees,
+    VerificationEvent::kFixesContradict, VerificationEvent::kFixAgrees,
     VerificationEvent::kObservedAgain, VerificationEvent::kVerified};
 constexpr std::array kWays = {AlongTrackObservability::kObserved, AlongTrackObservability::kFading,
                               AlongTrackObservability::kNotObserved,
@@ -85,7 +85,7 @@ TEST(TrackingStatesTest, ObservationsOfTheWayFollowTheirTable) {
 // A pose is claimed only where it was confirmed, agreed or verified.
 TEST(TrackingStatesTest, TrackingBeginsByThreeEventsOnly) {
   for (const TrackingTransition& arrow : kTrackingTransitions) {
-    if (arrow.to != TrackingMode::kTracking) continue;
+    if (arrow.to != TrackingMode::kConfirmed) continue;
     EXPECT_TRUE(arrow.event == TrackingEvent::kConfirmed || arrow.event == TrackingEvent::kAgreed ||
                 arrow.event == TrackingEvent::kVerified);
     EXPECT_NE(arrow.from, TrackingMode::kSearching);

@@ -54,9 +54,9 @@ TEST(OdometryDelayEstimatorTest, FindsTheDelay) {
 
 TEST(OdometryDelayEstimatorTest, ScansThatAreStampedLateAreNoEarlyVelocity) {
   EXPECT_FALSE(DelayAfter(40.0, {.delay_s = -0.1}));
-  OdometryDelayEstimator supposed({});
-  supposed.Suppose({-0.1, 1e-4});
-  EXPECT_FALSE(supposed.delay_s());
+  OdometryDelayEstimator with_prior({});
+  with_prior.StartFrom({-0.1, 1e-4});
+  EXPECT_FALSE(with_prior.delay_s());
 }
 
 // Doppler errs by a wave of four seconds that looks like a late yaw rate for a while.

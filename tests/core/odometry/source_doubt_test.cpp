@@ -22,7 +22,8 @@ double GateOf(const SourceMonitor::Doubt& doubt) {
 // A vehicle at 20 m/s from its first scan on. Of its motion, that of the best sources is used.
 class DoubtedVehicle {
  public:
-  explicit DoubtedVehicle(double wheel_mps) : wheel_mps_(wheel_mps) {}
+  explicit DoubtedVehicle(double wheel_mps, const StaticPointsOptions& static_points = {})
+      : monitor({}, static_points), wheel_mps_(wheel_mps) {}
 
   void Scan(bool has_doppler = true) {
     stamp_ += std::chrono::milliseconds(75);
@@ -69,6 +70,16 @@ TEST(SourceDoubtTest, SourcesThatAgreeLeaveNoDoubt) {
   EXPECT_LT(doubt.way_variance_m2, 1e-3);
   EXPECT_LT(doubt.speed_variance, 1e-2);
   EXPECT_FALSE(vehicle.monitor.Rival());
+}
+
+TEST(SourceDoubtTest, OnlyWhatTheGateOfStaticTargetsDoesNotReachWidensIt) {
+  DoubtedVehicle usual(0.7 * kTrue_mps);
+  DoubtedVehicle wide(0.7 * kTrue_mps, {.static_gate_mps = 10.0});  // farther than the sources are
+  DoubtedVehicle fixed(0.7 * kTrue_mps, {.static_gate_sigmas = 0.0});
+  for (DoubtedVehicle* vehicle : {&usual, &wide, &fixed}) vehicle->Scan();
+  EXPECT_GT(usual.monitor.CurrentDoubt().speed_variance, 0.1);
+  EXPECT_EQ(wide.monitor.CurrentDoubt().speed_variance, 0.0);
+  EXPECT_EQ(fixed.monitor.CurrentDoubt().speed_variance, 0.0);
 }
 
 TEST(SourceDoubtTest, TheWayIsAsDoubtfulAsTheSourcesDiffer) {

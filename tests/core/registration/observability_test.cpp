@@ -21,7 +21,7 @@ Observability Look(const std::vector<GaussianPoint<2>>& live,
   std::vector<GaussianPoint<2>> chosen;
   CorrespondenceFinder<2> finder;
   return Observe<2>(live, LocalMap<2>({}, landmarks), T_local_vehicle,
-                    Eigen::Vector3d(1e-4, 2e-4, 1e-6).asDiagonal(), {}, chosen, finder);
+                    Eigen::Vector3d(1e-4, 2e-4, 1e-6).asDiagonal(), {}, {}, chosen, finder);
 }
 
 // Two walls along the way, `yaw_rad` to the local frame, without persistent places along them.
@@ -41,7 +41,7 @@ TEST(ObservabilityTest, AmongPlacesOfTheirOwnBothAxesAreObserved) {
   const Observability seen = Look(pair.live, pair.landmarks, truth);
   EXPECT_TRUE(seen.Observed(0));
   EXPECT_TRUE(seen.Observed(1));
-  EXPECT_EQ(seen.DegeneracyCovariance(), Eigen::Matrix2d::Zero());
+  EXPECT_EQ(seen.DegeneracyCovariance(10.0), Eigen::Matrix2d::Zero());
 }
 
 TEST(ObservabilityTest, AlongSmoothWallsTheWayIsNotObservedAndOnlyThat) {
@@ -49,7 +49,7 @@ TEST(ObservabilityTest, AlongSmoothWallsTheWayIsNotObservedAndOnlyThat) {
   const Observability seen = Look(Walls(300, random), Walls(600, random), {});
   EXPECT_FALSE(seen.Observed(0));
   EXPECT_TRUE(seen.Observed(1));
-  const Eigen::Matrix2d degeneracy = seen.DegeneracyCovariance();
+  const Eigen::Matrix2d degeneracy = seen.DegeneracyCovariance(10.0);
   EXPECT_GT(degeneracy(0, 0), 50.0);
   EXPECT_LT(degeneracy(1, 1), 1e-6);
 }

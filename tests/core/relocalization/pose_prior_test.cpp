@@ -37,7 +37,7 @@ TEST(PosePriorTest, IsCarriedOnByOdometryAndGrows) {
   const PoseEstimate<3>& now = *prior.now();
   EXPECT_NEAR(now.pose.translation_m.x(), 100.0 + 5.0 * std::cos(0.5), 1e-9);
   EXPECT_GT(now.covariance(1, 1), 4.0 + 25.0 * 0.01);
-  prior.Forget();
+  prior.Reset();
   EXPECT_FALSE(prior.now().has_value());
 }
 

@@ -47,7 +47,7 @@ TEST(MapFitMonitorTest, WhereScansFitLittleALittleLessSaysNothing) {
 
 TEST(MapFitMonitorTest, ForgottenIsUnknown) {
   MapFitMonitor monitor = Learned(0.6, 0.05);
-  monitor.Forget();
+  monitor.Reset();
   EXPECT_EQ(monitor.Judge(0, kPoints, 0.0), ScanFit::kUnknown);
 }
 

@@ -50,7 +50,7 @@ inline TicketContent SomeContent() {
   snapshot.pose.covariance(0, 5) = snapshot.pose.covariance(5, 0) = 0.001;
   snapshot.velocity.linear_mps = {13.0, 0.1, 0.0};
   snapshot.velocity.covariance = 0.02 * Matrix6d::Identity();
-  snapshot.tracking.mode = TrackingMode::kTracking;
+  snapshot.tracking.mode = TrackingMode::kConfirmed;
   snapshot.tracking.observability = AlongTrackObservability::kFading;
   snapshot.tracking.last_accepted = snapshot.stamp - std::chrono::milliseconds(77);
   snapshot.tracking.last_lost_to_outliers = snapshot.stamp - std::chrono::hours(1);
