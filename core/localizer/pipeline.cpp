@@ -131,8 +131,8 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   std::vector<RadarPoint>& points = lent_workspace.Of<Dim>().static_points;
   Compensate(scan, stamp, moment->velocity, points);
   if (IsTrusted(radar_index, stamp)) {
-    submap_.Insert(stamp, static_cast<int>(radar_index), points);
-    schedule_.OnLateScan(points.size());
+    const bool is_kept = submap_.Insert(stamp, static_cast<int>(radar_index), points);
+    if (is_kept) schedule_.OnLateScan(points.size());
   }
   const Motion then =
       Compose({answer.T_map_vehicle, answer.covariance}, Inverse(moment->to_newest));
