@@ -43,12 +43,12 @@ class CurrentPose {
   EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
     return chains_.AddAbsolutePose(factor);
   }
-  /// The newest state is here, by something else than radar.
-  void AddPosition(const PoseEstimate<Dim>& position) {
-    chains_.AddAbsolutePose({.pose = position.pose,
-                             .covariance = position.covariance,
-                             .reused_covariance = position.covariance,
-                             .noise = {}});
+  /// The newest state is here, by a position fix. One that is an outlier is left out.
+  EdgeTest AddPosition(const PoseEstimate<Dim>& position) {
+    return chains_.AddPosition({.pose = position.pose,
+                                .covariance = position.covariance,
+                                .reused_covariance = position.covariance,
+                                .noise = {}});
   }
   void ChangeFrame(const Pose<Dim>& T_new_old) { chains_.ChangeFrame(T_new_old); }
 

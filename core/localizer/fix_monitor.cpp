@@ -55,14 +55,11 @@ bool FixMonitor::Agree(const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) 
   return turned * turned <= options_.max_squared_heading_distance * heading_variance;
 }
 
-bool FixMonitor::Informs(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) {
+bool FixMonitor::Informs(Stamp stamp, const PoseEstimate<3>& fix,
+                         const PoseEstimate<3>& pose) const {
   if (fused_ && stamp - *fused_ < options_.fusion_interval) return false;
-  if (HorizontalSigma(fix.covariance) >
-      options_.fusion_sigma_factor * HorizontalSigma(pose.covariance)) {
-    return false;
-  }
-  fused_ = stamp;
-  return true;
+  return HorizontalSigma(fix.covariance) <=
+         options_.fusion_sigma_factor * HorizontalSigma(pose.covariance);
 }
 
 std::optional<PoseEstimate<3>> CarriedToNow(const PoseEstimate<3>& fix, Stamp stamp,

@@ -50,6 +50,9 @@ class FixMonitor {
   /// Both in the map frame, at `stamp`.
   FixVerdict Judge(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose);
 
+  /// The fix that was judged to inform was fused.
+  void OnFused() { fused_ = newest_; }
+
   /// The radars have confirmed the pose against the fixes so far.
   void OnRefuted() {
     if (contradicting_count_ > 0) refuted_ = newest_;
@@ -58,7 +61,7 @@ class FixMonitor {
 
  private:
   bool Agree(const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) const;
-  bool Informs(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose);
+  bool Informs(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) const;
   bool IsRefuted(Stamp stamp) const {
     return refuted_ && stamp - *refuted_ < options_.refuted_span;
   }

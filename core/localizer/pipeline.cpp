@@ -131,8 +131,8 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   std::vector<RadarPoint>& points = lent_workspace.Of<Dim>().static_points;
   Compensate(scan, stamp, moment->velocity, points);
   if (IsTrusted(radar_index, stamp)) {
-    submap_.Insert(stamp, static_cast<int>(radar_index), points);
-    schedule_.OnLateScan(points.size());
+    const bool is_kept = submap_.Insert(stamp, static_cast<int>(radar_index), points);
+    if (is_kept) schedule_.OnLateScan(points.size());
   }
   const Motion then =
       Compose({answer.T_map_vehicle, answer.covariance}, Inverse(moment->to_newest));
@@ -267,11 +267,15 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
   return place;
 }
 
-// Streets change slowly: once for each sub-map is enough.
+// Streets change slowly: once for each sub-map is enough. But while sources differ, a registration
+// decides between them, and what it observes is asked of itself.
 template <int Dim>
 void Pipeline<Dim>::UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
                                         Workspace<Dim>& workspace) {
-  if (observability_stamp_ && stamp - *observability_stamp_ <= submap_.span()) return;
+  const bool is_recent = observability_stamp_ && stamp - *observability_stamp_ <= submap_.span();
+  const bool is_decisive =
+      ego_motion_.doubted_way_m() > options_.ego_motion.sources.min_rival_way_m;
+  if (is_recent && !is_decisive) return;
   observability_stamp_ = stamp;
   observability_ = matcher_.Observed(workspace.submap.points, registration, workspace.registration);
   tracking_.OnObservability(stamp, observability_.ObservesAll());

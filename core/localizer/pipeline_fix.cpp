@@ -24,8 +24,12 @@ FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
   if (verdict == FixVerdict::kInforms) {
     const PoseEstimate<3> position = PositionOf(*now);
     pose_.AddState();
-    pose_.AddPosition(
+    const EdgeTest test = pose_.AddPosition(
         FromSpace<Dim>(matcher_.T_map_local().Inverse() * position.pose, position.covariance));
+    // The graph's gate is narrower than the monitor's: such a fix neither moves the pose nor makes
+    // it doubted.
+    if (!test.valid) return FixUse::kContradicted;
+    fix_monitor_.OnFused();
   }
   tracking_.OnFixAgrees();
   return FixUse::kFused;

@@ -19,9 +19,10 @@ struct PositionFix {
 
 /// What became of a fix.
 enum class FixUse : std::size_t {
-  kFused,         ///< it agrees with the pose, and weighs as it is certain
+  kFused,         ///< it agrees with the pose, and weighs as it is certain beside it
   kGuidesSearch,  ///< there is no pose: the search begins around it
-  kContradicted,  ///< the radars say otherwise; if more fixes do, the pose is held against theirs
+  kContradicted,  ///< the radars say otherwise, and the pose stays; if fixes that are far off
+                  ///< follow one another, the pose is held against theirs
   kOutOfTime,     ///< it is from before the last moments, or from after the newest scan by too much
 };
 inline constexpr std::array<const char*, 4> kFixUseNames = {"fused", "guides search",

@@ -46,6 +46,15 @@ EdgeTest PoseChains<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor)
 }
 
 template <int Dim>
+EdgeTest PoseChains<Dim>::AddPosition(const AbsolutePoseFactor<Dim>& factor) {
+  const EdgeTest test = accepted_chain_.AddAbsolutePose(factor);
+  if (!test.valid) return test;
+  alternative_.reset();
+  accepted_chain_.Solve();
+  return test;
+}
+
+template <int Dim>
 void PoseChains<Dim>::UpdateAlternative(const AbsolutePoseFactor<Dim>& factor,
                                         double squared_distance) {
   if (alternative_ && alternative_->AddAbsolutePose(factor).valid) {

@@ -36,6 +36,10 @@ class PoseChains {
   /// the gate.
   EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor);
 
+  /// The same for a position that is no registration. One that fails the test is left out; it is no
+  /// factor of the alternative, which only registrations can speak for.
+  EdgeTest AddPosition(const AbsolutePoseFactor<Dim>& factor);
+
  private:
   void UpdateAlternative(const AbsolutePoseFactor<Dim>& factor, double squared_distance);
 

@@ -102,9 +102,9 @@ void SubmapWindow::Push(Stamp stamp, int radar_index, const std::vector<RadarPoi
   Fill(newest, points);
 }
 
-void SubmapWindow::Insert(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points) {
+bool SubmapWindow::Insert(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points) {
   const auto is_later = [&](const Entry& entry) { return entry.stamp > stamp; };
-  if (entries_.empty() || is_later(entries_.front())) return;
+  if (entries_.empty() || is_later(entries_.front())) return false;
   const auto next = std::ranges::find_if(entries_, is_later);
   Entry late{.stamp = stamp, .radar_index = radar_index, .points = {}, .motion = {}};
   Fill(late, points);
@@ -114,11 +114,13 @@ void SubmapWindow::Insert(Stamp stamp, int radar_index, const std::vector<RadarP
                          std::chrono::duration<double>(next->stamp - before);
     std::tie(late.motion, next->motion) = Split(next->motion, share);
   }
-  entries_.insert(next, std::move(late));
+  const auto inserted = entries_.insert(next, std::move(late));
   const auto of_same_radar = [&](const Entry& entry) { return entry.radar_index == radar_index; };
-  if (std::ranges::count_if(entries_, of_same_radar) > scans_per_radar_) {
-    entries_.erase(MakeRoom(radar_index));
-  }
+  if (std::ranges::count_if(entries_, of_same_radar) <= scans_per_radar_) return true;
+  const auto dropped = MakeRoom(radar_index);
+  const bool is_kept = dropped != inserted;
+  entries_.erase(dropped);
+  return is_kept;
 }
 
 // An entry to be written anew: the oldest one of a radar that has enough of them, of which the

@@ -57,8 +57,8 @@ class SubmapWindow {
             const Motion& motion);
 
   /// Adds the points (vehicle frame at `stamp`) of a scan that comes late. One from before the
-  /// oldest scan is dropped.
-  void Insert(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points);
+  /// oldest scan, or all that are kept of its radar, is dropped. Returns whether it is kept.
+  bool Insert(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points);
 
   /// All kept points in the vehicle frame at the newest scan. With `carry_drift`, G S G^T is added
   /// to each point's covariance for the motion since its scan (METHOD 3).

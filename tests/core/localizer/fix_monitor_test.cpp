@@ -31,6 +31,8 @@ TEST_F(FixMonitorTest, AFixNearByAgreesAndTellsNothingNew) {
 TEST_F(FixMonitorTest, AFixInformsAPoseThatIsLessCertainOnceASecond) {
   pose_ = Estimate(100.0, 50.0, 1.0, 3.0, 0.05);
   EXPECT_EQ(Judge(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kInforms);
+  EXPECT_EQ(Judge(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kInforms) << "not fused yet";
+  monitor_.OnFused();
   EXPECT_EQ(Judge(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kAgrees);
   EXPECT_EQ(Judge(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kInforms);
 }

@@ -69,6 +69,33 @@ TEST_F(LocalizerFixTest, CorrectAWrongPriorThatLooksRight) {
   EXPECT_GT(errors.tracking_count, static_cast<int>(drive_.size()) / 3);
 }
 
+// However far a fix lies from the pose, it is called fused exactly where the pose has become more
+// certain by it.
+TEST_F(LocalizerFixTest, OneIsCalledFusedWhereItWas) {
+  constexpr std::size_t kScan = 60;
+  constexpr double kSigma_m = 0.08;
+  const auto last_answer = [&](std::optional<double> left_m, FixUse* use) {
+    Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02));
+    for (std::size_t i = 0; i < kScan; ++i) EXPECT_TRUE(localizer.Localize(drive_[i].scan).ok());
+    if (left_m) *use = *localizer.TakeFix(FixAt(drive_[kScan - 1], 0.0, *left_m, kSigma_m));
+    return *localizer.Localize(drive_[kScan].scan);
+  };
+  const auto variance = [](const Localization& answer) {
+    return answer.covariance.topLeftCorner<2, 2>().trace();
+  };
+  FixUse use{};
+  const double without = variance(last_answer(std::nullopt, &use));
+  int fused_count = 0;
+  int contradicted_count = 0;
+  for (double left_m = 0.0; left_m < 1.0; left_m += 0.05) {
+    const double with = variance(last_answer(left_m, &use));
+    EXPECT_EQ(use == FixUse::kFused, with < 0.98 * without) << left_m;
+    (use == FixUse::kFused ? fused_count : contradicted_count)++;
+  }
+  EXPECT_GT(fused_count, 2);
+  EXPECT_GT(contradicted_count, 2);
+}
+
 TEST_F(LocalizerFixTest, OldAndBrokenFixesChangeNothing) {
   Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02));
   for (std::size_t i = 0; i < 40; ++i) ASSERT_TRUE(localizer.Localize(drive_[i].scan).ok());

@@ -46,6 +46,32 @@ std::vector<EdgeTest> Drive(const Chain<2>& chain, PoseChains<2>& chains, const 
   return tests;
 }
 
+TEST(PoseChainsTest, APositionThatFailsIsNoFactorOfTheAlternative) {
+  const Chain<2> chain = QuietChain(2 * kSupport);
+  PoseChains<2> chains(kOptions);
+  PoseEstimate<2> wrong = chain.prior;
+  wrong.pose.translation_m.y() += 5.0;
+  chains.Reset(wrong);
+  for (int i = 0; i < kSupport; ++i) {
+    const auto& step = chain.steps[static_cast<std::size_t>(i)];
+    chains.AddState(step.odometry);
+    EXPECT_EQ(chains.AddAbsolutePose(step.factor).valid, i + 1 == kSupport) << i;
+    const Eigen::Vector2d before_m = chains.Newest().pose.translation_m;
+    EXPECT_FALSE(chains.AddPosition(Aside(step.factor, 20.0)).valid) << i;
+    EXPECT_EQ(chains.Newest().pose.translation_m, before_m) << i;
+  }
+}
+
+TEST(PoseChainsTest, APositionThatAgreesIsFused) {
+  const Chain<2> chain = QuietChain(2);
+  PoseChains<2> chains(kOptions);
+  chains.Reset(chain.prior);
+  chains.AddState(chain.steps[0].odometry);
+  const double before = chains.Newest().covariance(0, 0);
+  EXPECT_TRUE(chains.AddPosition(chain.steps[0].factor).valid);
+  EXPECT_LT(chains.Newest().covariance(0, 0), before);
+}
+
 TEST(PoseChainsTest, WithoutContradictionItIsThePoseGraph) {
   const Chain<2> chain = QuietChain(30);
   PoseChains<2> chains(kOptions);

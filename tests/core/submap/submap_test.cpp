@@ -71,10 +71,10 @@ TEST(SubmapTest, AScanThatComesLateLiesWhereItWasTaken) {
   };
   SubmapWindow window(10);
   for (int i = 0; i < 4; ++i) window.Push(At(100 * i), 0, seen_at(i), Step());
-  window.Insert(At(150), 1, seen_at(1.5));
-  window.Insert(At(100), 1, seen_at(1.0));
-  window.Insert(At(300), 1, seen_at(3.0));
-  window.Insert(At(-10), 1, seen_at(0.0));  // before all
+  EXPECT_TRUE(window.Insert(At(150), 1, seen_at(1.5)));
+  EXPECT_TRUE(window.Insert(At(100), 1, seen_at(1.0)));
+  EXPECT_TRUE(window.Insert(At(300), 1, seen_at(3.0)));
+  EXPECT_FALSE(window.Insert(At(-10), 1, seen_at(0.0))) << "before all";
   const Submap submap = window.Join(true);
   EXPECT_EQ(submap.scan_count, 7);
   EXPECT_EQ(submap.span, milliseconds(300));
@@ -87,8 +87,12 @@ TEST(SubmapTest, AScanThatComesLateLiesWhereItWasTaken) {
 TEST(SubmapTest, ALateScanTakesTheRoomOfItsRadarsOldest) {
   SubmapWindow window(2);
   for (int i = 0; i < 3; ++i) window.Push(At(100 * i), 0, {PointAt({1.0, 0.0, 0.0})}, Step());
-  window.Insert(At(150), 0, {PointAt({1.0, 0.0, 0.0})});
+  EXPECT_TRUE(window.Insert(At(150), 0, {PointAt({1.0, 0.0, 0.0})}));
   EXPECT_EQ(window.scan_count(), 2);
+  window.Push(At(300), 1, {PointAt({1.0, 0.0, 0.0})}, Step());
+  EXPECT_FALSE(window.Insert(At(140), 0, {PointAt({9.0, 0.0, 0.0})})) << "it is the oldest";
+  EXPECT_EQ(window.scan_count(), 3);
+  for (const RadarPoint& point : window.Join(false).points) EXPECT_LT(point.position_m.x(), 5.0);
   SubmapWindow single(1);
   single.Push(At(0), 0, {PointAt({1.0, 0.0, 0.0})}, Step());
   single.Insert(At(0), 0, {PointAt({1.0, 0.0, 0.0})});
