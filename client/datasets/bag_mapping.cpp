@@ -88,6 +88,9 @@ absl::Status TakeMount(const json& value, RadarMapping& radar) {
 
 absl::StatusOr<RadarMapping> RadarMappingOf(const json& entry) {
   if (!entry.is_object()) return absl::DataLossError("each of \"radars\" must be an object");
+  const auto id = entry.find("id");
+  const std::string name =
+      id != entry.end() && id->is_string() ? id->get<std::string>() : "without id";
   RadarMapping radar;
   for (const auto& [key, value] : entry.items()) {
     absl::StatusOr<bool> taken = TakeKey(kRadarTexts, key, value, radar);
@@ -98,7 +101,7 @@ absl::StatusOr<RadarMapping> RadarMappingOf(const json& entry) {
                                 : absl::DataLossError(absl::StrCat("unknown key \"", key, "\""));
     }
     if (!status.ok()) {
-      return absl::DataLossError(absl::StrCat("radar ", radar.id, ": ", status.message()));
+      return absl::DataLossError(absl::StrCat("radar ", name, ": ", status.message()));
     }
   }
   return radar;
