@@ -8,7 +8,7 @@ namespace {
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 v1::LocalizationResult AnswerAt(std::int64_t stamp_ns, double x_m,
-                              v1::LocalizationState state = v1::LOCALIZATION_STATE_TRACKING) {
+                                v1::LocalizationState state = v1::LOCALIZATION_STATE_TRACKING) {
   v1::LocalizationResult result;
   result.set_stamp_ns(stamp_ns);
   result.set_state(state);
