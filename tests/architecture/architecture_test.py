@@ -35,6 +35,7 @@ SOUND = {
     "client/datasets/drive.h": '#include "core/radar/scan.h"\n',
     "client/cli/map/map_command.h": '#include "client/sdk/session.h"\n',
     "client/cli/map/CMakeLists.txt": "dcloc_library(dcloc_cli_map PRIVATE dcloc_client)\n",
+    "tests/client/cli/command_line_test.cpp": "",
     "client/cli/main.cpp": '#include "client/datasets/drive.h"\n'
                            '#include "client/cli/map/map_command.h"\n',
     "client/cli/CMakeLists.txt": "target_link_libraries(dcloc PRIVATE dcloc_cli_${room})\n",
@@ -44,6 +45,13 @@ SOUND = {
     "tests/server/CMakeLists.txt": "add_library(dcloc_test_server test_server.cpp)\n"
                                    "dcloc_test(server_test LINK dcloc_test_server)\n",
 }
+
+
+def with_tests(planted):
+    """With a test beside each source."""
+    tests = {f"tests/{path.removesuffix('.cpp')}_test.cpp": "" for path in planted
+             if path.endswith(".cpp") and not path.startswith(("tests/", "build/"))}
+    return {**tests, **planted}
 
 
 def violations(planted):
@@ -58,7 +66,7 @@ def violations(planted):
 
 class ArchitectureTest(unittest.TestCase):
     def expect_violation(self, path, text, message):
-        self.expect_one({path: text}, path, message)
+        self.expect_one(with_tests({path: text}), path, message)
 
     def expect_one(self, planted, path, message):
         found = violations(planted)
@@ -84,7 +92,7 @@ class TreeTest(ArchitectureTest):
 
     def test_no_file_is_too_long(self):
         for path in ("core/map/long.cpp", "client/cli/long.h", "tests/server/app/long_test.cpp"):
-            self.assertEqual(violations({path: "\n" * 400}), [])
+            self.assertEqual(violations(with_tests({path: "\n" * 400})), [])
             self.expect_violation(path, "\n" * 401, "has 401 lines; at most 400")
 
     def test_most_files_are_short(self):
@@ -102,19 +110,37 @@ class TreeTest(ArchitectureTest):
         for path in ("tests/core/fixtures/a.h", "tests/benchmarks/a.cpp"):
             self.assertEqual(violations({path: ""}), [])
 
-    def test_sources_of_core_have_a_test_beside(self):
-        source, other = "core/map/a.cpp", "tests/core/map/b_test.cpp"
-        self.expect_one({source: "", other: ""}, source, "no test in tests/core/map")
-        self.assertEqual(violations({source: "", "tests/core/map/a_test.cpp": ""}), [])
-        self.assertEqual(violations({"core/map/a.h": "", source: "",
-                                     other: '#include "core/map/a.h"\n'}), [])
+    def test_sources_have_a_test_beside(self):
+        for room in ("core/map", "server/maps/store", "client/cli/map"):
+            header, source, other = f"{room}/a.h", f"{room}/a.cpp", f"tests/{room}/b_test.cpp"
+            self.expect_one({header: "", source: ""}, source, f"no test in tests/{room}")
+            self.expect_one({header: "", source: "", other: ""}, source, f"no test in tests/{room}")
+            for name in ("a_test.cpp", "a_test.py"):
+                self.assertEqual(violations({source: "", f"tests/{room}/{name}": ""}), [])
+            self.assertEqual(violations({header: "", source: "",
+                                         other: f'#include "{header}"\n'}), [])
+
+    def test_a_part_is_tested_with_what_uses_it(self):
+        part = {"core/map/a.h": "", "core/map/a.cpp": '#include "core/map/a.h"\n'}
+        user = {"core/map/b.h": "", "core/map/b.cpp": '#include "core/map/a.h"\n'}
+        test = {"tests/core/map/b_test.cpp": ""}
+        self.assertEqual(violations({**part, **user, **test}), [])
+        self.assertEqual(len(violations({**part, **user})), 2)
+        above = {"core/localizer/c.h": '#include "core/map/a.h"\n'}
+        self.expect_one({**part, **user, **test, **above}, "core/map/a.cpp",
+                        "no test in tests/core/map")
+
+    def test_a_source_without_header_is_part_of_what_it_implements(self):
+        source = {"core/map/a_more.cpp": '#include "core/map/a.h"\n', "core/map/a.h": ""}
+        self.expect_one(source, "core/map/a_more.cpp", "no test")
+        self.assertEqual(violations({**source, "tests/core/map/a_test.cpp": ""}), [])
 
     def test_what_is_tested_elsewhere_says_where(self):
         source, test = "core/map/map_content.cpp", "tests/core/map/map_file_test.cpp"
         self.assertEqual(violations({source: "", test: ""}), [])
         self.expect_one({source: "", "tests/core/map/b_test.cpp": ""}, source, "is not there")
-        self.expect_one({source: "", "tests/core/map/map_content_test.cpp": ""}, source,
-                        "has a test of its own")
+        self.expect_one({source: "", test: "", "tests/core/map/map_content_test.cpp": ""}, source,
+                        "is tested where it stands")
 
 
 class IncludeTest(ArchitectureTest):
@@ -178,7 +204,7 @@ class IncludeTest(ArchitectureTest):
     def test_digests_have_one_place_on_each_side(self):
         code = "EVP_DigestInit_ex(context, EVP_sha256(), nullptr);\n"
         for path in ("client/sdk/sha256.cpp", "server/base/sha256.cpp", "tests/server/app/a.cpp"):
-            self.assertEqual(violations({path: code}), [])
+            self.assertEqual(violations(with_tests({path: code})), [])
         self.expect_violation("client/cli/map/hash.cpp", code, "digests are made in client/sdk")
         self.expect_violation("server/app/hash.cpp", "SHA256(data, size, out);\n", "digests")
 
@@ -214,6 +240,8 @@ class LinkTest(ArchitectureTest):
             sources = " ".join(f"a{i}.cpp" for i in range(25))
             self.assertEqual(violations({path: f"{call} {sources})\n"}), [])
             self.expect_violation(path, f"{call} {sources} b.cpp)\n", "has 26 sources; at most 25")
+            more = f"target_sources({call.split('(')[1].split()[0]} PRIVATE b.cpp)\n"
+            self.expect_violation(path, f"{call} {sources})\n{more}", "has 26 sources; at most 25")
 
 
 class CyclesTest(unittest.TestCase):

@@ -1,12 +1,8 @@
 #include "client/cli/remote/learned_rig.h"
 
-#include <gmock/gmock.h>
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
-#include <string>
-
-#include "absl/strings/str_cat.h"
 #include "server/convert/learned_rig.h"
 
 namespace dcloc::cli {
@@ -31,21 +27,6 @@ TEST(LearnedRigWireTest, WhatWasLearnedOfARigArrivesAsItWas) {
       << told.DebugString();
   EXPECT_FALSE(HasChanged(known, FromProto(told)));
   EXPECT_FALSE(HasChanged(FromProto(told), known));
-}
-
-TEST(LearnedRigWireTest, ARigThatCannotHaveBeenLearnedIsRefusedByName) {
-  v1::LearnedRig message;
-  message.mutable_wheel_scale()->set_value(1.0);
-  const auto without_sigma = server::convert::FromProto(message, "open.learned_rig");
-  EXPECT_THAT(std::string(without_sigma.status().message()),
-              ::testing::AllOf(::testing::HasSubstr("open.learned_rig"),
-                               ::testing::HasSubstr("wheel_scale")));
-  message.mutable_wheel_scale()->set_sigma(-0.01);
-  EXPECT_FALSE(server::convert::FromProto(message, "open.learned_rig").ok());
-  message.mutable_wheel_scale()->set_sigma(0.01);
-  EXPECT_TRUE(server::convert::FromProto(message, "open.learned_rig").ok());
-  for (int i = 0; i < 100; ++i) message.add_radars()->set_radar_id(absl::StrCat("r", i));
-  EXPECT_FALSE(server::convert::FromProto(message, "open.learned_rig").ok());
 }
 
 }  // namespace

@@ -1,0 +1,48 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "tests/client/cli/fixtures/simulated.h"
+
+namespace dcloc {
+namespace {
+
+using ::testing::HasSubstr;
+
+class MapSurveyCommandTest : public Simulated {};
+
+TEST_F(MapSurveyCommandTest, SurveysADriveWithoutItsPoses) {
+  const Result made = Dcloc("map survey " + Dataset() +
+                            " --drive map,live-0 --compare-truth --json --trajectory-out " +
+                            File("s.tum") + " --out " + File("s.dclm"));
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto json = nlohmann::json::parse(made.out);
+  EXPECT_TRUE(json["drives"][0]["is_in_map"]);
+  EXPECT_TRUE(json["drives"][1]["is_in_map"]) << json["drives"][1]["reason"];
+  EXPECT_LT(json["truth"]["rmse_m"], 0.5);
+  EXPECT_EQ(json["truth"]["wrong_loop_count"], 0);
+  EXPECT_EQ(Dcloc("map inspect " + File("s.dclm")).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(File("s.tum")));
+  for (const char* const drive : {"map", "live-0"}) {
+    const std::string tum = ReadText(File(absl::StrCat("s-", drive, ".tum")));
+    const auto pose_count = std::count(tum.begin(), tum.end(), '\n');
+    EXPECT_GT(pose_count, 50) << drive;
+    EXPECT_EQ(std::count(tum.begin(), tum.end(), ' '), 7 * pose_count) << drive;
+  }
+}
+
+TEST_F(MapSurveyCommandTest, SurveyWritesNothingWhenNothingMoved) {
+  const Result none =
+      Dcloc("map survey " + Dataset() + " --drive map --to-s 0.3 --out " + File("none.dclm"));
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("map: it moved"));
+  EXPECT_FALSE(std::filesystem::exists(File("none.dclm")));
+}
+
+}  // namespace
+}  // namespace dcloc
