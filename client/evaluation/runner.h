@@ -24,7 +24,7 @@ enum class Protocol {
 struct EvaluationOptions {
   MethodKind method = MethodKind::kDcloc;
   Protocol protocol = Protocol::kTrack;
-  bool has_initial_pose = true;  ///< otherwise the whole map is searched (kDcloc only)
+  bool has_initial_pose = true;  ///< else the whole map is searched (see RunsInLocalizer)
   Perturbation perturbation;
   bool doppler_ego_velocity = false;  ///< take the drive's ego-velocity away from the localizer
   bool map_heights = true;            ///< of landmarks, where the map is made for the run

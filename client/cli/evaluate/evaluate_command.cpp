@@ -50,7 +50,8 @@ void AddMethodOptions(CLI::App& command, Arguments& arguments) {
   for (const auto& [name, kind] : kMethodNames) methods.emplace_back(name);
   command
       .add_option("--method", arguments.method,
-                  "dcloc, or one that it is compared with; all but dcloc need --initial truth")
+                  "dcloc, or one that it is compared with; those without dcloc in their name need "
+                  "--initial truth")
       ->check(CLI::IsMember(methods))
       ->capture_default_str();
   command
