@@ -267,12 +267,12 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
   return place;
 }
 
-// Streets change slowly: once for each sub-map is enough.
 template <int Dim>
 void Pipeline<Dim>::UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
                                         Workspace<Dim>& workspace) {
-  if (observability_stamp_ && stamp - *observability_stamp_ <= submap_.span()) return;
-  observability_stamp_ = stamp;
+  const bool is_decisive =
+      ego_motion_.doubted_way_m() > options_.ego_motion.sources.min_rival_way_m;
+  if (!observability_schedule_.IsDue(stamp, submap_.span(), is_decisive)) return;
   observability_ = matcher_.Observed(workspace.submap.points, registration, workspace.registration);
   tracking_.OnObservability(stamp, observability_.ObservesAll());
 }
