@@ -301,7 +301,9 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
   EdgeTest test{.valid = true};
   if (!registered->is_new_place) {
     test = pose_.AddAbsolutePose(factor);
-    protection_level_.OnInnovation(test.squared_distance / Pose<Dim>::kDof);
+    const Tangent<Dim> apart = Log(pose_.Newest().pose.Inverse() * factor.pose);
+    protection_level_.OnInnovation(test.squared_distance / Pose<Dim>::kDof,
+                                   apart.template head<2>());
   } else {
     scan_checker_.Reset();
     radar_monitor_.ResetFits();
