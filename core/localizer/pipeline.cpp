@@ -267,16 +267,12 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
   return place;
 }
 
-// Streets change slowly: once for each sub-map is enough. But while sources differ, a registration
-// decides between them, and what it observes is asked of itself.
 template <int Dim>
 void Pipeline<Dim>::UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
                                         Workspace<Dim>& workspace) {
-  const bool is_recent = observability_stamp_ && stamp - *observability_stamp_ <= submap_.span();
   const bool is_decisive =
       ego_motion_.doubted_way_m() > options_.ego_motion.sources.min_rival_way_m;
-  if (is_recent && !is_decisive) return;
-  observability_stamp_ = stamp;
+  if (!observability_schedule_.IsDue(stamp, submap_.span(), is_decisive)) return;
   observability_ = matcher_.Observed(workspace.submap.points, registration, workspace.registration);
   tracking_.OnObservability(stamp, observability_.ObservesAll());
 }
@@ -305,7 +301,9 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
   EdgeTest test{.valid = true};
   if (!registered->is_new_place) {
     test = pose_.AddAbsolutePose(factor);
-    protection_level_.OnInnovation(test.squared_distance / Pose<Dim>::kDof);
+    const Tangent<Dim> apart = Log(pose_.Newest().pose.Inverse() * factor.pose);
+    protection_level_.OnInnovation(test.squared_distance / Pose<Dim>::kDof,
+                                   apart.template head<2>());
   } else {
     scan_checker_.Reset();
     radar_monitor_.ResetFits();

@@ -9,6 +9,7 @@
 #include "core/localizer/knowledge_report.h"
 #include "core/localizer/localizer.h"
 #include "core/localizer/localizer_snapshot.h"
+#include "core/localizer/observability_schedule.h"
 #include "core/localizer/radar_monitor.h"
 #include "core/localizer/registration_learner.h"
 #include "core/localizer/registration_schedule.h"
@@ -154,7 +155,7 @@ class Pipeline final : public AnyPipeline {
   KnowledgeReport knowledge_report_;
   RigKnowledge known_;  // memory of Knowledge
   Observability observability_;
-  std::optional<Stamp> observability_stamp_;
+  ObservabilitySchedule observability_schedule_;
   int factor_count_ = 0;         // registrations since the pose graph was started
   LocalizationQuality quality_;  // of the newest registration that was due, and what came of it
   RegistrationOutcome newest_outcome_ = RegistrationOutcome::kNoMatch;

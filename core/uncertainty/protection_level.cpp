@@ -21,16 +21,18 @@ absl::Status Validate(const ProtectionLevelOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-void ProtectionLevel::OnInnovation(double squared_distance_per_dof) {
+void ProtectionLevel::OnInnovation(double squared_distance_per_dof,
+                                   const Eigen::Vector2d& apart_m) {
   const double counted = std::min(squared_distance_per_dof, options_.max_squared_sigmas);
   squared_innovation_ = options_.memory * squared_innovation_ + (1.0 - options_.memory) * counted;
+  apart_m_ = options_.memory * apart_m_ + (1.0 - options_.memory) * apart_m;
 }
 
 double ProtectionLevel::Of(const Matrix6d& covariance, double bias_m) const {
   const double xx = covariance(0, 0);
   const double yy = covariance(1, 1);
   const double greatest_variance_m2 = 0.5 * (xx + yy + std::hypot(xx - yy, 2.0 * covariance(0, 1)));
-  return options_.floor_m + bias_m +
+  return options_.floor_m + bias_m + apart_m_.norm() +
          options_.sigmas * std::sqrt(greatest_variance_m2 * std::max(1.0, squared_innovation_));
 }
 

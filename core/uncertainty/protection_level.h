@@ -31,8 +31,9 @@ class ProtectionLevel {
   explicit ProtectionLevel(const ProtectionLevelOptions& options) : options_(options) {}
 
   /// A registration differed so from its prediction: squared Mahalanobis distance per degree of
-  /// freedom.
-  void OnInnovation(double squared_distance_per_dof);
+  /// freedom. It lies `apart_m` from the estimate that it has become a part of, in the vehicle's xy
+  /// plane.
+  void OnInnovation(double squared_distance_per_dof, const Eigen::Vector2d& apart_m);
 
   /// How large innovations have been: the mean of what `OnInnovation` took.
   double squared_innovation() const { return squared_innovation_; }
@@ -47,7 +48,8 @@ class ProtectionLevel {
 
  private:
   ProtectionLevelOptions options_;
-  double squared_innovation_ = 1.0;  // mean
+  double squared_innovation_ = 1.0;                    // mean
+  Eigen::Vector2d apart_m_ = Eigen::Vector2d::Zero();  // mean
 };
 
 }  // namespace dcloc

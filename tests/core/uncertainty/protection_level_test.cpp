@@ -18,12 +18,22 @@ TEST(ProtectionLevelTest, GrowsWithInnovationsThatTheCovarianceDoesNotExplain) {
   ProtectionLevel level({});
   const Matrix6d covariance = 0.01 * Matrix6d::Identity();
   const double usual_m = level.Of(covariance);
-  for (int i = 0; i < 100; ++i) level.OnInnovation(0.2);
+  for (int i = 0; i < 100; ++i) level.OnInnovation(0.2, Eigen::Vector2d::Zero());
   EXPECT_NEAR(level.Of(covariance), usual_m, 1e-9) << "small innovations promise nothing more";
-  for (int i = 0; i < 100; ++i) level.OnInnovation(4.0);
+  for (int i = 0; i < 100; ++i) level.OnInnovation(4.0, Eigen::Vector2d::Zero());
   EXPECT_NEAR(level.Of(covariance), 0.15 + 4.29 * 0.2, 1e-2);
-  level.OnInnovation(1e12);
+  level.OnInnovation(1e12, Eigen::Vector2d::Zero());
   EXPECT_LT(level.Of(covariance), 2.0);
+}
+
+TEST(ProtectionLevelTest, GrowsByHowFarRegistrationsLieToOneSide) {
+  ProtectionLevel level({});
+  const Matrix6d covariance = 0.01 * Matrix6d::Identity();
+  const double usual_m = level.Of(covariance);
+  for (int i = 0; i < 100; ++i) level.OnInnovation(0.2, {i % 2 == 0 ? 0.2 : -0.2, 0.0});
+  EXPECT_NEAR(level.Of(covariance), usual_m, 0.03) << "to both sides";
+  for (int i = 0; i < 100; ++i) level.OnInnovation(0.2, {0.0, -0.2});
+  EXPECT_NEAR(level.Of(covariance), usual_m + 0.2, 1e-3);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 
 namespace dcloc::server {
@@ -32,8 +33,9 @@ TEST(Sha256Test, PartsGiveTheHashOfTheWhole) {
 TEST(Sha256Test, OnlyLowerCaseDigitsOfTheRightNumberAreAHash) {
   EXPECT_TRUE(IsSha256(kOfAbc));
   const std::string abc(kOfAbc);
-  for (const std::string& text : {std::string(), abc.substr(1), abc + "0", "B" + abc.substr(1),
-                                  "g" + abc.substr(1), "/" + abc.substr(1)}) {
+  for (const std::string& text :
+       {std::string(), abc.substr(1), absl::StrCat(abc, "0"), absl::StrCat("B", abc.substr(1)),
+        absl::StrCat("g", abc.substr(1)), absl::StrCat("/", abc.substr(1))}) {
     EXPECT_FALSE(IsSha256(text)) << text;
   }
 }
