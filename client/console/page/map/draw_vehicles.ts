@@ -1,4 +1,5 @@
 import type { LivePose } from "../../shared/live.ts";
+import { shownName } from "../texts/shortened.ts";
 import type { Camera } from "./camera.ts";
 import { Fleet, type Loss, State, type Vehicle } from "./fleet.ts";
 import type { Palette } from "./palette.ts";
@@ -193,7 +194,7 @@ export function drawVehicles(
       continue;
     }
     taken.push({ x, y });
-    drawLabel(context, camera, pose, vehicle.vehicle, palette);
+    drawLabel(context, camera, pose, shownName(vehicle.vehicle), palette);
   }
 }
 

@@ -1,6 +1,6 @@
 import { MapService, type ReadMapTileResponse } from "proto/dcloc/v1/map_service_pb.ts";
 import { call } from "../wire/calls.ts";
-import { Code, failureOf } from "../wire/failure.ts";
+import { type CallFailure, Code, failureOf } from "../wire/failure.ts";
 import { MARGIN_M, type TileId, boundsOf, keyOf, pointCountOf } from "./tile_grid.ts";
 
 const MAX_TILE_COUNT = 128;
@@ -20,6 +20,7 @@ export class TileStore {
   private readonly failedUntil = new Map<string, number>();
   private readonly calls = new Map<string, AbortController>();
   private wanted: TileId[] = [];
+  private failure: CallFailure | undefined;
 
   constructor(
     private readonly server: string,
@@ -29,6 +30,11 @@ export class TileStore {
     /** How many landmarks a tile of a level may have; of more, some are left out. */
     private readonly countOf: (level: number) => number = pointCountOf,
   ) {}
+
+  /** Why the last tile could not be read; it is tried again. */
+  get fault(): CallFailure | undefined {
+    return this.failure;
+  }
 
   /** What is there of a tile; counts as shown. */
   get(id: TileId): Tile | undefined {
@@ -91,8 +97,13 @@ export class TileStore {
         stop.signal,
       );
       this.keep({ id, data });
+      this.failure = undefined;
     } catch (error) {
-      if (failureOf(error).code !== Code.Cancelled) this.failedUntil.set(key, Date.now() + RETRY_MS);
+      const failure = failureOf(error);
+      if (failure.code !== Code.Cancelled) {
+        this.failedUntil.set(key, Date.now() + RETRY_MS);
+        this.failure = failure;
+      }
     }
     this.calls.delete(key);
     this.onTile();

@@ -1,5 +1,6 @@
 import { de } from "./de.ts";
 import { type TextKey, en } from "./en.ts";
+import { visible } from "./shortened.ts";
 
 export type { TextKey };
 
@@ -29,7 +30,10 @@ export function chooseLanguage(chosen: Language): void {
 /** The text in the chosen language, with {names} replaced. */
 export function t(key: TextKey, values: Record<string, string | number> = {}): string {
   const text: string = LANGUAGES[language][key];
-  return text.replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
+  return text.replace(/\{(\w+)\}/g, (whole, name: string) => {
+    const value = values[name] ?? whole;
+    return typeof value === "string" ? visible(value) : String(value);
+  });
 }
 
 /** A text whose key is made of a number that a newer server may not have told us of. */
