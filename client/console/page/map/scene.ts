@@ -1,5 +1,6 @@
 import { type Bounds, Camera } from "./camera.ts";
 import { drawGrid, drawTiles } from "./draw_map.ts";
+import { arrowSprites } from "./draw_arrow.ts";
 import { drawHeat, drawVehicles, vehicleAt } from "./draw_vehicles.ts";
 import { Fleet, type Loss, type Vehicle } from "./fleet.ts";
 import { type Palette, readPalette } from "./palette.ts";
@@ -42,6 +43,7 @@ export class Scene {
   private readonly themes: MutationObserver;
   private readonly pointers = new Map<number, { x: number; y: number }>();
   private dragged = 0;
+  private readonly sprites = arrowSprites();
   private readonly painter = new TilePainter(() => this.redraw());
 
   constructor(
@@ -128,7 +130,8 @@ export class Scene {
     }
     content.overlay?.(context, camera, palette);
     drawHeat(context, camera, palette, content.losses);
-    drawVehicles(context, camera, palette, content.vehicles(), content.chosen, now);
+    const look = { palette, sprites: this.sprites };
+    drawVehicles(context, camera, look, content.vehicles(), content.chosen, now);
     if (this.isMoving(now)) this.redraw();
   }
 
