@@ -116,7 +116,7 @@ test("an upload goes on where it stopped, after the page was closed and the netw
 test("a file that is no map is refused with a word, and the one that is goes on", async () => {
   const file = join(town.folder, "broken.dclm");
   const bytes = readFileSync(join(town.folder, "second.dclm"));
-  bytes.fill(0xff, bytes.length / 2);
+  bytes.fill(0xff, Math.floor(bytes.length / 2));
   writeFileSync(file, bytes);
   await page.getByRole("button", { name: "Upload a map" }).click();
   await dialog().getByLabel("Name of the map").fill("town");

@@ -9,8 +9,13 @@ import {
   SessionSchema,
 } from "proto/dcloc/v1/admin_service_pb.ts";
 import {
+  CancelMapBuildRequestSchema,
+  CancelMapBuildResponseSchema,
   GetMapVersionResponseSchema,
+  ListMapBuildsResponseSchema,
   ListMapsResponseSchema,
+  type MapBuild,
+  MapBuildState,
   type MapVersion,
   ReadMapTileRequestSchema,
   type ReadMapTileRequest,
@@ -63,6 +68,7 @@ export class FakeServer {
   unanswered: ReplicaFault[] = [];
   /** None: it does not know the call. */
   replicas: Replica[] | undefined;
+  builds: MapBuild[] = [];
   private readonly server = new grpc.Server();
 
   async start(): Promise<string> {
@@ -73,6 +79,8 @@ export class FakeServer {
     const service = {
       getMapVersion: unary("/dcloc.v1.MapService/GetMapVersion"),
       readMapTile: unary("/dcloc.v1.MapService/ReadMapTile"),
+      listMapBuilds: unary("/dcloc.v1.MapService/ListMapBuilds"),
+      cancelMapBuild: unary("/dcloc.v1.MapService/CancelMapBuild"),
       listReplicas: unary("/dcloc.v1.AdminService/ListReplicas"),
       listSessions: unary("/dcloc.v1.AdminService/ListSessions"),
       listMaps: unary("/dcloc.v1.MapService/ListMaps"),
@@ -88,6 +96,17 @@ export class FakeServer {
         if (!this.replicas) return done({ code: grpc.status.UNIMPLEMENTED, details: "unknown method" });
         const answer = create(ListReplicasResponseSchema, { replicas: this.replicas });
         return done(null, asOfNewer(toBinary(ListReplicasResponseSchema, answer)));
+      },
+      listMapBuilds: (_: unknown, done: grpc.sendUnaryData<Buffer>) => {
+        const answer = create(ListMapBuildsResponseSchema, { builds: this.builds });
+        done(null, Buffer.from(toBinary(ListMapBuildsResponseSchema, answer)));
+      },
+      cancelMapBuild: (call: { request: Buffer }, done: grpc.sendUnaryData<Buffer>) => {
+        const { buildId } = fromBinary(CancelMapBuildRequestSchema, call.request);
+        const build = this.builds.find((b) => b.buildId === buildId)!;
+        build.state = MapBuildState.CANCELLED;
+        const answer = create(CancelMapBuildResponseSchema, { build });
+        done(null, Buffer.from(toBinary(CancelMapBuildResponseSchema, answer)));
       },
       getMapVersion: (_: unknown, done: grpc.sendUnaryData<Buffer>) =>
         asked(done, ({ version }) =>

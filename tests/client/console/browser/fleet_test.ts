@@ -7,7 +7,12 @@ import {
   ReplicaFaultSchema,
   ReplicaSchema,
 } from "proto/dcloc/v1/admin_service_pb.ts";
-import { MapVersionSchema, ReadMapTileResponseSchema } from "proto/dcloc/v1/map_service_pb.ts";
+import {
+  MapBuildSchema,
+  type MapBuildState,
+  MapVersionSchema,
+  ReadMapTileResponseSchema,
+} from "proto/dcloc/v1/map_service_pb.ts";
 import { seriousFindings } from "./accessibility.ts";
 import { FakeServer, sessionAt } from "./fake_server.ts";
 import { type Program, launch, openPage, signIn, startConsole } from "./harness.ts";
@@ -137,6 +142,28 @@ test("a map whose landmarks cannot be read is told, and tried again", async () =
   await page.getByText("The map cannot be read now").waitFor({ state: "hidden" });
   fake.map = undefined;
   assert.deepEqual(faults, []);
+  await page.close();
+});
+
+test("a build that is under way is cancelled after one question; states of newer servers are shown", async () => {
+  fake.builds = [
+    create(MapBuildSchema, { buildId: "1", mapName: "harbour", state: 1, scanCount: 90n, doneScanCount: 30n }),
+    create(MapBuildSchema, { buildId: "2", mapName: HOSTILE, state: 77 as MapBuildState }),
+  ];
+  const { page, faults } = await openPage(browser, bridge.address);
+  await signIn(page);
+  await page.getByRole("navigation").getByRole("link", { name: "Maps" }).click();
+  await page.getByText("30 of 90 scans").waitFor();
+  await page.locator(".builds li", { hasText: "<img src=x" }).getByText("77").waitFor();
+  assert.deepEqual(await seriousFindings(page), []);
+  await page.getByRole("button", { name: "Cancel the build: harbour" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByText("No version comes of it").waitFor();
+  await dialog.getByRole("button", { name: "Cancel the build" }).click();
+  await page.locator(".builds li", { hasText: "harbour" }).getByText("Cancelled").waitFor();
+  assert.equal(await page.title(), "dcloc console");
+  assert.deepEqual(faults, []);
+  fake.builds = [];
   await page.close();
 });
 
