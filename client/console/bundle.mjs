@@ -34,11 +34,9 @@ async function buildBridge(folder) {
 async function buildPage(folder) {
   rmSync(folder, { recursive: true, force: true });
   mkdirSync(folder, { recursive: true });
-  const result = await build({
+  const browser = {
     ...shared,
-    entryPoints: [join(here, "page/main.tsx")],
     outdir: folder,
-    entryNames: "console-[hash]",
     assetNames: "[name]-[hash]",
     loader: { ".woff2": "file" },
     platform: "browser",
@@ -46,8 +44,21 @@ async function buildPage(folder) {
     format: "esm",
     minify: true,
     metafile: true,
+  };
+  const outputsOf = ({ metafile }) => Object.keys(metafile.outputs).map((path) => basename(path));
+  const worker = await build({
+    ...browser,
+    entryPoints: [join(here, "page/map/tile_worker.ts")],
+    entryNames: "tile_worker-[hash]",
   });
-  const outputs = Object.keys(result.metafile.outputs).map((path) => basename(path));
+  const outputs = outputsOf(
+    await build({
+      ...browser,
+      entryPoints: [join(here, "page/main.tsx")],
+      entryNames: "console-[hash]",
+      define: { TILE_WORKER: JSON.stringify(`/${outputsOf(worker)[0]}`) },
+    }),
+  );
   const named = (extension) => outputs.find((name) => extname(name) === extension);
   const icon = readFileSync(join(here, "page/icon.svg"));
   const iconName = `icon-${createHash("sha256").update(icon).digest("hex").slice(0, 8)}.svg`;

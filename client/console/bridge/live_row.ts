@@ -3,6 +3,8 @@ import type { Session } from "proto/dcloc/v1/admin_service_pb.ts";
 import type { LivePose, LiveSession } from "../shared/live.ts";
 
 const SILENT_STEP_S = 5;
+/** Longer names than any server takes fill no page. */
+const MAX_NAME_LENGTH = 200;
 const NS_PER_S = 1_000_000_000n;
 
 function millimetres(value: number): number {
@@ -44,7 +46,7 @@ export function liveSession(session: Session): LiveSession {
   const pose = poseOf(session);
   return {
     id: session.sessionId,
-    vehicle: session.vehicleId,
+    vehicle: session.vehicleId.slice(0, MAX_NAME_LENGTH),
     map: session.mapName,
     version: Number(session.mapVersion),
     state: session.state,
@@ -52,5 +54,6 @@ export function liveSession(session: Session): LiveSession {
     silentS: Math.floor(idleS / SILENT_STEP_S) * SILENT_STEP_S,
     faults: faultySources(session.health),
     ...(pose ? { pose } : {}),
+    ...(session.replica ? { replica: session.replica } : {}),
   };
 }

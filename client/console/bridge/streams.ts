@@ -3,15 +3,19 @@ import { FrameKind } from "../shared/live.ts";
 import { FleetFeed } from "./fleet_feed.ts";
 import { beginStream, frame } from "./frames.ts";
 import type { Login } from "./logins.ts";
+import { LossLog } from "./loss_log.ts";
 import type { SharedWatches } from "./shared_watch.ts";
 import type { Upstream } from "./upstream.ts";
 
 /** What a page that does not read may hold here; beyond it answers are left out, and counted. */
 const MAX_UNREAD_BYTES = 1 << 20;
+const MAX_LOSS_LOG_COUNT = 100;
 
 /** The live view: frames of every server, as LiveFrame lines. */
 export class LiveStreams {
   private readonly feeds = new Map<string, FleetFeed>();
+  /** Outlive the feeds: a page that is loaded again still shows where vehicles got lost. */
+  private readonly losses = new Map<string, LossLog>();
 
   constructor(private readonly upstreams: readonly Upstream[]) {}
 
@@ -26,26 +30,31 @@ export class LiveStreams {
     );
     response.on("close", () => {
       for (const unsubscribe of leave) unsubscribe();
-      this.forgetUnwatched();
+      for (const [key, feed] of this.feeds) if (!feed.isWatched) this.feeds.delete(key);
     });
-  }
-
-  get feedCount(): number {
-    return this.feeds.size;
   }
 
   private feedOf(upstream: Upstream, login: Login): FleetFeed {
     const key = `${upstream.name}/${login.tokenKey}`;
     let feed = this.feeds.get(key);
     if (feed === undefined) {
-      feed = new FleetFeed(upstream, login, undefined, this.upstreams.length > 1);
+      const isOneOfSeveral = this.upstreams.length > 1;
+      feed = new FleetFeed(upstream, login, { isOneOfSeveral, losses: this.lossesOf(key) });
       this.feeds.set(key, feed);
     }
     return feed;
   }
 
-  private forgetUnwatched(): void {
-    for (const [key, feed] of this.feeds) if (!feed.isWatched) this.feeds.delete(key);
+  /** Of a token at a server. Those that were used least recently are forgotten beyond a number. */
+  private lossesOf(key: string): LossLog {
+    const log = this.losses.get(key) ?? new LossLog();
+    this.losses.delete(key);
+    this.losses.set(key, log);
+    for (const oldest of this.losses.keys()) {
+      if (this.losses.size <= MAX_LOSS_LOG_COUNT) break;
+      this.losses.delete(oldest);
+    }
+    return log;
   }
 }
 

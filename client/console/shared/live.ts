@@ -16,6 +16,24 @@ export interface LiveSession {
   pose?: LivePose;
   /** Sources that are set aside or have a fault, by name. */
   faults: string[];
+  /** Which server of its fleet has it; absent for a server by itself. */
+  replica?: string;
+}
+
+/** A place where a vehicle got lost, in the map's frame. */
+export interface LiveLoss {
+  vehicle: string;
+  map: string;
+  x: number;
+  y: number;
+  /** Before the frame was written. */
+  agoMs: number;
+}
+
+/** A server of the fleet that did not answer; what is shown of its sessions is old. */
+export interface SilentReplica {
+  address: string;
+  fault: string;
 }
 
 export interface LivePose {
@@ -30,12 +48,16 @@ export interface LivePose {
   stampMs: number;
 }
 
-/** What one server says. A `full` frame replaces all that was known of it. */
+/** What one server says. A `full` frame replaces all that was known of it, losses as well. */
 export interface LiveFrame {
   server: string;
   full?: boolean;
   set?: LiveSession[];
   gone?: string[];
+  /** New ones; of the last hour in a `full` frame. */
+  losses?: LiveLoss[];
+  /** Absent where all have answered. */
+  silent?: SilentReplica[];
   /** The server did not answer; what is known of it is old. */
   failure?: { code: number; message: string };
 }

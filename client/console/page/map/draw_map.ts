@@ -1,62 +1,16 @@
 import type { Bounds, Camera } from "./camera.ts";
+import { BITMAP_PX } from "./paint_order.ts";
 import type { Palette } from "./palette.ts";
 import { type TileId, boundsOf, keyOf, levelFor, parentOf, sideOf, tilesIn } from "./tile_grid.ts";
+import type { TilePainter } from "./tile_painter.ts";
 import type { Tile, TileStore } from "./tile_store.ts";
 
-const BITMAP_PX = 896;
 /** Kept drawn beside those in view, for who goes back and forth. */
-const SPARE_BITMAP_COUNT = 12;
-/** A keyframe stands for the street around it. */
-const STREET_HALF_WIDTH_M = 7;
-const WEAK_DBSM = -10;
-const STRONG_DBSM = 25;
+const SPARE_BITMAP_COUNT = 8;
 const GRID_PX = 90;
 
-/** A tile's street and landmarks, once for all frames that show it. */
-function paint({ id, data }: Tile, palette: Palette): HTMLCanvasElement {
-  const canvas = document.createElement("canvas");
-  canvas.width = canvas.height = BITMAP_PX;
-  const context = canvas.getContext("2d")!;
-  const { minX, maxY } = boundsOf(id);
-  const pxPerM = BITMAP_PX / sideOf(id.level);
-  const left = (data.originM?.x ?? 0) - minX;
-  const top = maxY - (data.originM?.y ?? 0);
-
-  context.fillStyle = palette.coverage;
-  const half = Math.max(STREET_HALF_WIDTH_M * pxPerM, 1.2);
-  context.beginPath();
-  for (let i = 0; i < data.keyframeXM.length; ++i) {
-    const x = (left + data.keyframeXM[i]!) * pxPerM;
-    const y = (top - data.keyframeYM[i]!) * pxPerM;
-    context.moveTo(x + half, y);
-    context.arc(x, y, half, 0, 2 * Math.PI);
-  }
-  context.fill();
-
-  const [r, g, b] = palette.landmark;
-  const size = Math.min(3.2, Math.max(1.5, 0.4 * pxPerM));
-  // Few steps of brightness, so that the colour changes seldom.
-  for (let step = 0; step < 4; ++step) {
-    context.fillStyle = `rgba(${r}, ${g}, ${b}, ${0.5 + 0.16 * step})`;
-    for (let i = 0; i < data.xM.length; ++i) {
-      const strength = ((data.rcsDbsm[i] ?? 0) - WEAK_DBSM) / (STRONG_DBSM - WEAK_DBSM);
-      if (Math.min(3, Math.max(0, Math.floor(4 * strength))) !== step) continue;
-      context.fillRect((left + data.xM[i]!) * pxPerM, (top - data.yM[i]!) * pxPerM, size, size);
-    }
-  }
-  return canvas;
-}
-
-function blit(
-  context: CanvasRenderingContext2D,
-  camera: Camera,
-  palette: Palette,
-  tile: Tile,
-  part: TileId,
-): void {
-  if (tile.bitmap?.theme !== palette.theme) {
-    tile.bitmap = { theme: palette.theme, image: paint(tile, palette) };
-  }
+/** Draws the part of a painted tile that `part` is. */
+function blit(context: CanvasRenderingContext2D, camera: Camera, tile: PaintedTile, part: TileId): void {
   const whole = boundsOf(tile.id);
   const bounds = boundsOf(part);
   const px = BITMAP_PX / sideOf(tile.id.level);
@@ -74,41 +28,67 @@ function blit(
   );
 }
 
-/** Draws what there is of the map, and asks the store for what is missing. */
+type PaintedTile = Tile & { bitmap: NonNullable<Tile["bitmap"]> };
+
+const isPainted = (tile: Tile | undefined): tile is PaintedTile => tile?.bitmap !== undefined;
+const isTile = (tile: Tile | undefined): tile is Tile => tile !== undefined;
+
+/** The tile, or else the least coarse one around it that there is, of those that may be taken. */
+function nearest(
+  id: TileId,
+  store: TileStore,
+  mayBe: (tile: Tile) => boolean = () => true,
+): Tile | undefined {
+  for (let at: TileId | undefined = id; at; at = parentOf(at)) {
+    const tile = store.get(at);
+    if (tile && mayBe(tile)) return tile;
+  }
+  return undefined;
+}
+
+/** The tiles to be read: the coarse ones first, in a map that is seen for the first time, for they are
+ * there at once. */
+function tilesToRead(wanted: TileId[], store: TileStore): TileId[] {
+  const coarse = new Map<string, TileId>();
+  for (const id of wanted) {
+    if (id.level <= 1 || store.get(id)) continue;
+    const up = tilesIn(boundsOf(id), boundsOf(id), 1)[0]!;
+    if (!store.get(up)) coarse.set(keyOf(up), up);
+  }
+  return [...coarse.values(), ...wanted];
+}
+
+export interface MapSource {
+  store: TileStore;
+  painter: TilePainter;
+  extent: Bounds;
+}
+
+/**
+ * Draws what there is of the map, and has what is missing read and painted. Gives how many landmarks
+ * are in view, and how many of them are shown.
+ */
 export function drawTiles(
   context: CanvasRenderingContext2D,
   camera: Camera,
   palette: Palette,
-  store: TileStore,
-  extent: Bounds,
+  { store, painter, extent }: MapSource,
 ): { shown: number; count: number } {
   const wanted = tilesIn(camera.bounds, extent, levelFor(camera.scale));
-  const missing: TileId[] = [];
+  const there = wanted.map((id) => store.get(id)).filter(isTile);
+  const best = new Set(wanted.map((id) => nearest(id, store)).filter(isTile));
+  painter.want([...best].filter(({ bitmap }) => bitmap?.theme !== palette.theme), palette);
   let blitCount = 0;
-  let shown = 0;
-  let count = 0;
   for (const id of wanted) {
-    let tile = store.get(id);
-    if (tile) {
-      shown += tile.data.xM.length;
-      count += Number(tile.data.pointCount);
-    } else {
-      missing.push(id);
-    }
-    // Until it is there, the part of a coarser one.
-    for (let up = parentOf(id); !tile && up; up = parentOf(up)) tile = store.get(up);
-    if (!tile) continue;
-    blit(context, camera, palette, tile, id);
+    const tile = nearest(id, store, isPainted);
+    if (!isPainted(tile)) continue;
+    blit(context, camera, tile, id);
     ++blitCount;
   }
   store.keepBitmaps(blitCount + SPARE_BITMAP_COUNT);
-  // The coarse ones first, in a map that is seen for the first time: they are there at once.
-  const coarse = new Map<string, TileId>();
-  for (const id of missing) {
-    const up = id.level > 1 ? tilesIn(boundsOf(id), boundsOf(id), 1)[0]! : undefined;
-    if (up && !store.get(up)) coarse.set(keyOf(up), up);
-  }
-  store.want([...coarse.values(), ...wanted]);
+  store.want(tilesToRead(wanted, store));
+  const shown = there.reduce((sum, { data }) => sum + data.xM.length, 0);
+  const count = there.reduce((sum, { data }) => sum + data.pointCount, 0);
   return { shown, count };
 }
 

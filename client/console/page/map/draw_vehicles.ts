@@ -1,19 +1,20 @@
 import type { LivePose } from "../../shared/live.ts";
+import { shownName } from "../texts/shortened.ts";
+import type { ArrowSprites } from "./arrow_sprites.ts";
 import type { Camera } from "./camera.ts";
+import { LENGTH_M, bodyPainter, colourOf } from "./draw_arrow.ts";
 import { Fleet, type Loss, State, type Vehicle } from "./fleet.ts";
 import type { Palette } from "./palette.ts";
 
 /** Of a two-dimensional normal distribution: the ellipse that has 95 %. */
 const SIGMAS_OF_95 = 2.4477;
-const LENGTH_M = 4.6;
-const WIDTH_M = 1.9;
-/** Below so many pixels a vehicle is an arrow, above its true size. */
-const MIN_LENGTH_PX = 17;
 const MAX_LABEL_COUNT = 40;
 /** Nearer to one another, two labels cannot be read. */
 const LABEL_WIDTH_PX = 90;
 const LABEL_HEIGHT_PX = 15;
 const MAX_TRAIL_COUNT = 300;
+/** Beyond so many, arrows are copied, in whole pixels. */
+const MAX_PATH_COUNT = 200;
 const HEAT_RADIUS_PX = 26;
 
 export interface Ellipse {
@@ -63,38 +64,6 @@ export function drawEllipse(
   context.lineWidth = 1.2;
   context.stroke();
   context.globalAlpha = 1;
-}
-
-/** An arrow, or the vehicle in its true size. */
-export function drawBody(
-  context: CanvasRenderingContext2D,
-  camera: Camera,
-  pose: UncertainPose,
-  colour: string,
-  halo: string,
-): void {
-  const length = Math.max(MIN_LENGTH_PX, LENGTH_M * camera.scale);
-  const width = Math.max(0.62 * MIN_LENGTH_PX, WIDTH_M * camera.scale);
-  const x = camera.toScreenX(pose.x);
-  const y = camera.toScreenY(pose.y);
-  const cos = Math.cos(pose.yaw);
-  const sin = -Math.sin(pose.yaw);
-  const at = (ahead: number, left: number): [number, number] => [
-    x + ahead * cos + left * sin,
-    y + ahead * sin - left * cos,
-  ];
-  context.beginPath();
-  context.moveTo(...at(length / 2, 0));
-  context.lineTo(...at(-length / 2, width / 2));
-  context.lineTo(...at(-0.28 * length, 0));
-  context.lineTo(...at(-length / 2, -width / 2));
-  context.closePath();
-  context.lineWidth = 2.5;
-  context.lineJoin = "round";
-  context.strokeStyle = halo;
-  context.stroke();
-  context.fillStyle = colour;
-  context.fill();
 }
 
 function drawTrail(context: CanvasRenderingContext2D, camera: Camera, trail: number[]): void {
@@ -153,34 +122,40 @@ function visibleOf(vehicles: Iterable<Vehicle>, camera: Camera, nowMs: number): 
   return placed.sort((a, b) => a.vehicle.state - b.vehicle.state);
 }
 
+export interface FleetLook {
+  palette: Palette;
+  sprites: ArrowSprites;
+}
+
 /** Draws those of the vehicles that are in view. */
 export function drawVehicles(
   context: CanvasRenderingContext2D,
   camera: Camera,
-  palette: Palette,
+  { palette, sprites }: FleetLook,
   vehicles: Iterable<Vehicle>,
   chosen: string | undefined,
   nowMs: number,
 ): void {
   const placed = visibleOf(vehicles, camera, nowMs);
-  const colourOf = (state: number): string => palette.states[state] ?? palette.states[0]!;
   if (placed.length <= MAX_TRAIL_COUNT) {
     context.lineWidth = 2;
     context.globalAlpha = 0.45;
     for (const { vehicle } of placed) {
-      context.strokeStyle = colourOf(vehicle.state);
+      context.strokeStyle = colourOf(palette, vehicle.state);
       drawTrail(context, camera, vehicle.trail);
     }
     context.globalAlpha = 1;
   }
-  for (const { vehicle, pose } of placed) drawEllipse(context, camera, pose, colourOf(vehicle.state));
+  for (const { vehicle, pose } of placed) drawEllipse(context, camera, pose, colourOf(palette, vehicle.state));
+  const many = placed.length > MAX_PATH_COUNT ? sprites : undefined;
+  const drawOne = bodyPainter(context, camera, palette, many);
   for (const { vehicle, pose } of placed) {
-    const colour = colourOf(vehicle.state);
+    const colour = colourOf(palette, vehicle.state);
     if (vehicle.state === State.Lost) drawRing(context, camera, pose, colour, 15);
     if (Fleet.key(vehicle.server, vehicle.id) === chosen) {
       drawRing(context, camera, pose, palette.ink, 20);
     }
-    drawBody(context, camera, pose, colour, palette.halo);
+    drawOne(vehicle.state, pose);
   }
   if (placed.length > MAX_LABEL_COUNT) return;
   context.font = "600 11.5px 'Inter Variable', sans-serif";
@@ -193,7 +168,7 @@ export function drawVehicles(
       continue;
     }
     taken.push({ x, y });
-    drawLabel(context, camera, pose, vehicle.vehicle, palette);
+    drawLabel(context, camera, pose, shownName(vehicle.vehicle), palette);
   }
 }
 

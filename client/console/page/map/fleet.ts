@@ -1,4 +1,4 @@
-import type { LiveFrame, LivePose, LiveSession } from "../../shared/live.ts";
+import type { LiveFrame, LiveLoss, LivePose, LiveSession, SilentReplica } from "../../shared/live.ts";
 
 /** LocalizationState of the contract. */
 export const enum State {
@@ -13,7 +13,9 @@ const TRAIL_LENGTH = 90;
 /** A vehicle further from its last pose than this was found elsewhere: it does not glide there. */
 const MAX_GLIDE_M = 60;
 const MAX_LOSS_COUNT = 2_000;
-const LOSS_MEMORY_MS = 60 * 60_000;
+/** Each is compared with each. */
+const MAX_ALARM_COUNT = 500;
+export const LOSS_MEMORY_MS = 60 * 60_000;
 
 /** A vehicle as it is drawn: between the last two poses that were told, so that it moves evenly. */
 export interface Vehicle extends LiveSession {
@@ -27,12 +29,9 @@ export interface Vehicle extends LiveSession {
 }
 
 /** A place where a vehicle got lost. */
-export interface Loss {
+export interface Loss extends Omit<LiveLoss, "agoMs"> {
   server: string;
-  map: string;
-  vehicle: string;
-  x: number;
-  y: number;
+  /** On the page's clock. */
   timeMs: number;
 }
 
@@ -45,6 +44,8 @@ export interface ServerFault {
 export class Fleet {
   readonly vehicles = new Map<string, Vehicle>();
   readonly faults = new Map<string, ServerFault>();
+  /** By server: those of its fleet that did not answer it. */
+  readonly silent = new Map<string, readonly SilentReplica[]>();
   readonly heardOf = new Set<string>();
   losses: Loss[] = [];
 
@@ -60,6 +61,8 @@ export class Fleet {
       return;
     }
     this.faults.delete(server);
+    this.silent.set(server, frame.silent ?? []);
+    this.takeLosses(frame, nowMs);
     if (frame.full) this.dropOthers(server, new Set((frame.set ?? []).map(({ id }) => id)));
     for (const session of frame.set ?? []) this.takeSession(server, session, nowMs);
     for (const id of frame.gone ?? []) this.vehicles.delete(Fleet.key(server, id));
@@ -84,15 +87,16 @@ export class Fleet {
     const old = this.vehicles.get(key);
     const vehicle: Vehicle = { ...session, server, arrivalMs: nowMs, intervalMs: 1000, trail: old?.trail ?? [] };
     if (session.pose) this.moveOn(vehicle, old, nowMs);
-    if (session.state === State.Lost && old && old.state !== State.Lost && session.pose) {
-      const { map, vehicle: name } = session;
-      const { x, y } = session.pose;
-      this.losses.push({ server, map, vehicle: name, x, y, timeMs: nowMs });
-      this.losses = this.losses
-        .filter((loss) => nowMs - loss.timeMs < LOSS_MEMORY_MS)
-        .slice(-MAX_LOSS_COUNT);
-    }
     this.vehicles.set(key, vehicle);
+  }
+
+  private takeLosses({ server, full, losses = [] }: LiveFrame, nowMs: number): void {
+    if (!full && losses.length === 0) return;
+    const fresh = losses.map(({ agoMs, ...loss }) => ({ ...loss, server, timeMs: nowMs - agoMs }));
+    this.losses = this.losses
+      .filter((loss) => nowMs - loss.timeMs < LOSS_MEMORY_MS && !(full && loss.server === server))
+      .concat(fresh)
+      .slice(-MAX_LOSS_COUNT);
   }
 
   private moveOn(vehicle: Vehicle, old: Vehicle | undefined, nowMs: number): void {
@@ -122,7 +126,7 @@ export function worstPlace(
   radiusM: number,
   sinceMs: number,
 ): { count: number; x: number; y: number } | undefined {
-  const recent = losses.filter((loss) => loss.timeMs >= sinceMs);
+  const recent = losses.filter((loss) => loss.timeMs >= sinceMs).slice(-MAX_ALARM_COUNT);
   let worst: { count: number; x: number; y: number } | undefined;
   for (const { x, y, map } of recent) {
     const near = recent.filter((l) => l.map === map && Math.hypot(l.x - x, l.y - y) <= radiusM);

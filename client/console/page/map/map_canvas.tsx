@@ -1,5 +1,8 @@
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { failureText } from "../parts/notice.tsx";
+import { shortened } from "../texts/shortened.ts";
 import { t } from "../texts/texts.ts";
+import type { CallFailure } from "../wire/failure.ts";
 import type { Bounds } from "./camera.ts";
 import type { Loss, Vehicle } from "./fleet.ts";
 import { type Overlay, Scene } from "./scene.ts";
@@ -29,6 +32,7 @@ export function MapCanvas(props: Props) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const scene = useRef<Scene>();
   const tiles = useRef<TileStore>();
+  const [fault, setFault] = useState<CallFailure>();
   const { map, extent, vehicles, losses = NO_LOSSES, chosen, follow = false } = props;
 
   const content = () => ({
@@ -52,9 +56,13 @@ export function MapCanvas(props: Props) {
   }, []);
 
   useEffect(() => {
-    const made =
-      map && new TileStore(map.server, map.name, map.version, () => scene.current?.redraw());
+    const onTile = (): void => {
+      scene.current?.redraw();
+      setFault(tiles.current?.fault);
+    };
+    const made = map && new TileStore(map.server, map.name, map.version, onTile);
     tiles.current = made;
+    setFault(undefined);
     scene.current?.set(content());
     return () => made?.close();
   }, [map?.server, map?.name, map?.version]);
@@ -64,6 +72,11 @@ export function MapCanvas(props: Props) {
   return (
     <div class={props.onPlace ? "map placing" : "map"}>
       <canvas ref={canvas} tabIndex={0} role="application" aria-label={t("map_canvas")} />
+      {fault && (
+        <p class="map-fault fault small" role="status">
+          {t("map_unreadable", { message: shortened(failureText(fault)) })}
+        </p>
+      )}
       <div class="map-buttons">
         <button onClick={() => scene.current?.zoom(1.6)} aria-label={t("zoom_in")} title={t("zoom_in")}>
           +

@@ -1,19 +1,22 @@
+/** Red, green, blue, each of 255. */
+export type Rgb = readonly [number, number, number];
+
 /** The colours of the canvases, read from the style sheet: one place has them. */
 export interface Palette {
   theme: string;
   ground: string;
   grid: string;
   gridText: string;
-  coverage: string;
-  landmark: [number, number, number];
+  coverage: Rgb;
+  landmark: Rgb;
   ink: string;
   halo: string;
   states: string[];
-  heat: [number, number, number];
+  heat: Rgb;
   /** Of range rates. */
-  approaching: [number, number, number];
-  still: [number, number, number];
-  receding: [number, number, number];
+  approaching: Rgb;
+  still: Rgb;
+  receding: Rgb;
   /** Of landmarks that two versions have in common, or one of them alone. */
   both: string;
   onlyFrom: string;
@@ -25,7 +28,7 @@ const NUMBERS = /\d+/g;
 export function readPalette(): Palette {
   const style = getComputedStyle(document.documentElement);
   const value = (name: string): string => style.getPropertyValue(name).trim();
-  const numbers = (name: string): [number, number, number] => {
+  const numbers = (name: string): Rgb => {
     const [r = 0, g = 0, b = 0] = (value(name).match(NUMBERS) ?? []).map(Number);
     return [r, g, b];
   };
@@ -34,7 +37,7 @@ export function readPalette(): Palette {
     ground: value("--map-ground"),
     grid: value("--map-grid"),
     gridText: value("--text-soft"),
-    coverage: value("--map-coverage"),
+    coverage: numbers("--map-coverage"),
     landmark: numbers("--map-landmark"),
     ink: value("--text"),
     halo: value("--map-ground"),

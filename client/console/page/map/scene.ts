@@ -1,8 +1,10 @@
 import { type Bounds, Camera } from "./camera.ts";
 import { drawGrid, drawTiles } from "./draw_map.ts";
+import { arrowSprites } from "./draw_arrow.ts";
 import { drawHeat, drawVehicles, vehicleAt } from "./draw_vehicles.ts";
 import { Fleet, type Loss, type Vehicle } from "./fleet.ts";
 import { type Palette, readPalette } from "./palette.ts";
+import { TilePainter } from "./tile_painter.ts";
 import type { TileStore } from "./tile_store.ts";
 
 /** Draws something between the map and its vehicles. */
@@ -41,6 +43,8 @@ export class Scene {
   private readonly themes: MutationObserver;
   private readonly pointers = new Map<number, { x: number; y: number }>();
   private dragged = 0;
+  private readonly sprites = arrowSprites();
+  private readonly painter = new TilePainter(() => this.redraw());
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -65,6 +69,7 @@ export class Scene {
   }
 
   redraw(): void {
+    if (this.stop.signal.aborted) return;
     this.request ||= requestAnimationFrame(() => this.draw());
   }
 
@@ -80,6 +85,7 @@ export class Scene {
 
   close(): void {
     this.stop.abort();
+    this.painter.close();
     this.resizing.disconnect();
     this.themes.disconnect();
     cancelAnimationFrame(this.request);
@@ -118,12 +124,14 @@ export class Scene {
     context.fillRect(0, 0, camera.width, camera.height);
     drawGrid(context, camera, palette);
     if (content.tiles && content.extent) {
-      const landmarks = drawTiles(context, camera, palette, content.tiles, content.extent);
-      content.onDrawn?.(landmarks);
+      const { painter } = this;
+      const source = { store: content.tiles, painter, extent: content.extent };
+      content.onDrawn?.(drawTiles(context, camera, palette, source));
     }
     content.overlay?.(context, camera, palette);
     drawHeat(context, camera, palette, content.losses);
-    drawVehicles(context, camera, palette, content.vehicles(), content.chosen, now);
+    const look = { palette, sprites: this.sprites };
+    drawVehicles(context, camera, look, content.vehicles(), content.chosen, now);
     if (this.isMoving(now)) this.redraw();
   }
 

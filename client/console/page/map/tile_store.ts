@@ -1,17 +1,53 @@
 import { MapService, type ReadMapTileResponse } from "proto/dcloc/v1/map_service_pb.ts";
 import { call } from "../wire/calls.ts";
-import { Code, failureOf } from "../wire/failure.ts";
+import { type CallFailure, Code, failureOf } from "../wire/failure.ts";
 import { MARGIN_M, type TileId, boundsOf, keyOf, pointCountOf } from "./tile_grid.ts";
 
 const MAX_TILE_COUNT = 128;
 const MAX_CALL_COUNT = 4;
 const RETRY_MS = 5_000;
 
+/** What was read of a tile, in columns; coordinates relative to the origin. */
+export interface TileData {
+  originXM: number;
+  originYM: number;
+  /** Landmarks in the tile, of which those below are all or some. */
+  pointCount: number;
+  xM: Float32Array;
+  yM: Float32Array;
+  rcsDbsm: Float32Array;
+  keyframeXM: Float32Array;
+  keyframeYM: Float32Array;
+}
+
+/** In single precision, as it came: half of what a list of numbers takes. */
+function dataOf(answer: ReadMapTileResponse): TileData {
+  const column = (values: readonly number[], length: number): Float32Array => {
+    const all = new Float32Array(length);
+    all.set(values.slice(0, length));
+    return all;
+  };
+  const count = answer.xM.length;
+  const keyframeCount = answer.keyframeXM.length;
+  return {
+    originXM: answer.originM?.x ?? 0,
+    originYM: answer.originM?.y ?? 0,
+    pointCount: Number(answer.pointCount),
+    xM: column(answer.xM, count),
+    yM: column(answer.yM, count),
+    rcsDbsm: column(answer.rcsDbsm, count),
+    keyframeXM: column(answer.keyframeXM, keyframeCount),
+    keyframeYM: column(answer.keyframeYM, keyframeCount),
+  };
+}
+
 export interface Tile {
   id: TileId;
-  data: ReadMapTileResponse;
+  data: TileData;
+  /** The store has let go of it. */
+  isDropped?: boolean;
   /** The tile drawn, in the colours of `theme`; made when it is first shown. */
-  bitmap?: { theme: string; image: HTMLCanvasElement };
+  bitmap?: { theme: string; image: ImageBitmap };
 }
 
 /** The tiles of one version of a map: read as they are wanted, the ones not shown for longest dropped. */
@@ -20,6 +56,7 @@ export class TileStore {
   private readonly failedUntil = new Map<string, number>();
   private readonly calls = new Map<string, AbortController>();
   private wanted: TileId[] = [];
+  private failure: CallFailure | undefined;
 
   constructor(
     private readonly server: string,
@@ -29,6 +66,11 @@ export class TileStore {
     /** How many landmarks a tile of a level may have; of more, some are left out. */
     private readonly countOf: (level: number) => number = pointCountOf,
   ) {}
+
+  /** Why the last tile could not be read; it is tried again. */
+  get fault(): CallFailure | undefined {
+    return this.failure;
+  }
 
   /** What is there of a tile; counts as shown. */
   get(id: TileId): Tile | undefined {
@@ -57,7 +99,7 @@ export class TileStore {
 
   close(): void {
     this.want([]);
-    this.keepBitmaps(0);
+    for (const [key, tile] of this.tiles) this.drop(key, tile);
   }
 
   private readOn(): void {
@@ -76,7 +118,7 @@ export class TileStore {
     this.calls.set(key, stop);
     const { minX, minY, maxX, maxY } = boundsOf(id);
     try {
-      const data = await call(
+      const answer = await call(
         this.server,
         MapService.method.readMapTile,
         {
@@ -90,28 +132,38 @@ export class TileStore {
         },
         stop.signal,
       );
-      this.keep({ id, data });
+      this.keep({ id, data: dataOf(answer) });
+      this.failure = undefined;
     } catch (error) {
-      if (failureOf(error).code !== Code.Cancelled) this.failedUntil.set(key, Date.now() + RETRY_MS);
+      const failure = failureOf(error);
+      if (failure.code !== Code.Cancelled) {
+        this.failedUntil.set(key, Date.now() + RETRY_MS);
+        this.failure = failure;
+      }
     }
     this.calls.delete(key);
     this.onTile();
     this.readOn();
   }
 
+  private drop(key: string, tile: Tile): void {
+    tile.isDropped = true;
+    dropBitmap(tile);
+    this.tiles.delete(key);
+  }
+
   private keep(tile: Tile): void {
     this.tiles.set(keyOf(tile.id), tile);
     for (const [key, oldest] of this.tiles) {
       if (this.tiles.size <= MAX_TILE_COUNT) break;
-      dropBitmap(oldest);
-      this.tiles.delete(key);
+      this.drop(key, oldest);
     }
   }
 }
 
-/** At once; a canvas that is only forgotten waits for the garbage collection. */
+/** At once; an image that is only forgotten waits for the garbage collection. */
 function dropBitmap(tile: Tile): void {
   if (!tile.bitmap) return;
-  tile.bitmap.image.width = tile.bitmap.image.height = 0;
+  tile.bitmap.image.close();
   delete tile.bitmap;
 }

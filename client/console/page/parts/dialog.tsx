@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { shortened } from "../texts/shortened.ts";
 import { t } from "../texts/texts.ts";
 import { type CallFailure, Code, failureOf } from "../wire/failure.ts";
 
@@ -44,7 +45,7 @@ export function Dialog({ title, action, isDangerous, isReady = true, onClose, on
           <p class="fault" role="alert">
             {failure.code === Code.PermissionDenied
               ? t("denied_text", { message: failure.message })
-              : failure.message || t("cut_text")}
+              : shortened(failure.message, 1000) || t("cut_text")}
           </p>
         )}
         <div class="buttons">

@@ -1,4 +1,5 @@
 import type { ComponentChildren } from "preact";
+import { shortened, shownName } from "../texts/shortened.ts";
 import { t } from "../texts/texts.ts";
 import { type CallFailure, Code } from "../wire/failure.ts";
 
@@ -12,7 +13,7 @@ interface NoticeProps {
 export function Notice({ title, children, kind = "plain" }: NoticeProps) {
   return (
     <div class={`notice ${kind}`} role={kind === "alarm" ? "alert" : "status"}>
-      <h2>{title}</h2>
+      <h2>{shownName(title)}</h2>
       {children}
     </div>
   );
@@ -33,12 +34,19 @@ function wordsOf(failure: CallFailure): { title: string; text: string } {
   }
 }
 
+/** A call that failed, in a sentence. */
+export function failureText({ code, message }: CallFailure): string {
+  if (code === Code.PermissionDenied) return t("denied_text", { message });
+  if (code === Code.Unimplemented) return t("older_server");
+  return message || t("cut_text");
+}
+
 /** A call that failed, in words, with what can be done. */
 export function FailureNotice({ failure, retry }: { failure: CallFailure; retry?: () => void }) {
   const { title, text } = wordsOf(failure);
   return (
     <Notice title={title} kind="alarm">
-      <p>{text}</p>
+      <p>{shortened(text, 1000)}</p>
       {retry && <button onClick={retry}>{t("try_again")}</button>}
     </Notice>
   );

@@ -36,9 +36,9 @@ export class Surroundings {
       grid = new LandmarkGrid(tile.data.xM, tile.data.yM, NEAR_M);
       this.grids.set(tile, grid);
     }
-    const { originM, xM, pointCount } = tile.data;
-    const isNear = grid.hasNear(x - (originM?.x ?? 0), y - (originM?.y ?? 0));
-    const isWhole = Number(pointCount) === xM.length;
+    const { originXM, originYM, xM, pointCount } = tile.data;
+    const isNear = grid.hasNear(x - originXM, y - originYM);
+    const isWhole = pointCount === xM.length;
     return isNear || isWhole ? isNear : undefined;
   }
 

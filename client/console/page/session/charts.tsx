@@ -1,7 +1,7 @@
 import { useMemo } from "preact/hooks";
 import { decimals, t } from "../texts/texts.ts";
 import { Chart, type Line } from "./chart.tsx";
-import type { Sample } from "./history.ts";
+import { type Sample, stageMs } from "./history.ts";
 
 /** 95 % quantiles of the chi-square distribution: the server's gates of the edge distance. */
 const PLANAR_GATE = 7.815;
@@ -48,8 +48,8 @@ function panels(isSpatial: boolean): Panel[] {
       title: t("chart_latency"),
       lines: [
         { label: t("total"), colour: 1, value: (s) => s.totalMs },
-        { label: t("registration"), colour: 2, value: (s) => s.registrationMs },
-        { label: t("queue"), colour: 3, value: (s) => s.queueMs },
+        { label: t("registration"), colour: 2, value: (s) => stageMs(s, "registration") },
+        { label: t("queue"), colour: 3, value: (s) => stageMs(s, "queue") },
       ],
     },
   ];

@@ -6,6 +6,21 @@ const NS_PER_MS = 1e6;
 /** Some five minutes of a vehicle with five radars. */
 const MAX_LENGTH = 20_000;
 
+/** A scan's way through the server, in this order. */
+export const STAGES = [
+  "queue",
+  "conversion",
+  "compensation",
+  "submap",
+  "registration",
+  "posegraph",
+] as const;
+export type Stage = (typeof STAGES)[number];
+
+/** What a stage took of an answer. */
+export const stageMs = (sample: Sample, stage: Stage): number =>
+  sample.stagesMs[STAGES.indexOf(stage)] ?? 0;
+
 /** One answer, in the figures that the page shows. */
 export interface Sample {
   /** When it came, on the page's clock. */
@@ -28,9 +43,9 @@ export interface Sample {
   edgeValid: boolean;
   /** Whether this very scan was registered. */
   isRegistered: boolean;
+  /** What each stage of STAGES took, and all together. */
+  stagesMs: readonly number[];
   totalMs: number;
-  queueMs: number;
-  registrationMs: number;
   version: number;
   resets: number;
   betaErrorS: number;
@@ -67,9 +82,8 @@ export function sampleOf(result: LocalizationResult, timeMs: number): Sample | u
     edge: quality?.edgeDistance ?? 0,
     edgeValid: quality?.edgeValid ?? false,
     isRegistered: (timings?.registrationDurationNs ?? 0n) > 0n,
+    stagesMs: STAGES.map((stage) => Number(timings?.[`${stage}DurationNs`] ?? 0n) / NS_PER_MS),
     totalMs: Number(timings?.totalDurationNs ?? 0n) / NS_PER_MS,
-    queueMs: Number(timings?.queueDurationNs ?? 0n) / NS_PER_MS,
-    registrationMs: Number(timings?.registrationDurationNs ?? 0n) / NS_PER_MS,
     version: Number(result.mapVersion),
     resets: Number(result.resets?.count ?? 0n),
     betaErrorS: quality?.betaErrorS ?? 0,

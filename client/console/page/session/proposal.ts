@@ -1,7 +1,8 @@
 import type { MessageInitShape } from "@bufbuild/protobuf";
 import type { PoseWithCovarianceSchema } from "proto/dcloc/v1/geometry_pb.ts";
 import type { Overlay } from "../map/scene.ts";
-import { drawBody, drawEllipse } from "../map/draw_vehicles.ts";
+import { drawBody } from "../map/draw_arrow.ts";
+import { drawEllipse } from "../map/draw_vehicles.ts";
 
 /** Where somebody thinks that the vehicle was at its last scan. */
 export interface Proposal {

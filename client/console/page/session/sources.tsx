@@ -1,4 +1,5 @@
 import { type Health, SourceFault } from "proto/dcloc/v1/localization_service_pb.ts";
+import { shownName } from "../texts/shortened.ts";
 import { numbered, t } from "../texts/texts.ts";
 
 /** A file may list any number of them. */
@@ -21,7 +22,7 @@ export function Sources({ health }: { health: Health | undefined }) {
           const isWell = source.used && source.fault <= SourceFault.NONE;
           return (
             <li key={name} class={isWell ? "well" : "ill"}>
-              <strong>{name}</strong>
+              <strong>{shownName(name)}</strong>
               <span>{t(source.used ? "used" : "set_aside")}</span>
               <span class="soft">
                 {source.fault > SourceFault.NONE &&

@@ -1,5 +1,6 @@
 import { de } from "./de.ts";
 import { type TextKey, en } from "./en.ts";
+import { visible } from "./shortened.ts";
 
 export type { TextKey };
 
@@ -29,7 +30,10 @@ export function chooseLanguage(chosen: Language): void {
 /** The text in the chosen language, with {names} replaced. */
 export function t(key: TextKey, values: Record<string, string | number> = {}): string {
   const text: string = LANGUAGES[language][key];
-  return text.replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
+  return text.replace(/\{(\w+)\}/g, (whole, name: string) => {
+    const value = values[name] ?? whole;
+    return typeof value === "string" ? visible(value) : String(value);
+  });
 }
 
 /** A text whose key is made of a number that a newer server may not have told us of. */
@@ -38,10 +42,21 @@ export function numbered(prefix: string, value: number, otherwise: string): stri
   return key in en ? t(key as TextKey) : otherwise;
 }
 
-export const count = (value: number): string => value.toLocaleString(language);
+/** Made once: a browser takes longer to make one than to use it a hundred times. */
+const formats = new Map<string, Intl.NumberFormat>();
 
-export const decimals = (value: number, digits: number): string =>
-  value.toLocaleString(language, { minimumFractionDigits: digits, maximumFractionDigits: digits });
+export function decimals(value: number, digits: number): string {
+  const key = `${language}/${digits}`;
+  let format = formats.get(key);
+  if (!format) {
+    const options = { minimumFractionDigits: digits, maximumFractionDigits: digits };
+    format = new Intl.NumberFormat(language, options);
+    formats.set(key, format);
+  }
+  return format.format(value);
+}
+
+export const count = (value: number): string => decimals(value, 0);
 
 export function kilometres(metres: number): string {
   return `${decimals(metres / 1000, metres < 100_000 ? 2 : 0)} km`;

@@ -3,6 +3,7 @@ import { AdminService, type Identity } from "proto/dcloc/v1/admin_service_pb.ts"
 import { Dialog } from "../parts/dialog.tsx";
 import { FailureNotice, Loading } from "../parts/notice.tsx";
 import { usePages } from "../parts/use_pages.ts";
+import { shownName } from "../texts/shortened.ts";
 import { dateTime, numbered, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
 import { Code } from "../wire/failure.ts";
@@ -35,7 +36,7 @@ export function Identities({ server }: { server: string }) {
       <p class="hint">{t("identities_hint")}</p>
       {chosen && (
         <Dialog
-          title={t("revoke_title", { name: chosen.name })}
+          title={t("revoke_title", { name: shownName(chosen.name) })}
           action={t("revoke")}
           isDangerous
           onClose={() => setChosen(undefined)}
@@ -72,16 +73,16 @@ function IdentityTable({ identities, onRevoke }: TableProps) {
         <tbody>
           {identities.map((identity) => (
             <tr key={String(identity.id)}>
-              <th scope="row">{identity.name}</th>
+              <th scope="row">{shownName(identity.name)}</th>
               <td>{identity.role}</td>
-              <td>{identity.tenant || "–"}</td>
+              <td>{shownName(identity.tenant) || "–"}</td>
               <td>{numbered("proof_", identity.proof, t("proof_unknown", { proof: identity.proof }))}</td>
               <td>{endOf(identity)}</td>
               <td>
                 {!identity.revokeTime && (
                   <button
                     class="danger"
-                    aria-label={`${t("revoke")}: ${identity.name}`}
+                    aria-label={`${t("revoke")}: ${shownName(identity.name)}`}
                     onClick={() => onRevoke(identity)}
                   >
                     {t("revoke")} …

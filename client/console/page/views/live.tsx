@@ -1,18 +1,17 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { MapService } from "proto/dcloc/v1/map_service_pb.ts";
 import { extentOf, extentOfVehicles } from "../map/extent.ts";
-import { Fleet, State, type Vehicle, worstPlace } from "../map/fleet.ts";
+import { Fleet, State, type Vehicle } from "../map/fleet.ts";
 import { MapCanvas } from "../map/map_canvas.tsx";
 import { FailureNotice, Loading, Notice } from "../parts/notice.tsx";
 import { useCall } from "../parts/use_call.ts";
+import { shortened, shownName } from "../texts/shortened.ts";
 import { t } from "../texts/texts.ts";
 import { type ServerName, call } from "../wire/calls.ts";
 import { CallFailure, Code } from "../wire/failure.ts";
 import type { FleetLink } from "../wire/use_fleet.ts";
+import { LossAlarm, LossPanel, WHOLE_HOUR, lossesWithin } from "./losses.tsx";
 import { type Filter, NO_FILTER, VehicleList, matches } from "./vehicle_list.tsx";
-
-const LOSS_RADIUS_M = 50;
-const LOSS_MINUTES = 10;
 
 /** A map of a server: each has a frame of its own, so one is shown at a time. */
 interface Place {
@@ -70,6 +69,7 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
   const [follow, setFollow] = useState(false);
   const [filter, setFilter] = useState<Filter>(NO_FILTER);
   const [showHeat, setShowHeat] = useState(true);
+  const [lossWindow, setLossWindow] = useState(WHOLE_HOUR);
   const places = placesOf(fleet.fleet, useMaps(servers));
   // The first choice stays, though other maps may get more vehicles.
   const first = useRef<string>();
@@ -109,7 +109,7 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
           <select value={placeKey(place)} onChange={(e) => setPlace(e.currentTarget.value)}>
             {places.map((p) => (
               <option key={placeKey(p)} value={placeKey(p)}>
-                {servers.length > 1 ? `${p.map} · ${p.server}` : p.map}
+                {servers.length > 1 ? `${shownName(p.map)} · ${p.server}` : shownName(p.map)}
               </option>
             ))}
           </select>
@@ -121,17 +121,20 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
           map={version > 0 ? { server: place.server, name: place.map, version } : undefined}
           extent={extent}
           vehicles={() => shown.current}
-          losses={showHeat ? losses : []}
+          losses={showHeat ? lossesWithin(losses, lossWindow, performance.now()) : []}
           chosen={chosen}
           follow={follow}
           onChoose={onChoose}
           tick={fleet.tick}
         />
-        <LossAlarm fleet={fleet.fleet} place={place} />
-        <label class="chip heat-choice">
-          <input type="checkbox" checked={showHeat} onChange={(e) => setShowHeat(e.currentTarget.checked)} />
-          {t("heat")}
-        </label>
+        <LossAlarm losses={losses} />
+        <LossPanel
+          losses={losses}
+          window={lossWindow}
+          onWindow={setLossWindow}
+          isShown={showHeat}
+          onShown={setShowHeat}
+        />
       </div>
       <Announcements vehicles={inPlace} />
     </div>
@@ -165,19 +168,14 @@ function Faults({ fleet }: { fleet: Fleet }) {
           {t(code === Code.PermissionDenied ? "no_permission_sessions" : "old_figures", { server })}
         </p>
       ))}
+      {[...fleet.silent].map(([server, replicas]) =>
+        replicas.map(({ address, fault }) => (
+          <p key={`${server}/${address}`} class="fault small" role="alert" title={shortened(fault)}>
+            {t("old_figures", { server: shownName(address) })}
+          </p>
+        )),
+      )}
     </>
-  );
-}
-
-/** Several vehicles that got lost in one place are no fault of the vehicles. */
-function LossAlarm({ fleet, place }: { fleet: Fleet; place: Place }) {
-  const here = fleet.losses.filter((loss) => placeKey(loss) === placeKey(place));
-  const worst = worstPlace(here, LOSS_RADIUS_M, performance.now() - LOSS_MINUTES * 60_000);
-  if (!worst) return null;
-  return (
-    <div class="alarm" role="alert">
-      {t("lost_here", { count: worst.count, radius: LOSS_RADIUS_M, minutes: LOSS_MINUTES })}
-    </div>
   );
 }
 
@@ -190,7 +188,7 @@ function Announcements({ vehicles }: { vehicles: readonly Vehicle[] }) {
   useEffect(() => {
     const news = lost.filter((name) => !before.current.has(name));
     before.current = new Set(lost);
-    if (news.length > 0) setText(news.map((vehicle) => t("just_lost", { vehicle })).join(" "));
+    if (news.length > 0) setText(news.map((vehicle) => t("just_lost", { vehicle: shownName(vehicle) })).join(" "));
   }, [key]);
   return (
     <div class="unseen" aria-live="polite">

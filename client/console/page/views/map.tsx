@@ -11,6 +11,7 @@ import { Link } from "../parts/link.tsx";
 import { FailureNotice, Loading } from "../parts/notice.tsx";
 import { go } from "../parts/route.ts";
 import { useCall } from "../parts/use_call.ts";
+import { shortened, shownName } from "../texts/shortened.ts";
 import { count, dateTime, decimals, kilometres, megabytes, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
 import type { FleetLink } from "../wire/use_fleet.ts";
@@ -67,7 +68,7 @@ export function MapView({ server, name, fleet }: { server: string; name: string;
           <p class="crumbs">
             <Link to="/maps">{t("maps")}</Link> / {server}
           </p>
-          <h1>{name}</h1>
+          <h1>{shownName(name)}</h1>
           <MapButtons contents={contents} onAction={setAction} onUpload={() => setUploading(true)} />
         </div>
         <ul class="rows">
@@ -231,7 +232,7 @@ function VersionFacts({ version }: { version: MapVersion }) {
     [t("keyframes"), count(Number(info?.keyframeCount ?? 0n))],
     [t("street"), kilometres(info?.lengthM ?? 0)],
     [t("size"), megabytes(Number(version.sizeBytes))],
-    [t("drive"), info?.driveName ?? ""],
+    [t("drive"), shortened(info?.driveName ?? "")],
     ["SHA-256", `${version.sha256.slice(0, 16)}…`],
   ];
   return (
@@ -244,7 +245,7 @@ function VersionFacts({ version }: { version: MapVersion }) {
           </div>
         ))}
       </dl>
-      {info?.description && <p class="facts-note soft">{info.description}</p>}
+      {info?.description && <p class="facts-note soft">{shortened(info.description, 1000)}</p>}
     </>
   );
 }

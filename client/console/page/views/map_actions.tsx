@@ -3,6 +3,7 @@ import { AdminService, type Session } from "proto/dcloc/v1/admin_service_pb.ts";
 import { type Map as RadarMap, MapService } from "proto/dcloc/v1/map_service_pb.ts";
 import { Dialog } from "../parts/dialog.tsx";
 import { useCall } from "../parts/use_call.ts";
+import { shortened, shownName } from "../texts/shortened.ts";
 import { count, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
 
@@ -22,28 +23,38 @@ interface Props {
 
 const MAX_PAGE_COUNT = 20;
 
+/** Sessions, and the servers of the fleet whose sessions are missing among them. */
+interface Found {
+  sessions: Session[];
+  silent: Set<string>;
+}
+
 /** The sessions in a map as the server lists them now, not as the page remembers them. */
-async function sessionsIn(server: string, mapName: string, signal: AbortSignal): Promise<Session[]> {
-  const found: Session[] = [];
+async function sessionsIn(server: string, mapName: string, signal: AbortSignal): Promise<Found> {
+  const sessions: Session[] = [];
+  const silent = new Set<string>();
   let pageToken = "";
   for (let page = 0; page < MAX_PAGE_COUNT; ++page) {
     const request = { pageSize: 1000, pageToken };
     const answer = await call(server, AdminService.method.listSessions, request, signal);
-    found.push(...answer.sessions.filter((session) => session.mapName === mapName));
+    sessions.push(...answer.sessions.filter((session) => session.mapName === mapName));
+    for (const { address } of answer.unanswered) silent.add(address);
     pageToken = answer.nextPageToken;
     if (pageToken === "") break;
   }
-  return found;
+  return { sessions, silent };
 }
 
 /** Asks once, says what it will do to how many sessions, and does it. */
 export function MapActionDialog({ server, map, action, onClose, onDone }: Props) {
   const [alsoSessions, setAlsoSessions] = useState(false);
   const [percent, setPercent] = useState(10);
-  const sessions = useCall((signal) => sessionsIn(server, map.name, signal), [server, map.name]);
+  const found = useCall((signal) => sessionsIn(server, map.name, signal), [server, map.name]);
   const { kind, version } = action;
-  const all = sessions.value?.length ?? 0;
-  const ofVersion = sessions.value?.filter((s) => Number(s.mapVersion) === version).length ?? 0;
+  const sessions = found.value?.sessions ?? [];
+  const silent = [...(found.value?.silent ?? [])].map(shownName).join(", ");
+  const all = sessions.length;
+  const ofVersion = sessions.filter((s) => Number(s.mapVersion) === version).length;
   const words = wordsOf(map, action, { all, ofVersion, percent, alsoSessions });
   const onDo = () => perform(server, map, action, { alsoSessions, share: percent / 100 }).then(onDone);
   return (
@@ -51,17 +62,18 @@ export function MapActionDialog({ server, map, action, onClose, onDone }: Props)
       title={words.title}
       action={words.button}
       isDangerous={kind === "delete" || kind === "delete_map"}
-      isReady={sessions.value !== undefined || sessions.failure !== undefined}
+      isReady={found.value !== undefined || found.failure !== undefined}
       onClose={onClose}
       onDo={onDo}
     >
-      {sessions.failure ? (
-        <p class="fault">{t("sessions_unknown", { message: sessions.failure.message })}</p>
-      ) : sessions.value ? (
+      {found.failure ? (
+        <p class="fault">{t("sessions_unknown", { message: shortened(found.failure.message) })}</p>
+      ) : found.value ? (
         words.texts.map((text) => <p key={text}>{text}</p>)
       ) : (
         <p>{t("loading")}</p>
       )}
+      {silent !== "" && <p class="fault">{t("sessions_not_counted", { servers: silent })}</p>}
       {kind === "canary" && (
         <label>
           {t("share_percent")}

@@ -1,13 +1,15 @@
 import { useState } from "preact/hooks";
-import { type Map as RadarMap, MapBuildState, MapService } from "proto/dcloc/v1/map_service_pb.ts";
+import { type Map as RadarMap, MapService } from "proto/dcloc/v1/map_service_pb.ts";
 import { Link } from "../parts/link.tsx";
 import { FailureNotice, Loading, Notice } from "../parts/notice.tsx";
 import { pathOf } from "../parts/route.ts";
 import { useCall } from "../parts/use_call.ts";
-import { count, dateTime, decimals, numbered, t } from "../texts/texts.ts";
+import { shownName } from "../texts/shortened.ts";
+import { count, dateTime, decimals, t } from "../texts/texts.ts";
 import { type ServerName, call } from "../wire/calls.ts";
 import { Code } from "../wire/failure.ts";
 import type { FleetLink } from "../wire/use_fleet.ts";
+import { Builds } from "./builds.tsx";
 import { UploadDialog } from "./upload.tsx";
 
 const MAX_PAGE_COUNT = 20;
@@ -92,7 +94,7 @@ function MapsOfServer({ server, fleet, round }: { server: string; fleet: FleetLi
           {maps.map((map) => (
             <tr key={map.name}>
               <th scope="row">
-                <Link to={pathOf("maps", server, map.name)}>{map.name}</Link>
+                <Link to={pathOf("maps", server, map.name)}>{shownName(map.name)}</Link>
               </th>
               <td>
                 <MapLabels map={map} />
@@ -122,43 +124,6 @@ function MapLabels({ map }: { map: RadarMap }) {
           {t("canary_share", { percent: decimals(100 * map.canaryShare, 0) })}
         </span>
       )}
-    </>
-  );
-}
-
-/** Builds that servers make of scans; nothing is shown where there are none. */
-function Builds({ server }: { server: string }) {
-  const { value } = useCall(
-    async (signal) => (await call(server, MapService.method.listMapBuilds, {}, signal)).builds,
-    [server],
-    5_000,
-  );
-  if (!value || value.length === 0) return null;
-  return (
-    <>
-      <h2>{t("builds")}</h2>
-      <ul class="builds">
-        {value.slice(0, 20).map((build) => (
-          <li key={build.buildId}>
-            <strong>{build.mapName}</strong>
-            <span>{numbered("build_state_", build.state, String(build.state))}</span>
-            {build.state === MapBuildState.RUNNING && (
-              <progress
-                aria-label={build.mapName}
-                max={Math.max(1, Number(build.scanCount))}
-                value={Number(build.doneScanCount)}
-              />
-            )}
-            <span class="soft">
-              {build.errorMessage ||
-                t("build_scans", {
-                  done: count(Number(build.doneScanCount)),
-                  count: count(Number(build.scanCount)),
-                })}
-            </span>
-          </li>
-        ))}
-      </ul>
     </>
   );
 }

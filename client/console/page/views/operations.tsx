@@ -1,6 +1,7 @@
 import { AdminService, type Operation } from "proto/dcloc/v1/admin_service_pb.ts";
 import { FailureNotice, Loading } from "../parts/notice.tsx";
 import { usePages } from "../parts/use_pages.ts";
+import { shortened, shownName } from "../texts/shortened.ts";
 import { dateTime, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
 
@@ -49,10 +50,10 @@ function OperationTable({ operations }: { operations: readonly Operation[] }) {
             <tr key={String(operation.number)}>
               <td>{dateTime(Number(operation.time?.seconds ?? 0n) * 1000)}</td>
               <th scope="row">
-                {operation.principal} <span class="soft">{operation.role}</span>
+                {shownName(operation.principal)} <span class="soft">{operation.role}</span>
               </th>
               <td title={operation.peer}>{operation.method.split(".").at(-1)}</td>
-              <td class="free-text">{operation.request}</td>
+              <td class="free-text">{shortened(operation.request, 400)}</td>
               <td class="free-text">
                 {operation.statusCode === 0 ? (
                   t("done")

@@ -1,13 +1,13 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Dialog } from "../parts/dialog.tsx";
 import { Link } from "../parts/link.tsx";
-import { Notice } from "../parts/notice.tsx";
+import { Notice, failureText } from "../parts/notice.tsx";
 import { go, pathOf } from "../parts/route.ts";
 import type { NoRecording } from "../recording/file.ts";
 import type { Item, Shelf } from "../recording/shelf.ts";
+import { shownName } from "../texts/shortened.ts";
 import { clock, count, decimals, megabytes, t } from "../texts/texts.ts";
 import type { ServerName } from "../wire/calls.ts";
-import { type CallFailure, Code } from "../wire/failure.ts";
 
 /** Shown again twice a second: recordings grow. */
 const SHOW_MS = 500;
@@ -39,12 +39,6 @@ export function refusalText({ reason, value }: NoRecording): string {
     default:
       return t("file_damaged", { at: count(value) });
   }
-}
-
-function failureText({ code, message }: CallFailure): string {
-  if (code === Code.PermissionDenied) return t("denied_text", { message });
-  if (code === Code.Unimplemented) return t("older_server");
-  return message || t("cut_text");
 }
 
 /** What an item is, or does, in words. */
@@ -108,7 +102,7 @@ function Row({ item, shelf }: { item: Item; shelf: Shelf }) {
   return (
     <li class="item">
       <div class="row-text">
-        <strong>{item.name}</strong>
+        <strong>{shownName(item.name)}</strong>
         <span class={isFault ? "fault-text" : "soft"} role={isFault ? "alert" : undefined}>
           {itemText(item)}
         </span>

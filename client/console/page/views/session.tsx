@@ -19,7 +19,9 @@ import { History } from "../session/history.ts";
 import { FIRST_PROPOSAL, type ProposalDraft, drawProposal, isPlaced } from "../session/proposal.ts";
 import { ProposePose } from "../session/propose_pose.tsx";
 import { Sources } from "../session/sources.tsx";
+import { Stages } from "../session/stages.tsx";
 import { Why } from "../session/why.tsx";
+import { shownName } from "../texts/shortened.ts";
 import { count, dateTime, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
 import { CallFailure, Code } from "../wire/failure.ts";
@@ -118,9 +120,9 @@ export function SessionView({ server, id, fleet, shelf }: Props) {
         <header class="session-head">
           <div>
             <p class="crumbs">
-              <Link to="/live">{t("live")}</Link> / {session.mapName} v{version}
+              <Link to="/live">{t("live")}</Link> / {shownName(session.mapName)} v{version}
             </p>
-            <h1>{session.vehicleId}</h1>
+            <h1>{shownName(session.vehicleId)}</h1>
           </div>
           <StateMark state={last?.state ?? session.state} />
           <button onClick={() => go(pathOf("recordings", shelf.record(server, session.vehicleId).id))}>
@@ -181,6 +183,7 @@ export function SessionView({ server, id, fleet, shelf }: Props) {
           />
         )}
         <Sources health={health ?? session.health} />
+        <Stages samples={samples} />
         <Facts session={session} />
       </aside>
       {isEnding && <EndDialog server={server} session={session} onClose={() => setEnding(false)} />}
@@ -206,8 +209,9 @@ function Facts({ session }: { session: Session }) {
     [t("missing"), n(session.missingScanCount)],
     [t("resumed"), n(session.resumeCount)],
     [t("resets"), n(session.poseResetCount)],
-    [t("peer"), session.peer],
-    [t("session"), session.sessionId],
+    ...(session.replica ? [[t("server"), shownName(session.replica)] as [string, string]] : []),
+    [t("peer"), shownName(session.peer)],
+    [t("session"), shownName(session.sessionId)],
   ];
   return (
     <section aria-label={t("session")}>
@@ -235,7 +239,7 @@ function EndDialog({ server, session, onClose }: EndProps) {
   const { sessionId } = session;
   return (
     <Dialog
-      title={t("end_session_title", { vehicle: session.vehicleId })}
+      title={t("end_session_title", { vehicle: shownName(session.vehicleId) })}
       action={t("end_session")}
       isDangerous
       onClose={onClose}

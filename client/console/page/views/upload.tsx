@@ -1,4 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
+import { failureText } from "../parts/notice.tsx";
+import { shortened, shownName } from "../texts/shortened.ts";
 import { type TextKey, t } from "../texts/texts.ts";
 import type { ServerName } from "../wire/calls.ts";
 import { Code, failureOf } from "../wire/failure.ts";
@@ -54,10 +56,10 @@ export function UploadDialog({ servers, map = "", onClose, onDone }: Props) {
         onDone();
       },
       (error: unknown) => {
-        const { code, message } = failureOf(error);
-        if (code === Code.Cancelled) return;
+        const failure = failureOf(error);
+        if (failure.code === Code.Cancelled) return;
         setProgress(undefined);
-        const text = code === Code.PermissionDenied ? t("denied_text", { message }) : message;
+        const text = shortened(failureText(failure), 1000);
         setResult({ text, isFault: true });
       },
     );
@@ -68,7 +70,7 @@ export function UploadDialog({ servers, map = "", onClose, onDone }: Props) {
       <form onSubmit={start}>
         <h2 id="upload-title">{t("upload_title")}</h2>
         {unfinished && !progress && !result && (
-          <p class="hint">{t("upload_unfinished", { file: unfinished })}</p>
+          <p class="hint">{t("upload_unfinished", { file: shownName(unfinished) })}</p>
         )}
         {servers.length > 1 && (
           <label>

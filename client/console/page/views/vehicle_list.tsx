@@ -4,6 +4,7 @@ import { Fleet, type Vehicle } from "../map/fleet.ts";
 import { Link } from "../parts/link.tsx";
 import { pathOf } from "../parts/route.ts";
 import { StateMark } from "../parts/state_mark.tsx";
+import { shownName } from "../texts/shortened.ts";
 import { count, decimals, t } from "../texts/texts.ts";
 
 /** More rows than that help nobody; the filter finds the others. */
@@ -19,13 +20,16 @@ export interface Filter {
   state: number;
   /** 0: all. */
   version: number;
+  /** Empty: all. */
+  replica: string;
 }
 
-export const NO_FILTER: Filter = { text: "", state: -1, version: 0 };
+export const NO_FILTER: Filter = { text: "", state: -1, version: 0, replica: "" };
 
-export function matches(vehicle: Vehicle, { text, state, version }: Filter): boolean {
+export function matches(vehicle: Vehicle, { text, state, version, replica }: Filter): boolean {
   if (state >= 0 && vehicle.state !== state) return false;
   if (version > 0 && vehicle.version !== version) return false;
+  if (replica !== "" && vehicle.replica !== replica) return false;
   return vehicle.vehicle.toLowerCase().includes(text.trim().toLowerCase());
 }
 
@@ -66,6 +70,7 @@ export function VehicleList(props: Props) {
             onInput={(event) => onFilter({ ...filter, text: event.currentTarget.value })}
           />
           <VersionFilter vehicles={vehicles} filter={filter} onFilter={onFilter} />
+          <ReplicaFilter vehicles={vehicles} filter={filter} onFilter={onFilter} />
         </div>
       </div>
       {isOldServer && <p class="hint padded">{t("list_has_no_poses")}</p>}
@@ -126,6 +131,26 @@ function VersionFilter({ vehicles, filter, onFilter }: FilterProps) {
   );
 }
 
+/** Which server of the fleet has the vehicle, where there are several. */
+function ReplicaFilter({ vehicles, filter, onFilter }: FilterProps) {
+  const replicas = [...new Set(vehicles.map((v) => v.replica ?? ""))].filter(Boolean).sort();
+  if (replicas.length < 2 && filter.replica === "") return null;
+  return (
+    <select
+      aria-label={t("server")}
+      value={filter.replica}
+      onChange={(event) => onFilter({ ...filter, replica: event.currentTarget.value })}
+    >
+      <option value="">{t("all_servers")}</option>
+      {replicas.map((replica) => (
+        <option key={replica} value={replica}>
+          {shownName(replica)}
+        </option>
+      ))}
+    </select>
+  );
+}
+
 function remarksOf(vehicle: Vehicle): string {
   const remarks: string[] = [];
   if (vehicle.pose) {
@@ -136,7 +161,7 @@ function remarksOf(vehicle: Vehicle): string {
   }
   if (vehicle.detached) remarks.push(t("detached"));
   if (vehicle.silentS > 0) remarks.push(t("silent_s", { seconds: vehicle.silentS }));
-  if (vehicle.faults.length > 0) remarks.push(t("source_fault", { sources: vehicle.faults.join(", ") }));
+  if (vehicle.faults.length > 0) remarks.push(t("source_fault", { sources: shownName(vehicle.faults.join(", ")) }));
   return remarks.join(" · ");
 }
 
@@ -147,7 +172,7 @@ function Row({ vehicle, chosen, onChoose, follow, onFollow }: Props & { vehicle:
       <button class="row-main" aria-pressed={isChosen} onClick={() => onChoose(vehicle)}>
         <StateMark state={vehicle.state} label={false} />
         <span class="row-text">
-          <strong>{vehicle.vehicle}</strong>
+          <strong>{shownName(vehicle.vehicle)}</strong>
           <span class="soft">{remarksOf(vehicle)}</span>
         </span>
       </button>

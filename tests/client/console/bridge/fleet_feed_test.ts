@@ -12,14 +12,20 @@ import { FleetFeed } from "../../../../client/console/bridge/fleet_feed.ts";
 import type { Upstream } from "../../../../client/console/bridge/upstream.ts";
 import type { LiveFrame } from "../../../../client/console/shared/live.ts";
 
-function session(sessionId: string, state: number): Session {
-  return create(SessionSchema, { sessionId, vehicleId: `car-${sessionId}`, mapName: "town", state });
+function session(sessionId: string, state: number, replica = ""): Session {
+  const pose = {
+    pose: { translationM: { x: 7, y: 0, z: 0 }, rotation: { w: 1, x: 0, y: 0, z: 0 } },
+    covariance: new Array<number>(36).fill(0),
+  };
+  const vehicleId = `car-${sessionId}`;
+  return create(SessionSchema, { sessionId, vehicleId, mapName: "town", state, pose, replica });
 }
 
 /** A server with these sessions, which counts how often it was asked. */
 class FakeServer {
   sessions: Session[] = [];
   failure: Error | undefined;
+  silent: string[] = [];
   calls = 0;
   readonly name = "a";
 
@@ -29,7 +35,8 @@ class FakeServer {
     ++this.calls;
     this.lastRequest = fromBinary(ListSessionsRequestSchema, request);
     if (this.failure) return Promise.reject(this.failure);
-    const response = create(ListSessionsResponseSchema, { sessions: this.sessions });
+    const unanswered = this.silent.map((address) => ({ address, fault: "timed out" }));
+    const response = create(ListSessionsResponseSchema, { sessions: this.sessions, unanswered });
     return Promise.resolve(Buffer.from(toBinary(ListSessionsResponseSchema, response)));
   }
 }
@@ -52,13 +59,13 @@ function readerOf(feed: FleetFeed): { frames: LiveFrame[]; leave: () => void; ke
 function begin(periodMs = 30): { server: FakeServer; feed: FleetFeed } {
   const server = new FakeServer();
   server.sessions = [session("1", 2), session("2", 2)];
-  return { server, feed: new FleetFeed(server as unknown as Upstream, { token: "" }, periodMs) };
+  return { server, feed: new FleetFeed(server as unknown as Upstream, { token: "" }, { periodMs }) };
 }
 
 test("a server is asked for its own sessions alone where the others are asked as well", async () => {
   for (const isOneOfSeveral of [false, true]) {
     const { server } = begin();
-    const feed = new FleetFeed(server as unknown as Upstream, { token: "" }, 30, isOneOfSeveral);
+    const feed = new FleetFeed(server as unknown as Upstream, { token: "" }, { periodMs: 30, isOneOfSeveral });
     const { frames, leave } = readerOf(feed);
     await until(() => frames.length > 0);
     leave();
@@ -118,4 +125,53 @@ test("a server that leaves is told, and comes back whole", async () => {
   await until(() => frames.some((frame) => frame.full));
   assert.equal(frames.find((frame) => frame.full)?.set?.length, 2);
   leave();
+});
+
+test("of a server of the fleet that does not answer the last is kept, and it is named", async () => {
+  const { server, feed } = begin();
+  server.sessions = [session("1", 2, "a:1"), session("2", 2, "b:1"), session("3", 2, "b:1")];
+  const { frames, leave } = readerOf(feed);
+  await until(() => frames.length > 0);
+  assert.equal(frames[0]?.silent, undefined);
+  frames.length = 0;
+  // The vehicle of session 3 has gone on at the other server, under another id.
+  const moved = session("3b", 2, "a:1");
+  moved.vehicleId = "car-3";
+  server.sessions = [session("1", 2, "a:1"), moved];
+  server.silent = ["b:1"];
+  await until(() => frames.some((frame) => frame.silent !== undefined));
+  const frame = frames.find(({ silent }) => silent !== undefined)!;
+  assert.deepEqual(frame.silent, [{ address: "b:1", fault: "timed out" }]);
+  assert.deepEqual(frame.gone, ["3"]);
+  frames.length = 0;
+  server.silent = [];
+  await until(() => frames.some(({ gone }) => gone?.length === 1));
+  assert.deepEqual(frames.find(({ gone }) => gone?.length === 1)!.gone, ["2"]);
+  leave();
+});
+
+test("who comes later still learns where vehicles got lost", async () => {
+  const { server, feed } = begin();
+  const first = readerOf(feed);
+  await until(() => first.frames.length > 0);
+  server.sessions = [session("1", 4), session("2", 2)];
+  await until(() => first.frames.some(({ losses }) => losses?.length === 1));
+  first.leave();
+  const second = readerOf(feed);
+  await until(() => second.frames.length > 0);
+  assert.deepEqual(second.frames[0]?.losses?.map(({ vehicle, x }) => [vehicle, x]), [["car-1", 7]]);
+  second.leave();
+});
+
+test("who comes later sees nothing that the server would not tell now", async () => {
+  const { server, feed } = begin();
+  const first = readerOf(feed);
+  await until(() => first.frames.length > 0);
+  first.leave();
+  server.failure = Object.assign(new Error("16"), { code: 16, details: "revoked" });
+  const second = readerOf(feed);
+  await until(() => second.frames.length > 0);
+  assert.equal(second.frames[0]?.failure?.code, 16);
+  assert.deepEqual(second.frames[0]?.set, []);
+  second.leave();
 });

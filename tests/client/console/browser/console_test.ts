@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import type { ChildProcess } from "node:child_process";
 import { createHash } from "node:crypto";
-import { readFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { request } from "node:http";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
@@ -111,6 +111,21 @@ test("an upload goes on where it stopped, after the page was closed and the netw
   await page.unroute("**/upload/**");
   assert.deepEqual(offsets, [20_000, 20_000]);
   await dialog().getByRole("button", { name: "Close" }).click();
+});
+
+test("a file that is no map is refused with a word, and the one that is goes on", async () => {
+  const file = join(town.folder, "broken.dclm");
+  const bytes = readFileSync(join(town.folder, "second.dclm"));
+  bytes.fill(0xff, Math.floor(bytes.length / 2));
+  writeFileSync(file, bytes);
+  await page.getByRole("button", { name: "Upload a map" }).click();
+  await dialog().getByLabel("Name of the map").fill("town");
+  await dialog().getByLabel("Map file").setInputFiles(file);
+  await dialog().getByRole("button", { name: "Upload a map" }).click();
+  await dialog().getByRole("alert").waitFor();
+  assert.match(await dialog().getByRole("alert").innerText(), /\w{4}/);
+  await dialog().getByRole("button", { name: "Close" }).click();
+  await page.getByRole("row", { name: /^town/ }).getByText("2", { exact: true }).waitFor();
 });
 
 test("activating says what it does to how many sessions, asks once, and moves them", async () => {

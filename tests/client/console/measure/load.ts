@@ -66,7 +66,7 @@ export async function measureLoad(): Promise<LoadFigure[]> {
   const bridge = await startConsole([server.address]);
   const tokens = Array.from({ length: PAGE_COUNT }, (_, i) => createToken(`page-${i}`, "admin"));
   const tokenFile = join(town.folder, "vehicles.token");
-  writeFileSync(tokenFile, createToken("vehicles", "vehicle"), { mode: 0o600 });
+  writeFileSync(tokenFile, createToken("vehicles", "operator"), { mode: 0o600 });
   const costs = { without: [] as Cost[], withPages: [] as Cost[] };
   for (let pair = 0; pair < PAIR_COUNT; ++pair) {
     costs.without.push(await drive(town, server, tokenFile));

@@ -59,13 +59,24 @@ test("trails are bounded", () => {
   assert.equal(fleet.vehicles.get("a/1")!.trail.length, 180);
 });
 
-test("getting lost is remembered once, where it happened", () => {
+test("losses are told by the bridge; a full frame has all of its server's", () => {
   const fleet = new Fleet();
-  fleet.take({ server: "a", full: true, set: [session("1", { pose: pose(0) })] }, 0);
-  const lost = session("1", { pose: pose(3), state: 4 });
-  fleet.take({ server: "a", set: [lost] }, 1000);
-  fleet.take({ server: "a", set: [{ ...lost, pose: pose(4) }] }, 2000);
-  assert.deepEqual(fleet.losses.map(({ x, vehicle }) => [x, vehicle]), [[3, "1"]]);
+  const loss = (vehicle: string, agoMs: number) => ({ vehicle, map: "town", x: 3, y: 0, agoMs });
+  fleet.take({ server: "a", full: true, losses: [loss("1", 500)] }, 1_000);
+  fleet.take({ server: "b", full: true, losses: [loss("2", 0)] }, 1_000);
+  fleet.take({ server: "a", losses: [loss("3", 0)] }, 2_000);
+  assert.deepEqual(fleet.losses.map((l) => [l.vehicle, l.timeMs]), [["1", 500], ["2", 1_000], ["3", 2_000]]);
+  fleet.take({ server: "a", full: true, losses: [loss("1", 2_500)] }, 3_000);
+  assert.deepEqual(fleet.losses.map((l) => [l.server, l.vehicle]), [["b", "2"], ["a", "1"]]);
+});
+
+test("a server of the fleet that is silent is known until it answers", () => {
+  const fleet = new Fleet();
+  const silent = [{ address: "b:1", fault: "timed out" }];
+  fleet.take({ server: "a", full: true, silent }, 0);
+  assert.deepEqual(fleet.silent.get("a"), silent);
+  fleet.take({ server: "a", set: [] }, 1_000);
+  assert.deepEqual(fleet.silent.get("a"), []);
 });
 
 test("several vehicles lost in one place are one alarm; one vehicle twice is none", () => {

@@ -3,6 +3,7 @@ import { test } from "node:test";
 import "./browser_globals.ts";
 import { de } from "../../../../client/console/page/texts/de.ts";
 import { en } from "../../../../client/console/page/texts/en.ts";
+import { shownName } from "../../../../client/console/page/texts/shortened.ts";
 import { numbered, t } from "../../../../client/console/page/texts/texts.ts";
 
 const placeholders = (text: string): string[] => (text.match(/\{\w+\}/g) ?? []).sort();
@@ -17,6 +18,11 @@ test("every text has the same placeholders in each language", () => {
 
 test("values are put in as they are", () => {
   assert.equal(t("just_lost", { vehicle: "{vehicle} $& <img>" }), "{vehicle} $& <img> is lost.");
+});
+
+test("signs that are not seen but turn or break the text are shown as such, and lengths are bounded", () => {
+  assert.equal(t("just_lost", { vehicle: "a\u202eb\nc\u0000" }), "a\ufffdb c\ufffd is lost.");
+  assert.equal(shownName("x".repeat(10_000)).length, 81);
 });
 
 test("a number that is not known gets the other text", () => {
