@@ -7,8 +7,9 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
-v1::LocalizationResult AnswerAt(std::int64_t stamp_ns, double x_m,
-                                v1::LocalizationState state = v1::LOCALIZATION_STATE_TRACKING) {
+v1::LocalizationResult StampedAnswer(
+    std::int64_t stamp_ns, double x_m,
+    v1::LocalizationState state = v1::LOCALIZATION_STATE_TRACKING) {
   v1::LocalizationResult result;
   result.set_stamp_ns(stamp_ns);
   result.set_state(state);
@@ -26,8 +27,8 @@ TEST(PriorTest, WithoutAnAnswerTheClientsOwnStartStays) {
 
 TEST(PriorTest, TheLastPoseIsWidenedByHowFarTheVehicleMayHaveCome) {
   Prior prior;
-  prior.Note(AnswerAt(1 * kSecond_ns, 0.0));
-  prior.Note(AnswerAt(2 * kSecond_ns, 15.0));
+  prior.Note(StampedAnswer(1 * kSecond_ns, 0.0));
+  prior.Note(StampedAnswer(2 * kSecond_ns, 15.0));
   v1::OpenSession open;
   prior.Apply(4 * kSecond_ns, &open);
   const v1::PoseWithCovariance& pose = open.initial_pose();
@@ -43,9 +44,9 @@ TEST(PriorTest, TheLastPoseIsWidenedByHowFarTheVehicleMayHaveCome) {
 
 TEST(PriorTest, AStampThatGoesBackChangesNoSpeed) {
   Prior prior;
-  prior.Note(AnswerAt(1 * kSecond_ns, 0.0));
-  prior.Note(AnswerAt(2 * kSecond_ns, 10.0));
-  prior.Note(AnswerAt(2 * kSecond_ns, 500.0));
+  prior.Note(StampedAnswer(1 * kSecond_ns, 0.0));
+  prior.Note(StampedAnswer(2 * kSecond_ns, 10.0));
+  prior.Note(StampedAnswer(2 * kSecond_ns, 500.0));
   v1::OpenSession open;
   prior.Apply(3 * kSecond_ns, &open);
   EXPECT_NEAR(open.initial_pose().covariance(0), 0.01 + 100.0, 1e-9);
@@ -53,13 +54,13 @@ TEST(PriorTest, AStampThatGoesBackChangesNoSpeed) {
 
 TEST(PriorTest, WhereThePlaceIsNotKnownNoneIsClaimed) {
   Prior prior;
-  prior.Note(AnswerAt(1 * kSecond_ns, 0.0));
-  prior.Note(AnswerAt(2 * kSecond_ns, 1.0, v1::LOCALIZATION_STATE_INITIALIZING));
+  prior.Note(StampedAnswer(1 * kSecond_ns, 0.0));
+  prior.Note(StampedAnswer(2 * kSecond_ns, 1.0, v1::LOCALIZATION_STATE_INITIALIZING));
   v1::OpenSession open;
   open.mutable_initial_pose();
   prior.Apply(3 * kSecond_ns, &open);
   EXPECT_FALSE(open.has_initial_pose());
-  prior.Note(AnswerAt(3 * kSecond_ns, 2.0, v1::LOCALIZATION_STATE_LOST));
+  prior.Note(StampedAnswer(3 * kSecond_ns, 2.0, v1::LOCALIZATION_STATE_LOST));
   prior.Apply(3 * kSecond_ns, &open);
   EXPECT_TRUE(open.has_initial_pose());
 }
