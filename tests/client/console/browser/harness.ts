@@ -85,7 +85,7 @@ export class Town {
   /** Vehicles that drive through the town until they are stopped. */
   drive(address: string, map: string, count: number): ChildProcess {
     const data = ["--dataset", "nuscenes", "--root", this.drives, "--drive", "live-0"];
-    const load = ["--vehicles", String(count), "--duration-s", "600", "--ramp-s", "0.5"];
+    const load = ["--vehicles", String(count), "--duration-s", "3600", "--ramp-s", "0.5"];
     const args = ["load", "--server", address, "--map", map, ...data, ...load];
     return spawn(DCLOC, args, { stdio: "ignore" });
   }
