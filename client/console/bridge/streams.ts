@@ -10,6 +10,8 @@ import type { Upstream } from "./upstream.ts";
 /** What a page that does not read may hold here; beyond it answers are left out, and counted. */
 const MAX_UNREAD_BYTES = 1 << 20;
 const MAX_LOSS_LOG_COUNT = 100;
+/** An empty line, so often: a slow server is listed seldom, and the page must not take that for a cut. */
+const SIGN_OF_LIFE_MS = 4_000;
 
 /** The live view: frames of every server, as LiveFrame lines. */
 export class LiveStreams {
@@ -17,7 +19,10 @@ export class LiveStreams {
   /** Outlive the feeds: a page that is loaded again still shows where vehicles got lost. */
   private readonly losses = new Map<string, LossLog>();
 
-  constructor(private readonly upstreams: readonly Upstream[]) {}
+  constructor(
+    private readonly upstreams: readonly Upstream[],
+    private readonly signOfLifeMs = SIGN_OF_LIFE_MS,
+  ) {}
 
   answer(login: Login, response: ServerResponse): void {
     beginStream(response, "application/x-ndjson");
@@ -28,7 +33,9 @@ export class LiveStreams {
         return true;
       }),
     );
+    const timer = setInterval(() => response.write("\n"), this.signOfLifeMs);
     response.on("close", () => {
+      clearInterval(timer);
       for (const unsubscribe of leave) unsubscribe();
       for (const [key, feed] of this.feeds) if (!feed.isWatched) this.feeds.delete(key);
     });

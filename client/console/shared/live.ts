@@ -1,4 +1,5 @@
-/** What the bridge tells the page of the fleet: lines of JSON, one frame a line. */
+/** What the bridge tells the page of the fleet: lines of JSON, one frame a line. An
+ * empty line says only that the bridge is there. */
 
 /** A session as the live view shows it. Lengths in metres, angles in radians, in the map's frame. */
 export interface LiveSession {

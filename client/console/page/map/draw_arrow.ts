@@ -6,7 +6,7 @@ import type { Palette } from "./palette.ts";
 export const LENGTH_M = 4.6;
 const WIDTH_M = 1.9;
 /** Below so many pixels a vehicle is an arrow, above its true size. */
-const MIN_LENGTH_PX = 17;
+export const MIN_LENGTH_PX = 17;
 const MIN_WIDTH_PX = 0.62 * MIN_LENGTH_PX;
 
 interface Arrow {
@@ -68,18 +68,30 @@ export const arrowSprites = (): ArrowSprites =>
     drawArrow(context, { x: 0, y: 0, yaw, length: MIN_LENGTH_PX, width: MIN_WIDTH_PX, colour, halo }),
   );
 
-/** How a vehicle's body is drawn: as a copy where there are many small ones, or else by itself. */
+/** Draws the bodies of vehicles; `finish` when all are added. */
+export interface BodyPainter {
+  add(state: number, pose: LivePose): void;
+  finish(): void;
+}
+
+/** Copies arrows where `sprites` are there and vehicles are small; otherwise draws each by itself. */
 export function bodyPainter(
   context: CanvasRenderingContext2D,
   camera: Camera,
   palette: Palette,
   sprites: ArrowSprites | undefined,
-): (state: number, pose: LivePose) => void {
+): BodyPainter {
   if (!sprites || LENGTH_M * camera.scale > MIN_LENGTH_PX) {
-    return (state, pose) => drawBody(context, camera, pose, colourOf(palette, state), palette.halo);
+    return {
+      add: (state, pose) => drawBody(context, camera, pose, colourOf(palette, state), palette.halo),
+      finish: () => undefined,
+    };
   }
-  const draw = sprites.prepared(context, palette);
-  return (state, pose) => draw(state, pose.yaw, camera.toScreenX(pose.x), camera.toScreenY(pose.y));
+  const { add, lay } = sprites.prepared(context, palette);
+  return {
+    add: (state, pose) => add(state, pose.yaw, camera.toScreenX(pose.x), camera.toScreenY(pose.y)),
+    finish: lay,
+  };
 }
 
 /** Of a LocalizationState, also of one that is not known here. */

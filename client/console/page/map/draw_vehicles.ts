@@ -3,7 +3,7 @@ import { shownName } from "../texts/shortened.ts";
 import type { ArrowSprites } from "./arrow_sprites.ts";
 import type { Camera } from "./camera.ts";
 import { LENGTH_M, bodyPainter, colourOf } from "./draw_arrow.ts";
-import { Fleet, type Loss, State, type Vehicle } from "./fleet.ts";
+import { Fleet, State, type Vehicle } from "./fleet.ts";
 import type { Palette } from "./palette.ts";
 
 /** Of a two-dimensional normal distribution: the ellipse that has 95 %. */
@@ -15,7 +15,6 @@ const LABEL_HEIGHT_PX = 15;
 const MAX_TRAIL_COUNT = 300;
 /** Beyond so many, arrows are copied, in whole pixels. */
 const MAX_PATH_COUNT = 200;
-const HEAT_RADIUS_PX = 26;
 
 export interface Ellipse {
   major: number;
@@ -122,6 +121,39 @@ function visibleOf(vehicles: Iterable<Vehicle>, camera: Camera, nowMs: number): 
   return placed.sort((a, b) => a.vehicle.state - b.vehicle.state);
 }
 
+function drawRings(
+  context: CanvasRenderingContext2D,
+  camera: Camera,
+  palette: Palette,
+  placed: readonly Placed[],
+  chosen: string | undefined,
+): void {
+  for (const { vehicle, pose } of placed) {
+    if (vehicle.state === State.Lost) drawRing(context, camera, pose, colourOf(palette, vehicle.state), 15);
+    if (Fleet.key(vehicle.server, vehicle.id) === chosen) drawRing(context, camera, pose, palette.ink, 20);
+  }
+}
+
+function drawLabels(
+  context: CanvasRenderingContext2D,
+  camera: Camera,
+  palette: Palette,
+  placed: readonly Placed[],
+): void {
+  context.font = "600 11.5px 'Inter Variable', sans-serif";
+  context.textAlign = "left";
+  // The state that needs somebody has the first claim to a place.
+  const taken: { x: number; y: number }[] = [];
+  for (const { vehicle, pose } of [...placed].reverse()) {
+    const [x, y] = [camera.toScreenX(pose.x), camera.toScreenY(pose.y)];
+    if (taken.some((t) => Math.abs(t.x - x) < LABEL_WIDTH_PX && Math.abs(t.y - y) < LABEL_HEIGHT_PX)) {
+      continue;
+    }
+    taken.push({ x, y });
+    drawLabel(context, camera, pose, shownName(vehicle.vehicle), palette);
+  }
+}
+
 export interface FleetLook {
   palette: Palette;
   sprites: ArrowSprites;
@@ -148,47 +180,11 @@ export function drawVehicles(
   }
   for (const { vehicle, pose } of placed) drawEllipse(context, camera, pose, colourOf(palette, vehicle.state));
   const many = placed.length > MAX_PATH_COUNT ? sprites : undefined;
-  const drawOne = bodyPainter(context, camera, palette, many);
-  for (const { vehicle, pose } of placed) {
-    const colour = colourOf(palette, vehicle.state);
-    if (vehicle.state === State.Lost) drawRing(context, camera, pose, colour, 15);
-    if (Fleet.key(vehicle.server, vehicle.id) === chosen) {
-      drawRing(context, camera, pose, palette.ink, 20);
-    }
-    drawOne(vehicle.state, pose);
-  }
-  if (placed.length > MAX_LABEL_COUNT) return;
-  context.font = "600 11.5px 'Inter Variable', sans-serif";
-  context.textAlign = "left";
-  // The state that needs somebody has the first claim to a place.
-  const taken: { x: number; y: number }[] = [];
-  for (const { vehicle, pose } of placed.reverse()) {
-    const [x, y] = [camera.toScreenX(pose.x), camera.toScreenY(pose.y)];
-    if (taken.some((t) => Math.abs(t.x - x) < LABEL_WIDTH_PX && Math.abs(t.y - y) < LABEL_HEIGHT_PX)) {
-      continue;
-    }
-    taken.push({ x, y });
-    drawLabel(context, camera, pose, shownName(vehicle.vehicle), palette);
-  }
-}
-
-/** Where vehicles got lost, the brighter the more of them. */
-export function drawHeat(
-  context: CanvasRenderingContext2D,
-  camera: Camera,
-  palette: Palette,
-  losses: readonly Loss[],
-): void {
-  const [r, g, b] = palette.heat;
-  for (const loss of losses) {
-    const x = camera.toScreenX(loss.x);
-    const y = camera.toScreenY(loss.y);
-    const glow = context.createRadialGradient(x, y, 0, x, y, HEAT_RADIUS_PX);
-    glow.addColorStop(0, `rgba(${r}, ${g}, ${b}, 0.35)`);
-    glow.addColorStop(1, `rgba(${r}, ${g}, ${b}, 0)`);
-    context.fillStyle = glow;
-    context.fillRect(x - HEAT_RADIUS_PX, y - HEAT_RADIUS_PX, 2 * HEAT_RADIUS_PX, 2 * HEAT_RADIUS_PX);
-  }
+  const bodies = bodyPainter(context, camera, palette, many);
+  for (const { vehicle, pose } of placed) bodies.add(vehicle.state, pose);
+  bodies.finish();
+  drawRings(context, camera, palette, placed, chosen);
+  if (placed.length <= MAX_LABEL_COUNT) drawLabels(context, camera, palette, placed);
 }
 
 /** The vehicle drawn nearest to a point of the screen, within `radiusPx`. */

@@ -13,8 +13,6 @@ const TRAIL_LENGTH = 90;
 /** A vehicle further from its last pose than this was found elsewhere: it does not glide there. */
 const MAX_GLIDE_M = 60;
 const MAX_LOSS_COUNT = 2_000;
-/** Each is compared with each. */
-const MAX_ALARM_COUNT = 500;
 export const LOSS_MEMORY_MS = 60 * 60_000;
 
 /** A vehicle as it is drawn: between the last two poses that were told, so that it moves evenly. */
@@ -118,20 +116,4 @@ export class Fleet {
       if (vehicle.server === server && !ids.has(vehicle.id)) this.vehicles.delete(key);
     }
   }
-}
-
-/** The most losses within `radiusM` of one another since `sinceMs`, and where. */
-export function worstPlace(
-  losses: readonly Loss[],
-  radiusM: number,
-  sinceMs: number,
-): { count: number; x: number; y: number } | undefined {
-  const recent = losses.filter((loss) => loss.timeMs >= sinceMs).slice(-MAX_ALARM_COUNT);
-  let worst: { count: number; x: number; y: number } | undefined;
-  for (const { x, y, map } of recent) {
-    const near = recent.filter((l) => l.map === map && Math.hypot(l.x - x, l.y - y) <= radiusM);
-    const vehicles = new Set(near.map((loss) => loss.vehicle)).size;
-    if (vehicles > (worst?.count ?? 1)) worst = { count: vehicles, x, y };
-  }
-  return worst;
 }

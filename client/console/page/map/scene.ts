@@ -1,8 +1,10 @@
 import { type Bounds, Camera } from "./camera.ts";
 import { drawGrid, drawTiles } from "./draw_map.ts";
 import { arrowSprites } from "./draw_arrow.ts";
-import { drawHeat, drawVehicles, vehicleAt } from "./draw_vehicles.ts";
+import { HeatBrush } from "./draw_heat.ts";
+import { drawVehicles, vehicleAt } from "./draw_vehicles.ts";
 import { Fleet, type Loss, type Vehicle } from "./fleet.ts";
+import { nextMovementMs } from "./pace.ts";
 import { type Palette, readPalette } from "./palette.ts";
 import { TilePainter } from "./tile_painter.ts";
 import type { TileStore } from "./tile_store.ts";
@@ -13,6 +15,7 @@ export type Overlay = (context: CanvasRenderingContext2D, camera: Camera, palett
 const PICK_RADIUS_PX = 18;
 const PAN_STEP_PX = 80;
 const ZOOM_STEP = 1.5;
+const SCREEN_FRAME_MS = 1000 / 60;
 
 /** What a scene shows. */
 export interface SceneContent {
@@ -38,12 +41,14 @@ export class Scene {
   private palette: Palette = readPalette();
   private isFitted = false;
   private request = 0;
+  private timer: ReturnType<typeof setTimeout> | undefined;
   private readonly stop = new AbortController();
   private readonly resizing: ResizeObserver;
   private readonly themes: MutationObserver;
   private readonly pointers = new Map<number, { x: number; y: number }>();
   private dragged = 0;
   private readonly sprites = arrowSprites();
+  private readonly heat = new HeatBrush();
   private readonly painter = new TilePainter(() => this.redraw());
 
   constructor(
@@ -86,9 +91,11 @@ export class Scene {
   close(): void {
     this.stop.abort();
     this.painter.close();
+    this.heat.close();
     this.resizing.disconnect();
     this.themes.disconnect();
     cancelAnimationFrame(this.request);
+    clearTimeout(this.timer);
   }
 
   private recolour(): void {
@@ -126,20 +133,22 @@ export class Scene {
     if (content.tiles && content.extent) {
       const { painter } = this;
       const source = { store: content.tiles, painter, extent: content.extent };
-      content.onDrawn?.(drawTiles(context, camera, palette, source));
+      // By itself: where nobody wants to know what was drawn, it is drawn all the same.
+      const landmarks = drawTiles(context, camera, palette, source);
+      content.onDrawn?.(landmarks);
     }
     content.overlay?.(context, camera, palette);
-    drawHeat(context, camera, palette, content.losses);
+    this.heat.draw(context, camera, palette, content.losses);
     const look = { palette, sprites: this.sprites };
     drawVehicles(context, camera, look, content.vehicles(), content.chosen, now);
-    if (this.isMoving(now)) this.redraw();
+    this.drawAfter(nextMovementMs(content.vehicles(), camera, now));
   }
 
-  private isMoving(now: number): boolean {
-    for (const vehicle of this.content.vehicles()) {
-      if (vehicle.before && now - vehicle.arrivalMs < vehicle.intervalMs) return true;
-    }
-    return false;
+  /** At once where a frame of the screen is a longer time than that. */
+  private drawAfter(waitMs: number): void {
+    clearTimeout(this.timer);
+    if (waitMs < SCREEN_FRAME_MS) this.redraw();
+    else if (waitMs < Infinity) this.timer = setTimeout(() => this.redraw(), waitMs - SCREEN_FRAME_MS);
   }
 
   private followChosen(now: number): void {

@@ -48,7 +48,7 @@ function streetMask(side: number, shapes: TileShapes): Uint8Array {
 }
 
 /** Lays a colour over a pixel that may be transparent so far. */
-function layOver(rgba: Uint8ClampedArray, at: number, [r, g, b]: Rgb, alpha: number): void {
+export function layOver(rgba: Uint8ClampedArray, at: number, [r, g, b]: Rgb, alpha: number): void {
   const below = (rgba[at + 3]! / 255) * (1 - alpha);
   const sum = alpha + below;
   if (sum <= 0) return;

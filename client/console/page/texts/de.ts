@@ -51,6 +51,7 @@ export const de: Record<TextKey, string> = {
   silent_s: "seit {seconds} s still",
   no_pose: "keine Pose",
   more_vehicles: "{count} weitere. Der Filter zeigt sie.",
+  show_more: "Mehr zeigen",
   no_vehicles_title: "Keine Fahrzeuge",
   no_vehicles_text: "Ein Fahrzeug erscheint hier, sobald es eine Sitzung öffnet.",
   none_match: "Kein Fahrzeug passt zum Filter.",

@@ -49,6 +49,7 @@ export const en = {
   silent_s: "silent for {seconds} s",
   no_pose: "no pose",
   more_vehicles: "{count} more. Filter to see them.",
+  show_more: "Show more",
   no_vehicles_title: "No vehicles",
   no_vehicles_text: "A vehicle appears here as soon as it opens a session.",
   none_match: "No vehicle matches the filter.",

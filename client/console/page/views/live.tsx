@@ -11,13 +11,15 @@ import { type ServerName, call } from "../wire/calls.ts";
 import { CallFailure, Code } from "../wire/failure.ts";
 import type { FleetLink } from "../wire/use_fleet.ts";
 import { LossAlarm, LossPanel, WHOLE_HOUR, lossesWithin } from "./losses.tsx";
-import { type Filter, NO_FILTER, VehicleList, matches } from "./vehicle_list.tsx";
+import { type Filter, NO_FILTER, VehicleList, matches, worstFirst } from "./vehicle_list.tsx";
 
 /** A map of a server: each has a frame of its own, so one is shown at a time. */
 interface Place {
   server: string;
   map: string;
 }
+
+const NO_MAPS: Place[] = [];
 
 const placeKey = ({ server, map }: Place): string => `${server}/${map}`;
 
@@ -46,7 +48,7 @@ function useMaps(servers: readonly ServerName[]): Place[] {
     [servers.length],
     30_000,
   );
-  return value ?? [];
+  return value ?? NO_MAPS;
 }
 
 /** The active version of a map and where it lies. */
@@ -70,7 +72,8 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
   const [filter, setFilter] = useState<Filter>(NO_FILTER);
   const [showHeat, setShowHeat] = useState(true);
   const [lossWindow, setLossWindow] = useState(WHOLE_HOUR);
-  const places = placesOf(fleet.fleet, useMaps(servers));
+  const maps = useMaps(servers);
+  const places = useMemo(() => placesOf(fleet.fleet, maps), [fleet.fleet, fleet.tick, maps]);
   // The first choice stays, though other maps may get more vehicles.
   const first = useRef<string>();
   if (!first.current && places[0]) first.current = placeKey(places[0]);
@@ -78,12 +81,16 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
   const place = places.find((p) => placeKey(p) === wanted) ?? places[0];
   const active = useActiveVersion(place);
 
-  const inPlace = place
-    ? [...fleet.fleet.vehicles.values()].filter((v) => placeKey(v) === placeKey(place))
-    : [];
-  const shown = useRef<Vehicle[]>([]);
-  shown.current = inPlace.filter((vehicle) => matches(vehicle, filter));
-  const losses = place ? fleet.fleet.losses.filter((l) => placeKey(l) === placeKey(place)) : [];
+  const key = place && placeKey(place);
+  const inPlace = useMemo(
+    () => [...fleet.fleet.vehicles.values()].filter((v) => placeKey(v) === key),
+    [fleet.fleet, fleet.tick, key],
+  );
+  const shown = useMemo(() => inPlace.filter((v) => matches(v, filter)).sort(worstFirst), [inPlace, filter]);
+  const losses = useMemo(
+    () => fleet.fleet.losses.filter((l) => placeKey(l) === key),
+    [fleet.fleet.losses, key],
+  );
   const extent = useExtent(active.value?.info && extentOf(active.value.info), inPlace);
 
   if (fleet.fleet.heardOf.size === 0) return <Loading />;
@@ -97,6 +104,7 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
     <div class="live">
       <VehicleList
         vehicles={inPlace}
+        shown={shown}
         filter={filter}
         onFilter={setFilter}
         chosen={chosen}
@@ -120,7 +128,7 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
         <MapCanvas
           map={version > 0 ? { server: place.server, name: place.map, version } : undefined}
           extent={extent}
-          vehicles={() => shown.current}
+          vehicles={() => shown}
           losses={showHeat ? lossesWithin(losses, lossWindow, performance.now()) : []}
           chosen={chosen}
           follow={follow}

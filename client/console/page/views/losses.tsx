@@ -1,4 +1,6 @@
-import { LOSS_MEMORY_MS, type Loss, worstPlace } from "../map/fleet.ts";
+import { useMemo } from "preact/hooks";
+import { LOSS_MEMORY_MS, type Loss } from "../map/fleet.ts";
+import { worstPlace } from "../map/worst_place.ts";
 import { count, t } from "../texts/texts.ts";
 
 const MINUTE_MS = 60_000;
@@ -119,8 +121,12 @@ function WindowChoice({ window, onWindow }: Pick<Props, "window" | "onWindow">) 
 
 /** Several vehicles that got lost in one place are no fault of the vehicles. */
 export function LossAlarm({ losses }: { losses: readonly Loss[] }) {
-  const sinceMs = performance.now() - ALARM_MINUTES * MINUTE_MS;
-  const worst = worstPlace(losses, ALARM_RADIUS_M, sinceMs);
+  // Anew where there are new losses, and as old ones pass by.
+  const minute = Math.floor(performance.now() / MINUTE_MS);
+  const worst = useMemo(
+    () => worstPlace(losses, ALARM_RADIUS_M, (minute - ALARM_MINUTES) * MINUTE_MS),
+    [losses, minute],
+  );
   if (!worst) return null;
   return (
     <div class="alarm" role="alert">

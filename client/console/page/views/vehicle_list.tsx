@@ -1,4 +1,5 @@
 import type { ComponentChildren } from "preact";
+import { useEffect, useState } from "preact/hooks";
 import { ellipseOf } from "../map/draw_vehicles.ts";
 import { Fleet, type Vehicle } from "../map/fleet.ts";
 import { Link } from "../parts/link.tsx";
@@ -7,8 +8,8 @@ import { StateMark } from "../parts/state_mark.tsx";
 import { shownName } from "../texts/shortened.ts";
 import { count, decimals, t } from "../texts/texts.ts";
 
-/** More rows than that help nobody; the filter finds the others. */
-const MAX_ROW_COUNT = 150;
+/** So many rows at first, and with each press more: a browser is slower, the more rows a page has. */
+const ROW_STEP = 50;
 /** The worst first. */
 const ORDER = [4, 3, 1, 0, 2];
 const SIGMAS_OF_95 = 2.4477;
@@ -35,6 +36,8 @@ export function matches(vehicle: Vehicle, { text, state, version, replica }: Fil
 
 interface Props {
   vehicles: readonly Vehicle[];
+  /** Those that match the filter, in order. */
+  shown: readonly Vehicle[];
   filter: Filter;
   onFilter: (filter: Filter) => void;
   chosen: string | undefined;
@@ -49,12 +52,18 @@ function rank(vehicle: Vehicle): number {
   return place < 0 ? ORDER.length : place;
 }
 
+/** Made once: a browser takes longer to make one than to compare with it. */
+const names = new Intl.Collator();
+
+/** Orders vehicles: those that need somebody first, and then by name. */
+export const worstFirst = (a: Vehicle, b: Vehicle): number =>
+  rank(a) - rank(b) || names.compare(a.vehicle, b.vehicle);
+
 /** The vehicles in words, those that need somebody first. */
 export function VehicleList(props: Props) {
-  const { vehicles, filter, onFilter } = props;
-  const shown = vehicles
-    .filter((vehicle) => matches(vehicle, filter))
-    .sort((a, b) => rank(a) - rank(b) || a.vehicle.localeCompare(b.vehicle));
+  const { vehicles, shown, filter, onFilter } = props;
+  const [rowCount, setRowCount] = useState(ROW_STEP);
+  useEffect(() => setRowCount(ROW_STEP), [filter]);
   const isOldServer = vehicles.length > 0 && vehicles.every((v) => v.state > 1 && !v.pose);
   return (
     <section class="side" aria-label={t("vehicles")}>
@@ -78,12 +87,15 @@ export function VehicleList(props: Props) {
         <p class="hint padded">{t(vehicles.length === 0 ? "no_vehicles_text" : "none_match")}</p>
       )}
       <ul class="rows">
-        {shown.slice(0, MAX_ROW_COUNT).map((vehicle) => (
+        {shown.slice(0, rowCount).map((vehicle) => (
           <Row key={Fleet.key(vehicle.server, vehicle.id)} vehicle={vehicle} {...props} />
         ))}
       </ul>
-      {shown.length > MAX_ROW_COUNT && (
-        <p class="hint padded">{t("more_vehicles", { count: count(shown.length - MAX_ROW_COUNT) })}</p>
+      {shown.length > rowCount && (
+        <p class="hint padded more">
+          {t("more_vehicles", { count: count(shown.length - rowCount) })}
+          <button onClick={() => setRowCount(rowCount + ROW_STEP)}>{t("show_more")}</button>
+        </p>
       )}
     </section>
   );

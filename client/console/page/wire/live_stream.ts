@@ -7,7 +7,7 @@ export type Link = "connecting" | "open" | "cut" | "refused";
 const SILENCE_MS = 15_000;
 const MAX_WAIT_MS = 10_000;
 
-/** Splits what comes into lines, wherever it is cut. */
+/** Splits what comes into lines, wherever it is cut. Empty ones are left out: they say nothing. */
 export class LineSplitter {
   private rest = "";
   private readonly decoder = new TextDecoder();
@@ -15,7 +15,7 @@ export class LineSplitter {
   take(chunk: Uint8Array): string[] {
     const lines = (this.rest + this.decoder.decode(chunk, { stream: true })).split("\n");
     this.rest = lines.pop()!;
-    return lines;
+    return lines.filter((line) => line !== "");
   }
 }
 
@@ -37,7 +37,7 @@ export function followFleet(
     onLink("open");
     waitMs = 500;
     for (;;) {
-      // A bridge tells something each second; one that does not is gone without a word.
+      // A bridge tells something, if only that it is there; one that does not is gone without a word.
       const timer = setTimeout(() => silence.abort(), SILENCE_MS);
       const { done, value } = await reader.read().finally(() => clearTimeout(timer));
       if (done) return;

@@ -1,58 +1,44 @@
 /** Measures what the console promises, and prints one line for each figure. See measure/run. */
 import { readFileSync, readdirSync, statSync } from "node:fs";
 import { join } from "node:path";
-import type { Browser, CDPSession, Page } from "playwright-core";
+import type { Browser, CDPSession, Locator, Page } from "playwright-core";
 import { Program, launch, openPage, signIn, startConsole } from "../browser/harness.ts";
+import { EmptyPage } from "./empty_page.ts";
 import { measureLoad } from "./load.ts";
+import { type Notes, type ThreadTimes, interactionQuantile, note, quantile, readNotes, threadTimes } from "./notes.ts";
 
 const VEHICLE_COUNT = 2_000;
 const MINUTES = Number(process.env["MINUTES"] ?? "2");
 const MIB = 2 ** 20;
 
-/** What the page itself notes from its beginning on. */
-interface Notes {
-  usefulMs: number;
-  events: number[];
-  frames: number[];
-}
-
-function note(): void {
-  const notes: Notes = { usefulMs: 0, events: [], frames: [] };
-  Object.assign(window, { notes });
-  new PerformanceObserver((list) => {
-    for (const entry of list.getEntries()) notes.events.push(entry.duration);
-  }).observe({ type: "event", durationThreshold: 16, buffered: true } as PerformanceObserverInit);
-  let before = 0;
-  const frame = (now: number): void => {
-    if (before > 0) notes.frames.push(now - before);
-    before = now;
-    if (notes.usefulMs === 0 && document.querySelector(".rows .row")) notes.usefulMs = now;
-    requestAnimationFrame(frame);
-  };
-  requestAnimationFrame(frame);
-}
-
-const readNotes = (page: Page): Promise<Notes> =>
-  page.evaluate(() => (window as unknown as { notes: Notes }).notes);
-
-function quantile(values: readonly number[], share: number): number {
-  const sorted = [...values].sort((a, b) => a - b);
-  return sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] ?? 0;
-}
-
 function print(name: string, figure: string, goal: string): void {
   console.log(`${name.padEnd(58)} ${figure.padEnd(34)} ${goal}`);
 }
 
+/** Where the page's parts are: found once, for finding takes the page's thread longer than to click. */
+async function findPlaces(page: Page) {
+  const middleOf = async (part: Locator): Promise<[number, number]> => {
+    const box = (await part.boundingBox())!;
+    return [box.x + box.width / 2, box.y + box.height / 2];
+  };
+  return {
+    lost: await middleOf(page.getByRole("button", { name: /Lost$/ })),
+    filter: await middleOf(page.getByLabel("Filter by name")),
+    row: await middleOf(page.locator(".row").first()),
+    map: await middleOf(page.locator("canvas")),
+  };
+}
+
 /** What somebody does who looks for a vehicle: filters, a choice, and moving the map. */
-async function interact(page: Page): Promise<void> {
-  await page.getByRole("button", { name: /Lost$/ }).click();
-  await page.getByRole("button", { name: /Lost$/ }).click();
-  await page.getByLabel("Filter by name").pressSequentially("car-12");
-  await page.locator(".row").first().getByRole("button").first().click();
-  await page.getByLabel("Filter by name").fill("");
-  const box = (await page.locator("canvas").boundingBox())!;
-  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+async function interact(page: Page, places: Awaited<ReturnType<typeof findPlaces>>): Promise<void> {
+  await page.mouse.click(...places.lost);
+  await page.mouse.click(...places.lost);
+  await page.mouse.click(...places.filter);
+  await page.keyboard.type("car-12");
+  await page.mouse.click(...places.row);
+  await page.mouse.click(...places.filter, { clickCount: 3 });
+  await page.keyboard.press("Delete");
+  const [x, y] = places.map;
   await page.mouse.move(x, y);
   for (let i = 0; i < 6; ++i) await page.mouse.wheel(0, -300);
   await page.mouse.down();
@@ -87,12 +73,8 @@ function bundleBytes(folder: string): number {
   return files.reduce((sum, name) => sum + statSync(join(folder, name)).size, 0);
 }
 
-async function measurePage(browser: Browser, bridge: Program): Promise<void> {
-  const { page, faults } = await openPage(browser, bridge.address);
-  page.setDefaultTimeout(120_000);
-  await signIn(page);
-  await page.locator(".row").first().waitFor();
-  await page.addInitScript(note);
+/** Loads the page some times; it has noted when its vehicles were listed. */
+async function measureLoading(page: Page): Promise<void> {
   const useful: number[] = [];
   for (let i = 0; i < 5; ++i) {
     await page.reload();
@@ -100,27 +82,44 @@ async function measurePage(browser: Browser, bridge: Program): Promise<void> {
     useful.push((await readNotes(page)).usefulMs);
   }
   print("first useful paint, vehicles listed, median of 5", `${quantile(useful, 0.5).toFixed(0)} ms`, "1500 ms");
+}
 
+function printInteractions(name: string, notes: Notes, goal: string): void {
+  const slow = notes.interactions.filter((ms) => ms > 100).length;
+  const [p50, p98] = [0.5, 0.98].map((share) => interactionQuantile(notes, share).toFixed(0));
+  print(`${name}: ${notes.interactionCount}; p50, p98`, `${p50}, ${p98} ms; ${slow} above 100 ms`, goal);
+}
+
+function printThread(before: ThreadTimes, after: ThreadTimes, seconds: number): void {
+  const share = (name: keyof ThreadTimes): string => ((100 * (after[name] - before[name])) / seconds).toFixed(0);
+  const parts = `scripts ${share("scripts")}, layout ${share("layout")}, styles ${share("styles")}`;
+  print("processor time of the page's thread, of one core", `${share("all")} % (${parts})`, "");
+}
+
+async function measureUse(browser: Browser, page: Page): Promise<void> {
   const devtools = await page.context().newCDPSession(page);
-  await devtools.send("Performance.enable");
+  // Processor time of the page's thread, not the time that passes.
+  await devtools.send("Performance.enable", { timeDomain: "threadTicks" });
   await page.waitForTimeout(3_000);
+  const empty = await EmptyPage.open(browser);
   const first = { heap: await heapBytes(devtools), resident: await residentBytes(browser) };
-  const end = Date.now() + MINUTES * 60_000;
+  const places = await findPlaces(page);
+  const times = await threadTimes(devtools);
+  const begin = Date.now();
   let most = 0;
   do {
-    await interact(page);
+    await page.bringToFront();
+    await interact(page, places);
     most = Math.max(most, await residentBytes(browser));
-  } while (Date.now() < end);
-  const { events, frames } = await readNotes(page);
-  const slow = events.filter((ms) => ms > 100).length;
+    await empty.interact();
+  } while (Date.now() < begin + MINUTES * 60_000);
+  printThread(times, await threadTimes(devtools), (Date.now() - begin) / 1000);
+  const notes = await readNotes(page);
+  printInteractions("interactions", notes, "100 ms");
+  printInteractions("  of an empty page, in between", await empty.notes(), "");
   print(
-    `interactions that took a frame or more: ${events.length}; p50, p98`,
-    `${quantile(events, 0.5).toFixed(0)}, ${quantile(events, 0.98).toFixed(0)} ms; ${slow} above 100 ms`,
-    "100 ms",
-  );
-  print(
-    `frames: ${frames.length}; p50, p95, p99`,
-    `${[0.5, 0.95, 0.99].map((q) => quantile(frames, q).toFixed(1)).join(", ")} ms`,
+    `frames: ${notes.frames.length}; p50, p95, p99`,
+    `${[0.5, 0.95, 0.99].map((q) => quantile(notes.frames, q).toFixed(1)).join(", ")} ms`,
     "16.7 ms",
   );
   const heap = await heapBytes(devtools);
@@ -129,6 +128,17 @@ async function measurePage(browser: Browser, bridge: Program): Promise<void> {
     `${(heap / MIB).toFixed(0)} MiB (${(first.heap / MIB).toFixed(0)} at first); ${(most / MIB).toFixed(0)} MiB (${(first.resident / MIB).toFixed(0)})`,
     "300 MiB",
   );
+  await empty.close();
+}
+
+async function measurePage(browser: Browser, bridge: Program): Promise<void> {
+  const { page, faults } = await openPage(browser, bridge.address);
+  page.setDefaultTimeout(120_000);
+  await signIn(page);
+  await page.locator(".row").first().waitFor();
+  await page.addInitScript(note);
+  await measureLoading(page);
+  await measureUse(browser, page);
   if (faults.length > 0) throw new Error(faults.join("\n"));
   await page.close();
 }

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Fleet, type Loss, worstPlace } from "../../../../client/console/page/map/fleet.ts";
+import { Fleet } from "../../../../client/console/page/map/fleet.ts";
 import type { LivePose, LiveSession } from "../../../../client/console/shared/live.ts";
 
 function pose(x: number, yaw = 0): LivePose {
@@ -77,19 +77,4 @@ test("a server of the fleet that is silent is known until it answers", () => {
   assert.deepEqual(fleet.silent.get("a"), silent);
   fleet.take({ server: "a", set: [] }, 1_000);
   assert.deepEqual(fleet.silent.get("a"), []);
-});
-
-test("several vehicles lost in one place are one alarm; one vehicle twice is none", () => {
-  const loss = (vehicle: string, x: number, timeMs = 100): Loss => ({
-    server: "a",
-    map: "town",
-    vehicle,
-    x,
-    y: 0,
-    timeMs,
-  });
-  assert.equal(worstPlace([loss("1", 0), loss("1", 1)], 50, 0), undefined);
-  assert.equal(worstPlace([loss("1", 0), loss("2", 900)], 50, 0), undefined);
-  assert.equal(worstPlace([loss("1", 0), loss("2", 20), loss("3", 40)], 50, 0)?.count, 3);
-  assert.equal(worstPlace([loss("1", 0, 1), loss("2", 20, 1)], 50, 50), undefined);
 });

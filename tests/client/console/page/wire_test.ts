@@ -3,6 +3,10 @@ import { test } from "node:test";
 import { LineSplitter } from "../../../../client/console/page/wire/live_stream.ts";
 import { FrameReader } from "../../../../client/console/page/wire/frames.ts";
 
+test("an empty line is a sign of life, and no frame", () => {
+  assert.deepEqual(new LineSplitter().take(new TextEncoder().encode('\n{"a":1}\n\n')), ['{"a":1}']);
+});
+
 test("lines are whole wherever they are cut, within a character too", () => {
   const bytes = new TextEncoder().encode('{"a":"ä"}\n{"b":1}\n');
   for (let cut = 0; cut <= bytes.length; ++cut) {
