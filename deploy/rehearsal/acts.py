@@ -35,11 +35,15 @@ class Stage:
         time.sleep(share * self.seconds)
 
     def expect_soon(self, condition, limit_s, what):
-        """Waits for it, and says how long it took."""
+        """Waits for it, and says how long it took. What begins in time and ends too late is late."""
         begin = time.monotonic()
+        limit_s *= self.patience
         try:
-            wait_until(condition, limit_s * self.patience, what)
-            self.say(f"{what} after {time.monotonic() - begin:.1f} s")
+            wait_until(condition, limit_s, what)
+            took_s = time.monotonic() - begin
+            self.say(f"{what} after {took_s:.1f} s")
+            if took_s > limit_s:
+                self.faults.append(f"{what} after {took_s:.1f} s; the limit is {limit_s:g} s")
         except Failure as failure:
             self.faults.append(str(failure))
             self.say(str(failure))

@@ -72,6 +72,11 @@ class Compose(unittest.TestCase):
             for network in service["networks"]:
                 self.assertIn(network, compose["networks"], name)
         check_server_arguments(self, services["dcloc-1"]["command"])
+        for name in filter(lambda name: name.startswith("dcloc-"), services):
+            entrypoint = services[name]["entrypoint"]
+            check_server_arguments(self, entrypoint)
+            known_as = entrypoint[entrypoint.index("--replica-address") + 1]
+            self.assertEqual(known_as, name, "the others reach it by its name")
         for secret in compose["secrets"].values():
             self.assertIn(secret["file"], made_by_user)
         jobs = {job["job_name"]: job["static_configs"][0]["targets"] for job in load_yaml(

@@ -41,6 +41,13 @@ class Kubernetes(unittest.TestCase):
             self.assertEqual(ports[port["name"]], port["port"])
         self.assertIn(container["readinessProbe"]["httpGet"]["port"], ports)
         check_server_arguments(self, container["args"])
+        args = container["args"]
+        known_as = args[args.index("--replica-address") + 1]
+        self.assertEqual(known_as.replace("$(POD_NAME)", "dcloc-0"),
+                         f"dcloc-0.{stateful['serviceName']}.default.svc.cluster.local")
+        self.assertIn("POD_NAME", [variable["name"] for variable in container["env"]])
+        self.assertTrue(any(args[args.index("--replica-ca") + 1].startswith(mount["mountPath"] + "/")
+                            for mount in container["volumeMounts"]))
         settings = json.loads(objects["ConfigMap"]["data"]["server.json"])
         self.assertTrue(settings["listen"].endswith(f":{ports['grpc']}"))
         self.assertTrue(settings["metrics_listen"].endswith(f":{ports['metrics']}"))
