@@ -126,6 +126,7 @@ class Pipeline final : public AnyPipeline {
                                  const EgoVelocity& ego_velocity, Workspace<Dim>& workspace);
   void UpdateOdometry(const std::optional<Registered>& registered, RegistrationOutcome outcome);
   void HandleLoss(Stamp stamp);
+  FixUse FuseFix(const PoseEstimate<3>& T_map_vehicle);
   const RigKnowledge& Knowledge();
   Localization Answer(const Scan& scan, Stamp stamp);
   void Claim(Localization& answer);
