@@ -106,10 +106,10 @@ class Localizer {
   /// source of its odometry is set aside.
   std::optional<LocalizerSnapshot> Snapshot();
 
-  /// Goes on from the snapshot of an earlier localizer. To be called before the first scan; the
+  /// Restores the snapshot of an earlier localizer. To be called before the first scan; the
   /// scans that follow are those after the snapshot's. InvalidArgument names what is wrong with it;
   /// then nothing has changed.
-  absl::Status GoOnFrom(const LocalizerSnapshot& snapshot);
+  absl::Status Restore(const LocalizerSnapshot& snapshot);
 
   /// Whether there is a pose that registrations start from. While there is none, scans search the
   /// map, for about ten milliseconds each. A pose that is doubted, lost or from an unverified prior

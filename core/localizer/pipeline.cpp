@@ -41,8 +41,8 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       protection_level_(options.protection_level),
       reset_counter_(options.resets),
       knowledge_report_(options.knowledge_report) {
-  learned_rig_.Begin(options.known);
-  ego_motion_.Begin(options.known);
+  learned_rig_.Restore(options.known);
+  ego_motion_.Restore(options.known);
   if (initial_pose) Start(*initial_pose);
 }
 

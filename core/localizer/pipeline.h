@@ -63,8 +63,8 @@ class AnyPipeline {
   /// are in doubt.
   virtual std::optional<LocalizerSnapshot> Snapshot() = 0;
 
-  /// Goes on from a valid one. Before the first scan.
-  virtual void GoOnFrom(const LocalizerSnapshot& snapshot) = 0;
+  /// Restores a valid one. Before the first scan.
+  virtual void Restore(const LocalizerSnapshot& snapshot) = 0;
 
   virtual bool has_pose() const = 0;
   virtual const Rig& rig() const = 0;
@@ -94,7 +94,7 @@ class Pipeline final : public AnyPipeline {
                               LocalizerWorkspace& workspace) override;
   FixUse TakeFix(const InitialPose& fix, Stamp stamp) override;
   std::optional<LocalizerSnapshot> Snapshot() override;
-  void GoOnFrom(const LocalizerSnapshot& snapshot) override;
+  void Restore(const LocalizerSnapshot& snapshot) override;
   bool has_pose() const override { return tracking_.has_pose(); }
   const Rig& rig() const override { return learned_rig_.rig(); }
 

@@ -51,21 +51,21 @@ std::optional<LocalizerSnapshot> Pipeline<Dim>::Snapshot() {
 }
 
 template <int Dim>
-void Pipeline<Dim>::GoOnFrom(const LocalizerSnapshot& snapshot) {
-  learned_rig_.Begin(snapshot.known);
-  ego_motion_.Begin(snapshot.known);
-  ego_motion_.GoOnFrom(snapshot.stamp, snapshot.velocity);
+void Pipeline<Dim>::Restore(const LocalizerSnapshot& snapshot) {
+  learned_rig_.Restore(snapshot.known);
+  ego_motion_.Restore(snapshot.known);
+  ego_motion_.Restore(snapshot.stamp, snapshot.velocity);
   const Pose3& T_map_vehicle = snapshot.pose.T_map_vehicle;
   RegistrationWorkspace<Dim> workspace;
   matcher_.MoveTo(T_map_vehicle.translation_m, workspace);
-  pose_.GoOnFrom(
+  pose_.Restore(
       FromSpace<Dim>(matcher_.T_map_local().Inverse() * T_map_vehicle, snapshot.pose.covariance),
       snapshot.noise);
-  tracking_.GoOnFrom(snapshot.tracking);
+  tracking_.Restore(snapshot.tracking);
   // The prior that came with the opening is of a later moment.
   relocalizer_.SetPrior({.pose = T_map_vehicle, .covariance = snapshot.pose.covariance});
-  reset_counter_.GoOnFrom(snapshot.resets, T_map_vehicle);
-  protection_level_.StartFrom(snapshot.squared_innovation);
+  reset_counter_.Restore(snapshot.resets, T_map_vehicle);
+  protection_level_.Restore(snapshot.squared_innovation);
   factor_count_ = snapshot.factor_count;
 }
 
@@ -73,7 +73,7 @@ template const RigKnowledge& Pipeline<2>::Knowledge();
 template const RigKnowledge& Pipeline<3>::Knowledge();
 template std::optional<LocalizerSnapshot> Pipeline<2>::Snapshot();
 template std::optional<LocalizerSnapshot> Pipeline<3>::Snapshot();
-template void Pipeline<2>::GoOnFrom(const LocalizerSnapshot&);
-template void Pipeline<3>::GoOnFrom(const LocalizerSnapshot&);
+template void Pipeline<2>::Restore(const LocalizerSnapshot&);
+template void Pipeline<3>::Restore(const LocalizerSnapshot&);
 
 }  // namespace dcloc

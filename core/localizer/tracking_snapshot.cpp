@@ -48,7 +48,7 @@ std::optional<TrackingSnapshot> TrackingStateMachine::Snapshot() const {
                           .last_lost_to_outliers = last_lost_to_outliers_};
 }
 
-void TrackingStateMachine::GoOnFrom(const TrackingSnapshot& snapshot) {
+void TrackingStateMachine::Restore(const TrackingSnapshot& snapshot) {
   mode_ = snapshot.mode;
   verification_ = snapshot.verification;
   observability_ = snapshot.observability;

@@ -134,9 +134,9 @@ class TrackingStateMachine {
   /// Where the vehicle has been tracked and its pose is not given up; else nothing.
   std::optional<TrackingSnapshot> Snapshot() const;
 
-  /// Goes on from a valid snapshot. What it counted in a row is counted anew: three registrations
+  /// Restores a valid snapshot. What it counted in a row is counted anew: three registrations
   /// confirm the pose. Before the first event.
-  void GoOnFrom(const TrackingSnapshot& snapshot);
+  void Restore(const TrackingSnapshot& snapshot);
 
   /// What to claim of a pose whose position has this standard deviation.
   LocalizationState Report(double position_sigma_m) const;

@@ -88,9 +88,9 @@ absl::Status Validate(const EgoMotionOptions& options) {
   return status;
 }
 
-void EgoMotion::Begin(const RigKnowledge& known) {
-  errors_.StartFrom(known.wheel_scale, known.yaw_rate_correction);
-  if (known.odometry_delay) late_.StartFrom(*known.odometry_delay);
+void EgoMotion::Restore(const RigKnowledge& known) {
+  errors_.Restore(known.wheel_scale, known.yaw_rate_correction);
+  if (known.odometry_delay) late_.Restore(*known.odometry_delay);
 }
 
 void EgoMotion::AddTo(RigKnowledge& known) const {

@@ -69,11 +69,11 @@ class EgoMotion {
         yaw_rate_diagnosis_(options.diagnosis_yaw_rate_radps) {}
 
   /// An earlier session found this of what the vehicle sends. Before the first scan.
-  void Begin(const RigKnowledge& known);
+  void Restore(const RigKnowledge& known);
 
   /// The vehicle moved so at the last scan of an earlier localizer, at `stamp`. Before the first
   /// scan; `velocity` has a covariance.
-  void GoOnFrom(Stamp stamp, const EgoVelocity& velocity) {
+  void Restore(Stamp stamp, const EgoVelocity& velocity) {
     velocity_ = velocity;
     doubted_velocity_ = velocity;
     stamp_ = stamp;

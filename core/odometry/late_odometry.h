@@ -37,8 +37,8 @@ class LateOdometry {
  public:
   explicit LateOdometry(const LateOdometryOptions& options);
 
-  /// As OdometryDelayEstimator::StartFrom.
-  void StartFrom(const ScalarEstimate& delay_s) { estimator_.StartFrom(delay_s); }
+  /// As OdometryDelayEstimator::Restore.
+  void Restore(const ScalarEstimate& delay_s) { estimator_.Restore(delay_s); }
 
   /// The vehicle reports this at `stamp`, which is not before the last one.
   void OnReported(Stamp stamp, const EgoVelocity& reported);

@@ -47,7 +47,7 @@ class LearnedRig {
   LearnedRig(Rig described, const LearnedRigOptions& options);
 
   /// An earlier session found this. What says nothing of a radar of the rig is ignored.
-  void Begin(const RigKnowledge& known);
+  void Restore(const RigKnowledge& known);
 
   /// Adds what was learned of the mounts.
   void AddTo(RigKnowledge& known) const;

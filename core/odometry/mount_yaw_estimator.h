@@ -66,7 +66,7 @@ class MountYawEstimator {
 
   /// An earlier session found this. It counts as so many readings of now, and like them it is given
   /// up if the next ones contradict it.
-  void StartFrom(const ScalarEstimate& error, int reading_count) {
+  void Restore(const ScalarEstimate& error, int reading_count) {
     error_ = error;
     reading_count_ = reading_count;
   }

@@ -50,7 +50,7 @@ class OdometryDelayEstimator {
   explicit OdometryDelayEstimator(const OdometryDelayOptions& options);
 
   /// An earlier session found this delay. It holds until this drive says otherwise.
-  void StartFrom(const ScalarEstimate& delay_s);
+  void Restore(const ScalarEstimate& delay_s);
 
   /// The vehicle reports this speed [m/s] and yaw rate [rad/s] at `stamp`, which is not before the
   /// last one.

@@ -67,8 +67,8 @@ double OdometryErrorFilter::yaw_rate_bias_sigma_radps() const {
   return std::sqrt(covariance_(kYawRateBias, kYawRateBias));
 }
 
-void OdometryErrorFilter::StartFrom(const std::optional<ScalarEstimate>& scale,
-                                    const std::optional<ScalarEstimate>& yaw_rate_bias_radps) {
+void OdometryErrorFilter::Restore(const std::optional<ScalarEstimate>& scale,
+                                  const std::optional<ScalarEstimate>& yaw_rate_bias_radps) {
   if (scale) {
     scale_ = scale->value;
     SetVariance(kScale, std::max(scale->variance, Square(options_.scale_sigma)));

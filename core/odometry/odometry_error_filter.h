@@ -72,8 +72,8 @@ class OdometryErrorFilter {
 
   /// An earlier session found this of scale and yaw-rate bias: where learning begins, no more
   /// certain than without it.
-  void StartFrom(const std::optional<ScalarEstimate>& scale,
-                 const std::optional<ScalarEstimate>& yaw_rate_bias_radps);
+  void Restore(const std::optional<ScalarEstimate>& scale,
+               const std::optional<ScalarEstimate>& yaw_rate_bias_radps);
 
   /// What was learned so far, where that is more than was known before the first pose.
   std::optional<ScalarEstimate> LearnedScale() const;

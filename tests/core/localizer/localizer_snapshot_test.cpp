@@ -49,7 +49,7 @@ double SquaredDistance(const Localization& from, const Pose3& to, const Matrix6d
 
 TEST_F(LocalizerSnapshotTest, AnotherLocalizerTracksOnAfterASecondOfScans) {
   Localizer localizer = Fresh();
-  ASSERT_TRUE(localizer.GoOnFrom(Taken()).ok());
+  ASSERT_TRUE(localizer.Restore(Taken()).ok());
   const std::vector<TrueAnswer> answers = DriveOn(localizer);
   for (std::size_t i = kGone - kTaken; i < answers.size(); ++i) {
     EXPECT_TRUE(answers[i].tracking()) << "scan " << i << " after the snapshot";
@@ -61,7 +61,7 @@ TEST_F(LocalizerSnapshotTest, ItGoesOnWhereTheEarlierOneWouldHave) {
   Localizer earlier = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01));
   const std::vector<TrueAnswer> uninterrupted = LocalizeDrive(std::move(earlier), drive_);
   Localizer later = Fresh();
-  ASSERT_TRUE(later.GoOnFrom(Taken()).ok());
+  ASSERT_TRUE(later.Restore(Taken()).ok());
   const std::vector<TrueAnswer> answers = DriveOn(later);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const Localization& answer = answers[i].localization;
@@ -75,7 +75,7 @@ TEST_F(LocalizerSnapshotTest, ItGoesOnWhereTheEarlierOneWouldHave) {
 TEST_F(LocalizerSnapshotTest, BeforeRegistrationsConfirmItTheHoldExpires) {
   Localizer localizer = Fresh();
   LocalizerSnapshot snapshot = Taken();
-  ASSERT_TRUE(localizer.GoOnFrom(snapshot).ok());
+  ASSERT_TRUE(localizer.Restore(snapshot).ok());
   Scan scan{.stamp = snapshot.stamp + std::chrono::milliseconds(900),
             .radar_id = "front",
             .ego_velocity = snapshot.velocity};
@@ -88,14 +88,14 @@ TEST_F(LocalizerSnapshotTest, CountsResetsOn) {
   LocalizerSnapshot snapshot = Taken();
   snapshot.resets.count = 4;
   Localizer localizer = Fresh();
-  ASSERT_TRUE(localizer.GoOnFrom(snapshot).ok());
+  ASSERT_TRUE(localizer.Restore(snapshot).ok());
   EXPECT_EQ(DriveOn(localizer).back().localization.resets.count, 4);
 }
 
 TEST_F(LocalizerSnapshotTest, TakenTwiceInARowItIsTheSame) {
   const LocalizerSnapshot snapshot = Taken();
   Localizer localizer = Fresh();
-  ASSERT_TRUE(localizer.GoOnFrom(snapshot).ok());
+  ASSERT_TRUE(localizer.Restore(snapshot).ok());
   // Nothing was localized in between: all that was taken over is handed on.
   const std::optional<LocalizerSnapshot> again = localizer.Snapshot();
   ASSERT_TRUE(again);
@@ -158,7 +158,7 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
     LocalizerSnapshot snapshot = valid;
     fault.make(snapshot);
     Localizer localizer = Fresh();
-    const absl::Status status = localizer.GoOnFrom(snapshot);
+    const absl::Status status = localizer.Restore(snapshot);
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_NE(status.message().find(fault.field), absl::string_view::npos) << status;
     EXPECT_FALSE(localizer.has_pose()) << fault.field;
@@ -199,7 +199,7 @@ TEST_F(LocalizerSnapshotTest, NothingValidBreaksIt) {
     LocalizerSnapshot snapshot = valid;
     make_wrong(snapshot);
     Localizer localizer = Fresh();
-    ASSERT_TRUE(localizer.GoOnFrom(snapshot).ok());
+    ASSERT_TRUE(localizer.Restore(snapshot).ok());
     for (std::size_t i = kTaken; i < drive_.size(); ++i) {
       const auto answer = localizer.Localize(drive_[i].scan);
       if (!answer.ok()) continue;  // a stamp from before the snapshot

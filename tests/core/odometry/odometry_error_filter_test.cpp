@@ -172,14 +172,14 @@ TEST(OdometryErrorFilterTest, SlipIsNoScale) {
 TEST(OdometryErrorFilterTest, EveryScaleThatMayBeKnownIsTaken) {
   for (const double scale : {kMinKnownScale, 1.0 / 0.7, kMaxKnownScale}) {
     OdometryErrorFilter errors({});
-    errors.StartFrom(ScalarEstimate{scale, 1e-4}, std::nullopt);
+    errors.Restore(ScalarEstimate{scale, 1e-4}, std::nullopt);
     EXPECT_EQ(errors.scale(), scale);
   }
 }
 
 TEST(OdometryErrorFilterTest, APriorIsGivenUpWhereTheDriveContradictsIt) {
   OdometryErrorFilter errors({});
-  errors.StartFrom(ScalarEstimate{1.04, 1e-12}, ScalarEstimate{0.1, 1e-12});
+  errors.Restore(ScalarEstimate{1.04, 1e-12}, ScalarEstimate{0.1, 1e-12});
   EXPECT_EQ(errors.scale(), 1.04);
   Drive drive({});
   for (int second = 0; second < 60; ++second) drive.Second(errors);
