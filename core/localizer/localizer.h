@@ -46,7 +46,7 @@ struct Localization {
   /// In the tangent space on the right of `T_map_vehicle`.
   Matrix6d covariance = Matrix6d::Zero();
   /// Degrees of freedom (x, y, z, roll, pitch, yaw) of the vehicle frame that radar observed: not
-  /// the vertical ones by planar radars, and not the way along smooth walls.
+  /// the vertical ones by planar radars, and not along-track between smooth walls.
   std::bitset<6> observed;
   /// The horizontal position is off by no more than this, but for once in ten thousand times
   /// (METHOD eq 56). Absent where nothing is promised, as always where the state is not tracking.

@@ -140,7 +140,7 @@ bool LearnedRig::IsUsable(std::size_t index, Stamp stamp) const {
   const Learned& learned = learned_[index];
   return learned.mirrored_fraction < options_.mirrored_fraction &&
          std::abs(learned.applied_rad) <= options_.max_correction_rad &&
-         !learned.mount_yaw.IsInDoubt(stamp);
+         !learned.mount_yaw.HasRecentOutliers(stamp);
 }
 
 }  // namespace dcloc

@@ -106,7 +106,7 @@ TEST_F(LocalizerSnapshotTest, TakenTwiceInARowItIsTheSame) {
   EXPECT_EQ(again->tracking.last_accepted, snapshot.tracking.last_accepted);
   EXPECT_EQ(again->noise.translation.odometry_ratio, snapshot.noise.translation.odometry_ratio);
   EXPECT_EQ(again->noise.rotation.far.error, snapshot.noise.rotation.far.error);
-  EXPECT_EQ(again->factor_count, snapshot.factor_count);
+  EXPECT_EQ(again->registration_count, snapshot.registration_count);
   EXPECT_EQ(again->squared_innovation, snapshot.squared_innovation);
 }
 
@@ -133,7 +133,8 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
        [](S& s) { s.tracking.observability_changed = s.stamp + Stamp::duration(1); }},
       {"mode", [](S& s) { s.tracking.mode = TrackingMode::kSearching; }},
       {"mode", [](S& s) { s.tracking.mode = static_cast<TrackingMode>(99); }},
-      {"verification", [](S& s) { s.tracking.verification = static_cast<Verification>(9); }},
+      {"confirmation_requires",
+       [](S& s) { s.tracking.confirmation_requires = static_cast<ConfirmationRequires>(9); }},
       {"usual_interval_s", [](S& s) { s.tracking.usual_interval_s = kNoNumber; }},
       {"T_map_vehicle", [](S& s) { s.pose.T_map_vehicle.translation_m.x() = kNoNumber; }},
       {"covariance", [](S& s) { s.pose.covariance(0, 0) = -1.0; }},
@@ -149,7 +150,7 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
       {"resets.T_before_after",
        [](S& s) { s.resets.T_before_after.translation_m.y() = kNoNumber; }},
       {"squared_innovation", [](S& s) { s.squared_innovation = kNoNumber; }},
-      {"factor_count", [](S& s) { s.factor_count = -1; }},
+      {"registration_count", [](S& s) { s.registration_count = -1; }},
       {"clocks_ahead", [](S& s) { s.clocks_ahead = {std::chrono::nanoseconds::max()}; }},
       {"clocks_ahead", [](S& s) { s.clocks_ahead.resize(3); }},
   };
@@ -185,7 +186,7 @@ TEST_F(LocalizerSnapshotTest, NothingValidBreaksIt) {
       },
       [](S& s) { s.noise.rotation.registration_ratio = 1e6; },
       [](S& s) { s.squared_innovation = 1e6; },
-      [](S& s) { s.factor_count = 1'000'000'000; },
+      [](S& s) { s.registration_count = 1'000'000'000; },
       [](S& s) { s.tracking.usual_interval_s = 1e3; },
       [](S& s) { s.clocks_ahead = {std::chrono::hours(24 * 300)}; },
       [](S& s) { s.stamp += std::chrono::hours(24 * 300); },
