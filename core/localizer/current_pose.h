@@ -31,9 +31,9 @@ class CurrentPose {
   void Reset(const PoseEstimate<Dim>& now,
              const TangentMatrix<Dim>& systematic = TangentMatrix<Dim>::Zero());
   /// Starts anew at the newest scan with a pose, and with what it varies by beside what it weighs.
-  void GoOnFrom(const PoseEstimate<Dim>& now, const NoiseKnowledge& noise) {
+  void Restore(const PoseEstimate<Dim>& now, const NoiseKnowledge& noise) {
     Reset(now);
-    noise_scales_.StartFrom(noise);
+    noise_scales_.Restore(noise);
   }
   /// There is no pose any more.
   void Clear() { chains_.Clear(); }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "absl/status/status.h"
+#include "core/geometry/chi_square.h"
 #include "core/geometry/pose_estimate.h"
 #include "core/odometry/motion_history.h"
 #include "core/options/option_fields.h"
@@ -15,9 +16,9 @@ namespace dcloc {
 /// When fixes agree with the pose of the radars, and when they are fused.
 struct FixMonitorOptions {
   /// A fix agrees with the pose up to this squared Mahalanobis distance of the two positions, and
-  /// of the two headings: the quantiles of 99.9 % with two degrees of freedom and with one.
-  double max_squared_distance = 13.8;
-  double max_squared_heading_distance = 10.8;
+  /// of the two headings.
+  double max_squared_distance = kChiSquare999With2Dof;
+  double max_squared_heading_distance = kChiSquare999With1Dof;
   /// A deviation of the heading beyond this says that it is not known.
   double unknown_heading_sigma_rad = 1.0;
   /// So many fixes in a row, over so long, that contradict the pose do so persistently.

@@ -160,7 +160,7 @@ std::optional<LocalizerSnapshot> Localizer::Snapshot() {
   return snapshot;
 }
 
-absl::Status Localizer::GoOnFrom(const LocalizerSnapshot& snapshot) {
+absl::Status Localizer::Restore(const LocalizerSnapshot& snapshot) {
   if (absl::Status status = Validate(snapshot); !status.ok()) return status;
   const std::size_t radar_count = impl_->pipeline->rig().radars.size();
   if (!snapshot.clocks_ahead.empty() && snapshot.clocks_ahead.size() != radar_count) {
@@ -169,10 +169,10 @@ absl::Status Localizer::GoOnFrom(const LocalizerSnapshot& snapshot) {
                         snapshot.clocks_ahead.size(), radar_count));
   }
   for (std::size_t i = 0; i < snapshot.clocks_ahead.size(); ++i) {
-    impl_->radar_clocks.StartFrom(i, snapshot.clocks_ahead[i]);
+    impl_->radar_clocks.Restore(i, snapshot.clocks_ahead[i]);
   }
-  impl_->time_base.GoOnFrom(snapshot.stamp);
-  impl_->pipeline->GoOnFrom(snapshot);
+  impl_->time_base.Restore(snapshot.stamp);
+  impl_->pipeline->Restore(snapshot);
   return absl::OkStatus();
 }
 

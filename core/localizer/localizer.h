@@ -46,7 +46,7 @@ struct Localization {
   /// In the tangent space on the right of `T_map_vehicle`.
   Matrix6d covariance = Matrix6d::Zero();
   /// Degrees of freedom (x, y, z, roll, pitch, yaw) of the vehicle frame that radar observed: not
-  /// the vertical ones by planar radars, and not the way along smooth walls.
+  /// the vertical ones by planar radars, and not along-track between smooth walls.
   std::bitset<6> observed;
   /// The horizontal position is off by no more than this, but for once in ten thousand times
   /// (METHOD eq 56). Absent where nothing is promised, as always where the state is not tracking.
@@ -106,10 +106,10 @@ class Localizer {
   /// source of its odometry is set aside.
   std::optional<LocalizerSnapshot> Snapshot();
 
-  /// Goes on from the snapshot of an earlier localizer. To be called before the first scan; the
+  /// Restores the snapshot of an earlier localizer. To be called before the first scan; the
   /// scans that follow are those after the snapshot's. InvalidArgument names what is wrong with it;
   /// then nothing has changed.
-  absl::Status GoOnFrom(const LocalizerSnapshot& snapshot);
+  absl::Status Restore(const LocalizerSnapshot& snapshot);
 
   /// Whether there is a pose that registrations start from. While there is none, scans search the
   /// map, for about ten milliseconds each. A pose that is doubted, lost or from an unverified prior

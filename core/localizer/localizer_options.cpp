@@ -21,7 +21,7 @@ std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& 
       {"max_submap_points", &O::max_submap_points, 10, 100'000},
       {"max_gap_sigma_m", &O::max_gap_sigma_m, 1e-6, 1000},
       {"max_gap_sigma_rad", &O::max_gap_sigma_rad, 1e-6, 10},
-      {"usual_doubt_m", &O::usual_doubt_m, 0, 1000, "any doubt is beyond what was learned"},
+      {"usual_spread_m", &O::usual_spread_m, 0, 1000, "any spread is beyond what was learned"},
       {"contradicted_sigma_m", &O::contradicted_sigma_m, 0, 1000, "its covariance holds"},
       {"contradicted_sigma_rad", &O::contradicted_sigma_rad, 0, 10, "its covariance holds"},
       {"azimuth_sign_overlap", &O::azimuth_sign_overlap, 1e-6, 1},

@@ -48,9 +48,9 @@ struct LocalizerOptions {
   /// all scans from before it would be off by the same error, and outvote the new ones.
   double max_gap_sigma_m = 0.5;
   double max_gap_sigma_rad = 0.05;
-  /// Where doubt in the sources of odometry adds more to a motion than this, what was learned of
-  /// their noise says nothing of it.
-  double usual_doubt_m = 0.05;
+  /// Where the spread of the sources of odometry adds more to a motion than this, what was learned
+  /// of their noise says nothing of it.
+  double usual_spread_m = 0.05;
   /// Deviations that are added to the covariance of an estimate that is given up as contradicted,
   /// before it becomes the prior of the search.
   double contradicted_sigma_m = 4.0;

@@ -76,9 +76,10 @@ absl::Status CheckNumbers(const LocalizerSnapshot& snapshot) {
         absl::StrFormat("squared_innovation is %g; it must lie in [0, %g]",
                         snapshot.squared_innovation, kMaxInnovation));
   }
-  if (snapshot.factor_count < 0 || snapshot.factor_count > kMaxFactors) {
-    return absl::InvalidArgumentError(absl::StrFormat("factor_count is %d; it must lie in [0, %d]",
-                                                      snapshot.factor_count, kMaxFactors));
+  if (snapshot.registration_count < 0 || snapshot.registration_count > kMaxFactors) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("registration_count is %d; it must lie in [0, %d]",
+                        snapshot.registration_count, kMaxFactors));
   }
   return absl::OkStatus();
 }

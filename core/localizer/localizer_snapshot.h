@@ -28,7 +28,7 @@ struct LocalizerSnapshot {
   NoiseKnowledge noise;
   PoseResets resets;
   double squared_innovation = 1.0;  ///< of ProtectionLevel
-  int factor_count = 1;             ///< registrations since the pose was found
+  int registration_count = 1;       ///< registrations since the pose was found, outliers too
   /// By how much each radar's clock is ahead, in the rig's order; empty: all are one.
   std::vector<std::chrono::nanoseconds> clocks_ahead;
 };

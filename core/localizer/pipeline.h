@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "core/localizer/current_pose.h"
 #include "core/localizer/fix_monitor.h"
@@ -38,7 +39,7 @@ class AnyPipeline {
                                     LocalizerWorkspace& workspace, StageListener* listener) = 0;
 
   /// A scan from before the newest one takes part in the registrations that follow. Its pose is
-  /// today's, carried back.
+  /// the newest one, carried back by odometry; its state is that of the newest pose.
   virtual Localization LocalizeLate(const Scan& scan, Stamp stamp,
                                     LocalizerWorkspace& workspace) = 0;
 
@@ -60,11 +61,11 @@ class AnyPipeline {
   virtual FixUse TakeFix(const InitialPose& fix, Stamp stamp) = 0;
 
   /// What another pipeline goes on from, but for the clocks; nothing where the pose or its sources
-  /// are in doubt.
+  /// may be wrong.
   virtual std::optional<LocalizerSnapshot> Snapshot() = 0;
 
-  /// Goes on from a valid one. Before the first scan.
-  virtual void GoOnFrom(const LocalizerSnapshot& snapshot) = 0;
+  /// Restores a valid one. Before the first scan.
+  virtual void Restore(const LocalizerSnapshot& snapshot) = 0;
 
   virtual bool has_pose() const = 0;
   virtual const Rig& rig() const = 0;
@@ -84,40 +85,46 @@ class Pipeline final : public AnyPipeline {
                             LocalizerWorkspace& workspace, StageListener* listener) override;
   Localization LocalizeLate(const Scan& scan, Stamp stamp, LocalizerWorkspace& workspace) override;
   Localization LocalizeUntimed(const Scan& scan, Stamp newest) override {
-    Localization answer = Answer(scan, newest);
+    Localization answer = FinishScan(scan, newest);
     answer.protection_level_m.reset();  // nobody knows where the vehicle was at such a stamp
     return answer;
   }
-  void OnClock(std::size_t index, bool is_off) override { radar_monitor_.OnClock(index, is_off); }
-  void OnStamp(const StampError& error) override { stamp_error_ = error; }
+  void OnClock(std::size_t index, bool is_off) override { radars_.monitor.OnClock(index, is_off); }
+  void OnStamp(const StampError& error) override { radars_.stamp_error = error; }
   std::optional<double> FitAt(const Scan& scan, Stamp stamp,
                               LocalizerWorkspace& workspace) override;
   FixUse TakeFix(const InitialPose& fix, Stamp stamp) override;
   std::optional<LocalizerSnapshot> Snapshot() override;
-  void GoOnFrom(const LocalizerSnapshot& snapshot) override;
+  void Restore(const LocalizerSnapshot& snapshot) override;
   bool has_pose() const override { return tracking_.has_pose(); }
-  const Rig& rig() const override { return learned_rig_.rig(); }
+  const Rig& rig() const override { return radars_.learned.rig(); }
 
  private:
   // A registration around the predicted pose, or at a place that was just found.
   struct Registered {
     Registration<Dim> registration;
-    bool is_new_place = false;
+    PlaceOrigin origin = PlaceOrigin::kExpected;
   };
 
   void Start(const InitialPose& initial_pose);
 
   // The stages of one scan.
+  void LearnMount(const Scan& scan, Stamp stamp, std::size_t radar_index);
+  Motion MotionSincePrevious(bool clock_was_set) const;
   void Move(const Motion& motion);
   void Compensate(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
                   std::vector<RadarPoint>& points);
   bool IsTrusted(std::size_t radar_index, Stamp stamp) const {
-    return dcloc::IsTrusted(radar_index, stamp, learned_rig_, radar_monitor_);
+    return dcloc::IsTrusted(radar_index, stamp, radars_.learned, radars_.monitor);
   }
   void AddToSubmap(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,
                    const Motion& motion);
-  void CheckScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
+  void TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
+  void JudgePoseByScanFit(ScanFit fit);
   void CompareSourcesByMapFit(Workspace<Dim>& workspace);
+  void RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity, Workspace<Dim>& workspace,
+                      StageListener* listener);
+  void ExpireTimeouts(Stamp stamp);
   void Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace);
   std::optional<Registered> Register(Stamp stamp, Workspace<Dim>& workspace);
   void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
@@ -125,40 +132,72 @@ class Pipeline final : public AnyPipeline {
   RegistrationOutcome UpdatePose(const std::optional<Registered>& registered,
                                  const EgoVelocity& ego_velocity, Workspace<Dim>& workspace);
   void UpdateOdometry(const std::optional<Registered>& registered, RegistrationOutcome outcome);
-  void HandleLoss(Stamp stamp);
+  void GiveUpFailedPose(Stamp stamp);
+  FixUse FuseFix(const PoseEstimate<3>& T_map_vehicle);
   const RigKnowledge& Knowledge();
-  Localization Answer(const Scan& scan, Stamp stamp);
-  void Claim(Localization& answer);
+  // Of the answers: a jump of the pose since the last one counts as a reset, and what was learned
+  // since it was last reported goes along.
+  Localization FinishScan(const Scan& scan, Stamp stamp);
+  Localization Answer(const Scan& scan, Stamp stamp) const;
+  void Claim(Localization& answer) const;
+  double ClaimedPositionSigma(const Matrix6d& covariance, double speed_mps) const;
 
   using Place = typename Relocalizer<Dim>::Place;
   std::optional<Place> SearchPlace(std::span<const GaussianPoint<Dim>> live, Stamp stamp,
                                    RegistrationWorkspace<Dim>& workspace);
+  void OnPoseVerified();
   void EnterLocalFrame(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace);
   PoseEstimate<3> NowInMap() const;
 
+  // The radars as they are known by now, and how far each is trusted.
+  struct Radars {
+    Radars(Rig described, const LocalizerOptions& options)
+        : learned(std::move(described), options.learned_rig),
+          monitor(learned.rig().radars.size(), options.radar_monitor),
+          scan_checker(learned.rig().radars.size(), options.map_fit) {}
+
+    LearnedRig learned;
+    RadarMonitor monitor;
+    ScanChecker<Dim> scan_checker;
+    StampError stamp_error;  // of the newest scan
+  };
+  // The source cloud, and when it is registered.
+  struct LiveScans {
+    SubmapWindow submap;
+    RegistrationSchedule schedule;
+  };
+  // The target cloud, and what the newest registration that was asked observes in it.
+  struct MapAround {
+    MapMatcher<Dim> matcher;
+    Observability observability = {};
+    ObservabilitySchedule observability_schedule = {};
+  };
+  // The newest registration that was due, and what came of it.
+  struct NewestRegistration {
+    LocalizationQuality quality = {};
+    RegistrationOutcome outcome = RegistrationOutcome::kNoMatch;
+  };
+  // What answers need beside the pose and its state.
+  struct Claims {
+    ProtectionLevel protection_level;
+    ResetCounter reset_counter;
+    KnowledgeReport knowledge_report;
+    RigKnowledge known = {};  // memory of Knowledge
+  };
+
   LocalizerOptions options_;
-  LearnedRig learned_rig_;
-  RadarMonitor radar_monitor_;
+  Radars radars_;
   EgoMotion ego_motion_;
-  SubmapWindow submap_;
-  RegistrationSchedule schedule_;
-  MapMatcher<Dim> matcher_;
+  LiveScans live_;
+  MapAround map_;
   Relocalizer<Dim> relocalizer_;  // while there is no pose, or one that may be wrong
-  CurrentPose<Dim> pose_;
   TrackingStateMachine tracking_;
+  CurrentPose<Dim> pose_;
+  int registration_count_ = 0;  // since the pose graph was started, outliers too
+  NewestRegistration newest_;
   RegistrationLearner<Dim> learner_;
-  ScanChecker<Dim> scan_checker_;
   FixMonitor fix_monitor_;
-  ProtectionLevel protection_level_;
-  StampError stamp_error_;  // of the newest scan
-  ResetCounter reset_counter_;
-  KnowledgeReport knowledge_report_;
-  RigKnowledge known_;  // memory of Knowledge
-  Observability observability_;
-  ObservabilitySchedule observability_schedule_;
-  int factor_count_ = 0;         // registrations since the pose graph was started
-  LocalizationQuality quality_;  // of the newest registration that was due, and what came of it
-  RegistrationOutcome newest_outcome_ = RegistrationOutcome::kNoMatch;
+  Claims claims_;
 };
 
 }  // namespace dcloc

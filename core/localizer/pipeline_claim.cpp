@@ -8,13 +8,28 @@
 namespace dcloc {
 
 template <int Dim>
-Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
-  Localization answer{.stamp = scan.stamp, .quality = quality_};
-  answer.health = ReportHealth(stamp, ego_motion_, learned_rig_, radar_monitor_);
-  if (knowledge_report_.IsDue(stamp)) answer.learned = knowledge_report_.OnKnown(Knowledge());
-  answer.resets = reset_counter_.resets();
-  answer.quality.live_point_count = static_cast<int>(submap_.point_count());
-  answer.quality.beta = learner_.CheckBeta(learned_rig_.IndexOf(scan.radar_id));
+Localization Pipeline<Dim>::FinishScan(const Scan& scan, Stamp stamp) {
+  if (tracking_.has_pose()) claims_.reset_counter.OnAnswer(NowInMap().pose);
+  Localization answer = Answer(scan, stamp);
+  if (claims_.knowledge_report.IsDue(stamp))
+    answer.learned = claims_.knowledge_report.OnKnown(Knowledge());
+  return answer;
+}
+
+template <int Dim>
+void Pipeline<Dim>::ExpireTimeouts(Stamp stamp) {
+  if (!tracking_.has_pose()) return;
+  const PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
+  tracking_.ExpireTimeouts(stamp, HorizontalSigma(now.covariance));
+}
+
+template <int Dim>
+Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) const {
+  Localization answer{.stamp = scan.stamp, .quality = newest_.quality};
+  answer.health = ReportHealth(stamp, ego_motion_, radars_.learned, radars_.monitor);
+  answer.resets = claims_.reset_counter.resets();
+  answer.quality.live_point_count = static_cast<int>(live_.submap.point_count());
+  answer.quality.beta = learner_.CheckBeta(radars_.learned.IndexOf(scan.radar_id));
   if (!tracking_.has_pose()) {
     answer.covariance = kUnknownVariance * Matrix6d::Identity();
     if (const std::optional<PoseEstimate<3>>& prior = relocalizer_.prior()) {
@@ -24,54 +39,57 @@ Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) {
     answer.state = tracking_.Report(HorizontalSigma(answer.covariance));
     return answer;
   }
-  const PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
-  tracking_.OnPrediction(stamp, HorizontalSigma(now.covariance));
-  answer.T_map_vehicle = matcher_.T_map_local() * now.pose;
+  answer.T_map_vehicle = NowInMap().pose;
   answer.covariance =
       ToSpace<Dim>({.pose = {}, .covariance = pose_.NoiseNow()}, options_.unobserved).covariance;
   Claim(answer);
-  reset_counter_.OnAnswer(answer.T_map_vehicle);
-  answer.resets = reset_counter_.resets();
-  answer.observed = observability_.ObservedDof(/*in_space=*/Dim == 3);
+  answer.observed = map_.observability.ObservedDof(/*in_space=*/Dim == 3);
   return answer;
 }
 
-// A stamp that is off by a time is a position that is off along the way (METHOD eq 54).
+// METHOD eq 57. A stamp that is off by a time is a position that is off along-track.
 template <int Dim>
-void Pipeline<Dim>::Claim(Localization& answer) {
+double Pipeline<Dim>::ClaimedPositionSigma(const Matrix6d& covariance, double speed_mps) const {
+  return std::hypot(HorizontalSigma(covariance), speed_mps * radars_.stamp_error.undecided_step_s,
+                    ego_motion_.along_track_spread_m());
+}
+
+// The stamp's own variance comes last: the level holds it by its bound, METHOD eq 56.
+template <int Dim>
+void Pipeline<Dim>::Claim(Localization& answer) const {
   const EgoVelocity velocity = ego_motion_.velocity().value_or(EgoVelocity{});
   const double speed_mps = velocity.linear_mps.norm();
-  const double doubt_m = speed_mps * stamp_error_.doubt_s;
-  const double doubted_way_m = ego_motion_.doubted_way_m();
-  answer.state =
-      tracking_.Report(std::hypot(HorizontalSigma(answer.covariance), doubt_m, doubted_way_m));
+  answer.state = tracking_.Report(ClaimedPositionSigma(answer.covariance, speed_mps));
   if (answer.state == LocalizationState::kTracking) {
-    answer.protection_level_m = protection_level_.Of(
-        answer.covariance, speed_mps * stamp_error_.bound_s + doubt_m + doubted_way_m);
+    const double along_track_m = speed_mps * radars_.stamp_error.bound_s +
+                                 speed_mps * radars_.stamp_error.undecided_step_s +
+                                 ego_motion_.along_track_spread_m();
+    answer.protection_level_m = claims_.protection_level.Of(answer.covariance, along_track_m);
   }
   Vector6d per_second;
   per_second << velocity.linear_mps, velocity.angular_radps;
-  answer.covariance += std::pow(stamp_error_.sigma_s, 2) * per_second * per_second.transpose();
+  answer.covariance +=
+      std::pow(radars_.stamp_error.sigma_s, 2) * per_second * per_second.transpose();
 }
 
 // METHOD eq 50. Where the vehicle really is, static points lie on landmarks: how they fit at the
-// place by the sources in use and at the rival's tells which of the two is right.
+// place by the sources in use and at the alternative's tells which of the two is right.
 template <int Dim>
 void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
-  const std::optional<Pose3> T_used_rival = ego_motion_.RivalPlace();
-  if (!T_used_rival) return;
+  const std::optional<Pose3> T_used_alternative = ego_motion_.AlternativePlace();
+  if (!T_used_alternative) return;
   // A mean over a few points says little.
   if (workspace.static_points.size() < static_cast<std::size_t>(options_.map_fit.min_point_count)) {
     return;
   }
   const Pose<Dim> used = pose_.Now().pose;
-  const Pose<Dim> rival = used * FromSpace<Dim>(*T_used_rival, Matrix6d::Zero()).pose;
+  const Pose<Dim> alternative = used * FromSpace<Dim>(*T_used_alternative, Matrix6d::Zero()).pose;
   const auto fit_at = [&](const Pose<Dim>& pose) {
-    return scan_checker_.FitAt(workspace.static_points,
-                               {.pose = pose, .covariance = TangentMatrix<Dim>::Zero()}, matcher_,
-                               workspace);
+    return radars_.scan_checker.FitAt(workspace.static_points,
+                                      {.pose = pose, .covariance = TangentMatrix<Dim>::Zero()},
+                                      map_.matcher, workspace);
   };
-  ego_motion_.OnFits(fit_at(used), fit_at(rival));
+  ego_motion_.OnFits(fit_at(used), fit_at(alternative));
 }
 
 template <int Dim>
@@ -80,20 +98,24 @@ std::optional<double> Pipeline<Dim>::FitAt(const Scan& scan, Stamp stamp,
   const std::optional<MotionHistory::Moment> moment = ego_motion_.history().AtOrSoonAfter(stamp);
   if (!moment || !tracking_.has_pose()) return std::nullopt;
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  StaticPoints(scan, learned_rig_.rig().radars[learned_rig_.IndexOf(scan.radar_id)],
-               moment->velocity, EffectiveStaticPoints(options_), workspace.static_points);
+  StaticPoints(scan, radars_.learned.rig().radars[radars_.learned.IndexOf(scan.radar_id)],
+               moment->velocity, EffectiveStaticPoints(options_), workspace.tried_points);
   PoseEstimate<Dim> pose = pose_.Now();
   pose.pose =
       pose.pose * FromSpace<Dim>(moment->to_newest.T_from_to.Inverse(), Matrix6d::Zero()).pose;
-  return scan_checker_.FitAt(workspace.static_points, pose, matcher_, workspace);
+  return radars_.scan_checker.FitAt(workspace.tried_points, pose, map_.matcher, workspace);
 }
 
-template Localization Pipeline<2>::Answer(const Scan&, Stamp);
-template Localization Pipeline<3>::Answer(const Scan&, Stamp);
+template Localization Pipeline<2>::FinishScan(const Scan&, Stamp);
+template Localization Pipeline<3>::FinishScan(const Scan&, Stamp);
+template void Pipeline<2>::ExpireTimeouts(Stamp);
+template void Pipeline<3>::ExpireTimeouts(Stamp);
+template Localization Pipeline<2>::Answer(const Scan&, Stamp) const;
+template Localization Pipeline<3>::Answer(const Scan&, Stamp) const;
 template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>& workspace);
 template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>& workspace);
-template void Pipeline<2>::Claim(Localization& answer);
-template void Pipeline<3>::Claim(Localization& answer);
+template void Pipeline<2>::Claim(Localization&) const;
+template void Pipeline<3>::Claim(Localization&) const;
 template std::optional<double> Pipeline<2>::FitAt(const Scan&, Stamp, LocalizerWorkspace&);
 template std::optional<double> Pipeline<3>::FitAt(const Scan&, Stamp, LocalizerWorkspace&);
 

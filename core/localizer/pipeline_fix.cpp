@@ -15,27 +15,39 @@ FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
     relocalizer_.OnFix(*now);
     return FixUse::kGuidesSearch;
   }
-  const FixVerdict verdict = fix_monitor_.Judge(stamp, *now, *pose);
-  if (verdict == FixVerdict::kContradictsPersistently) {
-    tracking_.OnFixesContradict();
-    relocalizer_.SetPrior(*now);
+  switch (fix_monitor_.Judge(stamp, *now, *pose)) {
+    case FixVerdict::kAgrees:
+      tracking_.OnFixAgrees();
+      return FixUse::kAgrees;
+    case FixVerdict::kInforms:
+      return FuseFix(*now);
+    case FixVerdict::kContradictsPersistently:
+      tracking_.OnFixesContradict();
+      relocalizer_.SetPrior(*now);
+      return FixUse::kContradicted;
+    case FixVerdict::kContradicts:
+      return FixUse::kContradicted;
   }
-  if (verdict >= FixVerdict::kContradicts) return FixUse::kContradicted;
-  if (verdict == FixVerdict::kInforms) {
-    const PoseEstimate<3> position = PositionOf(*now);
-    pose_.AddState();
-    const EdgeTest test = pose_.AddPosition(
-        FromSpace<Dim>(matcher_.T_map_local().Inverse() * position.pose, position.covariance));
-    // The graph's gate is narrower than the monitor's: such a fix neither moves the pose nor makes
-    // it doubted.
-    if (!test.valid) return FixUse::kContradicted;
-    fix_monitor_.OnFused();
-  }
+  return FixUse::kContradicted;
+}
+
+// The graph's gate is narrower than the monitor's: a fix between the two neither moves the pose nor
+// makes it doubted.
+template <int Dim>
+FixUse Pipeline<Dim>::FuseFix(const PoseEstimate<3>& T_map_vehicle) {
+  const PoseEstimate<3> position = PositionOf(T_map_vehicle);
+  pose_.AddState();
+  const EdgeTest test = pose_.AddPosition(
+      FromSpace<Dim>(map_.matcher.T_map_local().Inverse() * position.pose, position.covariance));
+  if (!test.valid) return FixUse::kContradicted;
+  fix_monitor_.OnFused();
   tracking_.OnFixAgrees();
   return FixUse::kFused;
 }
 
-template FixUse Pipeline<2>::TakeFix(const InitialPose& fix, Stamp stamp);
-template FixUse Pipeline<3>::TakeFix(const InitialPose& fix, Stamp stamp);
+template FixUse Pipeline<2>::TakeFix(const InitialPose&, Stamp);
+template FixUse Pipeline<3>::TakeFix(const InitialPose&, Stamp);
+template FixUse Pipeline<2>::FuseFix(const PoseEstimate<3>&);
+template FixUse Pipeline<3>::FuseFix(const PoseEstimate<3>&);
 
 }  // namespace dcloc

@@ -15,15 +15,15 @@ bool IsSetAside(const SourceHealth& source) {
 
 template <int Dim>
 const RigKnowledge& Pipeline<Dim>::Knowledge() {
-  known_.radars.clear();
-  ego_motion_.AddTo(known_);
-  learned_rig_.AddTo(known_);
+  claims_.known.radars.clear();
+  ego_motion_.AddTo(claims_.known);
+  radars_.learned.AddTo(claims_.known);
   for (std::size_t i = 0; i < rig().radars.size(); ++i) {
     const BetaCheck beta = learner_.CheckBeta(i);
     if (beta.sigma_s > options_.knowledge_report.max_beta_sigma_s) continue;
-    known_.Of(rig().radars[i].id).beta_error = {beta.error_s, beta.sigma_s * beta.sigma_s};
+    claims_.known.Of(rig().radars[i].id).beta_error = {beta.error_s, beta.sigma_s * beta.sigma_s};
   }
-  return known_;
+  return claims_.known;
 }
 
 template <int Dim>
@@ -34,8 +34,8 @@ std::optional<LocalizerSnapshot> Pipeline<Dim>::Snapshot() {
   if (IsSetAside(ego_motion_.wheel_speed()) || IsSetAside(ego_motion_.yaw_rate())) {
     return std::nullopt;
   }
-  // The hypotheses are not handed on: there must be no rival among them.
-  if (ego_motion_.doubted_way_m() > options_.ego_motion.sources.min_rival_way_m) {
+  // The hypotheses are not handed on: there must be no alternative among them.
+  if (ego_motion_.along_track_spread_m() > options_.ego_motion.sources.min_alternative_distance_m) {
     return std::nullopt;
   }
   const PoseEstimate<3> now = NowInMap();
@@ -44,36 +44,36 @@ std::optional<LocalizerSnapshot> Pipeline<Dim>::Snapshot() {
                            .tracking = *tracking,
                            .known = Knowledge(),
                            .noise = pose_.noise_scales().knowledge(),
-                           .resets = reset_counter_.resets(),
-                           .squared_innovation = protection_level_.squared_innovation(),
-                           .factor_count = factor_count_,
+                           .resets = claims_.reset_counter.resets(),
+                           .squared_innovation = claims_.protection_level.squared_innovation(),
+                           .registration_count = registration_count_,
                            .clocks_ahead = {}};
 }
 
 template <int Dim>
-void Pipeline<Dim>::GoOnFrom(const LocalizerSnapshot& snapshot) {
-  learned_rig_.Begin(snapshot.known);
-  ego_motion_.Begin(snapshot.known);
-  ego_motion_.GoOnFrom(snapshot.stamp, snapshot.velocity);
+void Pipeline<Dim>::Restore(const LocalizerSnapshot& snapshot) {
+  radars_.learned.Restore(snapshot.known);
+  ego_motion_.Restore(snapshot.known);
+  ego_motion_.Restore(snapshot.stamp, snapshot.velocity);
   const Pose3& T_map_vehicle = snapshot.pose.T_map_vehicle;
   RegistrationWorkspace<Dim> workspace;
-  matcher_.MoveTo(T_map_vehicle.translation_m, workspace);
-  pose_.GoOnFrom(
-      FromSpace<Dim>(matcher_.T_map_local().Inverse() * T_map_vehicle, snapshot.pose.covariance),
-      snapshot.noise);
-  tracking_.GoOnFrom(snapshot.tracking);
+  map_.matcher.MoveTo(T_map_vehicle.translation_m, workspace);
+  pose_.Restore(FromSpace<Dim>(map_.matcher.T_map_local().Inverse() * T_map_vehicle,
+                               snapshot.pose.covariance),
+                snapshot.noise);
+  tracking_.Restore(snapshot.tracking);
   // The prior that came with the opening is of a later moment.
   relocalizer_.SetPrior({.pose = T_map_vehicle, .covariance = snapshot.pose.covariance});
-  reset_counter_.GoOnFrom(snapshot.resets, T_map_vehicle);
-  protection_level_.StartFrom(snapshot.squared_innovation);
-  factor_count_ = snapshot.factor_count;
+  claims_.reset_counter.Restore(snapshot.resets, T_map_vehicle);
+  claims_.protection_level.Restore(snapshot.squared_innovation);
+  registration_count_ = snapshot.registration_count;
 }
 
 template const RigKnowledge& Pipeline<2>::Knowledge();
 template const RigKnowledge& Pipeline<3>::Knowledge();
 template std::optional<LocalizerSnapshot> Pipeline<2>::Snapshot();
 template std::optional<LocalizerSnapshot> Pipeline<3>::Snapshot();
-template void Pipeline<2>::GoOnFrom(const LocalizerSnapshot&);
-template void Pipeline<3>::GoOnFrom(const LocalizerSnapshot&);
+template void Pipeline<2>::Restore(const LocalizerSnapshot&);
+template void Pipeline<3>::Restore(const LocalizerSnapshot&);
 
 }  // namespace dcloc

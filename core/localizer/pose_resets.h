@@ -4,8 +4,9 @@
 
 namespace dcloc {
 
-/// Resets, changes of the answered pose that the vehicle did not make: a place found anew, a motion
-/// that was missed, a large correction. What the vehicle has moved meanwhile is no part of them.
+/// Resets, changes of the answered pose that the vehicle did not make: a place found anew, a
+/// correction of odometry, a large correction by registrations. What the vehicle has moved
+/// meanwhile is no part of them.
 struct PoseResets {
   int count = 0;
   /// The last one, in the vehicle frame: the pose without it, times this, is the pose with it. A

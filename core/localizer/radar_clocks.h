@@ -49,7 +49,7 @@ class RadarClocks {
   /// By how much the clock of radar `index` is ahead of that of the rig.
   std::chrono::nanoseconds Offset(std::size_t index) const { return radars_[index].offset; }
   /// It was found to be so by an earlier localizer of the same vehicle. Before the first scan.
-  void StartFrom(std::size_t index, std::chrono::nanoseconds offset) {
+  void Restore(std::size_t index, std::chrono::nanoseconds offset) {
     radars_[index].offset = offset;
   }
   bool IsOff(std::size_t index) const { return Offset(index) != std::chrono::nanoseconds(0); }

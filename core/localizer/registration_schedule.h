@@ -47,8 +47,8 @@ class RegistrationSchedule {
   /// registration has used them: they are as new as any.
   void OnLateScan(std::size_t point_count) { points_since_registration_ += point_count; }
 
-  /// Whether that scan is to be followed by a registration. `is_steady`: tracking, and the newest
-  /// registration was accepted.
+  /// Whether the scan that was given last is to be followed by a registration. `is_steady`:
+  /// tracking, and the newest registration was accepted.
   bool IsDue(bool is_steady) const;
 
   /// Whether enough static points have come since they last had.
@@ -56,7 +56,7 @@ class RegistrationSchedule {
     return points_since_registration_ >= static_cast<std::size_t>(options_.min_new_points);
   }
 
-  /// It was.
+  /// The scan that was given last has been followed by a registration.
   void OnRegistration();
 
   /// From the newest registration to the newest scan; nothing before the first one.

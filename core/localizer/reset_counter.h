@@ -32,7 +32,7 @@ class ResetCounter {
   void OnAnswer(const Pose3& T_map_vehicle);
 
   /// An earlier localizer of the same vehicle counted so many, and answered this last.
-  void GoOnFrom(const PoseResets& resets, const Pose3& T_map_vehicle) {
+  void Restore(const PoseResets& resets, const Pose3& T_map_vehicle) {
     resets_ = resets;
     expected_ = T_map_vehicle;
   }

@@ -29,7 +29,7 @@ std::span<const OptionField<StampMonitorOptions>> FieldsOf(const StampMonitorOpt
       {"irregular_memory", &O::irregular_memory, 0, 0.999, "the newest interval counts alone"},
       {"deciding_fit", &O::deciding_fit, 1e-3, 100},
       {"min_fit", &O::min_fit, 0, 1, "any fit decides"},
-      {"max_doubtful_scans", &O::max_doubtful_scans, 1, 1000},
+      {"max_undecided_scans", &O::max_undecided_scans, 1, 1000},
   };
   return kFields;
 }
@@ -72,7 +72,7 @@ bool StampMonitor::Suspect(Watched& radar, nanoseconds interval) const {
   if (!is_suspect) return false;
   radar.step = leap;
   radar.step_evidence = 0.0;
-  radar.doubtful_scans = 0;
+  radar.undecided_scans = 0;
   return true;
 }
 
@@ -105,11 +105,11 @@ void StampMonitor::NoteShared(std::size_t index, Stamp stamp) {
 bool StampMonitor::OnFits(std::size_t index, double as_stamped, double without_step) {
   Watched& radar = radars_[index];
   radar.step_evidence += without_step - as_stamped;
-  ++radar.doubtful_scans;
+  ++radar.undecided_scans;
   const bool was_set =
       radar.step_evidence >= options_.deciding_fit && without_step >= options_.min_fit;
   if (was_set || radar.step_evidence <= -options_.deciding_fit ||
-      radar.doubtful_scans >= options_.max_doubtful_scans) {
+      radar.undecided_scans >= options_.max_undecided_scans) {
     radar.step.reset();
   }
   return was_set;
@@ -132,7 +132,7 @@ StampError StampMonitor::ErrorOf(std::size_t index) const {
     error.bound_s += shared_.bound_s;
     error.sigma_s = std::hypot(error.sigma_s, shared_.bound_s / std::sqrt(12.0));
   }
-  if (radar.step) error.doubt_s = std::abs(SecondsOf(*radar.step));
+  if (radar.step) error.undecided_step_s = std::abs(SecondsOf(*radar.step));
   return error;
 }
 

@@ -36,16 +36,16 @@ struct StampMonitorOptions {
   /// many scans, is taken for none.
   double deciding_fit = 0.15;
   double min_fit = 0.15;
-  int max_doubtful_scans = 20;
+  int max_undecided_scans = 20;
 };
 std::span<const OptionField<StampMonitorOptions>> FieldsOf(const StampMonitorOptions& options);
 absl::Status Validate(const StampMonitorOptions& options);
 
 /// How far the stamp of a scan may be from when the scan was taken, beside that of the others.
 struct StampError {
-  double bound_s = 0.0;  ///< no more than this, as far as the stamps themselves tell
-  double sigma_s = 0.0;  ///< the deviation to that
-  double doubt_s = 0.0;  ///< or by so much, if its clock was set: that is not decided yet
+  double bound_s = 0.0;           ///< no more than this, as far as the stamps themselves tell
+  double sigma_s = 0.0;           ///< the deviation to that
+  double undecided_step_s = 0.0;  ///< or by so much, if its clock was set: that is not decided yet
 };
 
 /// Tells from the stamps of each radar how exact they are. Radars scan in a period of their own, so
@@ -82,7 +82,7 @@ class StampMonitor {
     double square_s2 = 0.0;                        // mean
     std::optional<std::chrono::nanoseconds> step;  // suspected
     double step_evidence = 0.0;
-    int doubtful_scans = 0;
+    int undecided_scans = 0;
   };
 
   bool IsRegular(const Watched& radar) const;

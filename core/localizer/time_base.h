@@ -48,7 +48,7 @@ class TimeBase {
   Stamp OnVehicleClock(Stamp time) const { return time - offset_; }
 
   /// Goes on after a scan of that stamp. Before the first one.
-  void GoOnFrom(Stamp newest) { newest_ = newest; }
+  void Restore(Stamp newest) { newest_ = newest; }
 
   /// The newest scan's, in the time that does not go back; the epoch before the first one.
   Stamp newest() const { return newest_.value_or(Stamp{}); }

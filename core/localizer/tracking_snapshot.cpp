@@ -23,11 +23,13 @@ absl::Status Validate(const TrackingSnapshot& snapshot) {
         absl::StrFormat("tracking.mode is %d; it must be one of a vehicle that has been tracked",
                         static_cast<int>(snapshot.mode)));
   }
-  if (!is_of(snapshot.verification, Verification::kNeeded) ||
+  if (!is_of(snapshot.confirmation_requires, ConfirmationRequires::kVerification) ||
       !is_of(snapshot.observability, AlongTrackObservability::kReturning)) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "tracking.verification and tracking.observability are %d and %d; they must be known",
-        static_cast<int>(snapshot.verification), static_cast<int>(snapshot.observability)));
+    return absl::InvalidArgumentError(
+        absl::StrFormat("tracking.confirmation_requires and tracking.observability are %d and %d; "
+                        "they must be known",
+                        static_cast<int>(snapshot.confirmation_requires),
+                        static_cast<int>(snapshot.observability)));
   }
   if (!(snapshot.usual_interval_s >= 0.0 && snapshot.usual_interval_s <= kMaxInterval_s)) {
     return absl::InvalidArgumentError(
@@ -40,7 +42,7 @@ absl::Status Validate(const TrackingSnapshot& snapshot) {
 std::optional<TrackingSnapshot> TrackingStateMachine::Snapshot() const {
   if (!HasBeenTracked(mode_) || !last_accepted_) return std::nullopt;
   return TrackingSnapshot{.mode = mode_,
-                          .verification = verification_,
+                          .confirmation_requires = confirmation_requires_,
                           .observability = observability_,
                           .observability_changed = observability_changed_,
                           .last_accepted = *last_accepted_,
@@ -48,9 +50,9 @@ std::optional<TrackingSnapshot> TrackingStateMachine::Snapshot() const {
                           .last_lost_to_outliers = last_lost_to_outliers_};
 }
 
-void TrackingStateMachine::GoOnFrom(const TrackingSnapshot& snapshot) {
+void TrackingStateMachine::Restore(const TrackingSnapshot& snapshot) {
   mode_ = snapshot.mode;
-  verification_ = snapshot.verification;
+  confirmation_requires_ = snapshot.confirmation_requires;
   observability_ = snapshot.observability;
   observability_changed_ = snapshot.observability_changed;
   usual_interval_s_ = snapshot.usual_interval_s;

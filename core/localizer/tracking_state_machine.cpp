@@ -15,7 +15,8 @@ std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& /*
       {"interval_memory", &O::interval_memory, 0, 0.999, "the newest interval counts alone"},
       {"agreements", &O::agreements, 1, 1000},
       {"tracking_sigma_m", &O::tracking_sigma_m, 0, 1000, "nothing is called tracking"},
-      {"max_unobserved_ms", &O::max_unobserved, 0, 1e6, "tracking needs a way that is observed"},
+      {"max_unobserved_ms", &O::max_unobserved, 0, 1e6,
+       "each registration must observe the along-track position"},
       {"min_observed_ms", &O::min_observed, 0, 1e6, "a single registration will do"},
       {"lost_after_ms", &O::lost_after, 0, 1e6, "dead reckoning is lost at once"},
       {"lost_sigma_m", &O::lost_sigma_m, 1e-6, 1000},
@@ -47,12 +48,12 @@ void TrackingStateMachine::OnPlaceFound() {
 void TrackingStateMachine::OnVerified() {
   mode_ = Next(mode_, TrackingEvent::kVerified);
   agreement_ = Next(agreement_, ScanAgreementEvent::kFits);
-  verification_ = Next(verification_, VerificationEvent::kVerified);
+  confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kVerified);
   Confirm();
 }
 
 void TrackingStateMachine::OnFixesContradict() {
-  verification_ = Next(verification_, VerificationEvent::kFixesContradict);
+  confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kFixesContradict);
   mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
@@ -67,7 +68,7 @@ void TrackingStateMachine::OnScanFit(ScanFit fit) {
   agreement_ = Next(agreement_, ScanAgreementEvent::kFits);
   ++agreed_in_a_row_;
   if (agreed_in_a_row_ >= options_.agreements && agreement_ == ScanAgreement::kAgreeAndRegistered &&
-      verification_ == Verification::kNotNeeded) {
+      confirmation_requires_ == ConfirmationRequires::kRegistrations) {
     mode_ = Next(mode_, TrackingEvent::kAgreed);
   }
 }
@@ -91,7 +92,7 @@ void TrackingStateMachine::LearnInterval(Stamp stamp) {
   last_registration_ = stamp;
 }
 
-void TrackingStateMachine::OnPrediction(Stamp stamp, double position_sigma_m) {
+void TrackingStateMachine::ExpireTimeouts(Stamp stamp, double position_sigma_m) {
   if (!last_accepted_) return;
   const std::chrono::nanoseconds unconfirmed = stamp - *last_accepted_;
   const std::chrono::nanoseconds hold = Hold();
@@ -130,7 +131,7 @@ void TrackingStateMachine::OnObservability(Stamp stamp, bool is_observed) {
   }
   if (observability_ == AlongTrackObservability::kReturning && unchanged >= options_.min_observed) {
     observability_ = Next(observability_, ObservabilityEvent::kSeenForLong);
-    verification_ = Next(verification_, VerificationEvent::kObservedAgain);
+    confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kObservedAgain);
     mode_ = Next(mode_, TrackingEvent::kDoubted);
   }
 }
@@ -156,49 +157,52 @@ void TrackingStateMachine::OnRegistration(Stamp stamp, RegistrationOutcome outco
 }
 
 void TrackingStateMachine::Confirm() {
-  const bool is_enough =
-      accepted_in_a_row_ >= options_.confirmations && verification_ == Verification::kNotNeeded;
+  const bool is_enough = accepted_in_a_row_ >= options_.confirmations &&
+                         confirmation_requires_ == ConfirmationRequires::kRegistrations;
   if (!is_enough) return;
   mode_ = Next(mode_, TrackingEvent::kConfirmed);
   if (mode_ == TrackingMode::kConfirmed) uncertain_since_.reset();
 }
 
-Loss TrackingStateMachine::GiveUpIfLost(Stamp stamp, double position_sigma_m) {
-  const Loss loss = FindLoss(stamp, position_sigma_m);
-  if (loss != Loss::kNone) mode_ = Next(mode_, TrackingEvent::kGivenUp);
-  return loss;
+TrackingFailure TrackingStateMachine::GiveUpIfFailed(Stamp stamp, double position_sigma_m) {
+  const TrackingFailure failure = FindFailure(stamp, position_sigma_m);
+  if (failure != TrackingFailure::kNone) mode_ = Next(mode_, TrackingEvent::kGivenUp);
+  return failure;
 }
 
-Loss TrackingStateMachine::FindLoss(Stamp stamp, double position_sigma_m) const {
+TrackingFailure TrackingStateMachine::FindFailure(Stamp stamp, double position_sigma_m) const {
   switch (mode_) {
     case TrackingMode::kConfirmingPlace:
-      return refused_in_a_row_ >= options_.global_start_max_refusals ? Loss::kPlaceRefused
-                                                                     : Loss::kNone;
+      return refused_in_a_row_ >= options_.global_start_max_refusals
+                 ? TrackingFailure::kPlaceRefused
+                 : TrackingFailure::kNone;
     case TrackingMode::kConfirmingPrior:
-      return position_sigma_m > options_.max_prior_sigma_m ? Loss::kPriorTooWide : Loss::kNone;
+      return position_sigma_m > options_.max_prior_sigma_m ? TrackingFailure::kPriorTooWide
+                                                           : TrackingFailure::kNone;
     case TrackingMode::kLostTwice:
-      return Loss::kContradicted;
+      return TrackingFailure::kContradicted;
     case TrackingMode::kLost:
-      return uncertain_since_ && stamp - *uncertain_since_ > options_.lost_hold ? Loss::kUncertain
-                                                                                : Loss::kNone;
+      return uncertain_since_ && stamp - *uncertain_since_ > options_.lost_hold
+                 ? TrackingFailure::kUncertain
+                 : TrackingFailure::kNone;
     case TrackingMode::kSearching:
     case TrackingMode::kConfirmed:
     case TrackingMode::kDoubting:
     case TrackingMode::kDeadReckoning:
     case TrackingMode::kRecovering:
-      return Loss::kNone;
+      return TrackingFailure::kNone;
   }
-  return Loss::kNone;
+  return TrackingFailure::kNone;
 }
 
-LocalizationState TrackingStateMachine::Report(double position_sigma_m) const {
+LocalizationState TrackingStateMachine::Report(double claimed_position_sigma_m) const {
   switch (mode_) {
     case TrackingMode::kConfirmed: {
       // However well registrations agree across, a vehicle that does not know where along a tunnel
       // it is does not track.
       const bool is_unobserved = observability_ == AlongTrackObservability::kNotObserved ||
                                  observability_ == AlongTrackObservability::kReturning;
-      return is_unobserved || position_sigma_m > options_.tracking_sigma_m
+      return is_unobserved || claimed_position_sigma_m > options_.tracking_sigma_m
                  ? LocalizationState::kDeadReckoning
                  : LocalizationState::kTracking;
     }

@@ -24,13 +24,14 @@ struct TrackingOptions {
   double hold_intervals = 2.5;
   std::chrono::nanoseconds max_usual_interval = std::chrono::milliseconds(600);
   double interval_memory = 0.8;  ///< the weight of older intervals in the usual one
-  /// Scans in a row that fit the map as they should end a doubt.
+  /// So many scans in a row that fit the map end kDoubting, after a registration was accepted.
   int agreements = 3;
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
-  /// Nor are those of a vehicle that has not observed its way for so long, as in a smooth tunnel:
-  /// where it is there, odometry alone says.
+  /// Nor are those of a vehicle whose registrations have not observed the along-track position for
+  /// so long, as in a smooth tunnel: along it, odometry alone says where the vehicle is.
   std::chrono::nanoseconds max_unobserved = std::chrono::milliseconds(1500);
-  /// What has been observed for less long may be chance.
+  /// After such a gap it must have been observed for so long: single registrations may seem to by
+  /// chance.
   std::chrono::nanoseconds min_observed = std::chrono::milliseconds(2000);
   /// Without an accepted registration for so long, or less certain than `lost_sigma_m`, dead
   /// reckoning is lost. Radars that scan ten times a second so report it within a second.
@@ -51,8 +52,8 @@ absl::Status Validate(const TrackingOptions& options);
 /// estimate, or it is accepted.
 enum class RegistrationOutcome { kNoMatch, kOutlier, kAccepted };
 
-/// Why a pose is given up.
-enum class Loss {
+/// Why a pose is given up: registrations start from it no longer, and the map is searched.
+enum class TrackingFailure {
   kNone,
   kPlaceRefused,  ///< the place found by global localization is refused by what followed
   kPriorTooWide,  ///< nothing has confirmed the prior, and it has grown beyond `max_prior_sigma_m`
@@ -65,7 +66,7 @@ enum class Loss {
 /// What of a vehicle that has been tracked another state machine goes on from.
 struct TrackingSnapshot {
   TrackingMode mode = TrackingMode::kDeadReckoning;
-  Verification verification = Verification::kNotNeeded;
+  ConfirmationRequires confirmation_requires = ConfirmationRequires::kRegistrations;
   AlongTrackObservability observability = AlongTrackObservability::kObserved;
   Stamp observability_changed{};
   Stamp last_accepted{};
@@ -93,10 +94,11 @@ class TrackingStateMachine {
   /// Starts from a prior; only in kSearching.
   void OnPrior() { mode_ = Next(mode_, TrackingEvent::kPriorGiven); }
 
-  /// Whether the pose that there is must be held against other places.
-  bool needs_verification() const {
+  /// Whether global localization is to look for a better place beside the pose.
+  bool ShouldSearchBeside() const {
     if (mode_ == TrackingMode::kConfirmingPlace) {
-      return verification_ != Verification::kNotNeeded;  // fixes contradict this place, too
+      return confirmation_requires_ !=
+             ConfirmationRequires::kRegistrations;  // fixes contradict this place, too
     }
     return has_pose() && mode_ != TrackingMode::kConfirmed;
   }
@@ -111,38 +113,40 @@ class TrackingStateMachine {
   /// Fixes contradict the pose persistently: until they agree again, or the pose is verified, scans
   /// that fit do not make it confirmed.
   void OnFixesContradict();
-  void OnFixAgrees() { verification_ = Next(verification_, VerificationEvent::kFixAgrees); }
+  void OnFixAgrees() {
+    confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kFixAgrees);
+  }
 
   /// Takes in how the newest scan fits the map.
   void OnScanFit(ScanFit fit);
 
-  /// Takes in the time and the position's standard deviation of a predicted pose; without a pose
-  /// nothing.
-  void OnPrediction(Stamp stamp, double position_sigma_m);
+  /// Ends by `stamp` what has lasted for too long without an accepted registration, or has become
+  /// too uncertain: the estimate's position has this standard deviation. Without a pose nothing.
+  void ExpireTimeouts(Stamp stamp, double position_sigma_m);
 
-  /// Takes in whether the newest registration observed both horizontal directions. A vehicle that
-  /// comes out of a tunnel must be verified: registrations would fit it in where odometry says.
+  /// Takes in whether the newest registration observed both horizontal directions. After a
+  /// tunnel the pose must be verified: registrations would find a match wherever odometry put it.
   void OnObservability(Stamp stamp, bool is_observed);
 
   /// Takes in a registration's outcome at `stamp`.
   void OnRegistration(Stamp stamp, RegistrationOutcome outcome);
 
-  /// Whether the pose, as uncertain as said, is to be given up at `stamp`; then it is: `has_pose()`
-  /// is false afterwards.
-  Loss GiveUpIfLost(Stamp stamp, double position_sigma_m);
+  /// Gives the pose up where it has failed by `stamp`: `has_pose()` is false afterwards. Otherwise
+  /// kNone, and nothing changes. `position_sigma_m` is that of the estimate.
+  TrackingFailure GiveUpIfFailed(Stamp stamp, double position_sigma_m);
 
   /// Where the vehicle has been tracked and its pose is not given up; else nothing.
   std::optional<TrackingSnapshot> Snapshot() const;
 
-  /// Goes on from a valid snapshot. What it counted in a row is counted anew: three registrations
+  /// Restores a valid snapshot. What it counted in a row is counted anew: three registrations
   /// confirm the pose. Before the first event.
-  void GoOnFrom(const TrackingSnapshot& snapshot);
+  void Restore(const TrackingSnapshot& snapshot);
 
-  /// What to claim of a pose whose position has this standard deviation.
-  LocalizationState Report(double position_sigma_m) const;
+  /// What to claim of a pose with this claimed position sigma (METHOD eq 57).
+  LocalizationState Report(double claimed_position_sigma_m) const;
 
  private:
-  Loss FindLoss(Stamp stamp, double position_sigma_m) const;
+  TrackingFailure FindFailure(Stamp stamp, double position_sigma_m) const;
   void Lose(Stamp stamp);
   void Confirm();
   std::chrono::nanoseconds Hold() const;
@@ -151,9 +155,9 @@ class TrackingStateMachine {
   TrackingOptions options_;
   TrackingMode mode_ = TrackingMode::kSearching;
   ScanAgreement agreement_ = ScanAgreement::kAgree;
-  Verification verification_ = Verification::kNotNeeded;
+  ConfirmationRequires confirmation_requires_ = ConfirmationRequires::kRegistrations;
   AlongTrackObservability observability_ = AlongTrackObservability::kObserved;
-  Stamp observability_changed_{};  // when registrations began to observe the way, or not to
+  Stamp observability_changed_{};  // when `observability_` last changed
   int accepted_in_a_row_ = 0;
   int refused_in_a_row_ = 0;
   int outliers_in_a_row_ = 0;

@@ -4,8 +4,9 @@
 
 #include "core/localizer/transition.h"
 
-/// The states of TrackingStateMachine, as tables of arrows. The mode is what answers report; the
-/// other three say which evidence is still missing, in any mode. STATES.md draws them.
+/// The states of TrackingStateMachine, as tables of arrows: the mode, and three kinds of evidence
+/// that are kept beside it in every mode. An answer's state follows from the mode, from
+/// AlongTrackObservability and from the position's sigma. STATES.md draws them.
 namespace dcloc {
 
 enum class TrackingMode {
@@ -24,13 +25,15 @@ enum class TrackingEvent {
   kPriorGiven,   ///< a prior that registrations can start from
   kPlaceFound,   ///< by global localization
   kVerified,     ///< global localization finds no better place than the expected one
-  kDoubted,      ///< a scan does not fit the map at the predicted pose, or fixes contradict it
+  kDoubted,      ///< a scan does not fit the map at the predicted pose, fixes contradict the pose
+                 ///< persistently, or the along-track position is observed again after a tunnel
   kAgreed,       ///< `agreements` scans in a row fit, and a registration was accepted meanwhile
   kConfirmed,    ///< `confirmations` accepted registrations in a row, where that is enough
-  kHoldExpired,  ///< none accepted for `tracking_hold`
-  kLossExpired,  ///< none accepted for `lost_after`, or less certain than `lost_sigma_m`
+  kHoldExpired,  ///< none accepted for `tracking_hold`, or longer where registrations are rare
+  kLossExpired,  ///< none accepted for `lost_after`, longer likewise, or less certain than
+                 ///< `lost_sigma_m`
   kLostAgain,    ///< the same, to outliers, for the second time within `contradiction_span`
-  kGivenUp,      ///< see Loss
+  kGivenUp,      ///< see TrackingFailure
 };
 
 using TrackingTransition = Transition<TrackingMode, TrackingEvent>;
@@ -89,25 +92,32 @@ inline constexpr std::array<Transition<ScanAgreement, ScanAgreementEvent>, 4>
          ScanAgreement::kDisagree},
     }};
 
-/// Whether accepted registrations and scans that fit are enough for TRACKING, or global
-/// localization must hold the pose against other places first.
-enum class Verification {
-  kNotNeeded,
-  kUnlessFixesAgree,  ///< fixes contradict the pose persistently
-  kNeeded,            ///< the vehicle comes from where the way was not observed
+/// What the mode kConfirmed takes. Verification: global localization searches beside the pose and
+/// finds no better place.
+enum class ConfirmationRequires {
+  kRegistrations,              ///< accepted registrations, or scans that fit, are enough
+  kAgreeingFixOrVerification,  ///< fixes contradict the pose persistently: one that agrees, or
+                               ///< verification, must come first
+  kVerification,               ///< so must verification: before, the along-track position was not
+                               ///< observed
 };
 
-enum class VerificationEvent { kFixesContradict, kFixAgrees, kObservedAgain, kVerified };
+enum class ConfirmationEvent { kFixesContradict, kFixAgrees, kObservedAgain, kVerified };
 
-inline constexpr std::array<Transition<Verification, VerificationEvent>, 6>
-    kVerificationTransitions = {{
-        {Verification::kNotNeeded, VerificationEvent::kFixesContradict,
-         Verification::kUnlessFixesAgree},
-        {Verification::kNotNeeded, VerificationEvent::kObservedAgain, Verification::kNeeded},
-        {Verification::kUnlessFixesAgree, VerificationEvent::kFixAgrees, Verification::kNotNeeded},
-        {Verification::kUnlessFixesAgree, VerificationEvent::kObservedAgain, Verification::kNeeded},
-        {Verification::kUnlessFixesAgree, VerificationEvent::kVerified, Verification::kNotNeeded},
-        {Verification::kNeeded, VerificationEvent::kVerified, Verification::kNotNeeded},
+inline constexpr std::array<Transition<ConfirmationRequires, ConfirmationEvent>, 6>
+    kConfirmationTransitions = {{
+        {ConfirmationRequires::kRegistrations, ConfirmationEvent::kFixesContradict,
+         ConfirmationRequires::kAgreeingFixOrVerification},
+        {ConfirmationRequires::kRegistrations, ConfirmationEvent::kObservedAgain,
+         ConfirmationRequires::kVerification},
+        {ConfirmationRequires::kAgreeingFixOrVerification, ConfirmationEvent::kFixAgrees,
+         ConfirmationRequires::kRegistrations},
+        {ConfirmationRequires::kAgreeingFixOrVerification, ConfirmationEvent::kObservedAgain,
+         ConfirmationRequires::kVerification},
+        {ConfirmationRequires::kAgreeingFixOrVerification, ConfirmationEvent::kVerified,
+         ConfirmationRequires::kRegistrations},
+        {ConfirmationRequires::kVerification, ConfirmationEvent::kVerified,
+         ConfirmationRequires::kRegistrations},
     }};
 
 /// Whether registrations observe both horizontal directions. Single ones may say either by chance.
@@ -143,8 +153,8 @@ inline TrackingMode Next(TrackingMode mode, TrackingEvent event) {
 inline ScanAgreement Next(ScanAgreement agreement, ScanAgreementEvent event) {
   return Next(kScanAgreementTransitions, agreement, event);
 }
-inline Verification Next(Verification verification, VerificationEvent event) {
-  return Next(kVerificationTransitions, verification, event);
+inline ConfirmationRequires Next(ConfirmationRequires requirement, ConfirmationEvent event) {
+  return Next(kConfirmationTransitions, requirement, event);
 }
 inline AlongTrackObservability Next(AlongTrackObservability way, ObservabilityEvent event) {
   return Next(kObservabilityTransitions, way, event);

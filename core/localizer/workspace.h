@@ -14,6 +14,7 @@ template <int Dim>
 struct Workspace {
   EgoVelocityMemory ego_velocity;
   std::vector<RadarPoint> static_points;
+  std::vector<RadarPoint> tried_points;  // of a scan whose stamp is held against the map
   std::vector<GaussianPoint<Dim>> scan_points;
   LiveSubmap<Dim> submap;
   RegistrationWorkspace<Dim> registration;

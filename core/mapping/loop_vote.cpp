@@ -22,7 +22,8 @@ Verdict Compare(const NetworkEdge& a, const NetworkEdge& b, const SurveyGraph& g
   }
   const double way_from_m = WayBetween(graph, a.from, b.from);
   const double way_to_m = WayBetween(graph, a.to, b.to);
-  if (way_from_m > options.reach_m || way_to_m > options.reach_m) return Verdict::kUnrelated;
+  if (way_from_m > options.max_separation_m || way_to_m > options.max_separation_m)
+    return Verdict::kUnrelated;
   const std::vector<Pose2>& T = graph.T_map_nodes;
   const Pose2 around = a.T_from_to.pose * (T[a.to].Inverse() * T[b.to]) *
                        b.T_from_to.pose.Inverse() * (T[b.from].Inverse() * T[a.from]);
@@ -39,7 +40,7 @@ Verdict Compare(const NetworkEdge& a, const NetworkEdge& b, const SurveyGraph& g
 std::span<const OptionField<LoopVoteOptions>> FieldsOf(const LoopVoteOptions& /*options*/) {
   using O = LoopVoteOptions;
   static constexpr OptionField<O> kFields[] = {
-      {"reach_m", &O::reach_m, 1, 10'000},
+      {"max_separation_m", &O::max_separation_m, 1, 10'000},
       {"tolerance_m", &O::tolerance_m, 0.01, 100},
       {"tolerance_share", &O::tolerance_share, 1e-4, 1},
       {"tolerance_rad", &O::tolerance_rad, 1e-4, 3},
@@ -66,7 +67,7 @@ std::vector<NetworkEdge> ConfirmedLoops(const std::vector<NetworkEdge>& candidat
       const NetworkEdge& one = candidates[order[a]];
       const NetworkEdge& other = candidates[order[b]];
       if (graph.PlaceOf(one.to).drive != graph.PlaceOf(other.to).drive ||
-          WayBetween(graph, one.to, other.to) > options.reach_m) {
+          WayBetween(graph, one.to, other.to) > options.max_separation_m) {
         break;
       }
       const Verdict verdict = Compare(one, other, graph, options);

@@ -14,10 +14,10 @@ namespace dcloc {
 
 /// When two loops agree, and how many must.
 struct LoopVoteOptions {
-  /// Loops are compared where both of their ends lie within this on the way of one drive each.
-  double reach_m = 150.0;
-  /// Two loops agree when the way around, over both of them, closes within this, and within the
-  /// shares of the way that lies between their ends.
+  /// Loops are compared where both of their ends lie within this distance along a drive each.
+  double max_separation_m = 150.0;
+  /// Two loops agree when the cycle over both of them closes within this, and within the shares of
+  /// the distance driven between their ends.
   double tolerance_m = 0.6;
   double tolerance_share = 0.01;
   double tolerance_rad = 0.02;

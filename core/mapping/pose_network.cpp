@@ -38,12 +38,13 @@ double SquaredDistance(const NetworkFix& fix, std::span<const Pose2> T_map_nodes
          (fix.sigma_m * fix.sigma_m);
 }
 
-// What may be wrong: its weight in the surrogate cost of truncated least squares.
-class Doubted {
+// The surrogate cost of truncated least squares, for what may be wrong.
+class TruncatedCost {
  public:
-  explicit Doubted(double max_squared_distance) : max_squared_distance_(max_squared_distance) {}
+  explicit TruncatedCost(double max_squared_distance)
+      : max_squared_distance_(max_squared_distance) {}
 
-  // Of a measurement at a squared distance, for the control parameter mu.
+  // The weight of a measurement at a squared distance, for the control parameter mu.
   double Weight(double squared_distance, double mu) const {
     const double ratio = squared_distance / max_squared_distance_;
     if (ratio <= mu / (mu + 1.0)) return 1.0;
@@ -204,6 +205,25 @@ double SquaredDistance(const NetworkEdge& edge, std::span<const Pose2> T_map_nod
   return error.dot(edge.T_from_to.covariance.ldlt().solve(error));
 }
 
+namespace {
+
+// The control parameter at which the surrogate is convex for all measurements.
+double ConvexMu(std::span<const NetworkEdge> edges, const TruncatedCost& edge_cost,
+                std::span<const NetworkFix> fixes, const TruncatedCost& fix_cost,
+                std::span<const Pose2> T_map_nodes) {
+  double mu = 1e6;
+  for (const NetworkEdge& edge : edges) {
+    if (edge.is_certain) continue;
+    mu = std::min(mu, edge_cost.ConvexMu(SquaredDistance(edge, T_map_nodes)));
+  }
+  for (const NetworkFix& fix : fixes) {
+    mu = std::min(mu, fix_cost.ConvexMu(SquaredDistance(fix, T_map_nodes)));
+  }
+  return mu;
+}
+
+}  // namespace
+
 absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::vector<Pose2> T_map_nodes,
                                                  std::span<const NetworkEdge> edges,
                                                  std::span<const NetworkFix> fixes,
@@ -211,22 +231,15 @@ absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::vector<Pose2> T_map_nodes,
   NetworkSolution solution{.T_map_nodes = {},
                            .edge_weights = std::vector<double>(edges.size(), 1.0),
                            .fix_weights = std::vector<double>(fixes.size(), 1.0)};
-  const Doubted edge_doubt(options.max_squared_edge_distance);
-  const Doubted fix_doubt(options.max_squared_fix_distance);
+  const TruncatedCost edge_cost(options.max_squared_edge_distance);
+  const TruncatedCost fix_cost(options.max_squared_fix_distance);
   Network network(std::move(T_map_nodes), edges, fixes, options);
   if (absl::Status status = network.Solve(solution.edge_weights, solution.fix_weights);
       !status.ok()) {
     return status;
   }
   solution.T_map_nodes = network.Poses();
-  double mu = 1e6;
-  for (const NetworkEdge& edge : edges) {
-    if (edge.is_certain) continue;
-    mu = std::min(mu, edge_doubt.ConvexMu(SquaredDistance(edge, solution.T_map_nodes)));
-  }
-  for (const NetworkFix& fix : fixes) {
-    mu = std::min(mu, fix_doubt.ConvexMu(SquaredDistance(fix, solution.T_map_nodes)));
-  }
+  double mu = ConvexMu(edges, edge_cost, fixes, fix_cost, solution.T_map_nodes);
   for (int round = 0; round < options.max_round_count; ++round) {
     const double change = std::max(
         Reweigh(
@@ -234,13 +247,13 @@ absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::vector<Pose2> T_map_nodes,
             [&](const NetworkEdge& edge) {
               return edge.is_certain
                          ? 1.0
-                         : edge_doubt.Weight(SquaredDistance(edge, solution.T_map_nodes), mu);
+                         : edge_cost.Weight(SquaredDistance(edge, solution.T_map_nodes), mu);
             },
             solution.edge_weights),
         Reweigh(
             fixes,
             [&](const NetworkFix& fix) {
-              return fix_doubt.Weight(SquaredDistance(fix, solution.T_map_nodes), mu);
+              return fix_cost.Weight(SquaredDistance(fix, solution.T_map_nodes), mu);
             },
             solution.fix_weights));
     if (change < kSettledWeight && mu > kNearlyHard) break;

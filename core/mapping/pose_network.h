@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/geometry/chi_square.h"
 #include "core/geometry/pose_estimate.h"
 #include "core/options/option_fields.h"
 
@@ -31,10 +32,10 @@ struct NetworkFix {
 };
 
 struct PoseNetworkOptions {
-  /// An uncertain edge with a squared Mahalanobis distance beyond this is left out: the chi-square
-  /// quantile of 99.9 % with 3 degrees of freedom, and with 2 for fixes.
-  double max_squared_edge_distance = 16.27;
-  double max_squared_fix_distance = 13.82;
+  /// An uncertain edge with a squared Mahalanobis distance beyond this is left out: with three
+  /// degrees of freedom, and two of a fix.
+  double max_squared_edge_distance = kChiSquare999With3Dof;
+  double max_squared_fix_distance = kChiSquare999With2Dof;
   /// In each round of graduated non-convexity the surrogate cost's control parameter grows by this.
   double growth = 2.0;
   int max_round_count = 40;

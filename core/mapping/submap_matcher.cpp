@@ -71,8 +71,8 @@ std::vector<Pose2> SubmapMatcher::Starts(std::span<const GaussianPoint<2>> live,
                                          const LocalMap<2>& target, const SubmapGuess& guess,
                                          double& start_sigma_m) const {
   if (guess.sigma_m < options_.search_sigma_m) return {guess.T_target_live};
-  const double reach_m = options_.search_sigmas * guess.sigma_m;
-  const double cell_m = std::clamp(2.0 * reach_m / options_.search_window_cells,
+  const double max_separation_m = options_.search_sigmas * guess.sigma_m;
+  const double cell_m = std::clamp(2.0 * max_separation_m / options_.search_window_cells,
                                    options_.min_search_cell_m, options_.max_search_cell_m);
   start_sigma_m = cell_m;
   const LikelihoodField field(target, cell_m);
@@ -84,7 +84,7 @@ std::vector<Pose2> SubmapMatcher::Starts(std::span<const GaussianPoint<2>> live,
   for (const PoseCandidate& candidate :
        CorrelativeSearch(points, field,
                          {.centre_local_vehicle = guess.T_target_live,
-                         .translation_m = reach_m,
+                         .translation_m = max_separation_m,
                          .rotation_rad = reach_rad},
                          options_.candidate_count)) {
     starts.push_back(candidate.T_local_vehicle);

@@ -22,16 +22,16 @@ std::span<const OptionField<CusumOptions>> FieldsOf(const CusumOptions& options)
 absl::Status Validate(const CusumOptions& options);
 
 /// Finds that a quantity which is expected to be 0 has changed for good, to either side: sums of
-/// its deviations, none of which counts much alone. Where they vary by more than they say, they
-/// count for less: the spread is told by neighbouring ones, whose difference no change adds to but
-/// once.
+/// its deviations, none of which counts much alone. Where they scatter by more than their variance,
+/// they are scaled down. The scatter is measured on differences of neighbouring deviations, to
+/// which a change contributes only once.
 class CusumDetector {
  public:
   explicit CusumDetector(const CusumOptions& options) : options_(options) {}
 
-  /// A deviation from 0 that came about over `exposure`, a time or a way. Gives the deviation per
-  /// unit of exposure since the change, and its variance, once there is one; the test then begins
-  /// anew.
+  /// A deviation from 0 that came about over `exposure`, a time or a distance. Gives the deviation
+  /// per unit of exposure since the change, and its variance, once there is one; the test then
+  /// begins anew.
   std::optional<ScalarEstimate> OnDeviation(const ScalarEstimate& deviation, double exposure);
 
   void Reset() { rising_ = falling_ = {}; }

@@ -233,9 +233,9 @@ std::span<const OptionField<EgoVelocityOptions>> FieldsOf(const EgoVelocityOptio
        "the estimate is as certain as its targets say"},
       {"yaw_rate_sigma_floor_radps", &O::yaw_rate_sigma_floor_radps, 0, 10,
        "the estimate is as certain as its targets say"},
-      {"min_rival_fraction", &O::min_rival_fraction, 0.01, 1},
-      {"min_rival_direction_count", &O::min_rival_direction_count, 0, 36,
-       "one mover can be a rival of the ground"},
+      {"min_alternative_fraction", &O::min_alternative_fraction, 0.01, 1},
+      {"min_alternative_direction_count", &O::min_alternative_direction_count, 0, 36,
+       "one mover can be a alternative of the ground"},
   };
   return kFields;
 }
@@ -274,10 +274,10 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
   return MovingEgoVelocity(rows, votes, options.min_inlier_fraction, seed, options, inliers);
 }
 
-std::optional<DopplerEgoVelocity> EstimateRivalEgoVelocity(const DopplerEgoVelocity& first,
-                                                           std::uint64_t seed,
-                                                           const EgoVelocityOptions& options,
-                                                           EgoVelocityMemory& memory) {
+std::optional<DopplerEgoVelocity> EstimateAlternativeEgoVelocity(const DopplerEgoVelocity& first,
+                                                                 std::uint64_t seed,
+                                                                 const EgoVelocityOptions& options,
+                                                                 EgoVelocityMemory& memory) {
   auto& [rows, inliers] = memory;
   const double votes = VotesOf(rows);
   const EgoVelocity& velocity = first.ego_velocity;
@@ -288,13 +288,14 @@ std::optional<DopplerEgoVelocity> EstimateRivalEgoVelocity(const DopplerEgoVeloc
   });
   const double left = VotesOf(rows);
   if (static_cast<int>(rows.size()) < options.min_inlier_count ||
-      left < options.min_rival_fraction * votes) {
+      left < options.min_alternative_fraction * votes) {
     return std::nullopt;
   }
-  std::optional<DopplerEgoVelocity> rival = MovingEgoVelocity(
-      rows, left, options.min_rival_fraction * votes / left, seed, options, inliers);
-  if (rival && rival->direction_count < options.min_rival_direction_count) return std::nullopt;
-  return rival;
+  std::optional<DopplerEgoVelocity> alternative = MovingEgoVelocity(
+      rows, left, options.min_alternative_fraction * votes / left, seed, options, inliers);
+  if (alternative && alternative->direction_count < options.min_alternative_direction_count)
+    return std::nullopt;
+  return alternative;
 }
 
 EgoVelocity Fuse(const EgoVelocity& a, const EgoVelocity& b) {

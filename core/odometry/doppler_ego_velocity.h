@@ -38,10 +38,10 @@ struct EgoVelocityOptions {
   /// Floors of the estimate's deviations: what calibration errors leave however many targets.
   double linear_sigma_floor_mps = 0.5;
   double yaw_rate_sigma_floor_radps = 0.03;
-  /// A rival motion needs this fraction of all votes, and to be seen in so many directions: more
-  /// than one mover fills.
-  double min_rival_fraction = 0.15;
-  int min_rival_direction_count = 6;
+  /// An alternative motion needs this fraction of all votes, and to be seen in so many directions:
+  /// more than one mover fills.
+  double min_alternative_fraction = 0.15;
+  int min_alternative_direction_count = 6;
 };
 std::span<const OptionField<EgoVelocityOptions>> FieldsOf(const EgoVelocityOptions& options);
 absl::Status Validate(const EgoVelocityOptions& options);
@@ -92,11 +92,11 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
 
 /// The motion that the targets agree on which contradict `first`, the estimate that `memory` was
 /// last used for, from the same `seed`. A convoy around the vehicle and the ground behind it are
-/// each other's rivals. Nothing where too few targets agree, or in too few directions.
-std::optional<DopplerEgoVelocity> EstimateRivalEgoVelocity(const DopplerEgoVelocity& first,
-                                                           std::uint64_t seed,
-                                                           const EgoVelocityOptions& options,
-                                                           EgoVelocityMemory& memory);
+/// each other's alternatives. Nothing where too few targets agree, or in too few directions.
+std::optional<DopplerEgoVelocity> EstimateAlternativeEgoVelocity(const DopplerEgoVelocity& first,
+                                                                 std::uint64_t seed,
+                                                                 const EgoVelocityOptions& options,
+                                                                 EgoVelocityMemory& memory);
 
 /// Information-weighted mean of two independent estimates that both have a covariance.
 EgoVelocity Fuse(const EgoVelocity& a, const EgoVelocity& b);

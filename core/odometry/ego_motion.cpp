@@ -23,7 +23,7 @@ double SquaredDistance(const EgoVelocity& a, const EgoVelocity& b) {
 // may be used, but is no evidence against a gyroscope.
 OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
                             const std::optional<DopplerEgoVelocity>& doppler,
-                            const std::optional<DopplerEgoVelocity>& rival,
+                            const std::optional<DopplerEgoVelocity>& alternative,
                             std::size_t radar_count) {
   const auto speed_of = [](const EgoVelocity& velocity) {
     return ScalarEstimate{velocity.linear_mps.x(), (*velocity.covariance)(0, 0)};
@@ -41,9 +41,9 @@ OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
     if (radar_count > 1) readings.doppler_yaw_rate = yaw_rate_of(doppler->ego_velocity);
     readings.doppler_direction_count = doppler->direction_count;
   }
-  if (rival) {
-    readings.rival_speed = speed_of(rival->ego_velocity);
-    if (radar_count > 1) readings.rival_yaw_rate = yaw_rate_of(rival->ego_velocity);
+  if (alternative) {
+    readings.alternative_speed = speed_of(alternative->ego_velocity);
+    if (radar_count > 1) readings.alternative_yaw_rate = yaw_rate_of(alternative->ego_velocity);
   }
   return readings;
 }
@@ -72,8 +72,8 @@ std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& 
       {"history_ms", &O::history, 1, 1e5},
       {"diagnosis_speed_mps", &O::diagnosis_speed_mps, 1e-6, 100},
       {"diagnosis_yaw_rate_radps", &O::diagnosis_yaw_rate_radps, 1e-6, 10},
-      {"missed_motion_sigma_fraction", &O::missed_motion_sigma_fraction, 0, 10,
-       "a missed motion is as certain as any other"},
+      {"correction_sigma_fraction", &O::correction_sigma_fraction, 0, 10,
+       "a correction is as certain as any other motion"},
   };
   return kFields;
 }
@@ -88,9 +88,9 @@ absl::Status Validate(const EgoMotionOptions& options) {
   return status;
 }
 
-void EgoMotion::Begin(const RigKnowledge& known) {
-  errors_.StartFrom(known.wheel_scale, known.yaw_rate_correction);
-  if (known.odometry_delay) late_.StartFrom(*known.odometry_delay);
+void EgoMotion::Restore(const RigKnowledge& known) {
+  errors_.Restore(known.wheel_scale, known.yaw_rate_correction);
+  if (known.odometry_delay) late_.Restore(*known.odometry_delay);
 }
 
 void EgoMotion::AddTo(RigKnowledge& known) const {
@@ -104,16 +104,17 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   const auto seed = static_cast<std::uint64_t>(scan.stamp.time_since_epoch().count());
   std::optional<DopplerEgoVelocity> doppler =
       EstimateEgoVelocity(Remember(scan, stamp, radar), seed, options_.doppler, memory);
-  std::optional<DopplerEgoVelocity> rival;
-  if (doppler) rival = EstimateRivalEgoVelocity(*doppler, seed, options_.doppler, memory);
+  std::optional<DopplerEgoVelocity> alternative;
+  if (doppler)
+    alternative = EstimateAlternativeEgoVelocity(*doppler, seed, options_.doppler, memory);
   const std::chrono::nanoseconds age = velocity_ ? stamp - stamp_ : std::chrono::nanoseconds(0);
   std::optional<EgoVelocity> reported;
   if (scan.ego_velocity) {
     late_.OnReported(stamp, *scan.ego_velocity);
     reported = late_.AsOfNow(Corrected(*scan.ego_velocity));
   }
-  sources_.OnReadings(stamp, ReadingsOf(reported, doppler, rival, of_one_moment_.size()));
-  if (rival && IsNearer(*rival, *doppler, sources_.speed())) doppler = rival;
+  sources_.OnReadings(stamp, ReadingsOf(reported, doppler, alternative, of_one_moment_.size()));
+  if (alternative && IsNearer(*alternative, *doppler, sources_.speed())) doppler = alternative;
   const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
   if (doppler_is_sound) late_.OnDoppler(moment_, doppler->ego_velocity);
   if (reported) {
@@ -125,14 +126,14 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
   if (velocity_ && late_.T_previous_now()) since_previous_.T_from_to = *late_.T_previous_now();
   expected_motion_ = since_previous_.T_from_to;
-  AddMissedMotion();
+  ApplyCorrection();
   Learn(reported, now, age);
-  velocity_ = doubted_velocity_ = now;
-  AddDoubt();
-  history_.Add(stamp, since_previous_, *doubted_velocity_);
+  velocity_ = widened_velocity_ = now;
+  AddSpread();
+  history_.Add(stamp, since_previous_, *widened_velocity_);
   stamp_ = stamp;
   Diagnose(reported);
-  return *doubted_velocity_;
+  return *widened_velocity_;
 }
 
 // Of a gyroscope that is set aside, too: it may be taken back once its bias is known. Wheels that
@@ -240,41 +241,42 @@ EgoVelocity EgoMotion::FromMonitor() const {
   return velocity;
 }
 
-void EgoMotion::AddMissedMotion() {
+void EgoMotion::ApplyCorrection() {
   const Pose2 used = Flatten(since_previous_.T_from_to);
-  const auto missed = sources_.OnUsedMotion(used.translation_m.x(), used.yaw_rad);
-  sources_changed_ = missed.has_value();
-  if (!missed) return;
+  const auto unapplied = sources_.OnUsedMotion(used.translation_m.x(), used.yaw_rad);
+  sources_changed_ = unapplied.has_value();
+  if (!unapplied) return;
   Vector6d step = Vector6d::Zero();
-  step(0) = missed->forward_m;
-  step(5) = missed->turn_rad;
-  const Vector6d sigmas = options_.missed_motion_sigma_fraction * step;
+  step(0) = unapplied->forward_m;
+  step(5) = unapplied->turn_rad;
+  const Vector6d sigmas = options_.correction_sigma_fraction * step;
   since_previous_ = Compose(
       since_previous_, {.T_from_to = Exp(step), .covariance = sigmas.cwiseAbs2().asDiagonal()});
 }
 
 // METHOD eq 49. Targets of each motion that is not improbable stay static, and the pose becomes as
-// uncertain as the ways differ. A doubt that ends leaves the pose as uncertain as it was, until a
+// uncertain as the sources differ along-track. A spread that ends leaves it as uncertain, until a
 // registration is accepted.
-void EgoMotion::AddDoubt() {
-  const SourceMonitor::Doubt counted = std::exchange(doubt_, sources_.CurrentDoubt());
-  doubt_.way_variance_m2 = std::max(doubt_.way_variance_m2, counted.way_variance_m2);
-  doubt_.turn_variance_rad2 = std::max(doubt_.turn_variance_rad2, counted.turn_variance_rad2);
-  doubt_since_previous_.setZero();
-  doubt_since_previous_(0, 0) = doubt_.way_variance_m2 - counted.way_variance_m2;
-  doubt_since_previous_(5, 5) = doubt_.turn_variance_rad2 - counted.turn_variance_rad2;
-  since_previous_.covariance += doubt_since_previous_;
-  Matrix6d& covariance = *doubted_velocity_->covariance;
-  covariance(0, 0) += doubt_.speed_variance;
-  covariance(5, 5) += doubt_.yaw_rate_variance;
+void EgoMotion::AddSpread() {
+  const SourceMonitor::Spread counted = std::exchange(spread_, sources_.CurrentSpread());
+  spread_.along_track_variance_m2 =
+      std::max(spread_.along_track_variance_m2, counted.along_track_variance_m2);
+  spread_.turn_variance_rad2 = std::max(spread_.turn_variance_rad2, counted.turn_variance_rad2);
+  spread_since_previous_.setZero();
+  spread_since_previous_(0, 0) = spread_.along_track_variance_m2 - counted.along_track_variance_m2;
+  spread_since_previous_(5, 5) = spread_.turn_variance_rad2 - counted.turn_variance_rad2;
+  since_previous_.covariance += spread_since_previous_;
+  Matrix6d& covariance = *widened_velocity_->covariance;
+  covariance(0, 0) += spread_.speed_variance;
+  covariance(5, 5) += spread_.yaw_rate_variance;
 }
 
-std::optional<Pose3> EgoMotion::RivalPlace() const {
-  const std::optional<SourceMonitor::MissedMotion> rival = sources_.Rival();
-  if (!rival) return std::nullopt;
+std::optional<Pose3> EgoMotion::AlternativePlace() const {
+  const std::optional<SourceMonitor::PlanarMotion> alternative = sources_.Alternative();
+  if (!alternative) return std::nullopt;
   Vector6d step = Vector6d::Zero();
-  step(0) = rival->forward_m;
-  step(5) = rival->turn_rad;
+  step(0) = alternative->forward_m;
+  step(5) = alternative->turn_rad;
   return Exp(step);
 }
 

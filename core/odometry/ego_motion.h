@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/geometry/chi_square.h"
 #include "core/odometry/doppler_ego_velocity.h"
 #include "core/odometry/late_odometry.h"
 #include "core/odometry/motion.h"
@@ -30,12 +31,12 @@ struct EgoMotionOptions {
   SourceMonitorOptions sources;
   LateOdometryOptions late;
   /// Reported and Doppler velocity are fused where their squared Mahalanobis distance over speed
-  /// and yaw rate is at most this: the chi-square quantile of 99.9 % with 2 degrees of freedom.
-  double max_squared_distance = 13.8;
+  /// and yaw rate is at most this.
+  double max_squared_distance = kChiSquare999With2Dof;
   /// Scans of different radars within this are of one moment.
   std::chrono::nanoseconds simultaneous = std::chrono::milliseconds(80);
   /// Deviations of the velocity while nothing is known of it.
-  double unknown_speed_sigma_mps = 15.0;
+  double unknown_speed_sigma_mps = kUnknownSpeedSigma_mps;
   double unknown_lateral_sigma_mps = 0.5;       ///< side slip at the origin, in a curve
   double unknown_vertical_sigma_mps = 0.1;      ///< suspension
   double unknown_tilt_rate_sigma_radps = 0.05;  ///< of roll and pitch
@@ -45,8 +46,9 @@ struct EgoMotionOptions {
   /// What sound speeds and yaw rates differ by.
   double diagnosis_speed_mps = 0.5;
   double diagnosis_yaw_rate_radps = 0.02;
-  /// Of a motion that was missed while a source was wrong, this fraction is its deviation.
-  double missed_motion_sigma_fraction = 0.3;
+  /// The deviation of the correction that is applied when a source is found wrong, as a fraction of
+  /// it.
+  double correction_sigma_fraction = 0.3;
 };
 std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& options);
 absl::Status Validate(const EgoMotionOptions& options);
@@ -57,7 +59,7 @@ absl::Status Validate(const EgoMotionOptions& options);
 /// (OdometryErrorFilter).
 class EgoMotion {
  public:
-  /// `static_points` are those of the stage whose gate the doubt in sources widens.
+  /// `static_points` are those of the stage whose gate the spread of the sources widens.
   explicit EgoMotion(const EgoMotionOptions& options = {},
                      const StaticPointsOptions& static_points = {})
       : options_(options),
@@ -69,13 +71,13 @@ class EgoMotion {
         yaw_rate_diagnosis_(options.diagnosis_yaw_rate_radps) {}
 
   /// An earlier session found this of what the vehicle sends. Before the first scan.
-  void Begin(const RigKnowledge& known);
+  void Restore(const RigKnowledge& known);
 
   /// The vehicle moved so at the last scan of an earlier localizer, at `stamp`. Before the first
   /// scan; `velocity` has a covariance.
-  void GoOnFrom(Stamp stamp, const EgoVelocity& velocity) {
+  void Restore(Stamp stamp, const EgoVelocity& velocity) {
     velocity_ = velocity;
-    doubted_velocity_ = velocity;
+    widened_velocity_ = velocity;
     stamp_ = stamp;
     history_.Add(stamp, Motion{}, velocity);
   }
@@ -98,14 +100,15 @@ class EgoMotion {
   /// A registration, accepted or an outlier, puts the vehicle here at the last scan.
   void OnRegistration(const Pose3& T_map_vehicle, const RegistrationEvidence& evidence) {
     sources_.OnRegistration(Flatten(T_map_vehicle), evidence);
-    if (evidence.is_accepted) doubt_ = sources_.CurrentDoubt();
+    if (evidence.is_accepted) spread_ = sources_.CurrentSpread();
   }
 
   /// Where the vehicle would be now, from where it is taken to be, if other sources were sound;
   /// and how the newest scan fits the map at both places.
-  std::optional<Pose3> RivalPlace() const;
-  void OnFits(double fit, double rival_fit) {
-    if (const auto rival = sources_.Rival()) sources_.OnFits(*rival, fit, rival_fit);
+  std::optional<Pose3> AlternativePlace() const;
+  void OnFits(double fit, double alternative_fit) {
+    if (const auto alternative = sources_.Alternative())
+      sources_.OnFits(*alternative, fit, alternative_fit);
   }
 
   /// A registration whose scans no earlier one used puts the vehicle here at the last scan, with a
@@ -120,26 +123,25 @@ class EgoMotion {
   /// The poses given so far were wrong: scale and yaw-rate bias are estimated anew.
   void ResetErrors() { errors_ = OdometryErrorFilter(options_.error_filter); }
 
-  /// From the scan before the last one to the last one; identity at the first. It contains what has
-  /// been missed before, when a source is found to have been wrong.
+  /// From the scan before the last one to the last one; identity at the first. Where a source is
+  /// found to have been wrong, it contains the correction of what that made of earlier scans.
   const Motion& since_previous() const { return since_previous_; }
 
-  /// What of its covariance comes of doubt in the sources (METHOD eq 49): it is not of the noise
+  /// The part of its covariance that is the spread of the sources (METHOD eq 49), and not the noise
   /// that odometry usually has.
-  const Matrix6d& doubt_since_previous() const { return doubt_since_previous_; }
+  const Matrix6d& spread_since_previous() const { return spread_since_previous_; }
 
-  /// By how much the way since the last accepted registration may be another one [m].
-  double doubted_way_m() const { return doubt_.way_bound_m; }
+  /// The most by which a probable set of sources differs along-track from the motion that was used
+  /// since a registration was last accepted [m]: b_way of METHOD eq 49.
+  double along_track_spread_m() const { return spread_.along_track_bound_m; }
 
-  /// The same without what has been missed: how an answer was expected to move on.
+  /// `since_previous` without a correction: an answer was expected to move on by this, and what it
+  /// moves beyond is a reset.
   const Pose3& expected_motion() const { return expected_motion_; }
 
   /// Whether a source was found wrong, or sound again, at the last scan.
   bool sources_changed() const { return sources_changed_; }
   const SourceMonitor& sources() const { return sources_; }
-
-  /// By how many seconds the reported velocity is late; nothing while no delay is accepted.
-  const std::optional<ScalarEstimate>& reported_delay_s() const { return late_.delay_s(); }
 
   /// Whether what the vehicle sends takes part in the velocity, and if not, why.
   SourceHealth wheel_speed() const;
@@ -149,8 +151,8 @@ class EgoMotion {
   /// gyroscope's. Absent where there is none that is sound.
   const std::optional<EgoVelocity>& by_gyroscope() const { return by_gyroscope_; }
 
-  /// At the last scan, as uncertain as the sources are doubted; nothing before the first one.
-  const std::optional<EgoVelocity>& velocity() const { return doubted_velocity_; }
+  /// At the last scan, as uncertain as the sources differ; nothing before the first one.
+  const std::optional<EgoVelocity>& velocity() const { return widened_velocity_; }
 
   /// The motion of the last moments.
   const MotionHistory& history() const { return history_; }
@@ -171,8 +173,8 @@ class EgoMotion {
   EgoVelocity Corrected(const EgoVelocity& reported) const;
   void Learn(const std::optional<EgoVelocity>& reported, const EgoVelocity& now,
              std::chrono::nanoseconds age);
-  void AddMissedMotion();
-  void AddDoubt();
+  void ApplyCorrection();
+  void AddSpread();
   void Diagnose(const std::optional<EgoVelocity>& reported);
   SourceHealth HealthOf(OdometrySource source, const SourceDiagnosis& diagnosis) const;
 
@@ -183,10 +185,10 @@ class EgoMotion {
   MotionHistory history_;
   Pose3 expected_motion_;
   Motion since_previous_;
-  Matrix6d doubt_since_previous_ = Matrix6d::Zero();
-  SourceMonitor::Doubt doubt_;
+  Matrix6d spread_since_previous_ = Matrix6d::Zero();
+  SourceMonitor::Spread spread_;
   std::optional<EgoVelocity> velocity_;  // if the sources that are used are sound
-  std::optional<EgoVelocity> doubted_velocity_;
+  std::optional<EgoVelocity> widened_velocity_;
   // At the last scan: what the vehicle reports, corrected; without wheels that are not sound.
   std::optional<EgoVelocity> turning_;
   std::optional<EgoVelocity> by_gyroscope_;

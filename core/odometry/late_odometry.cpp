@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/odometry/motion.h"
 #include "core/radar/stamp.h"
 
 namespace dcloc {
@@ -14,6 +13,8 @@ std::span<const OptionField<LateOdometryOptions>> FieldsOf(const LateOdometryOpt
       {"acceleration_walk_mps2", &O::acceleration_walk_mps2, 1e-6, 100},
       {"yaw_acceleration_sigma_radps2", &O::yaw_acceleration_sigma_radps2, 1e-6, 100},
       {"yaw_acceleration_walk_radps2", &O::yaw_acceleration_walk_radps2, 1e-6, 100},
+      {"first_speed_sigma_mps", &O::first_speed_sigma_mps, 1e-6, 1000},
+      {"first_yaw_rate_sigma_radps", &O::first_yaw_rate_sigma_radps, 1e-6, 100},
       {"doppler_speed_sigma_mps", &O::doppler_speed_sigma_mps, 1e-6, 100},
       {"doppler_yaw_rate_sigma_radps", &O::doppler_yaw_rate_sigma_radps, 1e-6, 10},
       {"offset_speed_sigma_mps", &O::offset_speed_sigma_mps, 0, 100, "both say the same"},
@@ -51,15 +52,35 @@ EgoVelocity LateOdometry::AsOfNow(const EgoVelocity& reported) const {
   return wider;
 }
 
+void LateOdometry::Reset() {
+  speed_.reset();
+  yaw_rate_.reset();
+  advanced_.reset();
+  reported_.reset();
+  T_previous_now_.reset();
+}
+
+LateSignalNoise LateOdometry::SpeedNoise() const {
+  return {.unknown_sigma = options_.first_speed_sigma_mps,
+          .change_sigma = options_.acceleration_sigma_mps2,
+          .change_walk = options_.acceleration_walk_mps2,
+          .offset_sigma = options_.offset_speed_sigma_mps,
+          .offset_walk = options_.offset_speed_walk_mps};
+}
+
+LateSignalNoise LateOdometry::YawRateNoise() const {
+  return {.unknown_sigma = options_.first_yaw_rate_sigma_radps,
+          .change_sigma = options_.yaw_acceleration_sigma_radps2,
+          .change_walk = options_.yaw_acceleration_walk_radps2,
+          .offset_sigma = options_.offset_yaw_rate_sigma_radps,
+          .offset_walk = options_.offset_yaw_rate_walk_radps};
+}
+
 EgoVelocity LateOdometry::BroughtToNow(Stamp stamp, const EgoVelocity& reported,
                                        const EgoVelocity* doppler, bool speed_is_sound,
                                        bool yaw_rate_is_sound) {
   if (!delay_s()) {
-    speed_.reset();
-    yaw_rate_.reset();
-    advanced_.reset();
-    reported_.reset();
-    T_previous_now_.reset();
+    Reset();
     return reported;
   }
   EgoVelocity now = AsOfNow(reported);
@@ -86,20 +107,10 @@ EgoVelocity LateOdometry::BroughtToNow(Stamp stamp, const EgoVelocity& reported,
                                      std::pow(options_.doppler_speed_sigma_mps, 2)};
   const ScalarEstimate doppler_yaw_rate{doppler_is_new ? doppler->angular_radps.z() : 0.0,
                                         std::pow(options_.doppler_yaw_rate_sigma_radps, 2)};
-  bring(speed_, speed_is_sound,
-        {.unknown_sigma = 15.0,
-         .change_sigma = options_.acceleration_sigma_mps2,
-         .change_walk = options_.acceleration_walk_mps2,
-         .offset_sigma = options_.offset_speed_sigma_mps,
-         .offset_walk = options_.offset_speed_walk_mps},
+  bring(speed_, speed_is_sound, SpeedNoise(),
         {reported.linear_mps.x(), (*reported.covariance)(0, 0)}, doppler_speed, now.linear_mps.x(),
         (*now.covariance)(0, 0));
-  bring(yaw_rate_, yaw_rate_is_sound,
-        {.unknown_sigma = 1.0,
-         .change_sigma = options_.yaw_acceleration_sigma_radps2,
-         .change_walk = options_.yaw_acceleration_walk_radps2,
-         .offset_sigma = options_.offset_yaw_rate_sigma_radps,
-         .offset_walk = options_.offset_yaw_rate_walk_radps},
+  bring(yaw_rate_, yaw_rate_is_sound, YawRateNoise(),
         {reported.angular_radps.z(), (*reported.covariance)(5, 5)}, doppler_yaw_rate,
         now.angular_radps.z(), (*now.covariance)(5, 5));
   if (speed_is_sound && yaw_rate_is_sound) {

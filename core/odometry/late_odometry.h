@@ -7,6 +7,7 @@
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
 #include "core/odometry/late_signal.h"
+#include "core/odometry/motion.h"
 #include "core/odometry/odometry_delay_estimator.h"
 #include "core/options/option_fields.h"
 #include "core/radar/scan.h"
@@ -20,6 +21,10 @@ struct LateOdometryOptions {
   double acceleration_walk_mps2 = 2.5;
   double yaw_acceleration_sigma_radps2 = 0.25;
   double yaw_acceleration_walk_radps2 = 0.3;
+  /// What is known of both when a delay is accepted: as little as leaves the first reports alone to
+  /// decide.
+  double first_speed_sigma_mps = kUnknownSpeedSigma_mps;
+  double first_yaw_rate_sigma_radps = 1.0;
   /// What Doppler of one moment errs by on its own, beside what it constantly differs by.
   double doppler_speed_sigma_mps = 0.06;
   double doppler_yaw_rate_sigma_radps = 0.015;
@@ -37,8 +42,8 @@ class LateOdometry {
  public:
   explicit LateOdometry(const LateOdometryOptions& options);
 
-  /// As OdometryDelayEstimator::StartFrom.
-  void StartFrom(const ScalarEstimate& delay_s) { estimator_.StartFrom(delay_s); }
+  /// As OdometryDelayEstimator::Restore.
+  void Restore(const ScalarEstimate& delay_s) { estimator_.Restore(delay_s); }
 
   /// The vehicle reports this at `stamp`, which is not before the last one.
   void OnReported(Stamp stamp, const EgoVelocity& reported);
@@ -62,6 +67,9 @@ class LateOdometry {
   const std::optional<Pose3>& T_previous_now() const { return T_previous_now_; }
 
  private:
+  void Reset();
+  LateSignalNoise SpeedNoise() const;
+  LateSignalNoise YawRateNoise() const;
   void Move(const EgoVelocity& reported, const EgoVelocity& now, std::chrono::nanoseconds duration);
 
   LateOdometryOptions options_;

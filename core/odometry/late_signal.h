@@ -25,10 +25,10 @@ class LateSignal {
   /// So many seconds pass.
   void Advance(double duration_s);
 
-  /// It was `reading` `delay_s` ago, or will be in -`delay_s`.
+  /// The signal's value `delay_s` before now was `reading`; a negative delay is in the future.
   void OnLate(const ScalarEstimate& reading, double delay_s);
 
-  /// It is `reading` and the offset.
+  /// The signal's value now, plus the offset, is `reading`.
   void OnPrompt(const ScalarEstimate& reading);
 
   ScalarEstimate now() const { return {state_(0), covariance_(0, 0)}; }

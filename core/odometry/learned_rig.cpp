@@ -65,12 +65,12 @@ LearnedRig::LearnedRig(Rig described, const LearnedRigOptions& options)
   }
 }
 
-void LearnedRig::Begin(const RigKnowledge& known) {
+void LearnedRig::Restore(const RigKnowledge& known) {
   for (std::size_t i = 0; i < learned_.size(); ++i) {
     const RadarKnowledge* radar = known.Find(described_.radars[i].id);
     if (radar == nullptr || !radar->mount_yaw_error) continue;
     const ScalarEstimate& error = *radar->mount_yaw_error;
-    learned_[i].mount_yaw.StartFrom(
+    learned_[i].mount_yaw.Restore(
         {error.value, std::max(error.variance, std::pow(options_.known_sigma_rad, 2))},
         options_.min_reading_count - 1);
   }
@@ -140,7 +140,7 @@ bool LearnedRig::IsUsable(std::size_t index, Stamp stamp) const {
   const Learned& learned = learned_[index];
   return learned.mirrored_fraction < options_.mirrored_fraction &&
          std::abs(learned.applied_rad) <= options_.max_correction_rad &&
-         !learned.mount_yaw.IsInDoubt(stamp);
+         !learned.mount_yaw.HasRecentOutliers(stamp);
 }
 
 }  // namespace dcloc

@@ -28,8 +28,8 @@ struct LearnedRigOptions {
   double known_sigma_rad = 0.5 * kRadPerDeg;
   /// The deviation of a corrected mount is no less, nor than described.
   double corrected_sigma_rad = 0.2 * kRadPerDeg;
-  /// A mount that is off by more than this is told of; by more than that it is none to correct: its
-  /// description is of something else, and its scans are not used.
+  /// A mount that is off by more than `suspected_rad` is reported. Beyond `max_correction_rad` it
+  /// is not corrected: its description must be wrong altogether, and its scans are not used.
   double suspected_rad = 2.0 * kRadPerDeg;
   double max_correction_rad = 20.0 * kRadPerDeg;
   /// A radar whose azimuths have the wrong sign is found where the vehicle does not move along its
@@ -38,6 +38,7 @@ struct LearnedRigOptions {
   double mirrored_fraction = 0.25;
   double mirrored_memory = 0.95;
 };
+static_assert(LearnedRigOptions{}.max_correction_rad <= kMaxKnownMountYawError_rad);
 std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions& options);
 absl::Status Validate(const LearnedRigOptions& options);
 
@@ -47,7 +48,7 @@ class LearnedRig {
   LearnedRig(Rig described, const LearnedRigOptions& options);
 
   /// An earlier session found this. What says nothing of a radar of the rig is ignored.
-  void Begin(const RigKnowledge& known);
+  void Restore(const RigKnowledge& known);
 
   /// Adds what was learned of the mounts.
   void AddTo(RigKnowledge& known) const;

@@ -17,6 +17,9 @@ struct Motion {
   Matrix6d covariance = Matrix6d::Zero();  ///< in the tangent space on the right
 };
 
+/// The deviation of a speed of which nothing is known: most road vehicles drive below twice this.
+inline constexpr double kUnknownSpeedSigma_mps = 15.0;
+
 /// How the error of an integrated ego-velocity grows.
 struct MotionOptions {
   /// How long the error of an ego-velocity keeps its value. A scale factor stays for minutes, noise

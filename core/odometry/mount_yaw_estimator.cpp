@@ -103,7 +103,7 @@ std::span<const OptionField<MountYawOptions>> FieldsOf(const MountYawOptions& /*
       {"drift_sigma_rad", &O::drift_sigma_rad, 0, 1, "what was learned holds for ever"},
       {"outlier_sigmas", &O::outlier_sigmas, 1, 1000},
       {"knocked_readings", &O::knocked_readings, 1, 1000},
-      {"doubt_span_ms", &O::doubt_span, 1, 1e5},
+      {"outlier_span_ms", &O::outlier_span, 1, 1e5},
       {"knocked_spread_rad", &O::knocked_spread_rad, 1e-6, 3.2},
   };
   return kFields;
@@ -149,8 +149,8 @@ bool MountYawEstimator::OnScan(Stamp stamp, const Scan& scan, const RadarModel& 
     return false;
   }
   const std::chrono::nanoseconds since_last = last_ ? stamp - *last_ : options_.interval;
-  if (since_last < options_.interval && !IsInDoubt(stamp)) return false;
-  if (since_last > options_.doubt_span) outliers_rad_.clear();
+  if (since_last < options_.interval && !HasRecentOutliers(stamp)) return false;
+  if (since_last > options_.outlier_span) outliers_rad_.clear();
   std::optional<ScalarEstimate> reading =
       MountYawOfScan(scan, radar, velocity, error_.value, kNear_rad, options_, memory);
   if (!reading)

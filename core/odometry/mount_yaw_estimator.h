@@ -38,7 +38,7 @@ struct MountYawOptions {
   int knocked_readings = 4;
   double knocked_spread_rad = 1.5 * kRadPerDeg;
   /// An outlier that no other reading follows counts no longer than this.
-  std::chrono::nanoseconds doubt_span = std::chrono::milliseconds(500);
+  std::chrono::nanoseconds outlier_span = std::chrono::milliseconds(500);
 };
 std::span<const OptionField<MountYawOptions>> FieldsOf(const MountYawOptions& options);
 absl::Status Validate(const MountYawOptions& options);
@@ -66,7 +66,7 @@ class MountYawEstimator {
 
   /// An earlier session found this. It counts as so many readings of now, and like them it is given
   /// up if the next ones contradict it.
-  void StartFrom(const ScalarEstimate& error, int reading_count) {
+  void Restore(const ScalarEstimate& error, int reading_count) {
     error_ = error;
     reading_count_ = reading_count;
   }
@@ -82,8 +82,8 @@ class MountYawEstimator {
 
   /// The last reading was far from what was expected: the next ones will tell whether the radar was
   /// knocked.
-  bool IsInDoubt(Stamp stamp) const {
-    return !outliers_rad_.empty() && last_ && stamp - *last_ < options_.doubt_span;
+  bool HasRecentOutliers(Stamp stamp) const {
+    return !outliers_rad_.empty() && last_ && stamp - *last_ < options_.outlier_span;
   }
 
  private:

@@ -43,7 +43,7 @@ OdometryDelayEstimator::OdometryDelayEstimator(const OdometryDelayOptions& optio
   candidates_.resize(static_cast<std::size_t>(options.earliest_steps + options.latest_steps + 1));
 }
 
-void OdometryDelayEstimator::StartFrom(const ScalarEstimate& delay_s) {
+void OdometryDelayEstimator::Restore(const ScalarEstimate& delay_s) {
   const double last = SecondsOf(DelayOf(static_cast<int>(candidates_.size()) - 1));
   if (delay_s.value <= SecondsOf(DelayOf(0)) || delay_s.value >= last) return;
   prior_s_ = {delay_s.value, std::max(delay_s.variance, std::pow(options_.prior_sigma_s, 2))};

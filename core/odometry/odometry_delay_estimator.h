@@ -24,7 +24,7 @@ struct OdometryDelayOptions {
   std::chrono::nanoseconds smoothing = std::chrono::milliseconds(150);
   /// Doppler moments that follow one another sooner share their noise.
   std::chrono::nanoseconds interval = std::chrono::milliseconds(70);
-  /// What was so long ago weighs a third.
+  /// The time constant with which older moments lose weight: one of this age weighs 1 / e.
   std::chrono::nanoseconds memory = std::chrono::seconds(20);
   /// A delay is accepted where it is this much more probable than none, in the logarithm, from so
   /// many moments at least, and from `min_delay` on. It is no longer where it falls below a half
@@ -50,7 +50,7 @@ class OdometryDelayEstimator {
   explicit OdometryDelayEstimator(const OdometryDelayOptions& options);
 
   /// An earlier session found this delay. It holds until this drive says otherwise.
-  void StartFrom(const ScalarEstimate& delay_s);
+  void Restore(const ScalarEstimate& delay_s);
 
   /// The vehicle reports this speed [m/s] and yaw rate [rad/s] at `stamp`, which is not before the
   /// last one.

@@ -11,7 +11,7 @@ namespace {
 // Where the constants stand among the states, behind the pose.
 constexpr int kScale = 3;
 constexpr int kYawRateBias = 4;
-constexpr int kCourse = 5;
+constexpr int kSideslip = 5;
 constexpr int kTimeOffset = 6;
 
 double Square(double value) { return value * value; }
@@ -25,7 +25,7 @@ std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
       {"scale_sigma", &O::scale_sigma, 0, 0.5, "the scale is known to be 1"},
       {"yaw_rate_bias_sigma_radps", &O::yaw_rate_bias_sigma_radps, 0, 1,
        "the bias is known to be 0"},
-      {"course_sigma_rad", &O::course_sigma_rad, 0, 1, "the course is known to be 0"},
+      {"sideslip_sigma_rad", &O::sideslip_sigma_rad, 0, 1, "the sideslip is known to be 0"},
       {"time_offset_sigma_s", &O::time_offset_sigma_s, 0, 10, "the clocks agree"},
       {"min_scale_sigma", &O::min_scale_sigma, 0, 0.5, "a learned scale may be exact"},
       {"pose_sigma_m", &O::pose_sigma_m, 1e-6, 100},
@@ -34,7 +34,7 @@ std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
       {"walk_sigma_rad", &O::walk_sigma_rad, 0, 1, "only the constants err"},
       {"scale_drift", &O::scale_drift, 0, 0.1, "the scale is constant"},
       {"yaw_rate_bias_drift_radps", &O::yaw_rate_bias_drift_radps, 0, 0.1, "the bias is constant"},
-      {"course_drift_rad", &O::course_drift_rad, 0, 0.1, "the course is constant"},
+      {"sideslip_drift_rad", &O::sideslip_drift_rad, 0, 0.1, "the sideslip is constant"},
       {"innovation_memory", &O::innovation_memory, 0, 1, "only the newest innovation counts"},
       {"max_squared_sigmas", &O::max_squared_sigmas, 1e-6, 1e6},
       {"innovation_prior_count", &O::innovation_prior_count, 1e-6, 1e6},
@@ -55,7 +55,7 @@ absl::Status Validate(const OdometryErrorFilterOptions& options) {
 OdometryErrorFilter::OdometryErrorFilter(const OdometryErrorFilterOptions& options)
     : options_(options), bias_change_(options.change) {
   covariance_.diagonal() << 0.0, 0.0, 0.0, Square(options.scale_sigma),
-      Square(options.yaw_rate_bias_sigma_radps), Square(options.course_sigma_rad),
+      Square(options.yaw_rate_bias_sigma_radps), Square(options.sideslip_sigma_rad),
       Square(options.time_offset_sigma_s);
 }
 
@@ -67,8 +67,8 @@ double OdometryErrorFilter::yaw_rate_bias_sigma_radps() const {
   return std::sqrt(covariance_(kYawRateBias, kYawRateBias));
 }
 
-void OdometryErrorFilter::StartFrom(const std::optional<ScalarEstimate>& scale,
-                                    const std::optional<ScalarEstimate>& yaw_rate_bias_radps) {
+void OdometryErrorFilter::Restore(const std::optional<ScalarEstimate>& scale,
+                                  const std::optional<ScalarEstimate>& yaw_rate_bias_radps) {
   if (scale) {
     scale_ = scale->value;
     SetVariance(kScale, std::max(scale->variance, Square(options_.scale_sigma)));
@@ -101,7 +101,7 @@ void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseco
     last_pose_->duration += duration;
   }
   const Pose2 T_before_now{
-      .translation_m = Eigen::Rotation2Dd(course_rad_) * reported.translation_m,
+      .translation_m = Eigen::Rotation2Dd(sideslip_rad_) * reported.translation_m,
       .yaw_rad = reported.yaw_rad};
   T_map_vehicle_ = *T_map_vehicle_ * Embed(T_before_now);
   velocity_ = Log(T_before_now) / duration_s;
@@ -111,10 +111,10 @@ void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseco
   by_states.topLeftCorner<kPose, kPose>() = Adjoint(T_before_now.Inverse());
   by_states.block<2, 1>(0, kScale) = way_m / scale_;
   by_states(2, kYawRateBias) = duration_s;
-  by_states.block<2, 1>(0, kCourse) = Eigen::Vector2d(-way_m.y(), way_m.x());
+  by_states.block<2, 1>(0, kSideslip) = Eigen::Vector2d(-way_m.y(), way_m.x());
   States drift;
   drift << options_.walk_sigma_m, options_.walk_sigma_m, options_.walk_sigma_rad,
-      options_.scale_drift, options_.yaw_rate_bias_drift_radps, options_.course_drift_rad, 0.0;
+      options_.scale_drift, options_.yaw_rate_bias_drift_radps, options_.sideslip_drift_rad, 0.0;
   covariance_ = by_states * covariance_ * by_states.transpose();  // METHOD eq 36
   covariance_.diagonal() += duration_s * drift.cwiseAbs2();
 }
@@ -142,7 +142,7 @@ void OdometryErrorFilter::OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix
   T_map_vehicle_ = T_map_vehicle * Embed(Exp(Eigen::Vector3d(step.head<kPose>() - apart)));
   scale_ += step(kScale);
   yaw_rate_bias_radps_ += step(kYawRateBias);
-  course_rad_ += step(kCourse);
+  sideslip_rad_ += step(kSideslip);
   time_offset_s_ += step(kTimeOffset);
   const Covariance keep = Covariance::Identity() - gain * by_states;
   covariance_ = keep * covariance_ * keep.transpose() + gain * noise * gain.transpose();

@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
 #include "core/odometry/cusum_detector.h"
+#include "core/odometry/rig_knowledge.h"
 #include "core/options/option_fields.h"
 
 namespace dcloc {
@@ -17,11 +18,11 @@ namespace dcloc {
 struct OdometryErrorFilterOptions {
   double scale_sigma = 0.01;                ///< tyres are known to a percent or so
   double yaw_rate_bias_sigma_radps = 1e-3;  ///< of a gyroscope that was zeroed at rest
-  double course_sigma_rad = 0.01;           ///< mounts that are turned
+  double sideslip_sigma_rad = 0.01;         ///< mounts that are turned
   double time_offset_sigma_s = 0.03;        ///< clocks that differ
   double min_scale_sigma = 0.002;           ///< of the correction: load and tyres change
-  /// What every registered pose lacks besides its own noise, by errors of the map that the next one
-  /// shares.
+  /// The error of a registered pose beside its own noise: the map's errors, which registrations
+  /// near one another share.
   double pose_sigma_m = 0.1;
   double pose_sigma_rad = 0.004;
   /// What a second adds, in deviations: to the pose, by all that is not constant (slip, noise of
@@ -30,7 +31,7 @@ struct OdometryErrorFilterOptions {
   double walk_sigma_rad = 5e-4;
   double scale_drift = 2e-4;
   double yaw_rate_bias_drift_radps = 2e-5;
-  double course_drift_rad = 2e-4;
+  double sideslip_drift_rad = 2e-4;
   /// The innovation scale is the mean of squared innovations in units of their covariance.
   /// `innovation_memory` is the weight of an older one beside the next, `max_squared_sigmas` the
   /// most that one counts. The mean begins as that of `innovation_prior_count` innovations of 1. A
@@ -42,7 +43,7 @@ struct OdometryErrorFilterOptions {
   /// When the bias is said to have changed at once, and not to have drifted.
   CusumOptions change;
   /// What is further off is no error of a zero, and is not corrected.
-  double max_yaw_rate_bias_radps = 0.15;
+  double max_yaw_rate_bias_radps = kMaxKnownYawRateCorrection_radps;
   /// Poses further apart are not compared.
   std::chrono::nanoseconds max_change_interval = std::chrono::seconds(3);
 };
@@ -52,8 +53,8 @@ absl::Status Validate(const OdometryErrorFilterOptions& options);
 
 /// Learns what is constantly wrong with the motion that the vehicle reports: by which factor its
 /// speed is too low, and by how much its yaw rate. A Kalman filter over the vehicle's planar pose
-/// and four constants that drift slowly: scale, yaw-rate bias, course and time offset. The last two
-/// are not used; without them a turned mount would look like a yaw-rate bias, and a delay at
+/// and four constants that drift slowly: scale, yaw-rate bias, sideslip and time offset. The last
+/// two are not used; without them a turned mount would look like a yaw-rate bias, and a delay at
 /// changing speed like a scale. Registered poses are the measurements. If innovations exceed their
 /// covariance, the measurement noise is scaled up. A bias that changes at once, as when a gyroscope
 /// is set anew, is found by the motion between neighbouring poses, and learned afresh
@@ -72,8 +73,8 @@ class OdometryErrorFilter {
 
   /// An earlier session found this of scale and yaw-rate bias: where learning begins, no more
   /// certain than without it.
-  void StartFrom(const std::optional<ScalarEstimate>& scale,
-                 const std::optional<ScalarEstimate>& yaw_rate_bias_radps);
+  void Restore(const std::optional<ScalarEstimate>& scale,
+               const std::optional<ScalarEstimate>& yaw_rate_bias_radps);
 
   /// What was learned so far, where that is more than was known before the first pose.
   std::optional<ScalarEstimate> LearnedScale() const;
@@ -108,7 +109,7 @@ class OdometryErrorFilter {
   std::optional<Pose3> T_map_vehicle_;  // height and tilt as last registered
   double scale_ = 1.0;
   double yaw_rate_bias_radps_ = 0.0;
-  double course_rad_ = 0.0;
+  double sideslip_rad_ = 0.0;
   double time_offset_s_ = 0.0;
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  // in the tangent space, per second
   Covariance covariance_ = Covariance::Zero();

@@ -42,7 +42,8 @@ struct RigKnowledge {
   const RadarKnowledge* Find(const std::string& radar_id) const;
 };
 
-/// The bounds of what a session may begin with.
+/// The bounds of what a session may begin with (dcloc.v1.RigKnowledge states them). No more is
+/// learned than these allow.
 inline constexpr double kMaxKnownMountYawError_rad = 0.35;
 inline constexpr double kMaxKnownDelay_s = 1.0;
 inline constexpr double kMinKnownScale = 0.4, kMaxKnownScale = 1.6;

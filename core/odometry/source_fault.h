@@ -29,7 +29,8 @@ constexpr const char* NameOf(SourceFault fault) {
   return kSourceFaultNames[static_cast<std::size_t>(fault)];
 }
 
-/// Whether a source takes part in the estimate, and if not, why.
+/// Whether a source takes part in the estimate, and what is wrong with it. A fault that is
+/// corrected leaves it in use: a mount, a clock or a delay that is known.
 struct SourceHealth {
   bool is_used = false;
   SourceFault fault = SourceFault::kSilent;

@@ -77,11 +77,11 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"yaw_rate_range_radps", &O::yaw_rate_range_radps, 0.01, 100},
       {"unchanged_fraction", &O::unchanged_fraction, 0, 0.999, "a failed source may say anything"},
       {"unknown_speed_sigma_mps", &O::unknown_speed_sigma_mps, 1e-6, 1000},
-      {"unknown_yaw_rate_sigma_radps", &O::unknown_yaw_rate_sigma_radps, 1e-6, 100},
+      {"silent_yaw_rate_sigma_radps", &O::silent_yaw_rate_sigma_radps, 1e-6, 100},
       {"restart_probability", &O::restart_probability, 1e-30, 0.5},
-      {"min_rival_way_m", &O::min_rival_way_m, 1e-3, 1000},
+      {"min_alternative_distance_m", &O::min_alternative_distance_m, 1e-3, 1000},
       {"log_likelihood_per_fit", &O::log_likelihood_per_fit, 0, 1000, "scans tell nothing apart"},
-      {"doubt_probability", &O::doubt_probability, 1e-12, 1, "the best hypothesis is sure"},
+      {"min_probability_ratio", &O::min_probability_ratio, 1e-12, 1, "the best hypothesis is sure"},
       {"min_registered_interval_ms", &O::min_registered_interval, 1, 1e5},
       {"max_registered_interval_ms", &O::max_registered_interval, 1, 1e6},
       {"registered_sigma_m", &O::registered_sigma_m, 1e-6, 100},
@@ -106,7 +106,7 @@ SourceMonitor::SourceMonitor(const SourceMonitorOptions& options,
     Hypothesis& hypothesis = hypotheses_[i];
     hypothesis.sound = OdometrySources(i);
     hypothesis.speed.variance = SquareOf(options.unknown_speed_sigma_mps);
-    hypothesis.yaw_rate.variance = SquareOf(options.unknown_yaw_rate_sigma_radps);
+    hypothesis.yaw_rate.variance = SquareOf(options.silent_yaw_rate_sigma_radps);
   }
   Begin({});
   used_ = best().sound;
@@ -119,6 +119,26 @@ void SourceMonitor::Begin(const OdometryReadings& readings) {
   for (Hypothesis& hypothesis : hypotheses_) {
     hypothesis.log_weight = LogTransition(all, hypothesis.sound, transitions);
   }
+}
+
+// No source is as certain as it claims.
+OdometryReadings SourceMonitor::WithFloors(const OdometryReadings& readings) const {
+  OdometryReadings floored = readings;
+  const auto floor_speed = [&](std::optional<ScalarEstimate>& speed) {
+    if (!speed) return;
+    *speed = Floored(*speed, options_.min_speed_sigma_mps +
+                                 options_.min_speed_sigma_fraction * std::abs(speed->value));
+  };
+  const auto floor_yaw_rate = [&](std::optional<ScalarEstimate>& yaw_rate) {
+    if (yaw_rate) *yaw_rate = Floored(*yaw_rate, options_.min_yaw_rate_sigma_radps);
+  };
+  floor_speed(floored.wheel_speed);
+  floor_speed(floored.doppler_speed);
+  floor_speed(floored.alternative_speed);
+  floor_yaw_rate(floored.yaw_rate);
+  floor_yaw_rate(floored.doppler_yaw_rate);
+  floor_yaw_rate(floored.alternative_yaw_rate);
+  return floored;
 }
 
 void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
@@ -134,26 +154,12 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   }
   hypotheses_ = next;
 
-  OdometryReadings floored = readings;
-  const auto floor_speed = [&](std::optional<ScalarEstimate>& speed) {
-    if (!speed) return;
-    *speed = Floored(*speed, options_.min_speed_sigma_mps +
-                                 options_.min_speed_sigma_fraction * std::abs(speed->value));
-  };
-  const auto floor_yaw_rate = [&](std::optional<ScalarEstimate>& yaw_rate) {
-    if (yaw_rate) *yaw_rate = Floored(*yaw_rate, options_.min_yaw_rate_sigma_radps);
-  };
-  floor_speed(floored.wheel_speed);
-  floor_speed(floored.doppler_speed);
-  floor_speed(floored.rival_speed);
-  floor_yaw_rate(floored.yaw_rate);
-  floor_yaw_rate(floored.doppler_yaw_rate);
-  floor_yaw_rate(floored.rival_yaw_rate);
+  const OdometryReadings floored = WithFloors(readings);
   for (Hypothesis& hypothesis : hypotheses_) {
     // Where the motion is unlike any prediction, its filter begins anew, with a small probability.
     Hypothesis restarted = hypothesis;
     restarted.speed.variance = SquareOf(options_.unknown_speed_sigma_mps);
-    restarted.yaw_rate.variance = SquareOf(options_.unknown_yaw_rate_sigma_radps);
+    restarted.yaw_rate.variance = SquareOf(options_.silent_yaw_rate_sigma_radps);
     restarted.log_weight += std::log(options_.restart_probability);
     Update(hypothesis, floored);
     Update(restarted, floored);
@@ -247,8 +253,7 @@ SourceMonitor::Hypothesis SourceMonitor::MostProbablePredecessor(
     state.variance = std::min(state.variance + SquareOf(rate * duration_s), SquareOf(unknown));
   };
   walk(next.speed, options_.acceleration_sigma_mps2, options_.unknown_speed_sigma_mps);
-  walk(next.yaw_rate, options_.yaw_acceleration_sigma_radps2,
-       options_.unknown_yaw_rate_sigma_radps);
+  walk(next.yaw_rate, options_.yaw_acceleration_sigma_radps2, options_.silent_yaw_rate_sigma_radps);
   return next;
 }
 
@@ -271,58 +276,63 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
   compare(kWheelSpeed, readings.wheel_speed, before_.wheel_speed, acceleration_mps2,
           speed_range_mps, hypothesis.speed);
   // Of two motions that the targets agree on, a hypothesis takes the one nearer to its prediction.
-  const bool takes_rival = hypothesis.sound[kDoppler] && readings.rival_speed &&
-                           LogDensity(*readings.rival_speed, hypothesis.speed) >
-                               LogDensity(*readings.doppler_speed, hypothesis.speed);
-  compare(kDoppler, takes_rival ? readings.rival_speed : readings.doppler_speed,
+  const bool takes_alternative = hypothesis.sound[kDoppler] && readings.alternative_speed &&
+                                 LogDensity(*readings.alternative_speed, hypothesis.speed) >
+                                     LogDensity(*readings.doppler_speed, hypothesis.speed);
+  compare(kDoppler, takes_alternative ? readings.alternative_speed : readings.doppler_speed,
           before_.doppler_speed, acceleration_mps2, speed_range_mps, hypothesis.speed);
   compare(kYawRate, readings.yaw_rate, before_.yaw_rate, yaw_acceleration_radps2,
           yaw_rate_range_radps, hypothesis.yaw_rate);
-  compare(kDoppler, takes_rival ? readings.rival_yaw_rate : readings.doppler_yaw_rate,
+  compare(kDoppler, takes_alternative ? readings.alternative_yaw_rate : readings.doppler_yaw_rate,
           before_.doppler_yaw_rate, yaw_acceleration_radps2, yaw_rate_range_radps,
           hypothesis.yaw_rate);
 }
 
-// METHOD eq 44: the way between two registrations against each hypothesis' own, as far as both
-// observe it.
 void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
                                    const RegistrationEvidence& evidence) {
   if (!newest_) return;
   if (evidence.is_accepted) {
-    for (Hypothesis& hypothesis : hypotheses_) hypothesis.missed = {};
+    for (Hypothesis& hypothesis : hypotheses_) hypothesis.unapplied = {};
     accepted_or_tried_ = newest_;
     trial_count_ = 1;
   }
-  const auto begin_anew = [&] {
-    registered_ = {*newest_, T_map_vehicle, evidence.observes_way};
-    for (Hypothesis& hypothesis : hypotheses_) hypothesis.since_registered = {};
-  };
-  if (!registered_) return begin_anew();
-  const std::chrono::nanoseconds interval = *newest_ - registered_->stamp;
-  if (interval < options_.min_registered_interval) return;
-  if (interval <= options_.max_registered_interval) {
-    const double duration_s = SecondsOf(interval);
-    const Tangent<2> moved = Log(registered_->T_map_vehicle.Inverse() * T_map_vehicle);
-    const bool compares_way = registered_->observes_way && evidence.observes_way;
-    const double range_m = options_.speed_range_mps * duration_s;
-    const double range_rad = options_.yaw_rate_range_radps * duration_s;
-    for (Hypothesis& hypothesis : hypotheses_) {
-      const double way_variance_m2 = 2.0 * SquareOf(options_.registered_sigma_m) +
-                                     hypothesis.speed.variance * SquareOf(duration_s);
-      const double turn_variance_rad2 = 2.0 * SquareOf(options_.registered_sigma_rad) +
-                                        hypothesis.yaw_rate.variance * SquareOf(duration_s);
-      const double way_m = moved(0) - hypothesis.since_registered.forward_m;
-      const double turn_rad = WrapAngle(moved(2) - hypothesis.since_registered.turn_rad);
-      const double way_density =
-          compares_way ? std::exp(LogNormal(way_m, way_variance_m2)) : 1.0 / range_m;
-      const double density = way_density * std::exp(LogNormal(turn_rad, turn_variance_rad2));
-      const double anything = 1.0 / (range_m * range_rad);
-      hypothesis.log_weight += std::log((1.0 - options_.false_registration_fraction) * density +
-                                        options_.false_registration_fraction * anything);
+  if (registered_) {
+    const std::chrono::nanoseconds interval = *newest_ - registered_->stamp;
+    if (interval < options_.min_registered_interval) return;
+    if (interval <= options_.max_registered_interval) {
+      CompareWithRegistration(T_map_vehicle, evidence);
     }
-    Normalize();
   }
-  begin_anew();
+  registered_ = {*newest_, T_map_vehicle, evidence.observes_along_track};
+  for (Hypothesis& hypothesis : hypotheses_) hypothesis.since_registered = {};
+}
+
+// METHOD eq 44: the motion between two registrations against each hypothesis' own; along-track as
+// far as both observe that.
+void SourceMonitor::CompareWithRegistration(const Pose2& T_map_vehicle,
+                                            const RegistrationEvidence& evidence) {
+  const double duration_s = SecondsOf(*newest_ - registered_->stamp);
+  const Tangent<2> moved = Log(registered_->T_map_vehicle.Inverse() * T_map_vehicle);
+  const bool compares_along_track =
+      registered_->observes_along_track && evidence.observes_along_track;
+  const double range_m = options_.speed_range_mps * duration_s;
+  const double range_rad = options_.yaw_rate_range_radps * duration_s;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    const double along_track_variance_m2 = 2.0 * SquareOf(options_.registered_sigma_m) +
+                                           hypothesis.speed.variance * SquareOf(duration_s);
+    const double turn_variance_rad2 = 2.0 * SquareOf(options_.registered_sigma_rad) +
+                                      hypothesis.yaw_rate.variance * SquareOf(duration_s);
+    const double along_track_m = moved(0) - hypothesis.since_registered.forward_m;
+    const double turn_rad = WrapAngle(moved(2) - hypothesis.since_registered.turn_rad);
+    const double along_track_density =
+        compares_along_track ? std::exp(LogNormal(along_track_m, along_track_variance_m2))
+                             : 1.0 / range_m;
+    const double density = along_track_density * std::exp(LogNormal(turn_rad, turn_variance_rad2));
+    const double anything = 1.0 / (range_m * range_rad);
+    hypothesis.log_weight += std::log((1.0 - options_.false_registration_fraction) * density +
+                                      options_.false_registration_fraction * anything);
+  }
+  Normalize();
 }
 
 void SourceMonitor::Normalize() {
@@ -356,25 +366,25 @@ ScalarEstimate SourceMonitor::Mixed(ScalarEstimate Hypothesis::*of) const {
   return {chosen.value, chosen.variance + variance / sum};
 }
 
-std::optional<SourceMonitor::MissedMotion> SourceMonitor::OnUsedMotion(double forward_m,
+std::optional<SourceMonitor::PlanarMotion> SourceMonitor::OnUsedMotion(double forward_m,
                                                                        double turn_rad) {
   for (Hypothesis& hypothesis : hypotheses_) {
     const double own_forward_m = hypothesis.speed.value * since_used_s_;
     const double own_turn_rad = hypothesis.yaw_rate.value * since_used_s_;
-    hypothesis.missed.forward_m += own_forward_m - forward_m;
-    hypothesis.missed.turn_rad += own_turn_rad - turn_rad;
+    hypothesis.unapplied.forward_m += own_forward_m - forward_m;
+    hypothesis.unapplied.turn_rad += own_turn_rad - turn_rad;
     hypothesis.since_registered.forward_m += own_forward_m;
     hypothesis.since_registered.turn_rad += own_turn_rad;
   }
   if (best().sound == used_) return std::nullopt;
   used_ = best().sound;
   // What the others say is besides what the best one has added now.
-  const MissedMotion missed = best().missed;
+  const PlanarMotion unapplied = best().unapplied;
   for (Hypothesis& hypothesis : hypotheses_) {
-    hypothesis.missed.forward_m -= missed.forward_m;
-    hypothesis.missed.turn_rad -= missed.turn_rad;
+    hypothesis.unapplied.forward_m -= unapplied.forward_m;
+    hypothesis.unapplied.turn_rad -= unapplied.turn_rad;
   }
-  return missed;
+  return unapplied;
 }
 
 }  // namespace dcloc

@@ -9,6 +9,7 @@
 
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
+#include "core/odometry/motion.h"
 #include "core/odometry/scalar_estimate.h"
 #include "core/options/option_fields.h"
 #include "core/radar/scan.h"
@@ -19,8 +20,6 @@ namespace dcloc {
 /// What says how the vehicle moves.
 enum class OdometrySource : std::size_t { kWheelSpeed, kYawRate, kDoppler };
 inline constexpr std::size_t kOdometrySourceCount = 3;
-inline constexpr std::array<const char*, kOdometrySourceCount> kOdometrySourceNames = {
-    "wheel speed", "yaw rate", "Doppler"};
 
 /// A set of sources, by their number.
 using OdometrySources = std::bitset<kOdometrySourceCount>;
@@ -34,8 +33,8 @@ struct OdometryReadings {
   std::optional<ScalarEstimate> doppler_yaw_rate;
   /// What the targets say that contradict those of `doppler_speed`, where they agree among
   /// themselves: of the two, one is a convoy's, and the hypotheses choose.
-  std::optional<ScalarEstimate> rival_speed;
-  std::optional<ScalarEstimate> rival_yaw_rate;  ///< there exactly when both others are
+  std::optional<ScalarEstimate> alternative_speed;
+  std::optional<ScalarEstimate> alternative_yaw_rate;  ///< there exactly when both others are
   /// How many directions, ten degrees wide, the Doppler's inliers lie in: one mover that fills the
   /// view is seen in few.
   int doppler_direction_count = 0;
@@ -47,7 +46,7 @@ struct RegistrationEvidence {
   bool is_accepted = true;
   /// It would have seen that the vehicle moved faster or slower. Between smooth walls it does not:
   /// along them it lies where the odometry in use has put it.
-  bool observes_way = true;
+  bool observes_along_track = true;
 };
 
 /// When a source is taken for wrong (METHOD eq 42-44).
@@ -83,19 +82,21 @@ struct SourceMonitorOptions {
   double speed_range_mps = 60.0;
   double yaw_rate_range_radps = 2.0;
   double unchanged_fraction = 0.9;
-  double unknown_speed_sigma_mps = 15.0;
-  double unknown_yaw_rate_sigma_radps = 0.5;
-  /// That the vehicle moves as nothing before let expect, at a comparison.
+  /// What a hypothesis whose sources are silent knows of the motion; it becomes no less certain.
+  double unknown_speed_sigma_mps = kUnknownSpeedSigma_mps;
+  double silent_yaw_rate_sigma_radps = 0.5;
+  /// Probability, at each comparison, that the motion is unlike any prediction and a hypothesis's
+  /// filter has to start anew.
   double restart_probability = 1e-6;
-  /// A hypothesis is less probable than the best one by at most the first ratio, in the logarithm,
-  /// so that it can recover. By up to the second it widens the variance of the motion.
+  /// Log-probability ratios to the best hypothesis. None falls below the first, so that it can
+  /// recover. Those within the second widen the variance of the motion.
   double max_log_ratio = 40.0;
   double spread_log_ratio = 7.0;
-  /// Hypotheses less probable than this, beside the best one, make nothing doubtful.
-  double doubt_probability = 1e-4;
+  /// Hypotheses less probable than this, beside the best one, are no part of the spread.
+  double min_probability_ratio = 1e-4;
   /// Scans tell hypotheses apart that put the vehicle so far from one another. A fit that is better
   /// by 1 makes a hypothesis more probable by so much, in log-likelihood.
-  double min_rival_way_m = 0.4;
+  double min_alternative_distance_m = 0.4;
   double log_likelihood_per_fit = 10.0;
   /// Registrations that are compared lie at least so far apart, and err by so much.
   std::chrono::nanoseconds min_registered_interval = std::chrono::milliseconds(500);
@@ -120,7 +121,7 @@ absl::Status Validate(const SourceMonitorOptions& options);
 /// to one set the most probable goes on.
 class SourceMonitor {
  public:
-  /// The gate of `static_points` is what the doubt in the speed has to widen.
+  /// The gate of `static_points` is what the spread of the speed has to widen.
   explicit SourceMonitor(const SourceMonitorOptions& options = {},
                          const StaticPointsOptions& static_points = {});
 
@@ -128,8 +129,8 @@ class SourceMonitor {
   void OnReadings(Stamp stamp, const OdometryReadings& readings);
 
   /// A registration puts the vehicle here at the last readings. It is compared with one before, be
-  /// it an outlier against the estimate or not: the estimate is made of the sources. Once one is
-  /// accepted, nothing has been missed before it.
+  /// it an outlier against the estimate or not: the estimate is made of the sources. What was not
+  /// applied before an accepted one never will be.
   void OnRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   /// It is no longer known where the vehicle was.
   void OnRegistrationLost() { registered_.reset(); }
@@ -146,37 +147,37 @@ class SourceMonitor {
   ScalarEstimate speed() const { return Mixed(&Hypothesis::speed); }
   ScalarEstimate yaw_rate() const { return Mixed(&Hypothesis::yaw_rate); }
 
-  /// The vehicle's motion since the readings before the last ones was taken to be this. Gives what
-  /// has been missed of it, where the sound sources are no longer those of the call before: how the
-  /// vehicle moved by the ones that are sound now, besides what was used since the last
-  /// registration.
-  struct MissedMotion {
+  /// The vehicle's motion since the readings before the last ones was taken to be this. Gives the
+  /// correction to apply, where the sound sources are no longer those of the call before: how the
+  /// vehicle moved since the last accepted registration by the ones that are sound now, beyond what
+  /// was used.
+  struct PlanarMotion {
     double forward_m = 0.0;
     double turn_rad = 0.0;
   };
-  std::optional<MissedMotion> OnUsedMotion(double forward_m, double turn_rad);
+  std::optional<PlanarMotion> OnUsedMotion(double forward_m, double turn_rad);
 
-  /// By how much the vehicle may have moved otherwise than was used, since a registration was last
-  /// accepted, and may move so now. Zero while all hypotheses that are not improbable agree.
-  struct Doubt {
+  /// The model spread: how the hypotheses that are probable differ from the motion that was used
+  /// since a registration was last accepted, and from the velocity now. Zero while they agree.
+  struct Spread {
     /// With it, the gate of static targets reaches those of each motion that is as probable as the
     /// best one, and of others as far as they are probable [m2/s2].
     double speed_variance = 0.0;
-    double yaw_rate_variance = 0.0;  ///< [rad2/s2]
-    double way_variance_m2 = 0.0;    ///< about the motion that was used
+    double yaw_rate_variance = 0.0;        ///< [rad2/s2]
+    double along_track_variance_m2 = 0.0;  ///< about the motion that was used
     double turn_variance_rad2 = 0.0;
-    double way_bound_m = 0.0;  ///< the most that a hypothesis says of the way
+    double along_track_bound_m = 0.0;  ///< the most that a hypothesis differs by along-track
   };
-  Doubt CurrentDoubt() const;
+  Spread CurrentSpread() const;
 
   /// The most probable other motion, besides the one that was used since a registration was last
   /// accepted, that is not improbable and puts the vehicle elsewhere. Nothing too soon after the
   /// last `OnFits`.
-  std::optional<MissedMotion> Rival() const;
+  std::optional<PlanarMotion> Alternative() const;
 
   /// A scan at the last readings fits the map so well, [0, 1], where the vehicle is by the motion
-  /// that was used, and so well where the rival puts it.
-  void OnFits(const MissedMotion& rival, double fit, double rival_fit);
+  /// that was used, and so well where the alternative puts it.
+  void OnFits(const PlanarMotion& alternative, double fit, double alternative_fit);
 
  private:
   // Which sources are sound, and how the vehicle moves if so.
@@ -185,8 +186,8 @@ class SourceMonitor {
     double log_weight = 0.0;
     ScalarEstimate speed;
     ScalarEstimate yaw_rate;
-    MissedMotion missed;            // besides the motion that was used
-    MissedMotion since_registered;  // the whole motion
+    PlanarMotion unapplied;         // beyond the motion that was used
+    PlanarMotion since_registered;  // the whole motion
   };
   static constexpr std::size_t kHypothesisCount = 1U << kOdometrySourceCount;
   using Hypotheses = std::array<Hypothesis, kHypothesisCount>;
@@ -207,7 +208,7 @@ class SourceMonitor {
   struct Registered {
     Stamp stamp;
     Pose2 T_map_vehicle;
-    bool observes_way;
+    bool observes_along_track;
   };
   // When each quantity was last reported.
   struct LastReported {
@@ -227,9 +228,11 @@ class SourceMonitor {
                               const Transitions& transitions);
   Hypothesis MostProbablePredecessor(const OdometrySources& sound, double duration_s,
                                      const Transitions& transitions) const;
+  OdometryReadings WithFloors(const OdometryReadings& readings) const;
   void Update(Hypothesis& hypothesis, const OdometryReadings& readings) const;
   void Begin(const OdometryReadings& readings);
   void TryOthers(Stamp stamp, const OdometryReadings& readings);
+  void CompareWithRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   void Normalize();
 
   SourceMonitorOptions options_;

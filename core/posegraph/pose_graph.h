@@ -5,6 +5,7 @@
 #include <span>
 
 #include "absl/status/status.h"
+#include "core/geometry/chi_square.h"
 #include "core/options/option_fields.h"
 #include "core/posegraph/chain_solver.h"
 #include "core/posegraph/state_chain.h"
@@ -31,9 +32,8 @@ struct PoseGraphOptions {
   int window = 10;  ///< states that are solved for, [1, 1000]
   /// Factors that fail the chi-square test against the fused state are left out (METHOD 7).
   bool gate_outliers = true;
-  /// 95 % quantiles of the chi-square distribution with 3 and 6 degrees of freedom.
-  double max_squared_distance_planar = 7.815;
-  double max_squared_distance_spatial = 12.592;
+  double max_squared_distance_planar = kChiSquare95With3Dof;
+  double max_squared_distance_spatial = kChiSquare95With6Dof;
   /// Factors left out in a row that agree among themselves and so replace the accepted chain, >= 2.
   int takeover_support = 25;
   /// Where the first of them lay within this squared Mahalanobis distance, no more than so many:

@@ -28,7 +28,7 @@ template <int Dim>
 void GlobalLocalizer<Dim>::OnMotion(const Motion& motion) {
   if (views_.empty()) return;
   since_view_ = Compose(since_view_, motion);
-  way_since_view_m_ += motion.T_from_to.translation_m.norm();
+  travelled_since_view_m_ += motion.T_from_to.translation_m.norm();
   // Views that odometry does not join any more.
   const Matrix6d& covariance = since_view_.covariance;
   if (HorizontalSigma(covariance) > options_.max_view_sigma_m ||
@@ -53,7 +53,7 @@ bool GlobalLocalizer<Dim>::WantsView(Stamp stamp) const {
                             : options_.late_view_interval_factor * options_.view_interval;
   if (stamp - view_stamp_ < interval) return false;
   // An expected place waits until the region around it has grown to the map, also where it stands.
-  return (expected_ && region_) || way_since_view_m_ >= options_.view_distance_m;
+  return (expected_ && region_) || travelled_since_view_m_ >= options_.view_distance_m;
 }
 
 template <int Dim>
@@ -67,7 +67,7 @@ void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Di
   views_.push_back({.fine_points = EvenSubsample(live, options_.fine_point_count),
                     .coarse_points = EvenSubsample(live, options_.coarse_point_count),
                     .motion = std::exchange(since_view_, {}),
-                    .way_m = std::exchange(way_since_view_m_, 0.0)});
+                    .travelled_m = std::exchange(travelled_since_view_m_, 0.0)});
   for (Candidate& candidate : candidates_) candidate.fits.emplace_back();
   view_stamp_ = stamp;
   ++view_count_;
@@ -87,17 +87,17 @@ std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Contin
     RegistrationWorkspace<Dim>& workspace) {
   work_ = 0.0;
   while (work_ < options_.max_work && phase_ != Phase::kIdle) DoNextPiece(workspace);
-  if (!winner_ || (!winner_->is_expected && Way() < options_.min_distance_m)) return std::nullopt;
-  return Place{.T_map_vehicle = winner_->T_map_vehicle * since_view_.T_from_to,
-               .is_expected = winner_->is_expected};
+  const bool is_found = winner_ && winner_->origin == PlaceOrigin::kFound;
+  if (!winner_ || (is_found && DistanceTravelled() < options_.min_distance_m)) return std::nullopt;
+  return Place{winner_->T_map_vehicle * since_view_.T_from_to, winner_->origin};
 }
 
 // From the oldest view on.
 template <int Dim>
-double GlobalLocalizer<Dim>::Way() const {
-  double way_m = way_since_view_m_;
-  for (std::size_t i = 1; i < views_.size(); ++i) way_m += views_[i].way_m;
-  return way_m;
+double GlobalLocalizer<Dim>::DistanceTravelled() const {
+  double travelled_m = travelled_since_view_m_;
+  for (std::size_t i = 1; i < views_.size(); ++i) travelled_m += views_[i].travelled_m;
+  return travelled_m;
 }
 
 template <int Dim>
@@ -249,7 +249,7 @@ void GlobalLocalizer<Dim>::AddExpected(RegistrationWorkspace<Dim>& workspace) {
   for (Candidate& one : candidates_) one.is_expected = false;
   if (!expected_) return;
   const ViewFit fit = FitAround(views_.back(), expected_->T_map_vehicle, workspace);
-  // What is doubted must be right as it is, and not some way from there.
+  // What is doubted must be right as it is, and not some metres from there.
   if (expected_->basis == Basis::kDoubted &&
       !IsSamePlace(fit.T_map_vehicle, expected_->T_map_vehicle)) {
     return;
@@ -324,24 +324,24 @@ std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Winner
   if (candidates_.empty()) return std::nullopt;
   const auto expected = std::ranges::find_if(candidates_, &Candidate::is_expected);
   if (expected != candidates_.end() && IsExpectedRight(*expected)) {
-    return Place{.T_map_vehicle = expected->fits.back()->T_map_vehicle, .is_expected = true};
+    return Place{expected->fits.back()->T_map_vehicle, PlaceOrigin::kExpected};
   }
   const Candidate& leader = candidates_.front();
   if (views_.size() < 2 || !HoldsInAll(&ViewFit::is_acceptable, leader) || !StandsOut(leader))
     return std::nullopt;
   if (expected_ && region_ && !HoldsInAll(&ViewFit::is_convincing, leader)) return std::nullopt;
-  return Place{.T_map_vehicle = leader.fits.back()->T_map_vehicle,
-               .is_expected = leader.is_expected};
+  return Place{leader.fits.back()->T_map_vehicle,
+               leader.is_expected ? PlaceOrigin::kExpected : PlaceOrigin::kFound};
 }
 
 // Nothing fits where was searched, so the vehicle is not there. A place that stands out must hold
-// over some way; one that is expected, and those around it, need not.
+// over some distance; one that is expected, and those around it, need not.
 template <int Dim>
 bool GlobalLocalizer<Dim>::IsInVain() const {
   if (winner_) return false;
   if (expected_)
     return candidates_.empty() || !HoldsInAll(&ViewFit::is_convincing, candidates_.front());
-  return views_.size() >= 2 && Way() >= options_.min_distance_m &&
+  return views_.size() >= 2 && DistanceTravelled() >= options_.min_distance_m &&
          (candidates_.empty() || !HoldsInAll(&ViewFit::is_acceptable, candidates_.front()));
 }
 

@@ -16,6 +16,9 @@
 
 namespace dcloc {
 
+/// Whether a place was known before the search: by a prior or a pose that it verified.
+enum class PlaceOrigin { kExpected, kFound };
+
 /// Finds a vehicle of which nothing is known but a region, or not even that. Twice a second or so
 /// the sub-map is kept as a view, and the map is searched for places that look like it. All places
 /// found are registered with all views, joined by odometry. The pose is the one that fits every
@@ -38,7 +41,7 @@ class GlobalLocalizer {
   /// Where the vehicle is.
   struct Place {
     Pose3 T_map_vehicle;
-    bool is_expected = false;  ///< it is the one that was expected
+    PlaceOrigin origin = PlaceOrigin::kFound;
   };
 
   GlobalLocalizer(std::shared_ptr<const RadarMap> map,
@@ -115,8 +118,7 @@ class GlobalLocalizer {
   bool IsExpectedRight(const Candidate& expected) const;
   bool IsInVain() const;
   std::optional<Place> Winner() const;
-  std::optional<Place> Elsewhere(const Candidate& leader) const;
-  double Way() const;
+  double DistanceTravelled() const;
   static double LogLikelihood(const Candidate& candidate);
   ViewFit FitAfterMotion(const View<Dim>& view, const ViewFit& neighbour, const Motion& motion,
                          RegistrationWorkspace<Dim>& workspace);
@@ -133,12 +135,12 @@ class GlobalLocalizer {
   PlaceRegistrar<Dim> registrar_;
 
   Phase phase_ = Phase::kIdle;
-  int view_count_ = 0;                  // taken since there was no pose
-  std::vector<View<Dim>> views_;        // oldest first
-  Stamp view_stamp_{};                  // of the newest view
-  std::optional<SearchRegion> region_;  // likewise
-  Motion since_view_;                   // likewise
-  double way_since_view_m_ = 0.0;       // likewise
+  int view_count_ = 0;                   // taken since there was no pose
+  std::vector<View<Dim>> views_;         // oldest first
+  Stamp view_stamp_{};                   // of the newest view
+  std::optional<SearchRegion> region_;   // likewise
+  Motion since_view_;                    // likewise
+  double travelled_since_view_m_ = 0.0;  // likewise
   std::optional<PlaceSearch> search_;
   double cell_m_ = 1.0;                    // of the last search
   std::vector<PlaceCandidate> places_;     // left to be fitted coarsely, the best last

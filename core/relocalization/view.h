@@ -19,7 +19,7 @@ struct View {
   std::vector<GaussianPoint<Dim>> fine_points;
   std::vector<GaussianPoint<Dim>> coarse_points;
   Motion motion;
-  double way_m = 0.0;
+  double travelled_m = 0.0;
 };
 
 /// xy of each point.

@@ -122,8 +122,8 @@ void NoiseScaleEstimator<Dim>::Part::Solve(const NoiseScaleOptions& options) {  
 }
 
 template <int Dim>
-void NoiseScaleEstimator<Dim>::Part::StartFrom(const NoiseScaleOptions& options,
-                                               const NoisePart& part) {
+void NoiseScaleEstimator<Dim>::Part::Restore(const NoiseScaleOptions& options,
+                                             const NoisePart& part) {
   static_cast<NoisePart&>(*this) = part;
   odometry_ratio = std::clamp(odometry_ratio, options.min_odometry_ratio, options.max_ratio);
   registration_ratio =
@@ -131,9 +131,9 @@ void NoiseScaleEstimator<Dim>::Part::StartFrom(const NoiseScaleOptions& options,
 }
 
 template <int Dim>
-void NoiseScaleEstimator<Dim>::StartFrom(const NoiseKnowledge& knowledge) {
-  translation_.StartFrom(options_, knowledge.translation);
-  rotation_.StartFrom(options_, knowledge.rotation);
+void NoiseScaleEstimator<Dim>::Restore(const NoiseKnowledge& knowledge) {
+  translation_.Restore(options_, knowledge.translation);
+  rotation_.Restore(options_, knowledge.rotation);
 }
 
 template <int Dim>

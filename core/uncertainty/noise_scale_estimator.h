@@ -60,7 +60,7 @@ class NoiseScaleEstimator {
 
   /// An earlier estimator of the same vehicle learned this. Its ratios are brought within the
   /// bounds of the options. Before the first registration.
-  void StartFrom(const NoiseKnowledge& knowledge);
+  void Restore(const NoiseKnowledge& knowledge);
 
   /// `covariance` of odometry by its model, scaled by the learned ratio.
   TangentMatrix<Dim> OdometryCovariance(const TangentMatrix<Dim>& covariance) const;
@@ -95,7 +95,7 @@ class NoiseScaleEstimator {
     void Add(const NoiseScaleOptions& options, Pairs& pairs, double squared_error, double known,
              double registrations, double odometry) const;
     void Solve(const NoiseScaleOptions& options);
-    void StartFrom(const NoiseScaleOptions& options, const NoisePart& part);
+    void Restore(const NoiseScaleOptions& options, const NoisePart& part);
   };
 
   void Compare(const Anchor& anchor, const PoseEstimate<Dim>& registration, Pairs Part::*pairs);

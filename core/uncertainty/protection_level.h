@@ -38,7 +38,7 @@ class ProtectionLevel {
   /// How large innovations have been: the mean of what `OnInnovation` took.
   double squared_innovation() const { return squared_innovation_; }
   /// An earlier localizer of the same vehicle found this mean, >= 0.
-  void StartFrom(double squared_innovation) {
+  void Restore(double squared_innovation) {
     squared_innovation_ = std::min(squared_innovation, options_.max_squared_sigmas);
   }
 

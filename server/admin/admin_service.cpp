@@ -238,7 +238,7 @@ grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
     if (absl::IsNotFound(session.status())) {
       return WatchElsewhere(context, *request, session.status(), stream);
     }
-    if (request->position_fixes()) stream->TakeFixAnswers();
+    if (request->position_fixes()) stream->IncludeFixAnswers();
     if (session.ok()) session->info->feed.Subscribe(stream);
     stream->Begin(session.status());
   });
@@ -283,7 +283,7 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
       status = absl::ResourceExhaustedError(
           absl::StrFormat("%d recordings are under way, which is the limit", kMaxRecordingCount));
     }
-    if (request->position_fixes()) stream->TakeFixes();
+    if (request->position_fixes()) stream->IncludeFixes();
     // Who cannot be spoken for elsewhere records here alone.
     const std::vector<std::string> others = OthersToAsk(*context);
     const auto begin = [this, context, request, stream, caller = principal,

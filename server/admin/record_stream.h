@@ -39,7 +39,7 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
 
   /// To be called before it waits for a session: the caller can keep position fixes. Without it the
   /// first one ends the call.
-  void TakeFixes() { takes_fixes_ = true; }
+  void IncludeFixes() { takes_fixes_ = true; }
 
   /// To be called before it waits for a session: it may also be recorded at other replicas.
   void Join(std::shared_ptr<RecordContest> contest) { contest_ = std::move(contest); }

@@ -20,7 +20,7 @@ class WatchStream final : public PushStream<v1::WatchSessionResponse>, public An
   void Begin(const absl::Status& status) { BeginWith(status); }
 
   /// To be called before it is subscribed: it also gets the answers to position fixes.
-  void TakeFixAnswers() { takes_fix_answers_ = true; }
+  void IncludeFixAnswers() { takes_fix_answers_ = true; }
 
   void OnAnswer(const ScanAnswer& answer) override;
   void OnFixAnswer(const FixAnswer& answer) override;

@@ -12,8 +12,8 @@ SessionPermit::SessionPermit(const Limits& limits, std::shared_ptr<PrincipalUsag
 
 SessionPermit::~SessionPermit() { --usage_->session_count; }
 
-absl::Status SessionPermit::TakeScan(int target_count,
-                                     std::chrono::steady_clock::time_point now) const {
+absl::Status SessionPermit::ChargeScan(int target_count,
+                                       std::chrono::steady_clock::time_point now) const {
   if (const int max = limits_.max_target_count; target_count > max) {
     return absl::ResourceExhaustedError(
         absl::StrFormat("scan has %d targets; max_target_count is %d", target_count, max));
@@ -25,7 +25,7 @@ absl::Status SessionPermit::TakeScan(int target_count,
   return absl::OkStatus();
 }
 
-absl::Status SessionPermit::TakeFix(std::chrono::steady_clock::time_point now) const {
+absl::Status SessionPermit::ChargeFix(std::chrono::steady_clock::time_point now) const {
   if (const int max = limits_.max_scan_rate_hz_per_principal; !usage_->fixes.Take(max, now)) {
     return absl::ResourceExhaustedError(absl::StrFormat(
         "position fixes come faster than max_scan_rate_hz_per_principal, which is %d", max));

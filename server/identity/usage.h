@@ -30,11 +30,12 @@ class SessionPermit {
   SessionPermit(const SessionPermit&) = delete;
   SessionPermit& operator=(const SessionPermit&) = delete;
 
-  /// Asks for one scan of so many targets. ResourceExhausted names the limit and its value.
-  absl::Status TakeScan(int target_count, std::chrono::steady_clock::time_point now) const;
+  /// Charges one scan of so many targets to the principal. ResourceExhausted names the limit and
+  /// its value.
+  absl::Status ChargeScan(int target_count, std::chrono::steady_clock::time_point now) const;
 
-  /// Asks for one position fix. They may come as fast as scans may, and take nothing from those.
-  absl::Status TakeFix(std::chrono::steady_clock::time_point now) const;
+  /// Charges one position fix. They may come as fast as scans may, and take nothing from those.
+  absl::Status ChargeFix(std::chrono::steady_clock::time_point now) const;
 
  private:
   const Limits& limits_;

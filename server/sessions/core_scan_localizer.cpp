@@ -22,8 +22,8 @@ class CoreScanLocalizer final : public ScanLocalizer {
 
   std::optional<LocalizerSnapshot> Snapshot() override { return localizer_.Snapshot(); }
 
-  absl::Status GoOnFrom(const LocalizerSnapshot& snapshot) override {
-    return localizer_.GoOnFrom(snapshot);
+  absl::Status Restore(const LocalizerSnapshot& snapshot) override {
+    return localizer_.Restore(snapshot);
   }
 
   bool has_pose() const override { return localizer_.has_pose(); }

@@ -22,9 +22,9 @@ class ScanLocalizer {
   /// As Localizer::TakeFix.
   virtual absl::StatusOr<FixUse> TakeFix(const PositionFix& fix) = 0;
 
-  /// As Localizer::Snapshot and Localizer::GoOnFrom.
+  /// As Localizer::Snapshot and Localizer::Restore.
   virtual std::optional<LocalizerSnapshot> Snapshot() = 0;
-  virtual absl::Status GoOnFrom(const LocalizerSnapshot& snapshot) = 0;
+  virtual absl::Status Restore(const LocalizerSnapshot& snapshot) = 0;
 
   /// As Localizer::has_pose.
   virtual bool has_pose() const = 0;

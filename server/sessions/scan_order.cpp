@@ -13,7 +13,7 @@ absl::Status ScanOrder::Check(std::int64_t sequence_number) const {
   return absl::OkStatus();
 }
 
-void ScanOrder::GoOnFrom(std::int64_t sequence_number, Stamp stamp) {
+void ScanOrder::Restore(std::int64_t sequence_number, Stamp stamp) {
   last_localized_ = highest_ = sequence_number;
   last_stamp_ = stamp;
 }

@@ -16,7 +16,7 @@ class ScanOrder {
   absl::Status Check(std::int64_t sequence_number) const;
 
   /// Goes on after a scan that another session localized. Before the first one.
-  void GoOnFrom(std::int64_t sequence_number, Stamp stamp);
+  void Restore(std::int64_t sequence_number, Stamp stamp);
 
   /// To be called when a scan was localized; returns how many numbers before it are missing.
   std::int64_t OnLocalized(std::int64_t sequence_number, Stamp stamp);

@@ -35,7 +35,7 @@ Scan LastScanOf(const LocalizerSnapshot& snapshot, const Rig& rig) {
 }
 
 /// `resets` of a localizer that goes on where others ended.
-void GoOnFrom(const PoseResets& before, PoseResets* resets) {
+void AddResetsBefore(const PoseResets& before, PoseResets* resets) {
   if (resets->count == 0) resets->T_before_after = before.T_before_after;
   resets->count += before.count;
 }
@@ -56,7 +56,7 @@ absl::StatusOr<std::shared_ptr<Session>> Session::Create(const SessionContext& c
       context.create_localizer(start.map.map, start.rig, start.initial_pose, start.options);
   if (!localizer.ok()) return localizer.status();
   if (start.ticket) {
-    if ((*localizer)->GoOnFrom(start.ticket->snapshot).ok()) {
+    if ((*localizer)->Restore(start.ticket->snapshot).ok()) {
       start.initial_pose = start.ticket->snapshot.pose;
     } else {
       start.ticket.reset();
@@ -82,7 +82,7 @@ Session::Session(const SessionContext& context, SessionStart start,
       answered_until_(start.ticket ? start.answered_until : std::nullopt),
       history_(context.answer_history_count) {
   if (start.ticket) {
-    order_.GoOnFrom(start.ticket->last_sequence_number, start.ticket->snapshot.stamp);
+    order_.Restore(start.ticket->last_sequence_number, start.ticket->snapshot.stamp);
     last_scan_ = LastScanOf(start.ticket->snapshot, *rig_);
     last_resets_ = start.ticket->snapshot.resets;
     ChooseLane();
@@ -189,7 +189,7 @@ absl::StatusOr<FixAnswer> Session::TakeProposal(v1::PositionFix fix) {
 }
 
 absl::StatusOr<FixUse> Session::Use(const v1::PositionFix& message) {
-  absl::Status status = info_->description.caller.permit->TakeFix(Clock::now());
+  absl::Status status = info_->description.caller.permit->ChargeFix(Clock::now());
   if (!status.ok()) return status;
   const absl::StatusOr<PositionFix> fix = convert::FromProto(message, map_.map->info().anchor);
   if (!fix.ok()) return fix.status();
@@ -240,7 +240,7 @@ absl::StatusOr<LocalizedScan> Session::Localize(const v1::Scan& message) {
   timer.End();
   localized_time_ = Clock::now();
   if (!localization.ok()) return WithPrefix("scan: ", localization.status());
-  GoOnFrom(resets_before_move_, &localization->resets);
+  AddResetsBefore(resets_before_move_, &localization->resets);
   OnLocalized(message, *localization);
   LocalizedScan scan{.map_version = info_->map_version,
                      .localization = *std::move(localization),
@@ -253,7 +253,7 @@ absl::StatusOr<LocalizedScan> Session::Localize(const v1::Scan& message) {
 
 /// Fills `scan_`, unless the principal may not send it, it is malformed, or out of order.
 absl::Status Session::TakeScan(const v1::Scan& message, Clock::time_point begin) {
-  absl::Status status = info_->description.caller.permit->TakeScan(message.range_m_size(), begin);
+  absl::Status status = info_->description.caller.permit->ChargeScan(message.range_m_size(), begin);
   if (status.ok()) status = WithPrefix("scan.", convert::FromProto(message, *rig_, &scan_));
   if (status.ok()) status = order_.Check(message.sequence_number());
   return status;

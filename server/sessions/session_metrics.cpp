@@ -88,8 +88,8 @@ constexpr std::array kStateLabels = {"initializing", "tracking", "dead_reckoning
 constexpr char kMapHelp[] = "Maps that new sessions asked for, by whether they were in memory";
 constexpr std::array kReasons = {"invalid", "late", "limit", "other"};
 /// Those of FixUse, then the refusals.
-constexpr std::array kUses = {"fused",       "guides_search", "contradicted",
-                              "out_of_time", "invalid",       "over_limit"};
+constexpr std::array kUses = {"fused",       "agrees",  "guides_search", "contradicted",
+                              "out_of_time", "invalid", "over_limit"};
 
 std::size_t IndexOf(const absl::StatusOr<FixUse>& use) {
   if (use.ok()) return static_cast<std::size_t>(*use);

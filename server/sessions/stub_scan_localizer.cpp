@@ -38,7 +38,7 @@ class StubScanLocalizer final : public ScanLocalizer {
   }
 
   std::optional<LocalizerSnapshot> Snapshot() override { return std::nullopt; }
-  absl::Status GoOnFrom(const LocalizerSnapshot& /*snapshot*/) override {
+  absl::Status Restore(const LocalizerSnapshot& /*snapshot*/) override {
     return absl::UnimplementedError("the stub goes on from nothing");
   }
 

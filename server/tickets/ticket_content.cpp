@@ -75,7 +75,7 @@ void ForEach(Knowledge& noise, Use use) {
 
 void Write(const TrackingSnapshot& tracking, sealed::Tracking* message) {
   message->set_mode(static_cast<int>(tracking.mode));
-  message->set_verification(static_cast<int>(tracking.verification));
+  message->set_verification(static_cast<int>(tracking.confirmation_requires));
   message->set_observability(static_cast<int>(tracking.observability));
   message->set_observability_changed_ns(Nanoseconds(tracking.observability_changed));
   message->set_last_accepted_ns(Nanoseconds(tracking.last_accepted));
@@ -88,7 +88,7 @@ void Write(const TrackingSnapshot& tracking, sealed::Tracking* message) {
 TrackingSnapshot Read(const sealed::Tracking& message) {
   TrackingSnapshot tracking{
       .mode = static_cast<TrackingMode>(message.mode()),
-      .verification = static_cast<Verification>(message.verification()),
+      .confirmation_requires = static_cast<ConfirmationRequires>(message.verification()),
       .observability = static_cast<AlongTrackObservability>(message.observability()),
       .observability_changed = StampOf(message.observability_changed_ns()),
       .last_accepted = StampOf(message.last_accepted_ns()),
@@ -114,7 +114,7 @@ void Write(const LocalizerSnapshot& snapshot, sealed::Snapshot* message) {
   message->set_reset_count(snapshot.resets.count);
   Write(snapshot.resets.T_before_after, message->mutable_last_jump());
   message->set_squared_innovation(snapshot.squared_innovation);
-  message->set_factor_count(snapshot.factor_count);
+  message->set_factor_count(snapshot.registration_count);
   for (const std::chrono::nanoseconds ahead : snapshot.clocks_ahead) {
     message->add_clocks_ahead_ns(ahead.count());
   }
@@ -144,7 +144,7 @@ absl::StatusOr<LocalizerSnapshot> Read(const sealed::Snapshot& message) {
       .noise = {},
       .resets = {.count = message.reset_count(), .T_before_after = ReadPose(message.last_jump())},
       .squared_innovation = message.squared_innovation(),
-      .factor_count = message.factor_count(),
+      .registration_count = message.factor_count(),
       .clocks_ahead = {}};
   ForEach(snapshot.noise,
           [&message, i = 0](double& number) mutable { number = message.noise(i++); });

@@ -32,7 +32,8 @@ def through_router():
 if __name__ == "__main__" and "--router" in sys.argv and "DCLOC_ATTACK_CA" not in os.environ:
     sys.exit(through_router())  # before what is imported here reads it
 
-from attacks import ATTACKS, Case  # noqa: E402
+from attacks import ATTACKS  # noqa: E402
+from case import Case  # noqa: E402
 from faults import FAULTS  # noqa: E402
 from router_attacks import ROUTER_ATTACKS  # noqa: E402
 from target import Api, make_stubs  # noqa: E402

@@ -63,8 +63,6 @@ Pose3 PoseOf(const v1::Pose& message) {
 // On the wire 0 is "unspecified", and then come core's in their order.
 static_assert(static_cast<int>(SourceFault::kNone) + 1 == v1::SOURCE_FAULT_NONE);
 static_assert(static_cast<int>(SourceFault::kDelay) + 1 == v1::SOURCE_FAULT_DELAY);
-static_assert(static_cast<int>(FixUse::kFused) + 1 == v1::FIX_USE_FUSED);
-static_assert(static_cast<int>(FixUse::kOutOfTime) + 1 == v1::FIX_USE_OUT_OF_TIME);
 
 /// Of a SourceHealth or a RadarHealth.
 template <typename Message>
@@ -235,7 +233,20 @@ v1::PositionFix ToProto(const StampedFix& fix) {
   return message;
 }
 
-v1::FixUse ToProto(FixUse use) { return static_cast<v1::FixUse>(static_cast<int>(use) + 1); }
+v1::FixUse ToProto(FixUse use) {
+  switch (use) {
+    case FixUse::kFused:
+    case FixUse::kAgrees:  // the contract has one value for both
+      return v1::FIX_USE_FUSED;
+    case FixUse::kGuidesSearch:
+      return v1::FIX_USE_GUIDES_SEARCH;
+    case FixUse::kContradicted:
+      return v1::FIX_USE_CONTRADICTED;
+    case FixUse::kOutOfTime:
+      return v1::FIX_USE_OUT_OF_TIME;
+  }
+  return v1::FIX_USE_UNSPECIFIED;
+}
 
 v1::LocalizationResult ToProto(const Localization& localization, const Rig& rig,
                                std::int64_t sequence_number) {

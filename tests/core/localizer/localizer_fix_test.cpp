@@ -43,7 +43,7 @@ TEST_F(LocalizerFixTest, StartsASearch) {
       ErrorsOf(Localize(MakeLocalizer(map_, FrontRadar(), std::nullopt), drive_, 0.5, -0.5));
   EXPECT_GT(errors.tracking_count, static_cast<int>(drive_.size()) / 2);
   EXPECT_LT(errors.max_m, 2.0);
-  EXPECT_EQ(last_use_, FixUse::kFused);
+  EXPECT_EQ(last_use_, FixUse::kAgrees);
 }
 
 TEST_F(LocalizerFixTest, ReflectionsForceNoPose) {
@@ -96,6 +96,24 @@ TEST_F(LocalizerFixTest, OneIsCalledFusedWhereItWas) {
   EXPECT_GT(contradicted_count, 2);
 }
 
+// Of two that are as good, less than a second apart, one moves the pose.
+TEST_F(LocalizerFixTest, OneThatAgreesAMomentLaterLeavesThePoseAsItIs) {
+  const auto answer_after = [&](int fix_count, FixUse* use) {
+    Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02));
+    for (std::size_t i = 0; i < 60; ++i) EXPECT_TRUE(localizer.Localize(drive_[i].scan).ok());
+    for (int i = 0; i < fix_count; ++i) *use = *localizer.TakeFix(FixAt(drive_[59], 0, 0.05, 0.08));
+    return localizer.Localize(drive_[60].scan)->T_map_vehicle;
+  };
+  FixUse use{};
+  const Pose3 without = answer_after(0, &use);
+  const Pose3 once = answer_after(1, &use);
+  EXPECT_EQ(use, FixUse::kFused);
+  const Pose3 twice = answer_after(2, &use);
+  EXPECT_EQ(use, FixUse::kAgrees);
+  EXPECT_GT(Log(without.Inverse() * once).norm(), 0.0);
+  EXPECT_EQ(Log(once.Inverse() * twice).norm(), 0.0);
+}
+
 TEST_F(LocalizerFixTest, OldAndBrokenFixesChangeNothing) {
   Localizer localizer = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02));
   for (std::size_t i = 0; i < 40; ++i) ASSERT_TRUE(localizer.Localize(drive_[i].scan).ok());
@@ -106,7 +124,7 @@ TEST_F(LocalizerFixTest, OldAndBrokenFixesChangeNothing) {
   PositionFix broken = FixAt(drive_[39], 0.0, 0.0);
   broken.pose.covariance(0, 0) = -1.0;
   EXPECT_FALSE(localizer.TakeFix(broken).ok());
-  EXPECT_EQ(*localizer.TakeFix(FixAt(drive_[35], 0.0, 0.0)), FixUse::kFused);
+  EXPECT_EQ(*localizer.TakeFix(FixAt(drive_[35], 0.0, 0.0)), FixUse::kAgrees);
   EXPECT_TRUE(localizer.Localize(drive_[40].scan)->state == LocalizationState::kTracking);
 }
 

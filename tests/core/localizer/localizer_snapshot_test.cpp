@@ -49,7 +49,7 @@ double SquaredDistance(const Localization& from, const Pose3& to, const Matrix6d
 
 TEST_F(LocalizerSnapshotTest, AnotherLocalizerTracksOnAfterASecondOfScans) {
   Localizer localizer = Fresh();
-  ASSERT_TRUE(localizer.GoOnFrom(Taken()).ok());
+  ASSERT_TRUE(localizer.Restore(Taken()).ok());
   const std::vector<TrueAnswer> answers = DriveOn(localizer);
   for (std::size_t i = kGone - kTaken; i < answers.size(); ++i) {
     EXPECT_TRUE(answers[i].tracking()) << "scan " << i << " after the snapshot";
@@ -61,7 +61,7 @@ TEST_F(LocalizerSnapshotTest, ItGoesOnWhereTheEarlierOneWouldHave) {
   Localizer earlier = MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.2, 0.01));
   const std::vector<TrueAnswer> uninterrupted = LocalizeDrive(std::move(earlier), drive_);
   Localizer later = Fresh();
-  ASSERT_TRUE(later.GoOnFrom(Taken()).ok());
+  ASSERT_TRUE(later.Restore(Taken()).ok());
   const std::vector<TrueAnswer> answers = DriveOn(later);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const Localization& answer = answers[i].localization;
@@ -75,7 +75,7 @@ TEST_F(LocalizerSnapshotTest, ItGoesOnWhereTheEarlierOneWouldHave) {
 TEST_F(LocalizerSnapshotTest, BeforeRegistrationsConfirmItTheHoldExpires) {
   Localizer localizer = Fresh();
   LocalizerSnapshot snapshot = Taken();
-  ASSERT_TRUE(localizer.GoOnFrom(snapshot).ok());
+  ASSERT_TRUE(localizer.Restore(snapshot).ok());
   Scan scan{.stamp = snapshot.stamp + std::chrono::milliseconds(900),
             .radar_id = "front",
             .ego_velocity = snapshot.velocity};
@@ -88,14 +88,14 @@ TEST_F(LocalizerSnapshotTest, CountsResetsOn) {
   LocalizerSnapshot snapshot = Taken();
   snapshot.resets.count = 4;
   Localizer localizer = Fresh();
-  ASSERT_TRUE(localizer.GoOnFrom(snapshot).ok());
+  ASSERT_TRUE(localizer.Restore(snapshot).ok());
   EXPECT_EQ(DriveOn(localizer).back().localization.resets.count, 4);
 }
 
 TEST_F(LocalizerSnapshotTest, TakenTwiceInARowItIsTheSame) {
   const LocalizerSnapshot snapshot = Taken();
   Localizer localizer = Fresh();
-  ASSERT_TRUE(localizer.GoOnFrom(snapshot).ok());
+  ASSERT_TRUE(localizer.Restore(snapshot).ok());
   // Nothing was localized in between: all that was taken over is handed on.
   const std::optional<LocalizerSnapshot> again = localizer.Snapshot();
   ASSERT_TRUE(again);
@@ -106,7 +106,7 @@ TEST_F(LocalizerSnapshotTest, TakenTwiceInARowItIsTheSame) {
   EXPECT_EQ(again->tracking.last_accepted, snapshot.tracking.last_accepted);
   EXPECT_EQ(again->noise.translation.odometry_ratio, snapshot.noise.translation.odometry_ratio);
   EXPECT_EQ(again->noise.rotation.far.error, snapshot.noise.rotation.far.error);
-  EXPECT_EQ(again->factor_count, snapshot.factor_count);
+  EXPECT_EQ(again->registration_count, snapshot.registration_count);
   EXPECT_EQ(again->squared_innovation, snapshot.squared_innovation);
 }
 
@@ -133,7 +133,8 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
        [](S& s) { s.tracking.observability_changed = s.stamp + Stamp::duration(1); }},
       {"mode", [](S& s) { s.tracking.mode = TrackingMode::kSearching; }},
       {"mode", [](S& s) { s.tracking.mode = static_cast<TrackingMode>(99); }},
-      {"verification", [](S& s) { s.tracking.verification = static_cast<Verification>(9); }},
+      {"confirmation_requires",
+       [](S& s) { s.tracking.confirmation_requires = static_cast<ConfirmationRequires>(9); }},
       {"usual_interval_s", [](S& s) { s.tracking.usual_interval_s = kNoNumber; }},
       {"T_map_vehicle", [](S& s) { s.pose.T_map_vehicle.translation_m.x() = kNoNumber; }},
       {"covariance", [](S& s) { s.pose.covariance(0, 0) = -1.0; }},
@@ -149,7 +150,7 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
       {"resets.T_before_after",
        [](S& s) { s.resets.T_before_after.translation_m.y() = kNoNumber; }},
       {"squared_innovation", [](S& s) { s.squared_innovation = kNoNumber; }},
-      {"factor_count", [](S& s) { s.factor_count = -1; }},
+      {"registration_count", [](S& s) { s.registration_count = -1; }},
       {"clocks_ahead", [](S& s) { s.clocks_ahead = {std::chrono::nanoseconds::max()}; }},
       {"clocks_ahead", [](S& s) { s.clocks_ahead.resize(3); }},
   };
@@ -158,7 +159,7 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
     LocalizerSnapshot snapshot = valid;
     fault.make(snapshot);
     Localizer localizer = Fresh();
-    const absl::Status status = localizer.GoOnFrom(snapshot);
+    const absl::Status status = localizer.Restore(snapshot);
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_NE(status.message().find(fault.field), absl::string_view::npos) << status;
     EXPECT_FALSE(localizer.has_pose()) << fault.field;
@@ -185,7 +186,7 @@ TEST_F(LocalizerSnapshotTest, NothingValidBreaksIt) {
       },
       [](S& s) { s.noise.rotation.registration_ratio = 1e6; },
       [](S& s) { s.squared_innovation = 1e6; },
-      [](S& s) { s.factor_count = 1'000'000'000; },
+      [](S& s) { s.registration_count = 1'000'000'000; },
       [](S& s) { s.tracking.usual_interval_s = 1e3; },
       [](S& s) { s.clocks_ahead = {std::chrono::hours(24 * 300)}; },
       [](S& s) { s.stamp += std::chrono::hours(24 * 300); },
@@ -199,7 +200,7 @@ TEST_F(LocalizerSnapshotTest, NothingValidBreaksIt) {
     LocalizerSnapshot snapshot = valid;
     make_wrong(snapshot);
     Localizer localizer = Fresh();
-    ASSERT_TRUE(localizer.GoOnFrom(snapshot).ok());
+    ASSERT_TRUE(localizer.Restore(snapshot).ok());
     for (std::size_t i = kTaken; i < drive_.size(); ++i) {
       const auto answer = localizer.Localize(drive_[i].scan);
       if (!answer.ok()) continue;  // a stamp from before the snapshot

@@ -49,7 +49,7 @@ TEST_F(StampMonitorTest, RegularStampsAreExact) {
     const StampError error = monitor_.ErrorOf(radar);
     EXPECT_EQ(error.bound_s, 0.0);
     EXPECT_EQ(error.sigma_s, 0.0);
-    EXPECT_EQ(error.doubt_s, 0.0);
+    EXPECT_EQ(error.undecided_step_s, 0.0);
   }
 }
 
@@ -75,7 +75,7 @@ TEST_F(StampMonitorTest, AScanThatWasRefusedSaysNothing) {
   const StampError before = monitor_.ErrorOf(0);
   EXPECT_TRUE(monitor_.OnStamp(0, TakenAt(cycle_, 0) - milliseconds(600)).has_value());
   monitor_.Withdraw(0);
-  EXPECT_EQ(monitor_.ErrorOf(0).doubt_s, before.doubt_s);
+  EXPECT_EQ(monitor_.ErrorOf(0).undecided_step_s, before.undecided_step_s);
   EXPECT_EQ(monitor_.ErrorOf(0).bound_s, before.bound_s);
   EXPECT_EQ(Drive(1), std::nullopt);
 }
@@ -100,14 +100,14 @@ TEST_F(StampMonitorTest, AClockThatWasSetIsSuspectedUntilScansDecide) {
     const auto step = Drive(1, set);
     ASSERT_TRUE(step.has_value());
     EXPECT_LT(std::chrono::abs(*step - off), milliseconds(2));
-    EXPECT_NEAR(monitor_.ErrorOf(0).doubt_s, 0.2, 0.002);
+    EXPECT_NEAR(monitor_.ErrorOf(0).undecided_step_s, 0.2, 0.002);
     EXPECT_FALSE(monitor_.OnFits(0, 0.3, 0.4)) << "too little";
     EXPECT_TRUE(Drive(1, set).has_value()) << "it lasts";
     EXPECT_TRUE(monitor_.OnFits(0, 0.3, 0.4));
     EXPECT_EQ(Drive(1, set), std::nullopt);
     Drive(1);  // set right
     EXPECT_FALSE(monitor_.OnFits(0, 0.6, 0.3)) << "its scan fits as it is stamped";
-    EXPECT_EQ(monitor_.ErrorOf(0).doubt_s, 0.0);
+    EXPECT_EQ(monitor_.ErrorOf(0).undecided_step_s, 0.0);
   }
 }
 
@@ -119,7 +119,7 @@ TEST_F(StampMonitorTest, WhatNothingDecidesIsTakenAsStamped) {
       EXPECT_FALSE(monitor_.OnFits(0, 0.5, 0.5));
     }
   }
-  EXPECT_EQ(monitor_.ErrorOf(0).doubt_s, 0.0);
+  EXPECT_EQ(monitor_.ErrorOf(0).undecided_step_s, 0.0);
 }
 
 TEST_F(StampMonitorTest, ScansThatArriveInAnyOrderSaySoOnce) {

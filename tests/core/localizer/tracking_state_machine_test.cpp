@@ -19,7 +19,7 @@ Stamp StampAt(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
 void Scan(TrackingStateMachine& state, int ms, bool accepted, double sigma_m = 0.1) {
   state.OnRegistration(StampAt(ms),
                        accepted ? RegistrationOutcome::kAccepted : RegistrationOutcome::kNoMatch);
-  state.OnPrediction(StampAt(ms), sigma_m);
+  state.ExpireTimeouts(StampAt(ms), sigma_m);
 }
 
 // One that began from a prior that was held against other places.
@@ -61,11 +61,11 @@ TEST(TrackingStateMachineTest, TracksAfterConfirmationsInARow) {
 TEST(TrackingStateMachineTest, APriorIsNotTrackedBeforeItIsVerified) {
   TrackingStateMachine state(kOptions);
   state.OnPrior();
-  EXPECT_TRUE(state.needs_verification());
+  EXPECT_TRUE(state.ShouldSearchBeside());
   for (int ms = 0; ms < 2000; ms += 100) Scan(state, ms, true);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
   state.OnVerified();
-  EXPECT_FALSE(state.needs_verification());
+  EXPECT_FALSE(state.ShouldSearchBeside());
   EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking) << "it was confirmed before";
 }
 
@@ -77,7 +77,7 @@ TEST(TrackingStateMachineTest, AScanThatDoesNotFitEndsTrackingAtOnce) {
   state.OnScanFit(ScanFit::kContradicts);
   EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
-  EXPECT_TRUE(state.needs_verification());
+  EXPECT_TRUE(state.ShouldSearchBeside());
 }
 
 TEST(TrackingStateMachineTest, ADoubtEndsWhenScansAndARegistrationAgree) {
@@ -104,7 +104,7 @@ TEST(TrackingStateMachineTest, APlaceFoundWhileThePoseIsInDoubtIsConfirmedFirst)
   for (const int silent_ms : {0, 600, 2000}) {  // doubting, dead reckoning, lost
     TrackingStateMachine state = Tracking(1000);
     state.OnScanFit(ScanFit::kContradicts);
-    state.OnPrediction(StampAt(1000 + silent_ms), 0.1);
+    state.ExpireTimeouts(StampAt(1000 + silent_ms), 0.1);
     state.OnPlaceFound();
     EXPECT_EQ(state.mode(), TrackingMode::kConfirmingPlace) << silent_ms;
     EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing) << silent_ms;
@@ -113,7 +113,7 @@ TEST(TrackingStateMachineTest, APlaceFoundWhileThePoseIsInDoubtIsConfirmedFirst)
 
 TEST(TrackingStateMachineTest, RegistrationsConfirmNothingWhileScansContradict) {
   TrackingStateMachine state = Tracking(1000);
-  state.OnPrediction(StampAt(1600), 0.1);
+  state.ExpireTimeouts(StampAt(1600), 0.1);
   EXPECT_EQ(state.mode(), TrackingMode::kDeadReckoning);
   for (int ms = 1700; ms < 3000; ms += 100) {
     state.OnScanFit(ScanFit::kContradicts);
@@ -125,9 +125,9 @@ TEST(TrackingStateMachineTest, RegistrationsConfirmNothingWhileScansContradict) 
 TEST(TrackingStateMachineTest, SlowRadarsAreHeldForLonger) {
   TrackingStateMachine state = Started();
   for (int ms = 0; ms <= 10'000; ms += 500) Scan(state, ms, true);
-  state.OnPrediction(StampAt(11'000), 0.1);
+  state.ExpireTimeouts(StampAt(11'000), 0.1);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking) << "one was missed";
-  state.OnPrediction(StampAt(11'800), 0.1);
+  state.ExpireTimeouts(StampAt(11'800), 0.1);
   EXPECT_NE(state.Report(0.1), LocalizationState::kTracking);
 }
 
@@ -140,9 +140,9 @@ TEST(TrackingStateMachineTest, InitializingStaysHoweverUncertain) {
 TEST(TrackingStateMachineTest, AShortGapIsHeldALongerOneIsDeadReckoning) {
   TrackingStateMachine state = Tracking(1000);
   Scan(state, 1100, false);
-  state.OnPrediction(StampAt(1400), 0.2);  // a scan without a registration
+  state.ExpireTimeouts(StampAt(1400), 0.2);  // a scan without a registration
   EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
-  state.OnPrediction(StampAt(1401), 0.2);
+  state.ExpireTimeouts(StampAt(1401), 0.2);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
 }
 
@@ -176,16 +176,16 @@ TEST(TrackingStateMachineTest, LostIsSearchedForOnlyWhileUncertain) {
   TrackingStateMachine state = Tracking(1000);
   for (int ms = 2000; ms < 60'000; ms += 100) Scan(state, ms, false, 1.5);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(60'000), 1.5), Loss::kNone);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(60'000), 1.5), TrackingFailure::kNone);
   Scan(state, 60'000, false, 2.1);
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(61'000), 2.1), Loss::kNone);
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(61'001), 2.1), Loss::kUncertain);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(61'000), 2.1), TrackingFailure::kNone);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(61'001), 2.1), TrackingFailure::kUncertain);
   EXPECT_FALSE(state.has_pose());
   EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
   state.OnPlaceFound();
   for (int ms = 61'100; ms < 61'400; ms += 100) Scan(state, ms, true);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(70'000), 0.1), Loss::kNone);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(70'000), 0.1), TrackingFailure::kNone);
 }
 
 TEST(TrackingStateMachineTest, OneConfirmationAloneDoesNotEndBeingLost) {
@@ -222,7 +222,7 @@ TEST(TrackingStateMachineTest, ConfirmationsInARowRecoverFromBoth) {
 TEST(TrackingStateMachineTest, AfterLostAllConfirmationsAreNeeded) {
   TrackingStateMachine state = Tracking(1000);
   // Silence, without a registration that could have failed.
-  state.OnPrediction(StampAt(60'000), 30.0);
+  state.ExpireTimeouts(StampAt(60'000), 30.0);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
   Scan(state, 60'000, true);
   Scan(state, 60'100, true);
@@ -235,7 +235,7 @@ TEST(TrackingStateMachineTest, AfterLostAllConfirmationsAreNeeded) {
 void Contradict(TrackingStateMachine& state, int ms, bool recovers = true) {
   for (const int end_ms = ms + 1000; ms <= end_ms; ms += 100) {
     state.OnRegistration(StampAt(ms), RegistrationOutcome::kOutlier);
-    state.OnPrediction(StampAt(ms), 0.1);
+    state.ExpireTimeouts(StampAt(ms), 0.1);
   }
   EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
   if (!recovers) return;
@@ -246,16 +246,16 @@ TEST(TrackingStateMachineTest, LostToOutliersTwiceIsContradicted) {
   TrackingStateMachine state = Tracking(1000);
   Contradict(state, 1100);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(2700), 0.1), Loss::kNone);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(2700), 0.1), TrackingFailure::kNone);
   for (int ms = 2700; state.Report(0.1) != LocalizationState::kLost; ms += 100) {
     state.OnRegistration(StampAt(ms), RegistrationOutcome::kOutlier);
-    state.OnPrediction(StampAt(ms), 0.1);
+    state.ExpireTimeouts(StampAt(ms), 0.1);
   }
   EXPECT_EQ(state.mode(), TrackingMode::kLostTwice);
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(4000), 0.1), Loss::kContradicted);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(4000), 0.1), TrackingFailure::kContradicted);
   EXPECT_EQ(state.mode(), TrackingMode::kRecovering);
   state.OnPlaceFound();
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(4100), 0.1), Loss::kNone);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(4100), 0.1), TrackingFailure::kNone);
 }
 
 TEST(TrackingStateMachineTest, OutliersFarApartAreTwoBursts) {
@@ -263,7 +263,7 @@ TEST(TrackingStateMachineTest, OutliersFarApartAreTwoBursts) {
   Contradict(state, 1100);
   for (int ms = 3000; ms < 20'000; ms += 100) Scan(state, ms, true);
   Contradict(state, 20'000, false);
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(21'100), 0.1), Loss::kNone);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(21'100), 0.1), TrackingFailure::kNone);
 }
 
 TEST(TrackingStateMachineTest, WhereTheMapIsEmptyNothingContradicts) {
@@ -271,7 +271,7 @@ TEST(TrackingStateMachineTest, WhereTheMapIsEmptyNothingContradicts) {
   for (const int begin_ms : {1100, 2700}) {
     for (int ms = begin_ms; ms <= begin_ms + 1000; ms += 100) Scan(state, ms, false);
     EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
-    EXPECT_EQ(state.GiveUpIfLost(StampAt(begin_ms + 1000), 0.1), Loss::kNone);
+    EXPECT_EQ(state.GiveUpIfFailed(StampAt(begin_ms + 1000), 0.1), TrackingFailure::kNone);
     for (int ms = begin_ms + 1100; ms < begin_ms + 1600; ms += 100) Scan(state, ms, true);
   }
 }
@@ -291,9 +291,9 @@ TEST(TrackingStateMachineTest, AFoundPlaceThatIsRefusedIsGivenUp) {
   Scan(state, 0, true);
   Scan(state, 100, false);
   Scan(state, 200, false);
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(200), 0.1), Loss::kNone);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(200), 0.1), TrackingFailure::kNone);
   Scan(state, 300, false);
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(300), 0.1), Loss::kPlaceRefused);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(300), 0.1), TrackingFailure::kPlaceRefused);
   EXPECT_EQ(state.mode(), TrackingMode::kSearching);
 }
 
@@ -301,9 +301,10 @@ TEST(TrackingStateMachineTest, AnUnconfirmedPriorThatHasGrownTooWideIsGivenUp) {
   TrackingStateMachine state(kOptions);
   state.OnPrior();
   for (int ms = 0; ms < 2000; ms += 100) Scan(state, ms, false);
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(2000), kOptions.max_prior_sigma_m), Loss::kNone);
-  EXPECT_EQ(state.GiveUpIfLost(StampAt(2000), kOptions.max_prior_sigma_m + 0.1),
-            Loss::kPriorTooWide);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(2000), kOptions.max_prior_sigma_m),
+            TrackingFailure::kNone);
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(2000), kOptions.max_prior_sigma_m + 0.1),
+            TrackingFailure::kPriorTooWide);
   EXPECT_EQ(state.mode(), TrackingMode::kSearching);
 }
 
@@ -321,7 +322,7 @@ TEST(TrackingStateMachineTest, AWayThatNothingObservesIsNoTracking) {
   Observe(state, ms, 3000, false);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
   Observe(state, ms, 7000, true);
-  EXPECT_TRUE(state.needs_verification());
+  EXPECT_TRUE(state.ShouldSearchBeside());
   state.OnFixAgrees();
   for (int i = 0; i < 5; ++i) state.OnScanFit(ScanFit::kAgrees);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);  // that is not enough
@@ -376,14 +377,14 @@ TEST(TrackingStateMachineTest, FixesThatContradictAskForVerification) {
 
 TEST(TrackingStateMachineTest, FixesThatContradictWhileAPlaceIsConfirmedAskForVerification) {
   TrackingStateMachine state = Found();
-  EXPECT_FALSE(state.needs_verification());
+  EXPECT_FALSE(state.ShouldSearchBeside());
   state.OnFixesContradict();
   for (int ms = 0; ms < 1000; ms += 100) Scan(state, ms, true);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
-  EXPECT_TRUE(state.needs_verification()) << "else nothing would ever end it";
+  EXPECT_TRUE(state.ShouldSearchBeside()) << "else nothing would ever end it";
   state.OnVerified();
   EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
-  EXPECT_FALSE(state.needs_verification());
+  EXPECT_FALSE(state.ShouldSearchBeside());
 }
 
 TEST(TrackingStateMachineTest, AnUncertainPoseIsNotCalledTracking) {

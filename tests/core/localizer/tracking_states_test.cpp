@@ -21,11 +21,12 @@ constexpr std::array kAgreements = {ScanAgreement::kDisagree, ScanAgreement::kAg
                                     ScanAgreement::kAgreeAndRegistered};
 constexpr std::array kAgreementEvents = {ScanAgreementEvent::kDoesNotFit, ScanAgreementEvent::kFits,
                                          ScanAgreementEvent::kRegistrationAccepted};
-constexpr std::array kVerifications = {Verification::kNotNeeded, Verification::kUnlessFixesAgree,
-                                       Verification::kNeeded};
-constexpr std::array kVerificationEvents = {
-    VerificationEvent::kFixesContradict, VerificationEvent::kFixAgrees,
-    VerificationEvent::kObservedAgain, VerificationEvent::kVerified};
+constexpr std::array kRequirements = {ConfirmationRequires::kRegistrations,
+                                      ConfirmationRequires::kAgreeingFixOrVerification,
+                                      ConfirmationRequires::kVerification};
+constexpr std::array kConfirmationEvents = {
+    ConfirmationEvent::kFixesContradict, ConfirmationEvent::kFixAgrees,
+    ConfirmationEvent::kObservedAgain, ConfirmationEvent::kVerified};
 constexpr std::array kWays = {AlongTrackObservability::kObserved, AlongTrackObservability::kFading,
                               AlongTrackObservability::kNotObserved,
                               AlongTrackObservability::kReturning};
@@ -72,9 +73,9 @@ TEST(TrackingStatesTest, AgreementsFollowTheirTable) {
   ExpectEachIsReachedAndLeft(kScanAgreementTransitions, kAgreements);
 }
 
-TEST(TrackingStatesTest, VerificationsFollowTheirTable) {
-  ExpectNothingElseMoves(kVerificationTransitions, kVerifications, kVerificationEvents);
-  ExpectEachIsReachedAndLeft(kVerificationTransitions, kVerifications);
+TEST(TrackingStatesTest, WhatConfirmationRequiresFollowsItsTable) {
+  ExpectNothingElseMoves(kConfirmationTransitions, kRequirements, kConfirmationEvents);
+  ExpectEachIsReachedAndLeft(kConfirmationTransitions, kRequirements);
 }
 
 TEST(TrackingStatesTest, ObservationsOfTheWayFollowTheirTable) {

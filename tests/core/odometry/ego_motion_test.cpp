@@ -114,7 +114,9 @@ double SpeedErrorOf(double delay_s, const LateOdometryOptions& late) {
     sum += std::pow(speed_mps - velocity(1e-3 * ms).linear_mps.x(), 2);
     ++count;
   }
-  if (delay_s > 0.0 && motion.reported_delay_s()) {
+  RigKnowledge known;
+  motion.AddTo(known);
+  if (delay_s > 0.0 && known.odometry_delay) {
     EXPECT_EQ(motion.wheel_speed().fault, SourceFault::kDelay);
   }
   return std::sqrt(sum / count);

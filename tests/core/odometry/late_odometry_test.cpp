@@ -75,7 +75,7 @@ TEST(LateOdometryTest, WithoutADelayItLeavesTheMotionAlone) {
 
 TEST(LateOdometryTest, AMotionNeedsBothSignals) {
   LateOdometry late({});
-  late.StartFrom({0.2, 1e-4});
+  late.Restore({0.2, 1e-4});
   ASSERT_TRUE(late.delay_s());
   const EgoVelocity reported = Weaving(0.0);
   for (int i = 0; i < 3; ++i) late.BroughtToNow(Stamp{i * kStep}, reported, nullptr, true, true);

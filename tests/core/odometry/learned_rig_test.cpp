@@ -57,7 +57,7 @@ RigKnowledge Known(double yaw_deg) {
 }
 
 TEST_F(LearnedRigTest, WhatIsKnownIsConfirmedByTheFirstScan) {
-  rig_.Begin(Known(7.0));
+  rig_.Restore(Known(7.0));
   EXPECT_TRUE(
       rig_.rig().radars[0].T_vehicle_radar.rotation.isApprox(described_.T_vehicle_radar.rotation))
       << "nothing is corrected before a scan agrees";
@@ -69,7 +69,7 @@ TEST_F(LearnedRigTest, WhatIsKnownIsConfirmedByTheFirstScan) {
 }
 
 TEST_F(LearnedRigTest, WhatIsKnownWronglyIsGivenUp) {
-  rig_.Begin(Known(15.0));
+  rig_.Restore(Known(15.0));
   Drive(described_, 1.0, straight_, 20);
   EXPECT_LT(rig_.rig().radars[0].T_vehicle_radar.rotation.angularDistance(
                 described_.T_vehicle_radar.rotation),

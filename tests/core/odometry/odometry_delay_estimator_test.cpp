@@ -55,7 +55,7 @@ TEST(OdometryDelayEstimatorTest, FindsTheDelay) {
 TEST(OdometryDelayEstimatorTest, ScansThatAreStampedLateAreNoEarlyVelocity) {
   EXPECT_FALSE(DelayAfter(40.0, {.delay_s = -0.1}));
   OdometryDelayEstimator with_prior({});
-  with_prior.StartFrom({-0.1, 1e-4});
+  with_prior.Restore({-0.1, 1e-4});
   EXPECT_FALSE(with_prior.delay_s());
 }
 

@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 struct Faults {
   double scale = 1.0;
   double yaw_rate_bias_radps = 0.0;
-  double course_rad = 0.0;
+  double sideslip_rad = 0.0;
   double time_offset_s = 0.0;
 };
 
@@ -59,7 +59,7 @@ class Drive {
     const double x_m = pose_sigma_m_ * normal_(random_);
     const double y_m = pose_sigma_m_ * normal_(random_);
     const Eigen::Vector3d noise(x_m, y_m, kPoseSigma_rad * normal_(random_));
-    return T_map_vehicle_ * Embed(Exp(late)) * Embed(Pose2{.yaw_rad = -faults_.course_rad}) *
+    return T_map_vehicle_ * Embed(Exp(late)) * Embed(Pose2{.yaw_rad = -faults_.sideslip_rad}) *
            Embed(Exp(noise));
   }
 
@@ -102,7 +102,7 @@ TEST(OdometryErrorFilterTest, FindsNothingInOdometryThatIsRight) {
 }
 
 TEST(OdometryErrorFilterTest, TakesTurnedMountsForNeitherScaleNorYawRate) {
-  const OdometryErrorFilter errors = After(60, Drive({.course_rad = 0.015}));
+  const OdometryErrorFilter errors = After(60, Drive({.sideslip_rad = 0.015}));
   EXPECT_NEAR(errors.scale(), 1.0, 0.001);
   EXPECT_NEAR(errors.yaw_rate_bias_radps(), 0.0, 1.5e-4);
 }
@@ -172,14 +172,14 @@ TEST(OdometryErrorFilterTest, SlipIsNoScale) {
 TEST(OdometryErrorFilterTest, EveryScaleThatMayBeKnownIsTaken) {
   for (const double scale : {kMinKnownScale, 1.0 / 0.7, kMaxKnownScale}) {
     OdometryErrorFilter errors({});
-    errors.StartFrom(ScalarEstimate{scale, 1e-4}, std::nullopt);
+    errors.Restore(ScalarEstimate{scale, 1e-4}, std::nullopt);
     EXPECT_EQ(errors.scale(), scale);
   }
 }
 
 TEST(OdometryErrorFilterTest, APriorIsGivenUpWhereTheDriveContradictsIt) {
   OdometryErrorFilter errors({});
-  errors.StartFrom(ScalarEstimate{1.04, 1e-12}, ScalarEstimate{0.1, 1e-12});
+  errors.Restore(ScalarEstimate{1.04, 1e-12}, ScalarEstimate{0.1, 1e-12});
   EXPECT_EQ(errors.scale(), 1.04);
   Drive drive({});
   for (int second = 0; second < 60; ++second) drive.Second(errors);

@@ -37,8 +37,8 @@ class Vehicle {
       stamp_ += milliseconds(kScan_ms);
       monitor.OnReadings(stamp_, readings);
       const double step_s = 1e-3 * kScan_ms;
-      missed = monitor.OnUsedMotion(used(readings.wheel_speed, speed_mps) * step_s,
-                                    yaw_rate_radps * step_s);
+      unapplied = monitor.OnUsedMotion(used(readings.wheel_speed, speed_mps) * step_s,
+                                       yaw_rate_radps * step_s);
       T_map_vehicle_ =
           T_map_vehicle_ * Exp(Eigen::Vector3d(speed_mps * step_s, 0.0, yaw_rate_radps * step_s));
       if (is_registered) monitor.OnRegistration(T_map_vehicle_, {});
@@ -51,7 +51,7 @@ class Vehicle {
   SourceMonitor monitor;
   bool is_registered = false;
   std::optional<double> found_wrong_after_s;  // since the drive's beginning
-  std::optional<SourceMonitor::MissedMotion> missed;
+  std::optional<SourceMonitor::PlanarMotion> unapplied;
 
  private:
   static double used(const std::optional<ScalarEstimate>& wheels, double otherwise) {
@@ -148,7 +148,7 @@ TEST(SourceMonitorTest, SpeedAndYawRateAreThoseOfTheSoundSources) {
   EXPECT_LT(vehicle.monitor.speed().variance, 1.0);
 }
 
-TEST(SourceMonitorTest, SilentSourcesAreNoReasonToDoubt) {
+TEST(SourceMonitorTest, SilentSourcesAreNotTakenForWrong) {
   Vehicle vehicle;
   vehicle.Drive(10.0, [](OdometryReadings& r) {
     r.wheel_speed.reset();
@@ -160,10 +160,10 @@ TEST(SourceMonitorTest, SilentSourcesAreNoReasonToDoubt) {
 }
 
 // The wheels creep away from the truth, so that it takes a while to find them wrong.
-TEST(SourceMonitorTest, WhatWasMissedIsMadeGood) {
+TEST(SourceMonitorTest, WhatWasNotAppliedIsCorrected) {
   SourceMonitor monitor;
   Stamp stamp{std::chrono::seconds(1'700'000'000)};
-  double missed_m = 0.0;
+  double unapplied_m = 0.0;
   double used_m = 0.0;
   double true_m = 0.0;
   for (int i = 0; i < 130; ++i) {
@@ -178,10 +178,11 @@ TEST(SourceMonitorTest, WhatWasMissedIsMadeGood) {
     const double step_m = monitor.speed().value * step_s;
     used_m += step_m;
     true_m += 15.0 * step_s;
-    if (const auto missed = monitor.OnUsedMotion(step_m, 0.0)) missed_m += missed->forward_m;
+    if (const auto unapplied = monitor.OnUsedMotion(step_m, 0.0))
+      unapplied_m += unapplied->forward_m;
   }
   EXPECT_FALSE(monitor.IsSound(OdometrySource::kWheelSpeed));
-  EXPECT_LT(std::abs(used_m + missed_m - true_m), std::abs(used_m - true_m));
+  EXPECT_LT(std::abs(used_m + unapplied_m - true_m), std::abs(used_m - true_m));
 }
 
 TEST(SourceMonitorTest, InputsThatMeanNothingGiveNumbers) {
@@ -196,7 +197,7 @@ TEST(SourceMonitorTest, InputsThatMeanNothingGiveNumbers) {
                                .doppler_yaw_rate = ScalarEstimate{absurd / 15.0, 1e12}});
     monitor.OnUsedMotion(absurd, absurd);
     monitor.OnRegistration(Pose2{{absurd * i, 0.0}, absurd},
-                           {.is_accepted = i % 2 == 0, .observes_way = i % 3 == 0});
+                           {.is_accepted = i % 2 == 0, .observes_along_track = i % 3 == 0});
     ASSERT_TRUE(std::isfinite(monitor.speed().value) && std::isfinite(monitor.speed().variance));
     ASSERT_TRUE(std::isfinite(monitor.yaw_rate().value) && std::isfinite(monitor.confidence()));
   }

@@ -177,7 +177,7 @@ TEST(GlobalLocalizerTest, OneViewVerifiesAPlaceThatIsExpectedRightly) {
     const auto place = seeker.SearchExpecting(
         ExpectedPlace{.T_map_vehicle = seeker.T_map_vehicle(), .basis = basis});
     ASSERT_TRUE(place.has_value());
-    EXPECT_TRUE(place->is_expected);
+    EXPECT_EQ(place->origin, PlaceOrigin::kExpected);
     EXPECT_LT(seeker.ErrorOf(place->T_map_vehicle), 0.3);
   }
 }
@@ -194,7 +194,7 @@ TEST(GlobalLocalizerTest, AWrongExpectationYieldsToThePlaceThatFits) {
       if (place) break;
     }
     ASSERT_TRUE(place.has_value()) << wrong_m;
-    EXPECT_FALSE(place->is_expected) << wrong_m;
+    EXPECT_EQ(place->origin, PlaceOrigin::kFound) << wrong_m;
     EXPECT_LT(seeker.ErrorOf(place->T_map_vehicle), 0.3) << wrong_m;
   }
 }
@@ -207,7 +207,7 @@ TEST(GlobalLocalizerTest, AmongTwinsAPriorDecidesAndADoubtedPoseIsAsGood) {
   Seeker seeker(world, map, 27.0, 35.0);
   const auto place = seeker.SearchExpecting(ExpectedPlace{seeker.T_map_vehicle(), Basis::kPrior});
   ASSERT_TRUE(place.has_value());
-  EXPECT_TRUE(place->is_expected);
+  EXPECT_EQ(place->origin, PlaceOrigin::kExpected);
 }
 
 TEST(GlobalLocalizerTest, ARegionWhereNothingFitsIsSearchedInVain) {

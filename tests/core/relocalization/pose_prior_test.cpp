@@ -16,8 +16,8 @@ PoseEstimate<3> About(double sigma_m, double sigma_rad) {
               Eigen::Vector3d(sigma_m, sigma_m, sigma_rad).cwiseAbs2().asDiagonal(), 0.1, 0.01)};
 }
 
-Motion Ahead(double way_m) {
-  return {.T_from_to = Embed(Pose2{.translation_m = {way_m, 0.0}, .yaw_rad = 0.0}),
+Motion Ahead(double travelled_m) {
+  return {.T_from_to = Embed(Pose2{.translation_m = {travelled_m, 0.0}, .yaw_rad = 0.0}),
           .covariance = 0.01 * Matrix6d::Identity()};
 }
 
@@ -86,9 +86,9 @@ TEST(PosePriorTest, WithoutAHeadingTheWayDrivenLeavesACircle) {
   for (int i = 0; i < 8; ++i) prior.OnMotion(Ahead(5.0));
   const auto region = prior.Region();
   ASSERT_TRUE(region.has_value());
-  const auto went = [](double yaw_rad, double way_m) {
+  const auto went = [](double yaw_rad, double travelled_m) {
     return Pose2{.translation_m = {100.0, 50.0}, .yaw_rad = yaw_rad} *
-           Pose2{.translation_m = {way_m, 0.0}, .yaw_rad = 0.0};
+           Pose2{.translation_m = {travelled_m, 0.0}, .yaw_rad = 0.0};
   };
   for (const double yaw_rad : {-3.0, -1.0, 0.5, 2.5}) {
     EXPECT_TRUE(region->Contains(went(yaw_rad, 40.0))) << yaw_rad;

@@ -54,7 +54,7 @@ class RelocalizerTest : public ::testing::Test {
 TEST_F(RelocalizerTest, AnExpectedPlaceThatFitsIsFound) {
   const auto place = Search(400, Relocalizer<2>::ExpectedPlace{.T_map_vehicle = T_map_vehicle_});
   ASSERT_TRUE(place.has_value());
-  EXPECT_TRUE(place->is_expected);
+  EXPECT_EQ(place->origin, PlaceOrigin::kExpected);
   EXPECT_LT((place->T_map_vehicle.translation_m - T_map_vehicle_.translation_m).norm(), 0.3);
 }
 

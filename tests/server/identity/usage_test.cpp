@@ -40,10 +40,10 @@ TEST_F(UsageTest, ScansOfAPrincipalShareOneRate) {
   limits_.max_scan_rate_hz_per_principal = 3;
   const auto first = *usages_.TakeSession(car_);
   const auto second = *usages_.TakeSession(car_);
-  EXPECT_TRUE(first->TakeScan(10, kNow).ok());
-  EXPECT_TRUE(second->TakeScan(10, kNow).ok());
-  EXPECT_TRUE(first->TakeScan(10, kNow).ok());
-  const absl::Status status = second->TakeScan(10, kNow);
+  EXPECT_TRUE(first->ChargeScan(10, kNow).ok());
+  EXPECT_TRUE(second->ChargeScan(10, kNow).ok());
+  EXPECT_TRUE(first->ChargeScan(10, kNow).ok());
+  const absl::Status status = second->ChargeScan(10, kNow);
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(std::string(status.message()),
               HasSubstr("max_scan_rate_hz_per_principal, which is 3"));
@@ -52,21 +52,21 @@ TEST_F(UsageTest, ScansOfAPrincipalShareOneRate) {
 TEST_F(UsageTest, FixesHaveTheRateOfScansToThemselves) {
   limits_.max_scan_rate_hz_per_principal = 2;
   const auto permit = *usages_.TakeSession(car_);
-  EXPECT_TRUE(permit->TakeFix(kNow).ok());
-  EXPECT_TRUE(permit->TakeFix(kNow).ok());
-  const absl::Status status = permit->TakeFix(kNow);
+  EXPECT_TRUE(permit->ChargeFix(kNow).ok());
+  EXPECT_TRUE(permit->ChargeFix(kNow).ok());
+  const absl::Status status = permit->ChargeFix(kNow);
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(
       std::string(status.message()),
       AllOf(HasSubstr("position fixes"), HasSubstr("max_scan_rate_hz_per_principal, which is 2")));
-  EXPECT_TRUE(permit->TakeScan(10, kNow).ok());
+  EXPECT_TRUE(permit->ChargeScan(10, kNow).ok());
 }
 
 TEST_F(UsageTest, TargetsOfAScanAreBounded) {
   limits_.max_target_count = 100;
   const auto permit = *usages_.TakeSession(car_);
-  EXPECT_TRUE(permit->TakeScan(100, kNow).ok());
-  const absl::Status status = permit->TakeScan(101, kNow);
+  EXPECT_TRUE(permit->ChargeScan(100, kNow).ok());
+  const absl::Status status = permit->ChargeScan(101, kNow);
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(std::string(status.message()),
               AllOf(HasSubstr("101 targets"), HasSubstr("max_target_count is 100")));

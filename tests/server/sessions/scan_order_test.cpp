@@ -26,7 +26,7 @@ TEST(ScanOrderTest, ANumberMustBeHigherThanTheLastOneLocalized) {
 
 TEST(ScanOrderTest, GoesOnWhereAnotherSessionWas) {
   ScanOrder order;
-  order.GoOnFrom(7, kStart);
+  order.Restore(7, kStart);
   EXPECT_EQ(order.last_localized(), 7);
   EXPECT_EQ(order.last_stamp(), kStart);
   EXPECT_FALSE(order.Check(7).ok());

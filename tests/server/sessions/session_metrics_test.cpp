@@ -67,6 +67,7 @@ TEST(SessionMetricsTest, SourcesSetAsideAreCountedByKindAndReason) {
 
 TEST(SessionMetricsTest, FixesAreCountedByWhatBecameOfThem) {
   SessionMetrics metrics;
+  metrics.ObserveFix(FixUse::kAgrees);
   metrics.ObserveFix(FixUse::kOutOfTime);
   metrics.ObserveFix(absl::InvalidArgumentError("no"));
   metrics.ObserveFix(absl::FailedPreconditionError("no anchor"));
@@ -75,6 +76,7 @@ TEST(SessionMetricsTest, FixesAreCountedByWhatBecameOfThem) {
     return CounterOf(metrics, "dcloc_position_fixes_total", {use});
   };
   EXPECT_EQ(count("fused"), 0.0);
+  EXPECT_EQ(count("agrees"), 1.0);
   EXPECT_EQ(count("out_of_time"), 1.0);
   EXPECT_EQ(count("invalid"), 2.0);
   EXPECT_EQ(count("over_limit"), 1.0);

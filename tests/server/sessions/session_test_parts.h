@@ -52,7 +52,7 @@ class ScriptedLocalizer final : public ScanLocalizer {
   }
 
   std::optional<LocalizerSnapshot> Snapshot() override { return std::nullopt; }
-  absl::Status GoOnFrom(const LocalizerSnapshot& /*snapshot*/) override {
+  absl::Status Restore(const LocalizerSnapshot& /*snapshot*/) override {
     return absl::UnimplementedError("it follows its script");
   }
   bool has_pose() const override { return script_.has_pose; }

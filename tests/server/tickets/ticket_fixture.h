@@ -62,7 +62,7 @@ inline TicketContent SomeContent() {
   snapshot.resets.count = 2;
   snapshot.resets.T_before_after.translation_m.x() = 0.7;
   snapshot.squared_innovation = 1.5;
-  snapshot.factor_count = 99;
+  snapshot.registration_count = 99;
   snapshot.clocks_ahead = {std::chrono::seconds(5)};
   return {.map_version = 7,
           .map_sha256 = std::string(64, 'a'),

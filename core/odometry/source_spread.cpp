@@ -35,9 +35,9 @@ bool SourceMonitor::MeasuresYawRate(const Hypothesis& hypothesis) const {
 
 // METHOD eq 49. Hypotheses count whose sound sources have reported. All ways are compared with that
 // of the best one, as what it misses itself comes of how motions are summed up.
-SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
-  const double least_log_weight = std::log(options_.doubt_probability);
-  Doubt doubt;
+SourceMonitor::Spread SourceMonitor::CurrentSpread() const {
+  const double least_log_weight = std::log(options_.min_probability_ratio);
+  Spread spread;
   double speed_sum = 0.0;
   double yaw_rate_sum = 0.0;
   for (const Hypothesis& hypothesis : hypotheses_) {
@@ -48,56 +48,59 @@ SourceMonitor::Doubt SourceMonitor::CurrentDoubt() const {
       const double apart_mps = std::abs(hypothesis.speed.value - best().speed.value);
       const double beyond_gate_mps = std::max(0.0, apart_mps - static_gate_mps_);
       if (static_gate_sigmas_ > 0.0) {  // else deviations do not widen the gate
-        doubt.speed_variance += weight * std::pow(beyond_gate_mps / static_gate_sigmas_, 2);
+        spread.speed_variance += weight * std::pow(beyond_gate_mps / static_gate_sigmas_, 2);
       }
-      const double missed_m = hypothesis.missed.forward_m - best().missed.forward_m;
-      doubt.way_variance_m2 += weight * std::pow(missed_m, 2);
-      doubt.way_bound_m = std::max(doubt.way_bound_m, std::abs(missed_m));
+      const double unapplied_m = hypothesis.unapplied.forward_m - best().unapplied.forward_m;
+      spread.along_track_variance_m2 += weight * std::pow(unapplied_m, 2);
+      spread.along_track_bound_m = std::max(spread.along_track_bound_m, std::abs(unapplied_m));
     }
     if (MeasuresYawRate(hypothesis)) {
       yaw_rate_sum += weight;
-      doubt.yaw_rate_variance +=
+      spread.yaw_rate_variance +=
           weight * std::pow(hypothesis.yaw_rate.value - best().yaw_rate.value, 2);
-      doubt.turn_variance_rad2 +=
-          weight * std::pow(hypothesis.missed.turn_rad - best().missed.turn_rad, 2);
+      spread.turn_variance_rad2 +=
+          weight * std::pow(hypothesis.unapplied.turn_rad - best().unapplied.turn_rad, 2);
     }
   }
   if (speed_sum > 0.0) {
-    doubt.way_variance_m2 /= speed_sum;
+    spread.along_track_variance_m2 /= speed_sum;
   }
   if (yaw_rate_sum > 0.0) {
-    doubt.yaw_rate_variance /= yaw_rate_sum;
-    doubt.turn_variance_rad2 /= yaw_rate_sum;
+    spread.yaw_rate_variance /= yaw_rate_sum;
+    spread.turn_variance_rad2 /= yaw_rate_sum;
   }
-  return doubt;
+  return spread;
 }
 
-std::optional<SourceMonitor::MissedMotion> SourceMonitor::Rival() const {
+std::optional<SourceMonitor::PlanarMotion> SourceMonitor::Alternative() const {
   if (fits_compared_ && *newest_ - *fits_compared_ < options_.interval) return std::nullopt;
-  const Hypothesis* rival = nullptr;
+  const Hypothesis* alternative = nullptr;
   for (const Hypothesis& hypothesis : hypotheses_) {
-    if (&hypothesis == &best() || hypothesis.log_weight < std::log(options_.doubt_probability) ||
+    if (&hypothesis == &best() ||
+        hypothesis.log_weight < std::log(options_.min_probability_ratio) ||
         !MeasuresSpeed(hypothesis) ||
-        std::abs(hypothesis.missed.forward_m - best().missed.forward_m) <
-            options_.min_rival_way_m) {
+        std::abs(hypothesis.unapplied.forward_m - best().unapplied.forward_m) <
+            options_.min_alternative_distance_m) {
       continue;
     }
-    if (rival == nullptr || hypothesis.log_weight > rival->log_weight) rival = &hypothesis;
+    if (alternative == nullptr || hypothesis.log_weight > alternative->log_weight)
+      alternative = &hypothesis;
   }
-  if (rival == nullptr) return std::nullopt;
-  return MissedMotion{.forward_m = rival->missed.forward_m - best().missed.forward_m,
-                      .turn_rad = rival->missed.turn_rad - best().missed.turn_rad};
+  if (alternative == nullptr) return std::nullopt;
+  return PlanarMotion{.forward_m = alternative->unapplied.forward_m - best().unapplied.forward_m,
+                      .turn_rad = alternative->unapplied.turn_rad - best().unapplied.turn_rad};
 }
 
 // METHOD eq 50. Each hypothesis is as probable as the nearer of the two places fits. One whose
 // sources are silent has no place of its own: it counts with the mean.
-void SourceMonitor::OnFits(const MissedMotion& rival, double fit, double rival_fit) {
+void SourceMonitor::OnFits(const PlanarMotion& alternative, double fit, double alternative_fit) {
   fits_compared_ = newest_;
   for (Hypothesis& hypothesis : hypotheses_) {
-    const double missed_m = hypothesis.missed.forward_m - best().missed.forward_m;
-    const bool is_rivals = std::abs(missed_m - rival.forward_m) < std::abs(missed_m);
-    const double own_fit = !MeasuresSpeed(hypothesis) ? 0.5 * (fit + rival_fit)
-                           : is_rivals                ? rival_fit
+    const double unapplied_m = hypothesis.unapplied.forward_m - best().unapplied.forward_m;
+    const bool is_alternatives =
+        std::abs(unapplied_m - alternative.forward_m) < std::abs(unapplied_m);
+    const double own_fit = !MeasuresSpeed(hypothesis) ? 0.5 * (fit + alternative_fit)
+                           : is_alternatives          ? alternative_fit
                                                       : fit;
     hypothesis.log_weight += options_.log_likelihood_per_fit * own_fit;
   }

@@ -1,0 +1,62 @@
+// When the map is searched for the vehicle, and what follows where the pose has failed.
+#include "core/geometry/covariance.h"
+#include "core/geometry/pose_estimate.h"
+#include "core/localizer/pipeline.h"
+
+namespace dcloc {
+
+// Where there is no pose, or one that may be wrong.
+template <int Dim>
+std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
+    std::span<const GaussianPoint<Dim>> live, Stamp stamp, RegistrationWorkspace<Dim>& workspace) {
+  using Basis = typename GlobalLocalizer<Dim>::Basis;
+  std::optional<typename Relocalizer<Dim>::ExpectedPlace> expected;
+  if (tracking_.has_pose()) {
+    if (!tracking_.ShouldSearchBeside()) return std::nullopt;
+    if (radars_.scan_checker.IsTooSoonToJudge(stamp, live_.submap.span())) return std::nullopt;
+    expected = {.T_map_vehicle = NowInMap().pose,
+                .basis = tracking_.mode() == TrackingMode::kConfirmingPrior ? Basis::kPrior
+                                                                            : Basis::kDoubted};
+    if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
+  }
+  return relocalizer_.Search(stamp, live, live_.submap.span(), expected, workspace);
+}
+
+// No other place fits as well as the pose: neither scans nor fixes contradict it any longer.
+template <int Dim>
+void Pipeline<Dim>::OnPoseVerified() {
+  tracking_.OnVerified();
+  radars_.scan_checker.Reset();
+  fix_monitor_.OnRefuted();
+}
+
+// A pose that is given up becomes the prior of the search, unless it is a place that was refused.
+template <int Dim>
+void Pipeline<Dim>::GiveUpFailedPose(Stamp stamp) {
+  if (!tracking_.has_pose()) return;
+  PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
+  const TrackingFailure failure = tracking_.GiveUpIfFailed(stamp, HorizontalSigma(now.covariance));
+  if (failure == TrackingFailure::kNone) return;
+  if (failure == TrackingFailure::kContradicted) {
+    now.covariance.diagonal() += ContradictedVariances(options_);
+    // Scale, bias and noise were learned from poses at a wrong place.
+    ego_motion_.ResetErrors();
+    pose_.ResetNoise();
+  }
+  if (failure != TrackingFailure::kPlaceRefused) {
+    now.pose = map_.matcher.T_map_local() * now.pose;
+    relocalizer_.SetPrior(now);
+  }
+  pose_.Clear();
+}
+
+template std::optional<Pipeline<2>::Place> Pipeline<2>::SearchPlace(
+    std::span<const GaussianPoint<2>>, Stamp, RegistrationWorkspace<2>&);
+template std::optional<Pipeline<3>::Place> Pipeline<3>::SearchPlace(
+    std::span<const GaussianPoint<3>>, Stamp, RegistrationWorkspace<3>&);
+template void Pipeline<2>::OnPoseVerified();
+template void Pipeline<3>::OnPoseVerified();
+template void Pipeline<2>::GiveUpFailedPose(Stamp);
+template void Pipeline<3>::GiveUpFailedPose(Stamp);
+
+}  // namespace dcloc
