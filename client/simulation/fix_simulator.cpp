@@ -116,10 +116,10 @@ std::vector<StampedFix> SimulateFixes(const SimulatedPass& pass, int pass_index,
     const double t_s = std::chrono::duration<double>(signal.stamp - begin).count();
     if (t_s < next_s || signal.stamp > end) continue;
     next_s += 1.0 / options.rate_hz;
-    Pose3 believed = WithNoise(signal.T_map_vehicle, options, random);
-    if (const Disturbance* jump = FindAt(jumps, t_s)) believed.translation_m += jump->bias_m;
+    Pose3 measured = WithNoise(signal.T_map_vehicle, options, random);
+    if (const Disturbance* jump = FindAt(jumps, t_s)) measured.translation_m += jump->bias_m;
     if (FindAt(outages, t_s) != nullptr) continue;
-    fixes.push_back(FixAt(signal.stamp, believed, options, anchor));
+    fixes.push_back(FixAt(signal.stamp, measured, options, anchor));
   }
   return fixes;
 }

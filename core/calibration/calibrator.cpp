@@ -127,6 +127,42 @@ Eigen::VectorXd OfEachRadar(const CalibrationVector& values, std::size_t radar_c
       .replicate(static_cast<Eigen::Index>(radar_count), 1);
 }
 
+// A share of the returns, evenly among them, with their pairs.
+PairedFrame Paired(const FrameReturns& seen, double share, const CalibratorOptions& options) {
+  PairedFrame paired{.seen = {.views = seen.views, .returns = EvenSubsample(seen.returns, share)}};
+  paired.pairs = FindPairs(paired.seen, options.max_pair_distance_m, options.max_pairs_per_return);
+  return paired;
+}
+
+// The covariance of the estimate from far returns. What near returns, or a range scale, change in
+// it is an error of its own.
+Eigen::MatrixXd CovarianceOfFar(const Eigen::VectorXd& scale, const Posterior& far,
+                                const Posterior& all, const Posterior& scaled) {
+  Eigen::MatrixXd covariance = scale.asDiagonal() * far.Covariance() * scale.asDiagonal();
+  covariance += CovarianceOf(scale.cwiseProduct(far.parameters - all.parameters)) +
+                CovarianceOf(scale.cwiseProduct(far.parameters - scaled.parameters));
+  return covariance;
+}
+
+// What was estimated of each radar, as multiples of `scale`, with what is known of it afterwards.
+std::vector<RadarCalibration> CalibrationsOf(const Rig& rig, const Eigen::VectorXd& scale,
+                                             const Eigen::VectorXd& prior_sigma,
+                                             const Eigen::VectorXd& parameters,
+                                             const Eigen::MatrixXd& covariance) {
+  std::vector<RadarCalibration> calibrations;
+  for (std::size_t r = 0; r < rig.radars.size(); ++r) {
+    RadarCalibration radar{.described = rig.radars[r], .parameters = {}};
+    for (std::size_t k = 0; k < kCalibrationParameters; ++k) {
+      const auto at = static_cast<Eigen::Index>(r * kCalibrationParameters + k);
+      radar.parameters.at(k) = {.correction = scale(at) * parameters(at),
+                                .sigma = std::min(prior_sigma(at), std::sqrt(covariance(at, at))),
+                                .prior_sigma = prior_sigma(at)};
+    }
+    calibrations.push_back(std::move(radar));
+  }
+  return calibrations;
+}
+
 }  // namespace
 
 std::span<const OptionField<CalibratorOptions>> FieldsOf(const CalibratorOptions& /*options*/) {
@@ -236,13 +272,9 @@ absl::StatusOr<Calibration> Calibrator::Estimate(const ProgressCallback& progres
   Calibration calibration;
   std::vector<PairedFrame> frames;
   for (const auto& [name, frame] : frames_) {
-    PairedFrame paired{
-        .seen = {.views = frame.seen.views, .returns = EvenSubsample(frame.seen.returns, share)}};
-    paired.pairs =
-        FindPairs(paired.seen, options_.max_pair_distance_m, options_.max_pairs_per_return);
+    const PairedFrame& paired = frames.emplace_back(Paired(frame.seen, share, options_));
     calibration.return_count += paired.seen.returns.size();
     calibration.pair_count += paired.pairs.size();
-    frames.push_back(std::move(paired));
   }
   if (calibration.pair_count == 0) {
     return absl::FailedPreconditionError(absl::StrFormat(
@@ -265,24 +297,13 @@ absl::StatusOr<Calibration> Calibrator::Estimate(const ProgressCallback& progres
   const Posterior far = Solve(frames, scale, options_, options_.far_range_m, on_step);
   const Posterior all = Solve(frames, scale, options_, 0.0, on_step);
   const Posterior scaled = Solve(frames, prior_sigma, options_, options_.far_range_m, on_step);
-  calibration.covariance = scale.asDiagonal() * far.Covariance() * scale.asDiagonal();
-  calibration.covariance += CovarianceOf(scale.cwiseProduct(far.parameters - all.parameters)) +
-                            CovarianceOf(scale.cwiseProduct(far.parameters - scaled.parameters));
+  calibration.covariance = CovarianceOfFar(scale, far, all, scaled);
   calibration.covariance.diagonal() +=
       OfEachRadar(options_.floor_sigma, rig_.radars.size()).cwiseAbs2() +
       (prior_sigma - scale).cwiseAbs2();
 
-  for (std::size_t r = 0; r < rig_.radars.size(); ++r) {
-    RadarCalibration radar{.described = rig_.radars[r], .parameters = {}};
-    for (std::size_t k = 0; k < kCalibrationParameters; ++k) {
-      const auto at = static_cast<Eigen::Index>(r * kCalibrationParameters + k);
-      radar.parameters.at(k) = {
-          .correction = scale(at) * far.parameters(at),
-          .sigma = std::min(prior_sigma(at), std::sqrt(calibration.covariance(at, at))),
-          .prior_sigma = prior_sigma(at)};
-    }
-    calibration.radars.push_back(std::move(radar));
-  }
+  calibration.radars =
+      CalibrationsOf(rig_, scale, prior_sigma, far.parameters, calibration.covariance);
   ChooseApplied(calibration);
   return calibration;
 }

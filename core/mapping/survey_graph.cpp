@@ -94,20 +94,38 @@ std::vector<bool> SurveyGraph::HasFix() const {
   return has_fix;
 }
 
+namespace {
+
+// The other ends of each node's loops.
+std::vector<std::vector<std::size_t>> LoopEnds(std::span<const NetworkEdge> loops,
+                                               std::size_t node_count) {
+  std::vector<std::vector<std::size_t>> ends(node_count);
+  for (const NetworkEdge& loop : loops) {
+    ends[loop.from].push_back(loop.to);
+    ends[loop.to].push_back(loop.from);
+  }
+  return ends;
+}
+
+// The length of the shortest edge from each node to the frame of the fixes.
+std::vector<double> ToFixes(std::span<const NetworkFix> fixes, std::size_t node_count,
+                            const WayCosts& costs) {
+  std::vector<double> to_fixes_m(node_count, std::numeric_limits<double>::infinity());
+  for (const NetworkFix& fix : fixes) {
+    to_fixes_m[fix.node] = std::min(to_fixes_m[fix.node], costs.way_per_fix_sigma * fix.sigma_m);
+  }
+  return to_fixes_m;
+}
+
+}  // namespace
+
 std::vector<std::pair<std::size_t, double>> SurveyGraph::WaysFrom(std::size_t from, double limit_m,
                                                                   const WayCosts& costs) const {
-  // Loops by node; the way along a drive needs no list.
-  std::vector<std::vector<std::size_t>> across(node_count());
-  for (const NetworkEdge& loop : loops) {
-    across[loop.from].push_back(loop.to);
-    across[loop.to].push_back(loop.from);
-  }
+  // The edges along a drive need no list.
+  const std::vector<std::vector<std::size_t>> across = LoopEnds(loops, node_count());
   // The fixes' frame is one more node.
   const std::size_t hub = node_count();
-  std::vector<double> to_hub_m(node_count(), std::numeric_limits<double>::infinity());
-  for (const NetworkFix& fix : fixes) {
-    to_hub_m[fix.node] = std::min(to_hub_m[fix.node], costs.way_per_fix_sigma * fix.sigma_m);
-  }
+  const std::vector<double> to_hub_m = ToFixes(fixes, node_count(), costs);
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   std::vector<double> way_m(node_count() + 1, std::numeric_limits<double>::infinity());

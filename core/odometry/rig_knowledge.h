@@ -14,9 +14,11 @@ struct RadarKnowledge {
   std::string radar_id;
   /// By how much it looks further to the left than its mount says [rad].
   std::optional<ScalarEstimate> mount_yaw_error;
-  /// By how much its stamps are ahead of those of the other radars [s].
+  /// By how much its stamps are ahead of those of the other radars [s]. Reported only: clocks are
+  /// set between sessions, and a session finds it by itself in its first scans.
   std::optional<ScalarEstimate> clock_ahead;
-  /// By how much the described beta is too small [s].
+  /// By how much the described beta is too small [s]. Reported only: a session's scans are
+  /// compensated by the beta that its rig describes.
   std::optional<ScalarEstimate> beta_error;
 
   bool empty() const { return !mount_yaw_error && !clock_ahead && !beta_error; }

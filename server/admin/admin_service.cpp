@@ -291,7 +291,7 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
       if (caller.ok()) host_.operations.Note(*context, *caller, *request, armed);
       if (armed.ok()) recordings_.Add(caller->tenant, request->vehicle_id(), stream);
       // A session that has opened elsewhere by now is the one.
-      if (stream->IsDecidedAgainst(RecordContest::kHere)) recordings_.Forget(*stream);
+      if (stream->IsDecidedAgainst(RecordElection::kHere)) recordings_.Forget(*stream);
       stream->Begin(armed, slot);
     };
     if (!status.ok() || others.empty()) return begin(status);

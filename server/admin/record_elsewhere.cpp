@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/admin/record_contest.h"
+#include "server/admin/record_election.h"
 #include "server/admin/relay.h"
 
 namespace dcloc::server {
@@ -87,11 +87,11 @@ void RecordElsewhere(Replicas& replicas, RecordingRequests& recordings,
                      const grpc::CallbackServerContext& context,
                      const v1::RecordSessionRequest& request,
                      const std::shared_ptr<RecordStream>& stream, Done done) {
-  const auto contest = std::make_shared<RecordContest>();
-  stream->Join(contest);
+  const auto election = std::make_shared<RecordElection>();
+  stream->Join(election);
   const auto beginning = std::make_shared<Beginning>(
-      others.size(), [contest, done = std::move(done)](const absl::Status& status) {
-        if (!status.ok()) contest->GiveUp();
+      others.size(), [election, done = std::move(done)](const absl::Status& status) {
+        if (!status.ok()) election->GiveUp();
         done(status);
       });
   std::vector<Replicas::Line> lines;
@@ -101,7 +101,7 @@ void RecordElsewhere(Replicas& replicas, RecordingRequests& recordings,
       beginning->OnFault(address, line.status().message());
       return beginning->OnAllAsked();
     }
-    contest->Add(static_cast<int>(lines.size()), line->context);
+    election->Add(static_cast<int>(lines.size()), line->context);
     lines.push_back(*std::move(line));
   }
   for (std::size_t i = 0; i < lines.size(); ++i) {

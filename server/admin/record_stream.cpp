@@ -28,20 +28,20 @@ void RecordStream::Begin(const absl::Status& status, std::shared_ptr<void> slot)
 }
 
 void RecordStream::OnRelayed(int place, v1::RecordSessionResponse message) {
-  if (contest_->Take(place)) Push(std::move(message));
+  if (election_->Take(place)) Push(std::move(message));
 }
 
 // Where nobody is first yet, the vehicle's next session would open there unseen.
 void RecordStream::OnRelayEnd(int place, const std::string& address, const grpc::Status& status) {
-  if (contest_->IsFirst(place)) return End(status);
-  if (!contest_->GiveUp()) return;
+  if (election_->IsFirst(place)) return End(status);
+  if (!election_->GiveUp()) return;
   End(grpc::Status(grpc::StatusCode::UNAVAILABLE,
                    absl::StrCat("replica ", address, " records no more: ", status.error_message(),
                                 "; a session that opens there would be missed")));
 }
 
 bool RecordStream::IsDecidedAgainst(int place) const {
-  return contest_ != nullptr && contest_->IsDecidedAgainst(place);
+  return election_ != nullptr && election_->IsDecidedAgainst(place);
 }
 
 void RecordStream::OnEnd() {

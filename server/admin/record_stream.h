@@ -8,7 +8,7 @@
 
 #include "dcloc/v1/admin_service.pb.h"
 #include "server/admin/push_stream.h"
-#include "server/admin/record_contest.h"
+#include "server/admin/record_election.h"
 #include "server/sessions/recording_subscriber.h"
 
 namespace dcloc::server {
@@ -42,9 +42,9 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   void IncludeFixes() { takes_fixes_ = true; }
 
   /// To be called before it waits for a session: it may also be recorded at other replicas.
-  void Join(std::shared_ptr<RecordContest> contest) { contest_ = std::move(contest); }
+  void Join(std::shared_ptr<RecordElection> election) { election_ = std::move(election); }
 
-  /// What the replica of `place` in the contest says.
+  /// What the replica of `place` in the election says.
   void OnRelayed(int place, v1::RecordSessionResponse message);
   void OnRelayEnd(int place, const std::string& address, const grpc::Status& status);
 
@@ -66,7 +66,7 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
       : PushStream(host, context), program_(std::move(program)) {}
 
   /// Whether the session of this server is the one that is recorded.
-  bool IsHere() const { return contest_ == nullptr || contest_->Take(RecordContest::kHere); }
+  bool IsHere() const { return election_ == nullptr || election_->Take(RecordElection::kHere); }
 
   void Push(v1::RecordSessionResponse message);
   void OnWrite(v1::RecordSessionResponse& message) override;
@@ -74,7 +74,7 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
 
   const std::string program_;
   bool takes_fixes_ = false;
-  std::shared_ptr<RecordContest> contest_;  ///< null where it can only be here
+  std::shared_ptr<RecordElection> election_;  ///< null where it can only be here
   std::shared_ptr<void> slot_;
   std::size_t waiting_bytes_ = 0;
 };

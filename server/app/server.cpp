@@ -166,6 +166,9 @@ struct Server::Parts {
             .tickets = tickets.get()};
   }
 
+  /// Binds, and begins to answer calls.
+  absl::Status Serve(const std::shared_ptr<grpc::ServerCredentials>& credentials);
+
   /// Takes new certificates, and says so when those that are shown have expired.
   void WatchCertificates() {
     if (certificates == nullptr) return;
@@ -291,6 +294,39 @@ struct Server::Parts {
   std::string address;
 };
 
+absl::Status Server::Parts::Serve(const std::shared_ptr<grpc::ServerCredentials>& credentials) {
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  SetUpTransport(config, builder);
+  absl::StatusOr<ListenAddress> bound = ParseListenAddress(config.listen);
+  if (!bound.ok()) return bound.status();
+  absl::StatusOr<std::unique_ptr<Listener>> bound_listener =
+      Listener::Bind(*bound, ConnectionBounds(config));
+  if (!bound_listener.ok()) return bound_listener.status();
+  bound->port = (*bound_listener)->port();
+  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
+  builder.RegisterService(&localization);
+  builder.RegisterService(&maps);
+  builder.RegisterService(&admin);
+  server = builder.BuildAndStart();
+  if (server == nullptr) return absl::InternalError("gRPC cannot start a server");
+  health = std::make_unique<Health>(*server);
+  server_is_set.count_down();
+  address = bound->ToString();
+  if (!config.replica_address.empty()) {
+    absl::StatusOr<std::string> known_as = ReplicaAddressOf(config, bound->port);
+    if (!known_as.ok()) return known_as.status();
+    replicas.Join(*std::move(known_as));
+  }
+  listener = *std::move(bound_listener);
+  listener->Start(std::move(acceptor));
+  WatchItself(*bound);
+  WatchCertificates();
+  return ServeMetrics();
+}
+
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config,
                                                       RegistrationMethods methods) {
   if (absl::Status status = Validate(config); !status.ok()) return status;
@@ -306,38 +342,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
                               credentials->certificates, *std::move(tickets));
   if (absl::Status status = SayWhoIsLetIn(parts->access, config); !status.ok()) return status;
   parts->gate->SetProofNeeded(parts->access.needs_proof());
-
-  grpc::EnableDefaultHealthCheckService(true);
-  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-  grpc::ServerBuilder builder;
-  SetUpTransport(config, builder);
-  absl::StatusOr<ListenAddress> address = ParseListenAddress(config.listen);
-  if (!address.ok()) return address.status();
-  absl::StatusOr<std::unique_ptr<Listener>> listener =
-      Listener::Bind(*address, ConnectionBounds(config));
-  if (!listener.ok()) return listener.status();
-  address->port = (*listener)->port();
-  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
-      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
-      credentials->credentials);
-  builder.RegisterService(&parts->localization);
-  builder.RegisterService(&parts->maps);
-  builder.RegisterService(&parts->admin);
-  parts->server = builder.BuildAndStart();
-  if (parts->server == nullptr) return absl::InternalError("gRPC cannot start a server");
-  parts->health = std::make_unique<Health>(*parts->server);
-  parts->server_is_set.count_down();
-  parts->address = address->ToString();
-  if (!config.replica_address.empty()) {
-    absl::StatusOr<std::string> known_as = ReplicaAddressOf(config, address->port);
-    if (!known_as.ok()) return known_as.status();
-    parts->replicas.Join(*std::move(known_as));
-  }
-  parts->listener = *std::move(listener);
-  parts->listener->Start(std::move(acceptor));
-  parts->WatchItself(*address);
-  parts->WatchCertificates();
-  if (absl::Status status = parts->ServeMetrics(); !status.ok()) return status;
+  if (absl::Status status = parts->Serve(credentials->credentials); !status.ok()) return status;
   return std::unique_ptr<Server>(new Server(std::move(parts)));
 }
 

@@ -59,10 +59,35 @@ double Seconds(SystemTime time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
+void AddCertificate(const ServedCertificates& certificates, std::vector<MetricFamily>& families) {
+  const ServedCertificates::State state = certificates.state();
+  families.push_back(GaugeOf("dcloc_tls_certificate_ok",
+                             "0 when the files have another certificate, which is not good",
+                             state.fault.empty() ? 1.0 : 0.0));
+  families.push_back(GaugeOf("dcloc_tls_certificate_expire_time_seconds",
+                             "When the certificate that is shown expires, Unix time",
+                             Seconds(state.expire_time)));
+}
+
+MetricFamily BuildInfo(const std::string& version) {
+  MetricFamily build = GaugeOf("dcloc_build_info", "1; the label says which program this is");
+  AddGauge(build, {{"version", version}}, 1.0);
+  return build;
+}
+
 }  // namespace
 
 std::vector<MetricFamily> StateMetrics::Collect() const {
   std::vector<MetricFamily> families = ProcessMetrics();
+  AddWork(families);
+  AddPeers(families);
+  AddMapFiles(families);
+  families.push_back(BuildInfo(sources_.version));
+  return families;
+}
+
+// Sessions, the threads that serve them, and the servers beside this one.
+void StateMetrics::AddWork(std::vector<MetricFamily>& families) const {
   families.push_back(Sessions(sources_.registry));
   families.push_back(GaugeOf("dcloc_sessions_max", "The most sessions that the server takes",
                              sources_.registry.max_session_count()));
@@ -79,19 +104,15 @@ std::vector<MetricFamily> StateMetrics::Collect() const {
   families.push_back(GaugeOf("dcloc_self_probe_ok",
                              "0 when the server does not answer its own connections",
                              sources_.answering() ? 1.0 : 0.0));
+}
+
+// What peers do and do not do.
+void StateMetrics::AddPeers(std::vector<MetricFamily>& families) const {
   families.push_back(GaugeOf("dcloc_unopened_streams", "Localize streams whose open has not come",
                              sources_.unopened_stream_count()));
   families.push_back(GaugeOf("dcloc_unopened_streams_max", "The most of them",
                              sources_.limits.max_unopened_stream_count));
-  if (sources_.certificates != nullptr) {
-    const ServedCertificates::State certificates = sources_.certificates->state();
-    families.push_back(GaugeOf("dcloc_tls_certificate_ok",
-                               "0 when the files have another certificate, which is not good",
-                               certificates.fault.empty() ? 1.0 : 0.0));
-    families.push_back(GaugeOf("dcloc_tls_certificate_expire_time_seconds",
-                               "When the certificate that is shown expires, Unix time",
-                               Seconds(certificates.expire_time)));
-  }
+  if (sources_.certificates != nullptr) AddCertificate(*sources_.certificates, families);
   families.push_back(CountersBy("reason", "dcloc_calls_ended_total",
                                 "Calls that were ended because of what their peer did not do",
                                 {{"not_sending", sources_.peer_faults.not_sending},
@@ -104,6 +125,9 @@ std::vector<MetricFamily> StateMetrics::Collect() const {
   families.push_back(CounterOf("dcloc_connections_refused_total",
                                "Connections closed at once, as too few file descriptors were left",
                                static_cast<double>(sources_.refused_connection_count())));
+}
+
+void StateMetrics::AddMapFiles(std::vector<MetricFamily>& families) const {
   AddScrub(sources_.scrub.state(), families);
   if (const std::optional<int> count = sources_.store.quarantined_count()) {
     families.push_back(
@@ -113,10 +137,6 @@ std::vector<MetricFamily> StateMetrics::Collect() const {
                 *count));
   }
   AddMapFileMetrics(sources_.objects, sources_.cache, families);
-  MetricFamily build = GaugeOf("dcloc_build_info", "1; the label says which program this is");
-  AddGauge(build, {{"version", sources_.version}}, 1.0);
-  families.push_back(std::move(build));
-  return families;
 }
 
 }  // namespace dcloc::server

@@ -50,6 +50,10 @@ class StateMetrics final : public prometheus::Collectable {
   std::vector<prometheus::MetricFamily> Collect() const override;
 
  private:
+  void AddWork(std::vector<prometheus::MetricFamily>& families) const;
+  void AddPeers(std::vector<prometheus::MetricFamily>& families) const;
+  void AddMapFiles(std::vector<prometheus::MetricFamily>& families) const;
+
   const Sources sources_;
 };
 

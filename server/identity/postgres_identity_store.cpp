@@ -64,7 +64,7 @@ PostgresIdentityStore::PostgresIdentityStore(std::shared_ptr<PostgresDatabase> d
                                              std::chrono::nanoseconds max_away)
     : database_(std::move(database)),
       known_(*database_->watch, ChangeTopic::kIdentities, {.max_away = max_away}),
-      // That nobody is known makes everyone an admin: it is believed only while it is certain.
+      // That nobody is known makes everyone an admin: it is used only while it is certain.
       any_(*database_->watch, ChangeTopic::kIdentities, {.max_away = std::chrono::seconds(0)}) {}
 
 absl::StatusOr<std::unique_ptr<PostgresIdentityStore>> PostgresIdentityStore::Open(

@@ -82,6 +82,41 @@ absl::Status Cut(const CutArguments& arguments) {
   return absl::OkStatus();
 }
 
+// Adds the map of `file` to `merged`, which is of `first_file`, and says in `list` what came of it.
+absl::Status MergeFile(const std::string& file, const std::string& first_file, bool is_same_frame,
+                       absl::StatusOr<MapParts>& merged, ordered_json& list) {
+  const absl::StatusOr<MapParts> further = ReadMapParts(file);
+  if (!further.ok()) return further.status();
+  const absl::Status status = CheckFrames(*merged, *further, is_same_frame);
+  if (!status.ok()) {
+    return absl::Status(
+        status.code(),
+        absl::StrCat(file, ": ", status.message(), "; --same-frame says that both frames are one"));
+  }
+  if (!merged->Anchor() && further->Anchor()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(file, ": has an anchor on the Earth, and ", first_file,
+                     " has none, whose frame is kept; name a map with an anchor first"));
+  }
+  MergeCounts counts;
+  merged = Merge(*merged, *further, counts);
+  if (!merged.ok()) {
+    return absl::Status(merged.status().code(),
+                        absl::StrCat(file, ": ", merged.status().message()));
+  }
+  if (counts.doubled_landmarks > 0) {
+    absl::FPrintF(stderr,
+                  "%s: %d landmarks lie within 0.4 m of others; where drives of two maps saw the "
+                  "same street, `dcloc map survey` of the drives fuses them\n",
+                  Visible(file), counts.doubled_landmarks);
+  }
+  list.push_back({{"file", file},
+                  {"shared_keyframe_count", counts.shared_keyframes},
+                  {"shared_landmark_count", counts.shared_landmarks},
+                  {"doubled_landmark_count", counts.doubled_landmarks}});
+  return absl::OkStatus();
+}
+
 absl::Status MergeFiles(const MergeArguments& arguments) {
   absl::Status status = CheckOutputFiles({{arguments.out}, arguments.force});
   if (!status.ok()) return status;
@@ -89,36 +124,9 @@ absl::Status MergeFiles(const MergeArguments& arguments) {
   if (!merged.ok()) return merged.status();
   ordered_json list = ordered_json::array();
   for (std::size_t i = 1; i < arguments.files.size(); ++i) {
-    const std::string& file = arguments.files[i];
-    const absl::StatusOr<MapParts> further = ReadMapParts(file);
-    if (!further.ok()) return further.status();
-    status = CheckFrames(*merged, *further, arguments.is_same_frame);
-    if (!status.ok()) {
-      return absl::Status(status.code(),
-                          absl::StrCat(file, ": ", status.message(),
-                                       "; --same-frame says that both frames are one"));
-    }
-    if (!merged->Anchor() && further->Anchor()) {
-      return absl::FailedPreconditionError(
-          absl::StrCat(file, ": has an anchor on the Earth, and ", arguments.files.front(),
-                       " has none, whose frame is kept; name a map with an anchor first"));
-    }
-    MergeCounts counts;
-    merged = Merge(*merged, *further, counts);
-    if (!merged.ok()) {
-      return absl::Status(merged.status().code(),
-                          absl::StrCat(file, ": ", merged.status().message()));
-    }
-    if (counts.doubled_landmarks > 0) {
-      absl::FPrintF(stderr,
-                    "%s: %d landmarks lie within 0.4 m of others; where drives of two maps saw the "
-                    "same street, `dcloc map survey` of the drives fuses them\n",
-                    Visible(file), counts.doubled_landmarks);
-    }
-    list.push_back({{"file", file},
-                    {"shared_keyframe_count", counts.shared_keyframes},
-                    {"shared_landmark_count", counts.shared_landmarks},
-                    {"doubled_landmark_count", counts.doubled_landmarks}});
+    status = MergeFile(arguments.files[i], arguments.files.front(), arguments.is_same_frame, merged,
+                       list);
+    if (!status.ok()) return status;
   }
   if (!arguments.name.empty()) merged->name = arguments.name;
   const absl::StatusOr<MapInfo> info = WriteMapParts(*merged, arguments.out);

@@ -12,7 +12,7 @@ namespace dcloc::server {
 
 /// A vehicle's next session may open at any replica, and the first one that does is recorded. This
 /// decides which it is, and lets go of the others. Thread-safe.
-class RecordContest {
+class RecordElection {
  public:
   /// The place of this server's own sessions; those of others count from 0.
   static constexpr int kHere = -1;
