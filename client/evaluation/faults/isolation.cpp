@@ -1,5 +1,6 @@
 #include "client/evaluation/faults/isolation.h"
 
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,9 +14,15 @@
 namespace dcloc::faults {
 namespace {
 
+// Processor time, as others on the machine may make a sound session wait.
+void LimitProcessorTime(unsigned int limit_s) {
+  const rlimit limit{.rlim_cur = limit_s, .rlim_max = limit_s + 1};
+  setrlimit(RLIMIT_CPU, &limit);
+}
+
 [[noreturn]] void WorkInChild(const std::function<std::string()>& work, unsigned int limit_s,
                               int pipe_end) {
-  alarm(limit_s);
+  LimitProcessorTime(limit_s);
   std::string result;
   try {
     result = work();

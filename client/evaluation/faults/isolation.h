@@ -8,9 +8,9 @@
 namespace dcloc::faults {
 
 /// What `work` gives, done in a process of its own, so that neither a crash nor an endless loop
-/// ends the caller: Aborted says by which signal it ended (after `limit_s` (> 0) by SIGALRM),
-/// Internal that no process could be made. `work` starts no threads, and what it changes in memory
-/// is lost.
+/// ends the caller: Aborted says by which signal it ended (by SIGXCPU after `limit_s` (> 0) of
+/// processor time), Internal that no process could be made. `work` starts no threads, waits for
+/// nothing, and what it changes in memory is lost.
 absl::StatusOr<std::string> RunIsolated(const std::function<std::string()>& work,
                                         unsigned int limit_s);
 

@@ -143,10 +143,21 @@ TEST(IsolationTest, ACrashAnExceptionAndALoopEndTheirProcessAlone) {
   EXPECT_EQ(thrown.status(), absl::AbortedError("ended by signal 6"));
   const auto endless = RunIsolated(
       []() -> std::string {
-        for (;;) pause();
+        for (volatile unsigned int turns = 0;;) turns = turns + 1;
       },
       1);
-  EXPECT_EQ(endless.status(), absl::AbortedError("ended by signal 14"));
+  EXPECT_EQ(endless.status(), absl::AbortedError("ended by signal 24"));
+}
+
+TEST(IsolationTest, AProcessThatWaitsForTheProcessorIsNotEnded) {
+  const auto result = RunIsolated(
+      [] {
+        usleep(1'500'000);
+        return std::string("done");
+      },
+      1);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(*result, "done");
 }
 
 TEST(SessionTest, CountsRefusalsAndOrdersAnswersByTrueTime) {
