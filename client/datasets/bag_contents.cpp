@@ -134,9 +134,7 @@ class Collector {
     if (is_radar) status.Update(TakeScan(*radar, message));
     if (is_transform) status.Update(TakeTransforms(message));
     if (is_motion) status.Update(TakeMotion(message, /*is_velocity=*/true, contents_.motions));
-    if (is_reference) {
-      status.Update(TakeMotion(message, /*is_velocity=*/false, contents_.references));
-    }
+    if (is_reference) status.Update(TakeReference(message));
     if (is_imu) status.Update(TakeTurnRate(message));
     if (status.ok()) return status;
     return absl::Status(status.code(), absl::StrCat("topic ", topic, ": ", status.message()));
@@ -161,10 +159,9 @@ class Collector {
   }
 
   absl::Status TakeScan(const RadarMapping& radar, const Message& message) {
-    if (message.connection.type != rosbag::kPointCloud2.name) {
-      return WrongType(message, rosbag::kPointCloud2.name);
-    }
-    const absl::StatusOr<PointCloud> cloud = rosbag::ParsePointCloud(message.data);
+    const std::string& type = message.connection.type;
+    if (!rosbag::IsPointCloud(type)) return WrongType(message, rosbag::kPointCloud2.name);
+    const absl::StatusOr<PointCloud> cloud = rosbag::ParseCloudOf(type, message.data);
     if (!cloud.ok()) return cloud.status();
     absl::StatusOr<Scan> scan = ScanOf(*cloud, radar);
     if (!scan.ok()) return scan.status();
@@ -186,7 +183,7 @@ class Collector {
   static absl::Status TakeMotion(const Message& message, bool is_velocity,
                                  std::vector<rosbag::Motion>& motions) {
     const std::string& type = message.connection.type;
-    if (type == rosbag::kPointCloud2.name || type == rosbag::kImu.name ||
+    if (rosbag::IsPointCloud(type) || type == rosbag::kImu.name ||
         type == rosbag::kNavSatFix.name || type == rosbag::kTf.name || type == rosbag::kTf2.name) {
       return WrongType(message, "Odometry, a twist or a pose with a stamp");
     }
@@ -202,6 +199,16 @@ class Collector {
       motion->T_frame_child = *std::move(checked);
     }
     motions.push_back(*std::move(motion));
+    return absl::OkStatus();
+  }
+
+  absl::Status TakeReference(const Message& message) {
+    if (message.connection.type != rosbag::kNavSatFix.name) {
+      return TakeMotion(message, /*is_velocity=*/false, contents_.references);
+    }
+    absl::StatusOr<rosbag::SatelliteFix> fix = rosbag::ParseSatelliteFix(message.data);
+    if (!fix.ok()) return fix.status();
+    contents_.fixes.push_back(*std::move(fix));
     return absl::OkStatus();
   }
 
@@ -241,6 +248,7 @@ absl::StatusOr<BagContents> ReadBagContents(const std::filesystem::path& path,
   SortByStamp(contents.motions);
   SortByStamp(contents.turn_rates);
   SortByStamp(contents.references);
+  SortByStamp(contents.fixes);
   return contents;
 }
 

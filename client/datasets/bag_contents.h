@@ -22,6 +22,7 @@ struct BagContents {
   std::vector<rosbag::Motion> motions;        ///< of `motion_topic`, by ascending stamp
   std::vector<rosbag::ImuSample> turn_rates;  ///< of `imu_topic`, by ascending stamp
   std::vector<rosbag::Motion> references;     ///< of `reference_topic`, by ascending stamp
+  std::vector<rosbag::SatelliteFix> fixes;    ///< of `reference_topic`, where it is of fixes
   rosbag::TransformTree transforms;
 };
 

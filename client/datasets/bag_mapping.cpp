@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/datasets/file_error.h"
-#include "client/datasets/json_file.h"
+#include "client/datasets/files/file_error.h"
+#include "client/datasets/files/json_file.h"
 
 namespace dcloc {
 namespace {
@@ -39,14 +39,23 @@ constexpr std::array<Key<RadarMapping, bool>, 4> kRadarFlags = {
      {"range_rate_is_towards", &RadarMapping::range_rate_is_towards},
      {"range_rate_is_compensated", &RadarMapping::range_rate_is_compensated}}};
 
-constexpr std::array<Key<BagMapping, std::string>, 5> kBagTexts = {
+constexpr std::array<Key<BagMapping, std::string>, 6> kBagTexts = {
     {{"motion_topic", &BagMapping::motion_topic},
      {"imu_topic", &BagMapping::imu_topic},
      {"reference_topic", &BagMapping::reference_topic},
+     {"reference_file", &BagMapping::reference_file},
      {"vehicle_frame", &BagMapping::vehicle_frame},
      {"map_frame", &BagMapping::map_frame}}};
 
-constexpr const char* kMountKey = "T_vehicle_radar";
+constexpr std::array<Key<BagMapping, bool>, 1> kBagFlags = {
+    {{"velocity_by_doppler", &BagMapping::velocity_by_doppler}}};
+
+constexpr std::array<Key<RadarMapping, std::optional<Pose3>>, 1> kRadarMounts = {
+    {{"T_vehicle_radar", &RadarMapping::T_vehicle_radar}}};
+
+constexpr std::array<Key<BagMapping, std::optional<Pose3>>, 2> kBagMounts = {
+    {{"T_vehicle_reference", &BagMapping::T_vehicle_reference},
+     {"T_vehicle_imu", &BagMapping::T_vehicle_imu}}};
 
 /// True when `key` is one of `keys`, whose value is then taken.
 template <typename Struct, typename Value, std::size_t N>
@@ -66,24 +75,50 @@ absl::StatusOr<bool> TakeKey(const std::array<Key<Struct, Value>, N>& keys, cons
 }
 
 /// x, y, z, then the quaternion w, x, y, z.
-absl::Status TakeMount(const json& value, RadarMapping& radar) {
+absl::StatusOr<Pose3> MountOf(const std::string& key, const json& value) {
   constexpr std::size_t kNumbers = 7;
   const bool are_numbers =
       value.is_array() && value.size() == kNumbers &&
       std::ranges::all_of(value, [](const json& number) { return number.is_number(); });
   if (!are_numbers) {
     return absl::DataLossError(absl::StrCat(
-        "\"", kMountKey, "\" must be seven numbers: x, y, z [m] and a quaternion w, x, y, z"));
+        "\"", key, "\" must be seven numbers: x, y, z [m] and a quaternion w, x, y, z"));
   }
   const auto at = [&](std::size_t i) { return value[i].get<double>(); };
   Pose3 mount{{at(0), at(1), at(2)}, Eigen::Quaterniond(at(3), at(4), at(5), at(6))};
   if (std::abs(mount.rotation.norm() - 1.0) > 0.01) {
-    return absl::DataLossError(absl::StrCat("the quaternion of \"", kMountKey, "\" has the norm ",
+    return absl::DataLossError(absl::StrCat("the quaternion of \"", key, "\" has the norm ",
                                             mount.rotation.norm(), "; it must be 1"));
   }
   mount.rotation.normalize();
-  radar.T_vehicle_radar = mount;
-  return absl::OkStatus();
+  return mount;
+}
+
+/// True when `key` is one of the mounts `keys`, which is then taken.
+template <typename Struct, std::size_t N>
+absl::StatusOr<bool> TakeMount(const std::array<Key<Struct, std::optional<Pose3>>, N>& keys,
+                               const std::string& key, const json& value, Struct& target) {
+  for (const auto& [name, member] : keys) {
+    if (key != name) continue;
+    const absl::StatusOr<Pose3> mount = MountOf(key, value);
+    if (!mount.ok()) return mount.status();
+    target.*member = *mount;
+    return true;
+  }
+  return false;
+}
+
+/// Takes a key into one of three kinds of members. DataLoss for a key of none.
+template <typename Struct, std::size_t T, std::size_t F, std::size_t M>
+absl::Status TakeAny(const std::array<Key<Struct, std::string>, T>& texts,
+                     const std::array<Key<Struct, bool>, F>& flags,
+                     const std::array<Key<Struct, std::optional<Pose3>>, M>& mounts,
+                     const std::string& key, const json& value, Struct& target) {
+  absl::StatusOr<bool> taken = TakeKey(texts, key, value, target);
+  if (taken.ok() && !*taken) taken = TakeKey(flags, key, value, target);
+  if (taken.ok() && !*taken) taken = TakeMount(mounts, key, value, target);
+  if (!taken.ok()) return taken.status();
+  return *taken ? absl::OkStatus() : absl::DataLossError(absl::StrCat("unknown key \"", key, "\""));
 }
 
 absl::StatusOr<RadarMapping> RadarMappingOf(const json& entry) {
@@ -93,13 +128,7 @@ absl::StatusOr<RadarMapping> RadarMappingOf(const json& entry) {
       id != entry.end() && id->is_string() ? id->get<std::string>() : "without id";
   RadarMapping radar;
   for (const auto& [key, value] : entry.items()) {
-    absl::StatusOr<bool> taken = TakeKey(kRadarTexts, key, value, radar);
-    if (taken.ok() && !*taken) taken = TakeKey(kRadarFlags, key, value, radar);
-    absl::Status status = taken.status();
-    if (taken.ok() && !*taken) {
-      status = key == kMountKey ? TakeMount(value, radar)
-                                : absl::DataLossError(absl::StrCat("unknown key \"", key, "\""));
-    }
+    const absl::Status status = TakeAny(kRadarTexts, kRadarFlags, kRadarMounts, key, value, radar);
     if (!status.ok()) {
       return absl::DataLossError(absl::StrCat("radar ", name, ": ", status.message()));
     }
@@ -114,9 +143,8 @@ absl::StatusOr<BagMapping> MappingOf(const json& document) {
   BagMapping mapping;
   for (const auto& [key, value] : document.items()) {
     if (key == "radars") continue;
-    const absl::StatusOr<bool> taken = TakeKey(kBagTexts, key, value, mapping);
-    if (!taken.ok()) return taken.status();
-    if (!*taken) return absl::DataLossError(absl::StrCat("unknown key \"", key, "\""));
+    const absl::Status status = TakeAny(kBagTexts, kBagFlags, kBagMounts, key, value, mapping);
+    if (!status.ok()) return status;
   }
   for (const json& entry : document["radars"]) {
     absl::StatusOr<RadarMapping> radar = RadarMappingOf(entry);
@@ -124,6 +152,18 @@ absl::StatusOr<BagMapping> MappingOf(const json& document) {
     mapping.radars.push_back(*std::move(radar));
   }
   return mapping;
+}
+
+template <typename Struct, std::size_t N>
+void AddMounts(const std::array<Key<Struct, std::optional<Pose3>>, N>& keys, const Struct& source,
+               ordered_json& document) {
+  for (const auto& [name, member] : keys) {
+    const std::optional<Pose3>& mount = source.*member;
+    if (!mount) continue;
+    const Eigen::Vector3d& t = mount->translation_m;
+    const Eigen::Quaterniond& q = mount->rotation;
+    document[name] = {t.x(), t.y(), t.z(), q.w(), q.x(), q.y(), q.z()};
+  }
 }
 
 absl::Status CheckRadarMapping(const RadarMapping& radar) {
@@ -157,6 +197,15 @@ absl::Status Validate(const BagMapping& mapping) {
     }
   }
   if (mapping.vehicle_frame.empty()) return absl::InvalidArgumentError("vehicle_frame is empty");
+  if (!mapping.reference_topic.empty() && !mapping.reference_file.empty()) {
+    return absl::InvalidArgumentError(
+        "reference_topic and reference_file are both set; poses are of one of them");
+  }
+  const bool has_imu = !mapping.imu_topic.empty();
+  if (mapping.velocity_by_doppler && (!has_imu || !mapping.motion_topic.empty())) {
+    return absl::InvalidArgumentError(
+        "velocity_by_doppler needs an imu_topic, and no motion_topic beside it");
+  }
   return absl::OkStatus();
 }
 
@@ -172,7 +221,14 @@ absl::StatusOr<BagMapping> ReadBagMapping(const std::filesystem::path& path) {
 
 ordered_json BagMappingJson(const BagMapping& mapping) {
   ordered_json document;
-  for (const auto& [name, member] : kBagTexts) document[name] = mapping.*member;
+  for (const auto& [name, member] : kBagTexts) {
+    // What mappings of before did not know is written only where it is used.
+    if (member != &BagMapping::reference_file || !mapping.reference_file.empty()) {
+      document[name] = mapping.*member;
+    }
+  }
+  if (mapping.velocity_by_doppler) document["velocity_by_doppler"] = true;
+  AddMounts(kBagMounts, mapping, document);
   document["radars"] = ordered_json::array();
   for (const RadarMapping& radar : mapping.radars) {
     ordered_json entry;
@@ -180,11 +236,7 @@ ordered_json BagMappingJson(const BagMapping& mapping) {
       if (!(radar.*member).empty()) entry[name] = radar.*member;
     }
     for (const auto& [name, member] : kRadarFlags) entry[name] = radar.*member;
-    if (radar.T_vehicle_radar) {
-      const Eigen::Vector3d& t = radar.T_vehicle_radar->translation_m;
-      const Eigen::Quaterniond& q = radar.T_vehicle_radar->rotation;
-      entry[kMountKey] = {t.x(), t.y(), t.z(), q.w(), q.x(), q.y(), q.z()};
-    }
+    AddMounts(kRadarMounts, radar, entry);
     document["radars"].push_back(std::move(entry));
   }
   return document;

@@ -41,15 +41,26 @@ struct RadarMapping {
 /// What the topics of a bag are.
 struct BagMapping {
   std::vector<RadarMapping> radars;
-  std::string motion_topic;     ///< Odometry or Twist*Stamped; empty: Doppler alone
-  std::string imu_topic;        ///< Imu, whose turn rates replace those of `motion_topic`
-  std::string reference_topic;  ///< Odometry or Pose*Stamped; empty: TF, where it knows
+  std::string motion_topic;  ///< Odometry or Twist*Stamped; empty: Doppler alone
+  std::string imu_topic;     ///< Imu, whose turn rates replace those of `motion_topic`
+  /// Odometry, Pose*Stamped, or NavSatFix (fix_poses.h); empty: TF, where it knows.
+  std::string reference_topic;
+  /// A text file of poses, `stamp x y z qx qy qz qw` with stamps in seconds, in place of a topic;
+  /// its path is absolute or from the bag's folder.
+  std::string reference_file;
   std::string vehicle_frame = "base_link";
   std::string map_frame = "map";
+  /// Nothing says how fast the vehicle is but the radars (doppler_velocity.h); the turn rate is
+  /// that of `imu_topic`.
+  bool velocity_by_doppler = false;
+  /// Where the frames of `reference_*` and `imu_topic` sit, in place of what TF tells.
+  std::optional<Pose3> T_vehicle_reference;
+  std::optional<Pose3> T_vehicle_imu;
 };
 
 /// OK, or InvalidArgument that names the radar and the field: each radar has an id and a topic of
-/// its own, its range rate, and range with azimuth or x with y.
+/// its own, its range rate, and range with azimuth or x with y; velocities by Doppler need an
+/// imu_topic, and stand in place of a motion_topic; references are of a topic or of a file.
 absl::Status Validate(const BagMapping& mapping);
 
 /// Reads the file. DataLoss that names the path and the key, for unknown keys too.

@@ -92,7 +92,9 @@ absl::Status BagMotion::TakeVelocities(const BagContents& contents, const BagMap
 
 absl::Status BagMotion::TakeTurnRates(const BagContents& contents, const BagMapping& mapping) {
   for (const rosbag::ImuSample& sample : contents.turn_rates) {
-    const auto mount = MountOf(sample.header.frame_id, contents, mapping, mapping.imu_topic);
+    const auto mount = mapping.T_vehicle_imu
+                           ? *mapping.T_vehicle_imu
+                           : MountOf(sample.header.frame_id, contents, mapping, mapping.imu_topic);
     if (!mount.ok()) return mount.status();
     turn_rates_.push_back(
         {sample.header.stamp,
@@ -122,10 +124,12 @@ absl::Status BagMotion::TakePoses(const BagContents& contents, const BagMapping&
     const absl::StatusOr<Pose3> pose = rosbag::CheckedPose(*motion.T_frame_child);
     if (!pose.ok()) return absl::OkStatus();  // of odometry that counts no poses
     const std::string& topic = has_topic ? mapping.reference_topic : mapping.motion_topic;
-    const auto mount = MountOf(motion.child_frame, contents, mapping, topic);
+    const bool is_placed = has_topic && mapping.T_vehicle_reference.has_value();
+    const auto mount = is_placed ? *mapping.T_vehicle_reference
+                                 : MountOf(motion.child_frame, contents, mapping, topic);
     if (!mount.ok()) return mount.status();
     const bool is_vehicle =
-        motion.child_frame.empty() || motion.child_frame == mapping.vehicle_frame;
+        !is_placed && (motion.child_frame.empty() || motion.child_frame == mapping.vehicle_frame);
     poses_.Add({motion.header.stamp, pose_parent_, pose_child_,
                 is_vehicle ? *pose : *pose * mount->Inverse()},
                /*is_static=*/false);
@@ -142,6 +146,12 @@ std::optional<EgoVelocity> BagMotion::VelocityAt(Stamp stamp) const {
     velocity->angular_radps = turn->angular_radps;
   }
   return velocity;
+}
+
+std::optional<Eigen::Vector3d> BagMotion::TurnRateAt(Stamp stamp) const {
+  const std::optional<EgoVelocity> turn = At(turn_rates_, stamp);
+  if (!turn) return std::nullopt;
+  return turn->angular_radps;
 }
 
 std::optional<Pose3> BagMotion::PoseAt(Stamp stamp) const {

@@ -23,6 +23,9 @@ class BagMotion {
   /// nearest is more than 0.1 s away.
   std::optional<EgoVelocity> VelocityAt(Stamp stamp) const;
 
+  /// The turn rate [rad/s] in the vehicle frame by `imu_topic`, between samples likewise.
+  std::optional<Eigen::Vector3d> TurnRateAt(Stamp stamp) const;
+
   /// By the reference topic or TF, else the odometry's own.
   std::optional<Pose3> PoseAt(Stamp stamp) const;
 

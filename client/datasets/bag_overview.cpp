@@ -23,7 +23,8 @@ constexpr double kFlat_m = 1e-6;
 
 absl::Status LookAtCloud(const Message& message, BagTopic& topic) {
   if (topic.message_count > kCloudsLookedAt) return absl::OkStatus();
-  const absl::StatusOr<rosbag::PointCloud> cloud = rosbag::ParsePointCloud(message.data);
+  const absl::StatusOr<rosbag::PointCloud> cloud =
+      rosbag::ParseCloudOf(message.connection.type, message.data);
   if (!cloud.ok()) return cloud.status();
   topic.frame = cloud->header.frame_id;
   topic.fields.clear();
@@ -37,7 +38,7 @@ absl::Status LookAtCloud(const Message& message, BagTopic& topic) {
 
 absl::Status LookAt(const Message& message, BagTopic& topic, BagOverview& overview) {
   const std::string& type = message.connection.type;
-  if (type == rosbag::kPointCloud2.name) return LookAtCloud(message, topic);
+  if (rosbag::IsPointCloud(type)) return LookAtCloud(message, topic);
   if (type == rosbag::kTf2.name || type == rosbag::kTf.name) {
     const auto transforms = rosbag::ParseTransforms(message.data);
     if (!transforms.ok()) return transforms.status();
@@ -209,7 +210,7 @@ BagMapping ProposeMapping(const BagOverview& overview) {
   int best_rank = 0;
   for (const BagTopic& topic : overview.topics) {
     if (!topic.fault.empty()) continue;
-    if (topic.connection.type == rosbag::kPointCloud2.name) ProposeRadar(topic, mapping);
+    if (rosbag::IsPointCloud(topic.connection.type)) ProposeRadar(topic, mapping);
     if (const int rank = MotionRank(topic); rank > best_rank) {
       best_rank = rank;
       mapping.motion_topic = topic.connection.topic;

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "client/datasets/json_table.h"
+#include "client/datasets/files/json_table.h"
 
 namespace dcloc {
 

@@ -27,6 +27,12 @@ enum class PoseSource {
   kNone,       ///< not known; they are the identity
 };
 
+/// Whose the ego-velocities of a drive are.
+enum class VelocitySource {
+  kVehicle,  ///< wheels, a gyroscope, or what else the vehicle sends
+  kDoppler,  ///< speeds are of the radars' own range rates (doppler_velocity.h)
+};
+
 /// A recorded or simulated drive: its radars and its scans, by ascending stamp.
 struct Drive {
   std::string name;
@@ -34,6 +40,7 @@ struct Drive {
   Rig rig;
   std::vector<DriveScan> scans;
   PoseSource pose_source = PoseSource::kReference;
+  VelocitySource velocity_source = VelocitySource::kVehicle;
   std::vector<std::string> notes;  ///< what the reader has to say of the data, a sentence each
 };
 

@@ -1,6 +1,6 @@
 #include "client/datasets/drive_request.h"
 
-#include "client/datasets/check_range.h"
+#include "client/datasets/files/check_range.h"
 
 namespace dcloc {
 

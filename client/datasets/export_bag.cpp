@@ -10,7 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "client/datasets/json_file.h"
+#include "client/datasets/files/json_file.h"
 #include "client/datasets/rig_file.h"
 #include "client/rosbag/bag_writer.h"
 #include "client/rosbag/message_types.h"

@@ -11,8 +11,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/string_view.h"
-#include "client/datasets/file_error.h"
-#include "client/datasets/json_table.h"
+#include "client/datasets/files/file_error.h"
+#include "client/datasets/files/json_table.h"
 
 namespace dcloc {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client/datasets/file_error.h"
+#include "client/datasets/files/file_error.h"
 #include "client/datasets/finish_drive.h"
 #include "client/datasets/radar_selection.h"
 #include "client/datasets/radarscenes_tables.h"

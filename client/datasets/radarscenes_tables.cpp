@@ -7,9 +7,9 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "client/datasets/file_error.h"
-#include "client/datasets/hdf5_table.h"
-#include "client/datasets/json_file.h"
+#include "client/datasets/files/file_error.h"
+#include "client/datasets/files/hdf5_table.h"
+#include "client/datasets/files/json_file.h"
 
 namespace dcloc {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/datasets/file_error.h"
-#include "client/datasets/json_file.h"
+#include "client/datasets/files/file_error.h"
+#include "client/datasets/files/json_file.h"
 
 namespace dcloc {
 namespace {

@@ -13,8 +13,10 @@
 #include "client/datasets/bag_contents.h"
 #include "client/datasets/bag_motion.h"
 #include "client/datasets/bag_overview.h"
-#include "client/datasets/file_error.h"
+#include "client/datasets/doppler_velocity.h"
+#include "client/datasets/files/stamped_rows.h"
 #include "client/datasets/finish_drive.h"
+#include "client/datasets/fix_poses.h"
 #include "client/datasets/radar_selection.h"
 #include "client/datasets/rig_file.h"
 
@@ -30,7 +32,8 @@ absl::Status Naming(const fs::path& path, const absl::Status& status) {
 absl::StatusOr<Rig> RigOf(const BagContents& contents, const BagMapping& mapping) {
   Rig rig;
   for (const RadarMapping& radar : mapping.radars) {
-    const std::string& frame = contents.frames.at(radar.id);
+    const auto known = contents.frames.find(radar.id);
+    const std::string frame = known == contents.frames.end() ? "" : known->second;
     const std::optional<Pose3> mount =
         radar.T_vehicle_radar ? radar.T_vehicle_radar
                               : contents.transforms.Static(mapping.vehicle_frame, frame);
@@ -86,6 +89,15 @@ absl::Status OtherClock(const BagContents& contents, const BagMapping& mapping) 
       SecondsOf(last->stamp)));
 }
 
+/// What the vehicle says of its motion at a scan, or what stands in its place.
+std::optional<EgoVelocity> VelocityAt(const Scan& scan, const RadarModel& radar,
+                                      const BagMotion& motion, const BagMapping& mapping) {
+  if (!mapping.velocity_by_doppler) return motion.VelocityAt(scan.stamp);
+  const std::optional<Eigen::Vector3d> turn_rate = motion.TurnRateAt(scan.stamp);
+  if (!turn_rate) return std::nullopt;
+  return VelocityByDoppler(scan, radar, *turn_rate);
+}
+
 /// Adds the scans of the rig's radars that have a pose, or all where there are no poses.
 absl::Status AddScans(BagContents& contents, const BagMapping& mapping, const BagMotion& motion,
                       Drive& drive) {
@@ -95,7 +107,7 @@ absl::Status AddScans(BagContents& contents, const BagMapping& mapping, const Ba
     const auto radar = std::ranges::find(mapping.radars, scan.radar_id, &RadarMapping::id);
     const RadarModel* const model = drive.rig.Find(scan.radar_id);
     if (model == nullptr) continue;
-    scan.ego_velocity = motion.VelocityAt(scan.stamp);
+    scan.ego_velocity = VelocityAt(scan, *model, motion, mapping);
     with_velocity += scan.ego_velocity ? 1U : 0U;
     const std::optional<Pose3> pose = motion.PoseAt(scan.stamp);
     if (!pose && drive.pose_source != PoseSource::kNone) {
@@ -130,31 +142,61 @@ void Note(const rosbag::BagSummary& summary, Drive& drive) {
   }
 }
 
-absl::StatusOr<Drive> DriveOf(const fs::path& bag, const BagMapping& mapping,
-                              const DriveRequest& request) {
-  absl::StatusOr<BagContents> contents = ReadBagContents(bag, mapping);
-  if (!contents.ok()) return contents.status();
-  absl::StatusOr<Rig> rig = RigOf(*contents, mapping);
-  if (!rig.ok()) return Naming(bag, rig.status());
-  const absl::StatusOr<BagMotion> motion = BagMotion::Create(*contents, mapping);
-  if (!motion.ok()) return Naming(bag, motion.status());
-  Drive drive{.name = bag.stem().string(), .place = "", .rig = *std::move(rig)};
-  drive.pose_source = motion->pose_source();
-  Note(contents->summary, drive);
-  std::erase_if(drive.rig.radars,
-                [&](const RadarModel& radar) { return !IsWanted(request.radars, radar.id); });
-  std::error_code error;
-  const fs::path rig_file = bag.parent_path() / kRigFileName;
-  if (fs::exists(rig_file, error)) {
-    if (absl::Status status = ApplyRigFile(rig_file, drive.rig); !status.ok()) return status;
+/// The poses of `mapping.reference_file`, as if they were messages.
+absl::Status AddReferenceFile(const fs::path& folder, const BagMapping& mapping,
+                              BagContents& contents) {
+  if (mapping.reference_file.empty()) return absl::OkStatus();
+  const auto poses = ReadStampedPoses(folder / mapping.reference_file, StampUnit::kSeconds);
+  if (!poses.ok()) return poses.status();
+  for (const StampedPose& pose : *poses) {
+    contents.references.push_back({{pose.stamp, mapping.map_frame}, "", pose.pose, std::nullopt});
   }
-  absl::Status status = AddScans(*contents, mapping, *motion, drive);
-  if (status.ok()) status = FinishDrive(request, drive);
-  if (!status.ok()) return Naming(bag, status);
-  return drive;
+  return absl::OkStatus();
 }
 
 }  // namespace
+
+absl::StatusOr<Drive> DriveOf(const std::string& name, const fs::path& rig_folder,
+                              BagContents contents, const BagMapping& mapping,
+                              const DriveRequest& request) {
+  absl::StatusOr<Rig> rig = RigOf(contents, mapping);
+  if (!rig.ok()) return rig.status();
+  Drive drive{.name = name, .place = "", .rig = *std::move(rig)};
+  if (!contents.fixes.empty()) {
+    if (absl::Status status = AddPosesOfFixes(contents, drive.notes); !status.ok()) return status;
+  }
+  const absl::StatusOr<BagMotion> motion = BagMotion::Create(contents, mapping);
+  if (!motion.ok()) return motion.status();
+  drive.pose_source = motion->pose_source();
+  if (mapping.velocity_by_doppler) drive.velocity_source = VelocitySource::kDoppler;
+  Note(contents.summary, drive);
+  std::erase_if(drive.rig.radars,
+                [&](const RadarModel& radar) { return !IsWanted(request.radars, radar.id); });
+  std::error_code error;
+  const fs::path rig_file = rig_folder / kRigFileName;
+  if (fs::exists(rig_file, error)) {
+    if (absl::Status status = ApplyRigFile(rig_file, drive.rig); !status.ok()) return status;
+  }
+  absl::Status status = AddScans(contents, mapping, *motion, drive);
+  if (status.ok()) status = FinishDrive(request, drive);
+  if (!status.ok()) return status;
+  return drive;
+}
+
+absl::StatusOr<Drive> ReadBagAs(const std::string& name, const fs::path& bag,
+                                const BagMapping& mapping, const DriveRequest& request) {
+  std::vector<std::string> ids;
+  for (const RadarMapping& radar : mapping.radars) ids.push_back(radar.id);
+  if (absl::Status status = CheckRadars(request.radars, ids); !status.ok()) return status;
+  absl::StatusOr<BagContents> contents = ReadBagContents(bag, mapping);
+  if (!contents.ok()) return contents.status();
+  absl::Status status = AddReferenceFile(bag.parent_path(), mapping, *contents);
+  if (!status.ok()) return status;
+  absl::StatusOr<Drive> drive =
+      DriveOf(name, bag.parent_path(), *std::move(contents), mapping, request);
+  if (!drive.ok()) return Naming(bag, drive.status());
+  return drive;
+}
 
 std::vector<std::string> BagNames(const fs::path& root) {
   std::error_code error;
@@ -176,13 +218,14 @@ absl::StatusOr<fs::path> FindBag(const fs::path& root, const std::string& name) 
                                           names.empty() ? "none" : absl::StrJoin(names, ", ")));
 }
 
-absl::StatusOr<BagMapping> MappingFor(const fs::path& bag) {
+absl::StatusOr<BagMapping> MappingFor(
+    const fs::path& bag, const std::function<BagMapping(const BagOverview&)>& propose) {
   std::error_code error;
   const fs::path file = bag.parent_path() / kBagMappingFileName;
   if (fs::exists(file, error)) return ReadBagMapping(file);
   const absl::StatusOr<BagOverview> overview = ReadBagOverview(bag);
   if (!overview.ok()) return overview.status();
-  BagMapping mapping = ProposeMapping(*overview);
+  BagMapping mapping = propose(*overview);
   if (!mapping.radars.empty()) return mapping;
   if (overview->summary.message_count == 0) {
     const std::int64_t cut_at = overview->summary.cut_at;
@@ -201,10 +244,7 @@ absl::StatusOr<Drive> ReadRosbagDrive(const fs::path& root, const DriveRequest& 
   if (!bag.ok()) return bag.status();
   const absl::StatusOr<BagMapping> mapping = MappingFor(*bag);
   if (!mapping.ok()) return mapping.status();
-  std::vector<std::string> ids;
-  for (const RadarMapping& radar : mapping->radars) ids.push_back(radar.id);
-  if (absl::Status status = CheckRadars(request.radars, ids); !status.ok()) return status;
-  return DriveOf(*bag, *mapping, request);
+  return ReadBagAs(bag->stem().string(), *bag, *mapping, request);
 }
 
 }  // namespace dcloc

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/datasets/bag_contents.h"
 #include "client/datasets/bag_mapping.h"
+#include "client/datasets/bag_overview.h"
 #include "client/datasets/drive.h"
 #include "client/datasets/drive_request.h"
 
@@ -18,10 +21,22 @@ std::vector<std::string> BagNames(const std::filesystem::path& root);
 absl::StatusOr<std::filesystem::path> FindBag(const std::filesystem::path& root,
                                               const std::string& name);
 
-/// The mapping of a folder's bags: `dcloc_bag.json` beside them, else what `ProposeMapping`
-/// suggests for `bag`. Errors as of either; InvalidArgument where no topic of the bag can be taken
+/// The mapping of a folder's bags: `dcloc_bag.json` beside them, else what `propose` suggests for
+/// `bag`. Errors as of either; InvalidArgument where no topic of the bag can be taken
 /// for a radar.
-absl::StatusOr<BagMapping> MappingFor(const std::filesystem::path& bag);
+absl::StatusOr<BagMapping> MappingFor(
+    const std::filesystem::path& bag,
+    const std::function<BagMapping(const BagOverview&)>& propose = ProposeMapping);
+
+/// The drive that `contents` are by `mapping`; `name` is its name, `rig_folder` where its
+/// `dcloc_rig.json` may lie. The rest is as of ReadRosbagDrive.
+absl::StatusOr<Drive> DriveOf(const std::string& name, const std::filesystem::path& rig_folder,
+                              BagContents contents, const BagMapping& mapping,
+                              const DriveRequest& request);
+
+/// Reads the bag by `mapping` and makes the drive `name` of it.
+absl::StatusOr<Drive> ReadBagAs(const std::string& name, const std::filesystem::path& bag,
+                                const BagMapping& mapping, const DriveRequest& request);
 
 /// Reads the bag "<root>/<request.name>.bag" of ROS 1 by `MappingFor`. Mounts are TF's; how the
 /// radars measure, `dcloc_rig.json` beside the bag says where there is one. Poses are those of the

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "client/datasets/check_range.h"
+#include "client/datasets/files/check_range.h"
 #include "core/geometry/degrees.h"
 
 namespace dcloc {

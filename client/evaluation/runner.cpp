@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
-#include "client/datasets/check_range.h"
+#include "client/datasets/files/check_range.h"
 #include "client/evaluation/stage_timer.h"
 
 namespace dcloc {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/datasets/check_range.h"
+#include "client/datasets/files/check_range.h"
 
 namespace dcloc::load {
 namespace {

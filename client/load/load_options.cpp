@@ -1,6 +1,6 @@
 #include "client/load/load_options.h"
 
-#include "client/datasets/check_range.h"
+#include "client/datasets/files/check_range.h"
 
 namespace dcloc::load {
 namespace {

@@ -92,6 +92,14 @@ absl::Status JoinRows(absl::string_view bytes, std::size_t height, std::size_t w
   return absl::OkStatus();
 }
 
+/// Puts a column of floats into the rows of `cloud`, which have room for it at `offset`.
+void PutColumn(absl::string_view values, std::size_t offset, PointCloud& cloud) {
+  for (std::size_t i = 0; i < cloud.point_count; ++i) {
+    std::memcpy(cloud.data.data() + i * cloud.point_bytes + offset,
+                values.data() + i * sizeof(float), sizeof(float));
+  }
+}
+
 template <typename Number>
 double NumberAt(const std::string& data, std::size_t offset) {
   Number value{};
@@ -184,6 +192,48 @@ absl::StatusOr<PointCloud> ParsePointCloud(absl::string_view data) {
   if (status.ok()) status = JoinRows(bytes, height, width, row_bytes, cloud);
   if (!status.ok()) return status;
   return cloud;
+}
+
+absl::StatusOr<PointCloud> ParseChannelCloud(absl::string_view data) {
+  constexpr std::size_t kPointBytes = 3 * sizeof(float);
+  constexpr std::uint8_t kFloat32 = 7;  // of sensor_msgs/PointField
+  ByteReader reader(data);
+  PointCloud cloud{.header = TakeHeader(reader)};
+  cloud.point_count = reader.Take<std::uint32_t>();
+  const absl::string_view points = reader.TakeBytes(cloud.point_count * kPointBytes);
+  std::vector<absl::string_view> channels;
+  for (const char* const name : {"x", "y", "z"}) {
+    cloud.fields.push_back(
+        {name, static_cast<std::uint32_t>(4 * cloud.fields.size()), kFloat32, 1});
+  }
+  const auto channel_count = reader.Take<std::uint32_t>();
+  for (std::uint32_t i = 0; i < channel_count && reader.ok(); ++i) {
+    const std::string name(reader.TakeText());
+    const auto value_count = reader.Take<std::uint32_t>();
+    channels.push_back(reader.TakeBytes(value_count * sizeof(float)));
+    if (reader.ok() && value_count != cloud.point_count) {
+      return absl::DataLossError(absl::StrCat("channel ", name, " has ", value_count,
+                                              " values; the cloud has ", cloud.point_count,
+                                              " points"));
+    }
+    cloud.fields.push_back(
+        {name, static_cast<std::uint32_t>(4 * cloud.fields.size()), kFloat32, 1});
+  }
+  if (absl::Status status = Whole(reader); !status.ok()) return status;
+  cloud.point_bytes = cloud.fields.size() * sizeof(float);
+  cloud.data.resize(cloud.point_count * cloud.point_bytes);
+  for (std::size_t i = 0; i < cloud.point_count; ++i) {
+    std::memcpy(cloud.data.data() + i * cloud.point_bytes, points.data() + i * kPointBytes,
+                kPointBytes);
+  }
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    PutColumn(channels[i], kPointBytes + i * sizeof(float), cloud);
+  }
+  return cloud;
+}
+
+absl::StatusOr<PointCloud> ParseCloudOf(absl::string_view type, absl::string_view data) {
+  return type == kPointCloud.name ? ParseChannelCloud(data) : ParsePointCloud(data);
 }
 
 absl::StatusOr<std::vector<Transform>> ParseTransforms(absl::string_view data) {

@@ -27,6 +27,12 @@ absl::StatusOr<std::vector<Transform>> ParseTransforms(absl::string_view data);
 absl::StatusOr<ImuSample> ParseImu(absl::string_view data);
 absl::StatusOr<SatelliteFix> ParseSatelliteFix(absl::string_view data);
 
+/// Of kPointCloud, as a cloud of floats whose fields are x, y, z and the channels.
+absl::StatusOr<PointCloud> ParseChannelCloud(absl::string_view data);
+
+/// Of `type`, one of the two types of point clouds.
+absl::StatusOr<PointCloud> ParseCloudOf(absl::string_view type, absl::string_view data);
+
 /// Of `type`, one of kOdometry, kTwistStamped, kTwistWithCovarianceStamped, kPoseStamped and
 /// kPoseWithCovarianceStamped. The pose is not checked: publishers of velocities leave it zero.
 absl::StatusOr<Motion> ParseMotion(absl::string_view type, absl::string_view data);

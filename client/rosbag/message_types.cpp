@@ -2,17 +2,24 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "absl/strings/str_cat.h"
 
 namespace dcloc::rosbag {
 namespace {
 
-constexpr std::array kTypes = {kPointCloud2,  kOdometry,
-                               kTwistStamped, kTwistWithCovarianceStamped,
-                               kPoseStamped,  kPoseWithCovarianceStamped,
-                               kImu,          kNavSatFix,
-                               kTf2,          kTf};
+constexpr std::array kTypes = {kPointCloud2,
+                               kPointCloud,
+                               kOdometry,
+                               kTwistStamped,
+                               kTwistWithCovarianceStamped,
+                               kPoseStamped,
+                               kPoseWithCovarianceStamped,
+                               kImu,
+                               kNavSatFix,
+                               kTf2,
+                               kTf};
 
 // The definitions without their comments, which do not count for the checksum.
 constexpr const char* kHeaderPart = "std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
@@ -49,6 +56,10 @@ const MessageType* FindType(absl::string_view name) {
   return found == kTypes.end() ? nullptr : found;
 }
 
+bool IsPointCloud(absl::string_view type) {
+  return type == kPointCloud2.name || type == kPointCloud.name;
+}
+
 std::string DefinitionOf(const MessageType& type) {
   const absl::string_view name = type.name;
   if (name == kPointCloud2.name) {
@@ -56,6 +67,11 @@ std::string DefinitionOf(const MessageType& type) {
         "Header header\nuint32 height\nuint32 width\nPointField[] fields\nbool is_bigendian\n"
         "uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n",
         {kHeaderPart, kPointFieldPart});
+  }
+  if (name == kPointCloud.name) {
+    return Join("Header header\ngeometry_msgs/Point32[] points\nChannelFloat32[] channels\n",
+                {kHeaderPart, "geometry_msgs/Point32\nfloat32 x\nfloat32 y\nfloat32 z\n",
+                 "sensor_msgs/ChannelFloat32\nstring name\nfloat32[] values\n"});
   }
   if (name == kTwistWithCovarianceStamped.name) {
     return Join("Header header\ngeometry_msgs/TwistWithCovariance twist\n",

@@ -15,6 +15,8 @@ struct MessageType {
 
 inline constexpr MessageType kPointCloud2{"sensor_msgs/PointCloud2",
                                           "1158d486dd51d683ce2f1be655c3c181"};
+inline constexpr MessageType kPointCloud{"sensor_msgs/PointCloud",
+                                         "d8e9c3f5afbdd8a130fd1d2763945fca"};
 inline constexpr MessageType kOdometry{"nav_msgs/Odometry", "cd5e73d190d741a2f92e81eda573aca7"};
 inline constexpr MessageType kTwistStamped{"geometry_msgs/TwistStamped",
                                            "98d34b0043a2093cf9d9345ab6eef12e"};
@@ -36,8 +38,11 @@ std::span<const MessageType> KnownTypes();
 /// The known type of that name, or nullptr.
 const MessageType* FindType(absl::string_view name);
 
-/// Definition of a type that we write (kPointCloud2, kTwistWithCovarianceStamped, kTf2), with those
-/// of its parts, as bags hold it; empty for others.
+/// Whether it is one of the two types of point clouds.
+bool IsPointCloud(absl::string_view type);
+
+/// Definition of a type that we write (kPointCloud2, kPointCloud, kTwistWithCovarianceStamped,
+/// kTf2), with those of its parts, as bags hold it; empty for others.
 std::string DefinitionOf(const MessageType& type);
 
 }  // namespace dcloc::rosbag

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "client/datasets/check_range.h"
+#include "client/datasets/files/check_range.h"
 #include "client/simulation/world/random.h"
 #include "core/geometry/degrees.h"
 #include "core/geometry/geodetic_heading.h"

@@ -2,7 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/datasets/check_range.h"
+#include "client/datasets/files/check_range.h"
 
 namespace dcloc {
 namespace {

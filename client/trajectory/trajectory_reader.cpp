@@ -16,6 +16,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
+#include "client/trajectory/decimal_stamp.h"
 
 namespace dcloc {
 namespace {
@@ -45,31 +46,6 @@ absl::StatusOr<Columns> ColumnsOf(const Cells& header) {
   }
   if (const std::size_t state = find("state"); state < header.size()) columns.state = state;
   return columns;
-}
-
-/// Nanoseconds of a number of seconds, digit by digit: a double holds today's only to 0.2 us. What
-/// is not written in digits alone, as 1.7e9, is a double.
-std::optional<Stamp> StampOfSeconds(absl::string_view text) {
-  const std::pair<absl::string_view, absl::string_view> parts =
-      absl::StrSplit(text, absl::MaxSplits('.', 1));
-  constexpr std::int64_t kMaxSeconds = 9'000'000'000;
-  const bool is_digits = std::ranges::all_of(parts.first, absl::ascii_isdigit) &&
-                         std::ranges::all_of(parts.second, absl::ascii_isdigit);
-  if (!is_digits || parts.first.empty()) {
-    double value = 0.0;
-    if (!absl::SimpleAtod(text, &value) || !(value >= 0.0 && value < double{kMaxSeconds})) {
-      return std::nullopt;
-    }
-    return Stamp(std::chrono::nanoseconds(std::llround(value * 1e9)));
-  }
-  std::string fraction(parts.second.substr(0, 9));
-  fraction.resize(9, '0');
-  std::int64_t seconds = 0;
-  std::int64_t nanoseconds = 0;
-  const bool is_read =
-      absl::SimpleAtoi(parts.first, &seconds) && absl::SimpleAtoi(fraction, &nanoseconds);
-  if (!is_read || seconds > kMaxSeconds) return std::nullopt;
-  return Stamp(std::chrono::seconds(seconds) + std::chrono::nanoseconds(nanoseconds));
 }
 
 std::optional<Stamp> StampOf(absl::string_view text, TrajectoryFormat format) {

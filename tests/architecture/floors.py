@@ -42,6 +42,7 @@ FLOORS = {
         "sdk",
         "sdk/c sdk/example",
         "trajectory rosbag",
+        "datasets/files",
         "landmarks datasets",
         "datasets/check",
         "simulation/world",

@@ -49,8 +49,9 @@ TESTED_BY = {
     "tests/client/cli/calibrate/calibrate_command_test.cpp": ("client/datasets/drive_calibration",),
     "tests/client/cli/map/map_edit_command_test.cpp": ("client/evaluation/map_diff_picture",),
     "tests/client/evaluation/paper/study_test.cpp": ("client/cli/common/run_folder",),
-    "tests/client/datasets/drive_request_test.cpp": ("client/datasets/check_range",),
-    "tests/client/datasets/rig_file_test.cpp": ("client/datasets/json_file",),
+    "tests/client/datasets/drive_request_test.cpp": ("client/datasets/files/check_range",),
+    "tests/client/datasets/rig_file_test.cpp": ("client/datasets/files/json_file",),
+    "tests/client/datasets/radarscenes_test.cpp": ("client/datasets/files/hdf5_table",),
     "tests/client/datasets/rosbag_test.cpp": ("client/datasets/check/range_rate_check",),
     # A picture, a campaign and a method are what comes of their parts together.
     "tests/client/evaluation/report_test.cpp": ("client/evaluation/plot_data",),

@@ -1,4 +1,4 @@
-#include "client/datasets/hdf5_table.h"
+#include "client/datasets/files/hdf5_table.h"
 
 #include <fstream>
 #include <iterator>

@@ -1,4 +1,4 @@
-#include "client/datasets/json_table.h"
+#include "client/datasets/files/json_table.h"
 
 #include "client/datasets/can_bus.h"
 #include "client/datasets/radarscenes_tables.h"

@@ -1,4 +1,4 @@
-#include "client/datasets/radar_pcd.h"
+#include "client/datasets/files/radar_pcd.h"
 
 #include <cmath>
 

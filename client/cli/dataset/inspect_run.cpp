@@ -31,6 +31,12 @@ std::string NameOf(DatasetFormat format) {
   return "";
 }
 
+/// Whether the drives of a format are bags, which have a mapping.
+bool IsOfBags(const std::string& name) {
+  const absl::StatusOr<DatasetFormat> format = DatasetFormatByName(name);
+  return format.ok() && (*format == DatasetFormat::kRosbag || BagSetOf(*format).has_value());
+}
+
 /// Puts what `path` means into the other arguments, and finds the format.
 absl::Status Resolve(InspectArguments& arguments) {
   std::error_code error;
@@ -94,7 +100,7 @@ class Inspection {
 
   absl::Status InspectDrive() {
     std::optional<BagMapping> mapping;
-    if (arguments_.dataset.format == NameOf(DatasetFormat::kRosbag)) {
+    if (IsOfBags(arguments_.dataset.format)) {
       if (absl::Status status = InspectBag(mapping); !status.ok()) return status;
     }
     const absl::StatusOr<Drive> drive = ReadDrive(arguments_.dataset, arguments_.drive);
@@ -111,13 +117,16 @@ class Inspection {
   }
 
   absl::Status InspectBag(std::optional<BagMapping>& mapping) {
-    const auto bag = FindBag(arguments_.dataset.root, arguments_.drive.name);
+    const fs::path root = arguments_.dataset.root;
+    const auto set = BagSetOf(*DatasetFormatByName(arguments_.dataset.format));
+    const auto bag =
+        set ? FindBagOfSet(root, arguments_.drive.name) : FindBag(root, arguments_.drive.name);
     if (!bag.ok()) return bag.status();
     const absl::StatusOr<BagOverview> overview = ReadBagOverview(*bag);
     if (!overview.ok()) return overview.status();
     json_["bag"] = OverviewJson(*overview);
     Say(OverviewText(bag->string(), *overview));
-    absl::StatusOr<BagMapping> found = MappingFor(*bag);
+    absl::StatusOr<BagMapping> found = set ? MappingOfSet(*set, root, *bag) : MappingFor(*bag);
     if (!found.ok()) return found.status();
     json_["mapping"] = BagMappingJson(*found);
     mapping = *std::move(found);
@@ -152,8 +161,7 @@ class Inspection {
 
 absl::Status RunInspect(InspectArguments arguments) {
   if (absl::Status status = Resolve(arguments); !status.ok()) return status;
-  const bool is_bag = arguments.dataset.format == NameOf(DatasetFormat::kRosbag);
-  if (!is_bag && !arguments.mapping_file.empty()) {
+  if (!IsOfBags(arguments.dataset.format) && !arguments.mapping_file.empty()) {
     return absl::InvalidArgumentError(absl::StrCat(
         "--write-mapping: only bags have a mapping; this is ", arguments.dataset.format));
   }

@@ -29,14 +29,7 @@ bool IsWithout(const EvaluateArguments& arguments, const std::string& part) {
 }
 
 double CustomaryQueryInterval_s(DatasetFormat format) {
-  switch (format) {
-    case DatasetFormat::kNuScenes:
-      return 0.5;
-    case DatasetFormat::kRadarScenes:
-    case DatasetFormat::kRosbag:
-      return 1.0;
-  }
-  return 1.0;
+  return format == DatasetFormat::kNuScenes ? 0.5 : 1.0;
 }
 
 absl::StatusOr<EvaluationOptions> ToOptions(const EvaluateArguments& arguments) {

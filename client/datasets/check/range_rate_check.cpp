@@ -101,8 +101,9 @@ std::optional<EgoVelocity> VelocityByPoses(const Drive& drive, std::size_t index
 /// The velocity by which the targets of a scan tell something.
 std::optional<EgoVelocity> TellingVelocity(const Drive& drive, std::size_t index) {
   const Scan& scan = drive.scans[index].scan;
+  const bool tells = scan.ego_velocity && drive.velocity_source == VelocitySource::kVehicle;
   const std::optional<EgoVelocity> velocity =
-      scan.ego_velocity ? scan.ego_velocity : VelocityByPoses(drive, index);
+      tells ? scan.ego_velocity : VelocityByPoses(drive, index);
   if (!velocity || velocity->linear_mps.norm() <= kMinSpeed_mps) return std::nullopt;
   return velocity;
 }

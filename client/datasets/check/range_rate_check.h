@@ -30,10 +30,9 @@ struct RangeRateCheck {
 };
 
 /// Compares each target with what a thing that stands would show, by the vehicle's own velocity, or
-/// by its poses where a scan has no velocity. Scans with neither, and slower than 2 m/s, tell
-/// nothing. A check a radar, in the rig's
-/// order. Straight ahead a radar that looks ahead cannot tell its azimuth's sign: then the
-/// described one counts.
+/// by its poses where a scan has no velocity, or one of its range rates alone. Scans with neither,
+/// and slower than 2 m/s, tell nothing. A check a radar, in the rig's order. Straight ahead a radar
+/// that looks ahead cannot tell its azimuth's sign: then the described one counts.
 std::vector<RangeRateCheck> CheckRangeRates(const Drive& drive);
 
 /// "positive for what recedes, as it must be", ...

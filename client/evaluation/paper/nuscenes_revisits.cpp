@@ -8,8 +8,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "client/datasets/check_range.h"
-#include "client/datasets/json_table.h"
+#include "client/datasets/files/check_range.h"
+#include "client/datasets/files/json_table.h"
 
 namespace dcloc::paper {
 namespace {

@@ -10,7 +10,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/datasets/dataset.h"
-#include "client/datasets/json_file.h"
+#include "client/datasets/files/json_file.h"
 #include "client/evaluation/paper/nuscenes_revisits.h"
 
 namespace dcloc::paper {

@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "client/datasets/check_range.h"
+#include "client/datasets/files/check_range.h"
 #include "client/evaluation/robustness/judgement.h"
 #include "client/evaluation/runner.h"
 #include "core/relocalization/gnss_prior.h"

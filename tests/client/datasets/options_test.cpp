@@ -37,14 +37,16 @@ TEST(DatasetTest, AFormatIsFoundByItsName) {
   EXPECT_EQ(*DatasetFormatByName("radarscenes"), DatasetFormat::kRadarScenes);
   const absl::Status third = DatasetFormatByName("kitti").status();
   EXPECT_EQ(third.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(third.message(), "dataset is 'kitti'; it must be one of nuscenes, radarscenes, rosbag");
+  EXPECT_EQ(third.message(),
+            "dataset is 'kitti'; it must be one of nuscenes, radarscenes, rosbag, snail-radar, "
+            "ntu4dradlm, msc-rad4r, hercules, zod");
 }
 
 TEST(DatasetTest, AFormatThatThereIsNotIsNotReadAsAnother) {
   const absl::Status status =
-      ReadDrive({.format = static_cast<DatasetFormat>(3)}, {.name = "a"}).status();
+      ReadDrive({.format = static_cast<DatasetFormat>(99)}, {.name = "a"}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(status.message()), HasSubstr("format is 3"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("format is 99"));
 }
 
 TEST(DatasetTest, ARequestThatMakesNoSenseIsRefusedBeforeReading) {

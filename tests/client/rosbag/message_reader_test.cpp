@@ -47,6 +47,43 @@ TEST(MessageReaderTest, APointCloudComesBackWithItsFields) {
   EXPECT_EQ(cloud->Find("snr"), nullptr);
 }
 
+/// Two points with as many values in a channel.
+std::string CloudWithChannel(std::uint32_t value_count) {
+  std::string bytes;
+  AppendNumber(bytes, std::uint32_t{0});
+  AppendTime(bytes, kHeader.stamp);
+  AppendText(bytes, "front");
+  AppendNumber(bytes, std::uint32_t{2});
+  for (const float value : {1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F}) AppendNumber(bytes, value);
+  AppendNumber(bytes, std::uint32_t{1});
+  AppendText(bytes, "Doppler");
+  AppendNumber(bytes, value_count);
+  for (std::uint32_t i = 0; i < value_count; ++i)
+    AppendNumber(bytes, -1.5F * static_cast<float>(i));
+  return bytes;
+}
+
+TEST(MessageReaderTest, ChannelsBecomeFields) {
+  const auto cloud = ParseCloudOf(kPointCloud.name, CloudWithChannel(2));
+  ASSERT_TRUE(cloud.ok()) << cloud.status();
+  EXPECT_EQ(cloud->header.frame_id, "front");
+  ASSERT_EQ(cloud->point_count, 2U);
+  EXPECT_EQ(cloud->Value(*cloud->Find("z"), 0), 3.0);
+  EXPECT_EQ(cloud->Value(*cloud->Find("x"), 1), 4.0);
+  EXPECT_EQ(cloud->Value(*cloud->Find("Doppler"), 1), -1.5);
+}
+
+TEST(MessageReaderTest, AChannelOfAnotherLengthAndACutAreDamage) {
+  EXPECT_THAT(std::string(ParseChannelCloud(CloudWithChannel(3)).status().message()),
+              HasSubstr("channel Doppler has 3 values; the cloud has 2 points"));
+  const std::string whole = CloudWithChannel(2);
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    EXPECT_EQ(ParseChannelCloud(absl::string_view(whole).substr(0, size)).status().code(),
+              absl::StatusCode::kDataLoss)
+        << size;
+  }
+}
+
 TEST(MessageReaderTest, AFieldBeyondItsPointAndACutMessageAreDamage) {
   PointCloud cloud = Cloud();
   cloud.fields[1].offset = 5;  // two bytes of six from the fifth on

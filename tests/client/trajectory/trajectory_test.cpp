@@ -3,7 +3,12 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
 
+#include "client/trajectory/decimal_stamp.h"
 #include "client/trajectory/file_of_drive.h"
 #include "client/trajectory/trajectory_error.h"
 #include "client/trajectory/trajectory_reader.h"
@@ -43,8 +48,28 @@ void ExpectSamePoses(const Trajectory& a, const Trajectory& b) {
 }
 
 TEST(FileOfDriveTest, LiesBesideTheFileWhateverTheDriveIsNamed) {
-  EXPECT_EQ(FileOfDrive("out.1/way.tum", "monday/north"), "out.1/way-monday_north.tum");
-  EXPECT_EQ(FileOfDrive("way", "../up"), "way-.._up");
+  EXPECT_EQ(FileOfDrive("out.1/way.tum", "monday/north"), "out.1/way-monday%2Fnorth.tum");
+  EXPECT_EQ(FileOfDrive("way", "../up"), "way-..%2Fup");
+}
+
+TEST(FileOfDriveTest, TwoDrivesNeverHaveOneFile) {
+  const std::vector<std::string> drives = {"a/b", "a_b", "a%2Fb", "a%252Fb",
+                                           "a-b", "a%b", "/",     "%"};
+  std::set<std::filesystem::path> files;
+  for (const std::string& drive : drives) files.insert(FileOfDrive("way.tum", drive));
+  EXPECT_EQ(files.size(), drives.size());
+}
+
+TEST(DecimalStampTest, KeepsEveryNanosecond) {
+  const auto count = [](absl::string_view text) {
+    const std::optional<Stamp> stamp = StampOfSeconds(text);
+    return stamp ? stamp->time_since_epoch().count() : -1;
+  };
+  EXPECT_EQ(count("1706001762.429354169"), 1'706'001'762'429'354'169);
+  EXPECT_EQ(count("1706001762.5"), 1'706'001'762'500'000'000);
+  EXPECT_EQ(count("1.5e9"), 1'500'000'000'000'000'000);
+  EXPECT_EQ(count("-1"), -1);
+  EXPECT_EQ(count("soon"), -1);
 }
 
 TEST(TrajectoryTest, TumAndCsvComeBackAsTheyWere) {

@@ -1,10 +1,10 @@
-#include "client/datasets/json_table.h"
+#include "client/datasets/files/json_table.h"
 
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "client/datasets/file_error.h"
+#include "client/datasets/files/file_error.h"
 
 namespace dcloc {
 

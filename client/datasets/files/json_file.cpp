@@ -1,9 +1,9 @@
-#include "client/datasets/json_file.h"
+#include "client/datasets/files/json_file.h"
 
 #include <fstream>
 
 #include "absl/strings/str_cat.h"
-#include "client/datasets/file_error.h"
+#include "client/datasets/files/file_error.h"
 
 namespace dcloc {
 

@@ -1,4 +1,4 @@
-#include "client/datasets/json_table.h"
+#include "client/datasets/files/json_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,11 +1,11 @@
-#include "client/datasets/hdf5_table.h"
+#include "client/datasets/files/hdf5_table.h"
 
 #include <hdf5.h>
 
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/datasets/file_error.h"
+#include "client/datasets/files/file_error.h"
 
 namespace dcloc {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/datasets/check_range.h"
+#include "client/datasets/files/check_range.h"
 
 #include "absl/strings/str_format.h"
 

@@ -1,4 +1,4 @@
-#include "client/datasets/radar_pcd.h"
+#include "client/datasets/files/radar_pcd.h"
 
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
-#include "client/datasets/file_error.h"
+#include "client/datasets/files/file_error.h"
 
 namespace dcloc {
 namespace {
