@@ -82,7 +82,8 @@ struct Server::Parts {
         store(*kept.maps),
         registry(limits, SessionTimeoutsOf(config)),
         replicas({.directory = kept.replicas.get(), .access = access, .pool = storage_pool},
-                 ReplicaTlsOf(config), std::chrono::milliseconds(config.replica_timeout_ms)),
+                 ReplicaTlsOf(config),
+                 {.answer = std::chrono::milliseconds(config.replica_timeout_ms)}),
         localization_pool(WorkerCount(config), SearcherCount(config)),
         localization({.storage = storage,
                       .registry = registry,
@@ -372,6 +373,8 @@ void Server::Shutdown(std::chrono::milliseconds deadline) {
   const auto begin = std::chrono::steady_clock::now();
   const auto end = begin + deadline;
   parts_->liveness_ticker.reset();
+  // What sessions of this server do not end.
+  parts_->admin.EndWaiting();
   // Half of the time at most is the clients', to go by themselves.
   const std::chrono::milliseconds grace = std::min(parts_->drain_grace, deadline / 2);
   if (parts_->Drain(grace) > 0) parts_->open_calls.WaitUntilNone(begin + grace);
