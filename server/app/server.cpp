@@ -227,6 +227,7 @@ struct Server::Parts {
         .storage_pool = storage_pool,
         .draining = [this] { return localization.draining(); },
         .unopened_stream_count = [this] { return localization.unopened_count(); },
+        .download_count = [this] { return maps.download_count(); },
         .replica_count = [this] { return replicas.known_count(); },
         .limits = limits,
         .peer_faults = peer_bound_calls.faults(),

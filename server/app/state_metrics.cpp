@@ -83,6 +83,8 @@ std::vector<MetricFamily> StateMetrics::Collect() const {
                              sources_.unopened_stream_count()));
   families.push_back(GaugeOf("dcloc_unopened_streams_max", "The most of them",
                              sources_.limits.max_unopened_stream_count));
+  families.push_back(GaugeOf("dcloc_downloads", "Downloads of maps that are under way",
+                             sources_.download_count()));
   if (sources_.certificates != nullptr) {
     const ServedCertificates::State certificates = sources_.certificates->state();
     families.push_back(GaugeOf("dcloc_tls_certificate_ok",
