@@ -13,6 +13,7 @@
 #include "server/admin/propose_pose.h"
 #include "server/admin/record_elsewhere.h"
 #include "server/admin/relay.h"
+#include "server/admin/replica_answers.h"
 #include "server/admin/session_list.h"
 #include "server/base/check.h"
 #include "server/base/status.h"
@@ -43,25 +44,6 @@ absl::Status EndSession(SessionRegistry& registry, const Principal& principal,
   return registry.End(request.session_id(), principal.tenant, ending);
 }
 
-/// The answer of the one that has the session; else NotFound as it is `here`, or Unavailable where
-/// a replica that may have it did not answer.
-template <typename Response>
-absl::Status TakeFound(const absl::Status& here, std::vector<ReplicaAnswer<Response>> answers,
-                       Response* response, std::string* address = nullptr) {
-  absl::Status status = here;
-  for (ReplicaAnswer<Response>& answer : answers) {
-    if (answer.status.ok()) {
-      if (address != nullptr) *address = answer.address;
-      *response = std::move(answer.response);
-      return absl::OkStatus();
-    }
-    if (answer.status.error_code() == grpc::StatusCode::NOT_FOUND) continue;
-    status = absl::UnavailableError(absl::StrCat(here.message(), " here, and ", answer.address,
-                                                 " did not say: ", answer.status.error_message()));
-  }
-  return status;
-}
-
 void SetAnswer(ReplicaAnswer<v1::GetServerStateResponse> answer, v1::Replica* replica) {
   replica->set_address(answer.address);
   if (answer.status.ok()) {
@@ -69,16 +51,6 @@ void SetAnswer(ReplicaAnswer<v1::GetServerStateResponse> answer, v1::Replica* re
   } else {
     replica->set_fault(answer.status.error_message());
   }
-}
-
-/// What the one replica that was asked said.
-template <typename Response>
-absl::Status TakeOnly(std::vector<ReplicaAnswer<Response>> answers, Response* response) {
-  ReplicaAnswer<Response>& answer = answers.front();
-  *response = std::move(answer.response);
-  if (answer.status.ok()) return absl::OkStatus();
-  return {static_cast<absl::StatusCode>(answer.status.error_code()),
-          absl::StrCat("replica ", answer.address, ": ", answer.status.error_message())};
 }
 
 }  // namespace
@@ -132,7 +104,7 @@ void AdminService::AskWhoHasIt(const grpc::CallbackServerContext& context, const
                                Replicas::Method<Request, Response> method, const absl::Status& here,
                                Response* response, const UnaryDone& done) {
   replicas_.Ask<Request, Response>(OthersToAsk(context), context, request, method,
-                                   [here, response, done](auto answers) {
+                                   replicas_.bounds().answer, [here, response, done](auto answers) {
                                      done(TakeFound(here, std::move(answers), response));
                                    });
 }
@@ -140,9 +112,10 @@ void AdminService::AskWhoHasIt(const grpc::CallbackServerContext& context, const
 template <typename Request, typename Response>
 void AdminService::AskOne(std::string address, const grpc::CallbackServerContext& context,
                           const Request& request, Replicas::Method<Request, Response> method,
-                          Response* response, const UnaryDone& done) {
+                          std::chrono::milliseconds bound, Response* response,
+                          const UnaryDone& done) {
   replicas_.Ask<Request, Response>(
-      {std::move(address)}, context, request, method,
+      {std::move(address)}, context, request, method, bound,
       [response, done](auto answers) { done(TakeOnly(std::move(answers), response)); });
 }
 
@@ -153,7 +126,7 @@ grpc::ServerUnaryReactor* AdminService::ListReplicas(grpc::CallbackServerContext
       host_, context, request, [this, context, response](const Principal&, const UnaryDone& done) {
         replicas_.Ask<v1::GetServerStateRequest, v1::GetServerStateResponse>(
             replicas_.OthersFor(*context), *context, {}, &AsyncAdmin::GetServerState,
-            [this, response, done](auto answers) {
+            replicas_.bounds().answer, [this, response, done](auto answers) {
               auto& own = answers.emplace_back();
               own.address = replicas_.own_address();
               Describe(&own.response);
@@ -176,7 +149,7 @@ grpc::ServerUnaryReactor* AdminService::GetServerState(grpc::CallbackServerConte
                            return done(absl::OkStatus());
                          }
                          AskOne(named->front(), *context, *request, &AsyncAdmin::GetServerState,
-                                response, done);
+                                replicas_.bounds().answer, response, done);
                        });
 }
 
@@ -191,7 +164,7 @@ grpc::ServerUnaryReactor* AdminService::ListSessions(grpc::CallbackServerContext
         const std::vector<std::string> others = replicas_.OthersFor(*context);
         if (!status.ok() || request->this_replica_only() || others.empty()) return done(status);
         replicas_.Ask<v1::ListSessionsRequest, v1::ListSessionsResponse>(
-            others, *context, *request, &AsyncAdmin::ListSessions,
+            others, *context, *request, &AsyncAdmin::ListSessions, replicas_.bounds().answer,
             [request, response, done](auto pages) {
               MergePages(*convert::PageSizeFromProto(request->page_size()), std::move(pages),
                          response);
@@ -248,20 +221,17 @@ grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
 void AdminService::WatchElsewhere(grpc::CallbackServerContext* context,
                                   const v1::WatchSessionRequest& request, const absl::Status& here,
                                   const std::shared_ptr<WatchStream>& stream) {
-  v1::GetSessionRequest get;
-  get.set_session_id(request.session_id());
-  replicas_.Ask<v1::GetSessionRequest, v1::GetSessionResponse>(
-      OthersToAsk(*context), *context, get, &AsyncAdmin::GetSession,
-      [this, context, &request, here, stream](auto answers) {
-        v1::GetSessionResponse found;
-        std::string address;
-        absl::Status status = TakeFound(here, std::move(answers), &found, &address);
-        if (!status.ok()) return stream->Begin(status);
-        absl::StatusOr<Replicas::Line> line = replicas_.Call(address, *context);
+  // A stop waits for no session of another server.
+  waiting_.Add<WatchStream>(stream, [](WatchStream& watch) { watch.EndAtStop(); });
+  FindReplicaOf(
+      replicas_, OthersToAsk(*context), *context, request.session_id(), here,
+      [this, context, &request, stream](const absl::StatusOr<std::string>& address) {
+        if (!address.ok()) return stream->Begin(address.status());
+        absl::StatusOr<Replicas::Line> line = replicas_.Call(*address, *context);
         if (!line.ok()) return stream->Begin(line.status());
         using WatchRelay = Relay<v1::WatchSessionRequest, v1::WatchSessionResponse>;
         WatchRelay::Start(
-            *std::move(line), request, &AsyncAdmin::WatchSession,
+            *std::move(line), request, &AsyncAdmin::WatchSession, replicas_.bounds().answer,
             {.on_begin = [] {},
              .on_message = [stream](auto message) { stream->OnRelayed(std::move(message)); },
              .on_end = [stream](const grpc::Status& end) { stream->OnRelayEnd(end); }});
@@ -284,6 +254,8 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
           absl::StrFormat("%d recordings are under way, which is the limit", kMaxRecordingCount));
     }
     if (request->position_fixes()) stream->IncludeFixes();
+    // A stop waits for no vehicle that has not come, and for no session of another server.
+    waiting_.Add<RecordStream>(stream, [](RecordStream& record) { record.EndAtStop(); });
     // Who cannot be spoken for elsewhere records here alone.
     const std::vector<std::string> others = OthersToAsk(*context);
     const auto begin = [this, context, request, stream, caller = principal,
@@ -315,7 +287,13 @@ grpc::ServerUnaryReactor* AdminService::ProposePose(grpc::CallbackServerContext*
                                      });
         }
         if (!absl::IsNotFound(session.status())) return done(session.status());
-        AskWhoHasIt(*context, *request, &AsyncAdmin::ProposePose, session.status(), response, done);
+        FindReplicaOf(replicas_, OthersToAsk(*context), *context, request->session_id(),
+                      session.status(),
+                      [this, context, request, response, done](const auto& address) {
+                        if (!address.ok()) return done(address.status());
+                        AskOne(*address, *context, *request, &AsyncAdmin::ProposePose,
+                               replicas_.bounds().search, response, done);
+                      });
       });
 }
 
@@ -354,8 +332,8 @@ grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* conte
                            response->set_replica(replicas_.own_address());
                            return done(absl::OkStatus());
                          }
-                         AskOne(named->front(), *context, *request, &AsyncAdmin::Drain, response,
-                                done);
+                         AskOne(named->front(), *context, *request, &AsyncAdmin::Drain,
+                                replicas_.bounds().answer, response, done);
                        });
 }
 

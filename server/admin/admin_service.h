@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 #include "dcloc/v1/admin_service.grpc.pb.h"
 #include "server/admin/record_stream.h"
 #include "server/admin/watch_stream.h"
+#include "server/base/end_of_waiting.h"
 #include "server/replicas/replicas.h"
 #include "server/rpc/storage_host.h"
 #include "server/rpc/unary.h"
@@ -82,6 +84,10 @@ class AdminService final : public v1::AdminService::CallbackService {
                                   const v1::DrainRequest* request,
                                   v1::DrainResponse* response) override;
 
+  /// Ends, for a stop, the streams whose end would not come with that of this server's sessions:
+  /// those of other servers' sessions, and recordings whose vehicle has not come.
+  void EndWaiting() { waiting_.EndAll(); }
+
  private:
   void Describe(v1::GetServerStateResponse* response) const;
 
@@ -96,11 +102,11 @@ class AdminService final : public v1::AdminService::CallbackService {
                    Replicas::Method<Request, Response> method, const absl::Status& here,
                    Response* response, const UnaryDone& done);
 
-  /// Hands a call on to the replica of that address.
+  /// Hands a call on to the replica of that address, which has until `bound`.
   template <typename Request, typename Response>
   void AskOne(std::string address, const grpc::CallbackServerContext& context,
               const Request& request, Replicas::Method<Request, Response> method,
-              Response* response, const UnaryDone& done);
+              std::chrono::milliseconds bound, Response* response, const UnaryDone& done);
 
   /// Watches a session that is not here; `here` says why. `request` lives until `Begin`.
   void WatchElsewhere(grpc::CallbackServerContext* context, const v1::WatchSessionRequest& request,
@@ -115,6 +121,7 @@ class AdminService final : public v1::AdminService::CallbackService {
   Replicas& replicas_;
   const DrainControl drain_;
   const std::function<ServerGauges()> gauges_;
+  EndOfWaiting waiting_;
 };
 
 }  // namespace dcloc::server

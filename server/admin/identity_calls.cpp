@@ -1,6 +1,5 @@
 #include "server/admin/identity_calls.h"
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -34,14 +33,15 @@ absl::Status ListIdentities(IdentityStore& identities, const v1::ListIdentitiesR
   const absl::StatusOr<std::int64_t> after =
       convert::NumberFromPageToken(request.page_token(), /*first=*/0);
   if (!after.ok()) return after.status();
-  const absl::StatusOr<std::vector<IdentityRecord>> all = identities.List();
-  if (!all.ok()) return all.status();
-  auto record = std::ranges::upper_bound(*all, *after, {}, &IdentityRecord::id);
-  for (; record != all->end() && response->identities_size() < *size; ++record) {
-    Describe(*record, response->add_identities());
-  }
-  if (record != all->end()) {
-    response->set_next_page_token(std::to_string(response->identities(*size - 1).id()));
+  // One more, which says whether there is a next page.
+  const absl::StatusOr<std::vector<IdentityRecord>> records = identities.List(*after, *size + 1);
+  if (!records.ok()) return records.status();
+  for (const IdentityRecord& record : *records) {
+    if (response->identities_size() == *size) {
+      response->set_next_page_token(std::to_string(response->identities(*size - 1).id()));
+      break;
+    }
+    Describe(record, response->add_identities());
   }
   return absl::OkStatus();
 }

@@ -41,6 +41,11 @@ class PushStream : public grpc::ServerWriteReactor<Message>, public PeerBoundCal
   void OnDone() override { const std::shared_ptr<PushStream> last = std::move(self_); }
 
  protected:
+  /// Of a call that ends because this server does; it can be made again at another one.
+  static grpc::Status Stopping() {
+    return {grpc::StatusCode::UNAVAILABLE, "the server is shutting down"};
+  }
+
   PushStream(const StorageHost& host, grpc::CallbackServerContext* context)
       : host_(host), context_(context), token_(host.open_calls) {}
 

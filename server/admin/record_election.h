@@ -45,8 +45,17 @@ class RecordElection {
     return first_ && *first_ != place;
   }
 
-  /// Nothing will be recorded, unless something is already, which is said by false.
-  bool GiveUp() { return Take(kNowhere); }
+  /// Nothing will be recorded. False where it was decided before, be it by giving up: whoever
+  /// decides says to the caller why.
+  bool GiveUp() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (first_) return false;
+      first_ = kNowhere;
+    }
+    CancelOthers(kNowhere);
+    return true;
+  }
 
  private:
   static constexpr int kNowhere = -2;

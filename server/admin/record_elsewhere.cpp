@@ -107,6 +107,7 @@ void RecordElsewhere(Replicas& replicas, RecordingRequests& recordings,
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const int place = static_cast<int>(i);
     RecordRelay::Start(std::move(lines[i]), request, &AsyncAdmin::RecordSession,
+                       replicas.bounds().answer,
                        ListenerOf(place, others[i], recordings, stream, beginning));
   }
   beginning->OnAllAsked();

@@ -44,12 +44,24 @@ bool RecordStream::IsDecidedAgainst(int place) const {
   return election_ != nullptr && election_->IsDecidedAgainst(place);
 }
 
+void RecordStream::EndAtStop() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (has_begun_here_) return;
+  }
+  End(Stopping());
+}
+
 void RecordStream::OnEnd() {
   if (IsHere()) End(grpc::Status::OK);
 }
 
 void RecordStream::OnOpened(const RecordingStart& start) {
   if (!IsHere()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    has_begun_here_ = true;
+  }
   v1::RecordSessionResponse message;
   v1::RecordingHeader* header = message.mutable_header();
   header->set_program(program_);

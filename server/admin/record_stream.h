@@ -51,6 +51,9 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   /// Whether the session that is recorded is somewhere, and elsewhere than at `place`.
   bool IsDecidedAgainst(int place) const;
 
+  /// This server stops: without a session of its own there is nothing more to record.
+  void EndAtStop();
+
   /// Says whether the caller may record; then it holds `slot`, else the call ends. Nothing is
   /// written before.
   void Begin(const absl::Status& status, std::shared_ptr<void> slot);
@@ -76,6 +79,7 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   bool takes_fixes_ = false;
   std::shared_ptr<RecordElection> election_;  ///< null where it can only be here
   std::shared_ptr<void> slot_;
+  bool has_begun_here_ = false;
   std::size_t waiting_bytes_ = 0;
 };
 

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <grpcpp/alarm.h>
 #include <grpcpp/support/client_callback.h>
 
+#include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -25,15 +28,21 @@ class Relay final : public grpc::ClientReadReactor<Message> {
     std::function<void(const grpc::Status& status)> on_end;
   };
 
-  static void Start(Replicas::Line line, const Request& request, Method method, Listener listener) {
+  /// The other server has `begin_bound` to begin; then the stream ends with DEADLINE_EXCEEDED.
+  static void Start(Replicas::Line line, const Request& request, Method method,
+                    std::chrono::milliseconds begin_bound, Listener listener) {
     auto* relay = new Relay(std::move(line), request, std::move(listener));
     (relay->line_.stub->async()->*method)(relay->line_.context.get(), &relay->request_, relay);
+    relay->LimitBegin(begin_bound);
     relay->StartRead(&relay->message_);
     relay->StartCall();
   }
 
   void OnReadInitialMetadataDone(bool ok) override {
-    if (ok) listener_.on_begin();
+    if (ok && Take(*begin_, Begin::kBegun)) {
+      alarm_.Cancel();
+      listener_.on_begin();
+    }
   }
 
   void OnReadDone(bool ok) override {
@@ -44,17 +53,38 @@ class Relay final : public grpc::ClientReadReactor<Message> {
   }
 
   void OnDone(const grpc::Status& status) override {
-    listener_.on_end(status);
+    const bool is_overdue = *begin_ == Begin::kOverdue;
+    listener_.on_end(
+        is_overdue ? grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED, "it has not begun in time")
+                   : status);
     delete this;
   }
 
  private:
+  enum class Begin { kAwaited, kBegun, kOverdue };
+
+  static bool Take(std::atomic<Begin>& begin, Begin end) {
+    Begin awaited = Begin::kAwaited;
+    return begin.compare_exchange_strong(awaited, end);
+  }
+
+  /// The alarm may ring while this goes, so it has its own hold on what it uses.
+  void LimitBegin(std::chrono::milliseconds bound) {
+    alarm_.Set(std::chrono::system_clock::now() + bound,
+               [begin = begin_, context = line_.context](bool has_rung) {
+                 if (has_rung && Take(*begin, Begin::kOverdue)) context->TryCancel();
+               });
+  }
+
   Relay(Replicas::Line line, const Request& request, Listener listener)
       : line_(std::move(line)), request_(request), listener_(std::move(listener)) {}
 
   const Replicas::Line line_;
   const Request request_;
   const Listener listener_;
+  const std::shared_ptr<std::atomic<Begin>> begin_ =
+      std::make_shared<std::atomic<Begin>>(Begin::kAwaited);
+  grpc::Alarm alarm_;
   Message message_;  ///< the transport's while a read is under way
 };
 

@@ -30,6 +30,9 @@ class WatchStream final : public PushStream<v1::WatchSessionResponse>, public An
   void OnRelayed(v1::WatchSessionResponse message);
   void OnRelayEnd(const grpc::Status& status) { End(status); }
 
+  /// This server stops while another one's session goes on.
+  void EndAtStop() { End(Stopping()); }
+
  private:
   using PushStream::PushStream;
 

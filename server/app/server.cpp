@@ -82,7 +82,8 @@ struct Server::Parts {
         store(*kept.maps),
         registry(limits, SessionTimeoutsOf(config)),
         replicas({.directory = kept.replicas.get(), .access = access, .pool = storage_pool},
-                 ReplicaTlsOf(config), std::chrono::milliseconds(config.replica_timeout_ms)),
+                 ReplicaTlsOf(config),
+                 {.answer = std::chrono::milliseconds(config.replica_timeout_ms)}),
         localization_pool(WorkerCount(config), SearcherCount(config)),
         localization({.storage = storage,
                       .registry = registry,
@@ -229,6 +230,7 @@ struct Server::Parts {
         .storage_pool = storage_pool,
         .draining = [this] { return localization.draining(); },
         .unopened_stream_count = [this] { return localization.unopened_count(); },
+        .download_count = [this] { return maps.download_count(); },
         .replica_count = [this] { return replicas.known_count(); },
         .limits = limits,
         .peer_faults = peer_bound_calls.faults(),
@@ -377,6 +379,8 @@ void Server::Shutdown(std::chrono::milliseconds deadline) {
   const auto begin = std::chrono::steady_clock::now();
   const auto end = begin + deadline;
   parts_->liveness_ticker.reset();
+  // What sessions of this server do not end.
+  parts_->admin.EndWaiting();
   // Half of the time at most is the clients', to go by themselves.
   const std::chrono::milliseconds grace = std::min(parts_->drain_grace, deadline / 2);
   if (parts_->Drain(grace) > 0) parts_->open_calls.WaitUntilNone(begin + grace);

@@ -112,6 +112,8 @@ void StateMetrics::AddPeers(std::vector<MetricFamily>& families) const {
                              sources_.unopened_stream_count()));
   families.push_back(GaugeOf("dcloc_unopened_streams_max", "The most of them",
                              sources_.limits.max_unopened_stream_count));
+  families.push_back(GaugeOf("dcloc_downloads", "Downloads of maps that are under way",
+                             sources_.download_count()));
   if (sources_.certificates != nullptr) AddCertificate(*sources_.certificates, families);
   families.push_back(CountersBy("reason", "dcloc_calls_ended_total",
                                 "Calls that were ended because of what their peer did not do",

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
@@ -19,6 +20,7 @@ namespace dcloc::server {
 namespace {
 
 constexpr int kUsageError = 2;
+constexpr int kPageSize = 1000;  ///< of identities that are read at once
 
 struct Arguments {
   ServerConfig config;  ///< of which only the identities' place counts
@@ -83,25 +85,30 @@ nlohmann::ordered_json Json(const IdentityRecord& record) {
           {"revoke_time", TimeText(record.revoke_time)}};
 }
 
+std::string Line(const IdentityRecord& record) {
+  return absl::StrCat(
+      record.id, "  ", record.principal.name, "  ", NameOf(record.principal.role), "  ",
+      record.principal.tenant.empty() ? "(default tenant)" : record.principal.tenant, "  ",
+      record.proof == Proof::kToken ? "token" : "certificate",
+      record.expire_time ? absl::StrCat("  expires ", TimeText(record.expire_time)) : "",
+      record.revoke_time ? absl::StrCat("  revoked ", TimeText(record.revoke_time)) : "", "\n");
+}
+
 absl::Status List(const Arguments& arguments) {
   const auto store = OpenIdentitiesOf(arguments);
   if (!store.ok()) return store.status();
-  const absl::StatusOr<std::vector<IdentityRecord>> records = (*store)->List();
-  if (!records.ok()) return records.status();
-  if (arguments.json) {
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const IdentityRecord& record : *records) list.push_back(Json(record));
-    std::cout << list.dump(2) << "\n";
-    return absl::OkStatus();
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  std::int64_t last = 0;
+  for (bool is_more = true; is_more;) {
+    const absl::StatusOr<std::vector<IdentityRecord>> page = (*store)->List(last, kPageSize);
+    if (!page.ok()) return page.status();
+    for (const IdentityRecord& record : *page) {
+      arguments.json ? list.push_back(Json(record)) : void(std::cout << Line(record));
+      last = record.id;
+    }
+    is_more = page->size() == kPageSize;
   }
-  for (const IdentityRecord& record : *records) {
-    std::cout << absl::StrCat(
-        record.id, "  ", record.principal.name, "  ", NameOf(record.principal.role), "  ",
-        record.principal.tenant.empty() ? "(default tenant)" : record.principal.tenant, "  ",
-        record.proof == Proof::kToken ? "token" : "certificate",
-        record.expire_time ? absl::StrCat("  expires ", TimeText(record.expire_time)) : "",
-        record.revoke_time ? absl::StrCat("  revoked ", TimeText(record.revoke_time)) : "", "\n");
-  }
+  if (arguments.json) std::cout << list.dump(2) << "\n";
   return absl::OkStatus();
 }
 

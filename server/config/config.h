@@ -55,6 +55,8 @@ struct ServerConfig {
   int peer_timeout_ms = 60'000;                  ///< of a peer that does not send, or does not read
   int max_session_count_per_principal = 0;       ///< 0: no limit of its own
   int max_scan_rate_hz_per_principal = 0;        ///< over all of its sessions; 0: no limit
+  int max_download_count = 256;                  ///< under way
+  int max_download_count_per_caller = 32;        ///< of a principal, else of an address
   int max_target_count = 20'000;                 ///< of one scan
   int max_pending_scan_count = 8;                ///< per session, read but not yet answered
   int answer_history_count = 256;                ///< per session, for scans that come again

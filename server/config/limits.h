@@ -19,6 +19,8 @@ struct Limits {
     peer_timeout_ms = config.peer_timeout_ms;
     max_session_count_per_principal = config.max_session_count_per_principal;
     max_scan_rate_hz_per_principal = config.max_scan_rate_hz_per_principal;
+    max_download_count = config.max_download_count;
+    max_download_count_per_caller = config.max_download_count_per_caller;
     max_target_count = config.max_target_count;
     max_map_mib = config.max_map_mib;
     max_tenant_storage_mib = config.max_tenant_storage_mib;
@@ -31,6 +33,8 @@ struct Limits {
   std::atomic<int> peer_timeout_ms;
   std::atomic<int> max_session_count_per_principal;  ///< 0: none
   std::atomic<int> max_scan_rate_hz_per_principal;   ///< 0: none
+  std::atomic<int> max_download_count;
+  std::atomic<int> max_download_count_per_caller;
   std::atomic<int> max_target_count;
   std::atomic<int> max_map_mib;
   std::atomic<int> max_tenant_storage_mib;  ///< 0: none

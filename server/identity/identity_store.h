@@ -41,8 +41,9 @@ class IdentityStore {
   virtual absl::StatusOr<std::string> Create(Proof proof, const Principal& principal,
                                              std::optional<SystemTime> expire_time) = 0;
 
-  /// By ascending id.
-  virtual absl::StatusOr<std::vector<IdentityRecord>> List() = 0;
+  /// Those with an id above `after`, by ascending id, at most `limit`. An identity that cannot be
+  /// read is an error of its page alone.
+  virtual absl::StatusOr<std::vector<IdentityRecord>> List(std::int64_t after, int limit) = 0;
 
   /// NotFound: no such id. Revoking twice keeps the first time.
   virtual absl::Status Revoke(std::int64_t id) = 0;

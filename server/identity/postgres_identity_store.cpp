@@ -97,11 +97,13 @@ absl::StatusOr<std::string> PostgresIdentityStore::Create(Proof proof, const Pri
   return token;
 }
 
-absl::StatusOr<std::vector<IdentityRecord>> PostgresIdentityStore::List() {
+absl::StatusOr<std::vector<IdentityRecord>> PostgresIdentityStore::List(std::int64_t after,
+                                                                        int limit) {
   return database_->pool.WithConnection(
       [&](PostgresConnection& connection) -> absl::StatusOr<std::vector<IdentityRecord>> {
-        absl::StatusOr<PostgresRows> rows =
-            connection.Query(absl::StrCat(kIdentityColumns, "ORDER BY id").c_str());
+        absl::StatusOr<PostgresRows> rows = connection.Query(
+            absl::StrCat(kIdentityColumns, "WHERE id > $1 ORDER BY id LIMIT $2").c_str(),
+            PostgresValues().Bind(after).Bind(std::int64_t{limit}));
         if (!rows.ok()) return rows.status();
         std::vector<IdentityRecord> records;
         while (rows->Next()) {

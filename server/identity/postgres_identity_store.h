@@ -25,7 +25,7 @@ class PostgresIdentityStore final : public IdentityStore {
 
   absl::StatusOr<std::string> Create(Proof proof, const Principal& principal,
                                      std::optional<SystemTime> expire_time) override;
-  absl::StatusOr<std::vector<IdentityRecord>> List() override;
+  absl::StatusOr<std::vector<IdentityRecord>> List(std::int64_t after, int limit) override;
   absl::Status Revoke(std::int64_t id) override;
   absl::StatusOr<Principal> FindToken(absl::string_view token) override;
   absl::StatusOr<Principal> FindCertificate(absl::string_view common_name) override;

@@ -79,9 +79,12 @@ absl::StatusOr<std::string> SqliteIdentityStore::Create(Proof proof, const Princ
   return token;
 }
 
-absl::StatusOr<std::vector<IdentityRecord>> SqliteIdentityStore::List() {
+absl::StatusOr<std::vector<IdentityRecord>> SqliteIdentityStore::List(std::int64_t after,
+                                                                      int limit) {
   const std::lock_guard lock(mutex_);
-  SqliteStatement query(database_, absl::StrCat(kColumns, "ORDER BY id").c_str());
+  SqliteStatement query(database_,
+                        absl::StrCat(kColumns, "WHERE id > ? ORDER BY id LIMIT ?").c_str());
+  query.Bind(after).Bind(std::int64_t{limit});
   std::vector<IdentityRecord> records;
   while (true) {
     const absl::StatusOr<bool> row = query.Step();

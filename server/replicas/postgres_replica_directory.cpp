@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "server/base/random_name.h"
 #include "server/base/status.h"
 #include "server/postgres/postgres_migrations.h"
 #include "server/replicas/replica_address.h"
@@ -20,6 +21,9 @@ CREATE TABLE dcloc.replica (
   address text COLLATE "C" PRIMARY KEY,
   lease_end timestamptz NOT NULL
 );
+)",
+                                  R"(
+ALTER TABLE dcloc.replica ADD COLUMN owner text COLLATE "C" NOT NULL DEFAULT '';
 )"};
 constexpr PostgresMigrations kMigrations{.part = "replicas", .steps = kSteps};
 
@@ -30,12 +34,15 @@ absl::StatusOr<std::unique_ptr<PostgresReplicaDirectory>> PostgresReplicaDirecto
   absl::Status status = database->pool.WithConnection(
       [](PostgresConnection& connection) { return Migrate(connection, kMigrations); });
   if (!status.ok()) return status;
+  absl::StatusOr<std::string> owner = RandomName(128, "a replica");
+  if (!owner.ok()) return owner.status();
   return std::unique_ptr<PostgresReplicaDirectory>(
-      new PostgresReplicaDirectory(std::move(database)));
+      new PostgresReplicaDirectory(std::move(database), *std::move(owner)));
 }
 
-PostgresReplicaDirectory::PostgresReplicaDirectory(std::shared_ptr<PostgresDatabase> database)
-    : database_(std::move(database)) {
+PostgresReplicaDirectory::PostgresReplicaDirectory(std::shared_ptr<PostgresDatabase> database,
+                                                   std::string owner)
+    : database_(std::move(database)), owner_(std::move(owner)) {
   task_ = database_->watch->Add(
       [this](PostgresConnection& connection, bool is_new) { return Keep(connection, is_new); });
 }
@@ -46,7 +53,8 @@ PostgresReplicaDirectory::~PostgresReplicaDirectory() {
   const absl::Status status =
       database_->pool.WithConnection([this](PostgresConnection& connection) {
         return connection
-            .Query("DELETE FROM replica WHERE address = $1", PostgresValues().Bind(own_address_))
+            .Query("DELETE FROM replica WHERE address = $1 AND owner = $2",
+                   PostgresValues().Bind(own_address_).Bind(owner_))
             .status();
       });
   // It ends with its lease.
@@ -98,21 +106,38 @@ absl::Status PostgresReplicaDirectory::RenewAndLook(PostgresConnection& connecti
 
 /// While the database was away nobody could renew a lease, so after its start all live for the time
 /// of one.
-absl::Status PostgresReplicaDirectory::Renew(PostgresConnection& connection) const {
+absl::Status PostgresReplicaDirectory::Renew(PostgresConnection& connection) {
   absl::Status status =
       connection
           .Query(
-              "INSERT INTO replica VALUES ($1, clock_timestamp() + $2::bigint * interval '1 s')"
-              " ON CONFLICT (address) DO UPDATE SET lease_end = excluded.lease_end",
-              PostgresValues().Bind(own_address()).Bind(std::int64_t{kLease.count()}))
+              "DELETE FROM replica WHERE lease_end < clock_timestamp() AND owner <> $2"
+              " AND pg_postmaster_start_time() < clock_timestamp() - $1::bigint * interval '1 s'",
+              PostgresValues().Bind(std::int64_t{kLease.count()}).Bind(owner_))
           .status();
   if (!status.ok()) return status;
-  return connection
-      .Query(
-          "DELETE FROM replica WHERE lease_end < clock_timestamp()"
-          " AND pg_postmaster_start_time() < clock_timestamp() - $1::bigint * interval '1 s'",
-          PostgresValues().Bind(std::int64_t{kLease.count()}))
-      .status();
+  // A row without an owner is of a server that knows none; it goes with its lease.
+  const absl::StatusOr<PostgresRows> rows = connection.Query(
+      "INSERT INTO replica (address, lease_end, owner)"
+      " VALUES ($1, clock_timestamp() + $2::bigint * interval '1 s', $3)"
+      " ON CONFLICT (address) DO UPDATE SET lease_end = excluded.lease_end"
+      " WHERE replica.owner = excluded.owner",
+      PostgresValues().Bind(own_address()).Bind(std::int64_t{kLease.count()}).Bind(owner_));
+  if (!rows.ok()) return rows.status();
+  NoteOwned(rows->count() > 0);
+  return absl::OkStatus();
+}
+
+/// Each change is told once.
+void PostgresReplicaDirectory::NoteOwned(bool owned) {
+  if (std::exchange(owned_, owned) == owned) return;
+  if (owned) {
+    spdlog::info("replica address taken address={}", own_address());
+  } else {
+    spdlog::warn(
+        "replica address not taken address={} reason=\"another server has it, or had it up to {} s "
+        "ago\"",
+        own_address(), kLease.count());
+  }
 }
 
 absl::StatusOr<std::vector<std::string>> PostgresReplicaDirectory::ReadOthers(

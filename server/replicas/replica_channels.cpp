@@ -3,6 +3,7 @@
 #include <grpcpp/create_channel.h>
 #include <grpcpp/security/credentials.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "server/base/small_file.h"
@@ -47,6 +48,18 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> ReplicaChannels::To(const std::st
     channel = grpc::CreateCustomChannel(address, credentials, Arguments());
   }
   return channel;
+}
+
+void ReplicaChannels::KeepOnly(const std::vector<std::string>& addresses) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(channels_, [&addresses](const auto& entry) {
+    return !std::ranges::binary_search(addresses, entry.first);
+  });
+}
+
+std::size_t ReplicaChannels::count() const {
+  const std::lock_guard lock(mutex_);
+  return channels_.size();
 }
 
 absl::StatusOr<ReplicaChannels::Files> ReplicaChannels::ReadFiles() const {

@@ -2,10 +2,12 @@
 
 #include <grpcpp/channel.h>
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 
@@ -28,6 +30,13 @@ class ReplicaChannels {
   /// name the file.
   absl::StatusOr<std::shared_ptr<grpc::Channel>> To(const std::string& address);
 
+  /// Lets go of those to servers that are not among `addresses`, ascending: they are gone. Calls
+  /// that are under way keep theirs.
+  void KeepOnly(const std::vector<std::string>& addresses);
+
+  /// How many there are.
+  std::size_t count() const;
+
  private:
   struct Files {
     std::string ca, cert, key;
@@ -37,7 +46,7 @@ class ReplicaChannels {
   absl::StatusOr<Files> ReadFiles() const;
 
   const ReplicaTls tls_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   Files files_;  ///< that the channels are made with
   std::map<std::string, std::shared_ptr<grpc::Channel>> channels_;
 };

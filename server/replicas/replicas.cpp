@@ -64,6 +64,7 @@ absl::StatusOr<Replicas::Line> Replicas::Call(const std::string& address,
     return absl::FailedPreconditionError(
         "the caller's certificate cannot be handed on: ask it by itself, or call with a token");
   }
+  channels_.KeepOnly(parts_.directory->Others());
   absl::StatusOr<std::shared_ptr<grpc::Channel>> channel = channels_.To(address);
   if (!channel.ok()) return channel.status();
   Line line{.stub = v1::AdminService::NewStub(*channel),

@@ -17,6 +17,7 @@
 #include "server/base/status.h"
 #include "server/base/worker_pool.h"
 #include "server/identity/access_control.h"
+#include "server/replicas/replica_bounds.h"
 #include "server/replicas/replica_channels.h"
 #include "server/replicas/replica_directory.h"
 
@@ -47,8 +48,10 @@ class Replicas {
     WorkerPool& pool;
   };
 
-  Replicas(const Parts& parts, ReplicaTls tls, std::chrono::milliseconds timeout)
-      : parts_(parts), channels_(std::move(tls)), timeout_(timeout) {}
+  Replicas(const Parts& parts, ReplicaTls tls, const ReplicaBounds& bounds)
+      : parts_(parts), channels_(std::move(tls)), bounds_(bounds) {}
+
+  const ReplicaBounds& bounds() const { return bounds_; }
 
   /// From now on the others know this server by `address`. Before the first call.
   void Join(std::string address);
@@ -70,14 +73,16 @@ class Replicas {
   absl::StatusOr<std::vector<std::string>> Named(const grpc::CallbackServerContext& context,
                                                  const std::string& address) const;
 
-  /// Asks each of `addresses` at once, and calls `done` on the pool with what they said, in their
-  /// order. The call of `context` must not end before.
+  /// Asks each of `addresses` at once, and calls `done` on the pool with what they said within
+  /// `bound`, one of `bounds`, in their order. The call of `context` must not end before.
   template <typename Request, typename Response>
   void Ask(const std::vector<std::string>& addresses, const grpc::CallbackServerContext& context,
            const Request& request, Method<Request, Response> method,
+           std::chrono::milliseconds bound,
            std::function<void(std::vector<ReplicaAnswer<Response>>)> done);
 
-  /// A stub of a replica and a context in the caller's name, without a time limit of its own.
+  /// A stub of a replica and a context in the caller's name, without a time limit of its own: who
+  /// calls sets one of `bounds`.
   /// FailedPrecondition when the caller proves itself by a certificate, which cannot be handed on.
   struct Line {
     std::unique_ptr<Stub> stub;
@@ -91,7 +96,7 @@ class Replicas {
 
   const Parts parts_;
   ReplicaChannels channels_;
-  const std::chrono::milliseconds timeout_;
+  const ReplicaBounds bounds_;
   std::string own_address_;
 };
 
@@ -107,7 +112,7 @@ struct Replicas::Question {
 template <typename Request, typename Response>
 void Replicas::Ask(const std::vector<std::string>& addresses,
                    const grpc::CallbackServerContext& context, const Request& request,
-                   Method<Request, Response> method,
+                   Method<Request, Response> method, std::chrono::milliseconds bound,
                    std::function<void(std::vector<ReplicaAnswer<Response>>)> done) {
   auto question = std::make_shared<Question<Request, Response>>();
   question->request = request;
@@ -120,7 +125,7 @@ void Replicas::Ask(const std::vector<std::string>& addresses,
     // The contexts go with it, not in a call that one of them is still in.
     pool.Post([question] { question->done(std::move(question->answers)); });
   };
-  const auto deadline = std::min(context.deadline(), std::chrono::system_clock::now() + timeout_);
+  const auto deadline = std::min(context.deadline(), std::chrono::system_clock::now() + bound);
   for (std::size_t i = 0; i < addresses.size(); ++i) {
     ReplicaAnswer<Response>& answer = question->answers[i];
     answer.address = addresses[i];

@@ -1,12 +1,9 @@
 #include "server/sessions/open_session.h"
 
-#include <openssl/rand.h>
-
 #include <algorithm>
-#include <array>
 #include <utility>
 
-#include "absl/strings/escaping.h"
+#include "server/base/random_name.h"
 #include "server/base/status.h"
 #include "server/sessions/session_log.h"
 
@@ -18,22 +15,14 @@ using Clock = std::chrono::steady_clock;
 /// Servers may die one after the other before the next has made a ticket; but not so many.
 constexpr std::int64_t kMaxEpochsBehind = 16;
 
-/// 128 random bits in hexadecimal: nothing that can be guessed.
-absl::StatusOr<std::string> RandomName() {
-  std::array<unsigned char, 16> bytes{};
-  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
-    return absl::InternalError("no random bytes for a session");
-  }
-  return absl::BytesToHexString({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-}
-
 absl::StatusOr<std::shared_ptr<SessionInfo>> MakeInfo(const v1::OpenSession& open,
                                                       const Caller& caller,
                                                       const MapVersionRecord& map,
                                                       std::int64_t epoch) {
-  absl::StatusOr<std::string> session_id = RandomName();
+  absl::StatusOr<std::string> session_id = RandomName(128, "a session");
   if (!session_id.ok()) return session_id.status();
-  absl::StatusOr<std::string> resume_token = open.resumable() ? RandomName() : std::string();
+  absl::StatusOr<std::string> resume_token =
+      open.resumable() ? RandomName(128, "a session") : std::string();
   if (!resume_token.ok()) return resume_token.status();
   auto info = std::make_shared<SessionInfo>();
   info->description = {.session_id = *std::move(session_id),

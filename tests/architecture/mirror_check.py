@@ -27,9 +27,7 @@ TESTED_BY = {
     "tests/server/identity/identity_store_test.cpp": ("server/identity/postgres_identity_store",),
     # What needs a whole server, a database or other servers is tested through them.
     "tests/server/postgres/postgres_pool_test.cpp": ("server/postgres/postgres_connection",),
-    "tests/server/admin/fleet_view_test.cpp": (
-        "server/replicas/postgres_replica_directory", "server/replicas/replica_channels",
-        "server/replicas/replicas"),
+    "tests/server/admin/fleet_view_test.cpp": ("server/replicas/replicas",),
     "tests/server/app/shutdown_test.cpp": ("server/net/health",),
     "tests/server/localization/localize_stream_test.cpp": (
         "server/localization/localization_service", "server/sessions/open_session"),

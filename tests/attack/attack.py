@@ -34,6 +34,7 @@ if __name__ == "__main__" and "--router" in sys.argv and "DCLOC_ATTACK_CA" not i
 
 from attacks import ATTACKS  # noqa: E402
 from case import Case  # noqa: E402
+from download_attacks import DOWNLOAD_ATTACKS  # noqa: E402
 from faults import FAULTS  # noqa: E402
 from router_attacks import ROUTER_ATTACKS  # noqa: E402
 from target import Api, make_stubs  # noqa: E402
@@ -70,7 +71,8 @@ def main():
     parser.add_argument("--router", action="store_true", help="through HAProxy")
     parser.add_argument("--list", action="store_true", help="only print their names")
     arguments = parser.parse_args()
-    chosen = [attack for attack in (ROUTER_ATTACKS if arguments.router else ATTACKS + FAULTS)
+    direct = ATTACKS + DOWNLOAD_ATTACKS + FAULTS
+    chosen = [attack for attack in (ROUTER_ATTACKS if arguments.router else direct)
               if not arguments.only or attack.__name__ in arguments.only.split(",")]
     if arguments.list:
         print("\n".join(f"{attack.__name__:28} {attack.__doc__.splitlines()[0]}" for attack in chosen))

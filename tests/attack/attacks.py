@@ -188,36 +188,6 @@ def silent_metrics_peers(case):
             time.sleep(case.seconds)
 
 
-# ---- Readers that do not read
-
-def unread_download(case):
-    """A download that nobody reads lets go of its version."""
-    with case.with_town("--peer-timeout-ms", 2000) as target:
-        # Larger than what the windows of HTTP/2 and TCP hold.
-        connection = frames.connect(target.address)
-        request = case.api.map_service.DownloadMapRequest(map_name="town").SerializeToString()
-        block = frames.call_headers("/dcloc.v1.MapService/DownloadMap", target.token)
-        connection.sendall(
-            frames.frame(frames.SETTINGS, 0, 0, b"\x00\x04\x00\x00\x00\x00")  # a window of nothing
-            + frames.frame(frames.HEADERS, frames.END_HEADERS, 1, block)
-            + frames.frame(frames.DATA, frames.END_STREAM, 1, frames.message(request)))
-        time.sleep(0.5)
-        with target.channel() as channel:
-            maps = case.api.map_service_grpc.MapServiceStub(channel)
-            begin = time.monotonic()
-            code = ["", ""]
-            while time.monotonic() < begin + 2 + max(5, case.seconds):
-                code = code_of(lambda: maps.DeleteMap(
-                    case.api.map_service.DeleteMapRequest(map_name="town"),
-                    metadata=target.call_metadata(), timeout=5))
-                if code[0] == "OK":
-                    break
-                time.sleep(0.2)
-            case.figures["let go after [s]"] = round(time.monotonic() - begin, 1)
-            case.expect(code[0] == "OK", f"the version is still held: {code}")
-        connection.close()
-
-
 # ---- Messages that do not parse
 
 METHODS = {
@@ -335,5 +305,5 @@ def rapid_reset(case):
 
 
 ATTACKS = [streams_without_open, a_stream_ends_without_open, many_streams, many_streams_known,
-           many_connections, certificates, silent_metrics_peers, unread_download, unparsed_messages,
+           many_connections, certificates, silent_metrics_peers, unparsed_messages,
            log_flood, settings, rapid_reset]

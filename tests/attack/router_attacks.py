@@ -1,13 +1,11 @@
 """What outsiders do to the router. Against a server alone some of it is deadly."""
 
 import contextlib
-import socket
 import time
 
 import frames
 from attacks import LOCALIZE, many_connections, many_streams, rapid_reset
-
-DOWNLOAD = "/dcloc.v1.MapService/DownloadMap"
+from download_attacks import begin_downloads
 
 
 def deadly_headers(case):
@@ -63,25 +61,10 @@ def _calls(case, call):
 
 def slow_readers(case):
     """200 connections with 20 downloads of a map each, which take no answer."""
-    with case.with_town() as target, contextlib.ExitStack() as stack:
-        payload = case.api.map_service.DownloadMapRequest(
-            map_name="town").SerializeToString()
-        block = frames.call_headers(DOWNLOAD, target.token)
-        opened = 0
+    with case.with_town() as target, contextlib.ExitStack() as connections:
         with case.meanwhile(target):
-            for _ in range(200):
-                with contextlib.suppress(OSError):
-                    connection = stack.enter_context(
-                        contextlib.closing(frames.connect(target.address)))
-                    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-                    for stream in range(1, 41, 2):
-                        connection.sendall(
-                            frames.frame(frames.HEADERS, frames.END_HEADERS, stream, block)
-                            + frames.frame(frames.DATA, frames.END_STREAM, stream,
-                                           frames.message(payload)))
-                        opened += 1
+            case.figures["downloads"] = begin_downloads(case, target, connections, 200, 20)
             time.sleep(case.seconds)
-        case.figures["downloads"] = opened
 
 
 ROUTER_ATTACKS = [deadly_headers, hpack_flood, slow_readers, rapid_reset, many_streams,

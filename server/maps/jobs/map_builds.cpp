@@ -1,16 +1,13 @@
 #include "server/maps/jobs/map_builds.h"
 
-#include <openssl/rand.h>
-
 #include <algorithm>
-#include <array>
 #include <span>
 #include <utility>
 
-#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/odometry/ego_motion.h"
+#include "server/base/random_name.h"
 #include "server/base/sha256.h"
 #include "server/base/status.h"
 #include "server/convert/geometry.h"
@@ -23,14 +20,6 @@ namespace {
 constexpr int kMaxRunningPerTenant = 4;
 /// Ended ones too are remembered, for who comes to ask.
 constexpr std::size_t kMaxRemembered = 200;
-
-absl::StatusOr<std::string> RandomName() {
-  std::array<unsigned char, 8> bytes{};
-  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
-    return absl::InternalError("no random bytes for a build");
-  }
-  return absl::BytesToHexString({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-}
 
 absl::Status NoSuchBuild(absl::string_view build_id) {
   return absl::NotFoundError(absl::StrCat("build_id is ", Quoted(build_id),
@@ -63,7 +52,7 @@ MapBuilds::~MapBuilds() {
 
 absl::StatusOr<BuildRecord> MapBuilds::Start(BuildRequest request,
                                              std::unique_ptr<ScanSpool> scans) {
-  absl::StatusOr<std::string> name = RandomName();
+  absl::StatusOr<std::string> name = RandomName(64, "a build");
   if (!name.ok()) return name.status();
   if (absl::Status status = scans->BeginReading(); !status.ok()) return status;
   auto build = std::make_shared<Build>();

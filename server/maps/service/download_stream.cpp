@@ -4,8 +4,10 @@
 #include <chrono>
 #include <limits>
 #include <span>
+#include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "server/base/check.h"
 #include "server/base/status.h"
 #include "server/convert/map.h"
@@ -16,19 +18,28 @@ namespace {
 
 constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
 
+/// Whose share of the downloads one counts to: a principal's, or an address' where nobody has one.
+std::string CallerOf(const Principal& principal, const grpc::CallbackServerContext& context) {
+  if (!principal.name.empty()) return absl::StrCat(principal.tenant, "/", principal.name);
+  const std::string peer = context.peer();
+  return peer.substr(0, peer.rfind(':'));
+}
+
 }  // namespace
 
-DownloadStream* DownloadStream::Start(const StorageHost& host, grpc::CallbackServerContext* context,
+DownloadStream* DownloadStream::Start(const StorageHost& host, DownloadSlots& slots,
+                                      grpc::CallbackServerContext* context,
                                       const v1::DownloadMapRequest& request) {
-  std::shared_ptr<DownloadStream> stream(new DownloadStream(host, context));
+  std::shared_ptr<DownloadStream> stream(new DownloadStream(host, slots, context));
   stream->self_ = stream;
   host.peer_bound_calls.Add(stream);
   stream->strand_.Post([stream, request] { stream->SendVersion(request); });
   return stream.get();
 }
 
-DownloadStream::DownloadStream(const StorageHost& host, grpc::CallbackServerContext* context)
-    : host_(host), context_(context), token_(host.open_calls), strand_(host.pool) {
+DownloadStream::DownloadStream(const StorageHost& host, DownloadSlots& slots,
+                               grpc::CallbackServerContext* context)
+    : host_(host), slots_(slots), context_(context), token_(host.open_calls), strand_(host.pool) {
   strand_.SetLane(Lane::kLengthy);
 }
 
@@ -60,19 +71,29 @@ void DownloadStream::Send() {
 }
 
 void DownloadStream::SendVersion(const v1::DownloadMapRequest& request) {
+  if (absl::Status status = Open(request); !status.ok()) return End(status);
+  convert::ToProto(map_.record, response_.mutable_version());
+  Send();
+}
+
+absl::Status DownloadStream::Open(const v1::DownloadMapRequest& request) {
   const absl::StatusOr<Principal> principal =
       host_.access.Authorize(*context_, v1::DownloadMapRequest::descriptor());
-  if (!principal.ok()) return End(principal.status());
+  if (!principal.ok()) return principal.status();
   absl::Status status = CheckMapName("map_name", request.map_name());
   status.Update(CheckIntegerBetween("version", request.version(), 0,
                                     std::numeric_limits<std::int64_t>::max()));
-  if (!status.ok()) return End(status);
+  if (!status.ok()) return status;
+  absl::StatusOr<std::shared_ptr<void>> slot = slots_.Take(
+      CallerOf(*principal, *context_), {.total = host_.limits.max_download_count,
+                                        .caller = host_.limits.max_download_count_per_caller});
+  if (!slot.ok()) return slot.status();
+  slot_ = *std::move(slot);
   absl::StatusOr<LoadedMap> map =
       host_.store.Acquire(ScopedMapName(principal->tenant, request.map_name()), request.version());
-  if (!map.ok()) return End(map.status());
+  if (!map.ok()) return map.status();
   map_ = *std::move(map);
-  convert::ToProto(map_.record, response_.mutable_version());
-  Send();
+  return absl::OkStatus();
 }
 
 void DownloadStream::SendChunk() {
@@ -89,6 +110,7 @@ void DownloadStream::SendChunk() {
 void DownloadStream::End(const absl::Status& status) {
   // Before the client hears of the end, who may then delete the version.
   map_ = {};
+  slot_.reset();
   ended_ = true;
   Finish(ToGrpc(status));
 }

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "dcloc/v1/map_service.pb.h"
+#include "server/maps/service/download_slots.h"
 #include "server/rpc/storage_host.h"
 
 namespace dcloc::server {
@@ -19,7 +20,9 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
                              public std::enable_shared_from_this<DownloadStream> {
  public:
   /// Lives until the call is done and the pool has let go of it.
-  static DownloadStream* Start(const StorageHost& host, grpc::CallbackServerContext* context,
+  /// `slots` outlives it.
+  static DownloadStream* Start(const StorageHost& host, DownloadSlots& slots,
+                               grpc::CallbackServerContext* context,
                                const v1::DownloadMapRequest& request);
 
   void OnWriteDone(bool ok) override;
@@ -27,22 +30,26 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
   void CheckPeer(PeerWait::Clock::time_point now) override;
 
  private:
-  DownloadStream(const StorageHost& host, grpc::CallbackServerContext* context);
+  DownloadStream(const StorageHost& host, DownloadSlots& slots,
+                 grpc::CallbackServerContext* context);
 
   // On the strand.
   void SendVersion(const v1::DownloadMapRequest& request);
+  absl::Status Open(const v1::DownloadMapRequest& request);
   void SendChunk();
   void Send();
   void CutOff();
   void End(const absl::Status& status);
 
   const StorageHost& host_;
+  DownloadSlots& slots_;
   grpc::CallbackServerContext* const context_;
   OpenCalls::Token token_;
   Strand strand_;
   PeerWait peer_wait_;
   std::shared_ptr<DownloadStream> self_;  ///< reset by OnDone
   bool ended_ = false;
+  std::shared_ptr<void> slot_;
   LoadedMap map_;
   std::size_t sent_bytes_ = 0;
   v1::DownloadMapResponse response_;

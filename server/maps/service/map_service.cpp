@@ -169,7 +169,7 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* MapService::UploadMap(
 
 grpc::ServerWriteReactor<v1::DownloadMapResponse>* MapService::DownloadMap(
     grpc::CallbackServerContext* context, const v1::DownloadMapRequest* request) {
-  return DownloadStream::Start(host_, context, *request);
+  return DownloadStream::Start(host_, downloads_, context, *request);
 }
 
 grpc::ServerUnaryReactor* MapService::GetMapUpload(grpc::CallbackServerContext* context,

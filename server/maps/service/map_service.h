@@ -2,6 +2,7 @@
 
 #include "dcloc/v1/map_service.grpc.pb.h"
 #include "server/maps/jobs/map_builds.h"
+#include "server/maps/service/download_slots.h"
 #include "server/maps/service/map_deletion.h"
 #include "server/maps/service/map_labels.h"
 #include "server/rpc/storage_host.h"
@@ -69,10 +70,14 @@ class MapService final : public RawStreamsMapService {
                                       const v1::DeleteMapRequest* request,
                                       v1::DeleteMapResponse* response) override;
 
+  /// Downloads that are under way.
+  int download_count() const { return downloads_.count(); }
+
  private:
   const StorageHost host_;
   const SessionMover move_sessions_;
   const SessionDrainer drain_sessions_;
+  DownloadSlots downloads_;
   MapBuilds builds_;
 };
 

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/server/fixtures/message_of.h"
 #include "tests/server/fixtures/places.h"
@@ -60,9 +62,9 @@ TEST_P(IdentityStoreTest, ExpiredAndRevokedTokensSaySo) {
   const absl::Status status = store_->FindToken(token).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kUnauthenticated);
   EXPECT_THAT(MessageOf(status), HasSubstr("revoked"));
-  const SystemTime revoked = *store_->List()->at(1).revoke_time;
+  const SystemTime revoked = *store_->List(0, 10)->at(1).revoke_time;
   EXPECT_TRUE(store_->Revoke(2).ok());
-  EXPECT_EQ(store_->List()->at(1).revoke_time, revoked);
+  EXPECT_EQ(store_->List(0, 10)->at(1).revoke_time, revoked);
   EXPECT_EQ(store_->Revoke(7).code(), absl::StatusCode::kNotFound);
   EXPECT_TRUE(*store_->HasAny()) << "revoking the last one opens nothing";
 }
@@ -114,6 +116,28 @@ TEST_P(IdentityStoreTest, BadNamesAreRefusedByName) {
   EXPECT_FALSE(*store_->HasAny());
 }
 
+TEST_P(IdentityStoreTest, PagesHaveEachIdentityOnceInOrder) {
+  constexpr int kIdentities = 7;
+  for (int i = 0; i < kIdentities; ++i) {
+    ASSERT_TRUE(store_->Create(Proof::kToken, {.name = "car-" + std::to_string(i)}, {}).ok());
+  }
+  std::vector<std::string> names;
+  std::int64_t last = 0;
+  while (true) {
+    const auto page = store_->List(last, 3);
+    ASSERT_TRUE(page.ok()) << page.status();
+    ASSERT_LE(page->size(), 3U);
+    if (page->empty()) break;
+    for (const IdentityRecord& record : *page) {
+      EXPECT_GT(record.id, last);
+      last = record.id;
+      names.push_back(record.principal.name);
+    }
+  }
+  ASSERT_EQ(names.size(), std::size_t{kIdentities});
+  for (int i = 0; i < kIdentities; ++i) EXPECT_EQ(names[i], "car-" + std::to_string(i));
+}
+
 TEST_P(IdentityStoreTest, AnUnknownRoleIsAnErrorThatNamesWhoseItIs) {
   const std::string token = *store_->Create(Proof::kToken, {.name = "ops"}, {});
   ASSERT_TRUE(store_->Create(Proof::kCertificate, {.name = "car-1"}, {}).ok());
@@ -122,7 +146,8 @@ TEST_P(IdentityStoreTest, AnUnknownRoleIsAnErrorThatNamesWhoseItIs) {
   EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
   EXPECT_THAT(MessageOf(status),
               AllOf(HasSubstr("identity 1"), HasSubstr("\"ops\""), HasSubstr("\"root\"")));
-  EXPECT_EQ(store_->List().status(), status);
+  EXPECT_EQ(store_->List(0, 10).status(), status);
+  EXPECT_EQ(store_->List(1, 10)->size(), 1U) << "pages without it can be read";
   EXPECT_TRUE(store_->FindCertificate("car-1").ok()) << "the others go on";
   EXPECT_TRUE(store_->Revoke(1).ok()) << "and it can be ended";
 }
