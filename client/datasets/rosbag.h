@@ -5,12 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/datasets/bag_contents.h"
 #include "client/datasets/bag_mapping.h"
 #include "client/datasets/bag_overview.h"
 #include "client/datasets/drive.h"
 #include "client/datasets/drive_request.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
 
 namespace dcloc {
 
@@ -37,6 +40,16 @@ absl::StatusOr<Drive> DriveOf(const std::string& name, const std::filesystem::pa
 /// Reads the bag by `mapping` and makes the drive `name` of it.
 absl::StatusOr<Drive> ReadBagAs(const std::string& name, const std::filesystem::path& bag,
                                 const BagMapping& mapping, const DriveRequest& request);
+
+/// The radar as a mapping and TF describe it: its mount, and whether it measures elevation.
+/// NotFound where its frame is needed and no message has told it; InvalidArgument where TF does not
+/// tell where that frame sits on the vehicle.
+absl::StatusOr<RadarModel> RadarOf(const RadarMapping& radar, const BagContents& contents,
+                                   const std::string& vehicle_frame);
+
+/// Puts the vehicle's own motion back into range rates over ground. InvalidArgument where the scan
+/// has no ego-velocity.
+absl::Status Uncompensate(const RadarModel& radar, Scan& scan);
 
 /// Reads the bag "<root>/<request.name>.bag" of ROS 1 by `MappingFor`. Mounts are TF's; how the
 /// radars measure, `dcloc_rig.json` beside the bag says where there is one. Poses are those of the
