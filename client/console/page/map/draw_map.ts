@@ -80,7 +80,8 @@ export function drawTiles(
   painter.want([...best].filter(({ bitmap }) => bitmap?.theme !== palette.theme), palette);
   let blitCount = 0;
   for (const id of wanted) {
-    const tile = nearest(id, store, isPainted);
+    // In the colours of before it would be glaring.
+    const tile = nearest(id, store, ({ bitmap }) => bitmap?.theme === palette.theme);
     if (!isPainted(tile)) continue;
     blit(context, camera, tile, id);
     ++blitCount;

@@ -57,7 +57,7 @@ export function MapCanvas(props: Props) {
 
   useEffect(() => {
     const onTile = (): void => {
-      scene.current?.redraw();
+      scene.current?.redrawMap();
       setFault(tiles.current?.fault);
     };
     const made = map && new TileStore(map.server, map.name, map.version, onTile);

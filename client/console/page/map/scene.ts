@@ -1,3 +1,4 @@
+import { BaseLayer } from "./base_layer.ts";
 import { type Bounds, Camera } from "./camera.ts";
 import { drawGrid, drawTiles } from "./draw_map.ts";
 import { arrowSprites } from "./draw_arrow.ts";
@@ -49,7 +50,8 @@ export class Scene {
   private dragged = 0;
   private readonly sprites = arrowSprites();
   private readonly heat = new HeatBrush();
-  private readonly painter = new TilePainter(() => this.redraw());
+  private readonly base = new BaseLayer();
+  private readonly painter = new TilePainter(() => this.redrawMap());
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -65,10 +67,14 @@ export class Scene {
     });
     this.listen();
     this.resize();
+    // What was written before the font was there.
+    void document.fonts.ready.then(() => this.redrawMap());
   }
 
   set(content: SceneContent): void {
-    if (content.extent !== this.content.extent) this.isFitted = false;
+    const { extent, tiles } = this.content;
+    if (content.extent !== extent) this.isFitted = false;
+    if (content.extent !== extent || content.tiles !== tiles) this.base.invalidate();
     this.content = content;
     this.redraw();
   }
@@ -76,6 +82,12 @@ export class Scene {
   redraw(): void {
     if (this.stop.signal.aborted) return;
     this.request ||= requestAnimationFrame(() => this.draw());
+  }
+
+  /** Also what does not move: there are other tiles. */
+  redrawMap(): void {
+    this.base.invalidate();
+    this.redraw();
   }
 
   fit(): void {
@@ -127,21 +139,24 @@ export class Scene {
     this.followChosen(now);
     const ratio = window.devicePixelRatio || 1;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.fillStyle = palette.ground;
-    context.fillRect(0, 0, camera.width, camera.height);
-    drawGrid(context, camera, palette);
-    if (content.tiles && content.extent) {
-      const { painter } = this;
-      const source = { store: content.tiles, painter, extent: content.extent };
-      // By itself: where nobody wants to know what was drawn, it is drawn all the same.
-      const landmarks = drawTiles(context, camera, palette, source);
-      content.onDrawn?.(landmarks);
-    }
+    this.base.draw(context, camera, palette.theme, () => this.drawBase(context));
     content.overlay?.(context, camera, palette);
     this.heat.draw(context, camera, palette, content.losses);
     const look = { palette, sprites: this.sprites };
     drawVehicles(context, camera, look, content.vehicles(), content.chosen, now);
     this.drawAfter(nextMovementMs(content.vehicles(), camera, now));
+  }
+
+  private drawBase(context: CanvasRenderingContext2D): void {
+    const { content, camera, palette, painter } = this;
+    context.fillStyle = palette.ground;
+    context.fillRect(0, 0, camera.width, camera.height);
+    drawGrid(context, camera, palette);
+    if (!content.tiles || !content.extent) return;
+    const source = { store: content.tiles, painter, extent: content.extent };
+    // By itself: where nobody wants to know what was drawn, it is drawn all the same.
+    const landmarks = drawTiles(context, camera, palette, source);
+    content.onDrawn?.(landmarks);
   }
 
   /** At once where a frame of the screen is a longer time than that. */

@@ -57,6 +57,7 @@ export class TileStore {
   private readonly calls = new Map<string, AbortController>();
   private wanted: TileId[] = [];
   private failure: CallFailure | undefined;
+  private retry: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     private readonly server: string,
@@ -98,6 +99,7 @@ export class TileStore {
   }
 
   close(): void {
+    clearTimeout(this.retry);
     this.want([]);
     for (const [key, tile] of this.tiles) this.drop(key, tile);
   }
@@ -133,17 +135,27 @@ export class TileStore {
         stop.signal,
       );
       this.keep({ id, data: dataOf(answer) });
+      this.failedUntil.delete(key);
       this.failure = undefined;
     } catch (error) {
       const failure = failureOf(error);
       if (failure.code !== Code.Cancelled) {
         this.failedUntil.set(key, Date.now() + RETRY_MS);
+        this.retry ??= setTimeout(() => this.askAgain(), RETRY_MS);
         this.failure = failure;
       }
     }
     this.calls.delete(key);
     this.onTile();
     this.readOn();
+  }
+
+  /** Has the tiles wanted anew: also of a view that stays as it is. */
+  private askAgain(): void {
+    const now = Date.now();
+    const isEarly = [...this.failedUntil.values()].some((until) => until >= now);
+    this.retry = isEarly ? setTimeout(() => this.askAgain(), RETRY_MS / 2) : undefined;
+    this.onTile();
   }
 
   private drop(key: string, tile: Tile): void {
