@@ -114,7 +114,8 @@ absl::Status AddReferenceFile(const fs::path& folder, const BagMapping& mapping,
   const auto poses = ReadStampedPoses(folder / mapping.reference_file, StampUnit::kSeconds);
   if (!poses.ok()) return poses.status();
   for (const StampedPose& pose : *poses) {
-    contents.references.push_back({{pose.stamp, mapping.map_frame}, "", pose.pose, std::nullopt});
+    contents.references.push_back(
+        {.header = {pose.stamp, mapping.map_frame}, .T_frame_child = pose.pose});
   }
   return absl::OkStatus();
 }

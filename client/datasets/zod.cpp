@@ -210,10 +210,9 @@ absl::Status AddMotion(const fs::path& path, BagContents& contents, std::string&
                        absl::StrCat("\"timestamps\" ", i, " is ", stamp.time_since_epoch().count(),
                                     " ns; it must be after the one before"));
     previous = stamp;
-    contents.references.push_back({{stamp, "map"},
-                                   "",
-                                   Pose3{p_map_origin + pose->translation_m, pose->rotation},
-                                   std::nullopt});
+    contents.references.push_back(
+        {.header = {stamp, "map"},
+         .T_frame_child = Pose3{p_map_origin + pose->translation_m, pose->rotation}});
   }
   const double sign = TurnSign(contents, columns->angular_rates);
   for (std::size_t i = 0; i < columns->stamps_s.size(); ++i) {
@@ -221,7 +220,7 @@ absl::Status AddMotion(const fs::path& path, BagContents& contents, std::string&
                                {0.0, 0.0, sign * columns->angular_rates[3 * i + 2]},
                                std::nullopt};
     contents.motions.push_back(
-        {{contents.references[i].header.stamp, ""}, "", std::nullopt, velocity});
+        {.header = {contents.references[i].header.stamp, ""}, .velocity = velocity});
   }
   return absl::OkStatus();
 }

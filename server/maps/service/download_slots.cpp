@@ -25,7 +25,7 @@ absl::StatusOr<std::shared_ptr<void>> DownloadSlots::Take(const std::string& cal
   ++counts_->total;
   ++of_caller;
   return std::shared_ptr<void>(counts_.get(), [counts = counts_, caller](void*) {
-    const std::lock_guard lock(counts->mutex);
+    const std::lock_guard returning(counts->mutex);
     --counts->total;
     const auto found = counts->of_callers.find(caller);
     if (--found->second == 0) counts->of_callers.erase(found);

@@ -40,7 +40,7 @@ class NpyTableTest : public ::testing::Test {
 };
 
 TEST_F(NpyTableTest, FieldsAreReadByTheirNames) {
-  for (const char version : {1, 2, 3}) {
+  for (const char version : {'\1', '\2', '\3'}) {
     const auto table = NpyTable::Read(folder_.Write("a.npy", Npy(header_, rows_, version)));
     ASSERT_TRUE(table.ok()) << table.status();
     EXPECT_EQ(table->row_count(), 2U);
