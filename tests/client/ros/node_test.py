@@ -176,6 +176,12 @@ class Player:
             self.publishers[topic].publish(message)
 
 
+def cpu_s(pid):
+    """Processor time of a process so far."""
+    fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def shifted(by_ns):
     """Another time in the header of a message."""
     def change(data):
@@ -324,6 +330,40 @@ class NodeTest(unittest.TestCase):
             with self.node(**parameters) as node:
                 self.assertEqual(node.process.wait(30), 1)
             self.assertIn(words, "".join(node.lines))
+
+    def test_five_radars_at_50_hz_cost_at_most_half_a_core(self):
+        """Processor time of the node alone, since the machine may be busy."""
+        load, bags = self.folder / "load", self.folder / "load_bags"
+        bags.mkdir()
+        sim = ("--dataset", "nuscenes", "--root", load)
+        self.programs.succeed("simulate", "--out", load, "--length-m", "250", "--rig", "5")
+        self.programs.succeed("dataset", "export", *sim, "--drive", "live-0", "--bag",
+                              bags / "live.bag")
+        self.programs.succeed("dataset", "inspect", bags / "live.bag", "--write-mapping",
+                              bags / "dcloc_bag.json")
+        with Player(bags / "live.bag") as player, \
+                Node(server=self.server.address, map="town", mapping=bags / "dcloc_bag.json",
+                     rig=bags / "dcloc_rig.json", max_queued_scan_count=1000) as node:
+            radars = [topic for topic in player.publishers if topic.startswith("/radar")]
+            self.assertEqual(len(radars), 5)
+            scans = [stamp for topic, _, stamp in player.messages if topic in radars]
+            player.connect([*radars, "/vehicle/velocity", "/tf_static"])
+            player.play(end_s=0.5)
+            wait_for(lambda: node.value("connection") == "open", "a session")
+            drive_s = (scans[-1] - scans[0]) * 1e-9
+            speed = 250.0 / (len(scans) / drive_s)
+            begin, begin_cpu_s = time.monotonic(), cpu_s(node.process.pid)
+            sent = int(node.value("scans_sent"))
+            player.play(speed=speed, begin_s=0.5)
+            wait_for(lambda: int(node.value("scans_sent")) >= len(scans), "all scans")
+            count = int(node.value("scans_sent")) - sent
+            used_s, took_s = cpu_s(node.process.pid) - begin_cpu_s, time.monotonic() - begin
+            load_share = used_s / count * 250
+            print(f"{count} scans of 5 radars in {took_s:.1f} s, {count / took_s:.0f} a second: "
+                  f"{1e3 * used_s / count:.2f} ms of processor time each, "
+                  f"{100 * load_share:.0f} % of a core at 250 a second; "
+                  f"{node.value('scans_dropped')} dropped", flush=True)
+            self.assertLess(load_share, 0.5)
 
 
 def main():
