@@ -61,7 +61,7 @@ list(TRANSFORM SDK_HEADERS PREPEND client/sdk/)
 list(TRANSFORM SDK_HEADERS APPEND .h)
 install(FILES ${SDK_HEADERS}
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dcloc/client/sdk COMPONENT sdk)
-install(FILES client/sdk/pose/pose_estimate.h client/sdk/pose/rigid_pose.h
+install(FILES client/sdk/pose/motion_signals.h client/sdk/pose/pose_estimate.h client/sdk/pose/rigid_pose.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dcloc/client/sdk/pose COMPONENT sdk)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/proto/generated/dcloc
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dcloc COMPONENT sdk FILES_MATCHING PATTERN "*.pb.h")

@@ -67,7 +67,7 @@ TEST(WriteReport, NamesPicturesOfDrivesInFolders) {
   }
   const absl::Status status = WriteReport(report, folder.path() / "report.html");
   ASSERT_TRUE(status.ok()) << status;
-  EXPECT_THAT(ReadText(folder.path() / "report-monday_north.png"), StartsWith("\x89PNG"));
+  EXPECT_THAT(ReadText(folder.path() / "report-monday%2Fnorth.png"), StartsWith("\x89PNG"));
 }
 
 TEST(WriteReport, NamesThePicturesOfSeveralDrives) {

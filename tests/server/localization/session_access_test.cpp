@@ -214,11 +214,13 @@ TEST_F(NarrowTest, EachSettingThatCanChangeHoldsAtOnce) {
     if (field.reloadable) reloadable.emplace_back(field.key);
   }
   // Sizes of maps: AccessTest.UploadsBeyondALimitNameIt. Streams and peers: UnopenedStreamTest.
+  // Downloads: DownloadSlotsTest.
   EXPECT_THAT(reloadable,
               ::testing::ElementsAre("max_session_count", "max_unopened_stream_count",
                                      "max_unopened_stream_count_per_peer", "open_timeout_ms",
                                      "peer_timeout_ms", "max_session_count_per_principal",
-                                     "max_scan_rate_hz_per_principal", "max_target_count",
+                                     "max_scan_rate_hz_per_principal", "max_download_count",
+                                     "max_download_count_per_caller", "max_target_count",
                                      "max_map_mib", "max_tenant_storage_mib", "log_level"));
   ServerConfig config = Config();
   config.data = server_.folder.path() / "store";

@@ -66,7 +66,8 @@ class Completion:
 
     def test_values_where_there_are_but_some(self):
         self.assertEqual(self.offered("localize", "--dataset", ""),
-                         ["nuscenes", "radarscenes", "rosbag"])
+                         ["nuscenes", "radarscenes", "rosbag", "snail-radar", "ntu4dradlm",
+                          "msc-rad4r", "hercules", "zod"])
 
     def test_files_elsewhere(self):
         self.assertIn("files", self.offered("map", "inspect", "/no-such"))
