@@ -28,6 +28,7 @@
 #include "core/uncertainty/noise_scale_estimator.h"
 #include "core/uncertainty/protection_level.h"
 #include "core/uncertainty/registration_factor.h"
+#include "core/uncertainty/way_rivals.h"
 
 namespace dcloc {
 
@@ -72,6 +73,7 @@ struct LocalizerOptions {
   TimeBaseOptions time_base;
   SubmapOptions submap;
   MapFitOptions map_fit;
+  WayRivalOptions way_rivals;
   EgoMotionOptions ego_motion;
   LearnedRigOptions learned_rig;
   RadarMonitorOptions radar_monitor;

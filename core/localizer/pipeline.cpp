@@ -37,6 +37,7 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       tracking_(options.tracking),
       learner_(learned_rig_.rig(), options.beta_monitor, options.unobserved),
       scan_checker_(learned_rig_.rig().radars.size(), options.map_fit),
+      way_rivals_(options.way_rivals),
       fix_monitor_(options.fixes),
       protection_level_(options.protection_level),
       reset_counter_(options.resets),
@@ -190,6 +191,8 @@ void Pipeline<Dim>::CheckScanFit(Stamp stamp, std::size_t radar_index, Workspace
   // The places that are compared are relative to the pose: where that is lost, both are wrong.
   if (!tracking_.is_lost()) CompareSourcesByMapFit(workspace);
   tracking_.OnScanFit(fit);
+  if (scan_checker_.HasDeclined()) tracking_.OnRivalFits();
+  CompareWayRivals(workspace);
   if (tracking_.mode() == TrackingMode::kConfirmed) {
     scan_checker_.OnConfirmed();
     if (newest_outcome_ == RegistrationOutcome::kAccepted && fit != ScanFit::kContradicts) {
@@ -253,8 +256,7 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
     if (!tracking_.needs_verification()) return std::nullopt;
     if (scan_checker_.IsTooSoonToJudge(stamp, submap_.span())) return std::nullopt;
     expected = {.T_map_vehicle = NowInMap().pose,
-                .basis = tracking_.mode() == TrackingMode::kConfirmingPrior ? Basis::kPrior
-                                                                            : Basis::kDoubted};
+                .basis = tracking_.is_trusted_prior() ? Basis::kPrior : Basis::kDoubted};
     if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
   }
   std::optional<Place> place =
@@ -306,6 +308,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
                                    apart.template head<2>());
   } else {
     scan_checker_.Reset();
+    way_rivals_.Reset();
     radar_monitor_.ResetFits();
     ego_motion_.OnPlaceChanged();
     pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);

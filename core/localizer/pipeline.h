@@ -118,6 +118,7 @@ class Pipeline final : public AnyPipeline {
                    const Motion& motion);
   void CheckScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
   void CompareSourcesByMapFit(Workspace<Dim>& workspace);
+  void CompareWayRivals(Workspace<Dim>& workspace);
   void Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace);
   std::optional<Registered> Register(Stamp stamp, Workspace<Dim>& workspace);
   void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
@@ -148,6 +149,7 @@ class Pipeline final : public AnyPipeline {
   TrackingStateMachine tracking_;
   RegistrationLearner<Dim> learner_;
   ScanChecker<Dim> scan_checker_;
+  WayRivals way_rivals_;
   FixMonitor fix_monitor_;
   ProtectionLevel protection_level_;
   StampError stamp_error_;  // of the newest scan

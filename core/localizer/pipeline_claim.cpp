@@ -74,6 +74,34 @@ void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
   ego_motion_.OnFits(fit_at(used), fit_at(rival));
 }
 
+// METHOD eq 57. A pose that begins is held against the places before and behind it.
+template <int Dim>
+void Pipeline<Dim>::CompareWayRivals(Workspace<Dim>& workspace) {
+  const bool is_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
+  // Before a registration has been accepted, no place is where the vehicle may be.
+  if (newest_outcome_ != RegistrationOutcome::kAccepted || !way_rivals_.IsDue(is_confirmed)) return;
+  if (workspace.static_points.size() < static_cast<std::size_t>(options_.map_fit.min_point_count)) {
+    return;
+  }
+  const double variance = 0.5 * std::pow(way_rivals_.pose_sigma_m(), 2);
+  const auto fit_at = [&](double way_m) {
+    Tangent<Dim> step = Tangent<Dim>::Zero();
+    step(0) = way_m;
+    return scan_checker_.FitAt(
+        workspace.static_points,
+        {.pose = pose_.Now().pose * Exp(step),
+         .covariance = TangentMatrix<Dim>(variance * TangentMatrix<Dim>::Identity())},
+        matcher_, workspace);
+  };
+  const double fit = fit_at(0.0);
+  workspace.rival_fits.clear();
+  for (const double way_m : way_rivals_.ways_m()) workspace.rival_fits.push_back(fit_at(way_m));
+  way_rivals_.OnFits(workspace.scan_points.size(), is_confirmed, fit, workspace.rival_fits);
+  if (!way_rivals_.Better()) return;
+  way_rivals_.Reset();
+  tracking_.OnRivalFits();
+}
+
 template <int Dim>
 std::optional<double> Pipeline<Dim>::FitAt(const Scan& scan, Stamp stamp,
                                            LocalizerWorkspace& lent_workspace) {
@@ -92,6 +120,8 @@ template Localization Pipeline<2>::Answer(const Scan&, Stamp);
 template Localization Pipeline<3>::Answer(const Scan&, Stamp);
 template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>& workspace);
 template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>& workspace);
+template void Pipeline<2>::CompareWayRivals(Workspace<2>& workspace);
+template void Pipeline<3>::CompareWayRivals(Workspace<3>& workspace);
 template void Pipeline<2>::Claim(Localization& answer);
 template void Pipeline<3>::Claim(Localization& answer);
 template std::optional<double> Pipeline<2>::FitAt(const Scan&, Stamp, LocalizerWorkspace&);

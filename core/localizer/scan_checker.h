@@ -33,6 +33,11 @@ class ScanChecker {
   /// That of the scan that was tested last, [0, 1].
   double last_fit() const { return last_.fit; }
 
+  /// Takes the last scan in; whether scans fit less than expected for some time now.
+  bool HasDeclined() {
+    return monitor_.HasDeclined(last_.radar_index, last_.point_count, last_.fit);
+  }
+
   /// The vehicle surely was where the last scan was tested: it is what to expect.
   void Learn() { monitor_.Learn(last_.radar_index, last_.point_count, last_.fit); }
 

@@ -56,6 +56,11 @@ void TrackingStateMachine::OnFixesContradict() {
   mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
+void TrackingStateMachine::OnRivalFits() {
+  verification_ = Next(verification_, VerificationEvent::kRivalFits);
+  mode_ = Next(mode_, TrackingEvent::kDoubted);
+}
+
 void TrackingStateMachine::OnScanFit(ScanFit fit) {
   if (fit == ScanFit::kUnknown) return;
   if (fit == ScanFit::kContradicts) {
@@ -116,6 +121,7 @@ void TrackingStateMachine::Lose(Stamp stamp) {
     last_lost_to_outliers_ = stamp;
   }
   mode_ = Next(mode_, event);
+  verification_ = Next(verification_, VerificationEvent::kLost);
   accepted_in_a_row_ = 0;
 }
 

@@ -96,9 +96,14 @@ class TrackingStateMachine {
   /// Whether the pose that there is must be held against other places.
   bool needs_verification() const {
     if (mode_ == TrackingMode::kConfirmingPlace) {
-      return verification_ != Verification::kNotNeeded;  // fixes contradict this place, too
+      return verification_ != Verification::kNotNeeded;  // something contradicts this place, too
     }
     return has_pose() && mode_ != TrackingMode::kConfirmed;
+  }
+
+  /// Whether the pose is one from a prior that nothing speaks against yet.
+  bool is_trusted_prior() const {
+    return mode_ == TrackingMode::kConfirmingPrior && verification_ == Verification::kNotNeeded;
   }
 
   /// Starts from a place that global localization found. What was counted before does not matter
@@ -115,6 +120,9 @@ class TrackingStateMachine {
 
   /// Takes in how the newest scan fits the map.
   void OnScanFit(ScanFit fit);
+
+  /// Scans fit another place better than the pose: it must be verified.
+  void OnRivalFits();
 
   /// Takes in the time and the position's standard deviation of a predicted pose; without a pose
   /// nothing.

@@ -94,18 +94,29 @@ inline constexpr std::array<Transition<ScanAgreement, ScanAgreementEvent>, 4>
 enum class Verification {
   kNotNeeded,
   kUnlessFixesAgree,  ///< fixes contradict the pose persistently
-  kNeeded,            ///< the vehicle comes from where the way was not observed
+  kNeeded,            ///< the way was not observed, the pose was lost, or a rival fits better
 };
 
-enum class VerificationEvent { kFixesContradict, kFixAgrees, kObservedAgain, kVerified };
+enum class VerificationEvent {
+  kFixesContradict,
+  kFixAgrees,
+  kObservedAgain,  ///< the vehicle comes from where the way was not observed
+  kLost,
+  kRivalFits,  ///< scans fit another place better than the pose, or fit the pose less than before
+  kVerified,
+};
 
-inline constexpr std::array<Transition<Verification, VerificationEvent>, 6>
+inline constexpr std::array<Transition<Verification, VerificationEvent>, 10>
     kVerificationTransitions = {{
         {Verification::kNotNeeded, VerificationEvent::kFixesContradict,
          Verification::kUnlessFixesAgree},
         {Verification::kNotNeeded, VerificationEvent::kObservedAgain, Verification::kNeeded},
+        {Verification::kNotNeeded, VerificationEvent::kLost, Verification::kNeeded},
+        {Verification::kNotNeeded, VerificationEvent::kRivalFits, Verification::kNeeded},
         {Verification::kUnlessFixesAgree, VerificationEvent::kFixAgrees, Verification::kNotNeeded},
         {Verification::kUnlessFixesAgree, VerificationEvent::kObservedAgain, Verification::kNeeded},
+        {Verification::kUnlessFixesAgree, VerificationEvent::kLost, Verification::kNeeded},
+        {Verification::kUnlessFixesAgree, VerificationEvent::kRivalFits, Verification::kNeeded},
         {Verification::kUnlessFixesAgree, VerificationEvent::kVerified, Verification::kNotNeeded},
         {Verification::kNeeded, VerificationEvent::kVerified, Verification::kNotNeeded},
     }};

@@ -15,6 +15,7 @@ struct Workspace {
   EgoVelocityMemory ego_velocity;
   std::vector<RadarPoint> static_points;
   std::vector<GaussianPoint<Dim>> scan_points;
+  std::vector<double> rival_fits;
   LiveSubmap<Dim> submap;
   RegistrationWorkspace<Dim> registration;
 };

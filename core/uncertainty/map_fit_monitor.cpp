@@ -15,6 +15,9 @@ std::span<const OptionField<MapFitOptions>> FieldsOf(const MapFitOptions& /*opti
       {"contradiction_sigmas", &O::contradiction_sigmas, 0, 1e6, "the share alone decides"},
       {"contradiction_share", &O::contradiction_share, 0, 1, "the deviations alone decide"},
       {"min_sigma", &O::min_sigma, 1e-6, 1},
+      {"decline_drift_sigmas", &O::decline_drift_sigmas, 0, 1e6, "each lesser fit counts"},
+      {"decline_max_sigmas", &O::decline_max_sigmas, 1e-6, 1e6},
+      {"decline_limit_sigmas", &O::decline_limit_sigmas, 0, 1e6, "a single fit decides"},
       {"max_prediction_sigma_m", &O::max_prediction_sigma_m, 0, 100,
        "predictions are tested as exact"},
   };
@@ -38,6 +41,21 @@ ScanFit MapFitMonitor::Judge(std::size_t radar_index, std::size_t point_count, d
   return fit < least ? ScanFit::kContradicts : ScanFit::kAgrees;
 }
 
+// METHOD eq 58.
+bool MapFitMonitor::HasDeclined(std::size_t radar_index, std::size_t point_count, double fit) {
+  const Expected& expected = radars_[radar_index];
+  if (expected.count < options_.min_scan_count ||
+      point_count < static_cast<std::size_t>(options_.min_point_count)) {
+    return false;
+  }
+  const double sigma = std::max(options_.min_sigma, std::sqrt(expected.variance));
+  const double sigmas = std::min((expected.mean - fit) / sigma, options_.decline_max_sigmas);
+  decline_sigmas_ = std::max(0.0, decline_sigmas_ + sigmas - options_.decline_drift_sigmas);
+  if (decline_sigmas_ <= options_.decline_limit_sigmas) return false;
+  decline_sigmas_ = 0.0;
+  return true;
+}
+
 void MapFitMonitor::Learn(std::size_t radar_index, std::size_t point_count, double fit) {
   if (point_count < static_cast<std::size_t>(options_.min_point_count)) return;
   Expected& expected = radars_[radar_index];
@@ -49,6 +67,9 @@ void MapFitMonitor::Learn(std::size_t radar_index, std::size_t point_count, doub
   expected.variance = (1.0 - share) * (expected.variance + share * apart * apart);
 }
 
-void MapFitMonitor::Reset() { std::ranges::fill(radars_, Expected{}); }
+void MapFitMonitor::Reset() {
+  std::ranges::fill(radars_, Expected{});
+  decline_sigmas_ = 0.0;
+}
 
 }  // namespace dcloc

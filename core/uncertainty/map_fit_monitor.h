@@ -19,6 +19,11 @@ struct MapFitOptions {
   double contradiction_sigmas = 3.5;
   double contradiction_share = 0.4;
   double min_sigma = 0.04;  ///< fits vary by no less
+  /// Fits have declined when the deviations by which each is less than expected, less the first
+  /// number and at most the second one, sum up to more than the third.
+  double decline_drift_sigmas = 1.5;
+  double decline_max_sigmas = 4.0;
+  double decline_limit_sigmas = 8.0;
   /// A prediction that is less certain is tested as if it were as certain as this.
   double max_prediction_sigma_m = 0.5;
 };
@@ -41,6 +46,10 @@ class MapFitMonitor {
   /// exp(-d^2 / 2) over its points, [0, 1].
   ScanFit Judge(std::size_t radar_index, std::size_t point_count, double fit) const;
 
+  /// Takes in the fit of such a scan. Whether scan after scan has fitted less than expected, each
+  /// by too little to contradict (METHOD eq 58); the sum then begins anew.
+  bool HasDeclined(std::size_t radar_index, std::size_t point_count, double fit);
+
   /// Such a scan was taken where the vehicle surely is.
   void Learn(std::size_t radar_index, std::size_t point_count, double fit);
 
@@ -55,6 +64,7 @@ class MapFitMonitor {
   };
   MapFitOptions options_;
   std::vector<Expected> radars_;
+  double decline_sigmas_ = 0.0;
 };
 
 }  // namespace dcloc

@@ -15,13 +15,15 @@ using ::testing::StartsWith;
 template <typename Options>
 class StageOptionsTest : public ::testing::Test {};
 
-using AllOptions = ::testing::Types<
-    EgoVelocityOptions, EgoMotionOptions, NoiseScaleOptions, BetaMonitorOptions, MotionOptions,
-    OdometryErrorFilterOptions, StaticPointsOptions, RegistrationScheduleOptions, GicpOptions,
-    RegistrationGate, MapMatcherOptions, PosePriorOptions, GlobalLocalizerOptions,
-    RegistrationFactorOptions, PoseGraphOptions, TrackingOptions, UnobservedSigmas, MountYawOptions,
-    LearnedRigOptions, RadarMonitorOptions, FixMonitorOptions, ResetOptions, ProtectionLevelOptions,
-    SourceMonitorOptions, ObservabilityOptions, RadarClocksOptions, LocalizerOptions>;
+using AllOptions =
+    ::testing::Types<EgoVelocityOptions, EgoMotionOptions, NoiseScaleOptions, BetaMonitorOptions,
+                     MotionOptions, OdometryErrorFilterOptions, StaticPointsOptions,
+                     RegistrationScheduleOptions, GicpOptions, RegistrationGate, MapMatcherOptions,
+                     PosePriorOptions, GlobalLocalizerOptions, RegistrationFactorOptions,
+                     PoseGraphOptions, TrackingOptions, UnobservedSigmas, MountYawOptions,
+                     LearnedRigOptions, RadarMonitorOptions, FixMonitorOptions, ResetOptions,
+                     ProtectionLevelOptions, SourceMonitorOptions, ObservabilityOptions,
+                     RadarClocksOptions, MapFitOptions, WayRivalOptions, LocalizerOptions>;
 TYPED_TEST_SUITE(StageOptionsTest, AllOptions);
 
 TYPED_TEST(StageOptionsTest, EachFieldIsBounded) { ExpectEachFieldIsBounded<TypeParam>(); }

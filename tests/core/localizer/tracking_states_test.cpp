@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+
+#include "core/localizer/tracking_state_machine.h"
 
 namespace dcloc {
 namespace {
@@ -25,7 +28,8 @@ constexpr std::array kVerifications = {Verification::kNotNeeded, Verification::k
                                        Verification::kNeeded};
 constexpr std::array kVerificationEvents = {
     VerificationEvent::kFixesContradict, VerificationEvent::kFixAgrees,
-    VerificationEvent::kObservedAgain, VerificationEvent::kVerified};
+    VerificationEvent::kObservedAgain,   VerificationEvent::kLost,
+    VerificationEvent::kRivalFits,       VerificationEvent::kVerified};
 constexpr std::array kWays = {AlongTrackObservability::kObserved, AlongTrackObservability::kFading,
                               AlongTrackObservability::kNotObserved,
                               AlongTrackObservability::kReturning};
@@ -102,6 +106,69 @@ TEST_P(TrackingTransitionTest, IsTaken) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TrackingTransitionTest, ::testing::ValuesIn(kTrackingTransitions));
+
+// `count` scans, 0.1 s apart from `begin_ms` on, that fit the map and are registered.
+void AgreeAndRegister(TrackingStateMachine& state, int begin_ms, int count) {
+  for (int i = 0; i < count; ++i) {
+    const Stamp stamp(std::chrono::milliseconds(1'000'000 + begin_ms + 100 * i));
+    state.OnScanFit(ScanFit::kAgrees);
+    state.OnRegistration(stamp, RegistrationOutcome::kAccepted);
+    state.OnPrediction(stamp, 0.1);
+  }
+}
+
+TEST(TrackingRivalsTest, WhereARivalFitsBetterThePoseMustBeVerified) {
+  TrackingStateMachine state({});
+  state.OnPlaceFound();
+  AgreeAndRegister(state, 0, 10);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+  state.OnRivalFits();
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
+  AgreeAndRegister(state, 1000, 20);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
+  EXPECT_TRUE(state.needs_verification());
+  state.OnVerified();
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+}
+
+TEST(TrackingRivalsTest, APlaceThatARivalFitsBetterThanIsNotConfirmed) {
+  TrackingStateMachine state({});
+  state.OnPlaceFound();
+  state.OnRivalFits();
+  AgreeAndRegister(state, 0, 10);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kInitializing);
+  state.OnVerified();
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+}
+
+TEST(TrackingRivalsTest, APriorThatARivalFitsBetterThanIsNotTrusted) {
+  TrackingStateMachine state({});
+  state.OnPrior();
+  EXPECT_TRUE(state.is_trusted_prior());
+  state.OnRivalFits();
+  EXPECT_FALSE(state.is_trusted_prior());
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmingPrior);
+  EXPECT_TRUE(state.needs_verification());
+}
+
+TEST(TrackingRivalsTest, ALostPoseIsConfirmedAndVerified) {
+  TrackingStateMachine state({});
+  state.OnPlaceFound();
+  AgreeAndRegister(state, 0, 10);
+  // Silence, without a registration that could have failed.
+  state.OnPrediction(Stamp(std::chrono::seconds(1060)), 30.0);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
+  AgreeAndRegister(state, 60'000, 2);
+  state.OnVerified();
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost) << "too few registrations";
+  AgreeAndRegister(state, 60'200, 1);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+  state.OnPrediction(Stamp(std::chrono::seconds(1120)), 30.0);
+  AgreeAndRegister(state, 120'000, 20);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost) << "a wrong place is registered, too";
+  state.OnVerified();
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+}
 
 }  // namespace
 }  // namespace dcloc

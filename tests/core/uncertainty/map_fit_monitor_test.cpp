@@ -45,6 +45,25 @@ TEST(MapFitMonitorTest, WhereScansFitLittleALittleLessSaysNothing) {
   EXPECT_EQ(Learned(0.2, 0.08).Judge(0, kPoints, 0.02), ScanFit::kAgrees);
 }
 
+TEST(MapFitMonitorTest, ScansThatAllFitALittleLessAreADecline) {
+  MapFitMonitor monitor = Learned(0.5, 0.04);
+  int scans = 0;
+  while (!monitor.HasDeclined(0, kPoints, 0.37) && scans < 100) ++scans;
+  EXPECT_GE(scans, 3) << "one alone says little";
+  EXPECT_LE(scans, 8);
+  EXPECT_EQ(monitor.Judge(0, kPoints, 0.37), ScanFit::kAgrees) << "each one alone agrees";
+}
+
+TEST(MapFitMonitorTest, UsualScansSeldomDecline) {
+  MapFitMonitor monitor = Learned(0.5, 0.06);
+  std::mt19937 random(4);
+  std::normal_distribution<double> fit(0.5, 0.06);
+  int declines = 0;
+  for (int i = 0; i < 100'000; ++i) declines += monitor.HasDeclined(0, kPoints, fit(random));
+  EXPECT_EQ(declines, 0);
+  EXPECT_FALSE(monitor.HasDeclined(1, kPoints, 0.0)) << "nothing is known of this radar";
+}
+
 TEST(MapFitMonitorTest, ForgottenIsUnknown) {
   MapFitMonitor monitor = Learned(0.6, 0.05);
   monitor.Reset();
