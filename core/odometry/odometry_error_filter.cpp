@@ -41,6 +41,8 @@ std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
       {"usual_squared_sigmas", &O::usual_squared_sigmas, 1e-6, 1e6},
       {"max_yaw_rate_bias_radps", &O::max_yaw_rate_bias_radps, 0, 1,
        "the bias does not change at once"},
+      {"max_scale_change", &O::max_scale_change, 0, 0.5, "the scale does not change at once"},
+      {"min_change_way_m", &O::min_change_way_m, 0.1, 1000},
       {"max_change_interval_ms", &O::max_change_interval, 0, 1e5, "no change at once is found"},
   };
   return kFields;
@@ -53,7 +55,7 @@ absl::Status Validate(const OdometryErrorFilterOptions& options) {
 }
 
 OdometryErrorFilter::OdometryErrorFilter(const OdometryErrorFilterOptions& options)
-    : options_(options), bias_change_(options.change) {
+    : options_(options), bias_change_(options.change), scale_change_(options.change) {
   covariance_.diagonal() << 0.0, 0.0, 0.0, Square(options.scale_sigma),
       Square(options.yaw_rate_bias_sigma_radps), Square(options.course_sigma_rad),
       Square(options.time_offset_sigma_s);
@@ -97,6 +99,7 @@ void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseco
   if (!T_map_vehicle_ || duration_s <= 0.0) return;
   const Pose2 reported = Flatten(T_from_to);
   if (last_pose_) {
+    last_pose_->way_m += reported.translation_m.x();
     last_pose_->turn_rad += reported.yaw_rad;
     last_pose_->duration += duration;
   }
@@ -156,28 +159,55 @@ void OdometryErrorFilter::StartAt(const Pose3& T_map_vehicle, const Eigen::Matri
 }
 
 // METHOD eq 48. Neighbouring poses alone are compared: a pose that is wrong makes two deviations of
-// opposite sign, and a change makes all that follow. What is further off than a zero can be is no
-// bias.
+// opposite sign, and a change makes all that follow.
 bool OdometryErrorFilter::HasChangedAtOnce(const Pose2& T_map_vehicle,
                                            const Eigen::Matrix3d& noise) {
-  const std::optional<LastPose> last = std::exchange(
-      last_pose_,
-      LastPose{.T_map_vehicle = T_map_vehicle, .noise = noise, .turn_rad = 0.0, .duration = {}});
+  const std::optional<LastPose> last =
+      std::exchange(last_pose_, LastPose{.T_map_vehicle = T_map_vehicle, .noise = noise});
   if (!last || last->duration > options_.max_change_interval) return false;
-  const double duration_s = std::chrono::duration<double>(last->duration).count();
-  const double turn_rad = WrapAngle(T_map_vehicle.yaw_rad - last->T_map_vehicle.yaw_rad);
-  const double turn_variance = InnovationScaleOfLate() * (last->noise(2, 2) + noise(2, 2)) +
+  const bool has_bias_changed = HasBiasChanged(*last, T_map_vehicle, noise);
+  const bool has_scale_changed = HasScaleChanged(*last, T_map_vehicle, noise);
+  if (!has_bias_changed && !has_scale_changed) return false;
+  squared_sigmas_ = count_ = 0.0;  // the innovations of late were those of the change
+  return true;
+}
+
+// What is further off than a zero can be is no bias.
+bool OdometryErrorFilter::HasBiasChanged(const LastPose& last, const Pose2& T_map_vehicle,
+                                         const Eigen::Matrix3d& noise) {
+  const double duration_s = std::chrono::duration<double>(last.duration).count();
+  const double turn_rad = WrapAngle(T_map_vehicle.yaw_rad - last.T_map_vehicle.yaw_rad);
+  const double turn_variance = InnovationScaleOfLate() * (last.noise(2, 2) + noise(2, 2)) +
                                Square(options_.walk_sigma_rad) * duration_s +
                                covariance_(kYawRateBias, kYawRateBias) * Square(duration_s);
   const std::optional<ScalarEstimate> change =
-      bias_change_.OnDeviation({WrapAngle(turn_rad - last->turn_rad), turn_variance}, duration_s);
+      bias_change_.OnDeviation({WrapAngle(turn_rad - last.turn_rad), turn_variance}, duration_s);
   if (!change ||
       std::abs(yaw_rate_bias_radps_ + change->value) > options_.max_yaw_rate_bias_radps) {
     return false;
   }
   yaw_rate_bias_radps_ += change->value;
   SetVariance(kYawRateBias, change->variance);
-  squared_sigmas_ = count_ = 0.0;  // the innovations of late were those of the change
+  return true;
+}
+
+// What is further off than tyres can be is slip.
+bool OdometryErrorFilter::HasScaleChanged(const LastPose& last, const Pose2& T_map_vehicle,
+                                          const Eigen::Matrix3d& noise) {
+  const double reported_m = std::abs(last.way_m);
+  if (reported_m < options_.min_change_way_m) return false;
+  const double duration_s = std::chrono::duration<double>(last.duration).count();
+  const double way_m =
+      std::copysign(1.0, last.way_m) * Log(last.T_map_vehicle.Inverse() * T_map_vehicle)(0);
+  const double way_variance = InnovationScaleOfLate() * (last.noise(0, 0) + noise(0, 0)) +
+                              Square(options_.walk_sigma_m) * duration_s +
+                              covariance_(kScale, kScale) * Square(reported_m / scale_);
+  const std::optional<ScalarEstimate> change =
+      scale_change_.OnDeviation({way_m - reported_m, way_variance}, reported_m);
+  if (!change || std::abs(change->value) > options_.max_scale_change) return false;
+  const double before = scale_;
+  scale_ *= 1.0 + change->value;
+  SetVariance(kScale, Square(before) * change->variance);
   return true;
 }
 

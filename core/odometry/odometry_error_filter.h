@@ -39,8 +39,12 @@ struct OdometryErrorFilterOptions {
   double max_squared_sigmas = 9.0;
   double innovation_prior_count = 3.0;
   double usual_squared_sigmas = 3.0;
-  /// When the bias is said to have changed at once, and not to have drifted.
+  /// When scale or bias are said to have changed at once, and not to have drifted.
   CusumOptions change;
+  /// By more than this share the scale of wheels does not change: they slip.
+  double max_scale_change = 0.1;
+  /// Over less way between two poses the scale is not compared.
+  double min_change_way_m = 2.0;
   /// What is further off is no error of a zero, and is not corrected.
   double max_yaw_rate_bias_radps = 0.15;
   /// Poses further apart are not compared.
@@ -56,8 +60,8 @@ absl::Status Validate(const OdometryErrorFilterOptions& options);
 /// are not used; without them a turned mount would look like a yaw-rate bias, and a delay at
 /// changing speed like a scale. Registered poses are the measurements. If innovations exceed their
 /// covariance, the measurement noise is scaled up. A bias that changes at once, as when a gyroscope
-/// is set anew, is found by the motion between neighbouring poses, and learned afresh
-/// (METHOD eq 48).
+/// is set anew, or a scale that does, is found by the motion between neighbouring poses, and
+/// learned afresh (METHOD eq 48).
 class OdometryErrorFilter {
  public:
   explicit OdometryErrorFilter(const OdometryErrorFilterOptions& options);
@@ -101,7 +105,12 @@ class OdometryErrorFilter {
   void StartAt(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance);
   double InnovationScaleOfLate() const;
   double InnovationScale(double squared_sigmas);
+  struct LastPose;
   bool HasChangedAtOnce(const Pose2& T_map_vehicle, const Eigen::Matrix3d& noise);
+  bool HasBiasChanged(const LastPose& last, const Pose2& T_map_vehicle,
+                      const Eigen::Matrix3d& noise);
+  bool HasScaleChanged(const LastPose& last, const Pose2& T_map_vehicle,
+                       const Eigen::Matrix3d& noise);
   void SetVariance(int state, double variance);
 
   OdometryErrorFilterOptions options_;
@@ -116,15 +125,17 @@ class OdometryErrorFilter {
   double squared_sigmas_ = 0.0;
   double count_ = 0.0;
 
-  // The last pose, and by how much the vehicle turned since, by odometry.
+  // The last pose, and how far the vehicle went and turned since, by odometry.
   struct LastPose {
     Pose2 T_map_vehicle;
     Eigen::Matrix3d noise;
+    double way_m = 0.0;
     double turn_rad = 0.0;
     std::chrono::nanoseconds duration{0};
   };
   std::optional<LastPose> last_pose_;
   CusumDetector bias_change_;
+  CusumDetector scale_change_;
 };
 
 }  // namespace dcloc

@@ -156,6 +156,18 @@ TEST(OdometryErrorFilterTest, LearnsWithinSecondsWhatChangesAtOnce) {
   EXPECT_NEAR(errors.yaw_rate_bias_radps(), 0.0, 0.004);
 }
 
+TEST(OdometryErrorFilterTest, AScaleThatChangesAtOnceIsLearnedWithinSeconds) {
+  for (const double scale : {1.05, 1.0 / 1.05}) {
+    OdometryErrorFilter errors({});
+    Drive drive({});
+    for (int second = 0; second < 30; ++second) drive.Second(errors);
+    drive.Become({.scale = scale});
+    for (int second = 0; second < 8; ++second) drive.Second(errors);
+    EXPECT_NEAR(errors.scale(), scale, 0.01);
+    EXPECT_NEAR(errors.yaw_rate_bias_radps(), 0.0, 0.004);
+  }
+}
+
 TEST(OdometryErrorFilterTest, SlipIsNoScale) {
   OdometryErrorFilter errors({});
   Drive drive({});
