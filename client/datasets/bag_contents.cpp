@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -110,113 +109,32 @@ absl::StatusOr<Scan> ScanOf(const PointCloud& cloud, const RadarMapping& radar) 
   return scan;
 }
 
-/// Takes the messages that the mapping names.
-class Collector {
- public:
-  Collector(const BagMapping& mapping, BagContents& contents)
-      : mapping_(mapping), contents_(contents) {}
+absl::Status WrongType(const Message& message, const char* wanted) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("is of type ", message.connection.type, "; it must be ", wanted));
+}
 
-  absl::Status Take(const Message& message) {
-    const std::string& topic = message.connection.topic;
-    const std::string& type = message.connection.type;
-    const bool is_transform = type == rosbag::kTf2.name || type == rosbag::kTf.name;
-    const bool is_motion = topic == mapping_.motion_topic;
-    const bool is_reference = topic == mapping_.reference_topic;
-    const auto radar = std::ranges::find(mapping_.radars, topic, &RadarMapping::topic);
-    const bool is_radar = radar != mapping_.radars.end();
-    const bool is_imu = topic == mapping_.imu_topic;
-    if (!is_transform && !is_motion && !is_reference && !is_radar && !is_imu) {
-      return absl::OkStatus();
-    }
-    seen_.insert(topic);
-    absl::Status status = rosbag::CheckType(message.connection);
-    if (!status.ok()) return status;
-    if (is_radar) status.Update(TakeScan(*radar, message));
-    if (is_transform) status.Update(TakeTransforms(message));
-    if (is_motion) status.Update(TakeMotion(message, /*is_velocity=*/true, contents_.motions));
-    if (is_reference) {
-      status.Update(TakeMotion(message, /*is_velocity=*/false, contents_.references));
-    }
-    if (is_imu) status.Update(TakeTurnRate(message));
-    if (status.ok()) return status;
-    return absl::Status(status.code(), absl::StrCat("topic ", topic, ": ", status.message()));
+absl::Status TakeMotion(const Message& message, bool is_velocity,
+                        std::vector<rosbag::Motion>& motions) {
+  const std::string& type = message.connection.type;
+  if (type == rosbag::kPointCloud2.name || type == rosbag::kImu.name ||
+      type == rosbag::kNavSatFix.name || type == rosbag::kTf.name || type == rosbag::kTf2.name) {
+    return WrongType(message, "Odometry, a twist or a pose with a stamp");
   }
-
-  /// NotFound unless each topic of the mapping was there.
-  absl::Status CheckSeen() const {
-    std::vector<std::string> wanted = {mapping_.motion_topic, mapping_.imu_topic,
-                                       mapping_.reference_topic};
-    for (const RadarMapping& radar : mapping_.radars) wanted.push_back(radar.topic);
-    for (const std::string& topic : wanted) {
-      if (topic.empty() || seen_.contains(topic)) continue;
-      return absl::NotFoundError(absl::StrCat("has no messages of topic ", topic));
-    }
-    return absl::OkStatus();
+  absl::StatusOr<rosbag::Motion> motion = rosbag::ParseMotion(type, message.data);
+  if (!motion.ok()) return motion.status();
+  if (is_velocity && !motion->velocity) {
+    return WrongType(message, "Odometry or a twist with a stamp");
   }
-
- private:
-  static absl::Status WrongType(const Message& message, const char* wanted) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("is of type ", message.connection.type, "; it must be ", wanted));
+  if (!is_velocity) {
+    if (!motion->T_frame_child) return WrongType(message, "Odometry or a pose with a stamp");
+    absl::StatusOr<Pose3> checked = rosbag::CheckedPose(*motion->T_frame_child);
+    if (!checked.ok()) return checked.status();
+    motion->T_frame_child = *std::move(checked);
   }
-
-  absl::Status TakeScan(const RadarMapping& radar, const Message& message) {
-    if (message.connection.type != rosbag::kPointCloud2.name) {
-      return WrongType(message, rosbag::kPointCloud2.name);
-    }
-    const absl::StatusOr<PointCloud> cloud = rosbag::ParsePointCloud(message.data);
-    if (!cloud.ok()) return cloud.status();
-    absl::StatusOr<Scan> scan = ScanOf(*cloud, radar);
-    if (!scan.ok()) return scan.status();
-    contents_.frames[radar.id] = cloud->header.frame_id;
-    contents_.scans.push_back(*std::move(scan));
-    return absl::OkStatus();
-  }
-
-  absl::Status TakeTransforms(const Message& message) {
-    const auto transforms = rosbag::ParseTransforms(message.data);
-    if (!transforms.ok()) return transforms.status();
-    const bool is_static = message.connection.topic == "/tf_static";
-    for (const rosbag::Transform& transform : *transforms) {
-      contents_.transforms.Add(transform, is_static);
-    }
-    return absl::OkStatus();
-  }
-
-  static absl::Status TakeMotion(const Message& message, bool is_velocity,
-                                 std::vector<rosbag::Motion>& motions) {
-    const std::string& type = message.connection.type;
-    if (type == rosbag::kPointCloud2.name || type == rosbag::kImu.name ||
-        type == rosbag::kNavSatFix.name || type == rosbag::kTf.name || type == rosbag::kTf2.name) {
-      return WrongType(message, "Odometry, a twist or a pose with a stamp");
-    }
-    absl::StatusOr<rosbag::Motion> motion = rosbag::ParseMotion(type, message.data);
-    if (!motion.ok()) return motion.status();
-    if (is_velocity && !motion->velocity) {
-      return WrongType(message, "Odometry or a twist with a stamp");
-    }
-    if (!is_velocity) {
-      if (!motion->T_frame_child) return WrongType(message, "Odometry or a pose with a stamp");
-      absl::StatusOr<Pose3> checked = rosbag::CheckedPose(*motion->T_frame_child);
-      if (!checked.ok()) return checked.status();
-      motion->T_frame_child = *std::move(checked);
-    }
-    motions.push_back(*std::move(motion));
-    return absl::OkStatus();
-  }
-
-  absl::Status TakeTurnRate(const Message& message) {
-    if (message.connection.type != rosbag::kImu.name) return WrongType(message, rosbag::kImu.name);
-    absl::StatusOr<rosbag::ImuSample> sample = rosbag::ParseImu(message.data);
-    if (!sample.ok()) return sample.status();
-    contents_.turn_rates.push_back(*std::move(sample));
-    return absl::OkStatus();
-  }
-
-  const BagMapping& mapping_;
-  BagContents& contents_;
-  std::set<std::string> seen_;
-};
+  motions.push_back(*std::move(motion));
+  return absl::OkStatus();
+}
 
 template <typename Stamped>
 void SortByStamp(std::vector<Stamped>& messages) {
@@ -226,10 +144,85 @@ void SortByStamp(std::vector<Stamped>& messages) {
 
 }  // namespace
 
+absl::Status BagCollector::Take(const Message& message) {
+  const std::string& topic = message.connection.topic;
+  const std::string& type = message.connection.type;
+  const bool is_transform = type == rosbag::kTf2.name || type == rosbag::kTf.name;
+  const bool is_motion = topic == mapping_.motion_topic;
+  const bool is_reference = topic == mapping_.reference_topic;
+  const auto radar = std::ranges::find(mapping_.radars, topic, &RadarMapping::topic);
+  const bool is_radar = radar != mapping_.radars.end();
+  const bool is_imu = topic == mapping_.imu_topic;
+  if (!is_transform && !is_motion && !is_reference && !is_radar && !is_imu) {
+    return absl::OkStatus();
+  }
+  seen_.insert(topic);
+  absl::Status status = rosbag::CheckType(message.connection);
+  if (!status.ok()) return status;
+  if (is_radar) status.Update(TakeScan(*radar, message));
+  if (is_transform) status.Update(TakeTransforms(message));
+  if (is_motion) status.Update(TakeMotion(message, /*is_velocity=*/true, contents_.motions));
+  if (is_reference) {
+    status.Update(TakeMotion(message, /*is_velocity=*/false, contents_.references));
+  }
+  if (is_imu) status.Update(TakeTurnRate(message));
+  if (status.ok()) return status;
+  return absl::Status(status.code(), absl::StrCat("topic ", topic, ": ", status.message()));
+}
+
+absl::Status BagCollector::CheckSeen() const {
+  std::vector<std::string> wanted = {mapping_.motion_topic, mapping_.imu_topic,
+                                     mapping_.reference_topic};
+  for (const RadarMapping& radar : mapping_.radars) wanted.push_back(radar.topic);
+  for (const std::string& topic : wanted) {
+    if (topic.empty() || seen_.contains(topic)) continue;
+    return absl::NotFoundError(absl::StrCat("has no messages of topic ", topic));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status BagCollector::TakeScan(const RadarMapping& radar, const Message& message) {
+  if (message.connection.type != rosbag::kPointCloud2.name) {
+    return WrongType(message, rosbag::kPointCloud2.name);
+  }
+  const absl::StatusOr<PointCloud> cloud = rosbag::ParsePointCloud(message.data);
+  if (!cloud.ok()) return cloud.status();
+  absl::StatusOr<Scan> scan = ScanOf(*cloud, radar);
+  if (!scan.ok()) return scan.status();
+  contents_.frames[radar.id] = cloud->header.frame_id;
+  contents_.scans.push_back(*std::move(scan));
+  return absl::OkStatus();
+}
+
+absl::Status BagCollector::TakeTransforms(const Message& message) {
+  const auto transforms = rosbag::ParseTransforms(message.data);
+  if (!transforms.ok()) return transforms.status();
+  const bool is_static = message.connection.topic == "/tf_static";
+  for (const rosbag::Transform& transform : *transforms) {
+    contents_.transforms.Add(transform, is_static);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status BagCollector::TakeTurnRate(const Message& message) {
+  if (message.connection.type != rosbag::kImu.name) return WrongType(message, rosbag::kImu.name);
+  absl::StatusOr<rosbag::ImuSample> sample = rosbag::ParseImu(message.data);
+  if (!sample.ok()) return sample.status();
+  contents_.turn_rates.push_back(*std::move(sample));
+  return absl::OkStatus();
+}
+
+void SortByStamp(BagContents& contents) {
+  contents.transforms.Sort();
+  SortByStamp(contents.motions);
+  SortByStamp(contents.turn_rates);
+  SortByStamp(contents.references);
+}
+
 absl::StatusOr<BagContents> ReadBagContents(const std::filesystem::path& path,
                                             const BagMapping& mapping) {
   BagContents contents;
-  Collector collector(mapping, contents);
+  BagCollector collector(mapping, contents);
   auto summary =
       rosbag::ReadBag(path, [&](const Message& message) { return collector.Take(message); });
   if (!summary.ok()) return summary.status();
@@ -237,10 +230,7 @@ absl::StatusOr<BagContents> ReadBagContents(const std::filesystem::path& path,
     return absl::NotFoundError(absl::StrCat(path.string(), ": ", status.message()));
   }
   contents.summary = *std::move(summary);
-  contents.transforms.Sort();
-  SortByStamp(contents.motions);
-  SortByStamp(contents.turn_rates);
-  SortByStamp(contents.references);
+  SortByStamp(contents);
   return contents;
 }
 

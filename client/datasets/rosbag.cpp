@@ -30,45 +30,11 @@ absl::Status Naming(const fs::path& path, const absl::Status& status) {
 absl::StatusOr<Rig> RigOf(const BagContents& contents, const BagMapping& mapping) {
   Rig rig;
   for (const RadarMapping& radar : mapping.radars) {
-    const std::string& frame = contents.frames.at(radar.id);
-    const std::optional<Pose3> mount =
-        radar.T_vehicle_radar ? radar.T_vehicle_radar
-                              : contents.transforms.Static(mapping.vehicle_frame, frame);
-    if (!mount) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("radar ", radar.id, ": /tf_static does not say where its frame \"", frame,
-                       "\" sits on \"", mapping.vehicle_frame, "\"; say it by T_vehicle_radar in ",
-                       kBagMappingFileName));
-    }
-    RadarModel model;
-    model.id = radar.id;
-    model.T_vehicle_radar = *mount;
-    model.has_elevation = radar.HasElevation();
-    rig.radars.push_back(std::move(model));
+    absl::StatusOr<RadarModel> model = RadarOf(radar, contents, mapping.vehicle_frame);
+    if (!model.ok()) return model.status();
+    rig.radars.push_back(*std::move(model));
   }
   return rig;
-}
-
-/// Puts the vehicle's own motion back into range rates over ground.
-absl::Status Uncompensate(const RadarModel& radar, Scan& scan) {
-  if (!scan.ego_velocity) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "radar ", radar.id, ": its range rates are compensated, and at ",
-        scan.stamp.time_since_epoch().count(),
-        " ns there is no velocity of the vehicle by which they could be what was measured"));
-  }
-  const Eigen::Vector3d v_vehicle =
-      scan.ego_velocity->linear_mps +
-      scan.ego_velocity->angular_radps.cross(radar.T_vehicle_radar.translation_m);
-  const Eigen::Vector3d v_radar = radar.T_vehicle_radar.Rotation().transpose() * v_vehicle;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const double azimuth = scan.azimuth_rad[i];
-    const double elevation = scan.elevation_rad.empty() ? 0.0F : scan.elevation_rad[i];
-    const Eigen::Vector3d direction(std::cos(elevation) * std::cos(azimuth),
-                                    std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-    scan.range_rate_mps[i] -= static_cast<float>(v_radar.dot(direction));
-  }
-  return absl::OkStatus();
 }
 
 double SecondsOf(Stamp stamp) {
@@ -155,6 +121,48 @@ absl::StatusOr<Drive> DriveOf(const fs::path& bag, const BagMapping& mapping,
 }
 
 }  // namespace
+
+absl::StatusOr<RadarModel> RadarOf(const RadarMapping& radar, const BagContents& contents,
+                                   const std::string& vehicle_frame) {
+  const auto frame = contents.frames.find(radar.id);
+  std::optional<Pose3> mount = radar.T_vehicle_radar;
+  if (!mount && frame == contents.frames.end()) {
+    return absl::NotFoundError(
+        absl::StrCat("radar ", radar.id, ": no message of topic ", radar.topic, " has come"));
+  }
+  if (!mount) mount = contents.transforms.Static(vehicle_frame, frame->second);
+  if (!mount) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "radar ", radar.id, ": /tf_static does not say where its frame \"", frame->second,
+        "\" sits on \"", vehicle_frame, "\"; say it by T_vehicle_radar in ", kBagMappingFileName));
+  }
+  RadarModel model;
+  model.id = radar.id;
+  model.T_vehicle_radar = *mount;
+  model.has_elevation = radar.HasElevation();
+  return model;
+}
+
+absl::Status Uncompensate(const RadarModel& radar, Scan& scan) {
+  if (!scan.ego_velocity) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "radar ", radar.id, ": its range rates are compensated, and at ",
+        scan.stamp.time_since_epoch().count(),
+        " ns there is no velocity of the vehicle by which they could be what was measured"));
+  }
+  const Eigen::Vector3d v_vehicle =
+      scan.ego_velocity->linear_mps +
+      scan.ego_velocity->angular_radps.cross(radar.T_vehicle_radar.translation_m);
+  const Eigen::Vector3d v_radar = radar.T_vehicle_radar.Rotation().transpose() * v_vehicle;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const double azimuth = scan.azimuth_rad[i];
+    const double elevation = scan.elevation_rad.empty() ? 0.0F : scan.elevation_rad[i];
+    const Eigen::Vector3d direction(std::cos(elevation) * std::cos(azimuth),
+                                    std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+    scan.range_rate_mps[i] -= static_cast<float>(v_radar.dot(direction));
+  }
+  return absl::OkStatus();
+}
 
 std::vector<std::string> BagNames(const fs::path& root) {
   std::error_code error;

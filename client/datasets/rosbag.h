@@ -4,10 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/datasets/bag_contents.h"
 #include "client/datasets/bag_mapping.h"
 #include "client/datasets/drive.h"
 #include "client/datasets/drive_request.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
 
 namespace dcloc {
 
@@ -22,6 +26,16 @@ absl::StatusOr<std::filesystem::path> FindBag(const std::filesystem::path& root,
 /// suggests for `bag`. Errors as of either; InvalidArgument where no topic of the bag can be taken
 /// for a radar.
 absl::StatusOr<BagMapping> MappingFor(const std::filesystem::path& bag);
+
+/// The radar as a mapping and TF describe it: its mount, and whether it measures elevation.
+/// NotFound where its frame is needed and no message has told it; InvalidArgument where TF does not
+/// tell where that frame sits on the vehicle.
+absl::StatusOr<RadarModel> RadarOf(const RadarMapping& radar, const BagContents& contents,
+                                   const std::string& vehicle_frame);
+
+/// Puts the vehicle's own motion back into range rates over ground. InvalidArgument where the scan
+/// has no ego-velocity.
+absl::Status Uncompensate(const RadarModel& radar, Scan& scan);
 
 /// Reads the bag "<root>/<request.name>.bag" of ROS 1 by `MappingFor`. Mounts are TF's; how the
 /// radars measure, `dcloc_rig.json` beside the bag says where there is one. Poses are those of the

@@ -249,7 +249,9 @@ absl::StatusOr<Motion> ParseMotion(absl::string_view type, absl::string_view dat
       is_odometry || type == kTwistStamped.name || type == kTwistWithCovarianceStamped.name;
   if (is_odometry) motion.child_frame = std::string(absl::StripPrefix(reader.TakeText(), "/"));
   if (has_pose) motion.T_frame_child = TakePose(reader);
-  if (is_odometry || type == kPoseWithCovarianceStamped.name) TakeCovariance(reader);
+  if (is_odometry || type == kPoseWithCovarianceStamped.name) {
+    motion.pose_covariance = TakeCovariance(reader);
+  }
   if (has_velocity) {
     EgoVelocity velocity;
     velocity.linear_mps = TakeVector(reader);

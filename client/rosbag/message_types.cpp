@@ -26,6 +26,14 @@ constexpr const char* kQuaternionPart =
 constexpr const char* kTwistPart = "geometry_msgs/Twist\nVector3 linear\nVector3 angular\n";
 constexpr const char* kTwistWithCovariancePart =
     "geometry_msgs/TwistWithCovariance\nTwist twist\nfloat64[36] covariance\n";
+constexpr const char* kPointPart = "geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n";
+constexpr const char* kPosePart = "geometry_msgs/Pose\nPoint position\nQuaternion orientation\n";
+constexpr const char* kPoseWithCovariancePart =
+    "geometry_msgs/PoseWithCovariance\nPose pose\nfloat64[36] covariance\n";
+constexpr const char* kDiagnosticStatusPart =
+    "diagnostic_msgs/DiagnosticStatus\nbyte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\n"
+    "byte level\nstring name\nstring message\nstring hardware_id\nKeyValue[] values\n";
+constexpr const char* kKeyValuePart = "diagnostic_msgs/KeyValue\nstring key\nstring value\n";
 constexpr const char* kTransformPart =
     "geometry_msgs/Transform\nVector3 translation\nQuaternion rotation\n";
 constexpr const char* kTransformStampedPart =
@@ -60,6 +68,21 @@ std::string DefinitionOf(const MessageType& type) {
   if (name == kTwistWithCovarianceStamped.name) {
     return Join("Header header\ngeometry_msgs/TwistWithCovariance twist\n",
                 {kHeaderPart, kTwistWithCovariancePart, kTwistPart, kVector3Part});
+  }
+  if (name == kPoseWithCovarianceStamped.name) {
+    return Join("Header header\nPoseWithCovariance pose\n",
+                {kHeaderPart, kPoseWithCovariancePart, kPosePart, kPointPart, kQuaternionPart});
+  }
+  if (name == kOdometry.name) {
+    return Join(
+        "Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n"
+        "geometry_msgs/TwistWithCovariance twist\n",
+        {kHeaderPart, kPoseWithCovariancePart, kPosePart, kPointPart, kQuaternionPart,
+         kTwistWithCovariancePart, kTwistPart, kVector3Part});
+  }
+  if (name == kDiagnosticArray.name) {
+    return Join("Header header\nDiagnosticStatus[] status\n",
+                {kHeaderPart, kDiagnosticStatusPart, kKeyValuePart});
   }
   if (name == kTf2.name) {
     return Join(

@@ -30,14 +30,18 @@ inline constexpr MessageType kNavSatFix{"sensor_msgs/NavSatFix",
 inline constexpr MessageType kTf2{"tf2_msgs/TFMessage", "94810edda583a504dfda3829e70d7eec"};
 inline constexpr MessageType kTf{"tf/tfMessage", "94810edda583a504dfda3829e70d7eec"};
 
-/// All of them.
+/// Only written.
+inline constexpr MessageType kDiagnosticArray{"diagnostic_msgs/DiagnosticArray",
+                                              "60810da900de1dd6ddd437c3503511da"};
+
+/// All that are read.
 std::span<const MessageType> KnownTypes();
 
 /// The known type of that name, or nullptr.
 const MessageType* FindType(absl::string_view name);
 
-/// Definition of a type that we write (kPointCloud2, kTwistWithCovarianceStamped, kTf2), with those
-/// of its parts, as bags hold it; empty for others.
+/// Definition of a type that we write (message_writer.h), with those of its parts, as bags hold it;
+/// empty for others.
 std::string DefinitionOf(const MessageType& type);
 
 }  // namespace dcloc::rosbag

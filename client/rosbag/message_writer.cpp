@@ -1,6 +1,7 @@
 #include "client/rosbag/message_writer.h"
 
 #include <cstdint>
+#include <optional>
 
 #include "client/rosbag/bag_bytes.h"
 
@@ -21,6 +22,21 @@ void AppendPose(std::string& bytes, const Pose3& pose) {
   AppendVector(bytes, pose.translation_m);
   AppendVector(bytes, pose.rotation.vec());
   AppendNumber(bytes, pose.rotation.w());
+}
+
+void AppendCovariance(std::string& bytes, const std::optional<Matrix6d>& known) {
+  const Matrix6d covariance = known.value_or(Matrix6d::Zero());
+  for (Eigen::Index row = 0; row < 6; ++row) {
+    for (Eigen::Index column = 0; column < 6; ++column) {
+      AppendNumber(bytes, covariance(row, column));
+    }
+  }
+}
+
+void AppendVelocity(std::string& bytes, const EgoVelocity& velocity) {
+  AppendVector(bytes, velocity.linear_mps);
+  AppendVector(bytes, velocity.angular_radps);
+  AppendCovariance(bytes, velocity.covariance);
 }
 
 }  // namespace
@@ -59,12 +75,41 @@ std::string FormatTransforms(const std::vector<Transform>& transforms) {
 std::string FormatVelocity(const Header& header, const EgoVelocity& velocity) {
   std::string bytes;
   AppendHeader(bytes, header.stamp, header.frame_id);
-  AppendVector(bytes, velocity.linear_mps);
-  AppendVector(bytes, velocity.angular_radps);
-  const Matrix6d covariance = velocity.covariance.value_or(Matrix6d::Zero());
-  for (Eigen::Index row = 0; row < 6; ++row) {
-    for (Eigen::Index column = 0; column < 6; ++column) {
-      AppendNumber(bytes, covariance(row, column));
+  AppendVelocity(bytes, velocity);
+  return bytes;
+}
+
+std::string FormatPose(const Motion& motion) {
+  std::string bytes;
+  AppendHeader(bytes, motion.header.stamp, motion.header.frame_id);
+  AppendPose(bytes, *motion.T_frame_child);
+  AppendCovariance(bytes, motion.pose_covariance);
+  return bytes;
+}
+
+std::string FormatOdometry(const Motion& motion) {
+  std::string bytes;
+  AppendHeader(bytes, motion.header.stamp, motion.header.frame_id);
+  AppendText(bytes, motion.child_frame);
+  AppendPose(bytes, *motion.T_frame_child);
+  AppendCovariance(bytes, motion.pose_covariance);
+  AppendVelocity(bytes, *motion.velocity);
+  return bytes;
+}
+
+std::string FormatDiagnostics(Stamp stamp, const std::vector<Diagnostic>& entries) {
+  std::string bytes;
+  AppendHeader(bytes, stamp, "");
+  AppendNumber(bytes, static_cast<std::uint32_t>(entries.size()));
+  for (const Diagnostic& entry : entries) {
+    AppendNumber(bytes, static_cast<std::int8_t>(entry.level));
+    AppendText(bytes, entry.name);
+    AppendText(bytes, entry.message);
+    AppendText(bytes, "");  // hardware_id
+    AppendNumber(bytes, static_cast<std::uint32_t>(entry.values.size()));
+    for (const auto& [key, value] : entry.values) {
+      AppendText(bytes, key);
+      AppendText(bytes, value);
     }
   }
   return bytes;

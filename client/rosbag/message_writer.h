@@ -16,4 +16,14 @@ std::string FormatTransforms(const std::vector<Transform>& transforms);
 /// geometry_msgs/TwistWithCovarianceStamped; a covariance that is absent is written as zeros.
 std::string FormatVelocity(const Header& header, const EgoVelocity& velocity);
 
+/// geometry_msgs/PoseWithCovarianceStamped of a motion that has a pose. Here and below a covariance
+/// that is absent is written as zeros.
+std::string FormatPose(const Motion& motion);
+
+/// nav_msgs/Odometry of a motion that has a pose and a velocity.
+std::string FormatOdometry(const Motion& motion);
+
+/// diagnostic_msgs/DiagnosticArray.
+std::string FormatDiagnostics(Stamp stamp, const std::vector<Diagnostic>& entries);
+
 }  // namespace dcloc::rosbag

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/pose.h"
@@ -53,6 +54,9 @@ struct Motion {
   Header header;
   std::string child_frame;  ///< the velocity's, and whose pose it is; may be empty
   std::optional<Pose3> T_frame_child;
+  /// Of (x, y, z, rotation about x, y, z) along and about the frame's axes; absent where the type
+  /// has none, or it is zero.
+  std::optional<Matrix6d> pose_covariance;
   std::optional<EgoVelocity> velocity;
 };
 
@@ -60,6 +64,15 @@ struct Motion {
 struct ImuSample {
   Header header;
   Eigen::Vector3d angular_radps = Eigen::Vector3d::Zero();
+};
+
+/// diagnostic_msgs/DiagnosticStatus.
+struct Diagnostic {
+  enum class Level : std::int8_t { kOk = 0, kWarn = 1, kError = 2 };
+  Level level = Level::kOk;
+  std::string name;
+  std::string message;
+  std::vector<std::pair<std::string, std::string>> values;
 };
 
 /// sensor_msgs/NavSatFix.

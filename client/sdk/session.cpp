@@ -27,6 +27,7 @@ absl::Status Session::Send(v1::Scan scan) { return engine_->Send(std::move(scan)
 absl::Status Session::SendFix(v1::PositionFix fix) { return engine_->SendFix(std::move(fix)); }
 void Session::CloseSending() { engine_->CloseSending(); }
 std::optional<v1::LocalizeResponse> Session::Next() { return engine_->Next(); }
+absl::Status Session::AddMotion(const MotionTick& tick) { return engine_->AddMotion(tick); }
 absl::Status Session::AddEgoVelocity(std::int64_t stamp_ns, const v1::EgoVelocity& velocity) {
   return engine_->poses().AddVelocity(stamp_ns, velocity);
 }

@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/sdk/pose/motion_signals.h"
 #include "client/sdk/pose/pose_estimate.h"
 #include "client/sdk/session_options.h"
 #include "client/sdk/session_stats.h"
@@ -64,8 +65,13 @@ class Session {
   /// waiting for it; nothing once the session has ended and every answer has been given out.
   std::optional<v1::LocalizeResponse> Next();
 
-  /// Takes the vehicle's velocity as its wheels and gyroscope say, for `PoseAt`; nothing is sent.
-  /// That of scans is taken already. InvalidArgument names the field and the value.
+  /// Takes what wheels and gyroscope say, each at its own rate, for `PoseAt`. Scans that are sent
+  /// without an ego-velocity get it from here, where both are known at their stamps.
+  /// InvalidArgument names the field and the value.
+  absl::Status AddMotion(const MotionTick& tick);
+
+  /// Takes the vehicle's velocity as a whole, for `PoseAt`; nothing is sent. That of scans is taken
+  /// already. InvalidArgument names the field and the value.
   absl::Status AddEgoVelocity(std::int64_t stamp_ns, const v1::EgoVelocity& velocity);
 
   /// Where the vehicle was at a stamp of its clock, between answers or shortly after the newest, by

@@ -64,13 +64,32 @@ absl::Status SessionEngine::Send(v1::Scan scan) {
     return absl::ResourceExhaustedError(
         absl::StrCat("the queue holds ", outbox_.waiting_scan_count(), " scans, its limit"));
   }
-  // One that is not valid the server refuses.
-  if (scan.has_ego_velocity()) {
-    poses_.AddVelocity(scan.stamp_ns(), scan.ego_velocity()).IgnoreError();
-  }
+  GiveVelocity(scan);
   outbox_.Push(std::move(scan));
   if (connection_ != nullptr) connection_->WriteOn();
   return absl::OkStatus();
+}
+
+/// To `PoseAt` the scan's; to a scan without one that of the ticks.
+void SessionEngine::GiveVelocity(v1::Scan& scan) {
+  if (scan.has_ego_velocity()) {
+    // One that is not valid the server refuses.
+    return poses_.AddVelocity(scan.stamp_ns(), scan.ego_velocity()).IgnoreError();
+  }
+  const std::lock_guard lock(motion_mutex_);
+  if (auto velocity = motion_.VelocityAt(scan.stamp_ns())) {
+    *scan.mutable_ego_velocity() = *std::move(velocity);
+  }
+}
+
+absl::Status SessionEngine::AddMotion(const MotionTick& tick) {
+  std::optional<v1::EgoVelocity> velocity;
+  {
+    const std::lock_guard lock(motion_mutex_);
+    if (absl::Status status = motion_.Add(tick); !status.ok()) return status;
+    velocity = motion_.VelocityAt(tick.stamp_ns);
+  }
+  return velocity ? poses_.AddVelocity(tick.stamp_ns, *velocity) : absl::OkStatus();
 }
 
 absl::Status SessionEngine::SendFix(v1::PositionFix fix) {

@@ -14,6 +14,7 @@
 #include "client/sdk/backoff.h"
 #include "client/sdk/connection.h"
 #include "client/sdk/outbox.h"
+#include "client/sdk/pose/motion_signals.h"
 #include "client/sdk/pose/pose_tracker.h"
 #include "client/sdk/prior.h"
 #include "client/sdk/session_options.h"
@@ -46,6 +47,7 @@ class SessionEngine final : public Connection::Host {
 
   absl::Status Send(v1::Scan scan);
   absl::Status SendFix(v1::PositionFix fix);
+  absl::Status AddMotion(const MotionTick& tick);
   void CloseSending();
   std::optional<v1::LocalizeResponse> Next();
   void Cancel();
@@ -91,6 +93,7 @@ class SessionEngine final : public Connection::Host {
 
   template <typename Predicate>
   absl::Status WaitForRoom(std::unique_lock<std::mutex>& lock, Predicate has_room);
+  void GiveVelocity(v1::Scan& scan);
   void LoseFixes(std::size_t count);
   std::optional<Answered> TakeNext();
   void Record(const std::optional<Answered>& next);
@@ -113,6 +116,9 @@ class SessionEngine final : public Connection::Host {
   const v1::OpenSession open_;
   const SessionOptions options_;
   PoseTracker poses_;
+
+  std::mutex motion_mutex_;  ///< taken after the other ones
+  MotionSignals motion_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -59,6 +59,8 @@ FLOORS = {
         "cli/calibrate cli/dataset cli/describe cli/doctor cli/evaluate cli/load cli/localize"
         " cli/map cli/plot cli/server cli/session cli/simulate",
         "cli",
+        "ros",
+        "ros/ros1",
     ],
 }
 

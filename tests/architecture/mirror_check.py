@@ -40,6 +40,7 @@ TESTED_BY = {
     "tests/client/cli/session/session_command_test.cpp": (
         "client/cli/session/session_propose_command",),
     "tests/client/cli/session/session_record_command_test.cpp": ("client/cli/common/stop_signals",),
+    "tests/client/ros/node_test.py": ("client/ros/ros1/main",),
     # What commands share is tested by a command that uses all of it.
     "tests/client/cli/dataset/dataset_command_test.cpp": ("client/cli/common/written_file",),
     "tests/client/cli/evaluate/evaluate_command_test.cpp": (
@@ -51,7 +52,9 @@ TESTED_BY = {
     "tests/client/evaluation/paper/study_test.cpp": ("client/cli/common/run_folder",),
     "tests/client/datasets/drive_request_test.cpp": ("client/datasets/check_range",),
     "tests/client/datasets/rig_file_test.cpp": ("client/datasets/json_file",),
-    "tests/client/datasets/rosbag_test.cpp": ("client/datasets/check/range_rate_check",),
+    "tests/client/datasets/rosbag_test.cpp": (
+        "client/datasets/bag_contents", "client/datasets/bag_motion",
+        "client/datasets/check/range_rate_check"),
     # A picture, a campaign and a method are what comes of their parts together.
     "tests/client/evaluation/report_test.cpp": ("client/evaluation/plot_data",),
     "tests/client/evaluation/robustness/campaign_test.cpp": (

@@ -36,11 +36,12 @@ class Programs:
 
 
 class Server:
-    """A server on a store, at a free port of this machine; killed at the end of the `with`."""
+    """A server on a store, at a free port of this machine unless `listen` names one; killed at the
+    end of the `with`."""
 
-    def __init__(self, programs, store, *arguments, environment=None):
+    def __init__(self, programs, store, *arguments, environment=None, listen="127.0.0.1:0"):
         self.process = subprocess.Popen(
-            [programs.server, "--data", store, "--listen", "127.0.0.1:0", *arguments], text=True,
+            [programs.server, "--data", store, "--listen", listen, *arguments], text=True,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
         line = self.process.stdout.readline()
         if not line.startswith("listening on "):

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <exception>
 #include <initializer_list>
@@ -269,6 +270,18 @@ dcloc_status dcloc_session_send_scan(dcloc_session* session, const dcloc_scan* s
     if (status.ok()) status = CheckSize("dcloc_scan", *scan);
     if (status.ok()) status = CheckPointers({{"scan.radar_id", scan->radar_id}});
     return status.ok() ? session->session->Send(ScanFrom(*scan)) : status;
+  });
+}
+
+dcloc_status dcloc_session_add_motion(dcloc_session* session, int64_t stamp_ns, double speed_mps,
+                                      double yaw_rate_radps) {
+  return Guard([&] {
+    const absl::Status status = CheckPointers({{"session", session}});
+    if (!status.ok()) return status;
+    client::MotionTick tick{.stamp_ns = stamp_ns};
+    if (!std::isnan(speed_mps)) tick.speed_mps = speed_mps;
+    if (!std::isnan(yaw_rate_radps)) tick.yaw_rate_radps = yaw_rate_radps;
+    return session->session->AddMotion(tick);
   });
 }
 

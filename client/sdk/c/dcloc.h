@@ -110,7 +110,13 @@ typedef struct dcloc_scan {
 /* Queues a scan and does not wait. DCLOC_RESOURCE_EXHAUSTED when too many wait already. */
 dcloc_status dcloc_session_send_scan(dcloc_session* session, const dcloc_scan* scan);
 
-/* The vehicle's velocity from wheels and gyroscope at any rate, for dcloc_session_pose_at: x, y, z
+/* What wheels and gyroscope say, each at its own rate, for dcloc_session_pose_at: forward speed, and
+ * turn rate about z; NAN for the one that this tick does not tell. Scans that are sent with a NULL
+ * ego_velocity get theirs from here. */
+dcloc_status dcloc_session_add_motion(dcloc_session* session, int64_t stamp_ns, double speed_mps,
+                                      double yaw_rate_radps);
+
+/* The vehicle's velocity as a whole at any rate, for dcloc_session_pose_at: x, y, z
  * [m/s], turn rates about x, y, z [rad/s], in the vehicle frame. Nothing is sent. */
 dcloc_status dcloc_session_add_ego_velocity(dcloc_session* session, int64_t stamp_ns,
                                             const double velocity[6]);

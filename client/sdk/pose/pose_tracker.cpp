@@ -158,6 +158,11 @@ absl::StatusOr<PoseEstimate> PoseTracker::SmoothPoseAt(std::int64_t stamp_ns) co
 void PoseTracker::AddAnswer(const v1::LocalizationResult& result) {
   const std::lock_guard lock(mutex_);
   StartOverIfSetBack(result.stamp_ns());
+  if (result.has_learned_rig()) {
+    const v1::LearnedRig& rig = result.learned_rig();
+    learned_ = {.scale = rig.has_wheel_scale() ? rig.wheel_scale().value() : 1.0,
+                .yaw_rate_correction_radps = rig.yaw_rate_correction_radps().value()};
+  }
   trusts_given_ = !IsFaulty(result.health().wheel_speed()) && !IsFaulty(result.health().yaw_rate());
   if (!HasPoseInMap(result)) {
     anchors_.clear();
@@ -206,6 +211,15 @@ bool PoseTracker::UsesGivenVelocity() const {
              anchors_.back().stamp_ns - Nanoseconds(options_.max_velocity_age);
 }
 
+std::vector<GivenVelocity> PoseTracker::CorrectedVelocities() const {
+  std::vector<GivenVelocity> corrected = given_;
+  for (GivenVelocity& given : corrected) {
+    for (std::size_t i = 0; i < 3; ++i) given.velocity[i] *= learned_.scale;
+    given.velocity[5] += learned_.yaw_rate_correction_radps;
+  }
+  return corrected;
+}
+
 void PoseTracker::Publish() {
   if (anchors_.empty()) {
     ForgetBefore(given_.empty() ? 0 : given_.back().stamp_ns - Nanoseconds(options_.kept),
@@ -218,8 +232,8 @@ void PoseTracker::Publish() {
   const bool uses_given = UsesGivenVelocity();
   newest_ns_ = anchors_.back().stamp_ns;
   if (uses_given) newest_ns_ = std::max(newest_ns_, given_.back().stamp_ns);
-  const std::vector<Segment> segments =
-      MakeTimeline(anchors_, uses_given ? given_ : std::vector<GivenVelocity>(), options_);
+  const std::vector<Segment> segments = MakeTimeline(
+      anchors_, uses_given ? CorrectedVelocities() : std::vector<GivenVelocity>(), options_);
   published_.Publish(segments,
                      {.end_ns = anchors_.back().stamp_ns + Nanoseconds(options_.max_ahead),
                       .offset = OffsetTo(segments)});

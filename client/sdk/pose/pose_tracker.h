@@ -43,6 +43,13 @@ class PoseTracker {
   absl::StatusOr<PoseEstimate> SmoothPoseAt(std::int64_t stamp_ns) const;
 
  private:
+  /// What the server has learned of the velocities that the vehicle gives.
+  struct OdometryErrors {
+    double scale = 1.0;
+    double yaw_rate_correction_radps = 0.0;
+  };
+
+  std::vector<GivenVelocity> CorrectedVelocities() const;
   void StartOverIfSetBack(std::int64_t stamp_ns);
   void Publish();
   bool UsesGivenVelocity() const;
@@ -53,7 +60,8 @@ class PoseTracker {
 
   std::mutex mutex_;  ///< of the writers
   std::vector<Anchor> anchors_;
-  std::vector<GivenVelocity> given_;
+  std::vector<GivenVelocity> given_;  ///< as the vehicle gave them
+  OdometryErrors learned_;
   std::int64_t newest_ns_ = 0;
   std::int64_t reset_count_ = 0;
   bool jumps_ = true;         ///< the next answer does

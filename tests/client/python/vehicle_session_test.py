@@ -92,12 +92,12 @@ class VehicleSessionTest(unittest.TestCase):
     def velocity(scan):
         return (*as_tuple(scan.ego_velocity.linear_mps), *as_tuple(scan.ego_velocity.angular_radps))
 
-    def send(self, session, recorded):
+    def send(self, session, recorded, with_velocity=True):
         scan = recorded.scan
         session.send_scan(scan.radar_id, scan.sequence_number, scan.stamp_ns,
                           range_m=scan.range_m, range_rate_mps=scan.range_rate_mps,
                           azimuth_rad=scan.azimuth_rad, elevation_rad=scan.elevation_rad or None,
-                          rcs_dbsm=scan.rcs_dbsm or None, ego_velocity=self.velocity(scan))
+                          rcs_dbsm=scan.rcs_dbsm or None, ego_velocity=self.velocity(scan) if with_velocity else None)
 
     def assert_near(self, pose, message):
         """Not to the bit: a rig in C tells no deviations of a radar's targets."""
@@ -148,6 +148,22 @@ class VehicleSessionTest(unittest.TestCase):
             state = name.removeprefix("STATE_")
             known = dcloc.State[state] if state != name else dcloc.Status[name]
             self.assertEqual(known, int(number))
+
+    def test_ticks_stand_in_for_the_velocities_of_scans(self):
+        import dcloc
+        with self.open() as session:
+            for recorded in self.scans[:40]:
+                velocity = self.velocity(recorded.scan)
+                stamp_ns = recorded.scan.stamp_ns
+                session.add_motion(stamp_ns, speed_mps=velocity[0])
+                session.add_motion(stamp_ns, yaw_rate_radps=velocity[5])
+                self.send(session, recorded, with_velocity=False)
+                self.assert_near(session.next_answer().pose, recorded.answer.result.pose.pose)
+            pose = session.pose_at(stamp_ns)
+            self.assertAlmostEqual(pose.velocity[0], velocity[0], delta=0.05 * velocity[0] + 0.1)
+            with self.assertRaises(dcloc.Error) as raised:
+                session.add_motion(stamp_ns)
+            self.assertIn("neither", str(raised.exception))
 
     def test_a_drive_is_localized_with_a_pose_at_any_time(self):
         import dcloc

@@ -87,6 +87,52 @@ TEST(MessageReaderTest, TransformsComeBackToTheBitAndNanIsDamage) {
             absl::StatusCode::kDataLoss);
 }
 
+TEST(MessageReaderTest, PosesAndOdometryComeBackWithTheirCovariance) {
+  Motion motion{.header = kHeader, .child_frame = "base_link"};
+  motion.T_frame_child = Pose3{{1.0, 2.0, 3.0}, Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5)};
+  motion.pose_covariance = 0.25 * Matrix6d::Identity();
+  (*motion.pose_covariance)(0, 1) = 0.125;
+  motion.velocity.emplace();
+  motion.velocity->linear_mps.x() = 12.5;
+  const auto pose = ParseMotion(kPoseWithCovarianceStamped.name, FormatPose(motion));
+  ASSERT_TRUE(pose.ok()) << pose.status();
+  EXPECT_EQ(pose->T_frame_child->translation_m, motion.T_frame_child->translation_m);
+  EXPECT_EQ(pose->T_frame_child->rotation.coeffs(), motion.T_frame_child->rotation.coeffs());
+  EXPECT_EQ(pose->pose_covariance, motion.pose_covariance);
+  EXPECT_FALSE(pose->velocity.has_value());
+  const auto odometry = ParseMotion(kOdometry.name, FormatOdometry(motion));
+  ASSERT_TRUE(odometry.ok()) << odometry.status();
+  EXPECT_EQ(odometry->child_frame, "base_link");
+  EXPECT_EQ(odometry->pose_covariance, motion.pose_covariance);
+  EXPECT_EQ(odometry->velocity->linear_mps.x(), 12.5);
+  EXPECT_FALSE(odometry->velocity->covariance.has_value());
+}
+
+TEST(MessageReaderTest, DiagnosticsAreWrittenAsTheyAreLaidOut) {
+  const std::string bytes = FormatDiagnostics(
+      kHeader.stamp, {{.level = Diagnostic::Level::kError, .name = "n", .values = {{"k", "v"}}}});
+  ByteReader reader(bytes);
+  reader.Take<std::uint32_t>();
+  EXPECT_EQ(reader.TakeTime(), kHeader.stamp);
+  EXPECT_EQ(reader.TakeText(), "");
+  EXPECT_EQ(reader.Take<std::uint32_t>(), 1U);
+  EXPECT_EQ(reader.Take<std::int8_t>(), 2);
+  EXPECT_EQ(reader.TakeText(), "n");
+  EXPECT_EQ(reader.TakeText(), "");
+  EXPECT_EQ(reader.TakeText(), "");
+  EXPECT_EQ(reader.Take<std::uint32_t>(), 1U);
+  EXPECT_EQ(reader.TakeText(), "k");
+  EXPECT_EQ(reader.TakeText(), "v");
+  EXPECT_TRUE(reader.ok() && reader.rest().empty());
+}
+
+TEST(MessageReaderTest, WhatIsWrittenHasADefinition) {
+  for (const MessageType& type : {kPointCloud2, kTwistWithCovarianceStamped, kTf2, kOdometry,
+                                  kPoseWithCovarianceStamped, kDiagnosticArray}) {
+    EXPECT_FALSE(DefinitionOf(type).empty()) << type.name;
+  }
+}
+
 TEST(MessageReaderTest, AnotherLayoutOfAKnownTypeIsRefusedByName) {
   const MessageType& known = kPointCloud2;
   EXPECT_TRUE(CheckType({"/radar", known.name, known.md5sum}).ok());

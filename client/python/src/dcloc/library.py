@@ -80,6 +80,7 @@ _CALLS = {
     "dcloc_config_set_reconnect_ms": [c_void_p, c_int64],
     "dcloc_session_open": [c_void_p, POINTER(c_void_p)],
     "dcloc_session_send_scan": [c_void_p, POINTER(ScanStruct)],
+    "dcloc_session_add_motion": [c_void_p, c_int64, c_double, c_double],
     "dcloc_session_add_ego_velocity": [c_void_p, c_int64, _DOUBLES],
     "dcloc_session_pose_at": [c_void_p, c_int64, POINTER(PoseStruct)],
     "dcloc_session_smooth_pose_at": [c_void_p, c_int64, POINTER(PoseStruct)],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import dataclasses
 import enum
+import math
 import os
 import pathlib
 from types import TracebackType
@@ -168,8 +169,15 @@ class VehicleSession:
             ego_velocity=None if ego_velocity is None else _doubles("ego_velocity", ego_velocity, 6))
         self._call("send_scan", ctypes.byref(scan))
 
+    def add_motion(self, stamp_ns: int, speed_mps: float | None = None,
+                   yaw_rate_radps: float | None = None) -> None:
+        """What wheels and gyroscope say, each at its own rate, for `pose_at`: forward speed, and
+        turn rate about z. Scans that are sent without an ego-velocity get theirs from here."""
+        self._call("add_motion", stamp_ns, math.nan if speed_mps is None else speed_mps,
+                   math.nan if yaw_rate_radps is None else yaw_rate_radps)
+
     def add_ego_velocity(self, stamp_ns: int, velocity: Sequence[float]) -> None:
-        """What wheels and gyroscope say, at their own rate, for `pose_at`: x, y, z [m/s], turn
+        """The vehicle's velocity as a whole, at any rate, for `pose_at`: x, y, z [m/s], turn
         rates about x, y, z [rad/s], in the vehicle frame. Nothing is sent."""
         self._call("add_ego_velocity", stamp_ns, _doubles("velocity", velocity, 6))
 

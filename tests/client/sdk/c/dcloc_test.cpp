@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <thread>
@@ -102,6 +103,13 @@ TEST_F(DclocTest, AScanIsAnsweredAndThePoseGoesOn) {
   EXPECT_NEAR(pose.translation_m[0], 8.0, 1e-9);
   ASSERT_EQ(dcloc_session_add_ego_velocity(session_.get(), At(710), kDriving.data()), DCLOC_OK);
   EXPECT_EQ(dcloc_session_pose_at(session_.get(), At(5000), &pose), DCLOC_OUT_OF_RANGE);
+
+  ASSERT_EQ(dcloc_session_add_motion(session_.get(), At(720), 30.0, NAN), DCLOC_OK);
+  ASSERT_EQ(dcloc_session_add_motion(session_.get(), At(720), NAN, 0.0), DCLOC_OK);
+  ASSERT_EQ(dcloc_session_pose_at(session_.get(), At(720), &pose), DCLOC_OK);
+  EXPECT_NEAR(pose.velocity[0], 30.0, 1e-9);
+  EXPECT_EQ(dcloc_session_add_motion(session_.get(), At(730), NAN, NAN), DCLOC_INVALID_ARGUMENT);
+  EXPECT_THAT(dcloc_error_text(), ::testing::HasSubstr("neither"));
 }
 
 TEST_F(DclocTest, ARefusedScanSaysWhy) {

@@ -203,5 +203,22 @@ TEST(PoseTrackerTest, AVelocityThatCannotBeIsRefused) {
   EXPECT_THAT(std::string(poses.AddVelocity(At(0), velocity).message()), HasSubstr("36"));
 }
 
+TEST(PoseTrackerTest, WhatTheServerHasLearnedOfTheOdometryIsUsed) {
+  PoseTracker poses({});
+  ASSERT_TRUE(poses.AddVelocity(At(0), Driving(20.0)).ok());
+  v1::LocalizationResult answer = AnswerAt(0, 0.0);
+  answer.mutable_learned_rig()->mutable_wheel_scale()->set_value(1.02);
+  answer.mutable_learned_rig()->mutable_yaw_rate_correction_radps()->set_value(0.1);
+  poses.AddAnswer(answer);
+  const auto pose = poses.PoseAt(At(100));
+  ASSERT_TRUE(pose.ok()) << pose.status();
+  EXPECT_NEAR(pose->velocity[0], 20.4, 1e-9);
+  EXPECT_NEAR(pose->velocity[5], 0.1, 1e-9);
+  EXPECT_NEAR(pose->T_map_vehicle.translation_m[0], 2.04, 1e-3);
+  // Answers without it, as most are, change nothing of it.
+  poses.AddAnswer(AnswerAt(50, 1.02));
+  EXPECT_NEAR(poses.PoseAt(At(100))->velocity[0], 20.4, 1e-9);
+}
+
 }  // namespace
 }  // namespace dcloc::client

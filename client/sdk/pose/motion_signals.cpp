@@ -1,0 +1,85 @@
+#include "client/sdk/pose/motion_signals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "absl/strings/str_cat.h"
+
+namespace dcloc::client {
+namespace {
+
+constexpr std::int64_t kKept_ns = 1'000'000'000;
+constexpr std::int64_t kMaxAge_ns = 100'000'000;
+constexpr double kMaxSpeed_mps = 150.0;
+constexpr double kMaxTurnRate_radps = 10.0;
+
+absl::Status Check(const char* field, const std::optional<double>& value, double bound) {
+  if (!value || std::abs(*value) <= bound) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(field, " is ", *value, "; it must lie in [", -bound, ", ", bound, "]"));
+}
+
+}  // namespace
+
+absl::Status MotionSignals::Add(const MotionTick& tick) {
+  if (tick.stamp_ns <= 0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("stamp_ns is ", tick.stamp_ns, "; it must be positive"));
+  }
+  absl::Status status = Check("speed_mps", tick.speed_mps, kMaxSpeed_mps);
+  status.Update(Check("yaw_rate_radps", tick.yaw_rate_radps, kMaxTurnRate_radps));
+  if (status.ok() && !tick.speed_mps && !tick.yaw_rate_radps) {
+    status = absl::InvalidArgumentError("a tick has neither speed_mps nor yaw_rate_radps");
+  }
+  if (!status.ok()) return status;
+  if (tick.stamp_ns < newest_ns_ - kKept_ns) {
+    speed_mps_.clear();
+    yaw_rate_radps_.clear();
+    newest_ns_ = 0;
+  }
+  newest_ns_ = std::max(newest_ns_, tick.stamp_ns);
+  if (tick.speed_mps) Insert({tick.stamp_ns, *tick.speed_mps}, speed_mps_);
+  if (tick.yaw_rate_radps) Insert({tick.stamp_ns, *tick.yaw_rate_radps}, yaw_rate_radps_);
+  return status;
+}
+
+/// Where its stamp belongs, in place of one that has the same; forgets what is old.
+void MotionSignals::Insert(const Sample& sample, Signal& signal) {
+  const auto place = std::ranges::lower_bound(signal, sample.stamp_ns, {}, &Sample::stamp_ns);
+  if (place != signal.end() && place->stamp_ns == sample.stamp_ns) {
+    *place = sample;
+  } else {
+    signal.insert(place, sample);
+  }
+  while (signal.front().stamp_ns < signal.back().stamp_ns - kKept_ns) signal.pop_front();
+}
+
+std::optional<double> MotionSignals::At(const Signal& signal, std::int64_t stamp_ns) {
+  const auto after = std::ranges::lower_bound(signal, stamp_ns, {}, &Sample::stamp_ns);
+  const bool has_after = after != signal.end();
+  const bool has_before = after != signal.begin();
+  if (has_after && after->stamp_ns == stamp_ns) return after->value;
+  if (has_before && has_after) {
+    const Sample& before = *std::prev(after);
+    const double share = static_cast<double>(stamp_ns - before.stamp_ns) /
+                         static_cast<double>(after->stamp_ns - before.stamp_ns);
+    return before.value + share * (after->value - before.value);
+  }
+  if (!has_before && !has_after) return std::nullopt;
+  const Sample& nearest = has_after ? *after : signal.back();
+  if (std::abs(nearest.stamp_ns - stamp_ns) > kMaxAge_ns) return std::nullopt;
+  return nearest.value;
+}
+
+std::optional<v1::EgoVelocity> MotionSignals::VelocityAt(std::int64_t stamp_ns) const {
+  const std::optional<double> speed_mps = At(speed_mps_, stamp_ns);
+  const std::optional<double> yaw_rate_radps = At(yaw_rate_radps_, stamp_ns);
+  if (!speed_mps || !yaw_rate_radps) return std::nullopt;
+  v1::EgoVelocity velocity;
+  velocity.mutable_linear_mps()->set_x(*speed_mps);
+  velocity.mutable_angular_radps()->set_z(*yaw_rate_radps);
+  return velocity;
+}
+
+}  // namespace dcloc::client
