@@ -42,6 +42,33 @@ absl::Status CheckNorm(const char* field, const Eigen::Vector3d& vector, double 
                                                     max_norm));
 }
 
+absl::Status CheckTicks(const Scan& scan, const ScanLimits& limits) {
+  if (scan.ticks.size() > limits.max_ticks) {
+    return absl::InvalidArgumentError(absl::StrFormat("ticks has %d ticks; the limit is %d",
+                                                      scan.ticks.size(), limits.max_ticks));
+  }
+  for (std::size_t i = 0; i < scan.ticks.size(); ++i) {
+    const MotionTick& tick = scan.ticks[i];
+    const std::chrono::nanoseconds apart = tick.stamp - scan.stamp;
+    if (i > 0 && tick.stamp <= scan.ticks[i - 1].stamp) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("ticks[%d] is not later than the one before it", i));
+    }
+    if (apart > limits.max_tick_age || apart < -limits.max_tick_age) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("ticks[%d] is %d ns from its scan; the limit is %d ns", i, apart.count(),
+                          limits.max_tick_age.count()));
+    }
+    if (!(std::abs(tick.speed_mps) <= limits.max_speed_mps) ||
+        !(std::abs(tick.yaw_rate_radps) <= limits.max_turn_rate_radps)) {
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "ticks[%d] is %g m/s and %g rad/s; the limits are %g and %g", i, tick.speed_mps,
+          tick.yaw_rate_radps, limits.max_speed_mps, limits.max_turn_rate_radps));
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status Validate(const Scan& scan, const ScanLimits& limits) {
@@ -73,7 +100,9 @@ absl::Status Validate(const Scan& scan, const ScanLimits& limits) {
   for (const Column& column : columns) {
     if (absl::Status status = CheckColumn(column, size); !status.ok()) return status;
   }
-  return scan.ego_velocity ? Validate(*scan.ego_velocity, limits) : absl::OkStatus();
+  const absl::Status status =
+      scan.ego_velocity ? Validate(*scan.ego_velocity, limits) : absl::OkStatus();
+  return status.ok() ? CheckTicks(scan, limits) : status;
 }
 
 absl::Status Validate(const EgoVelocity& ego_velocity, const ScanLimits& limits) {

@@ -1,6 +1,8 @@
 #include "server/convert/scan.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "absl/strings/str_cat.h"
@@ -97,6 +99,27 @@ void TakeColumns(const v1::Scan& message, Scan* scan) {
   TakeColumn(message.elevation_sigma_rad(), &scan->elevation_sigma_rad);
 }
 
+absl::Status TakeTicks(const v1::Scan& message, Scan* scan) {
+  const v1::MotionTicks& motion = message.motion();
+  const int count = motion.stamp_offset_ns_size();
+  if (motion.speed_mps_size() != count || motion.yaw_rate_radps_size() != count) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "motion has %d stamps, %d speeds and %d yaw rates; it must have as many of each", count,
+        motion.speed_mps_size(), motion.yaw_rate_radps_size()));
+  }
+  scan->ticks.clear();
+  for (int i = 0; i < count; ++i) {
+    // A stamp that would not fit its type is beyond the bound as well.
+    constexpr std::int64_t kMaxOffset_ns = 1'000'000'000'000;
+    const std::int64_t offset_ns =
+        std::clamp(motion.stamp_offset_ns(i), -kMaxOffset_ns, kMaxOffset_ns);
+    scan->ticks.push_back({.stamp = scan->stamp + std::chrono::nanoseconds(offset_ns),
+                           .speed_mps = motion.speed_mps(i),
+                           .yaw_rate_radps = motion.yaw_rate_radps(i)});
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CheckHeader(const v1::Scan& message, const Rig& rig) {
   constexpr long long kMax = std::numeric_limits<std::int64_t>::max();
   absl::Status status = CheckIntegerBetween("sequence_number", message.sequence_number(), 0, kMax);
@@ -132,6 +155,7 @@ absl::Status FromProto(const v1::Scan& message, const Rig& rig, Scan* scan) {
   scan->stamp = Stamp(std::chrono::nanoseconds(message.stamp_ns()));
   scan->radar_id = message.radar_id();
   TakeColumns(message, scan);
+  if (absl::Status status = TakeTicks(message, scan); !status.ok()) return status;
   scan->ego_velocity.reset();
   if (message.has_ego_velocity()) {
     absl::StatusOr<EgoVelocity> ego_velocity = EgoVelocityFromProto(message.ego_velocity());

@@ -72,6 +72,33 @@ std::optional<double> MotionSignals::At(const Signal& signal, std::int64_t stamp
   return nearest.value;
 }
 
+/// From the last one not after `from_ns` to the first one not before `to_ns`.
+void MotionSignals::AddAround(const Signal& signal, std::int64_t from_ns, std::int64_t to_ns,
+                              std::set<std::int64_t>& stamps_ns) {
+  auto first = std::ranges::upper_bound(signal, from_ns, {}, &Sample::stamp_ns);
+  if (first != signal.begin()) --first;
+  for (; first != signal.end(); ++first) {
+    stamps_ns.insert(first->stamp_ns);
+    if (first->stamp_ns >= to_ns) return;
+  }
+}
+
+v1::MotionTicks MotionSignals::TicksAround(std::int64_t from_ns, std::int64_t to_ns) const {
+  std::set<std::int64_t> stamps_ns;
+  AddAround(speed_mps_, from_ns, to_ns, stamps_ns);
+  AddAround(yaw_rate_radps_, from_ns, to_ns, stamps_ns);
+  v1::MotionTicks ticks;
+  for (const std::int64_t stamp_ns : stamps_ns) {
+    const std::optional<double> speed_mps = At(speed_mps_, stamp_ns);
+    const std::optional<double> yaw_rate_radps = At(yaw_rate_radps_, stamp_ns);
+    if (!speed_mps || !yaw_rate_radps) continue;
+    ticks.add_stamp_offset_ns(stamp_ns - to_ns);
+    ticks.add_speed_mps(static_cast<float>(*speed_mps));
+    ticks.add_yaw_rate_radps(static_cast<float>(*yaw_rate_radps));
+  }
+  return ticks;
+}
+
 std::optional<v1::EgoVelocity> MotionSignals::VelocityAt(std::int64_t stamp_ns) const {
   const std::optional<double> speed_mps = At(speed_mps_, stamp_ns);
   const std::optional<double> yaw_rate_radps = At(yaw_rate_radps_, stamp_ns);
