@@ -16,14 +16,14 @@ namespace dcloc {
 /// survey places drives node by node.
 struct SurveyNode {
   Stamp stamp;
-  Pose2 T_odometry_node;   ///< by ego-motion alone, from the drive's first scan
-  PoseEstimate<2> motion;  ///< T_previous_node by ego-motion; of the first node it means nothing
-  double way_m = 0.0;      ///< driven since the first scan
+  Pose2 T_odometry_node;      ///< by ego-motion alone, from the drive's first scan
+  PoseEstimate<2> motion;     ///< T_previous_node by ego-motion; of the first node it means nothing
+  double arc_length_m = 0.0;  ///< driven since the first scan
   std::vector<GaussianPoint<2>> landmarks;             ///< in the node's frame
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  ///< mean of the landmarks, likewise
 };
 
-/// A scan's place on the way of its drive.
+/// A scan of a drive, by the node beside it.
 struct TrackedScan {
   Stamp stamp;
   Pose2 T_odometry_vehicle;
@@ -37,17 +37,17 @@ struct RadarTally {
   std::size_t static_count = 0;  ///< targets whose range rate fits the ego-motion
 };
 
-/// A drive as the survey sees it: its way by ego-motion and its nodes.
+/// A drive as the survey sees it: its trajectory by ego-motion and its nodes.
 struct DriveTrack {
   std::string name;
-  std::vector<SurveyNode> nodes;   ///< in the order of the way
+  std::vector<SurveyNode> nodes;   ///< in the order of the drive
   std::vector<TrackedScan> scans;  ///< one for each scan of the drive, by ascending stamp
   std::vector<RadarTally> radars;
-  double way_m = 0.0;
+  double arc_length_m = 0.0;  ///< driven from the first scan to the last
 };
 
 /// The pose of a scan where the survey has placed the nodes at `T_map_nodes`: ego-motion from the
-/// node before it; what that misses to the node after it is spread over the way between the two.
+/// node before it; what that misses to the node after it is spread over the scans between the two.
 /// `track` has a node, and as many as `T_map_nodes`.
 Pose2 PlaceScan(const DriveTrack& track, std::span<const Pose2> T_map_nodes,
                 const TrackedScan& scan);

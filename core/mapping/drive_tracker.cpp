@@ -56,7 +56,7 @@ absl::Status DriveTracker::Add(const Scan& scan) {
   const EgoVelocity& velocity = ego_motion_.Advance(scan, radar);
   const Motion& motion = ego_motion_.since_previous();
   since_part_ = Compose(since_part_, motion);
-  track_.way_m += motion.T_from_to.translation_m.head<2>().norm();
+  track_.arc_length_m += motion.T_from_to.translation_m.head<2>().norm();
   const Pose2 T_odometry_before =
       track_.scans.empty() ? Pose2{} : track_.scans.back().T_odometry_vehicle;
   track_.scans.push_back({scan.stamp, T_odometry_before * Flatten(motion.T_from_to)});
@@ -67,9 +67,11 @@ absl::Status DriveTracker::Add(const Scan& scan) {
   tally.target_count += scan.size();
   tally.static_count += points.size();
 
-  if (track_.way_m - node_begin_m_ >= options_.node_spacing_m && !parts_.empty()) CloseNode();
+  if (track_.arc_length_m - node_begin_m_ >= options_.node_spacing_m && !parts_.empty())
+    CloseNode();
   if (ShowsSomethingNew(radar_index)) {
-    parts_.push_back({track_.scans.size() - 1, since_part_, track_.way_m, std::move(points)});
+    parts_.push_back(
+        {track_.scans.size() - 1, since_part_, track_.arc_length_m, std::move(points)});
     since_part_ = {};
   }
   return absl::OkStatus();
@@ -98,7 +100,7 @@ void DriveTracker::CloseNode() {
   SurveyNode node{.stamp = at.stamp,
                   .T_odometry_node = at.T_odometry_vehicle,
                   .motion = ToEstimate<2>(to_node),
-                  .way_m = parts_[middle].way_m,
+                  .arc_length_m = parts_[middle].arc_length_m,
                   .landmarks = FuseParts(at.T_odometry_vehicle)};
   for (const GaussianPoint<2>& landmark : node.landmarks) node.centre_m += landmark.mean_m;
   if (!node.landmarks.empty()) node.centre_m /= static_cast<double>(node.landmarks.size());
@@ -109,7 +111,7 @@ void DriveTracker::CloseNode() {
     since_node = Compose(since_node, parts_[i].motion);
   }
   since_part_ = Compose(since_node, since_part_);
-  node_begin_m_ = track_.way_m;
+  node_begin_m_ = track_.arc_length_m;
   parts_.clear();
 }
 

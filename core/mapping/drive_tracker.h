@@ -18,7 +18,7 @@ namespace dcloc {
 struct DriveTrackerOptions {
   EgoMotionOptions ego_motion;
   StaticPointsOptions static_points;
-  double node_spacing_m = 10.0;  ///< way between nodes
+  double node_spacing_m = 10.0;  ///< driven between nodes
   /// Of each radar, scans nearer than this to the last one taken show nothing new: the vehicle
   /// stands or crawls.
   double min_move_m = 0.2;
@@ -47,9 +47,9 @@ class DriveTracker {
  private:
   // A scan of the node that is being made.
   struct Part {
-    std::size_t scan;  // in track_.scans
-    Motion motion;     // from the part before it, or from the last node
-    double way_m;      // driven since the drive's first scan
+    std::size_t scan;     // in track_.scans
+    Motion motion;        // from the part before it, or from the last node
+    double arc_length_m;  // driven since the drive's first scan
     std::vector<RadarPoint> points;
   };
 
@@ -63,7 +63,7 @@ class DriveTracker {
   DriveTrack track_;
   std::vector<Part> parts_;
   Motion since_part_;          // from the last part, or the last node, to the newest scan
-  double node_begin_m_ = 0.0;  // way at which the node that is being made begins
+  double node_begin_m_ = 0.0;  // arc length at which the node that is being made begins
   std::vector<std::optional<Pose2>> last_taken_;  // by radar
 };
 

@@ -11,7 +11,7 @@ std::span<const OptionField<LoopFinderOptions>> FieldsOf(const LoopFinderOptions
   using O = LoopFinderOptions;
   static constexpr OptionField<O> kFields[] = {
       {"neighbour_count", &O::neighbour_count, 0, 100, "nodes are tied by ego-motion alone"},
-      {"min_loop_way_m", &O::min_loop_way_m, 1, 10'000},
+      {"min_loop_path_m", &O::min_loop_path_m, 1, 10'000},
       {"near_m", &O::near_m, 0.1, 200},
       {"base_sigma_m", &O::base_sigma_m, 1e-3, 10},
       {"base_sigma_rad", &O::base_sigma_rad, 1e-5, 1},
@@ -27,7 +27,7 @@ std::span<const OptionField<LoopFinderOptions>> FieldsOf(const LoopFinderOptions
 absl::Status Validate(const LoopFinderOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
   status.Update(Within("matcher", Validate(options.matcher)));
-  status.Update(Within("way_costs", Validate(options.way_costs)));
+  status.Update(Within("path_costs", Validate(options.path_costs)));
   status.Update(Within("neighbour_gate", Validate(options.neighbour_gate)));
   status.Update(Within("loop_gate", Validate(options.loop_gate)));
   return status;
@@ -43,11 +43,11 @@ std::vector<NetworkEdge> LoopFinder::Neighbours(const SurveyGraph& graph, std::s
     for (std::size_t k = begin; k < i; ++k) {
       const std::size_t from = graph.NodeAt({drive, k});
       const std::size_t to = graph.NodeAt({drive, i});
-      const double way_m = nodes[i].way_m - nodes[k].way_m;
+      const double path_length_m = nodes[i].arc_length_m - nodes[k].arc_length_m;
       const SubmapGuess guess{
           .T_target_live = graph.T_map_nodes[from].Inverse() * graph.T_map_nodes[to],
-          .sigma_m = SigmaAfter(way_m),
-          .sigma_rad = options_.base_sigma_rad + options_.drift_rad_per_m * way_m};
+          .sigma_m = SigmaAfter(path_length_m),
+          .sigma_rad = options_.base_sigma_rad + options_.drift_rad_per_m * path_length_m};
       const std::optional<SubmapMatch> match = matcher_.Match(
           nodes[i].landmarks, targets[k % (reach + 1)], guess, options_.neighbour_gate);
       if (match) edges.push_back({.from = from, .to = to, .T_from_to = match->T_target_live});
@@ -63,7 +63,8 @@ std::optional<NetworkEdge> LoopFinder::Register(const SurveyGraph& graph, std::s
                                                 const RegistrationGate& gate) {
   // As far as the search may move the sub-map, the target has ground beneath it.
   const DriveTrack& track = graph.track(graph.PlaceOf(from).drive);
-  const double spacing_m = std::max(1.0, track.way_m / static_cast<double>(track.nodes.size()));
+  const double spacing_m =
+      std::max(1.0, track.arc_length_m / static_cast<double>(track.nodes.size()));
   const auto wider =
       static_cast<std::size_t>(std::ceil(options_.search_sigmas * guess.sigma_m / spacing_m));
   // A sub-map of more nodes is bent by the ego-motion within it.
@@ -86,8 +87,8 @@ std::vector<NetworkEdge> LoopFinder::NearLoops(const SurveyGraph& graph, std::si
       if (known.contains({visit.node, node})) continue;
       const SubmapGuess guess{
           .T_target_live = graph.T_map_nodes[visit.node].Inverse() * graph.T_map_nodes[node],
-          .sigma_m = SigmaAfter(visit.way_m),
-          .sigma_rad = options_.base_sigma_rad + options_.drift_rad_per_m * visit.way_m};
+          .sigma_m = SigmaAfter(visit.path_length_m),
+          .sigma_rad = options_.base_sigma_rad + options_.drift_rad_per_m * visit.path_length_m};
       const auto loop = Register(graph, visit.node, node, guess, options_.loop_gate);
       if (loop) found.push_back(*loop);
     }
@@ -102,15 +103,15 @@ std::vector<LoopFinder::Visit> LoopFinder::VisitsNear(const SurveyGraph& graph,
   const double limit_m = (options_.max_sigma_m - options_.base_sigma_m) / options_.drift_share;
   std::vector<Visit> near;
   const SurveyGraph::Place here = graph.PlaceOf(node);
-  for (const auto& [other, way_m] : graph.WaysFrom(node, limit_m, options_.way_costs)) {
+  for (const auto& [other, path_length_m] : graph.PathsFrom(node, limit_m, options_.path_costs)) {
     if (other >= node) continue;
     if (graph.PlaceOf(other).drive == here.drive &&
-        graph.node(node).way_m - graph.node(other).way_m < options_.min_loop_way_m) {
+        graph.node(node).arc_length_m - graph.node(other).arc_length_m < options_.min_loop_path_m) {
       continue;
     }
     const double distance_m = (graph.CentreOf(node) - graph.CentreOf(other)).norm();
-    if (distance_m <= options_.near_m + options_.search_sigmas * SigmaAfter(way_m)) {
-      near.push_back({other, way_m, distance_m});
+    if (distance_m <= options_.near_m + options_.search_sigmas * SigmaAfter(path_length_m)) {
+      near.push_back({other, path_length_m, distance_m});
     }
   }
   std::ranges::sort(near, {}, &Visit::node);

@@ -17,10 +17,10 @@ struct LoopFinderOptions {
   int neighbour_count = 5;  ///< each node is registered with so many before it
   RegistrationGate neighbour_gate = {.min_inlier_count = 20, .min_overlap = 0.2};
   RegistrationGate loop_gate = {.min_inlier_count = 40, .min_overlap = 0.4};
-  /// Nodes of one drive are a loop only over more way than this; before, they are neighbours.
-  double min_loop_way_m = 80.0;
+  /// Nodes of one drive are a loop only over a longer path than this; before, they are neighbours.
+  double min_loop_path_m = 80.0;
   double near_m = 12.0;  ///< middles of sub-maps that may show the same ground
-  /// How the deviation of one node from another grows with the way between them.
+  /// How the deviation of one node from another grows with the length of the path between them.
   double base_sigma_m = 0.1;
   double base_sigma_rad = 0.003;
   double drift_share = 0.005;
@@ -30,7 +30,7 @@ struct LoopFinderOptions {
   /// How many such deviations two sub-maps may be apart for a registration to be tried.
   double search_sigmas = 2.0;
   std::size_t submap_half_count = 1;  ///< nodes before and after that take part in a sub-map
-  WayCosts way_costs;                 ///< what joins nodes otherwise than by driving
+  PathCosts path_costs;               ///< what joins nodes otherwise than by driving
 };
 std::span<const OptionField<LoopFinderOptions>> FieldsOf(const LoopFinderOptions& options);
 absl::Status Validate(const LoopFinderOptions& options);
@@ -58,12 +58,12 @@ class LoopFinder {
  private:
   struct Visit {
     std::size_t node;
-    double way_m;
+    double path_length_m;
     double distance_m;  // between the middles of the sub-maps
   };
   std::vector<Visit> VisitsNear(const SurveyGraph& graph, std::size_t node) const;
-  double SigmaAfter(double way_m) const {
-    return options_.base_sigma_m + options_.drift_share * way_m;
+  double SigmaAfter(double path_length_m) const {
+    return options_.base_sigma_m + options_.drift_share * path_length_m;
   }
 
   LoopFinderOptions options_;

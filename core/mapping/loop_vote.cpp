@@ -9,29 +9,29 @@ namespace {
 
 enum class Verdict { kUnrelated, kAgrees, kDisagrees };
 
-double WayBetween(const SurveyGraph& graph, std::size_t a, std::size_t b) {
-  return std::abs(graph.node(a).way_m - graph.node(b).way_m);
+double PathLengthBetween(const SurveyGraph& graph, std::size_t a, std::size_t b) {
+  return std::abs(graph.node(a).arc_length_m - graph.node(b).arc_length_m);
 }
 
-// The way around: over `a`, along the drive of the one ends, back over `b`, along the other drive.
+// The path around: over `a`, along the drive of the one ends, back over `b`, along the other drive.
 Verdict Compare(const NetworkEdge& a, const NetworkEdge& b, const SurveyGraph& graph,
                 const LoopVoteOptions& options) {
   if (graph.PlaceOf(a.from).drive != graph.PlaceOf(b.from).drive ||
       graph.PlaceOf(a.to).drive != graph.PlaceOf(b.to).drive) {
     return Verdict::kUnrelated;
   }
-  const double way_from_m = WayBetween(graph, a.from, b.from);
-  const double way_to_m = WayBetween(graph, a.to, b.to);
-  if (way_from_m > options.max_separation_m || way_to_m > options.max_separation_m)
+  const double path_from_m = PathLengthBetween(graph, a.from, b.from);
+  const double path_to_m = PathLengthBetween(graph, a.to, b.to);
+  if (path_from_m > options.max_separation_m || path_to_m > options.max_separation_m)
     return Verdict::kUnrelated;
   const std::vector<Pose2>& T = graph.T_map_nodes;
   const Pose2 around = a.T_from_to.pose * (T[a.to].Inverse() * T[b.to]) *
                        b.T_from_to.pose.Inverse() * (T[b.from].Inverse() * T[a.from]);
-  const double way_m = way_from_m + way_to_m;
-  const bool closes =
-      around.translation_m.norm() <= options.tolerance_m + options.tolerance_share * way_m &&
-      std::abs(WrapAngle(around.yaw_rad)) <=
-          options.tolerance_rad + options.tolerance_rad_per_m * way_m;
+  const double path_length_m = path_from_m + path_to_m;
+  const bool closes = around.translation_m.norm() <=
+                          options.tolerance_m + options.tolerance_share * path_length_m &&
+                      std::abs(WrapAngle(around.yaw_rad)) <=
+                          options.tolerance_rad + options.tolerance_rad_per_m * path_length_m;
   return closes ? Verdict::kAgrees : Verdict::kDisagrees;
 }
 
@@ -67,7 +67,7 @@ std::vector<NetworkEdge> ConfirmedLoops(const std::vector<NetworkEdge>& candidat
       const NetworkEdge& one = candidates[order[a]];
       const NetworkEdge& other = candidates[order[b]];
       if (graph.PlaceOf(one.to).drive != graph.PlaceOf(other.to).drive ||
-          WayBetween(graph, one.to, other.to) > options.max_separation_m) {
+          PathLengthBetween(graph, one.to, other.to) > options.max_separation_m) {
         break;
       }
       const Verdict verdict = Compare(one, other, graph, options);

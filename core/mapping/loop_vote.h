@@ -29,7 +29,7 @@ std::span<const OptionField<LoopVoteOptions>> FieldsOf(const LoopVoteOptions& op
 absl::Status Validate(const LoopVoteOptions& options);
 
 /// The loops of `candidates` that enough others confirm: a wrong registration is rarely wrong in
-/// the same way twice (pairwise consistency, Mangelson et al., ICRA 2018). The ways between their
+/// the same way twice (pairwise consistency, Mangelson et al., ICRA 2018). The paths between their
 /// ends are those of `graph`.
 std::vector<NetworkEdge> ConfirmedLoops(const std::vector<NetworkEdge>& candidates,
                                         const SurveyGraph& graph, const LoopVoteOptions& options);

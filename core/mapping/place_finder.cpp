@@ -65,7 +65,7 @@ std::span<const OptionField<PlaceFinderOptions>> FieldsOf(const PlaceFinderOptio
       {"guess_sigma_m", &O::guess_sigma_m, 0.01, 10},
       {"guess_sigma_rad", &O::guess_sigma_rad, 1e-4, 1},
       {"min_agreeing_count", &O::min_agreeing_count, 2, 100},
-      {"min_agreeing_way_m", &O::min_agreeing_way_m, 0, 10'000, "sub-maps of one place suffice"},
+      {"min_agreeing_path_m", &O::min_agreeing_path_m, 0, 10'000, "sub-maps of one place suffice"},
   };
   return kFields;
 }
@@ -105,10 +105,10 @@ absl::StatusOr<PlaceFinding> PlaceFinder::Find(const SurveyGraph& graph, std::si
   const DriveTrack& track = graph.track(drive);
   PlaceFinding finding;
   std::vector<NetworkEdge> matches;
-  double next_way_m = 0.0;
+  double next_arc_length_m = 0.0;
   for (std::size_t i = 0; i < track.nodes.size(); ++i) {
-    if (track.nodes[i].way_m < next_way_m) continue;
-    next_way_m = track.nodes[i].way_m + options_.query_spacing_m;
+    if (track.nodes[i].arc_length_m < next_arc_length_m) continue;
+    next_arc_length_m = track.nodes[i].arc_length_m + options_.query_spacing_m;
     const std::size_t node = graph.NodeAt({drive, i});
     const std::vector<GaussianPoint<2>> submap = graph.SubmapOf(node, options_.submap_half_count);
     if (submap.empty()) continue;
@@ -139,25 +139,26 @@ std::vector<NetworkEdge> PlaceFinder::Agreeing(const SurveyGraph& graph,
     const NetworkEdge& one = matches[a];
     const NetworkEdge& other = matches[b];
     if (one.to == other.to) return false;  // one sub-map is at one place
-    const double way_m = std::abs(graph.node(one.to).way_m - graph.node(other.to).way_m);
+    const double path_length_m =
+        std::abs(graph.node(one.to).arc_length_m - graph.node(other.to).arc_length_m);
     const Pose2 T_one_other =
         (T[one.from] * one.T_from_to.pose).Inverse() * T[other.from] * other.T_from_to.pose;
     const Pose2 missed = (T[one.to].Inverse() * T[other.to]).Inverse() * T_one_other;
     return missed.translation_m.norm() <=
-               options_.vote.tolerance_m + options_.vote.tolerance_share * way_m &&
+               options_.vote.tolerance_m + options_.vote.tolerance_share * path_length_m &&
            std::abs(WrapAngle(missed.yaw_rad)) <=
-               options_.vote.tolerance_rad + options_.vote.tolerance_rad_per_m * way_m;
+               options_.vote.tolerance_rad + options_.vote.tolerance_rad_per_m * path_length_m;
   };
   std::vector<NetworkEdge> agreeing;
-  double min_way_m = 1e300;
-  double max_way_m = 0.0;
+  double min_path_m = 1e300;
+  double max_path_m = 0.0;
   for (const std::size_t i : ConsistentSet(matches.size(), agrees)) {
     agreeing.push_back(matches[i]);
-    min_way_m = std::min(min_way_m, graph.node(matches[i].to).way_m);
-    max_way_m = std::max(max_way_m, graph.node(matches[i].to).way_m);
+    min_path_m = std::min(min_path_m, graph.node(matches[i].to).arc_length_m);
+    max_path_m = std::max(max_path_m, graph.node(matches[i].to).arc_length_m);
   }
   if (static_cast<int>(agreeing.size()) < options_.min_agreeing_count ||
-      max_way_m - min_way_m < options_.min_agreeing_way_m) {
+      max_path_m - min_path_m < options_.min_agreeing_path_m) {
     agreeing.clear();
   }
   return agreeing;

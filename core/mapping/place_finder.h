@@ -17,7 +17,7 @@
 namespace dcloc {
 
 struct PlaceFinderOptions {
-  double query_spacing_m = 40.0;      ///< way between the sub-maps that are searched for
+  double query_spacing_m = 40.0;      ///< driven between the sub-maps that are searched for
   std::size_t submap_half_count = 2;  ///< nodes before and after that take part in a sub-map
   int search_point_count = 300;
   int candidate_count = 4;      ///< of each sub-map that are registered
@@ -25,7 +25,7 @@ struct PlaceFinderOptions {
   double guess_sigma_rad = 0.02;
   RegistrationGate gate = {.min_inlier_count = 120, .min_overlap = 0.45};
   int min_agreeing_count = 3;  ///< sub-maps that must agree on how two drives lie to one another
-  double min_agreeing_way_m = 60.0;  ///< and so far must they lie apart
+  double min_agreeing_path_m = 60.0;  ///< and so far must they lie apart
   LoopVoteOptions vote = {.tolerance_m = 1.5, .tolerance_share = 0.02};
 };
 std::span<const OptionField<PlaceFinderOptions>> FieldsOf(const PlaceFinderOptions& options);

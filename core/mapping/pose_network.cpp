@@ -77,7 +77,7 @@ std::vector<std::size_t> NodesToHold(std::size_t node_count, std::span<const Net
 
 class Network {
  public:
-  Network(std::vector<Pose2> T_map_nodes, std::span<const NetworkEdge> edges,
+  Network(std::span<const Pose2> T_map_nodes, std::span<const NetworkEdge> edges,
           std::span<const NetworkFix> fixes, const PoseNetworkOptions& options)
       : edges_(edges), fixes_(fixes), options_(options), problem_(ProblemOptions()) {
     blocks_.reserve(T_map_nodes.size());
@@ -224,7 +224,7 @@ double ConvexMu(std::span<const NetworkEdge> edges, const TruncatedCost& edge_co
 
 }  // namespace
 
-absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::vector<Pose2> T_map_nodes,
+absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::span<const Pose2> T_map_nodes,
                                                  std::span<const NetworkEdge> edges,
                                                  std::span<const NetworkFix> fixes,
                                                  const PoseNetworkOptions& options) {
@@ -233,7 +233,7 @@ absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::vector<Pose2> T_map_nodes,
                            .fix_weights = std::vector<double>(fixes.size(), 1.0)};
   const TruncatedCost edge_cost(options.max_squared_edge_distance);
   const TruncatedCost fix_cost(options.max_squared_fix_distance);
-  Network network(std::move(T_map_nodes), edges, fixes, options);
+  Network network(T_map_nodes, edges, fixes, options);
   if (absl::Status status = network.Solve(solution.edge_weights, solution.fix_weights);
       !status.ok()) {
     return status;

@@ -56,7 +56,7 @@ struct NetworkSolution {
 /// al., "Graduated Non-Convexity for Robust Spatial Perception", RA-L 2020). `T_map_nodes` is the
 /// initial guess. In each part of the network that has no fix the first node stays where it is.
 /// FailedPrecondition when the solver finds nothing.
-absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::vector<Pose2> T_map_nodes,
+absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::span<const Pose2> T_map_nodes,
                                                  std::span<const NetworkEdge> edges,
                                                  std::span<const NetworkFix> fixes,
                                                  const PoseNetworkOptions& options);

@@ -26,9 +26,9 @@ std::size_t LandmarkCount(const DriveTrack& track) {
 // Why a drive can be no part of any map; empty where it can.
 std::string WhyUseless(const DriveTrack& track, const SurveyOptions& options) {
   if (track.scans.empty()) return "it has no scan";
-  if (track.way_m < options.min_way_m) {
+  if (track.arc_length_m < options.min_path_m) {
     return absl::StrFormat("it moved %.1f m by its ego-motion; at least %g m make a track",
-                           track.way_m, options.min_way_m);
+                           track.arc_length_m, options.min_path_m);
   }
   const std::size_t landmark_count = LandmarkCount(track);
   if (landmark_count < options.min_landmark_count) {
@@ -268,13 +268,13 @@ std::vector<std::size_t> FrameOfDrives(const SurveyGraph& graph) {
   return frames;
 }
 
-// The frame with the longest way in it.
+// The frame in which most was driven.
 std::size_t MainFrame(const SurveyGraph& graph, const std::vector<std::size_t>& groups) {
-  std::vector<double> way_m(groups.size(), 0.0);
+  std::vector<double> driven_m(groups.size(), 0.0);
   for (std::size_t drive = 0; drive < groups.size(); ++drive) {
-    way_m[groups[drive]] += graph.track(drive).way_m;
+    driven_m[groups[drive]] += graph.track(drive).arc_length_m;
   }
-  return static_cast<std::size_t>(std::ranges::max_element(way_m) - way_m.begin());
+  return static_cast<std::size_t>(std::ranges::max_element(driven_m) - driven_m.begin());
 }
 
 Survey Collect(const Surveyor& surveyor, const std::vector<std::size_t>& track_of,
@@ -317,7 +317,7 @@ std::span<const OptionField<SurveyOptions>> FieldsOf(const SurveyOptions& /*opti
   static constexpr OptionField<O> kFields[] = {
       {"refine_rounds", &O::refine_rounds, 0, 100, "loops are looked for once"},
       {"coarse_stride", &O::coarse_stride, 1, 1000},
-      {"min_way_m", &O::min_way_m, 1, 10'000},
+      {"min_path_m", &O::min_path_m, 1, 10'000},
       {"min_landmark_count", &O::min_landmark_count, 1, 1e9},
       {"min_weight", &O::min_weight, 0.01, 0.99},
       {"fix_slack_m", &O::fix_slack_m, 0, 100, "drives are not bent"},

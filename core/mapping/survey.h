@@ -24,7 +24,7 @@ struct SurveyOptions {
   /// Loops are looked for again as long as it helps, with every node.
   int refine_rounds = 2;
   std::size_t coarse_stride = 3;         ///< the first time, of every so many nodes
-  double min_way_m = 20.0;               ///< a drive that moved less is left out
+  double min_path_m = 20.0;              ///< a drive that moved less is left out
   std::size_t min_landmark_count = 200;  ///< likewise one that shows fewer landmarks
   /// Weight of an edge below which it counts as left out.
   double min_weight = 0.5;
@@ -73,9 +73,9 @@ struct Survey {
 using SurveyProgress = std::function<bool(const char* stage, double share)>;
 
 /// Places drives from their scans alone: no poses are given. Ego-motion and registrations of
-/// neighbouring nodes give each drive's way. Registrations of what was passed again, and place
-/// search between drives, close loops. Those that others confirm enter a pose graph, which leaves
-/// out what contradicts it. FailedPrecondition when no drive is left, and says why.
+/// neighbouring nodes give each drive's trajectory. Registrations of what was passed again, and
+/// place search between drives, close loops. Those that others confirm enter a pose graph, which
+/// leaves out what contradicts it. FailedPrecondition when no drive is left, and says why.
 absl::StatusOr<Survey> SurveyDrives(std::span<const DriveTrack> tracks,
                                     std::span<const SurveyFix> fixes, const SurveyOptions& options,
                                     const SurveyProgress& progress);

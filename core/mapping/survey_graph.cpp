@@ -9,16 +9,17 @@
 
 namespace dcloc {
 
-std::span<const OptionField<WayCosts>> FieldsOf(const WayCosts& /*options*/) {
-  using O = WayCosts;
+std::span<const OptionField<PathCosts>> FieldsOf(const PathCosts& /*options*/) {
+  using O = PathCosts;
   static constexpr OptionField<O> kFields[] = {
       {"loop_m", &O::loop_m, 0, 10'000, "a loop joins nodes as if they were one"},
-      {"way_per_fix_sigma", &O::way_per_fix_sigma, 0, 1e6, "fixes join nodes as if they were one"},
+      {"path_m_per_fix_sigma", &O::path_m_per_fix_sigma, 0, 1e6,
+       "fixes join nodes as if they were one"},
   };
   return kFields;
 }
 
-absl::Status Validate(const WayCosts& options) {
+absl::Status Validate(const PathCosts& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
@@ -109,18 +110,18 @@ std::vector<std::vector<std::size_t>> LoopEnds(std::span<const NetworkEdge> loop
 
 // The length of the shortest edge from each node to the frame of the fixes.
 std::vector<double> ToFixes(std::span<const NetworkFix> fixes, std::size_t node_count,
-                            const WayCosts& costs) {
+                            const PathCosts& costs) {
   std::vector<double> to_fixes_m(node_count, std::numeric_limits<double>::infinity());
   for (const NetworkFix& fix : fixes) {
-    to_fixes_m[fix.node] = std::min(to_fixes_m[fix.node], costs.way_per_fix_sigma * fix.sigma_m);
+    to_fixes_m[fix.node] = std::min(to_fixes_m[fix.node], costs.path_m_per_fix_sigma * fix.sigma_m);
   }
   return to_fixes_m;
 }
 
 }  // namespace
 
-std::vector<std::pair<std::size_t, double>> SurveyGraph::WaysFrom(std::size_t from, double limit_m,
-                                                                  const WayCosts& costs) const {
+std::vector<std::pair<std::size_t, double>> SurveyGraph::PathsFrom(std::size_t from, double limit_m,
+                                                                   const PathCosts& costs) const {
   // The edges along a drive need no list.
   const std::vector<std::vector<std::size_t>> across = LoopEnds(loops, node_count());
   // The fixes' frame is one more node.
@@ -128,33 +129,35 @@ std::vector<std::pair<std::size_t, double>> SurveyGraph::WaysFrom(std::size_t fr
   const std::vector<double> to_hub_m = ToFixes(fixes, node_count(), costs);
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  std::vector<double> way_m(node_count() + 1, std::numeric_limits<double>::infinity());
+  std::vector<double> shortest_m(node_count() + 1, std::numeric_limits<double>::infinity());
   std::vector<std::pair<std::size_t, double>> reached;
-  const auto reach = [&](std::size_t node, double way) {
-    if (way > limit_m || way >= way_m[node]) return;
-    way_m[node] = way;
-    open.emplace(way, node);
+  const auto reach = [&](std::size_t node, double path_length_m) {
+    if (path_length_m > limit_m || path_length_m >= shortest_m[node]) return;
+    shortest_m[node] = path_length_m;
+    open.emplace(path_length_m, node);
   };
   reach(from, 0.0);
   while (!open.empty()) {
-    const auto [way, here] = open.top();
+    const auto [path_length_m, here] = open.top();
     open.pop();
-    if (way > way_m[here]) continue;
+    if (path_length_m > shortest_m[here]) continue;
     if (here == hub) {
-      for (const NetworkFix& fix : fixes) reach(fix.node, way + to_hub_m[fix.node]);
+      for (const NetworkFix& fix : fixes) reach(fix.node, path_length_m + to_hub_m[fix.node]);
       continue;
     }
-    reached.emplace_back(here, way);
-    reach(hub, way + to_hub_m[here]);
+    reached.emplace_back(here, path_length_m);
+    reach(hub, path_length_m + to_hub_m[here]);
     const Place place = PlaceOf(here);
     const std::vector<SurveyNode>& nodes = track(place.drive).nodes;
     if (place.index > 0) {
-      reach(here - 1, way + nodes[place.index].way_m - nodes[place.index - 1].way_m);
+      reach(here - 1,
+            path_length_m + nodes[place.index].arc_length_m - nodes[place.index - 1].arc_length_m);
     }
     if (place.index + 1 < nodes.size()) {
-      reach(here + 1, way + nodes[place.index + 1].way_m - nodes[place.index].way_m);
+      reach(here + 1,
+            path_length_m + nodes[place.index + 1].arc_length_m - nodes[place.index].arc_length_m);
     }
-    for (const std::size_t there : across[here]) reach(there, way + costs.loop_m);
+    for (const std::size_t there : across[here]) reach(there, path_length_m + costs.loop_m);
   }
   return reached;
 }

@@ -12,15 +12,15 @@
 
 namespace dcloc {
 
-/// What joins two nodes otherwise than by driving from one to the other, as the way over which
-/// ego-motion becomes as uncertain.
-struct WayCosts {
+/// What joins two nodes otherwise than by driving from one to the other, as the length of path over
+/// which ego-motion becomes as uncertain.
+struct PathCosts {
   double loop_m = 10.0;  ///< a registration of the two: about 0.1 m
   /// Two fixes, for each metre of their deviations: as if ego-motion drifted by a hundredth.
-  double way_per_fix_sigma = 100.0;
+  double path_m_per_fix_sigma = 100.0;
 };
-std::span<const OptionField<WayCosts>> FieldsOf(const WayCosts& options);
-absl::Status Validate(const WayCosts& options);
+std::span<const OptionField<PathCosts>> FieldsOf(const PathCosts& options);
+absl::Status Validate(const PathCosts& options);
 
 /// The nodes of all drives, numbered in one row, with what is known of how they lie to one another.
 /// Drives that nothing joins lie in frames of their own.
@@ -57,11 +57,11 @@ class SurveyGraph {
   /// For each drive, the first drive of those that edges join it with.
   std::vector<std::size_t> GroupOfDrives() const;
 
-  /// The nodes that edges lead to from `from` over at most `limit_m` of way, each with the shortest
-  /// such way: what lies between two nodes decides how well one knows where they are to one
-  /// another. Loops and fixes count as `costs` say.
-  std::vector<std::pair<std::size_t, double>> WaysFrom(std::size_t from, double limit_m,
-                                                       const WayCosts& costs) const;
+  /// The nodes that edges lead to from `from` over paths of at most `limit_m`, each with the
+  /// shortest such path: what lies between two nodes decides how well one knows where they are to
+  /// one another. Loops and fixes count as `costs` say.
+  std::vector<std::pair<std::size_t, double>> PathsFrom(std::size_t from, double limit_m,
+                                                        const PathCosts& costs) const;
 
   /// For each drive, whether a fix places it or one that edges join it with.
   std::vector<bool> HasFix() const;

@@ -89,7 +89,7 @@ class SurveyRun {
       if (!survey_.drives[i].is_in_map) continue;
       const absl::StatusOr<Drive> drive = Read(survey_.drives[i].name);
       if (!drive.ok()) return drive.status();
-      const absl::Status status = AddSurveyedDrive(
+      absl::Status status = AddSurveyedDrive(
           *drive, tracks_[i], survey_.drives[i].T_map_nodes, rig_, *builder, [&](std::size_t done) {
             line_.Update(absl::StrCat("placing scans of ", drive->name),
                          static_cast<double>(done) / static_cast<double>(drive->scans.size()));

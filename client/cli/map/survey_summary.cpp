@@ -35,7 +35,7 @@ ordered_json DriveJson(const DriveTrack& track, const SurveyedDrive& drive) {
   return {{"drive", drive.name},
           {"is_in_map", drive.is_in_map},
           {"reason", drive.reason},
-          {"way_m", track.way_m},
+          {"way_m", track.arc_length_m},
           {"node_count", track.nodes.size()},
           {"neighbour_count", drive.neighbour_count},
           {"radars", std::move(radars)}};
@@ -104,7 +104,7 @@ std::string SurveyText(std::span<const DriveTrack> tracks, const Survey& survey,
     const SurveyedDrive& drive = survey.drives[i];
     std::size_t landmark_count = 0;
     for (const SurveyNode& node : tracks[i].nodes) landmark_count += node.landmarks.size();
-    rows.push_back({drive.name, absl::StrFormat("%.0f", tracks[i].way_m),
+    rows.push_back({drive.name, absl::StrFormat("%.0f", tracks[i].arc_length_m),
                     absl::StrCat(tracks[i].nodes.size()), absl::StrCat(landmark_count),
                     absl::StrCat(drive.neighbour_count), drive.is_in_map ? "yes" : "no"});
     if (!drive.reason.empty()) {

@@ -51,6 +51,59 @@ void PrintRecorded(const RecordArguments& arguments, const v1::RecordingHeader& 
   }
 }
 
+// The file of a recording that arrives message by message.
+class ArrivingRecording {
+ public:
+  ArrivingRecording(const RecordArguments& arguments, std::stop_source& stop)
+      : arguments_(arguments), stop_(stop) {}
+
+  void Take(const v1::RecordSessionResponse& message) {
+    if (message.has_header()) return Begin(message.header());
+    if (!writer_) return;
+    if (message.has_fix()) return writer_->Add(message.fix());
+    writer_->Add(message.scan());
+    line_.Show(
+        absl::StrCat("recording ", arguments_.vehicle, ": ", writer_->scan_count(), " scans"));
+  }
+
+  // Closes the file of a stream that ended with `end`. A recording that misses something is left
+  // without its end, and so counts as cut off.
+  absl::Status Finish(const absl::Status& end) {
+    if (!file_status_.ok()) return file_status_;
+    if (!end.ok()) return end;
+    if (!writer_) {
+      return absl::CancelledError(absl::StrCat("stopped before ", arguments_.vehicle,
+                                               " opened a session; nothing recorded"));
+    }
+    const std::string reason =
+        stop_.stop_requested() ? "the recording was stopped" : "the session has ended";
+    const std::int64_t scan_count = writer_->scan_count();
+    absl::Status status = writer_->Close(reason);
+    if (status.ok()) PrintRecorded(arguments_, header_, scan_count, reason);
+    return status;
+  }
+
+ private:
+  void Begin(const v1::RecordingHeader& header) {
+    header_ = header;
+    absl::StatusOr<client::RecordingWriter> created =
+        client::RecordingWriter::Create(arguments_.out, header);
+    file_status_ = created.status();
+    if (created.ok()) {
+      writer_.emplace(*std::move(created));
+    } else {
+      stop_.request_stop();
+    }
+  }
+
+  const RecordArguments& arguments_;
+  std::stop_source& stop_;
+  LiveLine line_;
+  std::optional<client::RecordingWriter> writer_;
+  v1::RecordingHeader header_;
+  absl::Status file_status_;
+};
+
 absl::Status Record(client::AdminClient& admin, const RecordArguments& arguments,
                     const StopSignals& signals) {
   if (absl::Status status = CheckTrajectory(arguments.trajectory, true); !status.ok()) {
@@ -58,45 +111,15 @@ absl::Status Record(client::AdminClient& admin, const RecordArguments& arguments
   }
   std::stop_source stop;
   const std::jthread watcher = signals.Watch([&stop](int) { stop.request_stop(); });
-  LiveLine line;
-  std::optional<client::RecordingWriter> writer;
-  v1::RecordingHeader header;
-  absl::Status file_status;
-  const auto take = [&](const v1::RecordSessionResponse& message) {
-    if (message.has_fix() && writer) return writer->Add(message.fix());
-    if (message.has_scan() && writer) {
-      writer->Add(message.scan());
-      line.Show(
-          absl::StrCat("recording ", arguments.vehicle, ": ", writer->scan_count(), " scans"));
-      return;
-    }
-    header = message.header();
-    auto created = client::RecordingWriter::Create(arguments.out, header);
-    file_status = created.status();
-    if (created.ok()) {
-      writer.emplace(*std::move(created));
-    } else {
-      stop.request_stop();
-    }
-  };
+  ArrivingRecording recording(arguments, stop);
   // Also for scripts, which may let the vehicle come now.
   const auto wait = [&] {
     absl::FPrintF(stderr, "waiting for the next session of %s\n", arguments.vehicle);
   };
-  absl::Status status = admin.RecordSession(arguments.vehicle, stop.get_token(), wait, take);
-  if (!file_status.ok()) return file_status;
-  if (!writer) {
-    status.Update(absl::CancelledError(
-        absl::StrCat("stopped before ", arguments.vehicle, " opened a session; nothing recorded")));
-    return status;
-  }
-  // A recording that misses something is left without its end, and so counts as cut off.
-  if (!status.ok()) return status;
-  const std::string reason =
-      stop.stop_requested() ? "the recording was stopped" : "the session has ended";
-  const std::int64_t scan_count = writer->scan_count();
-  status = writer->Close(reason);
-  if (status.ok()) PrintRecorded(arguments, header, scan_count, reason);
+  const absl::Status end = admin.RecordSession(
+      arguments.vehicle, stop.get_token(), wait,
+      [&](const v1::RecordSessionResponse& message) { recording.Take(message); });
+  absl::Status status = recording.Finish(end);
   if (status.ok() && !arguments.trajectory.file.empty()) {
     status = WriteRecordedTrajectory(arguments.out, arguments.trajectory).status();
   }

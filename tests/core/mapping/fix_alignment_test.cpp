@@ -36,7 +36,7 @@ TEST(AlignWithFixesTest, RefusesTooFewAndTooNear) {
   std::vector<Pose2> T_nodes;
   const std::vector<NetworkFix> fixes = Fixes(T_nodes, 0);
   EXPECT_FALSE(AlignWithFixes(T_nodes, std::span(fixes).first(kMinAgreeingFixes - 1), 1.0));
-  EXPECT_FALSE(AlignWithFixes(T_nodes, std::span(fixes).first(6), 1.0));  // 25 m of way
+  EXPECT_FALSE(AlignWithFixes(T_nodes, std::span(fixes).first(6), 1.0));  // 25 m driven
   EXPECT_TRUE(AlignWithFixes(T_nodes, std::span(fixes).first(9), 1.0));
 }
 

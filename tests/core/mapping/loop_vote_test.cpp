@@ -13,7 +13,7 @@ class LoopVoteTest : public ::testing::Test {
       for (int i = 0; i < 20; ++i) {
         track.nodes.push_back({.stamp = Stamp(std::chrono::seconds(i)),
                                .T_odometry_node = {.translation_m = {10.0 * i, 0.0}},
-                               .way_m = 10.0 * i});
+                               .arc_length_m = 10.0 * i});
         track.nodes.back().motion.covariance.setIdentity();
       }
     }

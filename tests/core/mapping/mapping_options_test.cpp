@@ -12,7 +12,7 @@ TEST(MappingOptionsTest, EachFieldIsBounded) {
   ExpectEachFieldIsBounded<SubmapMatcherOptions>();
   ExpectEachFieldIsBounded<PoseNetworkOptions>();
   ExpectEachFieldIsBounded<LoopVoteOptions>();
-  ExpectEachFieldIsBounded<WayCosts>();
+  ExpectEachFieldIsBounded<PathCosts>();
   ExpectEachFieldIsBounded<LoopFinderOptions>();
   ExpectEachFieldIsBounded<PlaceFinderOptions>();
   ExpectEachFieldIsBounded<SurveyOptions>();

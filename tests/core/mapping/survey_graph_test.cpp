@@ -13,21 +13,21 @@ DriveTrack StraightTrack(std::size_t node_count) {
   for (std::size_t i = 0; i < node_count; ++i) {
     const Pose2 step{.translation_m = {10.0, 0.0}, .yaw_rad = 0.0};
     SurveyNode node;
-    node.way_m = 10.0 * static_cast<double>(i);
-    node.T_odometry_node = Pose2{.translation_m = {node.way_m, 0.0}, .yaw_rad = 0.0};
+    node.arc_length_m = 10.0 * static_cast<double>(i);
+    node.T_odometry_node = Pose2{.translation_m = {node.arc_length_m, 0.0}, .yaw_rad = 0.0};
     if (i > 0) node.motion = {.pose = step, .covariance = 0.01 * Eigen::Matrix3d::Identity()};
     track.nodes.push_back(node);
   }
-  track.way_m = track.nodes.back().way_m;
+  track.arc_length_m = track.nodes.back().arc_length_m;
   return track;
 }
 
 class SurveyGraphTest : public ::testing::Test {
  protected:
-  std::map<std::size_t, double> WaysFrom(std::size_t node, double limit_m,
-                                         const WayCosts& costs = {}) const {
-    const auto ways = graph_.WaysFrom(node, limit_m, costs);
-    return {ways.begin(), ways.end()};
+  std::map<std::size_t, double> PathsFrom(std::size_t node, double limit_m,
+                                          const PathCosts& costs = {}) const {
+    const auto paths = graph_.PathsFrom(node, limit_m, costs);
+    return {paths.begin(), paths.end()};
   }
   void AddFix(std::size_t node, double sigma_m) {
     graph_.fixes.push_back({.node = node, .sigma_m = sigma_m});
@@ -44,7 +44,7 @@ TEST_F(SurveyGraphTest, NodesOfAllDrivesStandInOneRow) {
   EXPECT_EQ(graph_.PlaceOf(7).drive, 1U);
   EXPECT_EQ(graph_.PlaceOf(7).index, 2U);
   EXPECT_EQ(graph_.PlaceOf(4).drive, 0U);
-  EXPECT_EQ(graph_.node(6).way_m, 10.0);
+  EXPECT_EQ(graph_.node(6).arc_length_m, 10.0);
   EXPECT_EQ(graph_.motions.size(), 6U) << "none joins two drives";
   EXPECT_EQ(graph_.PosesOf(1).back().translation_m.x(), 20.0);
 }
@@ -63,24 +63,24 @@ TEST_F(SurveyGraphTest, AFixPlacesAllThatItsDriveIsJoinedWith) {
 }
 
 TEST_F(SurveyGraphTest, TheWayBetweenNodesIsWhatWasDriven) {
-  EXPECT_EQ(WaysFrom(2, 10.0), (std::map<std::size_t, double>{{1, 10.0}, {2, 0.0}, {3, 10.0}}));
+  EXPECT_EQ(PathsFrom(2, 10.0), (std::map<std::size_t, double>{{1, 10.0}, {2, 0.0}, {3, 10.0}}));
 }
 
 TEST_F(SurveyGraphTest, ALoopIsAShortWay) {
   graph_.loops.push_back({.from = 0, .to = 7, .T_from_to = {}});
-  const auto ways = WaysFrom(0, 25.0, {.loop_m = 3.0});
-  EXPECT_EQ(ways.at(7), 3.0);
-  EXPECT_EQ(ways.at(6), 13.0);
-  EXPECT_EQ(ways.count(3), 0U);
+  const auto paths = PathsFrom(0, 25.0, {.loop_m = 3.0});
+  EXPECT_EQ(paths.at(7), 3.0);
+  EXPECT_EQ(paths.at(6), 13.0);
+  EXPECT_EQ(paths.count(3), 0U);
 }
 
 TEST_F(SurveyGraphTest, TwoFixesJoinNodesAsTheyAreCertain) {
   AddFix(0, 0.2);
   AddFix(5, 0.3);
-  const auto ways = WaysFrom(0, 61.0, {.way_per_fix_sigma = 100.0});
-  EXPECT_NEAR(ways.at(5), 50.0, 1e-9);
-  EXPECT_NEAR(ways.at(6), 60.0, 1e-9);
-  EXPECT_EQ(WaysFrom(0, 49.0).count(5), 0U);
+  const auto paths = PathsFrom(0, 61.0, {.path_m_per_fix_sigma = 100.0});
+  EXPECT_NEAR(paths.at(5), 50.0, 1e-9);
+  EXPECT_NEAR(paths.at(6), 60.0, 1e-9);
+  EXPECT_EQ(PathsFrom(0, 49.0).count(5), 0U);
 }
 
 }  // namespace

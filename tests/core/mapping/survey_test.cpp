@@ -44,7 +44,7 @@ struct RingDrive {
   std::vector<Pose2> T_truth_nodes;
 };
 
-// The gyroscope has a bias, so that the way by ego-motion does not close.
+// The gyroscope has a bias, so that the trajectory by ego-motion does not close.
 RingDrive DriveRing(const SyntheticWorld& world, const char* name, double begin_m, double length_m,
                     double speed_mps, unsigned seed) {
   const Rig rig = FrontRadar();
