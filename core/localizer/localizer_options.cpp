@@ -43,6 +43,7 @@ absl::Status Validate(const LocalizerOptions& options) {
   status.Update(Within("time_base", Validate(options.time_base)));
   status.Update(Within("submap", Validate(options.submap)));
   status.Update(Within("map_fit", Validate(options.map_fit)));
+  status.Update(Within("along_track_rivals", Validate(options.along_track_rivals)));
   status.Update(Within("ego_motion", Validate(options.ego_motion)));
   status.Update(Within("learned_rig", Validate(options.learned_rig)));
   status.Update(Within("known", Validate(options.known)));

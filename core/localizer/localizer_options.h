@@ -23,6 +23,7 @@
 #include "core/relocalization/global_localizer.h"
 #include "core/relocalization/pose_prior.h"
 #include "core/submap/submap.h"
+#include "core/uncertainty/along_track_rivals.h"
 #include "core/uncertainty/beta_monitor.h"
 #include "core/uncertainty/map_fit_monitor.h"
 #include "core/uncertainty/noise_scale_estimator.h"
@@ -72,6 +73,7 @@ struct LocalizerOptions {
   TimeBaseOptions time_base;
   SubmapOptions submap;
   MapFitOptions map_fit;
+  AlongTrackRivalOptions along_track_rivals;
   EgoMotionOptions ego_motion;
   LearnedRigOptions learned_rig;
   RadarMonitorOptions radar_monitor;

@@ -36,6 +36,7 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       tracking_(options.tracking),
       pose_(EffectivePoseGraph(options), options.noise_scales),
       learner_(radars_.learned.rig(), options.beta_monitor, options.unobserved),
+      rivals_(options.along_track_rivals),
       fix_monitor_(options.fixes),
       claims_{.protection_level = ProtectionLevel(options.protection_level),
               .reset_counter = ResetCounter(options.resets),
@@ -219,6 +220,7 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<
   if (!IsTrusted(radar_index, stamp)) return;
   // The places that are compared are relative to the pose: where that is lost, both are wrong.
   if (!tracking_.is_lost()) CompareSourcesByMapFit(workspace);
+  CompareAlongTrackRivals(workspace);
   JudgePoseByScanFit(fit);
 }
 
@@ -227,6 +229,7 @@ template <int Dim>
 void Pipeline<Dim>::JudgePoseByScanFit(ScanFit fit) {
   const bool was_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
   tracking_.OnScanFit(fit);
+  tracking_.OnFitTrend(radars_.scan_checker.has_declined() || rivals_.has_better());
   if (tracking_.mode() == TrackingMode::kConfirmed) {
     radars_.scan_checker.OnConfirmed();
     if (newest_.outcome == RegistrationOutcome::kAccepted && fit != ScanFit::kContradicts) {
@@ -320,6 +323,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
                                           apart.template head<2>());
   } else {
     radars_.scan_checker.Reset();
+    rivals_.Reset();
     radars_.monitor.ResetFits();
     ego_motion_.OnPlaceChanged();
     pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);

@@ -25,6 +25,7 @@
 #include "core/registration/map_matcher.h"
 #include "core/relocalization/relocalizer.h"
 #include "core/submap/submap.h"
+#include "core/uncertainty/along_track_rivals.h"
 #include "core/uncertainty/protection_level.h"
 
 namespace dcloc {
@@ -122,6 +123,7 @@ class Pipeline final : public AnyPipeline {
   void TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
   void JudgePoseByScanFit(ScanFit fit);
   void CompareSourcesByMapFit(Workspace<Dim>& workspace);
+  void CompareAlongTrackRivals(Workspace<Dim>& workspace);
   void RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity, Workspace<Dim>& workspace,
                       StageListener* listener);
   void ExpireTimeouts(Stamp stamp);
@@ -196,6 +198,7 @@ class Pipeline final : public AnyPipeline {
   int registration_count_ = 0;  // since the pose graph was started, outliers too
   NewestRegistration newest_;
   RegistrationLearner<Dim> learner_;
+  AlongTrackRivals rivals_;
   FixMonitor fix_monitor_;
   Claims claims_;
 };

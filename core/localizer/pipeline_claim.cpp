@@ -92,6 +92,32 @@ void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
   ego_motion_.OnFits(fit_at(used), fit_at(alternative));
 }
 
+// METHOD eq 59. A pose that begins is held against the places before and behind it.
+template <int Dim>
+void Pipeline<Dim>::CompareAlongTrackRivals(Workspace<Dim>& workspace) {
+  const bool is_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
+  // Before a registration has been accepted, no place is where the vehicle may be.
+  if (newest_.outcome != RegistrationOutcome::kAccepted || !rivals_.IsDue(is_confirmed)) return;
+  if (workspace.static_points.size() < static_cast<std::size_t>(options_.map_fit.min_point_count)) {
+    return;
+  }
+  const double variance = 0.5 * std::pow(rivals_.pose_sigma_m(), 2);
+  const auto fit_at = [&](double offset_m) {
+    Tangent<Dim> step = Tangent<Dim>::Zero();
+    step(0) = offset_m;
+    return radars_.scan_checker.FitAt(
+        workspace.static_points,
+        {.pose = pose_.Now().pose * Exp(step),
+         .covariance = TangentMatrix<Dim>(variance * TangentMatrix<Dim>::Identity())},
+        map_.matcher, workspace);
+  };
+  const double fit = fit_at(0.0);
+  workspace.rival_fits.clear();
+  for (const double offset_m : rivals_.offsets_m())
+    workspace.rival_fits.push_back(fit_at(offset_m));
+  rivals_.OnFits(workspace.scan_points.size(), is_confirmed, fit, workspace.rival_fits);
+}
+
 template <int Dim>
 std::optional<double> Pipeline<Dim>::FitAt(const Scan& scan, Stamp stamp,
                                            LocalizerWorkspace& lent_workspace) {
@@ -114,6 +140,8 @@ template Localization Pipeline<2>::Answer(const Scan&, Stamp) const;
 template Localization Pipeline<3>::Answer(const Scan&, Stamp) const;
 template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>& workspace);
 template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>& workspace);
+template void Pipeline<2>::CompareAlongTrackRivals(Workspace<2>& workspace);
+template void Pipeline<3>::CompareAlongTrackRivals(Workspace<3>& workspace);
 template void Pipeline<2>::Claim(Localization&) const;
 template void Pipeline<3>::Claim(Localization&) const;
 template std::optional<double> Pipeline<2>::FitAt(const Scan&, Stamp, LocalizerWorkspace&);

@@ -30,6 +30,7 @@ ScanFit ScanChecker<Dim>::Test(Stamp stamp, std::size_t radar_index,
                                const MapMatcher<Dim>& matcher, Workspace<Dim>& workspace) {
   const double fit = FitAt(points, now, matcher, workspace);
   last_ = {.radar_index = radar_index, .point_count = workspace.scan_points.size(), .fit = fit};
+  monitor_.Follow(radar_index, last_.point_count, last_.fit);
   const ScanFit verdict = monitor_.Judge(radar_index, last_.point_count, last_.fit);
   if (verdict == ScanFit::kContradicts && !contradicted_since_) contradicted_since_ = stamp;
   return verdict;

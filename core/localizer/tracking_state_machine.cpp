@@ -57,6 +57,13 @@ void TrackingStateMachine::OnFixesContradict() {
   mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
+void TrackingStateMachine::OnFitTrend(bool is_suspicious) {
+  confirmation_requires_ =
+      Next(confirmation_requires_,
+           is_suspicious ? ConfirmationEvent::kFitDeclines : ConfirmationEvent::kFitRecovers);
+  if (is_suspicious) mode_ = Next(mode_, TrackingEvent::kDoubted);
+}
+
 void TrackingStateMachine::OnScanFit(ScanFit fit) {
   if (fit == ScanFit::kUnknown) return;
   if (fit == ScanFit::kContradicts) {

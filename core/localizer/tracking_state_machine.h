@@ -117,6 +117,16 @@ class TrackingStateMachine {
     confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kFixAgrees);
   }
 
+  /// Takes in whether scan after scan fits less than it did, or another place better: ground that
+  /// looks alike fits a little.
+  void OnFitTrend(bool is_suspicious);
+
+  /// Whether the pose is one from a prior that nothing speaks against yet.
+  bool is_undoubted_prior() const {
+    return mode_ == TrackingMode::kConfirmingPrior &&
+           confirmation_requires_ == ConfirmationRequires::kRegistrations;
+  }
+
   /// Takes in how the newest scan fits the map.
   void OnScanFit(ScanFit fit);
 

@@ -22,11 +22,12 @@ enum class TrackingMode {
 };
 
 enum class TrackingEvent {
-  kPriorGiven,   ///< a prior that registrations can start from
-  kPlaceFound,   ///< by global localization
-  kVerified,     ///< global localization finds no better place than the expected one
-  kDoubted,      ///< a scan does not fit the map at the predicted pose, fixes contradict the pose
-                 ///< persistently, or the along-track position is observed again after a tunnel
+  kPriorGiven,  ///< a prior that registrations can start from
+  kPlaceFound,  ///< by global localization
+  kVerified,    ///< global localization finds no better place than the expected one
+  kDoubted,     ///< a scan does not fit the map at the predicted pose, scan after scan fits less
+             ///< than it did, fixes contradict the pose persistently, or the along-track position
+             ///< is observed again after a tunnel
   kAgreed,       ///< `agreements` scans in a row fit, and a registration was accepted meanwhile
   kConfirmed,    ///< `confirmations` accepted registrations in a row, where that is enough
   kHoldExpired,  ///< none accepted for `tracking_hold`, or longer where registrations are rare
@@ -95,21 +96,40 @@ inline constexpr std::array<Transition<ScanAgreement, ScanAgreementEvent>, 4>
 /// What the mode kConfirmed takes. Verification: global localization searches beside the pose and
 /// finds no better place.
 enum class ConfirmationRequires {
-  kRegistrations,              ///< accepted registrations, or scans that fit, are enough
-  kAgreeingFixOrVerification,  ///< fixes contradict the pose persistently: one that agrees, or
-                               ///< verification, must come first
-  kVerification,               ///< so must verification: before, the along-track position was not
-                               ///< observed
+  kRegistrations,               ///< accepted registrations, or scans that fit, are enough
+  kRecoveredFitOrVerification,  ///< scan after scan fits a little less than it did: fits as before,
+                                ///< or verification, must come first
+  kAgreeingFixOrVerification,   ///< fixes contradict the pose persistently: one that agrees, or
+                                ///< verification, must come first
+  kVerification,                ///< so must verification: before, the along-track position was not
+                                ///< observed
 };
 
-enum class ConfirmationEvent { kFixesContradict, kFixAgrees, kObservedAgain, kVerified };
+enum class ConfirmationEvent {
+  kFitDeclines,
+  kFitRecovers,
+  kFixesContradict,
+  kFixAgrees,
+  kObservedAgain,
+  kVerified
+};
 
-inline constexpr std::array<Transition<ConfirmationRequires, ConfirmationEvent>, 6>
+inline constexpr std::array<Transition<ConfirmationRequires, ConfirmationEvent>, 11>
     kConfirmationTransitions = {{
         {ConfirmationRequires::kRegistrations, ConfirmationEvent::kFixesContradict,
          ConfirmationRequires::kAgreeingFixOrVerification},
         {ConfirmationRequires::kRegistrations, ConfirmationEvent::kObservedAgain,
          ConfirmationRequires::kVerification},
+        {ConfirmationRequires::kRegistrations, ConfirmationEvent::kFitDeclines,
+         ConfirmationRequires::kRecoveredFitOrVerification},
+        {ConfirmationRequires::kRecoveredFitOrVerification, ConfirmationEvent::kFitRecovers,
+         ConfirmationRequires::kRegistrations},
+        {ConfirmationRequires::kRecoveredFitOrVerification, ConfirmationEvent::kFixesContradict,
+         ConfirmationRequires::kAgreeingFixOrVerification},
+        {ConfirmationRequires::kRecoveredFitOrVerification, ConfirmationEvent::kObservedAgain,
+         ConfirmationRequires::kVerification},
+        {ConfirmationRequires::kRecoveredFitOrVerification, ConfirmationEvent::kVerified,
+         ConfirmationRequires::kRegistrations},
         {ConfirmationRequires::kAgreeingFixOrVerification, ConfirmationEvent::kFixAgrees,
          ConfirmationRequires::kRegistrations},
         {ConfirmationRequires::kAgreeingFixOrVerification, ConfirmationEvent::kObservedAgain,

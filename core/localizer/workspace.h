@@ -16,6 +16,7 @@ struct Workspace {
   std::vector<RadarPoint> static_points;
   std::vector<RadarPoint> tried_points;  // of a scan whose stamp is held against the map
   std::vector<GaussianPoint<Dim>> scan_points;
+  std::vector<double> rival_fits;
   LiveSubmap<Dim> submap;
   RegistrationWorkspace<Dim> registration;
 };

@@ -22,20 +22,34 @@ std::span<const OptionField<MapFitOptions>> FieldsOf(const MapFitOptions& /*opti
 }
 
 absl::Status Validate(const MapFitOptions& options) {
-  return ValidateFields(options, FieldsOf(options));
+  absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(Within("decline", Validate(options.decline)));
+  return status;
+}
+
+bool MapFitMonitor::IsComparable(const Expected& expected, std::size_t point_count) const {
+  return expected.count >= options_.min_scan_count &&
+         point_count >= static_cast<std::size_t>(options_.min_point_count);
+}
+
+double MapFitMonitor::Sigma(const Expected& expected) const {
+  return std::max(options_.min_sigma, std::sqrt(expected.variance));
 }
 
 // METHOD eq 51.
 ScanFit MapFitMonitor::Judge(std::size_t radar_index, std::size_t point_count, double fit) const {
   const Expected& expected = radars_[radar_index];
-  if (expected.count < options_.min_scan_count ||
-      point_count < static_cast<std::size_t>(options_.min_point_count)) {
-    return ScanFit::kUnknown;
-  }
-  const double sigma = std::max(options_.min_sigma, std::sqrt(expected.variance));
-  const double least = std::min(expected.mean - options_.contradiction_sigmas * sigma,
+  if (!IsComparable(expected, point_count)) return ScanFit::kUnknown;
+  const double least = std::min(expected.mean - options_.contradiction_sigmas * Sigma(expected),
                                 (1.0 - options_.contradiction_share) * expected.mean);
   return fit < least ? ScanFit::kContradicts : ScanFit::kAgrees;
+}
+
+// METHOD eq 58.
+void MapFitMonitor::Follow(std::size_t radar_index, std::size_t point_count, double fit) {
+  const Expected& expected = radars_[radar_index];
+  if (!IsComparable(expected, point_count)) return;
+  decline_.Add((expected.mean - fit) / Sigma(expected), options_.decline);
 }
 
 void MapFitMonitor::Learn(std::size_t radar_index, std::size_t point_count, double fit) {
@@ -49,6 +63,9 @@ void MapFitMonitor::Learn(std::size_t radar_index, std::size_t point_count, doub
   expected.variance = (1.0 - share) * (expected.variance + share * apart * apart);
 }
 
-void MapFitMonitor::Reset() { std::ranges::fill(radars_, Expected{}); }
+void MapFitMonitor::Reset() {
+  std::ranges::fill(radars_, Expected{});
+  decline_ = {};
+}
 
 }  // namespace dcloc

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "core/options/option_fields.h"
+#include "core/uncertainty/cumulative_sum.h"
 
 namespace dcloc {
 
@@ -19,6 +20,8 @@ struct MapFitOptions {
   double contradiction_sigmas = 3.5;
   double contradiction_share = 0.4;
   double min_sigma = 0.04;  ///< fits vary by no less
+  /// When scans have fitted less than expected for too long, each by a little.
+  CumulativeSumOptions decline;
   /// A prediction that is less certain is tested as if it were as certain as this.
   double max_prediction_sigma_m = 0.5;
 };
@@ -41,6 +44,13 @@ class MapFitMonitor {
   /// exp(-d^2 / 2) over its points, [0, 1].
   ScanFit Judge(std::size_t radar_index, std::size_t point_count, double fit) const;
 
+  /// Takes in the fit of such a scan, for `has_declined`.
+  void Follow(std::size_t radar_index, std::size_t point_count, double fit);
+
+  /// Whether scan after scan fits less than expected, each by too little to contradict (METHOD eq
+  /// 58).
+  bool has_declined() const { return decline_.is_exceeded(); }
+
   /// Such a scan was taken where the vehicle surely is.
   void Learn(std::size_t radar_index, std::size_t point_count, double fit);
 
@@ -53,8 +63,13 @@ class MapFitMonitor {
     double variance = 0.0;
     int count = 0;
   };
+
+  bool IsComparable(const Expected& expected, std::size_t point_count) const;
+  double Sigma(const Expected& expected) const;
+
   MapFitOptions options_;
   std::vector<Expected> radars_;
+  CumulativeSum decline_;
 };
 
 }  // namespace dcloc

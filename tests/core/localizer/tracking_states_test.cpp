@@ -21,12 +21,13 @@ constexpr std::array kAgreements = {ScanAgreement::kDisagree, ScanAgreement::kAg
                                     ScanAgreement::kAgreeAndRegistered};
 constexpr std::array kAgreementEvents = {ScanAgreementEvent::kDoesNotFit, ScanAgreementEvent::kFits,
                                          ScanAgreementEvent::kRegistrationAccepted};
-constexpr std::array kRequirements = {ConfirmationRequires::kRegistrations,
-                                      ConfirmationRequires::kAgreeingFixOrVerification,
-                                      ConfirmationRequires::kVerification};
+constexpr std::array kRequirements = {
+    ConfirmationRequires::kRegistrations, ConfirmationRequires::kRecoveredFitOrVerification,
+    ConfirmationRequires::kAgreeingFixOrVerification, ConfirmationRequires::kVerification};
 constexpr std::array kConfirmationEvents = {
+    ConfirmationEvent::kFitDeclines,     ConfirmationEvent::kFitRecovers,
     ConfirmationEvent::kFixesContradict, ConfirmationEvent::kFixAgrees,
-    ConfirmationEvent::kObservedAgain, ConfirmationEvent::kVerified};
+    ConfirmationEvent::kObservedAgain,   ConfirmationEvent::kVerified};
 constexpr std::array kWays = {AlongTrackObservability::kObserved, AlongTrackObservability::kFading,
                               AlongTrackObservability::kNotObserved,
                               AlongTrackObservability::kReturning};

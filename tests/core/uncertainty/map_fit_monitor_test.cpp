@@ -1,11 +1,16 @@
 #include "core/uncertainty/map_fit_monitor.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
 namespace dcloc {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::Ge;
+using ::testing::Le;
 
 constexpr std::size_t kPoints = 50;
 
@@ -43,6 +48,37 @@ TEST(MapFitMonitorTest, UsualScansSeldomContradict) {
 
 TEST(MapFitMonitorTest, WhereScansFitLittleALittleLessSaysNothing) {
   EXPECT_EQ(Learned(0.2, 0.08).Judge(0, kPoints, 0.02), ScanFit::kAgrees);
+}
+
+TEST(MapFitMonitorTest, ScansThatAllFitALittleLessAreADecline) {
+  MapFitMonitor monitor = Learned(0.5, 0.04);
+  const auto scans_until = [&monitor](bool declined, double fit) {
+    int scans = 0;
+    while (monitor.has_declined() != declined && scans < 100) {
+      monitor.Follow(0, kPoints, fit);
+      ++scans;
+    }
+    return scans;
+  };
+  EXPECT_THAT(scans_until(true, 0.37), AllOf(Ge(4), Le(9))) << "one alone says little";
+  EXPECT_EQ(monitor.Judge(0, kPoints, 0.37), ScanFit::kAgrees) << "each one alone agrees";
+  for (int i = 0; i < 1000; ++i) monitor.Follow(0, kPoints, 0.37);
+  EXPECT_TRUE(monitor.has_declined());
+  EXPECT_LE(scans_until(false, 0.5), 12) << "scans that fit as before";
+}
+
+TEST(MapFitMonitorTest, UsualScansSeldomDecline) {
+  MapFitMonitor monitor = Learned(0.5, 0.06);
+  std::mt19937 random(4);
+  std::normal_distribution<double> fit(0.5, 0.06);
+  int declines = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    monitor.Follow(0, kPoints, fit(random));
+    declines += monitor.has_declined();
+  }
+  EXPECT_EQ(declines, 0);
+  for (int i = 0; i < 100; ++i) monitor.Follow(1, kPoints, 0.0);
+  EXPECT_FALSE(monitor.has_declined()) << "nothing is known of this radar";
 }
 
 TEST(MapFitMonitorTest, ForgottenIsUnknown) {
