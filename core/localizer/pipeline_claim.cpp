@@ -92,7 +92,7 @@ void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
   ego_motion_.OnFits(fit_at(used), fit_at(alternative));
 }
 
-// METHOD eq 59. A pose that begins is held against the places before and behind it.
+// METHOD eq 60. A pose that begins is held against the places before and behind it.
 template <int Dim>
 void Pipeline<Dim>::CompareAlongTrackRivals(Workspace<Dim>& workspace) {
   const bool is_confirmed = tracking_.mode() == TrackingMode::kConfirmed;

@@ -35,6 +35,12 @@ std::optional<ScalarEstimate> CusumDetector::OnDeviation(const ScalarEstimate& d
   return change;
 }
 
+std::optional<double> CusumDetector::Suspected() const {
+  const Side& side = rising_.sum_sigmas > falling_.sum_sigmas ? rising_ : falling_;
+  if (2.0 * side.sum_sigmas <= options_.limit_sigmas) return std::nullopt;
+  return side.deviation / side.exposure;
+}
+
 // By how much deviations vary more than they say, at least 1: by the median of the last differences
 // between neighbours, of which a change makes one large.
 double CusumDetector::SpreadWith(double sigmas) {

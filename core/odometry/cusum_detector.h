@@ -34,6 +34,10 @@ class CusumDetector {
   /// begins anew.
   std::optional<ScalarEstimate> OnDeviation(const ScalarEstimate& deviation, double exposure);
 
+  /// The deviation per unit of exposure that is suspected: there is no change yet, but the sum has
+  /// come half the way to one.
+  std::optional<double> Suspected() const;
+
   void Reset() { rising_ = falling_ = {}; }
 
  private:

@@ -85,6 +85,7 @@ absl::Status Validate(const EgoMotionOptions& options) {
   status.Update(Within("error_filter", Validate(options.error_filter)));
   status.Update(Within("sources", Validate(options.sources)));
   status.Update(Within("late", Validate(options.late)));
+  status.Update(Within("wheel_scale", Validate(options.wheel_scale)));
   return status;
 }
 
@@ -117,6 +118,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   if (alternative && IsNearer(*alternative, *doppler, sources_.speed())) doppler = alternative;
   const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
   if (doppler_is_sound) late_.OnDoppler(moment_, doppler->ego_velocity);
+  FollowWheelScale(stamp, reported, doppler_is_sound ? &*doppler : nullptr);
   if (reported) {
     reported = late_.BroughtToNow(
         stamp, Corrected(*scan.ego_velocity), doppler_is_sound ? &doppler->ego_velocity : nullptr,
@@ -127,6 +129,8 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   if (velocity_ && late_.T_previous_now()) since_previous_.T_from_to = *late_.T_previous_now();
   expected_motion_ = since_previous_.T_from_to;
   ApplyCorrection();
+  if (scale_correction_m_ != 0.0) Correct(std::exchange(scale_correction_m_, 0.0), 0.0);
+  unobserved_way_m_ += std::abs(since_previous_.T_from_to.translation_m.x());
   Learn(reported, now, age);
   velocity_ = widened_velocity_ = now;
   AddSpread();
@@ -134,6 +138,22 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   stamp_ = stamp;
   Diagnose(reported);
   return *widened_velocity_;
+}
+
+// METHOD eq 58. What a mover may have said is no evidence against wheels.
+void EgoMotion::FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& reported,
+                                 const DopplerEgoVelocity* doppler) {
+  if (!reported || doppler == nullptr || !sources_.IsSound(OdometrySource::kWheelSpeed) ||
+      doppler->direction_count <= options_.sources.narrow_direction_count) {
+    return wheel_scale_.OnUnsound();
+  }
+  const auto change = wheel_scale_.OnSpeeds(stamp, reported->linear_mps.x() / errors_.scale(),
+                                            doppler->ego_velocity.linear_mps.x());
+  if (!change) return;
+  scale_correction_m_ = change->share.value *
+                        std::copysign(std::min(errors_.scale() * change->way_m, unobserved_way_m_),
+                                      reported->linear_mps.x());
+  errors_.OnScaleChange(change->share);
 }
 
 // Of a gyroscope that is set aside, too: it may be taken back once its bias is known. Wheels that
@@ -246,9 +266,13 @@ void EgoMotion::ApplyCorrection() {
   const auto unapplied = sources_.OnUsedMotion(used.translation_m.x(), used.yaw_rad);
   sources_changed_ = unapplied.has_value();
   if (!unapplied) return;
+  Correct(unapplied->forward_m, unapplied->turn_rad);
+}
+
+void EgoMotion::Correct(double forward_m, double turn_rad) {
   Vector6d step = Vector6d::Zero();
-  step(0) = unapplied->forward_m;
-  step(5) = unapplied->turn_rad;
+  step(0) = forward_m;
+  step(5) = turn_rad;
   const Vector6d sigmas = options_.correction_sigma_fraction * step;
   since_previous_ = Compose(
       since_previous_, {.T_from_to = Exp(step), .covariance = sigmas.cwiseAbs2().asDiagonal()});
@@ -285,6 +309,9 @@ EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
   corrected.linear_mps *= errors_.scale();
   corrected.angular_radps.z() += errors_.yaw_rate_bias_radps();
   EgoVelocity result = WithCovariance(corrected, errors_.scale_sigma(), options_.motion);
+  if (const std::optional<double> share = wheel_scale_.Suspected()) {
+    (*result.covariance)(0, 0) += std::pow(*share * corrected.linear_mps.x(), 2);
+  }
   // A bias that is being learned afresh may still be anything.
   double& variance = (*result.covariance)(5, 5);
   variance = std::max(variance, std::pow(errors_.yaw_rate_bias_sigma_radps(), 2));

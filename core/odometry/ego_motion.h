@@ -17,6 +17,7 @@
 #include "core/odometry/source_diagnosis.h"
 #include "core/odometry/source_fault.h"
 #include "core/odometry/source_monitor.h"
+#include "core/odometry/wheel_scale_monitor.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
@@ -30,6 +31,7 @@ struct EgoMotionOptions {
   OdometryErrorFilterOptions error_filter;
   SourceMonitorOptions sources;
   LateOdometryOptions late;
+  WheelScaleMonitorOptions wheel_scale;
   /// Reported and Doppler velocity are fused where their squared Mahalanobis distance over speed
   /// and yaw rate is at most this.
   double max_squared_distance = kChiSquare999With2Dof;
@@ -66,6 +68,7 @@ class EgoMotion {
         errors_(options.error_filter),
         sources_(options.sources, static_points),
         late_(options.late),
+        wheel_scale_(options.wheel_scale),
         history_(options.history, options.motion),
         wheel_speed_diagnosis_(options.diagnosis_speed_mps),
         yaw_rate_diagnosis_(options.diagnosis_yaw_rate_radps) {}
@@ -100,7 +103,9 @@ class EgoMotion {
   /// A registration, accepted or an outlier, puts the vehicle here at the last scan.
   void OnRegistration(const Pose3& T_map_vehicle, const RegistrationEvidence& evidence) {
     sources_.OnRegistration(Flatten(T_map_vehicle), evidence);
-    if (evidence.is_accepted) spread_ = sources_.CurrentSpread();
+    if (!evidence.is_accepted) return;
+    spread_ = sources_.CurrentSpread();
+    if (evidence.observes_along_track) unobserved_way_m_ = 0.0;
   }
 
   /// Where the vehicle would be now, from where it is taken to be, if other sources were sound;
@@ -173,7 +178,10 @@ class EgoMotion {
   EgoVelocity Corrected(const EgoVelocity& reported) const;
   void Learn(const std::optional<EgoVelocity>& reported, const EgoVelocity& now,
              std::chrono::nanoseconds age);
+  void FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& reported,
+                        const DopplerEgoVelocity* doppler);
   void ApplyCorrection();
+  void Correct(double forward_m, double turn_rad);
   void AddSpread();
   void Diagnose(const std::optional<EgoVelocity>& reported);
   SourceHealth HealthOf(OdometrySource source, const SourceDiagnosis& diagnosis) const;
@@ -182,6 +190,7 @@ class EgoMotion {
   OdometryErrorFilter errors_;
   SourceMonitor sources_;
   LateOdometry late_;
+  WheelScaleMonitor wheel_scale_;
   MotionHistory history_;
   Pose3 expected_motion_;
   Motion since_previous_;
@@ -200,6 +209,9 @@ class EgoMotion {
   std::vector<RadarScan> of_one_moment_;      // the newest scan and what of recent_ is as new
   Stamp moment_{};                            // when their targets were measured, on average
   bool sources_changed_ = false;
+  // Driven since a registration last said where along the track the vehicle is.
+  double unobserved_way_m_ = 0.0;
+  double scale_correction_m_ = 0.0;  // to be applied to the motion
 };
 
 }  // namespace dcloc

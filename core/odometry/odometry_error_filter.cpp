@@ -148,6 +148,13 @@ void OdometryErrorFilter::OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix
   covariance_ = keep * covariance_ * keep.transpose() + gain * noise * gain.transpose();
 }
 
+void OdometryErrorFilter::OnScaleChange(const ScalarEstimate& change) {
+  SetVariance(kScale, covariance_(kScale, kScale) + Square(scale_) * change.variance);
+  scale_ *= 1.0 + change.value;
+  squared_sigmas_ = count_ = 0.0;  // the innovations of late were those of the change
+  OnBreak();
+}
+
 void OdometryErrorFilter::StartAt(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
   T_map_vehicle_ = T_map_vehicle;
   covariance_.topRows<kPose>().setZero();

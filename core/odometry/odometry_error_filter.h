@@ -58,7 +58,8 @@ absl::Status Validate(const OdometryErrorFilterOptions& options);
 /// changing speed like a scale. Registered poses are the measurements. If innovations exceed their
 /// covariance, the measurement noise is scaled up. A bias that changes at once, as when a gyroscope
 /// is set anew, is found by the motion between neighbouring poses, and learned afresh
-/// (METHOD eq 48).
+/// (METHOD eq 48). That the scale changes at once is for others to find, as registrations do not
+/// tell it from slip soon enough (METHOD eq 58).
 class OdometryErrorFilter {
  public:
   explicit OdometryErrorFilter(const OdometryErrorFilterOptions& options);
@@ -86,6 +87,10 @@ class OdometryErrorFilter {
   /// A registration of scans that no other one took puts the vehicle here, with a covariance of
   /// (x, y, yaw) in the tangent space on the right.
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance);
+
+  /// The scale is larger by this share than it was. What was taken for the motion since the last
+  /// poses was not, so the next one starts the filter's pose again.
+  void OnScaleChange(const ScalarEstimate& change);
 
   /// The pose was lost: the next one starts the filter's pose again.
   void OnBreak() {

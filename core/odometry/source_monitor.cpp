@@ -161,9 +161,13 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
     restarted.speed.variance = SquareOf(options_.unknown_speed_sigma_mps);
     restarted.yaw_rate.variance = SquareOf(options_.silent_yaw_rate_sigma_radps);
     restarted.log_weight += std::log(options_.restart_probability);
-    Update(hypothesis, floored);
-    Update(restarted, floored);
-    if (restarted.log_weight > hypothesis.log_weight) hypothesis = restarted;
+    Update(hypothesis, floored, duration_s);
+    Update(restarted, floored, duration_s);
+    if (restarted.log_weight > hypothesis.log_weight) {
+      hypothesis = restarted;
+      hypothesis.previous_speed_mps = hypothesis.speed.value;
+      hypothesis.previous_yaw_rate_radps = hypothesis.yaw_rate.value;
+    }
   }
   Normalize();
   TryOthers(stamp, readings);
@@ -257,16 +261,18 @@ SourceMonitor::Hypothesis SourceMonitor::MostProbablePredecessor(
   return next;
 }
 
-// METHOD eq 43.
-void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readings) const {
+// METHOD eq 43. A failed source has changed by as much, since the last comparison, as a vehicle may
+// have: otherwise it would be likelier than a sound one where scans are rare.
+void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readings,
+                           double duration_s) const {
+  const double changing_s = std::max(duration_s, SecondsOf(options_.interval));
   const auto compare = [&](std::size_t source, const std::optional<ScalarEstimate>& reading,
                            const std::optional<ScalarEstimate>& before, double walk, double range,
                            ScalarEstimate& state) {
     if (!reading) return;
-    const double interval_s = SecondsOf(options_.interval);
     hypothesis.log_weight += hypothesis.sound[source]
                                  ? KalmanUpdate(*reading, state)
-                                 : FailedLogDensity(*reading, before, SquareOf(walk * interval_s),
+                                 : FailedLogDensity(*reading, before, SquareOf(walk * changing_s),
                                                     range, options_.unchanged_fraction);
   };
   const double acceleration_mps2 = options_.acceleration_sigma_mps2;
@@ -304,6 +310,7 @@ void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
     }
   }
   registered_ = {*newest_, T_map_vehicle, evidence.observes_along_track};
+  unseen_s4_ = 0.0;
   for (Hypothesis& hypothesis : hypotheses_) hypothesis.since_registered = {};
 }
 
@@ -319,9 +326,11 @@ void SourceMonitor::CompareWithRegistration(const Pose2& T_map_vehicle,
   const double range_rad = options_.yaw_rate_range_radps * duration_s;
   for (Hypothesis& hypothesis : hypotheses_) {
     const double along_track_variance_m2 = 2.0 * SquareOf(options_.registered_sigma_m) +
-                                           hypothesis.speed.variance * SquareOf(duration_s);
+                                           hypothesis.speed.variance * SquareOf(duration_s) +
+                                           SquareOf(options_.acceleration_sigma_mps2) * unseen_s4_;
     const double turn_variance_rad2 = 2.0 * SquareOf(options_.registered_sigma_rad) +
-                                      hypothesis.yaw_rate.variance * SquareOf(duration_s);
+                                      hypothesis.yaw_rate.variance * SquareOf(duration_s) +
+                                      SquareOf(options_.yaw_acceleration_sigma_radps2) * unseen_s4_;
     const double along_track_m = moved(0) - hypothesis.since_registered.forward_m;
     const double turn_rad = WrapAngle(moved(2) - hypothesis.since_registered.turn_rad);
     const double along_track_density =
@@ -368,13 +377,13 @@ ScalarEstimate SourceMonitor::Mixed(ScalarEstimate Hypothesis::*of) const {
 
 std::optional<SourceMonitor::PlanarMotion> SourceMonitor::OnUsedMotion(double forward_m,
                                                                        double turn_rad) {
+  unseen_s4_ += SquareOf(SquareOf(since_used_s_) / 8.0);
   for (Hypothesis& hypothesis : hypotheses_) {
-    const double own_forward_m = hypothesis.speed.value * since_used_s_;
-    const double own_turn_rad = hypothesis.yaw_rate.value * since_used_s_;
-    hypothesis.unapplied.forward_m += own_forward_m - forward_m;
-    hypothesis.unapplied.turn_rad += own_turn_rad - turn_rad;
-    hypothesis.since_registered.forward_m += own_forward_m;
-    hypothesis.since_registered.turn_rad += own_turn_rad;
+    const PlanarMotion own = hypothesis.MotionIn(since_used_s_);
+    hypothesis.unapplied.forward_m += own.forward_m - forward_m;
+    hypothesis.unapplied.turn_rad += own.turn_rad - turn_rad;
+    hypothesis.since_registered.forward_m += own.forward_m;
+    hypothesis.since_registered.turn_rad += own.turn_rad;
   }
   if (best().sound == used_) return std::nullopt;
   used_ = best().sound;

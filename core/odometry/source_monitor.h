@@ -186,8 +186,20 @@ class SourceMonitor {
     double log_weight = 0.0;
     ScalarEstimate speed;
     ScalarEstimate yaw_rate;
+    // At the last OnUsedMotion.
+    double previous_speed_mps = 0.0;
+    double previous_yaw_rate_radps = 0.0;
     PlanarMotion unapplied;         // beyond the motion that was used
     PlanarMotion since_registered;  // the whole motion
+
+    // Since the last call, by the means of both ends: half a second apart, they may differ by much.
+    PlanarMotion MotionIn(double duration_s) {
+      const PlanarMotion motion{0.5 * (previous_speed_mps + speed.value) * duration_s,
+                                0.5 * (previous_yaw_rate_radps + yaw_rate.value) * duration_s};
+      previous_speed_mps = speed.value;
+      previous_yaw_rate_radps = yaw_rate.value;
+      return motion;
+    }
   };
   static constexpr std::size_t kHypothesisCount = 1U << kOdometrySourceCount;
   using Hypotheses = std::array<Hypothesis, kHypothesisCount>;
@@ -229,7 +241,7 @@ class SourceMonitor {
   Hypothesis MostProbablePredecessor(const OdometrySources& sound, double duration_s,
                                      const Transitions& transitions) const;
   OdometryReadings WithFloors(const OdometryReadings& readings) const;
-  void Update(Hypothesis& hypothesis, const OdometryReadings& readings) const;
+  void Update(Hypothesis& hypothesis, const OdometryReadings& readings, double duration_s) const;
   void Begin(const OdometryReadings& readings);
   void TryOthers(Stamp stamp, const OdometryReadings& readings);
   void CompareWithRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
@@ -246,6 +258,9 @@ class SourceMonitor {
   std::optional<Stamp> compared_;  // when the readings were last compared
   std::optional<Stamp> newest_;    // of all readings
   double since_used_s_ = 0.0;
+  // Sum of (dt^2 / 8)^2 since the registration that is compared next: what a vehicle that speeds up
+  // by 1 in a second does between readings dt apart, unseen (as of METHOD eq 23).
+  double unseen_s4_ = 0.0;
   std::optional<Stamp> fits_compared_;
   std::optional<Registered> registered_;
   // When a registration last spoke for the best hypothesis, or its trial began, and for how many

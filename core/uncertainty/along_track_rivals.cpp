@@ -34,7 +34,7 @@ AlongTrackRivals::AlongTrackRivals(const AlongTrackRivalOptions& options) : opti
   better_.resize(offsets_m_.size());
 }
 
-// METHOD eq 59.
+// METHOD eq 60.
 void AlongTrackRivals::OnFits(std::size_t point_count, bool is_confirmed, double fit,
                               std::span<const double> rival_fits) {
   confirmed_count_ = is_confirmed ? confirmed_count_ + 1 : 0;

@@ -32,7 +32,7 @@ absl::Status Validate(const AlongTrackRivalOptions& options);
 
 /// Holds the pose against places before and behind it. Where posts repeat, registration fits a
 /// scan to the wrong ones as it does to the right ones. But what stands between them does not
-/// repeat: laid into the map at both places, scans tell which of the two is right (METHOD eq 59).
+/// repeat: laid into the map at both places, scans tell which of the two is right (METHOD eq 60).
 class AlongTrackRivals {
  public:
   explicit AlongTrackRivals(const AlongTrackRivalOptions& options);

@@ -18,7 +18,7 @@ std::span<const OptionField<CumulativeSumOptions>> FieldsOf(const CumulativeSumO
 absl::Status Validate(const CumulativeSumOptions& options);
 
 /// A one-sided cumulative sum with hysteresis (Page, "Continuous Inspection Schemes", 1954; METHOD
-/// eq 58).
+/// eq 59).
 class CumulativeSum {
  public:
   /// Takes in a deviation, in standard deviations.

@@ -45,7 +45,7 @@ ScanFit MapFitMonitor::Judge(std::size_t radar_index, std::size_t point_count, d
   return fit < least ? ScanFit::kContradicts : ScanFit::kAgrees;
 }
 
-// METHOD eq 58.
+// METHOD eq 59.
 void MapFitMonitor::Follow(std::size_t radar_index, std::size_t point_count, double fit) {
   const Expected& expected = radars_[radar_index];
   if (!IsComparable(expected, point_count)) return;

@@ -48,7 +48,7 @@ class MapFitMonitor {
   void Follow(std::size_t radar_index, std::size_t point_count, double fit);
 
   /// Whether scan after scan fits less than expected, each by too little to contradict (METHOD eq
-  /// 58).
+  /// 59).
   bool has_declined() const { return decline_.is_exceeded(); }
 
   /// Such a scan was taken where the vehicle surely is.

@@ -11,13 +11,23 @@
 namespace dcloc::faults {
 namespace {
 
+constexpr double kRamp_s = 20.0;
+
+/// `change` is also told since when the fault is in force.
 template <typename Change>
-void ChangeVelocities(Stream& stream, const Window& window, const Change& change) {
+void ChangeVelocitiesOverTime(Stream& stream, const Window& window, const Change& change) {
   for (StreamScan& entry : stream.scans) {
     if (window.Contains(entry.measured) && entry.scan.ego_velocity) {
-      change(*entry.scan.ego_velocity);
+      change(*entry.scan.ego_velocity,
+             std::chrono::duration<double>(entry.measured - window.begin).count());
     }
   }
+}
+
+template <typename Change>
+void ChangeVelocities(Stream& stream, const Window& window, const Change& change) {
+  ChangeVelocitiesOverTime(stream, window,
+                           [&](EgoVelocity& velocity, double /*since_s*/) { change(velocity); });
 }
 
 /// A reported velocity and when it was true.
@@ -83,7 +93,7 @@ void AddZeroAndFrozen(std::vector<Fault>& faults) {
 }
 
 void AddScales(std::vector<Fault>& faults) {
-  for (const double factor : {0.5, 0.7, 0.95, 1.05, 1.3, 1.5}) {
+  for (const double factor : {0.5, 0.7, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.3, 1.5}) {
     faults.push_back(MakeVelocityFault(absl::StrCat("scale-", factor),
                                        absl::StrCat("speed times ", factor), std::nullopt,
                                        Scaling(factor, 1.0)));
@@ -92,6 +102,28 @@ void AddScales(std::vector<Fault>& faults) {
     always.label += ", from the start";
     always.begin_s = 0.0;
     faults.push_back(std::move(always));
+  }
+}
+
+// What tyres and gyroscopes do: a little, for a while, slowly.
+void AddSmallScales(std::vector<Fault>& faults) {
+  for (const double factor : {0.95, 1.05}) {
+    Fault later = MakeVelocityFault(absl::StrCat("scale-", factor, "-30s"),
+                                    absl::StrCat("speed times ", factor, ", from 30 s on"),
+                                    std::nullopt, Scaling(factor, 1.0));
+    later.begin_s = 30.0;
+    faults.push_back(std::move(later));
+    faults.push_back(MakeVelocityFault(absl::StrCat("scale-", factor, "-10s"),
+                                       absl::StrCat("speed times ", factor, " for 10 s"), 10.0,
+                                       Scaling(factor, 1.0)));
+    faults.push_back(MakeVelocityFault(
+        absl::StrCat("ramp-", factor), absl::StrCat("speed times ", factor, ", reached in 20 s"),
+        std::nullopt, [=](Stream& stream, const Window& window, std::uint64_t) {
+          RampSpeed(stream, window, factor, kRamp_s);
+        }));
+    faults.push_back(MakeVelocityFault(absl::StrCat("yaw-scale-", factor),
+                                       absl::StrCat("yaw rate times ", factor), std::nullopt,
+                                       Scaling(1.0, factor)));
   }
 }
 
@@ -153,6 +185,12 @@ void ScaleVelocity(Stream& stream, const Window& window, double linear_factor,
   });
 }
 
+void RampSpeed(Stream& stream, const Window& window, double factor, double ramp_s) {
+  ChangeVelocitiesOverTime(stream, window, [&](EgoVelocity& velocity, double since_s) {
+    velocity.linear_mps *= 1.0 + (factor - 1.0) * std::min(1.0, since_s / ramp_s);
+  });
+}
+
 void FreezeVelocity(Stream& stream, const Window& window) {
   const std::vector<TimedVelocity> log = VelocitiesOf(stream);
   if (log.empty()) return;
@@ -196,6 +234,7 @@ std::vector<Fault> VelocityFaults() {
   std::vector<Fault> faults;
   AddZeroAndFrozen(faults);
   AddScales(faults);
+  AddSmallScales(faults);
   AddSignsAndBiases(faults);
   AddLateAndMissing(faults);
   return faults;

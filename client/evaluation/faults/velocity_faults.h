@@ -13,6 +13,10 @@ namespace dcloc::faults {
 void ScaleVelocity(Stream& stream, const Window& window, double linear_factor,
                    double angular_factor);
 
+/// Multiplies speeds by 1 at the window's begin, by `factor` from `ramp_s` later on, and by what is
+/// linear between.
+void RampSpeed(Stream& stream, const Window& window, double factor, double ramp_s);
+
 /// Reports what the last scan before the window did, or the first one of the drive.
 void FreezeVelocity(Stream& stream, const Window& window);
 

@@ -46,6 +46,19 @@ TEST(CusumDetectorTest, ASmallChangeTakesLonger) {
   EXPECT_LT(count, 12);
 }
 
+TEST(CusumDetectorTest, HalfWayToAChangeItIsSuspected) {
+  CusumDetector test({});
+  EXPECT_FALSE(test.Suspected());
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_FALSE(test.Suspected());
+    EXPECT_FALSE(test.OnDeviation({-0.025, kPageVariance}, 1.0));
+  }
+  ASSERT_TRUE(test.Suspected());
+  EXPECT_NEAR(*test.Suspected(), -0.025, 1e-12);
+  for (int i = 0; i < 3; ++i) test.OnDeviation({0.0, kPageVariance}, 1.0);
+  EXPECT_FALSE(test.Suspected());
+}
+
 TEST(CusumDetectorTest, OneThatIsFarOffIsNoChange) {
   CusumDetector test({});
   EXPECT_FALSE(test.OnDeviation({1e6, kPageVariance}, 1.0));

@@ -97,6 +97,23 @@ TEST(EgoMotionTest, WhatDepartsFromTheOthersIsLeftOut) {
   EXPECT_NEAR(SpeedAfter(20.0, 0.0), 20.0, 0.3) << "wheels that stand";
 }
 
+TEST(EgoMotionTest, WheelsThatAreSuddenlyAFewPerCentOffAreFollowed) {
+  for (const double factor : {0.95, 1.05}) {
+    EgoMotion motion;
+    const auto speed_after = [&](int begin_ms, int end_ms, double of_wheels) {
+      double speed_mps = 0.0;
+      for (int ms = begin_ms; ms < end_ms; ms += 75) {
+        Scan scan = Seen(ms, Planar(12.0, 0.0));
+        scan.ego_velocity = Planar(of_wheels * 12.0, 0.0);
+        speed_mps = motion.Advance(scan, kRadar).linear_mps.x();
+      }
+      return speed_mps;
+    };
+    EXPECT_NEAR(speed_after(0, 15'000, 1.0), 12.0, 0.05);
+    EXPECT_NEAR(speed_after(15'000, 18'000, factor), 12.0, 0.15) << factor;
+  }
+}
+
 // A vehicle that weaves, with wheels that are `delay_s` late: the root mean square error of its
 // speed in the last 20 of 45 seconds.
 double SpeedErrorOf(double delay_s, const LateOdometryOptions& late) {

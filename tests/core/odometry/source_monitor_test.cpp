@@ -25,22 +25,21 @@ class Vehicle {
   // Goes on for `duration_s`, the sources spoilt by `lie`.
   void Drive(
       double duration_s, const Lie& lie = [](OdometryReadings&) {}) {
-    for (const double end_s = now_s_ + duration_s; now_s_ < end_s; now_s_ += 1e-3 * kScan_ms) {
-      const double speed_mps = 15.0 + 3.0 * std::sin(0.4 * now_s_);
-      const double yaw_rate_radps = 0.15 * std::sin(0.7 * now_s_);
+    for (const double end_s = now_s_ + duration_s; now_s_ < end_s; now_s_ += 1e-3 * scan_ms) {
+      const double speed_mps = SpeedAt(now_s_);
+      const double yaw_rate_radps = YawRateAt(now_s_);
       OdometryReadings readings{.wheel_speed = Speed(speed_mps, 0.1),
                                 .yaw_rate = Speed(yaw_rate_radps, 0.005),
                                 .doppler_speed = Speed(speed_mps, 0.5),
                                 .doppler_yaw_rate = Speed(yaw_rate_radps, 0.03),
                                 .doppler_direction_count = 12};
       lie(readings);
-      stamp_ += milliseconds(kScan_ms);
+      stamp_ += milliseconds(scan_ms);
       monitor.OnReadings(stamp_, readings);
-      const double step_s = 1e-3 * kScan_ms;
-      unapplied = monitor.OnUsedMotion(used(readings.wheel_speed, speed_mps) * step_s,
-                                       yaw_rate_radps * step_s);
-      T_map_vehicle_ =
-          T_map_vehicle_ * Exp(Eigen::Vector3d(speed_mps * step_s, 0.0, yaw_rate_radps * step_s));
+      const Eigen::Vector3d moved = Moved(1e-3 * scan_ms);
+      unapplied = monitor.OnUsedMotion(
+          used(readings.wheel_speed, speed_mps) / speed_mps * moved.x(), moved.z());
+      T_map_vehicle_ = T_map_vehicle_ * Exp(moved);
       if (is_registered) monitor.OnRegistration(T_map_vehicle_, {});
       if (!found_wrong_after_s && monitor.sound() != OdometrySources(7)) {
         found_wrong_after_s = now_s_;
@@ -50,10 +49,27 @@ class Vehicle {
 
   SourceMonitor monitor;
   bool is_registered = false;
+  int scan_ms = kScan_ms;
+  double turn_radps = 0.15;                   // at most
   std::optional<double> found_wrong_after_s;  // since the drive's beginning
   std::optional<SourceMonitor::PlanarMotion> unapplied;
 
  private:
+  double SpeedAt(double time_s) const { return 15.0 + 3.0 * std::sin(0.4 * time_s); }
+  double YawRateAt(double time_s) const { return turn_radps * std::sin(0.7 * time_s); }
+
+  // Way and turn of the last `step_s`.
+  Eigen::Vector3d Moved(double step_s) const {
+    constexpr int kParts = 10;
+    const double part_s = step_s / kParts;
+    Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+    for (int i = 0; i < kParts; ++i) {
+      const double time_s = now_s_ - (i + 0.5) * part_s;
+      moved += part_s * Eigen::Vector3d(SpeedAt(time_s), 0.0, YawRateAt(time_s));
+    }
+    return moved;
+  }
+
   static double used(const std::optional<ScalarEstimate>& wheels, double otherwise) {
     return wheels ? wheels->value : otherwise;
   }
@@ -69,6 +85,20 @@ TEST(SourceMonitorTest, SourcesThatAgreeAreSound) {
   EXPECT_EQ(vehicle.monitor.sound(), OdometrySources(7));
   EXPECT_FALSE(vehicle.found_wrong_after_s);
   EXPECT_GT(vehicle.monitor.confidence(), 0.9);
+}
+
+// In curves, and with a single radar, whose yaw rate does not hold against the gyroscope's.
+TEST(SourceMonitorTest, RareScansMakeNoSourceFail) {
+  for (const int scan_ms : {250, 530}) {
+    Vehicle vehicle;
+    vehicle.is_registered = true;
+    vehicle.scan_ms = scan_ms;
+    const auto without_turn = [](OdometryReadings& r) { r.doppler_yaw_rate.reset(); };
+    vehicle.turn_radps = 0.6;
+    vehicle.Drive(60.0, without_turn);
+    EXPECT_FALSE(vehicle.found_wrong_after_s) << scan_ms;
+    EXPECT_EQ(vehicle.monitor.sound(), OdometrySources(7)) << scan_ms;
+  }
 }
 
 struct Case {

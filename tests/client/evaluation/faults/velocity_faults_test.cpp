@@ -38,6 +38,19 @@ TEST(VelocityFaultsTest, ScaleSpeedAndTurnApart) {
   });
 }
 
+TEST(VelocityFaultsTest, RaiseTheSpeedSlowly) {
+  Stream stream = MadeStream(3.0);
+  const Stream before = MadeStream(3.0);
+  RampSpeed(stream, {MadeStamp(1.0)}, 0.9, 1.0);
+  const auto factor = [&](std::size_t i) {
+    return stream.scans[i].scan.ego_velocity->linear_mps.x() /
+           before.scans[i].scan.ego_velocity->linear_mps.x();
+  };
+  EXPECT_NEAR(factor(5), 1.0, 1e-9);
+  EXPECT_NEAR(factor(15), 0.95, 1e-9);
+  EXPECT_NEAR(factor(25), 0.9, 1e-9);
+}
+
 TEST(VelocityFaultsTest, FreezeWhatWasLastSaid) {
   Stream stream = MadeStream(3.0);
   FreezeVelocity(stream, kSecond);

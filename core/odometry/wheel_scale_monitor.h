@@ -1,0 +1,95 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/odometry/cusum_detector.h"
+#include "core/odometry/scalar_estimate.h"
+#include "core/options/option_fields.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// When the wheels' scale is said to have changed at once.
+struct WheelScaleMonitorOptions {
+  CusumOptions change;
+  /// Speeds are compared by their means over so long.
+  std::chrono::nanoseconds span = std::chrono::milliseconds(300);
+  /// Readings further apart are of two spans.
+  std::chrono::nanoseconds max_gap = std::chrono::milliseconds(500);
+  int min_reading_count = 2;
+  /// Slower spans tell nothing of a scale.
+  double min_speed_mps = 3.0;
+  /// What the means of a span differ by, in deviations: noise, a part of the speed, and a delay
+  /// while the speed changes.
+  double speed_sigma_mps = 0.05;
+  double speed_sigma_fraction = 0.006;
+  double delay_sigma_s = 0.1;
+  /// The usual ratio is the mean over so many spans; before the first of them are so many, nothing
+  /// is compared. Spans further off than `usual_sigmas` are no part of it.
+  int usual_span_count = 100;
+  int min_usual_span_count = 12;
+  double usual_sigmas = 3.0;
+  /// A smaller change is left to registrations, which learn it without being told.
+  double min_change = 0.01;
+  /// By more than this share the scale of wheels does not change: they slip.
+  double max_change = 0.12;
+  /// The deviation of a change is at least this fraction of it: the first span may be partly of
+  /// before.
+  double change_sigma_fraction = 0.25;
+};
+std::span<const OptionField<WheelScaleMonitorOptions>> FieldsOf(
+    const WheelScaleMonitorOptions& options);
+absl::Status Validate(const WheelScaleMonitorOptions& options);
+
+/// The wheels' scale has changed.
+struct WheelScaleChange {
+  ScalarEstimate share;  ///< by which the scale is larger than it was
+  double way_m = 0.0;    ///< driven since, by wheels
+};
+
+/// Finds that the wheels' speed is suddenly another multiple of Doppler's: their scale has changed
+/// by too little to be slip (METHOD eq 58). Their usual ratio does not matter, so a Doppler speed
+/// that is constantly off by some parts in a thousand is no scale.
+class WheelScaleMonitor {
+ public:
+  explicit WheelScaleMonitor(const WheelScaleMonitorOptions& options = {})
+      : options_(options), change_(options.change) {}
+
+  /// What both say at `stamp`, which is not before the last one; the wheels' speed as reported.
+  /// Gives a change once it is found.
+  std::optional<WheelScaleChange> OnSpeeds(Stamp stamp, double wheels_mps, double doppler_mps);
+
+  /// A share by which the scale may have changed: not enough to be called a change yet.
+  std::optional<double> Suspected() const;
+
+  /// One of the two is not sound: what it said of late is not compared.
+  void OnUnsound();
+
+ private:
+  struct Span {
+    Stamp begin{};
+    Stamp end{};
+    double first_wheels_mps = 0.0;
+    double last_wheels_mps = 0.0;
+    double wheels_sum_mps = 0.0;
+    double doppler_sum_mps = 0.0;
+    int count = 0;
+  };
+
+  std::optional<WheelScaleChange> OnSpan(const Span& span);
+  double VarianceOf(const Span& span) const;
+  void Learn(double ratio);
+  void ForgetUnusual();
+
+  WheelScaleMonitorOptions options_;
+  std::optional<Span> span_;
+  double usual_ratio_ = 1.0;
+  int usual_count_ = 0;
+  double unusual_way_m_ = 0.0;  // since a span was last as usual
+  CusumDetector change_;
+};
+
+}  // namespace dcloc
