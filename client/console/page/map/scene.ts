@@ -1,4 +1,5 @@
 import { BaseLayer } from "./base_layer.ts";
+import { BehindFrame } from "./behind_frame.ts";
 import { type Bounds, Camera } from "./camera.ts";
 import { drawGrid, drawTiles } from "./draw_map.ts";
 import { arrowSprites } from "./draw_arrow.ts";
@@ -41,8 +42,8 @@ export class Scene {
   private content: SceneContent;
   private palette: Palette = readPalette();
   private isFitted = false;
-  private request = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
+  private readonly drawing = new BehindFrame(() => this.draw());
   private readonly stop = new AbortController();
   private readonly resizing: ResizeObserver;
   private readonly themes: MutationObserver;
@@ -80,8 +81,7 @@ export class Scene {
   }
 
   redraw(): void {
-    if (this.stop.signal.aborted) return;
-    this.request ||= requestAnimationFrame(() => this.draw());
+    if (!this.stop.signal.aborted) this.drawing.ask();
   }
 
   /** Also what does not move: there are other tiles. */
@@ -106,7 +106,7 @@ export class Scene {
     this.heat.close();
     this.resizing.disconnect();
     this.themes.disconnect();
-    cancelAnimationFrame(this.request);
+    this.drawing.cancel();
     clearTimeout(this.timer);
   }
 
@@ -126,7 +126,6 @@ export class Scene {
   }
 
   private draw(): void {
-    this.request = 0;
     const { content, camera, palette } = this;
     const context = this.canvas.getContext("2d", { alpha: false });
     if (!context || this.stop.signal.aborted) return;

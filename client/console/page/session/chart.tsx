@@ -13,8 +13,11 @@ export interface Line {
   label: string;
   /** Of the style sheet, --chart-N. */
   colour: 1 | 2 | 3;
+  /** NaN where there is none: a gap. */
   value: (sample: Sample) => number;
 }
+
+const orGap = (value: number): number | null => (Number.isFinite(value) ? value : null);
 
 interface Props {
   title: string;
@@ -139,7 +142,7 @@ export function Chart({ title, lines, samples, nowMs, mark, markLabel, tick }: P
   useEffect(() => {
     shown.current = shownOf(samples, nowMs);
     const times = shown.current.map((sample) => (sample.timeMs - nowMs) / 1000);
-    plot.current?.setData([times, ...lines.map((line) => shown.current.map(line.value))]);
+    plot.current?.setData([times, ...lines.map((line) => shown.current.map((sample) => orGap(line.value(sample))))]);
   }, [tick, theme, mark]);
 
   const last = samples[samples.length - 1];
@@ -163,6 +166,7 @@ export function Chart({ title, lines, samples, nowMs, mark, markLabel, tick }: P
 }
 
 function formatted(value: number): string {
+  if (!Number.isFinite(value)) return "–";
   if (Math.abs(value) >= 100 || Number.isInteger(value)) return value.toFixed(0);
   return value.toPrecision(3);
 }

@@ -19,7 +19,10 @@ function panels(isSpatial: boolean): Panel[] {
   return [
     {
       title: t("chart_sigma"),
-      lines: [{ label: "σ", colour: 1, value: (s) => s.sigmaM }],
+      lines: [
+        { label: "σ", colour: 1, value: (s) => s.sigmaM },
+        { label: t("protection_level"), colour: 2, value: (s) => s.protectionM },
+      ],
       mark: 2,
     },
     {

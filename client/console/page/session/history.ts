@@ -35,6 +35,8 @@ export interface Sample {
   yy: number;
   /** Largest standard deviation of the position in the plane. */
   sigmaM: number;
+  /** What the position in the plane is off by at most, but for once in 10,000 times; NaN: not promised. */
+  protectionM: number;
   points: number;
   inliers: number;
   overlap: number;
@@ -75,6 +77,7 @@ export function sampleOf(result: LocalizationResult, timeMs: number): Sample | u
     xy,
     yy,
     sigmaM: Math.sqrt(Math.max(0, (xx + yy) / 2 + Math.hypot((xx - yy) / 2, xy))),
+    protectionM: result.protectionLevelM ?? Number.NaN,
     points: quality?.livePointCount ?? 0,
     inliers: quality?.inlierCount ?? 0,
     overlap: quality?.overlap ?? 0,

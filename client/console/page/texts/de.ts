@@ -170,6 +170,7 @@ export const de: Record<TextKey, string> = {
   fault_11: "seine Ziele widersprechen der Karte",
   fault_12: "seine Uhr geht falsch",
   chart_sigma: "Sigma der Position, m",
+  protection_level: "Schutzniveau",
   chart_overlap: "Überdeckung mit der Karte, %",
   chart_inliers: "Inlier und Punkte",
   chart_residual: "Maß der Residuen (1 wie modelliert)",

@@ -168,6 +168,7 @@ export const en = {
   fault_11: "its targets contradict the map",
   fault_12: "its clock is off",
   chart_sigma: "Position sigma, m",
+  protection_level: "level of protection",
   chart_overlap: "Overlap with the map, %",
   chart_inliers: "Inliers and points",
   chart_residual: "Residual scale (1 is as modelled)",

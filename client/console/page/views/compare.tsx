@@ -117,9 +117,15 @@ export function CompareView(props: Props) {
           tick={tick}
         />
         <div class="legend">
-          <span class="swatch only-from" aria-hidden="true" /> {t("compare_only_from", { version: from })}
-          <span class="swatch only-to" aria-hidden="true" /> {t("compare_only_to", { version: to })}
-          <span class="swatch both" aria-hidden="true" /> {t("compare_both")}
+          <span>
+            <span class="swatch only-from" aria-hidden="true" /> {t("compare_only_from", { version: from })}
+          </span>
+          <span>
+            <span class="swatch only-to" aria-hidden="true" /> {t("compare_only_to", { version: to })}
+          </span>
+          <span>
+            <span class="swatch both" aria-hidden="true" /> {t("compare_both")}
+          </span>
           {!isDetailed && <span class="soft">{t("compare_zoom")}</span>}
         </div>
       </div>

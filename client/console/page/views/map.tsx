@@ -94,8 +94,12 @@ export function MapView({ server, name, fleet }: { server: string; name: string;
           onDrawn={onDrawn}
         />
         <div class="legend">
-          <span class="swatch coverage" aria-hidden="true" /> {t("legend_coverage")}
-          <span class="swatch landmark" aria-hidden="true" /> {t("legend_landmarks")}
+          <span>
+            <span class="swatch coverage" aria-hidden="true" /> {t("legend_coverage")}
+          </span>
+          <span>
+            <span class="swatch landmark" aria-hidden="true" /> {t("legend_landmarks")}
+          </span>
           <span class="soft">
             {t("points_shown", { shown: count(landmarks.shown), count: count(landmarks.count) })}
           </span>

@@ -9,6 +9,8 @@ import { type Notes, type ThreadTimes, interactionQuantile, note, quantile, read
 
 const VEHICLE_COUNT = 2_000;
 const MINUTES = Number(process.env["MINUTES"] ?? "2");
+/** "page" or "load": that part alone. */
+const ONLY = process.env["ONLY"] ?? "";
 const MIB = 2 ** 20;
 
 function print(name: string, figure: string, goal: string): void {
@@ -143,7 +145,7 @@ async function measurePage(browser: Browser, bridge: Program): Promise<void> {
   await page.close();
 }
 
-async function main(): Promise<void> {
+async function measureConsole(): Promise<void> {
   const page = join(process.env["DCLOC_CONSOLE"]!, "../page");
   print("bundle, compressed, with its font", `${(bundleBytes(page) / 1000).toFixed(0)} kB`, "1500 kB");
   const fleet = await Program.start(process.execPath, [
@@ -159,6 +161,11 @@ async function main(): Promise<void> {
     await bridge.stop();
     await fleet.stop();
   }
+}
+
+async function main(): Promise<void> {
+  if (ONLY !== "load") await measureConsole();
+  if (ONLY === "page") return;
   for (const { text, without, withPages } of await measureLoad()) {
     print(text, `${without} without, ${withPages} with`, "equal");
   }

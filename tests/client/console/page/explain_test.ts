@@ -16,6 +16,7 @@ const GOOD: Sample = {
   xy: 0,
   yy: 0.01,
   sigmaM: 0.1,
+  protectionM: Number.NaN,
   points: 400,
   inliers: 320,
   overlap: 0.8,
