@@ -387,27 +387,6 @@ TEST(TrackingStateMachineTest, FixesThatContradictWhileAPlaceIsConfirmedAskForVe
   EXPECT_FALSE(state.ShouldSearchBeside());
 }
 
-TEST(TrackingStateMachineTest, WhileScansFitLessThanBeforeThePoseIsDoubted) {
-  TrackingStateMachine state = Tracking(1000);
-  state.OnFitTrend(true);
-  Scan(state, 1100, true);
-  for (int i = 0; i < 5; ++i) state.OnScanFit(ScanFit::kAgrees);
-  EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
-  EXPECT_TRUE(state.ShouldSearchBeside());
-  state.OnFitTrend(false);
-  for (int i = 0; i < 5; ++i) state.OnScanFit(ScanFit::kAgrees);
-  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
-}
-
-TEST(TrackingStateMachineTest, APriorThatSomethingContradictsHasNoLead) {
-  TrackingStateMachine state(kOptions);
-  EXPECT_FALSE(state.is_undoubted_prior());
-  state.OnPrior();
-  EXPECT_TRUE(state.is_undoubted_prior());
-  state.OnFitTrend(true);
-  EXPECT_FALSE(state.is_undoubted_prior());
-}
-
 TEST(TrackingStateMachineTest, AnUncertainPoseIsNotCalledTracking) {
   const TrackingStateMachine state = Tracking(1000);
   EXPECT_EQ(state.Report(kOptions.tracking_sigma_m), LocalizationState::kTracking);

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+
+#include "core/localizer/tracking_state_machine.h"
 
 namespace dcloc {
 namespace {
@@ -104,6 +107,51 @@ TEST_P(TrackingTransitionTest, IsTaken) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TrackingTransitionTest, ::testing::ValuesIn(kTrackingTransitions));
+
+// What the trend of the scans' fits does to a pose.
+void Accept(TrackingStateMachine& state, int count) {
+  for (int i = 0; i < count; ++i) {
+    state.OnRegistration(Stamp(std::chrono::milliseconds(1'000'000 + 10 * i)),
+                         RegistrationOutcome::kAccepted);
+  }
+}
+
+void Agree(TrackingStateMachine& state, int count) {
+  for (int i = 0; i < count; ++i) state.OnScanFit(ScanFit::kAgrees);
+}
+
+TEST(TrackingDoubtTest, WhileScansFitLessThanBeforeThePoseIsDoubted) {
+  TrackingStateMachine state({});
+  state.OnPlaceFound();
+  Accept(state, 5);
+  ASSERT_EQ(state.mode(), TrackingMode::kConfirmed);
+  state.OnFitTrend(true);
+  Accept(state, 5);
+  Agree(state, 5);
+  EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
+  EXPECT_TRUE(state.ShouldSearchBeside());
+  state.OnFitTrend(false);
+  Agree(state, 5);
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
+}
+
+TEST(TrackingDoubtTest, VerificationEndsIt) {
+  TrackingStateMachine state({});
+  state.OnPlaceFound();
+  Accept(state, 5);
+  state.OnFitTrend(true);
+  state.OnVerified();
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
+}
+
+TEST(TrackingDoubtTest, APriorThatSomethingContradictsHasNoLead) {
+  TrackingStateMachine state({});
+  EXPECT_FALSE(state.is_undoubted_prior());
+  state.OnPrior();
+  EXPECT_TRUE(state.is_undoubted_prior());
+  state.OnFitTrend(true);
+  EXPECT_FALSE(state.is_undoubted_prior());
+}
 
 }  // namespace
 }  // namespace dcloc
