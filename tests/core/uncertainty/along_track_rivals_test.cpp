@@ -14,8 +14,8 @@ namespace {
 constexpr std::size_t kPointsOfAScan = 60;
 
 // Scans fit the pose by `fit` and the places that lie a whole number of pitches away by
-// `post_fit`; all others fit little. The way to the place that is better after so many scans.
-std::optional<double> BetterAfter(int scan_count, double fit, double post_fit, double noise = 0.0) {
+// `post_fit`; all others fit little. Whether one of them is better after so many scans.
+bool IsBetterAfter(int scan_count, double fit, double post_fit, double noise = 0.0) {
   constexpr double kPitch_m = 4.0, kElsewhere = 0.2;
   AlongTrackRivals rivals({});
   std::mt19937 random(3);

@@ -60,7 +60,7 @@ TEST(MapFitMonitorTest, ScansThatAllFitALittleLessAreADecline) {
     }
     return scans;
   };
-  EXPECT_THAT(scans_until(true, 0.37), AllOf(Ge(4), Le(9))) << "one alone says little";
+  EXPECT_THAT(scans_until(true, 0.37), AllOf(Ge(4), Le(12))) << "one alone says little";
   EXPECT_EQ(monitor.Judge(0, kPoints, 0.37), ScanFit::kAgrees) << "each one alone agrees";
   for (int i = 0; i < 1000; ++i) monitor.Follow(0, kPoints, 0.37);
   EXPECT_TRUE(monitor.has_declined());
