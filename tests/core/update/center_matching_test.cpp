@@ -1,0 +1,32 @@
+#include "core/update/center_matching.h"
+
+#include <gtest/gtest.h>
+
+namespace dcloc {
+namespace {
+
+PlaceEstimate At(double x_m, double y_m, double sigma_m = 0.08) {
+  return {.position_m = {x_m, y_m},
+          .covariance_m2 = sigma_m * sigma_m * Eigen::Matrix2d::Identity()};
+}
+
+TEST(MatchCentersTest, EachLandmarkGetsItsOwnCenter) {
+  const std::vector<PlaceEstimate> landmarks = {At(0.0, 0.0), At(0.3, 0.0), At(9.0, 0.0)};
+  const std::vector<PlaceEstimate> centers = {At(0.28, 0.0), At(0.05, 0.0)};
+  EXPECT_EQ(MatchCenters(landmarks, centers), (std::vector<std::uint32_t>{1, 0, kNoCenter}));
+}
+
+TEST(MatchCentersTest, ACenterIsOfOneLandmarkOnly) {
+  const std::vector<PlaceEstimate> landmarks = {At(0.1, 0.0), At(0.0, 0.0)};
+  const std::vector<PlaceEstimate> centers = {At(0.02, 0.0)};
+  EXPECT_EQ(MatchCenters(landmarks, centers), (std::vector<std::uint32_t>{kNoCenter, 0}));
+}
+
+TEST(MatchCentersTest, HowFarTheyMayLieApartIsWhatIsKnownOfBoth) {
+  EXPECT_EQ(MatchCenters({{At(0.0, 0.0)}}, {{At(0.42, 0.0)}})[0], kNoCenter);
+  EXPECT_EQ(MatchCenters({{At(0.0, 0.0)}}, {{At(0.42, 0.0, 0.3)}})[0], 0U);
+  EXPECT_EQ(MatchCenters({{At(0.0, 0.0, 2.0)}}, {{At(0.52, 0.0, 2.0)}})[0], kNoCenter);
+}
+
+}  // namespace
+}  // namespace dcloc
