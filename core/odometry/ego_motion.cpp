@@ -130,7 +130,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   expected_motion_ = since_previous_.T_from_to;
   ApplyCorrection();
   if (scale_correction_m_ != 0.0) Correct(std::exchange(scale_correction_m_, 0.0), 0.0);
-  unobserved_way_m_ += std::abs(since_previous_.T_from_to.translation_m.x());
+  unobserved_distance_m_ += std::abs(since_previous_.T_from_to.translation_m.x());
   Learn(reported, now, age);
   velocity_ = widened_velocity_ = now;
   AddSpread();
@@ -150,9 +150,10 @@ void EgoMotion::FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& 
   const auto change = wheel_scale_.OnSpeeds(stamp, reported->linear_mps.x() / errors_.scale(),
                                             doppler->ego_velocity.linear_mps.x());
   if (!change) return;
-  scale_correction_m_ = change->share.value *
-                        std::copysign(std::min(errors_.scale() * change->way_m, unobserved_way_m_),
-                                      reported->linear_mps.x());
+  scale_correction_m_ =
+      change->share.value *
+      std::copysign(std::min(errors_.scale() * change->distance_m, unobserved_distance_m_),
+                    reported->linear_mps.x());
   errors_.OnScaleChange(change->share);
 }
 

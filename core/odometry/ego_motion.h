@@ -105,7 +105,7 @@ class EgoMotion {
     sources_.OnRegistration(Flatten(T_map_vehicle), evidence);
     if (!evidence.is_accepted) return;
     spread_ = sources_.CurrentSpread();
-    if (evidence.observes_along_track) unobserved_way_m_ = 0.0;
+    if (evidence.observes_along_track) unobserved_distance_m_ = 0.0;
   }
 
   /// Where the vehicle would be now, from where it is taken to be, if other sources were sound;
@@ -210,7 +210,7 @@ class EgoMotion {
   Stamp moment_{};                            // when their targets were measured, on average
   bool sources_changed_ = false;
   // Driven since a registration last said where along the track the vehicle is.
-  double unobserved_way_m_ = 0.0;
+  double unobserved_distance_m_ = 0.0;
   double scale_correction_m_ = 0.0;  // to be applied to the motion
 };
 

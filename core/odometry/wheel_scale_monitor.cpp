@@ -69,14 +69,14 @@ std::optional<WheelScaleChange> WheelScaleMonitor::OnSpan(const Span& span) {
   if (std::pow(deviation.value, 2) <= std::pow(options_.usual_sigmas, 2) * deviation.variance)
     Learn(ratio);
   const bool is_usual = std::pow(deviation.value, 2) <= deviation.variance;
-  unusual_way_m_ = is_usual ? 0.0
-                            : unusual_way_m_ + std::abs(span.wheels_sum_mps) / span.count *
-                                                   SecondsOf(options_.span);
+  unusual_distance_m_ = is_usual ? 0.0
+                                 : unusual_distance_m_ + std::abs(span.wheels_sum_mps) /
+                                                             span.count * SecondsOf(options_.span);
   std::optional<ScalarEstimate> change = change_.OnDeviation(deviation, 1.0);
   if (!change || std::abs(change->value) < options_.min_change) return std::nullopt;
   usual_ratio_ *= 1.0 + change->value;
   change->variance += std::pow(options_.change_sigma_fraction * change->value, 2);
-  return WheelScaleChange{*change, std::exchange(unusual_way_m_, 0.0)};
+  return WheelScaleChange{*change, std::exchange(unusual_distance_m_, 0.0)};
 }
 
 std::optional<double> WheelScaleMonitor::Suspected() const { return change_.Suspected(); }
@@ -102,7 +102,7 @@ void WheelScaleMonitor::OnUnsound() {
 }
 
 void WheelScaleMonitor::ForgetUnusual() {
-  unusual_way_m_ = 0.0;
+  unusual_distance_m_ = 0.0;
   change_.Reset();
 }
 

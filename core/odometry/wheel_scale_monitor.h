@@ -46,8 +46,8 @@ absl::Status Validate(const WheelScaleMonitorOptions& options);
 
 /// The wheels' scale has changed.
 struct WheelScaleChange {
-  ScalarEstimate share;  ///< by which the scale is larger than it was
-  double way_m = 0.0;    ///< driven since, by wheels
+  ScalarEstimate share;     ///< by which the scale is larger than it was
+  double distance_m = 0.0;  ///< driven since, by wheels
 };
 
 /// Finds that the wheels' speed is suddenly another multiple of Doppler's: their scale has changed
@@ -88,7 +88,7 @@ class WheelScaleMonitor {
   std::optional<Span> span_;
   double usual_ratio_ = 1.0;
   int usual_count_ = 0;
-  double unusual_way_m_ = 0.0;  // since a span was last as usual
+  double unusual_distance_m_ = 0.0;  // since a span was last as usual
   CusumDetector change_;
 };
 
