@@ -16,7 +16,7 @@ namespace dcloc {
 inline constexpr const char* kBagMappingFileName = "dcloc_bag.json";
 
 /// How a topic of point clouds becomes the scans of a radar. Fields are named; a name that is empty
-/// is not there. Targets are told by range and azimuth, or by x and y.
+/// is not there. Targets are given by range and azimuth, or by x and y.
 struct RadarMapping {
   std::string id;
   std::string topic;

@@ -12,7 +12,7 @@ namespace dcloc {
 
 /// Makes a map of a drive from its scans at its reference poses, in their frame; the bytes are a
 /// map file. A scan's ego-velocity is the one that a localizer would use: the drive's, fused with
-/// the Doppler estimate. `progress` is told the number of scans done. FailedPrecondition when the
+/// the Doppler estimate. `progress` receives the number of scans done. FailedPrecondition when the
 /// drive gave no landmark, InvalidArgument for a scan of a radar that the rig does not describe.
 absl::StatusOr<std::vector<std::byte>> BuildMap(
     const Drive& drive, const MapBuilderOptions& options,

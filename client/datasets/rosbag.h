@@ -42,7 +42,7 @@ absl::StatusOr<Drive> ReadBagAs(const std::string& name, const std::filesystem::
                                 const BagMapping& mapping, const DriveRequest& request);
 
 /// The radar as a mapping and TF describe it: its mount, and whether it measures elevation.
-/// NotFound where its frame is needed and no message has told it; InvalidArgument where TF does not
+/// NotFound where its frame is needed and no message names it; InvalidArgument where TF does not
 /// tell where that frame sits on the vehicle.
 absl::StatusOr<RadarModel> RadarOf(const RadarMapping& radar, const BagContents& contents,
                                    const std::string& vehicle_frame);

@@ -14,14 +14,14 @@ namespace dcloc::node {
 /// A parameter as a middleware holds it; whole numbers come as double.
 using ParameterValue = std::variant<bool, double, std::string>;
 
-/// What a vehicle's node is told by its parameters, under the names of the members.
+/// The parameters of a vehicle's node, under the names of the members.
 struct NodeOptions {
   std::string server = "localhost:50051";  ///< HOST:PORT
   std::string map;                         ///< on the server
   std::string vehicle = "ros";             ///< names it in logs and session lists
   std::string mapping;                     ///< path of a `dcloc_bag.json`: what the topics are
   std::string rig;                         ///< path of a `dcloc_rig.json`, or empty
-  std::string odom_frame = "odom";         ///< whose place in the map is told by TF
+  std::string odom_frame = "odom";         ///< TF gives its place in the map
   std::string initial_pose_topic = "/initialpose";
   std::string fix_topic;  ///< NavSatFix; empty: none
   std::string tls_ca;

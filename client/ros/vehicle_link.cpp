@@ -59,7 +59,7 @@ absl::Status VehicleLink::SendFix(v1::PositionFix fix) {
 }
 
 void VehicleLink::AddVelocity(std::int64_t stamp_ns, const v1::EgoVelocity& velocity) {
-  // One that is not valid is told of with the scan that it goes with.
+  // An invalid one is reported with the scan that it belongs to.
   if (const auto open = session()) open->AddEgoVelocity(stamp_ns, velocity).IgnoreError();
 }
 

@@ -99,7 +99,7 @@ struct PairedFrame {
 };
 
 // `scale` is 0 for what is left alone: beside a narrow prior its gradient would stay in the Godambe
-// information and move the others as if it told of them.
+// information and move the others as if it measured them.
 Posterior Solve(const std::vector<PairedFrame>& frames, const Eigen::VectorXd& scale,
                 const CalibratorOptions& options, double min_range_m,
                 const std::function<void()>& on_step) {

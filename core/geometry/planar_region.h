@@ -27,7 +27,7 @@ PlanarPolygon BoxPolygon(const Eigen::Vector2d& min_m, const Eigen::Vector2d& ma
 /// holds a point on it. For many points see `RegionTest`.
 bool Contains(const PlanarRegion& region, const Eigen::Vector2d& p_m);
 
-/// Tells of many points what `Contains` tells of one: a ring whose bounding box does not hold the
+/// Tests many points as `Contains` tests one: a ring whose bounding box does not hold the
 /// point is not walked round. The region outlives this.
 class RegionTest {
  public:

@@ -15,20 +15,21 @@ namespace dcloc {
 
 /// When fixes agree with the pose of the radars, and when they are fused.
 struct FixMonitorOptions {
-  /// A fix agrees with the pose up to this squared Mahalanobis distance of the two positions, and
-  /// of the two headings.
+  /// A fix agrees with the pose up to this squared Mahalanobis distance of the two positions.
   double max_squared_distance = kChiSquare999With2Dof;
+  /// A fix agrees with the pose up to this squared Mahalanobis distance of the two headings.
   double max_squared_heading_distance = kChiSquare999With1Dof;
-  /// A deviation of the heading beyond this says that it is not known.
+  /// A fix whose heading is less certain than this has none.
   double unknown_heading_sigma_rad = 1.0;
-  /// So many fixes in a row, over so long, that contradict the pose do so persistently.
+  /// Fixes in a row that must contradict the pose for the contradiction to be persistent.
   int persistent_fixes = 3;
+  /// The time that these fixes must span, at least.
   std::chrono::nanoseconds persistent_span = std::chrono::milliseconds(800);
-  /// Fixes that the radars have refuted are ignored for so long.
+  /// Fixes are ignored for this long after the radars have refuted them.
   std::chrono::nanoseconds refuted_span = std::chrono::seconds(30);
-  /// Errors of fixes are correlated in time: within this interval one is fused, and only if its
-  /// deviation is at most so many times the pose's.
+  /// One fix is fused within this time: errors of fixes are correlated.
   std::chrono::nanoseconds fusion_interval = std::chrono::seconds(1);
+  /// A fix is fused if its position's standard deviation is at most this multiple of the pose's.
   double fusion_sigma_factor = 2.0;
 };
 std::span<const OptionField<FixMonitorOptions>> FieldsOf(const FixMonitorOptions& options);

@@ -7,7 +7,7 @@ std::span<const OptionField<KnowledgeReportOptions>> FieldsOf(
   using O = KnowledgeReportOptions;
   static constexpr OptionField<O> kFields[] = {
       {"interval_ms", &O::interval, 1, 1e7},
-      {"max_beta_sigma_s", &O::max_beta_sigma_s, 0, 10, "no beta is told"},
+      {"max_beta_sigma_s", &O::max_beta_sigma_s, 0, 10, "no beta is reported"},
   };
   return kFields;
 }
@@ -24,9 +24,9 @@ bool KnowledgeReport::IsDue(Stamp stamp) {
 }
 
 std::optional<RigKnowledge> KnowledgeReport::OnKnown(const RigKnowledge& known) {
-  if (!HasChanged(told_, known)) return std::nullopt;
-  told_ = known;
-  return told_;
+  if (!HasChanged(last_reported_, known)) return std::nullopt;
+  last_reported_ = known;
+  return last_reported_;
 }
 
 }  // namespace dcloc

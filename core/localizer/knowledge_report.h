@@ -12,16 +12,16 @@
 namespace dcloc {
 
 struct KnowledgeReportOptions {
-  /// What was learned is looked at no more often than this, and so told no more often.
+  /// What was learned is looked at, and so reported, no more often than this.
   std::chrono::nanoseconds interval = std::chrono::seconds(5);
-  /// A beta that is known less well is not told.
+  /// A beta that is less certain than this is not reported.
   double max_beta_sigma_s = 0.02;
 };
 std::span<const OptionField<KnowledgeReportOptions>> FieldsOf(
     const KnowledgeReportOptions& options);
 absl::Status Validate(const KnowledgeReportOptions& options);
 
-/// Decides when an answer tells what was learned of the rig: where it has changed, at a bounded
+/// Decides when an answer reports what was learned of the rig: where it has changed, at a bounded
 /// rate.
 class KnowledgeReport {
  public:
@@ -31,13 +31,13 @@ class KnowledgeReport {
   /// call.
   bool IsDue(Stamp stamp);
 
-  /// What is to be told of `known`: all of it, or nothing.
+  /// What is to be reported of `known`: all of it, or nothing.
   std::optional<RigKnowledge> OnKnown(const RigKnowledge& known);
 
  private:
   KnowledgeReportOptions options_;
   std::optional<Stamp> last_look_;
-  RigKnowledge told_;
+  RigKnowledge last_reported_;
 };
 
 }  // namespace dcloc

@@ -31,8 +31,8 @@ std::unique_ptr<AnyPipeline> MakePipeline(std::shared_ptr<const RadarMap> map, R
 
 }  // namespace
 
-// The door: what comes twice is answered from memory, stamps are brought to one clock, and what
-// comes late is told apart.
+// The entrance: a repeated scan is answered from memory, stamps are brought to one clock, and late
+// scans are separated from new ones.
 struct Localizer::Impl {
   std::unique_ptr<AnyPipeline> pipeline;
   StampMonitor stamp_monitor;
@@ -116,7 +116,7 @@ absl::StatusOr<Localization> Localizer::Impl::LocalizeNew(const Scan& scan,
   const std::size_t index = pipeline->rig().IndexOf(scan.radar_id);
   CheckStamp(index, scan, workspace);
   const std::optional<Stamp> taken = radar_clocks.Align(index, scan.stamp);
-  pipeline->OnClock(index, radar_clocks.IsOff(index));
+  pipeline->ReportClockOffset(index, radar_clocks.IsOff(index));
   if (!taken) return pipeline->LocalizeUntimed(scan, time_base.newest());
   const absl::StatusOr<TimeBase::ScanTime> time = time_base.Take(*taken);
   if (!time.ok()) {

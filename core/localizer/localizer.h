@@ -54,7 +54,7 @@ struct Localization {
   Health health;
   PoseResets resets;
   LocalizationQuality quality;
-  /// All that was learned of the rig; absent unless it has changed since it was last told.
+  /// All that was learned of the rig; absent unless it has changed since it was last reported.
   std::optional<RigKnowledge> learned;
 };
 

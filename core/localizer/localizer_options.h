@@ -42,9 +42,8 @@ struct LocalizerOptions {
   bool uncertainty = true;
   bool truncation = true;
 
-  int scans_per_submap = 10;  ///< per radar, [1, 100]
-  /// A fuller sub-map is thinned evenly to so many points before it is registered.
-  int max_submap_points = 1500;
+  int scans_per_submap = 10;     ///< per radar, [1, 100]
+  int max_submap_points = 1500;  ///< a fuller sub-map is thinned evenly to this before registration
   /// If the motion between two scans is less certain than this, the sub-map is emptied. Otherwise
   /// all scans from before it would be off by the same error, and outvote the new ones.
   double max_gap_sigma_m = 0.5;

@@ -158,8 +158,8 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
 // Points that another mount has placed leave the sub-map.
 template <int Dim>
 void Pipeline<Dim>::LearnMount(const Scan& scan, Stamp stamp, std::size_t radar_index) {
-  const std::optional<EgoVelocity>& by_gyroscope = ego_motion_.by_gyroscope();
-  if (by_gyroscope && radars_.learned.OnScan(stamp, radar_index, scan, *by_gyroscope)) {
+  const std::optional<EgoVelocity>& velocity = ego_motion_.velocity_for_mounts();
+  if (velocity && radars_.learned.OnScan(stamp, radar_index, scan, *velocity)) {
     live_.submap.DropPoints(static_cast<int>(radar_index));
   }
 }
@@ -349,9 +349,10 @@ void Pipeline<Dim>::UpdateOdometry(const std::optional<Registered>& registered,
   if (!registered) return;
   const PoseEstimate<3> T_local_vehicle =
       ToSpace<Dim>({.pose = registered->registration.T_local_vehicle}, options_.unobserved);
-  ego_motion_.OnRegistration(map_.matcher.T_map_local() * T_local_vehicle.pose,
-                             {.is_accepted = outcome == RegistrationOutcome::kAccepted,
-                              .observes_along_track = map_.observability.Observed(0)});
+  ego_motion_.OnRegistration(
+      map_.matcher.T_map_local() * T_local_vehicle.pose,
+      {.is_accepted = outcome == RegistrationOutcome::kAccepted,
+       .observes_along_track = map_.observability.Observed(VehicleAxis::kX)});
 }
 
 template <int Dim>

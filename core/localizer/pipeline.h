@@ -44,11 +44,12 @@ class AnyPipeline {
   virtual Localization LocalizeLate(const Scan& scan, Stamp stamp,
                                     LocalizerWorkspace& workspace) = 0;
 
-  /// A scan that was taken nobody knows when is not used. It is answered with the pose at `newest`.
+  /// A scan whose time of measurement is unknown, as its radar's clock leapt, is not used. It is
+  /// answered with the pose at `newest`, without a protection level.
   virtual Localization LocalizeUntimed(const Scan& scan, Stamp newest) = 0;
 
-  /// Whether the stamps of radar `index` had to be brought to the clock of the others.
-  virtual void OnClock(std::size_t index, bool is_off) = 0;
+  /// Reports whether the clock of radar `index` is off, so that its stamps had to be corrected.
+  virtual void ReportClockOffset(std::size_t index, bool is_off) = 0;
 
   /// How far the stamp of the scan that comes next may be from when it was taken.
   virtual void OnStamp(const StampError& error) = 0;
@@ -61,8 +62,8 @@ class AnyPipeline {
   /// A position fix that was true at `stamp`. It is valid.
   virtual FixUse TakeFix(const InitialPose& fix, Stamp stamp) = 0;
 
-  /// What another pipeline goes on from, but for the clocks; nothing where the pose or its sources
-  /// may be wrong.
+  /// State to resume from, without clock offsets: Localizer adds them. Nothing while the pose or a
+  /// source is doubted.
   virtual std::optional<LocalizerSnapshot> Snapshot() = 0;
 
   /// Restores a valid one. Before the first scan.
@@ -90,7 +91,9 @@ class Pipeline final : public AnyPipeline {
     answer.protection_level_m.reset();  // nobody knows where the vehicle was at such a stamp
     return answer;
   }
-  void OnClock(std::size_t index, bool is_off) override { radars_.monitor.OnClock(index, is_off); }
+  void ReportClockOffset(std::size_t index, bool is_off) override {
+    radars_.monitor.ReportClockOffset(index, is_off);
+  }
   void OnStamp(const StampError& error) override { radars_.stamp_error = error; }
   std::optional<double> FitAt(const Scan& scan, Stamp stamp,
                               LocalizerWorkspace& workspace) override;

@@ -73,31 +73,31 @@ void Pipeline<Dim>::Claim(Localization& answer) const {
 }
 
 // METHOD eq 50. Where the vehicle really is, static points lie on landmarks: how they fit at the
-// place by the sources in use and at the alternative's tells which of the two is right.
+// place by the sources in use and at the alternative's shows which of the two is right.
 template <int Dim>
 void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
-  const std::optional<Pose3> T_used_alternative = ego_motion_.AlternativePlace();
-  if (!T_used_alternative) return;
+  const std::optional<EgoMotion::AlternativePlace> other = ego_motion_.Alternative();
+  if (!other) return;
   // A mean over a few points says little.
   if (workspace.static_points.size() < static_cast<std::size_t>(options_.map_fit.min_point_count)) {
     return;
   }
   const Pose<Dim> used = pose_.Now().pose;
-  const Pose<Dim> alternative = used * FromSpace<Dim>(*T_used_alternative, Matrix6d::Zero()).pose;
+  const Pose<Dim> alternative =
+      used * FromSpace<Dim>(other->T_used_alternative, Matrix6d::Zero()).pose;
   const auto fit_at = [&](const Pose<Dim>& pose) {
     return radars_.scan_checker.FitAt(workspace.static_points,
                                       {.pose = pose, .covariance = TangentMatrix<Dim>::Zero()},
                                       map_.matcher, workspace);
   };
-  ego_motion_.OnFits(fit_at(used), fit_at(alternative));
+  ego_motion_.OnFits(*other, fit_at(used), fit_at(alternative));
 }
 
-// METHOD eq 60. A pose that begins is held against the places before and behind it.
+// METHOD eq 60. The pose is held against some of the places before and behind it.
 template <int Dim>
 void Pipeline<Dim>::CompareAlongTrackRivals(Workspace<Dim>& workspace) {
-  const bool is_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
   // Before a registration has been accepted, no place is where the vehicle may be.
-  if (newest_.outcome != RegistrationOutcome::kAccepted || !rivals_.IsDue(is_confirmed)) return;
+  if (newest_.outcome != RegistrationOutcome::kAccepted) return;
   if (workspace.static_points.size() < static_cast<std::size_t>(options_.map_fit.min_point_count)) {
     return;
   }
@@ -113,9 +113,10 @@ void Pipeline<Dim>::CompareAlongTrackRivals(Workspace<Dim>& workspace) {
   };
   const double fit = fit_at(0.0);
   workspace.rival_fits.clear();
-  for (const double offset_m : rivals_.offsets_m())
+  for (const double offset_m : rivals_.NextOffsets_m()) {
     workspace.rival_fits.push_back(fit_at(offset_m));
-  rivals_.OnFits(workspace.scan_points.size(), is_confirmed, fit, workspace.rival_fits);
+  }
+  rivals_.OnFits(workspace.scan_points.size(), fit, workspace.rival_fits);
 }
 
 template <int Dim>

@@ -7,10 +7,10 @@ namespace dcloc {
 std::span<const OptionField<RadarClocksOptions>> FieldsOf(const RadarClocksOptions& /*options*/) {
   using O = RadarClocksOptions;
   static constexpr OptionField<O> kFields[] = {
-      {"max_behind_ms", &O::max_behind, 0, 1e5, "every scan that comes late tells"},
-      {"max_ahead_ms", &O::max_ahead, 0, 1e5, "every scan that is ahead tells"},
+      {"max_behind_ms", &O::max_behind, 0, 1e5, "every late scan counts"},
+      {"max_ahead_ms", &O::max_ahead, 0, 1e5, "every scan ahead counts"},
       {"max_lead_ms", &O::max_lead, 1, 1e6},
-      {"scans_to_tell", &O::scans_to_tell, 2, 100},
+      {"min_scans", &O::min_scans, 2, 100},
       {"offset_sigma_s", &O::offset_sigma_s, 1e-6, 10},
   };
   return kFields;
@@ -53,7 +53,7 @@ void RadarClocks::Compare(std::size_t index, Stamp stamp) {
     const std::chrono::nanoseconds now = stamp - *radars_[i].last;
     // What was compared before one of the clocks was set says nothing any more.
     if (!since.empty() && std::chrono::abs(now - since.back()) > options_.max_behind) since.clear();
-    if (static_cast<int>(since.size()) == options_.scans_to_tell) since.erase(since.begin());
+    if (static_cast<int>(since.size()) == options_.min_scans) since.erase(since.begin());
     since.push_back(now);
   }
 }
@@ -62,7 +62,7 @@ std::optional<std::chrono::nanoseconds> RadarClocks::Behind(std::size_t a, std::
   const std::vector<SinceOther>& since_others = radars_[a].since_others;
   if (since_others.empty()) return std::nullopt;
   const SinceOther& since = since_others[b];
-  if (static_cast<int>(since.size()) < options_.scans_to_tell) return std::nullopt;
+  if (static_cast<int>(since.size()) < options_.min_scans) return std::nullopt;
   return -*std::ranges::max_element(since);
 }
 

@@ -17,22 +17,23 @@ namespace dcloc {
 
 /// When a radar's clock is another one than that of the others.
 struct RadarClocksOptions {
-  /// Scans may come so late, and lie so far ahead of later ones, while all clocks are one.
+  /// While all clocks agree, a scan lies at most this far behind one that arrived before it.
   std::chrono::nanoseconds max_behind = std::chrono::milliseconds(300);
+  /// While all clocks agree, a scan lies at most this far ahead of one that arrives after it.
   std::chrono::nanoseconds max_ahead = std::chrono::milliseconds(100);
-  /// A scan that lies so far ahead of all others is not used until it is known why.
+  /// A scan that lies further ahead of all others is not used until it is known why.
   std::chrono::nanoseconds max_lead = std::chrono::seconds(1);
-  /// So many scans in a row tell that a clock is off, and by how much.
-  int scans_to_tell = 4;
-  /// The deviation of an offset. The order of arrival tells it within the time between two scans of
-  /// different radars.
+  /// Scans in a row that must show an offset before it is corrected.
+  int min_scans = 4;
+  /// Standard deviation of an offset [s]. The order of arrival gives it to within the time between
+  /// two scans of different radars.
   double offset_sigma_s = 0.05;
 };
 std::span<const OptionField<RadarClocksOptions>> FieldsOf(const RadarClocksOptions& options);
 absl::Status Validate(const RadarClocksOptions& options);
 
 /// Brings the stamps of a rig's radars to one clock. Scans arrive about in the order in which they
-/// were taken, so that the order of arrival tells by how much a radar's clock is off (METHOD eq
+/// were taken, so that the order of arrival shows by how much a radar's clock is off (METHOD eq
 /// 53).
 class RadarClocks {
  public:
@@ -43,7 +44,7 @@ class RadarClocks {
   /// clock of the rig. Nothing while that is not known. Scans are given in the order of arrival.
   std::optional<Stamp> Align(std::size_t index, Stamp stamp);
 
-  /// The clock of radar `index` was set: it is ahead by so much more than before.
+  /// The clock of radar `index` was set: it is ahead by `step` more than before.
   void OnStep(std::size_t index, std::chrono::nanoseconds step);
 
   /// By how much the clock of radar `index` is ahead of that of the rig.

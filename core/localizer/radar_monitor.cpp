@@ -16,7 +16,7 @@ std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOpt
       {"max_interval_ratio", &O::max_interval_ratio, 1, 1000},
       {"memory", &O::memory, 0, 0.999, "the newest scan counts alone"},
       {"min_target_count", &O::min_target_count, 1, 10'000},
-      {"min_static_fraction", &O::min_static_fraction, 0, 1, "no Doppler is told of"},
+      {"min_static_fraction", &O::min_static_fraction, 0, 1, "no Doppler fault is reported"},
       {"min_fit_fraction", &O::min_fit_fraction, 0, 1, "no radar is set aside"},
       {"min_fit_of_others", &O::min_fit_of_others, 1e-6, 1},
   };

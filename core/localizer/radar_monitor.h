@@ -13,22 +13,21 @@
 
 namespace dcloc {
 
-/// When a radar is told of, or set aside.
+/// When a radar is reported as faulty, or set aside.
 struct RadarMonitorOptions {
-  /// Silent for so many of its usual intervals, and for so long.
-  double silent_intervals = 4.0;
-  std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);
-  /// A longer interval counts as so many usual ones: lost scans do not make a radar a slow one.
+  // A radar is silent when the time since its last scan exceeds both of these.
+  double silent_intervals = 4.0;  ///< in units of its usual interval
+  std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);  ///< at any interval
+  /// Upper bound of an interval, in units of the usual one: lost scans do not make a radar slow.
   double max_interval_ratio = 2.0;
-  /// The weight of what its scans said before beside the newest.
-  double memory = 0.9;
+  double memory = 0.9;        ///< weight of older scans in every mean, [0, 1)
   int min_target_count = 10;  ///< a scan of fewer says nothing of its Doppler
   /// Its range rates contradict the motion if a smaller fraction of its targets stands still.
   double min_static_fraction = 0.1;
-  /// Its targets do not lie in the map if they fit it by less than this fraction of how those of
-  /// the other radars do, which fit it by so much at least. It needs two others.
+  /// Its targets do not lie in the map if they fit it by less than this fraction of the median fit
+  /// of the other radars. There must be two others.
   double min_fit_fraction = 0.4;
-  double min_fit_of_others = 0.15;
+  double min_fit_of_others = 0.15;  ///< below this median fit of the others nothing is concluded
 };
 std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOptions& options);
 absl::Status Validate(const RadarMonitorOptions& options);
@@ -40,11 +39,12 @@ class RadarMonitor {
   RadarMonitor(std::size_t radar_count, const RadarMonitorOptions& options)
       : options_(options), radars_(radar_count) {}
 
-  /// A scan of radar `index` at `stamp`: so many targets, of which so many stand still.
+  /// A scan of radar `index` at `stamp`: `target_count` targets, `static_count` of them standing
+  /// still.
   void OnScan(Stamp stamp, std::size_t index, std::size_t target_count, std::size_t static_count);
 
-  /// Whether its stamps are those of another clock than the other radars'.
-  void OnClock(std::size_t index, bool is_off) { radars_[index].clock_is_off = is_off; }
+  /// Reports whether the clock of radar `index` is off, so that its stamps had to be corrected.
+  void ReportClockOffset(std::size_t index, bool is_off) { radars_[index].clock_is_off = is_off; }
 
   /// How a scan of it fits the map, see MapFitMonitor.
   void OnFit(std::size_t index, double fit);

@@ -13,7 +13,7 @@
 
 namespace dcloc {
 
-/// Teaches what an accepted registration tells of beta, of the odometry and of the noise of both.
+/// Learns beta, the errors of odometry, and the noise of both from accepted registrations.
 template <int Dim>
 class RegistrationLearner {
  public:

@@ -15,17 +15,17 @@ namespace dcloc {
 struct RegistrationScheduleOptions {
   /// Radars of a rig that follow one another faster than this share a registration.
   std::chrono::nanoseconds interval = std::chrono::milliseconds(40);
-  /// While tracking, after a registration that was accepted, the next one waits for so many new
-  /// scans: the more of them two sub-maps have in common, the less the second one says.
+  /// New scans that the next registration waits for while tracking, after one that was accepted:
+  /// the more scans two sub-maps have in common, the less the second one says.
   int tracking_scans = 2;
-  /// But no longer than this.
+  /// It waits for them no longer than this.
   std::chrono::nanoseconds max_interval = std::chrono::milliseconds(180);
-  /// A sub-map with fewer new points than this repeats what was known: it tells how odometry moves
-  /// old points, and nothing of where the vehicle is.
+  /// A sub-map with fewer new points than this is not registered: it would show how odometry moves
+  /// old points, not where the vehicle is.
   int min_new_points = 10;
-  /// At the start and after a gap in the data, registration waits for this fraction of a full
-  /// sub-map, or for so long.
+  /// Fraction of a full sub-map that registration waits for, at the start and after a gap.
   double start_fraction = 0.8;
+  /// The longest that it waits for that.
   std::chrono::nanoseconds start_span = std::chrono::milliseconds(1000);
 };
 std::span<const OptionField<RegistrationScheduleOptions>> FieldsOf(
@@ -39,11 +39,11 @@ class RegistrationSchedule {
   RegistrationSchedule(const RegistrationScheduleOptions& options, int full_scan_count)
       : options_(options), full_scan_count_(full_scan_count) {}
 
-  /// A scan of so many static points at `stamp` was added to the sub-map, which then had so many
-  /// scans.
+  /// A scan of `point_count` static points at `stamp` was added to the sub-map, which then had
+  /// `submap_scan_count` scans.
   void OnScan(Stamp stamp, int submap_scan_count, std::size_t point_count);
 
-  /// A scan of so many static points was added that was taken before the newest one. No
+  /// A scan of `point_count` static points was added that was taken before the newest one. No
   /// registration has used them: they are as new as any.
   void OnLateScan(std::size_t point_count) { points_since_registration_ += point_count; }
 

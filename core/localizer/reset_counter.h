@@ -31,7 +31,7 @@ class ResetCounter {
   /// This is answered. The first pose is no reset.
   void OnAnswer(const Pose3& T_map_vehicle);
 
-  /// An earlier localizer of the same vehicle counted so many, and answered this last.
+  /// Goes on from what an earlier localizer of the same vehicle counted, and from its last answer.
   void Restore(const PoseResets& resets, const Pose3& T_map_vehicle) {
     resets_ = resets;
     expected_ = T_map_vehicle;

@@ -14,51 +14,52 @@ namespace dcloc {
 
 /// What the regularity of stamps is worth.
 struct StampMonitorOptions {
-  /// A radar's period is known after so many intervals.
-  int min_interval_count = 8;
-  /// How much a stamp moves the line of regular stamps, and an interval the period.
+  int min_interval_count = 8;  ///< intervals after which a radar's period is known
+  /// Fraction of a stamp's deviation from the line of regular stamps by which it moves that line.
   double phase_gain = 0.15;
+  /// Fraction of that deviation, per period passed, by which it changes the period.
   double period_gain = 0.005;
-  /// Radars keep their period no better than this.
+  /// Deviations up to this are usual, and no error of stamps.
   std::chrono::nanoseconds usual_jitter = std::chrono::milliseconds(6);
-  /// For so long the largest deviation from the line is held against the stamps.
+  /// Time constant with which the largest deviation fades: one of this age counts 1 / e. Shared
+  /// stamps are forgotten after it.
   std::chrono::nanoseconds memory = std::chrono::milliseconds(2000);
-  /// A stamp this far from where the line lets expect it, in periods and in time, but by no more
-  /// than `max_step`, may be of a clock that was set, or come after scans that were lost.
-  double min_step_fraction = 0.4;
+  // A stamp this far from where it is expected is a suspected step: the clock may have been set, or
+  // scans before it were lost.
+  double min_step_fraction = 0.4;  ///< shorter steps are not suspected, in periods of the radar
+  /// Nor are steps shorter than this.
   std::chrono::nanoseconds min_step = std::chrono::milliseconds(40);
+  /// Longer steps are not suspected.
   std::chrono::nanoseconds max_step = std::chrono::milliseconds(1000);
-  /// Nothing is suspected of a radar of whose intervals a larger fraction is irregular, as a mean
-  /// in which older ones weigh `irregular_memory` beside the next.
+  /// A radar with a larger fraction of irregular intervals is not suspected of a step, [0, 1].
   double max_irregular_fraction = 0.2;
-  double irregular_memory = 0.95;
-  /// A step is decided by so much fit in sum, where scans fit by `min_fit`; and, undecided after so
-  /// many scans, is taken for none.
+  double irregular_memory = 0.95;  ///< weight of older intervals in that fraction, [0, 1)
+  /// A step is decided when the sum of differences between fits with and without it reaches this.
   double deciding_fit = 0.15;
-  double min_fit = 0.15;
-  int max_undecided_scans = 20;
+  double min_fit = 0.15;         ///< fit without the step that is needed to call the clock set
+  int max_undecided_scans = 20;  ///< scans after which an undecided step is taken for none
 };
 std::span<const OptionField<StampMonitorOptions>> FieldsOf(const StampMonitorOptions& options);
 absl::Status Validate(const StampMonitorOptions& options);
 
 /// How far the stamp of a scan may be from when the scan was taken, beside that of the others.
 struct StampError {
-  double bound_s = 0.0;           ///< no more than this, as far as the stamps themselves tell
-  double sigma_s = 0.0;           ///< the deviation to that
-  double undecided_step_s = 0.0;  ///< or by so much, if its clock was set: that is not decided yet
+  double bound_s = 0.0;           ///< upper bound, by the stamps themselves
+  double sigma_s = 0.0;           ///< standard deviation, likewise
+  double undecided_step_s = 0.0;  ///< further error if its clock was set, which is not decided yet
 };
 
-/// Tells from the stamps of each radar how exact they are. Radars scan in a period of their own, so
-/// stamps that leave its line are rounded, leap, or come after scans that were lost (METHOD eq 54).
-/// Stamps that radars share say only that the scans are of one cycle.
+/// Estimates from the stamps of each radar how exact they are. Radars scan in a period of their
+/// own, so stamps that leave its line are rounded, leap, or come after scans that were lost (METHOD
+/// eq 54). Stamps that radars share say only that the scans are of one cycle.
 class StampMonitor {
  public:
   StampMonitor(std::size_t radar_count, const StampMonitorOptions& options)
       : options_(options), radars_(radar_count) {}
 
-  /// A scan of radar `index`, stamped so by the radar's own clock. Scans are given in the order of
-  /// arrival, none twice. Gives by how much the clock may have been set, while that is not decided:
-  /// the scan was taken at its stamp, or so much earlier.
+  /// A scan of radar `index`, stamped `stamp` by the radar's own clock. Scans are given in the
+  /// order of arrival, none twice. Gives by how much the clock may have been set, while that is not
+  /// decided: the scan was taken at its stamp, or earlier by that.
   std::optional<std::chrono::nanoseconds> OnStamp(std::size_t index, Stamp stamp);
 
   /// Of a step that `OnStamp` has given: how the scan fits the map at its stamp, and where the

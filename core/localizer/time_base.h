@@ -13,12 +13,12 @@ namespace dcloc {
 
 /// What of a vehicle's clock is taken as it is.
 struct TimeBaseOptions {
-  /// Scans that come so late are still taken at their stamp.
+  /// Scans that come at most this late are still taken at their stamp.
   std::chrono::nanoseconds max_lateness = std::chrono::milliseconds(250);
-  /// So many later ones in a row, within so long by their own stamps, mean that the clock was set
-  /// back; then so much time has passed since the newest scan.
-  int scans_of_new_time = 3;
+  int scans_of_new_time = 3;  ///< scans in a row, later than that, that show a clock set back
+  /// The longest time that these scans span, by their own stamps.
   std::chrono::nanoseconds new_time_span = std::chrono::seconds(2);
+  /// The time that has then passed since the newest scan.
   std::chrono::nanoseconds new_time_gap = std::chrono::milliseconds(100);
   /// A longer silence is as one of this length.
   std::chrono::nanoseconds max_silence = std::chrono::minutes(1);

@@ -16,30 +16,30 @@ namespace dcloc {
 /// When one mode changes to another.
 struct TrackingOptions {
   int confirmations = 3;  ///< accepted registrations in a row that start tracking
-  /// After global localization, refused registrations in a row that drop the place it found.
+  /// Refused registrations in a row that drop a place which global localization has just found.
   int global_start_max_refusals = 3;
-  /// Tracking lasts so long without an accepted registration, or so many intervals of
-  /// registrations as they are usual, of which each is at most `max_usual_interval`.
+  /// Tracking lasts at least this long without an accepted registration.
   std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
-  double hold_intervals = 2.5;
+  double hold_intervals = 2.5;  ///< and at least this many usual intervals of registrations
+  /// A longer interval counts as this in the usual one.
   std::chrono::nanoseconds max_usual_interval = std::chrono::milliseconds(600);
-  double interval_memory = 0.8;  ///< the weight of older intervals in the usual one
-  /// So many scans in a row that fit the map end kDoubting, after a registration was accepted.
+  double interval_memory = 0.8;  ///< weight of older intervals in the usual one, [0, 1)
+  /// Scans in a row that must fit the map to end kDoubting; a registration must be accepted, too.
   int agreements = 3;
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
-  /// Nor are those of a vehicle whose registrations have not observed the along-track position for
-  /// so long, as in a smooth tunnel: along it, odometry alone says where the vehicle is.
+  /// A pose is not called tracking once registrations have not observed the along-track position
+  /// for this long, as in a smooth tunnel: odometry alone determines it there.
   std::chrono::nanoseconds max_unobserved = std::chrono::milliseconds(1500);
-  /// After such a gap it must have been observed for so long: single registrations may seem to by
-  /// chance.
+  /// After such a gap it must have been observed for this long: single registrations may seem to
+  /// observe it by chance.
   std::chrono::nanoseconds min_observed = std::chrono::milliseconds(2000);
-  /// Without an accepted registration for so long, or less certain than `lost_sigma_m`, dead
-  /// reckoning is lost. Radars that scan ten times a second so report it within a second.
+  /// Dead reckoning is lost after this time without an accepted registration. Radars that scan ten
+  /// times a second so report it within a second.
   std::chrono::nanoseconds lost_after = std::chrono::milliseconds(900);
-  double lost_sigma_m = 2.0;
-  /// A vehicle that is lost and less certain than `lost_sigma_m` for so long is searched for.
+  double lost_sigma_m = 2.0;  ///< dead reckoning less certain than this is lost at once
+  /// A vehicle that is lost and less certain than `lost_sigma_m` for longer is searched for.
   std::chrono::nanoseconds lost_hold = std::chrono::milliseconds(1000);
-  /// A vehicle that becomes lost to outliers twice within so long is searched for.
+  /// A vehicle that becomes lost to outliers twice within this time is searched for.
   std::chrono::nanoseconds contradiction_span = std::chrono::seconds(10);
   /// A vehicle whose unconfirmed prior has grown less certain than this is searched for. Searches
   /// around a prediction reach ten metres; of a wider one they could miss the truth.

@@ -77,7 +77,7 @@ inline constexpr std::array<TrackingTransition, 24> kTrackingTransitions = {{
 enum class ScanAgreement {
   kDisagree,            ///< the newest one does not fit
   kAgree,               ///< it fits, or none was tested yet
-  kAgreeAndRegistered,  ///< and a registration was accepted since the last one that did not
+  kAgreeAndRegistered,  ///< and a registration was accepted since the last scan that did not fit
 };
 
 enum class ScanAgreementEvent { kDoesNotFit, kFits, kRegistrationAccepted };
@@ -101,8 +101,9 @@ enum class ConfirmationRequires {
                                 ///< or verification, must come first
   kAgreeingFixOrVerification,   ///< fixes contradict the pose persistently: one that agrees, or
                                 ///< verification, must come first
-  kVerification,                ///< so must verification: before, the along-track position was not
-                                ///< observed
+  /// Global localization must verify the pose first. The along-track position was not observed
+  /// before, so registrations would match wherever odometry had put it.
+  kVerification,
 };
 
 enum class ConfirmationEvent {
@@ -176,8 +177,9 @@ inline ScanAgreement Next(ScanAgreement agreement, ScanAgreementEvent event) {
 inline ConfirmationRequires Next(ConfirmationRequires requirement, ConfirmationEvent event) {
   return Next(kConfirmationTransitions, requirement, event);
 }
-inline AlongTrackObservability Next(AlongTrackObservability way, ObservabilityEvent event) {
-  return Next(kObservabilityTransitions, way, event);
+inline AlongTrackObservability Next(AlongTrackObservability observability,
+                                    ObservabilityEvent event) {
+  return Next(kObservabilityTransitions, observability, event);
 }
 
 }  // namespace dcloc

@@ -244,7 +244,7 @@ class Fusion {
         fit.Add(Information(ScattererCovariance(i)).topLeftCorner<2, 2>(), Slant(i),
                 (returns_[i].position_m - centers_m_[c]).head<2>());
       }
-      // Returns that lie further apart than their noise says tell less.
+      // Returns that lie further apart than their noise says determine the height less well.
       const double misfit = std::max(1.0, fits_[c].misfit / (2.0 * count - 2.0));
       const HeightFit::Solution solution =
           fit.Solve(misfit / std::pow(options_.height_square_sigma_m2, 2));

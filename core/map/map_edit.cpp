@@ -112,7 +112,7 @@ Pose3 FrameChange(const GeodeticAnchor& anchor_a, const GeodeticAnchor& anchor_b
                       anchor.origin.height_m, anchor.x_axis_east_rad};
   };
   if (tied(anchor_a) == tied(anchor_b)) return {};
-  // Both frames are Cartesian, so that four points tell the whole change.
+  // Both frames are Cartesian, so that four points determine the whole change.
   constexpr double kArm_m = 1000.0;
   const auto in_a = [&](const Eigen::Vector3d& p_b) {
     return MapFromGeodetic(anchor_a, GeodeticFromMap(anchor_b, p_b));

@@ -22,7 +22,8 @@ class MappedFile {
 
   std::span<const std::byte> bytes() const { return bytes_; }
 
-  /// Tells the system that reads from `offset_bytes` on are random, so that it does not read ahead.
+  /// Advises the system that reads from `offset_bytes` on are random, so that it does not read
+  /// ahead.
   void ExpectRandomReadsFrom(std::size_t offset_bytes) const;
 
  private:

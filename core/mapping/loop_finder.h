@@ -14,17 +14,17 @@ namespace dcloc {
 
 struct LoopFinderOptions {
   SubmapMatcherOptions matcher;
-  int neighbour_count = 5;  ///< each node is registered with so many before it
+  int neighbour_count = 5;  ///< nodes before each one that it is registered with
   RegistrationGate neighbour_gate = {.min_inlier_count = 20, .min_overlap = 0.2};
   RegistrationGate loop_gate = {.min_inlier_count = 40, .min_overlap = 0.4};
   /// Nodes of one drive are a loop only over a longer path than this; before, they are neighbours.
   double min_loop_path_m = 80.0;
   double near_m = 12.0;  ///< middles of sub-maps that may show the same ground
-  /// How the deviation of one node from another grows with the length of the path between them.
-  double base_sigma_m = 0.1;
-  double base_sigma_rad = 0.003;
-  double drift_share = 0.005;
-  double drift_rad_per_m = 5e-5;
+  // The standard deviation of one node from another grows with the length of the path between them.
+  double base_sigma_m = 0.1;      ///< of the position, without a path
+  double base_sigma_rad = 0.003;  ///< of the heading, without a path
+  double drift_share = 0.005;     ///< growth of that of the position, as a share of the path
+  double drift_rad_per_m = 5e-5;  ///< growth of that of the heading, per metre of path
   /// Where the deviation is larger than this, nearness says nothing: that is for place search.
   double max_sigma_m = 17.0;
   /// How many such deviations two sub-maps may be apart for a registration to be tried.
@@ -46,8 +46,8 @@ class LoopFinder {
 
   /// Registrations of nodes that lie near one another by what is known so far, within and between
   /// drives that are joined: of every `stride`-th node, with the nearest node of each time that a
-  /// drive passes there. None twice. `progress` is told the share done
-  /// and says whether to go on.
+  /// drive passes there. None twice. `progress` gets the share done
+  /// and returns whether to go on.
   std::vector<NetworkEdge> NearLoops(const SurveyGraph& graph, std::size_t stride,
                                      const std::function<bool(double)>& progress);
 

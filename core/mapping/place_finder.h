@@ -25,7 +25,7 @@ struct PlaceFinderOptions {
   double guess_sigma_rad = 0.02;
   RegistrationGate gate = {.min_inlier_count = 120, .min_overlap = 0.45};
   int min_agreeing_count = 3;  ///< sub-maps that must agree on how two drives lie to one another
-  double min_agreeing_path_m = 60.0;  ///< and so far must they lie apart
+  double min_agreeing_path_m = 60.0;  ///< the path that they span, at least
   LoopVoteOptions vote = {.tolerance_m = 1.5, .tolerance_share = 0.02};
 };
 std::span<const OptionField<PlaceFinderOptions>> FieldsOf(const PlaceFinderOptions& options);
@@ -52,7 +52,7 @@ class PlaceFinder {
       : options_(options), loops_(loops) {}
 
   /// `drive` in the frame of the drives of `group` (its first drive, SurveyGraph::GroupOfDrives).
-  /// `progress` is told the share of the drive searched and says whether to go on.
+  /// `progress` gets the share of the drive searched and returns whether to go on.
   absl::StatusOr<PlaceFinding> Find(const SurveyGraph& graph, std::size_t drive, std::size_t group,
                                     const std::function<bool(double)>& progress);
 

@@ -23,7 +23,7 @@ struct SurveyOptions {
   PoseNetworkOptions network;
   /// Loops are looked for again as long as it helps, with every node.
   int refine_rounds = 2;
-  std::size_t coarse_stride = 3;         ///< the first time, of every so many nodes
+  std::size_t coarse_stride = 3;         ///< step between the nodes that the first round uses
   double min_path_m = 20.0;              ///< a drive that moved less is left out
   std::size_t min_landmark_count = 200;  ///< likewise one that shows fewer landmarks
   /// Weight of an edge below which it counts as left out.
@@ -69,7 +69,7 @@ struct Survey {
   std::size_t accepted_fix_count = 0;
 };
 
-/// Told the stage and the share of it that is done; false ends the survey with Cancelled.
+/// Gets the stage and the share of it that is done; returning false ends the survey with Cancelled.
 using SurveyProgress = std::function<bool(const char* stage, double share)>;
 
 /// Places drives from their scans alone: no poses are given. Ego-motion and registrations of

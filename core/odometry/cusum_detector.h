@@ -35,7 +35,7 @@ class CusumDetector {
   std::optional<ScalarEstimate> OnDeviation(const ScalarEstimate& deviation, double exposure);
 
   /// The deviation per unit of exposure that is suspected: there is no change yet, but the sum has
-  /// come half the way to one.
+  /// reached half of `limit_sigmas`.
   std::optional<double> Suspected() const;
 
   void Reset() { rising_ = falling_ = {}; }

@@ -38,9 +38,8 @@ struct EgoVelocityOptions {
   /// Floors of the estimate's deviations: what calibration errors leave however many targets.
   double linear_sigma_floor_mps = 0.5;
   double yaw_rate_sigma_floor_radps = 0.03;
-  /// An alternative motion needs this fraction of all votes, and to be seen in so many directions:
-  /// more than one mover fills.
-  double min_alternative_fraction = 0.15;
+  double min_alternative_fraction = 0.15;  ///< of all votes, that an alternative motion needs
+  /// Directions that an alternative motion must be seen in: more than one mover fills.
   int min_alternative_direction_count = 6;
 };
 std::span<const OptionField<EgoVelocityOptions>> FieldsOf(const EgoVelocityOptions& options);

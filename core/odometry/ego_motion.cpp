@@ -114,15 +114,16 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
     late_.OnReported(stamp, *scan.ego_velocity);
     reported = late_.AsOfNow(Corrected(*scan.ego_velocity));
   }
-  sources_.OnReadings(stamp, ReadingsOf(reported, doppler, alternative, of_one_moment_.size()));
+  sources_.OnReadings(stamp,
+                      ReadingsOf(reported, doppler, alternative, simultaneous_scans_.size()));
   if (alternative && IsNearer(*alternative, *doppler, sources_.speed())) doppler = alternative;
   const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
   if (doppler_is_sound) late_.OnDoppler(moment_, doppler->ego_velocity);
   FollowWheelScale(stamp, reported, doppler_is_sound ? &*doppler : nullptr);
   if (reported) {
-    reported = late_.BroughtToNow(
-        stamp, Corrected(*scan.ego_velocity), doppler_is_sound ? &doppler->ego_velocity : nullptr,
-        sources_.IsSound(OdometrySource::kWheelSpeed), sources_.IsSound(OdometrySource::kYawRate));
+    reported =
+        late_.BroughtToNow(stamp, Corrected(*scan.ego_velocity),
+                           doppler_is_sound ? &doppler->ego_velocity : nullptr, sources_.sound());
   }
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
@@ -163,22 +164,24 @@ void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, const EgoVeloc
                       std::chrono::nanoseconds age) {
   const bool is_used =
       sources_.IsSound(OdometrySource::kWheelSpeed) && sources_.IsSound(OdometrySource::kYawRate);
-  std::optional<EgoVelocity> turning = reported;
-  if (turning && !sources_.IsSound(OdometrySource::kWheelSpeed)) {
-    turning->linear_mps = now.linear_mps;
+  std::optional<EgoVelocity> with_sound_wheels = reported;
+  if (with_sound_wheels && !sources_.IsSound(OdometrySource::kWheelSpeed)) {
+    with_sound_wheels->linear_mps = now.linear_mps;
   }
   if (is_used) {
     errors_.OnMotion(since_previous_.T_from_to, age);
-  } else if (turning && turning_) {
-    errors_.OnMotion(Integrate(*turning_, *turning, age, options_.motion).T_from_to, age);
+  } else if (with_sound_wheels && reported_with_sound_wheels_) {
+    errors_.OnMotion(
+        Integrate(*reported_with_sound_wheels_, *with_sound_wheels, age, options_.motion).T_from_to,
+        age);
   } else {
     errors_.OnBreak();
   }
-  turning_ = turning;
+  reported_with_sound_wheels_ = with_sound_wheels;
 }
 
 void EgoMotion::Diagnose(const std::optional<EgoVelocity>& reported) {
-  by_gyroscope_.reset();
+  velocity_for_mounts_.reset();
   if (!reported) return;
   reported_stamp_ = stamp_;
   const auto compare = [this](OdometrySource source, double said, double moved,
@@ -191,9 +194,9 @@ void EgoMotion::Diagnose(const std::optional<EgoVelocity>& reported) {
   compare(OdometrySource::kYawRate, reported->angular_radps.z(), sources_.yaw_rate().value,
           yaw_rate_diagnosis_);
   if (!sources_.IsSound(OdometrySource::kYawRate)) return;
-  by_gyroscope_ = reported;
+  velocity_for_mounts_ = reported;
   if (!sources_.IsSound(OdometrySource::kWheelSpeed)) {
-    by_gyroscope_->linear_mps = {sources_.speed().value, 0.0, 0.0};
+    velocity_for_mounts_->linear_mps = {sources_.speed().value, 0.0, 0.0};
   }
 }
 
@@ -296,13 +299,13 @@ void EgoMotion::AddSpread() {
   covariance(5, 5) += spread_.yaw_rate_variance;
 }
 
-std::optional<Pose3> EgoMotion::AlternativePlace() const {
-  const std::optional<SourceMonitor::PlanarMotion> alternative = sources_.Alternative();
-  if (!alternative) return std::nullopt;
+std::optional<EgoMotion::AlternativePlace> EgoMotion::Alternative() const {
+  const std::optional<SourceMonitor::PlanarMotion> motion = sources_.Alternative();
+  if (!motion) return std::nullopt;
   Vector6d step = Vector6d::Zero();
-  step(0) = alternative->forward_m;
-  step(5) = alternative->turn_rad;
-  return Exp(step);
+  step(0) = motion->forward_m;
+  step(5) = motion->turn_rad;
+  return AlternativePlace{.motion = *motion, .T_used_alternative = Exp(step)};
 }
 
 EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
@@ -326,18 +329,18 @@ std::span<const RadarScan> EgoMotion::Remember(const Scan& scan, Stamp stamp,
   newest.scan = scan;  // into the columns of the radar's last one
   newest.stamp = stamp;
   newest.radar = &radar;
-  of_one_moment_.clear();
+  simultaneous_scans_.clear();
   double target_count = 0.0;
   std::chrono::duration<double, std::nano> age_sum(0.0);
   for (const auto& [id, recent] : recent_) {
     if (stamp - recent.stamp > options_.simultaneous) continue;
-    of_one_moment_.push_back({&recent.scan, recent.radar});
+    simultaneous_scans_.push_back({&recent.scan, recent.radar});
     age_sum += static_cast<double>(recent.scan.size()) * (stamp - recent.stamp);
     target_count += static_cast<double>(recent.scan.size());
   }
   moment_ =
       stamp - std::chrono::round<std::chrono::nanoseconds>(age_sum / std::max(1.0, target_count));
-  return of_one_moment_;
+  return simultaneous_scans_;
 }
 
 EgoVelocity EgoMotion::Held(std::chrono::nanoseconds age) const {

@@ -37,17 +37,16 @@ struct EgoMotionOptions {
   double max_squared_distance = kChiSquare999With2Dof;
   /// Scans of different radars within this are of one moment.
   std::chrono::nanoseconds simultaneous = std::chrono::milliseconds(80);
-  /// Deviations of the velocity while nothing is known of it.
-  double unknown_speed_sigma_mps = kUnknownSpeedSigma_mps;
-  double unknown_lateral_sigma_mps = 0.5;       ///< side slip at the origin, in a curve
-  double unknown_vertical_sigma_mps = 0.1;      ///< suspension
-  double unknown_tilt_rate_sigma_radps = 0.05;  ///< of roll and pitch
-  double unknown_yaw_rate_sigma_radps = 0.3;
+  // Standard deviations of the velocity while nothing is known of it.
+  double unknown_speed_sigma_mps = kUnknownSpeedSigma_mps;  ///< forward
+  double unknown_lateral_sigma_mps = 0.5;                   ///< side slip at the origin, in a curve
+  double unknown_vertical_sigma_mps = 0.1;                  ///< suspension
+  double unknown_tilt_rate_sigma_radps = 0.05;              ///< of roll and pitch
+  double unknown_yaw_rate_sigma_radps = 0.3;                ///< of yaw
   /// How far back the motion can be asked for.
   std::chrono::nanoseconds history = std::chrono::milliseconds(1500);
-  /// What sound speeds and yaw rates differ by.
-  double diagnosis_speed_mps = 0.5;
-  double diagnosis_yaw_rate_radps = 0.02;
+  double diagnosis_speed_mps = 0.5;        ///< speeds that differ by no more agree
+  double diagnosis_yaw_rate_radps = 0.02;  ///< yaw rates that differ by no more agree
   /// The deviation of the correction that is applied when a source is found wrong, as a fraction of
   /// it.
   double correction_sigma_fraction = 0.3;
@@ -108,16 +107,22 @@ class EgoMotion {
     if (evidence.observes_along_track) unobserved_distance_m_ = 0.0;
   }
 
-  /// Where the vehicle would be now, from where it is taken to be, if other sources were sound;
-  /// and how the newest scan fits the map at both places.
-  std::optional<Pose3> AlternativePlace() const;
-  void OnFits(double fit, double alternative_fit) {
-    if (const auto alternative = sources_.Alternative())
-      sources_.OnFits(*alternative, fit, alternative_fit);
+  /// Where the vehicle would be now if other sources were sound.
+  struct AlternativePlace {
+    SourceMonitor::PlanarMotion motion;  ///< beyond the motion that was used
+    Pose3 T_used_alternative;            ///< the same as a pose
+  };
+  /// The most probable such place; see SourceMonitor::Alternative.
+  std::optional<AlternativePlace> Alternative() const;
+  /// How the newest scan fits the map, [0, 1], where the vehicle is taken to be and at the place
+  /// that `Alternative` has returned.
+  void OnFits(const AlternativePlace& alternative, double fit, double alternative_fit) {
+    sources_.OnFits(alternative.motion, fit, alternative_fit);
   }
 
   /// A registration whose scans no earlier one used puts the vehicle here at the last scan, with a
-  /// covariance of (x, y, yaw): scale and yaw-rate bias are learned from it.
+  /// covariance of (x, y, yaw) [m, rad] in the tangent space on the right: scale and yaw-rate bias
+  /// are learned from it.
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
     errors_.OnPose(T_map_vehicle, covariance);
   }
@@ -137,7 +142,7 @@ class EgoMotion {
   const Matrix6d& spread_since_previous() const { return spread_since_previous_; }
 
   /// The most by which a probable set of sources differs along-track from the motion that was used
-  /// since a registration was last accepted [m]: b_way of METHOD eq 49.
+  /// since a registration was last accepted [m]: b_along of METHOD eq 49.
   double along_track_spread_m() const { return spread_.along_track_bound_m; }
 
   /// `since_previous` without a correction: an answer was expected to move on by this, and what it
@@ -152,9 +157,9 @@ class EgoMotion {
   SourceHealth wheel_speed() const;
   SourceHealth yaw_rate() const;
 
-  /// The last velocity that the directions of radars can be held against: its yaw rate is the
-  /// gyroscope's. Absent where there is none that is sound.
-  const std::optional<EgoVelocity>& by_gyroscope() const { return by_gyroscope_; }
+  /// Speed of the sound sources, yaw rate of the gyroscope: the reference for mount yaw,
+  /// independent of Doppler azimuths. Absent while the gyroscope is silent or faulty.
+  const std::optional<EgoVelocity>& velocity_for_mounts() const { return velocity_for_mounts_; }
 
   /// At the last scan, as uncertain as the sources differ; nothing before the first one.
   const std::optional<EgoVelocity>& velocity() const { return widened_velocity_; }
@@ -198,16 +203,16 @@ class EgoMotion {
   SourceMonitor::Spread spread_;
   std::optional<EgoVelocity> velocity_;  // if the sources that are used are sound
   std::optional<EgoVelocity> widened_velocity_;
-  // At the last scan: what the vehicle reports, corrected; without wheels that are not sound.
-  std::optional<EgoVelocity> turning_;
-  std::optional<EgoVelocity> by_gyroscope_;
+  // At the last scan: what the vehicle reports, corrected; wheels that are not sound are replaced.
+  std::optional<EgoVelocity> reported_with_sound_wheels_;
+  std::optional<EgoVelocity> velocity_for_mounts_;
   Stamp stamp_{};
   std::optional<Stamp> reported_stamp_;
   SourceDiagnosis wheel_speed_diagnosis_;
   SourceDiagnosis yaw_rate_diagnosis_;
-  std::map<std::string, RecentScan> recent_;  // by radar id
-  std::vector<RadarScan> of_one_moment_;      // the newest scan and what of recent_ is as new
-  Stamp moment_{};                            // when their targets were measured, on average
+  std::map<std::string, RecentScan> recent_;   // by radar id
+  std::vector<RadarScan> simultaneous_scans_;  // those of recent_ within `simultaneous`
+  Stamp moment_{};                             // when their targets were measured, on average
   bool sources_changed_ = false;
   // Driven since a registration last said where along the track the vehicle is.
   double unobserved_distance_m_ = 0.0;

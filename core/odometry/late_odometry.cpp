@@ -77,12 +77,13 @@ LateSignalNoise LateOdometry::YawRateNoise() const {
 }
 
 EgoVelocity LateOdometry::BroughtToNow(Stamp stamp, const EgoVelocity& reported,
-                                       const EgoVelocity* doppler, bool speed_is_sound,
-                                       bool yaw_rate_is_sound) {
+                                       const EgoVelocity* doppler, const OdometrySources& sound) {
   if (!delay_s()) {
     Reset();
     return reported;
   }
+  const bool speed_is_sound = Contains(sound, OdometrySource::kWheelSpeed);
+  const bool yaw_rate_is_sound = Contains(sound, OdometrySource::kYawRate);
   EgoVelocity now = AsOfNow(reported);
   const std::chrono::nanoseconds duration =
       advanced_ ? stamp - *advanced_ : std::chrono::nanoseconds(0);

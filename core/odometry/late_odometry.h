@@ -9,6 +9,7 @@
 #include "core/odometry/late_signal.h"
 #include "core/odometry/motion.h"
 #include "core/odometry/odometry_delay_estimator.h"
+#include "core/odometry/source_monitor.h"
 #include "core/options/option_fields.h"
 #include "core/radar/scan.h"
 
@@ -16,22 +17,20 @@ namespace dcloc {
 
 struct LateOdometryOptions {
   OdometryDelayOptions delay;
-  /// How a vehicle's speed and yaw rate change in a second, and how quickly that change changes.
-  double acceleration_sigma_mps2 = 1.5;
-  double acceleration_walk_mps2 = 2.5;
-  double yaw_acceleration_sigma_radps2 = 0.25;
-  double yaw_acceleration_walk_radps2 = 0.3;
-  /// What is known of both when a delay is accepted: as little as leaves the first reports alone to
-  /// decide.
+  // All are standard deviations. A walk is that of what one second adds.
+  double acceleration_sigma_mps2 = 1.5;         ///< of the vehicle's acceleration, at first
+  double acceleration_walk_mps2 = 2.5;          ///< of its change
+  double yaw_acceleration_sigma_radps2 = 0.25;  ///< of the vehicle's yaw acceleration, at first
+  double yaw_acceleration_walk_radps2 = 0.3;    ///< of its change
+  /// Of the speed when a delay is accepted: so wide that the first reports alone decide.
   double first_speed_sigma_mps = kUnknownSpeedSigma_mps;
-  double first_yaw_rate_sigma_radps = 1.0;
-  /// What Doppler of one moment errs by on its own, beside what it constantly differs by.
-  double doppler_speed_sigma_mps = 0.06;
-  double doppler_yaw_rate_sigma_radps = 0.015;
-  double offset_speed_sigma_mps = 0.3;
-  double offset_yaw_rate_sigma_radps = 0.03;
-  double offset_speed_walk_mps = 0.03;
-  double offset_yaw_rate_walk_radps = 0.002;
+  double first_yaw_rate_sigma_radps = 1.0;      ///< of the yaw rate, likewise
+  double doppler_speed_sigma_mps = 0.06;        ///< noise of Doppler's speed in one moment
+  double doppler_yaw_rate_sigma_radps = 0.015;  ///< noise of Doppler's yaw rate in one moment
+  double offset_speed_sigma_mps = 0.3;  ///< of Doppler's constant offset from the reported speed
+  double offset_yaw_rate_sigma_radps = 0.03;  ///< of that from the reported yaw rate
+  double offset_speed_walk_mps = 0.03;        ///< of the change of the speed's offset
+  double offset_yaw_rate_walk_radps = 0.002;  ///< of the change of the yaw rate's offset
 };
 std::span<const OptionField<LateOdometryOptions>> FieldsOf(const LateOdometryOptions& options);
 absl::Status Validate(const LateOdometryOptions& options);
@@ -53,14 +52,15 @@ class LateOdometry {
   /// By how many seconds the reported velocity is late; nothing while no delay is accepted.
   const std::optional<ScalarEstimate>& delay_s() const { return estimator_.delay_s(); }
 
-  /// `reported`, which has a covariance, as far as it tells of now by itself: less certain by what
-  /// the vehicle may have done since. As it is, while no delay is accepted.
+  /// `reported`, which has a covariance, as an estimate of now by itself: less certain by what the
+  /// vehicle may have done within the delay. As it is, while no delay is accepted.
   EgoVelocity AsOfNow(const EgoVelocity& reported) const;
 
-  /// `reported` at `stamp` brought to the present, with what Doppler says where that is sound. A
-  /// signal that is not sound is left as it is, and all is while no delay is accepted.
+  /// `reported` at `stamp` brought to the present, with what Doppler says; `doppler` is null where
+  /// that is not sound. A reported signal whose source is not in `sound` is left as it is, and both
+  /// are while no delay is accepted.
   EgoVelocity BroughtToNow(Stamp stamp, const EgoVelocity& reported, const EgoVelocity* doppler,
-                           bool speed_is_sound, bool yaw_rate_is_sound);
+                           const OdometrySources& sound);
 
   /// The motion between the last two moments that were brought to the present (METHOD eq 47);
   /// nothing while no delay is accepted, or where a signal is not sound.

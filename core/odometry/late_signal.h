@@ -22,7 +22,7 @@ class LateSignal {
  public:
   explicit LateSignal(const LateSignalNoise& noise);
 
-  /// So many seconds pass.
+  /// `duration_s` seconds pass.
   void Advance(double duration_s);
 
   /// The signal's value `delay_s` before now was `reading`; a negative delay is in the future.

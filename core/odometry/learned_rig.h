@@ -18,31 +18,32 @@ namespace dcloc {
 /// When what was learned of a rig goes before its description.
 struct LearnedRigOptions {
   MountYawOptions mount_yaw;
-  /// A mount is corrected once its yaw is off by so much, and by so many deviations. On recordings,
-  /// whose azimuths have errors of their own, the estimate errs by up to a degree and a half.
+  /// The smallest correction of a mount's yaw. On recordings, whose azimuths have errors of their
+  /// own, the estimate errs by up to a degree and a half.
   double min_correction_rad = 2.0 * kRadPerDeg;
-  double correction_sigmas = 4.0;
-  int min_reading_count = 4;
+  double correction_sigmas = 4.0;  ///< the smallest one in standard deviations of the estimate
+  int min_reading_count = 4;       ///< readings that a correction needs
   /// What an earlier session found is no more certain than this, and counts as one reading less
   /// than are needed: the first scan that agrees confirms it.
   double known_sigma_rad = 0.5 * kRadPerDeg;
   /// The deviation of a corrected mount is no less, nor than described.
   double corrected_sigma_rad = 0.2 * kRadPerDeg;
-  /// A mount that is off by more than `suspected_rad` is reported. Beyond `max_correction_rad` it
-  /// is not corrected: its description must be wrong altogether, and its scans are not used.
+  /// A mount that is corrected by more than this is reported as faulty.
   double suspected_rad = 2.0 * kRadPerDeg;
+  /// Scans of a mount that is off by more than this are not used: its description must be wrong
+  /// altogether.
   double max_correction_rad = 20.0 * kRadPerDeg;
-  /// A radar whose azimuths have the wrong sign is found where the vehicle does not move along its
-  /// boresight, by this fraction of its targets, averaged over so many scans.
+  // A radar's azimuths have the wrong sign if more of its targets stand still by the other sign.
+  /// Scans are tested if the vehicle moves at least this far off the radar's boresight.
   double mirrored_min_angle_rad = 2.0 * kRadPerDeg;
-  double mirrored_fraction = 0.25;
-  double mirrored_memory = 0.95;
+  double mirrored_fraction = 0.25;  ///< of all targets, that stand still in addition
+  double mirrored_memory = 0.95;    ///< weight of older scans in that fraction, [0, 1)
 };
 static_assert(LearnedRigOptions{}.max_correction_rad <= kMaxKnownMountYawError_rad);
 std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions& options);
 absl::Status Validate(const LearnedRigOptions& options);
 
-/// The radars of a vehicle as they were described, corrected by what their scans tell of them.
+/// The radars of a vehicle as they were described, corrected by what their scans measure.
 class LearnedRig {
  public:
   LearnedRig(Rig described, const LearnedRigOptions& options);

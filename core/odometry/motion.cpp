@@ -8,17 +8,17 @@ namespace dcloc {
 namespace {
 
 // The velocity may have risen above the line from the one end to the other and come back: a
-// triangle of a / 2 half-way is an eighth of a dt^2 of way. A turn that went so has led aside by
+// triangle of a / 2 at the middle is a distance of a dt^2 / 8. A turn that went so has led aside by
 // half of it, give or take, as it came early or late.
-Matrix6d BetweenTheEnds(double way_m, double duration_s, const MotionOptions& options) {
+Matrix6d BetweenTheEnds(double distance_m, double duration_s, const MotionOptions& options) {
   const double eighth_s2 = duration_s * duration_s / 8.0;
   const double ahead_m = options.acceleration_sigma_mps2 * eighth_s2;
   Vector6d turn = Vector6d::Zero();
   turn(5) = options.yaw_acceleration_sigma_radps2 * eighth_s2;
-  turn(1) = 0.5 * way_m * turn(5);
+  turn(1) = 0.5 * distance_m * turn(5);
   // The deviation of a fraction that is equally likely anywhere in [0, 1]: 1 / sqrt(12).
   constexpr double kUniformSigma = 0.289;
-  const double aside_m = kUniformSigma * way_m * turn(5);
+  const double aside_m = kUniformSigma * distance_m * turn(5);
   Matrix6d covariance = turn * turn.transpose();
   covariance(0, 0) += ahead_m * ahead_m;
   covariance(1, 1) += aside_m * aside_m;

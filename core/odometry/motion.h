@@ -52,7 +52,7 @@ Motion Integrate(const EgoVelocity& begin, const EgoVelocity& end,
 /// The motion `first`, then `second`, whose errors are independent.
 Motion Compose(const Motion& first, const Motion& second);
 
-/// The way back.
+/// The motion back.
 Motion Inverse(const Motion& motion);
 
 /// The two parts of a steady motion, of which the first takes `fraction` of its time, [0, 1].

@@ -40,7 +40,8 @@ absl::Status Validate(const OdometryDelayOptions& options) {
 
 OdometryDelayEstimator::OdometryDelayEstimator(const OdometryDelayOptions& options)
     : options_(options) {
-  candidates_.resize(static_cast<std::size_t>(options.earliest_steps + options.latest_steps + 1));
+  const int candidate_count = options.earliest_steps + options.latest_steps + 1;
+  candidates_.resize(static_cast<std::size_t>(candidate_count));
 }
 
 void OdometryDelayEstimator::Restore(const ScalarEstimate& delay_s) {
@@ -166,7 +167,7 @@ void OdometryDelayEstimator::Decide() {
   const double gain = cost(static_cast<std::size_t>(options_.earliest_steps)) - cost(best);
   const double needed = delay_s_ ? 0.5 : 1.0;
   delay_s_.reset();
-  // Beyond the delays that are compared lies none that can be told.
+  // A minimum at either end may belong to a delay beyond those that are compared.
   if (best == 0 || best + 1 == candidates_.size() || gain < needed * options_.min_log_likelihood) {
     return;
   }

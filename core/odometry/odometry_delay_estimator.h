@@ -26,11 +26,11 @@ struct OdometryDelayOptions {
   std::chrono::nanoseconds interval = std::chrono::milliseconds(70);
   /// The time constant with which older moments lose weight: one of this age weighs 1 / e.
   std::chrono::nanoseconds memory = std::chrono::seconds(20);
-  /// A delay is accepted where it is this much more probable than none, in the logarithm, from so
-  /// many moments at least, and from `min_delay` on. It is no longer where it falls below a half
-  /// of both.
+  /// A delay is accepted where its log-likelihood ratio to no delay is at least this. It is given
+  /// up below half of it.
   double min_log_likelihood = 25.0;
-  int min_moment_count = 40;
+  int min_moment_count = 40;  ///< Doppler moments that must have been compared before
+  /// The shortest delay that is accepted. One that was accepted is given up below half of it.
   std::chrono::nanoseconds min_delay = std::chrono::milliseconds(35);
   /// No pair of signals agrees better than this: steps of quantised ones.
   double speed_floor_mps = 0.02;
@@ -78,7 +78,7 @@ class OdometryDelayEstimator {
     void Add(double keep, double x_new, double y_new);
     double Slope() const;
     double ResidualVariance() const;
-    /// Residuals that resemble their neighbours tell less than as many independent ones: by this
+    /// Residuals that resemble their neighbours inform less than as many independent ones: by this
     /// factor, (1 - r) / (1 + r) of their correlation r.
     double IndependentFraction() const;
   };

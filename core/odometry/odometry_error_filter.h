@@ -21,25 +21,22 @@ struct OdometryErrorFilterOptions {
   double sideslip_sigma_rad = 0.01;         ///< mounts that are turned
   double time_offset_sigma_s = 0.03;        ///< clocks that differ
   double min_scale_sigma = 0.002;           ///< of the correction: load and tyres change
-  /// The error of a registered pose beside its own noise: the map's errors, which registrations
-  /// near one another share.
-  double pose_sigma_m = 0.1;
-  double pose_sigma_rad = 0.004;
-  /// What a second adds, in deviations: to the pose, by all that is not constant (slip, noise of
-  /// the sensors); to the constants, as they drift.
-  double walk_sigma_m = 0.02;
-  double walk_sigma_rad = 5e-4;
-  double scale_drift = 2e-4;
-  double yaw_rate_bias_drift_radps = 2e-5;
-  double sideslip_drift_rad = 2e-4;
-  /// The innovation scale is the mean of squared innovations in units of their covariance.
-  /// `innovation_memory` is the weight of an older one beside the next, `max_squared_sigmas` the
-  /// most that one counts. The mean begins as that of `innovation_prior_count` innovations of 1. A
-  /// single one beyond `usual_squared_sigmas` widens its own noise.
-  double innovation_memory = 0.97;
-  double max_squared_sigmas = 9.0;
-  double innovation_prior_count = 3.0;
-  double usual_squared_sigmas = 3.0;
+  // Standard deviations of a registered pose beside its own noise: the map's errors, which
+  // registrations near one another share.
+  double pose_sigma_m = 0.1;      ///< of the position
+  double pose_sigma_rad = 0.004;  ///< of the heading
+  // Standard deviations of what a second adds: to the pose, by slip and noise of the sensors; to
+  // the constants, as they drift.
+  double walk_sigma_m = 0.02;               ///< to the position
+  double walk_sigma_rad = 5e-4;             ///< to the heading
+  double scale_drift = 2e-4;                ///< to the scale
+  double yaw_rate_bias_drift_radps = 2e-5;  ///< to the yaw rate's bias
+  double sideslip_drift_rad = 2e-4;         ///< to the side-slip angle
+  // The innovation scale is the mean of squared innovations in units of their covariance.
+  double innovation_memory = 0.97;      ///< weight of an older one beside the next, [0, 1)
+  double max_squared_sigmas = 9.0;      ///< the most that one counts
+  double innovation_prior_count = 3.0;  ///< innovations of 1 that the mean begins as
+  double usual_squared_sigmas = 3.0;    ///< a single one beyond this widens its own noise
   /// When the bias is said to have changed at once, and not to have drifted.
   CusumOptions change;
   /// What is further off is no error of a zero, and is not corrected.
@@ -58,8 +55,8 @@ absl::Status Validate(const OdometryErrorFilterOptions& options);
 /// changing speed like a scale. Registered poses are the measurements. If innovations exceed their
 /// covariance, the measurement noise is scaled up. A bias that changes at once, as when a gyroscope
 /// is set anew, is found by the motion between neighbouring poses, and learned afresh
-/// (METHOD eq 48). That the scale changes at once is for others to find, as registrations do not
-/// tell it from slip soon enough (METHOD eq 58).
+/// (METHOD eq 48). A scale that changes at once is found elsewhere, as registrations do not
+/// distinguish it from slip soon enough (METHOD eq 58).
 class OdometryErrorFilter {
  public:
   explicit OdometryErrorFilter(const OdometryErrorFilterOptions& options);

@@ -63,7 +63,7 @@ absl::Status Validate(const RigKnowledge& knowledge) {
     }
     status.Update(CheckKnown(radar.mount_yaw_error, name_of("mount_yaw_error_rad"),
                              -kMaxKnownMountYawError_rad, kMaxKnownMountYawError_rad));
-    // Told only; a number all the same.
+    // Reported only; it must be a number all the same.
     status.Update(CheckKnown(radar.clock_ahead, name_of("clock_ahead_s"), -1e9, 1e9));
     status.Update(CheckKnown(radar.beta_error, name_of("beta_error_s"), -10.0, 10.0));
   }
@@ -78,10 +78,11 @@ bool HasChanged(const RigKnowledge& before, const RigKnowledge& now) {
     return true;
   }
   return std::ranges::any_of(now.radars, [&](const RadarKnowledge& radar) {
-    const RadarKnowledge* told = before.Find(radar.radar_id);
-    return told == nullptr || Differs(told->mount_yaw_error, radar.mount_yaw_error) ||
-           Differs(told->clock_ahead, radar.clock_ahead) ||
-           Differs(told->beta_error, radar.beta_error);
+    const RadarKnowledge* last_reported = before.Find(radar.radar_id);
+    return last_reported == nullptr ||
+           Differs(last_reported->mount_yaw_error, radar.mount_yaw_error) ||
+           Differs(last_reported->clock_ahead, radar.clock_ahead) ||
+           Differs(last_reported->beta_error, radar.beta_error);
   });
 }
 

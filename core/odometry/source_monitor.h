@@ -23,6 +23,9 @@ inline constexpr std::size_t kOdometrySourceCount = 3;
 
 /// A set of sources, by their number.
 using OdometrySources = std::bitset<kOdometrySourceCount>;
+inline bool Contains(const OdometrySources& sources, OdometrySource source) {
+  return sources[static_cast<std::size_t>(source)];
+}
 
 /// What the sources say at one moment; those that are silent are absent. Speeds are forward, of the
 /// vehicle frame's origin [m/s]; yaw rates counter-clockwise [rad/s].
@@ -54,60 +57,63 @@ struct SourceMonitorOptions {
   /// Sources are compared no more often than this: the noise of readings that follow one another
   /// sooner is the same.
   std::chrono::nanoseconds interval = std::chrono::milliseconds(70);
-  /// How often a sound source fails, and a failed one comes back, per second. Wheel speed and yaw
-  /// rate come over the same bus: they fail together, or one soon after the other.
-  double wheel_failure_rate_hz = 0.02;
-  double yaw_rate_failure_rate_hz = 0.01;
-  double bus_failure_rate_hz = 0.02;
-  double second_bus_failure_rate_hz = 1.0;
-  /// One mover that fills the view is seen in few directions. Doppler from so many fails at this
-  /// rate, and by this factor less often for each further one.
-  double doppler_failure_rate_hz = 0.2;
+  // Rates [1/s] at which sound sources fail, and failed ones recover. Wheel speed and yaw rate come
+  // over the same bus: they fail together, or one soon after the other.
+  double wheel_failure_rate_hz = 0.02;      ///< of the wheel speed alone, while both are sound
+  double yaw_rate_failure_rate_hz = 0.01;   ///< of the yaw rate alone, while both are sound
+  double bus_failure_rate_hz = 0.02;        ///< of both at once
+  double second_bus_failure_rate_hz = 1.0;  ///< of the one, once the other has failed
+  double doppler_failure_rate_hz = 0.2;     ///< of Doppler seen in few directions
+  /// Doppler in up to this many directions is seen in few: one mover may fill the view.
   int narrow_direction_count = 5;
-  double direction_factor = 0.5;
-  double min_doppler_failure_rate_hz = 1e-6;
-  double recovery_rate_hz = 0.3;
-  /// Sources may have failed in so long before the first comparison.
+  double direction_factor = 0.5;              ///< on Doppler's rate for each further direction
+  double min_doppler_failure_rate_hz = 1e-6;  ///< of Doppler, at least
+  double recovery_rate_hz = 0.3;              ///< of a failed source to become sound
+  /// The time before the first comparison in which sources may have failed.
   std::chrono::nanoseconds start_span = std::chrono::seconds(1);
-  /// What the vehicle sent is silent when it is older than this.
+  /// A source is silent when its last reading is older than this.
   std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);
-  /// Deviations that no source is better than, whatever it claims.
-  double min_speed_sigma_mps = 0.15;
-  double min_speed_sigma_fraction = 0.02;
-  double min_yaw_rate_sigma_radps = 0.01;
-  /// How the vehicle may change its motion in a second.
-  double acceleration_sigma_mps2 = 5.0;
-  double yaw_acceleration_sigma_radps2 = 1.0;
-  /// What a failed source may say: anything within this, or nearly what it said before.
-  double speed_range_mps = 60.0;
-  double yaw_rate_range_radps = 2.0;
-  double unchanged_fraction = 0.9;
-  /// What a hypothesis whose sources are silent knows of the motion; it becomes no less certain.
-  double unknown_speed_sigma_mps = kUnknownSpeedSigma_mps;
-  double silent_yaw_rate_sigma_radps = 0.5;
+  // Lower bounds of the standard deviations of readings, whatever their source claims.
+  double min_speed_sigma_mps = 0.15;       ///< of a speed: the constant part
+  double min_speed_sigma_fraction = 0.02;  ///< of a speed: the part in proportion to it
+  double min_yaw_rate_sigma_radps = 0.01;  ///< of a yaw rate
+  // The process noise, per second, of each hypothesis.
+  double acceleration_sigma_mps2 = 5.0;        ///< standard deviation of the speed's change
+  double yaw_acceleration_sigma_radps2 = 1.0;  ///< standard deviation of the yaw rate's change
+  // A failed source says nearly what it said before, or anything.
+  double speed_range_mps = 60.0;      ///< width of the range of speeds that are "anything"
+  double yaw_rate_range_radps = 2.0;  ///< width of the range of yaw rates that are "anything"
+  double unchanged_fraction = 0.9;    ///< probability of nearly the same as before
+  // A hypothesis without readings becomes less certain, up to these standard deviations.
+  double unknown_speed_sigma_mps = kUnknownSpeedSigma_mps;  ///< of its speed
+  double silent_yaw_rate_sigma_radps = 0.5;                 ///< of its yaw rate
   /// Probability, at each comparison, that the motion is unlike any prediction and a hypothesis's
   /// filter has to start anew.
   double restart_probability = 1e-6;
-  /// Log-probability ratios to the best hypothesis. None falls below the first, so that it can
-  /// recover. Those within the second widen the variance of the motion.
+  /// No hypothesis falls further below the best one than this, in log-probability, so that it can
+  /// recover.
   double max_log_ratio = 40.0;
+  /// Hypotheses within this of the best one, in log-probability, widen the variance of the speed
+  /// and the yaw rate.
   double spread_log_ratio = 7.0;
   /// Hypotheses less probable than this, beside the best one, are no part of the spread.
   double min_probability_ratio = 1e-4;
-  /// Scans tell hypotheses apart that put the vehicle so far from one another. A fit that is better
-  /// by 1 makes a hypothesis more probable by so much, in log-likelihood.
+  /// Scans compare an alternative that puts the vehicle at least this far along-track from where it
+  /// is taken to be.
   double min_alternative_distance_m = 0.4;
+  /// Log-likelihood that a hypothesis gains by a fit that is better by 1.
   double log_likelihood_per_fit = 10.0;
-  /// Registrations that are compared lie at least so far apart, and err by so much.
+  /// The shortest time between two registrations that are compared.
   std::chrono::nanoseconds min_registered_interval = std::chrono::milliseconds(500);
+  /// The longest time between two registrations that are compared.
   std::chrono::nanoseconds max_registered_interval = std::chrono::milliseconds(3000);
-  double registered_sigma_m = 0.15;
-  double registered_sigma_rad = 0.004;
-  double false_registration_fraction = 0.02;
-  /// Where nothing has been registered for so long, the next most probable sources are tried: wrong
-  /// ones let no scan be registered that could tell.
+  double registered_sigma_m = 0.15;     ///< std. dev. of one registration's position along-track
+  double registered_sigma_rad = 0.004;  ///< std. dev. of one registration's heading
+  double false_registration_fraction = 0.02;  ///< share of the registrations that are false
+  /// The most probable sources are tried for this long without an accepted registration. Then the
+  /// next ones are tried: with wrong ones no scan may be registered that could show it.
   std::chrono::nanoseconds trial_span = std::chrono::milliseconds(3500);
-  /// Each trial takes twice as long as the one before, up to so many spans.
+  /// Each trial takes twice as long as the one before, up to this many spans.
   int max_trial_spans = 4;
 };
 std::span<const OptionField<SourceMonitorOptions>> FieldsOf(const SourceMonitorOptions& options);
@@ -129,15 +135,15 @@ class SourceMonitor {
   void OnReadings(Stamp stamp, const OdometryReadings& readings);
 
   /// A registration puts the vehicle here at the last readings. It is compared with one before, be
-  /// it an outlier against the estimate or not: the estimate is made of the sources. What was not
-  /// applied before an accepted one never will be.
+  /// it an outlier against the estimate or not: the estimate is made of the sources. An accepted
+  /// registration clears the unapplied correction.
   void OnRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   /// It is no longer known where the vehicle was.
   void OnRegistrationLost() { registered_.reset(); }
 
   /// Which sources are sound, most probably.
   OdometrySources sound() const { return best().sound; }
-  bool IsSound(OdometrySource source) const { return sound()[static_cast<std::size_t>(source)]; }
+  bool IsSound(OdometrySource source) const { return Contains(sound(), source); }
 
   /// Probability of `sound()`, [0, 1].
   double confidence() const;
@@ -147,14 +153,15 @@ class SourceMonitor {
   ScalarEstimate speed() const { return Mixed(&Hypothesis::speed); }
   ScalarEstimate yaw_rate() const { return Mixed(&Hypothesis::yaw_rate); }
 
-  /// The vehicle's motion since the readings before the last ones was taken to be this. Gives the
-  /// correction to apply, where the sound sources are no longer those of the call before: how the
-  /// vehicle moved since the last accepted registration by the ones that are sound now, beyond what
-  /// was used.
+  /// A motion in the plane, along an arc.
   struct PlanarMotion {
     double forward_m = 0.0;
-    double turn_rad = 0.0;
+    double turn_rad = 0.0;  ///< counter-clockwise
   };
+
+  /// Reports the motion that the pose used between the last two readings [m, rad]. If the set of
+  /// sound sources has changed since the last call, returns the correction to apply: the motion
+  /// since the last accepted registration by the new set, minus what was used.
   std::optional<PlanarMotion> OnUsedMotion(double forward_m, double turn_rad);
 
   /// The model spread: how the hypotheses that are probable differ from the motion that was used
@@ -175,8 +182,9 @@ class SourceMonitor {
   /// last `OnFits`.
   std::optional<PlanarMotion> Alternative() const;
 
-  /// A scan at the last readings fits the map so well, [0, 1], where the vehicle is by the motion
-  /// that was used, and so well where the alternative puts it.
+  /// How a scan at the last readings fits the map, [0, 1]: `fit` where the vehicle is by the motion
+  /// that was used, `alternative_fit` where `alternative` puts it. `alternative` is what
+  /// `Alternative` returned for these readings.
   void OnFits(const PlanarMotion& alternative, double fit, double alternative_fit);
 
  private:

@@ -6,21 +6,14 @@
 #include "core/odometry/source_monitor.h"
 
 namespace dcloc {
-namespace {
-
-bool IsIn(const OdometrySources& sound, OdometrySource source) {
-  return sound[static_cast<std::size_t>(source)];
-}
-
-}  // namespace
 
 bool SourceMonitor::MeasuresSpeed(const Hypothesis& hypothesis) const {
   const auto is_recent = [this](const std::optional<Stamp>& reported) {
     return reported && *compared_ - *reported <= options_.silent_after;
   };
-  return (IsIn(hypothesis.sound, OdometrySource::kWheelSpeed) &&
+  return (Contains(hypothesis.sound, OdometrySource::kWheelSpeed) &&
           is_recent(last_reported_.wheel_speed)) ||
-         (IsIn(hypothesis.sound, OdometrySource::kDoppler) &&
+         (Contains(hypothesis.sound, OdometrySource::kDoppler) &&
           is_recent(last_reported_.doppler_speed));
 }
 
@@ -28,13 +21,14 @@ bool SourceMonitor::MeasuresYawRate(const Hypothesis& hypothesis) const {
   const auto is_recent = [this](const std::optional<Stamp>& reported) {
     return reported && *compared_ - *reported <= options_.silent_after;
   };
-  return (IsIn(hypothesis.sound, OdometrySource::kYawRate) && is_recent(last_reported_.yaw_rate)) ||
-         (IsIn(hypothesis.sound, OdometrySource::kDoppler) &&
+  return (Contains(hypothesis.sound, OdometrySource::kYawRate) &&
+          is_recent(last_reported_.yaw_rate)) ||
+         (Contains(hypothesis.sound, OdometrySource::kDoppler) &&
           is_recent(last_reported_.doppler_yaw_rate));
 }
 
-// METHOD eq 49. Hypotheses count whose sound sources have reported. All ways are compared with that
-// of the best one, as what it misses itself comes of how motions are summed up.
+// METHOD eq 49. Hypotheses count whose sound sources have reported. All motions are compared with
+// that of the best one, as what it misses itself comes of how motions are summed up.
 SourceMonitor::Spread SourceMonitor::CurrentSpread() const {
   const double least_log_weight = std::log(options_.min_probability_ratio);
   Spread spread;

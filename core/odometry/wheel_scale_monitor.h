@@ -15,24 +15,21 @@ namespace dcloc {
 /// When the wheels' scale is said to have changed at once.
 struct WheelScaleMonitorOptions {
   CusumOptions change;
-  /// Speeds are compared by their means over so long.
+  /// Speeds are compared by their means over spans of this length.
   std::chrono::nanoseconds span = std::chrono::milliseconds(300);
   /// Readings further apart are of two spans.
   std::chrono::nanoseconds max_gap = std::chrono::milliseconds(500);
-  int min_reading_count = 2;
-  /// Slower spans tell nothing of a scale.
+  int min_reading_count = 2;  ///< a span of fewer readings is not used
+  /// Spans that are slower are not used: their ratio is mostly noise.
   double min_speed_mps = 3.0;
-  /// What the means of a span differ by, in deviations: noise, a part of the speed, and a delay
-  /// while the speed changes.
-  double speed_sigma_mps = 0.05;
-  double speed_sigma_fraction = 0.006;
-  double delay_sigma_s = 0.1;
-  /// The usual ratio is the mean over so many spans; before the first of them are so many, nothing
-  /// is compared. Spans further off than `usual_sigmas` are no part of it.
-  int usual_span_count = 100;
-  int min_usual_span_count = 12;
-  double usual_sigmas = 3.0;
-  /// A smaller change is left to registrations, which learn it without being told.
+  // Standard deviations of the difference between the means of a span.
+  double speed_sigma_mps = 0.05;        ///< of noise
+  double speed_sigma_fraction = 0.006;  ///< of an error in proportion to the speed
+  double delay_sigma_s = 0.1;           ///< of a delay between the two, while the speed changes
+  int usual_span_count = 100;           ///< spans that the usual ratio is the mean of
+  int min_usual_span_count = 12;        ///< spans that it takes before changes are looked for
+  double usual_sigmas = 3.0;  ///< spans that deviate by more are no part of the usual ratio
+  /// A smaller change is left to registrations, which learn it by themselves.
   double min_change = 0.01;
   /// By more than this share the scale of wheels does not change: they slip.
   double max_change = 0.12;

@@ -36,10 +36,10 @@ struct PoseGraphOptions {
   double max_squared_distance_spatial = kChiSquare95With6Dof;
   /// Factors left out in a row that agree among themselves and so replace the accepted chain, >= 2.
   int takeover_support = 25;
-  /// Where the first of them lay within this squared Mahalanobis distance, no more than so many:
-  /// an estimate that is off by little is off, and not misled.
+  /// Squared Mahalanobis distance up to which the first of them is near the accepted chain: such an
+  /// estimate has drifted a little, and the registrations are right.
   double near_squared_distance = 50.0;
-  int near_takeover_support = 5;
+  int near_takeover_support = 5;  ///< the same as `takeover_support` if the first was near
 };
 std::span<const OptionField<PoseGraphOptions>> FieldsOf(const PoseGraphOptions& options);
 absl::Status Validate(const PoseGraphOptions& options);

@@ -65,7 +65,7 @@ class CorrespondenceFinder {
     Eigen::Matrix<double, Dim, Dim> information;
     double determinant;
     double distance;        // squared Mahalanobis
-    double near_distance;   // that of the way that the point may move
+    double near_distance;   // that of the distance that the point may move
     double min_cost = 0.0;  // at most the negative log-likelihood where it is least
   };
 

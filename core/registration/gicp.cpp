@@ -184,8 +184,7 @@ void Judge(Correspondences<Dim> correspondences, std::size_t live_count, double 
     squared_residuals += squared;
     likelihood += std::exp(-0.5 * squared);
   }
-  result.information = hessian.InVehicle(R);
-  result.covariance = SandwichCovariance<Dim>(result.information, squared_weights.InVehicle(R));
+  result.covariance = SandwichCovariance<Dim>(hessian.InVehicle(R), squared_weights.InVehicle(R));
   result.inlier_count = static_cast<int>(correspondences.size());
   if (correspondences.empty()) return;
   const auto inlier_count = static_cast<double>(correspondences.size());

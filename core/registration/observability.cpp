@@ -44,15 +44,17 @@ absl::Status Validate(const ObservabilityOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-bool Observability::Observed(int axis) const {
+bool Observability::Observed(VehicleAxis axis) const {
+  const auto i = static_cast<Eigen::Index>(axis);
   return std::ranges::none_of(directions, [&](const Direction& direction) {
-    return !direction.observed && std::abs(direction.axis(axis)) > 0.5;
+    return !direction.observed && std::abs(direction.axis(i)) > 0.5;
   });
 }
 
 std::bitset<6> Observability::ObservedDof(bool in_space) const {
   std::bitset<6> observed(in_space ? 0b111100 : 0b100000);
-  for (int axis = 0; axis < 2; ++axis) observed[static_cast<std::size_t>(axis)] = Observed(axis);
+  observed[0] = Observed(VehicleAxis::kX);
+  observed[1] = Observed(VehicleAxis::kY);
   return observed;
 }
 

@@ -17,20 +17,23 @@ namespace dcloc {
 /// When a direction counts as observed. Measured in streets, tunnels and dense maps (METHOD 9,
 /// decision 0012).
 struct ObservabilityOptions {
-  int max_point_count = 300;  ///< an even choice of so many is enough for a fraction of the score
-  /// A shift along the direction, by one of two lengths, costs at least this fraction of the score.
-  /// In streets it is a third and more, between smooth walls nothing. Facades and rails in dense
-  /// maps look like themselves a metre further, but not three.
-  double near_shift_m = 1.0;
-  double near_min_drop = 0.05;
-  double far_shift_m = 3.0;
-  double far_min_drop = 0.15;
+  int max_point_count = 300;  ///< points, evenly chosen, that the score is computed from
+  // A shift along an observed direction, by one of two lengths, costs a fraction of the score. In
+  // streets it is a third and more, between smooth walls nothing. Facades and rails in dense maps
+  // look like themselves a metre further, but not three.
+  double near_shift_m = 1.0;    ///< length of the short shift
+  double near_min_drop = 0.05;  ///< fraction of the score that it costs at least, [0, 1]
+  double far_shift_m = 3.0;     ///< length of the long shift
+  double far_min_drop = 0.15;   ///< fraction of the score that it costs at least, [0, 1]
   /// A registration has this deviation along a direction that is not observed: far beyond what it
   /// can be off by.
   double degenerate_sigma_m = 10.0;
 };
 std::span<const OptionField<ObservabilityOptions>> FieldsOf(const ObservabilityOptions& options);
 absl::Status Validate(const ObservabilityOptions& options);
+
+/// The horizontal axes of the vehicle frame: x along the track, y across it to the left.
+enum class VehicleAxis { kX, kY };
 
 /// Whether the points fit worse when a registration is shifted. The information matrix does not
 /// show this: it takes each correspondence for the only possible one, but a point on a smooth wall
@@ -44,9 +47,8 @@ struct Observability {
   std::array<Direction, 2> directions = {
       {{.axis = Eigen::Vector2d::UnitX()}, {.axis = Eigen::Vector2d::UnitY()}}};
 
-  /// Whether the vehicle's x or y axis (0, 1) is observed: no more than half of it lies along a
-  /// direction that is not.
-  bool Observed(int axis) const;
+  /// Whether an axis is observed: no more than half of it lies along a direction that is not.
+  bool Observed(VehicleAxis axis) const;
 
   /// Of x, y, z, roll, pitch and yaw, in the plane or `in_space`.
   std::bitset<6> ObservedDof(bool in_space) const;

@@ -23,31 +23,35 @@ template <int Dim>
 struct RegistrationInput {
   std::span<const GaussianPoint<Dim>> points;  ///< of the sub-map, vehicle frame
   const LocalMap<Dim>& map;
-  Pose<Dim> T_local_vehicle_guess;                ///< the initial guess
-  double guess_sigma_m = 0.0;                     ///< deviation of the initial guess; 0: it is good
+  Pose<Dim> T_local_vehicle_guess;  ///< the initial guess
+  /// Standard deviation of the guess's position, by which points are blurred at first; 0: it is
+  /// good. Of the guess's rotation nothing is said.
+  double guess_sigma_m = 0.0;
   std::optional<RegistrationEffort> effort = {};  ///< less than the method's own, where it has one
 };
 
 /// Variance [m^2, rad^2] that stands for "not observed".
 inline constexpr double kUnobserved = 1e6;
 
-/// The result of a registration: the pose of the points in the map.
+/// The result of a registration: the pose of the points in the map. A method fills the pose, the
+/// covariance and the last four fields. RegistrationGate (map_matcher.h) reads `inlier_count`,
+/// `overlap` and `residual_scale`; METHOD eq 26 reads `score`. In the last two, d is the
+/// Mahalanobis distance of a point to its correspondence, by the covariance
+/// S_q + R S_p R^T of their difference and without Huber weights.
 template <int Dim>
 struct Registration {
   Pose<Dim> T_local_vehicle;
   /// In the tangent space on the right (METHOD eq 13-14), not inflated; a direction that the
   /// correspondences do not determine has a variance of `kUnobserved`.
   TangentMatrix<Dim> covariance;
-  /// H, the weighted sum of G^T W G (METHOD eq 13), in the same tangent space.
-  TangentMatrix<Dim> information = TangentMatrix<Dim>::Zero();
-  /// Told, and no gate: what did not converge within the iterations has few inliers or large
-  /// residuals.
+  /// Reported only; not a criterion. What did not converge within the iterations has few inliers or
+  /// large residuals.
   bool converged = false;
-  int iterations = 0;
-  int inlier_count = 0;         ///< points with a correspondence inside of the gates
-  double overlap = 0.0;         ///< share of the points that are inliers
-  double score = 0.0;           ///< mean of exp(-d^2 / 2) over all points, 0 of those without one
-  double residual_scale = 0.0;  ///< root mean square of whitened residuals; 1: as modelled
+  int iterations = 0;    ///< reported only
+  int inlier_count = 0;  ///< points with a correspondence inside of the gates
+  double overlap = 0.0;  ///< share of all points that are inliers, [0, 1]
+  double score = 0.0;    ///< mean of exp(-d^2 / 2) over all points; others than inliers add 0
+  double residual_scale = 0.0;  ///< sqrt(mean of d^2 / Dim) over the inliers; 1: as modelled
 };
 
 /// The interface of a registration algorithm. Stateless: one object serves many vehicles at once,

@@ -11,7 +11,7 @@ namespace dcloc {
 inline constexpr double kPeakWidth_cells = 4.0;
 
 /// The step between headings: half of the points, those within `median_range_m`, move by at most
-/// two cells, which is half of a peak. Of near points a finer step would tell nothing.
+/// two cells, which is half of a peak. Near points move too little for a finer step.
 inline double HeadingStep_rad(double cell_m, double median_range_m) {
   constexpr double kMinLever_m = 10.0;
   return 2.0 * cell_m / std::max(kMinLever_m, median_range_m);

@@ -14,8 +14,8 @@
 namespace dcloc {
 namespace {
 
-// Most places that a search finds are none: few steps tell. The others are registered as well as
-// telling them apart takes.
+// Most places that a search finds are wrong: a few steps show it. The others are registered as well
+// as it takes to compare them.
 constexpr RegistrationEffort kCoarseEffort{
     .max_iterations = 8, .translation_tolerance_m = 0.02, .rotation_tolerance_rad = 0.002};
 constexpr RegistrationEffort kFineEffort{
@@ -41,8 +41,8 @@ void GlobalLocalizer<Dim>::OnMotion(const Motion& motion) {
   }
 }
 
-// Views share scans where they follow one another sooner than a sub-map is long, so that little way
-// is enough between two of them; the place that wins must hold over more.
+// Views share scans where they follow one another sooner than a sub-map is long, so that a short
+// distance is enough between two of them; the place that wins must hold over more.
 template <int Dim>
 bool GlobalLocalizer<Dim>::WantsView(Stamp stamp) const {
   if (phase_ != Phase::kIdle || winner_) return false;

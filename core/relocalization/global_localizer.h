@@ -23,7 +23,7 @@ enum class PlaceOrigin { kExpected, kFound };
 /// the sub-map is kept as a view, and the map is searched for places that look like it. All places
 /// found are registered with all views, joined by odometry. The pose is the one that fits every
 /// view acceptably, leads all others in log-likelihood over all views by `min_lead`, and does so
-/// over `min_distance_m` of way (METHOD eq 38). A place at which the vehicle is expected takes
+/// over `min_distance_m` travelled (METHOD eq 38). A place at which the vehicle is expected takes
 /// part, and one view may decide for it.
 template <int Dim>
 class GlobalLocalizer {
@@ -93,7 +93,7 @@ class GlobalLocalizer {
     Pose3 T_map_vehicle;
     double score = 0.0;
   };
-  // A way on which the vehicle may have come: a fit for each view, filled one after the other.
+  // A path on which the vehicle may have come: a fit for each view, filled one after the other.
   struct Candidate {
     std::vector<std::optional<ViewFit>> fits;
     bool is_expected = false;

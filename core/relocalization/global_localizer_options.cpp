@@ -14,7 +14,7 @@ std::span<const OptionField<GlobalLocalizerOptions>> FieldsOf(
       {"expected_lead_per_view", &O::expected_lead_per_view, 0, 1000, "the lead is constant"},
       {"max_expected_lead", &O::max_expected_lead, 0, 1000, "an expected place must fit best"},
       {"min_view_span_ms", &O::min_view_span, 0, 1e6, "one scan is a view"},
-      {"view_interval_ms", &O::view_interval, 0, 1e6, "the way alone decides"},
+      {"view_interval_ms", &O::view_interval, 0, 1e6, "the distance alone decides"},
       {"view_distance_m", &O::view_distance_m, 0, 1000, "a standing vehicle takes views too"},
       {"early_view_count", &O::early_view_count, 0, 1000, "views are rare from the start"},
       {"late_view_interval_factor", &O::late_view_interval_factor, 1, 1000},

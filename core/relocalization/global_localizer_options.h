@@ -21,22 +21,21 @@ struct GlobalLocalizerOptions {
   double convincing_overlap = 0.7;
   /// What an expected place must reach in each view once the whole map was searched.
   RegistrationGate expected_gate = {};
-  double min_distance_m = 10.0;  ///< it holds over so much way: standing still, all views agree
+  double min_distance_m = 10.0;  ///< travelled while it holds: standing still, all views agree
   double min_lead = 4.5;         ///< of its log-likelihood to that of every other place
-  /// What an expected place has ahead of others in log-likelihood, with
-  /// one view, and more with each further one.
-  double expected_lead = 4.0;
-  double expected_lead_per_view = 5.0;
-  double max_expected_lead = 14.0;
+  // What an expected place is given ahead of others, in log-likelihood.
+  double expected_lead = 4.0;           ///< with one view
+  double expected_lead_per_view = 5.0;  ///< more with each further one
+  double max_expected_lead = 14.0;      ///< at most
 
-  /// A view's scans span so much time. A new one is taken after so much way and time; after the
-  /// first few views, where nothing is found, less often by `late_view_interval_factor`.
+  /// The time that the scans of a view span, at least.
   std::chrono::nanoseconds min_view_span = std::chrono::milliseconds(400);
+  /// The time between two views, at least.
   std::chrono::nanoseconds view_interval = std::chrono::milliseconds(400);
-  double view_distance_m = 4.0;
-  int early_view_count = 8;
-  int late_view_interval_factor = 8;
-  int max_view_count = 4;
+  double view_distance_m = 4.0;  ///< travelled between two views, at least
+  int early_view_count = 8;      ///< views after which, where nothing is found, they become rarer
+  int late_view_interval_factor = 8;  ///< factor on `view_interval` from then on
+  int max_view_count = 4;             ///< views that are kept
   /// Views that odometry joins less certainly than this are dropped.
   double max_view_sigma_m = 2.0;
   double max_view_sigma_rad = 0.2;

@@ -16,13 +16,14 @@ namespace dcloc {
 struct PosePriorOptions {
   double max_prediction_sigma_m = 3.5;
   double max_prediction_sigma_rad = 0.2;
-  /// The search region holds so many deviations: a position is further off once in 450 times.
+  /// Radius of the search region in standard deviations: a position is further off once in 450
+  /// times.
   double region_sigmas = 3.5;
   double max_region_radius_m = 150.0;  ///< wider ones are searched with the whole map
-  /// A region in which the vehicle has not been found was too small: for each search in vain its
-  /// radius, and this much, grows by this factor, and every heading is searched.
-  double region_growth_m = 10.0;
-  double region_growth_factor = 3.0;
+  // A region in which the vehicle has not been found was too small: it grows, and every heading is
+  // searched.
+  double region_growth_m = 10.0;      ///< added to the radius first
+  double region_growth_factor = 3.0;  ///< on the sum, for each search in vain
 };
 std::span<const OptionField<PosePriorOptions>> FieldsOf(const PosePriorOptions& options);
 absl::Status Validate(const PosePriorOptions& options);

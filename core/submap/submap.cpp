@@ -124,7 +124,7 @@ bool SubmapWindow::Insert(Stamp stamp, int radar_index, const std::vector<RadarP
 }
 
 // An entry to be written anew: the oldest one of a radar that has enough of them, of which the
-// successor takes over the way; or one more.
+// successor takes over the motion; or one more.
 std::vector<SubmapWindow::Entry>::iterator SubmapWindow::MakeRoom(int radar_index) {
   const auto of_same_radar = [&](const Entry& entry) { return entry.radar_index == radar_index; };
   if (std::ranges::count_if(entries_, of_same_radar) < scans_per_radar_) {

@@ -14,7 +14,7 @@ std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
       {"max_offset_m", &O::max_offset_m, 0, 100, "there are no rivals"},
       {"pose_sigma_m", &O::pose_sigma_m, 0, 100, "poses are compared as exact"},
       {"point_sigma", &O::point_sigma, 1e-6, 1},
-      {"scan_count", &O::scan_count, 0, 1'000'000, "a confirmed pose has no rivals"},
+      {"places_per_scan", &O::places_per_scan, 2, 10'000},
   };
   return kFields;
 }
@@ -28,29 +28,50 @@ absl::Status Validate(const AlongTrackRivalOptions& options) {
 AlongTrackRivals::AlongTrackRivals(const AlongTrackRivalOptions& options) : options_(options) {
   for (double offset_m = options.min_offset_m; offset_m <= options.max_offset_m;
        offset_m += options.step_m) {
-    offsets_m_.push_back(offset_m);
-    offsets_m_.push_back(-offset_m);
+    places_.push_back({.offset_m = offset_m});
+    places_.push_back({.offset_m = -offset_m});
   }
-  better_.resize(offsets_m_.size());
+  chosen_.reserve(places_.size());
+  chosen_offsets_m_.reserve(places_.size());
+}
+
+std::span<const double> AlongTrackRivals::NextOffsets_m() {
+  chosen_.clear();
+  chosen_offsets_m_.clear();
+  const std::size_t count =
+      std::min(static_cast<std::size_t>(options_.places_per_scan), places_.size());
+  for (std::size_t i = 0; i < places_.size() && chosen_.size() < count / 2; ++i) {
+    const std::size_t index = (turn_ + i) % places_.size();
+    if (places_[index].better.sum() > 0.0) Choose(index);
+  }
+  for (std::size_t i = 0; i < places_.size() && chosen_.size() < count; ++i) {
+    if (places_[turn_].better.sum() == 0.0) Choose(turn_);
+    turn_ = (turn_ + 1) % places_.size();
+  }
+  return chosen_offsets_m_;
+}
+
+void AlongTrackRivals::Choose(std::size_t index) {
+  chosen_.push_back(index);
+  chosen_offsets_m_.push_back(places_[index].offset_m);
 }
 
 // METHOD eq 60.
-void AlongTrackRivals::OnFits(std::size_t point_count, bool is_confirmed, double fit,
+void AlongTrackRivals::OnFits(std::size_t point_count, double fit,
                               std::span<const double> rival_fits) {
-  confirmed_count_ = is_confirmed ? confirmed_count_ + 1 : 0;
   const double sigma = options_.point_sigma / std::sqrt(static_cast<double>(point_count));
-  for (std::size_t i = 0; i < better_.size(); ++i) {
-    better_[i].Add((rival_fits[i] - fit) / sigma, options_.better);
+  for (std::size_t i = 0; i < chosen_.size(); ++i) {
+    places_[chosen_[i]].better.Add((rival_fits[i] - fit) / sigma, options_.better);
   }
 }
 
 bool AlongTrackRivals::has_better() const {
-  return std::ranges::any_of(better_, &CumulativeSum::is_exceeded);
+  return std::ranges::any_of(places_,
+                             [](const Place& place) { return place.better.is_exceeded(); });
 }
 
 void AlongTrackRivals::Reset() {
-  std::ranges::fill(better_, CumulativeSum{});
-  confirmed_count_ = 0;
+  for (Place& place : places_) place.better = {};
 }
 
 }  // namespace dcloc

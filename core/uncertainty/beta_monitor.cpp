@@ -10,7 +10,7 @@
 namespace dcloc {
 namespace {
 
-// Information [1/m^2, 1/rad^2, 1/s^2] of directions of which no point tells: a solver needs some.
+// Information [1/m^2, 1/rad^2, 1/s^2] of directions that no point measures: a solver needs some.
 constexpr double kMinInformation = 1e-6;
 
 static_assert(kBetaError == 0 && kRangeBiasError == 1);

@@ -31,6 +31,9 @@ class CumulativeSum {
   /// Whether the sum has reached the limit, and has not fallen to half of it since.
   bool is_exceeded() const { return is_exceeded_; }
 
+  /// What deviations have said so far, from 0 to the limit.
+  double sum() const { return sum_; }
+
  private:
   double sum_ = 0.0;
   bool is_exceeded_ = false;

@@ -16,10 +16,10 @@ struct MapFitOptions {
   int max_point_count = 150;  ///< of a scan, more are thinned
   int min_scan_count = 12;    ///< of a radar before anything is expected of it
   double memory = 0.98;       ///< of older scans, some fifty
-  /// A fit contradicts the map that is so many deviations and this share below the expected one.
-  double contradiction_sigmas = 3.5;
-  double contradiction_share = 0.4;
-  double min_sigma = 0.04;  ///< fits vary by no less
+  // A fit contradicts the map if it lies below the expected one by both of these.
+  double contradiction_sigmas = 3.5;  ///< in standard deviations of fits
+  double contradiction_share = 0.4;   ///< as a share of the expected fit, [0, 1]
+  double min_sigma = 0.04;            ///< fits vary by no less
   /// When scans have fitted less than expected for too long, each by a little.
   CumulativeSumOptions decline;
   /// A prediction that is less certain is tested as if it were as certain as this.

@@ -76,7 +76,7 @@ void NoiseScaleEstimator<Dim>::Compare(const Anchor& anchor, const PoseEstimate<
   rotation_.Add(options_, rotation_.*pairs, error.template tail<kTurns>().squaredNorm(), 0.0,
                 registrations.template tail<kTurns>().sum(),
                 odometry.template tail<kTurns>().sum());
-  // What an error of the heading at the way's begin becomes at its end.
+  // The position error at a motion's end that a heading error at its begin causes.
   TangentMatrix<Dim> turn = TangentMatrix<Dim>::Zero();
   turn.template bottomRightCorner<kTurns, kTurns>() =
       rotation_.registration_ratio *

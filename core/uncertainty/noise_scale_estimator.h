@@ -19,8 +19,8 @@ struct NoiseScaleOptions {
   double prior_odometry_ratio = 1.0;
   double prior_registration_ratio = 3.0;
   double prior_count = 0.005;  ///< weight of the prior ratios, in pairs
-  /// A pair's squared error counts at most so many times its expectation, so that a wrong
-  /// registration changes neither ratio.
+  /// Upper bound of a pair's squared error, in units of its expectation: a wrong registration
+  /// changes neither ratio.
   double max_squared_sigmas = 9.0;
   double max_memory =
       0.98;  ///< weight that older pairs keep: about fifty count, at first the newest third
@@ -73,7 +73,7 @@ class NoiseScaleEstimator {
   TangentMatrix<Dim> RegistrationCovariance(const TangentMatrix<Dim>& covariance) const;
 
  private:
-  static constexpr std::size_t kAnchors = 6;  // a far pair is so many sub-maps apart
+  static constexpr std::size_t kAnchors = 6;  // a far pair is this many sub-maps apart
 
   // A registration, and the odometry since then.
   struct Anchor {

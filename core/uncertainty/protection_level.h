@@ -11,7 +11,7 @@ namespace dcloc {
 
 /// What a protection level is made of.
 struct ProtectionLevelOptions {
-  /// An error along both axes is larger than so many deviations once in ten thousand times:
+  /// The bound in standard deviations. A planar error exceeds it once in ten thousand times:
   /// sqrt(-2 ln 1e-4).
   double sigmas = 4.29;
   /// What the map and its frame err by, which no covariance contains.

@@ -14,14 +14,13 @@ namespace dcloc {
 /// do not reduce them. They are constant for `shared_time`, so that several registrations within it
 /// do not average them out.
 struct RegistrationFactorOptions {
-  double shared_sigma_m = 0.08;
-  double shared_sigma_rad = 0.003;
+  double shared_sigma_m = 0.08;     ///< standard deviation of the position by these errors
+  double shared_sigma_rad = 0.003;  ///< standard deviation of the heading by these errors
+  /// The time for which these errors are constant.
   std::chrono::nanoseconds shared_time = std::chrono::seconds(3);
-  /// Share of a registration's variance that is due to the landmarks. They stay in view for
-  /// `view_distance_m`, at most for `max_view_time_s`.
-  double landmark_share = 0.15;
-  double view_distance_m = 50.0;
-  double max_view_time_s = 10.0;
+  double landmark_share = 0.15;   ///< share of a registration's variance due to landmarks, [0, 1]
+  double view_distance_m = 50.0;  ///< travelled while a landmark stays in view
+  double max_view_time_s = 10.0;  ///< the longest time for which it does
 };
 std::span<const OptionField<RegistrationFactorOptions>> FieldsOf(
     const RegistrationFactorOptions& options);

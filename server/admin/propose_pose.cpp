@@ -21,7 +21,7 @@ absl::Status Propose(Session& session, const v1::ProposePoseRequest& request,
   v1::PositionFix fix;
   fix.set_stamp_ns(request.stamp_ns());
   *fix.mutable_map_pose() = request.pose();
-  const absl::StatusOr<FixAnswer> answer = session.TakeProposal(std::move(fix));
+  const absl::StatusOr<FixAnswer> answer = session.ProposePose(std::move(fix));
   if (!answer.ok()) return answer.status();
   if (!answer->use.ok()) return answer->use.status();
   convert::ToProto(*answer, response->mutable_answer());

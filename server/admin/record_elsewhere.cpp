@@ -56,7 +56,7 @@ class Beginning {
   std::size_t left_;
   bool is_asking_ = true;
   absl::Status fault_;
-  Done done_;  ///< null once it was told
+  Done done_;  ///< null once it was called
 };
 
 RecordRelay::Listener ListenerOf(int place, std::string address, RecordingRequests& recordings,

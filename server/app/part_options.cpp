@@ -57,12 +57,12 @@ absl::StatusOr<std::string> ReplicaAddressOf(const ServerConfig& config, int por
         "replica_address is ", Quoted(text), "; it must be a HOST[:PORT] that others can reach"));
   }
   if (address->port == 0) address->port = port;
-  std::string told = address->ToString();
-  if (!IsReplicaAddress(told)) {
+  std::string checked = address->ToString();
+  if (!IsReplicaAddress(checked)) {
     return absl::InvalidArgumentError(absl::StrCat("replica_address is ", Quoted(text),
                                                    "; its host must be a name or an address"));
   }
-  return told;
+  return checked;
 }
 
 }  // namespace dcloc::server

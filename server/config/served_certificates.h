@@ -10,8 +10,8 @@
 
 namespace dcloc::server {
 
-/// The certificates that a running server shows: the last ones of its files that were good. Those
-/// that are not are never shown, but told. Thread-safe.
+/// The certificates that a running server shows: the last good ones of its files. Bad ones are
+/// never shown; `State::fault` reports them. Thread-safe.
 class ServedCertificates {
  public:
   struct State {

@@ -94,7 +94,7 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
     grpc::Status status;
     std::shared_ptr<Session> session;  ///< null where there is none to let go of
     bool keeps_session = false;
-    std::string reason;  ///< told to clients that ask for the session later
+    std::string reason;  ///< for clients that ask for the session later
   };
 
   LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,

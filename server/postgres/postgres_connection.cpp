@@ -142,7 +142,7 @@ absl::Status PostgresConnection::Connect(Clock::time_point deadline) {
 
 absl::Status PostgresConnection::SetUp() {
   const std::int64_t timeout_ms = timeout_.count();
-  // Doubles are told so that reading them gives the same double.
+  // Doubles are written so that reading them gives the same double.
   return RunAll(absl::StrFormat("SET search_path = dcloc, public; SET extra_float_digits = 1;"
                                 "SET statement_timeout = %d; SET lock_timeout = %d;"
                                 "SET idle_in_transaction_session_timeout = %d;"
@@ -197,12 +197,12 @@ bool PostgresConnection::IsIdle() const {
 
 absl::StatusOr<bool> PostgresConnection::TakeNotifications() {
   if (lost_ || PQconsumeInput(connection_.get()) == 0) return Lost("connection lost");
-  bool told = false;
+  bool is_notified = false;
   while (PGnotify* notification = PQnotifies(connection_.get())) {
     PQfreemem(notification);
-    told = true;
+    is_notified = true;
   }
-  return told;
+  return is_notified;
 }
 
 int PostgresConnection::descriptor() const { return PQsocket(connection_.get()); }

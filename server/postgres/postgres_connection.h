@@ -97,7 +97,7 @@ class PostgresConnection {
   /// Whether it is of use: it was not lost, and nothing is left of a transaction.
   bool IsIdle() const;
 
-  /// Takes in what the database has sent by itself; whether it told of anything (NOTIFY).
+  /// Takes in what the database has sent by itself; whether there was a notification (NOTIFY).
   /// Unavailable when the connection is lost.
   absl::StatusOr<bool> TakeNotifications();
 

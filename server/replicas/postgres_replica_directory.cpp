@@ -80,7 +80,7 @@ std::string PostgresReplicaDirectory::own_address() const {
 }
 
 // Other tasks of the watch, as the holds of maps in use, must not wait for what is wrong with this
-// one alone: only a connection that is lost is told.
+// one alone: only a lost connection is reported.
 absl::Status PostgresReplicaDirectory::Keep(PostgresConnection& connection, bool is_new) {
   const absl::Status status = RenewAndLook(connection, is_new);
   if (status.ok() || absl::IsUnavailable(status)) return status;
@@ -127,7 +127,7 @@ absl::Status PostgresReplicaDirectory::Renew(PostgresConnection& connection) {
   return absl::OkStatus();
 }
 
-/// Each change is told once.
+/// Each change is reported once.
 void PostgresReplicaDirectory::NoteOwned(bool owned) {
   if (std::exchange(owned_, owned) == owned) return;
   if (owned) {

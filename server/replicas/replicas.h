@@ -139,8 +139,8 @@ void Replicas::Ask(const std::vector<std::string>& addresses,
     question->lines[i].context->set_deadline(deadline);
     (question->lines[i].stub->async()->*method)(question->lines[i].context.get(),
                                                 &question->request, &answer.response,
-                                                [question, end, i](grpc::Status status) {
-                                                  question->answers[i].status = std::move(status);
+                                                [question, end, i](const grpc::Status& status) {
+                                                  question->answers[i].status = status;
                                                   end();
                                                 });
   }

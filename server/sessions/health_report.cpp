@@ -11,7 +11,7 @@ void HealthReport::OnLocalized(const LocalizedScan& scan, HealthWatch::Clock::ti
   const HealthNews news = watch_.Observe(localization.health, localization.resets, now);
   metrics_.ObserveHealth(news);
   for (const SourceChange& change : news.changes) LogSource(*info_, *scan.rig, change);
-  if (news.reset_is_told) LogReset(*info_, localization.resets);
+  if (news.reset_is_logged) LogReset(*info_, localization.resets);
 }
 
 }  // namespace dcloc::server

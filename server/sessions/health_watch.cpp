@@ -9,7 +9,7 @@ bool IsDue(const std::optional<WatchClock::time_point>& last, WatchClock::time_p
   return !last || now - *last >= HealthWatch::kQuiet;
 }
 
-/// A source that is used has nothing to tell, whatever is corrected of it.
+/// Sources that are used are alike, whatever is corrected of them.
 bool IsTheSame(const SourceHealth& a, const SourceHealth& b) {
   return a.is_used == b.is_used && (a.is_used || a.fault == b.fault);
 }
@@ -37,12 +37,12 @@ void HealthWatch::Observe(const SourceHealth& health, SourceChange change, Clock
   if (!health.is_used) news->set_aside[static_cast<std::size_t>(change.kind)] = true;
   if (!IsTheSame(health, source->seen)) ++source->change_count;
   source->seen = health;
-  if (IsTheSame(health, source->told) || !IsDue(source->told_time, now)) return;
+  if (IsTheSame(health, source->logged) || !IsDue(source->logged_time, now)) return;
   change.health = health;
   change.change_count = source->change_count;
   news->changes.push_back(change);
-  source->told = health;
-  source->told_time = now;
+  source->logged = health;
+  source->logged_time = now;
   source->change_count = 0;
 }
 
@@ -50,7 +50,7 @@ void HealthWatch::Observe(const PoseResets& resets, Clock::time_point now, Healt
   news->new_reset_count = resets.count - reset_count_;
   reset_count_ = resets.count;
   if (news->new_reset_count <= 0 || !IsDue(reset_time_, now)) return;
-  news->reset_is_told = true;
+  news->reset_is_logged = true;
   reset_time_ = now;
 }
 

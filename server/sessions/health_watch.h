@@ -19,18 +19,18 @@ struct SourceChange {
   SourceKind kind = SourceKind::kRadar;
   std::size_t radar_index = 0;  ///< in the rig, of a radar
   SourceHealth health;
-  int change_count = 0;  ///< since it was last told, this one included
+  int change_count = 0;  ///< since it was last logged, this one included
 };
 
 /// What is new with a session's health.
 struct HealthNews {
   std::vector<SourceChange> changes;
-  std::array<bool, kSourceKindNames.size()> set_aside{};  ///< one of that kind is, told or not
+  std::array<bool, kSourceKindNames.size()> set_aside{};  ///< one of that kind is, logged or not
   int new_reset_count = 0;
-  bool reset_is_told = false;  ///< some, that come too often, are counted with the next one told
+  bool reset_is_logged = false;  ///< too frequent ones are counted with the next logged one
 };
 
-/// Decides what of a session's health is told, so that a source that flaps floods no log: for each
+/// Decides what of a session's health is logged, so that a source that flaps floods no log: for each
 /// source at most one change in ten seconds, and the same for resets. A source that has never been
 /// used is not missed while it is silent. Not thread-safe.
 class HealthWatch {
@@ -43,10 +43,10 @@ class HealthWatch {
  private:
   struct Source {
     bool is_known = false;  ///< it has been used, or found faulty
-    SourceHealth told = {.is_used = true, .fault = SourceFault::kNone};
+    SourceHealth logged = {.is_used = true, .fault = SourceFault::kNone};
     SourceHealth seen = {.is_used = true, .fault = SourceFault::kNone};
     int change_count = 0;
-    std::optional<Clock::time_point> told_time;
+    std::optional<Clock::time_point> logged_time;
   };
 
   static void Observe(const SourceHealth& health, SourceChange change, Clock::time_point now,

@@ -17,8 +17,8 @@ void SetStages(const StageTimer& timer, ScanTimings* timings) {
   timings->posegraph = timer.duration(Stage::kPoseGraph);
 }
 
-/// What a scan says of the vehicle's motion. Its targets are in the pose already; they are looked
-/// at again only where the motion is known from nothing else.
+/// A scan that is replayed for its motion alone, as its targets are in the resumed pose already.
+/// Without a reported ego-velocity they are kept: their Doppler is the only source of the motion.
 Scan MotionOf(const Scan& scan) {
   if (!scan.ego_velocity) return scan;
   return {.stamp = scan.stamp, .radar_id = scan.radar_id, .ego_velocity = scan.ego_velocity};
@@ -149,7 +149,7 @@ void Session::Answer(const v1::Scan& scan, const Arrival& arrival, Reply reply) 
   }
   Count(answer);
   answer.dropped_scan_count = info_->counts.dropped;
-  HandOn(scan, answer, reply);
+  Deliver(scan, answer, reply);
   if (!answer.result.ok()) return;
   const std::chrono::nanoseconds encoding = Clock::now() - localized_time_;
   context_.metrics.ObserveLocalized(*answer.result, encoding);
@@ -174,7 +174,7 @@ void Session::TakeFix(const v1::PositionFix& fix, FixReply reply) {
   if (recording_ != nullptr) recording_->OnFix(fix, answer);
 }
 
-absl::StatusOr<FixAnswer> Session::TakeProposal(v1::PositionFix fix) {
+absl::StatusOr<FixAnswer> Session::ProposePose(v1::PositionFix fix) {
   if (!order_.last_stamp()) {
     return absl::FailedPreconditionError("no scan of the session has been localized yet");
   }
@@ -282,8 +282,8 @@ void Session::RememberPose(const Localization& localization) {
                                   .covariance = localization.covariance});
 }
 
-/// Who has no pose searches the map, scan after scan, on threads of its own: nobody else waits for
-/// it. Who has one and holds it against other places does so only for some scans.
+/// A session without a pose searches the map with each scan. It does so on the searchers' threads,
+/// so that no other session waits for it. One with a pose searches with a few scans only.
 void Session::ChooseLane() {
   strand_.SetLane(localizer_->has_pose() ? Lane::kQuick : Lane::kLengthy);
 }
@@ -306,7 +306,7 @@ void Session::WarnOfBeta(const std::string& radar_id, const BetaCheck& beta) {
   LogBetaContradicted(*info_, radar_id, beta);
 }
 
-void Session::HandOn(const v1::Scan& scan, ScanAnswer& answer, Reply reply) {
+void Session::Deliver(const v1::Scan& scan, ScanAnswer& answer, Reply reply) {
   reply(answer);
   answer.ticket.reset();
   info_->feed.Publish(answer);

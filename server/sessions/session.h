@@ -102,13 +102,14 @@ class Session {
     return answered_until_ && sequence_number >= 0 && sequence_number <= *answered_until_;
   }
 
-  /// Whether it has had it. A client catches up in the order of numbers, so one that comes late was
-  /// late before too, and waits for its answer.
+  /// True if the vehicle already has this scan's answer and the scan is newer than the last one
+  /// localized: it is localized, and nothing is sent. Clients catch up in the order of numbers, so
+  /// an older scan was late before too and still waits for its answer.
   bool IsToCatchUp(std::int64_t sequence_number) const {
     return MayCatchUp(sequence_number) && sequence_number > order_.last_localized();
   }
 
-  /// Localizes such a scan, for those that follow. Nobody is told.
+  /// Localizes such a scan, for those that follow. Nothing is sent.
   void CatchUp(const v1::Scan& scan);
 
   /// Answers a scan that is dropped because newer ones wait.
@@ -120,7 +121,7 @@ class Session {
   /// Takes in a pose that somebody proposes for `fix.stamp_ns`, or for the last scan where that is
   /// 0, as a position fix. FailedPrecondition, and nothing changes: before the first scan, or while
   /// the session is recorded by somebody who cannot keep fixes. Other errors are in the answer.
-  absl::StatusOr<FixAnswer> TakeProposal(v1::PositionFix fix);
+  absl::StatusOr<FixAnswer> ProposePose(v1::PositionFix fix);
 
   /// Goes on in another version of the map: the last pose and its covariance are the prior at the
   /// last scan. FailedPrecondition when the maps' anchors differ, and errors of the localizer's;
@@ -142,7 +143,7 @@ class Session {
   void ChooseLane();
   void Count(const ScanAnswer& answer);
   void WarnOfBeta(const std::string& radar_id, const BetaCheck& beta);
-  void HandOn(const v1::Scan& scan, ScanAnswer& answer, Reply reply);
+  void Deliver(const v1::Scan& scan, ScanAnswer& answer, Reply reply);
 
   const SessionContext context_;
   const std::shared_ptr<SessionInfo> info_;

@@ -71,7 +71,7 @@ class SessionRegistry {
   /// Detaches the session from `stream`; does nothing if it is not attached to it.
   void Detach(const SessionInfo& info, const SessionStream& stream);
 
-  /// Removes a session; a later `Find` is told `reason`. Does nothing if it is not attached to
+  /// Removes a session; a later `Find` fails with `reason`. Does nothing if it is not attached to
   /// `stream`.
   void Remove(const SessionInfo& info, const SessionStream& stream, const std::string& reason);
 

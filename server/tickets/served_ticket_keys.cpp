@@ -26,8 +26,9 @@ absl::StatusOr<std::unique_ptr<ServedTicketKeys>> ServedTicketKeys::Load(
 
 ServedTicketKeys::ServedTicketKeys(std::filesystem::path file,
                                    std::shared_ptr<const TicketCipher> cipher)
-    : file_(std::move(file)), cipher_(cipher), last_look_(cipher->keys()) {
+    : file_(std::move(file)), last_look_(cipher->keys()) {
   spdlog::info("ticket keys taken seals={} keys={}", cipher->key_id(), cipher->keys().size());
+  cipher_ = std::move(cipher);
 }
 
 void ServedTicketKeys::Refresh() {

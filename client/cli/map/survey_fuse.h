@@ -29,7 +29,7 @@ class JoinedRig {
 };
 
 /// Adds the scans of a surveyed drive to a map as a pass of its own, at the poses that the survey
-/// found for them. `progress` is told the number of scans done and says whether to go on. Errors
+/// found for them. `progress` receives the number of scans done and says whether to go on. Errors
 /// name the drive and the scan; Cancelled.
 absl::Status AddSurveyedDrive(const Drive& drive, const DriveTrack& track,
                               std::span<const Pose2> T_map_nodes, const JoinedRig& rig,

@@ -23,7 +23,7 @@ Pose3 PoseOf(const v1::Pose& message) {
   return pose;
 }
 
-RadarModel RadarOf(const v1::RadarModel& message) {
+RadarModel RadarFromProto(const v1::RadarModel& message) {
   RadarModel radar;
   radar.id = message.radar_id();
   radar.T_vehicle_radar = PoseOf(message.t_vehicle_radar());
@@ -97,7 +97,7 @@ absl::StatusOr<SessionStart> FromProto(const v1::OpenSession& open,
                                        const std::optional<GeodeticAnchor>& anchor) {
   SessionStart start;
   for (const v1::RadarModel& radar : open.rig().radars()) {
-    start.rig.radars.push_back(RadarOf(radar));
+    start.rig.radars.push_back(RadarFromProto(radar));
   }
   start.options = OptionsOf(open.options());
   if (open.has_learned_rig()) start.options.known = FromProto(open.learned_rig());

@@ -8,7 +8,7 @@
 
 namespace dcloc {
 
-/// What the range rates of a radar are, told by its own targets.
+/// What the range rates of a radar are, inferred from its own targets.
 enum class RangeRateMeaning {
   kUnknown,          ///< too few targets that would tell
   kAway,             ///< as they must be: positive for what recedes

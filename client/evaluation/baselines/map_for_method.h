@@ -12,7 +12,7 @@ namespace dcloc {
 
 /// The map of `drive` that `kind` would have made: without the parts of the method that `options`
 /// switch off, with the heights of landmarks if it is ours and `has_heights`, and for a method that
-/// takes range rates from ego-motion, by those. `progress` is told the number of scans done. Errors
+/// takes range rates from ego-motion, by those. `progress` receives the number of scans done. Errors
 /// as of `BuildMap`.
 absl::StatusOr<std::shared_ptr<const RadarMap>> MapForMethod(
     MethodKind kind, const Drive& drive, const LocalizerOptions& options, bool has_heights = true,

@@ -72,7 +72,7 @@ class RunStore {
   virtual absl::Status Save(const std::string& run_name, const DriveOutcome& outcome) = 0;
 };
 
-/// Does all runs of all cases that `store` does not hold. `progress` is told what is being done and
+/// Does all runs of all cases that `store` does not hold. `progress` receives what is being done and
 /// the share of the whole study done. The outcomes hold no maps.
 absl::StatusOr<std::vector<RunResult>> RunStudy(
     const std::vector<Case>& cases, bool quick, RunStore& store,

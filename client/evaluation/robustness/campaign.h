@@ -56,7 +56,7 @@ struct TrialResult {
 using TallyStore = ResultStore<Tally>;
 
 /// Does all trials of all sites that `store` does not hold, and loads the drives of no other site.
-/// `progress` is told what is being done and the share of the trials done. Errors name the trial.
+/// `progress` receives what is being done and the share of the trials done. Errors name the trial.
 absl::StatusOr<std::vector<TrialResult>> RunCampaign(
     const std::vector<Site>& sites, TallyStore& store,
     const std::function<void(const std::string&, double)>& progress);

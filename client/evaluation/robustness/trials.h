@@ -44,7 +44,7 @@ using Trial = std::variant<TrackTrial, StartTrial>;
 /// OK, or InvalidArgument that names the field, the value and the bound.
 absl::Status Validate(const Trial& trial);
 
-/// Does a trial of `course` in `map`; `progress` is told the share done. InvalidArgument for an
+/// Does a trial of `course` in `map`; `progress` receives the share done. InvalidArgument for an
 /// invalid trial or rig, a null map and a drive without scans.
 absl::StatusOr<Tally> RunTrial(const Trial& trial, const Course& course,
                                const std::shared_ptr<const RadarMap>& map,

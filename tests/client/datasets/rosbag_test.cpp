@@ -34,7 +34,7 @@ class RosbagTest : public ::testing::Test {
     const absl::Status status = ExportBag(drive, Bag(), compression);
     ASSERT_TRUE(status.ok()) << status;
   }
-  absl::StatusOr<Drive> Read(DriveRequest request = {.name = "drive"}) const {
+  absl::StatusOr<Drive> Read(const DriveRequest& request = {.name = "drive"}) const {
     return ReadRosbagDrive(folder_.path(), request);
   }
   void Map(const std::string& json) const { folder_.Write("dcloc_bag.json", json); }

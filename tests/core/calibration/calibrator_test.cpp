@@ -115,7 +115,7 @@ TEST(CalibratorTest, LeavesAloneWhatIsKnown) {
 }
 
 // Driving straight at one speed with one radar, beta moves everything as a time offset does.
-TEST(CalibratorTest, SaysWhatOneStraightPassCannotTell) {
+TEST(CalibratorTest, SaysWhatOneStraightPassCannotDetermine) {
   const SyntheticWorld world;
   Rig rig = FrontRadar();
   auto calibrator = Calibrator::Create(rig);

@@ -24,7 +24,7 @@ class FixMonitorTest : public ::testing::Test {
   Stamp stamp_{std::chrono::seconds(1)};
 };
 
-TEST_F(FixMonitorTest, AFixNearByAgreesAndTellsNothingNew) {
+TEST_F(FixMonitorTest, AFixNearByAgreesAndAddsNothing) {
   EXPECT_EQ(Judge(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kAgrees);
 }
 

@@ -57,7 +57,7 @@ TEST_F(HealthTest, ARadarOfWhichNothingStandsStillIsTrustedButNotUsed) {
 }
 
 TEST_F(HealthTest, ARadarOfAnotherClockIsUsed) {
-  monitor_.OnClock(1, true);
+  monitor_.ReportClockOffset(1, true);
   EXPECT_EQ(Reported(1, kNow), (SourceHealth{.is_used = true, .fault = SourceFault::kClock}));
 }
 

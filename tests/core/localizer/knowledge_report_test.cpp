@@ -22,7 +22,7 @@ TEST(KnowledgeReportTest, IsLookedAtOnceAnInterval) {
   EXPECT_TRUE(report.IsDue(kBegin + std::chrono::seconds(10)));
 }
 
-TEST(KnowledgeReportTest, TellsWhatHasChangedAndNothingElse) {
+TEST(KnowledgeReportTest, ReportsWhatHasChangedAndNothingElse) {
   KnowledgeReport report({});
   EXPECT_FALSE(report.OnKnown({}).has_value());
   const auto first = report.OnKnown(Scale(1.02, 0.01));
@@ -33,7 +33,7 @@ TEST(KnowledgeReportTest, TellsWhatHasChangedAndNothingElse) {
   EXPECT_TRUE(report.OnKnown(Scale(1.05, 0.004)).has_value()) << "it is known twice as well";
 }
 
-TEST(KnowledgeReportTest, ChangesAddUpSinceTheyWereTold) {
+TEST(KnowledgeReportTest, ChangesAddUpSinceTheyWereReported) {
   KnowledgeReport report({});
   ASSERT_TRUE(report.OnKnown(Scale(1.0, 0.01)).has_value());
   EXPECT_FALSE(report.OnKnown(Scale(1.008, 0.01)).has_value());

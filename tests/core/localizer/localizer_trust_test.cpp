@@ -8,7 +8,7 @@ namespace {
 // What a vehicle says of its motion, and how it is wrong.
 struct Lie {
   const char* name;
-  std::function<void(EgoVelocity& reported)> tell;
+  std::function<void(EgoVelocity& reported)> report;
 };
 
 const Lie kLies[] = {
@@ -29,7 +29,7 @@ class LyingOdometryTest : public OnARoad, public ::testing::WithParamInterface<L
 TEST_P(LyingOdometryTest, FromSomeMomentOnMisleadsNobody) {
   std::vector<TrueScan> drive = drive_;
   for (std::size_t i = drive.size() / 3; i < drive.size(); ++i) {
-    GetParam().tell(*drive[i].scan.ego_velocity);
+    GetParam().report(*drive[i].scan.ego_velocity);
   }
   const Errors errors = ErrorsOf(
       LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02)), drive));
@@ -40,7 +40,7 @@ TEST_P(LyingOdometryTest, FromSomeMomentOnMisleadsNobody) {
 
 TEST_P(LyingOdometryTest, FromTheStartMisleadsNobody) {
   std::vector<TrueScan> drive = drive_;
-  for (TrueScan& seen : drive) GetParam().tell(*seen.scan.ego_velocity);
+  for (TrueScan& seen : drive) GetParam().report(*seen.scan.ego_velocity);
   const Errors errors = ErrorsOf(
       LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02)), drive));
   EXPECT_LT(errors.max_m, 2.0);

@@ -56,7 +56,7 @@ TEST_F(RadarClocksTest, StampsOfOneClockStayAsTheyAre) {
   EXPECT_EQ(worst_error_.count(), 0);
 }
 
-TEST_F(RadarClocksTest, AnOffsetIsToldWithItsVariance) {
+TEST_F(RadarClocksTest, AnOffsetIsReportedWithItsVariance) {
   is_off_[1] = seconds(20);
   Drive(50);
   EXPECT_FALSE(clocks_->OffsetEstimate(0));

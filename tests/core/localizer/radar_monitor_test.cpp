@@ -28,7 +28,7 @@ TEST_F(RadarMonitorTest, NothingIsWrongWithSoundRadars) {
   }
 }
 
-TEST_F(RadarMonitorTest, SilenceIsToldOfAndEnds) {
+TEST_F(RadarMonitorTest, SilenceIsReportedAndEnds) {
   EXPECT_EQ(monitor_.FaultOf(2, stamp_), SourceFault::kSilent) << "never heard of";
   Drive(30);
   Drive(4, 2);
@@ -47,17 +47,17 @@ TEST_F(RadarMonitorTest, ASlowRadarIsNotSilent) {
   EXPECT_EQ(monitor_.FaultOf(0, stamp_ + std::chrono::milliseconds(1500)), SourceFault::kNone);
 }
 
-TEST_F(RadarMonitorTest, RangeRatesThatNothingExplainsAreToldOf) {
+TEST_F(RadarMonitorTest, RangeRatesThatNothingExplainsAreReported) {
   Drive(30);
   for (int i = 0; i < 30; ++i) monitor_.OnScan(stamp_, 1, 100, 2);
   EXPECT_EQ(monitor_.FaultOf(1, stamp_), SourceFault::kDoppler);
 }
 
-TEST_F(RadarMonitorTest, AnotherClockIsToldOf) {
+TEST_F(RadarMonitorTest, AnotherClockIsReported) {
   Drive(30);
-  monitor_.OnClock(1, true);
+  monitor_.ReportClockOffset(1, true);
   EXPECT_EQ(monitor_.FaultOf(1, stamp_), SourceFault::kClock);
-  monitor_.OnClock(1, false);
+  monitor_.ReportClockOffset(1, false);
   EXPECT_EQ(monitor_.FaultOf(1, stamp_), SourceFault::kNone);
 }
 

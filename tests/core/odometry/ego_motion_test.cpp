@@ -205,7 +205,7 @@ TEST(EgoMotionTest, MotionIsTheIntegralBetweenTheScans) {
   EXPECT_EQ(motion.since_previous().covariance.norm(), 0.0);
 }
 
-TEST(EgoMotionTest, SeveralRadarsOfOneMomentTellTheYawRateTogether) {
+TEST(EgoMotionTest, SimultaneousRadarsMeasureTheYawRateTogether) {
   // With a side slip, which one radar ahead cannot tell from turning.
   EgoVelocity ego = Planar(12.0, 0.2);
   ego.linear_mps.y() = 0.15;

@@ -19,6 +19,9 @@ EgoVelocity Weaving(double t_s) {
 
 constexpr double kStep_s = 0.075;
 constexpr std::chrono::nanoseconds kStep = std::chrono::milliseconds(75);
+constexpr OdometrySources kAllSources(0b111);
+constexpr OdometrySources kWheelSpeedAlone(1U
+                                           << static_cast<unsigned>(OdometrySource::kWheelSpeed));
 
 struct Ways {
   Pose3 true_way;
@@ -42,7 +45,7 @@ Ways WaysOf(double delay_s) {
     doppler.angular_radps.z() += 0.01 + 0.015 * normal(random);
     late.OnReported(stamp, reported);
     late.OnDoppler(stamp, doppler);
-    late.BroughtToNow(stamp, reported, &doppler, true, true);
+    late.BroughtToNow(stamp, reported, &doppler, kAllSources);
     if (i < 800) continue;
     const auto way = [&](double from_s, double to_s) {
       return Integrate(Weaving(from_s), Weaving(to_s), kStep, {}).T_from_to;
@@ -78,11 +81,11 @@ TEST(LateOdometryTest, AMotionNeedsBothSignals) {
   late.Restore({0.2, 1e-4});
   ASSERT_TRUE(late.delay_s());
   const EgoVelocity reported = Weaving(0.0);
-  for (int i = 0; i < 3; ++i) late.BroughtToNow(Stamp{i * kStep}, reported, nullptr, true, true);
+  for (int i = 0; i < 3; ++i) late.BroughtToNow(Stamp{i * kStep}, reported, nullptr, kAllSources);
   EXPECT_TRUE(late.T_previous_now());
-  late.BroughtToNow(Stamp{3 * kStep}, reported, nullptr, true, false);
+  late.BroughtToNow(Stamp{3 * kStep}, reported, nullptr, kWheelSpeedAlone);
   EXPECT_FALSE(late.T_previous_now());
-  late.BroughtToNow(Stamp{4 * kStep}, reported, nullptr, true, true);
+  late.BroughtToNow(Stamp{4 * kStep}, reported, nullptr, kAllSources);
   EXPECT_FALSE(late.T_previous_now()) << "the one before was not brought to now";
 }
 

@@ -77,7 +77,7 @@ TEST_F(LearnedRigTest, WhatIsKnownWronglyIsGivenUp) {
   EXPECT_TRUE(rig_.IsUsable(0, stamp_));
 }
 
-TEST_F(LearnedRigTest, ATurnedMountIsCorrectedAndToldOf) {
+TEST_F(LearnedRigTest, ATurnedMountIsCorrectedAndReported) {
   const RadarModel real = Turned(described_, 7.0);
   EXPECT_GE(Drive(real, 1.0, straight_, 10), 1);
   EXPECT_LT(

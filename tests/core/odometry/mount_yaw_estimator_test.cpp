@@ -57,7 +57,7 @@ TEST_F(MountYawTest, AKnockIsFoundAfterALongDrive) {
   EXPECT_NEAR(estimator_.error().value, 8.0 * kRadPerDeg, 0.6 * kRadPerDeg);
 }
 
-TEST_F(MountYawTest, CurvesAndSlowDrivesTellNothing) {
+TEST_F(MountYawTest, CurvesAndSlowDrivesGiveNoReading) {
   Drive(5.0 * kRadPerDeg, 10, DrivingStraight(1.0));
   EgoVelocity curve = DrivingStraight(12.0);
   curve.angular_radps.z() = 0.3;
@@ -65,7 +65,7 @@ TEST_F(MountYawTest, CurvesAndSlowDrivesTellNothing) {
   EXPECT_EQ(estimator_.reading_count(), 0);
 }
 
-TEST_F(MountYawTest, ATruckThatFillsTheViewTellsNothing) {
+TEST_F(MountYawTest, ATruckThatFillsTheViewGivesNoReading) {
   const EgoVelocity ego = DrivingStraight(12.0);
   Scan scan = SeenByTurned(radar_, 0.0, ego, 3);
   for (float& range_rate_mps : scan.range_rate_mps) range_rate_mps = 0.1F;

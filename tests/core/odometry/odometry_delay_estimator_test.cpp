@@ -60,7 +60,7 @@ TEST(OdometryDelayEstimatorTest, ScansThatAreStampedLateAreNoEarlyVelocity) {
 }
 
 // Doppler errs by a wave of four seconds that looks like a late yaw rate for a while.
-TEST(OdometryDelayEstimatorTest, ErrorsThatLastTellLess) {
+TEST(OdometryDelayEstimatorTest, ErrorsThatLastInformLess) {
   const auto delay_after = [](double duration_s, double error_radps, std::uint32_t seed) {
     OdometryDelayEstimator estimator({});
     std::mt19937 random(seed);
@@ -95,14 +95,14 @@ TEST(OdometryDelayEstimatorTest, NeitherScaleNorBiasIsADelay) {
   EXPECT_NEAR(found->value, 0.2, 0.015);
 }
 
-TEST(OdometryDelayEstimatorTest, ASteadyDriveTellsNothing) {
+TEST(OdometryDelayEstimatorTest, ASteadyDriveShowsNoDelay) {
   const ReportedDrive drive{.speed_mps = [](double) { return 25.0; },
                             .yaw_rate_radps = [](double) { return 0.0; },
                             .delay_s = 0.3};
   EXPECT_FALSE(DelayAfter(60.0, drive));
 }
 
-TEST(OdometryDelayEstimatorTest, ADelayBeyondTheComparedOnesIsNotTold) {
+TEST(OdometryDelayEstimatorTest, ADelayBeyondTheComparedOnesIsNotReported) {
   EXPECT_FALSE(DelayAfter(40.0, {.delay_s = 0.9}));
 }
 

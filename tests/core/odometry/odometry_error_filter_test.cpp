@@ -187,7 +187,7 @@ TEST(OdometryErrorFilterTest, APriorIsGivenUpWhereTheDriveContradictsIt) {
   EXPECT_NEAR(errors.scale(), 1.0, 0.01);
 }
 
-TEST(OdometryErrorFilterTest, TellsOnlyWhatItHasLearned) {
+TEST(OdometryErrorFilterTest, ReportsOnlyWhatItHasLearned) {
   const OdometryErrorFilter fresh({});
   EXPECT_FALSE(fresh.LearnedScale());
   EXPECT_FALSE(fresh.LearnedYawRateBias());

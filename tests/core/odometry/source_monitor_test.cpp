@@ -160,7 +160,7 @@ TEST(SourceMonitorTest, WhereNothingIsRegisteredOthersAreTried) {
 }
 
 // A gyro that is off by less than Doppler can tell.
-TEST(SourceMonitorTest, RegistrationsTellWhatTheSourcesCannot) {
+TEST(SourceMonitorTest, RegistrationsShowWhatTheSourcesCannot) {
   Vehicle vehicle;
   vehicle.is_registered = true;
   vehicle.Drive(10.0);

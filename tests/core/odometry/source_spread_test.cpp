@@ -114,7 +114,7 @@ TEST(SourceSpreadTest, FitsThatAreEqualDecideNothing) {
   ASSERT_TRUE(alternative);
   vehicle.monitor.OnFits(*alternative, 0.5, 0.5);
   EXPECT_NEAR(vehicle.monitor.confidence(), before, 1e-9);
-  EXPECT_FALSE(vehicle.monitor.Alternative()) << "the same scan tells nothing twice";
+  EXPECT_FALSE(vehicle.monitor.Alternative()) << "the same scan counts once";
 }
 
 // What the others say is then besides what the pose was moved by.

@@ -44,7 +44,7 @@ TEST(StaticPointsTest, WithoutCompensationItIsTooNear) {
   EXPECT_NEAR(points[0].position_m.x(), 40.0 - 0.04 * 15.0, 0.01);
 }
 
-TEST(StaticPointsTest, TellsWhatAHeightWouldMoveItBy) {
+TEST(StaticPointsTest, ReportsWhatAHeightWouldMoveItBy) {
   RadarModel radar = CoupledRadar();
   const Eigen::Vector3d on_ground(20.0, 8.0, 0.0);
   constexpr double kHeight_m = 2.0;

@@ -39,16 +39,16 @@ TEST(ObservabilityTest, AmongPlacesOfTheirOwnBothAxesAreObserved) {
   const Pose2 truth{.translation_m = {3.0, -2.0}, .yaw_rad = 0.4};
   const CloudPair<2> pair = ExactPair<2>(truth, 80, 0.1, random);
   const Observability seen = Look(pair.live, pair.landmarks, truth);
-  EXPECT_TRUE(seen.Observed(0));
-  EXPECT_TRUE(seen.Observed(1));
+  EXPECT_TRUE(seen.Observed(VehicleAxis::kX));
+  EXPECT_TRUE(seen.Observed(VehicleAxis::kY));
   EXPECT_EQ(seen.DegeneracyCovariance(10.0), Eigen::Matrix2d::Zero());
 }
 
-TEST(ObservabilityTest, AlongSmoothWallsTheWayIsNotObservedAndOnlyThat) {
+TEST(ObservabilityTest, AlongSmoothWallsOnlyTheAlongTrackPositionIsNotObserved) {
   std::mt19937 random(2);
   const Observability seen = Look(Walls(300, random), Walls(600, random), {});
-  EXPECT_FALSE(seen.Observed(0));
-  EXPECT_TRUE(seen.Observed(1));
+  EXPECT_FALSE(seen.Observed(VehicleAxis::kX));
+  EXPECT_TRUE(seen.Observed(VehicleAxis::kY));
   const Eigen::Matrix2d degeneracy = seen.DegeneracyCovariance(10.0);
   EXPECT_GT(degeneracy(0, 0), 50.0);
   EXPECT_LT(degeneracy(1, 1), 1e-6);
@@ -57,8 +57,8 @@ TEST(ObservabilityTest, AlongSmoothWallsTheWayIsNotObservedAndOnlyThat) {
 TEST(ObservabilityTest, WithoutInliersAllIsCalledObserved) {
   std::mt19937 random(3);
   const Observability seen = Look(Walls(100, random), {PointAt(500.0, 500.0)}, {});
-  EXPECT_TRUE(seen.Observed(0));
-  EXPECT_TRUE(seen.Observed(1));
+  EXPECT_TRUE(seen.Observed(VehicleAxis::kX));
+  EXPECT_TRUE(seen.Observed(VehicleAxis::kY));
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <random>
+#include <set>
+#include <span>
 #include <vector>
 
 #include "tests/core/options/option_fields_check.h"
@@ -12,6 +14,27 @@ namespace dcloc {
 namespace {
 
 constexpr std::size_t kPointsOfAScan = 60;
+
+// 2, 3 and 4 m ahead and behind.
+AlongTrackRivalOptions SixPlaces(int places_per_scan) {
+  return {
+      .step_m = 1.0, .min_offset_m = 2.0, .max_offset_m = 4.0, .places_per_scan = places_per_scan};
+}
+
+std::vector<double> Next(AlongTrackRivals& rivals) {
+  const std::span<const double> offsets_m = rivals.NextOffsets_m();
+  return {offsets_m.begin(), offsets_m.end()};
+}
+
+// Compares a scan that fits the pose by `fit` and the place at `rival_m` by `rival_fit`; all others
+// fit little.
+void Compare(AlongTrackRivals& rivals, double fit, double rival_m, double rival_fit) {
+  std::vector<double> fits;
+  for (const double offset_m : rivals.NextOffsets_m()) {
+    fits.push_back(offset_m == rival_m ? rival_fit : 0.1);
+  }
+  rivals.OnFits(kPointsOfAScan, fit, fits);
+}
 
 // Scans fit the pose by `fit` and the places that lie a whole number of pitches away by
 // `post_fit`; all others fit little. Whether one of them is better after so many scans.
@@ -22,11 +45,11 @@ bool IsBetterAfter(int scan_count, double fit, double post_fit, double noise = 0
   std::normal_distribution<double> error(0.0, noise);
   for (int scan = 0; scan < scan_count; ++scan) {
     std::vector<double> fits;
-    for (const double offset_m : rivals.offsets_m()) {
+    for (const double offset_m : rivals.NextOffsets_m()) {
       const bool is_post = std::abs(std::remainder(offset_m, kPitch_m)) < 0.1;
       fits.push_back((is_post ? post_fit : kElsewhere) + (noise > 0.0 ? error(random) : 0.0));
     }
-    rivals.OnFits(kPointsOfAScan, false, fit, fits);
+    rivals.OnFits(kPointsOfAScan, fit, fits);
     if (rivals.has_better()) return true;
   }
   return false;
@@ -37,13 +60,46 @@ TEST(AlongTrackRivalOptionsTest, EachFieldIsBounded) {
 }
 
 TEST(AlongTrackRivalsTest, PlacesLieOnBothSides) {
-  const AlongTrackRivals rivals({.step_m = 1.0, .min_offset_m = 2.0, .max_offset_m = 3.0});
-  EXPECT_EQ(std::vector<double>(rivals.offsets_m().begin(), rivals.offsets_m().end()),
-            (std::vector<double>{2.0, -2.0, 3.0, -3.0}));
+  AlongTrackRivals rivals(SixPlaces(6));
+  EXPECT_EQ(Next(rivals), (std::vector{2.0, -2.0, 3.0, -3.0, 4.0, -4.0}));
 }
 
-TEST(AlongTrackRivalsTest, APostThatFitsBetterIsFoundWithinAFewScans) {
-  EXPECT_TRUE(IsBetterAfter(8, 0.36, 0.50));
+TEST(AlongTrackRivalsTest, PlacesTakeTurns) {
+  AlongTrackRivals rivals(SixPlaces(4));
+  EXPECT_EQ(Next(rivals), (std::vector{2.0, -2.0, 3.0, -3.0}));
+  EXPECT_EQ(Next(rivals), (std::vector{4.0, -4.0, 2.0, -2.0}));
+}
+
+TEST(AlongTrackRivalsTest, APlaceThatHasFittedBetterIsComparedEachTime) {
+  AlongTrackRivals rivals(SixPlaces(2));
+  Compare(rivals, 0.4, 2.0, 0.6);
+  EXPECT_EQ(Next(rivals), (std::vector{2.0, 3.0}));
+  EXPECT_EQ(Next(rivals), (std::vector{2.0, -3.0}));
+}
+
+TEST(AlongTrackRivalsTest, ThoseThatHaveFittedBetterLeaveTheOthersTheirTurns) {
+  AlongTrackRivals rivals(SixPlaces(4));
+  for (int i = 0; i < 3; ++i) {  // all of them
+    const std::vector<double> fits(rivals.NextOffsets_m().size(), 0.5);
+    rivals.OnFits(kPointsOfAScan, 0.4, fits);
+  }
+  std::set<double> seen;
+  for (int i = 0; i < 3; ++i) {
+    for (const double offset_m : Next(rivals)) seen.insert(offset_m);
+  }
+  EXPECT_EQ(seen.size(), 6);
+}
+
+TEST(AlongTrackRivalsTest, WithoutADistanceThereAreNone) {
+  AlongTrackRivals rivals({.max_offset_m = 0.0});
+  EXPECT_TRUE(rivals.NextOffsets_m().empty());
+  rivals.OnFits(kPointsOfAScan, 0.4, {});
+  EXPECT_FALSE(rivals.has_better());
+}
+
+// A round of all places takes 16 scans.
+TEST(AlongTrackRivalsTest, APostThatFitsBetterIsFoundWithinARoundAndAFewScans) {
+  EXPECT_TRUE(IsBetterAfter(24, 0.36, 0.50));
 }
 
 TEST(AlongTrackRivalsTest, ASingleScanDoesNotDecide) { EXPECT_FALSE(IsBetterAfter(1, 0.1, 0.9)); }
@@ -54,38 +110,24 @@ TEST(AlongTrackRivalsTest, PostsThatFitAsWellOrLessAreNotBetter) {
 }
 
 TEST(AlongTrackRivalsTest, WhatIsForgottenSpeaksForNoPlace) {
-  AlongTrackRivals rivals({.step_m = 1.0, .min_offset_m = 2.0, .max_offset_m = 2.0});
-  const std::vector<double> fits = {0.6, 0.1};
-  const auto lay = [&](int count) {
-    for (int i = 0; i < count; ++i) rivals.OnFits(kPointsOfAScan, false, 0.4, fits);
+  AlongTrackRivals rivals(SixPlaces(6));
+  const auto compare = [&](int count) {
+    for (int i = 0; i < count; ++i) Compare(rivals, 0.4, 2.0, 0.6);
   };
-  lay(3);
+  compare(2);
   rivals.Reset();
-  lay(3);
+  compare(2);
   EXPECT_FALSE(rivals.has_better());
-  lay(3);
+  compare(2);
   EXPECT_TRUE(rivals.has_better());
 }
 
 TEST(AlongTrackRivalsTest, ARivalThatFitsLessAgainIsNotBetterAnyMore) {
-  AlongTrackRivals rivals({.step_m = 1.0, .min_offset_m = 2.0, .max_offset_m = 2.0});
-  for (int i = 0; i < 100; ++i) rivals.OnFits(kPointsOfAScan, false, 0.4, std::vector{0.6, 0.1});
+  AlongTrackRivals rivals(SixPlaces(6));
+  for (int i = 0; i < 100; ++i) Compare(rivals, 0.4, 2.0, 0.6);
   EXPECT_TRUE(rivals.has_better());
-  for (int i = 0; i < 2; ++i) rivals.OnFits(kPointsOfAScan, false, 0.5, std::vector{0.4, 0.4});
+  for (int i = 0; i < 2; ++i) Compare(rivals, 0.5, 2.0, 0.4);
   EXPECT_FALSE(rivals.has_better());
-}
-
-TEST(AlongTrackRivalsTest, AConfirmedPoseIsComparedForAWhile) {
-  AlongTrackRivals rivals(
-      {.step_m = 1.0, .min_offset_m = 2.0, .max_offset_m = 2.0, .scan_count = 2});
-  const std::vector<double> fits = {0.1, 0.1};
-  rivals.OnFits(kPointsOfAScan, true, 0.4, fits);
-  EXPECT_TRUE(rivals.IsDue(true));
-  rivals.OnFits(kPointsOfAScan, true, 0.4, fits);
-  EXPECT_FALSE(rivals.IsDue(true));
-  EXPECT_TRUE(rivals.IsDue(false));
-  rivals.OnFits(kPointsOfAScan, false, 0.4, fits);
-  EXPECT_TRUE(rivals.IsDue(true));
 }
 
 }  // namespace

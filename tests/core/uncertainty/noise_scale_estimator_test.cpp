@@ -105,7 +105,7 @@ TEST(NoiseScaleEstimatorTest, LearnsThatOdometryIsFarBetter) {
   }
 }
 
-// They tell of odometry before its constant errors were known.
+// They describe odometry before its constant errors were known.
 TEST(NoiseScaleEstimatorTest, TheFirstPairsSoonFade) {
   NoiseScaleEstimator<2> noise;
   Vehicle worse({.odometry = 2.0});

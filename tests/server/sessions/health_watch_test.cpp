@@ -88,13 +88,13 @@ TEST_F(HealthWatchTest, EveryResetIsCountedAndOneInTenSecondsTold) {
   resets_.count = 2;
   const HealthNews first = Wheels(kGood);
   EXPECT_EQ(first.new_reset_count, 2);
-  EXPECT_TRUE(first.reset_is_told);
+  EXPECT_TRUE(first.reset_is_logged);
   resets_.count = 3;
   const HealthNews second = Wheels(kGood);
   EXPECT_EQ(second.new_reset_count, 1);
-  EXPECT_FALSE(second.reset_is_told);
+  EXPECT_FALSE(second.reset_is_logged);
   resets_.count = 4;
-  EXPECT_TRUE(Wheels(kGood, seconds(10)).reset_is_told);
+  EXPECT_TRUE(Wheels(kGood, seconds(10)).reset_is_logged);
 }
 
 }  // namespace

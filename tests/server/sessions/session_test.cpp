@@ -219,11 +219,11 @@ TEST_F(SessionTest, AProposalIsAFixAtTheLastScan) {
   const auto session = MakeSession();
   v1::PositionFix pose = FixMessage(0);
   pose.clear_stamp_ns();
-  EXPECT_EQ(session->TakeProposal(pose).status().code(), absl::StatusCode::kFailedPrecondition)
+  EXPECT_EQ(session->ProposePose(pose).status().code(), absl::StatusCode::kFailedPrecondition)
       << "no scan has told the vehicle's clock";
   Answer(*session, ScanMessage(1));
-  EXPECT_EQ(session->TakeProposal(pose)->stamp_ns, ScanMessage(1).stamp_ns());
-  EXPECT_EQ(session->TakeProposal(FixMessage(0))->stamp_ns, FixMessage(0).stamp_ns());
+  EXPECT_EQ(session->ProposePose(pose)->stamp_ns, ScanMessage(1).stamp_ns());
+  EXPECT_EQ(session->ProposePose(FixMessage(0))->stamp_ns, FixMessage(0).stamp_ns());
   EXPECT_EQ(script_.fixes.size(), 2U);
 }
 
@@ -233,7 +233,7 @@ TEST_F(SessionTest, AProposalEndsNoRecording) {
   recorder->takes_fixes = false;
   session->Record(recorder, OpenMessage());
   Answer(*session, ScanMessage(1, 20));
-  EXPECT_EQ(session->TakeProposal(FixMessage(1)).status().code(),
+  EXPECT_EQ(session->ProposePose(FixMessage(1)).status().code(),
             absl::StatusCode::kFailedPrecondition);
   EXPECT_TRUE(script_.fixes.empty());
   EXPECT_EQ(recorder->target_counts, (std::vector<int>{20}));
