@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "absl/strings/str_format.h"
 #include "core/map/keyframe_index.h"
 #include "core/map/landmark_fusion.h"
+#include "core/map/landmark_points.h"
 #include "core/map/map_content.h"
 #include "core/map/map_file.h"
 #include "core/map/point_grid.h"
@@ -39,38 +39,6 @@ absl::Status CheckPose(const Pose3& T_map_vehicle) {
   }
   return CheckBound("T_map_vehicle: translation_m", T_map_vehicle.translation_m.norm(), 0.0,
                     kMaxOrigin_m);
-}
-
-std::uint16_t Saturate(std::uint32_t count) {
-  return static_cast<std::uint16_t>(
-      std::min<std::uint32_t>(count, std::numeric_limits<std::uint16_t>::max()));
-}
-
-std::array<float, 6> UpperTriangle(const Eigen::Matrix3d& covariance_m2) {
-  const Eigen::Matrix3f c = covariance_m2.cast<float>();
-  return {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
-}
-
-MapPoint PointInKeyframe(const Landmark& landmark, const Pose3& T_local_keyframe,
-                         bool has_heights) {
-  const Pose3 T_keyframe_local = T_local_keyframe.Inverse();
-  const Eigen::Matrix3d rotation = T_keyframe_local.Rotation();
-  const Eigen::Vector3f p = (T_keyframe_local * landmark.position_m).cast<float>();
-  const float z_m = has_heights ? static_cast<float>(landmark.height_m) : p.z();
-  const std::array<float, 6> c =
-      UpperTriangle(rotation * landmark.covariance_m2 * rotation.transpose());
-  return {.x_m = p.x(),
-          .y_m = p.y(),
-          .z_m = z_m,
-          .xx_m2 = c[0],
-          .xy_m2 = c[1],
-          .xz_m2 = c[2],
-          .yy_m2 = c[3],
-          .yz_m2 = c[4],
-          .zz_m2 = c[5],
-          .rcs_dbsm = landmark.rcs_dbsm,
-          .scan_count = Saturate(landmark.scan_count),
-          .pass_count = Saturate(landmark.pass_count)};
 }
 
 }  // namespace
@@ -135,18 +103,8 @@ struct MapBuilder::Impl {
   }
 
   void AddReturns(const std::vector<RadarPoint>& points, const Pose3& T_local_vehicle) {
-    const auto scan = static_cast<std::uint32_t>(pass_of_scan.size());
-    const Eigen::Matrix3d rotation = T_local_vehicle.Rotation();
-    for (const RadarPoint& point : points) {
-      const Eigen::Vector2f slant_per_m =
-          (rotation.topLeftCorner<2, 2>() * point.slant_per_m).cast<float>();
-      returns.push_back(
-          {.position_m = T_local_vehicle * point.position_m,
-           .covariance_m2 = UpperTriangle(rotation * point.covariance_m2 * rotation.transpose()),
-           .rcs_dbsm = point.rcs_dbsm,
-           .scan = scan,
-           .slant_per_m = {slant_per_m.x(), slant_per_m.y()}});
-    }
+    AppendReturns(points, T_local_vehicle, static_cast<std::uint32_t>(pass_of_scan.size()),
+                  returns);
     pass_of_scan.push_back(pass);
   }
 

@@ -16,6 +16,7 @@ FLOORS = {
         "uncertainty",
         "calibration",
         "localizer mapping",
+        "update",
     ],
     "server": [
         "base",

@@ -21,6 +21,7 @@
 #include "client/cli/map/map_exchange_command.h"
 #include "client/cli/map/map_report.h"
 #include "client/cli/map/map_survey_command.h"
+#include "client/cli/map/map_update_command.h"
 #include "client/datasets/drive_map.h"
 
 namespace dcloc::cli {
@@ -119,6 +120,7 @@ void AddMapCommand(CLI::App& app, int& exit_code) {
   map->require_subcommand(1);
   AddBuild(*map, exit_code);
   AddMapSurveyCommand(*map, exit_code);
+  AddMapUpdateCommand(*map, exit_code);
   AddInspect(*map, exit_code);
   AddMapEditCommands(*map, exit_code);
   AddMapDiffCommand(*map, exit_code);

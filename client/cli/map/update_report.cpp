@@ -1,0 +1,303 @@
+#include "client/cli/map/update_report.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/evaluation/html.h"
+
+namespace dcloc::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string DateOf(const std::optional<Stamp>& stamp) {
+  if (!stamp) return "never";
+  const std::chrono::year_month_day day{std::chrono::floor<std::chrono::days>(*stamp)};
+  return absl::StrFormat("%04d-%02d-%02d", static_cast<int>(day.year()),
+                         static_cast<unsigned>(day.month()), static_cast<unsigned>(day.day()));
+}
+
+std::optional<Stamp> BeginOf(const PlacedPass& pass) {
+  if (pass.scans.empty()) return std::nullopt;
+  return pass.scans.front().stamp;
+}
+
+/// The pass from which on a landmark was there, or was not.
+std::optional<Stamp> SinceOf(const UpdateStory& story, const LandmarkHistory& landmark) {
+  const std::vector<std::size_t>& order = story.update.order;
+  if (landmark.presence.since >= order.size()) return std::nullopt;
+  return BeginOf(story.passes[order[landmark.presence.since]]);
+}
+
+std::size_t CountOf(const std::vector<LandmarkHistory>& landmarks, LandmarkFate fate) {
+  return static_cast<std::size_t>(std::ranges::count(landmarks, fate, &LandmarkHistory::fate));
+}
+
+/// When the middle of a street was last driven past.
+std::optional<Stamp> LastDriven(const UpdateStory& story, const StreetVerdict& street) {
+  constexpr double kNear_m = 60.0;
+  std::optional<Stamp> last;
+  for (const PlacedPass& pass : story.passes) {
+    for (const PlacedScan& scan : pass.scans) {
+      if (!scan.is_good || (last && scan.stamp <= *last)) continue;
+      const double distance_m =
+          (scan.T_map_vehicle.translation_m - street.p_map_m).head<2>().norm();
+      if (distance_m <= kNear_m) last = scan.stamp;
+    }
+  }
+  return last;
+}
+
+ordered_json ScoreJson(const VersionScore& score) {
+  return {{"scatter_m", score.scatter_m}, {"scatter_p90_m", score.scatter_p90_m},
+          {"offset_m", score.offset_m},   {"tracking_share", score.tracking_share},
+          {"nees", score.nees},           {"fit", score.fit}};
+}
+
+ordered_json StreetJson(const UpdateStory& story, const StreetVerdict& street) {
+  return {{"x_m", street.p_map_m.x()},
+          {"y_m", street.p_map_m.y()},
+          {"last_driven", DateOf(LastDriven(story, street))},
+          {"scan_count", street.scan_count},
+          {"agreed_count", street.agreed_count},
+          {"went_count", street.went_count},
+          {"came_count", street.came_count},
+          {"agreed_seen", street.agreed_seen},
+          {"went_seen", street.went_seen},
+          {"came_seen", street.came_seen},
+          {"old", ScoreJson(street.old_version)},
+          {"new", ScoreJson(street.new_version)},
+          {"fault", street.fault}};
+}
+
+ordered_json LandmarksJson(const UpdateStory& story, LandmarkFate fate) {
+  ordered_json list = ordered_json::array();
+  for (const auto* landmarks : {&story.update.known, &story.update.found}) {
+    for (const LandmarkHistory& landmark : *landmarks) {
+      if (landmark.fate != fate) continue;
+      list.push_back({{"x_m", landmark.p_map_m.x()},
+                      {"y_m", landmark.p_map_m.y()},
+                      {"since", DateOf(SinceOf(story, landmark))},
+                      {"first_seen", DateOf(landmark.first_seen)},
+                      {"last_seen", DateOf(landmark.last_seen)},
+                      {"witness_count", landmark.witness_count},
+                      {"vehicle_count", landmark.vehicle_count}});
+    }
+  }
+  return list;
+}
+
+ordered_json PassesJson(const UpdateStory& story) {
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < story.passes.size(); ++i) {
+    const PlacedPass& pass = story.passes[i];
+    list.push_back({{"name", pass.name},
+                    {"date", DateOf(BeginOf(pass))},
+                    {"scan_count", pass.scans.size()},
+                    {"good_count", pass.GoodCount()},
+                    {"untracked_count", pass.untracked_count},
+                    {"unsure_count", pass.unsure_count},
+                    {"unsound_count", pass.unsound_count},
+                    {"refused_count", pass.refused_count},
+                    {"length_m", pass.length_m},
+                    {"fault", story.faults[i]}});
+  }
+  return list;
+}
+
+std::vector<std::string> ScoreRow(const std::string& name, const VersionScore& score) {
+  return {name,
+          absl::StrFormat("%.3f", score.scatter_m),
+          absl::StrFormat("%.3f", score.scatter_p90_m),
+          absl::StrFormat("%.3f", score.offset_m),
+          absl::StrFormat("%.1f %%", 100.0 * score.tracking_share),
+          absl::StrFormat("%.2f", score.nees),
+          absl::StrFormat("%.4f", score.fit)};
+}
+
+std::vector<std::vector<std::string>> StreetRows(const UpdateStory& story) {
+  std::vector<std::vector<std::string>> rows = {
+      {"street at (x, y) m", "last driven", "scans", "stay", "went", "came",
+       "scatter before, after [m]", "fit before, after", "verdict"}};
+  for (const StreetVerdict& street : story.gate.streets) {
+    rows.push_back(
+        {absl::StrFormat("%.0f, %.0f", street.p_map_m.x(), street.p_map_m.y()),
+         DateOf(LastDriven(story, street)), absl::StrCat(street.scan_count),
+         absl::StrCat(street.agreed_count), absl::StrCat(street.went_count),
+         absl::StrCat(street.came_count),
+         absl::StrFormat("%.3f, %.3f", street.old_version.scatter_m, street.new_version.scatter_m),
+         absl::StrFormat("%.3f, %.3f", street.old_version.fit, street.new_version.fit),
+         street.scan_count == 0 ? "not driven"
+         : street.fault.empty() ? "good"
+                                : street.fault});
+  }
+  return rows;
+}
+
+std::vector<std::vector<std::string>> PassRows(const UpdateStory& story) {
+  std::vector<std::vector<std::string>> rows = {
+      {"drive", "date", "scans", "that count", "verdict"}};
+  for (std::size_t i = 0; i < story.passes.size(); ++i) {
+    const PlacedPass& pass = story.passes[i];
+    rows.push_back({pass.name, DateOf(BeginOf(pass)), absl::StrCat(pass.scans.size()),
+                    absl::StrCat(pass.GoodCount()),
+                    story.faults[i].empty() ? "of use" : story.faults[i]});
+  }
+  return rows;
+}
+
+/// The changed landmarks over what stays, north up.
+class Drawing {
+ public:
+  explicit Drawing(const MapUpdate& update) {
+    for (const auto* landmarks : {&update.known, &update.found}) {
+      for (const LandmarkHistory& landmark : *landmarks) Extend(landmark.p_map_m.head<2>());
+    }
+    for (const auto* landmarks : {&update.known, &update.found}) {
+      for (const LandmarkHistory& landmark : *landmarks) Draw(landmark);
+    }
+  }
+
+  std::string Svg() const {
+    const Eigen::Vector2d size_m = max_m_ - min_m_;
+    return absl::StrFormat(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"%.1f %.1f %.1f %.1f\" "
+        "role=\"img\" aria-label=\"changes\">%s%s</svg>\n",
+        min_m_.x() - kEdge_m, -max_m_.y() - kEdge_m, size_m.x() + 2.0 * kEdge_m,
+        size_m.y() + 2.0 * kEdge_m, below_, above_);
+  }
+
+ private:
+  static constexpr double kEdge_m = 5.0;
+
+  void Extend(const Eigen::Vector2d& p_m) {
+    min_m_ = min_m_.cwiseMin(p_m);
+    max_m_ = max_m_.cwiseMax(p_m);
+  }
+
+  void Draw(const LandmarkHistory& landmark) {
+    const double x = landmark.p_map_m.x();
+    const double y = -landmark.p_map_m.y();
+    switch (landmark.fate) {
+      case LandmarkFate::kKept:
+        absl::StrAppendFormat(&below_, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\".4\" fill=\"#bbb\"/>",
+                              x, y);
+        break;
+      case LandmarkFate::kCame:
+        Mark("#009e73", x, y);
+        break;
+      case LandmarkFate::kWent:
+        Mark("#d55e00", x, y);
+        break;
+      case LandmarkFate::kComesAndGoes:
+        Mark("#56b4e9", x, y);
+        break;
+      case LandmarkFate::kUnproven:
+        break;
+    }
+  }
+
+  void Mark(const char* color, double x, double y) {
+    absl::StrAppendFormat(&above_, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\".8\" fill=\"%s\"/>", x, y,
+                          color);
+  }
+
+  Eigen::Vector2d min_m_ = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d max_m_ = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
+  std::string below_, above_;
+};
+
+std::size_t ComesAndGoesCount(const MapUpdate& update) {
+  return CountOf(update.known, LandmarkFate::kComesAndGoes) +
+         CountOf(update.found, LandmarkFate::kComesAndGoes);
+}
+
+}  // namespace
+
+ordered_json UpdateJson(const UpdateStory& story) {
+  ordered_json streets = ordered_json::array();
+  for (const StreetVerdict& street : story.gate.streets) {
+    streets.push_back(StreetJson(story, street));
+  }
+  const MapUpdate& update = story.update;
+  return {{"base", story.base},
+          {"out", story.out},
+          {"passes", PassesJson(story)},
+          {"kept_count", CountOf(update.known, LandmarkFate::kKept)},
+          {"came", LandmarksJson(story, LandmarkFate::kCame)},
+          {"went", LandmarksJson(story, LandmarkFate::kWent)},
+          {"comes_and_goes", LandmarksJson(story, LandmarkFate::kComesAndGoes)},
+          {"gate",
+           {{"kept_out", story.kept_out},
+            {"is_better", story.gate.is_better},
+            {"reason", story.gate.reason},
+            {"old", ScoreJson(story.gate.whole.old_version)},
+            {"new", ScoreJson(story.gate.whole.new_version)},
+            {"streets", streets}}}};
+}
+
+std::string UpdateText(const UpdateStory& story) {
+  const MapUpdate& update = story.update;
+  std::string text;
+  for (std::size_t i = 0; i < story.passes.size(); ++i) {
+    const PlacedPass& pass = story.passes[i];
+    absl::StrAppendFormat(&text, "%-14s %d of %d scans count%s%s\n", pass.name, pass.GoodCount(),
+                          pass.scans.size(),
+                          story.faults[i].empty() ? "" : "; left out: ", story.faults[i]);
+  }
+  absl::StrAppendFormat(&text,
+                        "kept           %d\ncame           %d\nwent           %d\n"
+                        "comes and goes %d\n",
+                        CountOf(update.known, LandmarkFate::kKept),
+                        CountOf(update.found, LandmarkFate::kCame),
+                        CountOf(update.known, LandmarkFate::kWent), ComesAndGoesCount(update));
+  const StreetVerdict& whole = story.gate.whole;
+  absl::StrAppendFormat(
+      &text,
+      "%-14s median scatter %.3f m, before %.3f m; fit %.4f, before %.4f; tracks %.1f %%, before "
+      "%.1f %%\n%s: %s\n",
+      story.kept_out, whole.new_version.scatter_m, whole.old_version.scatter_m,
+      whole.new_version.fit, whole.old_version.fit, 100.0 * whole.new_version.tracking_share,
+      100.0 * whole.old_version.tracking_share, story.out.empty() ? "not written" : story.out,
+      story.gate.reason);
+  return text;
+}
+
+std::string UpdateHtml(const UpdateStory& story) {
+  const MapUpdate& update = story.update;
+  std::string body = absl::StrFormat(
+      "<p>%s. Green came (%d), red went (%d), blue comes and goes (%d), grey stays (%d).</p>\n",
+      EscapeHtml(story.out.empty()
+                     ? absl::StrCat("Not written: ", story.gate.reason)
+                     : absl::StrCat("Written to ", story.out, ": ", story.gate.reason)),
+      CountOf(update.found, LandmarkFate::kCame), CountOf(update.known, LandmarkFate::kWent),
+      ComesAndGoesCount(update), CountOf(update.known, LandmarkFate::kKept));
+  absl::StrAppend(&body, Drawing(update).Svg(), "<h2>Drives</h2>\n", HtmlTable(PassRows(story)),
+                  "<h2>The drive that was kept out: ", EscapeHtml(story.kept_out), "</h2>\n",
+                  HtmlTable({{"version", "median scatter [m]", "90 % [m]", "offset [m]", "tracks",
+                              "NEES", "fit"},
+                             ScoreRow("old", story.gate.whole.old_version),
+                             ScoreRow("new", story.gate.whole.new_version)}),
+                  "<h2>Streets</h2>\n", HtmlTable(StreetRows(story)));
+  std::vector<std::vector<std::string>> rows = {
+      {"change", "x [m]", "y [m]", "since", "last seen", "days or vehicles"}};
+  for (const auto* landmarks : {&update.known, &update.found}) {
+    for (const LandmarkHistory& landmark : *landmarks) {
+      if (landmark.fate != LandmarkFate::kCame && landmark.fate != LandmarkFate::kWent) continue;
+      rows.push_back({kLandmarkFateNames[static_cast<std::size_t>(landmark.fate)],
+                      absl::StrFormat("%.1f", landmark.p_map_m.x()),
+                      absl::StrFormat("%.1f", landmark.p_map_m.y()),
+                      DateOf(SinceOf(story, landmark)), DateOf(landmark.last_seen),
+                      absl::StrCat(landmark.witness_count)});
+    }
+  }
+  absl::StrAppend(&body, "<h2>Changes</h2>\n", HtmlTable(rows));
+  return HtmlPage(absl::StrCat("Update of ", story.base), body);
+}
+
+}  // namespace dcloc::cli

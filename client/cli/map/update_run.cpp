@@ -1,0 +1,186 @@
+#include "client/cli/map/update_run.h"
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "client/cli/common/atomic_file.h"
+#include "client/cli/common/output_file.h"
+#include "client/cli/common/terminal.h"
+#include "client/cli/map/map_files.h"
+#include "client/cli/map/stage_line.h"
+#include "client/cli/map/update_report.h"
+#include "core/update/update_gate.h"
+
+namespace dcloc::cli {
+namespace {
+
+/// Drives whose radars are mounted alike are of one vehicle, as far as a data set tells.
+std::string VehicleOf(const Rig& rig) {
+  std::string text;
+  for (const RadarModel& radar : rig.radars) {
+    const Eigen::Vector3d& t = radar.T_vehicle_radar.translation_m;
+    absl::StrAppendFormat(&text, "%s(%.4f,%.4f,%.4f,%.5f)", radar.id, t.x(), t.y(), t.z(),
+                          Yaw(radar.T_vehicle_radar.rotation));
+  }
+  return text;
+}
+
+/// One command's work. Drives are read one at a time; of each only what an update needs is kept.
+class UpdateRun {
+ public:
+  explicit UpdateRun(const UpdateArguments& arguments) : arguments_(arguments) {}
+
+  absl::Status Run() {
+    absl::Status status = Open();
+    if (status.ok()) status = PlacePasses();
+    if (!status.ok()) return status;
+    line_.Update("updating the map", 0.0);
+    auto update = UpdateMap(base_, story_.passes, arguments_.options);
+    if (!update.ok()) return update.status();
+    story_.update = *std::move(update);
+    Describe();
+    line_.Update("judging the new version", 0.0);
+    auto gate = JudgeUpdate(base_, story_.update.map, kept_out_rig_, kept_out_scans_);
+    if (!gate.ok()) {
+      return absl::Status(gate.status().code(),
+                          absl::StrCat(story_.kept_out, ": ", gate.status().message()));
+    }
+    story_.gate = *std::move(gate);
+    return WriteAll();
+  }
+
+ private:
+  absl::Status Open() {
+    story_.base = arguments_.base;
+    story_.kept_out = arguments_.kept_out.empty() ? arguments_.drives.back() : arguments_.kept_out;
+    if (std::ranges::find(arguments_.drives, story_.kept_out) == arguments_.drives.end()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--keep-out is ", story_.kept_out, "; it must be one of --drive"));
+    }
+    if (arguments_.drives.size() < 3) {
+      return absl::InvalidArgumentError(
+          "an update needs three drives at least: two that agree, and one that is kept out");
+    }
+    std::set<std::string> names;
+    for (const std::string& name : arguments_.drives) {
+      if (names.insert(name).second) continue;
+      return absl::InvalidArgumentError(absl::StrCat("--drive names ", name, " twice"));
+    }
+    if (arguments_.out == arguments_.report) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--out and --report are both ", arguments_.out));
+    }
+    absl::Status status = CheckOutputFiles({{arguments_.out, arguments_.report}, arguments_.force});
+    if (!status.ok()) return status;
+    auto base = ReadMapParts(arguments_.base);
+    if (!base.ok()) return base.status();
+    base_ = *std::move(base);
+    auto bytes = PutTogether(base_);
+    if (!bytes.ok()) return bytes.status();
+    auto map = RadarMap::FromBytes(*std::move(bytes));
+    if (!map.ok()) return map.status();
+    map_ = *std::move(map);
+    return absl::OkStatus();
+  }
+
+  absl::Status PlacePasses() {
+    for (const std::string& name : arguments_.drives) {
+      DriveRequest request = arguments_.request;
+      request.name = name;
+      const absl::StatusOr<Drive> drive = ReadDrive(arguments_.dataset, request);
+      if (!drive.ok()) return drive.status();
+      if (absl::Status status = CheckRadarsOfScans(*drive); !status.ok()) return status;
+      const absl::Status status = name == story_.kept_out ? KeepOut(*drive) : Place(*drive);
+      if (!status.ok()) return status;
+    }
+    const auto useful = std::ranges::count(story_.faults, std::string());
+    if (useful >= 2) return absl::OkStatus();
+    std::vector<std::string> why;
+    for (std::size_t i = 0; i < story_.passes.size(); ++i) {
+      if (!story_.faults[i].empty()) {
+        why.push_back(absl::StrCat(story_.passes[i].name, ": ", story_.faults[i]));
+      }
+    }
+    return absl::FailedPreconditionError(absl::StrCat("two drives must agree on a change, and ",
+                                                      useful, " is of use. ",
+                                                      absl::StrJoin(why, "; ")));
+  }
+
+  absl::Status KeepOut(const Drive& drive) {
+    kept_out_rig_ = drive.rig;
+    for (const DriveScan& entry : drive.scans) kept_out_scans_.push_back(entry.scan);
+    return absl::OkStatus();
+  }
+
+  absl::Status Place(const Drive& drive) {
+    auto placer = PassPlacer::Create(map_, drive.name, VehicleOf(drive.rig), drive.rig);
+    if (!placer.ok()) return placer.status();
+    for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+      placer->Add(drive.scans[i].scan);
+      line_.Update(absl::StrCat("localizing ", drive.name),
+                   static_cast<double>(i + 1) / static_cast<double>(drive.scans.size()));
+    }
+    PlacedPass pass = std::move(*placer).Finish();
+    story_.faults.push_back(FaultOf(pass));
+    if (!story_.faults.back().empty()) {
+      for (PlacedScan& scan : pass.scans) scan.is_good = false;
+    }
+    story_.passes.push_back(std::move(pass));
+    return absl::OkStatus();
+  }
+
+  void Describe() {
+    std::vector<std::string> names;
+    for (const std::size_t i : story_.update.order) names.push_back(story_.passes[i].name);
+    story_.update.map.description =
+        absl::StrCat("dcloc map update: ", arguments_.dataset.format, " ",
+                     absl::StrJoin(names, ", "), "; judged by ", story_.kept_out);
+    for (PlacedPass& pass : story_.passes) {
+      for (PlacedScan& scan : pass.scans) scan.points = {};
+    }
+  }
+
+  absl::Status WriteAll() {
+    absl::Status status;
+    if (story_.gate.is_better) {
+      MapParts& map = story_.update.map;
+      absl::StrAppendFormat(
+          &map.description, ": fit %.4f after %.4f, median scatter %.3f after %.3f m",
+          story_.gate.whole.new_version.fit, story_.gate.whole.old_version.fit,
+          story_.gate.whole.new_version.scatter_m, story_.gate.whole.old_version.scatter_m);
+      const auto info = WriteMapParts(map, arguments_.out);
+      status = info.status();
+      if (status.ok()) story_.out = arguments_.out;
+    } else {
+      status = absl::FailedPreconditionError(
+          absl::StrCat(arguments_.out, " is not written: ", story_.gate.reason));
+    }
+    if (!arguments_.report.empty()) {
+      const std::string page = UpdateHtml(story_);
+      status.Update(WriteFileAtomically(arguments_.report, std::as_bytes(std::span(page))));
+    }
+    absl::PrintF("%s", arguments_.json ? UpdateJson(story_).dump(2) + "\n" : UpdateText(story_));
+    return status;
+  }
+
+  const UpdateArguments& arguments_;
+  StageLine line_;
+  MapParts base_;
+  std::shared_ptr<const RadarMap> map_;
+  Rig kept_out_rig_;
+  std::vector<Scan> kept_out_scans_;
+  UpdateStory story_;
+};
+
+}  // namespace
+
+absl::Status RunUpdate(const UpdateArguments& arguments) { return UpdateRun(arguments).Run(); }
+
+}  // namespace dcloc::cli

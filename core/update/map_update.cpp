@@ -1,0 +1,276 @@
+#include "core/update/map_update.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "core/map/landmark_points.h"
+#include "core/update/detection_model.h"
+#include "core/update/exposure.h"
+#include "core/update/false_hits.h"
+#include "core/update/pass_centers.h"
+#include "core/update/presence_fit.h"
+#include "core/update/version_score.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kMaxKeyframeDistance_m = 120.0;
+
+double Days(Stamp from, Stamp to) {
+  return std::chrono::duration<double, std::ratio<86400>>(to - from).count();
+}
+
+std::optional<Stamp> FirstGood(const PlacedPass& pass) {
+  for (const PlacedScan& scan : pass.scans) {
+    if (scan.is_good) return scan.stamp;
+  }
+  return std::nullopt;
+}
+
+/// The landmarks of a map in its local frame.
+struct BaseLandmarks {
+  explicit BaseLandmarks(const MapParts& map) {
+    for (const PlacedLandmark& landmark : LandmarksOf(map)) {
+      places.push_back(landmark.place);
+      scans.push_back(landmark.point.scan_count);
+    }
+    for (const KeyframePart& keyframe : map.keyframes) {
+      T_local_keyframes.push_back(PoseOf(keyframe.record));
+    }
+  }
+
+  std::vector<PlaceEstimate> places;
+  std::vector<int> scans;
+  std::vector<Pose3> T_local_keyframes;
+};
+
+/// One update: what passes say of all places, known ones first.
+class Updater {
+ public:
+  Updater(const MapParts& base_map, std::span<const PlacedPass> passes,
+          const MapUpdateOptions& options)
+      : base_map_(base_map), options_(options), base_(base_map) {
+    for (std::size_t i = 0; i < passes.size(); ++i) {
+      if (FirstGood(passes[i])) result_.order.push_back(i);
+    }
+    std::ranges::stable_sort(result_.order, {},
+                             [&](std::size_t i) { return *FirstGood(passes[i]); });
+    for (const std::size_t i : result_.order) passes_.push_back(&passes[i]);
+  }
+
+  absl::StatusOr<MapUpdate> Run() && {
+    if (passes_.empty()) {
+      return absl::InvalidArgumentError("no pass has a scan that was tracked in the map");
+    }
+    FindOthers();
+    LookAtPlaces();
+    result_.presence = options_.presence;
+    result_.presence.false_share = false_hits_.share;
+    result_.presence.false_hits = false_hits_.mean;
+    Judge();
+    ChangeMap();
+    return std::move(result_);
+  }
+
+ private:
+  std::size_t KnownCount() const { return base_.places.size(); }
+
+  // What the passes together see where the base map has nothing.
+  void FindOthers() {
+    std::vector<Landmark> seen = FusePasses(passes_, base_map_.Origin_m(), 3);
+    const std::vector<PlaceEstimate> places = PlacesOf(seen);
+    const std::vector<CenterMatch> known = MatchCenters(places, base_.places, options_.matching);
+    places_ = base_.places;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (known[i].center != kNoCenter) continue;
+      others_.push_back(seen[i]);
+      places_.push_back(places[i]);
+    }
+  }
+
+  void LookAtPlaces() {
+    std::vector<Eigen::Vector2d> positions_m;
+    for (const PlaceEstimate& place : places_) positions_m.push_back(place.position_m);
+    for (const PlacedPass* const pass : passes_) {
+      const std::vector<Landmark> seen =
+          FusePasses({&pass, 1}, base_map_.Origin_m(), options_.min_center_scans);
+      const std::vector<PlaceEstimate> centers = PlacesOf(seen);
+      const std::vector<CenterMatch> matches = MatchCenters(places_, centers, options_.matching);
+      PassSightings sightings{.exposures = Expose(*pass, base_map_.Origin_m(), positions_m),
+                              .hits = std::vector<int>(places_.size(), 0)};
+      std::vector<double>& ratios = place_ratios_.emplace_back();
+      for (std::size_t i = 0; i < places_.size(); ++i) {
+        ratios.push_back(matches[i].place_ratio);
+        if (matches[i].center == kNoCenter) continue;
+        sightings.hits[i] = static_cast<int>(seen[matches[i].center].scan_count);
+      }
+      false_hits_.Add(places_, seen, options_.matching);
+      sightings_.push_back(std::move(sightings));
+    }
+    false_hits_.Finish();
+  }
+
+  std::vector<PassEvidence> EvidenceOf(const DetectionModel& detection, std::size_t i) const {
+    std::vector<PassEvidence> evidence;
+    for (std::size_t p = 0; p < passes_.size(); ++p) {
+      const double days = p == 0 ? options_.base_age_days
+                                 : Days(*FirstGood(*passes_[p - 1]), *FirstGood(*passes_[p]));
+      const double expected = i < KnownCount()
+                                  ? detection.ExpectedHits(p, i)
+                                  : detection.ExpectedHits(p, sightings_[p].exposures[i]);
+      evidence.push_back({expected, sightings_[p].hits[i], place_ratios_[p][i], days});
+    }
+    return evidence;
+  }
+
+  void Judge() {
+    std::vector<PassSightings> known = sightings_;
+    for (PassSightings& pass : known) {
+      pass.exposures.resize(KnownCount());
+      pass.hits.resize(KnownCount());
+    }
+    const std::vector<Exposure> base =
+        ExposeFrom(base_.T_local_keyframes, passes_.front()->rig, Positions(KnownCount()));
+    std::vector<double> presence(KnownCount(), 1.0);
+    for (int round = 0; round < 3; ++round) {
+      const DetectionModel detection(known, base, base_.scans, presence);
+      std::vector<std::vector<PassEvidence>> evidence;
+      for (std::size_t i = 0; i < places_.size(); ++i) evidence.push_back(EvidenceOf(detection, i));
+      result_.presence = FitPresence(std::span(evidence).first(KnownCount()),
+                                     std::span(evidence).subspan(KnownCount()), result_.presence);
+      Describe(std::move(evidence));
+      for (std::size_t i = 0; i < KnownCount(); ++i) presence[i] = result_.known[i].presence.stays;
+    }
+  }
+
+  std::vector<Eigen::Vector2d> Positions(std::size_t count) const {
+    std::vector<Eigen::Vector2d> positions;
+    for (std::size_t i = 0; i < count; ++i) positions.push_back(places_[i].position_m);
+    return positions;
+  }
+
+  void Describe(std::vector<std::vector<PassEvidence>> evidence) {
+    result_.known.clear();
+    result_.found.clear();
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      LandmarkHistory history;
+      history.p_map_m << places_[i].position_m, 0.0;
+      history.p_map_m += base_map_.Origin_m();
+      history.passes = std::move(evidence[i]);
+      CountWitnesses(history);
+      if (i < KnownCount()) {
+        history.presence = JudgeKnown(history.passes, result_.presence);
+        history.fate = FateOfKnown(history);
+        result_.known.push_back(std::move(history));
+      } else {
+        history.presence = JudgeFound(history.passes, result_.presence);
+        history.fate = FateOfFound(history);
+        result_.found.push_back(std::move(history));
+      }
+    }
+  }
+
+  using Witness = std::pair<std::string, long>;  // a vehicle on a day
+  Witness WitnessOf(std::size_t p) const {
+    const auto since = FirstGood(*passes_[p])->time_since_epoch();
+    return {passes_[p]->vehicle, std::chrono::duration_cast<std::chrono::days>(since).count()};
+  }
+
+  void CountWitnesses(LandmarkHistory& history) const {
+    std::set<Witness> witnesses;
+    std::set<std::string> vehicles;
+    for (std::size_t p = 0; p < passes_.size(); ++p) {
+      if (history.passes[p].hits == 0) continue;
+      witnesses.insert(WitnessOf(p));
+      vehicles.insert(passes_[p]->vehicle);
+      const Stamp at = *FirstGood(*passes_[p]);
+      if (!history.first_seen) history.first_seen = at;
+      history.last_seen = at;
+    }
+    history.witness_count = static_cast<int>(witnesses.size());
+    history.vehicle_count = static_cast<int>(vehicles.size());
+  }
+
+  // Those that looked, and would probably have seen it.
+  int WitnessesOfAbsence(const LandmarkHistory& history) const {
+    std::set<Witness> witnesses;
+    for (std::size_t p = 0; p < passes_.size(); ++p) {
+      const PassEvidence& pass = history.passes[p];
+      if (pass.hits == 0 && pass.expected_hits > 1.0) witnesses.insert(WitnessOf(p));
+    }
+    return static_cast<int>(witnesses.size());
+  }
+
+  LandmarkFate FateOfKnown(const LandmarkHistory& history) const {
+    const Presence& presence = history.presence;
+    if (presence.stays >= options_.min_keep ||
+        WitnessesOfAbsence(history) < options_.min_witnesses) {
+      return LandmarkFate::kKept;
+    }
+    return presence.went >= presence.comes_and_goes ? LandmarkFate::kWent
+                                                    : LandmarkFate::kComesAndGoes;
+  }
+
+  LandmarkFate FateOfFound(const LandmarkHistory& history) const {
+    const Presence& presence = history.presence;
+    if (presence.came >= options_.min_come && history.witness_count >= options_.min_witnesses) {
+      return LandmarkFate::kCame;
+    }
+    return presence.comes_and_goes > presence.never && presence.comes_and_goes > presence.came
+               ? LandmarkFate::kComesAndGoes
+               : LandmarkFate::kUnproven;
+  }
+
+  void ChangeMap() {
+    result_.map = base_map_;
+    std::size_t i = 0;
+    for (KeyframePart& keyframe : result_.map.keyframes) {
+      std::erase_if(keyframe.points, [&](const MapPoint&) {
+        return result_.known[i++].fate != LandmarkFate::kKept;
+      });
+    }
+    for (std::size_t k = 0; k < others_.size(); ++k) {
+      if (result_.found[k].fate == LandmarkFate::kCame) AddLandmark(others_[k]);
+    }
+  }
+
+  void AddLandmark(const Landmark& landmark) {
+    const bool has_heights = (base_map_.info.flags & kHasHeightsFlag) != 0;
+    double nearest_m = kMaxKeyframeDistance_m;
+    KeyframePart* nearest = nullptr;
+    for (std::size_t k = 0; k < base_.T_local_keyframes.size(); ++k) {
+      const double distance_m =
+          (base_.T_local_keyframes[k].translation_m - landmark.position_m).head<2>().norm();
+      if (distance_m >= nearest_m) continue;
+      nearest_m = distance_m;
+      nearest = &result_.map.keyframes[k];
+    }
+    if (nearest == nullptr) return;
+    nearest->points.push_back(PointInKeyframe(landmark, PoseOf(nearest->record), has_heights));
+  }
+
+  const MapParts& base_map_;
+  const MapUpdateOptions& options_;
+  BaseLandmarks base_;
+  std::vector<const PlacedPass*> passes_;  // by stamp
+  std::vector<Landmark> others_;
+  std::vector<PlaceEstimate> places_;  // of the base map's landmarks, then of others
+  std::vector<PassSightings> sightings_;
+  std::vector<std::vector<double>> place_ratios_;  // by pass and place
+  FalseHits false_hits_;
+  MapUpdate result_;
+};
+
+}  // namespace
+
+absl::StatusOr<MapUpdate> UpdateMap(const MapParts& base, std::span<const PlacedPass> passes,
+                                    const MapUpdateOptions& options) {
+  return Updater(base, passes, options).Run();
+}
+
+}  // namespace dcloc

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/map/map_parts.h"
+#include "core/update/center_matching.h"
+#include "core/update/placed_pass.h"
+#include "core/update/presence.h"
+
+namespace dcloc {
+
+struct MapUpdateOptions {
+  CenterMatchingOptions matching;
+  PresenceModel presence;       ///< to begin with; shares and shapes are learned from the passes
+  double base_age_days = 30.0;  ///< of the base map at the first pass
+  int min_center_scans = 2;     ///< of a pass that saw something at a place
+  double min_keep = 0.5;        ///< probability of a landmark that stays in the map
+  double min_come = 0.5;        ///< probability of one that comes into it
+  int min_witnesses = 2;        ///< vehicles or days, for any change
+};
+
+/// What an update makes of a landmark.
+enum class LandmarkFate {
+  kKept,          ///< was in the map, and is
+  kCame,          ///< new, and in the map
+  kWent,          ///< was in the map, and is gone
+  kComesAndGoes,  ///< there one day and not the next: not in the map
+  kUnproven,      ///< seen, by too few witnesses or too rarely: not in the map
+};
+inline constexpr const char* kLandmarkFateNames[] = {"kept", "came", "went", "comes and goes",
+                                                     "unproven"};
+
+/// A landmark of the base map, or a place where the passes saw something else.
+struct LandmarkHistory {
+  LandmarkFate fate = LandmarkFate::kKept;
+  Eigen::Vector3d p_map_m = Eigen::Vector3d::Zero();
+  Presence presence;
+  std::vector<PassEvidence> passes;  ///< in the order of their stamps
+  std::optional<Stamp> first_seen;   ///< by the passes of the update
+  std::optional<Stamp> last_seen;
+  int witness_count = 0;  ///< vehicles or days that saw it
+  int vehicle_count = 0;  ///< that saw it
+};
+
+/// A map and what became of each of its landmarks.
+struct MapUpdate {
+  MapParts map;                        ///< the new version; what is kept keeps its bits
+  std::vector<LandmarkHistory> known;  ///< of the base map's landmarks, in its order
+  std::vector<LandmarkHistory> found;  ///< others
+  std::vector<std::size_t> order;      ///< of the passes, by their stamps
+  PresenceModel presence;              ///< as learned
+};
+
+/// Updates `base` with passes that were placed in it. What went goes, what came and stays comes,
+/// what is there one day and not the next does not. No pass changes anything alone.
+/// InvalidArgument where no pass has a scan that counts.
+absl::StatusOr<MapUpdate> UpdateMap(const MapParts& base, std::span<const PlacedPass> passes,
+                                    const MapUpdateOptions& options = {});
+
+}  // namespace dcloc

@@ -1,0 +1,126 @@
+#include "core/update/placed_pass.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+
+namespace dcloc {
+namespace {
+
+double HorizontalSigma_m(const Matrix6d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
+      Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()), Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues().y()));
+}
+
+/// What is wrong with the sources that the pose and the scan of `radar` rest on; kNone for nothing.
+SourceFault FaultOf(const Health& health, std::size_t radar) {
+  for (const SourceHealth& source : {health.wheel_speed, health.yaw_rate}) {
+    if (!source.is_used && source.fault != SourceFault::kSilent) return source.fault;
+  }
+  return health.radars[radar].is_used ? SourceFault::kNone : health.radars[radar].fault;
+}
+
+constexpr double kMinLength_m = 20.0;
+constexpr double kMinGoodShare = 0.1;
+constexpr double kMaxRefusedShare = 0.2;
+
+}  // namespace
+
+std::size_t PlacedPass::GoodCount() const {
+  return static_cast<std::size_t>(std::ranges::count(scans, true, &PlacedScan::is_good));
+}
+
+std::string FaultOf(const PlacedPass& pass) {
+  const std::size_t good_count = pass.GoodCount();
+  const auto scan_count = static_cast<double>(pass.scans.size() + pass.refused_count);
+  if (static_cast<double>(pass.refused_count) > kMaxRefusedShare * scan_count) {
+    return absl::StrFormat("%d of %.0f scans were refused: %s", pass.refused_count, scan_count,
+                           pass.first_refusal);
+  }
+  if (pass.length_m < kMinLength_m) {
+    return absl::StrFormat("it moved %.1f m; %.0f m are the least", pass.length_m, kMinLength_m);
+  }
+  if (static_cast<double>(good_count) >= kMinGoodShare * scan_count) return "";
+  if (pass.unsound_count > pass.untracked_count && pass.unsound_count > pass.unsure_count) {
+    return absl::StrFormat("%d of %.0f scans count: a source was set aside (%s); check its rig",
+                           good_count, scan_count, NameOf(pass.fault));
+  }
+  if (pass.unsure_count > pass.untracked_count) {
+    return absl::StrFormat("%d of %.0f scans count: the way is not observed, as in a tunnel",
+                           good_count, scan_count);
+  }
+  return absl::StrFormat(
+      "%d of %.0f scans count: it is not tracked in the map; it lies elsewhere, or its rig is "
+      "wrong",
+      good_count, scan_count);
+}
+
+absl::StatusOr<PassPlacer> PassPlacer::Create(std::shared_ptr<const RadarMap> map, std::string name,
+                                              std::string vehicle, Rig rig,
+                                              const PassPlacerOptions& options) {
+  auto localizer = Localizer::Create(std::move(map), rig, std::nullopt, options.localizer);
+  if (!localizer.ok()) {
+    return absl::Status(localizer.status().code(),
+                        name + ": " + std::string(localizer.status().message()));
+  }
+  PlacedPass pass;
+  pass.name = std::move(name);
+  pass.vehicle = std::move(vehicle);
+  pass.rig = std::move(rig);
+  return PassPlacer(*std::move(localizer), std::move(pass), options);
+}
+
+PassPlacer::PassPlacer(Localizer localizer, PlacedPass pass, const PassPlacerOptions& options)
+    : options_(options),
+      localizer_(std::move(localizer)),
+      rig_(std::make_unique<Rig>(pass.rig)),
+      pass_(std::move(pass)) {}
+
+void PassPlacer::Add(const Scan& scan) {
+  const absl::StatusOr<Localization> answer = localizer_.Localize(scan);
+  if (!answer.ok()) {
+    if (pass_.refused_count++ == 0) pass_.first_refusal = std::string(answer.status().message());
+    return;
+  }
+  if (!pass_.scans.empty() && scan.stamp < pass_.scans.back().stamp) return;  // late
+  const RadarModel& radar = *rig_->Find(scan.radar_id);
+  const EgoVelocity& velocity = ego_motion_.Advance(scan, radar);
+  pass_.length_m += ego_motion_.since_previous().T_from_to.translation_m.norm();
+  if (answer->state != LocalizationState::kTracking) {
+    tracking_since_.reset();
+  } else if (!tracking_since_) {
+    tracking_since_ = scan.stamp;
+  }
+  PlacedScan placed{.stamp = scan.stamp,
+                    .radar = rig_->IndexOf(scan.radar_id),
+                    .T_map_vehicle = answer->T_map_vehicle,
+                    .sigma_m = HorizontalSigma_m(answer->covariance),
+                    .inlier_count = answer->quality.inlier_count,
+                    .is_good = false,
+                    .points = {}};
+  const SourceFault fault = FaultOf(answer->health, placed.radar);
+  if (!tracking_since_ || scan.stamp - *tracking_since_ < options_.settle) {
+    ++pass_.untracked_count;
+  } else if (fault != SourceFault::kNone) {
+    ++pass_.unsound_count;
+    pass_.fault = fault;
+  } else if (placed.sigma_m > options_.max_sigma_m ||
+             placed.inlier_count < options_.min_inlier_count) {
+    ++pass_.unsure_count;
+  } else {
+    placed.is_good = true;
+  }
+  if (placed.is_good) {
+    placed.points = StaticPoints(scan, radar, velocity, options_.localizer.static_points);
+  }
+  pass_.scans.push_back(std::move(placed));
+}
+
+PlacedPass PassPlacer::Finish() && { return std::move(pass_); }
+
+}  // namespace dcloc

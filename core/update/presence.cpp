@@ -1,0 +1,195 @@
+#include "core/update/presence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace dcloc {
+namespace {
+
+constexpr std::size_t kStrengthCount = 24;  // of g, evenly in its logarithm
+constexpr double kMinStrength = 0.01;
+constexpr double kMaxStrength = 8.0;
+constexpr std::array<double, 3> kDayShares = {0.1, 0.3, 0.5};  // on which it is there
+
+double LogNegativeBinomial(int hits, double mean, double shape) {
+  if (mean <= 0.0) return hits == 0 ? 0.0 : -INFINITY;
+  return std::lgamma(hits + shape) - std::lgamma(shape) - std::lgamma(hits + 1.0) +
+         shape * std::log(shape / (shape + mean)) + hits * std::log(mean / (shape + mean));
+}
+
+double Absent(int hits, const PresenceModel& model) {
+  if (hits == 0) return 1.0 - model.false_share;
+  const double more = 1.0 - 1.0 / std::max(1.0 + 1e-6, model.false_hits);
+  return model.false_share * (1.0 - more) * std::pow(more, hits - 1);
+}
+
+// Its own hits, and where there are none, false ones. `place_ratio` is 1 for what is not always the
+// same thing: it may lie anywhere nearby.
+double Present(const PassEvidence& pass, double g, double place_ratio, const PresenceModel& model) {
+  const double mean = g * pass.expected_hits;
+  const double none = std::exp(LogNegativeBinomial(0, mean, model.pass_shape));
+  const double own =
+      pass.hits == 0 ? 0.0 : std::exp(LogNegativeBinomial(pass.hits, mean, model.pass_shape));
+  return place_ratio * own + none * Absent(pass.hits, model);
+}
+
+/// How likely the hits are by each history. `goes[t]` is of a landmark that is there before pass t
+/// and not from it on, `comes[t]` the reverse; t is the count of passes where it never does.
+struct Likelihoods {
+  std::vector<double> goes, comes;
+  double known_comes_and_goes = 0.0;  ///< of what the base map has: the likelier the more often
+  double found_comes_and_goes = 0.0;
+  double log_scale = 0.0;  ///< of all of these
+};
+
+/// Adds `weight` times the product of `before` up to each pass, and of `after` from it on.
+void AddSwitches(double weight, std::span<const double> before, std::span<const double> after,
+                 std::vector<double>& sums) {
+  const std::size_t count = before.size();
+  double product = weight;
+  for (std::size_t t = 0; t <= count; ++t) {
+    double rest = product;
+    for (std::size_t p = t; p < count; ++p) rest *= after[p];
+    sums[t] += rest;
+    if (t < count) product *= before[t];
+  }
+}
+
+void AddIntermittent(double weight, std::span<const double> present, std::span<const double> absent,
+                     Likelihoods& sums) {
+  const double shares = std::accumulate(kDayShares.begin(), kDayShares.end(), 0.0);
+  for (const double share : kDayShares) {
+    double product = weight;
+    for (std::size_t p = 0; p < present.size(); ++p) {
+      product *= share * present[p] + (1.0 - share) * absent[p];
+    }
+    sums.known_comes_and_goes += share / shares * product;
+    sums.found_comes_and_goes += product / kDayShares.size();
+  }
+}
+
+/// Averaged over the landmark's own strength.
+Likelihoods LikelihoodsOf(std::span<const PassEvidence> passes, const PresenceModel& model) {
+  const std::size_t count = passes.size();
+  std::array<double, kStrengthCount> weights;
+  std::array<std::vector<double>, kStrengthCount> present, other;
+  std::vector<double> absent;
+  for (const PassEvidence& pass : passes) absent.push_back(Absent(pass.hits, model));
+  std::vector<double> largest = absent;
+  for (std::size_t s = 0; s < kStrengthCount; ++s) {
+    const double g = kMinStrength * std::pow(kMaxStrength / kMinStrength,
+                                             (static_cast<double>(s) + 0.5) / kStrengthCount);
+    // The Gamma density times g, as the strengths are even in log g.
+    weights[s] = std::exp(model.strength_shape * (std::log(g) - g));
+    for (std::size_t p = 0; p < count; ++p) {
+      present[s].push_back(Present(passes[p], g, passes[p].place_ratio, model));
+      other[s].push_back(Present(passes[p], g, 1.0, model));
+      largest[p] = std::max({largest[p], present[s][p], other[s][p]});
+    }
+  }
+  Likelihoods sums{.goes = std::vector<double>(count + 1), .comes = std::vector<double>(count + 1)};
+  for (std::size_t p = 0; p < count; ++p) {
+    absent[p] /= largest[p];
+    sums.log_scale += std::log(largest[p]);
+  }
+  const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (std::size_t s = 0; s < kStrengthCount; ++s) {
+    for (std::size_t p = 0; p < count; ++p) {
+      present[s][p] /= largest[p];
+      other[s][p] /= largest[p];
+    }
+    AddSwitches(weights[s] / total, present[s], absent, sums.goes);
+    AddSwitches(weights[s] / total, absent, present[s], sums.comes);
+    AddIntermittent(weights[s] / total, other[s], absent, sums);
+  }
+  return sums;
+}
+
+/// The probability that what lasts changes in the time before each pass, and last that it has not.
+std::vector<double> ChangeTimes(std::span<const PassEvidence> passes, double changes_per_day) {
+  std::vector<double> shares;
+  double left = 1.0;
+  for (const PassEvidence& pass : passes) {
+    const double survives = std::exp(-changes_per_day * std::max(0.0, pass.days_before));
+    shares.push_back(left * (1.0 - survives));
+    left *= survives;
+  }
+  shares.push_back(left);
+  return shares;
+}
+
+std::size_t MaximumAt(std::span<const double> values) {
+  return static_cast<std::size_t>(std::ranges::max_element(values) - values.begin());
+}
+
+double Sum(const Presence& presence) {
+  return presence.stays + presence.came + presence.went + presence.comes_and_goes + presence.never;
+}
+
+Presence Normalized(Presence presence) {
+  const double total = Sum(presence);
+  for (double* value : {&presence.stays, &presence.came, &presence.went, &presence.comes_and_goes,
+                        &presence.never}) {
+    *value /= total;
+  }
+  return presence;
+}
+
+/// Prior times likelihood of each history of a landmark of the base map.
+Presence WeighKnown(const Likelihoods& likelihoods, std::span<const PassEvidence> passes,
+                    const PresenceModel& model) {
+  // What went before the first pass has a share of its own; later changes go by time.
+  std::vector<double> lasting = ChangeTimes(passes.subspan(1), model.changes_per_day);
+  for (double& share : lasting) share *= 1.0 - model.known_went - model.known_comes_and_goes;
+  lasting.insert(lasting.begin(), model.known_went);
+  for (std::size_t t = 0; t < lasting.size(); ++t) lasting[t] *= likelihoods.goes[t];
+  const std::span<const double> gone = std::span(lasting).first(passes.size());
+  return {.stays = lasting.back(),
+          .went = std::accumulate(gone.begin(), gone.end(), 0.0),
+          .comes_and_goes = model.known_comes_and_goes * likelihoods.known_comes_and_goes,
+          .since = MaximumAt(gone)};
+}
+
+/// How likely the hits of a place are by each of what a candidate may be, and `since`.
+Presence LikelihoodsOfFound(const Likelihoods& likelihoods, std::span<const PassEvidence> passes,
+                            const PresenceModel& model) {
+  std::vector<double> came = ChangeTimes(passes, model.changes_per_day);
+  const double changed = 1.0 - came.back();
+  came.pop_back();
+  for (std::size_t t = 0; t < came.size(); ++t) came[t] *= likelihoods.comes[t] / changed;
+  return {.came = std::accumulate(came.begin(), came.end(), 0.0),
+          .comes_and_goes = likelihoods.found_comes_and_goes,
+          .never = likelihoods.comes.back(),
+          .since = MaximumAt(came)};
+}
+
+}  // namespace
+
+Presence JudgeKnown(std::span<const PassEvidence> passes, const PresenceModel& model) {
+  return Normalized(WeighKnown(LikelihoodsOf(passes, model), passes, model));
+}
+
+Presence JudgeFound(std::span<const PassEvidence> passes, const PresenceModel& model) {
+  Presence presence = LikelihoodsOfFound(LikelihoodsOf(passes, model), passes, model);
+  // What no pass hits is no candidate: each history counts as far as it makes one.
+  std::vector<PassEvidence> unhit(passes.begin(), passes.end());
+  for (PassEvidence& pass : unhit) pass.hits = 0;
+  const Likelihoods of_unhit = LikelihoodsOf(unhit, model);
+  const double scale = std::exp(of_unhit.log_scale);
+  const Presence none = LikelihoodsOfFound(of_unhit, passes, model);
+  const double came_share = 1.0 - model.found_comes_and_goes - model.found_never;
+  presence.came *= came_share / (1.0 - scale * none.came);
+  presence.comes_and_goes *= model.found_comes_and_goes / (1.0 - scale * none.comes_and_goes);
+  presence.never *= model.found_never / (1.0 - scale * none.never);
+  return Normalized(presence);
+}
+
+double LogEvidence(std::span<const PassEvidence> passes, const PresenceModel& model) {
+  const Likelihoods likelihoods = LikelihoodsOf(passes, model);
+  return likelihoods.log_scale +
+         std::log(std::max(1e-300, Sum(WeighKnown(likelihoods, passes, model))));
+}
+
+}  // namespace dcloc

@@ -1,0 +1,105 @@
+#include "core/update/version_score.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace dcloc {
+namespace {
+
+constexpr double kReach_m = 1.0;  // beyond it a target fits no landmark
+// What a track itself varies by, in x, y and yaw.
+constexpr double kTrack_m = 0.02;
+constexpr double kTrack_rad = 0.002;
+
+double QuantileOf(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::ranges::nth_element(values, at);
+  return *at;
+}
+
+}  // namespace
+
+std::vector<PlacedLandmark> LandmarksOf(const MapParts& map) {
+  std::vector<PlacedLandmark> landmarks;
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    const Pose3 T_local_keyframe = PoseOf(map.keyframes[k].record);
+    const Eigen::Matrix3d rotation = T_local_keyframe.Rotation();
+    for (const MapPoint& point : map.keyframes[k].points) {
+      Eigen::Vector3d p_keyframe = PositionOf(point);
+      if ((map.info.flags & kHasHeightsFlag) != 0) p_keyframe.z() = 0.0;
+      Eigen::Matrix3d covariance;
+      covariance << point.xx_m2, point.xy_m2, point.xz_m2, point.xy_m2, point.yy_m2, point.yz_m2,
+          point.xz_m2, point.yz_m2, point.zz_m2;
+      covariance = rotation * covariance * rotation.transpose();
+      landmarks.push_back({.place = {.position_m = (T_local_keyframe * p_keyframe).head<2>(),
+                                     .covariance_m2 = covariance.topLeftCorner<2, 2>()},
+                           .keyframe = k,
+                           .point = point});
+    }
+  }
+  return landmarks;
+}
+
+FitScorer::FitScorer(std::span<const PlacedLandmark> landmarks) {
+  for (const PlacedLandmark& landmark : landmarks) {
+    places_.push_back(landmark.place);
+    grid_.Insert(landmark.place.position_m);
+  }
+}
+
+double FitScorer::Sum(std::span<const RadarPoint> points, const Pose2& T_local_vehicle) const {
+  const Eigen::Matrix2d rotation = T_local_vehicle.Rotation();
+  double sum = 0.0;
+  for (const RadarPoint& point : points) {
+    const Eigen::Vector2d p_local = T_local_vehicle * Eigen::Vector2d(point.position_m.head<2>());
+    const Eigen::Matrix2d noise =
+        rotation * point.covariance_m2.topLeftCorner<2, 2>() * rotation.transpose();
+    double best = 0.0;
+    grid_.ForEachNear(p_local, Eigen::Vector2d::Constant(kReach_m), [&](std::uint32_t i) {
+      const Eigen::Vector2d offset_m = places_[i].position_m - p_local;
+      const Eigen::Matrix2d covariance = places_[i].covariance_m2 + noise;
+      best = std::max(best, std::exp(-0.5 * offset_m.dot(covariance.inverse() * offset_m)));
+    });
+    sum += best;
+  }
+  return sum;
+}
+
+void ScoreSum::Add(const ReplayedScan& scan, const std::optional<Pose2>& track,
+                   const Pose2& agreed) {
+  ++scan_count_;
+  if (track) offsets_m_.push_back((track->translation_m - agreed.translation_m).norm());
+  if (!scan.is_tracking) return;
+  ++tracking_count_;
+  if (!track) return;
+  const Pose2 T_vehicle_track = scan.T_map_vehicle.Inverse() * *track;
+  scatter_m_.push_back(T_vehicle_track.translation_m.norm());
+  Eigen::Vector3d error;
+  error << T_vehicle_track.translation_m, WrapAngle(T_vehicle_track.yaw_rad);
+  Eigen::Matrix3d covariance = scan.covariance;
+  covariance.diagonal() +=
+      Eigen::Vector3d(kTrack_m * kTrack_m, kTrack_m * kTrack_m, kTrack_rad * kTrack_rad);
+  nees_.push_back(error.dot(covariance.inverse() * error) / 3.0);
+}
+
+void ScoreSum::AddFit(double sum, std::size_t point_count) {
+  fit_ += sum;
+  point_count_ += point_count;
+}
+
+VersionScore ScoreSum::Score() const {
+  const auto share = [](double part, std::size_t whole) {
+    return whole == 0 ? 0.0 : part / static_cast<double>(whole);
+  };
+  return {.scatter_m = QuantileOf(scatter_m_, 0.5),
+          .scatter_p90_m = QuantileOf(scatter_m_, 0.9),
+          .offset_m = QuantileOf(offsets_m_, 0.5),
+          .tracking_share = share(static_cast<double>(tracking_count_), scan_count_),
+          .nees = QuantileOf(nees_, 0.5),
+          .fit = share(fit_, point_count_)};
+}
+
+}  // namespace dcloc

@@ -1,0 +1,142 @@
+// Maps of simulated towns that age: what an update of three passes keeps, loses and finds, and how
+// well the new version localizes a pass that had no part in it.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/datasets/drive_map.h"
+#include "client/evaluation/metrics.h"
+#include "client/evaluation/runner.h"
+#include "client/simulation/simulation.h"
+#include "core/update/map_update.h"
+#include "tests/benchmarks/ageing_truth.h"
+
+namespace dcloc::benchmarks {
+namespace {
+
+constexpr std::size_t kPassCount = 3;  // of the update; one more is judged
+
+/// What is asked for: `--seeds FIRST LAST`, or one short town with `--smoke`.
+struct Arguments {
+  std::uint64_t first_seed = 11;
+  std::uint64_t last_seed = 15;
+  double length_m = 600.0;
+  int rig_size = 1;
+};
+
+struct Town {
+  simulation::AgedWorld aged;
+  SimulatedPass base;
+  std::vector<SimulatedPass> passes;
+  Drive kept_out;
+};
+
+Town MakeAgedTown(const Arguments& arguments, std::uint64_t seed) {
+  SimulationOptions options;
+  options.seed = seed;
+  options.length_m = arguments.length_m;
+  options.rig_size = arguments.rig_size;
+  options.parked_change_share = 1.0;
+  options.vehicle_count = 4;
+  options.ageing.replaced_share = 0.1;
+  options.live_speeds_mps = {50.0 / 3.6, 40.0 / 3.6, 60.0 / 3.6, 45.0 / 3.6};
+  const std::vector<PassOptions> passes = Passes(options);
+  const simulation::World world = MakeWorld(options);
+  Town town{.aged = AgeWorld(world, options)};
+  town.base = SimulatePassWithTruth(world, options, passes[0]).value();
+  for (std::size_t i = 1; i <= kPassCount; ++i) {
+    town.passes.push_back(SimulatePassWithTruth(town.aged.world, options, passes[i]).value());
+  }
+  town.kept_out =
+      SimulatePassWithTruth(town.aged.world, options, passes[kPassCount + 1]).value().drive;
+  return town;
+}
+
+double MedianError_m(const std::shared_ptr<const RadarMap>& map, const Drive& drive) {
+  const DriveOutcome outcome = Evaluate(map, drive, {}, [](double) {}).value();
+  return ComputeMetrics({&outcome, 1}).rte_m.median;
+}
+
+/// A map of the update's passes alone, at their true poses.
+std::shared_ptr<const RadarMap> MadeAnew(const Town& town) {
+  Drive all = town.passes.front().drive;
+  for (std::size_t i = 1; i < town.passes.size(); ++i) {
+    const Drive& drive = town.passes[i].drive;
+    for (RadarModel radar : drive.rig.radars) {
+      radar.id += "@" + drive.name;
+      all.rig.radars.push_back(radar);
+    }
+    for (DriveScan scan : drive.scans) {
+      scan.scan.radar_id += "@" + drive.name;
+      all.scans.push_back(std::move(scan));
+    }
+  }
+  return RadarMap::FromBytes(BuildMap(all, {.name = "anew"}).value()).value();
+}
+
+double Percent(std::size_t part, std::size_t whole) {
+  return whole == 0 ? NAN : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+void Print(const std::string& name, const AgeingCounts& counts, double old_m, double new_m,
+           double anew_m) {
+  std::printf("%-6s %6zu %6zu %6.1f %6zu %6.2f %6zu %6.1f %6.1f %6.1f %7.4f %7.4f %7.4f\n",
+              name.c_str(), counts.landmarks, counts.went, Percent(counts.went_gone, counts.went),
+              counts.stood, Percent(counts.stood_lost, counts.stood), counts.came,
+              Percent(counts.came_found, counts.came), Percent(counts.base_parked, counts.stood),
+              Percent(counts.parked, counts.landmarks), old_m, new_m, anew_m);
+  std::fflush(stdout);
+}
+
+void Run(const Arguments& arguments) {
+  std::printf(
+      "three passes, 10 %% replaced, parked vehicles change daily; shares in %%, median errors in "
+      "m\n%-6s %6s %6s %6s %6s %6s %6s %6s %6s %6s %7s %7s %7s\n",
+      "seed", "new", "went", "gone", "stood", "lost", "came", "found", "b.park", "parked", "old",
+      "updated", "anew");
+  for (std::uint64_t seed = arguments.first_seed; seed <= arguments.last_seed; ++seed) {
+    const Town town = MakeAgedTown(arguments, seed);
+    const auto base = RadarMap::FromBytes(BuildMap(town.base.drive, {.name = "base"}).value());
+    std::vector<PlacedPass> placed;
+    for (const SimulatedPass& pass : town.passes) {
+      auto placer =
+          PassPlacer::Create(*base, pass.drive.name, std::to_string(pass.vehicle), pass.drive.rig);
+      for (const DriveScan& scan : pass.drive.scans) placer->Add(scan.scan);
+      placed.push_back(std::move(*placer).Finish());
+    }
+    const MapUpdate update = UpdateMap(TakeApart(**base), placed).value();
+    const auto updated = RadarMap::FromBytes(PutTogether(update.map).value()).value();
+    Print(std::to_string(seed), CountAgeing(update, town.aged, town.base, town.passes, placed),
+          MedianError_m(*base, town.kept_out), MedianError_m(updated, town.kept_out),
+          MedianError_m(MadeAnew(town), town.kept_out));
+  }
+}
+
+}  // namespace
+}  // namespace dcloc::benchmarks
+
+int main(int argc, char** argv) {
+  dcloc::benchmarks::Arguments arguments;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--smoke") {
+      arguments.last_seed = arguments.first_seed;
+      arguments.length_m = 250.0;
+    } else if (argument == "--seeds" && i + 2 < argc) {
+      arguments.first_seed = std::strtoull(argv[++i], nullptr, 10);
+      arguments.last_seed = std::strtoull(argv[++i], nullptr, 10);
+    } else if (argument == "--rig" && i + 1 < argc) {
+      arguments.rig_size = std::atoi(argv[++i]);
+    } else {
+      std::fprintf(stderr, "usage: %s [--smoke] [--seeds FIRST LAST] [--rig 1|5]\n", argv[0]);
+      return 2;
+    }
+  }
+  dcloc::benchmarks::Run(arguments);
+  return 0;
+}

@@ -1,0 +1,95 @@
+#include "core/update/map_update.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/update/version_score.h"
+#include "tests/core/update/street_fixture.h"
+
+namespace dcloc {
+namespace {
+
+double NearestLandmark_m(const MapParts& map, const Eigen::Vector2d& p_map_m) {
+  double nearest_m = INFINITY;
+  for (const PlacedLandmark& landmark : LandmarksOf(map)) {
+    const Eigen::Vector2d p_m = landmark.place.position_m + map.Origin_m().head<2>();
+    nearest_m = std::min(nearest_m, (p_m - p_map_m).norm());
+  }
+  return nearest_m;
+}
+
+std::vector<PlacedPass> ThreePasses(const TestStreet& street) {
+  return {street.Pass(1, "a"), street.Pass(2, "b"), street.Pass(3, "a")};
+}
+
+TEST(MapUpdateTest, AStreetThatStaysAsItWasKeepsItsBits) {
+  const TestStreet street;
+  const MapParts base = street.Map(0);
+  const auto update = UpdateMap(base, ThreePasses(street));
+  ASSERT_TRUE(update.ok()) << update.status();
+  EXPECT_EQ(PutTogether(update->map).value(), PutTogether(base).value());
+  for (const LandmarkHistory& landmark : update->known) {
+    EXPECT_EQ(landmark.fate, LandmarkFate::kKept);
+  }
+}
+
+TEST(MapUpdateTest, WhatWentGoesAndWhatCameComes) {
+  TestStreet street;
+  const MapParts base = street.Map(0);
+  const Eigen::Vector2d went_m = street.scatterers_m[30];
+  const Eigen::Vector2d came_m(went_m.x() + 2.0, 9.0);
+  street.scatterers_m[30] = came_m;
+  ASSERT_LT(NearestLandmark_m(base, went_m), 0.2);
+  const auto update = UpdateMap(base, ThreePasses(street));
+  ASSERT_TRUE(update.ok()) << update.status();
+  EXPECT_GT(NearestLandmark_m(update->map, went_m), 1.0);
+  EXPECT_LT(NearestLandmark_m(update->map, came_m), 0.2);
+  EXPECT_EQ(std::ranges::count(update->known, LandmarkFate::kWent, &LandmarkHistory::fate), 1);
+  EXPECT_EQ(std::ranges::count(update->found, LandmarkFate::kCame, &LandmarkHistory::fate), 1);
+}
+
+TEST(MapUpdateTest, WhatOnlyOneDaySawDoesNotCome) {
+  const TestStreet street;
+  TestStreet with_car = street;
+  const Eigen::Vector2d car_m(101.0, 2.5);
+  with_car.scatterers_m.push_back(car_m);
+  const std::vector<PlacedPass> passes = {street.Pass(1, "a"), with_car.Pass(2, "b"),
+                                          street.Pass(3, "a")};
+  const auto update = UpdateMap(street.Map(0), passes);
+  ASSERT_TRUE(update.ok()) << update.status();
+  EXPECT_GT(NearestLandmark_m(update->map, car_m), 1.0);
+}
+
+TEST(MapUpdateTest, OneVehicleOnOneDayChangesNothing) {
+  TestStreet street;
+  const MapParts base = street.Map(0);
+  street.scatterers_m[30] += Eigen::Vector2d(2.0, 3.0);
+  PlacedPass again = street.Pass(1, "a");
+  for (PlacedScan& scan : again.scans) scan.stamp += std::chrono::minutes(30);
+  const auto update = UpdateMap(base, std::vector<PlacedPass>{street.Pass(1, "a"), again});
+  ASSERT_TRUE(update.ok()) << update.status();
+  EXPECT_EQ(PutTogether(update->map).value(), PutTogether(base).value());
+}
+
+TEST(MapUpdateTest, AVehicleThatIsPlacedWrongDoesNotBendTheMap) {
+  const TestStreet street;
+  const MapParts base = street.Map(0);
+  const std::vector<PlacedPass> passes = {street.Pass(1, "a"), street.Pass(2, "b"),
+                                          street.Pass(3, "c", {0.6, 0.4, 0.0})};
+  const auto update = UpdateMap(base, passes);
+  ASSERT_TRUE(update.ok()) << update.status();
+  EXPECT_EQ(PutTogether(update->map).value(), PutTogether(base).value());
+}
+
+TEST(MapUpdateTest, RefusesPassesOfWhichNoScanCounts) {
+  const TestStreet street;
+  PlacedPass pass = street.Pass(1, "a");
+  for (PlacedScan& scan : pass.scans) scan.is_good = false;
+  EXPECT_EQ(UpdateMap(street.Map(0), {&pass, 1}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace dcloc

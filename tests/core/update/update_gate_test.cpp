@@ -1,0 +1,113 @@
+#include "core/update/update_gate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/datasets/drive_map.h"
+#include "client/simulation/simulation.h"
+
+namespace dcloc {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A town's map, and a pass that is kept out of its updates.
+class UpdateGateTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    SimulationOptions options;
+    options.seed = 3;
+    options.length_m = 300.0;
+    const Drive map_drive = SimulatePass(options, Passes(options)[0]).value();
+    drive_ = new Drive(SimulatePass(options, Passes(options)[1]).value());
+    map_ = new MapParts(
+        TakeApart(*RadarMap::FromBytes(BuildMap(map_drive, {.name = "town"}).value()).value()));
+  }
+  static void TearDownTestSuite() {
+    delete drive_;
+    delete map_;
+  }
+
+  static GateVerdict Judged(const MapParts& before, const MapParts& after) {
+    std::vector<Scan> scans;
+    for (const DriveScan& entry : drive_->scans) scans.push_back(entry.scan);
+    const auto verdict = JudgeUpdate(before, after, drive_->rig, scans);
+    EXPECT_TRUE(verdict.ok()) << verdict.status();
+    return verdict.ok() ? *verdict : GateVerdict{};
+  }
+
+  /// The map without the landmarks whose number is `remainder` modulo `divisor`.
+  static MapParts Thinned(int divisor, int remainder) {
+    MapParts map = *map_;
+    int number = 0;
+    for (KeyframePart& keyframe : map.keyframes) {
+      std::erase_if(keyframe.points,
+                    [&](const MapPoint&) { return number++ % divisor == remainder; });
+    }
+    return map;
+  }
+
+  static inline Drive* drive_ = nullptr;
+  static inline MapParts* map_ = nullptr;
+};
+
+TEST_F(UpdateGateTest, NothingChangedIsNotBetter) {
+  const GateVerdict verdict = Judged(*map_, *map_);
+  EXPECT_FALSE(verdict.is_better);
+  EXPECT_THAT(verdict.reason, HasSubstr("nothing has changed"));
+  EXPECT_GT(verdict.whole.old_version.tracking_share, 0.8);
+  EXPECT_LT(verdict.whole.old_version.scatter_m, 0.1);
+}
+
+TEST_F(UpdateGateTest, LandmarksThatWereMissingMakeItBetter) {
+  const GateVerdict verdict = Judged(Thinned(4, 0), *map_);
+  EXPECT_TRUE(verdict.is_better) << verdict.reason;
+  EXPECT_GT(verdict.whole.new_version.fit, verdict.whole.old_version.fit);
+  EXPECT_GT(verdict.whole.came_count, 20U);
+}
+
+TEST_F(UpdateGateTest, LandmarksThatStandAndAreGoneMakeItWorse) {
+  const GateVerdict verdict = Judged(*map_, Thinned(4, 0));
+  EXPECT_FALSE(verdict.is_better);
+  EXPECT_THAT(verdict.reason, HasSubstr("worse"));
+}
+
+TEST_F(UpdateGateTest, LandmarksThatLieElsewhereMakeItWorse) {
+  MapParts bent = *map_;
+  int number = 0;
+  for (KeyframePart& keyframe : bent.keyframes) {
+    for (MapPoint& point : keyframe.points) {
+      if (number++ % 2 == 0) point.y_m += 0.6F;
+    }
+  }
+  const GateVerdict verdict = Judged(*map_, bent);
+  EXPECT_FALSE(verdict.is_better);
+  EXPECT_THAT(verdict.reason, HasSubstr("worse"));
+}
+
+TEST_F(UpdateGateTest, LandmarksOfNothingMakeItNoBetter) {
+  MapParts haunted = *map_;
+  for (KeyframePart& keyframe : haunted.keyframes) {
+    const std::size_t count = keyframe.points.size();
+    for (std::size_t i = 0; i < count; i += 3) {
+      MapPoint ghost = keyframe.points[i];
+      ghost.x_m += 1.3F;
+      ghost.y_m -= 0.9F;
+      keyframe.points.push_back(ghost);
+    }
+  }
+  EXPECT_FALSE(Judged(*map_, haunted).is_better);
+}
+
+TEST_F(UpdateGateTest, RefusesAPassThatIsNotInTheMap) {
+  SimulationOptions options;
+  options.seed = 4;
+  options.length_m = 200.0;
+  const Drive other = SimulatePass(options, Passes(options)[1]).value();
+  std::vector<Scan> scans;
+  for (const DriveScan& entry : other.scans) scans.push_back(entry.scan);
+  EXPECT_FALSE(JudgeUpdate(*map_, Thinned(4, 0), other.rig, scans).ok());
+}
+
+}  // namespace
+}  // namespace dcloc
