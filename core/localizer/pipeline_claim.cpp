@@ -1,11 +1,20 @@
 // What an answer says: the pose, what is claimed of it, and which hypotheses scans speak for.
+#include <algorithm>
 #include <cmath>
 
 #include "core/geometry/covariance.h"
 #include "core/geometry/pose_estimate.h"
+#include "core/geometry/thinning.h"
 #include "core/localizer/pipeline.h"
 
 namespace dcloc {
+namespace {
+
+// Of a scan that is compared with places along the road, evenly among its points: with all of them,
+// the comparison would cost as much as the registration.
+constexpr std::size_t kRivalPointCount = 50;
+
+}  // namespace
 
 template <int Dim>
 Localization Pipeline<Dim>::FinishScan(const Scan& scan, Stamp stamp) {
@@ -102,11 +111,17 @@ void Pipeline<Dim>::CompareAlongTrackRivals(Workspace<Dim>& workspace) {
     return;
   }
   const double variance = 0.5 * std::pow(rivals_.pose_sigma_m(), 2);
+  const std::size_t count = std::min(workspace.static_points.size(), kRivalPointCount);
+  workspace.tried_points.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    workspace.tried_points.push_back(
+        workspace.static_points[EvenIndex(i, count, workspace.static_points.size())]);
+  }
   const auto fit_at = [&](double offset_m) {
     Tangent<Dim> step = Tangent<Dim>::Zero();
     step(0) = offset_m;
     return radars_.scan_checker.FitAt(
-        workspace.static_points,
+        workspace.tried_points,
         {.pose = pose_.Now().pose * Exp(step),
          .covariance = TangentMatrix<Dim>(variance * TangentMatrix<Dim>::Identity())},
         map_.matcher, workspace);

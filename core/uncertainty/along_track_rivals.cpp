@@ -15,6 +15,8 @@ std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
       {"pose_sigma_m", &O::pose_sigma_m, 0, 100, "poses are compared as exact"},
       {"point_sigma", &O::point_sigma, 1e-6, 1},
       {"places_per_scan", &O::places_per_scan, 2, 10'000},
+      {"beginning_factor", &O::beginning_factor, 1, 1'000},
+      {"beginning_rounds", &O::beginning_rounds, 0, 10'000, "a pose begins as it goes on"},
   };
   return kFields;
 }
@@ -38,17 +40,23 @@ AlongTrackRivals::AlongTrackRivals(const AlongTrackRivalOptions& options) : opti
 std::span<const double> AlongTrackRivals::NextOffsets_m() {
   chosen_.clear();
   chosen_offsets_m_.clear();
-  const std::size_t count =
-      std::min(static_cast<std::size_t>(options_.places_per_scan), places_.size());
+  const std::size_t count = CountToChoose();
   for (std::size_t i = 0; i < places_.size() && chosen_.size() < count / 2; ++i) {
     const std::size_t index = (turn_ + i) % places_.size();
     if (places_[index].better.sum() > 0.0) Choose(index);
   }
-  for (std::size_t i = 0; i < places_.size() && chosen_.size() < count; ++i) {
-    if (places_[turn_].better.sum() == 0.0) Choose(turn_);
+  while (chosen_.size() < count) {
+    if (std::ranges::find(chosen_, turn_) == chosen_.end()) Choose(turn_);
     turn_ = (turn_ + 1) % places_.size();
+    if (turn_ == 0 && round_count_ < options_.beginning_rounds) ++round_count_;
   }
   return chosen_offsets_m_;
+}
+
+std::size_t AlongTrackRivals::CountToChoose() const {
+  const bool begins = round_count_ < options_.beginning_rounds;
+  const int count = options_.places_per_scan * (begins ? options_.beginning_factor : 1);
+  return std::min(static_cast<std::size_t>(count), places_.size());
 }
 
 void AlongTrackRivals::Choose(std::size_t index) {
@@ -72,6 +80,7 @@ bool AlongTrackRivals::has_better() const {
 
 void AlongTrackRivals::Reset() {
   for (Place& place : places_) place.better = {};
+  round_count_ = 0;
 }
 
 }  // namespace dcloc

@@ -22,7 +22,11 @@ struct AlongTrackRivalOptions {
   double point_sigma = 0.35;
   /// When a rival fits better for sure.
   CumulativeSumOptions better = {.drift = 1.0, .max = 3.5, .limit = 8.0};
-  int places_per_scan = 12;  ///< places that one scan is compared at
+  int places_per_scan = 4;  ///< places that one scan is compared at
+  /// A pose that begins is compared at this many times as many places, until each has had its turn
+  /// `beginning_rounds` times.
+  int beginning_factor = 9;
+  int beginning_rounds = 3;
 };
 std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
     const AlongTrackRivalOptions& options);
@@ -59,11 +63,13 @@ class AlongTrackRivals {
     CumulativeSum better;
   };
 
+  std::size_t CountToChoose() const;
   void Choose(std::size_t index);
 
   AlongTrackRivalOptions options_;
   std::vector<Place> places_;
   std::size_t turn_ = 0;             // the place whose turn is next
+  int round_count_ = 0;              // turns that each place has had since the beginning
   std::vector<std::size_t> chosen_;  // of the places, for the next scan
   std::vector<double> chosen_offsets_m_;
 };

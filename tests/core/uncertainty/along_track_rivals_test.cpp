@@ -17,8 +17,11 @@ constexpr std::size_t kPointsOfAScan = 60;
 
 // 2, 3 and 4 m ahead and behind.
 AlongTrackRivalOptions SixPlaces(int places_per_scan) {
-  return {
-      .step_m = 1.0, .min_offset_m = 2.0, .max_offset_m = 4.0, .places_per_scan = places_per_scan};
+  return {.step_m = 1.0,
+          .min_offset_m = 2.0,
+          .max_offset_m = 4.0,
+          .places_per_scan = places_per_scan,
+          .beginning_rounds = 0};
 }
 
 std::vector<double> Next(AlongTrackRivals& rivals) {
@@ -90,6 +93,18 @@ TEST(AlongTrackRivalsTest, ThoseThatHaveFittedBetterLeaveTheOthersTheirTurns) {
   EXPECT_EQ(seen.size(), 6);
 }
 
+TEST(AlongTrackRivalsTest, APoseThatBeginsIsComparedAtMorePlaces) {
+  AlongTrackRivalOptions options = SixPlaces(2);
+  options.beginning_factor = 2;
+  options.beginning_rounds = 2;
+  AlongTrackRivals rivals(options);
+  const auto count = [&] { return rivals.NextOffsets_m().size(); };
+  for (int scan = 0; scan < 3; ++scan) EXPECT_EQ(count(), 4);  // two rounds of six places
+  EXPECT_EQ(count(), 2);
+  rivals.Reset();
+  EXPECT_EQ(count(), 4);
+}
+
 TEST(AlongTrackRivalsTest, WithoutADistanceThereAreNone) {
   AlongTrackRivals rivals({.max_offset_m = 0.0});
   EXPECT_TRUE(rivals.NextOffsets_m().empty());
@@ -97,9 +112,9 @@ TEST(AlongTrackRivalsTest, WithoutADistanceThereAreNone) {
   EXPECT_FALSE(rivals.has_better());
 }
 
-// A round of all places takes 16 scans.
+// At the beginning a round of all places takes six scans.
 TEST(AlongTrackRivalsTest, APostThatFitsBetterIsFoundWithinARoundAndAFewScans) {
-  EXPECT_TRUE(IsBetterAfter(24, 0.36, 0.50));
+  EXPECT_TRUE(IsBetterAfter(12, 0.36, 0.50));
 }
 
 TEST(AlongTrackRivalsTest, ASingleScanDoesNotDecide) { EXPECT_FALSE(IsBetterAfter(1, 0.1, 0.9)); }
