@@ -181,7 +181,8 @@ absl::StatusOr<EgoMotionColumns> ReadColumns(const json& document) {
   return columns;
 }
 
-/// -1 where the turn rates are counted clockwise, as OxTS units do with z down; inferred from the poses.
+/// -1 where the turn rates are counted clockwise, as OxTS units do with z down; inferred from the
+/// poses.
 double TurnSign(const BagContents& contents, const std::vector<double>& angular_rates) {
   double product = 0.0;
   for (std::size_t i = 1; i < contents.references.size(); ++i) {

@@ -11,9 +11,9 @@
 
 namespace dcloc::server {
 
-/// Has the next session of a vehicle recorded for `stream` by `others` too. `done` is called once all
-/// of them wait for it: Unavailable names one that does not. `request` and the call of `context`
-/// live until then; `replicas` and `recordings` as long as the stream.
+/// Has the next session of a vehicle recorded for `stream` by `others` too. `done` is called once
+/// all of them wait for it: Unavailable names one that does not. `request` and the call of
+/// `context` live until then; `replicas` and `recordings` as long as the stream.
 void RecordElsewhere(Replicas& replicas, RecordingRequests& recordings,
                      const std::vector<std::string>& others,
                      const grpc::CallbackServerContext& context,

@@ -30,9 +30,9 @@ struct HealthNews {
   bool reset_is_logged = false;  ///< too frequent ones are counted with the next logged one
 };
 
-/// Decides what of a session's health is logged, so that a source that flaps floods no log: for each
-/// source at most one change in ten seconds, and the same for resets. A source that has never been
-/// used is not missed while it is silent. Not thread-safe.
+/// Decides what of a session's health is logged, so that a source that flaps floods no log: for
+/// each source at most one change in ten seconds, and the same for resets. A source that has never
+/// been used is not missed while it is silent. Not thread-safe.
 class HealthWatch {
  public:
   using Clock = std::chrono::steady_clock;

@@ -72,8 +72,8 @@ class RunStore {
   virtual absl::Status Save(const std::string& run_name, const DriveOutcome& outcome) = 0;
 };
 
-/// Does all runs of all cases that `store` does not hold. `progress` receives what is being done and
-/// the share of the whole study done. The outcomes hold no maps.
+/// Does all runs of all cases that `store` does not hold. `progress` receives what is being done
+/// and the share of the whole study done. The outcomes hold no maps.
 absl::StatusOr<std::vector<RunResult>> RunStudy(
     const std::vector<Case>& cases, bool quick, RunStore& store,
     const std::function<void(const std::string&, double)>& progress);
