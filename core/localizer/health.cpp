@@ -8,13 +8,14 @@ bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
 }
 
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
-                    const RadarMonitor& radar_monitor) {
+                    const AzimuthSigns& azimuth_signs, const RadarMonitor& radar_monitor) {
   Health health{
       .wheel_speed = ego_motion.wheel_speed(), .yaw_rate = ego_motion.yaw_rate(), .radars = {}};
   for (std::size_t i = 0; i < learned_rig.rig().radars.size(); ++i) {
     SourceFault fault = radar_monitor.FaultOf(i, stamp);
     const bool says_something = fault != SourceFault::kSilent && fault != SourceFault::kDoppler;
     if (fault == SourceFault::kNone) fault = learned_rig.FaultOf(i, stamp);
+    if (fault == SourceFault::kNone && azimuth_signs.IsMirrored(i)) fault = SourceFault::kMount;
     health.radars.push_back(
         {.is_used = says_something && IsTrusted(i, stamp, learned_rig, radar_monitor),
          .fault = fault});

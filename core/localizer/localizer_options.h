@@ -24,6 +24,7 @@
 #include "core/relocalization/pose_prior.h"
 #include "core/submap/submap.h"
 #include "core/uncertainty/along_track_rivals.h"
+#include "core/uncertainty/azimuth_signs.h"
 #include "core/uncertainty/beta_monitor.h"
 #include "core/uncertainty/map_fit_monitor.h"
 #include "core/uncertainty/noise_scale_estimator.h"
@@ -73,6 +74,7 @@ struct LocalizerOptions {
   SubmapOptions submap;
   MapFitOptions map_fit;
   AlongTrackRivalOptions along_track_rivals;
+  AzimuthSignOptions azimuth_signs;
   EgoMotionOptions ego_motion;
   LearnedRigOptions learned_rig;
   RadarMonitorOptions radar_monitor;

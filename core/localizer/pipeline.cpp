@@ -67,13 +67,14 @@ void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
 // - Timeouts expire twice: before the registration, as what was confirmed before a silence does not
 //   count after it; and after it, as answers claim what holds now.
 template <int Dim>
-Localization Pipeline<Dim>::LocalizeNext(const Scan& scan, const TimeBase::ScanTime& time,
+Localization Pipeline<Dim>::LocalizeNext(const Scan& described, const TimeBase::ScanTime& time,
                                          LocalizerWorkspace& lent_workspace,
                                          StageListener* listener) {
   const Stamp stamp = time.stamp;
-  const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
+  const std::size_t radar_index = radars_.learned.IndexOf(described.radar_id);
   const RadarModel& radar = radars_.learned.rig().radars[radar_index];
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
+  const Scan& scan = WithLearnedAzimuthSign(described, workspace);
 
   Announce(listener, Stage::kCompensation);  // eq 6, 9-11
   const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, stamp, radar, workspace.ego_velocity);
@@ -137,8 +138,9 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   const std::optional<MotionHistory::Moment> moment = ego_motion_.history().At(stamp);
   if (!moment) return answer;
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
-  std::vector<RadarPoint>& points = lent_workspace.Of<Dim>().static_points;
-  Compensate(scan, stamp, moment->velocity, points);
+  Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
+  std::vector<RadarPoint>& points = workspace.static_points;
+  Compensate(WithLearnedAzimuthSign(scan, workspace), stamp, moment->velocity, points);
   if (IsTrusted(radar_index, stamp)) {
     const bool is_kept = live_.submap.Insert(stamp, static_cast<int>(radar_index), points);
     if (is_kept) live_.schedule.OnLateScan(points.size());
@@ -217,10 +219,14 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<
   const ScanFit fit = radars_.scan_checker.Test(stamp, radar_index, workspace.static_points,
                                                 pose_.Now(), map_.matcher, workspace);
   radars_.monitor.OnFit(radar_index, radars_.scan_checker.last_fit());
+  // A mean over a few points says little.
+  const bool is_full =
+      workspace.static_points.size() >= static_cast<std::size_t>(options_.map_fit.min_point_count);
+  if (is_full) CompareAzimuthSigns(radar_index, workspace);
   if (!IsTrusted(radar_index, stamp)) return;
   // The places that are compared are relative to the pose: where that is lost, both are wrong.
-  if (!tracking_.is_lost()) CompareSourcesByMapFit(workspace);
-  CompareAlongTrackRivals(workspace);
+  if (is_full && !tracking_.is_lost()) CompareSourcesByMapFit(workspace);
+  if (is_full) CompareAlongTrackRivals(workspace);
   JudgePoseByScanFit(fit);
 }
 
@@ -324,6 +330,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
   } else {
     radars_.scan_checker.Reset();
     rivals_.Reset();
+    radars_.azimuth_signs.Reset();
     radars_.monitor.ResetFits();
     ego_motion_.OnPlaceChanged();
     pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);

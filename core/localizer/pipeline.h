@@ -26,6 +26,7 @@
 #include "core/relocalization/relocalizer.h"
 #include "core/submap/submap.h"
 #include "core/uncertainty/along_track_rivals.h"
+#include "core/uncertainty/azimuth_signs.h"
 #include "core/uncertainty/protection_level.h"
 
 namespace dcloc {
@@ -127,6 +128,9 @@ class Pipeline final : public AnyPipeline {
   void JudgePoseByScanFit(ScanFit fit);
   void CompareSourcesByMapFit(Workspace<Dim>& workspace);
   void CompareAlongTrackRivals(Workspace<Dim>& workspace);
+  void CompareAzimuthSigns(std::size_t radar_index, Workspace<Dim>& workspace);
+  // `scan` itself, or a copy in `workspace` with the sign that the map has shown.
+  const Scan& WithLearnedAzimuthSign(const Scan& scan, Workspace<Dim>& workspace) const;
   void RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity, Workspace<Dim>& workspace,
                       StageListener* listener);
   void ExpireTimeouts(Stamp stamp);
@@ -159,10 +163,12 @@ class Pipeline final : public AnyPipeline {
     Radars(Rig described, const LocalizerOptions& options)
         : learned(std::move(described), options.learned_rig),
           monitor(learned.rig().radars.size(), options.radar_monitor),
+          azimuth_signs(learned.rig().radars.size(), options.azimuth_signs),
           scan_checker(learned.rig().radars.size(), options.map_fit) {}
 
     LearnedRig learned;
     RadarMonitor monitor;
+    AzimuthSigns azimuth_signs;
     ScanChecker<Dim> scan_checker;
     StampError stamp_error;  // of the newest scan
   };

@@ -1,21 +1,12 @@
-// What an answer says: the pose, what is claimed of it, and which hypotheses scans speak for.
+// What an answer says: the pose, and what is claimed of it.
 #include <algorithm>
 #include <cmath>
 
 #include "core/geometry/covariance.h"
 #include "core/geometry/pose_estimate.h"
-#include "core/geometry/thinning.h"
 #include "core/localizer/pipeline.h"
 
 namespace dcloc {
-namespace {
-
-// Of a scan that is compared with places along the road, evenly among its points: with all of them,
-// the comparison would cost as much as the registration.
-constexpr std::size_t kRivalPointCount = 50;
-
-}  // namespace
-
 template <int Dim>
 Localization Pipeline<Dim>::FinishScan(const Scan& scan, Stamp stamp) {
   if (tracking_.has_pose()) claims_.reset_counter.OnAnswer(NowInMap().pose);
@@ -35,7 +26,8 @@ void Pipeline<Dim>::ExpireTimeouts(Stamp stamp) {
 template <int Dim>
 Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) const {
   Localization answer{.stamp = scan.stamp, .quality = newest_.quality};
-  answer.health = ReportHealth(stamp, ego_motion_, radars_.learned, radars_.monitor);
+  answer.health =
+      ReportHealth(stamp, ego_motion_, radars_.learned, radars_.azimuth_signs, radars_.monitor);
   answer.resets = claims_.reset_counter.resets();
   answer.quality.live_point_count = static_cast<int>(live_.submap.point_count());
   answer.quality.beta = learner_.CheckBeta(radars_.learned.IndexOf(scan.radar_id));
@@ -81,66 +73,14 @@ void Pipeline<Dim>::Claim(Localization& answer) const {
       std::pow(radars_.stamp_error.sigma_s, 2) * per_second * per_second.transpose();
 }
 
-// METHOD eq 50. Where the vehicle really is, static points lie on landmarks: how they fit at the
-// place by the sources in use and at the alternative's shows which of the two is right.
-template <int Dim>
-void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
-  const std::optional<EgoMotion::AlternativePlace> other = ego_motion_.Alternative();
-  if (!other) return;
-  // A mean over a few points says little.
-  if (workspace.static_points.size() < static_cast<std::size_t>(options_.map_fit.min_point_count)) {
-    return;
-  }
-  const Pose<Dim> used = pose_.Now().pose;
-  const Pose<Dim> alternative =
-      used * FromSpace<Dim>(other->T_used_alternative, Matrix6d::Zero()).pose;
-  const auto fit_at = [&](const Pose<Dim>& pose) {
-    return radars_.scan_checker.FitAt(workspace.static_points,
-                                      {.pose = pose, .covariance = TangentMatrix<Dim>::Zero()},
-                                      map_.matcher, workspace);
-  };
-  ego_motion_.OnFits(*other, fit_at(used), fit_at(alternative));
-}
-
-// METHOD eq 60. The pose is held against some of the places before and behind it.
-template <int Dim>
-void Pipeline<Dim>::CompareAlongTrackRivals(Workspace<Dim>& workspace) {
-  // Before a registration has been accepted, no place is where the vehicle may be.
-  if (newest_.outcome != RegistrationOutcome::kAccepted) return;
-  if (workspace.static_points.size() < static_cast<std::size_t>(options_.map_fit.min_point_count)) {
-    return;
-  }
-  const double variance = 0.5 * std::pow(rivals_.pose_sigma_m(), 2);
-  const std::size_t count = std::min(workspace.static_points.size(), kRivalPointCount);
-  workspace.tried_points.clear();
-  for (std::size_t i = 0; i < count; ++i) {
-    workspace.tried_points.push_back(
-        workspace.static_points[EvenIndex(i, count, workspace.static_points.size())]);
-  }
-  const auto fit_at = [&](double offset_m) {
-    Tangent<Dim> step = Tangent<Dim>::Zero();
-    step(0) = offset_m;
-    return radars_.scan_checker.FitAt(
-        workspace.tried_points,
-        {.pose = pose_.Now().pose * Exp(step),
-         .covariance = TangentMatrix<Dim>(variance * TangentMatrix<Dim>::Identity())},
-        map_.matcher, workspace);
-  };
-  const double fit = fit_at(0.0);
-  workspace.rival_fits.clear();
-  for (const double offset_m : rivals_.NextOffsets_m()) {
-    workspace.rival_fits.push_back(fit_at(offset_m));
-  }
-  rivals_.OnFits(workspace.scan_points.size(), fit, workspace.rival_fits);
-}
-
 template <int Dim>
 std::optional<double> Pipeline<Dim>::FitAt(const Scan& scan, Stamp stamp,
                                            LocalizerWorkspace& lent_workspace) {
   const std::optional<MotionHistory::Moment> moment = ego_motion_.history().AtOrSoonAfter(stamp);
   if (!moment || !tracking_.has_pose()) return std::nullopt;
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  StaticPoints(scan, radars_.learned.rig().radars[radars_.learned.IndexOf(scan.radar_id)],
+  StaticPoints(WithLearnedAzimuthSign(scan, workspace),
+               radars_.learned.rig().radars[radars_.learned.IndexOf(scan.radar_id)],
                moment->velocity, EffectiveStaticPoints(options_), workspace.tried_points);
   PoseEstimate<Dim> pose = pose_.Now();
   pose.pose =
@@ -154,10 +94,6 @@ template void Pipeline<2>::ExpireTimeouts(Stamp);
 template void Pipeline<3>::ExpireTimeouts(Stamp);
 template Localization Pipeline<2>::Answer(const Scan&, Stamp) const;
 template Localization Pipeline<3>::Answer(const Scan&, Stamp) const;
-template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>& workspace);
-template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>& workspace);
-template void Pipeline<2>::CompareAlongTrackRivals(Workspace<2>& workspace);
-template void Pipeline<3>::CompareAlongTrackRivals(Workspace<3>& workspace);
 template void Pipeline<2>::Claim(Localization&) const;
 template void Pipeline<3>::Claim(Localization&) const;
 template std::optional<double> Pipeline<2>::FitAt(const Scan&, Stamp, LocalizerWorkspace&);

@@ -3,27 +3,9 @@
 #include <algorithm>
 
 #include "core/geometry/covariance.h"
-#include "core/geometry/thinning.h"
+#include "core/localizer/thin_points.h"
 
 namespace dcloc {
-namespace {
-
-// Up to `max_count` of a scan's points, evenly among them.
-template <int Dim>
-void TakeEvenly(const std::vector<RadarPoint>& scan, std::size_t max_count,
-                std::vector<GaussianPoint<Dim>>& points) {
-  const std::size_t count = std::min(scan.size(), max_count);
-  points.clear();
-  for (std::size_t i = 0; i < count; ++i) {
-    const RadarPoint& point = scan[EvenIndex(i, count, scan.size())];
-    points.push_back({.mean_m = point.position_m.head<Dim>(),
-                      .covariance_m2 = point.covariance_m2.topLeftCorner<Dim, Dim>()});
-    if constexpr (Dim == 2) points.back().slant_per_m = point.slant_per_m;
-  }
-}
-
-}  // namespace
-
 template <int Dim>
 ScanFit ScanChecker<Dim>::Test(Stamp stamp, std::size_t radar_index,
                                const std::vector<RadarPoint>& points, const PoseEstimate<Dim>& now,
@@ -39,7 +21,7 @@ ScanFit ScanChecker<Dim>::Test(Stamp stamp, std::size_t radar_index,
 template <int Dim>
 double ScanChecker<Dim>::FitAt(const std::vector<RadarPoint>& points, const PoseEstimate<Dim>& pose,
                                const MapMatcher<Dim>& matcher, Workspace<Dim>& workspace) const {
-  TakeEvenly(points, static_cast<std::size_t>(options_.max_point_count), workspace.scan_points);
+  ThinPoints(points, options_.max_point_count, workspace.scan_points);
   const double sigma_m = HorizontalSigma(pose.covariance);
   return matcher.Fit(workspace.scan_points, pose.pose,
                      std::min(options_.max_prediction_sigma_m, sigma_m), workspace.registration);

@@ -14,7 +14,8 @@ template <int Dim>
 struct Workspace {
   EgoVelocityMemory ego_velocity;
   std::vector<RadarPoint> static_points;
-  std::vector<RadarPoint> tried_points;  // of a scan whose stamp is held against the map
+  std::vector<RadarPoint> tried_points;  // of a scan as another stamp or sign would put them
+  Scan mirrored_scan;
   std::vector<GaussianPoint<Dim>> scan_points;
   std::vector<double> rival_fits;
   LiveSubmap<Dim> submap;

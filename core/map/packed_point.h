@@ -36,11 +36,12 @@ struct PackedPoint {
     return mean_m.template cast<Scalar>() + Scalar{height_square_m2} * slant_per_m;
   }
 
-  Eigen::Matrix<double, Dim, Dim> Covariance_m2() const {
-    Eigen::Matrix<double, Dim, Dim> covariance_m2;
+  template <typename Scalar = double>
+  Eigen::Matrix<Scalar, Dim, Dim> Covariance_m2() const {
+    Eigen::Matrix<Scalar, Dim, Dim> covariance_m2;
     for (int row = 0, next = 0; row < Dim; ++row) {
       for (int column = 0; column <= row; ++column) {
-        covariance_m2(row, column) = covariance_m2(column, row) = triangle_m2(next++);
+        covariance_m2(row, column) = covariance_m2(column, row) = Scalar{triangle_m2(next++)};
       }
     }
     return covariance_m2;

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/registration/adjugate.h"
+
 namespace dcloc {
 namespace {
 
@@ -26,20 +28,6 @@ constexpr double kNarrow_m = 0.05;
 constexpr double kNarrow_rad = 0.001;
 // What single precision may put a point or a landmark aside.
 constexpr double kRounding_m = 1e-3;
-
-Eigen::Matrix2d Adjugate(const Eigen::Matrix2d& m) {
-  Eigen::Matrix2d adjugate;
-  adjugate << m(1, 1), -m(0, 1), -m(1, 0), m(0, 0);
-  return adjugate;
-}
-
-Eigen::Matrix3d Adjugate(const Eigen::Matrix3d& m) {
-  Eigen::Matrix3d adjugate;
-  adjugate.row(0) = m.col(1).cross(m.col(2)).transpose();
-  adjugate.row(1) = m.col(2).cross(m.col(0)).transpose();
-  adjugate.row(2) = m.col(0).cross(m.col(1)).transpose();
-  return adjugate;
-}
 
 double Squared(double value) { return value * value; }
 
@@ -184,7 +172,7 @@ void CorrespondenceFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>
     const Vector<Dim> q = landmark.SeenBy(slant_per_m);
     const Vector<Dim> e = q - p;
     const Matrix<Dim> joint = landmark.Covariance_m2() + covariance;
-    const Matrix<Dim> adjugate = Adjugate(joint);
+    const Matrix<Dim> adjugate = Adjugate<double>(joint);
     const double determinant = joint.row(0).dot(adjugate.col(0).transpose());
     const double scale = 1.0 / determinant;
     const double distance = scale * e.dot(adjugate * e);

@@ -259,14 +259,22 @@ template <int Dim>
 double MapMatcher<Dim>::Fit(std::span<const GaussianPoint<Dim>> points,
                             const Pose<Dim>& T_local_vehicle, double sigma_m,
                             RegistrationWorkspace<Dim>& workspace) const {
-  if (points.empty() || local_map_.empty()) return 0.0;
-  workspace.shifted_finder.Begin(points, local_map_, Gates());
-  double sum = 0.0;
-  for (const Correspondence<Dim>& one : workspace.shifted_finder.Find(T_local_vehicle, sigma_m)) {
-    const Eigen::Matrix<double, Dim, 1> apart = one.q - T_local_vehicle * one.p;
-    sum += std::exp(-0.5 * apart.dot(one.information * apart));
+  workspace.map_fit.Begin(points, local_map_, Gates(), T_local_vehicle, sigma_m);
+  return workspace.map_fit.At(T_local_vehicle.translation_m);
+}
+
+template <int Dim>
+void MapMatcher<Dim>::FitsAlong(int axis, std::span<const double> offsets_m,
+                                std::span<const GaussianPoint<Dim>> points,
+                                const Pose<Dim>& T_local_vehicle, double sigma_m,
+                                RegistrationWorkspace<Dim>& workspace,
+                                std::vector<double>& fits) const {
+  workspace.map_fit.Begin(points, local_map_, Gates(), T_local_vehicle, sigma_m);
+  const Eigen::Matrix<double, Dim, 1> unit = T_local_vehicle.Rotation().col(axis);
+  fits.clear();
+  for (const double offset_m : offsets_m) {
+    fits.push_back(workspace.map_fit.At(T_local_vehicle.translation_m + offset_m * unit));
   }
-  return sum / static_cast<double>(points.size());
 }
 
 template <int Dim>

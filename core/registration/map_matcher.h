@@ -108,10 +108,17 @@ class MapMatcher {
                                                        const Pose<Dim>& T_local_vehicle,
                                                        RegistrationWorkspace<Dim>& workspace) const;
 
-  /// How well points (vehicle frame) lie in the map at a pose that is off by `sigma_m`: the mean of
-  /// exp(-d^2 / 2), 0 of those without a correspondence; 0 without points or map.
+  /// How well points (vehicle frame) lie in the map at a pose that is off by `sigma_m`; 0 without
+  /// points or map.
   double Fit(std::span<const GaussianPoint<Dim>> points, const Pose<Dim>& T_local_vehicle,
              double sigma_m, RegistrationWorkspace<Dim>& workspace) const;
+
+  /// The same with the vehicle further along its x axis (`axis` 0) or y axis (1) by each of
+  /// `offsets_m`, to `fits`.
+  void FitsAlong(int axis, std::span<const double> offsets_m,
+                 std::span<const GaussianPoint<Dim>> points, const Pose<Dim>& T_local_vehicle,
+                 double sigma_m, RegistrationWorkspace<Dim>& workspace,
+                 std::vector<double>& fits) const;
 
   /// The directions in which a registration of `live` is observable.
   Observability Observed(std::span<const GaussianPoint<Dim>> live,

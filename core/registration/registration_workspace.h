@@ -5,6 +5,7 @@
 #include "core/geometry/gaussian_point.h"
 #include "core/map/local_map.h"
 #include "core/registration/correspondences.h"
+#include "core/registration/map_fit.h"
 
 namespace dcloc {
 
@@ -14,6 +15,7 @@ struct RegistrationWorkspace {
   CorrespondenceFinder<Dim> finder;  ///< after a registration it has the registration's points
   std::vector<GaussianPoint<Dim>> shifted_points;  ///< points with which observability is tested
   CorrespondenceFinder<Dim> shifted_finder;
+  MapFit<Dim> map_fit;
   typename LocalMap<Dim>::Memory local_map;
 };
 

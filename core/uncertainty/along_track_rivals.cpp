@@ -15,6 +15,7 @@ std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
       {"pose_sigma_m", &O::pose_sigma_m, 0, 100, "poses are compared as exact"},
       {"point_sigma", &O::point_sigma, 1e-6, 1},
       {"places_per_scan", &O::places_per_scan, 2, 10'000},
+      {"max_point_count", &O::max_point_count, 1, 1'000'000},
       {"beginning_factor", &O::beginning_factor, 1, 1'000},
       {"beginning_rounds", &O::beginning_rounds, 0, 10'000, "a pose begins as it goes on"},
   };
@@ -34,12 +35,14 @@ AlongTrackRivals::AlongTrackRivals(const AlongTrackRivalOptions& options) : opti
     places_.push_back({.offset_m = -offset_m});
   }
   chosen_.reserve(places_.size());
-  chosen_offsets_m_.reserve(places_.size());
+  chosen_offsets_m_.reserve(1 + places_.size());
 }
 
 std::span<const double> AlongTrackRivals::NextOffsets_m() {
   chosen_.clear();
   chosen_offsets_m_.clear();
+  if (places_.empty()) return {};
+  chosen_offsets_m_.push_back(0.0);
   const std::size_t count = CountToChoose();
   for (std::size_t i = 0; i < places_.size() && chosen_.size() < count / 2; ++i) {
     const std::size_t index = (turn_ + i) % places_.size();
@@ -65,11 +68,10 @@ void AlongTrackRivals::Choose(std::size_t index) {
 }
 
 // METHOD eq 60.
-void AlongTrackRivals::OnFits(std::size_t point_count, double fit,
-                              std::span<const double> rival_fits) {
+void AlongTrackRivals::OnFits(std::size_t point_count, std::span<const double> fits) {
   const double sigma = options_.point_sigma / std::sqrt(static_cast<double>(point_count));
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
-    places_[chosen_[i]].better.Add((rival_fits[i] - fit) / sigma, options_.better);
+    places_[chosen_[i]].better.Add((fits[i + 1] - fits[0]) / sigma, options_.better);
   }
 }
 

@@ -22,10 +22,11 @@ struct AlongTrackRivalOptions {
   double point_sigma = 0.35;
   /// When a rival fits better for sure.
   CumulativeSumOptions better = {.drift = 1.0, .max = 3.5, .limit = 8.0};
-  int places_per_scan = 4;  ///< places that one scan is compared at
+  int places_per_scan = 12;  ///< places that one scan is compared at
+  int max_point_count = 50;  ///< of a scan's points, for as many are laid at each place
   /// A pose that begins is compared at this many times as many places, until each has had its turn
   /// `beginning_rounds` times.
-  int beginning_factor = 9;
+  int beginning_factor = 3;
   int beginning_rounds = 3;
 };
 std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
@@ -42,14 +43,17 @@ class AlongTrackRivals {
   /// As uncertain are poses to be taken that are compared [m].
   double pose_sigma_m() const { return options_.pose_sigma_m; }
 
-  /// Chooses the places that the next scan is compared at: how far each lies ahead of the pose [m].
-  /// Up to half of them are places that have fitted better so far; the others take turns, so that
-  /// each is compared now and then. Valid until the next call.
+  /// Of a scan, as many points are to be compared at most.
+  int max_point_count() const { return options_.max_point_count; }
+
+  /// Chooses where the next scan is to be compared: how far each place lies ahead of the pose [m],
+  /// the pose itself first; none if there are no rivals. Up to half of the places have fitted
+  /// better so far; the others take turns, so that each is compared now and then. Valid until the
+  /// next call.
   std::span<const double> NextOffsets_m();
 
-  /// A scan of `point_count` points fits the map by `fit` where the vehicle is supposed to be, and
-  /// at each of the places chosen last by `rival_fits`, in their order: [0, 1].
-  void OnFits(std::size_t point_count, double fit, std::span<const double> rival_fits);
+  /// `point_count` points of a scan fit the map by `fits` at the places chosen last: [0, 1].
+  void OnFits(std::size_t point_count, std::span<const double> fits);
 
   /// Whether scans fit another place better for sure.
   bool has_better() const;

@@ -24,14 +24,23 @@ class HealthTest : public ::testing::Test {
     return rig;
   }
   SourceHealth Reported(std::size_t index, Stamp stamp) const {
-    return ReportHealth(stamp, EgoMotion(), rig_, monitor_).radars[index];
+    return ReportHealth(stamp, EgoMotion(), rig_, signs_, monitor_).radars[index];
   }
 
   static constexpr std::size_t kRadars = 4;
   static constexpr Stamp kNow{std::chrono::seconds(100)};
   LearnedRig rig_{FourRadars(), {}};
+  AzimuthSigns signs_{kRadars, {}};
   RadarMonitor monitor_{kRadars, {}};
 };
+
+TEST_F(HealthTest, AMirroredRadarIsUsedAndReported) {
+  constexpr std::size_t kPoints = 50;
+  while (!signs_.OnFits(2, kPoints, 0.1, 0.5)) {
+  }
+  EXPECT_EQ(Reported(2, kNow), (SourceHealth{.is_used = true, .fault = SourceFault::kMount}));
+  EXPECT_EQ(Reported(1, kNow).fault, SourceFault::kNone);
+}
 
 TEST_F(HealthTest, ASoundRadarIsTrustedAndUsed) {
   EXPECT_TRUE(IsTrusted(1, kNow, rig_, monitor_));

@@ -50,6 +50,19 @@ TEST_P(LyingOdometryTest, FromTheStartMisleadsNobody) {
 INSTANTIATE_TEST_SUITE_P(Lies, LyingOdometryTest, ::testing::ValuesIn(kLies),
                          [](const auto& test) { return std::string(test.param.name); });
 
+// A radar that counts its azimuths clockwise sees the mirror image of the road.
+TEST_F(OnARoad, ARadarWhoseAzimuthsAreMirroredTracksAllTheSame) {
+  std::vector<TrueScan> drive = drive_;
+  for (TrueScan& seen : drive) {
+    for (float& azimuth_rad : seen.scan.azimuth_rad) azimuth_rad = -azimuth_rad;
+  }
+  const std::vector<TrueAnswer> answers =
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02)), drive);
+  const Errors errors = ErrorsOf(answers);
+  EXPECT_LT(errors.max_m, 0.5);
+  EXPECT_GT(errors.tracking_count, static_cast<int>(drive.size()) * 3 / 4);
+}
+
 class WrongPlaceTest : public OnARoad {
  protected:
   // Answers that are called tracking and are not right; and whether the last one is right.

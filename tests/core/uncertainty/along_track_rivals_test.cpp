@@ -34,9 +34,9 @@ std::vector<double> Next(AlongTrackRivals& rivals) {
 void Compare(AlongTrackRivals& rivals, double fit, double rival_m, double rival_fit) {
   std::vector<double> fits;
   for (const double offset_m : rivals.NextOffsets_m()) {
-    fits.push_back(offset_m == rival_m ? rival_fit : 0.1);
+    fits.push_back(offset_m == 0.0 ? fit : offset_m == rival_m ? rival_fit : 0.1);
   }
-  rivals.OnFits(kPointsOfAScan, fit, fits);
+  rivals.OnFits(kPointsOfAScan, fits);
 }
 
 // Scans fit the pose by `fit` and the places that lie a whole number of pitches away by
@@ -52,7 +52,8 @@ bool IsBetterAfter(int scan_count, double fit, double post_fit, double noise = 0
       const bool is_post = std::abs(std::remainder(offset_m, kPitch_m)) < 0.1;
       fits.push_back((is_post ? post_fit : kElsewhere) + (noise > 0.0 ? error(random) : 0.0));
     }
-    rivals.OnFits(kPointsOfAScan, fit, fits);
+    fits.front() = fit;
+    rivals.OnFits(kPointsOfAScan, fits);
     if (rivals.has_better()) return true;
   }
   return false;
@@ -62,35 +63,36 @@ TEST(AlongTrackRivalOptionsTest, EachFieldIsBounded) {
   ExpectEachFieldIsBounded<AlongTrackRivalOptions>();
 }
 
-TEST(AlongTrackRivalsTest, PlacesLieOnBothSides) {
+TEST(AlongTrackRivalsTest, PlacesLieOnBothSidesOfThePose) {
   AlongTrackRivals rivals(SixPlaces(6));
-  EXPECT_EQ(Next(rivals), (std::vector{2.0, -2.0, 3.0, -3.0, 4.0, -4.0}));
+  EXPECT_EQ(Next(rivals), (std::vector{0.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0}));
 }
 
 TEST(AlongTrackRivalsTest, PlacesTakeTurns) {
   AlongTrackRivals rivals(SixPlaces(4));
-  EXPECT_EQ(Next(rivals), (std::vector{2.0, -2.0, 3.0, -3.0}));
-  EXPECT_EQ(Next(rivals), (std::vector{4.0, -4.0, 2.0, -2.0}));
+  EXPECT_EQ(Next(rivals), (std::vector{0.0, 2.0, -2.0, 3.0, -3.0}));
+  EXPECT_EQ(Next(rivals), (std::vector{0.0, 4.0, -4.0, 2.0, -2.0}));
 }
 
 TEST(AlongTrackRivalsTest, APlaceThatHasFittedBetterIsComparedEachTime) {
   AlongTrackRivals rivals(SixPlaces(2));
   Compare(rivals, 0.4, 2.0, 0.6);
-  EXPECT_EQ(Next(rivals), (std::vector{2.0, 3.0}));
-  EXPECT_EQ(Next(rivals), (std::vector{2.0, -3.0}));
+  EXPECT_EQ(Next(rivals), (std::vector{0.0, 2.0, 3.0}));
+  EXPECT_EQ(Next(rivals), (std::vector{0.0, 2.0, -3.0}));
 }
 
 TEST(AlongTrackRivalsTest, ThoseThatHaveFittedBetterLeaveTheOthersTheirTurns) {
   AlongTrackRivals rivals(SixPlaces(4));
   for (int i = 0; i < 3; ++i) {  // all of them
-    const std::vector<double> fits(rivals.NextOffsets_m().size(), 0.5);
-    rivals.OnFits(kPointsOfAScan, 0.4, fits);
+    std::vector<double> fits(rivals.NextOffsets_m().size(), 0.5);
+    fits.front() = 0.4;
+    rivals.OnFits(kPointsOfAScan, fits);
   }
   std::set<double> seen;
   for (int i = 0; i < 3; ++i) {
     for (const double offset_m : Next(rivals)) seen.insert(offset_m);
   }
-  EXPECT_EQ(seen.size(), 6);
+  EXPECT_EQ(seen.size(), 1 + 6);
 }
 
 TEST(AlongTrackRivalsTest, APoseThatBeginsIsComparedAtMorePlaces) {
@@ -99,16 +101,15 @@ TEST(AlongTrackRivalsTest, APoseThatBeginsIsComparedAtMorePlaces) {
   options.beginning_rounds = 2;
   AlongTrackRivals rivals(options);
   const auto count = [&] { return rivals.NextOffsets_m().size(); };
-  for (int scan = 0; scan < 3; ++scan) EXPECT_EQ(count(), 4);  // two rounds of six places
-  EXPECT_EQ(count(), 2);
+  for (int scan = 0; scan < 3; ++scan) EXPECT_EQ(count(), 1 + 4);  // two rounds of six places
+  EXPECT_EQ(count(), 1 + 2);
   rivals.Reset();
-  EXPECT_EQ(count(), 4);
+  EXPECT_EQ(count(), 1 + 4);
 }
 
 TEST(AlongTrackRivalsTest, WithoutADistanceThereAreNone) {
   AlongTrackRivals rivals({.max_offset_m = 0.0});
   EXPECT_TRUE(rivals.NextOffsets_m().empty());
-  rivals.OnFits(kPointsOfAScan, 0.4, {});
   EXPECT_FALSE(rivals.has_better());
 }
 

@@ -1,0 +1,123 @@
+// Which of two hypotheses scans speak for: both are laid into the map, and the one that is right
+// fits it.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/geometry/covariance.h"
+#include "core/geometry/pose_estimate.h"
+#include "core/localizer/pipeline.h"
+#include "core/localizer/thin_points.h"
+
+namespace dcloc {
+namespace {
+
+// As the radar would see the points if its azimuths had the other sign.
+void MirrorAzimuths(const RadarModel& radar, std::vector<RadarPoint>& points) {
+  const Eigen::Matrix3d R = radar.T_vehicle_radar.Rotation();
+  const Eigen::Matrix3d mirror = R * Eigen::Vector3d(1.0, -1.0, 1.0).asDiagonal() * R.transpose();
+  const Eigen::Vector3d& radar_m = radar.T_vehicle_radar.translation_m;
+  for (RadarPoint& point : points) {
+    point.position_m = radar_m + mirror * (point.position_m - radar_m);
+    point.covariance_m2 = mirror * point.covariance_m2 * mirror.transpose();
+    point.slant_per_m = (mirror.topLeftCorner<2, 2>() * point.slant_per_m).eval();
+  }
+}
+
+}  // namespace
+
+// METHOD eq 50. Where the vehicle really is, static points lie on landmarks: how they fit at the
+// place by the sources in use and at the alternative's shows which of the two is right.
+template <int Dim>
+void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
+  const std::optional<EgoMotion::AlternativePlace> other = ego_motion_.Alternative();
+  if (!other) return;
+  const Pose<Dim> used = pose_.Now().pose;
+  const Pose<Dim> alternative =
+      used * FromSpace<Dim>(other->T_used_alternative, Matrix6d::Zero()).pose;
+  const auto fit_at = [&](const Pose<Dim>& pose) {
+    return radars_.scan_checker.FitAt(workspace.static_points,
+                                      {.pose = pose, .covariance = TangentMatrix<Dim>::Zero()},
+                                      map_.matcher, workspace);
+  };
+  ego_motion_.OnFits(*other, fit_at(used), fit_at(alternative));
+}
+
+// METHOD eq 60. The pose is held against some of the places before and behind it.
+template <int Dim>
+void Pipeline<Dim>::CompareAlongTrackRivals(Workspace<Dim>& workspace) {
+  // Before a registration has been accepted, no place is where the vehicle may be.
+  if (newest_.outcome != RegistrationOutcome::kAccepted) return;
+  const std::span<const double> offsets_m = rivals_.NextOffsets_m();
+  if (offsets_m.empty()) return;
+  ThinPoints(workspace.static_points, rivals_.max_point_count(), workspace.scan_points);
+  map_.matcher.FitsAlong(0, offsets_m, workspace.scan_points, pose_.Now().pose,
+                         rivals_.pose_sigma_m(), workspace.registration, workspace.rival_fits);
+  rivals_.OnFits(workspace.scan_points.size(), workspace.rival_fits);
+}
+
+// METHOD eq 60. The scan is held against its mirror image. Where that fits better, the pose itself
+// may be wrong instead: so both are laid at other poses, too, and the best fit of each counts.
+template <int Dim>
+void Pipeline<Dim>::CompareAzimuthSigns(std::size_t radar_index, Workspace<Dim>& workspace) {
+  const AzimuthSignOptions& options = radars_.azimuth_signs.options();
+  const PoseEstimate<Dim> now = pose_.Now();
+  const double sigma_m = std::clamp(HorizontalSigma(now.covariance), options.min_pose_sigma_m,
+                                    options_.map_fit.max_prediction_sigma_m);
+  const auto fit_at_pose = [&](const std::vector<RadarPoint>& points) {
+    ThinPoints(points, options.max_point_count, workspace.scan_points);
+    return map_.matcher.Fit(workspace.scan_points, now.pose, sigma_m, workspace.registration);
+  };
+  Pose3 turn;
+  turn.rotation = Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ());
+  const Pose<Dim> turned = now.pose * FromSpace<Dim>(turn, Matrix6d::Zero()).pose;
+  const auto best_fit = [&](const std::vector<RadarPoint>& points) {
+    ThinPoints(points, options.max_point_count, workspace.scan_points);
+    const auto best_along = [&](const Pose<Dim>& pose, int axis,
+                                std::span<const double> offsets_m) {
+      map_.matcher.FitsAlong(axis, offsets_m, workspace.scan_points, pose, sigma_m,
+                             workspace.registration, workspace.rival_fits);
+      return std::ranges::max(workspace.rival_fits);
+    };
+    return std::max({best_along(now.pose, 1, radars_.azimuth_signs.beside_m()),
+                     best_along(turned, 1, radars_.azimuth_signs.beside_m()),
+                     best_along(now.pose, 0, radars_.azimuth_signs.ahead_m())});
+  };
+
+  workspace.tried_points = workspace.static_points;
+  MirrorAzimuths(radars_.learned.rig().radars[radar_index], workspace.tried_points);
+  double fit = fit_at_pose(workspace.static_points);
+  double mirrored_fit = fit_at_pose(workspace.tried_points);
+  if (mirrored_fit > fit) {
+    fit = best_fit(workspace.static_points);
+    mirrored_fit = best_fit(workspace.tried_points);
+  }
+  if (!radars_.azimuth_signs.OnFits(radar_index, workspace.scan_points.size(), fit, mirrored_fit)) {
+    return;
+  }
+  // What was seen with the other sign is not where it was put.
+  live_.submap.DropPoints(static_cast<int>(radar_index));
+  radars_.scan_checker.Reset();
+  radars_.monitor.ResetFits();
+  workspace.static_points.clear();
+}
+
+template <int Dim>
+const Scan& Pipeline<Dim>::WithLearnedAzimuthSign(const Scan& scan,
+                                                  Workspace<Dim>& workspace) const {
+  if (!radars_.azimuth_signs.IsMirrored(radars_.learned.IndexOf(scan.radar_id))) return scan;
+  workspace.mirrored_scan = scan;
+  for (float& azimuth_rad : workspace.mirrored_scan.azimuth_rad) azimuth_rad = -azimuth_rad;
+  return workspace.mirrored_scan;
+}
+
+template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>&);
+template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>&);
+template void Pipeline<2>::CompareAlongTrackRivals(Workspace<2>&);
+template void Pipeline<3>::CompareAlongTrackRivals(Workspace<3>&);
+template void Pipeline<2>::CompareAzimuthSigns(std::size_t, Workspace<2>&);
+template void Pipeline<3>::CompareAzimuthSigns(std::size_t, Workspace<3>&);
+template const Scan& Pipeline<2>::WithLearnedAzimuthSign(const Scan&, Workspace<2>&) const;
+template const Scan& Pipeline<3>::WithLearnedAzimuthSign(const Scan&, Workspace<3>&) const;
+
+}  // namespace dcloc

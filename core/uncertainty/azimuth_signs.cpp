@@ -1,0 +1,55 @@
+#include "core/uncertainty/azimuth_signs.h"
+
+#include <cmath>
+
+namespace dcloc {
+
+std::span<const OptionField<AzimuthSignOptions>> FieldsOf(const AzimuthSignOptions& /*options*/) {
+  using O = AzimuthSignOptions;
+  static constexpr OptionField<O> kFields[] = {
+      {"max_point_count", &O::max_point_count, 1, 1'000'000},
+      {"min_pose_sigma_m", &O::min_pose_sigma_m, 0, 100, "poses are compared as exact"},
+      {"point_sigma", &O::point_sigma, 1e-6, 1},
+      {"rival_step_m", &O::rival_step_m, 0.1, 100},
+      {"max_beside_m", &O::max_beside_m, 0, 100, "no pose beside the vehicle is compared"},
+      {"max_ahead_m", &O::max_ahead_m, 0, 100, "no pose ahead and behind is compared"},
+  };
+  return kFields;
+}
+
+absl::Status Validate(const AzimuthSignOptions& options) {
+  absl::Status status = ValidateFields(options, FieldsOf(options));
+  status.Update(Within("other_fits", Validate(options.other_fits)));
+  return status;
+}
+
+AzimuthSigns::AzimuthSigns(std::size_t radar_count, const AzimuthSignOptions& options)
+    : options_(options), radars_(radar_count) {
+  const auto offsets = [&](double max_m) {
+    std::vector<double> offsets_m = {0.0};
+    for (double m = options.rival_step_m; m <= max_m; m += options.rival_step_m) {
+      offsets_m.push_back(m);
+      offsets_m.push_back(-m);
+    }
+    return offsets_m;
+  };
+  beside_m_ = offsets(options.max_beside_m);
+  ahead_m_ = offsets(options.max_ahead_m);
+}
+
+// METHOD eq 60.
+bool AzimuthSigns::OnFits(std::size_t index, std::size_t point_count, double fit,
+                          double mirrored_fit) {
+  const double sigma = options_.point_sigma / std::sqrt(static_cast<double>(point_count));
+  Radar& radar = radars_[index];
+  radar.other_fits.Add((mirrored_fit - fit) / sigma, options_.other_fits);
+  if (!radar.other_fits.is_exceeded()) return false;
+  radar = {.is_mirrored = !radar.is_mirrored};
+  return true;
+}
+
+void AzimuthSigns::Reset() {
+  for (Radar& radar : radars_) radar.other_fits = {};
+}
+
+}  // namespace dcloc

@@ -1,0 +1,92 @@
+#include "core/registration/map_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "core/registration/correspondences.h"
+#include "tests/core/registration/point_clouds.h"
+
+namespace dcloc {
+namespace {
+
+template <typename T>
+class MapFitTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = T::value;
+
+  static std::vector<GaussianPoint<kDim>> RandomPoints(int count, double half_m,
+                                                       std::mt19937& random) {
+    std::vector<GaussianPoint<kDim>> points;
+    for (const PointVector<kDim>& mean_m : SeparatedPoints<kDim>(count, half_m, 0.3, random)) {
+      points.push_back({.mean_m = mean_m, .covariance_m2 = RandomCovariance<kDim>(0.3, random)});
+      points.back().slant_per_m = 0.01 * StandardNormal<kDim>(random);
+      points.back().height_square_m2 = 2.0;
+    }
+    return points;
+  }
+
+  // What an exhaustive search for correspondences makes of it.
+  double FitByCorrespondences(const Pose<kDim>& T_local_vehicle, double sigma_m) const {
+    CorrespondenceFinder<kDim> finder;
+    finder.Begin(live_, map_, gates_);
+    double sum = 0.0;
+    for (const Correspondence<kDim>& one : finder.Find(T_local_vehicle, sigma_m)) {
+      const PointVector<kDim> apart = one.q - T_local_vehicle * one.p;
+      sum += std::exp(-0.5 * apart.dot(one.information * apart));
+    }
+    return sum / static_cast<double>(live_.size());
+  }
+
+  std::mt19937 random_{5};
+  CorrespondenceGates gates_;
+  std::vector<GaussianPoint<kDim>> live_ = RandomPoints(60, 20.0, random_);
+  LocalMap<kDim> map_{Pose3(), RandomPoints(400, 25.0, random_)};
+  MapFit<kDim> fit_;
+};
+
+using Dimensions = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(MapFitTest, Dimensions);
+
+// The finder compares logarithms of determinants exactly; where two landmarks are nearly as likely,
+// the two may take another one.
+TYPED_TEST(MapFitTest, IsThatOfTheCorrespondences) {
+  constexpr int kDim = TypeParam::value;
+  Pose<kDim> T_local_vehicle;
+  T_local_vehicle = T_local_vehicle * Exp(Tangent<kDim>::Constant(0.3).eval());
+  for (const double sigma_m : {0.1, 0.3, 0.7}) {
+    this->fit_.Begin(this->live_, this->map_, this->gates_, T_local_vehicle, sigma_m);
+    for (const double ahead_m : {0.0, 1.0, -4.0}) {
+      Pose<kDim> moved = T_local_vehicle;
+      moved.translation_m.x() += ahead_m;
+      const double fit = this->fit_.At(moved.translation_m);
+      EXPECT_NEAR(fit, this->FitByCorrespondences(moved, sigma_m), 0.01);
+      EXPECT_GT(fit, 0.05);
+    }
+  }
+}
+
+TYPED_TEST(MapFitTest, IsHighestWhereThePointsWereSeen) {
+  constexpr int kDim = TypeParam::value;
+  const LocalMap<kDim> map(Pose3(), this->live_);
+  this->fit_.Begin(this->live_, map, this->gates_, {}, 0.0);
+  PointVector<kDim> aside_m = PointVector<kDim>::Zero();
+  const double here = this->fit_.At(aside_m);
+  aside_m.y() = 0.5;
+  EXPECT_GT(here, 0.9);
+  EXPECT_LT(this->fit_.At(aside_m), here);
+}
+
+TYPED_TEST(MapFitTest, IsZeroWithoutPointsOrMap) {
+  constexpr int kDim = TypeParam::value;
+  this->fit_.Begin({}, this->map_, this->gates_, {}, 0.3);
+  EXPECT_EQ(this->fit_.At(PointVector<kDim>::Zero()), 0.0);
+  const LocalMap<kDim> nowhere;
+  this->fit_.Begin(this->live_, nowhere, this->gates_, {}, 0.3);
+  EXPECT_EQ(this->fit_.At(PointVector<kDim>::Zero()), 0.0);
+}
+
+}  // namespace
+}  // namespace dcloc

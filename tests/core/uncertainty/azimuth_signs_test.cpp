@@ -1,0 +1,63 @@
+#include "core/uncertainty/azimuth_signs.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/core/options/option_fields_check.h"
+
+namespace dcloc {
+namespace {
+
+constexpr std::size_t kPoints = 50;
+
+// How many scans that fit so it takes until the sign changes; at most `limit`.
+int ScansUntilChanged(AzimuthSigns& signs, double fit, double mirrored_fit, int limit = 1000) {
+  int count = 1;
+  while (!signs.OnFits(0, kPoints, fit, mirrored_fit) && count < limit) ++count;
+  return count;
+}
+
+TEST(AzimuthSignOptionsTest, EachFieldIsBounded) { ExpectEachFieldIsBounded<AzimuthSignOptions>(); }
+
+TEST(AzimuthSignsTest, AFewScansWhoseMirrorImageFitsShowTheSign) {
+  AzimuthSigns signs(2, {});
+  EXPECT_FALSE(signs.IsMirrored(0));
+  const int count = ScansUntilChanged(signs, 0.05, 0.25);
+  EXPECT_GT(count, 1);
+  EXPECT_LE(count, 5);
+  EXPECT_TRUE(signs.IsMirrored(0));
+  EXPECT_FALSE(signs.IsMirrored(1));
+}
+
+TEST(AzimuthSignsTest, ASignThatIsTakenWronglyIsTakenBack) {
+  AzimuthSigns signs(1, {});
+  ScansUntilChanged(signs, 0.05, 0.25);
+  EXPECT_LE(ScansUntilChanged(signs, 0.05, 0.25), 5);
+  EXPECT_FALSE(signs.IsMirrored(0));
+}
+
+TEST(AzimuthSignsTest, WhereBothFitAlikeTheSignStays) {
+  AzimuthSigns signs(1, {});
+  EXPECT_EQ(ScansUntilChanged(signs, 0.30, 0.33), 1000);
+  EXPECT_FALSE(signs.IsMirrored(0));
+}
+
+TEST(AzimuthSignsTest, ScansOfAnotherPlaceDoNotCount) {
+  AzimuthSigns signs(1, {});
+  const int needed = ScansUntilChanged(signs, 0.25, 0.45);
+  signs.Reset();
+  for (int i = 0; i + 1 < needed; ++i) signs.OnFits(0, kPoints, 0.25, 0.45);
+  signs.Reset();
+  EXPECT_EQ(ScansUntilChanged(signs, 0.25, 0.45), needed);
+}
+
+TEST(AzimuthSignsTest, ComparedPosesLieOnBothSidesAndAtThePose) {
+  const AzimuthSigns signs(1, {.rival_step_m = 1.0, .max_beside_m = 2.0, .max_ahead_m = 0.0});
+  EXPECT_TRUE(std::ranges::equal(signs.beside_m(), std::vector{0.0, 1.0, -1.0, 2.0, -2.0}));
+  EXPECT_TRUE(std::ranges::equal(signs.ahead_m(), std::vector{0.0}));
+}
+
+}  // namespace
+}  // namespace dcloc
