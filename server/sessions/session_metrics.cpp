@@ -213,10 +213,10 @@ void SessionMetrics::ObserveLocalized(const LocalizedScan& scan,
 }
 
 void SessionMetrics::ObserveEdge(const LocalizationQuality& quality) {
-  edge_distance_.Observe(quality.edge_distance);
+  edge_distance_.Observe(quality.normalized_innovation_squared);
   residual_scale_.Observe(quality.residual_scale);
   overlap_.Observe(quality.overlap);
-  (quality.edge_valid ? valid_edges_ : invalid_edges_).Increment();
+  (quality.is_accepted ? valid_edges_ : invalid_edges_).Increment();
 }
 
 void SessionMetrics::ObserveRejection(absl::StatusCode code) {

@@ -103,8 +103,8 @@ LocalizationQuality QualityOf(const v1::LocalizationQuality& message) {
           .inlier_count = message.inlier_count(),
           .overlap = message.overlap(),
           .residual_scale = message.residual_scale(),
-          .edge_distance = message.edge_distance(),
-          .edge_valid = message.edge_valid(),
+          .normalized_innovation_squared = message.edge_distance(),
+          .is_accepted = message.edge_valid(),
           .beta = {.error_s = message.beta_error_s(),
                    .sigma_s = message.beta_error_sigma_s(),
                    .is_wrong = message.beta_is_wrong()}};
@@ -269,8 +269,8 @@ v1::LocalizationResult ToProto(const Localization& localization, const Rig& rig,
   quality.set_inlier_count(localization.quality.inlier_count);
   quality.set_overlap(localization.quality.overlap);
   quality.set_residual_scale(localization.quality.residual_scale);
-  quality.set_edge_distance(localization.quality.edge_distance);
-  quality.set_edge_valid(localization.quality.edge_valid);
+  quality.set_edge_distance(localization.quality.normalized_innovation_squared);
+  quality.set_edge_valid(localization.quality.is_accepted);
   quality.set_beta_error_s(localization.quality.beta.error_s);
   quality.set_beta_error_sigma_s(localization.quality.beta.sigma_s);
   quality.set_beta_is_wrong(localization.quality.beta.is_wrong);

@@ -102,10 +102,10 @@ TEST(SessionMetricsTest, OnlyMatchesAreJudgedAndEachOnce) {
   scan.timings.registration = std::chrono::microseconds(200);
   metrics.ObserveLocalized(scan, kEncodingTime);
   quality.inlier_count = 40;
-  quality.edge_distance = 2.5;
-  quality.edge_valid = true;
+  quality.normalized_innovation_squared = 2.5;
+  quality.is_accepted = true;
   metrics.ObserveLocalized(scan, kEncodingTime);
-  quality.edge_valid = false;
+  quality.is_accepted = false;
   metrics.ObserveLocalized(scan, kEncodingTime);
   scan.timings.registration = {};
   metrics.ObserveLocalized(scan, kEncodingTime);
