@@ -178,7 +178,7 @@ SessionDrainer Server::Parts::MakeSessionDrainer() {
   return {.move_or_end =
               [this](const std::string& tenant, const std::string& map_name, std::int64_t version) {
                 MoveSessions(registry, store, tenant, map_name, version);
-                EndSessions(registry, tenant, map_name, version, EndOf::kThoseThatStay);
+                EndSessions(registry, tenant, map_name, version, EndOf::kNotMoved);
               },
           .end_all =
               [this](const std::string& tenant, const std::string& map_name, std::int64_t version) {

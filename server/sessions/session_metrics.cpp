@@ -223,16 +223,16 @@ void SessionMetrics::ObserveRejection(absl::StatusCode code) {
   rejected_.Add({{"reason", ReasonOf(code)}}).Increment();
 }
 
-void SessionMetrics::ObserveHealth(const HealthNews& news) {
-  for (const SourceChange& change : news.changes) {
+void SessionMetrics::ObserveHealth(const HealthChanges& changes) {
+  for (const SourceChange& change : changes.sources) {
     if (change.health.is_used) continue;
     set_aside_[static_cast<std::size_t>(change.kind)][static_cast<std::size_t>(change.health.fault)]
         ->Increment();
   }
   for (std::size_t kind = 0; kind < kKindCount; ++kind) {
-    if (news.set_aside[kind]) answers_set_aside_[kind]->Increment();
+    if (changes.set_aside[kind]) answers_set_aside_[kind]->Increment();
   }
-  if (news.new_reset_count > 0) pose_resets_.Increment(news.new_reset_count);
+  if (changes.new_reset_count > 0) pose_resets_.Increment(changes.new_reset_count);
 }
 
 void SessionMetrics::ObserveFix(const absl::StatusOr<FixUse>& use) {

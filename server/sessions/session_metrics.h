@@ -33,7 +33,7 @@ class SessionMetrics {
   void ObserveDropped();
   void ObserveRepeated();
   /// Of one scan: sources that were set aside, and resets of the pose.
-  void ObserveHealth(const HealthNews& news);
+  void ObserveHealth(const HealthChanges& changes);
   void ObserveFix(const absl::StatusOr<FixUse>& use);
   /// A Localize call has opened or resumed a session, or not.
   void ObserveOpen(grpc::StatusCode code, bool resumed);

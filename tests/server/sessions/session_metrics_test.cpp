@@ -52,10 +52,10 @@ TEST(SessionMetricsTest, SourcesSetAsideAreCountedByKindAndReason) {
     return CounterOf(metrics, "dcloc_sources_set_aside_total", {reason, "radar"});
   };
   EXPECT_EQ(count("mount"), 0.0) << "there from the start";
-  HealthNews news{.set_aside = {false, false, true}, .new_reset_count = 2};
-  news.changes = {{.health = {.is_used = false, .fault = SourceFault::kMount}},
-                  {.health = {.is_used = true, .fault = SourceFault::kNone}}};
-  metrics.ObserveHealth(news);
+  HealthChanges changes{.set_aside = {false, false, true}, .new_reset_count = 2};
+  changes.sources = {{.health = {.is_used = false, .fault = SourceFault::kMount}},
+                     {.health = {.is_used = true, .fault = SourceFault::kNone}}};
+  metrics.ObserveHealth(changes);
   metrics.ObserveHealth({.set_aside = {false, false, true}});
   EXPECT_EQ(count("mount"), 1.0);
   EXPECT_EQ(count("none"), 0.0) << "it was taken back";
