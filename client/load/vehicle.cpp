@@ -160,11 +160,11 @@ void Vehicle::SendNext(Clock::time_point due) {
   Push(outgoing);
   if (Chance(faults.duplicate_share)) {
     Outgoing again = outgoing;
-    again.expected.sending = Sending::kAgain;
+    again.expected.sending = Sending::kDuplicate;
     Push(again);
   }
   if (trip_.held) {
-    trip_.held->expected.sending = Sending::kBehind;
+    trip_.held->expected.sending = Sending::kReordered;
     Push(*std::exchange(trip_.held, std::nullopt));
   }
 }
@@ -272,12 +272,12 @@ std::int64_t Vehicle::ExpectedVersion(const v1::LocalizeResponse& answer) {
 
 void Vehicle::Count(const v1::LocalizeResponse& answer, const Outgoing& answered) {
   Recorder& recorder = fleet_.recorder;
-  if (answered.expected.sending == Sending::kBehind && answer.has_rejected()) {
+  if (answered.expected.sending == Sending::kReordered && answer.has_rejected()) {
     return recorder.AddLateRefused();
   }
   if (answer.has_rejected()) return recorder.AddRejected(answer.rejected());
   if (answer.from_memory()) recorder.AddRepeated();
-  if (answered.expected.sending == Sending::kAgain) return;
+  if (answered.expected.sending == Sending::kDuplicate) return;
   recorder.AddAnswer(answer, Clock::now() - answered.due, !is_slow_reader_);
   const auto number = static_cast<std::size_t>(answered.expected.scan->sequence_number());
   if (number < route_.true_positions_m.size() && answer.result().pose().covariance_size() == 36) {
