@@ -82,7 +82,7 @@ void AdminService::Describe(v1::GetServerStateResponse* response) const {
   response->set_dropped_scan_count(registry_.totals().dropped);
   response->set_repeated_scan_count(registry_.totals().repeated);
   response->set_resume_count(registry_.resume_count());
-  response->set_stub_matcher(facts_.stub_matcher);
+  response->set_stub_matcher(facts_.stub_localizer);
   response->set_draining(drain_.draining());
   const ServerGauges gauges = gauges_();
   response->set_unopened_stream_count(gauges.unopened_stream_count);

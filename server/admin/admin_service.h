@@ -23,7 +23,7 @@ struct ServerFacts {
   std::string version;
   SystemTime start_time;
   int worker_count = 0;
-  bool stub_matcher = false;
+  bool stub_localizer = false;
 };
 
 /// The part that does, beside sessions and maps.
