@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
 #include "client/datasets/bag_overview.h"
+#include "client/datasets/files/paths_below.h"
 #include "client/datasets/rosbag.h"
 #include "core/geometry/degrees.h"
 
@@ -109,17 +110,11 @@ BagMapping MscRad4r(const BagOverview& overview) {
 }  // namespace
 
 std::vector<std::string> BagSetDrives(const fs::path& root) {
-  constexpr int kMaxDepth = 3;
+  const std::vector<fs::path> bags = PathsBelow(root, [](const fs::path& path) {
+    return path.extension() == ".bag" && path.filename() != kReferenceBag;
+  });
   std::vector<std::string> names;
-  std::error_code error;
-  auto entry =
-      fs::recursive_directory_iterator(root, fs::directory_options::skip_permission_denied, error);
-  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
-    const fs::path& path = entry->path();
-    if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
-    if (path.extension() != ".bag" || path.filename() == kReferenceBag) continue;
-    names.push_back(fs::path(path).replace_extension().lexically_relative(root).generic_string());
-  }
+  for (fs::path bag : bags) names.push_back(bag.replace_extension().generic_string());
   std::ranges::sort(names);
   return names;
 }

@@ -19,7 +19,7 @@ struct Position {
   Eigen::Vector3d p_map;
 };
 
-/// A point of the way, and its direction there.
+/// A point of the path, and its direction there.
 struct WayPoint {
   Position at;
   double yaw_rad = 0.0;
@@ -40,7 +40,7 @@ std::vector<WayPoint> WayOf(const std::vector<Position>& positions) {
   return way;
 }
 
-/// Between the way points around it, by the time.
+/// Between the waypoints around it, by the time.
 double YawAt(Stamp stamp, const std::vector<WayPoint>& way) {
   const auto after = std::ranges::upper_bound(way, stamp, {},
                                               [](const WayPoint& point) { return point.at.stamp; });

@@ -17,7 +17,7 @@ GeodeticAnchor SharedAnchor(const GeodeticPosition& position);
 std::string AnchorNote(const GeodeticAnchor& anchor);
 
 /// Makes `references` of `fixes`: positions of a satellite receiver in the frame of SharedAnchor,
-/// level, and looking along the way that they go; where they stand, as before. What is used is
+/// level, and looking along the path that they drive; where they stand, as before. What is used is
 /// added to `notes`. InvalidArgument where fewer than two fixes lie a metre apart.
 absl::Status AddPosesOfFixes(BagContents& contents, std::vector<std::string>& notes);
 

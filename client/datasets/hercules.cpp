@@ -18,6 +18,7 @@
 #include "absl/strings/str_split.h"
 #include "client/datasets/bag_contents.h"
 #include "client/datasets/files/file_error.h"
+#include "client/datasets/files/paths_below.h"
 #include "client/datasets/files/stamped_rows.h"
 #include "client/datasets/radar_selection.h"
 #include "client/datasets/rosbag.h"
@@ -229,18 +230,12 @@ BagMapping MappingOf(const Pose3& T_vehicle_radar) {
 }  // namespace
 
 std::vector<std::string> HerculesSequences(const fs::path& root) {
-  constexpr int kMaxDepth = 3;
-  std::vector<std::string> names;
-  std::error_code error;
-  auto entry =
-      fs::recursive_directory_iterator(root, fs::directory_options::skip_permission_denied, error);
-  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
-    if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
+  const std::vector<fs::path> sequences = PathsBelow(root, [](const fs::path& path) {
     std::error_code ignored;
-    if (!fs::exists(entry->path() / "PR_GT" / "Continental_gt.txt", ignored)) continue;
-    names.push_back(entry->path().lexically_relative(root).generic_string());
-    entry.disable_recursion_pending();
-  }
+    return fs::exists(path / "PR_GT" / "Continental_gt.txt", ignored);
+  });
+  std::vector<std::string> names;
+  for (const fs::path& sequence : sequences) names.push_back(sequence.generic_string());
   std::ranges::sort(names);
   return names;
 }

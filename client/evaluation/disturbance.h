@@ -30,7 +30,7 @@ struct DisturbancePlan {
 /// OK, or InvalidArgument that names the field, the value and the bound.
 absl::Status Validate(const DisturbancePlan& plan);
 
-/// A stretch of a drive in which something was wrong: from the first moment to the last.
+/// A time span of a drive in which something was wrong: from the first moment to the last.
 struct Episode {
   Stamp begin, end;
 };

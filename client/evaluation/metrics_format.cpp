@@ -60,8 +60,8 @@ std::string CsvRow(const std::string& drive, const ScanOutcome& scan) {
       Planar(a.T_map_vehicle), Planar(scan.T_map_vehicle_true), scan.error.translation_m,
       scan.error.rotation_deg, scan.error.nees, scan.error.dof, sigma(0), sigma(1),
       sigma(5) * kDegPerRad, a.quality.live_point_count, a.quality.inlier_count, a.quality.overlap,
-      a.quality.residual_scale, a.quality.edge_distance, a.quality.edge_valid ? 1 : 0,
-      scan.total_ms);
+      a.quality.residual_scale, a.quality.normalized_innovation_squared,
+      a.quality.is_accepted ? 1 : 0, scan.total_ms);
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ class Mender {
     return Place(row);
   }
 
-  MapParts Finish(MendCounts& counts) && {
+  MapParts Finish(LandmarkEdits& counts) && {
     counts_.removed = base_.PointCount() - counts_.same - counts_.moved - counts_.edited;
     counts = counts_;
     return std::move(mended_);
@@ -183,7 +183,7 @@ class Mender {
   MapParts mended_;
   PointGrid grid_;
   std::vector<std::vector<bool>> taken_;  ///< of the base's landmarks, by keyframe
-  MendCounts counts_;
+  LandmarkEdits counts_;
 };
 
 }  // namespace
@@ -203,8 +203,9 @@ std::vector<LandmarkRow> RowsOf(const MapParts& map) {
   return rows;
 }
 
-absl::StatusOr<MapParts> Mend(const MapParts& base, const std::vector<LandmarkRow>& rows,
-                              MendCounts& counts) {
+absl::StatusOr<MapParts> ReplaceLandmarks(const MapParts& base,
+                                          const std::vector<LandmarkRow>& rows,
+                                          LandmarkEdits& counts) {
   if (rows.empty()) return absl::FailedPreconditionError("the file has no landmark");
   Mender mender(base);
   for (const LandmarkRow& row : rows) {

@@ -26,8 +26,8 @@ struct LandmarkRow {
 /// All landmarks, in the map's order.
 std::vector<LandmarkRow> RowsOf(const MapParts& map);
 
-/// What a mended file did to a map.
-struct MendCounts {
+/// What the rows of a file changed in a map.
+struct LandmarkEdits {
   std::size_t same = 0;    ///< as in the map, to the last bit
   std::size_t moved = 0;   ///< by more than a centimetre
   std::size_t edited = 0;  ///< at its place, with other values
@@ -40,7 +40,8 @@ struct MendCounts {
 /// was moved further than 120 m from its keyframe, or has none, joins the nearest keyframe.
 /// InvalidArgument names the row, the field, the value and the bound; FailedPrecondition for no
 /// row.
-absl::StatusOr<MapParts> Mend(const MapParts& base, const std::vector<LandmarkRow>& rows,
-                              MendCounts& counts);
+absl::StatusOr<MapParts> ReplaceLandmarks(const MapParts& base,
+                                          const std::vector<LandmarkRow>& rows,
+                                          LandmarkEdits& counts);
 
 }  // namespace dcloc

@@ -57,14 +57,14 @@ std::optional<std::string> FaultOf(const v1::LocalizeResponse& answer, const Exp
   if (number != due) return absl::StrCat("scan ", number, " was answered when ", due, " was due");
   const std::string prefix = absl::StrCat("the answer to scan ", due, ": ");
   if (answer.has_rejected()) {
-    const bool is_late_refused = expected.sending == Sending::kBehind;
+    const bool is_late_refused = expected.sending == Sending::kReordered;
     if (answer.rejected().code() == kOutOfRange && !is_late_refused) {
       return absl::StrCat(prefix, "in order, and refused as late");
     }
     return std::nullopt;
   }
-  if (expected.sending == Sending::kBehind) return absl::StrCat(prefix, "late, and not refused");
-  if (expected.sending == Sending::kAgain && !answer.from_memory()) {
+  if (expected.sending == Sending::kReordered) return absl::StrCat(prefix, "late, and not refused");
+  if (expected.sending == Sending::kDuplicate && !answer.from_memory()) {
     return absl::StrCat(prefix, "localized a second time");
   }
   if (expected.sending == Sending::kOnce && !expected.resent && answer.from_memory()) {

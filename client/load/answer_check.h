@@ -11,8 +11,8 @@ namespace dcloc::load {
 /// How a scan was sent.
 enum class Sending {
   kOnce,
-  kAgain,   ///< a second time, right behind the first
-  kBehind,  ///< behind the one that follows it, so that it is late
+  kDuplicate,  ///< a second time, right behind the first
+  kReordered,  ///< behind the one that follows it, so that it is late
 };
 
 /// A scan whose answer is due.

@@ -40,25 +40,22 @@ Vehicle::Vehicle(int index, const Fleet& fleet, const Route& route, VehicleLink 
       route_(route),
       link_(std::move(link)),
       stub_(v1::LocalizationService::NewStub(link_.channel)),
-      random_(fleet.options.seed * 1'000'003 + static_cast<std::uint64_t>(index)) {
-  is_slow_reader_ = Chance(fleet.options.faults.slow_reader_share);
-}
+      random_(fleet.options.seed * 1'000'003 + static_cast<std::uint64_t>(index)),
+      is_slow_reader_(Chance(fleet.options.faults.slow_reader_share)) {}
 
 Vehicle::~Vehicle() = default;
 
 void Vehicle::Start() {
   const std::lock_guard lock(mutex_);
-  if (finishing_) {
-    done_ = true;
-    return;
-  }
+  state_ = Next(state_, VehicleEvent::kEnd);  // if it is to end before it has begun
+  if (state_ == VehicleState::kDone) return;
   // Anywhere on the route, so that vehicles of one route do not ask for the same all the time.
   BeginTrip(random_() % route_.scans.size());
 }
 
 void Vehicle::Finish() {
   const std::lock_guard lock(mutex_);
-  finishing_ = true;
+  state_ = Next(state_, VehicleEvent::kFinish);
   if (last_answer_ && !is_slow_reader_) fleet_.recorder.AddGap(*last_answer_, Clock::now());
   Flush();
   ReadOn();
@@ -66,106 +63,109 @@ void Vehicle::Finish() {
 
 void Vehicle::Cancel() {
   const std::lock_guard lock(mutex_);
-  finishing_ = cancelled_ = true;
-  if (connection_ != nullptr && !end_status_) {
+  state_ = Next(state_, VehicleEvent::kCancel);
+  if (HasStream()) {
     connection_->Cancel();
-  } else if (connection_ == nullptr && !done_) {
+  } else if (connection_ == nullptr && state_ != VehicleState::kDone) {
     LoseOutbox();
-    done_ = true;
+    state_ = Next(state_, VehicleEvent::kEnd);
   }
 }
 
 bool Vehicle::done() const {
   const std::lock_guard lock(mutex_);
-  return done_;
+  return state_ == VehicleState::kDone;
 }
 
+/// A stream that has not ended.
+bool Vehicle::HasStream() const { return connection_ != nullptr && !end_status_; }
+
+/// Nothing new is sent.
+bool Vehicle::IsEnding() const { return state_ != VehicleState::kDriving; }
+
 void Vehicle::At(Clock::time_point time, void (Vehicle::*action)()) {
-  fleet_.scheduler.At(time, [this, action, trip = trip_] {
+  fleet_.scheduler.At(time, [this, action, trip = trip_.number] {
     const std::lock_guard lock(mutex_);
-    if (trip == trip_ && !done_) (this->*action)();
+    if (trip == trip_.number && state_ != VehicleState::kDone) (this->*action)();
   });
 }
 
 // ---- The trip
 
 void Vehicle::BeginTrip(std::size_t first) {
-  ++trip_;
-  first_ = next_ = first;
-  begin_.reset();
-  held_.reset();
-  resume_token_.clear();
-  prior_ = {};
-  stalled_until_ = {};
+  const std::int64_t number = trip_.number + 1;
+  trip_ = {};
+  trip_.number = number;
+  trip_.first = trip_.next = first;
   OpenStream();
 }
 
 void Vehicle::OpenStream() {
-  opened_.reset();
+  stream_ = Next(stream_, StreamEvent::kBegin);
   end_status_.reset();
-  cutting_ = close_sent_ = false;
   sent_count_ = 0;
   open_time_ = Clock::now();
   v1::OpenSession open = OpenMessage();
-  if (resume_token_.empty()) asked_for_version_ = open.map_version() != 0;
+  if (trip_.resume_token.empty()) trip_.asks_for_version = open.map_version() != 0;
   connection_ = std::make_unique<client::Connection>(*stub_, mutex_, *this, std::move(open));
 }
 
 v1::OpenSession Vehicle::OpenMessage() const {
   v1::OpenSession open;
-  if (resume_token_.empty()) {
-    open = route_.open(first_, static_cast<std::uint64_t>(index_ * 1000L + trip_));
+  if (trip_.resume_token.empty()) {
+    open = route_.open(trip_.first, static_cast<std::uint64_t>(index_ * 1000L + trip_.number));
     open.set_resumable(true);
     open.set_queue_policy(fleet_.options.queue_policy);
-    const std::size_t next = std::min(next_, route_.scans.size() - 1);
+    const std::size_t next = std::min(trip_.next, route_.scans.size() - 1);
     const v1::Scan& scan = outbox_.empty() ? route_.scans[next] : *outbox_.front().expected.scan;
-    prior_.Apply(scan.stamp_ns(), &open);
+    trip_.prior.Apply(scan.stamp_ns(), &open);
   } else {
-    open.set_resume_token(resume_token_);
+    open.set_resume_token(trip_.resume_token);
   }
   open.set_vehicle_id(absl::StrFormat("load-%05d", index_));
   return open;
 }
 
 void Vehicle::PlanNextScan() {
-  if (finishing_ || next_ >= route_.scans.size()) return Flush();
+  if (IsEnding() || trip_.next >= route_.scans.size()) return Flush();
   if (!fleet_.options.open_loop) {
-    while (outbox_.empty() && next_ < route_.scans.size()) SendNext(Clock::now());
+    while (outbox_.empty() && trip_.next < route_.scans.size()) SendNext(Clock::now());
     return;
   }
-  const double recorded_ns =
-      static_cast<double>(route_.scans[next_].stamp_ns() - route_.scans[first_].stamp_ns());
+  const double recorded_ns = static_cast<double>(route_.scans[trip_.next].stamp_ns() -
+                                                 route_.scans[trip_.first].stamp_ns());
   const auto jitter = std::uniform_int_distribution<std::int64_t>(
       0, std::chrono::nanoseconds(fleet_.options.arrival_jitter).count())(random_);
   const Clock::time_point due =
-      *begin_ + std::chrono::nanoseconds(std::llround(recorded_ns / fleet_.options.pace) + jitter);
-  last_due_ = std::max({due, last_due_, stalled_until_});
-  At(last_due_, &Vehicle::SendDue);
+      *trip_.begin +
+      std::chrono::nanoseconds(std::llround(recorded_ns / fleet_.options.pace) + jitter);
+  trip_.last_due = std::max({due, trip_.last_due, trip_.stalled_until});
+  At(trip_.last_due, &Vehicle::SendDue);
 }
 
 void Vehicle::SendDue() {
-  if (Clock::now() < stalled_until_) return At(stalled_until_, &Vehicle::SendDue);
-  if (!finishing_) SendNext(std::max(last_due_, stalled_until_));
+  if (Clock::now() < trip_.stalled_until) return At(trip_.stalled_until, &Vehicle::SendDue);
+  if (!IsEnding()) SendNext(std::max(trip_.last_due, trip_.stalled_until));
   PlanNextScan();
 }
 
 void Vehicle::SendNext(Clock::time_point due) {
   const FaultProfile& faults = fleet_.options.faults;
-  const Outgoing outgoing{.expected = {.scan = &route_.scans[next_++]}, .due = due};
-  const bool is_last = next_ >= route_.scans.size();
-  if (!held_ && !is_last && Chance(faults.reorder_share)) {
-    held_ = outgoing;
+  const Outgoing outgoing{.expected = {.scan = &route_.scans[trip_.next++]}, .due = due};
+  const bool is_last = trip_.next >= route_.scans.size();
+  if (!trip_.held && !is_last && Chance(faults.reorder_share)) {
+    trip_.held = outgoing;
     return;
   }
   Push(outgoing);
   if (Chance(faults.duplicate_share)) {
     Outgoing again = outgoing;
-    again.expected.sending = Sending::kAgain;
+    again.expected.sending = Sending::kDuplicate;
     Push(again);
   }
-  if (held_) {
-    held_->expected.sending = Sending::kBehind;
-    Push(*std::exchange(held_, std::nullopt));
+  if (trip_.held) {
+    trip_.held->expected.sending = Sending::kReordered;
+    Push(*std::exchange(trip_.held, std::nullopt));
   }
 }
 
@@ -176,34 +176,35 @@ void Vehicle::Push(const Outgoing& outgoing) {
     return;
   }
   outbox_.push_back(outgoing);
-  if (connection_ != nullptr && !end_status_) connection_->WriteOn();
+  if (HasStream()) connection_->WriteOn();
 }
 
 void Vehicle::Flush() {
-  if (held_) Push(*std::exchange(held_, std::nullopt));
-  if (connection_ != nullptr && !end_status_) connection_->WriteOn();  // it may have to close
+  if (trip_.held) Push(*std::exchange(trip_.held, std::nullopt));
+  if (HasStream()) connection_->WriteOn();  // it may have to close
 }
 
 // ---- The stream
 
 Fill Vehicle::FillRequest(v1::LocalizeRequest* request) {
-  if (!opened_ || cutting_) return Fill::kNothingYet;
+  if (!WasOpened(stream_) || stream_ == StreamState::kCut) return Fill::kNothingYet;
   if (sent_count_ < outbox_.size()) {
-    if (sent_count_ >= Window(*opened_)) return Fill::kNothingYet;
+    if (sent_count_ >= window_) return Fill::kNothingYet;
     *request->mutable_scan() = *outbox_[sent_count_++].expected.scan;
     return Fill::kRequest;
   }
-  const bool is_over = finishing_ || (next_ >= route_.scans.size() && !held_);
+  const bool is_over = IsEnding() || (trip_.next >= route_.scans.size() && !trip_.held);
   if (!is_over) return Fill::kNothingYet;
-  if (close_sent_) return Fill::kNothingMore;
+  if (stream_ == StreamState::kClosing) return Fill::kNothingMore;
   if (!outbox_.empty()) return Fill::kNothingYet;
-  close_sent_ = true;
+  stream_ = Next(stream_, StreamEvent::kClose);
   request->mutable_close();
   return Fill::kRequest;
 }
 
 bool Vehicle::HasRoom() const {
-  return !is_slow_reader_ || cutting_ || finishing_ || Clock::now() >= read_again_;
+  return !is_slow_reader_ || stream_ == StreamState::kCut || IsEnding() ||
+         Clock::now() >= read_again_;
 }
 
 void Vehicle::Take(v1::LocalizeResponse response) {
@@ -213,33 +214,34 @@ void Vehicle::Take(v1::LocalizeResponse response) {
   } else {
     TakeAnswer(response);
   }
-  if (!is_slow_reader_ || finishing_) return;
+  if (!is_slow_reader_ || IsEnding()) return;
   read_again_ = Clock::now() + fleet_.options.faults.slow_read_interval;
   At(read_again_, &Vehicle::ReadOn);
 }
 
 void Vehicle::ReadOn() {
-  if (connection_ != nullptr && !end_status_) connection_->ReadOn();
+  if (HasStream()) connection_->ReadOn();
 }
 
 void Vehicle::TakeOpened(const v1::SessionOpened& opened) {
-  opened_ = opened;
-  mending_ = false;
-  const bool is_new = resume_token_.empty();
-  resume_token_ = opened.resume_token();
+  stream_ = Next(stream_, StreamEvent::kOpened);
+  window_ = Window(opened);
+  const bool is_new = trip_.resume_token.empty();
+  trip_.resume_token = opened.resume_token();
   if (is_new) map_version_ = opened.map_version();
-  if (is_new && begin_) fleet_.recorder.AddRestarted();
-  if (begin_) return;
-  is_kept_ = !resume_token_.empty();
+  if (is_new && trip_.begin) fleet_.recorder.AddRestarted();
+  if (trip_.begin) return;
+  trip_.is_resumable = !trip_.resume_token.empty();
   fleet_.recorder.AddOpened(Clock::now() - open_time_);
-  begin_ = last_due_ = Clock::now();
+  trip_.begin = trip_.last_due = Clock::now();
   if (fleet_.options.faults.disconnects_per_min > 0.0) PlanDisconnect();
   if (fleet_.options.faults.stalls_per_min > 0.0) PlanStall();
   PlanNextScan();
 }
 
 void Vehicle::TakeAnswer(const v1::LocalizeResponse& answer) {
-  if (cutting_) return;  // as if it had been lost on the way: it will come again
+  // After a cut, as if it had been lost in transit: it will come again.
+  if (stream_ == StreamState::kCut) return;
   if (sent_count_ == 0) {
     fleet_.recorder.AddViolation("an answer came when none was due");
     return connection_->Cancel();
@@ -251,7 +253,7 @@ void Vehicle::TakeAnswer(const v1::LocalizeResponse& answer) {
   outbox_.pop_front();
   --sent_count_;
   Count(answer, answered);
-  if (answer.has_result()) prior_.Note(answer.result());
+  if (answer.has_result()) trip_.prior.Note(answer.result());
   const Clock::time_point now = Clock::now();
   if (last_answer_ && !is_slow_reader_) fleet_.recorder.AddGap(*last_answer_, now);
   last_answer_ = now;
@@ -261,7 +263,7 @@ void Vehicle::TakeAnswer(const v1::LocalizeResponse& answer) {
 /// A session that did not ask for a version may be moved to another one by whoever activates it;
 /// what comes from memory may be from before.
 std::int64_t Vehicle::ExpectedVersion(const v1::LocalizeResponse& answer) {
-  if (asked_for_version_ || !answer.has_result()) return map_version_;
+  if (trip_.asks_for_version || !answer.has_result()) return map_version_;
   const std::int64_t version = answer.result().map_version();
   if (answer.from_memory() || version == map_version_) return version;
   fleet_.recorder.AddMoved();
@@ -270,12 +272,12 @@ std::int64_t Vehicle::ExpectedVersion(const v1::LocalizeResponse& answer) {
 
 void Vehicle::Count(const v1::LocalizeResponse& answer, const Outgoing& answered) {
   Recorder& recorder = fleet_.recorder;
-  if (answered.expected.sending == Sending::kBehind && answer.has_rejected()) {
+  if (answered.expected.sending == Sending::kReordered && answer.has_rejected()) {
     return recorder.AddLateRefused();
   }
   if (answer.has_rejected()) return recorder.AddRejected(answer.rejected());
   if (answer.from_memory()) recorder.AddRepeated();
-  if (answered.expected.sending == Sending::kAgain) return;
+  if (answered.expected.sending == Sending::kDuplicate) return;
   recorder.AddAnswer(answer, Clock::now() - answered.due, !is_slow_reader_);
   const auto number = static_cast<std::size_t>(answered.expected.scan->sequence_number());
   if (number < route_.true_positions_m.size() && answer.result().pose().covariance_size() == 36) {
@@ -294,53 +296,50 @@ void Vehicle::OnEnd(const grpc::Status& status) {
 
 void Vehicle::AfterEnd() {
   connection_.reset();
-  const bool as_planned = end_status_->ok() && close_sent_ && outbox_.empty();
+  const bool as_planned = end_status_->ok() && stream_ == StreamState::kClosing && outbox_.empty();
   const grpc::StatusCode code = end_status_->error_code();
+  const bool cancelled = state_ == VehicleState::kCancelled;
   // A proxy may answer with a reset in place of NOT_FOUND.
   const bool is_refused =
-      code == grpc::StatusCode::NOT_FOUND || (code == grpc::StatusCode::CANCELLED && !cancelled_);
-  const bool is_gone = is_refused && !resume_token_.empty() && !opened_;
-  if (!as_planned && !is_gone && !cutting_ && !mending_ && !cancelled_)
+      code == grpc::StatusCode::NOT_FOUND || (code == grpc::StatusCode::CANCELLED && !cancelled);
+  const bool is_gone = is_refused && !trip_.resume_token.empty() && !WasOpened(stream_);
+  if (!as_planned && !is_gone && !FollowsCut(stream_) && !cancelled) {
     fleet_.recorder.AddBroken(TextOf(*end_status_));
-  if (as_planned || cancelled_) {
-    if (begin_) fleet_.recorder.AddEnded();
+  }
+  if (as_planned || cancelled) {
+    if (trip_.begin) fleet_.recorder.AddEnded();
     LoseOutbox();
     last_answer_.reset();
-    if (finishing_) {
-      done_ = true;
-    } else {
-      BeginTrip(0);
-    }
-    return;
+    return EndOrBeginTrip(0);
   }
   // As the SDK does: what the server no longer has begins anew, from the last pose.
-  if (is_gone) resume_token_.clear();
+  if (is_gone) trip_.resume_token.clear();
   if (is_gone || MayGoOn()) {
     for (std::size_t i = 0; i < sent_count_; ++i) outbox_[i].expected.resent = true;
-    const bool at_once = cutting_ || is_gone;
+    const bool at_once = stream_ == StreamState::kCut || is_gone;
     At(Clock::now() + (at_once ? Clock::duration(0) : kResumeDelay), &Vehicle::OpenStream);
     return;
   }
-  if (begin_) fleet_.recorder.AddEnded();
+  if (trip_.begin) fleet_.recorder.AddEnded();
   LoseOutbox();
   At(Clock::now() + kRetryDelay, &Vehicle::Restart);
 }
 
 /// Whether the session that was open can be resumed, or begun anew, after its stream has ended.
 bool Vehicle::MayGoOn() const {
-  return begin_ && is_kept_ && client::MayPass(client::FromGrpc(*end_status_), opened_.has_value());
+  return trip_.begin && trip_.is_resumable &&
+         client::MayPass(client::FromGrpc(*end_status_), WasOpened(stream_));
 }
 
-void Vehicle::Restart() {
-  if (finishing_) {
-    done_ = true;
-  } else {
-    BeginTrip(next_ < route_.scans.size() ? next_ : 0);
-  }
+void Vehicle::Restart() { EndOrBeginTrip(trip_.next < route_.scans.size() ? trip_.next : 0); }
+
+void Vehicle::EndOrBeginTrip(std::size_t first) {
+  state_ = Next(state_, VehicleEvent::kEnd);
+  if (state_ != VehicleState::kDone) BeginTrip(first);
 }
 
 void Vehicle::LoseOutbox() {
-  // What was never taken by the transport was not lost on the way, but nobody answered it either.
+  // What was never taken by the transport was not lost in transit, but nobody answered it either.
   fleet_.recorder.AddLost(std::ranges::count_if(outbox_, [](const Outgoing& outgoing) {
     return outgoing.expected.sending == Sending::kOnce;
   }));
@@ -355,9 +354,9 @@ void Vehicle::PlanDisconnect() {
 }
 
 void Vehicle::Cut() {
-  if (finishing_) return;
-  if (connection_ != nullptr && opened_ && !end_status_ && !close_sent_) {
-    cutting_ = mending_ = true;
+  if (IsEnding()) return;
+  if (HasStream() && stream_ == StreamState::kOpen) {
+    stream_ = Next(stream_, StreamEvent::kCut);
     fleet_.recorder.AddDisconnect();
     if (link_.relay != nullptr) {
       link_.relay->Cut();
@@ -373,8 +372,8 @@ void Vehicle::PlanStall() {
 }
 
 void Vehicle::Stall() {
-  if (finishing_) return;
-  stalled_until_ = Clock::now() + fleet_.options.faults.stall_duration;
+  if (IsEnding()) return;
+  trip_.stalled_until = Clock::now() + fleet_.options.faults.stall_duration;
   fleet_.recorder.AddStall();
   PlanStall();
 }

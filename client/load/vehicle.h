@@ -15,6 +15,7 @@
 #include "client/load/route.h"
 #include "client/load/scheduler.h"
 #include "client/load/vehicle_link.h"
+#include "client/load/vehicle_state.h"
 #include "client/sdk/connection.h"
 #include "client/sdk/prior.h"
 
@@ -53,6 +54,21 @@ class Vehicle final : public client::Connection::Host {
     Clock::time_point due;
   };
 
+  /// One drive along the route: one session, over as many streams as it takes.
+  struct Trip {
+    std::int64_t number = 0;
+    std::size_t first = 0;
+    std::size_t next = 0;                    ///< the scan that is due next
+    std::optional<Clock::time_point> begin;  ///< none before it is open for the first time
+    Clock::time_point last_due;
+    Clock::time_point stalled_until;
+    std::optional<Outgoing> held;  ///< to be sent behind the next one
+    std::string resume_token;      ///< empty: the next stream opens a session anew
+    client::Prior prior;
+    bool is_resumable = false;  ///< the server keeps the session when its stream breaks
+    bool asks_for_version = false;
+  };
+
   client::Connection::Fill FillRequest(v1::LocalizeRequest* request) override;
   bool HasRoom() const override;
   void Take(v1::LocalizeResponse response) override;
@@ -74,7 +90,10 @@ class Vehicle final : public client::Connection::Host {
   void ReadOn();
   void AfterEnd();
   bool MayGoOn() const;
+  bool HasStream() const;
+  bool IsEnding() const;
   void Restart();
+  void EndOrBeginTrip(std::size_t first);
   void LoseOutbox();
   void PlanDisconnect();
   void Cut();
@@ -94,37 +113,22 @@ class Vehicle final : public client::Connection::Host {
 
   mutable std::mutex mutex_;
   std::mt19937_64 random_;
-  bool is_slow_reader_ = false;
-  bool finishing_ = false;
-  bool cancelled_ = false;
-  bool done_ = false;
+  const bool is_slow_reader_;  ///< drawn once: reads only every `slow_read_interval`
+  VehicleState state_ = VehicleState::kDriving;
 
-  // Of the trip: one session.
-  std::int64_t trip_ = 0;
-  std::size_t first_ = 0;
-  std::size_t next_ = 0;                    ///< the scan that is due next
-  std::optional<Clock::time_point> begin_;  ///< none before it is open for the first time
-  Clock::time_point last_due_;
-  Clock::time_point stalled_until_;
-  std::optional<Outgoing> held_;  ///< to be sent behind the next one
-  std::string resume_token_;
-  bool is_kept_ = false;  ///< by the server, when its stream breaks
-  bool asked_for_version_ = false;
-  std::int64_t map_version_ = 0;  ///< of the newest answer
-  client::Prior prior_;
+  Trip trip_;
+  std::int64_t map_version_ = 0;                  ///< of the newest answer
   std::optional<Clock::time_point> last_answer_;  ///< none since a trip began as planned
   std::deque<Outgoing> outbox_;                   ///< not answered yet, in the order of sending
   std::size_t sent_count_ = 0;                    ///< of them, on this stream
 
   // Of the stream.
-  std::unique_ptr<client::Connection> connection_;
-  std::optional<v1::SessionOpened> opened_;
+  std::unique_ptr<client::Connection> connection_;  ///< none between two streams
+  StreamState stream_ = StreamState::kOpening;
+  std::size_t window_ = 0;  ///< scans that may be on their way, once it is open
   std::optional<grpc::Status> end_status_;
   Clock::time_point open_time_;
   Clock::time_point read_again_;  ///< of a slow reader
-  bool cutting_ = false;
-  bool mending_ = false;  ///< since a cut, until the session is open again
-  bool close_sent_ = false;
 };
 
 }  // namespace dcloc::load

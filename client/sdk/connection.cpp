@@ -31,14 +31,14 @@ Connection::Connection(v1::LocalizationService::Stub& stub, std::mutex& mutex, H
 }
 
 void Connection::WriteOn() {
-  if (writing_ || !writable_ || read_ended_) return;
+  if (write_ != Side::kIdle || read_ == Side::kEnded) return;
   switch (host_.FillRequest(&request_)) {
     case Fill::kRequest:
-      writing_ = true;
+      write_ = Side::kUnderWay;
       StartWrite(&request_);
       break;
     case Fill::kNothingMore:
-      writable_ = false;
+      write_ = Side::kEnded;
       StartWritesDone();
       break;
     case Fill::kNothingYet:
@@ -47,8 +47,8 @@ void Connection::WriteOn() {
 }
 
 void Connection::ReadOn() {
-  if (reading_ || read_ended_ || !host_.HasRoom()) return;
-  reading_ = true;
+  if (read_ != Side::kIdle || !host_.HasRoom()) return;
+  read_ = Side::kUnderWay;
   StartRead(&response_);
 }
 
@@ -59,15 +59,14 @@ void Connection::Cancel() {
 
 void Connection::OnWriteDone(bool ok) {
   const std::lock_guard lock(mutex_);
-  writing_ = false;
-  if (!ok) writable_ = false;
+  write_ = ok ? Side::kIdle : Side::kEnded;
   WriteOn();
 }
 
 void Connection::OnReadDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
-    reading_ = false;
+    read_ = ok ? Side::kIdle : Side::kEnded;
     if (ok) {
       host_.Take(std::move(response_));
       ReadOn();
@@ -75,7 +74,6 @@ void Connection::OnReadDone(bool ok) {
       return;
     }
     // The end; the status follows with OnDone.
-    read_ended_ = true;
   }
   RemoveHold();
 }

@@ -46,15 +46,16 @@ class Connection final : public grpc::ClientBidiReactor<v1::LocalizeRequest, v1:
   void OnDone(const grpc::Status& status) override;
 
  private:
+  /// One direction of the stream. Either ends on its own, and nothing is started on it again.
+  enum class Side { kIdle, kUnderWay, kEnded };
+
   std::mutex& mutex_;
   Host& host_;
   grpc::ClientContext context_;
-  v1::LocalizeRequest request_;    ///< the transport's while writing_
-  v1::LocalizeResponse response_;  ///< the transport's while reading_
-  bool writing_ = true;
-  bool reading_ = true;
-  bool writable_ = true;  ///< more may be written, as far as the transport is concerned
-  bool read_ended_ = false;
+  v1::LocalizeRequest request_;    ///< the transport's while a write is under way
+  v1::LocalizeResponse response_;  ///< the transport's while a read is under way
+  Side write_ = Side::kUnderWay;
+  Side read_ = Side::kUnderWay;
 };
 
 }  // namespace dcloc::client

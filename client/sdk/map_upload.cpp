@@ -28,7 +28,7 @@ bool IsBroken(const absl::Status& status) {
   return absl::IsUnavailable(status) || absl::IsCancelled(status);
 }
 
-/// One file on its way, over as many calls as it takes.
+/// The upload of one file, over as many calls as it takes.
 class Uploader {
  public:
   Uploader(v1::MapService::Stub& stub, std::ifstream file, v1::UploadMapHeader header,

@@ -80,7 +80,7 @@ class Session {
   absl::StatusOr<PoseEstimate> PoseAt(std::int64_t stamp_ns) const;
 
   /// The same for controllers: where an answer makes `PoseAt` jump, this follows at a bounded rate
-  /// (`SessionOptions::pose.bleed_mps`), with a covariance that tells of the way that is left.
+  /// (`SessionOptions::pose.bleed_mps`), with a covariance that includes the distance that is left.
   absl::StatusOr<PoseEstimate> SmoothPoseAt(std::int64_t stamp_ns) const;
 
   /// Ends the session without waiting for what is under way.

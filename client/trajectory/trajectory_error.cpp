@@ -100,11 +100,11 @@ TrajectoryDrift DriftOver(std::span<const TrajectoryPair> pairs, double length_m
     const Pose3 off = truth.Inverse() * moved;
     drift.translation_percent += 100.0 * off.translation_m.norm() / length;
     drift.rotation_deg_per_100m += 100.0 * std::abs(Yaw(off.rotation)) * kDegPerRad / length;
-    ++drift.stretch_count;
+    ++drift.segment_count;
   }
-  if (drift.stretch_count > 0) {
-    drift.translation_percent /= static_cast<double>(drift.stretch_count);
-    drift.rotation_deg_per_100m /= static_cast<double>(drift.stretch_count);
+  if (drift.segment_count > 0) {
+    drift.translation_percent /= static_cast<double>(drift.segment_count);
+    drift.rotation_deg_per_100m /= static_cast<double>(drift.segment_count);
   }
   return drift;
 }

@@ -42,12 +42,12 @@ struct TrajectoryError {
 /// Of pairs that are aligned with one another by `T_truth_map`.
 TrajectoryError ErrorOf(std::span<const TrajectoryPair> pairs, const Pose2& T_truth_map);
 
-/// How fast a trajectory goes wrong: means over all stretches of `length_m` of way (as the KITTI
-/// odometry benchmark does).
+/// How fast a trajectory goes wrong: means over all segments of `length_m` along the path (as the
+/// KITTI odometry benchmark does).
 struct TrajectoryDrift {
   double translation_percent = 0.0;
   double rotation_deg_per_100m = 0.0;
-  std::size_t stretch_count = 0;
+  std::size_t segment_count = 0;
 };
 TrajectoryDrift DriftOver(std::span<const TrajectoryPair> pairs, double length_m);
 

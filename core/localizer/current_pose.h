@@ -40,11 +40,11 @@ class CurrentPose {
 
   /// The pose graph gets a state at the newest scan. Needs a pose, as all that follows.
   void AddState();
-  EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
+  InnovationTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
     return chains_.AddAbsolutePose(factor);
   }
   /// The newest state is here, by a position fix. One that is an outlier is left out.
-  EdgeTest AddPosition(const PoseEstimate<Dim>& position) {
+  InnovationTest AddPosition(const PoseEstimate<Dim>& position) {
     return chains_.AddPosition({.pose = position.pose,
                                 .covariance = position.covariance,
                                 .reused_covariance = position.covariance,

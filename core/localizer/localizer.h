@@ -31,10 +31,11 @@ struct LocalizationQuality {
   int inlier_count = 0;         ///< live points that matched a landmark
   double overlap = 0.0;         ///< matched fraction of the live points, [0, 1]
   double residual_scale = 0.0;  ///< root mean square of the whitened residuals; 1 is as modelled
-  double edge_distance = 0.0;   ///< squared Mahalanobis distance to the prediction (METHOD eq 19)
+  /// Squared Mahalanobis distance between the registration and its prediction (METHOD eq 19).
+  double normalized_innovation_squared = 0.0;
   /// Its absolute pose factor passed the gate, began the pose graph anew, or made the alternative
   /// chain the accepted one.
-  bool edge_valid = false;
+  bool is_accepted = false;
   BetaCheck beta;  ///< of the scan's radar
 };
 

@@ -321,7 +321,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
        .speed_mps = ego_velocity.linear_mps.norm(),
        .count = registration_count_},
       options_.factor);
-  EdgeTest test{.valid = true};
+  InnovationTest test{.valid = true};
   if (registered->origin == PlaceOrigin::kExpected) {
     test = pose_.AddAbsolutePose(factor);
     const Tangent<Dim> apart = Log(pose_.Newest().pose.Inverse() * factor.pose);
@@ -336,8 +336,8 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
     pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);
     tracking_.OnPlaceFound();
   }
-  newest_.quality.edge_distance = test.squared_distance;
-  newest_.quality.edge_valid = test.valid;
+  newest_.quality.normalized_innovation_squared = test.squared_distance;
+  newest_.quality.is_accepted = test.valid;
   if (test.valid && registration.overlap >= options_.azimuth_sign_overlap) {
     radars_.learned.OnRegistered();
   }

@@ -37,7 +37,7 @@ template <int Dim>
 FixUse Pipeline<Dim>::FuseFix(const PoseEstimate<3>& T_map_vehicle) {
   const PoseEstimate<3> position = PositionOf(T_map_vehicle);
   pose_.AddState();
-  const EdgeTest test = pose_.AddPosition(
+  const InnovationTest test = pose_.AddPosition(
       FromSpace<Dim>(map_.matcher.T_map_local().Inverse() * position.pose, position.covariance));
   if (!test.valid) return FixUse::kContradicted;
   fix_monitor_.OnFused();

@@ -31,13 +31,13 @@ std::optional<Stamp> RadarClocks::Align(std::size_t index, Stamp stamp) {
   radar.since_others.resize(radars_.size());
   ++arrivals_;
   Compare(index, stamp - radar.offset);
-  if (DiffersFromMost(index)) SetRight(index);
+  if (DiffersFromMost(index)) CorrectOffset(index);
   const Stamp aligned = stamp - radar.offset;
-  radar.has_leapt = HasLeapt(index, aligned);
+  radar.has_jumped = HasJumped(index, aligned);
   radar.last = aligned;
   radar.arrival_before_last = radar.arrival;
   radar.arrival = arrivals_;
-  return radar.has_leapt ? std::nullopt : std::optional(aligned);
+  return radar.has_jumped ? std::nullopt : std::optional(aligned);
 }
 
 // A radar that has fallen silent says nothing of the time.
@@ -58,7 +58,7 @@ void RadarClocks::Compare(std::size_t index, Stamp stamp) {
   }
 }
 
-std::optional<std::chrono::nanoseconds> RadarClocks::Behind(std::size_t a, std::size_t b) const {
+std::optional<std::chrono::nanoseconds> RadarClocks::MinLag(std::size_t a, std::size_t b) const {
   const std::vector<SinceOther>& since_others = radars_[a].since_others;
   if (since_others.empty()) return std::nullopt;
   const SinceOther& since = since_others[b];
@@ -66,37 +66,38 @@ std::optional<std::chrono::nanoseconds> RadarClocks::Behind(std::size_t a, std::
   return -*std::ranges::max_element(since);
 }
 
-std::optional<std::chrono::nanoseconds> RadarClocks::Ahead(std::size_t a, std::size_t b) const {
-  const std::optional<std::chrono::nanoseconds> a_behind = Behind(a, b);
-  const std::optional<std::chrono::nanoseconds> b_behind = Behind(b, a);
+std::optional<std::chrono::nanoseconds> RadarClocks::RelativeOffset(std::size_t a,
+                                                                    std::size_t b) const {
+  const std::optional<std::chrono::nanoseconds> a_behind = MinLag(a, b);
+  const std::optional<std::chrono::nanoseconds> b_behind = MinLag(b, a);
   if (!a_behind || !b_behind) return std::nullopt;
   const std::chrono::nanoseconds most = *std::ranges::min_element(radars_[a].since_others[b]);
   const std::chrono::nanoseconds least = -*std::ranges::min_element(radars_[b].since_others[a]);
   return (most + least) / 2;
 }
 
-// Of two radars it is the one that has leapt, else the one that lies behind.
+// Of two radars it is the one whose clock jumped, else the one that lies behind.
 bool RadarClocks::DiffersFromMost(std::size_t index) const {
   int others = 0;
   int ahead = 0;
   int behind = 0;
-  bool other_has_leapt = false;
+  bool other_has_jumped = false;
   for (std::size_t i = 0; i < radars_.size(); ++i) {
-    if (i == index || !Ahead(index, i)) continue;
+    if (i == index || !RelativeOffset(index, i)) continue;
     ++others;
-    if (*Behind(index, i) > options_.max_behind) ++behind;
-    if (*Behind(i, index) > options_.max_ahead) ++ahead;
-    other_has_leapt = other_has_leapt || radars_[i].has_leapt;
+    if (*MinLag(index, i) > options_.max_behind) ++behind;
+    if (*MinLag(i, index) > options_.max_ahead) ++ahead;
+    other_has_jumped = other_has_jumped || radars_[i].has_jumped;
   }
-  if (others == 1) return radars_[index].has_leapt ? ahead == 1 : behind == 1 && !other_has_leapt;
+  if (others == 1) return radars_[index].has_jumped ? ahead == 1 : behind == 1 && !other_has_jumped;
   return 2 * behind > others || 2 * ahead > others;
 }
 
-void RadarClocks::SetRight(std::size_t index) {
+void RadarClocks::CorrectOffset(std::size_t index) {
   absl::InlinedVector<std::chrono::nanoseconds, kMaxRadars> ahead;
   for (std::size_t i = 0; i < radars_.size(); ++i) {
     if (i == index) continue;
-    if (const auto of_other = Ahead(index, i)) ahead.push_back(*of_other);
+    if (const auto of_other = RelativeOffset(index, i)) ahead.push_back(*of_other);
   }
   const auto middle = ahead.begin() + static_cast<std::ptrdiff_t>(ahead.size() / 2);
   std::nth_element(ahead.begin(), middle, ahead.end());
@@ -118,9 +119,9 @@ void RadarClocks::ResetComparisons(std::size_t index) {
   }
 }
 
-bool RadarClocks::HasLeapt(std::size_t index, Stamp stamp) const {
+bool RadarClocks::HasJumped(std::size_t index, Stamp stamp) const {
   const Watched& radar = radars_[index];
-  if (radar.last && !radar.has_leapt && stamp - *radar.last <= options_.max_lead) return false;
+  if (radar.last && !radar.has_jumped && stamp - *radar.last <= options_.max_lead) return false;
   bool has_others = false;
   for (std::size_t i = 0; i < radars_.size(); ++i) {
     if (i == index || !IsAlive(radars_[i], radar)) continue;

@@ -63,7 +63,7 @@ class RadarClocks {
   struct Watched {
     std::chrono::nanoseconds offset{0};
     std::optional<Stamp> last;  // by the rig's clock
-    bool has_leapt = false;     // ahead of all others, and not known why
+    bool has_jumped = false;    // ahead of all others, and not known why
     std::size_t arrival = 0;    // of the last scan, counted over all radars
     std::size_t arrival_before_last = 0;
     std::vector<SinceOther> since_others;  // by the index of the other radar
@@ -72,13 +72,13 @@ class RadarClocks {
   bool IsAlive(const Watched& other, const Watched& radar) const;
   void Compare(std::size_t index, Stamp stamp);
   /// By how much, at least, radar `a` lies behind `b` in each of the last comparisons.
-  std::optional<std::chrono::nanoseconds> Behind(std::size_t a, std::size_t b) const;
+  std::optional<std::chrono::nanoseconds> MinLag(std::size_t a, std::size_t b) const;
   /// The middle of what the order of arrival allows for by how much `a` is ahead of `b`.
-  std::optional<std::chrono::nanoseconds> Ahead(std::size_t a, std::size_t b) const;
+  std::optional<std::chrono::nanoseconds> RelativeOffset(std::size_t a, std::size_t b) const;
   bool DiffersFromMost(std::size_t index) const;
-  void SetRight(std::size_t index);
+  void CorrectOffset(std::size_t index);
   void ResetComparisons(std::size_t index);
-  bool HasLeapt(std::size_t index, Stamp stamp) const;
+  bool HasJumped(std::size_t index, Stamp stamp) const;
 
   RadarClocksOptions options_;
   std::vector<Watched> radars_;

@@ -43,10 +43,10 @@ std::optional<nanoseconds> StampMonitor::OnStamp(std::size_t index, Stamp stamp)
   radar_before_ = radar;
   shared_before_ = shared_;
   NoteShared(index, stamp);
-  if (!radar.last || Suspect(radar, stamp - *radar.last)) {
+  if (!radar.last || DetectStep(radar, stamp - *radar.last)) {
     radar.phase = stamp;
   } else {
-    Follow(radar, stamp);
+    UpdatePeriod(radar, stamp);
   }
   radar.last = stamp;
   return radar.step;
@@ -57,27 +57,27 @@ bool StampMonitor::IsRegular(const Watched& radar) const {
          radar.irregular_fraction <= options_.max_irregular_fraction;
 }
 
-// Whether the stamps go on along another line. A step that is not decided lasts until they leap
+// Whether the stamps go on along another line. A step that is not decided lasts until they jump
 // once more.
-bool StampMonitor::Suspect(Watched& radar, nanoseconds interval) const {
+bool StampMonitor::DetectStep(Watched& radar, nanoseconds interval) const {
   if (radar.interval_count < options_.min_interval_count) return false;
-  const nanoseconds leap = interval - NanosecondsIn(radar.period_s);
+  const nanoseconds jump = interval - NanosecondsIn(radar.period_s);
   const nanoseconds least =
       std::max(options_.min_step, NanosecondsIn(options_.min_step_fraction * radar.period_s));
-  const bool leapt = std::chrono::abs(leap) >= least;
-  const bool is_suspect = leapt && std::chrono::abs(leap) <= options_.max_step && IsRegular(radar);
+  const bool jumped = std::chrono::abs(jump) >= least;
+  const bool is_suspect = jumped && std::chrono::abs(jump) <= options_.max_step && IsRegular(radar);
   const double memory = options_.irregular_memory;
-  radar.irregular_fraction = memory * radar.irregular_fraction + (leapt ? 1.0 - memory : 0.0);
-  if (leapt) radar.step.reset();
+  radar.irregular_fraction = memory * radar.irregular_fraction + (jumped ? 1.0 - memory : 0.0);
+  if (jumped) radar.step.reset();
   if (!is_suspect) return false;
-  radar.step = leap;
+  radar.step = jump;
   radar.step_evidence = 0.0;
   radar.undecided_scans = 0;
   return true;
 }
 
 // METHOD eq 54. At first the period is the mean of the intervals.
-void StampMonitor::Follow(Watched& radar, Stamp stamp) const {
+void StampMonitor::UpdatePeriod(Watched& radar, Stamp stamp) const {
   const double interval_s = SecondsOf(stamp - *radar.last);
   if (radar.interval_count < options_.min_interval_count) {
     ++radar.interval_count;

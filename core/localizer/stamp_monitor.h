@@ -50,7 +50,7 @@ struct StampError {
 };
 
 /// Estimates from the stamps of each radar how exact they are. Radars scan in a period of their
-/// own, so stamps that leave its line are rounded, leap, or come after scans that were lost (METHOD
+/// own, so stamps that leave its line are rounded, jump, or come after scans that were lost (METHOD
 /// eq 54). Stamps that radars share say only that the scans are of one cycle.
 class StampMonitor {
  public:
@@ -87,8 +87,8 @@ class StampMonitor {
   };
 
   bool IsRegular(const Watched& radar) const;
-  bool Suspect(Watched& radar, std::chrono::nanoseconds interval) const;
-  void Follow(Watched& radar, Stamp stamp) const;
+  bool DetectStep(Watched& radar, std::chrono::nanoseconds interval) const;
+  void UpdatePeriod(Watched& radar, Stamp stamp) const;
   void NoteShared(std::size_t index, Stamp stamp);
 
   // Stamps that radars have in common.

@@ -35,7 +35,7 @@ std::optional<ScalarEstimate> CusumDetector::OnDeviation(const ScalarEstimate& d
   return change;
 }
 
-std::optional<double> CusumDetector::Suspected() const {
+std::optional<double> CusumDetector::UnconfirmedChange() const {
   const Side& side = rising_.sum_sigmas > falling_.sum_sigmas ? rising_ : falling_;
   if (2.0 * side.sum_sigmas <= options_.limit_sigmas) return std::nullopt;
   return side.deviation / side.exposure;

@@ -36,7 +36,7 @@ class CusumDetector {
 
   /// The deviation per unit of exposure that is suspected: there is no change yet, but the sum has
   /// reached half of `limit_sigmas`.
-  std::optional<double> Suspected() const;
+  std::optional<double> UnconfirmedChange() const;
 
   void Reset() { rising_ = falling_ = {}; }
 

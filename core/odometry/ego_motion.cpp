@@ -313,7 +313,7 @@ EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
   corrected.linear_mps *= errors_.scale();
   corrected.angular_radps.z() += errors_.yaw_rate_bias_radps();
   EgoVelocity result = WithCovariance(corrected, errors_.scale_sigma(), options_.motion);
-  if (const std::optional<double> share = wheel_scale_.Suspected()) {
+  if (const std::optional<double> share = wheel_scale_.UnconfirmedChange()) {
     (*result.covariance)(0, 0) += std::pow(*share * corrected.linear_mps.x(), 2);
   }
   // A bias that is being learned afresh may still be anything.

@@ -79,7 +79,9 @@ std::optional<WheelScaleChange> WheelScaleMonitor::OnSpan(const Span& span) {
   return WheelScaleChange{*change, std::exchange(unusual_distance_m_, 0.0)};
 }
 
-std::optional<double> WheelScaleMonitor::Suspected() const { return change_.Suspected(); }
+std::optional<double> WheelScaleMonitor::UnconfirmedChange() const {
+  return change_.UnconfirmedChange();
+}
 
 double WheelScaleMonitor::VarianceOf(const Span& span) const {
   const double speed_mps = std::abs(span.wheels_sum_mps) / span.count;

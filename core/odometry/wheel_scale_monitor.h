@@ -60,7 +60,7 @@ class WheelScaleMonitor {
   std::optional<WheelScaleChange> OnSpeeds(Stamp stamp, double wheels_mps, double doppler_mps);
 
   /// A share by which the scale may have changed: not enough to be called a change yet.
-  std::optional<double> Suspected() const;
+  std::optional<double> UnconfirmedChange() const;
 
   /// One of the two is not sound: what it said of late is not compared.
   void OnUnsound();

@@ -30,8 +30,8 @@ void PoseChains<Dim>::ChangeFrame(const Pose<Dim>& T_new_old) {
 }
 
 template <int Dim>
-EdgeTest PoseChains<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
-  EdgeTest test = accepted_chain_.AddAbsolutePose(factor);
+InnovationTest PoseChains<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
+  InnovationTest test = accepted_chain_.AddAbsolutePose(factor);
   if (test.valid) {
     alternative_.reset();
     accepted_chain_.Solve();
@@ -46,8 +46,8 @@ EdgeTest PoseChains<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor)
 }
 
 template <int Dim>
-EdgeTest PoseChains<Dim>::AddPosition(const AbsolutePoseFactor<Dim>& factor) {
-  const EdgeTest test = accepted_chain_.AddAbsolutePose(factor);
+InnovationTest PoseChains<Dim>::AddPosition(const AbsolutePoseFactor<Dim>& factor) {
+  const InnovationTest test = accepted_chain_.AddAbsolutePose(factor);
   if (!test.valid) return test;
   alternative_.reset();
   accepted_chain_.Solve();

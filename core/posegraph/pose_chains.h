@@ -34,11 +34,11 @@ class PoseChains {
   /// chain that was accepted before the call. After a takeover `valid` is true, as the new chain
   /// holds the factor, and `squared_distance` is still to the chain that was replaced: it exceeds
   /// the gate.
-  EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor);
+  InnovationTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor);
 
   /// The same for a position that is no registration. One that fails the test is left out; it is no
   /// factor of the alternative, which only registrations can speak for.
-  EdgeTest AddPosition(const AbsolutePoseFactor<Dim>& factor);
+  InnovationTest AddPosition(const AbsolutePoseFactor<Dim>& factor);
 
  private:
   void UpdateAlternative(const AbsolutePoseFactor<Dim>& factor, double squared_distance);

@@ -80,11 +80,11 @@ void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry, const TangentMa
 }
 
 template <int Dim>
-EdgeTest PoseGraph<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
+InnovationTest PoseGraph<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
   State& newest = chain_.states.back();
   const Tangent<Dim> apart = Log(newest.pose.Inverse() * factor.pose);
   const TangentMatrix<Dim> spread = factor.covariance + newest.covariance;
-  EdgeTest test;
+  InnovationTest test;
   test.squared_distance = apart.dot(spread.ldlt().solve(apart));  // METHOD eq 19, 28
   const double limit =
       Dim == 2 ? options_.max_squared_distance_planar : options_.max_squared_distance_spatial;

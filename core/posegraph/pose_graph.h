@@ -45,7 +45,7 @@ std::span<const OptionField<PoseGraphOptions>> FieldsOf(const PoseGraphOptions& 
 absl::Status Validate(const PoseGraphOptions& options);
 
 /// What the test of an absolute pose factor gave (METHOD eq 19, on the fused state).
-struct EdgeTest {
+struct InnovationTest {
   double squared_distance = 0.0;  ///< Mahalanobis, to the predicted state
   bool valid = false;
 };
@@ -72,7 +72,7 @@ class PoseGraph {
 
   /// Gives the newest state an absolute pose factor and tests it against the fused prediction
   /// (METHOD eq 18-19); one that fails is left out, and odometry alone holds the state.
-  EdgeTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor);
+  InnovationTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor);
 
   /// Solves for all states of the window.
   void Solve();

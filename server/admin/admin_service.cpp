@@ -82,7 +82,7 @@ void AdminService::Describe(v1::GetServerStateResponse* response) const {
   response->set_dropped_scan_count(registry_.totals().dropped);
   response->set_repeated_scan_count(registry_.totals().repeated);
   response->set_resume_count(registry_.resume_count());
-  response->set_stub_matcher(facts_.stub_matcher);
+  response->set_stub_matcher(facts_.stub_localizer);
   response->set_draining(drain_.draining());
   const ServerGauges gauges = gauges_();
   response->set_unopened_stream_count(gauges.unopened_stream_count);
@@ -100,9 +100,9 @@ std::vector<std::string> AdminService::OthersToAsk(
 }
 
 template <typename Request, typename Response>
-void AdminService::AskWhoHasIt(const grpc::CallbackServerContext& context, const Request& request,
-                               Replicas::Method<Request, Response> method, const absl::Status& here,
-                               Response* response, const UnaryDone& done) {
+void AdminService::AskOwner(const grpc::CallbackServerContext& context, const Request& request,
+                            Replicas::Method<Request, Response> method, const absl::Status& here,
+                            Response* response, const UnaryDone& done) {
   replicas_.Ask<Request, Response>(OthersToAsk(context), context, request, method,
                                    replicas_.bounds().answer, [here, response, done](auto answers) {
                                      done(TakeFound(here, std::move(answers), response));
@@ -184,7 +184,7 @@ grpc::ServerUnaryReactor* AdminService::GetSession(grpc::CallbackServerContext* 
           server::Describe(*session, replicas_.own_address(), response->mutable_session());
         }
         if (!absl::IsNotFound(session.status())) return done(session.status());
-        AskWhoHasIt(*context, *request, &AsyncAdmin::GetSession, session.status(), response, done);
+        AskOwner(*context, *request, &AsyncAdmin::GetSession, session.status(), response, done);
       });
 }
 
@@ -196,7 +196,7 @@ grpc::ServerUnaryReactor* AdminService::EndSession(grpc::CallbackServerContext* 
       [this, context, request, response](const Principal& principal, const UnaryDone& done) {
         const absl::Status status = server::EndSession(registry_, principal, *request);
         if (!absl::IsNotFound(status)) return done(status);
-        AskWhoHasIt(*context, *request, &AsyncAdmin::EndSession, status, response, done);
+        AskOwner(*context, *request, &AsyncAdmin::EndSession, status, response, done);
       });
 }
 
@@ -222,7 +222,7 @@ void AdminService::WatchElsewhere(grpc::CallbackServerContext* context,
                                   const v1::WatchSessionRequest& request, const absl::Status& here,
                                   const std::shared_ptr<WatchStream>& stream) {
   // A stop waits for no session of another server.
-  waiting_.Add<WatchStream>(stream, [](WatchStream& watch) { watch.EndAtStop(); });
+  shutdown_hooks_.Add<WatchStream>(stream, [](WatchStream& watch) { watch.EndAtStop(); });
   FindReplicaOf(
       replicas_, OthersToAsk(*context), *context, request.session_id(), here,
       [this, context, &request, stream](const absl::StatusOr<std::string>& address) {
@@ -255,7 +255,7 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
     }
     if (request->position_fixes()) stream->IncludeFixes();
     // A stop waits for no vehicle that has not come, and for no session of another server.
-    waiting_.Add<RecordStream>(stream, [](RecordStream& record) { record.EndAtStop(); });
+    shutdown_hooks_.Add<RecordStream>(stream, [](RecordStream& record) { record.EndAtStop(); });
     // Who cannot be spoken for elsewhere records here alone.
     const std::vector<std::string> others = OthersToAsk(*context);
     const auto begin = [this, context, request, stream, caller = principal,

@@ -9,7 +9,7 @@
 #include "dcloc/v1/admin_service.grpc.pb.h"
 #include "server/admin/record_stream.h"
 #include "server/admin/watch_stream.h"
-#include "server/base/end_of_waiting.h"
+#include "server/base/shutdown_hooks.h"
 #include "server/replicas/replicas.h"
 #include "server/rpc/storage_host.h"
 #include "server/rpc/unary.h"
@@ -23,7 +23,7 @@ struct ServerFacts {
   std::string version;
   SystemTime start_time;
   int worker_count = 0;
-  bool stub_matcher = false;
+  bool stub_localizer = false;
 };
 
 /// The part that does, beside sessions and maps.
@@ -86,7 +86,7 @@ class AdminService final : public v1::AdminService::CallbackService {
 
   /// Ends, for a stop, the streams whose end would not come with that of this server's sessions:
   /// those of other servers' sessions, and recordings whose vehicle has not come.
-  void EndWaiting() { waiting_.EndAll(); }
+  void EndWaiting() { shutdown_hooks_.RunAll(); }
 
  private:
   void Describe(v1::GetServerStateResponse* response) const;
@@ -98,9 +98,9 @@ class AdminService final : public v1::AdminService::CallbackService {
   /// Hands a call on about a session that is not here, as `here` says: `done` is told what the
   /// replica that has it answered.
   template <typename Request, typename Response>
-  void AskWhoHasIt(const grpc::CallbackServerContext& context, const Request& request,
-                   Replicas::Method<Request, Response> method, const absl::Status& here,
-                   Response* response, const UnaryDone& done);
+  void AskOwner(const grpc::CallbackServerContext& context, const Request& request,
+                Replicas::Method<Request, Response> method, const absl::Status& here,
+                Response* response, const UnaryDone& done);
 
   /// Hands a call on to the replica of that address, which has until `bound`.
   template <typename Request, typename Response>
@@ -121,7 +121,7 @@ class AdminService final : public v1::AdminService::CallbackService {
   Replicas& replicas_;
   const DrainControl drain_;
   const std::function<ServerGauges()> gauges_;
-  EndOfWaiting waiting_;
+  ShutdownHooks shutdown_hooks_;
 };
 
 }  // namespace dcloc::server

@@ -6,7 +6,7 @@
 
 namespace dcloc::server {
 
-absl::Status SayWhoIsLetIn(const AccessControl& access, const ServerConfig& config) {
+absl::Status WarnOfOpenAccess(const AccessControl& access, const ServerConfig& config) {
   const absl::StatusOr<bool> open = access.IsOpen();
   if (!open.ok()) return open.status();
   if (!*open) return absl::OkStatus();

@@ -7,6 +7,6 @@
 namespace dcloc::server {
 
 /// Logs that everyone who reaches the server is an admin, if that is so. Errors of the identities'.
-absl::Status SayWhoIsLetIn(const AccessControl& access, const ServerConfig& config);
+absl::Status WarnOfOpenAccess(const AccessControl& access, const ServerConfig& config);
 
 }  // namespace dcloc::server

@@ -100,7 +100,9 @@ int Run(int argc, const char* const* argv, const ServerConfig& config) {
     std::cerr << "dcloc-server: " << server.status().message() << "\n";
     return EXIT_FAILURE;
   }
-  if (config.stub_matcher) spdlog::warn("stub matcher: scans are not matched, poses mean nothing");
+  if (config.stub_localizer) {
+    spdlog::warn("stub localizer: scans are not matched, poses mean nothing");
+  }
   // Whoever started the program may wait for this line, and then read the log.
   FlushLog();
   std::cout << "listening on " << (*server)->address() << std::endl;

@@ -32,7 +32,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   auto parts =
       std::make_unique<Parts>(config, std::move(methods), *std::move(storage), std::move(gate),
                               credentials->certificates, *std::move(tickets));
-  if (absl::Status status = SayWhoIsLetIn(parts->access, config); !status.ok()) return status;
+  if (absl::Status status = WarnOfOpenAccess(parts->access, config); !status.ok()) return status;
   parts->gate->SetProofNeeded(parts->access.needs_proof());
   if (absl::Status status = parts->Serve(credentials->credentials); !status.ok()) return status;
   return std::unique_ptr<Server>(new Server(std::move(parts)));

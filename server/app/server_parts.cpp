@@ -77,7 +77,7 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
       admin({.version = DCLOC_VERSION,
              .start_time = std::chrono::system_clock::now(),
              .worker_count = localization_pool.thread_count(),
-             .stub_matcher = config.stub_matcher},
+             .stub_localizer = config.stub_localizer},
             registry, recordings, *opened_storage.identities, storage_host, replicas,
             {.drain = [this] { return Drain(drain_grace); },
              .draining = [this] { return localization.draining(); }},
@@ -156,7 +156,7 @@ ServerGauges Server::Parts::Gauges() const {
 }
 
 ScanLocalizerFactory Server::Parts::MakeLocalizerFactory() {
-  if (config.stub_matcher) return &CreateStubScanLocalizer;
+  if (config.stub_localizer) return &CreateStubScanLocalizer;
   return [this](std::shared_ptr<const RadarMap> map, Rig rig,
                 const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options) {
     return CreateCoreScanLocalizer(workspaces, std::move(map), std::move(rig), initial_pose,
@@ -178,7 +178,7 @@ SessionDrainer Server::Parts::MakeSessionDrainer() {
   return {.move_or_end =
               [this](const std::string& tenant, const std::string& map_name, std::int64_t version) {
                 MoveSessions(registry, store, tenant, map_name, version);
-                EndSessions(registry, tenant, map_name, version, EndOf::kThoseThatStay);
+                EndSessions(registry, tenant, map_name, version, EndOf::kNotMoved);
               },
           .end_all =
               [this](const std::string& tenant, const std::string& map_name, std::int64_t version) {

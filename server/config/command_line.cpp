@@ -35,8 +35,10 @@ struct GivenFlag {
   CLI::Option* option;
 };
 
-std::string FlagName(const ConfigField& field) {
+/// Of a setting that was renamed, both names.
+std::string FlagNames(const ConfigField& field) {
   std::string name = absl::StrCat("--", field.key);
+  if (*field.former_key != '\0') absl::StrAppend(&name, ",--", field.former_key);
   std::ranges::replace(name, '_', '-');
   return name;
 }
@@ -46,9 +48,9 @@ CLI::Option* AddFlag(CLI::App& app, const ConfigField& field, ServerConfig& valu
       [&](auto member) {
         auto& value = values.*member;
         if constexpr (std::is_same_v<decltype(value), bool&>) {
-          return app.add_flag(FlagName(field), value, field.help);
+          return app.add_flag(FlagNames(field), value, field.help);
         } else {
-          return app.add_option(FlagName(field), value, field.help)
+          return app.add_option(FlagNames(field), value, field.help)
               ->type_name(field.type_name)
               ->capture_default_str();
         }

@@ -94,9 +94,11 @@ constexpr std::array kFields = {
     ConfigField{"allow_plaintext_off_loopback", "",
                 "serve without TLS on an address that other machines can reach",
                 &ServerConfig::allow_plaintext_off_loopback},
-    ConfigField{"stub_matcher", "",
-                "answer without matching, to measure the transport; the poses mean nothing",
-                &ServerConfig::stub_matcher},
+    ConfigField{.key = "stub_localizer",
+                .type_name = "",
+                .help = "answer without matching, to measure the transport; the poses mean nothing",
+                .member = &ServerConfig::stub_localizer,
+                .former_key = "stub_matcher"},
     ConfigField{"worker_count", "N", "threads that localize; 0 for one per processor",
                 &ServerConfig::worker_count, 0, 1024},
     ConfigField{"require_identity", "",
@@ -204,8 +206,9 @@ constexpr std::array kFields = {
 constexpr std::array kLogLevels = {"debug", "info", "warn", "error"};
 
 const ConfigField* FindField(const std::string& key) {
-  const auto* field = std::ranges::find(
-      kFields, key, [](const ConfigField& candidate) { return std::string(candidate.key); });
+  const auto* field = std::ranges::find_if(kFields, [&key](const ConfigField& candidate) {
+    return key == candidate.key || (!key.empty() && key == candidate.former_key);
+  });
   return field == kFields.end() ? nullptr : field;
 }
 

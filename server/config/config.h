@@ -42,7 +42,7 @@ struct ServerConfig {
   std::string tls_client_ca;  ///< clients must show a certificate that this authority signed
   bool allow_plaintext_off_loopback = false;
 
-  bool stub_matcher = false;
+  bool stub_localizer = false;
   int worker_count = 0;           ///< threads that localize; 0: one per processor
   bool require_identity = false;  ///< refuse callers without one, even before the first is created
 
@@ -87,7 +87,8 @@ struct ConfigField {
   std::variant<std::string ServerConfig::*, bool ServerConfig::*, int ServerConfig::*> member;
   int min = 0;  ///< of an int
   int max = 0;
-  bool reloadable = false;  ///< a running server takes a new value on SIGHUP
+  bool reloadable = false;      ///< a running server takes a new value on SIGHUP
+  const char* former_key = "";  ///< by which it is known as well; none if empty
 };
 
 /// The settings in which the two differ.

@@ -14,8 +14,8 @@ void SetQuality(const LocalizationQuality& quality, v1::LocalizationQuality* mes
   message->set_inlier_count(quality.inlier_count);
   message->set_overlap(quality.overlap);
   message->set_residual_scale(quality.residual_scale);
-  message->set_edge_distance(quality.edge_distance);
-  message->set_edge_valid(quality.edge_valid);
+  message->set_edge_distance(quality.normalized_innovation_squared);
+  message->set_edge_valid(quality.is_accepted);
   message->set_beta_error_s(quality.beta.error_s);
   message->set_beta_error_sigma_s(quality.beta.sigma_s);
   message->set_beta_is_wrong(quality.beta.is_wrong);

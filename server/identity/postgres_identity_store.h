@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "server/identity/identity_store.h"
-#include "server/postgres/answer_memory.h"
 #include "server/postgres/postgres_database.h"
+#include "server/postgres/query_cache.h"
 
 namespace dcloc::server {
 
@@ -38,8 +38,8 @@ class PostgresIdentityStore final : public IdentityStore {
                                  const std::string& what);
 
   const std::shared_ptr<PostgresDatabase> database_;
-  AnswerMemory<std::string, IdentityRecord> known_;  ///< by the condition and its key
-  AnswerMemory<std::string, bool> any_;              ///< of one question
+  QueryCache<std::string, IdentityRecord> known_;  ///< by the condition and its key
+  QueryCache<std::string, bool> any_;              ///< of one question
 };
 
 }  // namespace dcloc::server

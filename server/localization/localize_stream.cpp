@@ -33,8 +33,9 @@ LocalizeStream::LocalizeStream(const SessionHost& host, grpc::CallbackServerCont
 void LocalizeStream::Announce(const v1::SessionEnding& ending) {
   {
     const std::lock_guard lock(mutex_);
-    if (announcement_) return;
-    *announcement_.emplace().mutable_ending() = ending;
+    if (announcement_ != Announcement::kNone) return;
+    announcement_ = Announcement::kWaiting;
+    *announced_.mutable_ending() = ending;
   }
   Pump();
 }
@@ -171,7 +172,7 @@ void LocalizeStream::Pump() {
   pump_under_way_ = true;
   for (Step step = TakeStep(); step != Step::kNone; step = TakeStep()) {
     v1::LocalizeResponse* const response =
-        step == Step::kAnnounce ? &*announcement_ : &ring_.to_write().response;
+        step == Step::kAnnounce ? &announced_ : &ring_.to_write().response;
     lock.unlock();
     if (step == Step::kRead) StartRead(&incoming_);
     if (step == Step::kWrite || step == Step::kAnnounce) {
@@ -191,7 +192,7 @@ LocalizeStream::Step LocalizeStream::TakeWrite() {
   if (!announces && !ring_.has_answer_to_write()) return Step::kNone;
   peer_wait_.Begin(std::chrono::milliseconds(host_.storage.limits.peer_timeout_ms));
   write_under_way_ = announces ? Write::kAnnouncement : Write::kAnswer;
-  announced_ |= announces;
+  if (announces) announcement_ = Announcement::kWritten;
   return announces ? Step::kAnnounce : Step::kWrite;
 }
 
@@ -210,7 +211,7 @@ LocalizeStream::Step LocalizeStream::TakeStep() {
 
 /// Only who can resume a session could do something about its end, and only once it is open.
 bool LocalizeStream::AnnouncementIsDue() const {
-  return announcement_ && !announced_ && terms_.resumable && ring_.any_written();
+  return announcement_ == Announcement::kWaiting && terms_.resumable && ring_.any_written();
 }
 
 /// The call may not end while a task has its context.

@@ -79,6 +79,9 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   enum class Step { kNone, kRead, kWrite, kAnnounce, kFinish };
   enum class Write { kNone, kAnswer, kAnnouncement };
 
+  /// That the server will end the session is told at most once; the first word counts.
+  enum class Announcement { kNone, kWaiting, kWritten };
+
   /// What a pool does for the stream, in this order, and the last again and again.
   enum class Task { kNone, kAdmission, kOpening, kScan };
 
@@ -139,14 +142,16 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   std::shared_ptr<Session> session_;  ///< none before it is open and after it was let go
   Terms terms_;
   grpc::Status final_status_;
-  std::optional<Ending> ending_;                      ///< from kSettled to Finish
-  std::optional<v1::LocalizeResponse> announcement_;  ///< at most one, written once
-  bool announced_ = false;
+  std::optional<Ending> ending_;  ///< from kSettled to Finish
+  Announcement announcement_ = Announcement::kNone;
+  v1::LocalizeResponse announced_;  ///< the message, unless there is none
 
-  // What is under way, whatever the state.
+  // What is under way. These are facts of the transport and of the pools, not of the state: in most
+  // states each of them may be so or not, whatever the others are, and no event but its own end
+  // changes it.
   Task task_under_way_ = Task::kAdmission;
-  bool read_under_way_ = false;
   Write write_under_way_ = Write::kNone;
+  bool read_under_way_ = false;
   bool pump_under_way_ = false;  ///< the thread in `Pump` checks the state again before it leaves
 };
 

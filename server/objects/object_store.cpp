@@ -76,7 +76,7 @@ ObjectStore::ObjectStore(const ObjectOptions& options, ObjectLocation location)
     : options_(options),
       location_(std::move(location)),
       client_(S3OptionsOf(options)),
-      gate_(options.away_interval) {}
+      breaker_(options.away_interval) {}
 
 std::string ObjectStore::UrlOf(absl::string_view key) const {
   return absl::StrCat(options_.endpoint, "/", location_.bucket, "/", location_.prefix, key);
@@ -179,9 +179,9 @@ absl::StatusOr<std::map<std::string, std::int64_t>> ObjectStore::List(absl::stri
 }
 
 absl::StatusOr<S3Answer> ObjectStore::Ask(S3Request request, absl::string_view body_sha256) {
-  const absl::StatusOr<ObjectGate::Pass> pass = gate_.Enter();
+  const absl::StatusOr<CircuitBreaker::Pass> pass = breaker_.Enter();
   if (!pass.ok()) return pass.status();
-  const int attempt_count = *pass == ObjectGate::Pass::kLook ? 1 : options_.max_attempt_count;
+  const int attempt_count = *pass == CircuitBreaker::Pass::kProbe ? 1 : options_.max_attempt_count;
   const Clock::time_point end = Clock::now() + options_.timeout;
   request.timeout = TimeOf(request, options_);
   auto pause = options_.first_pause;
@@ -196,9 +196,9 @@ absl::StatusOr<S3Answer> ObjectStore::Ask(S3Request request, absl::string_view b
   const bool answered = IsAnswer(answer.status());
   ++(answered ? counts_.answered : counts_.failed);
   if (!absl::IsUnavailable(answer.status())) {
-    gate_.Note(absl::OkStatus());
+    breaker_.Note(absl::OkStatus());
   } else {
-    gate_.Note(answer.status());
+    breaker_.Note(answer.status());
   }
   if (answered) return answer;
   const absl::Status& status = answer.status();

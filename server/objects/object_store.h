@@ -13,7 +13,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "server/base/files.h"
-#include "server/objects/object_gate.h"
+#include "server/objects/circuit_breaker.h"
 #include "server/objects/object_options.h"
 #include "server/objects/s3_client.h"
 
@@ -36,7 +36,7 @@ struct ObjectCounts {
 /// body, 5xx, 429) is tried again within bounds. Then, and when the service refuses this server,
 /// the error is one of `ObjectStoreError`. While the service is known to be away, calls fail at
 /// once
-/// (`ObjectGate`).
+/// (`CircuitBreaker`).
 class ObjectStore {
  public:
   /// Checks the options and the credentials, and sends nothing. InvalidArgument names the setting.
@@ -68,7 +68,7 @@ class ObjectStore {
   absl::StatusOr<std::map<std::string, std::int64_t>> List(absl::string_view prefix);
 
   /// Whether it did not answer last time.
-  bool away() const { return gate_.away(); }
+  bool away() const { return breaker_.away(); }
 
   const ObjectOptions& options() const { return options_; }
   const ObjectCounts& counts() const { return counts_; }
@@ -87,7 +87,7 @@ class ObjectStore {
   const ObjectOptions options_;
   const ObjectLocation location_;
   S3Client client_;
-  ObjectGate gate_;
+  CircuitBreaker breaker_;
   ObjectCounts counts_;
 };
 

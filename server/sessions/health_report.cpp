@@ -8,10 +8,10 @@ void HealthReport::OnLocalized(const LocalizedScan& scan, HealthWatch::Clock::ti
   const Localization& localization = scan.localization;
   info_->health.Set(localization.health, scan.rig);
   info_->pose_reset_count = localization.resets.count;
-  const HealthNews news = watch_.Observe(localization.health, localization.resets, now);
-  metrics_.ObserveHealth(news);
-  for (const SourceChange& change : news.changes) LogSource(*info_, *scan.rig, change);
-  if (news.reset_is_logged) LogReset(*info_, localization.resets);
+  const HealthChanges changes = watch_.Observe(localization.health, localization.resets, now);
+  metrics_.ObserveHealth(changes);
+  for (const SourceChange& change : changes.sources) LogSource(*info_, *scan.rig, change);
+  if (changes.reset_is_logged) LogReset(*info_, localization.resets);
 }
 
 }  // namespace dcloc::server

@@ -22,9 +22,9 @@ struct SourceChange {
   int change_count = 0;  ///< since it was last logged, this one included
 };
 
-/// What is new with a session's health.
-struct HealthNews {
-  std::vector<SourceChange> changes;
+/// What has changed in a session's health.
+struct HealthChanges {
+  std::vector<SourceChange> sources;
   std::array<bool, kSourceKindNames.size()> set_aside{};  ///< one of that kind is, logged or not
   int new_reset_count = 0;
   bool reset_is_logged = false;  ///< too frequent ones are counted with the next logged one
@@ -38,7 +38,7 @@ class HealthWatch {
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::seconds kQuiet{10};
 
-  HealthNews Observe(const Health& health, const PoseResets& resets, Clock::time_point now);
+  HealthChanges Observe(const Health& health, const PoseResets& resets, Clock::time_point now);
 
  private:
   struct Source {
@@ -50,8 +50,8 @@ class HealthWatch {
   };
 
   static void Observe(const SourceHealth& health, SourceChange change, Clock::time_point now,
-                      Source* source, HealthNews* news);
-  void Observe(const PoseResets& resets, Clock::time_point now, HealthNews* news);
+                      Source* source, HealthChanges* changes);
+  void Observe(const PoseResets& resets, Clock::time_point now, HealthChanges* changes);
 
   Source wheel_speed_;
   Source yaw_rate_;

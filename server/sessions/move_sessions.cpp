@@ -53,7 +53,7 @@ void EndSessions(SessionRegistry& registry, absl::string_view tenant, absl::stri
     const SessionInfo& info = *session->info();
     const bool stays = info.description.map_version_asked_for || info.recorded;
     if (version != 0 && info.map_version != version) continue;
-    if (which == EndOf::kThoseThatStay && !stays) continue;
+    if (which == EndOf::kNotMoved && !stays) continue;
     // One that has just ended by itself is not found, which is as well.
     registry.End(info.description.session_id, tenant, ending).IgnoreError();
   }

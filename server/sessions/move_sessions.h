@@ -16,7 +16,7 @@ int MoveSessions(const SessionRegistry& registry, MapStore& store, absl::string_
                  absl::string_view map_name, std::int64_t from_version = 0);
 
 /// Which sessions are ended.
-enum class EndOf { kThoseThatStay, kAll };
+enum class EndOf { kNotMoved, kAll };
 
 /// Tells and ends the tenant's sessions in a version (0: in any) of a map: all, or those that
 /// `MoveSessions` leaves there since they asked for it or are recorded.

@@ -33,56 +33,80 @@ class SessionMetrics {
   void ObserveDropped();
   void ObserveRepeated();
   /// Of one scan: sources that were set aside, and resets of the pose.
-  void ObserveHealth(const HealthNews& news);
+  void ObserveHealth(const HealthChanges& changes);
   void ObserveFix(const absl::StatusOr<FixUse>& use);
   /// A Localize call has opened or resumed a session, or not.
   void ObserveOpen(grpc::StatusCode code, bool resumed);
   /// A ticket of that size was handed out; one was presented; a scan was localized to catch up.
   void ObserveTicket(std::size_t size);
   void ObserveTicketUse(TicketUse use);
-  void ObserveCatchUp() { catch_up_scans_.Increment(); }
+  void ObserveCatchUp() { tickets_.catch_up_scans.Increment(); }
   /// The time to get a session's map: microseconds if it was in memory.
   void ObserveMapAcquired(std::chrono::nanoseconds duration, bool was_in_memory);
 
   const std::shared_ptr<prometheus::Registry>& registry() const { return registry_; }
 
  private:
+  using Counter = prometheus::Counter;
+  using Histogram = prometheus::Histogram;
+  template <std::size_t kCount>
+  using Counters = std::array<Counter*, kCount>;
+
   static constexpr std::size_t kStageCount = 7;
   static constexpr std::size_t kStateCount = 4;
   static constexpr std::size_t kKindCount = kSourceKindNames.size();
   static constexpr std::size_t kFaultCount = kSourceFaultNames.size();
   static constexpr std::size_t kUseCount = kFixUseNames.size() + 2;
 
-  void AddHealthCounters();
-  void AddTicketCounters();
-  void ObserveEdge(const LocalizationQuality& quality);
+  // Each group registers its own metrics.
+  struct ScanMetrics {
+    explicit ScanMetrics(prometheus::Registry& registry);
+    Histogram& duration;
+    Histogram& protection_level;
+    std::array<Histogram*, kStageCount> stages{};
+    Counters<kStateCount> answers{};
+    Counter& wrong_beta;
+    Counter& repeated;
+    Counter& dropped;
+    prometheus::Family<Counter>& rejected;
+  };
+  struct RegistrationMetrics {
+    explicit RegistrationMetrics(prometheus::Registry& registry);
+    void Observe(const LocalizationQuality& quality);
+    Histogram& normalized_innovation_squared;
+    Histogram& residual_scale;
+    Histogram& overlap;
+    Counter& accepted;
+    Counter& refused;
+  };
+  struct HealthMetrics {
+    explicit HealthMetrics(prometheus::Registry& registry);
+    std::array<Counters<kFaultCount>, kKindCount> set_aside{};
+    Counters<kKindCount> answers_set_aside{};
+    Counter& pose_resets;
+    Counters<kUseCount> fixes{};
+  };
+  struct OpenMetrics {
+    explicit OpenMetrics(prometheus::Registry& registry);
+    prometheus::Family<Counter>& opens;
+    Histogram& map_acquire;
+    Counter& map_hits;
+    Counter& map_misses;
+  };
+  struct TicketMetrics {
+    explicit TicketMetrics(prometheus::Registry& registry);
+    Counter& tickets;
+    Counter& bytes;
+    Counter& catch_up_scans;
+    Counters<kTicketUseNames.size()> uses{};
+  };
 
-  std::shared_ptr<prometheus::Registry> registry_;
-  std::array<prometheus::Histogram*, kStageCount> stages_{};
-  std::array<prometheus::Counter*, kStateCount> answers_{};
-  std::array<std::array<prometheus::Counter*, kFaultCount>, kKindCount> set_aside_{};
-  std::array<prometheus::Counter*, kKindCount> answers_set_aside_{};
-  std::array<prometheus::Counter*, kUseCount> fixes_{};
-  prometheus::Histogram& scan_;
-  prometheus::Histogram& edge_distance_;
-  prometheus::Histogram& residual_scale_;
-  prometheus::Histogram& overlap_;
-  prometheus::Histogram& protection_level_;
-  prometheus::Histogram& map_acquire_;
-  prometheus::Counter& map_hits_;
-  prometheus::Counter& map_misses_;
-  prometheus::Counter& valid_edges_;
-  prometheus::Counter& invalid_edges_;
-  prometheus::Counter& wrong_beta_;
-  prometheus::Counter& pose_resets_;
-  prometheus::Counter& repeated_;
-  prometheus::Counter& dropped_;
-  prometheus::Counter& tickets_;
-  prometheus::Counter& ticket_bytes_;
-  prometheus::Counter& catch_up_scans_;
-  std::array<prometheus::Counter*, kTicketUseNames.size()> ticket_uses_{};
-  prometheus::Family<prometheus::Counter>& rejected_;
-  prometheus::Family<prometheus::Counter>& opens_;
+  const std::shared_ptr<prometheus::Registry> registry_;
+  ScanMetrics scans_;
+  RegistrationMetrics registrations_;
+  HealthMetrics health_;
+  OpenMetrics opens_;
+  TicketMetrics tickets_;
 };
 
 }  // namespace dcloc::server

@@ -54,7 +54,7 @@ class Target:
         self.token = self._token("admin", "ops") if identities else None
         self.vehicle_token = self._token("operator", "fleet") if identities else None
         self.log = open(self.folder / "log", "w+", encoding="utf-8")
-        self.flags = [*(["--stub-matcher"] if stub else []), *flags]
+        self.flags = [*(["--stub-localizer"] if stub else []), *flags]
         self.environment = {**os.environ, **(environment or {})}
         self._start()
 

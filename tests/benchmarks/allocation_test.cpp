@@ -80,7 +80,7 @@ void ExpectNoAllocationWhileTracking(const Rig& rig, double height_m) {
       if (!grown) continue;
       EXPECT_EQ(count, 0) << "scan " << i;
       EXPECT_EQ(answer->state, LocalizationState::kTracking);
-      EXPECT_TRUE(answer->quality.edge_valid) << "scan " << i;
+      EXPECT_TRUE(answer->quality.is_accepted) << "scan " << i;
     }
   }
 }

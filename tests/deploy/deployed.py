@@ -38,7 +38,7 @@ class Server:
         self.log = open(pathlib.Path(folder) / "server.log", "w+", encoding="utf-8")
         self.process = subprocess.Popen(
             [PROGRAMS[1], "--data", str(pathlib.Path(folder) / "store"), "--listen", "127.0.0.1:0",
-             "--stub-matcher", *map(str, arguments)],
+             "--stub-localizer", *map(str, arguments)],
             text=True, stdout=subprocess.PIPE, stderr=self.log)
         line = self.process.stdout.readline()
         self.log.seek(0)

@@ -30,7 +30,7 @@ absl::Status FailoverSite::StartServer(std::size_t index) {
   const std::string name = absl::StrCat("replica-", index);
   servers_[index] = std::make_unique<ServerProcess>(
       program_, folder_.path() / name, folder_.path() / absl::StrCat(name, ".log"),
-      ServerProcessOptions{.stub_matcher = false,
+      ServerProcessOptions{.stub_localizer = false,
                            .arguments = {"--ticket-keys", folder_.path() / "keys"}});
   if (servers_[index]->WaitUntilReady()) return absl::OkStatus();
   return absl::InternalError(absl::StrCat(name, " did not start"));

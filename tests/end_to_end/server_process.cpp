@@ -20,7 +20,7 @@ ServerProcess::ServerProcess(const std::string& program, const std::filesystem::
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
   const int log_file = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
   std::vector<std::string> arguments = {program, "--listen", "127.0.0.1:0", "--data", store};
-  if (options.stub_matcher) arguments.emplace_back("--stub-matcher");
+  if (options.stub_localizer) arguments.emplace_back("--stub-localizer");
   arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());

@@ -13,7 +13,7 @@ namespace dcloc {
 
 struct ServerProcessOptions {
   std::uint64_t max_file_bytes = 0;  ///< the disk takes no larger files; 0: it does
-  bool stub_matcher = true;
+  bool stub_localizer = true;
   std::vector<std::string> arguments;  ///< further ones
 };
 

@@ -33,7 +33,7 @@ absl::Status SessionSite::Restart() {
 absl::Status SessionSite::StartServer() {
   server_ =
       std::make_unique<ServerProcess>(program_, folder_.path() / "store", folder_.path() / "log",
-                                      ServerProcessOptions{.stub_matcher = false});
+                                      ServerProcessOptions{.stub_localizer = false});
   if (!server_->WaitUntilReady()) return absl::InternalError("the server did not start");
   recordings_.push_back(Record());
   return absl::OkStatus();

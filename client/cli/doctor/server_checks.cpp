@@ -199,7 +199,8 @@ class ServerExamination {
     } else if (state->session_count() >= state->max_session_count()) {
       Add("server", kFailed, what + "; it is full", "end sessions, or add a server");
     } else if (state->stub_matcher()) {
-      Add("server", kFailed, what + "; its poses mean nothing", "start it without --stub-matcher");
+      Add("server", kFailed, what + "; its poses mean nothing",
+          "start it without --stub-localizer");
     } else if (!state->certificate_fault().empty()) {
       Add("server", kWarning,
           absl::StrCat(what, "; new certificate files are not shown: ", state->certificate_fault()),

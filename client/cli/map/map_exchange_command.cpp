@@ -123,12 +123,12 @@ absl::StatusOr<std::vector<LandmarkRow>> ReadLandmarks(const std::string& file,
 }
 
 // The files one after the other: landmarks where the base's keyframes have them, then keyframes.
-absl::StatusOr<MapParts> Mended(const ImportArguments& arguments, MapParts map, MendCounts& counts,
-                                std::size_t& moved_keyframe_count) {
+absl::StatusOr<MapParts> WithLandmarksOf(const ImportArguments& arguments, MapParts map,
+                                         LandmarkEdits& counts, std::size_t& moved_keyframe_count) {
   if (!arguments.landmarks.empty()) {
     const absl::StatusOr<std::vector<LandmarkRow>> rows = ReadLandmarks(arguments.landmarks, map);
     if (!rows.ok()) return rows.status();
-    absl::StatusOr<MapParts> mended = Mend(map, *rows, counts);
+    absl::StatusOr<MapParts> mended = ReplaceLandmarks(map, *rows, counts);
     if (!mended.ok()) return mended.status();
     map = *std::move(mended);
   } else {
@@ -147,9 +147,10 @@ absl::Status Import(const ImportArguments& arguments) {
   if (!status.ok()) return status;
   absl::StatusOr<MapParts> base = ReadMapParts(arguments.base);
   if (!base.ok()) return base.status();
-  MendCounts counts;
+  LandmarkEdits counts;
   std::size_t moved_keyframe_count = 0;
-  absl::StatusOr<MapParts> map = Mended(arguments, *std::move(base), counts, moved_keyframe_count);
+  absl::StatusOr<MapParts> map =
+      WithLandmarksOf(arguments, *std::move(base), counts, moved_keyframe_count);
   if (!map.ok()) return map.status();
   if (counts.same + counts.moved + counts.edited == 0) {
     absl::FPrintF(stderr,

@@ -50,10 +50,10 @@ SurveyJudgement Judge(const Survey& survey, std::span<const DriveTruth> truths) 
     all.insert(all.end(), pairs.begin(), pairs.end());
     const auto start = Pair(drive.T_start_nodes, truths[i].T_truth_nodes);
     const TrajectoryDrift drift = DriftOver(start, kDriftStretch_m);
-    const auto weight = static_cast<double>(drift.stretch_count);
+    const auto weight = static_cast<double>(drift.segment_count);
     judgement.drift.translation_percent += weight * drift.translation_percent;
     judgement.drift.rotation_deg_per_100m += weight * drift.rotation_deg_per_100m;
-    judgement.drift.stretch_count += drift.stretch_count;
+    judgement.drift.segment_count += drift.segment_count;
     drift_weight += weight;
     const TrajectoryError alone = ErrorOf(start, AlignTrajectory(start));
     judgement.before_loops.rmse_m = std::max(judgement.before_loops.rmse_m, alone.rmse_m);

@@ -1,20 +1,20 @@
 #include "client/cli/remote/wire.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <variant>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/remote/learned_rig.h"
+#include "client/cli/remote/wire_geometry.h"
 #include "core/geometry/covariance.h"
 #include "core/geometry/degrees.h"
 #include "core/geometry/geodetic_heading.h"
 
 namespace dcloc::cli {
 namespace {
-
-using RowMajor6d = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 void Set(v1::Vector3* message, const Eigen::Vector3d& vector) {
   message->set_x(vector.x());
@@ -51,13 +51,6 @@ void Set(google::protobuf::RepeatedField<double>* message, const RowMajor6d& cov
 
 void Set(google::protobuf::RepeatedField<float>* message, const std::vector<float>& column) {
   message->Assign(column.begin(), column.end());
-}
-
-Pose3 PoseOf(const v1::Pose& message) {
-  const v1::Vector3& t = message.translation_m();
-  const v1::Quaternion& q = message.rotation();
-  return {.translation_m = {t.x(), t.y(), t.z()},
-          .rotation = Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z())};
 }
 
 // On the wire 0 is "unspecified", and then come core's in their order.
@@ -103,40 +96,29 @@ LocalizationQuality QualityOf(const v1::LocalizationQuality& message) {
           .inlier_count = message.inlier_count(),
           .overlap = message.overlap(),
           .residual_scale = message.residual_scale(),
-          .edge_distance = message.edge_distance(),
-          .edge_valid = message.edge_valid(),
+          .normalized_innovation_squared = message.edge_distance(),
+          .is_accepted = message.edge_valid(),
           .beta = {.error_s = message.beta_error_s(),
                    .sigma_s = message.beta_error_sigma_s(),
                    .is_wrong = message.beta_is_wrong()}};
 }
 
+// On the wire 0 is "unspecified", and then come core's in their order.
+constexpr std::array kStates = {LocalizationState::kInitializing, LocalizationState::kTracking,
+                                LocalizationState::kDeadReckoning, LocalizationState::kLost};
+static_assert(v1::LocalizationState_MAX == static_cast<int>(kStates.size()));
+static_assert(v1::LOCALIZATION_STATE_INITIALIZING == 1 && v1::LOCALIZATION_STATE_TRACKING == 2 &&
+              v1::LOCALIZATION_STATE_DEAD_RECKONING == 3 && v1::LOCALIZATION_STATE_LOST == 4);
+
 std::optional<LocalizationState> StateOf(v1::LocalizationState state) {
-  switch (state) {
-    case v1::LOCALIZATION_STATE_INITIALIZING:
-      return LocalizationState::kInitializing;
-    case v1::LOCALIZATION_STATE_TRACKING:
-      return LocalizationState::kTracking;
-    case v1::LOCALIZATION_STATE_DEAD_RECKONING:
-      return LocalizationState::kDeadReckoning;
-    case v1::LOCALIZATION_STATE_LOST:
-      return LocalizationState::kLost;
-    default:
-      return std::nullopt;
-  }
+  const int index = static_cast<int>(state) - 1;
+  if (index < 0 || index >= static_cast<int>(kStates.size())) return std::nullopt;
+  return kStates.at(static_cast<std::size_t>(index));
 }
 
 v1::LocalizationState ToProto(LocalizationState state) {
-  switch (state) {
-    case LocalizationState::kInitializing:
-      return v1::LOCALIZATION_STATE_INITIALIZING;
-    case LocalizationState::kTracking:
-      return v1::LOCALIZATION_STATE_TRACKING;
-    case LocalizationState::kDeadReckoning:
-      return v1::LOCALIZATION_STATE_DEAD_RECKONING;
-    case LocalizationState::kLost:
-      return v1::LOCALIZATION_STATE_LOST;
-  }
-  return v1::LOCALIZATION_STATE_UNSPECIFIED;
+  const auto* const found = std::ranges::find(kStates, state);
+  return static_cast<v1::LocalizationState>(found - kStates.begin() + 1);
 }
 
 }  // namespace
@@ -180,11 +162,7 @@ v1::GeodeticAnchor ToProto(const GeodeticAnchor& anchor) {
 }
 
 GeodeticAnchor FromProto(const v1::GeodeticAnchor& anchor) {
-  const v1::GeodeticPosition& origin = anchor.origin();
-  return {.origin = {.latitude_deg = origin.latitude_deg(),
-                     .longitude_deg = origin.longitude_deg(),
-                     .height_m = origin.height_m()},
-          .x_axis_east_rad = anchor.x_axis_east_rad()};
+  return {.origin = PositionOf(anchor.origin()), .x_axis_east_rad = anchor.x_axis_east_rad()};
 }
 
 v1::GnssFix FixOf(const InitialPose& pose, const GeodeticAnchor& anchor) {
@@ -269,8 +247,8 @@ v1::LocalizationResult ToProto(const Localization& localization, const Rig& rig,
   quality.set_inlier_count(localization.quality.inlier_count);
   quality.set_overlap(localization.quality.overlap);
   quality.set_residual_scale(localization.quality.residual_scale);
-  quality.set_edge_distance(localization.quality.edge_distance);
-  quality.set_edge_valid(localization.quality.edge_valid);
+  quality.set_edge_distance(localization.quality.normalized_innovation_squared);
+  quality.set_edge_valid(localization.quality.is_accepted);
   quality.set_beta_error_s(localization.quality.beta.error_s);
   quality.set_beta_error_sigma_s(localization.quality.beta.sigma_s);
   quality.set_beta_is_wrong(localization.quality.beta.is_wrong);

@@ -124,7 +124,7 @@ absl::Status ShowStatus(client::AdminClient& admin, const ServerArguments& argum
       Visible(state->server_version()),
       state->replica().empty() ? "" : absl::StrCat(" at ", Visible(state->replica())),
       AgeText(up_s), state->draining() ? ", draining" : "",
-      state->stub_matcher() ? ", stub matcher: poses mean nothing" : "", state->session_count(),
+      state->stub_matcher() ? ", stub localizer: poses mean nothing" : "", state->session_count(),
       state->max_session_count(), state->detached_session_count(), state->resume_count(),
       state->scan_count(), state->rejected_scan_count(), state->dropped_scan_count(),
       state->repeated_scan_count(), state->unopened_stream_count(),

@@ -3,22 +3,16 @@
 #include <vector>
 
 #include "client/cli/remote/learned_rig.h"
+#include "client/cli/remote/wire_geometry.h"
 #include "core/geometry/covariance.h"
 #include "core/relocalization/gnss_prior.h"
 
 namespace dcloc::cli {
 namespace {
 
-using RowMajor6d = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
-
-Eigen::Vector3d VectorOf(const v1::Vector3& message) {
-  return {message.x(), message.y(), message.z()};
-}
-
-Pose3 PoseOf(const v1::Pose& message) {
-  const v1::Quaternion& q = message.rotation();
-  Pose3 pose{.translation_m = VectorOf(message.translation_m()),
-             .rotation = Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z())};
+/// As the server does.
+Pose3 NormalizedPoseOf(const v1::Pose& message) {
+  Pose3 pose = PoseOf(message);
   pose.rotation.normalize();
   return pose;
 }
@@ -26,7 +20,7 @@ Pose3 PoseOf(const v1::Pose& message) {
 RadarModel RadarFromProto(const v1::RadarModel& message) {
   RadarModel radar;
   radar.id = message.radar_id();
-  radar.T_vehicle_radar = PoseOf(message.t_vehicle_radar());
+  radar.T_vehicle_radar = NormalizedPoseOf(message.t_vehicle_radar());
   if (message.has_beta_s()) radar.beta_s = message.beta_s();
   if (message.has_chirp()) {
     radar.beta_s =
@@ -65,10 +59,7 @@ LocalizerOptions OptionsOf(const v1::LocalizationOptions& message) {
 }
 
 GnssFix FixOf(const v1::GnssFix& message) {
-  const v1::GeodeticPosition& position = message.position();
-  GnssFix fix{.position = {.latitude_deg = position.latitude_deg(),
-                           .longitude_deg = position.longitude_deg(),
-                           .height_m = position.height_m()},
+  GnssFix fix{.position = PositionOf(message.position()),
               .horizontal_sigma_m = message.horizontal_sigma_m(),
               .vertical_sigma_m = message.vertical_sigma_m(),
               .heading_deg = {},
@@ -81,7 +72,7 @@ absl::StatusOr<InitialPose> PoseOf(const v1::PoseWithCovariance& message) {
   if (message.covariance_size() != RowMajor6d::SizeAtCompileTime) {
     return absl::DataLossError("a recorded pose has no covariance of 36 values");
   }
-  const Pose3 T_map_vehicle = PoseOf(message.pose());
+  const Pose3 T_map_vehicle = NormalizedPoseOf(message.pose());
   return InitialPose{.T_map_vehicle = T_map_vehicle,
                      .covariance = TangentFromFixedAxes(
                          T_map_vehicle, RowMajor6d::Map(message.covariance().data()))};

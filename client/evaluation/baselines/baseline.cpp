@@ -45,8 +45,8 @@ void Baseline::Register(const Submap& submap, Stamp stamp, StageListener* listen
   if (listener != nullptr) listener->OnStageBegin(Stage::kPoseGraph);
   const std::optional<double> distance = parts_.estimator->Correct(fit, submap.points);
   if (!distance) return;
-  quality_.edge_distance = *distance;
-  quality_.edge_valid = true;
+  quality_.normalized_innovation_squared = *distance;
+  quality_.is_accepted = true;
   last_accepted_ = stamp;
 }
 

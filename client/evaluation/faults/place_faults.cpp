@@ -13,7 +13,7 @@
 namespace dcloc::faults {
 namespace {
 
-// What is left between the scans on either side of a stretch that is missing.
+// What is left between the scans on either side of a gap that was closed.
 constexpr double kSeam_s = 0.02;
 
 Fault MakePlaceFault(const std::string& id, std::string label, double begin_s, Fault::Apply apply) {
@@ -47,15 +47,15 @@ Fault::Apply Misplacing(double distance_m, double turn_deg, bool is_along) {
 
 }  // namespace
 
-void SkipWay(Stream& stream, Stamp begin, double way_m) {
+void CarryAhead(Stream& stream, Stamp begin, double distance_m) {
   auto& scans = stream.scans;
   const auto first =
       std::ranges::find_if(scans, [&](const StreamScan& entry) { return entry.measured >= begin; });
-  double way_so_far_m = 0.0;
+  double carried_m = 0.0;
   auto next = first;
-  while (next != scans.end() && way_so_far_m < way_m) {
+  while (next != scans.end() && carried_m < distance_m) {
     const auto previous = next++;
-    if (next != scans.end()) way_so_far_m += DistanceBetween(*previous, *next);
+    if (next != scans.end()) carried_m += DistanceBetween(*previous, *next);
   }
   if (first == next) return;
   if (next != scans.end()) {
@@ -81,12 +81,12 @@ void MisplacePrior(Stream& stream, const Pose2& T_truth_prior) {
 
 std::vector<Fault> PlaceFaults() {
   std::vector<Fault> faults;
-  for (const int way_m : {20, 100}) {
-    faults.push_back(MakePlaceFault(absl::StrCat("skipped-", way_m, "m"),
-                                    absl::StrCat("carried ", way_m, " m ahead"), Fault::kBegin_s,
-                                    [=](Stream& stream, const Window& window, std::uint64_t) {
-                                      SkipWay(stream, window.begin, way_m);
-                                    }));
+  for (const int distance_m : {20, 100}) {
+    faults.push_back(MakePlaceFault(
+        absl::StrCat("skipped-", distance_m, "m"), absl::StrCat("carried ", distance_m, " m ahead"),
+        Fault::kBegin_s, [=](Stream& stream, const Window& window, std::uint64_t) {
+          CarryAhead(stream, window.begin, distance_m);
+        }));
   }
   faults.push_back(MakePlaceFault("prior-20m", "prior 20 m off, claims 0.5 m and 1 deg", 0.0,
                                   Misplacing(20.0, 0.0, false)));

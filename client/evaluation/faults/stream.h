@@ -27,7 +27,7 @@ struct Stream {
   std::vector<StreamScan> scans;
 };
 
-/// A stretch of a drive's true time: from `begin` to before `end`.
+/// A window of a drive's true time: from `begin` to before `end`.
 struct Window {
   Stamp begin;
   Stamp end = Stamp::max();
@@ -46,7 +46,7 @@ Stream StreamOf(const Drive& drive, const InitialPose& prior);
 /// Brings the scans into the order of `arrived`; those that arrive together keep their order.
 void OrderByArrival(Stream& stream);
 
-/// `drive` driven backwards: the last pose first, the vehicle reversing along its way, at the same
+/// `drive` driven backwards: the last pose first, the vehicle reversing along its path, at the same
 /// times of the clock. Ranges are as range-Doppler coupling shows them then (METHOD eq 5). Every
 /// scan is of a radar of the rig.
 Drive Reversed(const Drive& drive);

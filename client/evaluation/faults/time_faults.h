@@ -35,7 +35,7 @@ void AlignStamps(Stream& stream, const Window& window);
 /// Keeps scans of each radar at `rate_hz` at most.
 void ThinScans(Stream& stream, const Window& window, double rate_hz);
 
-/// Of the clock and of the way to the localizer.
+/// Of the clock and of the transport to the localizer.
 std::vector<Fault> TimeFaults();
 
 }  // namespace dcloc::faults

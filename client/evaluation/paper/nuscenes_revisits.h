@@ -27,7 +27,7 @@ struct SceneTrack {
 /// scenes by ascending time. DataLoss names the file that is broken.
 absl::StatusOr<std::vector<SceneTrack>> ReadSceneTracks(const std::filesystem::path& tables);
 
-/// A stretch of a scene that an earlier one went through.
+/// A segment of a scene that an earlier one went through.
 struct Revisit {
   std::string map_scene;
   std::string live_scene;

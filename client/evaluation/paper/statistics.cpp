@@ -38,7 +38,7 @@ struct Sample {
   double error_m;
 };
 
-// By stretch of five seconds of a drive.
+// By segment of five seconds of a drive.
 using Clusters = std::map<std::pair<std::size_t, std::int64_t>, std::vector<Sample>>;
 
 Clusters Cluster(std::span<const DriveOutcome> outcomes) {
@@ -46,10 +46,10 @@ Clusters Cluster(std::span<const DriveOutcome> outcomes) {
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     for (const ScanOutcome& scan : outcomes[i].scans) {
       if (!IsSuccess(scan) || !scan.speed_difference_mps) continue;
-      const auto stretch =
+      const auto segment =
           std::chrono::floor<std::chrono::seconds>(scan.answer.stamp.time_since_epoch()).count() /
           5;
-      clusters[{i, stretch}].push_back(
+      clusters[{i, segment}].push_back(
           {{1.0, std::abs(*scan.speed_difference_mps)}, scan.error.translation_m});
     }
   }

@@ -24,7 +24,7 @@ struct Slope {
 };
 
 /// Errors of one drive within seconds of one another are not independent: the interval counts each
-/// drive's stretches of five seconds as one draw (cluster-robust variance).
+/// drive's segments of five seconds as one draw (cluster-robust variance).
 Slope ErrorSlope(std::span<const DriveOutcome> outcomes);
 
 /// The successful answers of one range of absolute speed differences.

@@ -136,7 +136,7 @@ absl::StatusOr<Tally> StartAt(const StartTrial& trial, const Course& course, std
   return JudgeStart(outcome, FirstStamp(drive));
 }
 
-// Where sessions start: every `spacing_m` of the way, while there is data enough after it.
+// Where sessions start: every `spacing_m` of the path, while there is data enough after it.
 std::vector<std::size_t> StartIndices(const Drive& drive, const StartTrial& trial) {
   const Stamp last = drive.scans.back().scan.stamp - Duration(trial.limit_s);
   std::vector<std::size_t> indices;

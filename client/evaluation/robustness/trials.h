@@ -30,7 +30,7 @@ enum class Prior {
   kNone,
 };
 
-/// Many sessions, one every `spacing_m` of the way, each until it calls itself tracking or has had
+/// Many sessions, one every `spacing_m` of the path, each until it calls itself tracking or has had
 /// `limit_s` of data.
 struct StartTrial {
   Prior prior = Prior::kPose;

@@ -166,12 +166,12 @@ void PoseTracker::AddAnswer(const v1::LocalizationResult& result) {
   trusts_given_ = !IsFaulty(result.health().wheel_speed()) && !IsFaulty(result.health().yaw_rate());
   if (!HasPoseInMap(result)) {
     anchors_.clear();
-    jumps_ = true;
+    next_answer_jumps_ = true;
   } else {
     Anchor anchor = AnchorOf(result);
-    anchor.jumped = jumps_ || result.resets().count() != reset_count_;
+    anchor.jumped = next_answer_jumps_ || result.resets().count() != reset_count_;
     Insert(anchor, anchors_);
-    jumps_ = false;
+    next_answer_jumps_ = false;
   }
   reset_count_ = result.resets().count();
   Publish();
@@ -194,14 +194,14 @@ absl::Status PoseTracker::AddVelocity(std::int64_t stamp_ns, const v1::EgoVeloci
 
 void PoseTracker::BeginAnew() {
   const std::lock_guard lock(mutex_);
-  jumps_ = true;
+  next_answer_jumps_ = true;
 }
 
 void PoseTracker::StartOverIfSetBack(std::int64_t stamp_ns) {
   if (stamp_ns >= newest_ns_ - kClockSet_ns) return;
   anchors_.clear();
   given_.clear();
-  jumps_ = true;
+  next_answer_jumps_ = true;
   newest_ns_ = 0;
 }
 

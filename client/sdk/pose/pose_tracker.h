@@ -64,7 +64,7 @@ class PoseTracker {
   OdometryErrors learned_;
   std::int64_t newest_ns_ = 0;
   std::int64_t reset_count_ = 0;
-  bool jumps_ = true;         ///< the next answer does
+  bool next_answer_jumps_ = true;
   bool trusts_given_ = true;  ///< the server finds no fault with them
 };
 

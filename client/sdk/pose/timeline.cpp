@@ -164,7 +164,7 @@ class Builder {
       segment.covariance[i] = (1.0 - share) * anchor.covariance[i] + share * next.covariance[i];
     }
     Vector6 added = std::pow(std::min(before_s, after_s), 2) * segment.variances;
-    if (given_.empty()) {  // the velocity may have changed on the way
+    if (given_.empty()) {  // the velocity may have changed meanwhile
       const double half_s2 = 0.5 * before_s * after_s;
       added = {};
       added[0] = added[1] = std::pow(options_.acceleration_sigma_mps2 * half_s2, 2);
@@ -220,7 +220,7 @@ PoseEstimate Evaluate(const Segment& segment, std::int64_t stamp_ns, const PoseO
   Vector6 added = since_s * since_s * segment.variances;
   added[0] += std::pow(options.acceleration_sigma_mps2 * half_s2, 2);
   added[5] += std::pow(options.turn_acceleration_sigma_radps2 * half_s2, 2);
-  // A turn that is not known bends the way: its end by half of it.
+  // A turn that is not known bends the path: its end by half of it.
   added[1] += std::pow(0.5 * Norm(way_m), 2) * added[5];
   AddVariances(T, added, estimate.covariance);
   return estimate;

@@ -25,7 +25,7 @@ struct GivenVelocity {
   Vector6 variances{};  ///< of it
 };
 
-/// A stretch of time from `begin_ns` to the next segment, in which the velocity changes evenly.
+/// The time from `begin_ns` to the next segment, in which the velocity changes evenly.
 struct Segment {
   std::int64_t begin_ns = 0;
   std::int64_t answer_ns = 0;  ///< of the answer before it

@@ -146,7 +146,7 @@ class Ager {
     }
   }
 
-  // A fence along the kerb, open to the street, in stretches as the street bends.
+  // A fence along the kerb, open to the street, in pieces as the street bends.
   void AddSite(Builder& builder, Random& /*random*/) const {
     const double begin_m = At(kSiteAt);
     const double end_m = begin_m + options_.site_m;
@@ -155,7 +155,7 @@ class Ager {
     };
     for (double at = begin_m; at < end_m; at += 10.0) {
       const double next = std::min(at + 10.0, end_m);
-      // Seen from the right of begin -> end, so against the way.
+      // Seen from the right of begin -> end, so against the direction of travel.
       builder.AddBarrier(kerb(next, 0.6), kerb(at, 0.6), 2.0, 3.5);
     }
   }

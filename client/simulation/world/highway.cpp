@@ -40,7 +40,7 @@ class Roadside {
   // Posts stand at a fixed pitch, so that one post looks like the next, as on the road.
   void AddRail(double offset_m, double begin_m, double end_m, double pitch_m) {
     for (const double s : Steps(begin_m, end_m, pitch_m)) {
-      builder_.AddRailStretch(At(s, offset_m), At(s + pitch_m, offset_m));
+      builder_.AddRailSegment(At(s, offset_m), At(s + pitch_m, offset_m));
     }
   }
 
@@ -53,7 +53,7 @@ class Roadside {
     }
   }
 
-  // Sound barriers in stretches; shrubs and trees in the open between them.
+  // Sound barriers in pieces; shrubs and trees in the open between them.
   void AddBarriersAndTrees(double side) {
     double s = Uniform(random_, -100.0, 100.0);
     while (s < Length()) {

@@ -84,7 +84,7 @@ void Builder::AddBarrier(const Eigen::Vector2d& begin, const Eigen::Vector2d& en
   }
 }
 
-void Builder::AddRailStretch(const Eigen::Vector2d& begin, const Eigen::Vector2d& end) {
+void Builder::AddRailSegment(const Eigen::Vector2d& begin, const Eigen::Vector2d& end) {
   const double heading_rad = HeadingOf(end - begin);
   world_.walls.push_back({begin, end, 0.75, 0.0, true});
   const Eigen::Vector2d post = begin + Normal(random_, 0.0, 0.05) * Along(heading_rad);

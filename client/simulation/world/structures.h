@@ -24,8 +24,8 @@ class Builder {
   void AddBarrier(const Eigen::Vector2d& begin, const Eigen::Vector2d& end, double height_m,
                   double post_spacing_m);
 
-  /// A steel rail seen from both sides that mirrors but hides nothing; one stretch between posts.
-  void AddRailStretch(const Eigen::Vector2d& begin, const Eigen::Vector2d& end);
+  /// A steel rail seen from both sides that mirrors but hides nothing; one piece between posts.
+  void AddRailSegment(const Eigen::Vector2d& begin, const Eigen::Vector2d& end);
 
   /// Lamps, signs, trees: seen from all round.
   void AddPole(const Eigen::Vector2d& position, double rcs_dbsm, double height_m, double extent_m);

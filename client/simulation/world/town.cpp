@@ -99,8 +99,8 @@ void AddRoadPlates(World& world, Random& random) {
 void AddParking(double side, const TownPlan& plan, World& world, Random& random) {
   double at = 5.0;
   while (at < world.route.length_m()) {
-    const double stretch_end = at + Uniform(random, 20.0, 90.0);
-    for (const double slot : RandomSteps(random, at, stretch_end, 5.8, 6.6)) {
+    const double row_end = at + Uniform(random, 20.0, 90.0);
+    for (const double slot : RandomSteps(random, at, row_end, 5.8, 6.6)) {
       if (!plan.IsAwayFromCrossroads(slot, 8.0)) continue;
       const PathPoint point = world.route.At(slot);
       const Eigen::Vector2d position =
@@ -109,7 +109,7 @@ void AddParking(double side, const TownPlan& plan, World& world, Random& random)
       const double heading = point.heading_rad + (side > 0.0 ? std::numbers::pi : 0.0);
       world.parking_slots.push_back({position, WrapAngle(heading)});
     }
-    at = stretch_end + Uniform(random, 8.0, 40.0);
+    at = row_end + Uniform(random, 8.0, 40.0);
   }
 }
 

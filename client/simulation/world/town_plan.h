@@ -28,7 +28,7 @@ struct Crossroads {
 /// Where a town's streets run and what ground is still free for houses.
 class TownPlan {
  public:
-  /// Lays the route, at least `route_length_m` long, and its side streets into `world`; a stretch
+  /// Lays the route, at least `route_length_m` long, and its side streets into `world`; a segment
   /// of `tunnel_m` in the middle of the drive stays straight.
   TownPlan(World& world, double route_length_m, double tunnel_m, Random& random);
 

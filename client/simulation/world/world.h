@@ -27,7 +27,7 @@ struct Lane {
   double vehicles_per_km = 0.0;
 };
 
-/// A straight stretch of the route between two smooth walls, where nothing else is: it shows how
+/// A straight segment of the route between two smooth walls, where nothing else is: it shows how
 /// far it is to either side and where ahead is, but not how far one has come.
 struct Tunnel {
   double begin_m = 0.0;  ///< along the route

@@ -217,7 +217,7 @@ absl::StatusOr<Hold> PostgresCatalogue::HoldFile(absl::string_view sha256,
 }
 
 absl::Status PostgresCatalogue::DeleteVersion(absl::string_view map_name, std::int64_t version) {
-  if (absl::Status status = holds_.TellGivenBack(); !status.ok()) return status;
+  if (absl::Status status = holds_.DeleteReleased(); !status.ok()) return status;
   return WithChange([&](PostgresConnection& connection) -> absl::Status {
     const absl::StatusOr<MapRecord> map = FindMap(connection, map_name, RowLock::kChange);
     if (!map.ok()) return map.status();
@@ -233,7 +233,7 @@ absl::Status PostgresCatalogue::DeleteVersion(absl::string_view map_name, std::i
 }
 
 absl::Status PostgresCatalogue::DeleteMap(absl::string_view map_name) {
-  if (absl::Status status = holds_.TellGivenBack(); !status.ok()) return status;
+  if (absl::Status status = holds_.DeleteReleased(); !status.ok()) return status;
   return WithChange([&](PostgresConnection& connection) -> absl::Status {
     absl::Status status = FindMap(connection, map_name, RowLock::kChange).status();
     if (!status.ok()) return status;

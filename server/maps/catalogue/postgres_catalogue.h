@@ -8,15 +8,15 @@
 
 #include "server/maps/catalogue/catalogue.h"
 #include "server/maps/catalogue/postgres_holds.h"
-#include "server/postgres/answer_memory.h"
 #include "server/postgres/postgres_database.h"
+#include "server/postgres/query_cache.h"
 
 namespace dcloc::server {
 
 /// The catalogue in a PostgreSQL database with PostGIS, for any number of servers.
 ///
 /// `GetMap` and `GetVersion`, which each opening of a session asks, are answered from memory while
-/// nothing has changed (AnswerMemory): a change by another server is seen within `kMaxChangeDelay`.
+/// nothing has changed (QueryCache): a change by another server is seen within `kMaxChangeDelay`.
 /// While the database is away they give what was known last, and a version that was known can be
 /// held; all other calls are Unavailable.
 class PostgresCatalogue final : public Catalogue {
@@ -73,8 +73,8 @@ class PostgresCatalogue final : public Catalogue {
 
   const std::shared_ptr<PostgresDatabase> database_;
   PostgresHolds holds_;
-  AnswerMemory<std::string, MapRecord> maps_;
-  AnswerMemory<std::pair<std::string, std::int64_t>, MapVersionRecord> versions_;
+  QueryCache<std::string, MapRecord> maps_;
+  QueryCache<std::pair<std::string, std::int64_t>, MapVersionRecord> versions_;
 };
 
 }  // namespace dcloc::server

@@ -6,20 +6,12 @@
 #include <utility>
 
 #include "server/maps/catalogue/coverage_search.h"
+#include "server/maps/catalogue/record_columns.h"
 
 namespace dcloc::server {
 namespace {
 
 using Column = std::vector<std::optional<double>>;
-
-Rectangle NextRectangle(PostgresRows& row) {
-  Rectangle rectangle;
-  rectangle.min_x = row.NextReal();
-  rectangle.max_x = row.NextReal();
-  rectangle.min_y = row.NextReal();
-  rectangle.max_y = row.NextReal();
-  return rectangle;
-}
 
 /// In the order of the table.
 std::array<Column, 8> ColumnsOf(const std::vector<CoverageBox>& boxes) {

@@ -49,7 +49,7 @@ struct PostgresHolds::State {
   }
 
   /// With `telling` held, and outside of a transaction, as what is told is then forgotten here.
-  absl::Status TellGivenBack(PostgresConnection& connection) {
+  absl::Status DeleteReleased(PostgresConnection& connection) {
     std::vector<VersionHoldKey> versions;
     std::vector<std::int64_t> tokens;
     {
@@ -129,7 +129,7 @@ absl::StatusOr<Hold> PostgresHolds::HoldFile(absl::string_view sha256, absl::str
     held_here = state_->files.contains(file);
   }
   absl::Status status = database_->pool.WithConnection(
-      [&](PostgresConnection& connection) { return state_->TellGivenBack(connection); });
+      [&](PostgresConnection& connection) { return state_->DeleteReleased(connection); });
   if (!status.ok()) return status;
   std::int64_t token = 0;
   status = database_->pool.InTransaction([&](PostgresConnection& connection) {
@@ -144,10 +144,10 @@ absl::StatusOr<Hold> PostgresHolds::HoldFile(absl::string_view sha256, absl::str
   return Hold([state = state_, file, token] { state->GiveBackFile(file, token); });
 }
 
-absl::Status PostgresHolds::TellGivenBack() {
+absl::Status PostgresHolds::DeleteReleased() {
   const std::lock_guard telling(state_->telling);
   return database_->pool.WithConnection(
-      [&](PostgresConnection& connection) { return state_->TellGivenBack(connection); });
+      [&](PostgresConnection& connection) { return state_->DeleteReleased(connection); });
 }
 
 absl::Status PostgresHolds::CheckFileHold(PostgresConnection& connection,
@@ -169,7 +169,7 @@ absl::Status PostgresHolds::Keep(PostgresConnection& connection, bool is_new) {
     if (!status.ok()) return status;
     next_renewal_ = now + kRenewalInterval;
   }
-  return state_->TellGivenBack(connection);
+  return state_->DeleteReleased(connection);
 }
 
 absl::Status PostgresHolds::RenewLeases(PostgresConnection& connection, bool is_new) {

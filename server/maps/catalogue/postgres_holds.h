@@ -35,7 +35,7 @@ class PostgresHolds {
 
   /// Tells the database at once what has been given back, so that this process is not in its own
   /// way.
-  absl::Status TellGivenBack();
+  absl::Status DeleteReleased();
 
   /// In a transaction: Unavailable when this process holds a file and its lease has ended
   /// meanwhile: another one may be removing the file.

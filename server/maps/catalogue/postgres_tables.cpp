@@ -1,8 +1,8 @@
 #include "server/maps/catalogue/postgres_tables.h"
 
 #include <chrono>
-#include <optional>
 
+#include "server/maps/catalogue/record_columns.h"
 #include "server/postgres/postgres_migrations.h"
 
 namespace dcloc::server {
@@ -135,38 +135,6 @@ CREATE SEQUENCE dcloc.file_hold_token;
 constexpr const char* kSteps[] = {kCreateMaps, kCreateCoverageBoxes, kCreateHolds};
 constexpr PostgresMigrations kMigrations{.part = "catalogue", .steps = kSteps};
 
-Eigen::Vector3d NextVector(PostgresRows& row) {
-  const double x = row.NextReal();
-  const double y = row.NextReal();
-  const double z = row.NextReal();
-  return {x, y, z};
-}
-
-std::optional<GeodeticAnchor> NextAnchor(PostgresRows& row) {
-  const bool present = !row.NextIsNull();
-  GeodeticAnchor anchor;
-  anchor.origin.latitude_deg = row.NextReal();
-  anchor.origin.longitude_deg = row.NextReal();
-  anchor.origin.height_m = row.NextReal();
-  anchor.x_axis_east_rad = row.NextReal();
-  return present ? std::optional(anchor) : std::nullopt;
-}
-
-void BindVector(const Eigen::Vector3d& vector, PostgresValues* insert) {
-  insert->Bind(vector.x()).Bind(vector.y()).Bind(vector.z());
-}
-
-void BindAnchor(const std::optional<GeodeticAnchor>& anchor, PostgresValues* insert) {
-  if (anchor) {
-    insert->Bind(anchor->origin.latitude_deg)
-        .Bind(anchor->origin.longitude_deg)
-        .Bind(anchor->origin.height_m)
-        .Bind(anchor->x_axis_east_rad);
-  } else {
-    insert->BindNull().BindNull().BindNull().BindNull();
-  }
-}
-
 }  // namespace
 
 absl::Status PrepareTables(PostgresConnection& connection) {
@@ -177,24 +145,14 @@ const char* const kInsertPostgresVersion =
     "INSERT INTO map_version VALUES ($1,$2,$3,$4,$5,$6,$7,$8,$9,$10,$11,$12,$13,$14,$15,$16,$17,"
     "$18,$19,$20,$21)";
 
-MapRecord ReadMap(PostgresRows& row) {
-  MapRecord record;
-  record.name = row.NextText();
-  record.active_version = row.NextInteger();
-  record.version_count = static_cast<int>(row.NextInteger());
-  record.create_time = SystemTime(std::chrono::nanoseconds(row.NextInteger()));
-  record.previous_version = row.NextInteger();
-  record.canary_version = row.NextInteger();
-  record.canary_share = row.NextReal();
-  return record;
-}
+MapRecord ReadMap(PostgresRows& row) { return NextMap(row); }
 
 MapVersionRecord ReadVersion(PostgresRows& row) {
   MapVersionRecord record;
   record.map_name = row.NextText();
   record.version = row.NextInteger();
   record.sha256 = row.NextText();
-  record.create_time = SystemTime(std::chrono::nanoseconds(row.NextInteger()));
+  record.create_time = NextTime(row);
   record.info.size_bytes = static_cast<std::uint64_t>(row.NextInteger());
   record.info.name = row.NextBytes();
   record.info.description = row.NextBytes();

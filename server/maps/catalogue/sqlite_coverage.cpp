@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/maps/catalogue/coverage_search.h"
+#include "server/maps/catalogue/record_columns.h"
 
 namespace dcloc::server {
 namespace {
@@ -13,15 +14,6 @@ void BindRectangle(const Rectangle& rectangle, SqliteStatement* statement) {
       .Bind(rectangle.max_x)
       .Bind(rectangle.min_y)
       .Bind(rectangle.max_y);
-}
-
-Rectangle NextRectangle(SqliteStatement& row) {
-  Rectangle rectangle;
-  rectangle.min_x = row.NextReal();
-  rectangle.max_x = row.NextReal();
-  rectangle.min_y = row.NextReal();
-  rectangle.max_y = row.NextReal();
-  return rectangle;
 }
 
 /// Goes through boxes and notes how far each is.

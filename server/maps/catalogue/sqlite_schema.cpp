@@ -1,48 +1,11 @@
 #include "server/maps/catalogue/sqlite_schema.h"
 
-#include <optional>
-
 #include "absl/strings/str_format.h"
+#include "server/maps/catalogue/record_columns.h"
 #include "server/maps/catalogue/sqlite_coverage.h"
 
 namespace dcloc::server {
 namespace {
-
-SystemTime TimeFromNanoseconds(std::int64_t time_ns) {
-  return SystemTime(std::chrono::nanoseconds(time_ns));
-}
-
-Eigen::Vector3d NextVector(SqliteStatement& row) {
-  const double x = row.NextReal();
-  const double y = row.NextReal();
-  const double z = row.NextReal();
-  return {x, y, z};
-}
-
-std::optional<GeodeticAnchor> NextAnchor(SqliteStatement& row) {
-  const bool present = !row.NextIsNull();
-  GeodeticAnchor anchor;
-  anchor.origin.latitude_deg = row.NextReal();
-  anchor.origin.longitude_deg = row.NextReal();
-  anchor.origin.height_m = row.NextReal();
-  anchor.x_axis_east_rad = row.NextReal();
-  return present ? std::optional(anchor) : std::nullopt;
-}
-
-void BindVector(const Eigen::Vector3d& vector, SqliteStatement* insert) {
-  insert->Bind(vector.x()).Bind(vector.y()).Bind(vector.z());
-}
-
-void BindAnchor(const std::optional<GeodeticAnchor>& anchor, SqliteStatement* insert) {
-  if (anchor) {
-    insert->Bind(anchor->origin.latitude_deg)
-        .Bind(anchor->origin.longitude_deg)
-        .Bind(anchor->origin.height_m)
-        .Bind(anchor->x_axis_east_rad);
-  } else {
-    insert->BindNull().BindNull().BindNull().BindNull();
-  }
-}
 
 constexpr char kCreateTables[] = R"(
 CREATE TABLE map (
@@ -168,24 +131,14 @@ absl::Status PrepareSchema(SqliteDatabase& database) {
 const char* const kInsertVersion =
     "INSERT INTO map_version VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)";
 
-MapRecord ReadMap(SqliteStatement& row) {
-  MapRecord record;
-  record.name = row.NextText();
-  record.active_version = row.NextInteger();
-  record.version_count = static_cast<int>(row.NextInteger());
-  record.create_time = TimeFromNanoseconds(row.NextInteger());
-  record.previous_version = row.NextInteger();
-  record.canary_version = row.NextInteger();
-  record.canary_share = row.NextReal();
-  return record;
-}
+MapRecord ReadMap(SqliteStatement& row) { return NextMap(row); }
 
 MapVersionRecord ReadVersion(SqliteStatement& row) {
   MapVersionRecord record;
   record.map_name = row.NextText();
   record.version = row.NextInteger();
   record.sha256 = row.NextText();
-  record.create_time = TimeFromNanoseconds(row.NextInteger());
+  record.create_time = NextTime(row);
   record.info.size_bytes = static_cast<std::uint64_t>(row.NextInteger());
   record.info.name = row.NextText();
   record.info.description = row.NextText();

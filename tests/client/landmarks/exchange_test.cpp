@@ -60,16 +60,16 @@ Rows FromGeoJson(const MapParts& map, const std::string& text) {
 
 TEST(ExchangeTest, UnchangedFilesGiveTheSameMap) {
   const MapParts town = Town(false);
-  MendCounts counts;
-  EXPECT_EQ(BytesOf(Mend(
+  LandmarkEdits counts;
+  EXPECT_EQ(BytesOf(ReplaceLandmarks(
                 town, Read(ParseLandmarkPcd(FormatLandmarkPcd(town), "town.pcd", town.Origin_m())),
                 counts)),
             BytesOf(town));
   EXPECT_EQ(counts.same, town.PointCount());
   const MapParts anchored = Town(true);
-  EXPECT_EQ(
-      BytesOf(Mend(anchored, FromGeoJson(anchored, *FormatLandmarkGeoJson(anchored)), counts)),
-      BytesOf(anchored));
+  EXPECT_EQ(BytesOf(ReplaceLandmarks(
+                anchored, FromGeoJson(anchored, *FormatLandmarkGeoJson(anchored)), counts)),
+            BytesOf(anchored));
   EXPECT_EQ(counts.same, town.PointCount());
   EXPECT_EQ(counts.removed + counts.added + counts.moved + counts.edited, 0U);
 }
@@ -114,8 +114,8 @@ TEST(ExchangeTest, MendedLandmarksAreCounted) {
   rows[2].point.rcs_dbsm = 20.0F;                 // edited
   rows.push_back(rows[5]);                        // copied
   rows.back().p_map.y() += 1.0;
-  MendCounts counts;
-  const auto mended = Mend(town, rows, counts);
+  LandmarkEdits counts;
+  const auto mended = ReplaceLandmarks(town, rows, counts);
   ASSERT_TRUE(mended.ok()) << mended.status();
   EXPECT_EQ(counts.removed, 1U);
   EXPECT_EQ(counts.moved, 1U);
@@ -136,8 +136,8 @@ TEST(ExchangeTest, ALandmarkThatWasDrawnAnewJoinsTheNearestKeyframe) {
   drawn.point.xy_m2 = 0.0F;
   drawn.point.yy_m2 = 0.01F;
   rows.push_back(drawn);
-  MendCounts counts;
-  const auto mended = Mend(town, rows, counts);
+  LandmarkEdits counts;
+  const auto mended = ReplaceLandmarks(town, rows, counts);
   ASSERT_TRUE(mended.ok()) << mended.status();
   EXPECT_EQ(counts.added, 1U);
   bool found = false;
@@ -147,7 +147,7 @@ TEST(ExchangeTest, ALandmarkThatWasDrawnAnewJoinsTheNearestKeyframe) {
   EXPECT_TRUE(found);
   rows.back().p_map.x() += 5000.0;
   rows.back().name = "town.pcd: point 108";
-  EXPECT_THAT(Mend(town, rows, counts).status().message(),
+  EXPECT_THAT(ReplaceLandmarks(town, rows, counts).status().message(),
               HasSubstr("town.pcd: point 108: it lies at"));
 }
 
@@ -161,8 +161,8 @@ TEST(ExchangeTest, ToolsOfThePlaneMayLeaveTheHeightOut) {
     text.erase(comma, end - comma);
   }
   ASSERT_FALSE(FromGeoJson(town, text)[0].has_height);
-  MendCounts counts;
-  EXPECT_EQ(BytesOf(Mend(town, FromGeoJson(town, text), counts)), BytesOf(town));
+  LandmarkEdits counts;
+  EXPECT_EQ(BytesOf(ReplaceLandmarks(town, FromGeoJson(town, text), counts)), BytesOf(town));
   EXPECT_EQ(counts.same, town.PointCount());
 }
 
@@ -176,8 +176,8 @@ TEST(ExchangeTest, AMoveInThePlaneLeavesTheHeight) {
   moved.height_m = 0.0;
   rows[3].p_map = MapFromGeodetic(*town.Anchor(), moved);
   rows[3].has_height = false;
-  MendCounts counts;
-  const auto mended = Mend(town, rows, counts);
+  LandmarkEdits counts;
+  const auto mended = ReplaceLandmarks(town, rows, counts);
   ASSERT_TRUE(mended.ok()) << mended.status();
   EXPECT_EQ(counts.moved, 1U);
   const GeodeticPosition after = GeodeticFromMap(*town.Anchor(), RowsOf(*mended)[3].p_map);
@@ -236,23 +236,23 @@ TEST(ExchangeTest, ErrorsNameTheRowTheFieldAndTheBound) {
   Rows rows = RowsOf(town);
   rows[7].keyframe = 12;
   rows[7].name = "t.pcd: point 7";
-  MendCounts counts;
-  EXPECT_THAT(Mend(town, rows, counts).status().message(),
+  LandmarkEdits counts;
+  EXPECT_THAT(ReplaceLandmarks(town, rows, counts).status().message(),
               HasSubstr("t.pcd: point 7: keyframe is 12; the base map has 12"));
   for (const double value : {1e300, -1.1e9, std::numeric_limits<double>::quiet_NaN()}) {
     rows[7] = rows[6];
     rows[7].name = "t.pcd: point 7";
     rows[7].p_map.x() = value;
-    EXPECT_THAT(Mend(town, rows, counts).status().message(),
+    EXPECT_THAT(ReplaceLandmarks(town, rows, counts).status().message(),
                 HasSubstr(absl::StrCat("t.pcd: point 7: x is ", value,
                                        " m in the map; it must lie in [-1.01e+09, 1.01e+09]")));
   }
   rows[7] = rows[6];
   rows[7].name = "t.pcd: point 7";
   rows[7].point.xx_m2 = -1.0F;
-  EXPECT_THAT(Mend(town, rows, counts).status().message(),
+  EXPECT_THAT(ReplaceLandmarks(town, rows, counts).status().message(),
               HasSubstr("point 7: its covariance is not positive semidefinite"));
-  EXPECT_FALSE(Mend(town, {}, counts).ok());
+  EXPECT_FALSE(ReplaceLandmarks(town, {}, counts).ok());
   EXPECT_FALSE(FormatLandmarkGeoJson(Town(false)).ok());
 }
 

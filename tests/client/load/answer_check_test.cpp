@@ -67,18 +67,18 @@ TEST_F(AnswerCheckTest, ThePoseMustBeOne) {
 }
 
 TEST_F(AnswerCheckTest, ARepeatedScanIsAnsweredFromMemory) {
-  EXPECT_THAT(Fault(Sending::kAgain), HasSubstr("a second time"));
+  EXPECT_THAT(Fault(Sending::kDuplicate), HasSubstr("a second time"));
   answer_.set_from_memory(true);
-  EXPECT_EQ(Fault(Sending::kAgain), "none");
+  EXPECT_EQ(Fault(Sending::kDuplicate), "none");
   EXPECT_EQ(Fault(Sending::kOnce, /*resent=*/true), "none");
   EXPECT_THAT(Fault(Sending::kOnce), HasSubstr("from memory"));
 }
 
 TEST_F(AnswerCheckTest, OnlyALateScanIsRefusedAsLate) {
-  EXPECT_THAT(Fault(Sending::kBehind), HasSubstr("not refused"));
+  EXPECT_THAT(Fault(Sending::kReordered), HasSubstr("not refused"));
   answer_.mutable_rejected()->set_sequence_number(7);
   answer_.mutable_rejected()->set_code(11);
-  EXPECT_EQ(Fault(Sending::kBehind), "none");
+  EXPECT_EQ(Fault(Sending::kReordered), "none");
   EXPECT_THAT(Fault(), HasSubstr("in order"));
   answer_.mutable_rejected()->set_code(3);
   EXPECT_EQ(Fault(), "none") << "counted as refused, which the contract allows for";

@@ -39,7 +39,7 @@ class MapTransferTest : public ::testing::Test {
   void Start() {
     auto server = server::Server::Start({.data = (folder_.path() / "data").string(),
                                          .listen = "127.0.0.1:0",
-                                         .stub_matcher = true,
+                                         .stub_localizer = true,
                                          .log_level = "error"});
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);

@@ -29,7 +29,7 @@ class RealServerTest : public ::testing::Test {
   void Start(server::ServerConfig config = {}) {
     config.data = (folder_.path() / "data").string();
     config.listen = "localhost:0";
-    config.stub_matcher = true;
+    config.stub_localizer = true;
     auto server = server::Server::Start(config);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);

@@ -186,11 +186,11 @@ std::vector<v1::Scan> StraightDrive(int count) {
 
 server::ServerConfig StubConfig() {
   server::ServerConfig config;
-  config.stub_matcher = true;
+  config.stub_localizer = true;
   return config;
 }
 
-/// A server with the stub matcher and a small map.
+/// A server with the stub localizer and a small map.
 class ReconnectTest : public ::testing::Test {
  protected:
   explicit ReconnectTest(const server::ServerConfig& config = StubConfig()) : site_(config) {

@@ -203,7 +203,7 @@ TEST(TrajectoryTest, DriftIsTheShareOfTheWayThatIsLost) {
   for (TrajectoryPair& pair : pairs) pair.T_map_vehicle.translation_m *= 1.02;
   const TrajectoryDrift drift = DriftOver(pairs, 50.0);
   EXPECT_NEAR(drift.translation_percent, 2.0, 0.1);
-  EXPECT_GE(drift.stretch_count, 149U);
+  EXPECT_GE(drift.segment_count, 149U);
 }
 
 }  // namespace

@@ -90,10 +90,10 @@ TEST_F(LocalizerTest, WithoutTargetsItDeadReckonsAndIsThenLost) {
     if (i > 30) {
       EXPECT_GT(now_m, sigma_m);
       EXPECT_NE(answer->state, LocalizationState::kTracking);
-      EXPECT_FALSE(answer->quality.edge_valid);
+      EXPECT_FALSE(answer->quality.is_accepted);
       EXPECT_EQ(answer->quality.inlier_count, 0);
     }
-    quiet_ms = answer->quality.edge_valid ? 0 : quiet_ms + 77;
+    quiet_ms = answer->quality.is_accepted ? 0 : quiet_ms + 77;
     sigma_m = now_m;
     reckoned = reckoned || answer->state == LocalizationState::kDeadReckoning;
     lost = answer->state == LocalizationState::kLost;

@@ -212,8 +212,8 @@ inline void ExpectSame(const Localization& a, const Localization& b) {
   EXPECT_EQ(a.quality.inlier_count, b.quality.inlier_count);
   EXPECT_EQ(a.quality.overlap, b.quality.overlap);
   EXPECT_EQ(a.quality.residual_scale, b.quality.residual_scale);
-  EXPECT_EQ(a.quality.edge_distance, b.quality.edge_distance);
-  EXPECT_EQ(a.quality.edge_valid, b.quality.edge_valid);
+  EXPECT_EQ(a.quality.normalized_innovation_squared, b.quality.normalized_innovation_squared);
+  EXPECT_EQ(a.quality.is_accepted, b.quality.is_accepted);
 }
 
 }  // namespace dcloc

@@ -48,15 +48,15 @@ TEST(CusumDetectorTest, ASmallChangeTakesLonger) {
 
 TEST(CusumDetectorTest, HalfWayToAChangeItIsSuspected) {
   CusumDetector test({});
-  EXPECT_FALSE(test.Suspected());
+  EXPECT_FALSE(test.UnconfirmedChange());
   for (int i = 0; i < 2; ++i) {
-    EXPECT_FALSE(test.Suspected());
+    EXPECT_FALSE(test.UnconfirmedChange());
     EXPECT_FALSE(test.OnDeviation({-0.025, kPageVariance}, 1.0));
   }
-  ASSERT_TRUE(test.Suspected());
-  EXPECT_NEAR(*test.Suspected(), -0.025, 1e-12);
+  ASSERT_TRUE(test.UnconfirmedChange());
+  EXPECT_NEAR(*test.UnconfirmedChange(), -0.025, 1e-12);
   for (int i = 0; i < 3; ++i) test.OnDeviation({0.0, kPageVariance}, 1.0);
-  EXPECT_FALSE(test.Suspected());
+  EXPECT_FALSE(test.UnconfirmedChange());
 }
 
 TEST(CusumDetectorTest, OneThatIsFarOffIsNoChange) {

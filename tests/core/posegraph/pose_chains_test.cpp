@@ -37,8 +37,9 @@ AbsolutePoseFactor<2> Aside(AbsolutePoseFactor<2> loop, double y_m) {
 
 // The outcome of every step's edge; `loop_at(i)` gives the edge.
 template <typename LoopAt>
-std::vector<EdgeTest> Drive(const Chain<2>& chain, PoseChains<2>& chains, const LoopAt& loop_at) {
-  std::vector<EdgeTest> tests;
+std::vector<InnovationTest> Drive(const Chain<2>& chain, PoseChains<2>& chains,
+                                  const LoopAt& loop_at) {
+  std::vector<InnovationTest> tests;
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
     chains.AddState(chain.steps[i].odometry);
     tests.push_back(chains.AddAbsolutePose(loop_at(i)));
@@ -121,7 +122,7 @@ TEST(PoseChainsTest, ScatteredFailuresNeverTakeOver) {
   const auto tests = Drive(chain, chains, [&](std::size_t i) {
     return Aside(chain.steps[i].factor, i % 2 == 0 ? 10.0 : -10.0);
   });
-  for (const EdgeTest& test : tests) EXPECT_FALSE(test.valid);
+  for (const InnovationTest& test : tests) EXPECT_FALSE(test.valid);
   EXPECT_LT(DistanceTo(chain.steps.back().truth, chains), 0.6);
 }
 
@@ -133,7 +134,7 @@ TEST(PoseChainsTest, AChainThatIsWrongForGoodIsReplaced) {
   chains.Reset(wrong);
   for (std::size_t i = 0; i < chain.steps.size(); ++i) {
     chains.AddState(chain.steps[i].odometry);
-    const EdgeTest test = chains.AddAbsolutePose(chain.steps[i].factor);
+    const InnovationTest test = chains.AddAbsolutePose(chain.steps[i].factor);
     const bool taken_over = i + 1 >= kSupport;
     EXPECT_EQ(test.valid, taken_over) << i;
     // At the takeover it is the distance to the chain that is replaced.
@@ -219,7 +220,7 @@ TEST(PoseChainsTest, NearOutliersTakeOverSooner) {
     wrong.pose = wrong.pose * Pose2{.translation_m = {0.0, aside_m}};
     chains.Reset(wrong);
     const auto tests = Drive(chain, chains, [&](std::size_t i) { return chain.steps[i].factor; });
-    return std::ranges::find_if(tests, &EdgeTest::valid) - tests.begin();
+    return std::ranges::find_if(tests, &InnovationTest::valid) - tests.begin();
   };
   EXPECT_EQ(first_valid(0.35), 3);
   EXPECT_EQ(first_valid(5.0), 7);

@@ -109,7 +109,7 @@ TYPED_TEST(PoseGraphTest, TheSolutionWeighsByTheReusedCovarianceTheTestByTheOwn)
   graph.Reset({{}, one});
   graph.AddState({{}, Diagonal<kDim>(1e-4, 1e-4)});
   const Tangent<kDim> xi = 0.02 * Tangent<kDim>::Unit(0);
-  const EdgeTest test = graph.AddAbsolutePose({Exp(xi), one, 9.0 * one});
+  const InnovationTest test = graph.AddAbsolutePose({Exp(xi), one, 9.0 * one});
   EXPECT_NEAR(test.squared_distance, 4.0 / 2.0, 0.01);
   graph.Solve();
   EXPECT_NEAR(Log(graph.Newest().pose)(0), 0.02 / 10.0, 1e-5);
@@ -130,7 +130,7 @@ TYPED_TEST(PoseGraphTest, SingleOutliersAreCutAndOdometryHoldsTheState) {
     if (i % 10 == 5) {
       AbsolutePoseFactor<kDim> outlier = step.factor;
       outlier.pose = outlier.pose * Exp(Tangent<kDim>(0.8 * Tangent<kDim>::Unit(1)));
-      const EdgeTest test = with.AddAbsolutePose(outlier);
+      const InnovationTest test = with.AddAbsolutePose(outlier);
       EXPECT_FALSE(test.valid);
       EXPECT_GT(test.squared_distance, 50.0);
     } else {
@@ -192,7 +192,7 @@ TYPED_TEST(PoseGraphTest, FailuresThatAgreeWithOneAnotherAreAllCut) {
     AbsolutePoseFactor<kDim> loop = step.factor;
     const bool wrong = i >= 10 && i < 13;
     if (wrong) loop.pose = loop.pose * aside;
-    const EdgeTest test = graph.AddAbsolutePose(loop);
+    const InnovationTest test = graph.AddAbsolutePose(loop);
     if (wrong) {
       EXPECT_FALSE(test.valid) << "step " << i;
     }
@@ -235,8 +235,8 @@ TYPED_TEST(PoseGraphTest, AnotherFrameChangesNothingBetweenThePoses) {
     if (i == 15) moves.ChangeFrame(T_new_old);
     AbsolutePoseFactor<kDim> loop = step.factor;
     if (i >= 15) loop.pose = T_new_old * loop.pose;
-    const EdgeTest a = stays.AddAbsolutePose(step.factor);
-    const EdgeTest b = moves.AddAbsolutePose(loop);
+    const InnovationTest a = stays.AddAbsolutePose(step.factor);
+    const InnovationTest b = moves.AddAbsolutePose(loop);
     EXPECT_NEAR(a.squared_distance, b.squared_distance, 1e-4 * (1.0 + a.squared_distance));
     EXPECT_EQ(a.valid, b.valid);
     stays.Solve();

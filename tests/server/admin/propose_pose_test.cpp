@@ -10,7 +10,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// The stub matcher contradicts each fix: what is tested here is a proposal's way to the session.
+/// The stub localizer contradicts each fix: what is tested here is the path of a proposal to the
+/// session.
 class ProposePoseTest : public SessionFixture {
  protected:
   grpc::Status Propose(const v1::ProposePoseRequest& request, v1::ProposePoseResponse* response) {

@@ -248,7 +248,7 @@ void LocalizeSome(const std::string& address) {
 
 TEST_F(ProcessTest, ALogThatNobodyReadsHoldsUpNobody) {
   ServerProcess server(
-      {"--data", Store(), "--listen", "127.0.0.1:0", "--stub-matcher", "--log-level", "debug"});
+      {"--data", Store(), "--listen", "127.0.0.1:0", "--stub-localizer", "--log-level", "debug"});
   const std::string line = server.ReadUntil("listening on 127.0.0.1:");
   server.StopReading();
   LocalizeSome(line.substr(line.find("127."), line.find('\n') - line.find("127.")));
@@ -258,7 +258,7 @@ TEST_F(ProcessTest, ALogThatNobodyReadsHoldsUpNobody) {
 
 TEST_F(ProcessTest, ALogThatIsClosedEndsNothing) {
   ServerProcess server(
-      {"--data", Store(), "--listen", "127.0.0.1:0", "--stub-matcher", "--log-level", "debug"});
+      {"--data", Store(), "--listen", "127.0.0.1:0", "--stub-localizer", "--log-level", "debug"});
   const std::string line = server.ReadUntil("listening on 127.0.0.1:");
   server.CloseOutput();
   LocalizeSome(line.substr(line.find("127."), line.find('\n') - line.find("127.")));

@@ -37,12 +37,12 @@ TEST(ConfigFileTest, TakesWhatItHasAndLeavesTheRest) {
   const TemporaryFolder folder;
   ServerConfig config;
   const absl::Status status = ReadConfigFile(
-      WriteText(folder, R"({"data": "/srv/maps", "worker_count": 3, "stub_matcher": true})"),
+      WriteText(folder, R"({"data": "/srv/maps", "worker_count": 3, "stub_localizer": true})"),
       &config);
   ASSERT_TRUE(status.ok()) << status;
   EXPECT_EQ(config.data, "/srv/maps");
   EXPECT_EQ(config.worker_count, 3);
-  EXPECT_TRUE(config.stub_matcher);
+  EXPECT_TRUE(config.stub_localizer);
   EXPECT_EQ(config.listen, ServerConfig().listen);
 }
 
@@ -57,7 +57,7 @@ TEST(ConfigFileTest, ErrorsNameFileKeyValueAndBound) {
   EXPECT_THAT(ErrorOfFile(R"({"worker_count": 99999999999999999999})"), HasSubstr("worker_count"));
   EXPECT_THAT(ErrorOfFile(R"({"worker_count": 2.5})"), HasSubstr("worker_count is 2.5"));
   EXPECT_THAT(ErrorOfFile(R"({"worker_count": "2"})"), HasSubstr("an integer"));
-  EXPECT_THAT(ErrorOfFile(R"({"stub_matcher": 1})"), HasSubstr("true or false"));
+  EXPECT_THAT(ErrorOfFile(R"({"stub_localizer": 1})"), HasSubstr("true or false"));
   EXPECT_THAT(ErrorOfFile(R"({"data": null})"), HasSubstr("data is null"));
   EXPECT_THAT(ErrorOfFile("[1]"), HasSubstr("an object"));
   EXPECT_THAT(ErrorOfFile("{\"data\": "), HasSubstr("config.json"));
@@ -74,14 +74,22 @@ TEST(CommandLineTest, FlagsGoBeforeTheFileAndTheFileBeforeDefaults) {
   const std::string path =
       WriteText(folder, R"({"data": "/from/file", "worker_count": 3, "max_session_count": 5})");
   const absl::StatusOr<CommandLine> line =
-      Parse({"--config", path.c_str(), "--worker-count", "7", "--stub-matcher"});
+      Parse({"--config", path.c_str(), "--worker-count", "7", "--stub-localizer"});
   ASSERT_TRUE(line.ok()) << line.status();
   EXPECT_FALSE(line->print.has_value());
   EXPECT_EQ(line->config.data, "/from/file");
   EXPECT_EQ(line->config.worker_count, 7);
   EXPECT_EQ(line->config.max_session_count, 5);
-  EXPECT_TRUE(line->config.stub_matcher);
+  EXPECT_TRUE(line->config.stub_localizer);
   EXPECT_EQ(line->config.max_map_mib, ServerConfig().max_map_mib);
+}
+
+TEST(CommandLineTest, ARenamedSettingIsKnownByItsFormerNameToo) {
+  const TemporaryFolder folder;
+  const std::string path = WriteText(folder, R"({"data": "d", "stub_matcher": true})");
+  EXPECT_TRUE(Parse({"--config", path.c_str()})->config.stub_localizer);
+  EXPECT_TRUE(Parse({"--data", "d", "--stub-matcher"})->config.stub_localizer);
+  EXPECT_FALSE(Parse({"--data", "d"})->config.stub_localizer);
 }
 
 TEST(CommandLineTest, ChecksWithoutStarting) {
@@ -95,13 +103,13 @@ TEST(ConfigTest, ChangesAreFoundFieldByField) {
   EXPECT_TRUE(ChangedFields(before, after).empty());
   after.max_session_count = 7;
   after.listen = "127.0.0.1:1";
-  after.stub_matcher = true;
+  after.stub_localizer = true;
   std::vector<std::string> keys;
   for (const ConfigField* field : ChangedFields(before, after)) {
     keys.emplace_back(field->key);
     TakeField(*field, after, &before);
   }
-  EXPECT_THAT(keys, ::testing::ElementsAre("listen", "stub_matcher", "max_session_count"));
+  EXPECT_THAT(keys, ::testing::ElementsAre("listen", "stub_localizer", "max_session_count"));
   EXPECT_TRUE(ChangedFields(before, after).empty());
 }
 
@@ -173,7 +181,7 @@ TEST(CommandLineTest, HelpShowsEverySettingAndExamples) {
   const absl::StatusOr<CommandLine> line = Parse({"--help"});
   ASSERT_TRUE(line.ok());
   ASSERT_TRUE(line->print.has_value());
-  for (const char* flag : {"--data", "--listen", "--tls-client-ca", "--stub-matcher",
+  for (const char* flag : {"--data", "--listen", "--tls-client-ca", "--stub-localizer",
                            "--allow-plaintext-off-loopback", "--config", "Examples:"}) {
     EXPECT_THAT(*line->print, HasSubstr(flag));
   }

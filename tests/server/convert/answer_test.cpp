@@ -71,7 +71,7 @@ TEST(ConvertAnswerTest, CarriesStateQualityAndObservedDegreesOfFreedom) {
   localization.state = LocalizationState::kLost;
   localization.observed[0] = localization.observed[1] = localization.observed[5] = true;
   localization.quality.inlier_count = 17;
-  localization.quality.edge_valid = true;
+  localization.quality.is_accepted = true;
   localization.quality.beta = {.error_s = 0.03, .sigma_s = 0.007, .is_wrong = true};
   v1::LocalizationResult message;
   convert::ToProto(localization, &message);

@@ -17,7 +17,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// The stub matcher: what is tested here is all but the method.
+/// The stub localizer: what is tested here is all but the method.
 class LocalizeTest : public ::testing::Test {
  protected:
   LocalizeTest() : LocalizeTest(TestServer::StubConfig()) {}

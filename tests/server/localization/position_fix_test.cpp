@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// The stub matcher: what is tested here is the way of fixes through a stream.
+/// The stub localizer: what is tested here is the path of fixes through a stream.
 class PositionFixTest : public SessionFixture {};
 
 TEST_F(PositionFixTest, ScansAndFixesAreAnsweredInTheOrderInWhichTheyCame) {

@@ -7,9 +7,9 @@
 #include <string>
 #include <thread>
 
-#include "server/postgres/answer_memory.h"
 #include "server/postgres/postgres_database.h"
 #include "server/postgres/postgres_error.h"
+#include "server/postgres/query_cache.h"
 #include "tests/server/fixtures/postgres_cluster.h"
 
 namespace dcloc::server {
@@ -77,7 +77,7 @@ TEST_F(PostgresWatchTest, AChangeWhileTheConnectionIsCutIsSeenAfterwards) {
 }
 
 TEST_F(PostgresWatchTest, AnAnswerIsAskedOnceUntilSomethingChanges) {
-  AnswerMemory<std::string, std::int64_t> memory(*database_->watch, ChangeTopic::kCatalogue, {});
+  QueryCache<std::string, std::int64_t> memory(*database_->watch, ChangeTopic::kCatalogue, {});
   int asked = 0;
   const auto get = [&] {
     return memory.Get("n", [&] {
@@ -100,9 +100,9 @@ TEST_F(PostgresWatchTest, AnAnswerIsAskedOnceUntilSomethingChanges) {
 }
 
 TEST_F(PostgresWatchTest, WhileItIsAwayWhatWasKnownHoldsForAsLongAsIsSaid) {
-  AnswerMemory<std::string, std::int64_t> for_good(*database_->watch, ChangeTopic::kCatalogue, {});
-  AnswerMemory<std::string, std::int64_t> briefly(*database_->watch, ChangeTopic::kCatalogue,
-                                                  {.max_away = std::chrono::seconds(2)});
+  QueryCache<std::string, std::int64_t> for_good(*database_->watch, ChangeTopic::kCatalogue, {});
+  QueryCache<std::string, std::int64_t> briefly(*database_->watch, ChangeTopic::kCatalogue,
+                                                {.max_away = std::chrono::seconds(2)});
   const auto ask = [&] { return AskThing(); };
   ASSERT_EQ(*for_good.Get("n", ask), 1);
   ASSERT_EQ(*briefly.Get("n", ask), 1);

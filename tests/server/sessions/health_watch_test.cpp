@@ -14,7 +14,7 @@ constexpr SourceHealth kSilent{.is_used = false, .fault = SourceFault::kSilent};
 class HealthWatchTest : public ::testing::Test {
  protected:
   /// News of the wheels alone, `after` the scan before.
-  HealthNews Wheels(const SourceHealth& health, seconds after = seconds(1)) {
+  HealthChanges Wheels(const SourceHealth& health, seconds after = seconds(1)) {
     now_ += after;
     return watch_.Observe({.wheel_speed = health, .yaw_rate = {}, .radars = {}}, resets_, now_);
   }
@@ -25,16 +25,16 @@ class HealthWatchTest : public ::testing::Test {
 };
 
 TEST_F(HealthWatchTest, ASourceIsToldOnceWhenItIsSetAsideAndOnceWhenItIsTakenBack) {
-  EXPECT_TRUE(Wheels(kGood).changes.empty());
-  const HealthNews aside = Wheels(kSlips);
-  ASSERT_EQ(aside.changes.size(), 1U);
-  EXPECT_EQ(aside.changes[0].kind, SourceKind::kWheelSpeed);
-  EXPECT_EQ(aside.changes[0].health, kSlips);
-  EXPECT_EQ(aside.changes[0].change_count, 1);
-  EXPECT_TRUE(Wheels(kSlips, seconds(60)).changes.empty());
-  const HealthNews back = Wheels(kGood);
-  ASSERT_EQ(back.changes.size(), 1U);
-  EXPECT_TRUE(back.changes[0].health.is_used);
+  EXPECT_TRUE(Wheels(kGood).sources.empty());
+  const HealthChanges aside = Wheels(kSlips);
+  ASSERT_EQ(aside.sources.size(), 1U);
+  EXPECT_EQ(aside.sources[0].kind, SourceKind::kWheelSpeed);
+  EXPECT_EQ(aside.sources[0].health, kSlips);
+  EXPECT_EQ(aside.sources[0].change_count, 1);
+  EXPECT_TRUE(Wheels(kSlips, seconds(60)).sources.empty());
+  const HealthChanges back = Wheels(kGood);
+  ASSERT_EQ(back.sources.size(), 1U);
+  EXPECT_TRUE(back.sources[0].health.is_used);
   EXPECT_FALSE(back.set_aside[0]);
 }
 
@@ -42,7 +42,7 @@ TEST_F(HealthWatchTest, ASourceThatFlapsIsToldAtMostOnceInTenSeconds) {
   int told = 0;
   int changes = 0;
   for (int i = 0; i < 60; ++i) {
-    for (const SourceChange& change : Wheels(i % 2 == 0 ? kSlips : kGood).changes) {
+    for (const SourceChange& change : Wheels(i % 2 == 0 ? kSlips : kGood).sources) {
       ++told;
       changes += change.change_count;
     }
@@ -53,22 +53,22 @@ TEST_F(HealthWatchTest, ASourceThatFlapsIsToldAtMostOnceInTenSeconds) {
 }
 
 TEST_F(HealthWatchTest, WhatHasNeverSpokenIsNotMissed) {
-  const HealthNews never = Wheels(kSilent);
-  EXPECT_TRUE(never.changes.empty());
+  const HealthChanges never = Wheels(kSilent);
+  EXPECT_TRUE(never.sources.empty());
   EXPECT_FALSE(never.set_aside[0]);
   Wheels(kGood);
-  const HealthNews fell_silent = Wheels(kSilent);
-  EXPECT_EQ(fell_silent.changes.size(), 1U);
+  const HealthChanges fell_silent = Wheels(kSilent);
+  EXPECT_EQ(fell_silent.sources.size(), 1U);
   EXPECT_TRUE(fell_silent.set_aside[0]);
 }
 
 TEST_F(HealthWatchTest, AnotherReasonIsToldAndACorrectedSourceIsNot) {
   Wheels(kSlips);
   const SourceHealth scaled{.is_used = false, .fault = SourceFault::kScale};
-  ASSERT_EQ(Wheels(scaled, seconds(10)).changes.size(), 1U);
-  ASSERT_EQ(Wheels(kGood, seconds(10)).changes.size(), 1U);
+  ASSERT_EQ(Wheels(scaled, seconds(10)).sources.size(), 1U);
+  ASSERT_EQ(Wheels(kGood, seconds(10)).sources.size(), 1U);
   const SourceHealth corrected{.is_used = true, .fault = SourceFault::kScale};
-  EXPECT_TRUE(Wheels(corrected, seconds(10)).changes.empty());
+  EXPECT_TRUE(Wheels(corrected, seconds(10)).sources.empty());
 }
 
 TEST_F(HealthWatchTest, RadarsAreToldApart) {
@@ -76,21 +76,21 @@ TEST_F(HealthWatchTest, RadarsAreToldApart) {
   health.radars.resize(3, kGood);
   watch_.Observe(health, {}, now_);
   health.radars[1] = {.is_used = false, .fault = SourceFault::kMount};
-  const HealthNews news = watch_.Observe(health, {}, now_);
-  ASSERT_EQ(news.changes.size(), 1U);
-  EXPECT_EQ(news.changes[0].kind, SourceKind::kRadar);
-  EXPECT_EQ(news.changes[0].radar_index, 1U);
-  EXPECT_TRUE(news.set_aside[2]);
+  const HealthChanges changes = watch_.Observe(health, {}, now_);
+  ASSERT_EQ(changes.sources.size(), 1U);
+  EXPECT_EQ(changes.sources[0].kind, SourceKind::kRadar);
+  EXPECT_EQ(changes.sources[0].radar_index, 1U);
+  EXPECT_TRUE(changes.set_aside[2]);
 }
 
 TEST_F(HealthWatchTest, EveryResetIsCountedAndOneInTenSecondsTold) {
   EXPECT_EQ(Wheels(kGood).new_reset_count, 0);
   resets_.count = 2;
-  const HealthNews first = Wheels(kGood);
+  const HealthChanges first = Wheels(kGood);
   EXPECT_EQ(first.new_reset_count, 2);
   EXPECT_TRUE(first.reset_is_logged);
   resets_.count = 3;
-  const HealthNews second = Wheels(kGood);
+  const HealthChanges second = Wheels(kGood);
   EXPECT_EQ(second.new_reset_count, 1);
   EXPECT_FALSE(second.reset_is_logged);
   resets_.count = 4;

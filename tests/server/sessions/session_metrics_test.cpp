@@ -52,10 +52,10 @@ TEST(SessionMetricsTest, SourcesSetAsideAreCountedByKindAndReason) {
     return CounterOf(metrics, "dcloc_sources_set_aside_total", {reason, "radar"});
   };
   EXPECT_EQ(count("mount"), 0.0) << "there from the start";
-  HealthNews news{.set_aside = {false, false, true}, .new_reset_count = 2};
-  news.changes = {{.health = {.is_used = false, .fault = SourceFault::kMount}},
-                  {.health = {.is_used = true, .fault = SourceFault::kNone}}};
-  metrics.ObserveHealth(news);
+  HealthChanges changes{.set_aside = {false, false, true}, .new_reset_count = 2};
+  changes.sources = {{.health = {.is_used = false, .fault = SourceFault::kMount}},
+                     {.health = {.is_used = true, .fault = SourceFault::kNone}}};
+  metrics.ObserveHealth(changes);
   metrics.ObserveHealth({.set_aside = {false, false, true}});
   EXPECT_EQ(count("mount"), 1.0);
   EXPECT_EQ(count("none"), 0.0) << "it was taken back";
@@ -102,10 +102,10 @@ TEST(SessionMetricsTest, OnlyMatchesAreJudgedAndEachOnce) {
   scan.timings.registration = std::chrono::microseconds(200);
   metrics.ObserveLocalized(scan, kEncodingTime);
   quality.inlier_count = 40;
-  quality.edge_distance = 2.5;
-  quality.edge_valid = true;
+  quality.normalized_innovation_squared = 2.5;
+  quality.is_accepted = true;
   metrics.ObserveLocalized(scan, kEncodingTime);
-  quality.edge_valid = false;
+  quality.is_accepted = false;
   metrics.ObserveLocalized(scan, kEncodingTime);
   scan.timings.registration = {};
   metrics.ObserveLocalized(scan, kEncodingTime);

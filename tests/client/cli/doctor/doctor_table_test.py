@@ -121,7 +121,7 @@ class DoctorTable(unittest.TestCase):
         def by(who):
             return [*here, "--token-file", f"{store}.{who}"]
         plain = ["--server", self.serve(self.sites.open("everyone")).address]
-        stub = self.serve(Server(self.programs, self.folder / "stub", "--stub-matcher"))
+        stub = self.serve(Server(self.programs, self.folder / "stub", "--stub-localizer"))
         late = self.serve(self.sites.guarded("late", environment=clock_off_by(3)))
         drained = self.serve(self.sites.open("drained"))
         self.programs.succeed("server", "drain", "--server", drained.address)
@@ -143,7 +143,7 @@ class DoctorTable(unittest.TestCase):
                                         self.folder / "late.ops", *session], "clock", "NTP"),
                 ("a server that leaves", ["--server", drained.address], "server", "another"),
                 ("poses that mean nothing", ["--server", stub.address], "server",
-                 "--stub-matcher")):
+                 "--stub-localizer")):
             self.expect(*row)
 
     def test_mistakes_of_a_rig(self):

@@ -319,8 +319,8 @@ Localization Answer() {
                       .inlier_count = 6,
                       .overlap = 0.5,
                       .residual_scale = 1.1,
-                      .edge_distance = 2.2,
-                      .edge_valid = true,
+                      .normalized_innovation_squared = 2.2,
+                      .is_accepted = true,
                       .beta = {.error_s = 0.03, .sigma_s = 0.007, .is_wrong = true}}};
 }
 
@@ -341,8 +341,8 @@ TEST(WireTest, AnAnswerArrivesAsItWas) {
   EXPECT_EQ(answer->quality.inlier_count, 6);
   EXPECT_EQ(answer->quality.overlap, 0.5);
   EXPECT_EQ(answer->quality.residual_scale, 1.1);
-  EXPECT_EQ(answer->quality.edge_distance, 2.2);
-  EXPECT_TRUE(answer->quality.edge_valid);
+  EXPECT_EQ(answer->quality.normalized_innovation_squared, 2.2);
+  EXPECT_TRUE(answer->quality.is_accepted);
   EXPECT_EQ(answer->quality.beta.error_s, 0.03);
   EXPECT_EQ(answer->quality.beta.sigma_s, 0.007);
   EXPECT_TRUE(answer->quality.beta.is_wrong);

@@ -14,7 +14,7 @@ namespace {
 
 TEST(PlaceFaultsTest, AStretchIsMissingAndTheClockHasNotGoneOn) {
   Stream stream = MadeStream(10.0);  // 1 m a scan
-  SkipWay(stream, MadeStamp(5.0), 20.0);
+  CarryAhead(stream, MadeStamp(5.0), 20.0);
   ASSERT_EQ(stream.scans.size(), 80U);
   const StreamScan& before = stream.scans[49];
   const StreamScan& after = stream.scans[50];
@@ -29,9 +29,9 @@ TEST(PlaceFaultsTest, AStretchIsMissingAndTheClockHasNotGoneOn) {
 
 TEST(PlaceFaultsTest, AStretchBeyondTheDriveEndsIt) {
   Stream stream = MadeStream(10.0);
-  SkipWay(stream, MadeStamp(5.0), 200.0);
+  CarryAhead(stream, MadeStamp(5.0), 200.0);
   EXPECT_EQ(stream.scans.size(), 50U);
-  SkipWay(stream, MadeStamp(8.0), 20.0);  // nothing is there
+  CarryAhead(stream, MadeStamp(8.0), 20.0);  // nothing is there
   EXPECT_EQ(stream.scans.size(), 50U);
 }
 

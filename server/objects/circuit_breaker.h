@@ -12,17 +12,17 @@ namespace dcloc::server {
 /// Whether an object store is away. Once it is, one caller at a time finds out again and again
 /// whether it is back, and all others fail at once. So nobody waits long for a store that is away,
 /// and nobody has to tell that it is back. Thread-safe.
-class ObjectGate {
+class CircuitBreaker {
  public:
   using Clock = std::chrono::steady_clock;
 
   /// `interval`: between two looks.
-  explicit ObjectGate(std::chrono::milliseconds interval) : interval_(interval) {}
+  explicit CircuitBreaker(std::chrono::milliseconds interval) : interval_(interval) {}
 
   /// How a caller may pass.
-  enum class Pass { kFree, kLook };
+  enum class Pass { kFree, kProbe };
 
-  /// `kFree`: it answered last time. `kLook`: this caller finds out, and must call `Note`. Errors
+  /// `kFree`: it answered last time. `kProbe`: this caller finds out, and must call `Note`. Errors
   /// of `ObjectStoreError`: it is away.
   absl::StatusOr<Pass> Enter();
 
@@ -35,8 +35,8 @@ class ObjectGate {
   const std::chrono::milliseconds interval_;
   std::mutex mutex_;
   std::atomic<bool> away_ = false;
-  bool someone_looks_ = false;
-  Clock::time_point next_look_{};
+  bool probe_under_way_ = false;
+  Clock::time_point next_probe_{};
 };
 
 }  // namespace dcloc::server

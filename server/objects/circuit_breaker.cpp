@@ -1,4 +1,4 @@
-#include "server/objects/object_gate.h"
+#include "server/objects/circuit_breaker.h"
 
 #include "server/base/status.h"
 #include "server/objects/object_error.h"
@@ -6,22 +6,22 @@
 
 namespace dcloc::server {
 
-absl::StatusOr<ObjectGate::Pass> ObjectGate::Enter() {
+absl::StatusOr<CircuitBreaker::Pass> CircuitBreaker::Enter() {
   const std::lock_guard lock(mutex_);
   if (!away_) return Pass::kFree;
-  if (someone_looks_ || Clock::now() < next_look_) return ObjectStoreError("away a moment ago");
-  someone_looks_ = true;
-  return Pass::kLook;
+  if (probe_under_way_ || Clock::now() < next_probe_) return ObjectStoreError("away a moment ago");
+  probe_under_way_ = true;
+  return Pass::kProbe;
 }
 
-void ObjectGate::Note(const absl::Status& outcome) {
+void CircuitBreaker::Note(const absl::Status& outcome) {
   const std::lock_guard lock(mutex_);
-  someone_looks_ = false;
+  probe_under_way_ = false;
   if (outcome.ok()) {
     if (away_.exchange(false)) spdlog::info("object store back");
     return;
   }
-  next_look_ = Clock::now() + interval_;
+  next_probe_ = Clock::now() + interval_;
   if (away_.exchange(true)) return;
   spdlog::error("object store away reason={}", Quoted(ObjectStoreReason(outcome)));
 }

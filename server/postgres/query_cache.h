@@ -14,7 +14,7 @@
 
 namespace dcloc::server {
 
-struct AnswerMemoryOptions {
+struct QueryCacheOptions {
   std::size_t max_count = 10'000;  ///< of answers; beyond it all are forgotten
   /// How long after it was known to hold an answer is given while the database is away; none: for
   /// good.
@@ -26,10 +26,10 @@ struct AnswerMemoryOptions {
 /// `kMaxChangeDelay`, and one by this process at once (`Forget`). While the database is away, what
 /// was known last is given. Errors are not kept. Thread-safe.
 template <typename Question, typename Answer>
-class AnswerMemory {
+class QueryCache {
  public:
   /// `watch` outlives it.
-  AnswerMemory(const PostgresWatch& watch, ChangeTopic topic, const AnswerMemoryOptions& options)
+  QueryCache(const PostgresWatch& watch, ChangeTopic topic, const QueryCacheOptions& options)
       : watch_(watch), topic_(topic), options_(options) {}
 
   /// The answer to `question`, for which `ask()` asks the database.
@@ -88,7 +88,7 @@ class AnswerMemory {
 
   const PostgresWatch& watch_;
   const ChangeTopic topic_;
-  const AnswerMemoryOptions options_;
+  const QueryCacheOptions options_;
   std::mutex mutex_;
   std::map<Question, Entry> entries_;
   std::int64_t round_ = 0;  ///< raised by each own change
