@@ -14,9 +14,9 @@ namespace {
 // The logarithm of a positive normal number, or up to 0.06 less: a chord below the curve from each
 // power of two to the next. Costs of landmarks need no more to be compared.
 float LogFromBelow(float value) {
-  constexpr std::int32_t kOne = 0x3F800000;  // the bits of 1.0F
+  constexpr float kOne = 1065353216.0F;  // the bits of 1.0F, read as a number
   constexpr float kLog2 = std::numbers::ln2_v<float> / 8388608.0F;
-  return kLog2 * static_cast<float>(std::bit_cast<std::int32_t>(value) - kOne);
+  return kLog2 * (static_cast<float>(std::bit_cast<std::int32_t>(value)) - kOne);
 }
 
 }  // namespace
