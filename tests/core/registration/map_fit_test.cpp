@@ -53,13 +53,13 @@ TYPED_TEST_SUITE(MapFitTest, Dimensions);
 // The finder compares logarithms of determinants exactly; where two landmarks are nearly as likely,
 // the two may take another one.
 TYPED_TEST(MapFitTest, IsThatOfTheCorrespondences) {
-  constexpr int kDim = TypeParam::value;
-  Pose<kDim> T_local_vehicle;
-  T_local_vehicle = T_local_vehicle * Exp(Tangent<kDim>::Constant(0.3).eval());
+  constexpr int kSize = TypeParam::value;
+  Pose<kSize> T_local_vehicle;
+  T_local_vehicle = T_local_vehicle * Exp(Tangent<kSize>::Constant(0.3).eval());
   for (const double sigma_m : {0.1, 0.3, 0.7}) {
     this->fit_.Begin(this->live_, this->map_, this->gates_, T_local_vehicle, sigma_m);
     for (const double ahead_m : {0.0, 1.0, -4.0}) {
-      Pose<kDim> moved = T_local_vehicle;
+      Pose<kSize> moved = T_local_vehicle;
       moved.translation_m.x() += ahead_m;
       const double fit = this->fit_.At(moved.translation_m);
       EXPECT_NEAR(fit, this->FitByCorrespondences(moved, sigma_m), 0.01);
@@ -69,10 +69,10 @@ TYPED_TEST(MapFitTest, IsThatOfTheCorrespondences) {
 }
 
 TYPED_TEST(MapFitTest, IsHighestWhereThePointsWereSeen) {
-  constexpr int kDim = TypeParam::value;
-  const LocalMap<kDim> map(Pose3(), this->live_);
+  constexpr int kSize = TypeParam::value;
+  const LocalMap<kSize> map(Pose3(), this->live_);
   this->fit_.Begin(this->live_, map, this->gates_, {}, 0.0);
-  PointVector<kDim> aside_m = PointVector<kDim>::Zero();
+  PointVector<kSize> aside_m = PointVector<kSize>::Zero();
   const double here = this->fit_.At(aside_m);
   aside_m.y() = 0.5;
   EXPECT_GT(here, 0.9);
@@ -80,12 +80,12 @@ TYPED_TEST(MapFitTest, IsHighestWhereThePointsWereSeen) {
 }
 
 TYPED_TEST(MapFitTest, IsZeroWithoutPointsOrMap) {
-  constexpr int kDim = TypeParam::value;
+  constexpr int kSize = TypeParam::value;
   this->fit_.Begin({}, this->map_, this->gates_, {}, 0.3);
-  EXPECT_EQ(this->fit_.At(PointVector<kDim>::Zero()), 0.0);
-  const LocalMap<kDim> nowhere;
+  EXPECT_EQ(this->fit_.At(PointVector<kSize>::Zero()), 0.0);
+  const LocalMap<kSize> nowhere;
   this->fit_.Begin(this->live_, nowhere, this->gates_, {}, 0.3);
-  EXPECT_EQ(this->fit_.At(PointVector<kDim>::Zero()), 0.0);
+  EXPECT_EQ(this->fit_.At(PointVector<kSize>::Zero()), 0.0);
 }
 
 }  // namespace

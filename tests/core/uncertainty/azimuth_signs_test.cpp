@@ -10,12 +10,12 @@
 namespace dcloc {
 namespace {
 
-constexpr std::size_t kPoints = 50;
+constexpr std::size_t kComparedPoints = 50;
 
 // How many scans that fit so it takes until the sign changes; at most `limit`.
 int ScansUntilChanged(AzimuthSigns& signs, double fit, double mirrored_fit, int limit = 1000) {
   int count = 1;
-  while (!signs.OnFits(0, kPoints, fit, mirrored_fit) && count < limit) ++count;
+  while (!signs.OnFits(0, kComparedPoints, fit, mirrored_fit) && count < limit) ++count;
   return count;
 }
 
@@ -48,7 +48,7 @@ TEST(AzimuthSignsTest, ScansOfAnotherPlaceDoNotCount) {
   AzimuthSigns signs(1, {});
   const int needed = ScansUntilChanged(signs, 0.25, 0.45);
   signs.Reset();
-  for (int i = 0; i + 1 < needed; ++i) signs.OnFits(0, kPoints, 0.25, 0.45);
+  for (int i = 0; i + 1 < needed; ++i) signs.OnFits(0, kComparedPoints, 0.25, 0.45);
   signs.Reset();
   EXPECT_EQ(ScansUntilChanged(signs, 0.25, 0.45), needed);
 }
