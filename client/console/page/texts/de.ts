@@ -47,6 +47,7 @@ export const de: Record<TextKey, string> = {
   state_3: "Koppelnavigation",
   state_4: "Verloren",
   state_unknown: "Unbekannter Zustand {state}",
+  unknown_value: "dieser Konsole unbekannt ({value})",
   detached: "Ohne Verbindung",
   silent_s: "seit {seconds} s still",
   no_pose: "keine Pose",
@@ -187,6 +188,7 @@ export const de: Record<TextKey, string> = {
   reason: "Grund, für das Protokoll des Fahrzeugs",
   time_axis: "Sekunden vor jetzt",
 
+  why_unknown: "Der Server nennt einen Zustand, den diese Konsole nicht kennt ({state}). Eine neuere kennt ihn vielleicht.",
   why_initializing: "Noch ist keine Pose bestätigt: Die Karte wird durchsucht, oder die ersten Registrierungen werden geprüft.",
   why_tracking: "Die Scans stimmen mit der Karte überein: {overlap} % der Punkte haben eine Landmarke, Sigma ist {sigma} m.",
   why_reckoning: "Die Pose wird gekoppelt: Die Karte hat die letzten Scans nicht bestätigt.",

@@ -45,6 +45,7 @@ export const en = {
   state_3: "Dead reckoning",
   state_4: "Lost",
   state_unknown: "Unknown state {state}",
+  unknown_value: "unknown to this console ({value})",
   detached: "Without a stream",
   silent_s: "silent for {seconds} s",
   no_pose: "no pose",
@@ -185,6 +186,7 @@ export const en = {
   reason: "Reason, for the vehicle's log",
   time_axis: "Seconds before now",
 
+  why_unknown: "The server tells a state that this console does not know ({state}). A newer console may know it.",
   why_initializing: "No pose has been confirmed yet: the map is being searched or the first registrations are being tested.",
   why_tracking: "The scans agree with the map: {overlap} % of the points have a landmark, sigma is {sigma} m.",
   why_reckoning: "The pose goes on by dead reckoning: the last scans were not confirmed by the map.",
