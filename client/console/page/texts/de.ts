@@ -30,6 +30,7 @@ export const de: Record<TextKey, string> = {
   denied_text: "Das Token erlaubt das nicht. Der Server sagt: {message}",
   failed_title: "Das ging nicht",
   not_found_title: "Hier ist nichts",
+  answer_lacks: "In der Antwort des Servers fehlt, wonach gefragt war.",
   older_server: "Dieser Server ist älter und kennt das nicht.",
   old_figures: "{server} antwortet nicht; seine Fahrzeuge stehen, wie sie zuletzt waren.",
   no_permission_sessions: "Das Token darf die Sitzungen von {server} nicht sehen.",

@@ -28,6 +28,7 @@ export const en = {
   denied_text: "Your token does not permit this. The server says: {message}",
   failed_title: "That did not work",
   not_found_title: "There is nothing here",
+  answer_lacks: "The server’s answer lacks what was asked for.",
   older_server: "This server is older and does not know that.",
   old_figures: "{server} does not answer; its vehicles are shown as they last were.",
   no_permission_sessions: "Your token may not see the sessions of {server}.",

@@ -74,9 +74,9 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
   const [lossWindow, setLossWindow] = useState(WHOLE_HOUR);
   const maps = useMaps(servers);
   const places = useMemo(() => placesOf(fleet.fleet, maps), [fleet.fleet, fleet.tick, maps]);
-  // The first choice stays, though other maps may get more vehicles.
+  // The first one with vehicles stays, though other maps may get more.
   const first = useRef<string>();
-  if (!first.current && places[0]) first.current = placeKey(places[0]);
+  if (!first.current && places[0] && fleet.fleet.vehicles.size > 0) first.current = placeKey(places[0]);
   const wanted = chosenPlace ?? first.current;
   const place = places.find((p) => placeKey(p) === wanted) ?? places[0];
   const active = useActiveVersion(place);

@@ -9,6 +9,7 @@ import {
 import {
   MapBuildSchema,
   type MapBuildState,
+  MapService,
   MapVersionSchema,
   ReadMapTileResponseSchema,
 } from "proto/dcloc/v1/map_service_pb.ts";
@@ -88,6 +89,21 @@ test("a server of the fleet that does not answer is named, and its vehicles stay
     await page.locator(".row", { hasText: "car-2" }).waitFor({ state: "hidden" });
     fake.replicas = undefined;
   });
+});
+
+test("the first map with vehicles is shown, though maps without any were listed before", async () => {
+  fake.sessions = [];
+  fake.on(MapService.method.listMaps, () => ({ maps: [{ name: "airport", versionCount: 1 }] }));
+  await scene.visit(async (page) => {
+    const map = page.locator(".place select");
+    await map.getByText("airport").waitFor({ state: "attached" });
+    fake.sessions = [sessionAt("1", "car", 2, 0, 0)];
+    await page.locator(".row", { hasText: "car" }).waitFor();
+    fake.sessions = ["2", "3"].map((id) => Object.assign(sessionAt(id, `bus-${id}`, 2, 0, 0), { mapName: "harbour" }));
+    await map.getByText("harbour").waitFor({ state: "attached" });
+    assert.equal(await map.inputValue(), "dcloc/town", "what somebody looks at stays, though others have more");
+  });
+  fake.on(MapService.method.listMaps, () => ({}));
 });
 
 test("where vehicles got lost is told over time, also after the page was loaded again", async () => {

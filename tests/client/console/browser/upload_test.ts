@@ -1,9 +1,12 @@
 import assert from "node:assert/strict";
+import { createHash } from "node:crypto";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
+import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import type { Page } from "playwright-core";
-import { signIn, startConsole } from "./harness.ts";
+import { MapService } from "proto/dcloc/v1/map_service_pb.ts";
+import { signIn, startConsole, until } from "./harness.ts";
 import { TownScene, staged, testNothingWentWrong } from "./scene.ts";
 
 const HOSTILE_DRIVE = `<script>document.title="executed"</script>`;
@@ -27,6 +30,17 @@ async function beginUpload(file: string): Promise<void> {
 
 const closeDialog = (): Promise<void> => scene.dialog.getByRole("button", { name: "Close" }).click();
 
+/** How much of a file the server has for good. */
+async function durableBytes(file: string): Promise<number> {
+  const { input, output } = MapService.method.getMapUpload;
+  const sha256 = createHash("sha256").update(readFileSync(file)).digest("hex");
+  const answer = await page.request.post(`${scene.bridge.address}/rpc/dcloc/dcloc.v1.MapService/GetMapUpload`, {
+    headers: { origin: scene.bridge.address },
+    data: Buffer.from(toBinary(input, create(input, { sha256 }))),
+  });
+  return Number(fromBinary(output, await answer.body()).durableSizeBytes);
+}
+
 /** From which byte on each upload of the page sends the file. */
 function offsetsOfUploads(): number[] {
   const offsets: number[] = [];
@@ -47,7 +61,8 @@ test("an upload goes on where it stopped, after the network was cut and the page
   await devtools.send("Network.enable");
   await devtools.send("Network.emulateNetworkConditions", slow);
   await beginUpload(file);
-  await scene.dialog.getByText(/Sending … [2-9]\d %/).waitFor();
+  await scene.dialog.getByText(/Sending … [1-9]\d %/).waitFor();
+  await until(async () => (await durableBytes(file)) > 0, "a part of the file is on the server");
   // The bridge is gone from one moment to the next, with all that is open.
   const { address } = scene.bridge;
   await scene.bridge.stop("SIGKILL");
