@@ -275,6 +275,7 @@ export const de: Record<TextKey, string> = {
   recordings: "Aufzeichnungen",
   record_next: "Nächste Sitzung aufzeichnen",
   record_vehicle: "Fahrzeug aufzeichnen …",
+  record_title: "Fahrzeug aufzeichnen",
   record: "Aufzeichnen",
   record_text: "Aufgezeichnet wird die nächste Sitzung des Fahrzeugs, von ihrer Öffnung bis zu ihrem Ende. Sie beginnt, wenn das Fahrzeug eine öffnet; wer nicht warten will, beendet die jetzige.",
   no_recordings_title: "Keine Aufzeichnungen",

@@ -273,6 +273,7 @@ export const en = {
   recordings: "Recordings",
   record_next: "Record the next session",
   record_vehicle: "Record a vehicle …",
+  record_title: "Record a vehicle",
   record: "Record",
   record_text: "The vehicle’s next session is recorded, from its opening to its end. It begins when the vehicle opens one; end its present session to have that now.",
   no_recordings_title: "No recordings",

@@ -135,14 +135,16 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
           onChoose={onChoose}
           tick={fleet.tick}
         />
-        <LossAlarm losses={losses} />
-        <LossPanel
-          losses={losses}
-          window={lossWindow}
-          onWindow={setLossWindow}
-          isShown={showHeat}
-          onShown={setShowHeat}
-        />
+        <div class="over-map">
+          <LossAlarm losses={losses} />
+          <LossPanel
+            losses={losses}
+            window={lossWindow}
+            onWindow={setLossWindow}
+            isShown={showHeat}
+            onShown={setShowHeat}
+          />
+        </div>
       </div>
       <Announcements vehicles={inPlace} />
     </div>

@@ -11,6 +11,19 @@ const scene = staged(new TownScene({ vehicles: 5 }), async (scene) => {
   ({ page } = scene);
 });
 
+test("who chooses colours or a language before signing in is not signed in by that", async () => {
+  const colours = page.getByRole("button", { name: /colours$/ });
+  const before = await colours.getAttribute("aria-label");
+  await colours.click();
+  assert.notEqual(await colours.getAttribute("aria-label"), before);
+  await colours.click();
+  await page.getByLabel("Language").selectOption("de");
+  await page.getByLabel("Sprache").selectOption("en");
+  const cookies = await page.context().cookies();
+  assert.deepEqual(cookies, []);
+  await page.getByRole("button", { name: "Continue without a token" }).waitFor();
+});
+
 test("without a token where servers need none, and the vehicles are there, moving", async () => {
   assert.deepEqual(await seriousFindings(page), []);
   await signIn(page);

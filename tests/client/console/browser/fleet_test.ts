@@ -114,6 +114,11 @@ test("where vehicles got lost is told over time, also after the page was loaded 
     const panel = page.getByRole("group", { name: "Where vehicles got lost" });
     await panel.getByText("Got lost in this time: 2").waitFor();
     await page.getByText("2 vehicles got lost within 50 m in the last 10 minutes.").waitFor();
+    await page.setViewportSize({ width: 390, height: 844 });
+    const alarm = (await page.getByRole("alert").boundingBox())!;
+    const below = (await panel.boundingBox())!;
+    assert.ok(alarm.y + alarm.height <= below.y, "on a phone the alarm stands over the panel, not under it");
+    await page.setViewportSize({ width: 1280, height: 800 });
     await panel.getByLabel("How long a time").selectOption("5");
     await panel.getByLabel("Until when").fill("-30");
     await panel.getByText("Got lost in this time: 0").waitFor();
