@@ -137,7 +137,7 @@ export const de: Record<TextKey, string> = {
   build_state_4: "Abgebrochen",
   build_scans: "{done} von {count} Scans",
   points_shown: "{shown} von {count} Landmarken im Bild",
-  legend_landmarks: "Landmarken, heller: stärkeres Echo",
+  legend_landmarks: "Landmarken, deutlicher: stärkeres Echo",
   legend_coverage: "Kartierte Straße",
 
   session: "Sitzung",

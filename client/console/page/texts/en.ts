@@ -135,7 +135,7 @@ export const en = {
   build_state_4: "Cancelled",
   build_scans: "{done} of {count} scans",
   points_shown: "{shown} of {count} landmarks in view",
-  legend_landmarks: "Landmarks, brighter: stronger echo",
+  legend_landmarks: "Landmarks, clearer: stronger echo",
   legend_coverage: "Mapped street",
 
   session: "Session",

@@ -99,6 +99,11 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
     setChosen(vehicle && Fleet.key(vehicle.server, vehicle.id));
     if (!vehicle) setFollow(false);
   };
+  // Versions and servers are those of a map: another one may have none of them.
+  const onPlace = (next: string): void => {
+    setPlace(next);
+    setFilter({ ...filter, version: NO_FILTER.version, replica: NO_FILTER.replica });
+  };
   const version = Number(active.value?.version ?? 0n);
   return (
     <div class="live">
@@ -114,7 +119,7 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
       >
         <label class="place">
           {t("map")}
-          <select value={placeKey(place)} onChange={(e) => setPlace(e.currentTarget.value)}>
+          <select value={placeKey(place)} onChange={(e) => onPlace(e.currentTarget.value)}>
             {places.map((p) => (
               <option key={placeKey(p)} value={placeKey(p)}>
                 {servers.length > 1 ? `${shownName(p.map)} · ${p.server}` : shownName(p.map)}

@@ -106,6 +106,19 @@ test("the first map with vehicles is shown, though maps without any were listed 
   fake.on(MapService.method.listMaps, () => ({}));
 });
 
+test("a filter for a version of one map does not hide the vehicles of another", async () => {
+  const at = (id: string, mapName: string, mapVersion: bigint) =>
+    Object.assign(sessionAt(id, `car-${id}`, 2, 0, 0), { mapName, mapVersion });
+  fake.sessions = [at("1", "town", 1n), at("2", "town", 2n), at("3", "harbour", 9n)];
+  await scene.visit(async (page) => {
+    await page.getByLabel("Version").selectOption("2");
+    await page.locator(".row", { hasText: "car-1" }).waitFor({ state: "hidden" });
+    await page.locator(".row", { hasText: "car-2" }).waitFor();
+    await page.locator(".place select").selectOption("dcloc/harbour");
+    await page.locator(".row", { hasText: "car-3" }).waitFor();
+  });
+});
+
 test("where vehicles got lost is told over time, also after the page was loaded again", async () => {
   fake.sessions = [sessionAt("1", "car-1", 2, 0, 0), sessionAt("2", "car-2", 2, 5, 0)];
   await scene.visit(async (page) => {

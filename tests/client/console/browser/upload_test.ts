@@ -117,6 +117,9 @@ test("a hostile name of a drive is only shown, and what is downloaded is what wa
   await scene.choose("v2");
   await page.getByText(HOSTILE_DRIVE).waitFor();
   assert.equal(await page.title(), "dcloc console");
+  const landmarks = page.locator(".facts div").filter({ hasText: "Landmarks" }).locator("dd");
+  const count = await landmarks.innerText();
+  await page.getByText(`${count} of ${count} landmarks in view`).waitFor();
   const download = page.waitForEvent("download");
   await scene.versionRow("v2").getByRole("link", { name: "Download" }).click();
   const file = await download;
