@@ -14,7 +14,7 @@ import { useCall } from "../parts/use_call.ts";
 import { shortened, shownName } from "../texts/shortened.ts";
 import { count, dateTime, decimals, kilometres, megabytes, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
-import { expected } from "../wire/failure.ts";
+import { expected } from "../wire/expected.ts";
 import type { FleetLink } from "../wire/use_fleet.ts";
 import { comparePath } from "./compare.tsx";
 import { type MapAction, MapActionDialog } from "./map_actions.tsx";

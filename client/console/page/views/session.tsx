@@ -24,7 +24,8 @@ import { Why } from "../session/why.tsx";
 import { shownName } from "../texts/shortened.ts";
 import { count, dateTime, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
-import { CallFailure, Code, expected } from "../wire/failure.ts";
+import { expected } from "../wire/expected.ts";
+import { CallFailure, Code } from "../wire/failure.ts";
 import type { FleetLink } from "../wire/use_fleet.ts";
 import { watchSession } from "../wire/watch_stream.ts";
 

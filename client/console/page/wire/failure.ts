@@ -1,5 +1,3 @@
-import { t } from "../texts/texts.ts";
-
 /** The gRPC status codes that the page tells apart. */
 export const enum Code {
   Cancelled = 1,
@@ -21,12 +19,6 @@ export class CallFailure extends Error {
   ) {
     super(message);
   }
-}
-
-/** What an answer has to have; a server that leaves it out is broken, or far newer. */
-export function expected<T>(value: T | undefined): T {
-  if (value === undefined) throw new CallFailure(Code.Internal, t("answer_lacks"));
-  return value;
 }
 
 export function failureOf(error: unknown): CallFailure {

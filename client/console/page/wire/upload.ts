@@ -7,7 +7,8 @@ import {
   UploadMapResponseSchema,
 } from "proto/dcloc/v1/map_service_pb.ts";
 import { call } from "./calls.ts";
-import { CallFailure, Code, expected, failureOf } from "./failure.ts";
+import { expected } from "./expected.ts";
+import { CallFailure, Code, failureOf } from "./failure.ts";
 
 const HASH_CHUNK_BYTES = 4 << 20;
 const MAX_WAIT_MS = 15_000;
