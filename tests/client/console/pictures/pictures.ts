@@ -48,7 +48,7 @@ async function takeTown(scene: TownScene): Promise<void> {
   await page.getByText(/^Recording · \d\d\d scans/).waitFor();
   await page.getByRole("link", { name: "Watch" }).click();
   await page.getByText("What the data says").waitFor();
-  await page.waitForTimeout(15_000);
+  await page.waitForTimeout(20_000);
   await take(page, "replay");
   await take(page, "replay-light", "light");
   await takeOnPhone(page, "replay");
@@ -116,7 +116,8 @@ async function takeLost(scene: TownScene): Promise<void> {
   await take(page, "live-lost-light", "light");
   await page.locator(".row").first().getByRole("button").first().click();
   await page.getByRole("link", { name: "Details" }).click();
-  await page.getByText(/^Lost for/).waitFor();
+  await page.getByText("What the data says").waitFor();
+  await page.waitForTimeout(8_000);
   await take(page, "session-lost");
   await take(page, "session-lost-light", "light");
   await takeOnPhone(page, "session-lost");
