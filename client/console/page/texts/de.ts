@@ -276,6 +276,7 @@ export const de: Record<TextKey, string> = {
   record_next: "Nächste Sitzung aufzeichnen",
   record_vehicle: "Fahrzeug aufzeichnen …",
   record_title: "Fahrzeug aufzeichnen",
+  record_too_many: "Eine Seite zeichnet {count} Fahrzeuge zugleich auf: für mehr hat der Browser keine Verbindung übrig. Halten Sie erst eines an.",
   record: "Aufzeichnen",
   record_text: "Aufgezeichnet wird die nächste Sitzung des Fahrzeugs, von ihrer Öffnung bis zu ihrem Ende. Sie beginnt, wenn das Fahrzeug eine öffnet; wer nicht warten will, beendet die jetzige.",
   no_recordings_title: "Keine Aufzeichnungen",

@@ -274,6 +274,7 @@ export const en = {
   record_next: "Record the next session",
   record_vehicle: "Record a vehicle …",
   record_title: "Record a vehicle",
+  record_too_many: "A page records {count} vehicles at a time: the browser has no connection to spare for more. Stop one first.",
   record: "Record",
   record_text: "The vehicle’s next session is recorded, from its opening to its end. It begins when the vehicle opens one; end its present session to have that now.",
   no_recordings_title: "No recordings",

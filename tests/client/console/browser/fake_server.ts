@@ -156,7 +156,9 @@ export class FakeServer {
     // A stream stays open: what it has to say is said, and nobody ends it.
     const stream = (call: grpc.ServerWritableStream<Buffer, Buffer>): void => {
       try {
-        for (const bytes of answersTo(call.request)) call.write(bytes);
+        const answers = answersTo(call.request);
+        call.sendMetadata(new grpc.Metadata());
+        for (const bytes of answers) call.write(bytes);
       } catch (error) {
         call.emit("error", failure(error));
       }

@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { create } from "@bufbuild/protobuf";
 import {
+  AdminService,
   GetServerStateResponseSchema,
   ReplicaFaultSchema,
   ReplicaSchema,
@@ -191,6 +192,28 @@ test("an older server is told by name, call by call, and the rest goes on", asyn
     await page.locator(".item").getByText("This server is older and does not know that.").waitFor();
     await page.goto(`${scene.bridge.address}/compare/dcloc/town/1/2`);
     await page.getByText("This server is older and does not know that.").waitFor();
+    await page.getByRole("link", { name: "Live" }).click();
+    await page.locator(".row", { hasText: "car" }).waitFor();
+  });
+});
+
+test("a page records a few vehicles at a time, says so, and goes on with all else", async () => {
+  fake.sessions = [sessionAt("1", "car", 2, 0, 0)];
+  // Streams that stay open and say nothing, as for vehicles that open no session.
+  fake.onStream(AdminService.method.recordSession, () => []);
+  await scene.visit(async (page) => {
+    await page.getByRole("link", { name: "Recordings" }).click();
+    for (const vehicle of ["a", "b", "c", "d", "e", "f"]) {
+      await page.getByRole("button", { name: "Record a vehicle" }).click();
+      await page.getByRole("dialog").getByLabel("Vehicle").fill(vehicle);
+      await page.getByRole("dialog").getByRole("button", { name: "Record", exact: true }).click();
+      await page.getByRole("dialog").waitFor({ state: "hidden" });
+    }
+    const waiting = page.locator(".item").getByText("Waiting for the vehicle to open its next session");
+    await until(async () => (await waiting.count()) === 3, "three wait");
+    assert.equal(await page.locator(".item").getByText("A page records 3 vehicles at a time").count(), 3);
+    await page.getByRole("navigation").getByRole("link", { name: "Maps" }).click();
+    await page.getByText("No maps yet").waitFor();
     await page.getByRole("link", { name: "Live" }).click();
     await page.locator(".row", { hasText: "car" }).waitFor();
   });

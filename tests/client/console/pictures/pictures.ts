@@ -170,8 +170,8 @@ async function main(): Promise<void> {
     },
     denied: async () => {
       const scene = new TownScene();
-      scene.token("root", "admin");
       await scene.open();
+      scene.token("root", "admin");
       await takeDenied(scene).finally(() => scene.close());
     },
     crowd: async () => {
