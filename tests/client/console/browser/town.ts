@@ -7,9 +7,15 @@ import { DCLOC, dcloc, until } from "./harness.ts";
 /** Drives through a simulated town, of which one lasts for minutes, and so do its sessions. */
 function simulate(drives: string): void {
   const speeds = ["--map-speed-kmh", "72", "--live-speed-kmh", "10"];
-  const unfinished = `${drives}.unfinished`;
+  const unfinished = `${drives}.${process.pid}`;
   dcloc("simulate", "--out", unfinished, "--length-m", "400", "--seed", "5", ...speeds);
-  renameSync(unfinished, drives);
+  try {
+    renameSync(unfinished, drives);
+  } catch (error) {
+    // Another test was first: its drives are the same.
+    rmSync(unfinished, { recursive: true });
+    if (!existsSync(drives)) throw error;
+  }
 }
 
 /** A folder for the test's data, with a simulated town: a map and a drive in it. */
