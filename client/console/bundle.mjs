@@ -85,7 +85,7 @@ async function buildPage(folder) {
 async function buildTests(folder) {
   const source = join(root, "tests/client/console");
   rmSync(folder, { recursive: true, force: true });
-  const tests = readdirSync(source, { recursive: true }).filter((name) => /(_test|measure\/(goals|fleet_server))\.ts$/.test(name));
+  const tests = readdirSync(source, { recursive: true }).filter((name) => /(_test|measure\/(goals|fleet_server)|pictures\/pictures)\.ts$/.test(name));
   await build({
     ...node,
     entryPoints: tests.filter((n) => !n.startsWith("node_modules")).map((n) => join(source, n)),

@@ -82,7 +82,7 @@ function Settings({ onChange }: { onChange: () => void }) {
   };
   return (
     <div class="settings">
-      <button class="quiet" onClick={onTheme} aria-label={name} title={name}>
+      <button type="button" class="quiet" onClick={onTheme} aria-label={name} title={name}>
         <svg viewBox="0 0 16 16" width="16" height="16" aria-hidden="true">
           <circle cx="8" cy="8" r="6.200" fill="none" stroke="currentColor" stroke-width="1.500" />
           <path d="M8 1.800a6.200 6.200 0 0 1 0 12.400z" fill="currentColor" />

@@ -88,8 +88,8 @@ export function drawTiles(
   }
   store.keepBitmaps(blitCount + SPARE_BITMAP_COUNT);
   store.want(tilesToRead(wanted, store));
-  const shown = there.reduce((sum, { data }) => sum + data.xM.length, 0);
-  const count = there.reduce((sum, { data }) => sum + data.pointCount, 0);
+  const shown = there.reduce((sum, { own }) => sum + own.shown, 0);
+  const count = there.reduce((sum, { own }) => sum + own.count, 0);
   return { shown, count };
 }
 

@@ -5,15 +5,20 @@ import type { Vehicle } from "./fleet.ts";
 /** How far from its street a map has landmarks. */
 const MARGIN_M = 80;
 
-/** The rectangle of a map's landmarks. */
+/** No place on Earth is further from another one along the ground. */
+const MAX_COORDINATE_M = 2.1e7;
+
+/** The rectangle of a map's landmarks; none where what is told cannot be one. */
 export function extentOf(info: MapInfo | undefined): Bounds | undefined {
   if (!info?.minMapM || !info.maxMapM) return undefined;
-  return {
+  const bounds = {
     minX: info.minMapM.x - MARGIN_M,
     minY: info.minMapM.y - MARGIN_M,
     maxX: info.maxMapM.x + MARGIN_M,
     maxY: info.maxMapM.y + MARGIN_M,
   };
+  const isOnEarth = Object.values(bounds).every((m) => Math.abs(m) <= MAX_COORDINATE_M);
+  return isOnEarth && bounds.minX < bounds.maxX && bounds.minY < bounds.maxY ? bounds : undefined;
 }
 
 /** The rectangle of the vehicles that have a pose. */

@@ -26,6 +26,27 @@ const STRONGEST = 0.98;
 const shareOf = (pixel: number, begin: number, end: number): number =>
   Math.min(end, pixel + 1) - Math.max(begin, pixel);
 
+/**
+ * Keyframes, and three places between each two that follow one another within `gap`: their discs leave
+ * no notches in the street.
+ */
+export function withPlacesBetween(
+  x: ArrayLike<number>,
+  y: ArrayLike<number>,
+  gap: number,
+): { x: number[]; y: number[] } {
+  const places = { x: [] as number[], y: [] as number[] };
+  for (let i = 0; i < x.length; ++i) {
+    const [dx, dy] = i > 0 ? [x[i]! - x[i - 1]!, y[i]! - y[i - 1]!] : [Infinity, Infinity];
+    const shares = Math.hypot(dx, dy) <= gap ? [0.75, 0.5, 0.25, 0] : [0];
+    for (const share of shares) {
+      places.x.push(share === 0 ? x[i]! : x[i]! - share * dx);
+      places.y.push(share === 0 ? y[i]! : y[i]! - share * dy);
+    }
+  }
+  return places;
+}
+
 /** How much of each pixel, of 255, is street. */
 function streetMask(side: number, shapes: TileShapes): Uint8Array {
   const { keyframeX, keyframeY, streetRadiusPx: radius } = shapes;

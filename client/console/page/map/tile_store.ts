@@ -1,6 +1,7 @@
 import { MapService, type ReadMapTileResponse } from "proto/dcloc/v1/map_service_pb.ts";
 import { call } from "../wire/calls.ts";
 import { type CallFailure, Code, failureOf } from "../wire/failure.ts";
+import { type PointCounts, ownPoints } from "./own_points.ts";
 import { MARGIN_M, type TileId, boundsOf, keyOf, pointCountOf } from "./tile_grid.ts";
 
 const MAX_TILE_COUNT = 128;
@@ -44,6 +45,7 @@ function dataOf(answer: ReadMapTileResponse): TileData {
 export interface Tile {
   id: TileId;
   data: TileData;
+  own: PointCounts;
   /** The store has let go of it. */
   isDropped?: boolean;
   /** The tile drawn, in the colours of `theme`; made when it is first shown. */
@@ -134,7 +136,8 @@ export class TileStore {
         },
         stop.signal,
       );
-      this.keep({ id, data: dataOf(answer) });
+      const data = dataOf(answer);
+      this.keep({ id, data, own: ownPoints(id, data) });
       this.failedUntil.delete(key);
       this.failure = undefined;
     } catch (error) {

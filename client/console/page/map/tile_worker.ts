@@ -1,10 +1,12 @@
 // Paints tiles beside the page's own thread, which so stays free for who uses it.
 import { type PaintOrder, type PaintedTile, BITMAP_PX } from "./paint_order.ts";
 import { boundsOf, sideOf } from "./tile_grid.ts";
-import { rasterize } from "./tile_raster.ts";
+import { rasterize, withPlacesBetween } from "./tile_raster.ts";
 
 /** A keyframe stands for the street around it. */
 const STREET_HALF_WIDTH_M = 7;
+/** Keyframes further apart may have no street between them. */
+const MAX_KEYFRAME_GAP_M = 16;
 const MIN_STREET_PX = 1.2;
 const WEAK_DBSM = -10;
 const STRONG_DBSM = 25;
@@ -16,9 +18,13 @@ function paint({ id, data, colours }: PaintOrder): ImageBitmap {
   const top = maxY - data.originYM;
   const toX = (x: number): number => (left + x) * pxPerM;
   const toY = (y: number): number => (top - y) * pxPerM;
+  const keyframes = [data.keyframeXM.map(toX), data.keyframeYM.map(toY)] as const;
+  // Where the discs are a few pixels small, notches do not show.
+  const gap = STREET_HALF_WIDTH_M * pxPerM > 2 ? MAX_KEYFRAME_GAP_M * pxPerM : 0;
+  const places = withPlacesBetween(...keyframes, gap);
   const shapes = {
-    keyframeX: data.keyframeXM.map(toX),
-    keyframeY: data.keyframeYM.map(toY),
+    keyframeX: places.x,
+    keyframeY: places.y,
     streetRadiusPx: Math.max(STREET_HALF_WIDTH_M * pxPerM, MIN_STREET_PX),
     pointX: data.xM.map(toX),
     pointY: data.yM.map(toY),

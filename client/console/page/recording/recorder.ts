@@ -24,8 +24,10 @@ export class Recorder {
     readonly vehicle: string,
     readonly recording: Recording,
     private readonly onChange: () => void,
+    /** Why it may not begin. */
+    refusal?: CallFailure,
   ) {
-    this.run().then(
+    (refusal ? Promise.reject(refusal) : this.run()).then(
       (reason) => this.end(reason),
       (error: unknown) => {
         const failure = failureOf(error);

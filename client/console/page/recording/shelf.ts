@@ -1,6 +1,12 @@
+import { t } from "../texts/texts.ts";
+import { CallFailure, Code } from "../wire/failure.ts";
 import { MAX_RECORDING_BYTES, NoRecording, readRecording, writeRecording } from "./file.ts";
 import { Recorder } from "./recorder.ts";
 import { Recording } from "./recording.ts";
+
+/** Each that runs keeps a connection, of which a browser has six to a host over HTTP/1.1: with all of
+ * them taken, no call of the page would get through. */
+const MAX_RUNNING_COUNT = 3;
 
 /** A recording that the page holds: made here, or opened from a file. */
 export interface Item {
@@ -39,7 +45,12 @@ export class Shelf {
   record(server: string, vehicle: string): Item {
     const recording = new Recording();
     const onChange = (): void => this.tell();
-    const recorder = new Recorder(server, vehicle, recording, onChange);
+    const running = this.items.filter((item) => item.recorder && item.recorder.state !== "ended");
+    const refusal =
+      running.length < MAX_RUNNING_COUNT
+        ? undefined
+        : new CallFailure(Code.ResourceExhausted, t("record_too_many", { count: MAX_RUNNING_COUNT }));
+    const recorder = new Recorder(server, vehicle, recording, onChange, refusal);
     return this.add({ name: vehicle, recording, recorder, isSaved: false });
   }
 

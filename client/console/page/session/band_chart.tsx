@@ -4,6 +4,7 @@ import { FixUse, SourceFault } from "proto/dcloc/v1/localization_service_pb.ts";
 import { type Palette, readPalette } from "../map/palette.ts";
 import { State } from "../map/fleet.ts";
 import { stateName } from "../parts/state_mark.tsx";
+import { shownName } from "../texts/shortened.ts";
 import { clock, decimals, numbered, t } from "../texts/texts.ts";
 import {
   type Band,
@@ -31,18 +32,18 @@ export function bandName({ name }: Band): string {
     case YAW_RATE_BAND:
       return t("yaw_rate");
     default:
-      return radarOf(name);
+      return shownName(radarOf(name));
   }
 }
 
 /** What a segment says, in words. */
 export function segmentText(kind: Band["kind"], value: number): string {
   if (kind === "state") return stateName(value);
-  if (kind === "fix") return numbered("fix_use_", value, String(value));
+  if (kind === "fix") return numbered("fix_use_", value, t("unknown_value", { value }));
   const fault = faultOf(value);
   const words = t(isUsed(value) ? "used" : "set_aside");
   if (fault <= SourceFault.NONE) return words;
-  return `${words}, ${numbered("fault_", fault, String(fault))}`;
+  return `${words}, ${numbered("fault_", fault, t("unknown_value", { value: fault }))}`;
 }
 
 const FIX_STATES: Partial<Record<number, State>> = {

@@ -1,5 +1,6 @@
 import { type Health, SourceFault } from "proto/dcloc/v1/localization_service_pb.ts";
 import { State } from "../map/fleet.ts";
+import { shortened, shownName } from "../texts/shortened.ts";
 import { type TextKey, decimals, numbered, t } from "../texts/texts.ts";
 import type { Rejection, Sample } from "./history.ts";
 
@@ -52,7 +53,8 @@ function stateFinding(samples: readonly Sample[], nowMs: number): Finding[] {
   };
   const key = texts[last.state];
   const values = { overlap: decimals(100 * last.overlap, 0), sigma: decimals(last.sigmaM, 2) };
-  const found: Finding[] = key ? [{ kind: "state", text: t(key, values) }] : [];
+  const text = key ? t(key, values) : t("why_unknown", { state: last.state });
+  const found: Finding[] = [{ kind: "state", text }];
   if (last.state === State.Lost) {
     let first = samples.length - 1;
     while (first > 0 && samples[first - 1]!.state === State.Lost) --first;
@@ -95,8 +97,8 @@ function sourceCauses(health: Health | undefined): string[] {
   return sources
     .filter(({ source }) => source && source.fault > SourceFault.NONE)
     .map(({ name, source }) => {
-      const fault = numbered("fault_", source!.fault, String(source!.fault));
-      return t("why_source", { source: name, fault });
+      const fault = numbered("fault_", source!.fault, t("unknown_value", { value: source!.fault }));
+      return t("why_source", { source: shownName(name), fault });
     });
 }
 
@@ -139,7 +141,7 @@ export function explain({ samples, rejections, health, outsideM, nowMs }: Eviden
   if (latency > SLOW_MS) remarks.push(t("why_slow", { latency: Math.round(latency) }));
   const refused = rejections.filter((r) => nowMs - r.timeMs < NEWS_MS);
   if (refused.length > 0) {
-    const { message } = refused[refused.length - 1]!;
+    const message = shortened(refused[refused.length - 1]!.message, 400);
     remarks.push(t("why_rejected", { count: refused.length, message }));
   }
   if (last.resets > 0) remarks.push(t("why_reset", { count: last.resets }));

@@ -26,7 +26,7 @@ export function Sources({ health }: { health: Health | undefined }) {
               <span>{t(source.used ? "used" : "set_aside")}</span>
               <span class="soft">
                 {source.fault > SourceFault.NONE &&
-                  numbered("fault_", source.fault, String(source.fault))}
+                  numbered("fault_", source.fault, t("unknown_value", { value: source.fault }))}
               </span>
             </li>
           );

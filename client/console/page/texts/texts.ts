@@ -42,6 +42,11 @@ export function numbered(prefix: string, value: number, otherwise: string): stri
   return key in en ? t(key as TextKey) : otherwise;
 }
 
+/** How numbers and times are written: as where the browser is, if the language is spoken there. */
+function locale(): string {
+  return navigator.language.startsWith(language) ? navigator.language : language;
+}
+
 /** Made once: a browser takes longer to make one than to use it a hundred times. */
 const formats = new Map<string, Intl.NumberFormat>();
 
@@ -50,7 +55,7 @@ export function decimals(value: number, digits: number): string {
   let format = formats.get(key);
   if (!format) {
     const options = { minimumFractionDigits: digits, maximumFractionDigits: digits };
-    format = new Intl.NumberFormat(language, options);
+    format = new Intl.NumberFormat(locale(), options);
     formats.set(key, format);
   }
   return format.format(value);
@@ -67,7 +72,7 @@ export function megabytes(bytes: number): string {
 }
 
 export function dateTime(ms: number): string {
-  return new Date(ms).toLocaleString(language, { dateStyle: "medium", timeStyle: "short" });
+  return new Date(ms).toLocaleString(locale(), { dateStyle: "medium", timeStyle: "short" });
 }
 
 /** Minutes and seconds, as of a recording; before it they are negative. */

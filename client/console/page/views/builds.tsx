@@ -60,7 +60,7 @@ function Row({ build, onCancel }: { build: MapBuild; onCancel: () => void }) {
   return (
     <li>
       <strong>{name}</strong>
-      <span>{numbered("build_state_", build.state, String(build.state))}</span>
+      <span>{numbered("build_state_", build.state, t("unknown_value", { value: build.state }))}</span>
       {isRunning && (
         <progress
           aria-label={name}

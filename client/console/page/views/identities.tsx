@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import { AdminService, type Identity } from "proto/dcloc/v1/admin_service_pb.ts";
+import { DataTable } from "../parts/data_table.tsx";
 import { Dialog } from "../parts/dialog.tsx";
 import { FailureNotice, Loading } from "../parts/notice.tsx";
 import { usePages } from "../parts/use_pages.ts";
@@ -58,42 +59,36 @@ interface TableProps {
 
 function IdentityTable({ identities, onRevoke }: TableProps) {
   return (
-    <div class="table-frame" role="region" aria-label={t("identities")} tabIndex={0}>
-      <table>
-        <thead>
-          <tr>
-            <th scope="col">{t("name")}</th>
-            <th scope="col">{t("role")}</th>
-            <th scope="col">{t("tenant")}</th>
-            <th scope="col">{t("proof")}</th>
-            <th scope="col">{t("expires")}</th>
-            <td />
-          </tr>
-        </thead>
-        <tbody>
-          {identities.map((identity) => (
-            <tr key={String(identity.id)}>
-              <th scope="row">{shownName(identity.name)}</th>
-              <td>{identity.role}</td>
-              <td>{shownName(identity.tenant) || "–"}</td>
-              <td>{numbered("proof_", identity.proof, t("proof_unknown", { proof: identity.proof }))}</td>
-              <td>{endOf(identity)}</td>
-              <td>
-                {!identity.revokeTime && (
-                  <button
-                    class="danger"
-                    aria-label={`${t("revoke")}: ${shownName(identity.name)}`}
-                    onClick={() => onRevoke(identity)}
-                  >
-                    {t("revoke")} …
-                  </button>
-                )}
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </div>
+    <DataTable
+      label={t("identities")}
+      columns={[
+        { name: t("name") },
+        { name: t("role") },
+        { name: t("tenant") },
+        { name: t("proof") },
+        { name: t("expires") },
+        { name: t("revoke") },
+      ]}
+      rows={identities.map((identity) => ({
+        key: String(identity.id),
+        cells: [
+          shownName(identity.name),
+          shownName(identity.role),
+          shownName(identity.tenant) || "–",
+          numbered("proof_", identity.proof, t("proof_unknown", { proof: identity.proof })),
+          endOf(identity),
+          !identity.revokeTime && (
+            <button
+              class="danger"
+              aria-label={`${t("revoke")}: ${shownName(identity.name)}`}
+              onClick={() => onRevoke(identity)}
+            >
+              {t("revoke")} …
+            </button>
+          ),
+        ],
+      }))}
+    />
   );
 }
 

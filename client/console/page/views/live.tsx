@@ -74,9 +74,9 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
   const [lossWindow, setLossWindow] = useState(WHOLE_HOUR);
   const maps = useMaps(servers);
   const places = useMemo(() => placesOf(fleet.fleet, maps), [fleet.fleet, fleet.tick, maps]);
-  // The first choice stays, though other maps may get more vehicles.
+  // The first one with vehicles stays, though other maps may get more.
   const first = useRef<string>();
-  if (!first.current && places[0]) first.current = placeKey(places[0]);
+  if (!first.current && places[0] && fleet.fleet.vehicles.size > 0) first.current = placeKey(places[0]);
   const wanted = chosenPlace ?? first.current;
   const place = places.find((p) => placeKey(p) === wanted) ?? places[0];
   const active = useActiveVersion(place);
@@ -99,6 +99,11 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
     setChosen(vehicle && Fleet.key(vehicle.server, vehicle.id));
     if (!vehicle) setFollow(false);
   };
+  // Versions and servers are those of a map: another one may have none of them.
+  const onPlace = (next: string): void => {
+    setPlace(next);
+    setFilter({ ...filter, version: NO_FILTER.version, replica: NO_FILTER.replica });
+  };
   const version = Number(active.value?.version ?? 0n);
   return (
     <div class="live">
@@ -114,7 +119,7 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
       >
         <label class="place">
           {t("map")}
-          <select value={placeKey(place)} onChange={(e) => setPlace(e.currentTarget.value)}>
+          <select value={placeKey(place)} onChange={(e) => onPlace(e.currentTarget.value)}>
             {places.map((p) => (
               <option key={placeKey(p)} value={placeKey(p)}>
                 {servers.length > 1 ? `${shownName(p.map)} · ${p.server}` : shownName(p.map)}
@@ -135,14 +140,16 @@ export function LiveView({ fleet, servers }: { fleet: FleetLink; servers: readon
           onChoose={onChoose}
           tick={fleet.tick}
         />
-        <LossAlarm losses={losses} />
-        <LossPanel
-          losses={losses}
-          window={lossWindow}
-          onWindow={setLossWindow}
-          isShown={showHeat}
-          onShown={setShowHeat}
-        />
+        <div class="over-map">
+          <LossAlarm losses={losses} />
+          <LossPanel
+            losses={losses}
+            window={lossWindow}
+            onWindow={setLossWindow}
+            isShown={showHeat}
+            onShown={setShowHeat}
+          />
+        </div>
       </div>
       <Announcements vehicles={inPlace} />
     </div>

@@ -14,6 +14,7 @@ import { useCall } from "../parts/use_call.ts";
 import { shortened, shownName } from "../texts/shortened.ts";
 import { count, dateTime, decimals, kilometres, megabytes, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
+import { expected } from "../wire/expected.ts";
 import type { FleetLink } from "../wire/use_fleet.ts";
 import { comparePath } from "./compare.tsx";
 import { type MapAction, MapActionDialog } from "./map_actions.tsx";
@@ -29,7 +30,7 @@ async function readMap(server: string, mapName: string, signal: AbortSignal): Pr
     call(server, MapService.method.getMap, { mapName }, signal),
     call(server, MapService.method.listMapVersions, { mapName, pageSize: 1000 }, signal),
   ]);
-  return { map: map!, versions };
+  return { map: expected(map), versions };
 }
 
 /** One map: its versions, what can be done with them, and its landmarks. */

@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import { type Map as RadarMap, MapService } from "proto/dcloc/v1/map_service_pb.ts";
+import { DataTable } from "../parts/data_table.tsx";
 import { Link } from "../parts/link.tsx";
 import { FailureNotice, Loading, Notice } from "../parts/notice.tsx";
 import { pathOf } from "../parts/route.ts";
@@ -75,38 +76,26 @@ function MapsOfServer({ server, fleet, round }: { server: string; fleet: FleetLi
     if (vehicle.server === server) inUse.set(vehicle.map, (inUse.get(vehicle.map) ?? 0) + 1);
   }
   return (
-    <div class="table-frame">
-      <table>
-        <thead>
-          <tr>
-            <th scope="col">{t("map")}</th>
-            <th scope="col">{t("active")}</th>
-            <th scope="col" class="number">
-              {t("versions")}
-            </th>
-            <th scope="col" class="number">
-              {t("sessions")}
-            </th>
-            <th scope="col">{t("created")}</th>
-          </tr>
-        </thead>
-        <tbody>
-          {maps.map((map) => (
-            <tr key={map.name}>
-              <th scope="row">
-                <Link to={pathOf("maps", server, map.name)}>{shownName(map.name)}</Link>
-              </th>
-              <td>
-                <MapLabels map={map} />
-              </td>
-              <td class="number">{count(map.versionCount)}</td>
-              <td class="number">{count(inUse.get(map.name) ?? 0)}</td>
-              <td>{dateTime(Number(map.createTime?.seconds ?? 0n) * 1000)}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </div>
+    <DataTable
+      label={t("maps")}
+      columns={[
+        { name: t("map") },
+        { name: t("active") },
+        { name: t("versions"), kind: "number" },
+        { name: t("sessions"), kind: "number" },
+        { name: t("created") },
+      ]}
+      rows={maps.map((map) => ({
+        key: map.name,
+        cells: [
+          <Link to={pathOf("maps", server, map.name)}>{shownName(map.name)}</Link>,
+          <MapLabels map={map} />,
+          count(map.versionCount),
+          count(inUse.get(map.name) ?? 0),
+          dateTime(Number(map.createTime?.seconds ?? 0n) * 1000),
+        ],
+      }))}
+    />
   );
 }
 

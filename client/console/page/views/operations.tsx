@@ -1,4 +1,5 @@
 import { AdminService, type Operation } from "proto/dcloc/v1/admin_service_pb.ts";
+import { DataTable } from "../parts/data_table.tsx";
 import { FailureNotice, Loading } from "../parts/notice.tsx";
 import { usePages } from "../parts/use_pages.ts";
 import { shortened, shownName } from "../texts/shortened.ts";
@@ -34,37 +35,33 @@ export function Operations({ server }: { server: string }) {
 
 function OperationTable({ operations }: { operations: readonly Operation[] }) {
   return (
-    <div class="table-frame" role="region" aria-label={t("operations")} tabIndex={0}>
-      <table>
-        <thead>
-          <tr>
-            <th scope="col">{t("time")}</th>
-            <th scope="col">{t("who")}</th>
-            <th scope="col">{t("call")}</th>
-            <th scope="col">{t("asked_for")}</th>
-            <th scope="col">{t("result")}</th>
-          </tr>
-        </thead>
-        <tbody>
-          {operations.map((operation) => (
-            <tr key={String(operation.number)}>
-              <td>{dateTime(Number(operation.time?.seconds ?? 0n) * 1000)}</td>
-              <th scope="row">
-                {shownName(operation.principal)} <span class="soft">{operation.role}</span>
-              </th>
-              <td title={operation.peer}>{operation.method.split(".").at(-1)}</td>
-              <td class="free-text">{shortened(operation.request, 400)}</td>
-              <td class="free-text">
-                {operation.statusCode === 0 ? (
-                  t("done")
-                ) : (
-                  <span class="fault">{t("failed_with", { message: operation.statusMessage })}</span>
-                )}
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </div>
+    <DataTable
+      label={t("operations")}
+      columns={[
+        { name: t("time") },
+        { name: t("who") },
+        { name: t("call") },
+        { name: t("asked_for"), kind: "free-text" },
+        { name: t("result"), kind: "free-text" },
+      ]}
+      head={1}
+      rows={operations.map((operation) => ({
+        key: String(operation.number),
+        cells: [
+          dateTime(Number(operation.time?.seconds ?? 0n) * 1000),
+          <>
+            {shownName(operation.principal)} <span class="soft">{shownName(operation.role)}</span>
+          </>,
+          <span title={shownName(operation.peer)}>{shownName(operation.method.split(".").at(-1)!)}</span>,
+          shortened(operation.request, 400),
+          <Result operation={operation} />,
+        ],
+      }))}
+    />
   );
+}
+
+function Result({ operation: { statusCode, statusMessage } }: { operation: Operation }) {
+  if (statusCode === 0) return <>{t("done")}</>;
+  return <span class="fault">{t("failed_with", { message: shortened(statusMessage, 400) })}</span>;
 }

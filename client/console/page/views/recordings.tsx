@@ -172,7 +172,7 @@ function RecordDialog({ shelf, servers, onClose }: RecordProps) {
   const [vehicle, setVehicle] = useState("");
   return (
     <Dialog
-      title={t("record_vehicle")}
+      title={t("record_title")}
       action={t("record")}
       isReady={vehicle !== ""}
       onClose={onClose}

@@ -297,7 +297,7 @@ function RecordedFacts({ recording }: { recording: Recording }) {
     [t("rejected"), count(recording.rejections.length)],
     [t("position_fixes"), count(fixCount)],
     ...[...fixUses].map(([use, times]): [string, string] => [
-      numbered("fix_use_", use, String(use)),
+      numbered("fix_use_", use, t("unknown_value", { value: use })),
       count(times),
     ]),
     [t("radars"), count(header?.open?.rig?.radars.length ?? 0)],

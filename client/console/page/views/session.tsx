@@ -24,6 +24,7 @@ import { Why } from "../session/why.tsx";
 import { shownName } from "../texts/shortened.ts";
 import { count, dateTime, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
+import { expected } from "../wire/expected.ts";
 import { CallFailure, Code } from "../wire/failure.ts";
 import type { FleetLink } from "../wire/use_fleet.ts";
 import { watchSession } from "../wire/watch_stream.ts";
@@ -77,7 +78,7 @@ export function SessionView({ server, id, fleet, shelf }: Props) {
   const loaded = useCall(
     async (signal) => {
       const request = { sessionId: id };
-      return (await call(server, AdminService.method.getSession, request, signal)).session!;
+      return expected((await call(server, AdminService.method.getSession, request, signal)).session);
     },
     [server, id],
     2_000,

@@ -7,6 +7,7 @@ import {
   UploadMapResponseSchema,
 } from "proto/dcloc/v1/map_service_pb.ts";
 import { call } from "./calls.ts";
+import { expected } from "./expected.ts";
 import { CallFailure, Code, failureOf } from "./failure.ts";
 
 const HASH_CHUNK_BYTES = 4 << 20;
@@ -95,7 +96,7 @@ export async function uploadMap(
       };
       onSent(offset);
       const answer = await send(order, digest, offset, onSent, stop);
-      return fromBinary(UploadMapResponseSchema, answer).version!;
+      return expected(fromBinary(UploadMapResponseSchema, answer).version);
     } catch (error) {
       const failure = failureOf(error);
       if (failure.code !== Code.Unavailable || stop.aborted) throw failure;

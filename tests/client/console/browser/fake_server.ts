@@ -1,26 +1,27 @@
 import * as grpc from "@grpc/grpc-js";
-import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import {
-  ListReplicasResponseSchema,
-  ListSessionsResponseSchema,
+  type DescMessage,
+  type DescMethod,
+  type MessageInitShape,
+  type MessageShape,
+  create,
+  fromBinary,
+  toBinary,
+} from "@bufbuild/protobuf";
+import {
+  AdminService,
   type Replica,
   type ReplicaFault,
   type Session,
   SessionSchema,
 } from "proto/dcloc/v1/admin_service_pb.ts";
 import {
-  CancelMapBuildRequestSchema,
-  CancelMapBuildResponseSchema,
-  GetMapVersionResponseSchema,
-  ListMapBuildsResponseSchema,
-  ListMapsResponseSchema,
   type MapBuild,
   MapBuildState,
+  MapService,
   type MapVersion,
-  ReadMapTileRequestSchema,
   type ReadMapTileRequest,
   type ReadMapTileResponse,
-  ReadMapTileResponseSchema,
 } from "proto/dcloc/v1/map_service_pb.ts";
 
 /** A map as the server serves it. */
@@ -29,28 +30,18 @@ export interface FakeMap {
   readTile(request: ReadMapTileRequest): ReadMapTileResponse;
 }
 
-const asIs = (bytes: Buffer): Buffer => bytes;
-
-function unary(path: string) {
-  return {
-    path,
-    requestStream: false,
-    responseStream: false,
-    requestSerialize: asIs,
-    requestDeserialize: asIs,
-    responseSerialize: asIs,
-    responseDeserialize: asIs,
-  };
-}
-
-/** What `answer` gives; what it throws is the failure of the call. */
-function answered(answer: () => Uint8Array): [Partial<grpc.StatusObject> | null, Buffer?] {
-  try {
-    return [null, Buffer.from(answer())];
-  } catch (error) {
-    return [{ code: grpc.status.DATA_LOSS, details: (error as Error).message }];
+/** A call that fails. */
+export class Refusal extends Error {
+  constructor(
+    readonly code: grpc.status,
+    message: string,
+  ) {
+    super(message);
   }
 }
+
+const UNKNOWN = new Refusal(grpc.status.UNIMPLEMENTED, "unknown method");
+const asIs = (bytes: Buffer): Buffer => bytes;
 
 /** An answer with a field that this version of the contract does not have: number 4000, a text. */
 function asOfNewer(bytes: Uint8Array): Buffer {
@@ -58,7 +49,12 @@ function asOfNewer(bytes: Uint8Array): Buffer {
   return Buffer.concat([bytes, Buffer.from([0x82, 0xfa, 0x01, text.length]), text]);
 }
 
-/** A server that lists any sessions at all: as many, and as strange, as no real one would. */
+type Answer = (request: Buffer) => Buffer[];
+
+/** A method whose input and output are known. */
+type Method<I extends DescMessage, O extends DescMessage> = DescMethod & { input: I; output: O };
+
+/** A server that says anything at all: as much, and as strange, as no real one would. */
 export class FakeServer {
   sessions: Session[] = [];
   /** None: the server is so old that it does not know the calls. */
@@ -69,59 +65,58 @@ export class FakeServer {
   /** None: it does not know the call. */
   replicas: Replica[] | undefined;
   builds: MapBuild[] = [];
+  private readonly answers = new Map<DescMethod, Answer>();
   private readonly server = new grpc.Server();
 
-  async start(): Promise<string> {
-    const asked = (done: grpc.sendUnaryData<Buffer>, answer: (map: FakeMap) => Uint8Array) =>
-      this.map
-        ? done(...answered(() => answer(this.map!)))
-        : done({ code: grpc.status.UNIMPLEMENTED, details: "unknown method" });
-    const service = {
-      getMapVersion: unary("/dcloc.v1.MapService/GetMapVersion"),
-      readMapTile: unary("/dcloc.v1.MapService/ReadMapTile"),
-      listMapBuilds: unary("/dcloc.v1.MapService/ListMapBuilds"),
-      cancelMapBuild: unary("/dcloc.v1.MapService/CancelMapBuild"),
-      listReplicas: unary("/dcloc.v1.AdminService/ListReplicas"),
-      listSessions: unary("/dcloc.v1.AdminService/ListSessions"),
-      listMaps: unary("/dcloc.v1.MapService/ListMaps"),
+  constructor() {
+    const { method: maps } = MapService;
+    const { method: admin } = AdminService;
+    const known = <T>(value: T | undefined): T => {
+      if (value === undefined) throw UNKNOWN;
+      return value;
     };
-    this.server.addService(service, {
-      listSessions: (_: unknown, done: grpc.sendUnaryData<Buffer>) => {
-        ++this.listCount;
-        const { sessions, unanswered } = this;
-        const answer = create(ListSessionsResponseSchema, { sessions, unanswered });
-        done(null, asOfNewer(toBinary(ListSessionsResponseSchema, answer)));
-      },
-      listReplicas: (_: unknown, done: grpc.sendUnaryData<Buffer>) => {
-        if (!this.replicas) return done({ code: grpc.status.UNIMPLEMENTED, details: "unknown method" });
-        const answer = create(ListReplicasResponseSchema, { replicas: this.replicas });
-        return done(null, asOfNewer(toBinary(ListReplicasResponseSchema, answer)));
-      },
-      listMapBuilds: (_: unknown, done: grpc.sendUnaryData<Buffer>) => {
-        const answer = create(ListMapBuildsResponseSchema, { builds: this.builds });
-        done(null, Buffer.from(toBinary(ListMapBuildsResponseSchema, answer)));
-      },
-      cancelMapBuild: (call: { request: Buffer }, done: grpc.sendUnaryData<Buffer>) => {
-        const { buildId } = fromBinary(CancelMapBuildRequestSchema, call.request);
-        const build = this.builds.find((b) => b.buildId === buildId)!;
-        build.state = MapBuildState.CANCELLED;
-        const answer = create(CancelMapBuildResponseSchema, { build });
-        done(null, Buffer.from(toBinary(CancelMapBuildResponseSchema, answer)));
-      },
-      getMapVersion: (_: unknown, done: grpc.sendUnaryData<Buffer>) =>
-        asked(done, ({ version }) =>
-          toBinary(GetMapVersionResponseSchema, create(GetMapVersionResponseSchema, { version })),
-        ),
-      readMapTile: (call: { request: Buffer }, done: grpc.sendUnaryData<Buffer>) =>
-        asked(done, ({ readTile }) =>
-          toBinary(
-            ReadMapTileResponseSchema,
-            readTile(fromBinary(ReadMapTileRequestSchema, call.request)),
-          ),
-        ),
-      listMaps: (_: unknown, done: grpc.sendUnaryData<Buffer>) =>
-        done(null, Buffer.from(toBinary(ListMapsResponseSchema, create(ListMapsResponseSchema)))),
+    this.on(admin.listSessions, () => {
+      ++this.listCount;
+      return { sessions: this.sessions, unanswered: this.unanswered };
     });
+    this.on(admin.listReplicas, () => ({ replicas: known(this.replicas) }));
+    this.on(maps.listMaps, () => ({}));
+    this.on(maps.listMapBuilds, () => ({ builds: this.builds }));
+    this.on(maps.cancelMapBuild, ({ buildId }) => {
+      const build = this.builds.find((b) => b.buildId === buildId)!;
+      build.state = MapBuildState.CANCELLED;
+      return { build };
+    });
+    this.on(maps.getMapVersion, () => ({ version: known(this.map).version }));
+    this.on(maps.readMapTile, (request) => known(this.map).readTile(request));
+  }
+
+  /** From now on `answer` gives what a method answers; what it throws is the failure of the call. */
+  on<I extends DescMessage, O extends DescMessage>(
+    method: Method<I, O>,
+    answer: (request: MessageShape<I>) => MessageInitShape<O>,
+  ): void {
+    this.onStream(method, (request) => [answer(request)]);
+  }
+
+  /** As `on`, for a method that answers several times. */
+  onStream<I extends DescMessage, O extends DescMessage>(
+    method: Method<I, O>,
+    answer: (request: MessageShape<I>) => MessageInitShape<O>[],
+  ): void {
+    this.answers.set(method, (request) =>
+      answer(fromBinary(method.input, request)).map((each) =>
+        asOfNewer(toBinary(method.output, create(method.output, each))),
+      ),
+    );
+  }
+
+  async start(): Promise<string> {
+    for (const service of [AdminService, MapService]) {
+      for (const method of service.methods) {
+        if (method.methodKind === "unary" || method.methodKind === "server_streaming") this.serve(method);
+      }
+    }
     const insecure = grpc.ServerCredentials.createInsecure();
     const port = await new Promise<number>((resolve, reject) =>
       this.server.bindAsync("127.0.0.1:0", insecure, (error, taken) =>
@@ -129,6 +124,49 @@ export class FakeServer {
       ),
     );
     return `127.0.0.1:${port}`;
+  }
+
+  private serve(method: DescMethod): void {
+    const answersTo = (request: Buffer): Buffer[] => {
+      const answer = this.answers.get(method);
+      if (!answer) throw UNKNOWN;
+      return answer(request);
+    };
+    const failure = (error: unknown): Partial<grpc.StatusObject> => ({
+      code: error instanceof Refusal ? error.code : grpc.status.DATA_LOSS,
+      details: (error as Error).message,
+    });
+    const isStream = method.methodKind === "server_streaming";
+    const definition = {
+      path: `/${method.parent.typeName}/${method.name}`,
+      requestStream: false,
+      responseStream: isStream,
+      requestSerialize: asIs,
+      requestDeserialize: asIs,
+      responseSerialize: asIs,
+      responseDeserialize: asIs,
+    };
+    const unary = (call: { request: Buffer }, done: grpc.sendUnaryData<Buffer>): void => {
+      try {
+        done(null, answersTo(call.request)[0]!);
+      } catch (error) {
+        done(failure(error));
+      }
+    };
+    // A stream stays open: what it has to say is said, and nobody ends it.
+    const stream = (call: grpc.ServerWritableStream<Buffer, Buffer>): void => {
+      try {
+        const answers = answersTo(call.request);
+        call.sendMetadata(new grpc.Metadata());
+        for (const bytes of answers) call.write(bytes);
+      } catch (error) {
+        call.emit("error", failure(error));
+      }
+    };
+    this.server.addService(
+      { [method.localName]: definition },
+      { [method.localName]: isStream ? stream : unary } as grpc.UntypedServiceImplementation,
+    );
   }
 
   stop(): void {

@@ -1,7 +1,4 @@
 import { type ChildProcess, execFileSync, spawn } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
 import { type Browser, type Page, chromium } from "playwright-core";
 
 /** Where the programs are: the test's caller says so. */
@@ -11,7 +8,7 @@ function environment(name: string): string {
   return value;
 }
 
-const DCLOC = environment("DCLOC");
+export const DCLOC = environment("DCLOC");
 const DCLOC_SERVER = environment("DCLOC_SERVER");
 const CONSOLE = environment("DCLOC_CONSOLE");
 const CHROMIUM_FLAGS = [
@@ -60,38 +57,6 @@ export class Program {
     const ended = new Promise((resolve) => this.child.once("exit", resolve));
     this.child.kill(signal);
     await ended;
-  }
-}
-
-/** A folder for the test's data, with a simulated town: a map and a drive in it. */
-export class Town {
-  readonly folder = mkdtempSync(join(tmpdir(), "dcloc-console-"));
-  readonly drives = join(this.folder, "drives");
-
-  constructor() {
-    // Slowly, so that a session lasts for minutes.
-    const speeds = ["--map-speed-kmh", "72", "--live-speed-kmh", "10"];
-    dcloc("simulate", "--out", this.drives, "--length-m", "400", "--seed", "5", ...speeds);
-  }
-
-  /** Makes a map file of the town; the name tells whose drive it was. */
-  makeMap(file: string, name: string): string {
-    const path = join(this.folder, file);
-    const data = ["--dataset", "nuscenes", "--root", this.drives, "--drive", "map"];
-    dcloc("map", "build", ...data, "--name", name, "--out", path);
-    return path;
-  }
-
-  /** Vehicles that drive through the town until they are stopped. */
-  drive(address: string, map: string, count: number): ChildProcess {
-    const data = ["--dataset", "nuscenes", "--root", this.drives, "--drive", "live-0"];
-    const load = ["--vehicles", String(count), "--duration-s", "3600", "--ramp-s", "0.5"];
-    const args = ["load", "--server", address, "--map", map, ...data, ...load];
-    return spawn(DCLOC, args, { stdio: "ignore" });
-  }
-
-  remove(): void {
-    rmSync(this.folder, { recursive: true, force: true });
   }
 }
 
@@ -151,11 +116,23 @@ export async function openPage(
   return { page, faults };
 }
 
+/** Signs in, and waits until the console is there or says why not. */
 export async function signIn(page: Page, token?: string): Promise<void> {
   if (token === undefined) {
     await page.getByRole("button", { name: "Continue without a token" }).click();
-    return;
+  } else {
+    await page.getByLabel("Token").fill(token);
+    await page.getByRole("button", { name: "Sign in" }).click();
   }
-  await page.getByLabel("Token").fill(token);
-  await page.getByRole("button", { name: "Sign in" }).click();
+  // Whoever goes on before the bridge has answered calls the sign-in off.
+  await page.getByRole("navigation").or(page.getByRole("alert")).first().waitFor();
+}
+
+/** Waits until something holds, as long as a page is waited for. */
+export async function until(holds: () => boolean | Promise<boolean>, what: string): Promise<void> {
+  const end = Date.now() + PATIENCE_MS;
+  while (!(await holds())) {
+    if (Date.now() > end) throw new Error(`not so after ${PATIENCE_MS / 1000} s: ${what}`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
 }

@@ -1,47 +1,22 @@
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { join } from "node:path";
-import { after, before, test } from "node:test";
-import type { Browser } from "playwright-core";
-import {
-  type Program,
-  Town,
-  dcloc,
-  launch,
-  openPage,
-  serverCommand,
-  signIn,
-  startConsole,
-  startServer,
-} from "./harness.ts";
+import { test } from "node:test";
+import { openPage, serverCommand, signIn } from "./harness.ts";
+import { TownScene, staged } from "./scene.ts";
 
-const town = new Town();
-const store = join(town.folder, "store");
-let server: Program;
-let bridge: Program;
-let browser: Browser;
+const scene = staged(new TownScene());
 
-function createToken(name: string, role: string): string {
-  return serverCommand("token", "create", "--data", store, "--name", name, "--role", role).trim();
+/** Lets the time of a token be over: the shortest that can be given is a day. */
+function expire(name: string): void {
+  const change = `UPDATE identity SET expire_time_ns = 1 WHERE name = '${name}'`;
+  const code = "import sqlite3, sys; c = sqlite3.connect(sys.argv[1]); c.execute(sys.argv[2]); c.commit()";
+  execFileSync("python3", ["-c", code, join(scene.store, "identities.sqlite"), change]);
 }
 
-before(async () => {
-  server = await startServer(store);
-  const map = town.makeMap("map.dclm", "drive");
-  dcloc("map", "upload", "--server", server.address, "--map", "town", "--activate", map);
-  bridge = await startConsole([server.address]);
-  browser = await launch();
-});
-
-after(async () => {
-  await browser?.close();
-  await bridge?.stop();
-  await server?.stop();
-  town.remove();
-});
-
 test("who may only look is told so by the server, and loses nothing", async () => {
-  const token = createToken("eve", "viewer");
-  const { page, faults } = await openPage(browser, bridge.address);
+  const token = scene.token("eve", "viewer");
+  const { page, faults } = await openPage(scene.browser, scene.bridge.address);
   await signIn(page, "not-a-token");
   await page.getByText("No server knows this token").waitFor();
   await signIn(page, token);
@@ -54,55 +29,61 @@ test("who may only look is told so by the server, and loses nothing", async () =
   assert.ok(!page.url().includes(token));
   assert.ok(!(await page.content()).includes(token));
   assert.deepEqual(await page.evaluate(() => document.cookie), "");
-  assert.ok(!bridge.log.join("").includes(token));
+  assert.ok(!scene.bridge.log.join("").includes(token));
   assert.deepEqual(faults, []);
   await page.close();
 });
 
 test("a vehicle's token sees that it may see nothing", async () => {
-  const { page, faults } = await openPage(browser, bridge.address);
-  await signIn(page, createToken("car-1", "vehicle"));
-  await page.getByText("Not permitted").waitFor();
-  await page.getByRole("navigation").getByRole("link", { name: "Maps" }).click();
-  await page.getByText("Not permitted").waitFor();
-  await page.getByRole("link", { name: "Servers" }).click();
-  await page.getByText("Not permitted").first().waitFor();
-  await page.getByText("Only admins of the default tenant see who is let in.").waitFor();
-  assert.deepEqual(faults, []);
-  await page.close();
+  await scene.visit(async (page) => {
+    await page.getByText("Not permitted").waitFor();
+    await page.getByRole("navigation").getByRole("link", { name: "Maps" }).click();
+    await page.getByText("Not permitted").waitFor();
+    await page.getByRole("link", { name: "Servers" }).click();
+    await page.getByText("Not permitted").first().waitFor();
+    await page.getByText("Only admins of the default tenant see who is let in.").waitFor();
+  }, scene.token("car-1", "vehicle"));
 });
 
 test("a token that is revoked while the page is open ends the visit with a word", async () => {
-  const token = createToken("bob", "admin");
-  const { page, faults } = await openPage(browser, bridge.address);
-  await signIn(page, token);
-  await page.getByText("A vehicle appears here").or(page.getByText("no vehicles")).first().waitFor();
-  const list = serverCommand("token", "list", "--data", store);
-  const id = list.split("\n").find((line) => line.includes("bob"))!.trim().split(/\s+/)[0]!;
-  serverCommand("token", "revoke", "--data", store, "--id", id);
-  await page.getByText("The servers no longer know your token").waitFor();
-  assert.deepEqual(faults, []);
-  await page.close();
+  const token = scene.token("bob", "admin");
+  await scene.visit(async (page) => {
+    await page.getByText("A vehicle appears here").or(page.getByText("no vehicles")).first().waitFor();
+    const list = serverCommand("token", "list", "--data", scene.store);
+    const id = list.split("\n").find((line) => line.includes("bob"))!.trim().split(/\s+/)[0]!;
+    serverCommand("token", "revoke", "--data", scene.store, "--id", id);
+    await page.getByText("The servers no longer know your token").waitFor();
+  }, token);
+});
+
+test("a token that expires while the page is open ends the visit with a word, and another one goes on", async () => {
+  const next = scene.token("dora", "admin");
+  await scene.visit(async (page) => {
+    await page.getByRole("link", { name: "Servers" }).click();
+    await page.getByText("Serving").waitFor();
+    expire("carl");
+    await page.getByText("The servers no longer know your token").waitFor();
+    await signIn(page, next);
+    await page.getByText("Serving").waitFor();
+  }, scene.token("carl", "admin"));
 });
 
 test("an admin sees who is let in, and revokes one", async () => {
-  const { page, faults } = await openPage(browser, bridge.address);
-  const revoked = createToken("mallory", "operator");
-  await signIn(page, createToken("alice", "admin"));
-  await page.getByRole("link", { name: "Servers" }).click();
-  await page.getByRole("button", { name: "Revoke: mallory" }).click();
-  const dialog = page.getByRole("dialog");
-  await dialog.getByText("Sessions that are open go on").waitFor();
-  await dialog.getByRole("button", { name: "Revoke" }).click();
-  await page.getByRole("row").filter({ hasText: "mallory" }).getByText("revoked").waitFor();
-  await page.getByRole("row").filter({ hasText: "RevokeIdentity" }).getByText("alice").waitFor();
-  assert.ok(!(await page.content()).includes(revoked));
-  assert.deepEqual(faults, []);
-  await page.close();
+  const revoked = scene.token("mallory", "operator");
+  await scene.visit(async (page) => {
+    await page.getByRole("link", { name: "Servers" }).click();
+    await page.getByRole("button", { name: "Revoke: mallory" }).click();
+    const dialog = page.getByRole("dialog");
+    await dialog.getByText("Sessions that are open go on").waitFor();
+    await dialog.getByRole("button", { name: "Revoke" }).click();
+    await page.getByRole("row").filter({ hasText: "mallory" }).getByText("revoked").waitFor();
+    await page.getByRole("row").filter({ hasText: "RevokeIdentity" }).getByText("alice").waitFor();
+    assert.ok(!(await page.content()).includes(revoked));
+  }, scene.token("alice", "admin"));
 });
 
 test("the bridge answers nobody else", async () => {
-  const { address } = bridge;
+  const { address } = scene.bridge;
   const as = (headers: Record<string, string>, path = "/feed", method = "GET") =>
     fetch(address + path, { method, headers }).then(({ status }) => status);
   assert.equal(await as({}), 401);

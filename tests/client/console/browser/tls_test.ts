@@ -1,11 +1,12 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import type { Browser } from "playwright-core";
 import {
   type Program,
-  Town,
   launch,
   openPage,
   serverCommand,
@@ -14,10 +15,10 @@ import {
   startServer,
 } from "./harness.ts";
 
-const town = new Town();
-const store = join(town.folder, "store");
-const certificate = join(town.folder, "localhost.pem");
-const key = join(town.folder, "localhost.key");
+const folder = mkdtempSync(join(tmpdir(), "dcloc-console-"));
+const store = join(folder, "store");
+const certificate = join(folder, "localhost.pem");
+const key = join(folder, "localhost.key");
 const TO_BROWSERS = ["--tls-cert", certificate, "--tls-key", key];
 let server: Program;
 let browser: Browser;
@@ -26,7 +27,7 @@ let token: string;
 before(async () => {
   // Made before: the bundle has no path of the tree, its caller does.
   const script = process.env["DCLOC_CERTIFICATES"]!;
-  execFileSync(script, ["--out", town.folder, "--server", "localhost"], { stdio: "ignore" });
+  execFileSync(script, ["--out", folder, "--server", "localhost"], { stdio: "ignore" });
   token = serverCommand("token", "create", "--data", store, "--name", "ops", "--role", "admin").trim();
   server = await startServer(store, "127.0.0.1:0", TO_BROWSERS);
   browser = await launch();
@@ -35,14 +36,14 @@ before(async () => {
 after(async () => {
   await browser?.close();
   await server?.stop();
-  town.remove();
+  rmSync(folder, { recursive: true, force: true });
 });
 
 const startBridge = (...more: string[]): Promise<Program> =>
   startConsole([server.address.replace("127.0.0.1", "localhost")], "127.0.0.1:0", more);
 
 test("TLS to both sides: the token goes to the server, and the cookie over TLS alone", async () => {
-  const bridge = await startBridge("--server-ca", join(town.folder, "ca.pem"), ...TO_BROWSERS);
+  const bridge = await startBridge("--server-ca", join(folder, "ca.pem"), ...TO_BROWSERS);
   assert.match(bridge.address, /^https:/);
   const { page, faults } = await openPage(browser, bridge.address);
   await signIn(page, token);
@@ -58,7 +59,7 @@ test("TLS to both sides: the token goes to the server, and the cookie over TLS a
 });
 
 test("a server that shows the certificate of another authority gets no token", async () => {
-  const foreign = join(town.folder, "foreign");
+  const foreign = join(folder, "foreign");
   const script = process.env["DCLOC_CERTIFICATES"]!;
   execFileSync(script, ["--out", foreign, "--server", "localhost"], { stdio: "ignore" });
   const bridge = await startBridge("--server-ca", join(foreign, "ca.pem"), ...TO_BROWSERS);

@@ -1,17 +1,30 @@
 /** Measures what the console promises, and prints one line for each figure. See measure/run. */
-import { readFileSync, readdirSync, statSync } from "node:fs";
+import { readdirSync, statSync } from "node:fs";
 import { join } from "node:path";
-import type { Browser, CDPSession, Locator, Page } from "playwright-core";
+import type { Browser, Locator, Page } from "playwright-core";
 import { Program, launch, openPage, signIn, startConsole } from "../browser/harness.ts";
 import { EmptyPage } from "./empty_page.ts";
 import { measureLoad } from "./load.ts";
-import { type Notes, type ThreadTimes, interactionQuantile, note, quantile, readNotes, threadTimes } from "./notes.ts";
+import { type MemorySample, growth, sampleMemory } from "./memory.ts";
+import {
+  type Notes,
+  type ThreadTimes,
+  countAbove,
+  interactionQuantile,
+  note,
+  quantile,
+  readNotes,
+  threadTimes,
+  total,
+} from "./notes.ts";
 
-const VEHICLE_COUNT = 2_000;
+const VEHICLE_COUNT = Number(process.env["VEHICLES"] ?? "2000");
 const MINUTES = Number(process.env["MINUTES"] ?? "2");
+/** Between two rounds of interactions nobody presses anything for so long. */
+const PAUSE_MS = 1000 * Number(process.env["PAUSE_S"] ?? "0");
+const SAMPLE_PERIOD_MS = 60_000;
 /** "page" or "load": that part alone. */
 const ONLY = process.env["ONLY"] ?? "";
-const MIB = 2 ** 20;
 
 function print(name: string, figure: string, goal: string): void {
   console.log(`${name.padEnd(58)} ${figure.padEnd(34)} ${goal}`);
@@ -50,26 +63,6 @@ async function interact(page: Page, places: Awaited<ReturnType<typeof findPlaces
   for (let i = 0; i < 3; ++i) await page.mouse.wheel(0, 200);
 }
 
-/** The page's process: what it alone holds in memory, its canvases with it. */
-async function residentBytes(browser: Browser): Promise<number> {
-  const session = await browser.newBrowserCDPSession();
-  const { processInfo } = (await session.send("SystemInfo.getProcessInfo")) as {
-    processInfo: { id: number; type: string }[];
-  };
-  await session.detach();
-  const sizes = processInfo
-    .filter(({ type }) => type === "renderer")
-    .map(({ id }) => /Pss_Anon:\s+(\d+) kB/.exec(readFileSync(`/proc/${id}/smaps_rollup`, "utf8")))
-    .map((match) => 1024 * Number(match?.[1] ?? 0));
-  return Math.max(0, ...sizes);
-}
-
-async function heapBytes(devtools: CDPSession): Promise<number> {
-  await devtools.send("HeapProfiler.collectGarbage");
-  const { metrics } = await devtools.send("Performance.getMetrics");
-  return metrics.find(({ name }) => name === "JSHeapUsedSize")!.value;
-}
-
 function bundleBytes(folder: string): number {
   const files = readdirSync(folder).filter((name) => /\.(br|woff2)$/.test(name));
   return files.reduce((sum, name) => sum + statSync(join(folder, name)).size, 0);
@@ -83,11 +76,12 @@ async function measureLoading(page: Page): Promise<void> {
     await page.waitForFunction(() => (window as unknown as { notes: Notes }).notes.usefulMs > 0);
     useful.push((await readNotes(page)).usefulMs);
   }
-  print("first useful paint, vehicles listed, median of 5", `${quantile(useful, 0.5).toFixed(0)} ms`, "1500 ms");
+  const [, , median] = useful.sort((a, b) => a - b);
+  print("first useful paint, vehicles listed, median of 5", `${median!.toFixed(0)} ms`, "1500 ms");
 }
 
 function printInteractions(name: string, notes: Notes, goal: string): void {
-  const slow = notes.interactions.filter((ms) => ms > 100).length;
+  const slow = countAbove(notes.interactions, 100);
   const [p50, p98] = [0.5, 0.98].map((share) => interactionQuantile(notes, share).toFixed(0));
   print(`${name}: ${notes.interactionCount}; p50, p98`, `${p50}, ${p98} ms; ${slow} above 100 ms`, goal);
 }
@@ -98,38 +92,46 @@ function printThread(before: ThreadTimes, after: ThreadTimes, seconds: number): 
   print("processor time of the page's thread, of one core", `${share("all")} % (${parts})`, "");
 }
 
+function printMemory(samples: readonly MemorySample[]): void {
+  const tell = (name: string, of: (sample: MemorySample) => number, goal: string): void => {
+    const sizes = samples.map(of);
+    const [first, last, most] = [sizes[0]!, sizes.at(-1)!, Math.max(...sizes)].map((size) => size.toFixed(1));
+    const slope = growth(samples, of).toFixed(1);
+    print(`${name}, first, last, most of ${sizes.length}`, `${first}, ${last}, ${most} MiB; ${slope} MiB/h`, goal);
+  };
+  tell(`heap in ${MINUTES} min`, (sample) => sample.heapMib, "");
+  tell("page's process", (sample) => sample.processMib, "300 MiB");
+}
+
 async function measureUse(browser: Browser, page: Page): Promise<void> {
   const devtools = await page.context().newCDPSession(page);
   // Processor time of the page's thread, not the time that passes.
   await devtools.send("Performance.enable", { timeDomain: "threadTicks" });
   await page.waitForTimeout(3_000);
   const empty = await EmptyPage.open(browser);
-  const first = { heap: await heapBytes(devtools), resident: await residentBytes(browser) };
+  const memory: MemorySample[] = [await sampleMemory(browser, devtools)];
   const places = await findPlaces(page);
   const times = await threadTimes(devtools);
   const begin = Date.now();
-  let most = 0;
   do {
     await page.bringToFront();
     await interact(page, places);
-    most = Math.max(most, await residentBytes(browser));
     await empty.interact();
+    await page.bringToFront();
+    await page.waitForTimeout(PAUSE_MS);
+    if (Date.now() > memory.at(-1)!.ms + SAMPLE_PERIOD_MS) memory.push(await sampleMemory(browser, devtools));
   } while (Date.now() < begin + MINUTES * 60_000);
   printThread(times, await threadTimes(devtools), (Date.now() - begin) / 1000);
   const notes = await readNotes(page);
   printInteractions("interactions", notes, "100 ms");
   printInteractions("  of an empty page, in between", await empty.notes(), "");
   print(
-    `frames: ${notes.frames.length}; p50, p95, p99`,
+    `frames: ${total(notes.frames)}; p50, p95, p99`,
     `${[0.5, 0.95, 0.99].map((q) => quantile(notes.frames, q).toFixed(1)).join(", ")} ms`,
     "16.7 ms",
   );
-  const heap = await heapBytes(devtools);
-  print(
-    `memory after ${MINUTES} min: heap; process, most`,
-    `${(heap / MIB).toFixed(0)} MiB (${(first.heap / MIB).toFixed(0)} at first); ${(most / MIB).toFixed(0)} MiB (${(first.resident / MIB).toFixed(0)})`,
-    "300 MiB",
-  );
+  memory.push(await sampleMemory(browser, devtools));
+  printMemory(memory);
   await empty.close();
 }
 
@@ -141,6 +143,7 @@ async function measurePage(browser: Browser, bridge: Program): Promise<void> {
   await page.addInitScript(note);
   await measureLoading(page);
   await measureUse(browser, page);
+  print("errors that nothing caught", String(faults.length), "0");
   if (faults.length > 0) throw new Error(faults.join("\n"));
   await page.close();
 }

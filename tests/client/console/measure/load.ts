@@ -2,7 +2,8 @@ import { execFile } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { promisify } from "node:util";
-import { type Program, Town, dcloc, serverCommand, startConsole, startServer } from "../browser/harness.ts";
+import { type Program, dcloc, serverCommand, startConsole, startServer } from "../browser/harness.ts";
+import { Town } from "../browser/town.ts";
 
 const PAGE_COUNT = 20;
 const VEHICLE_COUNT = 20;

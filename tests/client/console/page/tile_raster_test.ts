@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type TileShapes, rasterize } from "../../../../client/console/page/map/tile_raster.ts";
+import { type TileShapes, rasterize, withPlacesBetween } from "../../../../client/console/page/map/tile_raster.ts";
 
 const SIDE = 16;
 const COLOURS = { coverage: [10, 20, 30], landmark: [200, 100, 50] } as const;
@@ -32,6 +32,13 @@ test("a keyframe is a disc of street, with a soft edge, also across the picture'
   assert.ok(edge > 200 && edge < 255, String(edge));
   const corner = pixels({ keyframeX: [-1], keyframeY: [17] });
   assert.deepEqual(corner(0, 15), [10, 20, 30, 255]);
+});
+
+test("between keyframes that follow one another closely there is street, and none over a gap", () => {
+  const places = withPlacesBetween([0, 8, 40], [0, 4, 4], 10);
+  assert.deepEqual(places.x, [0, 2, 4, 6, 8, 40]);
+  assert.deepEqual(places.y, [0, 1, 2, 3, 4, 4]);
+  assert.deepEqual(withPlacesBetween([], [], 10), { x: [], y: [] });
 });
 
 test("a landmark is a square over the street, and shares the pixels that it lies between", () => {
