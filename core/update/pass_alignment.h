@@ -16,7 +16,7 @@ struct PassAlignmentOptions {
   PassTrackOptions track;
   int min_center_scans = 3;  ///< of a center that is compared with landmarks
   int rounds = 4;            ///< of fusing, matching and moving
-  int joint_rounds = 4;      ///< of aligning all passes with what they show together
+  int joint_rounds = 2;      ///< of aligning all passes with what they show together
 };
 
 /// Refines the poses of the scans of `pass` that count: the centers that the pass sees come to lie

@@ -16,8 +16,8 @@ struct PassTrackOptions {
   double knot_spacing_m = 10.0;         ///< of the way, from one estimated pose to the next
   double pose_sigma_m = 0.3;            ///< of the localizer's poses, which may all err alike
   double pose_sigma_rad = 0.02;         ///< likewise of their yaw
-  double drift_m = 0.002;               ///< of odometry, after 1 m; it grows by the root of the way
-  double drift_rad = 0.0001;            ///< likewise of its yaw
+  double drift_m = 0.004;               ///< of odometry, after 1 m; it grows by the root of the way
+  double drift_rad = 0.0002;            ///< likewise of its yaw
   double scale_sigma = 0.02;            ///< of odometry, constant over the pass
   double yaw_rate_sigma_radps = 0.003;  ///< likewise
 };

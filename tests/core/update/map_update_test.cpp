@@ -55,7 +55,7 @@ TEST(MapUpdateTest, WhatManyPassesSawLiesNearerToWhereItStands) {
 TEST(MapUpdateTest, PosesThatLieToOneSideDoNotMoveTheMap) {
   const TestStreet street;
   const MapParts base = street.Map(0);
-  const Eigen::Vector2d ahead_m(0.06, 0.0);
+  const Eigen::Vector3d ahead_m(0.06, 0.0, 0.0);
   const std::vector<PlacedPass> passes = {
       street.Pass(1, "a", ahead_m), street.Pass(2, "b", ahead_m), street.Pass(3, "a", ahead_m)};
   const auto update = UpdateMap(base, passes);

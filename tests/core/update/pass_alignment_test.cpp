@@ -29,7 +29,7 @@ Eigen::Vector2d MeanError_m(const PlacedPass& pass) {
 TEST(PassAlignmentTest, APassThatLiesToOneSideIsBroughtBack) {
   const TestStreet street;
   const MapParts base = street.Map(0);
-  PlacedPass pass = street.Pass(1, "a", {0.1, 0.05});
+  PlacedPass pass = street.Pass(1, "a", {0.1, 0.05, 0.0});
   ASSERT_NEAR(MeanError_m(pass).x(), 0.1, 1e-6);
   AlignPass(PlacesOf(base), base.Origin_m(), {}, pass);
   EXPECT_LT(MeanError_m(pass).norm(), 0.02);
@@ -65,7 +65,7 @@ TEST(PassAlignmentTest, TheScaleOfOdometryIsFound) {
 TEST(PassAlignmentTest, WithoutScansThatCountNothingHappens) {
   const TestStreet street;
   const MapParts base = street.Map(0);
-  PlacedPass pass = street.Pass(1, "a", {0.1, 0.0});
+  PlacedPass pass = street.Pass(1, "a", {0.1, 0.0, 0.0});
   for (PlacedScan& scan : pass.scans) scan.is_good = false;
   AlignPass(PlacesOf(base), base.Origin_m(), {}, pass);
   EXPECT_NEAR(MeanError_m(pass).x(), 0.1, 1e-9);
