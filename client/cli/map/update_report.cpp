@@ -253,7 +253,7 @@ std::string UpdateText(const UpdateStory& story) {
   }
   absl::StrAppendFormat(
       &text,
-      "kept           %d, of which refined make %d\ncame           %d\nwent           %d\n"
+      "kept           %d, %d of them refined\ncame           %d\nwent           %d\n"
       "comes and goes %d\n",
       CountOf(update.known, LandmarkFate::kKept), update.refined_count,
       CountOf(update.found, LandmarkFate::kCame), CountOf(update.known, LandmarkFate::kWent),
