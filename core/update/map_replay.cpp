@@ -1,51 +1,11 @@
 #include "core/update/map_replay.h"
 
-#include <algorithm>
-#include <chrono>
+#include <optional>
+#include <utility>
 
 #include "core/odometry/ego_motion.h"
 
 namespace dcloc {
-namespace {
-
-constexpr std::chrono::nanoseconds kReach = std::chrono::seconds(2);
-
-/// The way of the vehicle by odometry alone, in a frame that begins with it.
-std::vector<Pose2> Way(const Rig& rig, std::span<const Scan> scans) {
-  std::vector<Pose2> way;
-  EgoMotion ego_motion;
-  Pose3 T_start_vehicle;
-  Stamp newest{};
-  for (const Scan& scan : scans) {
-    const RadarModel* const radar = rig.Find(scan.radar_id);
-    if (radar != nullptr && scan.stamp >= newest) {
-      ego_motion.Advance(scan, *radar);
-      T_start_vehicle = T_start_vehicle * ego_motion.since_previous().T_from_to;
-      newest = scan.stamp;
-    }
-    way.push_back(Flatten(T_start_vehicle));
-  }
-  return way;
-}
-
-double Middle(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
-// Of poses that lie within metres and some degrees of one another.
-Pose2 Middle(std::span<const Pose2> poses) {
-  std::vector<double> x, y, yaw;
-  for (const Pose2& pose : poses) {
-    x.push_back(pose.translation_m.x());
-    y.push_back(pose.translation_m.y());
-    yaw.push_back(WrapAngle(pose.yaw_rad - poses.front().yaw_rad));
-  }
-  return {{Middle(x), Middle(y)}, WrapAngle(poses.front().yaw_rad + Middle(yaw))};
-}
-
-}  // namespace
 
 absl::StatusOr<std::vector<ReplayedScan>> ReplayPass(std::shared_ptr<const RadarMap> map,
                                                      const Rig& rig, std::span<const Scan> scans) {
@@ -69,23 +29,21 @@ absl::StatusOr<std::vector<ReplayedScan>> ReplayPass(std::shared_ptr<const Radar
   return replay;
 }
 
-std::vector<std::optional<Pose2>> ConsensusOf(std::span<const ReplayedScan> replay, const Rig& rig,
-                                              std::span<const Scan> scans) {
-  const std::vector<Pose2> way = Way(rig, scans);
-  std::vector<std::optional<Pose2>> consensus(scans.size());
-  std::size_t begin = 0;
-  std::vector<Pose2> arrived;
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    while (scans[begin].stamp < scans[i].stamp - kReach) ++begin;
-    arrived.clear();
-    for (std::size_t k = begin; k < scans.size() && scans[k].stamp <= scans[i].stamp + kReach;
-         ++k) {
-      if (!replay[k].is_tracking) continue;
-      arrived.push_back(replay[k].T_map_vehicle * (way[k].Inverse() * way[i]));
+std::vector<Pose2> OdometryTrack(const Rig& rig, std::span<const Scan> scans) {
+  std::vector<Pose2> track;
+  EgoMotion ego_motion;
+  Pose3 T_start_vehicle;
+  Stamp newest{};
+  for (const Scan& scan : scans) {
+    const RadarModel* const radar = rig.Find(scan.radar_id);
+    if (radar != nullptr && scan.stamp >= newest) {
+      ego_motion.Advance(scan, *radar);
+      T_start_vehicle = T_start_vehicle * ego_motion.since_previous().T_from_to;
+      newest = scan.stamp;
     }
-    if (!arrived.empty()) consensus[i] = Middle(arrived);
+    track.push_back(Flatten(T_start_vehicle));
   }
-  return consensus;
+  return track;
 }
 
 }  // namespace dcloc

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,10 +25,8 @@ struct ReplayedScan {
 absl::StatusOr<std::vector<ReplayedScan>> ReplayPass(std::shared_ptr<const RadarMap> map,
                                                      const Rig& rig, std::span<const Scan> scans);
 
-/// Where the vehicle surely was, scan by scan: each pose of `replay` that tracks is carried to its
-/// neighbours within two seconds by odometry, and the middle of what arrives is taken, coordinate
-/// by coordinate. Nothing where no pose arrives.
-std::vector<std::optional<Pose2>> ConsensusOf(std::span<const ReplayedScan> replay, const Rig& rig,
-                                              std::span<const Scan> scans);
+/// Where odometry alone puts the vehicle at each of `scans`, from where it was at the first one. A
+/// scan of a radar that `rig` does not describe, or that is late, does not move it.
+std::vector<Pose2> OdometryTrack(const Rig& rig, std::span<const Scan> scans);
 
 }  // namespace dcloc

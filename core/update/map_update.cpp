@@ -12,6 +12,7 @@
 #include "core/update/detection_model.h"
 #include "core/update/exposure.h"
 #include "core/update/false_hits.h"
+#include "core/update/landmark_refinement.h"
 #include "core/update/pass_centers.h"
 #include "core/update/presence_fit.h"
 #include "core/update/version_score.h"
@@ -35,7 +36,8 @@ std::optional<Stamp> FirstGood(const PlacedPass& pass) {
 /// The landmarks of a map in its local frame.
 struct BaseLandmarks {
   explicit BaseLandmarks(const MapParts& map) {
-    for (const PlacedLandmark& landmark : LandmarksOf(map)) {
+    landmarks = LandmarksOf(map);
+    for (const PlacedLandmark& landmark : landmarks) {
       places.push_back(landmark.place);
       scans.push_back(landmark.point.scan_count);
     }
@@ -44,6 +46,7 @@ struct BaseLandmarks {
     }
   }
 
+  std::vector<PlacedLandmark> landmarks;
   std::vector<PlaceEstimate> places;
   std::vector<int> scans;
   std::vector<Pose3> T_local_keyframes;
@@ -60,13 +63,15 @@ class Updater {
     }
     std::ranges::stable_sort(result_.order, {},
                              [&](std::size_t i) { return *FirstGood(passes[i]); });
-    for (const std::size_t i : result_.order) passes_.push_back(&passes[i]);
+    for (const std::size_t i : result_.order) aligned_.push_back(passes[i]);
+    for (const PlacedPass& pass : aligned_) passes_.push_back(&pass);
   }
 
   absl::StatusOr<MapUpdate> Run() && {
     if (passes_.empty()) {
       return absl::InvalidArgumentError("no pass has a scan that was tracked in the map");
     }
+    AlignPasses(base_.landmarks, base_map_.Origin_m(), options_.alignment, aligned_);
     FindOthers();
     LookAtPlaces();
     result_.presence = options_.presence;
@@ -80,16 +85,20 @@ class Updater {
  private:
   std::size_t KnownCount() const { return base_.places.size(); }
 
-  // What the passes together see where the base map has nothing.
+  // What the passes together see: where the base map has nothing, and after it where it has.
   void FindOthers() {
     std::vector<Landmark> seen = FusePasses(passes_, base_map_.Origin_m(), 3);
     const std::vector<PlaceEstimate> places = PlacesOf(seen);
     const std::vector<CenterMatch> known = MatchCenters(places, base_.places, options_.matching);
     places_ = base_.places;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      if (known[i].center != kNoCenter) continue;
-      others_.push_back(seen[i]);
-      places_.push_back(places[i]);
+    for (const bool is_known : {false, true}) {
+      for (std::size_t i = 0; i < seen.size(); ++i) {
+        if ((known[i].center != kNoCenter) != is_known) continue;
+        others_.push_back(seen[i]);
+        known_of_other_.push_back(known[i].center);
+        places_.push_back(places[i]);
+      }
+      if (!is_known) found_count_ = others_.size();
     }
   }
 
@@ -109,7 +118,8 @@ class Updater {
         if (matches[i].center == kNoCenter) continue;
         sightings.hits[i] = static_cast<int>(seen[matches[i].center].scan_count);
       }
-      false_hits_.Add(places_, seen, options_.matching);
+      false_hits_.Add(std::span(places_).first(KnownCount() + found_count_), seen,
+                      options_.matching);
       sightings_.push_back(std::move(sightings));
     }
     false_hits_.Finish();
@@ -141,8 +151,9 @@ class Updater {
       const DetectionModel detection(known, base, base_.scans, presence);
       std::vector<std::vector<PassEvidence>> evidence;
       for (std::size_t i = 0; i < places_.size(); ++i) evidence.push_back(EvidenceOf(detection, i));
-      result_.presence = FitPresence(std::span(evidence).first(KnownCount()),
-                                     std::span(evidence).subspan(KnownCount()), result_.presence);
+      result_.presence =
+          FitPresence(std::span(evidence).first(KnownCount()),
+                      std::span(evidence).subspan(KnownCount(), found_count_), result_.presence);
       Describe(std::move(evidence));
       for (std::size_t i = 0; i < KnownCount(); ++i) presence[i] = result_.known[i].presence.stays;
     }
@@ -157,6 +168,11 @@ class Updater {
   void Describe(std::vector<std::vector<PassEvidence>> evidence) {
     result_.known.clear();
     result_.found.clear();
+    again_.clear();
+    // What is seen again is as any known landmark: most of it stays.
+    PresenceModel again = result_.presence;
+    again.found_comes_and_goes = again.known_comes_and_goes;
+    again.found_never = again.known_went;
     for (std::size_t i = 0; i < places_.size(); ++i) {
       LandmarkHistory history;
       history.p_map_m << places_[i].position_m, 0.0;
@@ -168,9 +184,10 @@ class Updater {
         history.fate = FateOfKnown(history);
         result_.known.push_back(std::move(history));
       } else {
-        history.presence = JudgeFound(history.passes, result_.presence);
+        const bool is_found = i < KnownCount() + found_count_;
+        history.presence = JudgeFound(history.passes, is_found ? result_.presence : again);
         history.fate = FateOfFound(history);
-        result_.found.push_back(std::move(history));
+        (is_found ? result_.found : again_).push_back(std::move(history));
       }
     }
   }
@@ -227,16 +244,36 @@ class Updater {
   }
 
   void ChangeMap() {
+    const std::vector<Landmark> refined = Refined();
+    const std::vector<CenterMatch> refined_of =
+        MatchCenters(base_.places, PlacesOf(refined), options_.matching);
     result_.map = base_map_;
+    result_.refined_count = refined.size();
     std::size_t i = 0;
     for (KeyframePart& keyframe : result_.map.keyframes) {
       std::erase_if(keyframe.points, [&](const MapPoint&) {
-        return result_.known[i++].fate != LandmarkFate::kKept;
+        const std::size_t known = i++;
+        return result_.known[known].fate != LandmarkFate::kKept ||
+               refined_of[known].center != kNoCenter;
       });
     }
-    for (std::size_t k = 0; k < others_.size(); ++k) {
+    for (const Landmark& landmark : refined) AddLandmark(landmark);
+    for (std::size_t k = 0; k < found_count_; ++k) {
       if (result_.found[k].fate == LandmarkFate::kCame) AddLandmark(others_[k]);
     }
+  }
+
+  // What stays and enough witnesses saw again, as the base map and they have it together.
+  std::vector<Landmark> Refined() const {
+    std::vector<Landmark> refined;
+    for (std::size_t k = 0; k < again_.size(); ++k) {
+      const std::size_t other = found_count_ + k;
+      const std::uint32_t known = known_of_other_[other];
+      if (again_[k].fate != LandmarkFate::kCame) continue;
+      if (result_.known[known].fate != LandmarkFate::kKept) continue;
+      refined.push_back(Blend(base_.landmarks[known], others_[other]));
+    }
+    return refined;
   }
 
   void AddLandmark(const Landmark& landmark) {
@@ -257,9 +294,13 @@ class Updater {
   const MapParts& base_map_;
   const MapUpdateOptions& options_;
   BaseLandmarks base_;
-  std::vector<const PlacedPass*> passes_;  // by stamp
-  std::vector<Landmark> others_;
-  std::vector<PlaceEstimate> places_;  // of the base map's landmarks, then of others
+  std::vector<PlacedPass> aligned_;        // by stamp
+  std::vector<const PlacedPass*> passes_;  // the same
+  std::vector<Landmark> others_;           // what passes see: found, then seen again
+  std::size_t found_count_ = 0;
+  std::vector<std::uint32_t> known_of_other_;  // the base map's landmark at the place
+  std::vector<PlaceEstimate> places_;          // of the base map's landmarks, then of others
+  std::vector<LandmarkHistory> again_;         // of what is seen again
   std::vector<PassSightings> sightings_;
   std::vector<std::vector<double>> place_ratios_;  // by pass and place
   FalseHits false_hits_;

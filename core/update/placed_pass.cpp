@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -23,6 +24,25 @@ SourceFault FaultOf(const Health& health, std::size_t radar) {
     if (!source.is_used && source.fault != SourceFault::kSilent) return source.fault;
   }
   return health.radars[radar].is_used ? SourceFault::kNone : health.radars[radar].fault;
+}
+
+/// Where in the drive and in the map the scans lie that count.
+std::string WhereGood(const PlacedPass& pass) {
+  const PlacedScan* first = nullptr;
+  const PlacedScan* last = nullptr;
+  for (const PlacedScan& scan : pass.scans) {
+    if (!scan.is_good) continue;
+    if (first == nullptr) first = &scan;
+    last = &scan;
+  }
+  if (first == nullptr) return "";
+  const auto second = [&](const PlacedScan& scan) {
+    return std::chrono::duration<double>(scan.stamp - pass.scans.front().stamp).count();
+  };
+  const Eigen::Vector3d& from_m = first->T_map_vehicle.translation_m;
+  const Eigen::Vector3d& to_m = last->T_map_vehicle.translation_m;
+  return absl::StrFormat(", those from %.1f to %.1f s of it, from (%.0f, %.0f) to (%.0f, %.0f) m",
+                         second(*first), second(*last), from_m.x(), from_m.y(), to_m.x(), to_m.y());
 }
 
 constexpr double kMinLength_m = 20.0;
@@ -47,17 +67,19 @@ std::string FaultOf(const PlacedPass& pass) {
   }
   if (static_cast<double>(good_count) >= kMinGoodShare * scan_count) return "";
   if (pass.unsound_count > pass.untracked_count && pass.unsound_count > pass.unsure_count) {
-    return absl::StrFormat("%d of %.0f scans count: a source was set aside (%s); check its rig",
-                           good_count, scan_count, NameOf(pass.fault));
+    return absl::StrFormat("%d of %.0f scans count%s: a source was set aside (%s); check its rig",
+                           good_count, scan_count, WhereGood(pass), NameOf(pass.fault));
   }
   if (pass.unsure_count > pass.untracked_count) {
-    return absl::StrFormat("%d of %.0f scans count: the way is not observed, as in a tunnel",
-                           good_count, scan_count);
+    return absl::StrFormat(
+        "%d of %.0f scans count%s: elsewhere the way is not observed, as in a "
+        "tunnel",
+        good_count, scan_count, WhereGood(pass));
   }
   return absl::StrFormat(
-      "%d of %.0f scans count: it is not tracked in the map; it lies elsewhere, or its rig is "
-      "wrong",
-      good_count, scan_count);
+      "%d of %.0f scans count%s: otherwise it is not tracked in the map; it lies elsewhere, or its "
+      "rig is wrong",
+      good_count, scan_count, WhereGood(pass));
 }
 
 absl::StatusOr<PassPlacer> PassPlacer::Create(std::shared_ptr<const RadarMap> map, std::string name,
@@ -90,6 +112,7 @@ void PassPlacer::Add(const Scan& scan) {
   if (!pass_.scans.empty() && scan.stamp < pass_.scans.back().stamp) return;  // late
   const RadarModel& radar = *rig_->Find(scan.radar_id);
   const EgoVelocity& velocity = ego_motion_.Advance(scan, radar);
+  T_start_vehicle_ = T_start_vehicle_ * ego_motion_.since_previous().T_from_to;
   pass_.length_m += ego_motion_.since_previous().T_from_to.translation_m.norm();
   if (answer->state != LocalizationState::kTracking) {
     tracking_since_.reset();
@@ -99,6 +122,7 @@ void PassPlacer::Add(const Scan& scan) {
   PlacedScan placed{.stamp = scan.stamp,
                     .radar = rig_->IndexOf(scan.radar_id),
                     .T_map_vehicle = answer->T_map_vehicle,
+                    .T_start_vehicle = Flatten(T_start_vehicle_),
                     .sigma_m = HorizontalSigma_m(answer->covariance),
                     .inlier_count = answer->quality.inlier_count,
                     .is_good = false,

@@ -24,6 +24,7 @@ struct PlacedScan {
   Stamp stamp{};
   std::size_t radar = 0;  ///< index in the rig
   Pose3 T_map_vehicle;
+  Pose2 T_start_vehicle;           ///< by odometry alone, from where the pass began
   double sigma_m = 0.0;            ///< of the horizontal position, the larger axis
   int inlier_count = 0;            ///< of the registration that the pose rests on
   bool is_good = false;            ///< counts: tracked for a while, and with sound sources
@@ -77,6 +78,7 @@ class PassPlacer {
   PassPlacerOptions options_;
   Localizer localizer_;
   EgoMotion ego_motion_;
+  Pose3 T_start_vehicle_;
   std::unique_ptr<Rig> rig_;  ///< where ego-motion may point to
   PlacedPass pass_;
   std::optional<Stamp> tracking_since_;

@@ -1,18 +1,16 @@
 #include "core/update/update_gate.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <memory>
-#include <set>
 #include <utility>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
-#include "core/odometry/ego_motion.h"
+#include "core/update/kept_out_pass.h"
 #include "core/update/map_replay.h"
 #include "core/update/pass_centers.h"
-#include "core/update/placed_pass.h"
+#include "core/update/street_segments.h"
+#include "core/update/version_comparison.h"
 
 namespace dcloc {
 namespace {
@@ -25,94 +23,7 @@ absl::StatusOr<std::shared_ptr<const RadarMap>> MapOf(const MapParts& parts) {
   return RadarMap::FromBytes(*std::move(bytes));
 }
 
-bool IsSamePlace(const MapPoint& a, const MapPoint& b) {
-  return std::memcmp(&a, &b, offsetof(MapPoint, rcs_dbsm)) == 0;
-}
-
-bool IsSamePose(const KeyframeRecord& a, const KeyframeRecord& b) {
-  return a.translation_local_m == b.translation_local_m && a.rotation_wxyz == b.rotation_wxyz;
-}
-
-/// What two versions have alike, and each alone; `agreed` is a map too.
-struct Difference {
-  MapParts agreed;
-  std::vector<PlacedLandmark> common, went, came;
-};
-
-std::vector<MapPoint> Without(const std::vector<MapPoint>& points,
-                              const std::vector<MapPoint>& others) {
-  std::vector<MapPoint> left;
-  std::ranges::copy_if(points, std::back_inserter(left), [&](const MapPoint& point) {
-    return std::ranges::none_of(others,
-                                [&](const MapPoint& other) { return IsSamePlace(point, other); });
-  });
-  return left;
-}
-
-Difference Compare(const MapParts& old_version, const MapParts& new_version) {
-  Difference difference{.agreed = old_version};
-  MapParts went = old_version;
-  MapParts came = new_version;
-  for (std::size_t k = 0; k < old_version.keyframes.size(); ++k) {
-    const bool is_in_both =
-        k < new_version.keyframes.size() &&
-        IsSamePose(old_version.keyframes[k].record, new_version.keyframes[k].record);
-    if (!is_in_both) {
-      difference.agreed.keyframes[k].points.clear();
-      continue;
-    }
-    const std::vector<MapPoint>& old_points = old_version.keyframes[k].points;
-    const std::vector<MapPoint>& new_points = new_version.keyframes[k].points;
-    went.keyframes[k].points = Without(old_points, new_points);
-    came.keyframes[k].points = Without(new_points, old_points);
-    difference.agreed.keyframes[k].points = Without(old_points, went.keyframes[k].points);
-  }
-  difference.common = LandmarksOf(difference.agreed);
-  difference.went = LandmarksOf(went);
-  difference.came = LandmarksOf(came);
-  return difference;
-}
-
-/// Stretches of the way, by the keyframes of the old version.
-class Streets {
- public:
-  Streets(const MapParts& map, double street_m) {
-    double at_m = 0.0;
-    for (const KeyframePart& keyframe : map.keyframes) {
-      const Eigen::Vector2d p_m = PoseOf(keyframe.record).translation_m.head<2>();
-      if (!p_local_m_.empty()) at_m += std::min((p_m - p_local_m_.back()).norm(), street_m);
-      p_local_m_.push_back(p_m);
-      street_of_.push_back(static_cast<std::size_t>(at_m / street_m));
-    }
-  }
-
-  std::size_t count() const { return street_of_.back() + 1; }
-  std::size_t OfKeyframe(std::size_t k) const {
-    return street_of_[std::min(k, street_of_.size() - 1)];
-  }
-  std::size_t At(const Eigen::Vector2d& p_m) const {
-    const auto nearest = std::ranges::min_element(
-        p_local_m_, {},
-        [&](const Eigen::Vector2d& keyframe_m) { return (keyframe_m - p_m).norm(); });
-    return street_of_[static_cast<std::size_t>(nearest - p_local_m_.begin())];
-  }
-  Eigen::Vector2d Middle(std::size_t street) const {
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    double count = 0.0;
-    for (std::size_t k = 0; k < street_of_.size(); ++k) {
-      if (street_of_[k] != street) continue;
-      sum += p_local_m_[k];
-      count += 1.0;
-    }
-    return sum / count;
-  }
-
- private:
-  std::vector<Eigen::Vector2d> p_local_m_;  // of keyframes
-  std::vector<std::size_t> street_of_;
-};
-
-/// Landmarks of one kind in one street, and how many of them the pass saw.
+/// Landmarks of one kind in one segment, and how many of them the pass saw.
 struct SeenCount {
   std::size_t all = 0;
   std::size_t seen = 0;
@@ -126,13 +37,13 @@ struct SeenCount {
   }
 };
 
-struct StreetSum {
+struct SegmentSum {
   ScoreSum old_version, new_version;
   SeenCount common, went, came;
   std::size_t scan_count = 0;
 };
 
-StreetVerdict VerdictOf(const StreetSum& sum) {
+SegmentVerdict VerdictOf(const SegmentSum& sum) {
   return {.scan_count = sum.scan_count,
           .agreed_count = sum.common.all,
           .went_count = sum.went.all,
@@ -144,30 +55,28 @@ StreetVerdict VerdictOf(const StreetSum& sum) {
           .new_version = sum.new_version.Score()};
 }
 
-std::string FaultOf(const StreetVerdict& street, const UpdateGateOptions& options) {
-  const VersionScore& before = street.old_version;
-  const VersionScore& after = street.new_version;
-  const double old_count = static_cast<double>(street.agreed_count + street.went_count);
+std::string FaultOf(const SegmentVerdict& segment, double error_factor, double error_margin_m,
+                    const UpdateGateOptions& options) {
+  const VersionScore& before = segment.old_version;
+  const VersionScore& after = segment.new_version;
+  const double old_count = static_cast<double>(segment.agreed_count + segment.went_count);
   const auto min_count = static_cast<std::size_t>(options.min_landmark_count);
-  if (static_cast<double>(street.agreed_count) < options.min_agreed_share * old_count) {
-    return absl::StrFormat("only %d of %.0f landmarks are left as they were", street.agreed_count,
-                           old_count);
+  if (static_cast<double>(segment.agreed_count) < options.min_agreed_share * old_count) {
+    return absl::StrFormat("only %d of %.0f landmarks are left", segment.agreed_count, old_count);
   }
   if (after.tracking_share < before.tracking_share - options.tracking_margin) {
     return absl::StrFormat("tracks %.1f %% of the scans, before %.1f %%",
                            100.0 * after.tracking_share, 100.0 * before.tracking_share);
   }
-  if (after.scatter_m > options.scatter_factor * before.scatter_m + options.scatter_margin_m) {
-    return absl::StrFormat("median scatter %.3f m, before %.3f m", after.scatter_m,
-                           before.scatter_m);
+  if (after.error_m > error_factor * before.error_m + error_margin_m) {
+    return absl::StrFormat("median error %.3f m, before %.3f m", after.error_m, before.error_m);
   }
-  if (after.scatter_p90_m >
-      options.scatter_factor * before.scatter_p90_m + 2.0 * options.scatter_margin_m) {
-    return absl::StrFormat("90 %% of the scatter below %.3f m, before %.3f m", after.scatter_p90_m,
-                           before.scatter_p90_m);
+  if (after.error_p90_m > error_factor * before.error_p90_m + 2.0 * error_margin_m) {
+    return absl::StrFormat("90 %% of the errors below %.3f m, before %.3f m", after.error_p90_m,
+                           before.error_p90_m);
   }
   if (after.offset_m > options.max_offset_m) {
-    return absl::StrFormat("its track lies %.3f m from that of what both versions have",
+    return absl::StrFormat("its landmarks lie %.3f m from those of the old version",
                            after.offset_m);
   }
   if (after.fit < before.fit - options.fit_margin) {
@@ -176,155 +85,155 @@ std::string FaultOf(const StreetVerdict& street, const UpdateGateOptions& option
   if (after.nees > options.nees_factor * before.nees + options.nees_margin) {
     return absl::StrFormat("NEES %.2f, before %.2f", after.nees, before.nees);
   }
-  if (street.came_count >= min_count &&
-      street.came_seen < options.min_seen_share * street.agreed_seen) {
+  if (segment.came_count >= min_count &&
+      segment.came_seen < options.min_seen_share * segment.agreed_seen) {
     return absl::StrFormat("%.0f %% of what came was seen, of what stays %.0f %%",
-                           100.0 * street.came_seen, 100.0 * street.agreed_seen);
+                           100.0 * segment.came_seen, 100.0 * segment.agreed_seen);
   }
-  if (street.went_count >= min_count &&
-      street.went_seen > options.min_seen_share * street.agreed_seen) {
+  if (segment.went_count >= min_count &&
+      segment.went_seen > options.min_seen_share * segment.agreed_seen) {
     return absl::StrFormat("%.0f %% of what went was seen, of what stays %.0f %%",
-                           100.0 * street.went_seen, 100.0 * street.agreed_seen);
+                           100.0 * segment.went_seen, 100.0 * segment.agreed_seen);
   }
   return "";
 }
 
-/// One judgement: the pass in both versions and in what they agree on.
+/// One judgement.
 class Judge {
  public:
   Judge(const MapParts& old_version, const MapParts& new_version, const Rig& rig,
         const std::vector<Scan>& scans, const UpdateGateOptions& options)
-      : old_version_(old_version),
-        new_version_(new_version),
-        rig_(rig),
+      : rig_(rig),
         scans_(scans),
         options_(options),
-        difference_(Compare(old_version, new_version)),
-        streets_(old_version, options.street_m),
-        sums_(streets_.count()) {}
+        origin_m_(old_version.Origin_m()),
+        old_version_{old_version, LandmarksOf(old_version)},
+        new_version_{new_version, LandmarksOf(new_version)},
+        comparison_(CompareVersions(old_version, new_version, options.same_m)),
+        segments_(old_version, options.segment_m),
+        sums_(segments_.count()) {}
 
   absl::StatusOr<GateVerdict> Run() {
-    auto old_replay = Replay(old_version_);
-    if (!old_replay.ok()) return old_replay.status();
-    auto new_replay = Replay(new_version_);
-    if (!new_replay.ok()) return new_replay.status();
-    auto agreed = Replay(difference_.agreed);
-    if (!agreed.ok()) {
-      return absl::FailedPreconditionError("the versions have no landmark in common");
+    for (Version* const version : {&old_version_, &new_version_}) {
+      auto map = MapOf(version->parts);
+      if (!map.ok()) return map.status();
+      auto replay = ReplayPass(*map, rig_, scans_);
+      if (!replay.ok()) return replay.status();
+      version->replay = *std::move(replay);
     }
-    consensus_ = ConsensusOf(*agreed, rig_, scans_);
-    if (std::ranges::none_of(consensus_, [](const auto& pose) { return pose.has_value(); })) {
+    kept_out_ = PlaceInBoth(rig_, scans_, old_version_.replay, new_version_.replay,
+                            old_version_.landmarks, new_version_.landmarks, origin_m_);
+    if (kept_out_.scans.empty()) {
       return absl::FailedPreconditionError(
-          "the pass that was kept out is not tracked in what the versions have in common");
+          "the pass that was kept out is not tracked in both versions: it lies elsewhere, or its "
+          "rig is wrong");
     }
-    Score(
-        {*old_replay, ConsensusOf(*old_replay, rig_, scans_), FitScorer(LandmarksOf(old_version_))},
-        {*new_replay, ConsensusOf(*new_replay, rig_, scans_),
-         FitScorer(LandmarksOf(new_version_))});
+    Score();
     CountSeen();
     return Verdict();
   }
 
  private:
-  absl::StatusOr<std::vector<ReplayedScan>> Replay(const MapParts& parts) const {
-    auto map = MapOf(parts);
-    if (!map.ok()) return map.status();
-    return ReplayPass(*map, rig_, scans_);
-  }
-
-  Pose2 ToLocal(const Pose2& T_map_vehicle) const {
-    return {T_map_vehicle.translation_m - old_version_.Origin_m().head<2>(), T_map_vehicle.yaw_rad};
-  }
-
-  /// The pass in one version: its answers, its track, and how scans fit its landmarks.
-  struct VersionReplay {
-    const std::vector<ReplayedScan>& answers;
-    std::vector<std::optional<Pose2>> track;
-    FitScorer fit;
+  struct Version {
+    const MapParts& parts;
+    std::vector<PlacedLandmark> landmarks;
+    std::vector<ReplayedScan> replay;
   };
 
-  void Score(const VersionReplay& old_version, const VersionReplay& new_version) {
-    EgoMotion ego_motion;
-    Stamp newest{};
-    pass_.rig = rig_;
-    for (std::size_t i = 0; i < scans_.size(); ++i) {
-      const RadarModel* const radar = rig_.Find(scans_[i].radar_id);
-      if (radar == nullptr || scans_[i].stamp < newest) continue;
-      newest = scans_[i].stamp;
-      const EgoVelocity& velocity = ego_motion.Advance(scans_[i], *radar);
-      if (!consensus_[i]) continue;
-      PlacedScan placed{.stamp = newest,
-                        .radar = rig_.IndexOf(scans_[i].radar_id),
-                        .T_map_vehicle = Embed(*consensus_[i]),
-                        .is_good = true,
-                        .points = StaticPoints(scans_[i], *radar, velocity, {})};
-      for (StreetSum* const sum :
-           {&sums_[streets_.At(ToLocal(*consensus_[i]).translation_m)], &whole_}) {
-        ++sum->scan_count;
-        AddTo(sum->old_version, old_version, i, placed.points);
-        AddTo(sum->new_version, new_version, i, placed.points);
-      }
-      pass_.scans.push_back(std::move(placed));
-    }
+  Pose2 ToLocal(const Pose2& T_map_vehicle) const {
+    return {T_map_vehicle.translation_m - origin_m_.head<2>(), T_map_vehicle.yaw_rad};
   }
 
-  void AddTo(ScoreSum& sum, const VersionReplay& version, std::size_t i,
-             const std::vector<RadarPoint>& points) const {
-    sum.Add(version.answers[i], version.track[i], *consensus_[i]);
-    if (i % kFitStride != 0 || !version.track[i]) return;
-    sum.AddFit(version.fit.Sum(points, ToLocal(*version.track[i])), points.size());
+  void Score() {
+    const FitScorer old_fit(old_version_.landmarks);
+    const FitScorer new_fit(new_version_.landmarks);
+    for (std::size_t k = 0; k < kept_out_.scans.size(); ++k) {
+      const std::size_t i = kept_out_.scans[k];
+      const PlacedScan& scan = kept_out_.pass.scans[k];
+      const Pose2 T_map_consensus = Flatten(scan.T_map_vehicle);
+      const Pose2 T_local_vehicle = ToLocal(T_map_consensus);
+      for (SegmentSum* const sum : {&sums_[segments_.At(T_local_vehicle.translation_m)], &whole_}) {
+        ++sum->scan_count;
+        sum->old_version.Add(old_version_.replay[i], T_map_consensus);
+        sum->new_version.Add(new_version_.replay[i], T_map_consensus);
+        sum->new_version.AddOffset(kept_out_.T_old_new[k]);
+        if (k % kFitStride != 0) continue;
+        sum->old_version.AddFit(old_fit.Sum(scan.points, T_local_vehicle), scan.points.size());
+        sum->new_version.AddFit(new_fit.Sum(scan.points, T_local_vehicle), scan.points.size());
+      }
+    }
+    AddUntracked();
+  }
+
+  // Scans that only one version tracks, or none.
+  void AddUntracked() {
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < scans_.size(); ++i) {
+      if (next < kept_out_.scans.size() && kept_out_.scans[next] == i) {
+        ++next;
+        continue;
+      }
+      const bool is_old = old_version_.replay[i].is_tracking;
+      const bool is_new = new_version_.replay[i].is_tracking;
+      if (!is_old && !is_new) continue;  // before the first pose, in both
+      const Pose2& T_map_vehicle = (is_old ? old_version_ : new_version_).replay[i].T_map_vehicle;
+      for (SegmentSum* const sum :
+           {&sums_[segments_.At(ToLocal(T_map_vehicle).translation_m)], &whole_}) {
+        ++sum->scan_count;
+        sum->old_version.AddTracking(is_old);
+        sum->new_version.AddTracking(is_new);
+      }
+    }
   }
 
   void CountSeen() {
-    const PlacedPass* const pass = &pass_;
-    const std::vector<PlaceEstimate> centers =
-        PlacesOf(FusePasses({&pass, 1}, old_version_.Origin_m(), 2));
-    std::vector<PlaceEstimate> places;
-    for (const auto* landmarks : {&difference_.common, &difference_.went, &difference_.came}) {
-      for (const PlacedLandmark& landmark : *landmarks) places.push_back(landmark.place);
-    }
-    const std::vector<CenterMatch> center_of = MatchCenters(places, centers);
-    std::size_t next = 0;
+    const PlacedPass* const pass = &kept_out_.pass;
+    const std::vector<PlaceEstimate> centers = PlacesOf(FusePasses({&pass, 1}, origin_m_, 2));
     const auto count = [&](const std::vector<PlacedLandmark>& landmarks,
-                           SeenCount StreetSum::*member) {
-      for (const PlacedLandmark& landmark : landmarks) {
-        const SeenCount one{1, center_of[next++].center == kNoCenter ? 0UL : 1UL};
-        (sums_[streets_.OfKeyframe(landmark.keyframe)].*member).Add(one);
+                           SeenCount SegmentSum::*member) {
+      std::vector<PlaceEstimate> places;
+      for (const PlacedLandmark& landmark : landmarks) places.push_back(landmark.place);
+      const std::vector<CenterMatch> center_of = MatchCenters(places, centers);
+      for (std::size_t i = 0; i < landmarks.size(); ++i) {
+        const SeenCount one{1, center_of[i].center == kNoCenter ? 0UL : 1UL};
+        (sums_[segments_.At(places[i].position_m)].*member).Add(one);
         (whole_.*member).Add(one);
       }
     };
-    count(difference_.common, &StreetSum::common);
-    count(difference_.went, &StreetSum::went);
-    count(difference_.came, &StreetSum::came);
+    count(comparison_.common, &SegmentSum::common);
+    count(comparison_.went, &SegmentSum::went);
+    count(comparison_.came, &SegmentSum::came);
   }
 
   GateVerdict Verdict() const {
     GateVerdict verdict;
     verdict.whole = VerdictOf(whole_);
-    verdict.whole.fault = FaultOf(verdict.whole, options_);
-    std::string street_fault;
+    verdict.whole.fault =
+        FaultOf(verdict.whole, options_.error_factor, options_.error_margin_m, options_);
+    std::string fault;
     for (std::size_t i = 0; i < sums_.size(); ++i) {
-      StreetVerdict street = VerdictOf(sums_[i]);
-      street.p_map_m << streets_.Middle(i), 0.0;
-      street.p_map_m += old_version_.Origin_m();
-      if (street.scan_count >= static_cast<std::size_t>(options_.min_scan_count)) {
-        street.fault = FaultOf(street, options_);
+      SegmentVerdict segment = VerdictOf(sums_[i]);
+      segment.p_map_m << segments_.Middle(i), 0.0;
+      segment.p_map_m += origin_m_;
+      if (segment.scan_count >= static_cast<std::size_t>(options_.min_scan_count)) {
+        segment.fault = FaultOf(segment, options_.segment_error_factor,
+                                options_.segment_error_margin_m, options_);
       }
-      if (street_fault.empty() && !street.fault.empty()) {
-        street_fault = absl::StrFormat("at (%.0f, %.0f) m: %s", street.p_map_m.x(),
-                                       street.p_map_m.y(), street.fault);
+      if (fault.empty() && !segment.fault.empty()) {
+        fault = absl::StrFormat("at (%.0f, %.0f) m: %s", segment.p_map_m.x(), segment.p_map_m.y(),
+                                segment.fault);
       }
-      verdict.streets.push_back(std::move(street));
+      verdict.segments.push_back(std::move(segment));
     }
-    verdict.reason = Reason(verdict.whole, street_fault);
+    verdict.reason = Reason(verdict.whole, fault);
     verdict.is_better = verdict.reason.empty();
-    if (verdict.is_better) verdict.reason = "as good in every street, and it fits better";
+    if (verdict.is_better) verdict.reason = "as good in every street segment, and it fits better";
     return verdict;
   }
 
-  static std::string Reason(const StreetVerdict& whole, const std::string& street_fault) {
+  static std::string Reason(const SegmentVerdict& whole, const std::string& segment_fault) {
     if (!whole.fault.empty()) return "worse as a whole: " + whole.fault;
-    if (!street_fault.empty()) return "worse in a street, " + street_fault;
+    if (!segment_fault.empty()) return "worse in a street segment, " + segment_fault;
     if (whole.came_count + whole.went_count == 0) return "nothing has changed";
     if (whole.came_count > 0 && whole.new_version.fit <= whole.old_version.fit) {
       return absl::StrFormat("no better: fit %.4f, before %.4f", whole.new_version.fit,
@@ -333,17 +242,16 @@ class Judge {
     return "";
   }
 
-  const MapParts& old_version_;
-  const MapParts& new_version_;
   const Rig& rig_;
   const std::vector<Scan>& scans_;
   const UpdateGateOptions& options_;
-  Difference difference_;
-  Streets streets_;
-  std::vector<std::optional<Pose2>> consensus_;
-  PlacedPass pass_;  // at the consensus
-  std::vector<StreetSum> sums_;
-  StreetSum whole_;
+  Eigen::Vector3d origin_m_;
+  Version old_version_, new_version_;
+  VersionComparison comparison_;
+  StreetSegments segments_;
+  KeptOutPass kept_out_;
+  std::vector<SegmentSum> sums_;
+  SegmentSum whole_;
 };
 
 }  // namespace

@@ -15,22 +15,25 @@ namespace dcloc {
 
 /// When a new version is better than the old one, or as good.
 struct UpdateGateOptions {
-  double street_m = 100.0;          ///< length of a stretch that is judged by itself
-  double scatter_factor = 1.15;     ///< of the old version's scatter, that the new one may have
-  double scatter_margin_m = 0.015;  ///< and so much more
-  double max_offset_m = 0.1;        ///< of the new version's track from that of what both have
-  double tracking_margin = 0.02;    ///< share of scans that the new version may track less
-  double fit_margin = 0.01;         ///< that the new version may fit less
-  double nees_factor = 1.3;         ///< of the old version's NEES, and `nees_margin` more
+  double segment_m = 100.0;           ///< length of a street segment
+  double same_m = 0.5;                ///< landmarks of both versions that are nearer are one
+  double error_factor = 1.05;         ///< of the old version's error, that the new one may have
+  double error_margin_m = 0.002;      ///< and so much more
+  double segment_error_factor = 1.3;  ///< likewise in one segment, where fewer scans tell
+  double segment_error_margin_m = 0.015;
+  double max_offset_m = 0.06;     ///< by which the new version's landmarks may lie to one side
+  double tracking_margin = 0.02;  ///< share of scans that the new version may track less
+  double fit_margin = 0.01;       ///< that the new version may fit less
+  double nees_factor = 1.3;       ///< of the old version's NEES, and `nees_margin` more
   double nees_margin = 0.7;
-  double min_agreed_share = 0.4;  ///< of a street's landmarks, that both versions have
+  double min_agreed_share = 0.4;  ///< of a segment's landmarks, that both versions have
   double min_seen_share = 0.5;    ///< of new landmarks seen, against that of agreed ones
-  int min_scan_count = 10;        ///< of a street; shorter ones are not judged by themselves
+  int min_scan_count = 10;        ///< of a segment; shorter ones are not judged by themselves
   int min_landmark_count = 12;    ///< likewise
 };
 
-/// A stretch of the way, by the keyframes of the old version.
-struct StreetVerdict {
+/// How both versions do in a street segment, or as a whole.
+struct SegmentVerdict {
   Eigen::Vector3d p_map_m = Eigen::Vector3d::Zero();  ///< its middle
   std::size_t scan_count = 0;
   std::size_t agreed_count = 0;  ///< landmarks that both versions have
@@ -47,16 +50,22 @@ struct StreetVerdict {
 struct GateVerdict {
   bool is_better = false;
   std::string reason;  ///< a sentence
-  StreetVerdict whole;
-  std::vector<StreetVerdict> streets;
+  SegmentVerdict whole;
+  std::vector<SegmentVerdict> segments;
 };
 
-/// Judges a new version by a pass that had no part in it. Each version is scored about the track
-/// that it and odometry make; how far that lies from the track of the landmarks that both versions
-/// have is bounded besides. The new version must be
-/// as good in every street, and better by what it fits or by what it need not carry any more. The
-/// maps share a frame. InvalidArgument names what is wrong with the rig; FailedPrecondition where
-/// the pass was not localized, or the versions have too little in common.
+/// Judges a new version by a pass that had no part in it.
+///
+/// The pass is aligned with the landmarks of the old version, and with those of the new one
+/// (`AlignPass`): by its odometry and by what it sees as a whole, and not by the answers that are
+/// judged. The consensus is the middle of the two, so that neither version is right by definition;
+/// how far they lie apart is the offset. Against the consensus count the error and the NEES of what
+/// a vehicle is told in each version, besides the share of scans that track, and how static targets
+/// fit. The new version must be as good as a whole and in each street segment, and fit better or be
+/// more accurate.
+///
+/// The versions share a frame and an origin. InvalidArgument names what is wrong with the rig;
+/// FailedPrecondition where the pass was not localized in both.
 absl::StatusOr<GateVerdict> JudgeUpdate(const MapParts& old_version, const MapParts& new_version,
                                         const Rig& rig, const std::vector<Scan>& scans,
                                         const UpdateGateOptions& options = {});

@@ -8,9 +8,9 @@ namespace dcloc {
 namespace {
 
 constexpr double kReach_m = 1.0;  // beyond it a target fits no landmark
-// What a track itself varies by, in x, y and yaw.
-constexpr double kTrack_m = 0.02;
-constexpr double kTrack_rad = 0.002;
+// What a consensus itself errs by, in x, y and yaw.
+constexpr double kConsensus_m = 0.02;
+constexpr double kConsensus_rad = 0.002;
 
 double QuantileOf(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
@@ -68,21 +68,26 @@ double FitScorer::Sum(std::span<const RadarPoint> points, const Pose2& T_local_v
   return sum;
 }
 
-void ScoreSum::Add(const ReplayedScan& scan, const std::optional<Pose2>& track,
-                   const Pose2& agreed) {
+void ScoreSum::AddTracking(bool is_tracking) {
   ++scan_count_;
-  if (track) offsets_m_.push_back((track->translation_m - agreed.translation_m).norm());
+  if (is_tracking) ++tracking_count_;
+}
+
+void ScoreSum::Add(const ReplayedScan& scan, const Pose2& T_map_consensus) {
+  AddTracking(scan.is_tracking);
   if (!scan.is_tracking) return;
-  ++tracking_count_;
-  if (!track) return;
-  const Pose2 T_vehicle_track = scan.T_map_vehicle.Inverse() * *track;
-  scatter_m_.push_back(T_vehicle_track.translation_m.norm());
+  const Pose2 T_vehicle_consensus = scan.T_map_vehicle.Inverse() * T_map_consensus;
+  errors_m_.push_back(T_vehicle_consensus.translation_m.norm());
   Eigen::Vector3d error;
-  error << T_vehicle_track.translation_m, WrapAngle(T_vehicle_track.yaw_rad);
+  error << T_vehicle_consensus.translation_m, WrapAngle(T_vehicle_consensus.yaw_rad);
   Eigen::Matrix3d covariance = scan.covariance;
-  covariance.diagonal() +=
-      Eigen::Vector3d(kTrack_m * kTrack_m, kTrack_m * kTrack_m, kTrack_rad * kTrack_rad);
+  covariance.diagonal() += Eigen::Vector3d(kConsensus_m * kConsensus_m, kConsensus_m * kConsensus_m,
+                                           kConsensus_rad * kConsensus_rad);
   nees_.push_back(error.dot(covariance.inverse() * error) / 3.0);
+}
+
+void ScoreSum::AddOffset(const Pose2& T_old_version) {
+  offsets_m_.push_back(T_old_version.translation_m.norm());
 }
 
 void ScoreSum::AddFit(double sum, std::size_t point_count) {
@@ -94,8 +99,8 @@ VersionScore ScoreSum::Score() const {
   const auto share = [](double part, std::size_t whole) {
     return whole == 0 ? 0.0 : part / static_cast<double>(whole);
   };
-  return {.scatter_m = QuantileOf(scatter_m_, 0.5),
-          .scatter_p90_m = QuantileOf(scatter_m_, 0.9),
+  return {.error_m = QuantileOf(errors_m_, 0.5),
+          .error_p90_m = QuantileOf(errors_m_, 0.9),
           .offset_m = QuantileOf(offsets_m_, 0.5),
           .tracking_share = share(static_cast<double>(tracking_count_), scan_count_),
           .nees = QuantileOf(nees_, 0.5),

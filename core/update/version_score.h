@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,15 +13,15 @@
 
 namespace dcloc {
 
-/// How one version localizes a pass that it was not made of. Its track is where it puts the
-/// vehicle, smoothed by odometry (`ConsensusOf`).
+/// How one version localizes a pass that it was not made of. The consensus is where the vehicle
+/// was by both versions together (`JudgeUpdate`).
 struct VersionScore {
-  double scatter_m = 0.0;  ///< of its poses about its own track, median
-  double scatter_p90_m = 0.0;
-  double offset_m = 0.0;        ///< of its track from that of what both versions have, median
+  double error_m = 0.0;  ///< of its answers that track, from the consensus, median
+  double error_p90_m = 0.0;
+  double offset_m = 0.0;        ///< of its landmarks, as the pass sees them: see `JudgeUpdate`
   double tracking_share = 0.0;  ///< of the scans
-  double nees = 0.0;            ///< of (x, y, yaw) about its track, by 3; median
-  double fit = 0.0;  ///< mean of exp(-d^2 / 2) over static targets, on its track: likelihood
+  double nees = 0.0;            ///< of (x, y, yaw) about the consensus, by 3; median
+  double fit = 0.0;             ///< mean of exp(-d^2 / 2) over static targets: likelihood
 };
 
 /// A landmark of a version in the plane of the map's local frame.
@@ -49,15 +48,19 @@ class FitScorer {
 /// Gathers a version's score over some scans.
 class ScoreSum {
  public:
-  /// `track` is the version's own, `agreed` that of what both versions have.
-  void Add(const ReplayedScan& scan, const std::optional<Pose2>& track, const Pose2& agreed);
+  void Add(const ReplayedScan& scan, const Pose2& T_map_consensus);
+  /// A scan without a consensus: whether it is tracked.
+  void AddTracking(bool is_tracking);
+  /// `T_old_version` is where the version's landmarks put the vehicle, seen from where the old
+  /// version's do.
+  void AddOffset(const Pose2& T_old_version);
   void AddFit(double sum, std::size_t point_count);
   VersionScore Score() const;
 
  private:
   std::size_t scan_count_ = 0;
   std::size_t tracking_count_ = 0;
-  std::vector<double> scatter_m_;
+  std::vector<double> errors_m_;
   std::vector<double> offsets_m_;
   std::vector<double> nees_;
   double fit_ = 0.0;

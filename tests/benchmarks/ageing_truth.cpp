@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/map/point_grid.h"
+#include "core/update/version_score.h"
 
 namespace dcloc::benchmarks {
 namespace {
@@ -122,7 +123,6 @@ void CountKnown(const MapUpdate& update, const Truth& truth, AgeingCounts& count
     const bool is_kept = landmark.fate == LandmarkFate::kKept;
     if (std::isinf(standing_m) && std::isinf(came_m) && std::isinf(went_m)) {
       counts.base_parked += std::isfinite(parked_m) ? 1 : 0;
-      counts.parked += is_kept && std::isfinite(parked_m) ? 1 : 0;
     }
     if (std::isfinite(went_m) && std::isinf(standing_m) && std::isinf(came_m) &&
         std::isinf(parked_m)) {
@@ -132,17 +132,21 @@ void CountKnown(const MapUpdate& update, const Truth& truth, AgeingCounts& count
   }
 }
 
+/// The landmarks of `map`, in its frame [m].
+std::vector<Eigen::Vector2d> LandmarksInMap(const MapParts& map) {
+  std::vector<Eigen::Vector2d> places_m;
+  for (const PlacedLandmark& landmark : LandmarksOf(map)) {
+    places_m.push_back(landmark.place.position_m + map.Origin_m().head<2>());
+  }
+  return places_m;
+}
+
 /// Scatterers that two passes saw: what stood, as far as the base map has it, and what came.
 void CountScatterers(const MapUpdate& update, const Truth& truth, AgeingCounts& counts) {
   PointGrid base(1.0);
   PointGrid updated(1.0);
-  for (const LandmarkHistory& landmark : update.known) {
-    base.Insert(landmark.p_map_m.head<2>());
-    if (landmark.fate == LandmarkFate::kKept) updated.Insert(landmark.p_map_m.head<2>());
-  }
-  for (const LandmarkHistory& landmark : update.found) {
-    if (landmark.fate == LandmarkFate::kCame) updated.Insert(landmark.p_map_m.head<2>());
-  }
+  for (const LandmarkHistory& landmark : update.known) base.Insert(landmark.p_map_m.head<2>());
+  for (const Eigen::Vector2d& p_m : LandmarksInMap(update.map)) updated.Insert(p_m);
   for (const Seen& seen : truth.seen()) {
     if (seen.passes < 2) continue;
     const bool is_in_update = HasNear(updated, seen.p_m, kSame_m);
@@ -166,11 +170,10 @@ AgeingCounts CountAgeing(const MapUpdate& update, const simulation::AgedWorld& a
   AgeingCounts counts;
   CountKnown(update, truth, counts);
   CountScatterers(update, truth, counts);
-  for (const LandmarkHistory& landmark : update.found) {
-    if (landmark.fate != LandmarkFate::kCame) continue;
-    const Eigen::Vector2d p_m = landmark.p_map_m.head<2>();
+  for (const Eigen::Vector2d& p_m : LandmarksInMap(update.map)) {
     const bool is_parked = std::isinf(truth.Nearest(p_m, Kind::kStanding)) &&
                            std::isinf(truth.Nearest(p_m, Kind::kCame)) &&
+                           std::isinf(truth.Nearest(p_m, Kind::kWent)) &&
                            std::isfinite(truth.Nearest(p_m, Kind::kParked));
     counts.parked += is_parked ? 1 : 0;
   }

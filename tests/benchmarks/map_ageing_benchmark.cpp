@@ -1,6 +1,5 @@
 // Maps of simulated towns that age: what an update of three passes keeps, loses and finds, and how
 // well the new version localizes a pass that had no part in it.
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -10,16 +9,12 @@
 #include <vector>
 
 #include "client/datasets/drive_map.h"
-#include "client/evaluation/metrics.h"
-#include "client/evaluation/runner.h"
-#include "client/simulation/simulation.h"
 #include "core/update/map_update.h"
+#include "tests/benchmarks/ageing_town.h"
 #include "tests/benchmarks/ageing_truth.h"
 
 namespace dcloc::benchmarks {
 namespace {
-
-constexpr std::size_t kPassCount = 3;  // of the update; one more is judged
 
 /// What is asked for: `--seeds FIRST LAST`, or one short town with `--smoke`.
 struct Arguments {
@@ -28,39 +23,6 @@ struct Arguments {
   double length_m = 600.0;
   int rig_size = 1;
 };
-
-struct Town {
-  simulation::AgedWorld aged;
-  SimulatedPass base;
-  std::vector<SimulatedPass> passes;
-  Drive kept_out;
-};
-
-Town MakeAgedTown(const Arguments& arguments, std::uint64_t seed) {
-  SimulationOptions options;
-  options.seed = seed;
-  options.length_m = arguments.length_m;
-  options.rig_size = arguments.rig_size;
-  options.parked_change_share = 1.0;
-  options.vehicle_count = 4;
-  options.ageing.replaced_share = 0.1;
-  options.live_speeds_mps = {50.0 / 3.6, 40.0 / 3.6, 60.0 / 3.6, 45.0 / 3.6};
-  const std::vector<PassOptions> passes = Passes(options);
-  const simulation::World world = MakeWorld(options);
-  Town town{.aged = AgeWorld(world, options)};
-  town.base = SimulatePassWithTruth(world, options, passes[0]).value();
-  for (std::size_t i = 1; i <= kPassCount; ++i) {
-    town.passes.push_back(SimulatePassWithTruth(town.aged.world, options, passes[i]).value());
-  }
-  town.kept_out =
-      SimulatePassWithTruth(town.aged.world, options, passes[kPassCount + 1]).value().drive;
-  return town;
-}
-
-double MedianError_m(const std::shared_ptr<const RadarMap>& map, const Drive& drive) {
-  const DriveOutcome outcome = Evaluate(map, drive, {}, [](double) {}).value();
-  return ComputeMetrics({&outcome, 1}).rte_m.median;
-}
 
 /// A map of the update's passes alone, at their true poses.
 std::shared_ptr<const RadarMap> MadeAnew(const Town& town) {
@@ -100,15 +62,9 @@ void Run(const Arguments& arguments) {
       "seed", "new", "went", "gone", "stood", "lost", "came", "found", "b.park", "parked", "old",
       "updated", "anew");
   for (std::uint64_t seed = arguments.first_seed; seed <= arguments.last_seed; ++seed) {
-    const Town town = MakeAgedTown(arguments, seed);
+    const Town town = MakeAgedTown(seed, arguments.length_m, arguments.rig_size);
     const auto base = RadarMap::FromBytes(BuildMap(town.base.drive, {.name = "base"}).value());
-    std::vector<PlacedPass> placed;
-    for (const SimulatedPass& pass : town.passes) {
-      auto placer =
-          PassPlacer::Create(*base, pass.drive.name, std::to_string(pass.vehicle), pass.drive.rig);
-      for (const DriveScan& scan : pass.drive.scans) placer->Add(scan.scan);
-      placed.push_back(std::move(*placer).Finish());
-    }
+    const std::vector<PlacedPass> placed = PlacePasses(*base, town);
     const MapUpdate update = UpdateMap(TakeApart(**base), placed).value();
     const auto updated = RadarMap::FromBytes(PutTogether(update.map).value()).value();
     Print(std::to_string(seed), CountAgeing(update, town.aged, town.base, town.passes, placed),

@@ -15,7 +15,6 @@ absl::Status Named(const std::string& file, const absl::Status& status) {
   return absl::Status(status.code(), absl::StrCat(file, ": ", status.message()));
 }
 
-// Whether a file may be put there.
 absl::Status CheckFolder(const std::string& file) {
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   std::error_code error;
@@ -28,6 +27,14 @@ absl::Status CheckFolder(const std::string& file) {
 }
 
 }  // namespace
+
+absl::Status CheckFolders(const std::vector<std::string>& files) {
+  for (const std::string& file : files) {
+    if (file.empty()) continue;
+    if (absl::Status status = CheckFolder(file); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
 
 absl::StatusOr<MapParts> ReadMapParts(const std::string& file) {
   const auto map = RadarMap::Open(file);

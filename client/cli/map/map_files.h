@@ -10,6 +10,10 @@
 
 namespace dcloc::cli {
 
+/// OK where each of `files` may be put, as far as folders tell: NotFound names one whose folder is
+/// not there, InvalidArgument one that is a folder. Empty names are none. Before a command works.
+absl::Status CheckFolders(const std::vector<std::string>& files);
+
 /// A map file, verified whole. Errors name the file.
 absl::StatusOr<MapParts> ReadMapParts(const std::string& file);
 

@@ -39,9 +39,9 @@ void AddMapUpdateCommand(CLI::App& map_command, int& exit_code) {
   AddForceOption(*app, arguments->force);
   app->add_flag("--json", arguments->json, "Print what has changed as JSON");
   app->footer(
-      "The file is written only if the drive that is kept out is localized as well in every "
-      "street,\n"
-      "and fits better.\n"
+      "The file is written only if the drive that is kept out is localized as accurately, as a "
+      "whole\n"
+      "and in every street segment, and fits better.\n"
       "Example, a town that is driven through a month later:\n"
       "  dcloc simulate --out sim --replaced 0.1 --vehicles 4 --live-speed-kmh 50,40,60,45\n"
       "  dcloc map build --dataset nuscenes --root sim --drive map --out may.dclm\n"

@@ -38,15 +38,15 @@ std::size_t CountOf(const std::vector<LandmarkHistory>& landmarks, LandmarkFate 
   return static_cast<std::size_t>(std::ranges::count(landmarks, fate, &LandmarkHistory::fate));
 }
 
-/// When the middle of a street was last driven past.
-std::optional<Stamp> LastDriven(const UpdateStory& story, const StreetVerdict& street) {
+/// When the middle of a street segment was last driven past.
+std::optional<Stamp> LastDriven(const UpdateStory& story, const SegmentVerdict& segment) {
   constexpr double kNear_m = 60.0;
   std::optional<Stamp> last;
   for (const PlacedPass& pass : story.passes) {
     for (const PlacedScan& scan : pass.scans) {
       if (!scan.is_good || (last && scan.stamp <= *last)) continue;
       const double distance_m =
-          (scan.T_map_vehicle.translation_m - street.p_map_m).head<2>().norm();
+          (scan.T_map_vehicle.translation_m - segment.p_map_m).head<2>().norm();
       if (distance_m <= kNear_m) last = scan.stamp;
     }
   }
@@ -54,25 +54,25 @@ std::optional<Stamp> LastDriven(const UpdateStory& story, const StreetVerdict& s
 }
 
 ordered_json ScoreJson(const VersionScore& score) {
-  return {{"scatter_m", score.scatter_m}, {"scatter_p90_m", score.scatter_p90_m},
-          {"offset_m", score.offset_m},   {"tracking_share", score.tracking_share},
-          {"nees", score.nees},           {"fit", score.fit}};
+  return {{"error_m", score.error_m},   {"error_p90_m", score.error_p90_m},
+          {"offset_m", score.offset_m}, {"tracking_share", score.tracking_share},
+          {"nees", score.nees},         {"fit", score.fit}};
 }
 
-ordered_json StreetJson(const UpdateStory& story, const StreetVerdict& street) {
-  return {{"x_m", street.p_map_m.x()},
-          {"y_m", street.p_map_m.y()},
-          {"last_driven", DateOf(LastDriven(story, street))},
-          {"scan_count", street.scan_count},
-          {"agreed_count", street.agreed_count},
-          {"went_count", street.went_count},
-          {"came_count", street.came_count},
-          {"agreed_seen", street.agreed_seen},
-          {"went_seen", street.went_seen},
-          {"came_seen", street.came_seen},
-          {"old", ScoreJson(street.old_version)},
-          {"new", ScoreJson(street.new_version)},
-          {"fault", street.fault}};
+ordered_json SegmentJson(const UpdateStory& story, const SegmentVerdict& segment) {
+  return {{"x_m", segment.p_map_m.x()},
+          {"y_m", segment.p_map_m.y()},
+          {"last_driven", DateOf(LastDriven(story, segment))},
+          {"scan_count", segment.scan_count},
+          {"agreed_count", segment.agreed_count},
+          {"went_count", segment.went_count},
+          {"came_count", segment.came_count},
+          {"agreed_seen", segment.agreed_seen},
+          {"went_seen", segment.went_seen},
+          {"came_seen", segment.came_seen},
+          {"old", ScoreJson(segment.old_version)},
+          {"new", ScoreJson(segment.new_version)},
+          {"fault", segment.fault}};
 }
 
 ordered_json LandmarksJson(const UpdateStory& story, LandmarkFate fate) {
@@ -112,29 +112,29 @@ ordered_json PassesJson(const UpdateStory& story) {
 
 std::vector<std::string> ScoreRow(const std::string& name, const VersionScore& score) {
   return {name,
-          absl::StrFormat("%.3f", score.scatter_m),
-          absl::StrFormat("%.3f", score.scatter_p90_m),
+          absl::StrFormat("%.3f", score.error_m),
+          absl::StrFormat("%.3f", score.error_p90_m),
           absl::StrFormat("%.3f", score.offset_m),
           absl::StrFormat("%.1f %%", 100.0 * score.tracking_share),
           absl::StrFormat("%.2f", score.nees),
           absl::StrFormat("%.4f", score.fit)};
 }
 
-std::vector<std::vector<std::string>> StreetRows(const UpdateStory& story) {
+std::vector<std::vector<std::string>> SegmentRows(const UpdateStory& story) {
   std::vector<std::vector<std::string>> rows = {
-      {"street at (x, y) m", "last driven", "scans", "stay", "went", "came",
-       "scatter before, after [m]", "fit before, after", "verdict"}};
-  for (const StreetVerdict& street : story.gate.streets) {
+      {"street segment at (x, y) m", "last driven", "scans", "stay", "went", "came",
+       "error before, after [m]", "fit before, after", "verdict"}};
+  for (const SegmentVerdict& segment : story.gate.segments) {
     rows.push_back(
-        {absl::StrFormat("%.0f, %.0f", street.p_map_m.x(), street.p_map_m.y()),
-         DateOf(LastDriven(story, street)), absl::StrCat(street.scan_count),
-         absl::StrCat(street.agreed_count), absl::StrCat(street.went_count),
-         absl::StrCat(street.came_count),
-         absl::StrFormat("%.3f, %.3f", street.old_version.scatter_m, street.new_version.scatter_m),
-         absl::StrFormat("%.3f, %.3f", street.old_version.fit, street.new_version.fit),
-         street.scan_count == 0 ? "not driven"
-         : street.fault.empty() ? "good"
-                                : street.fault});
+        {absl::StrFormat("%.0f, %.0f", segment.p_map_m.x(), segment.p_map_m.y()),
+         DateOf(LastDriven(story, segment)), absl::StrCat(segment.scan_count),
+         absl::StrCat(segment.agreed_count), absl::StrCat(segment.went_count),
+         absl::StrCat(segment.came_count),
+         absl::StrFormat("%.3f, %.3f", segment.old_version.error_m, segment.new_version.error_m),
+         absl::StrFormat("%.3f, %.3f", segment.old_version.fit, segment.new_version.fit),
+         segment.scan_count == 0 ? "not driven"
+         : segment.fault.empty() ? "good"
+                                 : segment.fault});
   }
   return rows;
 }
@@ -220,15 +220,16 @@ std::size_t ComesAndGoesCount(const MapUpdate& update) {
 }  // namespace
 
 ordered_json UpdateJson(const UpdateStory& story) {
-  ordered_json streets = ordered_json::array();
-  for (const StreetVerdict& street : story.gate.streets) {
-    streets.push_back(StreetJson(story, street));
+  ordered_json segments = ordered_json::array();
+  for (const SegmentVerdict& segment : story.gate.segments) {
+    segments.push_back(SegmentJson(story, segment));
   }
   const MapUpdate& update = story.update;
   return {{"base", story.base},
           {"out", story.out},
           {"passes", PassesJson(story)},
           {"kept_count", CountOf(update.known, LandmarkFate::kKept)},
+          {"refined_count", update.refined_count},
           {"came", LandmarksJson(story, LandmarkFate::kCame)},
           {"went", LandmarksJson(story, LandmarkFate::kWent)},
           {"comes_and_goes", LandmarksJson(story, LandmarkFate::kComesAndGoes)},
@@ -238,7 +239,7 @@ ordered_json UpdateJson(const UpdateStory& story) {
             {"reason", story.gate.reason},
             {"old", ScoreJson(story.gate.whole.old_version)},
             {"new", ScoreJson(story.gate.whole.new_version)},
-            {"streets", streets}}}};
+            {"segments", segments}}}};
 }
 
 std::string UpdateText(const UpdateStory& story) {
@@ -250,19 +251,20 @@ std::string UpdateText(const UpdateStory& story) {
                           pass.scans.size(),
                           story.faults[i].empty() ? "" : "; left out: ", story.faults[i]);
   }
-  absl::StrAppendFormat(&text,
-                        "kept           %d\ncame           %d\nwent           %d\n"
-                        "comes and goes %d\n",
-                        CountOf(update.known, LandmarkFate::kKept),
-                        CountOf(update.found, LandmarkFate::kCame),
-                        CountOf(update.known, LandmarkFate::kWent), ComesAndGoesCount(update));
-  const StreetVerdict& whole = story.gate.whole;
   absl::StrAppendFormat(
       &text,
-      "%-14s median scatter %.3f m, before %.3f m; fit %.4f, before %.4f; tracks %.1f %%, before "
+      "kept           %d, %d of them refined\ncame           %d\nwent           %d\n"
+      "comes and goes %d\n",
+      CountOf(update.known, LandmarkFate::kKept), update.refined_count,
+      CountOf(update.found, LandmarkFate::kCame), CountOf(update.known, LandmarkFate::kWent),
+      ComesAndGoesCount(update));
+  const SegmentVerdict& whole = story.gate.whole;
+  absl::StrAppendFormat(
+      &text,
+      "%-14s median error %.3f m, before %.3f m; fit %.4f, before %.4f; tracks %.1f %%, before "
       "%.1f %%\n%s: %s\n",
-      story.kept_out, whole.new_version.scatter_m, whole.old_version.scatter_m,
-      whole.new_version.fit, whole.old_version.fit, 100.0 * whole.new_version.tracking_share,
+      story.kept_out, whole.new_version.error_m, whole.old_version.error_m, whole.new_version.fit,
+      whole.old_version.fit, 100.0 * whole.new_version.tracking_share,
       100.0 * whole.old_version.tracking_share, story.out.empty() ? "not written" : story.out,
       story.gate.reason);
   return text;
@@ -277,13 +279,13 @@ std::string UpdateHtml(const UpdateStory& story) {
                      : absl::StrCat("Written to ", story.out, ": ", story.gate.reason)),
       CountOf(update.found, LandmarkFate::kCame), CountOf(update.known, LandmarkFate::kWent),
       ComesAndGoesCount(update), CountOf(update.known, LandmarkFate::kKept));
-  absl::StrAppend(&body, Drawing(update).Svg(), "<h2>Drives</h2>\n", HtmlTable(PassRows(story)),
-                  "<h2>The drive that was kept out: ", EscapeHtml(story.kept_out), "</h2>\n",
-                  HtmlTable({{"version", "median scatter [m]", "90 % [m]", "offset [m]", "tracks",
-                              "NEES", "fit"},
-                             ScoreRow("old", story.gate.whole.old_version),
-                             ScoreRow("new", story.gate.whole.new_version)}),
-                  "<h2>Streets</h2>\n", HtmlTable(StreetRows(story)));
+  absl::StrAppend(
+      &body, Drawing(update).Svg(), "<h2>Drives</h2>\n", HtmlTable(PassRows(story)),
+      "<h2>The drive that was kept out: ", EscapeHtml(story.kept_out), "</h2>\n",
+      HtmlTable({{"version", "median error [m]", "90 % [m]", "offset [m]", "tracks", "NEES", "fit"},
+                 ScoreRow("old", story.gate.whole.old_version),
+                 ScoreRow("new", story.gate.whole.new_version)}),
+      "<h2>Street segments</h2>\n", HtmlTable(SegmentRows(story)));
   std::vector<std::vector<std::string>> rows = {
       {"change", "x [m]", "y [m]", "since", "last seen", "days or vehicles"}};
   for (const auto* landmarks : {&update.known, &update.found}) {

@@ -12,6 +12,7 @@
 #include "absl/strings/str_join.h"
 #include "client/cli/common/atomic_file.h"
 #include "client/cli/common/output_file.h"
+#include "client/cli/common/stop_signals.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/map/map_files.h"
 #include "client/cli/map/stage_line.h"
@@ -78,6 +79,7 @@ class UpdateRun {
           absl::StrCat("--out and --report are both ", arguments_.out));
     }
     absl::Status status = CheckOutputFiles({{arguments_.out, arguments_.report}, arguments_.force});
+    status.Update(CheckFolders({arguments_.out, arguments_.report}));
     if (!status.ok()) return status;
     auto base = ReadMapParts(arguments_.base);
     if (!base.ok()) return base.status();
@@ -148,13 +150,14 @@ class UpdateRun {
   }
 
   absl::Status WriteAll() {
+    const StopSignals stop;  // not between a file and its page
     absl::Status status;
     if (story_.gate.is_better) {
       MapParts& map = story_.update.map;
       absl::StrAppendFormat(
-          &map.description, ": fit %.4f after %.4f, median scatter %.3f after %.3f m",
+          &map.description, ": fit %.4f after %.4f, median error %.3f after %.3f m",
           story_.gate.whole.new_version.fit, story_.gate.whole.old_version.fit,
-          story_.gate.whole.new_version.scatter_m, story_.gate.whole.old_version.scatter_m);
+          story_.gate.whole.new_version.error_m, story_.gate.whole.old_version.error_m);
       const auto info = WriteMapParts(map, arguments_.out);
       status = info.status();
       if (status.ok()) story_.out = arguments_.out;

@@ -53,7 +53,7 @@ TEST(PassPlacerTest, ScansThatCountLieWhereTheVehicleWas) {
 TEST(PassPlacerTest, ADriveOfAnotherPlaceIsOfNoUse) {
   const Drive drive = DriveOf(TownOf(4), 1);
   const PlacedPass pass = PlaceIn(MapOfTown(3), drive, drive.scans.size());
-  EXPECT_THAT(FaultOf(pass), HasSubstr("it is not tracked in the map"));
+  EXPECT_THAT(FaultOf(pass), HasSubstr("it is not tracked in the map; it lies elsewhere"));
 }
 
 TEST(PassPlacerTest, ADriveThatHardlyMovedIsOfNoUse) {

@@ -88,6 +88,7 @@ struct TestStreet {
       pass.scans.push_back(
           {.stamp = scan.stamp,
            .T_map_vehicle = T_map_vehicle,
+           .T_start_vehicle = Flatten(T_map_vehicle),
            .inlier_count = 50,
            .is_good = true,
            .points = StaticPoints(scan, pass.rig.radars[0], *scan.ego_velocity, {})});

@@ -56,7 +56,7 @@ TEST_F(UpdateGateTest, NothingChangedIsNotBetter) {
   EXPECT_FALSE(verdict.is_better);
   EXPECT_THAT(verdict.reason, HasSubstr("nothing has changed"));
   EXPECT_GT(verdict.whole.old_version.tracking_share, 0.8);
-  EXPECT_LT(verdict.whole.old_version.scatter_m, 0.1);
+  EXPECT_LT(verdict.whole.old_version.error_m, 0.1);
 }
 
 TEST_F(UpdateGateTest, LandmarksThatWereMissingMakeItBetter) {
@@ -83,6 +83,16 @@ TEST_F(UpdateGateTest, LandmarksThatLieElsewhereMakeItWorse) {
   const GateVerdict verdict = Judged(*map_, bent);
   EXPECT_FALSE(verdict.is_better);
   EXPECT_THAT(verdict.reason, HasSubstr("worse"));
+}
+
+TEST_F(UpdateGateTest, LandmarksThatAllLieToOneSideMakeItWorse) {
+  MapParts moved = Thinned(20, 0);
+  for (KeyframePart& keyframe : moved.keyframes) {
+    for (MapPoint& point : keyframe.points) point.x_m += 0.15F;
+  }
+  const GateVerdict verdict = Judged(Thinned(4, 0), moved);
+  EXPECT_FALSE(verdict.is_better);
+  EXPECT_GT(verdict.whole.new_version.offset_m, 0.08);
 }
 
 TEST_F(UpdateGateTest, LandmarksOfNothingMakeItNoBetter) {

@@ -79,6 +79,14 @@ TEST_F(MapUpdateCommandTest, MapAndPageAreTwoFiles) {
   EXPECT_THAT(result.err, HasSubstr("--out and --report are both"));
 }
 
+TEST_F(MapUpdateCommandTest, APageWithoutItsFolderIsRefusedBeforeAnyWork) {
+  const Result result =
+      Dcloc(Update("live-0,live-1,live-9", "unpaged.dclm") + " --report " + File("none/new.html"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("none/new.html: cannot be written: there is no folder"));
+  EXPECT_FALSE(std::filesystem::exists(File("unpaged.dclm")));
+}
+
 TEST_F(MapUpdateCommandTest, DoesNotReplaceAFile) {
   const Result result = Dcloc(Update("live-0,live-1,live-3", "old.dclm"));
   EXPECT_EQ(result.exit_code, 1);

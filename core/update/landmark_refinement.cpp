@@ -1,0 +1,53 @@
+#include "core/update/landmark_refinement.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "core/update/pass_centers.h"
+
+namespace dcloc {
+namespace {
+
+std::vector<PlaceEstimate> PlacesOf(std::span<const PlacedLandmark> landmarks) {
+  std::vector<PlaceEstimate> places;
+  places.reserve(landmarks.size());
+  for (const PlacedLandmark& landmark : landmarks) places.push_back(landmark.place);
+  return places;
+}
+
+}  // namespace
+
+Landmark Blend(const PlacedLandmark& base, const Landmark& fused) {
+  const double base_passes = std::max<std::uint16_t>(1, base.point.pass_count);
+  const double share = base_passes / (base_passes + fused.pass_count);
+  const Eigen::Vector2d apart_m = base.place.position_m - fused.position_m.head<2>();
+  Landmark blend = fused;
+  blend.position_m.head<2>() += share * apart_m;
+  blend.covariance_m2.topLeftCorner<2, 2>() =
+      share * base.place.covariance_m2 + (1.0 - share) * fused.covariance_m2.topLeftCorner<2, 2>() +
+      share * (1.0 - share) * apart_m * apart_m.transpose();
+  blend.scan_count += base.point.scan_count;
+  blend.pass_count += static_cast<std::uint32_t>(base_passes);
+  return blend;
+}
+
+std::vector<PlaceEstimate> BlendedPlaces(std::span<const PlacedLandmark> base,
+                                         std::span<const Landmark> fused,
+                                         const CenterMatchingOptions& options) {
+  const std::vector<PlaceEstimate> base_places = PlacesOf(base);
+  const std::vector<PlaceEstimate> centers = PlacesOf(fused);
+  const std::vector<CenterMatch> center_of = MatchCenters(base_places, centers, options);
+  const std::vector<CenterMatch> base_of = MatchCenters(centers, base_places, options);
+  std::vector<PlaceEstimate> places;
+  for (std::size_t i = 0; i < base_places.size(); ++i) {
+    if (center_of[i].center == kNoCenter) places.push_back(base_places[i]);
+  }
+  for (std::size_t i = 0; i < fused.size(); ++i) {
+    places.push_back(base_of[i].center == kNoCenter
+                         ? centers[i]
+                         : PlaceOf(Blend(base[base_of[i].center], fused[i])));
+  }
+  return places;
+}
+
+}  // namespace dcloc

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "core/update/center_matching.h"
+#include "core/update/pass_track.h"
+#include "core/update/placed_pass.h"
+#include "core/update/version_score.h"
+
+namespace dcloc {
+
+struct PassAlignmentOptions {
+  CenterMatchingOptions matching;
+  PassTrackOptions track;
+  int min_center_scans = 3;  ///< of a center that is compared with landmarks
+  int rounds = 4;            ///< of fusing, matching and moving
+  int joint_rounds = 2;      ///< of aligning all passes with what they show together
+};
+
+/// Refines the poses of the scans of `pass` that count: the centers that the pass sees come to lie
+/// where `landmarks` lie, as far as its odometry allows (equation 63). Landmarks are relative to
+/// `origin_m` of the map.
+///
+/// Centers and landmarks are both fused of many returns, in the same way. So what puts single scans
+/// to one side of landmarks, and with them the localizer's poses, does not enter.
+void AlignPass(std::span<const PlaceEstimate> landmarks, const Eigen::Vector3d& origin_m,
+               const PassAlignmentOptions& options, PlacedPass& pass);
+
+/// Aligns each of `passes` with the landmarks of `base`, and then all of them with what they and
+/// the map together show, so that no single pass, the one of the base map neither, decides where
+/// landmarks lie. The frame stays that of the base map.
+void AlignPasses(std::span<const PlacedLandmark> base, const Eigen::Vector3d& origin_m,
+                 const PassAlignmentOptions& options, std::span<PlacedPass> passes);
+
+}  // namespace dcloc

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "core/map/map_parts.h"
+
+namespace dcloc {
+
+/// Street segments of about equal length along the keyframes of a map, numbered from 0. Positions
+/// are relative to the map's local origin [m].
+class StreetSegments {
+ public:
+  /// `map` has a keyframe; `segment_m` > 0 is the length of each.
+  StreetSegments(const MapParts& map, double segment_m);
+
+  std::size_t count() const { return segment_of_.back() + 1; }
+
+  /// The segment of the keyframe that is nearest to `p_local_m`.
+  std::size_t At(const Eigen::Vector2d& p_local_m) const;
+
+  /// The mean of the keyframes of a segment, relative to the local origin.
+  Eigen::Vector2d Middle(std::size_t segment) const;
+
+ private:
+  std::vector<Eigen::Vector2d> keyframes_m_;
+  std::vector<std::size_t> segment_of_;  // of each keyframe
+};
+
+}  // namespace dcloc

@@ -1,0 +1,33 @@
+#include "core/update/version_comparison.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/core/update/street_fixture.h"
+
+namespace dcloc {
+namespace {
+
+TEST(VersionComparisonTest, ARefinedLandmarkIsTheSame) {
+  const MapParts before = TestStreet().Map(0);
+  MapParts after = before;
+  for (KeyframePart& keyframe : after.keyframes) {
+    for (MapPoint& point : keyframe.points) point.x_m += 0.05F;
+  }
+  const VersionComparison comparison = CompareVersions(before, after, 0.5);
+  EXPECT_EQ(comparison.common.size(), before.PointCount());
+  EXPECT_TRUE(comparison.went.empty());
+  EXPECT_TRUE(comparison.came.empty());
+}
+
+TEST(VersionComparisonTest, WhatOnlyOneVersionHasWentOrCame) {
+  TestStreet street;
+  const MapParts before = street.Map(0);
+  street.scatterers_m[30] += Eigen::Vector2d(2.0, 3.0);
+  const VersionComparison comparison = CompareVersions(before, street.Map(0), 0.5);
+  EXPECT_EQ(comparison.went.size(), 1U);
+  EXPECT_EQ(comparison.came.size(), 1U);
+}
+
+}  // namespace
+}  // namespace dcloc
