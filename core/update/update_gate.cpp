@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
+#include "core/update/block_mean.h"
 #include "core/update/kept_out_pass.h"
 #include "core/update/map_replay.h"
 #include "core/update/pass_centers.h"
@@ -37,11 +38,19 @@ struct SeenCount {
   }
 };
 
+// Scans whose errors are taken for one: a sub-map's share theirs, some two seconds.
+constexpr std::size_t kErrorBlock = 24;
+
 struct SegmentSum {
   ScoreSum old_version, new_version;
+  BlockMean error_change_m{kErrorBlock};
   SeenCount common, went, came;
   std::size_t scan_count = 0;
 };
+
+double ErrorOf(const ReplayedScan& scan, const Pose2& T_map_consensus) {
+  return (scan.T_map_vehicle.translation_m - T_map_consensus.translation_m).norm();
+}
 
 SegmentVerdict VerdictOf(const SegmentSum& sum) {
   return {.scan_count = sum.scan_count,
@@ -51,11 +60,13 @@ SegmentVerdict VerdictOf(const SegmentSum& sum) {
           .agreed_seen = sum.common.Share(),
           .went_seen = sum.went.Share(),
           .came_seen = sum.came.Share(),
+          .error_change_m = sum.error_change_m.mean(),
+          .error_change_sigma_m = sum.error_change_m.sigma(),
           .old_version = sum.old_version.Score(),
           .new_version = sum.new_version.Score()};
 }
 
-std::string FaultOf(const SegmentVerdict& segment, double error_factor, double error_margin_m,
+std::string FaultOf(const SegmentVerdict& segment, double error_share, double error_margin_m,
                     const UpdateGateOptions& options) {
   const VersionScore& before = segment.old_version;
   const VersionScore& after = segment.new_version;
@@ -68,12 +79,10 @@ std::string FaultOf(const SegmentVerdict& segment, double error_factor, double e
     return absl::StrFormat("tracks %.1f %% of the scans, before %.1f %%",
                            100.0 * after.tracking_share, 100.0 * before.tracking_share);
   }
-  if (after.error_m > error_factor * before.error_m + error_margin_m) {
-    return absl::StrFormat("median error %.3f m, before %.3f m", after.error_m, before.error_m);
-  }
-  if (after.error_p90_m > error_factor * before.error_p90_m + 2.0 * error_margin_m) {
-    return absl::StrFormat("90 %% of the errors below %.3f m, before %.3f m", after.error_p90_m,
-                           before.error_p90_m);
+  if (segment.error_change_m - options.error_sigmas * segment.error_change_sigma_m >
+      error_share * before.error_m + error_margin_m) {
+    return absl::StrFormat("errors are larger by %.3f m, sigma %.3f m; before %.3f m",
+                           segment.error_change_m, segment.error_change_sigma_m, before.error_m);
   }
   if (after.offset_m > options.max_offset_m) {
     return absl::StrFormat("its landmarks lie %.3f m from those of the old version",
@@ -157,6 +166,8 @@ class Judge {
         sum->old_version.Add(old_version_.replay[i], T_map_consensus);
         sum->new_version.Add(new_version_.replay[i], T_map_consensus);
         sum->new_version.AddOffset(kept_out_.T_old_new[k]);
+        sum->error_change_m.Add(ErrorOf(new_version_.replay[i], T_map_consensus) -
+                                ErrorOf(old_version_.replay[i], T_map_consensus));
         if (k % kFitStride != 0) continue;
         sum->old_version.AddFit(old_fit.Sum(scan.points, T_local_vehicle), scan.points.size());
         sum->new_version.AddFit(new_fit.Sum(scan.points, T_local_vehicle), scan.points.size());
@@ -209,14 +220,14 @@ class Judge {
     GateVerdict verdict;
     verdict.whole = VerdictOf(whole_);
     verdict.whole.fault =
-        FaultOf(verdict.whole, options_.error_factor, options_.error_margin_m, options_);
+        FaultOf(verdict.whole, options_.error_share, options_.error_margin_m, options_);
     std::string fault;
     for (std::size_t i = 0; i < sums_.size(); ++i) {
       SegmentVerdict segment = VerdictOf(sums_[i]);
       segment.p_map_m << segments_.Middle(i), 0.0;
       segment.p_map_m += origin_m_;
       if (segment.scan_count >= static_cast<std::size_t>(options_.min_scan_count)) {
-        segment.fault = FaultOf(segment, options_.segment_error_factor,
+        segment.fault = FaultOf(segment, options_.segment_error_share,
                                 options_.segment_error_margin_m, options_);
       }
       if (fault.empty() && !segment.fault.empty()) {

@@ -15,12 +15,14 @@ namespace dcloc {
 
 /// When a new version is better than the old one, or as good.
 struct UpdateGateOptions {
-  double segment_m = 100.0;           ///< length of a street segment
-  double same_m = 0.5;                ///< landmarks of both versions that are nearer are one
-  double error_factor = 1.05;         ///< of the old version's error, that the new one may have
-  double error_margin_m = 0.002;      ///< and so much more
-  double segment_error_factor = 1.3;  ///< likewise in one segment, where fewer scans tell
+  double segment_m = 100.0;  ///< length of a street segment
+  double same_m = 0.5;       ///< landmarks of both versions that are nearer are one
+  // The error of the new version may surely be larger by a share of the old one's and a margin.
+  double error_share = 0.05;
+  double error_margin_m = 0.002;
+  double segment_error_share = 0.3;  ///< likewise in one segment
   double segment_error_margin_m = 0.015;
+  double error_sigmas = 2.0;      ///< standard errors of the difference that make it sure
   double max_offset_m = 0.06;     ///< by which the new version's landmarks may lie to one side
   double tracking_margin = 0.02;  ///< share of scans that the new version may track less
   double fit_margin = 0.01;       ///< that the new version may fit less
@@ -42,6 +44,10 @@ struct SegmentVerdict {
   double agreed_seen = 0.0;  ///< share of the agreed landmarks that the pass saw
   double went_seen = 0.0;
   double came_seen = 0.0;
+  /// By how much the new version errs more than the old one, in the mean of the scans that both
+  /// track, and its standard error.
+  double error_change_m = 0.0;
+  double error_change_sigma_m = 0.0;
   VersionScore old_version;
   VersionScore new_version;
   std::string fault;  ///< why the new version is worse here; empty where it is not

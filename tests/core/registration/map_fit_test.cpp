@@ -42,8 +42,8 @@ class MapFitTest : public ::testing::Test {
 
   std::mt19937 random_{5};
   CorrespondenceGates gates_;
-  std::vector<GaussianPoint<kDim>> live_ = RandomPoints(60, 20.0, random_);
-  LocalMap<kDim> map_{Pose3(), RandomPoints(400, 25.0, random_)};
+  std::vector<GaussianPoint<kDim>> live_ = RandomPoints(60, 10.0, random_);
+  LocalMap<kDim> map_{Pose3(), RandomPoints(400, 12.0, random_)};
   MapFit<kDim> fit_;
 };
 
