@@ -67,14 +67,14 @@ void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
 // - Timeouts expire twice: before the registration, as what was confirmed before a silence does not
 //   count after it; and after it, as answers claim what holds now.
 template <int Dim>
-Localization Pipeline<Dim>::LocalizeNext(const Scan& described, const TimeBase::ScanTime& time,
+Localization Pipeline<Dim>::LocalizeNext(const Scan& sent, const TimeBase::ScanTime& time,
                                          LocalizerWorkspace& lent_workspace,
                                          StageListener* listener) {
   const Stamp stamp = time.stamp;
-  const std::size_t radar_index = radars_.learned.IndexOf(described.radar_id);
+  const std::size_t radar_index = radars_.learned.IndexOf(sent.radar_id);
   const RadarModel& radar = radars_.learned.rig().radars[radar_index];
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  const Scan& scan = WithLearnedAzimuthSign(described, workspace);
+  const Scan& scan = WithLearnedAzimuthSign(sent, workspace);
 
   Announce(listener, Stage::kCompensation);  // eq 6, 9-11
   const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, stamp, radar, workspace.ego_velocity);
@@ -222,10 +222,11 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<
   // A mean over a few points says little.
   const bool is_full =
       workspace.static_points.size() >= static_cast<std::size_t>(options_.map_fit.min_point_count);
-  if (is_full) CompareAzimuthSigns(radar_index, workspace);
+  // What is compared is relative to the pose: where that is lost, both hypotheses are wrong.
+  const bool is_comparable = is_full && !tracking_.is_lost();
+  if (is_comparable && LearnAzimuthSign(radar_index, workspace)) return;
   if (!IsTrusted(radar_index, stamp)) return;
-  // The places that are compared are relative to the pose: where that is lost, both are wrong.
-  if (is_full && !tracking_.is_lost()) CompareSourcesByMapFit(workspace);
+  if (is_comparable) CompareSourcesByMapFit(workspace);
   if (is_full) CompareAlongTrackRivals(workspace);
   JudgePoseByScanFit(fit);
 }

@@ -37,7 +37,7 @@ class AnyPipeline {
   virtual ~AnyPipeline() = default;
 
   /// The newest scan.
-  virtual Localization LocalizeNext(const Scan& scan, const TimeBase::ScanTime& time,
+  virtual Localization LocalizeNext(const Scan& sent, const TimeBase::ScanTime& time,
                                     LocalizerWorkspace& workspace, StageListener* listener) = 0;
 
   /// A scan from before the newest one takes part in the registrations that follow. Its pose is
@@ -84,7 +84,7 @@ class Pipeline final : public AnyPipeline {
            const std::optional<InitialPose>& initial_pose, const LocalizerOptions& options,
            std::shared_ptr<const RegistrationMethod<Dim>> method);
 
-  Localization LocalizeNext(const Scan& scan, const TimeBase::ScanTime& time,
+  Localization LocalizeNext(const Scan& sent, const TimeBase::ScanTime& time,
                             LocalizerWorkspace& workspace, StageListener* listener) override;
   Localization LocalizeLate(const Scan& scan, Stamp stamp, LocalizerWorkspace& workspace) override;
   Localization LocalizeUntimed(const Scan& scan, Stamp newest) override {
@@ -128,7 +128,8 @@ class Pipeline final : public AnyPipeline {
   void JudgePoseByScanFit(ScanFit fit);
   void CompareSourcesByMapFit(Workspace<Dim>& workspace);
   void CompareAlongTrackRivals(Workspace<Dim>& workspace);
-  void CompareAzimuthSigns(std::size_t radar_index, Workspace<Dim>& workspace);
+  // Whether the sign has changed: then the scan's points are dropped.
+  bool LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& workspace);
   // `scan` itself, or a copy in `workspace` with the sign that the map has shown.
   const Scan& WithLearnedAzimuthSign(const Scan& scan, Workspace<Dim>& workspace) const;
   void RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity, Workspace<Dim>& workspace,

@@ -59,7 +59,7 @@ void Pipeline<Dim>::CompareAlongTrackRivals(Workspace<Dim>& workspace) {
 // METHOD eq 60. The scan is held against its mirror image. Where that fits better, the pose itself
 // may be wrong instead: so both are laid at other poses, too, and the best fit of each counts.
 template <int Dim>
-void Pipeline<Dim>::CompareAzimuthSigns(std::size_t radar_index, Workspace<Dim>& workspace) {
+bool Pipeline<Dim>::LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& workspace) {
   const AzimuthSignOptions& options = radars_.azimuth_signs.options();
   const PoseEstimate<Dim> now = pose_.Now();
   const double sigma_m = std::clamp(HorizontalSigma(now.covariance), options.min_pose_sigma_m,
@@ -93,13 +93,14 @@ void Pipeline<Dim>::CompareAzimuthSigns(std::size_t radar_index, Workspace<Dim>&
     mirrored_fit = best_fit(workspace.tried_points);
   }
   if (!radars_.azimuth_signs.OnFits(radar_index, workspace.scan_points.size(), fit, mirrored_fit)) {
-    return;
+    return false;
   }
   // What was seen with the other sign is not where it was put.
   live_.submap.DropPoints(static_cast<int>(radar_index));
   radars_.scan_checker.Reset();
   radars_.monitor.ResetFits();
   workspace.static_points.clear();
+  return true;
 }
 
 template <int Dim>
@@ -115,8 +116,8 @@ template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>&);
 template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>&);
 template void Pipeline<2>::CompareAlongTrackRivals(Workspace<2>&);
 template void Pipeline<3>::CompareAlongTrackRivals(Workspace<3>&);
-template void Pipeline<2>::CompareAzimuthSigns(std::size_t, Workspace<2>&);
-template void Pipeline<3>::CompareAzimuthSigns(std::size_t, Workspace<3>&);
+template bool Pipeline<2>::LearnAzimuthSign(std::size_t, Workspace<2>&);
+template bool Pipeline<3>::LearnAzimuthSign(std::size_t, Workspace<3>&);
 template const Scan& Pipeline<2>::WithLearnedAzimuthSign(const Scan&, Workspace<2>&) const;
 template const Scan& Pipeline<3>::WithLearnedAzimuthSign(const Scan&, Workspace<3>&) const;
 
