@@ -16,25 +16,22 @@ namespace dcloc {
 /// When a new version is better than the old one, or as good.
 struct UpdateGateOptions {
   double segment_m = 100.0;  ///< length of a street segment
-  /// Standard errors of an error's change, or of a share, that make sure that it is worse.
-  double sure_sigmas = 2.0;
-  double same_m = 0.5;  ///< landmarks of both versions that are nearer are one
+  double same_m = 0.5;       ///< landmarks of both versions that are nearer are one
   // The error of the new version may surely be larger by a share of the old one's and a margin.
   double error_share = 0.05;
   double error_margin_m = 0.002;
   double segment_error_share = 0.3;  ///< likewise in one segment
   double segment_error_margin_m = 0.015;
+  double error_sigmas = 2.0;      ///< standard errors of the difference that make it sure
   double max_offset_m = 0.06;     ///< by which the new version's landmarks may lie to one side
   double tracking_margin = 0.02;  ///< share of scans that the new version may track less
   double fit_margin = 0.01;       ///< that the new version may fit less
   double nees_factor = 1.3;       ///< of the old version's NEES, and `nees_margin` more
   double nees_margin = 0.7;
   double min_agreed_share = 0.4;  ///< of a segment's landmarks, that both versions have
-  /// Share of new landmarks that the pass must have seen, and of those that went it may have seen,
-  /// against that of the agreed ones.
-  double min_seen_share = 0.5;
-  int min_scan_count = 10;      ///< of a segment; shorter ones are not judged by themselves
-  int min_landmark_count = 12;  ///< likewise
+  double min_seen_share = 0.5;    ///< of new landmarks seen, against that of agreed ones
+  int min_scan_count = 10;        ///< of a segment; shorter ones are not judged by themselves
+  int min_landmark_count = 12;    ///< likewise
 };
 
 /// How both versions do in a street segment, or as a whole.
