@@ -1,7 +1,6 @@
 #include "core/update/update_gate.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -67,11 +66,6 @@ SegmentVerdict VerdictOf(const SegmentSum& sum) {
           .new_version = sum.new_version.Score()};
 }
 
-// Of a share of `count` that was counted.
-double ShareSigma(double share, std::size_t count) {
-  return std::sqrt(share * (1.0 - share) / static_cast<double>(count));
-}
-
 std::string FaultOf(const SegmentVerdict& segment, double error_share, double error_margin_m,
                     const UpdateGateOptions& options) {
   const VersionScore& before = segment.old_version;
@@ -85,7 +79,7 @@ std::string FaultOf(const SegmentVerdict& segment, double error_share, double er
     return absl::StrFormat("tracks %.1f %% of the scans, before %.1f %%",
                            100.0 * after.tracking_share, 100.0 * before.tracking_share);
   }
-  if (segment.error_change_m - options.sure_sigmas * segment.error_change_sigma_m >
+  if (segment.error_change_m - options.error_sigmas * segment.error_change_sigma_m >
       error_share * before.error_m + error_margin_m) {
     return absl::StrFormat("errors are larger by %.3f m, sigma %.3f m; before %.3f m",
                            segment.error_change_m, segment.error_change_sigma_m, before.error_m);
@@ -101,14 +95,12 @@ std::string FaultOf(const SegmentVerdict& segment, double error_share, double er
     return absl::StrFormat("NEES %.2f, before %.2f", after.nees, before.nees);
   }
   if (segment.came_count >= min_count &&
-      segment.came_seen + options.sure_sigmas * ShareSigma(segment.came_seen, segment.came_count) <
-          options.min_seen_share * segment.agreed_seen) {
+      segment.came_seen < options.min_seen_share * segment.agreed_seen) {
     return absl::StrFormat("%.0f %% of what came was seen, of what stays %.0f %%",
                            100.0 * segment.came_seen, 100.0 * segment.agreed_seen);
   }
   if (segment.went_count >= min_count &&
-      segment.went_seen - options.sure_sigmas * ShareSigma(segment.went_seen, segment.went_count) >
-          options.min_seen_share * segment.agreed_seen) {
+      segment.went_seen > options.min_seen_share * segment.agreed_seen) {
     return absl::StrFormat("%.0f %% of what went was seen, of what stays %.0f %%",
                            100.0 * segment.went_seen, 100.0 * segment.agreed_seen);
   }
