@@ -8,7 +8,8 @@ bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
 }
 
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
-                    const AzimuthSigns& azimuth_signs, const RadarMonitor& radar_monitor) {
+                    const AzimuthSigns& azimuth_signs, const RangeRateScales& range_rate_scales,
+                    const RadarMonitor& radar_monitor) {
   Health health{
       .wheel_speed = ego_motion.wheel_speed(), .yaw_rate = ego_motion.yaw_rate(), .radars = {}};
   for (std::size_t i = 0; i < learned_rig.rig().radars.size(); ++i) {
@@ -16,6 +17,10 @@ Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& 
     const bool says_something = fault != SourceFault::kSilent && fault != SourceFault::kDoppler;
     if (fault == SourceFault::kNone) fault = learned_rig.FaultOf(i, stamp);
     if (fault == SourceFault::kNone && azimuth_signs.IsMirrored(i)) fault = SourceFault::kMount;
+    const double scale = range_rate_scales.Learned(i) * range_rate_scales.Supposed(i);
+    if (fault == SourceFault::kNone && scale != 1.0) {
+      fault = scale < 0.0 ? SourceFault::kSign : SourceFault::kScale;
+    }
     health.radars.push_back(
         {.is_used = says_something && IsTrusted(i, stamp, learned_rig, radar_monitor),
          .fault = fault});

@@ -6,6 +6,7 @@
 #include "core/localizer/radar_monitor.h"
 #include "core/odometry/ego_motion.h"
 #include "core/odometry/learned_rig.h"
+#include "core/odometry/range_rate_scales.h"
 #include "core/odometry/source_fault.h"
 #include "core/uncertainty/azimuth_signs.h"
 
@@ -30,6 +31,7 @@ bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
 /// have something to put into the sub-map: it is not silent, and its targets stand still. One of
 /// another clock is used, as its stamps are brought to the clock of the others.
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
-                    const AzimuthSigns& azimuth_signs, const RadarMonitor& radar_monitor);
+                    const AzimuthSigns& azimuth_signs, const RangeRateScales& range_rate_scales,
+                    const RadarMonitor& radar_monitor);
 
 }  // namespace dcloc

@@ -15,6 +15,7 @@
 #include "core/localizer/tracking_state_machine.h"
 #include "core/odometry/ego_motion.h"
 #include "core/odometry/learned_rig.h"
+#include "core/odometry/range_rate_scales.h"
 #include "core/odometry/rig_knowledge.h"
 #include "core/options/option_fields.h"
 #include "core/posegraph/pose_graph.h"
@@ -75,6 +76,7 @@ struct LocalizerOptions {
   MapFitOptions map_fit;
   AlongTrackRivalOptions along_track_rivals;
   AzimuthSignOptions azimuth_signs;
+  RangeRateScaleOptions range_rate_scales;
   EgoMotionOptions ego_motion;
   LearnedRigOptions learned_rig;
   RadarMonitorOptions radar_monitor;

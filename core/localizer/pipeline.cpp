@@ -74,12 +74,12 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& sent, const TimeBase::ScanT
   const std::size_t radar_index = radars_.learned.IndexOf(sent.radar_id);
   const RadarModel& radar = radars_.learned.rig().radars[radar_index];
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  const Scan& scan = WithLearnedAzimuthSign(sent, workspace);
+  const Scan& scan = Corrected(sent, workspace);
 
   Announce(listener, Stage::kCompensation);  // eq 6, 9-11
   const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, stamp, radar, workspace.ego_velocity);
   LearnMount(scan, stamp, radar_index);
-  Compensate(scan, stamp, ego_velocity, workspace.static_points);
+  Compensate(scan, stamp, ego_velocity, workspace);
 
   Announce(listener, Stage::kSubmap);  // eq 7-8
   const Motion motion = MotionSincePrevious(time.clock_was_set);
@@ -121,6 +121,7 @@ void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
     newest_.outcome = UpdatePose(registered, ego_velocity, workspace);
     UpdateOdometry(registered, newest_.outcome);
     if (was_confirmed && newest_.outcome == RegistrationOutcome::kAccepted) {
+      radars_.range_rate_scales.OnRegistered(stamp);
       learner_.OnAccepted(stamp, registered->registration, ego_velocity, live_.submap.span(),
                           map_.matcher, ego_motion_, pose_, workspace);
     }
@@ -139,8 +140,8 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   if (!moment) return answer;
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  std::vector<RadarPoint>& points = workspace.static_points;
-  Compensate(WithLearnedAzimuthSign(scan, workspace), stamp, moment->velocity, points);
+  Compensate(Corrected(scan, workspace), stamp, moment->velocity, workspace);
+  const std::vector<RadarPoint>& points = workspace.static_points;
   if (IsTrusted(radar_index, stamp)) {
     const bool is_kept = live_.submap.Insert(stamp, static_cast<int>(radar_index), points);
     if (is_kept) live_.schedule.OnLateScan(points.size());
@@ -189,10 +190,19 @@ void Pipeline<Dim>::Move(const Motion& motion) {
 
 template <int Dim>
 void Pipeline<Dim>::Compensate(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
-                               std::vector<RadarPoint>& points) {
+                               Workspace<Dim>& workspace) {
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
-  StaticPoints(scan, radars_.learned.rig().radars[radar_index], ego_velocity,
-               EffectiveStaticPoints(options_), points);
+  const RadarModel& radar = radars_.learned.rig().radars[radar_index];
+  std::vector<RadarPoint>& points = workspace.static_points;
+  StaticPoints(scan, radar, ego_velocity, EffectiveStaticPoints(options_), points);
+  RangeRateScales& scales = radars_.range_rate_scales;
+  scales.OnScan(stamp, radar_index, scan, points.size(), radar, ego_velocity);
+  if (scales.Supposed(radar_index) != 1.0) {
+    workspace.rescaled_scan = scan;
+    DivideRangeRates(scales.Supposed(radar_index), workspace.rescaled_scan);
+    StaticPoints(workspace.rescaled_scan, radar, ego_velocity, EffectiveStaticPoints(options_),
+                 points);
+  }
   radars_.monitor.OnScan(stamp, radar_index, scan.size(), points.size());
 }
 

@@ -22,6 +22,7 @@
 #include "core/localizer/workspace.h"
 #include "core/odometry/ego_motion.h"
 #include "core/odometry/learned_rig.h"
+#include "core/odometry/range_rate_scales.h"
 #include "core/registration/map_matcher.h"
 #include "core/relocalization/relocalizer.h"
 #include "core/submap/submap.h"
@@ -117,8 +118,9 @@ class Pipeline final : public AnyPipeline {
   void LearnMount(const Scan& scan, Stamp stamp, std::size_t radar_index);
   Motion MotionSincePrevious(bool clock_was_set) const;
   void Move(const Motion& motion);
+  // Leaves the static points in the workspace.
   void Compensate(const Scan& scan, Stamp stamp, const EgoVelocity& ego_velocity,
-                  std::vector<RadarPoint>& points);
+                  Workspace<Dim>& workspace);
   bool IsTrusted(std::size_t radar_index, Stamp stamp) const {
     return dcloc::IsTrusted(radar_index, stamp, radars_.learned, radars_.monitor);
   }
@@ -130,8 +132,9 @@ class Pipeline final : public AnyPipeline {
   void CompareAlongTrackRivals(Workspace<Dim>& workspace);
   // Whether the sign has changed: then the scan's points are dropped.
   bool LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& workspace);
-  // `scan` itself, or a copy in `workspace` with the sign that the map has shown.
-  const Scan& WithLearnedAzimuthSign(const Scan& scan, Workspace<Dim>& workspace) const;
+  // `scan` itself, or a copy in `workspace` with the sign of azimuths and the scale of range rates
+  // that were learned.
+  const Scan& Corrected(const Scan& scan, Workspace<Dim>& workspace) const;
   void RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity, Workspace<Dim>& workspace,
                       StageListener* listener);
   void ExpireTimeouts(Stamp stamp);
@@ -165,11 +168,13 @@ class Pipeline final : public AnyPipeline {
         : learned(std::move(described), options.learned_rig),
           monitor(learned.rig().radars.size(), options.radar_monitor),
           azimuth_signs(learned.rig().radars.size(), options.azimuth_signs),
+          range_rate_scales(learned.rig().radars.size(), options.range_rate_scales),
           scan_checker(learned.rig().radars.size(), options.map_fit) {}
 
     LearnedRig learned;
     RadarMonitor monitor;
     AzimuthSigns azimuth_signs;
+    RangeRateScales range_rate_scales;
     ScanChecker<Dim> scan_checker;
     StampError stamp_error;  // of the newest scan
   };

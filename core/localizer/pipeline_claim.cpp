@@ -26,8 +26,8 @@ void Pipeline<Dim>::ExpireTimeouts(Stamp stamp) {
 template <int Dim>
 Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) const {
   Localization answer{.stamp = scan.stamp, .quality = newest_.quality};
-  answer.health =
-      ReportHealth(stamp, ego_motion_, radars_.learned, radars_.azimuth_signs, radars_.monitor);
+  answer.health = ReportHealth(stamp, ego_motion_, radars_.learned, radars_.azimuth_signs,
+                               radars_.range_rate_scales, radars_.monitor);
   answer.resets = claims_.reset_counter.resets();
   answer.quality.live_point_count = static_cast<int>(live_.submap.point_count());
   answer.quality.beta = learner_.CheckBeta(radars_.learned.IndexOf(scan.radar_id));
@@ -79,7 +79,7 @@ std::optional<double> Pipeline<Dim>::FitAt(const Scan& scan, Stamp stamp,
   const std::optional<MotionHistory::Moment> moment = ego_motion_.history().AtOrSoonAfter(stamp);
   if (!moment || !tracking_.has_pose()) return std::nullopt;
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  StaticPoints(WithLearnedAzimuthSign(scan, workspace),
+  StaticPoints(Corrected(scan, workspace),
                radars_.learned.rig().radars[radars_.learned.IndexOf(scan.radar_id)],
                moment->velocity, EffectiveStaticPoints(options_), workspace.tried_points);
   PoseEstimate<Dim> pose = pose_.Now();

@@ -104,12 +104,17 @@ bool Pipeline<Dim>::LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& wo
 }
 
 template <int Dim>
-const Scan& Pipeline<Dim>::WithLearnedAzimuthSign(const Scan& scan,
-                                                  Workspace<Dim>& workspace) const {
-  if (!radars_.azimuth_signs.IsMirrored(radars_.learned.IndexOf(scan.radar_id))) return scan;
-  workspace.mirrored_scan = scan;
-  for (float& azimuth_rad : workspace.mirrored_scan.azimuth_rad) azimuth_rad = -azimuth_rad;
-  return workspace.mirrored_scan;
+const Scan& Pipeline<Dim>::Corrected(const Scan& scan, Workspace<Dim>& workspace) const {
+  const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
+  const bool is_mirrored = radars_.azimuth_signs.IsMirrored(radar_index);
+  const double scale = radars_.range_rate_scales.Learned(radar_index);
+  if (!is_mirrored && scale == 1.0) return scan;
+  workspace.corrected_scan = scan;
+  DivideRangeRates(scale, workspace.corrected_scan);
+  if (is_mirrored) {
+    for (float& azimuth_rad : workspace.corrected_scan.azimuth_rad) azimuth_rad = -azimuth_rad;
+  }
+  return workspace.corrected_scan;
 }
 
 template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>&);
@@ -118,7 +123,7 @@ template void Pipeline<2>::CompareAlongTrackRivals(Workspace<2>&);
 template void Pipeline<3>::CompareAlongTrackRivals(Workspace<3>&);
 template bool Pipeline<2>::LearnAzimuthSign(std::size_t, Workspace<2>&);
 template bool Pipeline<3>::LearnAzimuthSign(std::size_t, Workspace<3>&);
-template const Scan& Pipeline<2>::WithLearnedAzimuthSign(const Scan&, Workspace<2>&) const;
-template const Scan& Pipeline<3>::WithLearnedAzimuthSign(const Scan&, Workspace<3>&) const;
+template const Scan& Pipeline<2>::Corrected(const Scan&, Workspace<2>&) const;
+template const Scan& Pipeline<3>::Corrected(const Scan&, Workspace<3>&) const;
 
 }  // namespace dcloc

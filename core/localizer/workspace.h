@@ -15,7 +15,8 @@ struct Workspace {
   EgoVelocityMemory ego_velocity;
   std::vector<RadarPoint> static_points;
   std::vector<RadarPoint> tried_points;  // of a scan as another stamp or sign would put them
-  Scan mirrored_scan;
+  Scan corrected_scan;                   // with what was learned of its radar
+  Scan rescaled_scan;                    // with a scale that is supposed
   std::vector<GaussianPoint<Dim>> scan_points;
   std::vector<double> rival_fits;
   LiveSubmap<Dim> submap;

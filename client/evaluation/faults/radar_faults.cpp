@@ -79,10 +79,21 @@ void AddRangeRates(std::vector<Fault>& faults) {
       ScaleRangeRate(stream, window, radar_id, factor);
     };
   };
-  faults.push_back(MakeRadarFault("rate-sign", "sign of one radar's range rates wrong",
-                                  std::nullopt, scaling(-1.0)));
-  faults.push_back(
-      MakeRadarFault("rate-1.3", "one radar's range rates times 1.3", std::nullopt, scaling(1.3)));
+  struct Scale {
+    const char* id;
+    const char* label;
+    double factor;
+  };
+  for (const Scale& scale : {Scale{"rate-sign", "sign of one radar's range rates wrong", -1.0},
+                             Scale{"rate-1.3", "one radar's range rates times 1.3", 1.3},
+                             Scale{"rate-0.6", "one radar's range rates times 0.6", 0.6}}) {
+    faults.push_back(MakeRadarFault(scale.id, scale.label, std::nullopt, scaling(scale.factor)));
+    Fault from_start = faults.back();
+    from_start.id += "-start";
+    from_start.label += ", from the start";
+    from_start.begin_s = 0.0;
+    faults.push_back(std::move(from_start));
+  }
 }
 
 void AddClockAndSigmas(std::vector<Fault>& faults) {

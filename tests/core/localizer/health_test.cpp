@@ -24,13 +24,14 @@ class HealthTest : public ::testing::Test {
     return rig;
   }
   SourceHealth Reported(std::size_t index, Stamp stamp) const {
-    return ReportHealth(stamp, EgoMotion(), rig_, signs_, monitor_).radars[index];
+    return ReportHealth(stamp, EgoMotion(), rig_, signs_, scales_, monitor_).radars[index];
   }
 
   static constexpr std::size_t kRadars = 4;
   static constexpr Stamp kNow{std::chrono::seconds(100)};
   LearnedRig rig_{FourRadars(), {}};
   AzimuthSigns signs_{kRadars, {}};
+  RangeRateScales scales_{kRadars, {}};
   RadarMonitor monitor_{kRadars, {}};
 };
 

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/options/option_fields.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+
+namespace dcloc {
+
+/// When a radar's range rates are taken for a multiple of the true ones.
+struct RangeRateScaleOptions {
+  /// Only where a smaller fraction of a scan's targets stands still is a scale looked for.
+  double max_static_fraction = 0.5;
+  double min_range_rate_mps = 1.0;  ///< targets that are predicted to have less tell no ratio
+  // Targets agree with a scale that predicts their range rate to within the sum of these.
+  double gate_mps = 0.3;        ///< the constant part
+  double gate_fraction = 0.05;  ///< the part in proportion to the range rate
+  int min_target_count = 10;    ///< that tell a ratio
+  int min_direction_count =
+      6;  ///< ten degrees wide, that agreeing ones lie in: no mover fills them
+  double min_agreeing_fraction = 0.6;  ///< of the targets that tell a ratio
+  double min_change = 0.1;             ///< a scale nearer to 1 is left to the wheels' own
+  double max_factor = 3.0;             ///< beyond which, and below whose inverse, there is no scale
+  double same_fraction = 0.05;         ///< ratios that differ by no more are one scale
+  int min_scan_count = 3;              ///< in a row, that show a scale before it is supposed
+  // Registrations confirm the motion that a scale was compared with. It is learned after as many
+  // and as long.
+  int min_registration_count = 5;
+  std::chrono::nanoseconds confirmed_after = std::chrono::seconds(1);
+  /// One that fewer registrations have confirmed since is forgotten with the pose.
+  int kept_registration_count = 100;
+};
+std::span<const OptionField<RangeRateScaleOptions>> FieldsOf(const RangeRateScaleOptions& options);
+absl::Status Validate(const RangeRateScaleOptions& options);
+
+/// Learns which radars report a multiple of the range rate, the negative one included: a wrong
+/// unit, a wrong waveform, a wrong sign (METHOD eq 65). Wheels and a radar that differ by a factor
+/// say nothing of which is right; registrations do. A scale is first supposed, so that the targets
+/// of the radar that agree with one another are kept, and learned once registrations agree with the
+/// motion that it was compared with.
+class RangeRateScales {
+ public:
+  RangeRateScales(std::size_t radar_count, const RangeRateScaleOptions& options)
+      : options_(options), radars_(radar_count) {}
+
+  /// What the range rates of radar `index` are to be divided by; 1 where nothing was learned.
+  double Learned(std::size_t index) const { return radars_[index].learned; }
+  /// What those that were divided by `Learned` may be a multiple of; 1 where none is supposed.
+  double Supposed(std::size_t index) const { return radars_[index].supposed; }
+
+  /// A scan of radar `index` whose range rates were divided by `Learned(index)`: `static_count` of
+  /// its targets stand still if the vehicle moves by `velocity`.
+  void OnScan(Stamp stamp, std::size_t index, const Scan& scan, std::size_t static_count,
+              const RadarModel& radar, const EgoVelocity& velocity);
+
+  /// A registration was accepted, at the newest scan, while the pose is confirmed. Returns whether
+  /// a scale was learned by it.
+  bool OnRegistered(Stamp stamp);
+
+  /// The pose was given up.
+  void OnLost();
+
+ private:
+  struct Radar {
+    double learned = 1.0;
+    double supposed = 1.0;
+    double newest_ratio = 1.0;
+    int scan_count = 0;  // in a row with about the newest ratio
+    std::optional<Stamp> supposed_since;
+    int registration_count = 0;  // since it was supposed; then since it was learned
+  };
+
+  // The factor that most targets agree on; nothing where there is none.
+  std::optional<double> RatioOf(const Scan& scan, const RadarModel& radar,
+                                const EgoVelocity& velocity);
+
+  RangeRateScaleOptions options_;
+  std::vector<Radar> radars_;
+  struct Target {
+    double predicted_mps;
+    double range_rate_mps;
+    int direction;
+  };
+  std::vector<Target> targets_;  // memory of RatioOf
+  std::vector<double> ratios_;
+};
+
+/// Divides all range rates of `scan` by `scale`.
+void DivideRangeRates(double scale, Scan& scan);
+
+}  // namespace dcloc

@@ -1,0 +1,117 @@
+#include "core/odometry/range_rate_scales.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/options/option_fields_check.h"
+#include "tests/core/radar/scan_fixture.h"
+
+namespace dcloc {
+namespace {
+
+TEST(RangeRateScaleOptionsTest, EachFieldIsBounded) {
+  ExpectEachFieldIsBounded<RangeRateScaleOptions>();
+}
+
+class RangeRateScalesTest : public ::testing::Test {
+ protected:
+  // Gives scans whose range rates are `factor` times the true ones; after each, as many
+  // registrations are accepted.
+  void Drive(double factor, int scans, int registrations_per_scan = 0) {
+    for (int i = 0; i < scans; ++i) {
+      stamp_ += std::chrono::milliseconds(100);
+      Scan scan = StaticScan(radar_, moving_, 60, static_cast<unsigned>(++seed_), 0.05);
+      DivideRangeRates(scales_.Learned(0) / factor, scan);
+      const std::size_t static_count = std::abs(scales_.Learned(0) - factor) < 0.02 ? 55U : 3U;
+      scales_.OnScan(stamp_, 0, scan, static_count, radar_, moving_);
+      for (int j = 0; j < registrations_per_scan; ++j) {
+        was_learned_ = scales_.OnRegistered(stamp_) || was_learned_;
+      }
+    }
+  }
+
+  RadarModel radar_ = RadarAt("front", 3.6, 0.0, 0.0);
+  const EgoVelocity moving_{.linear_mps = {14.0, 0.0, 0.0},
+                            .angular_radps = Eigen::Vector3d::Zero(),
+                            .covariance = 1e-4 * Matrix6d::Identity()};
+  RangeRateScales scales_{2, {}};
+  Stamp stamp_{std::chrono::seconds(1)};
+  bool was_learned_ = false;
+  int seed_ = 0;
+};
+
+TEST_F(RangeRateScalesTest, AFewScansThatAgreeOnAFactorLetItBeSupposed) {
+  Drive(1.3, 2);
+  EXPECT_EQ(scales_.Supposed(0), 1.0);
+  Drive(1.3, 1);
+  EXPECT_NEAR(scales_.Supposed(0), 1.3, 0.02);
+  EXPECT_EQ(scales_.Learned(0), 1.0);
+  EXPECT_EQ(scales_.Supposed(1), 1.0);
+}
+
+TEST_F(RangeRateScalesTest, RegistrationsForASecondLetItBeLearned) {
+  Drive(1.3, 30);
+  EXPECT_FALSE(was_learned_);  // nothing spoke for the motion it was compared with
+  Drive(1.3, 1, 10);
+  EXPECT_TRUE(was_learned_);
+  EXPECT_NEAR(scales_.Learned(0), 1.3, 0.02);
+  EXPECT_EQ(scales_.Supposed(0), 1.0);
+}
+
+TEST_F(RangeRateScalesTest, RegistrationsWithinAMomentAreNotEnough) {
+  Drive(1.3, 8, 10);
+  EXPECT_FALSE(was_learned_);
+  Drive(1.3, 10, 1);
+  EXPECT_TRUE(was_learned_);
+}
+
+TEST_F(RangeRateScalesTest, ASignIsAScale) {
+  Drive(-1.0, 20, 1);
+  EXPECT_NEAR(scales_.Learned(0), -1.0, 0.02);
+}
+
+TEST_F(RangeRateScalesTest, AScaleThatEndsIsUnlearned) {
+  Drive(1.3, 20, 1);
+  ASSERT_NEAR(scales_.Learned(0), 1.3, 0.02);
+  Drive(1.0, 20, 1);
+  EXPECT_EQ(scales_.Learned(0), 1.0);
+}
+
+TEST_F(RangeRateScalesTest, OneThatWasNotConfirmedForLongIsForgottenWithThePose) {
+  Drive(1.3, 20, 1);
+  ASSERT_TRUE(was_learned_);
+  scales_.OnLost();
+  EXPECT_EQ(scales_.Learned(0), 1.0);
+  Drive(1.3, 150, 1);
+  scales_.OnLost();
+  EXPECT_NEAR(scales_.Learned(0), 1.3, 0.02);
+}
+
+// Wheels that slip are another multiple of Doppler in each scan.
+TEST_F(RangeRateScalesTest, AFactorThatChangesIsNone) {
+  for (double factor = 1.2; factor < 2.5; factor += 0.1) Drive(factor, 1);
+  EXPECT_EQ(scales_.Supposed(0), 1.0);
+}
+
+TEST_F(RangeRateScalesTest, AMoverThatFillsTheViewIsNoScale) {
+  Scan scan = StaticScan(radar_, moving_, 60, 1, 0.05);
+  for (float& azimuth_rad : scan.azimuth_rad) azimuth_rad *= 0.3F;  // all of it straight ahead
+  for (float& range_rate_mps : scan.range_rate_mps) range_rate_mps = -18.2F;
+  for (int i = 0; i < 10; ++i) scales_.OnScan(stamp_, 0, scan, 0, radar_, moving_);
+  EXPECT_EQ(scales_.Supposed(0), 1.0);
+}
+
+TEST_F(RangeRateScalesTest, AVehicleThatStandsTellsNone) {
+  const EgoVelocity standing{.covariance = 1e-4 * Matrix6d::Identity()};
+  const Scan scan = StaticScan(radar_, moving_, 60, 1, 0.05);
+  for (int i = 0; i < 10; ++i) scales_.OnScan(stamp_, 0, scan, 0, radar_, standing);
+  EXPECT_EQ(scales_.Supposed(0), 1.0);
+}
+
+TEST_F(RangeRateScalesTest, AMultipleOfAliasedRangeRatesIsNotLookedFor) {
+  radar_.unambiguous_range_rate_mps = 20.0;
+  Drive(1.3, 10);
+  EXPECT_EQ(scales_.Supposed(0), 1.0);
+}
+
+}  // namespace
+}  // namespace dcloc
