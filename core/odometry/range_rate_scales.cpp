@@ -47,7 +47,7 @@ absl::Status Validate(const RangeRateScaleOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-// METHOD eq 65.
+// METHOD section 18.
 void RangeRateScales::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
                              std::size_t static_count, const RadarModel& radar,
                              const EgoVelocity& velocity) {

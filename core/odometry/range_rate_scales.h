@@ -40,10 +40,10 @@ std::span<const OptionField<RangeRateScaleOptions>> FieldsOf(const RangeRateScal
 absl::Status Validate(const RangeRateScaleOptions& options);
 
 /// Learns which radars report a multiple of the range rate, the negative one included: a wrong
-/// unit, a wrong waveform, a wrong sign (METHOD eq 65). Wheels and a radar that differ by a factor
-/// say nothing of which is right; registrations do. A scale is first supposed, so that the targets
-/// of the radar that agree with one another are kept, and learned once registrations agree with the
-/// motion that it was compared with.
+/// unit, a wrong waveform, a wrong sign (METHOD section 18). Wheels and a radar that differ by a
+/// factor say nothing of which is right; registrations do. A scale is first supposed, so that the
+/// targets of the radar that agree with one another are kept, and learned once registrations agree
+/// with the motion that it was compared with.
 class RangeRateScales {
  public:
   RangeRateScales(std::size_t radar_count, const RangeRateScaleOptions& options)
