@@ -64,11 +64,11 @@ void RangeRateScales::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
   }
   const std::optional<double> ratio = RatioOf(scan, radar, velocity);
   if (!ratio) return;
-  if (std::abs(*ratio - watched.newest_ratio) >
-      options_.same_fraction * std::abs(watched.newest_ratio)) {
+  if (std::abs(*ratio - watched.first_ratio) >
+      options_.same_fraction * std::abs(watched.first_ratio)) {
     reset();
   }
-  watched.newest_ratio = *ratio;
+  if (watched.scan_count == 0) watched.first_ratio = *ratio;
   if (++watched.scan_count < options_.min_scan_count) return;
   watched.supposed = *ratio;
   if (watched.supposed_since) return;

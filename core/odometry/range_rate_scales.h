@@ -70,8 +70,8 @@ class RangeRateScales {
   struct Radar {
     double learned = 1.0;
     double supposed = 1.0;
-    double newest_ratio = 1.0;
-    int scan_count = 0;  // in a row with about the newest ratio
+    double first_ratio = 1.0;
+    int scan_count = 0;  // in a row with about the first one's ratio
     std::optional<Stamp> supposed_since;
     int registration_count = 0;  // since it was supposed; then since it was learned
   };
