@@ -11,7 +11,7 @@ namespace dcloc {
 
 enum class TrackingMode {
   kSearching,        ///< no pose: global localization from nothing or from a vague prior
-  kConfirmingPrior,  ///< a pose from a prior that no registration has confirmed yet
+  kConfirmingPrior,  ///< a pose from a prior that was not yet held against other places
   kConfirmingPlace,  ///< a pose from global localization that must be confirmed
   kConfirmed,        ///< a pose that registrations have confirmed; TRACKING, if it is certain too
   kDoubting,         ///< a pose that was confirmed, but scans or fixes now contradict it
