@@ -153,6 +153,7 @@ class Pipeline final : public AnyPipeline {
   Localization FinishScan(const Scan& scan, Stamp stamp);
   Localization Answer(const Scan& scan, Stamp stamp) const;
   void Claim(Localization& answer) const;
+  double AlongTrackSpread_m() const;
   double ClaimedPositionSigma(const Matrix6d& covariance, double speed_mps) const;
 
   using Place = typename Relocalizer<Dim>::Place;

@@ -48,11 +48,17 @@ Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) const {
   return answer;
 }
 
+// By how much the motions that are probable differ.
+template <int Dim>
+double Pipeline<Dim>::AlongTrackSpread_m() const {
+  return ego_motion_.along_track_spread_m() + radars_.range_rate_scales.disputed_distance_m();
+}
+
 // METHOD eq 57. A stamp that is off by a time is a position that is off along-track.
 template <int Dim>
 double Pipeline<Dim>::ClaimedPositionSigma(const Matrix6d& covariance, double speed_mps) const {
   return std::hypot(HorizontalSigma(covariance), speed_mps * radars_.stamp_error.undecided_step_s,
-                    ego_motion_.along_track_spread_m());
+                    AlongTrackSpread_m());
 }
 
 // The stamp's own variance comes last: the level holds it by its bound, METHOD eq 56.
@@ -64,7 +70,7 @@ void Pipeline<Dim>::Claim(Localization& answer) const {
   if (answer.state == LocalizationState::kTracking) {
     const double along_track_m = speed_mps * radars_.stamp_error.bound_s +
                                  speed_mps * radars_.stamp_error.undecided_step_s +
-                                 ego_motion_.along_track_spread_m();
+                                 AlongTrackSpread_m();
     answer.protection_level_m = claims_.protection_level.Of(answer.covariance, along_track_m);
   }
   Vector6d per_second;

@@ -58,8 +58,11 @@ void RangeRateScales::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
     if (watched.supposed_since) watched.registration_count = 0;
     watched.supposed_since.reset();
   };
-  if (static_cast<double>(static_count) >=
-      options_.max_static_fraction * static_cast<double>(scan.size())) {
+  watched.agrees = static_cast<double>(static_count) >=
+                   options_.max_static_fraction * static_cast<double>(scan.size());
+  if (watched.agrees) {
+    disputed_distance_m_ = 0.0;
+    disputed_.reset();
     return reset();
   }
   const std::optional<double> ratio = RatioOf(scan, radar, velocity);
@@ -69,11 +72,22 @@ void RangeRateScales::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
     reset();
   }
   if (watched.scan_count == 0) watched.first_ratio = *ratio;
+  AddDisputed(stamp, *ratio, velocity);
   if (++watched.scan_count < options_.min_scan_count) return;
   watched.supposed = *ratio;
   if (watched.supposed_since) return;
   watched.supposed_since = stamp;
   watched.registration_count = 0;
+}
+
+// A radar that others contradict disputes nothing.
+void RangeRateScales::AddDisputed(Stamp stamp, double ratio, const EgoVelocity& velocity) {
+  if (std::ranges::any_of(radars_, &Radar::agrees)) return;
+  if (disputed_ && stamp > *disputed_) {
+    disputed_distance_m_ +=
+        std::abs(1.0 - ratio) * velocity.linear_mps.norm() * SecondsOf(stamp - *disputed_);
+  }
+  disputed_ = stamp;
 }
 
 bool RangeRateScales::OnRegistered(Stamp stamp) {
@@ -87,6 +101,8 @@ bool RangeRateScales::OnRegistered(Stamp stamp) {
     const double scale = radar.learned * radar.supposed;
     radar = {.learned = std::abs(scale - 1.0) < options_.min_change ? 1.0 : scale};
     was_learned = true;
+    disputed_distance_m_ = 0.0;
+    disputed_.reset();
   }
   return was_learned;
 }

@@ -54,6 +54,10 @@ class RangeRateScales {
   /// What those that were divided by `Learned` may be a multiple of; 1 where none is supposed.
   double Supposed(std::size_t index) const { return radars_[index].supposed; }
 
+  /// By how much the motion in use and the one that range rates tell have come apart since no radar
+  /// agrees with the one in use [m].
+  double disputed_distance_m() const { return disputed_distance_m_; }
+
   /// A scan of radar `index` whose range rates were divided by `Learned(index)`: `static_count` of
   /// its targets stand still if the vehicle moves by `velocity`.
   void OnScan(Stamp stamp, std::size_t index, const Scan& scan, std::size_t static_count,
@@ -71,10 +75,13 @@ class RangeRateScales {
     double learned = 1.0;
     double supposed = 1.0;
     double first_ratio = 1.0;
-    int scan_count = 0;  // in a row with about the first one's ratio
+    int scan_count = 0;   // in a row with about the first one's ratio
+    bool agrees = false;  // at its last scan, with the motion in use
     std::optional<Stamp> supposed_since;
     int registration_count = 0;  // since it was supposed; then since it was learned
   };
+
+  void AddDisputed(Stamp stamp, double ratio, const EgoVelocity& velocity);
 
   // The factor that most targets agree on; nothing where there is none.
   std::optional<double> RatioOf(const Scan& scan, const RadarModel& radar,
@@ -82,6 +89,8 @@ class RangeRateScales {
 
   RangeRateScaleOptions options_;
   std::vector<Radar> radars_;
+  double disputed_distance_m_ = 0.0;
+  std::optional<Stamp> disputed_;  // when the last scan was that disputes the motion
   struct Target {
     double predicted_mps;
     double range_rate_mps;

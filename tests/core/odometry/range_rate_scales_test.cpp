@@ -48,6 +48,24 @@ TEST_F(RangeRateScalesTest, AFewScansThatAgreeOnAFactorLetItBeSupposed) {
   EXPECT_EQ(scales_.Supposed(1), 1.0);
 }
 
+TEST_F(RangeRateScalesTest, WhileNoRadarAgreesTheMotionsComeApart) {
+  Drive(1.0, 3);
+  EXPECT_EQ(scales_.disputed_distance_m(), 0.0);
+  Drive(1.3, 6);
+  EXPECT_NEAR(scales_.disputed_distance_m(), 0.3 * 14.0 * 0.5, 0.1);
+  Drive(1.3, 20, 1);
+  ASSERT_TRUE(was_learned_);
+  EXPECT_EQ(scales_.disputed_distance_m(), 0.0);
+}
+
+TEST_F(RangeRateScalesTest, ARadarThatOthersContradictDisputesNothing) {
+  const Scan scan = StaticScan(radar_, moving_, 60, 1, 0.05);
+  scales_.OnScan(stamp_, 1, scan, 55, radar_, moving_);
+  Drive(1.3, 6);
+  EXPECT_NEAR(scales_.Supposed(0), 1.3, 0.02);
+  EXPECT_EQ(scales_.disputed_distance_m(), 0.0);
+}
+
 TEST_F(RangeRateScalesTest, RegistrationsForASecondLetItBeLearned) {
   Drive(1.3, 30);
   EXPECT_FALSE(was_learned_);  // nothing spoke for the motion it was compared with
