@@ -94,6 +94,7 @@ class SessionEngine final : public Connection::Host {
   template <typename Predicate>
   absl::Status WaitForRoom(std::unique_lock<std::mutex>& lock, Predicate has_room);
   void GiveVelocity(v1::Scan& scan);
+  void AddTicks(v1::Scan& scan);
   void LoseFixes(std::size_t count);
   std::optional<Answered> TakeNext();
   void Record(const std::optional<Answered>& next);
@@ -119,6 +120,7 @@ class SessionEngine final : public Connection::Host {
 
   std::mutex motion_mutex_;  ///< taken after the other ones
   MotionSignals motion_;
+  std::int64_t newest_scan_ns_ = 0;  ///< up to which ticks have gone with scans
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

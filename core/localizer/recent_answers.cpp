@@ -35,6 +35,11 @@ std::uint64_t RecentAnswers::Fingerprint(const Scan& scan) {
         &scan.elevation_sigma_rad}) {
     hash = Mixed(hash, *column);
   }
+  for (const MotionTick& tick : scan.ticks) {
+    hash = Mixed(hash, static_cast<std::uint64_t>(tick.after_scan.count()));
+    hash = Mixed(hash, std::bit_cast<std::uint64_t>(tick.speed_mps));
+    hash = Mixed(hash, std::bit_cast<std::uint64_t>(tick.yaw_rate_radps));
+  }
   return hash;
 }
 

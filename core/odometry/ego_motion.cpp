@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/odometry/tick_motion.h"
+
 namespace dcloc {
 namespace {
 
@@ -127,6 +129,13 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   }
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
+  const bool reports_are_sound =
+      sources_.IsSound(OdometrySource::kWheelSpeed) && sources_.IsSound(OdometrySource::kYawRate);
+  if (velocity_ && reports_are_sound) {
+    if (const auto beyond = BeyondTheLine(scan.ticks, stamp - stamp_)) {
+      since_previous_.T_from_to = since_previous_.T_from_to * *beyond;
+    }
+  }
   if (velocity_ && late_.T_previous_now()) since_previous_.T_from_to = *late_.T_previous_now();
   expected_motion_ = since_previous_.T_from_to;
   ApplyCorrection();

@@ -42,6 +42,34 @@ absl::Status CheckNorm(const char* field, const Eigen::Vector3d& vector, double 
                                                     max_norm));
 }
 
+absl::Status CheckTick(const MotionTick& tick, std::size_t index, const ScanLimits& limits) {
+  const auto check = [&](const char* field, double value, double bound) {
+    if (std::abs(value) <= bound) return absl::OkStatus();
+    return absl::InvalidArgumentError(absl::StrFormat("motion.%s[%d] is %g; it must be in [%g, %g]",
+                                                      field, index, value, -bound, bound));
+  };
+  absl::Status status = check("stamp_offset_ns", static_cast<double>(tick.after_scan.count()),
+                              static_cast<double>(limits.max_tick_age.count()));
+  status.Update(check("speed_mps", tick.speed_mps, limits.max_speed_mps));
+  status.Update(check("yaw_rate_radps", tick.yaw_rate_radps, limits.max_turn_rate_radps));
+  return status;
+}
+
+absl::Status CheckTicks(const Scan& scan, const ScanLimits& limits) {
+  if (scan.ticks.size() > limits.max_ticks) {
+    return absl::InvalidArgumentError(absl::StrFormat("motion has %d ticks; the limit is %d",
+                                                      scan.ticks.size(), limits.max_ticks));
+  }
+  for (std::size_t i = 0; i < scan.ticks.size(); ++i) {
+    if (absl::Status status = CheckTick(scan.ticks[i], i, limits); !status.ok()) return status;
+    if (i > 0 && scan.ticks[i].after_scan <= scan.ticks[i - 1].after_scan) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("motion.stamp_offset_ns[%d] is not later than the one before it", i));
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status Validate(const Scan& scan, const ScanLimits& limits) {
@@ -73,7 +101,9 @@ absl::Status Validate(const Scan& scan, const ScanLimits& limits) {
   for (const Column& column : columns) {
     if (absl::Status status = CheckColumn(column, size); !status.ok()) return status;
   }
-  return scan.ego_velocity ? Validate(*scan.ego_velocity, limits) : absl::OkStatus();
+  const absl::Status status =
+      scan.ego_velocity ? Validate(*scan.ego_velocity, limits) : absl::OkStatus();
+  return status.ok() ? CheckTicks(scan, limits) : status;
 }
 
 absl::Status Validate(const EgoVelocity& ego_velocity, const ScanLimits& limits) {

@@ -12,6 +12,13 @@
 
 namespace dcloc {
 
+/// What wheels and gyroscope said at one moment.
+struct MotionTick {
+  std::chrono::nanoseconds after_scan{0};  ///< since the stamp of the scan; negative before it
+  double speed_mps = 0.0;                  ///< forward, of the vehicle frame's origin
+  double yaw_rate_radps = 0.0;
+};
+
 /// One radar scan: columns of equal length, one row a target, in the radar's own polar frame
 /// (x forward, y left, z up; azimuth counter-clockwise from x, elevation up from the xy plane).
 struct Scan {
@@ -33,6 +40,10 @@ struct Scan {
   /// From wheels and gyroscope, at the scan's stamp; absent when the vehicle has none.
   std::optional<EgoVelocity> ego_velocity;
 
+  /// Around the time since the scan before it, in the order of time; empty when the vehicle sends
+  /// none.
+  std::vector<MotionTick> ticks;
+
   std::size_t size() const { return range_m.size(); }
 };
 
@@ -43,6 +54,8 @@ struct ScanLimits {
   double max_range_rate_mps = 200.0;
   double max_speed_mps = 150.0;
   double max_turn_rate_radps = 10.0;
+  std::size_t max_ticks = 1'000;
+  std::chrono::nanoseconds max_tick_age = std::chrono::seconds(2);  ///< before or after the scan
   double max_variance = 1e12;  ///< of a velocity, in its units squared
   Stamp min_stamp{};           ///< the year 1970
   Stamp max_stamp = kMaxStamp;

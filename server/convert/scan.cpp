@@ -1,5 +1,6 @@
 #include "server/convert/scan.h"
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -97,6 +98,23 @@ void TakeColumns(const v1::Scan& message, Scan* scan) {
   TakeColumn(message.elevation_sigma_rad(), &scan->elevation_sigma_rad);
 }
 
+absl::Status TakeTicks(const v1::Scan& message, Scan* scan) {
+  const v1::MotionTicks& motion = message.motion();
+  const int count = motion.stamp_offset_ns_size();
+  if (motion.speed_mps_size() != count || motion.yaw_rate_radps_size() != count) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "motion has %d stamps, %d speeds and %d yaw rates; it must have as many of each", count,
+        motion.speed_mps_size(), motion.yaw_rate_radps_size()));
+  }
+  scan->ticks.clear();
+  for (int i = 0; i < count; ++i) {
+    scan->ticks.push_back({.after_scan = std::chrono::nanoseconds(motion.stamp_offset_ns(i)),
+                           .speed_mps = motion.speed_mps(i),
+                           .yaw_rate_radps = motion.yaw_rate_radps(i)});
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CheckHeader(const v1::Scan& message, const Rig& rig) {
   constexpr long long kMax = std::numeric_limits<std::int64_t>::max();
   absl::Status status = CheckIntegerBetween("sequence_number", message.sequence_number(), 0, kMax);
@@ -132,6 +150,7 @@ absl::Status FromProto(const v1::Scan& message, const Rig& rig, Scan* scan) {
   scan->stamp = Stamp(std::chrono::nanoseconds(message.stamp_ns()));
   scan->radar_id = message.radar_id();
   TakeColumns(message, scan);
+  if (absl::Status status = TakeTicks(message, scan); !status.ok()) return status;
   scan->ego_velocity.reset();
   if (message.has_ego_velocity()) {
     absl::StatusOr<EgoVelocity> ego_velocity = EgoVelocityFromProto(message.ego_velocity());

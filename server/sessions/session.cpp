@@ -21,7 +21,10 @@ void SetStages(const StageTimer& timer, ScanTimings* timings) {
 /// Without a reported ego-velocity they are kept: their Doppler is the only source of the motion.
 Scan MotionOf(const Scan& scan) {
   if (!scan.ego_velocity) return scan;
-  return {.stamp = scan.stamp, .radar_id = scan.radar_id, .ego_velocity = scan.ego_velocity};
+  return {.stamp = scan.stamp,
+          .radar_id = scan.radar_id,
+          .ego_velocity = scan.ego_velocity,
+          .ticks = scan.ticks};
 }
 
 /// The newest scan that the localizer of `snapshot` had, as far as a move needs it.

@@ -35,6 +35,11 @@ void TakeFix(const v1::PositionFix& message) {
 std::vector<FuzzInput> FuzzSeeds() {
   v1::Scan full = server::ScanMessage(7, 6);
   for (int i = 0; i < 6; ++i) full.add_elevation_rad(0.01F);
+  for (int i = 0; i < 3; ++i) {
+    full.mutable_motion()->add_stamp_offset_ns(-20'000'000 * (3 - i));
+    full.mutable_motion()->add_speed_mps(5.0F);
+    full.mutable_motion()->add_yaw_rate_radps(0.1F);
+  }
   v1::PositionFix gnss = server::FixMessage(1);
   *gnss.mutable_gnss_fix() = server::GnssFixMessage();
   std::vector<FuzzInput> seeds;

@@ -190,6 +190,12 @@ v1::Scan ToProto(const Scan& scan, std::int64_t sequence_number) {
   Set(message.mutable_range_rate_sigma_mps(), scan.range_rate_sigma_mps);
   Set(message.mutable_azimuth_sigma_rad(), scan.azimuth_sigma_rad);
   Set(message.mutable_elevation_sigma_rad(), scan.elevation_sigma_rad);
+  for (const MotionTick& tick : scan.ticks) {
+    v1::MotionTicks& motion = *message.mutable_motion();
+    motion.add_stamp_offset_ns(tick.after_scan.count());
+    motion.add_speed_mps(static_cast<float>(tick.speed_mps));
+    motion.add_yaw_rate_radps(static_cast<float>(tick.yaw_rate_radps));
+  }
   if (!scan.ego_velocity) return message;
   v1::EgoVelocity& ego_velocity = *message.mutable_ego_velocity();
   Set(ego_velocity.mutable_linear_mps(), scan.ego_velocity->linear_mps);

@@ -136,6 +136,12 @@ Scan FromProto(const v1::Scan& message) {
   scan.range_rate_sigma_mps = ColumnOf(message.range_rate_sigma_mps());
   scan.azimuth_sigma_rad = ColumnOf(message.azimuth_sigma_rad());
   scan.elevation_sigma_rad = ColumnOf(message.elevation_sigma_rad());
+  const v1::MotionTicks& motion = message.motion();
+  for (int i = 0; i < motion.stamp_offset_ns_size(); ++i) {
+    scan.ticks.push_back({.after_scan = std::chrono::nanoseconds(motion.stamp_offset_ns(i)),
+                          .speed_mps = motion.speed_mps(i),
+                          .yaw_rate_radps = motion.yaw_rate_radps(i)});
+  }
   if (!message.has_ego_velocity()) return scan;
   const v1::EgoVelocity& ego_velocity = message.ego_velocity();
   scan.ego_velocity = EgoVelocity{.linear_mps = VectorOf(ego_velocity.linear_mps()),

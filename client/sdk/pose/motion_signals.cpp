@@ -9,8 +9,12 @@
 namespace dcloc::client {
 namespace {
 
-constexpr std::int64_t kKept_ns = 1'000'000'000;
+constexpr std::int64_t kKept_ns = 1'500'000'000;
 constexpr std::int64_t kMaxAge_ns = 100'000'000;
+// Ticks of a longer time than this do not go with a scan, and no more of them: the server takes 1,000
+// from within two seconds.
+constexpr std::int64_t kMaxTicksSpan_ns = 1'000'000'000;
+constexpr std::size_t kMaxTickCount = 200;
 constexpr double kMaxSpeed_mps = 150.0;
 constexpr double kMaxTurnRate_radps = 10.0;
 
@@ -70,6 +74,39 @@ std::optional<double> MotionSignals::At(const Signal& signal, std::int64_t stamp
   const Sample& nearest = has_after ? *after : signal.back();
   if (std::abs(nearest.stamp_ns - stamp_ns) > kMaxAge_ns) return std::nullopt;
   return nearest.value;
+}
+
+// From the last one not after `from_ns` to the first one not before `to_ns`, as far as they are near.
+void MotionSignals::AddAround(const Signal& signal, std::int64_t from_ns, std::int64_t to_ns,
+                              std::set<std::int64_t>& stamps_ns) {
+  auto first = std::ranges::upper_bound(signal, from_ns, {}, &Sample::stamp_ns);
+  if (first != signal.begin()) --first;
+  for (; first != signal.end(); ++first) {
+    if (first->stamp_ns > to_ns + kMaxAge_ns) return;
+    if (first->stamp_ns >= from_ns - kMaxAge_ns) stamps_ns.insert(first->stamp_ns);
+    if (first->stamp_ns >= to_ns) return;
+  }
+}
+
+v1::MotionTicks MotionSignals::TicksAround(std::int64_t from_ns, std::int64_t to_ns) const {
+  v1::MotionTicks ticks;
+  if (to_ns - from_ns > kMaxTicksSpan_ns) return ticks;
+  std::set<std::int64_t> stamps_ns;
+  AddAround(speed_mps_, from_ns, to_ns, stamps_ns);
+  AddAround(yaw_rate_radps_, from_ns, to_ns, stamps_ns);
+  const std::size_t stride = 1 + stamps_ns.size() / kMaxTickCount;
+  std::size_t index = 0;
+  for (const std::int64_t stamp_ns : stamps_ns) {
+    const bool is_last = index + 1 == stamps_ns.size();
+    if (index++ % stride != 0 && !is_last) continue;
+    const std::optional<double> speed_mps = At(speed_mps_, stamp_ns);
+    const std::optional<double> yaw_rate_radps = At(yaw_rate_radps_, stamp_ns);
+    if (!speed_mps || !yaw_rate_radps) continue;
+    ticks.add_stamp_offset_ns(stamp_ns - to_ns);
+    ticks.add_speed_mps(static_cast<float>(*speed_mps));
+    ticks.add_yaw_rate_radps(static_cast<float>(*yaw_rate_radps));
+  }
+  return ticks;
 }
 
 std::optional<v1::EgoVelocity> MotionSignals::VelocityAt(std::int64_t stamp_ns) const {

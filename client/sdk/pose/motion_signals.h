@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <set>
 
 #include "absl/status/status.h"
 #include "dcloc/v1/scan.pb.h"
@@ -28,6 +29,11 @@ class MotionSignals {
   /// oldest as that says. Nothing where either is not known.
   std::optional<v1::EgoVelocity> VelocityAt(std::int64_t stamp_ns) const;
 
+  /// The ticks around the time from `from_ns` to the scan at `to_ns`, as they go with it: those of
+  /// both signals, each with what the other one says at its stamp. Some 200 at most, evenly taken;
+  /// none for a time of more than a second.
+  v1::MotionTicks TicksAround(std::int64_t from_ns, std::int64_t to_ns) const;
+
  private:
   struct Sample {
     std::int64_t stamp_ns = 0;
@@ -36,6 +42,8 @@ class MotionSignals {
   using Signal = std::deque<Sample>;  ///< by ascending stamp
 
   static void Insert(const Sample& sample, Signal& signal);
+  static void AddAround(const Signal& signal, std::int64_t from_ns, std::int64_t to_ns,
+                        std::set<std::int64_t>& stamps_ns);
   static std::optional<double> At(const Signal& signal, std::int64_t stamp_ns);
 
   Signal speed_mps_;

@@ -60,6 +60,7 @@ TEST(SessionPoseTest, APoseIsToldBetweenAnswersAndAfterThem) {
 
 TEST(SessionPoseTest, TicksAtTheirOwnRateMovePosesAndGoWithScans) {
   std::vector<double> speeds;
+  std::vector<int> tick_counts;
   std::mutex mutex;
   const FakeServer server([&](grpc::ServerContext&, LocalizeServerStream& stream) {
     AcceptOpen(stream);
@@ -69,6 +70,7 @@ TEST(SessionPoseTest, TicksAtTheirOwnRateMovePosesAndGoWithScans) {
         const std::lock_guard lock(mutex);
         const v1::Scan& scan = request.scan();
         speeds.push_back(scan.has_ego_velocity() ? scan.ego_velocity().linear_mps().x() : -1.0);
+        tick_counts.push_back(scan.motion().stamp_offset_ns_size());
       }
       v1::LocalizeResponse response;
       *response.mutable_result() = AnswerAt(0, 5.0);
@@ -94,6 +96,7 @@ TEST(SessionPoseTest, TicksAtTheirOwnRateMovePosesAndGoWithScans) {
   send(1, false);
   send(2, true);
   EXPECT_EQ(speeds, std::vector<double>({-1.0, 10.5, 20.0}));
+  EXPECT_EQ(tick_counts, std::vector<int>({0, 3, 3}));  // the first one of a session has none
   ASSERT_TRUE((*session)->AddMotion({At(250), 20.0, 0.0}).ok());
   ASSERT_TRUE((*session)->AddMotion({At(260), 20.0, 0.0}).ok());
   EXPECT_NEAR((*session)->PoseAt(At(260))->T_map_vehicle.translation_m[0], 5.0 + 1.2, 1e-9);

@@ -17,6 +17,7 @@ Scan Adversary::NextScan() {
     if (!scan.ego_velocity) scan.ego_velocity = EgoVelocity{};
     Lie(*scan.ego_velocity);
   }
+  if (Once(4)) AddTicks(scan);
   if (Once(10)) Spoil(scan);
   if (Once(20)) Flood(scan);
   if (Once(15)) Thin(scan);
@@ -66,6 +67,14 @@ void Adversary::Lie(EgoVelocity& velocity) {
     if (Once(3)) velocity.angular_radps(i) = Extreme() / 15.0;
   }
   if (Once(2)) velocity.covariance = Matrix6d(std::abs(Extreme()) * Matrix6d::Identity());
+}
+
+void Adversary::AddTicks(Scan& scan) {
+  for (int ms = -Pick(300); ms < Pick(60); ms += 1 + Pick(30)) {
+    scan.ticks.push_back({.after_scan = std::chrono::milliseconds(ms),
+                          .speed_mps = Once(50) ? Extreme() : static_cast<double>(Pick(30)),
+                          .yaw_rate_radps = Once(50) ? Extreme() : 0.1 * Pick(7) - 0.3});
+  }
 }
 
 void Adversary::Spoil(Scan& scan) {

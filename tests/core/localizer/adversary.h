@@ -26,6 +26,7 @@ class Adversary {
   double Extreme();
   void MoveClock();
   void Lie(EgoVelocity& velocity);
+  void AddTicks(Scan& scan);
   void Spoil(Scan& scan);
   void Flood(Scan& scan);
   void Thin(Scan& scan);

@@ -48,6 +48,19 @@ TEST(EgoMotionTest, WheelsAloneAreTakenAsTheyAre) {
   EXPECT_EQ(motion.since_previous().covariance, Matrix6d::Zero());
 }
 
+TEST(EgoMotionTest, TicksTellHowTheVehicleMovedBetweenTwoScans) {
+  EgoMotion motion;
+  Scan scan = Empty(0);
+  scan.ego_velocity = Planar(10.0, 0.0);
+  motion.Advance(scan, kRadar);
+  scan.stamp = At(400);
+  scan.ticks = {{std::chrono::milliseconds(-400), 10.0, 0.0},
+                {std::chrono::milliseconds(-200), 6.0, 0.0},
+                {std::chrono::milliseconds(0), 10.0, 0.0}};
+  motion.Advance(scan, kRadar);
+  EXPECT_NEAR(motion.since_previous().T_from_to.translation_m.x(), 3.2, 1e-9);
+}
+
 TEST(EgoMotionTest, DopplerAloneFindsTheMotion) {
   EgoMotion motion;
   const EgoVelocity velocity = motion.Advance(Seen(0, Planar(12.0, 0.1)), kRadar);

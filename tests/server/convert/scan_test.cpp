@@ -1,11 +1,20 @@
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <limits>
 #include <string>
 
 #include "tests/server/convert/convert_fault.h"
 
 namespace dcloc::server {
 namespace {
+
+void AddTick(std::int64_t stamp_offset_ns, float speed_mps, v1::Scan* message) {
+  v1::MotionTicks& motion = *message->mutable_motion();
+  motion.add_stamp_offset_ns(stamp_offset_ns);
+  motion.add_speed_mps(speed_mps);
+  motion.add_yaw_rate_radps(0.1F);
+}
 
 class ScanFaultTest : public ::testing::TestWithParam<Fault<v1::Scan>> {};
 
@@ -59,6 +68,30 @@ INSTANTIATE_TEST_SUITE_P(
                         {"azimuth_sigma_rad[0]", "0"}},
         Fault<v1::Scan>{"TooManyTargets", [](auto* m) { *m = ScanMessage(1, 20'001); },
                         {"20001", "20000"}},
+        Fault<v1::Scan>{"TicksWithoutSpeeds",
+                        [](auto* m) {
+                          m->mutable_motion()->add_stamp_offset_ns(-10'000'000);
+                          m->mutable_motion()->add_yaw_rate_radps(0.1F);
+                        },
+                        {"motion", "1 stamps", "0 speeds", "1 yaw rates"}},
+        Fault<v1::Scan>{"TickFarFromItsScan",
+                        [](auto* m) { AddTick(std::numeric_limits<std::int64_t>::min(), 5.0F, m); },
+                        {"motion.stamp_offset_ns[0]", "2e+09"}},
+        Fault<v1::Scan>{"TickOfAbsurdSpeed", [](auto* m) { AddTick(-10'000'000, 900.0F, m); },
+                        {"motion.speed_mps[0]", "900", "150"}},
+        Fault<v1::Scan>{"TickThatIsNoNumber", [](auto* m) { AddTick(-10'000'000, kNanF, m); },
+                        {"motion.speed_mps[0]", "nan"}},
+        Fault<v1::Scan>{"TicksOutOfOrder",
+                        [](auto* m) {
+                          AddTick(-10'000'000, 5.0F, m);
+                          AddTick(-10'000'000, 5.0F, m);
+                        },
+                        {"motion.stamp_offset_ns[1]", "not later"}},
+        Fault<v1::Scan>{"TooManyTicks",
+                        [](auto* m) {
+                          for (int i = 0; i < 1001; ++i) AddTick(-i, 5.0F, m);
+                        },
+                        {"motion", "1001", "1000"}},
         Fault<v1::Scan>{
             "AbsurdVelocity",
             [](auto* m) { m->mutable_ego_velocity()->mutable_linear_mps()->set_x(1e9); },

@@ -86,7 +86,11 @@ void Fill(const std::string& left_out, google::protobuf::Message* message, float
         reflection.SetInt32(message, field, 7);
         break;
       case FieldDescriptor::CPPTYPE_INT64:
-        reflection.SetInt64(message, field, 1'700'000'000'000'000'123);
+        if (field->is_repeated()) {
+          reflection.AddInt64(message, field, -20'000'000);
+        } else {
+          reflection.SetInt64(message, field, 1'700'000'000'000'000'123);
+        }
         break;
       case FieldDescriptor::CPPTYPE_BOOL:
         reflection.SetBool(message, field, true);

@@ -30,6 +30,44 @@ TEST(MotionSignalsTest, WheelsAndGyroscopeEachTickAtTheirOwnRate) {
   EXPECT_EQ(signals.VelocityAt(At(20))->linear_mps().x(), 11.0) << "a tick is given as it is";
 }
 
+TEST(MotionSignalsTest, TicksAroundAScanAreThoseOfBothSignals) {
+  MotionSignals signals;
+  for (int i = 0; i <= 5; ++i) {
+    ASSERT_TRUE(signals.Add({.stamp_ns = At(20 * i), .speed_mps = 10.0 + i}).ok());
+  }
+  for (int i = 0; i <= 2; ++i) {
+    ASSERT_TRUE(signals.Add({.stamp_ns = At(50 * i), .yaw_rate_radps = 0.1 * i}).ok());
+  }
+  const v1::MotionTicks ticks = signals.TicksAround(At(30), At(70));
+  ASSERT_EQ(ticks.stamp_offset_ns_size(), 7);  // 0, 20, 40, 50, 60, 80, 100
+  EXPECT_EQ(ticks.stamp_offset_ns(0), -70 * kMillisecond_ns);
+  EXPECT_EQ(ticks.stamp_offset_ns(3), -20 * kMillisecond_ns);
+  EXPECT_FLOAT_EQ(ticks.speed_mps(3), 12.5F);
+  EXPECT_FLOAT_EQ(ticks.yaw_rate_radps(2), 0.08F);
+  EXPECT_EQ(MotionSignals().TicksAround(At(0), At(10)).stamp_offset_ns_size(), 0);
+}
+
+TEST(MotionSignalsTest, TicksOfAFastBusAreThinnedAndOfALongTimeNotSent) {
+  MotionSignals signals;
+  for (int ms = 0; ms <= 2000; ++ms) {
+    ASSERT_TRUE(signals.Add({At(ms), 10.0, 0.1}).ok());
+  }
+  const v1::MotionTicks ticks = signals.TicksAround(At(1000), At(2000));
+  EXPECT_GT(ticks.stamp_offset_ns_size(), 100);
+  EXPECT_LE(ticks.stamp_offset_ns_size(), 202);
+  EXPECT_EQ(ticks.stamp_offset_ns(0), -1000 * kMillisecond_ns);
+  EXPECT_EQ(ticks.stamp_offset_ns(ticks.stamp_offset_ns_size() - 1), 0);
+  EXPECT_EQ(signals.TicksAround(At(999), At(2000)).stamp_offset_ns_size(), 0);
+}
+
+// One that came long ago is no part of it: the server refuses what is far from the scan.
+TEST(MotionSignalsTest, TicksFarFromTheScanDoNotGoWithIt) {
+  MotionSignals signals;
+  ASSERT_TRUE(signals.Add({At(0), 10.0, 0.1}).ok());
+  ASSERT_TRUE(signals.Add({At(5000), 10.0, 0.1}).ok());
+  EXPECT_EQ(signals.TicksAround(At(2000), At(2100)).stamp_offset_ns_size(), 0);
+}
+
 TEST(MotionSignalsTest, TheNewestHoldsForATenthOfASecond) {
   MotionSignals signals;
   ASSERT_TRUE(signals.Add({At(100), 10.0, 0.1}).ok());
