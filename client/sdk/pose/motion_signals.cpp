@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::int64_t kKept_ns = 1'500'000'000;
 constexpr std::int64_t kMaxAge_ns = 100'000'000;
-// Ticks of a longer time than this do not go with a scan, and no more of them: the server takes 1,000
-// from within two seconds.
+// Ticks of a longer time than this do not go with a scan, and no more of them: the server takes
+// 1,000 from within two seconds.
 constexpr std::int64_t kMaxTicksSpan_ns = 1'000'000'000;
 constexpr std::size_t kMaxTickCount = 200;
 constexpr double kMaxSpeed_mps = 150.0;
@@ -76,7 +76,8 @@ std::optional<double> MotionSignals::At(const Signal& signal, std::int64_t stamp
   return nearest.value;
 }
 
-// From the last one not after `from_ns` to the first one not before `to_ns`, as far as they are near.
+// From the last one not after `from_ns` to the first one not before `to_ns`, as far as they are
+// near.
 void MotionSignals::AddAround(const Signal& signal, std::int64_t from_ns, std::int64_t to_ns,
                               std::set<std::int64_t>& stamps_ns) {
   auto first = std::ranges::upper_bound(signal, from_ns, {}, &Sample::stamp_ns);
