@@ -66,8 +66,8 @@ class Session {
   std::optional<v1::LocalizeResponse> Next();
 
   /// Takes what wheels and gyroscope say, each at its own rate, for `PoseAt`. Scans that are sent
-  /// without an ego-velocity get it from here, where both are known at their stamps. The ticks since
-  /// the scan before go along, so that the server knows how the vehicle moved in between.
+  /// without an ego-velocity get it from here, where both are known at their stamps. The ticks
+  /// since the scan before go along, so that the server knows how the vehicle moved in between.
   /// InvalidArgument names the field and the value.
   absl::Status AddMotion(const MotionTick& tick);
 
