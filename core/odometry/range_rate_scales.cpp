@@ -90,8 +90,7 @@ void RangeRateScales::AddDisputed(Stamp stamp, double ratio, const EgoVelocity& 
   disputed_ = stamp;
 }
 
-bool RangeRateScales::OnRegistered(Stamp stamp) {
-  bool was_learned = false;
+void RangeRateScales::OnRegistered(Stamp stamp) {
   for (Radar& radar : radars_) {
     ++radar.registration_count;
     if (!radar.supposed_since || radar.registration_count < options_.min_registration_count ||
@@ -100,11 +99,9 @@ bool RangeRateScales::OnRegistered(Stamp stamp) {
     }
     const double scale = radar.learned * radar.supposed;
     radar = {.learned = std::abs(scale - 1.0) < options_.min_change ? 1.0 : scale};
-    was_learned = true;
     disputed_distance_m_ = 0.0;
     disputed_.reset();
   }
-  return was_learned;
 }
 
 void RangeRateScales::OnLost() {

@@ -63,9 +63,8 @@ class RangeRateScales {
   void OnScan(Stamp stamp, std::size_t index, const Scan& scan, std::size_t static_count,
               const RadarModel& radar, const EgoVelocity& velocity);
 
-  /// A registration was accepted, at the newest scan, while the pose is confirmed. Returns whether
-  /// a scale was learned by it.
-  bool OnRegistered(Stamp stamp);
+  /// A registration was accepted, at the newest scan, while the pose is confirmed.
+  void OnRegistered(Stamp stamp);
 
   /// The pose was given up.
   void OnLost();
