@@ -62,7 +62,7 @@ std::optional<NetworkEdge> LoopFinder::Register(const SurveyGraph& graph, std::s
                                                 std::size_t to, const SubmapGuess& guess,
                                                 const RegistrationGate& gate) {
   // As far as the search may move the sub-map, the target has ground beneath it.
-  const DriveTrack& track = graph.track(graph.PlaceOf(from).drive);
+  const DriveTrack& track = graph.track(graph.IndexOf(from).drive);
   const double spacing_m =
       std::max(1.0, track.arc_length_m / static_cast<double>(track.nodes.size()));
   const auto wider =
@@ -102,10 +102,10 @@ std::vector<LoopFinder::Visit> LoopFinder::VisitsNear(const SurveyGraph& graph,
                                                       std::size_t node) const {
   const double limit_m = (options_.max_sigma_m - options_.base_sigma_m) / options_.drift_share;
   std::vector<Visit> near;
-  const SurveyGraph::Place here = graph.PlaceOf(node);
+  const SurveyGraph::NodeIndex here = graph.IndexOf(node);
   for (const auto& [other, path_length_m] : graph.PathsFrom(node, limit_m, options_.path_costs)) {
     if (other >= node) continue;
-    if (graph.PlaceOf(other).drive == here.drive &&
+    if (graph.IndexOf(other).drive == here.drive &&
         graph.node(node).arc_length_m - graph.node(other).arc_length_m < options_.min_loop_path_m) {
       continue;
     }
@@ -119,7 +119,7 @@ std::vector<LoopFinder::Visit> LoopFinder::VisitsNear(const SurveyGraph& graph,
   std::size_t previous = 0;
   for (const Visit& visit : near) {
     const bool goes_on = !visits.empty() && visit.node - previous <= 2 &&
-                         graph.PlaceOf(visits.back().node).drive == graph.PlaceOf(visit.node).drive;
+                         graph.IndexOf(visits.back().node).drive == graph.IndexOf(visit.node).drive;
     if (!goes_on) {
       visits.push_back(visit);
     } else if (visit.distance_m < visits.back().distance_m) {

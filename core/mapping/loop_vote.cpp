@@ -16,8 +16,8 @@ double PathLengthBetween(const SurveyGraph& graph, std::size_t a, std::size_t b)
 // The path around: over `a`, along the drive of the one ends, back over `b`, along the other drive.
 Verdict Compare(const NetworkEdge& a, const NetworkEdge& b, const SurveyGraph& graph,
                 const LoopVoteOptions& options) {
-  if (graph.PlaceOf(a.from).drive != graph.PlaceOf(b.from).drive ||
-      graph.PlaceOf(a.to).drive != graph.PlaceOf(b.to).drive) {
+  if (graph.IndexOf(a.from).drive != graph.IndexOf(b.from).drive ||
+      graph.IndexOf(a.to).drive != graph.IndexOf(b.to).drive) {
     return Verdict::kUnrelated;
   }
   const double path_from_m = PathLengthBetween(graph, a.from, b.from);
@@ -66,7 +66,7 @@ std::vector<NetworkEdge> ConfirmedLoops(const std::vector<NetworkEdge>& candidat
     for (std::size_t b = a + 1; b < order.size(); ++b) {
       const NetworkEdge& one = candidates[order[a]];
       const NetworkEdge& other = candidates[order[b]];
-      if (graph.PlaceOf(one.to).drive != graph.PlaceOf(other.to).drive ||
+      if (graph.IndexOf(one.to).drive != graph.IndexOf(other.to).drive ||
           PathLengthBetween(graph, one.to, other.to) > options.max_separation_m) {
         break;
       }

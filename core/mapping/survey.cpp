@@ -118,7 +118,7 @@ class Surveyor {
     for (std::size_t group = 0; group < graph_.drive_count(); ++group) {
       std::vector<NetworkFix> own;
       for (const NetworkFix& fix : fixes) {
-        if (groups[graph_.PlaceOf(fix.node).drive] == group) own.push_back(fix);
+        if (groups[graph_.IndexOf(fix.node).drive] == group) own.push_back(fix);
       }
       const auto T_map_nodes = AlignWithFixes(graph_.T_map_nodes, own, options_.fix_slack_m);
       if (!T_map_nodes) continue;
@@ -158,7 +158,7 @@ class Surveyor {
   void MoveGroup(std::size_t group, const Pose2& T_new_old) {
     const std::vector<std::size_t> groups = graph_.GroupOfDrives();
     for (std::size_t node = 0; node < graph_.node_count(); ++node) {
-      if (groups[graph_.PlaceOf(node).drive] != group) continue;
+      if (groups[graph_.IndexOf(node).drive] != group) continue;
       graph_.T_map_nodes[node] = T_new_old * graph_.T_map_nodes[node];
     }
   }
@@ -213,8 +213,8 @@ class Surveyor {
 
 SurveyLoop Describe(const NetworkEdge& loop, const SurveyGraph& graph,
                     const std::vector<std::size_t>& track_of, bool is_accepted) {
-  const SurveyGraph::Place from = graph.PlaceOf(loop.from);
-  const SurveyGraph::Place to = graph.PlaceOf(loop.to);
+  const SurveyGraph::NodeIndex from = graph.IndexOf(loop.from);
+  const SurveyGraph::NodeIndex to = graph.IndexOf(loop.to);
   return {.drive_from = track_of[from.drive],
           .node_from = from.index,
           .drive_to = track_of[to.drive],
@@ -296,7 +296,7 @@ Survey Collect(const Surveyor& surveyor, const std::vector<std::size_t>& track_o
     }
   }
   for (const NetworkEdge& edge : graph.neighbours) {
-    ++drives[track_of[graph.PlaceOf(edge.from).drive]].neighbour_count;
+    ++drives[track_of[graph.IndexOf(edge.from).drive]].neighbour_count;
   }
   Survey survey{.drives = std::move(drives),
                 .loops = {},

@@ -30,13 +30,13 @@ class SurveyGraph {
   /// this; each has a node.
   explicit SurveyGraph(std::vector<const DriveTrack*> tracks);
 
-  /// A node by its drive and its place there.
-  struct Place {
+  /// A node by its drive and its index there.
+  struct NodeIndex {
     std::size_t drive;
     std::size_t index;
   };
-  Place PlaceOf(std::size_t node) const;
-  std::size_t NodeAt(const Place& place) const { return first_node_[place.drive] + place.index; }
+  NodeIndex IndexOf(std::size_t node) const;
+  std::size_t NodeAt(const NodeIndex& at) const { return first_node_[at.drive] + at.index; }
   const SurveyNode& node(std::size_t node) const;
   std::size_t node_count() const { return T_map_nodes.size(); }
   std::size_t drive_count() const { return tracks_.size(); }

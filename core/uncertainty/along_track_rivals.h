@@ -62,7 +62,7 @@ class AlongTrackRivals {
   void Reset();
 
  private:
-  struct Place {
+  struct OffsetHypothesis {
     double offset_m = 0.0;
     CumulativeSum better;
   };
@@ -71,10 +71,10 @@ class AlongTrackRivals {
   void Choose(std::size_t index);
 
   AlongTrackRivalOptions options_;
-  std::vector<Place> places_;
-  std::size_t turn_ = 0;             // the place whose turn is next
-  int round_count_ = 0;              // turns that each place has had since the beginning
-  std::vector<std::size_t> chosen_;  // of the places, for the next scan
+  std::vector<OffsetHypothesis> hypotheses_;
+  std::size_t turn_ = 0;             // the hypothesis whose turn is next
+  int round_count_ = 0;              // turns that each has had since the beginning
+  std::vector<std::size_t> chosen_;  // of the hypotheses, for the next scan
   std::vector<double> chosen_offsets_m_;
 };
 

@@ -35,9 +35,9 @@ KeptOutPass TrackedInBoth(const Rig& rig, std::span<const Scan> scans,
 
 PlacedPass Aligned(PlacedPass pass, std::span<const PlacedLandmark> landmarks,
                    const Eigen::Vector3d& origin_m) {
-  std::vector<PlaceEstimate> places;
-  for (const PlacedLandmark& landmark : landmarks) places.push_back(landmark.place);
-  AlignPass(places, origin_m, {}, pass);
+  std::vector<LandmarkPosition> positions;
+  for (const PlacedLandmark& landmark : landmarks) positions.push_back(landmark.position);
+  AlignPass(positions, origin_m, {}, pass);
   return pass;
 }
 

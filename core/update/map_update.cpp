@@ -38,7 +38,7 @@ struct BaseLandmarks {
   explicit BaseLandmarks(const MapParts& map) {
     landmarks = LandmarksOf(map);
     for (const PlacedLandmark& landmark : landmarks) {
-      places.push_back(landmark.place);
+      positions.push_back(landmark.position);
       scans.push_back(landmark.point.scan_count);
     }
     for (const KeyframePart& keyframe : map.keyframes) {
@@ -47,7 +47,7 @@ struct BaseLandmarks {
   }
 
   std::vector<PlacedLandmark> landmarks;
-  std::vector<PlaceEstimate> places;
+  std::vector<LandmarkPosition> positions;
   std::vector<int> scans;
   std::vector<Pose3> T_local_keyframes;
 };
@@ -83,20 +83,21 @@ class Updater {
   }
 
  private:
-  std::size_t KnownCount() const { return base_.places.size(); }
+  std::size_t KnownCount() const { return base_.positions.size(); }
 
   // What the passes together see: where the base map has nothing, and after it where it has.
   void FindOthers() {
     std::vector<Landmark> seen = FusePasses(passes_, base_map_.Origin_m(), 3);
-    const std::vector<PlaceEstimate> places = PlacesOf(seen);
-    const std::vector<CenterMatch> known = MatchCenters(places, base_.places, options_.matching);
-    places_ = base_.places;
+    const std::vector<LandmarkPosition> positions = PositionsOf(seen);
+    const std::vector<CenterMatch> known =
+        MatchCenters(positions, base_.positions, options_.matching);
+    positions_ = base_.positions;
     for (const bool is_known : {false, true}) {
       for (std::size_t i = 0; i < seen.size(); ++i) {
         if ((known[i].center != kNoCenter) != is_known) continue;
         others_.push_back(seen[i]);
         known_of_other_.push_back(known[i].center);
-        places_.push_back(places[i]);
+        positions_.push_back(positions[i]);
       }
       if (!is_known) found_count_ = others_.size();
     }
@@ -104,21 +105,21 @@ class Updater {
 
   void LookAtPlaces() {
     std::vector<Eigen::Vector2d> positions_m;
-    for (const PlaceEstimate& place : places_) positions_m.push_back(place.position_m);
+    for (const LandmarkPosition& position : positions_) positions_m.push_back(position.position_m);
     for (const PlacedPass* const pass : passes_) {
       const std::vector<Landmark> seen =
           FusePasses({&pass, 1}, base_map_.Origin_m(), options_.min_center_scans);
-      const std::vector<PlaceEstimate> centers = PlacesOf(seen);
-      const std::vector<CenterMatch> matches = MatchCenters(places_, centers, options_.matching);
+      const std::vector<LandmarkPosition> centers = PositionsOf(seen);
+      const std::vector<CenterMatch> matches = MatchCenters(positions_, centers, options_.matching);
       PassSightings sightings{.exposures = Expose(*pass, base_map_.Origin_m(), positions_m),
-                              .hits = std::vector<int>(places_.size(), 0)};
-      std::vector<double>& ratios = place_ratios_.emplace_back();
-      for (std::size_t i = 0; i < places_.size(); ++i) {
-        ratios.push_back(matches[i].place_ratio);
+                              .hits = std::vector<int>(positions_.size(), 0)};
+      std::vector<double>& ratios = position_ratios_.emplace_back();
+      for (std::size_t i = 0; i < positions_.size(); ++i) {
+        ratios.push_back(matches[i].position_ratio);
         if (matches[i].center == kNoCenter) continue;
         sightings.hits[i] = static_cast<int>(seen[matches[i].center].scan_count);
       }
-      false_hits_.Add(std::span(places_).first(KnownCount() + found_count_), seen,
+      false_hits_.Add(std::span(positions_).first(KnownCount() + found_count_), seen,
                       options_.matching);
       sightings_.push_back(std::move(sightings));
     }
@@ -133,7 +134,7 @@ class Updater {
       const double expected = i < KnownCount()
                                   ? detection.ExpectedHits(p, i)
                                   : detection.ExpectedHits(p, sightings_[p].exposures[i]);
-      evidence.push_back({expected, sightings_[p].hits[i], place_ratios_[p][i], days});
+      evidence.push_back({expected, sightings_[p].hits[i], position_ratios_[p][i], days});
     }
     return evidence;
   }
@@ -150,7 +151,9 @@ class Updater {
     for (int round = 0; round < 3; ++round) {
       const DetectionModel detection(known, base, base_.scans, presence);
       std::vector<std::vector<PassEvidence>> evidence;
-      for (std::size_t i = 0; i < places_.size(); ++i) evidence.push_back(EvidenceOf(detection, i));
+      for (std::size_t i = 0; i < positions_.size(); ++i) {
+        evidence.push_back(EvidenceOf(detection, i));
+      }
       result_.presence =
           FitPresence(std::span(evidence).first(KnownCount()),
                       std::span(evidence).subspan(KnownCount(), found_count_), result_.presence);
@@ -161,7 +164,7 @@ class Updater {
 
   std::vector<Eigen::Vector2d> Positions(std::size_t count) const {
     std::vector<Eigen::Vector2d> positions;
-    for (std::size_t i = 0; i < count; ++i) positions.push_back(places_[i].position_m);
+    for (std::size_t i = 0; i < count; ++i) positions.push_back(positions_[i].position_m);
     return positions;
   }
 
@@ -173,9 +176,9 @@ class Updater {
     PresenceModel again = result_.presence;
     again.found_comes_and_goes = again.known_comes_and_goes;
     again.found_never = again.known_went;
-    for (std::size_t i = 0; i < places_.size(); ++i) {
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
       LandmarkHistory history;
-      history.p_map_m << places_[i].position_m, 0.0;
+      history.p_map_m << positions_[i].position_m, 0.0;
       history.p_map_m += base_map_.Origin_m();
       history.passes = std::move(evidence[i]);
       CountWitnesses(history);
@@ -246,7 +249,7 @@ class Updater {
   void ChangeMap() {
     const std::vector<Landmark> refined = Refined();
     const std::vector<CenterMatch> refined_of =
-        MatchCenters(base_.places, PlacesOf(refined), options_.matching);
+        MatchCenters(base_.positions, PositionsOf(refined), options_.matching);
     result_.map = base_map_;
     result_.refined_count = refined.size();
     std::size_t i = 0;
@@ -299,10 +302,10 @@ class Updater {
   std::vector<Landmark> others_;           // what passes see: found, then seen again
   std::size_t found_count_ = 0;
   std::vector<std::uint32_t> known_of_other_;  // the base map's landmark at the place
-  std::vector<PlaceEstimate> places_;          // of the base map's landmarks, then of others
+  std::vector<LandmarkPosition> positions_;    // of the base map's landmarks, then of others
   std::vector<LandmarkHistory> again_;         // of what is seen again
   std::vector<PassSightings> sightings_;
-  std::vector<std::vector<double>> place_ratios_;  // by pass and place
+  std::vector<std::vector<double>> position_ratios_;  // by pass and place
   FalseHits false_hits_;
   MapUpdate result_;
 };

@@ -25,14 +25,15 @@ double Absent(int hits, const PresenceModel& model) {
   return model.false_share * (1.0 - more) * std::pow(more, hits - 1);
 }
 
-// Its own hits, and where there are none, false ones. `place_ratio` is 1 for what is not always the
-// same thing: it may lie anywhere nearby.
-double Present(const PassEvidence& pass, double g, double place_ratio, const PresenceModel& model) {
+// Its own hits, and where there are none, false ones. `position_ratio` is 1 for what is not always
+// the same thing: it may lie anywhere nearby.
+double Present(const PassEvidence& pass, double g, double position_ratio,
+               const PresenceModel& model) {
   const double mean = g * pass.expected_hits;
   const double none = std::exp(LogNegativeBinomial(0, mean, model.pass_shape));
   const double own =
       pass.hits == 0 ? 0.0 : std::exp(LogNegativeBinomial(pass.hits, mean, model.pass_shape));
-  return place_ratio * own + none * Absent(pass.hits, model);
+  return position_ratio * own + none * Absent(pass.hits, model);
 }
 
 /// How likely the hits are by each history. `goes[t]` is of a landmark that is there before pass t
@@ -84,7 +85,7 @@ Likelihoods LikelihoodsOf(std::span<const PassEvidence> passes, const PresenceMo
     // The Gamma density times g, as the strengths are even in log g.
     weights[s] = std::exp(model.strength_shape * (std::log(g) - g));
     for (std::size_t p = 0; p < count; ++p) {
-      present[s].push_back(Present(passes[p], g, passes[p].place_ratio, model));
+      present[s].push_back(Present(passes[p], g, passes[p].position_ratio, model));
       other[s].push_back(Present(passes[p], g, 1.0, model));
       largest[p] = std::max({largest[p], present[s][p], other[s][p]});
     }

@@ -8,10 +8,10 @@ namespace dcloc {
 
 /// What one pass says of one landmark.
 struct PassEvidence {
-  double expected_hits = 0.0;  ///< Lambda, did it stand (`DetectionModel`)
-  int hits = 0;                ///< scans that saw it
-  double place_ratio = 1.0;    ///< how much likelier they lie there if they are its own
-  double days_before = 0.0;    ///< since the pass before, or since the base map was made
+  double expected_hits = 0.0;   ///< Lambda, did it stand (`DetectionModel`)
+  int hits = 0;                 ///< scans that saw it
+  double position_ratio = 1.0;  ///< how much likelier they lie there if they are its own
+  double days_before = 0.0;     ///< since the pass before, or since the base map was made
 };
 
 /// How hits scatter, and what is expected of landmarks before any is looked at. Given what a

@@ -199,15 +199,15 @@ class Judge {
 
   void CountSeen() {
     const PlacedPass* const pass = &kept_out_.pass;
-    const std::vector<PlaceEstimate> centers = PlacesOf(FusePasses({&pass, 1}, origin_m_, 2));
+    const std::vector<LandmarkPosition> centers = PositionsOf(FusePasses({&pass, 1}, origin_m_, 2));
     const auto count = [&](const std::vector<PlacedLandmark>& landmarks,
                            SeenCount SegmentSum::*member) {
-      std::vector<PlaceEstimate> places;
-      for (const PlacedLandmark& landmark : landmarks) places.push_back(landmark.place);
-      const std::vector<CenterMatch> center_of = MatchCenters(places, centers);
+      std::vector<LandmarkPosition> positions;
+      for (const PlacedLandmark& landmark : landmarks) positions.push_back(landmark.position);
+      const std::vector<CenterMatch> center_of = MatchCenters(positions, centers);
       for (std::size_t i = 0; i < landmarks.size(); ++i) {
         const SeenCount one{1, center_of[i].center == kNoCenter ? 0UL : 1UL};
-        (sums_[segments_.At(places[i].position_m)].*member).Add(one);
+        (sums_[segments_.At(positions[i].position_m)].*member).Add(one);
         (whole_.*member).Add(one);
       }
     };

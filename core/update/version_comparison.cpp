@@ -7,7 +7,7 @@ namespace {
 
 PointGrid GridOf(const std::vector<PlacedLandmark>& landmarks) {
   PointGrid grid(1.0);
-  for (const PlacedLandmark& landmark : landmarks) grid.Insert(landmark.place.position_m);
+  for (const PlacedLandmark& landmark : landmarks) grid.Insert(landmark.position.position_m);
   return grid;
 }
 
@@ -15,7 +15,7 @@ bool HasNear(const std::vector<PlacedLandmark>& landmarks, const PointGrid& grid
              const Eigen::Vector2d& p_m, double reach_m) {
   bool has_near = false;
   grid.ForEachNear(p_m, Eigen::Vector2d::Constant(reach_m), [&](std::uint32_t i) {
-    has_near = has_near || (landmarks[i].place.position_m - p_m).norm() <= reach_m;
+    has_near = has_near || (landmarks[i].position.position_m - p_m).norm() <= reach_m;
   });
   return has_near;
 }
@@ -30,11 +30,11 @@ VersionComparison CompareVersions(const MapParts& old_version, const MapParts& n
   const PointGrid after_grid = GridOf(after);
   VersionComparison comparison;
   for (const PlacedLandmark& landmark : before) {
-    const bool is_common = HasNear(after, after_grid, landmark.place.position_m, same_m);
+    const bool is_common = HasNear(after, after_grid, landmark.position.position_m, same_m);
     (is_common ? comparison.common : comparison.went).push_back(landmark);
   }
   for (const PlacedLandmark& landmark : after) {
-    if (HasNear(before, before_grid, landmark.place.position_m, same_m)) continue;
+    if (HasNear(before, before_grid, landmark.position.position_m, same_m)) continue;
     comparison.came.push_back(landmark);
   }
   return comparison;

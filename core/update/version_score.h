@@ -26,7 +26,7 @@ struct VersionScore {
 
 /// A landmark of a version in the plane of the map's local frame.
 struct PlacedLandmark {
-  PlaceEstimate place;
+  LandmarkPosition position;
   std::size_t keyframe = 0;
   MapPoint point{};
 };
@@ -41,7 +41,7 @@ class FitScorer {
   double Sum(std::span<const RadarPoint> points, const Pose2& T_local_vehicle) const;
 
  private:
-  std::vector<PlaceEstimate> places_;
+  std::vector<LandmarkPosition> positions_;
   PointGrid grid_{1.0};
 };
 

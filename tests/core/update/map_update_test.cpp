@@ -15,7 +15,7 @@ namespace {
 double NearestLandmark_m(const MapParts& map, const Eigen::Vector2d& p_map_m) {
   double nearest_m = INFINITY;
   for (const PlacedLandmark& landmark : LandmarksOf(map)) {
-    const Eigen::Vector2d p_m = landmark.place.position_m + map.Origin_m().head<2>();
+    const Eigen::Vector2d p_m = landmark.position.position_m + map.Origin_m().head<2>();
     nearest_m = std::min(nearest_m, (p_m - p_map_m).norm());
   }
   return nearest_m;
@@ -63,7 +63,7 @@ TEST(MapUpdateTest, PosesThatLieToOneSideDoNotMoveTheMap) {
   double mean_m = 0.0;
   double count = 0.0;
   for (const PlacedLandmark& landmark : LandmarksOf(update->map)) {
-    const Eigen::Vector2d p_m = landmark.place.position_m + base.Origin_m().head<2>();
+    const Eigen::Vector2d p_m = landmark.position.position_m + base.Origin_m().head<2>();
     for (const Eigen::Vector2d& scatterer_m : street.scatterers_m) {
       if ((p_m - scatterer_m).norm() > 0.5) continue;
       mean_m += p_m.x() - scatterer_m.x();

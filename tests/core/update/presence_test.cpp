@@ -12,10 +12,10 @@ namespace {
 /// A pass a day, `base_age_days` after the base map.
 std::vector<PassEvidence> Passes(double expected_hits, const std::vector<int>& hits,
                                  double base_age_days = 30.0, double days_between = 1.0,
-                                 double place_ratio = 3.0) {
+                                 double position_ratio = 3.0) {
   std::vector<PassEvidence> passes;
   for (const int count : hits) {
-    passes.push_back({expected_hits, count, count > 0 ? place_ratio : 1.0,
+    passes.push_back({expected_hits, count, count > 0 ? position_ratio : 1.0,
                       passes.empty() ? base_age_days : days_between});
   }
   return passes;
