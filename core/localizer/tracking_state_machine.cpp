@@ -12,7 +12,8 @@ std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& /*
       {"tracking_hold_ms", &O::tracking_hold, 0, 1e6, "the first refused registration ends it"},
       {"hold_intervals", &O::hold_intervals, 0, 100, "tracking_hold_ms alone decides"},
       {"max_usual_interval_ms", &O::max_usual_interval, 0, 1e5, "tracking_hold_ms alone decides"},
-      {"interval_memory", &O::interval_memory, 0, 0.999, "the newest interval counts alone"},
+      {"interval_forgetting_factor", &O::interval_forgetting_factor, 0, 0.999,
+       "the newest interval counts alone"},
       {"agreements", &O::agreements, 1, 1000},
       {"tracking_sigma_m", &O::tracking_sigma_m, 0, 1000, "nothing is called tracking"},
       {"max_unobserved_ms", &O::max_unobserved, 0, 1e6,
@@ -92,9 +93,10 @@ void TrackingStateMachine::LearnInterval(Stamp stamp) {
     const double interval_s = std::chrono::duration<double>(std::min(stamp - *last_registration_,
                                                                      options_.max_usual_interval))
                                   .count();
-    usual_interval_s_ = usual_interval_s_ > 0.0 ? options_.interval_memory * usual_interval_s_ +
-                                                      (1.0 - options_.interval_memory) * interval_s
-                                                : interval_s;
+    usual_interval_s_ = usual_interval_s_ > 0.0
+                            ? options_.interval_forgetting_factor * usual_interval_s_ +
+                                  (1.0 - options_.interval_forgetting_factor) * interval_s
+                            : interval_s;
   }
   last_registration_ = stamp;
 }

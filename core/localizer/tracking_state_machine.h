@@ -23,7 +23,7 @@ struct TrackingOptions {
   double hold_intervals = 2.5;  ///< and at least this many usual intervals of registrations
   /// A longer interval counts as this in the usual one.
   std::chrono::nanoseconds max_usual_interval = std::chrono::milliseconds(600);
-  double interval_memory = 0.8;  ///< weight of older intervals in the usual one, [0, 1)
+  double interval_forgetting_factor = 0.8;  ///< weight of older intervals in the usual one, [0, 1)
   /// Scans in a row that must fit the map to end kDoubting; a registration must be accepted, too.
   int agreements = 3;
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking

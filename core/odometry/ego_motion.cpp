@@ -103,13 +103,13 @@ void EgoMotion::AddTo(RigKnowledge& known) const {
 }
 
 const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const RadarModel& radar,
-                                      EgoVelocityMemory& memory) {
+                                      EgoVelocityWorkspace& workspace) {
   const auto seed = static_cast<std::uint64_t>(scan.stamp.time_since_epoch().count());
   std::optional<DopplerEgoVelocity> doppler =
-      EstimateEgoVelocity(Remember(scan, stamp, radar), seed, options_.doppler, memory);
+      EstimateEgoVelocity(Remember(scan, stamp, radar), seed, options_.doppler, workspace);
   std::optional<DopplerEgoVelocity> alternative;
   if (doppler)
-    alternative = EstimateAlternativeEgoVelocity(*doppler, seed, options_.doppler, memory);
+    alternative = EstimateAlternativeEgoVelocity(*doppler, seed, options_.doppler, workspace);
   const std::chrono::nanoseconds age = velocity_ ? stamp - stamp_ : std::chrono::nanoseconds(0);
   std::optional<EgoVelocity> reported;
   if (scan.ego_velocity) {

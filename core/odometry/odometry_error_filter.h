@@ -33,10 +33,10 @@ struct OdometryErrorFilterOptions {
   double yaw_rate_bias_drift_radps = 2e-5;  ///< to the yaw rate's bias
   double sideslip_drift_rad = 2e-4;         ///< to the side-slip angle
   // The innovation scale is the mean of squared innovations in units of their covariance.
-  double innovation_memory = 0.97;      ///< weight of an older one beside the next, [0, 1)
-  double max_squared_sigmas = 9.0;      ///< the most that one counts
-  double innovation_prior_count = 3.0;  ///< innovations of 1 that the mean begins as
-  double usual_squared_sigmas = 3.0;    ///< a single one beyond this widens its own noise
+  double innovation_forgetting_factor = 0.97;  ///< weight of an older one beside the next, [0, 1)
+  double max_squared_sigmas = 9.0;             ///< the most that one counts
+  double innovation_prior_count = 3.0;         ///< innovations of 1 that the mean begins as
+  double usual_squared_sigmas = 3.0;           ///< a single one beyond this widens its own noise
   /// When the bias is said to have changed at once, and not to have drifted.
   CusumOptions change;
   /// What is further off is no error of a zero, and is not corrected.

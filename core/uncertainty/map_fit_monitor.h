@@ -12,10 +12,10 @@ namespace dcloc {
 
 /// When a scan's fit is compared, and when it is too little.
 struct MapFitOptions {
-  int min_point_count = 12;   ///< of a scan; fewer say nothing
-  int max_point_count = 150;  ///< of a scan, more are thinned
-  int min_scan_count = 12;    ///< of a radar before anything is expected of it
-  double memory = 0.98;       ///< of older scans, some fifty
+  int min_point_count = 12;         ///< of a scan; fewer say nothing
+  int max_point_count = 150;        ///< of a scan, more are thinned
+  int min_scan_count = 12;          ///< of a radar before anything is expected of it
+  double forgetting_factor = 0.98;  ///< of older scans, some fifty
   // A fit contradicts the map if it lies below the expected one by both of these.
   double contradiction_sigmas = 3.5;  ///< in standard deviations of fits
   double contradiction_share = 0.4;   ///< as a share of the expected fit, [0, 1]

@@ -17,7 +17,7 @@ struct ProtectionLevelOptions {
   /// What the map and its frame err by, which no covariance contains.
   double floor_m = 0.15;
   /// How far back innovations count: the weight of an older one beside the next.
-  double memory = 0.9;
+  double forgetting_factor = 0.9;
   double max_squared_sigmas = 100.0;  ///< the most that one innovation counts for
 };
 std::span<const OptionField<ProtectionLevelOptions>> FieldsOf(
