@@ -7,8 +7,8 @@
 
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
-#include "core/odometry/cusum_detector.h"
 #include "core/odometry/rig_knowledge.h"
+#include "core/odometry/two_sided_cusum.h"
 #include "core/options/option_fields.h"
 
 namespace dcloc {
@@ -38,7 +38,7 @@ struct OdometryErrorFilterOptions {
   double innovation_prior_count = 3.0;         ///< innovations of 1 that the mean begins as
   double usual_squared_sigmas = 3.0;           ///< a single one beyond this widens its own noise
   /// When the bias is said to have changed at once, and not to have drifted.
-  CusumOptions change;
+  TwoSidedCusumOptions change;
   /// What is further off is no error of a zero, and is not corrected.
   double max_yaw_rate_bias_radps = kMaxKnownYawRateCorrection_radps;
   /// Poses further apart are not compared.
@@ -127,7 +127,7 @@ class OdometryErrorFilter {
     std::chrono::nanoseconds duration{0};
   };
   std::optional<LastPose> last_pose_;
-  CusumDetector bias_change_;
+  TwoSidedCusum bias_change_;
 };
 
 }  // namespace dcloc

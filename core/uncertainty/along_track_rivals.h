@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "core/options/option_fields.h"
-#include "core/uncertainty/cumulative_sum.h"
+#include "core/uncertainty/one_sided_cusum.h"
 
 namespace dcloc {
 
@@ -21,7 +21,7 @@ struct AlongTrackRivalOptions {
   /// Standard deviation of what one point adds to the difference of two fits.
   double point_sigma = 0.35;
   /// When a rival fits better for sure.
-  CumulativeSumOptions better = {.drift = 1.0, .max = 3.5, .limit = 8.0};
+  OneSidedCusumOptions better = {.drift = 1.0, .max = 3.5, .limit = 8.0};
   int places_per_scan = 12;  ///< places that one scan is compared at
   int max_point_count = 50;  ///< of a scan's points, for as many are laid at each place
   /// A pose that begins is compared at this many times as many places, until each has had its turn
@@ -64,7 +64,7 @@ class AlongTrackRivals {
  private:
   struct OffsetHypothesis {
     double offset_m = 0.0;
-    CumulativeSum better;
+    OneSidedCusum better;
   };
 
   std::size_t CountToChoose() const;

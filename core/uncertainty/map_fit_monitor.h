@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "core/options/option_fields.h"
-#include "core/uncertainty/cumulative_sum.h"
+#include "core/uncertainty/one_sided_cusum.h"
 
 namespace dcloc {
 
@@ -21,7 +21,7 @@ struct MapFitOptions {
   double contradiction_share = 0.4;   ///< as a share of the expected fit, [0, 1]
   double min_sigma = 0.04;            ///< fits vary by no less
   /// When scans have fitted less than expected for too long, each by a little.
-  CumulativeSumOptions decline;
+  OneSidedCusumOptions decline;
   /// A prediction that is less certain is tested as if it were as certain as this.
   double max_prediction_sigma_m = 0.5;
 };
@@ -69,7 +69,7 @@ class MapFitMonitor {
 
   MapFitOptions options_;
   std::vector<Expected> radars_;
-  CumulativeSum decline_;
+  OneSidedCusum decline_;
 };
 
 }  // namespace dcloc

@@ -22,8 +22,8 @@ struct NoiseScaleOptions {
   /// Upper bound of a pair's squared error, in units of its expectation: a wrong registration
   /// changes neither ratio.
   double max_squared_sigmas = 9.0;
-  double max_forgetting_factor =
-      0.98;  ///< weight that older pairs keep: about fifty count, at first the newest third
+  /// Weight that older pairs keep: about fifty count, at first the newest third.
+  double max_forgetting_factor = 0.98;
   /// Odometry is weighted by its learned variance times `weight_caution`, but by at least
   /// `min_weight_ratio` of its model's variance.
   double weight_caution = 2.0;

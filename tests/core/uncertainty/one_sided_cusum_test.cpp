@@ -1,4 +1,4 @@
-#include "core/uncertainty/cumulative_sum.h"
+#include "core/uncertainty/one_sided_cusum.h"
 
 #include <gtest/gtest.h>
 
@@ -7,34 +7,34 @@
 namespace dcloc {
 namespace {
 
-constexpr CumulativeSumOptions kOptions = {.drift = 1.0, .max = 3.0, .limit = 4.0};
+constexpr OneSidedCusumOptions kOptions = {.drift = 1.0, .max = 3.0, .limit = 4.0};
 
-TEST(CumulativeSumOptionsTest, EachFieldIsBounded) {
-  ExpectEachFieldIsBounded<CumulativeSumOptions>();
+TEST(OneSidedCusumOptionsTest, EachFieldIsBounded) {
+  ExpectEachFieldIsBounded<OneSidedCusumOptions>();
 }
 
-TEST(CumulativeSumTest, DeviationsAddUpAboveTheDrift) {
-  CumulativeSum sum;
+TEST(OneSidedCusumTest, DeviationsAddUpAboveTheDrift) {
+  OneSidedCusum sum;
   sum.Add(3.0, kOptions);
   EXPECT_FALSE(sum.is_exceeded());
   sum.Add(3.0, kOptions);
   EXPECT_TRUE(sum.is_exceeded());
 }
 
-TEST(CumulativeSumTest, OneLargeDeviationDecidesNothing) {
-  CumulativeSum sum;
+TEST(OneSidedCusumTest, OneLargeDeviationDecidesNothing) {
+  OneSidedCusum sum;
   sum.Add(1e9, kOptions);
   EXPECT_FALSE(sum.is_exceeded());
 }
 
-TEST(CumulativeSumTest, UsualDeviationsAreForgotten) {
-  CumulativeSum sum;
+TEST(OneSidedCusumTest, UsualDeviationsAreForgotten) {
+  OneSidedCusum sum;
   for (int i = 0; i < 1000; ++i) sum.Add(i % 2 == 0 ? 2.0 : -1.0, kOptions);
   EXPECT_FALSE(sum.is_exceeded());
 }
 
-TEST(CumulativeSumTest, ItStaysExceededUntilHalfOfTheLimit) {
-  CumulativeSum sum;
+TEST(OneSidedCusumTest, ItStaysExceededUntilHalfOfTheLimit) {
+  OneSidedCusum sum;
   for (int i = 0; i < 1000; ++i) sum.Add(3.0, kOptions);
   sum.Add(0.0, kOptions);
   EXPECT_TRUE(sum.is_exceeded());

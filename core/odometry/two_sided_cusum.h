@@ -13,21 +13,21 @@ namespace dcloc {
 
 /// When a mean is said to have changed (Page 1954): each deviation beyond `drift_sigmas` counts,
 /// up to `max_sigmas`, until `limit_sigmas` are exceeded or the sum falls below 0.
-struct CusumOptions {
+struct TwoSidedCusumOptions {
   double drift_sigmas = 1.0;
   double max_sigmas = 3.0;
   double limit_sigmas = 4.0;
 };
-std::span<const OptionField<CusumOptions>> FieldsOf(const CusumOptions& options);
-absl::Status Validate(const CusumOptions& options);
+std::span<const OptionField<TwoSidedCusumOptions>> FieldsOf(const TwoSidedCusumOptions& options);
+absl::Status Validate(const TwoSidedCusumOptions& options);
 
 /// Finds that a quantity which is expected to be 0 has changed for good, to either side: sums of
 /// its deviations, none of which counts much alone. Where they scatter by more than their variance,
 /// they are scaled down. The scatter is measured on differences of neighbouring deviations, to
 /// which a change contributes only once.
-class CusumDetector {
+class TwoSidedCusum {
  public:
-  explicit CusumDetector(const CusumOptions& options) : options_(options) {}
+  explicit TwoSidedCusum(const TwoSidedCusumOptions& options) : options_(options) {}
 
   /// A deviation from 0 that came about over `exposure`, a time or a distance. Gives the deviation
   /// per unit of exposure since the change, and its variance, once there is one; the test then
@@ -52,7 +52,7 @@ class CusumDetector {
 
   double SpreadWith(double sigmas);
 
-  CusumOptions options_;
+  TwoSidedCusumOptions options_;
   static constexpr std::size_t kDifferences = 5;
   std::array<double, kDifferences> differences_{};  // of neighbouring deviations, in sigmas
   std::size_t difference_count_ = 0;                // ever

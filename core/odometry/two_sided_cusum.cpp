@@ -1,12 +1,13 @@
-#include "core/odometry/cusum_detector.h"
+#include "core/odometry/two_sided_cusum.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace dcloc {
 
-std::span<const OptionField<CusumOptions>> FieldsOf(const CusumOptions& /*options*/) {
-  using O = CusumOptions;
+std::span<const OptionField<TwoSidedCusumOptions>> FieldsOf(
+    const TwoSidedCusumOptions& /*options*/) {
+  using O = TwoSidedCusumOptions;
   static constexpr OptionField<O> kFields[] = {
       {"drift_sigmas", &O::drift_sigmas, 0, 1000, "each deviation counts"},
       {"max_sigmas", &O::max_sigmas, 1e-3, 1e6},
@@ -15,11 +16,11 @@ std::span<const OptionField<CusumOptions>> FieldsOf(const CusumOptions& /*option
   return kFields;
 }
 
-absl::Status Validate(const CusumOptions& options) {
+absl::Status Validate(const TwoSidedCusumOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-std::optional<ScalarEstimate> CusumDetector::OnDeviation(const ScalarEstimate& deviation,
+std::optional<ScalarEstimate> TwoSidedCusum::OnDeviation(const ScalarEstimate& deviation,
                                                          double exposure) {
   if (exposure <= 0.0) return std::nullopt;
   const double stated = deviation.value / std::sqrt(deviation.variance);
@@ -35,7 +36,7 @@ std::optional<ScalarEstimate> CusumDetector::OnDeviation(const ScalarEstimate& d
   return change;
 }
 
-std::optional<double> CusumDetector::UnconfirmedChange() const {
+std::optional<double> TwoSidedCusum::UnconfirmedChange() const {
   const Side& side = rising_.sum_sigmas > falling_.sum_sigmas ? rising_ : falling_;
   if (2.0 * side.sum_sigmas <= options_.limit_sigmas) return std::nullopt;
   return side.deviation / side.exposure;
@@ -43,7 +44,7 @@ std::optional<double> CusumDetector::UnconfirmedChange() const {
 
 // By how much deviations vary more than they say, at least 1: by the median of the last differences
 // between neighbours, of which a change makes one large.
-double CusumDetector::SpreadWith(double sigmas) {
+double TwoSidedCusum::SpreadWith(double sigmas) {
   if (last_sigmas_) {
     differences_[difference_count_++ % kDifferences] = std::abs(sigmas - *last_sigmas_);
   }
@@ -54,7 +55,7 @@ double CusumDetector::SpreadWith(double sigmas) {
   return std::max(1.0, sorted[kDifferences / 2] / (std::sqrt(2.0) * kMedianOfUnitNormal));
 }
 
-bool CusumDetector::Count(double sigmas, const ScalarEstimate& deviation, double exposure,
+bool TwoSidedCusum::Count(double sigmas, const ScalarEstimate& deviation, double exposure,
                           Side& side) const {
   side.sum_sigmas += sigmas - options_.drift_sigmas;
   if (side.sum_sigmas <= 0.0) {

@@ -1,10 +1,10 @@
-#include "core/uncertainty/cumulative_sum.h"
+#include "core/uncertainty/one_sided_cusum.h"
 
 namespace dcloc {
 
-std::span<const OptionField<CumulativeSumOptions>> FieldsOf(
-    const CumulativeSumOptions& /*options*/) {
-  using O = CumulativeSumOptions;
+std::span<const OptionField<OneSidedCusumOptions>> FieldsOf(
+    const OneSidedCusumOptions& /*options*/) {
+  using O = OneSidedCusumOptions;
   static constexpr OptionField<O> kFields[] = {
       {"drift", &O::drift, 0, 1e6, "each deviation counts"},
       {"max", &O::max, 1e-6, 1e6},
@@ -13,7 +13,7 @@ std::span<const OptionField<CumulativeSumOptions>> FieldsOf(
   return kFields;
 }
 
-absl::Status Validate(const CumulativeSumOptions& options) {
+absl::Status Validate(const OneSidedCusumOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 

@@ -1,4 +1,4 @@
-#include "core/odometry/cusum_detector.h"
+#include "core/odometry/two_sided_cusum.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kPageVariance = 0.01 * 0.01;
 
-TEST(CusumDetectorTest, ChanceIsNoChange) {
-  CusumDetector test({});
+TEST(TwoSidedCusumTest, ChanceIsNoChange) {
+  TwoSidedCusum test({});
   std::mt19937 random(4);
   std::normal_distribution<double> normal(0.0, 0.01);
   int changes = 0;
@@ -21,9 +21,9 @@ TEST(CusumDetectorTest, ChanceIsNoChange) {
   EXPECT_LE(changes, 1);
 }
 
-TEST(CusumDetectorTest, AChangeIsFoundAndMeasuredToEitherSide) {
+TEST(TwoSidedCusumTest, AChangeIsFoundAndMeasuredToEitherSide) {
   for (const double rate : {0.03, -0.03}) {
-    CusumDetector test({});
+    TwoSidedCusum test({});
     for (int i = 0; i < 10; ++i) EXPECT_FALSE(test.OnDeviation({0.0, kPageVariance}, 2.0));
     std::optional<ScalarEstimate> change;
     int count = 0;
@@ -38,16 +38,16 @@ TEST(CusumDetectorTest, AChangeIsFoundAndMeasuredToEitherSide) {
   }
 }
 
-TEST(CusumDetectorTest, ASmallChangeTakesLonger) {
-  CusumDetector test({});
+TEST(TwoSidedCusumTest, ASmallChangeTakesLonger) {
+  TwoSidedCusum test({});
   int count = 0;
   while (!test.OnDeviation({0.015, kPageVariance}, 1.0)) ++count;
   EXPECT_GT(count, 6);
   EXPECT_LT(count, 12);
 }
 
-TEST(CusumDetectorTest, HalfWayToAChangeItIsSuspected) {
-  CusumDetector test({});
+TEST(TwoSidedCusumTest, HalfWayToAChangeItIsSuspected) {
+  TwoSidedCusum test({});
   EXPECT_FALSE(test.UnconfirmedChange());
   for (int i = 0; i < 2; ++i) {
     EXPECT_FALSE(test.UnconfirmedChange());
@@ -59,14 +59,14 @@ TEST(CusumDetectorTest, HalfWayToAChangeItIsSuspected) {
   EXPECT_FALSE(test.UnconfirmedChange());
 }
 
-TEST(CusumDetectorTest, OneThatIsFarOffIsNoChange) {
-  CusumDetector test({});
+TEST(TwoSidedCusumTest, OneThatIsFarOffIsNoChange) {
+  TwoSidedCusum test({});
   EXPECT_FALSE(test.OnDeviation({1e6, kPageVariance}, 1.0));
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(test.OnDeviation({0.0, kPageVariance}, 1.0));
 }
 
-TEST(CusumDetectorTest, DeviationsThatVaryByMoreThanTheySayAreNoChange) {
-  CusumDetector test({});
+TEST(TwoSidedCusumTest, DeviationsThatVaryByMoreThanTheySayAreNoChange) {
+  TwoSidedCusum test({});
   std::mt19937 random(4);
   std::normal_distribution<double> normal(0.0, 0.1);
   int changes = 0;
@@ -79,15 +79,15 @@ TEST(CusumDetectorTest, DeviationsThatVaryByMoreThanTheySayAreNoChange) {
   EXPECT_LE(changes, 20);
 }
 
-TEST(CusumDetectorTest, WhatTookNoTimeSaysNothing) {
-  CusumDetector test({});
+TEST(TwoSidedCusumTest, WhatTookNoTimeSaysNothing) {
+  TwoSidedCusum test({});
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(test.OnDeviation({1.0, kPageVariance}, 0.0));
 }
 
-TEST(CusumDetectorTest, ItsOptionsAreBounded) {
-  EXPECT_TRUE(Validate(CusumOptions{}).ok());
-  EXPECT_FALSE(Validate(CusumOptions{.max_sigmas = std::nan("")}).ok());
-  EXPECT_FALSE(Validate(CusumOptions{.limit_sigmas = -1.0}).ok());
+TEST(TwoSidedCusumTest, ItsOptionsAreBounded) {
+  EXPECT_TRUE(Validate(TwoSidedCusumOptions{}).ok());
+  EXPECT_FALSE(Validate(TwoSidedCusumOptions{.max_sigmas = std::nan("")}).ok());
+  EXPECT_FALSE(Validate(TwoSidedCusumOptions{.limit_sigmas = -1.0}).ok());
 }
 
 }  // namespace

@@ -9,20 +9,20 @@
 namespace dcloc {
 
 /// When deviations that each say little have said enough. All in standard deviations.
-struct CumulativeSumOptions {
+struct OneSidedCusumOptions {
   double drift = 2.0;   ///< each deviation counts by what it exceeds this
   double max = 4.0;     ///< and counts no more than this
   double limit = 10.0;  ///< the sum at which they have said enough
 };
-std::span<const OptionField<CumulativeSumOptions>> FieldsOf(const CumulativeSumOptions& options);
-absl::Status Validate(const CumulativeSumOptions& options);
+std::span<const OptionField<OneSidedCusumOptions>> FieldsOf(const OneSidedCusumOptions& options);
+absl::Status Validate(const OneSidedCusumOptions& options);
 
 /// A one-sided cumulative sum with hysteresis (Page, "Continuous Inspection Schemes", 1954; METHOD
 /// eq 59).
-class CumulativeSum {
+class OneSidedCusum {
  public:
   /// Takes in a deviation, in standard deviations.
-  void Add(double deviation, const CumulativeSumOptions& options) {
+  void Add(double deviation, const OneSidedCusumOptions& options) {
     sum_ = std::clamp(sum_ + std::min(deviation, options.max) - options.drift, 0.0, options.limit);
     if (sum_ >= options.limit) is_exceeded_ = true;
     if (sum_ <= 0.5 * options.limit) is_exceeded_ = false;
