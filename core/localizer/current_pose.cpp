@@ -38,8 +38,8 @@ PoseEstimate<Dim> CurrentPose<Dim>::Now() const {
 }
 
 template <int Dim>
-TangentMatrix<Dim> CurrentPose<Dim>::NoiseNow() const {
-  return ComposeCovariance<Dim>(chains_.NewestNoise(), ToEstimate<Dim>(since_state_).pose,
+TangentMatrix<Dim> CurrentPose<Dim>::NoiseCovarianceNow() const {
+  return ComposeCovariance<Dim>(chains_.NewestNoiseCovariance(), ToEstimate<Dim>(since_state_).pose,
                                 OdometryNoise());
 }
 

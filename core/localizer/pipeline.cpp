@@ -332,7 +332,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
        .speed_mps = ego_velocity.linear_mps.norm(),
        .count = registration_count_},
       options_.factor);
-  InnovationTest test{.valid = true};
+  InnovationTest test{.is_accepted = true};
   if (registered->origin == PlaceOrigin::kExpected) {
     test = pose_.AddAbsolutePose(factor);
     const Tangent<Dim> apart = Log(pose_.Newest().pose.Inverse() * factor.pose);
@@ -348,11 +348,11 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
     tracking_.OnPlaceFound();
   }
   newest_.quality.normalized_innovation_squared = test.squared_distance;
-  newest_.quality.is_accepted = test.valid;
-  if (test.valid && registration.overlap >= options_.azimuth_sign_overlap) {
+  newest_.quality.is_accepted = test.is_accepted;
+  if (test.is_accepted && registration.overlap >= options_.azimuth_sign_overlap) {
     radars_.learned.OnRegistered();
   }
-  return test.valid ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;
+  return test.is_accepted ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;
 }
 
 // Registrations measure the motion without the sources of odometry, which are held against them.

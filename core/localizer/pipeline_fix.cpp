@@ -39,7 +39,7 @@ FixUse Pipeline<Dim>::FuseFix(const PoseEstimate<3>& T_map_vehicle) {
   pose_.AddState();
   const InnovationTest test = pose_.AddPosition(
       FromSpace<Dim>(map_.matcher.T_map_local().Inverse() * position.pose, position.covariance));
-  if (!test.valid) return FixUse::kContradicted;
+  if (!test.is_accepted) return FixUse::kContradicted;
   fix_monitor_.OnFused();
   tracking_.OnFixAgrees();
   return FixUse::kFused;
