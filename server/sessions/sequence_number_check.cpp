@@ -1,9 +1,9 @@
-#include "server/sessions/scan_order.h"
+#include "server/sessions/sequence_number_check.h"
 
 #include "absl/strings/str_format.h"
 
 namespace dcloc::server {
-absl::Status ScanOrder::Check(std::int64_t sequence_number) const {
+absl::Status SequenceNumberCheck::Check(std::int64_t sequence_number) const {
   if (sequence_number <= last_localized_) {
     return absl::OutOfRangeError(absl::StrFormat(
         "scan.sequence_number is %d, which is late: %d has been processed, and no answer to the "
@@ -13,18 +13,18 @@ absl::Status ScanOrder::Check(std::int64_t sequence_number) const {
   return absl::OkStatus();
 }
 
-void ScanOrder::Restore(std::int64_t sequence_number, Stamp stamp) {
+void SequenceNumberCheck::Restore(std::int64_t sequence_number, Stamp stamp) {
   last_localized_ = highest_ = sequence_number;
   last_stamp_ = stamp;
 }
 
-std::int64_t ScanOrder::OnLocalized(std::int64_t sequence_number, Stamp stamp) {
+std::int64_t SequenceNumberCheck::OnLocalized(std::int64_t sequence_number, Stamp stamp) {
   last_localized_ = sequence_number;
   last_stamp_ = stamp;
   return OnDropped(sequence_number);
 }
 
-std::int64_t ScanOrder::OnDropped(std::int64_t sequence_number) {
+std::int64_t SequenceNumberCheck::OnDropped(std::int64_t sequence_number) {
   if (sequence_number <= highest_) return 0;
   const std::int64_t missing = highest_ < 0 ? 0 : sequence_number - highest_ - 1;
   highest_ = sequence_number;

@@ -8,9 +8,9 @@
 
 namespace dcloc::server {
 
-/// The order of a session's scans, by sequence number. Stamps may jump; the localizer decides what
-/// that means. Not thread-safe.
-class ScanOrder {
+/// Checks the order of a session's scans by their sequence numbers. Stamps may jump; the localizer
+/// decides what that means. Not thread-safe.
+class SequenceNumberCheck {
  public:
   /// OutOfRange when a scan with this number or a higher one has been localized.
   absl::Status Check(std::int64_t sequence_number) const;
