@@ -88,7 +88,7 @@ void Write(const TrackingSnapshot& tracking, sealed::Tracking* message) {
 TrackingSnapshot Read(const sealed::Tracking& message) {
   TrackingSnapshot tracking{
       .mode = static_cast<TrackingMode>(message.mode()),
-      .confirmation_requires = static_cast<ConfirmationRequires>(message.verification()),
+      .confirmation_requires = static_cast<ConfirmationRequirement>(message.verification()),
       .observability = static_cast<AlongTrackObservability>(message.observability()),
       .observability_changed = StampOf(message.observability_changed_ns()),
       .last_accepted = StampOf(message.last_accepted_ns()),

@@ -134,7 +134,7 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
       {"mode", [](S& s) { s.tracking.mode = TrackingMode::kSearching; }},
       {"mode", [](S& s) { s.tracking.mode = static_cast<TrackingMode>(99); }},
       {"confirmation_requires",
-       [](S& s) { s.tracking.confirmation_requires = static_cast<ConfirmationRequires>(9); }},
+       [](S& s) { s.tracking.confirmation_requires = static_cast<ConfirmationRequirement>(9); }},
       {"usual_interval_s", [](S& s) { s.tracking.usual_interval_s = kNoNumber; }},
       {"T_map_vehicle", [](S& s) { s.pose.T_map_vehicle.translation_m.x() = kNoNumber; }},
       {"covariance", [](S& s) { s.pose.covariance(0, 0) = -1.0; }},

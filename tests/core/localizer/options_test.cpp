@@ -58,8 +58,9 @@ TEST(LocalizerOptionsTest, FieldsThatDependOnOneAnotherAreHeldTogether) {
   options.static_points.max_range_m = 0.5;
   EXPECT_THAT(std::string(Validate(options).message()), StartsWith("static_points.max_range_m"));
   options = {};
-  options.tracking.lost_after = std::chrono::milliseconds(100);
-  EXPECT_THAT(std::string(Validate(options).message()), StartsWith("tracking.lost_after_ms"));
+  options.tracking.dead_reckoning_timeout = std::chrono::milliseconds(100);
+  EXPECT_THAT(std::string(Validate(options).message()),
+              StartsWith("tracking.dead_reckoning_timeout_ms"));
 }
 
 }  // namespace
