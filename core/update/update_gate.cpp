@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
 #include "core/update/block_mean.h"
-#include "core/update/kept_out_pass.h"
+#include "core/update/held_out_pass.h"
 #include "core/update/map_replay.h"
 #include "core/update/pass_centers.h"
 #include "core/update/street_segments.h"
@@ -130,9 +130,9 @@ class Judge {
       if (!replay.ok()) return replay.status();
       version->replay = *std::move(replay);
     }
-    kept_out_ = PlaceInBoth(rig_, scans_, old_version_.replay, new_version_.replay,
+    held_out_ = PlaceInBoth(rig_, scans_, old_version_.replay, new_version_.replay,
                             old_version_.landmarks, new_version_.landmarks, origin_m_);
-    if (kept_out_.scans.empty()) {
+    if (held_out_.scans.empty()) {
       return absl::FailedPreconditionError(
           "the pass that was kept out is not tracked in both versions: it lies elsewhere, or its "
           "rig is wrong");
@@ -156,16 +156,16 @@ class Judge {
   void Score() {
     const FitScorer old_fit(old_version_.landmarks);
     const FitScorer new_fit(new_version_.landmarks);
-    for (std::size_t k = 0; k < kept_out_.scans.size(); ++k) {
-      const std::size_t i = kept_out_.scans[k];
-      const PlacedScan& scan = kept_out_.pass.scans[k];
+    for (std::size_t k = 0; k < held_out_.scans.size(); ++k) {
+      const std::size_t i = held_out_.scans[k];
+      const PlacedScan& scan = held_out_.pass.scans[k];
       const Pose2 T_map_consensus = Flatten(scan.T_map_vehicle);
       const Pose2 T_local_vehicle = ToLocal(T_map_consensus);
       for (SegmentSum* const sum : {&sums_[segments_.At(T_local_vehicle.translation_m)], &whole_}) {
         ++sum->scan_count;
         sum->old_version.Add(old_version_.replay[i], T_map_consensus);
         sum->new_version.Add(new_version_.replay[i], T_map_consensus);
-        sum->new_version.AddOffset(kept_out_.T_old_new[k]);
+        sum->new_version.AddOffset(held_out_.T_old_new[k]);
         sum->error_change_m.Add(ErrorOf(new_version_.replay[i], T_map_consensus) -
                                 ErrorOf(old_version_.replay[i], T_map_consensus));
         if (k % kFitStride != 0) continue;
@@ -180,7 +180,7 @@ class Judge {
   void AddUntracked() {
     std::size_t next = 0;
     for (std::size_t i = 0; i < scans_.size(); ++i) {
-      if (next < kept_out_.scans.size() && kept_out_.scans[next] == i) {
+      if (next < held_out_.scans.size() && held_out_.scans[next] == i) {
         ++next;
         continue;
       }
@@ -198,7 +198,7 @@ class Judge {
   }
 
   void CountSeen() {
-    const PlacedPass* const pass = &kept_out_.pass;
+    const PlacedPass* const pass = &held_out_.pass;
     const std::vector<LandmarkPosition> centers = PositionsOf(FusePasses({&pass, 1}, origin_m_, 2));
     const auto count = [&](const std::vector<PlacedLandmark>& landmarks,
                            SeenCount SegmentSum::*member) {
@@ -260,7 +260,7 @@ class Judge {
   Version old_version_, new_version_;
   VersionComparison comparison_;
   StreetSegments segments_;
-  KeptOutPass kept_out_;
+  HeldOutPass held_out_;
   std::vector<SegmentSum> sums_;
   SegmentSum whole_;
 };

@@ -68,8 +68,8 @@ void Run(const Arguments& arguments) {
     const MapUpdate update = UpdateMap(TakeApart(**base), placed).value();
     const auto updated = RadarMap::FromBytes(PutTogether(update.map).value()).value();
     Print(std::to_string(seed), CountAgeing(update, town.aged, town.base, town.passes, placed),
-          MedianError_m(*base, town.kept_out), MedianError_m(updated, town.kept_out),
-          MedianError_m(MadeAnew(town), town.kept_out));
+          MedianError_m(*base, town.held_out), MedianError_m(updated, town.held_out),
+          MedianError_m(MadeAnew(town), town.held_out));
   }
 }
 

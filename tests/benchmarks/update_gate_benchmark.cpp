@@ -70,8 +70,8 @@ MapParts WronglyMounted(const std::shared_ptr<const RadarMap>& base, Town town) 
 void Judge(std::uint64_t seed, const Candidate& candidate, const MapParts& base, double old_m,
            const Town& town, const std::vector<Scan>& scans) {
   const double new_m =
-      MedianError_m(RadarMap::FromBytes(PutTogether(candidate.map).value()).value(), town.kept_out);
-  const auto verdict = JudgeUpdate(base, candidate.map, town.kept_out.rig, scans);
+      MedianError_m(RadarMap::FromBytes(PutTogether(candidate.map).value()).value(), town.held_out);
+  const auto verdict = JudgeUpdate(base, candidate.map, town.held_out.rig, scans);
   if (!verdict.ok()) {
     std::printf("%-5lu %-10s %7.4f %7.4f  refused: %s\n", static_cast<unsigned long>(seed),
                 candidate.name.c_str(), old_m, new_m, verdict.status().ToString().c_str());
@@ -96,8 +96,8 @@ void Run(std::uint64_t first_seed, std::uint64_t last_seed) {
     const std::vector<PlacedPass> passes = PlacePasses(map, town);
     const MapParts updated = UpdateMap(base, passes).value().map;
     std::vector<Scan> scans;
-    for (const DriveScan& entry : town.kept_out.scans) scans.push_back(entry.scan);
-    const double old_m = MedianError_m(map, town.kept_out);
+    for (const DriveScan& entry : town.held_out.scans) scans.push_back(entry.scan);
+    const double old_m = MedianError_m(map, town.held_out);
     for (const Candidate& candidate :
          {Candidate{"update", updated}, Candidate{"bent", Bent(updated, 0.25F)},
           Candidate{"thinned", Thinned(updated)},

@@ -24,7 +24,7 @@ void AddMapUpdateCommand(CLI::App& map_command, int& exit_code) {
       ->type_name("NAME,...");
   AddRadarsOption(*app, "--radars", arguments->request.radars, "Radars to use; all by default");
   AddDriveRequestOptions(*app, arguments->request);
-  app->add_option("--keep-out", arguments->kept_out,
+  app->add_option("--keep-out", arguments->held_out,
                   "The drive that judges the new version, and has no part in it; the last one of "
                   "--drive by default")
       ->type_name("NAME");

@@ -234,7 +234,7 @@ ordered_json UpdateJson(const UpdateStory& story) {
           {"went", LandmarksJson(story, LandmarkFate::kWent)},
           {"comes_and_goes", LandmarksJson(story, LandmarkFate::kComesAndGoes)},
           {"gate",
-           {{"kept_out", story.kept_out},
+           {{"kept_out", story.held_out},
             {"is_better", story.gate.is_better},
             {"reason", story.gate.reason},
             {"old", ScoreJson(story.gate.whole.old_version)},
@@ -263,7 +263,7 @@ std::string UpdateText(const UpdateStory& story) {
       &text,
       "%-14s median error %.3f m, before %.3f m; fit %.4f, before %.4f; tracks %.1f %%, before "
       "%.1f %%\n%s: %s\n",
-      story.kept_out, whole.new_version.error_m, whole.old_version.error_m, whole.new_version.fit,
+      story.held_out, whole.new_version.error_m, whole.old_version.error_m, whole.new_version.fit,
       whole.old_version.fit, 100.0 * whole.new_version.tracking_share,
       100.0 * whole.old_version.tracking_share, story.out.empty() ? "not written" : story.out,
       story.gate.reason);
@@ -281,7 +281,7 @@ std::string UpdateHtml(const UpdateStory& story) {
       ComesAndGoesCount(update), CountOf(update.known, LandmarkFate::kKept));
   absl::StrAppend(
       &body, Drawing(update).Svg(), "<h2>Drives</h2>\n", HtmlTable(PassRows(story)),
-      "<h2>The drive that was kept out: ", EscapeHtml(story.kept_out), "</h2>\n",
+      "<h2>The drive that was kept out: ", EscapeHtml(story.held_out), "</h2>\n",
       HtmlTable({{"version", "median error [m]", "90 % [m]", "offset [m]", "tracks", "NEES", "fit"},
                  ScoreRow("old", story.gate.whole.old_version),
                  ScoreRow("new", story.gate.whole.new_version)}),

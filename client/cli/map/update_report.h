@@ -13,7 +13,7 @@ namespace dcloc::cli {
 /// An update with all that is told of it.
 struct UpdateStory {
   std::string base;
-  std::string kept_out;
+  std::string held_out;
   std::vector<PlacedPass> passes;   ///< without their points
   std::vector<std::string> faults;  ///< of each pass; empty where it is of use
   MapUpdate update;

@@ -48,10 +48,10 @@ class UpdateRun {
     story_.update = *std::move(update);
     Describe();
     line_.Update("judging the new version", 0.0);
-    auto gate = JudgeUpdate(base_, story_.update.map, kept_out_rig_, kept_out_scans_);
+    auto gate = JudgeUpdate(base_, story_.update.map, held_out_rig_, held_out_scans_);
     if (!gate.ok()) {
       return absl::Status(gate.status().code(),
-                          absl::StrCat(story_.kept_out, ": ", gate.status().message()));
+                          absl::StrCat(story_.held_out, ": ", gate.status().message()));
     }
     story_.gate = *std::move(gate);
     return WriteAll();
@@ -60,10 +60,10 @@ class UpdateRun {
  private:
   absl::Status Open() {
     story_.base = arguments_.base;
-    story_.kept_out = arguments_.kept_out.empty() ? arguments_.drives.back() : arguments_.kept_out;
-    if (std::ranges::find(arguments_.drives, story_.kept_out) == arguments_.drives.end()) {
+    story_.held_out = arguments_.held_out.empty() ? arguments_.drives.back() : arguments_.held_out;
+    if (std::ranges::find(arguments_.drives, story_.held_out) == arguments_.drives.end()) {
       return absl::InvalidArgumentError(
-          absl::StrCat("--keep-out is ", story_.kept_out, "; it must be one of --drive"));
+          absl::StrCat("--keep-out is ", story_.held_out, "; it must be one of --drive"));
     }
     if (arguments_.drives.size() < 3) {
       return absl::InvalidArgumentError(
@@ -99,7 +99,7 @@ class UpdateRun {
       const absl::StatusOr<Drive> drive = ReadDrive(arguments_.dataset, request);
       if (!drive.ok()) return drive.status();
       if (absl::Status status = CheckRadarsOfScans(*drive); !status.ok()) return status;
-      const absl::Status status = name == story_.kept_out ? KeepOut(*drive) : Place(*drive);
+      const absl::Status status = name == story_.held_out ? HoldOut(*drive) : Place(*drive);
       if (!status.ok()) return status;
     }
     const auto useful = std::ranges::count(story_.faults, std::string());
@@ -115,9 +115,9 @@ class UpdateRun {
                                                       absl::StrJoin(why, "; ")));
   }
 
-  absl::Status KeepOut(const Drive& drive) {
-    kept_out_rig_ = drive.rig;
-    for (const DriveScan& entry : drive.scans) kept_out_scans_.push_back(entry.scan);
+  absl::Status HoldOut(const Drive& drive) {
+    held_out_rig_ = drive.rig;
+    for (const DriveScan& entry : drive.scans) held_out_scans_.push_back(entry.scan);
     return absl::OkStatus();
   }
 
@@ -143,7 +143,7 @@ class UpdateRun {
     for (const std::size_t i : story_.update.order) names.push_back(story_.passes[i].name);
     story_.update.map.description =
         absl::StrCat("dcloc map update: ", arguments_.dataset.format, " ",
-                     absl::StrJoin(names, ", "), "; judged by ", story_.kept_out);
+                     absl::StrJoin(names, ", "), "; judged by ", story_.held_out);
     for (PlacedPass& pass : story_.passes) {
       for (PlacedScan& scan : pass.scans) scan.points = {};
     }
@@ -177,8 +177,8 @@ class UpdateRun {
   StageLine line_;
   MapParts base_;
   std::shared_ptr<const RadarMap> map_;
-  Rig kept_out_rig_;
-  std::vector<Scan> kept_out_scans_;
+  Rig held_out_rig_;
+  std::vector<Scan> held_out_scans_;
   UpdateStory story_;
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A town's map, and a pass that is kept out of its updates.
+/// A town's map, and a pass that is held out of its updates.
 class UpdateGateTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

@@ -14,7 +14,7 @@
 namespace dcloc {
 
 /// A pass that had no part in an update, where two versions of the map together put it.
-struct KeptOutPass {
+struct HeldOutPass {
   PlacedPass pass;                 ///< at the consensus; the scans that both versions track
   std::vector<std::size_t> scans;  ///< of `pass.scans`: the number of the scan
   std::vector<Pose2> T_old_new;    ///< of `pass.scans`: the new version's pose from the old one's
@@ -23,7 +23,7 @@ struct KeptOutPass {
 /// Aligns the pass with the landmarks of each version and takes the middle of both. The replays are
 /// of `scans`; landmarks are relative to `origin_m` of the map. Empty where no scan is tracked in
 /// both versions.
-KeptOutPass PlaceInBoth(const Rig& rig, std::span<const Scan> scans,
+HeldOutPass PlaceInBoth(const Rig& rig, std::span<const Scan> scans,
                         std::span<const ReplayedScan> old_replay,
                         std::span<const ReplayedScan> new_replay,
                         std::span<const PlacedLandmark> old_landmarks,
