@@ -12,40 +12,40 @@ namespace dcloc::server {
 /// returned last is lent first. So there are only as many as were ever lent at once, and the next
 /// one's memory is still in the caches. Thread-safe; the lock is held to push or pop a pointer.
 template <typename T>
-class LendingPool {
+class ObjectPool {
  public:
   /// A lent object; returned to the pool when this is destroyed. The pool outlives it.
-  class Loan {
+  class Lease {
    public:
-    Loan(LendingPool& pool, std::unique_ptr<T> object) : pool_(&pool), object_(std::move(object)) {}
-    Loan(Loan&&) noexcept = default;
-    Loan& operator=(Loan&&) = delete;
-    ~Loan() {
+    Lease(ObjectPool& pool, std::unique_ptr<T> object) : pool_(&pool), object_(std::move(object)) {}
+    Lease(Lease&&) noexcept = default;
+    Lease& operator=(Lease&&) = delete;
+    ~Lease() {
       if (object_ != nullptr) pool_->TakeBack(std::move(object_));
     }
 
     T& operator*() const { return *object_; }
 
    private:
-    LendingPool* pool_;
+    ObjectPool* pool_;
     std::unique_ptr<T> object_;
   };
 
-  LendingPool() = default;
-  LendingPool(const LendingPool&) = delete;
-  LendingPool& operator=(const LendingPool&) = delete;
+  ObjectPool() = default;
+  ObjectPool(const ObjectPool&) = delete;
+  ObjectPool& operator=(const ObjectPool&) = delete;
 
   /// Creates an object if all are lent.
-  Loan Lend() {
+  Lease Acquire() {
     {
       const std::lock_guard lock(mutex_);
       if (!idle_.empty()) {
-        Loan loan(*this, std::move(idle_.back()));
+        Lease lease(*this, std::move(idle_.back()));
         idle_.pop_back();
-        return loan;
+        return lease;
       }
     }
-    return Loan(*this, std::make_unique<T>());
+    return Lease(*this, std::make_unique<T>());
   }
 
   /// The objects that are not lent.

@@ -1,4 +1,4 @@
-#include "server/base/lending_pool.h"
+#include "server/base/object_pool.h"
 
 #include <gtest/gtest.h>
 
@@ -9,33 +9,33 @@
 namespace dcloc::server {
 namespace {
 
-TEST(LendingPoolTest, WhatCameBackLastIsLentFirst) {
-  LendingPool<int> pool;
+TEST(ObjectPoolTest, WhatCameBackLastIsLentFirst) {
+  ObjectPool<int> pool;
   const int* first = nullptr;
   {
-    const LendingPool<int>::Loan a = pool.Lend();
-    const LendingPool<int>::Loan b = pool.Lend();
+    const ObjectPool<int>::Lease a = pool.Acquire();
+    const ObjectPool<int>::Lease b = pool.Acquire();
     EXPECT_NE(&*a, &*b);
     first = &*a;
     EXPECT_EQ(pool.idle_count(), 0U);
   }
   EXPECT_EQ(pool.idle_count(), 2U);
-  EXPECT_EQ(&*pool.Lend(), first) << "a went after b";
+  EXPECT_EQ(&*pool.Acquire(), first) << "a went after b";
 }
 
-TEST(LendingPoolTest, AMovedLoanIsGivenBackOnce) {
-  LendingPool<int> pool;
+TEST(ObjectPoolTest, AMovedLeaseIsGivenBackOnce) {
+  ObjectPool<int> pool;
   {
-    LendingPool<int>::Loan loan = pool.Lend();
-    *loan = 7;
-    const LendingPool<int>::Loan moved = std::move(loan);
+    ObjectPool<int>::Lease lease = pool.Acquire();
+    *lease = 7;
+    const ObjectPool<int>::Lease moved = std::move(lease);
     EXPECT_EQ(*moved, 7);
   }
   EXPECT_EQ(pool.idle_count(), 1U);
 }
 
-TEST(LendingPoolTest, ThreadsNeverShareAnObject) {
-  LendingPool<std::atomic<int>> pool;
+TEST(ObjectPoolTest, ThreadsNeverShareAnObject) {
+  ObjectPool<std::atomic<int>> pool;
   std::atomic<int> shared_count = 0;
   constexpr int kThreads = 4;
   std::vector<std::thread> threads;
@@ -43,9 +43,9 @@ TEST(LendingPoolTest, ThreadsNeverShareAnObject) {
   for (int i = 0; i < kThreads; ++i) {
     threads.emplace_back([&] {
       for (int round = 0; round < 2000; ++round) {
-        const auto loan = pool.Lend();
-        if ((*loan).fetch_add(1) != 0) ++shared_count;
-        (*loan).fetch_sub(1);
+        const auto lease = pool.Acquire();
+        if ((*lease).fetch_add(1) != 0) ++shared_count;
+        (*lease).fetch_sub(1);
       }
     });
   }

@@ -15,7 +15,7 @@ namespace dcloc::server {
 /// Of several threads that want the same at once, the first one does the work, and all get what it
 /// gives. Who comes later does it again. Thread-safe.
 template <typename Value>
-class SharedWork {
+class SingleFlight {
  public:
   using Result = absl::StatusOr<Value>;
 

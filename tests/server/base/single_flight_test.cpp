@@ -1,4 +1,4 @@
-#include "server/base/shared_work.h"
+#include "server/base/single_flight.h"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kWhile(50);
 
-TEST(SharedWorkTest, ThoseWhoAskAtOnceShareOneResult) {
-  SharedWork<int> work;
+TEST(SingleFlightTest, ThoseWhoAskAtOnceShareOneResult) {
+  SingleFlight<int> work;
   std::atomic<int> done_count = 0;
   std::vector<std::thread> threads;
   for (int i = 0; i < 8; ++i) {
@@ -32,8 +32,8 @@ TEST(SharedWorkTest, ThoseWhoAskAtOnceShareOneResult) {
       << "who comes later does it again";
 }
 
-TEST(SharedWorkTest, ErrorsAreSharedAndKeysAreNot) {
-  SharedWork<int> work;
+TEST(SingleFlightTest, ErrorsAreSharedAndKeysAreNot) {
+  SingleFlight<int> work;
   const absl::StatusOr<int> outer = work.Do("a", [&]() -> absl::StatusOr<int> {
     EXPECT_EQ(*work.Do("b", []() -> absl::StatusOr<int> { return 1; }), 1);
     return absl::NotFoundError("none");
