@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 #include "core/options/option_fields.h"
 
 namespace dcloc {
@@ -46,7 +46,7 @@ struct MapDiff {
 
 /// Pairs landmarks one to one by distance in the plane, nearest first. The frames pass
 /// `CheckFrames`. InvalidArgument for invalid options.
-absl::StatusOr<MapDiff> Compare(const MapParts& old_map, const MapParts& new_map,
+absl::StatusOr<MapDiff> Compare(const EditableMap& old_map, const EditableMap& new_map,
                                 const MapDiffOptions& options);
 
 }  // namespace dcloc

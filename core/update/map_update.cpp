@@ -35,13 +35,13 @@ std::optional<Stamp> FirstGood(const PlacedPass& pass) {
 
 /// The landmarks of a map in its local frame.
 struct BaseLandmarks {
-  explicit BaseLandmarks(const MapParts& map) {
+  explicit BaseLandmarks(const EditableMap& map) {
     landmarks = LandmarksOf(map);
     for (const PlacedLandmark& landmark : landmarks) {
       positions.push_back(landmark.position);
       scans.push_back(landmark.point.scan_count);
     }
-    for (const KeyframePart& keyframe : map.keyframes) {
+    for (const EditableKeyframe& keyframe : map.keyframes) {
       T_local_keyframes.push_back(PoseOf(keyframe.record));
     }
   }
@@ -55,7 +55,7 @@ struct BaseLandmarks {
 /// One update: what passes say of all places, known ones first.
 class Updater {
  public:
-  Updater(const MapParts& base_map, std::span<const PlacedPass> passes,
+  Updater(const EditableMap& base_map, std::span<const PlacedPass> passes,
           const MapUpdateOptions& options)
       : base_map_(base_map), options_(options), base_(base_map) {
     for (std::size_t i = 0; i < passes.size(); ++i) {
@@ -253,7 +253,7 @@ class Updater {
     result_.map = base_map_;
     result_.refined_count = refined.size();
     std::size_t i = 0;
-    for (KeyframePart& keyframe : result_.map.keyframes) {
+    for (EditableKeyframe& keyframe : result_.map.keyframes) {
       std::erase_if(keyframe.points, [&](const MapPoint&) {
         const std::size_t known = i++;
         return result_.known[known].fate != LandmarkFate::kKept ||
@@ -282,7 +282,7 @@ class Updater {
   void AddLandmark(const Landmark& landmark) {
     const bool has_heights = (base_map_.info.flags & kHasHeightsFlag) != 0;
     double nearest_m = kMaxKeyframeDistance_m;
-    KeyframePart* nearest = nullptr;
+    EditableKeyframe* nearest = nullptr;
     for (std::size_t k = 0; k < base_.T_local_keyframes.size(); ++k) {
       const double distance_m =
           (base_.T_local_keyframes[k].translation_m - landmark.position_m).head<2>().norm();
@@ -294,7 +294,7 @@ class Updater {
     nearest->points.push_back(PointInKeyframe(landmark, PoseOf(nearest->record), has_heights));
   }
 
-  const MapParts& base_map_;
+  const EditableMap& base_map_;
   const MapUpdateOptions& options_;
   BaseLandmarks base_;
   std::vector<PlacedPass> aligned_;        // by stamp
@@ -312,7 +312,7 @@ class Updater {
 
 }  // namespace
 
-absl::StatusOr<MapUpdate> UpdateMap(const MapParts& base, std::span<const PlacedPass> passes,
+absl::StatusOr<MapUpdate> UpdateMap(const EditableMap& base, std::span<const PlacedPass> passes,
                                     const MapUpdateOptions& options) {
   return Updater(base, passes, options).Run();
 }

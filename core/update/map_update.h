@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 #include "core/update/center_matching.h"
 #include "core/update/pass_alignment.h"
 #include "core/update/placed_pass.h"
@@ -51,7 +51,7 @@ struct LandmarkHistory {
 
 /// A map and what became of each of its landmarks.
 struct MapUpdate {
-  MapParts map;                        ///< the new version
+  EditableMap map;                     ///< the new version
   std::vector<LandmarkHistory> known;  ///< of the base map's landmarks, in its order
   std::vector<LandmarkHistory> found;  ///< others
   std::size_t refined_count = 0;       ///< landmarks of `map` that passes and the base map share
@@ -64,7 +64,7 @@ struct MapUpdate {
 /// next does not. What stays and the passes see is refined (equation 64); the rest keeps its bits.
 /// No pass changes anything alone.
 /// InvalidArgument where no pass has a scan that counts.
-absl::StatusOr<MapUpdate> UpdateMap(const MapParts& base, std::span<const PlacedPass> passes,
+absl::StatusOr<MapUpdate> UpdateMap(const EditableMap& base, std::span<const PlacedPass> passes,
                                     const MapUpdateOptions& options = {});
 
 }  // namespace dcloc

@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kFitStride = 3;  // scans from one whose fit is taken to the next
 
-absl::StatusOr<std::shared_ptr<const RadarMap>> MapOf(const MapParts& parts) {
-  auto bytes = PutTogether(parts);
+absl::StatusOr<std::shared_ptr<const RadarMap>> MapOf(const EditableMap& map) {
+  auto bytes = ToMapBytes(map);
   if (!bytes.ok()) return bytes.status();
   return RadarMap::FromBytes(*std::move(bytes));
 }
@@ -110,7 +110,7 @@ std::string FaultOf(const SegmentVerdict& segment, double error_share, double er
 /// One judgement.
 class Judge {
  public:
-  Judge(const MapParts& old_version, const MapParts& new_version, const Rig& rig,
+  Judge(const EditableMap& old_version, const EditableMap& new_version, const Rig& rig,
         const std::vector<Scan>& scans, const UpdateGateOptions& options)
       : rig_(rig),
         scans_(scans),
@@ -124,7 +124,7 @@ class Judge {
 
   absl::StatusOr<GateVerdict> Run() {
     for (Version* const version : {&old_version_, &new_version_}) {
-      auto map = MapOf(version->parts);
+      auto map = MapOf(version->map);
       if (!map.ok()) return map.status();
       auto replay = ReplayPass(*map, rig_, scans_);
       if (!replay.ok()) return replay.status();
@@ -144,7 +144,7 @@ class Judge {
 
  private:
   struct Version {
-    const MapParts& parts;
+    const EditableMap& map;
     std::vector<PlacedLandmark> landmarks;
     std::vector<ReplayedScan> replay;
   };
@@ -267,8 +267,9 @@ class Judge {
 
 }  // namespace
 
-absl::StatusOr<GateVerdict> JudgeUpdate(const MapParts& old_version, const MapParts& new_version,
-                                        const Rig& rig, const std::vector<Scan>& scans,
+absl::StatusOr<GateVerdict> JudgeUpdate(const EditableMap& old_version,
+                                        const EditableMap& new_version, const Rig& rig,
+                                        const std::vector<Scan>& scans,
                                         const UpdateGateOptions& options) {
   if (old_version.keyframes.empty() || scans.empty()) {
     return absl::InvalidArgumentError("the old version has no keyframe, or the pass no scan");

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "core/update/version_score.h"
@@ -72,8 +72,9 @@ struct GateVerdict {
 ///
 /// The versions share a frame and an origin. InvalidArgument names what is wrong with the rig;
 /// FailedPrecondition where the pass was not localized in both.
-absl::StatusOr<GateVerdict> JudgeUpdate(const MapParts& old_version, const MapParts& new_version,
-                                        const Rig& rig, const std::vector<Scan>& scans,
+absl::StatusOr<GateVerdict> JudgeUpdate(const EditableMap& old_version,
+                                        const EditableMap& new_version, const Rig& rig,
+                                        const std::vector<Scan>& scans,
                                         const UpdateGateOptions& options = {});
 
 }  // namespace dcloc

@@ -22,7 +22,7 @@ bool HasNear(const std::vector<PlacedLandmark>& landmarks, const PointGrid& grid
 
 }  // namespace
 
-VersionComparison CompareVersions(const MapParts& old_version, const MapParts& new_version,
+VersionComparison CompareVersions(const EditableMap& old_version, const EditableMap& new_version,
                                   double same_m) {
   const std::vector<PlacedLandmark> before = LandmarksOf(old_version);
   const std::vector<PlacedLandmark> after = LandmarksOf(new_version);

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 #include "core/update/version_score.h"
 
 namespace dcloc {
@@ -16,7 +16,7 @@ struct VersionComparison {
 
 /// A landmark of one version is in the other one too if that has a landmark within `same_m`: a
 /// refined landmark is the same. The versions share a frame and a local origin.
-VersionComparison CompareVersions(const MapParts& old_version, const MapParts& new_version,
+VersionComparison CompareVersions(const EditableMap& old_version, const EditableMap& new_version,
                                   double same_m);
 
 }  // namespace dcloc

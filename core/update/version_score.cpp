@@ -22,7 +22,7 @@ double QuantileOf(std::vector<double> values, double share) {
 
 }  // namespace
 
-std::vector<PlacedLandmark> LandmarksOf(const MapParts& map) {
+std::vector<PlacedLandmark> LandmarksOf(const EditableMap& map) {
   std::vector<PlacedLandmark> landmarks;
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     const Pose3 T_local_keyframe = PoseOf(map.keyframes[k].record);

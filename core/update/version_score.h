@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 #include "core/map/point_grid.h"
 #include "core/radar/static_points.h"
 #include "core/update/center_matching.h"
@@ -30,7 +30,7 @@ struct PlacedLandmark {
   std::size_t keyframe = 0;
   MapPoint point{};
 };
-std::vector<PlacedLandmark> LandmarksOf(const MapParts& map);
+std::vector<PlacedLandmark> LandmarksOf(const EditableMap& map);
 
 /// How static targets fit the landmarks of one version, wherever the vehicle is taken to be.
 class FitScorer {

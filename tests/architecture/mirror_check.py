@@ -19,7 +19,7 @@ TESTS = ("_test.cpp", "_test.py")
 TESTED_BY = {
     # Content has no meaning but in the files and edits that are made of it.
     "tests/core/map/map_file_test.cpp": ("core/map/map_content",),
-    "tests/core/map/map_edit_test.cpp": ("core/map/map_parts",),
+    "tests/core/map/map_edit_test.cpp": ("core/map/editable_map",),
     # A program is tested by running it.
     "tests/client/cli/command_line_test.cpp": ("client/cli/main",),
     "tests/client/cli/describe/completion_test.py": ("client/cli/describe/describe_command",),

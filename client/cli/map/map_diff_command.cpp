@@ -84,9 +84,9 @@ absl::Status Run(const DiffArguments& arguments) {
   absl::Status status = Validate(arguments.options);
   if (status.ok()) status = CheckOutputFiles({{arguments.picture}, arguments.force});
   if (!status.ok()) return status;
-  const absl::StatusOr<MapParts> before = ReadMapParts(arguments.old_file);
+  const absl::StatusOr<EditableMap> before = ReadMapParts(arguments.old_file);
   if (!before.ok()) return before.status();
-  const absl::StatusOr<MapParts> after = ReadMapParts(arguments.new_file);
+  const absl::StatusOr<EditableMap> after = ReadMapParts(arguments.new_file);
   if (!after.ok()) return after.status();
   const bool is_same_frame = arguments.is_same_frame || (!before->Anchor() && !after->Anchor());
   if (status = CheckFrames(*before, *after, is_same_frame); !status.ok()) {

@@ -84,7 +84,7 @@ class UpdateRun {
     auto base = ReadMapParts(arguments_.base);
     if (!base.ok()) return base.status();
     base_ = *std::move(base);
-    auto bytes = PutTogether(base_);
+    auto bytes = ToMapBytes(base_);
     if (!bytes.ok()) return bytes.status();
     auto map = RadarMap::FromBytes(*std::move(bytes));
     if (!map.ok()) return map.status();
@@ -153,7 +153,7 @@ class UpdateRun {
     const StopSignals stop;  // not between a file and its page
     absl::Status status;
     if (story_.gate.is_better) {
-      MapParts& map = story_.update.map;
+      EditableMap& map = story_.update.map;
       absl::StrAppendFormat(
           &map.description, ": fit %.4f after %.4f, median error %.3f after %.3f m",
           story_.gate.whole.new_version.fit, story_.gate.whole.old_version.fit,
@@ -175,7 +175,7 @@ class UpdateRun {
 
   const UpdateArguments& arguments_;
   StageLine line_;
-  MapParts base_;
+  EditableMap base_;
   std::shared_ptr<const RadarMap> map_;
   Rig held_out_rig_;
   std::vector<Scan> held_out_scans_;

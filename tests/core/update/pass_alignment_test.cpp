@@ -10,7 +10,7 @@
 namespace dcloc {
 namespace {
 
-std::vector<LandmarkPosition> PositionsOf(const MapParts& map) {
+std::vector<LandmarkPosition> PositionsOf(const EditableMap& map) {
   std::vector<LandmarkPosition> positions;
   for (const PlacedLandmark& landmark : LandmarksOf(map)) positions.push_back(landmark.position);
   return positions;
@@ -28,7 +28,7 @@ Eigen::Vector2d MeanError_m(const PlacedPass& pass) {
 
 TEST(PassAlignmentTest, APassThatLiesToOneSideIsBroughtBack) {
   const TestStreet street;
-  const MapParts base = street.Map(0);
+  const EditableMap base = street.Map(0);
   PlacedPass pass = street.Pass(1, "a", {0.1, 0.05, 0.0});
   ASSERT_NEAR(MeanError_m(pass).x(), 0.1, 1e-6);
   AlignPass(PositionsOf(base), base.Origin_m(), {}, pass);
@@ -37,7 +37,7 @@ TEST(PassAlignmentTest, APassThatLiesToOneSideIsBroughtBack) {
 
 TEST(PassAlignmentTest, PosesThatScatterAreSmoothedByOdometry) {
   const TestStreet street;
-  const MapParts base = street.Map(0);
+  const EditableMap base = street.Map(0);
   PlacedPass pass = street.Pass(1, "a");
   for (std::size_t i = 0; i < pass.scans.size(); ++i) {
     pass.scans[i].T_map_vehicle.translation_m.y() += (i / 10) % 2 == 0 ? 0.1 : -0.1;
@@ -52,7 +52,7 @@ TEST(PassAlignmentTest, PosesThatScatterAreSmoothedByOdometry) {
 
 TEST(PassAlignmentTest, TheScaleOfOdometryIsFound) {
   const TestStreet street;
-  const MapParts base = street.Map(0);
+  const EditableMap base = street.Map(0);
   PlacedPass pass = street.Pass(1, "a");
   for (PlacedScan& scan : pass.scans) scan.T_start_vehicle.translation_m *= 1.01;
   AlignPass(PositionsOf(base), base.Origin_m(), {}, pass);
@@ -64,7 +64,7 @@ TEST(PassAlignmentTest, TheScaleOfOdometryIsFound) {
 
 TEST(PassAlignmentTest, WithoutScansThatCountNothingHappens) {
   const TestStreet street;
-  const MapParts base = street.Map(0);
+  const EditableMap base = street.Map(0);
   PlacedPass pass = street.Pass(1, "a", {0.1, 0.0, 0.0});
   for (PlacedScan& scan : pass.scans) scan.is_good = false;
   AlignPass(PositionsOf(base), base.Origin_m(), {}, pass);

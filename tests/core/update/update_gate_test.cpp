@@ -20,15 +20,15 @@ class UpdateGateTest : public ::testing::Test {
     options.length_m = 300.0;
     const Drive map_drive = SimulatePass(options, Passes(options)[0]).value();
     drive_ = new Drive(SimulatePass(options, Passes(options)[1]).value());
-    map_ = new MapParts(
-        TakeApart(*RadarMap::FromBytes(BuildMap(map_drive, {.name = "town"}).value()).value()));
+    map_ = new EditableMap(
+        ToEditable(*RadarMap::FromBytes(BuildMap(map_drive, {.name = "town"}).value()).value()));
   }
   static void TearDownTestSuite() {
     delete drive_;
     delete map_;
   }
 
-  static GateVerdict Judged(const MapParts& before, const MapParts& after) {
+  static GateVerdict Judged(const EditableMap& before, const EditableMap& after) {
     std::vector<Scan> scans;
     for (const DriveScan& entry : drive_->scans) scans.push_back(entry.scan);
     const auto verdict = JudgeUpdate(before, after, drive_->rig, scans);
@@ -37,10 +37,10 @@ class UpdateGateTest : public ::testing::Test {
   }
 
   /// The map without the landmarks whose number is `remainder` modulo `divisor`.
-  static MapParts Thinned(int divisor, int remainder) {
-    MapParts map = *map_;
+  static EditableMap Thinned(int divisor, int remainder) {
+    EditableMap map = *map_;
     int number = 0;
-    for (KeyframePart& keyframe : map.keyframes) {
+    for (EditableKeyframe& keyframe : map.keyframes) {
       std::erase_if(keyframe.points,
                     [&](const MapPoint&) { return number++ % divisor == remainder; });
     }
@@ -48,7 +48,7 @@ class UpdateGateTest : public ::testing::Test {
   }
 
   static inline Drive* drive_ = nullptr;
-  static inline MapParts* map_ = nullptr;
+  static inline EditableMap* map_ = nullptr;
 };
 
 TEST_F(UpdateGateTest, NothingChangedIsNotBetter) {
@@ -73,9 +73,9 @@ TEST_F(UpdateGateTest, LandmarksThatStandAndAreGoneMakeItWorse) {
 }
 
 TEST_F(UpdateGateTest, LandmarksThatLieElsewhereMakeItWorse) {
-  MapParts bent = *map_;
+  EditableMap bent = *map_;
   int number = 0;
-  for (KeyframePart& keyframe : bent.keyframes) {
+  for (EditableKeyframe& keyframe : bent.keyframes) {
     for (MapPoint& point : keyframe.points) {
       if (number++ % 2 == 0) point.y_m += 0.6F;
     }
@@ -86,8 +86,8 @@ TEST_F(UpdateGateTest, LandmarksThatLieElsewhereMakeItWorse) {
 }
 
 TEST_F(UpdateGateTest, LandmarksThatAllLieToOneSideMakeItWorse) {
-  MapParts moved = Thinned(20, 0);
-  for (KeyframePart& keyframe : moved.keyframes) {
+  EditableMap moved = Thinned(20, 0);
+  for (EditableKeyframe& keyframe : moved.keyframes) {
     for (MapPoint& point : keyframe.points) point.x_m += 0.15F;
   }
   const GateVerdict verdict = Judged(Thinned(4, 0), moved);
@@ -96,8 +96,8 @@ TEST_F(UpdateGateTest, LandmarksThatAllLieToOneSideMakeItWorse) {
 }
 
 TEST_F(UpdateGateTest, LandmarksOfNothingMakeItNoBetter) {
-  MapParts haunted = *map_;
-  for (KeyframePart& keyframe : haunted.keyframes) {
+  EditableMap haunted = *map_;
+  for (EditableKeyframe& keyframe : haunted.keyframes) {
     const std::size_t count = keyframe.points.size();
     for (std::size_t i = 0; i < count; i += 3) {
       MapPoint ghost = keyframe.points[i];

@@ -9,9 +9,9 @@ namespace dcloc {
 namespace {
 
 TEST(VersionComparisonTest, ARefinedLandmarkIsTheSame) {
-  const MapParts before = TestStreet().Map(0);
-  MapParts after = before;
-  for (KeyframePart& keyframe : after.keyframes) {
+  const EditableMap before = TestStreet().Map(0);
+  EditableMap after = before;
+  for (EditableKeyframe& keyframe : after.keyframes) {
     for (MapPoint& point : keyframe.points) point.x_m += 0.05F;
   }
   const VersionComparison comparison = CompareVersions(before, after, 0.5);
@@ -22,7 +22,7 @@ TEST(VersionComparisonTest, ARefinedLandmarkIsTheSame) {
 
 TEST(VersionComparisonTest, WhatOnlyOneVersionHasWentOrCame) {
   TestStreet street;
-  const MapParts before = street.Map(0);
+  const EditableMap before = street.Map(0);
   street.scatterers_m[30] += Eigen::Vector2d(2.0, 3.0);
   const VersionComparison comparison = CompareVersions(before, street.Map(0), 0.5);
   EXPECT_EQ(comparison.went.size(), 1U);

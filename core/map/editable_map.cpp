@@ -1,4 +1,4 @@
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 
 #include <cassert>
 #include <limits>
@@ -11,58 +11,58 @@
 
 namespace dcloc {
 
-std::optional<GeodeticAnchor> MapParts::Anchor() const { return AnchorOf(info); }
+std::optional<GeodeticAnchor> EditableMap::Anchor() const { return AnchorOf(info); }
 
-Eigen::Vector3d MapParts::Origin_m() const {
+Eigen::Vector3d EditableMap::Origin_m() const {
   return Eigen::Vector3d::Map(info.local_origin_m.data());
 }
 
-std::size_t MapParts::PointCount() const {
+std::size_t EditableMap::PointCount() const {
   std::size_t count = 0;
-  for (const KeyframePart& keyframe : keyframes) count += keyframe.points.size();
+  for (const EditableKeyframe& keyframe : keyframes) count += keyframe.points.size();
   return count;
 }
 
-MapParts TakeApart(const RadarMap& map) {
+EditableMap ToEditable(const RadarMap& map) {
   const absl::StatusOr<MapFileView> view = ParseMapFile(map.bytes());
   assert(view.ok());  // a RadarMap has been parsed before
-  MapParts parts{.info = view->info,
-                 .name = std::string(view->name),
-                 .description = std::string(view->description),
-                 .keyframes = {}};
-  parts.keyframes.reserve(view->keyframes.size());
+  EditableMap editable{.info = view->info,
+                       .name = std::string(view->name),
+                       .description = std::string(view->description),
+                       .keyframes = {}};
+  editable.keyframes.reserve(view->keyframes.size());
   for (const KeyframeRecord& record : view->keyframes) {
     const auto points = view->points.subspan(record.first_point, record.point_count);
-    parts.keyframes.push_back({record, {points.begin(), points.end()}});
+    editable.keyframes.push_back({record, {points.begin(), points.end()}});
   }
-  return parts;
+  return editable;
 }
 
-absl::StatusOr<std::vector<std::byte>> PutTogether(const MapParts& parts) {
-  const std::size_t point_count = parts.PointCount();
+absl::StatusOr<std::vector<std::byte>> ToMapBytes(const EditableMap& map) {
+  const std::size_t point_count = map.PointCount();
   if (point_count == 0) return absl::FailedPreconditionError("the map would have no landmark");
   constexpr std::size_t kMaxRecords = std::numeric_limits<std::uint32_t>::max();
-  if (point_count > kMaxRecords || parts.keyframes.size() > kMaxRecords) {
+  if (point_count > kMaxRecords || map.keyframes.size() > kMaxRecords) {
     return absl::FailedPreconditionError(
         absl::StrFormat("the map would have %d landmarks and %d keyframes; a file holds %d of each",
-                        point_count, parts.keyframes.size(), kMaxRecords));
+                        point_count, map.keyframes.size(), kMaxRecords));
   }
   std::vector<KeyframeRecord> keyframes;
   std::vector<MapPoint> points;
-  keyframes.reserve(parts.keyframes.size());
+  keyframes.reserve(map.keyframes.size());
   points.reserve(point_count);
-  for (const KeyframePart& keyframe : parts.keyframes) {
+  for (const EditableKeyframe& keyframe : map.keyframes) {
     keyframes.push_back(keyframe.record);
     keyframes.back().first_point = points.size();
     keyframes.back().point_count = static_cast<std::uint32_t>(keyframe.points.size());
     points.insert(points.end(), keyframe.points.begin(), keyframe.points.end());
   }
-  InfoRecord info = parts.info;
-  info.name_size_bytes = static_cast<std::uint32_t>(parts.name.size());
+  InfoRecord info = map.info;
+  info.name_size_bytes = static_cast<std::uint32_t>(map.name.size());
   const std::vector<IndexRecord> index = MakeIndex(keyframes, info.index_cell_m);
   const MapFileView view{.info = info,
-                         .name = parts.name,
-                         .description = parts.description,
+                         .name = map.name,
+                         .description = map.description,
                          .keyframes = keyframes,
                          .index = index,
                          .points = points};

@@ -15,29 +15,29 @@
 namespace dcloc {
 
 /// A keyframe and its landmarks, on their own.
-struct KeyframePart {
+struct EditableKeyframe {
   KeyframeRecord record{};  ///< `first_point` and `point_count` mean nothing here
   std::vector<MapPoint> points;
 };
 
 /// A map that can be changed. What is not touched keeps its bits: poses and positions stay as the
-/// file holds them, so that taking a map apart and putting it together gives the same file.
-struct MapParts {
+/// file holds them, so that `ToMapBytes` of `ToEditable` gives the same file.
+struct EditableMap {
   InfoRecord info{};  ///< `name_size_bytes` means nothing here
   std::string name;
   std::string description;
-  std::vector<KeyframePart> keyframes;
+  std::vector<EditableKeyframe> keyframes;
 
   std::optional<GeodeticAnchor> Anchor() const;
   Eigen::Vector3d Origin_m() const;
   std::size_t PointCount() const;
 };
 
-MapParts TakeApart(const RadarMap& map);
+EditableMap ToEditable(const RadarMap& map);
 
 /// The file's bytes. FailedPrecondition for a map without landmarks; DataLoss names the first value
 /// that no map may hold.
-absl::StatusOr<std::vector<std::byte>> PutTogether(const MapParts& parts);
+absl::StatusOr<std::vector<std::byte>> ToMapBytes(const EditableMap& map);
 
 /// The keyframe's pose relative to the local origin.
 Pose3 PoseOf(const KeyframeRecord& record);
