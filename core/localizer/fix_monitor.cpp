@@ -33,7 +33,8 @@ absl::Status Validate(const FixMonitorOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-FixVerdict FixMonitor::Judge(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) {
+FixVerdict FixMonitor::Classify(Stamp stamp, const PoseEstimate<3>& fix,
+                                const PoseEstimate<3>& pose) {
   newest_ = stamp;
   if (Agree(fix, pose)) {
     contradicting_count_ = 0;

@@ -50,7 +50,7 @@ class FixMonitor {
   explicit FixMonitor(const FixMonitorOptions& options) : options_(options) {}
 
   /// Both in the map frame, at `stamp`.
-  FixVerdict Judge(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose);
+  FixVerdict Classify(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose);
 
   /// The fix that was judged to inform was fused.
   void OnFused() { fused_ = newest_; }

@@ -238,12 +238,12 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<
   if (!IsTrusted(radar_index, stamp)) return;
   if (is_comparable) CompareSourcesByMapFit(workspace);
   if (is_full) CompareAlongTrackRivals(workspace);
-  JudgePoseByScanFit(fit);
+  UpdateTrackingByScanFit(fit);
 }
 
 // A pose that stops to be confirmed is where the search begins, if there will be one.
 template <int Dim>
-void Pipeline<Dim>::JudgePoseByScanFit(ScanFit fit) {
+void Pipeline<Dim>::UpdateTrackingByScanFit(ScanFit fit) {
   const bool was_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
   tracking_.OnScanFit(fit);
   tracking_.OnFitTrend(radars_.scan_checker.has_declined() || rivals_.has_better());

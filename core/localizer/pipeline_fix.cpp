@@ -15,7 +15,7 @@ FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
     relocalizer_.OnFix(*now);
     return FixUse::kGuidesSearch;
   }
-  switch (fix_monitor_.Judge(stamp, *now, *pose)) {
+  switch (fix_monitor_.Classify(stamp, *now, *pose)) {
     case FixVerdict::kAgrees:
       tracking_.OnFixAgrees();
       return FixUse::kAgrees;

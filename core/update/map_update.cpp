@@ -77,7 +77,7 @@ class Updater {
     result_.presence = options_.presence;
     result_.presence.false_share = false_hits_.share;
     result_.presence.false_hits = false_hits_.mean;
-    Judge();
+    EstimatePresence();
     ChangeMap();
     return std::move(result_);
   }
@@ -139,7 +139,7 @@ class Updater {
     return evidence;
   }
 
-  void Judge() {
+  void EstimatePresence() {
     std::vector<PassSightings> known = sightings_;
     for (PassSightings& pass : known) {
       pass.exposures.resize(KnownCount());
@@ -183,12 +183,13 @@ class Updater {
       history.passes = std::move(evidence[i]);
       CountWitnesses(history);
       if (i < KnownCount()) {
-        history.presence = JudgeKnown(history.passes, result_.presence);
+        history.presence = PosteriorOfMapLandmark(history.passes, result_.presence);
         history.fate = FateOfKnown(history);
         result_.known.push_back(std::move(history));
       } else {
         const bool is_found = i < KnownCount() + found_count_;
-        history.presence = JudgeFound(history.passes, is_found ? result_.presence : again);
+        history.presence =
+            PosteriorOfCandidate(history.passes, is_found ? result_.presence : again);
         history.fate = FateOfFound(history);
         (is_found ? result_.found : again_).push_back(std::move(history));
       }

@@ -168,11 +168,11 @@ Presence LikelihoodsOfFound(const Likelihoods& likelihoods, std::span<const Pass
 
 }  // namespace
 
-Presence JudgeKnown(std::span<const PassEvidence> passes, const PresenceModel& model) {
+Presence PosteriorOfMapLandmark(std::span<const PassEvidence> passes, const PresenceModel& model) {
   return Normalized(WeighKnown(LikelihoodsOf(passes, model), passes, model));
 }
 
-Presence JudgeFound(std::span<const PassEvidence> passes, const PresenceModel& model) {
+Presence PosteriorOfCandidate(std::span<const PassEvidence> passes, const PresenceModel& model) {
   Presence presence = LikelihoodsOfFound(LikelihoodsOf(passes, model), passes, model);
   // What no pass hits is no candidate: each history counts as far as it makes one.
   std::vector<PassEvidence> unhit(passes.begin(), passes.end());

@@ -47,10 +47,10 @@ struct Presence {
 };
 
 /// Of a landmark of the base map.
-Presence JudgeKnown(std::span<const PassEvidence> passes, const PresenceModel& model);
+Presence PosteriorOfMapLandmark(std::span<const PassEvidence> passes, const PresenceModel& model);
 
 /// Of a candidate: a place that the base map has not, and that some pass has hits of.
-Presence JudgeFound(std::span<const PassEvidence> passes, const PresenceModel& model);
+Presence PosteriorOfCandidate(std::span<const PassEvidence> passes, const PresenceModel& model);
 
 /// The logarithm of how likely the hits of a landmark of the base map are, whatever became of it.
 double LogEvidence(std::span<const PassEvidence> passes, const PresenceModel& model);

@@ -42,14 +42,14 @@ void FitShares(Places known, Places found, const PresenceModel& prior, PresenceM
   double went = 0.0;
   double known_changing = 0.0;
   for (const auto& passes : known) {
-    const Presence presence = JudgeKnown(passes, model);
+    const Presence presence = PosteriorOfMapLandmark(passes, model);
     went += presence.went;
     known_changing += presence.comes_and_goes;
   }
   double never = 0.0;
   double found_changing = 0.0;
   for (const auto& passes : found) {
-    const Presence presence = JudgeFound(passes, model);
+    const Presence presence = PosteriorOfCandidate(passes, model);
     never += presence.never;
     found_changing += presence.comes_and_goes;
   }

@@ -52,7 +52,7 @@ double ErrorOf(const ReplayedScan& scan, const Pose2& T_map_consensus) {
   return (scan.T_map_vehicle.translation_m - T_map_consensus.translation_m).norm();
 }
 
-SegmentVerdict VerdictOf(const SegmentSum& sum) {
+SegmentEvaluation EvaluationOf(const SegmentSum& sum) {
   return {.scan_count = sum.scan_count,
           .agreed_count = sum.common.all,
           .went_count = sum.went.all,
@@ -66,7 +66,7 @@ SegmentVerdict VerdictOf(const SegmentSum& sum) {
           .new_version = sum.new_version.Score()};
 }
 
-std::string FaultOf(const SegmentVerdict& segment, double error_share, double error_margin_m,
+std::string FaultOf(const SegmentEvaluation& segment, double error_share, double error_margin_m,
                     const UpdateGateOptions& options) {
   const VersionScore& before = segment.old_version;
   const VersionScore& after = segment.new_version;
@@ -107,11 +107,11 @@ std::string FaultOf(const SegmentVerdict& segment, double error_share, double er
   return "";
 }
 
-/// One judgement.
-class Judge {
+/// One evaluation.
+class UpdateEvaluator {
  public:
-  Judge(const EditableMap& old_version, const EditableMap& new_version, const Rig& rig,
-        const std::vector<Scan>& scans, const UpdateGateOptions& options)
+  UpdateEvaluator(const EditableMap& old_version, const EditableMap& new_version, const Rig& rig,
+                  const std::vector<Scan>& scans, const UpdateGateOptions& options)
       : rig_(rig),
         scans_(scans),
         options_(options),
@@ -122,7 +122,7 @@ class Judge {
         segments_(old_version, options.segment_m),
         sums_(segments_.count()) {}
 
-  absl::StatusOr<GateVerdict> Run() {
+  absl::StatusOr<UpdateEvaluation> Run() {
     for (Version* const version : {&old_version_, &new_version_}) {
       auto map = MapOf(version->map);
       if (!map.ok()) return map.status();
@@ -139,7 +139,7 @@ class Judge {
     }
     Score();
     CountSeen();
-    return Verdict();
+    return Evaluation();
   }
 
  private:
@@ -216,14 +216,14 @@ class Judge {
     count(comparison_.came, &SegmentSum::came);
   }
 
-  GateVerdict Verdict() const {
-    GateVerdict verdict;
-    verdict.whole = VerdictOf(whole_);
-    verdict.whole.fault =
-        FaultOf(verdict.whole, options_.error_share, options_.error_margin_m, options_);
+  UpdateEvaluation Evaluation() const {
+    UpdateEvaluation evaluation;
+    evaluation.whole = EvaluationOf(whole_);
+    evaluation.whole.fault =
+        FaultOf(evaluation.whole, options_.error_share, options_.error_margin_m, options_);
     std::string fault;
     for (std::size_t i = 0; i < sums_.size(); ++i) {
-      SegmentVerdict segment = VerdictOf(sums_[i]);
+      SegmentEvaluation segment = EvaluationOf(sums_[i]);
       segment.p_map_m << segments_.Middle(i), 0.0;
       segment.p_map_m += origin_m_;
       if (segment.scan_count >= static_cast<std::size_t>(options_.min_scan_count)) {
@@ -234,15 +234,17 @@ class Judge {
         fault = absl::StrFormat("at (%.0f, %.0f) m: %s", segment.p_map_m.x(), segment.p_map_m.y(),
                                 segment.fault);
       }
-      verdict.segments.push_back(std::move(segment));
+      evaluation.segments.push_back(std::move(segment));
     }
-    verdict.reason = Reason(verdict.whole, fault);
-    verdict.is_better = verdict.reason.empty();
-    if (verdict.is_better) verdict.reason = "as good in every street segment, and it fits better";
-    return verdict;
+    evaluation.reason = Reason(evaluation.whole, fault);
+    evaluation.is_better = evaluation.reason.empty();
+    if (evaluation.is_better) {
+      evaluation.reason = "as good in every street segment, and it fits better";
+    }
+    return evaluation;
   }
 
-  static std::string Reason(const SegmentVerdict& whole, const std::string& segment_fault) {
+  static std::string Reason(const SegmentEvaluation& whole, const std::string& segment_fault) {
     if (!whole.fault.empty()) return "worse as a whole: " + whole.fault;
     if (!segment_fault.empty()) return "worse in a street segment, " + segment_fault;
     if (whole.came_count + whole.went_count == 0) return "nothing has changed";
@@ -267,14 +269,14 @@ class Judge {
 
 }  // namespace
 
-absl::StatusOr<GateVerdict> JudgeUpdate(const EditableMap& old_version,
-                                        const EditableMap& new_version, const Rig& rig,
-                                        const std::vector<Scan>& scans,
-                                        const UpdateGateOptions& options) {
+absl::StatusOr<UpdateEvaluation> EvaluateUpdate(const EditableMap& old_version,
+                                                const EditableMap& new_version, const Rig& rig,
+                                                const std::vector<Scan>& scans,
+                                                const UpdateGateOptions& options) {
   if (old_version.keyframes.empty() || scans.empty()) {
     return absl::InvalidArgumentError("the old version has no keyframe, or the pass no scan");
   }
-  return Judge(old_version, new_version, rig, scans, options).Run();
+  return UpdateEvaluator(old_version, new_version, rig, scans, options).Run();
 }
 
 }  // namespace dcloc

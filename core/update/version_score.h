@@ -14,11 +14,11 @@
 namespace dcloc {
 
 /// How one version localizes a pass that it was not made of. The consensus is where the vehicle
-/// was by both versions together (`JudgeUpdate`).
+/// was by both versions together (`EvaluateUpdate`).
 struct VersionScore {
   double error_m = 0.0;  ///< of its answers that track, from the consensus, median
   double error_p90_m = 0.0;
-  double offset_m = 0.0;        ///< of its landmarks, as the pass sees them: see `JudgeUpdate`
+  double offset_m = 0.0;        ///< of its landmarks, as the pass sees them: see `EvaluateUpdate`
   double tracking_share = 0.0;  ///< of the scans
   double nees = 0.0;            ///< of (x, y, yaw) about the consensus, by 3; median
   double fit = 0.0;             ///< mean of exp(-d^2 / 2) over static targets: likelihood

@@ -71,17 +71,17 @@ void Judge(std::uint64_t seed, const Candidate& candidate, const EditableMap& ba
            const Town& town, const std::vector<Scan>& scans) {
   const double new_m =
       MedianError_m(RadarMap::FromBytes(ToMapBytes(candidate.map).value()).value(), town.held_out);
-  const auto verdict = JudgeUpdate(base, candidate.map, town.held_out.rig, scans);
-  if (!verdict.ok()) {
+  const auto evaluation = EvaluateUpdate(base, candidate.map, town.held_out.rig, scans);
+  if (!evaluation.ok()) {
     std::printf("%-5lu %-10s %7.4f %7.4f  refused: %s\n", static_cast<unsigned long>(seed),
-                candidate.name.c_str(), old_m, new_m, verdict.status().ToString().c_str());
+                candidate.name.c_str(), old_m, new_m, evaluation.status().ToString().c_str());
     return;
   }
   std::printf("%-5lu %-10s %7.4f %7.4f %7.4f %7.4f %7.4f %-6s %s\n",
               static_cast<unsigned long>(seed), candidate.name.c_str(), old_m, new_m,
-              verdict->whole.old_version.error_m, verdict->whole.new_version.error_m,
-              verdict->whole.new_version.offset_m, verdict->is_better ? "passes" : "fails",
-              verdict->reason.c_str());
+              evaluation->whole.old_version.error_m, evaluation->whole.new_version.error_m,
+              evaluation->whole.new_version.offset_m, evaluation->is_better ? "passes" : "fails",
+              evaluation->reason.c_str());
   std::fflush(stdout);
 }
 

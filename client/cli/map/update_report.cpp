@@ -39,7 +39,7 @@ std::size_t CountOf(const std::vector<LandmarkHistory>& landmarks, LandmarkFate 
 }
 
 /// When the middle of a street segment was last driven past.
-std::optional<Stamp> LastDriven(const UpdateStory& story, const SegmentVerdict& segment) {
+std::optional<Stamp> LastDriven(const UpdateStory& story, const SegmentEvaluation& segment) {
   constexpr double kNear_m = 60.0;
   std::optional<Stamp> last;
   for (const PlacedPass& pass : story.passes) {
@@ -59,7 +59,7 @@ ordered_json ScoreJson(const VersionScore& score) {
           {"nees", score.nees},         {"fit", score.fit}};
 }
 
-ordered_json SegmentJson(const UpdateStory& story, const SegmentVerdict& segment) {
+ordered_json SegmentJson(const UpdateStory& story, const SegmentEvaluation& segment) {
   return {{"x_m", segment.p_map_m.x()},
           {"y_m", segment.p_map_m.y()},
           {"last_driven", DateOf(LastDriven(story, segment))},
@@ -124,7 +124,7 @@ std::vector<std::vector<std::string>> SegmentRows(const UpdateStory& story) {
   std::vector<std::vector<std::string>> rows = {
       {"street segment at (x, y) m", "last driven", "scans", "stay", "went", "came",
        "error before, after [m]", "fit before, after", "verdict"}};
-  for (const SegmentVerdict& segment : story.gate.segments) {
+  for (const SegmentEvaluation& segment : story.gate.segments) {
     rows.push_back(
         {absl::StrFormat("%.0f, %.0f", segment.p_map_m.x(), segment.p_map_m.y()),
          DateOf(LastDriven(story, segment)), absl::StrCat(segment.scan_count),
@@ -221,7 +221,7 @@ std::size_t ComesAndGoesCount(const MapUpdate& update) {
 
 ordered_json UpdateJson(const UpdateStory& story) {
   ordered_json segments = ordered_json::array();
-  for (const SegmentVerdict& segment : story.gate.segments) {
+  for (const SegmentEvaluation& segment : story.gate.segments) {
     segments.push_back(SegmentJson(story, segment));
   }
   const MapUpdate& update = story.update;
@@ -258,7 +258,7 @@ std::string UpdateText(const UpdateStory& story) {
       CountOf(update.known, LandmarkFate::kKept), update.refined_count,
       CountOf(update.found, LandmarkFate::kCame), CountOf(update.known, LandmarkFate::kWent),
       ComesAndGoesCount(update));
-  const SegmentVerdict& whole = story.gate.whole;
+  const SegmentEvaluation& whole = story.gate.whole;
   absl::StrAppendFormat(
       &text,
       "%-14s median error %.3f m, before %.3f m; fit %.4f, before %.4f; tracks %.1f %%, before "

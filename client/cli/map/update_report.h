@@ -17,7 +17,7 @@ struct UpdateStory {
   std::vector<PlacedPass> passes;   ///< without their points
   std::vector<std::string> faults;  ///< of each pass; empty where it is of use
   MapUpdate update;
-  GateVerdict gate;
+  UpdateEvaluation gate;
   std::string out;  ///< the file that was written; empty where none was
 };
 

@@ -48,7 +48,7 @@ class UpdateRun {
     story_.update = *std::move(update);
     Describe();
     line_.Update("judging the new version", 0.0);
-    auto gate = JudgeUpdate(base_, story_.update.map, held_out_rig_, held_out_scans_);
+    auto gate = EvaluateUpdate(base_, story_.update.map, held_out_rig_, held_out_scans_);
     if (!gate.ok()) {
       return absl::Status(gate.status().code(),
                           absl::StrCat(story_.held_out, ": ", gate.status().message()));

@@ -28,12 +28,12 @@ class UpdateGateTest : public ::testing::Test {
     delete map_;
   }
 
-  static GateVerdict Judged(const EditableMap& before, const EditableMap& after) {
+  static UpdateEvaluation Evaluated(const EditableMap& before, const EditableMap& after) {
     std::vector<Scan> scans;
     for (const DriveScan& entry : drive_->scans) scans.push_back(entry.scan);
-    const auto verdict = JudgeUpdate(before, after, drive_->rig, scans);
-    EXPECT_TRUE(verdict.ok()) << verdict.status();
-    return verdict.ok() ? *verdict : GateVerdict{};
+    const auto evaluation = EvaluateUpdate(before, after, drive_->rig, scans);
+    EXPECT_TRUE(evaluation.ok()) << evaluation.status();
+    return evaluation.ok() ? *evaluation : UpdateEvaluation{};
   }
 
   /// The map without the landmarks whose number is `remainder` modulo `divisor`.
@@ -52,24 +52,24 @@ class UpdateGateTest : public ::testing::Test {
 };
 
 TEST_F(UpdateGateTest, NothingChangedIsNotBetter) {
-  const GateVerdict verdict = Judged(*map_, *map_);
-  EXPECT_FALSE(verdict.is_better);
-  EXPECT_THAT(verdict.reason, HasSubstr("nothing has changed"));
-  EXPECT_GT(verdict.whole.old_version.tracking_share, 0.8);
-  EXPECT_LT(verdict.whole.old_version.error_m, 0.1);
+  const UpdateEvaluation evaluation = Evaluated(*map_, *map_);
+  EXPECT_FALSE(evaluation.is_better);
+  EXPECT_THAT(evaluation.reason, HasSubstr("nothing has changed"));
+  EXPECT_GT(evaluation.whole.old_version.tracking_share, 0.8);
+  EXPECT_LT(evaluation.whole.old_version.error_m, 0.1);
 }
 
 TEST_F(UpdateGateTest, LandmarksThatWereMissingMakeItBetter) {
-  const GateVerdict verdict = Judged(Thinned(4, 0), *map_);
-  EXPECT_TRUE(verdict.is_better) << verdict.reason;
-  EXPECT_GT(verdict.whole.new_version.fit, verdict.whole.old_version.fit);
-  EXPECT_GT(verdict.whole.came_count, 20U);
+  const UpdateEvaluation evaluation = Evaluated(Thinned(4, 0), *map_);
+  EXPECT_TRUE(evaluation.is_better) << evaluation.reason;
+  EXPECT_GT(evaluation.whole.new_version.fit, evaluation.whole.old_version.fit);
+  EXPECT_GT(evaluation.whole.came_count, 20U);
 }
 
 TEST_F(UpdateGateTest, LandmarksThatStandAndAreGoneMakeItWorse) {
-  const GateVerdict verdict = Judged(*map_, Thinned(4, 0));
-  EXPECT_FALSE(verdict.is_better);
-  EXPECT_THAT(verdict.reason, HasSubstr("worse"));
+  const UpdateEvaluation evaluation = Evaluated(*map_, Thinned(4, 0));
+  EXPECT_FALSE(evaluation.is_better);
+  EXPECT_THAT(evaluation.reason, HasSubstr("worse"));
 }
 
 TEST_F(UpdateGateTest, LandmarksThatLieElsewhereMakeItWorse) {
@@ -80,9 +80,9 @@ TEST_F(UpdateGateTest, LandmarksThatLieElsewhereMakeItWorse) {
       if (number++ % 2 == 0) point.y_m += 0.6F;
     }
   }
-  const GateVerdict verdict = Judged(*map_, bent);
-  EXPECT_FALSE(verdict.is_better);
-  EXPECT_THAT(verdict.reason, HasSubstr("worse"));
+  const UpdateEvaluation evaluation = Evaluated(*map_, bent);
+  EXPECT_FALSE(evaluation.is_better);
+  EXPECT_THAT(evaluation.reason, HasSubstr("worse"));
 }
 
 TEST_F(UpdateGateTest, LandmarksThatAllLieToOneSideMakeItWorse) {
@@ -90,9 +90,9 @@ TEST_F(UpdateGateTest, LandmarksThatAllLieToOneSideMakeItWorse) {
   for (EditableKeyframe& keyframe : moved.keyframes) {
     for (MapPoint& point : keyframe.points) point.x_m += 0.15F;
   }
-  const GateVerdict verdict = Judged(Thinned(4, 0), moved);
-  EXPECT_FALSE(verdict.is_better);
-  EXPECT_GT(verdict.whole.new_version.offset_m, 0.08);
+  const UpdateEvaluation evaluation = Evaluated(Thinned(4, 0), moved);
+  EXPECT_FALSE(evaluation.is_better);
+  EXPECT_GT(evaluation.whole.new_version.offset_m, 0.08);
 }
 
 TEST_F(UpdateGateTest, LandmarksOfNothingMakeItNoBetter) {
@@ -106,7 +106,7 @@ TEST_F(UpdateGateTest, LandmarksOfNothingMakeItNoBetter) {
       keyframe.points.push_back(ghost);
     }
   }
-  EXPECT_FALSE(Judged(*map_, haunted).is_better);
+  EXPECT_FALSE(Evaluated(*map_, haunted).is_better);
 }
 
 TEST_F(UpdateGateTest, RefusesAPassThatIsNotInTheMap) {
@@ -116,7 +116,7 @@ TEST_F(UpdateGateTest, RefusesAPassThatIsNotInTheMap) {
   const Drive other = SimulatePass(options, Passes(options)[1]).value();
   std::vector<Scan> scans;
   for (const DriveScan& entry : other.scans) scans.push_back(entry.scan);
-  EXPECT_FALSE(JudgeUpdate(*map_, Thinned(4, 0), other.rig, scans).ok());
+  EXPECT_FALSE(EvaluateUpdate(*map_, Thinned(4, 0), other.rig, scans).ok());
 }
 
 }  // namespace

@@ -9,6 +9,6 @@ namespace dcloc::server {
 /// object ends before the range that was asked for; Unavailable: it may pass, so the request is to
 /// be sent again; FailedPrecondition: it will not. The messages have the status and the service's
 /// code.
-absl::Status JudgeAnswer(const S3Request& request, const S3Answer& answer);
+absl::Status StatusOfResponse(const S3Request& request, const S3Answer& answer);
 
 }  // namespace dcloc::server

@@ -1,4 +1,4 @@
-#include "server/objects/judge_answer.h"
+#include "server/objects/response_status.h"
 
 #include <algorithm>
 #include <array>
@@ -12,14 +12,14 @@ namespace dcloc::server {
 namespace {
 
 /// S3's codes of requests that came damaged or at a bad moment, with a status that says neither.
-bool MayPass(const std::string& code) {
+bool IsRetryable(const std::string& code) {
   constexpr std::array kCodes = {
       "BadDigest",      "IncompleteBody",     "InternalError", "OperationAborted",
       "RequestTimeout", "ServiceUnavailable", "SlowDown",      "XAmzContentSHA256Mismatch"};
   return std::ranges::find(kCodes, code) != kCodes.end();
 }
 
-bool MayPass(int status) {
+bool IsRetryable(int status) {
   constexpr std::array kStatuses = {408, 429, 500, 502, 503, 504};
   return std::ranges::find(kStatuses, status) != kStatuses.end();
 }
@@ -42,14 +42,14 @@ absl::Status JudgeGood(const S3Request& request, const S3Answer& answer) {
 
 }  // namespace
 
-absl::Status JudgeAnswer(const S3Request& request, const S3Answer& answer) {
+absl::Status StatusOfResponse(const S3Request& request, const S3Answer& answer) {
   constexpr int kNotFound = 404;
   constexpr int kRangeNotSatisfiable = 416;
   const int status = answer.status;
   if (status >= 200 && status < 300) return JudgeGood(request, answer);
   const std::string code = S3ErrorCode(answer.text);
   const std::string text = absl::StrCat("the answer is ", status, code.empty() ? "" : " ", code);
-  if (MayPass(status) || MayPass(code)) return absl::UnavailableError(text);
+  if (IsRetryable(status) || IsRetryable(code)) return absl::UnavailableError(text);
   if (status == kNotFound && code != "NoSuchBucket") return absl::NotFoundError(text);
   if (status == kRangeNotSatisfiable) return absl::OutOfRangeError(text);
   return absl::FailedPreconditionError(text);
