@@ -12,7 +12,7 @@ void CurrentPose<Dim>::OnMotion(const Motion& motion) {
 
 template <int Dim>
 void CurrentPose<Dim>::OnGap() {
-  noise_scales_.OnBreak();
+  noise_scales_.OnDiscontinuity();
   gap_since_state_ = true;
 }
 

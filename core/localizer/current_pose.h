@@ -22,7 +22,7 @@ class CurrentPose {
   void OnGap();
 
   /// What follows is not compared with what was before.
-  void OnBreak() { noise_scales_.OnBreak(); }
+  void OnDiscontinuity() { noise_scales_.OnDiscontinuity(); }
 
   /// What was learned of the noise was learned of something else.
   void ResetNoise() { noise_scales_ = NoiseScaleEstimator<Dim>(noise_options_); }

@@ -361,8 +361,8 @@ template <int Dim>
 void Pipeline<Dim>::UpdateOdometry(const std::optional<Registered>& registered,
                                    RegistrationOutcome outcome) {
   if (tracking_.mode() != TrackingMode::kConfirmed) {
-    ego_motion_.OnBreak();
-    pose_.OnBreak();
+    ego_motion_.OnDiscontinuity();
+    pose_.OnDiscontinuity();
   }
   if (!registered) return;
   const PoseEstimate<3> T_local_vehicle =

@@ -114,7 +114,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   std::optional<EgoVelocity> reported;
   if (scan.ego_velocity) {
     late_.OnReported(stamp, *scan.ego_velocity);
-    reported = late_.AsOfNow(Corrected(*scan.ego_velocity));
+    reported = late_.WithDelayUncertainty(Corrected(*scan.ego_velocity));
   }
   sources_.OnReadings(stamp,
                       ReadingsOf(reported, doppler, alternative, simultaneous_scans_.size()));
@@ -123,9 +123,9 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   if (doppler_is_sound) late_.OnDoppler(moment_, doppler->ego_velocity);
   FollowWheelScale(stamp, reported, doppler_is_sound ? &*doppler : nullptr);
   if (reported) {
-    reported =
-        late_.BroughtToNow(stamp, Corrected(*scan.ego_velocity),
-                           doppler_is_sound ? &doppler->ego_velocity : nullptr, sources_.sound());
+    reported = late_.ExtrapolatedToNow(stamp, Corrected(*scan.ego_velocity),
+                                       doppler_is_sound ? &doppler->ego_velocity : nullptr,
+                                       sources_.sound());
   }
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
@@ -184,7 +184,7 @@ void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, const EgoVeloc
         Integrate(*reported_with_sound_wheels_, *with_sound_wheels, age, options_.motion).T_from_to,
         age);
   } else {
-    errors_.OnBreak();
+    errors_.OnDiscontinuity();
   }
   reported_with_sound_wheels_ = with_sound_wheels;
 }

@@ -127,7 +127,7 @@ class EgoMotion {
     errors_.OnPose(T_map_vehicle, covariance);
   }
   /// The pose was lost: the next `OnPose` is not compared with the one before.
-  void OnBreak() { errors_.OnBreak(); }
+  void OnDiscontinuity() { errors_.OnDiscontinuity(); }
   /// The next registration is at another place: it is not compared with the one before.
   void OnPlaceChanged() { sources_.OnRegistrationLost(); }
   /// The poses given so far were wrong: scale and yaw-rate bias are estimated anew.

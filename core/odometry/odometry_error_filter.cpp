@@ -153,7 +153,7 @@ void OdometryErrorFilter::OnScaleChange(const ScalarEstimate& change) {
   SetVariance(kScale, covariance_(kScale, kScale) + Square(scale_) * change.variance);
   scale_ *= 1.0 + change.value;
   squared_sigmas_ = count_ = 0.0;  // the innovations of late were those of the change
-  OnBreak();
+  OnDiscontinuity();
 }
 
 void OdometryErrorFilter::StartAt(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {

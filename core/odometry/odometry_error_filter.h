@@ -90,7 +90,7 @@ class OdometryErrorFilter {
   void OnScaleChange(const ScalarEstimate& change);
 
   /// The pose was lost: the next one starts the filter's pose again.
-  void OnBreak() {
+  void OnDiscontinuity() {
     T_map_vehicle_.reset();
     last_pose_.reset();
   }

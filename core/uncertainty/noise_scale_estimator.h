@@ -53,7 +53,7 @@ class NoiseScaleEstimator {
 
   /// The pose was lost or odometry interrupted: later registrations are not compared with earlier
   /// ones.
-  void OnBreak() { anchor_count_ = 0; }
+  void OnDiscontinuity() { anchor_count_ = 0; }
 
   /// What was learned so far.
   NoiseKnowledge knowledge() const { return {translation_, rotation_}; }
