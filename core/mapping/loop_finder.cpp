@@ -33,10 +33,10 @@ absl::Status Validate(const LoopFinderOptions& options) {
   return status;
 }
 
-std::vector<NetworkEdge> LoopFinder::Neighbours(const SurveyGraph& graph, std::size_t drive) {
+std::vector<SurveyEdge> LoopFinder::Neighbours(const SurveyGraph& graph, std::size_t drive) {
   const std::vector<SurveyNode>& nodes = graph.track(drive).nodes;
   std::vector<LocalMap<2>> targets;
-  std::vector<NetworkEdge> edges;
+  std::vector<SurveyEdge> edges;
   const auto reach = static_cast<std::size_t>(options_.neighbour_count);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const std::size_t begin = i - std::min(i, reach);
@@ -58,9 +58,9 @@ std::vector<NetworkEdge> LoopFinder::Neighbours(const SurveyGraph& graph, std::s
   return edges;
 }
 
-std::optional<NetworkEdge> LoopFinder::Register(const SurveyGraph& graph, std::size_t from,
-                                                std::size_t to, const SubmapGuess& guess,
-                                                const RegistrationGate& gate) {
+std::optional<SurveyEdge> LoopFinder::Register(const SurveyGraph& graph, std::size_t from,
+                                               std::size_t to, const SubmapGuess& guess,
+                                               const RegistrationGate& gate) {
   // As far as the search may move the sub-map, the target has ground beneath it.
   const DriveTrack& track = graph.track(graph.IndexOf(from).drive);
   const double spacing_m =
@@ -74,14 +74,14 @@ std::optional<NetworkEdge> LoopFinder::Register(const SurveyGraph& graph, std::s
   const std::optional<SubmapMatch> match =
       matcher_.Match(graph.SubmapOf(to, options_.submap_half_count), target, guess, gate);
   if (!match) return std::nullopt;
-  return NetworkEdge{.from = from, .to = to, .T_from_to = match->T_target_live};
+  return SurveyEdge{.from = from, .to = to, .T_from_to = match->T_target_live};
 }
 
-std::vector<NetworkEdge> LoopFinder::NearLoops(const SurveyGraph& graph, std::size_t stride,
-                                               const std::function<bool(double)>& progress) {
+std::vector<SurveyEdge> LoopFinder::NearLoops(const SurveyGraph& graph, std::size_t stride,
+                                              const std::function<bool(double)>& progress) {
   std::set<std::pair<std::size_t, std::size_t>> known;
-  for (const NetworkEdge& loop : graph.loops) known.emplace(loop.from, loop.to);
-  std::vector<NetworkEdge> found;
+  for (const SurveyEdge& loop : graph.loops) known.emplace(loop.from, loop.to);
+  std::vector<SurveyEdge> found;
   for (std::size_t node = 0; node < graph.node_count(); node += stride) {
     for (const Visit& visit : VisitsNear(graph, node)) {
       if (known.contains({visit.node, node})) continue;

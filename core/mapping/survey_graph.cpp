@@ -70,8 +70,8 @@ std::vector<GaussianPoint<2>> SurveyGraph::SubmapOf(std::size_t node,
                     half_count);
 }
 
-std::vector<NetworkEdge> SurveyGraph::Edges() const {
-  std::vector<NetworkEdge> edges = motions;
+std::vector<SurveyEdge> SurveyGraph::Edges() const {
+  std::vector<SurveyEdge> edges = motions;
   edges.insert(edges.end(), neighbours.begin(), neighbours.end());
   edges.insert(edges.end(), loops.begin(), loops.end());
   return edges;
@@ -89,7 +89,7 @@ std::vector<std::size_t> SurveyGraph::GroupOfDrives() const {
 std::vector<bool> SurveyGraph::HasFix() const {
   const std::vector<std::size_t> groups = GroupOfDrives();
   std::vector<bool> group_has_fix(drive_count(), false);
-  for (const NetworkFix& fix : fixes) group_has_fix[groups[IndexOf(fix.node).drive]] = true;
+  for (const NodeFix& fix : fixes) group_has_fix[groups[IndexOf(fix.node).drive]] = true;
   std::vector<bool> has_fix;
   for (const std::size_t group : groups) has_fix.push_back(group_has_fix[group]);
   return has_fix;
@@ -98,10 +98,10 @@ std::vector<bool> SurveyGraph::HasFix() const {
 namespace {
 
 // The other ends of each node's loops.
-std::vector<std::vector<std::size_t>> LoopEnds(std::span<const NetworkEdge> loops,
+std::vector<std::vector<std::size_t>> LoopEnds(std::span<const SurveyEdge> loops,
                                                std::size_t node_count) {
   std::vector<std::vector<std::size_t>> ends(node_count);
-  for (const NetworkEdge& loop : loops) {
+  for (const SurveyEdge& loop : loops) {
     ends[loop.from].push_back(loop.to);
     ends[loop.to].push_back(loop.from);
   }
@@ -109,10 +109,10 @@ std::vector<std::vector<std::size_t>> LoopEnds(std::span<const NetworkEdge> loop
 }
 
 // The length of the shortest edge from each node to the frame of the fixes.
-std::vector<double> ToFixes(std::span<const NetworkFix> fixes, std::size_t node_count,
+std::vector<double> ToFixes(std::span<const NodeFix> fixes, std::size_t node_count,
                             const PathCosts& costs) {
   std::vector<double> to_fixes_m(node_count, std::numeric_limits<double>::infinity());
-  for (const NetworkFix& fix : fixes) {
+  for (const NodeFix& fix : fixes) {
     to_fixes_m[fix.node] = std::min(to_fixes_m[fix.node], costs.path_m_per_fix_sigma * fix.sigma_m);
   }
   return to_fixes_m;
@@ -142,7 +142,7 @@ std::vector<std::pair<std::size_t, double>> SurveyGraph::PathsFrom(std::size_t f
     open.pop();
     if (path_length_m > shortest_m[here]) continue;
     if (here == hub) {
-      for (const NetworkFix& fix : fixes) reach(fix.node, path_length_m + to_hub_m[fix.node]);
+      for (const NodeFix& fix : fixes) reach(fix.node, path_length_m + to_hub_m[fix.node]);
       continue;
     }
     reached.emplace_back(here, path_length_m);

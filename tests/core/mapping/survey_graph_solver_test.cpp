@@ -1,4 +1,4 @@
-#include "core/mapping/pose_network.h"
+#include "core/mapping/survey_graph_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 struct Ring {
   std::vector<Pose2> T_truth;
   std::vector<Pose2> T_guess;
-  std::vector<NetworkEdge> edges;
+  std::vector<SurveyEdge> edges;
 
   Ring() {
     T_truth = T_guess = {Pose2{}};
@@ -25,8 +25,8 @@ struct Ring {
       edges.back().is_certain = true;
     }
   }
-  static NetworkEdge Edge(std::size_t from, std::size_t to, const Pose2& T, double sigma_m,
-                          double sigma_rad) {
+  static SurveyEdge Edge(std::size_t from, std::size_t to, const Pose2& T, double sigma_m,
+                         double sigma_rad) {
     return {.from = from,
             .to = to,
             .T_from_to = {.pose = T,
@@ -46,24 +46,24 @@ struct Ring {
   }
 };
 
-TEST(PoseNetworkTest, LoopsTakeTheDriftOut) {
+TEST(SurveyGraphSolverTest, LoopsTakeTheDriftOut) {
   Ring ring;
   for (std::size_t i = 0; i < 4; ++i) ring.AddLoop(i, 36 + i);
-  const auto solution = SolvePoseNetwork(ring.T_guess, ring.edges, {}, {});
+  const auto solution = SolveSurveyGraph(ring.T_guess, ring.edges, {}, {});
   ASSERT_TRUE(solution.ok()) << solution.status();
   EXPECT_GT(ring.MaxError(ring.T_guess), 10.0);
   EXPECT_LT(ring.MaxError(solution->T_map_nodes), 2.0);
   for (const double weight : solution->edge_weights) EXPECT_GT(weight, 0.9);
 }
 
-TEST(PoseNetworkTest, WrongLoopBendsNothing) {
+TEST(SurveyGraphSolverTest, WrongLoopBendsNothing) {
   Ring right;
   for (std::size_t i = 0; i < 4; ++i) right.AddLoop(i, 36 + i);
   Ring wrong = right;
   wrong.AddLoop(5, 25, {.translation_m = {30.0, 10.0}});
   wrong.AddLoop(12, 33, {.yaw_rad = 1.0});
-  const auto expected = SolvePoseNetwork(right.T_guess, right.edges, {}, {});
-  const auto solution = SolvePoseNetwork(wrong.T_guess, wrong.edges, {}, {});
+  const auto expected = SolveSurveyGraph(right.T_guess, right.edges, {}, {});
+  const auto solution = SolveSurveyGraph(wrong.T_guess, wrong.edges, {}, {});
   ASSERT_TRUE(expected.ok() && solution.ok());
   EXPECT_LT(solution->edge_weights[wrong.edges.size() - 1], 0.01);
   EXPECT_LT(solution->edge_weights[wrong.edges.size() - 2], 0.01);
@@ -74,14 +74,14 @@ TEST(PoseNetworkTest, WrongLoopBendsNothing) {
   }
 }
 
-TEST(PoseNetworkTest, MultipathDoesNotPull) {
+TEST(SurveyGraphSolverTest, MultipathDoesNotPull) {
   Ring ring;
-  std::vector<NetworkFix> fixes;
+  std::vector<NodeFix> fixes;
   for (std::size_t i = 0; i < 40; i += 2) {
     fixes.push_back({.node = i, .p_map = ring.T_truth[i].translation_m, .sigma_m = 1.0});
     if (i == 20 || i == 22) fixes.back().p_map.x() += 40.0;
   }
-  const auto solution = SolvePoseNetwork(ring.T_guess, ring.edges, fixes, {});
+  const auto solution = SolveSurveyGraph(ring.T_guess, ring.edges, fixes, {});
   ASSERT_TRUE(solution.ok()) << solution.status();
   EXPECT_LT(ring.MaxError(solution->T_map_nodes), 2.0);  // a fix alone would pull by 40 m
   EXPECT_LT(solution->fix_weights[10], 0.01);
@@ -89,14 +89,14 @@ TEST(PoseNetworkTest, MultipathDoesNotPull) {
   EXPECT_GT(solution->fix_weights[5], 0.9);
 }
 
-TEST(PoseNetworkTest, EachPartIsHeldAtItsFirstNode) {
+TEST(SurveyGraphSolverTest, EachPartIsHeldAtItsFirstNode) {
   const std::vector<Pose2> T_guess = {
       {}, {.translation_m = {9, 0}}, {.translation_m = {50, 7}}, {.translation_m = {59, 7}}};
   const Pose2 step{.translation_m = {10.0, 0.0}};
-  const std::vector<NetworkEdge> edges = {Ring::Edge(0, 1, step, 0.1, 0.01),
-                                          Ring::Edge(2, 3, step, 0.1, 0.01)};
+  const std::vector<SurveyEdge> edges = {Ring::Edge(0, 1, step, 0.1, 0.01),
+                                         Ring::Edge(2, 3, step, 0.1, 0.01)};
   EXPECT_EQ(PartsOf(4, edges), (std::vector<std::size_t>{0, 0, 2, 2}));
-  const auto solution = SolvePoseNetwork(T_guess, edges, {}, {});
+  const auto solution = SolveSurveyGraph(T_guess, edges, {}, {});
   ASSERT_TRUE(solution.ok()) << solution.status();
   EXPECT_NEAR(solution->T_map_nodes[1].translation_m.x(), 10.0, 1e-6);
   EXPECT_NEAR(solution->T_map_nodes[3].translation_m.x(), 60.0, 1e-6);

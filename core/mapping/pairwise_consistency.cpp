@@ -1,4 +1,4 @@
-#include "core/mapping/loop_vote.h"
+#include "core/mapping/pairwise_consistency.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +14,8 @@ double PathLengthBetween(const SurveyGraph& graph, std::size_t a, std::size_t b)
 }
 
 // The path around: over `a`, along the drive of the one ends, back over `b`, along the other drive.
-Verdict Compare(const NetworkEdge& a, const NetworkEdge& b, const SurveyGraph& graph,
-                const LoopVoteOptions& options) {
+Verdict Compare(const SurveyEdge& a, const SurveyEdge& b, const SurveyGraph& graph,
+                const PairwiseConsistencyOptions& options) {
   if (graph.IndexOf(a.from).drive != graph.IndexOf(b.from).drive ||
       graph.IndexOf(a.to).drive != graph.IndexOf(b.to).drive) {
     return Verdict::kUnrelated;
@@ -37,8 +37,9 @@ Verdict Compare(const NetworkEdge& a, const NetworkEdge& b, const SurveyGraph& g
 
 }  // namespace
 
-std::span<const OptionField<LoopVoteOptions>> FieldsOf(const LoopVoteOptions& /*options*/) {
-  using O = LoopVoteOptions;
+std::span<const OptionField<PairwiseConsistencyOptions>> FieldsOf(
+    const PairwiseConsistencyOptions& /*options*/) {
+  using O = PairwiseConsistencyOptions;
   static constexpr OptionField<O> kFields[] = {
       {"max_separation_m", &O::max_separation_m, 1, 10'000},
       {"tolerance_m", &O::tolerance_m, 0.01, 100},
@@ -51,12 +52,13 @@ std::span<const OptionField<LoopVoteOptions>> FieldsOf(const LoopVoteOptions& /*
   return kFields;
 }
 
-absl::Status Validate(const LoopVoteOptions& options) {
+absl::Status Validate(const PairwiseConsistencyOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-std::vector<NetworkEdge> ConfirmedLoops(const std::vector<NetworkEdge>& candidates,
-                                        const SurveyGraph& graph, const LoopVoteOptions& options) {
+std::vector<SurveyEdge> ConfirmedLoops(const std::vector<SurveyEdge>& candidates,
+                                       const SurveyGraph& graph,
+                                       const PairwiseConsistencyOptions& options) {
   std::vector<std::size_t> order(candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return candidates[i].to; });
@@ -64,8 +66,8 @@ std::vector<NetworkEdge> ConfirmedLoops(const std::vector<NetworkEdge>& candidat
   std::vector<int> conflict(candidates.size(), 0);
   for (std::size_t a = 0; a < order.size(); ++a) {
     for (std::size_t b = a + 1; b < order.size(); ++b) {
-      const NetworkEdge& one = candidates[order[a]];
-      const NetworkEdge& other = candidates[order[b]];
+      const SurveyEdge& one = candidates[order[a]];
+      const SurveyEdge& other = candidates[order[b]];
       if (graph.IndexOf(one.to).drive != graph.IndexOf(other.to).drive ||
           PathLengthBetween(graph, one.to, other.to) > options.max_separation_m) {
         break;
@@ -77,7 +79,7 @@ std::vector<NetworkEdge> ConfirmedLoops(const std::vector<NetworkEdge>& candidat
       ++tally[order[b]];
     }
   }
-  std::vector<NetworkEdge> confirmed;
+  std::vector<SurveyEdge> confirmed;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const double compared = support[i] + conflict[i];
     if (support[i] >= options.min_support && conflict[i] <= options.max_conflict_share * compared) {

@@ -1,4 +1,4 @@
-#include "core/mapping/loop_vote.h"
+#include "core/mapping/pairwise_consistency.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@ namespace dcloc {
 namespace {
 
 // Two drives along the same 200 m, the second in a frame of its own.
-class LoopVoteTest : public ::testing::Test {
+class PairwiseConsistencyTest : public ::testing::Test {
  protected:
-  LoopVoteTest() {
+  PairwiseConsistencyTest() {
     for (DriveTrack& track : tracks_) {
       for (int i = 0; i < 20; ++i) {
         track.nodes.push_back({.stamp = Stamp(std::chrono::seconds(i)),
@@ -18,7 +18,7 @@ class LoopVoteTest : public ::testing::Test {
       }
     }
   }
-  static NetworkEdge Loop(std::size_t index, double along_m, double yaw_rad = 0.0) {
+  static SurveyEdge Loop(std::size_t index, double along_m, double yaw_rad = 0.0) {
     return {.from = index,
             .to = 20 + index,
             .T_from_to = {.pose = {.translation_m = {along_m, 0.0}, .yaw_rad = yaw_rad}}};
@@ -27,16 +27,16 @@ class LoopVoteTest : public ::testing::Test {
   DriveTrack tracks_[2];
 };
 
-TEST_F(LoopVoteTest, KeepsThoseThatAgree) {
+TEST_F(PairwiseConsistencyTest, KeepsThoseThatAgree) {
   const SurveyGraph graph({&tracks_[0], &tracks_[1]});
-  const std::vector<NetworkEdge> candidates = {Loop(2, 0.0), Loop(5, 30.0), Loop(8, 0.2),
-                                               Loop(11, -0.1)};
-  const std::vector<NetworkEdge> confirmed = ConfirmedLoops(candidates, graph, {});
+  const std::vector<SurveyEdge> candidates = {Loop(2, 0.0), Loop(5, 30.0), Loop(8, 0.2),
+                                              Loop(11, -0.1)};
+  const std::vector<SurveyEdge> confirmed = ConfirmedLoops(candidates, graph, {});
   ASSERT_EQ(confirmed.size(), 3U);
   EXPECT_EQ(confirmed[1].from, 8U);
 }
 
-TEST_F(LoopVoteTest, NeedsSupport) {
+TEST_F(PairwiseConsistencyTest, NeedsSupport) {
   const SurveyGraph graph({&tracks_[0], &tracks_[1]});
   EXPECT_TRUE(ConfirmedLoops({Loop(2, 0.0), Loop(5, 0.0)}, graph, {}).empty());
   EXPECT_TRUE(

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/mapping/pose_network.h"
 #include "core/mapping/survey_graph.h"
+#include "core/mapping/survey_graph_solver.h"
 #include "core/options/option_fields.h"
 
 namespace dcloc {
 
 /// When two loops agree, and how many must.
-struct LoopVoteOptions {
+struct PairwiseConsistencyOptions {
   /// Loops are compared where both of their ends lie within this distance along a drive each.
   double max_separation_m = 150.0;
   /// Two loops agree when the cycle over both of them closes within this, and within the shares of
@@ -25,14 +25,16 @@ struct LoopVoteOptions {
   int min_support = 2;               ///< loops that agree
   double max_conflict_share = 0.34;  ///< of the compared ones may disagree
 };
-std::span<const OptionField<LoopVoteOptions>> FieldsOf(const LoopVoteOptions& options);
-absl::Status Validate(const LoopVoteOptions& options);
+std::span<const OptionField<PairwiseConsistencyOptions>> FieldsOf(
+    const PairwiseConsistencyOptions& options);
+absl::Status Validate(const PairwiseConsistencyOptions& options);
 
 /// The loops of `candidates` that enough others confirm: a wrong registration is rarely wrong in
 /// the same way twice (pairwise consistency, Mangelson et al., ICRA 2018). The paths between their
 /// ends are those of `graph`.
-std::vector<NetworkEdge> ConfirmedLoops(const std::vector<NetworkEdge>& candidates,
-                                        const SurveyGraph& graph, const LoopVoteOptions& options);
+std::vector<SurveyEdge> ConfirmedLoops(const std::vector<SurveyEdge>& candidates,
+                                       const SurveyGraph& graph,
+                                       const PairwiseConsistencyOptions& options);
 
 /// The largest set, by greedy choice, of items that all agree pairwise; indices ascend.
 /// `agrees(i, j)` is symmetric.

@@ -1,4 +1,4 @@
-#include "core/mapping/pose_network.h"
+#include "core/mapping/survey_graph_solver.h"
 
 #include <ceres/ceres.h>
 
@@ -21,7 +21,7 @@ constexpr double kNearlyHard = 10.0;
 
 // A vehicle's position from a node's pose, whitened.
 struct FixResidual {
-  NetworkFix fix;
+  NodeFix fix;
 
   template <typename T>
   bool operator()(const T* node, T* residual) const {
@@ -33,7 +33,7 @@ struct FixResidual {
   }
 };
 
-double SquaredDistance(const NetworkFix& fix, std::span<const Pose2> T_map_nodes) {
+double SquaredDistance(const NodeFix& fix, std::span<const Pose2> T_map_nodes) {
   return (T_map_nodes[fix.node] * fix.p_node - fix.p_map).squaredNorm() /
          (fix.sigma_m * fix.sigma_m);
 }
@@ -62,12 +62,12 @@ class TruncatedCost {
   double max_squared_distance_;
 };
 
-// The first node of each part of the network that has no fix.
-std::vector<std::size_t> NodesToHold(std::size_t node_count, std::span<const NetworkEdge> edges,
-                                     std::span<const NetworkFix> fixes) {
+// The first node of each part of the graph that has no fix.
+std::vector<std::size_t> NodesToHold(std::size_t node_count, std::span<const SurveyEdge> edges,
+                                     std::span<const NodeFix> fixes) {
   const std::vector<std::size_t> part_of = PartsOf(node_count, edges);
   std::vector<bool> has_fix(node_count, false);
-  for (const NetworkFix& fix : fixes) has_fix[part_of[fix.node]] = true;
+  for (const NodeFix& fix : fixes) has_fix[part_of[fix.node]] = true;
   std::vector<std::size_t> held;
   for (std::size_t node = 0; node < node_count; ++node) {
     if (part_of[node] == node && !has_fix[node]) held.push_back(node);
@@ -75,10 +75,10 @@ std::vector<std::size_t> NodesToHold(std::size_t node_count, std::span<const Net
   return held;
 }
 
-class Network {
+class Solver {
  public:
-  Network(std::span<const Pose2> T_map_nodes, std::span<const NetworkEdge> edges,
-          std::span<const NetworkFix> fixes, const PoseNetworkOptions& options)
+  Solver(std::span<const Pose2> T_map_nodes, std::span<const SurveyEdge> edges,
+         std::span<const NodeFix> fixes, const SurveyGraphSolverOptions& options)
       : edges_(edges), fixes_(fixes), options_(options), problem_(ProblemOptions()) {
     blocks_.reserve(T_map_nodes.size());
     for (const Pose2& T : T_map_nodes) blocks_.push_back(ToParameters(T));
@@ -86,14 +86,14 @@ class Network {
     for (const std::size_t node : NodesToHold(T_map_nodes.size(), edges, fixes)) {
       problem_.SetParameterBlockConstant(blocks_[node].data());
     }
-    for (const NetworkEdge& edge : edges) {
+    for (const SurveyEdge& edge : edges) {
       edge_losses_.push_back(
           std::make_unique<ceres::LossFunctionWrapper>(nullptr, ceres::TAKE_OWNERSHIP));
       problem_.AddResidualBlock(
           EdgeResidual<2>::Make(edge.T_from_to.pose, edge.T_from_to.covariance).release(),
           edge_losses_.back().get(), blocks_[edge.from].data(), blocks_[edge.to].data());
     }
-    for (const NetworkFix& fix : fixes) {
+    for (const NodeFix& fix : fixes) {
       fix_losses_.push_back(
           std::make_unique<ceres::LossFunctionWrapper>(nullptr, ceres::TAKE_OWNERSHIP));
       problem_.AddResidualBlock(
@@ -141,9 +141,9 @@ class Network {
     }
   }
 
-  std::span<const NetworkEdge> edges_;
-  std::span<const NetworkFix> fixes_;
-  const PoseNetworkOptions& options_;
+  std::span<const SurveyEdge> edges_;
+  std::span<const NodeFix> fixes_;
+  const SurveyGraphSolverOptions& options_;
   std::vector<Eigen::Vector3d> blocks_;
   std::vector<std::unique_ptr<ceres::LossFunctionWrapper>> edge_losses_;
   std::vector<std::unique_ptr<ceres::LossFunctionWrapper>> fix_losses_;
@@ -165,8 +165,9 @@ double Reweigh(std::span<const Measurement> measurements, const WeightOf& weight
 
 }  // namespace
 
-std::span<const OptionField<PoseNetworkOptions>> FieldsOf(const PoseNetworkOptions& /*options*/) {
-  using O = PoseNetworkOptions;
+std::span<const OptionField<SurveyGraphSolverOptions>> FieldsOf(
+    const SurveyGraphSolverOptions& /*options*/) {
+  using O = SurveyGraphSolverOptions;
   static constexpr OptionField<O> kFields[] = {
       {"max_squared_edge_distance", &O::max_squared_edge_distance, 0.1, 1e6},
       {"max_squared_fix_distance", &O::max_squared_fix_distance, 0.1, 1e6},
@@ -177,18 +178,18 @@ std::span<const OptionField<PoseNetworkOptions>> FieldsOf(const PoseNetworkOptio
   return kFields;
 }
 
-absl::Status Validate(const PoseNetworkOptions& options) {
+absl::Status Validate(const SurveyGraphSolverOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-std::vector<std::size_t> PartsOf(std::size_t node_count, std::span<const NetworkEdge> edges) {
+std::vector<std::size_t> PartsOf(std::size_t node_count, std::span<const SurveyEdge> edges) {
   std::vector<std::size_t> part_of(node_count);
   std::iota(part_of.begin(), part_of.end(), std::size_t{0});
   const auto first_of = [&](std::size_t node) {
     while (part_of[node] != node) node = part_of[node] = part_of[part_of[node]];
     return node;
   };
-  for (const NetworkEdge& edge : edges) {
+  for (const SurveyEdge& edge : edges) {
     const std::size_t a = first_of(edge.from);
     const std::size_t b = first_of(edge.to);
     part_of[std::max(a, b)] = std::min(a, b);
@@ -197,7 +198,7 @@ std::vector<std::size_t> PartsOf(std::size_t node_count, std::span<const Network
   return part_of;
 }
 
-double SquaredDistance(const NetworkEdge& edge, std::span<const Pose2> T_map_nodes) {
+double SquaredDistance(const SurveyEdge& edge, std::span<const Pose2> T_map_nodes) {
   const Pose2 difference =
       edge.T_from_to.pose.Inverse() * T_map_nodes[edge.from].Inverse() * T_map_nodes[edge.to];
   Eigen::Vector3d error;
@@ -208,15 +209,15 @@ double SquaredDistance(const NetworkEdge& edge, std::span<const Pose2> T_map_nod
 namespace {
 
 // The control parameter at which the surrogate is convex for all measurements.
-double ConvexMu(std::span<const NetworkEdge> edges, const TruncatedCost& edge_cost,
-                std::span<const NetworkFix> fixes, const TruncatedCost& fix_cost,
+double ConvexMu(std::span<const SurveyEdge> edges, const TruncatedCost& edge_cost,
+                std::span<const NodeFix> fixes, const TruncatedCost& fix_cost,
                 std::span<const Pose2> T_map_nodes) {
   double mu = 1e6;
-  for (const NetworkEdge& edge : edges) {
+  for (const SurveyEdge& edge : edges) {
     if (edge.is_certain) continue;
     mu = std::min(mu, edge_cost.ConvexMu(SquaredDistance(edge, T_map_nodes)));
   }
-  for (const NetworkFix& fix : fixes) {
+  for (const NodeFix& fix : fixes) {
     mu = std::min(mu, fix_cost.ConvexMu(SquaredDistance(fix, T_map_nodes)));
   }
   return mu;
@@ -224,27 +225,27 @@ double ConvexMu(std::span<const NetworkEdge> edges, const TruncatedCost& edge_co
 
 }  // namespace
 
-absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::span<const Pose2> T_map_nodes,
-                                                 std::span<const NetworkEdge> edges,
-                                                 std::span<const NetworkFix> fixes,
-                                                 const PoseNetworkOptions& options) {
-  NetworkSolution solution{.T_map_nodes = {},
-                           .edge_weights = std::vector<double>(edges.size(), 1.0),
-                           .fix_weights = std::vector<double>(fixes.size(), 1.0)};
+absl::StatusOr<SurveyGraphSolution> SolveSurveyGraph(std::span<const Pose2> T_map_nodes,
+                                                     std::span<const SurveyEdge> edges,
+                                                     std::span<const NodeFix> fixes,
+                                                     const SurveyGraphSolverOptions& options) {
+  SurveyGraphSolution solution{.T_map_nodes = {},
+                               .edge_weights = std::vector<double>(edges.size(), 1.0),
+                               .fix_weights = std::vector<double>(fixes.size(), 1.0)};
   const TruncatedCost edge_cost(options.max_squared_edge_distance);
   const TruncatedCost fix_cost(options.max_squared_fix_distance);
-  Network network(T_map_nodes, edges, fixes, options);
-  if (absl::Status status = network.Solve(solution.edge_weights, solution.fix_weights);
+  Solver solver(T_map_nodes, edges, fixes, options);
+  if (absl::Status status = solver.Solve(solution.edge_weights, solution.fix_weights);
       !status.ok()) {
     return status;
   }
-  solution.T_map_nodes = network.Poses();
+  solution.T_map_nodes = solver.Poses();
   double mu = ConvexMu(edges, edge_cost, fixes, fix_cost, solution.T_map_nodes);
   for (int round = 0; round < options.max_round_count; ++round) {
     const double change = std::max(
         Reweigh(
             edges,
-            [&](const NetworkEdge& edge) {
+            [&](const SurveyEdge& edge) {
               return edge.is_certain
                          ? 1.0
                          : edge_cost.Weight(SquaredDistance(edge, solution.T_map_nodes), mu);
@@ -252,16 +253,16 @@ absl::StatusOr<NetworkSolution> SolvePoseNetwork(std::span<const Pose2> T_map_no
             solution.edge_weights),
         Reweigh(
             fixes,
-            [&](const NetworkFix& fix) {
+            [&](const NodeFix& fix) {
               return fix_cost.Weight(SquaredDistance(fix, solution.T_map_nodes), mu);
             },
             solution.fix_weights));
     if (change < kSettledWeight && mu > kNearlyHard) break;
-    if (absl::Status status = network.Solve(solution.edge_weights, solution.fix_weights);
+    if (absl::Status status = solver.Solve(solution.edge_weights, solution.fix_weights);
         !status.ok()) {
       return status;
     }
-    solution.T_map_nodes = network.Poses();
+    solution.T_map_nodes = solver.Poses();
     mu *= options.growth;
   }
   return solution;
