@@ -45,8 +45,8 @@ EvaluationOptions ToOptions(const Case& item, const Run& run) {
     options.localizer.schedule.interval = kPclRegistrationInterval;
   }
   options.localizer.doppler_compensation = run.variant.doppler;
-  options.localizer.uncertainty = run.variant.uncertainty;
-  options.localizer.truncation = run.variant.truncation;
+  options.localizer.per_point_covariance = run.variant.uncertainty;
+  options.localizer.gate_outliers = run.variant.truncation;
   options.localizer.scans_per_submap = run.variant.scans_per_submap;
   return options;
 }

@@ -40,16 +40,17 @@ TEST(LocalizerOptionsTest, AStagesSwitchIsRefusedWhereTheLocalizerOwnsIt) {
             "static_points.compensate is false; set doppler_compensation to false instead, which "
             "owns it");
   options = {};
-  options.static_points.uncertainty = false;
-  EXPECT_THAT(std::string(Validate(options).message()), StartsWith("static_points.uncertainty"));
+  options.static_points.per_point_covariance = false;
+  EXPECT_THAT(std::string(Validate(options).message()),
+              StartsWith("static_points.per_point_covariance"));
   options = {};
   options.pose_graph.gate_outliers = false;
   EXPECT_THAT(std::string(Validate(options).message()), StartsWith("pose_graph.gate_outliers"));
   options = {};
-  options.doppler_compensation = options.uncertainty = options.truncation = false;
+  options.doppler_compensation = options.per_point_covariance = options.gate_outliers = false;
   EXPECT_TRUE(Validate(options).ok());
   EXPECT_FALSE(EffectiveStaticPoints(options).compensate);
-  EXPECT_FALSE(EffectiveStaticPoints(options).uncertainty);
+  EXPECT_FALSE(EffectiveStaticPoints(options).per_point_covariance);
   EXPECT_FALSE(EffectivePoseGraph(options).gate_outliers);
 }
 
