@@ -18,8 +18,8 @@ FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
   switch (fix_monitor_.Classify(stamp, *now, *pose)) {
     case FixVerdict::kAgrees:
       tracking_.OnFixAgrees();
-      return FixUse::kAgrees;
-    case FixVerdict::kInforms:
+      return FixUse::kConsistentNotFused;
+    case FixVerdict::kFusable:
       return FuseFix(*now);
     case FixVerdict::kContradictsPersistently:
       tracking_.OnFixesContradict();

@@ -146,8 +146,8 @@ absl::StatusOr<MapDiff> Compare(const EditableMap& old_map, const EditableMap& n
               [&](const LandmarkChange& old_one, const LandmarkChange& new_one, double) {
                 diff.moved.push_back({old_one, new_one});
               });
-  diff.only_old_covers_count = TakeRest(before, diff.went);
-  diff.only_new_covers_count = TakeRest(after, diff.came);
+  diff.only_old_covers_count = TakeRest(before, diff.removed);
+  diff.only_new_covers_count = TakeRest(after, diff.added);
   return diff;
 }
 

@@ -34,8 +34,8 @@ struct LandmarkMove {
 
 /// What two maps of one place differ by, where both cover the ground.
 struct MapDiff {
-  std::vector<LandmarkChange> came;
-  std::vector<LandmarkChange> went;
+  std::vector<LandmarkChange> added;
+  std::vector<LandmarkChange> removed;
   std::vector<LandmarkMove> moved;
   std::vector<LandmarkChange> same;       ///< that both have, as the old map has them
   double same_rms_m = 0.0;                ///< of the distances between those in the plane

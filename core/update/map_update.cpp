@@ -174,8 +174,8 @@ class Updater {
     again_.clear();
     // What is seen again is as any known landmark: most of it stays.
     PresenceModel again = result_.presence;
-    again.found_comes_and_goes = again.known_comes_and_goes;
-    again.found_never = again.known_went;
+    again.found_intermittent = again.known_intermittent;
+    again.found_never = again.known_removed;
     for (std::size_t i = 0; i < positions_.size(); ++i) {
       LandmarkHistory history;
       history.p_map_m << positions_[i].position_m, 0.0;
@@ -229,21 +229,22 @@ class Updater {
 
   LandmarkFate FateOfKnown(const LandmarkHistory& history) const {
     const Presence& presence = history.presence;
-    if (presence.stays >= options_.min_keep ||
+    if (presence.stays >= options_.min_keep_probability ||
         WitnessesOfAbsence(history) < options_.min_witnesses) {
       return LandmarkFate::kKept;
     }
-    return presence.went >= presence.comes_and_goes ? LandmarkFate::kWent
-                                                    : LandmarkFate::kComesAndGoes;
+    return presence.removed >= presence.intermittent ? LandmarkFate::kRemoved
+                                                     : LandmarkFate::kIntermittent;
   }
 
   LandmarkFate FateOfFound(const LandmarkHistory& history) const {
     const Presence& presence = history.presence;
-    if (presence.came >= options_.min_come && history.witness_count >= options_.min_witnesses) {
-      return LandmarkFate::kCame;
+    if (presence.added >= options_.min_add_probability &&
+        history.witness_count >= options_.min_witnesses) {
+      return LandmarkFate::kAdded;
     }
-    return presence.comes_and_goes > presence.never && presence.comes_and_goes > presence.came
-               ? LandmarkFate::kComesAndGoes
+    return presence.intermittent > presence.never && presence.intermittent > presence.added
+               ? LandmarkFate::kIntermittent
                : LandmarkFate::kUnproven;
   }
 
@@ -263,7 +264,7 @@ class Updater {
     }
     for (const Landmark& landmark : refined) AddLandmark(landmark);
     for (std::size_t k = 0; k < found_count_; ++k) {
-      if (result_.found[k].fate == LandmarkFate::kCame) AddLandmark(others_[k]);
+      if (result_.found[k].fate == LandmarkFate::kAdded) AddLandmark(others_[k]);
     }
   }
 
@@ -273,7 +274,7 @@ class Updater {
     for (std::size_t k = 0; k < again_.size(); ++k) {
       const std::size_t other = found_count_ + k;
       const std::uint32_t known = known_of_other_[other];
-      if (again_[k].fate != LandmarkFate::kCame) continue;
+      if (again_[k].fate != LandmarkFate::kAdded) continue;
       if (result_.known[known].fate != LandmarkFate::kKept) continue;
       refined.push_back(Blend(base_.landmarks[known], others_[other]));
     }

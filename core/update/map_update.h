@@ -21,17 +21,17 @@ struct MapUpdateOptions {
   PresenceModel presence;       ///< to begin with; shares and shapes are learned from the passes
   double base_age_days = 30.0;  ///< of the base map at the first pass
   int min_center_scans = 2;     ///< of a pass that saw something at a place
-  double min_keep = 0.5;        ///< probability of a landmark that stays in the map
-  double min_come = 0.5;        ///< probability of one that comes into it
-  int min_witnesses = 2;        ///< vehicles or days, for any change
+  double min_keep_probability = 0.5;  ///< probability of a landmark that stays in the map
+  double min_add_probability = 0.5;   ///< probability of one that comes into it
+  int min_witnesses = 2;              ///< vehicles or days, for any change
 };
 
 /// What an update makes of a landmark.
 enum class LandmarkFate {
   kKept,          ///< was in the map, and is
-  kCame,          ///< new, and in the map
-  kWent,          ///< was in the map, and is gone
-  kComesAndGoes,  ///< there one day and not the next: not in the map
+  kAdded,         ///< new, and in the map
+  kRemoved,       ///< was in the map, and is gone
+  kIntermittent,  ///< there one day and not the next: not in the map
   kUnproven,      ///< seen, by too few witnesses or too rarely: not in the map
 };
 inline constexpr const char* kLandmarkFateNames[] = {"kept", "came", "went", "comes and goes",

@@ -44,7 +44,7 @@ constexpr std::size_t kErrorBlock = 24;
 struct SegmentSum {
   ScoreSum old_version, new_version;
   BlockMean error_change_m{kErrorBlock};
-  SeenCount common, went, came;
+  SeenCount common, removed, added;
   std::size_t scan_count = 0;
 };
 
@@ -55,11 +55,11 @@ double ErrorOf(const ReplayedScan& scan, const Pose2& T_map_consensus) {
 SegmentEvaluation EvaluationOf(const SegmentSum& sum) {
   return {.scan_count = sum.scan_count,
           .agreed_count = sum.common.all,
-          .went_count = sum.went.all,
-          .came_count = sum.came.all,
+          .removed_count = sum.removed.all,
+          .added_count = sum.added.all,
           .agreed_seen = sum.common.Share(),
-          .went_seen = sum.went.Share(),
-          .came_seen = sum.came.Share(),
+          .removed_seen = sum.removed.Share(),
+          .added_seen = sum.added.Share(),
           .error_change_m = sum.error_change_m.mean(),
           .error_change_sigma_m = sum.error_change_m.sigma(),
           .old_version = sum.old_version.Score(),
@@ -70,7 +70,7 @@ std::string FaultOf(const SegmentEvaluation& segment, double error_share, double
                     const UpdateGateOptions& options) {
   const VersionScore& before = segment.old_version;
   const VersionScore& after = segment.new_version;
-  const double old_count = static_cast<double>(segment.agreed_count + segment.went_count);
+  const double old_count = static_cast<double>(segment.agreed_count + segment.removed_count);
   const auto min_count = static_cast<std::size_t>(options.min_landmark_count);
   if (static_cast<double>(segment.agreed_count) < options.min_agreed_share * old_count) {
     return absl::StrFormat("only %d of %.0f landmarks are left", segment.agreed_count, old_count);
@@ -94,15 +94,15 @@ std::string FaultOf(const SegmentEvaluation& segment, double error_share, double
   if (after.nees > options.nees_factor * before.nees + options.nees_margin) {
     return absl::StrFormat("NEES %.2f, before %.2f", after.nees, before.nees);
   }
-  if (segment.came_count >= min_count &&
-      segment.came_seen < options.min_seen_share * segment.agreed_seen) {
+  if (segment.added_count >= min_count &&
+      segment.added_seen < options.min_seen_share * segment.agreed_seen) {
     return absl::StrFormat("%.0f %% of what came was seen, of what stays %.0f %%",
-                           100.0 * segment.came_seen, 100.0 * segment.agreed_seen);
+                           100.0 * segment.added_seen, 100.0 * segment.agreed_seen);
   }
-  if (segment.went_count >= min_count &&
-      segment.went_seen > options.min_seen_share * segment.agreed_seen) {
+  if (segment.removed_count >= min_count &&
+      segment.removed_seen > options.min_seen_share * segment.agreed_seen) {
     return absl::StrFormat("%.0f %% of what went was seen, of what stays %.0f %%",
-                           100.0 * segment.went_seen, 100.0 * segment.agreed_seen);
+                           100.0 * segment.removed_seen, 100.0 * segment.agreed_seen);
   }
   return "";
 }
@@ -212,8 +212,8 @@ class UpdateEvaluator {
       }
     };
     count(comparison_.common, &SegmentSum::common);
-    count(comparison_.went, &SegmentSum::went);
-    count(comparison_.came, &SegmentSum::came);
+    count(comparison_.removed, &SegmentSum::removed);
+    count(comparison_.added, &SegmentSum::added);
   }
 
   UpdateEvaluation Evaluation() const {
@@ -247,8 +247,8 @@ class UpdateEvaluator {
   static std::string Reason(const SegmentEvaluation& whole, const std::string& segment_fault) {
     if (!whole.fault.empty()) return "worse as a whole: " + whole.fault;
     if (!segment_fault.empty()) return "worse in a street segment, " + segment_fault;
-    if (whole.came_count + whole.went_count == 0) return "nothing has changed";
-    if (whole.came_count > 0 && whole.new_version.fit <= whole.old_version.fit) {
+    if (whole.added_count + whole.removed_count == 0) return "nothing has changed";
+    if (whole.added_count > 0 && whole.new_version.fit <= whole.old_version.fit) {
       return absl::StrFormat("no better: fit %.4f, before %.4f", whole.new_version.fit,
                              whole.old_version.fit);
     }

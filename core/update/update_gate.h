@@ -39,11 +39,11 @@ struct SegmentEvaluation {
   Eigen::Vector3d p_map_m = Eigen::Vector3d::Zero();  ///< its middle
   std::size_t scan_count = 0;
   std::size_t agreed_count = 0;  ///< landmarks that both versions have
-  std::size_t went_count = 0;
-  std::size_t came_count = 0;
+  std::size_t removed_count = 0;
+  std::size_t added_count = 0;
   double agreed_seen = 0.0;  ///< share of the agreed landmarks that the pass saw
-  double went_seen = 0.0;
-  double came_seen = 0.0;
+  double removed_seen = 0.0;
+  double added_seen = 0.0;
   /// By how much the new version errs more than the old one, in the mean of the scans that both
   /// track, and its standard error.
   double error_change_m = 0.0;

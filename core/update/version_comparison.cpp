@@ -31,11 +31,11 @@ VersionComparison CompareVersions(const EditableMap& old_version, const Editable
   VersionComparison comparison;
   for (const PlacedLandmark& landmark : before) {
     const bool is_common = HasNear(after, after_grid, landmark.position.position_m, same_m);
-    (is_common ? comparison.common : comparison.went).push_back(landmark);
+    (is_common ? comparison.common : comparison.removed).push_back(landmark);
   }
   for (const PlacedLandmark& landmark : after) {
     if (HasNear(before, before_grid, landmark.position.position_m, same_m)) continue;
-    comparison.came.push_back(landmark);
+    comparison.added.push_back(landmark);
   }
   return comparison;
 }

@@ -9,9 +9,9 @@ namespace dcloc {
 
 /// The landmarks of two versions of a map, by what became of them.
 struct VersionComparison {
-  std::vector<PlacedLandmark> common;  ///< of the old version, which the new one has too
-  std::vector<PlacedLandmark> went;    ///< of the old version alone
-  std::vector<PlacedLandmark> came;    ///< of the new version alone
+  std::vector<PlacedLandmark> common;   ///< of the old version, which the new one has too
+  std::vector<PlacedLandmark> removed;  ///< of the old version alone
+  std::vector<PlacedLandmark> added;    ///< of the new version alone
 };
 
 /// A landmark of one version is in the other one too if that has a landmark within `same_m`: a

@@ -55,8 +55,8 @@ ordered_json DiffJson(const DiffArguments& arguments, const MapDiff& diff) {
           {"same_rms_m", diff.same_rms_m},
           {"only_old_covers_count", diff.only_old_covers_count},
           {"only_new_covers_count", diff.only_new_covers_count},
-          {"came", ChangesJson(diff.came)},
-          {"went", ChangesJson(diff.went)},
+          {"came", ChangesJson(diff.added)},
+          {"went", ChangesJson(diff.removed)},
           {"moved", moved}};
 }
 
@@ -67,7 +67,7 @@ std::string DiffText(const MapDiff& diff) {
       "went         %d\n"
       "moved        %d\n"
       "not covered  %d of the old map, %d of the new one\n",
-      diff.same.size(), diff.same_rms_m, diff.came.size(), diff.went.size(), diff.moved.size(),
+      diff.same.size(), diff.same_rms_m, diff.added.size(), diff.removed.size(), diff.moved.size(),
       diff.only_old_covers_count, diff.only_new_covers_count);
 }
 

@@ -65,11 +65,11 @@ ordered_json SegmentJson(const UpdateStory& story, const SegmentEvaluation& segm
           {"last_driven", DateOf(LastDriven(story, segment))},
           {"scan_count", segment.scan_count},
           {"agreed_count", segment.agreed_count},
-          {"went_count", segment.went_count},
-          {"came_count", segment.came_count},
+          {"went_count", segment.removed_count},
+          {"came_count", segment.added_count},
           {"agreed_seen", segment.agreed_seen},
-          {"went_seen", segment.went_seen},
-          {"came_seen", segment.came_seen},
+          {"went_seen", segment.removed_seen},
+          {"came_seen", segment.added_seen},
           {"old", ScoreJson(segment.old_version)},
           {"new", ScoreJson(segment.new_version)},
           {"fault", segment.fault}};
@@ -128,8 +128,8 @@ std::vector<std::vector<std::string>> SegmentRows(const UpdateStory& story) {
     rows.push_back(
         {absl::StrFormat("%.0f, %.0f", segment.p_map_m.x(), segment.p_map_m.y()),
          DateOf(LastDriven(story, segment)), absl::StrCat(segment.scan_count),
-         absl::StrCat(segment.agreed_count), absl::StrCat(segment.went_count),
-         absl::StrCat(segment.came_count),
+         absl::StrCat(segment.agreed_count), absl::StrCat(segment.removed_count),
+         absl::StrCat(segment.added_count),
          absl::StrFormat("%.3f, %.3f", segment.old_version.error_m, segment.new_version.error_m),
          absl::StrFormat("%.3f, %.3f", segment.old_version.fit, segment.new_version.fit),
          segment.scan_count == 0 ? "not driven"
@@ -188,13 +188,13 @@ class Drawing {
         absl::StrAppendFormat(&below_, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\".4\" fill=\"#bbb\"/>",
                               x, y);
         break;
-      case LandmarkFate::kCame:
+      case LandmarkFate::kAdded:
         Mark("#009e73", x, y);
         break;
-      case LandmarkFate::kWent:
+      case LandmarkFate::kRemoved:
         Mark("#d55e00", x, y);
         break;
-      case LandmarkFate::kComesAndGoes:
+      case LandmarkFate::kIntermittent:
         Mark("#56b4e9", x, y);
         break;
       case LandmarkFate::kUnproven:
@@ -213,8 +213,8 @@ class Drawing {
 };
 
 std::size_t ComesAndGoesCount(const MapUpdate& update) {
-  return CountOf(update.known, LandmarkFate::kComesAndGoes) +
-         CountOf(update.found, LandmarkFate::kComesAndGoes);
+  return CountOf(update.known, LandmarkFate::kIntermittent) +
+         CountOf(update.found, LandmarkFate::kIntermittent);
 }
 
 }  // namespace
@@ -230,9 +230,9 @@ ordered_json UpdateJson(const UpdateStory& story) {
           {"passes", PassesJson(story)},
           {"kept_count", CountOf(update.known, LandmarkFate::kKept)},
           {"refined_count", update.refined_count},
-          {"came", LandmarksJson(story, LandmarkFate::kCame)},
-          {"went", LandmarksJson(story, LandmarkFate::kWent)},
-          {"comes_and_goes", LandmarksJson(story, LandmarkFate::kComesAndGoes)},
+          {"came", LandmarksJson(story, LandmarkFate::kAdded)},
+          {"went", LandmarksJson(story, LandmarkFate::kRemoved)},
+          {"comes_and_goes", LandmarksJson(story, LandmarkFate::kIntermittent)},
           {"gate",
            {{"kept_out", story.held_out},
             {"is_better", story.gate.is_better},
@@ -256,7 +256,7 @@ std::string UpdateText(const UpdateStory& story) {
       "kept           %d, %d of them refined\ncame           %d\nwent           %d\n"
       "comes and goes %d\n",
       CountOf(update.known, LandmarkFate::kKept), update.refined_count,
-      CountOf(update.found, LandmarkFate::kCame), CountOf(update.known, LandmarkFate::kWent),
+      CountOf(update.found, LandmarkFate::kAdded), CountOf(update.known, LandmarkFate::kRemoved),
       ComesAndGoesCount(update));
   const SegmentEvaluation& whole = story.gate.whole;
   absl::StrAppendFormat(
@@ -277,7 +277,7 @@ std::string UpdateHtml(const UpdateStory& story) {
       EscapeHtml(story.out.empty()
                      ? absl::StrCat("Not written: ", story.gate.reason)
                      : absl::StrCat("Written to ", story.out, ": ", story.gate.reason)),
-      CountOf(update.found, LandmarkFate::kCame), CountOf(update.known, LandmarkFate::kWent),
+      CountOf(update.found, LandmarkFate::kAdded), CountOf(update.known, LandmarkFate::kRemoved),
       ComesAndGoesCount(update), CountOf(update.known, LandmarkFate::kKept));
   absl::StrAppend(
       &body, Drawing(update).Svg(), "<h2>Drives</h2>\n", HtmlTable(PassRows(story)),
@@ -290,7 +290,9 @@ std::string UpdateHtml(const UpdateStory& story) {
       {"change", "x [m]", "y [m]", "since", "last seen", "days or vehicles"}};
   for (const auto* landmarks : {&update.known, &update.found}) {
     for (const LandmarkHistory& landmark : *landmarks) {
-      if (landmark.fate != LandmarkFate::kCame && landmark.fate != LandmarkFate::kWent) continue;
+      if (landmark.fate != LandmarkFate::kAdded && landmark.fate != LandmarkFate::kRemoved) {
+        continue;
+      }
       rows.push_back({kLandmarkFateNames[static_cast<std::size_t>(landmark.fate)],
                       absl::StrFormat("%.1f", landmark.p_map_m.x()),
                       absl::StrFormat("%.1f", landmark.p_map_m.y()),

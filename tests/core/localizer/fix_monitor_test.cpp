@@ -30,12 +30,12 @@ TEST_F(FixMonitorTest, AFixNearByAgreesAndAddsNothing) {
 
 TEST_F(FixMonitorTest, AFixInformsAPoseThatIsLessCertainOnceASecond) {
   pose_ = Estimate(100.0, 50.0, 1.0, 3.0, 0.05);
-  EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kInforms);
-  EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kInforms)
+  EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kFusable);
+  EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kFusable)
       << "not fused yet";
   monitor_.OnFused();
   EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kAgrees);
-  EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kInforms);
+  EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kFusable);
 }
 
 TEST_F(FixMonitorTest, OneReflectionContradictsThreeDoSoPersistently) {

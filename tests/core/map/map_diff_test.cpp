@@ -36,10 +36,10 @@ TEST(MapDiffTest, NamesWhatCameWentAndMovedInTheMapFrame) {
   ASSERT_TRUE(diff.ok()) << diff.status();
   EXPECT_EQ(diff->same.size(), 1U);
   EXPECT_NEAR(diff->same_rms_m, 0.1, 1e-6);
-  ASSERT_EQ(diff->went.size(), 1U);
-  EXPECT_LT((diff->went[0].p_map - Eigen::Vector3d(100, 70, 0)).norm(), 1e-5);
-  ASSERT_EQ(diff->came.size(), 1U);
-  EXPECT_LT((diff->came[0].p_map - Eigen::Vector3d(100, 35, 0)).norm(), 1e-5);
+  ASSERT_EQ(diff->removed.size(), 1U);
+  EXPECT_LT((diff->removed[0].p_map - Eigen::Vector3d(100, 70, 0)).norm(), 1e-5);
+  ASSERT_EQ(diff->added.size(), 1U);
+  EXPECT_LT((diff->added[0].p_map - Eigen::Vector3d(100, 35, 0)).norm(), 1e-5);
   ASSERT_EQ(diff->moved.size(), 1U);
   EXPECT_LT((diff->moved[0].before.p_map - Eigen::Vector3d(95, 80, 0)).norm(), 1e-5);
   EXPECT_LT((diff->moved[0].after.p_map - Eigen::Vector3d(94, 80, 0)).norm(), 1e-5);
@@ -49,15 +49,15 @@ TEST(MapDiffTest, PairsAreOneToOneNearestFirst) {
   const auto diff = Compare(MapWith({{10, 0}, {10.3F, 0}}), MapWith({{10.25F, 0}}), {});
   ASSERT_TRUE(diff.ok());
   EXPECT_EQ(diff->same.size(), 1U);
-  ASSERT_EQ(diff->went.size(), 1U);
-  EXPECT_NEAR(diff->went[0].p_map.y(), 60.0, 1e-5);
+  ASSERT_EQ(diff->removed.size(), 1U);
+  EXPECT_NEAR(diff->removed[0].p_map.y(), 60.0, 1e-5);
 }
 
 TEST(MapDiffTest, GroundThatOneMapDoesNotCoverIsNoChange) {
   const EditableMap before = MapWith({{10, 0}, {70, 0}});
   const auto diff = Compare(before, MapWith({{10, 0}}), {});
   ASSERT_TRUE(diff.ok());
-  EXPECT_TRUE(diff->went.empty());
+  EXPECT_TRUE(diff->removed.empty());
   EXPECT_EQ(diff->only_old_covers_count, 1U);
 }
 
@@ -69,7 +69,7 @@ TEST(MapDiffTest, EachKeyframeCoversItsGround) {
   after.keyframes[1].record.translation_local_m[1] = 200.0;
   const auto diff = Compare(before, after, {});
   ASSERT_TRUE(diff.ok());
-  EXPECT_EQ(diff->went.size(), 4U);
+  EXPECT_EQ(diff->removed.size(), 4U);
   EXPECT_EQ(diff->only_old_covers_count, 2U);
 }
 
@@ -78,7 +78,7 @@ TEST(MapDiffTest, AMapDoesNotDifferFromItself) {
   const auto diff = Compare(map, map, {});
   ASSERT_TRUE(diff.ok());
   EXPECT_EQ(diff->same.size(), 4U);
-  EXPECT_TRUE(diff->came.empty() && diff->went.empty() && diff->moved.empty());
+  EXPECT_TRUE(diff->added.empty() && diff->removed.empty() && diff->moved.empty());
 }
 
 TEST(MapDiffTest, OptionsHaveBounds) {

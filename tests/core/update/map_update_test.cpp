@@ -76,16 +76,16 @@ TEST(MapUpdateTest, PosesThatLieToOneSideDoNotMoveTheMap) {
 TEST(MapUpdateTest, WhatWentGoesAndWhatCameComes) {
   TestStreet street;
   const EditableMap base = street.Map(0);
-  const Eigen::Vector2d went_m = street.scatterers_m[30];
-  const Eigen::Vector2d came_m(went_m.x() + 2.0, 9.0);
-  street.scatterers_m[30] = came_m;
-  ASSERT_LT(NearestLandmark_m(base, went_m), 0.2);
+  const Eigen::Vector2d removed_m = street.scatterers_m[30];
+  const Eigen::Vector2d added_m(removed_m.x() + 2.0, 9.0);
+  street.scatterers_m[30] = added_m;
+  ASSERT_LT(NearestLandmark_m(base, removed_m), 0.2);
   const auto update = UpdateMap(base, ThreePasses(street));
   ASSERT_TRUE(update.ok()) << update.status();
-  EXPECT_GT(NearestLandmark_m(update->map, went_m), 1.0);
-  EXPECT_LT(NearestLandmark_m(update->map, came_m), 0.2);
-  EXPECT_EQ(std::ranges::count(update->known, LandmarkFate::kWent, &LandmarkHistory::fate), 1);
-  EXPECT_EQ(std::ranges::count(update->found, LandmarkFate::kCame, &LandmarkHistory::fate), 1);
+  EXPECT_GT(NearestLandmark_m(update->map, removed_m), 1.0);
+  EXPECT_LT(NearestLandmark_m(update->map, added_m), 0.2);
+  EXPECT_EQ(std::ranges::count(update->known, LandmarkFate::kRemoved, &LandmarkHistory::fate), 1);
+  EXPECT_EQ(std::ranges::count(update->found, LandmarkFate::kAdded, &LandmarkHistory::fate), 1);
 }
 
 TEST(MapUpdateTest, WhatOnlyOneDaySawDoesNotCome) {

@@ -63,7 +63,7 @@ TEST_F(UpdateGateTest, LandmarksThatWereMissingMakeItBetter) {
   const UpdateEvaluation evaluation = Evaluated(Thinned(4, 0), *map_);
   EXPECT_TRUE(evaluation.is_better) << evaluation.reason;
   EXPECT_GT(evaluation.whole.new_version.fit, evaluation.whole.old_version.fit);
-  EXPECT_GT(evaluation.whole.came_count, 20U);
+  EXPECT_GT(evaluation.whole.added_count, 20U);
 }
 
 TEST_F(UpdateGateTest, LandmarksThatStandAndAreGoneMakeItWorse) {

@@ -16,8 +16,8 @@ TEST(VersionComparisonTest, ARefinedLandmarkIsTheSame) {
   }
   const VersionComparison comparison = CompareVersions(before, after, 0.5);
   EXPECT_EQ(comparison.common.size(), before.PointCount());
-  EXPECT_TRUE(comparison.went.empty());
-  EXPECT_TRUE(comparison.came.empty());
+  EXPECT_TRUE(comparison.removed.empty());
+  EXPECT_TRUE(comparison.added.empty());
 }
 
 TEST(VersionComparisonTest, WhatOnlyOneVersionHasWentOrCame) {
@@ -25,8 +25,8 @@ TEST(VersionComparisonTest, WhatOnlyOneVersionHasWentOrCame) {
   const EditableMap before = street.Map(0);
   street.scatterers_m[30] += Eigen::Vector2d(2.0, 3.0);
   const VersionComparison comparison = CompareVersions(before, street.Map(0), 0.5);
-  EXPECT_EQ(comparison.went.size(), 1U);
-  EXPECT_EQ(comparison.came.size(), 1U);
+  EXPECT_EQ(comparison.removed.size(), 1U);
+  EXPECT_EQ(comparison.added.size(), 1U);
 }
 
 }  // namespace
