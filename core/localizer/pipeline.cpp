@@ -335,9 +335,9 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
   InnovationTest test{.is_accepted = true};
   if (registered->origin == PlaceOrigin::kExpected) {
     test = pose_.AddAbsolutePose(factor);
-    const Tangent<Dim> apart = Log(pose_.Newest().pose.Inverse() * factor.pose);
+    const Tangent<Dim> residual = Log(pose_.Newest().pose.Inverse() * factor.pose);
     claims_.protection_level.OnInnovation(test.squared_distance / Pose<Dim>::kDof,
-                                          apart.template head<2>());
+                                          residual.template head<2>());
   } else {
     radars_.scan_checker.Reset();
     rivals_.Reset();
