@@ -12,11 +12,11 @@ namespace dcloc {
 
 /// Measures the stages of one scan: made just before `Localize`, asked just after, by one thread.
 /// It measures the thread's own processor time, so other programs on the machine do not count.
-class StageTimer final : public StageListener {
+class CpuStageTimer final : public StageListener {
  public:
   using StageDurations = std::array<std::optional<double>, kStageNames.size()>;
 
-  StageTimer() : begin_(Clock::now()) {}
+  CpuStageTimer() : begin_(Clock::now()) {}
 
   void OnStageBegin(Stage stage) override {
     const auto now = Clock::now();
