@@ -11,7 +11,7 @@
 
 namespace dcloc::server {
 
-std::shared_ptr<LocalizeStream> LocalizeStream::Create(const SessionHost& host,
+std::shared_ptr<LocalizeStream> LocalizeStream::Create(const StreamContext& host,
                                                        grpc::CallbackServerContext* context,
                                                        StreamKeeper& keeper) {
   std::shared_ptr<LocalizeStream> stream(new LocalizeStream(host, context, keeper));
@@ -24,7 +24,7 @@ void LocalizeStream::Admit() {
   host_.storage.pool.Post([self = shared_from_this()] { self->CheckCaller(); });
 }
 
-LocalizeStream::LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,
+LocalizeStream::LocalizeStream(const StreamContext& host, grpc::CallbackServerContext* context,
                                StreamKeeper& keeper)
     : host_(host), context_(context), keeper_(keeper), ring_(host.max_pending_scan_count) {}
 

@@ -11,7 +11,7 @@
 namespace dcloc::server {
 
 /// What calls that use the store share; outlives them.
-struct StorageHost {
+struct RpcContext {
   MapStore& store;
   WorkerPool& pool;  ///< for all that may wait for a disk
   OpenCalls& open_calls;
