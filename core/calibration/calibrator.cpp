@@ -129,7 +129,7 @@ Eigen::VectorXd OfEachRadar(const CalibrationVector& values, std::size_t radar_c
 
 // A share of the returns, evenly among them, with their pairs.
 PairedFrame Paired(const FrameReturns& seen, double share, const CalibratorOptions& options) {
-  PairedFrame paired{.seen = {.views = seen.views, .returns = EvenSubsample(seen.returns, share)}};
+  PairedFrame paired{.seen = {.scans = seen.scans, .returns = EvenSubsample(seen.returns, share)}};
   paired.pairs = FindPairs(paired.seen, options.max_pair_distance_m, options.max_pairs_per_return);
   return paired;
 }
@@ -251,9 +251,9 @@ absl::Status Calibrator::Add(const std::string& frame_name, const Scan& scan,
          .covariance_m2 = rotation * point.covariance_m2 * rotation.transpose(),
          .range_m = sight_m.norm(),
          .cos_elevation = sight_m.head<2>().norm() / sight_m.norm(),
-         .view = static_cast<std::uint32_t>(frame.seen.views.size())});
+         .scan = static_cast<std::uint32_t>(frame.seen.scans.size())});
   }
-  frame.seen.views.push_back({.radar_m = vehicle_m + rotation * mount_m,
+  frame.seen.scans.push_back({.radar_m = vehicle_m + rotation * mount_m,
                               .radar_velocity_mps = rotation * radar_velocity_mps,
                               .vehicle_m = vehicle_m,
                               .vehicle_velocity_mps = rotation * ego_velocity.linear_mps,
