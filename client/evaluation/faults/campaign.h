@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/evaluation/faults/catalogue.h"
+#include "client/evaluation/faults/fault_list.h"
 #include "client/evaluation/faults/record.h"
 #include "client/evaluation/robustness/result_store.h"
 

@@ -1,4 +1,4 @@
-#include "client/evaluation/faults/catalogue.h"
+#include "client/evaluation/faults/fault_list.h"
 
 #include <algorithm>
 #include <set>
