@@ -63,8 +63,7 @@ std::optional<SubmapMatch> SubmapMatcher::Match(std::span<const GaussianPoint<2>
   return SubmapMatch{.T_target_live = {.pose = best->T_local_vehicle, .covariance = covariance},
                      .inlier_count = best->inlier_count,
                      .overlap = best->overlap,
-                     .residual_scale = best->residual_scale,
-                     .observes_all = observed.ObservesAll()};
+                     .residual_scale = best->residual_scale};
 }
 
 std::vector<Pose2> SubmapMatcher::Starts(std::span<const GaussianPoint<2>> live,

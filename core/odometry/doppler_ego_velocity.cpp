@@ -267,8 +267,7 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
         .ego_velocity = PlanarEgoVelocity(Vector3d::Zero(), FloorVariances(options)),
         .inlier_count = static_cast<int>(inliers.size()),
         .target_count = count,
-        .direction_count = CountDirections(inliers),
-        .standing_still = true};
+        .direction_count = CountDirections(inliers)};
   }
 
   return MovingEgoVelocity(rows, votes, options.min_inlier_fraction, seed, options, inliers);

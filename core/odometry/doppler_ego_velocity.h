@@ -51,7 +51,6 @@ struct DopplerEgoVelocity {
   int inlier_count = 0;
   int target_count = 0;
   int direction_count = 0;  ///< in how many tens of degrees around the vehicle there are inliers
-  bool standing_still = false;
 };
 
 /// One target's row of the motion's equations: range rate = row . (v_x, v_y, yaw rate) + noise
