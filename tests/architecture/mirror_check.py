@@ -47,7 +47,6 @@ TESTED_BY = {
         "client/cli/common/live_line", "client/cli/common/progress"),
     "tests/client/cli/calibrate/calibrate_command_test.cpp": ("client/datasets/drive_calibration",),
     "tests/client/cli/map/map_edit_command_test.cpp": ("client/evaluation/map_diff_picture",),
-    "tests/client/evaluation/paper/study_test.cpp": ("client/cli/common/run_folder",),
     "tests/client/datasets/drive_request_test.cpp": ("client/datasets/files/check_range",),
     "tests/client/datasets/rig_file_test.cpp": ("client/datasets/files/json_file",),
     "tests/client/datasets/radarscenes_test.cpp": ("client/datasets/files/hdf5_table",),

@@ -5,7 +5,7 @@
 
 #include "absl/status/status.h"
 
-namespace dcloc::robustness {
+namespace dcloc {
 
 /// Keeps what is finished under its name, so that an interrupted campaign goes on where it was.
 template <typename Result>
@@ -16,4 +16,4 @@ class ResultStore {
   virtual absl::Status Save(const std::string& name, const Result& result) = 0;
 };
 
-}  // namespace dcloc::robustness
+}  // namespace dcloc
