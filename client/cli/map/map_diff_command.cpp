@@ -9,9 +9,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/common/atomic_file.h"
-#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/common/output_file.h"
-#include "client/cli/common/terminal.h"
 #include "client/cli/map/map_files.h"
 #include "client/evaluation/map_diff_picture.h"
 #include "core/map/map_diff.h"
@@ -143,10 +142,7 @@ void AddMapDiffCommand(CLI::App& map_command, int& exit_code) {
       "Maps of different drives differ also by what one drive saw and the other missed.\n"
       "Example:\n"
       "  dcloc map diff may.dclm june.dclm --picture changes.svg --json");
-  diff->callback([arguments, &exit_code] {
-    const absl::Status status = Run(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*diff, arguments, exit_code, &Run);
 }
 
 }  // namespace dcloc::cli

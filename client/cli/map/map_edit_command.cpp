@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/common/output_file.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/map/map_files.h"
@@ -148,10 +148,7 @@ CLI::App* AddCut(CLI::App& map, const std::string& name, const std::string& desc
   AddRegionOptions(*app, arguments->region);
   AddForceOption(*app, arguments->force);
   app->add_flag("--json", arguments->json, "Print what was written as JSON");
-  app->callback([arguments, &exit_code] {
-    const absl::Status status = Cut(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*app, arguments, exit_code, &Cut);
   return app;
 }
 
@@ -216,10 +213,7 @@ void AddMerge(CLI::App& map, int& exit_code) {
       "different drives over the same street are not fused: survey the drives for that.\n"
       "Example:\n"
       "  dcloc map merge west.dclm east.dclm --same-frame --out town.dclm");
-  merge->callback([arguments, &exit_code] {
-    const absl::Status status = MergeFiles(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*merge, arguments, exit_code, &MergeFiles);
 }
 
 }  // namespace

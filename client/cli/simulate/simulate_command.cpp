@@ -9,9 +9,8 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/common/anchor_option.h"
-#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/common/progress.h"
-#include "client/cli/common/terminal.h"
 #include "client/simulation/fix_simulator.h"
 #include "client/simulation/nuscenes_writer.h"
 #include "client/simulation/option_names.h"
@@ -230,10 +229,7 @@ void AddSimulateCommand(CLI::App& app, int& exit_code) {
       "  dcloc simulate --out sim --fixes 5 --fix-jumps 2 --fix-jump-m 20 --fix-outages 1\n"
       "  dcloc localize --server localhost:50051 --map town --dataset nuscenes --root sim \\\n"
       "      --drive live-0 --fixes sim/fixes/live-0.csv --out live-0.csv");
-  simulate->callback([arguments, &exit_code] {
-    const absl::Status status = Simulate(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*simulate, arguments, exit_code, &Simulate);
 }
 
 }  // namespace dcloc::cli
