@@ -19,17 +19,6 @@ absl::Status CheckBound(const char* field, double value, double min, double max)
       absl::StrFormat("%s is %g; it must lie in [%g, %g]", field, value, min, max));
 }
 
-// This share of the returns, evenly among them.
-std::vector<StaticReturn> EvenSubsample(const std::vector<StaticReturn>& returns, double share) {
-  const auto count =
-      static_cast<std::size_t>(std::ceil(share * static_cast<double>(returns.size())));
-  std::vector<StaticReturn> chosen;
-  chosen.reserve(count);
-  for (std::size_t k = 0; k < count; ++k)
-    chosen.push_back(returns[EvenIndex(k, count, returns.size())]);
-  return chosen;
-}
-
 // The gradient's spread, made regular where blocks are fewer than parameters.
 Eigen::MatrixXd Regular(Eigen::MatrixXd spread) {
   spread.diagonal() *= 1.01;
@@ -129,7 +118,8 @@ Eigen::VectorXd OfEachRadar(const CalibrationVector& values, std::size_t radar_c
 
 // A share of the returns, evenly among them, with their pairs.
 PairedFrame Paired(const FrameReturns& seen, double share, const CalibratorOptions& options) {
-  PairedFrame paired{.seen = {.scans = seen.scans, .returns = EvenSubsample(seen.returns, share)}};
+  const auto count = static_cast<int>(std::ceil(share * static_cast<double>(seen.returns.size())));
+  PairedFrame paired{.seen = {.scans = seen.scans, .returns = EvenSubsample(seen.returns, count)}};
   paired.pairs = FindPairs(paired.seen, options.max_pair_distance_m, options.max_pairs_per_return);
   return paired;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry/thinning.h"
 #include "core/map/keyframe_index.h"
 #include "core/map/map_file.h"
 #include "core/relocalization/place_search.h"
@@ -113,7 +114,7 @@ absl::StatusOr<PlaceFinding> PlaceFinder::Find(const SurveyGraph& graph, std::si
     const std::vector<GaussianPoint<2>> submap = graph.SubmapOf(node, options_.submap_half_count);
     if (submap.empty()) continue;
     ++finding.query_count;
-    PlaceSearch search(*map, PositionsOf<2>(EvenSubsample<2>(submap, options_.search_point_count)),
+    PlaceSearch search(*map, PositionsOf<2>(EvenSubsample(submap, options_.search_point_count)),
                        {.max_count = options_.candidate_count});
     while (!search.done()) search.SearchOn();
     for (const PlaceCandidate& place : search.Best()) {

@@ -10,6 +10,7 @@
 
 #include "core/geometry/covariance.h"
 #include "core/geometry/pose_estimate.h"
+#include "core/geometry/thinning.h"
 
 namespace dcloc {
 namespace {
