@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/map/keyframe_index.h"
 #include "core/map/map_content.h"
 #include "core/map/map_file.h"
 #include "core/map/point_grid.h"
@@ -17,7 +18,6 @@ namespace dcloc {
 namespace {
 
 constexpr double kMoved_m = 0.01;
-constexpr double kMaxKeyframeDistance_m = 120.0;  // MapBuilderOptions::max_keyframe_distance_m
 
 Pose3 PoseInMap(const EditableMap& map, std::size_t keyframe) {
   Pose3 pose = PoseOf(map.keyframes[keyframe].record);
@@ -50,7 +50,7 @@ MapPoint Placed(MapPoint point, const Eigen::Vector3d& p_keyframe,
 }
 
 // Keyframes of a map lie no further away.
-constexpr double kMaxCoordinate_m = kMaxOrigin_m + kMaxLocal_m;
+constexpr double kMaxLandmarkCoordinate_m = kMaxOrigin_m + kMaxLocal_m;
 
 // Puts rows into a copy of the base, one at a time.
 class Mender {
@@ -95,9 +95,10 @@ class Mender {
     constexpr std::array kNames = {"x", "y", "z"};
     for (std::size_t i = 0; i < kNames.size(); ++i) {
       const double value = row.p_map(static_cast<Eigen::Index>(i));
-      if (std::abs(value) <= kMaxCoordinate_m) continue;  // NaN is not
-      return Error(row, absl::StrFormat("%s is %g m in the map; it must lie in [%g, %g]", kNames[i],
-                                        value, -kMaxCoordinate_m, kMaxCoordinate_m));
+      if (std::abs(value) <= kMaxLandmarkCoordinate_m) continue;  // NaN is not
+      return Error(
+          row, absl::StrFormat("%s is %g m in the map; it must lie in [%g, %g]", kNames[i], value,
+                               -kMaxLandmarkCoordinate_m, kMaxLandmarkCoordinate_m));
     }
     return absl::OkStatus();
   }

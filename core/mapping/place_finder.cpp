@@ -13,7 +13,6 @@
 namespace dcloc {
 namespace {
 
-constexpr double kIndexCell_m = 32.0;
 constexpr float kFlatVariance_m2 = 0.01F;  // of a height that is not used
 
 MapPoint ToMapPoint(const GaussianPoint<2>& landmark) {

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "core/geometry/covariance.h"
-#include "core/geometry/pose_estimate.h"
 #include "core/geometry/thinning.h"
 
 namespace dcloc {

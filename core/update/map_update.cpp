@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "absl/status/status.h"
+#include "core/map/keyframe_index.h"
 #include "core/map/landmark_points.h"
 #include "core/update/detection_model.h"
 #include "core/update/exposure.h"
@@ -19,8 +20,6 @@
 
 namespace dcloc {
 namespace {
-
-constexpr double kMaxKeyframeDistance_m = 120.0;
 
 double Days(Stamp from, Stamp to) {
   return std::chrono::duration<double, std::ratio<86400>>(to - from).count();

@@ -29,12 +29,6 @@ struct SimulateArguments {
   bool force = false;
 };
 
-// What a pass draws its fixes by: other on every day, and never that of a pass of day 0.
-int FixDrawOf(int day, int pass_index) {
-  constexpr int kPassesPerDay = 1000;  // more than a simulation may have
-  return day * kPassesPerDay + pass_index;
-}
-
 void PrintPass(const SimulatedPass& pass, double length_m) {
   const std::vector<DriveScan>& scans = pass.drive.scans;
   std::size_t target_count = 0;
@@ -72,8 +66,8 @@ absl::Status Simulate(SimulateArguments arguments) {
     if (!simulated.ok()) return simulated.status();
     if (absl::Status status = writer->AddPass(*simulated); !status.ok()) return status;
     if (arguments.fixes.rate_hz > 0.0) {
-      const auto fixes = SimulateFixes(*simulated, FixDrawOf(options.day, pass.index),
-                                       arguments.fixes, options.seed, arguments.anchor);
+      const auto fixes = SimulateFixes(*simulated, DrawOf(options.day, pass.index), arguments.fixes,
+                                       options.seed, arguments.anchor);
       if (absl::Status status = writer->AddFixes(pass.name, fixes); !status.ok()) return status;
     }
     PrintPass(*simulated, options.length_m);
