@@ -103,8 +103,9 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& sent, const TimeBase::ScanT
 template <int Dim>
 void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
                                    Workspace<Dim>& workspace, StageListener* listener) {
-  live_.submap.Join(options_.per_point_covariance,
-                    static_cast<std::size_t>(options_.max_submap_points), workspace.submap);
+  live_.submap.Join(
+      options_.per_point_covariance ? DriftCovariance::kAdded : DriftCovariance::kLeftOut,
+      static_cast<std::size_t>(options_.max_submap_points), workspace.submap);
   newest_.quality = {};
   newest_.outcome = RegistrationOutcome::kNoMatch;
 

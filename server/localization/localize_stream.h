@@ -125,7 +125,7 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   void Opened(AttachedSession attached);
   void Fail(grpc::Status status);
   void AnswerNext();
-  grpc::Status Answer(Session& session, Slot& slot, bool dropped) const;
+  grpc::Status Answer(Session& session, Slot& slot, Handling handling) const;
 
   const StreamContext& host_;
   grpc::CallbackServerContext* const context_;

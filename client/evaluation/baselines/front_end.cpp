@@ -27,7 +27,8 @@ absl::StatusOr<Submap> FrontEnd::Add(const Scan& scan, StageListener* listener) 
 
   if (listener != nullptr) listener->OnStageBegin(Stage::kSubmap);
   window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), points, since_previous());
-  return window_.Join(options_.per_point_covariance);
+  return window_.Join(options_.per_point_covariance ? DriftCovariance::kAdded
+                                                    : DriftCovariance::kLeftOut);
 }
 
 bool FrontEnd::RegistrationIsDue(Stamp stamp, const Submap& submap) {
