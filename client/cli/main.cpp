@@ -21,6 +21,7 @@
 #include "client/cli/session/session_propose_command.h"
 #include "client/cli/session/session_record_command.h"
 #include "client/cli/simulate/simulate_command.h"
+#include "client/evaluation/baselines/pcl_registration.h"
 
 namespace {
 
@@ -34,6 +35,7 @@ std::string VersionText() {
 
 int main(int argc, char** argv) {
   using namespace dcloc::cli;  // NOLINT(google-build-using-namespace): main is its front end
+  dcloc::SilencePcl();
   int exit_code = kSuccess;
   try {
     CLI::App app("Radar localization: make maps, localize in them, simulate, evaluate", "dcloc");

@@ -19,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kStaticLabel = 11;
 // The odometry of some recordings ends a little before the last scans.
 constexpr double kMaxExtrapolation_s = 0.25;
 
@@ -126,8 +125,7 @@ bool IsUsable(const RadarScenesTarget& target) {
 }
 
 absl::StatusOr<Scan> BuildScan(const RadarScenesScene& scene,
-                               const std::vector<RadarScenesTarget>& targets,
-                               const RadarScenesOptions& options) {
+                               const std::vector<RadarScenesTarget>& targets) {
   if (scene.end > targets.size()) {
     return absl::DataLossError(absl::StrCat("the scene at ", scene.timestamp_us, " us ends at row ",
                                             scene.end, " of ", targets.size()));
@@ -144,7 +142,6 @@ absl::StatusOr<Scan> BuildScan(const RadarScenesScene& scene,
                                               " at ", scene.timestamp_us, " us"));
     }
     if (!IsUsable(target)) continue;
-    if (options.labelled_static_only && target.label_id != kStaticLabel) continue;
     scan.range_m.push_back(target.range_m);
     scan.range_rate_mps.push_back(target.range_rate_mps);
     scan.azimuth_rad.push_back(target.azimuth_rad);
@@ -157,7 +154,7 @@ absl::StatusOr<Scan> BuildScan(const RadarScenesScene& scene,
   return scan;
 }
 
-absl::Status AddScans(const fs::path& sequence, const RadarScenesOptions& options, Drive& drive) {
+absl::Status AddScans(const fs::path& sequence, Drive& drive) {
   const fs::path radar_data = sequence / "radar_data.h5";
   const auto scenes = ReadRadarScenesScenes(sequence / "scenes.json");
   if (!scenes.ok()) return scenes.status();
@@ -167,7 +164,7 @@ absl::Status AddScans(const fs::path& sequence, const RadarScenesOptions& option
   if (!targets.ok()) return targets.status();
   for (const RadarScenesScene& scene : *scenes) {
     if (drive.rig.Find(RadarId(scene.sensor_id)) == nullptr) continue;
-    auto scan = BuildScan(scene, *targets, options);
+    auto scan = BuildScan(scene, *targets);
     if (!scan.ok()) return FileError(radar_data, scan.status().message());
     const auto motion = MotionAt(*odometry, scene.timestamp_us);
     if (!motion.ok()) return FileError(radar_data, motion.status().message());
@@ -180,8 +177,7 @@ absl::Status AddScans(const fs::path& sequence, const RadarScenesOptions& option
 
 }  // namespace
 
-absl::StatusOr<Drive> ReadRadarScenesDrive(const fs::path& root, const DriveRequest& request,
-                                           const RadarScenesOptions& options) {
+absl::StatusOr<Drive> ReadRadarScenesDrive(const fs::path& root, const DriveRequest& request) {
   const fs::path data = DataFolder(root);
   const auto mounts = ReadRadarScenesMounts(data / "sensors.json");
   if (!mounts.ok()) return mounts.status();
@@ -192,7 +188,7 @@ absl::StatusOr<Drive> ReadRadarScenesDrive(const fs::path& root, const DriveRequ
   drive.rig = *std::move(rig);
   const auto sequence = FindSequence(data, drive.name);
   if (!sequence.ok()) return sequence.status();
-  if (absl::Status status = AddScans(*sequence, options, drive); !status.ok()) return status;
+  if (absl::Status status = AddScans(*sequence, drive); !status.ok()) return status;
   if (absl::Status status = FinishDrive(request, drive); !status.ok()) {
     return FileError(*sequence, status.message());
   }

@@ -10,19 +10,13 @@
 
 namespace dcloc {
 
-struct RadarScenesOptions {
-  /// Keep only targets that the annotators call static (label_id 11). A vehicle has no such labels:
-  /// off for anything that is to be compared with a vehicle.
-  bool labelled_static_only = false;
-};
-
 /// Reads a sequence ("sequence_108", or "108") from the official RadarScenes layout; `root` is the
 /// folder with `sensors.json`, or the one that holds it as `data/`. Radars are "radar_1" to
 /// "radar_4", or "1" to "4" in the request. Poses and ego-velocity are the odometry's, interpolated
-/// at the scan. NotFound for a name that is not there; DataLoss names the file that is broken.
+/// at the scan. The annotators' labels are not used: a vehicle has none. NotFound for a name that
+/// is not there; DataLoss names the file that is broken.
 absl::StatusOr<Drive> ReadRadarScenesDrive(const std::filesystem::path& root,
-                                           const DriveRequest& request,
-                                           const RadarScenesOptions& options = {});
+                                           const DriveRequest& request);
 
 /// The names of the sequences, sorted. NotFound where there is none.
 absl::StatusOr<std::vector<std::string>> RadarScenesSequences(const std::filesystem::path& root);

@@ -69,10 +69,9 @@ absl::StatusOr<RadarScenesScene> ReadScene(const std::string& key, const json& e
 
 absl::StatusOr<std::vector<RadarScenesTarget>> ReadRadarScenesTargets(
     const std::filesystem::path& radar_data_h5) {
-  constexpr std::array<Hdf5Column, 7> kColumns = {{
+  constexpr std::array<Hdf5Column, 6> kColumns = {{
       {"timestamp", kInteger, offsetof(RadarScenesTarget, timestamp_us)},
       {"sensor_id", kInteger, offsetof(RadarScenesTarget, sensor_id)},
-      {"label_id", kInteger, offsetof(RadarScenesTarget, label_id)},
       {"range_sc", kFloat, offsetof(RadarScenesTarget, range_m)},
       {"azimuth_sc", kFloat, offsetof(RadarScenesTarget, azimuth_rad)},
       {"rcs", kFloat, offsetof(RadarScenesTarget, rcs_dbsm)},

@@ -15,7 +15,6 @@ namespace dcloc {
 struct RadarScenesTarget {
   std::int64_t timestamp_us;
   std::int64_t sensor_id;
-  std::int64_t label_id;  ///< 11 is static
   float range_m;
   float azimuth_rad;
   float rcs_dbsm;

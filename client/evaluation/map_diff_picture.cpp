@@ -48,9 +48,9 @@ Picture DrawMapDiff(const MapDiff& diff) {
   };
   add("same", ChangeLines(diff.same, box), diff.same.size(),
       "using 1:2 with points pt 7 ps 0.25 lc rgb '#b0b0b0'");
-  add("went", ChangeLines(diff.went, box), diff.went.size(),
+  add("went", ChangeLines(diff.removed, box), diff.removed.size(),
       "using 1:2 with points pt 2 ps 0.7 lw 1.5 lc rgb '#D55E00'");
-  add("came", ChangeLines(diff.came, box), diff.came.size(),
+  add("came", ChangeLines(diff.added, box), diff.added.size(),
       "using 1:2 with points pt 1 ps 0.7 lw 1.5 lc rgb '#0072B2'");
   add("moved", MoveLines(diff.moved, box), diff.moved.size(),
       "using 1:2:3:4 with vectors nohead lw 2 lc rgb '#009E73'");

@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "core/geometry/chi_square.h"
 #include "core/geometry/degrees.h"
 
 namespace dcloc {
@@ -96,7 +97,7 @@ std::vector<std::string> AnswerLines(const DriveOutcome& outcome) {
     lines.push_back(absl::StrFormat(
         "%.3f %.3f %.3f %.4f %.4f %.4f %.4f", Seconds(outcome, scan), p.x(), p.y(),
         scan.error.translation_m, 0.5 * PositionEllipse(scan.answer).major_diameter_m,
-        scan.error.rotation_deg, 1.96 * std::sqrt(scan.answer.covariance(5, 5)) * kDegPerRad));
+        scan.error.rotation_deg, kSigmas95 * std::sqrt(scan.answer.covariance(5, 5)) * kDegPerRad));
   }
   return lines;
 }

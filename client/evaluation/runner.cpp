@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/datasets/files/check_range.h"
-#include "client/evaluation/stage_timer.h"
+#include "client/evaluation/cpu_stage_timer.h"
 
 namespace dcloc {
 namespace {
@@ -43,7 +43,7 @@ class Judge {
   std::optional<ScanOutcome> Localize(Method& method, const DriveScan& entry) {
     Scan scan = entry.scan;
     if (options_.doppler_ego_velocity) scan.ego_velocity.reset();
-    StageTimer timer;
+    CpuStageTimer timer;
     const auto answer = method.Localize(scan, &timer);
     timer.Stop();
     if (!answer.ok()) {

@@ -12,7 +12,7 @@ constexpr double kTurned_rad = 1e-6;
 
 Stamp StampOf(std::size_t keyframe) { return Stamp(std::chrono::seconds(keyframe)); }
 
-Pose3 PoseInMap(const MapParts& map, const KeyframeRecord& record) {
+Pose3 PoseInMap(const EditableMap& map, const KeyframeRecord& record) {
   Pose3 pose = PoseOf(record);
   pose.translation_m += map.Origin_m();
   return pose;
@@ -20,7 +20,7 @@ Pose3 PoseInMap(const MapParts& map, const KeyframeRecord& record) {
 
 }  // namespace
 
-Trajectory KeyframeTrajectory(const MapParts& map) {
+Trajectory KeyframeTrajectory(const EditableMap& map) {
   Trajectory trajectory{.name = map.name, .anchor = map.Anchor(), .poses = {}};
   for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
     trajectory.poses.push_back({StampOf(i), PoseInMap(map, map.keyframes[i].record)});
@@ -28,15 +28,15 @@ Trajectory KeyframeTrajectory(const MapParts& map) {
   return trajectory;
 }
 
-absl::StatusOr<MapParts> MoveKeyframes(const MapParts& base, const Trajectory& trajectory,
-                                       std::size_t& moved_count) {
+absl::StatusOr<EditableMap> MoveKeyframes(const EditableMap& base, const Trajectory& trajectory,
+                                          std::size_t& moved_count) {
   if (trajectory.poses.size() != base.keyframes.size()) {
     return absl::InvalidArgumentError(
         absl::StrFormat("%s: has %d poses; it must have one for each of the %d keyframes",
                         trajectory.name, trajectory.poses.size(), base.keyframes.size()));
   }
   moved_count = 0;
-  MapParts moved = base;
+  EditableMap moved = base;
   for (std::size_t i = 0; i < moved.keyframes.size(); ++i) {
     const auto& [stamp, T_map_keyframe] = trajectory.poses[i];
     if (stamp != StampOf(i)) {

@@ -95,7 +95,7 @@ absl::Status ReadFeature(const Json& feature, const GeodeticAnchor& anchor, Land
 
 }  // namespace
 
-absl::StatusOr<std::string> FormatLandmarkGeoJson(const MapParts& map) {
+absl::StatusOr<std::string> FormatLandmarkGeoJson(const EditableMap& map) {
   const std::optional<GeodeticAnchor> anchor = map.Anchor();
   if (!anchor) {
     return absl::FailedPreconditionError(absl::StrCat(

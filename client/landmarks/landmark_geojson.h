@@ -13,7 +13,7 @@ namespace dcloc {
 /// Landmarks as GeoJSON (RFC 7946): a point feature each, on a line of its own, in WGS 84 with the
 /// height over the ellipsoid; all values of a landmark are its properties (`kPointFields`).
 /// FailedPrecondition for a map without an anchor.
-absl::StatusOr<std::string> FormatLandmarkGeoJson(const MapParts& map);
+absl::StatusOr<std::string> FormatLandmarkGeoJson(const EditableMap& map);
 
 /// The point features of such a file, also after another tool has written it. A feature without
 /// the property `keyframe` is a new landmark; it has the covariance in the map frame, and without a

@@ -17,7 +17,7 @@ void AppendValue(std::string& bytes, T value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
-std::string HeaderText(const MapParts& map, std::size_t point_count) {
+std::string HeaderText(const EditableMap& map, std::size_t point_count) {
   std::string fields = "FIELDS x y z";
   std::string sizes = "SIZE 4 4 4";
   std::string types = "TYPE F F F";
@@ -100,7 +100,7 @@ class RowReader {
 
 }  // namespace
 
-std::string FormatLandmarkPcd(const MapParts& map) {
+std::string FormatLandmarkPcd(const EditableMap& map) {
   const std::vector<LandmarkRow> rows = RowsOf(map);
   const Eigen::Vector3d origin_m = map.Origin_m();
   std::string bytes = HeaderText(map, rows.size());

@@ -13,7 +13,7 @@ namespace dcloc {
 /// Landmarks as a binary PCD v0.7 file. x, y, z are in the map frame minus the local origin, which
 /// a comment names, because point clouds have single precision. All values of a landmark are
 /// fields (`kPointFields`); `keyframe` is the number of its keyframe.
-std::string FormatLandmarkPcd(const MapParts& map);
+std::string FormatLandmarkPcd(const EditableMap& map);
 
 /// The points of such a file, also after another tool has written it: ascii or binary, fields in
 /// any order and of any type. Without the field `keyframe` all landmarks are new, their covariances

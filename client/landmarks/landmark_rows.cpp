@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/map/keyframe_index.h"
 #include "core/map/map_content.h"
 #include "core/map/map_file.h"
 #include "core/map/point_grid.h"
@@ -17,9 +18,8 @@ namespace dcloc {
 namespace {
 
 constexpr double kMoved_m = 0.01;
-constexpr double kMaxKeyframeDistance_m = 120.0;  // MapBuilderOptions::max_keyframe_distance_m
 
-Pose3 PoseInMap(const MapParts& map, std::size_t keyframe) {
+Pose3 PoseInMap(const EditableMap& map, std::size_t keyframe) {
   Pose3 pose = PoseOf(map.keyframes[keyframe].record);
   pose.translation_m += map.Origin_m();
   return pose;
@@ -50,12 +50,12 @@ MapPoint Placed(MapPoint point, const Eigen::Vector3d& p_keyframe,
 }
 
 // Keyframes of a map lie no further away.
-constexpr double kMaxCoordinate_m = kMaxOrigin_m + kMaxLocal_m;
+constexpr double kMaxLandmarkCoordinate_m = kMaxOrigin_m + kMaxLocal_m;
 
 // Puts rows into a copy of the base, one at a time.
 class Mender {
  public:
-  explicit Mender(const MapParts& base)
+  explicit Mender(const EditableMap& base)
       : base_(base), anchor_(base.Anchor()), mended_(base), grid_(kMaxKeyframeDistance_m) {
     for (std::size_t i = 0; i < base.keyframes.size(); ++i) {
       mended_.keyframes[i].points.clear();
@@ -80,7 +80,7 @@ class Mender {
     return Place(row);
   }
 
-  MapParts Finish(LandmarkEdits& counts) && {
+  EditableMap Finish(LandmarkEdits& counts) && {
     counts_.removed = base_.PointCount() - counts_.same - counts_.moved - counts_.edited;
     counts = counts_;
     return std::move(mended_);
@@ -95,9 +95,10 @@ class Mender {
     constexpr std::array kNames = {"x", "y", "z"};
     for (std::size_t i = 0; i < kNames.size(); ++i) {
       const double value = row.p_map(static_cast<Eigen::Index>(i));
-      if (std::abs(value) <= kMaxCoordinate_m) continue;  // NaN is not
-      return Error(row, absl::StrFormat("%s is %g m in the map; it must lie in [%g, %g]", kNames[i],
-                                        value, -kMaxCoordinate_m, kMaxCoordinate_m));
+      if (std::abs(value) <= kMaxLandmarkCoordinate_m) continue;  // NaN is not
+      return Error(
+          row, absl::StrFormat("%s is %g m in the map; it must lie in [%g, %g]", kNames[i], value,
+                               -kMaxLandmarkCoordinate_m, kMaxLandmarkCoordinate_m));
     }
     return absl::OkStatus();
   }
@@ -178,9 +179,9 @@ class Mender {
     return nearest;
   }
 
-  const MapParts& base_;
+  const EditableMap& base_;
   const std::optional<GeodeticAnchor> anchor_;
-  MapParts mended_;
+  EditableMap mended_;
   PointGrid grid_;
   std::vector<std::vector<bool>> taken_;  ///< of the base's landmarks, by keyframe
   LandmarkEdits counts_;
@@ -188,7 +189,7 @@ class Mender {
 
 }  // namespace
 
-std::vector<LandmarkRow> RowsOf(const MapParts& map) {
+std::vector<LandmarkRow> RowsOf(const EditableMap& map) {
   std::vector<LandmarkRow> rows;
   rows.reserve(map.PointCount());
   for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
@@ -203,9 +204,9 @@ std::vector<LandmarkRow> RowsOf(const MapParts& map) {
   return rows;
 }
 
-absl::StatusOr<MapParts> ReplaceLandmarks(const MapParts& base,
-                                          const std::vector<LandmarkRow>& rows,
-                                          LandmarkEdits& counts) {
+absl::StatusOr<EditableMap> ReplaceLandmarks(const EditableMap& base,
+                                             const std::vector<LandmarkRow>& rows,
+                                             LandmarkEdits& counts) {
   if (rows.empty()) return absl::FailedPreconditionError("the file has no landmark");
   Mender mender(base);
   for (const LandmarkRow& row : rows) {

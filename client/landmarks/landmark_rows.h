@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 
 namespace dcloc {
 
@@ -24,7 +24,7 @@ struct LandmarkRow {
 };
 
 /// All landmarks, in the map's order.
-std::vector<LandmarkRow> RowsOf(const MapParts& map);
+std::vector<LandmarkRow> RowsOf(const EditableMap& map);
 
 /// What the rows of a file changed in a map.
 struct LandmarkEdits {
@@ -40,8 +40,8 @@ struct LandmarkEdits {
 /// was moved further than 120 m from its keyframe, or has none, joins the nearest keyframe.
 /// InvalidArgument names the row, the field, the value and the bound; FailedPrecondition for no
 /// row.
-absl::StatusOr<MapParts> ReplaceLandmarks(const MapParts& base,
-                                          const std::vector<LandmarkRow>& rows,
-                                          LandmarkEdits& counts);
+absl::StatusOr<EditableMap> ReplaceLandmarks(const EditableMap& base,
+                                             const std::vector<LandmarkRow>& rows,
+                                             LandmarkEdits& counts);
 
 }  // namespace dcloc

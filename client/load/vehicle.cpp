@@ -328,7 +328,7 @@ void Vehicle::AfterEnd() {
 /// Whether the session that was open can be resumed, or begun anew, after its stream has ended.
 bool Vehicle::MayGoOn() const {
   return trip_.begin && trip_.is_resumable &&
-         client::MayPass(client::FromGrpc(*end_status_), WasOpened(stream_));
+         client::IsRetryable(client::FromGrpc(*end_status_), WasOpened(stream_));
 }
 
 void Vehicle::Restart() { EndOrBeginTrip(trip_.next < route_.scans.size() ? trip_.next : 0); }

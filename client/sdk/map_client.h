@@ -29,11 +29,6 @@ class MapClient {
   /// On top of `timeout` each call may take as long as the file does at 1 MB/s.
   absl::StatusOr<v1::MapVersion> Upload(const std::filesystem::path& file,
                                         const std::string& map_name, const UploadOptions& options);
-  absl::StatusOr<v1::MapVersion> Upload(const std::filesystem::path& file,
-                                        const std::string& map_name, bool activate,
-                                        const TransferProgress& progress = {}) {
-    return Upload(file, map_name, UploadOptions{.activate = activate, .progress = progress});
-  }
 
   /// Writes a version's file, `version` 0 for the active one: first beside `file`, then renamed
   /// once its hash is verified. DataLoss if the hash is wrong. Has no time limit.

@@ -6,7 +6,7 @@ namespace dcloc::client {
 
 /// Whether another attempt may do better than a stream that ended so. Before it was open the server
 /// may just have been full; after that, what exhausted it is what was sent.
-inline bool MayPass(const absl::Status& status, bool was_open) {
+inline bool IsRetryable(const absl::Status& status, bool was_open) {
   switch (status.code()) {
     case absl::StatusCode::kOk:
     case absl::StatusCode::kUnavailable:

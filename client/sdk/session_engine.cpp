@@ -344,7 +344,7 @@ std::optional<absl::Status> SessionEngine::Judge(const absl::Status& status) {
   if (resuming && IsRefusal(status)) {
     restart_reason_ = status;
     resume_token_.clear();
-  } else if (!can_return || !MayPass(status, opened_.has_value())) {
+  } else if (!can_return || !IsRetryable(status, opened_.has_value())) {
     return Unanswered(status);
   }
   const Clock::time_point now = Clock::now();

@@ -37,12 +37,6 @@ Stamp Departure(int day, int pass_index) {
   return kFirstDay + std::chrono::days(day + pass_index) + kDeparture;
 }
 
-// What a pass draws its random numbers by: other on every day, and never that of a pass of day 0.
-int DrawOf(int day, int pass_index) {
-  constexpr int kPassesPerDay = 1000;  // more than a simulation may have
-  return day * kPassesPerDay + pass_index;
-}
-
 // Whole microseconds: what the nuScenes layout can say.
 std::chrono::microseconds Microseconds(double t_s) {
   return std::chrono::microseconds(std::llround(t_s * 1e6));

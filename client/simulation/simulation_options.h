@@ -70,6 +70,12 @@ struct PassOptions {
   bool is_reversed = false;  ///< goes the other way; only on a ring
 };
 
+/// What a pass draws its random numbers by: other on every day, and never that of a pass of day 0.
+inline int DrawOf(int day, int pass_index) {
+  constexpr int kPassesPerDay = 1000;  // more than a simulation may have
+  return day * kPassesPerDay + pass_index;
+}
+
 /// InvalidArgument naming the field, its value and its bound; OK otherwise.
 absl::Status Validate(const PassOptions& pass);
 

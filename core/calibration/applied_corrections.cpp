@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/chi_square.h"
+
 namespace dcloc {
 namespace {
 
 bool IsWorthApplying(double square, double variance, double prior_sigma) {
-  constexpr double kSquare95 = 1.96 * 1.96;
+  constexpr double kSquare95 = kSigmas95 * kSigmas95;
   const bool is_determined = variance < 0.25 * prior_sigma * prior_sigma;
   return square > (is_determined ? 2.0 : kSquare95) * variance;
 }

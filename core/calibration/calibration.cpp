@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "core/geometry/chi_square.h"
+
 namespace dcloc {
 
 const char* NameOf(CalibrationParameter parameter) {
@@ -24,7 +26,6 @@ const char* NameOf(CalibrationParameter parameter) {
 }
 
 bool CalibratedParameter::significant() const {
-  constexpr double kSigmas95 = 1.96;
   return determined() && std::abs(correction) > kSigmas95 * sigma;
 }
 

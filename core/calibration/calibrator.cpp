@@ -19,17 +19,6 @@ absl::Status CheckBound(const char* field, double value, double min, double max)
       absl::StrFormat("%s is %g; it must lie in [%g, %g]", field, value, min, max));
 }
 
-// This share of the returns, evenly among them.
-std::vector<StaticReturn> EvenSubsample(const std::vector<StaticReturn>& returns, double share) {
-  const auto count =
-      static_cast<std::size_t>(std::ceil(share * static_cast<double>(returns.size())));
-  std::vector<StaticReturn> chosen;
-  chosen.reserve(count);
-  for (std::size_t k = 0; k < count; ++k)
-    chosen.push_back(returns[EvenIndex(k, count, returns.size())]);
-  return chosen;
-}
-
 // The gradient's spread, made regular where blocks are fewer than parameters.
 Eigen::MatrixXd Regular(Eigen::MatrixXd spread) {
   spread.diagonal() *= 1.01;
@@ -129,7 +118,8 @@ Eigen::VectorXd OfEachRadar(const CalibrationVector& values, std::size_t radar_c
 
 // A share of the returns, evenly among them, with their pairs.
 PairedFrame Paired(const FrameReturns& seen, double share, const CalibratorOptions& options) {
-  PairedFrame paired{.seen = {.views = seen.views, .returns = EvenSubsample(seen.returns, share)}};
+  const auto count = static_cast<int>(std::ceil(share * static_cast<double>(seen.returns.size())));
+  PairedFrame paired{.seen = {.scans = seen.scans, .returns = EvenSubsample(seen.returns, count)}};
   paired.pairs = FindPairs(paired.seen, options.max_pair_distance_m, options.max_pairs_per_return);
   return paired;
 }
@@ -251,9 +241,9 @@ absl::Status Calibrator::Add(const std::string& frame_name, const Scan& scan,
          .covariance_m2 = rotation * point.covariance_m2 * rotation.transpose(),
          .range_m = sight_m.norm(),
          .cos_elevation = sight_m.head<2>().norm() / sight_m.norm(),
-         .view = static_cast<std::uint32_t>(frame.seen.views.size())});
+         .scan = static_cast<std::uint32_t>(frame.seen.scans.size())});
   }
-  frame.seen.views.push_back({.radar_m = vehicle_m + rotation * mount_m,
+  frame.seen.scans.push_back({.radar_m = vehicle_m + rotation * mount_m,
                               .radar_velocity_mps = rotation * radar_velocity_mps,
                               .vehicle_m = vehicle_m,
                               .vehicle_velocity_mps = rotation * ego_velocity.linear_mps,

@@ -18,10 +18,10 @@ constexpr double kGate = 9.0;  // squared Mahalanobis distance beyond which a pa
 
 // One return of a pair, with its Jacobian in units of the scale and taken at `middle_m`.
 struct Side {
-  Side(const StaticReturn& item, const ScanView& view, const Eigen::Vector2d& middle_m,
+  Side(const StaticReturn& item, const ScanGeometry& scan, const Eigen::Vector2d& middle_m,
        const Eigen::VectorXd& parameters, const Eigen::VectorXd& scale)
-      : at(static_cast<Eigen::Index>(view.radar) * kN),
-        jacobian(JacobianByParameters(view, middle_m, item.cos_elevation) *
+      : at(static_cast<Eigen::Index>(scan.radar) * kN),
+        jacobian(JacobianByParameters(scan, middle_m, item.cos_elevation) *
                  scale.segment<kN>(at).asDiagonal()),
         position_m(item.position_m + jacobian * parameters.segment<kN>(at)) {}
 
@@ -50,8 +50,8 @@ void AddOverlap(const FrameReturns& frame, std::span<const ReturnPair> pairs,
     const StaticReturn& other = frame.returns[second];
     if (std::min(one.range_m, other.range_m) < kernel.min_range_m) continue;
     const Eigen::Vector2d middle_m = 0.5 * (one.position_m + other.position_m);
-    const Side a(one, frame.views[one.view], middle_m, parameters, scale);
-    const Side b(other, frame.views[other.view], middle_m, parameters, scale);
+    const Side a(one, frame.scans[one.scan], middle_m, parameters, scale);
+    const Side b(other, frame.scans[other.scan], middle_m, parameters, scale);
     const Eigen::Matrix2d covariance_m2 = one.covariance_m2 + other.covariance_m2 + scatterer_m2;
     const Eigen::Matrix2d information = covariance_m2.inverse();
     const Eigen::Vector2d offset_m = b.position_m - a.position_m;

@@ -16,7 +16,7 @@ Cell CellOf(const Eigen::Vector2d& position_m, double cell_m) {
           static_cast<std::int64_t>(std::floor(position_m.y() / cell_m))};
 }
 
-bool SameStand(const ScanView& a, const ScanView& b) {
+bool SameStand(const ScanGeometry& a, const ScanGeometry& b) {
   return a.radar == b.radar && a.stand == b.stand;
 }
 
@@ -36,7 +36,7 @@ std::vector<ReturnPair> FindPairs(const FrameReturns& frame, double max_pair_dis
     if (cell == cells.end()) return;
     for (const std::uint32_t j : cell->second) {
       if (j <= i) continue;  // each pair once
-      if (SameStand(frame.views[returns[i].view], frame.views[returns[j].view])) continue;
+      if (SameStand(frame.scans[returns[i].scan], frame.scans[returns[j].scan])) continue;
       const double distance_m = (returns[j].position_m - returns[i].position_m).norm();
       if (distance_m < max_pair_distance_m) near.push_back(j);
     }

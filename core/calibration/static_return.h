@@ -9,7 +9,7 @@
 namespace dcloc {
 
 /// The poses and velocities at one scan, in the xy plane of the map, relative to a local origin.
-struct ScanView {
+struct ScanGeometry {
   Eigen::Vector2d radar_m;
   Eigen::Vector2d radar_velocity_mps;
   Eigen::Vector2d vehicle_m;
@@ -26,18 +26,18 @@ struct StaticReturn {
   Eigen::Matrix2d covariance_m2;
   double range_m;
   double cos_elevation;  ///< of its line of sight
-  std::uint32_t view;
+  std::uint32_t scan;
 };
 
 /// The static returns of one map frame.
 struct FrameReturns {
-  std::vector<ScanView> views;
+  std::vector<ScanGeometry> scans;
   std::vector<StaticReturn> returns;
 };
 
 /// Jacobian of a return's position by the parameters of its radar, in CalibrationParameter's order,
-/// for a return at `position_m` seen from `view` (METHOD 1).
+/// for a return at `position_m` seen from `scan` (METHOD 1).
 Eigen::Matrix<double, 2, kCalibrationParameters> JacobianByParameters(
-    const ScanView& view, const Eigen::Vector2d& position_m, double cos_elevation);
+    const ScanGeometry& scan, const Eigen::Vector2d& position_m, double cos_elevation);
 
 }  // namespace dcloc

@@ -11,4 +11,7 @@ inline constexpr double kChiSquare999With1Dof = 10.8;
 inline constexpr double kChiSquare999With2Dof = 13.8;
 inline constexpr double kChiSquare999With3Dof = 16.27;
 
+/// A normally distributed error lies within so many deviations with a probability of 95 %.
+inline constexpr double kSigmas95 = 1.96;
+
 }  // namespace dcloc

@@ -10,7 +10,7 @@
 namespace dcloc {
 namespace {
 
-constexpr double kMaxCoordinate_m = 1e9;
+constexpr double kMaxRegionCoordinate_m = 1e9;
 constexpr double kBoxMargin_m = 1e-5;  // more than rounding moves the crossing of an edge
 
 // Whether the ray from `p` along +x crosses an odd number of edges. Edges hold their lower end and
@@ -47,10 +47,10 @@ absl::Status CheckRing(std::span<const Eigen::Vector2d> ring_m) {
   }
   for (const Eigen::Vector2d& vertex_m : ring_m) {
     for (const double value : {vertex_m.x(), vertex_m.y()}) {
-      if (std::abs(value) <= kMaxCoordinate_m) continue;  // NaN is not
+      if (std::abs(value) <= kMaxRegionCoordinate_m) continue;  // NaN is not
       return absl::InvalidArgumentError(
-          absl::StrFormat("a coordinate is %g m; it must lie in [%g, %g]", value, -kMaxCoordinate_m,
-                          kMaxCoordinate_m));
+          absl::StrFormat("a coordinate is %g m; it must lie in [%g, %g]", value,
+                          -kMaxRegionCoordinate_m, kMaxRegionCoordinate_m));
     }
   }
   if (const double area_m2 = Area_m2(ring_m); !(area_m2 > 0.0)) {

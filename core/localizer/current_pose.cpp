@@ -12,7 +12,7 @@ void CurrentPose<Dim>::OnMotion(const Motion& motion) {
 
 template <int Dim>
 void CurrentPose<Dim>::OnGap() {
-  noise_scales_.OnBreak();
+  noise_scales_.OnDiscontinuity();
   gap_since_state_ = true;
 }
 
@@ -38,8 +38,8 @@ PoseEstimate<Dim> CurrentPose<Dim>::Now() const {
 }
 
 template <int Dim>
-TangentMatrix<Dim> CurrentPose<Dim>::NoiseNow() const {
-  return ComposeCovariance<Dim>(chains_.NewestNoise(), ToEstimate<Dim>(since_state_).pose,
+TangentMatrix<Dim> CurrentPose<Dim>::NoiseCovarianceNow() const {
+  return ComposeCovariance<Dim>(chains_.NewestNoiseCovariance(), ToEstimate<Dim>(since_state_).pose,
                                 OdometryNoise());
 }
 

@@ -22,7 +22,7 @@ class CurrentPose {
   void OnGap();
 
   /// What follows is not compared with what was before.
-  void OnBreak() { noise_scales_.OnBreak(); }
+  void OnDiscontinuity() { noise_scales_.OnDiscontinuity(); }
 
   /// What was learned of the noise was learned of something else.
   void ResetNoise() { noise_scales_ = NoiseScaleEstimator<Dim>(noise_options_); }
@@ -47,8 +47,8 @@ class CurrentPose {
   InnovationTest AddPosition(const PoseEstimate<Dim>& position) {
     return chains_.AddPosition({.pose = position.pose,
                                 .covariance = position.covariance,
-                                .reused_covariance = position.covariance,
-                                .noise = {}});
+                                .weight_covariance = position.covariance,
+                                .noise_covariance = {}});
   }
   void ChangeFrame(const Pose<Dim>& T_new_old) { chains_.ChangeFrame(T_new_old); }
 
@@ -57,7 +57,7 @@ class CurrentPose {
   /// At the newest scan.
   PoseEstimate<Dim> Now() const;
   /// By what that varies.
-  TangentMatrix<Dim> NoiseNow() const;
+  TangentMatrix<Dim> NoiseCovarianceNow() const;
 
   /// Learns from registrations; see NoiseScaleEstimator.
   NoiseScaleEstimator<Dim>& noise_scales() { return noise_scales_; }

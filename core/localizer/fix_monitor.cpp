@@ -33,11 +33,12 @@ absl::Status Validate(const FixMonitorOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-FixVerdict FixMonitor::Judge(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) {
+FixVerdict FixMonitor::Classify(Stamp stamp, const PoseEstimate<3>& fix,
+                                const PoseEstimate<3>& pose) {
   newest_ = stamp;
   if (Agree(fix, pose)) {
     contradicting_count_ = 0;
-    return Informs(stamp, fix, pose) ? FixVerdict::kInforms : FixVerdict::kAgrees;
+    return IsFusable(stamp, fix, pose) ? FixVerdict::kFusable : FixVerdict::kAgrees;
   }
   if (contradicting_count_++ == 0) contradicting_since_ = stamp;
   const bool persists = contradicting_count_ >= options_.persistent_fixes &&
@@ -55,8 +56,8 @@ bool FixMonitor::Agree(const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) 
   return turned * turned <= options_.max_squared_heading_distance * heading_variance;
 }
 
-bool FixMonitor::Informs(Stamp stamp, const PoseEstimate<3>& fix,
-                         const PoseEstimate<3>& pose) const {
+bool FixMonitor::IsFusable(Stamp stamp, const PoseEstimate<3>& fix,
+                           const PoseEstimate<3>& pose) const {
   if (fused_ && stamp - *fused_ < options_.fusion_interval) return false;
   return HorizontalSigma(fix.covariance) <=
          options_.fusion_sigma_factor * HorizontalSigma(pose.covariance);

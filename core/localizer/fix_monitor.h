@@ -38,7 +38,7 @@ absl::Status Validate(const FixMonitorOptions& options);
 /// What a fix says of a pose.
 enum class FixVerdict {
   kAgrees,                   ///< nothing that the pose does not know better
-  kInforms,                  ///< it agrees, and makes the pose more certain
+  kFusable,                  ///< it agrees, and makes the pose more certain
   kContradicts,              ///< it is elsewhere: one of the two is wrong
   kContradictsPersistently,  ///< as those before it did: the pose must be held against other places
 };
@@ -50,7 +50,7 @@ class FixMonitor {
   explicit FixMonitor(const FixMonitorOptions& options) : options_(options) {}
 
   /// Both in the map frame, at `stamp`.
-  FixVerdict Judge(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose);
+  FixVerdict Classify(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose);
 
   /// The fix that was judged to inform was fused.
   void OnFused() { fused_ = newest_; }
@@ -63,7 +63,7 @@ class FixMonitor {
 
  private:
   bool Agree(const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) const;
-  bool Informs(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) const;
+  bool IsFusable(Stamp stamp, const PoseEstimate<3>& fix, const PoseEstimate<3>& pose) const;
   bool IsRefuted(Stamp stamp) const {
     return refuted_ && stamp - *refuted_ < options_.refuted_span;
   }

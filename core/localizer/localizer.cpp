@@ -118,7 +118,7 @@ absl::StatusOr<Localization> Localizer::Impl::LocalizeNew(const Scan& scan,
   const std::optional<Stamp> taken = radar_clocks.Align(index, scan.stamp);
   pipeline->ReportClockOffset(index, radar_clocks.IsOff(index));
   if (!taken) return pipeline->LocalizeUntimed(scan, time_base.newest());
-  const absl::StatusOr<TimeBase::ScanTime> time = time_base.Take(*taken);
+  const absl::StatusOr<TimeBase::ScanTime> time = time_base.ToMonotonic(*taken);
   if (!time.ok()) {
     stamp_monitor.Withdraw(index);
     return time.status();

@@ -34,10 +34,10 @@ absl::Status Validate(const LocalizerOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
   status.Update(ValidateOwned("static_points.compensate", options.static_points.compensate,
                               "doppler_compensation"));
+  status.Update(ValidateOwned("static_points.per_point_covariance",
+                              options.static_points.per_point_covariance, "per_point_covariance"));
   status.Update(
-      ValidateOwned("static_points.uncertainty", options.static_points.uncertainty, "uncertainty"));
-  status.Update(
-      ValidateOwned("pose_graph.gate_outliers", options.pose_graph.gate_outliers, "truncation"));
+      ValidateOwned("pose_graph.gate_outliers", options.pose_graph.gate_outliers, "gate_outliers"));
   status.Update(Within("stamp_monitor", Validate(options.stamp_monitor)));
   status.Update(Within("radar_clocks", Validate(options.radar_clocks)));
   status.Update(Within("time_base", Validate(options.time_base)));
@@ -71,13 +71,13 @@ absl::Status Validate(const LocalizerOptions& options) {
 StaticPointsOptions EffectiveStaticPoints(const LocalizerOptions& options) {
   StaticPointsOptions points = options.static_points;
   points.compensate = options.doppler_compensation;
-  points.uncertainty = options.uncertainty;
+  points.per_point_covariance = options.per_point_covariance;
   return points;
 }
 
 PoseGraphOptions EffectivePoseGraph(const LocalizerOptions& options) {
   PoseGraphOptions graph = options.pose_graph;
-  graph.gate_outliers = options.truncation;
+  graph.gate_outliers = options.gate_outliers;
   return graph;
 }
 

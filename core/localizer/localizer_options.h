@@ -38,11 +38,11 @@ namespace dcloc {
 /// evaluated and recommended.
 struct LocalizerOptions {
   /// The paper's three switches (Table II); the third is the pose graph's outlier gating. They own
-  /// `static_points.compensate`, `static_points.uncertainty` and `pose_graph.gate_outliers`, which
-  /// `Validate` refuses to be switched off beside them.
+  /// `static_points.compensate`, `static_points.per_point_covariance` and
+  /// `pose_graph.gate_outliers`, which `Validate` refuses to be switched off beside them.
   bool doppler_compensation = true;
-  bool uncertainty = true;
-  bool truncation = true;
+  bool per_point_covariance = true;
+  bool gate_outliers = true;
 
   int scans_per_submap = 10;     ///< per radar, [1, 100]
   int max_submap_points = 1500;  ///< a fuller sub-map is thinned evenly to this before registration

@@ -71,10 +71,9 @@ absl::Status CheckClocks(const std::vector<std::chrono::nanoseconds>& clocks_ahe
 absl::Status CheckNumbers(const LocalizerSnapshot& snapshot) {
   constexpr double kMaxInnovation = 1e6;
   constexpr int kMaxFactors = 1'000'000'000;
-  if (!(snapshot.squared_innovation >= 0.0 && snapshot.squared_innovation <= kMaxInnovation)) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("squared_innovation is %g; it must lie in [0, %g]",
-                        snapshot.squared_innovation, kMaxInnovation));
+  if (!(snapshot.mean_nis >= 0.0 && snapshot.mean_nis <= kMaxInnovation)) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "squared_innovation is %g; it must lie in [0, %g]", snapshot.mean_nis, kMaxInnovation));
   }
   if (snapshot.registration_count < 0 || snapshot.registration_count > kMaxFactors) {
     return absl::InvalidArgumentError(

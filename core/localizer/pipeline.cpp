@@ -103,8 +103,9 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& sent, const TimeBase::ScanT
 template <int Dim>
 void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
                                    Workspace<Dim>& workspace, StageListener* listener) {
-  live_.submap.Join(options_.uncertainty, static_cast<std::size_t>(options_.max_submap_points),
-                    workspace.submap);
+  live_.submap.Join(
+      options_.per_point_covariance ? DriftCovariance::kAdded : DriftCovariance::kLeftOut,
+      static_cast<std::size_t>(options_.max_submap_points), workspace.submap);
   newest_.quality = {};
   newest_.outcome = RegistrationOutcome::kNoMatch;
 
@@ -238,12 +239,12 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<
   if (!IsTrusted(radar_index, stamp)) return;
   if (is_comparable) CompareSourcesByMapFit(workspace);
   if (is_full) CompareAlongTrackRivals(workspace);
-  JudgePoseByScanFit(fit);
+  UpdateTrackingByScanFit(fit);
 }
 
 // A pose that stops to be confirmed is where the search begins, if there will be one.
 template <int Dim>
-void Pipeline<Dim>::JudgePoseByScanFit(ScanFit fit) {
+void Pipeline<Dim>::UpdateTrackingByScanFit(ScanFit fit) {
   const bool was_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
   tracking_.OnScanFit(fit);
   tracking_.OnFitTrend(radars_.scan_checker.has_declined() || rivals_.has_better());
@@ -332,12 +333,12 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
        .speed_mps = ego_velocity.linear_mps.norm(),
        .count = registration_count_},
       options_.factor);
-  InnovationTest test{.valid = true};
+  InnovationTest test{.is_accepted = true};
   if (registered->origin == PlaceOrigin::kExpected) {
     test = pose_.AddAbsolutePose(factor);
-    const Tangent<Dim> apart = Log(pose_.Newest().pose.Inverse() * factor.pose);
+    const Tangent<Dim> residual = Log(pose_.Newest().pose.Inverse() * factor.pose);
     claims_.protection_level.OnInnovation(test.squared_distance / Pose<Dim>::kDof,
-                                          apart.template head<2>());
+                                          residual.template head<2>());
   } else {
     radars_.scan_checker.Reset();
     rivals_.Reset();
@@ -348,11 +349,11 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
     tracking_.OnPlaceFound();
   }
   newest_.quality.normalized_innovation_squared = test.squared_distance;
-  newest_.quality.is_accepted = test.valid;
-  if (test.valid && registration.overlap >= options_.azimuth_sign_overlap) {
+  newest_.quality.is_accepted = test.is_accepted;
+  if (test.is_accepted && registration.overlap >= options_.azimuth_sign_overlap) {
     radars_.learned.OnRegistered();
   }
-  return test.valid ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;
+  return test.is_accepted ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;
 }
 
 // Registrations measure the motion without the sources of odometry, which are held against them.
@@ -361,8 +362,8 @@ template <int Dim>
 void Pipeline<Dim>::UpdateOdometry(const std::optional<Registered>& registered,
                                    RegistrationOutcome outcome) {
   if (tracking_.mode() != TrackingMode::kConfirmed) {
-    ego_motion_.OnBreak();
-    pose_.OnBreak();
+    ego_motion_.OnDiscontinuity();
+    pose_.OnDiscontinuity();
   }
   if (!registered) return;
   const PoseEstimate<3> T_local_vehicle =

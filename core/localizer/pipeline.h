@@ -127,7 +127,7 @@ class Pipeline final : public AnyPipeline {
   void AddToSubmap(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,
                    const Motion& motion);
   void TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
-  void JudgePoseByScanFit(ScanFit fit);
+  void UpdateTrackingByScanFit(ScanFit fit);
   void CompareSourcesByMapFit(Workspace<Dim>& workspace);
   void CompareAlongTrackRivals(Workspace<Dim>& workspace);
   // Whether the sign has changed: then the scan's points are dropped.

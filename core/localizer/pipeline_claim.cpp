@@ -42,7 +42,8 @@ Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) const {
   }
   answer.T_map_vehicle = NowInMap().pose;
   answer.covariance =
-      ToSpace<Dim>({.pose = {}, .covariance = pose_.NoiseNow()}, options_.unobserved).covariance;
+      ToSpace<Dim>({.pose = {}, .covariance = pose_.NoiseCovarianceNow()}, options_.unobserved)
+          .covariance;
   Claim(answer);
   answer.observed = map_.observability.ObservedDof(/*in_space=*/Dim == 3);
   return answer;

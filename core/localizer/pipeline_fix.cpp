@@ -15,11 +15,11 @@ FixUse Pipeline<Dim>::TakeFix(const InitialPose& fix, Stamp stamp) {
     relocalizer_.OnFix(*now);
     return FixUse::kGuidesSearch;
   }
-  switch (fix_monitor_.Judge(stamp, *now, *pose)) {
+  switch (fix_monitor_.Classify(stamp, *now, *pose)) {
     case FixVerdict::kAgrees:
       tracking_.OnFixAgrees();
-      return FixUse::kAgrees;
-    case FixVerdict::kInforms:
+      return FixUse::kConsistentNotFused;
+    case FixVerdict::kFusable:
       return FuseFix(*now);
     case FixVerdict::kContradictsPersistently:
       tracking_.OnFixesContradict();
@@ -39,7 +39,7 @@ FixUse Pipeline<Dim>::FuseFix(const PoseEstimate<3>& T_map_vehicle) {
   pose_.AddState();
   const InnovationTest test = pose_.AddPosition(
       FromSpace<Dim>(map_.matcher.T_map_local().Inverse() * position.pose, position.covariance));
-  if (!test.valid) return FixUse::kContradicted;
+  if (!test.is_accepted) return FixUse::kContradicted;
   fix_monitor_.OnFused();
   tracking_.OnFixAgrees();
   return FixUse::kFused;

@@ -15,7 +15,7 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
     if (!tracking_.ShouldSearchBeside()) return std::nullopt;
     if (radars_.scan_checker.IsTooSoonToJudge(stamp, live_.submap.span())) return std::nullopt;
     expected = {.T_map_vehicle = NowInMap().pose,
-                .basis = tracking_.is_undoubted_prior() ? Basis::kPrior : Basis::kDoubted};
+                .basis = tracking_.is_undoubted_prior() ? Basis::kPrior : Basis::kSuspect};
     if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
   }
   return relocalizer_.Search(stamp, live, live_.submap.span(), expected, workspace);

@@ -45,7 +45,7 @@ std::optional<LocalizerSnapshot> Pipeline<Dim>::Snapshot() {
                            .known = Knowledge(),
                            .noise = pose_.noise_scales().knowledge(),
                            .resets = claims_.reset_counter.resets(),
-                           .squared_innovation = claims_.protection_level.squared_innovation(),
+                           .mean_nis = claims_.protection_level.mean_nis(),
                            .registration_count = registration_count_,
                            .clocks_ahead = {}};
 }
@@ -65,7 +65,7 @@ void Pipeline<Dim>::Restore(const LocalizerSnapshot& snapshot) {
   // The prior that came with the opening is of a later moment.
   relocalizer_.SetPrior({.pose = T_map_vehicle, .covariance = snapshot.pose.covariance});
   claims_.reset_counter.Restore(snapshot.resets, T_map_vehicle);
-  claims_.protection_level.Restore(snapshot.squared_innovation);
+  claims_.protection_level.Restore(snapshot.mean_nis);
   registration_count_ = snapshot.registration_count;
 }
 

@@ -19,13 +19,13 @@ struct PositionFix {
 
 /// What became of a fix.
 enum class FixUse : std::size_t {
-  kFused,         ///< it agrees with the pose, which has moved and is more certain by it
-  kAgrees,        ///< it agrees with the pose, which stays as it was: the pose is much more
-                  ///< certain, or another fix was fused less than `fusion_interval` ago
-  kGuidesSearch,  ///< there is no pose: the search begins around it
-  kContradicted,  ///< the radars say otherwise, and the pose stays; if fixes that are far off
-                  ///< follow one another, the pose is held against theirs
-  kOutOfTime,     ///< it is from before the last moments, or from after the newest scan by too much
+  kFused,               ///< it agrees with the pose, which has moved and is more certain by it
+  kConsistentNotFused,  ///< it agrees with the pose, which stays as it was: the pose is much more
+                        ///< certain, or another fix was fused less than `fusion_interval` ago
+  kGuidesSearch,        ///< there is no pose: the search begins around it
+  kContradicted,        ///< the radars say otherwise, and the pose stays; if fixes that are far off
+                        ///< follow one another, the pose is held against theirs
+  kOutOfTime,  ///< it is from before the last moments, or from after the newest scan by too much
 };
 inline constexpr std::array<const char*, 5> kFixUseNames = {"fused", "agrees", "guides search",
                                                             "contradicted", "out of time"};

@@ -14,7 +14,7 @@ std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOpt
       {"silent_intervals", &O::silent_intervals, 1, 1000},
       {"silent_after_ms", &O::silent_after, 1, 1e5},
       {"max_interval_ratio", &O::max_interval_ratio, 1, 1000},
-      {"memory", &O::memory, 0, 0.999, "the newest scan counts alone"},
+      {"forgetting_factor", &O::forgetting_factor, 0, 0.999, "the newest scan counts alone"},
       {"min_target_count", &O::min_target_count, 1, 10'000},
       {"min_static_fraction", &O::min_static_fraction, 0, 1, "no Doppler fault is reported"},
       {"min_fit_fraction", &O::min_fit_fraction, 0, 1, "no radar is set aside"},

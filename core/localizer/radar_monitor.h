@@ -20,8 +20,8 @@ struct RadarMonitorOptions {
   std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);  ///< at any interval
   /// Upper bound of an interval, in units of the usual one: lost scans do not make a radar slow.
   double max_interval_ratio = 2.0;
-  double memory = 0.9;        ///< weight of older scans in every mean, [0, 1)
-  int min_target_count = 10;  ///< a scan of fewer says nothing of its Doppler
+  double forgetting_factor = 0.9;  ///< weight of older scans in every mean, [0, 1)
+  int min_target_count = 10;       ///< a scan of fewer says nothing of its Doppler
   /// Its range rates contradict the motion if a smaller fraction of its targets stands still.
   double min_static_fraction = 0.1;
   /// Its targets do not lie in the map if they fit it by less than this fraction of the median fit
@@ -66,7 +66,7 @@ class RadarMonitor {
     std::optional<double> fit;
   };
   void Average(double value, double& mean) const {
-    mean = options_.memory * mean + (1.0 - options_.memory) * value;
+    mean = options_.forgetting_factor * mean + (1.0 - options_.forgetting_factor) * value;
   }
   bool IsSilent(const Watched& radar, Stamp stamp) const;
 

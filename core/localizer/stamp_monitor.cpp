@@ -21,12 +21,13 @@ std::span<const OptionField<StampMonitorOptions>> FieldsOf(const StampMonitorOpt
       {"phase_gain", &O::phase_gain, 1e-3, 1},
       {"period_gain", &O::period_gain, 1e-4, 1},
       {"usual_jitter_ms", &O::usual_jitter, 0, 1000, "every deviation counts"},
-      {"memory_ms", &O::memory, 1, 1e5},
+      {"time_constant_ms", &O::time_constant, 1, 1e5},
       {"min_step_fraction", &O::min_step_fraction, 0, 10, "the time alone decides"},
       {"min_step_ms", &O::min_step, 1, 1e4},
       {"max_step_ms", &O::max_step, 0, 1e5, "no step is suspected"},
       {"max_irregular_fraction", &O::max_irregular_fraction, 0, 1, "no step is suspected"},
-      {"irregular_memory", &O::irregular_memory, 0, 0.999, "the newest interval counts alone"},
+      {"irregular_forgetting_factor", &O::irregular_forgetting_factor, 0, 0.999,
+       "the newest interval counts alone"},
       {"deciding_fit", &O::deciding_fit, 1e-3, 100},
       {"min_fit", &O::min_fit, 0, 1, "any fit decides"},
       {"max_undecided_scans", &O::max_undecided_scans, 1, 1000},
@@ -66,8 +67,8 @@ bool StampMonitor::DetectStep(Watched& radar, nanoseconds interval) const {
       std::max(options_.min_step, NanosecondsIn(options_.min_step_fraction * radar.period_s));
   const bool jumped = std::chrono::abs(jump) >= least;
   const bool is_suspect = jumped && std::chrono::abs(jump) <= options_.max_step && IsRegular(radar);
-  const double memory = options_.irregular_memory;
-  radar.irregular_fraction = memory * radar.irregular_fraction + (jumped ? 1.0 - memory : 0.0);
+  const double kept = options_.irregular_forgetting_factor;
+  radar.irregular_fraction = kept * radar.irregular_fraction + (jumped ? 1.0 - kept : 0.0);
   if (jumped) radar.step.reset();
   if (!is_suspect) return false;
   radar.step = jump;
@@ -87,7 +88,7 @@ void StampMonitor::UpdatePeriod(Watched& radar, Stamp stamp) const {
   }
   const double periods = radar.period_s > 0.0 ? std::round(interval_s / radar.period_s) : 0.0;
   const double deviation_s = SecondsOf(stamp - radar.phase) - periods * radar.period_s;
-  const double fading = std::exp(-std::abs(interval_s) / SecondsOf(options_.memory));
+  const double fading = std::exp(-std::abs(interval_s) / SecondsOf(options_.time_constant));
   radar.deviation_s = std::max(fading * radar.deviation_s, std::abs(deviation_s));
   radar.square_s2 = fading * radar.square_s2 + (1.0 - fading) * deviation_s * deviation_s;
   radar.phase = stamp - NanosecondsIn((1.0 - options_.phase_gain) * deviation_s);
@@ -99,7 +100,9 @@ void StampMonitor::NoteShared(std::size_t index, Stamp stamp) {
     if (i == index || radars_[i].last != stamp) continue;
     shared_ = {.last = stamp, .bound_s = std::max(radars_[i].period_s, radars_[index].period_s)};
   }
-  if (shared_.last && std::chrono::abs(stamp - *shared_.last) > options_.memory) shared_ = {};
+  if (shared_.last && std::chrono::abs(stamp - *shared_.last) > options_.time_constant) {
+    shared_ = {};
+  }
 }
 
 bool StampMonitor::OnFits(std::size_t index, double as_stamped, double without_step) {

@@ -23,7 +23,7 @@ struct StampMonitorOptions {
   std::chrono::nanoseconds usual_jitter = std::chrono::milliseconds(6);
   /// Time constant with which the largest deviation fades: one of this age counts 1 / e. Shared
   /// stamps are forgotten after it.
-  std::chrono::nanoseconds memory = std::chrono::milliseconds(2000);
+  std::chrono::nanoseconds time_constant = std::chrono::milliseconds(2000);
   // A stamp this far from where it is expected is a suspected step: the clock may have been set, or
   // scans before it were lost.
   double min_step_fraction = 0.4;  ///< shorter steps are not suspected, in periods of the radar
@@ -33,7 +33,8 @@ struct StampMonitorOptions {
   std::chrono::nanoseconds max_step = std::chrono::milliseconds(1000);
   /// A radar with a larger fraction of irregular intervals is not suspected of a step, [0, 1].
   double max_irregular_fraction = 0.2;
-  double irregular_memory = 0.95;  ///< weight of older intervals in that fraction, [0, 1)
+  /// Weight of older intervals in that fraction, [0, 1).
+  double irregular_forgetting_factor = 0.95;
   /// A step is decided when the sum of differences between fits with and without it reaches this.
   double deciding_fit = 0.15;
   double min_fit = 0.15;         ///< fit without the step that is needed to call the clock set

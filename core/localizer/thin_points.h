@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -14,14 +13,12 @@ namespace dcloc {
 template <int Dim>
 void ThinPoints(const std::vector<RadarPoint>& scan, int max_count,
                 std::vector<GaussianPoint<Dim>>& points) {
-  const std::size_t count = std::min(scan.size(), static_cast<std::size_t>(max_count));
   points.clear();
-  for (std::size_t i = 0; i < count; ++i) {
-    const RadarPoint& point = scan[EvenIndex(i, count, scan.size())];
+  TakeEvenly(scan, max_count, [&](const RadarPoint& point) {
     points.push_back({.mean_m = point.position_m.head<Dim>(),
                       .covariance_m2 = point.covariance_m2.topLeftCorner<Dim, Dim>()});
     if constexpr (Dim == 2) points.back().slant_per_m = point.slant_per_m;
-  }
+  });
 }
 
 }  // namespace dcloc

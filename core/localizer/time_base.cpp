@@ -22,7 +22,7 @@ absl::Status Validate(const TimeBaseOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-absl::StatusOr<TimeBase::ScanTime> TimeBase::Take(Stamp stamp) {
+absl::StatusOr<TimeBase::ScanTime> TimeBase::ToMonotonic(Stamp stamp) {
   ScanTime time{.stamp = stamp + offset_};
   if (!newest_) {
     newest_ = stamp;

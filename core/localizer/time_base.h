@@ -39,7 +39,7 @@ class TimeBase {
   };
   /// When a scan of this stamp was taken; time moves on to it. InvalidArgument, with the stamp and
   /// the bound, for one that comes too late, unless the clock is found to have been set.
-  absl::StatusOr<ScanTime> Take(Stamp stamp);
+  absl::StatusOr<ScanTime> ToMonotonic(Stamp stamp);
 
   /// A stamp of the vehicle's clock as it is set now, in the time that does not go back.
   Stamp Convert(Stamp stamp) const { return stamp + offset_; }

@@ -7,7 +7,7 @@ namespace {
 
 // In all others there is no pose, or one that nothing has confirmed, or one that is wrong.
 bool HasBeenTracked(TrackingMode mode) {
-  return mode == TrackingMode::kConfirmed || mode == TrackingMode::kDoubting ||
+  return mode == TrackingMode::kConfirmed || mode == TrackingMode::kSuspect ||
          mode == TrackingMode::kDeadReckoning || mode == TrackingMode::kLost;
 }
 
@@ -23,7 +23,7 @@ absl::Status Validate(const TrackingSnapshot& snapshot) {
         absl::StrFormat("tracking.mode is %d; it must be one of a vehicle that has been tracked",
                         static_cast<int>(snapshot.mode)));
   }
-  if (!is_of(snapshot.confirmation_requires, ConfirmationRequires::kVerification) ||
+  if (!is_of(snapshot.confirmation_requires, ConfirmationRequirement::kVerification) ||
       !is_of(snapshot.observability, AlongTrackObservability::kReturning)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("tracking.confirmation_requires and tracking.observability are %d and %d; "

@@ -7,20 +7,24 @@ namespace dcloc {
 std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& /*options*/) {
   using O = TrackingOptions;
   static constexpr OptionField<O> kFields[] = {
-      {"confirmations", &O::confirmations, 1, 1000},
+      {"min_accepted_registrations", &O::min_accepted_registrations, 1, 1000},
       {"global_start_max_refusals", &O::global_start_max_refusals, 1, 1000},
-      {"tracking_hold_ms", &O::tracking_hold, 0, 1e6, "the first refused registration ends it"},
-      {"hold_intervals", &O::hold_intervals, 0, 100, "tracking_hold_ms alone decides"},
-      {"max_usual_interval_ms", &O::max_usual_interval, 0, 1e5, "tracking_hold_ms alone decides"},
-      {"interval_memory", &O::interval_memory, 0, 0.999, "the newest interval counts alone"},
-      {"agreements", &O::agreements, 1, 1000},
+      {"tracking_timeout_ms", &O::tracking_timeout, 0, 1e6,
+       "the first refused registration ends it"},
+      {"hold_intervals", &O::hold_intervals, 0, 100, "tracking_timeout_ms alone decides"},
+      {"max_usual_interval_ms", &O::max_usual_interval, 0, 1e5,
+       "tracking_timeout_ms alone decides"},
+      {"interval_forgetting_factor", &O::interval_forgetting_factor, 0, 0.999,
+       "the newest interval counts alone"},
+      {"min_fitting_scans", &O::min_fitting_scans, 1, 1000},
       {"tracking_sigma_m", &O::tracking_sigma_m, 0, 1000, "nothing is called tracking"},
       {"max_unobserved_ms", &O::max_unobserved, 0, 1e6,
        "each registration must observe the along-track position"},
       {"min_observed_ms", &O::min_observed, 0, 1e6, "a single registration will do"},
-      {"lost_after_ms", &O::lost_after, 0, 1e6, "dead reckoning is lost at once"},
+      {"dead_reckoning_timeout_ms", &O::dead_reckoning_timeout, 0, 1e6,
+       "dead reckoning is lost at once"},
       {"lost_sigma_m", &O::lost_sigma_m, 1e-6, 1000},
-      {"lost_hold_ms", &O::lost_hold, 1, 1e6},
+      {"lost_uncertain_timeout_ms", &O::lost_uncertain_timeout, 1, 1e6},
       {"contradiction_span_ms", &O::contradiction_span, 0, 1e6, "contradictions are never counted"},
       {"max_prior_sigma_m", &O::max_prior_sigma_m, 1e-6, 1000},
   };
@@ -29,11 +33,11 @@ std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& /*
 
 absl::Status Validate(const TrackingOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
-  if (status.ok() && options.lost_after < options.tracking_hold) {
-    status = absl::InvalidArgumentError(
-        absl::StrFormat("lost_after_ms is %g; it must not lie below tracking_hold_ms, %g",
-                        std::chrono::duration<double, std::milli>(options.lost_after).count(),
-                        std::chrono::duration<double, std::milli>(options.tracking_hold).count()));
+  if (status.ok() && options.dead_reckoning_timeout < options.tracking_timeout) {
+    status = absl::InvalidArgumentError(absl::StrFormat(
+        "dead_reckoning_timeout_ms is %g; it must not lie below tracking_timeout_ms, %g",
+        std::chrono::duration<double, std::milli>(options.dead_reckoning_timeout).count(),
+        std::chrono::duration<double, std::milli>(options.tracking_timeout).count()));
   }
   return status;
 }
@@ -74,8 +78,9 @@ void TrackingStateMachine::OnScanFit(ScanFit fit) {
   }
   agreement_ = Next(agreement_, ScanAgreementEvent::kFits);
   ++agreed_in_a_row_;
-  if (agreed_in_a_row_ >= options_.agreements && agreement_ == ScanAgreement::kAgreeAndRegistered &&
-      confirmation_requires_ == ConfirmationRequires::kRegistrations) {
+  if (agreed_in_a_row_ >= options_.min_fitting_scans &&
+      agreement_ == ScanAgreement::kAgreeAndRegistered &&
+      confirmation_requires_ == ConfirmationRequirement::kRegistrations) {
     mode_ = Next(mode_, TrackingEvent::kAgreed);
   }
 }
@@ -84,7 +89,7 @@ void TrackingStateMachine::OnScanFit(ScanFit fit) {
 std::chrono::nanoseconds TrackingStateMachine::Hold() const {
   const auto by_interval = std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::duration<double>(options_.hold_intervals * usual_interval_s_));
-  return std::max(options_.tracking_hold, by_interval);
+  return std::max(options_.tracking_timeout, by_interval);
 }
 
 void TrackingStateMachine::LearnInterval(Stamp stamp) {
@@ -92,9 +97,10 @@ void TrackingStateMachine::LearnInterval(Stamp stamp) {
     const double interval_s = std::chrono::duration<double>(std::min(stamp - *last_registration_,
                                                                      options_.max_usual_interval))
                                   .count();
-    usual_interval_s_ = usual_interval_s_ > 0.0 ? options_.interval_memory * usual_interval_s_ +
-                                                      (1.0 - options_.interval_memory) * interval_s
-                                                : interval_s;
+    usual_interval_s_ = usual_interval_s_ > 0.0
+                            ? options_.interval_forgetting_factor * usual_interval_s_ +
+                                  (1.0 - options_.interval_forgetting_factor) * interval_s
+                            : interval_s;
   }
   last_registration_ = stamp;
 }
@@ -105,9 +111,11 @@ void TrackingStateMachine::ExpireTimeouts(Stamp stamp, double position_sigma_m) 
   const std::chrono::nanoseconds hold = Hold();
   if (unconfirmed > hold) mode_ = Next(mode_, TrackingEvent::kHoldExpired);
   const bool is_carried = mode_ == TrackingMode::kDeadReckoning || mode_ == TrackingMode::kLost ||
-                          mode_ == TrackingMode::kLostTwice;
+                          mode_ == TrackingMode::kContradicted;
   if (!is_carried) return;
-  if (unconfirmed > options_.lost_after + (hold - options_.tracking_hold)) Lose(stamp);
+  if (unconfirmed > options_.dead_reckoning_timeout + (hold - options_.tracking_timeout)) {
+    Lose(stamp);
+  }
   if (!uncertain_since_ && position_sigma_m > options_.lost_sigma_m) {
     Lose(stamp);
     uncertain_since_ = stamp;
@@ -117,7 +125,8 @@ void TrackingStateMachine::ExpireTimeouts(Stamp stamp, double position_sigma_m) 
 // A vehicle that is lost must be confirmed from the beginning.
 void TrackingStateMachine::Lose(Stamp stamp) {
   TrackingEvent event = TrackingEvent::kLossExpired;
-  if (mode_ == TrackingMode::kDeadReckoning && outliers_in_a_row_ >= options_.confirmations) {
+  if (mode_ == TrackingMode::kDeadReckoning &&
+      outliers_in_a_row_ >= options_.min_accepted_registrations) {
     const bool is_again =
         last_lost_to_outliers_ && stamp - *last_lost_to_outliers_ <= options_.contradiction_span;
     if (is_again) event = TrackingEvent::kLostAgain;
@@ -164,8 +173,8 @@ void TrackingStateMachine::OnRegistration(Stamp stamp, RegistrationOutcome outco
 }
 
 void TrackingStateMachine::Confirm() {
-  const bool is_enough = accepted_in_a_row_ >= options_.confirmations &&
-                         confirmation_requires_ == ConfirmationRequires::kRegistrations;
+  const bool is_enough = accepted_in_a_row_ >= options_.min_accepted_registrations &&
+                         confirmation_requires_ == ConfirmationRequirement::kRegistrations;
   if (!is_enough) return;
   mode_ = Next(mode_, TrackingEvent::kConfirmed);
   if (mode_ == TrackingMode::kConfirmed) uncertain_since_.reset();
@@ -186,15 +195,15 @@ TrackingFailure TrackingStateMachine::FindFailure(Stamp stamp, double position_s
     case TrackingMode::kConfirmingPrior:
       return position_sigma_m > options_.max_prior_sigma_m ? TrackingFailure::kPriorTooWide
                                                            : TrackingFailure::kNone;
-    case TrackingMode::kLostTwice:
+    case TrackingMode::kContradicted:
       return TrackingFailure::kContradicted;
     case TrackingMode::kLost:
-      return uncertain_since_ && stamp - *uncertain_since_ > options_.lost_hold
+      return uncertain_since_ && stamp - *uncertain_since_ > options_.lost_uncertain_timeout
                  ? TrackingFailure::kUncertain
                  : TrackingFailure::kNone;
     case TrackingMode::kSearching:
     case TrackingMode::kConfirmed:
-    case TrackingMode::kDoubting:
+    case TrackingMode::kSuspect:
     case TrackingMode::kDeadReckoning:
     case TrackingMode::kRecovering:
       return TrackingFailure::kNone;
@@ -213,11 +222,11 @@ LocalizationState TrackingStateMachine::Report(double claimed_position_sigma_m) 
                  ? LocalizationState::kDeadReckoning
                  : LocalizationState::kTracking;
     }
-    case TrackingMode::kDoubting:
+    case TrackingMode::kSuspect:
     case TrackingMode::kDeadReckoning:
       return LocalizationState::kDeadReckoning;
     case TrackingMode::kLost:
-    case TrackingMode::kLostTwice:
+    case TrackingMode::kContradicted:
     case TrackingMode::kRecovering:
       return LocalizationState::kLost;
     case TrackingMode::kSearching:

@@ -15,17 +15,17 @@ namespace dcloc {
 
 /// When one mode changes to another.
 struct TrackingOptions {
-  int confirmations = 3;  ///< accepted registrations in a row that start tracking
+  int min_accepted_registrations = 3;  ///< accepted registrations in a row that start tracking
   /// Refused registrations in a row that drop a place which global localization has just found.
   int global_start_max_refusals = 3;
   /// Tracking lasts at least this long without an accepted registration.
-  std::chrono::nanoseconds tracking_hold = std::chrono::milliseconds(400);
+  std::chrono::nanoseconds tracking_timeout = std::chrono::milliseconds(400);
   double hold_intervals = 2.5;  ///< and at least this many usual intervals of registrations
   /// A longer interval counts as this in the usual one.
   std::chrono::nanoseconds max_usual_interval = std::chrono::milliseconds(600);
-  double interval_memory = 0.8;  ///< weight of older intervals in the usual one, [0, 1)
-  /// Scans in a row that must fit the map to end kDoubting; a registration must be accepted, too.
-  int agreements = 3;
+  double interval_forgetting_factor = 0.8;  ///< weight of older intervals in the usual one, [0, 1)
+  /// Scans in a row that must fit the map to end kSuspect; a registration must be accepted, too.
+  int min_fitting_scans = 3;
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
   /// A pose is not called tracking once registrations have not observed the along-track position
   /// for this long, as in a smooth tunnel: odometry alone determines it there.
@@ -35,10 +35,10 @@ struct TrackingOptions {
   std::chrono::nanoseconds min_observed = std::chrono::milliseconds(2000);
   /// Dead reckoning is lost after this time without an accepted registration. Radars that scan ten
   /// times a second so report it within a second.
-  std::chrono::nanoseconds lost_after = std::chrono::milliseconds(900);
+  std::chrono::nanoseconds dead_reckoning_timeout = std::chrono::milliseconds(900);
   double lost_sigma_m = 2.0;  ///< dead reckoning less certain than this is lost at once
   /// A vehicle that is lost and less certain than `lost_sigma_m` for longer is searched for.
-  std::chrono::nanoseconds lost_hold = std::chrono::milliseconds(1000);
+  std::chrono::nanoseconds lost_uncertain_timeout = std::chrono::milliseconds(1000);
   /// A vehicle that becomes lost to outliers twice within this time is searched for.
   std::chrono::nanoseconds contradiction_span = std::chrono::seconds(10);
   /// A vehicle whose unconfirmed prior has grown less certain than this is searched for. Searches
@@ -57,7 +57,7 @@ enum class TrackingFailure {
   kNone,
   kPlaceRefused,  ///< the place found by global localization is refused by what followed
   kPriorTooWide,  ///< nothing has confirmed the prior, and it has grown beyond `max_prior_sigma_m`
-  kUncertain,     ///< lost and less certain than `lost_sigma_m` for `lost_hold`
+  kUncertain,     ///< lost and less certain than `lost_sigma_m` for `lost_uncertain_timeout`
   /// Lost to outliers twice within `contradiction_span`. A burst of false registrations passes, and
   /// a step of true ones is followed; a pose at a wrong place is contradicted again and again.
   kContradicted,
@@ -66,7 +66,7 @@ enum class TrackingFailure {
 /// What of a vehicle that has been tracked another state machine goes on from.
 struct TrackingSnapshot {
   TrackingMode mode = TrackingMode::kDeadReckoning;
-  ConfirmationRequires confirmation_requires = ConfirmationRequires::kRegistrations;
+  ConfirmationRequirement confirmation_requires = ConfirmationRequirement::kRegistrations;
   AlongTrackObservability observability = AlongTrackObservability::kObserved;
   Stamp observability_changed{};
   Stamp last_accepted{};
@@ -89,7 +89,9 @@ class TrackingStateMachine {
   }
 
   /// Whether the pose was not confirmed for so long that it may be anywhere.
-  bool is_lost() const { return mode_ == TrackingMode::kLost || mode_ == TrackingMode::kLostTwice; }
+  bool is_lost() const {
+    return mode_ == TrackingMode::kLost || mode_ == TrackingMode::kContradicted;
+  }
 
   /// Starts from a prior; only in kSearching.
   void OnPrior() { mode_ = Next(mode_, TrackingEvent::kPriorGiven); }
@@ -98,7 +100,7 @@ class TrackingStateMachine {
   bool ShouldSearchBeside() const {
     if (mode_ == TrackingMode::kConfirmingPlace) {
       return confirmation_requires_ !=
-             ConfirmationRequires::kRegistrations;  // fixes contradict this place, too
+             ConfirmationRequirement::kRegistrations;  // fixes contradict this place, too
     }
     return has_pose() && mode_ != TrackingMode::kConfirmed;
   }
@@ -124,7 +126,7 @@ class TrackingStateMachine {
   /// Whether the pose is one from a prior that nothing speaks against yet.
   bool is_undoubted_prior() const {
     return mode_ == TrackingMode::kConfirmingPrior &&
-           confirmation_requires_ == ConfirmationRequires::kRegistrations;
+           confirmation_requires_ == ConfirmationRequirement::kRegistrations;
   }
 
   /// Takes in how the newest scan fits the map.
@@ -165,7 +167,7 @@ class TrackingStateMachine {
   TrackingOptions options_;
   TrackingMode mode_ = TrackingMode::kSearching;
   ScanAgreement agreement_ = ScanAgreement::kAgree;
-  ConfirmationRequires confirmation_requires_ = ConfirmationRequires::kRegistrations;
+  ConfirmationRequirement confirmation_requires_ = ConfirmationRequirement::kRegistrations;
   AlongTrackObservability observability_ = AlongTrackObservability::kObserved;
   Stamp observability_changed_{};  // when `observability_` last changed
   int accepted_in_a_row_ = 0;

@@ -14,10 +14,10 @@ enum class TrackingMode {
   kConfirmingPrior,  ///< a pose from a prior that was not yet held against other places
   kConfirmingPlace,  ///< a pose from global localization that must be confirmed
   kConfirmed,        ///< a pose that registrations have confirmed; TRACKING, if it is certain too
-  kDoubting,         ///< a pose that was confirmed, but scans or fixes now contradict it
+  kSuspect,          ///< a pose that was confirmed, but scans or fixes now contradict it
   kDeadReckoning,    ///< a pose carried by ego-motion, confirmed a moment ago
   kLost,             ///< a pose carried by ego-motion, for too long or too uncertain
-  kLostTwice,        ///< lost to outliers, as a moment ago: registrations contradict the pose
+  kContradicted,     ///< lost to outliers, as a moment ago: registrations contradict the pose
   kRecovering,       ///< the pose was given up: global localization, nearby first
 };
 
@@ -28,13 +28,14 @@ enum class TrackingEvent {
   kDoubted,     ///< a scan does not fit the map at the predicted pose, scan after scan fits less
              ///< than it did, fixes contradict the pose persistently, or the along-track position
              ///< is observed again after a tunnel
-  kAgreed,       ///< `agreements` scans in a row fit, and a registration was accepted meanwhile
-  kConfirmed,    ///< `confirmations` accepted registrations in a row, where that is enough
-  kHoldExpired,  ///< none accepted for `tracking_hold`, or longer where registrations are rare
-  kLossExpired,  ///< none accepted for `lost_after`, longer likewise, or less certain than
-                 ///< `lost_sigma_m`
-  kLostAgain,    ///< the same, to outliers, for the second time within `contradiction_span`
-  kGivenUp,      ///< see TrackingFailure
+  kAgreed,  ///< `min_fitting_scans` scans in a row fit, and a registration was accepted meanwhile
+  kConfirmed,    ///< `min_accepted_registrations` accepted registrations in a row, where that is
+                 ///< enough
+  kHoldExpired,  ///< none accepted for `tracking_timeout`, or longer where registrations are rare
+  kLossExpired,  ///< none accepted for `dead_reckoning_timeout`, longer likewise, or less certain
+                 ///< than `lost_sigma_m`
+  kLostAgain,  ///< the same, to outliers, for the second time within `contradiction_span`
+  kGivenUp,    ///< see TrackingFailure
 };
 
 using TrackingTransition = Transition<TrackingMode, TrackingEvent>;
@@ -49,26 +50,26 @@ inline constexpr std::array<TrackingTransition, 24> kTrackingTransitions = {{
     {TrackingMode::kConfirmingPlace, TrackingEvent::kConfirmed, TrackingMode::kConfirmed},
     {TrackingMode::kConfirmingPlace, TrackingEvent::kGivenUp, TrackingMode::kSearching},
 
-    {TrackingMode::kConfirmed, TrackingEvent::kDoubted, TrackingMode::kDoubting},
+    {TrackingMode::kConfirmed, TrackingEvent::kDoubted, TrackingMode::kSuspect},
     {TrackingMode::kConfirmed, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
 
-    {TrackingMode::kDoubting, TrackingEvent::kAgreed, TrackingMode::kConfirmed},
-    {TrackingMode::kDoubting, TrackingEvent::kVerified, TrackingMode::kConfirmed},
-    {TrackingMode::kDoubting, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
-    {TrackingMode::kDoubting, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
+    {TrackingMode::kSuspect, TrackingEvent::kAgreed, TrackingMode::kConfirmed},
+    {TrackingMode::kSuspect, TrackingEvent::kVerified, TrackingMode::kConfirmed},
+    {TrackingMode::kSuspect, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kSuspect, TrackingEvent::kHoldExpired, TrackingMode::kDeadReckoning},
 
     {TrackingMode::kDeadReckoning, TrackingEvent::kConfirmed, TrackingMode::kConfirmed},
     {TrackingMode::kDeadReckoning, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kDeadReckoning, TrackingEvent::kLossExpired, TrackingMode::kLost},
-    {TrackingMode::kDeadReckoning, TrackingEvent::kLostAgain, TrackingMode::kLostTwice},
+    {TrackingMode::kDeadReckoning, TrackingEvent::kLostAgain, TrackingMode::kContradicted},
 
     {TrackingMode::kLost, TrackingEvent::kConfirmed, TrackingMode::kConfirmed},
     {TrackingMode::kLost, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
     {TrackingMode::kLost, TrackingEvent::kGivenUp, TrackingMode::kRecovering},
 
-    {TrackingMode::kLostTwice, TrackingEvent::kConfirmed, TrackingMode::kConfirmed},
-    {TrackingMode::kLostTwice, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
-    {TrackingMode::kLostTwice, TrackingEvent::kGivenUp, TrackingMode::kRecovering},
+    {TrackingMode::kContradicted, TrackingEvent::kConfirmed, TrackingMode::kConfirmed},
+    {TrackingMode::kContradicted, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
+    {TrackingMode::kContradicted, TrackingEvent::kGivenUp, TrackingMode::kRecovering},
 
     {TrackingMode::kRecovering, TrackingEvent::kPlaceFound, TrackingMode::kConfirmingPlace},
 }};
@@ -95,7 +96,7 @@ inline constexpr std::array<Transition<ScanAgreement, ScanAgreementEvent>, 4>
 
 /// What the mode kConfirmed takes. Verification: global localization searches beside the pose and
 /// finds no better place.
-enum class ConfirmationRequires {
+enum class ConfirmationRequirement {
   kRegistrations,               ///< accepted registrations, or scans that fit, are enough
   kRecoveredFitOrVerification,  ///< scan after scan fits a little less than it did: fits as before,
                                 ///< or verification, must come first
@@ -115,30 +116,30 @@ enum class ConfirmationEvent {
   kVerified
 };
 
-inline constexpr std::array<Transition<ConfirmationRequires, ConfirmationEvent>, 11>
+inline constexpr std::array<Transition<ConfirmationRequirement, ConfirmationEvent>, 11>
     kConfirmationTransitions = {{
-        {ConfirmationRequires::kRegistrations, ConfirmationEvent::kFixesContradict,
-         ConfirmationRequires::kAgreeingFixOrVerification},
-        {ConfirmationRequires::kRegistrations, ConfirmationEvent::kObservedAgain,
-         ConfirmationRequires::kVerification},
-        {ConfirmationRequires::kRegistrations, ConfirmationEvent::kFitDeclines,
-         ConfirmationRequires::kRecoveredFitOrVerification},
-        {ConfirmationRequires::kRecoveredFitOrVerification, ConfirmationEvent::kFitRecovers,
-         ConfirmationRequires::kRegistrations},
-        {ConfirmationRequires::kRecoveredFitOrVerification, ConfirmationEvent::kFixesContradict,
-         ConfirmationRequires::kAgreeingFixOrVerification},
-        {ConfirmationRequires::kRecoveredFitOrVerification, ConfirmationEvent::kObservedAgain,
-         ConfirmationRequires::kVerification},
-        {ConfirmationRequires::kRecoveredFitOrVerification, ConfirmationEvent::kVerified,
-         ConfirmationRequires::kRegistrations},
-        {ConfirmationRequires::kAgreeingFixOrVerification, ConfirmationEvent::kFixAgrees,
-         ConfirmationRequires::kRegistrations},
-        {ConfirmationRequires::kAgreeingFixOrVerification, ConfirmationEvent::kObservedAgain,
-         ConfirmationRequires::kVerification},
-        {ConfirmationRequires::kAgreeingFixOrVerification, ConfirmationEvent::kVerified,
-         ConfirmationRequires::kRegistrations},
-        {ConfirmationRequires::kVerification, ConfirmationEvent::kVerified,
-         ConfirmationRequires::kRegistrations},
+        {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kFixesContradict,
+         ConfirmationRequirement::kAgreeingFixOrVerification},
+        {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kObservedAgain,
+         ConfirmationRequirement::kVerification},
+        {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kFitDeclines,
+         ConfirmationRequirement::kRecoveredFitOrVerification},
+        {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kFitRecovers,
+         ConfirmationRequirement::kRegistrations},
+        {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kFixesContradict,
+         ConfirmationRequirement::kAgreeingFixOrVerification},
+        {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kObservedAgain,
+         ConfirmationRequirement::kVerification},
+        {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kVerified,
+         ConfirmationRequirement::kRegistrations},
+        {ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationEvent::kFixAgrees,
+         ConfirmationRequirement::kRegistrations},
+        {ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationEvent::kObservedAgain,
+         ConfirmationRequirement::kVerification},
+        {ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationEvent::kVerified,
+         ConfirmationRequirement::kRegistrations},
+        {ConfirmationRequirement::kVerification, ConfirmationEvent::kVerified,
+         ConfirmationRequirement::kRegistrations},
     }};
 
 /// Whether registrations observe both horizontal directions. Single ones may say either by chance.
@@ -174,7 +175,7 @@ inline TrackingMode Next(TrackingMode mode, TrackingEvent event) {
 inline ScanAgreement Next(ScanAgreement agreement, ScanAgreementEvent event) {
   return Next(kScanAgreementTransitions, agreement, event);
 }
-inline ConfirmationRequires Next(ConfirmationRequires requirement, ConfirmationEvent event) {
+inline ConfirmationRequirement Next(ConfirmationRequirement requirement, ConfirmationEvent event) {
   return Next(kConfirmationTransitions, requirement, event);
 }
 inline AlongTrackObservability Next(AlongTrackObservability observability,

@@ -12,7 +12,7 @@ namespace dcloc {
 /// The memory of each stage of a scan in the plane or in space.
 template <int Dim>
 struct Workspace {
-  EgoVelocityMemory ego_velocity;
+  EgoVelocityWorkspace ego_velocity;
   std::vector<RadarPoint> static_points;
   std::vector<RadarPoint> tried_points;  // of a scan as another stamp or sign would put them
   Scan corrected_scan;                   // with what was learned of its radar

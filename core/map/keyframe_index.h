@@ -11,6 +11,11 @@
 
 namespace dcloc {
 
+/// Width of the index's cells in the maps that are made here.
+inline constexpr double kIndexCell_m = 32.0;
+/// Landmarks lie no further from their keyframe, in maps that are made here.
+inline constexpr double kMaxKeyframeDistance_m = 120.0;
+
 /// One record per keyframe: the square cell of `cell_m` in the xy plane that it lies in; ascending
 /// by (cell_x, cell_y, keyframe).
 std::vector<IndexRecord> MakeIndex(std::span<const KeyframeRecord> keyframes, double cell_m);

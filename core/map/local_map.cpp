@@ -50,21 +50,21 @@ void Resize(std::vector<T>& values, std::size_t count) {
 
 template <int Dim>
 LocalMap<Dim>::LocalMap(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m) {
-  Memory memory;
-  MoveTo(map, p_map, radius_m, memory);
+  Workspace workspace;
+  MoveTo(map, p_map, radius_m, workspace);
 }
 
 template <int Dim>
 LocalMap<Dim>::LocalMap(const Pose3& T_map_local, const std::vector<GaussianPoint<Dim>>& points)
     : T_map_local_(T_map_local) {
-  Memory memory;
-  BuildGrid(std::vector<PackedPoint<Dim>>(points.begin(), points.end()), memory.cells);
+  Workspace workspace;
+  BuildGrid(std::vector<PackedPoint<Dim>>(points.begin(), points.end()), workspace.cells);
 }
 
 template <int Dim>
 void LocalMap<Dim>::MoveTo(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m,
-                           Memory& memory) {
-  auto& [keyframes, points, cells] = memory;
+                           Workspace& workspace) {
+  auto& [keyframes, points, cells] = workspace;
   points.clear();
   T_map_local_ = {};
   if (const std::optional<std::size_t> nearest = map.NearestKeyframe(p_map, radius_m)) {

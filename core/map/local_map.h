@@ -21,7 +21,7 @@ template <int Dim>
 class LocalMap {
  public:
   /// Memory that is needed only while a local map is made; reused for the next one.
-  struct Memory {
+  struct Workspace {
     std::vector<std::size_t> keyframes;
     std::vector<PackedPoint<Dim>> points;
     std::vector<std::uint32_t> cells;
@@ -34,7 +34,8 @@ class LocalMap {
   LocalMap(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m);
 
   /// Replaces this local map by that one, and reuses its memory.
-  void MoveTo(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m, Memory& memory);
+  void MoveTo(const RadarMap& map, const Eigen::Vector3d& p_map, double radius_m,
+              Workspace& workspace);
 
   /// A local map of points in the local frame.
   LocalMap(const Pose3& T_map_local, const std::vector<GaussianPoint<Dim>>& points);

@@ -15,8 +15,6 @@
 namespace dcloc {
 namespace {
 
-constexpr double kIndexCell_m = 32.0;
-
 absl::Status CheckBound(const char* field, double value, double min, double max) {
   // Written so that NaN fails.
   if (value >= min && value <= max) return absl::OkStatus();

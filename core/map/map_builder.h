@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/geometry/geodetic_anchor.h"
+#include "core/map/keyframe_index.h"
 #include "core/map/landmark_fusion.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
@@ -25,7 +26,8 @@ struct MapBuilderOptions {
   StaticPointsOptions static_points;
   double keyframe_spacing_m = 10.0;
   FusionOptions fusion;
-  double max_keyframe_distance_m = 120.0;  ///< landmarks further from any keyframe are left out
+  /// Landmarks further from any keyframe are left out.
+  double max_keyframe_distance_m = kMaxKeyframeDistance_m;
 };
 std::span<const OptionField<MapBuilderOptions>> FieldsOf(const MapBuilderOptions& options);
 

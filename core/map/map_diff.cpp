@@ -19,7 +19,7 @@ struct Landmarks {
   std::vector<bool> is_paired;
 };
 
-Pose3 PoseInMap(const MapParts& map, const KeyframeRecord& record, const Pose3& T_frame_map) {
+Pose3 PoseInMap(const EditableMap& map, const KeyframeRecord& record, const Pose3& T_frame_map) {
   Pose3 T_map_keyframe = PoseOf(record);
   T_map_keyframe.translation_m += map.Origin_m();
   return T_frame_map * T_map_keyframe;
@@ -28,9 +28,9 @@ Pose3 PoseInMap(const MapParts& map, const KeyframeRecord& record, const Pose3& 
 // The ground near a map's keyframes.
 class Coverage {
  public:
-  Coverage(const MapParts& map, const Pose3& T_frame_map, double radius_m)
+  Coverage(const EditableMap& map, const Pose3& T_frame_map, double radius_m)
       : radius_m_(radius_m), grid_(radius_m) {
-    for (const KeyframePart& keyframe : map.keyframes) {
+    for (const EditableKeyframe& keyframe : map.keyframes) {
       keyframes_m_.emplace_back(
           PoseInMap(map, keyframe.record, T_frame_map).translation_m.head<2>());
       grid_.Insert(keyframes_m_.back());
@@ -58,9 +58,9 @@ class Coverage {
   std::optional<std::uint32_t> last_;  ///< the keyframe that covered the last one
 };
 
-Landmarks LandmarksOf(const MapParts& map, const Pose3& T_frame_map, Coverage of_other) {
+Landmarks LandmarksOf(const EditableMap& map, const Pose3& T_frame_map, Coverage of_other) {
   Landmarks landmarks;
-  for (const KeyframePart& keyframe : map.keyframes) {
+  for (const EditableKeyframe& keyframe : map.keyframes) {
     const Pose3 T_frame_keyframe = PoseInMap(map, keyframe.record, T_frame_map);
     for (const MapPoint& point : keyframe.points) {
       const Eigen::Vector3d p = T_frame_keyframe * PositionOf(point);
@@ -124,7 +124,7 @@ absl::Status Validate(const MapDiffOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-absl::StatusOr<MapDiff> Compare(const MapParts& old_map, const MapParts& new_map,
+absl::StatusOr<MapDiff> Compare(const EditableMap& old_map, const EditableMap& new_map,
                                 const MapDiffOptions& options) {
   if (absl::Status status = Validate(options); !status.ok()) return status;
   MapDiff diff;
@@ -146,8 +146,8 @@ absl::StatusOr<MapDiff> Compare(const MapParts& old_map, const MapParts& new_map
               [&](const LandmarkChange& old_one, const LandmarkChange& new_one, double) {
                 diff.moved.push_back({old_one, new_one});
               });
-  diff.only_old_covers_count = TakeRest(before, diff.went);
-  diff.only_new_covers_count = TakeRest(after, diff.came);
+  diff.only_old_covers_count = TakeRest(before, diff.removed);
+  diff.only_new_covers_count = TakeRest(after, diff.added);
   return diff;
 }
 

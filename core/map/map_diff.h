@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 #include "core/options/option_fields.h"
 
 namespace dcloc {
@@ -34,8 +34,8 @@ struct LandmarkMove {
 
 /// What two maps of one place differ by, where both cover the ground.
 struct MapDiff {
-  std::vector<LandmarkChange> came;
-  std::vector<LandmarkChange> went;
+  std::vector<LandmarkChange> added;
+  std::vector<LandmarkChange> removed;
   std::vector<LandmarkMove> moved;
   std::vector<LandmarkChange> same;       ///< that both have, as the old map has them
   double same_rms_m = 0.0;                ///< of the distances between those in the plane
@@ -46,7 +46,7 @@ struct MapDiff {
 
 /// Pairs landmarks one to one by distance in the plane, nearest first. The frames pass
 /// `CheckFrames`. InvalidArgument for invalid options.
-absl::StatusOr<MapDiff> Compare(const MapParts& old_map, const MapParts& new_map,
+absl::StatusOr<MapDiff> Compare(const EditableMap& old_map, const EditableMap& new_map,
                                 const MapDiffOptions& options);
 
 }  // namespace dcloc

@@ -31,13 +31,13 @@ bool IsOn(RegionSide side, const RegionTest& region, const Eigen::Vector3d& p_ma
 }
 
 // Of the street's length, what `part` of the keyframes stand for.
-double ShareOfLength(const MapParts& map, std::size_t part) {
+double ShareOfLength(const EditableMap& map, std::size_t part) {
   if (map.keyframes.empty()) return 0.0;
   return map.info.length_m * static_cast<double>(part) / static_cast<double>(map.keyframes.size());
 }
 
 // b's keyframe in a's file.
-KeyframeRecord InFrameOf(const MapParts& a, const MapParts& b, const Pose3& T_a_b,
+KeyframeRecord InFrameOf(const EditableMap& a, const EditableMap& b, const Pose3& T_a_b,
                          const KeyframeRecord& record) {
   const bool is_same =
       T_a_b.translation_m.isZero(0.0) && T_a_b.rotation.coeffs() == Pose3().rotation.coeffs();
@@ -56,8 +56,8 @@ KeyframeRecord InFrameOf(const MapParts& a, const MapParts& b, const Pose3& T_a_
 // The landmarks of a map by position, to see what lies near.
 class Near {
  public:
-  explicit Near(const MapParts& map) : grid_(kDoubled_m) {
-    for (const KeyframePart& keyframe : map.keyframes) {
+  explicit Near(const EditableMap& map) : grid_(kDoubled_m) {
+    for (const EditableKeyframe& keyframe : map.keyframes) {
       const Pose3 T_local_keyframe = PoseOf(keyframe.record);
       for (const MapPoint& point : keyframe.points) {
         positions_m_.emplace_back((T_local_keyframe * PositionOf(point)).head<2>());
@@ -81,16 +81,16 @@ class Near {
 
 }  // namespace
 
-absl::StatusOr<MapParts> KeepSide(const MapParts& map, const PlanarRegion& region,
-                                  RegionSide side) {
+absl::StatusOr<EditableMap> KeepSide(const EditableMap& map, const PlanarRegion& region,
+                                     RegionSide side) {
   if (absl::Status status = Validate(region); !status.ok()) return status;
-  MapParts kept{
+  EditableMap kept{
       .info = map.info, .name = map.name, .description = map.description, .keyframes = {}};
   const RegionTest test(region);
-  for (const KeyframePart& keyframe : map.keyframes) {
+  for (const EditableKeyframe& keyframe : map.keyframes) {
     Pose3 T_map_keyframe = PoseOf(keyframe.record);
     T_map_keyframe.translation_m += map.Origin_m();
-    KeyframePart part{.record = keyframe.record, .points = {}};
+    EditableKeyframe part{.record = keyframe.record, .points = {}};
     for (const MapPoint& point : keyframe.points) {
       if (IsOn(side, test, T_map_keyframe * PositionOf(point))) part.points.push_back(point);
     }
@@ -125,7 +125,7 @@ Pose3 FrameChange(const GeodeticAnchor& anchor_a, const GeodeticAnchor& anchor_b
   return {.translation_m = origin_a, .rotation = Eigen::Quaterniond(axes).normalized()};
 }
 
-absl::Status CheckFrames(const MapParts& a, const MapParts& b, bool is_same_frame) {
+absl::Status CheckFrames(const EditableMap& a, const EditableMap& b, bool is_same_frame) {
   if (is_same_frame || (a.Anchor() && b.Anchor())) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrFormat(
       "the map \"%s\" has no anchor on the Earth, so it is not known where it lies in the frame of "
@@ -133,7 +133,7 @@ absl::Status CheckFrames(const MapParts& a, const MapParts& b, bool is_same_fram
       a.Anchor() ? b.name : a.name, a.Anchor() ? a.name : b.name));
 }
 
-absl::StatusOr<MapParts> Merge(const MapParts& a, const MapParts& b, MergeCounts& counts) {
+absl::StatusOr<EditableMap> Merge(const EditableMap& a, const EditableMap& b, MergeCounts& counts) {
   constexpr std::uint32_t kKind = kHasElevationFlag | kHasHeightsFlag;
   if ((a.info.flags & kKind) != (b.info.flags & kKind)) {
     return absl::FailedPreconditionError(absl::StrFormat(
@@ -144,14 +144,14 @@ absl::StatusOr<MapParts> Merge(const MapParts& a, const MapParts& b, MergeCounts
   const bool is_anchored = a.Anchor() && b.Anchor();
   const Pose3 T_a_b = is_anchored ? FrameChange(*a.Anchor(), *b.Anchor()) : Pose3();
   counts = {};
-  MapParts merged = a;
+  EditableMap merged = a;
   std::map<PoseBits, std::size_t> known;
   for (std::size_t i = 0; i < a.keyframes.size(); ++i) {
     known.emplace(BitsOf(a.keyframes[i].record), i);
   }
   std::size_t doubled_candidates = 0;
   const Near near_a(a);
-  for (const KeyframePart& keyframe : b.keyframes) {
+  for (const EditableKeyframe& keyframe : b.keyframes) {
     const KeyframeRecord record = InFrameOf(a, b, T_a_b, keyframe.record);
     const auto [found, is_new] = known.emplace(BitsOf(record), merged.keyframes.size());
     if (is_new) merged.keyframes.push_back({.record = record, .points = {}});

@@ -5,7 +5,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/geometry/planar_region.h"
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 
 namespace dcloc {
 
@@ -15,14 +15,15 @@ enum class RegionSide { kInside, kOutside };
 /// that side or has a landmark there; its pose and its landmarks keep their bits. So the parts of a
 /// map, merged, are the map again. The frame and the anchor stay. InvalidArgument for an invalid
 /// region; FailedPrecondition when no landmark is left.
-absl::StatusOr<MapParts> KeepSide(const MapParts& map, const PlanarRegion& region, RegionSide side);
+absl::StatusOr<EditableMap> KeepSide(const EditableMap& map, const PlanarRegion& region,
+                                     RegionSide side);
 
 /// The pose of b's map frame in a's, by their anchors. The identity where both anchors are equal.
 Pose3 FrameChange(const GeodeticAnchor& anchor_a, const GeodeticAnchor& anchor_b);
 
 /// OK where two maps are known to share a frame or to have anchors that tie them together, or
 /// `is_same_frame` says so. FailedPrecondition says what is missing.
-absl::Status CheckFrames(const MapParts& a, const MapParts& b, bool is_same_frame);
+absl::Status CheckFrames(const EditableMap& a, const EditableMap& b, bool is_same_frame);
 
 struct MergeCounts {
   std::size_t shared_keyframes = 0;  ///< that both maps have, bit for bit
@@ -36,6 +37,6 @@ struct MergeCounts {
 /// have of the same scatterer from different drives are not fused. The frames pass `CheckFrames`.
 /// FailedPrecondition where one map's landmarks have elevations or heights and the other's do not,
 /// or b lies too far away for a's file.
-absl::StatusOr<MapParts> Merge(const MapParts& a, const MapParts& b, MergeCounts& counts);
+absl::StatusOr<EditableMap> Merge(const EditableMap& a, const EditableMap& b, MergeCounts& counts);
 
 }  // namespace dcloc

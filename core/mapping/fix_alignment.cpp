@@ -46,11 +46,11 @@ Agreement AgreeingWith(const Pose2& T, std::span<const Tie> ties, double slack_m
 
 }  // namespace
 
-std::optional<Pose2> AlignWithFixes(std::span<const Pose2> T_nodes,
-                                    std::span<const NetworkFix> fixes, double slack_m) {
+std::optional<Pose2> AlignWithFixes(std::span<const Pose2> T_nodes, std::span<const NodeFix> fixes,
+                                    double slack_m) {
   std::vector<Tie> ties;
   ties.reserve(fixes.size());
-  for (const NetworkFix& fix : fixes) {
+  for (const NodeFix& fix : fixes) {
     ties.push_back({T_nodes[fix.node] * fix.p_node, fix.p_map, fix.sigma_m});
   }
   const std::size_t stride = std::max<std::size_t>(1, ties.size() / kMaxTried);

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/mapping/pose_network.h"
+#include "core/mapping/survey_graph_solver.h"
 
 namespace dcloc {
 
@@ -15,7 +15,7 @@ namespace dcloc {
 /// little of the heading.
 inline constexpr std::size_t kMinAgreeingFixes = 5;
 inline constexpr double kMinFixSpread_m = 30.0;
-std::optional<Pose2> AlignWithFixes(std::span<const Pose2> T_nodes,
-                                    std::span<const NetworkFix> fixes, double slack_m);
+std::optional<Pose2> AlignWithFixes(std::span<const Pose2> T_nodes, std::span<const NodeFix> fixes,
+                                    double slack_m);
 
 }  // namespace dcloc

@@ -33,10 +33,10 @@ absl::Status Validate(const LoopFinderOptions& options) {
   return status;
 }
 
-std::vector<NetworkEdge> LoopFinder::Neighbours(const SurveyGraph& graph, std::size_t drive) {
+std::vector<SurveyEdge> LoopFinder::Neighbours(const SurveyGraph& graph, std::size_t drive) {
   const std::vector<SurveyNode>& nodes = graph.track(drive).nodes;
   std::vector<LocalMap<2>> targets;
-  std::vector<NetworkEdge> edges;
+  std::vector<SurveyEdge> edges;
   const auto reach = static_cast<std::size_t>(options_.neighbour_count);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const std::size_t begin = i - std::min(i, reach);
@@ -58,11 +58,11 @@ std::vector<NetworkEdge> LoopFinder::Neighbours(const SurveyGraph& graph, std::s
   return edges;
 }
 
-std::optional<NetworkEdge> LoopFinder::Register(const SurveyGraph& graph, std::size_t from,
-                                                std::size_t to, const SubmapGuess& guess,
-                                                const RegistrationGate& gate) {
+std::optional<SurveyEdge> LoopFinder::Register(const SurveyGraph& graph, std::size_t from,
+                                               std::size_t to, const SubmapGuess& guess,
+                                               const RegistrationGate& gate) {
   // As far as the search may move the sub-map, the target has ground beneath it.
-  const DriveTrack& track = graph.track(graph.PlaceOf(from).drive);
+  const DriveTrack& track = graph.track(graph.IndexOf(from).drive);
   const double spacing_m =
       std::max(1.0, track.arc_length_m / static_cast<double>(track.nodes.size()));
   const auto wider =
@@ -74,14 +74,14 @@ std::optional<NetworkEdge> LoopFinder::Register(const SurveyGraph& graph, std::s
   const std::optional<SubmapMatch> match =
       matcher_.Match(graph.SubmapOf(to, options_.submap_half_count), target, guess, gate);
   if (!match) return std::nullopt;
-  return NetworkEdge{.from = from, .to = to, .T_from_to = match->T_target_live};
+  return SurveyEdge{.from = from, .to = to, .T_from_to = match->T_target_live};
 }
 
-std::vector<NetworkEdge> LoopFinder::NearLoops(const SurveyGraph& graph, std::size_t stride,
-                                               const std::function<bool(double)>& progress) {
+std::vector<SurveyEdge> LoopFinder::NearLoops(const SurveyGraph& graph, std::size_t stride,
+                                              const std::function<bool(double)>& progress) {
   std::set<std::pair<std::size_t, std::size_t>> known;
-  for (const NetworkEdge& loop : graph.loops) known.emplace(loop.from, loop.to);
-  std::vector<NetworkEdge> found;
+  for (const SurveyEdge& loop : graph.loops) known.emplace(loop.from, loop.to);
+  std::vector<SurveyEdge> found;
   for (std::size_t node = 0; node < graph.node_count(); node += stride) {
     for (const Visit& visit : VisitsNear(graph, node)) {
       if (known.contains({visit.node, node})) continue;
@@ -102,10 +102,10 @@ std::vector<LoopFinder::Visit> LoopFinder::VisitsNear(const SurveyGraph& graph,
                                                       std::size_t node) const {
   const double limit_m = (options_.max_sigma_m - options_.base_sigma_m) / options_.drift_share;
   std::vector<Visit> near;
-  const SurveyGraph::Place here = graph.PlaceOf(node);
+  const SurveyGraph::NodeIndex here = graph.IndexOf(node);
   for (const auto& [other, path_length_m] : graph.PathsFrom(node, limit_m, options_.path_costs)) {
     if (other >= node) continue;
-    if (graph.PlaceOf(other).drive == here.drive &&
+    if (graph.IndexOf(other).drive == here.drive &&
         graph.node(node).arc_length_m - graph.node(other).arc_length_m < options_.min_loop_path_m) {
       continue;
     }
@@ -119,7 +119,7 @@ std::vector<LoopFinder::Visit> LoopFinder::VisitsNear(const SurveyGraph& graph,
   std::size_t previous = 0;
   for (const Visit& visit : near) {
     const bool goes_on = !visits.empty() && visit.node - previous <= 2 &&
-                         graph.PlaceOf(visits.back().node).drive == graph.PlaceOf(visit.node).drive;
+                         graph.IndexOf(visits.back().node).drive == graph.IndexOf(visit.node).drive;
     if (!goes_on) {
       visits.push_back(visit);
     } else if (visit.distance_m < visits.back().distance_m) {

@@ -42,18 +42,18 @@ class LoopFinder {
       : options_(options), matcher_(options.matcher) {}
 
   /// Registrations of the nodes of one drive with the few before them.
-  std::vector<NetworkEdge> Neighbours(const SurveyGraph& graph, std::size_t drive);
+  std::vector<SurveyEdge> Neighbours(const SurveyGraph& graph, std::size_t drive);
 
   /// Registrations of nodes that lie near one another by what is known so far, within and between
   /// drives that are joined: of every `stride`-th node, with the nearest node of each time that a
   /// drive passes there. None twice. `progress` gets the share done
   /// and returns whether to go on.
-  std::vector<NetworkEdge> NearLoops(const SurveyGraph& graph, std::size_t stride,
-                                     const std::function<bool(double)>& progress);
+  std::vector<SurveyEdge> NearLoops(const SurveyGraph& graph, std::size_t stride,
+                                    const std::function<bool(double)>& progress);
 
   /// The registration of node `to` around an expected place in the frame of node `from`.
-  std::optional<NetworkEdge> Register(const SurveyGraph& graph, std::size_t from, std::size_t to,
-                                      const SubmapGuess& guess, const RegistrationGate& gate);
+  std::optional<SurveyEdge> Register(const SurveyGraph& graph, std::size_t from, std::size_t to,
+                                     const SubmapGuess& guess, const RegistrationGate& gate);
 
  private:
   struct Visit {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry/thinning.h"
 #include "core/map/keyframe_index.h"
 #include "core/map/map_file.h"
 #include "core/relocalization/place_search.h"
@@ -12,7 +13,6 @@
 namespace dcloc {
 namespace {
 
-constexpr double kIndexCell_m = 32.0;
 constexpr float kFlatVariance_m2 = 0.01F;  // of a height that is not used
 
 MapPoint ToMapPoint(const GaussianPoint<2>& landmark) {
@@ -73,7 +73,7 @@ std::span<const OptionField<PlaceFinderOptions>> FieldsOf(const PlaceFinderOptio
 absl::Status Validate(const PlaceFinderOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
   status.Update(Within("gate", Validate(options.gate)));
-  status.Update(Within("vote", Validate(options.vote)));
+  status.Update(Within("consistency", Validate(options.consistency)));
   return status;
 }
 
@@ -104,7 +104,7 @@ absl::StatusOr<PlaceFinding> PlaceFinder::Find(const SurveyGraph& graph, std::si
   if (!map.ok()) return map.status();
   const DriveTrack& track = graph.track(drive);
   PlaceFinding finding;
-  std::vector<NetworkEdge> matches;
+  std::vector<SurveyEdge> matches;
   double next_arc_length_m = 0.0;
   for (std::size_t i = 0; i < track.nodes.size(); ++i) {
     if (track.nodes[i].arc_length_m < next_arc_length_m) continue;
@@ -113,7 +113,7 @@ absl::StatusOr<PlaceFinding> PlaceFinder::Find(const SurveyGraph& graph, std::si
     const std::vector<GaussianPoint<2>> submap = graph.SubmapOf(node, options_.submap_half_count);
     if (submap.empty()) continue;
     ++finding.query_count;
-    PlaceSearch search(*map, PositionsOf<2>(EvenSubsample<2>(submap, options_.search_point_count)),
+    PlaceSearch search(*map, PositionsOf<2>(EvenSubsample(submap, options_.search_point_count)),
                        {.max_count = options_.candidate_count});
     while (!search.done()) search.SearchOn();
     for (const PlaceCandidate& place : search.Best()) {
@@ -132,12 +132,12 @@ absl::StatusOr<PlaceFinding> PlaceFinder::Find(const SurveyGraph& graph, std::si
   return finding;
 }
 
-std::vector<NetworkEdge> PlaceFinder::Agreeing(const SurveyGraph& graph,
-                                               const std::vector<NetworkEdge>& matches) const {
+std::vector<SurveyEdge> PlaceFinder::Agreeing(const SurveyGraph& graph,
+                                              const std::vector<SurveyEdge>& matches) const {
   const std::vector<Pose2>& T = graph.T_map_nodes;
   const auto agrees = [&](std::size_t a, std::size_t b) {
-    const NetworkEdge& one = matches[a];
-    const NetworkEdge& other = matches[b];
+    const SurveyEdge& one = matches[a];
+    const SurveyEdge& other = matches[b];
     if (one.to == other.to) return false;  // one sub-map is at one place
     const double path_length_m =
         std::abs(graph.node(one.to).arc_length_m - graph.node(other.to).arc_length_m);
@@ -145,11 +145,13 @@ std::vector<NetworkEdge> PlaceFinder::Agreeing(const SurveyGraph& graph,
         (T[one.from] * one.T_from_to.pose).Inverse() * T[other.from] * other.T_from_to.pose;
     const Pose2 missed = (T[one.to].Inverse() * T[other.to]).Inverse() * T_one_other;
     return missed.translation_m.norm() <=
-               options_.vote.tolerance_m + options_.vote.tolerance_share * path_length_m &&
+               options_.consistency.tolerance_m +
+                   options_.consistency.tolerance_share * path_length_m &&
            std::abs(WrapAngle(missed.yaw_rad)) <=
-               options_.vote.tolerance_rad + options_.vote.tolerance_rad_per_m * path_length_m;
+               options_.consistency.tolerance_rad +
+                   options_.consistency.tolerance_rad_per_m * path_length_m;
   };
-  std::vector<NetworkEdge> agreeing;
+  std::vector<SurveyEdge> agreeing;
   double min_path_m = 1e300;
   double max_path_m = 0.0;
   for (const std::size_t i : ConsistentSet(matches.size(), agrees)) {

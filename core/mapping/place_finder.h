@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "core/map/radar_map.h"
 #include "core/mapping/loop_finder.h"
-#include "core/mapping/loop_vote.h"
+#include "core/mapping/pairwise_consistency.h"
 #include "core/mapping/survey_graph.h"
 #include "core/options/option_fields.h"
 
@@ -26,7 +26,7 @@ struct PlaceFinderOptions {
   RegistrationGate gate = {.min_inlier_count = 120, .min_overlap = 0.45};
   int min_agreeing_count = 3;  ///< sub-maps that must agree on how two drives lie to one another
   double min_agreeing_path_m = 60.0;  ///< the path that they span, at least
-  LoopVoteOptions vote = {.tolerance_m = 1.5, .tolerance_share = 0.02};
+  PairwiseConsistencyOptions consistency = {.tolerance_m = 1.5, .tolerance_share = 0.02};
 };
 std::span<const OptionField<PlaceFinderOptions>> FieldsOf(const PlaceFinderOptions& options);
 absl::Status Validate(const PlaceFinderOptions& options);
@@ -38,9 +38,9 @@ absl::StatusOr<std::shared_ptr<const RadarMap>> MapOfNodes(const SurveyGraph& gr
 
 /// How a drive was looked for in the frame of others.
 struct PlaceFinding {
-  std::vector<NetworkEdge> loops;  ///< that agree; empty where the drive was not found
-  int query_count = 0;             ///< sub-maps that were searched for
-  int match_count = 0;             ///< registrations that passed the gate
+  std::vector<SurveyEdge> loops;  ///< that agree; empty where the drive was not found
+  int query_count = 0;            ///< sub-maps that were searched for
+  int match_count = 0;            ///< registrations that passed the gate
 };
 
 /// Finds where a drive crosses ground that other drives show, of which nothing is known: its
@@ -57,8 +57,8 @@ class PlaceFinder {
                                     const std::function<bool(double)>& progress);
 
  private:
-  std::vector<NetworkEdge> Agreeing(const SurveyGraph& graph,
-                                    const std::vector<NetworkEdge>& matches) const;
+  std::vector<SurveyEdge> Agreeing(const SurveyGraph& graph,
+                                   const std::vector<SurveyEdge>& matches) const;
 
   PlaceFinderOptions options_;
   LoopFinder loops_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/thinning.h"
 #include "core/registration/correlative_search.h"
 #include "core/registration/gicp.h"
 #include "core/registration/observability.h"
@@ -63,8 +64,7 @@ std::optional<SubmapMatch> SubmapMatcher::Match(std::span<const GaussianPoint<2>
   return SubmapMatch{.T_target_live = {.pose = best->T_local_vehicle, .covariance = covariance},
                      .inlier_count = best->inlier_count,
                      .overlap = best->overlap,
-                     .residual_scale = best->residual_scale,
-                     .observes_all = observed.ObservesAll()};
+                     .residual_scale = best->residual_scale};
 }
 
 std::vector<Pose2> SubmapMatcher::Starts(std::span<const GaussianPoint<2>> live,
@@ -77,7 +77,7 @@ std::vector<Pose2> SubmapMatcher::Starts(std::span<const GaussianPoint<2>> live,
   start_sigma_m = cell_m;
   const LikelihoodField field(target, cell_m);
   const std::vector<Eigen::Vector2f> points =
-      PositionsOf<2>(EvenSubsample<2>(live, options_.search_point_count));
+      PositionsOf<2>(EvenSubsample(live, options_.search_point_count));
   constexpr double kAllAround_rad = 3.1;  // short of a half turn, which would be searched twice
   const double reach_rad = std::min(options_.search_sigmas * guess.sigma_rad, kAllAround_rad);
   std::vector<Pose2> starts;

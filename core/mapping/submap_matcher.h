@@ -37,7 +37,6 @@ struct SubmapMatch {
   int inlier_count = 0;
   double overlap = 0.0;  ///< share of the live landmarks that are inliers
   double residual_scale = 0.0;
-  bool observes_all = true;  ///< false where it may be shifted along itself, as in a tunnel
 };
 
 /// Where the live sub-map is expected to lie.

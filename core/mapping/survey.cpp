@@ -45,7 +45,7 @@ class Surveyor {
            const SurveyProgress& progress)
       : options_(options), progress_(progress), graph_(std::move(tracks)), finder_(options.loops) {}
 
-  absl::Status Run(const std::vector<NetworkFix>& fixes) {
+  absl::Status Run(const std::vector<NodeFix>& fixes) {
     absl::Status status = TieNeighbours();
     if (status.ok()) status = CloseLoops(options_.coarse_stride, "closing loops");
     if (status.ok()) status = JoinDrives();
@@ -58,7 +58,7 @@ class Surveyor {
 
   const SurveyGraph& graph() const { return graph_; }
   const std::vector<Pose2>& T_start_nodes() const { return T_start_nodes_; }
-  const std::vector<NetworkEdge>& refused_loops() const { return refused_; }
+  const std::vector<SurveyEdge>& refused_loops() const { return refused_; }
   std::size_t unconfirmed_count() const { return unconfirmed_count_; }
   std::size_t accepted_fix_count() const { return accepted_fix_count_; }
   const std::string& FindingOf(std::size_t drive) const { return findings_[drive]; }
@@ -71,7 +71,7 @@ class Surveyor {
 
   absl::Status TieNeighbours() {
     for (std::size_t drive = 0; drive < graph_.drive_count(); ++drive) {
-      const std::vector<NetworkEdge> edges = finder_.Neighbours(graph_, drive);
+      const std::vector<SurveyEdge> edges = finder_.Neighbours(graph_, drive);
       graph_.neighbours.insert(graph_.neighbours.end(), edges.begin(), edges.end());
       const double share =
           static_cast<double>(drive + 1) / static_cast<double>(graph_.drive_count());
@@ -85,13 +85,13 @@ class Surveyor {
   // Places that are passed again, as far as drives are joined.
   absl::Status CloseLoops(std::size_t stride, const char* stage) {
     absl::Status status;
-    std::vector<NetworkEdge> found = finder_.NearLoops(graph_, stride, [&](double share) {
+    std::vector<SurveyEdge> found = finder_.NearLoops(graph_, stride, [&](double share) {
       status = Continue(stage, share);
       return status.ok();
     });
     if (!status.ok()) return status;
     found.insert(found.end(), graph_.loops.begin(), graph_.loops.end());
-    std::vector<NetworkEdge> confirmed = ConfirmedLoops(found, graph_, options_.vote);
+    std::vector<SurveyEdge> confirmed = ConfirmedLoops(found, graph_, options_.consistency);
     unconfirmed_count_ = found.size() - confirmed.size();
     graph_.loops = std::move(confirmed);
     return Solve();
@@ -113,12 +113,12 @@ class Surveyor {
   }
 
   // Each group of drives that enough fixes agree with goes into the frame of the fixes.
-  absl::Status PlaceByFixes(const std::vector<NetworkFix>& fixes) {
+  absl::Status PlaceByFixes(const std::vector<NodeFix>& fixes) {
     const std::vector<std::size_t> groups = graph_.GroupOfDrives();
     for (std::size_t group = 0; group < graph_.drive_count(); ++group) {
-      std::vector<NetworkFix> own;
-      for (const NetworkFix& fix : fixes) {
-        if (groups[graph_.PlaceOf(fix.node).drive] == group) own.push_back(fix);
+      std::vector<NodeFix> own;
+      for (const NodeFix& fix : fixes) {
+        if (groups[graph_.IndexOf(fix.node).drive] == group) own.push_back(fix);
       }
       const auto T_map_nodes = AlignWithFixes(graph_.T_map_nodes, own, options_.fix_slack_m);
       if (!T_map_nodes) continue;
@@ -145,7 +145,7 @@ class Surveyor {
           absl::StrFormat("%d of its views were searched for, %d matched, too few agree",
                           found->query_count, found->match_count);
       if (found->loops.empty()) continue;
-      const NetworkEdge& loop = found->loops.front();
+      const SurveyEdge& loop = found->loops.front();
       MoveGroup(own, graph_.T_map_nodes[loop.from] * loop.T_from_to.pose *
                          graph_.T_map_nodes[loop.to].Inverse());
       graph_.loops.insert(graph_.loops.end(), found->loops.begin(), found->loops.end());
@@ -158,7 +158,7 @@ class Surveyor {
   void MoveGroup(std::size_t group, const Pose2& T_new_old) {
     const std::vector<std::size_t> groups = graph_.GroupOfDrives();
     for (std::size_t node = 0; node < graph_.node_count(); ++node) {
-      if (groups[graph_.PlaceOf(node).drive] != group) continue;
+      if (groups[graph_.IndexOf(node).drive] != group) continue;
       graph_.T_map_nodes[node] = T_new_old * graph_.T_map_nodes[node];
     }
   }
@@ -184,11 +184,11 @@ class Surveyor {
   // Loops that contradict the others are left out for good.
   absl::Status Solve() {
     const auto solution =
-        SolvePoseNetwork(graph_.T_map_nodes, graph_.Edges(), graph_.fixes, options_.network);
+        SolveSurveyGraph(graph_.T_map_nodes, graph_.Edges(), graph_.fixes, options_.solver);
     if (!solution.ok()) return solution.status();
     graph_.T_map_nodes = solution->T_map_nodes;
     const std::size_t first_loop = graph_.motions.size() + graph_.neighbours.size();
-    std::vector<NetworkEdge> kept;
+    std::vector<SurveyEdge> kept;
     for (std::size_t i = 0; i < graph_.loops.size(); ++i) {
       const bool is_accepted = solution->edge_weights[first_loop + i] >= options_.min_weight;
       (is_accepted ? kept : refused_).push_back(graph_.loops[i]);
@@ -204,17 +204,17 @@ class Surveyor {
   SurveyGraph graph_;
   LoopFinder finder_;
   std::vector<Pose2> T_start_nodes_;
-  std::vector<NetworkEdge> refused_;
+  std::vector<SurveyEdge> refused_;
   std::size_t unconfirmed_count_ = 0;
   std::size_t accepted_fix_count_ = 0;
   std::vector<std::string> findings_;                                  // by drive
   std::set<std::tuple<std::size_t, std::size_t, std::size_t>> tried_;  // drive, group, its size
 };
 
-SurveyLoop Describe(const NetworkEdge& loop, const SurveyGraph& graph,
+SurveyLoop Describe(const SurveyEdge& loop, const SurveyGraph& graph,
                     const std::vector<std::size_t>& track_of, bool is_accepted) {
-  const SurveyGraph::Place from = graph.PlaceOf(loop.from);
-  const SurveyGraph::Place to = graph.PlaceOf(loop.to);
+  const SurveyGraph::NodeIndex from = graph.IndexOf(loop.from);
+  const SurveyGraph::NodeIndex to = graph.IndexOf(loop.to);
   return {.drive_from = track_of[from.drive],
           .node_from = from.index,
           .drive_to = track_of[to.drive],
@@ -233,10 +233,9 @@ Pose2 Between(const TrackedScan& before, const TrackedScan& after, Stamp stamp) 
 }
 
 // Each fix at the node before it. Those outside of the drives' time are left out.
-std::vector<NetworkFix> TieFixes(std::span<const SurveyFix> fixes,
-                                 const std::vector<std::size_t>& track_of,
-                                 const SurveyGraph& graph) {
-  std::vector<NetworkFix> ties;
+std::vector<NodeFix> TieFixes(std::span<const SurveyFix> fixes,
+                              const std::vector<std::size_t>& track_of, const SurveyGraph& graph) {
+  std::vector<NodeFix> ties;
   for (const SurveyFix& fix : fixes) {
     const auto drive = std::ranges::find(track_of, fix.drive);
     if (drive == track_of.end()) continue;
@@ -295,16 +294,16 @@ Survey Collect(const Surveyor& surveyor, const std::vector<std::size_t>& track_o
       drive.reason = absl::StrCat("it shares no ground with the others: ", surveyor.FindingOf(i));
     }
   }
-  for (const NetworkEdge& edge : graph.neighbours) {
-    ++drives[track_of[graph.PlaceOf(edge.from).drive]].neighbour_count;
+  for (const SurveyEdge& edge : graph.neighbours) {
+    ++drives[track_of[graph.IndexOf(edge.from).drive]].neighbour_count;
   }
   Survey survey{.drives = std::move(drives),
                 .loops = {},
                 .unconfirmed_loop_count = surveyor.unconfirmed_count()};
-  for (const NetworkEdge& loop : graph.loops) {
+  for (const SurveyEdge& loop : graph.loops) {
     survey.loops.push_back(Describe(loop, graph, track_of, true));
   }
-  for (const NetworkEdge& loop : surveyor.refused_loops()) {
+  for (const SurveyEdge& loop : surveyor.refused_loops()) {
     survey.loops.push_back(Describe(loop, graph, track_of, false));
   }
   return survey;
@@ -328,9 +327,9 @@ std::span<const OptionField<SurveyOptions>> FieldsOf(const SurveyOptions& /*opti
 absl::Status Validate(const SurveyOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
   status.Update(Within("loops", Validate(options.loops)));
-  status.Update(Within("vote", Validate(options.vote)));
+  status.Update(Within("consistency", Validate(options.consistency)));
   status.Update(Within("places", Validate(options.places)));
-  status.Update(Within("network", Validate(options.network)));
+  status.Update(Within("solver", Validate(options.solver)));
   return status;
 }
 
@@ -355,7 +354,7 @@ absl::StatusOr<Survey> SurveyDrives(std::span<const DriveTrack> tracks,
                      })));
   }
   Surveyor surveyor(std::move(fit), options, progress);
-  const std::vector<NetworkFix> ties = TieFixes(fixes, track_of, surveyor.graph());
+  const std::vector<NodeFix> ties = TieFixes(fixes, track_of, surveyor.graph());
   if (absl::Status status = surveyor.Run(ties); !status.ok()) return status;
   Survey survey = Collect(surveyor, track_of, std::move(drives));
   survey.fix_count = ties.size();

@@ -10,17 +10,17 @@
 #include "absl/status/statusor.h"
 #include "core/mapping/drive_track.h"
 #include "core/mapping/loop_finder.h"
-#include "core/mapping/loop_vote.h"
+#include "core/mapping/pairwise_consistency.h"
 #include "core/mapping/place_finder.h"
-#include "core/mapping/pose_network.h"
+#include "core/mapping/survey_graph_solver.h"
 
 namespace dcloc {
 
 struct SurveyOptions {
   LoopFinderOptions loops;
-  LoopVoteOptions vote;
+  PairwiseConsistencyOptions consistency;
   PlaceFinderOptions places;
-  PoseNetworkOptions network;
+  SurveyGraphSolverOptions solver;
   /// Loops are looked for again as long as it helps, with every node.
   int refine_rounds = 2;
   std::size_t coarse_stride = 3;         ///< step between the nodes that the first round uses

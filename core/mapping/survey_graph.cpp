@@ -41,15 +41,15 @@ SurveyGraph::SurveyGraph(std::vector<const DriveTrack*> tracks) : tracks_(std::m
   first_node_.push_back(T_map_nodes.size());
 }
 
-SurveyGraph::Place SurveyGraph::PlaceOf(std::size_t node) const {
+SurveyGraph::NodeIndex SurveyGraph::IndexOf(std::size_t node) const {
   const auto after = std::ranges::upper_bound(first_node_, node);
   const auto drive = static_cast<std::size_t>(after - first_node_.begin()) - 1;
   return {drive, node - first_node_[drive]};
 }
 
 const SurveyNode& SurveyGraph::node(std::size_t node) const {
-  const Place place = PlaceOf(node);
-  return track(place.drive).nodes[place.index];
+  const NodeIndex at = IndexOf(node);
+  return track(at.drive).nodes[at.index];
 }
 
 std::vector<Pose2> SurveyGraph::PosesOf(std::size_t drive) const {
@@ -63,15 +63,15 @@ Eigen::Vector2d SurveyGraph::CentreOf(std::size_t node) const {
 
 std::vector<GaussianPoint<2>> SurveyGraph::SubmapOf(std::size_t node,
                                                     std::size_t half_count) const {
-  const Place place = PlaceOf(node);
-  const std::size_t begin = first_node_[place.drive];
-  const std::size_t count = first_node_[place.drive + 1] - begin;
-  return JoinSubmap(track(place.drive), std::span(T_map_nodes).subspan(begin, count), place.index,
+  const NodeIndex at = IndexOf(node);
+  const std::size_t begin = first_node_[at.drive];
+  const std::size_t count = first_node_[at.drive + 1] - begin;
+  return JoinSubmap(track(at.drive), std::span(T_map_nodes).subspan(begin, count), at.index,
                     half_count);
 }
 
-std::vector<NetworkEdge> SurveyGraph::Edges() const {
-  std::vector<NetworkEdge> edges = motions;
+std::vector<SurveyEdge> SurveyGraph::Edges() const {
+  std::vector<SurveyEdge> edges = motions;
   edges.insert(edges.end(), neighbours.begin(), neighbours.end());
   edges.insert(edges.end(), loops.begin(), loops.end());
   return edges;
@@ -81,7 +81,7 @@ std::vector<std::size_t> SurveyGraph::GroupOfDrives() const {
   const std::vector<std::size_t> part_of = PartsOf(node_count(), Edges());
   std::vector<std::size_t> groups;
   for (std::size_t drive = 0; drive < drive_count(); ++drive) {
-    groups.push_back(PlaceOf(part_of[first_node_[drive]]).drive);
+    groups.push_back(IndexOf(part_of[first_node_[drive]]).drive);
   }
   return groups;
 }
@@ -89,7 +89,7 @@ std::vector<std::size_t> SurveyGraph::GroupOfDrives() const {
 std::vector<bool> SurveyGraph::HasFix() const {
   const std::vector<std::size_t> groups = GroupOfDrives();
   std::vector<bool> group_has_fix(drive_count(), false);
-  for (const NetworkFix& fix : fixes) group_has_fix[groups[PlaceOf(fix.node).drive]] = true;
+  for (const NodeFix& fix : fixes) group_has_fix[groups[IndexOf(fix.node).drive]] = true;
   std::vector<bool> has_fix;
   for (const std::size_t group : groups) has_fix.push_back(group_has_fix[group]);
   return has_fix;
@@ -98,10 +98,10 @@ std::vector<bool> SurveyGraph::HasFix() const {
 namespace {
 
 // The other ends of each node's loops.
-std::vector<std::vector<std::size_t>> LoopEnds(std::span<const NetworkEdge> loops,
+std::vector<std::vector<std::size_t>> LoopEnds(std::span<const SurveyEdge> loops,
                                                std::size_t node_count) {
   std::vector<std::vector<std::size_t>> ends(node_count);
-  for (const NetworkEdge& loop : loops) {
+  for (const SurveyEdge& loop : loops) {
     ends[loop.from].push_back(loop.to);
     ends[loop.to].push_back(loop.from);
   }
@@ -109,10 +109,10 @@ std::vector<std::vector<std::size_t>> LoopEnds(std::span<const NetworkEdge> loop
 }
 
 // The length of the shortest edge from each node to the frame of the fixes.
-std::vector<double> ToFixes(std::span<const NetworkFix> fixes, std::size_t node_count,
+std::vector<double> ToFixes(std::span<const NodeFix> fixes, std::size_t node_count,
                             const PathCosts& costs) {
   std::vector<double> to_fixes_m(node_count, std::numeric_limits<double>::infinity());
-  for (const NetworkFix& fix : fixes) {
+  for (const NodeFix& fix : fixes) {
     to_fixes_m[fix.node] = std::min(to_fixes_m[fix.node], costs.path_m_per_fix_sigma * fix.sigma_m);
   }
   return to_fixes_m;
@@ -142,20 +142,20 @@ std::vector<std::pair<std::size_t, double>> SurveyGraph::PathsFrom(std::size_t f
     open.pop();
     if (path_length_m > shortest_m[here]) continue;
     if (here == hub) {
-      for (const NetworkFix& fix : fixes) reach(fix.node, path_length_m + to_hub_m[fix.node]);
+      for (const NodeFix& fix : fixes) reach(fix.node, path_length_m + to_hub_m[fix.node]);
       continue;
     }
     reached.emplace_back(here, path_length_m);
     reach(hub, path_length_m + to_hub_m[here]);
-    const Place place = PlaceOf(here);
-    const std::vector<SurveyNode>& nodes = track(place.drive).nodes;
-    if (place.index > 0) {
+    const NodeIndex at = IndexOf(here);
+    const std::vector<SurveyNode>& nodes = track(at.drive).nodes;
+    if (at.index > 0) {
       reach(here - 1,
-            path_length_m + nodes[place.index].arc_length_m - nodes[place.index - 1].arc_length_m);
+            path_length_m + nodes[at.index].arc_length_m - nodes[at.index - 1].arc_length_m);
     }
-    if (place.index + 1 < nodes.size()) {
+    if (at.index + 1 < nodes.size()) {
       reach(here + 1,
-            path_length_m + nodes[place.index + 1].arc_length_m - nodes[place.index].arc_length_m);
+            path_length_m + nodes[at.index + 1].arc_length_m - nodes[at.index].arc_length_m);
     }
     for (const std::size_t there : across[here]) reach(there, path_length_m + costs.loop_m);
   }

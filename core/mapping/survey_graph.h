@@ -7,7 +7,7 @@
 
 #include "absl/status/status.h"
 #include "core/mapping/drive_track.h"
-#include "core/mapping/pose_network.h"
+#include "core/mapping/survey_graph_solver.h"
 #include "core/options/option_fields.h"
 
 namespace dcloc {
@@ -30,13 +30,13 @@ class SurveyGraph {
   /// this; each has a node.
   explicit SurveyGraph(std::vector<const DriveTrack*> tracks);
 
-  /// A node by its drive and its place there.
-  struct Place {
+  /// A node by its drive and its index there.
+  struct NodeIndex {
     std::size_t drive;
     std::size_t index;
   };
-  Place PlaceOf(std::size_t node) const;
-  std::size_t NodeAt(const Place& place) const { return first_node_[place.drive] + place.index; }
+  NodeIndex IndexOf(std::size_t node) const;
+  std::size_t NodeAt(const NodeIndex& at) const { return first_node_[at.drive] + at.index; }
   const SurveyNode& node(std::size_t node) const;
   std::size_t node_count() const { return T_map_nodes.size(); }
   std::size_t drive_count() const { return tracks_.size(); }
@@ -52,7 +52,7 @@ class SurveyGraph {
   std::vector<GaussianPoint<2>> SubmapOf(std::size_t node, std::size_t half_count) const;
 
   /// All edges: motion, then neighbours, then loops.
-  std::vector<NetworkEdge> Edges() const;
+  std::vector<SurveyEdge> Edges() const;
 
   /// For each drive, the first drive of those that edges join it with.
   std::vector<std::size_t> GroupOfDrives() const;
@@ -67,10 +67,10 @@ class SurveyGraph {
   std::vector<bool> HasFix() const;
 
   std::vector<Pose2> T_map_nodes;
-  std::vector<NetworkEdge> motions;     ///< by ego-motion, between successive nodes
-  std::vector<NetworkEdge> neighbours;  ///< registrations of nodes of a drive a few apart
-  std::vector<NetworkEdge> loops;       ///< registrations of all others
-  std::vector<NetworkFix> fixes;        ///< of drives that are placed by them
+  std::vector<SurveyEdge> motions;     ///< by ego-motion, between successive nodes
+  std::vector<SurveyEdge> neighbours;  ///< registrations of nodes of a drive a few apart
+  std::vector<SurveyEdge> loops;       ///< registrations of all others
+  std::vector<NodeFix> fixes;          ///< of drives that are placed by them
 
  private:
   std::vector<const DriveTrack*> tracks_;

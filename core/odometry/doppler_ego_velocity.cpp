@@ -247,15 +247,15 @@ absl::Status Validate(const EgoVelocityOptions& options) {
 std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
                                                       std::uint64_t seed,
                                                       const EgoVelocityOptions& options) {
-  EgoVelocityMemory memory;
-  return EstimateEgoVelocity(scans, seed, options, memory);
+  EgoVelocityWorkspace workspace;
+  return EstimateEgoVelocity(scans, seed, options, workspace);
 }
 
 std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
                                                       std::uint64_t seed,
                                                       const EgoVelocityOptions& options,
-                                                      EgoVelocityMemory& memory) {
-  auto& [rows, inliers] = memory;
+                                                      EgoVelocityWorkspace& workspace) {
+  auto& [rows, inliers] = workspace;
   MakeRows(scans, rows);
   const auto count = static_cast<int>(rows.size());
   if (count < options.min_inlier_count) return std::nullopt;
@@ -267,8 +267,7 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
         .ego_velocity = PlanarEgoVelocity(Vector3d::Zero(), FloorVariances(options)),
         .inlier_count = static_cast<int>(inliers.size()),
         .target_count = count,
-        .direction_count = CountDirections(inliers),
-        .standing_still = true};
+        .direction_count = CountDirections(inliers)};
   }
 
   return MovingEgoVelocity(rows, votes, options.min_inlier_fraction, seed, options, inliers);
@@ -277,8 +276,8 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
 std::optional<DopplerEgoVelocity> EstimateAlternativeEgoVelocity(const DopplerEgoVelocity& first,
                                                                  std::uint64_t seed,
                                                                  const EgoVelocityOptions& options,
-                                                                 EgoVelocityMemory& memory) {
-  auto& [rows, inliers] = memory;
+                                                                 EgoVelocityWorkspace& workspace) {
+  auto& [rows, inliers] = workspace;
   const double votes = VotesOf(rows);
   const EgoVelocity& velocity = first.ego_velocity;
   const Vector3d state(velocity.linear_mps.x(), velocity.linear_mps.y(),

@@ -51,7 +51,6 @@ struct DopplerEgoVelocity {
   int inlier_count = 0;
   int target_count = 0;
   int direction_count = 0;  ///< in how many tens of degrees around the vehicle there are inliers
-  bool standing_still = false;
 };
 
 /// One target's row of the motion's equations: range rate = row . (v_x, v_y, yaw rate) + noise
@@ -68,8 +67,8 @@ struct RangeRateRow {
   double vote = 1.0;  ///< what it counts for, less where many lie in one direction
 };
 
-/// Memory of EstimateEgoVelocity.
-struct EgoVelocityMemory {
+/// What EstimateEgoVelocity needs only while it runs.
+struct EgoVelocityWorkspace {
   std::vector<RangeRateRow> rows;
   std::vector<RangeRateRow> inliers;
 };
@@ -78,24 +77,24 @@ struct EgoVelocityMemory {
 /// same moment: RANSAC on pairs of targets, weighted least squares on the inliers, covariance
 /// max(1, s^2) (H^T W H)^-1 and a floor (METHOD eq 22, Kellner 2013). Aliased range rates are
 /// unfolded to each hypothesis. Nothing when too few targets agree or their directions do not
-/// determine the motion. The same scans and `seed` give the same answer, whatever `memory` held.
+/// determine the motion. The same scans and `seed` give the same answer, whatever `workspace` held.
 std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
                                                       std::uint64_t seed,
                                                       const EgoVelocityOptions& options,
-                                                      EgoVelocityMemory& memory);
+                                                      EgoVelocityWorkspace& workspace);
 
 /// The same with memory of its own.
 std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan> scans,
                                                       std::uint64_t seed,
                                                       const EgoVelocityOptions& options = {});
 
-/// The motion that the targets agree on which contradict `first`, the estimate that `memory` was
+/// The motion that the targets agree on which contradict `first`, the estimate that `workspace` was
 /// last used for, from the same `seed`. A convoy around the vehicle and the ground behind it are
 /// each other's alternatives. Nothing where too few targets agree, or in too few directions.
 std::optional<DopplerEgoVelocity> EstimateAlternativeEgoVelocity(const DopplerEgoVelocity& first,
                                                                  std::uint64_t seed,
                                                                  const EgoVelocityOptions& options,
-                                                                 EgoVelocityMemory& memory);
+                                                                 EgoVelocityWorkspace& workspace);
 
 /// Information-weighted mean of two independent estimates that both have a covariance.
 EgoVelocity Fuse(const EgoVelocity& a, const EgoVelocity& b);

@@ -103,18 +103,18 @@ void EgoMotion::AddTo(RigKnowledge& known) const {
 }
 
 const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const RadarModel& radar,
-                                      EgoVelocityMemory& memory) {
+                                      EgoVelocityWorkspace& workspace) {
   const auto seed = static_cast<std::uint64_t>(scan.stamp.time_since_epoch().count());
   std::optional<DopplerEgoVelocity> doppler =
-      EstimateEgoVelocity(Remember(scan, stamp, radar), seed, options_.doppler, memory);
+      EstimateEgoVelocity(Remember(scan, stamp, radar), seed, options_.doppler, workspace);
   std::optional<DopplerEgoVelocity> alternative;
   if (doppler)
-    alternative = EstimateAlternativeEgoVelocity(*doppler, seed, options_.doppler, memory);
+    alternative = EstimateAlternativeEgoVelocity(*doppler, seed, options_.doppler, workspace);
   const std::chrono::nanoseconds age = velocity_ ? stamp - stamp_ : std::chrono::nanoseconds(0);
   std::optional<EgoVelocity> reported;
   if (scan.ego_velocity) {
     late_.OnReported(stamp, *scan.ego_velocity);
-    reported = late_.AsOfNow(Corrected(*scan.ego_velocity));
+    reported = late_.WithDelayUncertainty(Corrected(*scan.ego_velocity));
   }
   sources_.OnReadings(stamp,
                       ReadingsOf(reported, doppler, alternative, simultaneous_scans_.size()));
@@ -123,9 +123,9 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   if (doppler_is_sound) late_.OnDoppler(moment_, doppler->ego_velocity);
   FollowWheelScale(stamp, reported, doppler_is_sound ? &*doppler : nullptr);
   if (reported) {
-    reported =
-        late_.BroughtToNow(stamp, Corrected(*scan.ego_velocity),
-                           doppler_is_sound ? &doppler->ego_velocity : nullptr, sources_.sound());
+    reported = late_.ExtrapolatedToNow(stamp, Corrected(*scan.ego_velocity),
+                                       doppler_is_sound ? &doppler->ego_velocity : nullptr,
+                                       sources_.sound());
   }
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
@@ -184,7 +184,7 @@ void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, const EgoVeloc
         Integrate(*reported_with_sound_wheels_, *with_sound_wheels, age, options_.motion).T_from_to,
         age);
   } else {
-    errors_.OnBreak();
+    errors_.OnDiscontinuity();
   }
   reported_with_sound_wheels_ = with_sound_wheels;
 }

@@ -88,15 +88,15 @@ class EgoMotion {
   void AddTo(RigKnowledge& known) const;
 
   /// Takes in the next scan, taken at `stamp`, which is not before the last one's, and gives the
-  /// velocity at it; the covariance is set. `radar` outlives this object, `memory` is lent for the
-  /// call.
+  /// velocity at it; the covariance is set. `radar` outlives this object, `workspace` is lent for
+  /// the call.
   const EgoVelocity& Advance(const Scan& scan, Stamp stamp, const RadarModel& radar,
-                             EgoVelocityMemory& memory);
+                             EgoVelocityWorkspace& workspace);
 
   /// The same by the scan's own stamp, with memory of its own.
   const EgoVelocity& Advance(const Scan& scan, const RadarModel& radar) {
-    EgoVelocityMemory memory;
-    return Advance(scan, scan.stamp, radar, memory);
+    EgoVelocityWorkspace workspace;
+    return Advance(scan, scan.stamp, radar, workspace);
   }
 
   /// A registration, accepted or an outlier, puts the vehicle here at the last scan.
@@ -127,7 +127,7 @@ class EgoMotion {
     errors_.OnPose(T_map_vehicle, covariance);
   }
   /// The pose was lost: the next `OnPose` is not compared with the one before.
-  void OnBreak() { errors_.OnBreak(); }
+  void OnDiscontinuity() { errors_.OnDiscontinuity(); }
   /// The next registration is at another place: it is not compared with the one before.
   void OnPlaceChanged() { sources_.OnRegistrationLost(); }
   /// The poses given so far were wrong: scale and yaw-rate bias are estimated anew.

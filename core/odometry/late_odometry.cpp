@@ -43,7 +43,7 @@ void LateOdometry::OnDoppler(Stamp stamp, const EgoVelocity& doppler) {
   estimator_.OnDoppler(stamp, doppler.linear_mps.x(), doppler.angular_radps.z());
 }
 
-EgoVelocity LateOdometry::AsOfNow(const EgoVelocity& reported) const {
+EgoVelocity LateOdometry::WithDelayUncertainty(const EgoVelocity& reported) const {
   if (!delay_s()) return reported;
   EgoVelocity wider = reported;
   (*wider.covariance)(0, 0) += std::pow(options_.acceleration_sigma_mps2 * delay_s()->value, 2);
@@ -76,15 +76,16 @@ LateSignalNoise LateOdometry::YawRateNoise() const {
           .offset_walk = options_.offset_yaw_rate_walk_radps};
 }
 
-EgoVelocity LateOdometry::BroughtToNow(Stamp stamp, const EgoVelocity& reported,
-                                       const EgoVelocity* doppler, const OdometrySources& sound) {
+EgoVelocity LateOdometry::ExtrapolatedToNow(Stamp stamp, const EgoVelocity& reported,
+                                            const EgoVelocity* doppler,
+                                            const OdometrySources& sound) {
   if (!delay_s()) {
     Reset();
     return reported;
   }
   const bool speed_is_sound = Contains(sound, OdometrySource::kWheelSpeed);
   const bool yaw_rate_is_sound = Contains(sound, OdometrySource::kYawRate);
-  EgoVelocity now = AsOfNow(reported);
+  EgoVelocity now = WithDelayUncertainty(reported);
   const std::chrono::nanoseconds duration =
       advanced_ ? stamp - *advanced_ : std::chrono::nanoseconds(0);
   const double duration_s = SecondsOf(duration);

@@ -54,13 +54,13 @@ class LateOdometry {
 
   /// `reported`, which has a covariance, as an estimate of now by itself: less certain by what the
   /// vehicle may have done within the delay. As it is, while no delay is accepted.
-  EgoVelocity AsOfNow(const EgoVelocity& reported) const;
+  EgoVelocity WithDelayUncertainty(const EgoVelocity& reported) const;
 
   /// `reported` at `stamp` brought to the present, with what Doppler says; `doppler` is null where
   /// that is not sound. A reported signal whose source is not in `sound` is left as it is, and both
   /// are while no delay is accepted.
-  EgoVelocity BroughtToNow(Stamp stamp, const EgoVelocity& reported, const EgoVelocity* doppler,
-                           const OdometrySources& sound);
+  EgoVelocity ExtrapolatedToNow(Stamp stamp, const EgoVelocity& reported,
+                                const EgoVelocity* doppler, const OdometrySources& sound);
 
   /// The motion between the last two moments that were brought to the present (METHOD eq 47);
   /// nothing while no delay is accepted, or where a signal is not sound.

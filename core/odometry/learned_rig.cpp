@@ -47,7 +47,8 @@ std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions
       {"max_correction_rad", &O::max_correction_rad, 0, 3.2, "no mount is corrected"},
       {"mirrored_min_angle_rad", &O::mirrored_min_angle_rad, 1e-6, 3.2},
       {"mirrored_fraction", &O::mirrored_fraction, 0.01, 1},
-      {"mirrored_memory", &O::mirrored_memory, 0, 0.999, "each scan stands alone"},
+      {"mirrored_forgetting_factor", &O::mirrored_forgetting_factor, 0, 0.999,
+       "each scan stands alone"},
   };
   return kFields;
 }
@@ -90,7 +91,7 @@ bool LearnedRig::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
                         const EgoVelocity& velocity) {
   Learned& learned = learned_[index];
   CheckMirrored(learned, rig_.radars[index], scan, velocity);
-  return learned.mount_yaw.OnScan(stamp, scan, described_.radars[index], velocity, memory_) &&
+  return learned.mount_yaw.OnScan(stamp, scan, described_.radars[index], velocity, workspace_) &&
          Correct(index);
 }
 
@@ -122,8 +123,8 @@ void LearnedRig::CheckMirrored(Learned& learned, const RadarModel& radar, const 
   const double gate_mps = options_.mount_yaw.inlier_gate_mps;
   const double advantage = StaticFraction(scan, radar, velocity, -1.0, gate_mps) -
                            StaticFraction(scan, radar, velocity, 1.0, gate_mps);
-  learned.mirrored_fraction = options_.mirrored_memory * learned.mirrored_fraction +
-                              (1.0 - options_.mirrored_memory) * advantage;
+  learned.mirrored_fraction = options_.mirrored_forgetting_factor * learned.mirrored_fraction +
+                              (1.0 - options_.mirrored_forgetting_factor) * advantage;
 }
 
 void LearnedRig::OnRegistered() {

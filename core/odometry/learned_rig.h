@@ -36,8 +36,8 @@ struct LearnedRigOptions {
   // A radar's azimuths have the wrong sign if more of its targets stand still by the other sign.
   /// Scans are tested if the vehicle moves at least this far off the radar's boresight.
   double mirrored_min_angle_rad = 2.0 * kRadPerDeg;
-  double mirrored_fraction = 0.25;  ///< of all targets, that stand still in addition
-  double mirrored_memory = 0.95;    ///< weight of older scans in that fraction, [0, 1)
+  double mirrored_fraction = 0.25;           ///< of all targets, that stand still in addition
+  double mirrored_forgetting_factor = 0.95;  ///< weight of older scans in that fraction, [0, 1)
 };
 static_assert(LearnedRigOptions{}.max_correction_rad <= kMaxKnownMountYawError_rad);
 std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions& options);
@@ -93,7 +93,7 @@ class LearnedRig {
   Rig described_;
   Rig rig_;
   std::vector<Learned> learned_;
-  MountYawMemory memory_;
+  MountYawWorkspace workspace_;
 };
 
 }  // namespace dcloc

@@ -18,7 +18,7 @@ using Target = MountYawTarget;
 class Targets {
  public:
   Targets(const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity, int max_count,
-          MountYawMemory& targets)
+          MountYawWorkspace& targets)
       : targets_(targets),
         unambiguous_mps_(radar.unambiguous_range_rate_mps),
         lever_m_(radar.T_vehicle_radar.translation_m.head<2>().norm()) {
@@ -81,7 +81,7 @@ class Targets {
     return UnfoldRangeRate(target.range_rate_mps, predicted_mps, unambiguous_mps_) - predicted_mps;
   }
 
-  MountYawMemory& targets_;
+  MountYawWorkspace& targets_;
   double unambiguous_mps_;
   double lever_m_;
 };
@@ -116,8 +116,8 @@ absl::Status Validate(const MountYawOptions& options) {
 std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel& radar,
                                              const EgoVelocity& velocity, double expected_rad,
                                              double around_rad, const MountYawOptions& options,
-                                             MountYawMemory& memory) {
-  const Targets targets(scan, radar, velocity, options.max_target_count, memory);
+                                             MountYawWorkspace& workspace) {
+  const Targets targets(scan, radar, velocity, options.max_target_count, workspace);
   const auto is_enough = [&](int inlier_count) {
     return inlier_count >= options.min_inlier_count &&
            inlier_count >= options.min_inlier_fraction * static_cast<double>(targets.size());
@@ -143,7 +143,7 @@ std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel&
 }
 
 bool MountYawEstimator::OnScan(Stamp stamp, const Scan& scan, const RadarModel& radar,
-                               const EgoVelocity& velocity, MountYawMemory& memory) {
+                               const EgoVelocity& velocity, MountYawWorkspace& workspace) {
   if (velocity.linear_mps.head<2>().norm() < options_.min_speed_mps ||
       std::abs(velocity.angular_radps.z()) > options_.max_yaw_rate_radps) {
     return false;
@@ -152,9 +152,9 @@ bool MountYawEstimator::OnScan(Stamp stamp, const Scan& scan, const RadarModel& 
   if (since_last < options_.interval && !HasRecentOutliers(stamp)) return false;
   if (since_last > options_.outlier_span) outliers_rad_.clear();
   std::optional<ScalarEstimate> reading =
-      MountYawOfScan(scan, radar, velocity, error_.value, kNear_rad, options_, memory);
+      MountYawOfScan(scan, radar, velocity, error_.value, kNear_rad, options_, workspace);
   if (!reading)
-    reading = MountYawOfScan(scan, radar, velocity, 0.0, kAnywhere_rad, options_, memory);
+    reading = MountYawOfScan(scan, radar, velocity, 0.0, kAnywhere_rad, options_, workspace);
   if (!reading) return false;
   last_ = stamp;
   error_.variance +=

@@ -52,8 +52,8 @@ struct MountYawTarget {
   double azimuth_sigma_rad;
 };
 
-/// Memory of MountYawOfScan.
-using MountYawMemory = std::vector<MountYawTarget>;
+/// What MountYawOfScan needs only while it runs.
+using MountYawWorkspace = std::vector<MountYawTarget>;
 
 /// By how much one radar looks further to the left than its mount says, from its own range rates:
 /// while the vehicle drives straight they show where, to the radar, ahead is (METHOD eq 55).
@@ -73,7 +73,7 @@ class MountYawEstimator {
   /// A scan of `radar`, whose mount is the described one, at `stamp` of a vehicle that moves with
   /// `velocity`, whose yaw rate others than radars say. Returns whether it was a reading.
   bool OnScan(Stamp stamp, const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity,
-              MountYawMemory& memory);
+              MountYawWorkspace& workspace);
 
   /// The angle [rad] and its variance.
   const ScalarEstimate& error() const { return error_; }
@@ -101,6 +101,6 @@ class MountYawEstimator {
 std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel& radar,
                                              const EgoVelocity& velocity, double expected_rad,
                                              double around_rad, const MountYawOptions& options,
-                                             MountYawMemory& memory);
+                                             MountYawWorkspace& workspace);
 
 }  // namespace dcloc

@@ -23,7 +23,7 @@ std::span<const OptionField<OdometryDelayOptions>> FieldsOf(
       {"latest_steps", &O::latest_steps, 1, 50},
       {"smoothing_ms", &O::smoothing, 1, 1000},
       {"interval_ms", &O::interval, 0, 1e4, "all moments are compared"},
-      {"memory_ms", &O::memory, 100, 1e7},
+      {"time_constant_ms", &O::time_constant, 100, 1e7},
       {"min_log_likelihood", &O::min_log_likelihood, 0, 1e9, "the best delay is accepted"},
       {"min_moment_count", &O::min_moment_count, 3, 1'000'000},
       {"min_delay_ms", &O::min_delay, 0, 1e4, "each delay is compensated"},
@@ -114,10 +114,9 @@ void OdometryDelayEstimator::Compare(const Sample& doppler) {
     if (!reported) return;
     reported_then_.push_back(*reported);
   }
-  const double keep =
-      last_compared_
-          ? std::exp(-SecondsOf(doppler.stamp - *last_compared_) / SecondsOf(options_.memory))
-          : 1.0;
+  const double keep = last_compared_ ? std::exp(-SecondsOf(doppler.stamp - *last_compared_) /
+                                                SecondsOf(options_.time_constant))
+                                     : 1.0;
   last_compared_ = doppler.stamp;
   prior_weight_ *= keep;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {

@@ -25,7 +25,7 @@ struct OdometryDelayOptions {
   /// Doppler moments that follow one another sooner share their noise.
   std::chrono::nanoseconds interval = std::chrono::milliseconds(70);
   /// The time constant with which older moments lose weight: one of this age weighs 1 / e.
-  std::chrono::nanoseconds memory = std::chrono::seconds(20);
+  std::chrono::nanoseconds time_constant = std::chrono::seconds(20);
   /// A delay is accepted where its log-likelihood ratio to no delay is at least this. It is given
   /// up below half of it.
   double min_log_likelihood = 25.0;

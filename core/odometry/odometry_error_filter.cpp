@@ -35,7 +35,8 @@ std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
       {"scale_drift", &O::scale_drift, 0, 0.1, "the scale is constant"},
       {"yaw_rate_bias_drift_radps", &O::yaw_rate_bias_drift_radps, 0, 0.1, "the bias is constant"},
       {"sideslip_drift_rad", &O::sideslip_drift_rad, 0, 0.1, "the sideslip is constant"},
-      {"innovation_memory", &O::innovation_memory, 0, 1, "only the newest innovation counts"},
+      {"innovation_forgetting_factor", &O::innovation_forgetting_factor, 0, 1,
+       "only the newest innovation counts"},
       {"max_squared_sigmas", &O::max_squared_sigmas, 1e-6, 1e6},
       {"innovation_prior_count", &O::innovation_prior_count, 1e-6, 1e6},
       {"usual_squared_sigmas", &O::usual_squared_sigmas, 1e-6, 1e6},
@@ -152,7 +153,7 @@ void OdometryErrorFilter::OnScaleChange(const ScalarEstimate& change) {
   SetVariance(kScale, covariance_(kScale, kScale) + Square(scale_) * change.variance);
   scale_ *= 1.0 + change.value;
   squared_sigmas_ = count_ = 0.0;  // the innovations of late were those of the change
-  OnBreak();
+  OnDiscontinuity();
 }
 
 void OdometryErrorFilter::StartAt(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
@@ -203,9 +204,9 @@ double OdometryErrorFilter::InnovationScaleOfLate() const {
 // By how much innovations exceed their covariance, lately or now; `squared_sigmas` is the newest
 // one's, for each degree of freedom (METHOD eq 37).
 double OdometryErrorFilter::InnovationScale(double squared_sigmas) {
-  squared_sigmas_ = options_.innovation_memory * squared_sigmas_ +
+  squared_sigmas_ = options_.innovation_forgetting_factor * squared_sigmas_ +
                     std::min(squared_sigmas, options_.max_squared_sigmas);
-  count_ = options_.innovation_memory * count_ + 1.0;
+  count_ = options_.innovation_forgetting_factor * count_ + 1.0;
   return std::max(InnovationScaleOfLate(), squared_sigmas / options_.usual_squared_sigmas);
 }
 

@@ -7,8 +7,8 @@
 
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
-#include "core/odometry/cusum_detector.h"
 #include "core/odometry/rig_knowledge.h"
+#include "core/odometry/two_sided_cusum.h"
 #include "core/options/option_fields.h"
 
 namespace dcloc {
@@ -33,12 +33,12 @@ struct OdometryErrorFilterOptions {
   double yaw_rate_bias_drift_radps = 2e-5;  ///< to the yaw rate's bias
   double sideslip_drift_rad = 2e-4;         ///< to the side-slip angle
   // The innovation scale is the mean of squared innovations in units of their covariance.
-  double innovation_memory = 0.97;      ///< weight of an older one beside the next, [0, 1)
-  double max_squared_sigmas = 9.0;      ///< the most that one counts
-  double innovation_prior_count = 3.0;  ///< innovations of 1 that the mean begins as
-  double usual_squared_sigmas = 3.0;    ///< a single one beyond this widens its own noise
+  double innovation_forgetting_factor = 0.97;  ///< weight of an older one beside the next, [0, 1)
+  double max_squared_sigmas = 9.0;             ///< the most that one counts
+  double innovation_prior_count = 3.0;         ///< innovations of 1 that the mean begins as
+  double usual_squared_sigmas = 3.0;           ///< a single one beyond this widens its own noise
   /// When the bias is said to have changed at once, and not to have drifted.
-  CusumOptions change;
+  TwoSidedCusumOptions change;
   /// What is further off is no error of a zero, and is not corrected.
   double max_yaw_rate_bias_radps = kMaxKnownYawRateCorrection_radps;
   /// Poses further apart are not compared.
@@ -90,7 +90,7 @@ class OdometryErrorFilter {
   void OnScaleChange(const ScalarEstimate& change);
 
   /// The pose was lost: the next one starts the filter's pose again.
-  void OnBreak() {
+  void OnDiscontinuity() {
     T_map_vehicle_.reset();
     last_pose_.reset();
   }
@@ -127,7 +127,7 @@ class OdometryErrorFilter {
     std::chrono::nanoseconds duration{0};
   };
   std::optional<LastPose> last_pose_;
-  CusumDetector bias_change_;
+  TwoSidedCusum bias_change_;
 };
 
 }  // namespace dcloc

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "absl/status/status.h"
-#include "core/odometry/cusum_detector.h"
 #include "core/odometry/scalar_estimate.h"
+#include "core/odometry/two_sided_cusum.h"
 #include "core/options/option_fields.h"
 #include "core/radar/scan.h"
 
@@ -14,7 +14,7 @@ namespace dcloc {
 
 /// When the wheels' scale is said to have changed at once.
 struct WheelScaleMonitorOptions {
-  CusumOptions change;
+  TwoSidedCusumOptions change;
   /// Speeds are compared by their means over spans of this length.
   std::chrono::nanoseconds span = std::chrono::milliseconds(300);
   /// Readings further apart are of two spans.
@@ -86,7 +86,7 @@ class WheelScaleMonitor {
   double usual_ratio_ = 1.0;
   int usual_count_ = 0;
   double unusual_distance_m_ = 0.0;  // since a span was last as usual
-  CusumDetector change_;
+  TwoSidedCusum change_;
 };
 
 }  // namespace dcloc

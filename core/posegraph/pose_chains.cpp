@@ -18,9 +18,10 @@ void PoseChains<Dim>::Reset(const PoseEstimate<Dim>& prior, const TangentMatrix<
 }
 
 template <int Dim>
-void PoseChains<Dim>::AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise) {
-  accepted_chain_.AddState(odometry, noise);
-  if (alternative_) alternative_->AddState(odometry, noise);
+void PoseChains<Dim>::AddState(const PoseEstimate<Dim>& odometry,
+                               const TangentMatrix<Dim>& noise_covariance) {
+  accepted_chain_.AddState(odometry, noise_covariance);
+  if (alternative_) alternative_->AddState(odometry, noise_covariance);
 }
 
 template <int Dim>
@@ -32,7 +33,7 @@ void PoseChains<Dim>::ChangeFrame(const Pose<Dim>& T_new_old) {
 template <int Dim>
 InnovationTest PoseChains<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor) {
   InnovationTest test = accepted_chain_.AddAbsolutePose(factor);
-  if (test.valid) {
+  if (test.is_accepted) {
     alternative_.reset();
     accepted_chain_.Solve();
     return test;
@@ -40,7 +41,7 @@ InnovationTest PoseChains<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& f
   UpdateAlternative(factor, test.squared_distance);
   if (support_ >= support_needed_) {
     accepted_chain_ = *std::exchange(alternative_, std::nullopt);
-    test.valid = true;
+    test.is_accepted = true;
   }
   return test;
 }
@@ -48,7 +49,7 @@ InnovationTest PoseChains<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& f
 template <int Dim>
 InnovationTest PoseChains<Dim>::AddPosition(const AbsolutePoseFactor<Dim>& factor) {
   const InnovationTest test = accepted_chain_.AddAbsolutePose(factor);
-  if (!test.valid) return test;
+  if (!test.is_accepted) return test;
   alternative_.reset();
   accepted_chain_.Solve();
   return test;
@@ -57,13 +58,13 @@ InnovationTest PoseChains<Dim>::AddPosition(const AbsolutePoseFactor<Dim>& facto
 template <int Dim>
 void PoseChains<Dim>::UpdateAlternative(const AbsolutePoseFactor<Dim>& factor,
                                         double squared_distance) {
-  if (alternative_ && alternative_->AddAbsolutePose(factor).valid) {
+  if (alternative_ && alternative_->AddAbsolutePose(factor).is_accepted) {
     alternative_->Solve();
     ++support_;
     return;
   }
   alternative_.emplace(options_);
-  alternative_->Reset({.pose = factor.pose, .covariance = factor.reused_covariance},
+  alternative_->Reset({.pose = factor.pose, .covariance = factor.weight_covariance},
                       factor.systematic);
   support_ = 1;
   support_needed_ = squared_distance <= options_.near_squared_distance

@@ -24,16 +24,18 @@ class PoseChains {
   void Reset(const PoseEstimate<Dim>& prior,
              const TangentMatrix<Dim>& systematic = TangentMatrix<Dim>::Zero());
   void AddState(const PoseEstimate<Dim>& odometry) { AddState(odometry, odometry.covariance); }
-  void AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise);
+  void AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise_covariance);
   void ChangeFrame(const Pose<Dim>& T_new_old);
   bool empty() const { return accepted_chain_.empty(); }
   PoseEstimate<Dim> Newest() const { return accepted_chain_.Newest(); }
-  TangentMatrix<Dim> NewestNoise() const { return accepted_chain_.NewestNoise(); }
+  TangentMatrix<Dim> NewestNoiseCovariance() const {
+    return accepted_chain_.NewestNoiseCovariance();
+  }
 
   /// Gives the newest state an absolute pose factor, tests it, and solves. The test is that of the
-  /// chain that was accepted before the call. After a takeover `valid` is true, as the new chain
-  /// holds the factor, and `squared_distance` is still to the chain that was replaced: it exceeds
-  /// the gate.
+  /// chain that was accepted before the call. After a takeover `is_accepted` is true, as the new
+  /// chain holds the factor, and `squared_distance` is still to the chain that was replaced: it
+  /// exceeds the gate.
   InnovationTest AddAbsolutePose(const AbsolutePoseFactor<Dim>& factor);
 
   /// The same for a position that is no registration. One that fails the test is left out; it is no

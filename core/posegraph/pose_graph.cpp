@@ -62,18 +62,19 @@ void PoseGraph<Dim>::Reset(const PoseEstimate<Dim>& prior, const TangentMatrix<D
                            .odometry = {},
                            .absolute = {},
                            .covariance = chain_.prior.covariance,
-                           .noise = chain_.prior.covariance,
+                           .noise_covariance = chain_.prior.covariance,
                            .systematic = systematic});
 }
 
 template <int Dim>
-void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise) {
+void PoseGraph<Dim>::AddState(const PoseEstimate<Dim>& odometry,
+                              const TangentMatrix<Dim>& noise_covariance) {
   chain_.states.push_back(
       {.pose = chain_.states.back().pose * odometry.pose, .odometry = odometry});
   chain_.states.back().odometry.covariance.diagonal().array() += kMinVariance;
   chain_.states.back().covariance = NewestPredicted();
-  chain_.states.back().noise =
-      ComposeCovariance<Dim>(chain_.states[size() - 2].noise, odometry.pose, noise);
+  chain_.states.back().noise_covariance = ComposeCovariance<Dim>(
+      chain_.states[size() - 2].noise_covariance, odometry.pose, noise_covariance);
   chain_.states.back().systematic =
       Adjoint(odometry.pose.Inverse()) * chain_.states[size() - 2].systematic;
   if (size() > static_cast<std::size_t>(options_.window)) MarginalizeOldest();
@@ -89,15 +90,16 @@ InnovationTest PoseGraph<Dim>::AddAbsolutePose(const AbsolutePoseFactor<Dim>& fa
   const double limit =
       Dim == 2 ? options_.max_squared_distance_planar : options_.max_squared_distance_spatial;
   // Written so that a distance that is not a number fails.
-  test.valid = !options_.gate_outliers || test.squared_distance <= limit;
-  if (test.valid) {
-    newest.absolute = {.pose = factor.pose, .covariance = factor.reused_covariance};
-    const TangentMatrix<Dim> gain = Gain<Dim>(newest.covariance, factor.reused_covariance);
+  test.is_accepted = !options_.gate_outliers || test.squared_distance <= limit;
+  if (test.is_accepted) {
+    newest.absolute = {.pose = factor.pose, .covariance = factor.weight_covariance};
+    const TangentMatrix<Dim> gain = Gain<Dim>(newest.covariance, factor.weight_covariance);
     const TangentMatrix<Dim> keep = TangentMatrix<Dim>::Identity() - gain;
-    newest.noise = keep * newest.noise * keep.transpose() +
-                   gain * factor.noise.value_or(factor.reused_covariance) * gain.transpose();
+    newest.noise_covariance =
+        keep * newest.noise_covariance * keep.transpose() +
+        gain * factor.noise_covariance.value_or(factor.weight_covariance) * gain.transpose();
     newest.systematic = keep * newest.systematic + gain * factor.systematic;
-    newest.covariance = UpdatedCovariance<Dim>(NewestPredicted(), factor.reused_covariance);
+    newest.covariance = UpdatedCovariance<Dim>(NewestPredicted(), factor.weight_covariance);
   }
   return test;
 }
@@ -114,9 +116,9 @@ PoseEstimate<Dim> PoseGraph<Dim>::Newest() const {
 }
 
 template <int Dim>
-TangentMatrix<Dim> PoseGraph<Dim>::NewestNoise() const {
+TangentMatrix<Dim> PoseGraph<Dim>::NewestNoiseCovariance() const {
   const State& newest = chain_.states.back();
-  return newest.noise + newest.systematic * newest.systematic.transpose();
+  return newest.noise_covariance + newest.systematic * newest.systematic.transpose();
 }
 
 template <int Dim>

@@ -20,9 +20,9 @@ struct AbsolutePoseFactor {
   TangentMatrix<Dim> covariance;  ///< of this registration alone; what the test uses
   /// The weight covariance that the solution uses. It is larger than `covariance`, as neighbouring
   /// registrations share measurements and errors.
-  TangentMatrix<Dim> reused_covariance;
-  /// The noise covariance: by what the registration really varies. Absent: `reused_covariance`.
-  std::optional<TangentMatrix<Dim>> noise;
+  TangentMatrix<Dim> weight_covariance;
+  /// The noise covariance: by what the registration really varies. Absent: `weight_covariance`.
+  std::optional<TangentMatrix<Dim>> noise_covariance;
   /// A square root L of the covariance L L^T of the systematic errors that all factors share, by
   /// what is not known of mounts and clocks: each column is one such error's.
   TangentMatrix<Dim> systematic = TangentMatrix<Dim>::Zero();
@@ -47,7 +47,7 @@ absl::Status Validate(const PoseGraphOptions& options);
 /// What the test of an absolute pose factor gave (METHOD eq 19, on the fused state).
 struct InnovationTest {
   double squared_distance = 0.0;  ///< Mahalanobis, to the predicted state
-  bool valid = false;
+  bool is_accepted = false;
 };
 
 /// The last states of one vehicle in a map frame: odometry edges between neighbours, absolute
@@ -68,7 +68,7 @@ class PoseGraph {
   void AddState(const PoseEstimate<Dim>& odometry) { AddState(odometry, odometry.covariance); }
 
   /// The same with the odometry's noise covariance beside its weight covariance.
-  void AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise);
+  void AddState(const PoseEstimate<Dim>& odometry, const TangentMatrix<Dim>& noise_covariance);
 
   /// Gives the newest state an absolute pose factor and tests it against the fused prediction
   /// (METHOD eq 18-19); one that fails is left out, and odometry alone holds the state.
@@ -82,7 +82,7 @@ class PoseGraph {
 
   /// The newest state's covariance by what the edges vary: the weights' gains K with the noises N,
   /// P = (I - K) P (I - K)^T + K N K^T, and with what lasts, B = (I - K) B + K L: P + B B^T.
-  TangentMatrix<Dim> NewestNoise() const;
+  TangentMatrix<Dim> NewestNoiseCovariance() const;
 
   /// Expresses everything in another map frame.
   void ChangeFrame(const Pose<Dim>& T_new_old);

@@ -18,7 +18,7 @@ struct StateChain {
     /// Of the pose, by all edges up to this state.
     TangentMatrix<Dim> covariance = TangentMatrix<Dim>::Zero();
     /// The same by what the edges vary rather than by what they weigh.
-    TangentMatrix<Dim> noise = TangentMatrix<Dim>::Zero();
+    TangentMatrix<Dim> noise_covariance = TangentMatrix<Dim>::Zero();
     /// What the errors that last make of the pose; times its own transpose their covariance.
     TangentMatrix<Dim> systematic = TangentMatrix<Dim>::Zero();
   };

@@ -8,7 +8,7 @@
 namespace dcloc {
 namespace {
 
-// What every point is given when uncertainty is switched off.
+// What every point is given when covariances of their own are switched off.
 constexpr double kUniformSigma_m = 0.3;
 
 // Spread of the range rate that the ego-motion predicts for a static target: the line of sight's
@@ -99,7 +99,7 @@ void StaticPoints(const Scan& scan, const RadarModel& radar, const EgoVelocity& 
       continue;
     }
     const Eigen::Matrix3d covariance =
-        options.uncertainty
+        options.per_point_covariance
             ? Eigen::Matrix3d(R_vehicle_radar * PointCovariance(measurement, beta_s) *
                               R_vehicle_radar.transpose())
             : Eigen::Matrix3d(kUniformSigma_m * kUniformSigma_m * Eigen::Matrix3d::Identity());

@@ -26,7 +26,7 @@ struct StaticPointsOptions {
   /// Doppler compensation `r - beta v_r` (METHOD eq 6); off only for ablation.
   bool compensate = true;
   /// Per-target covariances (METHOD eq 9-11); off gives every point the same isotropic one.
-  bool uncertainty = true;
+  bool per_point_covariance = true;
   double min_range_m = 1.5;  ///< nearer targets are the vehicle's own body
   double max_range_m = 100.0;
   /// Gate on the innovation of the range rate, its difference from what the ego-motion predicts. A

@@ -16,7 +16,7 @@ struct RegistrationWorkspace {
   std::vector<GaussianPoint<Dim>> shifted_points;  ///< points with which observability is tested
   CorrespondenceFinder<Dim> shifted_finder;
   MapFit<Dim> map_fit;
-  typename LocalMap<Dim>::Memory local_map;
+  typename LocalMap<Dim>::Workspace local_map;
 };
 
 }  // namespace dcloc

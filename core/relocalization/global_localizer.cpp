@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/geometry/covariance.h"
-#include "core/geometry/pose_estimate.h"
+#include "core/geometry/thinning.h"
 
 namespace dcloc {
 namespace {
@@ -250,7 +250,7 @@ void GlobalLocalizer<Dim>::AddExpected(RegistrationWorkspace<Dim>& workspace) {
   if (!expected_) return;
   const ViewFit fit = FitAround(views_.back(), expected_->T_map_vehicle, workspace);
   // What is doubted must be right as it is, and not some metres from there.
-  if (expected_->basis == Basis::kDoubted &&
+  if (expected_->basis == Basis::kSuspect &&
       !IsSamePlace(fit.T_map_vehicle, expected_->T_map_vehicle)) {
     return;
   }

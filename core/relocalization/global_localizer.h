@@ -31,7 +31,7 @@ class GlobalLocalizer {
   /// Why a place is expected.
   enum class Basis {
     kPrior,   ///< it stands unless another is clearly better
-    kDoubted  ///< it must be as good as any other
+    kSuspect  ///< it must be as good as any other
   };
   /// Where the vehicle is by a prior or by a doubted pose.
   struct ExpectedPlace {

@@ -18,13 +18,13 @@ absl::Status Validate(const InitialPose& initial_pose) {
         "initial_pose.covariance must be finite, symmetric and positive semidefinite");
   }
   // Beyond, sums of squares would lose what is small beside them.
-  constexpr double kMaxTranslation_m = 1e10;
+  constexpr double kMaxPriorTranslation_m = 1e10;
   constexpr double kMaxVariance = 1e16;
-  if (pose.translation_m.norm() > kMaxTranslation_m) {
+  if (pose.translation_m.norm() > kMaxPriorTranslation_m) {
     return absl::InvalidArgumentError(
         absl::StrFormat("initial_pose.T_map_vehicle lies %g m from the map's origin; the limit is "
                         "%g m",
-                        pose.translation_m.norm(), kMaxTranslation_m));
+                        pose.translation_m.norm(), kMaxPriorTranslation_m));
   }
   if (initial_pose.covariance.diagonal().maxCoeff() > kMaxVariance) {
     return absl::InvalidArgumentError(

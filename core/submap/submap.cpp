@@ -36,10 +36,10 @@ struct Carried {
 
   // The covariance's part in x and y, or all of it.
   template <int Dim>
-  Eigen::Matrix<double, Dim, Dim> Covariance(const RadarPoint& point, bool carry_drift) const {
+  Eigen::Matrix<double, Dim, Dim> Covariance(const RadarPoint& point, DriftCovariance with) const {
     const Eigen::Matrix<double, Dim, 3> R = R_newest_then.topRows<Dim>();
     Eigen::Matrix<double, Dim, Dim> own = R * point.covariance_m2 * R.transpose();
-    if (!carry_drift) return own;
+    if (with == DriftCovariance::kLeftOut) return own;
     // p = T Exp(xi) p_then: G = R [I, -[p_then]x] = [I, -[R p_then]x] diag(R, R).
     const Eigen::Matrix<double, Dim, 3> arm =
         -Skew(R_newest_then * point.position_m).topRows<Dim>();
@@ -158,14 +158,14 @@ void SubmapWindow::ForEachScan(const Visit& visit) const {
   }
 }
 
-Submap SubmapWindow::Join(bool carry_drift) const {
+Submap SubmapWindow::Join(DriftCovariance drift) const {
   Submap submap{.points = {}, .scan_count = scan_count(), .span = span()};
   submap.points.reserve(point_count());
   ForEachScan([&](const Entry& entry, const Pose3&, const Carried& carried) {
     for (const KeptPoint& kept : entry.points) {
       const RadarPoint point = kept.Unpack();
       submap.points.push_back({.position_m = carried.Position(point),
-                               .covariance_m2 = carried.Covariance<3>(point, carry_drift),
+                               .covariance_m2 = carried.Covariance<3>(point, drift),
                                .rcs_dbsm = point.rcs_dbsm,
                                .slant_per_m = carried.Slant(point)});
     }
@@ -174,7 +174,8 @@ Submap SubmapWindow::Join(bool carry_drift) const {
 }
 
 template <int Dim>
-void SubmapWindow::Join(bool carry_drift, std::size_t max_count, LiveSubmap<Dim>& submap) const {
+void SubmapWindow::Join(DriftCovariance drift, std::size_t max_count,
+                        LiveSubmap<Dim>& submap) const {
   const std::size_t stride = std::max<std::size_t>(1, (point_count() + max_count - 1) / max_count);
   submap.points.clear();
   submap.parts.clear();
@@ -185,7 +186,7 @@ void SubmapWindow::Join(bool carry_drift, std::size_t max_count, LiveSubmap<Dim>
       if (number++ % stride != 0) continue;
       const RadarPoint point = kept.Unpack();
       submap.points.push_back({.mean_m = carried.Position(point).head<Dim>(),
-                               .covariance_m2 = carried.Covariance<Dim>(point, carry_drift)});
+                               .covariance_m2 = carried.Covariance<Dim>(point, drift)});
       if constexpr (Dim == 2) submap.points.back().slant_per_m = carried.Slant(point);
     }
     submap.parts.push_back({entry.radar_index, T_newest_then, begin, submap.points.size()});

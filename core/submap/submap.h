@@ -45,6 +45,9 @@ struct SubmapOptions {
 std::span<const OptionField<SubmapOptions>> FieldsOf(const SubmapOptions& options);
 absl::Status Validate(const SubmapOptions& options);
 
+/// Whether what the vehicle's motion since a point's scan adds to its covariance is added.
+enum class DriftCovariance { kLeftOut, kAdded };
+
 /// Keeps the last `scans_per_radar` scans of each radar of a rig and joins them on demand.
 class SubmapWindow {
  public:
@@ -60,14 +63,14 @@ class SubmapWindow {
   /// oldest scan, or all that are kept of its radar, is dropped. Returns whether it is kept.
   bool Insert(Stamp stamp, int radar_index, const std::vector<RadarPoint>& points);
 
-  /// All kept points in the vehicle frame at the newest scan. With `carry_drift`, G S G^T is added
-  /// to each point's covariance for the motion since its scan (METHOD 3).
-  Submap Join(bool carry_drift) const;
+  /// All kept points in the vehicle frame at the newest scan. Where `drift` is added, G S G^T is
+  /// added to each point's covariance for the motion since its scan (METHOD 3).
+  Submap Join(DriftCovariance drift) const;
 
   /// The same for registration, into `submap`, whose former contents are replaced; its memory is
   /// reused. If there are more than `max_count` >= 1 points, every n-th is taken.
   template <int Dim>
-  void Join(bool carry_drift, std::size_t max_count, LiveSubmap<Dim>& submap) const;
+  void Join(DriftCovariance drift, std::size_t max_count, LiveSubmap<Dim>& submap) const;
 
   /// Drops the points of all scans of a radar: they lie elsewhere than was thought.
   void DropPoints(int radar_index);

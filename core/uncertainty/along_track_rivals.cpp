@@ -31,26 +31,26 @@ absl::Status Validate(const AlongTrackRivalOptions& options) {
 AlongTrackRivals::AlongTrackRivals(const AlongTrackRivalOptions& options) : options_(options) {
   for (double offset_m = options.min_offset_m; offset_m <= options.max_offset_m;
        offset_m += options.step_m) {
-    places_.push_back({.offset_m = offset_m});
-    places_.push_back({.offset_m = -offset_m});
+    hypotheses_.push_back({.offset_m = offset_m});
+    hypotheses_.push_back({.offset_m = -offset_m});
   }
-  chosen_.reserve(places_.size());
-  chosen_offsets_m_.reserve(1 + places_.size());
+  chosen_.reserve(hypotheses_.size());
+  chosen_offsets_m_.reserve(1 + hypotheses_.size());
 }
 
 std::span<const double> AlongTrackRivals::NextOffsets_m() {
   chosen_.clear();
   chosen_offsets_m_.clear();
-  if (places_.empty()) return {};
+  if (hypotheses_.empty()) return {};
   chosen_offsets_m_.push_back(0.0);
   const std::size_t count = CountToChoose();
-  for (std::size_t i = 0; i < places_.size() && chosen_.size() < count / 2; ++i) {
-    const std::size_t index = (turn_ + i) % places_.size();
-    if (places_[index].better.sum() > 0.0) Choose(index);
+  for (std::size_t i = 0; i < hypotheses_.size() && chosen_.size() < count / 2; ++i) {
+    const std::size_t index = (turn_ + i) % hypotheses_.size();
+    if (hypotheses_[index].better.sum() > 0.0) Choose(index);
   }
   while (chosen_.size() < count) {
     if (std::ranges::find(chosen_, turn_) == chosen_.end()) Choose(turn_);
-    turn_ = (turn_ + 1) % places_.size();
+    turn_ = (turn_ + 1) % hypotheses_.size();
     if (turn_ == 0 && round_count_ < options_.beginning_rounds) ++round_count_;
   }
   return chosen_offsets_m_;
@@ -59,29 +59,30 @@ std::span<const double> AlongTrackRivals::NextOffsets_m() {
 std::size_t AlongTrackRivals::CountToChoose() const {
   const bool begins = round_count_ < options_.beginning_rounds;
   const int count = options_.places_per_scan * (begins ? options_.beginning_factor : 1);
-  return std::min(static_cast<std::size_t>(count), places_.size());
+  return std::min(static_cast<std::size_t>(count), hypotheses_.size());
 }
 
 void AlongTrackRivals::Choose(std::size_t index) {
   chosen_.push_back(index);
-  chosen_offsets_m_.push_back(places_[index].offset_m);
+  chosen_offsets_m_.push_back(hypotheses_[index].offset_m);
 }
 
 // METHOD eq 60.
 void AlongTrackRivals::OnFits(std::size_t point_count, std::span<const double> fits) {
   const double sigma = options_.point_sigma / std::sqrt(static_cast<double>(point_count));
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
-    places_[chosen_[i]].better.Add((fits[i + 1] - fits[0]) / sigma, options_.better);
+    hypotheses_[chosen_[i]].better.Add((fits[i + 1] - fits[0]) / sigma, options_.better);
   }
 }
 
 bool AlongTrackRivals::has_better() const {
-  return std::ranges::any_of(places_,
-                             [](const Place& place) { return place.better.is_exceeded(); });
+  return std::ranges::any_of(hypotheses_, [](const OffsetHypothesis& hypothesis) {
+    return hypothesis.better.is_exceeded();
+  });
 }
 
 void AlongTrackRivals::Reset() {
-  for (Place& place : places_) place.better = {};
+  for (OffsetHypothesis& hypothesis : hypotheses_) hypothesis.better = {};
   round_count_ = 0;
 }
 

@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "core/options/option_fields.h"
-#include "core/uncertainty/cumulative_sum.h"
+#include "core/uncertainty/one_sided_cusum.h"
 
 namespace dcloc {
 
@@ -21,7 +21,7 @@ struct AlongTrackRivalOptions {
   /// Standard deviation of what one point adds to the difference of two fits.
   double point_sigma = 0.35;
   /// When a rival fits better for sure.
-  CumulativeSumOptions better = {.drift = 1.0, .max = 3.5, .limit = 8.0};
+  OneSidedCusumOptions better = {.drift = 1.0, .max = 3.5, .limit = 8.0};
   int places_per_scan = 12;  ///< places that one scan is compared at
   int max_point_count = 50;  ///< of a scan's points, for as many are laid at each place
   /// A pose that begins is compared at this many times as many places, until each has had its turn
@@ -62,19 +62,19 @@ class AlongTrackRivals {
   void Reset();
 
  private:
-  struct Place {
+  struct OffsetHypothesis {
     double offset_m = 0.0;
-    CumulativeSum better;
+    OneSidedCusum better;
   };
 
   std::size_t CountToChoose() const;
   void Choose(std::size_t index);
 
   AlongTrackRivalOptions options_;
-  std::vector<Place> places_;
-  std::size_t turn_ = 0;             // the place whose turn is next
-  int round_count_ = 0;              // turns that each place has had since the beginning
-  std::vector<std::size_t> chosen_;  // of the places, for the next scan
+  std::vector<OffsetHypothesis> hypotheses_;
+  std::size_t turn_ = 0;             // the hypothesis whose turn is next
+  int round_count_ = 0;              // turns that each has had since the beginning
+  std::vector<std::size_t> chosen_;  // of the hypotheses, for the next scan
   std::vector<double> chosen_offsets_m_;
 };
 

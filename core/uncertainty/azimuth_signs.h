@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "core/options/option_fields.h"
-#include "core/uncertainty/cumulative_sum.h"
+#include "core/uncertainty/one_sided_cusum.h"
 
 namespace dcloc {
 
@@ -18,7 +18,7 @@ struct AzimuthSignOptions {
   /// Standard deviation of what one point adds to the difference of two fits.
   double point_sigma = 0.35;
   /// When scans fit with the other sign for sure.
-  CumulativeSumOptions other_fits = {.drift = 1.0, .max = 4.0, .limit = 8.0};
+  OneSidedCusumOptions other_fits = {.drift = 1.0, .max = 4.0, .limit = 8.0};
   // A pose that is wrong may make the mirror image fit better, and one that is turned round does
   // between walls. So both are laid at other poses, too.
   double rival_step_m = 0.5;  ///< distance between neighbouring poses that are compared
@@ -55,7 +55,7 @@ class AzimuthSigns {
  private:
   struct Radar {
     bool is_mirrored = false;
-    CumulativeSum other_fits;
+    OneSidedCusum other_fits;
   };
   AzimuthSignOptions options_;
   std::vector<Radar> radars_;

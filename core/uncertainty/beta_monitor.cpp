@@ -22,7 +22,7 @@ double Squared(double value) { return value * value; }
 std::span<const OptionField<BetaMonitorOptions>> FieldsOf(const BetaMonitorOptions& /*options*/) {
   using O = BetaMonitorOptions;
   static constexpr OptionField<O> kFields[] = {
-      {"memory", &O::memory, 0, 1, "only the newest registration counts"},
+      {"forgetting_factor", &O::forgetting_factor, 0, 1, "only the newest registration counts"},
       {"reuse", &O::reuse, 1e-6, 1e6},
       {"min_range_m", &O::min_range_m, 0, 1000, "all points count"},
       {"huber_sigmas", &O::huber_sigmas, 1e-6, 1000},
@@ -121,10 +121,10 @@ void BetaMonitor<Dim>::Radar::TakeNormal(const BetaMonitorOptions& options) {
     const Eigen::LDLT<TangentMatrix<Dim>> solver(n.pose);
     const double misfit = n.squared_residuals / (Dim * static_cast<double>(n.count));
     const double worth = 1.0 / (options.reuse * std::max(1.0, misfit));
-    information = options.memory * information +
+    information = options.forgetting_factor * information +
                   worth * (n.errors - n.cross.transpose() * solver.solve(n.cross));
-    pull =
-        options.memory * pull + worth * (n.pull - n.cross.transpose() * solver.solve(n.pose_pull));
+    pull = options.forgetting_factor * pull +
+           worth * (n.pull - n.cross.transpose() * solver.solve(n.pose_pull));
   }
   normal = {};
 }

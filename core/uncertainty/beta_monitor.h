@@ -27,7 +27,7 @@ struct BetaCheck {
 
 /// Which inliers the monitor uses, and when it reports a wrong beta.
 struct BetaMonitorOptions {
-  double memory = 0.98;       ///< weight kept of older registrations: about fifty count
+  double forgetting_factor = 0.98;  ///< weight kept of older registrations: about fifty count
   double reuse = 4.0;         ///< registrations that see the same landmarks, so not independent
   double min_range_m = 15.0;  ///< nearer by, heights of scatterers look like beta
   double huber_sigmas = 1.5;

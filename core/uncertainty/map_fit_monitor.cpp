@@ -11,7 +11,7 @@ std::span<const OptionField<MapFitOptions>> FieldsOf(const MapFitOptions& /*opti
       {"min_point_count", &O::min_point_count, 1, 100'000},
       {"max_point_count", &O::max_point_count, 10, 100'000},
       {"min_scan_count", &O::min_scan_count, 2, 100'000},
-      {"memory", &O::memory, 0, 1, "the newest scan alone counts"},
+      {"forgetting_factor", &O::forgetting_factor, 0, 1, "the newest scan alone counts"},
       {"contradiction_sigmas", &O::contradiction_sigmas, 0, 1e6, "the share alone decides"},
       {"contradiction_share", &O::contradiction_share, 0, 1, "the deviations alone decide"},
       {"min_sigma", &O::min_sigma, 1e-6, 1},
@@ -57,7 +57,7 @@ void MapFitMonitor::Learn(std::size_t radar_index, std::size_t point_count, doub
   Expected& expected = radars_[radar_index];
   ++expected.count;
   // At first the mean of all.
-  const double share = std::max(1.0 - options_.memory, 1.0 / expected.count);
+  const double share = std::max(1.0 - options_.forgetting_factor, 1.0 / expected.count);
   const double apart = fit - expected.mean;
   expected.mean += share * apart;
   expected.variance = (1.0 - share) * (expected.variance + share * apart * apart);

@@ -6,22 +6,22 @@
 
 #include "absl/status/status.h"
 #include "core/options/option_fields.h"
-#include "core/uncertainty/cumulative_sum.h"
+#include "core/uncertainty/one_sided_cusum.h"
 
 namespace dcloc {
 
 /// When a scan's fit is compared, and when it is too little.
 struct MapFitOptions {
-  int min_point_count = 12;   ///< of a scan; fewer say nothing
-  int max_point_count = 150;  ///< of a scan, more are thinned
-  int min_scan_count = 12;    ///< of a radar before anything is expected of it
-  double memory = 0.98;       ///< of older scans, some fifty
+  int min_point_count = 12;         ///< of a scan; fewer say nothing
+  int max_point_count = 150;        ///< of a scan, more are thinned
+  int min_scan_count = 12;          ///< of a radar before anything is expected of it
+  double forgetting_factor = 0.98;  ///< of older scans, some fifty
   // A fit contradicts the map if it lies below the expected one by both of these.
   double contradiction_sigmas = 3.5;  ///< in standard deviations of fits
   double contradiction_share = 0.4;   ///< as a share of the expected fit, [0, 1]
   double min_sigma = 0.04;            ///< fits vary by no less
   /// When scans have fitted less than expected for too long, each by a little.
-  CumulativeSumOptions decline;
+  OneSidedCusumOptions decline;
   /// A prediction that is less certain is tested as if it were as certain as this.
   double max_prediction_sigma_m = 0.5;
 };
@@ -69,7 +69,7 @@ class MapFitMonitor {
 
   MapFitOptions options_;
   std::vector<Expected> radars_;
-  CumulativeSum decline_;
+  OneSidedCusum decline_;
 };
 
 }  // namespace dcloc

@@ -10,8 +10,8 @@ namespace {
 
 // What is kept of the pairs before, of which there were so many. The memory is the newest third of
 // them: the first ones are of odometry whose constant errors were not known yet.
-double Kept(double pair_count, double max_memory) {
-  return std::min(max_memory, 1.0 - 2.0 / (pair_count + 3.0));
+double Kept(double pair_count, double max_forgetting_factor) {
+  return std::min(max_forgetting_factor, 1.0 - 2.0 / (pair_count + 3.0));
 }
 
 template <int Dim>
@@ -32,7 +32,7 @@ std::span<const OptionField<NoiseScaleOptions>> FieldsOf(const NoiseScaleOptions
       {"prior_registration_ratio", &O::prior_registration_ratio, 1e-9, 1e6},
       {"prior_count", &O::prior_count, 0, 1e6, "the first pairs decide alone"},
       {"max_squared_sigmas", &O::max_squared_sigmas, 1e-6, 1e6},
-      {"max_memory", &O::max_memory, 0, 1, "only the newest pair counts"},
+      {"max_forgetting_factor", &O::max_forgetting_factor, 0, 1, "only the newest pair counts"},
       {"weight_caution", &O::weight_caution, 1e-6, 1e6},
       {"min_weight_ratio", &O::min_weight_ratio, 1e-9, 1},
   };
@@ -93,7 +93,7 @@ void NoiseScaleEstimator<Dim>::Part::Add(const NoiseScaleOptions& options, Pairs
                                          double squared_error, double known, double registrations,
                                          double odometry) const {
   const double expected = known + registration_ratio * registrations + odometry_ratio * odometry;
-  const double kept = Kept(pairs.number, options.max_memory);
+  const double kept = Kept(pairs.number, options.max_forgetting_factor);
   pairs.number += 1.0;
   pairs.error =
       kept * pairs.error + std::min(squared_error, options.max_squared_sigmas * expected) - known;

@@ -22,8 +22,8 @@ struct NoiseScaleOptions {
   /// Upper bound of a pair's squared error, in units of its expectation: a wrong registration
   /// changes neither ratio.
   double max_squared_sigmas = 9.0;
-  double max_memory =
-      0.98;  ///< weight that older pairs keep: about fifty count, at first the newest third
+  /// Weight that older pairs keep: about fifty count, at first the newest third.
+  double max_forgetting_factor = 0.98;
   /// Odometry is weighted by its learned variance times `weight_caution`, but by at least
   /// `min_weight_ratio` of its model's variance.
   double weight_caution = 2.0;
@@ -53,7 +53,7 @@ class NoiseScaleEstimator {
 
   /// The pose was lost or odometry interrupted: later registrations are not compared with earlier
   /// ones.
-  void OnBreak() { anchor_count_ = 0; }
+  void OnDiscontinuity() { anchor_count_ = 0; }
 
   /// What was learned so far.
   NoiseKnowledge knowledge() const { return {translation_, rotation_}; }

@@ -11,7 +11,7 @@ std::span<const OptionField<ProtectionLevelOptions>> FieldsOf(
   static constexpr OptionField<O> kFields[] = {
       {"sigmas", &O::sigmas, 1, 100},
       {"floor_m", &O::floor_m, 0, 100, "the covariance is all that is unknown"},
-      {"memory", &O::memory, 0, 0.999, "the newest innovation counts alone"},
+      {"forgetting_factor", &O::forgetting_factor, 0, 0.999, "the newest innovation counts alone"},
       {"max_squared_sigmas", &O::max_squared_sigmas, 1, 1e6},
   };
   return kFields;
@@ -22,18 +22,19 @@ absl::Status Validate(const ProtectionLevelOptions& options) {
 }
 
 void ProtectionLevel::OnInnovation(double squared_distance_per_dof,
-                                   const Eigen::Vector2d& apart_m) {
+                                   const Eigen::Vector2d& residual_m) {
   const double counted = std::min(squared_distance_per_dof, options_.max_squared_sigmas);
-  squared_innovation_ = options_.memory * squared_innovation_ + (1.0 - options_.memory) * counted;
-  apart_m_ = options_.memory * apart_m_ + (1.0 - options_.memory) * apart_m;
+  mean_nis_ = options_.forgetting_factor * mean_nis_ + (1.0 - options_.forgetting_factor) * counted;
+  mean_residual_m_ = options_.forgetting_factor * mean_residual_m_ +
+                     (1.0 - options_.forgetting_factor) * residual_m;
 }
 
 double ProtectionLevel::Of(const Matrix6d& covariance, double bias_m) const {
   const double xx = covariance(0, 0);
   const double yy = covariance(1, 1);
   const double greatest_variance_m2 = 0.5 * (xx + yy + std::hypot(xx - yy, 2.0 * covariance(0, 1)));
-  return options_.floor_m + bias_m + apart_m_.norm() +
-         options_.sigmas * std::sqrt(greatest_variance_m2 * std::max(1.0, squared_innovation_));
+  return options_.floor_m + bias_m + mean_residual_m_.norm() +
+         options_.sigmas * std::sqrt(greatest_variance_m2 * std::max(1.0, mean_nis_));
 }
 
 }  // namespace dcloc

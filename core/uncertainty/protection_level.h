@@ -17,7 +17,7 @@ struct ProtectionLevelOptions {
   /// What the map and its frame err by, which no covariance contains.
   double floor_m = 0.15;
   /// How far back innovations count: the weight of an older one beside the next.
-  double memory = 0.9;
+  double forgetting_factor = 0.9;
   double max_squared_sigmas = 100.0;  ///< the most that one innovation counts for
 };
 std::span<const OptionField<ProtectionLevelOptions>> FieldsOf(
@@ -31,16 +31,14 @@ class ProtectionLevel {
   explicit ProtectionLevel(const ProtectionLevelOptions& options) : options_(options) {}
 
   /// A registration differed so from its prediction: squared Mahalanobis distance per degree of
-  /// freedom. It lies `apart_m` from the estimate that it has become a part of, in the vehicle's xy
-  /// plane.
-  void OnInnovation(double squared_distance_per_dof, const Eigen::Vector2d& apart_m);
+  /// freedom. It lies `residual_m` from the estimate that it has become a part of, in the
+  /// vehicle's xy plane.
+  void OnInnovation(double squared_distance_per_dof, const Eigen::Vector2d& residual_m);
 
   /// How large innovations have been: the mean of what `OnInnovation` took.
-  double squared_innovation() const { return squared_innovation_; }
+  double mean_nis() const { return mean_nis_; }
   /// An earlier localizer of the same vehicle found this mean, >= 0.
-  void Restore(double squared_innovation) {
-    squared_innovation_ = std::min(squared_innovation, options_.max_squared_sigmas);
-  }
+  void Restore(double mean_nis) { mean_nis_ = std::min(mean_nis, options_.max_squared_sigmas); }
 
   /// Of a pose of this covariance (x and y first) [m], which is off by up to `bias_m` beyond what
   /// the covariance says.
@@ -48,8 +46,8 @@ class ProtectionLevel {
 
  private:
   ProtectionLevelOptions options_;
-  double squared_innovation_ = 1.0;                    // mean
-  Eigen::Vector2d apart_m_ = Eigen::Vector2d::Zero();  // mean
+  double mean_nis_ = 1.0;  // per degree of freedom
+  Eigen::Vector2d mean_residual_m_ = Eigen::Vector2d::Zero();
 };
 
 }  // namespace dcloc

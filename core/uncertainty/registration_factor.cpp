@@ -83,8 +83,8 @@ AbsolutePoseFactor<Dim> RegistrationFactor(const Registration<Dim>& registration
       options.landmark_share * SharingCount(TimeInView(timing.speed_mps, options), timing);
   return {.pose = registration.T_local_vehicle,
           .covariance = own + shared,
-          .reused_covariance = by_scans * own + SharingCount(options.shared_time, timing) * shared,
-          .noise = (by_scans + by_view) * noise + degeneracy,
+          .weight_covariance = by_scans * own + SharingCount(options.shared_time, timing) * shared,
+          .noise_covariance = (by_scans + by_view) * noise + degeneracy,
           .systematic = SquareRoot<Dim>(systematic)};
 }
 

@@ -7,15 +7,15 @@
 
 namespace dcloc {
 
-std::vector<CenterMatch> MatchCenters(std::span<const PlaceEstimate> landmarks,
-                                      std::span<const PlaceEstimate> centers,
+std::vector<CenterMatch> MatchCenters(std::span<const LandmarkPosition> landmarks,
+                                      std::span<const LandmarkPosition> centers,
                                       const CenterMatchingOptions& options) {
   PointGrid grid(1.0);
-  for (const PlaceEstimate& center : centers) grid.Insert(center.position_m);
+  for (const LandmarkPosition& center : centers) grid.Insert(center.position_m);
   const Eigen::Matrix2d pose = options.pose_m * options.pose_m * Eigen::Matrix2d::Identity();
   std::vector<CenterMatch> matches;
   matches.reserve(landmarks.size());
-  for (const PlaceEstimate& landmark : landmarks) {
+  for (const LandmarkPosition& landmark : landmarks) {
     CenterMatch best;
     double best_cost = std::numeric_limits<double>::infinity();
     grid.ForEachNear(landmark.position_m, Eigen::Vector2d::Constant(options.max_m),

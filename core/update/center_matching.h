@@ -8,14 +8,14 @@
 
 namespace dcloc {
 
-/// A place in the plane, and where a further return of what is there may lie.
-struct PlaceEstimate {
+/// Where a landmark lies in the plane, and where a further return of it may lie.
+struct LandmarkPosition {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();
 };
 
 struct CenterMatchingOptions {
-  double gate = 9.2;    ///< squared Mahalanobis distance: 99 % of two places of one scatterer
+  double gate = 9.2;    ///< squared Mahalanobis distance: 99 % of two positions of one scatterer
   double max_m = 0.8;   ///< however uncertain both are
   double pose_m = 0.1;  ///< deviation by the pose of a pass, which all its centers share
 };
@@ -26,13 +26,13 @@ struct CenterMatch {
   std::uint32_t center = kNoCenter;
   /// How much likelier the center lies here if it is of the landmark than if it lies anywhere
   /// within the gate (equation 62).
-  double place_ratio = 1.0;
+  double position_ratio = 1.0;
 };
 
 /// Of each landmark the center that is most likely the same scatterer, or `kNoCenter`. Landmarks
 /// that lie close together may have one center: a radar does not tell them apart in each pass.
-std::vector<CenterMatch> MatchCenters(std::span<const PlaceEstimate> landmarks,
-                                      std::span<const PlaceEstimate> centers,
+std::vector<CenterMatch> MatchCenters(std::span<const LandmarkPosition> landmarks,
+                                      std::span<const LandmarkPosition> centers,
                                       const CenterMatchingOptions& options = {});
 
 }  // namespace dcloc

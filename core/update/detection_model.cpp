@@ -42,8 +42,8 @@ DetectionModel::DetectionModel(std::span<const PassSightings> passes,
 
 double DetectionModel::Sum(std::size_t pass, const Exposure& exposure) const {
   double sum = 0.0;
-  for (std::size_t view = 0; view < kViewCount; ++view) {
-    if (exposure[view] > 0) sum += rates_[pass][view] * exposure[view];
+  for (std::size_t bin = 0; bin < kExposureBinCount; ++bin) {
+    if (exposure[bin] > 0) sum += rates_[pass][bin] * exposure[bin];
   }
   return sum;
 }
@@ -59,16 +59,16 @@ void DetectionModel::LearnRates(std::size_t pass, std::span<const double> presen
     const double expected = ExpectedHits(pass, i);
     if (expected <= 0.0) continue;
     const double per_expected = presence[i] * sightings.hits[i] / expected;
-    for (std::size_t view = 0; view < kViewCount; ++view) {
-      const double look = strength_[i] * sightings.exposures[i][view];
+    for (std::size_t bin = 0; bin < kExposureBinCount; ++bin) {
+      const double look = strength_[i] * sightings.exposures[i][bin];
       if (look == 0.0) continue;
-      hits[view] += per_expected * rates_[pass][view] * look;
-      looks[view] += presence[i] * look;
+      hits[bin] += per_expected * rates_[pass][bin] * look;
+      looks[bin] += presence[i] * look;
     }
   }
-  for (std::size_t view = 0; view < kViewCount; ++view) {
-    rates_[pass][view] =
-        (hits[view] + kPriorHits * 0.1) / (looks[view] + kPriorHits * 0.1 / mean_rate);
+  for (std::size_t bin = 0; bin < kExposureBinCount; ++bin) {
+    rates_[pass][bin] =
+        (hits[bin] + kPriorHits * 0.1) / (looks[bin] + kPriorHits * 0.1 / mean_rate);
   }
 }
 

@@ -39,7 +39,7 @@ class DetectionModel {
   }
 
  private:
-  using Rates = std::array<double, kViewCount>;
+  using Rates = std::array<double, kExposureBinCount>;
   double Sum(std::size_t pass, const Exposure& exposure) const;
   void LearnRates(std::size_t pass, std::span<const double> presence);
   void LearnStrengths(std::span<const double> presence);

@@ -15,10 +15,10 @@ namespace dcloc {
 /// same bearing.
 inline constexpr std::size_t kRangeBinCount = 9;
 inline constexpr std::size_t kBearingBinCount = 6;  ///< of 15 degrees, to either side
-inline constexpr std::size_t kViewCount = kRangeBinCount * kBearingBinCount * 2;
+inline constexpr std::size_t kExposureBinCount = kRangeBinCount * kBearingBinCount * 2;
 
 /// Of one place in one pass: the scans that looked at it so.
-using Exposure = std::array<std::uint16_t, kViewCount>;
+using Exposure = std::array<std::uint16_t, kExposureBinCount>;
 
 /// The exposures of `places_m`, relative to `origin_m` of the map, by the scans of `pass` that
 /// count.

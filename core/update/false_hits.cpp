@@ -12,18 +12,18 @@ constexpr double kTurn_rad = 2.4;         // golden angle: decoys lie to all sid
 
 }  // namespace
 
-void FalseHits::Add(std::span<const PlaceEstimate> places, std::span<const Landmark> seen,
+void FalseHits::Add(std::span<const LandmarkPosition> positions, std::span<const Landmark> seen,
                     const CenterMatchingOptions& options) {
-  const std::vector<PlaceEstimate> centers = PlacesOf(seen);
-  const std::vector<CenterMatch> place_of = MatchCenters(centers, places, options);
-  std::vector<PlaceEstimate> free;
+  const std::vector<LandmarkPosition> centers = PositionsOf(seen);
+  const std::vector<CenterMatch> position_of = MatchCenters(centers, positions, options);
+  std::vector<LandmarkPosition> free;
   std::vector<std::uint32_t> scans;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (place_of[i].center != kNoCenter) continue;
+    if (position_of[i].center != kNoCenter) continue;
     free.push_back(centers[i]);
     scans.push_back(seen[i].scan_count);
   }
-  std::vector<PlaceEstimate> decoys(places.begin(), places.end());
+  std::vector<LandmarkPosition> decoys(positions.begin(), positions.end());
   for (std::size_t i = 0; i < decoys.size(); ++i) {
     const double angle_rad = kTurn_rad * static_cast<double>(i);
     decoys[i].position_m +=

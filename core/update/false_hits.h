@@ -16,8 +16,8 @@ class FalseHits {
   double share = 0.05;  ///< of decoys that a pass sees
   double mean = 3.0;    ///< scans of those
 
-  /// A pass that saw `seen`, where landmarks and others are at `places`.
-  void Add(std::span<const PlaceEstimate> places, std::span<const Landmark> seen,
+  /// A pass that saw `seen`, where landmarks and others are at `positions`.
+  void Add(std::span<const LandmarkPosition> positions, std::span<const Landmark> seen,
            const CenterMatchingOptions& options);
 
   /// Sets `share` and `mean`.

@@ -21,8 +21,8 @@ Landmark Blend(const PlacedLandmark& base, const Landmark& fused);
 /// The landmarks of `base`, where one of `fused` is the same scatterer blended with it, and those
 /// of `fused` that it has not: what all passes together make of the map. Only the places; `fused`
 /// are relative to the map's local origin.
-std::vector<PlaceEstimate> BlendedPlaces(std::span<const PlacedLandmark> base,
-                                         std::span<const Landmark> fused,
-                                         const CenterMatchingOptions& options);
+std::vector<LandmarkPosition> BlendedPositions(std::span<const PlacedLandmark> base,
+                                               std::span<const Landmark> fused,
+                                               const CenterMatchingOptions& options);
 
 }  // namespace dcloc

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "absl/status/status.h"
+#include "core/map/keyframe_index.h"
 #include "core/map/landmark_points.h"
 #include "core/update/detection_model.h"
 #include "core/update/exposure.h"
@@ -19,8 +20,6 @@
 
 namespace dcloc {
 namespace {
-
-constexpr double kMaxKeyframeDistance_m = 120.0;
 
 double Days(Stamp from, Stamp to) {
   return std::chrono::duration<double, std::ratio<86400>>(to - from).count();
@@ -35,19 +34,19 @@ std::optional<Stamp> FirstGood(const PlacedPass& pass) {
 
 /// The landmarks of a map in its local frame.
 struct BaseLandmarks {
-  explicit BaseLandmarks(const MapParts& map) {
+  explicit BaseLandmarks(const EditableMap& map) {
     landmarks = LandmarksOf(map);
     for (const PlacedLandmark& landmark : landmarks) {
-      places.push_back(landmark.place);
+      positions.push_back(landmark.position);
       scans.push_back(landmark.point.scan_count);
     }
-    for (const KeyframePart& keyframe : map.keyframes) {
+    for (const EditableKeyframe& keyframe : map.keyframes) {
       T_local_keyframes.push_back(PoseOf(keyframe.record));
     }
   }
 
   std::vector<PlacedLandmark> landmarks;
-  std::vector<PlaceEstimate> places;
+  std::vector<LandmarkPosition> positions;
   std::vector<int> scans;
   std::vector<Pose3> T_local_keyframes;
 };
@@ -55,7 +54,7 @@ struct BaseLandmarks {
 /// One update: what passes say of all places, known ones first.
 class Updater {
  public:
-  Updater(const MapParts& base_map, std::span<const PlacedPass> passes,
+  Updater(const EditableMap& base_map, std::span<const PlacedPass> passes,
           const MapUpdateOptions& options)
       : base_map_(base_map), options_(options), base_(base_map) {
     for (std::size_t i = 0; i < passes.size(); ++i) {
@@ -77,26 +76,27 @@ class Updater {
     result_.presence = options_.presence;
     result_.presence.false_share = false_hits_.share;
     result_.presence.false_hits = false_hits_.mean;
-    Judge();
+    EstimatePresence();
     ChangeMap();
     return std::move(result_);
   }
 
  private:
-  std::size_t KnownCount() const { return base_.places.size(); }
+  std::size_t KnownCount() const { return base_.positions.size(); }
 
   // What the passes together see: where the base map has nothing, and after it where it has.
   void FindOthers() {
     std::vector<Landmark> seen = FusePasses(passes_, base_map_.Origin_m(), 3);
-    const std::vector<PlaceEstimate> places = PlacesOf(seen);
-    const std::vector<CenterMatch> known = MatchCenters(places, base_.places, options_.matching);
-    places_ = base_.places;
+    const std::vector<LandmarkPosition> positions = PositionsOf(seen);
+    const std::vector<CenterMatch> known =
+        MatchCenters(positions, base_.positions, options_.matching);
+    positions_ = base_.positions;
     for (const bool is_known : {false, true}) {
       for (std::size_t i = 0; i < seen.size(); ++i) {
         if ((known[i].center != kNoCenter) != is_known) continue;
         others_.push_back(seen[i]);
         known_of_other_.push_back(known[i].center);
-        places_.push_back(places[i]);
+        positions_.push_back(positions[i]);
       }
       if (!is_known) found_count_ = others_.size();
     }
@@ -104,21 +104,21 @@ class Updater {
 
   void LookAtPlaces() {
     std::vector<Eigen::Vector2d> positions_m;
-    for (const PlaceEstimate& place : places_) positions_m.push_back(place.position_m);
+    for (const LandmarkPosition& position : positions_) positions_m.push_back(position.position_m);
     for (const PlacedPass* const pass : passes_) {
       const std::vector<Landmark> seen =
           FusePasses({&pass, 1}, base_map_.Origin_m(), options_.min_center_scans);
-      const std::vector<PlaceEstimate> centers = PlacesOf(seen);
-      const std::vector<CenterMatch> matches = MatchCenters(places_, centers, options_.matching);
+      const std::vector<LandmarkPosition> centers = PositionsOf(seen);
+      const std::vector<CenterMatch> matches = MatchCenters(positions_, centers, options_.matching);
       PassSightings sightings{.exposures = Expose(*pass, base_map_.Origin_m(), positions_m),
-                              .hits = std::vector<int>(places_.size(), 0)};
-      std::vector<double>& ratios = place_ratios_.emplace_back();
-      for (std::size_t i = 0; i < places_.size(); ++i) {
-        ratios.push_back(matches[i].place_ratio);
+                              .hits = std::vector<int>(positions_.size(), 0)};
+      std::vector<double>& ratios = position_ratios_.emplace_back();
+      for (std::size_t i = 0; i < positions_.size(); ++i) {
+        ratios.push_back(matches[i].position_ratio);
         if (matches[i].center == kNoCenter) continue;
         sightings.hits[i] = static_cast<int>(seen[matches[i].center].scan_count);
       }
-      false_hits_.Add(std::span(places_).first(KnownCount() + found_count_), seen,
+      false_hits_.Add(std::span(positions_).first(KnownCount() + found_count_), seen,
                       options_.matching);
       sightings_.push_back(std::move(sightings));
     }
@@ -133,12 +133,12 @@ class Updater {
       const double expected = i < KnownCount()
                                   ? detection.ExpectedHits(p, i)
                                   : detection.ExpectedHits(p, sightings_[p].exposures[i]);
-      evidence.push_back({expected, sightings_[p].hits[i], place_ratios_[p][i], days});
+      evidence.push_back({expected, sightings_[p].hits[i], position_ratios_[p][i], days});
     }
     return evidence;
   }
 
-  void Judge() {
+  void EstimatePresence() {
     std::vector<PassSightings> known = sightings_;
     for (PassSightings& pass : known) {
       pass.exposures.resize(KnownCount());
@@ -150,7 +150,9 @@ class Updater {
     for (int round = 0; round < 3; ++round) {
       const DetectionModel detection(known, base, base_.scans, presence);
       std::vector<std::vector<PassEvidence>> evidence;
-      for (std::size_t i = 0; i < places_.size(); ++i) evidence.push_back(EvidenceOf(detection, i));
+      for (std::size_t i = 0; i < positions_.size(); ++i) {
+        evidence.push_back(EvidenceOf(detection, i));
+      }
       result_.presence =
           FitPresence(std::span(evidence).first(KnownCount()),
                       std::span(evidence).subspan(KnownCount(), found_count_), result_.presence);
@@ -161,7 +163,7 @@ class Updater {
 
   std::vector<Eigen::Vector2d> Positions(std::size_t count) const {
     std::vector<Eigen::Vector2d> positions;
-    for (std::size_t i = 0; i < count; ++i) positions.push_back(places_[i].position_m);
+    for (std::size_t i = 0; i < count; ++i) positions.push_back(positions_[i].position_m);
     return positions;
   }
 
@@ -171,21 +173,22 @@ class Updater {
     again_.clear();
     // What is seen again is as any known landmark: most of it stays.
     PresenceModel again = result_.presence;
-    again.found_comes_and_goes = again.known_comes_and_goes;
-    again.found_never = again.known_went;
-    for (std::size_t i = 0; i < places_.size(); ++i) {
+    again.found_intermittent = again.known_intermittent;
+    again.found_never = again.known_removed;
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
       LandmarkHistory history;
-      history.p_map_m << places_[i].position_m, 0.0;
+      history.p_map_m << positions_[i].position_m, 0.0;
       history.p_map_m += base_map_.Origin_m();
       history.passes = std::move(evidence[i]);
       CountWitnesses(history);
       if (i < KnownCount()) {
-        history.presence = JudgeKnown(history.passes, result_.presence);
+        history.presence = PosteriorOfMapLandmark(history.passes, result_.presence);
         history.fate = FateOfKnown(history);
         result_.known.push_back(std::move(history));
       } else {
         const bool is_found = i < KnownCount() + found_count_;
-        history.presence = JudgeFound(history.passes, is_found ? result_.presence : again);
+        history.presence =
+            PosteriorOfCandidate(history.passes, is_found ? result_.presence : again);
         history.fate = FateOfFound(history);
         (is_found ? result_.found : again_).push_back(std::move(history));
       }
@@ -225,32 +228,33 @@ class Updater {
 
   LandmarkFate FateOfKnown(const LandmarkHistory& history) const {
     const Presence& presence = history.presence;
-    if (presence.stays >= options_.min_keep ||
+    if (presence.stays >= options_.min_keep_probability ||
         WitnessesOfAbsence(history) < options_.min_witnesses) {
       return LandmarkFate::kKept;
     }
-    return presence.went >= presence.comes_and_goes ? LandmarkFate::kWent
-                                                    : LandmarkFate::kComesAndGoes;
+    return presence.removed >= presence.intermittent ? LandmarkFate::kRemoved
+                                                     : LandmarkFate::kIntermittent;
   }
 
   LandmarkFate FateOfFound(const LandmarkHistory& history) const {
     const Presence& presence = history.presence;
-    if (presence.came >= options_.min_come && history.witness_count >= options_.min_witnesses) {
-      return LandmarkFate::kCame;
+    if (presence.added >= options_.min_add_probability &&
+        history.witness_count >= options_.min_witnesses) {
+      return LandmarkFate::kAdded;
     }
-    return presence.comes_and_goes > presence.never && presence.comes_and_goes > presence.came
-               ? LandmarkFate::kComesAndGoes
+    return presence.intermittent > presence.never && presence.intermittent > presence.added
+               ? LandmarkFate::kIntermittent
                : LandmarkFate::kUnproven;
   }
 
   void ChangeMap() {
     const std::vector<Landmark> refined = Refined();
     const std::vector<CenterMatch> refined_of =
-        MatchCenters(base_.places, PlacesOf(refined), options_.matching);
+        MatchCenters(base_.positions, PositionsOf(refined), options_.matching);
     result_.map = base_map_;
     result_.refined_count = refined.size();
     std::size_t i = 0;
-    for (KeyframePart& keyframe : result_.map.keyframes) {
+    for (EditableKeyframe& keyframe : result_.map.keyframes) {
       std::erase_if(keyframe.points, [&](const MapPoint&) {
         const std::size_t known = i++;
         return result_.known[known].fate != LandmarkFate::kKept ||
@@ -259,7 +263,7 @@ class Updater {
     }
     for (const Landmark& landmark : refined) AddLandmark(landmark);
     for (std::size_t k = 0; k < found_count_; ++k) {
-      if (result_.found[k].fate == LandmarkFate::kCame) AddLandmark(others_[k]);
+      if (result_.found[k].fate == LandmarkFate::kAdded) AddLandmark(others_[k]);
     }
   }
 
@@ -269,7 +273,7 @@ class Updater {
     for (std::size_t k = 0; k < again_.size(); ++k) {
       const std::size_t other = found_count_ + k;
       const std::uint32_t known = known_of_other_[other];
-      if (again_[k].fate != LandmarkFate::kCame) continue;
+      if (again_[k].fate != LandmarkFate::kAdded) continue;
       if (result_.known[known].fate != LandmarkFate::kKept) continue;
       refined.push_back(Blend(base_.landmarks[known], others_[other]));
     }
@@ -279,7 +283,7 @@ class Updater {
   void AddLandmark(const Landmark& landmark) {
     const bool has_heights = (base_map_.info.flags & kHasHeightsFlag) != 0;
     double nearest_m = kMaxKeyframeDistance_m;
-    KeyframePart* nearest = nullptr;
+    EditableKeyframe* nearest = nullptr;
     for (std::size_t k = 0; k < base_.T_local_keyframes.size(); ++k) {
       const double distance_m =
           (base_.T_local_keyframes[k].translation_m - landmark.position_m).head<2>().norm();
@@ -291,7 +295,7 @@ class Updater {
     nearest->points.push_back(PointInKeyframe(landmark, PoseOf(nearest->record), has_heights));
   }
 
-  const MapParts& base_map_;
+  const EditableMap& base_map_;
   const MapUpdateOptions& options_;
   BaseLandmarks base_;
   std::vector<PlacedPass> aligned_;        // by stamp
@@ -299,17 +303,17 @@ class Updater {
   std::vector<Landmark> others_;           // what passes see: found, then seen again
   std::size_t found_count_ = 0;
   std::vector<std::uint32_t> known_of_other_;  // the base map's landmark at the place
-  std::vector<PlaceEstimate> places_;          // of the base map's landmarks, then of others
+  std::vector<LandmarkPosition> positions_;    // of the base map's landmarks, then of others
   std::vector<LandmarkHistory> again_;         // of what is seen again
   std::vector<PassSightings> sightings_;
-  std::vector<std::vector<double>> place_ratios_;  // by pass and place
+  std::vector<std::vector<double>> position_ratios_;  // by pass and place
   FalseHits false_hits_;
   MapUpdate result_;
 };
 
 }  // namespace
 
-absl::StatusOr<MapUpdate> UpdateMap(const MapParts& base, std::span<const PlacedPass> passes,
+absl::StatusOr<MapUpdate> UpdateMap(const EditableMap& base, std::span<const PlacedPass> passes,
                                     const MapUpdateOptions& options) {
   return Updater(base, passes, options).Run();
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 #include "core/update/center_matching.h"
 #include "core/update/pass_alignment.h"
 #include "core/update/placed_pass.h"
@@ -21,17 +21,17 @@ struct MapUpdateOptions {
   PresenceModel presence;       ///< to begin with; shares and shapes are learned from the passes
   double base_age_days = 30.0;  ///< of the base map at the first pass
   int min_center_scans = 2;     ///< of a pass that saw something at a place
-  double min_keep = 0.5;        ///< probability of a landmark that stays in the map
-  double min_come = 0.5;        ///< probability of one that comes into it
-  int min_witnesses = 2;        ///< vehicles or days, for any change
+  double min_keep_probability = 0.5;  ///< probability of a landmark that stays in the map
+  double min_add_probability = 0.5;   ///< probability of one that comes into it
+  int min_witnesses = 2;              ///< vehicles or days, for any change
 };
 
 /// What an update makes of a landmark.
 enum class LandmarkFate {
   kKept,          ///< was in the map, and is
-  kCame,          ///< new, and in the map
-  kWent,          ///< was in the map, and is gone
-  kComesAndGoes,  ///< there one day and not the next: not in the map
+  kAdded,         ///< new, and in the map
+  kRemoved,       ///< was in the map, and is gone
+  kIntermittent,  ///< there one day and not the next: not in the map
   kUnproven,      ///< seen, by too few witnesses or too rarely: not in the map
 };
 inline constexpr const char* kLandmarkFateNames[] = {"kept", "came", "went", "comes and goes",
@@ -51,7 +51,7 @@ struct LandmarkHistory {
 
 /// A map and what became of each of its landmarks.
 struct MapUpdate {
-  MapParts map;                        ///< the new version
+  EditableMap map;                     ///< the new version
   std::vector<LandmarkHistory> known;  ///< of the base map's landmarks, in its order
   std::vector<LandmarkHistory> found;  ///< others
   std::size_t refined_count = 0;       ///< landmarks of `map` that passes and the base map share
@@ -64,7 +64,7 @@ struct MapUpdate {
 /// next does not. What stays and the passes see is refined (equation 64); the rest keeps its bits.
 /// No pass changes anything alone.
 /// InvalidArgument where no pass has a scan that counts.
-absl::StatusOr<MapUpdate> UpdateMap(const MapParts& base, std::span<const PlacedPass> passes,
+absl::StatusOr<MapUpdate> UpdateMap(const EditableMap& base, std::span<const PlacedPass> passes,
                                     const MapUpdateOptions& options = {});
 
 }  // namespace dcloc

@@ -23,15 +23,15 @@ struct Offset {
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();  ///< zero where it has no landmark
 };
 
-std::vector<Offset> OffsetsOf(std::span<const PlaceEstimate> centers,
-                              std::span<const PlaceEstimate> landmarks,
+std::vector<Offset> OffsetsOf(std::span<const LandmarkPosition> centers,
+                              std::span<const LandmarkPosition> landmarks,
                               const CenterMatchingOptions& options) {
   std::vector<Offset> offsets;
   const std::vector<CenterMatch> matches = MatchCenters(centers, landmarks, options);
   for (std::size_t c = 0; c < centers.size(); ++c) {
     Offset& offset = offsets.emplace_back();
     if (matches[c].center == kNoCenter) continue;
-    const PlaceEstimate& landmark = landmarks[matches[c].center];
+    const LandmarkPosition& landmark = landmarks[matches[c].center];
     offset.offset_m = landmark.position_m - centers[c].position_m;
     offset.information = (landmark.covariance_m2 + centers[c].covariance_m2).inverse();
     const double squared = offset.offset_m.dot(offset.information * offset.offset_m);
@@ -43,7 +43,7 @@ std::vector<Offset> OffsetsOf(std::span<const PlaceEstimate> centers,
 /// Of each target of `scan` at `T_local_vehicle` the center that explains it best, without those
 /// that no center explains.
 std::vector<std::uint32_t> CentersSeen(const PlacedScan& scan, const Pose3& T_local_vehicle,
-                                       std::span<const PlaceEstimate> centers,
+                                       std::span<const LandmarkPosition> centers,
                                        const PointGrid& grid) {
   std::vector<std::uint32_t> seen;
   const Eigen::Matrix3d R = T_local_vehicle.Rotation();
@@ -68,10 +68,10 @@ std::vector<std::uint32_t> CentersSeen(const PlacedScan& scan, const Pose3& T_lo
 /// share its offset.
 std::vector<PosePull> PullsOf(const PlacedPass& pass, const std::vector<std::size_t>& scans,
                               const Eigen::Vector3d& origin_m,
-                              std::span<const PlaceEstimate> centers,
+                              std::span<const LandmarkPosition> centers,
                               std::span<const Offset> offsets) {
   PointGrid grid(1.0);
-  for (const PlaceEstimate& center : centers) grid.Insert(center.position_m);
+  for (const LandmarkPosition& center : centers) grid.Insert(center.position_m);
   std::vector<std::vector<std::uint32_t>> seen;
   std::vector<double> counts(centers.size(), 0.0);
   std::vector<Pose3> T_local_vehicles;
@@ -99,7 +99,7 @@ std::vector<PosePull> PullsOf(const PlacedPass& pass, const std::vector<std::siz
 
 }  // namespace
 
-void AlignPass(std::span<const PlaceEstimate> landmarks, const Eigen::Vector3d& origin_m,
+void AlignPass(std::span<const LandmarkPosition> landmarks, const Eigen::Vector3d& origin_m,
                const PassAlignmentOptions& options, PlacedPass& pass) {
   PassTrack track(pass, options.track);
   const auto place = [&] {
@@ -113,8 +113,8 @@ void AlignPass(std::span<const PlaceEstimate> landmarks, const Eigen::Vector3d& 
   place();
   for (int round = 0; round < options.rounds; ++round) {
     const PlacedPass* const only = &pass;
-    const std::vector<PlaceEstimate> centers =
-        PlacesOf(FusePasses({&only, 1}, origin_m, options.min_center_scans));
+    const std::vector<LandmarkPosition> centers =
+        PositionsOf(FusePasses({&only, 1}, origin_m, options.min_center_scans));
     track.Move(PullsOf(pass, track.scans(), origin_m, centers,
                        OffsetsOf(centers, landmarks, options.matching)));
     place();
@@ -123,20 +123,20 @@ void AlignPass(std::span<const PlaceEstimate> landmarks, const Eigen::Vector3d& 
 
 void AlignPasses(std::span<const PlacedLandmark> base, const Eigen::Vector3d& origin_m,
                  const PassAlignmentOptions& options, std::span<PlacedPass> passes) {
-  std::vector<PlaceEstimate> places;
-  for (const PlacedLandmark& landmark : base) places.push_back(landmark.place);
+  std::vector<LandmarkPosition> positions;
+  for (const PlacedLandmark& landmark : base) positions.push_back(landmark.position);
   std::vector<const PlacedPass*> all;
   for (PlacedPass& pass : passes) {
-    AlignPass(places, origin_m, options, pass);
+    AlignPass(positions, origin_m, options, pass);
     all.push_back(&pass);
   }
   for (int round = 0; round < options.joint_rounds; ++round) {
     std::vector<Landmark> seen = FusePasses(all, origin_m, options.min_center_scans);
     std::erase_if(seen, [](const Landmark& landmark) { return landmark.pass_count < 2; });
-    places = BlendedPlaces(base, seen, options.matching);
+    positions = BlendedPositions(base, seen, options.matching);
     PassAlignmentOptions once = options;
     once.rounds = 1;
-    for (PlacedPass& pass : passes) AlignPass(places, origin_m, once, pass);
+    for (PlacedPass& pass : passes) AlignPass(positions, origin_m, once, pass);
   }
 }
 

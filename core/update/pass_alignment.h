@@ -25,7 +25,7 @@ struct PassAlignmentOptions {
 ///
 /// Centers and landmarks are both fused of many returns, in the same way. So what puts single scans
 /// to one side of landmarks, and with them the localizer's poses, does not enter.
-void AlignPass(std::span<const PlaceEstimate> landmarks, const Eigen::Vector3d& origin_m,
+void AlignPass(std::span<const LandmarkPosition> landmarks, const Eigen::Vector3d& origin_m,
                const PassAlignmentOptions& options, PlacedPass& pass);
 
 /// Aligns each of `passes` with the landmarks of `base`, and then all of them with what they and

@@ -25,16 +25,16 @@ std::vector<Landmark> FusePasses(std::span<const PlacedPass* const> passes,
   return FuseLandmarks(returns, pass_of_scan, has_elevation, options);
 }
 
-PlaceEstimate PlaceOf(const Landmark& landmark) {
+LandmarkPosition PositionOf(const Landmark& landmark) {
   return {.position_m = landmark.position_m.head<2>(),
           .covariance_m2 = landmark.covariance_m2.topLeftCorner<2, 2>()};
 }
 
-std::vector<PlaceEstimate> PlacesOf(std::span<const Landmark> landmarks) {
-  std::vector<PlaceEstimate> places;
-  places.reserve(landmarks.size());
-  for (const Landmark& landmark : landmarks) places.push_back(PlaceOf(landmark));
-  return places;
+std::vector<LandmarkPosition> PositionsOf(std::span<const Landmark> landmarks) {
+  std::vector<LandmarkPosition> positions;
+  positions.reserve(landmarks.size());
+  for (const Landmark& landmark : landmarks) positions.push_back(PositionOf(landmark));
+  return positions;
 }
 
 }  // namespace dcloc

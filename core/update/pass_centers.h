@@ -15,7 +15,7 @@ namespace dcloc {
 std::vector<Landmark> FusePasses(std::span<const PlacedPass* const> passes,
                                  const Eigen::Vector3d& origin_m, int min_scan_count);
 
-PlaceEstimate PlaceOf(const Landmark& landmark);
-std::vector<PlaceEstimate> PlacesOf(std::span<const Landmark> landmarks);
+LandmarkPosition PositionOf(const Landmark& landmark);
+std::vector<LandmarkPosition> PositionsOf(std::span<const Landmark> landmarks);
 
 }  // namespace dcloc

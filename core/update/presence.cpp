@@ -25,22 +25,23 @@ double Absent(int hits, const PresenceModel& model) {
   return model.false_share * (1.0 - more) * std::pow(more, hits - 1);
 }
 
-// Its own hits, and where there are none, false ones. `place_ratio` is 1 for what is not always the
-// same thing: it may lie anywhere nearby.
-double Present(const PassEvidence& pass, double g, double place_ratio, const PresenceModel& model) {
+// Its own hits, and where there are none, false ones. `position_ratio` is 1 for what is not always
+// the same thing: it may lie anywhere nearby.
+double Present(const PassEvidence& pass, double g, double position_ratio,
+               const PresenceModel& model) {
   const double mean = g * pass.expected_hits;
   const double none = std::exp(LogNegativeBinomial(0, mean, model.pass_shape));
   const double own =
       pass.hits == 0 ? 0.0 : std::exp(LogNegativeBinomial(pass.hits, mean, model.pass_shape));
-  return place_ratio * own + none * Absent(pass.hits, model);
+  return position_ratio * own + none * Absent(pass.hits, model);
 }
 
 /// How likely the hits are by each history. `goes[t]` is of a landmark that is there before pass t
 /// and not from it on, `comes[t]` the reverse; t is the count of passes where it never does.
 struct Likelihoods {
   std::vector<double> goes, comes;
-  double known_comes_and_goes = 0.0;  ///< of what the base map has: the likelier the more often
-  double found_comes_and_goes = 0.0;
+  double known_intermittent = 0.0;  ///< of what the base map has: the likelier the more often
+  double found_intermittent = 0.0;
   double log_scale = 0.0;  ///< of all of these
 };
 
@@ -65,8 +66,8 @@ void AddIntermittent(double weight, std::span<const double> present, std::span<c
     for (std::size_t p = 0; p < present.size(); ++p) {
       product *= share * present[p] + (1.0 - share) * absent[p];
     }
-    sums.known_comes_and_goes += share / shares * product;
-    sums.found_comes_and_goes += product / kDayShares.size();
+    sums.known_intermittent += share / shares * product;
+    sums.found_intermittent += product / kDayShares.size();
   }
 }
 
@@ -84,7 +85,7 @@ Likelihoods LikelihoodsOf(std::span<const PassEvidence> passes, const PresenceMo
     // The Gamma density times g, as the strengths are even in log g.
     weights[s] = std::exp(model.strength_shape * (std::log(g) - g));
     for (std::size_t p = 0; p < count; ++p) {
-      present[s].push_back(Present(passes[p], g, passes[p].place_ratio, model));
+      present[s].push_back(Present(passes[p], g, passes[p].position_ratio, model));
       other[s].push_back(Present(passes[p], g, 1.0, model));
       largest[p] = std::max({largest[p], present[s][p], other[s][p]});
     }
@@ -125,12 +126,13 @@ std::size_t MaximumAt(std::span<const double> values) {
 }
 
 double Sum(const Presence& presence) {
-  return presence.stays + presence.came + presence.went + presence.comes_and_goes + presence.never;
+  return presence.stays + presence.added + presence.removed + presence.intermittent +
+         presence.never;
 }
 
 Presence Normalized(Presence presence) {
   const double total = Sum(presence);
-  for (double* value : {&presence.stays, &presence.came, &presence.went, &presence.comes_and_goes,
+  for (double* value : {&presence.stays, &presence.added, &presence.removed, &presence.intermittent,
                         &presence.never}) {
     *value /= total;
   }
@@ -142,36 +144,36 @@ Presence WeighKnown(const Likelihoods& likelihoods, std::span<const PassEvidence
                     const PresenceModel& model) {
   // What went before the first pass has a share of its own; later changes go by time.
   std::vector<double> lasting = ChangeTimes(passes.subspan(1), model.changes_per_day);
-  for (double& share : lasting) share *= 1.0 - model.known_went - model.known_comes_and_goes;
-  lasting.insert(lasting.begin(), model.known_went);
+  for (double& share : lasting) share *= 1.0 - model.known_removed - model.known_intermittent;
+  lasting.insert(lasting.begin(), model.known_removed);
   for (std::size_t t = 0; t < lasting.size(); ++t) lasting[t] *= likelihoods.goes[t];
   const std::span<const double> gone = std::span(lasting).first(passes.size());
   return {.stays = lasting.back(),
-          .went = std::accumulate(gone.begin(), gone.end(), 0.0),
-          .comes_and_goes = model.known_comes_and_goes * likelihoods.known_comes_and_goes,
+          .removed = std::accumulate(gone.begin(), gone.end(), 0.0),
+          .intermittent = model.known_intermittent * likelihoods.known_intermittent,
           .since = MaximumAt(gone)};
 }
 
 /// How likely the hits of a place are by each of what a candidate may be, and `since`.
 Presence LikelihoodsOfFound(const Likelihoods& likelihoods, std::span<const PassEvidence> passes,
                             const PresenceModel& model) {
-  std::vector<double> came = ChangeTimes(passes, model.changes_per_day);
-  const double changed = 1.0 - came.back();
-  came.pop_back();
-  for (std::size_t t = 0; t < came.size(); ++t) came[t] *= likelihoods.comes[t] / changed;
-  return {.came = std::accumulate(came.begin(), came.end(), 0.0),
-          .comes_and_goes = likelihoods.found_comes_and_goes,
+  std::vector<double> added = ChangeTimes(passes, model.changes_per_day);
+  const double changed = 1.0 - added.back();
+  added.pop_back();
+  for (std::size_t t = 0; t < added.size(); ++t) added[t] *= likelihoods.comes[t] / changed;
+  return {.added = std::accumulate(added.begin(), added.end(), 0.0),
+          .intermittent = likelihoods.found_intermittent,
           .never = likelihoods.comes.back(),
-          .since = MaximumAt(came)};
+          .since = MaximumAt(added)};
 }
 
 }  // namespace
 
-Presence JudgeKnown(std::span<const PassEvidence> passes, const PresenceModel& model) {
+Presence PosteriorOfMapLandmark(std::span<const PassEvidence> passes, const PresenceModel& model) {
   return Normalized(WeighKnown(LikelihoodsOf(passes, model), passes, model));
 }
 
-Presence JudgeFound(std::span<const PassEvidence> passes, const PresenceModel& model) {
+Presence PosteriorOfCandidate(std::span<const PassEvidence> passes, const PresenceModel& model) {
   Presence presence = LikelihoodsOfFound(LikelihoodsOf(passes, model), passes, model);
   // What no pass hits is no candidate: each history counts as far as it makes one.
   std::vector<PassEvidence> unhit(passes.begin(), passes.end());
@@ -179,9 +181,9 @@ Presence JudgeFound(std::span<const PassEvidence> passes, const PresenceModel& m
   const Likelihoods of_unhit = LikelihoodsOf(unhit, model);
   const double scale = std::exp(of_unhit.log_scale);
   const Presence none = LikelihoodsOfFound(of_unhit, passes, model);
-  const double came_share = 1.0 - model.found_comes_and_goes - model.found_never;
-  presence.came *= came_share / (1.0 - scale * none.came);
-  presence.comes_and_goes *= model.found_comes_and_goes / (1.0 - scale * none.comes_and_goes);
+  const double added_share = 1.0 - model.found_intermittent - model.found_never;
+  presence.added *= added_share / (1.0 - scale * none.added);
+  presence.intermittent *= model.found_intermittent / (1.0 - scale * none.intermittent);
   presence.never *= model.found_never / (1.0 - scale * none.never);
   return Normalized(presence);
 }

@@ -39,23 +39,23 @@ double Share(double prior, double sum, std::size_t count) {
 
 // One step of expectation maximization.
 void FitShares(Places known, Places found, const PresenceModel& prior, PresenceModel& model) {
-  double went = 0.0;
+  double removed = 0.0;
   double known_changing = 0.0;
   for (const auto& passes : known) {
-    const Presence presence = JudgeKnown(passes, model);
-    went += presence.went;
-    known_changing += presence.comes_and_goes;
+    const Presence presence = PosteriorOfMapLandmark(passes, model);
+    removed += presence.removed;
+    known_changing += presence.intermittent;
   }
   double never = 0.0;
   double found_changing = 0.0;
   for (const auto& passes : found) {
-    const Presence presence = JudgeFound(passes, model);
+    const Presence presence = PosteriorOfCandidate(passes, model);
     never += presence.never;
-    found_changing += presence.comes_and_goes;
+    found_changing += presence.intermittent;
   }
-  model.known_went = Share(prior.known_went, went, known.size());
-  model.known_comes_and_goes = Share(prior.known_comes_and_goes, known_changing, known.size());
-  model.found_comes_and_goes = Share(prior.found_comes_and_goes, found_changing, found.size());
+  model.known_removed = Share(prior.known_removed, removed, known.size());
+  model.known_intermittent = Share(prior.known_intermittent, known_changing, known.size());
+  model.found_intermittent = Share(prior.found_intermittent, found_changing, found.size());
   model.found_never = Share(prior.found_never, never, found.size());
 }
 

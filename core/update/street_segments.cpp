@@ -4,9 +4,9 @@
 
 namespace dcloc {
 
-StreetSegments::StreetSegments(const MapParts& map, double segment_m) {
+StreetSegments::StreetSegments(const EditableMap& map, double segment_m) {
   double at_m = 0.0;
-  for (const KeyframePart& keyframe : map.keyframes) {
+  for (const EditableKeyframe& keyframe : map.keyframes) {
     const Eigen::Vector2d p_m = PoseOf(keyframe.record).translation_m.head<2>();
     if (!keyframes_m_.empty()) at_m += std::min((p_m - keyframes_m_.back()).norm(), segment_m);
     keyframes_m_.push_back(p_m);

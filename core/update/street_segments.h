@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 
 namespace dcloc {
 
@@ -13,7 +13,7 @@ namespace dcloc {
 class StreetSegments {
  public:
   /// `map` has a keyframe; `segment_m` > 0 is the length of each.
-  StreetSegments(const MapParts& map, double segment_m);
+  StreetSegments(const EditableMap& map, double segment_m);
 
   std::size_t count() const { return segment_of_.back() + 1; }
 

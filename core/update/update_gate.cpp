@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
 #include "core/update/block_mean.h"
-#include "core/update/kept_out_pass.h"
+#include "core/update/held_out_pass.h"
 #include "core/update/map_replay.h"
 #include "core/update/pass_centers.h"
 #include "core/update/street_segments.h"
@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kFitStride = 3;  // scans from one whose fit is taken to the next
 
-absl::StatusOr<std::shared_ptr<const RadarMap>> MapOf(const MapParts& parts) {
-  auto bytes = PutTogether(parts);
+absl::StatusOr<std::shared_ptr<const RadarMap>> MapOf(const EditableMap& map) {
+  auto bytes = ToMapBytes(map);
   if (!bytes.ok()) return bytes.status();
   return RadarMap::FromBytes(*std::move(bytes));
 }
@@ -44,7 +44,7 @@ constexpr std::size_t kErrorBlock = 24;
 struct SegmentSum {
   ScoreSum old_version, new_version;
   BlockMean error_change_m{kErrorBlock};
-  SeenCount common, went, came;
+  SeenCount common, removed, added;
   std::size_t scan_count = 0;
 };
 
@@ -52,25 +52,25 @@ double ErrorOf(const ReplayedScan& scan, const Pose2& T_map_consensus) {
   return (scan.T_map_vehicle.translation_m - T_map_consensus.translation_m).norm();
 }
 
-SegmentVerdict VerdictOf(const SegmentSum& sum) {
+SegmentEvaluation EvaluationOf(const SegmentSum& sum) {
   return {.scan_count = sum.scan_count,
           .agreed_count = sum.common.all,
-          .went_count = sum.went.all,
-          .came_count = sum.came.all,
+          .removed_count = sum.removed.all,
+          .added_count = sum.added.all,
           .agreed_seen = sum.common.Share(),
-          .went_seen = sum.went.Share(),
-          .came_seen = sum.came.Share(),
+          .removed_seen = sum.removed.Share(),
+          .added_seen = sum.added.Share(),
           .error_change_m = sum.error_change_m.mean(),
           .error_change_sigma_m = sum.error_change_m.sigma(),
           .old_version = sum.old_version.Score(),
           .new_version = sum.new_version.Score()};
 }
 
-std::string FaultOf(const SegmentVerdict& segment, double error_share, double error_margin_m,
+std::string FaultOf(const SegmentEvaluation& segment, double error_share, double error_margin_m,
                     const UpdateGateOptions& options) {
   const VersionScore& before = segment.old_version;
   const VersionScore& after = segment.new_version;
-  const double old_count = static_cast<double>(segment.agreed_count + segment.went_count);
+  const double old_count = static_cast<double>(segment.agreed_count + segment.removed_count);
   const auto min_count = static_cast<std::size_t>(options.min_landmark_count);
   if (static_cast<double>(segment.agreed_count) < options.min_agreed_share * old_count) {
     return absl::StrFormat("only %d of %.0f landmarks are left", segment.agreed_count, old_count);
@@ -94,24 +94,24 @@ std::string FaultOf(const SegmentVerdict& segment, double error_share, double er
   if (after.nees > options.nees_factor * before.nees + options.nees_margin) {
     return absl::StrFormat("NEES %.2f, before %.2f", after.nees, before.nees);
   }
-  if (segment.came_count >= min_count &&
-      segment.came_seen < options.min_seen_share * segment.agreed_seen) {
+  if (segment.added_count >= min_count &&
+      segment.added_seen < options.min_seen_share * segment.agreed_seen) {
     return absl::StrFormat("%.0f %% of what came was seen, of what stays %.0f %%",
-                           100.0 * segment.came_seen, 100.0 * segment.agreed_seen);
+                           100.0 * segment.added_seen, 100.0 * segment.agreed_seen);
   }
-  if (segment.went_count >= min_count &&
-      segment.went_seen > options.min_seen_share * segment.agreed_seen) {
+  if (segment.removed_count >= min_count &&
+      segment.removed_seen > options.min_seen_share * segment.agreed_seen) {
     return absl::StrFormat("%.0f %% of what went was seen, of what stays %.0f %%",
-                           100.0 * segment.went_seen, 100.0 * segment.agreed_seen);
+                           100.0 * segment.removed_seen, 100.0 * segment.agreed_seen);
   }
   return "";
 }
 
-/// One judgement.
-class Judge {
+/// One evaluation.
+class UpdateEvaluator {
  public:
-  Judge(const MapParts& old_version, const MapParts& new_version, const Rig& rig,
-        const std::vector<Scan>& scans, const UpdateGateOptions& options)
+  UpdateEvaluator(const EditableMap& old_version, const EditableMap& new_version, const Rig& rig,
+                  const std::vector<Scan>& scans, const UpdateGateOptions& options)
       : rig_(rig),
         scans_(scans),
         options_(options),
@@ -122,29 +122,29 @@ class Judge {
         segments_(old_version, options.segment_m),
         sums_(segments_.count()) {}
 
-  absl::StatusOr<GateVerdict> Run() {
+  absl::StatusOr<UpdateEvaluation> Run() {
     for (Version* const version : {&old_version_, &new_version_}) {
-      auto map = MapOf(version->parts);
+      auto map = MapOf(version->map);
       if (!map.ok()) return map.status();
       auto replay = ReplayPass(*map, rig_, scans_);
       if (!replay.ok()) return replay.status();
       version->replay = *std::move(replay);
     }
-    kept_out_ = PlaceInBoth(rig_, scans_, old_version_.replay, new_version_.replay,
+    held_out_ = PlaceInBoth(rig_, scans_, old_version_.replay, new_version_.replay,
                             old_version_.landmarks, new_version_.landmarks, origin_m_);
-    if (kept_out_.scans.empty()) {
+    if (held_out_.scans.empty()) {
       return absl::FailedPreconditionError(
           "the pass that was kept out is not tracked in both versions: it lies elsewhere, or its "
           "rig is wrong");
     }
     Score();
     CountSeen();
-    return Verdict();
+    return Evaluation();
   }
 
  private:
   struct Version {
-    const MapParts& parts;
+    const EditableMap& map;
     std::vector<PlacedLandmark> landmarks;
     std::vector<ReplayedScan> replay;
   };
@@ -156,16 +156,16 @@ class Judge {
   void Score() {
     const FitScorer old_fit(old_version_.landmarks);
     const FitScorer new_fit(new_version_.landmarks);
-    for (std::size_t k = 0; k < kept_out_.scans.size(); ++k) {
-      const std::size_t i = kept_out_.scans[k];
-      const PlacedScan& scan = kept_out_.pass.scans[k];
+    for (std::size_t k = 0; k < held_out_.scans.size(); ++k) {
+      const std::size_t i = held_out_.scans[k];
+      const PlacedScan& scan = held_out_.pass.scans[k];
       const Pose2 T_map_consensus = Flatten(scan.T_map_vehicle);
       const Pose2 T_local_vehicle = ToLocal(T_map_consensus);
       for (SegmentSum* const sum : {&sums_[segments_.At(T_local_vehicle.translation_m)], &whole_}) {
         ++sum->scan_count;
         sum->old_version.Add(old_version_.replay[i], T_map_consensus);
         sum->new_version.Add(new_version_.replay[i], T_map_consensus);
-        sum->new_version.AddOffset(kept_out_.T_old_new[k]);
+        sum->new_version.AddOffset(held_out_.T_old_new[k]);
         sum->error_change_m.Add(ErrorOf(new_version_.replay[i], T_map_consensus) -
                                 ErrorOf(old_version_.replay[i], T_map_consensus));
         if (k % kFitStride != 0) continue;
@@ -180,7 +180,7 @@ class Judge {
   void AddUntracked() {
     std::size_t next = 0;
     for (std::size_t i = 0; i < scans_.size(); ++i) {
-      if (next < kept_out_.scans.size() && kept_out_.scans[next] == i) {
+      if (next < held_out_.scans.size() && held_out_.scans[next] == i) {
         ++next;
         continue;
       }
@@ -198,32 +198,32 @@ class Judge {
   }
 
   void CountSeen() {
-    const PlacedPass* const pass = &kept_out_.pass;
-    const std::vector<PlaceEstimate> centers = PlacesOf(FusePasses({&pass, 1}, origin_m_, 2));
+    const PlacedPass* const pass = &held_out_.pass;
+    const std::vector<LandmarkPosition> centers = PositionsOf(FusePasses({&pass, 1}, origin_m_, 2));
     const auto count = [&](const std::vector<PlacedLandmark>& landmarks,
                            SeenCount SegmentSum::*member) {
-      std::vector<PlaceEstimate> places;
-      for (const PlacedLandmark& landmark : landmarks) places.push_back(landmark.place);
-      const std::vector<CenterMatch> center_of = MatchCenters(places, centers);
+      std::vector<LandmarkPosition> positions;
+      for (const PlacedLandmark& landmark : landmarks) positions.push_back(landmark.position);
+      const std::vector<CenterMatch> center_of = MatchCenters(positions, centers);
       for (std::size_t i = 0; i < landmarks.size(); ++i) {
         const SeenCount one{1, center_of[i].center == kNoCenter ? 0UL : 1UL};
-        (sums_[segments_.At(places[i].position_m)].*member).Add(one);
+        (sums_[segments_.At(positions[i].position_m)].*member).Add(one);
         (whole_.*member).Add(one);
       }
     };
     count(comparison_.common, &SegmentSum::common);
-    count(comparison_.went, &SegmentSum::went);
-    count(comparison_.came, &SegmentSum::came);
+    count(comparison_.removed, &SegmentSum::removed);
+    count(comparison_.added, &SegmentSum::added);
   }
 
-  GateVerdict Verdict() const {
-    GateVerdict verdict;
-    verdict.whole = VerdictOf(whole_);
-    verdict.whole.fault =
-        FaultOf(verdict.whole, options_.error_share, options_.error_margin_m, options_);
+  UpdateEvaluation Evaluation() const {
+    UpdateEvaluation evaluation;
+    evaluation.whole = EvaluationOf(whole_);
+    evaluation.whole.fault =
+        FaultOf(evaluation.whole, options_.error_share, options_.error_margin_m, options_);
     std::string fault;
     for (std::size_t i = 0; i < sums_.size(); ++i) {
-      SegmentVerdict segment = VerdictOf(sums_[i]);
+      SegmentEvaluation segment = EvaluationOf(sums_[i]);
       segment.p_map_m << segments_.Middle(i), 0.0;
       segment.p_map_m += origin_m_;
       if (segment.scan_count >= static_cast<std::size_t>(options_.min_scan_count)) {
@@ -234,19 +234,21 @@ class Judge {
         fault = absl::StrFormat("at (%.0f, %.0f) m: %s", segment.p_map_m.x(), segment.p_map_m.y(),
                                 segment.fault);
       }
-      verdict.segments.push_back(std::move(segment));
+      evaluation.segments.push_back(std::move(segment));
     }
-    verdict.reason = Reason(verdict.whole, fault);
-    verdict.is_better = verdict.reason.empty();
-    if (verdict.is_better) verdict.reason = "as good in every street segment, and it fits better";
-    return verdict;
+    evaluation.reason = Reason(evaluation.whole, fault);
+    evaluation.is_better = evaluation.reason.empty();
+    if (evaluation.is_better) {
+      evaluation.reason = "as good in every street segment, and it fits better";
+    }
+    return evaluation;
   }
 
-  static std::string Reason(const SegmentVerdict& whole, const std::string& segment_fault) {
+  static std::string Reason(const SegmentEvaluation& whole, const std::string& segment_fault) {
     if (!whole.fault.empty()) return "worse as a whole: " + whole.fault;
     if (!segment_fault.empty()) return "worse in a street segment, " + segment_fault;
-    if (whole.came_count + whole.went_count == 0) return "nothing has changed";
-    if (whole.came_count > 0 && whole.new_version.fit <= whole.old_version.fit) {
+    if (whole.added_count + whole.removed_count == 0) return "nothing has changed";
+    if (whole.added_count > 0 && whole.new_version.fit <= whole.old_version.fit) {
       return absl::StrFormat("no better: fit %.4f, before %.4f", whole.new_version.fit,
                              whole.old_version.fit);
     }
@@ -260,20 +262,21 @@ class Judge {
   Version old_version_, new_version_;
   VersionComparison comparison_;
   StreetSegments segments_;
-  KeptOutPass kept_out_;
+  HeldOutPass held_out_;
   std::vector<SegmentSum> sums_;
   SegmentSum whole_;
 };
 
 }  // namespace
 
-absl::StatusOr<GateVerdict> JudgeUpdate(const MapParts& old_version, const MapParts& new_version,
-                                        const Rig& rig, const std::vector<Scan>& scans,
-                                        const UpdateGateOptions& options) {
+absl::StatusOr<UpdateEvaluation> EvaluateUpdate(const EditableMap& old_version,
+                                                const EditableMap& new_version, const Rig& rig,
+                                                const std::vector<Scan>& scans,
+                                                const UpdateGateOptions& options) {
   if (old_version.keyframes.empty() || scans.empty()) {
     return absl::InvalidArgumentError("the old version has no keyframe, or the pass no scan");
   }
-  return Judge(old_version, new_version, rig, scans, options).Run();
+  return UpdateEvaluator(old_version, new_version, rig, scans, options).Run();
 }
 
 }  // namespace dcloc

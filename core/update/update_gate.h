@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "core/update/version_score.h"
@@ -35,15 +35,15 @@ struct UpdateGateOptions {
 };
 
 /// How both versions do in a street segment, or as a whole.
-struct SegmentVerdict {
+struct SegmentEvaluation {
   Eigen::Vector3d p_map_m = Eigen::Vector3d::Zero();  ///< its middle
   std::size_t scan_count = 0;
   std::size_t agreed_count = 0;  ///< landmarks that both versions have
-  std::size_t went_count = 0;
-  std::size_t came_count = 0;
+  std::size_t removed_count = 0;
+  std::size_t added_count = 0;
   double agreed_seen = 0.0;  ///< share of the agreed landmarks that the pass saw
-  double went_seen = 0.0;
-  double came_seen = 0.0;
+  double removed_seen = 0.0;
+  double added_seen = 0.0;
   /// By how much the new version errs more than the old one, in the mean of the scans that both
   /// track, and its standard error.
   double error_change_m = 0.0;
@@ -53,14 +53,14 @@ struct SegmentVerdict {
   std::string fault;  ///< why the new version is worse here; empty where it is not
 };
 
-struct GateVerdict {
+struct UpdateEvaluation {
   bool is_better = false;
   std::string reason;  ///< a sentence
-  SegmentVerdict whole;
-  std::vector<SegmentVerdict> segments;
+  SegmentEvaluation whole;
+  std::vector<SegmentEvaluation> segments;
 };
 
-/// Judges a new version by a pass that had no part in it.
+/// Evaluates a new version by a pass that had no part in it.
 ///
 /// The pass is aligned with the landmarks of the old version, and with those of the new one
 /// (`AlignPass`): by its odometry and by what it sees as a whole, and not by the answers that are
@@ -72,8 +72,9 @@ struct GateVerdict {
 ///
 /// The versions share a frame and an origin. InvalidArgument names what is wrong with the rig;
 /// FailedPrecondition where the pass was not localized in both.
-absl::StatusOr<GateVerdict> JudgeUpdate(const MapParts& old_version, const MapParts& new_version,
-                                        const Rig& rig, const std::vector<Scan>& scans,
-                                        const UpdateGateOptions& options = {});
+absl::StatusOr<UpdateEvaluation> EvaluateUpdate(const EditableMap& old_version,
+                                                const EditableMap& new_version, const Rig& rig,
+                                                const std::vector<Scan>& scans,
+                                                const UpdateGateOptions& options = {});
 
 }  // namespace dcloc

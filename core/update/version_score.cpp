@@ -22,7 +22,7 @@ double QuantileOf(std::vector<double> values, double share) {
 
 }  // namespace
 
-std::vector<PlacedLandmark> LandmarksOf(const MapParts& map) {
+std::vector<PlacedLandmark> LandmarksOf(const EditableMap& map) {
   std::vector<PlacedLandmark> landmarks;
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     const Pose3 T_local_keyframe = PoseOf(map.keyframes[k].record);
@@ -34,8 +34,8 @@ std::vector<PlacedLandmark> LandmarksOf(const MapParts& map) {
       covariance << point.xx_m2, point.xy_m2, point.xz_m2, point.xy_m2, point.yy_m2, point.yz_m2,
           point.xz_m2, point.yz_m2, point.zz_m2;
       covariance = rotation * covariance * rotation.transpose();
-      landmarks.push_back({.place = {.position_m = (T_local_keyframe * p_keyframe).head<2>(),
-                                     .covariance_m2 = covariance.topLeftCorner<2, 2>()},
+      landmarks.push_back({.position = {.position_m = (T_local_keyframe * p_keyframe).head<2>(),
+                                        .covariance_m2 = covariance.topLeftCorner<2, 2>()},
                            .keyframe = k,
                            .point = point});
     }
@@ -45,8 +45,8 @@ std::vector<PlacedLandmark> LandmarksOf(const MapParts& map) {
 
 FitScorer::FitScorer(std::span<const PlacedLandmark> landmarks) {
   for (const PlacedLandmark& landmark : landmarks) {
-    places_.push_back(landmark.place);
-    grid_.Insert(landmark.place.position_m);
+    positions_.push_back(landmark.position);
+    grid_.Insert(landmark.position.position_m);
   }
 }
 
@@ -59,8 +59,8 @@ double FitScorer::Sum(std::span<const RadarPoint> points, const Pose2& T_local_v
         rotation * point.covariance_m2.topLeftCorner<2, 2>() * rotation.transpose();
     double best = 0.0;
     grid_.ForEachNear(p_local, Eigen::Vector2d::Constant(kReach_m), [&](std::uint32_t i) {
-      const Eigen::Vector2d offset_m = places_[i].position_m - p_local;
-      const Eigen::Matrix2d covariance = places_[i].covariance_m2 + noise;
+      const Eigen::Vector2d offset_m = positions_[i].position_m - p_local;
+      const Eigen::Matrix2d covariance = positions_[i].covariance_m2 + noise;
       best = std::max(best, std::exp(-0.5 * offset_m.dot(covariance.inverse() * offset_m)));
     });
     sum += best;

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 #include "core/map/point_grid.h"
 #include "core/radar/static_points.h"
 #include "core/update/center_matching.h"
@@ -14,11 +14,11 @@
 namespace dcloc {
 
 /// How one version localizes a pass that it was not made of. The consensus is where the vehicle
-/// was by both versions together (`JudgeUpdate`).
+/// was by both versions together (`EvaluateUpdate`).
 struct VersionScore {
   double error_m = 0.0;  ///< of its answers that track, from the consensus, median
   double error_p90_m = 0.0;
-  double offset_m = 0.0;        ///< of its landmarks, as the pass sees them: see `JudgeUpdate`
+  double offset_m = 0.0;        ///< of its landmarks, as the pass sees them: see `EvaluateUpdate`
   double tracking_share = 0.0;  ///< of the scans
   double nees = 0.0;            ///< of (x, y, yaw) about the consensus, by 3; median
   double fit = 0.0;             ///< mean of exp(-d^2 / 2) over static targets: likelihood
@@ -26,11 +26,11 @@ struct VersionScore {
 
 /// A landmark of a version in the plane of the map's local frame.
 struct PlacedLandmark {
-  PlaceEstimate place;
+  LandmarkPosition position;
   std::size_t keyframe = 0;
   MapPoint point{};
 };
-std::vector<PlacedLandmark> LandmarksOf(const MapParts& map);
+std::vector<PlacedLandmark> LandmarksOf(const EditableMap& map);
 
 /// How static targets fit the landmarks of one version, wherever the vehicle is taken to be.
 class FitScorer {
@@ -41,7 +41,7 @@ class FitScorer {
   double Sum(std::span<const RadarPoint> points, const Pose2& T_local_vehicle) const;
 
  private:
-  std::vector<PlaceEstimate> places_;
+  std::vector<LandmarkPosition> positions_;
   PointGrid grid_{1.0};
 };
 

@@ -57,7 +57,7 @@ void SetAnswer(ReplicaAnswer<v1::GetServerStateResponse> answer, v1::Replica* re
 
 AdminService::AdminService(ServerFacts facts, SessionRegistry& registry,
                            RecordingRequests& recordings, IdentityStore& identities,
-                           StorageHost host, Replicas& replicas, DrainControl drain,
+                           RpcContext host, Replicas& replicas, DrainControl drain,
                            std::function<ServerGauges()> gauges)
     : facts_(std::move(facts)),
       registry_(registry),
@@ -122,7 +122,7 @@ void AdminService::AskOne(std::string address, const grpc::CallbackServerContext
 grpc::ServerUnaryReactor* AdminService::ListReplicas(grpc::CallbackServerContext* context,
                                                      const v1::ListReplicasRequest* request,
                                                      v1::ListReplicasResponse* response) {
-  return AnswerLaterOn(
+  return RunUnaryAsync(
       host_, context, request, [this, context, response](const Principal&, const UnaryDone& done) {
         replicas_.Ask<v1::GetServerStateRequest, v1::GetServerStateResponse>(
             replicas_.OthersFor(*context), *context, {}, &AsyncAdmin::GetServerState,
@@ -140,7 +140,7 @@ grpc::ServerUnaryReactor* AdminService::ListReplicas(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* AdminService::GetServerState(grpc::CallbackServerContext* context,
                                                        const v1::GetServerStateRequest* request,
                                                        v1::GetServerStateResponse* response) {
-  return AnswerLaterOn(host_, context, request,
+  return RunUnaryAsync(host_, context, request,
                        [this, context, request, response](const Principal&, const UnaryDone& done) {
                          const auto named = replicas_.Named(*context, request->replica());
                          if (!named.ok()) return done(named.status());
@@ -156,7 +156,7 @@ grpc::ServerUnaryReactor* AdminService::GetServerState(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* AdminService::ListSessions(grpc::CallbackServerContext* context,
                                                      const v1::ListSessionsRequest* request,
                                                      v1::ListSessionsResponse* response) {
-  return AnswerLaterOn(
+  return RunUnaryAsync(
       host_, context, request,
       [this, context, request, response](const Principal& principal, const UnaryDone& done) {
         const absl::Status status =
@@ -176,7 +176,7 @@ grpc::ServerUnaryReactor* AdminService::ListSessions(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* AdminService::GetSession(grpc::CallbackServerContext* context,
                                                    const v1::GetSessionRequest* request,
                                                    v1::GetSessionResponse* response) {
-  return AnswerLaterOn(
+  return RunUnaryAsync(
       host_, context, request,
       [this, context, request, response](const Principal& principal, const UnaryDone& done) {
         const auto session = registry_.Get(principal.tenant, request->session_id());
@@ -191,7 +191,7 @@ grpc::ServerUnaryReactor* AdminService::GetSession(grpc::CallbackServerContext* 
 grpc::ServerUnaryReactor* AdminService::EndSession(grpc::CallbackServerContext* context,
                                                    const v1::EndSessionRequest* request,
                                                    v1::EndSessionResponse* response) {
-  return AnswerLaterOn(
+  return RunUnaryAsync(
       host_, context, request,
       [this, context, request, response](const Principal& principal, const UnaryDone& done) {
         const absl::Status status = server::EndSession(registry_, principal, *request);
@@ -275,7 +275,7 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
 grpc::ServerUnaryReactor* AdminService::ProposePose(grpc::CallbackServerContext* context,
                                                     const v1::ProposePoseRequest* request,
                                                     v1::ProposePoseResponse* response) {
-  return AnswerLaterOn(
+  return RunUnaryAsync(
       host_, context, request,
       [this, context, request, response](const Principal& principal, const UnaryDone& done) {
         const auto session = registry_.GetSession(principal.tenant, request->session_id());
@@ -300,7 +300,7 @@ grpc::ServerUnaryReactor* AdminService::ProposePose(grpc::CallbackServerContext*
 grpc::ServerUnaryReactor* AdminService::ListOperations(grpc::CallbackServerContext* context,
                                                        const v1::ListOperationsRequest* request,
                                                        v1::ListOperationsResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+  return RunUnary(host_, context, request, [this, request, response](const Principal& principal) {
     return server::ListOperations(host_.operations, principal.tenant, *request, response);
   });
 }
@@ -308,7 +308,7 @@ grpc::ServerUnaryReactor* AdminService::ListOperations(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* AdminService::ListIdentities(grpc::CallbackServerContext* context,
                                                        const v1::ListIdentitiesRequest* request,
                                                        v1::ListIdentitiesResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response] {
+  return RunUnary(host_, context, request, [this, request, response] {
     return server::ListIdentities(identities_, *request, response);
   });
 }
@@ -316,14 +316,14 @@ grpc::ServerUnaryReactor* AdminService::ListIdentities(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* AdminService::RevokeIdentity(grpc::CallbackServerContext* context,
                                                        const v1::RevokeIdentityRequest* request,
                                                        v1::RevokeIdentityResponse* /*response*/) {
-  return AnswerOn(host_, context, request,
+  return RunUnary(host_, context, request,
                   [this, request] { return identities_.Revoke(request->id()); });
 }
 
 grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* context,
                                               const v1::DrainRequest* request,
                                               v1::DrainResponse* response) {
-  return AnswerLaterOn(host_, context, request,
+  return RunUnaryAsync(host_, context, request,
                        [this, context, request, response](const Principal&, const UnaryDone& done) {
                          const auto named = replicas_.Named(*context, request->replica());
                          if (!named.ok()) return done(named.status());

@@ -11,7 +11,7 @@
 #include "server/admin/watch_stream.h"
 #include "server/base/shutdown_hooks.h"
 #include "server/replicas/replicas.h"
-#include "server/rpc/storage_host.h"
+#include "server/rpc/rpc_context.h"
 #include "server/rpc/unary.h"
 #include "server/sessions/recording_subscriber.h"
 #include "server/sessions/session_registry.h"
@@ -46,7 +46,7 @@ class AdminService final : public v1::AdminService::CallbackService {
  public:
   /// The references outlive the service's calls.
   AdminService(ServerFacts facts, SessionRegistry& registry, RecordingRequests& recordings,
-               IdentityStore& identities, StorageHost host, Replicas& replicas, DrainControl drain,
+               IdentityStore& identities, RpcContext host, Replicas& replicas, DrainControl drain,
                std::function<ServerGauges()> gauges);
 
   grpc::ServerUnaryReactor* ListReplicas(grpc::CallbackServerContext* context,
@@ -117,7 +117,7 @@ class AdminService final : public v1::AdminService::CallbackService {
   RecordingRequests& recordings_;
   IdentityStore& identities_;
   RecordingSlots recording_slots_;
-  const StorageHost host_;
+  const RpcContext host_;
   Replicas& replicas_;
   const DrainControl drain_;
   const std::function<ServerGauges()> gauges_;

@@ -11,7 +11,7 @@
 
 #include "absl/status/status.h"
 #include "server/base/status.h"
-#include "server/rpc/storage_host.h"
+#include "server/rpc/rpc_context.h"
 
 namespace dcloc::server {
 
@@ -46,7 +46,7 @@ class PushStream : public grpc::ServerWriteReactor<Message>, public PeerBoundCal
     return {grpc::StatusCode::UNAVAILABLE, "the server is shutting down"};
   }
 
-  PushStream(const StorageHost& host, grpc::CallbackServerContext* context)
+  PushStream(const RpcContext& host, grpc::CallbackServerContext* context)
       : host_(host), context_(context), token_(host.open_calls) {}
 
   /// Lives from here until the call is done and others have let go of it.
@@ -113,7 +113,7 @@ class PushStream : public grpc::ServerWriteReactor<Message>, public PeerBoundCal
   enum class State { kOpen, kEnding, kFinished };
 
   std::shared_ptr<PushStream> self_;  ///< reset by OnDone
-  const StorageHost& host_;
+  const RpcContext& host_;
   grpc::CallbackServerContext* const context_;
   const OpenCalls::Token token_;
   PeerWait peer_wait_;

@@ -13,7 +13,7 @@ std::shared_ptr<void> RecordingSlots::Take(int max) {
   return {taken_.get(), [taken = taken_](void*) { taken->fetch_sub(1); }};
 }
 
-std::shared_ptr<RecordStream> RecordStream::Start(const StorageHost& host,
+std::shared_ptr<RecordStream> RecordStream::Start(const RpcContext& host,
                                                   grpc::CallbackServerContext* context,
                                                   std::string program) {
   return Hold(std::shared_ptr<RecordStream>(new RecordStream(host, context, std::move(program))));

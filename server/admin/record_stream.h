@@ -33,7 +33,7 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   static constexpr std::size_t kMaxWaiting_bytes = 32 << 20;
 
   /// `program` is named in the recording.
-  static std::shared_ptr<RecordStream> Start(const StorageHost& host,
+  static std::shared_ptr<RecordStream> Start(const RpcContext& host,
                                              grpc::CallbackServerContext* context,
                                              std::string program);
 
@@ -65,7 +65,7 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   void OnEnd() override;
 
  private:
-  RecordStream(const StorageHost& host, grpc::CallbackServerContext* context, std::string program)
+  RecordStream(const RpcContext& host, grpc::CallbackServerContext* context, std::string program)
       : PushStream(host, context), program_(std::move(program)) {}
 
   /// Whether the session of this server is the one that is recorded.

@@ -9,7 +9,7 @@ constexpr std::size_t kMaxWaitingAnswers = 64;
 
 }  // namespace
 
-std::shared_ptr<WatchStream> WatchStream::Start(const StorageHost& host,
+std::shared_ptr<WatchStream> WatchStream::Start(const RpcContext& host,
                                                 grpc::CallbackServerContext* context) {
   return Hold(std::shared_ptr<WatchStream>(new WatchStream(host, context)));
 }

@@ -13,7 +13,7 @@ namespace dcloc::server {
 /// answers; the session never waits.
 class WatchStream final : public PushStream<v1::WatchSessionResponse>, public AnswerSubscriber {
  public:
-  static std::shared_ptr<WatchStream> Start(const StorageHost& host,
+  static std::shared_ptr<WatchStream> Start(const RpcContext& host,
                                             grpc::CallbackServerContext* context);
 
   /// Says whether the session was found. If not, the call ends. Nothing is written before.

@@ -23,8 +23,6 @@
 namespace dcloc::server {
 namespace {
 
-constexpr int kUsageError = 2;
-
 /// A connection takes a file descriptor, and this version of gRPC never accepts again once they
 /// have run out.
 void RaiseFileLimit() {

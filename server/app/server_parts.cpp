@@ -63,13 +63,13 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
                {.answer = std::chrono::milliseconds(config.replica_timeout_ms)}),
       localization_pool(WorkerCount(config), SearcherCount(config)),
       localization(
-          {.storage = storage_host,
+          {.storage = rpc_context,
            .registry = registry,
            .sessions = {.store = store, .recordings = recordings, .context = MakeSessionContext()},
            .usages = usages,
            .max_pending_scan_count = config.max_pending_scan_count}),
       maps(
-          storage_host,
+          rpc_context,
           [this](const std::string& tenant, const std::string& map_name) {
             return MoveSessions(registry, store, tenant, map_name);
           },
@@ -78,7 +78,7 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
              .start_time = std::chrono::system_clock::now(),
              .worker_count = localization_pool.thread_count(),
              .stub_localizer = config.stub_localizer},
-            registry, recordings, *opened_storage.identities, storage_host, replicas,
+            registry, recordings, *opened_storage.identities, rpc_context, replicas,
             {.drain = [this] { return Drain(drain_grace); },
              .draining = [this] { return localization.draining(); }},
             [this] { return Gauges(); }),

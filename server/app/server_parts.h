@@ -83,8 +83,8 @@ struct Server::Parts {
   PeerBoundCalls peer_bound_calls;
   WorkerPool storage_pool;
   Replicas replicas;
-  const StorageHost storage_host{store,  storage_pool, open_calls, peer_bound_calls,
-                                 access, operations,   limits};
+  const RpcContext rpc_context{store,  storage_pool, open_calls, peer_bound_calls,
+                               access, operations,   limits};
   WorkerPool localization_pool;
   LocalizationService localization;
   MapService maps;

@@ -25,6 +25,7 @@
 #include "server/app/store_repair.h"
 #include "server/base/files.h"
 #include "server/base/sqlite_copy.h"
+#include "server/config/command_line.h"
 #include "server/maps/catalogue/sqlite_catalogue.h"
 #include "server/maps/store/map_folder.h"
 
@@ -32,8 +33,6 @@ namespace dcloc::server {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr int kStoreUsageError = 2;
 
 struct StoreArguments {
   std::string data;
@@ -253,7 +252,7 @@ int RunStoreCommand(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? EXIT_SUCCESS : kStoreUsageError;
+    return app.exit(error) == 0 ? EXIT_SUCCESS : kUsageError;
   }
   if (result.ok()) return EXIT_SUCCESS;
   std::cerr << "dcloc-server: " << WithPath(result).message() << "\n";

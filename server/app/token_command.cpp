@@ -15,11 +15,11 @@
 #include "nlohmann/json.hpp"
 #include "server/app/identity_mark.h"
 #include "server/app/storage.h"
+#include "server/config/command_line.h"
 
 namespace dcloc::server {
 namespace {
 
-constexpr int kUsageError = 2;
 constexpr int kPageSize = 1000;  ///< of identities that are read at once
 
 struct Arguments {

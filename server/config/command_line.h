@@ -8,6 +8,9 @@
 
 namespace dcloc::server {
 
+/// What `dcloc-server` returns to the shell for wrong usage.
+inline constexpr int kUsageError = 2;
+
 /// What the program was asked to do.
 struct CommandLine {
   std::optional<std::string> print;  ///< only print this: help or version

@@ -10,7 +10,6 @@
 namespace dcloc::server::convert {
 namespace {
 
-constexpr double kMaxTranslation_m = 1e8;
 constexpr double kMaxCovariance = 1e12;
 constexpr double kQuaternionNormTolerance = 1e-3;
 constexpr int kDof = Pose3::kDof;
@@ -21,7 +20,7 @@ absl::Status CheckTranslation(const Eigen::Vector3d& translation_m, absl::string
   constexpr const char* kAxes[] = {"x", "y", "z"};
   for (int axis = 0; axis < 3; ++axis) {
     absl::Status status = CheckBetween(absl::StrCat(field, ".", kAxes[axis]), translation_m[axis],
-                                       -kMaxTranslation_m, kMaxTranslation_m);
+                                       -kMaxWireCoordinate_m, kMaxWireCoordinate_m);
     if (!status.ok()) return status;
   }
   return absl::OkStatus();

@@ -12,6 +12,9 @@
 /// bound; `field` is the path of the message for that. `ToProto` cannot fail.
 namespace dcloc::server::convert {
 
+/// Of positions on the wire, along each axis: within 1e5 km of their parent's origin.
+inline constexpr double kMaxWireCoordinate_m = 1e8;
+
 /// Finite, within 1e5 km of its parent's origin; the rotation's norm within 1e-3 of 1, then made 1.
 absl::StatusOr<Pose3> FromProto(const v1::Pose& message, absl::string_view field);
 

@@ -13,15 +13,13 @@
 namespace dcloc::server::convert {
 namespace {
 
-/// As poses on the wire: within 1e5 km of the origin.
-constexpr double kMaxCoordinate_m = 1e8;
 constexpr double kMaxCoverageRadius_m = 10'000.0;
 constexpr double kMaxTileWidth_m = 5000.0;
 constexpr int kMaxTilePoints = 50'000;
 constexpr int kDefaultTilePoints = 20'000;
 
 absl::Status CheckCoordinate(absl::string_view field, double value) {
-  return CheckBetween(field, value, -kMaxCoordinate_m, kMaxCoordinate_m);
+  return CheckBetween(field, value, -kMaxWireCoordinate_m, kMaxWireCoordinate_m);
 }
 
 void SetInfo(const MapInfo& info, v1::MapInfo* message) {

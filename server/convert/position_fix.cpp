@@ -12,7 +12,7 @@ namespace {
 v1::FixUse UseOf(FixUse use) {
   switch (use) {
     case FixUse::kFused:
-    case FixUse::kAgrees:  // the contract has one value for both
+    case FixUse::kConsistentNotFused:  // the contract has one value for both
       return v1::FIX_USE_FUSED;
     case FixUse::kGuidesSearch:
       return v1::FIX_USE_GUIDES_SEARCH;

@@ -22,8 +22,8 @@ LocalizerOptions OptionsFromProto(const v1::LocalizationOptions& message) {
   if (message.has_doppler_compensation()) {
     options.doppler_compensation = message.doppler_compensation();
   }
-  if (message.has_uncertainty()) options.uncertainty = message.uncertainty();
-  if (message.has_truncation()) options.truncation = message.truncation();
+  if (message.has_uncertainty()) options.per_point_covariance = message.uncertainty();
+  if (message.has_truncation()) options.gate_outliers = message.truncation();
   return options;
 }
 

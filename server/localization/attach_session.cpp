@@ -22,7 +22,7 @@ absl::StatusOr<Caller> CallerOf(const grpc::CallbackServerContext& context,
 }
 
 /// A new session, with its right to be there.
-absl::StatusOr<std::shared_ptr<Session>> OpenNew(const SessionHost& host, Caller caller,
+absl::StatusOr<std::shared_ptr<Session>> OpenNew(const StreamContext& host, Caller caller,
                                                  const v1::OpenSession& open,
                                                  const std::shared_ptr<SessionStream>& stream) {
   absl::StatusOr<std::shared_ptr<const SessionPermit>> permit =
@@ -64,7 +64,7 @@ absl::Status TakeOver(SessionRegistry& registry, const Session& session,
 
 }  // namespace
 
-void AttachSession(const SessionHost& host, const grpc::CallbackServerContext& context,
+void AttachSession(const StreamContext& host, const grpc::CallbackServerContext& context,
                    const Principal& principal, const v1::LocalizeRequest& request,
                    std::shared_ptr<SessionStream> stream, AttachDone done) {
   if (!request.has_open()) {

@@ -7,7 +7,7 @@
 #include "absl/functional/any_invocable.h"
 #include "absl/status/statusor.h"
 #include "dcloc/v1/localization_service.pb.h"
-#include "server/localization/session_host.h"
+#include "server/localization/stream_context.h"
 #include "server/sessions/session_stream.h"
 
 namespace dcloc::server {
@@ -24,7 +24,7 @@ using AttachDone = absl::AnyInvocable<void(absl::StatusOr<AttachedSession>)>;
 /// stream. May wait for a disk. `done` is called once: on the session's strand with the session, or
 /// with the error that ends the stream. `host`, `context` and `request` live until then;
 /// `principal` is who calls.
-void AttachSession(const SessionHost& host, const grpc::CallbackServerContext& context,
+void AttachSession(const StreamContext& host, const grpc::CallbackServerContext& context,
                    const Principal& principal, const v1::LocalizeRequest& request,
                    std::shared_ptr<SessionStream> stream, AttachDone done);
 

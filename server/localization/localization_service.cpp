@@ -13,7 +13,7 @@ std::string AddressOf(const std::string& peer) { return peer.substr(0, peer.rfin
 
 }  // namespace
 
-LocalizationService::LocalizationService(SessionHost host) : host_(std::move(host)) {}
+LocalizationService::LocalizationService(StreamContext host) : host_(std::move(host)) {}
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* LocalizationService::Localize(
     grpc::CallbackServerContext* context) {

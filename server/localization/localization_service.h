@@ -22,7 +22,7 @@ class LocalizationService final : public RawLocalizationService, private StreamK
  public:
   using Clock = std::chrono::steady_clock;
 
-  explicit LocalizationService(SessionHost host);
+  explicit LocalizationService(StreamContext host);
 
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Localize(
       grpc::CallbackServerContext* context) override;
@@ -63,7 +63,7 @@ class LocalizationService final : public RawLocalizationService, private StreamK
   void OnFirstMessage(LocalizeStream& stream) override;
   void OnDone(LocalizeStream& stream) override;
 
-  const SessionHost host_;
+  const StreamContext host_;
 
   mutable std::mutex mutex_;
   std::map<LocalizeStream*, OpenStream> streams_;

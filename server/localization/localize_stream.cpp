@@ -11,7 +11,7 @@
 
 namespace dcloc::server {
 
-std::shared_ptr<LocalizeStream> LocalizeStream::Create(const SessionHost& host,
+std::shared_ptr<LocalizeStream> LocalizeStream::Create(const StreamContext& host,
                                                        grpc::CallbackServerContext* context,
                                                        StreamKeeper& keeper) {
   std::shared_ptr<LocalizeStream> stream(new LocalizeStream(host, context, keeper));
@@ -24,7 +24,7 @@ void LocalizeStream::Admit() {
   host_.storage.pool.Post([self = shared_from_this()] { self->CheckCaller(); });
 }
 
-LocalizeStream::LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,
+LocalizeStream::LocalizeStream(const StreamContext& host, grpc::CallbackServerContext* context,
                                StreamKeeper& keeper)
     : host_(host), context_(context), keeper_(keeper), ring_(host.max_pending_scan_count) {}
 
@@ -159,9 +159,11 @@ void LocalizeStream::QueueScan() {
   ring_.OnRead();
   session_->strand().Post([self = shared_from_this()] { self->AnswerNext(); });
   Slot& slot = ring_.newest_read();
-  slot.catches_up =
-      slot.request.has_scan() && session_->MayCatchUp(slot.request.scan().sequence_number());
-  if (terms_.drops_oldest && !slot.catches_up) ring_.DropOldest(task_under_way_ == Task::kScan);
+  if (slot.request.has_scan() && session_->MayCatchUp(slot.request.scan().sequence_number())) {
+    slot.handling = Handling::kCatchUp;
+  } else if (terms_.drops_oldest) {
+    ring_.DropOldest(task_under_way_ == Task::kScan ? 1 : 0);
+  }
 }
 
 // ---- What it does next
@@ -326,16 +328,16 @@ void LocalizeStream::Fail(grpc::Status status) {
 void LocalizeStream::AnswerNext() {
   Slot* slot = nullptr;
   std::shared_ptr<Session> session;
-  bool dropped = false;
+  Handling handling = Handling::kAnswer;
   {
     const std::lock_guard lock(mutex_);
     if (!RulesOf(state_).answers) return;
     slot = &ring_.to_answer();
-    dropped = slot->dropped;
+    handling = slot->handling;
     session = session_;
     task_under_way_ = Task::kScan;
   }
-  grpc::Status status = Answer(*session, *slot, dropped);
+  grpc::Status status = Answer(*session, *slot, handling);
   session.reset();  // before the stream can end
   if (!status.ok()) return Fail(std::move(status));
   {
@@ -346,7 +348,7 @@ void LocalizeStream::AnswerNext() {
   Pump();
 }
 
-grpc::Status LocalizeStream::Answer(Session& session, Slot& slot, bool dropped) const {
+grpc::Status LocalizeStream::Answer(Session& session, Slot& slot, Handling handling) const {
   if (slot.request.has_position_fix()) {
     session.TakeFix(slot.request.position_fix(), [&slot](const FixAnswer& answer) {
       slot.response.Clear();
@@ -360,15 +362,16 @@ grpc::Status LocalizeStream::Answer(Session& session, Slot& slot, bool dropped) 
                             ? "open came twice; a stream is one session"
                             : "message is missing; it must be a scan or a position_fix");
   }
-  slot.silent = session.IsToCatchUp(slot.request.scan().sequence_number());
-  if (slot.silent) {
-    if (!dropped) session.CatchUp(slot.request.scan());
+  if (handling == Handling::kCatchUp &&
+      session.IsToCatchUp(slot.request.scan().sequence_number())) {
+    slot.handling = Handling::kSilent;
+    session.CatchUp(slot.request.scan());
     return grpc::Status::OK;
   }
   const auto reply = [&slot](const ScanAnswer& answer) {
     convert::ToProto(answer, &slot.response);
   };
-  if (dropped) {
+  if (handling == Handling::kDrop) {
     session.AnswerDropped(slot.request.scan().sequence_number(), reply);
   } else {
     session.Answer(slot.request.scan(), slot.arrival, reply);

@@ -10,8 +10,8 @@
 #include "dcloc/v1/localization_service.pb.h"
 #include "server/base/peer_wait.h"
 #include "server/localization/attach_session.h"
-#include "server/localization/session_host.h"
 #include "server/localization/slot_ring.h"
+#include "server/localization/stream_context.h"
 #include "server/localization/stream_state.h"
 #include "server/sessions/session_stream.h"
 
@@ -52,7 +52,7 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
  public:
   /// Lives until the call is done and no task of the pools refers to it. `context` outlives the
   /// call. Nothing happens before `Admit`.
-  static std::shared_ptr<LocalizeStream> Create(const SessionHost& host,
+  static std::shared_ptr<LocalizeStream> Create(const StreamContext& host,
                                                 grpc::CallbackServerContext* context,
                                                 StreamKeeper& keeper);
 
@@ -100,7 +100,7 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
     std::string reason;  ///< for clients that ask for the session later
   };
 
-  LocalizeStream(const SessionHost& host, grpc::CallbackServerContext* context,
+  LocalizeStream(const StreamContext& host, grpc::CallbackServerContext* context,
                  StreamKeeper& keeper);
 
   // With the mutex held.
@@ -125,9 +125,9 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   void Opened(AttachedSession attached);
   void Fail(grpc::Status status);
   void AnswerNext();
-  grpc::Status Answer(Session& session, Slot& slot, bool dropped) const;
+  grpc::Status Answer(Session& session, Slot& slot, Handling handling) const;
 
-  const SessionHost& host_;
+  const StreamContext& host_;
   grpc::CallbackServerContext* const context_;
   StreamKeeper& keeper_;
   std::shared_ptr<LocalizeStream> self_;  ///< reset by OnDone

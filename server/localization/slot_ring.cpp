@@ -22,23 +22,21 @@ void SlotRing::OnAnswered() {
 void SlotRing::OnRead() {
   Slot& slot = to_read();
   slot.arrival = Arrival::Now();
-  slot.dropped = false;
-  slot.silent = false;
-  slot.catches_up = false;
+  slot.handling = Handling::kAnswer;
   ++read_count_;
 }
 
-void SlotRing::DropOldest(bool first_is_taken) {
-  const std::int64_t first = answered_count_ + (first_is_taken ? 1 : 0);
+void SlotRing::DropOldest(int taken_count) {
+  const std::int64_t first = answered_count_ + taken_count;
   std::int64_t waiting = 0;
   const auto waits = [](const Slot& slot) {
-    return slot.request.has_scan() && !slot.dropped && !slot.catches_up;
+    return slot.request.has_scan() && slot.handling == Handling::kAnswer;
   };
   for (std::int64_t i = first; i < read_count_; ++i) waiting += waits(At(i)) ? 1 : 0;
   for (std::int64_t i = first; waiting > max_pending_count_; ++i) {
     Slot& slot = At(i);
     if (!waits(slot)) continue;
-    slot.dropped = true;
+    slot.handling = Handling::kDrop;
     --waiting;
     v1::LocalizeRequest header;  // the columns' memory goes
     header.mutable_scan()->set_sequence_number(slot.request.scan().sequence_number());

@@ -9,15 +9,21 @@
 
 namespace dcloc::server {
 
+/// What becomes of a message.
+enum class Handling {
+  kAnswer,   ///< it is worked on and answered
+  kDrop,     ///< newer scans wait: it is answered, but not looked at
+  kCatchUp,  ///< its answer was another session's: it is localized for those that follow, never
+             ///< dropped
+  kSilent,   ///< it needs no answer
+};
+
 /// A message and its answer; the memory of both is reused.
 struct Slot {
   v1::LocalizeRequest request;
   v1::LocalizeResponse response;
   Arrival arrival;
-  bool dropped = false;  ///< newer scans wait: it is answered, but not looked at
-  bool silent = false;   ///< it needs no answer
-  /// Its answer was another session's: it is localized for those that follow, and never dropped.
-  bool catches_up = false;
+  Handling handling = Handling::kAnswer;
 };
 
 /// A stream's messages, in order: each is read, answered and written, then its slot is free again.
@@ -45,13 +51,13 @@ class SlotRing {
 
   /// Frees the slots of messages that need no answer, as far as they are next to be written.
   void PassSilent() {
-    while (has_answer_to_write() && to_write().silent) OnWritten();
+    while (has_answer_to_write() && to_write().handling == Handling::kSilent) OnWritten();
   }
 
   /// Marks the oldest of the waiting scans as dropped until at most `max_pending_count` are left;
-  /// other messages are not dropped, and drop none. `first_is_taken`: the oldest message is being
-  /// answered and does not wait.
-  void DropOldest(bool first_is_taken);
+  /// other messages are not dropped, and drop none. So many of the oldest messages, `taken_count`,
+  /// are being answered and do not wait.
+  void DropOldest(int taken_count);
 
   /// Whether a message may be read: only one before the first one is answered, then as many as
   /// there are slots.

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "server/base/transition_table.h"
+
 namespace dcloc::server {
 namespace {
 
@@ -9,12 +11,7 @@ using Action = StreamAction;
 using Event = StreamEvent;
 using State = StreamState;
 
-struct Arrow {
-  State from;
-  Event event;
-  State to;
-  Action action;
-};
+using Arrow = TransitionArrow<State, Event, Action>;
 
 constexpr std::array kArrows = {
     Arrow{State::kAdmitting, Event::kAdmitted, State::kOpening, Action::kNone},
@@ -67,10 +64,7 @@ constexpr std::array kArrows = {
 }  // namespace
 
 StreamTransition Next(StreamState state, StreamEvent event) {
-  for (const Arrow& arrow : kArrows) {
-    if (arrow.from == state && arrow.event == event) return {arrow.to, arrow.action};
-  }
-  return {state, Action::kNone};
+  return NextIn<StreamTransition>(kArrows, state, event);
 }
 
 StreamRules RulesOf(StreamState state) {

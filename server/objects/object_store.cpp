@@ -12,9 +12,9 @@
 #include "absl/strings/str_replace.h"
 #include "server/base/sha256.h"
 #include "server/base/status.h"
-#include "server/objects/judge_answer.h"
 #include "server/objects/object_credentials.h"
 #include "server/objects/object_error.h"
+#include "server/objects/response_status.h"
 #include "server/objects/s3_xml.h"
 #include "spdlog/spdlog.h"
 
@@ -216,7 +216,7 @@ absl::StatusOr<S3Answer> ObjectStore::AskOnce(const S3Request& request,
   if (!credentials.ok()) return absl::FailedPreconditionError(credentials.status().message());
   absl::StatusOr<S3Answer> answer = client_.Send(request, body_sha256, *credentials);
   if (!answer.ok()) return answer;
-  absl::Status status = JudgeAnswer(request, *answer);
+  absl::Status status = StatusOfResponse(request, *answer);
   if (!status.ok()) return status;
   return answer;
 }

@@ -159,8 +159,8 @@ S3Client::~S3Client() = default;
 
 absl::StatusOr<S3Answer> S3Client::Send(const S3Request& request, absl::string_view body_sha256,
                                         const ObjectCredentials& credentials) {
-  const LendingPool<Handle>::Loan loan = handles_.Lend();
-  CURL* const handle = (*loan).curl;
+  const ObjectPool<Handle>::Lease lease = handles_.Acquire();
+  CURL* const handle = (*lease).curl;
   if (handle == nullptr) return absl::UnavailableError("libcurl cannot start");
   curl_easy_reset(handle);
   Headers headers;

@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "server/base/lending_pool.h"
+#include "server/base/object_pool.h"
 #include "server/objects/object_credentials.h"
 
 namespace dcloc::server {
@@ -70,7 +70,7 @@ class S3Client {
   struct Handle;
 
   const S3Options options_;
-  LendingPool<Handle> handles_;
+  ObjectPool<Handle> handles_;
 };
 
 }  // namespace dcloc::server

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "server/base/status.h"
+#include "server/postgres/advisory_lock.h"
 
 namespace dcloc::server {
 namespace {
@@ -16,19 +17,22 @@ namespace {
 /// For all steps together; an index over a million rows takes its time.
 constexpr std::chrono::minutes kTimeout(5);
 
-/// The lock's number, "DCLC", is this program's in a database that it may share with others. It is
-/// taken before the schema is looked for, as two that make one at once would disturb each other.
-constexpr char kBegin[] = R"(
+/// The lock is taken before the schema is looked for, as two that make one at once would disturb
+/// each other.
+std::string BeginSql() {
+  return absl::StrCat(R"(
 BEGIN;
 SET LOCAL statement_timeout = '5min'; SET LOCAL lock_timeout = '1min';
-SELECT pg_advisory_xact_lock(1145261123);
+SELECT pg_advisory_xact_lock()",
+                      kAdvisoryLock, R"();
 DO $$ BEGIN
   IF to_regnamespace('dcloc') IS NULL THEN CREATE SCHEMA dcloc; END IF;
   IF to_regclass('dcloc.schema_version') IS NULL THEN
     CREATE TABLE dcloc.schema_version (part text PRIMARY KEY, version bigint NOT NULL);
   END IF;
 END $$;
-)";
+)");
+}
 
 absl::StatusOr<std::int64_t> VersionOf(PostgresConnection& connection, const char* part) {
   absl::StatusOr<PostgresRows> rows =
@@ -79,7 +83,7 @@ absl::Status Migrate(PostgresConnection& connection, const PostgresMigrations& m
   if (*version == static_cast<std::int64_t>(migrations.steps.size())) return absl::OkStatus();
   absl::Status status = CheckVersion(migrations, *version);
   if (!status.ok()) return status;
-  status = connection.RunAll(kBegin, kTimeout).status();
+  status = connection.RunAll(BeginSql(), kTimeout).status();
   if (status.ok()) status = TakeSteps(connection, migrations);
   if (status.ok()) return connection.Query("COMMIT").status();
   connection.Query("ROLLBACK").status().IgnoreError();

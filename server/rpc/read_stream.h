@@ -11,7 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
 #include "server/base/status.h"
-#include "server/rpc/storage_host.h"
+#include "server/rpc/rpc_context.h"
 #include "server/rpc/wire.h"
 
 namespace dcloc::server {
@@ -38,7 +38,7 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   }
 
  protected:
-  ReadStream(const StorageHost& host, grpc::CallbackServerContext* context,
+  ReadStream(const RpcContext& host, grpc::CallbackServerContext* context,
              grpc::ByteBuffer* response)
       : host_(host),
         context_(context),
@@ -58,7 +58,7 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
     return stream.get();
   }
 
-  const StorageHost& host() const { return host_; }
+  const RpcContext& host() const { return host_; }
 
   /// Who calls; known when requests are taken.
   const Principal& principal() const { return principal_; }
@@ -124,7 +124,7 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
     this->Finish(ToGrpc(status));
   }
 
-  const StorageHost& host_;
+  const RpcContext& host_;
   grpc::CallbackServerContext* const context_;
   grpc::ByteBuffer* const response_;
   const OpenCalls::Token token_;

@@ -10,17 +10,17 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "server/base/status.h"
-#include "server/rpc/storage_host.h"
+#include "server/rpc/rpc_context.h"
 
 namespace dcloc::server {
 
 /// The end of a unary call that the caller may make: whoever holds it finishes the call, once.
 template <typename Request>
-class UnaryEnd {
+class UnaryCompletion {
  public:
-  UnaryEnd(const StorageHost& host, grpc::CallbackServerContext* context,
-           grpc::ServerUnaryReactor* reactor, const Request* request, Principal principal,
-           OpenCalls::Token token)
+  UnaryCompletion(const RpcContext& host, grpc::CallbackServerContext* context,
+                  grpc::ServerUnaryReactor* reactor, const Request* request, Principal principal,
+                  OpenCalls::Token token)
       : host_(host),
         context_(context),
         reactor_(reactor),
@@ -37,7 +37,7 @@ class UnaryEnd {
   }
 
  private:
-  const StorageHost& host_;
+  const RpcContext& host_;
   grpc::CallbackServerContext* context_;
   grpc::ServerUnaryReactor* reactor_;
   const Request* request_;
@@ -46,13 +46,11 @@ class UnaryEnd {
 };
 
 /// Answers a unary call, if the caller has the permission. `work` begins on a thread of the host's
-/// pool, and gets the call's `UnaryEnd`, which it may hand on. Calls that read whole maps use the
-/// lengthy `lane`.
+/// pool, and gets the call's `UnaryCompletion`, which it may hand on. Calls that read whole maps
+/// use the lengthy `lane`.
 template <typename Request, typename Work>
-grpc::ServerUnaryReactor* BeginAnswerOn(const StorageHost& host,
-                                        grpc::CallbackServerContext* context,
-                                        const Request* request, Work work,
-                                        Lane lane = Lane::kQuick) {
+grpc::ServerUnaryReactor* StartUnary(const RpcContext& host, grpc::CallbackServerContext* context,
+                                     const Request* request, Work work, Lane lane = Lane::kQuick) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   host.pool.Post(
       [&host, context, reactor, request, work = std::move(work),
@@ -60,8 +58,8 @@ grpc::ServerUnaryReactor* BeginAnswerOn(const StorageHost& host,
         absl::StatusOr<Principal> principal =
             host.access.Authorize(*context, Request::descriptor());
         if (!principal.ok()) return reactor->Finish(ToGrpc(principal.status()));
-        work(UnaryEnd<Request>(host, context, reactor, request, *std::move(principal),
-                               std::move(token)));
+        work(UnaryCompletion<Request>(host, context, reactor, request, *std::move(principal),
+                                      std::move(token)));
       },
       lane);
   return reactor;
@@ -70,11 +68,11 @@ grpc::ServerUnaryReactor* BeginAnswerOn(const StorageHost& host,
 /// The same for work that ends where it began: it fills the response and returns the call's
 /// absl::Status. Its argument is the calling Principal, or nothing.
 template <typename Request, typename Work>
-grpc::ServerUnaryReactor* AnswerOn(const StorageHost& host, grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* RunUnary(const RpcContext& host, grpc::CallbackServerContext* context,
                                    const Request* request, Work work, Lane lane = Lane::kQuick) {
-  return BeginAnswerOn(
+  return StartUnary(
       host, context, request,
-      [work = std::move(work)](UnaryEnd<Request> end) {
+      [work = std::move(work)](UnaryCompletion<Request> end) {
         if constexpr (std::is_invocable_v<Work, const Principal&>) {
           end(work(end.principal()));
         } else {
@@ -90,12 +88,12 @@ using UnaryDone = std::function<void(const absl::Status& status)>;
 /// The same for a call that waits for others: `work(principal, done)` must not wait, and the
 /// request and the response live until `done`.
 template <typename Request, typename Work>
-grpc::ServerUnaryReactor* AnswerLaterOn(const StorageHost& host,
+grpc::ServerUnaryReactor* RunUnaryAsync(const RpcContext& host,
                                         grpc::CallbackServerContext* context,
                                         const Request* request, Work work) {
-  return BeginAnswerOn(host, context, request, [work = std::move(work)](UnaryEnd<Request> end) {
+  return StartUnary(host, context, request, [work = std::move(work)](UnaryCompletion<Request> end) {
     const Principal principal = end.principal();
-    auto shared = std::make_shared<UnaryEnd<Request>>(std::move(end));
+    auto shared = std::make_shared<UnaryCompletion<Request>>(std::move(end));
     work(principal, [shared](const absl::Status& status) { (*shared)(status); });
   });
 }

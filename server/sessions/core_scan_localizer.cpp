@@ -12,7 +12,7 @@ class CoreScanLocalizer final : public ScanLocalizer {
       : workspaces_(workspaces), localizer_(std::move(localizer)) {}
 
   absl::StatusOr<Localization> Localize(const Scan& scan, StageListener* listener) override {
-    const WorkspacePool::Loan workspace = workspaces_.Lend();
+    const WorkspacePool::Lease workspace = workspaces_.Acquire();
     return localizer_.Localize(scan, *workspace, listener);
   }
 

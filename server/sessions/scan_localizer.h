@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/localizer/localizer.h"
-#include "server/base/lending_pool.h"
+#include "server/base/object_pool.h"
 
 namespace dcloc::server {
 
@@ -36,7 +36,7 @@ using ScanLocalizerFactory = std::function<absl::StatusOr<std::unique_ptr<ScanLo
     const LocalizerOptions& options)>;
 
 /// The memory that a scan needs while it is localized; the sessions of a server share the pool.
-using WorkspacePool = LendingPool<LocalizerWorkspace>;
+using WorkspacePool = ObjectPool<LocalizerWorkspace>;
 
 /// The method: core's Localizer. `workspaces` outlives it. `methods` replace core's registration.
 absl::StatusOr<std::unique_ptr<ScanLocalizer>> CreateCoreScanLocalizer(

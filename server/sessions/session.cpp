@@ -85,7 +85,7 @@ Session::Session(const SessionContext& context, SessionStart start,
       answered_until_(start.ticket ? start.answered_until : std::nullopt),
       history_(context.answer_history_count) {
   if (start.ticket) {
-    order_.Restore(start.ticket->last_sequence_number, start.ticket->snapshot.stamp);
+    sequence_check_.Restore(start.ticket->last_sequence_number, start.ticket->snapshot.stamp);
     last_scan_ = LastScanOf(start.ticket->snapshot, *rig_);
     last_resets_ = start.ticket->snapshot.resets;
     ChooseLane();
@@ -114,7 +114,9 @@ OpenedSession Session::Describe(bool resumed) const {
                        .ticket_use = resumed ? TicketUse::kNone : ticket_use_,
                        .epoch = description.epoch,
                        .ticket_interval = {}};
-  if (order_.last_localized() >= 0) opened.last_sequence_number = order_.last_localized();
+  if (sequence_check_.last_localized() >= 0) {
+    opened.last_sequence_number = sequence_check_.last_localized();
+  }
   if (description.resumable()) opened.detached_timeout = context_.detached_timeout;
   if (ticket_writer_.writes()) opened.ticket_interval = context_.tickets->interval();
   return opened;
@@ -178,14 +180,16 @@ void Session::TakeFix(const v1::PositionFix& fix, FixReply reply) {
 }
 
 absl::StatusOr<FixAnswer> Session::ProposePose(v1::PositionFix fix) {
-  if (!order_.last_stamp()) {
+  if (!sequence_check_.last_stamp()) {
     return absl::FailedPreconditionError("no scan of the session has been localized yet");
   }
   if (recording_ != nullptr && !recording_->TakesFixes()) {
     return absl::FailedPreconditionError(
         "the session is recorded by a client that cannot record position fixes");
   }
-  if (fix.stamp_ns() == 0) fix.set_stamp_ns(order_.last_stamp()->time_since_epoch().count());
+  if (fix.stamp_ns() == 0) {
+    fix.set_stamp_ns(sequence_check_.last_stamp()->time_since_epoch().count());
+  }
   std::optional<FixAnswer> taken;
   TakeFix(fix, [&taken](const FixAnswer& answer) { taken = answer; });
   return *std::move(taken);
@@ -206,7 +210,7 @@ void Session::AnswerDropped(std::int64_t sequence_number, Reply reply) {
   ++info_->counts.dropped;
   ++context_.totals.dropped;
   context_.metrics.ObserveDropped();
-  info_->missing_scan_count += order_.OnDropped(sequence_number);
+  info_->missing_scan_count += sequence_check_.OnDropped(sequence_number);
   const ScanAnswer answer{
       .sequence_number = sequence_number,
       .result = absl::ResourceExhaustedError("scan dropped: newer ones were waiting"),
@@ -222,7 +226,7 @@ void Session::AnswerDropped(std::int64_t sequence_number, Reply reply) {
 }
 
 bool Session::AnswerFromHistory(std::int64_t sequence_number, Reply reply) {
-  if (sequence_number < 0 || sequence_number > order_.last_localized()) return false;
+  if (sequence_number < 0 || sequence_number > sequence_check_.last_localized()) return false;
   const ScanAnswer* kept = history_.Recall(sequence_number);
   if (kept == nullptr) return false;
   ScanAnswer answer = *kept;
@@ -258,17 +262,17 @@ absl::StatusOr<LocalizedScan> Session::Localize(const v1::Scan& message) {
 absl::Status Session::TakeScan(const v1::Scan& message, Clock::time_point begin) {
   absl::Status status = info_->description.caller.permit->ChargeScan(message.range_m_size(), begin);
   if (status.ok()) status = WithPrefix("scan.", convert::FromProto(message, *rig_, &scan_));
-  if (status.ok()) status = order_.Check(message.sequence_number());
+  if (status.ok()) status = sequence_check_.Check(message.sequence_number());
   return status;
 }
 
 void Session::OnLocalized(const v1::Scan& message, const Localization& localization) {
-  info_->missing_scan_count += order_.OnLocalized(message.sequence_number(), scan_.stamp);
+  info_->missing_scan_count += sequence_check_.OnLocalized(message.sequence_number(), scan_.stamp);
   std::swap(scan_, last_scan_);
   RememberPose(localization);
   last_resets_ = localization.resets;
   ChooseLane();
-  info_->last_sequence_number = order_.last_localized();
+  info_->last_sequence_number = sequence_check_.last_localized();
   info_->last_state = static_cast<int>(localization.state);
 }
 
@@ -314,7 +318,8 @@ void Session::Deliver(const v1::Scan& scan, ScanAnswer& answer, Reply reply) {
   answer.ticket.reset();
   info_->feed.Publish(answer);
   // One that is late stays so, and must not push out an answer that may still be wanted.
-  const bool late = !answer.result.ok() && answer.sequence_number <= order_.last_localized();
+  const bool late =
+      !answer.result.ok() && answer.sequence_number <= sequence_check_.last_localized();
   if (!late) history_.Keep(answer);
   if (recording_ != nullptr) recording_->OnScan(scan, answer);
 }
@@ -329,7 +334,7 @@ absl::Status Session::Move(LoadedMap map) {
       context_.create_localizer(map.map, *rig_, last_pose_, options_);
   if (!localizer.ok()) return localizer.status();
   // The pose holds at the last scan's stamp, and the vehicle has moved on since.
-  if (order_.last_stamp()) {
+  if (sequence_check_.last_stamp()) {
     absl::Status status = (*localizer)->Localize(MotionOf(last_scan_), nullptr).status();
     if (!status.ok()) return status;
   }

@@ -20,7 +20,7 @@
 #include "server/sessions/health_report.h"
 #include "server/sessions/recording_subscriber.h"
 #include "server/sessions/scan_localizer.h"
-#include "server/sessions/scan_order.h"
+#include "server/sessions/sequence_number_check.h"
 #include "server/sessions/session_info.h"
 #include "server/sessions/session_metrics.h"
 #include "server/sessions/ticket_writer.h"
@@ -106,7 +106,7 @@ class Session {
   /// localized: it is localized, and nothing is sent. Clients catch up in the order of numbers, so
   /// an older scan was late before too and still waits for its answer.
   bool IsToCatchUp(std::int64_t sequence_number) const {
-    return MayCatchUp(sequence_number) && sequence_number > order_.last_localized();
+    return MayCatchUp(sequence_number) && sequence_number > sequence_check_.last_localized();
   }
 
   /// Localizes such a scan, for those that follow. Nothing is sent.
@@ -157,7 +157,7 @@ class Session {
   PoseResets resets_before_move_;         ///< of the localizers before this one
   HealthReport health_;
   std::set<std::string> radars_warned_of_;  ///< as their beta is contradicted
-  ScanOrder order_;
+  SequenceNumberCheck sequence_check_;
   TicketWriter ticket_writer_;
   const TicketUse ticket_use_;
   const std::optional<std::int64_t> answered_until_;

@@ -88,7 +88,7 @@ void Write(const TrackingSnapshot& tracking, sealed::Tracking* message) {
 TrackingSnapshot Read(const sealed::Tracking& message) {
   TrackingSnapshot tracking{
       .mode = static_cast<TrackingMode>(message.mode()),
-      .confirmation_requires = static_cast<ConfirmationRequires>(message.verification()),
+      .confirmation_requires = static_cast<ConfirmationRequirement>(message.verification()),
       .observability = static_cast<AlongTrackObservability>(message.observability()),
       .observability_changed = StampOf(message.observability_changed_ns()),
       .last_accepted = StampOf(message.last_accepted_ns()),
@@ -113,7 +113,7 @@ void Write(const LocalizerSnapshot& snapshot, sealed::Snapshot* message) {
   ForEach(snapshot.noise, [message](double number) { message->add_noise(number); });
   message->set_reset_count(snapshot.resets.count);
   Write(snapshot.resets.T_before_after, message->mutable_last_jump());
-  message->set_squared_innovation(snapshot.squared_innovation);
+  message->set_squared_innovation(snapshot.mean_nis);
   message->set_factor_count(snapshot.registration_count);
   for (const std::chrono::nanoseconds ahead : snapshot.clocks_ahead) {
     message->add_clocks_ahead_ns(ahead.count());
@@ -143,7 +143,7 @@ absl::StatusOr<LocalizerSnapshot> Read(const sealed::Snapshot& message) {
       .known = *std::move(known),
       .noise = {},
       .resets = {.count = message.reset_count(), .T_before_after = ReadPose(message.last_jump())},
-      .squared_innovation = message.squared_innovation(),
+      .mean_nis = message.squared_innovation(),
       .registration_count = message.factor_count(),
       .clocks_ahead = {}};
   ForEach(snapshot.noise,

@@ -19,7 +19,7 @@ TESTS = ("_test.cpp", "_test.py")
 TESTED_BY = {
     # Content has no meaning but in the files and edits that are made of it.
     "tests/core/map/map_file_test.cpp": ("core/map/map_content",),
-    "tests/core/map/map_edit_test.cpp": ("core/map/map_parts",),
+    "tests/core/map/map_edit_test.cpp": ("core/map/editable_map",),
     # A program is tested by running it.
     "tests/client/cli/command_line_test.cpp": ("client/cli/main",),
     "tests/client/cli/describe/completion_test.py": ("client/cli/describe/describe_command",),
@@ -47,7 +47,6 @@ TESTED_BY = {
         "client/cli/common/live_line", "client/cli/common/progress"),
     "tests/client/cli/calibrate/calibrate_command_test.cpp": ("client/datasets/drive_calibration",),
     "tests/client/cli/map/map_edit_command_test.cpp": ("client/evaluation/map_diff_picture",),
-    "tests/client/evaluation/paper/study_test.cpp": ("client/cli/common/run_folder",),
     "tests/client/datasets/drive_request_test.cpp": ("client/datasets/files/check_range",),
     "tests/client/datasets/rig_file_test.cpp": ("client/datasets/files/json_file",),
     "tests/client/datasets/radarscenes_test.cpp": ("client/datasets/files/hdf5_table",),

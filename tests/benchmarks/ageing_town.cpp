@@ -29,7 +29,7 @@ Town MakeAgedTown(std::uint64_t seed, double length_m, int rig_size) {
   for (std::size_t i = 1; i <= kPassCount; ++i) {
     town.passes.push_back(SimulatePassWithTruth(town.aged.world, options, passes[i]).value());
   }
-  town.kept_out =
+  town.held_out =
       SimulatePassWithTruth(town.aged.world, options, passes[kPassCount + 1]).value().drive;
   return town;
 }

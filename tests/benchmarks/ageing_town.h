@@ -17,7 +17,7 @@ struct Town {
   simulation::AgedWorld aged;
   SimulatedPass base;
   std::vector<SimulatedPass> passes;
-  Drive kept_out;
+  Drive held_out;
 };
 
 Town MakeAgedTown(std::uint64_t seed, double length_m, int rig_size);

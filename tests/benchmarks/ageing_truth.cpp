@@ -133,7 +133,7 @@ void CountKnown(const MapUpdate& update, const Truth& truth, AgeingCounts& count
 }
 
 /// The landmarks of `map`, in its frame [m].
-std::vector<Eigen::Vector2d> LandmarksInMap(const MapParts& map) {
+std::vector<Eigen::Vector2d> LandmarksInMap(const EditableMap& map) {
   std::vector<Eigen::Vector2d> places_m;
   for (const PlacedLandmark& landmark : LandmarksOf(map)) {
     places_m.push_back(landmark.place.position_m + map.Origin_m().head<2>());

@@ -99,7 +99,7 @@ std::vector<Query> Queries(const Case& drives, std::size_t stride, std::size_t m
                 StaticPoints(scan, radar, velocity, options.static_points),
                 ego_motion.since_previous());
     if (i < kFirst || (i - kFirst) % stride != 0) continue;
-    Query query{.submap = window.Join(true),
+    Query query{.submap = window.Join(DriftCovariance::kAdded),
                 .live = {},
                 .local_map = LocalMap<2>(*drives.map, T_map_vehicle.translation_m,
                                          options.matcher.local_map_radius_m),

@@ -65,11 +65,11 @@ void Run(const Arguments& arguments) {
     const Town town = MakeAgedTown(seed, arguments.length_m, arguments.rig_size);
     const auto base = RadarMap::FromBytes(BuildMap(town.base.drive, {.name = "base"}).value());
     const std::vector<PlacedPass> placed = PlacePasses(*base, town);
-    const MapUpdate update = UpdateMap(TakeApart(**base), placed).value();
-    const auto updated = RadarMap::FromBytes(PutTogether(update.map).value()).value();
+    const MapUpdate update = UpdateMap(ToEditable(**base), placed).value();
+    const auto updated = RadarMap::FromBytes(ToMapBytes(update.map).value()).value();
     Print(std::to_string(seed), CountAgeing(update, town.aged, town.base, town.passes, placed),
-          MedianError_m(*base, town.kept_out), MedianError_m(updated, town.kept_out),
-          MedianError_m(MadeAnew(town), town.kept_out));
+          MedianError_m(*base, town.held_out), MedianError_m(updated, town.held_out),
+          MedianError_m(MadeAnew(town), town.held_out));
   }
 }
 

@@ -21,11 +21,11 @@ constexpr double kLength_m = 400.0;
 /// A version and what was done to make it.
 struct Candidate {
   std::string name;
-  MapParts map;
+  EditableMap map;
 };
 
 /// Landmarks from one keyframe to another, moved by `offset_m`.
-MapParts Bent(MapParts map, float offset_m) {
+EditableMap Bent(EditableMap map, float offset_m) {
   const std::size_t count = map.keyframes.size();
   for (std::size_t k = count / 3; k < count * 2 / 3; ++k) {
     for (MapPoint& point : map.keyframes[k].points) point.y_m += offset_m;
@@ -34,16 +34,16 @@ MapParts Bent(MapParts map, float offset_m) {
 }
 
 /// Every third landmark is gone.
-MapParts Thinned(MapParts map) {
+EditableMap Thinned(EditableMap map) {
   int number = 0;
-  for (KeyframePart& keyframe : map.keyframes) {
+  for (EditableKeyframe& keyframe : map.keyframes) {
     std::erase_if(keyframe.points, [&](const MapPoint&) { return number++ % 3 == 0; });
   }
   return map;
 }
 
 /// Passes whose poses are `offset_m` to the left of where they were localized, not refined.
-MapParts Displaced(const MapParts& base, std::vector<PlacedPass> passes, double offset_m) {
+EditableMap Displaced(const EditableMap& base, std::vector<PlacedPass> passes, double offset_m) {
   for (PlacedPass& pass : passes) {
     for (PlacedScan& scan : pass.scans) {
       scan.T_map_vehicle = scan.T_map_vehicle * Embed(Pose2{{0.0, offset_m}, 0.0});
@@ -56,32 +56,32 @@ MapParts Displaced(const MapParts& base, std::vector<PlacedPass> passes, double 
 }
 
 /// Radars of two vehicles whose mounts are described 1.5 degrees wrong, alike.
-MapParts WronglyMounted(const std::shared_ptr<const RadarMap>& base, Town town) {
+EditableMap WronglyMounted(const std::shared_ptr<const RadarMap>& base, Town town) {
   for (std::size_t i = 0; i < 2; ++i) {
     for (RadarModel& radar : town.passes[i].drive.rig.radars) {
       radar.T_vehicle_radar.rotation =
           radar.T_vehicle_radar.rotation * Eigen::AngleAxisd(0.026, Eigen::Vector3d::UnitZ());
     }
   }
-  const auto update = UpdateMap(TakeApart(*base), PlacePasses(base, town));
-  return update.ok() ? update->map : TakeApart(*base);
+  const auto update = UpdateMap(ToEditable(*base), PlacePasses(base, town));
+  return update.ok() ? update->map : ToEditable(*base);
 }
 
-void Judge(std::uint64_t seed, const Candidate& candidate, const MapParts& base, double old_m,
+void Judge(std::uint64_t seed, const Candidate& candidate, const EditableMap& base, double old_m,
            const Town& town, const std::vector<Scan>& scans) {
   const double new_m =
-      MedianError_m(RadarMap::FromBytes(PutTogether(candidate.map).value()).value(), town.kept_out);
-  const auto verdict = JudgeUpdate(base, candidate.map, town.kept_out.rig, scans);
-  if (!verdict.ok()) {
+      MedianError_m(RadarMap::FromBytes(ToMapBytes(candidate.map).value()).value(), town.held_out);
+  const auto evaluation = EvaluateUpdate(base, candidate.map, town.held_out.rig, scans);
+  if (!evaluation.ok()) {
     std::printf("%-5lu %-10s %7.4f %7.4f  refused: %s\n", static_cast<unsigned long>(seed),
-                candidate.name.c_str(), old_m, new_m, verdict.status().ToString().c_str());
+                candidate.name.c_str(), old_m, new_m, evaluation.status().ToString().c_str());
     return;
   }
   std::printf("%-5lu %-10s %7.4f %7.4f %7.4f %7.4f %7.4f %-6s %s\n",
               static_cast<unsigned long>(seed), candidate.name.c_str(), old_m, new_m,
-              verdict->whole.old_version.error_m, verdict->whole.new_version.error_m,
-              verdict->whole.new_version.offset_m, verdict->is_better ? "passes" : "fails",
-              verdict->reason.c_str());
+              evaluation->whole.old_version.error_m, evaluation->whole.new_version.error_m,
+              evaluation->whole.new_version.offset_m, evaluation->is_better ? "passes" : "fails",
+              evaluation->reason.c_str());
   std::fflush(stdout);
 }
 
@@ -92,12 +92,12 @@ void Run(std::uint64_t first_seed, std::uint64_t last_seed) {
     const Town town = MakeAgedTown(seed, kLength_m, 1);
     const auto map =
         RadarMap::FromBytes(BuildMap(town.base.drive, {.name = "base"}).value()).value();
-    const MapParts base = TakeApart(*map);
+    const EditableMap base = ToEditable(*map);
     const std::vector<PlacedPass> passes = PlacePasses(map, town);
-    const MapParts updated = UpdateMap(base, passes).value().map;
+    const EditableMap updated = UpdateMap(base, passes).value().map;
     std::vector<Scan> scans;
-    for (const DriveScan& entry : town.kept_out.scans) scans.push_back(entry.scan);
-    const double old_m = MedianError_m(map, town.kept_out);
+    for (const DriveScan& entry : town.held_out.scans) scans.push_back(entry.scan);
+    const double old_m = MedianError_m(map, town.held_out);
     for (const Candidate& candidate :
          {Candidate{"update", updated}, Candidate{"bent", Bent(updated, 0.25F)},
           Candidate{"thinned", Thinned(updated)},

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/localizer/localizer.h"
-#include "server/base/lending_pool.h"
+#include "server/base/object_pool.h"
 #include "server/base/worker_pool.h"
 #include "tests/benchmarks/inputs.h"
 
@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 using server::Lane;
 using server::Strand;
 using server::WorkerPool;
-using WorkspacePool = server::LendingPool<LocalizerWorkspace>;
+using WorkspacePool = server::ObjectPool<LocalizerWorkspace>;
 
 double CpuSecondsOfThread() {
   timespec now{};
@@ -59,7 +59,7 @@ struct Vehicle {
 
   // The next scan; on the strand, in a workspace that is lent as the server lends it.
   void Localize() {
-    const WorkspacePool::Loan workspace = workspaces->Lend();
+    const WorkspacePool::Lease workspace = workspaces->Acquire();
     const double begin_s = CpuSecondsOfThread();
     if (!localizer.Localize((*scans)[next++].scan, *workspace).ok()) std::abort();
     cpu_s += CpuSecondsOfThread() - begin_s;

@@ -41,7 +41,7 @@ absl::Status FailoverSite::Start(const std::vector<std::byte>& map) {
   for (std::size_t i = 0; i < servers_.size(); ++i) {
     if (absl::Status status = StartServer(i); !status.ok()) return status;
     const auto uploaded =
-        client::MapClient(servers_[i]->Channel()).Upload(file, "town", /*activate=*/true);
+        client::MapClient(servers_[i]->Channel()).Upload(file, "town", {.activate = true});
     if (!uploaded.ok()) return uploaded.status();
   }
   proxy_ = std::make_unique<client::TcpProxy>(PortOf(servers_[owner_]->address()));

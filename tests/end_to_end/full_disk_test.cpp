@@ -41,19 +41,21 @@ TEST_F(FullDiskTest, IsAnErrorToWhoSendsTooMuchAndToNobodyElse) {
   Start(kRoom_bytes);
   const std::filesystem::path small = MapFile(20);
   const std::filesystem::path big = MapFile(1000);
-  ASSERT_TRUE(Maps().Upload(small, "town", true).ok());
-  const absl::Status status = Maps().Upload(big, "city", true).status();
+  ASSERT_TRUE(Maps().Upload(small, "town", {.activate = true}).ok());
+  const absl::Status status = Maps().Upload(big, "city", {.activate = true}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
   EXPECT_EQ(Maps().Get("city").status().code(), absl::StatusCode::kNotFound);
   EXPECT_TRUE(Maps().Download("town", 0, folder_.path() / "copy").ok());
-  EXPECT_TRUE(Maps().Upload(MapFile(21), "town", true).ok());
-  EXPECT_EQ(Maps().Upload(big, "city", true).status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_TRUE(Maps().Upload(MapFile(21), "town", {.activate = true}).ok());
+  EXPECT_EQ(Maps().Upload(big, "city", {.activate = true}).status().code(),
+            absl::StatusCode::kResourceExhausted);
 
   Start(0);
   std::int64_t first_sent_bytes = 0;
-  const auto version = Maps().Upload(big, "city", true, [&](std::int64_t sent, std::int64_t) {
-    if (first_sent_bytes == 0) first_sent_bytes = sent;
-  });
+  const auto version = Maps().Upload(
+      big, "city", {.activate = true, .progress = [&](std::int64_t sent, std::int64_t) {
+                      if (first_sent_bytes == 0) first_sent_bytes = sent;
+                    }});
   EXPECT_TRUE(version.ok()) << version.status();
   EXPECT_GT(first_sent_bytes, static_cast<std::int64_t>(kRoom_bytes) / 2)
       << "once there is room it goes on where it was";

@@ -250,7 +250,7 @@ class Campaign {
     // vehicles' concern.
     std::thread([&] {
       setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + 10);
-      status = maps.Upload(file, "town", /*activate=*/true).status();
+      status = maps.Upload(file, "town", {.activate = true}).status();
     }).join();
     if (!status.ok()) return status;
     if (version_ <= 2) return absl::OkStatus();

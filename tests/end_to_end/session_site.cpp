@@ -19,7 +19,7 @@ absl::Status SessionSite::Start(const std::vector<std::byte>& map) {
   if (absl::Status status = StartServer(); !status.ok()) return status;
   proxy_ = std::make_unique<client::TcpProxy>(PortOf(server_->address()));
   return client::MapClient(server_->Channel())
-      .Upload(folder_.Write("town.dclm", map), "town", /*activate=*/true)
+      .Upload(folder_.Write("town.dclm", map), "town", {.activate = true})
       .status();
 }
 

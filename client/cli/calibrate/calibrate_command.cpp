@@ -15,9 +15,8 @@
 #include "client/cli/calibrate/calibration_report.h"
 #include "client/cli/common/atomic_file.h"
 #include "client/cli/common/dataset_options.h"
-#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/common/progress.h"
-#include "client/cli/common/terminal.h"
 #include "client/datasets/drive_calibration.h"
 
 namespace dcloc::cli {
@@ -142,10 +141,7 @@ void AddCalibrateCommand(CLI::App& app, int& exit_code) {
       "  dcloc map build --dataset nuscenes --root ~/nuscenes --drive scene-0796 --rig car.json "
       "\\\n"
       "      --out scene-0796.dclm");
-  calibrate->callback([arguments, &exit_code] {
-    const absl::Status status = Calibrate(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*calibrate, arguments, exit_code, &Calibrate);
 }
 
 }  // namespace dcloc::cli

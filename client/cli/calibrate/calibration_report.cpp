@@ -8,14 +8,13 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/common/terminal.h"
 #include "client/datasets/drive_calibration.h"
+#include "core/geometry/chi_square.h"
 #include "core/geometry/degrees.h"
 
 namespace dcloc::cli {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr double kSigmas95 = 1.96;
 
 // Those of the radar's description; heights only help to find them.
 constexpr std::array<CalibrationParameter, 4> kDescribed = {

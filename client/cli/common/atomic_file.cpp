@@ -29,12 +29,13 @@ absl::Status WriteAll(int file, std::span<const std::byte> bytes) {
   return absl::OkStatus();
 }
 
-// What open(2) would give a new file; mkstemp gives 0600, which the server could not read.
-mode_t DefaultMode() {
+// What open(2) would give a new file; mkstemp gives 0600, which the server could not read. The mask
+// can only be read by changing it, for all threads: so it is, before there is a second one.
+const mode_t kDefaultMode = [] {
   const mode_t mask = umask(0);
   umask(mask);
   return 0666 & ~mask;
-}
+}();
 
 }  // namespace
 
@@ -47,7 +48,7 @@ absl::Status WriteFileAtomically(const std::filesystem::path& path,
   if (!status.ok()) {
     status = absl::Status(status.code(), absl::StrCat(path.string(), ": ", status.message()));
   }
-  if (status.ok() && fchmod(file, DefaultMode()) != 0) status = SystemError(path, "set the mode");
+  if (status.ok() && fchmod(file, kDefaultMode) != 0) status = SystemError(path, "set the mode");
   if (close(file) != 0 && status.ok()) status = SystemError(path, "write");
   if (status.ok() && rename(temporary.c_str(), path.c_str()) != 0) {
     status = SystemError(path, "replace");

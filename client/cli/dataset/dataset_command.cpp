@@ -7,6 +7,7 @@
 #include "client/cli/common/anchor_option.h"
 #include "client/cli/common/dataset_options.h"
 #include "client/cli/common/exit_codes.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/common/trajectory_options.h"
 #include "client/cli/common/written_file.h"
@@ -106,10 +107,7 @@ CLI::App* AddDriveCommand(CLI::App& dataset, const char* name, const char* descr
   CLI::App* command = dataset.add_subcommand(name, description);
   AddDriveOptions(*command, arguments->dataset, arguments->drive);
   command->add_flag("--json", arguments->json, "Print as JSON");
-  command->callback([arguments, run, &exit_code] {
-    const absl::Status status = run(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*command, arguments, exit_code, run);
   return command;
 }
 

@@ -10,6 +10,7 @@
 #include "client/datasets/check/range_rate_check.h"
 #include "client/datasets/check/scan_statistics.h"
 #include "client/datasets/drive_calibration.h"
+#include "core/geometry/chi_square.h"
 #include "core/geometry/degrees.h"
 
 namespace dcloc::cli {
@@ -119,7 +120,7 @@ Finding CorrectionFinding(const Calibration& calibration, const RadarCalibration
   const std::string confused = ConfusedWith(calibration, radar.described.id, judged.parameter);
   const CalibratedParameter& parameter = radar.of(judged.parameter);
   const double correction = parameter.correction / judged.per_unit;
-  const double interval = 1.96 * parameter.sigma / judged.per_unit;
+  const double interval = kSigmas95 * parameter.sigma / judged.per_unit;
   Finding finding{
       .check = absl::StrCat("radar ", radar.described.id, ": ", judged.name),
       .result = CheckResult::kOk,

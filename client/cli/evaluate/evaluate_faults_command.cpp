@@ -2,8 +2,7 @@
 
 #include <memory>
 
-#include "client/cli/common/exit_codes.h"
-#include "client/cli/common/terminal.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/evaluate/evaluate_faults_run.h"
 
 namespace dcloc::cli {
@@ -38,10 +37,7 @@ void AddEvaluateFaultsCommand(CLI::App& evaluate, int& exit_code) {
   faults->preparse_callback([&evaluate](std::size_t) {
     for (CLI::Option* option : evaluate.get_options()) option->required(false);
   });
-  faults->callback([arguments, &exit_code] {
-    const absl::Status status = RunFaults(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*faults, arguments, exit_code, &RunFaults);
 }
 
 }  // namespace dcloc::cli

@@ -2,8 +2,7 @@
 
 #include <memory>
 
-#include "client/cli/common/exit_codes.h"
-#include "client/cli/common/terminal.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/evaluate/evaluate_paper_run.h"
 
 namespace dcloc::cli {
@@ -31,10 +30,7 @@ void AddEvaluatePaperCommand(CLI::App& evaluate, int& exit_code) {
   paper->preparse_callback([&evaluate](std::size_t) {
     for (CLI::Option* option : evaluate.get_options()) option->required(false);
   });
-  paper->callback([arguments, &exit_code] {
-    const absl::Status status = RunPaper(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*paper, arguments, exit_code, &RunPaper);
 }
 
 }  // namespace dcloc::cli

@@ -10,10 +10,11 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/common/atomic_file.h"
 #include "client/cli/common/campaign_progress.h"
-#include "client/cli/common/run_folder.h"
 #include "client/cli/common/terminal.h"
+#include "client/cli/evaluate/result_folder.h"
 #include "client/evaluation/gnuplot.h"
 #include "client/evaluation/paper/goals.h"
+#include "client/evaluation/paper/outcome_json.h"
 #include "client/evaluation/paper/paper_report.h"
 #include "client/evaluation/paper/recorded_cases.h"
 #include "client/evaluation/paper/simulated_cases.h"
@@ -75,7 +76,8 @@ absl::Status RunPaper(const PaperArguments& arguments) {
   if (!cases.ok()) return cases.status();
   const auto fingerprint = Fingerprint(arguments, folder / "runs" / "fingerprint");
   if (!fingerprint.ok()) return fingerprint.status();
-  RunFolder runs(folder / "runs", *fingerprint);
+  ResultFolder<DriveOutcome> runs({folder / "runs", *fingerprint}, paper::OutcomeFromJson,
+                                  paper::OutcomeToJson);
   CampaignProgress progress;
   const auto results = paper::RunStudy(
       *cases, arguments.quick, runs,

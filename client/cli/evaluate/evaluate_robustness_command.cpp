@@ -2,8 +2,7 @@
 
 #include <memory>
 
-#include "client/cli/common/exit_codes.h"
-#include "client/cli/common/terminal.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/evaluate/evaluate_robustness_run.h"
 
 namespace dcloc::cli {
@@ -35,10 +34,7 @@ void AddEvaluateRobustnessCommand(CLI::App& evaluate, int& exit_code) {
   robustness->preparse_callback([&evaluate](std::size_t) {
     for (CLI::Option* option : evaluate.get_options()) option->required(false);
   });
-  robustness->callback([arguments, &exit_code] {
-    const absl::Status status = RunRobustness(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*robustness, arguments, exit_code, &RunRobustness);
 }
 
 }  // namespace dcloc::cli

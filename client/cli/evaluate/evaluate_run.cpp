@@ -44,8 +44,8 @@ absl::StatusOr<EvaluationOptions> ToOptions(const EvaluateArguments& arguments) 
   options.doppler_ego_velocity = arguments.ego_velocity == "doppler";
   options.query_interval_s = arguments.query_interval_s.value_or(CustomaryQueryInterval_s(*format));
   options.localizer.doppler_compensation = !IsWithout(arguments, "doppler");
-  options.localizer.uncertainty = !IsWithout(arguments, "uncertainty");
-  options.localizer.truncation = !IsWithout(arguments, "truncation");
+  options.localizer.per_point_covariance = !IsWithout(arguments, "uncertainty");
+  options.localizer.gate_outliers = !IsWithout(arguments, "truncation");
   options.map_heights = !IsWithout(arguments, "heights");
   return options;
 }

@@ -1,24 +1,25 @@
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "client/cli/common/json_folder.h"
-#include "client/evaluation/robustness/result_store.h"
+#include "client/evaluation/result_store.h"
 
 namespace dcloc::cli {
 
 /// What a campaign has finished, as files.
 template <typename Result>
-class ResultFolder final : public robustness::ResultStore<Result> {
+class ResultFolder final : public ResultStore<Result> {
  public:
   using FromJson = std::optional<Result> (*)(const nlohmann::json&);
-  using ToJson = nlohmann::ordered_json (*)(const Result&);
+  using ToJson = std::function<nlohmann::json(const Result&)>;
 
   ResultFolder(JsonFolder files, FromJson from_json, ToJson to_json)
-      : files_(std::move(files)), from_json_(from_json), to_json_(to_json) {}
+      : files_(std::move(files)), from_json_(from_json), to_json_(std::move(to_json)) {}
 
   std::optional<Result> Load(const std::string& name) override {
     const auto json = files_.Load(name);

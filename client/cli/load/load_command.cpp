@@ -5,8 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "client/cli/common/exit_codes.h"
-#include "client/cli/common/terminal.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/load/load_command_run.h"
 #include "client/cli/remote/server_options.h"
 
@@ -161,10 +160,7 @@ void AddLoadCommand(CLI::App& app, int& exit_code) {
       "      --drive live-0 --search --target-p99-ms 50\n"
       "  dcloc load --server localhost:50051 --map town --dataset nuscenes --root sim \\\n"
       "      --drive live-0 --vehicles 50 --disconnects-per-min 6 --duplicates 0.02 --json");
-  load->callback([arguments, &exit_code] {
-    const absl::Status status = RunLoadCommand(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*load, arguments, exit_code, &RunLoadCommand);
 }
 
 }  // namespace dcloc::cli

@@ -2,7 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/remote/answer_text.h"
 #include "client/cli/remote/server_options.h"
@@ -33,10 +33,7 @@ CLI::App* AddMapCall(CLI::App& map_command, const char* name, const char* descri
                      int& exit_code) {
   CLI::App* app = map_command.add_subcommand(name, description);
   AddServerOptions(*app, arguments->server);
-  app->callback([call, arguments, &exit_code] {
-    const absl::Status status = Run(call, *arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*app, arguments, exit_code, [call](const MapArguments& given) { return Run(call, given); });
   return app;
 }
 

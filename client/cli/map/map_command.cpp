@@ -13,9 +13,8 @@
 #include "client/cli/common/anchor_option.h"
 #include "client/cli/common/atomic_file.h"
 #include "client/cli/common/dataset_options.h"
-#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/common/progress.h"
-#include "client/cli/common/terminal.h"
 #include "client/cli/map/map_diff_command.h"
 #include "client/cli/map/map_edit_command.h"
 #include "client/cli/map/map_exchange_command.h"
@@ -82,8 +81,6 @@ absl::Status Inspect(const InspectArguments& arguments) {
   return absl::OkStatus();
 }
 
-int ExitCode(const absl::Status& status) { return status.ok() ? kSuccess : Fail(status); }
-
 void AddBuild(CLI::App& map, int& exit_code) {
   auto arguments = std::make_shared<BuildArguments>();
   CLI::App* build = map.add_subcommand("build", "Make a map of a recorded drive");
@@ -101,7 +98,7 @@ void AddBuild(CLI::App& map, int& exit_code) {
   build->footer(
       "Example:\n  dcloc map build --dataset nuscenes --root ~/nuscenes --drive scene-0655 \\\n"
       "      --radars RADAR_FRONT,RADAR_FRONT_LEFT,RADAR_FRONT_RIGHT --out scene-0655.dclm");
-  build->callback([arguments, &exit_code] { exit_code = ExitCode(Build(*arguments)); });
+  OnRun(*build, arguments, exit_code, &Build);
 }
 
 void AddInspect(CLI::App& map, int& exit_code) {
@@ -110,7 +107,7 @@ void AddInspect(CLI::App& map, int& exit_code) {
   inspect->add_option("file", arguments->file, "Map file")->required()->type_name("FILE");
   inspect->add_flag("--json", arguments->json, "Print as JSON");
   inspect->footer("Example:\n  dcloc map inspect scene-0655.dclm");
-  inspect->callback([arguments, &exit_code] { exit_code = ExitCode(Inspect(*arguments)); });
+  OnRun(*inspect, arguments, exit_code, &Inspect);
 }
 
 }  // namespace

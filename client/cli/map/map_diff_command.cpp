@@ -9,9 +9,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/common/atomic_file.h"
-#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/common/output_file.h"
-#include "client/cli/common/terminal.h"
 #include "client/cli/map/map_files.h"
 #include "client/evaluation/map_diff_picture.h"
 #include "core/map/map_diff.h"
@@ -55,8 +54,8 @@ ordered_json DiffJson(const DiffArguments& arguments, const MapDiff& diff) {
           {"same_rms_m", diff.same_rms_m},
           {"only_old_covers_count", diff.only_old_covers_count},
           {"only_new_covers_count", diff.only_new_covers_count},
-          {"came", ChangesJson(diff.came)},
-          {"went", ChangesJson(diff.went)},
+          {"came", ChangesJson(diff.added)},
+          {"went", ChangesJson(diff.removed)},
           {"moved", moved}};
 }
 
@@ -67,7 +66,7 @@ std::string DiffText(const MapDiff& diff) {
       "went         %d\n"
       "moved        %d\n"
       "not covered  %d of the old map, %d of the new one\n",
-      diff.same.size(), diff.same_rms_m, diff.came.size(), diff.went.size(), diff.moved.size(),
+      diff.same.size(), diff.same_rms_m, diff.added.size(), diff.removed.size(), diff.moved.size(),
       diff.only_old_covers_count, diff.only_new_covers_count);
 }
 
@@ -84,9 +83,9 @@ absl::Status Run(const DiffArguments& arguments) {
   absl::Status status = Validate(arguments.options);
   if (status.ok()) status = CheckOutputFiles({{arguments.picture}, arguments.force});
   if (!status.ok()) return status;
-  const absl::StatusOr<MapParts> before = ReadMapParts(arguments.old_file);
+  const absl::StatusOr<EditableMap> before = ReadMapParts(arguments.old_file);
   if (!before.ok()) return before.status();
-  const absl::StatusOr<MapParts> after = ReadMapParts(arguments.new_file);
+  const absl::StatusOr<EditableMap> after = ReadMapParts(arguments.new_file);
   if (!after.ok()) return after.status();
   const bool is_same_frame = arguments.is_same_frame || (!before->Anchor() && !after->Anchor());
   if (status = CheckFrames(*before, *after, is_same_frame); !status.ok()) {
@@ -143,10 +142,7 @@ void AddMapDiffCommand(CLI::App& map_command, int& exit_code) {
       "Maps of different drives differ also by what one drive saw and the other missed.\n"
       "Example:\n"
       "  dcloc map diff may.dclm june.dclm --picture changes.svg --json");
-  diff->callback([arguments, &exit_code] {
-    const absl::Status status = Run(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*diff, arguments, exit_code, &Run);
 }
 
 }  // namespace dcloc::cli

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/common/output_file.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/map/map_files.h"
@@ -51,7 +51,7 @@ void PrintFile(const std::string& file, const MapInfo& info) {
 absl::Status Cut(const CutArguments& arguments) {
   absl::Status status = CheckOutputFiles({{arguments.inside, arguments.outside}, arguments.force});
   if (!status.ok()) return status;
-  const absl::StatusOr<MapParts> map = ReadMapParts(arguments.file);
+  const absl::StatusOr<EditableMap> map = ReadMapParts(arguments.file);
   if (!map.ok()) return map.status();
   const absl::StatusOr<PlanarRegion> region = RegionOf(arguments.region, *map);
   if (!region.ok()) return region.status();
@@ -61,7 +61,7 @@ absl::Status Cut(const CutArguments& arguments) {
   for (const auto& [file, side] : {std::pair(arguments.inside, RegionSide::kInside),
                                    std::pair(arguments.outside, RegionSide::kOutside)}) {
     if (file.empty()) continue;
-    const absl::StatusOr<MapParts> part = KeepSide(*map, *region, side);
+    const absl::StatusOr<EditableMap> part = KeepSide(*map, *region, side);
     if (!part.ok()) {
       return absl::Status(part.status().code(),
                           absl::StrCat(arguments.file, ": ", part.status().message()));
@@ -84,8 +84,8 @@ absl::Status Cut(const CutArguments& arguments) {
 
 // Adds the map of `file` to `merged`, which is of `first_file`, and says in `list` what came of it.
 absl::Status MergeFile(const std::string& file, const std::string& first_file, bool is_same_frame,
-                       absl::StatusOr<MapParts>& merged, ordered_json& list) {
-  const absl::StatusOr<MapParts> further = ReadMapParts(file);
+                       absl::StatusOr<EditableMap>& merged, ordered_json& list) {
+  const absl::StatusOr<EditableMap> further = ReadMapParts(file);
   if (!further.ok()) return further.status();
   const absl::Status status = CheckFrames(*merged, *further, is_same_frame);
   if (!status.ok()) {
@@ -120,7 +120,7 @@ absl::Status MergeFile(const std::string& file, const std::string& first_file, b
 absl::Status MergeFiles(const MergeArguments& arguments) {
   absl::Status status = CheckOutputFiles({{arguments.out}, arguments.force});
   if (!status.ok()) return status;
-  absl::StatusOr<MapParts> merged = ReadMapParts(arguments.files.front());
+  absl::StatusOr<EditableMap> merged = ReadMapParts(arguments.files.front());
   if (!merged.ok()) return merged.status();
   ordered_json list = ordered_json::array();
   for (std::size_t i = 1; i < arguments.files.size(); ++i) {
@@ -148,10 +148,7 @@ CLI::App* AddCut(CLI::App& map, const std::string& name, const std::string& desc
   AddRegionOptions(*app, arguments->region);
   AddForceOption(*app, arguments->force);
   app->add_flag("--json", arguments->json, "Print what was written as JSON");
-  app->callback([arguments, &exit_code] {
-    const absl::Status status = Cut(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*app, arguments, exit_code, &Cut);
   return app;
 }
 
@@ -216,10 +213,7 @@ void AddMerge(CLI::App& map, int& exit_code) {
       "different drives over the same street are not fused: survey the drives for that.\n"
       "Example:\n"
       "  dcloc map merge west.dclm east.dclm --same-frame --out town.dclm");
-  merge->callback([arguments, &exit_code] {
-    const absl::Status status = MergeFiles(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*merge, arguments, exit_code, &MergeFiles);
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ absl::Status AddMadeFile(const std::string& file, const absl::StatusOr<std::stri
 
 // `CheckTrajectory` has passed it.
 absl::StatusOr<std::string> KeyframeText(const TrajectoryArguments& arguments,
-                                         const MapParts& map) {
+                                         const EditableMap& map) {
   const auto format = TrajectoryFormatOf(arguments.file, arguments.format);
   if (!format.ok()) return format.status();
   return FormatTrajectory(KeyframeTrajectory(map), *format);
@@ -78,7 +78,7 @@ absl::Status Export(const ExportArguments& arguments) {
   absl::Status status =
       CheckOutputFiles({{arguments.landmarks, arguments.trajectory.file}, arguments.force});
   if (!status.ok()) return status;
-  const absl::StatusOr<MapParts> map = ReadMapParts(arguments.file);
+  const absl::StatusOr<EditableMap> map = ReadMapParts(arguments.file);
   if (!map.ok()) return map.status();
   status = CheckTrajectory(arguments.trajectory, map->Anchor().has_value());
   // Both before one is written, so that an error leaves no half of an export.
@@ -110,7 +110,7 @@ absl::Status Export(const ExportArguments& arguments) {
 }
 
 absl::StatusOr<std::vector<LandmarkRow>> ReadLandmarks(const std::string& file,
-                                                       const MapParts& base) {
+                                                       const EditableMap& base) {
   const absl::StatusOr<std::string> text = ReadInputFile(file);
   if (!text.ok()) return text.status();
   if (IsPcd(file)) return ParseLandmarkPcd(*text, file, base.Origin_m());
@@ -123,12 +123,13 @@ absl::StatusOr<std::vector<LandmarkRow>> ReadLandmarks(const std::string& file,
 }
 
 // The files one after the other: landmarks where the base's keyframes have them, then keyframes.
-absl::StatusOr<MapParts> WithLandmarksOf(const ImportArguments& arguments, MapParts map,
-                                         LandmarkEdits& counts, std::size_t& moved_keyframe_count) {
+absl::StatusOr<EditableMap> WithLandmarksOf(const ImportArguments& arguments, EditableMap map,
+                                            LandmarkEdits& counts,
+                                            std::size_t& moved_keyframe_count) {
   if (!arguments.landmarks.empty()) {
     const absl::StatusOr<std::vector<LandmarkRow>> rows = ReadLandmarks(arguments.landmarks, map);
     if (!rows.ok()) return rows.status();
-    absl::StatusOr<MapParts> mended = ReplaceLandmarks(map, *rows, counts);
+    absl::StatusOr<EditableMap> mended = ReplaceLandmarks(map, *rows, counts);
     if (!mended.ok()) return mended.status();
     map = *std::move(mended);
   } else {
@@ -145,11 +146,11 @@ absl::StatusOr<MapParts> WithLandmarksOf(const ImportArguments& arguments, MapPa
 absl::Status Import(const ImportArguments& arguments) {
   absl::Status status = CheckOutputFiles({{arguments.out}, arguments.force});
   if (!status.ok()) return status;
-  absl::StatusOr<MapParts> base = ReadMapParts(arguments.base);
+  absl::StatusOr<EditableMap> base = ReadMapParts(arguments.base);
   if (!base.ok()) return base.status();
   LandmarkEdits counts;
   std::size_t moved_keyframe_count = 0;
-  absl::StatusOr<MapParts> map =
+  absl::StatusOr<EditableMap> map =
       WithLandmarksOf(arguments, *std::move(base), counts, moved_keyframe_count);
   if (!map.ok()) return map.status();
   if (counts.same + counts.moved + counts.edited == 0) {

@@ -36,14 +36,14 @@ absl::Status CheckFolders(const std::vector<std::string>& files) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<MapParts> ReadMapParts(const std::string& file) {
+absl::StatusOr<EditableMap> ReadMapParts(const std::string& file) {
   const auto map = RadarMap::Open(file);
   if (!map.ok()) return map.status();
   if (absl::Status status = (*map)->Verify(); !status.ok()) return Named(file, status);
-  return TakeApart(**map);
+  return ToEditable(**map);
 }
 
-absl::StatusOr<MapInfo> WriteMapParts(const MapParts& map, const std::string& file) {
+absl::StatusOr<MapInfo> WriteMapParts(const EditableMap& map, const std::string& file) {
   MadeFile made{.file = file, .bytes = {}};
   absl::StatusOr<MapInfo> info = MakeMapFile(map, made);
   if (!info.ok()) return info;
@@ -51,8 +51,8 @@ absl::StatusOr<MapInfo> WriteMapParts(const MapParts& map, const std::string& fi
   return info;
 }
 
-absl::StatusOr<MapInfo> MakeMapFile(const MapParts& map, MadeFile& made) {
-  absl::StatusOr<std::vector<std::byte>> bytes = PutTogether(map);
+absl::StatusOr<MapInfo> MakeMapFile(const EditableMap& map, MadeFile& made) {
+  absl::StatusOr<std::vector<std::byte>> bytes = ToMapBytes(map);
   if (!bytes.ok()) return Named(made.file, bytes.status());
   const auto read = RadarMap::FromBytes(*bytes);
   if (!read.ok()) return Named(made.file, read.status());

@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 
 namespace dcloc::cli {
 
@@ -15,10 +15,10 @@ namespace dcloc::cli {
 absl::Status CheckFolders(const std::vector<std::string>& files);
 
 /// A map file, verified whole. Errors name the file.
-absl::StatusOr<MapParts> ReadMapParts(const std::string& file);
+absl::StatusOr<EditableMap> ReadMapParts(const std::string& file);
 
 /// Writes the map whole and gives what it is. Errors name the file.
-absl::StatusOr<MapInfo> WriteMapParts(const MapParts& map, const std::string& file);
+absl::StatusOr<MapInfo> WriteMapParts(const EditableMap& map, const std::string& file);
 
 /// A file that is made and not written yet.
 struct MadeFile {
@@ -27,7 +27,7 @@ struct MadeFile {
 };
 
 /// The map's file, and what it is. Errors name the file.
-absl::StatusOr<MapInfo> MakeMapFile(const MapParts& map, MadeFile& made);
+absl::StatusOr<MapInfo> MakeMapFile(const EditableMap& map, MadeFile& made);
 
 /// Writes all files, or none where one of them cannot be: AlreadyExists for one that is there
 /// without `force`, NotFound for one whose folder is not, InvalidArgument for a folder.

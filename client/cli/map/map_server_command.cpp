@@ -71,10 +71,12 @@ absl::Status Upload(client::MapClient& maps, const MapArguments& arguments) {
   std::error_code no_size;  // Upload says what is wrong with the file
   Progress progress(absl::StrCat("uploading ", arguments.file),
                     std::filesystem::file_size(arguments.file, no_size));
-  const auto version = maps.Upload(arguments.file, arguments.map, arguments.activate,
-                                   [&](std::int64_t sent_bytes, std::int64_t /*size_bytes*/) {
-                                     progress.Update(static_cast<std::size_t>(sent_bytes));
-                                   });
+  const auto version =
+      maps.Upload(arguments.file, arguments.map,
+                  {.activate = arguments.activate,
+                   .progress = [&](std::int64_t sent_bytes, std::int64_t /*size_bytes*/) {
+                     progress.Update(static_cast<std::size_t>(sent_bytes));
+                   }});
   return Print(version, arguments.json);
 }
 

@@ -3,8 +3,7 @@
 #include <memory>
 
 #include "client/cli/common/anchor_option.h"
-#include "client/cli/common/exit_codes.h"
-#include "client/cli/common/terminal.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/map/survey_run.h"
 
 namespace dcloc::cli {
@@ -43,10 +42,7 @@ void AddMapSurveyCommand(CLI::App& map_command, int& exit_code) {
       "      --live-speed-kmh 40,50,30\n"
       "  dcloc map survey --dataset nuscenes --root sim --drive map,live-0,live-1,live-2 \\\n"
       "      --out town.dclm --compare-truth");
-  app->callback([arguments, &exit_code] {
-    const absl::Status status = RunSurvey(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*app, arguments, exit_code, &RunSurvey);
 }
 
 }  // namespace dcloc::cli

@@ -2,9 +2,8 @@
 
 #include <memory>
 
-#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/common/output_file.h"
-#include "client/cli/common/terminal.h"
 #include "client/cli/map/update_run.h"
 
 namespace dcloc::cli {
@@ -24,7 +23,7 @@ void AddMapUpdateCommand(CLI::App& map_command, int& exit_code) {
       ->type_name("NAME,...");
   AddRadarsOption(*app, "--radars", arguments->request.radars, "Radars to use; all by default");
   AddDriveRequestOptions(*app, arguments->request);
-  app->add_option("--keep-out", arguments->kept_out,
+  app->add_option("--keep-out", arguments->held_out,
                   "The drive that judges the new version, and has no part in it; the last one of "
                   "--drive by default")
       ->type_name("NAME");
@@ -47,10 +46,7 @@ void AddMapUpdateCommand(CLI::App& map_command, int& exit_code) {
       "  dcloc map build --dataset nuscenes --root sim --drive map --out may.dclm\n"
       "  dcloc map update --base may.dclm --dataset nuscenes --root sim \\\n"
       "      --drive live-0,live-1,live-2,live-3 --out june.dclm --report june.html");
-  app->callback([arguments, &exit_code] {
-    const absl::Status status = RunUpdate(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*app, arguments, exit_code, &RunUpdate);
 }
 
 }  // namespace dcloc::cli

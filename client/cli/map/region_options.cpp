@@ -85,7 +85,7 @@ void AddRegionOptions(CLI::App& command, RegionArguments& arguments) {
   group->require_option(1, 0);
 }
 
-absl::StatusOr<PlanarRegion> RegionOf(const RegionArguments& arguments, const MapParts& map) {
+absl::StatusOr<PlanarRegion> RegionOf(const RegionArguments& arguments, const EditableMap& map) {
   PlanarRegion region = arguments.in_map;
   const std::optional<GeodeticAnchor> anchor = map.Anchor();
   for (const std::string& file : arguments.geojson) {

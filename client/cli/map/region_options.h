@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/geometry/planar_region.h"
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 
 namespace dcloc::cli {
 
@@ -22,6 +22,6 @@ void AddRegionOptions(CLI::App& command, RegionArguments& arguments);
 
 /// The region in the map's frame. FailedPrecondition for a GeoJSON file where the map has no
 /// anchor; other errors name the file.
-absl::StatusOr<PlanarRegion> RegionOf(const RegionArguments& arguments, const MapParts& map);
+absl::StatusOr<PlanarRegion> RegionOf(const RegionArguments& arguments, const EditableMap& map);
 
 }  // namespace dcloc::cli

@@ -28,10 +28,10 @@ std::optional<Stamp> BeginOf(const PlacedPass& pass) {
 }
 
 /// The pass from which on a landmark was there, or was not.
-std::optional<Stamp> SinceOf(const UpdateStory& story, const LandmarkHistory& landmark) {
-  const std::vector<std::size_t>& order = story.update.order;
+std::optional<Stamp> SinceOf(const UpdateReport& report, const LandmarkHistory& landmark) {
+  const std::vector<std::size_t>& order = report.update.order;
   if (landmark.presence.since >= order.size()) return std::nullopt;
-  return BeginOf(story.passes[order[landmark.presence.since]]);
+  return BeginOf(report.passes[order[landmark.presence.since]]);
 }
 
 std::size_t CountOf(const std::vector<LandmarkHistory>& landmarks, LandmarkFate fate) {
@@ -39,10 +39,10 @@ std::size_t CountOf(const std::vector<LandmarkHistory>& landmarks, LandmarkFate 
 }
 
 /// When the middle of a street segment was last driven past.
-std::optional<Stamp> LastDriven(const UpdateStory& story, const SegmentVerdict& segment) {
+std::optional<Stamp> LastDriven(const UpdateReport& report, const SegmentEvaluation& segment) {
   constexpr double kNear_m = 60.0;
   std::optional<Stamp> last;
-  for (const PlacedPass& pass : story.passes) {
+  for (const PlacedPass& pass : report.passes) {
     for (const PlacedScan& scan : pass.scans) {
       if (!scan.is_good || (last && scan.stamp <= *last)) continue;
       const double distance_m =
@@ -59,30 +59,30 @@ ordered_json ScoreJson(const VersionScore& score) {
           {"nees", score.nees},         {"fit", score.fit}};
 }
 
-ordered_json SegmentJson(const UpdateStory& story, const SegmentVerdict& segment) {
+ordered_json SegmentJson(const UpdateReport& report, const SegmentEvaluation& segment) {
   return {{"x_m", segment.p_map_m.x()},
           {"y_m", segment.p_map_m.y()},
-          {"last_driven", DateOf(LastDriven(story, segment))},
+          {"last_driven", DateOf(LastDriven(report, segment))},
           {"scan_count", segment.scan_count},
           {"agreed_count", segment.agreed_count},
-          {"went_count", segment.went_count},
-          {"came_count", segment.came_count},
+          {"went_count", segment.removed_count},
+          {"came_count", segment.added_count},
           {"agreed_seen", segment.agreed_seen},
-          {"went_seen", segment.went_seen},
-          {"came_seen", segment.came_seen},
+          {"went_seen", segment.removed_seen},
+          {"came_seen", segment.added_seen},
           {"old", ScoreJson(segment.old_version)},
           {"new", ScoreJson(segment.new_version)},
           {"fault", segment.fault}};
 }
 
-ordered_json LandmarksJson(const UpdateStory& story, LandmarkFate fate) {
+ordered_json LandmarksJson(const UpdateReport& report, LandmarkFate fate) {
   ordered_json list = ordered_json::array();
-  for (const auto* landmarks : {&story.update.known, &story.update.found}) {
+  for (const auto* landmarks : {&report.update.known, &report.update.found}) {
     for (const LandmarkHistory& landmark : *landmarks) {
       if (landmark.fate != fate) continue;
       list.push_back({{"x_m", landmark.p_map_m.x()},
                       {"y_m", landmark.p_map_m.y()},
-                      {"since", DateOf(SinceOf(story, landmark))},
+                      {"since", DateOf(SinceOf(report, landmark))},
                       {"first_seen", DateOf(landmark.first_seen)},
                       {"last_seen", DateOf(landmark.last_seen)},
                       {"witness_count", landmark.witness_count},
@@ -92,10 +92,10 @@ ordered_json LandmarksJson(const UpdateStory& story, LandmarkFate fate) {
   return list;
 }
 
-ordered_json PassesJson(const UpdateStory& story) {
+ordered_json PassesJson(const UpdateReport& report) {
   ordered_json list = ordered_json::array();
-  for (std::size_t i = 0; i < story.passes.size(); ++i) {
-    const PlacedPass& pass = story.passes[i];
+  for (std::size_t i = 0; i < report.passes.size(); ++i) {
+    const PlacedPass& pass = report.passes[i];
     list.push_back({{"name", pass.name},
                     {"date", DateOf(BeginOf(pass))},
                     {"scan_count", pass.scans.size()},
@@ -105,7 +105,7 @@ ordered_json PassesJson(const UpdateStory& story) {
                     {"unsound_count", pass.unsound_count},
                     {"refused_count", pass.refused_count},
                     {"length_m", pass.length_m},
-                    {"fault", story.faults[i]}});
+                    {"fault", report.faults[i]}});
   }
   return list;
 }
@@ -120,16 +120,16 @@ std::vector<std::string> ScoreRow(const std::string& name, const VersionScore& s
           absl::StrFormat("%.4f", score.fit)};
 }
 
-std::vector<std::vector<std::string>> SegmentRows(const UpdateStory& story) {
+std::vector<std::vector<std::string>> SegmentRows(const UpdateReport& report) {
   std::vector<std::vector<std::string>> rows = {
       {"street segment at (x, y) m", "last driven", "scans", "stay", "went", "came",
        "error before, after [m]", "fit before, after", "verdict"}};
-  for (const SegmentVerdict& segment : story.gate.segments) {
+  for (const SegmentEvaluation& segment : report.gate.segments) {
     rows.push_back(
         {absl::StrFormat("%.0f, %.0f", segment.p_map_m.x(), segment.p_map_m.y()),
-         DateOf(LastDriven(story, segment)), absl::StrCat(segment.scan_count),
-         absl::StrCat(segment.agreed_count), absl::StrCat(segment.went_count),
-         absl::StrCat(segment.came_count),
+         DateOf(LastDriven(report, segment)), absl::StrCat(segment.scan_count),
+         absl::StrCat(segment.agreed_count), absl::StrCat(segment.removed_count),
+         absl::StrCat(segment.added_count),
          absl::StrFormat("%.3f, %.3f", segment.old_version.error_m, segment.new_version.error_m),
          absl::StrFormat("%.3f, %.3f", segment.old_version.fit, segment.new_version.fit),
          segment.scan_count == 0 ? "not driven"
@@ -139,14 +139,14 @@ std::vector<std::vector<std::string>> SegmentRows(const UpdateStory& story) {
   return rows;
 }
 
-std::vector<std::vector<std::string>> PassRows(const UpdateStory& story) {
+std::vector<std::vector<std::string>> PassRows(const UpdateReport& report) {
   std::vector<std::vector<std::string>> rows = {
       {"drive", "date", "scans", "that count", "verdict"}};
-  for (std::size_t i = 0; i < story.passes.size(); ++i) {
-    const PlacedPass& pass = story.passes[i];
+  for (std::size_t i = 0; i < report.passes.size(); ++i) {
+    const PlacedPass& pass = report.passes[i];
     rows.push_back({pass.name, DateOf(BeginOf(pass)), absl::StrCat(pass.scans.size()),
                     absl::StrCat(pass.GoodCount()),
-                    story.faults[i].empty() ? "of use" : story.faults[i]});
+                    report.faults[i].empty() ? "of use" : report.faults[i]});
   }
   return rows;
 }
@@ -188,13 +188,13 @@ class Drawing {
         absl::StrAppendFormat(&below_, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\".4\" fill=\"#bbb\"/>",
                               x, y);
         break;
-      case LandmarkFate::kCame:
+      case LandmarkFate::kAdded:
         Mark("#009e73", x, y);
         break;
-      case LandmarkFate::kWent:
+      case LandmarkFate::kRemoved:
         Mark("#d55e00", x, y);
         break;
-      case LandmarkFate::kComesAndGoes:
+      case LandmarkFate::kIntermittent:
         Mark("#56b4e9", x, y);
         break;
       case LandmarkFate::kUnproven:
@@ -213,93 +213,95 @@ class Drawing {
 };
 
 std::size_t ComesAndGoesCount(const MapUpdate& update) {
-  return CountOf(update.known, LandmarkFate::kComesAndGoes) +
-         CountOf(update.found, LandmarkFate::kComesAndGoes);
+  return CountOf(update.known, LandmarkFate::kIntermittent) +
+         CountOf(update.found, LandmarkFate::kIntermittent);
 }
 
 }  // namespace
 
-ordered_json UpdateJson(const UpdateStory& story) {
+ordered_json UpdateJson(const UpdateReport& report) {
   ordered_json segments = ordered_json::array();
-  for (const SegmentVerdict& segment : story.gate.segments) {
-    segments.push_back(SegmentJson(story, segment));
+  for (const SegmentEvaluation& segment : report.gate.segments) {
+    segments.push_back(SegmentJson(report, segment));
   }
-  const MapUpdate& update = story.update;
-  return {{"base", story.base},
-          {"out", story.out},
-          {"passes", PassesJson(story)},
+  const MapUpdate& update = report.update;
+  return {{"base", report.base},
+          {"out", report.out},
+          {"passes", PassesJson(report)},
           {"kept_count", CountOf(update.known, LandmarkFate::kKept)},
           {"refined_count", update.refined_count},
-          {"came", LandmarksJson(story, LandmarkFate::kCame)},
-          {"went", LandmarksJson(story, LandmarkFate::kWent)},
-          {"comes_and_goes", LandmarksJson(story, LandmarkFate::kComesAndGoes)},
+          {"came", LandmarksJson(report, LandmarkFate::kAdded)},
+          {"went", LandmarksJson(report, LandmarkFate::kRemoved)},
+          {"comes_and_goes", LandmarksJson(report, LandmarkFate::kIntermittent)},
           {"gate",
-           {{"kept_out", story.kept_out},
-            {"is_better", story.gate.is_better},
-            {"reason", story.gate.reason},
-            {"old", ScoreJson(story.gate.whole.old_version)},
-            {"new", ScoreJson(story.gate.whole.new_version)},
+           {{"kept_out", report.held_out},
+            {"is_better", report.gate.is_better},
+            {"reason", report.gate.reason},
+            {"old", ScoreJson(report.gate.whole.old_version)},
+            {"new", ScoreJson(report.gate.whole.new_version)},
             {"segments", segments}}}};
 }
 
-std::string UpdateText(const UpdateStory& story) {
-  const MapUpdate& update = story.update;
+std::string UpdateText(const UpdateReport& report) {
+  const MapUpdate& update = report.update;
   std::string text;
-  for (std::size_t i = 0; i < story.passes.size(); ++i) {
-    const PlacedPass& pass = story.passes[i];
+  for (std::size_t i = 0; i < report.passes.size(); ++i) {
+    const PlacedPass& pass = report.passes[i];
     absl::StrAppendFormat(&text, "%-14s %d of %d scans count%s%s\n", pass.name, pass.GoodCount(),
                           pass.scans.size(),
-                          story.faults[i].empty() ? "" : "; left out: ", story.faults[i]);
+                          report.faults[i].empty() ? "" : "; left out: ", report.faults[i]);
   }
   absl::StrAppendFormat(
       &text,
       "kept           %d, %d of them refined\ncame           %d\nwent           %d\n"
       "comes and goes %d\n",
       CountOf(update.known, LandmarkFate::kKept), update.refined_count,
-      CountOf(update.found, LandmarkFate::kCame), CountOf(update.known, LandmarkFate::kWent),
+      CountOf(update.found, LandmarkFate::kAdded), CountOf(update.known, LandmarkFate::kRemoved),
       ComesAndGoesCount(update));
-  const SegmentVerdict& whole = story.gate.whole;
+  const SegmentEvaluation& whole = report.gate.whole;
   absl::StrAppendFormat(
       &text,
       "%-14s median error %.3f m, before %.3f m; fit %.4f, before %.4f; tracks %.1f %%, before "
       "%.1f %%\n%s: %s\n",
-      story.kept_out, whole.new_version.error_m, whole.old_version.error_m, whole.new_version.fit,
+      report.held_out, whole.new_version.error_m, whole.old_version.error_m, whole.new_version.fit,
       whole.old_version.fit, 100.0 * whole.new_version.tracking_share,
-      100.0 * whole.old_version.tracking_share, story.out.empty() ? "not written" : story.out,
-      story.gate.reason);
+      100.0 * whole.old_version.tracking_share, report.out.empty() ? "not written" : report.out,
+      report.gate.reason);
   return text;
 }
 
-std::string UpdateHtml(const UpdateStory& story) {
-  const MapUpdate& update = story.update;
+std::string UpdateHtml(const UpdateReport& report) {
+  const MapUpdate& update = report.update;
   std::string body = absl::StrFormat(
       "<p>%s. Green came (%d), red went (%d), blue comes and goes (%d), grey stays (%d).</p>\n",
-      EscapeHtml(story.out.empty()
-                     ? absl::StrCat("Not written: ", story.gate.reason)
-                     : absl::StrCat("Written to ", story.out, ": ", story.gate.reason)),
-      CountOf(update.found, LandmarkFate::kCame), CountOf(update.known, LandmarkFate::kWent),
+      EscapeHtml(report.out.empty()
+                     ? absl::StrCat("Not written: ", report.gate.reason)
+                     : absl::StrCat("Written to ", report.out, ": ", report.gate.reason)),
+      CountOf(update.found, LandmarkFate::kAdded), CountOf(update.known, LandmarkFate::kRemoved),
       ComesAndGoesCount(update), CountOf(update.known, LandmarkFate::kKept));
   absl::StrAppend(
-      &body, Drawing(update).Svg(), "<h2>Drives</h2>\n", HtmlTable(PassRows(story)),
-      "<h2>The drive that was kept out: ", EscapeHtml(story.kept_out), "</h2>\n",
+      &body, Drawing(update).Svg(), "<h2>Drives</h2>\n", HtmlTable(PassRows(report)),
+      "<h2>The drive that was kept out: ", EscapeHtml(report.held_out), "</h2>\n",
       HtmlTable({{"version", "median error [m]", "90 % [m]", "offset [m]", "tracks", "NEES", "fit"},
-                 ScoreRow("old", story.gate.whole.old_version),
-                 ScoreRow("new", story.gate.whole.new_version)}),
-      "<h2>Street segments</h2>\n", HtmlTable(SegmentRows(story)));
+                 ScoreRow("old", report.gate.whole.old_version),
+                 ScoreRow("new", report.gate.whole.new_version)}),
+      "<h2>Street segments</h2>\n", HtmlTable(SegmentRows(report)));
   std::vector<std::vector<std::string>> rows = {
       {"change", "x [m]", "y [m]", "since", "last seen", "days or vehicles"}};
   for (const auto* landmarks : {&update.known, &update.found}) {
     for (const LandmarkHistory& landmark : *landmarks) {
-      if (landmark.fate != LandmarkFate::kCame && landmark.fate != LandmarkFate::kWent) continue;
+      if (landmark.fate != LandmarkFate::kAdded && landmark.fate != LandmarkFate::kRemoved) {
+        continue;
+      }
       rows.push_back({kLandmarkFateNames[static_cast<std::size_t>(landmark.fate)],
                       absl::StrFormat("%.1f", landmark.p_map_m.x()),
                       absl::StrFormat("%.1f", landmark.p_map_m.y()),
-                      DateOf(SinceOf(story, landmark)), DateOf(landmark.last_seen),
+                      DateOf(SinceOf(report, landmark)), DateOf(landmark.last_seen),
                       absl::StrCat(landmark.witness_count)});
     }
   }
   absl::StrAppend(&body, "<h2>Changes</h2>\n", HtmlTable(rows));
-  return HtmlPage(absl::StrCat("Update of ", story.base), body);
+  return HtmlPage(absl::StrCat("Update of ", report.base), body);
 }
 
 }  // namespace dcloc::cli

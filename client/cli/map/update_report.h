@@ -11,22 +11,22 @@
 namespace dcloc::cli {
 
 /// An update with all that is told of it.
-struct UpdateStory {
+struct UpdateReport {
   std::string base;
-  std::string kept_out;
+  std::string held_out;
   std::vector<PlacedPass> passes;   ///< without their points
   std::vector<std::string> faults;  ///< of each pass; empty where it is of use
   MapUpdate update;
-  GateVerdict gate;
+  UpdateEvaluation gate;
   std::string out;  ///< the file that was written; empty where none was
 };
 
 /// What came, what went, where and since when; how the passes fared; how each street was judged and
 /// when it was last driven.
-nlohmann::ordered_json UpdateJson(const UpdateStory& story);
-std::string UpdateText(const UpdateStory& story);
+nlohmann::ordered_json UpdateJson(const UpdateReport& report);
+std::string UpdateText(const UpdateReport& report);
 
 /// The same as a page with a drawing.
-std::string UpdateHtml(const UpdateStory& story);
+std::string UpdateHtml(const UpdateReport& report);
 
 }  // namespace dcloc::cli

@@ -43,27 +43,27 @@ class UpdateRun {
     if (status.ok()) status = PlacePasses();
     if (!status.ok()) return status;
     line_.Update("updating the map", 0.0);
-    auto update = UpdateMap(base_, story_.passes, arguments_.options);
+    auto update = UpdateMap(base_, report_.passes, arguments_.options);
     if (!update.ok()) return update.status();
-    story_.update = *std::move(update);
+    report_.update = *std::move(update);
     Describe();
     line_.Update("judging the new version", 0.0);
-    auto gate = JudgeUpdate(base_, story_.update.map, kept_out_rig_, kept_out_scans_);
+    auto gate = EvaluateUpdate(base_, report_.update.map, held_out_rig_, held_out_scans_);
     if (!gate.ok()) {
       return absl::Status(gate.status().code(),
-                          absl::StrCat(story_.kept_out, ": ", gate.status().message()));
+                          absl::StrCat(report_.held_out, ": ", gate.status().message()));
     }
-    story_.gate = *std::move(gate);
+    report_.gate = *std::move(gate);
     return WriteAll();
   }
 
  private:
   absl::Status Open() {
-    story_.base = arguments_.base;
-    story_.kept_out = arguments_.kept_out.empty() ? arguments_.drives.back() : arguments_.kept_out;
-    if (std::ranges::find(arguments_.drives, story_.kept_out) == arguments_.drives.end()) {
+    report_.base = arguments_.base;
+    report_.held_out = arguments_.held_out.empty() ? arguments_.drives.back() : arguments_.held_out;
+    if (std::ranges::find(arguments_.drives, report_.held_out) == arguments_.drives.end()) {
       return absl::InvalidArgumentError(
-          absl::StrCat("--keep-out is ", story_.kept_out, "; it must be one of --drive"));
+          absl::StrCat("--keep-out is ", report_.held_out, "; it must be one of --drive"));
     }
     if (arguments_.drives.size() < 3) {
       return absl::InvalidArgumentError(
@@ -84,7 +84,7 @@ class UpdateRun {
     auto base = ReadMapParts(arguments_.base);
     if (!base.ok()) return base.status();
     base_ = *std::move(base);
-    auto bytes = PutTogether(base_);
+    auto bytes = ToMapBytes(base_);
     if (!bytes.ok()) return bytes.status();
     auto map = RadarMap::FromBytes(*std::move(bytes));
     if (!map.ok()) return map.status();
@@ -99,15 +99,15 @@ class UpdateRun {
       const absl::StatusOr<Drive> drive = ReadDrive(arguments_.dataset, request);
       if (!drive.ok()) return drive.status();
       if (absl::Status status = CheckRadarsOfScans(*drive); !status.ok()) return status;
-      const absl::Status status = name == story_.kept_out ? KeepOut(*drive) : Place(*drive);
+      const absl::Status status = name == report_.held_out ? HoldOut(*drive) : Place(*drive);
       if (!status.ok()) return status;
     }
-    const auto useful = std::ranges::count(story_.faults, std::string());
+    const auto useful = std::ranges::count(report_.faults, std::string());
     if (useful >= 2) return absl::OkStatus();
     std::vector<std::string> why;
-    for (std::size_t i = 0; i < story_.passes.size(); ++i) {
-      if (!story_.faults[i].empty()) {
-        why.push_back(absl::StrCat(story_.passes[i].name, ": ", story_.faults[i]));
+    for (std::size_t i = 0; i < report_.passes.size(); ++i) {
+      if (!report_.faults[i].empty()) {
+        why.push_back(absl::StrCat(report_.passes[i].name, ": ", report_.faults[i]));
       }
     }
     return absl::FailedPreconditionError(absl::StrCat("two drives must agree on a change, and ",
@@ -115,9 +115,9 @@ class UpdateRun {
                                                       absl::StrJoin(why, "; ")));
   }
 
-  absl::Status KeepOut(const Drive& drive) {
-    kept_out_rig_ = drive.rig;
-    for (const DriveScan& entry : drive.scans) kept_out_scans_.push_back(entry.scan);
+  absl::Status HoldOut(const Drive& drive) {
+    held_out_rig_ = drive.rig;
+    for (const DriveScan& entry : drive.scans) held_out_scans_.push_back(entry.scan);
     return absl::OkStatus();
   }
 
@@ -130,21 +130,21 @@ class UpdateRun {
                    static_cast<double>(i + 1) / static_cast<double>(drive.scans.size()));
     }
     PlacedPass pass = std::move(*placer).Finish();
-    story_.faults.push_back(FaultOf(pass));
-    if (!story_.faults.back().empty()) {
+    report_.faults.push_back(FaultOf(pass));
+    if (!report_.faults.back().empty()) {
       for (PlacedScan& scan : pass.scans) scan.is_good = false;
     }
-    story_.passes.push_back(std::move(pass));
+    report_.passes.push_back(std::move(pass));
     return absl::OkStatus();
   }
 
   void Describe() {
     std::vector<std::string> names;
-    for (const std::size_t i : story_.update.order) names.push_back(story_.passes[i].name);
-    story_.update.map.description =
+    for (const std::size_t i : report_.update.order) names.push_back(report_.passes[i].name);
+    report_.update.map.description =
         absl::StrCat("dcloc map update: ", arguments_.dataset.format, " ",
-                     absl::StrJoin(names, ", "), "; judged by ", story_.kept_out);
-    for (PlacedPass& pass : story_.passes) {
+                     absl::StrJoin(names, ", "), "; judged by ", report_.held_out);
+    for (PlacedPass& pass : report_.passes) {
       for (PlacedScan& scan : pass.scans) scan.points = {};
     }
   }
@@ -152,34 +152,34 @@ class UpdateRun {
   absl::Status WriteAll() {
     const StopSignals stop;  // not between a file and its page
     absl::Status status;
-    if (story_.gate.is_better) {
-      MapParts& map = story_.update.map;
+    if (report_.gate.is_better) {
+      EditableMap& map = report_.update.map;
       absl::StrAppendFormat(
           &map.description, ": fit %.4f after %.4f, median error %.3f after %.3f m",
-          story_.gate.whole.new_version.fit, story_.gate.whole.old_version.fit,
-          story_.gate.whole.new_version.error_m, story_.gate.whole.old_version.error_m);
+          report_.gate.whole.new_version.fit, report_.gate.whole.old_version.fit,
+          report_.gate.whole.new_version.error_m, report_.gate.whole.old_version.error_m);
       const auto info = WriteMapParts(map, arguments_.out);
       status = info.status();
-      if (status.ok()) story_.out = arguments_.out;
+      if (status.ok()) report_.out = arguments_.out;
     } else {
       status = absl::FailedPreconditionError(
-          absl::StrCat(arguments_.out, " is not written: ", story_.gate.reason));
+          absl::StrCat(arguments_.out, " is not written: ", report_.gate.reason));
     }
     if (!arguments_.report.empty()) {
-      const std::string page = UpdateHtml(story_);
+      const std::string page = UpdateHtml(report_);
       status.Update(WriteFileAtomically(arguments_.report, std::as_bytes(std::span(page))));
     }
-    absl::PrintF("%s", arguments_.json ? UpdateJson(story_).dump(2) + "\n" : UpdateText(story_));
+    absl::PrintF("%s", arguments_.json ? UpdateJson(report_).dump(2) + "\n" : UpdateText(report_));
     return status;
   }
 
   const UpdateArguments& arguments_;
   StageLine line_;
-  MapParts base_;
+  EditableMap base_;
   std::shared_ptr<const RadarMap> map_;
-  Rig kept_out_rig_;
-  std::vector<Scan> kept_out_scans_;
-  UpdateStory story_;
+  Rig held_out_rig_;
+  std::vector<Scan> held_out_scans_;
+  UpdateReport report_;
 };
 
 }  // namespace

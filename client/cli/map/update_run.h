@@ -16,7 +16,7 @@ struct UpdateArguments {
   DatasetArguments dataset;
   DriveRequest request;  ///< all but its name, which `drives` holds
   std::vector<std::string> drives;
-  std::string kept_out;  ///< one of `drives`; the last one if empty
+  std::string held_out;  ///< one of `drives`; the last one if empty
   MapUpdateOptions options;
   std::string out;
   std::string report;

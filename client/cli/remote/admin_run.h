@@ -6,8 +6,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "client/cli/common/exit_codes.h"
-#include "client/cli/common/terminal.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/remote/server_options.h"
 #include "client/sdk/admin_client.h"
 #include "client/sdk/channel.h"
@@ -31,10 +30,7 @@ CLI::App* AddAdminCommand(CLI::App& parent, const char* name, const char* descri
   CLI::App* app = parent.add_subcommand(name, description);
   AddServerOptions(*app, arguments->server);
   app->add_flag("--json", arguments->json, "Print as JSON");
-  app->callback([run, arguments, &exit_code] {
-    const absl::Status status = run(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*app, arguments, exit_code, run);
   return app;
 }
 

@@ -9,9 +9,8 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/common/anchor_option.h"
-#include "client/cli/common/exit_codes.h"
+#include "client/cli/common/on_run.h"
 #include "client/cli/common/progress.h"
-#include "client/cli/common/terminal.h"
 #include "client/simulation/fix_simulator.h"
 #include "client/simulation/nuscenes_writer.h"
 #include "client/simulation/option_names.h"
@@ -29,12 +28,6 @@ struct SimulateArguments {
   std::string out;
   bool force = false;
 };
-
-// What a pass draws its fixes by: other on every day, and never that of a pass of day 0.
-int FixDrawOf(int day, int pass_index) {
-  constexpr int kPassesPerDay = 1000;  // more than a simulation may have
-  return day * kPassesPerDay + pass_index;
-}
 
 void PrintPass(const SimulatedPass& pass, double length_m) {
   const std::vector<DriveScan>& scans = pass.drive.scans;
@@ -73,8 +66,8 @@ absl::Status Simulate(SimulateArguments arguments) {
     if (!simulated.ok()) return simulated.status();
     if (absl::Status status = writer->AddPass(*simulated); !status.ok()) return status;
     if (arguments.fixes.rate_hz > 0.0) {
-      const auto fixes = SimulateFixes(*simulated, FixDrawOf(options.day, pass.index),
-                                       arguments.fixes, options.seed, arguments.anchor);
+      const auto fixes = SimulateFixes(*simulated, DrawOf(options.day, pass.index), arguments.fixes,
+                                       options.seed, arguments.anchor);
       if (absl::Status status = writer->AddFixes(pass.name, fixes); !status.ok()) return status;
     }
     PrintPass(*simulated, options.length_m);
@@ -230,10 +223,7 @@ void AddSimulateCommand(CLI::App& app, int& exit_code) {
       "  dcloc simulate --out sim --fixes 5 --fix-jumps 2 --fix-jump-m 20 --fix-outages 1\n"
       "  dcloc localize --server localhost:50051 --map town --dataset nuscenes --root sim \\\n"
       "      --drive live-0 --fixes sim/fixes/live-0.csv --out live-0.csv");
-  simulate->callback([arguments, &exit_code] {
-    const absl::Status status = Simulate(*arguments);
-    exit_code = status.ok() ? kSuccess : Fail(status);
-  });
+  OnRun(*simulate, arguments, exit_code, &Simulate);
 }
 
 }  // namespace dcloc::cli

@@ -74,7 +74,7 @@ Localization Baseline::Answer(Stamp stamp) const {
     for (const std::size_t observed : {0U, 1U, 5U}) answer.observed[observed] = true;
   }
   if (last_accepted_) {
-    answer.state = stamp - *last_accepted_ <= options_.tracking.tracking_hold
+    answer.state = stamp - *last_accepted_ <= options_.tracking.tracking_timeout
                        ? LocalizationState::kTracking
                        : LocalizationState::kDeadReckoning;
   }

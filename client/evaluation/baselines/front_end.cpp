@@ -19,7 +19,7 @@ absl::StatusOr<Submap> FrontEnd::Add(const Scan& scan, StageListener* listener) 
   const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, radar);
   StaticPointsOptions point_options = options_.static_points;
   point_options.compensate = options_.doppler_compensation;
-  point_options.uncertainty = options_.uncertainty;
+  point_options.per_point_covariance = options_.per_point_covariance;
   const std::vector<RadarPoint> points =
       ego_range_rates_ ? StaticPoints(WithEgoRangeRates(scan, radar, ego_velocity), radar,
                                       ego_velocity, point_options)
@@ -27,7 +27,8 @@ absl::StatusOr<Submap> FrontEnd::Add(const Scan& scan, StageListener* listener) 
 
   if (listener != nullptr) listener->OnStageBegin(Stage::kSubmap);
   window_.Push(scan.stamp, static_cast<int>(&radar - rig_.radars.data()), points, since_previous());
-  return window_.Join(options_.uncertainty);
+  return window_.Join(options_.per_point_covariance ? DriftCovariance::kAdded
+                                                    : DriftCovariance::kLeftOut);
 }
 
 bool FrontEnd::RegistrationIsDue(Stamp stamp, const Submap& submap) {

@@ -14,7 +14,7 @@ absl::StatusOr<std::shared_ptr<const RadarMap>> MapForMethod(
   map_options.name = drive.name;
   map_options.static_points = options.static_points;
   map_options.static_points.compensate = options.doppler_compensation;
-  map_options.static_points.uncertainty = options.uncertainty;
+  map_options.static_points.per_point_covariance = options.per_point_covariance;
   // Others know nothing of heights: landmarks stay where slant ranges show them.
   if (!RunsInLocalizer(kind) || !has_heights) map_options.fusion.height_square_sigma_m2 = 0.0;
   auto bytes = kind == MethodKind::kMcRansac

@@ -85,7 +85,7 @@ absl::StatusOr<std::unique_ptr<Method>> CreateMethod(MethodKind kind,
       .pose = Flatten(T_map_local.Inverse() * initial_pose->T_map_vehicle),
       .covariance = FlattenCovariance(initial_pose->covariance)};
   // Without truncation the paper has no graph (Table II).
-  const bool has_graph = kind == MethodKind::kDcLocPlusPlus && options.truncation;
+  const bool has_graph = kind == MethodKind::kDcLocPlusPlus && options.gate_outliers;
   return std::make_unique<Baseline>(
       map, T_map_local,
       Baseline::Parts{.front_end = FrontEnd(rig, options, kind == MethodKind::kMcRansac),

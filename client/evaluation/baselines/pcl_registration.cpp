@@ -103,8 +103,6 @@ class NdtRegistration final : public PlanarRegistration {
     const Cloud::Ptr source = LiveCloud(live);
     const Cloud::Ptr target = MapCloud(map, predicted, true);
     if (source->size() < kMinPoints || target->size() < kMinPoints) return std::nullopt;
-    // What finds no cell with enough points is no match; the library would say so on stderr.
-    pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
     pcl::NormalDistributionsTransform<Point, Point> ndt;
     ndt.setInputSource(source);
     ndt.setInputTarget(target);
@@ -145,6 +143,8 @@ class PclGicpRegistration final : public PlanarRegistration {
 };
 
 }  // namespace
+
+void SilencePcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
 
 std::unique_ptr<PlanarRegistration> MakeIcpRegistration() {
   return std::make_unique<IcpRegistration>();

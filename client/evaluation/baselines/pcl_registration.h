@@ -6,6 +6,10 @@
 
 namespace dcloc {
 
+/// From now on the Point Cloud Library says nothing on stderr: what finds no cell with enough
+/// points is no match. For the whole program, so before it has a second thread.
+void SilencePcl();
+
 /// Point-to-point ICP of the Point Cloud Library, twice: with a wide reach, then with a narrow one.
 std::unique_ptr<PlanarRegistration> MakeIcpRegistration();
 

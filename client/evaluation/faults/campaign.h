@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/evaluation/faults/catalogue.h"
+#include "client/evaluation/faults/fault_list.h"
 #include "client/evaluation/faults/record.h"
-#include "client/evaluation/robustness/result_store.h"
+#include "client/evaluation/result_store.h"
 
 namespace dcloc::faults {
 
@@ -24,7 +24,7 @@ struct CaseResult {
 };
 
 /// Is called from several threads, each with names of its own.
-using RecordStore = robustness::ResultStore<Record>;
+using RecordStore = ResultStore<Record>;
 
 /// Every fault of the selection in every world that it says something of, and the worlds as they
 /// are, as far as `store` does not hold them; `jobs` (> 0) worlds at a time. Sessions begin 0.5 m

@@ -45,8 +45,8 @@ EvaluationOptions ToOptions(const Case& item, const Run& run) {
     options.localizer.schedule.interval = kPclRegistrationInterval;
   }
   options.localizer.doppler_compensation = run.variant.doppler;
-  options.localizer.uncertainty = run.variant.uncertainty;
-  options.localizer.truncation = run.variant.truncation;
+  options.localizer.per_point_covariance = run.variant.uncertainty;
+  options.localizer.gate_outliers = run.variant.truncation;
   options.localizer.scans_per_submap = run.variant.scans_per_submap;
   return options;
 }
@@ -151,7 +151,8 @@ class Workbench {
 
 /// The outcome of `run`, of `store` or done now.
 absl::StatusOr<DriveOutcome> Obtain(const Case& item, const Run& run, Workbench& workbench,
-                                    RunStore& store, const std::function<void(double)>& progress) {
+                                    ResultStore<DriveOutcome>& store,
+                                    const std::function<void(double)>& progress) {
   const std::string name = RunName(item, run);
   if (auto outcome = store.Load(name)) return *std::move(outcome);
   const auto same = workbench.Equivalent(run);
@@ -189,7 +190,7 @@ std::string RunName(const Case& item, const Run& run) {
 }
 
 absl::StatusOr<std::vector<RunResult>> RunStudy(
-    const std::vector<Case>& cases, bool quick, RunStore& store,
+    const std::vector<Case>& cases, bool quick, ResultStore<DriveOutcome>& store,
     const std::function<void(const std::string&, double)>& progress) {
   std::size_t total = 0;
   for (const Case& item : cases) total += PlanRuns(item, quick).size();

@@ -11,6 +11,7 @@
 #include "client/datasets/drive.h"
 #include "client/evaluation/outcome.h"
 #include "client/evaluation/paper/table_rows.h"
+#include "client/evaluation/result_store.h"
 #include "client/evaluation/runner.h"
 
 namespace dcloc::paper {
@@ -64,18 +65,10 @@ std::vector<Run> PlanRuns(const Case& item, bool quick);
 /// "<case>.<variant>.<track|pairs>"
 std::string RunName(const Case& item, const Run& run);
 
-/// Keeps finished runs, so that an interrupted study goes on where it was.
-class RunStore {
- public:
-  virtual ~RunStore() = default;
-  virtual std::optional<DriveOutcome> Load(const std::string& run_name) = 0;
-  virtual absl::Status Save(const std::string& run_name, const DriveOutcome& outcome) = 0;
-};
-
 /// Does all runs of all cases that `store` does not hold. `progress` receives what is being done
 /// and the share of the whole study done. The outcomes hold no maps.
 absl::StatusOr<std::vector<RunResult>> RunStudy(
-    const std::vector<Case>& cases, bool quick, RunStore& store,
+    const std::vector<Case>& cases, bool quick, ResultStore<DriveOutcome>& store,
     const std::function<void(const std::string&, double)>& progress);
 
 }  // namespace dcloc::paper

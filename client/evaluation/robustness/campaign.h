@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/evaluation/robustness/result_store.h"
+#include "client/evaluation/result_store.h"
 #include "client/evaluation/robustness/trials.h"
 
 namespace dcloc::robustness {

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
 
+#include "absl/strings/str_cat.h"
 #include "server/maps/catalogue/catalogue_errors.h"
 #include "server/maps/catalogue/postgres_coverage.h"
 #include "server/maps/catalogue/postgres_tables.h"
+#include "server/postgres/advisory_lock.h"
 
 namespace dcloc::server {
 
@@ -82,12 +85,10 @@ absl::StatusOr<std::vector<std::string>> LockFilesOf(PostgresConnection& connect
 
 absl::Status LockFiles(PostgresConnection& connection, std::vector<std::string> files) {
   std::ranges::sort(files);  // in one order, or two could wait for each other
+  const std::string lock =
+      absl::StrCat("SELECT pg_advisory_xact_lock(hashtextextended($1, ", kAdvisoryLock, "))");
   for (const std::string& sha256 : files) {
-    absl::Status status =
-        connection
-            .Query("SELECT pg_advisory_xact_lock(hashtextextended($1, 1145261123))",
-                   PostgresValues().Bind(sha256))
-            .status();
+    absl::Status status = connection.Query(lock.c_str(), PostgresValues().Bind(sha256)).status();
     if (!status.ok()) return status;
   }
   return absl::OkStatus();

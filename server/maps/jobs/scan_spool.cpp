@@ -1,11 +1,12 @@
 #include "server/maps/jobs/scan_spool.h"
 
-#include <atomic>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/base/random_name.h"
 
 namespace dcloc::server {
 namespace {
@@ -27,8 +28,9 @@ ScanSpool::~ScanSpool() {
 }
 
 absl::StatusOr<std::unique_ptr<ScanSpool>> ScanSpool::Create(const std::filesystem::path& folder) {
-  static std::atomic<std::int64_t> counter = 0;
-  std::unique_ptr<ScanSpool> spool(new ScanSpool(folder / absl::StrCat("build-", ++counter)));
+  const absl::StatusOr<std::string> name = RandomName(64, "a build's scans");
+  if (!name.ok()) return name.status();
+  std::unique_ptr<ScanSpool> spool(new ScanSpool(folder / absl::StrCat("build-", *name)));
   if (!spool->out_) return CannotWrite();
   return spool;
 }

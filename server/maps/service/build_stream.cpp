@@ -13,7 +13,7 @@
 
 namespace dcloc::server {
 
-BuildStream* BuildStream::Start(grpc::CallbackServerContext* context, const StorageHost& host,
+BuildStream* BuildStream::Start(grpc::CallbackServerContext* context, const RpcContext& host,
                                 MapBuilds& builds, grpc::ByteBuffer* response) {
   return Begin(std::shared_ptr<BuildStream>(new BuildStream(host, context, builds, response)));
 }

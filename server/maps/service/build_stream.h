@@ -13,11 +13,11 @@ namespace dcloc::server {
 /// One StartMapBuild call: each scan is checked and written to disk before the next one is read.
 class BuildStream final : public ReadStream<v1::StartMapBuildRequest, v1::StartMapBuildResponse> {
  public:
-  static BuildStream* Start(grpc::CallbackServerContext* context, const StorageHost& host,
+  static BuildStream* Start(grpc::CallbackServerContext* context, const RpcContext& host,
                             MapBuilds& builds, grpc::ByteBuffer* response);
 
  private:
-  BuildStream(const StorageHost& host, grpc::CallbackServerContext* context, MapBuilds& builds,
+  BuildStream(const RpcContext& host, grpc::CallbackServerContext* context, MapBuilds& builds,
               grpc::ByteBuffer* response)
       : ReadStream(host, context, response), builds_(builds) {}
 

@@ -27,7 +27,7 @@ std::string CallerOf(const Principal& principal, const grpc::CallbackServerConte
 
 }  // namespace
 
-DownloadStream* DownloadStream::Start(const StorageHost& host, DownloadSlots& slots,
+DownloadStream* DownloadStream::Start(const RpcContext& host, DownloadSlots& slots,
                                       grpc::CallbackServerContext* context,
                                       const v1::DownloadMapRequest& request) {
   std::shared_ptr<DownloadStream> stream(new DownloadStream(host, slots, context));
@@ -37,7 +37,7 @@ DownloadStream* DownloadStream::Start(const StorageHost& host, DownloadSlots& sl
   return stream.get();
 }
 
-DownloadStream::DownloadStream(const StorageHost& host, DownloadSlots& slots,
+DownloadStream::DownloadStream(const RpcContext& host, DownloadSlots& slots,
                                grpc::CallbackServerContext* context)
     : host_(host), slots_(slots), context_(context), token_(host.open_calls), strand_(host.pool) {
   strand_.SetLane(Lane::kLengthy);

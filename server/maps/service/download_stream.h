@@ -8,7 +8,7 @@
 
 #include "dcloc/v1/map_service.pb.h"
 #include "server/maps/service/download_slots.h"
-#include "server/rpc/storage_host.h"
+#include "server/rpc/rpc_context.h"
 
 namespace dcloc::server {
 
@@ -21,7 +21,7 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
  public:
   /// Lives until the call is done and the pool has let go of it.
   /// `slots` outlives it.
-  static DownloadStream* Start(const StorageHost& host, DownloadSlots& slots,
+  static DownloadStream* Start(const RpcContext& host, DownloadSlots& slots,
                                grpc::CallbackServerContext* context,
                                const v1::DownloadMapRequest& request);
 
@@ -30,7 +30,7 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
   void CheckPeer(PeerWait::Clock::time_point now) override;
 
  private:
-  DownloadStream(const StorageHost& host, DownloadSlots& slots,
+  DownloadStream(const RpcContext& host, DownloadSlots& slots,
                  grpc::CallbackServerContext* context);
 
   // On the strand.
@@ -41,7 +41,7 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
   void CutOff();
   void End(const absl::Status& status);
 
-  const StorageHost& host_;
+  const RpcContext& host_;
   DownloadSlots& slots_;
   grpc::CallbackServerContext* const context_;
   OpenCalls::Token token_;

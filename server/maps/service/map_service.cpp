@@ -122,7 +122,7 @@ absl::Status AnswerBuild(const absl::StatusOr<BuildRecord>& record, v1::MapBuild
 
 }  // namespace
 
-MapService::MapService(StorageHost host, SessionMover move_sessions, SessionDrainer drain_sessions)
+MapService::MapService(RpcContext host, SessionMover move_sessions, SessionDrainer drain_sessions)
     : host_(host),
       move_sessions_(std::move(move_sessions)),
       drain_sessions_(std::move(drain_sessions)),
@@ -131,7 +131,7 @@ MapService::MapService(StorageHost host, SessionMover move_sessions, SessionDrai
 grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* context,
                                                const v1::ListMapsRequest* request,
                                                v1::ListMapsResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+  return RunUnary(host_, context, request, [this, request, response](const Principal& principal) {
     return server::ListMaps(host_.store.catalogue(), principal.tenant, *request, response);
   });
 }
@@ -139,7 +139,7 @@ grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* cont
 grpc::ServerUnaryReactor* MapService::GetMap(grpc::CallbackServerContext* context,
                                              const v1::GetMapRequest* request,
                                              v1::GetMapResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+  return RunUnary(host_, context, request, [this, request, response](const Principal& principal) {
     return server::GetMap(host_.store.catalogue(), principal.tenant, request->map_name(),
                           response->mutable_map());
   });
@@ -148,7 +148,7 @@ grpc::ServerUnaryReactor* MapService::GetMap(grpc::CallbackServerContext* contex
 grpc::ServerUnaryReactor* MapService::ListMapVersions(grpc::CallbackServerContext* context,
                                                       const v1::ListMapVersionsRequest* request,
                                                       v1::ListMapVersionsResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+  return RunUnary(host_, context, request, [this, request, response](const Principal& principal) {
     return ListVersions(host_.store.catalogue(), principal.tenant, *request, response);
   });
 }
@@ -156,7 +156,7 @@ grpc::ServerUnaryReactor* MapService::ListMapVersions(grpc::CallbackServerContex
 grpc::ServerUnaryReactor* MapService::GetMapVersion(grpc::CallbackServerContext* context,
                                                     const v1::GetMapVersionRequest* request,
                                                     v1::GetMapVersionResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+  return RunUnary(host_, context, request, [this, request, response](const Principal& principal) {
     return GetVersion(host_.store.catalogue(), principal.tenant, *request,
                       response->mutable_version());
   });
@@ -175,7 +175,7 @@ grpc::ServerWriteReactor<v1::DownloadMapResponse>* MapService::DownloadMap(
 grpc::ServerUnaryReactor* MapService::GetMapUpload(grpc::CallbackServerContext* context,
                                                    const v1::GetMapUploadRequest* request,
                                                    v1::GetMapUploadResponse* response) {
-  return AnswerOn(
+  return RunUnary(
       host_, context, request,
       [this, request, response](const Principal& principal) {
         return GetUpload(host_.store, principal.tenant, request->sha256(), response);
@@ -186,7 +186,7 @@ grpc::ServerUnaryReactor* MapService::GetMapUpload(grpc::CallbackServerContext* 
 grpc::ServerUnaryReactor* MapService::ActivateMapVersion(
     grpc::CallbackServerContext* context, const v1::ActivateMapVersionRequest* request,
     v1::ActivateMapVersionResponse* response) {
-  return AnswerOn(
+  return RunUnary(
       host_, context, request,
       [this, request, response](const Principal& principal) {
         return Activate(host_.store, move_sessions_, principal.tenant, *request, response);
@@ -197,7 +197,7 @@ grpc::ServerUnaryReactor* MapService::ActivateMapVersion(
 grpc::ServerUnaryReactor* MapService::RollBackMap(grpc::CallbackServerContext* context,
                                                   const v1::RollBackMapRequest* request,
                                                   v1::RollBackMapResponse* response) {
-  return AnswerOn(
+  return RunUnary(
       host_, context, request,
       [this, request, response](const Principal& principal) {
         return RollBack(host_.store, move_sessions_, principal.tenant, *request, response);
@@ -208,7 +208,7 @@ grpc::ServerUnaryReactor* MapService::RollBackMap(grpc::CallbackServerContext* c
 grpc::ServerUnaryReactor* MapService::SetMapCanary(grpc::CallbackServerContext* context,
                                                    const v1::SetMapCanaryRequest* request,
                                                    v1::SetMapCanaryResponse* response) {
-  return AnswerOn(
+  return RunUnary(
       host_, context, request,
       [this, request, response](const Principal& principal) {
         return SetCanary(host_.store, principal.tenant, *request, response->mutable_map());
@@ -219,7 +219,7 @@ grpc::ServerUnaryReactor* MapService::SetMapCanary(grpc::CallbackServerContext* 
 grpc::ServerUnaryReactor* MapService::FindCoverage(grpc::CallbackServerContext* context,
                                                    const v1::FindCoverageRequest* request,
                                                    v1::FindCoverageResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+  return RunUnary(host_, context, request, [this, request, response](const Principal& principal) {
     return server::FindCoverage(host_.store.catalogue(), principal.tenant, *request, response);
   });
 }
@@ -227,7 +227,7 @@ grpc::ServerUnaryReactor* MapService::FindCoverage(grpc::CallbackServerContext* 
 grpc::ServerUnaryReactor* MapService::ReadMapTile(grpc::CallbackServerContext* context,
                                                   const v1::ReadMapTileRequest* request,
                                                   v1::ReadMapTileResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+  return RunUnary(host_, context, request, [this, request, response](const Principal& principal) {
     return server::ReadMapTile(host_.store, principal.tenant, *request, response);
   });
 }
@@ -240,7 +240,7 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* MapService::StartMapBuild(
 grpc::ServerUnaryReactor* MapService::GetMapBuild(grpc::CallbackServerContext* context,
                                                   const v1::GetMapBuildRequest* request,
                                                   v1::GetMapBuildResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+  return RunUnary(host_, context, request, [this, request, response](const Principal& principal) {
     return AnswerBuild(builds_.Get(principal.tenant, request->build_id()),
                        response->mutable_build());
   });
@@ -249,7 +249,7 @@ grpc::ServerUnaryReactor* MapService::GetMapBuild(grpc::CallbackServerContext* c
 grpc::ServerUnaryReactor* MapService::ListMapBuilds(grpc::CallbackServerContext* context,
                                                     const v1::ListMapBuildsRequest* request,
                                                     v1::ListMapBuildsResponse* response) {
-  return AnswerOn(host_, context, request, [this, response](const Principal& principal) {
+  return RunUnary(host_, context, request, [this, response](const Principal& principal) {
     for (const BuildRecord& record : builds_.List(principal.tenant)) {
       ToProto(record, response->add_builds());
     }
@@ -260,7 +260,7 @@ grpc::ServerUnaryReactor* MapService::ListMapBuilds(grpc::CallbackServerContext*
 grpc::ServerUnaryReactor* MapService::CancelMapBuild(grpc::CallbackServerContext* context,
                                                      const v1::CancelMapBuildRequest* request,
                                                      v1::CancelMapBuildResponse* response) {
-  return AnswerOn(host_, context, request, [this, request, response](const Principal& principal) {
+  return RunUnary(host_, context, request, [this, request, response](const Principal& principal) {
     return AnswerBuild(builds_.Cancel(principal.tenant, request->build_id()),
                        response->mutable_build());
   });
@@ -269,7 +269,7 @@ grpc::ServerUnaryReactor* MapService::CancelMapBuild(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* MapService::DeleteMapVersion(grpc::CallbackServerContext* context,
                                                        const v1::DeleteMapVersionRequest* request,
                                                        v1::DeleteMapVersionResponse* /*response*/) {
-  return AnswerOn(
+  return RunUnary(
       host_, context, request,
       [this, request](const Principal& principal) {
         return DeleteVersion(host_.store, drain_sessions_, principal.tenant, *request);
@@ -280,7 +280,7 @@ grpc::ServerUnaryReactor* MapService::DeleteMapVersion(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* context,
                                                 const v1::DeleteMapRequest* request,
                                                 v1::DeleteMapResponse* /*response*/) {
-  return AnswerOn(
+  return RunUnary(
       host_, context, request,
       [this, request](const Principal& principal) {
         return server::DeleteMap(host_.store, drain_sessions_, principal.tenant, *request);

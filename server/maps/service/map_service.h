@@ -5,7 +5,7 @@
 #include "server/maps/service/download_slots.h"
 #include "server/maps/service/map_deletion.h"
 #include "server/maps/service/map_labels.h"
-#include "server/rpc/storage_host.h"
+#include "server/rpc/rpc_context.h"
 
 namespace dcloc::server {
 
@@ -16,7 +16,7 @@ using RawStreamsMapService = v1::MapService::WithRawCallbackMethod_UploadMap<
 /// MapService over a MapStore. All calls may wait for a disk, so all run on the storage pool.
 class MapService final : public RawStreamsMapService {
  public:
-  MapService(StorageHost host, SessionMover move_sessions, SessionDrainer drain_sessions);
+  MapService(RpcContext host, SessionMover move_sessions, SessionDrainer drain_sessions);
 
   grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
                                      const v1::ListMapsRequest* request,
@@ -74,7 +74,7 @@ class MapService final : public RawStreamsMapService {
   int download_count() const { return downloads_.count(); }
 
  private:
-  const StorageHost host_;
+  const RpcContext host_;
   const SessionMover move_sessions_;
   const SessionDrainer drain_sessions_;
   DownloadSlots downloads_;

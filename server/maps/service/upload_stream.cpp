@@ -8,7 +8,7 @@
 
 namespace dcloc::server {
 
-UploadStream* UploadStream::Start(grpc::CallbackServerContext* context, const StorageHost& host,
+UploadStream* UploadStream::Start(grpc::CallbackServerContext* context, const RpcContext& host,
                                   grpc::ByteBuffer* response) {
   return Begin(std::shared_ptr<UploadStream>(new UploadStream(host, context, response)));
 }

@@ -12,7 +12,7 @@ namespace dcloc::server {
 /// One UploadMap call: each chunk is written to disk before the next one is read.
 class UploadStream final : public ReadStream<v1::UploadMapRequest, v1::UploadMapResponse> {
  public:
-  static UploadStream* Start(grpc::CallbackServerContext* context, const StorageHost& host,
+  static UploadStream* Start(grpc::CallbackServerContext* context, const RpcContext& host,
                              grpc::ByteBuffer* response);
 
  private:

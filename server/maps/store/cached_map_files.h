@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/base/shared_work.h"
+#include "server/base/single_flight.h"
 #include "server/maps/store/map_cache.h"
 #include "server/maps/store/map_files.h"
 
@@ -32,7 +32,7 @@ class CachedMapFiles final : public MapFiles {
  private:
   const std::unique_ptr<MapFiles> files_;
   const std::shared_ptr<MapCache> cache_;
-  SharedWork<std::shared_ptr<const RadarMap>> openings_;
+  SingleFlight<std::shared_ptr<const RadarMap>> openings_;
 };
 
 }  // namespace dcloc::server

@@ -19,11 +19,10 @@ using ::testing::HasSubstr;
 
 DriveRequest Sequence7() { return {.name = "sequence_7", .radars = {}, .beta_s = std::nullopt}; }
 
-absl::StatusOr<Drive> Read(const TinyRadarScenes& tiny, const DriveRequest& request = Sequence7(),
-                           const RadarScenesOptions& options = {}) {
+absl::StatusOr<Drive> Read(const TinyRadarScenes& tiny, const DriveRequest& request = Sequence7()) {
   const TempFolder folder;
   tiny.WriteTo(folder);
-  return ReadRadarScenesDrive(folder.path(), request, options);
+  return ReadRadarScenesDrive(folder.path(), request);
 }
 
 TEST(RadarScenes, ReadsScansMountsAndOdometry) {
@@ -71,14 +70,6 @@ TEST(RadarScenes, AcceptsNumbersForNames) {
   EXPECT_EQ(drive->rig.radars[0].id, "radar_2");
   EXPECT_EQ(drive->rig.radars[0].beta_s, -0.02);
   EXPECT_EQ(drive->scans.size(), 2U);
-}
-
-TEST(RadarScenes, KeepsMovingTargetsUnlessTold) {
-  RadarScenesOptions options;
-  options.labelled_static_only = true;
-  const auto drive = Read(TinyRadarScenes(), Sequence7(), options);
-  ASSERT_TRUE(drive.ok()) << drive.status();
-  EXPECT_THAT(drive->scans[0].scan.range_m, ElementsAre(20.0F));
 }
 
 TEST(RadarScenes, LeavesOutTargetsThatAreNotFinite) {

@@ -17,7 +17,6 @@ struct TinyTarget {
   std::int64_t timestamp;
   std::uint8_t sensor_id;
   float range_sc, azimuth_sc, rcs, vr;
-  std::uint8_t label_id;
 };
 
 struct TinyOdometry {
@@ -31,11 +30,11 @@ struct TinyRadarScenes {
   nlohmann::json sensors = {{"radar_1", {{"id", 1}, {"x", 3.6}, {"y", -0.8}, {"yaw", -1.5}}},
                             {"radar_2", {{"id", 2}, {"x", 3.9}, {"y", 0.0}, {"yaw", 0.0}}}};
   nlohmann::json scenes;
-  std::vector<TinyTarget> targets = {{1000000, 2, 20.0F, 0.0F, 3.0F, -10.0F, 11},
-                                     {1000000, 2, 10.0F, 0.5F, 3.0F, 2.0F, 0},
-                                     {1030000, 1, 8.0F, -0.1F, 1.0F, 0.0F, 11},
-                                     {1060000, 2, 19.4F, 0.0F, 3.0F, -10.0F, 11},
-                                     {1240000, 1, 7.0F, -0.1F, 1.0F, 0.0F, 11}};
+  std::vector<TinyTarget> targets = {{1000000, 2, 20.0F, 0.0F, 3.0F, -10.0F},
+                                     {1000000, 2, 10.0F, 0.5F, 3.0F, 2.0F},
+                                     {1030000, 1, 8.0F, -0.1F, 1.0F, 0.0F},
+                                     {1060000, 2, 19.4F, 0.0F, 3.0F, -10.0F},
+                                     {1240000, 1, 7.0F, -0.1F, 1.0F, 0.0F}};
   std::vector<TinyOdometry> odometry = {{990000, 5.0F, 1.0F, 0.0F, 10.0F, 0.0F},
                                         {1010000, 5.2F, 1.0F, 0.0F, 11.0F, 0.2F},
                                         {1110000, 6.2F, 1.0F, 0.0F, 12.0F, 0.0F}};
@@ -80,8 +79,7 @@ struct TinyRadarScenes {
                  range_is_text ? text : H5T_NATIVE_FLOAT},
                 {"azimuth_sc", offsetof(TinyTarget, azimuth_sc), H5T_NATIVE_FLOAT},
                 {"rcs", offsetof(TinyTarget, rcs), H5T_NATIVE_FLOAT},
-                {"vr", offsetof(TinyTarget, vr), H5T_NATIVE_FLOAT},
-                {"label_id", offsetof(TinyTarget, label_id), H5T_NATIVE_UINT8}});
+                {"vr", offsetof(TinyTarget, vr), H5T_NATIVE_FLOAT}});
     WriteTable(file, "odometry", odometry,
                {{"timestamp", offsetof(TinyOdometry, timestamp), H5T_NATIVE_INT64},
                 {"x_seq", offsetof(TinyOdometry, x_seq), H5T_NATIVE_FLOAT},

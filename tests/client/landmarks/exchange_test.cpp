@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 using Rows = std::vector<LandmarkRow>;
 
 // 12 keyframes at UTM-like coordinates, or near an anchor; points with odd bits.
-MapParts Town(bool is_anchored) {
+EditableMap Town(bool is_anchored) {
   SyntheticMap synthetic(12, 9);
   for (std::size_t i = 0; i < synthetic.points.size(); ++i) {
     synthetic.points[i].x_m += 0.1F * static_cast<float>(i) / 3.0F;
@@ -39,7 +39,7 @@ MapParts Town(bool is_anchored) {
   }
   auto map = RadarMap::FromBytes(synthetic.Bytes());
   EXPECT_TRUE(map.ok()) << map.status();
-  return TakeApart(**map);
+  return ToEditable(**map);
 }
 
 Rows Read(const absl::StatusOr<Rows>& rows) {
@@ -47,26 +47,26 @@ Rows Read(const absl::StatusOr<Rows>& rows) {
   return rows.ok() ? *rows : Rows();
 }
 
-std::vector<std::byte> BytesOf(const absl::StatusOr<MapParts>& parts) {
-  EXPECT_TRUE(parts.ok()) << parts.status();
-  auto bytes = PutTogether(*parts);
+std::vector<std::byte> BytesOf(const absl::StatusOr<EditableMap>& map) {
+  EXPECT_TRUE(map.ok()) << map.status();
+  auto bytes = ToMapBytes(*map);
   EXPECT_TRUE(bytes.ok()) << bytes.status();
   return *std::move(bytes);
 }
 
-Rows FromGeoJson(const MapParts& map, const std::string& text) {
+Rows FromGeoJson(const EditableMap& map, const std::string& text) {
   return Read(ParseLandmarkGeoJson(text, "town.geojson", *map.Anchor()));
 }
 
 TEST(ExchangeTest, UnchangedFilesGiveTheSameMap) {
-  const MapParts town = Town(false);
+  const EditableMap town = Town(false);
   LandmarkEdits counts;
   EXPECT_EQ(BytesOf(ReplaceLandmarks(
                 town, Read(ParseLandmarkPcd(FormatLandmarkPcd(town), "town.pcd", town.Origin_m())),
                 counts)),
             BytesOf(town));
   EXPECT_EQ(counts.same, town.PointCount());
-  const MapParts anchored = Town(true);
+  const EditableMap anchored = Town(true);
   EXPECT_EQ(BytesOf(ReplaceLandmarks(
                 anchored, FromGeoJson(anchored, *FormatLandmarkGeoJson(anchored)), counts)),
             BytesOf(anchored));
@@ -75,7 +75,7 @@ TEST(ExchangeTest, UnchangedFilesGiveTheSameMap) {
 }
 
 TEST(ExchangeTest, UnchangedKeyframesGiveTheSameMap) {
-  const MapParts town = Town(false);
+  const EditableMap town = Town(false);
   for (const TrajectoryFormat format : {TrajectoryFormat::kTum, TrajectoryFormat::kCsv}) {
     const auto text = FormatTrajectory(KeyframeTrajectory(town), format);
     ASSERT_TRUE(text.ok());
@@ -87,7 +87,7 @@ TEST(ExchangeTest, UnchangedKeyframesGiveTheSameMap) {
 }
 
 TEST(ExchangeTest, AMovedKeyframeTakesItsLandmarksAlong) {
-  const MapParts town = Town(false);
+  const EditableMap town = Town(false);
   Trajectory trajectory = KeyframeTrajectory(town);
   trajectory.poses[4].T_map_vehicle.translation_m.x() += 2.0;
   std::size_t moved_count = 0;
@@ -106,7 +106,7 @@ TEST(ExchangeTest, AMovedKeyframeTakesItsLandmarksAlong) {
 }
 
 TEST(ExchangeTest, MendedLandmarksAreCounted) {
-  const MapParts town = Town(true);
+  const EditableMap town = Town(true);
   Rows rows = FromGeoJson(town, *FormatLandmarkGeoJson(town));
   rows.erase(rows.begin());                       // removed
   rows[0].p_map.x() += 0.004;                     // another tool's rounding
@@ -127,7 +127,7 @@ TEST(ExchangeTest, MendedLandmarksAreCounted) {
 }
 
 TEST(ExchangeTest, ALandmarkThatWasDrawnAnewJoinsTheNearestKeyframe) {
-  const MapParts town = Town(true);
+  const EditableMap town = Town(true);
   Rows rows = RowsOf(town);
   LandmarkRow drawn = rows[40];
   drawn.keyframe.reset();
@@ -152,7 +152,7 @@ TEST(ExchangeTest, ALandmarkThatWasDrawnAnewJoinsTheNearestKeyframe) {
 }
 
 TEST(ExchangeTest, ToolsOfThePlaneMayLeaveTheHeightOut) {
-  MapParts town = Town(true);
+  EditableMap town = Town(true);
   town.info.local_origin_m[2] = 300.0;  // where 4 km from the anchor the vertical is 0.2 m off
   std::string text = *FormatLandmarkGeoJson(town);
   for (std::size_t i = 0; (i = text.find("\"coordinates\":[", i)) != std::string::npos; ++i) {
@@ -167,7 +167,7 @@ TEST(ExchangeTest, ToolsOfThePlaneMayLeaveTheHeightOut) {
 }
 
 TEST(ExchangeTest, AMoveInThePlaneLeavesTheHeight) {
-  MapParts town = Town(true);
+  EditableMap town = Town(true);
   town.info.local_origin_m[2] = 300.0;
   Rows rows = RowsOf(town);
   const GeodeticPosition before = GeodeticFromMap(*town.Anchor(), rows[3].p_map);
@@ -200,7 +200,7 @@ TEST(ExchangeTest, AsciiFromAnotherToolIsRead) {
 }
 
 TEST(ExchangeTest, ErrorsNameTheRowTheFieldAndTheBound) {
-  const MapParts town = Town(true);
+  const EditableMap town = Town(true);
   const std::string json = *FormatLandmarkGeoJson(town);
   const auto geojson = [&](const std::string& from, const std::string& to) {
     return std::string(

@@ -109,18 +109,19 @@ TEST_F(MapTransferTest, AnUploadGivesUpWhenNothingMovesAnyMore) {
 }
 
 TEST_F(MapTransferTest, AFileThatTheServerHasIsNotSentAgain) {
-  ASSERT_TRUE(maps_->Upload(file_, "town", true).ok());
+  ASSERT_TRUE(maps_->Upload(file_, "town", {.activate = true}).ok());
   std::int64_t sent_bytes = 0;
-  const auto version =
-      maps_->Upload(file_, "city", true,
-                    [&](std::int64_t sent, std::int64_t /*size_bytes*/) { sent_bytes = sent; });
+  const auto version = maps_->Upload(
+      file_, "city",
+      {.activate = true,
+       .progress = [&](std::int64_t sent, std::int64_t /*size_bytes*/) { sent_bytes = sent; }});
   ASSERT_TRUE(version.ok()) << version.status();
   EXPECT_EQ(version->map_name(), "city");
   EXPECT_EQ(sent_bytes, 0);
 }
 
 TEST_F(MapTransferTest, ADownloadIsTheFileThatWasUploaded) {
-  ASSERT_TRUE(maps_->Upload(file_, "town", true).ok());
+  ASSERT_TRUE(maps_->Upload(file_, "town", {.activate = true}).ok());
   const std::filesystem::path copy = folder_.path() / "copy.dclm";
   std::int64_t done_bytes = 0;
   const auto version = maps_->Download("town", 0, copy, [&](std::int64_t done, std::int64_t size) {
@@ -133,7 +134,7 @@ TEST_F(MapTransferTest, ADownloadIsTheFileThatWasUploaded) {
 }
 
 TEST_F(MapTransferTest, ADownloadThatFailsLeavesNothingAndTouchesNoFile) {
-  ASSERT_TRUE(maps_->Upload(file_, "town", true).ok());
+  ASSERT_TRUE(maps_->Upload(file_, "town", {.activate = true}).ok());
   const std::filesystem::path copy = folder_.Write("copy.dclm", {});
   EXPECT_EQ(maps_->Download("city", 0, copy).status().code(), absl::StatusCode::kNotFound);
   const auto nowhere = maps_->Download("town", 0, folder_.path() / "no" / "copy.dclm").status();

@@ -74,8 +74,10 @@ TEST_F(RealServerTest, MapsAreUploadedListedActivatedAndDeleted) {
 
   std::vector<std::pair<std::int64_t, std::int64_t>> progress;
   const auto first =
-      maps.Upload(MapFile(100), "town", /*activate=*/true,
-                  [&](std::int64_t sent, std::int64_t size) { progress.emplace_back(sent, size); });
+      maps.Upload(MapFile(100), "town",
+                  {.activate = true, .progress = [&](std::int64_t sent, std::int64_t size) {
+                     progress.emplace_back(sent, size);
+                   }});
   ASSERT_TRUE(first.ok()) << first.status();
   EXPECT_EQ(first->version(), 1);
   EXPECT_TRUE(first->active());
@@ -83,7 +85,7 @@ TEST_F(RealServerTest, MapsAreUploadedListedActivatedAndDeleted) {
   EXPECT_GT(progress.size(), 2U);
   EXPECT_EQ(progress.back(), std::pair(first->size_bytes(), first->size_bytes()));
 
-  const auto second = maps.Upload(MapFile(120), "town", /*activate=*/false);
+  const auto second = maps.Upload(MapFile(120), "town", {});
   ASSERT_TRUE(second.ok()) << second.status();
   EXPECT_EQ(maps.ListVersions("town")->size(), 2U);
   EXPECT_EQ(maps.Get("town")->active_version(), 1);
@@ -104,7 +106,7 @@ TEST_F(RealServerTest, ListsGoOnToTheLastPage) {
   const std::filesystem::path file = MapFile(1);
   constexpr std::size_t kMaps = 130;  // more than a page of 100
   for (std::size_t i = 0; i < kMaps; ++i) {
-    ASSERT_TRUE(maps.Upload(file, "map-" + std::to_string(i), false).ok());
+    ASSERT_TRUE(maps.Upload(file, "map-" + std::to_string(i), {}).ok());
   }
   EXPECT_EQ(maps.List()->size(), kMaps);
 }
@@ -112,21 +114,23 @@ TEST_F(RealServerTest, ListsGoOnToTheLastPage) {
 TEST_F(RealServerTest, BadUploadsAreClearErrors) {
   Start();
   MapClient maps(Channel());
-  const auto missing = maps.Upload(folder_.path() / "missing.map", "town", true).status();
+  const auto missing =
+      maps.Upload(folder_.path() / "missing.map", "town", {.activate = true}).status();
   EXPECT_EQ(missing.code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(missing.message()), HasSubstr("missing.map"));
 
-  const auto no_file = maps.Upload(folder_.path(), "town", true).status();
+  const auto no_file = maps.Upload(folder_.path(), "town", {.activate = true}).status();
   EXPECT_FALSE(no_file.ok());
   EXPECT_THAT(std::string(no_file.message()), HasSubstr(folder_.path().string()));
 
   std::vector<std::byte> bytes = SyntheticMap(100, 300).Bytes();
   bytes[bytes.size() / 2] ^= std::byte{1};
-  const auto broken = maps.Upload(folder_.Write("broken.map", bytes), "town", true).status();
+  const auto broken =
+      maps.Upload(folder_.Write("broken.map", bytes), "town", {.activate = true}).status();
   EXPECT_EQ(broken.code(), absl::StatusCode::kDataLoss) << broken;
-  EXPECT_EQ(maps.Upload(MapFile(1), "No Such Name!", true).status().code(),
+  EXPECT_EQ(maps.Upload(MapFile(1), "No Such Name!", {.activate = true}).status().code(),
             absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(maps.Upload(folder_.Write("empty.map", {}), "town", true).status().code(),
+  EXPECT_EQ(maps.Upload(folder_.Write("empty.map", {}), "town", {.activate = true}).status().code(),
             absl::StatusCode::kInvalidArgument);
   EXPECT_TRUE(maps.List()->empty());
 }
@@ -137,12 +141,13 @@ TEST_F(RealServerTest, AServerThatIsGoneIsUnavailable) {
   const std::filesystem::path file = MapFile(10);
   server_.reset();
   EXPECT_EQ(maps.List().status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(maps.Upload(file, "town", true).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(maps.Upload(file, "town", {.activate = true}).status().code(),
+            absl::StatusCode::kUnavailable);
 }
 
 TEST_F(RealServerTest, ASessionIsAnsweredAndWithoutReconnectEndsWhenTheServerStops) {
   Start();
-  ASSERT_TRUE(MapClient(Channel()).Upload(MapFile(100), "town", true).ok());
+  ASSERT_TRUE(MapClient(Channel()).Upload(MapFile(100), "town", {.activate = true}).ok());
   const auto session = OpenSession({}, {.reconnect = std::nullopt});
   ASSERT_TRUE(session.ok()) << session.status();
   EXPECT_EQ((*session)->opened().map_version(), 1);
@@ -169,7 +174,7 @@ TEST_F(RealServerTest, MutualTlsLetsInWhoHasACertificateAndNobodyElse) {
                                         .tls_key = files.client_key,
                                         .tls_server_name = "localhost"};
   MapClient maps(Channel(with_certificate));
-  const auto uploaded = maps.Upload(MapFile(10), "town", true);
+  const auto uploaded = maps.Upload(MapFile(10), "town", {.activate = true});
   ASSERT_TRUE(uploaded.ok()) << uploaded.status();
   const auto session = OpenSession(with_certificate);
   EXPECT_TRUE(session.ok()) << session.status();
@@ -202,7 +207,7 @@ TEST_F(RealServerTest, ATokenSaysWhoCalls) {
 
   EXPECT_EQ(MapClient(Channel(options)).List().status().code(), absl::StatusCode::kUnauthenticated);
   options.token_file = ops;
-  ASSERT_TRUE(MapClient(Channel(options)).Upload(MapFile(10), "town", true).ok());
+  ASSERT_TRUE(MapClient(Channel(options)).Upload(MapFile(10), "town", {.activate = true}).ok());
   options.token_file = car;
   EXPECT_EQ(MapClient(Channel(options)).List().status().code(),
             absl::StatusCode::kPermissionDenied);

@@ -46,7 +46,7 @@ class Site {
 
   void Upload(const std::vector<std::byte>& map) {
     const auto uploaded = MapClient(*MakeChannel({.server = server_->address()}))
-                              .Upload(folder_.Write("map", map), "town", true);
+                              .Upload(folder_.Write("map", map), "town", {.activate = true});
     ASSERT_TRUE(uploaded.ok()) << uploaded.status();
   }
 

@@ -11,7 +11,7 @@ FrameReturns OneScatterer(double bias_m) {
   FrameReturns frame;
   for (const std::uint32_t radar : {0U, 1U}) {
     const Eigen::Vector2d radar_m(0.0, radar == 0 ? 0.0 : 20.0);
-    frame.views.push_back({.radar_m = radar_m,
+    frame.scans.push_back({.radar_m = radar_m,
                            .radar_velocity_mps = {10.0, 0.0},
                            .vehicle_m = radar_m,
                            .vehicle_velocity_mps = {10.0, 0.0},
@@ -25,7 +25,7 @@ FrameReturns OneScatterer(double bias_m) {
          .covariance_m2 = 0.01 * Eigen::Matrix2d::Identity(),
          .range_m = sight_m.norm(),
          .cos_elevation = 1.0,
-         .view = radar});
+         .scan = radar});
   }
   return frame;
 }
@@ -42,9 +42,9 @@ TEST(FindPairsTest, JoinsWhatIsNearAndSeenFromElsewhere) {
   FrameReturns frame = OneScatterer(0.2);
   EXPECT_EQ(FindPairs(frame, 2.0, 10).size(), 1U);
   EXPECT_TRUE(FindPairs(frame, 0.1, 10).empty());
-  frame.views[1].radar = 0;  // the same radar at the same stand
+  frame.scans[1].radar = 0;  // the same radar at the same stand
   EXPECT_TRUE(FindPairs(frame, 2.0, 10).empty());
-  frame.views[1].stand = 1;
+  frame.scans[1].stand = 1;
   EXPECT_EQ(FindPairs(frame, 2.0, 10).size(), 1U);
 }
 

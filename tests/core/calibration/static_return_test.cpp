@@ -38,7 +38,7 @@ Eigen::Vector2d PointOf(const RadarModel& radar, const Scan& scan) {
 }
 
 // The vehicle stands in the map's origin, so that the map's frame is the vehicle's.
-ScanView ViewOf(const RadarModel& radar) {
+ScanGeometry GeometryOf(const RadarModel& radar) {
   const Eigen::Vector3d& mount_m = radar.T_vehicle_radar.translation_m;
   const Eigen::Vector3d velocity_mps = kEgo.linear_mps + kEgo.angular_radps.cross(mount_m);
   return {.radar_m = mount_m.head<2>(),
@@ -61,7 +61,7 @@ TEST_P(JacobianTest, IsHowTheCorrectedDescriptionMovesTheTarget) {
   const Eigen::Vector2d less = PointOf(Corrected(radar, GetParam(), -kStep), scan);
   const Eigen::Vector2d more = PointOf(Corrected(radar, GetParam(), kStep), scan);
   const Eigen::Vector2d numeric = (more - less) / (2.0 * kStep);
-  const auto jacobian = JacobianByParameters(ViewOf(radar), PointOf(radar, scan), 1.0);
+  const auto jacobian = JacobianByParameters(GeometryOf(radar), PointOf(radar, scan), 1.0);
   const Eigen::Vector2d column = jacobian.col(static_cast<Eigen::Index>(GetParam()));
   EXPECT_LT((column - numeric).norm(), 1e-3 * (1.0 + numeric.norm()));
 }
@@ -75,29 +75,29 @@ INSTANTIATE_TEST_SUITE_P(Parameters, JacobianTest,
 
 TEST(HeightTest, BringsATargetAbovePlanarRadarsNearer) {
   constexpr double kHeight_m = 2.0;
-  const ScanView view = ViewOf(Radar(0.0));
-  const Eigen::Vector2d ground_m = view.radar_m + Eigen::Vector2d(0.0, 30.0);
+  const ScanGeometry scan = GeometryOf(Radar(0.0));
+  const Eigen::Vector2d ground_m = scan.radar_m + Eigen::Vector2d(0.0, 30.0);
   const double slant_m = std::hypot(30.0, kHeight_m);
-  const Eigen::Vector2d seen_m = view.radar_m + Eigen::Vector2d(0.0, slant_m);
+  const Eigen::Vector2d seen_m = scan.radar_m + Eigen::Vector2d(0.0, slant_m);
   const Eigen::Vector2d column =
-      JacobianByParameters(view, seen_m, 1.0)
+      JacobianByParameters(scan, seen_m, 1.0)
           .col(static_cast<Eigen::Index>(CalibrationParameter::kHeightSquare));
   EXPECT_LT((seen_m + kHeight_m * kHeight_m * column - ground_m).norm(), 1e-3);
 }
 
 TEST(RangeScaleTest, BringsATargetNearerByAShareOfItsRange) {
-  const ScanView view = ViewOf(Radar(0.0));
-  const Eigen::Vector2d seen_m = view.radar_m + Eigen::Vector2d(0.0, 30.0);
-  const auto jacobian = JacobianByParameters(view, seen_m, 1.0);
+  const ScanGeometry scan = GeometryOf(Radar(0.0));
+  const Eigen::Vector2d seen_m = scan.radar_m + Eigen::Vector2d(0.0, 30.0);
+  const auto jacobian = JacobianByParameters(scan, seen_m, 1.0);
   const Eigen::Vector2d column =
       jacobian.col(static_cast<Eigen::Index>(CalibrationParameter::kRangeScale));
   EXPECT_LT((0.01 * column - Eigen::Vector2d(0.0, -0.3)).norm(), 1e-12);
 }
 
 TEST(HeightTest, IsNothingToARadarThatMeasuresIt) {
-  ScanView view = ViewOf(Radar(0.0));
-  view.planar = false;
-  const auto jacobian = JacobianByParameters(view, {20.0, 10.0}, 0.99);
+  ScanGeometry scan = GeometryOf(Radar(0.0));
+  scan.planar = false;
+  const auto jacobian = JacobianByParameters(scan, {20.0, 10.0}, 0.99);
   EXPECT_TRUE(
       jacobian.col(static_cast<Eigen::Index>(CalibrationParameter::kHeightSquare)).isZero());
 }

@@ -47,12 +47,12 @@ TEST(CurrentPoseTest, WhatIsLearnedOfTheNoiseIsNotUsedOverAGap) {
       const PoseEstimate<2> registered = At(i);
       pose.AddAbsolutePose({.pose = registered.pose,
                             .covariance = registered.covariance,
-                            .reused_covariance = registered.covariance});
+                            .weight_covariance = registered.covariance});
       pose.noise_scales().OnRegistration(registered);
     }
     pose.OnMotion(Ahead(1.0, 0.1));
     if (gap) pose.OnGap();
-    return pose.NoiseNow()(0, 0);
+    return pose.NoiseCovarianceNow()(0, 0);
   };
   EXPECT_GT(sigma_after(true), 2.0 * sigma_after(false));
 }

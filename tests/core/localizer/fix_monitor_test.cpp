@@ -14,9 +14,9 @@ PoseEstimate<3> Estimate(double x_m, double y_m, double yaw_rad, double sigma_m,
 
 class FixMonitorTest : public ::testing::Test {
  protected:
-  FixVerdict Judge(const PoseEstimate<3>& fix) {
+  FixVerdict Classify(const PoseEstimate<3>& fix) {
     stamp_ += std::chrono::milliseconds(500);
-    return monitor_.Judge(stamp_, fix, pose_);
+    return monitor_.Classify(stamp_, fix, pose_);
   }
 
   FixMonitor monitor_{{}};
@@ -25,44 +25,45 @@ class FixMonitorTest : public ::testing::Test {
 };
 
 TEST_F(FixMonitorTest, AFixNearByAgreesAndAddsNothing) {
-  EXPECT_EQ(Judge(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kAgrees);
+  EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kAgrees);
 }
 
 TEST_F(FixMonitorTest, AFixInformsAPoseThatIsLessCertainOnceASecond) {
   pose_ = Estimate(100.0, 50.0, 1.0, 3.0, 0.05);
-  EXPECT_EQ(Judge(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kInforms);
-  EXPECT_EQ(Judge(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kInforms) << "not fused yet";
+  EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kFusable);
+  EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kFusable)
+      << "not fused yet";
   monitor_.OnFused();
-  EXPECT_EQ(Judge(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kAgrees);
-  EXPECT_EQ(Judge(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kInforms);
+  EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kAgrees);
+  EXPECT_EQ(Classify(Estimate(102.0, 49.0, 1.0, 1.5, 0.1)), FixVerdict::kFusable);
 }
 
 TEST_F(FixMonitorTest, OneReflectionContradictsThreeDoSoPersistently) {
   const PoseEstimate<3> far = Estimate(130.0, 50.0, 1.0, 1.5, 0.1);
-  EXPECT_EQ(Judge(far), FixVerdict::kContradicts);
-  EXPECT_EQ(Judge(far), FixVerdict::kContradicts);
-  EXPECT_EQ(Judge(far), FixVerdict::kContradictsPersistently);
+  EXPECT_EQ(Classify(far), FixVerdict::kContradicts);
+  EXPECT_EQ(Classify(far), FixVerdict::kContradicts);
+  EXPECT_EQ(Classify(far), FixVerdict::kContradictsPersistently);
 }
 
 TEST_F(FixMonitorTest, AgreementBetweenThemEndsIt) {
   const PoseEstimate<3> far = Estimate(130.0, 50.0, 1.0, 1.5, 0.1);
-  Judge(far);
-  Judge(far);
-  Judge(Estimate(100.0, 50.0, 1.0, 1.5, 0.1));
-  EXPECT_EQ(Judge(far), FixVerdict::kContradicts);
+  Classify(far);
+  Classify(far);
+  Classify(Estimate(100.0, 50.0, 1.0, 1.5, 0.1));
+  EXPECT_EQ(Classify(far), FixVerdict::kContradicts);
 }
 
 TEST_F(FixMonitorTest, WhatTheRadarsHaveRefutedIsIgnoredForAWhile) {
   const PoseEstimate<3> far = Estimate(130.0, 50.0, 1.0, 1.5, 0.1);
-  for (int i = 0; i < 3; ++i) Judge(far);
+  for (int i = 0; i < 3; ++i) Classify(far);
   monitor_.OnRefuted();
-  for (int i = 0; i < 50; ++i) EXPECT_EQ(Judge(far), FixVerdict::kContradicts) << i;
-  for (int i = 0; i < 20; ++i) Judge(far);
-  EXPECT_EQ(Judge(far), FixVerdict::kContradictsPersistently);
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(Classify(far), FixVerdict::kContradicts) << i;
+  for (int i = 0; i < 20; ++i) Classify(far);
+  EXPECT_EQ(Classify(far), FixVerdict::kContradictsPersistently);
 }
 
 TEST_F(FixMonitorTest, AWrongHeadingContradicts) {
-  EXPECT_EQ(Judge(Estimate(100.0, 50.0, 2.0, 1.5, 0.1)), FixVerdict::kContradicts);
+  EXPECT_EQ(Classify(Estimate(100.0, 50.0, 2.0, 1.5, 0.1)), FixVerdict::kContradicts);
 }
 
 TEST_F(FixMonitorTest, AnUnknownHeadingIsThatOfThePose) {

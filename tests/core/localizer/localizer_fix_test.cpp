@@ -43,7 +43,7 @@ TEST_F(LocalizerFixTest, StartsASearch) {
       ErrorsOf(Localize(MakeLocalizer(map_, FrontRadar(), std::nullopt), drive_, 0.5, -0.5));
   EXPECT_GT(errors.tracking_count, static_cast<int>(drive_.size()) / 2);
   EXPECT_LT(errors.max_m, 2.0);
-  EXPECT_EQ(last_use_, FixUse::kAgrees);
+  EXPECT_EQ(last_use_, FixUse::kConsistentNotFused);
 }
 
 TEST_F(LocalizerFixTest, ReflectionsForceNoPose) {
@@ -109,7 +109,7 @@ TEST_F(LocalizerFixTest, OneThatAgreesAMomentLaterLeavesThePoseAsItIs) {
   const Pose3 once = answer_after(1, &use);
   EXPECT_EQ(use, FixUse::kFused);
   const Pose3 twice = answer_after(2, &use);
-  EXPECT_EQ(use, FixUse::kAgrees);
+  EXPECT_EQ(use, FixUse::kConsistentNotFused);
   EXPECT_GT(Log(without.Inverse() * once).norm(), 0.0);
   EXPECT_EQ(Log(once.Inverse() * twice).norm(), 0.0);
 }
@@ -124,7 +124,7 @@ TEST_F(LocalizerFixTest, OldAndBrokenFixesChangeNothing) {
   PositionFix broken = FixAt(drive_[39], 0.0, 0.0);
   broken.pose.covariance(0, 0) = -1.0;
   EXPECT_FALSE(localizer.TakeFix(broken).ok());
-  EXPECT_EQ(*localizer.TakeFix(FixAt(drive_[35], 0.0, 0.0)), FixUse::kAgrees);
+  EXPECT_EQ(*localizer.TakeFix(FixAt(drive_[35], 0.0, 0.0)), FixUse::kConsistentNotFused);
   EXPECT_TRUE(localizer.Localize(drive_[40].scan)->state == LocalizationState::kTracking);
 }
 

@@ -107,7 +107,7 @@ TEST_F(LocalizerSnapshotTest, TakenTwiceInARowItIsTheSame) {
   EXPECT_EQ(again->noise.translation.odometry_ratio, snapshot.noise.translation.odometry_ratio);
   EXPECT_EQ(again->noise.rotation.far.error, snapshot.noise.rotation.far.error);
   EXPECT_EQ(again->registration_count, snapshot.registration_count);
-  EXPECT_EQ(again->squared_innovation, snapshot.squared_innovation);
+  EXPECT_EQ(again->mean_nis, snapshot.mean_nis);
 }
 
 TEST_F(LocalizerSnapshotTest, ThereIsNoneOfAVehicleThatWasNeverTracked) {
@@ -134,7 +134,7 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
       {"mode", [](S& s) { s.tracking.mode = TrackingMode::kSearching; }},
       {"mode", [](S& s) { s.tracking.mode = static_cast<TrackingMode>(99); }},
       {"confirmation_requires",
-       [](S& s) { s.tracking.confirmation_requires = static_cast<ConfirmationRequires>(9); }},
+       [](S& s) { s.tracking.confirmation_requires = static_cast<ConfirmationRequirement>(9); }},
       {"usual_interval_s", [](S& s) { s.tracking.usual_interval_s = kNoNumber; }},
       {"T_map_vehicle", [](S& s) { s.pose.T_map_vehicle.translation_m.x() = kNoNumber; }},
       {"covariance", [](S& s) { s.pose.covariance(0, 0) = -1.0; }},
@@ -149,7 +149,7 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
       {"resets.count", [](S& s) { s.resets.count = -1; }},
       {"resets.T_before_after",
        [](S& s) { s.resets.T_before_after.translation_m.y() = kNoNumber; }},
-      {"squared_innovation", [](S& s) { s.squared_innovation = kNoNumber; }},
+      {"squared_innovation", [](S& s) { s.mean_nis = kNoNumber; }},
       {"registration_count", [](S& s) { s.registration_count = -1; }},
       {"clocks_ahead", [](S& s) { s.clocks_ahead = {std::chrono::nanoseconds::max()}; }},
       {"clocks_ahead", [](S& s) { s.clocks_ahead.resize(3); }},
@@ -185,7 +185,7 @@ TEST_F(LocalizerSnapshotTest, NothingValidBreaksIt) {
         s.noise.translation.far = {1e12, 0.0, 1e12, 1e12, 0.0, 1e12};
       },
       [](S& s) { s.noise.rotation.registration_ratio = 1e6; },
-      [](S& s) { s.squared_innovation = 1e6; },
+      [](S& s) { s.mean_nis = 1e6; },
       [](S& s) { s.registration_count = 1'000'000'000; },
       [](S& s) { s.tracking.usual_interval_s = 1e3; },
       [](S& s) { s.clocks_ahead = {std::chrono::hours(24 * 300)}; },

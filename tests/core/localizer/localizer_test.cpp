@@ -188,7 +188,7 @@ TEST_F(LocalizerTest, WhoTracksRegistersNoSoonerThanItNeedsTo) {
     // Of the newest registration, whether this scan's or not.
     EXPECT_EQ(answer->quality.inlier_count > 0, last.has_value()) << "scan " << i;
   }
-  EXPECT_GE(eager_count, options.tracking.confirmations - 1);
+  EXPECT_GE(eager_count, options.tracking.min_accepted_registrations - 1);
   EXPECT_GE(tracking_count, 20);
 }
 

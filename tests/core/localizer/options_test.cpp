@@ -40,16 +40,17 @@ TEST(LocalizerOptionsTest, AStagesSwitchIsRefusedWhereTheLocalizerOwnsIt) {
             "static_points.compensate is false; set doppler_compensation to false instead, which "
             "owns it");
   options = {};
-  options.static_points.uncertainty = false;
-  EXPECT_THAT(std::string(Validate(options).message()), StartsWith("static_points.uncertainty"));
+  options.static_points.per_point_covariance = false;
+  EXPECT_THAT(std::string(Validate(options).message()),
+              StartsWith("static_points.per_point_covariance"));
   options = {};
   options.pose_graph.gate_outliers = false;
   EXPECT_THAT(std::string(Validate(options).message()), StartsWith("pose_graph.gate_outliers"));
   options = {};
-  options.doppler_compensation = options.uncertainty = options.truncation = false;
+  options.doppler_compensation = options.per_point_covariance = options.gate_outliers = false;
   EXPECT_TRUE(Validate(options).ok());
   EXPECT_FALSE(EffectiveStaticPoints(options).compensate);
-  EXPECT_FALSE(EffectiveStaticPoints(options).uncertainty);
+  EXPECT_FALSE(EffectiveStaticPoints(options).per_point_covariance);
   EXPECT_FALSE(EffectivePoseGraph(options).gate_outliers);
 }
 
@@ -58,8 +59,9 @@ TEST(LocalizerOptionsTest, FieldsThatDependOnOneAnotherAreHeldTogether) {
   options.static_points.max_range_m = 0.5;
   EXPECT_THAT(std::string(Validate(options).message()), StartsWith("static_points.max_range_m"));
   options = {};
-  options.tracking.lost_after = std::chrono::milliseconds(100);
-  EXPECT_THAT(std::string(Validate(options).message()), StartsWith("tracking.lost_after_ms"));
+  options.tracking.dead_reckoning_timeout = std::chrono::milliseconds(100);
+  EXPECT_THAT(std::string(Validate(options).message()),
+              StartsWith("tracking.dead_reckoning_timeout_ms"));
 }
 
 }  // namespace

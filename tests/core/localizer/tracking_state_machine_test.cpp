@@ -11,7 +11,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr TrackingOptions kOptions{
-    .confirmations = 3, .tracking_hold = milliseconds(400), .lost_sigma_m = 2.0};
+    .min_accepted_registrations = 3, .tracking_timeout = milliseconds(400), .lost_sigma_m = 2.0};
 
 Stamp StampAt(int ms) { return Stamp(milliseconds(1'000'000 + ms)); }
 
@@ -75,7 +75,7 @@ TEST(TrackingStateMachineTest, AScanThatDoesNotFitEndsTrackingAtOnce) {
   state.OnScanFit(ScanFit::kAgrees);
   EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
   state.OnScanFit(ScanFit::kContradicts);
-  EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
+  EXPECT_EQ(state.mode(), TrackingMode::kSuspect);
   EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
   EXPECT_TRUE(state.ShouldSearchBeside());
 }
@@ -84,9 +84,9 @@ TEST(TrackingStateMachineTest, ADoubtEndsWhenScansAndARegistrationAgree) {
   TrackingStateMachine state = Tracking(1000);
   state.OnScanFit(ScanFit::kContradicts);
   Scan(state, 1100, true);
-  EXPECT_EQ(state.mode(), TrackingMode::kDoubting) << "made of the scans before";
-  for (int i = 0; i < kOptions.agreements; ++i) state.OnScanFit(ScanFit::kAgrees);
-  EXPECT_EQ(state.mode(), TrackingMode::kDoubting) << "without a registration since";
+  EXPECT_EQ(state.mode(), TrackingMode::kSuspect) << "made of the scans before";
+  for (int i = 0; i < kOptions.min_fitting_scans; ++i) state.OnScanFit(ScanFit::kAgrees);
+  EXPECT_EQ(state.mode(), TrackingMode::kSuspect) << "without a registration since";
   Scan(state, 1200, true);
   state.OnScanFit(ScanFit::kAgrees);
   EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
@@ -101,7 +101,7 @@ TEST(TrackingStateMachineTest, ADoubtEndsWhenThePoseIsVerified) {
 
 // Whatever was claimed before, a place just found is confirmed from the beginning.
 TEST(TrackingStateMachineTest, APlaceFoundWhileThePoseIsInDoubtIsConfirmedFirst) {
-  for (const int silent_ms : {0, 600, 2000}) {  // doubting, dead reckoning, lost
+  for (const int silent_ms : {0, 600, 2000}) {  // suspect, dead reckoning, lost
     TrackingStateMachine state = Tracking(1000);
     state.OnScanFit(ScanFit::kContradicts);
     state.ExpireTimeouts(StampAt(1000 + silent_ms), 0.1);
@@ -251,7 +251,7 @@ TEST(TrackingStateMachineTest, LostToOutliersTwiceIsContradicted) {
     state.OnRegistration(StampAt(ms), RegistrationOutcome::kOutlier);
     state.ExpireTimeouts(StampAt(ms), 0.1);
   }
-  EXPECT_EQ(state.mode(), TrackingMode::kLostTwice);
+  EXPECT_EQ(state.mode(), TrackingMode::kContradicted);
   EXPECT_EQ(state.GiveUpIfFailed(StampAt(4000), 0.1), TrackingFailure::kContradicted);
   EXPECT_EQ(state.mode(), TrackingMode::kRecovering);
   state.OnPlaceFound();
@@ -347,7 +347,7 @@ TEST(TrackingStateMachineTest, AWayThatIsObservedForAMomentIsStillUnobserved) {
   EXPECT_EQ(state.mode(), TrackingMode::kConfirmed) << "nothing to verify yet";
   EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
   Observe(state, ms, 7100, true);
-  EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
+  EXPECT_EQ(state.mode(), TrackingMode::kSuspect);
 }
 
 TEST(TrackingStateMachineTest, AfterATunnelFixesThatAgreeAreNotEnough) {
@@ -359,7 +359,7 @@ TEST(TrackingStateMachineTest, AfterATunnelFixesThatAgreeAreNotEnough) {
   state.OnFixesContradict();
   state.OnFixAgrees();
   for (int i = 0; i < 5; ++i) state.OnScanFit(ScanFit::kAgrees);
-  EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
+  EXPECT_EQ(state.mode(), TrackingMode::kSuspect);
   state.OnVerified();
   EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
 }
@@ -369,7 +369,7 @@ TEST(TrackingStateMachineTest, FixesThatContradictAskForVerification) {
   state.OnFixesContradict();
   Scan(state, 1100, true);
   for (int i = 0; i < 5; ++i) state.OnScanFit(ScanFit::kAgrees);
-  EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
+  EXPECT_EQ(state.mode(), TrackingMode::kSuspect);
   state.OnFixAgrees();
   for (int i = 0; i < 5; ++i) state.OnScanFit(ScanFit::kAgrees);
   EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::array kModes = {
     TrackingMode::kSearching, TrackingMode::kConfirmingPrior, TrackingMode::kConfirmingPlace,
-    TrackingMode::kConfirmed, TrackingMode::kDoubting,        TrackingMode::kDeadReckoning,
-    TrackingMode::kLost,      TrackingMode::kLostTwice,       TrackingMode::kRecovering};
+    TrackingMode::kConfirmed, TrackingMode::kSuspect,         TrackingMode::kDeadReckoning,
+    TrackingMode::kLost,      TrackingMode::kContradicted,    TrackingMode::kRecovering};
 constexpr std::array kEvents = {TrackingEvent::kPriorGiven,  TrackingEvent::kPlaceFound,
                                 TrackingEvent::kVerified,    TrackingEvent::kDoubted,
                                 TrackingEvent::kAgreed,      TrackingEvent::kConfirmed,
@@ -25,8 +25,8 @@ constexpr std::array kAgreements = {ScanAgreement::kDisagree, ScanAgreement::kAg
 constexpr std::array kAgreementEvents = {ScanAgreementEvent::kDoesNotFit, ScanAgreementEvent::kFits,
                                          ScanAgreementEvent::kRegistrationAccepted};
 constexpr std::array kRequirements = {
-    ConfirmationRequires::kRegistrations, ConfirmationRequires::kRecoveredFitOrVerification,
-    ConfirmationRequires::kAgreeingFixOrVerification, ConfirmationRequires::kVerification};
+    ConfirmationRequirement::kRegistrations, ConfirmationRequirement::kRecoveredFitOrVerification,
+    ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationRequirement::kVerification};
 constexpr std::array kConfirmationEvents = {
     ConfirmationEvent::kFitDeclines,     ConfirmationEvent::kFitRecovers,
     ConfirmationEvent::kFixesContradict, ConfirmationEvent::kFixAgrees,
@@ -128,7 +128,7 @@ TEST(TrackingDoubtTest, WhileScansFitLessThanBeforeThePoseIsDoubted) {
   state.OnFitTrend(true);
   Accept(state, 5);
   Agree(state, 5);
-  EXPECT_EQ(state.mode(), TrackingMode::kDoubting);
+  EXPECT_EQ(state.mode(), TrackingMode::kSuspect);
   EXPECT_TRUE(state.ShouldSearchBeside());
   state.OnFitTrend(false);
   Agree(state, 5);

@@ -24,28 +24,28 @@ std::shared_ptr<const RadarMap> Load(std::vector<std::byte> bytes) {
 }
 
 // 40 keyframes on 400 m of spiral, each with 50 points that differ.
-MapParts SpiralParts() {
+EditableMap SpiralMap() {
   SyntheticMap map(40, 50);
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     map.points[i].rcs_dbsm = static_cast<float>(i) * 0.01F;
   }
-  return TakeApart(*Load(map.Bytes()));
+  return ToEditable(*Load(map.Bytes()));
 }
 
-std::vector<std::byte> BytesOf(const MapParts& parts) {
-  auto bytes = PutTogether(parts);
+std::vector<std::byte> BytesOf(const EditableMap& map) {
+  auto bytes = ToMapBytes(map);
   EXPECT_TRUE(bytes.ok()) << bytes.status();
   return *std::move(bytes);
 }
 
 // West of the middle of the spiral's keyframes.
-PlanarRegion West(const MapParts& map) {
+PlanarRegion West(const EditableMap& map) {
   const Eigen::Vector3d middle_m = map.Origin_m() + PoseOf(map.keyframes[20].record).translation_m;
   return {.polygons = {BoxPolygon(middle_m.head<2>() - Eigen::Vector2d(1e4, 1e4),
                                   middle_m.head<2>() + Eigen::Vector2d(0, 1e4))}};
 }
 
-MapParts Keep(const MapParts& map, RegionSide side) {
+EditableMap Keep(const EditableMap& map, RegionSide side) {
   auto part = KeepSide(map, West(map), side);
   EXPECT_TRUE(part.ok()) << part.status();
   return *std::move(part);
@@ -61,26 +61,26 @@ std::multiset<std::string> Landmarks(const LocalMap<2>& map) {
 
 TEST(MapPartsTest, TakenApartAndPutTogetherIsTheSameFile) {
   const SyntheticMap map(30, 20);
-  EXPECT_EQ(BytesOf(TakeApart(*Load(map.Bytes()))), map.Bytes());
+  EXPECT_EQ(BytesOf(ToEditable(*Load(map.Bytes()))), map.Bytes());
 }
 
 TEST(MapPartsTest, WhatNoMapMayHoldIsNotWritten) {
-  MapParts map = SpiralParts();
+  EditableMap map = SpiralMap();
   map.keyframes[3].points[0].xx_m2 = -1.0F;
-  EXPECT_THAT(PutTogether(map).status().message(), HasSubstr("point 150"));
-  for (KeyframePart& keyframe : map.keyframes) keyframe.points.clear();
-  EXPECT_EQ(PutTogether(map).status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(ToMapBytes(map).status().message(), HasSubstr("point 150"));
+  for (EditableKeyframe& keyframe : map.keyframes) keyframe.points.clear();
+  EXPECT_EQ(ToMapBytes(map).status().code(), absl::StatusCode::kFailedPrecondition);
 }
 
 TEST(MapEditTest, EachLandmarkIsOnOneSide) {
-  const MapParts map = SpiralParts();
-  const MapParts inside = Keep(map, RegionSide::kInside);
-  const MapParts outside = Keep(map, RegionSide::kOutside);
+  const EditableMap map = SpiralMap();
+  const EditableMap inside = Keep(map, RegionSide::kInside);
+  const EditableMap outside = Keep(map, RegionSide::kOutside);
   EXPECT_GT(inside.PointCount(), 300U);
   EXPECT_GT(outside.PointCount(), 300U);
   EXPECT_EQ(inside.PointCount() + outside.PointCount(), map.PointCount());
   const PlanarRegion west = West(map);
-  for (const KeyframePart& keyframe : inside.keyframes) {
+  for (const EditableKeyframe& keyframe : inside.keyframes) {
     Pose3 T_map_keyframe = PoseOf(keyframe.record);
     T_map_keyframe.translation_m += map.Origin_m();
     for (const MapPoint& point : keyframe.points) {
@@ -90,7 +90,7 @@ TEST(MapEditTest, EachLandmarkIsOnOneSide) {
 }
 
 TEST(MapEditTest, ARegionAroundAllChangesNothing) {
-  const MapParts map = SpiralParts();
+  const EditableMap map = SpiralMap();
   const Eigen::Vector2d origin = map.Origin_m().head<2>();
   const PlanarRegion all{.polygons = {BoxPolygon(origin - Eigen::Vector2d(1e4, 1e4),
                                                  origin + Eigen::Vector2d(1e4, 1e4))}};
@@ -103,7 +103,7 @@ TEST(MapEditTest, ARegionAroundAllChangesNothing) {
 // What registrations see around every keyframe of the whole is there in the merged halves, bit for
 // bit.
 TEST(MapEditTest, MergedHalvesShowTheWhole) {
-  const MapParts map = SpiralParts();
+  const EditableMap map = SpiralMap();
   MergeCounts counts;
   const auto merged =
       Merge(Keep(map, RegionSide::kInside), Keep(map, RegionSide::kOutside), counts);
@@ -122,22 +122,22 @@ TEST(MapEditTest, MergedHalvesShowTheWhole) {
 }
 
 TEST(MapEditTest, MergingAMapWithItselfIsThatMap) {
-  const MapParts map = SpiralParts();
+  const EditableMap map = SpiralMap();
   MergeCounts counts;
   EXPECT_EQ(BytesOf(*Merge(map, map, counts)), BytesOf(map));
   EXPECT_EQ(counts.shared_landmarks, map.PointCount());
 }
 
 TEST(MapEditTest, AMapWithoutKeyframesAddsNoLength) {
-  const MapParts map = SpiralParts();
-  MapParts none = map;
+  const EditableMap map = SpiralMap();
+  EditableMap none = map;
   none.keyframes.clear();
   MergeCounts counts;
   EXPECT_EQ(Merge(map, none, counts)->info.length_m, map.info.length_m);
 }
 
 TEST(MapEditTest, AnchorsTieFramesTogether) {
-  MapParts a = SpiralParts();
+  EditableMap a = SpiralMap();
   a.info.local_origin_m = {10.0, 20.0, 0.0};
   a.info.flags |= kHasAnchorFlag;
   a.info.anchor_latitude_deg = 48.0;
@@ -148,13 +148,13 @@ TEST(MapEditTest, AnchorsTieFramesTogether) {
                              .x_axis_east_rad = -1.0};
   const Pose3 T_b_a = FrameChange(other, *a.Anchor());
   EXPECT_LT((T_b_a * Eigen::Vector3d(500.0, -500.0, 3.0)).norm(), 1e-6);
-  MapParts b = a;
+  EditableMap b = a;
   b.info.anchor_latitude_deg = other.origin.latitude_deg;
   b.info.anchor_longitude_deg = other.origin.longitude_deg;
   b.info.anchor_height_m = other.origin.height_m;
   b.info.anchor_x_axis_east_rad = other.x_axis_east_rad;
   b.info.local_origin_m = {0.0, 0.0, 0.0};
-  for (KeyframePart& keyframe : b.keyframes) {
+  for (EditableKeyframe& keyframe : b.keyframes) {
     Pose3 pose = PoseOf(keyframe.record);
     pose.translation_m += a.Origin_m();
     pose = T_b_a * pose;
@@ -177,8 +177,8 @@ TEST(MapEditTest, AnchorsTieFramesTogether) {
 }
 
 TEST(MapEditTest, MapsThatDoNotFitTogetherAreRefused) {
-  const MapParts a = SpiralParts();
-  MapParts b = a;
+  const EditableMap a = SpiralMap();
+  EditableMap b = a;
   b.name = "other";
   EXPECT_THAT(CheckFrames(a, b, false).message(), HasSubstr("\"spiral\" has no anchor"));
   EXPECT_TRUE(CheckFrames(a, b, true).ok());

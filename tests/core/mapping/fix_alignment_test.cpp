@@ -8,8 +8,8 @@ namespace {
 const Pose2 kTruth{.translation_m = {100.0, -40.0}, .yaw_rad = 2.0};
 
 // Nodes along a bend with a fix each; of `wrong` in ten, the fix is 25 m off, each elsewhere.
-std::vector<NetworkFix> Fixes(std::vector<Pose2>& T_nodes, int wrong) {
-  std::vector<NetworkFix> fixes;
+std::vector<NodeFix> Fixes(std::vector<Pose2>& T_nodes, int wrong) {
+  std::vector<NodeFix> fixes;
   for (std::size_t i = 0; i < 20; ++i) {
     const double at = static_cast<double>(i);
     T_nodes.push_back({.translation_m = {5.0 * at, 0.1 * at * at}});
@@ -24,7 +24,7 @@ std::vector<NetworkFix> Fixes(std::vector<Pose2>& T_nodes, int wrong) {
 TEST(AlignWithFixesTest, WithstandsWrongFixes) {
   for (const int wrong : {0, 4}) {
     std::vector<Pose2> T_nodes;
-    const std::vector<NetworkFix> fixes = Fixes(T_nodes, wrong);
+    const std::vector<NodeFix> fixes = Fixes(T_nodes, wrong);
     const auto T = AlignWithFixes(T_nodes, fixes, 1.0);
     ASSERT_TRUE(T.has_value()) << wrong;
     EXPECT_NEAR((T->translation_m - kTruth.translation_m).norm(), 0.0, 1e-6) << wrong;
@@ -34,7 +34,7 @@ TEST(AlignWithFixesTest, WithstandsWrongFixes) {
 
 TEST(AlignWithFixesTest, RefusesTooFewAndTooNear) {
   std::vector<Pose2> T_nodes;
-  const std::vector<NetworkFix> fixes = Fixes(T_nodes, 0);
+  const std::vector<NodeFix> fixes = Fixes(T_nodes, 0);
   EXPECT_FALSE(AlignWithFixes(T_nodes, std::span(fixes).first(kMinAgreeingFixes - 1), 1.0));
   EXPECT_FALSE(AlignWithFixes(T_nodes, std::span(fixes).first(6), 1.0));  // 25 m driven
   EXPECT_TRUE(AlignWithFixes(T_nodes, std::span(fixes).first(9), 1.0));

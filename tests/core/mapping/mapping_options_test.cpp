@@ -10,8 +10,8 @@ namespace {
 TEST(MappingOptionsTest, EachFieldIsBounded) {
   ExpectEachFieldIsBounded<DriveTrackerOptions>();
   ExpectEachFieldIsBounded<SubmapMatcherOptions>();
-  ExpectEachFieldIsBounded<PoseNetworkOptions>();
-  ExpectEachFieldIsBounded<LoopVoteOptions>();
+  ExpectEachFieldIsBounded<SurveyGraphSolverOptions>();
+  ExpectEachFieldIsBounded<PairwiseConsistencyOptions>();
   ExpectEachFieldIsBounded<PathCosts>();
   ExpectEachFieldIsBounded<LoopFinderOptions>();
   ExpectEachFieldIsBounded<PlaceFinderOptions>();

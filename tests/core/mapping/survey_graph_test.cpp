@@ -41,9 +41,9 @@ class SurveyGraphTest : public ::testing::Test {
 TEST_F(SurveyGraphTest, NodesOfAllDrivesStandInOneRow) {
   EXPECT_EQ(graph_.node_count(), 8U);
   EXPECT_EQ(graph_.NodeAt({1, 2}), 7U);
-  EXPECT_EQ(graph_.PlaceOf(7).drive, 1U);
-  EXPECT_EQ(graph_.PlaceOf(7).index, 2U);
-  EXPECT_EQ(graph_.PlaceOf(4).drive, 0U);
+  EXPECT_EQ(graph_.IndexOf(7).drive, 1U);
+  EXPECT_EQ(graph_.IndexOf(7).index, 2U);
+  EXPECT_EQ(graph_.IndexOf(4).drive, 0U);
   EXPECT_EQ(graph_.node(6).arc_length_m, 10.0);
   EXPECT_EQ(graph_.motions.size(), 6U) << "none joins two drives";
   EXPECT_EQ(graph_.PosesOf(1).back().translation_m.x(), 20.0);

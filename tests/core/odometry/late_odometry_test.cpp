@@ -45,7 +45,7 @@ Ways WaysOf(double delay_s) {
     doppler.angular_radps.z() += 0.01 + 0.015 * normal(random);
     late.OnReported(stamp, reported);
     late.OnDoppler(stamp, doppler);
-    late.BroughtToNow(stamp, reported, &doppler, kAllSources);
+    late.ExtrapolatedToNow(stamp, reported, &doppler, kAllSources);
     if (i < 800) continue;
     const auto way = [&](double from_s, double to_s) {
       return Integrate(Weaving(from_s), Weaving(to_s), kStep, {}).T_from_to;
@@ -81,11 +81,13 @@ TEST(LateOdometryTest, AMotionNeedsBothSignals) {
   late.Restore({0.2, 1e-4});
   ASSERT_TRUE(late.delay_s());
   const EgoVelocity reported = Weaving(0.0);
-  for (int i = 0; i < 3; ++i) late.BroughtToNow(Stamp{i * kStep}, reported, nullptr, kAllSources);
+  for (int i = 0; i < 3; ++i) {
+    late.ExtrapolatedToNow(Stamp{i * kStep}, reported, nullptr, kAllSources);
+  }
   EXPECT_TRUE(late.T_previous_now());
-  late.BroughtToNow(Stamp{3 * kStep}, reported, nullptr, kWheelSpeedAlone);
+  late.ExtrapolatedToNow(Stamp{3 * kStep}, reported, nullptr, kWheelSpeedAlone);
   EXPECT_FALSE(late.T_previous_now());
-  late.BroughtToNow(Stamp{4 * kStep}, reported, nullptr, kAllSources);
+  late.ExtrapolatedToNow(Stamp{4 * kStep}, reported, nullptr, kAllSources);
   EXPECT_FALSE(late.T_previous_now()) << "the one before was not brought to now";
 }
 

@@ -26,13 +26,13 @@ class MountYawTest : public ::testing::Test {
     for (int i = 0; i < scans; ++i) {
       stamp_ += std::chrono::milliseconds(200);
       estimator_.OnScan(stamp_, SeenByTurned(radar_, yaw_rad, ego, static_cast<unsigned>(++seed_)),
-                        radar_, ego, memory_);
+                        radar_, ego, workspace_);
     }
   }
 
   RadarModel radar_ = RadarAt("front_left", 3.5, 0.7, 0.6);
   MountYawEstimator estimator_{0.5 * kRadPerDeg, {}};
-  MountYawMemory memory_;
+  MountYawWorkspace workspace_;
   Stamp stamp_{std::chrono::seconds(1)};
   int seed_ = 0;
 };
@@ -69,7 +69,7 @@ TEST_F(MountYawTest, ATruckThatFillsTheViewGivesNoReading) {
   const EgoVelocity ego = DrivingStraight(12.0);
   Scan scan = SeenByTurned(radar_, 0.0, ego, 3);
   for (float& range_rate_mps : scan.range_rate_mps) range_rate_mps = 0.1F;
-  EXPECT_FALSE(estimator_.OnScan(stamp_, scan, radar_, ego, memory_));
+  EXPECT_FALSE(estimator_.OnScan(stamp_, scan, radar_, ego, workspace_));
 }
 
 TEST_F(MountYawTest, AliasedRangeRatesAreUnfolded) {

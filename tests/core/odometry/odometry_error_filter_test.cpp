@@ -202,7 +202,7 @@ TEST(OdometryErrorFilterTest, AJumpInTheMapIsNotTheWheels) {
   for (int second = 0; second < 30; ++second) drive.Second(errors);
   const double before = errors.scale();
   drive.JumpInMap();
-  errors.OnBreak();
+  errors.OnDiscontinuity();
   drive.Second(errors);
   EXPECT_EQ(errors.scale(), before);
   for (int second = 0; second < 30; ++second) drive.Second(errors);

@@ -30,7 +30,7 @@ StateChain<Dim> ChainOf(const Chain<Dim>& drive) {
         {.pose = chain.states.back().pose * step.odometry.pose, .odometry = step.odometry});
     if (i % 4 == 3) continue;
     chain.states.back().absolute = {.pose = step.factor.pose,
-                                    .covariance = step.factor.reused_covariance};
+                                    .covariance = step.factor.weight_covariance};
   }
   return chain;
 }

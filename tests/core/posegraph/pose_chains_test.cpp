@@ -20,7 +20,7 @@ Chain<2> QuietChain(int count) {
   Chain<2> chain(count, Diagonal<2>(0.005, 0.0005), Diagonal<2>(0.01, 0.001), 3);
   for (auto& step : chain.steps) {
     step.odometry.covariance = Diagonal<2>(0.02, 0.002);
-    step.factor.covariance = step.factor.reused_covariance = Diagonal<2>(0.05, 0.005);
+    step.factor.covariance = step.factor.weight_covariance = Diagonal<2>(0.05, 0.005);
   }
   chain.prior.covariance = Diagonal<2>(0.05, 0.005);
   return chain;
@@ -56,9 +56,9 @@ TEST(PoseChainsTest, APositionThatFailsIsNoFactorOfTheAlternative) {
   for (int i = 0; i < kSupport; ++i) {
     const auto& step = chain.steps[static_cast<std::size_t>(i)];
     chains.AddState(step.odometry);
-    EXPECT_EQ(chains.AddAbsolutePose(step.factor).valid, i + 1 == kSupport) << i;
+    EXPECT_EQ(chains.AddAbsolutePose(step.factor).is_accepted, i + 1 == kSupport) << i;
     const Eigen::Vector2d before_m = chains.Newest().pose.translation_m;
-    EXPECT_FALSE(chains.AddPosition(Aside(step.factor, 20.0)).valid) << i;
+    EXPECT_FALSE(chains.AddPosition(Aside(step.factor, 20.0)).is_accepted) << i;
     EXPECT_EQ(chains.Newest().pose.translation_m, before_m) << i;
   }
 }
@@ -69,7 +69,7 @@ TEST(PoseChainsTest, APositionThatAgreesIsFused) {
   chains.Reset(chain.prior);
   chains.AddState(chain.steps[0].odometry);
   const double before = chains.Newest().covariance(0, 0);
-  EXPECT_TRUE(chains.AddPosition(chain.steps[0].factor).valid);
+  EXPECT_TRUE(chains.AddPosition(chain.steps[0].factor).is_accepted);
   EXPECT_LT(chains.Newest().covariance(0, 0), before);
 }
 
@@ -99,7 +99,7 @@ TEST(PoseChainsTest, AShorterBurstNeverTakesOver) {
   const auto tests = Drive(chain, chains, [&](std::size_t i) {
     return in_burst(i) ? Aside(chain.steps[i].factor, 3.0) : chain.steps[i].factor;
   });
-  for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, !in_burst(i)) << i;
+  for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].is_accepted, !in_burst(i)) << i;
   EXPECT_LT(DistanceTo(chain.steps.back().truth, chains), 0.1);
 }
 
@@ -111,7 +111,7 @@ TEST(PoseChainsTest, OneAcceptedEdgeEndsTheContention) {
   const auto tests = Drive(chain, chains, [&](std::size_t i) {
     return i % 7 != 6 ? Aside(chain.steps[i].factor, 3.0) : chain.steps[i].factor;
   });
-  for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, i % 7 == 6) << i;
+  for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].is_accepted, i % 7 == 6) << i;
   EXPECT_LT(DistanceTo(chain.steps.back().truth, chains), 0.2);
 }
 
@@ -122,7 +122,7 @@ TEST(PoseChainsTest, ScatteredFailuresNeverTakeOver) {
   const auto tests = Drive(chain, chains, [&](std::size_t i) {
     return Aside(chain.steps[i].factor, i % 2 == 0 ? 10.0 : -10.0);
   });
-  for (const InnovationTest& test : tests) EXPECT_FALSE(test.valid);
+  for (const InnovationTest& test : tests) EXPECT_FALSE(test.is_accepted);
   EXPECT_LT(DistanceTo(chain.steps.back().truth, chains), 0.6);
 }
 
@@ -136,7 +136,7 @@ TEST(PoseChainsTest, AChainThatIsWrongForGoodIsReplaced) {
     chains.AddState(chain.steps[i].odometry);
     const InnovationTest test = chains.AddAbsolutePose(chain.steps[i].factor);
     const bool taken_over = i + 1 >= kSupport;
-    EXPECT_EQ(test.valid, taken_over) << i;
+    EXPECT_EQ(test.is_accepted, taken_over) << i;
     // At the takeover it is the distance to the chain that is replaced.
     EXPECT_EQ(test.squared_distance > kOptions.max_squared_distance_planar, i < kSupport) << i;
     if (taken_over) {
@@ -161,7 +161,7 @@ TEST(PoseChainsTest, StatesWithoutARegistrationDoNotEndTheContention) {
     chains.AddState(chain.steps[i].odometry);
     if (i % 3 != 0) continue;
     ++given;
-    EXPECT_EQ(chains.AddAbsolutePose(chain.steps[i].factor).valid, given >= kSupport) << i;
+    EXPECT_EQ(chains.AddAbsolutePose(chain.steps[i].factor).is_accepted, given >= kSupport) << i;
   }
   EXPECT_LT(DistanceTo(chain.steps.back().truth, chains), 0.2);
 }
@@ -178,7 +178,7 @@ TEST(PoseChainsTest, TheContentionSurvivesAChangeOfFrame) {
     if (i == 4) chains.ChangeFrame(T_new_old);
     AbsolutePoseFactor<2> loop = chain.steps[i].factor;
     if (i >= 4) loop.pose = T_new_old * loop.pose;
-    EXPECT_EQ(chains.AddAbsolutePose(loop).valid, i + 1 >= kSupport) << i;
+    EXPECT_EQ(chains.AddAbsolutePose(loop).is_accepted, i + 1 >= kSupport) << i;
   }
   EXPECT_LT(DistanceTo(T_new_old * chain.steps.back().truth, chains), 0.1);
 }
@@ -193,7 +193,7 @@ TEST(PoseChainsTest, AResetDropsTheContender) {
   wrong.pose = wrong.pose * Pose2{.translation_m = {50.0, 0.0}};
   chains.Reset(wrong);
   chains.AddState(chain.steps.back().odometry);
-  EXPECT_FALSE(chains.AddAbsolutePose(chain.steps.back().factor).valid);
+  EXPECT_FALSE(chains.AddAbsolutePose(chain.steps.back().factor).is_accepted);
   EXPECT_GT(DistanceTo(chain.steps.back().truth, chains), 20.0);
 }
 
@@ -207,7 +207,7 @@ TEST(PoseChainsTest, LoopsThatAreNoNumbersAreCutAndLeaveNothingBehind) {
     if (is_bad(i)) loop.pose.yaw_rad = std::numeric_limits<double>::quiet_NaN();
     return loop;
   });
-  for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].valid, !is_bad(i)) << i;
+  for (std::size_t i = 0; i < tests.size(); ++i) EXPECT_EQ(tests[i].is_accepted, !is_bad(i)) << i;
   EXPECT_LT(DistanceTo(chain.steps.back().truth, chains), 0.1);
 }
 
@@ -220,7 +220,7 @@ TEST(PoseChainsTest, NearOutliersTakeOverSooner) {
     wrong.pose = wrong.pose * Pose2{.translation_m = {0.0, aside_m}};
     chains.Reset(wrong);
     const auto tests = Drive(chain, chains, [&](std::size_t i) { return chain.steps[i].factor; });
-    return std::ranges::find_if(tests, &InnovationTest::valid) - tests.begin();
+    return std::ranges::find_if(tests, &InnovationTest::is_accepted) - tests.begin();
   };
   EXPECT_EQ(first_valid(0.35), 3);
   EXPECT_EQ(first_valid(5.0), 7);

@@ -131,11 +131,11 @@ TYPED_TEST(PoseGraphTest, SingleOutliersAreCutAndOdometryHoldsTheState) {
       AbsolutePoseFactor<kDim> outlier = step.factor;
       outlier.pose = outlier.pose * Exp(Tangent<kDim>(0.8 * Tangent<kDim>::Unit(1)));
       const InnovationTest test = with.AddAbsolutePose(outlier);
-      EXPECT_FALSE(test.valid);
+      EXPECT_FALSE(test.is_accepted);
       EXPECT_GT(test.squared_distance, 50.0);
     } else {
-      EXPECT_EQ(with.AddAbsolutePose(step.factor).valid,
-                without.AddAbsolutePose(step.factor).valid);
+      EXPECT_EQ(with.AddAbsolutePose(step.factor).is_accepted,
+                without.AddAbsolutePose(step.factor).is_accepted);
     }
     with.Solve();
     without.Solve();
@@ -153,7 +153,7 @@ TYPED_TEST(PoseGraphTest, WithoutTruncationTheOutlierPulls) {
   const PoseEstimate<kDim> before = graph.Newest();
   AbsolutePoseFactor<kDim> outlier{before.pose * Exp(Tangent<kDim>(Tangent<kDim>::Unit(0))),
                                    Diagonal<kDim>(0.05, 0.005), Diagonal<kDim>(0.05, 0.005)};
-  EXPECT_TRUE(graph.AddAbsolutePose(outlier).valid);
+  EXPECT_TRUE(graph.AddAbsolutePose(outlier).is_accepted);
   graph.Solve();
   EXPECT_GT(ErrorOf<kDim>(graph.Newest().pose, before.pose)(0), 0.05);
 }
@@ -173,7 +173,7 @@ TYPED_TEST(PoseGraphTest, GoodEdgesAreCutAtTheTestsOwnRate) {
     PoseGraph<kDim> graph;
     graph.Reset(Run(chain, {.gate_outliers = false}).Newest());
     graph.AddState(last.odometry);
-    cut += graph.AddAbsolutePose(last.factor).valid ? 0 : 1;
+    cut += graph.AddAbsolutePose(last.factor).is_accepted ? 0 : 1;
   }
   // 5 % of 1500: deviation 0.56 %; four times that.
   EXPECT_NEAR(static_cast<double>(cut) / kTrials, 0.05, 0.0225);
@@ -194,7 +194,7 @@ TYPED_TEST(PoseGraphTest, FailuresThatAgreeWithOneAnotherAreAllCut) {
     if (wrong) loop.pose = loop.pose * aside;
     const InnovationTest test = graph.AddAbsolutePose(loop);
     if (wrong) {
-      EXPECT_FALSE(test.valid) << "step " << i;
+      EXPECT_FALSE(test.is_accepted) << "step " << i;
     }
     graph.Solve();
     EXPECT_LT(ErrorOf<kDim>(graph.Newest().pose, step.truth).norm(), 0.25) << "step " << i;
@@ -210,14 +210,14 @@ TYPED_TEST(PoseGraphTest, UncertaintyGrowsWithoutLoopsAndLetsALaterOneIn) {
   const TangentMatrix<kDim> loop = Diagonal<kDim>(0.05, 0.005);
   double trace = graph.Newest().covariance.trace();
   graph.AddState({{}, odometry});
-  EXPECT_FALSE(graph.AddAbsolutePose({Exp(aside), loop, loop}).valid);
+  EXPECT_FALSE(graph.AddAbsolutePose({Exp(aside), loop, loop}).is_accepted);
   for (int i = 0; i < 50; ++i) {
     graph.AddState({{}, odometry});
     graph.Solve();
     EXPECT_GT(graph.Newest().covariance.trace(), trace);
     trace = graph.Newest().covariance.trace();
   }
-  EXPECT_TRUE(graph.AddAbsolutePose({Exp(aside), loop, loop}).valid);
+  EXPECT_TRUE(graph.AddAbsolutePose({Exp(aside), loop, loop}).is_accepted);
 }
 
 TYPED_TEST(PoseGraphTest, AnotherFrameChangesNothingBetweenThePoses) {
@@ -238,7 +238,7 @@ TYPED_TEST(PoseGraphTest, AnotherFrameChangesNothingBetweenThePoses) {
     const InnovationTest a = stays.AddAbsolutePose(step.factor);
     const InnovationTest b = moves.AddAbsolutePose(loop);
     EXPECT_NEAR(a.squared_distance, b.squared_distance, 1e-4 * (1.0 + a.squared_distance));
-    EXPECT_EQ(a.valid, b.valid);
+    EXPECT_EQ(a.is_accepted, b.is_accepted);
     stays.Solve();
     moves.Solve();
     const Pose<kDim> back =
@@ -257,7 +257,7 @@ TYPED_TEST(PoseGraphTest, ALoopThatIsNoNumberIsCut) {
   loop.pose.translation_m.x() = std::numeric_limits<double>::quiet_NaN();
   PoseGraph<kDim> fresh;
   fresh.Reset(before);
-  EXPECT_FALSE(fresh.AddAbsolutePose(loop).valid);
+  EXPECT_FALSE(fresh.AddAbsolutePose(loop).is_accepted);
   fresh.Solve();
   EXPECT_LT(ErrorOf<kDim>(fresh.Newest().pose, before.pose).norm(), 1e-9);
 }
@@ -268,11 +268,11 @@ TYPED_TEST(PoseGraphTest, APriorThatIsExactIsKeptAndLoopsAfterItCount) {
   graph.Reset({{}, TangentMatrix<kDim>::Zero()});
   const TangentMatrix<kDim> one = Diagonal<kDim>(0.1, 0.1);
   const Tangent<kDim> xi = 0.1 * Tangent<kDim>::Unit(0);
-  EXPECT_TRUE(graph.AddAbsolutePose({Exp(xi), one, one}).valid);
+  EXPECT_TRUE(graph.AddAbsolutePose({Exp(xi), one, one}).is_accepted);
   graph.Solve();
   EXPECT_LT(Log(graph.Newest().pose).norm(), 1e-6);
   graph.AddState({{}, one});
-  EXPECT_TRUE(graph.AddAbsolutePose({Exp(xi), one, one}).valid);
+  EXPECT_TRUE(graph.AddAbsolutePose({Exp(xi), one, one}).is_accepted);
   graph.Solve();
   // Odometry and registration are worth the same.
   EXPECT_NEAR(Log(graph.Newest().pose)(0), 0.05, 1e-4);
@@ -295,7 +295,7 @@ TYPED_TEST(PoseGraphTest, WithoutOtherNoiseTheNoiseIsTheWeights) {
   const Chain<kDim> chain(30, Diagonal<kDim>(0.03, 0.004), Diagonal<kDim>(0.1, 0.01), 5);
   const PoseGraph<kDim> graph = Run<kDim>(chain, {.gate_outliers = false});
   const TangentMatrix<kDim> covariance = graph.Newest().covariance;
-  EXPECT_LT((graph.NewestNoise() - covariance).norm(), 1e-6 * covariance.norm());
+  EXPECT_LT((graph.NewestNoiseCovariance() - covariance).norm(), 1e-6 * covariance.norm());
 }
 
 TYPED_TEST(PoseGraphTest, TheNoiseIsThatOfTheGainsThatTheWeightsGive) {
@@ -312,15 +312,15 @@ TYPED_TEST(PoseGraphTest, TheNoiseIsThatOfTheGainsThatTheWeightsGive) {
     graph.Reset(chain.prior);
     for (auto& step : chain.steps) {
       step.odometry.covariance = 4.0 * odometry;
-      step.factor.reused_covariance = 30.0 * loop;
-      step.factor.noise = loop;
+      step.factor.weight_covariance = 30.0 * loop;
+      step.factor.noise_covariance = loop;
       graph.AddState(step.odometry, odometry);
       graph.AddAbsolutePose(step.factor);
       graph.Solve();
     }
     const Tangent<kDim> error = ErrorOf<kDim>(graph.Newest().pose, chain.steps.back().truth);
     sampled += error * error.transpose() / kRuns;
-    stated = graph.NewestNoise();
+    stated = graph.NewestNoiseCovariance();
   }
   for (int i = 0; i < Pose<kDim>::kDof; ++i) {
     EXPECT_NEAR(sampled(i, i) / stated(i, i), 1.0, 0.25) << i;
@@ -338,7 +338,7 @@ TYPED_TEST(PoseGraphTest, WhatLastsPassesTheWeightsGains) {
   without.Reset(chain.prior);
   for (auto& step : chain.steps) {
     step.odometry.covariance = Diagonal<kDim>(0.02, 0.002);
-    step.factor.reused_covariance = Diagonal<kDim>(0.3, 0.03);
+    step.factor.weight_covariance = Diagonal<kDim>(0.3, 0.03);
     step.factor.pose = step.truth * Exp(fault);
     for (PoseGraph<kDim>* one : {&graph, &without}) one->AddState(step.odometry);
     without.AddAbsolutePose(step.factor);
@@ -347,7 +347,8 @@ TYPED_TEST(PoseGraphTest, WhatLastsPassesTheWeightsGains) {
     graph.Solve();
   }
   const Tangent<kDim> error = ErrorOf<kDim>(graph.Newest().pose, chain.steps.back().truth);
-  const TangentMatrix<kDim> systematic = graph.NewestNoise() - without.NewestNoise();
+  const TangentMatrix<kDim> systematic =
+      graph.NewestNoiseCovariance() - without.NewestNoiseCovariance();
   EXPECT_GT(error.norm(), 1e-3);
   EXPECT_LT((systematic - error * error.transpose()).norm(), 0.1 * error.squaredNorm());
 }

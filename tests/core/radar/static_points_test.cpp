@@ -92,10 +92,10 @@ TEST(StaticPointsTest, TheCovarianceTurnsWithTheMount) {
 
 TEST(StaticPointsTest, WithoutUncertaintyAllPointsWeighTheSame) {
   const RadarModel radar = CoupledRadar();
-  const auto near =
-      StaticPoints(ScanOf({10.0, 1.0, 0.0}, radar), radar, kDriving, {.uncertainty = false});
-  const auto far =
-      StaticPoints(ScanOf({70.0, 9.0, 0.0}, radar), radar, kDriving, {.uncertainty = false});
+  const auto near = StaticPoints(ScanOf({10.0, 1.0, 0.0}, radar), radar, kDriving,
+                                 {.per_point_covariance = false});
+  const auto far = StaticPoints(ScanOf({70.0, 9.0, 0.0}, radar), radar, kDriving,
+                                {.per_point_covariance = false});
   ASSERT_EQ(near.size() + far.size(), 2U);
   EXPECT_EQ(near[0].covariance_m2, far[0].covariance_m2);
 }

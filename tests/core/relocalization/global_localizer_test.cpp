@@ -172,7 +172,7 @@ TEST(GlobalLocalizerTest, TwinsAreDistinguishedByWhatFollows) {
 
 TEST(GlobalLocalizerTest, OneViewVerifiesAPlaceThatIsExpectedRightly) {
   const SyntheticWorld world;
-  for (const Basis basis : {Basis::kPrior, Basis::kDoubted}) {
+  for (const Basis basis : {Basis::kPrior, Basis::kSuspect}) {
     Seeker seeker(world, MapOf(world), 40.0);
     const auto place = seeker.SearchExpecting(
         ExpectedPlace{.T_map_vehicle = seeker.T_map_vehicle(), .basis = basis});

@@ -37,7 +37,7 @@ TEST(SubmapTest, AStandingPointFallsOntoItselfInTheNewestFrame) {
     if (i > 0) T_first_now = T_first_now * Step().T_from_to;
     window.Push(At(75 * i), 0, {PointAt(T_first_now.Inverse() * p_first)}, Step());
   }
-  const Submap submap = window.Join(true);
+  const Submap submap = window.Join(DriftCovariance::kAdded);
   ASSERT_EQ(submap.points.size(), 10U);
   EXPECT_EQ(submap.span, milliseconds(675));
   for (const RadarPoint& point : submap.points) {
@@ -54,7 +54,7 @@ TEST(SubmapTest, KeepsTheLastScansOfEachRadar) {
     if (i > 0) T_first_now = T_first_now * Step().T_from_to;
     window.Push(At(10 * i), radars[i], {PointAt(T_first_now.Inverse() * p_first)}, Step());
   }
-  const Submap submap = window.Join(false);
+  const Submap submap = window.Join(DriftCovariance::kLeftOut);
   EXPECT_EQ(submap.scan_count, 4);  // scans 1 and 4 of radar 1, 3 and 5 of radar 0
   EXPECT_EQ(submap.span, milliseconds(40));
   for (const RadarPoint& point : submap.points) {  // also across the removed scan's way
@@ -75,7 +75,7 @@ TEST(SubmapTest, AScanThatComesLateLiesWhereItWasTaken) {
   EXPECT_TRUE(window.Insert(At(100), 1, seen_at(1.0)));
   EXPECT_TRUE(window.Insert(At(300), 1, seen_at(3.0)));
   EXPECT_FALSE(window.Insert(At(-10), 1, seen_at(0.0))) << "before all";
-  const Submap submap = window.Join(true);
+  const Submap submap = window.Join(DriftCovariance::kAdded);
   EXPECT_EQ(submap.scan_count, 7);
   EXPECT_EQ(submap.span, milliseconds(300));
   const Pose3 T_first_newest = Exp(Vector6d(3.0 * Log(Step().T_from_to)));
@@ -92,7 +92,9 @@ TEST(SubmapTest, ALateScanTakesTheRoomOfItsRadarsOldest) {
   window.Push(At(300), 1, {PointAt({1.0, 0.0, 0.0})}, Step());
   EXPECT_FALSE(window.Insert(At(140), 0, {PointAt({9.0, 0.0, 0.0})})) << "it is the oldest";
   EXPECT_EQ(window.scan_count(), 3);
-  for (const RadarPoint& point : window.Join(false).points) EXPECT_LT(point.position_m.x(), 5.0);
+  for (const RadarPoint& point : window.Join(DriftCovariance::kLeftOut).points) {
+    EXPECT_LT(point.position_m.x(), 5.0);
+  }
   SubmapWindow single(1);
   single.Push(At(0), 0, {PointAt({1.0, 0.0, 0.0})}, Step());
   single.Insert(At(0), 0, {PointAt({1.0, 0.0, 0.0})});
@@ -121,7 +123,7 @@ TEST(SubmapTest, SaysWhichPointsAreOfWhichScan) {
     window.Push(At(10 * i), i % 2, points, Step());
   }
   LiveSubmap<2> submap;
-  window.Join(true, 5, submap);  // every third of twelve
+  window.Join(DriftCovariance::kAdded, 5, submap);  // every third of twelve
   ASSERT_EQ(submap.points.size(), 4U);
   ASSERT_EQ(submap.parts.size(), 3U);
   std::size_t end = 0;
@@ -142,7 +144,7 @@ TEST(SubmapTest, DriftWidensOldPointsAsSampledMotionsDo) {
   SubmapWindow window(4);
   window.Push(At(0), 0, {PointAt(p_then)}, {});
   for (int i = 1; i < 4; ++i) window.Push(At(75 * i), 0, {}, Step());
-  const Submap submap = window.Join(true);
+  const Submap submap = window.Join(DriftCovariance::kAdded);
   ASSERT_EQ(submap.points.size(), 1U);
 
   std::mt19937 random(5);
@@ -161,12 +163,12 @@ TEST(SubmapTest, DriftWidensOldPointsAsSampledMotionsDo) {
     sampled += d * d.transpose() / kRuns;
   }
   EXPECT_LT((submap.points[0].covariance_m2 - sampled).norm(), 0.05 * sampled.norm());
-  EXPECT_LT(window.Join(false).points[0].covariance_m2.norm(), 0.08);
+  EXPECT_LT(window.Join(DriftCovariance::kLeftOut).points[0].covariance_m2.norm(), 0.08);
 }
 
 template <int Dim>
 void ExpectSameForMatching(const SubmapWindow& window) {
-  const Submap submap = window.Join(true);
+  const Submap submap = window.Join(DriftCovariance::kAdded);
   LiveSubmap<Dim> live{.points = std::vector<GaussianPoint<Dim>>(3), .parts = {}};
   window.Join<Dim>(true, 1000, live);  // replaces what was there
   const std::vector<GaussianPoint<Dim>>& points = live.points;
@@ -196,7 +198,7 @@ TEST(SubmapTest, WhatAHeightMovesAPointByTurnsWithTheVehicle) {
   Motion turn;
   turn.T_from_to = Embed(Pose2{.translation_m = {}, .yaw_rad = 0.5});
   window.Push(At(75), 0, {}, turn);
-  const Submap submap = window.Join(false);
+  const Submap submap = window.Join(DriftCovariance::kLeftOut);
   ASSERT_EQ(submap.points.size(), 1U);
   const Eigen::Vector2d truth = 0.025 * Eigen::Vector2d(std::cos(0.5), -std::sin(0.5));
   EXPECT_LT((submap.points[0].slant_per_m - truth).norm(), 1e-7);

@@ -111,7 +111,7 @@ TEST(NoiseScaleEstimatorTest, TheFirstPairsSoonFade) {
   Vehicle worse({.odometry = 2.0});
   for (int step = 0; step < 150; ++step) worse.Step(noise);
   EXPECT_GT(OdometryRatio(noise).x(), 1.0);
-  noise.OnBreak();
+  noise.OnDiscontinuity();
   Vehicle better({.odometry = 0.1});
   for (int step = 0; step < 400; ++step) better.Step(noise);
   EXPECT_LT(OdometryRatio(noise).x(), 0.6);
@@ -142,7 +142,7 @@ TEST(NoiseScaleEstimatorTest, AJumpIsNoNoise) {
   Vehicle vehicle({});
   for (int step = 0; step < 1000; ++step) vehicle.Step(noise);
   const Eigen::Vector2d before = OdometryRatio(noise);
-  noise.OnBreak();
+  noise.OnDiscontinuity();
   for (int step = 0; step < 50; ++step) vehicle.Step(noise, {500.0, 0.0, 0.0});
   EXPECT_LT((OdometryRatio(noise) - before).norm(), 0.5);
 }

@@ -36,28 +36,28 @@ TEST(RegistrationFactorTest, TheFirstSharesNothing) {
   const AbsolutePoseFactor<2> edge = Edge(At(10.0, 1));
   EXPECT_DOUBLE_EQ(edge.covariance(0, 0), 1e-4 + 0.01);
   EXPECT_DOUBLE_EQ(edge.covariance(2, 2), 1e-4 + 1e-4);
-  EXPECT_TRUE(edge.reused_covariance.isApprox(edge.covariance));
+  EXPECT_TRUE(edge.weight_covariance.isApprox(edge.covariance));
   EXPECT_EQ(edge.pose.yaw_rad, 0.3);
 }
 
 TEST(RegistrationFactorTest, ScansAreDividedAmongTheRegistrationsThatTheyAreIn) {
   // Ten registrations while a scan is in the sub-map, 31 while errors are shared.
   const AbsolutePoseFactor<2> edge = Edge(At(10.0, 1000));
-  EXPECT_NEAR(edge.reused_covariance(0, 0), 10.0 * 1e-4 + 31.0 * 0.01, 1e-12);
+  EXPECT_NEAR(edge.weight_covariance(0, 0), 10.0 * 1e-4 + 31.0 * 0.01, 1e-12);
 }
 
 // 50 m of landmarks: 5 s at 10 m/s, of which 0.15 are theirs, beside the scans' ten.
 TEST(RegistrationFactorTest, LandmarksAreSharedForTheWayThatTheyAreSeen) {
-  EXPECT_NEAR((*Edge(At(10.0, 1000)).noise)(0, 0), (10.0 + 0.15 * 51.0) * 1e-4, 1e-9);
-  EXPECT_NEAR((*Edge(At(25.0, 1000)).noise)(0, 0), (10.0 + 0.15 * 21.0) * 1e-4, 1e-9);
+  EXPECT_NEAR((*Edge(At(10.0, 1000)).noise_covariance)(0, 0), (10.0 + 0.15 * 51.0) * 1e-4, 1e-9);
+  EXPECT_NEAR((*Edge(At(25.0, 1000)).noise_covariance)(0, 0), (10.0 + 0.15 * 21.0) * 1e-4, 1e-9);
   // Standing, for no longer than ten seconds.
-  EXPECT_NEAR((*Edge(At(0.0, 1000)).noise)(0, 0), (10.0 + 0.15 * 101.0) * 1e-4, 1e-9);
+  EXPECT_NEAR((*Edge(At(0.0, 1000)).noise_covariance)(0, 0), (10.0 + 0.15 * 101.0) * 1e-4, 1e-9);
 }
 
 TEST(RegistrationFactorTest, ResidualsWidenTheWeightAndDoNotNarrowIt) {
   EXPECT_DOUBLE_EQ(Edge(At(10.0, 1), 1.5).covariance(0, 0), 2.25e-4 + 0.01);
   EXPECT_DOUBLE_EQ(Edge(At(10.0, 1), 0.5).covariance(0, 0), 1e-4 + 0.01);
-  EXPECT_NEAR((*Edge(At(10.0, 1), 0.5).noise)(0, 0), 1.15 * 0.25e-4, 1e-12);
+  EXPECT_NEAR((*Edge(At(10.0, 1), 0.5).noise_covariance)(0, 0), 1.15 * 0.25e-4, 1e-12);
 }
 
 TEST(RegistrationFactorTest, LastingErrorsAreASquareRoot) {

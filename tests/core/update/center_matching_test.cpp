@@ -5,27 +5,27 @@
 namespace dcloc {
 namespace {
 
-std::vector<std::uint32_t> CentersOf(const std::vector<PlaceEstimate>& landmarks,
-                                     const std::vector<PlaceEstimate>& centers) {
+std::vector<std::uint32_t> CentersOf(const std::vector<LandmarkPosition>& landmarks,
+                                     const std::vector<LandmarkPosition>& centers) {
   std::vector<std::uint32_t> matched;
   for (const CenterMatch& match : MatchCenters(landmarks, centers)) matched.push_back(match.center);
   return matched;
 }
 
-PlaceEstimate At(double x_m, double y_m, double sigma_m = 0.08) {
+LandmarkPosition At(double x_m, double y_m, double sigma_m = 0.08) {
   return {.position_m = {x_m, y_m},
           .covariance_m2 = sigma_m * sigma_m * Eigen::Matrix2d::Identity()};
 }
 
 TEST(MatchCentersTest, EachLandmarkGetsItsNearestCenter) {
-  const std::vector<PlaceEstimate> landmarks = {At(0.0, 0.0), At(0.3, 0.0), At(9.0, 0.0)};
-  const std::vector<PlaceEstimate> centers = {At(0.28, 0.0), At(0.05, 0.0)};
+  const std::vector<LandmarkPosition> landmarks = {At(0.0, 0.0), At(0.3, 0.0), At(9.0, 0.0)};
+  const std::vector<LandmarkPosition> centers = {At(0.28, 0.0), At(0.05, 0.0)};
   EXPECT_EQ(CentersOf(landmarks, centers), (std::vector<std::uint32_t>{1, 0, kNoCenter}));
 }
 
 TEST(MatchCentersTest, LandmarksThatLieCloseMayHaveOneCenter) {
-  const std::vector<PlaceEstimate> landmarks = {At(0.1, 0.0), At(0.0, 0.0)};
-  const std::vector<PlaceEstimate> centers = {At(0.02, 0.0)};
+  const std::vector<LandmarkPosition> landmarks = {At(0.1, 0.0), At(0.0, 0.0)};
+  const std::vector<LandmarkPosition> centers = {At(0.02, 0.0)};
   EXPECT_EQ(CentersOf(landmarks, centers), (std::vector<std::uint32_t>{0, 0}));
 }
 

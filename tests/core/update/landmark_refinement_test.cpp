@@ -7,7 +7,8 @@ namespace {
 
 PlacedLandmark Base(double x_m, std::uint16_t pass_count) {
   PlacedLandmark landmark;
-  landmark.place = {.position_m = {x_m, 0.0}, .covariance_m2 = 0.01 * Eigen::Matrix2d::Identity()};
+  landmark.position = {.position_m = {x_m, 0.0},
+                       .covariance_m2 = 0.01 * Eigen::Matrix2d::Identity()};
   landmark.point.pass_count = pass_count;
   return landmark;
 }
@@ -35,11 +36,11 @@ TEST(LandmarkRefinementTest, WhatManyPassesSawHardlyMoves) {
 TEST(LandmarkRefinementTest, PlacesAreOfBothOrOfOne) {
   const std::vector<PlacedLandmark> base = {Base(0.0, 1), Base(10.0, 1)};
   const std::vector<Landmark> fused = {Fused(0.1, 1), Fused(20.0, 2)};
-  const std::vector<PlaceEstimate> places = BlendedPlaces(base, fused, {});
-  ASSERT_EQ(places.size(), 3U);
-  EXPECT_NEAR(places[0].position_m.x(), 10.0, 1e-12);
-  EXPECT_NEAR(places[1].position_m.x(), 0.05, 1e-12);
-  EXPECT_NEAR(places[2].position_m.x(), 20.0, 1e-12);
+  const std::vector<LandmarkPosition> positions = BlendedPositions(base, fused, {});
+  ASSERT_EQ(positions.size(), 3U);
+  EXPECT_NEAR(positions[0].position_m.x(), 10.0, 1e-12);
+  EXPECT_NEAR(positions[1].position_m.x(), 0.05, 1e-12);
+  EXPECT_NEAR(positions[2].position_m.x(), 20.0, 1e-12);
 }
 
 }  // namespace

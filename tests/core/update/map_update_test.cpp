@@ -12,10 +12,10 @@
 namespace dcloc {
 namespace {
 
-double NearestLandmark_m(const MapParts& map, const Eigen::Vector2d& p_map_m) {
+double NearestLandmark_m(const EditableMap& map, const Eigen::Vector2d& p_map_m) {
   double nearest_m = INFINITY;
   for (const PlacedLandmark& landmark : LandmarksOf(map)) {
-    const Eigen::Vector2d p_m = landmark.place.position_m + map.Origin_m().head<2>();
+    const Eigen::Vector2d p_m = landmark.position.position_m + map.Origin_m().head<2>();
     nearest_m = std::min(nearest_m, (p_m - p_map_m).norm());
   }
   return nearest_m;
@@ -27,7 +27,7 @@ std::vector<PlacedPass> ThreePasses(const TestStreet& street) {
 
 TEST(MapUpdateTest, AStreetThatStaysAsItWasStays) {
   const TestStreet street;
-  const MapParts base = street.Map(0);
+  const EditableMap base = street.Map(0);
   const auto update = UpdateMap(base, ThreePasses(street));
   ASSERT_TRUE(update.ok()) << update.status();
   EXPECT_EQ(update->map.PointCount(), base.PointCount());
@@ -38,11 +38,11 @@ TEST(MapUpdateTest, AStreetThatStaysAsItWasStays) {
 
 TEST(MapUpdateTest, WhatManyPassesSawLiesNearerToWhereItStands) {
   const TestStreet street;
-  const MapParts base = street.Map(0);
+  const EditableMap base = street.Map(0);
   const auto update = UpdateMap(base, ThreePasses(street));
   ASSERT_TRUE(update.ok()) << update.status();
   EXPECT_GT(update->refined_count, base.PointCount() / 2);
-  const auto sum_m = [&](const MapParts& map) {
+  const auto sum_m = [&](const EditableMap& map) {
     double sum = 0.0;
     for (const Eigen::Vector2d& p_m : street.scatterers_m) {
       sum += std::min(0.5, NearestLandmark_m(map, p_m));
@@ -54,7 +54,7 @@ TEST(MapUpdateTest, WhatManyPassesSawLiesNearerToWhereItStands) {
 
 TEST(MapUpdateTest, PosesThatLieToOneSideDoNotMoveTheMap) {
   const TestStreet street;
-  const MapParts base = street.Map(0);
+  const EditableMap base = street.Map(0);
   const Eigen::Vector3d ahead_m(0.06, 0.0, 0.0);
   const std::vector<PlacedPass> passes = {
       street.Pass(1, "a", ahead_m), street.Pass(2, "b", ahead_m), street.Pass(3, "a", ahead_m)};
@@ -63,7 +63,7 @@ TEST(MapUpdateTest, PosesThatLieToOneSideDoNotMoveTheMap) {
   double mean_m = 0.0;
   double count = 0.0;
   for (const PlacedLandmark& landmark : LandmarksOf(update->map)) {
-    const Eigen::Vector2d p_m = landmark.place.position_m + base.Origin_m().head<2>();
+    const Eigen::Vector2d p_m = landmark.position.position_m + base.Origin_m().head<2>();
     for (const Eigen::Vector2d& scatterer_m : street.scatterers_m) {
       if ((p_m - scatterer_m).norm() > 0.5) continue;
       mean_m += p_m.x() - scatterer_m.x();
@@ -75,17 +75,17 @@ TEST(MapUpdateTest, PosesThatLieToOneSideDoNotMoveTheMap) {
 
 TEST(MapUpdateTest, WhatWentGoesAndWhatCameComes) {
   TestStreet street;
-  const MapParts base = street.Map(0);
-  const Eigen::Vector2d went_m = street.scatterers_m[30];
-  const Eigen::Vector2d came_m(went_m.x() + 2.0, 9.0);
-  street.scatterers_m[30] = came_m;
-  ASSERT_LT(NearestLandmark_m(base, went_m), 0.2);
+  const EditableMap base = street.Map(0);
+  const Eigen::Vector2d removed_m = street.scatterers_m[30];
+  const Eigen::Vector2d added_m(removed_m.x() + 2.0, 9.0);
+  street.scatterers_m[30] = added_m;
+  ASSERT_LT(NearestLandmark_m(base, removed_m), 0.2);
   const auto update = UpdateMap(base, ThreePasses(street));
   ASSERT_TRUE(update.ok()) << update.status();
-  EXPECT_GT(NearestLandmark_m(update->map, went_m), 1.0);
-  EXPECT_LT(NearestLandmark_m(update->map, came_m), 0.2);
-  EXPECT_EQ(std::ranges::count(update->known, LandmarkFate::kWent, &LandmarkHistory::fate), 1);
-  EXPECT_EQ(std::ranges::count(update->found, LandmarkFate::kCame, &LandmarkHistory::fate), 1);
+  EXPECT_GT(NearestLandmark_m(update->map, removed_m), 1.0);
+  EXPECT_LT(NearestLandmark_m(update->map, added_m), 0.2);
+  EXPECT_EQ(std::ranges::count(update->known, LandmarkFate::kRemoved, &LandmarkHistory::fate), 1);
+  EXPECT_EQ(std::ranges::count(update->found, LandmarkFate::kAdded, &LandmarkHistory::fate), 1);
 }
 
 TEST(MapUpdateTest, WhatOnlyOneDaySawDoesNotCome) {
@@ -102,18 +102,18 @@ TEST(MapUpdateTest, WhatOnlyOneDaySawDoesNotCome) {
 
 TEST(MapUpdateTest, OneVehicleOnOneDayChangesNothing) {
   TestStreet street;
-  const MapParts base = street.Map(0);
+  const EditableMap base = street.Map(0);
   street.scatterers_m[30] += Eigen::Vector2d(2.0, 3.0);
   PlacedPass again = street.Pass(1, "a");
   for (PlacedScan& scan : again.scans) scan.stamp += std::chrono::minutes(30);
   const auto update = UpdateMap(base, std::vector<PlacedPass>{street.Pass(1, "a"), again});
   ASSERT_TRUE(update.ok()) << update.status();
-  EXPECT_EQ(PutTogether(update->map).value(), PutTogether(base).value());
+  EXPECT_EQ(ToMapBytes(update->map).value(), ToMapBytes(base).value());
 }
 
 TEST(MapUpdateTest, AVehicleThatIsPlacedWrongDoesNotBendTheMap) {
   const TestStreet street;
-  const MapParts base = street.Map(0);
+  const EditableMap base = street.Map(0);
   const std::vector<PlacedPass> passes = {street.Pass(1, "a"), street.Pass(2, "b"),
                                           street.Pass(3, "c", {0.6, 0.4, 0.0})};
   const auto update = UpdateMap(base, passes);

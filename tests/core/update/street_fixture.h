@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/map/editable_map.h"
 #include "core/map/map_builder.h"
-#include "core/map/map_parts.h"
 #include "core/update/placed_pass.h"
 
 namespace dcloc {
@@ -67,14 +67,14 @@ struct TestStreet {
     return scans;
   }
 
-  MapParts Map(int day) const {
+  EditableMap Map(int day) const {
     auto builder = MapBuilder::Create(OneRadar(), {.name = "street"}).value();
     std::vector<Pose3> poses;
     const std::vector<Scan> scans = Drive(day, &poses);
     for (std::size_t i = 0; i < scans.size(); ++i) {
       EXPECT_TRUE(builder.Add(scans[i], poses[i], *scans[i].ego_velocity).ok());
     }
-    return TakeApart(*RadarMap::FromBytes(builder.Build().value()).value());
+    return ToEditable(*RadarMap::FromBytes(builder.Build().value()).value());
   }
 
   /// A pass at its true poses, moved by `offset_m`, of which all scans count.

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A town's map, and a pass that is kept out of its updates.
+/// A town's map, and a pass that is held out of its updates.
 class UpdateGateTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -20,27 +20,27 @@ class UpdateGateTest : public ::testing::Test {
     options.length_m = 300.0;
     const Drive map_drive = SimulatePass(options, Passes(options)[0]).value();
     drive_ = new Drive(SimulatePass(options, Passes(options)[1]).value());
-    map_ = new MapParts(
-        TakeApart(*RadarMap::FromBytes(BuildMap(map_drive, {.name = "town"}).value()).value()));
+    map_ = new EditableMap(
+        ToEditable(*RadarMap::FromBytes(BuildMap(map_drive, {.name = "town"}).value()).value()));
   }
   static void TearDownTestSuite() {
     delete drive_;
     delete map_;
   }
 
-  static GateVerdict Judged(const MapParts& before, const MapParts& after) {
+  static UpdateEvaluation Evaluated(const EditableMap& before, const EditableMap& after) {
     std::vector<Scan> scans;
     for (const DriveScan& entry : drive_->scans) scans.push_back(entry.scan);
-    const auto verdict = JudgeUpdate(before, after, drive_->rig, scans);
-    EXPECT_TRUE(verdict.ok()) << verdict.status();
-    return verdict.ok() ? *verdict : GateVerdict{};
+    const auto evaluation = EvaluateUpdate(before, after, drive_->rig, scans);
+    EXPECT_TRUE(evaluation.ok()) << evaluation.status();
+    return evaluation.ok() ? *evaluation : UpdateEvaluation{};
   }
 
   /// The map without the landmarks whose number is `remainder` modulo `divisor`.
-  static MapParts Thinned(int divisor, int remainder) {
-    MapParts map = *map_;
+  static EditableMap Thinned(int divisor, int remainder) {
+    EditableMap map = *map_;
     int number = 0;
-    for (KeyframePart& keyframe : map.keyframes) {
+    for (EditableKeyframe& keyframe : map.keyframes) {
       std::erase_if(keyframe.points,
                     [&](const MapPoint&) { return number++ % divisor == remainder; });
     }
@@ -48,56 +48,56 @@ class UpdateGateTest : public ::testing::Test {
   }
 
   static inline Drive* drive_ = nullptr;
-  static inline MapParts* map_ = nullptr;
+  static inline EditableMap* map_ = nullptr;
 };
 
 TEST_F(UpdateGateTest, NothingChangedIsNotBetter) {
-  const GateVerdict verdict = Judged(*map_, *map_);
-  EXPECT_FALSE(verdict.is_better);
-  EXPECT_THAT(verdict.reason, HasSubstr("nothing has changed"));
-  EXPECT_GT(verdict.whole.old_version.tracking_share, 0.8);
-  EXPECT_LT(verdict.whole.old_version.error_m, 0.1);
+  const UpdateEvaluation evaluation = Evaluated(*map_, *map_);
+  EXPECT_FALSE(evaluation.is_better);
+  EXPECT_THAT(evaluation.reason, HasSubstr("nothing has changed"));
+  EXPECT_GT(evaluation.whole.old_version.tracking_share, 0.8);
+  EXPECT_LT(evaluation.whole.old_version.error_m, 0.1);
 }
 
 TEST_F(UpdateGateTest, LandmarksThatWereMissingMakeItBetter) {
-  const GateVerdict verdict = Judged(Thinned(4, 0), *map_);
-  EXPECT_TRUE(verdict.is_better) << verdict.reason;
-  EXPECT_GT(verdict.whole.new_version.fit, verdict.whole.old_version.fit);
-  EXPECT_GT(verdict.whole.came_count, 20U);
+  const UpdateEvaluation evaluation = Evaluated(Thinned(4, 0), *map_);
+  EXPECT_TRUE(evaluation.is_better) << evaluation.reason;
+  EXPECT_GT(evaluation.whole.new_version.fit, evaluation.whole.old_version.fit);
+  EXPECT_GT(evaluation.whole.added_count, 20U);
 }
 
 TEST_F(UpdateGateTest, LandmarksThatStandAndAreGoneMakeItWorse) {
-  const GateVerdict verdict = Judged(*map_, Thinned(4, 0));
-  EXPECT_FALSE(verdict.is_better);
-  EXPECT_THAT(verdict.reason, HasSubstr("worse"));
+  const UpdateEvaluation evaluation = Evaluated(*map_, Thinned(4, 0));
+  EXPECT_FALSE(evaluation.is_better);
+  EXPECT_THAT(evaluation.reason, HasSubstr("worse"));
 }
 
 TEST_F(UpdateGateTest, LandmarksThatLieElsewhereMakeItWorse) {
-  MapParts bent = *map_;
+  EditableMap bent = *map_;
   int number = 0;
-  for (KeyframePart& keyframe : bent.keyframes) {
+  for (EditableKeyframe& keyframe : bent.keyframes) {
     for (MapPoint& point : keyframe.points) {
       if (number++ % 2 == 0) point.y_m += 0.6F;
     }
   }
-  const GateVerdict verdict = Judged(*map_, bent);
-  EXPECT_FALSE(verdict.is_better);
-  EXPECT_THAT(verdict.reason, HasSubstr("worse"));
+  const UpdateEvaluation evaluation = Evaluated(*map_, bent);
+  EXPECT_FALSE(evaluation.is_better);
+  EXPECT_THAT(evaluation.reason, HasSubstr("worse"));
 }
 
 TEST_F(UpdateGateTest, LandmarksThatAllLieToOneSideMakeItWorse) {
-  MapParts moved = Thinned(20, 0);
-  for (KeyframePart& keyframe : moved.keyframes) {
+  EditableMap moved = Thinned(20, 0);
+  for (EditableKeyframe& keyframe : moved.keyframes) {
     for (MapPoint& point : keyframe.points) point.x_m += 0.15F;
   }
-  const GateVerdict verdict = Judged(Thinned(4, 0), moved);
-  EXPECT_FALSE(verdict.is_better);
-  EXPECT_GT(verdict.whole.new_version.offset_m, 0.08);
+  const UpdateEvaluation evaluation = Evaluated(Thinned(4, 0), moved);
+  EXPECT_FALSE(evaluation.is_better);
+  EXPECT_GT(evaluation.whole.new_version.offset_m, 0.08);
 }
 
 TEST_F(UpdateGateTest, LandmarksOfNothingMakeItNoBetter) {
-  MapParts haunted = *map_;
-  for (KeyframePart& keyframe : haunted.keyframes) {
+  EditableMap haunted = *map_;
+  for (EditableKeyframe& keyframe : haunted.keyframes) {
     const std::size_t count = keyframe.points.size();
     for (std::size_t i = 0; i < count; i += 3) {
       MapPoint ghost = keyframe.points[i];
@@ -106,7 +106,7 @@ TEST_F(UpdateGateTest, LandmarksOfNothingMakeItNoBetter) {
       keyframe.points.push_back(ghost);
     }
   }
-  EXPECT_FALSE(Judged(*map_, haunted).is_better);
+  EXPECT_FALSE(Evaluated(*map_, haunted).is_better);
 }
 
 TEST_F(UpdateGateTest, RefusesAPassThatIsNotInTheMap) {
@@ -116,7 +116,7 @@ TEST_F(UpdateGateTest, RefusesAPassThatIsNotInTheMap) {
   const Drive other = SimulatePass(options, Passes(options)[1]).value();
   std::vector<Scan> scans;
   for (const DriveScan& entry : other.scans) scans.push_back(entry.scan);
-  EXPECT_FALSE(JudgeUpdate(*map_, Thinned(4, 0), other.rig, scans).ok());
+  EXPECT_FALSE(EvaluateUpdate(*map_, Thinned(4, 0), other.rig, scans).ok());
 }
 
 }  // namespace

@@ -9,24 +9,24 @@ namespace dcloc {
 namespace {
 
 TEST(VersionComparisonTest, ARefinedLandmarkIsTheSame) {
-  const MapParts before = TestStreet().Map(0);
-  MapParts after = before;
-  for (KeyframePart& keyframe : after.keyframes) {
+  const EditableMap before = TestStreet().Map(0);
+  EditableMap after = before;
+  for (EditableKeyframe& keyframe : after.keyframes) {
     for (MapPoint& point : keyframe.points) point.x_m += 0.05F;
   }
   const VersionComparison comparison = CompareVersions(before, after, 0.5);
   EXPECT_EQ(comparison.common.size(), before.PointCount());
-  EXPECT_TRUE(comparison.went.empty());
-  EXPECT_TRUE(comparison.came.empty());
+  EXPECT_TRUE(comparison.removed.empty());
+  EXPECT_TRUE(comparison.added.empty());
 }
 
 TEST(VersionComparisonTest, WhatOnlyOneVersionHasWentOrCame) {
   TestStreet street;
-  const MapParts before = street.Map(0);
+  const EditableMap before = street.Map(0);
   street.scatterers_m[30] += Eigen::Vector2d(2.0, 3.0);
   const VersionComparison comparison = CompareVersions(before, street.Map(0), 0.5);
-  EXPECT_EQ(comparison.went.size(), 1U);
-  EXPECT_EQ(comparison.came.size(), 1U);
+  EXPECT_EQ(comparison.removed.size(), 1U);
+  EXPECT_EQ(comparison.added.size(), 1U);
 }
 
 }  // namespace

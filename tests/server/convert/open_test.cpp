@@ -164,7 +164,7 @@ TEST(ConvertOpenTest, TakesWhatIsGiven) {
   const absl::StatusOr<convert::SessionRequest> request = convert::FromProto(open);
   ASSERT_TRUE(request.ok()) << request.status();
   EXPECT_EQ(request->options.scans_per_submap, 5);
-  EXPECT_FALSE(request->options.uncertainty);
+  EXPECT_FALSE(request->options.per_point_covariance);
   EXPECT_DOUBLE_EQ(request->rig.radars[0].beta_s, 77e9 / -2e12);
   EXPECT_EQ(request->rig.radars[0].azimuth_sigma_rad, 0.03);
 }

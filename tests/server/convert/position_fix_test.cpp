@@ -95,7 +95,7 @@ TEST(ConvertFixTest, AnAnswerSaysWhatBecameOfTheFix) {
   };
   const auto plain = [](v1::FixUse use) { return std::pair(use, std::string()); };
   EXPECT_EQ(use_of(FixUse::kFused), plain(v1::FIX_USE_FUSED));
-  EXPECT_EQ(use_of(FixUse::kAgrees), plain(v1::FIX_USE_FUSED));
+  EXPECT_EQ(use_of(FixUse::kConsistentNotFused), plain(v1::FIX_USE_FUSED));
   EXPECT_EQ(use_of(FixUse::kGuidesSearch), plain(v1::FIX_USE_GUIDES_SEARCH));
   EXPECT_EQ(use_of(FixUse::kContradicted), plain(v1::FIX_USE_CONTRADICTED));
   EXPECT_EQ(use_of(FixUse::kOutOfTime), plain(v1::FIX_USE_OUT_OF_TIME));

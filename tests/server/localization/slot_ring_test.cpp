@@ -54,8 +54,8 @@ TEST(SlotRingTest, IsFullUntilAnAnswerIsWritten) {
 TEST(SlotRingTest, WhatNeedsNoAnswerIsPassedOverInItsTurn) {
   SlotRing ring = OpenRing(3);
   for (int i = 1; i <= 3; ++i) Read(ring, i);
-  for (const bool silent : {false, true, true}) {
-    ring.to_answer().silent = silent;
+  for (const Handling handling : {Handling::kAnswer, Handling::kSilent, Handling::kSilent}) {
+    ring.to_answer().handling = handling;
     ring.OnAnswered();
   }
   ring.PassSilent();
@@ -65,7 +65,7 @@ TEST(SlotRingTest, WhatNeedsNoAnswerIsPassedOverInItsTurn) {
   EXPECT_TRUE(ring.all_read_is_written());
   EXPECT_TRUE(ring.has_room());
   Read(ring, 4);
-  EXPECT_FALSE(ring.newest_read().silent) << "the slot is used again";
+  EXPECT_EQ(ring.newest_read().handling, Handling::kAnswer) << "the slot is used again";
 }
 
 TEST(SlotRingTest, TheOldestThatWaitAreDroppedAndLoseTheirColumns) {
@@ -73,16 +73,16 @@ TEST(SlotRingTest, TheOldestThatWaitAreDroppedAndLoseTheirColumns) {
   ring.Lengthen();
   for (int i = 1; i <= 4; ++i) {
     Read(ring, i);
-    ring.DropOldest(/*first_is_taken=*/true);
+    ring.DropOldest(1);
   }
   EXPECT_TRUE(ring.has_room());
-  EXPECT_FALSE(ring.to_answer().dropped) << "it is being answered";
+  EXPECT_EQ(ring.to_answer().handling, Handling::kAnswer) << "it is being answered";
   ring.OnAnswered();
-  EXPECT_TRUE(ring.to_answer().dropped);
+  EXPECT_EQ(ring.to_answer().handling, Handling::kDrop);
   EXPECT_EQ(ring.to_answer().request.scan().sequence_number(), 2);
   EXPECT_EQ(ring.to_answer().request.scan().range_m_size(), 0);
   ring.OnAnswered();
-  EXPECT_FALSE(ring.to_answer().dropped);
+  EXPECT_EQ(ring.to_answer().handling, Handling::kAnswer);
   EXPECT_GT(ring.to_answer().request.scan().range_m_size(), 0);
 }
 
@@ -93,16 +93,16 @@ TEST(SlotRingTest, FixesAreNotDroppedAndDropNothing) {
   for (int i = 0; i < 10; ++i) {
     *ring.to_read().request.mutable_position_fix() = FixMessage(1);
     ring.OnRead();
-    ring.DropOldest(/*first_is_taken=*/false);
+    ring.DropOldest(0);
   }
   Read(ring, 2);
-  ring.DropOldest(/*first_is_taken=*/false);
-  EXPECT_FALSE(ring.to_answer().dropped);
+  ring.DropOldest(0);
+  EXPECT_EQ(ring.to_answer().handling, Handling::kAnswer);
   Read(ring, 3);
-  ring.DropOldest(/*first_is_taken=*/false);
-  EXPECT_TRUE(ring.to_answer().dropped) << "three scans wait";
+  ring.DropOldest(0);
+  EXPECT_EQ(ring.to_answer().handling, Handling::kDrop) << "three scans wait";
   ring.OnAnswered();
-  EXPECT_FALSE(ring.to_answer().dropped);
+  EXPECT_EQ(ring.to_answer().handling, Handling::kAnswer);
   EXPECT_TRUE(ring.to_answer().request.has_position_fix());
 }
 
@@ -110,8 +110,8 @@ TEST(SlotRingTest, WithoutOneBeingAnsweredTheFirstIsDroppedToo) {
   SlotRing ring = OpenRing(2);
   ring.Lengthen();
   for (int i = 1; i <= 3; ++i) Read(ring, i);
-  ring.DropOldest(/*first_is_taken=*/false);
-  EXPECT_TRUE(ring.to_answer().dropped);
+  ring.DropOldest(0);
+  EXPECT_EQ(ring.to_answer().handling, Handling::kDrop);
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST(SessionMetricsTest, SourcesSetAsideAreCountedByKindAndReason) {
 
 TEST(SessionMetricsTest, FixesAreCountedByWhatBecameOfThem) {
   SessionMetrics metrics;
-  metrics.ObserveFix(FixUse::kAgrees);
+  metrics.ObserveFix(FixUse::kConsistentNotFused);
   metrics.ObserveFix(FixUse::kOutOfTime);
   metrics.ObserveFix(absl::InvalidArgumentError("no"));
   metrics.ObserveFix(absl::FailedPreconditionError("no anchor"));

@@ -61,7 +61,7 @@ inline TicketContent SomeContent() {
   snapshot.noise.rotation.registration_ratio = 3.0;
   snapshot.resets.count = 2;
   snapshot.resets.T_before_after.translation_m.x() = 0.7;
-  snapshot.squared_innovation = 1.5;
+  snapshot.mean_nis = 1.5;
   snapshot.registration_count = 99;
   snapshot.clocks_ahead = {std::chrono::seconds(5)};
   return {.map_version = 7,

@@ -11,7 +11,7 @@
 
 #include "client/datasets/dataset.h"
 #include "client/evaluation/runner.h"
-#include "core/map/map_parts.h"
+#include "core/map/editable_map.h"
 #include "tests/client/cli/fixtures/dcloc_process.h"
 #include "tests/client/datasets/temp_folder.h"
 
@@ -136,11 +136,11 @@ TEST_F(MapEditCommandTest, WhereOneOutputCannotBeWrittenNoneIs) {
 TEST_F(MapEditCommandTest, NoAnchorIsLostInAMerge) {
   auto map = RadarMap::Open(Town());
   ASSERT_TRUE(map.ok()) << map.status();
-  MapParts parts = TakeApart(**map);
+  EditableMap parts = ToEditable(**map);
   parts.info.flags &= ~kHasAnchorFlag;
   parts.info.anchor_latitude_deg = parts.info.anchor_longitude_deg = 0.0;
   parts.info.anchor_height_m = parts.info.anchor_x_axis_east_rad = 0.0;
-  const auto bytes = PutTogether(parts);
+  const auto bytes = ToMapBytes(parts);
   ASSERT_TRUE(bytes.ok()) << bytes.status();
   const std::string bare =
       folder_

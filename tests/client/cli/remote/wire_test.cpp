@@ -167,8 +167,8 @@ TEST(WireTest, OptionsAreReplayedAsTheServerTookThem) {
   for (const LocalizerOptions& taken : {at_server->options, replayed->options}) {
     EXPECT_EQ(taken.scans_per_submap, 3);
     EXPECT_FALSE(taken.doppler_compensation);
-    EXPECT_FALSE(taken.uncertainty);
-    EXPECT_FALSE(taken.truncation);
+    EXPECT_FALSE(taken.per_point_covariance);
+    EXPECT_FALSE(taken.gate_outliers);
   }
 }
 

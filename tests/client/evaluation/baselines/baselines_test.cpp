@@ -4,6 +4,7 @@
 #include "client/evaluation/baselines/ego_range_rates.h"
 #include "client/evaluation/baselines/estimator.h"
 #include "client/evaluation/baselines/map_for_method.h"
+#include "client/evaluation/baselines/pcl_registration.h"
 #include "client/evaluation/baselines/window_graph.h"
 #include "client/evaluation/metrics.h"
 #include "client/evaluation/runner.h"
@@ -16,7 +17,10 @@ using ::testing::HasSubstr;
 
 class Baselines : public ::testing::TestWithParam<MethodKind> {
  protected:
-  static void SetUpTestSuite() { drives_ = new SimulatedDrives(SimulateDrives(0.04)); }
+  static void SetUpTestSuite() {
+    SilencePcl();
+    drives_ = new SimulatedDrives(SimulateDrives(0.04));
+  }
   static void TearDownTestSuite() { delete drives_; }
 
   static DriveOutcome Run(const EvaluationOptions& options, const Drive& live) {

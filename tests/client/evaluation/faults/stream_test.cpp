@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "client/evaluation/faults/catalogue.h"
+#include "client/evaluation/faults/fault_list.h"
 #include "tests/client/evaluation/faults/made_stream.h"
 
 namespace dcloc::faults {

@@ -8,7 +8,8 @@
 #include <set>
 #include <utility>
 
-#include "client/cli/common/run_folder.h"
+#include "client/cli/evaluate/result_folder.h"
+#include "client/evaluation/paper/outcome_json.h"
 #include "client/evaluation/paper/simulated_cases.h"
 #include "core/calibration/calibration.h"
 #include "tests/client/datasets/temp_folder.h"
@@ -19,7 +20,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-class MemoryStore final : public RunStore {
+using RunFolder = cli::ResultFolder<DriveOutcome>;
+
+class MemoryStore final : public ResultStore<DriveOutcome> {
  public:
   std::optional<DriveOutcome> Load(const std::string& name) override {
     const auto found = runs.find(name);
@@ -111,7 +114,7 @@ TEST_F(Study, GoesOnWhereItWas) {
 
 TEST_F(Study, DoesOverWhatItsFilesDoNotHoldWhole) {
   const TempFolder folder;
-  cli::RunFolder runs(folder.path(), "build");
+  RunFolder runs({folder.path(), "build"}, OutcomeFromJson, OutcomeToJson);
   ASSERT_TRUE(RunStudy({MakeCase()}, false, runs, kQuiet).ok());
   const auto file = folder.path() / "street-1.dcloc.track.json";
   const auto size = std::filesystem::file_size(file);
@@ -125,7 +128,7 @@ TEST_F(Study, DoesOverWhatItsFilesDoNotHoldWhole) {
   EXPECT_EQ(load_count_, 1);
   EXPECT_TRUE(runs.Load("street-1.dcloc.track").has_value());
 
-  cli::RunFolder other_build(folder.path(), "another build");
+  RunFolder other_build({folder.path(), "another build"}, OutcomeFromJson, OutcomeToJson);
   EXPECT_FALSE(other_build.Load("street-1.dcloc.track").has_value());
 }
 

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "core/geometry/pose.h"
+#include "core/radar/radar_model.h"
+#include "core/radar/scan.h"
+#include "core/update/map_replay.h"
+#include "core/update/placed_pass.h"
+#include "core/update/version_score.h"
+
+namespace dcloc {
+
+/// A pass that had no part in an update, where two versions of the map together put it.
+struct HeldOutPass {
+  PlacedPass pass;                 ///< at the consensus; the scans that both versions track
+  std::vector<std::size_t> scans;  ///< of `pass.scans`: the number of the scan
+  std::vector<Pose2> T_old_new;    ///< of `pass.scans`: the new version's pose from the old one's
+};
+
+/// Aligns the pass with the landmarks of each version and takes the middle of both. The replays are
+/// of `scans`; landmarks are relative to `origin_m` of the map. Empty where no scan is tracked in
+/// both versions.
+HeldOutPass PlaceInBoth(const Rig& rig, std::span<const Scan> scans,
+                        std::span<const ReplayedScan> old_replay,
+                        std::span<const ReplayedScan> new_replay,
+                        std::span<const PlacedLandmark> old_landmarks,
+                        std::span<const PlacedLandmark> new_landmarks,
+                        const Eigen::Vector3d& origin_m);
+
+}  // namespace dcloc
