@@ -66,7 +66,13 @@ AdminService::AdminService(ServerFacts facts, SessionRegistry& registry,
       host_(host),
       replicas_(replicas),
       drain_(std::move(drain)),
-      gauges_(std::move(gauges)) {}
+      gauges_(std::move(gauges)) {
+  AwaitRequests(host.awaited_requests, &AdminService::ListReplicas, &AdminService::GetServerState,
+                &AdminService::ListSessions, &AdminService::GetSession, &AdminService::EndSession,
+                &AdminService::WatchSession, &AdminService::RecordSession,
+                &AdminService::ProposePose, &AdminService::ListOperations,
+                &AdminService::ListIdentities, &AdminService::RevokeIdentity, &AdminService::Drain);
+}
 
 void AdminService::Describe(v1::GetServerStateResponse* response) const {
   response->set_replica(replicas_.own_address());
@@ -86,6 +92,7 @@ void AdminService::Describe(v1::GetServerStateResponse* response) const {
   response->set_draining(drain_.draining());
   const ServerGauges gauges = gauges_();
   response->set_unopened_stream_count(gauges.unopened_stream_count);
+  response->set_awaited_request_count(gauges.awaited_request_count);
   response->set_max_unopened_stream_count(gauges.max_unopened_stream_count);
   if (gauges.certificate_expire_time) {
     *response->mutable_certificate_expire_time() =

@@ -10,6 +10,7 @@
 #include "server/admin/record_stream.h"
 #include "server/admin/watch_stream.h"
 #include "server/base/shutdown_hooks.h"
+#include "server/net/awaiting_service.h"
 #include "server/replicas/replicas.h"
 #include "server/rpc/rpc_context.h"
 #include "server/rpc/unary.h"
@@ -29,6 +30,7 @@ struct ServerFacts {
 /// The part that does, beside sessions and maps.
 struct ServerGauges {
   int unopened_stream_count = 0;
+  int awaited_request_count = 0;
   int max_unopened_stream_count = 0;
   std::optional<SystemTime> certificate_expire_time;  ///< none without TLS
   std::string certificate_fault;
@@ -42,7 +44,7 @@ struct DrainControl {
 
 /// AdminService: the operators' RPCs: state, sessions and drain of all replicas, identities, and
 /// what was changed here.
-class AdminService final : public v1::AdminService::CallbackService {
+class AdminService final : public AwaitingService<v1::AdminService::CallbackService> {
  public:
   /// The references outlive the service's calls.
   AdminService(ServerFacts facts, SessionRegistry& registry, RecordingRequests& recordings,

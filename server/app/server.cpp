@@ -1,7 +1,5 @@
 #include "server/app/server.h"
 
-#include <grpcpp/health_check_service_interface.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -74,7 +72,7 @@ void Server::Shutdown(std::chrono::milliseconds deadline) {
   // Half of the time at most is the clients', to go by themselves.
   const std::chrono::milliseconds grace = std::min(parts_->drain_grace, deadline / 2);
   if (parts_->Drain(grace) > 0) parts_->open_calls.WaitUntilNone(begin + grace);
-  if (auto* health = parts_->server->GetHealthCheckService()) health->Shutdown();
+  parts_->health_service.Shutdown();
   parts_->localization.EndAll(
       grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server is shutting down"));
   parts_->registry.RemoveDetached("the server is shutting down");

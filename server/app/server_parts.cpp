@@ -57,6 +57,21 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
       access(*opened_storage.identities, config.require_identity),
       store(*opened_storage.maps),
       registry(limits, SessionTimeoutsOf(config)),
+      awaited_requests(
+          [this] {
+            return AwaitedRequests::Bounds{
+                .count = UnopenedBounds(),
+                .time = std::chrono::milliseconds(limits.open_timeout_ms)};
+          },
+          peer_bound_calls.faults()),
+      bounded_calls(
+          [this] {
+            return BoundedCalls::Times{
+                .reflection = std::chrono::milliseconds(limits.open_timeout_ms),
+                .reading = std::chrono::milliseconds(limits.peer_timeout_ms)};
+          },
+          peer_bound_calls.faults()),
+      health_service(awaited_requests, [this] { return UnopenedBounds(); }),
       storage_pool(kStorageThreads, kMapThreads),
       replicas({.directory = opened_storage.replicas.get(), .access = access, .pool = storage_pool},
                ReplicaTlsOf(config),
@@ -91,10 +106,10 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
 }
 
 absl::Status Server::Parts::Serve(const std::shared_ptr<grpc::ServerCredentials>& credentials) {
-  grpc::EnableDefaultHealthCheckService(true);
+  grpc::EnableDefaultHealthCheckService(false);  // ours bounds its callers
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  SetUpTransport(config, builder);
+  SetUpTransport(config, bounded_calls, builder);
   absl::StatusOr<ListenAddress> bound = ParseListenAddress(config.listen);
   if (!bound.ok()) return bound.status();
   absl::StatusOr<std::unique_ptr<Listener>> bound_listener =
@@ -106,9 +121,10 @@ absl::Status Server::Parts::Serve(const std::shared_ptr<grpc::ServerCredentials>
   builder.RegisterService(&localization);
   builder.RegisterService(&maps);
   builder.RegisterService(&admin);
+  builder.RegisterService(&health_service);
   server = builder.BuildAndStart();
   if (server == nullptr) return absl::InternalError("gRPC cannot start a server");
-  health = std::make_unique<Health>(*server);
+  health = std::make_unique<Health>(health_service);
   server_is_set.count_down();
   address = bound->ToString();
   if (!config.replica_address.empty()) {
@@ -145,6 +161,7 @@ absl::StatusOr<std::string> Server::Parts::Ready() const {
 
 ServerGauges Server::Parts::Gauges() const {
   ServerGauges gauges{.unopened_stream_count = localization.unopened_count(),
+                      .awaited_request_count = awaited_requests.count(),
                       .max_unopened_stream_count = limits.max_unopened_stream_count,
                       .certificate_expire_time = std::nullopt,
                       .certificate_fault = ""};
@@ -153,6 +170,11 @@ ServerGauges Server::Parts::Gauges() const {
   gauges.certificate_expire_time = state.expire_time;
   gauges.certificate_fault = std::move(state.fault);
   return gauges;
+}
+
+WaitingBounds Server::Parts::UnopenedBounds() const {
+  return {.total = limits.max_unopened_stream_count,
+          .group = limits.max_unopened_stream_count_per_peer};
 }
 
 ScanLocalizerFactory Server::Parts::MakeLocalizerFactory() {
@@ -222,6 +244,8 @@ absl::Status Server::Parts::ServeMetrics() {
       .storage_pool = storage_pool,
       .draining = [this] { return localization.draining(); },
       .unopened_stream_count = [this] { return localization.unopened_count(); },
+      .awaited_request_count = [this] { return awaited_requests.count(); },
+      .health_watcher_count = [this] { return health_service.watcher_count(); },
       .download_count = [this] { return maps.download_count(); },
       .replica_count = [this] { return replicas.known_count(); },
       .limits = limits,
@@ -250,6 +274,8 @@ void Server::Parts::EndOverdue() {
   const auto now = std::chrono::steady_clock::now();
   registry.Reap(now);
   peer_bound_calls.Check(now);
+  awaited_requests.EndOverdue(now);
+  bounded_calls.EndOverdue(now);
   if (access.needs_proof()) gate->SetProofNeeded(true);
   if (!localization.EndOverdue(now)) return;
   // Nobody can resume them here any more.

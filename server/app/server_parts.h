@@ -18,7 +18,10 @@
 #include "server/localization/localization_service.h"
 #include "server/maps/service/map_service.h"
 #include "server/maps/store/map_scrub.h"
+#include "server/net/awaited_requests.h"
+#include "server/net/bounded_calls.h"
 #include "server/net/health.h"
+#include "server/net/health_service.h"
 #include "server/net/listen_address.h"
 #include "server/net/listener.h"
 #include "server/net/liveness.h"
@@ -57,6 +60,9 @@ struct Server::Parts {
 
   absl::Status ServeMetrics();
 
+  /// How many calls may wait for their first message.
+  WaitingBounds UnopenedBounds() const;
+
   /// Ends sessions, calls and streams whose time is over.
   void EndOverdue();
 
@@ -81,10 +87,14 @@ struct Server::Parts {
   OperationLog operations;
   OpenCalls open_calls;
   PeerBoundCalls peer_bound_calls;
+  AwaitedRequests awaited_requests;
+  BoundedCalls bounded_calls;
+  HealthService health_service;
   WorkerPool storage_pool;
   Replicas replicas;
-  const RpcContext rpc_context{store,  storage_pool, open_calls, peer_bound_calls,
-                               access, operations,   limits};
+  const RpcContext rpc_context{
+      store,  storage_pool, open_calls, peer_bound_calls, awaited_requests,
+      access, operations,   limits};
   WorkerPool localization_pool;
   LocalizationService localization;
   MapService maps;

@@ -129,7 +129,7 @@ absl::StatusOr<MapStoreParts> OpenParts(std::unique_ptr<Catalogue> catalogue,
 absl::StatusOr<Storage> OpenSharedStorage(const ServerConfig& config,
                                           const MapStoreOptions& options,
                                           const std::string& holder) {
-  absl::StatusOr<FileDescriptor> lock = LockStore(config.data);
+  absl::StatusOr<StoreLock> lock = LockStore(config.data);
   if (!lock.ok()) return lock.status();
   const auto database = OpenDatabase(config);
   if (!database.ok()) return database.status();

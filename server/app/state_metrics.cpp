@@ -112,6 +112,11 @@ void StateMetrics::AddPeers(std::vector<MetricFamily>& families) const {
                              sources_.unopened_stream_count()));
   families.push_back(GaugeOf("dcloc_unopened_streams_max", "The most of them",
                              sources_.limits.max_unopened_stream_count));
+  families.push_back(GaugeOf("dcloc_awaited_requests",
+                             "Calls but Localize whose request has not come; as many at most",
+                             sources_.awaited_request_count()));
+  families.push_back(GaugeOf("dcloc_health_watchers", "Callers that watch the server's health",
+                             sources_.health_watcher_count()));
   families.push_back(GaugeOf("dcloc_downloads", "Downloads of maps that are under way",
                              sources_.download_count()));
   if (sources_.certificates != nullptr) AddCertificate(*sources_.certificates, families);

@@ -33,6 +33,8 @@ class StateMetrics final : public prometheus::Collectable {
     const WorkerPool& storage_pool;
     std::function<bool()> draining;
     std::function<int()> unopened_stream_count;
+    std::function<int()> awaited_request_count;
+    std::function<int()> health_watcher_count;
     std::function<int()> download_count;
     std::function<int()> replica_count;  ///< servers that it knows, itself among them
     const Limits& limits;

@@ -20,12 +20,15 @@
 namespace dcloc::server {
 namespace {
 
+std::string NameOfThisHost() {
+  std::array<char, 256> host{};
+  return gethostname(host.data(), host.size() - 1) == 0 ? host.data() : "localhost";
+}
+
 /// "host:pid:when"; the time tells it from an earlier process, as containers use numbers again.
 std::string NameOfThisProcess() {
-  std::array<char, 256> host{};
-  if (gethostname(host.data(), host.size() - 1) != 0) host = {"localhost"};
   const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return absl::StrCat(host.data(), ":", getpid(), ":",
+  return absl::StrCat(NameOfThisHost(), ":", getpid(), ":",
                       std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
 }
 
@@ -113,16 +116,16 @@ absl::StatusOr<MapStoreParts> OpenMapParts(const std::filesystem::path& folder) 
                        .holder = NameOfThisProcess()};
 }
 
-absl::StatusOr<FileDescriptor> LockStore(const std::filesystem::path& folder) {
+absl::StatusOr<StoreLock> LockStore(const std::filesystem::path& folder) {
   if (absl::Status status = CreateFolders(folder); !status.ok()) return WithPath(status);
-  absl::StatusOr<FileDescriptor> lock = LockFile(PathsOf(folder).lock);
+  absl::StatusOr<StoreLock> lock = StoreLock::Take(PathsOf(folder).lock, NameOfThisHost());
   if (!lock.ok()) return WithPath(lock.status());
   return lock;
 }
 
 absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
                                     const MapStoreOptions& options) {
-  absl::StatusOr<FileDescriptor> lock = LockStore(folder);
+  absl::StatusOr<StoreLock> lock = LockStore(folder);
   if (!lock.ok()) return lock.status();
   MakePrivate(folder);
   absl::StatusOr<MapStoreParts> parts = OpenMapParts(folder);

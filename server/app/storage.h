@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "absl/status/statusor.h"
-#include "server/base/files.h"
+#include "server/app/store_lock.h"
 #include "server/config/config.h"
 #include "server/identity/identity_store.h"
 #include "server/maps/store/map_cache.h"
@@ -19,7 +19,7 @@ namespace dcloc::server {
 /// ones in a folder, or with `ServerConfig::catalogue` those that several servers share
 /// (`app/shared_storage`). Tools of the embedded store (`store_*`, `identity_mark`) name its own.
 struct Storage {
-  FileDescriptor lock;  ///< of the folder; released last
+  StoreLock lock;  ///< of the folder; released last
   std::unique_ptr<MapStore> maps;
   std::unique_ptr<IdentityStore> identities;
   std::unique_ptr<ReplicaDirectory> replicas;  ///< null: this server is by itself
@@ -37,8 +37,8 @@ struct StorePaths {
 StorePaths PathsOf(const std::filesystem::path& folder);
 
 /// Holds the folder, which is made if it is not there. FailedPrecondition when another process has
-/// it.
-absl::StatusOr<FileDescriptor> LockStore(const std::filesystem::path& folder);
+/// it, on another host too.
+absl::StatusOr<StoreLock> LockStore(const std::filesystem::path& folder);
 
 /// Opens or creates the parts of the embedded store's maps. FailedPrecondition when the catalogue
 /// is missing beside map files, is a newer program's or something else; DataLoss when it is no

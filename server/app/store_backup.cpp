@@ -190,7 +190,7 @@ absl::StatusOr<BackupReport> BackUpStore(const fs::path& folder, const fs::path&
   if (fs::equivalent(folder, backup, error)) {
     return absl::InvalidArgumentError("the backup is to go into the store's own folder");
   }
-  const absl::StatusOr<FileDescriptor> lock = LockStore(backup);
+  const absl::StatusOr<StoreLock> lock = LockStore(backup);
   if (!lock.ok()) return lock.status();
   const StorePaths from = PathsOf(folder);
   const StorePaths to = PathsOf(backup);
@@ -221,7 +221,7 @@ absl::StatusOr<BackupReport> RestoreStore(const fs::path& backup, const fs::path
   const StorePaths from = PathsOf(backup);
   const absl::StatusOr<Files> files = FilesOf(from.catalogue);
   if (!files.ok()) return files.status();
-  const absl::StatusOr<FileDescriptor> lock = LockStore(folder);
+  const absl::StatusOr<StoreLock> lock = LockStore(folder);
   if (!lock.ok()) return lock.status();
   const StorePaths to = PathsOf(folder);
   const auto present = MapFolder::Open(to.maps, to.quarantine);

@@ -74,7 +74,7 @@ absl::StatusOr<RepairReport> RepairStore(const std::filesystem::path& folder,
   if (!std::filesystem::exists(folder)) {
     return absl::NotFoundError(absl::StrCat(folder.string(), ": there is no such folder"));
   }
-  const absl::StatusOr<FileDescriptor> lock = LockStore(folder);
+  const absl::StatusOr<StoreLock> lock = LockStore(folder);
   if (!lock.ok()) return lock.status();
   RepairReport report;
   const auto catalogue = OpenOrReplace(folder, &report);

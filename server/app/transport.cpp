@@ -1,5 +1,7 @@
 #include "server/app/transport.h"
 
+#include <grpcpp/resource_quota.h>
+
 #include <algorithm>
 #include <memory>
 #include <utility>
@@ -18,10 +20,13 @@ constexpr int kKeepaliveTimeout_ms = 10'000;
 constexpr int kMinClientPingInterval_ms = 5'000;
 constexpr int kMaxConnectionIdle_ms = 300'000;
 constexpr int kOtherStreamsPerConnection = 100;
+/// Of gRPC's own services, of which reflection alone has calls that hold one; a few only wait.
+constexpr int kMaxReflectionThreads = 16;
 
 void SetLimits(const ServerConfig& config, grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(config.max_message_kib << 10);
   builder.SetMaxSendMessageSize(config.max_message_kib << 10);
+  builder.SetResourceQuota(grpc::ResourceQuota("dcloc").SetMaxThreads(kMaxReflectionThreads));
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMaxMetadata_bytes);
   // All sessions may come over one connection, and some other calls beside them.
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
@@ -35,17 +40,18 @@ void SetLimits(const ServerConfig& config, grpc::ServerBuilder& builder) {
                              kMinClientPingInterval_ms);
 }
 
-void SetInterceptors(grpc::ServerBuilder& builder) {
+void SetInterceptors(BoundedCalls& calls, grpc::ServerBuilder& builder) {
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> creators;
   creators.push_back(std::make_unique<UnparsedRequests>());
+  creators.push_back(calls.Watching());
   builder.experimental().SetInterceptorCreators(std::move(creators));
 }
 
 }  // namespace
 
-void SetUpTransport(const ServerConfig& config, grpc::ServerBuilder& builder) {
+void SetUpTransport(const ServerConfig& config, BoundedCalls& calls, grpc::ServerBuilder& builder) {
   SetLimits(config, builder);
-  SetInterceptors(builder);
+  SetInterceptors(calls, builder);
 }
 
 Listener::Bounds ConnectionBounds(const ServerConfig& config) {

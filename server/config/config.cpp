@@ -109,7 +109,7 @@ constexpr std::array kFields = {
     ConfigField{
         "max_unopened_stream_count", "N",
         "streams whose first message has not come, at most; beyond it the oldest one of the "
-        "peer that has the most is ended",
+        "peer that has the most is ended. As many other calls, and as many that watch health",
         &ServerConfig::max_unopened_stream_count, 1, 1'000'000, true},
     ConfigField{"max_unopened_stream_count_per_peer", "N",
                 "of these, of one address, or of one principal once it is known, at most; 0 for no "

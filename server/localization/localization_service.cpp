@@ -6,12 +6,6 @@
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
-namespace {
-
-/// A peer as the transport names it, "ipv4:192.0.2.1:5000", without its port.
-std::string AddressOf(const std::string& peer) { return peer.substr(0, peer.rfind(':')); }
-
-}  // namespace
 
 LocalizationService::LocalizationService(StreamContext host) : host_(std::move(host)) {}
 
@@ -94,16 +88,16 @@ int LocalizationService::unopened_count() const {
   return unopened_.count();
 }
 
-UnopenedStreams::Bounds LocalizationService::Bounds() const {
+WaitingBounds LocalizationService::Bounds() const {
   const Limits& limits = host_.storage.limits;
   return {.total = limits.max_unopened_stream_count,
           .group = limits.max_unopened_stream_count_per_peer};
 }
 
 std::optional<LocalizationService::Refusal> LocalizationService::RefusalOf(
-    const std::optional<UnopenedStreams::Excess>& excess) {
+    const std::optional<Unopened::Excess>& excess) {
   if (!excess) return std::nullopt;
-  std::shared_ptr<LocalizeStream> stream = streams_.at(excess->stream).stream.lock();
+  std::shared_ptr<LocalizeStream> stream = streams_.at(excess->call).stream.lock();
   if (stream == nullptr) return std::nullopt;
   ++host_.storage.peer_bound_calls.faults().too_many_waiting;
   return Refusal{std::move(stream),

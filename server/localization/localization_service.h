@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "dcloc/v1/localization_service.grpc.pb.h"
+#include "server/base/waiting_calls.h"
 #include "server/localization/localize_stream.h"
-#include "server/localization/unopened_streams.h"
 
 namespace dcloc::server {
 
@@ -43,6 +43,8 @@ class LocalizationService final : public RawLocalizationService, private StreamK
   void EndAll(const grpc::Status& status);
 
  private:
+  using Unopened = WaitingCalls<LocalizeStream>;
+
   struct OpenStream {
     std::weak_ptr<LocalizeStream> stream;
     OpenCalls::Token token;
@@ -56,8 +58,8 @@ class LocalizationService final : public RawLocalizationService, private StreamK
 
   // With the mutex held.
   std::vector<std::shared_ptr<LocalizeStream>> Streams();
-  UnopenedStreams::Bounds Bounds() const;
-  std::optional<Refusal> RefusalOf(const std::optional<UnopenedStreams::Excess>& excess);
+  WaitingBounds Bounds() const;
+  std::optional<Refusal> RefusalOf(const std::optional<Unopened::Excess>& excess);
 
   void OnAdmitted(LocalizeStream& stream, const Principal& principal) override;
   void OnFirstMessage(LocalizeStream& stream) override;
@@ -67,7 +69,7 @@ class LocalizationService final : public RawLocalizationService, private StreamK
 
   mutable std::mutex mutex_;
   std::map<LocalizeStream*, OpenStream> streams_;
-  UnopenedStreams unopened_;
+  Unopened unopened_;
   grpc::Status refusal_;  ///< not OK once new calls are refused
   std::optional<Clock::time_point> drain_end_;
 };

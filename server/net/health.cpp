@@ -1,7 +1,5 @@
 #include "server/net/health.h"
 
-#include <grpcpp/health_check_service_interface.h>
-
 #include <utility>
 
 #include "dcloc/v1/admin_service.grpc.pb.h"
@@ -10,7 +8,7 @@
 
 namespace dcloc::server {
 
-Health::Health(grpc::Server& server) : server_(server) { Tell(); }
+Health::Health(HealthService& service) : service_(service) { Tell(); }
 
 void Health::SetAnswering(bool answering) {
   const std::lock_guard lock(mutex_);
@@ -30,14 +28,12 @@ void Health::SetDraining() {
 }
 
 void Health::Tell() {
-  auto* health = server_.GetHealthCheckService();
-  if (health == nullptr) return;
   for (const char* service : {"", v1::LocalizationService::service_full_name()}) {
-    health->SetServingStatus(service, answering_ && trustworthy_ && !draining_);
+    service_.SetServing(service, answering_ && trustworthy_ && !draining_);
   }
   for (const char* service :
        {v1::MapService::service_full_name(), v1::AdminService::service_full_name()}) {
-    health->SetServingStatus(service, answering_ && trustworthy_);
+    service_.SetServing(service, answering_ && trustworthy_);
   }
 }
 

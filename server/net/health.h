@@ -1,8 +1,8 @@
 #pragma once
 
-#include <grpcpp/server.h>
-
 #include <mutex>
+
+#include "server/net/health_service.h"
 
 namespace dcloc::server {
 
@@ -11,8 +11,8 @@ namespace dcloc::server {
 /// Thread-safe.
 class Health {
  public:
-  /// `server` outlives this, and is well.
-  explicit Health(grpc::Server& server);
+  /// `service` outlives this; the server is well.
+  explicit Health(HealthService& service);
 
   /// Whether it answers new connections.
   void SetAnswering(bool answering);
@@ -26,7 +26,7 @@ class Health {
  private:
   void Tell();
 
-  grpc::Server& server_;
+  HealthService& service_;
   std::mutex mutex_;
   bool answering_ = true;
   bool trustworthy_ = true;

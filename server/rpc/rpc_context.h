@@ -7,6 +7,7 @@
 #include "server/identity/access_control.h"
 #include "server/identity/operation_log.h"
 #include "server/maps/store/map_store.h"
+#include "server/net/awaited_requests.h"
 
 namespace dcloc::server {
 
@@ -16,6 +17,7 @@ struct RpcContext {
   WorkerPool& pool;  ///< for all that may wait for a disk
   OpenCalls& open_calls;
   PeerBoundCalls& peer_bound_calls;
+  AwaitedRequests& awaited_requests;
   const AccessControl& access;
   OperationLog& operations;
   const Limits& limits;

@@ -16,13 +16,21 @@ class UnparsedRequests final : public grpc::experimental::ServerInterceptorFacto
  public:
   grpc::experimental::Interceptor* CreateServerInterceptor(
       grpc::experimental::ServerRpcInfo* info) override {
-    using Info = grpc::experimental::ServerRpcInfo;
-    const bool has_one_request =
-        info->type() == Info::Type::UNARY || info->type() == Info::Type::SERVER_STREAMING;
-    return has_one_request ? new Interceptor(info->method()) : nullptr;
+    return HasOneRequest(info->method()) ? new Interceptor(info->method()) : nullptr;
   }
 
  private:
+  /// Of "/package.Service/Method"; null if it is none of ours.
+  static const google::protobuf::MethodDescriptor* MethodOf(std::string path) {
+    std::ranges::replace(path, '/', '.');
+    return google::protobuf::DescriptorPool::generated_pool()->FindMethodByName(path.substr(1));
+  }
+
+  static bool HasOneRequest(const char* path) {
+    const auto* method = MethodOf(path);
+    return method != nullptr && !method->client_streaming();
+  }
+
   class Interceptor final : public grpc::experimental::Interceptor {
    public:
     explicit Interceptor(const char* path) : path_(path) {}
@@ -42,11 +50,7 @@ class UnparsedRequests final : public grpc::experimental::ServerInterceptorFacto
           !status.error_message().empty()) {
         return;
       }
-      // "/package.Service/Method"; one that is really not implemented is not found.
-      std::string name = path_.substr(1);
-      std::ranges::replace(name, '/', '.');
-      const auto* method =
-          google::protobuf::DescriptorPool::generated_pool()->FindMethodByName(name);
+      const auto* method = MethodOf(path_);
       if (method == nullptr) return;
       batch->ModifySendStatus(grpc::Status(
           grpc::StatusCode::INVALID_ARGUMENT,

@@ -36,6 +36,7 @@ from attacks import ATTACKS  # noqa: E402
 from case import Case  # noqa: E402
 from download_attacks import DOWNLOAD_ATTACKS  # noqa: E402
 from faults import FAULTS  # noqa: E402
+from request_attacks import REQUEST_ATTACKS  # noqa: E402
 from router_attacks import ROUTER_ATTACKS  # noqa: E402
 from target import Api, make_stubs  # noqa: E402
 
@@ -71,7 +72,7 @@ def main():
     parser.add_argument("--router", action="store_true", help="through HAProxy")
     parser.add_argument("--list", action="store_true", help="only print their names")
     arguments = parser.parse_args()
-    direct = ATTACKS + DOWNLOAD_ATTACKS + FAULTS
+    direct = ATTACKS + REQUEST_ATTACKS + DOWNLOAD_ATTACKS + FAULTS
     chosen = [attack for attack in (ROUTER_ATTACKS if arguments.router else direct)
               if not arguments.only or attack.__name__ in arguments.only.split(",")]
     if arguments.list:

@@ -55,13 +55,18 @@ class Fault:
         return struct.unpack("4i", self.memory[0:16])[3] > 0
 
 
+def with_faults(shim, fault, folder):
+    """The environment of a program whose calls to files of `folder` can fail."""
+    return {**os.environ, "LD_PRELOAD": shim, "DCLOC_FAULT_CONTROL": str(fault.path),
+            "DCLOC_FAULT_FOLDER": str(folder)}
+
+
 class Server:
     """A server with the shim; `address` is None if it did not start."""
 
     def __init__(self, programs, shim, fault, store, log):
         begin = time.monotonic()
-        environment = {**os.environ, "LD_PRELOAD": shim, "DCLOC_FAULT_CONTROL": str(fault.path),
-                       "DCLOC_FAULT_FOLDER": str(store)}
+        environment = with_faults(shim, fault, store)
         self.process = subprocess.Popen(
             [programs.server, "--data", str(store), "--listen", "127.0.0.1:0", "--scrub-mb-per-s",
              "0"], env=environment, text=True, stdout=subprocess.PIPE, stderr=open(log, "a"))
@@ -92,6 +97,7 @@ class Campaign:
         self.came_count = 0
         self.refused_count = 0
         self.problems = []
+        self.situations = arguments.only.split(",")
         server = self.start(self.seed)
         self.upload(server, "town", self.old)
         self.upload(server, "city", self.new)
@@ -99,6 +105,15 @@ class Campaign:
         self.upload(server, "doomed", self.make_map("doomed"))
         server.process.terminate()
         server.process.wait()
+        self.backup = folder / "backup"
+        self.tool(None, "backup", "--data", self.seed, "--to", self.backup)
+
+    def tool(self, folder, *arguments):
+        """Whether a command of the store says that all went well; calls to `folder` may fail."""
+        environment = with_faults(self.shim, self.fault, folder) if folder else None
+        with open(self.log, "a") as log:
+            return subprocess.run([self.programs.server, "store", *arguments], env=environment,
+                                  stdout=log, stderr=log).returncode == 0
 
     def make_map(self, name):
         root = self.folder / "drives"
@@ -179,10 +194,47 @@ class Campaign:
             self.expect(server.process.wait() == 1, f"it ended with {server.process.returncode}")
         else:
             server.kill()
+        self.check_after_restart()
+        return came
+
+    def while_backing_up(self, function, nth, error):
+        backup = self.folder / "another"
+        shutil.rmtree(backup, ignore_errors=True)
+        arguments = ["backup", "--data", self.store, "--to", backup]
+        self.fault.arm(function, nth, error)
+        done = self.tool(backup, *arguments)
+        came = self.fault.disarm()
+        self.refused_count += not done
+        self.expect(done or self.tool(None, *arguments), "not backed up when it is tried again")
+        shutil.rmtree(self.store)
+        self.expect(self.tool(None, "restore", "--data", self.store, "--from", backup),
+                    "what was called a backup is none")
+        self.check_after_restart()
+        return came
+
+    def while_restoring(self, function, nth, error):
+        (self.store / "catalogue.sqlite").write_bytes(b"")
+        arguments = ["restore", "--data", self.store, "--from", self.backup]
+        self.fault.arm(function, nth, error)
+        done = self.tool(self.store, *arguments)
+        came = self.fault.disarm()
+        self.refused_count += not done
+        self.expect(done or self.tool(None, *arguments), "not restored when it is tried again")
+        logged = self.log.stat().st_size
+        server = self.start()
+        # A catalogue that could not be read may have been one with identities: then nobody is let in
+        # before there are some.
+        if server.address is None and "has seen identities" in self.log.read_text()[logged:]:
+            self.expect(function in ("read", "open", "map"), "identities were asked for")
+            return came
+        server.kill()
+        self.check_after_restart()
+        return came
+
+    def check_after_restart(self):
         server = self.restart()
         if server is not None:
             self.check_and_kill(server)
-        return came
 
     def restart(self):
         server = self.start()
@@ -217,9 +269,10 @@ class Campaign:
         return came
 
     def run(self, chance, random_numbers):
-        for function, nth, error in ALWAYS:
-            self.run_case(self.while_uploading, function, nth, error)
-        situations = [self.while_uploading, self.while_deleting, self.while_starting]
+        if "uploading" in self.situations:
+            for function, nth, error in ALWAYS:
+                self.run_case(self.while_uploading, function, nth, error)
+        situations = [getattr(self, f"while_{name}") for name in self.situations]
         for situation, function, error in itertools.product(situations, FUNCTIONS, ERRORS):
             if error == "short" and function not in CAN_BE_SHORT:
                 continue
@@ -242,6 +295,8 @@ def main():
     parser.add_argument("shim")
     parser.add_argument("--chance", type=float, default=0.02,
                         help="of each fault to be tried; 1 for all, which takes an hour")
+    parser.add_argument("--only", default="uploading,deleting,starting,backing_up,restoring",
+                        help="situations, with commas")
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="dcloc-fault-") as folder:

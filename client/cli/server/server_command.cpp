@@ -49,6 +49,7 @@ ordered_json Json(const v1::GetServerStateResponse& state) {
           {"stub_matcher", state.stub_matcher()},
           {"unopened_stream_count", state.unopened_stream_count()},
           {"max_unopened_stream_count", state.max_unopened_stream_count()},
+          {"awaited_request_count", state.awaited_request_count()},
           {"certificate_expire_time", state.has_certificate_expire_time()
                                           ? ordered_json(TimeText(state.certificate_expire_time()))
                                           : ordered_json()},
@@ -117,7 +118,7 @@ absl::Status ShowStatus(client::AdminClient& admin, const ServerArguments& argum
       "dcloc-server %s%s, up for %s%s%s\n"
       "sessions  %d of %d at most, %d of them away; resumed %d times\n"
       "scans     %d localized, %d refused, %d dropped, %d repeated\n"
-      "waiting   %d streams of %d at most have not opened a session\n"
+      "waiting   %d streams of %d at most have not opened a session, %d calls sent no request\n"
       "maps      %d in memory\n"
       "threads   %d localize\n"
       "TLS       %s\n",
@@ -128,8 +129,8 @@ absl::Status ShowStatus(client::AdminClient& admin, const ServerArguments& argum
       state->max_session_count(), state->detached_session_count(), state->resume_count(),
       state->scan_count(), state->rejected_scan_count(), state->dropped_scan_count(),
       state->repeated_scan_count(), state->unopened_stream_count(),
-      state->max_unopened_stream_count(), state->loaded_map_count(), state->worker_count(),
-      CertificateText(*state));
+      state->max_unopened_stream_count(), state->awaited_request_count(), state->loaded_map_count(),
+      state->worker_count(), CertificateText(*state));
   return absl::OkStatus();
 }
 

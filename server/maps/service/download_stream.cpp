@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/base/check.h"
 #include "server/base/status.h"
+#include "server/base/waiting_calls.h"
 #include "server/convert/map.h"
 #include "spdlog/spdlog.h"
 
@@ -21,8 +22,7 @@ constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
 /// Whose share of the downloads one counts to: a principal's, or an address' where nobody has one.
 std::string CallerOf(const Principal& principal, const grpc::CallbackServerContext& context) {
   if (!principal.name.empty()) return absl::StrCat(principal.tenant, "/", principal.name);
-  const std::string peer = context.peer();
-  return peer.substr(0, peer.rfind(':'));
+  return AddressOf(context.peer());
 }
 
 }  // namespace

@@ -126,7 +126,14 @@ MapService::MapService(RpcContext host, SessionMover move_sessions, SessionDrain
     : host_(host),
       move_sessions_(std::move(move_sessions)),
       drain_sessions_(std::move(drain_sessions)),
-      builds_(host.store) {}
+      builds_(host.store) {
+  AwaitRequests(host.awaited_requests, &MapService::ListMaps, &MapService::GetMap,
+                &MapService::ListMapVersions, &MapService::GetMapVersion, &MapService::GetMapUpload,
+                &MapService::DownloadMap, &MapService::ActivateMapVersion, &MapService::RollBackMap,
+                &MapService::SetMapCanary, &MapService::FindCoverage, &MapService::ReadMapTile,
+                &MapService::GetMapBuild, &MapService::ListMapBuilds, &MapService::CancelMapBuild,
+                &MapService::DeleteMapVersion, &MapService::DeleteMap);
+}
 
 grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* context,
                                                const v1::ListMapsRequest* request,

@@ -5,6 +5,7 @@
 #include "server/maps/service/download_slots.h"
 #include "server/maps/service/map_deletion.h"
 #include "server/maps/service/map_labels.h"
+#include "server/net/awaiting_service.h"
 #include "server/rpc/rpc_context.h"
 
 namespace dcloc::server {
@@ -14,7 +15,7 @@ using RawStreamsMapService = v1::MapService::WithRawCallbackMethod_UploadMap<
     v1::MapService::WithRawCallbackMethod_StartMapBuild<v1::MapService::CallbackService>>;
 
 /// MapService over a MapStore. All calls may wait for a disk, so all run on the storage pool.
-class MapService final : public RawStreamsMapService {
+class MapService final : public AwaitingService<RawStreamsMapService> {
  public:
   MapService(RpcContext host, SessionMover move_sessions, SessionDrainer drain_sessions);
 
