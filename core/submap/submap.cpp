@@ -210,7 +210,7 @@ std::chrono::nanoseconds SubmapWindow::span() const {
   return entries_.back().stamp - entries_.front().stamp;
 }
 
-template void SubmapWindow::Join<2>(bool, std::size_t, LiveSubmap<2>&) const;
-template void SubmapWindow::Join<3>(bool, std::size_t, LiveSubmap<3>&) const;
+template void SubmapWindow::Join<2>(DriftCovariance, std::size_t, LiveSubmap<2>&) const;
+template void SubmapWindow::Join<3>(DriftCovariance, std::size_t, LiveSubmap<3>&) const;
 
 }  // namespace dcloc

@@ -79,7 +79,7 @@ absl::Status Draw(const MapDiff& diff, const std::string& file) {
   return WriteFileAtomically(file, std::as_bytes(std::span(*svg)));
 }
 
-absl::Status Run(const DiffArguments& arguments) {
+absl::Status CompareFiles(const DiffArguments& arguments) {
   absl::Status status = Validate(arguments.options);
   if (status.ok()) status = CheckOutputFiles({{arguments.picture}, arguments.force});
   if (!status.ok()) return status;
@@ -142,7 +142,7 @@ void AddMapDiffCommand(CLI::App& map_command, int& exit_code) {
       "Maps of different drives differ also by what one drive saw and the other missed.\n"
       "Example:\n"
       "  dcloc map diff may.dclm june.dclm --picture changes.svg --json");
-  OnRun(*diff, arguments, exit_code, &Run);
+  OnRun(*diff, arguments, exit_code, &CompareFiles);
 }
 
 }  // namespace dcloc::cli
