@@ -6,6 +6,7 @@
 
 #include "core/geometry/covariance.h"
 #include "core/geometry/pose_estimate.h"
+#include "core/geometry/thinning.h"
 #include "core/localizer/pipeline.h"
 #include "core/localizer/thin_points.h"
 
@@ -84,7 +85,10 @@ bool Pipeline<Dim>::LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& wo
                      best_along(now.pose, 0, radars_.azimuth_signs.ahead_m())});
   };
 
-  workspace.tried_points = workspace.static_points;
+  // As many as are laid into the map.
+  workspace.tried_points.clear();
+  TakeEvenly(workspace.static_points, options.max_point_count,
+             [&](const RadarPoint& point) { workspace.tried_points.push_back(point); });
   MirrorAzimuths(radars_.learned.rig().radars[radar_index], workspace.tried_points);
   double fit = fit_at_pose(workspace.static_points);
   double mirrored_fit = fit_at_pose(workspace.tried_points);

@@ -67,7 +67,7 @@ def calls_without_request(case):
 
 def unread_answers(case):
     """2,000 questions over two connections whose answers are not read: each is let go in time."""
-    with case.with_town("--peer-timeout-ms", 2000) as target, contextlib.ExitStack() as stack:
+    with case.with_town("--peer-timeout-ms", 5000) as target, contextlib.ExitStack() as stack:
         connections = [stack.enter_context(contextlib.closing(frames.connect(target.address)))
                        for _ in range(2)]
         for connection in connections:
@@ -75,9 +75,9 @@ def unread_answers(case):
         block = frames.call_headers("/dcloc.v1.AdminService/GetServerState", target.token)
         with case.meanwhile(target):
             begin_calls(connections, block, frames.message(b""), 1000)
-            time.sleep(5)
+            time.sleep(8)
         case.figures["not read"] = target.metric("dcloc_calls_ended_total")
-        case.expect(case.figures["not read"] == 2000, f"{case.figures['not read']} were let go")
+        case.expect(case.figures["not read"] >= 2000, f"{case.figures['not read']} were let go")
 
 
 def made_up_tokens(case):
