@@ -170,7 +170,7 @@ template <int Dim>
 void ExpectSameForMatching(const SubmapWindow& window) {
   const Submap submap = window.Join(DriftCovariance::kAdded);
   LiveSubmap<Dim> live{.points = std::vector<GaussianPoint<Dim>>(3), .parts = {}};
-  window.Join<Dim>(true, 1000, live);  // replaces what was there
+  window.Join<Dim>(DriftCovariance::kAdded, 1000, live);  // replaces what was there
   const std::vector<GaussianPoint<Dim>>& points = live.points;
   ASSERT_EQ(points.size(), submap.points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -185,7 +185,7 @@ void ExpectSameForMatching(const SubmapWindow& window) {
     }
   }
   LiveSubmap<Dim> few;
-  window.Join<Dim>(true, 4, few);
+  window.Join<Dim>(DriftCovariance::kAdded, 4, few);
   ASSERT_EQ(few.points.size(), 4U) << "every third of twelve";
   EXPECT_EQ(few.points[1].mean_m, points[3].mean_m);
 }
