@@ -136,7 +136,7 @@ void CountKnown(const MapUpdate& update, const Truth& truth, AgeingCounts& count
 std::vector<Eigen::Vector2d> LandmarksInMap(const EditableMap& map) {
   std::vector<Eigen::Vector2d> places_m;
   for (const PlacedLandmark& landmark : LandmarksOf(map)) {
-    places_m.push_back(landmark.place.position_m + map.Origin_m().head<2>());
+    places_m.push_back(landmark.position.position_m + map.Origin_m().head<2>());
   }
   return places_m;
 }

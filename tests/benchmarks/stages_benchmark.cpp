@@ -88,7 +88,8 @@ void JoinSubmap(benchmark::State& state, const std::string& name) {
   }
   LiveSubmap<2> submap;
   while (state.KeepRunning()) {
-    window.Join<2>(true, static_cast<std::size_t>(options.max_submap_points), submap);
+    window.Join<2>(DriftCovariance::kAdded, static_cast<std::size_t>(options.max_submap_points),
+                   submap);
     benchmark::DoNotOptimize(submap.points.data());
   }
   state.counters["points"] = static_cast<double>(submap.points.size());
