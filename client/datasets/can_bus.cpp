@@ -30,7 +30,7 @@ absl::StatusOr<VelocityLog> ReadCanBusPose(const std::filesystem::path& path) {
   const absl::Status status = ReadTable(path, [&](TableRecord& record) {
     const std::array<double, 3> linear = record.Numbers<3>("vel");
     const std::array<double, 3> angular = record.Numbers<3>("rotation_rate");
-    const Stamp stamp(std::chrono::microseconds(record.Integer("utime")));
+    const Stamp stamp(record.Time("utime"));
     if (record.status().ok() && !samples.empty() && stamp <= samples.back().stamp) {
       return absl::DataLossError("\"utime\" is not after the record's before it");
     }

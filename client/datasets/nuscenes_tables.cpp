@@ -148,7 +148,7 @@ absl::Status ReadSweeps(const fs::path& path, const TokenSet& samples, const Mou
       return Dangling("calibrated_sensor_token", calibrated_sensor, "calibrated_sensor");
     }
     if (mount->second.channel.empty()) return absl::OkStatus();
-    const std::chrono::microseconds time(record.Integer("timestamp"));
+    const std::chrono::microseconds time = record.Time("timestamp");
     scene.sweeps.push_back(
         {mount->second.channel, std::string(record.Text("filename")), Stamp(time), Pose3{}});
     pose_tokens.emplace_back(record.Text("ego_pose_token"));

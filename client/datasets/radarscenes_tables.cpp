@@ -10,6 +10,7 @@
 #include "client/datasets/files/file_error.h"
 #include "client/datasets/files/hdf5_table.h"
 #include "client/datasets/files/json_file.h"
+#include "client/datasets/files/json_table.h"
 
 namespace dcloc {
 namespace {
@@ -45,7 +46,8 @@ absl::StatusOr<Pose3> ReadMount(const json& sensor) {
 
 absl::StatusOr<RadarScenesScene> ReadScene(const std::string& key, const json& entry) {
   RadarScenesScene scene;
-  if (!absl::SimpleAtoi(key, &scene.timestamp_us)) {
+  if (!absl::SimpleAtoi(key, &scene.timestamp_us) || scene.timestamp_us < -kMaxTime_us ||
+      scene.timestamp_us > kMaxTime_us) {
     return absl::DataLossError("its key must be a time in microseconds");
   }
   const auto sensor_id = Integer(entry, "sensor_id");

@@ -203,6 +203,9 @@ absl::Status AddMotion(const fs::path& path, BagContents& contents, std::string&
   const Eigen::Vector3d p_map_origin = MapFromGeodetic(anchor, columns->origin);
   Stamp previous{};
   for (std::size_t i = 0; i < columns->stamps_s.size(); ++i) {
+    if (!(std::abs(columns->stamps_s[i]) <= 4e9)) {
+      return FileError(path, absl::StrCat("pose ", i, " has no time: ", columns->stamps_s[i]));
+    }
     const Stamp stamp{std::chrono::nanoseconds(std::llround(columns->stamps_s[i] * 1e9))};
     const absl::StatusOr<Pose3> pose = PoseOfRows(&columns->poses[16 * i]);
     if (!pose.ok()) return FileError(path, absl::StrCat("pose ", i, ": ", pose.status().message()));

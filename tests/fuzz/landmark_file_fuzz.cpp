@@ -11,20 +11,20 @@ namespace {
 constexpr GeodeticAnchor kAnchor{.origin = {.latitude_deg = -33.0, .longitude_deg = 151.0},
                                  .x_axis_east_rad = 2.0};
 
-MapParts SmallTown() {
+EditableMap SmallTown() {
   SyntheticMap synthetic(2, 3);
   synthetic.info.local_origin_m = {1234.5, -3456.7, 8.9};  // not far from the anchor
   synthetic.info.flags = kHasAnchorFlag;
   synthetic.info.anchor_latitude_deg = -33.0;
   synthetic.info.anchor_longitude_deg = 151.0;
   synthetic.info.anchor_x_axis_east_rad = 2.0;
-  return TakeApart(**RadarMap::FromBytes(synthetic.Bytes()));
+  return ToEditable(**RadarMap::FromBytes(synthetic.Bytes()));
 }
 
 }  // namespace
 
 std::vector<FuzzInput> FuzzSeeds() {
-  const MapParts town = SmallTown();
+  const EditableMap town = SmallTown();
   const std::string pcd = FormatLandmarkPcd(town);
   const std::string geojson = *FormatLandmarkGeoJson(town);
   Require(ParseLandmarkPcd(pcd, "seed", town.Origin_m()).ok() &&

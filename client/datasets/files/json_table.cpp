@@ -36,6 +36,14 @@ std::int64_t TableRecord::Integer(absl::string_view key) {
   return field == nullptr ? 0 : field->integer;
 }
 
+std::chrono::microseconds TableRecord::Time(absl::string_view key) {
+  const std::int64_t time_us = Integer(key);
+  if (time_us >= -kMaxTime_us && time_us <= kMaxTime_us) return std::chrono::microseconds(time_us);
+  Fail(key, absl::StrCat("is ", time_us, "; it must be a time within ", kMaxTime_us,
+                         " microseconds of 1970"));
+  return {};
+}
+
 /// Builds one record at a time from the parser's events (nlohmann's SAX interface).
 class TableHandler {
  public:

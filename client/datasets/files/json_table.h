@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -14,6 +15,9 @@
 
 namespace dcloc {
 
+/// Times further from 1970 have no stamps in nanoseconds whose differences can be told.
+inline constexpr std::int64_t kMaxTime_us = 4'000'000'000'000'000;
+
 /// One record of a table: an object's fields. Its accessors answer a neutral value for a field that
 /// is missing or of another type and remember the first such fault in `status`, so that a reader
 /// can take all its fields and look at the status once.
@@ -21,6 +25,8 @@ class TableRecord {
  public:
   absl::string_view Text(absl::string_view key);
   std::int64_t Integer(absl::string_view key);
+  /// An integer of at most `kMaxTime_us` to either side.
+  std::chrono::microseconds Time(absl::string_view key);
   template <std::size_t N>
   std::array<double, N> Numbers(absl::string_view key);
 

@@ -52,6 +52,8 @@ TEST(ReadCanBusPose, NamesFileAndFault) {
   const std::string record = R"({"utime": 5, "vel": [1, 0, 0], "rotation_rate": [0, 0, 0]})";
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"[" + record + "," + record + "]", "record 1: \"utime\" is not after"},
+      {R"([{"utime": -9223372036854775808, "vel": [1, 0, 0], "rotation_rate": [0, 0, 0]}])",
+       "\"utime\" is -9223372036854775808; it must be a time within"},
       {R"([{"utime": 5, "vel": [1, 0, 0]}])", "\"rotation_rate\" is missing"},
       {R"([{"utime": 5, "vel": [1, 0], "rotation_rate": [0, 0, 0]}])", "\"vel\" has 2 numbers"},
       {"[" + record, "not valid JSON"},
