@@ -34,8 +34,8 @@ enum class TrackingEvent {
   kHoldExpired,  ///< none accepted for `tracking_timeout`, or longer where registrations are rare
   kLossExpired,  ///< none accepted for `dead_reckoning_timeout`, longer likewise, or less certain
                  ///< than `lost_sigma_m`
-  kLostAgain,  ///< the same, to outliers, for the second time within `contradiction_span`
-  kGivenUp,    ///< see TrackingFailure
+  kLostAgain,    ///< the same, to outliers, for the second time within `contradiction_span`
+  kGivenUp,      ///< see TrackingFailure
 };
 
 using TrackingTransition = Transition<TrackingMode, TrackingEvent>;
