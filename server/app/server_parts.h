@@ -92,9 +92,8 @@ struct Server::Parts {
   HealthService health_service;
   WorkerPool storage_pool;
   Replicas replicas;
-  const RpcContext rpc_context{
-      store,  storage_pool, open_calls, peer_bound_calls, awaited_requests,
-      access, operations,   limits};
+  const RpcContext rpc_context{store,  storage_pool, open_calls, peer_bound_calls, awaited_requests,
+                               access, operations,   limits};
   WorkerPool localization_pool;
   LocalizationService localization;
   MapService maps;
