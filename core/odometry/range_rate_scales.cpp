@@ -11,6 +11,9 @@ namespace dcloc {
 namespace {
 
 constexpr int kDirectionCount = 36;
+// A dispute that no scan has continued for longer than this is over: four intervals of the slowest
+// radars, which scan twice a second.
+constexpr std::chrono::nanoseconds kDisputeTimeout = std::chrono::seconds(2);
 
 // Which ten degrees around the vehicle the line of sight lies in, [0, kDirectionCount).
 int DirectionOf(const Eigen::Vector3d& u_vehicle) {
@@ -60,13 +63,16 @@ void RangeRateScales::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
   };
   watched.agrees = static_cast<double>(static_count) >=
                    options_.max_static_fraction * static_cast<double>(scan.size());
-  if (watched.agrees) {
+  if (watched.agrees || (disputed_ && stamp - *disputed_ > kDisputeTimeout)) {
     disputed_distance_m_ = 0.0;
     disputed_.reset();
-    return reset();
   }
+  if (watched.agrees) return reset();
   const std::optional<double> ratio = RatioOf(scan, radar, velocity);
-  if (!ratio) return;
+  if (!ratio) {
+    if (!watched.supposed_since) watched.scan_count = 0;
+    return;
+  }
   if (std::abs(*ratio - watched.first_ratio) >
       options_.same_fraction * std::abs(watched.first_ratio)) {
     reset();
@@ -105,6 +111,8 @@ void RangeRateScales::OnRegistered(Stamp stamp) {
 }
 
 void RangeRateScales::OnLost() {
+  disputed_distance_m_ = 0.0;
+  disputed_.reset();
   for (Radar& radar : radars_) {
     if (radar.registration_count < options_.kept_registration_count) radar = {};
   }

@@ -57,6 +57,28 @@ TEST_F(RangeRateScalesTest, WhileNoRadarAgreesTheMotionsComeApart) {
   EXPECT_EQ(scales_.disputed_distance_m(), 0.0);
 }
 
+// Where most of what is seen moves, scans agree with neither motion.
+TEST_F(RangeRateScalesTest, ADisputeThatNoScanContinuesIsOver) {
+  Drive(1.3, 2);
+  EXPECT_GT(scales_.disputed_distance_m(), 0.0);
+  Scan scan = StaticScan(radar_, moving_, 60, 1, 0.05);
+  for (std::size_t i = 0; i < scan.size(); ++i) scan.range_rate_mps[i] = i % 3 == 0 ? 9.0F : -3.0F;
+  for (int i = 0; i < 21; ++i) {
+    stamp_ += std::chrono::milliseconds(100);
+    scales_.OnScan(stamp_, 0, scan, 20, radar_, moving_);
+  }
+  EXPECT_EQ(scales_.disputed_distance_m(), 0.0);
+  Drive(1.3, 2);  // a row begins anew
+  EXPECT_EQ(scales_.Supposed(0), 1.0);
+}
+
+TEST_F(RangeRateScalesTest, ADisputeEndsWithThePose) {
+  Drive(1.3, 6);
+  EXPECT_GT(scales_.disputed_distance_m(), 0.0);
+  scales_.OnLost();
+  EXPECT_EQ(scales_.disputed_distance_m(), 0.0);
+}
+
 TEST_F(RangeRateScalesTest, ARadarThatOthersContradictDisputesNothing) {
   const Scan scan = StaticScan(radar_, moving_, 60, 1, 0.05);
   scales_.OnScan(stamp_, 1, scan, 55, radar_, moving_);
