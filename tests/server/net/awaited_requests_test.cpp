@@ -1,62 +1,21 @@
 #include "server/net/awaited_requests.h"
 
 #include <gmock/gmock.h>
-#include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "google/protobuf/descriptor.h"
 #include "server/identity/method_permissions.h"
+#include "tests/server/fixtures/silent_call.h"
 #include "tests/server/fixtures/test_server.h"
 
 namespace dcloc::server {
 namespace {
 
 using ::testing::HasSubstr;
-
-/// A call of which only the headers are sent.
-class SilentCall {
- public:
-  SilentCall(const TestServer& server, const std::string& path)
-      : stub_(server.channel), stream_(stub_.PrepareCall(&call_, path, &queue_)) {
-    stream_->StartCall(nullptr);
-    Next();
-    stream_->Finish(&status_, nullptr);
-  }
-
-  SilentCall(const SilentCall&) = delete;
-  SilentCall& operator=(const SilentCall&) = delete;
-  ~SilentCall() {
-    Cancel();
-    End();
-  }
-
-  /// Waits for its end.
-  grpc::Status End() {
-    if (!std::exchange(ended_, true)) Next();
-    return status_;
-  }
-
-  void Cancel() { call_.TryCancel(); }
-
- private:
-  void Next() {
-    void* tag = nullptr;
-    bool ok = false;
-    queue_.Next(&tag, &ok);
-  }
-
-  grpc::GenericStub stub_;
-  Call call_;
-  grpc::CompletionQueue queue_;
-  std::unique_ptr<grpc::GenericClientAsyncReaderWriter> stream_;
-  grpc::Status status_;
-  bool ended_ = false;
-};
 
 ServerConfig Config() {
   ServerConfig config = TestServer::StubConfig();

@@ -1,7 +1,6 @@
 #include "server/net/bounded_calls.h"
 
 #include <arpa/inet.h>
-#include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -12,48 +11,28 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/base/files.h"
+#include "tests/server/fixtures/silent_call.h"
 #include "tests/server/fixtures/test_server.h"
 
 namespace dcloc::server {
 namespace {
-
-/// A call of reflection that asks nothing.
-struct SilentReflection {
-  explicit SilentReflection(const TestServer& server)
-      : stub(server.channel),
-        stream(stub.PrepareCall(
-            &call, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", &queue)) {
-    stream->StartCall(nullptr);
-    Next();
-    stream->Finish(&status, nullptr);
-  }
-
-  void Next() {
-    void* tag = nullptr;
-    bool ok = false;
-    queue.Next(&tag, &ok);
-  }
-
-  grpc::GenericStub stub;
-  Call call;
-  grpc::CompletionQueue queue;
-  std::unique_ptr<grpc::GenericClientAsyncReaderWriter> stream;
-  grpc::Status status;
-};
 
 TEST(BoundedCallsTest, ReflectionEndsAndHasFewThreads) {
   ServerConfig config = TestServer::StubConfig();
   config.open_timeout_ms = 1500;
   const TestServer server(config);
   const auto begin = std::chrono::steady_clock::now();
-  std::vector<std::unique_ptr<SilentReflection>> calls;
-  for (int i = 0; i < 40; ++i) calls.push_back(std::make_unique<SilentReflection>(server));
+  std::vector<std::unique_ptr<SilentCall>> calls;
+  for (int i = 0; i < 40; ++i) {
+    calls.push_back(std::make_unique<SilentCall>(
+        server, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo"));
+  }
   int cancelled = 0;
   int refused = 0;
   for (const auto& call : calls) {
-    call->Next();
-    cancelled += call->status.error_code() == grpc::StatusCode::CANCELLED ? 1 : 0;
-    refused += call->status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED ? 1 : 0;
+    const grpc::StatusCode code = call->End().error_code();
+    cancelled += code == grpc::StatusCode::CANCELLED ? 1 : 0;
+    refused += code == grpc::StatusCode::RESOURCE_EXHAUSTED ? 1 : 0;
   }
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
   EXPECT_GT(cancelled, 0) << "their time was over";
