@@ -27,18 +27,18 @@ absl::Status Validate(const MapFitOptions& options) {
   return status;
 }
 
-bool MapFitMonitor::IsComparable(const Expected& expected, std::size_t point_count) const {
+bool MapFitMonitor::IsComparable(const ForgettingMean& expected, std::size_t point_count) const {
   return expected.count >= options_.min_scan_count &&
          point_count >= static_cast<std::size_t>(options_.min_point_count);
 }
 
-double MapFitMonitor::Sigma(const Expected& expected) const {
+double MapFitMonitor::Sigma(const ForgettingMean& expected) const {
   return std::max(options_.min_sigma, std::sqrt(expected.variance));
 }
 
 // METHOD eq 51.
 ScanFit MapFitMonitor::Judge(std::size_t radar_index, std::size_t point_count, double fit) const {
-  const Expected& expected = radars_[radar_index];
+  const ForgettingMean& expected = radars_[radar_index];
   if (!IsComparable(expected, point_count)) return ScanFit::kUnknown;
   const double least = std::min(expected.mean - options_.contradiction_sigmas * Sigma(expected),
                                 (1.0 - options_.contradiction_share) * expected.mean);
@@ -47,24 +47,18 @@ ScanFit MapFitMonitor::Judge(std::size_t radar_index, std::size_t point_count, d
 
 // METHOD eq 59.
 void MapFitMonitor::Follow(std::size_t radar_index, std::size_t point_count, double fit) {
-  const Expected& expected = radars_[radar_index];
+  const ForgettingMean& expected = radars_[radar_index];
   if (!IsComparable(expected, point_count)) return;
   decline_.Add((expected.mean - fit) / Sigma(expected), options_.decline);
 }
 
 void MapFitMonitor::Learn(std::size_t radar_index, std::size_t point_count, double fit) {
   if (point_count < static_cast<std::size_t>(options_.min_point_count)) return;
-  Expected& expected = radars_[radar_index];
-  ++expected.count;
-  // At first the mean of all.
-  const double share = std::max(1.0 - options_.forgetting_factor, 1.0 / expected.count);
-  const double apart = fit - expected.mean;
-  expected.mean += share * apart;
-  expected.variance = (1.0 - share) * (expected.variance + share * apart * apart);
+  radars_[radar_index].Add(fit, options_.forgetting_factor);
 }
 
 void MapFitMonitor::Reset() {
-  std::ranges::fill(radars_, Expected{});
+  std::ranges::fill(radars_, ForgettingMean{});
   decline_ = {};
 }
 

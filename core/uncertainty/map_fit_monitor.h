@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/geometry/forgetting_mean.h"
 #include "core/options/option_fields.h"
 #include "core/uncertainty/one_sided_cusum.h"
 
@@ -58,17 +59,11 @@ class MapFitMonitor {
   void Reset();
 
  private:
-  struct Expected {
-    double mean = 0.0;
-    double variance = 0.0;
-    int count = 0;
-  };
-
-  bool IsComparable(const Expected& expected, std::size_t point_count) const;
-  double Sigma(const Expected& expected) const;
+  bool IsComparable(const ForgettingMean& expected, std::size_t point_count) const;
+  double Sigma(const ForgettingMean& expected) const;
 
   MapFitOptions options_;
-  std::vector<Expected> radars_;
+  std::vector<ForgettingMean> radars_;  // the fits of each
   OneSidedCusum decline_;
 };
 
