@@ -9,6 +9,7 @@ std::span<const OptionField<AzimuthSignOptions>> FieldsOf(const AzimuthSignOptio
   static constexpr OptionField<O> kFields[] = {
       {"max_point_count", &O::max_point_count, 1, 1'000'000},
       {"min_pose_sigma_m", &O::min_pose_sigma_m, 0, 100, "poses are compared as exact"},
+      {"min_fit", &O::min_fit, 0, 1, "any mirror image counts"},
       {"point_sigma", &O::point_sigma, 1e-6, 1},
       {"rival_step_m", &O::rival_step_m, 0.1, 100},
       {"max_beside_m", &O::max_beside_m, 0, 100, "no pose beside the vehicle is compared"},
@@ -42,7 +43,8 @@ bool AzimuthSigns::OnFits(std::size_t index, std::size_t point_count, double fit
                           double mirrored_fit) {
   const double sigma = options_.point_sigma / std::sqrt(static_cast<double>(point_count));
   Radar& radar = radars_[index];
-  radar.other_fits.Add((mirrored_fit - fit) / sigma, options_.other_fits);
+  const double better = mirrored_fit < options_.min_fit ? 0.0 : mirrored_fit - fit;
+  radar.other_fits.Add(better / sigma, options_.other_fits);
   if (!radar.other_fits.is_exceeded()) return false;
   radar = {.is_mirrored = !radar.is_mirrored};
   return true;

@@ -17,6 +17,8 @@ struct AzimuthSignOptions {
   double min_pose_sigma_m = 0.3;
   /// Standard deviation of what one point adds to the difference of two fits.
   double point_sigma = 0.35;
+  /// A mirror image that fits less lies as little in the map as the scan itself: the pose is wrong.
+  double min_fit = 0.3;
   /// When scans fit with the other sign for sure.
   OneSidedCusumOptions other_fits = {.drift = 1.0, .max = 4.0, .limit = 8.0};
   // A pose that is wrong may make the mirror image fit better, and one that is turned round does
