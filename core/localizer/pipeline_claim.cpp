@@ -71,7 +71,7 @@ void Pipeline<Dim>::Claim(Localization& answer) const {
   if (answer.state == LocalizationState::kTracking) {
     const double along_track_m = speed_mps * radars_.stamp_error.bound_s +
                                  speed_mps * radars_.stamp_error.undecided_step_s +
-                                 AlongTrackSpread_m();
+                                 AlongTrackSpread_m() + ego_motion_.undecided_distance_m();
     answer.protection_level_m = claims_.protection_level.Of(answer.covariance, along_track_m);
   }
   Vector6d per_second;
@@ -81,18 +81,20 @@ void Pipeline<Dim>::Claim(Localization& answer) const {
 }
 
 template <int Dim>
-std::optional<double> Pipeline<Dim>::FitAt(const Scan& scan, Stamp stamp,
-                                           LocalizerWorkspace& lent_workspace) {
+std::optional<AnyPipeline::TriedFit> Pipeline<Dim>::TryFit(const Scan& scan, Stamp stamp,
+                                                           LocalizerWorkspace& lent_workspace) {
   const std::optional<MotionHistory::Moment> moment = ego_motion_.history().AtOrSoonAfter(stamp);
   if (!moment || !tracking_.has_pose()) return std::nullopt;
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  StaticPoints(Corrected(scan, workspace),
-               radars_.learned.rig().radars[radars_.learned.IndexOf(scan.radar_id)],
+  const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
+  StaticPoints(Corrected(scan, workspace), radars_.learned.rig().radars[radar_index],
                moment->velocity, EffectiveStaticPoints(options_), workspace.tried_points);
   PoseEstimate<Dim> pose = pose_.Now();
   pose.pose =
       pose.pose * FromSpace<Dim>(moment->to_newest.T_from_to.Inverse(), Matrix6d::Zero()).pose;
-  return radars_.scan_checker.FitAt(workspace.tried_points, pose, map_.matcher, workspace);
+  const double fit =
+      radars_.scan_checker.FitAt(workspace.tried_points, pose, map_.matcher, workspace);
+  return TriedFit{fit, radars_.scan_checker.Judge(radar_index, workspace.scan_points.size(), fit)};
 }
 
 template Localization Pipeline<2>::FinishScan(const Scan&, Stamp);
@@ -103,7 +105,9 @@ template Localization Pipeline<2>::Answer(const Scan&, Stamp) const;
 template Localization Pipeline<3>::Answer(const Scan&, Stamp) const;
 template void Pipeline<2>::Claim(Localization&) const;
 template void Pipeline<3>::Claim(Localization&) const;
-template std::optional<double> Pipeline<2>::FitAt(const Scan&, Stamp, LocalizerWorkspace&);
-template std::optional<double> Pipeline<3>::FitAt(const Scan&, Stamp, LocalizerWorkspace&);
+template std::optional<AnyPipeline::TriedFit> Pipeline<2>::TryFit(const Scan&, Stamp,
+                                                                  LocalizerWorkspace&);
+template std::optional<AnyPipeline::TriedFit> Pipeline<3>::TryFit(const Scan&, Stamp,
+                                                                  LocalizerWorkspace&);
 
 }  // namespace dcloc

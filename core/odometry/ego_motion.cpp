@@ -88,6 +88,7 @@ absl::Status Validate(const EgoMotionOptions& options) {
   status.Update(Within("sources", Validate(options.sources)));
   status.Update(Within("late", Validate(options.late)));
   status.Update(Within("wheel_scale", Validate(options.wheel_scale)));
+  status.Update(Within("disagreement", Validate(options.disagreement)));
   return status;
 }
 
@@ -126,6 +127,11 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
     reported = late_.ExtrapolatedToNow(stamp, Corrected(*scan.ego_velocity),
                                        doppler_is_sound ? &doppler->ego_velocity : nullptr,
                                        sources_.sound());
+  }
+  if (reported && doppler_is_sound && sources_.IsSound(OdometrySource::kWheelSpeed)) {
+    disagreement_.OnSpeeds(stamp, reported->linear_mps.x(), doppler->ego_velocity.linear_mps.x());
+  } else {
+    disagreement_.OnDecided(stamp);
   }
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <map>
 #include <optional>
 #include <span>
@@ -17,6 +18,7 @@
 #include "core/odometry/source_diagnosis.h"
 #include "core/odometry/source_fault.h"
 #include "core/odometry/source_monitor.h"
+#include "core/odometry/speed_disagreement.h"
 #include "core/odometry/wheel_scale_monitor.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
@@ -32,6 +34,7 @@ struct EgoMotionOptions {
   SourceMonitorOptions sources;
   LateOdometryOptions late;
   WheelScaleMonitorOptions wheel_scale;
+  SpeedDisagreementOptions disagreement;
   /// Reported and Doppler velocity are fused where their squared Mahalanobis distance over speed
   /// and yaw rate is at most this.
   double max_squared_distance = kChiSquare999With2Dof;
@@ -68,6 +71,7 @@ class EgoMotion {
         sources_(options.sources, static_points),
         late_(options.late),
         wheel_scale_(options.wheel_scale),
+        disagreement_(options.disagreement),
         history_(options.history, options.motion),
         wheel_speed_diagnosis_(options.diagnosis_speed_mps),
         yaw_rate_diagnosis_(options.diagnosis_yaw_rate_radps) {}
@@ -145,6 +149,10 @@ class EgoMotion {
   /// since a registration was last accepted [m]: b_along of METHOD eq 49.
   double along_track_spread_m() const { return spread_.along_track_bound_m; }
 
+  /// By how far wheels and Doppler have moved apart along-track while nothing says which of them is
+  /// right [m].
+  double undecided_distance_m() const { return std::abs(disagreement_.distance_m()); }
+
   /// `since_previous` without a correction: an answer was expected to move on by this, and what it
   /// moves beyond is a reset.
   const Pose3& expected_motion() const { return expected_motion_; }
@@ -196,6 +204,7 @@ class EgoMotion {
   SourceMonitor sources_;
   LateOdometry late_;
   WheelScaleMonitor wheel_scale_;
+  SpeedDisagreement disagreement_;
   MotionHistory history_;
   Pose3 expected_motion_;
   Motion since_previous_;
