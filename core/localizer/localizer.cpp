@@ -101,9 +101,13 @@ void Localizer::Impl::CheckStamp(std::size_t radar_index, const Scan& scan,
                                  LocalizerWorkspace& workspace) {
   if (const auto step = stamp_monitor.OnStamp(radar_index, scan.stamp)) {
     const Stamp as_stamped = time_base.Convert(scan.stamp - radar_clocks.Offset(radar_index));
-    const std::optional<double> fit = pipeline->FitAt(scan, as_stamped, workspace);
-    const std::optional<double> other = pipeline->FitAt(scan, as_stamped - *step, workspace);
-    if (fit && other && stamp_monitor.OnFits(radar_index, *fit, *other)) {
+    const auto fit = pipeline->TryFit(scan, as_stamped, workspace);
+    const auto other = pipeline->TryFit(scan, as_stamped - *step, workspace);
+    // A scan that fits neither way says nothing of the clock: the pose may be wrong.
+    const bool is_explained =
+        fit && other &&
+        (fit->verdict != ScanFit::kContradicts || other->verdict != ScanFit::kContradicts);
+    if (is_explained && stamp_monitor.OnFits(radar_index, fit->fit, other->fit)) {
       radar_clocks.OnStep(radar_index, *step);
     }
   }

@@ -123,6 +123,7 @@ void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
     UpdateOdometry(registered, newest_.outcome);
     if (was_confirmed && newest_.outcome == RegistrationOutcome::kAccepted) {
       radars_.range_rate_scales.OnRegistered(stamp);
+      relocalizer_.OnRegistered(registered->registration.score);
       learner_.OnAccepted(stamp, registered->registration, ego_velocity, live_.submap.span(),
                           map_.matcher, ego_motion_, pose_, workspace);
     }
@@ -284,7 +285,7 @@ std::optional<typename Pipeline<Dim>::Registered> Pipeline<Dim>::Register(
   std::optional<Registration<Dim>> registration;
   const std::optional<Place> place = SearchPlace(live, stamp, workspace.registration);
   const PlaceOrigin origin = place ? place->origin : PlaceOrigin::kExpected;
-  if (place && origin == PlaceOrigin::kExpected) OnPoseVerified();
+  if (place && origin == PlaceOrigin::kExpected) OnPoseVerified(place->fits_as_usual);
   if (origin == PlaceOrigin::kFound) {
     EnterLocalFrame(place->T_map_vehicle.translation_m, workspace.registration);
     registration = map_.matcher.MatchFound(live, place->T_map_vehicle, options_.global.gate,

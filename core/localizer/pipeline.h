@@ -56,10 +56,15 @@ class AnyPipeline {
   /// How far the stamp of the scan that comes next may be from when it was taken.
   virtual void OnStamp(const StampError& error) = 0;
 
-  /// How the scan would fit the map if it were taken at `stamp`, [0, 1]. Nothing without a pose, or
-  /// where the motion until then is not known.
-  virtual std::optional<double> FitAt(const Scan& scan, Stamp stamp,
-                                      LocalizerWorkspace& workspace) = 0;
+  /// How a scan fits the map, [0, 1], and what that says.
+  struct TriedFit {
+    double fit = 0.0;
+    ScanFit verdict = ScanFit::kUnknown;
+  };
+  /// The same of a scan if it were taken at `stamp`. Nothing without a pose, or where the motion
+  /// until then is not known.
+  virtual std::optional<TriedFit> TryFit(const Scan& scan, Stamp stamp,
+                                         LocalizerWorkspace& workspace) = 0;
 
   /// A position fix that was true at `stamp`. It is valid.
   virtual FixUse TakeFix(const InitialPose& fix, Stamp stamp) = 0;
@@ -97,8 +102,8 @@ class Pipeline final : public AnyPipeline {
     radars_.monitor.ReportClockOffset(index, is_off);
   }
   void OnStamp(const StampError& error) override { radars_.stamp_error = error; }
-  std::optional<double> FitAt(const Scan& scan, Stamp stamp,
-                              LocalizerWorkspace& workspace) override;
+  std::optional<TriedFit> TryFit(const Scan& scan, Stamp stamp,
+                                 LocalizerWorkspace& workspace) override;
   FixUse TakeFix(const InitialPose& fix, Stamp stamp) override;
   std::optional<LocalizerSnapshot> Snapshot() override;
   void Restore(const LocalizerSnapshot& snapshot) override;
@@ -159,7 +164,7 @@ class Pipeline final : public AnyPipeline {
   using Place = typename Relocalizer<Dim>::Place;
   std::optional<Place> SearchPlace(std::span<const GaussianPoint<Dim>> live, Stamp stamp,
                                    RegistrationWorkspace<Dim>& workspace);
-  void OnPoseVerified();
+  void OnPoseVerified(bool fits_as_usual);
   void EnterLocalFrame(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace);
   PoseEstimate<3> NowInMap() const;
 

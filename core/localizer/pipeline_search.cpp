@@ -15,17 +15,24 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
     if (!tracking_.ShouldSearchBeside()) return std::nullopt;
     if (radars_.scan_checker.IsTooSoonToJudge(stamp, live_.submap.span())) return std::nullopt;
     expected = {.T_map_vehicle = NowInMap().pose,
-                .basis = tracking_.is_undoubted_prior() ? Basis::kPrior : Basis::kSuspect};
+                .basis = tracking_.is_undoubted_prior() ? Basis::kPrior : Basis::kSuspect,
+                .min_radius_m =
+                    tracking_.requires_verification() ? options_.prior.max_region_radius_m : 0.0};
     if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
   }
   return relocalizer_.Search(stamp, live, live_.submap.span(), expected, workspace);
 }
 
-// No other place fits as well as the pose: neither scans nor fixes contradict it any longer.
+// No other place fits as well as the pose: neither scans nor fixes contradict it any longer. Where
+// the ground fits less than it did, scans are judged by what it is like here.
 template <int Dim>
-void Pipeline<Dim>::OnPoseVerified() {
+void Pipeline<Dim>::OnPoseVerified(bool fits_as_usual) {
   tracking_.OnVerified();
-  radars_.scan_checker.Reset();
+  if (fits_as_usual) {
+    radars_.scan_checker.OnConfirmed();
+  } else {
+    radars_.scan_checker.Reset();
+  }
   rivals_.Reset();
   fix_monitor_.OnRefuted();
 }
@@ -55,8 +62,8 @@ template std::optional<Pipeline<2>::Place> Pipeline<2>::SearchPlace(
     std::span<const GaussianPoint<2>>, Stamp, RegistrationWorkspace<2>&);
 template std::optional<Pipeline<3>::Place> Pipeline<3>::SearchPlace(
     std::span<const GaussianPoint<3>>, Stamp, RegistrationWorkspace<3>&);
-template void Pipeline<2>::OnPoseVerified();
-template void Pipeline<3>::OnPoseVerified();
+template void Pipeline<2>::OnPoseVerified(bool);
+template void Pipeline<3>::OnPoseVerified(bool);
 template void Pipeline<2>::GiveUpFailedPose(Stamp);
 template void Pipeline<3>::GiveUpFailedPose(Stamp);
 

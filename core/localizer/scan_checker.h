@@ -26,6 +26,11 @@ class ScanChecker {
                const PoseEstimate<Dim>& now, const MapMatcher<Dim>& matcher,
                Workspace<Dim>& workspace);
 
+  /// What such a fit of `point_count` points of radar `radar_index` says.
+  ScanFit Judge(std::size_t radar_index, std::size_t point_count, double fit) const {
+    return monitor_.Judge(radar_index, point_count, fit);
+  }
+
   /// How such points would fit where the vehicle may be, with as little certainty: [0, 1].
   double FitAt(const std::vector<RadarPoint>& points, const PoseEstimate<Dim>& pose,
                const MapMatcher<Dim>& matcher, Workspace<Dim>& workspace) const;

@@ -16,6 +16,8 @@ std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& /*
        "tracking_timeout_ms alone decides"},
       {"interval_forgetting_factor", &O::interval_forgetting_factor, 0, 0.999,
        "the newest interval counts alone"},
+      {"min_contradicting_scans", &O::min_contradicting_scans, 1, 1000,
+       "a single scan demands a verification"},
       {"min_fitting_scans", &O::min_fitting_scans, 1, 1000},
       {"tracking_sigma_m", &O::tracking_sigma_m, 0, 1000, "nothing is called tracking"},
       {"max_unobserved_ms", &O::max_unobserved, 0, 1e6,
@@ -73,9 +75,14 @@ void TrackingStateMachine::OnScanFit(ScanFit fit) {
   if (fit == ScanFit::kContradicts) {
     agreement_ = Next(agreement_, ScanAgreementEvent::kDoesNotFit);
     agreed_in_a_row_ = 0;
+    ++contradicted_in_a_row_;
+    if (contradicted_in_a_row_ >= options_.min_contradicting_scans) {
+      confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kScansContradict);
+    }
     mode_ = Next(mode_, TrackingEvent::kDoubted);
     return;
   }
+  contradicted_in_a_row_ = 0;
   agreement_ = Next(agreement_, ScanAgreementEvent::kFits);
   ++agreed_in_a_row_;
   if (agreed_in_a_row_ >= options_.min_fitting_scans &&

@@ -26,6 +26,8 @@ struct TrackingOptions {
   double interval_forgetting_factor = 0.8;  ///< weight of older intervals in the usual one, [0, 1)
   /// Scans in a row that must fit the map to end kSuspect; a registration must be accepted, too.
   int min_fitting_scans = 3;
+  /// After so many scans in a row that do not fit, only global localization confirms the pose.
+  int min_contradicting_scans = 3;
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
   /// A pose is not called tracking once registrations have not observed the along-track position
   /// for this long, as in a smooth tunnel: odometry alone determines it there.
@@ -123,6 +125,11 @@ class TrackingStateMachine {
   /// looks alike fits a little.
   void OnFitTrend(bool is_suspicious);
 
+  /// Whether only global localization can confirm the pose.
+  bool requires_verification() const {
+    return confirmation_requires_ == ConfirmationRequirement::kVerification;
+  }
+
   /// Whether the pose is one from a prior that nothing speaks against yet.
   bool is_undoubted_prior() const {
     return mode_ == TrackingMode::kConfirmingPrior &&
@@ -173,7 +180,8 @@ class TrackingStateMachine {
   int accepted_in_a_row_ = 0;
   int refused_in_a_row_ = 0;
   int outliers_in_a_row_ = 0;
-  int agreed_in_a_row_ = 0;  // scans, since the last one that contradicted
+  int agreed_in_a_row_ = 0;        // scans, since the last one that contradicted
+  int contradicted_in_a_row_ = 0;  // scans, since the last one that agreed
   std::optional<Stamp> last_registration_;
   double usual_interval_s_ = 0.0;
   std::optional<Stamp> last_accepted_;

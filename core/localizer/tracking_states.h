@@ -102,12 +102,14 @@ enum class ConfirmationRequirement {
                                 ///< or verification, must come first
   kAgreeingFixOrVerification,   ///< fixes contradict the pose persistently: one that agrees, or
                                 ///< verification, must come first
-  /// Global localization must verify the pose first. The along-track position was not observed
-  /// before, so registrations would match wherever odometry had put it.
+  /// Global localization must verify the pose first. Scans contradicted it, or the along-track
+  /// position was not observed before: where the ground repeats, registrations would match wherever
+  /// odometry had put it.
   kVerification,
 };
 
 enum class ConfirmationEvent {
+  kScansContradict,
   kFitDeclines,
   kFitRecovers,
   kFixesContradict,
@@ -116,14 +118,18 @@ enum class ConfirmationEvent {
   kVerified
 };
 
-inline constexpr std::array<Transition<ConfirmationRequirement, ConfirmationEvent>, 11>
+inline constexpr std::array<Transition<ConfirmationRequirement, ConfirmationEvent>, 14>
     kConfirmationTransitions = {{
+        {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kScansContradict,
+         ConfirmationRequirement::kVerification},
         {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kFixesContradict,
          ConfirmationRequirement::kAgreeingFixOrVerification},
         {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kObservedAgain,
          ConfirmationRequirement::kVerification},
         {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kFitDeclines,
          ConfirmationRequirement::kRecoveredFitOrVerification},
+        {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kScansContradict,
+         ConfirmationRequirement::kVerification},
         {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kFitRecovers,
          ConfirmationRequirement::kRegistrations},
         {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kFixesContradict,
@@ -132,6 +138,8 @@ inline constexpr std::array<Transition<ConfirmationRequirement, ConfirmationEven
          ConfirmationRequirement::kVerification},
         {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kVerified,
          ConfirmationRequirement::kRegistrations},
+        {ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationEvent::kScansContradict,
+         ConfirmationRequirement::kVerification},
         {ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationEvent::kFixAgrees,
          ConfirmationRequirement::kRegistrations},
         {ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationEvent::kObservedAgain,

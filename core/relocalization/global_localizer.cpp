@@ -1,6 +1,5 @@
 #include "core/relocalization/global_localizer.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -14,12 +13,9 @@
 namespace dcloc {
 namespace {
 
-// Most places that a search finds are wrong: a few steps show it. The others are registered as well
-// as it takes to compare them.
+// Most places that a search finds are wrong: a few steps show it.
 constexpr RegistrationEffort kCoarseEffort{
     .max_iterations = 8, .translation_tolerance_m = 0.02, .rotation_tolerance_rad = 0.002};
-constexpr RegistrationEffort kFineEffort{
-    .max_iterations = 15, .translation_tolerance_m = 0.005, .rotation_tolerance_rad = 0.0005};
 constexpr double kSearchPieceWork = 24e3;  // of a piece of a search, about a millisecond
 
 }  // namespace
@@ -59,7 +55,8 @@ bool GlobalLocalizer<Dim>::WantsView(Stamp stamp) const {
 template <int Dim>
 void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
                                    const std::optional<SearchRegion>& region,
-                                   const std::optional<ExpectedPlace>& expected) {
+                                   const std::optional<ExpectedPlace>& expected,
+                                   double min_convincing_score) {
   if (views_.size() == static_cast<std::size_t>(options_.max_view_count)) {
     views_.erase(views_.begin());
     for (Candidate& candidate : candidates_) candidate.fits.erase(candidate.fits.begin());
@@ -73,6 +70,7 @@ void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Di
   ++view_count_;
   region_ = region;
   expected_ = expected;
+  min_convincing_score_ = min_convincing_score;
   const bool is_small = region && region->radius_m <= options_.small_region_radius_m;
   search_.emplace(
       map_, PositionsOf(live),
@@ -89,7 +87,8 @@ std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Contin
   while (work_ < options_.max_work && phase_ != Phase::kIdle) DoNextPiece(workspace);
   const bool is_found = winner_ && winner_->origin == PlaceOrigin::kFound;
   if (!winner_ || (is_found && DistanceTravelled() < options_.min_distance_m)) return std::nullopt;
-  return Place{winner_->T_map_vehicle * since_view_.T_from_to, winner_->origin};
+  return Place{winner_->T_map_vehicle * since_view_.T_from_to, winner_->origin,
+               winner_->fits_as_usual};
 }
 
 // From the oldest view on.
@@ -324,14 +323,16 @@ std::optional<typename GlobalLocalizer<Dim>::Place> GlobalLocalizer<Dim>::Winner
   if (candidates_.empty()) return std::nullopt;
   const auto expected = std::ranges::find_if(candidates_, &Candidate::is_expected);
   if (expected != candidates_.end() && IsExpectedRight(*expected)) {
-    return Place{expected->fits.back()->T_map_vehicle, PlaceOrigin::kExpected};
+    return Place{expected->fits.back()->T_map_vehicle, PlaceOrigin::kExpected,
+                 HoldsInAll(&ViewFit::is_as_usual, *expected)};
   }
   const Candidate& leader = candidates_.front();
   if (views_.size() < 2 || !HoldsInAll(&ViewFit::is_acceptable, leader) || !StandsOut(leader))
     return std::nullopt;
   if (expected_ && region_ && !HoldsInAll(&ViewFit::is_convincing, leader)) return std::nullopt;
   return Place{leader.fits.back()->T_map_vehicle,
-               leader.is_expected ? PlaceOrigin::kExpected : PlaceOrigin::kFound};
+               leader.is_expected ? PlaceOrigin::kExpected : PlaceOrigin::kFound,
+               HoldsInAll(&ViewFit::is_as_usual, leader)};
 }
 
 // Nothing fits where was searched, so the vehicle is not there. A place that stands out must hold
@@ -343,55 +344,6 @@ bool GlobalLocalizer<Dim>::IsInVain() const {
     return candidates_.empty() || !HoldsInAll(&ViewFit::is_convincing, candidates_.front());
   return views_.size() >= 2 && DistanceTravelled() >= options_.min_distance_m &&
          (candidates_.empty() || !HoldsInAll(&ViewFit::is_acceptable, candidates_.front()));
-}
-
-template <int Dim>
-typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAfterMotion(
-    const View<Dim>& view, const ViewFit& neighbour, const Motion& motion,
-    RegistrationWorkspace<Dim>& workspace) {
-  const Pose3 T_map_expected = neighbour.T_map_vehicle * motion.T_from_to;
-  ViewFit fit = FitAround(view, T_map_expected, workspace);
-  const PoseEstimate<Dim> difference =
-      FromSpace<Dim>(T_map_expected.Inverse() * fit.T_map_vehicle, motion.covariance);
-  fit.log_likelihood -= 0.5 * SquaredDistance(difference.pose, difference.covariance);
-  return fit;
-}
-
-// METHOD eq 38.
-template <int Dim>
-typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAround(
-    const View<Dim>& view, const Pose3& T_map_vehicle, RegistrationWorkspace<Dim>& workspace) {
-  const auto found = registrar_.Register(view.fine_points, T_map_vehicle,
-                                         options_.registration_sigma_m, kFineEffort, workspace);
-  if (!found) return {.T_map_vehicle = T_map_vehicle};
-  work_ += found->work;
-  RegistrationGate gate = options_.gate;
-  gate.min_overlap = options_.view_overlap_share * options_.gate.min_overlap;
-  return {.T_map_vehicle = found->T_map_vehicle,
-          .log_likelihood = options_.log_likelihood_per_score * found->registration.score,
-          .is_acceptable = gate.Accepts(found->registration),
-          .is_plausible = options_.expected_gate.Accepts(found->registration),
-          .is_convincing = gate.Accepts(found->registration) &&
-                           found->registration.overlap >= options_.convincing_overlap};
-}
-
-// Of a registered pose from the one that odometry expects, in units of what both are off by.
-template <int Dim>
-double GlobalLocalizer<Dim>::SquaredDistance(const Pose<Dim>& difference,
-                                             const TangentMatrix<Dim>& odometry) const {
-  TangentMatrix<Dim> covariance = odometry;
-  covariance.diagonal().template head<Dim>().array() +=
-      options_.registration_sigma_m * options_.registration_sigma_m;
-  covariance.diagonal().template tail<Pose<Dim>::kDof - Dim>().array() +=
-      options_.registration_sigma_rad * options_.registration_sigma_rad;
-  const Tangent<Dim> error = Log(difference);
-  return error.dot(covariance.ldlt().solve(error));
-}
-
-template <int Dim>
-bool GlobalLocalizer<Dim>::IsSamePlace(const Pose3& a, const Pose3& b) const {
-  return (a.translation_m - b.translation_m).head<2>().norm() < options_.same_place_m &&
-         std::abs(WrapAngle(Yaw(a.rotation) - Yaw(b.rotation))) < options_.same_place_rad;
 }
 
 template class GlobalLocalizer<2>;

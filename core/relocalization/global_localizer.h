@@ -37,11 +37,13 @@ class GlobalLocalizer {
   struct ExpectedPlace {
     Pose3 T_map_vehicle;  ///< now
     Basis basis = Basis::kPrior;
+    double min_radius_m = 0.0;  ///< it is held against all places within this, at least
   };
   /// Where the vehicle is.
   struct Place {
     Pose3 T_map_vehicle;
     PlaceOrigin origin = PlaceOrigin::kFound;
+    bool fits_as_usual = false;  ///< it scores as registrations did where the vehicle surely was
   };
 
   GlobalLocalizer(std::shared_ptr<const RadarMap> map,
@@ -61,10 +63,12 @@ class GlobalLocalizer {
   bool WantsView(Stamp stamp) const;
 
   /// Begins to search the map, or a region of it, for what is seen now (vehicle frame), beside
-  /// where it is expected. Only when `WantsView`.
+  /// where it is expected. A place that scores less than `min_convincing_score` is right only if
+  /// the whole map has no better one. Only when `WantsView`.
   void AddView(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
                const std::optional<SearchRegion>& region,
-               const std::optional<ExpectedPlace>& expected = {});
+               const std::optional<ExpectedPlace>& expected = {},
+               double min_convincing_score = 0.0);
 
   /// Goes on with the work, for some ten milliseconds: others wait no longer, however large the
   /// map. Where the vehicle is now, once that is decided.
@@ -87,6 +91,7 @@ class GlobalLocalizer {
     bool is_acceptable = false;
     bool is_plausible = false;   // enough for an expected place in the whole map
     bool is_convincing = false;  // enough for one without the whole map
+    bool is_as_usual = false;    // scores as registrations of this vehicle did
   };
   // A place that the search has found, registered with a view's coarse points.
   struct CoarseFit {
@@ -147,6 +152,7 @@ class GlobalLocalizer {
   std::vector<CoarseFit> coarse_fits_;     // left to be fitted finely, likewise
   std::vector<Candidate> candidates_;      // most likely first once all is done
   std::optional<ExpectedPlace> expected_;  // at the newest view
+  double min_convincing_score_ = 0.0;      // likewise
   std::optional<Place> winner_;            // likewise
   int failed_search_count_ = 0;
   double work_ = 0.0;  // done by this call of Continue

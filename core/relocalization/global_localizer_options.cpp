@@ -8,6 +8,12 @@ std::span<const OptionField<GlobalLocalizerOptions>> FieldsOf(
   static constexpr OptionField<O> kFields[] = {
       {"view_overlap_share", &O::view_overlap_share, 0, 1, "any overlap is enough in a view"},
       {"convincing_overlap", &O::convincing_overlap, 0, 1, "any acceptable place convinces"},
+      {"convincing_score_sigmas", &O::convincing_score_sigmas, 0, 1e6,
+       "a place must score as usual"},
+      {"min_usual_score_sigma", &O::min_usual_score_sigma, 1e-6, 1},
+      {"min_usual_score_count", &O::min_usual_score_count, 2, 1'000'000},
+      {"score_forgetting_factor", &O::score_forgetting_factor, 0, 0.999'999,
+       "the newest score alone counts"},
       {"min_distance_m", &O::min_distance_m, 0, 1000, "two views are enough"},
       {"min_lead", &O::min_lead, 0, 1000, "the best one needs no lead"},
       {"expected_lead", &O::expected_lead, 0, 1000, "an expected place must fit best"},

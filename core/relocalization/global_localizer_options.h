@@ -19,6 +19,11 @@ struct GlobalLocalizerOptions {
   /// What is seen of a known place overlaps the map by more than this, of a wrong one by less. Only
   /// such an expected place is right before the whole map was searched.
   double convincing_overlap = 0.7;
+  // And it scores as registrations did where the vehicle surely was: less by no more than this.
+  double convincing_score_sigmas = 3.0;   ///< in standard deviations of those scores
+  double min_usual_score_sigma = 0.02;    ///< which are no smaller
+  int min_usual_score_count = 20;         ///< fewer tell nothing
+  double score_forgetting_factor = 0.98;  ///< weight of an older one beside the next, [0, 1)
   /// What an expected place must reach in each view once the whole map was searched.
   RegistrationGate expected_gate = {};
   double min_distance_m = 10.0;  ///< travelled while it holds: standing still, all views agree

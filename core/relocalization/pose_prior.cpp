@@ -55,7 +55,7 @@ bool PosePrior::IsPrediction(const Matrix6d& covariance) const {
          std::sqrt(covariance(5, 5)) <= options_.max_prediction_sigma_rad;
 }
 
-std::optional<SearchRegion> PosePrior::Region(int failed_search_count) const {
+std::optional<SearchRegion> PosePrior::Region(int failed_search_count, double min_radius_m) const {
   if (!now_) return std::nullopt;
   double radius_m = options_.region_sigmas * std::hypot(LargestSigma(then_.covariance),
                                                         LargestSigma(since_then_.covariance));
@@ -66,6 +66,7 @@ std::optional<SearchRegion> PosePrior::Region(int failed_search_count) const {
                std::pow(options_.region_growth_factor, failed_search_count);
     max_yaw_offset_rad = std::numbers::pi;
   }
+  radius_m = std::max(radius_m, min_radius_m);
   // Written so that a radius that is not a number is no region.
   if (!(radius_m <= options_.max_region_radius_m)) return std::nullopt;
   return SearchRegion{.centre_m = then_.pose.translation_m.head<2>(),

@@ -1,5 +1,8 @@
 #include "core/relocalization/relocalizer.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace dcloc {
 
 template <int Dim>
@@ -12,11 +15,20 @@ std::optional<typename Relocalizer<Dim>::Place> Relocalizer<Dim>::Search(
   if (sees_enough && global_.WantsView(stamp)) {
     // An expected place is held against those around it.
     const int growth = global_.failed_search_count() + (expected ? 1 : 0);
-    global_.AddView(stamp, live, prior_.Region(growth), expected);
+    global_.AddView(stamp, live, prior_.Region(growth, expected ? expected->min_radius_m : 0.0),
+                    expected, MinConvincingScore());
   }
   std::optional<Place> place = global_.Continue(workspace);
   if (place) global_.Clear();
   return place;
+}
+
+// Nothing is known of a vehicle that begins: any score will do.
+template <int Dim>
+double Relocalizer<Dim>::MinConvincingScore() const {
+  if (scores_.count < options_.min_usual_score_count) return 0.0;
+  const double sigma = std::max(options_.min_usual_score_sigma, std::sqrt(scores_.variance));
+  return scores_.mean - options_.convincing_score_sigmas * sigma;
 }
 
 template <int Dim>

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "core/geometry/forgetting_mean.h"
 #include "core/relocalization/global_localizer.h"
 #include "core/relocalization/pose_prior.h"
 
@@ -50,13 +51,19 @@ class Relocalizer {
                               const std::optional<ExpectedPlace>& expected,
                               RegistrationWorkspace<Dim>& workspace);
 
+  /// Where the vehicle surely is, a registration has this score.
+  void OnRegistered(double score) { scores_.Add(score, options_.score_forgetting_factor); }
+
   /// The vehicle has been found: there is nothing to search for.
   void OnFound();
 
  private:
+  double MinConvincingScore() const;
+
   GlobalLocalizerOptions options_;
   PosePrior prior_;
   GlobalLocalizer<Dim> global_;
+  ForgettingMean scores_;  // of registrations
 };
 
 }  // namespace dcloc

@@ -144,6 +144,28 @@ TEST_F(LocalizerTimeTest, AnotherClockOfOneRadarCostsNothing) {
   }
 }
 
+// Its stamps leap by less than the scans that are missing. No place that they are held against is
+// where the vehicle is.
+TEST_F(LocalizerTimeTest, TheClockOfAVehicleThatWasCarriedIsNotCorrected) {
+  for (const auto step : {milliseconds(-45), milliseconds(45)}) {
+    std::vector<TrueScan> drive = drive_;
+    const std::size_t gone = 36;
+    const auto at = drive.begin() + 50;
+    drive.erase(at, at + gone);
+    for (std::size_t i = 50; i < drive.size(); ++i) {
+      drive[i].scan.stamp -= milliseconds(77 * gone) - step;
+    }
+    Localizer localizer = Started();
+    Health health;
+    for (const TrueScan& seen : drive) {
+      const auto answer = localizer.Localize(seen.scan);
+      ASSERT_TRUE(answer.ok());
+      health = answer->health;
+    }
+    EXPECT_EQ(health.radars[0].fault, SourceFault::kNone) << step.count();
+  }
+}
+
 TEST_F(LocalizerTimeTest, ARadarThatFallsSilentLeavesTheSubmap) {
   Rig rig = FrontRadar();
   rig.radars.push_back(rig.radars[0]);

@@ -28,9 +28,10 @@ constexpr std::array kRequirements = {
     ConfirmationRequirement::kRegistrations, ConfirmationRequirement::kRecoveredFitOrVerification,
     ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationRequirement::kVerification};
 constexpr std::array kConfirmationEvents = {
-    ConfirmationEvent::kFitDeclines,     ConfirmationEvent::kFitRecovers,
-    ConfirmationEvent::kFixesContradict, ConfirmationEvent::kFixAgrees,
-    ConfirmationEvent::kObservedAgain,   ConfirmationEvent::kVerified};
+    ConfirmationEvent::kScansContradict, ConfirmationEvent::kFitDeclines,
+    ConfirmationEvent::kFitRecovers,     ConfirmationEvent::kFixesContradict,
+    ConfirmationEvent::kFixAgrees,       ConfirmationEvent::kObservedAgain,
+    ConfirmationEvent::kVerified};
 constexpr std::array kWays = {AlongTrackObservability::kObserved, AlongTrackObservability::kFading,
                               AlongTrackObservability::kNotObserved,
                               AlongTrackObservability::kReturning};

@@ -28,6 +28,14 @@ TEST(PosePriorTest, APriorThatIsGoodEnoughIsAPrediction) {
   EXPECT_FALSE(prior.IsPrediction(About(1.0, 0.3).covariance));
 }
 
+TEST(PosePriorTest, ARegionIsAsLargeAsIsAsked) {
+  PosePrior prior({.max_region_radius_m = 150.0});
+  prior.Set(About(0.2, 0.01));
+  EXPECT_LT(prior.Region(0)->radius_m, 2.0);
+  EXPECT_EQ(prior.Region(0, 150.0)->radius_m, 150.0);
+  EXPECT_FALSE(prior.Region(0, 151.0).has_value()) << "the whole map";
+}
+
 TEST(PosePriorTest, IsCarriedOnByOdometryAndGrows) {
   PosePrior prior({});
   prior.OnMotion(Ahead(5.0));

@@ -58,6 +58,26 @@ TEST_F(RelocalizerTest, AnExpectedPlaceThatFitsIsFound) {
   EXPECT_LT((place->T_map_vehicle.translation_m - T_map_vehicle_.translation_m).norm(), 0.3);
 }
 
+// Registrations scored more than anything does here: the region around the pose does not verify it.
+TEST_F(RelocalizerTest, AnExpectedPlaceThatScoresLessThanUsualIsHeldAgainstTheWholeMap) {
+  const Relocalizer<2>::ExpectedPlace expected{.T_map_vehicle = T_map_vehicle_};
+  relocalizer_.SetPrior(PriorAround(60.0, 0.5));
+  for (int i = 0; i < 100; ++i) relocalizer_.OnRegistered(0.99);
+  const auto place = Search(400, expected);
+  ASSERT_TRUE(place.has_value());
+  EXPECT_EQ(place->origin, PlaceOrigin::kExpected);
+  EXPECT_FALSE(place->fits_as_usual);
+}
+
+TEST_F(RelocalizerTest, AnExpectedPlaceThatScoresAsUsualIsVerifiedInItsRegion) {
+  const Relocalizer<2>::ExpectedPlace expected{.T_map_vehicle = T_map_vehicle_};
+  relocalizer_.SetPrior(PriorAround(60.0, 0.5));
+  for (int i = 0; i < 100; ++i) relocalizer_.OnRegistered(0.1);
+  const auto place = Search(400, expected);
+  ASSERT_TRUE(place.has_value());
+  EXPECT_TRUE(place->fits_as_usual);
+}
+
 TEST_F(RelocalizerTest, OneViewWithoutAnExpectationDecidesNothing) {
   EXPECT_FALSE(Search(400).has_value()) << "the vehicle has not moved";
 }
