@@ -19,13 +19,12 @@ struct RangeRateScaleOptions {
   double max_static_fraction = 0.5;
   double min_range_rate_mps = 1.0;  ///< targets that are predicted to have less tell no ratio
   // Targets agree with a scale that predicts their range rate to within the sum of these.
-  double gate_mps = 0.3;        ///< the constant part
-  double gate_fraction = 0.05;  ///< the part in proportion to the range rate
-  int min_target_count = 10;    ///< that tell a ratio
-  int min_direction_count =
-      6;  ///< ten degrees wide, that agreeing ones lie in: no mover fills them
+  double gate_mps = 0.3;               ///< the constant part
+  double gate_fraction = 0.05;         ///< the part in proportion to the range rate
+  int min_target_count = 10;           ///< that tell a ratio
+  int min_direction_count = 6;         ///< tens of degrees that they lie in: no mover fills so many
   double min_agreeing_fraction = 0.6;  ///< of the targets that tell a ratio
-  double min_change = 0.1;             ///< a scale nearer to 1 is left to the wheels' own
+  double min_change = 0.02;            ///< by a scale nearer to 1 targets stand still as they are
   double max_factor = 3.0;             ///< beyond which, and below whose inverse, there is no scale
   double same_fraction = 0.05;         ///< ratios that differ by no more are one scale
   int min_scan_count = 3;              ///< in a row, that show a scale before it is supposed
