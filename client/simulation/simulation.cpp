@@ -160,12 +160,16 @@ class PassSimulator {
     return signals;
   }
 
+  double PeriodOfScans_s() const {
+    return options_.scan_rate_hz == 0.0 ? simulator_.profile.period_s : 1.0 / options_.scan_rate_hz;
+  }
+
   // When each radar scans: free-running clocks, ascending over all radars.
   std::vector<std::pair<std::chrono::microseconds, std::size_t>> Schedule() const {
     std::vector<std::pair<std::chrono::microseconds, std::size_t>> schedule;
     for (std::size_t radar = 0; radar < rig_.radars.size(); ++radar) {
       Random random = RandomFor(Stream::kClock, radar);
-      const double period = simulator_.profile.period_s * simulation::Uniform(random, 0.99, 1.01);
+      const double period = PeriodOfScans_s() * simulation::Uniform(random, 0.99, 1.01);
       const double first = simulation::Uniform(random, 0.0, period);
       for (const double t : simulation::Steps(first, motion_.duration_s(), period)) {
         const double jitter = std::clamp(Normal(random, 0.0, kClockJitter), -0.005, 0.005);
