@@ -18,7 +18,7 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
                 .basis = tracking_.is_undoubted_prior() ? Basis::kPrior : Basis::kSuspect};
     if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
   }
-  return relocalizer_.Search(stamp, live, live_.submap.span(), expected, workspace);
+  return relocalizer_.Search(stamp, live, live_.schedule.SinceBegin(), expected, workspace);
 }
 
 // No other place fits as well as the pose: neither scans nor fixes contradict it any longer.
