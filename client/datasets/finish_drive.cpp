@@ -1,11 +1,35 @@
 #include "client/datasets/finish_drive.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <tuple>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/datasets/vehicle_tilt.h"
+#include "core/geometry/degrees.h"
 
 namespace dcloc {
+namespace {
+
+// Where no radar measures elevation, heights are not estimated.
+void NoteTilt(Drive& drive) {
+  constexpr double kUsualTilt_rad = 1.5 * kRadPerDeg;
+  if (drive.pose_source == PoseSource::kNone ||
+      std::ranges::none_of(drive.rig.radars, &RadarModel::has_elevation)) {
+    return;
+  }
+  const std::optional<double> tilt_rad = TiltOfWay(drive);
+  if (!tilt_rad || std::abs(*tilt_rad) < kUsualTilt_rad) return;
+  drive.notes.push_back(absl::StrFormat(
+      "the vehicle frame is tilted: by its poses it drives %.1f degrees out of its xy plane, so "
+      "that "
+      "heights drift between registrations; describe mounts and poses in a level frame",
+      std::abs(*tilt_rad) * kDegPerRad));
+}
+
+}  // namespace
 
 absl::Status FinishDrive(const DriveRequest& request, Drive& drive) {
   for (RadarModel& radar : drive.rig.radars) radar.beta_s = request.beta_s.value_or(radar.beta_s);
@@ -32,6 +56,7 @@ absl::Status FinishDrive(const DriveRequest& request, Drive& drive) {
                                                      " ns: ", status.message()));
     }
   }
+  NoteTilt(drive);
   return absl::OkStatus();
 }
 
