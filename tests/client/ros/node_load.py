@@ -9,6 +9,7 @@ not there.
 """
 
 import argparse
+import json
 import pathlib
 import struct
 import sys
@@ -47,6 +48,24 @@ def prepare(programs, folder, seconds, rate_hz):
     programs.succeed("map", "build", *sim, "--drive", "map", "--out", folder / "map")
 
 
+def publish_begin(folder, stamp_ns):
+    """Where the drive begins, to within a metre, to /initialpose; the publisher keeps it."""
+    import rospy
+    from geometry_msgs.msg import PoseWithCovarianceStamped
+    poses = json.loads((folder / "sim/v1.0-sim/ego_pose.json").read_text())
+    begin = min(poses, key=lambda pose: abs(1000 * pose["timestamp"] - stamp_ns))
+    message = PoseWithCovarianceStamped()
+    message.header.frame_id = "map"
+    position, orientation = message.pose.pose.position, message.pose.pose.orientation
+    position.x, position.y, position.z = begin["translation"]
+    orientation.w, orientation.x, orientation.y, orientation.z = begin["rotation"]
+    message.pose.covariance = [(0.01 if i < 21 else 1e-3) if i % 7 == 0 else 0.0 for i in range(36)]
+    message.pose.covariance[0] = message.pose.covariance[7] = 0.5
+    publisher = rospy.Publisher("/initialpose", PoseWithCovarianceStamped, queue_size=1, latch=True)
+    publisher.publish(message)
+    return publisher
+
+
 def targets_of(raw):
     """Points of a PointCloud2: height times width, after the header."""
     frame_size = struct.unpack_from("<I", raw, 12)[0]
@@ -63,6 +82,9 @@ def measure(folder, address, seconds):
         scans = [(stamp, raw[1]) for topic, raw, stamp in player.messages if topic in radars]
         player.connect([*radars, "/vehicle/velocity", "/tf_static"])
         first_ns = player.messages[0][2]
+        publisher = publish_begin(folder, scans[0][0])
+        wait_for(publisher.get_num_connections, "a listener to /initialpose")
+        time.sleep(1.0)
         shift_ns = time.time_ns() - first_ns
         begin = time.monotonic()
         playing = threading.Thread(target=player.play, kwargs={"change": shifted(shift_ns)})
