@@ -1,4 +1,4 @@
-#include "client/datasets/vehicle_tilt.h"
+#include "client/datasets/finish_drive.h"
 
 #include <gtest/gtest.h>
 
@@ -16,16 +16,16 @@ Drive Straight(int scan_count, double pitch_rad, double step_m = 0.5) {
   return drive;
 }
 
-TEST(VehicleTiltTest, ALevelFrameMovesInItsOwnPlane) {
+TEST(TiltOfWayTest, ALevelFrameMovesInItsOwnPlane) {
   EXPECT_NEAR(TiltOfWay(Straight(100, 0.0)).value(), 0.0, 1e-12);
 }
 
-TEST(VehicleTiltTest, OfAFrameThatLooksUpTheWayLeadsDown) {
+TEST(TiltOfWayTest, OfAFrameThatLooksUpTheWayLeadsDown) {
   EXPECT_NEAR(TiltOfWay(Straight(100, 0.04)).value(), -0.04, 1e-9);
   EXPECT_NEAR(TiltOfWay(Straight(100, 0.04, -0.5)).value(), -0.04, 1e-9) << "backwards";
 }
 
-TEST(VehicleTiltTest, AShortWayTellsNothing) {
+TEST(TiltOfWayTest, AShortWayTellsNothing) {
   EXPECT_FALSE(TiltOfWay(Straight(30, 0.04)).has_value());
   EXPECT_FALSE(TiltOfWay(Drive()).has_value());
 }
