@@ -249,6 +249,7 @@ Json RigDescription(const Rig& rig, const SimulationOptions& options) {
                            {"map_speed_mps", options.map_speed_mps},
                            {"live_speeds_mps", options.live_speeds_mps},
                            {"stops", options.stops},
+                           {"scan_rate_hz", options.scan_rate_hz},
                            {"range_rate_step_mps", options.range_rate_step_mps},
                            {"parked_change_share", options.parked_change_share},
                            {"clutter_share", options.clutter_share},

@@ -24,7 +24,6 @@ using simulation::World;
 
 constexpr std::chrono::sys_days kFirstDay{std::chrono::year{2024} / 5 / 1};
 constexpr std::chrono::hours kDeparture{10};
-constexpr double kSignalPeriod = 0.02;   // [s]
 constexpr double kClockJitter = 0.0015;  // of a radar's period [s]
 constexpr double kGravity = 9.81;        // [m/s^2]
 constexpr double kWheelScaleSigma = 0.005;
@@ -146,8 +145,9 @@ class PassSimulator {
     const double wheel_scale = Normal(random, 1.0, kWheelScaleSigma);
     const double gyro_bias = Normal(random, 0.0, kGyroBiasSigma);
     std::vector<VehicleSignal> signals;
-    for (const double t : simulation::Steps(
-             -kSignalPeriod, motion_.duration_s() + 2.0 * kSignalPeriod, kSignalPeriod)) {
+    const double period_s = 1.0 / options_.signal_rate_hz;
+    for (const double t :
+         simulation::Steps(-period_s, motion_.duration_s() + 2.0 * period_s, period_s)) {
       const std::chrono::microseconds time = Microseconds(t);
       const MotionState state = motion_.At(Seconds(time));
       const double change = motion_.At(t + 0.01).speed_mps - motion_.At(t - 0.01).speed_mps;
@@ -160,12 +160,16 @@ class PassSimulator {
     return signals;
   }
 
+  double PeriodOfScans_s() const {
+    return options_.scan_rate_hz == 0.0 ? simulator_.profile.period_s : 1.0 / options_.scan_rate_hz;
+  }
+
   // When each radar scans: free-running clocks, ascending over all radars.
   std::vector<std::pair<std::chrono::microseconds, std::size_t>> Schedule() const {
     std::vector<std::pair<std::chrono::microseconds, std::size_t>> schedule;
     for (std::size_t radar = 0; radar < rig_.radars.size(); ++radar) {
       Random random = RandomFor(Stream::kClock, radar);
-      const double period = simulator_.profile.period_s * simulation::Uniform(random, 0.99, 1.01);
+      const double period = PeriodOfScans_s() * simulation::Uniform(random, 0.99, 1.01);
       const double first = simulation::Uniform(random, 0.0, period);
       for (const double t : simulation::Steps(first, motion_.duration_s(), period)) {
         const double jitter = std::clamp(Normal(random, 0.0, kClockJitter), -0.005, 0.005);

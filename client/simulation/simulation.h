@@ -14,7 +14,7 @@
 
 namespace dcloc {
 
-/// What the vehicle's own bus says at one moment (50 Hz), with the moment's true pose.
+/// What the vehicle's own bus says at one moment (`signal_rate_hz`), with the moment's true pose.
 struct VehicleSignal {
   Stamp stamp;
   Pose3 T_map_vehicle;                                          ///< exact

@@ -79,6 +79,10 @@ absl::Status Validate(const SimulationOptions& options) {
     status.Update(CheckRange(absl::StrCat("live_speeds_mps[", i, "]"), options.live_speeds_mps[i],
                              kMinMeanSpeed_mps, kMaxMeanSpeed_mps));
   }
+  if (options.scan_rate_hz != 0.0) {
+    status.Update(CheckRange("scan_rate_hz", options.scan_rate_hz, 0.1, 200.0));
+  }
+  status.Update(CheckRange("signal_rate_hz", options.signal_rate_hz, 1.0, 1000.0));
   status.Update(CheckRange("noise_scale", options.noise_scale, 0.0, 10.0));
   status.Update(CheckRange("beta_s", options.beta_s, -0.5, 0.5));
   status.Update(

@@ -36,6 +36,8 @@ struct SimulationOptions {
   double map_speed_mps = 72.0 / 3.6;                   ///< mean of the map pass
   std::vector<double> live_speeds_mps = {40.0 / 3.6};  ///< means of the live passes
   bool stops = false;                                  ///< halt at about every other crossroads
+  double signal_rate_hz = 50.0;                        ///< of wheels and gyroscope on the bus
+  double scan_rate_hz = 0.0;                           ///< of each radar; 0: as its kind does
 
   double noise_scale = 1.0;  ///< of all measurement noise; the rig's described sigmas do not change
   bool is_flat = false;      ///< ranges and range rates as if all stood at the radar's height

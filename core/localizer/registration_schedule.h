@@ -59,6 +59,10 @@ class RegistrationSchedule {
   /// The scan that was given last has been followed by a registration.
   void OnRegistration();
 
+  /// From the first scan since the sub-map was empty to the newest one. Of fast radars a full
+  /// sub-map spans less.
+  std::chrono::nanoseconds SinceBegin() const { return newest_ - submap_begin_; }
+
   /// From the newest registration to the newest scan; nothing before the first one.
   std::optional<std::chrono::nanoseconds> SinceRegistration() const;
 

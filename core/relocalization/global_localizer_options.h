@@ -33,7 +33,7 @@ struct GlobalLocalizerOptions {
   double expected_lead_per_view = 5.0;  ///< more with each further one
   double max_expected_lead = 14.0;      ///< at most
 
-  /// The time that the scans of a view span, at least.
+  /// So long scans have come before the first view, at least.
   std::chrono::nanoseconds min_view_span = std::chrono::milliseconds(400);
   /// The time between two views, at least.
   std::chrono::nanoseconds view_interval = std::chrono::milliseconds(400);

@@ -43,9 +43,9 @@ class Relocalizer {
     global_.OnMotion(motion);
   }
 
-  /// Goes on searching for what is seen now: `live`, in the vehicle frame, of scans over `span`. An
-  /// expected place is held against the others. Gives the place where the vehicle is once that is
-  /// decided, and forgets the views that led there.
+  /// Goes on searching for what is seen now: `live`, in the vehicle frame, of the last ones of
+  /// scans that have come for `span`. An expected place is held against the others. Gives the place
+  /// where the vehicle is once that is decided, and forgets the views that led there.
   std::optional<Place> Search(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
                               std::chrono::nanoseconds span,
                               const std::optional<ExpectedPlace>& expected,

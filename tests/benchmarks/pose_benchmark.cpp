@@ -34,16 +34,29 @@ enum class Wheels {
   kNone,
 };
 
+/// Simulated drives, each through a town of its own that was mapped at 20 m/s.
+struct Drives {
+  int radar_count = 1;
+  double length_m = 0.0;
+  double speed_mps = 0.0;
+  std::uint64_t first_seed = 1;
+  int count = 1;
+};
+
 /// A drive with the server's answers to it.
 struct AnsweredDrive {
   Rig rig;
   std::vector<v1::LocalizationResult> answers;
+  std::vector<Pose3> T_map_vehicle;                    ///< true, at the scans
   std::vector<std::optional<EgoVelocity>> velocities;  ///< of the scans
   std::vector<VehicleSignal> signals;
 };
 
 struct Errors {
   std::vector<double> position_m, heading_deg, nees;
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();  ///< of (along, across, heading) by variances
+  Eigen::Vector3d motion = Eigen::Vector3d::Zero();   ///< squares of the motion's own error
+  Eigen::Vector3d variances = Eigen::Vector3d::Zero();  ///< that were added for it
 };
 
 std::int64_t Nanoseconds(Stamp stamp) { return stamp.time_since_epoch().count(); }
@@ -53,12 +66,13 @@ Pose3 ToPose3(const client::RigidPose& T) {
   return {Eigen::Vector3d(T.translation_m.data()), Eigen::Quaterniond(w, x, y, z)};
 }
 
-AnsweredDrive Localized(double length_m, double speed_mps, int rig_size, std::uint64_t seed) {
+/// The `index`-th of `drives`.
+AnsweredDrive Localized(const Drives& drives, int index) {
   SimulationOptions options;
-  options.length_m = length_m;
-  options.rig_size = rig_size;
-  options.seed = seed;
-  options.live_speeds_mps = {speed_mps};
+  options.length_m = drives.length_m;
+  options.rig_size = drives.radar_count;
+  options.seed = drives.first_seed + static_cast<std::uint64_t>(index);
+  options.live_speeds_mps = {drives.speed_mps};
   const auto passes = Passes(options);
   const simulation::World world = MakeWorld(options);
   const SimulatedPass map_pass = SimulatePassWithTruth(world, options, passes[0]).value();
@@ -70,11 +84,12 @@ AnsweredDrive Localized(double length_m, double speed_mps, int rig_size, std::ui
                                      InitialPose{live.drive.scans.front().T_map_vehicle,
                                                  sigmas.cwiseAbs2().asDiagonal()})
                        .value();
-  AnsweredDrive answered{live.drive.rig, {}, {}, std::move(live.signals)};
+  AnsweredDrive answered{live.drive.rig, {}, {}, {}, std::move(live.signals)};
   for (const DriveScan& entry : live.drive.scans) {
     const auto answer = localizer.Localize(entry.scan);
     if (!answer.ok()) continue;
     answered.answers.push_back(cli::ToProto(*answer, live.drive.rig, 0));
+    answered.T_map_vehicle.push_back(entry.T_map_vehicle);
     answered.velocities.push_back(entry.scan.ego_velocity);
   }
   return answered;
@@ -87,16 +102,30 @@ v1::EgoVelocity OfWheels(const VehicleSignal& signal) {
   return velocity;
 }
 
+/// Of (x, y, yaw) in the pose's own frame, as its errors are.
+Eigen::Matrix3d CovarianceOf(const PoseEstimate& estimate) {
+  const Matrix6d fixed_axes =
+      Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(estimate.covariance.data());
+  return FlattenCovariance(TangentFromFixedAxes(ToPose3(estimate.T_map_vehicle), fixed_axes));
+}
+
 void Judge(const PoseEstimate& estimate, const Pose3& truth, Errors& errors) {
-  const Pose3 T = ToPose3(estimate.T_map_vehicle);
-  const Eigen::Vector3d error =
-      Log(Flatten(T.Inverse() * truth));  // in the vehicle frame, as is the covariance below
-  const Matrix6d covariance = TangentFromFixedAxes(
-      T,
-      Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(estimate.covariance.data()));
+  const Eigen::Vector3d error = Log(Flatten(ToPose3(estimate.T_map_vehicle).Inverse() * truth));
+  const Eigen::Matrix3d covariance = CovarianceOf(estimate);
   errors.position_m.push_back(error.head<2>().norm());
   errors.heading_deg.push_back(std::abs(error.z()) * kDegPerRad);
-  errors.nees.push_back(error.dot(FlattenCovariance(covariance).ldlt().solve(error)) / 3.0);
+  errors.nees.push_back(error.dot(covariance.ldlt().solve(error)) / 3.0);
+  errors.squares += error.cwiseAbs2().cwiseQuotient(covariance.diagonal());
+}
+
+/// The motion from the answer to the moment asked for, alone, and what its covariance adds.
+void JudgeMotion(const PoseEstimate& begin, const PoseEstimate& end, const Pose3& T_true,
+                 Errors& errors) {
+  const Pose3 T = ToPose3(begin.T_map_vehicle).Inverse() * ToPose3(end.T_map_vehicle);
+  errors.motion += Log(Flatten(T.Inverse() * T_true)).cwiseAbs2();
+  const Pose2 back = Flatten(T).Inverse();
+  const Eigen::Matrix3d carried = Adjoint(back) * CovarianceOf(begin) * Adjoint(back).transpose();
+  errors.variances += (CovarianceOf(end) - carried).diagonal();
 }
 
 /// Each answer is followed by a pause in which the vehicle asks for its pose, at the first moment
@@ -134,19 +163,34 @@ void AskAhead(const AnsweredDrive& drive, Wheels wheels, std::chrono::millisecon
     const auto estimate = poses.PoseAt(Nanoseconds(asked));
     if (!estimate.ok() || estimate->state != v1::LOCALIZATION_STATE_TRACKING) continue;
     Judge(*estimate, signal->T_map_vehicle, errors);
+    const auto begin = poses.PoseAt(answer.stamp_ns());
+    if (ahead.count() == 0 || !begin.ok()) continue;
+    JudgeMotion(*begin, *estimate, drive.T_map_vehicle[i].Inverse() * signal->T_map_vehicle,
+                errors);
   }
 }
 
+/// Errors, ANEES as a whole and of each part, and of the motion since the answer.
 void PrintErrors(const char* name, const std::vector<AnsweredDrive>& drives, Wheels wheels,
                  std::chrono::milliseconds ahead = std::chrono::milliseconds(100)) {
   Errors errors;
   for (const AnsweredDrive& drive : drives) AskAhead(drive, wheels, ahead, errors);
   double sum = 0.0;
   for (const double nees : errors.nees) sum += nees;
-  std::printf("%-44s %7zu %9.3f %9.3f %9.3f %9.3f %7.2f\n", name, errors.nees.size(),
-              Quantile(errors.position_m, 0.5), Quantile(errors.position_m, 0.95),
-              Quantile(errors.position_m, 1.0), Quantile(errors.heading_deg, 0.5),
-              sum / static_cast<double>(errors.nees.size()));
+  const auto count = static_cast<double>(errors.nees.size());
+  const Eigen::Vector3d squares = errors.squares / count;
+  std::printf("%-44s %7zu %7.3f %7.3f %7.3f %7.3f %6.2f  %5.2f %5.2f %5.2f", name,
+              errors.nees.size(), Quantile(errors.position_m, 0.5),
+              Quantile(errors.position_m, 0.95), Quantile(errors.position_m, 1.0),
+              Quantile(errors.heading_deg, 0.5), sum / count, squares.x(), squares.y(),
+              squares.z());
+  const Eigen::Vector3d motion = (errors.motion / count).cwiseSqrt();
+  const Eigen::Vector3d sigmas = (errors.variances / count).cwiseSqrt();
+  if (ahead.count() > 0) {
+    std::printf("  %5.1f/%4.1f %5.1f/%4.1f %5.2f/%4.2f", 1e3 * motion.x(), 1e3 * sigmas.x(),
+                1e3 * motion.y(), 1e3 * sigmas.y(), 1e3 * motion.z(), 1e3 * sigmas.z());
+  }
+  std::printf("\n");
 }
 
 double CpuNanoseconds() {
@@ -186,27 +230,42 @@ void PrintCosts(const AnsweredDrive& drive, int batch_count) {
               smooth_ns, answer_ns, std::isfinite(sum) ? "" : " (not finite)");
 }
 
+void PrintTable(const Drives& drives) {
+  // Wheels are wrong by a factor that is drawn once a drive.
+  std::vector<AnsweredDrive> answered;
+  for (int i = 0; i < drives.count; ++i) answered.push_back(Localized(drives, i));
+  std::printf("\n%d drives of %.0f m at %.0f m/s, radars: %d\n", drives.count, drives.length_m,
+              drives.speed_mps, drives.radar_count);
+  std::printf("%-44s %7s %23s %7s %6s  %17s  %s\n", "100 ms after the last answer", "asked",
+              "p50, p95, max m", "p50 deg", "ANEES", "along across head.",
+              "the motion's error / sigma, mm mm mrad");
+  PrintErrors("  0 ms after it", answered, Wheels::kUntilNow, std::chrono::milliseconds(0));
+  PrintErrors("  wheels at 50 Hz until the moment asked for", answered, Wheels::kUntilNow);
+  PrintErrors("  wheels at 50 Hz until the answer", answered, Wheels::kUntilAnswer);
+  PrintErrors("  the velocity that went with the scans", answered, Wheels::kOfScans);
+  PrintErrors("  answers alone", answered, Wheels::kNone);
+}
+
 }  // namespace
 }  // namespace dcloc::benchmarks
 
 int main(int argc, char** argv) {
   using namespace dcloc::benchmarks;  // NOLINT(google-build-using-namespace)
   const bool smoke = IsSmokeRun(argc, argv);
-  std::printf("%-44s %7s %9s %9s %9s %9s %7s\n", "100 ms after the last answer, 20 m/s", "asked",
-              "p50 m", "p95 m", "max m", "p50 deg", "ANEES");
-  for (const int rig_size : {1, 5}) {
-    if (smoke && rig_size > 1) break;
-    // Wheels are wrong by a factor that is drawn once a drive.
-    std::vector<AnsweredDrive> drives;
-    for (std::uint64_t seed = 1; seed <= (smoke ? 1 : 6); ++seed) {
-      drives.push_back(Localized(smoke ? 100.0 : 1000.0, 20.0, rig_size, seed));
-    }
-    std::printf("%d radar%s\n", rig_size, rig_size == 1 ? "" : "s");
-    PrintErrors("  0 ms after it", drives, Wheels::kUntilNow, std::chrono::milliseconds(0));
-    PrintErrors("  wheels at 50 Hz until the moment asked for", drives, Wheels::kUntilNow);
-    PrintErrors("  wheels at 50 Hz until the answer", drives, Wheels::kUntilAnswer);
-    PrintErrors("  the velocity that went with the scans", drives, Wheels::kOfScans);
-    PrintErrors("  answers alone", drives, Wheels::kNone);
-    if (rig_size == 1) PrintCosts(drives.front(), smoke ? 3 : 101);
+  // Of the latter seeds nothing was chosen.
+  const std::vector<Drives> all = {
+      {.radar_count = 1, .length_m = 1000.0, .speed_mps = 20.0, .first_seed = 1, .count = 6},
+      {.radar_count = 1,
+       .length_m = 2000.0,
+       .speed_mps = 40.0 / 3.6,
+       .first_seed = 401,
+       .count = 4},
+      {.radar_count = 5, .length_m = 1000.0, .speed_mps = 20.0, .first_seed = 1, .count = 6}};
+  if (smoke) {
+    PrintTable(
+        {.radar_count = 1, .length_m = 100.0, .speed_mps = 20.0, .first_seed = 1, .count = 1});
+    return 0;
   }
+  for (const Drives& drives : all) PrintTable(drives);
+  PrintCosts(Localized(all.front(), 0), 101);
 }

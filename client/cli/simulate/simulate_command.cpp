@@ -156,6 +156,9 @@ void AddRadarOptions(CLI::App& app, SimulationOptions& options) {
   app.add_flag("--flat", options.is_flat,
                "Measure as if everything stood at the radar's height, so that no range is slant");
   app.add_option("--rig", options.rig_size, "Number of radars, 1 (front) or 5")->type_name("COUNT");
+  app.add_option("--scan-rate-hz", options.scan_rate_hz,
+                 "Scans of each radar a second; 0 for those of its kind, 13")
+      ->type_name("HZ");
   app.add_option("--beta-s", options.beta_s,
                  "Range-Doppler coupling: measured range = range + beta * range rate")
       ->type_name("S");

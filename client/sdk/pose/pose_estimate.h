@@ -30,7 +30,7 @@ struct PoseOptions {
   /// A vehicle whose own velocity is older than this is taken to move as the answers say.
   std::chrono::milliseconds max_velocity_age{300};
   /// Deviation of a velocity that the vehicle gave without a covariance: a constant, and a share of
-  /// the speed.
+  /// the speed, which is the learned scale's deviation once the server has learned one.
   double velocity_sigma_mps = 0.03;
   double velocity_scale_sigma = 0.005;
   double turn_rate_sigma_radps = 0.002;

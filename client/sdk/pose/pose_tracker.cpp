@@ -42,8 +42,18 @@ bool IsFaulty(const v1::SourceHealth& health) {
   return health.fault() != v1::SOURCE_FAULT_UNSPECIFIED && health.fault() != v1::SOURCE_FAULT_NONE;
 }
 
-absl::StatusOr<GivenVelocity> VelocityOf(std::int64_t stamp_ns, const v1::EgoVelocity& message,
-                                         const PoseOptions& options) {
+/// Of a velocity that came without a covariance.
+Vector6 UsualVariances(const Vector6& velocity, double scale_sigma, const PoseOptions& options) {
+  Vector6 variances;
+  for (std::size_t i = 0; i < variances.size(); ++i) {
+    const double scaled = i < 3 ? scale_sigma * velocity[i] : 0.0;
+    const double sigma = i < 3 ? options.velocity_sigma_mps : options.turn_rate_sigma_radps;
+    variances[i] = sigma * sigma + scaled * scaled;
+  }
+  return variances;
+}
+
+absl::StatusOr<GivenVelocity> VelocityOf(std::int64_t stamp_ns, const v1::EgoVelocity& message) {
   if (stamp_ns <= 0) {
     return absl::InvalidArgumentError(
         absl::StrCat("stamp_ns is ", stamp_ns, "; it must be positive"));
@@ -59,11 +69,7 @@ absl::StatusOr<GivenVelocity> VelocityOf(std::int64_t stamp_ns, const v1::EgoVel
     return absl::InvalidArgumentError(
         absl::StrCat("ego_velocity.covariance has ", count, " values; it must have 36 or none"));
   }
-  for (std::size_t i = 0; i < 6; ++i) {
-    const double scaled = i < 3 ? options.velocity_scale_sigma * given.velocity[i] : 0.0;
-    const double sigma = i < 3 ? options.velocity_sigma_mps : options.turn_rate_sigma_radps;
-    given.variances[i] = sigma * sigma + scaled * scaled;
-  }
+  given.has_usual_variances = count == 0;
   for (int i = 0; i < 6 && count == 36; ++i) {
     const double variance = message.covariance(7 * i);
     if (!std::isfinite(variance) || variance < 0.0) {
@@ -145,7 +151,8 @@ absl::StatusOr<PoseEstimate> Look(const PublishedTimeline& timeline, std::int64_
 
 }  // namespace
 
-PoseTracker::PoseTracker(const PoseOptions& options) : options_(options) {}
+PoseTracker::PoseTracker(const PoseOptions& options)
+    : options_(options), learned_{.scale_sigma = options.velocity_scale_sigma} {}
 
 absl::StatusOr<PoseEstimate> PoseTracker::PoseAt(std::int64_t stamp_ns) const {
   return Look(published_, stamp_ns, options_, false);
@@ -160,8 +167,11 @@ void PoseTracker::AddAnswer(const v1::LocalizationResult& result) {
   StartOverIfSetBack(result.stamp_ns());
   if (result.has_learned_rig()) {
     const v1::LearnedRig& rig = result.learned_rig();
-    learned_ = {.scale = rig.has_wheel_scale() ? rig.wheel_scale().value() : 1.0,
-                .yaw_rate_correction_radps = rig.yaw_rate_correction_radps().value()};
+    const bool has_scale = rig.has_wheel_scale();
+    learned_ = {
+        .scale = has_scale ? rig.wheel_scale().value() : 1.0,
+        .scale_sigma = has_scale ? rig.wheel_scale().sigma() : options_.velocity_scale_sigma,
+        .yaw_rate_correction_radps = rig.yaw_rate_correction_radps().value()};
   }
   trusts_given_ = !IsFaulty(result.health().wheel_speed()) && !IsFaulty(result.health().yaw_rate());
   if (!HasPoseInMap(result)) {
@@ -178,7 +188,7 @@ void PoseTracker::AddAnswer(const v1::LocalizationResult& result) {
 }
 
 absl::Status PoseTracker::AddVelocity(std::int64_t stamp_ns, const v1::EgoVelocity& velocity) {
-  const absl::StatusOr<GivenVelocity> given = VelocityOf(stamp_ns, velocity, options_);
+  const absl::StatusOr<GivenVelocity> given = VelocityOf(stamp_ns, velocity);
   if (!given.ok()) return given.status();
   const std::lock_guard lock(mutex_);
   // The newest one is always known, those before it often enough.
@@ -216,6 +226,9 @@ std::vector<GivenVelocity> PoseTracker::CorrectedVelocities() const {
   for (GivenVelocity& given : corrected) {
     for (std::size_t i = 0; i < 3; ++i) given.velocity[i] *= learned_.scale;
     given.velocity[5] += learned_.yaw_rate_correction_radps;
+    if (given.has_usual_variances) {
+      given.variances = UsualVariances(given.velocity, learned_.scale_sigma, options_);
+    }
   }
   return corrected;
 }

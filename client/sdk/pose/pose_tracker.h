@@ -46,6 +46,7 @@ class PoseTracker {
   /// What the server has learned of the velocities that the vehicle gives.
   struct OdometryErrors {
     double scale = 1.0;
+    double scale_sigma = 0.0;
     double yaw_rate_correction_radps = 0.0;
   };
 

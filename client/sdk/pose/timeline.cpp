@@ -12,8 +12,23 @@ namespace {
 constexpr Vector6 kUnknownVariances = {400.0, 4.0, 1.0, 0.01, 0.01, 0.25};
 /// Velocities are told from answers that lie so far apart, where there are any.
 constexpr std::int64_t kBaseline_ns = 300'000'000;
+/// So far ahead of the axle that does not slip sideways the vehicle frame may lie: a turn that
+/// begins moves it sideways.
+constexpr double kAheadOfAxle_m = 3.0;
 
 double Seconds(std::int64_t duration_ns) { return 1e-9 * static_cast<double>(duration_ns); }
+
+/// What a change of the velocity adds in the plane, which `factor` takes to the unit: seconds for a
+/// velocity, seconds squared for a way.
+Vector6 AccelerationVariances(double factor, const PoseOptions& options) {
+  const double turn = options.turn_acceleration_sigma_radps2 * factor;
+  return {std::pow(options.acceleration_sigma_mps2 * factor, 2),
+          std::pow(kAheadOfAxle_m * turn, 2),
+          0.0,
+          0.0,
+          0.0,
+          turn * turn};
+}
 
 /// The velocity at any stamp: between those given on a straight line, beyond them the nearest.
 GivenVelocity VelocityAt(const std::vector<GivenVelocity>& given, std::int64_t stamp_ns) {
@@ -48,10 +63,7 @@ GivenVelocity VelocityOfAnswers(const std::vector<Anchor>& anchors, const PoseOp
   }
   // It is that of the time's middle, and may have changed since.
   const double half_s = 0.5 * duration_s;
-  for (const std::size_t i : {0, 1}) {
-    variances[i] += std::pow(options.acceleration_sigma_mps2 * half_s, 2);
-  }
-  variances[5] += std::pow(options.turn_acceleration_sigma_radps2 * half_s, 2);
+  variances = variances + AccelerationVariances(half_s, options);
   return {last.stamp_ns, (1.0 / duration_s) * way, variances};
 }
 
@@ -165,10 +177,7 @@ class Builder {
     }
     Vector6 added = std::pow(std::min(before_s, after_s), 2) * segment.variances;
     if (given_.empty()) {  // the velocity may have changed meanwhile
-      const double half_s2 = 0.5 * before_s * after_s;
-      added = {};
-      added[0] = added[1] = std::pow(options_.acceleration_sigma_mps2 * half_s2, 2);
-      added[5] = std::pow(options_.turn_acceleration_sigma_radps2 * half_s2, 2);
+      added = AccelerationVariances(0.5 * before_s * after_s, options_);
     }
     AddVariances(segment.begin, added, segment.covariance);
     segment.variances = {};

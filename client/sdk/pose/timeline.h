@@ -21,8 +21,9 @@ struct Anchor {
 /// The vehicle's velocity as it gave it.
 struct GivenVelocity {
   std::int64_t stamp_ns = 0;
-  Vector6 velocity{};   ///< in the vehicle frame
-  Vector6 variances{};  ///< of it
+  Vector6 velocity{};                ///< in the vehicle frame
+  Vector6 variances{};               ///< of it
+  bool has_usual_variances = false;  ///< it came without a covariance
 };
 
 /// The time from `begin_ns` to the next segment, in which the velocity changes evenly.

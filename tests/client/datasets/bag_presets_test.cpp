@@ -21,6 +21,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 const TwoPasses& BagPasses() {
   static const TwoPasses passes = SimulateTwoPasses(/*seed=*/21);
@@ -56,6 +57,7 @@ TEST_F(BagPresetsTest, SnailRadarIsLocalized) {
   EXPECT_THAT(*DriveNames(dataset), ElementsAre("20240123/data2", "20240123/data3"));
   ExpectLocalizedAs(DatasetFormat::kSnailRadar, "20240123/data2", "20240123/data3",
                     BodyOnVehicle(BagPasses().live, MountInSet(BagSet::kSnailRadar)));
+  EXPECT_THAT(ReadDriveOf(dataset, "20240123/data2").notes, IsEmpty());
 }
 
 TEST_F(BagPresetsTest, Ntu4dRadLmIsLocalized) {
@@ -67,6 +69,9 @@ TEST_F(BagPresetsTest, Ntu4dRadLmIsLocalized) {
   ExpectLocalizedAs(DatasetFormat::kNtu4dRadLm, "loop2/loop2_2022-06-03_0",
                     "loop3/loop3_2022-06-03_0",
                     BodyOnVehicle(BagPasses().live, MountInSet(BagSet::kNtu4dRadLm)));
+  // The radar is level here, and so the lidar on which it sits is not.
+  EXPECT_THAT(ReadDriveOf(dataset, "loop2/loop2_2022-06-03_0").notes,
+              Contains(HasSubstr("it drives 2.6 degrees out of its xy plane")));
 }
 
 TEST_F(BagPresetsTest, MscRad4rIsLocalizedOnceTheMountIsSaid) {

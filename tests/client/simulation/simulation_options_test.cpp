@@ -10,10 +10,11 @@ namespace {
 TEST(SimulationOptionsTest, EachFieldIsValidated) {
   // A field that is added does not compile here until it has a row below.
   [[maybe_unused]] const auto& [world, radar, noise, rig_size, seed, length_m, tunnel_m, loop_m,
-                                both_ways, map_speed_mps, live_speeds_mps, stops, noise_scale,
-                                is_flat, beta_s, has_elevation, unambiguous_range_rate_mps,
-                                range_rate_step_mps, parked_change_share, clutter_share,
-                                ghost_share, day, vehicle_count, ageing] = SimulationOptions{};
+                                both_ways, map_speed_mps, live_speeds_mps, stops, signal_rate_hz,
+                                scan_rate_hz, noise_scale, is_flat, beta_s, has_elevation,
+                                unambiguous_range_rate_mps, range_rate_step_mps,
+                                parked_change_share, clutter_share, ghost_share, day, vehicle_count,
+                                ageing] = SimulationOptions{};
   [[maybe_unused]] const auto& [replaced_share, site_m, post_count, gone_wall_m, leaf_count] =
       ageing;
   ExpectEachFieldIsValidated<SimulationOptions>(
@@ -26,6 +27,8 @@ TEST(SimulationOptionsTest, EachFieldIsValidated) {
        {"loop_m", [](auto& o, double v) { o.loop_m = v; }, {.zero = "a street with two ends"}},
        {"map_speed_mps", [](auto& o, double v) { o.map_speed_mps = v; }, {}},
        {"live_speeds_mps[0]", [](auto& o, double v) { o.live_speeds_mps = {v}; }, {}},
+       {"scan_rate_hz", [](auto& o, double v) { o.scan_rate_hz = v; }, {.zero = "as its kind"}},
+       {"signal_rate_hz", [](auto& o, double v) { o.signal_rate_hz = v; }, {}},
        {"noise_scale", [](auto& o, double v) { o.noise_scale = v; }, {.zero = "no noise"}},
        {"beta_s", [](auto& o, double v) { o.beta_s = v; }, {.zero = "no coupling"}},
        {"unambiguous_range_rate_mps",

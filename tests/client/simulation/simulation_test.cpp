@@ -54,6 +54,18 @@ TEST(SimulationTest, EqualOptionsGiveEqualScans) {
   EXPECT_NE(first.drive.scans[5].scan.range_m, third.drive.scans[5].scan.range_m);
 }
 
+TEST(SimulationTest, ScansAndSignalsComeAtTheirRates) {
+  SimulationOptions options = Small(WorldKind::kTown, RadarKind::kArs408);
+  options.scan_rate_hz = 40.0;
+  options.signal_rate_hz = 100.0;
+  const SimulatedPass pass = PassOf(options, 1);
+  const auto& scans = pass.drive.scans;
+  const double duration_s =
+      std::chrono::duration<double>(scans.back().scan.stamp - scans.front().scan.stamp).count();
+  EXPECT_NEAR(static_cast<double>(scans.size() - 1) / duration_s, 40.0, 0.5);
+  EXPECT_EQ(pass.signals[8].stamp - pass.signals[7].stamp, std::chrono::milliseconds(10));
+}
+
 TEST(SimulationTest, AnotherDayHasOtherDrivesAndParkedVehiclesInTheSameTown) {
   SimulationOptions options = Small(WorldKind::kTown, RadarKind::kArs408);
   options.parked_change_share = 0.5;

@@ -44,6 +44,18 @@ TEST_F(LocalizerStartTest, FindsThePlaceWithoutAPrior) {
   EXPECT_LT(errors.max_m, 0.4);
 }
 
+TEST_F(LocalizerStartTest, RadarsOf50HzStartToo) {
+  const auto drive = DriveRoad(SyntheticWorld(), FrontRadar(), kLiveSpeed_mps, 2, 20);
+  for (const bool has_prior : {true, false}) {
+    const auto prior =
+        has_prior ? std::optional(PriorAt(Start(), 1.0, 2.0 * kDegree)) : std::nullopt;
+    const Errors errors = ErrorsOf(LocalizeDrive(MakeLocalizer(map_, FrontRadar(), prior), drive));
+    ASSERT_GE(errors.first_tracking, 0) << "never tracked";
+    EXPECT_LT(errors.first_tracking, 250);
+    EXPECT_LT(errors.mean_m, 0.1);
+  }
+}
+
 TEST_F(LocalizerStartTest, ElsewhereItDoesNotFindItself) {
   // Another world: no answer may claim to track in this map.
   SyntheticWorld other;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 
@@ -34,6 +35,17 @@ TEST(RegistrationScheduleTest, ASubmapThatBeginsAnewWaitsAgain) {
   EXPECT_TRUE(schedule.IsDue(false));
   schedule.OnScan(ScanTime(5000), 1, kPoints);
   EXPECT_FALSE(schedule.IsDue(false));
+}
+
+TEST(RegistrationScheduleTest, ScansHaveComeSinceTheSubmapBegan) {
+  RegistrationSchedule schedule({}, kFull);
+  schedule.OnScan(ScanTime(0), 1, kPoints);
+  for (int i = 1; i <= 50; ++i) {
+    schedule.OnScan(ScanTime(20 * i), std::min(i + 1, kFull), kPoints);
+  }
+  EXPECT_EQ(schedule.SinceBegin(), milliseconds(1000)) << "however few scans are kept";
+  schedule.OnScan(ScanTime(5000), 1, kPoints);
+  EXPECT_EQ(schedule.SinceBegin(), milliseconds(0));
 }
 
 TEST(RegistrationScheduleTest, RadarsThatFollowOneAnotherShareARegistration) {

@@ -122,13 +122,15 @@ inline Rig FrontRadar(double beta_s = 0.0, bool has_elevation = false) {
 
 /// The whole road at one speed, each radar every 77 ms; scans carry the wheels' velocity.
 inline std::vector<TrueScan> DriveRoad(const SyntheticWorld& world, const Rig& rig,
-                                       double speed_mps, unsigned seed) {
+                                       double speed_mps, unsigned seed, int period_ms = 77) {
   std::mt19937 random(seed);
   std::vector<TrueScan> drive;
   const EgoVelocity ego = SyntheticWorld::VelocityAt(speed_mps);
-  for (int i = 0; 0.077 * i * speed_mps < SyntheticWorld::kLength_m; ++i) {
-    const Stamp stamp(std::chrono::seconds(1'700'000'000) + std::chrono::milliseconds(77 * i));
-    const Pose3 T_map_vehicle = SyntheticWorld::OnRoad(0.077 * i * speed_mps);
+  const double period_s = 1e-3 * period_ms;
+  for (int i = 0; period_s * i * speed_mps < SyntheticWorld::kLength_m; ++i) {
+    const Stamp stamp(std::chrono::seconds(1'700'000'000) +
+                      std::chrono::milliseconds(period_ms * i));
+    const Pose3 T_map_vehicle = SyntheticWorld::OnRoad(period_s * i * speed_mps);
     for (const RadarModel& radar : rig.radars) {
       Scan scan = world.See(radar, T_map_vehicle, ego, stamp, random);
       scan.ego_velocity = ego;

@@ -4,6 +4,7 @@
 Usage: doctor_table_test.py DCLOC SERVER [unittest arguments]
 """
 
+import collections
 import json
 import os
 import pathlib
@@ -20,6 +21,7 @@ from setups import (Bag, Listener, Sites, answer_http, answer_tls, certificates,
                     clock_off_by, front_mount, set_of_all_radars, set_of_first_radar, swap_mounts)
 
 PROGRAMS = []
+COUNTS = collections.Counter()
 FRONT, LEFT = "RADAR_FRONT", "RADAR_FRONT_LEFT"
 FINDINGS = {"failed": 1, "warning": 3}
 
@@ -60,6 +62,7 @@ class DoctorTable(unittest.TestCase):
 
     def expect(self, mistake, words, check, told):
         """The check finds the mistake, and says the word."""
+        COUNTS["planted"] += 1
         with self.subTest(mistake):
             checks = self.doctor(words)
             self.assertIn(check, checks)
@@ -67,11 +70,14 @@ class DoctorTable(unittest.TestCase):
             self.assertIn(found["result"], FINDINGS, found)
             self.assertIn(told, found["what"] + " -> " + found["advice"])
             self.assertTrue(found["advice"] or check == "TLS", found)
+            COUNTS["found"] += 1
 
     def expect_sound(self, setup, words):
+        COUNTS["sound"] += 1
         with self.subTest(setup):
             found = [check for check in self.doctor(words).values() if check["result"] in FINDINGS]
             self.assertEqual(found, [])
+            COUNTS["without findings"] += 1
 
     def tls(self, name="127.0.0.1"):
         return ["--tls-cert", self.certs / f"{name}.pem", "--tls-key", self.certs / f"{name}.key"]
@@ -243,4 +249,7 @@ class DoctorTable(unittest.TestCase):
 
 if __name__ == "__main__":
     PROGRAMS[:] = map(os.path.abspath, sys.argv[1:3])
-    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+    result = unittest.main(argv=[sys.argv[0], *sys.argv[3:]], exit=False).result
+    print(f"{COUNTS['found']} of {COUNTS['planted']} planted mistakes were found; "
+          f"{COUNTS['without findings']} of {COUNTS['sound']} sound set-ups had no findings")
+    sys.exit(not result.wasSuccessful())

@@ -220,5 +220,40 @@ TEST(PoseTrackerTest, WhatTheServerHasLearnedOfTheOdometryIsUsed) {
   EXPECT_NEAR(poses.PoseAt(At(100))->velocity[0], 20.4, 1e-9);
 }
 
+TEST(PoseTrackerTest, OnceTheScaleIsLearnedTheMotionIsAsSureAsThat) {
+  const auto added_m2 = [](const v1::LocalizationResult& answer) {
+    PoseTracker poses({.velocity_sigma_mps = 0.01, .velocity_scale_sigma = 0.005});
+    EXPECT_TRUE(poses.AddVelocity(At(0), Driving(20.0)).ok());
+    EXPECT_TRUE(poses.AddVelocity(At(100), Driving(20.0)).ok());
+    poses.AddAnswer(answer);
+    return Pose(poses, 100).covariance[0] - Pose(poses, 0).covariance[0];
+  };
+  v1::LocalizationResult answer = AnswerAt(0, 0.0);
+  EXPECT_NEAR(added_m2(answer), 0.01 * (1e-4 + 0.01), 1e-9);
+  answer.mutable_learned_rig()->mutable_wheel_scale()->set_value(1.0);
+  answer.mutable_learned_rig()->mutable_wheel_scale()->set_sigma(0.002);
+  EXPECT_NEAR(added_m2(answer), 0.01 * (1e-4 + 0.0016), 1e-9);
+}
+
+TEST(PoseTrackerTest, AVelocitysOwnCovarianceCountsWhateverWasLearned) {
+  PoseTracker poses({});
+  v1::EgoVelocity velocity = Driving(20.0);
+  for (int i = 0; i < 36; ++i) velocity.add_covariance(i == 0 ? 0.09 : 0.0);
+  ASSERT_TRUE(poses.AddVelocity(At(0), velocity).ok());
+  ASSERT_TRUE(poses.AddVelocity(At(100), velocity).ok());
+  v1::LocalizationResult answer = AnswerAt(0, 0.0);
+  answer.mutable_learned_rig()->mutable_wheel_scale()->set_value(1.0);
+  answer.mutable_learned_rig()->mutable_wheel_scale()->set_sigma(0.002);
+  poses.AddAnswer(answer);
+  EXPECT_NEAR(Pose(poses, 100).covariance[0] - Pose(poses, 0).covariance[0], 0.01 * 0.09, 1e-9);
+}
+
+TEST(PoseTrackerTest, AnswersAloneSayLittleOfTheSpeedButMuchOfTheWayAside) {
+  PoseTracker poses({});
+  for (int i = 0; i <= 300; i += 100) poses.AddAnswer(AnswerAt(i, 0.02 * i));
+  const PoseEstimate estimate = Pose(poses, 400);
+  EXPECT_LT(estimate.covariance[7], estimate.covariance[0]);
+}
+
 }  // namespace
 }  // namespace dcloc::client
