@@ -38,14 +38,14 @@ void MakeRows(std::span<const RadarScan> scans, std::vector<Row>& rows) {  // ME
   std::size_t target_count = 0;
   for (const RadarScan& one : scans) target_count += one.scan->size();
   const std::size_t stride = std::max<std::size_t>(1, (target_count + kMaxRows - 1) / kMaxRows);
-  for (const auto& [scan, radar] : scans) {
+  for (const auto& [scan, radar, speed_gain_mps] : scans) {
     const Matrix3d R_vehicle_radar = radar->T_vehicle_radar.Rotation();
     const Vector3d& mount = radar->T_vehicle_radar.translation_m;
     for (std::size_t i = 0; i < scan->size(); i += stride) {
       const Measurement m = MeasurementAt(*scan, i, *radar);
       const Vector3d u = R_vehicle_radar * LineOfSight(m.azimuth_rad, m.elevation_rad);
       rows.push_back({.row = {-u.x(), -u.y(), -(mount.x() * u.y() - mount.y() * u.x())},
-                      .range_rate_mps = m.range_rate_mps,
+                      .range_rate_mps = m.range_rate_mps - u.x() * speed_gain_mps,
                       .unambiguous_mps = radar->unambiguous_range_rate_mps,
                       .sigma_mps = m.range_rate_sigma_mps,
                       .cross_row_sigma_rad = m.azimuth_sigma_rad,

@@ -16,6 +16,8 @@ namespace dcloc {
 struct RadarScan {
   const Scan* scan = nullptr;
   const RadarModel* radar = nullptr;
+  /// By how much faster the vehicle is at the moment of all scans than when this one was taken.
+  double speed_gain_mps = 0.0;
 };
 
 struct EgoVelocityOptions {

@@ -89,6 +89,7 @@ absl::Status Validate(const EgoMotionOptions& options) {
   status.Update(Within("late", Validate(options.late)));
   status.Update(Within("wheel_scale", Validate(options.wheel_scale)));
   status.Update(Within("disagreement", Validate(options.disagreement)));
+  status.Update(Within("acceleration", Validate(options.acceleration)));
   return status;
 }
 
@@ -121,7 +122,10 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
                       ReadingsOf(reported, doppler, alternative, simultaneous_scans_.size()));
   if (alternative && IsNearer(*alternative, *doppler, sources_.speed())) doppler = alternative;
   const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
-  if (doppler_is_sound) late_.OnDoppler(moment_, doppler->ego_velocity);
+  if (doppler_is_sound) {
+    late_.OnDoppler(moment_, doppler->ego_velocity);
+    acceleration_.OnSpeed(moment_, doppler->ego_velocity.linear_mps.x());
+  }
   FollowWheelScale(stamp, reported, doppler_is_sound ? &*doppler : nullptr);
   if (reported) {
     reported = late_.ExtrapolatedToNow(stamp, Corrected(*scan.ego_velocity),
@@ -345,16 +349,21 @@ std::span<const RadarScan> EgoMotion::Remember(const Scan& scan, Stamp stamp,
   newest.stamp = stamp;
   newest.radar = &radar;
   simultaneous_scans_.clear();
+  ages_.clear();
   double target_count = 0.0;
   std::chrono::duration<double, std::nano> age_sum(0.0);
   for (const auto& [id, recent] : recent_) {
     if (stamp - recent.stamp > options_.simultaneous) continue;
     simultaneous_scans_.push_back({&recent.scan, recent.radar});
+    ages_.push_back(stamp - recent.stamp);
     age_sum += static_cast<double>(recent.scan.size()) * (stamp - recent.stamp);
     target_count += static_cast<double>(recent.scan.size());
   }
   moment_ =
       stamp - std::chrono::round<std::chrono::nanoseconds>(age_sum / std::max(1.0, target_count));
+  for (std::size_t i = 0; i < ages_.size(); ++i) {
+    simultaneous_scans_[i].speed_gain_mps = acceleration_.Gain_mps(moment_ - (stamp - ages_[i]));
+  }
   return simultaneous_scans_;
 }
 

@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "core/geometry/chi_square.h"
 #include "core/odometry/doppler_ego_velocity.h"
+#include "core/odometry/forward_acceleration.h"
 #include "core/odometry/late_odometry.h"
 #include "core/odometry/motion.h"
 #include "core/odometry/motion_history.h"
@@ -35,6 +36,7 @@ struct EgoMotionOptions {
   LateOdometryOptions late;
   WheelScaleMonitorOptions wheel_scale;
   SpeedDisagreementOptions disagreement;
+  ForwardAccelerationOptions acceleration;
   /// Reported and Doppler velocity are fused where their squared Mahalanobis distance over speed
   /// and yaw rate is at most this.
   double max_squared_distance = kChiSquare999With2Dof;
@@ -72,6 +74,7 @@ class EgoMotion {
         late_(options.late),
         wheel_scale_(options.wheel_scale),
         disagreement_(options.disagreement),
+        acceleration_(options.acceleration),
         history_(options.history, options.motion),
         wheel_speed_diagnosis_(options.diagnosis_speed_mps),
         yaw_rate_diagnosis_(options.diagnosis_yaw_rate_radps) {}
@@ -205,6 +208,7 @@ class EgoMotion {
   LateOdometry late_;
   WheelScaleMonitor wheel_scale_;
   SpeedDisagreement disagreement_;
+  ForwardAcceleration acceleration_;
   MotionHistory history_;
   Pose3 expected_motion_;
   Motion since_previous_;
@@ -219,9 +223,10 @@ class EgoMotion {
   std::optional<Stamp> reported_stamp_;
   SourceDiagnosis wheel_speed_diagnosis_;
   SourceDiagnosis yaw_rate_diagnosis_;
-  std::map<std::string, RecentScan> recent_;   // by radar id
-  std::vector<RadarScan> simultaneous_scans_;  // those of recent_ within `simultaneous`
-  Stamp moment_{};                             // when their targets were measured, on average
+  std::map<std::string, RecentScan> recent_;    // by radar id
+  std::vector<RadarScan> simultaneous_scans_;   // those of recent_ within `simultaneous`
+  std::vector<std::chrono::nanoseconds> ages_;  // of each
+  Stamp moment_{};                              // when their targets were measured, on average
   bool sources_changed_ = false;
   // Driven since a registration last said where along the track the vehicle is.
   double unobserved_distance_m_ = 0.0;
