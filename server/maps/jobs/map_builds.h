@@ -78,6 +78,7 @@ class MapBuilds {
 
   void Run(Build& build);
   absl::StatusOr<MapVersionRecord> Make(Build& build) const;
+  absl::StatusOr<MeasuredStamps> StampsOf(Build& build) const;
   absl::StatusOr<std::vector<std::byte>> AddScans(Build& build) const;
   absl::StatusOr<MapVersionRecord> Keep(const BuildRequest& request,
                                         const std::vector<std::byte>& bytes) const;
