@@ -6,14 +6,15 @@
 namespace dcloc {
 namespace {
 
-double MeasuredVariance(const ScalarEstimate& late_s, const LearnedStampOptions& options) {
-  return late_s.variance + std::pow(options.systematic_sigma_s, 2);
-}
+// Two drives that differ by more have measured two delays.
+constexpr double kSameSigmas = 3.0;
+// How uncertain it is that a live radar is as late as those of the map, as a fraction of that.
+constexpr double kAssumedSigmaFraction = 0.5;
 
 // What two drives say, or the newer one where they contradict each other.
-ScalarEstimate Joined(const ScalarEstimate& earlier, const ScalarEstimate& own, double sigmas) {
+ScalarEstimate Joined(const ScalarEstimate& earlier, const ScalarEstimate& own) {
   const double sum = earlier.variance + own.variance;
-  if (std::pow(own.value - earlier.value, 2) > sigmas * sigmas * sum) return own;
+  if (std::pow(own.value - earlier.value, 2) > std::pow(kSameSigmas, 2) * sum) return own;
   return {.value = (own.value * earlier.variance + earlier.value * own.variance) / sum,
           .variance = own.variance * earlier.variance / sum};
 }
@@ -43,15 +44,27 @@ absl::Status Validate(const LearnedStampOptions& options) {
 // METHOD eq 68.
 std::optional<ScalarEstimate> CorrectedTimeOffset(const RadarModel& described,
                                                   const ScalarEstimate& late_s,
-                                                  const LearnedStampOptions& options) {
-  const double prior = std::pow(described.time_offset_sigma_s, 2);
-  const double measured = MeasuredVariance(late_s, options);
-  const bool is_contradicted =
-      std::pow(late_s.value, 2) > std::pow(options.contradiction_sigmas, 2) * (prior + measured);
-  const double gain = is_contradicted ? 1.0 : prior / (prior + measured);
-  if (std::abs(gain * late_s.value) < options.min_correction_s) return std::nullopt;
-  return ScalarEstimate{.value = described.time_offset_s - gain * late_s.value,
-                        .variance = gain * measured};
+                                                  const LearnedStampOptions& options,
+                                                  double assumed_late_s) {
+  const double apart_s = late_s.value - assumed_late_s;
+  double measured = late_s.variance + std::pow(options.systematic_sigma_s, 2);
+  double gain = 1.0;
+  if (described.time_offset_sigma_s <= kKnownTimeOffsetSigma_s) {
+    const double prior = std::pow(described.time_offset_sigma_s, 2);
+    const bool is_contradicted =
+        apart_s * apart_s > std::pow(options.contradiction_sigmas, 2) * (prior + measured);
+    if (!is_contradicted) gain = prior / (prior + measured);
+    measured *= gain;
+  } else if (assumed_late_s != 0.0) {
+    const double assumed = std::pow(kAssumedSigmaFraction * assumed_late_s, 2);
+    gain = assumed / (assumed + late_s.variance);
+    measured -= (1.0 - gain) * late_s.variance;
+  }
+  const double correction_s = assumed_late_s + gain * apart_s;
+  if (assumed_late_s == 0.0 && std::abs(correction_s) < options.min_correction_s) {
+    return std::nullopt;
+  }
+  return ScalarEstimate{.value = described.time_offset_s - correction_s, .variance = measured};
 }
 
 MeasuredStamps ToMeasuredStamps(const RadarDelays& delays, const LearnedStampOptions& options) {
@@ -67,7 +80,8 @@ MeasuredStamps ToMeasuredStamps(const RadarDelays& delays, const LearnedStampOpt
       radar.time_offset_sigma_s = std::sqrt(corrected->variance);
     } else {
       radar.time_offset_sigma_s =
-          std::min(radar.time_offset_sigma_s, std::sqrt(MeasuredVariance(*late_s, options)));
+          std::min(radar.time_offset_sigma_s,
+                   std::hypot(std::sqrt(late_s->variance), options.systematic_sigma_s));
     }
   }
   if (!stamps.rig.HasKnownStamps()) return {.rig = delays.rig()};
@@ -88,10 +102,11 @@ void LearnedStamps::Restore(const RigKnowledge& known) {
   if (assumed_late_s_) Correct();
 }
 
+// What was restored is handed on where nothing is learned.
 void LearnedStamps::AddTo(RigKnowledge& known) const {
   for (std::size_t i = 0; i < learned_.size(); ++i) {
-    if (assumed_late_s_ ? learned_[i].is_measured : learned_[i].restored_late_s.has_value())
-      known.Of(delays_.rig().radars[i].id).stamp_delay = Late(i);
+    const std::optional<ScalarEstimate> late_s = Late(i);
+    if (late_s && IsMeasured(*late_s)) known.Of(delays_.rig().radars[i].id).stamp_delay = late_s;
   }
 }
 
@@ -110,41 +125,40 @@ std::optional<ScalarEstimate> LearnedStamps::Late(std::size_t index) const {
   const std::optional<ScalarEstimate> own = delays_.Late(index);
   const std::optional<ScalarEstimate>& restored = learned_[index].restored_late_s;
   if (!own || !restored) return own ? own : restored;
-  return Joined(*restored, *own, options_.contradiction_sigmas);
+  return Joined(*restored, *own);
 }
 
-// By what was measured, or else assumed.
-std::optional<ScalarEstimate> LearnedStamps::Offset(std::size_t index,
-                                                    const ScalarEstimate* late_s) const {
+bool LearnedStamps::IsMeasured(const ScalarEstimate& late_s) const {
+  return late_s.variance <= std::pow(options_.measured_sigma_s, 2) ||
+         std::pow(late_s.value, 2) > std::pow(options_.evident_sigmas, 2) * late_s.variance;
+}
+
+std::optional<ScalarEstimate> LearnedStamps::Offset(std::size_t index) const {
   const RadarModel& described = delays_.rig().radars[index];
-  if (late_s != nullptr) return CorrectedTimeOffset(described, *late_s, options_);
-  if (*assumed_late_s_ == 0.0 || described.time_offset_sigma_s <= kKnownTimeOffsetSigma_s) {
-    return std::nullopt;
+  const bool is_vague = described.time_offset_sigma_s > kKnownTimeOffsetSigma_s;
+  const double assumed_late_s = is_vague ? *assumed_late_s_ : 0.0;
+  const std::optional<ScalarEstimate> late_s = Late(index);
+  if (late_s && (assumed_late_s != 0.0 || IsMeasured(*late_s))) {
+    return CorrectedTimeOffset(described, *late_s, options_, assumed_late_s);
   }
-  return ScalarEstimate{.value = described.time_offset_s - *assumed_late_s_,
+  if (assumed_late_s == 0.0) return std::nullopt;
+  return ScalarEstimate{.value = described.time_offset_s - assumed_late_s,
                         .variance = std::pow(described.time_offset_sigma_s, 2)};
 }
 
 double LearnedStamps::Correct() {
   double change_s = 0.0;
   for (std::size_t i = 0; i < learned_.size(); ++i) {
-    Learned& radar = learned_[i];
-    const std::optional<ScalarEstimate> late_s = Late(i);
-    if (!late_s && radar.is_measured) continue;  // the last one holds
-    radar.is_measured = radar.is_measured ||
-                        (late_s && (late_s->variance <= std::pow(options_.measured_sigma_s, 2) ||
-                                    std::pow(late_s->value - *assumed_late_s_, 2) >
-                                        std::pow(options_.evident_sigmas, 2) * late_s->variance));
-    const std::optional<ScalarEstimate> offset_s =
-        Offset(i, radar.is_measured ? &*late_s : nullptr);
+    std::optional<ScalarEstimate>& applied = learned_[i].time_offset_s;
+    const std::optional<ScalarEstimate> offset_s = Offset(i);
     const double described_s = delays_.rig().radars[i].time_offset_s;
-    const double before_s = radar.time_offset_s ? radar.time_offset_s->value : described_s;
+    const double before_s = applied ? applied->value : described_s;
     const double now_s = offset_s ? offset_s->value : described_s;
-    if (radar.time_offset_s && offset_s && std::abs(now_s - before_s) < options_.min_change_s) {
-      radar.time_offset_s->variance = offset_s->variance;
+    if (applied && offset_s && std::abs(now_s - before_s) < options_.min_change_s) {
+      applied->variance = offset_s->variance;
       continue;
     }
-    radar.time_offset_s = offset_s;
+    applied = offset_s;
     change_s = std::max(change_s, std::abs(now_s - before_s));
   }
   return change_s;

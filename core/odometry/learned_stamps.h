@@ -18,12 +18,12 @@ namespace dcloc {
 /// When a measured delay of a radar's stamps goes before its description.
 struct LearnedStampOptions {
   RadarDelayOptions delays;
-  /// A delay is measured where it is known to within this, or where it is as many deviations from
-  /// what was assumed.
+  /// A delay is measured where it is known to within this, and evident where it is as many
+  /// deviations from none.
   double measured_sigma_s = 0.01;
   double evident_sigmas = 5.0;
   double min_correction_s = 0.02;     ///< the smallest correction of a described time offset
-  double contradiction_sigmas = 3.0;  ///< beyond which a description is wrong, not uncertain
+  double contradiction_sigmas = 5.0;  ///< beyond which a calibrated offset is wrong
   /// What no drive averages out. Registrations of front and side radars of one recording put their
   /// stamps 0.035 s apart, Doppler 0.010 s.
   double systematic_sigma_s = 0.015;
@@ -34,10 +34,12 @@ std::span<const OptionField<LearnedStampOptions>> FieldsOf(const LearnedStampOpt
 absl::Status Validate(const LearnedStampOptions& options);
 
 /// The time offset of a radar whose scans are measured to be stamped by `late_s` later than
-/// `described` says, with its variance; nothing where the description stands (METHOD eq 68).
+/// `described` says, with its variance, where `assumed_late_s` was assumed before (METHOD eq 68).
+/// Nothing where the description stands.
 std::optional<ScalarEstimate> CorrectedTimeOffset(const RadarModel& described,
                                                   const ScalarEstimate& late_s,
-                                                  const LearnedStampOptions& options);
+                                                  const LearnedStampOptions& options,
+                                                  double assumed_late_s = 0.0);
 
 /// A rig whose time offsets were measured by a drive.
 struct MeasuredStamps {
@@ -59,9 +61,8 @@ class LearnedStamps {
   void Restore(const RigKnowledge& known);
   void AddTo(RigKnowledge& known) const;
 
-  /// Offsets of radars are corrected from now on, the restored ones at once. Until a radar is
-  /// measured it counts as late by `assumed_late_s`, unless it is described as well as one that
-  /// was.
+  /// Offsets of radars are corrected from now on, the restored ones at once. A radar is assumed to
+  /// be late by `assumed_late_s`, unless it is described as well as a measured one.
   void Begin(double assumed_late_s);
 
   /// As RadarDelays::OnScan. Returns by how much an offset has changed, at most [s].
@@ -75,9 +76,9 @@ class LearnedStamps {
  private:
   struct Learned {
     std::optional<ScalarEstimate> restored_late_s, time_offset_s;
-    bool is_measured = false;
   };
-  std::optional<ScalarEstimate> Offset(std::size_t index, const ScalarEstimate* late_s) const;
+  bool IsMeasured(const ScalarEstimate& late_s) const;
+  std::optional<ScalarEstimate> Offset(std::size_t index) const;
   std::optional<ScalarEstimate> Late(std::size_t index) const;
   double Correct();
 

@@ -15,6 +15,9 @@ constexpr std::ptrdiff_t kMaxReported = 1024;
 constexpr std::size_t kMaxWaiting = 1024;
 // Moments from which a regression has a meaning.
 constexpr double kMinMoments = 40.0;
+// Moments that a regression contradicts by more are left out, while it is no better than this.
+constexpr double kOutlierSigmas = 3.5;
+constexpr double kMinSigma_mps = 0.03;
 // Of Doppler's speed on the reported one; noise of a steady drive has none near to 1.
 constexpr double kMinSlope = 0.5;
 constexpr double kMaxSlope = 2.0;
@@ -157,22 +160,35 @@ void RadarDelays::Add(const Moment& moment) {
     turn_rad[bound] = before.turn_rad + since_s * before.yaw_rate_radps +
                       half_square * (after->yaw_rate_radps - before.yaw_rate_radps);
   }
+  const double per_width = 1.0 / (2 * kMargin * StepSeconds());
+  const double y = moment.speed_mps;
+  std::array<double, kCandidates> speeds;
+  std::array<double, kCandidates> yaw_rates;
+  for (std::size_t i = 0; i < kCandidates; ++i) {
+    // Candidate i is a delay of i - kSteps steps: what was reported so long before.
+    const std::size_t low = kCandidates - 1 - i;
+    const std::size_t high = low + 2 * kMargin;
+    speeds[i] = per_width * (distance_m[high] - distance_m[low]);
+    yaw_rates[i] = per_width * (turn_rad[high] - turn_rad[low]);
+  }
   Radar& radar = radars_[moment.index];
+  const auto best = static_cast<std::size_t>(radar.best);
+  const double residual = y - radar.fit.offset - radar.fit.per_speed * speeds[best] -
+                          radar.fit.per_yaw_rate * yaw_rates[best];
+  // A mover's speed would weigh as many as its square says.
+  if (radar.is_solved &&
+      std::abs(residual) >
+          kOutlierSigmas * std::max(kMinSigma_mps, std::sqrt(radar.fit.variance))) {
+    return;
+  }
   const double age_s =
       radar.last_added ? std::max(0.0, SecondsOf(moment.stamp - *radar.last_added)) : 0.0;
   const double keep = std::exp(-age_s / SecondsOf(options_.time_constant));
   radar.last_added = moment.stamp;
-  const double per_width = 1.0 / (2 * kMargin * StepSeconds());
-  const double y = moment.speed_mps;
-  std::array<double, kCandidates> speeds;
-  double w_best = 0.0;
-  for (int i = 0; i < kCandidates; ++i) {
-    // Candidate i is a delay of (i - kSteps) steps: what was reported so long before.
-    const auto low = static_cast<std::size_t>(kCandidates - 1 - i);
-    const std::size_t high = low + 2 * kMargin;
-    const double v = per_width * (distance_m[high] - distance_m[low]);
-    const double w = per_width * (turn_rad[high] - turn_rad[low]);
-    Sums& sums = radar.sums[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < kCandidates; ++i) {
+    const double v = speeds[i];
+    const double w = yaw_rates[i];
+    Sums& sums = radar.sums[i];
     const auto add = [keep](double& sum, double value) { sum = keep * sum + value; };
     add(sums.n, 1.0);
     add(sums.v, v);
@@ -184,18 +200,13 @@ void RadarDelays::Add(const Moment& moment) {
     add(sums.vy, v * y);
     add(sums.wy, w * y);
     add(sums.yy, y * y);
-    speeds[static_cast<std::size_t>(i)] = v;
-    if (i == radar.best) w_best = w;
   }
   // How far the moment alone would move the delay that was found.
   radar.score_square *= keep * keep;
   radar.block_score *= keep;
   if (!radar.is_solved || radar.best == 0 || radar.best == kCandidates - 1) return;
-  const auto best = static_cast<std::size_t>(radar.best);
   const double slope =
       radar.fit.per_speed * 0.5 * (speeds[best + 1] - speeds[best - 1]) / StepSeconds();
-  const double residual =
-      y - radar.fit.offset - radar.fit.per_speed * speeds[best] - radar.fit.per_yaw_rate * w_best;
   if (!radar.block_begin) radar.block_begin = moment.stamp;
   if (moment.stamp - *radar.block_begin >= options_.block) {
     radar.score_square += radar.block_score * radar.block_score;

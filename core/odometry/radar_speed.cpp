@@ -19,6 +19,7 @@ std::span<const OptionField<RadarSpeedOptions>> FieldsOf(const RadarSpeedOptions
       {"min_cosine", &O::min_cosine, 0, 1, "all targets are used"},
       {"residual_scale_mps", &O::residual_scale_mps, 1e-6, 100},
       {"iteration_count", &O::iteration_count, 3, 100},
+      {"lateral_sigma_mps", &O::lateral_sigma_mps, 1e-3, 100},
       {"min_information", &O::min_information, 1e-6, 20'000},
       {"max_difference_mps", &O::max_difference_mps, 1e-6, 100},
   };
@@ -44,27 +45,37 @@ std::optional<double> RadarSpeed::Of(const Scan& scan, const RadarModel& radar,
     const double predicted_mps = PredictedRangeRate(u_vehicle, radar.T_vehicle_radar, reported);
     const double range_rate_mps = UnfoldRangeRate(measurement.range_rate_mps, predicted_mps,
                                                   radar.unambiguous_range_rate_mps);
-    rows_.push_back({.cosine = u_vehicle.x(),
-                     .speed_mps = u_vehicle.x() * speed_mps + predicted_mps - range_rate_mps});
+    rows_.push_back(
+        {.ahead = u_vehicle.x(),
+         .left = u_vehicle.y(),
+         .approaching_mps = u_vehicle.x() * speed_mps + predicted_mps - range_rate_mps});
   }
   double found_mps = speed_mps;
+  double lateral_mps = 0.0;
   double last_step_mps = 0.0;
   double step_mps = 0.0;
+  const double lateral_information =
+      std::pow(options_.residual_scale_mps / options_.lateral_sigma_mps, 2);
   for (int iteration = 0; iteration < options_.iteration_count; ++iteration) {
     const double per_scale = 1.0 / (options_.residual_scale_mps * (iteration == 0   ? 4.0
                                                                    : iteration == 1 ? 2.0
                                                                                     : 1.0));
-    double information = 0.0;
-    double sum = 0.0;
+    double xx = 0.0, xy = 0.0, yy = lateral_information, xq = 0.0, yq = 0.0;
     for (const Row& row : rows_) {
-      const double residual = (row.speed_mps - row.cosine * found_mps) * per_scale;
-      const double weighted = row.cosine / (1.0 + residual * residual);
-      information += weighted * row.cosine;
-      sum += weighted * row.speed_mps;
+      const double residual =
+          (row.approaching_mps - row.ahead * found_mps - row.left * lateral_mps) * per_scale;
+      const double weight = 1.0 / (1.0 + residual * residual);
+      xx += weight * row.ahead * row.ahead;
+      xy += weight * row.ahead * row.left;
+      yy += weight * row.left * row.left;
+      xq += weight * row.ahead * row.approaching_mps;
+      yq += weight * row.left * row.approaching_mps;
     }
-    if (information < options_.min_information) return std::nullopt;
+    const double determinant = xx * yy - xy * xy;
+    if (determinant < options_.min_information * yy) return std::nullopt;
     last_step_mps = step_mps;
-    step_mps = sum / information - found_mps;
+    step_mps = (yy * xq - xy * yq) / determinant - found_mps;
+    lateral_mps = (xx * yq - xy * xq) / determinant;
     found_mps += step_mps;
   }
   // The steps shrink by about one factor. What is left of them would pull all delays towards none.

@@ -22,7 +22,9 @@ struct RadarSpeedOptions {
   /// four times of it, the second twice.
   double residual_scale_mps = 0.12;
   int iteration_count = 7;
-  /// Targets that weigh as much as this many of no residual that look along the track, at least.
+  /// How fast the vehicle may slip sideways, beside errors of the mount's yaw.
+  double lateral_sigma_mps = 0.25;
+  /// The speed is as certain as by this many targets along the track that fit, at least.
   double min_information = 2.0;
   /// A speed further from the reported one is that of a mover.
   double max_difference_mps = 1.0;
@@ -30,8 +32,9 @@ struct RadarSpeedOptions {
 std::span<const OptionField<RadarSpeedOptions>> FieldsOf(const RadarSpeedOptions& options);
 absl::Status Validate(const RadarSpeedOptions& options);
 
-/// The forward speed of the vehicle frame's origin by the range rates of one radar (METHOD eq 65).
-/// The yaw rate is that of `reported`, from whose speed the search begins.
+/// The forward speed of the vehicle frame's origin by the range rates of one radar (METHOD eq 65),
+/// which frees the sideways one. The yaw rate is that of `reported`, from whose speed the search
+/// begins.
 class RadarSpeed {
  public:
   explicit RadarSpeed(const RadarSpeedOptions& options) : options_(options) {}
@@ -41,8 +44,8 @@ class RadarSpeed {
 
  private:
   struct Row {
-    double cosine;     // of the line of sight with the direction of travel
-    double speed_mps;  // times the cosine, that the range rate asks for
+    double ahead, left;      // of the line of sight, in vehicle axes
+    double approaching_mps;  // along it, what a static target says
   };
 
   RadarSpeedOptions options_;

@@ -185,8 +185,8 @@ class LocalizerStampsTest : public ::testing::Test {
     std::vector<TrueScan> drive = DriveRoad(world_, FrontRadar(), kLateSpeed_mps, 2);
     for (std::size_t i = 0; i < drive.size(); ++i) {
       drive[i].scan.stamp += std::chrono::milliseconds(kLate_ms);
-      drive[i].T_map_vehicle =
-          SyntheticWorld::OnRoad(kLateSpeed_mps * (0.077 * static_cast<double>(i) + 1e-3 * kLate_ms));
+      drive[i].T_map_vehicle = SyntheticWorld::OnRoad(
+          kLateSpeed_mps * (0.077 * static_cast<double>(i) + 1e-3 * kLate_ms));
     }
     const InitialPose prior = PriorAt(drive.front().T_map_vehicle, 0.5, 0.02);
     return LocalizeDrive(MakeLocalizer(map, FrontRadar(), prior, options), drive);

@@ -14,28 +14,28 @@ RadarModel Described(double offset_s, double sigma_s) {
 
 constexpr double kVariance = 0.005 * 0.005;
 
-TEST(CorrectedTimeOffsetTest, AnEvidentDelayGoesBeforeADescriptionThatIsWrong) {
+TEST(CorrectedTimeOffsetTest, AMeasuredDelayGoesBeforeADescriptionThatWasNeverCalibrated) {
   const auto offset_s = CorrectedTimeOffset(Described(0.0, 0.02), {0.11, kVariance}, {});
   ASSERT_TRUE(offset_s);
   EXPECT_NEAR(offset_s->value, -0.11, 1e-9);
   EXPECT_NEAR(std::sqrt(offset_s->variance), 0.0158, 1e-4);
 }
 
-TEST(CorrectedTimeOffsetTest, OneThatMayBeTheDescriptionsErrorIsJoinedWithIt) {
-  const auto offset_s = CorrectedTimeOffset(Described(-0.01, 0.02), {0.05, kVariance}, {});
-  ASSERT_TRUE(offset_s);
-  EXPECT_NEAR(offset_s->value, -0.01 - 0.031, 2e-3);
-  EXPECT_LT(std::sqrt(offset_s->variance), 0.0158);
-}
-
 TEST(CorrectedTimeOffsetTest, ACalibrationStandsUnlessItIsStronglyContradicted) {
-  EXPECT_FALSE(CorrectedTimeOffset(Described(-0.06, 0.005), {0.04, kVariance}, {}));
-  EXPECT_TRUE(CorrectedTimeOffset(Described(-0.06, 0.005), {0.1, kVariance}, {}));
+  EXPECT_FALSE(CorrectedTimeOffset(Described(-0.06, 0.005), {0.05, kVariance}, {}));
+  const auto offset_s = CorrectedTimeOffset(Described(-0.06, 0.005), {0.1, kVariance}, {});
+  ASSERT_TRUE(offset_s);
+  EXPECT_NEAR(offset_s->value, -0.16, 1e-9);
 }
 
-TEST(CorrectedTimeOffsetTest, ASmallOrDoubtfulDelayCorrectsNothing) {
+TEST(CorrectedTimeOffsetTest, ASmallDelayCorrectsNothing) {
   EXPECT_FALSE(CorrectedTimeOffset(Described(0.0, 0.1), {0.018, 1e-6}, {}));
-  EXPECT_FALSE(CorrectedTimeOffset(Described(0.0, 0.02), {0.05, 0.03 * 0.03}, {}));
+}
+
+TEST(CorrectedTimeOffsetTest, WhatIsAssumedGivesWayAsTheDriveTells) {
+  const RadarModel described = Described(0.0, 0.02);
+  EXPECT_NEAR(CorrectedTimeOffset(described, {0.08, 0.05 * 0.05}, {}, 0.1)->value, -0.09, 1e-9);
+  EXPECT_NEAR(CorrectedTimeOffset(described, {0.08, 1e-6}, {}, 0.1)->value, -0.08, 1e-4);
 }
 
 LearnedStamps After(double duration_s, LearnedStamps stamps, const Rig& rig = FrontAndRear()) {
