@@ -168,7 +168,7 @@ void Pipeline<Dim>::LearnRig(const Scan& scan, Stamp stamp, std::size_t radar_in
   }
   radars_.restamped_s =
       radars_.learned.LearnStamps(stamp, radar_index, scan, ego_motion_.sources().AllSound());
-  if (radars_.restamped_s > 0.0) {
+  if (radars_.restamped_s >= options_.learned_rig.stamps.min_correction_s) {
     for (std::size_t i = 0; i < rig().radars.size(); ++i) {
       live_.submap.DropPoints(static_cast<int>(i));
     }

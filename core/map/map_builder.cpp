@@ -46,8 +46,7 @@ std::span<const OptionField<MapBuilderOptions>> FieldsOf(const MapBuilderOptions
   static constexpr OptionField<O> kFields[] = {
       {"keyframe_spacing_m", &O::keyframe_spacing_m, 0.5, 1000},
       {"max_keyframe_distance_m", &O::max_keyframe_distance_m, 1, 2000},
-      {"stamp_delay_s", &O::stamp_delay_s, -kMaxStampDelay_s, kMaxStampDelay_s,
-       "no offset was corrected"},
+      {"stamp_delay_s", &O::stamp_delay_s, -0.5, 0.5, "no offset was corrected"},
   };
   return kFields;
 }
