@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/map/map_builder.h"
+#include "core/odometry/learned_stamps.h"
 #include "server/base/worker_pool.h"
 #include "server/maps/jobs/scan_spool.h"
 #include "server/maps/jobs/upload.h"
