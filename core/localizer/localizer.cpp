@@ -182,4 +182,6 @@ absl::Status Localizer::Restore(const LocalizerSnapshot& snapshot) {
 
 bool Localizer::has_pose() const { return impl_->pipeline->has_pose(); }
 
+const Rig& Localizer::rig() const { return impl_->pipeline->rig(); }
+
 }  // namespace dcloc

@@ -117,6 +117,9 @@ class Localizer {
   /// counts: scans then register, and may search beside it to hold it against other places.
   bool has_pose() const;
 
+  /// The radars as they are known by now: as described, or corrected by what they measure.
+  const Rig& rig() const;
+
  private:
   struct Impl;
   explicit Localizer(std::unique_ptr<Impl> impl);

@@ -24,7 +24,7 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
                         const LocalizerOptions& options,
                         std::shared_ptr<const RegistrationMethod<Dim>> method)
     : options_(options),
-      radars_(std::move(rig), options),
+      radars_(std::move(rig), options, map->info()),
       ego_motion_(options.ego_motion, options.static_points),
       live_{.submap = SubmapWindow(options.scans_per_submap, options.submap),
             .schedule = {options.schedule,
@@ -78,7 +78,7 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& sent, const TimeBase::ScanT
 
   Announce(listener, Stage::kCompensation);  // eq 6, 9-11
   const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, stamp, radar, workspace.ego_velocity);
-  LearnMount(scan, stamp, radar_index);
+  LearnRig(scan, stamp, radar_index);
   Compensate(scan, stamp, ego_velocity, workspace);
 
   Announce(listener, Stage::kSubmap);  // eq 7-8
@@ -160,22 +160,31 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   return answer;
 }
 
-// Points that another mount has placed leave the sub-map.
+// Points that another mount or another time offset has placed leave the sub-map.
 template <int Dim>
-void Pipeline<Dim>::LearnMount(const Scan& scan, Stamp stamp, std::size_t radar_index) {
+void Pipeline<Dim>::LearnRig(const Scan& scan, Stamp stamp, std::size_t radar_index) {
   const std::optional<EgoVelocity>& velocity = ego_motion_.velocity_for_mounts();
   if (velocity && radars_.learned.OnScan(stamp, radar_index, scan, *velocity)) {
     live_.submap.DropPoints(static_cast<int>(radar_index));
   }
+  radars_.restamped_s =
+      radars_.learned.LearnStamps(stamp, radar_index, scan, ego_motion_.sources().AllSound());
+  if (radars_.restamped_s >= options_.learned_rig.stamps.min_correction_s) {
+    for (std::size_t i = 0; i < rig().radars.size(); ++i) {
+      live_.submap.DropPoints(static_cast<int>(i));
+    }
+  }
 }
 
-// Where the vehicle's clock was set, nobody knows for how long it moved.
+// Where the vehicle's clock was set, nobody knows for how long it moved. Where radars were late,
+// the pose was that of so long ago.
 template <int Dim>
 Motion Pipeline<Dim>::MotionSincePrevious(bool clock_was_set) const {
   Motion motion = ego_motion_.since_previous();
-  if (clock_was_set) {
-    motion.covariance(0, 0) +=
-        std::pow(options_.clock_set_sigma_s * ego_motion_.velocity()->linear_mps.norm(), 2);
+  const double unknown_s =
+      std::hypot(clock_was_set ? options_.clock_set_sigma_s : 0.0, radars_.restamped_s);
+  if (unknown_s > 0.0) {
+    motion.covariance(0, 0) += std::pow(unknown_s * ego_motion_.velocity()->linear_mps.norm(), 2);
   }
   return motion;
 }

@@ -120,7 +120,7 @@ class Pipeline final : public AnyPipeline {
   void Start(const InitialPose& initial_pose);
 
   // The stages of one scan.
-  void LearnMount(const Scan& scan, Stamp stamp, std::size_t radar_index);
+  void LearnRig(const Scan& scan, Stamp stamp, std::size_t radar_index);
   Motion MotionSincePrevious(bool clock_was_set) const;
   void Move(const Motion& motion);
   // Leaves the static points in the workspace.
@@ -170,19 +170,22 @@ class Pipeline final : public AnyPipeline {
 
   // The radars as they are known by now, and how far each is trusted.
   struct Radars {
-    Radars(Rig described, const LocalizerOptions& options)
+    Radars(Rig described, const LocalizerOptions& options, const MapInfo& map)
         : learned(std::move(described), options.learned_rig),
           monitor(learned.rig().radars.size(), options.radar_monitor),
           azimuth_signs(learned.rig().radars.size(), options.azimuth_signs),
           range_rate_scales(learned.rig().radars.size(), options.range_rate_scales),
-          scan_checker(learned.rig().radars.size(), options.map_fit) {}
+          scan_checker(learned.rig().radars.size(), options.map_fit) {
+      if (map.stamp_delay_s) learned.BeginToLearnStamps(*map.stamp_delay_s);
+    }
 
     LearnedRig learned;
     RadarMonitor monitor;
     AzimuthSigns azimuth_signs;
     RangeRateScales range_rate_scales;
     ScanChecker<Dim> scan_checker;
-    StampError stamp_error;  // of the newest scan
+    StampError stamp_error;    // of the newest scan
+    double restamped_s = 0.0;  // by how much time offsets changed at the newest scan, at most
   };
   // The source cloud, and when it is registered.
   struct LiveScans {

@@ -46,6 +46,7 @@ std::span<const OptionField<MapBuilderOptions>> FieldsOf(const MapBuilderOptions
   static constexpr OptionField<O> kFields[] = {
       {"keyframe_spacing_m", &O::keyframe_spacing_m, 0.5, 1000},
       {"max_keyframe_distance_m", &O::max_keyframe_distance_m, 1, 2000},
+      {"stamp_delay_s", &O::stamp_delay_s, -0.5, 0.5, "no offset was corrected"},
   };
   return kFields;
 }
@@ -156,6 +157,7 @@ struct MapBuilder::Impl {
     info.name_size_bytes = static_cast<std::uint32_t>(options.name.size());
     info.flags = rig.MeasuresElevation() ? kHasElevationFlag : 0;
     if (HasHeights()) info.flags |= kHasHeightsFlag;
+    if (rig.HasKnownStamps()) SetStampDelay(options.stamp_delay_s, info);
     if (options.anchor) {
       info.flags |= kHasAnchorFlag;
       info.anchor_latitude_deg = options.anchor->origin.latitude_deg;

@@ -23,6 +23,8 @@ struct MapBuilderOptions {
   std::string name;
   std::string description;
   std::optional<GeodeticAnchor> anchor;
+  /// By how much the time offsets of the rig were corrected, on average, against its description.
+  double stamp_delay_s = 0.0;
   StaticPointsOptions static_points;
   double keyframe_spacing_m = 10.0;
   FusionOptions fusion;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <cstdint>
 
 #include "absl/strings/str_format.h"
 #include "core/map/data_loss.h"
@@ -19,8 +20,17 @@ bool WithinBound(std::span<const double> values, double bound) {
 }
 
 absl::Status CheckInfo(const InfoRecord& info) {
-  if ((info.flags & ~(kHasElevationFlag | kHasAnchorFlag | kHasHeightsFlag)) != 0) {
-    return DataLoss("info: flags are %x; only bits 0 to 2 are known", info.flags);
+  constexpr std::uint32_t kFlags =
+      kHasElevationFlag | kHasAnchorFlag | kHasHeightsFlag | kHasKnownStampsFlag;
+  constexpr std::uint32_t kDelay = 0xFFFFU << kStampDelayShift;
+  if ((info.flags & ~kFlags & ~kDelay) != 0) {
+    return DataLoss("info: flags are %x; only bits 0 to 3 and the upper half are known",
+                    info.flags);
+  }
+  const std::optional<double> delay_s = StampDelayOf(info);
+  if (!delay_s ? (info.flags & kDelay) != 0 : std::abs(*delay_s) > kMaxStampDelay_s) {
+    return DataLoss("info: flags are %x; the upper half must be a delay within %g s, with bit 3",
+                    info.flags, kMaxStampDelay_s);
   }
   if ((info.flags & kHasElevationFlag) != 0 && (info.flags & kHasHeightsFlag) != 0) {
     return DataLoss("info: flags are %x; measured points (bit 0) have no heights (bit 2)",
@@ -143,6 +153,19 @@ bool IsMapText(std::string_view text, std::size_t max_bytes) {
     text.remove_prefix(size);
   }
   return true;
+}
+
+std::optional<double> StampDelayOf(const InfoRecord& info) {
+  if ((info.flags & kHasKnownStampsFlag) == 0) return std::nullopt;
+  return 1e-3 * static_cast<std::int16_t>(info.flags >> kStampDelayShift);
+}
+
+void SetStampDelay(std::optional<double> stamp_delay_s, InfoRecord& info) {
+  info.flags &= (1U << kStampDelayShift) - 1U;
+  info.flags &= ~kHasKnownStampsFlag;
+  if (!stamp_delay_s) return;
+  const auto delay_ms = static_cast<std::uint16_t>(std::lround(1e3 * *stamp_delay_s));
+  info.flags |= kHasKnownStampsFlag | static_cast<std::uint32_t>(delay_ms) << kStampDelayShift;
 }
 
 std::optional<GeodeticAnchor> AnchorOf(const InfoRecord& info) {

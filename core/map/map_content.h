@@ -22,6 +22,11 @@ absl::Status CheckPoints(std::span<const MapPoint> points);
 /// without NUL, at most `max_bytes`.
 bool IsMapText(std::string_view text, std::size_t max_bytes);
 
+/// `MapInfo::stamp_delay_s` as `info` holds it; nothing where stamps are not known.
+std::optional<double> StampDelayOf(const InfoRecord& info);
+/// Sets it, in steps of a millisecond. Nothing or a number within +-kMaxStampDelay_s.
+void SetStampDelay(std::optional<double> stamp_delay_s, InfoRecord& info);
+
 /// The anchor that `info` holds, if any.
 std::optional<GeodeticAnchor> AnchorOf(const InfoRecord& info);
 

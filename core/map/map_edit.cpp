@@ -1,13 +1,16 @@
 #include "core/map/map_edit.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/map/map_content.h"
 #include "core/map/point_grid.h"
 
 namespace dcloc {
@@ -16,6 +19,8 @@ namespace {
 using PoseBits = std::array<double, 7>;
 using PointBits = std::array<std::byte, sizeof(MapPoint)>;
 
+// What the smallest correction of a time offset leaves in a map (LearnedStampOptions).
+constexpr double kMaxIgnoredStampDelay_s = 0.02;
 constexpr double kDoubled_m = 0.4;  // FusionOptions::cell_m: nearer returns are one landmark
 
 PoseBits BitsOf(const KeyframeRecord& record) {
@@ -141,10 +146,21 @@ absl::StatusOr<EditableMap> Merge(const EditableMap& a, const EditableMap& b, Me
         "(elevation, heights) must agree",
         a.name, b.name, a.info.flags, b.info.flags));
   }
+  // Points of radars whose stamps were corrected lie beside those of radars that were as late.
+  const double a_delay_s = StampDelayOf(a.info).value_or(0.0);
+  const double b_delay_s = StampDelayOf(b.info).value_or(0.0);
+  if (StampDelayOf(a.info).has_value() != StampDelayOf(b.info).has_value() &&
+      std::max(std::abs(a_delay_s), std::abs(b_delay_s)) > kMaxIgnoredStampDelay_s) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "the radars of one of \"%s\" and \"%s\" stamped their scans %.3f s late, and it is not "
+        "known of the other one's: build that one anew",
+        a.name, b.name, a_delay_s + b_delay_s));
+  }
   const bool is_anchored = a.Anchor() && b.Anchor();
   const Pose3 T_a_b = is_anchored ? FrameChange(*a.Anchor(), *b.Anchor()) : Pose3();
   counts = {};
   EditableMap merged = a;
+  if (!StampDelayOf(b.info)) SetStampDelay(std::nullopt, merged.info);
   std::map<PoseBits, std::size_t> known;
   for (std::size_t i = 0; i < a.keyframes.size(); ++i) {
     known.emplace(BitsOf(a.keyframes[i].record), i);

@@ -65,6 +65,10 @@ static_assert(sizeof(InfoRecord) == 80);
 inline constexpr std::uint32_t kHasElevationFlag = 1;
 inline constexpr std::uint32_t kHasAnchorFlag = 2;
 inline constexpr std::uint32_t kHasHeightsFlag = 4;
+inline constexpr std::uint32_t kHasKnownStampsFlag = 8;
+/// With kHasKnownStampsFlag: a delay [ms] as a signed number in the upper half of the flags.
+inline constexpr int kStampDelayShift = 16;
+inline constexpr double kMaxStampDelay_s = 1.0;
 
 struct KeyframeRecord {
   std::array<double, 3> translation_local_m;

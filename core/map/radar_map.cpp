@@ -55,6 +55,7 @@ MapInfo InfoOf(const MapFileView& view, std::size_t size_bytes) {
                .length_m = view.info.length_m,
                .has_elevation = (view.info.flags & kHasElevationFlag) != 0,
                .has_heights = (view.info.flags & kHasHeightsFlag) != 0,
+               .stamp_delay_s = StampDelayOf(view.info),
                .anchor = AnchorOf(view.info)};
   for (std::size_t i = 0; i < view.keyframes.size(); ++i) {
     const Eigen::Vector3d p_map =

@@ -48,6 +48,9 @@ struct MapInfo {
   Eigen::Vector3d max_map_m = Eigen::Vector3d::Zero();
   bool has_elevation = false;  ///< points were measured in three dimensions
   bool has_heights = false;    ///< planar; heights were found from slant ranges
+  /// Present where it was known how late the radars that made it stamp their scans, so that points
+  /// lie where they were measured: by how much later than described, on average.
+  std::optional<double> stamp_delay_s;
   std::optional<GeodeticAnchor> anchor;
 };
 

@@ -56,17 +56,23 @@ std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions
 absl::Status Validate(const LearnedRigOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
   status.Update(Within("mount_yaw", Validate(options.mount_yaw)));
+  status.Update(Within("stamps", Validate(options.stamps)));
   return status;
 }
 
 LearnedRig::LearnedRig(Rig described, const LearnedRigOptions& options)
-    : options_(options), described_(std::move(described)), rig_(described_) {
+    : options_(options),
+      described_(std::move(described)),
+      rig_(described_),
+      stamps_(described_, options.stamps) {
   for (const RadarModel& radar : described_.radars) {
     learned_.push_back({.mount_yaw = {radar.mount_yaw_sigma_rad, options.mount_yaw}});
   }
 }
 
 void LearnedRig::Restore(const RigKnowledge& known) {
+  stamps_.Restore(known);
+  ApplyStamps();
   for (std::size_t i = 0; i < learned_.size(); ++i) {
     const RadarKnowledge* radar = known.Find(described_.radars[i].id);
     if (radar == nullptr || !radar->mount_yaw_error) continue;
@@ -78,6 +84,7 @@ void LearnedRig::Restore(const RigKnowledge& known) {
 }
 
 void LearnedRig::AddTo(RigKnowledge& known) const {
+  stamps_.AddTo(known);
   for (std::size_t i = 0; i < learned_.size(); ++i) {
     const MountYawEstimator& mount_yaw = learned_[i].mount_yaw;
     if (mount_yaw.reading_count() < options_.min_reading_count) continue;
@@ -93,6 +100,27 @@ bool LearnedRig::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
   CheckMirrored(learned, rig_.radars[index], scan, velocity);
   return learned.mount_yaw.OnScan(stamp, scan, described_.radars[index], velocity, workspace_) &&
          Correct(index);
+}
+
+void LearnedRig::BeginToLearnStamps(double map_delay_s) {
+  stamps_.Begin(map_delay_s);
+  ApplyStamps();
+}
+
+double LearnedRig::LearnStamps(Stamp stamp, std::size_t index, const Scan& scan, bool is_sound) {
+  const double change_s = stamps_.OnScan(stamp, index, scan, is_sound);
+  ApplyStamps();
+  return change_s;
+}
+
+void LearnedRig::ApplyStamps() {
+  for (std::size_t i = 0; i < rig_.radars.size(); ++i) {
+    RadarModel& radar = rig_.radars[i];
+    const std::optional<ScalarEstimate>& corrected = stamps_.time_offset_s(i);
+    radar.time_offset_s = corrected ? corrected->value : described_.radars[i].time_offset_s;
+    radar.time_offset_sigma_s =
+        corrected ? std::sqrt(corrected->variance) : described_.radars[i].time_offset_sigma_s;
+  }
 }
 
 bool LearnedRig::Correct(std::size_t index) {

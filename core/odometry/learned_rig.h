@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/odometry/learned_stamps.h"
 #include "core/odometry/mount_yaw_estimator.h"
 #include "core/odometry/rig_knowledge.h"
 #include "core/odometry/source_fault.h"
@@ -18,6 +19,7 @@ namespace dcloc {
 /// When what was learned of a rig goes before its description.
 struct LearnedRigOptions {
   MountYawOptions mount_yaw;
+  LearnedStampOptions stamps;
   /// The smallest correction of a mount's yaw. On recordings, whose azimuths have errors of their
   /// own, the estimate errs by up to a degree and a half.
   double min_correction_rad = 2.0 * kRadPerDeg;
@@ -64,6 +66,15 @@ class LearnedRig {
   /// than radars say. Returns whether its mount has been corrected.
   bool OnScan(Stamp stamp, std::size_t index, const Scan& scan, const EgoVelocity& velocity);
 
+  /// The stamps of the radars that made the map were known, and late by `map_delay_s` on average.
+  /// So those of these radars are learned too. In a map whose radars were as late as these, to
+  /// correct these alone would misplace them.
+  void BeginToLearnStamps(double map_delay_s);
+
+  /// A scan of radar `index`; `is_sound`: wheels, gyroscope and Doppler are. Returns by how
+  /// much the time offset of any radar has changed, at most [s].
+  double LearnStamps(Stamp stamp, std::size_t index, const Scan& scan, bool is_sound);
+
   /// What the radars see fits the map well: their azimuths have the right sign.
   void OnRegistered();
 
@@ -88,11 +99,13 @@ class LearnedRig {
   void CheckMirrored(Learned& learned, const RadarModel& radar, const Scan& scan,
                      const EgoVelocity& velocity) const;
   bool Correct(std::size_t index);
+  void ApplyStamps();
 
   LearnedRigOptions options_;
   Rig described_;
   Rig rig_;
   std::vector<Learned> learned_;
+  LearnedStamps stamps_;
   MountYawWorkspace workspace_;
 };
 

@@ -145,6 +145,11 @@ class SourceMonitor {
   OdometrySources sound() const { return best().sound; }
   bool IsSound(OdometrySource source) const { return Contains(sound(), source); }
 
+  bool AllSound() const {
+    return IsSound(OdometrySource::kWheelSpeed) && IsSound(OdometrySource::kYawRate) &&
+           IsSound(OdometrySource::kDoppler);
+  }
+
   /// Probability of `sound()`, [0, 1].
   double confidence() const;
 

@@ -1,5 +1,6 @@
 #include "core/radar/radar_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -29,6 +30,12 @@ bool Rig::MeasuresElevation() const {
     if (!radar.has_elevation) return false;
   }
   return !radars.empty();
+}
+
+bool Rig::HasKnownStamps() const {
+  return !radars.empty() && std::ranges::all_of(radars, [](const RadarModel& radar) {
+    return radar.time_offset_sigma_s > 0.0 && radar.time_offset_sigma_s <= kKnownTimeOffsetSigma_s;
+  });
 }
 
 absl::Status Validate(const RadarModel& radar) {

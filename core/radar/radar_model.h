@@ -42,6 +42,9 @@ struct RadarModel {
 };
 
 inline constexpr std::size_t kMaxRadars = 64;
+/// Stamps of radars are known where no time_offset_sigma_s is larger. Rigs that were never
+/// calibrated have 0.02.
+inline constexpr double kKnownTimeOffsetSigma_s = 0.018;
 
 /// The radars of one vehicle, at most kMaxRadars; ids are unique.
 struct Rig {
@@ -57,6 +60,10 @@ struct Rig {
 
   /// True when every radar measures elevation, so that all six degrees of freedom are observable.
   bool MeasuresElevation() const;
+
+  /// True when it is known of every radar how late it stamps its scans, as a calibration or a drive
+  /// finds it: to within kKnownTimeOffsetSigma_s, and not to the last digit.
+  bool HasKnownStamps() const;
 };
 
 /// OK, or InvalidArgument that names the radar, the field, the value and the bound.

@@ -140,7 +140,10 @@ void PassPlacer::Add(const Scan& scan) {
     placed.is_good = true;
   }
   if (placed.is_good) {
-    placed.points = StaticPoints(scan, radar, velocity, options_.localizer.static_points);
+    // Where the localizer has put them: a map whose radars were corrected has it correct these.
+    RadarModel restamped = radar;
+    restamped.time_offset_s = localizer_.rig().radars[placed.radar].time_offset_s;
+    placed.points = StaticPoints(scan, restamped, velocity, options_.localizer.static_points);
   }
   pass_.scans.push_back(std::move(placed));
 }

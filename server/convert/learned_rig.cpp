@@ -39,6 +39,9 @@ void SetRadar(const RadarKnowledge& radar, v1::LearnedRadar* message) {
       radar.clock_ahead, [&] { return message->mutable_clock_ahead_s(); },
       [&] { message->clear_clock_ahead_s(); });
   SetKnown(
+      radar.stamp_delay, [&] { return message->mutable_stamp_delay_s(); },
+      [&] { message->clear_stamp_delay_s(); });
+  SetKnown(
       radar.beta_error, [&] { return message->mutable_beta_error_s(); },
       [&] { message->clear_beta_error_s(); });
 }
@@ -60,6 +63,7 @@ absl::StatusOr<RigKnowledge> FromProto(const v1::LearnedRig& message, absl::stri
         {.radar_id = radar.radar_id(),
          .mount_yaw_error = Known(radar.has_mount_yaw_error_rad(), radar.mount_yaw_error_rad()),
          .clock_ahead = Known(radar.has_clock_ahead_s(), radar.clock_ahead_s()),
+         .stamp_delay = Known(radar.has_stamp_delay_s(), radar.stamp_delay_s()),
          .beta_error = Known(radar.has_beta_error_s(), radar.beta_error_s())});
   }
   status.Update(WithPrefix(absl::StrCat(field, ": "), Validate(known)));

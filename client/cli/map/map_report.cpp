@@ -18,7 +18,9 @@ ordered_json MapInfoJson(const MapInfo& info) {
                        {"min_map_m", {info.min_map_m.x(), info.min_map_m.y(), info.min_map_m.z()}},
                        {"max_map_m", {info.max_map_m.x(), info.max_map_m.y(), info.max_map_m.z()}},
                        {"has_elevation", info.has_elevation},
+                       {"stamp_delay_s", nullptr},
                        {"anchor", nullptr}};
+  if (info.stamp_delay_s.has_value()) json["stamp_delay_s"] = *info.stamp_delay_s;
   if (info.anchor.has_value()) {
     json["anchor"] = {{"latitude_deg", info.anchor->origin.latitude_deg},
                       {"longitude_deg", info.anchor->origin.longitude_deg},
@@ -43,6 +45,10 @@ std::string MapInfoText(const MapInfo& info) {
       info.has_elevation ? ", measured in three dimensions" : "", info.keyframe_count,
       info.length_m, extent(info.min_map_m), extent(info.max_map_m),
       FormatBytes(static_cast<double>(info.size_bytes)));
+  if (info.stamp_delay_s.has_value()) {
+    absl::StrAppendFormat(&text, "stamps       of its radars are known, and were %.3f s late\n",
+                          *info.stamp_delay_s);
+  }
   if (info.anchor.has_value()) {
     absl::StrAppendFormat(&text, "anchor       %.7f, %.7f, %.2f m; x axis %.4f rad from east\n",
                           info.anchor->origin.latitude_deg, info.anchor->origin.longitude_deg,

@@ -43,6 +43,7 @@ v1::LearnedRig ToProto(const RigKnowledge& known) {
     added.set_radar_id(radar.radar_id);
     if (radar.mount_yaw_error) Set(*radar.mount_yaw_error, added.mutable_mount_yaw_error_rad());
     if (radar.clock_ahead) Set(*radar.clock_ahead, added.mutable_clock_ahead_s());
+    if (radar.stamp_delay) Set(*radar.stamp_delay, added.mutable_stamp_delay_s());
     if (radar.beta_error) Set(*radar.beta_error, added.mutable_beta_error_s());
   }
   if (known.odometry_delay) Set(*known.odometry_delay, message.mutable_odometry_delay_s());
@@ -60,6 +61,7 @@ RigKnowledge FromProto(const v1::LearnedRig& message) {
     added.radar_id = radar.radar_id();
     if (radar.has_mount_yaw_error_rad()) added.mount_yaw_error = Known(radar.mount_yaw_error_rad());
     if (radar.has_clock_ahead_s()) added.clock_ahead = Known(radar.clock_ahead_s());
+    if (radar.has_stamp_delay_s()) added.stamp_delay = Known(radar.stamp_delay_s());
     if (radar.has_beta_error_s()) added.beta_error = Known(radar.beta_error_s());
   }
   if (message.has_odometry_delay_s()) known.odometry_delay = Known(message.odometry_delay_s());
@@ -121,6 +123,9 @@ std::string LearnedRigText(const v1::LearnedRig& message) {
     }
     if (radar.has_clock_ahead_s()) {
       text += Line("  clock is ahead by", radar.clock_ahead_s(), 1.0, " s");
+    }
+    if (radar.has_stamp_delay_s()) {
+      text += Line("  stamps its scans late by", radar.stamp_delay_s(), 1.0, " s");
     }
     if (radar.has_beta_error_s()) {
       text += Line("  beta is too small by", radar.beta_error_s(), 1.0, " s");

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/odometry/drive_stamps.h"
 #include "core/odometry/ego_motion.h"
 #include "server/base/random_name.h"
 #include "server/base/sha256.h"
@@ -136,9 +137,34 @@ absl::StatusOr<MapVersionRecord> MapBuilds::Make(Build& build) const {
   return Keep(build.request, *bytes);
 }
 
+// How late radars stamp their scans is known after the last scan only. Scans that are not valid are
+// left to AddScans, which names them.
+absl::StatusOr<MeasuredStamps> MapBuilds::StampsOf(Build& build) const {
+  DriveStamps stamps(build.request.rig);
+  if (!stamps.IsNeeded()) return MeasuredStamps{.rig = build.request.rig};
+  v1::PosedScan message;
+  Scan scan;
+  while (!build.cancelled) {
+    const absl::StatusOr<bool> there = build.scans->Next(&message);
+    if (!there.ok()) return there.status();
+    if (!*there) {
+      if (absl::Status status = build.scans->BeginReading(); !status.ok()) return status;
+      return stamps.Measured();
+    }
+    if (message.begins_pass()) stamps.BeginPass();
+    if (convert::FromProto(message.scan(), build.request.rig, &scan).ok()) stamps.Add(scan);
+  }
+  return absl::CancelledError("cancelled");
+}
+
 absl::StatusOr<std::vector<std::byte>> MapBuilds::AddScans(Build& build) const {
   const BuildRequest& request = build.request;
-  absl::StatusOr<MapBuilder> builder = MapBuilder::Create(request.rig, request.options);
+  const absl::StatusOr<MeasuredStamps> stamps = StampsOf(build);
+  if (!stamps.ok()) return stamps.status();
+  const Rig& rig = stamps->rig;
+  MapBuilderOptions options = request.options;
+  options.stamp_delay_s = stamps->mean_delay_s;
+  absl::StatusOr<MapBuilder> builder = MapBuilder::Create(rig, options);
   if (!builder.ok()) return builder.status();
   EgoMotion ego_motion;
   v1::PosedScan message;
@@ -155,7 +181,7 @@ absl::StatusOr<std::vector<std::byte>> MapBuilds::AddScans(Build& build) const {
     const absl::StatusOr<Pose3> pose = convert::FromProto(message.t_map_vehicle(), "t_map_vehicle");
     if (status.ok()) status = pose.status();
     if (status.ok()) {
-      const EgoVelocity& velocity = ego_motion.Advance(scan, *request.rig.Find(scan.radar_id));
+      const EgoVelocity& velocity = ego_motion.Advance(scan, *rig.Find(scan.radar_id));
       status = builder->Add(scan, *pose, velocity);
     }
     if (!status.ok())

@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/map/map_builder.h"
+#include "core/odometry/learned_stamps.h"
 #include "server/base/worker_pool.h"
 #include "server/maps/jobs/scan_spool.h"
 #include "server/maps/jobs/upload.h"
@@ -78,6 +79,7 @@ class MapBuilds {
 
   void Run(Build& build);
   absl::StatusOr<MapVersionRecord> Make(Build& build) const;
+  absl::StatusOr<MeasuredStamps> StampsOf(Build& build) const;
   absl::StatusOr<std::vector<std::byte>> AddScans(Build& build) const;
   absl::StatusOr<MapVersionRecord> Keep(const BuildRequest& request,
                                         const std::vector<std::byte>& bytes) const;

@@ -51,8 +51,12 @@ absl::Status ScanSpool::Append(const v1::PosedScan& scan, std::int64_t max_bytes
 }
 
 absl::Status ScanSpool::BeginReading() {
-  out_.close();
-  if (!out_) return CannotWrite();
+  if (out_.is_open()) {
+    out_.close();
+    if (!out_) return CannotWrite();
+  }
+  if (in_.is_open()) in_.close();
+  in_.clear();
   in_.open(path_, std::ios::binary);
   return in_ ? absl::OkStatus() : absl::InternalError("the scans cannot be read again");
 }

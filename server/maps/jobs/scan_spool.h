@@ -24,7 +24,8 @@ class ScanSpool {
   /// ResourceExhausted when the disk is full, or when the file would have more than `max_bytes`.
   absl::Status Append(const v1::PosedScan& scan, std::int64_t max_bytes);
 
-  /// Ends writing. `Next` then gives the scans in the order in which they came.
+  /// Ends writing. `Next` then gives the scans in the order in which they came; once more from the
+  /// first one with each call.
   absl::Status BeginReading();
 
   /// False after the last one.

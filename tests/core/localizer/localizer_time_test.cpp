@@ -190,5 +190,78 @@ TEST_F(LocalizerTimeTest, ARadarThatFallsSilentLeavesTheSubmap) {
   EXPECT_EQ(last, expected);
 }
 
+constexpr double kLateSpeed_mps = 15.0;
+constexpr int kLate_ms = 100;
+
+class LocalizerStampsTest : public ::testing::Test {
+ protected:
+  std::shared_ptr<const RadarMap> MapWith(double time_offset_sigma_s) const {
+    Rig rig = FrontRadar();
+    rig.radars[0].time_offset_sigma_s = time_offset_sigma_s;
+    return MapOfDrive(DriveRoad(world_, rig, 10.0, 1), rig);
+  }
+
+  // By a radar whose stamps are late by kLate_ms.
+  std::vector<TrueAnswer> Localize(const std::shared_ptr<const RadarMap>& map,
+                                   const LocalizerOptions& options) const {
+    std::vector<TrueScan> drive = DriveRoad(world_, FrontRadar(), kLateSpeed_mps, 2);
+    for (std::size_t i = 0; i < drive.size(); ++i) {
+      drive[i].scan.stamp += std::chrono::milliseconds(kLate_ms);
+      drive[i].T_map_vehicle = SyntheticWorld::OnRoad(
+          kLateSpeed_mps * (0.077 * static_cast<double>(i) + 1e-3 * kLate_ms));
+    }
+    const InitialPose prior = PriorAt(drive.front().T_map_vehicle, 0.5, 0.02);
+    return LocalizeDrive(MakeLocalizer(map, FrontRadar(), prior, options), drive);
+  }
+
+  static LocalizerOptions Knowing(double late_s) {
+    LocalizerOptions options;
+    options.known.Of("front").stamp_delay = {late_s, 1e-5};
+    return options;
+  }
+
+  static double MedianError_m(const std::vector<TrueAnswer>& answers) {
+    std::vector<double> errors_m;
+    for (const TrueAnswer& answer : answers) errors_m.push_back(answer.position_error_m());
+    std::ranges::nth_element(errors_m, errors_m.begin() + std::ssize(errors_m) / 2);
+    return errors_m[errors_m.size() / 2];
+  }
+
+  const SyntheticWorld world_;
+};
+
+TEST_F(LocalizerStampsTest, InAMapWithKnownStampsALateRadarIsCorrected) {
+  const auto map = MapWith(0.01);
+  ASSERT_TRUE(map->info().stamp_delay_s);
+  EXPECT_GT(MedianError_m(Localize(map, {})), 1.0) << "before it is learned";
+  EXPECT_LT(MedianError_m(Localize(map, Knowing(1e-3 * kLate_ms))), 0.2);
+}
+
+// Its radars may be as late as those of the vehicle.
+TEST_F(LocalizerStampsTest, InAnyOtherMapWhatIsKnownChangesNothingAndIsHandedOn) {
+  const auto map = MapWith(0.02);
+  ASSERT_FALSE(map->info().stamp_delay_s);
+  const std::vector<TrueAnswer> without = Localize(map, {});
+  const std::vector<TrueAnswer> with = Localize(map, Knowing(1e-3 * kLate_ms));
+  ASSERT_EQ(with.size(), without.size());
+  bool is_told = false;
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    ExpectSame(with[i].localization, without[i].localization);
+    const std::optional<RigKnowledge>& learned = with[i].localization.learned;
+    const RadarKnowledge* radar = learned ? learned->Find("front") : nullptr;
+    is_told = is_told || (radar != nullptr && radar->stamp_delay);
+  }
+  EXPECT_TRUE(is_told);
+}
+
+TEST_F(LocalizerStampsTest, ASteadyDriveIsLocalizedAlikeInBoth) {
+  const std::vector<TrueAnswer> known = Localize(MapWith(0.01), {});
+  const std::vector<TrueAnswer> unknown = Localize(MapWith(0.02), {});
+  ASSERT_EQ(known.size(), unknown.size());
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    ExpectSame(known[i].localization, unknown[i].localization);
+  }
+}
+
 }  // namespace
 }  // namespace dcloc

@@ -227,6 +227,21 @@ TEST(MapBuilderTest, OptionsErrorsNameTheField) {
   EXPECT_FALSE(MapBuilder::Create({}, {.name = "no radars"}).ok());
 }
 
+TEST(MapBuilderTest, AMapSaysWhetherTheStampsOfItsRadarsAreKnown) {
+  for (const auto& [sigma_s, is_known] : {std::pair{0.02, false}, {0.01, true}, {0.0, false}}) {
+    Rig rig = OneRadar();
+    rig.radars[0].time_offset_sigma_s = sigma_s;
+    for (const double delay_s : {0.0, 0.116, -0.05}) {
+      auto builder = MapBuilder::Create(rig, {.name = "street", .stamp_delay_s = delay_s});
+      ASSERT_TRUE(builder.ok()) << builder.status();
+      Drive({}, Eigen::Vector3d::Zero(), *builder);
+      const std::optional<double> known_s = Build(*builder)->info().stamp_delay_s;
+      ASSERT_EQ(known_s.has_value(), is_known) << sigma_s;
+      EXPECT_NEAR(known_s.value_or(delay_s), delay_s, 1e-12);
+    }
+  }
+}
+
 TEST(MapBuilderTest, BuildsMuchFasterThanRealTime) {
   // 13 scans of 120 targets a second at 10 m/s through clutter, a minute of it.
   constexpr int kScans = 13 * 60;

@@ -136,6 +136,19 @@ TEST(MapEditTest, AMapWithoutKeyframesAddsNoLength) {
   EXPECT_EQ(Merge(map, none, counts)->info.length_m, map.info.length_m);
 }
 
+TEST(MapEditTest, StampsAreKnownWhereBothMapsKnowThem) {
+  EditableMap known = SpiralMap();
+  const EditableMap unknown = known;
+  known.info.flags |= kHasKnownStampsFlag;
+  MergeCounts counts;
+  EXPECT_EQ(Merge(known, known, counts)->info.flags, known.info.flags);
+  EXPECT_EQ(Merge(known, unknown, counts)->info.flags, unknown.info.flags);
+  EXPECT_EQ(Merge(unknown, known, counts)->info.flags, unknown.info.flags);
+  known.info.flags |= 100U << kStampDelayShift;
+  EXPECT_EQ(Merge(known, known, counts)->info.flags, known.info.flags);
+  EXPECT_EQ(Merge(known, unknown, counts).status().code(), absl::StatusCode::kFailedPrecondition);
+}
+
 TEST(MapEditTest, AnchorsTieFramesTogether) {
   EditableMap a = SpiralMap();
   a.info.local_origin_m = {10.0, 20.0, 0.0};

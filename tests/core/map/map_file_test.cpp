@@ -128,7 +128,13 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"index_cell_m is nan", [](SyntheticMap& m) { m.info.index_cell_m = kNan; }},
         Fault{"length_m is -1", [](SyntheticMap& m) { m.info.length_m = -1.0; }},
         Fault{"local_origin_m", [](SyntheticMap& m) { m.info.local_origin_m[0] = kNan; }},
-        Fault{"flags are 8", [](SyntheticMap& m) { m.info.flags = 8; }},
+        Fault{"flags are 10", [](SyntheticMap& m) { m.info.flags = 16; }},
+        Fault{"upper half must be a delay",
+              [](SyntheticMap& m) { m.info.flags = 100U << kStampDelayShift; }},
+        Fault{"upper half must be a delay",
+              [](SyntheticMap& m) {
+                m.info.flags = kHasKnownStampsFlag | 2000U << kStampDelayShift;
+              }},
         Fault{"have no heights",
               [](SyntheticMap& m) { m.info.flags = kHasElevationFlag | kHasHeightsFlag; }},
         Fault{"anchor: latitude_deg is 91",

@@ -30,6 +30,9 @@ TEST(RigKnowledgeTest, NamesWhatIsOutOfBounds) {
   turned.Of("front").mount_yaw_error = {1.0, 1e-6};
   EXPECT_THAT(std::string(Validate(turned).message()),
               AllOf(HasSubstr("mount_yaw_error_rad"), HasSubstr("front")));
+  RigKnowledge late;
+  late.Of("front").stamp_delay = {0.5, 1e-6};
+  EXPECT_THAT(std::string(Validate(late).message()), HasSubstr("stamp_delay_s"));
   RigKnowledge twice;
   twice.radars = {{.radar_id = "front"}, {.radar_id = "front"}};
   EXPECT_THAT(std::string(Validate(twice).message()), HasSubstr("twice"));
