@@ -134,7 +134,7 @@ function Console({ visit, shelf, onRefused, onSignOut, settings }: ConsoleProps)
           {t("cut_off")}
         </div>
       )}
-      <main id="content" tabIndex={-1}>
+      <main id="content" tabIndex={0}>
         <View visit={visit} fleet={fleet} shelf={shelf} />
       </main>
     </>
