@@ -306,8 +306,7 @@ int Main(int argc, char** argv) {
       "Localizes a drive while connections break and dcloc-server is restarted, and checks that "
       "each scan is answered once and right");
   app.add_option("server", arguments.server, "dcloc-server")->required()->check(CLI::ExistingFile);
-  app.add_option("--scans", arguments.scan_count, "Of the drive")
-      ->check(CLI::Range(100, 20'000));
+  app.add_option("--scans", arguments.scan_count, "Of the drive")->check(CLI::Range(100, 20'000));
   app.add_option("--cuts", arguments.cut_count, "Of all connections")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--restarts", arguments.restart_count, "Of the server, by SIGTERM")
