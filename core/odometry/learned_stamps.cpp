@@ -11,6 +11,30 @@ constexpr double kSameSigmas = 3.0;
 // How uncertain it is that a live radar is as late as those of the map, as a fraction of that.
 constexpr double kAssumedSigmaFraction = 0.5;
 
+// Radars of one kind differ by less than this, and velocities are often late by more.
+constexpr double kMaxEarlierThanMap_s = 0.03;
+
+// Whether its clock was never measured, so that it may be as late as a map's radars were.
+bool IsVague(const RadarModel& described) {
+  return described.time_offset_sigma_s > kKnownTimeOffsetSigma_s;
+}
+
+// By how much radars are less late than those of the map are assumed to be: the velocity that they
+// were held against is late, and not they early.
+double VelocityLate_s(const RadarDelays& delays, double assumed_late_s) {
+  double sum_s = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < delays.rig().radars.size(); ++i) {
+    const std::optional<ScalarEstimate> late_s = delays.Late(i);
+    if (!late_s || !IsVague(delays.rig().radars[i])) continue;
+    sum_s += late_s->value;
+    ++count;
+  }
+  if (count == 0) return 0.0;
+  const double earlier_s = assumed_late_s - sum_s / count;
+  return earlier_s > kMaxEarlierThanMap_s ? earlier_s : 0.0;
+}
+
 // What two drives say, or the newer one where they contradict each other.
 ScalarEstimate Joined(const ScalarEstimate& earlier, const ScalarEstimate& own) {
   const double sum = earlier.variance + own.variance;
@@ -122,7 +146,10 @@ double LearnedStamps::OnScan(Stamp stamp, std::size_t index, const Scan& scan, b
 }
 
 std::optional<ScalarEstimate> LearnedStamps::Late(std::size_t index) const {
-  const std::optional<ScalarEstimate> own = delays_.Late(index);
+  std::optional<ScalarEstimate> own = delays_.Late(index);
+  if (own && assumed_late_s_ && IsVague(delays_.rig().radars[index])) {
+    own->value += VelocityLate_s(delays_, *assumed_late_s_);
+  }
   const std::optional<ScalarEstimate>& restored = learned_[index].restored_late_s;
   if (!own || !restored) return own ? own : restored;
   return Joined(*restored, *own);
@@ -135,8 +162,7 @@ bool LearnedStamps::IsMeasured(const ScalarEstimate& late_s) const {
 
 std::optional<ScalarEstimate> LearnedStamps::Offset(std::size_t index) const {
   const RadarModel& described = delays_.rig().radars[index];
-  const bool is_vague = described.time_offset_sigma_s > kKnownTimeOffsetSigma_s;
-  const double assumed_late_s = is_vague ? *assumed_late_s_ : 0.0;
+  const double assumed_late_s = IsVague(described) ? *assumed_late_s_ : 0.0;
   const std::optional<ScalarEstimate> late_s = Late(index);
   if (late_s && (assumed_late_s != 0.0 || IsMeasured(*late_s))) {
     return CorrectedTimeOffset(described, *late_s, options_, assumed_late_s);

@@ -91,6 +91,19 @@ TEST(LearnedStampsTest, UntilItIsMeasuredARadarCountsAsLateAsThoseOfTheMap) {
   EXPECT_NEAR(After(90.0, stamps, rig).time_offset_s(0)->value, -0.11, 0.006);
 }
 
+// Radars are as late as those of the map, and the vehicle's velocity is later still.
+TEST(LearnedStampsTest, AVelocityThatIsLaterThanRadarsLeavesThemAsLateAsTheMap) {
+  LearnedStamps stamps(FrontAndRear(), {});
+  stamps.Begin(0.11);
+  const LateDrive drive{.late_s = {0.11, 0.11}, .reported_late_s = 0.15};
+  ForEachScan(FrontAndRear(), drive, 90.0, [&](const Scan& scan, std::size_t index) {
+    stamps.OnScan(scan.stamp, index, scan, true);
+  });
+  for (const std::size_t index : {0U, 1U}) {
+    EXPECT_NEAR(stamps.time_offset_s(index)->value, -0.11, 0.008);
+  }
+}
+
 TEST(LearnedStampsTest, ADescriptionToTheLastDigitIsNotDoubted) {
   Rig rig = FrontAndRear();
   for (RadarModel& radar : rig.radars) radar.time_offset_sigma_s = 0.0;
