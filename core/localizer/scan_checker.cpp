@@ -6,6 +6,12 @@
 #include "core/localizer/thin_points.h"
 
 namespace dcloc {
+namespace {
+
+constexpr int kAgreeingScans = 3;  // in a row, that end a contradiction
+
+}  // namespace
+
 template <int Dim>
 ScanFit ScanChecker<Dim>::Test(Stamp stamp, std::size_t radar_index,
                                const std::vector<RadarPoint>& points, const PoseEstimate<Dim>& now,
@@ -14,7 +20,14 @@ ScanFit ScanChecker<Dim>::Test(Stamp stamp, std::size_t radar_index,
   last_ = {.radar_index = radar_index, .point_count = workspace.scan_points.size(), .fit = fit};
   monitor_.Follow(radar_index, last_.point_count, last_.fit);
   const ScanFit verdict = monitor_.Judge(radar_index, last_.point_count, last_.fit);
-  if (verdict == ScanFit::kContradicts && !contradicted_since_) contradicted_since_ = stamp;
+  agrees_again_ = false;
+  if (verdict == ScanFit::kContradicts) {
+    agreeing_count_ = 0;
+    if (!contradicted_since_) contradicted_since_ = stamp;
+  } else if (verdict == ScanFit::kAgrees && contradicted_since_) {
+    agrees_again_ = ++agreeing_count_ == kAgreeingScans;
+    if (agrees_again_) contradicted_since_ = stamp;
+  }
   return verdict;
 }
 

@@ -50,8 +50,12 @@ class ScanChecker {
   /// It is at another place than before, or verified although scans did not fit.
   void Reset();
 
+  /// Whether scans fit again since the last one, after some that did not. What those showed may
+  /// have been in the way for a moment.
+  bool agrees_again() const { return agrees_again_; }
+
   /// Of the scans of the last `span` before `stamp`, some are from before the first that did not
-  /// fit: they speak for the pose, whatever came since.
+  /// fit, or from before scans fitted again: they speak of another time.
   bool IsTooSoonToJudge(Stamp stamp, std::chrono::nanoseconds span) const {
     return contradicted_since_ && stamp - *contradicted_since_ < span;
   }
@@ -65,7 +69,10 @@ class ScanChecker {
   MapFitOptions options_;
   MapFitMonitor monitor_;
   Tested last_;
-  std::optional<Stamp> contradicted_since_;  // the first scan that did not fit
+  // The first scan that did not fit; or when scans fitted again, while that is to be verified.
+  std::optional<Stamp> contradicted_since_;
+  int agreeing_count_ = 0;  // in a row, since one did not fit
+  bool agrees_again_ = false;
 };
 
 }  // namespace dcloc

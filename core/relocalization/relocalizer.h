@@ -54,6 +54,9 @@ class Relocalizer {
   /// Where the vehicle surely is, a registration has this score.
   void OnRegistered(double score) { scores_.Add(score, options_.score_forgetting_factor); }
 
+  /// What was seen so far may not have been of the place where the vehicle is.
+  void ForgetViews() { global_.Clear(); }
+
   /// The vehicle has been found: there is nothing to search for.
   void OnFound();
 

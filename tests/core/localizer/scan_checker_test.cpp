@@ -60,6 +60,25 @@ TEST_F(ScanCheckerTest, ScansFromBeforeADoubtDoNotJudgeIt) {
   EXPECT_FALSE(checker_.IsTooSoonToJudge(then, span));
 }
 
+// What was in the way for a moment must have left the sub-map, too.
+TEST_F(ScanCheckerTest, ScansFromBeforeTheyFittedAgainDoNotJudgeADoubt) {
+  LearnUntil(60);
+  const auto span = std::chrono::milliseconds(700);
+  for (std::size_t i = 60; i < 70; ++i) {
+    Test(i, {{9.0, 0.0}, 0.0});
+    EXPECT_FALSE(checker_.agrees_again());
+  }
+  EXPECT_FALSE(checker_.IsTooSoonToJudge(drive_[69].scan.stamp + span, span));
+  int again = 0;
+  for (std::size_t i = 70; i < 75; ++i) {
+    Test(i, {});
+    if (checker_.agrees_again()) ++again;
+  }
+  EXPECT_EQ(again, 1);
+  EXPECT_TRUE(checker_.IsTooSoonToJudge(drive_[74].scan.stamp, span));
+  EXPECT_FALSE(checker_.IsTooSoonToJudge(drive_[74].scan.stamp + span, span));
+}
+
 TEST_F(ScanCheckerTest, AfterAResetItExpectsNothing) {
   LearnUntil(60);
   checker_.Reset();
