@@ -249,7 +249,7 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<
   if (is_comparable && LearnAzimuthSign(radar_index, workspace)) return;
   if (!IsTrusted(radar_index, stamp)) return;
   if (is_comparable) CompareSourcesByMapFit(workspace);
-  if (is_full) CompareAlongTrackRivals(workspace);
+  if (is_full) CompareAlongTrackRivals(fit, workspace);
   UpdateTrackingByScanFit(fit);
 }
 
@@ -257,7 +257,7 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<
 template <int Dim>
 void Pipeline<Dim>::UpdateTrackingByScanFit(ScanFit fit) {
   const bool was_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
-  tracking_.OnScanFit(fit);
+  tracking_.OnScanFit(fit, rivals_.ground_repeats());
   tracking_.OnFitTrend(radars_.scan_checker.has_declined() || rivals_.has_better());
   if (tracking_.mode() == TrackingMode::kConfirmed) {
     radars_.scan_checker.OnConfirmed();

@@ -134,7 +134,7 @@ class Pipeline final : public AnyPipeline {
   void TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
   void UpdateTrackingByScanFit(ScanFit fit);
   void CompareSourcesByMapFit(Workspace<Dim>& workspace);
-  void CompareAlongTrackRivals(Workspace<Dim>& workspace);
+  void CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspace);
   // Whether the sign has changed: then the scan's points are dropped.
   bool LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& workspace);
   // `scan` itself, or a copy in `workspace` with the sign of azimuths and the scale of range rates

@@ -46,7 +46,7 @@ void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
 
 // METHOD eq 60. The pose is held against some of the places before and behind it.
 template <int Dim>
-void Pipeline<Dim>::CompareAlongTrackRivals(Workspace<Dim>& workspace) {
+void Pipeline<Dim>::CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspace) {
   // Before a registration has been accepted, no place is where the vehicle may be.
   if (newest_.outcome != RegistrationOutcome::kAccepted) return;
   const std::span<const double> offsets_m = rivals_.NextOffsets_m();
@@ -55,6 +55,7 @@ void Pipeline<Dim>::CompareAlongTrackRivals(Workspace<Dim>& workspace) {
   map_.matcher.FitsAlong(0, offsets_m, workspace.scan_points, pose_.Now().pose,
                          rivals_.pose_sigma_m(), workspace.registration, workspace.rival_fits);
   rivals_.OnFits(workspace.scan_points.size(), workspace.rival_fits);
+  if (fit == ScanFit::kAgrees) rivals_.LearnRepetition(workspace.rival_fits);
 }
 
 // METHOD eq 60. The scan is held against its mirror image. Where that fits better, the pose itself
@@ -123,8 +124,8 @@ const Scan& Pipeline<Dim>::Corrected(const Scan& scan, Workspace<Dim>& workspace
 
 template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>&);
 template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>&);
-template void Pipeline<2>::CompareAlongTrackRivals(Workspace<2>&);
-template void Pipeline<3>::CompareAlongTrackRivals(Workspace<3>&);
+template void Pipeline<2>::CompareAlongTrackRivals(ScanFit, Workspace<2>&);
+template void Pipeline<3>::CompareAlongTrackRivals(ScanFit, Workspace<3>&);
 template bool Pipeline<2>::LearnAzimuthSign(std::size_t, Workspace<2>&);
 template bool Pipeline<3>::LearnAzimuthSign(std::size_t, Workspace<3>&);
 template const Scan& Pipeline<2>::Corrected(const Scan&, Workspace<2>&) const;

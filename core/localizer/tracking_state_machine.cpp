@@ -70,13 +70,13 @@ void TrackingStateMachine::OnFitTrend(bool is_suspicious) {
   if (is_suspicious) mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
-void TrackingStateMachine::OnScanFit(ScanFit fit) {
+void TrackingStateMachine::OnScanFit(ScanFit fit, bool ground_repeats) {
   if (fit == ScanFit::kUnknown) return;
   if (fit == ScanFit::kContradicts) {
     agreement_ = Next(agreement_, ScanAgreementEvent::kDoesNotFit);
     agreed_in_a_row_ = 0;
     ++contradicted_in_a_row_;
-    if (contradicted_in_a_row_ >= options_.min_contradicting_scans) {
+    if (ground_repeats && contradicted_in_a_row_ >= options_.min_contradicting_scans) {
       confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kScansContradict);
     }
     mode_ = Next(mode_, TrackingEvent::kDoubted);

@@ -26,7 +26,8 @@ struct TrackingOptions {
   double interval_forgetting_factor = 0.8;  ///< weight of older intervals in the usual one, [0, 1)
   /// Scans in a row that must fit the map to end kSuspect; a registration must be accepted, too.
   int min_fitting_scans = 3;
-  /// After so many scans in a row that do not fit, only global localization confirms the pose.
+  /// After so many scans in a row that do not fit, on ground that repeats, only global localization
+  /// confirms the pose.
   int min_contradicting_scans = 3;
   double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
   /// A pose is not called tracking once registrations have not observed the along-track position
@@ -136,8 +137,8 @@ class TrackingStateMachine {
            confirmation_requires_ == ConfirmationRequirement::kRegistrations;
   }
 
-  /// Takes in how the newest scan fits the map.
-  void OnScanFit(ScanFit fit);
+  /// Takes in how the newest scan fits the map, and whether one that does would fit nearby, too.
+  void OnScanFit(ScanFit fit, bool ground_repeats = false);
 
   /// Ends by `stamp` what has lasted for too long without an accepted registration, or has become
   /// too uncertain: the estimate's position has this standard deviation. Without a pose nothing.

@@ -17,6 +17,8 @@ std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
       {"places_per_scan", &O::places_per_scan, 2, 10'000},
       {"max_point_count", &O::max_point_count, 1, 1'000'000},
       {"beginning_factor", &O::beginning_factor, 1, 1'000},
+      {"repeating_fraction", &O::repeating_fraction, 0, 10, "all ground repeats"},
+      {"forgetting_factor", &O::forgetting_factor, 0, 0.999'999, "the newest scan alone counts"},
       {"beginning_rounds", &O::beginning_rounds, 0, 10'000, "a pose begins as it goes on"},
   };
   return kFields;
@@ -73,6 +75,11 @@ void AlongTrackRivals::OnFits(std::size_t point_count, std::span<const double> f
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     hypotheses_[chosen_[i]].better.Add((fits[i + 1] - fits[0]) / sigma, options_.better);
   }
+}
+
+void AlongTrackRivals::LearnRepetition(std::span<const double> fits) {
+  if (fits.size() < 2 || fits[0] <= 0.0) return;
+  best_fraction_.Add(std::ranges::max(fits.subspan(1)) / fits[0], options_.forgetting_factor);
 }
 
 bool AlongTrackRivals::has_better() const {

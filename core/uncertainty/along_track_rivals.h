@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/geometry/forgetting_mean.h"
 #include "core/options/option_fields.h"
 #include "core/uncertainty/one_sided_cusum.h"
 
@@ -28,6 +29,10 @@ struct AlongTrackRivalOptions {
   /// `beginning_rounds` times.
   int beginning_factor = 3;
   int beginning_rounds = 3;
+  /// The ground repeats where the best rival of a scan fits by this fraction of what the pose does,
+  /// on average. In towns it fits by 0.3, on highways by 0.6.
+  double repeating_fraction = 0.45;
+  double forgetting_factor = 0.9;  ///< weight of an older scan beside the next, [0, 1)
 };
 std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
     const AlongTrackRivalOptions& options);
@@ -55,6 +60,12 @@ class AlongTrackRivals {
   /// `point_count` points of a scan fit the map by `fits` at the places chosen last: [0, 1].
   void OnFits(std::size_t point_count, std::span<const double> fits);
 
+  /// The same fits, of a scan that lies in the map where the pose is.
+  void LearnRepetition(std::span<const double> fits);
+
+  /// Whether scans that fit here would fit places nearby, too.
+  bool ground_repeats() const { return best_fraction_.mean >= options_.repeating_fraction; }
+
   /// Whether scans fit another place better for sure.
   bool has_better() const;
 
@@ -76,6 +87,7 @@ class AlongTrackRivals {
   int round_count_ = 0;              // turns that each has had since the beginning
   std::vector<std::size_t> chosen_;  // of the hypotheses, for the next scan
   std::vector<double> chosen_offsets_m_;
+  ForgettingMean best_fraction_;  // of the best rival's fit in that of the pose
 };
 
 }  // namespace dcloc

@@ -8,7 +8,7 @@ TEST(TrackingEvidenceTest, ScanAfterScanThatDoesNotFitAsksForVerification) {
   TrackingStateMachine state = Tracking(1000);
   for (int i = 0; i < kTrackingOptions.min_contradicting_scans; ++i) {
     EXPECT_FALSE(state.requires_verification());
-    state.OnScanFit(ScanFit::kContradicts);
+    state.OnScanFit(ScanFit::kContradicts, true);
   }
   EXPECT_TRUE(state.requires_verification());
   for (int ms = 1100; ms <= 2000; ms += 100) {
@@ -20,11 +20,17 @@ TEST(TrackingEvidenceTest, ScanAfterScanThatDoesNotFitAsksForVerification) {
   EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
 }
 
+TEST(TrackingEvidenceTest, WhereNothingElseLooksAlikeScansThatFitAgainAreEnough) {
+  TrackingStateMachine state = Tracking(1000);
+  for (int i = 0; i < 10; ++i) state.OnScanFit(ScanFit::kContradicts, false);
+  EXPECT_FALSE(state.requires_verification());
+}
+
 TEST(TrackingEvidenceTest, SingleScansThatDoNotFitAskForNoVerification) {
   TrackingStateMachine state = Tracking(1000);
   for (int i = 0; i < 10; ++i) {
-    state.OnScanFit(ScanFit::kContradicts);
-    state.OnScanFit(ScanFit::kAgrees);
+    state.OnScanFit(ScanFit::kContradicts, true);
+    state.OnScanFit(ScanFit::kAgrees, true);
   }
   EXPECT_FALSE(state.requires_verification());
 }

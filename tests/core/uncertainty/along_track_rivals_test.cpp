@@ -146,5 +146,18 @@ TEST(AlongTrackRivalsTest, ARivalThatFitsLessAgainIsNotBetterAnyMore) {
   EXPECT_FALSE(rivals.has_better());
 }
 
+TEST(AlongTrackRivalsTest, GroundRepeatsWhereRivalsFitNearlyAsWell) {
+  AlongTrackRivals rivals({});
+  EXPECT_FALSE(rivals.ground_repeats()) << "nothing is known";
+  const std::vector<double> town = {0.5, 0.1, 0.15, 0.0};
+  const std::vector<double> highway = {0.5, 0.1, 0.35, 0.2};
+  for (int i = 0; i < 30; ++i) rivals.LearnRepetition(town);
+  EXPECT_FALSE(rivals.ground_repeats());
+  for (int i = 0; i < 30; ++i) rivals.LearnRepetition(highway);
+  EXPECT_TRUE(rivals.ground_repeats());
+  rivals.Reset();
+  EXPECT_TRUE(rivals.ground_repeats()) << "it is the same ground";
+}
+
 }  // namespace
 }  // namespace dcloc
