@@ -24,7 +24,6 @@ std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& 
       {"usual_spread_m", &O::usual_spread_m, 0, 1000, "any spread is beyond what was learned"},
       {"contradicted_sigma_m", &O::contradicted_sigma_m, 0, 1000, "its covariance holds"},
       {"contradicted_sigma_rad", &O::contradicted_sigma_rad, 0, 10, "its covariance holds"},
-      {"azimuth_sign_overlap", &O::azimuth_sign_overlap, 1e-6, 1},
       {"clock_set_sigma_s", &O::clock_set_sigma_s, 0, 1000, "the odometry's covariance holds"},
   };
   return kFields;

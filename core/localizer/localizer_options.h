@@ -60,8 +60,6 @@ struct LocalizerOptions {
 
   /// How long a vehicle moved while its clock was set.
   double clock_set_sigma_s = 0.3;
-  /// An accepted registration of this overlap shows that azimuths have the right sign.
-  double azimuth_sign_overlap = 0.75;
   /// What an earlier session of the same vehicle learned. Learning begins with it.
   RigKnowledge known;
   KnowledgeReportOptions knowledge_report;

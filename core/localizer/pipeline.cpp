@@ -361,9 +361,6 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
   }
   newest_.quality.normalized_innovation_squared = test.squared_distance;
   newest_.quality.is_accepted = test.is_accepted;
-  if (test.is_accepted && registration.overlap >= options_.azimuth_sign_overlap) {
-    radars_.learned.OnRegistered();
-  }
   return test.is_accepted ? RegistrationOutcome::kAccepted : RegistrationOutcome::kOutlier;
 }
 

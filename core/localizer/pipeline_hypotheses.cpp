@@ -25,6 +25,11 @@ void MirrorAzimuths(const RadarModel& radar, std::vector<RadarPoint>& points) {
   }
 }
 
+void ReverseYawRate(Scan& scan) {
+  scan.ego_velocity->angular_radps.z() *= -1.0;
+  for (MotionTick& tick : scan.ticks) tick.yaw_rate_radps *= -1.0;
+}
+
 }  // namespace
 
 // METHOD eq 50. Where the vehicle really is, static points lie on landmarks: how they fit at the
@@ -113,12 +118,14 @@ const Scan& Pipeline<Dim>::Corrected(const Scan& scan, Workspace<Dim>& workspace
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
   const bool is_mirrored = radars_.azimuth_signs.IsMirrored(radar_index);
   const double scale = radars_.range_rate_scales.Learned(radar_index);
-  if (!is_mirrored && scale == 1.0) return scan;
+  const bool turns_other_way = ego_motion_.yaw_rate_is_reversed() && scan.ego_velocity.has_value();
+  if (!is_mirrored && scale == 1.0 && !turns_other_way) return scan;
   workspace.corrected_scan = scan;
   DivideRangeRates(scale, workspace.corrected_scan);
   if (is_mirrored) {
     for (float& azimuth_rad : workspace.corrected_scan.azimuth_rad) azimuth_rad = -azimuth_rad;
   }
+  if (turns_other_way) ReverseYawRate(workspace.corrected_scan);
   return workspace.corrected_scan;
 }
 

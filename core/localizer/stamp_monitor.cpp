@@ -50,6 +50,8 @@ std::optional<nanoseconds> StampMonitor::OnStamp(std::size_t index, Stamp stamp)
     UpdatePeriod(radar, stamp);
   }
   radar.last = stamp;
+  // One that is shared leaves its radar's line by up to a cycle, and no clock was set.
+  if (shared_.last) radar.step.reset();
   return radar.step;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/odometry/odometry_readings.h"
 #include "core/odometry/tick_motion.h"
 
 namespace dcloc {
@@ -19,35 +20,6 @@ double SquaredDistance(const EgoVelocity& a, const EgoVelocity& b) {
   Eigen::Matrix2d spread;
   spread << sum(0, 0), sum(0, 5), sum(5, 0), sum(5, 5);
   return apart.dot(spread.ldlt().solve(apart));
-}
-
-// The yaw rate of a single radar is that of a vehicle without side slip at its frame's origin; it
-// may be used, but is no evidence against a gyroscope.
-OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
-                            const std::optional<DopplerEgoVelocity>& doppler,
-                            const std::optional<DopplerEgoVelocity>& alternative,
-                            std::size_t radar_count) {
-  const auto speed_of = [](const EgoVelocity& velocity) {
-    return ScalarEstimate{velocity.linear_mps.x(), (*velocity.covariance)(0, 0)};
-  };
-  const auto yaw_rate_of = [](const EgoVelocity& velocity) {
-    return ScalarEstimate{velocity.angular_radps.z(), (*velocity.covariance)(5, 5)};
-  };
-  OdometryReadings readings;
-  if (reported) {
-    readings.wheel_speed = speed_of(*reported);
-    readings.yaw_rate = yaw_rate_of(*reported);
-  }
-  if (doppler) {
-    readings.doppler_speed = speed_of(doppler->ego_velocity);
-    if (radar_count > 1) readings.doppler_yaw_rate = yaw_rate_of(doppler->ego_velocity);
-    readings.doppler_direction_count = doppler->direction_count;
-  }
-  if (alternative) {
-    readings.alternative_speed = speed_of(alternative->ego_velocity);
-    if (radar_count > 1) readings.alternative_yaw_rate = yaw_rate_of(alternative->ego_velocity);
-  }
-  return readings;
 }
 
 // Whether the vehicle's `speed` speaks for the motion `a` rather than for `b`.
@@ -118,14 +90,15 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
     late_.OnReported(stamp, *scan.ego_velocity);
     reported = late_.WithDelayUncertainty(Corrected(*scan.ego_velocity));
   }
-  sources_.OnReadings(stamp,
-                      ReadingsOf(reported, doppler, alternative, simultaneous_scans_.size()));
+  sources_.OnReadings(stamp, ReadingsOf(scan.ego_velocity, reported, doppler, alternative,
+                                        simultaneous_scans_.size()));
   if (alternative && IsNearer(*alternative, *doppler, sources_.speed())) doppler = alternative;
   const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
   if (doppler_is_sound) {
     late_.OnDoppler(moment_, doppler->ego_velocity);
     acceleration_.OnSpeed(moment_, doppler->ego_velocity.linear_mps.x());
   }
+  FollowYawRateSign(scan.ego_velocity, doppler_is_sound ? &*doppler : nullptr);
   FollowWheelScale(stamp, reported, doppler_is_sound ? &*doppler : nullptr);
   if (reported) {
     reported = late_.ExtrapolatedToNow(stamp, Corrected(*scan.ego_velocity),
@@ -149,6 +122,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   if (velocity_ && late_.T_previous_now()) since_previous_.T_from_to = *late_.T_previous_now();
   expected_motion_ = since_previous_.T_from_to;
   ApplyCorrection();
+  since_previous_.covariance(5, 5) += std::pow(std::exchange(reversed_turn_rad_, 0.0), 2);
   if (scale_correction_m_ != 0.0) Correct(std::exchange(scale_correction_m_, 0.0), 0.0);
   unobserved_distance_m_ += std::abs(since_previous_.T_from_to.translation_m.x());
   Learn(reported, now, age);
@@ -158,6 +132,20 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   stamp_ = stamp;
   Diagnose(reported);
   return *widened_velocity_;
+}
+
+// By a sign that was wrong the vehicle has turned to the wrong side: twice as far from the truth.
+void EgoMotion::FollowYawRateSign(const std::optional<EgoVelocity>& reported,
+                                  const DopplerEgoVelocity* doppler) {
+  if (!reported || doppler == nullptr ||
+      doppler->direction_count <= options_.sources.narrow_direction_count) {
+    return;
+  }
+  const EgoVelocity& seen = doppler->ego_velocity;
+  if (yaw_rate_sign_.OnYawRates(moment_, seen.linear_mps.x(), reported->angular_radps.z(),
+                                seen.angular_radps.z())) {
+    reversed_turn_rad_ = 2.0 * yaw_rate_sign_.turn_rad();
+  }
 }
 
 // METHOD eq 58. What a mover may have said is no evidence against wheels.
@@ -183,6 +171,10 @@ void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, const EgoVeloc
                       std::chrono::nanoseconds age) {
   const bool is_used =
       sources_.IsSound(OdometrySource::kWheelSpeed) && sources_.IsSound(OdometrySource::kYawRate);
+  if (sources_.IsFrozen()) {
+    reported_with_sound_wheels_.reset();
+    return errors_.OnDiscontinuity();
+  }
   std::optional<EgoVelocity> with_sound_wheels = reported;
   if (with_sound_wheels && !sources_.IsSound(OdometrySource::kWheelSpeed)) {
     with_sound_wheels->linear_mps = now.linear_mps;
@@ -234,7 +226,9 @@ SourceHealth EgoMotion::wheel_speed() const {
 }
 
 SourceHealth EgoMotion::yaw_rate() const {
-  return HealthOf(OdometrySource::kYawRate, yaw_rate_diagnosis_);
+  SourceHealth health = HealthOf(OdometrySource::kYawRate, yaw_rate_diagnosis_);
+  if (health.is_used && yaw_rate_is_reversed()) health.fault = SourceFault::kSign;
+  return health;
 }
 
 // What the vehicle sends and Doppler are fused as far as they are sound.

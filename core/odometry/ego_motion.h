@@ -21,6 +21,7 @@
 #include "core/odometry/source_monitor.h"
 #include "core/odometry/speed_disagreement.h"
 #include "core/odometry/wheel_scale_monitor.h"
+#include "core/odometry/yaw_rate_sign.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
@@ -175,6 +176,10 @@ class EgoMotion {
   /// At the last scan, as uncertain as the sources differ; nothing before the first one.
   const std::optional<EgoVelocity>& velocity() const { return widened_velocity_; }
 
+  /// Whether the vehicle counts its yaw rate in the other direction. Scans are to be given with
+  /// the right one.
+  bool yaw_rate_is_reversed() const { return yaw_rate_sign_.is_reversed(); }
+
   /// The motion of the last moments.
   const MotionHistory& history() const { return history_; }
 
@@ -196,6 +201,8 @@ class EgoMotion {
              std::chrono::nanoseconds age);
   void FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& reported,
                         const DopplerEgoVelocity* doppler);
+  void FollowYawRateSign(const std::optional<EgoVelocity>& reported,
+                         const DopplerEgoVelocity* doppler);
   void ApplyCorrection();
   void Correct(double forward_m, double turn_rad);
   void AddSpread();
@@ -209,6 +216,7 @@ class EgoMotion {
   WheelScaleMonitor wheel_scale_;
   SpeedDisagreement disagreement_;
   ForwardAcceleration acceleration_;
+  YawRateSign yaw_rate_sign_;
   MotionHistory history_;
   Pose3 expected_motion_;
   Motion since_previous_;
@@ -231,6 +239,7 @@ class EgoMotion {
   // Driven since a registration last said where along the track the vehicle is.
   double unobserved_distance_m_ = 0.0;
   double scale_correction_m_ = 0.0;  // to be applied to the motion
+  double reversed_turn_rad_ = 0.0;   // by a sign of the yaw rate that was found to be wrong
 };
 
 }  // namespace dcloc

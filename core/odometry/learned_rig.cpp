@@ -4,36 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/radar/measurement.h"
-
 namespace dcloc {
-namespace {
-
-// The direction in which the radar moves, counter-clockwise from its boresight.
-double DirectionOfMotion(const RadarModel& radar, const EgoVelocity& velocity) {
-  const Eigen::Vector3d radar_mps =
-      velocity.linear_mps + velocity.angular_radps.cross(radar.T_vehicle_radar.translation_m);
-  const Eigen::Vector3d in_radar = radar.T_vehicle_radar.Rotation().transpose() * radar_mps;
-  return std::atan2(in_radar.y(), in_radar.x());
-}
-
-// The fraction of the targets that stand still, if azimuths are counted so.
-double StaticFraction(const Scan& scan, const RadarModel& radar, const EgoVelocity& velocity,
-                      double azimuth_sign, double gate_mps) {
-  int count = 0;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Measurement m = MeasurementAt(scan, i, radar);
-    const Eigen::Vector3d u = radar.T_vehicle_radar.Rotation() *
-                              LineOfSight(azimuth_sign * m.azimuth_rad, m.elevation_rad);
-    const double predicted_mps = PredictedRangeRate(u, radar.T_vehicle_radar, velocity);
-    const double range_rate_mps =
-        UnfoldRangeRate(m.range_rate_mps, predicted_mps, radar.unambiguous_range_rate_mps);
-    if (std::abs(range_rate_mps - predicted_mps) <= gate_mps) ++count;
-  }
-  return static_cast<double>(count) / static_cast<double>(scan.size());
-}
-
-}  // namespace
 
 std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions& /*options*/) {
   using O = LearnedRigOptions;
@@ -45,10 +16,6 @@ std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions
       {"corrected_sigma_rad", &O::corrected_sigma_rad, 1e-9, 1},
       {"suspected_rad", &O::suspected_rad, 1e-9, 3.2},
       {"max_correction_rad", &O::max_correction_rad, 0, 3.2, "no mount is corrected"},
-      {"mirrored_min_angle_rad", &O::mirrored_min_angle_rad, 1e-6, 3.2},
-      {"mirrored_fraction", &O::mirrored_fraction, 0.01, 1},
-      {"mirrored_forgetting_factor", &O::mirrored_forgetting_factor, 0, 0.999,
-       "each scan stands alone"},
   };
   return kFields;
 }
@@ -97,7 +64,6 @@ void LearnedRig::AddTo(RigKnowledge& known) const {
 bool LearnedRig::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
                         const EgoVelocity& velocity) {
   Learned& learned = learned_[index];
-  CheckMirrored(learned, rig_.radars[index], scan, velocity);
   return learned.mount_yaw.OnScan(stamp, scan, described_.radars[index], velocity, workspace_) &&
          Correct(index);
 }
@@ -141,24 +107,6 @@ bool LearnedRig::Correct(std::size_t index) {
   return true;
 }
 
-// Azimuths of the other sign explain more of the range rates.
-void LearnedRig::CheckMirrored(Learned& learned, const RadarModel& radar, const Scan& scan,
-                               const EgoVelocity& velocity) const {
-  if (scan.size() == 0 || velocity.linear_mps.head<2>().norm() < options_.mount_yaw.min_speed_mps ||
-      std::abs(DirectionOfMotion(radar, velocity)) < options_.mirrored_min_angle_rad) {
-    return;
-  }
-  const double gate_mps = options_.mount_yaw.inlier_gate_mps;
-  const double advantage = StaticFraction(scan, radar, velocity, -1.0, gate_mps) -
-                           StaticFraction(scan, radar, velocity, 1.0, gate_mps);
-  learned.mirrored_fraction = options_.mirrored_forgetting_factor * learned.mirrored_fraction +
-                              (1.0 - options_.mirrored_forgetting_factor) * advantage;
-}
-
-void LearnedRig::OnRegistered() {
-  for (Learned& learned : learned_) learned.mirrored_fraction = 0.0;
-}
-
 SourceFault LearnedRig::FaultOf(std::size_t index, Stamp stamp) const {
   const bool is_suspected =
       !IsUsable(index, stamp) || std::abs(learned_[index].applied_rad) > options_.suspected_rad;
@@ -167,8 +115,7 @@ SourceFault LearnedRig::FaultOf(std::size_t index, Stamp stamp) const {
 
 bool LearnedRig::IsUsable(std::size_t index, Stamp stamp) const {
   const Learned& learned = learned_[index];
-  return learned.mirrored_fraction < options_.mirrored_fraction &&
-         std::abs(learned.applied_rad) <= options_.max_correction_rad &&
+  return std::abs(learned.applied_rad) <= options_.max_correction_rad &&
          !learned.mount_yaw.HasRecentOutliers(stamp);
 }
 

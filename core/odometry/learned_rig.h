@@ -35,11 +35,6 @@ struct LearnedRigOptions {
   /// Scans of a mount that is off by more than this are not used: its description must be wrong
   /// altogether.
   double max_correction_rad = 20.0 * kRadPerDeg;
-  // A radar's azimuths have the wrong sign if more of its targets stand still by the other sign.
-  /// Scans are tested if the vehicle moves at least this far off the radar's boresight.
-  double mirrored_min_angle_rad = 2.0 * kRadPerDeg;
-  double mirrored_fraction = 0.25;           ///< of all targets, that stand still in addition
-  double mirrored_forgetting_factor = 0.95;  ///< weight of older scans in that fraction, [0, 1)
 };
 static_assert(LearnedRigOptions{}.max_correction_rad <= kMaxKnownMountYawError_rad);
 std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions& options);
@@ -75,9 +70,6 @@ class LearnedRig {
   /// much the time offset of any radar has changed, at most [s].
   double LearnStamps(Stamp stamp, std::size_t index, const Scan& scan, bool is_sound);
 
-  /// What the radars see fits the map well: their azimuths have the right sign.
-  void OnRegistered();
-
   /// kNone, or kMount where a radar looks elsewhere than described.
   SourceFault FaultOf(std::size_t index, Stamp stamp) const;
 
@@ -94,10 +86,7 @@ class LearnedRig {
   struct Learned {
     MountYawEstimator mount_yaw;
     double applied_rad = 0.0;
-    double mirrored_fraction = 0.0;  // of the targets more than without, on average
   };
-  void CheckMirrored(Learned& learned, const RadarModel& radar, const Scan& scan,
-                     const EgoVelocity& velocity) const;
   bool Correct(std::size_t index);
   void ApplyStamps();
 
