@@ -12,6 +12,8 @@ namespace {
 /// A stamp that lies so far before the newest one says that the clock was set.
 constexpr std::int64_t kClockSet_ns = 1'000'000'000;
 constexpr std::int64_t kMinVelocityInterval_ns = 10'000'000;
+/// Readings further apart are not averaged over: the velocity between them is told by nobody.
+constexpr double kMaxInterval_s = 0.1;
 constexpr std::size_t kMaxAnchors = 64;
 constexpr std::size_t kMaxVelocities = 96;
 static_assert(kMaxAnchors + kMaxVelocities <= PublishedTimeline::kMaxSegments);
@@ -171,7 +173,11 @@ void PoseTracker::AddAnswer(const v1::LocalizationResult& result) {
     learned_ = {
         .scale = has_scale ? rig.wheel_scale().value() : 1.0,
         .scale_sigma = has_scale ? rig.wheel_scale().sigma() : options_.velocity_scale_sigma,
-        .yaw_rate_correction_radps = rig.yaw_rate_correction_radps().value()};
+        .knows_scale = has_scale,
+        .yaw_rate_correction_radps = rig.yaw_rate_correction_radps().value(),
+        .yaw_rate_sigma_radps = rig.has_yaw_rate_correction_radps()
+                                    ? std::optional(rig.yaw_rate_correction_radps().sigma())
+                                    : std::nullopt};
   }
   trusts_given_ = !IsFaulty(result.health().wheel_speed()) && !IsFaulty(result.health().yaw_rate());
   if (!HasPoseInMap(result)) {
@@ -223,14 +229,28 @@ bool PoseTracker::UsesGivenVelocity() const {
 
 std::vector<GivenVelocity> PoseTracker::CorrectedVelocities() const {
   std::vector<GivenVelocity> corrected = given_;
+  std::int64_t previous_ns = 0;
   for (GivenVelocity& given : corrected) {
     for (std::size_t i = 0; i < 3; ++i) given.velocity[i] *= learned_.scale;
     given.velocity[5] += learned_.yaw_rate_correction_radps;
-    if (given.has_usual_variances) {
-      given.variances = UsualVariances(given.velocity, learned_.scale_sigma, options_);
-    }
+    const double interval_s = 1e-9 * static_cast<double>(given.stamp_ns - previous_ns);
+    if (given.has_usual_variances) SetUsualVariances(std::min(interval_s, kMaxInterval_s), given);
+    previous_ns = given.stamp_ns;
   }
   return corrected;
+}
+
+/// Once the server has learned what is constantly wrong, the rest is each reading's own.
+void PoseTracker::SetUsualVariances(double interval_s, GivenVelocity& given) const {
+  given.variances = UsualVariances(given.velocity, learned_.scale_sigma, options_);
+  if (learned_.knows_scale) {
+    given.variances[0] = std::pow(learned_.scale_sigma * given.velocity[0], 2);
+    given.noise[0] = std::pow(options_.velocity_sigma_mps, 2) * interval_s;
+  }
+  if (learned_.yaw_rate_sigma_radps) {
+    given.variances[5] = std::pow(*learned_.yaw_rate_sigma_radps, 2);
+    given.noise[5] = std::pow(options_.turn_rate_sigma_radps, 2) * interval_s;
+  }
 }
 
 void PoseTracker::Publish() {

@@ -47,10 +47,13 @@ class PoseTracker {
   struct OdometryErrors {
     double scale = 1.0;
     double scale_sigma = 0.0;
+    bool knows_scale = false;
     double yaw_rate_correction_radps = 0.0;
+    std::optional<double> yaw_rate_sigma_radps;  ///< of that, once it is learned
   };
 
   std::vector<GivenVelocity> CorrectedVelocities() const;
+  void SetUsualVariances(double interval_s, GivenVelocity& given) const;
   void StartOverIfSetBack(std::int64_t stamp_ns);
   void Publish();
   bool UsesGivenVelocity() const;

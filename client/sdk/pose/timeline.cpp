@@ -39,7 +39,7 @@ GivenVelocity VelocityAt(const std::vector<GivenVelocity>& given, std::int64_t s
   const GivenVelocity& a = *std::prev(after);
   const GivenVelocity& b = *after;
   const double share = Seconds(stamp_ns - a.stamp_ns) / Seconds(b.stamp_ns - a.stamp_ns);
-  return {stamp_ns, a.velocity + share * (b.velocity - a.velocity), a.variances};
+  return {stamp_ns, a.velocity + share * (b.velocity - a.velocity), a.variances, a.noise};
 }
 
 /// What the answers say of the velocity at the last one, from those since the last jump.
@@ -128,7 +128,8 @@ class Builder {
                          .origin_ns = anchor.stamp_ns,
                          .origin_m = anchor.T_map_vehicle.translation_m,
                          .covariance = anchor.covariance,
-                         .variances = kUnknownVariances});
+                         .variances = kUnknownVariances,
+                         .noise = {}});
     SetMotion(segments_.back());
   }
 
@@ -146,6 +147,7 @@ class Builder {
     const GivenVelocity begin = VelocityAt(given_, segment.begin_ns);
     segment.velocity = begin.velocity;
     segment.variances = begin.variances;
+    segment.noise = begin.noise;
     segment.acceleration = {};
     segment.known_ns = std::max(segment.begin_ns, given_.back().stamp_ns);
     const auto next = std::ranges::upper_bound(given_, segment.begin_ns, std::ranges::less(),
@@ -175,12 +177,14 @@ class Builder {
     for (std::size_t i = 0; i < segment.covariance.size(); ++i) {
       segment.covariance[i] = (1.0 - share) * anchor.covariance[i] + share * next.covariance[i];
     }
-    Vector6 added = std::pow(std::min(before_s, after_s), 2) * segment.variances;
+    const double nearest_s = std::min(before_s, after_s);
+    Vector6 added = std::pow(nearest_s, 2) * segment.variances + nearest_s * segment.noise;
     if (given_.empty()) {  // the velocity may have changed meanwhile
       added = AccelerationVariances(0.5 * before_s * after_s, options_);
     }
     AddVariances(segment.begin, added, segment.covariance);
     segment.variances = {};
+    segment.noise = {};
     segment.origin_m = segment.begin.translation_m;
     segment.origin_ns = segment.begin_ns;
   }
@@ -226,7 +230,7 @@ PoseEstimate Evaluate(const Segment& segment, std::int64_t stamp_ns, const PoseO
   const double since_s = Seconds(stamp_ns - segment.origin_ns);
   const double held_s = std::max(0.0, Seconds(stamp_ns - segment.known_ns));
   const double half_s2 = 0.5 * held_s * held_s;
-  Vector6 added = since_s * since_s * segment.variances;
+  Vector6 added = since_s * since_s * segment.variances + since_s * segment.noise;
   added[0] += std::pow(options.acceleration_sigma_mps2 * half_s2, 2);
   added[5] += std::pow(options.turn_acceleration_sigma_radps2 * half_s2, 2);
   // A turn that is not known bends the path: its end by half of it.

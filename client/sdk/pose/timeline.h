@@ -22,7 +22,8 @@ struct Anchor {
 struct GivenVelocity {
   std::int64_t stamp_ns = 0;
   Vector6 velocity{};                ///< in the vehicle frame
-  Vector6 variances{};               ///< of it
+  Vector6 variances{};               ///< of what is constantly wrong with it
+  Vector6 noise{};                   ///< variance times seconds of what averages out over readings
   bool has_usual_variances = false;  ///< it came without a covariance
 };
 
@@ -40,6 +41,7 @@ struct Segment {
   Vector3 origin_m{};          ///< where it began
   Matrix6 covariance{};        ///< there
   Vector6 variances{};         ///< of the velocity; 0 where the next answer is known
+  Vector6 noise{};             ///< of it, too, as of GivenVelocity
 };
 
 /// Poses from the first segment on, with no gap. `anchors` and `given` are by ascending stamp.

@@ -235,6 +235,22 @@ TEST(PoseTrackerTest, OnceTheScaleIsLearnedTheMotionIsAsSureAsThat) {
   EXPECT_NEAR(added_m2(answer), 0.01 * (1e-4 + 0.0016), 1e-9);
 }
 
+TEST(PoseTrackerTest, OnceErrorsAreLearnedTheRestAveragesOutOverReadings) {
+  PoseTracker poses({.velocity_sigma_mps = 0.03, .turn_rate_sigma_radps = 0.002});
+  for (int ms = 0; ms <= 100; ms += 20) {
+    ASSERT_TRUE(poses.AddVelocity(At(ms), Driving(20.0)).ok());
+  }
+  v1::LocalizationResult answer = AnswerAt(0, 0.0);
+  answer.mutable_learned_rig()->mutable_wheel_scale()->set_value(1.0);
+  answer.mutable_learned_rig()->mutable_wheel_scale()->set_sigma(0.001);
+  answer.mutable_learned_rig()->mutable_yaw_rate_correction_radps()->set_sigma(0.0005);
+  poses.AddAnswer(answer);
+  const Matrix6 end = Pose(poses, 100).covariance;
+  const Matrix6 begin = Pose(poses, 0).covariance;
+  EXPECT_NEAR(end[0] - begin[0], 0.01 * 0.0004 + 0.1 * 0.02 * 9e-4, 1e-9);
+  EXPECT_NEAR(end[35] - begin[35], 0.01 * 2.5e-7 + 0.1 * 0.02 * 4e-6, 1e-12);
+}
+
 TEST(PoseTrackerTest, AVelocitysOwnCovarianceCountsWhateverWasLearned) {
   PoseTracker poses({});
   v1::EgoVelocity velocity = Driving(20.0);
