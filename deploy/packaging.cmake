@@ -55,7 +55,7 @@ install(DIRECTORY client/sdk/c/example/
   DESTINATION ${CMAKE_INSTALL_DATADIR}/dcloc/example-c COMPONENT c_dev)
 
 # ---- The C++ library. Includes are written from the root, so the headers keep their folders.
-set(SDK_HEADERS admin_client channel map_client map_upload recording session session_options
+set(SDK_HEADERS admin_client channel map_client map_upload recording requests session session_options
   session_stats)
 list(TRANSFORM SDK_HEADERS PREPEND client/sdk/)
 list(TRANSFORM SDK_HEADERS APPEND .h)

@@ -1,4 +1,4 @@
-"""A scan to a server, then the pose 100 times a second: pose_example.py HOST:PORT MAP"""
+"""Scans and ticks to a server, the pose 100 times a second: pose_example.py HOST:PORT MAP"""
 
 import sys
 import time
@@ -6,13 +6,14 @@ import time
 import dcloc
 
 front = dcloc.Radar("front", translation_m=(3.5, 0.0, 0.5))
-with dcloc.VehicleSession(sys.argv[1], sys.argv[2], "example", [front]) as session:
-    session.send_scan("front", sequence_number=0, stamp_ns=time.time_ns())  # with its targets
-    print(session.next_answer().pose)
-    for _ in range(10):
-        session.add_ego_velocity(time.time_ns(), velocity=(20, 0, 0, 0, 0, 0))  # of the wheels
+with dcloc.VehicleSession(*sys.argv[1:3], "example", [front], forget_answers=True) as session:
+    for i in range(100):
+        now_ns = time.time_ns()
+        if i % 5 == 0:
+            session.send_scan("front", i, now_ns)  # with its targets, as the radar measures
+        session.add_motion(now_ns, speed_mps=20.0, yaw_rate_radps=0.0)
         try:
-            print(session.smooth_pose_at(time.time_ns()))
+            print(session.smooth_pose_at(now_ns))
         except dcloc.Error as error:
-            print(error.status.name, error)  # no pose yet
+            print("no pose yet:", error)
         time.sleep(0.01)

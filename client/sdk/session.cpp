@@ -6,6 +6,14 @@
 
 namespace dcloc::client {
 
+absl::StatusOr<std::unique_ptr<Session>> Session::Connect(const ChannelOptions& server,
+                                                          v1::OpenSession open,
+                                                          const SessionOptions& options) {
+  const auto channel = MakeChannel(server);
+  if (!channel.ok()) return channel.status();
+  return Open(*channel, std::move(open), options);
+}
+
 absl::StatusOr<std::unique_ptr<Session>> Session::Open(
     const std::shared_ptr<grpc::Channel>& channel, v1::OpenSession open,
     const SessionOptions& options) {
@@ -23,7 +31,13 @@ Session::Session(std::unique_ptr<SessionEngine> engine) : engine_(std::move(engi
 Session::~Session() = default;
 
 const v1::SessionOpened& Session::opened() const { return engine_->opened(); }
-absl::Status Session::Send(v1::Scan scan) { return engine_->Send(std::move(scan)); }
+absl::Status Session::Send(v1::Scan scan) {
+  return engine_->Send(std::move(scan), ScanNumber::kGiven);
+}
+absl::Status Session::SendTargets(const std::string& radar_id, std::int64_t stamp_ns,
+                                  std::span<const Target> targets) {
+  return engine_->Send(ScanOf(radar_id, stamp_ns, targets), ScanNumber::kNext);
+}
 absl::Status Session::SendFix(v1::PositionFix fix) { return engine_->SendFix(std::move(fix)); }
 void Session::CloseSending() { engine_->CloseSending(); }
 std::optional<v1::LocalizeResponse> Session::Next() { return engine_->Next(); }

@@ -5,11 +5,15 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/sdk/channel.h"
 #include "client/sdk/pose/motion_signals.h"
 #include "client/sdk/pose/pose_estimate.h"
+#include "client/sdk/requests.h"
 #include "client/sdk/session_options.h"
 #include "client/sdk/session_stats.h"
 #include "dcloc/v1/localization_service.pb.h"
@@ -38,6 +42,11 @@ class Session {
       const std::shared_ptr<grpc::Channel>& channel, v1::OpenSession open,
       const SessionOptions& options = {});
 
+  /// The same at the server that `server` names, over a channel of `MakeChannel`.
+  static absl::StatusOr<std::unique_ptr<Session>> Connect(const ChannelOptions& server,
+                                                          v1::OpenSession open,
+                                                          const SessionOptions& options = {});
+
   /// Ends the session at once if it has not ended, and waits until its stream is gone.
   ~Session();
   Session(const Session&) = delete;
@@ -50,6 +59,11 @@ class Session {
   /// FailedPrecondition after `CloseSending`, Unavailable once the session has ended; `Next` and
   /// `EndStatus` then say why.
   absl::Status Send(v1::Scan scan);
+
+  /// Queues what a radar measured at a stamp of the vehicle's clock; numbered after the scans
+  /// before it. The rest is as of `Send`.
+  absl::Status SendTargets(const std::string& radar_id, std::int64_t stamp_ns,
+                           std::span<const Target> targets);
 
   /// Queues a position fix behind the scans that were sent before it. ResourceExhausted when
   /// `max_unanswered_fix_count` of them have no answer yet (`FullQueue::kReject`), Unimplemented

@@ -54,7 +54,7 @@ absl::Status SessionEngine::WaitForRoom(std::unique_lock<std::mutex>& lock, Pred
   return absl::OkStatus();
 }
 
-absl::Status SessionEngine::Send(v1::Scan scan) {
+absl::Status SessionEngine::Send(v1::Scan scan, ScanNumber number) {
   std::unique_lock lock(mutex_);
   const auto has_room = [&] {
     return outbox_.waiting_scan_count() < options_.max_queued_scan_count;
@@ -64,45 +64,12 @@ absl::Status SessionEngine::Send(v1::Scan scan) {
     return absl::ResourceExhaustedError(
         absl::StrCat("the queue holds ", outbox_.waiting_scan_count(), " scans, its limit"));
   }
+  if (number == ScanNumber::kNext) scan.set_sequence_number(next_sequence_number_);
+  next_sequence_number_ = std::max(next_sequence_number_, scan.sequence_number() + 1);
   GiveVelocity(scan);
   outbox_.Push(std::move(scan));
   if (connection_ != nullptr) connection_->WriteOn();
   return absl::OkStatus();
-}
-
-/// To `PoseAt` the scan's; to a scan without one that of the ticks, which go with it.
-void SessionEngine::GiveVelocity(v1::Scan& scan) {
-  AddTicks(scan);
-  if (scan.has_ego_velocity()) {
-    // One that is not valid the server refuses.
-    return poses_.AddVelocity(scan.stamp_ns(), scan.ego_velocity()).IgnoreError();
-  }
-  const std::lock_guard lock(motion_mutex_);
-  if (auto velocity = motion_.VelocityAt(scan.stamp_ns())) {
-    *scan.mutable_ego_velocity() = *std::move(velocity);
-  }
-}
-
-void SessionEngine::AddTicks(v1::Scan& scan) {
-  const std::lock_guard lock(motion_mutex_);
-  constexpr std::int64_t kSetBack_ns = 1'000'000'000;
-  if (scan.stamp_ns() < newest_scan_ns_ - kSetBack_ns) newest_scan_ns_ = 0;
-  if (scan.stamp_ns() <= newest_scan_ns_) return;  // one that is late
-  if (newest_scan_ns_ > 0 && !scan.has_motion()) {
-    v1::MotionTicks ticks = motion_.TicksAround(newest_scan_ns_, scan.stamp_ns());
-    if (ticks.stamp_offset_ns_size() > 1) *scan.mutable_motion() = std::move(ticks);
-  }
-  newest_scan_ns_ = scan.stamp_ns();
-}
-
-absl::Status SessionEngine::AddMotion(const MotionTick& tick) {
-  std::optional<v1::EgoVelocity> velocity;
-  {
-    const std::lock_guard lock(motion_mutex_);
-    if (absl::Status status = motion_.Add(tick); !status.ok()) return status;
-    velocity = motion_.VelocityAt(tick.stamp_ns);
-  }
-  return velocity ? poses_.AddVelocity(tick.stamp_ns, *velocity) : absl::OkStatus();
 }
 
 absl::Status SessionEngine::SendFix(v1::PositionFix fix) {
@@ -191,7 +158,8 @@ SessionStats SessionEngine::stats() const {
 // ---- The stream, with the mutex held
 
 bool SessionEngine::HasRoom() const {
-  return stop_ != Stop::kNo || answers_.size() < options_.max_unread_answer_count;
+  return stop_ != Stop::kNo || options_.unread_answers == UnreadAnswers::kForgetOldest ||
+         answers_.size() < options_.max_unread_answer_count;
 }
 
 void SessionEngine::Take(v1::LocalizeResponse response) {
@@ -261,6 +229,11 @@ void SessionEngine::TakeAnswer(v1::LocalizeResponse response) {
   }
   if (request->has_scan()) tickets_.OnAnswered(request->scan(), response);
   response.clear_ticket();  // a secret
+  // There is room but where the oldest are forgotten.
+  if (answers_.size() >= options_.max_unread_answer_count &&
+      options_.unread_answers == UnreadAnswers::kForgetOldest) {
+    answers_.pop_front();
+  }
   Answered& answered = answers_.emplace_back();
   answered.answer = std::move(response);
   if (options_.record_file.empty()) return;

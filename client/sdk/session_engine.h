@@ -24,6 +24,12 @@
 
 namespace dcloc::client {
 
+/// Who numbers a scan.
+enum class ScanNumber {
+  kGiven,  ///< the caller has
+  kNext,   ///< it follows the highest one so far
+};
+
 /// The implementation of Session: a thread that opens one stream after the other, until the session
 /// ends.
 ///
@@ -45,7 +51,7 @@ class SessionEngine final : public Connection::Host {
   absl::Status WaitUntilOpen();
   const v1::SessionOpened& opened() const { return *first_opened_; }
 
-  absl::Status Send(v1::Scan scan);
+  absl::Status Send(v1::Scan scan, ScanNumber number);
   absl::Status SendFix(v1::PositionFix fix);
   absl::Status AddMotion(const MotionTick& tick);
   void CloseSending();
@@ -125,6 +131,7 @@ class SessionEngine final : public Connection::Host {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   Outbox outbox_;
+  std::int64_t next_sequence_number_ = 0;
   std::deque<Answered> answers_;
   Prior prior_;
   TicketKeeper tickets_;

@@ -70,4 +70,39 @@ bool SessionEngine::FillCatchUp(v1::LocalizeRequest* request) {
   return catches_up_;
 }
 
+/// To `PoseAt` the scan's; to a scan without one that of the ticks, which go with it.
+void SessionEngine::GiveVelocity(v1::Scan& scan) {
+  AddTicks(scan);
+  if (scan.has_ego_velocity()) {
+    // One that is not valid the server refuses.
+    return poses_.AddVelocity(scan.stamp_ns(), scan.ego_velocity()).IgnoreError();
+  }
+  const std::lock_guard lock(motion_mutex_);
+  if (auto velocity = motion_.VelocityAt(scan.stamp_ns())) {
+    *scan.mutable_ego_velocity() = *std::move(velocity);
+  }
+}
+
+void SessionEngine::AddTicks(v1::Scan& scan) {
+  const std::lock_guard lock(motion_mutex_);
+  constexpr std::int64_t kSetBack_ns = 1'000'000'000;
+  if (scan.stamp_ns() < newest_scan_ns_ - kSetBack_ns) newest_scan_ns_ = 0;
+  if (scan.stamp_ns() <= newest_scan_ns_) return;  // one that is late
+  if (newest_scan_ns_ > 0 && !scan.has_motion()) {
+    v1::MotionTicks ticks = motion_.TicksAround(newest_scan_ns_, scan.stamp_ns());
+    if (ticks.stamp_offset_ns_size() > 1) *scan.mutable_motion() = std::move(ticks);
+  }
+  newest_scan_ns_ = scan.stamp_ns();
+}
+
+absl::Status SessionEngine::AddMotion(const MotionTick& tick) {
+  std::optional<v1::EgoVelocity> velocity;
+  {
+    const std::lock_guard lock(motion_mutex_);
+    if (absl::Status status = motion_.Add(tick); !status.ok()) return status;
+    velocity = motion_.VelocityAt(tick.stamp_ns);
+  }
+  return velocity ? poses_.AddVelocity(tick.stamp_ns, *velocity) : absl::OkStatus();
+}
+
 }  // namespace dcloc::client

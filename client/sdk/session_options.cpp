@@ -25,6 +25,12 @@ absl::Status Validate(const SessionOptions& options) {
   status.Update(CheckCount("max_unanswered_fix_count", options.max_unanswered_fix_count));
   status.Update(CheckPositive("open_timeout", options.open_timeout));
   status.Update(Validate(options.pose));
+  if (status.ok() && options.unread_answers == UnreadAnswers::kForgetOldest &&
+      !options.record_file.empty()) {
+    return absl::InvalidArgumentError(
+        "record_file is given and unread_answers is kForgetOldest; answers are recorded as they "
+        "are taken, so that none may be forgotten");
+  }
   if (!status.ok() || !options.reconnect) return status;
   const ReconnectOptions& reconnect = *options.reconnect;
   status.Update(CheckPositive("reconnect.initial_backoff", reconnect.initial_backoff));

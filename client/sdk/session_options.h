@@ -18,6 +18,12 @@ enum class FullQueue {
   kReject,  ///< refuses the scan at once: for a vehicle, where a late scan is worth little
 };
 
+/// What becomes of answers that `Session::Next` does not take, once they are as many as are kept.
+enum class UnreadAnswers {
+  kHoldBack,      ///< no more are read, the server stops reading scans, and so the queue fills
+  kForgetOldest,  ///< for who only asks for poses, and never calls `Next`
+};
+
 /// How a broken connection is mended. Waits grow from the first to the last backoff, with jitter.
 struct ReconnectOptions {
   std::chrono::milliseconds initial_backoff{100};
@@ -46,9 +52,9 @@ struct SessionEvent {
 struct SessionOptions {
   std::size_t max_queued_scan_count = 16;  ///< accepted by Send, not yet taken by the transport
   FullQueue when_full = FullQueue::kReject;
-  /// Answers kept for `Next`. When they are this many, no more are read, the server stops reading
-  /// scans, and so the queue fills: nothing grows without bound.
+  /// Answers kept for `Next`, so that nothing grows without bound.
   std::size_t max_unread_answer_count = 1024;
+  UnreadAnswers unread_answers = UnreadAnswers::kHoldBack;
   std::chrono::milliseconds open_timeout = std::chrono::seconds(10);
   /// Position fixes accepted by SendFix and not yet answered. They hold no scan back.
   std::size_t max_unanswered_fix_count = 16;

@@ -64,14 +64,12 @@ class ClientLibraries(unittest.TestCase):
             for used in re.findall(r'#include "((?:client|dcloc)/[^"]+)"', header.read_text()):
                 self.assertTrue((include / used).is_file(), f"{header.name} needs {used}")
         answer = run(self.build(prefix, "example"), self.server.address, "town")
-        self.assertIn("result {", answer)
-        self.assertIn("LOCALIZATION_STATE_", answer)
-        self.assertEqual(len(re.findall("^(?:x |no pose yet)", answer, re.MULTILINE)), 10, answer)
+        self.assertEqual(len(re.findall("^(?:x |no pose yet)", answer, re.MULTILINE)), 100, answer)
 
     def test_the_c_library_is_found_by_cmake_and_by_pkg_config(self):
         prefix = self.install("c", "c_dev")
-        self.assertIn("answer 0, state",
-                      run(self.build(prefix, "example-c"), self.server.address, "town"))
+        said = run(self.build(prefix, "example-c"), self.server.address, "town")
+        self.assertEqual(said.count("\n"), 100, said)
         if shutil.which("pkg-config") is None:
             self.skipTest("needs pkg-config")
         (folder,) = prefix.glob("lib*/**/pkgconfig")
@@ -81,7 +79,7 @@ class ClientLibraries(unittest.TestCase):
         run("cc", prefix / "share/dcloc/example-c/example.c", "-o", program, *flags)
         said = run(program, self.server.address, "town",
                    env={**os.environ, "LD_LIBRARY_PATH": str(folder.parent)})
-        self.assertIn("answer 0, state", said)
+        self.assertEqual(said.count("\n"), 100, said)
 
 
 @unittest.skipIf(shutil.which("dpkg-deb") is None, "needs dpkg-deb")

@@ -248,6 +248,14 @@ dcloc_status dcloc_config_set_reconnect_ms(dcloc_config* config, int64_t give_up
   });
 }
 
+dcloc_status dcloc_config_forget_answers(dcloc_config* config) {
+  return Guard([&] {
+    const absl::Status status = CheckPointers({{"config", config}});
+    if (status.ok()) config->session.unread_answers = client::UnreadAnswers::kForgetOldest;
+    return status;
+  });
+}
+
 dcloc_status dcloc_session_open(const dcloc_config* config, dcloc_session** session) {
   return Guard([&] {
     absl::Status status = CheckPointers({{"config", config}, {"session", session}});

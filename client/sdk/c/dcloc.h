@@ -83,6 +83,10 @@ dcloc_status dcloc_config_set_initial_pose(dcloc_config* config, const double tr
 /* For how long a broken connection is mended, 2 minutes by default; 0: the session ends with it. */
 dcloc_status dcloc_config_set_reconnect_ms(dcloc_config* config, int64_t give_up_after_ms);
 
+/* For programs that only ask for poses: answers that are not taken are forgotten, the oldest first,
+ * and dcloc_session_next need not be called. */
+dcloc_status dcloc_config_forget_answers(dcloc_config* config);
+
 /* ---- A session */
 
 typedef struct dcloc_session dcloc_session;
@@ -150,7 +154,7 @@ typedef struct dcloc_answer {
 } dcloc_answer;
 
 /* Waits for the next answer: one for each scan, in their order. They must be taken, or no more
- * scans are sent. Once the session has ended and all are taken, DCLOC_OUT_OF_RANGE. */
+ * scans are sent, but after dcloc_config_forget_answers. Once the session has ended and all are taken, DCLOC_OUT_OF_RANGE. */
 dcloc_status dcloc_session_next(dcloc_session* session, dcloc_answer* answer);
 
 /* No more scans will come; those that were sent are answered, then the session ends. */

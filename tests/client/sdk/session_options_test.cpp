@@ -16,6 +16,8 @@ TEST(SessionOptionsTest, TheDefaultsHold) {
   EXPECT_TRUE(Validate(options).ok());
   options.reconnect = std::nullopt;
   EXPECT_TRUE(Validate(options).ok());
+  options.unread_answers = UnreadAnswers::kForgetOldest;
+  EXPECT_TRUE(Validate(options).ok());
 }
 
 TEST(SessionOptionsTest, EachFieldIsRefusedByItsName) {
@@ -24,6 +26,11 @@ TEST(SessionOptionsTest, EachFieldIsRefusedByItsName) {
       {"max_unread_answer_count", [](auto& options) { options.max_unread_answer_count = 0; }},
       {"max_unanswered_scan_count", [](auto& options) { options.max_unanswered_scan_count = 0; }},
       {"max_unanswered_fix_count", [](auto& options) { options.max_unanswered_fix_count = 0; }},
+      {"record_file",
+       [](auto& options) {
+         options.record_file = "a.session";
+         options.unread_answers = UnreadAnswers::kForgetOldest;
+       }},
       {"open_timeout", [](auto& options) { options.open_timeout = milliseconds(0); }},
       {"reconnect.initial_backoff",
        [](auto& options) { options.reconnect->initial_backoff = milliseconds(-1); }},

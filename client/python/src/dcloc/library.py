@@ -78,6 +78,7 @@ _CALLS = {
     "dcloc_config_add_radar": [c_void_p, c_char_p, _DOUBLES, _DOUBLES, c_double],
     "dcloc_config_set_initial_pose": [c_void_p, _DOUBLES, _DOUBLES, _DOUBLES],
     "dcloc_config_set_reconnect_ms": [c_void_p, c_int64],
+    "dcloc_config_forget_answers": [c_void_p],
     "dcloc_session_open": [c_void_p, POINTER(c_void_p)],
     "dcloc_session_send_scan": [c_void_p, POINTER(ScanStruct)],
     "dcloc_session_add_motion": [c_void_p, c_int64, c_double, c_double],

@@ -109,12 +109,14 @@ class VehicleSession:
 
     def __init__(self, server: str, map_name: str, vehicle_id: str, radars: Iterable[Radar], *,
                  prior: Prior | None = None, give_up_after_s: float = 120.0,
+                 forget_answers: bool = False,
                  tls_ca: str | os.PathLike[str] | None = None,
                  tls_cert: str | os.PathLike[str] | None = None,
                  tls_key: str | os.PathLike[str] | None = None,
                  token_file: str | os.PathLike[str] | None = None) -> None:
         """Waits until the server HOST:PORT has opened the session, at most 10 s; `Error` says why
-        it has not. Without a prior the whole map is searched."""
+        it has not. Without a prior the whole map is searched. `forget_answers` is for programs that
+        only ask for poses: answers that are not taken are forgotten, the oldest first."""
         if tls_ca is None and (tls_cert is not None or tls_key is not None):
             raise ValueError("TLS needs tls_ca, the authority of the server's certificate")
         config = _Handle(library.load().dcloc_config_new(server.encode(), map_name.encode(),
@@ -131,6 +133,8 @@ class VehicleSession:
         if token_file is not None:
             configure("set_token_file", encoded(token_file))
         configure("set_reconnect_ms", round(give_up_after_s * 1e3))
+        if forget_answers:
+            configure("forget_answers")
         for radar in radars:
             configure("add_radar", radar.radar_id.encode(),
                       _doubles("translation_m", radar.translation_m, 3),
