@@ -77,21 +77,31 @@ class Reader {
     absl::StatusOr<HeaderFields> fields = ParseHeader(header);
     if (!fields.ok()) return fields.status();
     record.header = *std::move(fields);
-    if (!ReadBlock(record.data, kMaxChunkBytes)) {
-      // Of a chunk that is not packed, the whole messages are still there.
-      if (record.op() == Op::kChunk && record.header["compression"] == "none") {
-        if (absl::Status status = TakeRestOfFile(record); !status.ok()) return status;
-      }
-      return std::nullopt;
+    const bool is_whole = ReadBlock(record.data, kMaxChunkBytes);
+    if (is_whole && !IsUnfinished(record)) return record;
+    // Of a chunk that is cut off, the whole messages are still there.
+    if (record.op() == Op::kChunk) {
+      if (absl::Status status = TakeRestOfFile(record); !status.ok()) return status;
     }
-    return record;
+    return std::nullopt;
+  }
+
+  /// A recorder writes how long a packed chunk is once it has ended. What is not packed follows as
+  /// records.
+  bool IsUnfinished(Record& record) const {
+    return record.op() == Op::kChunk && record.data.empty() && left_ > 0 &&
+           record.header["compression"] != NameOf(Compression::kNone);
   }
 
   absl::Status TakeRestOfFile(Record& record) {
-    record.data.resize(static_cast<std::size_t>(std::max<std::int64_t>(left_, 0)));
+    const std::string& name = record.header["compression"];
+    const auto compression = CompressionByName(name);
+    if (!compression.ok()) return compression.status();
+    record.data.resize(static_cast<std::size_t>(
+        std::clamp<std::int64_t>(left_, 0, static_cast<std::int64_t>(kMaxChunkBytes))));
     file_.read(record.data.data(), static_cast<std::streamsize>(record.data.size()));
-    summary_.compressions.insert("none");
-    return TakeMessages(record.data, /*is_cut=*/true);
+    summary_.compressions.insert(name);
+    return TakeMessages(DecompressCut(record.data, *compression, kMaxChunkBytes), /*is_cut=*/true);
   }
 
   /// A length and so many bytes; false where the file has not so many.

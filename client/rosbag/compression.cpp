@@ -3,12 +3,17 @@
 #include <bzlib.h>
 #include <lz4frame.h>
 
+#include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
 namespace dcloc::rosbag {
 namespace {
+
+constexpr std::size_t kUnpackedAtOnce = std::size_t{64} << 10U;
+constexpr const char* kEndsElsewhere = "it does not end where its header says";
 
 absl::Status Damaged(Compression compression, absl::string_view why) {
   return absl::DataLossError(
@@ -41,41 +46,80 @@ absl::StatusOr<std::string> CompressLz4(absl::string_view bytes) {
   return packed;
 }
 
-absl::StatusOr<std::string> DecompressBz2(absl::string_view packed, std::size_t size) {
-  std::string bytes(size, '\0');
-  auto written = static_cast<unsigned int>(size);
-  std::string source(packed);
-  const int result = BZ2_bzBuffToBuffDecompress(bytes.data(), &written, source.data(),
-                                                static_cast<unsigned int>(source.size()), 0, 0);
-  if (result != BZ_OK) return Damaged(Compression::kBz2, absl::StrCat("bzip2 error ", result));
-  if (written != size) return Damaged(Compression::kBz2, "it is shorter than its header says");
-  return bytes;
+/// What could be unpacked, and why no more where that is not all.
+struct Unpacked {
+  std::string bytes;
+  absl::Status status;
+};
+
+/// At most `max_size` bytes.
+Unpacked UnpackBz2(absl::string_view packed, std::size_t max_size) {
+  bz_stream stream{};
+  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) {
+    return {"", absl::ResourceExhaustedError("bzip2 has no memory")};
+  }
+  const std::unique_ptr<bz_stream, decltype(&BZ2_bzDecompressEnd)> end(&stream,
+                                                                       &BZ2_bzDecompressEnd);
+  std::string source(packed);  // the interface takes no const
+  stream.next_in = source.data();
+  stream.avail_in = static_cast<unsigned int>(source.size());
+  Unpacked unpacked;
+  std::string buffer(kUnpackedAtOnce, '\0');
+  while (true) {
+    stream.next_out = buffer.data();
+    stream.avail_out = static_cast<unsigned int>(buffer.size());
+    const int result = BZ2_bzDecompress(&stream);
+    const std::size_t given = buffer.size() - stream.avail_out;
+    unpacked.bytes.append(buffer, 0, given);
+    if (result == BZ_STREAM_END) return unpacked;
+    const bool is_stuck = given == 0 && stream.avail_in == 0;
+    if (result != BZ_OK || is_stuck || unpacked.bytes.size() > max_size) {
+      unpacked.status =
+          Damaged(Compression::kBz2,
+                  result != BZ_OK ? absl::StrCat("bzip2 error ", result) : kEndsElsewhere);
+      return unpacked;
+    }
+  }
 }
 
-absl::StatusOr<std::string> DecompressLz4(absl::string_view packed, std::size_t size) {
+/// At most `max_size` bytes.
+Unpacked UnpackLz4(absl::string_view packed, std::size_t max_size) {
   LZ4F_dctx* raw = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&raw, LZ4F_VERSION)) != 0U) {
-    return absl::ResourceExhaustedError("lz4 has no memory");
+    return {"", absl::ResourceExhaustedError("lz4 has no memory")};
   }
   const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(
       raw, &LZ4F_freeDecompressionContext);
-  std::string bytes(size, '\0');
-  std::size_t written = 0;
+  Unpacked unpacked;
+  std::string buffer(kUnpackedAtOnce, '\0');
   std::size_t wanted = 1;  // a hint of how many bytes come; 0 at the frame's end
   while (wanted != 0) {
     std::size_t taken = packed.size();
-    std::size_t given = size - written;
-    wanted = LZ4F_decompress(context.get(), bytes.data() + written, &given, packed.data(), &taken,
-                             nullptr);
-    if (LZ4F_isError(wanted) != 0U) return Damaged(Compression::kLz4, LZ4F_getErrorName(wanted));
-    if (wanted != 0 && taken == 0 && given == 0) {
-      return Damaged(Compression::kLz4, "it does not end where its header says");
+    std::size_t given = buffer.size();
+    wanted = LZ4F_decompress(context.get(), buffer.data(), &given, packed.data(), &taken, nullptr);
+    const bool has_failed = LZ4F_isError(wanted) != 0U;
+    if (!has_failed) unpacked.bytes.append(buffer, 0, given);
+    const bool is_stuck = wanted != 0 && taken == 0 && given == 0;
+    if (has_failed || is_stuck || unpacked.bytes.size() > max_size) {
+      unpacked.status =
+          Damaged(Compression::kLz4, has_failed ? LZ4F_getErrorName(wanted) : kEndsElsewhere);
+      return unpacked;
     }
-    written += given;
     packed.remove_prefix(taken);
   }
-  if (written != size) return Damaged(Compression::kLz4, "it is shorter than its header says");
-  return bytes;
+  return unpacked;
+}
+
+Unpacked Unpack(absl::string_view packed, Compression compression, std::size_t max_size) {
+  switch (compression) {
+    case Compression::kNone:
+      return {std::string(packed), absl::OkStatus()};
+    case Compression::kBz2:
+      return UnpackBz2(packed, max_size);
+    case Compression::kLz4:
+      return UnpackLz4(packed, max_size);
+  }
+  return {"", absl::InvalidArgumentError("compression is none of Compression")};
 }
 
 }  // namespace
@@ -114,17 +158,18 @@ absl::StatusOr<std::string> Compress(absl::string_view bytes, Compression compre
 
 absl::StatusOr<std::string> Decompress(absl::string_view packed, Compression compression,
                                        std::size_t size) {
-  switch (compression) {
-    case Compression::kNone:
-      if (packed.size() != size)
-        return Damaged(compression, "it is not as long as its header says");
-      return std::string(packed);
-    case Compression::kBz2:
-      return DecompressBz2(packed, size);
-    case Compression::kLz4:
-      return DecompressLz4(packed, size);
+  Unpacked unpacked = Unpack(packed, compression, size);
+  if (!unpacked.status.ok()) return unpacked.status;
+  if (unpacked.bytes.size() != size) {
+    return Damaged(compression, "it is not as long as its header says");
   }
-  return absl::InvalidArgumentError("compression is none of Compression");
+  return std::move(unpacked.bytes);
+}
+
+std::string DecompressCut(absl::string_view packed, Compression compression, std::size_t max_size) {
+  std::string bytes = Unpack(packed, compression, max_size).bytes;
+  bytes.resize(std::min(bytes.size(), max_size));
+  return bytes;
 }
 
 }  // namespace dcloc::rosbag

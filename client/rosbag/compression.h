@@ -24,4 +24,8 @@ absl::StatusOr<std::string> Compress(absl::string_view bytes, Compression compre
 absl::StatusOr<std::string> Decompress(absl::string_view packed, Compression compression,
                                        std::size_t size);
 
+/// What can be unpacked of bytes that are cut off, at most `max_size` bytes: of lz4 all blocks that
+/// are whole, of bz2 too, whose blocks have 900 kB.
+std::string DecompressCut(absl::string_view packed, Compression compression, std::size_t max_size);
+
 }  // namespace dcloc::rosbag

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <string>
 
 namespace dcloc::rosbag {
@@ -46,6 +47,23 @@ TEST(CompressionTest, DamageAndAWrongSizeAreNamed) {
     EXPECT_EQ(Decompress(damaged, compression, bytes.size()).ok(),
               compression == Compression::kNone)  // which has no checksum
         << NameOf(compression);
+  }
+}
+
+TEST(CompressionTest, OfWhatIsCutOffTheWholeBlocksComeBack) {
+  std::string bytes;
+  std::mt19937 random(1);
+  for (int i = 0; i < 3'000'000; ++i) bytes += static_cast<char>(random());
+  for (const Compression compression : kAll) {
+    const std::string packed = *Compress(bytes, compression);
+    const std::string cut =
+        DecompressCut(packed.substr(0, packed.size() * 3 / 4), compression, bytes.size());
+    EXPECT_EQ(cut, bytes.substr(0, cut.size())) << NameOf(compression);
+    EXPECT_GT(cut.size(), bytes.size() / 3) << NameOf(compression);
+    EXPECT_LT(cut.size(), bytes.size()) << NameOf(compression);
+    EXPECT_EQ(DecompressCut(packed, compression, 1000), bytes.substr(0, 1000));
+    EXPECT_EQ(DecompressCut("no such thing", compression, 1000).empty(),
+              compression != Compression::kNone);
   }
 }
 
