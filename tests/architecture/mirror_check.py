@@ -38,7 +38,7 @@ TESTED_BY = {
     "tests/client/cli/session/session_command_test.cpp": (
         "client/cli/session/session_propose_command",),
     "tests/client/cli/session/session_record_command_test.cpp": ("client/cli/common/stop_signals",),
-    "tests/client/ros/node_test.py": ("client/ros/ros1/main",),
+    "tests/client/ros/node_test.py": ("client/ros/ros1/master_watch",),
     # What commands share is tested by a command that uses all of it.
     "tests/client/cli/dataset/dataset_command_test.cpp": ("client/cli/common/written_file",),
     "tests/client/cli/evaluate/evaluate_command_test.cpp": (

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/ros/localizer_node.h"
+#include "client/ros/ros1/master_watch.h"
 #include "client/ros/ros1/raw_message.h"
 #include "client/ros/ros1/ros_parameters.h"
 #include "client/ros/ros1/ros_sink.h"
@@ -18,6 +19,7 @@ namespace {
 constexpr std::uint32_t kIncomingCount = 500;
 constexpr double kAdvanceInterval_s = 0.01;
 constexpr double kDiagnosticsInterval_s = 1.0;
+constexpr double kMasterInterval_s = 0.5;
 
 using Event = ::ros::MessageEvent<const RawMessage>;
 
@@ -57,7 +59,7 @@ int Run() {
     ROS_FATAL_STREAM(node.status().message());
     return 1;
   }
-  const std::vector<::ros::Subscriber> subscribers = Subscribe(handle, **node);
+  std::vector<::ros::Subscriber> subscribers = Subscribe(handle, **node);
   using Wall = ::ros::WallTimerEvent;
   const auto now = [] { return std::chrono::steady_clock::now(); };
   const ::ros::WallTimer advance =
@@ -66,6 +68,15 @@ int Run() {
   const ::ros::WallTimer diagnose =
       handle.createWallTimer(::ros::WallDuration(kDiagnosticsInterval_s),
                              [&](const Wall& /*event*/) { (*node)->Diagnose(now()); });
+  MasterWatch master;
+  const ::ros::WallTimer register_anew =
+      handle.createWallTimer(::ros::WallDuration(kMasterInterval_s), [&](const Wall& /*event*/) {
+        if (!master.TakeRestart()) return;
+        sink.Warn("the ROS master was started anew; its topics are told to it again");
+        subscribers.clear();  // or roscpp takes them for known
+        subscribers = Subscribe(handle, **node);
+        sink.AdvertiseAnew();
+      });
   ::ros::WallTimer tell;
   if (options->odometry_rate_hz > 0.0) {
     tell = handle.createWallTimer(

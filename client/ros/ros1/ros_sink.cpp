@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::uint32_t kOutgoingCount = 100;
 
-::ros::Publisher Advertise(::ros::NodeHandle& node, const std::string& topic,
-                           const rosbag::MessageType& type) {
+::ros::Publisher AdvertiseTopic(::ros::NodeHandle& node, const std::string& topic,
+                                const rosbag::MessageType& type) {
   ::ros::AdvertiseOptions options(topic, kOutgoingCount, type.md5sum, type.name,
                                   rosbag::DefinitionOf(type));
   return node.advertise(options);
@@ -42,10 +42,23 @@ Stamp Now() {
 }  // namespace
 
 RosSink::RosSink(::ros::NodeHandle global, ::ros::NodeHandle own)
-    : pose_(Advertise(own, "pose", rosbag::kPoseWithCovarianceStamped)),
-      odometry_(Advertise(own, "odometry", rosbag::kOdometry)),
-      transform_(Advertise(global, "/tf", rosbag::kTf2)),
-      diagnostics_(Advertise(global, "/diagnostics", rosbag::kDiagnosticArray)) {}
+    : global_(std::move(global)), own_(std::move(own)) {
+  Advertise();
+}
+
+void RosSink::Advertise() {
+  pose_ = AdvertiseTopic(own_, "pose", rosbag::kPoseWithCovarianceStamped);
+  odometry_ = AdvertiseTopic(own_, "odometry", rosbag::kOdometry);
+  transform_ = AdvertiseTopic(global_, "/tf", rosbag::kTf2);
+  diagnostics_ = AdvertiseTopic(global_, "/diagnostics", rosbag::kDiagnosticArray);
+}
+
+void RosSink::AdvertiseAnew() {
+  for (::ros::Publisher* const publisher : {&pose_, &odometry_, &transform_, &diagnostics_}) {
+    publisher->shutdown();
+  }
+  Advertise();
+}
 
 void RosSink::Publish(const PoseMessage& pose) {
   pose_.publish(RawMessage{rosbag::FormatPose(MotionOf(pose))});

@@ -16,6 +16,9 @@ class RosSink final : public NodeSink {
  public:
   RosSink(::ros::NodeHandle global, ::ros::NodeHandle own);
 
+  /// Tells a master that was started anew of its topics.
+  void AdvertiseAnew();
+
   void Publish(const PoseMessage& pose) override;
   void Publish(const OdometryMessage& odometry) override;
   void Publish(const rosbag::Transform& transform) override;
@@ -23,6 +26,10 @@ class RosSink final : public NodeSink {
   void Warn(const std::string& text) override;
 
  private:
+  void Advertise();
+
+  ::ros::NodeHandle global_;
+  ::ros::NodeHandle own_;
   ::ros::Publisher pose_;
   ::ros::Publisher odometry_;
   ::ros::Publisher transform_;

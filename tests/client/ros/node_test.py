@@ -39,23 +39,29 @@ class Ros:
         os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{free_port()}", ROS_IP="127.0.0.1",
                           ROS_HOME=str(folder / "ros"), ROS_LOG_DIR=str(folder / "ros/log"))
         os.environ.pop("ROS_HOSTNAME", None)
+        self.start_master()
+        import rospy
+        rospy.init_node("node_test", disable_signals=True)
+
+    def start_master(self):
+        import rosgraph
         port = os.environ["ROS_MASTER_URI"].rpartition(":")[2]
         self.master = subprocess.Popen(["rosmaster", "--core", "-p", port], env=os.environ,
                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        import rosgraph
         try:
             wait_for(rosgraph.is_master_online, "the master", timeout_s=200)
         except AssertionError:
             self.master.kill()
             raise
-        import rospy
-        rospy.init_node("node_test", disable_signals=True)
+
+    def end_master(self):
+        self.master.terminate()
+        self.master.wait(20)
 
     def end(self):
         import rospy
         rospy.signal_shutdown("the test is over")
-        self.master.terminate()
-        self.master.wait(20)
+        self.end_master()
 
 
 def wait_for(condition, what, timeout_s=90):
@@ -82,25 +88,32 @@ class Node:
     count = 0
 
     def __init__(self, **parameters):
-        import rospy
-        from diagnostic_msgs.msg import DiagnosticArray
-        from geometry_msgs.msg import PoseWithCovarianceStamped
-        from nav_msgs.msg import Odometry
-        from tf2_msgs.msg import TFMessage
         Node.count += 1
         self.name = f"dcloc_{Node.count}"
         self.poses, self.odometry, self.transforms, self.diagnostics = {}, [], [], {}
-        self.subscribers = [
-            rospy.Subscriber(f"/{self.name}/pose", PoseWithCovarianceStamped, self.take_pose),
-            rospy.Subscriber(f"/{self.name}/odometry", Odometry, self.odometry.append),
-            rospy.Subscriber("/tf", TFMessage, lambda tf: self.transforms.extend(tf.transforms)),
-            rospy.Subscriber("/diagnostics", DiagnosticArray, self.take_diagnostics)]
+        self.subscribers = []
+        self.listen()
         arguments = [f"_{key}:={value}" for key, value in parameters.items()]
         self.process = subprocess.Popen([PROGRAMS[2], f"__name:={self.name}", *arguments],
                                         text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         self.lines = []
         self.reader = threading.Thread(target=lambda: self.lines.extend(self.process.stdout))
         self.reader.start()
+
+    def listen(self):
+        """To its topics; again where the master has forgotten who listens."""
+        import rospy
+        from diagnostic_msgs.msg import DiagnosticArray
+        from geometry_msgs.msg import PoseWithCovarianceStamped
+        from nav_msgs.msg import Odometry
+        from tf2_msgs.msg import TFMessage
+        for subscriber in self.subscribers:
+            subscriber.unregister()
+        self.subscribers = [
+            rospy.Subscriber(f"/{self.name}/pose", PoseWithCovarianceStamped, self.take_pose),
+            rospy.Subscriber(f"/{self.name}/odometry", Odometry, self.odometry.append),
+            rospy.Subscriber("/tf", TFMessage, lambda tf: self.transforms.extend(tf.transforms)),
+            rospy.Subscriber("/diagnostics", DiagnosticArray, self.take_diagnostics)]
 
     def take_pose(self, message):
         pose = message.pose.pose
@@ -274,6 +287,27 @@ class NodeTest(unittest.TestCase):
                 self.player.play(speed=2.0, begin_s=5.1, end_s=12.0)
                 wait_for(lambda: len(node.poses) > 20, "poses again")
             self.assertGreaterEqual(int(node.value("disconnects")), 1)
+
+    def test_a_master_that_ends_and_is_started_anew_hears_of_its_topics(self):
+        with self.node() as node:
+            self.begin(node)
+            self.player.play(speed=2.0, begin_s=0.1, end_s=4.0)
+            wait_for(lambda: node.poses, "poses")
+            session = node.value("session")
+            self.ros.end_master()
+            time.sleep(2.0)
+            self.ros.start_master()
+            # The test's own node does not tell the new master of its topics either.
+            self.player.__exit__()
+            self.player.publishers.clear()
+            self.player.__enter__()
+            node.listen()
+            self.player.connect(self.heard)
+            node.poses.clear()
+            self.player.play(speed=2.0, begin_s=4.1, end_s=10.0)
+            wait_for(lambda: len(node.poses) > 20, "poses again")
+            self.assertEqual(node.value("session"), session)
+            self.assertTrue(any("started anew" in line for line in node.lines), node.lines)
 
     def test_a_topic_that_is_missing_is_named_and_poses_come_all_the_same(self):
         with self.node() as node:
