@@ -1,12 +1,14 @@
 #include "client/datasets/nuscenes.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/datasets/can_bus.h"
 #include "client/datasets/files/check_range.h"
@@ -153,6 +155,13 @@ absl::StatusOr<Drive> ReadNuScenesDrive(const fs::path& root, const DriveRequest
       scan->ego_velocity = (*velocities)->At(sweep.stamp, options.max_can_bus_age);
     }
     drive.scans.push_back({*std::move(scan), sweep.T_map_vehicle});
+  }
+  if (velocities->has_value() && std::ranges::none_of(drive.scans, [](const DriveScan& entry) {
+        return entry.scan.ego_velocity.has_value();
+      })) {
+    drive.notes.push_back(absl::StrFormat(
+        "no sample of %s_pose.json is within %.1f s of any scan: are they of one clock?",
+        request.name, std::chrono::duration<double>(options.max_can_bus_age).count()));
   }
   if (absl::Status status = FinishDrive(request, drive); !status.ok()) {
     return FileError(*tables, status.message());

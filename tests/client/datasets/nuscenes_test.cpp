@@ -84,6 +84,18 @@ TEST(NuScenes, HasNoEgoVelocityWithoutABusLog) {
   for (const DriveScan& entry : drive->scans) EXPECT_FALSE(entry.scan.ego_velocity.has_value());
 }
 
+TEST(NuScenes, SaysThatABusLogIsOfAnotherClock) {
+  TinyNuScenes tiny;
+  EXPECT_TRUE(Read(tiny)->notes.empty());
+  nlohmann::json bus = nlohmann::json::parse(tiny.files.at("can_bus/scene-0001_pose.json"));
+  for (auto& sample : bus) sample["utime"] = sample["utime"].get<std::int64_t>() + 1'000'000'000;
+  tiny.files["can_bus/scene-0001_pose.json"] = bus.dump();
+  const auto drive = Read(tiny);
+  ASSERT_TRUE(drive.ok()) << drive.status();
+  ASSERT_EQ(drive->notes.size(), 1U);
+  EXPECT_NE(drive->notes[0].find("of one clock"), std::string::npos);
+}
+
 TEST(NuScenes, FiltersByTheDevicesCodes) {
   TinyNuScenes tiny;
   PcdPoint invalid{1.0F, 0.0F};

@@ -1,0 +1,170 @@
+#include "client/datasets/check/velocity_check.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/covariance.h"
+#include "core/geometry/pose.h"
+
+namespace dcloc {
+namespace {
+
+constexpr double kStep_s = 0.2;  ///< motions are compared over so long, as poses have noise
+constexpr double kMaxStep_s = 1.0;
+constexpr double kMaxDelay_s = 0.6;
+constexpr double kDelayStep_s = 0.02;
+constexpr std::size_t kMinSteps = 20;
+constexpr double kMinSpeed_mps = 2.0;
+constexpr double kMinYawRate_radps = 0.05;  ///< root mean square
+/// The best delay leaves at most this share of the squared differences that none leaves.
+constexpr double kTellingShare = 0.4;
+/// And those that none leaves are at least this [m/s, rad/s], root mean square.
+constexpr double kTellingSpeed_mps = 0.1;
+constexpr double kTellingYawRate_radps = 0.01;
+
+/// Speed [m/s] or yaw rate [rad/s] at a moment [s] since the drive's begin.
+struct Sample {
+  double time_s;
+  double value;
+};
+using Signal = std::vector<Sample>;
+
+/// Between samples on a straight line; nothing beyond them, and where they are far apart.
+std::optional<double> At(const Signal& signal, double time_s) {
+  const auto after = std::ranges::lower_bound(signal, time_s, {}, &Sample::time_s);
+  if (after == signal.begin() || after == signal.end()) return std::nullopt;
+  const Sample& a = *std::prev(after);
+  if (after->time_s - a.time_s > kMaxStep_s) return std::nullopt;
+  const double share = (time_s - a.time_s) / (after->time_s - a.time_s);
+  return a.value + share * (after->value - a.value);
+}
+
+/// What was reported beside the truth, as far as both are known.
+std::vector<std::pair<double, double>> Pairs(const Signal& reported, const Signal& truth,
+                                             double delay_s) {
+  std::vector<std::pair<double, double>> pairs;
+  for (const Sample& sample : truth) {
+    if (const auto value = At(reported, sample.time_s + delay_s)) {
+      pairs.emplace_back(*value, sample.value);
+    }
+  }
+  return pairs;
+}
+
+double RootMeanSquare(const Signal& signal) {
+  double sum = 0.0;
+  for (const Sample& sample : signal) sum += sample.value * sample.value;
+  return signal.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(signal.size()));
+}
+
+/// Least squares of reported = factor * truth.
+std::optional<double> FactorOf(const Signal& reported, const Signal& truth, double min_rms) {
+  const auto pairs = Pairs(reported, truth, 0.0);
+  if (pairs.size() < kMinSteps || RootMeanSquare(truth) < min_rms) return std::nullopt;
+  double product = 0.0;
+  double square = 0.0;
+  for (const auto& [value, expected] : pairs) {
+    product += value * expected;
+    square += expected * expected;
+  }
+  return square > 0.0 ? std::optional(product / square) : std::nullopt;
+}
+
+/// The mean squared difference after the best factor.
+std::optional<double> Left(const Signal& reported, const Signal& truth, double delay_s) {
+  const auto pairs = Pairs(reported, truth, delay_s);
+  if (pairs.size() < kMinSteps) return std::nullopt;
+  double values = 0.0;
+  double product = 0.0;
+  double square = 0.0;
+  for (const auto& [value, expected] : pairs) {
+    values += value * value;
+    product += value * expected;
+    square += expected * expected;
+  }
+  if (square <= 0.0) return std::nullopt;
+  return std::max(0.0, values - product * product / square) / static_cast<double>(pairs.size());
+}
+
+std::optional<double> DelayOf(const Signal& reported, const Signal& truth, double telling_rms) {
+  const auto without = Left(reported, truth, 0.0);
+  if (!without || *without < telling_rms * telling_rms) return std::nullopt;
+  double best_s = 0.0;
+  double best = *without;
+  for (double delay_s = -kMaxDelay_s; delay_s <= kMaxDelay_s; delay_s += kDelayStep_s) {
+    const auto left = Left(reported, truth, delay_s);
+    if (left && *left < best) {
+      best = *left;
+      best_s = delay_s;
+    }
+  }
+  return best <= kTellingShare * *without ? std::optional(best_s) : std::nullopt;
+}
+
+struct Signals {
+  Signal speed;
+  Signal yaw_rate;
+};
+
+double Seconds(const Drive& drive, std::size_t index) {
+  return std::chrono::duration<double>(drive.scans[index].scan.stamp -
+                                       drive.scans.front().scan.stamp)
+      .count();
+}
+
+Signals Reported(const Drive& drive) {
+  Signals signals;
+  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+    const auto& velocity = drive.scans[i].scan.ego_velocity;
+    const double time_s = Seconds(drive, i);
+    if (!velocity || (!signals.speed.empty() && signals.speed.back().time_s == time_s)) continue;
+    signals.speed.push_back({time_s, velocity->linear_mps.x()});
+    signals.yaw_rate.push_back({time_s, velocity->angular_radps.z()});
+  }
+  return signals;
+}
+
+/// From pose to pose; each is of the middle of its step.
+Signals ByPoses(const Drive& drive) {
+  Signals signals;
+  std::size_t begin = 0;
+  for (std::size_t i = 1; i < drive.scans.size(); ++i) {
+    const double duration_s = Seconds(drive, i) - Seconds(drive, begin);
+    if (duration_s < kStep_s) continue;
+    if (duration_s <= kMaxStep_s) {
+      const Vector6d twist =
+          Log(drive.scans[begin].T_map_vehicle.Inverse() * drive.scans[i].T_map_vehicle) /
+          duration_s;
+      const double middle_s = Seconds(drive, begin) + 0.5 * duration_s;
+      signals.speed.push_back({middle_s, twist(0)});
+      signals.yaw_rate.push_back({middle_s, twist(5)});
+    }
+    begin = i;
+  }
+  return signals;
+}
+
+}  // namespace
+
+VelocityCheck CheckVelocities(const Drive& drive) {
+  VelocityCheck check{.scan_count = drive.scans.size()};
+  if (drive.velocity_source != VelocitySource::kVehicle) return check;
+  check.velocity_count = static_cast<std::size_t>(std::ranges::count_if(
+      drive.scans, [](const DriveScan& entry) { return entry.scan.ego_velocity.has_value(); }));
+  if (drive.pose_source != PoseSource::kReference || drive.scans.empty()) return check;
+  const Signals reported = Reported(drive);
+  const Signals truth = ByPoses(drive);
+  check.speed_factor = FactorOf(reported.speed, truth.speed, kMinSpeed_mps);
+  check.yaw_rate_factor = FactorOf(reported.yaw_rate, truth.yaw_rate, kMinYawRate_radps);
+  check.delay_s = DelayOf(reported.speed, truth.speed, kTellingSpeed_mps);
+  if (!check.delay_s) {
+    check.delay_s = DelayOf(reported.yaw_rate, truth.yaw_rate, kTellingYawRate_radps);
+  }
+  return check;
+}
+
+}  // namespace dcloc
