@@ -7,8 +7,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/common/progress.h"
+#include "client/cli/doctor/velocity_findings.h"
 #include "client/datasets/check/range_rate_check.h"
 #include "client/datasets/check/scan_statistics.h"
+#include "client/datasets/check/velocity_check.h"
 #include "client/datasets/drive_calibration.h"
 #include "core/geometry/chi_square.h"
 #include "core/geometry/degrees.h"
@@ -144,6 +146,12 @@ Finding CorrectionFinding(const Calibration& calibration, const RadarCalibration
   return finding;
 }
 
+/// Its range rates are then held against its poses.
+Drive WithoutVelocities(Drive drive) {
+  for (DriveScan& entry : drive.scans) entry.scan.ego_velocity.reset();
+  return drive;
+}
+
 void AddCalibration(const Drive& drive, Findings& findings) {
   const auto skip = [&](absl::string_view why) {
     findings.push_back({"calibration", CheckResult::kSkipped, std::string(why), ""});
@@ -175,16 +183,21 @@ Findings CheckRig(const Drive& drive) {
   for (const ScanStatistics& radar : ScanStatisticsOf(drive)) {
     findings.push_back(ScanFinding(radar));
   }
-  bool is_sound = true;
-  for (const RangeRateCheck& check : CheckRangeRates(drive)) {
+  const Findings of_velocity = VelocityFindings(CheckVelocities(drive));
+  findings.insert(findings.end(), of_velocity.begin(), of_velocity.end());
+  const bool has_velocity = WorstOf(of_velocity) != CheckResult::kFailed;
+  bool is_sound = has_velocity;
+  for (const RangeRateCheck& check :
+       CheckRangeRates(has_velocity ? drive : WithoutVelocities(drive))) {
     findings.push_back(RangeRateFinding(check));
     is_sound = is_sound && findings.back().result != CheckResult::kFailed;
   }
   if (is_sound) {
     AddCalibration(drive, findings);
   } else {
-    findings.push_back({"calibration", CheckResult::kSkipped,
-                        "beta, stamps and mounts are told once range rates are right", ""});
+    findings.push_back(
+        {"calibration", CheckResult::kSkipped,
+         "beta, stamps and mounts are told once velocities and range rates are right", ""});
   }
   return findings;
 }

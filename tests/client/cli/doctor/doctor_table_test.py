@@ -17,8 +17,9 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent.parent.parent
 sys.path.append(str(ROOT / "tests/end_to_end"))
 
 from processes import Programs, Server  # noqa: E402
-from setups import (Bag, Listener, Sites, answer_http, answer_tls, certificates,  # noqa: E402
-                    clock_off_by, front_mount, set_of_all_radars, set_of_first_radar, swap_mounts)
+from setups import (Bag, Listener, Sites, answer_http, answer_tls, bus_later_by,  # noqa: E402
+                    bus_times, certificates, clock_off_by, front_mount, set_of_all_radars,
+                    set_of_first_radar, swap_mounts, with_bus)
 
 PROGRAMS = []
 COUNTS = collections.Counter()
@@ -174,6 +175,21 @@ class DoctorTable(unittest.TestCase):
                 ("stamps 80 ms late", bag.planted(rig=set_of_first_radar(time_offset_s=0.08)),
                  first + "stamps", "calibrate")):
             self.expect(*row)
+
+    def test_mistakes_of_a_bus(self):
+        self.programs.succeed("simulate", "--out", self.folder / "bends", "--length-m", "400",
+                              "--map-speed-kmh", "40", "--stops", "--seed", "4")
+        for index, (mistake, change, check, told) in enumerate((
+                ("km/h", bus_times(speed=3.6), "velocity: speed", "km/h"),
+                ("wheels that say nothing", bus_times(speed=0.0), "velocity: speed", "signal"),
+                ("speeds turned", bus_times(speed=-1.0), "velocity: speed", "sign"),
+                ("wheels 6 % too fast", bus_times(speed=1.06), "velocity: speed", "circumference"),
+                ("yaw rates turned", bus_times(yaw_rate=-1.0), "velocity: yaw rate",
+                 "counter-clockwise"),
+                ("velocities 0.3 s late", bus_later_by(0.3), "velocity: stamps", "clock"),
+                ("a bus by GPS time", bus_later_by(18.0), "velocity: scans", "clock"))):
+            with_bus(self.folder / f"bus-{index}", self.folder / "bends", change)
+            self.expect(mistake, self.drive(f"bus-{index}"), check, told)
 
     def test_sound_servers(self):
         mutual_words = [*self.ca, "--tls-cert", self.certs / "car.pem", "--tls-key",

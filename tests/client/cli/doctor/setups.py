@@ -140,6 +140,34 @@ class Bag:
         return self.words(folder)
 
 
+def with_bus(folder, simulation, change):
+    """The simulation in FOLDER, whose bus says of live-0 what `change` makes of each sample."""
+    folder.mkdir()
+    for entry in simulation.iterdir():
+        if entry.name != "can_bus":
+            (folder / entry.name).symlink_to(entry)
+    (folder / "can_bus").mkdir()
+    for path in (simulation / "can_bus").iterdir():
+        samples = json.loads(path.read_text())
+        if path.name.startswith("live-0"):
+            for sample in samples:
+                change(sample)
+        (folder / "can_bus" / path.name).write_text(json.dumps(samples))
+
+
+def bus_times(speed=1.0, yaw_rate=1.0):
+    def change(sample):
+        sample["vel"] = [speed * value for value in sample["vel"]]
+        sample["rotation_rate"] = [yaw_rate * value for value in sample["rotation_rate"]]
+    return change
+
+
+def bus_later_by(seconds):
+    def change(sample):
+        sample["utime"] += round(seconds * 1e6)
+    return change
+
+
 def set_of_first_radar(**fields):
     """A change of the first radar in a document."""
     return lambda document: document["radars"][0].update(fields)
