@@ -15,10 +15,10 @@
 #include "client/datasets/drive_map.h"
 #include "client/evaluation/metrics.h"
 #include "client/evaluation/runner.h"
-#include "client/sdk/pose/motion_signals.h"
 #include "client/simulation/simulation.h"
 #include "core/geometry/degrees.h"
 #include "tests/benchmarks/inputs.h"
+#include "tests/benchmarks/ticked_drive.h"
 
 namespace dcloc::benchmarks {
 namespace {
@@ -69,37 +69,9 @@ void PrintDrives(const std::vector<TownDrive>& towns) {
               took_s, turned_deg, stood_s);
 }
 
-/// The drive with at most `scan_rate_hz` scans a second, and the ticks that the SDK sends along:
-/// those that have come when the first tick after a scan has. None for a rate of 0.
-Drive WithTicks(const SimulatedPass& pass, double scan_rate_hz, int tick_rate_hz) {
-  Drive drive{.name = pass.drive.name, .place = pass.drive.place, .rig = pass.drive.rig};
-  client::MotionSignals bus;
-  std::size_t next = 0;  // signal
-  std::int64_t last_ns = 0;
-  for (const DriveScan& entry : pass.drive.scans) {
-    const std::int64_t stamp_ns = entry.scan.stamp.time_since_epoch().count();
-    if (static_cast<double>(stamp_ns - last_ns) < 1e9 / scan_rate_hz) continue;
-    DriveScan& kept = drive.scans.emplace_back(entry);
-    for (; tick_rate_hz > 0 && next < pass.signals.size(); next += kBusRate_hz / tick_rate_hz) {
-      const VehicleSignal& signal = pass.signals[next];
-      const std::int64_t tick_ns = signal.stamp.time_since_epoch().count();
-      if (!bus.Add({tick_ns, signal.speed_mps, signal.yaw_rate_radps}).ok()) std::abort();
-      if (tick_ns > stamp_ns) break;
-    }
-    if (last_ns > 0) {
-      const v1::MotionTicks ticks = bus.TicksAround(last_ns, stamp_ns);
-      for (int i = 0; i < ticks.stamp_offset_ns_size(); ++i) {
-        kept.scan.ticks.push_back({std::chrono::nanoseconds(ticks.stamp_offset_ns(i)),
-                                   ticks.speed_mps(i), ticks.yaw_rate_radps(i)});
-      }
-    }
-    last_ns = stamp_ns;
-  }
-  return drive;
-}
-
 void Localize(const TownDrive& town, double scan_rate_hz, int tick_rate_hz, Row& row) {
-  const Drive drive = WithTicks(town.live, scan_rate_hz, tick_rate_hz);
+  const Drive drive =
+      TickedDrive(town.live, scan_rate_hz, tick_rate_hz == 0 ? 0 : kBusRate_hz / tick_rate_hz);
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {
     row.wire_bytes +=
         cli::ToProto(drive.scans[i].scan, static_cast<std::int64_t>(i)).ByteSizeLong();
