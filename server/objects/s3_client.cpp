@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "server/base/within_memory.h"
 
 namespace dcloc::server {
 namespace {
@@ -55,7 +56,9 @@ struct Exchange {
 };
 
 std::size_t WriteCallback(char* data, std::size_t, std::size_t size, void* user) {
-  return static_cast<Exchange*>(user)->Take({data, size}) ? size : CURL_WRITEFUNC_ERROR;
+  bool taken = false;  // nothing may be thrown through the library
+  WithinMemory([&] { taken = static_cast<Exchange*>(user)->Take({data, size}); }).IgnoreError();
+  return taken ? size : CURL_WRITEFUNC_ERROR;
 }
 
 std::size_t ReadCallback(char* buffer, std::size_t unit, std::size_t count, void* user) {
