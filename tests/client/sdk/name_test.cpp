@@ -32,9 +32,9 @@ class NameTest : public ::testing::TestWithParam<Mood> {
     spdlog::set_level(spdlog::level::err);
     Start("127.0.0.1:0");
     port_ = std::stoi(server_->address().substr(server_->address().rfind(':') + 1));
-    const auto uploaded = MapClient(*MakeChannel({.server = server_->address()}))
-                              .Upload(folder_.Write("map", server::SmallMap()), "town",
-                                      {.activate = true});
+    const auto uploaded =
+        MapClient(*MakeChannel({.server = server_->address()}))
+            .Upload(folder_.Write("map", server::SmallMap()), "town", {.activate = true});
     EXPECT_TRUE(uploaded.ok()) << uploaded.status();
   }
 
