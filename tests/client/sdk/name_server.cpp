@@ -12,7 +12,7 @@
 namespace dcloc::client {
 namespace {
 
-constexpr int kPoll_ms = 20;
+constexpr int kNamePoll_ms = 20;
 constexpr std::size_t kHeader_bytes = 12;
 constexpr char kServerFailure = 2;
 
@@ -53,7 +53,7 @@ std::string NameServer::Target(int port) const {
 void NameServer::Run() {
   while (!stopping_) {
     pollfd entry{.fd = socket_, .events = POLLIN, .revents = 0};
-    if (poll(&entry, 1, kPoll_ms) <= 0) continue;
+    if (poll(&entry, 1, kNamePoll_ms) <= 0) continue;
     std::array<char, 512> buffer{};
     sockaddr_in peer{};
     socklen_t size = sizeof(peer);
