@@ -23,6 +23,12 @@ constexpr int kKeepaliveTimeout_ms = 10'000;
 // gRPC's own are 1 s to 2 min: far too long for a vehicle whose server has just been restarted.
 constexpr int kInitialReconnectBackoff_ms = 100;
 constexpr int kMaxReconnectBackoff_ms = 5'000;
+// Nor 2 min for a name server that is silent, and 30 s until a name is looked up again.
+constexpr int kLookUpTimeout_ms = 1'500;
+constexpr int kMinLookUpInterval_ms = 500;
+// Waits until a name that was not found is looked up again grow to 2 min, and cannot be set. A
+// channel that nobody has used for so long forgets them.
+constexpr int kIdleTimeout_ms = 500;
 
 /// The host of HOST:PORT, an IPv6 one without its brackets.
 absl::string_view HostOf(absl::string_view server) {
@@ -101,6 +107,9 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const ChannelOptions&
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kInitialReconnectBackoff_ms);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMaxReconnectBackoff_ms);
+  arguments.SetInt(GRPC_ARG_DNS_ARES_QUERY_TIMEOUT_MS, kLookUpTimeout_ms);
+  arguments.SetInt(GRPC_ARG_CLIENT_IDLE_TIMEOUT_MS, kIdleTimeout_ms);
+  arguments.SetInt(GRPC_ARG_DNS_MIN_TIME_BETWEEN_RESOLUTIONS_MS, kMinLookUpInterval_ms);
   // While a scan is being matched for long, the stream is quiet; pings may go on.
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   // A stream that begins on a connection that has just broken would be begun anew behind our back,

@@ -27,7 +27,7 @@ enum class UnreadAnswers {
 /// How a broken connection is mended. Waits grow from the first to the last backoff, with jitter.
 struct ReconnectOptions {
   std::chrono::milliseconds initial_backoff{100};
-  std::chrono::milliseconds max_backoff = std::chrono::seconds(10);
+  std::chrono::milliseconds max_backoff = std::chrono::seconds(3);
   /// Without any progress for so long, the session ends.
   std::chrono::milliseconds give_up_after = std::chrono::minutes(2);
 };

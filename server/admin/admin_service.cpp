@@ -211,7 +211,7 @@ grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
     grpc::CallbackServerContext* context, const v1::WatchSessionRequest* request) {
   std::shared_ptr<WatchStream> stream = WatchStream::Start(host_, context);
   // The call lives until `Begin`, and so do the context and the request.
-  host_.pool.Post([this, context, request, stream] {
+  stream->BeginOnPool([this, context, request, stream] {
     const auto principal = host_.access.Authorize(*context, v1::WatchSessionRequest::descriptor());
     if (!principal.ok()) return stream->Begin(principal.status());
     const auto session = registry_.Get(principal->tenant, request->session_id());
@@ -251,7 +251,7 @@ grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession
   std::shared_ptr<RecordStream> stream =
       RecordStream::Start(host_, context, absl::StrCat("dcloc-server ", facts_.version));
   // The call lives until `Begin`, and so do the context and the request.
-  host_.pool.Post([this, context, request, stream] {
+  stream->BeginOnPool([this, context, request, stream] {
     const auto principal = host_.access.Authorize(*context, v1::RecordSessionRequest::descriptor());
     absl::Status status = principal.status();
     if (status.ok()) status = CheckId("vehicle_id", request->vehicle_id());

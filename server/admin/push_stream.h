@@ -11,6 +11,7 @@
 
 #include "absl/status/status.h"
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "server/rpc/rpc_context.h"
 
 namespace dcloc::server {
@@ -40,6 +41,19 @@ class PushStream : public grpc::ServerWriteReactor<Message>, public PeerBoundCal
 
   void OnDone() override { const std::shared_ptr<PushStream> last = std::move(self_); }
 
+  /// Runs `work` on the pool, whose last step decides whether the call may proceed. Without memory
+  /// the call ends.
+  template <typename Work>
+  void BeginOnPool(Work work) {
+    const absl::Status posted = WithinMemory([&] {
+      host_.pool.Post([self = self_, work = std::move(work)] {
+        const absl::Status done = WithinMemory(work);
+        if (!done.ok()) self->BeginWith(done);
+      });
+    });
+    if (!posted.ok()) BeginWith(posted);
+  }
+
  protected:
   /// Of a call that ends because this server does; it can be made again at another one.
   static grpc::Status Stopping() {
@@ -53,8 +67,8 @@ class PushStream : public grpc::ServerWriteReactor<Message>, public PeerBoundCal
   template <typename Stream>
   static std::shared_ptr<Stream> Hold(std::shared_ptr<Stream> stream) {
     PushStream& base = *stream;
-    base.self_ = stream;
     base.host_.peer_bound_calls.Add(stream);
+    base.self_ = stream;
     return stream;
   }
 

@@ -74,10 +74,13 @@ void RecordStream::OnOpened(const RecordingStart& start) {
 
 void RecordStream::OnScan(const v1::Scan& scan, const ScanAnswer& answer) {
   if (!IsHere()) return;
-  v1::RecordSessionResponse message;
-  *message.mutable_scan()->mutable_scan() = scan;
-  convert::ToProto(answer, message.mutable_scan()->mutable_answer());
-  Push(std::move(message));
+  const absl::Status pushed = WithinMemory([&] {
+    v1::RecordSessionResponse message;
+    *message.mutable_scan()->mutable_scan() = scan;
+    convert::ToProto(answer, message.mutable_scan()->mutable_answer());
+    Push(std::move(message));
+  });
+  if (!pushed.ok()) End(ToGrpc(pushed));  // one with a gap would be none
 }
 
 void RecordStream::OnFix(const v1::PositionFix& fix, const FixAnswer& answer) {

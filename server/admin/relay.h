@@ -9,6 +9,7 @@
 #include <memory>
 #include <utility>
 
+#include "server/base/within_memory.h"
 #include "server/replicas/replicas.h"
 
 namespace dcloc::server {
@@ -47,7 +48,8 @@ class Relay final : public grpc::ClientReadReactor<Message> {
 
   void OnReadDone(bool ok) override {
     if (!ok) return;
-    listener_.on_message(std::move(message_));
+    const absl::Status passed = WithinMemory([this] { listener_.on_message(std::move(message_)); });
+    if (!passed.ok()) return line_.context->TryCancel();
     message_.Clear();
     this->StartRead(&message_);
   }

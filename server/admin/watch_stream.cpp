@@ -15,34 +15,30 @@ std::shared_ptr<WatchStream> WatchStream::Start(const RpcContext& host,
 }
 
 void WatchStream::OnAnswer(const ScanAnswer& answer) {
-  const std::lock_guard lock(mutex_);
-  if (!is_open()) return;
-  convert::ToProto(answer, Queue()->mutable_answer());
-  Pump();
+  v1::WatchSessionResponse message;
+  convert::ToProto(answer, message.mutable_answer());
+  Queue(std::move(message));
 }
 
 void WatchStream::OnFixAnswer(const FixAnswer& answer) {
   if (!takes_fix_answers_) return;
-  const std::lock_guard lock(mutex_);
-  if (!is_open()) return;
-  convert::ToProto(answer, Queue()->mutable_answer()->mutable_position_fix_answer());
-  Pump();
+  v1::WatchSessionResponse message;
+  convert::ToProto(answer, message.mutable_answer()->mutable_position_fix_answer());
+  Queue(std::move(message));
 }
 
-void WatchStream::OnRelayed(v1::WatchSessionResponse message) {
+void WatchStream::OnRelayed(v1::WatchSessionResponse message) { Queue(std::move(message)); }
+
+/// Instead of the oldest one where too many wait.
+void WatchStream::Queue(v1::WatchSessionResponse message) {
   const std::lock_guard lock(mutex_);
   if (!is_open()) return;
-  *Queue() = std::move(message);
-  Pump();
-}
-
-/// Room for one more answer, with the mutex held.
-v1::WatchSessionResponse* WatchStream::Queue() {
   if (waiting_.size() >= kMaxWaitingAnswers) {
     waiting_.pop_front();
     ++missed_count_;
   }
-  return &waiting_.emplace_back();
+  waiting_.push_back(std::move(message));
+  Pump();
 }
 
 void WatchStream::OnWrite(v1::WatchSessionResponse& message) {

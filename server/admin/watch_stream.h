@@ -36,7 +36,7 @@ class WatchStream final : public PushStream<v1::WatchSessionResponse>, public An
  private:
   using PushStream::PushStream;
 
-  v1::WatchSessionResponse* Queue();
+  void Queue(v1::WatchSessionResponse message);
   void OnWrite(v1::WatchSessionResponse& message) override;
 
   bool takes_fix_answers_ = false;

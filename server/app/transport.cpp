@@ -26,6 +26,11 @@ constexpr int kMaxReflectionThreads = 16;
 void SetLimits(const ServerConfig& config, grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(config.max_message_kib << 10);
   builder.SetMaxSendMessageSize(config.max_message_kib << 10);
+  // gRPC unpacks a message before it looks at its size, and 2 MiB may unpack to 2 GiB. A call of
+  // packed messages is UNIMPLEMENTED; one that only claims to have none is not unpacked.
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
   builder.SetResourceQuota(grpc::ResourceQuota("dcloc").SetMaxThreads(kMaxReflectionThreads));
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMaxMetadata_bytes);
   // All sessions may come over one connection, and some other calls beside them.

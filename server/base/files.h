@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <system_error>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -29,6 +30,9 @@ class FileDescriptor {
   ~FileDescriptor();
 
   int get() const { return descriptor_; }
+
+  /// Gives it away: whoever takes it closes it.
+  int Release() { return std::exchange(descriptor_, -1); }
 
  private:
   int descriptor_;

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/within_memory.h"
+
 namespace dcloc::server {
 
 /// Lends objects that are costly to make and hold no state between two uses. The object that was
@@ -55,9 +57,10 @@ class ObjectPool {
   }
 
  private:
+  /// Without memory to remember it, it is gone.
   void TakeBack(std::unique_ptr<T> object) {
     const std::lock_guard lock(mutex_);
-    idle_.push_back(std::move(object));
+    WithinMemory([&] { idle_.push_back(std::move(object)); }).IgnoreError();
   }
 
   mutable std::mutex mutex_;

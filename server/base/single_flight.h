@@ -9,6 +9,7 @@
 
 #include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
+#include "server/base/within_memory.h"
 
 namespace dcloc::server {
 
@@ -32,7 +33,8 @@ class SingleFlight {
       }
       turn = entry = std::make_shared<Turn>();
     }
-    Result result = work();
+    Result result = OutOfMemory();
+    WithinMemory([&] { result = work(); }).IgnoreError();  // the others must not wait for ever
     const std::lock_guard lock(mutex_);
     turn->result = result;
     turns_.erase(key);

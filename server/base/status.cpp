@@ -2,11 +2,22 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "server/base/within_memory.h"
 
 namespace dcloc::server {
 
-grpc::Status ToGrpc(const absl::Status& status) {
+namespace {
+
+grpc::Status GrpcStatusOf(const absl::Status& status) {
   return grpc::Status(static_cast<grpc::StatusCode>(status.code()), std::string(status.message()));
+}
+
+}  // namespace
+
+grpc::Status ToGrpc(const absl::Status& status) noexcept {
+  grpc::Status converted;
+  const absl::Status made = WithinMemory([&] { converted = GrpcStatusOf(status); });
+  return made.ok() ? converted : GrpcStatusOf(made);
 }
 
 std::string Quoted(absl::string_view text) {

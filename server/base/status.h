@@ -9,8 +9,8 @@
 
 namespace dcloc::server {
 
-/// The gRPC status of the same code and message.
-grpc::Status ToGrpc(const absl::Status& status);
+/// The gRPC status of the same code and message; without memory for that, of `OutOfMemory`.
+grpc::Status ToGrpc(const absl::Status& status) noexcept;
 
 /// Text that a client sent, made safe for a message or a log line: quoted, escaped, and truncated
 /// when long.

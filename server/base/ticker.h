@@ -6,6 +6,8 @@
 #include <mutex>
 #include <thread>
 
+#include "server/base/within_memory.h"
+
 namespace dcloc::server {
 
 /// Calls a function periodically on a thread of its own, until it is destroyed.
@@ -16,7 +18,8 @@ class Ticker {
           std::unique_lock lock(mutex_);
           while (!stop.stop_requested()) {
             never_.wait_for(lock, stop, interval, [] { return false; });
-            if (!stop.stop_requested()) tick();
+            // One that gets no memory has its next turn.
+            if (!stop.stop_requested()) WithinMemory(tick).IgnoreError();
           }
         }) {}
 

@@ -41,7 +41,9 @@ class WaitingCalls {
   /// largest group, which is forgotten here.
   std::optional<Excess> Add(Call* call, const std::string& group, const WaitingBounds& bounds) {
     const auto own = groups_.try_emplace(group).first;
-    place_of_[call] = {own, own->second.insert(own->second.end(), call)};
+    Group one = {call};
+    place_of_[call] = {own, one.begin()};
+    own->second.splice(own->second.end(), one);  // last, as it cannot fail
     if (bounds.group > 0 && static_cast<int>(own->second.size()) > bounds.group) {
       return TakeOldest(own, bounds.group, "max_unopened_stream_count_per_peer");
     }

@@ -5,6 +5,8 @@
 
 #include <utility>
 
+#include "server/base/within_memory.h"
+
 namespace dcloc::server {
 namespace {
 
@@ -20,6 +22,11 @@ void ScheduleAsUsual() {
 void TakeThreadBack() {
   constexpr int kNicer = 10;  // about a tenth of the processor where all others want it
   setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kNicer);
+}
+
+void RunAndLetGo(Task& task) {
+  WithinMemory(task).IgnoreError();
+  task = nullptr;  // what it holds may be large, and is not to be freed under a lock
 }
 
 }  // namespace
@@ -85,8 +92,7 @@ void WorkerPool::Run(Line& line) {
     Task task = std::move(line.tasks.front());
     line.tasks.pop_front();
     lock.unlock();
-    task();
-    task = nullptr;  // what it holds may be large, and is not to be freed under the lock
+    RunAndLetGo(task);
     lock.lock();
     --unfinished_count_;
     if (stopping_ && unfinished_count_ == 0) WakeAll();
@@ -97,9 +103,18 @@ struct Strand::Queue : std::enable_shared_from_this<Queue> {
   explicit Queue(WorkerPool& worker_pool) : pool(worker_pool) {}
 
   void Post(Task task) {
-    const std::lock_guard lock(mutex);
+    std::unique_lock lock(mutex);
     tasks.push_back(std::move(task));
-    if (!scheduled) Schedule();
+    if (scheduled) return;
+    try {
+      TakeATurn();
+      scheduled = true;
+    } catch (const std::bad_alloc&) {
+      const Task gone = std::move(tasks.back());
+      tasks.pop_back();
+      lock.unlock();  // letting go of it may post again
+      throw;
+    }
   }
 
   void SetLane(Lane of_the_next) {
@@ -107,21 +122,21 @@ struct Strand::Queue : std::enable_shared_from_this<Queue> {
     lane = of_the_next;
   }
 
-  void Schedule() {
-    scheduled = true;
+  void TakeATurn() {
     pool.Post([self = shared_from_this()] { self->RunOne(); }, lane);
   }
 
   void RunOne() {
     std::unique_lock lock(mutex);
-    Task task = std::move(tasks.front());
-    tasks.pop_front();
-    lock.unlock();
-    task();
-    task = nullptr;
-    lock.lock();
-    scheduled = false;
-    if (!tasks.empty()) Schedule();
+    do {
+      Task task = std::move(tasks.front());
+      tasks.pop_front();
+      lock.unlock();
+      RunAndLetGo(task);
+      lock.lock();
+      scheduled = !tasks.empty();
+      // Without memory for its turn in the pool the next one runs here.
+    } while (scheduled && !WithinMemory([this] { TakeATurn(); }).ok());
   }
 
   WorkerPool& pool;

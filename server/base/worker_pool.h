@@ -19,7 +19,8 @@ using Task = absl::AnyInvocable<void()>;
 /// quick ones.
 enum class Lane { kQuick, kLengthy };
 
-/// A fixed number of threads that run tasks, in each lane oldest first. Tasks do not throw.
+/// A fixed number of threads that run tasks, in each lane oldest first. A task that gets no memory
+/// (std::bad_alloc) ends there; what it holds is let go of. Tasks throw nothing else.
 class WorkerPool {
  public:
   /// `thread_count` >= 1 for quick tasks. Lengthy tasks have `lengthy_thread_count` threads of
@@ -32,6 +33,7 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
+  /// Without memory it throws std::bad_alloc, and the task is gone.
   void Post(Task task, Lane lane = Lane::kQuick);
 
   /// Those for quick tasks.
@@ -64,6 +66,7 @@ class Strand {
   /// `pool` outlives the strand's last task; the strand itself may go earlier.
   explicit Strand(WorkerPool& pool);
 
+  /// Without memory it throws std::bad_alloc, and the task is gone.
   void Post(Task task);
 
   /// The lane of the tasks that have not begun yet; at first it is the quick one.

@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "server/net/listen_address.h"
 
 namespace dcloc::server {
@@ -61,10 +62,12 @@ void AdmitCall(void* gate, grpc_auth_context* connection, const grpc_metadata* h
     if (key == ":path") path = ViewOf(headers[i].value);
     has_proof |= key == "authorization";
   }
-  const absl::Status status =
-      static_cast<CallGate*>(gate)->Admit(connection, path, has_proof, RateLimit::Clock::now());
-  done(call, nullptr, 0, nullptr, 0, static_cast<grpc_status_code>(status.code()),
-       status.ok() ? nullptr : std::string(status.message()).c_str());
+  const grpc::Status status = ToGrpc(WithinMemory([&] {
+    return static_cast<CallGate*>(gate)->Admit(connection, path, has_proof,
+                                               RateLimit::Clock::now());
+  }));
+  done(call, nullptr, 0, nullptr, 0, static_cast<grpc_status_code>(status.error_code()),
+       status.ok() ? nullptr : status.error_message().c_str());
 }
 
 /// gRPC's C++ interface has no credentials whose certificates are fetched, and none in plaintext

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/base/traceparent.h"
+#include "server/base/within_memory.h"
 
 namespace dcloc::server {
 namespace {
@@ -84,14 +85,18 @@ void AttachSession(const StreamContext& host, const grpc::CallbackServerContext&
   if (!session.ok()) return done(session.status());
   // Others know the session by now and may have posted to its strand.
   Strand& strand = (*session)->strand();
-  strand.Post([&registry = host.registry, resumes, stream = std::move(stream),
-               session = *std::move(session), done = std::move(done)]() mutable {
-    if (resumes) {
-      absl::Status status = TakeOver(registry, *session, stream);
+  try {
+    strand.Post([&registry = host.registry, resumes, stream, session = *session,
+                 done = std::move(done)]() mutable {
+      const absl::Status status = WithinMemory(
+          [&] { return resumes ? TakeOver(registry, *session, stream) : absl::OkStatus(); });
       if (!status.ok()) return done(status);
-    }
-    done(AttachedSession{.session = std::move(session), .resumed = resumes});
-  });
+      done(AttachedSession{.session = std::move(session), .resumed = resumes});
+    });
+  } catch (const std::bad_alloc&) {
+    if (!resumes) host.registry.Remove(*(*session)->info(), *stream, "out of memory");
+    throw;
+  }
 }
 
 }  // namespace dcloc::server

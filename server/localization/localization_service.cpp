@@ -1,5 +1,6 @@
 #include "server/localization/localization_service.h"
 
+#include <new>
 #include <string>
 #include <utility>
 
@@ -14,11 +15,14 @@ grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* LocalizationService
   const std::shared_ptr<LocalizeStream> stream = LocalizeStream::Create(host_, context, *this);
   grpc::Status draining;
   std::optional<Refusal> excess;
-  {
+  try {
     const std::lock_guard lock(mutex_);
     streams_.emplace(stream.get(), OpenStream{stream, OpenCalls::Token(host_.storage.open_calls)});
     excess = RefusalOf(unopened_.Add(stream.get(), AddressOf(context->peer()), Bounds()));
     draining = refusal_;
+  } catch (const std::bad_alloc&) {
+    OnDone(*stream);
+    throw;  // gRPC ends a call for which there is no reactor
   }
   if (excess) excess->stream->End(excess->status);
   if (!draining.ok()) stream->End(draining);

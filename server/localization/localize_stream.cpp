@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_format.h"
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "server/rpc/wire.h"
 #include "spdlog/spdlog.h"
 
@@ -15,13 +16,15 @@ std::shared_ptr<LocalizeStream> LocalizeStream::Create(const StreamContext& host
                                                        grpc::CallbackServerContext* context,
                                                        StreamKeeper& keeper) {
   std::shared_ptr<LocalizeStream> stream(new LocalizeStream(host, context, keeper));
-  stream->self_ = stream;
   host.storage.peer_bound_calls.Add(stream);
   return stream;
 }
 
 void LocalizeStream::Admit() {
-  host_.storage.pool.Post([self = shared_from_this()] { self->CheckCaller(); });
+  self_ = shared_from_this();
+  const absl::Status posted = WithinMemory(
+      [this] { host_.storage.pool.Post([self = shared_from_this()] { self->CheckCaller(); }); });
+  if (!posted.ok()) Fail(ToGrpc(posted));
 }
 
 LocalizeStream::LocalizeStream(const StreamContext& host, grpc::CallbackServerContext* context,
@@ -89,15 +92,18 @@ bool LocalizeStream::resumable() const {
 
 void LocalizeStream::OnReadDone(bool ok) {
   // The slot is the read's alone until it is done.
-  absl::Status parsed;
-  if (ok) parsed = ParseMessage(&incoming_, &ring_.to_read().request);
+  absl::Status taken;
+  if (ok) {
+    taken = WithinMemory([this] { return ParseMessage(&incoming_, &ring_.to_read().request); });
+  }
   bool is_first = false;
   {
     const std::lock_guard lock(mutex_);
     read_under_way_ = false;
     is_first = ring_.none_read();
     if (is_first) peer_wait_.End();
-    parsed.ok() ? TakeRead(ok) : TakeStatus(StreamEvent::kFailed, ToGrpc(parsed));
+    if (taken.ok()) taken = WithinMemory([this, ok] { TakeRead(ok); });
+    if (!taken.ok()) TakeStatus(StreamEvent::kFailed, ToGrpc(taken));
   }
   if (is_first) keeper_.OnFirstMessage(*this);
   Pump();
@@ -107,9 +113,9 @@ void LocalizeStream::TakeRead(bool ok) {
   const StreamAction action = Take(EventOfRead(ok));
   if (action == StreamAction::kOpenSession) {
     ring_.OnRead();
-    task_under_way_ = Task::kOpening;
     // Nothing else is read until this is answered, so no order is lost by leaving the strand.
     host_.storage.pool.Post([self = shared_from_this()] { self->Open(); });
+    task_under_way_ = Task::kOpening;
   } else if (action == StreamAction::kQueueScan) {
     QueueScan();
   }
@@ -119,7 +125,8 @@ void LocalizeStream::OnWriteDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
     peer_wait_.End();
-    if (std::exchange(write_under_way_, Write::kNone) == Write::kAnswer) ring_.OnWritten();
+    if (std::exchange(write_under_way_, WriteUnderWay::kNone) == WriteUnderWay::kAnswer)
+      ring_.OnWritten();
     if (!ok) Take(StreamEvent::kCancelled);
   }
   Pump();
@@ -177,23 +184,32 @@ void LocalizeStream::Pump() {
         step == Step::kAnnounce ? &announced_ : &ring_.to_write().response;
     lock.unlock();
     if (step == Step::kRead) StartRead(&incoming_);
-    if (step == Step::kWrite || step == Step::kAnnounce) {
-      outgoing_ = SerializeMessage(*response);
-      StartWrite(&outgoing_);
-    }
+    if (step == Step::kWrite || step == Step::kAnnounce) Write(*response);
     if (step == Step::kFinish) FinishWith(*std::exchange(ending_, std::nullopt));
     lock.lock();
   }
   pump_under_way_ = false;
 }
 
+/// Without memory for its bytes the call is cancelled, and they are not written.
+void LocalizeStream::Write(const v1::LocalizeResponse& response) {
+  if (WithinMemory([&] { outgoing_ = SerializeMessage(response); }).ok()) {
+    return StartWrite(&outgoing_);
+  }
+  context_->TryCancel();
+  const std::lock_guard lock(mutex_);
+  peer_wait_.End();
+  write_under_way_ = WriteUnderWay::kNone;
+  Take(StreamEvent::kCancelled);
+}
+
 LocalizeStream::Step LocalizeStream::TakeWrite() {
-  if (!RulesOf(state_).writes || write_under_way_ != Write::kNone) return Step::kNone;
+  if (!RulesOf(state_).writes || write_under_way_ != WriteUnderWay::kNone) return Step::kNone;
   ring_.PassSilent();
   const bool announces = AnnouncementIsDue();
   if (!announces && !ring_.has_answer_to_write()) return Step::kNone;
   peer_wait_.Begin(std::chrono::milliseconds(host_.storage.limits.peer_timeout_ms));
-  write_under_way_ = announces ? Write::kAnnouncement : Write::kAnswer;
+  write_under_way_ = announces ? WriteUnderWay::kAnnouncement : WriteUnderWay::kAnswer;
   if (announces) announcement_ = Announcement::kWritten;
   return announces ? Step::kAnnounce : Step::kWrite;
 }
@@ -201,7 +217,8 @@ LocalizeStream::Step LocalizeStream::TakeWrite() {
 LocalizeStream::Step LocalizeStream::TakeStep() {
   if (const Step write = TakeWrite(); write != Step::kNone) return write;
   if (IsSettled()) {
-    ending_ = TakeEnding();
+    ending_ = Ending{.status = ToGrpc(OutOfMemory()), .session = std::exchange(session_, nullptr)};
+    WithinMemory([this] { Describe(*ending_); }).IgnoreError();
     if (Take(StreamEvent::kSettled) == StreamAction::kFinish) return Step::kFinish;
   }
   if (RulesOf(state_).reads && !read_under_way_ && ring_.has_room()) {
@@ -222,7 +239,7 @@ bool LocalizeStream::UsesContext() const {
 }
 
 bool LocalizeStream::IsSettled() const {
-  if (write_under_way_ != Write::kNone || UsesContext()) return false;
+  if (write_under_way_ != WriteUnderWay::kNone || UsesContext()) return false;
   switch (RulesOf(state_).must_write) {
     case MustWrite::kEverything:
       return false;
@@ -236,147 +253,28 @@ bool LocalizeStream::IsSettled() const {
   return false;
 }
 
-LocalizeStream::Ending LocalizeStream::TakeEnding() {
+void LocalizeStream::Describe(Ending& ending) const {
   const bool cancelled = RulesOf(state_).must_write == MustWrite::kNothing;
   const char* const usual_reason = cancelled ? "its connection broke" : "its client closed it";
-  return {
-      .status = cancelled ? grpc::Status(grpc::StatusCode::CANCELLED, "cancelled") : final_status_,
-      .session = std::exchange(session_, nullptr),
-      // Of a new session the client has no token before it has heard that it is open.
-      .keeps_session = RulesOf(state_).keeps_session && terms_.resumable &&
-                       (terms_.resumed || ring_.any_written()),
-      .reason = final_status_.ok() ? usual_reason : final_status_.error_message()};
+  // Of a new session the client has no token before it has heard that it is open.
+  ending.keeps_session =
+      RulesOf(state_).keeps_session && terms_.resumable && (terms_.resumed || ring_.any_written());
+  ending.reason = final_status_.ok() ? usual_reason : final_status_.error_message();
+  ending.status =
+      cancelled ? grpc::Status(grpc::StatusCode::CANCELLED, "cancelled") : final_status_;
 }
 
 /// Lets go of the session before the client hears of the end, who may then delete the map.
 void LocalizeStream::FinishWith(Ending ending) {
   if (ending.session != nullptr) {
     const SessionInfo& info = *ending.session->info();
-    if (ending.keeps_session) {
-      host_.registry.Detach(info, *this);
-    } else {
-      host_.registry.Remove(info, *this, ending.reason);
-    }
+    WithinMemory([&] {
+      ending.keeps_session ? host_.registry.Detach(info, *this)
+                           : host_.registry.Remove(info, *this, ending.reason);
+    }).IgnoreError();
     ending.session.reset();
   }
   Finish(ending.status);
-}
-
-// ---- What is done on the pools
-
-void LocalizeStream::CheckCaller() {
-  absl::StatusOr<Principal> principal =
-      host_.storage.access.Authorize(*context_, v1::LocalizeRequest::descriptor());
-  if (!principal.ok()) return Fail(ToGrpc(principal.status()));
-  keeper_.OnAdmitted(*this, *principal);
-  {
-    const std::lock_guard lock(mutex_);
-    task_under_way_ = Task::kNone;
-    principal_ = *std::move(principal);
-    Take(StreamEvent::kAdmitted);
-    if (state_ == StreamState::kOpening) {
-      peer_wait_.Begin(std::chrono::milliseconds(host_.storage.limits.open_timeout_ms));
-    }
-  }
-  Pump();
-}
-
-void LocalizeStream::Open() {
-  AttachSession(host_, *context_, principal_, ring_.to_answer().request, shared_from_this(),
-                [self = shared_from_this()](absl::StatusOr<AttachedSession> attached) {
-                  attached.ok() ? self->Opened(*std::move(attached))
-                                : self->Fail(ToGrpc(attached.status()));
-                });
-}
-
-void LocalizeStream::Opened(AttachedSession attached) {
-  {
-    const std::lock_guard lock(mutex_);
-    task_under_way_ = Task::kNone;
-    host_.sessions.context.metrics.ObserveOpen(grpc::StatusCode::OK, attached.resumed);
-    if (Take(StreamEvent::kOpened) == StreamAction::kAttachSession) Attach(std::move(attached));
-  }
-  Pump();
-}
-
-void LocalizeStream::Attach(AttachedSession attached) {
-  const SessionDescription& description = attached.session->info()->description;
-  terms_ = {.resumable = description.resumable(),
-            .drops_oldest = description.drops_oldest,
-            .resumed = attached.resumed};
-  convert::ToProto(attached.session->Describe(attached.resumed),
-                   ring_.to_answer().response.mutable_opened());
-  if (terms_.drops_oldest) ring_.Lengthen();
-  session_ = std::move(attached.session);
-  ring_.OnAnswered();
-}
-
-void LocalizeStream::Fail(grpc::Status status) {
-  {
-    const std::lock_guard lock(mutex_);
-    const bool refused = UsesContext();
-    task_under_way_ = Task::kNone;
-    if (refused) {
-      const bool resumes = !ring_.to_answer().request.open().resume_token().empty();
-      host_.sessions.context.metrics.ObserveOpen(status.error_code(), resumes);
-    }
-    TakeStatus(StreamEvent::kFailed, std::move(status));
-  }
-  Pump();
-}
-
-void LocalizeStream::AnswerNext() {
-  Slot* slot = nullptr;
-  std::shared_ptr<Session> session;
-  Handling handling = Handling::kAnswer;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!RulesOf(state_).answers) return;
-    slot = &ring_.to_answer();
-    handling = slot->handling;
-    session = session_;
-    task_under_way_ = Task::kScan;
-  }
-  grpc::Status status = Answer(*session, *slot, handling);
-  session.reset();  // before the stream can end
-  if (!status.ok()) return Fail(std::move(status));
-  {
-    const std::lock_guard lock(mutex_);
-    task_under_way_ = Task::kNone;
-    ring_.OnAnswered();
-  }
-  Pump();
-}
-
-grpc::Status LocalizeStream::Answer(Session& session, Slot& slot, Handling handling) const {
-  if (slot.request.has_position_fix()) {
-    session.TakeFix(slot.request.position_fix(), [&slot](const FixAnswer& answer) {
-      slot.response.Clear();
-      convert::ToProto(answer, slot.response.mutable_position_fix_answer());
-    });
-    return grpc::Status::OK;
-  }
-  if (!slot.request.has_scan()) {
-    return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT,
-                        slot.request.has_open()
-                            ? "open came twice; a stream is one session"
-                            : "message is missing; it must be a scan or a position_fix");
-  }
-  if (handling == Handling::kCatchUp &&
-      session.IsToCatchUp(slot.request.scan().sequence_number())) {
-    slot.handling = Handling::kSilent;
-    session.CatchUp(slot.request.scan());
-    return grpc::Status::OK;
-  }
-  const auto reply = [&slot](const ScanAnswer& answer) {
-    convert::ToProto(answer, &slot.response);
-  };
-  if (handling == Handling::kDrop) {
-    session.AnswerDropped(slot.request.scan().sequence_number(), reply);
-  } else {
-    session.Answer(slot.request.scan(), slot.arrival, reply);
-  }
-  return grpc::Status::OK;
 }
 
 }  // namespace dcloc::server

@@ -56,7 +56,8 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
                                                 grpc::CallbackServerContext* context,
                                                 StreamKeeper& keeper);
 
-  /// Has it checked, on the pool, whether the caller may localize. Only then is anything read.
+  /// Has it checked, on the pool, whether the caller may localize. Only then is anything read. From
+  /// here on gRPC has it.
   void Admit();
 
   void Announce(const v1::SessionEnding& ending) override;
@@ -77,7 +78,7 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
 
  private:
   enum class Step { kNone, kRead, kWrite, kAnnounce, kFinish };
-  enum class Write { kNone, kAnswer, kAnnouncement };
+  enum class WriteUnderWay { kNone, kAnswer, kAnnouncement };
 
   /// That the server will end the session is told at most once; the first word counts.
   enum class Announcement { kNone, kWaiting, kWritten };
@@ -109,28 +110,30 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   StreamEvent EventOfRead(bool ok);
   void TakeRead(bool ok);
   void QueueScan();
-  void Attach(AttachedSession attached);
+  void Attach(const AttachedSession& attached);
   bool AnnouncementIsDue() const;
   bool UsesContext() const;
   bool IsSettled() const;
   Step TakeWrite();
   Step TakeStep();
-  Ending TakeEnding();
+  void Describe(Ending& ending) const;
 
   void Pump();
+  void Write(const v1::LocalizeResponse& response);
   void FinishWith(Ending ending);
 
+  absl::Status Authorize();
   void CheckCaller();
   void Open();
   void Opened(AttachedSession attached);
   void Fail(grpc::Status status);
   void AnswerNext();
-  grpc::Status Answer(Session& session, Slot& slot, Handling handling) const;
+  absl::Status Answer(Session& session, Slot& slot, Handling handling) const;
 
   const StreamContext& host_;
   grpc::CallbackServerContext* const context_;
   StreamKeeper& keeper_;
-  std::shared_ptr<LocalizeStream> self_;  ///< reset by OnDone
+  std::shared_ptr<LocalizeStream> self_;  ///< from `Admit` to `OnDone`
 
   mutable std::mutex mutex_;
   StreamState state_ = StreamState::kAdmitting;
@@ -150,7 +153,7 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   // states each of them may be so or not, whatever the others are, and no event but its own end
   // changes it.
   Task task_under_way_ = Task::kAdmission;
-  Write write_under_way_ = Write::kNone;
+  WriteUnderWay write_under_way_ = WriteUnderWay::kNone;
   bool read_under_way_ = false;
   bool pump_under_way_ = false;  ///< the thread in `Pump` checks the state again before it leaves
 };

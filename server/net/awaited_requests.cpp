@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "server/base/status.h"
+#include "server/base/within_memory.h"
 
 namespace dcloc::server {
 
@@ -38,6 +40,24 @@ class Cancellation {
   std::string reason_;
 };
 
+/// Hands a call on to its handler with the request, or without one; then the handler's call fails,
+/// as gRPC's own does. One that gets no memory for the request says so.
+void HandOn(grpc::internal::MethodHandler& handler, const HandlerParameter& parameter,
+            grpc_byte_buffer* bytes) {
+  grpc_call* const call = parameter.call->call();
+  grpc::Status status;
+  void* data = nullptr;
+  void* request = nullptr;
+  const absl::Status parsed =
+      WithinMemory([&] { request = handler.Deserialize(call, bytes, &status, &data); });
+  if (!parsed.ok()) {
+    status = ToGrpc(parsed);
+    grpc_call_cancel_with_status(call, GRPC_STATUS_RESOURCE_EXHAUSTED, "out of memory", nullptr);
+  }
+  handler.RunHandler(
+      {parameter.call, parameter.server_context, request, status, data, parameter.call_requester});
+}
+
 }  // namespace
 
 /// A call that waits for its request. Deletes itself when that is there, or will not come.
@@ -69,16 +89,11 @@ class AwaitedRequests::Call : private grpc_completion_queue_functor {
   }
 
  private:
-  /// Without a request too: then the handler's call fails, as gRPC's own does.
   void OnRead() {
     const std::unique_ptr<Call> self(this);
     keeper_.Forget(*this);
     grpc_call* const call = this->call();
-    grpc::Status status;
-    void* data = nullptr;
-    void* const request = handler_.Deserialize(call, request_, &status, &data);
-    handler_.RunHandler({parameter_.call, parameter_.server_context, request, status, data,
-                         parameter_.call_requester});
+    HandOn(handler_, parameter_, request_);
     grpc_call_unref(call);
   }
 
@@ -95,10 +110,17 @@ class AwaitedRequests::Handler final : public grpc::internal::MethodHandler {
       : keeper_(keeper), handler_(std::move(handler)) {}
 
   void RunHandler(const HandlerParameter& parameter) override {
-    auto call = std::make_unique<Call>(keeper_, *handler_, parameter,
-                                       Clock::now() + keeper_.bounds_().time);
-    keeper_.Begin(*call);
-    call.release()->Read();
+    std::unique_ptr<Call> call;
+    const absl::Status begun = WithinMemory([&] {
+      call = std::make_unique<Call>(keeper_, *handler_, parameter,
+                                    Clock::now() + keeper_.bounds_().time);
+      keeper_.Begin(*call);
+    });
+    if (begun.ok()) return call.release()->Read();
+    if (call != nullptr) keeper_.Forget(*call);
+    grpc_call_cancel_with_status(parameter.call->call(), GRPC_STATUS_RESOURCE_EXHAUSTED,
+                                 "out of memory", nullptr);
+    HandOn(*handler_, parameter, nullptr);
   }
 
  private:

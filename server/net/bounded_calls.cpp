@@ -1,8 +1,10 @@
 #include "server/net/bounded_calls.h"
 
+#include <new>
 #include <utility>
 
 #include "absl/strings/match.h"
+#include "server/base/within_memory.h"
 
 namespace dcloc::server {
 namespace {
@@ -40,9 +42,10 @@ class BoundedCalls::Call final : public grpc::experimental::Interceptor {
   }
 
  private:
+  /// Without memory it is not bounded; that passes.
   void Bound(std::chrono::milliseconds time) {
     const std::lock_guard lock(keeper_.mutex_);
-    keeper_.deadlines_[this] = Clock::now() + time;
+    WithinMemory([&] { keeper_.deadlines_[this] = Clock::now() + time; }).IgnoreError();
   }
 
   BoundedCalls& keeper_;
@@ -58,7 +61,8 @@ class BoundedCalls::Factory final : public grpc::experimental::ServerInterceptor
       grpc::experimental::ServerRpcInfo* info) override {
     const absl::string_view path = info->method();
     if (absl::StartsWith(path, "/dcloc.v1.LocalizationService/")) return nullptr;
-    return new Call(keeper_, *info->server_context(), absl::StartsWith(path, "/grpc.reflection."));
+    return new (std::nothrow)
+        Call(keeper_, *info->server_context(), absl::StartsWith(path, "/grpc.reflection."));
   }
 
  private:

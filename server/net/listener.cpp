@@ -15,6 +15,7 @@
 #include <chrono>
 #include <utility>
 
+#include "server/base/within_memory.h"
 #include "server/net/listen_sockets.h"
 #include "spdlog/spdlog.h"
 
@@ -82,7 +83,7 @@ void Listener::Run() {
     if (poll(wanted.data(), wanted.size(), -1) < 0) continue;
     if (wanted[0].revents != 0) return;
     for (std::size_t i = 1; i < wanted.size(); ++i) {
-      if (wanted[i].revents != 0) Accept(wanted[i].fd);
+      if (wanted[i].revents != 0) WithinMemory([&] { Accept(wanted[i].fd); }).IgnoreError();
     }
   }
 }
@@ -101,15 +102,15 @@ bool Listener::MayStay(int fd, const std::string& peer) {
 void Listener::Accept(int socket_fd) {
   sockaddr_storage peer{};
   socklen_t size = sizeof(peer);
-  const int fd =
-      accept4(socket_fd, reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  FileDescriptor accepted(
+      accept4(socket_fd, reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
+  const int fd = accepted.get();
   if (fd < 0) {
     // Out of descriptors, below the cap: files have taken them. It will pass.
     if (errno == EMFILE || errno == ENFILE) std::this_thread::sleep_for(kRetryDelay);
     return;
   }
   if (!MayStay(fd, TextOf(peer, size))) {
-    close(fd);
     ++refused_count_;
     return;
   }
@@ -117,7 +118,7 @@ void Listener::Accept(int socket_fd) {
   setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
   grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
   connection.listener_fd = socket_fd;
-  connection.fd = fd;
+  connection.fd = accepted.Release();
   acceptor_->HandleNewConnection(&connection);
 }
 

@@ -12,6 +12,7 @@
 #include "absl/strings/str_replace.h"
 #include "server/base/sha256.h"
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "server/objects/object_credentials.h"
 #include "server/objects/object_error.h"
 #include "server/objects/response_status.h"
@@ -187,7 +188,8 @@ absl::StatusOr<S3Answer> ObjectStore::Ask(S3Request request, absl::string_view b
   auto pause = options_.first_pause;
   absl::StatusOr<S3Answer> answer;
   for (int attempt = 1;; ++attempt, pause *= 2) {
-    answer = AskOnce(request, body_sha256);
+    answer = OutOfMemory();
+    WithinMemory([&] { answer = AskOnce(request, body_sha256); }).IgnoreError();
     if (!absl::IsUnavailable(answer.status())) break;
     if (attempt >= attempt_count || Clock::now() + pause >= end) break;
     ++counts_.repeated;
@@ -195,11 +197,10 @@ absl::StatusOr<S3Answer> ObjectStore::Ask(S3Request request, absl::string_view b
   }
   const bool answered = IsAnswer(answer.status());
   ++(answered ? counts_.answered : counts_.failed);
-  if (!absl::IsUnavailable(answer.status())) {
-    breaker_.Note(absl::OkStatus());
-  } else {
-    breaker_.Note(answer.status());
-  }
+  // What was not asked says nothing, so that it is looked for again.
+  const bool is_there =
+      !absl::IsUnavailable(answer.status()) && !absl::IsResourceExhausted(answer.status());
+  breaker_.Note(is_there ? absl::OkStatus() : answer.status());
   if (answered) return answer;
   const absl::Status& status = answer.status();
   if (absl::IsFailedPrecondition(status)) {

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "server/base/within_memory.h"
 
 namespace dcloc::server {
 namespace {
@@ -55,7 +56,9 @@ struct Exchange {
 };
 
 std::size_t WriteCallback(char* data, std::size_t, std::size_t size, void* user) {
-  return static_cast<Exchange*>(user)->Take({data, size}) ? size : CURL_WRITEFUNC_ERROR;
+  bool taken = false;  // nothing may be thrown through the library
+  WithinMemory([&] { taken = static_cast<Exchange*>(user)->Take({data, size}); }).IgnoreError();
+  return taken ? size : CURL_WRITEFUNC_ERROR;
 }
 
 std::size_t ReadCallback(char* buffer, std::size_t unit, std::size_t count, void* user) {
@@ -119,6 +122,7 @@ void SetCallbacks(CURL* handle, Exchange* exchange) {
 void SetOptions(CURL* handle, const S3Options& options) {
   constexpr long kBuffer_bytes = 256L << 10;
   constexpr long kExpectTimeout_ms = 500;
+  constexpr long kNameKept_s = 1;  // a minute by default, in which a service that has moved is away
   curl_easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
   curl_easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
   curl_easy_setopt(handle, CURLOPT_PROXY, "");
@@ -126,6 +130,9 @@ void SetOptions(CURL* handle, const S3Options& options) {
   curl_easy_setopt(handle, CURLOPT_SSLVERSION, long{CURL_SSLVERSION_TLSv1_2});
   curl_easy_setopt(handle, CURLOPT_BUFFERSIZE, kBuffer_bytes);
   curl_easy_setopt(handle, CURLOPT_EXPECT_100_TIMEOUT_MS, kExpectTimeout_ms);
+  curl_easy_setopt(handle, CURLOPT_DNS_CACHE_TIMEOUT, kNameKept_s);
+  // Else a timeout waits until the system has given up a name: 10 s and more.
+  curl_easy_setopt(handle, CURLOPT_QUICK_EXIT, 1L);
   curl_easy_setopt(handle, CURLOPT_CONNECTTIMEOUT_MS,
                    static_cast<long>(options.connect_timeout.count()));
   const auto pause = std::chrono::ceil<std::chrono::seconds>(options.pause_timeout);

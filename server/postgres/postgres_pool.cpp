@@ -51,7 +51,8 @@ absl::StatusOr<PostgresPool::Connection> PostgresPool::Take() {
 }
 
 absl::StatusOr<PostgresPool::Connection> PostgresPool::Connect() {
-  absl::StatusOr<Connection> connection = PostgresConnection::Open(options_);
+  absl::StatusOr<Connection> connection = OutOfMemory();
+  WithinMemory([&] { connection = PostgresConnection::Open(options_); }).IgnoreError();
   if (connection.ok()) {
     NoteBack();
     return connection;

@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "server/base/within_memory.h"
 #include "server/postgres/postgres_connection.h"
 
 namespace dcloc::server {
@@ -43,9 +44,11 @@ class PostgresPool {
   absl::Status InTransaction(const Change& change) {
     absl::StatusOr<Connection> connection = Take();
     if (!connection.ok()) return connection.status();
-    absl::Status status = Begin(**connection);
-    if (status.ok()) status = change(**connection);
-    status = End(**connection, status);
+    absl::Status status = WithinMemory([&] {
+      absl::Status changed = Begin(**connection);
+      if (changed.ok()) changed = change(**connection);
+      return End(**connection, changed);
+    });
     GiveBack(*std::move(connection), status);
     return status;
   }
@@ -65,7 +68,8 @@ class PostgresPool {
   auto RunOnce(const Read& read) -> decltype(read(std::declval<PostgresConnection&>())) {
     absl::StatusOr<Connection> connection = Take();
     if (!connection.ok()) return connection.status();
-    auto result = read(**connection);
+    decltype(read(**connection)) result = OutOfMemory();
+    WithinMemory([&] { result = read(**connection); }).IgnoreError();
     GiveBack(*std::move(connection), StatusOf(result));
     return result;
   }

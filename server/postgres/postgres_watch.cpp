@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "server/base/within_memory.h"
 #include "server/postgres/postgres_error.h"
 #include "server/postgres/postgres_migrations.h"
 #include "spdlog/spdlog.h"
@@ -76,7 +77,8 @@ void PostgresWatch::Run(const std::stop_token& stop) {
   while (true) {
     Pause(kInterval);
     if (stop.stop_requested()) return;
-    const absl::Status status = Look(/*is_new=*/connection_ == nullptr);
+    const absl::Status status =
+        WithinMemory([this] { return Look(/*is_new=*/connection_ == nullptr); });
     if (status.ok()) {
       pool_.NoteBack();
     } else {

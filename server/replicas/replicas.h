@@ -15,6 +15,7 @@
 #include "absl/status/statusor.h"
 #include "dcloc/v1/admin_service.grpc.pb.h"
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "server/base/worker_pool.h"
 #include "server/identity/access_control.h"
 #include "server/replicas/replica_bounds.h"
@@ -122,8 +123,11 @@ void Replicas::Ask(const std::vector<std::string>& addresses,
   question->done = std::move(done);
   const auto end = [question, &pool = parts_.pool] {
     if (--question->open_count > 0) return;
-    // The contexts go with it, not in a call that one of them is still in.
-    pool.Post([question] { question->done(std::move(question->answers)); });
+    // The contexts go with it, not in a call that one of them is still in. Without memory whoever
+    // waits is let go of with it.
+    WithinMemory([&] {
+      pool.Post([question] { question->done(std::move(question->answers)); });
+    }).IgnoreError();
   };
   const auto deadline = std::min(context.deadline(), std::chrono::system_clock::now() + bound);
   for (std::size_t i = 0; i < addresses.size(); ++i) {

@@ -3,6 +3,7 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -11,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "server/rpc/rpc_context.h"
 #include "server/rpc/wire.h"
 
@@ -26,7 +28,7 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
  public:
   void OnReadDone(bool ok) override {
     peer_wait_.End();
-    strand_.Post(
+    PostOrRefuse(
         [self = this->shared_from_this(), ok] { ok ? self->TakeNext() : self->TakeEnd(); });
   }
 
@@ -34,7 +36,9 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
 
   void CheckPeer(PeerWait::Clock::time_point now) override {
     if (!peer_wait_.TakeOverdue(now)) return;
-    strand_.Post([self = this->shared_from_this()] { self->GiveUp(); });
+    const absl::Status posted = WithinMemory(
+        [this] { strand_.Post([self = this->shared_from_this()] { self->GiveUp(); }); });
+    if (!posted.ok()) context_->TryCancel();
   }
 
  protected:
@@ -52,9 +56,9 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   template <typename Stream>
   static Stream* Begin(std::shared_ptr<Stream> stream) {
     ReadStream& base = *stream;
-    base.self_ = stream;
     base.host_.peer_bound_calls.Add(stream);
-    base.strand_.Post([stream] { static_cast<ReadStream&>(*stream).CheckCaller(); });
+    base.self_ = stream;
+    base.PostOrRefuse([stream] { static_cast<ReadStream&>(*stream).CheckCaller(); });
     return stream.get();
   }
 
@@ -75,11 +79,22 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   virtual void Release() = 0;
 
  private:
+  /// Nothing may be thrown into gRPC's threads, nor a call wait for a task that is not there.
+  template <typename Work>
+  void PostOrRefuse(Work work) {
+    const absl::Status posted = WithinMemory([&] { strand_.Post(std::move(work)); });
+    if (!posted.ok()) Refuse(posted);
+  }
+
   void CheckCaller() {
-    absl::StatusOr<Principal> principal = host_.access.Authorize(*context_, Request::descriptor());
-    if (!principal.ok()) return Refuse(principal.status());
-    principal_ = *std::move(principal);
-    ReadNext();
+    const absl::Status status = WithinMemory([this]() -> absl::Status {
+      absl::StatusOr<Principal> principal =
+          host_.access.Authorize(*context_, Request::descriptor());
+      if (!principal.ok()) return principal.status();
+      principal_ = *std::move(principal);
+      return absl::OkStatus();
+    });
+    status.ok() ? ReadNext() : Refuse(status);
   }
 
   void ReadNext() {
@@ -89,20 +104,23 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
 
   void TakeNext() {
     if (ended_) return;
-    absl::Status status = ParseMessage(&bytes_, &request_);
-    if (first_request_.empty()) first_request_ = OperationLog::TextOf(request_);
-    if (status.ok()) status = Take(request_);
-    if (!status.ok()) return End(status);
-    ReadNext();
+    const absl::Status status = WithinMemory([this]() -> absl::Status {
+      absl::Status parsed = ParseMessage(&bytes_, &request_);
+      if (first_request_.empty()) first_request_ = OperationLog::TextOf(request_);
+      return parsed.ok() ? Take(request_) : parsed;
+    });
+    status.ok() ? ReadNext() : End(status);
   }
 
   void TakeEnd() {
     if (ended_) return;
     if (context_->IsCancelled()) return End(absl::CancelledError("cancelled"));
-    Response response;
-    const absl::Status status = Complete(&response);
-    if (status.ok()) *response_ = SerializeMessage(response);
-    End(status);
+    End(WithinMemory([this]() -> absl::Status {
+      Response response;
+      absl::Status status = Complete(&response);
+      if (status.ok()) *response_ = SerializeMessage(response);
+      return status;
+    }));
   }
 
   void GiveUp() {
@@ -114,12 +132,14 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   }
 
   void End(const absl::Status& status) {
-    host_.operations.Note(*context_, principal_, Request::descriptor(), first_request_, status);
+    WithinMemory([&] {
+      host_.operations.Note(*context_, principal_, Request::descriptor(), first_request_, status);
+    }).IgnoreError();
     Refuse(status);
   }
 
   void Refuse(const absl::Status& status) {
-    ended_ = true;
+    if (ended_.exchange(true)) return;
     Release();
     this->Finish(ToGrpc(status));
   }
@@ -135,7 +155,7 @@ class ReadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   Request request_;
   std::string first_request_;  ///< its text: what the call is about
   Principal principal_;
-  bool ended_ = false;
+  std::atomic<bool> ended_ = false;
 };
 
 }  // namespace dcloc::server

@@ -10,36 +10,62 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "server/rpc/rpc_context.h"
 
 namespace dcloc::server {
 
-/// The end of a unary call that the caller may make: whoever holds it finishes the call, once.
+/// The end of a unary call: whoever holds it finishes the call, once. Who lets go of it without
+/// that has got no memory, which then is the call's end.
 template <typename Request>
 class UnaryCompletion {
  public:
   UnaryCompletion(const RpcContext& host, grpc::CallbackServerContext* context,
-                  grpc::ServerUnaryReactor* reactor, const Request* request, Principal principal,
-                  OpenCalls::Token token)
+                  grpc::ServerUnaryReactor* reactor, const Request* request)
       : host_(host),
         context_(context),
         reactor_(reactor),
         request_(request),
-        principal_(std::move(principal)),
-        token_(std::move(token)) {}
+        token_(host.open_calls) {}
+  UnaryCompletion(UnaryCompletion&& other) noexcept
+      : host_(other.host_),
+        context_(other.context_),
+        reactor_(std::exchange(other.reactor_, nullptr)),
+        request_(other.request_),
+        principal_(std::move(other.principal_)),
+        token_(std::move(other.token_)) {}
+  UnaryCompletion& operator=(UnaryCompletion&&) = delete;
+  ~UnaryCompletion() { Finish(OutOfMemory()); }
+
+  /// Whether the caller may make the call; if not, it is finished.
+  bool Authorize() {
+    absl::StatusOr<Principal> principal = host_.access.Authorize(*context_, Request::descriptor());
+    if (principal.ok()) {
+      principal_ = *std::move(principal);
+    } else {
+      Finish(principal.status());
+    }
+    return principal.ok();
+  }
 
   const Principal& principal() const { return principal_; }
 
   /// Notes the call where it changes something. Context, request and response are gone afterwards.
   void operator()(const absl::Status& status) {
-    host_.operations.Note(*context_, principal_, *request_, status);
-    reactor_->Finish(ToGrpc(status));
+    WithinMemory([&] {
+      host_.operations.Note(*context_, principal_, *request_, status);
+    }).IgnoreError();
+    Finish(status);
   }
 
  private:
+  void Finish(const absl::Status& status) {
+    if (reactor_ != nullptr) std::exchange(reactor_, nullptr)->Finish(ToGrpc(status));
+  }
+
   const RpcContext& host_;
   grpc::CallbackServerContext* context_;
-  grpc::ServerUnaryReactor* reactor_;
+  grpc::ServerUnaryReactor* reactor_;  ///< null once the call is finished
   const Request* request_;
   Principal principal_;
   OpenCalls::Token token_;
@@ -52,16 +78,15 @@ template <typename Request, typename Work>
 grpc::ServerUnaryReactor* StartUnary(const RpcContext& host, grpc::CallbackServerContext* context,
                                      const Request* request, Work work, Lane lane = Lane::kQuick) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  host.pool.Post(
-      [&host, context, reactor, request, work = std::move(work),
-       token = OpenCalls::Token(host.open_calls)]() mutable {
-        absl::StatusOr<Principal> principal =
-            host.access.Authorize(*context, Request::descriptor());
-        if (!principal.ok()) return reactor->Finish(ToGrpc(principal.status()));
-        work(UnaryCompletion<Request>(host, context, reactor, request, *std::move(principal),
-                                      std::move(token)));
-      },
-      lane);
+  // What is thrown behind gRPC's back would end the process.
+  WithinMemory([&] {
+    host.pool.Post(
+        [work = std::move(work),
+         end = UnaryCompletion<Request>(host, context, reactor, request)]() mutable {
+          if (end.Authorize()) work(std::move(end));
+        },
+        lane);
+  }).IgnoreError();  // letting go of the task has finished the call
   return reactor;
 }
 

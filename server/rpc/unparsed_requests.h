@@ -7,6 +7,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "server/base/within_memory.h"
 
 namespace dcloc::server {
 
@@ -16,7 +17,11 @@ class UnparsedRequests final : public grpc::experimental::ServerInterceptorFacto
  public:
   grpc::experimental::Interceptor* CreateServerInterceptor(
       grpc::experimental::ServerRpcInfo* info) override {
-    return HasOneRequest(info->method()) ? new Interceptor(info->method()) : nullptr;
+    grpc::experimental::Interceptor* interceptor = nullptr;
+    WithinMemory([&] {
+      if (HasOneRequest(info->method())) interceptor = new Interceptor(info->method());
+    }).IgnoreError();
+    return interceptor;
   }
 
  private:
@@ -38,7 +43,7 @@ class UnparsedRequests final : public grpc::experimental::ServerInterceptorFacto
     void Intercept(grpc::experimental::InterceptorBatchMethods* batch) override {
       if (batch->QueryInterceptionHookPoint(
               grpc::experimental::InterceptionHookPoints::PRE_SEND_STATUS)) {
-        Correct(batch);
+        WithinMemory([&] { Correct(batch); }).IgnoreError();
       }
       batch->Proceed();
     }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "server/base/within_memory.h"
+
 namespace dcloc::server {
 
 void AnswerFeed::Subscribe(const std::shared_ptr<AnswerSubscriber>& subscriber) {
@@ -30,7 +32,9 @@ void AnswerFeed::TellAll(Tell tell) {
   const std::lock_guard lock(mutex_);
   std::erase_if(subscribers_, [](const auto& subscriber) { return subscriber.expired(); });
   for (const auto& entry : subscribers_) {
-    if (const auto subscriber = entry.lock()) tell(*subscriber);
+    const auto subscriber = entry.lock();
+    // Who gets no memory for an answer misses it; the vehicle does not.
+    if (subscriber != nullptr) WithinMemory([&] { tell(*subscriber); }).IgnoreError();
   }
   has_subscribers_ = !subscribers_.empty();
 }

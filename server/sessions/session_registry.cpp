@@ -6,6 +6,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/time/time.h"
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
@@ -284,11 +285,13 @@ SessionRegistry::Entry* SessionRegistry::FindAttached(const SessionInfo& info,
 void SessionRegistry::Release(Entries::iterator entry, const std::string& reason,
                               Released* released) {
   const SessionDescription& description = entry->second.info->description;
-  spdlog::info("session released session={} vehicle={} reason={}", description.session_id,
-               description.vehicle_id, Quoted(reason));
-  Remember(description, reason);
+  WithinMemory([&] {
+    spdlog::info("session released session={} vehicle={} reason={}", description.session_id,
+                 description.vehicle_id, Quoted(reason));
+    Remember(description, reason);
+  }).IgnoreError();  // it goes all the same
   id_of_token_.erase(description.resume_token);
-  released->push_back(std::move(entry->second));
+  WithinMemory([&] { released->push_back(std::move(entry->second)); }).IgnoreError();
   entries_.erase(entry);
 }
 

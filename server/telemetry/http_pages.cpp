@@ -11,6 +11,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "server/base/within_memory.h"
 
 namespace dcloc::server {
 namespace {
@@ -55,17 +56,26 @@ HttpPages::~HttpPages() {
 }
 
 void HttpPages::Run() {
-  while (WaitForPeers()) {
-    const Clock::time_point now = Clock::now();
-    for (Connection& connection : connections_) {
-      if (connection.state != State::kReading || now < connection.deadline) continue;
-      connection.state = State::kAsking;
-    }
-    Answer();
-    connections_.remove_if([now](const Connection& connection) {
-      return connection.state == State::kDone || now >= connection.deadline;
+  bool goes_on = true;
+  while (goes_on) {
+    const absl::Status status = WithinMemory([&] {
+      goes_on = WaitForPeers();
+      if (goes_on) AnswerAll();
     });
+    if (!status.ok()) connections_.clear();  // they may ask again
   }
+}
+
+void HttpPages::AnswerAll() {
+  const Clock::time_point now = Clock::now();
+  for (Connection& connection : connections_) {
+    if (connection.state != State::kReading || now < connection.deadline) continue;
+    connection.state = State::kAsking;
+  }
+  Answer();
+  connections_.remove_if([now](const Connection& connection) {
+    return connection.state == State::kDone || now >= connection.deadline;
+  });
 }
 
 /// Moves all that need not wait, and accepts new ones; false when it is to stop.

@@ -60,6 +60,7 @@ class HttpPages {
   HttpPages(ListenSockets listening, FileDescriptor wake, std::string address,
             std::vector<HttpPage> pages);
   void Run();
+  void AnswerAll();
   bool WaitForPeers();
   void Accept(int listening_fd);
   void Move(Connection& connection, short events);

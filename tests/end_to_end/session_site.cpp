@@ -23,19 +23,23 @@ absl::Status SessionSite::Start(const std::vector<std::byte>& map) {
       .status();
 }
 
-absl::Status SessionSite::Restart() {
-  if (!server_->Terminate()) return absl::InternalError("the server did not end as it should");
+absl::Status SessionSite::Restart(End end) {
+  if (end == End::kKilled) {
+    server_->Kill();
+  } else if (!server_->Terminate()) {
+    return absl::InternalError("the server did not end as it should");
+  }
   if (absl::Status status = StartServer(); !status.ok()) return status;
   proxy_->SetTarget(PortOf(server_->address()));
   return absl::OkStatus();
 }
 
 absl::Status SessionSite::StartServer() {
-  server_ =
-      std::make_unique<ServerProcess>(program_, folder_.path() / "store", folder_.path() / "log",
-                                      ServerProcessOptions{.stub_localizer = false});
+  server_ = std::make_unique<ServerProcess>(
+      program_, folder_.path() / "store", folder_.path() / "log",
+      ServerProcessOptions{.stub_localizer = localizer_ == Localizer::kStub});
   if (!server_->WaitUntilReady()) return absl::InternalError("the server did not start");
-  recordings_.push_back(Record());
+  if (localizer_ == Localizer::kMethod) recordings_.push_back(Record());
   return absl::OkStatus();
 }
 

@@ -24,19 +24,24 @@ struct RecordedSession {
   std::vector<v1::RecordedScan> scans;
 };
 
-/// A server's process that can be restarted, behind a proxy that can be cut. All sessions of one
-/// vehicle are recorded by the server.
+/// A server's process that can be restarted, behind a proxy that can be cut. With the method, all
+/// sessions of one vehicle are recorded by the server.
 class SessionSite {
  public:
-  SessionSite(std::string program, std::string vehicle_id)
-      : program_(std::move(program)), vehicle_id_(std::move(vehicle_id)) {}
+  /// What localizes: the method, or the stub, which costs nothing.
+  enum class Localizer { kMethod, kStub };
+  /// How a server's process ends.
+  enum class End { kTerminated, kKilled };
+
+  SessionSite(std::string program, std::string vehicle_id, Localizer localizer)
+      : program_(std::move(program)), vehicle_id_(std::move(vehicle_id)), localizer_(localizer) {}
 
   /// The first server, with a map named "town".
   absl::Status Start(const std::vector<std::byte>& map);
 
-  /// Ends the server by SIGTERM and starts another one on its store; who connects to the proxy
-  /// finds it. Internal when the process did not end as it should.
-  absl::Status Restart();
+  /// Ends the server by SIGTERM or SIGKILL and starts another one on its store; who connects to the
+  /// proxy finds it. Internal when the process did not end as it should.
+  absl::Status Restart(End end);
 
   /// Resets all connections through the proxy.
   void Cut() { proxy_->Cut(); }
@@ -56,6 +61,7 @@ class SessionSite {
   const TemporaryFolder folder_;
   const std::string program_;
   const std::string vehicle_id_;
+  const Localizer localizer_;
   // Before the server: letting go of one waits for its end, which may be the server's.
   std::vector<Recording> recordings_;
   std::unique_ptr<ServerProcess> server_;

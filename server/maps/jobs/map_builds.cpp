@@ -11,6 +11,7 @@
 #include "server/base/random_name.h"
 #include "server/base/sha256.h"
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "server/convert/geometry.h"
 #include "server/convert/scan.h"
 #include "spdlog/spdlog.h"
@@ -79,8 +80,13 @@ absl::StatusOr<BuildRecord> MapBuilds::Start(BuildRequest request,
                                              .create_time = build->record.create_time});
   if (!status.ok()) return status;
   builds_.push_back(build);
+  status = WithinMemory([&] { pool_.Post([this, build] { Run(*build); }, Lane::kLengthy); });
+  if (!status.ok()) {
+    builds_.pop_back();
+    store_.builds().Remove(build->record.build_id);
+    return status;
+  }
   ForgetOldest();
-  pool_.Post([this, build] { Run(*build); }, Lane::kLengthy);
   return RecordOf(*build);
 }
 
@@ -111,7 +117,8 @@ absl::StatusOr<BuildRecord> MapBuilds::Cancel(absl::string_view tenant,
 }
 
 void MapBuilds::Run(Build& build) {
-  const absl::StatusOr<MapVersionRecord> version = Make(build);
+  absl::StatusOr<MapVersionRecord> version = OutOfMemory();
+  WithinMemory([&] { version = Make(build); }).IgnoreError();
   const std::lock_guard lock(mutex_);
   build.scans.reset();
   BuildRecord& record = build.record;

@@ -11,6 +11,7 @@
 #include "server/base/check.h"
 #include "server/base/status.h"
 #include "server/base/waiting_calls.h"
+#include "server/base/within_memory.h"
 #include "server/convert/map.h"
 #include "spdlog/spdlog.h"
 
@@ -31,9 +32,9 @@ DownloadStream* DownloadStream::Start(const RpcContext& host, DownloadSlots& slo
                                       grpc::CallbackServerContext* context,
                                       const v1::DownloadMapRequest& request) {
   std::shared_ptr<DownloadStream> stream(new DownloadStream(host, slots, context));
-  stream->self_ = stream;
   host.peer_bound_calls.Add(stream);
-  stream->strand_.Post([stream, request] { stream->SendVersion(request); });
+  stream->self_ = stream;
+  stream->PostOrEnd([stream, request] { stream->SendVersion(request); });
   return stream.get();
 }
 
@@ -45,16 +46,25 @@ DownloadStream::DownloadStream(const RpcContext& host, DownloadSlots& slots,
 
 void DownloadStream::OnWriteDone(bool ok) {
   peer_wait_.End();
-  strand_.Post([self = shared_from_this(), ok] {
+  PostOrEnd([self = shared_from_this(), ok] {
     ok ? self->SendChunk() : self->End(absl::CancelledError("cancelled"));
   });
+}
+
+/// Nothing may be thrown into gRPC's threads, nor a call wait for a task that is not there.
+template <typename Work>
+void DownloadStream::PostOrEnd(Work work) {
+  const absl::Status posted = WithinMemory([&] { strand_.Post(std::move(work)); });
+  if (!posted.ok()) End(posted);
 }
 
 void DownloadStream::OnDone() { const std::shared_ptr<DownloadStream> last = std::move(self_); }
 
 void DownloadStream::CheckPeer(PeerWait::Clock::time_point now) {
   if (!peer_wait_.TakeOverdue(now)) return;
-  strand_.Post([self = shared_from_this()] { self->CutOff(); });
+  const absl::Status posted =
+      WithinMemory([this] { strand_.Post([self = shared_from_this()] { self->CutOff(); }); });
+  if (!posted.ok()) context_->TryCancel();
 }
 
 /// The write that nobody takes fails then, which ends the call.
@@ -71,9 +81,12 @@ void DownloadStream::Send() {
 }
 
 void DownloadStream::SendVersion(const v1::DownloadMapRequest& request) {
-  if (absl::Status status = Open(request); !status.ok()) return End(status);
-  convert::ToProto(map_.record, response_.mutable_version());
-  Send();
+  const absl::Status status = WithinMemory([&]() -> absl::Status {
+    absl::Status opened = Open(request);
+    if (opened.ok()) convert::ToProto(map_.record, response_.mutable_version());
+    return opened;
+  });
+  status.ok() ? Send() : End(status);
 }
 
 absl::Status DownloadStream::Open(const v1::DownloadMapRequest& request) {
@@ -100,18 +113,20 @@ void DownloadStream::SendChunk() {
   const std::span<const std::byte> left = map_.map->bytes().subspan(sent_bytes_);
   if (left.empty()) return End(absl::OkStatus());
   const std::size_t size = std::min(kChunk_bytes, left.size());
-  v1::MapChunk* chunk = response_.mutable_chunk();
-  chunk->set_offset_bytes(static_cast<std::int64_t>(sent_bytes_));
-  chunk->set_data(left.data(), size);
+  const absl::Status filled = WithinMemory([&] {
+    v1::MapChunk* chunk = response_.mutable_chunk();
+    chunk->set_offset_bytes(static_cast<std::int64_t>(sent_bytes_));
+    chunk->set_data(left.data(), size);
+  });
   sent_bytes_ += size;
-  Send();
+  filled.ok() ? Send() : End(filled);
 }
 
 void DownloadStream::End(const absl::Status& status) {
   // Before the client hears of the end, who may then delete the version.
+  if (ended_.exchange(true)) return;
   map_ = {};
   slot_.reset();
-  ended_ = true;
   Finish(ToGrpc(status));
 }
 

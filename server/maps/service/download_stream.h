@@ -3,6 +3,7 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 
@@ -34,6 +35,8 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
                  grpc::CallbackServerContext* context);
 
   // On the strand.
+  template <typename Work>
+  void PostOrEnd(Work work);
   void SendVersion(const v1::DownloadMapRequest& request);
   absl::Status Open(const v1::DownloadMapRequest& request);
   void SendChunk();
@@ -48,7 +51,7 @@ class DownloadStream final : public grpc::ServerWriteReactor<v1::DownloadMapResp
   Strand strand_;
   PeerWait peer_wait_;
   std::shared_ptr<DownloadStream> self_;  ///< reset by OnDone
-  bool ended_ = false;
+  std::atomic<bool> ended_ = false;
   std::shared_ptr<void> slot_;
   LoadedMap map_;
   std::size_t sent_bytes_ = 0;

@@ -1,6 +1,7 @@
 #include "server/maps/store/map_scrub.h"
 
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
@@ -22,7 +23,8 @@ ScrubState MapScrub::state() const {
 void MapScrub::Run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const auto begin = std::chrono::steady_clock::now();
-    Pass(stop);
+    // Without memory it looks again at the next pass.
+    WithinMemory([&] { Pass(stop); }).IgnoreError();
     const auto next = begin + options_.pass_interval;
     if (!Sleep(next - std::chrono::steady_clock::now(), stop)) return;
   }

@@ -54,7 +54,7 @@ void Reset(int socket) {
 }  // namespace
 
 TcpProxy::TcpProxy(int port) : target_(port) {
-  listener_ = socket(AF_INET, SOCK_STREAM, 0);
+  listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = Loopback(0);
   socklen_t size = sizeof(address);
   if (bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
@@ -82,7 +82,8 @@ void TcpProxy::Cut() {
 void TcpProxy::Accept() {
   while (!stopping_) {
     if (!IsReadable(listener_)) continue;
-    const int client = accept(listener_, nullptr, nullptr);
+    // A program that is started meanwhile must not hold it open.
+    const int client = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
     if (client < 0) continue;
     ++connection_count_;
     carriers_.emplace_back([this, client] { Carry(client); });
@@ -90,7 +91,7 @@ void TcpProxy::Accept() {
 }
 
 void TcpProxy::Carry(int client) {
-  const int server = socket(AF_INET, SOCK_STREAM, 0);
+  const int server = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const sockaddr_in address = Loopback(target_);
   bool open = connect(server, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
   {

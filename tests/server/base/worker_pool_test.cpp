@@ -6,7 +6,11 @@
 #include <atomic>
 #include <latch>
 #include <memory>
+#include <new>
+#include <string>
 #include <vector>
+
+#include "server/base/within_memory.h"
 
 namespace dcloc::server {
 namespace {
@@ -186,6 +190,28 @@ TEST(LaneTest, WhileOneStrandIsLengthyAnotherIsServed) {
   lengthy.Post([&] { served.wait(); });
   for (int i = 0; i < 100; ++i) other.Post([&] { served.count_down(); });
   served.wait();
+}
+
+TEST(OutOfMemoryTest, ATaskThatGetsNoneEndsAndTheNextOnesRun) {
+  std::latch done(2);
+  std::shared_ptr<int> held = std::make_shared<int>(0);
+  const std::weak_ptr<int> is_held = held;
+  WorkerPool pool(1);
+  Strand strand(pool);
+  pool.Post([held = std::move(held)] { throw std::bad_alloc(); });
+  strand.Post([] { throw std::bad_alloc(); });
+  strand.Post([&] { done.count_down(); });
+  pool.Post([&] { done.count_down(); });
+  done.wait();
+  EXPECT_TRUE(is_held.expired()) << "what it held is let go of";
+}
+
+TEST(OutOfMemoryTest, ItsStatusFitsIntoAStringWithoutMemory) {
+  const absl::Status status = WithinMemory([] { throw std::bad_alloc(); });
+  EXPECT_TRUE(absl::IsResourceExhausted(status));
+  EXPECT_LE(status.message().size(), std::string().capacity());
+  EXPECT_TRUE(WithinMemory([] {}).ok());
+  EXPECT_TRUE(absl::IsNotFound(WithinMemory([] { return absl::NotFoundError("x"); })));
 }
 
 }  // namespace

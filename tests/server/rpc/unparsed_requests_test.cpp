@@ -1,7 +1,6 @@
 #include "server/rpc/unparsed_requests.h"
 
 #include <gmock/gmock.h>
-#include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include "server/identity/method_permissions.h"
 #include "server/rpc/wire.h"
+#include "tests/server/fixtures/raw_call.h"
 #include "tests/server/fixtures/test_maps.h"
 #include "tests/server/fixtures/test_server.h"
 
@@ -17,45 +17,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-grpc::ByteBuffer BytesOf(const std::string& text) {
-  const grpc::Slice slice(text);
-  return {&slice, 1};
-}
-
-/// How a call of `path` ends that sends `messages`.
-grpc::Status EndOf(const TestServer& server, const std::string& path,
-                   const std::vector<grpc::ByteBuffer>& messages) {
-  grpc::GenericStub stub(server.channel);
-  Call call;
-  grpc::CompletionQueue queue;
-  const auto stream = stub.PrepareCall(&call, path, &queue);
-  void* tag = nullptr;
-  bool ok = false;
-  stream->StartCall(nullptr);
-  queue.Next(&tag, &ok);
-  for (const grpc::ByteBuffer& message : messages) {
-    stream->Write(message, nullptr);
-    queue.Next(&tag, &ok);
-  }
-  stream->WritesDone(nullptr);
-  queue.Next(&tag, &ok);
-  grpc::ByteBuffer response;
-  for (ok = true; ok;) {
-    stream->Read(&response, nullptr);
-    queue.Next(&tag, &ok);
-  }
-  grpc::Status status;
-  stream->Finish(&status, nullptr);
-  queue.Next(&tag, &ok);
-  return status;
-}
-
-/// "/package.Service/Method" of "package.Service.Method".
-std::string PathOf(std::string method) {
-  method[method.rfind('.')] = '/';
-  return "/" + method;
-}
-
 TEST(UnparsedRequestsTest, EachRpcSaysThatAMessageDoesNotParse) {
   const TestServer server;
   for (const MethodPermission& entry : MethodPermissions()) {
@@ -63,6 +24,20 @@ TEST(UnparsedRequestsTest, EachRpcSaysThatAMessageDoesNotParse) {
         EndOf(server, PathOf(std::string(entry.method)), {BytesOf("\xff\xff\xff")});
     EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << entry.method;
     EXPECT_THAT(status.error_message(), HasSubstr("does not parse as dcloc.v1.")) << entry.method;
+  }
+}
+
+// gRPC would unpack them before it looks at their size.
+TEST(UnparsedRequestsTest, PackedMessagesAreNotUnpacked) {
+  const TestServer server;
+  for (const grpc_compression_algorithm kind : {GRPC_COMPRESS_GZIP, GRPC_COMPRESS_DEFLATE}) {
+    Call call;
+    call.set_compression_algorithm(kind);
+    v1::ListMapsRequest request;
+    request.set_page_token(std::string(10'000, 'a'));
+    v1::ListMapsResponse response;
+    EXPECT_EQ(server.maps->ListMaps(&call, request, &response).error_code(),
+              grpc::StatusCode::UNIMPLEMENTED);
   }
 }
 
