@@ -87,11 +87,13 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   const std::chrono::nanoseconds age = velocity_ ? stamp - stamp_ : std::chrono::nanoseconds(0);
   std::optional<EgoVelocity> reported;
   if (scan.ego_velocity) {
-    late_.OnReported(stamp, *scan.ego_velocity);
+    const std::chrono::nanoseconds held = held_velocity_.OnReported(stamp, *scan.ego_velocity);
+    outdated_by_ = doppler ? held : std::chrono::nanoseconds(0);
+    if (!is_held()) late_.OnReported(stamp, *scan.ego_velocity);
     reported = late_.WithDelayUncertainty(Corrected(*scan.ego_velocity));
   }
-  sources_.OnReadings(stamp, ReadingsOf(scan.ego_velocity, reported, doppler, alternative,
-                                        simultaneous_scans_.size()));
+  sources_.OnReadings(stamp,
+                      ReadingsOf(reported, doppler, alternative, simultaneous_scans_.size()));
   if (alternative && IsNearer(*alternative, *doppler, sources_.speed())) doppler = alternative;
   const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
   if (doppler_is_sound) {
@@ -105,7 +107,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
                                        doppler_is_sound ? &doppler->ego_velocity : nullptr,
                                        sources_.sound());
   }
-  if (reported && doppler_is_sound && sources_.IsSound(OdometrySource::kWheelSpeed)) {
+  if (reported && !is_held() && doppler_is_sound && sources_.IsSound(OdometrySource::kWheelSpeed)) {
     disagreement_.OnSpeeds(stamp, reported->linear_mps.x(), doppler->ego_velocity.linear_mps.x());
   } else {
     disagreement_.OnDecided(stamp);
@@ -137,7 +139,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
 // By a sign that was wrong the vehicle has turned to the wrong side: twice as far from the truth.
 void EgoMotion::FollowYawRateSign(const std::optional<EgoVelocity>& reported,
                                   const DopplerEgoVelocity* doppler) {
-  if (!reported || doppler == nullptr ||
+  if (!reported || is_held() || doppler == nullptr ||
       doppler->direction_count <= options_.sources.narrow_direction_count) {
     return;
   }
@@ -151,7 +153,8 @@ void EgoMotion::FollowYawRateSign(const std::optional<EgoVelocity>& reported,
 // METHOD eq 58. What a mover may have said is no evidence against wheels.
 void EgoMotion::FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& reported,
                                  const DopplerEgoVelocity* doppler) {
-  if (!reported || doppler == nullptr || !sources_.IsSound(OdometrySource::kWheelSpeed) ||
+  if (!reported || is_held() || doppler == nullptr ||
+      !sources_.IsSound(OdometrySource::kWheelSpeed) ||
       doppler->direction_count <= options_.sources.narrow_direction_count) {
     return wheel_scale_.OnUnsound();
   }
@@ -171,7 +174,7 @@ void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, const EgoVeloc
                       std::chrono::nanoseconds age) {
   const bool is_used =
       sources_.IsSound(OdometrySource::kWheelSpeed) && sources_.IsSound(OdometrySource::kYawRate);
-  if (sources_.IsFrozen()) {
+  if (is_held()) {
     reported_with_sound_wheels_.reset();
     return errors_.OnDiscontinuity();
   }
@@ -204,7 +207,7 @@ void EgoMotion::Diagnose(const std::optional<EgoVelocity>& reported) {
           wheel_speed_diagnosis_);
   compare(OdometrySource::kYawRate, reported->angular_radps.z(), sources_.yaw_rate().value,
           yaw_rate_diagnosis_);
-  if (!sources_.IsSound(OdometrySource::kYawRate)) return;
+  if (is_held() || !sources_.IsSound(OdometrySource::kYawRate)) return;
   velocity_for_mounts_ = reported;
   if (!sources_.IsSound(OdometrySource::kWheelSpeed)) {
     velocity_for_mounts_->linear_mps = {sources_.speed().value, 0.0, 0.0};
@@ -329,6 +332,9 @@ EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
   if (const std::optional<double> share = wheel_scale_.UnconfirmedChange()) {
     (*result.covariance)(0, 0) += std::pow(*share * corrected.linear_mps.x(), 2);
   }
+  const double age_s = SecondsOf(outdated_by_);
+  (*result.covariance)(0, 0) += std::pow(options_.motion.acceleration_sigma_mps2 * age_s, 2);
+  (*result.covariance)(5, 5) += std::pow(options_.motion.yaw_acceleration_sigma_radps2 * age_s, 2);
   // A bias that is being learned afresh may still be anything.
   double& variance = (*result.covariance)(5, 5);
   variance = std::max(variance, std::pow(errors_.yaw_rate_bias_sigma_radps(), 2));

@@ -11,6 +11,7 @@
 #include "core/geometry/chi_square.h"
 #include "core/odometry/doppler_ego_velocity.h"
 #include "core/odometry/forward_acceleration.h"
+#include "core/odometry/held_velocity.h"
 #include "core/odometry/late_odometry.h"
 #include "core/odometry/motion.h"
 #include "core/odometry/motion_history.h"
@@ -201,6 +202,8 @@ class EgoMotion {
              std::chrono::nanoseconds age);
   void FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& reported,
                         const DopplerEgoVelocity* doppler);
+  // Whether what the vehicle reports is old: nothing is to be learned of it.
+  bool is_held() const { return held_velocity_.age() > options_.sources.silent_after; }
   void FollowYawRateSign(const std::optional<EgoVelocity>& reported,
                          const DopplerEgoVelocity* doppler);
   void ApplyCorrection();
@@ -217,6 +220,8 @@ class EgoMotion {
   SpeedDisagreement disagreement_;
   ForwardAcceleration acceleration_;
   YawRateSign yaw_rate_sign_;
+  HeldVelocity held_velocity_;
+  std::chrono::nanoseconds outdated_by_{0};  // the newest velocity, where Doppler is newer
   MotionHistory history_;
   Pose3 expected_motion_;
   Motion since_previous_;

@@ -9,11 +9,10 @@
 
 namespace dcloc {
 
-/// What the vehicle says as it was `sent` and as it is corrected, and what Doppler says, for the
-/// comparison of sources. The yaw rate of a single radar is that of a vehicle without side slip at
-/// its frame's origin; it may be used, but is no evidence against a gyroscope.
-inline OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& sent,
-                                   const std::optional<EgoVelocity>& reported,
+/// What the vehicle says, corrected, and what Doppler says, for the comparison of sources. The yaw
+/// rate of a single radar is that of a vehicle without side slip at its frame's origin; it may be
+/// used, but is no evidence against a gyroscope.
+inline OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
                                    const std::optional<DopplerEgoVelocity>& doppler,
                                    const std::optional<DopplerEgoVelocity>& alternative,
                                    std::size_t radar_count) {
@@ -24,9 +23,6 @@ inline OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& sent,
     return ScalarEstimate{velocity.angular_radps.z(), (*velocity.covariance)(5, 5)};
   };
   OdometryReadings readings;
-  if (sent) {
-    readings.reported = {sent->linear_mps.x(), sent->angular_radps.z()};
-  }
   if (reported) {
     readings.wheel_speed = speed_of(*reported);
     readings.yaw_rate = yaw_rate_of(*reported);

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "core/odometry/reading_likelihood.h"
 #include "core/radar/stamp.h"
 
 namespace dcloc {
@@ -16,6 +15,34 @@ constexpr auto kYawRate = static_cast<std::size_t>(OdometrySource::kYawRate);
 constexpr auto kDoppler = static_cast<std::size_t>(OdometrySource::kDoppler);
 
 double SquareOf(double value) { return value * value; }
+
+double LogNormal(double difference, double variance) {
+  return -0.5 * (difference * difference / variance + std::log(2.0 * std::numbers::pi * variance));
+}
+
+double LogDensity(const ScalarEstimate& reading, const ScalarEstimate& state) {
+  return LogNormal(reading.value - state.value, state.variance + reading.variance);
+}
+
+// A reading of a state that is sound: its log-density; the state takes it in.
+double KalmanUpdate(const ScalarEstimate& reading, ScalarEstimate& state) {
+  const double innovation = reading.value - state.value;
+  const double spread = state.variance + reading.variance;
+  const double gain = state.variance / spread;
+  state.value += gain * innovation;
+  state.variance *= 1.0 - gain;
+  return LogNormal(innovation, spread);
+}
+
+// Of a source that has failed: nearly what it said before, or anything.
+double FailedLogDensity(const ScalarEstimate& reading, const std::optional<ScalarEstimate>& before,
+                        double walk_variance, double range, double unchanged_fraction) {
+  const double anything = 1.0 / range;
+  if (!before) return std::log(anything);
+  const double unchanged = std::exp(LogNormal(reading.value - before->value,
+                                              reading.variance + before->variance + walk_variance));
+  return std::log(unchanged_fraction * unchanged + (1.0 - unchanged_fraction) * anything);
+}
 
 ScalarEstimate Floored(const ScalarEstimate& reading, double sigma) {
   return {reading.value, std::max(reading.variance, sigma * sigma)};
@@ -127,8 +154,6 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   }
   hypotheses_ = next;
 
-  // Without Doppler there is nothing to take their place.
-  if (readings.doppler_speed) repeated_velocity_.OnVelocity(readings.reported);
   const OdometryReadings floored = WithFloors(readings);
   for (Hypothesis& hypothesis : hypotheses_) {
     // Where the motion is unlike any prediction, its filter begins anew, with a small probability.
@@ -245,13 +270,10 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
                            const std::optional<ScalarEstimate>& before, double walk, double range,
                            ScalarEstimate& state) {
     if (!reading) return;
-    const bool repeats = source != kDoppler && repeated_velocity_.repeats();
-    if (hypothesis.sound[source]) {
-      hypothesis.log_weight += KalmanUpdate(*reading, repeats, state);
-    } else if (!repeats) {
-      hypothesis.log_weight += FailedLogDensity(*reading, before, SquareOf(walk * changing_s),
-                                                range, options_.unchanged_fraction);
-    }
+    hypothesis.log_weight += hypothesis.sound[source]
+                                 ? KalmanUpdate(*reading, state)
+                                 : FailedLogDensity(*reading, before, SquareOf(walk * changing_s),
+                                                    range, options_.unchanged_fraction);
   };
   const double acceleration_mps2 = options_.acceleration_sigma_mps2;
   const double yaw_acceleration_radps2 = options_.yaw_acceleration_sigma_radps2;
@@ -270,9 +292,6 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
   compare(kDoppler, takes_alternative ? readings.alternative_yaw_rate : readings.doppler_yaw_rate,
           before_.doppler_yaw_rate, yaw_acceleration_radps2, yaw_rate_range_radps,
           hypothesis.yaw_rate);
-  if (!hypothesis.sound[kWheelSpeed] && !hypothesis.sound[kYawRate]) {
-    hypothesis.log_weight += repeated_velocity_.log_failed();
-  }
 }
 
 void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,

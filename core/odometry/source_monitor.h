@@ -10,7 +10,6 @@
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
 #include "core/odometry/motion.h"
-#include "core/odometry/repeated_velocity.h"
 #include "core/odometry/scalar_estimate.h"
 #include "core/options/option_fields.h"
 #include "core/radar/scan.h"
@@ -33,7 +32,6 @@ inline bool Contains(const OdometrySources& sources, OdometrySource source) {
 struct OdometryReadings {
   std::optional<ScalarEstimate> wheel_speed;
   std::optional<ScalarEstimate> yaw_rate;
-  std::optional<ReportedVelocity> reported;     ///< the same two, before anything corrects them
   std::optional<ScalarEstimate> doppler_speed;  ///< there exactly when doppler_yaw_rate is
   std::optional<ScalarEstimate> doppler_yaw_rate;
   /// What the targets say that contradict those of `doppler_speed`, where they agree among
@@ -146,10 +144,6 @@ class SourceMonitor {
   /// Which sources are sound, most probably.
   OdometrySources sound() const { return best().sound; }
   bool IsSound(OdometrySource source) const { return Contains(sound(), source); }
-
-  /// Whether what the vehicle reports has been the same for so long that nothing is to be learned
-  /// of its errors.
-  bool IsFrozen() const { return repeated_velocity_.is_frozen(); }
 
   bool AllSound() const {
     return IsSound(OdometrySource::kWheelSpeed) && IsSound(OdometrySource::kYawRate) &&
@@ -274,7 +268,6 @@ class SourceMonitor {
   OdometrySources used_;  // sound at the last OnUsedMotion
   OdometryReadings before_;
   LastReported last_reported_;
-  RepeatedVelocity repeated_velocity_;
   std::optional<Stamp> compared_;  // when the readings were last compared
   std::optional<Stamp> newest_;    // of all readings
   double since_used_s_ = 0.0;

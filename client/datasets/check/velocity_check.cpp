@@ -18,7 +18,7 @@ constexpr double kMaxStep_s = 1.0;
 constexpr double kMaxDelay_s = 0.6;
 constexpr double kDelayStep_s = 0.02;
 constexpr std::size_t kMinSteps = 20;
-constexpr double kMinSpeed_mps = 2.0;
+constexpr double kMinMovingSpeed_mps = 2.0;
 constexpr double kMinYawRate_radps = 0.05;  ///< root mean square
 /// The best delay leaves at most this share of the squared differences that none leaves.
 constexpr double kTellingShare = 0.4;
@@ -158,7 +158,7 @@ VelocityCheck CheckVelocities(const Drive& drive) {
   if (drive.pose_source != PoseSource::kReference || drive.scans.empty()) return check;
   const Signals reported = Reported(drive);
   const Signals truth = ByPoses(drive);
-  check.speed_factor = FactorOf(reported.speed, truth.speed, kMinSpeed_mps);
+  check.speed_factor = FactorOf(reported.speed, truth.speed, kMinMovingSpeed_mps);
   check.yaw_rate_factor = FactorOf(reported.yaw_rate, truth.yaw_rate, kMinYawRate_radps);
   check.delay_s = DelayOf(reported.speed, truth.speed, kTellingSpeed_mps);
   if (!check.delay_s) {

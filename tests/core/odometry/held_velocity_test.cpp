@@ -1,0 +1,38 @@
+#include "core/odometry/held_velocity.h"
+
+#include <gtest/gtest.h>
+
+namespace dcloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+EgoVelocity Moving(double speed_mps, double yaw_rate_radps) {
+  return {.linear_mps = {speed_mps, 0.0, 0.0}, .angular_radps = {0.0, 0.0, yaw_rate_radps}};
+}
+
+class HeldVelocityTest : public ::testing::Test {
+ protected:
+  // Ten times, 75 ms apart; the age of the last one.
+  std::chrono::nanoseconds Report(const EgoVelocity& velocity) {
+    for (int i = 0; i < 10; ++i) held_.OnReported(stamp_ += milliseconds(75), velocity);
+    return held_.age();
+  }
+
+  HeldVelocity held_;
+  Stamp stamp_{std::chrono::seconds(100)};
+};
+
+TEST_F(HeldVelocityTest, WhatIsRepeatedIsAsOldAsWhenItFirstCame) {
+  EXPECT_EQ(Report(Moving(12.0, 0.1)), milliseconds(675));
+  EXPECT_EQ(held_.OnReported(stamp_ += milliseconds(75), Moving(12.01, 0.1)), milliseconds(0));
+  EXPECT_EQ(held_.OnReported(stamp_ += milliseconds(75), Moving(12.01, 0.11)), milliseconds(0));
+}
+
+TEST_F(HeldVelocityTest, AVehicleThatStandsOrDrivesStraightAheadIsNotHeld) {
+  EXPECT_EQ(Report(Moving(0.0, 0.01)), milliseconds(0));
+  EXPECT_EQ(Report(Moving(12.0, 0.0)), milliseconds(0));
+}
+
+}  // namespace
+}  // namespace dcloc
