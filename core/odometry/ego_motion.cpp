@@ -44,6 +44,7 @@ std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& 
       {"unknown_tilt_rate_sigma_radps", &O::unknown_tilt_rate_sigma_radps, 1e-6, 10},
       {"unknown_yaw_rate_sigma_radps", &O::unknown_yaw_rate_sigma_radps, 1e-6, 100},
       {"history_ms", &O::history, 1, 1e5},
+      {"max_held_distance_m", &O::max_held_distance_m, 0, 100, "what is repeated is old"},
       {"diagnosis_speed_mps", &O::diagnosis_speed_mps, 1e-6, 100},
       {"diagnosis_yaw_rate_radps", &O::diagnosis_yaw_rate_radps, 1e-6, 10},
       {"correction_sigma_fraction", &O::correction_sigma_fraction, 0, 10,
@@ -87,8 +88,10 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   const std::chrono::nanoseconds age = velocity_ ? stamp - stamp_ : std::chrono::nanoseconds(0);
   std::optional<EgoVelocity> reported;
   if (scan.ego_velocity) {
-    const std::chrono::nanoseconds held = held_velocity_.OnReported(stamp, *scan.ego_velocity);
-    outdated_by_ = doppler ? held : std::chrono::nanoseconds(0);
+    held_velocity_.OnReported(stamp, *scan.ego_velocity);
+    const bool has_moved_on = std::abs(disagreement_.distance_m()) > options_.max_held_distance_m;
+    if (has_moved_on) held_velocity_.OnContradicted();
+    outdated_by_ = doppler ? held_velocity_.age() : std::chrono::nanoseconds(0);
     if (!is_held()) late_.OnReported(stamp, *scan.ego_velocity);
     reported = late_.WithDelayUncertainty(Corrected(*scan.ego_velocity));
   }

@@ -52,6 +52,8 @@ struct EgoMotionOptions {
   double unknown_yaw_rate_sigma_radps = 0.3;                ///< of yaw
   /// How far back the motion can be asked for.
   std::chrono::nanoseconds history = std::chrono::milliseconds(1500);
+  /// A velocity that is repeated is old once Doppler has moved on from it by this.
+  double max_held_distance_m = 0.15;
   double diagnosis_speed_mps = 0.5;        ///< speeds that differ by no more agree
   double diagnosis_yaw_rate_radps = 0.02;  ///< yaw rates that differ by no more agree
   /// The deviation of the correction that is applied when a source is found wrong, as a fraction of

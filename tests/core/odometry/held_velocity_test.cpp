@@ -13,9 +13,10 @@ EgoVelocity Moving(double speed_mps, double yaw_rate_radps) {
 
 class HeldVelocityTest : public ::testing::Test {
  protected:
-  // Ten times, 75 ms apart; the age of the last one.
-  std::chrono::nanoseconds Report(const EgoVelocity& velocity) {
-    for (int i = 0; i < 10; ++i) held_.OnReported(stamp_ += milliseconds(75), velocity);
+  // So many times, 75 ms apart; the age of the last one, which is contradicted.
+  std::chrono::nanoseconds Report(const EgoVelocity& velocity, int count = 1) {
+    for (int i = 0; i < count; ++i) held_.OnReported(stamp_ += milliseconds(75), velocity);
+    held_.OnContradicted();
     return held_.age();
   }
 
@@ -24,14 +25,20 @@ class HeldVelocityTest : public ::testing::Test {
 };
 
 TEST_F(HeldVelocityTest, WhatIsRepeatedIsAsOldAsWhenItFirstCame) {
-  EXPECT_EQ(Report(Moving(12.0, 0.1)), milliseconds(675));
-  EXPECT_EQ(held_.OnReported(stamp_ += milliseconds(75), Moving(12.01, 0.1)), milliseconds(0));
-  EXPECT_EQ(held_.OnReported(stamp_ += milliseconds(75), Moving(12.01, 0.11)), milliseconds(0));
+  EXPECT_EQ(Report(Moving(12.0, 0.1), 10), milliseconds(675));
+  EXPECT_EQ(Report(Moving(12.0, 0.1)), milliseconds(750)) << "it stays contradicted";
+  EXPECT_EQ(Report(Moving(12.01, 0.1)), milliseconds(0));
+  EXPECT_EQ(Report(Moving(12.01, 0.11)), milliseconds(0));
+}
+
+TEST_F(HeldVelocityTest, WhatNothingContradictsIsTrueAsLongAsItLasts) {
+  for (int i = 0; i < 100; ++i) held_.OnReported(stamp_ += milliseconds(75), Moving(12.0, 0.1));
+  EXPECT_EQ(held_.age(), milliseconds(0));
 }
 
 TEST_F(HeldVelocityTest, AVehicleThatStandsOrDrivesStraightAheadIsNotHeld) {
-  EXPECT_EQ(Report(Moving(0.0, 0.01)), milliseconds(0));
-  EXPECT_EQ(Report(Moving(12.0, 0.0)), milliseconds(0));
+  EXPECT_EQ(Report(Moving(0.0, 0.01), 10), milliseconds(0));
+  EXPECT_EQ(Report(Moving(12.0, 0.0), 10), milliseconds(0));
 }
 
 }  // namespace
