@@ -154,7 +154,8 @@ typedef struct dcloc_answer {
 } dcloc_answer;
 
 /* Waits for the next answer: one for each scan, in their order. They must be taken, or no more
- * scans are sent, but after dcloc_config_forget_answers. Once the session has ended and all are taken, DCLOC_OUT_OF_RANGE. */
+ * scans are sent, but after dcloc_config_forget_answers. Once the session has ended and all are
+ * taken, DCLOC_OUT_OF_RANGE. */
 dcloc_status dcloc_session_next(dcloc_session* session, dcloc_answer* answer);
 
 /* No more scans will come; those that were sent are answered, then the session ends. */
