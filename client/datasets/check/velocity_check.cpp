@@ -18,8 +18,8 @@ constexpr double kMaxStep_s = 1.0;
 constexpr double kMaxDelay_s = 0.6;
 constexpr double kDelayStep_s = 0.02;
 constexpr std::size_t kMinSteps = 20;
-constexpr double kMinMovingSpeed_mps = 2.0;
-constexpr double kMinYawRate_radps = 0.05;  ///< root mean square
+/// A factor is told where its standard error is no larger.
+constexpr double kMaxFactorSigma = 0.03;
 /// The best delay leaves at most this share of the squared differences that none leaves.
 constexpr double kTellingShare = 0.4;
 /// And those that none leaves are at least this [m/s, rad/s], root mean square.
@@ -55,23 +55,23 @@ std::vector<std::pair<double, double>> Pairs(const Signal& reported, const Signa
   return pairs;
 }
 
-double RootMeanSquare(const Signal& signal) {
-  double sum = 0.0;
-  for (const Sample& sample : signal) sum += sample.value * sample.value;
-  return signal.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(signal.size()));
-}
-
 /// Least squares of reported = factor * truth.
-std::optional<double> FactorOf(const Signal& reported, const Signal& truth, double min_rms) {
+std::optional<double> FactorOf(const Signal& reported, const Signal& truth) {
   const auto pairs = Pairs(reported, truth, 0.0);
-  if (pairs.size() < kMinSteps || RootMeanSquare(truth) < min_rms) return std::nullopt;
+  if (pairs.size() < kMinSteps) return std::nullopt;
   double product = 0.0;
   double square = 0.0;
+  double reported_square = 0.0;
   for (const auto& [value, expected] : pairs) {
     product += value * expected;
     square += expected * expected;
+    reported_square += value * value;
   }
-  return square > 0.0 ? std::optional(product / square) : std::nullopt;
+  if (square <= 0.0) return std::nullopt;
+  const double factor = product / square;
+  const double left = std::max(0.0, reported_square - factor * product);
+  const double sigma = std::sqrt(left / static_cast<double>(pairs.size()) / square);
+  return sigma <= kMaxFactorSigma ? std::optional(factor) : std::nullopt;
 }
 
 /// The mean squared difference after the best factor.
@@ -158,8 +158,8 @@ VelocityCheck CheckVelocities(const Drive& drive) {
   if (drive.pose_source != PoseSource::kReference || drive.scans.empty()) return check;
   const Signals reported = Reported(drive);
   const Signals truth = ByPoses(drive);
-  check.speed_factor = FactorOf(reported.speed, truth.speed, kMinMovingSpeed_mps);
-  check.yaw_rate_factor = FactorOf(reported.yaw_rate, truth.yaw_rate, kMinYawRate_radps);
+  check.speed_factor = FactorOf(reported.speed, truth.speed);
+  check.yaw_rate_factor = FactorOf(reported.yaw_rate, truth.yaw_rate);
   check.delay_s = DelayOf(reported.speed, truth.speed, kTellingSpeed_mps);
   if (!check.delay_s) {
     check.delay_s = DelayOf(reported.yaw_rate, truth.yaw_rate, kTellingYawRate_radps);

@@ -4,9 +4,9 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { DCLOC, dcloc, until } from "./harness.ts";
 
-/** Drives through a simulated town, of which one lasts for five minutes, and so do its sessions. */
+/** Drives through a simulated town, of which one lasts for three minutes, and so do its sessions. */
 function simulate(drives: string): void {
-  const speeds = ["--map-speed-kmh", "72", "--live-speed-kmh", "5"];
+  const speeds = ["--map-speed-kmh", "72", "--live-speed-kmh", "7.5"];
   const unfinished = `${drives}.${process.pid}`;
   dcloc("simulate", "--out", unfinished, "--length-m", "400", "--seed", "5", ...speeds);
   try {
