@@ -29,11 +29,10 @@ bool IsWrong(const SurveyLoop& loop, std::span<const DriveTruth> truths) {
 
 }  // namespace
 
-DriveTruth TruthOf(const Drive& drive, const DriveTrack& track) {
+DriveTruth TruthOf(std::span<const TrajectoryPose> reference, const DriveTrack& track) {
   DriveTruth truth;
   for (const SurveyNode& node : track.nodes) {
-    const auto scan = std::ranges::lower_bound(
-        drive.scans, node.stamp, {}, [](const DriveScan& entry) { return entry.scan.stamp; });
+    const auto scan = std::ranges::lower_bound(reference, node.stamp, {}, &TrajectoryPose::stamp);
     truth.T_truth_nodes.push_back(Flatten(scan->T_map_vehicle));
   }
   return truth;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/datasets/drive.h"
+#include "client/trajectory/trajectory.h"
 #include "client/trajectory/trajectory_error.h"
 #include "core/mapping/survey.h"
 
@@ -16,7 +16,7 @@ namespace dcloc::cli {
 struct DriveTruth {
   std::vector<Pose2> T_truth_nodes;  ///< of each node of the track
 };
-DriveTruth TruthOf(const Drive& drive, const DriveTrack& track);
+DriveTruth TruthOf(std::span<const TrajectoryPose> reference, const DriveTrack& track);
 
 /// How good a survey is by the reference poses.
 struct SurveyJudgement {

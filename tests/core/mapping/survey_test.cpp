@@ -8,61 +8,26 @@
 #include <random>
 
 #include "core/mapping/drive_tracker.h"
-#include "tests/core/localizer/synthetic_world.h"
+#include "tests/core/mapping/ring_road.h"
 
 namespace dcloc {
 namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kRadius_m = 90.0;
-constexpr double kYawRateBias_radps = 0.002;
-
-// A ring road between scatterers at random places.
-SyntheticWorld RingRoad(unsigned seed) {
-  SyntheticWorld world;
-  world.scatterers_m.clear();
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> angle(0.0, 2.0 * std::numbers::pi);
-  std::uniform_real_distribution<double> aside_m(3.0, 20.0);
-  for (int i = 0; i < 900; ++i) {
-    const double radius_m = kRadius_m + (i % 2 == 0 ? 1.0 : -1.0) * aside_m(random);
-    const double at = angle(random);
-    world.scatterers_m.emplace_back(radius_m * std::cos(at), radius_m * std::sin(at), 0.0);
-  }
-  return world;
-}
-
-Pose3 OnRing(double along_m) {
-  const double angle = along_m / kRadius_m;
-  return Embed(Pose2{.translation_m = {kRadius_m * std::cos(angle), kRadius_m * std::sin(angle)},
-                     .yaw_rad = WrapAngle(angle + 0.5 * std::numbers::pi)});
-}
-
 struct RingDrive {
   DriveTrack track;
   std::vector<Pose2> T_truth_nodes;
 };
 
-// The gyroscope has a bias, so that the trajectory by ego-motion does not close.
 RingDrive DriveRing(const SyntheticWorld& world, const char* name, double begin_m, double length_m,
                     double speed_mps, unsigned seed) {
-  const Rig rig = FrontRadar();
-  std::mt19937 random(seed);
-  DriveTracker tracker(name, rig, {});
+  DriveTracker tracker(name, FrontRadar(), {});
   std::vector<std::pair<Stamp, Pose2>> truth;
-  for (int i = 0; 0.077 * i * speed_mps < length_m; ++i) {
-    const Stamp stamp(std::chrono::seconds(1'700'000'000 + 10'000 * seed) +
-                      std::chrono::milliseconds(77 * i));
-    const Pose3 T_map_vehicle = OnRing(begin_m + 0.077 * i * speed_mps);
-    EgoVelocity ego{.linear_mps = {speed_mps, 0.0, 0.0},
-                    .angular_radps = {0.0, 0.0, speed_mps / kRadius_m}};
-    Scan scan = world.See(rig.radars[0], T_map_vehicle, ego, stamp, random);
-    ego.angular_radps.z() += kYawRateBias_radps;
-    scan.ego_velocity = ego;
+  for (const auto& [scan, T_map_vehicle] : ScansOnRing(world, begin_m, length_m, speed_mps, seed)) {
     const absl::Status added = tracker.Add(scan);
     EXPECT_TRUE(added.ok()) << added;
-    truth.emplace_back(stamp, Flatten(T_map_vehicle));
+    truth.emplace_back(scan.stamp, Flatten(T_map_vehicle));
   }
   RingDrive drive{.track = tracker.Finish(), .T_truth_nodes = {}};
   for (const SurveyNode& node : drive.track.nodes) {

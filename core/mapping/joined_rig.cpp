@@ -1,9 +1,8 @@
-#include "client/cli/map/survey_fuse.h"
+#include "core/mapping/joined_rig.h"
 
 #include "absl/strings/str_cat.h"
-#include "core/odometry/ego_motion.h"
 
-namespace dcloc::cli {
+namespace dcloc {
 namespace {
 
 // All that a map made with it depends on.
@@ -35,25 +34,4 @@ std::string JoinedRig::IdOf(const std::string& drive, const RadarModel& radar) c
   return absl::StrCat(radar.id, "@", drive);
 }
 
-absl::Status AddSurveyedDrive(const Drive& drive, const DriveTrack& track,
-                              std::span<const Pose2> T_map_nodes, const JoinedRig& rig,
-                              MapBuilder& builder,
-                              const std::function<bool(std::size_t)>& progress) {
-  builder.BeginPass();
-  EgoMotion ego_motion;
-  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
-    Scan scan = drive.scans[i].scan;
-    const RadarModel& radar = *drive.rig.Find(scan.radar_id);
-    const EgoVelocity& velocity = ego_motion.Advance(scan, radar);
-    scan.radar_id = rig.IdOf(drive.name, radar);
-    const Pose3 T_map_vehicle = Embed(PlaceScan(track, T_map_nodes, track.scans[i]));
-    if (absl::Status status = builder.Add(scan, T_map_vehicle, velocity); !status.ok()) {
-      return absl::Status(status.code(), absl::StrCat(drive.name, ", scan ", i, " of ", radar.id,
-                                                      ": ", status.message()));
-    }
-    if (!progress(i + 1)) return absl::CancelledError("the survey was stopped");
-  }
-  return absl::OkStatus();
-}
-
-}  // namespace dcloc::cli
+}  // namespace dcloc

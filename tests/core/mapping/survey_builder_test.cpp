@@ -1,0 +1,126 @@
+#include "core/mapping/survey_builder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/map/radar_map.h"
+#include "tests/core/mapping/ring_road.h"
+
+namespace dcloc {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct MemoryDrive {
+  std::string name;
+  Rig rig;
+  std::vector<Scan> scans;
+};
+
+class MemoryReader final : public DriveReader {
+ public:
+  explicit MemoryReader(const MemoryDrive& drive) : drive_(drive) {}
+  const std::string& name() const override { return drive_.name; }
+  const Rig& rig() const override { return drive_.rig; }
+  std::size_t scan_count() const override { return drive_.scans.size(); }
+  absl::StatusOr<const Scan*> Next() override {
+    return next_ == drive_.scans.size() ? nullptr : &drive_.scans[next_++];
+  }
+
+ private:
+  const MemoryDrive& drive_;
+  std::size_t next_ = 0;
+};
+
+class MemoryDrives final : public DriveSource {
+ public:
+  std::size_t drive_count() const override { return drives.size(); }
+  absl::StatusOr<std::unique_ptr<DriveReader>> Open(std::size_t drive) override {
+    ++opened_count;
+    return std::make_unique<MemoryReader>(drives[drive]);
+  }
+
+  std::vector<MemoryDrive> drives;
+  int opened_count = 0;
+};
+
+MemoryDrive Around(const std::string& name, double begin_m, double length_m, double speed_mps,
+                   unsigned seed) {
+  MemoryDrive drive{.name = name, .rig = FrontRadar(), .scans = {}};
+  for (RingScan& entry : ScansOnRing(RingRoad(2), begin_m, length_m, speed_mps, seed)) {
+    drive.scans.push_back(std::move(entry.scan));
+  }
+  return drive;
+}
+
+/// Two drives over the same ground; `length_m` is the second one's.
+std::vector<MemoryDrive> TwoDrives(double length_m = 250.0) {
+  return {Around("a", 0.0, 620.0, 12.0, 2), Around("b", 300.0, length_m, 15.0, 3)};
+}
+
+bool GoOn(const char* /*stage*/, double /*share*/) { return true; }
+
+TEST(SurveyBuilderTest, MakesAMapOfDrivesReadingEachTwice) {
+  MemoryDrives source;
+  source.drives = TwoDrives();
+  SurveyBuilder builder(source, GoOn);
+  ASSERT_TRUE(builder.Track().ok());
+  ASSERT_TRUE(builder.Place({}).ok());
+  ASSERT_TRUE(builder.survey().drives[1].is_in_map) << builder.survey().drives[1].reason;
+  const auto bytes = builder.Fuse({.name = "road"});
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  EXPECT_EQ(source.opened_count, 4);
+  const auto map = RadarMap::FromBytes(*bytes);
+  ASSERT_TRUE(map.ok()) << map.status();
+  EXPECT_EQ((*map)->info().name, "road");
+  EXPECT_GT((*map)->info().point_count, 50U);
+  EXPECT_EQ(*builder.Fuse({.name = "road"}), *bytes) << "the same drives, the same bytes";
+}
+
+TEST(SurveyBuilderTest, ADriveThatIsLeftOutIsNotReadAgain) {
+  MemoryDrives source;
+  source.drives = TwoDrives(5.0);
+  SurveyBuilder builder(source, GoOn);
+  ASSERT_TRUE(builder.Track().ok());
+  ASSERT_TRUE(builder.Place({}).ok());
+  EXPECT_FALSE(builder.survey().drives[1].is_in_map);
+  ASSERT_TRUE(builder.Fuse({}).ok());
+  EXPECT_EQ(source.opened_count, 3);
+}
+
+TEST(SurveyBuilderTest, AScanThatIsWrongIsNamed) {
+  MemoryDrives source;
+  source.drives = TwoDrives();
+  source.drives[1].scans[7].radar_id = "rear";
+  const absl::Status status = SurveyBuilder(source, GoOn).Track();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("b, scan 7: "));
+}
+
+TEST(SurveyBuilderTest, EachStageCanBeStopped) {
+  for (const std::string stage :
+       {"tracking b (2 of 2)", "placing scans of b", "fusing landmarks"}) {
+    MemoryDrives source;
+    source.drives = TwoDrives();
+    bool seen = false;
+    SurveyBuilder builder(source, [&](const char* at, double share) {
+      EXPECT_GE(share, 0.0);
+      EXPECT_LE(share, 1.0);
+      seen = seen || stage == at;
+      return stage != at;
+    });
+    absl::Status status = builder.Track();
+    if (status.ok()) status = builder.Place({});
+    if (status.ok()) status = builder.Fuse({}).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << stage;
+    EXPECT_TRUE(seen) << stage;
+  }
+}
+
+}  // namespace
+}  // namespace dcloc
