@@ -17,13 +17,18 @@ namespace {
 constexpr double kTiltStep_m = 1.0;
 constexpr std::size_t kMinTiltCount = 20;
 
+// Where no radar measures elevation, heights are not estimated.
 void NoteTilt(Drive& drive) {
-  const std::optional<double> tilt_rad = UnusualTilt(drive);
-  if (!tilt_rad) return;
+  constexpr double kUsualTilt_rad = 1.5 * kRadPerDeg;
+  if (drive.pose_source == PoseSource::kNone ||
+      std::ranges::none_of(drive.rig.radars, &RadarModel::has_elevation)) {
+    return;
+  }
+  const std::optional<double> tilt_rad = TiltOfWay(drive);
+  if (!tilt_rad || std::abs(*tilt_rad) < kUsualTilt_rad) return;
   drive.notes.push_back(absl::StrFormat(
       "the vehicle frame is tilted: by its poses it drives %.1f degrees out of its xy plane, so "
-      "that heights drift between registrations; describe mounts and poses in a level frame, as "
-      "the mapping does that dcloc dataset inspect proposes for a bag without wheels",
+      "that heights drift between registrations; describe mounts and poses in a level frame",
       std::abs(*tilt_rad) * kDegPerRad));
 }
 
@@ -45,17 +50,6 @@ std::optional<double> TiltOfWay(const Drive& drive) {
   const auto middle = tilts_rad.begin() + static_cast<std::ptrdiff_t>(tilts_rad.size() / 2);
   std::ranges::nth_element(tilts_rad, middle);
   return *middle;
-}
-
-std::optional<double> UnusualTilt(const Drive& drive) {
-  constexpr double kUsualTilt_rad = 1.5 * kRadPerDeg;
-  // Where no radar measures elevation, heights are not estimated.
-  if (drive.pose_source == PoseSource::kNone ||
-      std::ranges::none_of(drive.rig.radars, &RadarModel::has_elevation)) {
-    return std::nullopt;
-  }
-  const std::optional<double> tilt_rad = TiltOfWay(drive);
-  return tilt_rad && std::abs(*tilt_rad) >= kUsualTilt_rad ? tilt_rad : std::nullopt;
 }
 
 absl::Status FinishDrive(const DriveRequest& request, Drive& drive) {

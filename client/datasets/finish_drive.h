@@ -16,10 +16,6 @@ namespace dcloc {
 /// drift by this times the way, until a registration contradicts.
 std::optional<double> TiltOfWay(const Drive& drive);
 
-/// The tilt of a frame that is not level, where that matters: heights are measured, and reference
-/// poses tell it. Nothing for a level frame.
-std::optional<double> UnusualTilt(const Drive& drive);
-
 /// The last step of every reader: applies the request's beta, sorts the scans by stamp and radar,
 /// checks that the drive is one that a localizer accepts, and notes a vehicle frame that is tilted
 /// where heights are measured. InvalidArgument names a fault.

@@ -16,7 +16,6 @@
 #include "client/datasets/check/mapping_correction.h"
 #include "client/datasets/check/range_rate_check.h"
 #include "client/datasets/check/scan_statistics.h"
-#include "client/datasets/finish_drive.h"
 #include "client/datasets/rosbag.h"
 
 namespace dcloc::cli {
@@ -114,10 +113,7 @@ class Inspection {
     const std::vector<ScanStatistics> statistics = ScanStatisticsOf(*drive);
     json_["drive"] = DriveJson(*drive, statistics, checks);
     Say(DriveText(*drive, statistics, checks));
-    if (!mapping) return absl::OkStatus();
-    BagMapping proposed = CorrectedMapping(*mapping, checks);
-    if (const auto tilt_rad = UnusualTilt(*drive)) proposed = LevelMapping(proposed, *tilt_rad);
-    return TellMapping(*mapping, proposed);
+    return mapping ? TellMapping(*mapping, checks) : absl::OkStatus();
   }
 
   absl::Status InspectBag(std::optional<BagMapping>& mapping) {
@@ -138,7 +134,8 @@ class Inspection {
   }
 
   /// What the data suggest, and where that is not what is in use.
-  absl::Status TellMapping(const BagMapping& in_use, const BagMapping& mapping) {
+  absl::Status TellMapping(const BagMapping& in_use, const std::vector<RangeRateCheck>& checks) {
+    const BagMapping mapping = CorrectedMapping(in_use, checks);
     const ordered_json proposed = BagMappingJson(mapping);
     const bool is_changed = proposed != BagMappingJson(in_use);
     json_["proposed_mapping"] = proposed;

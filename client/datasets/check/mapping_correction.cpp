@@ -19,21 +19,4 @@ BagMapping CorrectedMapping(BagMapping mapping, std::span<const RangeRateCheck> 
   return mapping;
 }
 
-BagMapping LevelMapping(BagMapping mapping, double tilt_rad) {
-  const bool states_all = mapping.velocity_by_doppler && mapping.T_vehicle_imu &&
-                          mapping.T_vehicle_reference &&
-                          std::ranges::all_of(mapping.radars, [](const RadarMapping& radar) {
-                            return radar.T_vehicle_radar.has_value();
-                          });
-  if (!states_all) return mapping;
-  const Pose3 T_level_vehicle{Eigen::Vector3d::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(
-                                                           tilt_rad, Eigen::Vector3d::UnitY()))};
-  for (RadarMapping& radar : mapping.radars) {
-    radar.T_vehicle_radar = T_level_vehicle * *radar.T_vehicle_radar;
-  }
-  mapping.T_vehicle_imu = T_level_vehicle * *mapping.T_vehicle_imu;
-  mapping.T_vehicle_reference = T_level_vehicle * *mapping.T_vehicle_reference;
-  return mapping;
-}
-
 }  // namespace dcloc

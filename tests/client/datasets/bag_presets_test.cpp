@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -12,7 +11,6 @@
 
 #include "client/datasets/check/mapping_correction.h"
 #include "client/datasets/check/range_rate_check.h"
-#include "client/datasets/finish_drive.h"
 #include "tests/client/datasets/bag_set_writer.h"
 #include "tests/client/datasets/body_frame.h"
 #include "tests/client/datasets/localized_set.h"
@@ -24,9 +22,6 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
-
-namespace fs = std::filesystem;
 
 const TwoPasses& BagPasses() {
   static const TwoPasses passes = SimulateTwoPasses(/*seed=*/21);
@@ -77,27 +72,6 @@ TEST_F(BagPresetsTest, Ntu4dRadLmIsLocalized) {
   // The radar is level here, and so the lidar on which it sits is not.
   EXPECT_THAT(ReadDriveOf(dataset, "loop2/loop2_2022-06-03_0").notes,
               Contains(HasSubstr("it drives 2.6 degrees out of its xy plane")));
-}
-
-TEST_F(BagPresetsTest, AFrameThatIsTurnedLevelIsLocalizedBetter) {
-  Write(BagSet::kNtu4dRadLm, "loop2/loop2_0", "loop3/loop3_0");
-  const Dataset dataset{DatasetFormat::kNtu4dRadLm, folder_.path(), ""};
-  const auto tilt_rad = UnusualTilt(ReadDriveOf(dataset, "loop2/loop2_0"));
-  ASSERT_TRUE(tilt_rad.has_value());
-  for (const std::string drive : {"loop2/loop2_0", "loop3/loop3_0"}) {
-    const fs::path bag = folder_.path() / (drive + ".bag");
-    const auto mapping = MappingOfSet(BagSet::kNtu4dRadLm, folder_.path(), bag);
-    ASSERT_TRUE(mapping.ok()) << mapping.status();
-    folder_.Write(drive.substr(0, 5) + "/dcloc_bag.json",
-                  BagMappingJson(LevelMapping(*mapping, *tilt_rad)).dump());
-  }
-  const Drive map_drive = ReadDriveOf(dataset, "loop2/loop2_0");
-  const Drive live_drive = ReadDriveOf(dataset, "loop3/loop3_0");
-  EXPECT_THAT(live_drive.notes, Not(Contains(HasSubstr("tilted"))));
-  EXPECT_NEAR(TiltOfWay(live_drive).value(), 0.0, 0.005);
-  const std::vector<Localization> answers = LocalizeIn(MapOfDrive(map_drive), live_drive);
-  ExpectLocalized(answers, live_drive, 0.04);
-  EXPECT_GT(std::ranges::count(answers, LocalizationState::kTracking, &Localization::state), 220);
 }
 
 TEST_F(BagPresetsTest, MscRad4rIsLocalizedOnceTheMountIsSaid) {
