@@ -71,9 +71,10 @@ test("a file is opened and played with keys: to and fro, scan by scan, at anothe
   assert.equal(await positionS(), 0);
   await page.keyboard.press(".");
   const afterOne = await output.innerText();
-  await page.keyboard.press(".");
+  // Scans follow one another by less than a tenth of a second, which is what is shown.
+  for (const key of [".", ".", "."]) await page.keyboard.press(key);
   assert.notEqual(await output.innerText(), afterOne);
-  await page.keyboard.press(",");
+  for (const key of [",", ",", ","]) await page.keyboard.press(key);
   assert.equal(await output.innerText(), afterOne);
   await page.keyboard.press("Home");
   await page.getByLabel("Speed").selectOption("100");
