@@ -56,26 +56,14 @@ std::vector<std::pair<double, double>> Pairs(const Signal& reported, const Signa
 }
 
 /// Least squares of reported = factor * truth.
-std::optional<double> FactorOf(const Signal& reported, const Signal& truth) {
-  const auto pairs = Pairs(reported, truth, 0.0);
-  if (pairs.size() < kMinSteps) return std::nullopt;
-  double product = 0.0;
-  double square = 0.0;
-  double reported_square = 0.0;
-  for (const auto& [value, expected] : pairs) {
-    product += value * expected;
-    square += expected * expected;
-    reported_square += value * value;
-  }
-  if (square <= 0.0) return std::nullopt;
-  const double factor = product / square;
-  const double left = std::max(0.0, reported_square - factor * product);
-  const double sigma = std::sqrt(left / static_cast<double>(pairs.size()) / square);
-  return sigma <= kMaxFactorSigma ? std::optional(factor) : std::nullopt;
-}
+struct FactorFit {
+  double factor = 1.0;
+  double left = 0.0;   ///< the mean squared difference
+  double sigma = 0.0;  ///< standard error of the factor
+};
 
-/// The mean squared difference after the best factor.
-std::optional<double> Left(const Signal& reported, const Signal& truth, double delay_s) {
+/// Where `reported` is later by `delay_s`.
+std::optional<FactorFit> FitOf(const Signal& reported, const Signal& truth, double delay_s) {
   const auto pairs = Pairs(reported, truth, delay_s);
   if (pairs.size() < kMinSteps) return std::nullopt;
   double values = 0.0;
@@ -87,22 +75,29 @@ std::optional<double> Left(const Signal& reported, const Signal& truth, double d
     square += expected * expected;
   }
   if (square <= 0.0) return std::nullopt;
-  return std::max(0.0, values - product * product / square) / static_cast<double>(pairs.size());
+  const double factor = product / square;
+  const double left = std::max(0.0, values - factor * product) / static_cast<double>(pairs.size());
+  return FactorFit{.factor = factor, .left = left, .sigma = std::sqrt(left / square)};
+}
+
+std::optional<double> FactorOf(const Signal& reported, const Signal& truth) {
+  const std::optional<FactorFit> fit = FitOf(reported, truth, 0.0);
+  return fit && fit->sigma <= kMaxFactorSigma ? std::optional(fit->factor) : std::nullopt;
 }
 
 std::optional<double> DelayOf(const Signal& reported, const Signal& truth, double telling_rms) {
-  const auto without = Left(reported, truth, 0.0);
-  if (!without || *without < telling_rms * telling_rms) return std::nullopt;
+  const std::optional<FactorFit> without = FitOf(reported, truth, 0.0);
+  if (!without || without->left < telling_rms * telling_rms) return std::nullopt;
   double best_s = 0.0;
-  double best = *without;
+  double best = without->left;
   for (double delay_s = -kMaxDelay_s; delay_s <= kMaxDelay_s; delay_s += kDelayStep_s) {
-    const auto left = Left(reported, truth, delay_s);
-    if (left && *left < best) {
-      best = *left;
+    const std::optional<FactorFit> fit = FitOf(reported, truth, delay_s);
+    if (fit && fit->left < best) {
+      best = fit->left;
       best_s = delay_s;
     }
   }
-  return best <= kTellingShare * *without ? std::optional(best_s) : std::nullopt;
+  return best <= kTellingShare * without->left ? std::optional(best_s) : std::nullopt;
 }
 
 struct Signals {
