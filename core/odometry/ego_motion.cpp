@@ -335,6 +335,7 @@ EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
   if (const std::optional<double> share = wheel_scale_.UnconfirmedChange()) {
     (*result.covariance)(0, 0) += std::pow(*share * corrected.linear_mps.x(), 2);
   }
+  // One that is held was true when it first came.
   const double age_s = SecondsOf(outdated_by_);
   (*result.covariance)(0, 0) += std::pow(options_.motion.acceleration_sigma_mps2 * age_s, 2);
   (*result.covariance)(5, 5) += std::pow(options_.motion.yaw_acceleration_sigma_radps2 * age_s, 2);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <chrono>
 
 #include "core/geometry/covariance.h"
@@ -176,6 +177,23 @@ TEST(EgoMotionTest, AConvoyOnBothSidesIsNotTheGround) {
     EXPECT_NEAR(motion.Advance(scan, kRadar).linear_mps.x(), 15.0, 0.5) << i;
   }
   EXPECT_TRUE(motion.wheel_speed().is_used);
+}
+
+// By one radar: what it sees of a turn is what a mount that is off shows as well.
+TEST(EgoMotionTest, AYawRateOfTheOtherSignIsFoundInACurve) {
+  EgoMotion motion;
+  for (int i = 0; i < 40; ++i) {
+    const double yaw_rate_radps = 0.04 * std::max(0, i - 25);
+    Scan scan = Seen(75 * i, Planar(12.0, yaw_rate_radps));
+    const double sign = motion.yaw_rate_is_reversed() ? 1.0 : -1.0;
+    scan.ego_velocity = Planar(12.0, sign * yaw_rate_radps);
+    motion.Advance(scan, kRadar);
+    if (i == 25) {
+      EXPECT_FALSE(motion.yaw_rate_is_reversed());
+    }
+  }
+  EXPECT_TRUE(motion.yaw_rate_is_reversed());
+  EXPECT_EQ(motion.yaw_rate(), (SourceHealth{.is_used = true, .fault = SourceFault::kSign}));
 }
 
 TEST(EgoMotionTest, TheLastVelocityIsHeldEverLessCertain) {
