@@ -121,7 +121,10 @@ absl::StatusOr<Localization> Localizer::Impl::LocalizeNew(const Scan& scan,
   CheckStamp(index, scan, workspace);
   const std::optional<Stamp> taken = radar_clocks.Align(index, scan.stamp);
   pipeline->ReportClockOffset(index, radar_clocks.IsOff(index));
-  if (!taken) return pipeline->LocalizeUntimed(scan, time_base.newest());
+  if (!taken) {
+    const Stamp as_stamped = scan.stamp - radar_clocks.Offset(index);
+    return pipeline->LocalizeUntimed(scan, time_base.newest(), time_base.SilenceBefore(as_stamped));
+  }
   const absl::StatusOr<TimeBase::ScanTime> time = time_base.ToMonotonic(*taken);
   if (!time.ok()) {
     stamp_monitor.Withdraw(index);

@@ -46,9 +46,11 @@ class AnyPipeline {
   virtual Localization LocalizeLate(const Scan& scan, Stamp stamp,
                                     LocalizerWorkspace& workspace) = 0;
 
-  /// A scan whose time of measurement is unknown, as its radar's clock leapt, is not used. It is
-  /// answered with the pose at `newest`, without a protection level.
-  virtual Localization LocalizeUntimed(const Scan& scan, Stamp newest) = 0;
+  /// A scan that lies `lead` ahead of all others is not used: its radar's clock leapt, or else all
+  /// radars were silent. It is answered with the pose at `newest`, which is as uncertain as the way
+  /// that `lead` would make, and without a protection level.
+  virtual Localization LocalizeUntimed(const Scan& scan, Stamp newest,
+                                       std::chrono::nanoseconds lead) = 0;
 
   /// Reports whether the clock of radar `index` is off, so that its stamps had to be corrected.
   virtual void ReportClockOffset(std::size_t index, bool is_off) = 0;
@@ -93,11 +95,8 @@ class Pipeline final : public AnyPipeline {
   Localization LocalizeNext(const Scan& sent, const TimeBase::ScanTime& time,
                             LocalizerWorkspace& workspace, StageListener* listener) override;
   Localization LocalizeLate(const Scan& scan, Stamp stamp, LocalizerWorkspace& workspace) override;
-  Localization LocalizeUntimed(const Scan& scan, Stamp newest) override {
-    Localization answer = FinishScan(scan, newest);
-    answer.protection_level_m.reset();  // nobody knows where the vehicle was at such a stamp
-    return answer;
-  }
+  Localization LocalizeUntimed(const Scan& scan, Stamp newest,
+                               std::chrono::nanoseconds lead) override;
   void ReportClockOffset(std::size_t index, bool is_off) override {
     radars_.monitor.ReportClockOffset(index, is_off);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <span>
@@ -43,6 +44,11 @@ class TimeBase {
 
   /// A stamp of the vehicle's clock as it is set now, in the time that does not go back.
   Stamp Convert(Stamp stamp) const { return stamp + offset_; }
+
+  /// For how long there would have been no scan, if the next one were taken at `stamp`.
+  std::chrono::nanoseconds SilenceBefore(Stamp stamp) const {
+    return std::min(Convert(stamp) - newest(), options_.max_silence);
+  }
 
   /// The inverse of `Convert`.
   Stamp OnVehicleClock(Stamp time) const { return time - offset_; }

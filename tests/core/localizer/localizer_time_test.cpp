@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/geometry/covariance.h"
 #include "tests/core/localizer/on_a_road.h"
 
 namespace dcloc {
@@ -142,6 +143,31 @@ TEST_F(LocalizerTimeTest, AnotherClockOfOneRadarCostsNothing) {
     EXPECT_EQ(health.radars[1].fault, SourceFault::kClock);
     EXPECT_EQ(health.radars[0].fault, SourceFault::kNone);
   }
+}
+
+// The first scan after it may be of a clock that leapt, or of a vehicle that went on.
+TEST_F(LocalizerTimeTest, NothingIsClaimedOfTheFirstScanAfterASilenceOfAllRadars) {
+  Rig rig = FrontRadar();
+  rig.radars.push_back(rig.radars[0]);
+  rig.radars[1].id = "second";
+  std::vector<TrueScan> drive = drive_;
+  const std::size_t gap_at = 50;
+  drive.erase(drive.begin() + gap_at, drive.begin() + gap_at + 26);  // 2 s
+  Localizer localizer = MakeLocalizer(map_, rig, PriorAt(Start(), 0.3, 0.02));
+  double worst_m = 0.0;
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    Scan scan = drive[i].scan;
+    scan.radar_id = rig.radars[i % 2].id;
+    const auto answer = localizer.Localize(scan);
+    ASSERT_TRUE(answer.ok());
+    const Eigen::Vector3d error_m =
+        answer->T_map_vehicle.translation_m - drive[i].T_map_vehicle.translation_m;
+    worst_m = std::max(worst_m, error_m.norm());
+    EXPECT_LE(error_m.norm(), 4.0 * HorizontalSigma(answer->covariance)) << i;
+    if (answer->state != LocalizationState::kTracking) continue;
+    EXPECT_LE(error_m.norm(), 2.0) << i;
+  }
+  EXPECT_GT(worst_m, 10.0) << "it is answered where the vehicle was before";
 }
 
 // Its stamps leap by less than the scans that are missing. No place that they are held against is
