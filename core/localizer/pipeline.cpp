@@ -160,21 +160,6 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   return answer;
 }
 
-// Nobody knows whether the vehicle went on for `lead`.
-template <int Dim>
-Localization Pipeline<Dim>::LocalizeUntimed(const Scan& scan, Stamp newest,
-                                            std::chrono::nanoseconds lead) {
-  Localization answer = FinishScan(scan, newest);
-  const double lead_s = SecondsOf(lead);
-  const EgoVelocity velocity = ego_motion_.velocity().value_or(EgoVelocity{});
-  Vector6d way;
-  way << velocity.linear_mps * lead_s, velocity.angular_radps * lead_s;
-  answer.covariance += way * way.transpose();
-  answer.protection_level_m.reset();
-  answer.state = tracking_.Report(HorizontalSigma(answer.covariance));
-  return answer;
-}
-
 // Points that another mount or another time offset has placed leave the sub-map.
 template <int Dim>
 void Pipeline<Dim>::LearnRig(const Scan& scan, Stamp stamp, std::size_t radar_index) {

@@ -16,6 +16,21 @@ Localization Pipeline<Dim>::FinishScan(const Scan& scan, Stamp stamp) {
   return answer;
 }
 
+// Nobody knows whether the vehicle went on for `lead`.
+template <int Dim>
+Localization Pipeline<Dim>::LocalizeUntimed(const Scan& scan, Stamp newest,
+                                            std::chrono::nanoseconds lead) {
+  Localization answer = FinishScan(scan, newest);
+  const double lead_s = SecondsOf(lead);
+  const EgoVelocity velocity = ego_motion_.velocity().value_or(EgoVelocity{});
+  Vector6d way;
+  way << velocity.linear_mps * lead_s, velocity.angular_radps * lead_s;
+  answer.covariance += way * way.transpose();
+  answer.protection_level_m.reset();
+  answer.state = tracking_.Report(HorizontalSigma(answer.covariance));
+  return answer;
+}
+
 template <int Dim>
 void Pipeline<Dim>::ExpireTimeouts(Stamp stamp) {
   if (!tracking_.has_pose()) return;
@@ -99,6 +114,8 @@ std::optional<AnyPipeline::TriedFit> Pipeline<Dim>::TryFit(const Scan& scan, Sta
 
 template Localization Pipeline<2>::FinishScan(const Scan&, Stamp);
 template Localization Pipeline<3>::FinishScan(const Scan&, Stamp);
+template Localization Pipeline<2>::LocalizeUntimed(const Scan&, Stamp, std::chrono::nanoseconds);
+template Localization Pipeline<3>::LocalizeUntimed(const Scan&, Stamp, std::chrono::nanoseconds);
 template void Pipeline<2>::ExpireTimeouts(Stamp);
 template void Pipeline<3>::ExpireTimeouts(Stamp);
 template Localization Pipeline<2>::Answer(const Scan&, Stamp) const;

@@ -51,8 +51,28 @@ std::optional<nanoseconds> StampMonitor::OnStamp(std::size_t index, Stamp stamp)
   }
   radar.last = stamp;
   // One that is shared leaves its radar's line by up to a cycle, and no clock was set.
-  if (shared_.last) radar.step.reset();
+  if (shared_.last || LeftWithAnother(index)) radar.step.reset();
   return radar.step;
+}
+
+void StampMonitor::NoteLeaving(Watched& radar, Stamp stamp, double by_s) const {
+  const double usual_s =
+      std::max(SecondsOf(options_.usual_jitter), 3.0 * std::sqrt(radar.square_s2));
+  if (std::abs(by_s) <= usual_s) return;
+  radar.left_line = stamp;
+  radar.left_by_s = by_s;
+}
+
+// Clocks that are set together are set by the same time.
+bool StampMonitor::LeftWithAnother(std::size_t index) const {
+  const Watched& radar = radars_[index];
+  if (!radar.left_line) return false;
+  return std::ranges::any_of(radars_, [&](const Watched& other) {
+    if (&other == &radar || !other.left_line) return false;
+    const double apart_s = std::abs(SecondsOf(*other.left_line - *radar.left_line));
+    return apart_s <= std::max(radar.period_s, other.period_s) + std::abs(radar.left_by_s) &&
+           std::abs(other.left_by_s - radar.left_by_s) > SecondsOf(options_.usual_jitter);
+  });
 }
 
 bool StampMonitor::IsRegular(const Watched& radar) const {
@@ -71,7 +91,10 @@ bool StampMonitor::DetectStep(Watched& radar, nanoseconds interval) const {
   const bool is_suspect = jumped && std::chrono::abs(jump) <= options_.max_step && IsRegular(radar);
   const double kept = options_.irregular_forgetting_factor;
   radar.irregular_fraction = kept * radar.irregular_fraction + (jumped ? 1.0 - kept : 0.0);
-  if (jumped) radar.step.reset();
+  if (jumped) {
+    radar.step.reset();
+    NoteLeaving(radar, *radar.last + interval, SecondsOf(jump));
+  }
   if (!is_suspect) return false;
   radar.step = jump;
   radar.step_evidence = 0.0;
@@ -90,6 +113,7 @@ void StampMonitor::UpdatePeriod(Watched& radar, Stamp stamp) const {
   }
   const double periods = radar.period_s > 0.0 ? std::round(interval_s / radar.period_s) : 0.0;
   const double deviation_s = SecondsOf(stamp - radar.phase) - periods * radar.period_s;
+  NoteLeaving(radar, stamp, deviation_s);
   const double fading = std::exp(-std::abs(interval_s) / SecondsOf(options_.time_constant));
   radar.deviation_s = std::max(fading * radar.deviation_s, std::abs(deviation_s));
   radar.square_s2 = fading * radar.square_s2 + (1.0 - fading) * deviation_s * deviation_s;

@@ -52,7 +52,8 @@ struct StampError {
 
 /// Estimates from the stamps of each radar how exact they are. Radars scan in a period of their
 /// own, so stamps that leave its line are rounded, jump, or come after scans that were lost (METHOD
-/// eq 54). Stamps that radars share say only that the scans are of one cycle.
+/// eq 54). Stamps that radars share say only that the scans are of one cycle. Where several radars
+/// leave their lines in one cycle, by different times, scans are missing, and no clock was set.
 class StampMonitor {
  public:
   StampMonitor(std::size_t radar_count, const StampMonitorOptions& options)
@@ -79,9 +80,11 @@ class StampMonitor {
     int interval_count = 0;
     double irregular_fraction = 0.0;
     double period_s = 0.0;
-    Stamp phase{};                                 // where the line has the last stamp
-    double deviation_s = 0.0;                      // the largest of late
-    double square_s2 = 0.0;                        // mean
+    Stamp phase{};                   // where the line has the last stamp
+    std::optional<Stamp> left_line;  // the last stamp that is not where it was expected
+    double left_by_s = 0.0;          // likewise
+    double deviation_s = 0.0;        // the largest of late
+    double square_s2 = 0.0;          // mean
     std::optional<std::chrono::nanoseconds> step;  // suspected
     double step_evidence = 0.0;
     int undecided_scans = 0;
@@ -90,6 +93,8 @@ class StampMonitor {
   bool IsRegular(const Watched& radar) const;
   bool DetectStep(Watched& radar, std::chrono::nanoseconds interval) const;
   void UpdatePeriod(Watched& radar, Stamp stamp) const;
+  void NoteLeaving(Watched& radar, Stamp stamp, double by_s) const;
+  bool LeftWithAnother(std::size_t index) const;
   void NoteShared(std::size_t index, Stamp stamp);
 
   // Stamps that radars have in common.

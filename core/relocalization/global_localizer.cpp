@@ -299,8 +299,9 @@ bool GlobalLocalizer<Dim>::StandsOut(const Candidate& candidate) const {
   });
 }
 
-// METHOD eq 52. The more views there are, the more must speak for another place. One that fits less
-// well is right only where the whole map has nothing as good.
+// METHOD eq 52. A prior is believed at once where nothing is better, and against better places only
+// once all views were taken. A place that fits less well is right only where the whole map has
+// nothing as good.
 template <int Dim>
 bool GlobalLocalizer<Dim>::IsExpectedRight(const Candidate& expected) const {
   if (region_ && !HoldsInAll(&ViewFit::is_convincing, expected)) return false;
@@ -309,11 +310,8 @@ bool GlobalLocalizer<Dim>::IsExpectedRight(const Candidate& expected) const {
     const bool stands_up = is_prior || (views_.size() >= 2 && StandsOut(expected));
     if (!stands_up || !expected.fits.back()->is_plausible) return false;
   }
-  const double prior_lead =
-      std::min(options_.max_expected_lead,
-               options_.expected_lead +
-                   options_.expected_lead_per_view * static_cast<double>(views_.size() - 1));
-  const double lead = is_prior ? prior_lead : 0.0;
+  const bool has_all_views = views_.size() == static_cast<std::size_t>(options_.max_view_count);
+  const double lead = is_prior && has_all_views ? options_.prior_lead : 0.0;
   return LogLikelihood(expected) + lead >= LogLikelihood(candidates_.front());
 }
 

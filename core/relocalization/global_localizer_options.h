@@ -28,10 +28,9 @@ struct GlobalLocalizerOptions {
   RegistrationGate expected_gate = {};
   double min_distance_m = 10.0;  ///< travelled while it holds: standing still, all views agree
   double min_lead = 4.5;         ///< of its log-likelihood to that of every other place
-  // What an expected place is given ahead of others, in log-likelihood.
-  double expected_lead = 4.0;           ///< with one view
-  double expected_lead_per_view = 5.0;  ///< more with each further one
-  double max_expected_lead = 14.0;      ///< at most
+  /// What a prior is given ahead of places that fit better, in log-likelihood, once there are
+  /// `max_view_count` views.
+  double prior_lead = 14.0;
 
   /// So long scans have come before the first view, at least.
   std::chrono::nanoseconds min_view_span = std::chrono::milliseconds(400);

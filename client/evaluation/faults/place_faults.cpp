@@ -90,8 +90,13 @@ std::vector<Fault> PlaceFaults() {
   }
   faults.push_back(MakePlaceFault("prior-20m", "prior 20 m off, claims 0.5 m and 1 deg", 0.0,
                                   Misplacing(20.0, 0.0, false)));
-  faults.push_back(MakePlaceFault("prior-6m", "prior 6 m off along the way, claims 0.5 m and 1 deg",
-                                  0.0, Misplacing(6.0, 0.0, true)));
+  // Guard rails have a post every 4 m.
+  for (const int distance_m : {4, 6}) {
+    faults.push_back(MakePlaceFault(
+        absl::StrCat("prior-", distance_m, "m"),
+        absl::StrCat("prior ", distance_m, " m off along the way, claims 0.5 m and 1 deg"), 0.0,
+        Misplacing(distance_m, 0.0, true)));
+  }
   faults.push_back(MakePlaceFault("prior-180deg", "prior turned round, claims 0.5 m and 1 deg", 0.0,
                                   Misplacing(0.0, 180.0, true)));
   return faults;

@@ -128,6 +128,23 @@ TEST_F(StampMonitorTest, AClockThatWasSetIsSuspectedUntilScansDecide) {
   }
 }
 
+// After scans that are missing, as where a vehicle was carried, each radar goes on elsewhere in its
+// period.
+TEST_F(StampMonitorTest, RadarsThatLeaveTheirLinesTogetherHaveNoClockThatWasSet) {
+  Drive(50);
+  const auto seam = [](Stamp taken, std::size_t radar) {
+    return taken + milliseconds(radar == 0 ? 50 : 10 * static_cast<int>(radar));
+  };
+  EXPECT_EQ(Drive(2, seam), std::nullopt);
+  EXPECT_EQ(Drive(40, seam), std::nullopt);
+}
+
+TEST_F(StampMonitorTest, ClocksThatAreSetTogetherAreSuspected) {
+  Drive(50);
+  EXPECT_EQ(Drive(2, [](Stamp taken, std::size_t) { return taken + milliseconds(50); }),
+            milliseconds(50));
+}
+
 TEST_F(StampMonitorTest, WhatNothingDecidesIsTakenAsStamped) {
   Drive(40);
   const auto set = [](Stamp taken, std::size_t) { return taken + milliseconds(200); };

@@ -199,15 +199,43 @@ TEST(GlobalLocalizerTest, AWrongExpectationYieldsToThePlaceThatFits) {
   }
 }
 
-// The first one is expected, and both fit.
-TEST(GlobalLocalizerTest, AmongTwinsAPriorDecidesAndADoubtedPoseIsAsGood) {
+// The first one is expected, and both fit. By chance the other one may fit a little better.
+TEST(GlobalLocalizerTest, AmongTwinsAPriorDecidesOnceAllViewsAreTaken) {
   constexpr double kApart_m = 65.0;
   const SyntheticWorld world = Twins(kApart_m);
   const auto map = MapOf(world);
   Seeker seeker(world, map, 27.0, 35.0);
-  const auto place = seeker.SearchExpecting(ExpectedPlace{seeker.T_map_vehicle(), Basis::kPrior});
+  std::optional<Place> place;
+  for (const double along_m : {27.0, 31.0, 35.0, 39.0}) {
+    seeker.DriveTo(along_m);
+    place = seeker.SearchExpecting(ExpectedPlace{seeker.T_map_vehicle(), Basis::kPrior});
+    if (place) break;
+  }
   ASSERT_TRUE(place.has_value());
   EXPECT_EQ(place->origin, PlaceOrigin::kExpected);
+  EXPECT_LT(seeker.ErrorOf(place->T_map_vehicle), 0.3);
+}
+
+// It fits two thirds as well as the place where the vehicle is.
+TEST(GlobalLocalizerTest, APriorThatIsOnePostOffIsNotBelieved) {
+  SyntheticWorld world = SyntheticWorld::Posts(4.0);
+  const SyntheticWorld others;
+  for (std::size_t i = 0; i < others.scatterers_m.size(); i += 8) {
+    world.scatterers_m.push_back(others.scatterers_m[i]);
+  }
+  for (const double wrong_m : {-8.0, -6.0, -4.0, 4.0, 6.0, 8.0}) {
+    Seeker seeker(world, MapOf(world), 40.0);
+    std::optional<Place> place;
+    for (const double along_m : {40.0, 44.0, 48.0, 52.0}) {
+      seeker.DriveTo(along_m);
+      const Pose3 T_map_wrong = SyntheticWorld::OnRoad(along_m + wrong_m);
+      place = seeker.SearchExpecting(ExpectedPlace{T_map_wrong, Basis::kPrior});
+      if (place) break;
+    }
+    if (place) {
+      EXPECT_LT(seeker.ErrorOf(place->T_map_vehicle), 0.3) << wrong_m;
+    }
+  }
 }
 
 TEST(GlobalLocalizerTest, ARegionWhereNothingFitsIsSearchedInVain) {
