@@ -1,9 +1,7 @@
 #include "core/update/placed_pass.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -11,20 +9,6 @@
 
 namespace dcloc {
 namespace {
-
-double HorizontalSigma_m(const Matrix6d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
-      Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()), Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues().y()));
-}
-
-/// What is wrong with the sources that the pose and the scan of `radar` rest on; kNone for nothing.
-SourceFault FaultOf(const Health& health, std::size_t radar) {
-  for (const SourceHealth& source : {health.wheel_speed, health.yaw_rate}) {
-    if (!source.is_used && source.fault != SourceFault::kSilent) return source.fault;
-  }
-  return health.radars[radar].is_used ? SourceFault::kNone : health.radars[radar].fault;
-}
 
 /// Where in the drive and in the map the scans lie that count.
 std::string WhereGood(const PlacedPass& pass) {
@@ -101,6 +85,7 @@ PassPlacer::PassPlacer(Localizer localizer, PlacedPass pass, const PassPlacerOpt
     : options_(options),
       localizer_(std::move(localizer)),
       rig_(std::make_unique<Rig>(pass.rig)),
+      judge_(options.worth),
       pass_(std::move(pass)) {}
 
 void PassPlacer::Add(const Scan& scan) {
@@ -114,11 +99,6 @@ void PassPlacer::Add(const Scan& scan) {
   const EgoVelocity& velocity = ego_motion_.Advance(scan, radar);
   T_start_vehicle_ = T_start_vehicle_ * ego_motion_.since_previous().T_from_to;
   pass_.length_m += ego_motion_.since_previous().T_from_to.translation_m.norm();
-  if (answer->state != LocalizationState::kTracking) {
-    tracking_since_.reset();
-  } else if (!tracking_since_) {
-    tracking_since_ = scan.stamp;
-  }
   PlacedScan placed{.stamp = scan.stamp,
                     .radar = rig_->IndexOf(scan.radar_id),
                     .T_map_vehicle = answer->T_map_vehicle,
@@ -127,18 +107,12 @@ void PassPlacer::Add(const Scan& scan) {
                     .inlier_count = answer->quality.inlier_count,
                     .is_good = false,
                     .points = {}};
-  const SourceFault fault = FaultOf(answer->health, placed.radar);
-  if (!tracking_since_ || scan.stamp - *tracking_since_ < options_.settle) {
-    ++pass_.untracked_count;
-  } else if (fault != SourceFault::kNone) {
-    ++pass_.unsound_count;
-    pass_.fault = fault;
-  } else if (placed.sigma_m > options_.max_sigma_m ||
-             placed.inlier_count < options_.min_inlier_count) {
-    ++pass_.unsure_count;
-  } else {
-    placed.is_good = true;
-  }
+  const ScanWorth worth = judge_.Judge(*answer, placed.radar, scan.stamp);
+  pass_.fault = judge_.fault();
+  pass_.untracked_count += worth == ScanWorth::kUntracked ? 1 : 0;
+  pass_.unsound_count += worth == ScanWorth::kUnsound ? 1 : 0;
+  pass_.unsure_count += worth == ScanWorth::kUnsure ? 1 : 0;
+  placed.is_good = worth == ScanWorth::kGood;
   if (placed.is_good) {
     // Where the localizer has put them: a map whose radars were corrected has it correct these.
     RadarModel restamped = radar;

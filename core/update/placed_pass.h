@@ -1,10 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <chrono>
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +14,7 @@
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "core/radar/static_points.h"
+#include "core/update/scan_worth.h"
 
 namespace dcloc {
 
@@ -54,9 +53,7 @@ std::string FaultOf(const PlacedPass& pass);
 
 struct PassPlacerOptions {
   LocalizerOptions localizer;
-  std::chrono::nanoseconds settle = std::chrono::seconds(1);  ///< after tracking began
-  double max_sigma_m = 0.3;                                   ///< of a pose that counts
-  int min_inlier_count = 20;  ///< of a pose that counts: no landmark then bears much of it
+  ScanWorthOptions worth;
 };
 
 /// Localizes a pass in the base map, scan by scan, and keeps what an update needs of it.
@@ -80,8 +77,8 @@ class PassPlacer {
   EgoMotion ego_motion_;
   Pose3 T_start_vehicle_;
   std::unique_ptr<Rig> rig_;  ///< where ego-motion may point to
+  ScanJudge judge_;
   PlacedPass pass_;
-  std::optional<Stamp> tracking_since_;
 };
 
 }  // namespace dcloc
