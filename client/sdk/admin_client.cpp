@@ -5,25 +5,13 @@
 #include <map>
 #include <utility>
 
+#include "client/sdk/calls.h"
 #include "client/sdk/status.h"
 
 namespace dcloc::client {
 namespace {
 
 using Stub = v1::AdminService::Stub;
-
-template <typename Request, typename Response>
-absl::StatusOr<Response> Call(Stub& stub,
-                              grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
-                                                           Response*),
-                              const Request& request, std::chrono::milliseconds timeout) {
-  grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + timeout);
-  Response response;
-  const grpc::Status status = (stub.*method)(&context, request, &response);
-  if (!status.ok()) return FromGrpc(status);
-  return response;
-}
 
 /// Hands over what comes, until it ends or `stop` is requested.
 template <typename Response>

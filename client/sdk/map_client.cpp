@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "client/sdk/calls.h"
 #include "client/sdk/map_download.h"
 #include "client/sdk/status.h"
 
@@ -11,42 +12,6 @@ namespace dcloc::client {
 namespace {
 
 using Milliseconds = std::chrono::milliseconds;
-
-void SetDeadline(grpc::ClientContext& context, Milliseconds timeout) {
-  context.set_deadline(std::chrono::system_clock::now() + timeout);
-}
-
-// Calls a unary method of the stub.
-template <typename Request, typename Response>
-absl::StatusOr<Response> Call(v1::MapService::Stub& stub,
-                              grpc::Status (v1::MapService::Stub::*method)(grpc::ClientContext*,
-                                                                           const Request&,
-                                                                           Response*),
-                              const Request& request, Milliseconds timeout) {
-  grpc::ClientContext context;
-  SetDeadline(context, timeout);
-  Response response;
-  const grpc::Status status = (stub.*method)(&context, request, &response);
-  if (!status.ok()) return FromGrpc(status);
-  return response;
-}
-
-// Calls a paged method until the last page; `items` takes a page's items out of a response.
-template <typename Item, typename Request, typename Response>
-absl::StatusOr<std::vector<Item>> CallForAllPages(
-    v1::MapService::Stub& stub,
-    grpc::Status (v1::MapService::Stub::*method)(grpc::ClientContext*, const Request&, Response*),
-    Request request, google::protobuf::RepeatedPtrField<Item>* (Response::*items)(),
-    Milliseconds timeout) {
-  std::vector<Item> all;
-  do {
-    absl::StatusOr<Response> page = Call(stub, method, request, timeout);
-    if (!page.ok()) return page.status();
-    for (Item& item : *((*page).*items)()) all.push_back(std::move(item));
-    request.set_page_token(page->next_page_token());
-  } while (!request.page_token().empty());
-  return all;
-}
 
 }  // namespace
 
@@ -149,6 +114,19 @@ absl::StatusOr<v1::ReadMapTileResponse> MapClient::ReadTile(const v1::ReadMapTil
 
 absl::StatusOr<v1::MapBuild> MapClient::StartBuild(
     const v1::MapBuildHeader& header, const std::function<bool(v1::PosedScan*)>& next) {
+  return SendBuild(
+      header, [&](v1::StartMapBuildRequest* request) { return next(request->mutable_scan()); });
+}
+
+absl::StatusOr<v1::MapBuild> MapClient::StartSurvey(const v1::MapBuildHeader& header,
+                                                    const NextMessage& next) {
+  v1::MapBuildHeader survey = header;
+  survey.set_method(v1::MAP_BUILD_METHOD_SURVEY);
+  return SendBuild(survey, next);
+}
+
+absl::StatusOr<v1::MapBuild> MapClient::SendBuild(const v1::MapBuildHeader& header,
+                                                  const NextMessage& next) {
   // No deadline: how long it takes depends on the drive, and keepalive notices a dead connection.
   grpc::ClientContext context;
   v1::StartMapBuildResponse response;
@@ -156,9 +134,12 @@ absl::StatusOr<v1::MapBuild> MapClient::StartBuild(
   v1::StartMapBuildRequest request;
   *request.mutable_header() = header;
   bool open = writer->Write(request);
-  while (open && next(request.mutable_scan())) open = writer->Write(request);
+  absl::StatusOr<bool> there = true;
+  while (open && (there = next(&request)).ok() && *there) open = writer->Write(request);
+  if (!there.ok()) context.TryCancel();  // before the server takes it for the whole
   if (open) writer->WritesDone();
   const grpc::Status status = writer->Finish();
+  if (!there.ok()) return there.status();
   if (!status.ok()) return FromGrpc(status);
   return std::move(*response.mutable_build());
 }

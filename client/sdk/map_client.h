@@ -71,6 +71,11 @@ class MapClient {
   /// until it returns false. Returns when the server has all scans; the build goes on by itself.
   absl::StatusOr<v1::MapBuild> StartBuild(const v1::MapBuildHeader& header,
                                           const std::function<bool(v1::PosedScan*)>& next);
+  /// The same without poses, of one or many drives: `next` provides, for each drive, a message with
+  /// `drive` and then one with each of its scans. If it fails, nothing is built.
+  using NextMessage = std::function<absl::StatusOr<bool>(v1::StartMapBuildRequest*)>;
+  absl::StatusOr<v1::MapBuild> StartSurvey(const v1::MapBuildHeader& header,
+                                           const NextMessage& next);
   absl::StatusOr<v1::MapBuild> GetBuild(const std::string& build_id);
   absl::StatusOr<v1::MapBuild> CancelBuild(const std::string& build_id);
 
@@ -85,6 +90,8 @@ class MapClient {
   absl::Status Delete(const std::string& map_name, bool drain = false);
 
  private:
+  absl::StatusOr<v1::MapBuild> SendBuild(const v1::MapBuildHeader& header, const NextMessage& next);
+
   std::unique_ptr<v1::MapService::Stub> stub_;
   std::chrono::milliseconds timeout_;
 };

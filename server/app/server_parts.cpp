@@ -30,6 +30,7 @@ constexpr std::chrono::milliseconds kReadyTimeout(800);
 constexpr std::chrono::milliseconds kReadyInterval(500);  ///< of asking whether it is ready
 constexpr std::chrono::seconds kCertificateInterval(1);   ///< of looking at the files
 constexpr std::chrono::milliseconds kTickInterval(100);   ///< of timeouts of sessions
+constexpr int kSweepsPerOrphanLook = 10;
 constexpr std::chrono::minutes kSweepInterval(1);  ///< of unfinished uploads and the quarantine
 
 void LogRemoved(const char* what, const absl::StatusOr<int>& count) {
@@ -56,6 +57,7 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
       opened_storage(std::move(opened)),
       access(*opened_storage.identities, config.require_identity),
       store(*opened_storage.maps),
+      passes(*opened_storage.passes, store.incoming().folder(), [this] { return PassBoundsNow(); }),
       registry(limits, SessionTimeoutsOf(config)),
       awaited_requests(
           [this] {
@@ -77,18 +79,21 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
                ReplicaTlsOf(config),
                {.answer = std::chrono::milliseconds(config.replica_timeout_ms)}),
       localization_pool(WorkerCount(config), SearcherCount(config)),
-      localization(
-          {.storage = rpc_context,
-           .registry = registry,
-           .sessions = {.store = store, .recordings = recordings, .context = MakeSessionContext()},
-           .usages = usages,
-           .max_pending_scan_count = config.max_pending_scan_count}),
+      localization({.storage = rpc_context,
+                    .registry = registry,
+                    .sessions = {.store = store,
+                                 .recordings = recordings,
+                                 .passes = passes,
+                                 .context = MakeSessionContext()},
+                    .usages = usages,
+                    .max_pending_scan_count = config.max_pending_scan_count}),
       maps(
-          rpc_context,
+          rpc_context, *opened_storage.passes,
           [this](const std::string& tenant, const std::string& map_name) {
             return MoveSessions(registry, store, tenant, map_name);
           },
           MakeSessionDrainer()),
+      pass_service(rpc_context, *opened_storage.passes),
       admin({.version = DCLOC_VERSION,
              .start_time = std::chrono::system_clock::now(),
              .worker_count = localization_pool.thread_count(),
@@ -100,6 +105,8 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
       ticker(kTickInterval, [this] { EndOverdue(); }),
       scrub(store.catalogue(), store.files(), {.max_bytes_per_s = 1e6 * config.scrub_mb_per_s}),
       sweeper(kSweepInterval, [this] { Sweep(); }) {
+  // Passes are kept until a time; the server may have been stopped since.
+  storage_pool.Post([this] { RemoveExpiredPasses(); }, Lane::kLengthy);
   // The pools' threads are older than what they will use of this; their locks hand it to them.
   storage_pool.Post([] {});
   localization_pool.Post([] {});
@@ -120,6 +127,7 @@ absl::Status Server::Parts::Serve(const std::shared_ptr<grpc::ServerCredentials>
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
   builder.RegisterService(&localization);
   builder.RegisterService(&maps);
+  builder.RegisterService(&pass_service);
   builder.RegisterService(&admin);
   builder.RegisterService(&health_service);
   server = builder.BuildAndStart();
@@ -256,6 +264,7 @@ absl::Status Server::Parts::ServeMetrics() {
       .refused_connection_count = [this] { return listener->refused_count(); },
       .objects = opened_storage.objects.get(),
       .cache = opened_storage.cache.get(),
+      .passes = passes.counts(),
       .version = DCLOC_VERSION});
   readiness = std::make_unique<Readiness>([this] {
     return ProbeListener(*ParseListenAddress(address), !config.tls_cert.empty(), kReadyTimeout);
@@ -282,11 +291,25 @@ void Server::Parts::EndOverdue() {
   registry.RemoveDetached("the server is draining");
 }
 
+PassBounds Server::Parts::PassBoundsNow() const {
+  constexpr std::int64_t kMib = std::int64_t{1} << 20;
+  return {.quota = {.max_tenant_bytes = kMib * limits.pass_storage_mib,
+                    .max_vehicle_bytes_per_day = kMib * limits.pass_vehicle_mib_per_day},
+          .retention = std::chrono::days(limits.pass_retention_days)};
+}
+
+void Server::Parts::RemoveExpiredPasses() {
+  LogRemoved("passes", opened_storage.passes->RemoveExpired(std::chrono::system_clock::now()));
+}
+
 void Server::Parts::Sweep() {
   const auto now = std::chrono::steady_clock::now();
   const auto since_last = now - std::exchange(last_sweep, now);
   LogRemoved("stale uploads", store.RemoveStaleUploads(since_last));
   LogRemoved("files in quarantine", store.RemoveExpiredQuarantine(since_last));
+  RemoveExpiredPasses();
+  if (++sweep_count % kSweepsPerOrphanLook != 0) return;
+  LogRemoved("files of no pass", opened_storage.passes->RemoveOrphans());
 }
 
 }  // namespace dcloc::server

@@ -17,6 +17,7 @@
 #include "server/identity/usage.h"
 #include "server/localization/localization_service.h"
 #include "server/maps/service/map_service.h"
+#include "server/maps/service/pass_service.h"
 #include "server/maps/store/map_scrub.h"
 #include "server/net/awaited_requests.h"
 #include "server/net/bounded_calls.h"
@@ -26,6 +27,7 @@
 #include "server/net/listener.h"
 #include "server/net/liveness.h"
 #include "server/net/readiness.h"
+#include "server/passes/pass_writer.h"
 #include "server/telemetry/metrics_endpoint.h"
 
 namespace dcloc::server {
@@ -66,7 +68,12 @@ struct Server::Parts {
   /// Ends sessions, calls and streams whose time is over.
   void EndOverdue();
 
-  /// Removes unfinished uploads and what was long enough in quarantine.
+  /// How much of passes is kept, and for how long, at this moment.
+  PassBounds PassBoundsNow() const;
+
+  void RemoveExpiredPasses();
+
+  /// Removes unfinished uploads, what was long enough in quarantine, and passes whose time is over.
   void Sweep();
 
   ServerConfig config;
@@ -80,6 +87,7 @@ struct Server::Parts {
   Storage opened_storage;
   AccessControl access;
   MapStore& store;
+  PassWriter passes;
   WorkspacePool workspaces;
   SessionRegistry registry;
   SessionMetrics metrics;
@@ -97,6 +105,7 @@ struct Server::Parts {
   WorkerPool localization_pool;
   LocalizationService localization;
   MapService maps;
+  PassService pass_service;
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<Health> health;
@@ -111,6 +120,7 @@ struct Server::Parts {
   Ticker ticker;
   MapScrub scrub;
   std::chrono::steady_clock::time_point last_sweep = std::chrono::steady_clock::now();
+  int sweep_count = 0;
   Ticker sweeper;
   std::string address;
 };

@@ -6,11 +6,15 @@
 #include "absl/strings/str_cat.h"
 #include "server/base/status.h"
 #include "server/identity/postgres_identity_store.h"
+#include "server/maps/catalogue/postgres_build_queue.h"
 #include "server/maps/catalogue/postgres_catalogue.h"
 #include "server/maps/store/cached_map_files.h"
+#include "server/maps/store/kept_files.h"
 #include "server/maps/store/map_bucket.h"
 #include "server/maps/store/map_folder.h"
 #include "server/objects/object_error.h"
+#include "server/passes/pass_key.h"
+#include "server/passes/postgres_pass_rows.h"
 #include "server/postgres/postgres_database.h"
 #include "server/postgres/postgres_error.h"
 #include "server/replicas/postgres_replica_directory.h"
@@ -42,7 +46,7 @@ absl::StatusOr<std::unique_ptr<IdentityStore>> OpenIdentitiesIn(
 /// The files that all servers share, and what of them is counted.
 struct SharedFiles {
   std::unique_ptr<MapFiles> files;
-  std::shared_ptr<const ObjectStore> objects;
+  std::shared_ptr<ObjectStore> objects;
   std::shared_ptr<const MapCache> cache;
 };
 
@@ -109,18 +113,47 @@ absl::Status CheckFolderIsThere(const ServerConfig& config, Catalogue& catalogue
       wanted->size(), " map files: mount it, or name the folder that they are in"));
 }
 
-absl::StatusOr<MapStoreParts> OpenParts(std::unique_ptr<Catalogue> catalogue,
+/// Files of one kind beside the map files, where all servers find them.
+absl::StatusOr<std::unique_ptr<KeptFiles>> OpenKept(const ServerConfig& config,
+                                                    const SharedFiles& files, const char* kind) {
+  if (files.objects != nullptr) {
+    return std::make_unique<KeptObjects>(files.objects, absl::StrCat(kind, "/"));
+  }
+  auto kept = KeptFolder::Open(std::filesystem::path(config.map_folder) / kind);
+  if (!kept.ok()) return WithPrefix("map_folder: ", WithPath(kept.status()));
+  return kept;
+}
+
+/// Without a key that all servers have, vehicles cannot be told apart: then nothing is kept.
+absl::StatusOr<std::unique_ptr<PassStore>> OpenPasses(
+    const std::shared_ptr<PostgresDatabase>& database, const ServerConfig& config,
+    const SharedFiles& files) {
+  absl::StatusOr<std::string> key =
+      config.pass_key.empty() ? std::string() : ReadPassKey(config.pass_key);
+  if (!key.ok()) return key.status();
+  auto rows = PostgresPassRows::Open(database);
+  if (!rows.ok()) return AtStart(rows.status());
+  auto kept = OpenKept(config, files, "passes");
+  if (!kept.ok()) return kept.status();
+  return std::make_unique<PassStore>(*std::move(rows), *std::move(kept), *std::move(key));
+}
+
+absl::StatusOr<MapStoreParts> OpenParts(const std::shared_ptr<PostgresDatabase>& database,
+                                        std::unique_ptr<Catalogue> catalogue,
                                         const ServerConfig& config, const std::string& holder,
-                                        std::unique_ptr<MapFiles> files) {
+                                        SharedFiles& files) {
   const StorePaths own = PathsOf(config.data);
   auto incoming = IncomingFiles::Open(own.incoming);
   if (!incoming.ok()) return WithPath(incoming.status());
-  auto builds = BuildLedger::Open(own.builds);
-  if (!builds.ok()) return WithPath(builds.status());
+  auto builds = PostgresBuildQueue::Open(database);
+  if (!builds.ok()) return AtStart(builds.status());
+  auto inputs = OpenKept(config, files, "builds");
+  if (!inputs.ok()) return inputs.status();
   return MapStoreParts{.catalogue = std::move(catalogue),
-                       .files = std::move(files),
+                       .files = std::move(files.files),
                        .incoming = *std::move(incoming),
                        .builds = *std::move(builds),
+                       .build_inputs = *std::move(inputs),
                        .holder = holder};
 }
 
@@ -138,8 +171,10 @@ absl::StatusOr<Storage> OpenSharedStorage(const ServerConfig& config,
   if (absl::Status status = CheckFolderIsThere(config, **catalogue); !status.ok()) return status;
   absl::StatusOr<SharedFiles> files = OpenFiles(config, holder);
   if (!files.ok()) return files.status();
+  auto passes = OpenPasses(*database, config, *files);
+  if (!passes.ok()) return passes.status();
   absl::StatusOr<MapStoreParts> parts =
-      OpenParts(*std::move(catalogue), config, holder, std::move(files->files));
+      OpenParts(*database, *std::move(catalogue), config, holder, *files);
   if (!parts.ok()) return parts.status();
   auto identities = OpenIdentitiesIn(*database, config);
   if (!identities.ok()) return identities.status();
@@ -150,6 +185,7 @@ absl::StatusOr<Storage> OpenSharedStorage(const ServerConfig& config,
   return Storage{.lock = *std::move(lock),
                  .maps = *std::move(maps),
                  .identities = *std::move(identities),
+                 .passes = *std::move(passes),
                  .replicas = *std::move(replicas),
                  .objects = std::move(files->objects),
                  .cache = std::move(files->cache)};

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/app/map_file_metrics.h"
+#include "server/app/pass_metrics.h"
 #include "server/telemetry/metric_family.h"
 #include "server/telemetry/process_metrics.h"
 
@@ -144,6 +145,7 @@ void StateMetrics::AddMapFiles(std::vector<MetricFamily>& families) const {
                 *count));
   }
   AddMapFileMetrics(sources_.objects, sources_.cache, families);
+  AddPassMetrics(sources_.passes, families);
 }
 
 }  // namespace dcloc::server

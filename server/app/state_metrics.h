@@ -17,6 +17,7 @@
 #include "server/maps/store/map_store.h"
 #include "server/net/call_gate.h"
 #include "server/objects/object_store.h"
+#include "server/passes/pass_counts.h"
 #include "server/sessions/session_registry.h"
 
 namespace dcloc::server {
@@ -45,6 +46,7 @@ class StateMetrics final : public prometheus::Collectable {
     std::function<std::int64_t()> refused_connection_count;
     const ObjectStore* objects;  ///< null: map files are in a folder
     const MapCache* cache;       ///< null: there is none
+    const PassCounts& passes;
     std::string version;
   };
 

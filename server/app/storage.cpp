@@ -13,8 +13,12 @@
 #include "server/app/identity_mark.h"
 #include "server/app/shared_storage.h"
 #include "server/identity/sqlite_identity_store.h"
+#include "server/maps/catalogue/sqlite_build_queue.h"
 #include "server/maps/catalogue/sqlite_catalogue.h"
+#include "server/maps/store/kept_files.h"
 #include "server/maps/store/map_folder.h"
+#include "server/passes/pass_key.h"
+#include "server/passes/sqlite_pass_rows.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
@@ -39,7 +43,8 @@ void MakePrivate(const std::filesystem::path& folder) {
   std::error_code error;
   fs::permissions(folder, fs::perms::owner_all, error);
   if (error) spdlog::warn("mode of the store's folder not changed reason={}", error.message());
-  for (const char* file : {"catalogue.sqlite", "identities.sqlite"}) {
+  for (const char* file :
+       {"catalogue.sqlite", "identities.sqlite", "jobs.sqlite", "passes.sqlite"}) {
     for (const char* part : {"", "-wal", "-shm"}) {
       fs::permissions(folder / absl::StrCat(file, part),
                       fs::perms::owner_read | fs::perms::owner_write, error);
@@ -88,10 +93,14 @@ absl::Status CheckIdentitiesAreThere(const std::filesystem::path& folder, bool a
 StorePaths PathsOf(const std::filesystem::path& folder) {
   return {.catalogue = folder / "catalogue.sqlite",
           .identities = folder / "identities.sqlite",
+          .jobs = folder / "jobs.sqlite",
+          .passes = folder / "passes.sqlite",
           .maps = folder / "maps",
           .quarantine = folder / "quarantine",
           .incoming = folder / "incoming",
           .builds = folder / "builds",
+          .pass_files = folder / "passes",
+          .pass_key = folder / "pass.key",
           .cache = folder / "cache",
           .lock = folder / "lock"};
 }
@@ -107,12 +116,15 @@ absl::StatusOr<MapStoreParts> OpenMapParts(const std::filesystem::path& folder) 
   if (!catalogue.ok()) return WithAdvice(catalogue.status(), folder);
   absl::StatusOr<std::unique_ptr<IncomingFiles>> incoming = IncomingFiles::Open(paths.incoming);
   if (!incoming.ok()) return incoming.status();
-  absl::StatusOr<std::unique_ptr<BuildLedger>> builds = BuildLedger::Open(paths.builds);
+  absl::StatusOr<std::unique_ptr<SqliteBuildQueue>> builds = SqliteBuildQueue::Open(paths.jobs);
   if (!builds.ok()) return builds.status();
+  absl::StatusOr<std::unique_ptr<KeptFolder>> inputs = KeptFolder::Open(paths.builds);
+  if (!inputs.ok()) return inputs.status();
   return MapStoreParts{.catalogue = *std::move(catalogue),
                        .files = *std::move(files),
                        .incoming = *std::move(incoming),
                        .builds = *std::move(builds),
+                       .build_inputs = *std::move(inputs),
                        .holder = NameOfThisProcess()};
 }
 
@@ -123,8 +135,24 @@ absl::StatusOr<StoreLock> LockStore(const std::filesystem::path& folder) {
   return lock;
 }
 
+namespace {
+
+absl::StatusOr<std::unique_ptr<PassStore>> OpenPasses(const StorePaths& paths,
+                                                      const std::string& pass_key) {
+  absl::StatusOr<std::string> key =
+      pass_key.empty() ? ReadOrMakePassKey(paths.pass_key) : ReadPassKey(pass_key);
+  if (!key.ok()) return key.status();
+  absl::StatusOr<std::unique_ptr<SqlitePassRows>> rows = SqlitePassRows::Open(paths.passes);
+  if (!rows.ok()) return rows.status();
+  absl::StatusOr<std::unique_ptr<KeptFolder>> files = KeptFolder::Open(paths.pass_files);
+  if (!files.ok()) return files.status();
+  return std::make_unique<PassStore>(*std::move(rows), *std::move(files), *std::move(key));
+}
+
+}  // namespace
+
 absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
-                                    const MapStoreOptions& options) {
+                                    const MapStoreOptions& options, const std::string& pass_key) {
   absl::StatusOr<StoreLock> lock = LockStore(folder);
   if (!lock.ok()) return lock.status();
   MakePrivate(folder);
@@ -135,11 +163,14 @@ absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
   const absl::StatusOr<bool> any = (*identities)->HasAny();
   absl::Status status = any.ok() ? CheckIdentitiesAreThere(folder, *any) : any.status();
   if (!status.ok()) return WithPath(status);
+  auto passes = OpenPasses(PathsOf(folder), pass_key);
+  if (!passes.ok()) return WithPath(passes.status());
   absl::StatusOr<std::unique_ptr<MapStore>> maps = MapStore::Open(*std::move(parts), options);
   if (!maps.ok()) return WithAdvice(maps.status(), folder);
   return Storage{.lock = *std::move(lock),
                  .maps = *std::move(maps),
                  .identities = *std::move(identities),
+                 .passes = *std::move(passes),
                  .replicas = nullptr,
                  .objects = nullptr,
                  .cache = nullptr};
@@ -153,7 +184,9 @@ absl::StatusOr<std::unique_ptr<IdentityStore>> OpenIdentities(const std::filesys
 }
 
 absl::StatusOr<Storage> OpenStorage(const ServerConfig& config, const MapStoreOptions& options) {
-  if (config.catalogue.empty()) return OpenStorage(std::filesystem::path(config.data), options);
+  if (config.catalogue.empty()) {
+    return OpenStorage(std::filesystem::path(config.data), options, config.pass_key);
+  }
   return OpenSharedStorage(config, options, NameOfThisProcess());
 }
 

@@ -10,6 +10,7 @@
 #include "server/maps/store/map_cache.h"
 #include "server/maps/store/map_store.h"
 #include "server/objects/object_store.h"
+#include "server/passes/pass_store.h"
 #include "server/replicas/replica_directory.h"
 
 namespace dcloc::server {
@@ -22,6 +23,7 @@ struct Storage {
   StoreLock lock;  ///< of the folder; released last
   std::unique_ptr<MapStore> maps;
   std::unique_ptr<IdentityStore> identities;
+  std::unique_ptr<PassStore> passes;
   std::unique_ptr<ReplicaDirectory> replicas;  ///< null: this server is by itself
   std::shared_ptr<const ObjectStore> objects;  ///< null: map files are in a folder
   std::shared_ptr<const MapCache> cache;       ///< null: there is none
@@ -29,10 +31,12 @@ struct Storage {
 
 /// Where the parts of the embedded store are.
 struct StorePaths {
-  std::filesystem::path catalogue, identities;               ///< SQLite files
-  std::filesystem::path maps, quarantine, incoming, builds;  ///< folders
-  std::filesystem::path cache;                               ///< of files that servers share
-  std::filesystem::path lock;                                ///< of the process that serves it
+  std::filesystem::path catalogue, identities, jobs, passes;  ///< SQLite files
+  std::filesystem::path maps, quarantine, incoming, builds;   ///< folders
+  std::filesystem::path pass_files;                           ///< a folder
+  std::filesystem::path pass_key;                             ///< of pseudonyms
+  std::filesystem::path cache;                                ///< of files that servers share
+  std::filesystem::path lock;                                 ///< of the process that serves it
 };
 StorePaths PathsOf(const std::filesystem::path& folder);
 
@@ -48,8 +52,10 @@ absl::StatusOr<MapStoreParts> OpenMapParts(const std::filesystem::path& folder);
 /// Opens or creates the storage in `folder`: SQLite files and map files, for one process, readable
 /// by their owner alone. Errors of `LockStore`, `OpenMapParts` and `MapStore::Open`, and
 /// FailedPrecondition when identities that there were are lost; with the folder and what mends it.
+/// `pass_key` is the setting of that name.
 absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
-                                    const MapStoreOptions& options = {});
+                                    const MapStoreOptions& options = {},
+                                    const std::string& pass_key = "");
 
 /// The storage that `config` names: the embedded one in `data`, or the shared one.
 absl::StatusOr<Storage> OpenStorage(const ServerConfig& config, const MapStoreOptions& options);

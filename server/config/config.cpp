@@ -168,6 +168,18 @@ constexpr std::array kFields = {
                 &ServerConfig::max_message_kib, 512, 65'536},
     ConfigField{"max_map_mib", "N", "size of an uploaded map file at most [MiB]",
                 &ServerConfig::max_map_mib, 1, 1'000'000, true},
+    ConfigField{
+        "pass_key", "FILE",
+        "File of the key of the pseudonyms of vehicles whose passes are kept: 64 hexadecimal "
+        "digits. Servers that share a catalogue need the same one, and keep no passes without "
+        "it; by itself a server makes its own, `pass.key` in its folder",
+        &ServerConfig::pass_key},
+    ConfigField{"pass_storage_mib", "N", "Of a tenant's passes together, which are then not kept",
+                &ServerConfig::pass_storage_mib, 0, 1'000'000'000, true},
+    ConfigField{"pass_vehicle_mib_per_day", "N", "Of a vehicle's passes of a day",
+                &ServerConfig::pass_vehicle_mib_per_day, 0, 1'000'000, true},
+    ConfigField{"pass_retention_days", "N", "How long a pass is kept",
+                &ServerConfig::pass_retention_days, 1, 3650, true},
     ConfigField{"max_tenant_storage_mib", "N",
                 "size of a tenant's map versions together at most [MiB]; 0 for no limit",
                 &ServerConfig::max_tenant_storage_mib, 0, 1'000'000'000, true},

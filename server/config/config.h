@@ -66,9 +66,13 @@ struct ServerConfig {
   int ticket_lifetime_s = 60;             ///< how long a ticket can be used
   int ticket_interval_ms = 1000;          ///< between two tickets of a session
   int max_message_kib = 2048;
-  int max_map_mib = 1024;          ///< of one map file
-  int max_tenant_storage_mib = 0;  ///< of a tenant's map versions together; 0: no limit
-  int warm_map_mib = 1024;         ///< of maps that stay in memory without a session; 0: none do
+  int max_map_mib = 1024;              ///< of one map file
+  std::string pass_key;                ///< file of the pseudonyms' key; empty: `pass.key` in `data`
+  int pass_storage_mib = 1024;         ///< of a tenant's passes together
+  int pass_vehicle_mib_per_day = 256;  ///< of a vehicle's passes
+  int pass_retention_days = 30;        ///< of passes
+  int max_tenant_storage_mib = 0;      ///< of a tenant's map versions together; 0: no limit
+  int warm_map_mib = 1024;  ///< of maps that stay in memory without a session; 0: none do
   int unfinished_upload_timeout_s = 86'400;  ///< then bytes of an interrupted upload are removed
   int quarantine_days = 30;  ///< of map files without a version; 0: they are kept for good
   int scrub_mb_per_s = 20;   ///< of map files that are read to see whether they are whole; 0: none

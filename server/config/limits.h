@@ -24,6 +24,9 @@ struct Limits {
     max_target_count = config.max_target_count;
     max_map_mib = config.max_map_mib;
     max_tenant_storage_mib = config.max_tenant_storage_mib;
+    pass_storage_mib = config.pass_storage_mib;
+    pass_vehicle_mib_per_day = config.pass_vehicle_mib_per_day;
+    pass_retention_days = config.pass_retention_days;
   }
 
   std::atomic<int> max_session_count;
@@ -38,6 +41,9 @@ struct Limits {
   std::atomic<int> max_target_count;
   std::atomic<int> max_map_mib;
   std::atomic<int> max_tenant_storage_mib;  ///< 0: none
+  std::atomic<int> pass_storage_mib;
+  std::atomic<int> pass_vehicle_mib_per_day;
+  std::atomic<int> pass_retention_days;
 };
 
 }  // namespace dcloc::server

@@ -31,6 +31,11 @@ constexpr std::array kTable = {
                      Effect::kChanges},
     MethodPermission{"dcloc.v1.MapService.DeleteMap", Permission::kManageMaps, Effect::kChanges},
 
+    MethodPermission{"dcloc.v1.PassService.SetPassConsent", Permission::kManageMaps,
+                     Effect::kChanges},
+    MethodPermission{"dcloc.v1.PassService.ListPassConsents", Permission::kReadMaps},
+    MethodPermission{"dcloc.v1.PassService.ListPasses", Permission::kReadMaps},
+
     MethodPermission{"dcloc.v1.AdminService.ListReplicas", Permission::kReadServer},
     MethodPermission{"dcloc.v1.AdminService.GetServerState", Permission::kReadServer},
     MethodPermission{"dcloc.v1.AdminService.ListSessions", Permission::kReadSessions},

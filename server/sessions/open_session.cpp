@@ -96,6 +96,19 @@ void TellTicketUse(const Session& session, const std::string& key_id, SessionMet
   }
 }
 
+/// Null unless map and identity consent. Whether they do may not be known: then nothing is kept.
+std::unique_ptr<PassTap> MakePassTap(const v1::OpenSession& open, const Caller& caller,
+                                     PassWriter& passes) {
+  NewPass pass{.tenant = caller.principal.tenant,
+               .map_name = open.map_name(),
+               .identity_name = caller.principal.name,
+               .vehicle_id = open.vehicle_id()};
+  const absl::StatusOr<bool> may =
+      passes.store().MayKeep(pass.tenant, pass.map_name, pass.identity_name);
+  if (!may.ok() || !*may) return nullptr;
+  return std::make_unique<PassTap>(passes, std::move(pass), open.rig());
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<Session>> OpenSession(const v1::OpenSession& open,
@@ -122,7 +135,8 @@ absl::StatusOr<std::shared_ptr<Session>> OpenSession(const v1::OpenSession& open
                      .binding = std::move(binding),
                      .ticket_use = ticket.use,
                      .ticket = std::nullopt,
-                     .answered_until = std::nullopt};
+                     .answered_until = std::nullopt,
+                     .passes = MakePassTap(open, caller, sources.passes)};
   if (ticket.use == TicketUse::kAccepted) start.ticket = std::move(ticket.content);
   if (open.has_answered_sequence_number()) start.answered_until = open.answered_sequence_number();
   absl::StatusOr<std::shared_ptr<Session>> session =

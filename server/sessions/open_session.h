@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "dcloc/v1/localization_service.pb.h"
 #include "server/identity/caller.h"
+#include "server/passes/pass_writer.h"
 #include "server/sessions/session.h"
 
 namespace dcloc::server {
@@ -14,6 +15,7 @@ namespace dcloc::server {
 struct SessionSources {
   MapStore& store;
   RecordingRequests& recordings;
+  PassWriter& passes;
   SessionContext context;
 };
 

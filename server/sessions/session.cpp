@@ -83,7 +83,8 @@ Session::Session(const SessionContext& context, SessionStart start,
       ticket_writer_(context.tickets, info_, std::move(start.binding)),
       ticket_use_(start.ticket_use),
       answered_until_(start.ticket ? start.answered_until : std::nullopt),
-      history_(context.answer_history_count) {
+      history_(context.answer_history_count),
+      passes_(std::move(start.passes)) {
   if (start.ticket) {
     sequence_check_.Restore(start.ticket->last_sequence_number, start.ticket->snapshot.stamp);
     last_scan_ = LastScanOf(start.ticket->snapshot, *rig_);
@@ -156,6 +157,7 @@ void Session::Answer(const v1::Scan& scan, const Arrival& arrival, Reply reply) 
   answer.dropped_scan_count = info_->counts.dropped;
   Deliver(scan, answer, reply);
   if (!answer.result.ok()) return;
+  if (passes_ != nullptr) passes_->OnLocalized(scan, *answer.result);
   const std::chrono::nanoseconds encoding = Clock::now() - localized_time_;
   context_.metrics.ObserveLocalized(*answer.result, encoding);
   LogLocalized(*info_, answer.sequence_number, *answer.result, encoding);

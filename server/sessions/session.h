@@ -16,6 +16,7 @@
 #include "server/convert/position_fix.h"
 #include "server/convert/session.h"
 #include "server/maps/store/map_store.h"
+#include "server/passes/pass_tap.h"
 #include "server/sessions/answer_history.h"
 #include "server/sessions/health_report.h"
 #include "server/sessions/recording_subscriber.h"
@@ -61,6 +62,7 @@ struct SessionStart {
   std::optional<TicketContent> ticket;  ///< which it goes on from
   /// With a ticket: scans up to it need no answer, as they have had one.
   std::optional<std::int64_t> answered_until;
+  std::unique_ptr<PassTap> passes;  ///< null where what it sees is not kept
 };
 
 /// One vehicle's session: from its opening to its last answer, over one stream or, when it is
@@ -163,6 +165,7 @@ class Session {
   const std::optional<std::int64_t> answered_until_;
   AnswerHistory history_;
   std::shared_ptr<RecordingSubscriber> recording_;  ///< null while nobody records it
+  const std::unique_ptr<PassTap> passes_;           ///< null where what it sees is not kept
   Clock::time_point localized_time_;  ///< of the newest scan; what follows is encoding
   Scan scan_;                         ///< kept for its columns' memory
   Scan last_scan_;                    ///< the last one localized

@@ -28,6 +28,7 @@ FLOORS = {
         "maps/catalogue",
         "maps/store",
         "convert",
+        "passes",
         "maps/jobs",
         "tickets",
         "sessions",

@@ -25,6 +25,9 @@ TESTED_BY = {
     "tests/client/cli/describe/completion_test.py": ("client/cli/describe/describe_command",),
     # One test asks every implementation of an interface the same.
     "tests/server/identity/identity_store_test.cpp": ("server/identity/postgres_identity_store",),
+    "tests/server/maps/catalogue/build_queue_test.cpp": (
+        "server/maps/catalogue/postgres_build_queue", "server/maps/catalogue/sqlite_build_queue"),
+    "tests/server/passes/pass_rows_test.cpp": ("server/passes/postgres_pass_rows",),
     # What needs a whole server, a database or other servers is tested through them.
     "tests/server/postgres/postgres_pool_test.cpp": ("server/postgres/postgres_connection",),
     "tests/server/admin/fleet_view_test.cpp": ("server/replicas/replicas",),
@@ -35,6 +38,7 @@ TESTED_BY = {
     "tests/client/sdk/session_test.cpp": ("client/sdk/connection", "client/sdk/status"),
     "tests/client/cli/server/server_command_test.cpp": (
         "client/cli/remote/admin_run", "client/sdk/admin_client"),
+    "tests/client/cli/map/map_passes_command_test.cpp": ("client/sdk/pass_client",),
     "tests/client/cli/session/session_command_test.cpp": (
         "client/cli/session/session_propose_command",),
     "tests/client/cli/session/session_record_command_test.cpp": ("client/cli/common/stop_signals",),

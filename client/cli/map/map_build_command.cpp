@@ -1,10 +1,8 @@
 #include "client/cli/map/map_build_command.h"
 
-#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -14,6 +12,8 @@
 #include "client/cli/common/progress.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/map/map_call.h"
+#include "client/cli/map/map_remote_survey_command.h"
+#include "client/cli/map/remote_builds.h"
 #include "client/cli/remote/answer_text.h"
 #include "client/cli/remote/wire.h"
 
@@ -21,46 +21,6 @@ namespace dcloc::cli {
 namespace {
 
 using nlohmann::ordered_json;
-
-using Clock = std::chrono::steady_clock;
-
-constexpr std::chrono::milliseconds kPollInterval(200);
-/// For a server that is restarted: it then says what became of the build.
-constexpr std::chrono::seconds kPatience(30);
-
-const char* StateText(const v1::MapBuild& build) {
-  switch (build.state()) {
-    case v1::MAP_BUILD_STATE_RUNNING:
-      return "running";
-    case v1::MAP_BUILD_STATE_DONE:
-      return "done";
-    case v1::MAP_BUILD_STATE_FAILED:
-      return "failed";
-    case v1::MAP_BUILD_STATE_CANCELLED:
-      return "cancelled";
-    default:
-      return "unknown";
-  }
-}
-
-ordered_json BuildJson(const v1::MapBuild& build) {
-  return {{"build", build.build_id()},
-          {"map", build.map_name()},
-          {"state", StateText(build)},
-          {"scan_count", build.scan_count()},
-          {"done_scan_count", build.done_scan_count()},
-          {"create_time", TimeText(build.create_time())},
-          {"version", build.version().version()},
-          {"error", build.error_message()}};
-}
-
-absl::Status Print(const v1::MapBuild& build, bool json) {
-  absl::PrintF("%s\n", json ? BuildJson(build).dump(2)
-                            : absl::StrFormat("build %s of %s: %s, %d of %d scans",
-                                              build.build_id(), build.map_name(), StateText(build),
-                                              build.done_scan_count(), build.scan_count()));
-  return absl::OkStatus();
-}
 
 absl::StatusOr<v1::MapBuild> SendScans(client::MapClient& maps, const MapArguments& arguments,
                                        const Drive& drive) {
@@ -84,40 +44,13 @@ absl::StatusOr<v1::MapBuild> SendScans(client::MapClient& maps, const MapArgumen
   });
 }
 
-/// Until it has ended.
-absl::StatusOr<v1::MapBuild> WaitFor(client::MapClient& maps, v1::MapBuild build) {
-  Progress progress("the server builds the map", static_cast<std::size_t>(build.scan_count()));
-  Clock::time_point answered = Clock::now();
-  while (build.state() == v1::MAP_BUILD_STATE_RUNNING) {
-    std::this_thread::sleep_for(kPollInterval);
-    absl::StatusOr<v1::MapBuild> now = maps.GetBuild(build.build_id());
-    if (now.ok()) {
-      answered = Clock::now();
-    } else if (absl::IsUnavailable(now.status()) && Clock::now() - answered < kPatience) {
-      continue;
-    } else {
-      return now.status();
-    }
-    build = *std::move(now);
-    progress.Update(static_cast<std::size_t>(build.done_scan_count()));
-  }
-  return build;
-}
-
 absl::Status RemoteBuild(client::MapClient& maps, const MapArguments& arguments) {
   const auto drive = ReadDrive(arguments.dataset, arguments.drive);
   if (!drive.ok()) return drive.status();
   const absl::StatusOr<v1::MapBuild> started = SendScans(maps, arguments, *drive);
   if (!started.ok()) return started.status();
-  if (arguments.no_wait) return Print(*started, arguments.json);
-  const absl::StatusOr<v1::MapBuild> build = WaitFor(maps, *started);
-  if (!build.ok()) return build.status();
-  if (build->state() == v1::MAP_BUILD_STATE_DONE) {
-    absl::PrintF("%s\n", arguments.json ? Json(build->version()).dump(2) : Text(build->version()));
-    return absl::OkStatus();
-  }
-  return absl::Status(static_cast<absl::StatusCode>(build->error_code()),
-                      absl::StrCat("the build was not done: ", build->error_message()));
+  return arguments.no_wait ? PrintBuild(*started, arguments.json)
+                           : FollowBuild(maps, *started, arguments.json);
 }
 
 absl::Status ListBuilds(client::MapClient& maps, const MapArguments& arguments) {
@@ -137,7 +70,7 @@ absl::Status ListBuilds(client::MapClient& maps, const MapArguments& arguments) 
 
 absl::Status CancelBuild(client::MapClient& maps, const MapArguments& arguments) {
   const auto build = maps.CancelBuild(arguments.build);
-  return build.ok() ? Print(*build, arguments.json) : build.status();
+  return build.ok() ? PrintBuild(*build, arguments.json) : build.status();
 }
 
 void AddRemoteBuild(CLI::App& map_command, int& exit_code) {
@@ -186,6 +119,7 @@ void AddCancelBuild(CLI::App& map_command, int& exit_code) {
 void AddMapBuildCommands(CLI::App& map_command, int& exit_code) {
   AddRemoteBuild(map_command, exit_code);
   AddBuilds(map_command, exit_code);
+  AddMapRemoteSurveyCommand(map_command, exit_code);
   AddCancelBuild(map_command, exit_code);
 }
 

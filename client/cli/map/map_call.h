@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "client/cli/common/dataset_options.h"
@@ -33,6 +34,7 @@ struct MapArguments {
   std::string build;
   DatasetArguments dataset;
   DriveRequest drive;
+  std::vector<std::string> drives;
   std::optional<GeodeticAnchor> anchor;
   v1::FindCoverageRequest coverage;
   v1::ReadMapTileRequest tile;

@@ -16,6 +16,7 @@
 #include "client/cli/map/map_build_command.h"
 #include "client/cli/map/map_call.h"
 #include "client/cli/map/map_label_command.h"
+#include "client/cli/map/map_passes_command.h"
 #include "client/cli/map/map_place_command.h"
 #include "client/cli/remote/answer_text.h"
 
@@ -172,6 +173,7 @@ void AddMapServerCommands(CLI::App& map_command, int& exit_code) {
   AddList(map_command, exit_code);
   AddDelete(map_command, exit_code);
   AddMapBuildCommands(map_command, exit_code);
+  AddMapPassesCommands(map_command, exit_code);
   AddMapLabelCommands(map_command, exit_code);
   AddMapPlaceCommands(map_command, exit_code);
 }

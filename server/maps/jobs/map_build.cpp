@@ -1,10 +1,11 @@
 #include "server/maps/jobs/map_build.h"
 
+#include <utility>
+
 #include "absl/strings/str_format.h"
 #include "server/base/check.h"
 #include "server/base/status.h"
 #include "server/convert/geometry.h"
-#include "server/convert/map.h"
 #include "server/convert/scan.h"
 #include "server/convert/time.h"
 
@@ -29,6 +30,18 @@ absl::StatusOr<GeodeticAnchor> AnchorFromProto(const v1::GeodeticAnchor& message
   return anchor;
 }
 
+absl::Status CheckMethod(v1::MapBuildMethod method) {
+  switch (method) {
+    case v1::MAP_BUILD_METHOD_UNSPECIFIED:
+    case v1::MAP_BUILD_METHOD_KNOWN_POSES:
+    case v1::MAP_BUILD_METHOD_SURVEY:
+      return absl::OkStatus();
+    default:
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "header.method is %d, which this server does not know", static_cast<int>(method)));
+  }
+}
+
 v1::MapBuildState ToProto(BuildState state) {
   switch (state) {
     case BuildState::kRunning:
@@ -45,18 +58,29 @@ v1::MapBuildState ToProto(BuildState state) {
 
 }  // namespace
 
+absl::Status NotInSurvey(absl::string_view field, absl::string_view why) {
+  return absl::InvalidArgumentError(
+      absl::StrFormat("%s is given; a survey takes none: %s", field, why));
+}
+
 absl::StatusOr<BuildRequest> FromProto(const v1::MapBuildHeader& message) {
   absl::Status status = CheckMapName("header.map_name", message.map_name());
+  status.Update(CheckMethod(message.method()));
   status.Update(CheckLength("header.drive_name", message.drive_name()));
   status.Update(CheckLength("header.description", message.description()));
   if (!status.ok()) return status;
-  absl::StatusOr<Rig> rig = convert::FromProto(message.rig(), "header.rig");
-  if (!rig.ok()) return rig.status();
   BuildRequest request{
-      .map_name = message.map_name(),
-      .rig = *std::move(rig),
+      .rig = {},
       .options = {.name = message.drive_name(), .description = message.description()},
       .activate = message.activate()};
+  if (message.method() == v1::MAP_BUILD_METHOD_SURVEY) {
+    if (message.has_rig()) return NotInSurvey("header.rig", "each drive has its own");
+    if (message.has_anchor()) return NotInSurvey("header.anchor", "its frame is its own");
+    return request;
+  }
+  absl::StatusOr<Rig> rig = convert::FromProto(message.rig(), "header.rig");
+  if (!rig.ok()) return rig.status();
+  request.rig = *std::move(rig);
   if (message.has_anchor()) {
     const absl::StatusOr<GeodeticAnchor> anchor = AnchorFromProto(message.anchor());
     if (!anchor.ok()) return anchor.status();
@@ -67,16 +91,16 @@ absl::StatusOr<BuildRequest> FromProto(const v1::MapBuildHeader& message) {
   return request;
 }
 
-void ToProto(const BuildRecord& record, v1::MapBuild* message) {
-  message->set_build_id(record.build_id);
-  message->set_map_name(record.map_name);
-  message->set_state(ToProto(record.state));
-  message->set_scan_count(record.scan_count);
-  message->set_done_scan_count(record.done_scan_count);
-  *message->mutable_create_time() = convert::ToProto(record.create_time);
-  message->set_error_code(static_cast<std::int32_t>(record.error.code()));
-  message->set_error_message(std::string(record.error.message()));
-  if (record.version) convert::ToProto(*record.version, message->mutable_version());
+void ToProto(const BuildRow& row, v1::MapBuild* message) {
+  message->ParseFromString(row.report);  // it was written by such a server
+  message->set_build_id(row.build_id);
+  message->set_map_name(row.map_name);
+  message->set_state(ToProto(row.state));
+  *message->mutable_create_time() = convert::ToProto(row.create_time);
+  message->set_attempt_count(static_cast<std::int32_t>(row.attempt_count));
+  if (row.state == BuildState::kRunning) return;
+  message->clear_stage();
+  message->clear_stage_share();
 }
 
 }  // namespace dcloc::server

@@ -1,16 +1,28 @@
 #pragma once
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "core/map/map_builder.h"
+#include "core/radar/radar_model.h"
 #include "dcloc/v1/map_service.pb.h"
-#include "server/maps/jobs/map_builds.h"
+#include "server/maps/catalogue/build_queue.h"
 
 namespace dcloc::server {
 
-/// The build that a client asks for, without the tenant and the limits. InvalidArgument names the
-/// field.
+/// What a build's header asks for.
+struct BuildRequest {
+  Rig rig;  ///< of a survey it is empty: each drive has its own
+  MapBuilderOptions options;
+  bool activate = false;
+};
+
+/// InvalidArgument names the field.
 absl::StatusOr<BuildRequest> FromProto(const v1::MapBuildHeader& message);
 
+/// InvalidArgument: `field` is of no use to a survey, and why.
+absl::Status NotInSurvey(absl::string_view field, absl::string_view why);
+
 /// A build as the client is told of it.
-void ToProto(const BuildRecord& record, v1::MapBuild* message);
+void ToProto(const BuildRow& row, v1::MapBuild* message);
 
 }  // namespace dcloc::server

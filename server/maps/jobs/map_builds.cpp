@@ -1,215 +1,248 @@
 #include "server/maps/jobs/map_builds.h"
 
-#include <algorithm>
 #include <span>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "core/odometry/drive_stamps.h"
-#include "core/odometry/ego_motion.h"
+#include "server/base/framed_file.h"
 #include "server/base/random_name.h"
 #include "server/base/sha256.h"
 #include "server/base/status.h"
 #include "server/base/within_memory.h"
-#include "server/convert/geometry.h"
-#include "server/convert/scan.h"
+#include "server/convert/map.h"
+#include "server/maps/jobs/known_pose_build.h"
+#include "server/maps/jobs/map_build.h"
+#include "server/maps/jobs/survey_build.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
 namespace {
 
 constexpr int kMaxRunningPerTenant = 4;
-/// Ended ones too are remembered, for who comes to ask.
-constexpr std::size_t kMaxRemembered = 200;
+constexpr std::chrono::milliseconds kTakeInterval(1000);  ///< of looking for what others left
+constexpr std::chrono::milliseconds kRenewInterval(2000);
+constexpr std::chrono::minutes kOrphanInterval(10);
+/// How long a database that is away is asked again, whether a build may be stored and has ended.
+constexpr std::chrono::seconds kPatience(60);
 
-absl::Status NoSuchBuild(absl::string_view build_id) {
-  return absl::NotFoundError(absl::StrCat("build_id is ", Quoted(build_id),
-                                          "; there is no such build, or it ended too long ago"));
+UploadLimits UploadLimitsOf(const Limits& limits) {
+  return {.max_map_bytes = std::int64_t{limits.max_map_mib} << 20,
+          .max_tenant_bytes = std::int64_t{limits.max_tenant_storage_mib} << 20};
+}
+
+/// Asks again while the storage is away, within bounds and until `stopping`.
+template <typename Ask>
+auto AskPatiently(const Ask& ask, const std::atomic<bool>& stopping) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  auto answer = ask();
+  while (absl::IsUnavailable(answer.status()) && !stopping &&
+         std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    answer = ask();
+  }
+  return answer;
+}
+
+v1::MapBuild ReportOf(const BuildRow& row) {
+  v1::MapBuild report;
+  report.ParseFromString(row.report);
+  report.clear_drives();  // of an attempt that did not end
+  return report;
 }
 
 }  // namespace
 
-MapBuilds::MapBuilds(MapStore& store) : store_(store) {
-  for (const LedgerEntry& entry : store.builds().interrupted()) {
-    auto build = std::make_shared<Build>();
-    build->request.tenant = entry.tenant;
-    build->record = {.build_id = entry.build_id,
-                     .map_name = entry.map_name,
-                     .state = BuildState::kFailed,
-                     .scan_count = entry.scan_count,
-                     .create_time = entry.create_time,
-                     .error = absl::AbortedError("the server was restarted before the build was "
-                                                 "done, and its scans are gone: start it again")};
-    builds_.push_back(std::move(build));
-  }
-  ForgetOldest();
+MapBuilds::Running::Running(const BuildRow& taken, const std::string& holder)
+    : row(taken),
+      lease{.build_id = taken.build_id, .holder = holder, .attempt = taken.attempt_count},
+      progress(ReportOf(taken)) {}
+
+MapBuilds::MapBuilds(MapStore& store, const Limits& limits)
+    : store_(store), limits_(limits), ticker_(kTakeInterval, [this] { Tick(); }) {
+  Wake();
 }
 
 MapBuilds::~MapBuilds() {
   stopping_ = true;
   const std::lock_guard lock(mutex_);
-  for (const auto& build : builds_) build->cancelled = true;
+  if (running_ != nullptr) running_->progress.Stop();
 }
 
-absl::StatusOr<BuildRecord> MapBuilds::Start(BuildRequest request,
-                                             std::unique_ptr<ScanSpool> scans) {
+absl::StatusOr<v1::MapBuild> MapBuilds::Start(const std::string& tenant, BuildInput input) {
   absl::StatusOr<std::string> name = RandomName(64, "a build");
   if (!name.ok()) return name.status();
-  if (absl::Status status = scans->BeginReading(); !status.ok()) return status;
-  auto build = std::make_shared<Build>();
-  build->record = {.build_id = *std::move(name),
-                   .map_name = request.map_name,
-                   .scan_count = scans->scan_count(),
-                   .create_time = std::chrono::system_clock::now()};
-  build->request = std::move(request);
-  build->scans = std::move(scans);
-  const std::lock_guard lock(mutex_);
-  const auto running = std::ranges::count_if(builds_, [&](const auto& other) {
-    return other->request.tenant == build->request.tenant &&
-           other->record.state == BuildState::kRunning;
-  });
-  if (running >= kMaxRunningPerTenant) {
-    return absl::ResourceExhaustedError(
-        absl::StrFormat("%d builds are under way, which is the limit", kMaxRunningPerTenant));
-  }
-  absl::Status status = store_.builds().Add({.tenant = build->request.tenant,
-                                             .build_id = build->record.build_id,
-                                             .map_name = build->record.map_name,
-                                             .scan_count = build->record.scan_count,
-                                             .create_time = build->record.create_time});
-  if (!status.ok()) return status;
-  builds_.push_back(build);
-  status = WithinMemory([&] { pool_.Post([this, build] { Run(*build); }, Lane::kLengthy); });
+  v1::MapBuild report;
+  report.set_scan_count(input.scan_count);
+  report.set_method(input.method);
+  const BuildRow row{.build_id = *std::move(name),
+                     .tenant = tenant,
+                     .map_name = input.map_name,
+                     .create_time = std::chrono::system_clock::now(),
+                     .input_sha256 = input.sha256,
+                     .report = report.SerializeAsString()};
+  // The row comes last, so that each has its file.
+  absl::Status status = store_.build_inputs().Keep(input.spool->path(), row.build_id, input.sha256);
+  if (status.ok()) status = queue().Add(row, kMaxRunningPerTenant);
   if (!status.ok()) {
-    builds_.pop_back();
-    store_.builds().Remove(build->record.build_id);
+    store_.build_inputs().Remove(row.build_id).IgnoreError();
     return status;
   }
-  ForgetOldest();
-  return RecordOf(*build);
+  Wake();
+  return MessageOf(row);
 }
 
-absl::StatusOr<BuildRecord> MapBuilds::Get(absl::string_view tenant,
-                                           absl::string_view build_id) const {
-  const std::lock_guard lock(mutex_);
-  const std::shared_ptr<Build> build = Find(tenant, build_id);
-  if (build == nullptr) return NoSuchBuild(build_id);
-  return RecordOf(*build);
+absl::StatusOr<v1::MapBuild> MapBuilds::Get(absl::string_view tenant,
+                                            absl::string_view build_id) const {
+  const absl::StatusOr<BuildRow> row = queue().Get(tenant, build_id);
+  if (!row.ok()) return row.status();
+  return MessageOf(*row);
 }
 
-std::vector<BuildRecord> MapBuilds::List(absl::string_view tenant) const {
-  const std::lock_guard lock(mutex_);
-  std::vector<BuildRecord> records;
-  for (auto build = builds_.rbegin(); build != builds_.rend(); ++build) {
-    if ((*build)->request.tenant == tenant) records.push_back(RecordOf(**build));
+absl::StatusOr<std::vector<v1::MapBuild>> MapBuilds::List(absl::string_view tenant) const {
+  const absl::StatusOr<std::vector<BuildRow>> rows = queue().List(tenant);
+  if (!rows.ok()) return rows.status();
+  std::vector<v1::MapBuild> builds;
+  for (const BuildRow& row : *rows) builds.push_back(MessageOf(row));
+  return builds;
+}
+
+absl::StatusOr<v1::MapBuild> MapBuilds::Cancel(absl::string_view tenant,
+                                               absl::string_view build_id) {
+  const absl::StatusOr<BuildRow> row = queue().Cancel(tenant, build_id);
+  if (!row.ok()) return row.status();
+  if (row->state != BuildState::kRunning) {
+    store_.build_inputs().Remove(build_id).IgnoreError();
+    return MessageOf(*row);
   }
-  return records;
-}
-
-absl::StatusOr<BuildRecord> MapBuilds::Cancel(absl::string_view tenant,
-                                              absl::string_view build_id) {
   const std::lock_guard lock(mutex_);
-  const std::shared_ptr<Build> build = Find(tenant, build_id);
-  if (build == nullptr) return NoSuchBuild(build_id);
-  build->cancelled = true;
-  return RecordOf(*build);
+  if (running_ != nullptr && running_->row.build_id == build_id) running_->progress.Stop();
+  v1::MapBuild message;
+  ToProto(*row, &message);
+  return message;
 }
 
-void MapBuilds::Run(Build& build) {
+v1::MapBuild MapBuilds::MessageOf(const BuildRow& row) const {
+  BuildRow newest = row;
+  {
+    const std::lock_guard lock(mutex_);
+    const bool is_here = running_ != nullptr && running_->row.build_id == row.build_id;
+    if (is_here && row.state == BuildState::kRunning) {
+      newest.report = running_->progress.Get().SerializeAsString();
+    }
+  }
+  v1::MapBuild message;
+  ToProto(newest, &message);
+  return message;
+}
+
+void MapBuilds::Tick() {
+  Wake();
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_look_for_orphans_) return;
+  next_look_for_orphans_ = now + kOrphanInterval;
+  RemoveOrphans();
+}
+
+void MapBuilds::Wake() {
+  if (stopping_ || busy_.exchange(true)) return;
+  const absl::Status posted =
+      WithinMemory([this] { pool_.Post([this] { BuildAll(); }, Lane::kLengthy); });
+  if (!posted.ok()) busy_ = false;  // the ticker tries again
+}
+
+void MapBuilds::BuildAll() {
+  WithinMemory([this] {
+    while (!stopping_ && BuildNext()) continue;
+  }).IgnoreError();
+  busy_ = false;
+}
+
+bool MapBuilds::BuildNext() {
+  const absl::StatusOr<std::optional<BuildRow>> row = queue().Take(store_.holder());
+  if (!row.ok() && !absl::IsUnavailable(row.status())) {
+    spdlog::warn("no map build taken reason={}", Quoted(row.status().message()));
+  }
+  if (!row.ok() || !row->has_value()) return false;
+  Build(**row);
+  return true;
+}
+
+void MapBuilds::Build(const BuildRow& row) {
+  auto running = std::make_shared<Running>(row, store_.holder());
+  {
+    const std::lock_guard lock(mutex_);
+    running_ = running;
+    if (stopping_) running->progress.Stop();
+  }
+  spdlog::info("map build begun build={} tenant={} map={} attempt={}", row.build_id, row.tenant,
+               row.map_name, row.attempt_count);
   absl::StatusOr<MapVersionRecord> version = OutOfMemory();
-  WithinMemory([&] { version = Make(build); }).IgnoreError();
+  {
+    const Ticker renewal(kRenewInterval, [this, &running] { Renew(*running); });
+    WithinMemory([&] { version = Make(*running); }).IgnoreError();
+  }
+  End(*running, version);
   const std::lock_guard lock(mutex_);
-  build.scans.reset();
-  BuildRecord& record = build.record;
-  // One that the server's end interrupts is left for the next process to tell of.
-  if (version.ok() || !stopping_) store_.builds().Remove(record.build_id);
-  if (version.ok()) {
-    record.state = BuildState::kDone;
-    record.version = *version;
-  } else {
-    record.state =
-        absl::IsCancelled(version.status()) ? BuildState::kCancelled : BuildState::kFailed;
-    record.error = version.status();
-  }
-  spdlog::info("map build ended build={} tenant={} map={} scans={} version={} reason={}",
-               record.build_id, build.request.tenant, record.map_name, record.scan_count,
-               version.ok() ? version->version : 0, Quoted(version.status().message()));
+  running_.reset();
 }
 
-absl::StatusOr<MapVersionRecord> MapBuilds::Make(Build& build) const {
-  const absl::StatusOr<std::vector<std::byte>> bytes = AddScans(build);
+void MapBuilds::Renew(Running& running) const {
+  const auto state = queue().Renew(running.lease, running.progress.Get().SerializeAsString());
+  if (!state.ok() || *state == LeaseState::kHeld) return;  // away: the lease may outlive that
+  if (*state == LeaseState::kLost) running.lost = true;
+  running.progress.Stop();
+}
+
+absl::StatusOr<MapVersionRecord> MapBuilds::Make(Running& running) const {
+  const BuildRow& row = running.row;
+  if (row.attempt_count > BuildQueue::kMaxAttempts) {
+    return absl::AbortedError(
+        absl::StrFormat("%d servers ended before they had built it; it may be what ended them",
+                        BuildQueue::kMaxAttempts));
+  }
+  const std::filesystem::path path = store_.incoming().folder() / ("build-" + row.build_id);
+  FramedReader spool(path);
+  absl::Status status = store_.build_inputs().Fetch(row.build_id, row.input_sha256, path);
+  if (!status.ok()) return WithPrefix("the scans: ", status);
+  v1::StartMapBuildRequest header;
+  status = spool.Begin();
+  const absl::StatusOr<bool> there = status.ok() ? spool.Next(&header) : status;
+  if (!there.ok()) return there.status();
+  const absl::StatusOr<BuildRequest> request = FromProto(header.header());
+  if (!request.ok()) return request.status();
+  const auto bytes = header.header().method() == v1::MAP_BUILD_METHOD_SURVEY
+                         ? BuildBySurvey(*request, spool, running.progress)
+                         : BuildAtKnownPoses(*request, spool, running.progress);
   if (!bytes.ok()) return bytes.status();
-  if (build.cancelled) return absl::CancelledError("cancelled");
-  return Keep(build.request, *bytes);
+  running.progress.Tell("storing the map", 0.0);
+  status = Confirm(running);
+  return status.ok() ? Keep(running, request->activate, *bytes) : status;
 }
 
-// How late radars stamp their scans is known after the last scan only. Scans that are not valid are
-// left to AddScans, which names them.
-absl::StatusOr<MeasuredStamps> MapBuilds::StampsOf(Build& build) const {
-  DriveStamps stamps(build.request.rig);
-  if (!stamps.IsNeeded()) return MeasuredStamps{.rig = build.request.rig};
-  v1::PosedScan message;
-  Scan scan;
-  while (!build.cancelled) {
-    const absl::StatusOr<bool> there = build.scans->Next(&message);
-    if (!there.ok()) return there.status();
-    if (!*there) {
-      if (absl::Status status = build.scans->BeginReading(); !status.ok()) return status;
-      return stamps.Measured();
-    }
-    if (message.begins_pass()) stamps.BeginPass();
-    if (convert::FromProto(message.scan(), build.request.rig, &scan).ok()) stamps.Add(scan);
-  }
-  return absl::CancelledError("cancelled");
+absl::Status MapBuilds::Confirm(Running& running) const {
+  const auto state = AskPatiently(
+      [&] { return queue().Renew(running.lease, running.progress.Get().SerializeAsString()); },
+      stopping_);
+  if (!state.ok()) return state.status();
+  if (*state == LeaseState::kLost) running.lost = true;
+  if (*state != LeaseState::kHeld || running.progress.stopped()) return BuildStopped();
+  return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<std::byte>> MapBuilds::AddScans(Build& build) const {
-  const BuildRequest& request = build.request;
-  const absl::StatusOr<MeasuredStamps> stamps = StampsOf(build);
-  if (!stamps.ok()) return stamps.status();
-  const Rig& rig = stamps->rig;
-  MapBuilderOptions options = request.options;
-  options.stamp_delay_s = stamps->mean_delay_s;
-  absl::StatusOr<MapBuilder> builder = MapBuilder::Create(rig, options);
-  if (!builder.ok()) return builder.status();
-  EgoMotion ego_motion;
-  v1::PosedScan message;
-  Scan scan;
-  while (!build.cancelled) {
-    const absl::StatusOr<bool> there = build.scans->Next(&message);
-    if (!there.ok()) return there.status();
-    if (!*there) return builder->Build();
-    if (message.begins_pass() && build.done_scan_count > 0) {
-      builder->BeginPass();
-      ego_motion = EgoMotion();
-    }
-    absl::Status status = convert::FromProto(message.scan(), request.rig, &scan);
-    const absl::StatusOr<Pose3> pose = convert::FromProto(message.t_map_vehicle(), "t_map_vehicle");
-    if (status.ok()) status = pose.status();
-    if (status.ok()) {
-      const EgoVelocity& velocity = ego_motion.Advance(scan, *rig.Find(scan.radar_id));
-      status = builder->Add(scan, *pose, velocity);
-    }
-    if (!status.ok())
-      return WithPrefix(absl::StrCat("scan ", build.done_scan_count.load(), ": "), status);
-    ++build.done_scan_count;
-  }
-  return absl::CancelledError("cancelled");
-}
-
-absl::StatusOr<MapVersionRecord> MapBuilds::Keep(const BuildRequest& request,
+absl::StatusOr<MapVersionRecord> MapBuilds::Keep(const Running& running, bool activate,
                                                  const std::vector<std::byte>& bytes) const {
   Sha256 hash;
   hash.Update(bytes);
   absl::StatusOr<Upload> upload =
       Upload::Begin(store_,
-                    {.tenant = request.tenant,
-                     .map_name = request.map_name,
+                    {.tenant = running.row.tenant,
+                     .map_name = running.row.map_name,
                      .size_bytes = static_cast<std::int64_t>(bytes.size()),
                      .sha256 = hash.Finish(),
-                     .activate = request.activate},
-                    request.limits);
+                     .activate = activate},
+                    UploadLimitsOf(limits_));
   if (!upload.ok()) return upload.status();
   constexpr std::size_t kPart = std::size_t{1} << 20;
   const absl::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -221,27 +254,47 @@ absl::StatusOr<MapVersionRecord> MapBuilds::Keep(const BuildRequest& request,
   return upload->Finish();
 }
 
-std::shared_ptr<MapBuilds::Build> MapBuilds::Find(absl::string_view tenant,
-                                                  absl::string_view build_id) const {
-  const auto build = std::ranges::find_if(builds_, [&](const auto& candidate) {
-    return candidate->request.tenant == tenant && candidate->record.build_id == build_id;
-  });
-  return build == builds_.end() ? nullptr : *build;
-}
-
-BuildRecord MapBuilds::RecordOf(const Build& build) {
-  BuildRecord record = build.record;
-  record.done_scan_count = build.done_scan_count;
-  return record;
-}
-
-void MapBuilds::ForgetOldest() {
-  while (builds_.size() > kMaxRemembered) {
-    const auto ended = std::ranges::find_if(
-        builds_, [](const auto& build) { return build->record.state != BuildState::kRunning; });
-    if (ended == builds_.end()) return;
-    builds_.erase(ended);
+void MapBuilds::End(Running& running, const absl::StatusOr<MapVersionRecord>& version) const {
+  const BuildRow& row = running.row;
+  const bool interrupted = !version.ok() && (stopping_ || running.lost);
+  if (interrupted) {
+    if (!running.lost) queue().GiveBack(running.lease).IgnoreError();  // else the lease ends
+    spdlog::info("map build given back build={} tenant={} map={}", row.build_id, row.tenant,
+                 row.map_name);
+    return;
   }
+  v1::MapBuild report = running.progress.Get();
+  BuildState state = BuildState::kDone;
+  if (version.ok()) {
+    convert::ToProto(*version, report.mutable_version());
+  } else {
+    state = absl::IsCancelled(version.status()) ? BuildState::kCancelled : BuildState::kFailed;
+    report.set_error_code(static_cast<std::int32_t>(version.status().code()));
+    report.set_error_message(std::string(version.status().message()));
+  }
+  const auto ended = AskPatiently(
+      [&] { return queue().End(running.lease, state, report.SerializeAsString()); }, stopping_);
+  if (ended.ok()) store_.build_inputs().Remove(row.build_id).IgnoreError();
+  spdlog::info("map build ended build={} tenant={} map={} scans={} version={} reason={}",
+               row.build_id, row.tenant, row.map_name, report.scan_count(),
+               version.ok() ? version->version : 0, Quoted(version.status().message()));
+}
+
+/// Files of builds that never were, as their server died before it added the row, or that have
+/// ended, as it died before it removed the file. One that has just come may still get its row.
+void MapBuilds::RemoveOrphans() {
+  const auto files = store_.build_inputs().List();
+  const auto wanted = queue().ListRunning();
+  if (!files.ok() || !wanted.ok()) return;
+  std::set<std::string> orphans;
+  for (const auto& [name, size_bytes] : *files) orphans.insert(name);
+  for (const std::string& build_id : *wanted) orphans.erase(build_id);
+  for (const std::string& name : orphans) {
+    if (!orphans_.contains(name)) continue;
+    spdlog::info("scans of no map build removed build={}", name);
+    store_.build_inputs().Remove(name).IgnoreError();
+  }
+  orphans_ = std::move(orphans);
 }
 
 }  // namespace dcloc::server

@@ -1,98 +1,90 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
-#include <deque>
+#include <chrono>
 #include <memory>
 #include <mutex>
-#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/map/map_builder.h"
-#include "core/odometry/learned_stamps.h"
+#include "dcloc/v1/map_service.pb.h"
+#include "server/base/ticker.h"
 #include "server/base/worker_pool.h"
-#include "server/maps/jobs/scan_spool.h"
+#include "server/config/limits.h"
+#include "server/maps/catalogue/build_queue.h"
+#include "server/maps/jobs/build_intake.h"
+#include "server/maps/jobs/build_progress.h"
 #include "server/maps/jobs/upload.h"
 #include "server/maps/store/map_store.h"
 
 namespace dcloc::server {
 
-/// The map to be built.
-struct BuildRequest {
-  std::string tenant;
-  std::string map_name;
-  Rig rig;
-  MapBuilderOptions options;
-  bool activate = false;
-  UploadLimits limits;  ///< of what comes out
-};
-
-enum class BuildState { kRunning, kDone, kFailed, kCancelled };
-
-/// A build as others see it.
-struct BuildRecord {
-  std::string build_id;
-  std::string map_name;  ///< without the tenant
-  BuildState state = BuildState::kRunning;
-  std::int64_t scan_count = 0;
-  std::int64_t done_scan_count = 0;
-  SystemTime create_time;
-  absl::Status error;                       ///< of a failed one
-  std::optional<MapVersionRecord> version;  ///< of one that is done
-};
-
-/// Builds of maps from scans: one at a time, in the order in which they were started, on a thread
-/// of their own. They are kept in memory. The end of the process ends them, and the next process
-/// reports them as failed. Thread-safe.
+/// Builds of map versions from scans. They wait in the store's queue, which servers may share. This
+/// server builds one at a time, on a thread of its own, under a lease. The end of the process gives
+/// back what it builds; if it dies, the lease ends. Then another server, or this one when it starts
+/// again, builds it anew from the scans, which lie beside the maps until the build has ended. The
+/// same scans give the same file, so two that build at once add one version. Thread-safe.
 class MapBuilds {
  public:
-  /// `store` outlives it.
-  explicit MapBuilds(MapStore& store);
-  /// Interrupts running builds.
+  /// `store` and `limits` outlive it.
+  MapBuilds(MapStore& store, const Limits& limits);
+  /// Interrupts what is built here.
   ~MapBuilds();
   MapBuilds(const MapBuilds&) = delete;
   MapBuilds& operator=(const MapBuilds&) = delete;
 
   /// ResourceExhausted when the tenant has too many under way, or the disk is full.
-  absl::StatusOr<BuildRecord> Start(BuildRequest request, std::unique_ptr<ScanSpool> scans);
+  absl::StatusOr<v1::MapBuild> Start(const std::string& tenant, BuildInput input);
 
   /// NotFound: the tenant has no such build, or it ended too long ago.
-  absl::StatusOr<BuildRecord> Get(absl::string_view tenant, absl::string_view build_id) const;
+  absl::StatusOr<v1::MapBuild> Get(absl::string_view tenant, absl::string_view build_id) const;
 
   /// The tenant's, newest first.
-  std::vector<BuildRecord> List(absl::string_view tenant) const;
+  absl::StatusOr<std::vector<v1::MapBuild>> List(absl::string_view tenant) const;
 
   /// Cancels a build, unless it has ended; returns before it ends. NotFound as above.
-  absl::StatusOr<BuildRecord> Cancel(absl::string_view tenant, absl::string_view build_id);
+  absl::StatusOr<v1::MapBuild> Cancel(absl::string_view tenant, absl::string_view build_id);
 
  private:
-  struct Build {
-    BuildRequest request;
-    std::unique_ptr<ScanSpool> scans;
-    std::atomic<bool> cancelled = false;
-    std::atomic<std::int64_t> done_scan_count = 0;
-    BuildRecord record;  ///< but for the count that is done; with the mutex held
+  /// A build that this server has taken.
+  struct Running {
+    Running(const BuildRow& taken, const std::string& holder);
+    const BuildRow row;
+    const BuildLease lease;
+    BuildProgress progress;
+    std::atomic<bool> lost = false;  ///< another one may build it now
   };
 
-  void Run(Build& build);
-  absl::StatusOr<MapVersionRecord> Make(Build& build) const;
-  absl::StatusOr<MeasuredStamps> StampsOf(Build& build) const;
-  absl::StatusOr<std::vector<std::byte>> AddScans(Build& build) const;
-  absl::StatusOr<MapVersionRecord> Keep(const BuildRequest& request,
+  BuildQueue& queue() const { return store_.builds(); }
+  void Wake();
+  void BuildAll();
+  /// False when nothing waits.
+  bool BuildNext();
+  void Build(const BuildRow& row);
+  void Renew(Running& running) const;
+  absl::StatusOr<MapVersionRecord> Make(Running& running) const;
+  absl::StatusOr<MapVersionRecord> Keep(const Running& running, bool activate,
                                         const std::vector<std::byte>& bytes) const;
-  // With the mutex held.
-  std::shared_ptr<Build> Find(absl::string_view tenant, absl::string_view build_id) const;
-  static BuildRecord RecordOf(const Build& build);
-  void ForgetOldest();
+  /// OK while it is still to be built here.
+  absl::Status Confirm(Running& running) const;
+  void End(Running& running, const absl::StatusOr<MapVersionRecord>& version) const;
+  v1::MapBuild MessageOf(const BuildRow& row) const;
+  void Tick();
+  void RemoveOrphans();
 
   MapStore& store_;
+  const Limits& limits_;
   std::atomic<bool> stopping_ = false;
+  std::atomic<bool> busy_ = false;
   mutable std::mutex mutex_;
-  std::deque<std::shared_ptr<Build>> builds_;  ///< oldest first
-  WorkerPool pool_{1, 1};                      ///< last: its tasks use the others
+  std::shared_ptr<Running> running_;  ///< null while nothing is built here
+  std::set<std::string> orphans_;     ///< inputs that no build wanted last time; the ticker's
+  std::chrono::steady_clock::time_point next_look_for_orphans_{};  ///< the ticker's
+  WorkerPool pool_{1, 1};                                          ///< its tasks use the others
+  Ticker ticker_;                                                  ///< last: it posts to the pool
 };
 
 }  // namespace dcloc::server

@@ -1,17 +1,17 @@
 #include "server/maps/jobs/scan_spool.h"
 
+#include <span>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/base/framed_file.h"
 #include "server/base/random_name.h"
 
 namespace dcloc::server {
 namespace {
-
-using Length = std::uint32_t;
 
 absl::Status CannotWrite() {
   return absl::ResourceExhaustedError("the scans cannot be written: the disk may be full");
@@ -35,43 +35,23 @@ absl::StatusOr<std::unique_ptr<ScanSpool>> ScanSpool::Create(const std::filesyst
   return spool;
 }
 
-absl::Status ScanSpool::Append(const v1::PosedScan& scan, std::int64_t max_bytes) {
-  const auto length = static_cast<Length>(scan.ByteSizeLong());
-  size_bytes_ += static_cast<std::int64_t>(sizeof(length) + length);
+absl::Status ScanSpool::Append(const v1::StartMapBuildRequest& message, std::int64_t max_bytes) {
+  buffer_.clear();
+  AppendFramed(message, &buffer_);
+  size_bytes_ += static_cast<std::int64_t>(buffer_.size());
   if (size_bytes_ > max_bytes) {
     return absl::ResourceExhaustedError(
         absl::StrFormat("the scans have more than %d MiB, which is max_map_mib", max_bytes >> 20));
   }
-  scan.SerializeToString(&buffer_);
-  out_.write(reinterpret_cast<const char*>(&length), sizeof(length));
-  out_.write(buffer_.data(), length);
+  out_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+  hash_.Update(std::as_bytes(std::span(buffer_)));
+  return out_ ? absl::OkStatus() : CannotWrite();
+}
+
+absl::StatusOr<std::string> ScanSpool::Finish() {
+  out_.close();
   if (!out_) return CannotWrite();
-  ++scan_count_;
-  return absl::OkStatus();
-}
-
-absl::Status ScanSpool::BeginReading() {
-  if (out_.is_open()) {
-    out_.close();
-    if (!out_) return CannotWrite();
-  }
-  if (in_.is_open()) in_.close();
-  in_.clear();
-  in_.open(path_, std::ios::binary);
-  return in_ ? absl::OkStatus() : absl::InternalError("the scans cannot be read again");
-}
-
-absl::StatusOr<bool> ScanSpool::Next(v1::PosedScan* scan) {
-  Length length = 0;
-  in_.read(reinterpret_cast<char*>(&length), sizeof(length));
-  if (in_.eof() && in_.gcount() == 0) return false;
-  // What was written was within a message's limit; anything else is a broken disk.
-  if (in_ && length <= static_cast<std::uint64_t>(size_bytes_)) {
-    buffer_.resize(length);
-    in_.read(buffer_.data(), length);
-    if (in_ && scan->ParseFromString(buffer_)) return true;
-  }
-  return absl::DataLossError("the scans cannot be read again");
+  return hash_.Finish();
 }
 
 }  // namespace dcloc::server

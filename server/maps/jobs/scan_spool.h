@@ -9,10 +9,13 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "dcloc/v1/map_service.pb.h"
+#include "server/base/sha256.h"
 
 namespace dcloc::server {
 
-/// The scans of a map build, in a file that is removed with this object. Not thread-safe.
+/// What a client sends to have a map built, as a file (FramedReader): the header, then drives and
+/// scans in the order in which they came. The file is removed with this object, if it is still
+/// there. Not thread-safe.
 class ScanSpool {
  public:
   /// Makes the file in `folder`.
@@ -22,25 +25,20 @@ class ScanSpool {
   ScanSpool& operator=(const ScanSpool&) = delete;
 
   /// ResourceExhausted when the disk is full, or when the file would have more than `max_bytes`.
-  absl::Status Append(const v1::PosedScan& scan, std::int64_t max_bytes);
+  absl::Status Append(const v1::StartMapBuildRequest& message, std::int64_t max_bytes);
 
-  /// Ends writing. `Next` then gives the scans in the order in which they came; once more from the
-  /// first one with each call.
-  absl::Status BeginReading();
+  /// Ends writing; gives the hash of the file.
+  absl::StatusOr<std::string> Finish();
 
-  /// False after the last one.
-  absl::StatusOr<bool> Next(v1::PosedScan* scan);
-
-  std::int64_t scan_count() const { return scan_count_; }
+  const std::filesystem::path& path() const { return path_; }
 
  private:
   explicit ScanSpool(std::filesystem::path path);
 
   std::filesystem::path path_;
   std::ofstream out_;
-  std::ifstream in_;
   std::string buffer_;
-  std::int64_t scan_count_ = 0;
+  Sha256 hash_;
   std::int64_t size_bytes_ = 0;
 };
 

@@ -3,14 +3,13 @@
 #include <memory>
 #include <optional>
 
-#include "core/radar/scan.h"
 #include "dcloc/v1/map_service.pb.h"
 #include "server/maps/jobs/map_builds.h"
 #include "server/rpc/read_stream.h"
 
 namespace dcloc::server {
 
-/// One StartMapBuild call: each scan is checked and written to disk before the next one is read.
+/// One StartMapBuild call: each message is checked and written to disk before the next one is read.
 class BuildStream final : public ReadStream<v1::StartMapBuildRequest, v1::StartMapBuildResponse> {
  public:
   static BuildStream* Start(grpc::CallbackServerContext* context, const RpcContext& host,
@@ -23,16 +22,12 @@ class BuildStream final : public ReadStream<v1::StartMapBuildRequest, v1::StartM
 
   absl::Status Take(const v1::StartMapBuildRequest& request) override;
   absl::Status Complete(v1::StartMapBuildResponse* response) override;
-  void Release() override { scans_.reset(); }
+  void Release() override { intake_.reset(); }
 
-  absl::Status TakeHeader(const v1::MapBuildHeader& header);
-  absl::Status Append(const v1::PosedScan& scan);
+  BuildIntake& intake();
 
   MapBuilds& builds_;
-  std::optional<BuildRequest> build_;
-  std::unique_ptr<ScanSpool> scans_;
-  Scan scan_;  ///< kept for its columns' memory
-  std::optional<Stamp> last_stamp_;
+  std::optional<BuildIntake> intake_;
 };
 
 }  // namespace dcloc::server

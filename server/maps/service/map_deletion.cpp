@@ -73,8 +73,8 @@ absl::Status DeleteVersion(MapStore& store, const SessionDrainer& drainer,
   return status;
 }
 
-absl::Status DeleteMap(MapStore& store, const SessionDrainer& drainer, const std::string& tenant,
-                       const v1::DeleteMapRequest& request) {
+absl::Status DeleteMap(MapStore& store, PassStore& passes, const SessionDrainer& drainer,
+                       const std::string& tenant, const v1::DeleteMapRequest& request) {
   const std::string& name = request.map_name();
   absl::Status status = CheckMapName("map_name", name);
   if (!status.ok()) return status;
@@ -85,7 +85,10 @@ absl::Status DeleteMap(MapStore& store, const SessionDrainer& drainer, const std
                : erase();
   if (!status.ok()) return status;
   spdlog::info("map deleted tenant={} map={}", tenant, name);
-  return status;
+  // Another map of that name has not consented to anything.
+  const ConsentRow consent{.subject = ConsentSubject::kMap, .name = name};
+  return WithPrefix("the map is deleted, but not its passes: ",
+                    passes.WithdrawConsent(tenant, consent).status());
 }
 
 }  // namespace dcloc::server

@@ -7,6 +7,7 @@
 #include "absl/status/status.h"
 #include "dcloc/v1/map_service.pb.h"
 #include "server/maps/store/map_store.h"
+#include "server/passes/pass_store.h"
 
 /// The calls that delete versions and maps, and drain their sessions if asked to.
 namespace dcloc::server {
@@ -24,8 +25,8 @@ struct SessionDrainer {
 absl::Status DeleteVersion(MapStore& store, const SessionDrainer& drainer,
                            const std::string& tenant, const v1::DeleteMapVersionRequest& request);
 
-/// As above.
-absl::Status DeleteMap(MapStore& store, const SessionDrainer& drainer, const std::string& tenant,
-                       const v1::DeleteMapRequest& request);
+/// As above; the map's consent to keep passes goes with it, and the passes.
+absl::Status DeleteMap(MapStore& store, PassStore& passes, const SessionDrainer& drainer,
+                       const std::string& tenant, const v1::DeleteMapRequest& request);
 
 }  // namespace dcloc::server

@@ -8,7 +8,6 @@
 #include "server/base/check.h"
 #include "server/convert/map.h"
 #include "server/convert/page.h"
-#include "server/maps/jobs/map_build.h"
 #include "server/maps/service/build_stream.h"
 #include "server/maps/service/download_stream.h"
 #include "server/maps/service/map_deletion.h"
@@ -114,19 +113,21 @@ absl::Status GetVersion(Catalogue& catalogue, const std::string& tenant,
   return absl::OkStatus();
 }
 
-absl::Status AnswerBuild(const absl::StatusOr<BuildRecord>& record, v1::MapBuild* message) {
-  if (!record.ok()) return record.status();
-  ToProto(*record, message);
+absl::Status AnswerBuild(absl::StatusOr<v1::MapBuild> build, v1::MapBuild* message) {
+  if (!build.ok()) return build.status();
+  *message = *std::move(build);
   return absl::OkStatus();
 }
 
 }  // namespace
 
-MapService::MapService(RpcContext host, SessionMover move_sessions, SessionDrainer drain_sessions)
+MapService::MapService(RpcContext host, PassStore& passes, SessionMover move_sessions,
+                       SessionDrainer drain_sessions)
     : host_(host),
+      passes_(passes),
       move_sessions_(std::move(move_sessions)),
       drain_sessions_(std::move(drain_sessions)),
-      builds_(host.store) {
+      builds_(host.store, host.limits) {
   AwaitRequests(host.awaited_requests, &MapService::ListMaps, &MapService::GetMap,
                 &MapService::ListMapVersions, &MapService::GetMapVersion, &MapService::GetMapUpload,
                 &MapService::DownloadMap, &MapService::ActivateMapVersion, &MapService::RollBackMap,
@@ -257,9 +258,9 @@ grpc::ServerUnaryReactor* MapService::ListMapBuilds(grpc::CallbackServerContext*
                                                     const v1::ListMapBuildsRequest* request,
                                                     v1::ListMapBuildsResponse* response) {
   return RunUnary(host_, context, request, [this, response](const Principal& principal) {
-    for (const BuildRecord& record : builds_.List(principal.tenant)) {
-      ToProto(record, response->add_builds());
-    }
+    absl::StatusOr<std::vector<v1::MapBuild>> builds = builds_.List(principal.tenant);
+    if (!builds.ok()) return builds.status();
+    for (v1::MapBuild& build : *builds) *response->add_builds() = std::move(build);
     return absl::OkStatus();
   });
 }
@@ -290,7 +291,7 @@ grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* con
   return RunUnary(
       host_, context, request,
       [this, request](const Principal& principal) {
-        return server::DeleteMap(host_.store, drain_sessions_, principal.tenant, *request);
+        return server::DeleteMap(host_.store, passes_, drain_sessions_, principal.tenant, *request);
       },
       Lane::kLengthy);
 }

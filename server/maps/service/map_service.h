@@ -6,6 +6,7 @@
 #include "server/maps/service/map_deletion.h"
 #include "server/maps/service/map_labels.h"
 #include "server/net/awaiting_service.h"
+#include "server/passes/pass_store.h"
 #include "server/rpc/rpc_context.h"
 
 namespace dcloc::server {
@@ -17,7 +18,9 @@ using RawStreamsMapService = v1::MapService::WithRawCallbackMethod_UploadMap<
 /// MapService over a MapStore. All calls may wait for a disk, so all run on the storage pool.
 class MapService final : public AwaitingService<RawStreamsMapService> {
  public:
-  MapService(RpcContext host, SessionMover move_sessions, SessionDrainer drain_sessions);
+  /// The consent of a map that is deleted goes from `passes`, which outlives its calls.
+  MapService(RpcContext host, PassStore& passes, SessionMover move_sessions,
+             SessionDrainer drain_sessions);
 
   grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
                                      const v1::ListMapsRequest* request,
@@ -76,6 +79,7 @@ class MapService final : public AwaitingService<RawStreamsMapService> {
 
  private:
   const RpcContext host_;
+  PassStore& passes_;
   const SessionMover move_sessions_;
   const SessionDrainer drain_sessions_;
   DownloadSlots downloads_;

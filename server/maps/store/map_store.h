@@ -15,9 +15,10 @@
 #include "core/map/radar_map.h"
 #include "server/base/clock.h"
 #include "server/base/keyed_mutex.h"
+#include "server/maps/catalogue/build_queue.h"
 #include "server/maps/catalogue/catalogue.h"
-#include "server/maps/store/build_ledger.h"
 #include "server/maps/store/incoming_files.h"
+#include "server/maps/store/kept_files.h"
 #include "server/maps/store/map_files.h"
 #include "server/maps/store/store_check.h"
 #include "server/maps/store/tenant_quota.h"
@@ -37,7 +38,8 @@ struct MapStoreParts {
   std::unique_ptr<Catalogue> catalogue;     ///< may be shared with other processes
   std::unique_ptr<MapFiles> files;          ///< as far as the catalogue is
   std::unique_ptr<IncomingFiles> incoming;  ///< this process's own
-  std::unique_ptr<BuildLedger> builds;      ///< this process's own
+  std::unique_ptr<BuildQueue> builds;       ///< as far as the catalogue is shared
+  std::unique_ptr<KeptFiles> build_inputs;  ///< likewise
   std::string holder;                       ///< names this process in the catalogue's holds
 };
 
@@ -71,7 +73,11 @@ class MapStore {
 
   IncomingFiles& incoming() { return *parts_.incoming; }
   TenantQuota& quota() { return quota_; }
-  BuildLedger& builds() { return *parts_.builds; }
+  BuildQueue& builds() { return *parts_.builds; }
+  KeptFiles& build_inputs() { return *parts_.build_inputs; }
+
+  /// Names this process among those that share the store.
+  const std::string& holder() const { return parts_.holder; }
 
   /// What `Open` found and did.
   const StoreReport& report() const { return report_; }

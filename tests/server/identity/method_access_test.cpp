@@ -12,6 +12,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "dcloc/v1/pass_service.pb.h"
 #include "server/app/storage.h"
 #include "server/identity/role.h"
 #include "spdlog/spdlog.h"
@@ -105,7 +106,7 @@ class MethodAccessTest : public ::testing::Test {
   static void ForEachMethod(const Visit& visit) {
     for (const auto* request :
          {v1::ListMapsRequest::descriptor(), v1::LocalizeRequest::descriptor(),
-          v1::GetServerStateRequest::descriptor()}) {
+          v1::GetServerStateRequest::descriptor(), v1::ListPassesRequest::descriptor()}) {
       const google::protobuf::FileDescriptor* file = request->file();
       for (int s = 0; s < file->service_count(); ++s) {
         for (int m = 0; m < file->service(s)->method_count(); ++m) {

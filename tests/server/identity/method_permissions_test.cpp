@@ -10,14 +10,16 @@
 #include "dcloc/v1/admin_service.pb.h"
 #include "dcloc/v1/localization_service.pb.h"
 #include "dcloc/v1/map_service.pb.h"
+#include "dcloc/v1/pass_service.pb.h"
 
 namespace dcloc::server {
 namespace {
 
 TEST(MethodPermissionsTest, EveryMethodOfTheContractHasExactlyOneEntry) {
   // A static library's descriptors are there once something in it is used.
-  for (const auto* used : {v1::ListMapsRequest::descriptor(), v1::LocalizeRequest::descriptor(),
-                           v1::GetServerStateRequest::descriptor()}) {
+  for (const auto* used :
+       {v1::ListMapsRequest::descriptor(), v1::LocalizeRequest::descriptor(),
+        v1::GetServerStateRequest::descriptor(), v1::ListPassesRequest::descriptor()}) {
     ASSERT_NE(used, nullptr);
   }
   std::multiset<std::string> listed;

@@ -110,6 +110,25 @@ TEST_F(MapCommandsTest, AServerMakesAMapOfADrive) {
   EXPECT_EQ(Dcloc(Localize("--rate max")).exit_code, 0);
 }
 
+TEST_F(MapCommandsTest, AServerSurveysDrivesWithoutTheirPoses) {
+  const std::string survey = At("map remote-survey") + "--map town --activate " + Data();
+  Result result = Dcloc(survey + " --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto version = nlohmann::json::parse(result.out);
+  EXPECT_EQ(version["version"], 1);
+  EXPECT_EQ(version["drives"][0]["is_in_map"], true);
+  const auto builds = nlohmann::json::parse(Dcloc(At("map builds") + "--json").out);
+  EXPECT_EQ(builds[0]["method"], "survey");
+  result = Dcloc(survey + " --to-s 0.3");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr(drive_ + ": it moved"));
+  result = Dcloc(survey + ",nowhere");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("nowhere"));
+  EXPECT_EQ(nlohmann::json::parse(Dcloc(At("map builds") + "--json").out).size(), 2U)
+      << "nothing is built of half of the drives";
+}
+
 TEST_F(MapCommandsTest, ATileOfAMapIsPrinted) {
   Upload();
   const std::string tile = At("map tile") + "--map town ";

@@ -27,7 +27,6 @@ TEST(MapBuildTest, WhatAClientAsksForIsWhatIsBuilt) {
   header.mutable_anchor()->mutable_origin()->set_latitude_deg(52.0);
   const auto request = FromProto(header);
   ASSERT_TRUE(request.ok()) << request.status();
-  EXPECT_EQ(request->map_name, "town");
   EXPECT_EQ(request->options.name, "monday");
   EXPECT_TRUE(request->activate);
   ASSERT_EQ(request->rig.radars.size(), 1U);
@@ -51,21 +50,37 @@ TEST(MapBuildTest, FaultsAreNamedUnderTheHeader) {
               HasSubstr("header.anchor.origin"));
 }
 
-TEST(MapBuildTest, AFailedBuildSaysWhyAndHasNoVersion) {
-  BuildRecord record;
-  record.state = BuildState::kFailed;
-  record.done_scan_count = 4;
-  record.error = absl::ResourceExhaustedError("the disk is full");
+TEST(MapBuildTest, ABuildIsToldAsItsBuilderReportsIt) {
+  v1::MapBuild report;
+  report.set_done_scan_count(4);
+  report.set_stage("placing scans");
+  report.set_stage_share(0.5);
+  BuildRow row{.build_id = "x", .map_name = "town", .report = report.SerializeAsString()};
+  row.attempt_count = 2;
   v1::MapBuild message;
-  ToProto(record, &message);
-  EXPECT_EQ(message.state(), v1::MAP_BUILD_STATE_FAILED);
+  ToProto(row, &message);
+  EXPECT_EQ(message.build_id(), "x");
+  EXPECT_EQ(message.map_name(), "town");
+  EXPECT_EQ(message.state(), v1::MAP_BUILD_STATE_RUNNING);
   EXPECT_EQ(message.done_scan_count(), 4);
+  EXPECT_EQ(message.stage(), "placing scans");
+  EXPECT_EQ(message.stage_share(), 0.5);
+  EXPECT_EQ(message.attempt_count(), 2);
+}
+
+TEST(MapBuildTest, AFailedBuildSaysWhyAndIsInNoStage) {
+  v1::MapBuild report;
+  report.set_stage("placing scans");
+  report.set_error_code(static_cast<int>(absl::StatusCode::kResourceExhausted));
+  report.set_error_message("the disk is full");
+  const BuildRow row{.state = BuildState::kFailed, .report = report.SerializeAsString()};
+  v1::MapBuild message;
+  ToProto(row, &message);
+  EXPECT_EQ(message.state(), v1::MAP_BUILD_STATE_FAILED);
   EXPECT_EQ(message.error_code(), static_cast<int>(absl::StatusCode::kResourceExhausted));
   EXPECT_EQ(message.error_message(), "the disk is full");
   EXPECT_FALSE(message.has_version());
-  record.version.emplace().version = 5;
-  ToProto(record, &message);
-  EXPECT_EQ(message.version().version(), 5);
+  EXPECT_EQ(message.stage(), "");
 }
 
 }  // namespace

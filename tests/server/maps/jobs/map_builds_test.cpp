@@ -148,7 +148,8 @@ TEST_F(MapBuildsTest, TheSameDriveGivesTheSameFile) {
   ASSERT_EQ(List().builds_size(), 2);
   EXPECT_EQ(List().builds(0).build_id(), second.build_id()) << "newest first";
   EXPECT_TRUE(NothingIsLeft());
-  EXPECT_TRUE(std::filesystem::is_empty(server_.folder.path() / "store" / "builds"));
+  EXPECT_TRUE(Eventually(
+      [&] { return std::filesystem::is_empty(server_.folder.path() / "store" / "builds"); }));
 }
 
 TEST_F(MapBuildsTest, FurtherPassesBeginAnew) {

@@ -8,7 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "server/maps/catalogue/sqlite_build_queue.h"
 #include "server/maps/catalogue/sqlite_catalogue.h"
+#include "server/maps/store/kept_files.h"
 #include "server/maps/store/map_bucket.h"
 #include "server/maps/store/map_scrub.h"
 #include "server/maps/store/map_store.h"
@@ -34,7 +36,8 @@ class StoreAwayTest : public ::testing::Test {
         *MapStore::Open({.catalogue = *SqliteCatalogue::Open(folder_.path() / "catalogue.sqlite"),
                          .files = std::make_unique<MapBucket>(*ObjectStore::Open(stub_.Options())),
                          .incoming = *IncomingFiles::Open(folder_.path() / "incoming"),
-                         .builds = *BuildLedger::Open(folder_.path() / "builds"),
+                         .builds = *SqliteBuildQueue::Open(folder_.path() / "jobs.sqlite"),
+                         .build_inputs = *KeptFolder::Open(folder_.path() / "builds"),
                          .holder = "host:1"},
                         {.max_warm_bytes = 0});
   }

@@ -1,0 +1,142 @@
+#include "client/cli/map/remote_builds.h"
+
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/common/stop_signals.h"
+#include "client/cli/common/terminal.h"
+#include "client/cli/map/map_call.h"
+#include "client/cli/map/stage_line.h"
+#include "client/cli/remote/answer_text.h"
+
+namespace dcloc::cli {
+namespace {
+
+using nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kPollInterval(200);
+/// For a server that is restarted, or that another one takes over from.
+constexpr std::chrono::seconds kPatience(30);
+
+ordered_json DriveJson(const v1::MapBuildDriveResult& drive) {
+  return {{"name", drive.name()},
+          {"is_in_map", drive.in_map()},
+          {"reason", drive.reason()},
+          {"length_m", drive.length_m()}};
+}
+
+void Show(const v1::MapBuild& build, StageLine& line) {
+  line.Update(build.stage().empty() ? "the build waits for its turn"
+                                    : absl::StrCat("the server: ", build.stage()),
+              build.stage_share());
+}
+
+/// Until it has ended, or `signal_count` says to wait no more.
+absl::StatusOr<v1::MapBuild> WaitFor(client::MapClient& maps, v1::MapBuild build,
+                                     const std::atomic<int>& signal_count) {
+  StageLine line;
+  Clock::time_point answered = Clock::now();
+  while (build.state() == v1::MAP_BUILD_STATE_RUNNING && signal_count < 2) {
+    Show(build, line);
+    std::this_thread::sleep_for(kPollInterval);
+    absl::StatusOr<v1::MapBuild> now = maps.GetBuild(build.build_id());
+    if (now.ok()) {
+      answered = Clock::now();
+      build = *std::move(now);
+    } else if (!absl::IsUnavailable(now.status()) || Clock::now() - answered >= kPatience) {
+      return now.status();
+    }
+  }
+  return build;
+}
+
+void SayWhatIsLeftOut(const v1::MapBuild& build) {
+  for (const v1::MapBuildDriveResult& drive : build.drives()) {
+    if (drive.reason().empty()) continue;
+    absl::FPrintF(stderr, "%s%s: %s\n", drive.in_map() ? "" : "left out: ", Visible(drive.name()),
+                  Visible(drive.reason()));
+  }
+}
+
+absl::Status PrintVersion(const v1::MapBuild& build, bool json) {
+  SayWhatIsLeftOut(build);
+  if (!json) {
+    absl::PrintF("%s\n", Text(build.version()));
+    return absl::OkStatus();
+  }
+  ordered_json version = Json(build.version());
+  if (build.drives_size() > 0) version["drives"] = BuildJson(build)["drives"];
+  absl::PrintF("%s\n", version.dump(2));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+const char* StateText(const v1::MapBuild& build) {
+  switch (build.state()) {
+    case v1::MAP_BUILD_STATE_RUNNING:
+      return "running";
+    case v1::MAP_BUILD_STATE_DONE:
+      return "done";
+    case v1::MAP_BUILD_STATE_FAILED:
+      return "failed";
+    case v1::MAP_BUILD_STATE_CANCELLED:
+      return "cancelled";
+    default:
+      return "unknown";
+  }
+}
+
+ordered_json BuildJson(const v1::MapBuild& build) {
+  ordered_json json = {
+      {"build", build.build_id()},
+      {"map", build.map_name()},
+      {"method", build.method() == v1::MAP_BUILD_METHOD_SURVEY ? "survey" : "known poses"},
+      {"state", StateText(build)},
+      {"stage", build.stage()},
+      {"stage_share", build.stage_share()},
+      {"scan_count", build.scan_count()},
+      {"done_scan_count", build.done_scan_count()},
+      {"attempt_count", build.attempt_count()},
+      {"create_time", TimeText(build.create_time())},
+      {"version", build.version().version()},
+      {"error", build.error_message()}};
+  if (build.drives_size() > 0) json["drives"] = ordered_json::array();
+  for (const v1::MapBuildDriveResult& drive : build.drives()) {
+    json["drives"].push_back(DriveJson(drive));
+  }
+  return json;
+}
+
+absl::Status PrintBuild(const v1::MapBuild& build, bool json) {
+  absl::PrintF("%s\n", json ? BuildJson(build).dump(2)
+                            : absl::StrFormat("build %s of %s: %s, %d of %d scans",
+                                              build.build_id(), build.map_name(), StateText(build),
+                                              build.done_scan_count(), build.scan_count()));
+  return absl::OkStatus();
+}
+
+absl::Status FollowBuild(client::MapClient& maps, const v1::MapBuild& started, bool json) {
+  const StopSignals signals;
+  std::atomic<int> signal_count = 0;
+  const std::jthread watch = signals.Watch([&](int count) {
+    signal_count = count;
+    if (count == 1) maps.CancelBuild(started.build_id()).status().IgnoreError();
+  });
+  const absl::StatusOr<v1::MapBuild> build = WaitFor(maps, started, signal_count);
+  if (!build.ok()) return build.status();
+  if (build->state() == v1::MAP_BUILD_STATE_DONE) return PrintVersion(*build, json);
+  if (build->state() == v1::MAP_BUILD_STATE_RUNNING) {
+    return absl::CancelledError(absl::StrCat("build ", build->build_id(), " is still under way"));
+  }
+  return absl::Status(static_cast<absl::StatusCode>(build->error_code()),
+                      absl::StrCat("the build was not done: ", build->error_message()));
+}
+
+}  // namespace dcloc::cli
