@@ -23,6 +23,10 @@ absl::Status PassStore::GiveConsent(absl::string_view tenant, const ConsentRow& 
 
 absl::StatusOr<int> PassStore::WithdrawConsent(absl::string_view tenant,
                                                const ConsentRow& consent) {
+  // Without the key an identity's passes are not found.
+  if (consent.subject == ConsentSubject::kIdentity) {
+    if (absl::Status status = CheckKeeps(); !status.ok()) return status;
+  }
   const absl::StatusOr<std::vector<std::string>> ids =
       rows_->WithdrawConsent(tenant, consent, PseudonymOf("identity", tenant, consent.name));
   if (!ids.ok()) return ids.status();

@@ -24,7 +24,7 @@ constexpr int kMaxRunningPerTenant = 4;
 constexpr std::chrono::milliseconds kTakeInterval(1000);  ///< of looking for what others left
 constexpr std::chrono::milliseconds kRenewInterval(2000);
 constexpr std::chrono::minutes kOrphanInterval(10);
-/// How long a database that is away is asked again, whether a build may be stored and has ended.
+/// How long storage that is away is asked again: for scans, and to take what came out.
 constexpr std::chrono::seconds kPatience(60);
 
 UploadLimits UploadLimitsOf(const Limits& limits) {
@@ -32,12 +32,19 @@ UploadLimits UploadLimitsOf(const Limits& limits) {
           .max_tenant_bytes = std::int64_t{limits.max_tenant_storage_mib} << 20};
 }
 
+const absl::Status& StatusOf(const absl::Status& status) { return status; }
+
+template <typename Value>
+const absl::Status& StatusOf(const absl::StatusOr<Value>& answer) {
+  return answer.status();
+}
+
 /// Asks again while the storage is away, within bounds and until `stopping`.
 template <typename Ask>
 auto AskPatiently(const Ask& ask, const std::atomic<bool>& stopping) {
   const auto end = std::chrono::steady_clock::now() + kPatience;
   auto answer = ask();
-  while (absl::IsUnavailable(answer.status()) && !stopping &&
+  while (absl::IsUnavailable(StatusOf(answer)) && !stopping &&
          std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     answer = ask();
@@ -204,7 +211,8 @@ absl::StatusOr<MapVersionRecord> MapBuilds::Make(Running& running) const {
   }
   const std::filesystem::path path = store_.incoming().folder() / ("build-" + row.build_id);
   FramedReader spool(path);
-  absl::Status status = store_.build_inputs().Fetch(row.build_id, row.input_sha256, path);
+  absl::Status status = AskPatiently(
+      [&] { return store_.build_inputs().Fetch(row.build_id, row.input_sha256, path); }, stopping_);
   if (!status.ok()) return WithPrefix("the scans: ", status);
   v1::StartMapBuildRequest header;
   status = spool.Begin();
@@ -218,7 +226,8 @@ absl::StatusOr<MapVersionRecord> MapBuilds::Make(Running& running) const {
   if (!bytes.ok()) return bytes.status();
   running.progress.Tell("storing the map", 0.0);
   status = Confirm(running);
-  return status.ok() ? Keep(running, request->activate, *bytes) : status;
+  if (!status.ok()) return status;
+  return AskPatiently([&] { return Keep(running, request->activate, *bytes); }, stopping_);
 }
 
 absl::Status MapBuilds::Confirm(Running& running) const {
