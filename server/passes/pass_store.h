@@ -48,7 +48,8 @@ class PassStore {
   /// FailedPrecondition as of `CheckKeeps`.
   absl::Status GiveConsent(absl::string_view tenant, const ConsentRow& consent);
 
-  /// Removes what was kept under it too; gives how many passes that were.
+  /// Removes what was kept under it too; gives how many passes that were. FailedPrecondition as of
+  /// `CheckKeeps` for an identity, whose passes only the key finds.
   absl::StatusOr<int> WithdrawConsent(absl::string_view tenant, const ConsentRow& consent);
 
   /// Whether passes of such a session are kept: both consent, and there is a key.
