@@ -7,6 +7,16 @@ bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
   return learned_rig.IsUsable(index, stamp) && radar_monitor.FitsTheMap(index);
 }
 
+namespace {
+
+SourceFault FaultOf(double range_rate_scale) {
+  if (range_rate_scale == 1.0) return SourceFault::kNone;
+  if (range_rate_scale == kCompensatedScale) return SourceFault::kStanding;
+  return range_rate_scale < 0.0 ? SourceFault::kSign : SourceFault::kScale;
+}
+
+}  // namespace
+
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
                     const AzimuthSigns& azimuth_signs, const RangeRateScales& range_rate_scales,
                     const RadarMonitor& radar_monitor) {
@@ -17,10 +27,7 @@ Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& 
     const bool says_something = fault != SourceFault::kSilent && fault != SourceFault::kDoppler;
     if (fault == SourceFault::kNone) fault = learned_rig.FaultOf(i, stamp);
     if (fault == SourceFault::kNone && azimuth_signs.IsMirrored(i)) fault = SourceFault::kMount;
-    const double scale = range_rate_scales.Learned(i) * range_rate_scales.Supposed(i);
-    if (fault == SourceFault::kNone && scale != 1.0) {
-      fault = scale < 0.0 ? SourceFault::kSign : SourceFault::kScale;
-    }
+    if (fault == SourceFault::kNone) fault = FaultOf(range_rate_scales.Whole(i));
     health.radars.push_back(
         {.is_used = says_something && IsTrusted(i, stamp, learned_rig, radar_monitor),
          .fault = fault});

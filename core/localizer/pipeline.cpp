@@ -77,8 +77,10 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& sent, const TimeBase::ScanT
   const Scan& scan = Corrected(sent, workspace);
 
   Announce(listener, Stage::kCompensation);  // eq 6, 9-11
-  const EgoVelocity& ego_velocity = ego_motion_.Advance(scan, stamp, radar, workspace.ego_velocity);
-  LearnRig(scan, stamp, radar_index);
+  const Scan& of_motion = TellingMotion(scan, workspace);
+  const EgoVelocity& ego_velocity =
+      ego_motion_.Advance(of_motion, stamp, radar, workspace.ego_velocity);
+  LearnRig(of_motion, stamp, radar_index);
   Compensate(scan, stamp, ego_velocity, workspace);
 
   Announce(listener, Stage::kSubmap);  // eq 7-8
@@ -205,12 +207,13 @@ void Pipeline<Dim>::Compensate(const Scan& scan, Stamp stamp, const EgoVelocity&
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
   const RadarModel& radar = radars_.learned.rig().radars[radar_index];
   std::vector<RadarPoint>& points = workspace.static_points;
-  StaticPoints(scan, radar, ego_velocity, EffectiveStaticPoints(options_), points);
+  const Scan& measured = AsMeasured(scan, ego_velocity, workspace);
+  StaticPoints(measured, radar, ego_velocity, EffectiveStaticPoints(options_), points);
   RangeRateScales& scales = radars_.range_rate_scales;
-  scales.OnScan(stamp, radar_index, scan, points.size(), radar, ego_velocity);
+  scales.OnScan(stamp, radar_index, measured, points.size(), radar, ego_velocity);
   if (scales.Supposed(radar_index) != 1.0) {
-    workspace.rescaled_scan = scan;
-    DivideRangeRates(scales.Supposed(radar_index), workspace.rescaled_scan);
+    workspace.rescaled_scan = measured;
+    CorrectRangeRates(scales.Supposed(radar_index), radar, ego_velocity, workspace.rescaled_scan);
     StaticPoints(workspace.rescaled_scan, radar, ego_velocity, EffectiveStaticPoints(options_),
                  points);
   }

@@ -139,6 +139,11 @@ class Pipeline final : public AnyPipeline {
   // `scan` itself, or a copy in `workspace` with the sign of azimuths and the scale of range rates
   // that were learned.
   const Scan& Corrected(const Scan& scan, Workspace<Dim>& workspace) const;
+  // `scan`, without targets where its range rates do not tell the motion.
+  const Scan& TellingMotion(const Scan& scan, Workspace<Dim>& workspace) const;
+  // `scan`, with what the ego-motion adds to compensated range rates.
+  const Scan& AsMeasured(const Scan& scan, const EgoVelocity& ego_velocity,
+                         Workspace<Dim>& workspace) const;
   void RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity, Workspace<Dim>& workspace,
                       StageListener* listener);
   void ExpireTimeouts(Stamp stamp);

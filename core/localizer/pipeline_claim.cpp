@@ -102,8 +102,9 @@ std::optional<AnyPipeline::TriedFit> Pipeline<Dim>::TryFit(const Scan& scan, Sta
   if (!moment || !tracking_.has_pose()) return std::nullopt;
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
-  StaticPoints(Corrected(scan, workspace), radars_.learned.rig().radars[radar_index],
-               moment->velocity, EffectiveStaticPoints(options_), workspace.tried_points);
+  const Scan& measured = AsMeasured(Corrected(scan, workspace), moment->velocity, workspace);
+  StaticPoints(measured, radars_.learned.rig().radars[radar_index], moment->velocity,
+               EffectiveStaticPoints(options_), workspace.tried_points);
   PoseEstimate<Dim> pose = pose_.Now();
   pose.pose =
       pose.pose * FromSpace<Dim>(moment->to_newest.T_from_to.Inverse(), Matrix6d::Zero()).pose;

@@ -118,15 +118,36 @@ const Scan& Pipeline<Dim>::Corrected(const Scan& scan, Workspace<Dim>& workspace
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
   const bool is_mirrored = radars_.azimuth_signs.IsMirrored(radar_index);
   const double scale = radars_.range_rate_scales.Learned(radar_index);
+  const bool is_scaled = scale != 1.0 && scale != kCompensatedScale;  // see AsMeasured
   const bool turns_other_way = ego_motion_.yaw_rate_is_reversed() && scan.ego_velocity.has_value();
-  if (!is_mirrored && scale == 1.0 && !turns_other_way) return scan;
+  if (!is_mirrored && !is_scaled && !turns_other_way) return scan;
   workspace.corrected_scan = scan;
-  DivideRangeRates(scale, workspace.corrected_scan);
+  if (is_scaled) DivideRangeRates(scale, workspace.corrected_scan);
   if (is_mirrored) {
     for (float& azimuth_rad : workspace.corrected_scan.azimuth_rad) azimuth_rad = -azimuth_rad;
   }
   if (turns_other_way) ReverseYawRate(workspace.corrected_scan);
   return workspace.corrected_scan;
+}
+
+template <int Dim>
+const Scan& Pipeline<Dim>::TellingMotion(const Scan& scan, Workspace<Dim>& workspace) const {
+  if (radars_.range_rate_scales.TellsMotion(radars_.learned.IndexOf(scan.radar_id))) return scan;
+  workspace.motionless_scan = {.stamp = scan.stamp,
+                               .radar_id = scan.radar_id,
+                               .ego_velocity = scan.ego_velocity,
+                               .ticks = scan.ticks};
+  return workspace.motionless_scan;
+}
+
+template <int Dim>
+const Scan& Pipeline<Dim>::AsMeasured(const Scan& scan, const EgoVelocity& ego_velocity,
+                                      Workspace<Dim>& workspace) const {
+  const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
+  if (radars_.range_rate_scales.TellsMotion(radar_index)) return scan;
+  workspace.measured_scan = scan;
+  AddEgoMotion(rig().radars[radar_index], ego_velocity, workspace.measured_scan);
+  return workspace.measured_scan;
 }
 
 template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>&);
@@ -135,6 +156,10 @@ template void Pipeline<2>::CompareAlongTrackRivals(ScanFit, Workspace<2>&);
 template void Pipeline<3>::CompareAlongTrackRivals(ScanFit, Workspace<3>&);
 template bool Pipeline<2>::LearnAzimuthSign(std::size_t, Workspace<2>&);
 template bool Pipeline<3>::LearnAzimuthSign(std::size_t, Workspace<3>&);
+template const Scan& Pipeline<2>::TellingMotion(const Scan&, Workspace<2>&) const;
+template const Scan& Pipeline<3>::TellingMotion(const Scan&, Workspace<3>&) const;
+template const Scan& Pipeline<2>::AsMeasured(const Scan&, const EgoVelocity&, Workspace<2>&) const;
+template const Scan& Pipeline<3>::AsMeasured(const Scan&, const EgoVelocity&, Workspace<3>&) const;
 template const Scan& Pipeline<2>::Corrected(const Scan&, Workspace<2>&) const;
 template const Scan& Pipeline<3>::Corrected(const Scan&, Workspace<3>&) const;
 

@@ -16,6 +16,8 @@ struct Workspace {
   std::vector<RadarPoint> static_points;
   std::vector<RadarPoint> tried_points;  // of a scan as another stamp or sign would put them
   Scan corrected_scan;                   // with what was learned of its radar
+  Scan motionless_scan;                  // without range rates that do not tell the motion
+  Scan measured_scan;                    // with the ego-motion in compensated range rates
   Scan rescaled_scan;                    // with a scale that is supposed
   std::vector<GaussianPoint<Dim>> scan_points;
   std::vector<double> rival_fits;

@@ -103,11 +103,20 @@ void RangeRateScales::OnRegistered(Stamp stamp) {
         stamp - *radar.supposed_since < options_.confirmed_after) {
       continue;
     }
-    const double scale = radar.learned * radar.supposed;
-    radar = {.learned = std::abs(scale - 1.0) < options_.min_change ? 1.0 : scale};
+    radar = {.learned = Composed(radar)};
     disputed_distance_m_ = 0.0;
     disputed_.reset();
   }
+}
+
+// To compensated range rates their ego-motion was added: a multiple of the sum is one more than
+// that of the range rates themselves.
+double RangeRateScales::Composed(const Radar& radar) const {
+  const double scale = radar.learned == kCompensatedScale && radar.supposed != 1.0
+                           ? radar.supposed - 1.0
+                           : radar.learned * radar.supposed;
+  if (std::abs(scale) < 1.0 / options_.max_factor) return kCompensatedScale;
+  return std::abs(scale - 1.0) < options_.min_change ? 1.0 : scale;
 }
 
 void RangeRateScales::OnLost() {
@@ -142,12 +151,11 @@ std::optional<double> RangeRateScales::RatioOf(const Scan& scan, const RadarMode
   if (static_cast<int>(targets_.size()) < options_.min_target_count) return std::nullopt;
   const auto middle = ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2);
   std::nth_element(ratios_.begin(), middle, ratios_.end());
-  const double ratio = *middle;
-  const double factor = std::abs(ratio);
-  if (factor > options_.max_factor || factor < 1.0 / options_.max_factor ||
-      std::abs(ratio - 1.0) < options_.min_change) {
+  const double factor = std::abs(*middle);
+  if (factor > options_.max_factor || std::abs(*middle - 1.0) < options_.min_change) {
     return std::nullopt;
   }
+  const double ratio = factor < 1.0 / options_.max_factor ? kCompensatedScale : *middle;
   std::bitset<kDirectionCount> directions;
   double agreeing_count = 0.0;
   for (const Target& target : targets_) {
@@ -169,6 +177,27 @@ std::optional<double> RangeRateScales::RatioOf(const Scan& scan, const RadarMode
 void DivideRangeRates(double scale, Scan& scan) {
   for (float& range_rate_mps : scan.range_rate_mps) {
     range_rate_mps = static_cast<float>(static_cast<double>(range_rate_mps) / scale);
+  }
+}
+
+void AddEgoMotion(const RadarModel& radar, const EgoVelocity& velocity, Scan& scan) {
+  const Eigen::Matrix3d R_vehicle_radar = radar.T_vehicle_radar.Rotation();
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Measurement measurement = MeasurementAt(scan, i, radar);
+    const Eigen::Vector3d u_vehicle =
+        R_vehicle_radar * LineOfSight(measurement.azimuth_rad, measurement.elevation_rad);
+    scan.range_rate_mps[i] =
+        static_cast<float>(measurement.range_rate_mps +
+                           PredictedRangeRate(u_vehicle, radar.T_vehicle_radar, velocity));
+  }
+}
+
+void CorrectRangeRates(double scale, const RadarModel& radar, const EgoVelocity& velocity,
+                       Scan& scan) {
+  if (scale == kCompensatedScale) {
+    AddEgoMotion(radar, velocity, scan);
+  } else {
+    DivideRangeRates(scale, scan);
   }
 }
 

@@ -25,9 +25,10 @@ struct RangeRateScaleOptions {
   int min_direction_count = 6;         ///< tens of degrees that they lie in: no mover fills so many
   double min_agreeing_fraction = 0.6;  ///< of the targets that tell a ratio
   double min_change = 0.02;            ///< by a scale nearer to 1 targets stand still as they are
-  double max_factor = 3.0;             ///< beyond which, and below whose inverse, there is no scale
-  double same_fraction = 0.05;         ///< ratios that differ by no more are one scale
-  int min_scan_count = 3;              ///< in a row, that show a scale before it is supposed
+  /// Beyond which there is no scale, and below whose inverse range rates can only be compensated.
+  double max_factor = 3.0;
+  double same_fraction = 0.05;  ///< ratios that differ by no more are one scale
+  int min_scan_count = 3;       ///< in a row, that show a scale before it is supposed
   // Registrations confirm the motion that a scale was compared with. It is learned after as many
   // and as long.
   int min_registration_count = 5;
@@ -38,27 +39,35 @@ struct RangeRateScaleOptions {
 std::span<const OptionField<RangeRateScaleOptions>> FieldsOf(const RangeRateScaleOptions& options);
 absl::Status Validate(const RangeRateScaleOptions& options);
 
-/// Learns which radars report a multiple of the range rate, the negative one included: a wrong
-/// unit, a wrong waveform, a wrong sign (METHOD section 18). Wheels and a radar that differ by a
-/// factor say nothing of which is right; registrations do. A scale is first supposed, so that the
-/// targets of the radar that agree with one another are kept, and learned once registrations agree
-/// with the motion that it was compared with.
+/// The scale of range rates from which the radar, or its driver, has taken the ego-motion: what
+/// stands still has 0.
+inline constexpr double kCompensatedScale = 0.0;
+
+/// Learns which radars report a multiple of the range rate, the negative one included, or
+/// compensated ones: a wrong unit, a wrong waveform, a wrong sign, another column (METHOD section
+/// 18). Wheels and a radar that differ by a factor say nothing of which is right; registrations do.
+/// A scale is first supposed, so that the targets of the radar that agree with one another are
+/// kept, and learned once registrations agree with the motion that it was compared with.
 class RangeRateScales {
  public:
   RangeRateScales(std::size_t radar_count, const RangeRateScaleOptions& options)
       : options_(options), radars_(radar_count) {}
 
-  /// What the range rates of radar `index` are to be divided by; 1 where nothing was learned.
+  /// The scale of the range rates of radar `index`; 1 where nothing was learned.
   double Learned(std::size_t index) const { return radars_[index].learned; }
-  /// What those that were divided by `Learned` may be a multiple of; 1 where none is supposed.
+  /// The scale of those that were corrected by `Learned`; 1 where none is supposed.
   double Supposed(std::size_t index) const { return radars_[index].supposed; }
+  /// Of both together.
+  double Whole(std::size_t index) const { return Composed(radars_[index]); }
+  /// Compensated range rates do not tell how the vehicle moves.
+  bool TellsMotion(std::size_t index) const { return Learned(index) != kCompensatedScale; }
 
   /// By how much the motion in use and the one that range rates tell have come apart since no radar
   /// agrees with the one in use [m].
   double disputed_distance_m() const { return disputed_distance_m_; }
 
-  /// A scan of radar `index` whose range rates were divided by `Learned(index)`: `static_count` of
-  /// its targets stand still if the vehicle moves by `velocity`.
+  /// A scan of radar `index` whose range rates were corrected by `Learned(index)`: `static_count`
+  /// of its targets stand still if the vehicle moves by `velocity`.
   void OnScan(Stamp stamp, std::size_t index, const Scan& scan, std::size_t static_count,
               const RadarModel& radar, const EgoVelocity& velocity);
 
@@ -79,6 +88,7 @@ class RangeRateScales {
     int registration_count = 0;  // since it was supposed; then since it was learned
   };
 
+  double Composed(const Radar& radar) const;
   void AddDisputed(Stamp stamp, double ratio, const EgoVelocity& velocity);
 
   // The factor that most targets agree on; nothing where there is none.
@@ -100,5 +110,12 @@ class RangeRateScales {
 
 /// Divides all range rates of `scan` by `scale`.
 void DivideRangeRates(double scale, Scan& scan);
+
+/// Adds to each range rate of `scan` what a static target has by `velocity`.
+void AddEgoMotion(const RadarModel& radar, const EgoVelocity& velocity, Scan& scan);
+
+/// Undoes `scale`: whichever of the two it takes.
+void CorrectRangeRates(double scale, const RadarModel& radar, const EgoVelocity& velocity,
+                       Scan& scan);
 
 }  // namespace dcloc

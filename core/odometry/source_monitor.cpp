@@ -14,6 +14,9 @@ constexpr auto kWheelSpeed = static_cast<std::size_t>(OdometrySource::kWheelSpee
 constexpr auto kYawRate = static_cast<std::size_t>(OdometrySource::kYawRate);
 constexpr auto kDoppler = static_cast<std::size_t>(OdometrySource::kDoppler);
 
+// A speed of fewer deviations than this may be none.
+constexpr double kStandingSigmas = 3.0;
+
 double SquareOf(double value) { return value * value; }
 
 double LogNormal(double difference, double variance) {
@@ -63,6 +66,7 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"direction_factor", &O::direction_factor, 1e-3, 1},
       {"bus_failure_rate_hz", &O::bus_failure_rate_hz, 1e-9, 10},
       {"min_doppler_failure_rate_hz", &O::min_doppler_failure_rate_hz, 1e-12, 10},
+      {"standing_doppler_failure_rate_hz", &O::standing_doppler_failure_rate_hz, 1e-9, 100},
       {"recovery_rate_hz", &O::recovery_rate_hz, 1e-9, 10},
       {"start_span_ms", &O::start_span, 1, 1e6},
       {"silent_after_ms", &O::silent_after, 1, 1e5},
@@ -114,8 +118,15 @@ SourceMonitor::SourceMonitor(const SourceMonitorOptions& options,
 
 void SourceMonitor::Begin(const OdometryReadings& readings) {
   const OdometrySources all(kHypothesisCount - 1);
+  const bool doppler_stands =
+      readings.doppler_speed &&
+      std::abs(readings.doppler_speed->value) <=
+          kStandingSigmas *
+              std::max(options_.min_speed_sigma_mps, std::sqrt(readings.doppler_speed->variance));
   const Transitions transitions =
-      TransitionsIn(SecondsOf(options_.start_span), readings.doppler_direction_count);
+      TransitionsIn(SecondsOf(options_.start_span), readings.doppler_direction_count,
+                    doppler_stands ? options_.standing_doppler_failure_rate_hz
+                                   : options_.min_doppler_failure_rate_hz);
   for (Hypothesis& hypothesis : hypotheses_) {
     hypothesis.log_weight = LogTransition(all, hypothesis.sound, transitions);
   }
@@ -147,7 +158,8 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   if (compared_ && stamp - *compared_ < options_.interval) return;
   if (!compared_) Begin(readings);
   const double duration_s = compared_ ? SecondsOf(stamp - *compared_) : 0.0;
-  const Transitions transitions = TransitionsIn(duration_s, readings.doppler_direction_count);
+  const Transitions transitions = TransitionsIn(duration_s, readings.doppler_direction_count,
+                                                options_.min_doppler_failure_rate_hz);
   Hypotheses next;
   for (std::size_t i = 0; i < kHypothesisCount; ++i) {
     next[i] = MostProbablePredecessor(OdometrySources(i), duration_s, transitions);
@@ -195,17 +207,17 @@ void SourceMonitor::TryOthers(Stamp stamp, const OdometryReadings& readings) {
 }
 
 // One mover is seen in few directions: the more there are, the less often Doppler fails.
-SourceMonitor::Transitions SourceMonitor::TransitionsIn(double duration_s,
-                                                        int direction_count) const {
+SourceMonitor::Transitions SourceMonitor::TransitionsIn(double duration_s, int direction_count,
+                                                        double min_doppler_failure_rate_hz) const {
   const double further = std::max(0, direction_count - options_.narrow_direction_count);
   const double rarer = std::pow(options_.direction_factor, further);
   return {.wheel_failure = Change(options_.wheel_failure_rate_hz, duration_s),
           .yaw_rate_failure = Change(options_.yaw_rate_failure_rate_hz, duration_s),
           .bus_failure = Change(options_.bus_failure_rate_hz, duration_s),
           .second_bus_failure = Change(options_.second_bus_failure_rate_hz, duration_s),
-          .doppler_failure = Change(std::max(options_.min_doppler_failure_rate_hz,
-                                             options_.doppler_failure_rate_hz * rarer),
-                                    duration_s),
+          .doppler_failure = Change(
+              std::max(min_doppler_failure_rate_hz, options_.doppler_failure_rate_hz * rarer),
+              duration_s),
           .recovery = Change(options_.recovery_rate_hz, duration_s)};
 }
 
@@ -354,25 +366,6 @@ void SourceMonitor::Normalize() {
   for (Hypothesis& hypothesis : hypotheses_) {
     hypothesis.log_weight = std::max(-options_.max_log_ratio, hypothesis.log_weight - greatest);
   }
-}
-
-double SourceMonitor::confidence() const {
-  double sum = 0.0;
-  for (const Hypothesis& hypothesis : hypotheses_) sum += std::exp(hypothesis.log_weight);
-  return 1.0 / sum;
-}
-
-ScalarEstimate SourceMonitor::Mixed(ScalarEstimate Hypothesis::*of) const {
-  const ScalarEstimate& chosen = best().*of;
-  double variance = 0.0;
-  double sum = 0.0;
-  for (const Hypothesis& hypothesis : hypotheses_) {
-    if (hypothesis.log_weight < -options_.spread_log_ratio) continue;
-    const double weight = std::exp(hypothesis.log_weight);
-    variance += weight * SquareOf((hypothesis.*of).value - chosen.value);
-    sum += weight;
-  }
-  return {chosen.value, chosen.variance + variance / sum};
 }
 
 std::optional<SourceMonitor::PlanarMotion> SourceMonitor::OnUsedMotion(double forward_m,

@@ -68,7 +68,10 @@ struct SourceMonitorOptions {
   int narrow_direction_count = 5;
   double direction_factor = 0.5;              ///< on Doppler's rate for each further direction
   double min_doppler_failure_rate_hz = 1e-6;  ///< of Doppler, at least
-  double recovery_rate_hz = 0.3;              ///< of a failed source to become sound
+  /// Of Doppler by which the vehicle stands, in the time before the first comparison: its range
+  /// rates may be compensated by the ego-motion, or there may be none.
+  double standing_doppler_failure_rate_hz = 0.02;
+  double recovery_rate_hz = 0.3;  ///< of a failed source to become sound
   /// The time before the first comparison in which sources may have failed.
   std::chrono::nanoseconds start_span = std::chrono::seconds(1);
   /// A source is silent when its last reading is older than this.
@@ -248,7 +251,8 @@ class SourceMonitor {
   bool MeasuresSpeed(const Hypothesis& hypothesis) const;
   bool MeasuresYawRate(const Hypothesis& hypothesis) const;
   ScalarEstimate Mixed(ScalarEstimate Hypothesis::*of) const;
-  Transitions TransitionsIn(double duration_s, int direction_count) const;
+  Transitions TransitionsIn(double duration_s, int direction_count,
+                            double min_doppler_failure_rate_hz) const;
   static double LogTransition(const OdometrySources& before, const OdometrySources& after,
                               const Transitions& transitions);
   Hypothesis MostProbablePredecessor(const OdometrySources& sound, double duration_s,

@@ -7,6 +7,25 @@
 
 namespace dcloc {
 
+double SourceMonitor::confidence() const {
+  double sum = 0.0;
+  for (const Hypothesis& hypothesis : hypotheses_) sum += std::exp(hypothesis.log_weight);
+  return 1.0 / sum;
+}
+
+ScalarEstimate SourceMonitor::Mixed(ScalarEstimate Hypothesis::*of) const {
+  const ScalarEstimate& chosen = best().*of;
+  double variance = 0.0;
+  double sum = 0.0;
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.log_weight < -options_.spread_log_ratio) continue;
+    const double weight = std::exp(hypothesis.log_weight);
+    variance += weight * std::pow((hypothesis.*of).value - chosen.value, 2);
+    sum += weight;
+  }
+  return {chosen.value, chosen.variance + variance / sum};
+}
+
 bool SourceMonitor::MeasuresSpeed(const Hypothesis& hypothesis) const {
   const auto is_recent = [this](const std::optional<Stamp>& reported) {
     return reported && *compared_ - *reported <= options_.silent_after;

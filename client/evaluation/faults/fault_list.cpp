@@ -10,6 +10,7 @@
 #include "client/evaluation/faults/mover_faults.h"
 #include "client/evaluation/faults/place_faults.h"
 #include "client/evaluation/faults/radar_faults.h"
+#include "client/evaluation/faults/target_faults.h"
 #include "client/evaluation/faults/time_faults.h"
 #include "client/evaluation/faults/velocity_faults.h"
 
@@ -59,8 +60,8 @@ std::string NamesIn(const Selection& all) {
 
 std::vector<Fault> AllFaults(bool quick) {
   std::vector<Fault> faults;
-  for (const auto& family :
-       {VelocityFaults(), TimeFaults(), RadarFaults(), PlaceFaults(), MoverFaults()}) {
+  for (const auto& family : {VelocityFaults(), TimeFaults(), RadarFaults(), TargetFaults(),
+                             PlaceFaults(), MoverFaults()}) {
     for (const Fault& fault : family) {
       const bool is_quick = std::ranges::find(kQuickFaults, fault.id) != std::end(kQuickFaults);
       if (!quick || is_quick) faults.push_back(fault);

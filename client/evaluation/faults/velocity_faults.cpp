@@ -92,6 +92,13 @@ void AddZeroAndFrozen(std::vector<Fault>& faults) {
   }
 }
 
+// Driven wheels that spin, also where the vehicle stands.
+void AddSpin(std::vector<Fault>& faults) {
+  faults.push_back(MakeVelocityFault(
+      "spin-10s", "speed 5 m/s more for 10 s", 10.0,
+      [](Stream& stream, const Window& window, std::uint64_t) { BiasSpeed(stream, window, 5.0); }));
+}
+
 void AddScales(std::vector<Fault>& faults) {
   for (const double factor : {0.5, 0.7, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.3, 1.5}) {
     faults.push_back(MakeVelocityFault(absl::StrCat("scale-", factor),
@@ -138,6 +145,10 @@ void AddSignsAndBiases(std::vector<Fault>& faults) {
   }
   faults.push_back(
       MakeVelocityFault("sign", "sign of the speed wrong", std::nullopt, Scaling(-1.0, 1.0)));
+  Fault kmh =
+      MakeVelocityFault("kmh", "speed in km/h, from the start", std::nullopt, Scaling(3.6, 1.0));
+  kmh.begin_s = 0.0;
+  faults.push_back(std::move(kmh));
   faults.push_back(MakeVelocityFault("yaw-sign", "sign of the yaw rate wrong", std::nullopt,
                                      Scaling(1.0, -1.0)));
   Fault unsigned_speed = MakeVelocityFault(
@@ -157,6 +168,10 @@ void AddLateAndMissing(std::vector<Fault>& faults) {
     late.begin_s = 0.0;
     faults.push_back(std::move(late));
   }
+  faults.push_back(MakeVelocityFault("sparse", "velocity with every third scan alone", std::nullopt,
+                                     [](Stream& stream, const Window& window, std::uint64_t) {
+                                       ThinVelocity(stream, window, 3);
+                                     }));
   Fault none = MakeVelocityFault(
       "none", "no velocity at all", std::nullopt,
       [](Stream& stream, const Window& window, std::uint64_t) { DropVelocity(stream, window); });
@@ -199,6 +214,11 @@ void FreezeVelocity(Stream& stream, const Window& window) {
   ChangeVelocities(stream, window, [&](EgoVelocity& velocity) { velocity = last; });
 }
 
+void BiasSpeed(Stream& stream, const Window& window, double bias_mps) {
+  ChangeVelocities(stream, window,
+                   [&](EgoVelocity& velocity) { velocity.linear_mps.x() += bias_mps; });
+}
+
 void BiasYawRate(Stream& stream, const Window& window, double bias_radps) {
   ChangeVelocities(stream, window,
                    [&](EgoVelocity& velocity) { velocity.angular_radps.z() += bias_radps; });
@@ -224,6 +244,13 @@ void DropVelocity(Stream& stream, const Window& window) {
   }
 }
 
+void ThinVelocity(Stream& stream, const Window& window, int interval) {
+  int count = 0;
+  for (StreamScan& entry : stream.scans) {
+    if (window.Contains(entry.measured) && count++ % interval != 0) entry.scan.ego_velocity.reset();
+  }
+}
+
 void StateVelocitySigma(Stream& stream, const Window& window, double sigma) {
   ChangeVelocities(stream, window, [&](EgoVelocity& velocity) {
     velocity.covariance = Matrix6d(Matrix6d::Identity() * (sigma * sigma));
@@ -233,6 +260,7 @@ void StateVelocitySigma(Stream& stream, const Window& window, double sigma) {
 std::vector<Fault> VelocityFaults() {
   std::vector<Fault> faults;
   AddZeroAndFrozen(faults);
+  AddSpin(faults);
   AddScales(faults);
   AddSmallScales(faults);
   AddSignsAndBiases(faults);

@@ -20,6 +20,9 @@ void RampSpeed(Stream& stream, const Window& window, double factor, double ramp_
 /// Reports what the last scan before the window did, or the first one of the drive.
 void FreezeVelocity(Stream& stream, const Window& window);
 
+/// Adds to the forward speed.
+void BiasSpeed(Stream& stream, const Window& window, double bias_mps);
+
 /// Adds `bias_radps` to the yaw rate.
 void BiasYawRate(Stream& stream, const Window& window, double bias_radps);
 
@@ -32,6 +35,9 @@ void DelayVelocity(Stream& stream, const Window& window, double delay_s);
 
 /// Reports none.
 void DropVelocity(Stream& stream, const Window& window);
+
+/// Only every `interval`th scan reports a velocity.
+void ThinVelocity(Stream& stream, const Window& window, int interval);
 
 /// States the deviation `sigma` of each component, m/s and rad/s, independent of one another.
 void StateVelocitySigma(Stream& stream, const Window& window, double sigma);

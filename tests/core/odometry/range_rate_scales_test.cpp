@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/core/options/option_fields_check.h"
 #include "tests/core/radar/scan_fixture.h"
 
@@ -106,6 +108,42 @@ TEST_F(RangeRateScalesTest, RegistrationsWithinAMomentAreNotEnough) {
 TEST_F(RangeRateScalesTest, ASignIsAScale) {
   Drive(-1.0, 20, 1);
   EXPECT_NEAR(scales_.Learned(0), -1.0, 0.02);
+}
+
+// What stands still has 0, and tells nothing of the motion.
+TEST_F(RangeRateScalesTest, CompensatedRangeRatesAreLearnedAndUnlearned) {
+  const auto drive = [&](bool is_compensated) {
+    for (int i = 0; i < 20; ++i) {
+      stamp_ += std::chrono::milliseconds(100);
+      Scan scan = StaticScan(radar_, moving_, 60, static_cast<unsigned>(++seed_), 0.05);
+      if (is_compensated) std::ranges::fill(scan.range_rate_mps, 0.0F);
+      if (!scales_.TellsMotion(0)) AddEgoMotion(radar_, moving_, scan);
+      const bool is_right = scales_.TellsMotion(0) != is_compensated;
+      scales_.OnScan(stamp_, 0, scan, is_right ? 55U : 3U, radar_, moving_);
+      if (i == 5 && is_compensated) {
+        EXPECT_EQ(scales_.Supposed(0), kCompensatedScale);
+      }
+      scales_.OnRegistered(stamp_);
+    }
+  };
+  drive(true);
+  EXPECT_EQ(scales_.Learned(0), kCompensatedScale);
+  EXPECT_EQ(scales_.Whole(0), kCompensatedScale);
+  EXPECT_FALSE(scales_.TellsMotion(0));
+  EXPECT_TRUE(scales_.TellsMotion(1));
+  drive(false);
+  EXPECT_EQ(scales_.Learned(0), 1.0);
+}
+
+TEST_F(RangeRateScalesTest, WhatCompensationTookOutIsAddedAgain) {
+  const Scan measured = StaticScan(radar_, moving_, 60, 1, 0.0);
+  Scan scan = measured;
+  std::ranges::fill(scan.range_rate_mps, 0.0F);
+  CorrectRangeRates(kCompensatedScale, radar_, moving_, scan);
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    EXPECT_NEAR(static_cast<double>(scan.range_rate_mps[i]),
+                static_cast<double>(measured.range_rate_mps[i]), 1e-4);
+  }
 }
 
 TEST_F(RangeRateScalesTest, AScaleThatEndsIsUnlearned) {

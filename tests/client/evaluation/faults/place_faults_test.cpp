@@ -46,6 +46,7 @@ TEST(PlaceFaultsTest, APriorIsWrongAndSure) {
     const Pose3& prior = stream.prior.T_map_vehicle;
     const double distance_m = fault.id == "place-prior-20m"  ? 20.0
                               : fault.id == "place-prior-6m" ? 6.0
+                              : fault.id == "place-prior-4m" ? 4.0
                                                              : 0.0;
     EXPECT_NEAR(prior.translation_m.norm(), distance_m, 1e-9) << fault.id;
     if (fault.id == "place-prior-6m") {

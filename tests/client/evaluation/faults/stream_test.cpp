@@ -41,6 +41,8 @@ TEST(CatalogueTest, FaultsHaveNamesOfTheirOwnAndChangeADrive) {
     EXPECT_TRUE(ids.insert(fault.id).second) << fault.id;
     EXPECT_EQ(fault.id.substr(0, fault.family.size()), fault.family);
     Stream stream = MadeStream(32.0, 2);
+    float range_m = 10.0F;  // no scan is like another
+    for (StreamScan& entry : stream.scans) entry.scan.range_m[0] = range_m += 0.01F;
     const Stream before = stream;
     fault.apply(stream, WindowOf(fault, stream), 1);
     bool is_same =
@@ -53,7 +55,7 @@ TEST(CatalogueTest, FaultsHaveNamesOfTheirOwnAndChangeADrive) {
     for (std::size_t i = 0; is_same && i < before.scans.size(); ++i) {
       const Scan &was = before.scans[i].scan, &is = stream.scans[i].scan;
       const auto& velocity = is.ego_velocity;
-      is_same = was.stamp == is.stamp && was.radar_id == is.radar_id &&
+      is_same = was.stamp == is.stamp && was.radar_id == is.radar_id && was.range_m == is.range_m &&
                 was.azimuth_rad == is.azimuth_rad && was.range_rate_mps == is.range_rate_mps &&
                 was.range_sigma_m == is.range_sigma_m && velocity && !velocity->covariance &&
                 velocity->linear_mps == was.ego_velocity->linear_mps &&

@@ -84,6 +84,16 @@ TEST(VelocityFaultsTest, TellWhatWasSoBefore) {
   EXPECT_NEAR(stream.scans[20].scan.ego_velocity->angular_radps.z(), 0.0175, 1e-9);
 }
 
+TEST(VelocityFaultsTest, SpinAndReportNowAndThen) {
+  Stream stream = MadeStream(3.0);
+  BiasSpeed(stream, {MadeStamp(0.0)}, 5.0);
+  EXPECT_NEAR(stream.scans[10].scan.ego_velocity->linear_mps.x(), 15.1, 1e-9);
+  ThinVelocity(stream, {MadeStamp(0.0)}, 3);
+  for (std::size_t i = 0; i < stream.scans.size(); ++i) {
+    EXPECT_EQ(stream.scans[i].scan.ego_velocity.has_value(), i % 3 == 0);
+  }
+}
+
 TEST(VelocityFaultsTest, DropTheVelocityAndStateItsDeviation) {
   Stream stream = MadeStream(3.0);
   DropVelocity(stream, kSecond);
