@@ -15,6 +15,9 @@ constexpr int kDirectionCount = 36;
 // radars, which scan twice a second.
 constexpr std::chrono::nanoseconds kDisputeTimeout = std::chrono::seconds(2);
 
+// Where more of the targets are as measured, those that have no range rate are a convoy.
+constexpr double kMaxMeasuredFraction = 0.1;
+
 // Which ten degrees around the vehicle the line of sight lies in, [0, kDirectionCount).
 int DirectionOf(const Eigen::Vector3d& u_vehicle) {
   const double turns = std::atan2(u_vehicle.y(), u_vehicle.x()) / (2.0 * std::numbers::pi) + 0.5;
@@ -156,19 +159,24 @@ std::optional<double> RangeRateScales::RatioOf(const Scan& scan, const RadarMode
     return std::nullopt;
   }
   const double ratio = factor < 1.0 / options_.max_factor ? kCompensatedScale : *middle;
+  const auto agrees = [this](const Target& target, double scale) {
+    const double expected_mps = scale * target.predicted_mps;
+    return std::abs(target.range_rate_mps - expected_mps) <=
+           options_.gate_mps + options_.gate_fraction * std::abs(expected_mps);
+  };
   std::bitset<kDirectionCount> directions;
   double agreeing_count = 0.0;
+  double measured_count = 0.0;
   for (const Target& target : targets_) {
-    const double expected_mps = ratio * target.predicted_mps;
-    if (std::abs(target.range_rate_mps - expected_mps) >
-        options_.gate_mps + options_.gate_fraction * std::abs(expected_mps)) {
-      continue;
-    }
+    if (agrees(target, 1.0)) measured_count += 1.0;
+    if (!agrees(target, ratio)) continue;
     agreeing_count += 1.0;
     directions.set(static_cast<std::size_t>(target.direction));
   }
-  if (agreeing_count < options_.min_agreeing_fraction * static_cast<double>(targets_.size()) ||
-      static_cast<int>(directions.count()) < options_.min_direction_count) {
+  const auto count = static_cast<double>(targets_.size());
+  if (agreeing_count < options_.min_agreeing_fraction * count ||
+      static_cast<int>(directions.count()) < options_.min_direction_count ||
+      (ratio == kCompensatedScale && measured_count > kMaxMeasuredFraction * count)) {
     return std::nullopt;
   }
   return ratio;
