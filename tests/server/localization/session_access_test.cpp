@@ -214,14 +214,15 @@ TEST_F(NarrowTest, EachSettingThatCanChangeHoldsAtOnce) {
     if (field.reloadable) reloadable.emplace_back(field.key);
   }
   // Sizes of maps: AccessTest.UploadsBeyondALimitNameIt. Streams and peers: UnopenedStreamTest.
-  // Downloads: DownloadSlotsTest.
+  // Downloads: DownloadSlotsTest. Passes: PassWriterTest, which asks for the bounds of each.
   EXPECT_THAT(reloadable,
               ::testing::ElementsAre("max_session_count", "max_unopened_stream_count",
                                      "max_unopened_stream_count_per_peer", "open_timeout_ms",
                                      "peer_timeout_ms", "max_session_count_per_principal",
                                      "max_scan_rate_hz_per_principal", "max_download_count",
                                      "max_download_count_per_caller", "max_target_count",
-                                     "max_map_mib", "max_tenant_storage_mib", "log_level"));
+                                     "max_map_mib", "pass_storage_mib", "pass_vehicle_mib_per_day",
+                                     "pass_retention_days", "max_tenant_storage_mib", "log_level"));
   ServerConfig config = Config();
   config.data = server_.folder.path() / "store";
   config.listen = "127.0.0.1:0";
