@@ -61,8 +61,8 @@ TEST_F(PassStoreTest, WithoutAKeyNothingIsKept) {
   EXPECT_THAT(MessageOf(status), HasSubstr("pass_key"));
   EXPECT_FALSE(*keyless.store->MayKeep("", "town", "car-1"));
   EXPECT_EQ(*keyless.store->WithdrawConsent("", {.name = "town"}), 0);
-  const auto withdrawn = keyless.store->WithdrawConsent(
-      "", {.subject = ConsentSubject::kIdentity, .name = "car-1"});
+  const auto withdrawn =
+      keyless.store->WithdrawConsent("", {.subject = ConsentSubject::kIdentity, .name = "car-1"});
   EXPECT_EQ(withdrawn.status().code(), absl::StatusCode::kFailedPrecondition)
       << "its passes would stay";
 }
