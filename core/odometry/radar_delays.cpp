@@ -167,7 +167,7 @@ void RadarDelays::Add(const Moment& moment) {
   for (std::size_t i = 0; i < kCandidates; ++i) {
     // Candidate i is a delay of i - kSteps steps: what was reported so long before.
     const std::size_t low = kCandidates - 1 - i;
-    const std::size_t high = low + 2 * kMargin;
+    const std::size_t high = low + std::size_t{2} * kMargin;
     speeds[i] = per_width * (distance_m[high] - distance_m[low]);
     yaw_rates[i] = per_width * (turn_rad[high] - turn_rad[low]);
   }

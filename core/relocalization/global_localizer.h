@@ -143,9 +143,9 @@ class GlobalLocalizer {
   int view_count_ = 0;                   // taken since there was no pose
   std::vector<View<Dim>> views_;         // oldest first
   Stamp view_stamp_{};                   // of the newest view
+  double travelled_since_view_m_ = 0.0;  // likewise
   std::optional<SearchRegion> region_;   // likewise
   Motion since_view_;                    // likewise
-  double travelled_since_view_m_ = 0.0;  // likewise
   std::optional<PlaceSearch> search_;
   double cell_m_ = 1.0;                    // of the last search
   std::vector<PlaceCandidate> places_;     // left to be fitted coarsely, the best last

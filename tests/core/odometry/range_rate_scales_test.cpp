@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/core/options/option_fields_check.h"
 #include "tests/core/radar/scan_fixture.h"
@@ -165,7 +166,7 @@ TEST_F(RangeRateScalesTest, OneThatWasNotConfirmedForLongIsForgottenWithThePose)
 
 // Wheels that slip are another multiple of Doppler in each scan.
 TEST_F(RangeRateScalesTest, AFactorThatChangesIsNone) {
-  for (double factor = 1.2; factor < 2.9; factor *= 1.03) Drive(factor, 1);
+  for (int i = 0; i < 30; ++i) Drive(1.2 * std::pow(1.03, i), 1);
   EXPECT_EQ(scales_.Supposed(0), 1.0);
 }
 

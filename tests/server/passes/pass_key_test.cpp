@@ -20,7 +20,7 @@ using ::testing::Not;
 class PassKeyTest : public ::testing::Test {
  protected:
   std::filesystem::path Write(const std::string& text) const {
-    const std::filesystem::path path = folder_.path() / "key";
+    std::filesystem::path path = folder_.path() / "key";
     std::ofstream(path) << text;
     std::filesystem::permissions(path, perms::owner_read | perms::owner_write);
     return path;

@@ -150,6 +150,7 @@ TEST_P(PassRowsTest, ConsentsAreListedMapsFirst) {
   ASSERT_TRUE(rows_->GiveConsent("", kTown).ok());
   std::vector<std::string> names;
   const std::vector<ConsentRow> consents = *rows_->ListConsents("acme", 0, 10);
+  names.reserve(consents.size());
   for (const ConsentRow& consent : consents) names.push_back(consent.name);
   EXPECT_THAT(names, ElementsAre("city", "town", "car-1"));
   EXPECT_EQ(rows_->ListConsents("acme", 2, 10)->front().subject, ConsentSubject::kIdentity);

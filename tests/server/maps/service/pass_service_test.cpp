@@ -35,7 +35,7 @@ class PassServiceTest : public ::testing::Test {
     *request.mutable_consent() = consent;
     request.set_state(state);
     v1::SetPassConsentResponse response;
-    const grpc::Status status = passes_->SetPassConsent(&call, request, &response);
+    grpc::Status status = passes_->SetPassConsent(&call, request, &response);
     if (removed_count != nullptr) *removed_count = response.removed_pass_count();
     return status;
   }
