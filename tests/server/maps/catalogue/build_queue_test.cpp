@@ -69,6 +69,7 @@ TEST_P(BuildQueueTest, TenantsSeeTheirOwnNewestFirst) {
   ASSERT_TRUE(queue_->Add(Row("z", "acme"), 4).ok());
   std::vector<std::string> ids;
   const std::vector<BuildRow> rows = *queue_->List("");
+  ids.reserve(rows.size());
   for (const BuildRow& row : rows) ids.push_back(row.build_id);
   EXPECT_THAT(ids, ElementsAre("y", "x"));
   EXPECT_EQ(queue_->Get("", "z").status().code(), absl::StatusCode::kNotFound);
