@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,7 @@ BagContents OnACircle(int standing_count) {
     const GeodeticPosition place =
         GeodeticFromMap(Daejeon(), {kRadius_m * std::cos(angle), kRadius_m * std::sin(angle), 7.0});
     rosbag::SatelliteFix fix;
-    fix.header.stamp = Stamp(std::chrono::milliseconds(1'700'000'000'000 + 100 * i));
+    fix.header.stamp = Stamp(std::chrono::milliseconds(1'700'000'000'000 + std::int64_t{100} * i));
     fix.has_fix = true;
     fix.latitude_deg = place.latitude_deg;
     fix.longitude_deg = place.longitude_deg;

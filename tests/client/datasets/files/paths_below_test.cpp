@@ -16,7 +16,7 @@ bool IsDrive(const fs::path& path) { return path.extension() == ".drive"; }
 
 TEST(PathsBelowTest, FindsFilesAndFoldersInOrderAndLooksIntoNoneOfThem) {
   const TemporaryFolder folder;
-  const fs::path root = folder.path();
+  const fs::path& root = folder.path();
   fs::create_directories(root / "b" / "folder.drive" / "inner.drive");
   std::ofstream(root / "b" / "a.drive") << "x";
   std::ofstream(root / "a.drive") << "x";
@@ -27,7 +27,7 @@ TEST(PathsBelowTest, FindsFilesAndFoldersInOrderAndLooksIntoNoneOfThem) {
 
 TEST(PathsBelowTest, LooksFourLevelsDeep) {
   const TemporaryFolder folder;
-  const fs::path root = folder.path();
+  const fs::path& root = folder.path();
   fs::create_directories(root / "1" / "2" / "3" / "4.drive");
   fs::create_directories(root / "1" / "2" / "3" / "4" / "5.drive");
   EXPECT_THAT(PathsBelow(root, IsDrive), ::testing::ElementsAre("1/2/3/4.drive"));
