@@ -14,7 +14,7 @@
 #include "client/cli/load/load_command.h"
 #include "client/cli/localize/localize_command.h"
 #include "client/cli/map/map_command.h"
-#include "client/cli/map/map_server_command.h"
+#include "client/cli/map/server/map_server_command.h"
 #include "client/cli/plot/plot_command.h"
 #include "client/cli/server/server_command.h"
 #include "client/cli/session/session_command.h"

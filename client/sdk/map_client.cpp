@@ -125,6 +125,12 @@ absl::StatusOr<v1::MapBuild> MapClient::StartSurvey(const v1::MapBuildHeader& he
   return SendBuild(survey, next);
 }
 
+absl::StatusOr<v1::MapBuild> MapClient::StartUpdate(const v1::MapBuildHeader& header) {
+  v1::MapBuildHeader update = header;
+  update.set_method(v1::MAP_BUILD_METHOD_UPDATE);
+  return SendBuild(update, [](v1::StartMapBuildRequest* /*message*/) { return false; });
+}
+
 absl::StatusOr<v1::MapBuild> MapClient::SendBuild(const v1::MapBuildHeader& header,
                                                   const NextMessage& next) {
   // No deadline: how long it takes depends on the drive, and keepalive notices a dead connection.

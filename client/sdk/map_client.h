@@ -76,6 +76,9 @@ class MapClient {
   using NextMessage = std::function<absl::StatusOr<bool>(v1::StartMapBuildRequest*)>;
   absl::StatusOr<v1::MapBuild> StartSurvey(const v1::MapBuildHeader& header,
                                            const NextMessage& next);
+  /// Brings a version up to date with the passes that the server keeps: `header` names the map, and
+  /// may name the version.
+  absl::StatusOr<v1::MapBuild> StartUpdate(const v1::MapBuildHeader& header);
   absl::StatusOr<v1::MapBuild> GetBuild(const std::string& build_id);
   absl::StatusOr<v1::MapBuild> CancelBuild(const std::string& build_id);
 

@@ -117,7 +117,7 @@ struct MapBuilder::Impl {
                          .rotation_wxyz = {q.w(), q.x(), q.y(), q.z()},
                          .first_point = 0,
                          .point_count = 0,
-                         .zero = 0});
+                         .accuracy = 0});
     }
     return records;
   }
@@ -158,13 +158,7 @@ struct MapBuilder::Impl {
     info.flags = rig.MeasuresElevation() ? kHasElevationFlag : 0;
     if (HasHeights()) info.flags |= kHasHeightsFlag;
     if (rig.HasKnownStamps()) SetStampDelay(options.stamp_delay_s, info);
-    if (options.anchor) {
-      info.flags |= kHasAnchorFlag;
-      info.anchor_latitude_deg = options.anchor->origin.latitude_deg;
-      info.anchor_longitude_deg = options.anchor->origin.longitude_deg;
-      info.anchor_height_m = options.anchor->origin.height_m;
-      info.anchor_x_axis_east_rad = options.anchor->x_axis_east_rad;
-    }
+    SetAnchor(options.anchor, info);
     return info;
   }
 };

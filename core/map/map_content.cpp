@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/map/data_loss.h"
+#include "core/map/keyframe_accuracy.h"
 #include "core/map/keyframe_index.h"
 
 namespace dcloc {
@@ -66,7 +67,9 @@ absl::Status CheckKeyframe(const KeyframeRecord& keyframe, std::uint64_t first_p
   if (keyframe.first_point != first_point) {
     return DataLoss("first_point is %d; it must be %d", keyframe.first_point, first_point);
   }
-  if (keyframe.zero != 0) return DataLoss("its last word is %d; it must be 0", keyframe.zero);
+  if (!IsAccuracyWord(keyframe.accuracy)) {
+    return DataLoss("its accuracy is 0x%08x, which means nothing", keyframe.accuracy);
+  }
   if (!WithinBound(keyframe.translation_local_m, kMaxLocal_m)) {
     return DataLoss("its position is beyond %g m of the local origin", kMaxLocal_m);
   }
@@ -166,6 +169,15 @@ void SetStampDelay(std::optional<double> stamp_delay_s, InfoRecord& info) {
   if (!stamp_delay_s) return;
   const auto delay_ms = static_cast<std::uint16_t>(std::lround(1e3 * *stamp_delay_s));
   info.flags |= kHasKnownStampsFlag | static_cast<std::uint32_t>(delay_ms) << kStampDelayShift;
+}
+
+void SetAnchor(const std::optional<GeodeticAnchor>& anchor, InfoRecord& info) {
+  const GeodeticAnchor value = anchor.value_or(GeodeticAnchor());
+  info.flags = anchor ? info.flags | kHasAnchorFlag : info.flags & ~kHasAnchorFlag;
+  info.anchor_latitude_deg = value.origin.latitude_deg;
+  info.anchor_longitude_deg = value.origin.longitude_deg;
+  info.anchor_height_m = value.origin.height_m;
+  info.anchor_x_axis_east_rad = value.x_axis_east_rad;
 }
 
 std::optional<GeodeticAnchor> AnchorOf(const InfoRecord& info) {

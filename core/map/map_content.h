@@ -29,5 +29,7 @@ void SetStampDelay(std::optional<double> stamp_delay_s, InfoRecord& info);
 
 /// The anchor that `info` holds, if any.
 std::optional<GeodeticAnchor> AnchorOf(const InfoRecord& info);
+/// Sets it; nothing takes it away.
+void SetAnchor(const std::optional<GeodeticAnchor>& anchor, InfoRecord& info);
 
 }  // namespace dcloc

@@ -75,7 +75,7 @@ struct KeyframeRecord {
   std::array<double, 4> rotation_wxyz;
   std::uint64_t first_point;
   std::uint32_t point_count;
-  std::uint32_t zero;
+  std::uint32_t accuracy;  ///< of `PackAccuracy`; 0: not known
 };
 static_assert(sizeof(KeyframeRecord) == 72);
 

@@ -115,6 +115,11 @@ Keyframe RadarMap::keyframe(std::size_t index) const {
       .points = view.points.subspan(record.first_point, record.point_count)};
 }
 
+std::optional<KeyframeAccuracy> RadarMap::accuracy(std::size_t index) const {
+  assert(index < layout_->view.keyframes.size());
+  return UnpackAccuracy(layout_->view.keyframes[index].accuracy);
+}
+
 std::vector<std::size_t> RadarMap::KeyframesWithin(const Eigen::Vector3d& p_map,
                                                    double radius_m) const {
   return layout_->index.Within((p_map - OriginOf(layout_->view)).head<2>(), radius_m);

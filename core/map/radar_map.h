@@ -13,6 +13,7 @@
 #include "absl/status/statusor.h"
 #include "core/geometry/geodetic_anchor.h"
 #include "core/geometry/pose.h"
+#include "core/map/keyframe_accuracy.h"
 
 namespace dcloc {
 
@@ -81,6 +82,9 @@ class RadarMap {
 
   /// Keyframe `index` < info().keyframe_count.
   Keyframe keyframe(std::size_t index) const;
+
+  /// What vehicles can expect there; absent where the map does not say.
+  std::optional<KeyframeAccuracy> accuracy(std::size_t index) const;
 
   /// Indices, ascending, of the keyframes whose position lies within `radius_m` of `p_map` in the
   /// map's xy plane. The cost grows with the keyframes found, not with the size of the map.

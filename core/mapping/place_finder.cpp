@@ -38,7 +38,7 @@ KeyframeRecord ToRecord(const Pose2& T_map_node, std::size_t first_point, std::s
           .rotation_wxyz = {T.rotation.w(), T.rotation.x(), T.rotation.y(), T.rotation.z()},
           .first_point = first_point,
           .point_count = static_cast<std::uint32_t>(count),
-          .zero = 0};
+          .accuracy = 0};
 }
 
 std::vector<std::size_t> NodesOfGroup(const SurveyGraph& graph, std::size_t group) {

@@ -252,6 +252,8 @@ class Updater {
     const std::vector<CenterMatch> refined_of =
         MatchCenters(base_.positions, PositionsOf(refined), options_.matching);
     result_.map = base_map_;
+    // What vehicles can expect of it is not known.
+    for (EditableKeyframe& keyframe : result_.map.keyframes) keyframe.record.accuracy = 0;
     result_.refined_count = refined.size();
     std::size_t i = 0;
     for (EditableKeyframe& keyframe : result_.map.keyframes) {

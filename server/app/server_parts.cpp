@@ -30,6 +30,8 @@ constexpr std::chrono::milliseconds kReadyTimeout(800);
 constexpr std::chrono::milliseconds kReadyInterval(500);  ///< of asking whether it is ready
 constexpr std::chrono::seconds kCertificateInterval(1);   ///< of looking at the files
 constexpr std::chrono::milliseconds kTickInterval(100);   ///< of timeouts of sessions
+constexpr std::chrono::seconds kCanaryInterval(1);        ///< of looking at vehicles in canaries
+constexpr int kLooksPerJudgement = 10;
 constexpr int kSweepsPerOrphanLook = 10;
 constexpr std::chrono::minutes kSweepInterval(1);  ///< of unfinished uploads and the quarantine
 
@@ -105,6 +107,9 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
       ticker(kTickInterval, [this] { EndOverdue(); }),
       scrub(store.catalogue(), store.files(), {.max_bytes_per_s = 1e6 * config.scrub_mb_per_s}),
       sweeper(kSweepInterval, [this] { Sweep(); }) {
+  if (!config.keep_worse_canaries) {
+    canary_ticker = std::make_unique<Ticker>(kCanaryInterval, [this] { WatchCanaries(); });
+  }
   // Passes are kept until a time; the server may have been stopped since.
   storage_pool.Post([this] { RemoveExpiredPasses(); }, Lane::kLengthy);
   // The pools' threads are older than what they will use of this; their locks hand it to them.
@@ -265,6 +270,7 @@ absl::Status Server::Parts::ServeMetrics() {
       .objects = opened_storage.objects.get(),
       .cache = opened_storage.cache.get(),
       .passes = passes.counts(),
+      .withdrawn_canary_count = [this] { return canary_watch.withdrawn_count(); },
       .version = DCLOC_VERSION});
   readiness = std::make_unique<Readiness>([this] {
     return ProbeListener(*ParseListenAddress(address), !config.tls_cert.empty(), kReadyTimeout);
@@ -296,6 +302,11 @@ PassBounds Server::Parts::PassBoundsNow() const {
   return {.quota = {.max_tenant_bytes = kMib * limits.pass_storage_mib,
                     .max_vehicle_bytes_per_day = kMib * limits.pass_vehicle_mib_per_day},
           .retention = std::chrono::days(limits.pass_retention_days)};
+}
+
+void Server::Parts::WatchCanaries() {
+  canary_watch.Look();
+  if (++canary_look_count % kLooksPerJudgement == 0) canary_watch.Judge();
 }
 
 void Server::Parts::RemoveExpiredPasses() {

@@ -28,6 +28,7 @@
 #include "server/net/liveness.h"
 #include "server/net/readiness.h"
 #include "server/passes/pass_writer.h"
+#include "server/sessions/canary_watch.h"
 #include "server/telemetry/metrics_endpoint.h"
 
 namespace dcloc::server {
@@ -73,6 +74,9 @@ struct Server::Parts {
 
   void RemoveExpiredPasses();
 
+  /// Looks at vehicles in canaries, and judges these now and then.
+  void WatchCanaries();
+
   /// Removes unfinished uploads, what was long enough in quarantine, and passes whose time is over.
   void Sweep();
 
@@ -117,6 +121,9 @@ struct Server::Parts {
   std::unique_ptr<Readiness> readiness;
   std::unique_ptr<Ticker> readiness_ticker;
   std::unique_ptr<HttpPages> metrics_pages;
+  CanaryWatch canary_watch{registry, store};
+  int canary_look_count = 0;
+  std::unique_ptr<Ticker> canary_ticker;  ///< null where worse canaries are kept
   Ticker ticker;
   MapScrub scrub;
   std::chrono::steady_clock::time_point last_sweep = std::chrono::steady_clock::now();

@@ -146,6 +146,9 @@ void StateMetrics::AddMapFiles(std::vector<MetricFamily>& families) const {
   }
   AddMapFileMetrics(sources_.objects, sources_.cache, families);
   AddPassMetrics(sources_.passes, families);
+  families.push_back(CounterOf("dcloc_canaries_withdrawn_total",
+                               "Canaries of maps whose vehicles were TRACKING less than others",
+                               static_cast<double>(sources_.withdrawn_canary_count())));
 }
 
 }  // namespace dcloc::server

@@ -47,6 +47,7 @@ class StateMetrics final : public prometheus::Collectable {
     const ObjectStore* objects;  ///< null: map files are in a folder
     const MapCache* cache;       ///< null: there is none
     const PassCounts& passes;
+    std::function<std::int64_t()> withdrawn_canary_count;
     std::string version;
   };
 

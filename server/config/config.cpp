@@ -104,6 +104,10 @@ constexpr std::array kFields = {
     ConfigField{"require_identity", "",
                 "refuse callers without an identity even before the first one is made",
                 &ServerConfig::require_identity},
+    ConfigField{"keep_worse_canaries", "",
+                "do not withdraw the canary of a map when its vehicles are TRACKING less than "
+                "those in the active version",
+                &ServerConfig::keep_worse_canaries},
     ConfigField{"max_session_count", "N", "open sessions at most", &ServerConfig::max_session_count,
                 1, 1'000'000, true},
     ConfigField{

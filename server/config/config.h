@@ -46,6 +46,8 @@ struct ServerConfig {
   int worker_count = 0;           ///< threads that localize; 0: one per processor
   bool require_identity = false;  ///< refuse callers without one, even before the first is created
 
+  bool keep_worse_canaries = false;  ///< do not withdraw a canary whose vehicles track less
+
   int max_session_count = 1000;
   int max_unopened_stream_count = 1000;          ///< streams whose first message has not come
   int max_unopened_stream_count_per_peer = 200;  ///< of an address or principal; 0: no own limit

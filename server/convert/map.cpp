@@ -62,6 +62,16 @@ void ToProto(const CoverageRecord& record, v1::MapCoverage* message) {
   message->set_distance_m(record.distance_m);
 }
 
+void ToProto(const KeyframeAccuracy& accuracy, v1::ExpectedAccuracy* message) {
+  if (accuracy.sigmas) {
+    message->set_along_sigma_m(accuracy.sigmas->along_m);
+    message->set_across_sigma_m(accuracy.sigmas->across_m);
+    message->set_heading_sigma_rad(accuracy.sigmas->heading_rad);
+  }
+  message->set_is_tunnel(accuracy.is_tunnel);
+  message->set_is_alias(accuracy.is_alias);
+}
+
 void ToProto(const MapTile& tile, v1::ReadMapTileResponse* message) {
   ToProto(tile.origin_map_m, message->mutable_origin_m());
   message->set_point_count(tile.point_count);
@@ -71,9 +81,14 @@ void ToProto(const MapTile& tile, v1::ReadMapTileResponse* message) {
     message->add_z_m(point.p_tile_m.z());
     message->add_rcs_dbsm(point.rcs_dbsm);
   }
-  for (const Eigen::Vector3f& p_tile_m : tile.keyframes_tile_m) {
-    message->add_keyframe_x_m(p_tile_m.x());
-    message->add_keyframe_y_m(p_tile_m.y());
+  for (const TileKeyframe& keyframe : tile.keyframes) {
+    message->add_keyframe_x_m(keyframe.p_tile_m.x());
+    message->add_keyframe_y_m(keyframe.p_tile_m.y());
+    if (keyframe.accuracy) ToProto(*keyframe.accuracy, message->add_keyframe_accuracies());
+  }
+  // A map has it of all or of none; parts of two kinds may have been merged.
+  if (message->keyframe_accuracies_size() != message->keyframe_x_m_size()) {
+    message->clear_keyframe_accuracies();
   }
 }
 

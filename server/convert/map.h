@@ -15,6 +15,8 @@ void ToProto(const MapRecord& record, v1::Map* message);
 void ToProto(const MapVersionRecord& record, v1::MapVersion* message);
 void ToProto(const CoverageRecord& record, v1::MapCoverage* message);
 
+void ToProto(const KeyframeAccuracy& accuracy, v1::ExpectedAccuracy* message);
+
 /// Everything but the version.
 void ToProto(const MapTile& tile, v1::ReadMapTileResponse* message);
 

@@ -50,7 +50,7 @@ class HealthService::Watcher final : public grpc::ServerWriteReactor<grpc::ByteB
 
   void TellChange() {
     const std::lock_guard lock(mutex_);
-    if (ended_ || writing_) return;
+    if (ending_ || writing_) return;
     const Status status = service_.StatusNow(name_);
     if (told_ == status) return;
     told_ = status;
@@ -59,19 +59,27 @@ class HealthService::Watcher final : public grpc::ServerWriteReactor<grpc::ByteB
     StartWrite(&message_);
   }
 
+  /// Ends it, after the write under way.
   void End(const grpc::Status& status) {
     const std::lock_guard lock(mutex_);
-    if (std::exchange(ended_, true)) return;
-    // A write that nobody reads fails then, which ends the call.
-    writing_ ? context_.TryCancel() : Finish(status);
+    if (ending_) return;
+    ending_ = status;
+    if (!writing_) Finish(status);
+  }
+
+  /// Ends it now: a write that nobody reads fails.
+  void Cut(const grpc::Status& status) {
+    End(status);
+    const std::lock_guard lock(mutex_);
+    if (writing_) context_.TryCancel();
   }
 
   void OnWriteDone(bool ok) override {
     {
       const std::lock_guard lock(mutex_);
       writing_ = false;
-      if (!ok) ended_ = true;
-      if (ended_) return Finish(grpc::Status::CANCELLED);
+      if (!ok && !ending_) ending_ = grpc::Status::CANCELLED;
+      if (ending_) return Finish(*ending_);
     }
     TellChange();
   }
@@ -87,8 +95,8 @@ class HealthService::Watcher final : public grpc::ServerWriteReactor<grpc::ByteB
   std::mutex mutex_;  ///< taken before the service's
   std::optional<Status> told_;
   bool writing_ = false;
-  bool ended_ = false;
-  grpc::ByteBuffer message_;  ///< the transport's while it is written
+  std::optional<grpc::Status> ending_;  ///< what it ends with
+  grpc::ByteBuffer message_;            ///< the transport's while it is written
 };
 
 HealthService::HealthService(AwaitedRequests& requests, std::function<WaitingBounds()> bounds)
@@ -174,7 +182,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* HealthService::Watch(
     }
   }
   if (crowded_out != nullptr) {
-    crowded_out->End({grpc::StatusCode::RESOURCE_EXHAUSTED, reason});
+    crowded_out->Cut({grpc::StatusCode::RESOURCE_EXHAUSTED, reason});
   }
   if (!name.ok()) watcher->End(ToGrpc(name.status()));
   if (ending) watcher->End({grpc::StatusCode::UNAVAILABLE, "the server is shutting down"});

@@ -233,6 +233,14 @@ SessionRegistry::Entries::iterator SessionRegistry::FindOf(absl::string_view ten
   return found ? entry : entries_.end();
 }
 
+std::vector<std::shared_ptr<SessionInfo>> SessionRegistry::All() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<SessionInfo>> infos;
+  infos.reserve(entries_.size());
+  for (const auto& [session_id, entry] : entries_) infos.push_back(entry.info);
+  return infos;
+}
+
 int SessionRegistry::count() const {
   const std::lock_guard lock(mutex_);
   return static_cast<int>(entries_.size());

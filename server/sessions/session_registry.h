@@ -101,6 +101,9 @@ class SessionRegistry {
   absl::StatusOr<std::shared_ptr<Session>> GetSession(absl::string_view tenant,
                                                       absl::string_view session_id);
 
+  /// Of all tenants.
+  std::vector<std::shared_ptr<SessionInfo>> All() const;
+
   int count() const;
   SessionCensus Census() const;
   int max_session_count() const { return limits_.max_session_count; }

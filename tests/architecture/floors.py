@@ -16,7 +16,7 @@ FLOORS = {
         "uncertainty",
         "calibration",
         "localizer mapping",
-        "update",
+        "update localizability",
     ],
     "server": [
         "base",
@@ -60,7 +60,7 @@ FLOORS = {
         "cli/common",
         "cli/remote",
         "cli/calibrate cli/dataset cli/describe cli/doctor cli/evaluate cli/load cli/localize"
-        " cli/map cli/plot cli/server cli/session cli/simulate",
+        " cli/map cli/map/server cli/plot cli/server cli/session cli/simulate",
         "cli",
         "ros",
         "ros/ros1",

@@ -38,7 +38,7 @@ TESTED_BY = {
     "tests/client/sdk/session_test.cpp": ("client/sdk/connection", "client/sdk/status"),
     "tests/client/cli/server/server_command_test.cpp": (
         "client/cli/remote/admin_run", "client/sdk/admin_client"),
-    "tests/client/cli/map/map_passes_command_test.cpp": ("client/sdk/pass_client",),
+    "tests/client/cli/map/server/map_passes_command_test.cpp": ("client/sdk/pass_client",),
     "tests/client/cli/session/session_command_test.cpp": (
         "client/cli/session/session_propose_command",),
     "tests/client/cli/session/session_record_command_test.cpp": ("client/cli/common/stop_signals",),
@@ -51,6 +51,7 @@ TESTED_BY = {
         "client/cli/common/live_line", "client/cli/common/progress"),
     "tests/client/cli/calibrate/calibrate_command_test.cpp": ("client/datasets/drive_calibration",),
     "tests/client/cli/map/map_edit_command_test.cpp": ("client/evaluation/map_diff_picture",),
+    "tests/client/cli/map/map_survey_command_test.cpp": ("client/cli/common/stage_line",),
     "tests/client/datasets/drive_request_test.cpp": ("client/datasets/files/check_range",),
     "tests/client/datasets/rig_file_test.cpp": ("client/datasets/files/json_file",),
     "tests/client/datasets/radarscenes_test.cpp": ("client/datasets/files/hdf5_table",),

@@ -155,6 +155,43 @@ class JobsTest(unittest.TestCase):
             server.stop()
         self.assertEqual(self.files("passes"), [])
 
+    def test_an_update_needs_witnesses_and_comes_of_kept_passes(self):
+        aged = self.folder / "aged"
+        PROGRAMS.succeed("simulate", "--out", aged, "--length-m", 400, "--replaced", 0.1,
+                         "--vehicles", 4, "--seed", 12, "--live-speed-kmh", "50,40,60,45")
+        data = ["--dataset", "nuscenes", "--root", aged]
+        base = self.folder / "aged.dclm"
+        PROGRAMS.succeed("map", "build", *data, "--drive", "map", "--out", base)
+        with self.serve() as server:
+            PROGRAMS.succeed("map", "upload", "--server", server.address, "--map", "town",
+                             "--activate", base)
+            update = ["map", "remote-update", "--server", server.address, "--map", "town", "--json"]
+            self.consent(server, "--map", "town")
+            self.consent(server, "--identity", "anonymous")
+            few = PROGRAMS.run(*update)
+            self.assertEqual(few.returncode, 1)
+            self.assertIn("needs passes of 3 vehicles or days", few.stderr)
+            for number in range(4):
+                PROGRAMS.succeed("localize", "--server", server.address, "--map", "town", *data,
+                                 "--drive", f"live-{number}", "--vehicle", f"car-{number}",
+                                 "--rate", "max", "--out", self.folder / "answers.csv")
+            passes = lambda: self.json(server, "passes", "--map", "town")
+            self.wait_for("a pass of each is kept",
+                          lambda: len({row["vehicle"] for row in passes()}) == 4)
+            ended = PROGRAMS.run(*update)
+            build = self.build(server)
+            self.assertEqual(build["method"], "update")
+            self.assertEqual(len(build["drives"]), 3, build)
+            self.assertGreater(build["update"]["came_count"], 5)
+            self.assertGreater(build["update"]["went_count"], 5)
+            if build["update"]["is_better"]:
+                self.assertEqual(ended.returncode, 0, ended.stderr)
+                self.assertEqual(json.loads(ended.stdout)["version"], 2)
+            else:
+                self.assertEqual(ended.returncode, 1)
+                self.assertIn(build["update"]["reason"], ended.stderr)
+            self.assertEqual(self.files("incoming"), [])
+
 
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -178,19 +178,24 @@ class Campaign {
       before_mib = std::max(before_mib, server_.ResidentMebibytes());
     }
     const double quiet_ms = QuietP99Ms();
-    absl::Status status = SwapUnderWay(arguments_.swap_count);
-    if (status.ok()) status = WaitUntilIdle();
-    if (!status.ok()) return status;
-    const double after_mib = server_.ResidentMebibytes();
-    absl::PrintF(
-        "%d swaps: %d sessions, %d answers, none lost; memory %.1f MiB, then %.1f MiB; p99 %.2f "
-        "ms, "
-        "without swaps %.2f ms\n",
-        arguments_.swap_count, session_count_, answer_count_, before_mib, after_mib, swaps_p99_ms_,
-        quiet_ms);
+    // The allocator may keep more once. What leaks grows again.
+    double after_mib = before_mib;
+    for (int round = 0; round < 2; ++round) {
+      before_mib = std::max(before_mib, after_mib);
+      absl::Status status = SwapUnderWay(arguments_.swap_count);
+      if (status.ok()) status = WaitUntilIdle();
+      if (!status.ok()) return status;
+      after_mib = server_.ResidentMebibytes();
+      absl::PrintF(
+          "%d swaps: %d sessions, %d answers, none lost; memory %.1f MiB, then %.1f MiB; p99 %.2f "
+          "ms, without swaps %.2f ms\n",
+          arguments_.swap_count, session_count_, answer_count_, before_mib, after_mib,
+          swaps_p99_ms_, quiet_ms);
+      if (after_mib <= before_mib + map_mib_) break;
+    }
     if (after_mib > before_mib + map_mib_) {
       return absl::InternalError(
-          absl::StrFormat("memory grew by more than one map, %.1f MiB", map_mib_));
+          absl::StrFormat("memory grew twice by more than one map, %.1f MiB", map_mib_));
     }
     if (arguments_.max_p99_ratio > 0.0 && swaps_p99_ms_ > arguments_.max_p99_ratio * quiet_ms) {
       return absl::InternalError("p99 grew more than it may");

@@ -15,10 +15,12 @@
 #include "client/cli/common/dataset_options.h"
 #include "client/cli/common/on_run.h"
 #include "client/cli/common/progress.h"
+#include "client/cli/map/map_align_command.h"
 #include "client/cli/map/map_diff_command.h"
 #include "client/cli/map/map_edit_command.h"
 #include "client/cli/map/map_exchange_command.h"
 #include "client/cli/map/map_report.h"
+#include "client/cli/map/map_report_command.h"
 #include "client/cli/map/map_survey_command.h"
 #include "client/cli/map/map_update_command.h"
 #include "client/datasets/drive_map.h"
@@ -120,6 +122,8 @@ void AddMapCommand(CLI::App& app, int& exit_code) {
   AddMapUpdateCommand(*map, exit_code);
   AddInspect(*map, exit_code);
   AddMapEditCommands(*map, exit_code);
+  AddMapReportCommand(*map, exit_code);
+  AddMapAlignCommand(*map, exit_code);
   AddMapDiffCommand(*map, exit_code);
   AddMapExchangeCommands(*map, exit_code);
 }

@@ -30,6 +30,8 @@ void AddMapSurveyCommand(CLI::App& map_command, int& exit_code) {
   AddAnchorOption(*app, arguments->anchor)->needs(gnss);
   app->add_option("--name", arguments->name, "Name of the map; the first drive's by default");
   app->add_option("--out", arguments->out, "Map file to write")->required()->type_name("FILE");
+  app->add_option("--report", arguments->report, "Page to write on drives and loops")
+      ->type_name("HTML");
   AddTrajectoryOptions(*app, arguments->trajectory);
   app->add_flag("--compare-truth", arguments->compare_truth,
                 "Say how far the result is from the data set's reference poses, which the survey "
@@ -41,7 +43,8 @@ void AddMapSurveyCommand(CLI::App& map_command, int& exit_code) {
       "  dcloc simulate --out sim --loop-m 1500 --length-m 3000 --rig 5 \\\n"
       "      --live-speed-kmh 40,50,30\n"
       "  dcloc map survey --dataset nuscenes --root sim --drive map,live-0,live-1,live-2 \\\n"
-      "      --out town.dclm --compare-truth");
+      "      --out town.dclm --report town.html --compare-truth\n"
+      "`dcloc map report` says how well vehicles can know where they are in the map.");
   OnRun(*app, arguments, exit_code, &RunSurvey);
 }
 

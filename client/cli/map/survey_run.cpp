@@ -3,71 +3,26 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/common/atomic_file.h"
+#include "client/cli/common/stage_line.h"
 #include "client/cli/common/terminal.h"
+#include "client/cli/map/dataset_drives.h"
+#include "client/cli/map/map_files.h"
 #include "client/cli/map/map_report.h"
-#include "client/cli/map/stage_line.h"
 #include "client/cli/map/survey_fixes.h"
 #include "client/cli/map/survey_judge.h"
+#include "client/cli/map/survey_page.h"
 #include "client/cli/map/survey_summary.h"
 #include "client/trajectory/file_of_drive.h"
 #include "core/mapping/survey_builder.h"
 
 namespace dcloc::cli {
 namespace {
-
-/// A drive of a data set that was read whole.
-class ReadDriveReader final : public DriveReader {
- public:
-  explicit ReadDriveReader(Drive drive) : drive_(std::move(drive)) {}
-  const std::string& name() const override { return drive_.name; }
-  const Rig& rig() const override { return drive_.rig; }
-  std::size_t scan_count() const override { return drive_.scans.size(); }
-  absl::StatusOr<const Scan*> Next() override {
-    return next_ == drive_.scans.size() ? nullptr : &drive_.scans[next_++].scan;
-  }
-
- private:
-  const Drive drive_;
-  std::size_t next_ = 0;
-};
-
-/// The drives that the command names.
-class NamedDrives final : public DriveSource {
- public:
-  explicit NamedDrives(const SurveyArguments& arguments) : arguments_(arguments) {}
-
-  std::size_t drive_count() const override { return arguments_.drives.size(); }
-
-  absl::StatusOr<std::unique_ptr<DriveReader>> Open(std::size_t index) override {
-    DriveRequest request = arguments_.request;
-    request.name = arguments_.drives[index];
-    absl::StatusOr<Drive> drive = ReadDrive(arguments_.dataset, request);
-    if (!drive.ok()) return drive.status();
-    if (absl::Status status = CheckRadarsOfScans(*drive); !status.ok()) return status;
-    if (arguments_.compare_truth && index == references_.size()) Remember(*drive);
-    return std::make_unique<ReadDriveReader>(*std::move(drive));
-  }
-
-  /// The reference poses of the drives, where they are to be compared.
-  const std::vector<std::vector<TrajectoryPose>>& references() const { return references_; }
-
- private:
-  void Remember(const Drive& drive) {
-    std::vector<TrajectoryPose>& reference = references_.emplace_back();
-    for (const DriveScan& entry : drive.scans) {
-      reference.push_back({entry.scan.stamp, entry.T_map_vehicle});
-    }
-  }
-
-  const SurveyArguments& arguments_;
-  std::vector<std::vector<TrajectoryPose>> references_;
-};
 
 // One command's work.
 class SurveyRun {
@@ -76,6 +31,7 @@ class SurveyRun {
 
   absl::Status Run() {
     absl::Status status = CheckTrajectory(arguments_.trajectory, !arguments_.fix_files.empty());
+    status.Update(CheckFolders({arguments_.out, arguments_.report}));
     if (status.ok()) status = builder_.Track();
     if (!status.ok()) return status;
     auto fixes = ReadSurveyFixes(arguments_.fix_files, builder_.tracks(), arguments_.anchor);
@@ -83,6 +39,7 @@ class SurveyRun {
     status = builder_.Place(fixes->fixes);
     if (status.ok()) status = WriteMap(fixes->anchor);
     if (status.ok()) status = WritePoses();
+    if (status.ok()) status = WritePage();
     if (status.ok()) Report();
     return status;
   }
@@ -123,10 +80,24 @@ class SurveyRun {
     return status;
   }
 
+  absl::Status WritePage() const {
+    if (arguments_.report.empty()) return absl::OkStatus();
+    const std::string page = SurveyHtml(builder_.tracks(), builder_.survey());
+    return WriteFileAtomically(arguments_.report, std::as_bytes(std::span(page)));
+  }
+
+  void Remember(std::size_t index, const Drive& drive) {
+    if (!arguments_.compare_truth || index < references_.size()) return;
+    std::vector<TrajectoryPose>& reference = references_.emplace_back();
+    for (const DriveScan& entry : drive.scans) {
+      reference.push_back({entry.scan.stamp, entry.T_map_vehicle});
+    }
+  }
+
   SurveyJudgement Compared() const {
     std::vector<DriveTruth> truths;
     for (std::size_t i = 0; i < builder_.tracks().size(); ++i) {
-      truths.push_back(TruthOf(source_.references()[i], builder_.tracks()[i]));
+      truths.push_back(TruthOf(references_[i], builder_.tracks()[i]));
     }
     return Judge(builder_.survey(), truths);
   }
@@ -146,7 +117,9 @@ class SurveyRun {
 
   const SurveyArguments& arguments_;
   StageLine line_;
-  NamedDrives source_{arguments_};
+  std::vector<std::vector<TrajectoryPose>> references_;  ///< of the drives, to be compared with
+  DatasetDrives source_{arguments_.dataset, arguments_.request, arguments_.drives,
+                        [this](std::size_t index, const Drive& drive) { Remember(index, drive); }};
   SurveyBuilder builder_{source_, [this](const char* stage, double share) {
                            line_.Update(stage, share);
                            return true;

@@ -21,6 +21,7 @@ struct SurveyArguments {
   std::optional<GeodeticAnchor> anchor;  ///< of the fixes' frame
   std::string name;
   std::string out;
+  std::string report;
   TrajectoryArguments trajectory;
   bool compare_truth = false;
   bool json = false;

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/evaluation/html.h"
+#include "client/evaluation/map_drawing.h"
 
 namespace dcloc::cli {
 namespace {
@@ -29,9 +29,9 @@ std::optional<Stamp> BeginOf(const PlacedPass& pass) {
 
 /// The pass from which on a landmark was there, or was not.
 std::optional<Stamp> SinceOf(const UpdateReport& report, const LandmarkHistory& landmark) {
-  const std::vector<std::size_t>& order = report.update.order;
+  const std::vector<std::size_t>& order = report.judged.update.order;
   if (landmark.presence.since >= order.size()) return std::nullopt;
-  return BeginOf(report.passes[order[landmark.presence.since]]);
+  return BeginOf(report.judged.passes[order[landmark.presence.since]]);
 }
 
 std::size_t CountOf(const std::vector<LandmarkHistory>& landmarks, LandmarkFate fate) {
@@ -42,7 +42,7 @@ std::size_t CountOf(const std::vector<LandmarkHistory>& landmarks, LandmarkFate 
 std::optional<Stamp> LastDriven(const UpdateReport& report, const SegmentEvaluation& segment) {
   constexpr double kNear_m = 60.0;
   std::optional<Stamp> last;
-  for (const PlacedPass& pass : report.passes) {
+  for (const PlacedPass& pass : report.judged.passes) {
     for (const PlacedScan& scan : pass.scans) {
       if (!scan.is_good || (last && scan.stamp <= *last)) continue;
       const double distance_m =
@@ -77,7 +77,7 @@ ordered_json SegmentJson(const UpdateReport& report, const SegmentEvaluation& se
 
 ordered_json LandmarksJson(const UpdateReport& report, LandmarkFate fate) {
   ordered_json list = ordered_json::array();
-  for (const auto* landmarks : {&report.update.known, &report.update.found}) {
+  for (const auto* landmarks : {&report.judged.update.known, &report.judged.update.found}) {
     for (const LandmarkHistory& landmark : *landmarks) {
       if (landmark.fate != fate) continue;
       list.push_back({{"x_m", landmark.p_map_m.x()},
@@ -94,8 +94,8 @@ ordered_json LandmarksJson(const UpdateReport& report, LandmarkFate fate) {
 
 ordered_json PassesJson(const UpdateReport& report) {
   ordered_json list = ordered_json::array();
-  for (std::size_t i = 0; i < report.passes.size(); ++i) {
-    const PlacedPass& pass = report.passes[i];
+  for (std::size_t i = 0; i < report.judged.passes.size(); ++i) {
+    const PlacedPass& pass = report.judged.passes[i];
     list.push_back({{"name", pass.name},
                     {"date", DateOf(BeginOf(pass))},
                     {"scan_count", pass.scans.size()},
@@ -105,7 +105,7 @@ ordered_json PassesJson(const UpdateReport& report) {
                     {"unsound_count", pass.unsound_count},
                     {"refused_count", pass.refused_count},
                     {"length_m", pass.length_m},
-                    {"fault", report.faults[i]}});
+                    {"fault", report.judged.faults[i]}});
   }
   return list;
 }
@@ -124,7 +124,7 @@ std::vector<std::vector<std::string>> SegmentRows(const UpdateReport& report) {
   std::vector<std::vector<std::string>> rows = {
       {"street segment at (x, y) m", "last driven", "scans", "stay", "went", "came",
        "error before, after [m]", "fit before, after", "verdict"}};
-  for (const SegmentEvaluation& segment : report.gate.segments) {
+  for (const SegmentEvaluation& segment : report.judged.gate.segments) {
     rows.push_back(
         {absl::StrFormat("%.0f, %.0f", segment.p_map_m.x(), segment.p_map_m.y()),
          DateOf(LastDriven(report, segment)), absl::StrCat(segment.scan_count),
@@ -142,75 +142,44 @@ std::vector<std::vector<std::string>> SegmentRows(const UpdateReport& report) {
 std::vector<std::vector<std::string>> PassRows(const UpdateReport& report) {
   std::vector<std::vector<std::string>> rows = {
       {"drive", "date", "scans", "that count", "verdict"}};
-  for (std::size_t i = 0; i < report.passes.size(); ++i) {
-    const PlacedPass& pass = report.passes[i];
+  for (std::size_t i = 0; i < report.judged.passes.size(); ++i) {
+    const PlacedPass& pass = report.judged.passes[i];
     rows.push_back({pass.name, DateOf(BeginOf(pass)), absl::StrCat(pass.scans.size()),
                     absl::StrCat(pass.GoodCount()),
-                    report.faults[i].empty() ? "of use" : report.faults[i]});
+                    report.judged.faults[i].empty() ? "of use" : report.judged.faults[i]});
   }
   return rows;
 }
 
-/// The changed landmarks over what stays, north up.
-class Drawing {
- public:
-  explicit Drawing(const MapUpdate& update) {
-    for (const auto* landmarks : {&update.known, &update.found}) {
-      for (const LandmarkHistory& landmark : *landmarks) Extend(landmark.p_map_m.head<2>());
-    }
-    for (const auto* landmarks : {&update.known, &update.found}) {
-      for (const LandmarkHistory& landmark : *landmarks) Draw(landmark);
-    }
-  }
-
-  std::string Svg() const {
-    const Eigen::Vector2d size_m = max_m_ - min_m_;
-    return absl::StrFormat(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"%.1f %.1f %.1f %.1f\" "
-        "role=\"img\" aria-label=\"changes\">%s%s</svg>\n",
-        min_m_.x() - kEdge_m, -max_m_.y() - kEdge_m, size_m.x() + 2.0 * kEdge_m,
-        size_m.y() + 2.0 * kEdge_m, below_, above_);
-  }
-
- private:
-  static constexpr double kEdge_m = 5.0;
-
-  void Extend(const Eigen::Vector2d& p_m) {
-    min_m_ = min_m_.cwiseMin(p_m);
-    max_m_ = max_m_.cwiseMax(p_m);
-  }
-
-  void Draw(const LandmarkHistory& landmark) {
-    const double x = landmark.p_map_m.x();
-    const double y = -landmark.p_map_m.y();
-    switch (landmark.fate) {
-      case LandmarkFate::kKept:
-        absl::StrAppendFormat(&below_, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\".4\" fill=\"#bbb\"/>",
-                              x, y);
-        break;
-      case LandmarkFate::kAdded:
-        Mark("#009e73", x, y);
-        break;
-      case LandmarkFate::kRemoved:
-        Mark("#d55e00", x, y);
-        break;
-      case LandmarkFate::kIntermittent:
-        Mark("#56b4e9", x, y);
-        break;
-      case LandmarkFate::kUnproven:
-        break;
+/// The changed landmarks over what stays.
+std::string DrawingOf(const MapUpdate& update) {
+  MapDrawing drawing;
+  for (const auto* landmarks : {&update.known, &update.found}) {
+    for (const LandmarkHistory& landmark : *landmarks) {
+      const Eigen::Vector2d p_map_m = landmark.p_map_m.head<2>();
+      const auto mark = [&](const char* colour) {
+        drawing.Circle(MapDrawing::Layer::kAbove, p_map_m, 0.8, colour);
+      };
+      switch (landmark.fate) {
+        case LandmarkFate::kKept:
+          drawing.Circle(MapDrawing::Layer::kBelow, p_map_m, 0.4, "#bbb");
+          break;
+        case LandmarkFate::kAdded:
+          mark("#009e73");
+          break;
+        case LandmarkFate::kRemoved:
+          mark("#d55e00");
+          break;
+        case LandmarkFate::kIntermittent:
+          mark("#56b4e9");
+          break;
+        case LandmarkFate::kUnproven:
+          break;
+      }
     }
   }
-
-  void Mark(const char* color, double x, double y) {
-    absl::StrAppendFormat(&above_, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\".8\" fill=\"%s\"/>", x, y,
-                          color);
-  }
-
-  Eigen::Vector2d min_m_ = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector2d max_m_ = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
-  std::string below_, above_;
-};
+  return drawing.Svg("changes");
+}
 
 std::size_t ComesAndGoesCount(const MapUpdate& update) {
   return CountOf(update.known, LandmarkFate::kIntermittent) +
@@ -221,10 +190,10 @@ std::size_t ComesAndGoesCount(const MapUpdate& update) {
 
 ordered_json UpdateJson(const UpdateReport& report) {
   ordered_json segments = ordered_json::array();
-  for (const SegmentEvaluation& segment : report.gate.segments) {
+  for (const SegmentEvaluation& segment : report.judged.gate.segments) {
     segments.push_back(SegmentJson(report, segment));
   }
-  const MapUpdate& update = report.update;
+  const MapUpdate& update = report.judged.update;
   return {{"base", report.base},
           {"out", report.out},
           {"passes", PassesJson(report)},
@@ -234,22 +203,22 @@ ordered_json UpdateJson(const UpdateReport& report) {
           {"went", LandmarksJson(report, LandmarkFate::kRemoved)},
           {"comes_and_goes", LandmarksJson(report, LandmarkFate::kIntermittent)},
           {"gate",
-           {{"kept_out", report.held_out},
-            {"is_better", report.gate.is_better},
-            {"reason", report.gate.reason},
-            {"old", ScoreJson(report.gate.whole.old_version)},
-            {"new", ScoreJson(report.gate.whole.new_version)},
+           {{"kept_out", report.judged.held_out},
+            {"is_better", report.judged.gate.is_better},
+            {"reason", report.judged.gate.reason},
+            {"old", ScoreJson(report.judged.gate.whole.old_version)},
+            {"new", ScoreJson(report.judged.gate.whole.new_version)},
             {"segments", segments}}}};
 }
 
 std::string UpdateText(const UpdateReport& report) {
-  const MapUpdate& update = report.update;
+  const MapUpdate& update = report.judged.update;
   std::string text;
-  for (std::size_t i = 0; i < report.passes.size(); ++i) {
-    const PlacedPass& pass = report.passes[i];
-    absl::StrAppendFormat(&text, "%-14s %d of %d scans count%s%s\n", pass.name, pass.GoodCount(),
-                          pass.scans.size(),
-                          report.faults[i].empty() ? "" : "; left out: ", report.faults[i]);
+  for (std::size_t i = 0; i < report.judged.passes.size(); ++i) {
+    const PlacedPass& pass = report.judged.passes[i];
+    absl::StrAppendFormat(
+        &text, "%-14s %d of %d scans count%s%s\n", pass.name, pass.GoodCount(), pass.scans.size(),
+        report.judged.faults[i].empty() ? "" : "; left out: ", report.judged.faults[i]);
   }
   absl::StrAppendFormat(
       &text,
@@ -258,33 +227,33 @@ std::string UpdateText(const UpdateReport& report) {
       CountOf(update.known, LandmarkFate::kKept), update.refined_count,
       CountOf(update.found, LandmarkFate::kAdded), CountOf(update.known, LandmarkFate::kRemoved),
       ComesAndGoesCount(update));
-  const SegmentEvaluation& whole = report.gate.whole;
+  const SegmentEvaluation& whole = report.judged.gate.whole;
   absl::StrAppendFormat(
       &text,
       "%-14s median error %.3f m, before %.3f m; fit %.4f, before %.4f; tracks %.1f %%, before "
       "%.1f %%\n%s: %s\n",
-      report.held_out, whole.new_version.error_m, whole.old_version.error_m, whole.new_version.fit,
-      whole.old_version.fit, 100.0 * whole.new_version.tracking_share,
+      report.judged.held_out, whole.new_version.error_m, whole.old_version.error_m,
+      whole.new_version.fit, whole.old_version.fit, 100.0 * whole.new_version.tracking_share,
       100.0 * whole.old_version.tracking_share, report.out.empty() ? "not written" : report.out,
-      report.gate.reason);
+      report.judged.gate.reason);
   return text;
 }
 
 std::string UpdateHtml(const UpdateReport& report) {
-  const MapUpdate& update = report.update;
+  const MapUpdate& update = report.judged.update;
   std::string body = absl::StrFormat(
       "<p>%s. Green came (%d), red went (%d), blue comes and goes (%d), grey stays (%d).</p>\n",
       EscapeHtml(report.out.empty()
-                     ? absl::StrCat("Not written: ", report.gate.reason)
-                     : absl::StrCat("Written to ", report.out, ": ", report.gate.reason)),
+                     ? absl::StrCat("Not written: ", report.judged.gate.reason)
+                     : absl::StrCat("Written to ", report.out, ": ", report.judged.gate.reason)),
       CountOf(update.found, LandmarkFate::kAdded), CountOf(update.known, LandmarkFate::kRemoved),
       ComesAndGoesCount(update), CountOf(update.known, LandmarkFate::kKept));
   absl::StrAppend(
-      &body, Drawing(update).Svg(), "<h2>Drives</h2>\n", HtmlTable(PassRows(report)),
-      "<h2>The drive that was kept out: ", EscapeHtml(report.held_out), "</h2>\n",
+      &body, DrawingOf(update), "<h2>Drives</h2>\n", HtmlTable(PassRows(report)),
+      "<h2>The drive that was kept out: ", EscapeHtml(report.judged.held_out), "</h2>\n",
       HtmlTable({{"version", "median error [m]", "90 % [m]", "offset [m]", "tracks", "NEES", "fit"},
-                 ScoreRow("old", report.gate.whole.old_version),
-                 ScoreRow("new", report.gate.whole.new_version)}),
+                 ScoreRow("old", report.judged.gate.whole.old_version),
+                 ScoreRow("new", report.judged.gate.whole.new_version)}),
       "<h2>Street segments</h2>\n", HtmlTable(SegmentRows(report)));
   std::vector<std::vector<std::string>> rows = {
       {"change", "x [m]", "y [m]", "since", "last seen", "days or vehicles"}};

@@ -2,22 +2,15 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
-#include "core/update/map_update.h"
-#include "core/update/placed_pass.h"
-#include "core/update/update_gate.h"
+#include "core/update/update_builder.h"
 
 namespace dcloc::cli {
 
 /// An update with all that is told of it.
 struct UpdateReport {
   std::string base;
-  std::string held_out;
-  std::vector<PlacedPass> passes;   ///< without their points
-  std::vector<std::string> faults;  ///< of each pass; empty where it is of use
-  MapUpdate update;
-  UpdateEvaluation gate;
+  JudgedUpdate judged;
   std::string out;  ///< the file that was written; empty where none was
 };
 

@@ -22,6 +22,8 @@ absl::Status BuildIntake::Take(const v1::StartMapBuildRequest& message) {
   absl::Status status;
   if (!has_header_) {
     status = message.has_header() ? TakeHeader(message.header()) : Missing("header");
+  } else if (is_update()) {
+    status = NotTaken("a message after the header", input_.method, "the server has the passes");
   } else if (message.has_drive()) {
     status = TakeDrive(message.drive());
   } else {
@@ -36,7 +38,7 @@ absl::StatusOr<BuildInput> BuildIntake::Finish() {
   if (is_survey()) {
     if (absl::Status status = CheckDriveHasScans(); !status.ok()) return status;
   }
-  if (input_.scan_count == 0) return Missing("scan");
+  if (input_.scan_count == 0 && !is_update()) return Missing("scan");
   absl::StatusOr<std::string> sha256 = input_.spool->Finish();
   if (!sha256.ok()) return sha256.status();
   input_.sha256 = *std::move(sha256);
@@ -100,8 +102,10 @@ absl::Status BuildIntake::TakeScan(const v1::PosedScan& scan) {
 absl::Status BuildIntake::CheckScan(const v1::PosedScan& message) {
   if (is_survey()) {
     if (drives_.empty()) return Missing("drive");
-    if (message.has_t_map_vehicle()) return NotInSurvey("t_map_vehicle", "it finds the poses");
-    if (message.begins_pass()) return NotInSurvey("begins_pass", "a drive message begins a pass");
+    if (message.has_t_map_vehicle())
+      return NotTaken("t_map_vehicle", input_.method, "it finds the poses");
+    if (message.begins_pass())
+      return NotTaken("begins_pass", input_.method, "a drive message begins a pass");
   }
   absl::Status status = WithPrefix("scan.", convert::FromProto(message.scan(), rig_, &scan_));
   if (!status.ok()) return status;

@@ -45,6 +45,7 @@ class BuildIntake {
   absl::Status TakeScan(const v1::PosedScan& scan);
   absl::Status CheckScan(const v1::PosedScan& scan);
   bool is_survey() const { return input_.method == v1::MAP_BUILD_METHOD_SURVEY; }
+  bool is_update() const { return input_.method == v1::MAP_BUILD_METHOD_UPDATE; }
   /// "scan 3: ", or in a survey "drive \"b\", scan 3: ".
   std::string Where() const;
   /// InvalidArgument unless the present drive has scans.

@@ -35,6 +35,11 @@ class BuildProgress {
     *build_.add_drives() = std::move(drive);
   }
 
+  void SetUpdate(v1::MapUpdateResult update) {
+    const std::lock_guard lock(mutex_);
+    *build_.mutable_update() = std::move(update);
+  }
+
   /// The build is to end without a version.
   void Stop() { stopped_ = true; }
   bool stopped() const { return stopped_; }

@@ -1,5 +1,6 @@
 #include "server/maps/jobs/map_build.h"
 
+#include <limits>
 #include <utility>
 
 #include "absl/strings/str_format.h"
@@ -35,6 +36,7 @@ absl::Status CheckMethod(v1::MapBuildMethod method) {
     case v1::MAP_BUILD_METHOD_UNSPECIFIED:
     case v1::MAP_BUILD_METHOD_KNOWN_POSES:
     case v1::MAP_BUILD_METHOD_SURVEY:
+    case v1::MAP_BUILD_METHOD_UPDATE:
       return absl::OkStatus();
     default:
       return absl::InvalidArgumentError(absl::StrFormat(
@@ -58,9 +60,10 @@ v1::MapBuildState ToProto(BuildState state) {
 
 }  // namespace
 
-absl::Status NotInSurvey(absl::string_view field, absl::string_view why) {
+absl::Status NotTaken(absl::string_view field, v1::MapBuildMethod method, absl::string_view why) {
+  const char* const what = method == v1::MAP_BUILD_METHOD_UPDATE ? "an update" : "a survey";
   return absl::InvalidArgumentError(
-      absl::StrFormat("%s is given; a survey takes none: %s", field, why));
+      absl::StrFormat("%s is given; %s takes none: %s", field, what, why));
 }
 
 absl::StatusOr<BuildRequest> FromProto(const v1::MapBuildHeader& message) {
@@ -73,9 +76,24 @@ absl::StatusOr<BuildRequest> FromProto(const v1::MapBuildHeader& message) {
       .rig = {},
       .options = {.name = message.drive_name(), .description = message.description()},
       .activate = message.activate()};
-  if (message.method() == v1::MAP_BUILD_METHOD_SURVEY) {
-    if (message.has_rig()) return NotInSurvey("header.rig", "each drive has its own");
-    if (message.has_anchor()) return NotInSurvey("header.anchor", "its frame is its own");
+  const bool is_survey = message.method() == v1::MAP_BUILD_METHOD_SURVEY;
+  const bool is_update = message.method() == v1::MAP_BUILD_METHOD_UPDATE;
+  if (!is_update && message.base_version() != 0) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "header.base_version is %d; only an update has one", message.base_version()));
+  }
+  if (is_survey || is_update) {
+    if (message.has_rig()) {
+      return NotTaken("header.rig", message.method(), "each drive has its own");
+    }
+    if (message.has_anchor()) {
+      return NotTaken("header.anchor", message.method(),
+                      is_update ? "it keeps the base version's" : "its frame is its own");
+    }
+    status = CheckIntegerBetween("header.base_version", message.base_version(), 0,
+                                 std::numeric_limits<std::int64_t>::max());
+    if (!status.ok()) return status;
+    request.base_version = message.base_version();
     return request;
   }
   absl::StatusOr<Rig> rig = convert::FromProto(message.rig(), "header.rig");

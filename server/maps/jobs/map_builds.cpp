@@ -15,6 +15,7 @@
 #include "server/maps/jobs/known_pose_build.h"
 #include "server/maps/jobs/map_build.h"
 #include "server/maps/jobs/survey_build.h"
+#include "server/maps/jobs/update_build.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
@@ -56,6 +57,7 @@ v1::MapBuild ReportOf(const BuildRow& row) {
   v1::MapBuild report;
   report.ParseFromString(row.report);
   report.clear_drives();  // of an attempt that did not end
+  report.clear_update();
   return report;
 }
 
@@ -66,8 +68,8 @@ MapBuilds::Running::Running(const BuildRow& taken, const std::string& holder)
       lease{.build_id = taken.build_id, .holder = holder, .attempt = taken.attempt_count},
       progress(ReportOf(taken)) {}
 
-MapBuilds::MapBuilds(MapStore& store, const Limits& limits)
-    : store_(store), limits_(limits), ticker_(kTakeInterval, [this] { Tick(); }) {
+MapBuilds::MapBuilds(MapStore& store, PassStore& passes, const Limits& limits)
+    : store_(store), passes_(passes), limits_(limits), ticker_(kTakeInterval, [this] { Tick(); }) {
   Wake();
 }
 
@@ -220,14 +222,33 @@ absl::StatusOr<MapVersionRecord> MapBuilds::Make(Running& running) const {
   if (!there.ok()) return there.status();
   const absl::StatusOr<BuildRequest> request = FromProto(header.header());
   if (!request.ok()) return request.status();
-  const auto bytes = header.header().method() == v1::MAP_BUILD_METHOD_SURVEY
-                         ? BuildBySurvey(*request, spool, running.progress)
-                         : BuildAtKnownPoses(*request, spool, running.progress);
+  const auto bytes = MakeBytes(running, *request, header.header().method(), spool);
   if (!bytes.ok()) return bytes.status();
   running.progress.Tell("storing the map", 0.0);
   status = Confirm(running);
   if (!status.ok()) return status;
   return AskPatiently([&] { return Keep(running, request->activate, *bytes); }, stopping_);
+}
+
+absl::StatusOr<std::vector<std::byte>> MapBuilds::MakeBytes(Running& running,
+                                                            const BuildRequest& request,
+                                                            v1::MapBuildMethod method,
+                                                            FramedReader& spool) const {
+  switch (method) {
+    case v1::MAP_BUILD_METHOD_SURVEY:
+      return BuildBySurvey(request, spool, running.progress);
+    case v1::MAP_BUILD_METHOD_UPDATE:
+      return BuildFromPasses(request,
+                             {.store = store_,
+                              .passes = passes_,
+                              .tenant = running.row.tenant,
+                              .map_name = running.row.map_name,
+                              .folder = store_.incoming().folder(),
+                              .max_bytes = std::int64_t{limits_.max_map_mib} << 20},
+                             running.progress);
+    default:
+      return BuildAtKnownPoses(request, spool, running.progress);
+  }
 }
 
 absl::Status MapBuilds::Confirm(Running& running) const {

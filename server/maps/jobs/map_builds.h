@@ -11,26 +11,30 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "dcloc/v1/map_service.pb.h"
+#include "server/base/framed_file.h"
 #include "server/base/ticker.h"
 #include "server/base/worker_pool.h"
 #include "server/config/limits.h"
 #include "server/maps/catalogue/build_queue.h"
 #include "server/maps/jobs/build_intake.h"
 #include "server/maps/jobs/build_progress.h"
+#include "server/maps/jobs/map_build.h"
 #include "server/maps/jobs/upload.h"
 #include "server/maps/store/map_store.h"
+#include "server/passes/pass_store.h"
 
 namespace dcloc::server {
 
-/// Builds of map versions from scans. They wait in the store's queue, which servers may share. This
-/// server builds one at a time, on a thread of its own, under a lease. The end of the process gives
-/// back what it builds; if it dies, the lease ends. Then another server, or this one when it starts
-/// again, builds it anew from the scans, which lie beside the maps until the build has ended. The
-/// same scans give the same file, so two that build at once add one version. Thread-safe.
+/// Builds of map versions, from scans that clients send or passes that the server keeps. They wait
+/// in the store's queue, which servers may share. This server builds one at a time, on a thread of
+/// its own, under a lease. The end of the process gives back what it builds; if it dies, the lease
+/// ends. Then another server, or this one when it starts again, builds it anew from the scans,
+/// which lie beside the maps until the build has ended. The same scans give the same file, so two
+/// that build at once add one version. Thread-safe.
 class MapBuilds {
  public:
-  /// `store` and `limits` outlive it.
-  MapBuilds(MapStore& store, const Limits& limits);
+  /// `store`, `passes` and `limits` outlive it.
+  MapBuilds(MapStore& store, PassStore& passes, const Limits& limits);
   /// Interrupts what is built here.
   ~MapBuilds();
   MapBuilds(const MapBuilds&) = delete;
@@ -66,6 +70,9 @@ class MapBuilds {
   void Build(const BuildRow& row);
   void Renew(Running& running) const;
   absl::StatusOr<MapVersionRecord> Make(Running& running) const;
+  absl::StatusOr<std::vector<std::byte>> MakeBytes(Running& running, const BuildRequest& request,
+                                                   v1::MapBuildMethod method,
+                                                   FramedReader& spool) const;
   absl::StatusOr<MapVersionRecord> Keep(const Running& running, bool activate,
                                         const std::vector<std::byte>& bytes) const;
   /// OK while it is still to be built here.
@@ -76,6 +83,7 @@ class MapBuilds {
   void RemoveOrphans();
 
   MapStore& store_;
+  PassStore& passes_;
   const Limits& limits_;
   std::atomic<bool> stopping_ = false;
   std::atomic<bool> busy_ = false;

@@ -1,6 +1,7 @@
 #include "server/maps/service/map_places.h"
 
 #include <limits>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace dcloc::server {
 namespace {
 
 constexpr int kMaxCoverages = 100;
+constexpr int kMaxAccuracies = 10;
+constexpr double kMaxRectangle_m = 75.0;
 constexpr std::size_t kMaxTileKeyframes = 10'000;
 
 absl::StatusOr<std::vector<CoverageRecord>> Find(Catalogue& catalogue, const std::string& tenant,
@@ -25,17 +28,43 @@ absl::StatusOr<std::vector<CoverageRecord>> Find(Catalogue& catalogue, const std
   return catalogue.FindCoverage(ScopedMapName(tenant, place.map_name), place.p_map, query.radius_m);
 }
 
+/// At the keyframe nearest to the place. A map that has gone meanwhile has none.
+absl::StatusOr<std::optional<KeyframeAccuracy>> AccuracyAt(MapStore& store,
+                                                           const CoverageRecord& record,
+                                                           const convert::CoverageQuery& query) {
+  const absl::StatusOr<LoadedMap> loaded = store.Acquire(record.map_name, record.version);
+  if (absl::IsNotFound(loaded.status())) return std::nullopt;
+  if (!loaded.ok()) return loaded.status();
+  const RadarMap& map = *loaded->map;
+  Eigen::Vector3d p_map = Eigen::Vector3d::Zero();
+  if (const auto* position = std::get_if<GeodeticPosition>(&query.place)) {
+    p_map = MapFromGeodetic(*map.info().anchor, *position);
+  } else {
+    p_map.head<2>() = std::get<convert::MapPlace>(query.place).p_map;
+  }
+  // Rectangles around the street are at most that wide.
+  const auto keyframe = map.NearestKeyframe(p_map, query.radius_m + kMaxRectangle_m);
+  return keyframe ? map.accuracy(*keyframe) : std::nullopt;
+}
+
 }  // namespace
 
-absl::Status FindCoverage(Catalogue& catalogue, const std::string& tenant,
+absl::Status FindCoverage(MapStore& store, const std::string& tenant,
                           const v1::FindCoverageRequest& request,
                           v1::FindCoverageResponse* response) {
   const absl::StatusOr<convert::CoverageQuery> query = convert::FromProto(request);
   if (!query.ok()) return query.status();
-  const absl::StatusOr<std::vector<CoverageRecord>> records = Find(catalogue, tenant, *query);
+  const absl::StatusOr<std::vector<CoverageRecord>> records =
+      Find(store.catalogue(), tenant, *query);
   if (!records.ok()) return records.status();
   for (const CoverageRecord& record : *records) {
-    convert::ToProto(record, response->add_coverages());
+    v1::MapCoverage* const coverage = response->add_coverages();
+    convert::ToProto(record, coverage);
+    if (!request.with_accuracy() || response->coverages_size() > kMaxAccuracies) continue;
+    const absl::StatusOr<std::optional<KeyframeAccuracy>> accuracy =
+        AccuracyAt(store, record, *query);
+    if (!accuracy.ok()) return accuracy.status();
+    if (*accuracy) convert::ToProto(**accuracy, coverage->mutable_accuracy());
   }
   return absl::OkStatus();
 }

@@ -9,7 +9,7 @@
 /// The calls that ask for coverage and tiles.
 namespace dcloc::server {
 
-absl::Status FindCoverage(Catalogue& catalogue, const std::string& tenant,
+absl::Status FindCoverage(MapStore& store, const std::string& tenant,
                           const v1::FindCoverageRequest& request,
                           v1::FindCoverageResponse* response);
 

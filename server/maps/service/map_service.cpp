@@ -127,7 +127,7 @@ MapService::MapService(RpcContext host, PassStore& passes, SessionMover move_ses
       passes_(passes),
       move_sessions_(std::move(move_sessions)),
       drain_sessions_(std::move(drain_sessions)),
-      builds_(host.store, host.limits) {
+      builds_(host.store, passes, host.limits) {
   AwaitRequests(host.awaited_requests, &MapService::ListMaps, &MapService::GetMap,
                 &MapService::ListMapVersions, &MapService::GetMapVersion, &MapService::GetMapUpload,
                 &MapService::DownloadMap, &MapService::ActivateMapVersion, &MapService::RollBackMap,
@@ -228,7 +228,7 @@ grpc::ServerUnaryReactor* MapService::FindCoverage(grpc::CallbackServerContext* 
                                                    const v1::FindCoverageRequest* request,
                                                    v1::FindCoverageResponse* response) {
   return RunUnary(host_, context, request, [this, request, response](const Principal& principal) {
-    return server::FindCoverage(host_.store.catalogue(), principal.tenant, *request, response);
+    return server::FindCoverage(host_.store, principal.tenant, *request, response);
   });
 }
 

@@ -38,8 +38,9 @@ MapTile ReadTile(const RadarMap& map, const Rectangle& bounds_m, std::size_t max
     const Keyframe keyframe = map.keyframe(index);
     const Pose3& T_map_keyframe = keyframe.T_map_keyframe;
     if (Contains(bounds_m, T_map_keyframe.translation_m)) {
-      tile.keyframes_tile_m.emplace_back(
-          (T_map_keyframe.translation_m - tile.origin_map_m).cast<float>());
+      tile.keyframes.push_back(
+          {.p_tile_m = (T_map_keyframe.translation_m - tile.origin_map_m).cast<float>(),
+           .accuracy = map.accuracy(index)});
     }
     for (const MapPoint& point : keyframe.points) {
       const Eigen::Vector3d p_map =
@@ -51,7 +52,7 @@ MapTile ReadTile(const RadarMap& map, const Rectangle& bounds_m, std::size_t max
   }
   tile.point_count = static_cast<std::int64_t>(tile.points.size());
   tile.points = EvenlyTaken(tile.points, max_point_count);
-  tile.keyframes_tile_m = EvenlyTaken(tile.keyframes_tile_m, max_keyframe_count);
+  tile.keyframes = EvenlyTaken(tile.keyframes, max_keyframe_count);
   return tile;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/map/radar_map.h"
@@ -14,13 +15,19 @@ struct TilePoint {
   float rcs_dbsm = 0.0F;
 };
 
+/// A keyframe likewise.
+struct TileKeyframe {
+  Eigen::Vector3f p_tile_m;
+  std::optional<KeyframeAccuracy> accuracy;
+};
+
 /// A rectangle of a map, with coordinates relative to its corner of least x and y: far from a map's
 /// origin, single precision would be too coarse.
 struct MapTile {
   Eigen::Vector3d origin_map_m;
   std::int64_t point_count = 0;  ///< in the rectangle; `points` are some of them
   std::vector<TilePoint> points;
-  std::vector<Eigen::Vector3f> keyframes_tile_m;
+  std::vector<TileKeyframe> keyframes;
 };
 
 /// The landmarks and keyframes within `bounds_m`, at most `max_point_count` and

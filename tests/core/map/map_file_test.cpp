@@ -120,7 +120,7 @@ INSTANTIATE_TEST_SUITE_P(
               [](SyntheticMap& m) { m.keyframes[2].translation_local_m[2] = 1e300; }},
         Fault{"keyframe 2: its rotation",
               [](SyntheticMap& m) { m.keyframes[2].rotation_wxyz[0] = kNan; }},
-        Fault{"keyframe 2: its last word", [](SyntheticMap& m) { m.keyframes[2].zero = 1; }},
+        Fault{"keyframe 2: its accuracy", [](SyntheticMap& m) { m.keyframes[2].accuracy = 1; }},
         Fault{"index record 5: keyframe is", [](SyntheticMap& m) { m.index[5].keyframe = 20; }},
         Fault{"index record 5: cell is", [](SyntheticMap& m) { m.index[5].cell_x += 1; }},
         Fault{"index record 6: out of order", [](SyntheticMap& m) { m.index[6] = m.index[5]; }},

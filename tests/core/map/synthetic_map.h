@@ -33,7 +33,7 @@ struct SyntheticMap {
            .rotation_wxyz = {std::cos(heading_rad / 2.0), 0.0, 0.0, std::sin(heading_rad / 2.0)},
            .first_point = i * points_per_keyframe,
            .point_count = points_per_keyframe,
-           .zero = 0});
+           .accuracy = 0});
       angle_rad += 10.0 / radius_m;
     }
     info.local_origin_m = {500'000.0, 5'400'000.0, 100.0};

@@ -212,6 +212,35 @@ TEST_F(MapCallsTest, CoverageIsFoundByPlace) {
   EXPECT_EQ(coverage_.coverages_size(), 0) << "the map has no anchor";
 }
 
+TEST_F(MapCallsTest, WhatVehiclesCanExpectIsToldWhereTheMapHasIt) {
+  v1::FindCoverageRequest request = BeginOfTown();
+  request.set_with_accuracy(true);
+  ASSERT_TRUE(FindCoverage(request).ok());
+  EXPECT_FALSE(coverage_.coverages(0).has_accuracy()) << "nobody has looked";
+  ASSERT_TRUE(ReadTile(WholeTown()).ok());
+  EXPECT_EQ(tile_.keyframe_accuracies_size(), 0);
+  SyntheticMap map(12, 20);
+  const KeyframeAccuracy::Sigmas sigmas{.along_m = 0.2, .across_m = 0.1, .heading_rad = 0.01};
+  for (KeyframeRecord& keyframe : map.keyframes) {
+    keyframe.accuracy = PackAccuracy({.sigmas = sigmas, .is_tunnel = false, .is_alias = true});
+  }
+  map.keyframes[5].accuracy = PackAccuracy({.is_tunnel = true});
+  const std::vector<std::byte> bytes = map.Bytes();
+  ASSERT_TRUE(UploadMap(*server_.maps, HeaderOf(bytes), bytes, &uploaded_).ok());
+  ASSERT_TRUE(FindCoverage(request).ok());
+  const v1::ExpectedAccuracy& here = coverage_.coverages(0).accuracy();
+  EXPECT_NEAR(here.along_sigma_m(), 0.2, 0.003);
+  EXPECT_NEAR(here.heading_sigma_rad(), 0.01, 0.0002);
+  EXPECT_TRUE(here.is_alias());
+  ASSERT_TRUE(ReadTile(WholeTown()).ok());
+  ASSERT_EQ(tile_.keyframe_accuracies_size(), 12);
+  EXPECT_FALSE(tile_.keyframe_accuracies(5).has_along_sigma_m()) << "no pose there";
+  EXPECT_TRUE(tile_.keyframe_accuracies(5).is_tunnel());
+  request.set_with_accuracy(false);
+  ASSERT_TRUE(FindCoverage(request).ok());
+  EXPECT_FALSE(coverage_.coverages(0).has_accuracy()) << "it was not asked for";
+}
+
 TEST_F(MapCallsTest, BadPlacesAreRefusedByName) {
   const auto expect = [&](const std::string& part,
                           const std::function<void(v1::FindCoverageRequest&)>& spoil) {

@@ -22,7 +22,7 @@ TEST(MapTileTest, HoldsWhatLiesInTheRectangle) {
   EXPECT_GT(expected, 50);
   EXPECT_EQ(tile.point_count, expected);
   EXPECT_EQ(tile.points.size(), static_cast<std::size_t>(expected));
-  EXPECT_EQ(tile.keyframes_tile_m.size(), 7U);  // 40, 50, ... 100
+  EXPECT_EQ(tile.keyframes.size(), 7U);  // 40, 50, ... 100
   EXPECT_EQ(tile.origin_map_m, Eigen::Vector3d(40.0, -10.0, 0.0));
   for (const TilePoint& point : tile.points) {
     EXPECT_GE(point.p_tile_m.x(), 0.0F);
@@ -40,7 +40,7 @@ TEST(MapTileTest, TakesEvenlyOfTooMuch) {
   EXPECT_LE(tile.points.size(), 150U);
   EXPECT_GT(tile.points.size(), 75U);
   EXPECT_GT(tile.points.back().p_tile_m.x() - tile.points.front().p_tile_m.x(), 150.0F);
-  EXPECT_LE(tile.keyframes_tile_m.size(), 7U);
+  EXPECT_LE(tile.keyframes.size(), 7U);
   const Rectangle nowhere{.min_x = 9000.0, .max_x = 9001.0, .min_y = 0.0, .max_y = 1.0};
   EXPECT_EQ(ReadTile(*map, nowhere, 150, 7).point_count, 0);
 }

@@ -1,4 +1,4 @@
-#include "client/cli/map/map_passes_command.h"
+#include "client/cli/map/server/map_passes_command.h"
 
 #include <chrono>
 #include <memory>

@@ -1,4 +1,4 @@
-#include "client/cli/map/remote_builds.h"
+#include "client/cli/map/server/remote_builds.h"
 
 #include <atomic>
 #include <chrono>
@@ -8,10 +8,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/common/stage_line.h"
 #include "client/cli/common/stop_signals.h"
 #include "client/cli/common/terminal.h"
-#include "client/cli/map/map_call.h"
-#include "client/cli/map/stage_line.h"
+#include "client/cli/map/server/map_call.h"
 #include "client/cli/remote/answer_text.h"
 
 namespace dcloc::cli {
@@ -64,14 +64,51 @@ void SayWhatIsLeftOut(const v1::MapBuild& build) {
   }
 }
 
+const char* MethodText(v1::MapBuildMethod method) {
+  switch (method) {
+    case v1::MAP_BUILD_METHOD_SURVEY:
+      return "survey";
+    case v1::MAP_BUILD_METHOD_UPDATE:
+      return "update";
+    default:
+      return "known poses";
+  }
+}
+
+ordered_json UpdateJson(const v1::MapUpdateResult& update) {
+  return {
+      {"base_version", update.base_version()},
+      {"came_count", update.added_count()},
+      {"went_count", update.removed_count()},
+      {"kept_count", update.kept_count()},
+      {"judged_by", update.judged_by()},
+      {"is_better", update.is_better()},
+      {"reason", update.reason()},
+      {"old", {{"error_m", update.old_error_m()}, {"tracking_share", update.old_tracking_share()}}},
+      {"new",
+       {{"error_m", update.new_error_m()}, {"tracking_share", update.new_tracking_share()}}}};
+}
+
+void SayWhatHasChanged(const v1::MapBuild& build) {
+  if (!build.has_update()) return;
+  const v1::MapUpdateResult& update = build.update();
+  absl::FPrintF(stderr,
+                "version %d: %d landmarks came, %d went, %d stayed\n"
+                "%s: median error %.3f m, before %.3f m; tracks %.1f %%, before %.1f %%\n",
+                update.base_version(), update.added_count(), update.removed_count(),
+                update.kept_count(), Visible(update.judged_by()), update.new_error_m(),
+                update.old_error_m(), 100.0 * update.new_tracking_share(),
+                100.0 * update.old_tracking_share());
+}
+
 absl::Status PrintVersion(const v1::MapBuild& build, bool json) {
-  SayWhatIsLeftOut(build);
   if (!json) {
     absl::PrintF("%s\n", Text(build.version()));
     return absl::OkStatus();
   }
   ordered_json version = Json(build.version());
   if (build.drives_size() > 0) version["drives"] = BuildJson(build)["drives"];
+  if (build.has_update()) version["update"] = UpdateJson(build.update());
   absl::PrintF("%s\n", version.dump(2));
   return absl::OkStatus();
 }
@@ -94,23 +131,23 @@ const char* StateText(const v1::MapBuild& build) {
 }
 
 ordered_json BuildJson(const v1::MapBuild& build) {
-  ordered_json json = {
-      {"build", build.build_id()},
-      {"map", build.map_name()},
-      {"method", build.method() == v1::MAP_BUILD_METHOD_SURVEY ? "survey" : "known poses"},
-      {"state", StateText(build)},
-      {"stage", build.stage()},
-      {"stage_share", build.stage_share()},
-      {"scan_count", build.scan_count()},
-      {"done_scan_count", build.done_scan_count()},
-      {"attempt_count", build.attempt_count()},
-      {"create_time", TimeText(build.create_time())},
-      {"version", build.version().version()},
-      {"error", build.error_message()}};
+  ordered_json json = {{"build", build.build_id()},
+                       {"map", build.map_name()},
+                       {"method", MethodText(build.method())},
+                       {"state", StateText(build)},
+                       {"stage", build.stage()},
+                       {"stage_share", build.stage_share()},
+                       {"scan_count", build.scan_count()},
+                       {"done_scan_count", build.done_scan_count()},
+                       {"attempt_count", build.attempt_count()},
+                       {"create_time", TimeText(build.create_time())},
+                       {"version", build.version().version()},
+                       {"error", build.error_message()}};
   if (build.drives_size() > 0) json["drives"] = ordered_json::array();
   for (const v1::MapBuildDriveResult& drive : build.drives()) {
     json["drives"].push_back(DriveJson(drive));
   }
+  if (build.has_update()) json["update"] = UpdateJson(build.update());
   return json;
 }
 
@@ -131,6 +168,8 @@ absl::Status FollowBuild(client::MapClient& maps, const v1::MapBuild& started, b
   });
   const absl::StatusOr<v1::MapBuild> build = WaitFor(maps, started, signal_count);
   if (!build.ok()) return build.status();
+  SayWhatIsLeftOut(*build);
+  SayWhatHasChanged(*build);
   if (build->state() == v1::MAP_BUILD_STATE_DONE) return PrintVersion(*build, json);
   if (build->state() == v1::MAP_BUILD_STATE_RUNNING) {
     return absl::CancelledError(absl::StrCat("build ", build->build_id(), " is still under way"));

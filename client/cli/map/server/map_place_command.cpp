@@ -1,4 +1,4 @@
-#include "client/cli/map/map_place_command.h"
+#include "client/cli/map/server/map_place_command.h"
 
 #include <cstdint>
 #include <memory>
@@ -10,24 +10,58 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/common/terminal.h"
-#include "client/cli/map/map_call.h"
+#include "client/cli/map/server/map_call.h"
 
 namespace dcloc::cli {
 namespace {
 
 constexpr double kDefaultRadius_m = 50.0;
 
+nlohmann::ordered_json AccuracyJson(const v1::ExpectedAccuracy& accuracy) {
+  nlohmann::ordered_json json = {{"along_sigma_m", nullptr},
+                                 {"across_sigma_m", nullptr},
+                                 {"heading_sigma_rad", nullptr},
+                                 {"is_tunnel", accuracy.is_tunnel()},
+                                 {"is_alias", accuracy.is_alias()}};
+  if (accuracy.has_along_sigma_m()) {
+    json["along_sigma_m"] = accuracy.along_sigma_m();
+    json["across_sigma_m"] = accuracy.across_sigma_m();
+    json["heading_sigma_rad"] = accuracy.heading_sigma_rad();
+  }
+  return json;
+}
+
+nlohmann::ordered_json AccuracyJson(const v1::MapCoverage& coverage) {
+  if (!coverage.has_accuracy()) return nullptr;
+  return AccuracyJson(coverage.accuracy());
+}
+
+std::string AccuracyText(const v1::MapCoverage& coverage) {
+  if (!coverage.has_accuracy()) return "not known";
+  const v1::ExpectedAccuracy& accuracy = coverage.accuracy();
+  std::string text = "no pose";
+  if (accuracy.has_along_sigma_m()) {
+    text = absl::StrFormat("%.2f m along, %.2f m across", accuracy.along_sigma_m(),
+                           accuracy.across_sigma_m());
+  }
+  if (accuracy.is_tunnel()) text += ", tunnel";
+  if (accuracy.is_alias()) text += ", looks like another place";
+  return text;
+}
+
 absl::Status FindCoverage(client::MapClient& maps, const MapArguments& arguments) {
   const auto coverages = maps.FindCoverage(arguments.coverage);
   if (!coverages.ok()) return coverages.status();
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  std::vector<std::vector<std::string>> rows = {{"map", "version", "distance [m]"}};
+  std::vector<std::vector<std::string>> rows = {
+      {"map", "version", "distance [m]", "to expect there"}};
   for (const v1::MapCoverage& coverage : *coverages) {
     list.push_back({{"map", coverage.map_name()},
                     {"version", coverage.version()},
-                    {"distance_m", coverage.distance_m()}});
+                    {"distance_m", coverage.distance_m()},
+                    {"accuracy", AccuracyJson(coverage)}});
     rows.push_back({coverage.map_name(), absl::StrCat(coverage.version()),
-                    absl::StrFormat("%.1f", coverage.distance_m())});
+                    absl::StrFormat("%.1f", coverage.distance_m()), AccuracyText(coverage)});
   }
   absl::PrintF("%s", arguments.json ? list.dump(2) + "\n" : FormatTable(rows));
   return absl::OkStatus();
@@ -45,10 +79,15 @@ nlohmann::ordered_json TileJson(const v1::ReadMapTileResponse& tile) {
   for (int i = 0; i < tile.keyframe_x_m_size(); ++i) {
     keyframes.push_back({origin.x() + tile.keyframe_x_m(i), origin.y() + tile.keyframe_y_m(i)});
   }
+  nlohmann::ordered_json accuracies = nlohmann::ordered_json::array();
+  for (const v1::ExpectedAccuracy& accuracy : tile.keyframe_accuracies()) {
+    accuracies.push_back(AccuracyJson(accuracy));
+  }
   return {{"version", tile.version()},
           {"point_count", tile.point_count()},
           {"points", std::move(points)},
-          {"keyframes", std::move(keyframes)}};
+          {"keyframes", std::move(keyframes)},
+          {"keyframe_accuracies", std::move(accuracies)}};
 }
 
 absl::Status ReadTile(client::MapClient& maps, const MapArguments& arguments) {
@@ -81,6 +120,7 @@ void AddCoverage(CLI::App& map_command, int& exit_code) {
   auto arguments = std::make_shared<MapArguments>();
   v1::FindCoverageRequest* request = &arguments->coverage;
   request->set_radius_m(kDefaultRadius_m);
+  request->set_with_accuracy(true);
   CLI::App* app = AddMapCall(map_command, "coverage", "Say which active maps cover a place",
                              &FindCoverage, arguments, exit_code);
   CLI::Option* latitude =

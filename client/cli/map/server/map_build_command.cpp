@@ -1,4 +1,4 @@
-#include "client/cli/map/map_build_command.h"
+#include "client/cli/map/server/map_build_command.h"
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,9 +11,10 @@
 #include "client/cli/common/dataset_options.h"
 #include "client/cli/common/progress.h"
 #include "client/cli/common/terminal.h"
-#include "client/cli/map/map_call.h"
-#include "client/cli/map/map_remote_survey_command.h"
-#include "client/cli/map/remote_builds.h"
+#include "client/cli/map/server/map_call.h"
+#include "client/cli/map/server/map_remote_survey_command.h"
+#include "client/cli/map/server/map_remote_update_command.h"
+#include "client/cli/map/server/remote_builds.h"
 #include "client/cli/remote/answer_text.h"
 #include "client/cli/remote/wire.h"
 
@@ -120,6 +121,7 @@ void AddMapBuildCommands(CLI::App& map_command, int& exit_code) {
   AddRemoteBuild(map_command, exit_code);
   AddBuilds(map_command, exit_code);
   AddMapRemoteSurveyCommand(map_command, exit_code);
+  AddMapRemoteUpdateCommand(map_command, exit_code);
   AddCancelBuild(map_command, exit_code);
 }
 

@@ -1,4 +1,4 @@
-#include "client/cli/map/map_server_command.h"
+#include "client/cli/map/server/map_server_command.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -13,11 +13,11 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/common/progress.h"
 #include "client/cli/common/terminal.h"
-#include "client/cli/map/map_build_command.h"
-#include "client/cli/map/map_call.h"
-#include "client/cli/map/map_label_command.h"
-#include "client/cli/map/map_passes_command.h"
-#include "client/cli/map/map_place_command.h"
+#include "client/cli/map/server/map_build_command.h"
+#include "client/cli/map/server/map_call.h"
+#include "client/cli/map/server/map_label_command.h"
+#include "client/cli/map/server/map_passes_command.h"
+#include "client/cli/map/server/map_place_command.h"
 #include "client/cli/remote/answer_text.h"
 
 namespace dcloc::cli {

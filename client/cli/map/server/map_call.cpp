@@ -1,4 +1,4 @@
-#include "client/cli/map/map_call.h"
+#include "client/cli/map/server/map_call.h"
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"

@@ -1,10 +1,10 @@
-#include "client/cli/map/map_label_command.h"
+#include "client/cli/map/server/map_label_command.h"
 
 #include <memory>
 
 #include "absl/strings/str_format.h"
 #include "client/cli/common/terminal.h"
-#include "client/cli/map/map_call.h"
+#include "client/cli/map/server/map_call.h"
 
 namespace dcloc::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/cli/map/stage_line.h"
+#include "client/cli/common/stage_line.h"
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"

@@ -1,4 +1,4 @@
-#include "client/cli/map/map_remote_survey_command.h"
+#include "client/cli/map/server/map_remote_survey_command.h"
 
 #include <memory>
 #include <optional>
@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/common/progress.h"
-#include "client/cli/map/map_call.h"
-#include "client/cli/map/remote_builds.h"
+#include "client/cli/map/server/map_call.h"
+#include "client/cli/map/server/remote_builds.h"
 #include "client/cli/remote/wire.h"
 
 namespace dcloc::cli {
