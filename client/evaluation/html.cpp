@@ -12,7 +12,7 @@ constexpr const char* kStyle =
     "td,th{padding:.25em .9em;border-bottom:1px solid #ddd;text-align:right}"
     "td:first-child,th:first-child{text-align:left}"
     "dl{display:grid;grid-template-columns:max-content auto;gap:.1em 1em}dd{margin:0}"
-    "svg{width:100%;height:auto}";
+    "svg{width:100%;height:auto;max-height:85vh}";
 
 std::string Row(const std::vector<std::string>& cells, const char* tag) {
   std::string row = "<tr>";

@@ -1,5 +1,7 @@
 #include "core/localizability/alias_finder.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -15,7 +17,12 @@ namespace {
 constexpr RegistrationEffort kEffort{
     .max_iterations = 15, .translation_tolerance_m = 0.005, .rotation_tolerance_rad = 0.0005};
 constexpr double kGuessSigma_m = 0.3;  // of a place that motion leads to
-constexpr double kCellSigma_m = 1.0;   // of a place that a search finds: about a cell
+// Views that tell a tunnel. A return that lies on a landmark of a wall speaks for the place that
+// made it, and with each view more.
+constexpr std::size_t kTunnelViews = 2;
+constexpr std::array kTunnelShares = {-1.0, -0.6, -0.3, 0.3, 0.6, 1.0};  // of `tunnel_m`
+constexpr std::size_t kMinTunnelPlaces = 4;                              // of these
+constexpr double kCellSigma_m = 1.0;  // of a place that a search finds: about a cell
 
 }  // namespace
 
@@ -50,21 +57,40 @@ PlaceLikeness AliasFinder::Find(std::span<const PlaceView> views) {
   const Pose3& T_map_vehicle = views.front().T_map_vehicle;
   const std::optional<Fit> right = FitAll(views, T_map_vehicle, kGuessSigma_m);
   if (!right) return {};
-  PlaceLikeness likeness;
+  PlaceLikeness likeness{.is_tunnel = IsTunnel(views.first(std::min(kTunnelViews, views.size())))};
   for (const Pose3& T_map_candidate : Candidates(views.front())) {
     if (IsSamePlace(T_map_vehicle.Inverse() * T_map_candidate)) continue;
     const std::optional<Fit> other = FitAll(views, T_map_candidate, kCellSigma_m);
-    if (!other) continue;
+    if (!other || LeadOf(*right, *other) >= options_.min_lead) continue;
     const Pose3 T_vehicle_other = T_map_vehicle.Inverse() * other->T_map_vehicle;
-    const double lead = options_.log_likelihood_per_score * (right->score - other->score);
-    if (lead >= options_.min_lead || IsSamePlace(T_vehicle_other)) continue;
-    if (IsAlongTheWay(T_vehicle_other)) {
-      likeness.is_tunnel = true;
-    } else if (!likeness.alias || lead < likeness.alias->lead) {
-      likeness.alias = {.T_map_vehicle = other->T_map_vehicle, .lead = lead};
+    if (IsSamePlace(T_vehicle_other) || (likeness.is_tunnel && IsAlongTheWay(T_vehicle_other))) {
+      continue;
+    }
+    if (!likeness.alias || LeadOf(*right, *other) < likeness.alias->lead) {
+      likeness.alias = {.T_map_vehicle = other->T_map_vehicle, .lead = LeadOf(*right, *other)};
     }
   }
   return likeness;
+}
+
+/// What is seen fits at nearly every place along the way, as it fits here. Where something stands,
+/// it fits at none or at one, or registration finds the way back.
+bool AliasFinder::IsTunnel(std::span<const PlaceView> views) {
+  const Pose3& T_map_vehicle = views.front().T_map_vehicle;
+  const std::optional<Fit> right = FitAll(views, T_map_vehicle, kGuessSigma_m);
+  if (!right) return false;
+  std::size_t count = 0;
+  for (const double share : kTunnelShares) {
+    const Pose3 T_vehicle_there = Embed({{share * options_.tunnel_m, 0.0}, 0.0});
+    const std::optional<Fit> fit = FitAll(views, T_map_vehicle * T_vehicle_there, kCellSigma_m);
+    if (!fit || LeadOf(*right, *fit) >= options_.min_lead) continue;
+    if (IsSamePlace((T_map_vehicle * T_vehicle_there).Inverse() * fit->T_map_vehicle)) ++count;
+  }
+  return count >= kMinTunnelPlaces;
+}
+
+double AliasFinder::LeadOf(const Fit& right, const Fit& other) const {
+  return options_.log_likelihood_per_score * (right.score - other.score);
 }
 
 std::vector<Pose3> AliasFinder::Candidates(const PlaceView& view) const {
@@ -79,10 +105,6 @@ std::vector<Pose3> AliasFinder::Candidates(const PlaceView& view) const {
   for (const PlaceCandidate& place : search.Best()) {
     candidates.push_back(map_->keyframe(place.keyframe).T_map_keyframe *
                          Embed(place.T_keyframe_vehicle));
-  }
-  // The search may have given all of them to places further away.
-  for (const double share : {-1.0, -0.6, -0.3, 0.3, 0.6, 1.0}) {
-    candidates.push_back(view.T_map_vehicle * Embed({{share * options_.tunnel_m, 0.0}, 0.0}));
   }
   return candidates;
 }

@@ -70,10 +70,12 @@ class AliasFinder {
     Pose3 T_map_vehicle;  // at the first view
     double score = 0.0;   // summed over views
   };
+  bool IsTunnel(std::span<const PlaceView> views);
   std::vector<Pose3> Candidates(const PlaceView& view) const;
   /// The sum over all views, with the first one at a pose; nothing where one does not fit.
   std::optional<Fit> FitAll(std::span<const PlaceView> views, const Pose3& T_map_first,
                             double guess_sigma_m);
+  double LeadOf(const Fit& right, const Fit& other) const;
   bool IsSamePlace(const Pose3& T_a_b) const;
   bool IsAlongTheWay(const Pose3& T_a_b) const;
 

@@ -34,27 +34,35 @@ std::vector<Stretch> StretchesOf(const RadarMap& map) {
   return stretches;
 }
 
-KeyframePath::KeyframePath(const RadarMap& map, const Stretch& stretch, double speed_mps)
-    : first_keyframe_(stretch.begin) {
+KeyframePath::KeyframePath(const RadarMap& map, const Stretch& stretch, double speed_mps,
+                           double lead_m)
+    : first_keyframe_(stretch.begin), first_knot_(lead_m > 0.0 ? 1 : 0) {
+  if (lead_m > 0.0) {
+    const Pose3 T_map_first = map.keyframe(stretch.begin).T_map_keyframe;
+    Add(T_map_first * Eigen::Vector3d(-lead_m, 0.0, 0.0), Yaw(T_map_first.rotation), speed_mps);
+  }
   for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
     const Pose3 T_map_keyframe = map.keyframe(i).T_map_keyframe;
-    Knot knot;
-    knot.value << T_map_keyframe.translation_m, Yaw(T_map_keyframe.rotation);
-    if (!knots_.empty()) {
-      const Knot& last = knots_.back();
-      const double turn_rad = WrapAngle(knot.value(3) - last.value(3));
-      const double way_m = (knot.value - last.value).head<3>().norm();
-      knot.value(3) = last.value(3) + turn_rad;
-      knot.time_s =
-          last.time_s + std::max(way_m / speed_mps, std::abs(turn_rad) / kMaxYawRate_radps);
-    }
-    knots_.push_back(knot);
+    Add(T_map_keyframe.translation_m, Yaw(T_map_keyframe.rotation), speed_mps);
   }
   for (std::size_t i = 0; i < knots_.size(); ++i) {
     const Knot& before = knots_[i == 0 ? 0 : i - 1];
     const Knot& after = knots_[std::min(i + 1, knots_.size() - 1)];
     knots_[i].rate = (after.value - before.value) / (after.time_s - before.time_s);
   }
+}
+
+void KeyframePath::Add(const Eigen::Vector3d& position_m, double yaw_rad, double speed_mps) {
+  Knot knot;
+  knot.value << position_m, yaw_rad;
+  if (!knots_.empty()) {
+    const Knot& last = knots_.back();
+    const double turn_rad = WrapAngle(yaw_rad - last.value(3));
+    const double way_m = (knot.value - last.value).head<3>().norm();
+    knot.value(3) = last.value(3) + turn_rad;
+    knot.time_s = last.time_s + std::max(way_m / speed_mps, std::abs(turn_rad) / kMaxYawRate_radps);
+  }
+  knots_.push_back(knot);
 }
 
 PathPoint KeyframePath::At(double time_s) const {
@@ -76,8 +84,8 @@ PathPoint KeyframePath::At(double time_s) const {
   point.T_map_vehicle.translation_m.z() = value(2);
   point.velocity.linear_mps = point.T_map_vehicle.rotation.conjugate() * rate.head<3>();
   point.velocity.angular_radps.z() = rate(3);
-  point.nearest_keyframe =
-      first_keyframe_ + static_cast<std::size_t>(next - knots_.begin()) - (u < 0.5 ? 1 : 0);
+  const std::size_t knot = static_cast<std::size_t>(next - knots_.begin()) - (u < 0.5 ? 1 : 0);
+  point.nearest_keyframe = first_keyframe_ + (knot > first_knot_ ? knot - first_knot_ : 0);
   return point;
 }
 

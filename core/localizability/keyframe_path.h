@@ -27,12 +27,15 @@ struct PathPoint {
 };
 
 /// The way through a stretch: a level vehicle passes through the positions and headings of all
-/// keyframes, without a leap of its velocity (cubic Hermite). It slows down in bends.
+/// keyframes, without a leap of its velocity (cubic Hermite). It slows down in bends. It comes
+/// straight from some way before the first one.
 class KeyframePath {
  public:
   /// The stretch is one of `StretchesOf(map)`.
-  KeyframePath(const RadarMap& map, const Stretch& stretch, double speed_mps);
+  KeyframePath(const RadarMap& map, const Stretch& stretch, double speed_mps, double lead_m = 0.0);
 
+  /// When it passes the first keyframe.
+  double lead_s() const { return knots_[first_knot_].time_s; }
   double duration_s() const { return knots_.back().time_s; }
 
   /// After `time_s`, in [0, duration_s()].
@@ -46,7 +49,10 @@ class KeyframePath {
     Eigen::Vector4d rate = Eigen::Vector4d::Zero();
   };
 
+  void Add(const Eigen::Vector3d& position_m, double yaw_rad, double speed_mps);
+
   std::size_t first_keyframe_;
+  std::size_t first_knot_;  ///< that is a keyframe
   std::vector<Knot> knots_;
 };
 

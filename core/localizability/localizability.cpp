@@ -1,201 +1,110 @@
 #include "core/localizability/localizability.h"
 
-#include <Eigen/Core>
-#include <cmath>
-#include <random>
+#include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/localizability/keyframe_path.h"
-#include "core/localizer/localizer.h"
-#include "core/odometry/motion.h"
-#include "core/radar/static_points.h"
-#include "core/submap/submap.h"
 
 namespace dcloc {
 namespace {
 
-constexpr double kPriorSigma_m = 0.3;
-constexpr double kPriorSigma_rad = 0.02;
-constexpr std::size_t kMaxViewPoints = 400;
 constexpr std::size_t kViewCount = 3;  // over some twenty metres
 
-/// The rig of a vehicle whose radars are what they are described as.
-Rig WithoutBiases(Rig rig) {
-  for (RadarModel& radar : rig.radars) {
-    radar.beta_s = 0.0;
-    radar.range_bias_m = 0.0;
-    radar.time_offset_s = 0.0;
-    radar.unambiguous_range_rate_mps = 0.0;
-  }
-  return rig;
+void Tell(const AnswerSum& sum, double min_observed_share, KeyframeLocalizability& result) {
+  if (sum.posed_count == 0) return;
+  const Vector6d sigma = (sum.variance / sum.posed_count).cwiseSqrt();
+  result.is_known = true;
+  result.along_sigma_m = sigma(0);
+  result.across_sigma_m = sigma(1);
+  result.heading_sigma_rad = sigma(5);
+  result.tracking_share = static_cast<double>(sum.tracking_count) / sum.count;
+  if (sum.observed_count < min_observed_share * sum.posed_count) result.is_tunnel = true;
 }
 
-/// Answers near one keyframe.
-struct AnswerSum {
-  int count = 0;
-  int tracking_count = 0;
-  int posed_count = 0;
-  int observed_count = 0;
-  Vector6d variance = Vector6d::Zero();
-
-  void Add(const Localization& answer) {
-    ++count;
-    if (answer.state == LocalizationState::kTracking) ++tracking_count;
-    if (answer.state == LocalizationState::kInitializing) return;
-    ++posed_count;
-    if (answer.observed[0]) ++observed_count;
-    variance += answer.covariance.diagonal();
+/// What is seen from a keyframe on; at the end of the stretch, before it.
+std::vector<PlaceView> ViewsFrom(const std::vector<PlaceView>& all, std::size_t index) {
+  std::vector<PlaceView> views = {all[index]};
+  for (std::size_t i = index + 1; i < all.size() && views.size() < kViewCount; ++i) {
+    views.push_back(all[i]);
   }
+  for (std::size_t i = index; i > 0 && views.size() < kViewCount; --i) views.push_back(all[i - 1]);
+  return views;
+}
 
-  void To(double min_observed_share, KeyframeLocalizability& result) const {
-    if (posed_count == 0) return;
-    const Vector6d sigma = (variance / posed_count).cwiseSqrt();
-    result.is_known = true;
-    result.along_sigma_m = sigma(0);
-    result.across_sigma_m = sigma(1);
-    result.heading_sigma_rad = sigma(5);
-    result.tracking_share = static_cast<double>(tracking_count) / count;
-    if (observed_count < min_observed_share * posed_count) result.is_tunnel = true;
-  }
-};
-
-/// One vehicle on its way through one stretch.
-class StretchDrive {
+/// One computation. What the vehicle has learned on the longest stretch so far, it knows on others.
+class Computation {
  public:
-  StretchDrive(std::shared_ptr<const RadarMap> map, const Stretch& stretch,
-               std::vector<bool> is_tunnel, const LocalizabilityOptions& options)
-      : map_(std::move(map)),
-        stretch_(stretch),
+  Computation(const std::shared_ptr<const RadarMap>& map, const LocalizabilityOptions& options)
+      : map_(map),
         options_(options),
-        rig_(WithoutBiases(options.rig)),
-        path_(*map_, stretch, options.speed_mps),
-        scans_(map_, options.scans, std::move(is_tunnel), options.seed + stretch.begin),
-        random_(options.seed + stretch.begin),
-        window_(LocalizerOptions{}.scans_per_submap),
-        sums_(stretch.end - stretch.begin),
-        views_(stretch.end - stretch.begin) {}
+        aliases_(map, options.aliases),
+        result_(map->info().keyframe_count) {}
 
-  absl::Status Run() {
-    const PathPoint start = path_.At(0.0);
-    InitialPose prior{.T_map_vehicle = start.T_map_vehicle, .covariance = Matrix6d::Zero()};
-    prior.covariance.diagonal() << Eigen::Vector3d::Constant(kPriorSigma_m * kPriorSigma_m),
-        Eigen::Vector3d::Constant(kPriorSigma_rad * kPriorSigma_rad);
-    LocalizerOptions localizer_options;
-    localizer_options.verify_prior = false;  // nobody doubts it
-    auto localizer = Localizer::Create(map_, rig_, prior, localizer_options);
-    if (!localizer.ok()) return localizer.status();
-    const double step_s = options_.scan_period_s / static_cast<double>(rig_.radars.size());
-    Pose3 T_map_before = start.T_map_vehicle;
-    for (std::size_t i = 0; static_cast<double>(i) * step_s < path_.duration_s(); ++i) {
-      const double time_s = static_cast<double>(i) * step_s;
-      const std::size_t radar = i % rig_.radars.size();
-      const PathPoint point = path_.At(time_s);
-      const Scan scan = TakeScan(rig_.radars[radar], point, time_s);
-      const auto answer = localizer->Localize(scan);
-      if (!answer.ok()) return answer.status();
-      sums_[point.nearest_keyframe - stretch_.begin].Add(*answer);
-      KeepView(scan, radar, point, T_map_before.Inverse() * point.T_map_vehicle);
-      T_map_before = point.T_map_vehicle;
+  absl::StatusOr<std::vector<KeyframeLocalizability>> Run(const LocalizabilityProgress& progress) {
+    std::vector<Stretch> stretches = StretchesOf(*map_);
+    std::ranges::stable_sort(stretches, [](const Stretch& a, const Stretch& b) {
+      return a.end - a.begin > b.end - b.begin;
+    });
+    std::size_t done = 0;
+    for (const Stretch& stretch : stretches) {
+      if (absl::Status status = Look(stretch); !status.ok()) return status;
+      done += stretch.end - stretch.begin;
+      if (!progress(static_cast<double>(done) / static_cast<double>(result_.size()))) {
+        return absl::CancelledError("cancelled");
+      }
+    }
+    return std::move(result_);
+  }
+
+ private:
+  absl::Status Look(const Stretch& stretch) {
+    const std::uint64_t seed = options_.seed + stretch.begin;
+    ExpectedDrive first(map_, stretch, options_.vehicle, {}, seed);
+    if (absl::Status status = first.Run(learned_); !status.ok()) return status;
+    if (!learned_) learned_ = first.learned();
+    FindLikeness(stretch, first.views());
+    // Once more, now that it has learned, and that it is known where walls show nothing of the way.
+    std::vector<bool> is_tunnel;
+    for (const KeyframeLocalizability& one : result_) is_tunnel.push_back(one.is_tunnel);
+    ExpectedDrive second(map_, stretch, options_.vehicle, std::move(is_tunnel), seed);
+    if (absl::Status status = second.Run(learned_); !status.ok()) return status;
+    for (std::size_t i = 0; i < second.sums().size(); ++i) {
+      Tell(second.sums()[i], options_.min_observed_share, result_[stretch.begin + i]);
     }
     return absl::OkStatus();
   }
 
-  void TellAccuracy(std::vector<KeyframeLocalizability>& result) const {
-    for (std::size_t i = 0; i < sums_.size(); ++i) {
-      sums_[i].To(options_.min_observed_share, result[stretch_.begin + i]);
+  void FindLikeness(const Stretch& stretch, const std::vector<PlaceView>& views) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const PlaceLikeness likeness = aliases_.Find(ViewsFrom(views, i));
+      result_[stretch.begin + i].alias = likeness.alias;
+      result_[stretch.begin + i].is_tunnel = likeness.is_tunnel;
     }
   }
 
-  /// Whether one of the keyframes is in a tunnel.
-  bool TellLikeness(AliasFinder& aliases, std::vector<KeyframeLocalizability>& result) const {
-    bool has_tunnel = false;
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      const PlaceLikeness likeness = aliases.Find(ViewsFrom(i));
-      KeyframeLocalizability& keyframe = result[stretch_.begin + i];
-      keyframe.alias = likeness.alias;
-      keyframe.is_tunnel = likeness.is_tunnel;
-      has_tunnel = has_tunnel || likeness.is_tunnel;
-    }
-    return has_tunnel;
-  }
-
- private:
-  Scan TakeScan(const RadarModel& radar, const PathPoint& point, double time_s) {
-    const auto after =
-        std::chrono::nanoseconds(static_cast<std::int64_t>(std::llround(time_s * 1e9)));
-    Scan scan = scans_.At(radar, point.T_map_vehicle, point.velocity,
-                          Stamp(std::chrono::hours(24)) + after);
-    scan.ego_velocity = point.velocity;
-    scan.ego_velocity->linear_mps *= 1.0 + options_.speed_scale_error;
-    scan.ego_velocity->linear_mps.x() += options_.speed_sigma_mps * normal_(random_);
-    scan.ego_velocity->angular_radps.z() +=
-        options_.yaw_rate_bias_radps + options_.yaw_rate_sigma_radps * normal_(random_);
-    return scan;
-  }
-
-  /// What is seen from a keyframe on; at the end of the stretch, before it.
-  std::vector<PlaceView> ViewsFrom(std::size_t index) const {
-    std::vector<PlaceView> views = {views_[index]};
-    for (std::size_t i = index + 1; i < views_.size() && views.size() < kViewCount; ++i) {
-      views.push_back(views_[i]);
-    }
-    for (std::size_t i = index; i > 0 && views.size() < kViewCount; --i) {
-      views.push_back(views_[i - 1]);
-    }
-    return views;
-  }
-
-  /// The last one near a keyframe stays.
-  void KeepView(const Scan& scan, std::size_t radar, const PathPoint& point,
-                const Pose3& T_before_now) {
-    window_.Push(scan.stamp, static_cast<int>(radar),
-                 StaticPoints(scan, rig_.radars[radar], point.velocity, {}),
-                 {.T_from_to = T_before_now, .covariance = Matrix6d::Zero()});
-    window_.Join(DriftCovariance::kLeftOut, kMaxViewPoints, submap_);
-    PlaceView& view = views_[point.nearest_keyframe - stretch_.begin];
-    view.T_map_vehicle = point.T_map_vehicle;
-    view.points = submap_.points;
-  }
-
-  std::shared_ptr<const RadarMap> map_;
-  Stretch stretch_;
+  const std::shared_ptr<const RadarMap>& map_;
   const LocalizabilityOptions& options_;
-  Rig rig_;
-  KeyframePath path_;
-  ExpectedScans scans_;
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
-  SubmapWindow window_;
-  LiveSubmap<2> submap_;
-  std::vector<AnswerSum> sums_;   ///< by keyframe of the stretch
-  std::vector<PlaceView> views_;  ///< likewise
+  AliasFinder aliases_;
+  std::optional<LocalizerSnapshot> learned_;
+  std::vector<KeyframeLocalizability> result_;
 };
-
-std::vector<bool> TunnelsOf(const std::vector<KeyframeLocalizability>& keyframes) {
-  std::vector<bool> is_tunnel;
-  for (const KeyframeLocalizability& keyframe : keyframes) is_tunnel.push_back(keyframe.is_tunnel);
-  return is_tunnel;
-}
 
 }  // namespace
 
-Rig LocalizabilityOptions::DefaultRig() {
+ExpectedVehicle LocalizabilityOptions::DefaultVehicle() {
   RadarModel radar;
   radar.id = "front";
   radar.T_vehicle_radar.translation_m = {3.5, 0.0, 0.5};
-  return {.radars = {radar}};
+  ExpectedVehicle vehicle;
+  vehicle.rig.radars = {radar};
+  return vehicle;
 }
 
 std::span<const OptionField<LocalizabilityOptions>> FieldsOf(
     const LocalizabilityOptions& /*options*/) {
   using O = LocalizabilityOptions;
   static constexpr OptionField<O> kFields[] = {
-      {"speed_mps", &O::speed_mps, 0.5, 60},
-      {"scan_period_s", &O::scan_period_s, 0.02, 0.5},
-      {"speed_sigma_mps", &O::speed_sigma_mps, 0, 5, "wheels are exact"},
-      {"speed_scale_error", &O::speed_scale_error, 0, 0.1, "wheels have no such error"},
-      {"yaw_rate_bias_radps", &O::yaw_rate_bias_radps, 0, 0.1, "the gyroscope has none"},
-      {"yaw_rate_sigma_radps", &O::yaw_rate_sigma_radps, 0, 0.5, "the gyroscope is exact"},
       {"min_observed_share", &O::min_observed_share, 0, 1, "nothing is a tunnel"},
   };
   return kFields;
@@ -203,12 +112,8 @@ std::span<const OptionField<LocalizabilityOptions>> FieldsOf(
 
 absl::Status Validate(const LocalizabilityOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
-  status.Update(Within("scans", Validate(options.scans)));
+  status.Update(Within("vehicle", Validate(options.vehicle)));
   status.Update(Within("aliases", Validate(options.aliases)));
-  status.Update(Within("rig", Validate(options.rig)));
-  if (status.ok() && options.rig.radars.empty()) {
-    return absl::InvalidArgumentError("rig has no radar; it must have one at least");
-  }
   return status;
 }
 
@@ -228,24 +133,7 @@ absl::StatusOr<std::vector<KeyframeLocalizability>> ComputeLocalizability(
     const std::shared_ptr<const RadarMap>& map, const LocalizabilityOptions& options,
     const LocalizabilityProgress& progress) {
   if (absl::Status status = Validate(options); !status.ok()) return status;
-  std::vector<KeyframeLocalizability> result(map->info().keyframe_count);
-  AliasFinder aliases(map, options.aliases);
-  for (const Stretch& stretch : StretchesOf(*map)) {
-    StretchDrive drive(map, stretch, {}, options);
-    if (absl::Status status = drive.Run(); !status.ok()) return status;
-    if (drive.TellLikeness(aliases, result)) {
-      // Once more, now that it is known where walls show nothing of the way.
-      StretchDrive again(map, stretch, TunnelsOf(result), options);
-      if (absl::Status status = again.Run(); !status.ok()) return status;
-      again.TellAccuracy(result);
-    } else {
-      drive.TellAccuracy(result);
-    }
-    if (!progress(static_cast<double>(stretch.end) / static_cast<double>(result.size()))) {
-      return absl::CancelledError("cancelled");
-    }
-  }
-  return result;
+  return Computation(map, options).Run(progress);
 }
 
 }  // namespace dcloc

@@ -10,30 +10,21 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/localizability/alias_finder.h"
-#include "core/localizability/expected_scans.h"
+#include "core/localizability/expected_drive.h"
 #include "core/map/keyframe_accuracy.h"
 #include "core/map/radar_map.h"
 #include "core/options/option_fields.h"
-#include "core/radar/radar_model.h"
 
 namespace dcloc {
 
 struct LocalizabilityOptions {
-  /// The radars of the vehicle; by default one, which looks ahead. Their deviations count; their
-  /// biases, couplings and offsets are taken to be known.
-  Rig rig = DefaultRig();
-  ExpectedScanOptions scans;
+  /// By default it has one radar, which looks ahead.
+  ExpectedVehicle vehicle = DefaultVehicle();
   AliasOptions aliases;
-  double speed_mps = 10.0;              ///< along the keyframes
-  double scan_period_s = 0.075;         ///< of each radar
-  double speed_sigma_mps = 0.02;        ///< noise of the wheels
-  double speed_scale_error = 0.005;     ///< by which wheels are too fast
-  double yaw_rate_sigma_radps = 0.001;  ///< noise of the gyroscope
-  double yaw_rate_bias_radps = 0.0005;
   double min_observed_share = 0.5;  ///< of answers that observe the way; fewer are a tunnel's
   std::uint64_t seed = 1;
 
-  static Rig DefaultRig();
+  static ExpectedVehicle DefaultVehicle();
 };
 std::span<const OptionField<LocalizabilityOptions>> FieldsOf(const LocalizabilityOptions& options);
 absl::Status Validate(const LocalizabilityOptions& options);
@@ -58,10 +49,10 @@ KeyframeAccuracy AccuracyOf(const KeyframeLocalizability& keyframe);
 using LocalizabilityProgress = std::function<bool(double share)>;
 
 /// The localizability of each keyframe, in their order. A vehicle drives along the keyframes and
-/// sees what the map holds (`ExpectedScans`); `Localizer` localizes it. So its covariance is what a
-/// vehicle is told, with all that the method knows of odometry, noise and unobserved directions.
-/// Each keyframe is held against the places around it (`AliasFinder`).
-/// InvalidArgument names what is wrong with the options or the rig.
+/// sees what the map holds (`ExpectedDrive`); `Localizer` localizes it. So its covariance is what a
+/// vehicle is told, with all that the method knows of odometry, noise and unobserved directions. It
+/// drives twice: once to learn, and once to tell. Each keyframe is held against the places around
+/// it (`AliasFinder`). InvalidArgument names what is wrong with the options or the rig.
 absl::StatusOr<std::vector<KeyframeLocalizability>> ComputeLocalizability(
     const std::shared_ptr<const RadarMap>& map, const LocalizabilityOptions& options,
     const LocalizabilityProgress& progress);

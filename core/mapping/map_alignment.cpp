@@ -14,6 +14,11 @@
 namespace dcloc {
 namespace {
 
+/// A map has a tenth of the landmarks that the scans of a survey show, so more of them are joined,
+/// and fewer are enough.
+constexpr PlaceFinderOptions kOptions{.submap_half_count = 4,
+                                      .gate = {.min_inlier_count = 50, .min_overlap = 0.4}};
+
 /// A keyframe as a survey's node. Landmarks are what the keyframe has.
 SurveyNode NodeOf(const RadarMap& map, std::size_t index) {
   const Keyframe keyframe = map.keyframe(index);
@@ -56,9 +61,14 @@ absl::StatusOr<MapAlignment> AlignMaps(const RadarMap& from, const RadarMap& to,
   const DriveTrack to_track = TrackOf(to, "to");
   const DriveTrack from_track = TrackOf(from, "from");
   const SurveyGraph graph({&to_track, &from_track});
-  PlaceFinder finder({}, {});
-  const auto finding = finder.Find(graph, kFrom, kTo, progress);
+  PlaceFinder finder(kOptions, {});
+  bool is_ended = false;
+  const auto finding = finder.Find(graph, kFrom, kTo, [&](double share) {
+    is_ended = is_ended || !progress(share);
+    return !is_ended;
+  });
   if (!finding.ok()) return finding.status();
+  if (is_ended) return absl::CancelledError("cancelled");
   if (finding->loops.empty()) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "\"%s\" was not found in \"%s\": of %d places %d look like one there, and they do not "

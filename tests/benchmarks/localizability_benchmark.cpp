@@ -1,5 +1,6 @@
 // What a map says that vehicles can expect of it, beside what vehicles then get.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -56,11 +57,30 @@ std::vector<std::optional<std::size_t>> KeyframesOf(const RadarMap& map, const D
   return keyframes;
 }
 
-void Drive1(const std::shared_ptr<const RadarMap>& map, const Drive& drive, std::vector<Got>& got) {
+/// A vehicle that has learned on one drive what another one is then told.
+void Localize(const std::shared_ptr<const RadarMap>& map, const Drive& before, const Drive& drive,
+              std::vector<Got>& got) {
+  const auto prior_at = [](const Pose3& pose) {
+    return InitialPose{.T_map_vehicle = pose, .covariance = Matrix6d::Identity() * 0.01};
+  };
+  Localizer learner =
+      Localizer::Create(map, before.rig, prior_at(before.scans.front().T_map_vehicle)).value();
+  std::optional<LocalizerSnapshot> learned;
+  for (const DriveScan& entry : before.scans) {
+    if (!learner.Localize(entry.scan).ok()) continue;
+    if (auto snapshot = learner.Snapshot()) learned = snapshot;
+  }
   const auto keyframes = KeyframesOf(*map, drive);
-  InitialPose prior{.T_map_vehicle = drive.scans.front().T_map_vehicle,
-                    .covariance = Matrix6d::Identity() * 0.01};
-  Localizer localizer = Localizer::Create(map, drive.rig, prior).value();
+  const DriveScan& first = drive.scans.front();
+  Localizer localizer = Localizer::Create(map, drive.rig, prior_at(first.T_map_vehicle)).value();
+  if (learned) {
+    const EgoVelocity& velocity = *first.scan.ego_velocity;
+    const Eigen::Vector3d back_m = -0.1 * velocity.linear_mps;
+    learned->pose.T_map_vehicle = first.T_map_vehicle * Pose3{.translation_m = back_m};
+    learned->stamp = first.scan.stamp - std::chrono::milliseconds(100);
+    learned->velocity.linear_mps = velocity.linear_mps;
+    if (!localizer.Restore(*learned).ok()) std::printf("not restored\n");
+  }
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {
     const auto answer = localizer.Localize(drive.scans[i].scan);
     if (!answer.ok() || !keyframes[i]) continue;
@@ -141,16 +161,18 @@ void Compare(const char* world, std::uint64_t seed, const std::vector<KeyframeLo
 void Run(std::uint64_t seed) {
   for (World& world : Worlds()) {
     world.options.seed = seed;
+    world.options.live_speeds_mps.push_back(world.options.live_speeds_mps[0]);
     const std::vector<PassOptions> passes = Passes(world.options);
     const Drive map_drive = SimulatePass(world.options, passes[0]).value();
-    const Drive live = SimulatePass(world.options, passes[1]).value();
+    const Drive before = SimulatePass(world.options, passes[1]).value();
+    const Drive live = SimulatePass(world.options, passes[2]).value();
     const auto map = RadarMap::FromBytes(BuildMap(map_drive, {.name = world.name}).value()).value();
     LocalizabilityOptions options;
-    options.rig = live.rig;
-    options.speed_mps = world.options.live_speeds_mps[0];
+    options.vehicle.rig = live.rig;
+    options.vehicle.speed_mps = world.options.live_speeds_mps[0];
     const auto all = ComputeLocalizability(map, options, [](double) { return true; }).value();
     std::vector<Got> got(all.size());
-    Drive1(map, live, got);
+    Localize(map, before, live, got);
     Start(map, live, got);
     Compare(world.name, seed, all, got);
   }

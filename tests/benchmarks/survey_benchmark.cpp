@@ -77,8 +77,26 @@ struct Judgement {
   double before_loops_m = 0.0;  ///< RMSE of the worst drive
   std::size_t loop_count = 0;
   std::size_t wrong_count = 0;
+  double scale = 1.0;
   std::size_t drive_count = 0;  ///< in the map
 };
+
+/// Of the map, beside the truth.
+double ScaleOf(const std::vector<PlacePair>& pairs) {
+  Eigen::Vector2d mean_a_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d mean_b_m = Eigen::Vector2d::Zero();
+  for (const PlacePair& pair : pairs) {
+    mean_a_m += pair.p_a_m / static_cast<double>(pairs.size());
+    mean_b_m += pair.p_b_m / static_cast<double>(pairs.size());
+  }
+  double a = 0.0;
+  double b = 0.0;
+  for (const PlacePair& pair : pairs) {
+    a += (pair.p_a_m - mean_a_m).squaredNorm();
+    b += (pair.p_b_m - mean_b_m).squaredNorm();
+  }
+  return std::sqrt(b / a);
+}
 
 double Rmse(const std::vector<PlacePair>& pairs, const Pose2& T_a_b) {
   double sum = 0.0;
@@ -105,6 +123,7 @@ Judgement Judge(const SurveyBuilder& builder, const std::vector<Drive>& drives) 
   }
   judgement.T_truth_map = FitRigid(all);
   judgement.rmse_m = Rmse(all, judgement.T_truth_map);
+  judgement.scale = ScaleOf(all);
   for (const SurveyLoop& loop : survey.loops) {
     if (!loop.is_accepted) continue;
     ++judgement.loop_count;
@@ -177,12 +196,12 @@ void Run(std::uint64_t seed, int radar_count) {
   const Localized surveyed =
       LocalizeIn(builder.Fuse({.name = "survey"}).value(), judgement.T_truth_map, judge);
   const Localized truth = LocalizeIn(MapOfTruth(drives), {}, judge);
-  std::printf("%-5lu %6d %6zu %8.3f %8.3f %6zu %5zu   %6.3f %6.3f %5.1f   %6.3f %6.3f %5.1f\n",
-              static_cast<unsigned long>(seed), radar_count, judgement.drive_count,
-              judgement.before_loops_m, judgement.rmse_m, judgement.loop_count,
-              judgement.wrong_count, surveyed.median_m, surveyed.p95_m,
-              100.0 * surveyed.tracking_share, truth.median_m, truth.p95_m,
-              100.0 * truth.tracking_share);
+  std::printf(
+      "%-5lu %6d %6zu %8.3f %8.3f %6.2f %6zu %5zu   %6.3f %6.3f %5.1f   %6.3f %6.3f %5.1f\n",
+      static_cast<unsigned long>(seed), radar_count, judgement.drive_count,
+      judgement.before_loops_m, judgement.rmse_m, 1e3 * (judgement.scale - 1.0),
+      judgement.loop_count, judgement.wrong_count, surveyed.median_m, surveyed.p95_m,
+      100.0 * surveyed.tracking_share, truth.median_m, truth.p95_m, 100.0 * truth.tracking_share);
   std::fflush(stdout);
 }
 
@@ -194,8 +213,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: %s RADARS SEED...\n", argv[0]);
     return 2;
   }
-  std::printf("%-5s %6s %6s %8s %8s %6s %5s   %s\n", "seed", "radars", "drives", "before m",
-              "rmse m", "loops", "wrong", "p50 m, p95 m, tracking % in it; at true poses");
+  std::printf("%-5s %6s %6s %8s %8s %6s %6s %5s   %s\n", "seed", "radars", "drives", "before m",
+              "rmse m", "per mil", "loops", "wrong",
+              "p50 m, p95 m, tracking % in it; at true poses");
   for (int i = 2; i < argc; ++i) {
     dcloc::benchmarks::Run(std::strtoull(argv[i], nullptr, 10), std::atoi(argv[1]));
   }

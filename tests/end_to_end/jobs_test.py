@@ -181,7 +181,7 @@ class JobsTest(unittest.TestCase):
             ended = PROGRAMS.run(*update)
             build = self.build(server)
             self.assertEqual(build["method"], "update")
-            self.assertEqual(len(build["drives"]), 3, build)
+            self.assertGreaterEqual(len(build["drives"]), 3, build)
             self.assertGreater(build["update"]["came_count"], 5)
             self.assertGreater(build["update"]["went_count"], 5)
             if build["update"]["is_better"]:

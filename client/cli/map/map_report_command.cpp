@@ -55,7 +55,7 @@ absl::Status MakeReport(const ReportArguments& arguments) {
     return absl::Status(status.code(), absl::StrCat(arguments.file, ": ", status.message()));
   }
   LocalizabilityOptions options = arguments.options;
-  options.rig = RigOf(arguments.radar_count);
+  options.vehicle.rig = RigOf(arguments.radar_count);
   StageLine line;
   auto keyframes = ComputeLocalizability(report.map, options, [&](double share) {
     line.Update("driving through the map", share);
@@ -86,7 +86,7 @@ void AddMapReportCommand(CLI::App& map_command, int& exit_code) {
                    "Of the vehicle: one that looks ahead, or five all around")
       ->check(CLI::IsMember({1, 5}))
       ->capture_default_str();
-  report->add_option("--speed-mps", options.speed_mps, "Of the vehicle")
+  report->add_option("--speed-mps", options.vehicle.speed_mps, "Of the vehicle")
       ->check(CLI::Range(0.5, 60.0))
       ->type_name("MPS")
       ->capture_default_str();

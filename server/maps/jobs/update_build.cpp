@@ -90,7 +90,8 @@ absl::StatusOr<std::vector<PassRow>> ListAll(const UpdateSources& sources) {
   }
 }
 
-/// Of the version at the first pass, by this server's clock: those of vehicles may be any.
+/// Of the version at the first pass, by this server's clock: those of vehicles may be any. The
+/// drive that it was made of is older.
 double AgeInDays(const MapVersionRecord& version, const std::vector<PassRow>& passes) {
   const auto first = std::ranges::min_element(passes, {}, &PassRow::create_time)->create_time;
   return std::chrono::duration<double, std::ratio<86'400>>(first - version.create_time).count();
@@ -152,7 +153,7 @@ absl::StatusOr<std::vector<std::byte>> BuildFromPasses(const BuildRequest& reque
   UpdateDrives drives{.source = passes, .vehicles = {}, .held_out = choice->held_out};
   for (const PassRow& row : choice->passes) drives.vehicles.push_back(row.vehicle);
   MapUpdateOptions options;
-  options.base_age_days = AgeInDays(base->record, choice->passes);
+  options.base_age_days = std::max(options.base_age_days, AgeInDays(base->record, choice->passes));
   const EditableMap base_map = ToEditable(*base->map);
   absl::StatusOr<JudgedUpdate> update = BuildUpdate(
       base_map, drives, options,

@@ -12,7 +12,7 @@
 namespace dcloc {
 namespace {
 
-RadarModel Radar() { return LocalizabilityOptions::DefaultRig().radars.front(); }
+RadarModel Radar() { return LocalizabilityOptions::DefaultVehicle().rig.radars.front(); }
 
 TEST(ExpectedScansTest, OptionsAreChecked) { ExpectEachFieldIsBounded<ExpectedScanOptions>(); }
 

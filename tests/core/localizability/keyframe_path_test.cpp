@@ -65,5 +65,16 @@ TEST(KeyframePathTest, SaysWhichKeyframeIsNext) {
   EXPECT_EQ(path.At(2.0).nearest_keyframe, 2U);
 }
 
+TEST(KeyframePathTest, ComesFromBeforeTheFirstKeyframe) {
+  const auto map = RowMap(3, {{.x_m = 1.0}});
+  const KeyframePath path(*map, {0, 3}, 10.0, 30.0);
+  EXPECT_DOUBLE_EQ(path.lead_s(), 3.0);
+  EXPECT_DOUBLE_EQ(path.duration_s(), 5.0);
+  EXPECT_NEAR(path.At(0.0).T_map_vehicle.translation_m.x(), -30.0, 1e-9);
+  EXPECT_EQ(path.At(1.0).nearest_keyframe, 0U);
+  EXPECT_EQ(path.At(3.4).nearest_keyframe, 0U);
+  EXPECT_EQ(path.At(3.6).nearest_keyframe, 1U);
+}
+
 }  // namespace
 }  // namespace dcloc

@@ -27,7 +27,6 @@ class QuietStream final : public SessionStream {
 class CanaryWatchTest : public SessionParts {
  protected:
   CanaryWatchTest() {
-    storage_ = std::make_unique<Storage>(OpenStorage(folder_.path()).value());
     Put(SmallMap(), true);
     Put(SmallMap("other"), false);
     EXPECT_TRUE(store().SetCanary("town", 2, 0.2).ok());
@@ -71,7 +70,8 @@ class CanaryWatchTest : public SessionParts {
   std::int64_t Canary() { return store().catalogue().GetMap("town")->canary_version; }
 
   TemporaryFolder folder_;
-  std::unique_ptr<Storage> storage_;
+  std::unique_ptr<Storage> storage_ =
+      std::make_unique<Storage>(OpenStorage(folder_.path()).value());
   SessionRegistry registry_{limits_, {}};
   std::shared_ptr<Session> session_ = MakeSession();
   std::shared_ptr<QuietStream> stream_ = std::make_shared<QuietStream>();
