@@ -21,7 +21,7 @@ constexpr double kGuessSigma_m = 0.3;  // of a place that motion leads to
 // made it, and with each view more.
 constexpr std::size_t kTunnelViews = 2;
 constexpr std::array kTunnelShares = {-1.0, -0.6, -0.3, 0.3, 0.6, 1.0};  // of `tunnel_m`
-constexpr std::size_t kMinTunnelPlaces = 4;                              // of these
+constexpr std::size_t kMinTunnelPlaces = 3;                              // of these
 constexpr double kCellSigma_m = 1.0;  // of a place that a search finds: about a cell
 
 }  // namespace

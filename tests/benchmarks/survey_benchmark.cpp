@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/datasets/whole_drives.h"
 #include "client/simulation/simulation.h"
 #include "core/geometry/rigid_fit.h"
 #include "core/localizer/localizer.h"
@@ -32,33 +33,6 @@ SimulationOptions Town(std::uint64_t seed, int radar_count) {
   options.live_speeds_mps = {11.0, 14.0, 9.0, 11.0};
   return options;
 }
-
-class MemoryReader final : public DriveReader {
- public:
-  explicit MemoryReader(const Drive& drive) : drive_(drive) {}
-  const std::string& name() const override { return drive_.name; }
-  const Rig& rig() const override { return drive_.rig; }
-  std::size_t scan_count() const override { return drive_.scans.size(); }
-  absl::StatusOr<const Scan*> Next() override {
-    return next_ == drive_.scans.size() ? nullptr : &drive_.scans[next_++].scan;
-  }
-
- private:
-  const Drive& drive_;
-  std::size_t next_ = 0;
-};
-
-class MemoryDrives final : public DriveSource {
- public:
-  explicit MemoryDrives(const std::vector<Drive>& drives) : drives_(drives) {}
-  std::size_t drive_count() const override { return drives_.size(); }
-  absl::StatusOr<std::unique_ptr<DriveReader>> Open(std::size_t drive) override {
-    return std::make_unique<MemoryReader>(drives_[drive]);
-  }
-
- private:
-  const std::vector<Drive>& drives_;
-};
 
 /// The true poses of a drive's nodes.
 std::vector<Pose2> TruthOf(const Drive& drive, const DriveTrack& track) {
@@ -184,7 +158,7 @@ void Run(std::uint64_t seed, int radar_count) {
   }
   const Drive judge = std::move(drives.back());
   drives.pop_back();
-  MemoryDrives source(drives);
+  WholeDrives source(drives);
   SurveyBuilder builder(source, [](const char*, double) { return true; });
   absl::Status status = builder.Track();
   if (status.ok()) status = builder.Place({});

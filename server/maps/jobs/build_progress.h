@@ -27,6 +27,12 @@ class BuildProgress {
     return !stopped_;
   }
 
+  /// Of a build that finds its scans itself: so many there are.
+  void SetScanCount(std::int64_t count) {
+    const std::lock_guard lock(mutex_);
+    build_.set_scan_count(count);
+  }
+
   /// So many further scans are in the map.
   void CountScans(std::size_t count) { done_scan_count_ += static_cast<std::int64_t>(count); }
 

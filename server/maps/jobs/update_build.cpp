@@ -150,6 +150,9 @@ absl::StatusOr<std::vector<std::byte>> BuildFromPasses(const BuildRequest& reque
       ChoosePasses(*rows, base->record.create_time, sources.max_bytes);
   if (!choice.ok()) return choice.status();
   KeptPasses passes(choice->passes, sources);
+  std::int64_t scan_count = 0;
+  for (const PassRow& row : choice->passes) scan_count += row.scan_count;
+  progress.SetScanCount(scan_count);
   UpdateDrives drives{.source = passes, .vehicles = {}, .held_out = choice->held_out};
   for (const PassRow& row : choice->passes) drives.vehicles.push_back(row.vehicle);
   MapUpdateOptions options;

@@ -9,39 +9,13 @@
 #include <vector>
 
 #include "client/datasets/drive_map.h"
+#include "client/datasets/whole_drives.h"
 #include "client/simulation/simulation.h"
 
 namespace dcloc {
 namespace {
 
 using ::testing::HasSubstr;
-
-class MemoryReader final : public DriveReader {
- public:
-  explicit MemoryReader(const Drive& drive) : drive_(drive) {}
-  const std::string& name() const override { return drive_.name; }
-  const Rig& rig() const override { return drive_.rig; }
-  std::size_t scan_count() const override { return drive_.scans.size(); }
-  absl::StatusOr<const Scan*> Next() override {
-    return next_ == drive_.scans.size() ? nullptr : &drive_.scans[next_++].scan;
-  }
-
- private:
-  const Drive& drive_;
-  std::size_t next_ = 0;
-};
-
-class MemoryDrives final : public DriveSource {
- public:
-  explicit MemoryDrives(const std::vector<Drive>& drives) : drives_(drives) {}
-  std::size_t drive_count() const override { return drives_.size(); }
-  absl::StatusOr<std::unique_ptr<DriveReader>> Open(std::size_t drive) override {
-    return std::make_unique<MemoryReader>(drives_[drive]);
-  }
-
- private:
-  const std::vector<Drive>& drives_;
-};
 
 /// A street that has aged, its map of before, and drives of three vehicles since.
 class UpdateBuilderTest : public ::testing::Test {
@@ -70,7 +44,7 @@ class UpdateBuilderTest : public ::testing::Test {
   static absl::StatusOr<JudgedUpdate> Build(
       const std::vector<Drive>& drives,
       const UpdateProgress& progress = [](const std::string&, double) { return true; }) {
-    MemoryDrives source(drives);
+    WholeDrives source(drives);
     return BuildUpdate(*base_, {.source = source, .vehicles = {}, .held_out = 2}, {}, progress);
   }
 
