@@ -21,7 +21,7 @@ constexpr double kGuessSigma_m = 0.3;  // of a place that motion leads to
 // made it, and with each view more.
 constexpr std::size_t kTunnelViews = 2;
 constexpr std::array kTunnelShares = {-1.0, -0.6, -0.3, 0.3, 0.6, 1.0};  // of `tunnel_m`
-constexpr std::size_t kMinTunnelPlaces = 3;                              // of these
+constexpr std::size_t kMinTunnelPlaces = 2;                              // of these
 constexpr double kCellSigma_m = 1.0;  // of a place that a search finds: about a cell
 
 }  // namespace
@@ -73,8 +73,8 @@ PlaceLikeness AliasFinder::Find(std::span<const PlaceView> views) {
   return likeness;
 }
 
-/// What is seen fits at nearly every place along the way, as it fits here. Where something stands,
-/// it fits at none or at one, or registration finds the way back.
+/// What is seen fits at several places along the way as it fits here. Where something stands, it
+/// fits at none or at one, or registration finds the way back.
 bool AliasFinder::IsTunnel(std::span<const PlaceView> views) {
   const Pose3& T_map_vehicle = views.front().T_map_vehicle;
   const std::optional<Fit> right = FitAll(views, T_map_vehicle, kGuessSigma_m);
@@ -84,7 +84,8 @@ bool AliasFinder::IsTunnel(std::span<const PlaceView> views) {
     const Pose3 T_vehicle_there = Embed({{share * options_.tunnel_m, 0.0}, 0.0});
     const std::optional<Fit> fit = FitAll(views, T_map_vehicle * T_vehicle_there, kCellSigma_m);
     if (!fit || LeadOf(*right, *fit) >= options_.min_lead) continue;
-    if (IsSamePlace((T_map_vehicle * T_vehicle_there).Inverse() * fit->T_map_vehicle)) ++count;
+    const Pose3 T_vehicle_found = T_map_vehicle.Inverse() * fit->T_map_vehicle;
+    if (IsAlongTheWay(T_vehicle_found) && !IsSamePlace(T_vehicle_found)) ++count;
   }
   return count >= kMinTunnelPlaces;
 }

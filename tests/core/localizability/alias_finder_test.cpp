@@ -49,7 +49,8 @@ TEST(AliasFinderTest, AStreetThatWasBuiltTwiceIsFoundWithItsTwin) {
 
 TEST(AliasFinderTest, WallsThatRepeatEachMetreAreATunnel) {
   std::vector<TestLandmark> landmarks;
-  for (double x_m = 0.0; x_m < 400.0; x_m += 1.0) {
+  for (int i = 0; i < 400; ++i) {
+    const double x_m = i;
     landmarks.push_back({.x_m = x_m, .y_m = 5.0, .sigma_m = 0.3});
     landmarks.push_back({.x_m = x_m, .y_m = -5.0, .sigma_m = 0.3});
   }

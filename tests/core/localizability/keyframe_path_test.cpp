@@ -36,16 +36,18 @@ TEST(KeyframePathTest, PassesThroughTheKeyframesWithoutALeapOfVelocity) {
       {{0, 0}, 0.0}, {{10, 0}, 0.0}, {{19, 3}, 0.7}, {{24, 11}, 1.4}, {{24, 21}, 1.5707}};
   const auto map = MapOf(keyframes);
   const KeyframePath path(*map, {0, 5}, 8.0);
+  constexpr double kStep_s = 0.001;
   for (const Pose2& keyframe : keyframes) {
     double nearest_m = INFINITY;
-    for (double time_s = 0.0; time_s <= path.duration_s(); time_s += 0.001) {
+    for (int i = 0; i * kStep_s <= path.duration_s(); ++i) {
+      const double time_s = i * kStep_s;
       const Pose2 pose = Flatten(path.At(time_s).T_map_vehicle);
       nearest_m = std::min(nearest_m, (pose.translation_m - keyframe.translation_m).norm());
     }
     EXPECT_LT(nearest_m, 0.01);
   }
-  constexpr double kStep_s = 0.001;
-  for (double time_s = 0.01; time_s + kStep_s < path.duration_s(); time_s += kStep_s) {
+  for (int i = 10; (i + 1) * kStep_s < path.duration_s(); ++i) {
+    const double time_s = i * kStep_s;
     const PathPoint before = path.At(time_s);
     const PathPoint after = path.At(time_s + kStep_s);
     const Vector6d way = Log(before.T_map_vehicle.Inverse() * after.T_map_vehicle) / kStep_s;

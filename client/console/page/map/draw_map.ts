@@ -64,16 +64,25 @@ export interface MapSource {
   extent: Bounds;
 }
 
+/** What of a map is in view. */
+export interface MapDrawn {
+  /** Landmarks that are shown. */
+  shown: number;
+  /** Landmarks that there are. */
+  count: number;
+  /** The map says how well vehicles can know where they are in it. */
+  isGraded: boolean;
+}
+
 /**
- * Draws what there is of the map, and has what is missing read and painted. Gives how many landmarks
- * are in view, and how many of them are shown.
+ * Draws what there is of the map, and has what is missing read and painted.
  */
 export function drawTiles(
   context: CanvasRenderingContext2D,
   camera: Camera,
   palette: Palette,
   { store, painter, extent }: MapSource,
-): { shown: number; count: number } {
+): MapDrawn {
   const wanted = tilesIn(camera.bounds, extent, levelFor(camera.scale));
   const there = wanted.map((id) => store.get(id)).filter(isTile);
   const best = new Set(wanted.map((id) => nearest(id, store)).filter(isTile));
@@ -90,7 +99,8 @@ export function drawTiles(
   store.want(tilesToRead(wanted, store));
   const shown = there.reduce((sum, { own }) => sum + own.shown, 0);
   const count = there.reduce((sum, { own }) => sum + own.count, 0);
-  return { shown, count };
+  const isGraded = there.some(({ data }) => data.isGraded);
+  return { shown, count, isGraded };
 }
 
 /** A grid of metres, and how long its side is. */

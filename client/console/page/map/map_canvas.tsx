@@ -4,6 +4,7 @@ import { shortened } from "../texts/shortened.ts";
 import { t } from "../texts/texts.ts";
 import type { CallFailure } from "../wire/failure.ts";
 import type { Bounds } from "./camera.ts";
+import type { MapDrawn } from "./draw_map.ts";
 import type { Loss, Vehicle } from "./fleet.ts";
 import { type Overlay, Scene } from "./scene.ts";
 import { TileStore } from "./tile_store.ts";
@@ -20,7 +21,7 @@ interface Props {
   follow?: boolean;
   onChoose?: (vehicle: Vehicle | undefined) => void;
   onPlace?: ((x: number, y: number) => void) | undefined;
-  onDrawn?: (landmarks: { shown: number; count: number }) => void;
+  onDrawn?: (drawn: MapDrawn) => void;
   /** Changes when there is something new to draw. */
   tick?: number;
 }

@@ -1,3 +1,5 @@
+import { ACCURACY_GRADES } from "./accuracy_grade.ts";
+
 /** Red, green, blue, each of 255. */
 export type Rgb = readonly [number, number, number];
 
@@ -7,7 +9,8 @@ export interface Palette {
   ground: string;
   grid: string;
   gridText: string;
-  coverage: Rgb;
+  /** Of mapped street, by `ACCURACY_GRADES`. */
+  street: Rgb[];
   landmark: Rgb;
   ink: string;
   halo: string;
@@ -37,7 +40,7 @@ export function readPalette(): Palette {
     ground: value("--map-ground"),
     grid: value("--map-grid"),
     gridText: value("--text-soft"),
-    coverage: numbers("--map-coverage"),
+    street: ACCURACY_GRADES.map((grade) => numbers(`--map-street-${grade}`)),
     landmark: numbers("--map-landmark"),
     ink: value("--text"),
     halo: value("--map-ground"),

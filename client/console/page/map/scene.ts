@@ -1,7 +1,7 @@
 import { BaseLayer } from "./base_layer.ts";
 import { BehindFrame } from "./behind_frame.ts";
 import { type Bounds, Camera } from "./camera.ts";
-import { drawGrid, drawTiles } from "./draw_map.ts";
+import { type MapDrawn, drawGrid, drawTiles } from "./draw_map.ts";
 import { arrowSprites } from "./draw_arrow.ts";
 import { HeatBrush } from "./draw_heat.ts";
 import { drawVehicles, vehicleAt } from "./draw_vehicles.ts";
@@ -33,7 +33,7 @@ export interface SceneContent {
   onChoose?: (vehicle: Vehicle | undefined) => void;
   /** A click means this place, and chooses no vehicle. */
   onPlace?: (x: number, y: number) => void;
-  onDrawn?: (landmarks: { shown: number; count: number }) => void;
+  onDrawn?: (drawn: MapDrawn) => void;
 }
 
 /** Draws a map and its vehicles on a canvas, and moves the view by pointer, wheel and keys. */

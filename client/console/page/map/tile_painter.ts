@@ -18,13 +18,13 @@ export class TilePainter {
 
   /** Paints the first of these, in the palette's colours; the others when they are wanted again. */
   want(tiles: readonly Tile[], palette: Palette): void {
-    const { theme, coverage, landmark } = palette;
+    const { theme, street, landmark } = palette;
     for (const tile of tiles) {
       if (this.orders.size >= MAX_ORDER_COUNT) return;
       if ([...this.orders.values()].some((order) => order.tile === tile)) continue;
       const number = ++this.lastNumber;
       this.orders.set(number, { tile, theme });
-      const order: PaintOrder = { number, id: tile.id, data: tile.data, colours: { coverage, landmark } };
+      const order: PaintOrder = { number, id: tile.id, data: tile.data, colours: { street, landmark } };
       (this.worker ??= this.start()).postMessage(order);
     }
   }

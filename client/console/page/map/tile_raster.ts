@@ -5,6 +5,8 @@ export interface TileShapes {
   /** Keyframes, each of which stands for the street within `streetRadiusPx`. */
   keyframeX: ArrayLike<number>;
   keyframeY: ArrayLike<number>;
+  /** Which of the colours of street each has. */
+  keyframeGrade: ArrayLike<number>;
   streetRadiusPx: number;
   pointX: ArrayLike<number>;
   pointY: ArrayLike<number>;
@@ -15,7 +17,8 @@ export interface TileShapes {
 }
 
 export interface TileColours {
-  coverage: Rgb;
+  /** Of street, by grade. */
+  street: readonly Rgb[];
   landmark: Rgb;
 }
 
@@ -28,29 +31,31 @@ const shareOf = (pixel: number, begin: number, end: number): number =>
 
 /**
  * Keyframes, and three places between each two that follow one another within `gap`: their discs leave
- * no notches in the street.
+ * no notches in the street. Each belongs to the keyframe nearest to it.
  */
 export function withPlacesBetween(
   x: ArrayLike<number>,
   y: ArrayLike<number>,
   gap: number,
-): { x: number[]; y: number[] } {
-  const places = { x: [] as number[], y: [] as number[] };
+): { x: number[]; y: number[]; keyframe: number[] } {
+  const places = { x: [] as number[], y: [] as number[], keyframe: [] as number[] };
   for (let i = 0; i < x.length; ++i) {
     const [dx, dy] = i > 0 ? [x[i]! - x[i - 1]!, y[i]! - y[i - 1]!] : [Infinity, Infinity];
     const shares = Math.hypot(dx, dy) <= gap ? [0.75, 0.5, 0.25, 0] : [0];
     for (const share of shares) {
       places.x.push(share === 0 ? x[i]! : x[i]! - share * dx);
       places.y.push(share === 0 ? y[i]! : y[i]! - share * dy);
+      places.keyframe.push(share > 0.5 ? i - 1 : i);
     }
   }
   return places;
 }
 
-/** How much of each pixel, of 255, is street. */
-function streetMask(side: number, shapes: TileShapes): Uint8Array {
-  const { keyframeX, keyframeY, streetRadiusPx: radius } = shapes;
+/** How much of each pixel, of 255, is street, and of which grade. */
+function streetMask(side: number, shapes: TileShapes): { mask: Uint8Array; grade: Uint8Array } {
+  const { keyframeX, keyframeY, keyframeGrade, streetRadiusPx: radius } = shapes;
   const mask = new Uint8Array(side * side);
+  const grade = new Uint8Array(side * side);
   for (let i = 0; i < keyframeX.length; ++i) {
     const [x, y] = [keyframeX[i]!, keyframeY[i]!];
     const lastRow = Math.min(side - 1, Math.floor(y + radius));
@@ -61,11 +66,13 @@ function streetMask(side: number, shapes: TileShapes): Uint8Array {
       for (let column = Math.max(0, Math.floor(x - half)); column <= last; ++column) {
         const share = Math.round(255 * Math.min(1, shareOf(column, x - half, x + half)));
         const at = row * side + column;
-        if (share > mask[at]!) mask[at] = share;
+        if (share <= mask[at]!) continue;
+        mask[at] = share;
+        grade[at] = keyframeGrade[i]!;
       }
     }
   }
-  return mask;
+  return { mask, grade };
 }
 
 /** Lays a colour over a pixel that may be transparent so far. */
@@ -107,13 +114,13 @@ function layPoints(
 export function rasterize(
   side: number,
   shapes: TileShapes,
-  { coverage, landmark }: TileColours,
+  { street, landmark }: TileColours,
 ): Uint8ClampedArray<ArrayBuffer> {
   const rgba = new Uint8ClampedArray(4 * side * side);
-  const mask = streetMask(side, shapes);
+  const { mask, grade } = streetMask(side, shapes);
   for (let i = 0; i < mask.length; ++i) {
     if (mask[i] === 0) continue;
-    rgba.set(coverage, 4 * i);
+    rgba.set(street[grade[i]!]!, 4 * i);
     rgba[4 * i + 3] = mask[i]!;
   }
   layPoints(rgba, side, shapes, landmark);

@@ -1,6 +1,7 @@
 import { MapService, type ReadMapTileResponse } from "proto/dcloc/v1/map_service_pb.ts";
 import { call } from "../wire/calls.ts";
 import { type CallFailure, Code, failureOf } from "../wire/failure.ts";
+import { gradeOf } from "./accuracy_grade.ts";
 import { type PointCounts, ownPoints } from "./own_points.ts";
 import { MARGIN_M, type TileId, boundsOf, keyOf, pointCountOf } from "./tile_grid.ts";
 
@@ -19,6 +20,10 @@ export interface TileData {
   rcsDbsm: Float32Array;
   keyframeXM: Float32Array;
   keyframeYM: Float32Array;
+  /** How well vehicles can know where they are there, by `ACCURACY_GRADES`. */
+  keyframeGrade: Uint8Array;
+  /** The map says so of one of them at least. */
+  isGraded: boolean;
 }
 
 /** In single precision, as it came: half of what a list of numbers takes. */
@@ -39,6 +44,8 @@ function dataOf(answer: ReadMapTileResponse): TileData {
     rcsDbsm: column(answer.rcsDbsm, count),
     keyframeXM: column(answer.keyframeXM, keyframeCount),
     keyframeYM: column(answer.keyframeYM, keyframeCount),
+    keyframeGrade: Uint8Array.from({ length: keyframeCount }, (_, i) => gradeOf(answer.keyframeAccuracies[i])),
+    isGraded: answer.keyframeAccuracies.length > 0,
   };
 }
 

@@ -25,6 +25,7 @@ function paint({ id, data, colours }: PaintOrder): ImageBitmap {
   const shapes = {
     keyframeX: places.x,
     keyframeY: places.y,
+    keyframeGrade: places.keyframe.map((i) => data.keyframeGrade[i]!),
     streetRadiusPx: Math.max(STREET_HALF_WIDTH_M * pxPerM, MIN_STREET_PX),
     pointX: data.xM.map(toX),
     pointY: data.yM.map(toY),

@@ -138,7 +138,10 @@ export const de: Record<TextKey, string> = {
   build_scans: "{done} von {count} Scans",
   points_shown: "{shown} von {count} Landmarken im Bild",
   legend_landmarks: "Landmarken, deutlicher: stärkeres Echo",
-  legend_coverage: "Kartierte Straße",
+  legend_street_unknown: "Kartierte Straße",
+  legend_street_good: "Auf 0,1 m zu erwarten",
+  legend_street_fair: "Auf 0,3 m",
+  legend_street_poor: "Schlechter, oder wie anderswo",
 
   session: "Sitzung",
   why: "Was die Daten sagen",

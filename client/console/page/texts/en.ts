@@ -136,7 +136,10 @@ export const en = {
   build_scans: "{done} of {count} scans",
   points_shown: "{shown} of {count} landmarks in view",
   legend_landmarks: "Landmarks, clearer: stronger echo",
-  legend_coverage: "Mapped street",
+  legend_street_unknown: "Mapped street",
+  legend_street_good: "Expected within 0.1 m",
+  legend_street_fair: "Within 0.3 m",
+  legend_street_poor: "Worse, or looks like elsewhere",
 
   session: "Session",
   why: "What the data says",

@@ -4,6 +4,8 @@ import {
   MapService,
   type MapVersion,
 } from "proto/dcloc/v1/map_service_pb.ts";
+import { ACCURACY_GRADES } from "../map/accuracy_grade.ts";
+import type { MapDrawn } from "../map/draw_map.ts";
 import { extentOf } from "../map/extent.ts";
 import type { Vehicle } from "../map/fleet.ts";
 import { MapCanvas } from "../map/map_canvas.tsx";
@@ -39,7 +41,7 @@ export function MapView({ server, name, fleet }: { server: string; name: string;
   const [chosen, setChosen] = useState<number>();
   const [action, setAction] = useState<MapAction>();
   const [isUploading, setUploading] = useState(false);
-  const [landmarks, setLandmarks] = useState({ shown: 0, count: 0 });
+  const [landmarks, setLandmarks] = useState<MapDrawn>({ shown: 0, count: 0, isGraded: false });
   const contents = loaded.value;
   const versions = contents?.versions ?? [];
   const wanted = chosen ?? (Number(contents?.map.activeVersion ?? 0n) || Number(versions[0]?.version));
@@ -60,8 +62,10 @@ export function MapView({ server, name, fleet }: { server: string; name: string;
     if (action?.kind === "delete") setChosen(undefined);
     loaded.reload();
   };
-  const onDrawn = (now: { shown: number; count: number }): void =>
-    setLandmarks((old) => (old.shown === now.shown && old.count === now.count ? old : now));
+  const onDrawn = (now: MapDrawn): void =>
+    setLandmarks((old) =>
+      old.shown === now.shown && old.count === now.count && old.isGraded === now.isGraded ? old : now,
+    );
   return (
     <div class="split">
       <section class="side wide" aria-label={t("versions")}>
@@ -95,9 +99,11 @@ export function MapView({ server, name, fleet }: { server: string; name: string;
           onDrawn={onDrawn}
         />
         <div class="legend">
-          <span>
-            <span class="swatch coverage" aria-hidden="true" /> {t("legend_coverage")}
-          </span>
+          {(landmarks.isGraded ? ACCURACY_GRADES : ["unknown" as const]).map((grade) => (
+            <span key={grade}>
+              <span class={`swatch street-${grade}`} aria-hidden="true" /> {t(`legend_street_${grade}`)}
+            </span>
+          ))}
           <span>
             <span class="swatch landmark" aria-hidden="true" /> {t("legend_landmarks")}
           </span>

@@ -13,6 +13,8 @@ const data = (x: number[], y: number[], pointCount = x.length) => ({
   rcsDbsm: NONE,
   keyframeXM: NONE,
   keyframeYM: NONE,
+  keyframeGrade: new Uint8Array(),
+  isGraded: false,
 });
 
 test("landmarks of the margin are the neighbours', and one on the edge is one tile's alone", () => {

@@ -3,10 +3,11 @@ import { test } from "node:test";
 import { type TileShapes, rasterize, withPlacesBetween } from "../../../../client/console/page/map/tile_raster.ts";
 
 const SIDE = 16;
-const COLOURS = { coverage: [10, 20, 30], landmark: [200, 100, 50] } as const;
+const COLOURS = { street: [[10, 20, 30], [40, 50, 60]], landmark: [200, 100, 50] } as const;
 const NOTHING: TileShapes = {
   keyframeX: [],
   keyframeY: [],
+  keyframeGrade: [0, 0],
   streetRadiusPx: 3,
   pointX: [],
   pointY: [],
@@ -34,11 +35,18 @@ test("a keyframe is a disc of street, with a soft edge, also across the picture'
   assert.deepEqual(corner(0, 15), [10, 20, 30, 255]);
 });
 
+test("street has the colour of its keyframe's grade", () => {
+  const at = pixels({ keyframeX: [3, 12], keyframeY: [8, 8], keyframeGrade: [0, 1] });
+  assert.deepEqual(at(3, 8), [10, 20, 30, 255]);
+  assert.deepEqual(at(12, 8), [40, 50, 60, 255]);
+});
+
 test("between keyframes that follow one another closely there is street, and none over a gap", () => {
   const places = withPlacesBetween([0, 8, 40], [0, 4, 4], 10);
   assert.deepEqual(places.x, [0, 2, 4, 6, 8, 40]);
   assert.deepEqual(places.y, [0, 1, 2, 3, 4, 4]);
-  assert.deepEqual(withPlacesBetween([], [], 10), { x: [], y: [] });
+  assert.deepEqual(places.keyframe, [0, 0, 1, 1, 1, 2]);
+  assert.deepEqual(withPlacesBetween([], [], 10), { x: [], y: [], keyframe: [] });
 });
 
 test("a landmark is a square over the street, and shares the pixels that it lies between", () => {
