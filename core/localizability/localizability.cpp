@@ -46,24 +46,21 @@ class Computation {
     std::ranges::stable_sort(stretches, [](const Stretch& a, const Stretch& b) {
       return a.end - a.begin > b.end - b.begin;
     });
-    std::size_t done = 0;
     for (const Stretch& stretch : stretches) {
-      if (absl::Status status = Look(stretch); !status.ok()) return status;
-      done += stretch.end - stretch.begin;
-      if (!progress(static_cast<double>(done) / static_cast<double>(result_.size()))) {
-        return absl::CancelledError("cancelled");
-      }
+      if (absl::Status status = Look(stretch, progress); !status.ok()) return status;
     }
     return std::move(result_);
   }
 
  private:
-  absl::Status Look(const Stretch& stretch) {
+  absl::Status Look(const Stretch& stretch, const LocalizabilityProgress& progress) {
     const std::uint64_t seed = options_.seed + stretch.begin;
     ExpectedDrive first(map_, stretch, options_.vehicle, {}, seed);
     if (absl::Status status = first.Run(learned_); !status.ok()) return status;
     if (!learned_) learned_ = first.learned();
-    FindLikeness(stretch, first.views());
+    if (absl::Status status = FindLikeness(stretch, first.views(), progress); !status.ok()) {
+      return status;
+    }
     // Once more, now that it has learned, and that it is known where walls show nothing of the way.
     std::vector<bool> is_tunnel;
     for (const KeyframeLocalizability& one : result_) is_tunnel.push_back(one.is_tunnel);
@@ -75,18 +72,26 @@ class Computation {
     return absl::OkStatus();
   }
 
-  void FindLikeness(const Stretch& stretch, const std::vector<PlaceView>& views) {
+  /// Most of the work.
+  absl::Status FindLikeness(const Stretch& stretch, const std::vector<PlaceView>& views,
+                            const LocalizabilityProgress& progress) {
     for (std::size_t i = 0; i < views.size(); ++i) {
+      ++looked_at_count_;
+      if (!progress(static_cast<double>(looked_at_count_) / static_cast<double>(result_.size()))) {
+        return absl::CancelledError("cancelled");
+      }
       const PlaceLikeness likeness = aliases_.Find(ViewsFrom(views, i));
       result_[stretch.begin + i].alias = likeness.alias;
       result_[stretch.begin + i].is_tunnel = likeness.is_tunnel;
     }
+    return absl::OkStatus();
   }
 
   const std::shared_ptr<const RadarMap>& map_;
   const LocalizabilityOptions& options_;
   AliasFinder aliases_;
   std::optional<LocalizerSnapshot> learned_;
+  std::size_t looked_at_count_ = 0;
   std::vector<KeyframeLocalizability> result_;
 };
 
