@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace dcloc {
@@ -14,7 +15,7 @@ constexpr double kMaxStrength = 8.0;
 constexpr std::array<double, 3> kDayShares = {0.1, 0.3, 0.5};  // on which it is there
 
 double LogNegativeBinomial(int hits, double mean, double shape) {
-  if (mean <= 0.0) return hits == 0 ? 0.0 : -INFINITY;
+  if (mean <= 0.0) return hits == 0 ? 0.0 : -std::numeric_limits<double>::infinity();
   return std::lgamma(hits + shape) - std::lgamma(shape) - std::lgamma(hits + 1.0) +
          shape * std::log(shape / (shape + mean)) + hits * std::log(mean / (shape + mean));
 }

@@ -61,8 +61,7 @@ class UpdateBuilder {
     for (std::size_t drive = 0; drive < drives_.source.drive_count(); ++drive) {
       auto reader = drives_.source.Open(drive);
       if (!reader.ok()) return reader.status();
-      const absl::Status status =
-          drive == drives_.held_out ? HoldOut(**reader) : Place(drive, **reader);
+      absl::Status status = drive == drives_.held_out ? HoldOut(**reader) : Place(drive, **reader);
       if (!status.ok()) return status;
     }
     return absl::OkStatus();

@@ -203,6 +203,7 @@ class UpdateEvaluator {
     const auto count = [&](const std::vector<PlacedLandmark>& landmarks,
                            SeenCount SegmentSum::*member) {
       std::vector<LandmarkPosition> positions;
+      positions.reserve(landmarks.size());
       for (const PlacedLandmark& landmark : landmarks) positions.push_back(landmark.position);
       const std::vector<CenterMatch> center_of = MatchCenters(positions, centers);
       for (std::size_t i = 0; i < landmarks.size(); ++i) {

@@ -40,12 +40,12 @@ class UnaryCompletion {
   /// Whether the caller may make the call; if not, it is finished.
   bool Authorize() {
     absl::StatusOr<Principal> principal = host_.access.Authorize(*context_, Request::descriptor());
-    if (principal.ok()) {
-      principal_ = *std::move(principal);
-    } else {
+    if (!principal.ok()) {
       Finish(principal.status());
+      return false;
     }
-    return principal.ok();
+    principal_ = *std::move(principal);
+    return true;
   }
 
   const Principal& principal() const { return principal_; }
