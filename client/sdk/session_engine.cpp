@@ -317,6 +317,7 @@ std::optional<absl::Status> SessionEngine::Judge(const absl::Status& status) {
   if (resuming && IsRefusal(status)) {
     restart_reason_ = status;
     resume_token_.clear();
+    backoff_->Reset();  // a server is there
   } else if (!can_return || !IsRetryable(status, opened_.has_value())) {
     return Unanswered(status);
   }
