@@ -25,6 +25,10 @@ const UNARY_METHODS = new Set(
       .map((method) => `/${service.typeName}/${method.name}`),
   ),
 );
+/** Methods that take a stream, of which the page sends one message: an update of a map needs no more. */
+const ONE_MESSAGE_METHODS = new Set([
+  `/${MapService.typeName}/${MapService.method.startMapBuild.name}`,
+]);
 
 interface Exchange {
   request: IncomingMessage;
@@ -120,16 +124,18 @@ export class App {
     }
   }
 
-  /** Hands a unary call on, as it is. */
+  /** Hands a call with one request and one answer on, as it is. */
   private async pass(upstream: Upstream, method: string, exchange: Exchange): Promise<void> {
-    if (!UNARY_METHODS.has(method)) {
+    const isUnary = UNARY_METHODS.has(method);
+    if (!isUnary && !ONE_MESSAGE_METHODS.has(method)) {
       throw new RequestError(status.UNIMPLEMENTED, "the page may not call that");
     }
     const { request, response, login } = exchange;
     const body = await readBody(request, MAX_REQUEST_BYTES);
     const gone = new AbortController();
     response.on("close", () => gone.abort());
-    const answer = await upstream.unary(method, login.token, body, DEADLINE_MS, gone.signal);
+    const form = isUnary ? "unary" : "streamOfOne";
+    const answer = await upstream[form](method, login.token, body, DEADLINE_MS, gone.signal);
     answerBytes(response, answer);
   }
 

@@ -55,6 +55,28 @@ export class Upstream {
     });
   }
 
+  /** As `unary`, of a method that takes a stream of requests: this one alone. */
+  streamOfOne(
+    method: string,
+    token: string,
+    request: Bytes,
+    deadlineMs: number,
+    signal?: AbortSignal,
+  ): Promise<Bytes> {
+    return new Promise((resolve, reject) => {
+      const call = this.client.makeClientStreamRequest(
+        method,
+        asIs,
+        asIs,
+        metadataOf(token),
+        { deadline: Date.now() + deadlineMs },
+        (error, response) => (error ? reject(error) : resolve(response!)),
+      );
+      signal?.addEventListener("abort", () => call.cancel(), { once: true });
+      call.end(request);
+    });
+  }
+
   serverStream(method: string, token: string, request: Bytes): ServerStream {
     return this.client.makeServerStreamRequest(method, asIs, asIs, request, metadataOf(token));
   }

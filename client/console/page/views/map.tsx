@@ -18,6 +18,7 @@ import { count, dateTime, decimals, kilometres, megabytes, t } from "../texts/te
 import { call } from "../wire/calls.ts";
 import { expected } from "../wire/expected.ts";
 import type { FleetLink } from "../wire/use_fleet.ts";
+import { Builds } from "./builds.tsx";
 import { comparePath } from "./compare.tsx";
 import { type MapAction, MapActionDialog } from "./map_actions.tsx";
 import { UploadDialog } from "./upload.tsx";
@@ -41,6 +42,7 @@ export function MapView({ server, name, fleet }: { server: string; name: string;
   const [chosen, setChosen] = useState<number>();
   const [action, setAction] = useState<MapAction>();
   const [isUploading, setUploading] = useState(false);
+  const [buildRound, setBuildRound] = useState(0);
   const [landmarks, setLandmarks] = useState<MapDrawn>({ shown: 0, count: 0, isGraded: false });
   const contents = loaded.value;
   const versions = contents?.versions ?? [];
@@ -60,6 +62,7 @@ export function MapView({ server, name, fleet }: { server: string; name: string;
   const onDone = (): void => {
     if (action?.kind === "delete_map") return go("/maps");
     if (action?.kind === "delete") setChosen(undefined);
+    if (action?.kind === "update") setBuildRound((n) => n + 1);
     loaded.reload();
   };
   const onDrawn = (now: MapDrawn): void =>
@@ -90,6 +93,7 @@ export function MapView({ server, name, fleet }: { server: string; name: string;
             />
           ))}
         </ul>
+        <Builds server={server} map={name} round={buildRound} />
       </section>
       <div class="stage">
         <MapCanvas
@@ -204,6 +208,9 @@ function VersionRow({ map, version, server, isChosen, vehicles, onChoose, onActi
                 </button>
               </>
             )}
+            <button onClick={() => onAction({ kind: "update", version: number })}>
+              {t("update")} …
+            </button>
             {other > 0 && (
               <Link class="button" to={comparePath({ server, map: map.name, from: other, to: number })}>
                 {t("compare_with", { version: other })}

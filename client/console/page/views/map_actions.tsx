@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import { AdminService, type Session } from "proto/dcloc/v1/admin_service_pb.ts";
-import { type Map as RadarMap, MapService } from "proto/dcloc/v1/map_service_pb.ts";
+import { MapBuildMethod, type Map as RadarMap, MapService } from "proto/dcloc/v1/map_service_pb.ts";
 import { Dialog } from "../parts/dialog.tsx";
 import { useCall } from "../parts/use_call.ts";
 import { shortened, shownName } from "../texts/shortened.ts";
@@ -9,7 +9,7 @@ import { call } from "../wire/calls.ts";
 
 /** Something to be done with a map; the version that it is about. */
 export interface MapAction {
-  kind: "activate" | "roll_back" | "canary" | "end_canary" | "delete" | "delete_map";
+  kind: "activate" | "roll_back" | "canary" | "end_canary" | "update" | "delete" | "delete_map";
   version: number;
 }
 
@@ -145,6 +145,12 @@ function wordsOf(map: RadarMap, { kind, version }: MapAction, effect: Effect): W
         button: t("end_canary"),
         texts: [t("end_canary_text", values)],
       };
+    case "update":
+      return {
+        title: t("update_title", values),
+        button: t("update"),
+        texts: [t("update_text"), t("update_keeps")],
+      };
     case "delete":
     case "delete_map": {
       const isMap = kind === "delete_map";
@@ -179,6 +185,10 @@ function perform(
       return call(server, method.setMapCanary, { mapName, version, share });
     case "end_canary":
       return call(server, method.setMapCanary, { mapName });
+    case "update": {
+      const header = { mapName, baseVersion: version, method: MapBuildMethod.UPDATE };
+      return call(server, method.startMapBuild, { message: { case: "header", value: header } });
+    }
     case "delete":
       return call(server, method.deleteMapVersion, { mapName, version, drainSessions: alsoSessions });
     case "delete_map":

@@ -1,4 +1,5 @@
 import {
+  type DescMethodClientStreaming,
   type DescMethodUnary,
   type DescMessage,
   type MessageInitShape,
@@ -9,10 +10,13 @@ import {
 } from "@bufbuild/protobuf";
 import { failureOf, failureOfResponse } from "./failure.ts";
 
-/** Calls a unary method of a server through the bridge. Rejects with CallFailure. */
+/**
+ * Calls a method of a server through the bridge; of one that takes a stream, with this request alone.
+ * Rejects with CallFailure.
+ */
 export async function call<I extends DescMessage, O extends DescMessage>(
   server: string,
-  method: DescMethodUnary<I, O>,
+  method: DescMethodUnary<I, O> | DescMethodClientStreaming<I, O>,
   request: MessageInitShape<I>,
   signal?: AbortSignal,
 ): Promise<MessageShape<O>> {

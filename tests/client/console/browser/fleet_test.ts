@@ -180,6 +180,32 @@ test("a build that is under way is cancelled after one question; states of newer
   });
 });
 
+test("a survey and an update tell their stage, their drives and what came of them", async () => {
+  const drive = { name: HOSTILE, inMap: false, reason: "it stands" };
+  const version = create(MapVersionSchema, { mapName: "harbour", version: 7n });
+  const update = { addedCount: 1200n, removedCount: 30n, oldErrorM: 0.25, newErrorM: 0.125, isBetter: true };
+  fake.builds = [
+    create(MapBuildSchema, { buildId: "1", mapName: "a", state: 1, method: 2, stage: "loops", stageShare: 0.25 }),
+    create(MapBuildSchema, { buildId: "2", mapName: "b", state: 2, method: 3, version, update, drives: [drive] }),
+    create(MapBuildSchema, { buildId: "3", mapName: "c", state: 1, method: 3, stage: "x", stageShare: Number.NaN, attemptCount: 3 }),
+  ];
+  await scene.visit(async (page) => {
+    await page.getByRole("navigation").getByRole("link", { name: "Maps" }).click();
+    const row = (name: string) => page.locator(".builds li").filter({ has: page.locator("strong", { hasText: name }) });
+    await row("a").getByText("survey without poses").waitFor();
+    await row("a").getByText("loops, 25 %").waitFor();
+    await row("b").getByText("became v7").waitFor();
+    await row("b").getByText("1,200 came, 30 went. Error of a pass kept out: 0.250 m before, 0.125 m after.").waitFor();
+    await row("b").getByText("0 of 1 drives used").waitFor();
+    await row("b").getByText(`${SHOWN}: it stands`).waitFor();
+    await row("c").getByText("x, 0 %").waitFor();
+    await row("c").getByText("begun anew 2 times").waitFor();
+    assert.equal(await page.locator("img").count(), 0);
+    assert.deepEqual(await seriousFindings(page), []);
+    fake.builds = [];
+  });
+});
+
 test("an older server is told by name, call by call, and the rest goes on", async () => {
   fake.sessions = [sessionAt("1", "car", 2, 0, 0)];
   await scene.visit(async (page) => {

@@ -67,6 +67,8 @@ export interface TownOptions {
   /** Names of the drives that the versions of the map were made of; the first one is active. */
   versions?: readonly string[];
   vehicles?: number;
+  /** A further version, of the first drive, tells how well vehicles can know where they are. */
+  isGraded?: boolean;
 }
 
 /** A scene with a real server, a map named "town", and vehicles. */
@@ -85,9 +87,10 @@ export class TownScene extends Scene {
 
   protected async begin(): Promise<string> {
     this.server = await startServer(this.store);
-    const { versions = ["drive"], vehicles = 0 } = this.options;
-    versions.forEach((name, i) => {
-      const file = this.town.makeMap(`v${i + 1}.dclm`, name);
+    const { versions = ["drive"], vehicles = 0, isGraded } = this.options;
+    const files = versions.map((name, i) => this.town.makeMap(`v${i + 1}.dclm`, name));
+    if (isGraded) files.push(this.town.withAccuracy(files[0]!));
+    files.forEach((file, i) => {
       const activate = i === 0 ? ["--activate"] : [];
       dcloc("map", "upload", "--server", this.server.address, "--map", "town", ...activate, file);
     });

@@ -36,6 +36,13 @@ export class Town {
     return path;
   }
 
+  /** A copy of a map file that tells how well vehicles can know where they are. */
+  withAccuracy(path: string): string {
+    const graded = `${path}.graded`;
+    dcloc("map", "report", path, "--out", join(this.folder, "report.html"), "--map-out", graded);
+    return graded;
+  }
+
   /** Vehicles that drive through the town until they are stopped. */
   drive(address: string, map: string, count: number, more: string[] = []): ChildProcess {
     const data = ["--dataset", "nuscenes", "--root", this.drives, "--drive", "live-0"];

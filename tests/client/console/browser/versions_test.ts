@@ -3,12 +3,12 @@ import type { ChildProcess } from "node:child_process";
 import { after, test } from "node:test";
 import type { Page } from "playwright-core";
 import { seriousFindings } from "./accessibility.ts";
-import { signIn } from "./harness.ts";
+import { signIn, until } from "./harness.ts";
 import { TownScene, staged, testNothingWentWrong } from "./scene.ts";
 import { stopVehicles } from "./town.ts";
 
 let page: Page;
-const scene = staged(new TownScene({ versions: ["first drive", "second drive"], vehicles: 3 }), async (scene) => {
+const scene = staged(new TownScene({ versions: ["first drive", "second drive"], vehicles: 3, isGraded: true }), async (scene) => {
   ({ page } = scene);
   await signIn(page);
   await page.getByRole("button", { name: "3 Tracking" }).waitFor();
@@ -56,6 +56,41 @@ test("a canary begins and ends, a version is rolled back, and one in use is not 
   await scene.goto("/servers");
   const row = page.getByRole("row").filter({ hasText: "DeleteMapVersion" });
   await row.getByText("failed").waitFor();
+});
+
+test("the street has the colour of what vehicles can expect there, where a version tells it", async () => {
+  await scene.goto("/maps/dcloc/town");
+  await scene.choose("v3");
+  await page.getByText("Expected within 0.1 m").waitFor();
+  // Of the colours of street that the legend names, those that the map shows.
+  const shown = (): Promise<string[]> =>
+    page.evaluate(() => {
+      const canvas = document.querySelector("canvas")!;
+      const { data } = canvas.getContext("2d")!.getImageData(0, 0, canvas.width, canvas.height);
+      const pixels = new Set<string>();
+      for (let i = 0; i < data.length; i += 4) pixels.add(`rgb(${data[i]}, ${data[i + 1]}, ${data[i + 2]})`);
+      return [...document.querySelectorAll<HTMLElement>(".legend [class*='street-']")]
+        .filter((swatch) => pixels.has(getComputedStyle(swatch).backgroundColor))
+        .map((swatch) => swatch.className.replace("swatch street-", ""));
+    });
+  await until(async () => (await shown()).join() === "good", "the street is good");
+  assert.deepEqual(await seriousFindings(page), []);
+  await scene.choose("v1");
+  await page.getByText("Expected within 0.1 m").waitFor({ state: "hidden" });
+  await until(async () => (await shown()).join() === "unknown", "nothing is known of the street");
+});
+
+test("an update is begun after one question, and the server's word on it is shown", async () => {
+  await scene.choose("v1");
+  await scene.versionRow("v1").getByRole("button", { name: "Update from passes" }).click();
+  await scene.dialog.getByText("no version is made unless it is better there").waitFor();
+  await scene.dialog.getByText("Nothing is activated").waitFor();
+  assert.deepEqual(await seriousFindings(page), []);
+  await scene.dialog.getByRole("button", { name: "Update from passes" }).click();
+  const builds = page.getByRole("region", { name: "Builds" });
+  await builds.getByText("update from passes").waitFor();
+  await builds.getByText("Failed").waitFor();
+  await builds.getByText("an update needs passes of 3 vehicles or days").waitFor();
 });
 
 test("two versions are compared, under an address that can be shared", async () => {
