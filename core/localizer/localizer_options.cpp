@@ -62,6 +62,7 @@ absl::Status Validate(const LocalizerOptions& options) {
   status.Update(Within("tracking", Validate(options.tracking)));
   status.Update(Within("fixes", Validate(options.fixes)));
   status.Update(Within("resets", Validate(options.resets)));
+  status.Update(Within("place_evidence", Validate(options.place_evidence)));
   status.Update(Within("protection_level", Validate(options.protection_level)));
   status.Update(Within("unobserved", Validate(options.unobserved)));
   return status;

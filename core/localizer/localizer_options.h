@@ -29,6 +29,7 @@
 #include "core/uncertainty/beta_monitor.h"
 #include "core/uncertainty/map_fit_monitor.h"
 #include "core/uncertainty/noise_scale_estimator.h"
+#include "core/uncertainty/place_evidence.h"
 #include "core/uncertainty/protection_level.h"
 #include "core/uncertainty/registration_factor.h"
 
@@ -90,6 +91,7 @@ struct LocalizerOptions {
   TrackingOptions tracking;
   FixMonitorOptions fixes;
   ResetOptions resets;
+  PlaceEvidenceOptions place_evidence;
   ProtectionLevelOptions protection_level;
 
   UnobservedSigmas unobserved;  ///< of planar rigs

@@ -37,6 +37,7 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       pose_(EffectivePoseGraph(options), options.noise_scales),
       learner_(radars_.learned.rig(), options.beta_monitor, options.unobserved),
       rivals_(options.along_track_rivals),
+      place_evidence_(options.place_evidence),
       fix_monitor_(options.fixes),
       claims_{.protection_level = ProtectionLevel(options.protection_level),
               .reset_counter = ResetCounter(options.resets),
@@ -121,7 +122,7 @@ void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
     Announce(listener, Stage::kPoseGraph);  // eq 15-19
     if (registered) UpdateObservability(registered->registration, stamp, workspace);
     const bool was_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
-    newest_.outcome = UpdatePose(registered, ego_velocity, workspace);
+    newest_.outcome = UpdatePose(stamp, registered, ego_velocity, workspace);
     UpdateOdometry(registered, newest_.outcome);
     if (was_confirmed && newest_.outcome == RegistrationOutcome::kAccepted) {
       radars_.range_rate_scales.OnRegistered(stamp);
@@ -235,43 +236,6 @@ void Pipeline<Dim>::AddToSubmap(Stamp stamp, std::size_t radar_index,
   live_.schedule.OnScan(stamp, live_.submap.scan_count(), points.size());
 }
 
-// How the scan lies in the map at the predicted pose, and what that is evidence of: its radar, the
-// sources of odometry, the pose.
-template <int Dim>
-void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace) {
-  if (!tracking_.has_pose()) return;
-  const ScanFit fit = radars_.scan_checker.Test(stamp, radar_index, workspace.static_points,
-                                                pose_.Now(), map_.matcher, workspace);
-  if (radars_.scan_checker.agrees_again()) relocalizer_.ForgetViews();
-  radars_.monitor.OnFit(radar_index, radars_.scan_checker.last_fit());
-  // A mean over a few points says little.
-  const bool is_full =
-      workspace.static_points.size() >= static_cast<std::size_t>(options_.map_fit.min_point_count);
-  // What is compared is relative to the pose: where that is lost, both hypotheses are wrong.
-  const bool is_comparable = is_full && !tracking_.is_lost();
-  if (is_comparable && LearnAzimuthSign(radar_index, workspace)) return;
-  if (!IsTrusted(radar_index, stamp)) return;
-  if (is_comparable) CompareSourcesByMapFit(workspace);
-  if (is_full) CompareAlongTrackRivals(fit, workspace);
-  UpdateTrackingByScanFit(fit);
-}
-
-// A pose that stops to be confirmed is where the search begins, if there will be one.
-template <int Dim>
-void Pipeline<Dim>::UpdateTrackingByScanFit(ScanFit fit) {
-  const bool was_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
-  tracking_.OnScanFit(fit, rivals_.ground_repeats());
-  tracking_.OnFitTrend(radars_.scan_checker.has_declined() || rivals_.has_better());
-  if (tracking_.mode() == TrackingMode::kConfirmed) {
-    radars_.scan_checker.OnConfirmed();
-    if (newest_.outcome == RegistrationOutcome::kAccepted && fit != ScanFit::kContradicts) {
-      radars_.scan_checker.Learn();
-    }
-  } else if (was_confirmed) {
-    relocalizer_.SetPrior(NowInMap());
-  }
-}
-
 // A new state, where odometry puts it, and the local map around it.
 template <int Dim>
 void Pipeline<Dim>::Predict(Stamp stamp, RegistrationWorkspace<Dim>& workspace) {
@@ -328,7 +292,8 @@ void Pipeline<Dim>::UpdateObservability(const Registration<Dim>& registration, S
 
 // A registration at a new place starts a pose graph; any other is a factor of the one there is.
 template <int Dim>
-RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& registered,
+RegistrationOutcome Pipeline<Dim>::UpdatePose(Stamp stamp,
+                                              const std::optional<Registered>& registered,
                                               const EgoVelocity& ego_velocity,
                                               Workspace<Dim>& workspace) {
   if (!registered) return RegistrationOutcome::kNoMatch;
@@ -351,11 +316,13 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(const std::optional<Registered>& r
   if (registered->origin == PlaceOrigin::kExpected) {
     test = pose_.AddAbsolutePose(factor);
     const Tangent<Dim> residual = Log(pose_.Newest().pose.Inverse() * factor.pose);
-    claims_.protection_level.OnInnovation(test.squared_distance / Pose<Dim>::kDof,
-                                          residual.template head<2>());
+    const double squared_distance_per_dof = test.squared_distance / Pose<Dim>::kDof;
+    claims_.protection_level.OnInnovation(squared_distance_per_dof, residual.template head<2>());
+    place_evidence_.OnInnovation(stamp, squared_distance_per_dof);
   } else {
     radars_.scan_checker.Reset();
     rivals_.Reset();
+    place_evidence_.Reset();
     radars_.azimuth_signs.Reset();
     radars_.monitor.ResetFits();
     ego_motion_.OnPlaceChanged();

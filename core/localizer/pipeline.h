@@ -28,6 +28,7 @@
 #include "core/submap/submap.h"
 #include "core/uncertainty/along_track_rivals.h"
 #include "core/uncertainty/azimuth_signs.h"
+#include "core/uncertainty/place_evidence.h"
 #include "core/uncertainty/protection_level.h"
 
 namespace dcloc {
@@ -131,6 +132,7 @@ class Pipeline final : public AnyPipeline {
   void AddToSubmap(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,
                    const Motion& motion);
   void TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
+  void TakePlaceEvidence(Stamp stamp, std::size_t radar_index, const Workspace<Dim>& workspace);
   void UpdateTrackingByScanFit(ScanFit fit);
   void CompareSourcesByMapFit(Workspace<Dim>& workspace);
   void CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspace);
@@ -151,7 +153,7 @@ class Pipeline final : public AnyPipeline {
   std::optional<Registered> Register(Stamp stamp, Workspace<Dim>& workspace);
   void UpdateObservability(const Registration<Dim>& registration, Stamp stamp,
                            Workspace<Dim>& workspace);
-  RegistrationOutcome UpdatePose(const std::optional<Registered>& registered,
+  RegistrationOutcome UpdatePose(Stamp stamp, const std::optional<Registered>& registered,
                                  const EgoVelocity& ego_velocity, Workspace<Dim>& workspace);
   void UpdateOdometry(const std::optional<Registered>& registered, RegistrationOutcome outcome);
   void GiveUpFailedPose(Stamp stamp);
@@ -227,6 +229,7 @@ class Pipeline final : public AnyPipeline {
   NewestRegistration newest_;
   RegistrationLearner<Dim> learner_;
   AlongTrackRivals rivals_;
+  PlaceEvidence place_evidence_;
   FixMonitor fix_monitor_;
   Claims claims_;
 };

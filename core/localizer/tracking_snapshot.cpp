@@ -53,6 +53,7 @@ std::optional<TrackingSnapshot> TrackingStateMachine::Snapshot() const {
 void TrackingStateMachine::Restore(const TrackingSnapshot& snapshot) {
   mode_ = snapshot.mode;
   confirmation_requires_ = snapshot.confirmation_requires;
+  evidence_ = EvidenceForPlace::kEnough;  // it was tracked a moment ago
   observability_ = snapshot.observability;
   observability_changed_ = snapshot.observability_changed;
   usual_interval_s_ = snapshot.usual_interval_s;

@@ -160,7 +160,8 @@ void TrackingStateMachine::OnObservability(Stamp stamp, bool is_observed) {
 }
 
 void TrackingStateMachine::OnRegistration(Stamp stamp, RegistrationOutcome outcome) {
-  const bool accepted = outcome == RegistrationOutcome::kAccepted;
+  const bool accepted =
+      outcome == RegistrationOutcome::kAccepted && evidence_ != EvidenceForPlace::kLacking;
   // What was accepted before a silence confirms nothing after it.
   if (last_accepted_ && stamp - *last_accepted_ > Hold()) {
     accepted_in_a_row_ = 0;
@@ -225,7 +226,8 @@ LocalizationState TrackingStateMachine::Report(double claimed_position_sigma_m) 
       // it is does not track.
       const bool is_unobserved = observability_ == AlongTrackObservability::kNotObserved ||
                                  observability_ == AlongTrackObservability::kReturning;
-      return is_unobserved || claimed_position_sigma_m > options_.tracking_sigma_m
+      return is_unobserved || evidence_ != EvidenceForPlace::kEnough ||
+                     claimed_position_sigma_m > options_.tracking_sigma_m
                  ? LocalizationState::kDeadReckoning
                  : LocalizationState::kTracking;
     }

@@ -10,6 +10,7 @@
 #include "core/options/option_fields.h"
 #include "core/radar/stamp.h"
 #include "core/uncertainty/map_fit_monitor.h"
+#include "core/uncertainty/place_evidence.h"
 
 namespace dcloc {
 
@@ -140,6 +141,10 @@ class TrackingStateMachine {
   /// Takes in how the newest scan fits the map, and whether one that does would fit nearby, too.
   void OnScanFit(ScanFit fit, bool ground_repeats = false);
 
+  /// Takes in whether what is seen speaks for the place. While it does not, registrations count as
+  /// if none had been accepted, and nothing is TRACKING before it does.
+  void OnPlaceEvidence(EvidenceForPlace evidence) { evidence_ = evidence; }
+
   /// Ends by `stamp` what has lasted for too long without an accepted registration, or has become
   /// too uncertain: the estimate's position has this standard deviation. Without a pose nothing.
   void ExpireTimeouts(Stamp stamp, double position_sigma_m);
@@ -176,6 +181,7 @@ class TrackingStateMachine {
   TrackingMode mode_ = TrackingMode::kSearching;
   ScanAgreement agreement_ = ScanAgreement::kAgree;
   ConfirmationRequirement confirmation_requires_ = ConfirmationRequirement::kRegistrations;
+  EvidenceForPlace evidence_ = EvidenceForPlace::kTooLittle;
   AlongTrackObservability observability_ = AlongTrackObservability::kObserved;
   Stamp observability_changed_{};  // when `observability_` last changed
   int accepted_in_a_row_ = 0;

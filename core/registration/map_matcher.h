@@ -12,6 +12,7 @@
 #include "core/options/option_fields.h"
 #include "core/registration/correlative_search.h"
 #include "core/registration/gicp.h"
+#include "core/registration/mapped_points.h"
 #include "core/registration/observability.h"
 #include "core/registration/registration_method.h"
 #include "core/registration/registration_workspace.h"
@@ -119,6 +120,12 @@ class MapMatcher {
                  std::span<const GaussianPoint<Dim>> points, const Pose<Dim>& T_local_vehicle,
                  double sigma_m, RegistrationWorkspace<Dim>& workspace,
                  std::vector<double>& fits) const;
+
+  /// How many of the points lie where the map has landmarks; see `CountMappedPoints`.
+  std::size_t CountMapped(std::span<const GaussianPoint<Dim>> points,
+                          const Pose<Dim>& T_local_vehicle, double reach_m) const {
+    return CountMappedPoints<Dim>(points, local_map_, T_local_vehicle, reach_m);
+  }
 
   /// The directions in which a registration of `live` is observable.
   Observability Observed(std::span<const GaussianPoint<Dim>> live,

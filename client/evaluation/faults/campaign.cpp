@@ -50,6 +50,7 @@ class FaultBench {
     const Perturbation perturbation{.translation_m = 0.5, .rotation_deg = 2.0, .seed = world_.seed};
     Stream stream =
         StreamOf(drive, Perturb(drive.scans.front().T_map_vehicle, perturbation, world_.name, 0));
+    stream.map = map_;
     const Window window = WindowOf(fault, stream);
     fault.apply(stream, window, world_.seed);
     return RunAside(stream, window);
@@ -60,7 +61,7 @@ class FaultBench {
   absl::StatusOr<Record> RunAside(const Stream& stream, const Window& window) const {
     const auto text = RunIsolated(
         [&]() -> std::string {
-          const auto outcome = RunSession(map_, stream);
+          const auto outcome = RunSession(stream);
           if (!outcome.ok()) return std::string(outcome.status().message());
           return RecordToJson(JudgeFault(*outcome, window)).dump();
         },

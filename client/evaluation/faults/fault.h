@@ -16,7 +16,7 @@ struct Fault {
   using Apply = std::function<void(Stream&, const Window&, std::uint64_t seed)>;
 
   std::string id;      ///< lower-case letters, digits, '.' and '-'; unique
-  std::string family;  ///< "velocity", "time", "radar", "targets", "place" or "movers"
+  std::string family;  ///< "velocity", "time", "radar", "targets", "place", "movers" or "map"
   std::string label;
   double begin_s = kBegin_s;  ///< since the first scan
   /// Nothing for a fault that stays to the end; 0 for one that happens at a moment, such as a clock

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/evaluation/faults/map_faults.h"
 #include "client/evaluation/faults/mover_faults.h"
 #include "client/evaluation/faults/place_faults.h"
 #include "client/evaluation/faults/radar_faults.h"
@@ -61,7 +62,7 @@ std::string NamesIn(const Selection& all) {
 std::vector<Fault> AllFaults(bool quick) {
   std::vector<Fault> faults;
   for (const auto& family : {VelocityFaults(), TimeFaults(), RadarFaults(), TargetFaults(),
-                             PlaceFaults(), MoverFaults()}) {
+                             PlaceFaults(), MoverFaults(), MapFaults()}) {
     for (const Fault& fault : family) {
       const bool is_quick = std::ranges::find(kQuickFaults, fault.id) != std::end(kQuickFaults);
       if (!quick || is_quick) faults.push_back(fault);

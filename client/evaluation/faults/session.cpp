@@ -91,10 +91,9 @@ class FaultSession {
 
 }  // namespace
 
-absl::StatusOr<SessionOutcome> RunSession(const std::shared_ptr<const RadarMap>& map,
-                                          const Stream& stream,
+absl::StatusOr<SessionOutcome> RunSession(const Stream& stream,
                                           const std::function<void(double)>& progress) {
-  auto localizer = Localizer::Create(map, stream.rig, stream.prior);
+  auto localizer = Localizer::Create(stream.map, stream.rig, stream.prior);
   if (!localizer.ok()) return localizer.status();
   FaultSession session(*std::move(localizer), stream.name);
   // The localizer promises not to throw: that it does is what is looked for here.

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,7 +27,6 @@ struct SessionOutcome {
 /// as such; an exception ends the session, and answers that are not finite fail it and are left
 /// out. InvalidArgument for a null map, an invalid rig or prior.
 absl::StatusOr<SessionOutcome> RunSession(
-    const std::shared_ptr<const RadarMap>& map, const Stream& stream,
-    const std::function<void(double)>& progress = [](double) {});
+    const Stream& stream, const std::function<void(double)>& progress = [](double) {});
 
 }  // namespace dcloc::faults

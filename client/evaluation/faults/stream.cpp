@@ -27,7 +27,7 @@ std::chrono::nanoseconds Duration(double seconds) {
 }
 
 Stream StreamOf(const Drive& drive, const InitialPose& prior) {
-  Stream stream{.name = drive.name, .rig = drive.rig, .prior = prior, .scans = {}};
+  Stream stream{.name = drive.name, .map = nullptr, .rig = drive.rig, .prior = prior, .scans = {}};
   stream.scans.reserve(drive.scans.size());
   for (const auto& [scan, T_map_vehicle] : drive.scans) {
     stream.scans.push_back({scan, scan.stamp, scan.stamp, T_map_vehicle});

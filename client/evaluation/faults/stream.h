@@ -1,11 +1,13 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "client/datasets/drive.h"
+#include "core/map/radar_map.h"
 #include "core/relocalization/initial_pose.h"
 
 namespace dcloc::faults {
@@ -18,10 +20,11 @@ struct StreamScan {
   Pose3 T_map_vehicle;  ///< the true pose at `measured`
 };
 
-/// What a localizer is given over a drive: the description of the radars, the first pose, the scans
-/// in the order in which they arrive.
+/// What a localizer is given over a drive: the map, the description of the radars, the first pose,
+/// the scans in the order in which they arrive.
 struct Stream {
   std::string name;
+  std::shared_ptr<const RadarMap> map;
   Rig rig;
   InitialPose prior;
   std::vector<StreamScan> scans;
@@ -40,7 +43,7 @@ struct Window {
 /// `seconds` as a whole number of nanoseconds.
 std::chrono::nanoseconds Duration(double seconds);
 
-/// `drive` as it is: each scan arrives when it is measured and says so.
+/// `drive` as it is: each scan arrives when it is measured and says so. It has no map yet.
 Stream StreamOf(const Drive& drive, const InitialPose& prior);
 
 /// Brings the scans into the order of `arrived`; those that arrive together keep their order.

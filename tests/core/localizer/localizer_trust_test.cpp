@@ -1,5 +1,6 @@
 #include <functional>
 
+#include "core/map/editable_map.h"
 #include "tests/core/localizer/on_a_road.h"
 
 namespace dcloc {
@@ -83,6 +84,23 @@ TEST_F(WrongPlaceTest, APriorThatIsWrongAndSureOfItIsLeft) {
     const InitialPose prior = PriorAt(Start() * Embed(wrong), 0.5, 0.02);
     ExpectNeverWrongAndFound(LocalizeDrive(MakeLocalizer(map_, FrontRadar(), prior), drive_));
   }
+}
+
+// The road is there as mapped, and what stands beside it is another: its mirror image.
+TEST_F(WrongPlaceTest, InTheMapOfAnotherStreetNothingIsTracking) {
+  EditableMap other = ToEditable(*map_);
+  for (EditableKeyframe& keyframe : other.keyframes) {
+    for (MapPoint& point : keyframe.points) {
+      point.y_m = -point.y_m;
+      point.xy_m2 = -point.xy_m2;
+      point.yz_m2 = -point.yz_m2;
+    }
+  }
+  const auto map = RadarMap::FromBytes(*ToMapBytes(other));
+  ASSERT_TRUE(map.ok());
+  const InitialPose prior = PriorAt(Start(), 0.3, 0.02);
+  EXPECT_EQ(
+      ErrorsOf(LocalizeDrive(MakeLocalizer(*map, FrontRadar(), prior), drive_)).tracking_count, 0);
 }
 
 TEST_F(WrongPlaceTest, AVehicleThatWasCarriedIsFoundAgain) {

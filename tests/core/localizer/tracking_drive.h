@@ -15,8 +15,9 @@ inline constexpr TrackingOptions kTrackingOptions{
 
 inline Stamp StampAt(int ms) { return Stamp(std::chrono::milliseconds(1'000'000 + ms)); }
 
-/// One scan with a registration and its answer.
+/// One scan, which speaks for the place, with a registration and its answer.
 inline void ScanAt(TrackingStateMachine& state, int ms, bool accepted, double sigma_m = 0.1) {
+  state.OnPlaceEvidence(EvidenceForPlace::kEnough);
   state.OnRegistration(StampAt(ms),
                        accepted ? RegistrationOutcome::kAccepted : RegistrationOutcome::kNoMatch);
   state.ExpireTimeouts(StampAt(ms), sigma_m);

@@ -43,6 +43,43 @@ void Observe(TrackingStateMachine& state, int& ms, int until_ms, bool is_observe
   }
 }
 
+TEST(TrackingEvidenceTest, NothingIsTrackingBeforeSomethingSpeaksForThePlace) {
+  TrackingStateMachine state = Started();
+  for (int ms = 0; ms < 500; ms += 100) {
+    state.OnRegistration(StampAt(ms), RegistrationOutcome::kAccepted);
+  }
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning);
+  state.OnPlaceEvidence(EvidenceForPlace::kEnough);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking);
+}
+
+TEST(TrackingEvidenceTest, RegistrationsAtAPlaceForWhichNothingSpeaksConfirmNothing) {
+  TrackingStateMachine state = Tracking(1000);
+  const auto register_without_evidence = [&](int ms) {
+    state.OnPlaceEvidence(EvidenceForPlace::kLacking);
+    state.OnRegistration(StampAt(ms), RegistrationOutcome::kAccepted);
+    state.ExpireTimeouts(StampAt(ms), 0.1);
+  };
+  register_without_evidence(1100);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kDeadReckoning) << "at once";
+  for (int ms = 1200; ms <= 2500; ms += 100) register_without_evidence(ms);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kLost);
+  EXPECT_TRUE(state.ShouldSearchBeside());
+  for (int ms = 2600; ms <= 2800; ms += 100) ScanAt(state, ms, true);
+  EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking) << "it speaks for the place again";
+}
+
+TEST(TrackingEvidenceTest, APlaceThatWasFoundAndForWhichNothingSpeaksIsGivenUp) {
+  TrackingStateMachine state = Found();
+  state.OnPlaceEvidence(EvidenceForPlace::kLacking);
+  for (int ms = 0; ms < 300; ms += 100) {
+    EXPECT_EQ(state.GiveUpIfFailed(StampAt(ms), 0.1), TrackingFailure::kNone);
+    state.OnRegistration(StampAt(ms), RegistrationOutcome::kAccepted);
+  }
+  EXPECT_EQ(state.GiveUpIfFailed(StampAt(300), 0.1), TrackingFailure::kPlaceRefused);
+}
+
 TEST(TrackingEvidenceTest, AWayThatNothingObservesIsNoTracking) {
   TrackingStateMachine state = Tracking(1000);
   int ms = 1100;

@@ -18,6 +18,8 @@ export interface Evidence {
 export interface Finding {
   kind: "state" | "cause" | "remark";
   text: string;
+  /** Of a sentence on the state: which one. */
+  state?: number;
 }
 
 /** The evidence is what came within so long before now. */
@@ -54,12 +56,12 @@ function stateFinding(samples: readonly Sample[], nowMs: number): Finding[] {
   const key = texts[last.state];
   const values = { overlap: decimals(100 * last.overlap, 0), sigma: decimals(last.sigmaM, 2) };
   const text = key ? t(key, values) : t("why_unknown", { state: last.state });
-  const found: Finding[] = [{ kind: "state", text }];
+  const found: Finding[] = [{ kind: "state", text, state: last.state }];
   if (last.state === State.Lost) {
     let first = samples.length - 1;
     while (first > 0 && samples[first - 1]!.state === State.Lost) --first;
     const seconds = Math.round((nowMs - samples[first]!.timeMs) / 1000);
-    found.push({ kind: "state", text: t("why_lost_for", { seconds }) });
+    found.push({ kind: "state", text: t("why_lost_for", { seconds }), state: last.state });
   }
   return found;
 }
@@ -73,8 +75,8 @@ function registrationCauses(recent: readonly Sample[], before: readonly Sample[]
   const good = before.filter((s) => s.state === State.Tracking);
   const was = mean(good, (s) => s.overlap);
   if (overlap < LOW_OVERLAP || (good.length > 0 && overlap < 0.6 * was)) {
-    const usual = good.length > 0 ? decimals(100 * was, 0) : "–";
-    causes.push(t("why_low_overlap", { overlap: decimals(100 * overlap, 0), before: usual }));
+    const values = { overlap: decimals(100 * overlap, 0), before: decimals(100 * was, 0) };
+    causes.push(t(good.length > 0 ? "why_overlap_fell" : "why_low_overlap", values));
   }
   const registered = recent.filter((s) => s.isRegistered);
   const refused = registered.filter((s) => !s.edgeValid);
@@ -129,7 +131,8 @@ export function explain({ samples, rejections, health, outsideM, nowMs }: Eviden
   if (outsideM > OUTSIDE_M) causes.push(t("why_left_map", { distance: Math.round(outsideM) }));
   const residual = mean(recent, (s) => s.residual);
   if (residual > BAD_RESIDUAL) causes.push(t("why_residual", { scale: decimals(residual, 1) }));
-  if (last.betaIsWrong) causes.push(t("why_beta", { beta: decimals(1000 * last.betaErrorS, 1) }));
+  // At a wrong place, residuals say nothing of it.
+  if (isWell && last.betaIsWrong) causes.push(t("why_beta", { beta: decimals(1000 * last.betaErrorS, 1) }));
   const silentMs = nowMs - last.timeMs;
   if (silentMs > SILENT_MS) {
     causes.push(t("why_silent", { seconds: Math.round(silentMs / 1000) }));

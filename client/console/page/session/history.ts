@@ -43,7 +43,7 @@ export interface Sample {
   residual: number;
   edge: number;
   edgeValid: boolean;
-  /** Whether this very scan was registered. */
+  /** Whether a registration of this very scan came about: a search may have found no place. */
   isRegistered: boolean;
   /** What each stage of STAGES took, and all together. */
   stagesMs: readonly number[];
@@ -84,7 +84,7 @@ export function sampleOf(result: LocalizationResult, timeMs: number): Sample | u
     residual: quality?.residualScale ?? 0,
     edge: quality?.edgeDistance ?? 0,
     edgeValid: quality?.edgeValid ?? false,
-    isRegistered: (timings?.registrationDurationNs ?? 0n) > 0n,
+    isRegistered: (timings?.registrationDurationNs ?? 0n) > 0n && (quality?.inlierCount ?? 0) > 0,
     stagesMs: STAGES.map((stage) => Number(timings?.[`${stage}DurationNs`] ?? 0n) / NS_PER_MS),
     totalMs: Number(timings?.totalDurationNs ?? 0n) / NS_PER_MS,
     version: Number(result.mapVersion),

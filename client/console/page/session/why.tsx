@@ -10,8 +10,8 @@ export function Why({ findings }: { findings: readonly Finding[] }) {
         <p class="soft">{t("waiting_answers")}</p>
       ) : (
         <ul>
-          {findings.map(({ kind, text }) => (
-            <li key={text} class={kind}>
+          {findings.map(({ kind, text, state }) => (
+            <li key={text} class={state === undefined ? kind : `${kind} is-${state}`}>
               {text}
             </li>
           ))}

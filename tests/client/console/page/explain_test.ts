@@ -64,6 +64,18 @@ test("a place that looks different is told by the overlap, with what it was befo
   assert.doesNotMatch(found, /innovation/);
 });
 
+test("where it has not tracked lately, nothing is said of before", () => {
+  const samples = evidence({}).samples.map((s) => ({ ...s, state: 4, overlap: 0.2, betaIsWrong: true }));
+  const found = texts({ ...evidence({}), samples });
+  assert.match(found, /Only 20 % of the points have a landmark nearby: /);
+  assert.doesNotMatch(found, /Beta/, "at a wrong place residuals say nothing of a radar");
+});
+
+test("sentences on the state have its colour", () => {
+  const found = explain(evidence({ state: 4 }));
+  assert.ok(found.every(({ kind, state }) => state === (kind === "state" ? 4 : undefined)));
+});
+
 test("a registration that the motion contradicts is told by the innovation test", () => {
   const found = texts(evidence({ state: 3, edge: 40, edgeValid: false }));
   assert.match(found, /edge distance 40\.0.* refused 50 of the last 50/);

@@ -127,7 +127,7 @@ async function takeLost(scene: TownScene): Promise<void> {
   await scene.goto("/live");
   await take(page, "server-gone");
   await scene.goto("/maps");
-  await page.getByText("No connection").waitFor();
+  await page.getByRole("heading", { name: "No connection" }).waitFor();
   await take(page, "server-gone-maps");
   await scene.bridge.stop();
   await page.getByText("Cut off from the bridge").waitFor();

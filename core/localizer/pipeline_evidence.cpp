@@ -1,0 +1,66 @@
+// How a scan lies in the map where the vehicle is predicted to be, and what that speaks for.
+#include <numbers>
+
+#include "core/localizer/pipeline.h"
+
+namespace dcloc {
+
+// How the scan lies in the map at the predicted pose, and what that is evidence of: its radar, the
+// sources of odometry, the pose.
+template <int Dim>
+void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace) {
+  if (!tracking_.has_pose()) return;
+  const ScanFit fit = radars_.scan_checker.Test(stamp, radar_index, workspace.static_points,
+                                                pose_.Now(), map_.matcher, workspace);
+  if (radars_.scan_checker.agrees_again()) relocalizer_.ForgetViews();
+  radars_.monitor.OnFit(radar_index, radars_.scan_checker.last_fit());
+  TakePlaceEvidence(stamp, radar_index, workspace);
+  // A mean over a few points says little.
+  const bool is_full =
+      workspace.static_points.size() >= static_cast<std::size_t>(options_.map_fit.min_point_count);
+  // What is compared is relative to the pose: where that is lost, both hypotheses are wrong.
+  const bool is_comparable = is_full && !tracking_.is_lost();
+  if (is_comparable && LearnAzimuthSign(radar_index, workspace)) return;
+  if (!IsTrusted(radar_index, stamp)) return;
+  if (is_comparable) CompareSourcesByMapFit(workspace);
+  if (is_full) CompareAlongTrackRivals(fit, workspace);
+  UpdateTrackingByScanFit(fit);
+}
+
+// Points where the map has nothing are neither for nor against the place: it may end before them.
+template <int Dim>
+void Pipeline<Dim>::TakePlaceEvidence(Stamp stamp, std::size_t radar_index,
+                                      const Workspace<Dim>& workspace) {
+  // A point's fit has the mean 1/2 in the plane, and 1/sqrt(8) in space.
+  constexpr double kAsInPlane = Dim == 3 ? std::numbers::sqrt2 : 1.0;
+  if (!IsTrusted(radar_index, stamp) || newest_.outcome != RegistrationOutcome::kAccepted) return;
+  const std::span<const GaussianPoint<Dim>> points = workspace.scan_points;
+  const std::size_t mapped_count =
+      map_.matcher.CountMapped(points, pose_.Now().pose, options_.place_evidence.mapped_m);
+  if (mapped_count == 0) return;
+  const double fit_sum = radars_.scan_checker.last_fit() * static_cast<double>(points.size());
+  place_evidence_.OnScanFit(stamp, mapped_count,
+                            kAsInPlane * fit_sum / static_cast<double>(mapped_count));
+  tracking_.OnPlaceEvidence(place_evidence_.Judge());
+}
+
+// A pose that stops to be confirmed is where the search begins, if there will be one.
+template <int Dim>
+void Pipeline<Dim>::UpdateTrackingByScanFit(ScanFit fit) {
+  const bool was_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
+  tracking_.OnScanFit(fit, rivals_.ground_repeats());
+  tracking_.OnFitTrend(radars_.scan_checker.has_declined() || rivals_.has_better());
+  if (tracking_.mode() == TrackingMode::kConfirmed) {
+    radars_.scan_checker.OnConfirmed();
+    if (newest_.outcome == RegistrationOutcome::kAccepted && fit != ScanFit::kContradicts) {
+      radars_.scan_checker.Learn();
+    }
+  } else if (was_confirmed) {
+    relocalizer_.SetPrior(NowInMap());
+  }
+}
+
+template void Pipeline<2>::TestScanFit(Stamp, std::size_t, Workspace<2>&);
+template void Pipeline<3>::TestScanFit(Stamp, std::size_t, Workspace<3>&);
+
+}  // namespace dcloc
