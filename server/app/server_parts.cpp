@@ -3,6 +3,7 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/server_builder.h>
+#include <malloc.h>
 
 #include <thread>
 #include <utility>
@@ -319,6 +320,7 @@ void Server::Parts::Sweep() {
   LogRemoved("stale uploads", store.RemoveStaleUploads(since_last));
   LogRemoved("files in quarantine", store.RemoveExpiredQuarantine(since_last));
   RemoveExpiredPasses();
+  malloc_trim(0);  // what is free of each arena goes back to the system
   if (++sweep_count % kSweepsPerOrphanLook != 0) return;
   LogRemoved("files of no pass", opened_storage.passes->RemoveOrphans());
 }

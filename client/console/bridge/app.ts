@@ -3,7 +3,16 @@ import { status } from "@grpc/grpc-js";
 import { AdminService } from "proto/dcloc/v1/admin_service_pb.ts";
 import { MapService } from "proto/dcloc/v1/map_service_pb.ts";
 import type { Guard } from "./guard.ts";
-import { RequestError, answerFailure, answerJson, cookieOf, parameter, readBody } from "./http.ts";
+import {
+  RequestError,
+  addressOf,
+  answerFailure,
+  answerJson,
+  cookieOf,
+  isAborted,
+  parameter,
+  readBody,
+} from "./http.ts";
 import type { Login, Logins } from "./logins.ts";
 import type { PageFiles } from "./page_files.ts";
 import { Recordings } from "./recordings.ts";
@@ -69,10 +78,10 @@ export class App {
       this.parts.guard.protect(response);
       const refusal = this.parts.guard.refusal(request);
       if (refusal !== undefined) throw new RequestError(status.PERMISSION_DENIED, refusal);
-      const url = new URL(request.url ?? "/", "http://console");
-      await this.route(url, request, response);
+      await this.route(addressOf(request), request, response);
     } catch (error) {
-      this.answerError(error, response);
+      if (isAborted(request)) response.destroy();
+      else this.answerError(error, response);
     }
   }
 

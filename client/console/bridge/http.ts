@@ -40,6 +40,24 @@ export function answerFailure(response: ServerResponse, failure: Failure): void 
   answerJson(response, failure, HTTP_STATUS[failure.code] ?? 500);
 }
 
+/** What the request is addressed to. Throws RequestError if it is nothing. */
+export function addressOf(request: IncomingMessage): URL {
+  const base = new URL("http://console");
+  try {
+    const url = new URL(request.url ?? "", base);
+    // Two slashes begin the name of a host.
+    if (request.url?.startsWith("/") && url.host === base.host) return url;
+  } catch {
+    // It is refused as well.
+  }
+  throw new RequestError(status.INVALID_ARGUMENT, "the request names no path of this page");
+}
+
+/** Whether the caller left before all of the request had come. */
+export function isAborted(request: IncomingMessage): boolean {
+  return request.destroyed && !request.complete;
+}
+
 /** Reads a body of at most `maxBytes`. Throws RequestError. */
 export async function readBody(request: IncomingMessage, maxBytes: number): Promise<Buffer> {
   const chunks: Buffer[] = [];
