@@ -1,10 +1,13 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "client/evaluation/faults/stream.h"
+#include "core/map/editable_map.h"
 
 namespace dcloc::faults {
 
@@ -45,6 +48,33 @@ inline Drive MadeDrive(double seconds, int radar_count = 1) {
 inline Stream MadeStream(double seconds, int radar_count = 1) {
   const Drive drive = MadeDrive(seconds, radar_count);
   return StreamOf(drive, {drive.scans.front().T_map_vehicle, Matrix6d::Identity()});
+}
+
+inline constexpr std::size_t kMadeLandmarks = 100;  ///< of each keyframe of a made map
+
+/// A map of the way of a made stream, with a keyframe every 10 m. The landmarks of each have its
+/// number as their distance ahead, and lie to the left.
+inline std::shared_ptr<const RadarMap> MadeMap(std::size_t keyframe_count) {
+  EditableMap map;
+  map.name = "made";
+  map.info.length_m = 10.0 * static_cast<double>(keyframe_count);
+  map.info.index_cell_m = 25.0;
+  for (std::size_t i = 0; i < keyframe_count; ++i) {
+    EditableKeyframe& keyframe = map.keyframes.emplace_back();
+    keyframe.record.translation_local_m[0] = 10.0 * static_cast<double>(i);
+    keyframe.record.rotation_wxyz[0] = 1.0;
+    for (std::size_t n = 1; n <= kMadeLandmarks; ++n) {
+      keyframe.points.push_back({.x_m = static_cast<float>(i),
+                                 .y_m = static_cast<float>(n),
+                                 .xx_m2 = 1,
+                                 .xy_m2 = 0.5F,
+                                 .yy_m2 = 1,
+                                 .zz_m2 = 1,
+                                 .scan_count = 1,
+                                 .pass_count = 1});
+    }
+  }
+  return *RadarMap::FromBytes(*ToMapBytes(map));
 }
 
 }  // namespace dcloc::faults

@@ -41,12 +41,13 @@ TEST(CatalogueTest, FaultsHaveNamesOfTheirOwnAndChangeADrive) {
     EXPECT_TRUE(ids.insert(fault.id).second) << fault.id;
     EXPECT_EQ(fault.id.substr(0, fault.family.size()), fault.family);
     Stream stream = MadeStream(32.0, 2);
+    stream.map = MadeMap(33);
     float range_m = 10.0F;  // no scan is like another
     for (StreamScan& entry : stream.scans) entry.scan.range_m[0] = range_m += 0.01F;
     const Stream before = stream;
     fault.apply(stream, WindowOf(fault, stream), 1);
     bool is_same =
-        stream.scans.size() == before.scans.size() &&
+        stream.scans.size() == before.scans.size() && stream.map == before.map &&
         stream.prior.T_map_vehicle.translation_m == before.prior.T_map_vehicle.translation_m &&
         stream.prior.T_map_vehicle.rotation.coeffs() ==
             before.prior.T_map_vehicle.rotation.coeffs() &&
