@@ -106,7 +106,8 @@ export interface Failure {
 export function failureOf(error: unknown): Failure {
   if (error instanceof Error && "code" in error && typeof error.code === "number") {
     const details = "details" in error ? String(error.details) : error.message;
-    return { code: error.code, message: details };
+    // grpc-js ends so where there is nothing to note.
+    return { code: error.code, message: details.replace(/\s*Resolution note:\s*$/, "") };
   }
   return { code: grpc.status.INTERNAL, message: "the bridge failed; its log says why" };
 }

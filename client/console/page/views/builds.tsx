@@ -11,8 +11,8 @@ import { Code } from "../wire/failure.ts";
 const PERIOD_MS = 5_000;
 const MAX_SHOWN_COUNT = 20;
 const MAX_SHOWN_DRIVES = 5;
-/** Of the calls that a token without the right, or an older server, refuses as the list does. */
-const TOLD_ELSEWHERE = new Set<number>([Code.PermissionDenied, Code.Unimplemented]);
+/** What the list of maps fails with as well: no right, an older server, none that answers. */
+const TOLD_ELSEWHERE = new Set<number>([Code.PermissionDenied, Code.Unimplemented, Code.Unavailable]);
 
 interface Props {
   server: string;

@@ -95,7 +95,7 @@ async function takeViews(scene: TownScene): Promise<void> {
   await takeOnPhone(page, "servers");
 }
 
-/** Vehicles whose map becomes that of another town get lost. */
+/** Vehicles whose map becomes that of another town get lost, or do not find a place in it. */
 async function takeLost(scene: TownScene): Promise<void> {
   const { page } = scene;
   const other = join(scene.town.folder, "other");
@@ -110,7 +110,7 @@ async function takeLost(scene: TownScene): Promise<void> {
   await scene.dialog.getByRole("button", { name: "Activate" }).click();
   await scene.dialog.waitFor({ state: "hidden" });
   await scene.goto("/live");
-  await page.getByRole("button", { name: /^[1-9]\d* Lost/ }).waitFor();
+  await page.getByRole("button", { name: /^[1-9]\d* (Lost|Initializing)/ }).waitFor();
   await page.waitForTimeout(5_000);
   await take(page, "live-lost");
   await take(page, "live-lost-light", "light");
