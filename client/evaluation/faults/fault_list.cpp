@@ -19,7 +19,8 @@ namespace dcloc::faults {
 namespace {
 
 constexpr std::string_view kQuickFaults[] = {"velocity-zero-3s", "time-forward-5s",
-                                             "place-skipped-20m", "movers-truck-along"};
+                                             "place-skipped-20m", "movers-truck-along",
+                                             "map-other-ahead"};
 
 bool IsCalled(const Fault& fault, const std::string& name) {
   return fault.id == name || fault.family == name;

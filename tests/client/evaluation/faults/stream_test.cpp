@@ -66,7 +66,7 @@ TEST(CatalogueTest, FaultsHaveNamesOfTheirOwnAndChangeADrive) {
     EXPECT_EQ(is_same, fault.is_reversing) << fault.id;
   }
   EXPECT_GE(ids.size(), 50U);
-  EXPECT_EQ(AllFaults(true).size(), 4U);
+  EXPECT_EQ(AllFaults(true).size(), 5U);
 }
 
 TEST(CatalogueTest, SelectsFaultsAndWorldsByName) {
