@@ -2,8 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstddef>
 #include <map>
 #include <utility>
 
@@ -25,7 +26,11 @@ Pose3 PoseInMap(const EditableMap& map, std::size_t keyframe) {
   return pose;
 }
 
-bool IsSame(const MapPoint& a, const MapPoint& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
+// Bit by bit: what is not touched keeps its bits.
+bool IsSame(const MapPoint& a, const MapPoint& b) {
+  using Bytes = std::array<std::byte, sizeof(MapPoint)>;
+  return std::bit_cast<Bytes>(a) == std::bit_cast<Bytes>(b);
+}
 
 Eigen::Matrix3d CovarianceOf(const MapPoint& p) {
   Eigen::Matrix3d covariance_m2;

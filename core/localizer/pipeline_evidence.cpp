@@ -12,7 +12,10 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<
   if (!tracking_.has_pose()) return;
   const ScanFit fit = radars_.scan_checker.Test(stamp, radar_index, workspace.static_points,
                                                 pose_.Now(), map_.matcher, workspace);
-  if (radars_.scan_checker.agrees_again()) relocalizer_.ForgetViews();
+  if (radars_.scan_checker.agrees_again()) {
+    relocalizer_.ForgetViews();
+    place_evidence_.Reset();
+  }
   radars_.monitor.OnFit(radar_index, radars_.scan_checker.last_fit());
   TakePlaceEvidence(stamp, radar_index, workspace);
   // A mean over a few points says little.

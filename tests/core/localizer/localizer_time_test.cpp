@@ -248,6 +248,7 @@ class LocalizerStampsTest : public ::testing::Test {
 
   static double MedianError_m(const std::vector<TrueAnswer>& answers) {
     std::vector<double> errors_m;
+    errors_m.reserve(answers.size());
     for (const TrueAnswer& answer : answers) errors_m.push_back(answer.position_error_m());
     std::ranges::nth_element(errors_m, errors_m.begin() + std::ssize(errors_m) / 2);
     return errors_m[errors_m.size() / 2];
