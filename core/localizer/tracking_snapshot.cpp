@@ -41,6 +41,7 @@ absl::Status Validate(const TrackingSnapshot& snapshot) {
 
 std::optional<TrackingSnapshot> TrackingStateMachine::Snapshot() const {
   if (!HasBeenTracked(mode_) || !last_accepted_) return std::nullopt;
+  if (evidence_ != EvidenceForPlace::kEnough) return std::nullopt;  // `Restore` supposes it
   return TrackingSnapshot{.mode = mode_,
                           .confirmation_requires = confirmation_requires_,
                           .observability = observability_,

@@ -160,7 +160,8 @@ class TrackingStateMachine {
   /// kNone, and nothing changes. `position_sigma_m` is that of the estimate.
   TrackingFailure GiveUpIfFailed(Stamp stamp, double position_sigma_m);
 
-  /// Where the vehicle has been tracked and its pose is not given up; else nothing.
+  /// Where the vehicle has been tracked, its pose is not given up and something speaks for it; else
+  /// nothing.
   std::optional<TrackingSnapshot> Snapshot() const;
 
   /// Restores a valid snapshot. What it counted in a row is counted anew: three registrations

@@ -41,18 +41,10 @@ export class Upstream {
     deadlineMs: number,
     signal?: AbortSignal,
   ): Promise<Bytes> {
-    return new Promise((resolve, reject) => {
-      const call = this.client.makeUnaryRequest(
-        method,
-        asIs,
-        asIs,
-        request,
-        metadataOf(token),
-        { deadline: Date.now() + deadlineMs },
-        (error, response) => (error ? reject(error) : resolve(response!)),
-      );
-      signal?.addEventListener("abort", () => call.cancel(), { once: true });
-    });
+    const options = { deadline: Date.now() + deadlineMs };
+    return answered(signal, (done) =>
+      this.client.makeUnaryRequest(method, asIs, asIs, request, metadataOf(token), options, done),
+    );
   }
 
   /** As `unary`, of a method that takes a stream of requests: this one alone. */
@@ -63,17 +55,12 @@ export class Upstream {
     deadlineMs: number,
     signal?: AbortSignal,
   ): Promise<Bytes> {
-    return new Promise((resolve, reject) => {
-      const call = this.client.makeClientStreamRequest(
-        method,
-        asIs,
-        asIs,
-        metadataOf(token),
-        { deadline: Date.now() + deadlineMs },
-        (error, response) => (error ? reject(error) : resolve(response!)),
-      );
-      signal?.addEventListener("abort", () => call.cancel(), { once: true });
+    const options = { deadline: Date.now() + deadlineMs };
+    return answered(signal, (done) => {
+      const metadata = metadataOf(token);
+      const call = this.client.makeClientStreamRequest(method, asIs, asIs, metadata, options, done);
       call.end(request);
+      return call;
     });
   }
 
@@ -88,6 +75,17 @@ export class Upstream {
   close(): void {
     this.client.close();
   }
+}
+
+/** The answer of a call that is begun with what to do with it; `signal` cancels the call. */
+function answered(
+  signal: AbortSignal | undefined,
+  begin: (done: grpc.requestCallback<Bytes>) => { cancel(): void },
+): Promise<Bytes> {
+  return new Promise((resolve, reject) => {
+    const call = begin((error, response) => (error ? reject(error) : resolve(response!)));
+    signal?.addEventListener("abort", () => call.cancel(), { once: true });
+  });
 }
 
 function metadataOf(token: string): grpc.Metadata {

@@ -1,7 +1,7 @@
 #include "client/evaluation/faults/map_faults.h"
 
 #include <algorithm>
-#include <limits>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>

@@ -70,6 +70,15 @@ TEST(TrackingEvidenceTest, RegistrationsAtAPlaceForWhichNothingSpeaksConfirmNoth
   EXPECT_EQ(state.Report(0.1), LocalizationState::kTracking) << "it speaks for the place again";
 }
 
+TEST(TrackingEvidenceTest, APlaceForWhichNothingSpeaksIsNotHandedOn) {
+  TrackingStateMachine state = Tracking(1000);
+  EXPECT_TRUE(state.Snapshot().has_value());
+  for (const auto evidence : {EvidenceForPlace::kLacking, EvidenceForPlace::kTooLittle}) {
+    state.OnPlaceEvidence(evidence);
+    EXPECT_FALSE(state.Snapshot().has_value());
+  }
+}
+
 TEST(TrackingEvidenceTest, APlaceThatWasFoundAndForWhichNothingSpeaksIsGivenUp) {
   TrackingStateMachine state = Found();
   state.OnPlaceEvidence(EvidenceForPlace::kLacking);
