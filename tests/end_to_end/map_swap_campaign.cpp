@@ -89,7 +89,12 @@ class Fleet {
 
   std::int64_t session_count() const { return session_count_; }
   std::int64_t answer_count() const { return answer_count_; }
-  std::int64_t lost_count() const { return lost_count_; }
+
+  /// Why the first session was lost.
+  absl::Status FirstLoss() const {
+    const std::lock_guard lock(mutex_);
+    return first_loss_;
+  }
 
   /// From sending a scan to its answer.
   double P99Ms() const {
@@ -109,23 +114,32 @@ class Fleet {
   void Drive(int vehicle, const std::stop_token& stop) {
     const auto channel = server_.Channel();
     while (!stop.stop_requested()) {
-      const bool whole = DriveOnce(channel, vehicle);
+      const absl::Status status = DriveOnce(channel, vehicle);
       ++session_count_;
-      if (!whole) ++lost_count_;
+      if (status.ok()) continue;
+      const std::lock_guard lock(mutex_);
+      first_loss_.Update(status);
+      ++lost_count_;
     }
   }
 
-  bool DriveOnce(const std::shared_ptr<grpc::Channel>& channel, int vehicle) {
+  absl::Status DriveOnce(const std::shared_ptr<grpc::Channel>& channel, int vehicle) {
     constexpr int kScans = 8;
     const auto session =
         client::Session::Open(channel, OpenMessage(vehicle), {.reconnect = std::nullopt});
-    if (!session.ok()) return false;
+    if (!session.ok()) return session.status();
     const std::int64_t version = (*session)->opened().map_version();
     for (int i = 0; i < kScans; ++i) {
       const auto begin = std::chrono::steady_clock::now();
-      if (!(*session)->Send(ScanMessage(i)).ok()) return false;
+      if (absl::Status status = (*session)->Send(ScanMessage(i)); !status.ok()) return status;
       const auto answer = (*session)->Next();
-      if (!answer || answer->result().map_version() != version) return false;
+      if (!answer) {
+        absl::Status status = (*session)->EndStatus();
+        return status.ok() ? absl::InternalError("a scan was not answered") : status;
+      }
+      if (answer->result().map_version() != version) {
+        return absl::InternalError("a scan was answered in another version");
+      }
       ++answer_count_;
       AddLatency(std::chrono::steady_clock::now() - begin);
       std::this_thread::sleep_for(2ms);
@@ -133,7 +147,7 @@ class Fleet {
     (*session)->CloseSending();
     while ((*session)->Next()) {
     }
-    return (*session)->EndStatus().ok();
+    return (*session)->EndStatus();
   }
 
   void AddLatency(std::chrono::steady_clock::duration duration) {
@@ -144,6 +158,7 @@ class Fleet {
   const ServerProcess& server_;
   mutable std::mutex mutex_;
   std::vector<double> latencies_ms_;
+  absl::Status first_loss_;
   std::atomic<std::int64_t> session_count_ = 0;
   std::atomic<std::int64_t> answer_count_ = 0;
   std::atomic<std::int64_t> lost_count_ = 0;
@@ -222,7 +237,7 @@ class Campaign {
       if (status.ok()) status = CheckVersionOfNewSession();
       if (!status.ok()) return status;
       std::this_thread::sleep_for(std::chrono::milliseconds(arguments_.pause_ms));
-      if (fleet.lost_count() > 0) return absl::InternalError("a session was lost");
+      if (!fleet.FirstLoss().ok()) return fleet.FirstLoss();
     }
     swaps_p99_ms_ = fleet.P99Ms();
     session_count_ += fleet.session_count();
