@@ -9,6 +9,7 @@
 #include <iterator>
 #include <utility>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "client/sdk/token.h"
@@ -62,6 +63,12 @@ absl::Status CheckOptions(const ChannelOptions& options) {
         "token_file is given and server is ", options.server,
         ", another machine: a token is not sent there in plaintext; TLS needs tls_ca"));
   }
+  // A header with other characters would end the process.
+  if (options.tenant.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") !=
+      std::string::npos) {
+    return absl::InvalidArgumentError(absl::StrCat("tenant is \"", absl::CHexEscape(options.tenant),
+                                                   "\"; it may have a-z, 0-9, '-' and '_'"));
+  }
   return absl::OkStatus();
 }
 
@@ -94,12 +101,15 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const ChannelOptions&
   if (absl::Status status = CheckOptions(options); !status.ok()) return status;
   const auto credentials = MakeCredentials(options);
   if (!credentials.ok()) return credentials.status();
-  Interceptors interceptors;
+  Headers headers;
   if (!options.token_file.empty()) {
     const absl::StatusOr<std::string> token = ReadToken(options.token_file);
     if (!token.ok()) return token.status();
-    interceptors = SendToken(*token);
+    headers.insert(ProofOf(*token));
   }
+  if (!options.tenant.empty()) headers.emplace("dcloc-tenant", options.tenant);
+  Interceptors interceptors;
+  if (!headers.empty()) interceptors = SendHeaders(std::move(headers));
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessage_bytes);
   arguments.SetMaxSendMessageSize(kMaxMessage_bytes);

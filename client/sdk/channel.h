@@ -24,6 +24,10 @@ struct ChannelOptions {
   /// plaintext to the same machine.
   std::string token_file;
 
+  /// The tenant to work in, for who may manage the server; empty: the caller's own. Its letters are
+  /// those of a map's name.
+  std::string tenant;
+
   /// Has a connection of its own. Otherwise channels with equal options share one.
   bool own_connection = false;
 };

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -19,32 +20,32 @@ using grpc::experimental::InterceptorBatchMethods;
 
 constexpr std::size_t kMaxToken_bytes = 4096;
 
-class TokenInterceptor final : public grpc::experimental::Interceptor {
+class HeaderInterceptor final : public grpc::experimental::Interceptor {
  public:
-  explicit TokenInterceptor(const std::string& value) : value_(value) {}
+  explicit HeaderInterceptor(const Headers& headers) : headers_(headers) {}
 
   void Intercept(InterceptorBatchMethods* methods) override {
     if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
-      methods->GetSendInitialMetadata()->insert({"authorization", value_});
+      methods->GetSendInitialMetadata()->insert(headers_.begin(), headers_.end());
     }
     methods->Proceed();
   }
 
  private:
-  const std::string& value_;  ///< the factory's, which the channel holds for as long as its calls
+  const Headers& headers_;  ///< the factory's, which the channel holds for as long as its calls
 };
 
-class TokenInterceptorFactory final : public grpc::experimental::ClientInterceptorFactoryInterface {
+class HeaderInterceptorFactory final
+    : public grpc::experimental::ClientInterceptorFactoryInterface {
  public:
-  explicit TokenInterceptorFactory(const std::string& token)
-      : value_(absl::StrCat("Bearer ", token)) {}
+  explicit HeaderInterceptorFactory(Headers headers) : headers_(std::move(headers)) {}
 
   grpc::experimental::Interceptor* CreateClientInterceptor(ClientRpcInfo* /*info*/) override {
-    return new TokenInterceptor(value_);  // gRPC deletes it
+    return new HeaderInterceptor(headers_);  // gRPC deletes it
   }
 
  private:
-  const std::string value_;
+  const Headers headers_;
 };
 
 }  // namespace
@@ -73,9 +74,9 @@ bool IsLoopback(absl::string_view host) {
   return inet_pton(AF_INET6, name.c_str(), &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
 }
 
-Interceptors SendToken(const std::string& token) {
+Interceptors SendHeaders(Headers headers) {
   Interceptors interceptors;
-  interceptors.push_back(std::make_unique<TokenInterceptorFactory>(token));
+  interceptors.push_back(std::make_unique<HeaderInterceptorFactory>(std::move(headers)));
   return interceptors;
 }
 

@@ -2,6 +2,7 @@
 
 #include <grpcpp/support/client_interceptor.h>
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,7 +22,15 @@ bool IsLoopback(absl::string_view host);
 using Interceptors =
     std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>>;
 
-/// What sends "authorization: Bearer `token`" with each call of a channel.
-Interceptors SendToken(const std::string& token);
+/// The headers that each call of a channel is sent with, by their keys.
+using Headers = std::map<std::string, std::string>;
+
+/// The proof of who has `token`.
+inline Headers::value_type ProofOf(const std::string& token) {
+  return {"authorization", "Bearer " + token};
+}
+
+/// What sends `headers`, which are not empty, with each call of a channel.
+Interceptors SendHeaders(Headers headers);
 
 }  // namespace dcloc::client

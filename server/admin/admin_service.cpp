@@ -219,6 +219,9 @@ grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
       return WatchElsewhere(context, *request, session.status(), stream);
     }
     if (request->position_fixes()) stream->IncludeFixAnswers();
+    if (session.ok() && request->scans()) {
+      stream->IncludeScans(session->info->description.rig);
+    }
     if (session.ok()) session->info->feed.Subscribe(stream);
     stream->Begin(session.status());
   });

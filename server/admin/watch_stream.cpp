@@ -14,9 +14,13 @@ std::shared_ptr<WatchStream> WatchStream::Start(const RpcContext& host,
   return Hold(std::shared_ptr<WatchStream>(new WatchStream(host, context)));
 }
 
-void WatchStream::OnAnswer(const ScanAnswer& answer) {
+void WatchStream::OnAnswer(const ScanAnswer& answer, const v1::Scan* scan) {
   v1::WatchSessionResponse message;
   convert::ToProto(answer, message.mutable_answer());
+  if (rig_ && scan != nullptr) {
+    *message.mutable_scan() = *scan;
+    if (!std::exchange(rig_is_queued_, true)) *message.mutable_rig() = *rig_;
+  }
   Queue(std::move(message));
 }
 
@@ -29,11 +33,12 @@ void WatchStream::OnFixAnswer(const FixAnswer& answer) {
 
 void WatchStream::OnRelayed(v1::WatchSessionResponse message) { Queue(std::move(message)); }
 
-/// Instead of the oldest one where too many wait.
+/// Instead of the oldest one where too many wait; but its rig, which comes once, is not left out.
 void WatchStream::Queue(v1::WatchSessionResponse message) {
   const std::lock_guard lock(mutex_);
   if (!is_open()) return;
   if (waiting_.size() >= kMaxWaitingAnswers) {
+    if (waiting_.front().has_rig()) waiting_[1].mutable_rig()->Swap(waiting_[0].mutable_rig());
     waiting_.pop_front();
     ++missed_count_;
   }

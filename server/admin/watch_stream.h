@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "dcloc/v1/admin_service.pb.h"
 #include "server/admin/push_stream.h"
@@ -22,7 +23,10 @@ class WatchStream final : public PushStream<v1::WatchSessionResponse>, public An
   /// To be called before it is subscribed: it also gets the answers to position fixes.
   void IncludeFixAnswers() { takes_fix_answers_ = true; }
 
-  void OnAnswer(const ScanAnswer& answer) override;
+  /// To be called before it is subscribed: it also gets the scans, and once the session's rig.
+  void IncludeScans(const v1::Rig& rig) { rig_ = rig; }
+
+  void OnAnswer(const ScanAnswer& answer, const v1::Scan* scan) override;
   void OnFixAnswer(const FixAnswer& answer) override;
   void OnEnd() override { End(grpc::Status::OK); }
 
@@ -40,6 +44,8 @@ class WatchStream final : public PushStream<v1::WatchSessionResponse>, public An
   void OnWrite(v1::WatchSessionResponse& message) override;
 
   bool takes_fix_answers_ = false;
+  std::optional<v1::Rig> rig_;  ///< of a session whose scans are wanted
+  bool rig_is_queued_ = false;
   std::int64_t missed_count_ = 0;
 };
 

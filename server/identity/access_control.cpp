@@ -7,6 +7,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "server/base/check.h"
 #include "server/base/status.h"
 #include "spdlog/spdlog.h"
 
@@ -15,6 +16,7 @@ namespace {
 
 constexpr char kMetadataKey[] = "authorization";
 constexpr char kScheme[] = "Bearer ";
+constexpr char kTenantKey[] = "dcloc-tenant";
 
 absl::string_view ViewOf(const grpc::string_ref& text) { return {text.data(), text.size()}; }
 
@@ -33,6 +35,22 @@ absl::Status CheckPermission(const Principal& principal, const MethodPermission&
       Quoted(principal.name), " as ", NameOf(principal.role),
       principal.tenant.empty() ? "" : absl::StrCat(" of tenant ", Quoted(principal.tenant)),
       " does not have"));
+}
+
+/// Puts the caller into the tenant that the call names, if it names one.
+absl::Status EnterTenant(const grpc::ServerContextBase& context, Principal* principal) {
+  const auto named = context.client_metadata().find(kTenantKey);
+  if (named == context.client_metadata().end()) return absl::OkStatus();
+  const std::string tenant(ViewOf(named->second));
+  if (tenant == principal->tenant) return absl::OkStatus();
+  if (!Grants(principal->role, principal->tenant, Permission::kManageServer)) {
+    return absl::PermissionDeniedError(
+        absl::StrCat(kTenantKey, " of another tenant needs the permission ",
+                     NameOf(Permission::kManageServer)));
+  }
+  if (absl::Status status = CheckMapName(kTenantKey, tenant); !status.ok()) return status;
+  principal->tenant = tenant;
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -58,6 +76,7 @@ absl::StatusOr<Principal> AccessControl::Authorize(
   } else if (status.ok()) {
     status = CheckPermission(*principal, needed->second);
   }
+  if (status.ok()) status = EnterTenant(context, &*principal);
   if (status.ok()) return principal;
   spdlog::warn("denied request={} peer={} reason=\"{}\"", request->full_name(), context.peer(),
                absl::CHexEscape(status.message()));

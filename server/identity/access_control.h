@@ -18,6 +18,8 @@ namespace dcloc::server {
 /// by "authorization: Bearer TOKEN" in the call's metadata, or else by a client certificate. Until
 /// the first identity is created, and if none is required, everyone is an admin. Thread-safe.
 ///
+/// Who holds manage_server may name a tenant, in "dcloc-tenant", and works in that one.
+///
 /// A call is checked once, when it begins; revoking a token does not end a running session. Which
 /// permission an RPC needs is in `MethodPermissions`.
 class AccessControl {

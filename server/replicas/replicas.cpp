@@ -13,6 +13,7 @@ namespace {
 /// alone knows, no more.
 constexpr char kHandedOnBy[] = "x-dcloc-handed-on-by";
 constexpr char kProof[] = "authorization";
+constexpr char kTenant[] = "dcloc-tenant";
 
 bool IsHandedOn(const grpc::CallbackServerContext& context) {
   return context.client_metadata().contains(kHandedOnBy);
@@ -59,7 +60,6 @@ bool Replicas::CanHandOn(const grpc::CallbackServerContext& context) const {
 
 absl::StatusOr<Replicas::Line> Replicas::Call(const std::string& address,
                                               const grpc::CallbackServerContext& context) {
-  const auto proof = context.client_metadata().find(kProof);
   if (!CanHandOn(context)) {
     return absl::FailedPreconditionError(
         "the caller's certificate cannot be handed on: ask it by itself, or call with a token");
@@ -70,8 +70,10 @@ absl::StatusOr<Replicas::Line> Replicas::Call(const std::string& address,
   Line line{.stub = v1::AdminService::NewStub(*channel),
             .context = grpc::ClientContext::FromCallbackServerContext(context)};
   line.context->AddMetadata(kHandedOnBy, own_address_);
-  if (proof != context.client_metadata().end()) {
-    line.context->AddMetadata(kProof, std::string(proof->second.data(), proof->second.size()));
+  for (const char* key : {kProof, kTenant}) {
+    const auto sent = context.client_metadata().find(key);
+    if (sent == context.client_metadata().end()) continue;
+    line.context->AddMetadata(key, std::string(sent->second.data(), sent->second.size()));
   }
   return line;
 }

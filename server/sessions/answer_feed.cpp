@@ -18,8 +18,8 @@ void AnswerFeed::Subscribe(const std::shared_ptr<AnswerSubscriber>& subscriber) 
   subscriber->OnEnd();
 }
 
-void AnswerFeed::Publish(const ScanAnswer& answer) {
-  TellAll([&](AnswerSubscriber& subscriber) { subscriber.OnAnswer(answer); });
+void AnswerFeed::Publish(const ScanAnswer& answer, const v1::Scan* scan) {
+  TellAll([&](AnswerSubscriber& subscriber) { subscriber.OnAnswer(answer, scan); });
 }
 
 void AnswerFeed::Publish(const FixAnswer& answer) {

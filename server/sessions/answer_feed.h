@@ -5,6 +5,7 @@
 #include <mutex>
 #include <vector>
 
+#include "dcloc/v1/scan.pb.h"
 #include "server/convert/answer.h"
 #include "server/convert/position_fix.h"
 
@@ -14,7 +15,8 @@ namespace dcloc::server {
 class AnswerSubscriber {
  public:
   virtual ~AnswerSubscriber() = default;
-  virtual void OnAnswer(const ScanAnswer& answer) = 0;
+  /// `scan` is as the client sent it; null where it was dropped for newer ones.
+  virtual void OnAnswer(const ScanAnswer& answer, const v1::Scan* scan) = 0;
   virtual void OnFixAnswer(const FixAnswer& answer) = 0;
   /// The session has ended; the last call.
   virtual void OnEnd() = 0;
@@ -27,7 +29,7 @@ class AnswerFeed {
   /// `subscriber` gets all later answers, for as long as it lives.
   void Subscribe(const std::shared_ptr<AnswerSubscriber>& subscriber);
 
-  void Publish(const ScanAnswer& answer);
+  void Publish(const ScanAnswer& answer, const v1::Scan* scan);
   void Publish(const FixAnswer& answer);
 
   /// The session has ended: no more answers follow.

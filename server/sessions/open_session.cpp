@@ -28,6 +28,7 @@ absl::StatusOr<std::shared_ptr<SessionInfo>> MakeInfo(const v1::OpenSession& ope
   info->description = {.session_id = *std::move(session_id),
                        .resume_token = *std::move(resume_token),
                        .vehicle_id = open.vehicle_id(),
+                       .rig = open.rig(),
                        .caller = caller,
                        .map_name = open.map_name(),
                        .map_version_asked_for = open.map_version() != 0,

@@ -219,7 +219,7 @@ void Session::AnswerDropped(std::int64_t sequence_number, Reply reply) {
       .dropped_scan_count = info_->counts.dropped};
   LogRejected(*info_, sequence_number, answer.result.status());
   reply(answer);
-  info_->feed.Publish(answer);
+  info_->feed.Publish(answer, nullptr);
   history_.Keep(answer);
   if (recording_ == nullptr) return;
   v1::Scan scan;  // its columns are gone
@@ -318,7 +318,7 @@ void Session::WarnOfBeta(const std::string& radar_id, const BetaCheck& beta) {
 void Session::Deliver(const v1::Scan& scan, ScanAnswer& answer, Reply reply) {
   reply(answer);
   answer.ticket.reset();
-  info_->feed.Publish(answer);
+  info_->feed.Publish(answer, &scan);
   // One that is late stays so, and must not push out an answer that may still be wanted.
   const bool late =
       !answer.result.ok() && answer.sequence_number <= sequence_check_.last_localized();

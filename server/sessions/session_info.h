@@ -11,6 +11,7 @@
 #include "core/geometry/pose.h"
 #include "core/localizer/health.h"
 #include "core/radar/radar_model.h"
+#include "dcloc/v1/scan.pb.h"
 #include "server/identity/caller.h"
 #include "server/maps/catalogue/catalogue.h"
 #include "server/sessions/answer_feed.h"
@@ -22,6 +23,7 @@ struct SessionDescription {
   std::string session_id;
   std::string resume_token;  ///< a secret; empty unless it is resumable
   std::string vehicle_id;
+  v1::Rig rig;  ///< as the client described it
   Caller caller;
   std::string map_name;
   bool map_version_asked_for = false;  ///< the client named it, so the session keeps it

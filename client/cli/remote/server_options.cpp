@@ -26,6 +26,10 @@ CLI::Option* AddServerOptions(CLI::App& command, client::ChannelOptions& options
                   "File with the token that says who calls; sent over TLS or on loopback only")
       ->envname("DCLOC_TOKEN_FILE")
       ->type_name("FILE");
+  command
+      .add_option("--tenant", options.tenant,
+                  "Tenant to work in, for who may manage the server; else the caller's own")
+      ->type_name("NAME");
   return server;
 }
 

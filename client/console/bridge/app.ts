@@ -13,7 +13,7 @@ import {
   parameter,
   readBody,
 } from "./http.ts";
-import type { Login, Logins } from "./logins.ts";
+import { type Caller, type Login, type Logins, callerOf } from "./logins.ts";
 import type { PageFiles } from "./page_files.ts";
 import { Recordings } from "./recordings.ts";
 import { SharedWatches } from "./shared_watch.ts";
@@ -43,7 +43,7 @@ interface Exchange {
   request: IncomingMessage;
   response: ServerResponse;
   url: URL;
-  login: Login;
+  caller: Caller;
 }
 
 /** Answers the browsers' requests. */
@@ -101,35 +101,36 @@ export class App {
     }
     const login = this.loginOf(request);
     if (!login) throw new RequestError(status.UNAUTHENTICATED, "sign in first");
-    return this.answerData(first, second, rest, { request, response, url, login });
+    const caller = callerOf(login, url.searchParams.get("tenant") ?? "");
+    return this.answerData(first, second, rest, { request, response, url, caller });
   }
 
   private async answerData(
     kind: string,
     serverName: string,
     rest: string[],
-    { request, response, url, login }: Exchange,
+    { request, response, url, caller }: Exchange,
   ): Promise<void> {
     const wanted = { rpc: "POST", upload: "PUT" }[kind] ?? "GET";
     if (request.method !== wanted) {
       throw new RequestError(status.UNIMPLEMENTED, `/${kind} takes ${wanted} alone`);
     }
-    if (kind === "feed") return this.live.answer(login, response);
+    if (kind === "feed") return this.live.answer(caller, response);
     const upstream = this.parts.upstreams.find((u) => u.name === serverName);
     if (!upstream) throw new RequestError(status.NOT_FOUND, "there is no server of that name");
     switch (kind) {
       case "watch": {
         const sessionId = parameter(url, "session");
-        return answerWatch(this.watches, upstream, login, sessionId, response);
+        return answerWatch(this.watches, upstream, caller, sessionId, response);
       }
       case "record":
-        return this.recordings.answer(upstream, login, parameter(url, "vehicle"), response);
+        return this.recordings.answer(upstream, caller, parameter(url, "vehicle"), response);
       case "download":
-        return answerDownload(upstream, login, url, response);
+        return answerDownload(upstream, caller, url, response);
       case "upload":
-        return answerBytes(response, await takeUpload(upstream, login, url, request));
+        return answerBytes(response, await takeUpload(upstream, caller, url, request));
       default:
-        return this.pass(upstream, `/${rest.join("/")}`, { request, response, url, login });
+        return this.pass(upstream, `/${rest.join("/")}`, { request, response, url, caller });
     }
   }
 
@@ -139,12 +140,12 @@ export class App {
     if (!isUnary && !ONE_MESSAGE_METHODS.has(method)) {
       throw new RequestError(status.UNIMPLEMENTED, "the page may not call that");
     }
-    const { request, response, login } = exchange;
+    const { request, response, caller } = exchange;
     const body = await readBody(request, MAX_REQUEST_BYTES);
     const gone = new AbortController();
     response.on("close", () => gone.abort());
     const form = isUnary ? "unary" : "streamOfOne";
-    const answer = await upstream[form](method, login.token, body, DEADLINE_MS, gone.signal);
+    const answer = await upstream[form](method, caller, body, DEADLINE_MS, gone.signal);
     answerBytes(response, answer);
   }
 

@@ -4,10 +4,9 @@ import {
   ListSessionsResponseSchema,
 } from "proto/dcloc/v1/admin_service_pb.ts";
 import type { LiveFrame, LiveSession, SilentReplica } from "../shared/live.ts";
-import type { Login } from "./logins.ts";
 import { liveSession } from "./live_row.ts";
 import { LossLog } from "./loss_log.ts";
-import { type Upstream, failureOf } from "./upstream.ts";
+import { type CallHeaders, type Upstream, failureOf } from "./upstream.ts";
 
 const PERIOD_MS = 1_000;
 /** A server is asked at most this share of the time, however long its answers take. */
@@ -59,7 +58,7 @@ export class FleetFeed {
 
   constructor(
     private readonly upstream: Upstream,
-    private readonly login: Pick<Login, "token">,
+    private readonly caller: CallHeaders,
     options: FeedOptions = {},
   ) {
     this.periodMs = options.periodMs ?? PERIOD_MS;
@@ -121,7 +120,7 @@ export class FleetFeed {
         thisReplicaOnly: this.isOneOfSeveral,
       });
       const bytes = Buffer.from(toBinary(ListSessionsRequestSchema, request));
-      const answer = await this.upstream.unary(METHOD, this.login.token, bytes, DEADLINE_MS);
+      const answer = await this.upstream.unary(METHOD, this.caller, bytes, DEADLINE_MS);
       const response = fromBinary(ListSessionsResponseSchema, answer);
       for (const listed of response.sessions) {
         const session = liveSession(listed);

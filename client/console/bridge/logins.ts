@@ -1,4 +1,6 @@
 import { createHash, randomBytes } from "node:crypto";
+import { status } from "@grpc/grpc-js";
+import { RequestError } from "./http.ts";
 
 /** Somebody who signed in: the token that the servers know, kept in memory alone. */
 export interface Login {
@@ -9,6 +11,25 @@ export interface Login {
   lastUsedMs: number;
 }
 
+/** In whose name a page calls, and in which tenant. */
+export interface Caller {
+  readonly token: string;
+  /** Empty: the token's own. */
+  readonly tenant: string;
+  /** Equal for equal callers, as `tokenKey`. */
+  readonly key: string;
+}
+
+/** `tenant` as the page names it; the server decides whether the token may enter it. */
+export function callerOf({ token, tokenKey }: Login, tenant: string): Caller {
+  if (!TENANT.test(tenant)) {
+    throw new RequestError(status.INVALID_ARGUMENT, "a tenant has a-z, 0-9, '-' and '_'");
+  }
+  return { token, tenant, key: `${tokenKey}/${tenant}` };
+}
+
+/** What a header may carry of the names that servers take. */
+const TENANT = /^[a-z0-9_-]{0,200}$/;
 const MAX_LOGIN_COUNT = 1_000;
 
 const sha256 = (text: string): string => createHash("sha256").update(text).digest("hex");

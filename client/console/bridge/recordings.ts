@@ -5,7 +5,7 @@ import { RecordSessionRequestSchema } from "proto/dcloc/v1/admin_service_pb.ts";
 import { FrameKind, type StreamEnd } from "../shared/live.ts";
 import { beginStream, frame } from "./frames.ts";
 import { RequestError, drained } from "./http.ts";
-import type { Login } from "./logins.ts";
+import type { Caller } from "./logins.ts";
 import { type Bytes, type ServerStream, type Upstream, failureOf } from "./upstream.ts";
 
 /** The recordings that pages make through this bridge: at most so many at once. */
@@ -22,7 +22,7 @@ export class Recordings {
    */
   async answer(
     upstream: Upstream,
-    login: Login,
+    caller: Caller,
     vehicleId: string,
     response: ServerResponse,
   ): Promise<void> {
@@ -34,7 +34,7 @@ export class Recordings {
     const request = create(RecordSessionRequestSchema, { vehicleId, positionFixes: true });
     const stream = upstream.serverStream(
       "/dcloc.v1.AdminService/RecordSession",
-      login.token,
+      caller,
       Buffer.from(toBinary(RecordSessionRequestSchema, request)),
     );
     response.on("close", () => stream.cancel());

@@ -6,7 +6,7 @@ import {
 } from "proto/dcloc/v1/admin_service_pb.ts";
 import type { StreamEnd } from "../shared/live.ts";
 import { RequestError } from "./http.ts";
-import type { Login } from "./logins.ts";
+import type { Caller } from "./logins.ts";
 import { type Bytes, type ServerStream, type Upstream, failureOf } from "./upstream.ts";
 
 const DEADLINE_MS = 10_000;
@@ -34,17 +34,17 @@ export class SharedWatches {
   /** Gives a function that ends the listening. Rejects with what the server says. */
   async join(
     upstream: Upstream,
-    login: Login,
+    caller: Caller,
     sessionId: string,
     listener: WatchListener,
   ): Promise<() => void> {
     const question = create(GetSessionRequestSchema, { sessionId });
     const bytes = Buffer.from(toBinary(GetSessionRequestSchema, question));
     const method = "/dcloc.v1.AdminService/GetSession";
-    await upstream.unary(method, login.token, bytes, DEADLINE_MS);
+    await upstream.unary(method, caller, bytes, DEADLINE_MS);
 
     const key = `${upstream.name}/${sessionId}`;
-    const watch = this.watches.get(key) ?? this.open(key, upstream, login, sessionId);
+    const watch = this.watches.get(key) ?? this.open(key, upstream, caller, sessionId);
     watch.listeners.add(listener);
     return () => {
       watch.listeners.delete(listener);
@@ -59,15 +59,15 @@ export class SharedWatches {
     return this.watches.size;
   }
 
-  private open(key: string, upstream: Upstream, login: Login, sessionId: string): Watch {
+  private open(key: string, upstream: Upstream, caller: Caller, sessionId: string): Watch {
     if (this.watches.size >= this.maxCount) {
       const message = `${this.watches.size} sessions are watched already, at most ${this.maxCount}`;
       throw new RequestError(status.RESOURCE_EXHAUSTED, message);
     }
-    const request = create(WatchSessionRequestSchema, { sessionId, positionFixes: true });
+    const request = create(WatchSessionRequestSchema, { sessionId, positionFixes: true, scans: true });
     const stream = upstream.serverStream(
       "/dcloc.v1.AdminService/WatchSession",
-      login.token,
+      caller,
       Buffer.from(toBinary(WatchSessionRequestSchema, request)),
     );
     const watch: Watch = { stream, listeners: new Set() };

@@ -39,7 +39,7 @@ export async function signIn(upstreams: readonly Upstream[], body: Buffer): Prom
   const method = "/dcloc.v1.MapService/ListMaps";
   const failures = await Promise.all(
     upstreams.map((upstream) =>
-      upstream.unary(method, token, bytes, DEADLINE_MS).then(
+      upstream.unary(method, { token, tenant: "" }, bytes, DEADLINE_MS).then(
         (): Failure => ({ code: status.OK, message: "" }),
         (error: unknown) => failureOf(error),
       ),

@@ -2,7 +2,7 @@ import type { ServerResponse } from "node:http";
 import { FrameKind } from "../shared/live.ts";
 import { FleetFeed } from "./fleet_feed.ts";
 import { beginStream, frame } from "./frames.ts";
-import type { Login } from "./logins.ts";
+import type { Caller } from "./logins.ts";
 import { LossLog } from "./loss_log.ts";
 import type { SharedWatches } from "./shared_watch.ts";
 import type { Upstream } from "./upstream.ts";
@@ -24,10 +24,10 @@ export class LiveStreams {
     private readonly signOfLifeMs = SIGN_OF_LIFE_MS,
   ) {}
 
-  answer(login: Login, response: ServerResponse): void {
+  answer(caller: Caller, response: ServerResponse): void {
     beginStream(response, "application/x-ndjson");
     const leave = this.upstreams.map((upstream) =>
-      this.feedOf(upstream, login).subscribe((line) => {
+      this.feedOf(upstream, caller).subscribe((line) => {
         if (response.writableLength > MAX_UNREAD_BYTES || response.destroyed) return false;
         response.write(line);
         return true;
@@ -41,12 +41,12 @@ export class LiveStreams {
     });
   }
 
-  private feedOf(upstream: Upstream, login: Login): FleetFeed {
-    const key = `${upstream.name}/${login.tokenKey}`;
+  private feedOf(upstream: Upstream, caller: Caller): FleetFeed {
+    const key = `${upstream.name}/${caller.key}`;
     let feed = this.feeds.get(key);
     if (feed === undefined) {
       const isOneOfSeveral = this.upstreams.length > 1;
-      feed = new FleetFeed(upstream, login, { isOneOfSeveral, losses: this.lossesOf(key) });
+      feed = new FleetFeed(upstream, caller, { isOneOfSeveral, losses: this.lossesOf(key) });
       this.feeds.set(key, feed);
     }
     return feed;
@@ -69,7 +69,7 @@ export class LiveStreams {
 export async function answerWatch(
   watches: SharedWatches,
   upstream: Upstream,
-  login: Login,
+  caller: Caller,
   sessionId: string,
   response: ServerResponse,
 ): Promise<void> {
@@ -81,7 +81,7 @@ export async function answerWatch(
     if (!begun) waiting.push(bytes);
     else if (!response.destroyed) response.write(bytes);
   };
-  const leave = await watches.join(upstream, login, sessionId, {
+  const leave = await watches.join(upstream, caller, sessionId, {
     onAnswer(bytes) {
       if (response.writableLength > MAX_UNREAD_BYTES) {
         ++missed;

@@ -10,7 +10,7 @@ import {
   UploadMapRequestSchema,
 } from "proto/dcloc/v1/map_service_pb.ts";
 import { RequestError, countParameter, drained, parameter } from "./http.ts";
-import type { Login } from "./logins.ts";
+import type { Caller } from "./logins.ts";
 import { type Bytes, type Upload, type Upstream, failureOf } from "./upstream.ts";
 
 /** A message of the contract takes at most 1 MiB; smaller ones show progress sooner. */
@@ -42,7 +42,7 @@ async function sendBody(request: IncomingMessage, call: Upload, begin: number): 
  */
 export function takeUpload(
   upstream: Upstream,
-  login: Login,
+  caller: Caller,
   url: URL,
   request: IncomingMessage,
 ): Promise<Bytes> {
@@ -55,7 +55,7 @@ export function takeUpload(
   };
   return new Promise((resolve, reject) => {
     const method = "/dcloc.v1.MapService/UploadMap";
-    const call = upstream.upload(method, login.token, (error, response) => {
+    const call = upstream.upload(method, caller, (error, response) => {
       if (error) reject(error);
       else resolve(response!);
     });
@@ -75,7 +75,7 @@ export function takeUpload(
 /** GET of a version's file. Rejects, before anything is answered, with what the server says. */
 export async function answerDownload(
   upstream: Upstream,
-  login: Login,
+  caller: Caller,
   url: URL,
   response: ServerResponse,
 ): Promise<void> {
@@ -83,7 +83,7 @@ export async function answerDownload(
   const version = BigInt(countParameter(url, "version"));
   const question = create(DownloadMapRequestSchema, { mapName, version });
   const bytes = Buffer.from(toBinary(DownloadMapRequestSchema, question));
-  const stream = upstream.serverStream("/dcloc.v1.MapService/DownloadMap", login.token, bytes);
+  const stream = upstream.serverStream("/dcloc.v1.MapService/DownloadMap", caller, bytes);
   response.on("close", () => stream.cancel());
   try {
     for await (const message of stream as AsyncIterable<Bytes>) {

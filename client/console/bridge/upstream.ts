@@ -1,7 +1,11 @@
 import * as grpc from "@grpc/grpc-js";
+import type { Caller } from "./logins.ts";
 
 /** A message as it is on the wire: the bridge passes it on and does not look inside. */
 export type Bytes = Buffer;
+
+/** What tells a server who calls. */
+export type CallHeaders = Pick<Caller, "token" | "tenant">;
 
 export type ServerStream = grpc.ClientReadableStream<Bytes>;
 export type Upload = grpc.ClientWritableStream<Bytes>;
@@ -36,40 +40,40 @@ export class Upstream {
   /** Rejects with grpc.ServiceError. `signal` cancels the call. */
   unary(
     method: string,
-    token: string,
+    caller: CallHeaders,
     request: Bytes,
     deadlineMs: number,
     signal?: AbortSignal,
   ): Promise<Bytes> {
     const options = { deadline: Date.now() + deadlineMs };
     return answered(signal, (done) =>
-      this.client.makeUnaryRequest(method, asIs, asIs, request, metadataOf(token), options, done),
+      this.client.makeUnaryRequest(method, asIs, asIs, request, metadataOf(caller), options, done),
     );
   }
 
   /** As `unary`, of a method that takes a stream of requests: this one alone. */
   streamOfOne(
     method: string,
-    token: string,
+    caller: CallHeaders,
     request: Bytes,
     deadlineMs: number,
     signal?: AbortSignal,
   ): Promise<Bytes> {
     const options = { deadline: Date.now() + deadlineMs };
     return answered(signal, (done) => {
-      const metadata = metadataOf(token);
+      const metadata = metadataOf(caller);
       const call = this.client.makeClientStreamRequest(method, asIs, asIs, metadata, options, done);
       call.end(request);
       return call;
     });
   }
 
-  serverStream(method: string, token: string, request: Bytes): ServerStream {
-    return this.client.makeServerStreamRequest(method, asIs, asIs, request, metadataOf(token));
+  serverStream(method: string, caller: CallHeaders, request: Bytes): ServerStream {
+    return this.client.makeServerStreamRequest(method, asIs, asIs, request, metadataOf(caller));
   }
 
-  upload(method: string, token: string, done: grpc.requestCallback<Bytes>): Upload {
-    return this.client.makeClientStreamRequest(method, asIs, asIs, metadataOf(token), done);
+  upload(method: string, caller: CallHeaders, done: grpc.requestCallback<Bytes>): Upload {
+    return this.client.makeClientStreamRequest(method, asIs, asIs, metadataOf(caller), done);
   }
 
   close(): void {
@@ -88,9 +92,10 @@ function answered(
   });
 }
 
-function metadataOf(token: string): grpc.Metadata {
+function metadataOf({ token, tenant }: CallHeaders): grpc.Metadata {
   const metadata = new grpc.Metadata();
   if (token !== "") metadata.set("authorization", `Bearer ${token}`);
+  if (tenant !== "") metadata.set("dcloc-tenant", tenant);
   return metadata;
 }
 

@@ -2,6 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { FailureNotice, Loading } from "./parts/notice.tsx";
 import { Link } from "./parts/link.tsx";
 import { useRoute } from "./parts/route.ts";
+import { TenantSelect } from "./parts/tenant_select.tsx";
 import { Shelf } from "./recording/shelf.ts";
 import { type Theme, chooseTheme, currentTheme } from "./theme.ts";
 import {
@@ -20,8 +21,9 @@ import { ReplayView } from "./views/replay.tsx";
 import { ServersView } from "./views/servers.tsx";
 import { SessionView } from "./views/session.tsx";
 import { SignIn } from "./views/sign_in.tsx";
-import { type Visit, readVisit, signOut } from "./wire/calls.ts";
+import { type ServerName, type Visit, readVisit, signOut } from "./wire/calls.ts";
 import { Code, failureOf, type CallFailure } from "./wire/failure.ts";
+import { currentTenant, enterTenant } from "./wire/tenant.ts";
 import { type FleetLink, useFleet } from "./wire/use_fleet.ts";
 
 /** Signs in, and then shows the view that the address names. */
@@ -48,15 +50,19 @@ export function Shell() {
     return <SignIn wasEnded={wasEnded} onVisit={onVisit} settings={settings} />;
   }
   const onRefused = (): void => {
+    enterTenant("");
     setWasEnded(true);
     setVisit({ signedIn: false });
     void signOut();
   };
   const onSignOut = (): void => {
     shelf.clear();
+    enterTenant("");
     void signOut().then(setVisit, () => undefined);
   };
-  return <Console visit={visit} shelf={shelf} onRefused={onRefused} onSignOut={onSignOut} settings={settings} />;
+  const actions = { onRefused, onSignOut, onEnter: () => setRound((n) => n + 1) };
+  // Another tenant's fleet and maps have nothing in common with what was shown.
+  return <Console key={currentTenant()} visit={visit} shelf={shelf} settings={settings} {...actions} />;
 }
 
 /** Recordings stay while the page is open, though somebody may have to sign in again. */
@@ -112,10 +118,12 @@ interface ConsoleProps {
   shelf: Shelf;
   onRefused: () => void;
   onSignOut: () => void;
+  /** Another tenant is looked at. */
+  onEnter: () => void;
   settings: preact.ComponentChild;
 }
 
-function Console({ visit, shelf, onRefused, onSignOut, settings }: ConsoleProps) {
+function Console({ visit, shelf, onRefused, onSignOut, onEnter, settings }: ConsoleProps) {
   const fleet = useFleet();
   const servers = visit.servers ?? [];
   const refusedBy = [...fleet.fleet.faults.values()].filter((f) => f.code === Code.Unauthenticated);
@@ -128,7 +136,7 @@ function Console({ visit, shelf, onRefused, onSignOut, settings }: ConsoleProps)
       <a class="skip" href="#content">
         {t("skip")}
       </a>
-      <TopBar onSignOut={onSignOut} settings={settings} />
+      <TopBar servers={servers} onSignOut={onSignOut} onEnter={onEnter} settings={settings} />
       {fleet.link === "cut" && (
         <div class="cut" role="alert">
           {t("cut_off")}
@@ -141,7 +149,11 @@ function Console({ visit, shelf, onRefused, onSignOut, settings }: ConsoleProps)
   );
 }
 
-function TopBar({ onSignOut, settings }: Pick<ConsoleProps, "onSignOut" | "settings">) {
+interface TopBarProps extends Pick<ConsoleProps, "onSignOut" | "onEnter" | "settings"> {
+  servers: readonly ServerName[];
+}
+
+function TopBar({ servers, onSignOut, onEnter, settings }: TopBarProps) {
   const [first = ""] = useRoute();
   const views = [
     { path: "/live", name: t("live"), isHere: first === "" || first === "live" || first === "session" },
@@ -165,6 +177,7 @@ function TopBar({ onSignOut, settings }: Pick<ConsoleProps, "onSignOut" | "setti
           </Link>
         ))}
       </nav>
+      <TenantSelect servers={servers} onEnter={onEnter} />
       {settings}
       <button class="quiet" onClick={onSignOut}>
         {t("sign_out")}

@@ -229,6 +229,21 @@ TEST_F(RealServerTest, OnLoopbackATokenNeedsNoTls) {
   EXPECT_EQ(MapClient(Channel()).List().status().code(), absl::StatusCode::kUnauthenticated);
 }
 
+TEST_F(RealServerTest, WhoMayManageTheServerWorksInATenant) {
+  Start({});
+  ASSERT_TRUE(MapClient(Channel({.tenant = "acme"})).Upload(MapFile(10), "town", {}).ok());
+  EXPECT_EQ(MapClient(Channel({.tenant = "acme"})).List()->size(), 1U);
+  EXPECT_EQ(MapClient(Channel()).List()->size(), 0U);
+}
+
+TEST(ChannelTest, ATenantThatNoHeaderCanHoldIsRefused) {
+  for (const char* tenant : {"a/b", "Acme", "a\nb", "\xff"}) {
+    const absl::Status status = MakeChannel({.server = "localhost:1", .tenant = tenant}).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << tenant;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("tenant is"));
+  }
+}
+
 TEST(ChannelTest, ATokenIsNotSentInPlaintextToAnotherMachine) {
   const TemporaryFolder folder;
   const std::string text = "secret\n";

@@ -49,6 +49,16 @@ TEST_F(FleetViewTest, WhoAsksEachServerGetsItsOwnSessionsAlone) {
   EXPECT_EQ(list.sessions(0).vehicle_id(), "car-b");
 }
 
+TEST_F(FleetViewTest, ATenantIsEnteredAtAllOfThem) {
+  const auto at_b = Drive(*b_, "car-b");
+  Call call;
+  call.AddMetadata("dcloc-tenant", "acme");
+  v1::ListSessionsResponse list;
+  ASSERT_TRUE(a_->admin->ListSessions(&call, {}, &list).ok());
+  EXPECT_EQ(list.sessions_size(), 0) << "it is of the default tenant";
+  EXPECT_EQ(list.unanswered_size(), 0);
+}
+
 TEST_F(FleetViewTest, PagesHaveEachSessionOnce) {
   std::vector<std::unique_ptr<TestSession>> sessions;
   for (int i = 0; i < 9; ++i) {
@@ -90,6 +100,7 @@ TEST_F(FleetViewTest, ASessionIsWatchedFromAnotherReplica) {
   const auto session = Drive(*b_, "car-b");
   v1::WatchSessionRequest request;
   request.set_session_id(SessionOf(*a_, "car-b"));
+  request.set_scans(true);
   Call call;
   const auto reader = a_->admin->WatchSession(&call, request);
   reader->WaitForInitialMetadata();
@@ -103,9 +114,13 @@ TEST_F(FleetViewTest, ASessionIsWatchedFromAnotherReplica) {
   });
   ASSERT_TRUE(reader->Read(&response));
   std::int64_t last = response.answer().result().sequence_number();
+  EXPECT_EQ(response.rig().radars_size(), OpenMessage().rig().radars_size());
   for (int i = 0; i < 10; ++i) {
     ASSERT_TRUE(reader->Read(&response));
     EXPECT_EQ(response.answer().result().sequence_number(), ++last);
+    EXPECT_EQ(response.scan().sequence_number(), last);
+    EXPECT_GT(response.scan().range_m_size(), 0);
+    EXPECT_FALSE(response.has_rig()) << "it comes once";
   }
   driving.join();
   session->CloseSending();

@@ -147,6 +147,32 @@ TEST_F(AccessTest, TenantsSeeOnlyTheirOwnMaps) {
   EXPECT_THAT(MapsSeenBy(other), ElementsAre("town"));
 }
 
+TEST_F(AccessTest, WhoMayManageTheServerEntersTenantsAndNobodyElseDoes) {
+  const std::string acme = Token({.name = "a", .tenant = "acme", .role = Role::kAdmin});
+  const std::string ops = Token({.name = "ops", .role = Role::kOperator});
+  ASSERT_TRUE(Upload(acme, "town").ok());
+  const auto list_in = [this](const std::string& token, const std::string& tenant,
+                              v1::ListMapsResponse* response) {
+    CallAs call(token);
+    call.AddMetadata("dcloc-tenant", tenant);
+    return server_.maps->ListMaps(&call, {}, response);
+  };
+  v1::ListMapsResponse response;
+  ASSERT_TRUE(list_in(admin_, "acme", &response).ok());
+  ASSERT_EQ(response.maps_size(), 1);
+  EXPECT_EQ(response.maps(0).name(), "town");
+  ASSERT_TRUE(list_in(admin_, "nobody", &response).ok());
+  EXPECT_EQ(response.maps_size(), 0);
+  EXPECT_EQ(list_in(admin_, "acme/town", &response).error_code(),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_TRUE(list_in(acme, "acme", &response).ok()) << "its own";
+  for (const auto& [token, tenant] : {std::pair(acme, "other"), std::pair(ops, "acme")}) {
+    const grpc::Status status = list_in(token, tenant, &response);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+    EXPECT_THAT(status.error_message(), HasSubstr("manage_server"));
+  }
+}
+
 TEST_F(AccessTest, UploadsBeyondALimitNameIt) {
   ServerConfig config = TestServer::StubConfig();
   config.max_map_mib = 1;

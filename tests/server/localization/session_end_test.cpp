@@ -83,6 +83,7 @@ TEST_F(OperatedSessionTest, AWatcherSeesTheAnswersUntilTheEnd) {
     ASSERT_TRUE(watcher->Read(&response));
     EXPECT_EQ(response.answer().SerializeAsString(), answer);
     EXPECT_EQ(response.missed_answer_count(), 0);
+    EXPECT_FALSE(response.has_scan()) << "nobody asked for it";
   }
   EXPECT_FALSE(watcher->Read(&response));
   EXPECT_TRUE(watcher->Finish().ok());
@@ -99,6 +100,7 @@ TEST_F(OperatedSessionTest, AWatcherWhoIsTooSlowMissesSomeAndIsToldHowMany) {
   Call call;
   v1::WatchSessionRequest request;
   request.set_session_id(opened.session_id());
+  request.set_scans(true);
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // or the buffers would grow
@@ -111,7 +113,12 @@ TEST_F(OperatedSessionTest, AWatcherWhoIsTooSlowMissesSomeAndIsToldHowMany) {
   ASSERT_TRUE(End(opened.session_id(), "").ok());
   v1::WatchSessionResponse response;
   int seen_count = 0;
-  while (watcher->Read(&response)) ++seen_count;
+  int rig_count = 0;
+  while (watcher->Read(&response)) {
+    ++seen_count;
+    rig_count += response.has_rig() ? 1 : 0;
+  }
+  EXPECT_EQ(rig_count, 1);
   EXPECT_GT(response.missed_answer_count(), 0);
   EXPECT_EQ(seen_count + response.missed_answer_count(), kScans);
 }

@@ -11,7 +11,7 @@ namespace {
 
 class AnswerLog final : public AnswerSubscriber {
  public:
-  void OnAnswer(const ScanAnswer& answer) override {
+  void OnAnswer(const ScanAnswer& answer, const v1::Scan* /*scan*/) override {
     text += std::to_string(answer.sequence_number);
   }
   void OnFixAnswer(const FixAnswer& /*answer*/) override { text += 'f'; }
@@ -29,12 +29,12 @@ TEST(AnswerFeedTest, AWatcherGetsWhatComesAfterItSubscribed) {
   AnswerFeed feed;
   const auto early = std::make_shared<AnswerLog>();
   const auto late = std::make_shared<AnswerLog>();
-  feed.Publish(Answer(1));
+  feed.Publish(Answer(1), nullptr);
   feed.Subscribe(early);
-  feed.Publish(Answer(2));
+  feed.Publish(Answer(2), nullptr);
   feed.Subscribe(late);
   feed.Publish(FixAnswer());
-  feed.Publish(Answer(3));
+  feed.Publish(Answer(3), nullptr);
   feed.Close();
   EXPECT_EQ(early->text, "2f3.");
   EXPECT_EQ(late->text, "f3.");
@@ -47,7 +47,7 @@ TEST(AnswerFeedTest, WhoIsGoneIsLeftOut) {
   feed.Subscribe(gone);
   feed.Subscribe(stays);
   gone.reset();
-  feed.Publish(Answer(1));
+  feed.Publish(Answer(1), nullptr);
   EXPECT_EQ(stays->text, "1");
 }
 
@@ -56,7 +56,7 @@ TEST(AnswerFeedTest, AnEndedSessionSaysSoAndNothingElse) {
   feed.Close();
   const auto watcher = std::make_shared<AnswerLog>();
   feed.Subscribe(watcher);
-  feed.Publish(Answer(1));
+  feed.Publish(Answer(1), nullptr);
   feed.Close();
   EXPECT_EQ(watcher->text, ".");
 }

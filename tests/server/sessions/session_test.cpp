@@ -18,11 +18,16 @@ class SessionTest : public SessionParts {};
 
 class Watcher final : public AnswerSubscriber {
  public:
-  void OnAnswer(const ScanAnswer& answer) override { numbers.push_back(answer.sequence_number); }
+  void OnAnswer(const ScanAnswer& answer, const v1::Scan* scan) override {
+    numbers.push_back(answer.sequence_number);
+    scan_numbers.push_back(scan == nullptr ? kNoScan : scan->sequence_number());
+  }
   void OnFixAnswer(const FixAnswer& answer) override { fixes.push_back(answer.stamp_ns); }
   void OnEnd() override { ended = true; }
 
+  static constexpr std::int64_t kNoScan = -1;
   std::vector<std::int64_t> numbers;
+  std::vector<std::int64_t> scan_numbers;
   std::vector<std::int64_t> fixes;
   bool ended = false;
 };
@@ -125,6 +130,7 @@ TEST_F(SessionTest, WatchersSeeNewAnswersAloneAndTheEnd) {
   Answer(*session, ScanMessage(1));
   AnswerDropped(*session, 2);
   EXPECT_EQ(watcher->numbers, (std::vector<std::int64_t>{1, 2}));
+  EXPECT_EQ(watcher->scan_numbers, (std::vector<std::int64_t>{1, Watcher::kNoScan}));
   EXPECT_FALSE(watcher->ended);
   session.reset();
   EXPECT_TRUE(watcher->ended);

@@ -42,3 +42,11 @@ export function distanceOutside(info: MapInfo, x: number, y: number): number {
   if (!min || !max) return 0;
   return Math.hypot(Math.max(min.x - x, 0, x - max.x), Math.max(min.y - y, 0, y - max.y));
 }
+
+/** A square about a place. */
+export const around = (x: number, y: number, halfM: number): Bounds => ({
+  minX: x - halfM,
+  maxX: x + halfM,
+  minY: y - halfM,
+  maxY: y + halfM,
+});

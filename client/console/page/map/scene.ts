@@ -73,8 +73,8 @@ export class Scene {
   }
 
   set(content: SceneContent): void {
-    const { extent, tiles } = this.content;
-    if (content.extent !== extent) this.isFitted = false;
+    const { extent, firstView, tiles } = this.content;
+    if (content.extent !== extent || content.firstView !== firstView) this.isFitted = false;
     if (content.extent !== extent || content.tiles !== tiles) this.base.invalidate();
     this.content = content;
     this.redraw();

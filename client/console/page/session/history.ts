@@ -118,6 +118,12 @@ export class History {
     if (this.samples.length > MAX_LENGTH * 1.1) this.samples = this.samples.slice(-MAX_LENGTH);
   }
 
+  samplesSince(timeMs: number): Sample[] {
+    let begin = this.samples.length;
+    while (begin > 0 && this.samples[begin - 1]!.timeMs >= timeMs) --begin;
+    return this.samples.slice(begin);
+  }
+
   get last(): Sample | undefined {
     return this.samples[this.samples.length - 1];
   }

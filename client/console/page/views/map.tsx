@@ -17,6 +17,7 @@ import { shortened, shownName } from "../texts/shortened.ts";
 import { count, dateTime, decimals, kilometres, megabytes, t } from "../texts/texts.ts";
 import { call } from "../wire/calls.ts";
 import { expected } from "../wire/expected.ts";
+import { inTenant } from "../wire/tenant.ts";
 import type { FleetLink } from "../wire/use_fleet.ts";
 import { Builds } from "./builds.tsx";
 import { comparePath } from "./compare.tsx";
@@ -180,7 +181,8 @@ function VersionRow({ map, version, server, isChosen, vehicles, onChoose, onActi
   // With the one that vehicles get; that one with the one before it.
   const other = number === active ? Number(map.previousVersion) : active;
   const inUse = vehicles.filter((v) => v.version === number).length;
-  const address = `/download/${server}?${new URLSearchParams({ map: map.name, version: String(number) })}`;
+  const query = new URLSearchParams({ map: map.name, version: String(number) });
+  const address = inTenant(`/download/${server}?${query}`);
   return (
     <li class={isChosen ? "row chosen" : "row"}>
       <button class="row-main" aria-pressed={isChosen} onClick={onChoose}>

@@ -1,6 +1,5 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { drawTargets } from "../map/draw_scan.ts";
-import { distanceOutside, extentOf } from "../map/extent.ts";
+import { around, distanceOutside, extentOf } from "../map/extent.ts";
 import { Fleet } from "../map/fleet.ts";
 import { MapCanvas } from "../map/map_canvas.tsx";
 import { FailureNotice, Loading, Notice } from "../parts/notice.tsx";
@@ -12,15 +11,17 @@ import { Player } from "../recording/player.ts";
 import type { Recording } from "../recording/recording.ts";
 import { ReplayScene } from "../recording/replay_scene.ts";
 import type { Item, Shelf } from "../recording/shelf.ts";
-import { NEAR_M, Surroundings } from "../recording/surroundings.ts";
 import { Transport, keyAction } from "../recording/transport.tsx";
+import { drawTargets } from "../scan/draw_scan.ts";
+import { ScanLegend } from "../scan/scan_legend.tsx";
+import { useSurroundings } from "../scan/use_surroundings.ts";
 import { BandChart, StateChanges } from "../session/band_chart.tsx";
 import { SessionCharts } from "../session/charts.tsx";
 import { explain } from "../session/explain.ts";
 import { Sources } from "../session/sources.tsx";
 import { Why } from "../session/why.tsx";
 import { shortened } from "../texts/shortened.ts";
-import { count, currentLanguage, decimals, numbered, t } from "../texts/texts.ts";
+import { count, currentLanguage, numbered, t } from "../texts/texts.ts";
 import type { ServerName } from "../wire/calls.ts";
 import { itemText, refusalText, useShelf } from "./recordings.tsx";
 
@@ -104,27 +105,21 @@ function useKeys(onKey: (event: KeyboardEvent) => void): void {
   }, []);
 }
 
-function useSurroundings(map: FoundMap | undefined, onTile: () => void): Surroundings | undefined {
-  const made = useRef<Surroundings>();
-  const { server, version } = map ?? {};
-  useEffect(() => {
-    if (!server || !version) return undefined;
-    made.current = new Surroundings(server, version.mapName, Number(version.version), onTile);
-    onTile();
-    return () => {
-      made.current?.close();
-      made.current = undefined;
-    };
-  }, [server, version?.sha256]);
-  return made.current;
-}
-
 function Replay({ item, shelf, servers }: Omit<Props, "id"> & { item: Item }) {
   const { recording, recorder } = item;
   const header = recording.header!;
   const { player, show } = usePlayer(recording);
   const found = useCall((signal) => findMap(servers, recorder?.server, header, signal), [header]);
-  const surroundings = useSurroundings(found.value, show);
+  const map = useMemo(
+    () =>
+      found.value && {
+        server: found.value.server,
+        name: found.value.version.mapName,
+        version: Number(found.value.version.version),
+      },
+    [found.value],
+  );
+  const surroundings = useSurroundings(map, show);
   const scene = useMemo(() => new ReplayScene(recording), [recording]);
   const [follow, setFollow] = useState(true);
   const { positionMs } = player;
@@ -132,7 +127,7 @@ function Replay({ item, shelf, servers }: Omit<Props, "id"> & { item: Item }) {
   const here = recording.samplesIn(positionMs - CHARTS_MS, positionMs);
   const last = here[here.length - 1] ?? (positionMs === 0 ? samples[0] : undefined);
   const first = samples[0];
-  const firstView = useMemo(() => first && around(first.x, first.y), [first]);
+  const firstView = useMemo(() => first && around(first.x, first.y, FIRST_VIEW_M), [first]);
   const info = found.value?.version.info;
   const extent = useMemo(() => extentOf(info) ?? firstView, [info, firstView]);
   const server = found.value?.server ?? SERVER_UNKNOWN;
@@ -166,7 +161,7 @@ function Replay({ item, shelf, servers }: Omit<Props, "id"> & { item: Item }) {
         <div class="replay-map">
           {first ? (
             <MapCanvas
-              map={found.value && { server, name: found.value.version.mapName, version: Number(found.value.version.version) }}
+              map={map}
               extent={extent}
               firstView={firstView}
               overlay={(context, camera, palette) =>
@@ -206,13 +201,6 @@ function Replay({ item, shelf, servers }: Omit<Props, "id"> & { item: Item }) {
     </div>
   );
 }
-
-const around = (x: number, y: number) => ({
-  minX: x - FIRST_VIEW_M,
-  maxX: x + FIRST_VIEW_M,
-  minY: y - FIRST_VIEW_M,
-  maxY: y + FIRST_VIEW_M,
-});
 
 /** What a reader of the recording has to know before trusting it. */
 function Faults({ item, map, isSought }: { item: Item; map: FoundMap | undefined; isSought: boolean }) {
@@ -266,22 +254,6 @@ function Figures({ recording, positionMs, tick, map }: FiguresProps) {
       <Why findings={content.findings} />
       <SessionCharts samples={content.samples} nowMs={positionMs} isSpatial={isSpatial} tick={tick} />
     </>
-  );
-}
-
-function ScanLegend() {
-  return (
-    <p class="scan-legend">
-      <span>
-        <i class="target near" aria-hidden="true" /> {t("target_near", { distance: decimals(NEAR_M, 0) })}
-      </span>
-      <span>
-        <i class="target far" aria-hidden="true" /> {t("target_far")}
-      </span>
-      <span>
-        <i class="swatch rates" aria-hidden="true" /> {t("target_rates")}
-      </span>
-    </p>
   );
 }
 

@@ -4,7 +4,6 @@ import { MapService } from "proto/dcloc/v1/map_service_pb.ts";
 import type { StreamEnd } from "../../shared/live.ts";
 import { distanceOutside, extentOf } from "../map/extent.ts";
 import { Fleet } from "../map/fleet.ts";
-import { MapCanvas } from "../map/map_canvas.tsx";
 import { Dialog } from "../parts/dialog.tsx";
 import { Link } from "../parts/link.tsx";
 import { FailureNotice, Loading, Notice } from "../parts/notice.tsx";
@@ -12,12 +11,14 @@ import { go, pathOf } from "../parts/route.ts";
 import { StateMark } from "../parts/state_mark.tsx";
 import { useCall } from "../parts/use_call.ts";
 import type { Shelf } from "../recording/shelf.ts";
+import { LiveScans } from "../scan/live_scans.ts";
 import { BandChart, StateChanges } from "../session/band_chart.tsx";
 import { SessionCharts } from "../session/charts.tsx";
 import { explain } from "../session/explain.ts";
 import { History } from "../session/history.ts";
 import { FIRST_PROPOSAL, type ProposalDraft, drawProposal, isPlaced } from "../session/proposal.ts";
 import { ProposePose } from "../session/propose_pose.tsx";
+import { SessionMap } from "../session/session_map.tsx";
 import { Sources } from "../session/sources.tsx";
 import { Stages } from "../session/stages.tsx";
 import { Why } from "../session/why.tsx";
@@ -37,16 +38,21 @@ const BANDS_MS = 10 * 60_000;
 /** Watches a session; what uses it is shown again five times a second. */
 function useWatch(server: string, id: string) {
   const history = useRef(new History());
+  const scans = useRef(new LiveScans());
   const [tick, setTick] = useState(0);
   const [end, setEnd] = useState<StreamEnd>();
   useEffect(() => {
     let leave: () => void = () => undefined;
     let retry: ReturnType<typeof setTimeout>;
     history.current = new History();
+    scans.current = new LiveScans();
     setEnd(undefined);
     const watch = (): void => {
       leave = watchSession(server, id, {
-        onAnswer: (answer) => history.current.take(answer, performance.now()),
+        onAnswer: (answer) => {
+          history.current.take(answer, performance.now());
+          scans.current.take(answer, performance.now());
+        },
         onMissed: (missed) => (history.current.missed = missed),
         onEnd: (told) => {
           if (told.code === Code.Unavailable) retry = setTimeout(watch, RETRY_MS);
@@ -62,7 +68,7 @@ function useWatch(server: string, id: string) {
       clearInterval(timer);
     };
   }, [server, id]);
-  return { history: history.current, tick, end };
+  return { history: history.current, scans: scans.current, tick, end };
 }
 
 interface Props {
@@ -74,7 +80,7 @@ interface Props {
 
 /** One session: what it answers, how it got there, and what explains it. */
 export function SessionView({ server, id, fleet, shelf }: Props) {
-  const { history, tick, end } = useWatch(server, id);
+  const { history, scans, tick, end } = useWatch(server, id);
   const loaded = useCall(
     async (signal) => {
       const request = { sessionId: id };
@@ -95,6 +101,10 @@ export function SessionView({ server, id, fleet, shelf }: Props) {
     [server, mapName, version],
   );
   const extent = useMemo(() => extentOf(map.value?.info), [map.value]);
+  const drawnMap = useMemo(
+    () => (version > 0 ? { server, name: mapName, version } : undefined),
+    [server, mapName, version],
+  );
   const [isEnding, setEnding] = useState(false);
   const [isProposing, setProposing] = useState(false);
   const isPlacing = isProposing && !end;
@@ -113,8 +123,6 @@ export function SessionView({ server, id, fleet, shelf }: Props) {
   const { samples, rejections, health } = history;
   const outsideM = info && last ? distanceOutside(info, last.x, last.y) : 0;
   const findings = explain({ samples, rejections, health, outsideM, nowMs });
-  const key = Fleet.key(server, id);
-  const vehicle = fleet.fleet.vehicles.get(key);
   return (
     <div class="session">
       <section class="session-main">
@@ -163,17 +171,17 @@ export function SessionView({ server, id, fleet, shelf }: Props) {
         />
       </section>
       <aside class="session-side">
-        <div class="session-map">
-          <MapCanvas
-            map={version > 0 ? { server, name: session.mapName, version } : undefined}
-            extent={extent}
-            vehicles={() => (vehicle ? [vehicle] : [])}
-            chosen={key}
-            overlay={overlay}
-            onPlace={isPlacing ? (x, y) => setProposal((old) => ({ ...old, x, y })) : undefined}
-            tick={fleet.tick}
-          />
-        </div>
+        <SessionMap
+          server={server}
+          id={id}
+          map={drawnMap}
+          extent={extent}
+          history={history}
+          scans={scans}
+          vehicle={fleet.fleet.vehicles.get(Fleet.key(server, id))}
+          overlay={overlay}
+          onPlace={isPlacing ? (x, y) => setProposal((old) => ({ ...old, x, y })) : undefined}
+        />
         {isPlacing && (
           <ProposePose
             server={server}

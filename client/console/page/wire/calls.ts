@@ -9,6 +9,7 @@ import {
   toBinary,
 } from "@bufbuild/protobuf";
 import { failureOf, failureOfResponse } from "./failure.ts";
+import { inTenant } from "./tenant.ts";
 
 /**
  * Calls a method of a server through the bridge; of one that takes a stream, with this request alone.
@@ -21,7 +22,7 @@ export async function call<I extends DescMessage, O extends DescMessage>(
   signal?: AbortSignal,
 ): Promise<MessageShape<O>> {
   try {
-    const response = await fetch(`/rpc/${server}/${method.parent.typeName}/${method.name}`, {
+    const response = await fetch(inTenant(`/rpc/${server}/${method.parent.typeName}/${method.name}`), {
       method: "POST",
       headers: { "Content-Type": "application/x-protobuf" },
       body: toBinary(method.input, create(method.input, request)) as Uint8Array<ArrayBuffer>,

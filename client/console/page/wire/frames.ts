@@ -1,5 +1,6 @@
 import { FRAME_HEADER_BYTES, FrameKind } from "../../shared/live.ts";
 import { failureOfResponse } from "./failure.ts";
+import { inTenant } from "./tenant.ts";
 
 /** Joins what comes into whole frames, wherever it is cut. */
 export class FrameReader {
@@ -30,7 +31,7 @@ export async function* readFrames(
   stop: AbortSignal,
   onOpen?: () => void,
 ): AsyncGenerator<[FrameKind, Uint8Array]> {
-  const response = await fetch(address, { signal: stop });
+  const response = await fetch(inTenant(address), { signal: stop });
   if (!response.ok) throw await failureOfResponse(response);
   onOpen?.();
   const frames = new FrameReader();

@@ -1,5 +1,6 @@
 import type { LiveFrame } from "../../shared/live.ts";
 import { Code, failureOf, failureOfResponse } from "./failure.ts";
+import { inTenant } from "./tenant.ts";
 
 /** How the page's connection to the bridge stands. */
 export type Link = "connecting" | "open" | "cut" | "refused";
@@ -30,7 +31,7 @@ export function followFleet(
   const readOnce = async (): Promise<void> => {
     const silence = new AbortController();
     stop.signal.addEventListener("abort", () => silence.abort());
-    const response = await fetch("/feed", { signal: silence.signal });
+    const response = await fetch(inTenant("/feed"), { signal: silence.signal });
     if (!response.ok) throw await failureOfResponse(response);
     const reader = response.body!.getReader();
     const splitter = new LineSplitter();

@@ -9,6 +9,7 @@ import {
 import { call } from "./calls.ts";
 import { expected } from "./expected.ts";
 import { CallFailure, Code, failureOf } from "./failure.ts";
+import { inTenant } from "./tenant.ts";
 
 const HASH_CHUNK_BYTES = 4 << 20;
 const MAX_WAIT_MS = 15_000;
@@ -53,7 +54,7 @@ function send(
   });
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
-    request.open("PUT", `/upload/${order.server}?${query}`);
+    request.open("PUT", inTenant(`/upload/${order.server}?${query}`));
     request.responseType = "arraybuffer";
     request.upload.onprogress = (event) => onSent(offset + event.loaded);
     request.onload = () => {

@@ -31,7 +31,7 @@ class FakeServer {
 
   lastRequest: ListSessionsRequest | undefined;
 
-  unary(_method: string, _token: string, request: Buffer): Promise<Buffer> {
+  unary(_method: string, _caller: object, request: Buffer): Promise<Buffer> {
     ++this.calls;
     this.lastRequest = fromBinary(ListSessionsRequestSchema, request);
     if (this.failure) return Promise.reject(this.failure);
@@ -59,13 +59,13 @@ function readerOf(feed: FleetFeed): { frames: LiveFrame[]; leave: () => void; ke
 function begin(periodMs = 30): { server: FakeServer; feed: FleetFeed } {
   const server = new FakeServer();
   server.sessions = [session("1", 2), session("2", 2)];
-  return { server, feed: new FleetFeed(server as unknown as Upstream, { token: "" }, { periodMs }) };
+  return { server, feed: new FleetFeed(server as unknown as Upstream, { token: "", tenant: "" }, { periodMs }) };
 }
 
 test("a server is asked for its own sessions alone where the others are asked as well", async () => {
   for (const isOneOfSeveral of [false, true]) {
     const { server } = begin();
-    const feed = new FleetFeed(server as unknown as Upstream, { token: "" }, { periodMs: 30, isOneOfSeveral });
+    const feed = new FleetFeed(server as unknown as Upstream, { token: "", tenant: "" }, { periodMs: 30, isOneOfSeveral });
     const { frames, leave } = readerOf(feed);
     await until(() => frames.length > 0);
     leave();

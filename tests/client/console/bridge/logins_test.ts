@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Logins } from "../../../../client/console/bridge/logins.ts";
+import { Logins, callerOf } from "../../../../client/console/bridge/logins.ts";
 
 test("a cookie finds its token, and no other", () => {
   const logins = new Logins(1000);
@@ -17,6 +17,16 @@ test("equal tokens share a key, different ones do not", () => {
   const [a, b, c] = [logins.add("x"), logins.add("x"), logins.add("y")].map((s) => logins.find(s)!);
   assert.equal(a!.tokenKey, b!.tokenKey);
   assert.notEqual(a!.tokenKey, c!.tokenKey);
+});
+
+test("callers of different tenants share nothing, and a tenant is a name that a header can hold", () => {
+  const logins = new Logins(1000);
+  const login = logins.find(logins.add("x"))!;
+  assert.deepEqual(callerOf(login, "acme"), { token: "x", tenant: "acme", key: `${login.tokenKey}/acme` });
+  assert.notEqual(callerOf(login, "").key, callerOf(login, "acme").key);
+  for (const tenant of ["a/b", "a\r\nb", "Acme", "x".repeat(201)]) {
+    assert.throws(() => callerOf(login, tenant), /a tenant has/);
+  }
 });
 
 test("idle sign-ins are forgotten, used ones are not", () => {

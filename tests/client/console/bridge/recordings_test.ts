@@ -8,7 +8,7 @@ import type { ServerStream, Upstream } from "../../../../client/console/bridge/u
 import { FrameKind } from "../../../../client/console/shared/live.ts";
 import { FrameReader } from "../../../../client/console/page/wire/frames.ts";
 
-const LOGIN = { token: "secret", tokenKey: "key", lastUsedMs: 0 };
+const CALLER = { token: "secret", tenant: "", key: "key" };
 const recordings = new Recordings(1);
 type FakeStream = PassThrough & { cancel(): void };
 let onStream: (stream: FakeStream) => void = () => undefined;
@@ -32,7 +32,7 @@ const nextStream = (): Promise<FakeStream> => new Promise((resolve) => (onStream
 before(async () => {
   const upstream = { serverStream: openStream } as unknown as Upstream;
   server = createServer((_, response) => {
-    recordings.answer(upstream, LOGIN, "car-1", response).catch((error: Error) => {
+    recordings.answer(upstream, CALLER, "car-1", response).catch((error: Error) => {
       response.writeHead(500);
       response.end(error.message);
     });

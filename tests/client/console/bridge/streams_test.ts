@@ -6,8 +6,8 @@ import { LiveStreams } from "../../../../client/console/bridge/streams.ts";
 
 test("a page hears from the bridge also while no server has anything to tell", async () => {
   const streams = new LiveStreams([], 20);
-  const login = { token: "", tokenKey: "" } as Parameters<typeof streams.answer>[0];
-  const server = createServer((_, response) => streams.answer(login, response));
+  const caller = { token: "", tenant: "", key: "" };
+  const server = createServer((_, response) => streams.answer(caller, response));
   await new Promise<void>((resolve) => server.listen(0, "127.0.0.1", resolve));
   const stop = new AbortController();
   const { port } = server.address() as AddressInfo;

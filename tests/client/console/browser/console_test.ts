@@ -47,7 +47,7 @@ test("no axe finding is serious, in light colours and in dark ones", async () =>
   }
 });
 
-/** Where a session's vehicle is, as nearly as a click can say it: its map shows the whole town. */
+/** Somewhere near the vehicle, as its map shows; then at another place, typed. */
 async function proposeByClick(): Promise<void> {
   await page.getByRole("button", { name: "Propose a pose" }).click();
   const form = page.getByRole("region", { name: "Propose a pose" });
@@ -68,11 +68,22 @@ async function proposeByClick(): Promise<void> {
   await form.getByRole("button", { name: "Close" }).click();
 }
 
+/** Most of what a vehicle that is tracking sees has its landmark. */
+async function theScanLiesOnTheMap(): Promise<void> {
+  const counts = page.getByRole("region", { name: "Scans" }).getByText(/targets have/);
+  const isLaid = async (): Promise<boolean> => {
+    const [near, all] = (await counts.textContent())!.match(/\d+/g)!.map(Number) as [number, number];
+    return all > 20 && near > all / 2;
+  };
+  await until(isLaid, "a scan lies on the map");
+}
+
 test("a session is told in words and time lines, and can be ended", async () => {
   await scene.openSession();
   assert.equal(await page.locator(".chart canvas").count(), 6);
   await page.getByRole("img", { name: /^States over time: Tracking/ }).waitFor();
   await page.getByRole("heading", { name: "Sources" }).waitFor();
+  await theScanLiesOnTheMap();
   assert.deepEqual(await seriousFindings(page), []);
   await proposeByClick();
   await page.getByRole("button", { name: "End the session" }).click();

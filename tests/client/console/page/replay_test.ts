@@ -4,10 +4,10 @@ import { create } from "@bufbuild/protobuf";
 import { PoseSchema } from "proto/dcloc/v1/geometry_pb.ts";
 import { HealthSchema, SourceFault } from "proto/dcloc/v1/localization_service_pb.ts";
 import { RadarModelSchema, ScanSchema } from "proto/dcloc/v1/scan_pb.ts";
-import { colourStep } from "../../../../client/console/page/map/draw_scan.ts";
+import { colourStep } from "../../../../client/console/page/scan/draw_scan.ts";
 import { Player } from "../../../../client/console/page/recording/player.ts";
 import { LandmarkGrid } from "../../../../client/console/page/map/landmark_grid.ts";
-import { targetsOf } from "../../../../client/console/page/recording/targets.ts";
+import { targetsOf } from "../../../../client/console/page/scan/targets.ts";
 import { Bands, faultOf, isUsed } from "../../../../client/console/page/session/bands.ts";
 
 const QUARTER = Math.SQRT1_2;

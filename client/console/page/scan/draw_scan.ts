@@ -1,5 +1,5 @@
-import type { Camera } from "./camera.ts";
-import type { Palette } from "./palette.ts";
+import type { Camera } from "../map/camera.ts";
+import type { Palette } from "../map/palette.ts";
 
 /** A target as it is drawn: where it lies in the map, and whether a landmark is nearby. */
 export interface DrawnTarget {
