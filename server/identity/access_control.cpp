@@ -44,9 +44,8 @@ absl::Status EnterTenant(const grpc::ServerContextBase& context, Principal* prin
   const std::string tenant(ViewOf(named->second));
   if (tenant == principal->tenant) return absl::OkStatus();
   if (!Grants(principal->role, principal->tenant, Permission::kManageServer)) {
-    return absl::PermissionDeniedError(
-        absl::StrCat(kTenantKey, " of another tenant needs the permission ",
-                     NameOf(Permission::kManageServer)));
+    return absl::PermissionDeniedError(absl::StrCat(
+        kTenantKey, " of another tenant needs the permission ", NameOf(Permission::kManageServer)));
   }
   if (absl::Status status = CheckMapName(kTenantKey, tenant); !status.ok()) return status;
   principal->tenant = tenant;
