@@ -51,8 +51,10 @@ void Pipeline<Dim>::TakePlaceEvidence(Stamp stamp, std::size_t radar_index,
 template <int Dim>
 void Pipeline<Dim>::UpdateTrackingByScanFit(ScanFit fit) {
   const bool was_confirmed = tracking_.mode() == TrackingMode::kConfirmed;
-  tracking_.OnScanFit(fit, rivals_.ground_repeats());
-  tracking_.OnFitTrend(radars_.scan_checker.has_declined() || rivals_.has_better());
+  const bool ground_repeats = rivals_.ground_repeats();
+  const FitTrend trend = rivals_.has_better() ? FitTrend::kDeclined : radars_.scan_checker.Trend();
+  tracking_.OnFitTrend(trend, ground_repeats);
+  tracking_.OnScanFit(fit, ground_repeats);
   if (tracking_.mode() == TrackingMode::kConfirmed) {
     radars_.scan_checker.OnConfirmed();
     if (newest_.outcome == RegistrationOutcome::kAccepted && fit != ScanFit::kContradicts) {

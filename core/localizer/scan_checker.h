@@ -38,8 +38,8 @@ class ScanChecker {
   /// That of the scan that was tested last, [0, 1].
   double last_fit() const { return last_.fit; }
 
-  /// Whether scan after scan has fitted less than expected, each by too little to contradict.
-  bool has_declined() const { return monitor_.has_declined(); }
+  /// What the scans so far say together.
+  FitTrend Trend() const { return monitor_.Trend(); }
 
   /// The vehicle surely was where the last scan was tested: it is what to expect.
   void Learn() { monitor_.Learn(last_.radar_index, last_.point_count, last_.fit); }

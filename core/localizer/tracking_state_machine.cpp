@@ -63,11 +63,16 @@ void TrackingStateMachine::OnFixesContradict() {
   mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
-void TrackingStateMachine::OnFitTrend(bool is_suspicious) {
+void TrackingStateMachine::OnFitTrend(FitTrend trend, bool ground_repeats) {
+  fit_trend_ = trend;
+  if (trend != FitTrend::kDeclined) {
+    confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kFitRecovers);
+    return;
+  }
   confirmation_requires_ =
       Next(confirmation_requires_,
-           is_suspicious ? ConfirmationEvent::kFitDeclines : ConfirmationEvent::kFitRecovers);
-  if (is_suspicious) mode_ = Next(mode_, TrackingEvent::kDoubted);
+           ground_repeats ? ConfirmationEvent::kScansContradict : ConfirmationEvent::kFitDeclines);
+  mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
 void TrackingStateMachine::OnScanFit(ScanFit fit, bool ground_repeats) {
@@ -86,7 +91,7 @@ void TrackingStateMachine::OnScanFit(ScanFit fit, bool ground_repeats) {
   agreement_ = Next(agreement_, ScanAgreementEvent::kFits);
   ++agreed_in_a_row_;
   if (agreed_in_a_row_ >= options_.min_fitting_scans &&
-      agreement_ == ScanAgreement::kAgreeAndRegistered &&
+      agreement_ == ScanAgreement::kAgreeAndRegistered && fit_trend_ == FitTrend::kUsual &&
       confirmation_requires_ == ConfirmationRequirement::kRegistrations) {
     mode_ = Next(mode_, TrackingEvent::kAgreed);
   }

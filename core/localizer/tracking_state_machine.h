@@ -124,8 +124,9 @@ class TrackingStateMachine {
   }
 
   /// Takes in whether scan after scan fits less than it did, or another place better: ground that
-  /// looks alike fits a little.
-  void OnFitTrend(bool is_suspicious);
+  /// looks alike fits a little. Where it repeats, that the fit recovers says nothing: the next
+  /// place that looks alike has come nearer.
+  void OnFitTrend(FitTrend trend, bool ground_repeats = false);
 
   /// Whether only global localization can confirm the pose.
   bool requires_verification() const {
@@ -188,8 +189,9 @@ class TrackingStateMachine {
   int accepted_in_a_row_ = 0;
   int refused_in_a_row_ = 0;
   int outliers_in_a_row_ = 0;
-  int agreed_in_a_row_ = 0;        // scans, since the last one that contradicted
-  int contradicted_in_a_row_ = 0;  // scans, since the last one that agreed
+  int agreed_in_a_row_ = 0;                // scans, since the last one that contradicted
+  FitTrend fit_trend_ = FitTrend::kUsual;  // of the scans so far
+  int contradicted_in_a_row_ = 0;          // scans, since the last one that agreed
   std::optional<Stamp> last_registration_;
   double usual_interval_s_ = 0.0;
   std::optional<Stamp> last_accepted_;

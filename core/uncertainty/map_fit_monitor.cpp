@@ -52,6 +52,11 @@ void MapFitMonitor::Follow(std::size_t radar_index, std::size_t point_count, dou
   decline_.Add((expected.mean - fit) / Sigma(expected), options_.decline);
 }
 
+FitTrend MapFitMonitor::Trend() const {
+  if (decline_.is_exceeded()) return FitTrend::kDeclined;
+  return decline_.has_eased(options_.decline) ? FitTrend::kUsual : FitTrend::kDeclining;
+}
+
 void MapFitMonitor::Learn(std::size_t radar_index, std::size_t point_count, double fit) {
   if (point_count < static_cast<std::size_t>(options_.min_point_count)) return;
   radars_[radar_index].Add(fit, options_.forgetting_factor);

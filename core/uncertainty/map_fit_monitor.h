@@ -33,6 +33,10 @@ absl::Status Validate(const MapFitOptions& options);
 /// it should, or worse.
 enum class ScanFit { kUnknown, kAgrees, kContradicts };
 
+/// What scan after scan says, each by too little to contradict: they fit as they should, less, or
+/// so much less that it is no chance.
+enum class FitTrend { kUsual, kDeclining, kDeclined };
+
 /// Knows how well each radar's scans fit the map while the vehicle tracks, and so when one does not
 /// fit (METHOD eq 51). Unlike a registration, a fit cannot be improved by moving the pose: the
 /// prediction is tested as it is.
@@ -45,12 +49,11 @@ class MapFitMonitor {
   /// exp(-d^2 / 2) over its points, [0, 1].
   ScanFit Judge(std::size_t radar_index, std::size_t point_count, double fit) const;
 
-  /// Takes in the fit of such a scan, for `has_declined`.
+  /// Takes in the fit of such a scan, for `Trend`.
   void Follow(std::size_t radar_index, std::size_t point_count, double fit);
 
-  /// Whether scan after scan fits less than expected, each by too little to contradict (METHOD eq
-  /// 59).
-  bool has_declined() const { return decline_.is_exceeded(); }
+  /// METHOD eq 59.
+  FitTrend Trend() const;
 
   /// Such a scan was taken where the vehicle surely is.
   void Learn(std::size_t radar_index, std::size_t point_count, double fit);

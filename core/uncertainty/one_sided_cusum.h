@@ -25,11 +25,14 @@ class OneSidedCusum {
   void Add(double deviation, const OneSidedCusumOptions& options) {
     sum_ = std::clamp(sum_ + std::min(deviation, options.max) - options.drift, 0.0, options.limit);
     if (sum_ >= options.limit) is_exceeded_ = true;
-    if (sum_ <= 0.5 * options.limit) is_exceeded_ = false;
+    if (has_eased(options)) is_exceeded_ = false;
   }
 
   /// Whether the sum has reached the limit, and has not fallen to half of it since.
   bool is_exceeded() const { return is_exceeded_; }
+
+  /// Whether the sum is at most half the limit.
+  bool has_eased(const OneSidedCusumOptions& options) const { return sum_ <= 0.5 * options.limit; }
 
   /// What deviations have said so far, from 0 to the limit.
   double sum() const { return sum_; }

@@ -126,13 +126,42 @@ TEST(TrackingDoubtTest, WhileScansFitLessThanBeforeThePoseIsDoubted) {
   state.OnPlaceFound();
   Accept(state, 5);
   ASSERT_EQ(state.mode(), TrackingMode::kConfirmed);
-  state.OnFitTrend(true);
+  state.OnFitTrend(FitTrend::kDeclined);
   Accept(state, 5);
   Agree(state, 5);
   EXPECT_EQ(state.mode(), TrackingMode::kSuspect);
   EXPECT_TRUE(state.ShouldSearchBeside());
-  state.OnFitTrend(false);
+  state.OnFitTrend(FitTrend::kUsual);
   Agree(state, 5);
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
+}
+
+TEST(TrackingDoubtTest, ScansThatStillFitALittleLessDoNotEndIt) {
+  TrackingStateMachine state({});
+  state.OnPlaceFound();
+  Accept(state, 5);
+  state.OnFitTrend(FitTrend::kDeclining);
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed) << "too little to doubt a pose";
+  state.OnScanFit(ScanFit::kContradicts);
+  Accept(state, 5);
+  Agree(state, 5);
+  EXPECT_EQ(state.mode(), TrackingMode::kSuspect);
+  state.OnFitTrend(FitTrend::kUsual);
+  Agree(state, 1);
+  EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
+}
+
+TEST(TrackingDoubtTest, WhereTheGroundRepeatsOnlyVerificationEndsIt) {
+  TrackingStateMachine state({});
+  state.OnPlaceFound();
+  Accept(state, 5);
+  state.OnFitTrend(FitTrend::kDeclined, /*ground_repeats=*/true);
+  state.OnFitTrend(FitTrend::kUsual, /*ground_repeats=*/true);
+  Accept(state, 5);
+  Agree(state, 5);
+  EXPECT_TRUE(state.requires_verification());
+  EXPECT_EQ(state.mode(), TrackingMode::kSuspect);
+  state.OnVerified();
   EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
 }
 
@@ -140,7 +169,7 @@ TEST(TrackingDoubtTest, VerificationEndsIt) {
   TrackingStateMachine state({});
   state.OnPlaceFound();
   Accept(state, 5);
-  state.OnFitTrend(true);
+  state.OnFitTrend(FitTrend::kDeclined);
   state.OnVerified();
   EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
 }
@@ -150,7 +179,7 @@ TEST(TrackingDoubtTest, APriorThatSomethingContradictsHasNoLead) {
   EXPECT_FALSE(state.is_undoubted_prior());
   state.OnPrior();
   EXPECT_TRUE(state.is_undoubted_prior());
-  state.OnFitTrend(true);
+  state.OnFitTrend(FitTrend::kDeclined);
   EXPECT_FALSE(state.is_undoubted_prior());
 }
 

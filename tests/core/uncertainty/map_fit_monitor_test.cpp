@@ -54,7 +54,7 @@ TEST(MapFitMonitorTest, ScansThatAllFitALittleLessAreADecline) {
   MapFitMonitor monitor = Learned(0.5, 0.04);
   const auto scans_until = [&monitor](bool declined, double fit) {
     int scans = 0;
-    while (monitor.has_declined() != declined && scans < 100) {
+    while ((monitor.Trend() == FitTrend::kDeclined) != declined && scans < 100) {
       monitor.Follow(0, kPoints, fit);
       ++scans;
     }
@@ -63,7 +63,7 @@ TEST(MapFitMonitorTest, ScansThatAllFitALittleLessAreADecline) {
   EXPECT_THAT(scans_until(true, 0.37), AllOf(Ge(4), Le(12))) << "one alone says little";
   EXPECT_EQ(monitor.Judge(0, kPoints, 0.37), ScanFit::kAgrees) << "each one alone agrees";
   for (int i = 0; i < 1000; ++i) monitor.Follow(0, kPoints, 0.37);
-  EXPECT_TRUE(monitor.has_declined());
+  EXPECT_EQ(monitor.Trend(), FitTrend::kDeclined);
   EXPECT_LE(scans_until(false, 0.5), 12) << "scans that fit as before";
 }
 
@@ -74,11 +74,11 @@ TEST(MapFitMonitorTest, UsualScansSeldomDecline) {
   int declines = 0;
   for (int i = 0; i < 100'000; ++i) {
     monitor.Follow(0, kPoints, fit(random));
-    declines += monitor.has_declined();
+    declines += monitor.Trend() == FitTrend::kDeclined ? 1 : 0;
   }
   EXPECT_EQ(declines, 0);
   for (int i = 0; i < 100; ++i) monitor.Follow(1, kPoints, 0.0);
-  EXPECT_FALSE(monitor.has_declined()) << "nothing is known of this radar";
+  EXPECT_EQ(monitor.Trend(), FitTrend::kUsual) << "nothing is known of this radar";
 }
 
 TEST(MapFitMonitorTest, ForgottenIsUnknown) {
