@@ -267,7 +267,7 @@ std::optional<typename Pipeline<Dim>::Registered> Pipeline<Dim>::Register(
     EnterLocalFrame(place->T_map_vehicle.translation_m, workspace.registration);
     registration = map_.matcher.MatchFound(live, place->T_map_vehicle, options_.global.gate,
                                            workspace.registration);
-  } else if (tracking_.has_pose() && live_.schedule.has_new_points()) {
+  } else if (tracking_.has_pose() && live_.schedule.has_new_points() && !IsVague()) {
     registration = map_.matcher.Match(live, pose_.Newest(), map_.observability,
                                       static_cast<std::uint64_t>(stamp.time_since_epoch().count()),
                                       workspace.registration);
@@ -350,6 +350,14 @@ void Pipeline<Dim>::UpdateOdometry(const std::optional<Registered>& registered,
       map_.matcher.T_map_local() * T_local_vehicle.pose,
       {.is_accepted = outcome == RegistrationOutcome::kAccepted,
        .observes_along_track = map_.observability.Observed(VehicleAxis::kX)});
+}
+
+// So uncertain, where the ground repeats, that a registration would find some place that looks
+// alike and call it certain. The search takes all of them.
+template <int Dim>
+bool Pipeline<Dim>::IsVague() const {
+  return tracking_.is_lost() && rivals_.ground_repeats() &&
+         HorizontalSigma(NowInMap().covariance) > options_.tracking.lost_sigma_m;
 }
 
 template <int Dim>

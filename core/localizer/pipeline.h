@@ -172,6 +172,7 @@ class Pipeline final : public AnyPipeline {
                                    RegistrationWorkspace<Dim>& workspace);
   void OnPoseVerified(bool fits_as_usual);
   void EnterLocalFrame(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace);
+  bool IsVague() const;
   PoseEstimate<3> NowInMap() const;
 
   // The radars as they are known by now, and how far each is trusted.

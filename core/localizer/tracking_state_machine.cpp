@@ -71,7 +71,7 @@ void TrackingStateMachine::OnFitTrend(FitTrend trend, bool ground_repeats) {
   }
   confirmation_requires_ =
       Next(confirmation_requires_,
-           ground_repeats ? ConfirmationEvent::kScansContradict : ConfirmationEvent::kFitDeclines);
+           ground_repeats ? ConfirmationEvent::kMayBeElsewhere : ConfirmationEvent::kFitDeclines);
   mode_ = Next(mode_, TrackingEvent::kDoubted);
 }
 
@@ -82,7 +82,7 @@ void TrackingStateMachine::OnScanFit(ScanFit fit, bool ground_repeats) {
     agreed_in_a_row_ = 0;
     ++contradicted_in_a_row_;
     if (ground_repeats && contradicted_in_a_row_ >= options_.min_contradicting_scans) {
-      confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kScansContradict);
+      confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kMayBeElsewhere);
     }
     mode_ = Next(mode_, TrackingEvent::kDoubted);
     return;
@@ -159,7 +159,7 @@ void TrackingStateMachine::OnObservability(Stamp stamp, bool is_observed) {
   }
   if (observability_ == AlongTrackObservability::kReturning && unchanged >= options_.min_observed) {
     observability_ = Next(observability_, ObservabilityEvent::kSeenForLong);
-    confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kObservedAgain);
+    confirmation_requires_ = Next(confirmation_requires_, ConfirmationEvent::kMayBeElsewhere);
     mode_ = Next(mode_, TrackingEvent::kDoubted);
   }
 }

@@ -102,48 +102,42 @@ enum class ConfirmationRequirement {
                                 ///< or verification, must come first
   kAgreeingFixOrVerification,   ///< fixes contradict the pose persistently: one that agrees, or
                                 ///< verification, must come first
-  /// Global localization must verify the pose first. Scans contradicted it, or the along-track
-  /// position was not observed before: where the ground repeats, registrations would match wherever
-  /// odometry had put it.
+  /// Global localization must verify the pose first: the vehicle may be elsewhere, where scans
+  /// would fit as well.
   kVerification,
 };
 
 enum class ConfirmationEvent {
-  kScansContradict,
+  /// Scans contradict the pose on ground that repeats, or the along-track position was not observed
+  /// before: registrations would match wherever odometry had put it.
+  kMayBeElsewhere,
   kFitDeclines,
   kFitRecovers,
   kFixesContradict,
   kFixAgrees,
-  kObservedAgain,
   kVerified
 };
 
-inline constexpr std::array<Transition<ConfirmationRequirement, ConfirmationEvent>, 14>
+inline constexpr std::array<Transition<ConfirmationRequirement, ConfirmationEvent>, 11>
     kConfirmationTransitions = {{
-        {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kScansContradict,
+        {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kMayBeElsewhere,
          ConfirmationRequirement::kVerification},
         {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kFixesContradict,
          ConfirmationRequirement::kAgreeingFixOrVerification},
-        {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kObservedAgain,
-         ConfirmationRequirement::kVerification},
         {ConfirmationRequirement::kRegistrations, ConfirmationEvent::kFitDeclines,
          ConfirmationRequirement::kRecoveredFitOrVerification},
-        {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kScansContradict,
+        {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kMayBeElsewhere,
          ConfirmationRequirement::kVerification},
         {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kFitRecovers,
          ConfirmationRequirement::kRegistrations},
         {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kFixesContradict,
          ConfirmationRequirement::kAgreeingFixOrVerification},
-        {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kObservedAgain,
-         ConfirmationRequirement::kVerification},
         {ConfirmationRequirement::kRecoveredFitOrVerification, ConfirmationEvent::kVerified,
          ConfirmationRequirement::kRegistrations},
-        {ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationEvent::kScansContradict,
+        {ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationEvent::kMayBeElsewhere,
          ConfirmationRequirement::kVerification},
         {ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationEvent::kFixAgrees,
          ConfirmationRequirement::kRegistrations},
-        {ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationEvent::kObservedAgain,
-         ConfirmationRequirement::kVerification},
         {ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationEvent::kVerified,
          ConfirmationRequirement::kRegistrations},
         {ConfirmationRequirement::kVerification, ConfirmationEvent::kVerified,

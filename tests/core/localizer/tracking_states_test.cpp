@@ -28,10 +28,9 @@ constexpr std::array kRequirements = {
     ConfirmationRequirement::kRegistrations, ConfirmationRequirement::kRecoveredFitOrVerification,
     ConfirmationRequirement::kAgreeingFixOrVerification, ConfirmationRequirement::kVerification};
 constexpr std::array kConfirmationEvents = {
-    ConfirmationEvent::kScansContradict, ConfirmationEvent::kFitDeclines,
-    ConfirmationEvent::kFitRecovers,     ConfirmationEvent::kFixesContradict,
-    ConfirmationEvent::kFixAgrees,       ConfirmationEvent::kObservedAgain,
-    ConfirmationEvent::kVerified};
+    ConfirmationEvent::kMayBeElsewhere, ConfirmationEvent::kFitDeclines,
+    ConfirmationEvent::kFitRecovers,    ConfirmationEvent::kFixesContradict,
+    ConfirmationEvent::kFixAgrees,      ConfirmationEvent::kVerified};
 constexpr std::array kWays = {AlongTrackObservability::kObserved, AlongTrackObservability::kFading,
                               AlongTrackObservability::kNotObserved,
                               AlongTrackObservability::kReturning};
