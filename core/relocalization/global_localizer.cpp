@@ -16,6 +16,8 @@ namespace {
 // Most places that a search finds are wrong: a few steps show it.
 constexpr RegistrationEffort kCoarseEffort{
     .max_iterations = 8, .translation_tolerance_m = 0.02, .rotation_tolerance_rad = 0.002};
+// What is usual in the map of another street is 0.05, by chance; in the right one 0.4 to 0.5.
+constexpr double kLeastScoreOfRightMap = 0.2;
 constexpr double kSearchPieceWork = 24e3;  // of a piece of a search, about a millisecond
 
 }  // namespace
@@ -57,10 +59,7 @@ void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Di
                                    const std::optional<SearchRegion>& region,
                                    const std::optional<ExpectedPlace>& expected,
                                    double min_convincing_score) {
-  if (views_.size() == static_cast<std::size_t>(options_.max_view_count)) {
-    views_.erase(views_.begin());
-    for (Candidate& candidate : candidates_) candidate.fits.erase(candidate.fits.begin());
-  }
+  if (views_.size() == static_cast<std::size_t>(options_.max_view_count)) DropOldestView();
   views_.push_back({.fine_points = EvenSubsample(live, options_.fine_point_count),
                     .coarse_points = EvenSubsample(live, options_.coarse_point_count),
                     .motion = std::exchange(since_view_, {}),
@@ -78,6 +77,12 @@ void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Di
                          .max_count = options_.candidate_count,
                          .region = region});
   phase_ = Phase::kExtend;
+}
+
+template <int Dim>
+void GlobalLocalizer<Dim>::DropOldestView() {
+  views_.erase(views_.begin());
+  for (Candidate& candidate : candidates_) candidate.fits.erase(candidate.fits.begin());
 }
 
 template <int Dim>
@@ -140,6 +145,7 @@ void GlobalLocalizer<Dim>::DoNextPiece(RegistrationWorkspace<Dim>& workspace) {
       break;
     case Phase::kBackfill:
       if (FillNextFit(workspace)) break;
+      DropViewsOfElsewhere();
       KeepBestCandidates();
       winner_ = Winner();
       if (IsInVain()) ++failed_search_count_;
@@ -240,6 +246,25 @@ double GlobalLocalizer<Dim>::LogLikelihood(const Candidate& candidate) {
   double sum = 0.0;
   for (const std::optional<ViewFit>& fit : candidate.fits) sum += fit->log_likelihood;
   return sum;
+}
+
+// What nothing in the map looks like says nothing of where the vehicle is, once something fits as
+// scans did where it surely was: it was taken outside of the map, or by radars that were disturbed.
+// The search begins anew. A prior waits for all views. In the map of another street much fits as
+// badly as is usual there.
+template <int Dim>
+void GlobalLocalizer<Dim>::DropViewsOfElsewhere() {
+  if (expected_ && expected_->basis == Basis::kPrior) return;
+  if (min_convincing_score_ < kLeastScoreOfRightMap) return;
+  const auto fits_somewhere = [this](std::size_t view, bool ViewFit::*quality) {
+    return std::ranges::any_of(candidates_,
+                               [&](const Candidate& one) { return (*one.fits[view]).*quality; });
+  };
+  if (!fits_somewhere(views_.size() - 1, &ViewFit::is_as_usual)) return;
+  while (views_.size() > 1 && !fits_somewhere(0, &ViewFit::is_acceptable)) {
+    DropOldestView();
+    view_count_ = static_cast<int>(views_.size());
+  }
 }
 
 // The place that is expected is a candidate, whether it was one before or not.

@@ -115,6 +115,8 @@ class GlobalLocalizer {
   void FitCoarsely(const PlaceCandidate& place, RegistrationWorkspace<Dim>& workspace);
   void KeepPromisingFits();
   void FitFinely(const CoarseFit& fit, RegistrationWorkspace<Dim>& workspace);
+  void DropOldestView();
+  void DropViewsOfElsewhere();
   void DropUnlikelyNewCandidates();
   void KeepBestCandidates();
   void AddExpected(RegistrationWorkspace<Dim>& workspace);

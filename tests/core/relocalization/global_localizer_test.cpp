@@ -74,15 +74,28 @@ class Seeker {
     return PoseOf(SearchExpecting(std::nullopt, region));
   }
 
+  // Does all the work on what would be seen in another world.
+  std::optional<Pose3> SearchSeeing(const SyntheticWorld& other) {
+    global_localizer_.AddView(stamp_, SeenFrom(other, T_map_vehicle(), sight_m_, random_), {}, {},
+                              usual_score_);
+    while (global_localizer_.working()) {
+      if (const auto place = global_localizer_.Continue(workspace_)) return PoseOf(place);
+    }
+    return std::nullopt;
+  }
+
   // The same while it is expected to be somewhere.
   std::optional<Place> SearchExpecting(const std::optional<ExpectedPlace>& expected,
                                        const std::optional<SearchRegion>& region = std::nullopt) {
-    global_localizer_.AddView(stamp_, Seen(), region, expected);
+    global_localizer_.AddView(stamp_, Seen(), region, expected, usual_score_);
     while (global_localizer_.working()) {
       if (auto place = global_localizer_.Continue(workspace_)) return place;
     }
     return std::nullopt;
   }
+
+  /// As registrations did before the vehicle was lost.
+  void SetUsualScore(double score) { usual_score_ = score; }
 
   int failed_search_count() const { return global_localizer_.failed_search_count(); }
 
@@ -105,6 +118,7 @@ class Seeker {
   std::mt19937 random_{7};
   double along_m_;
   double sight_m_;
+  double usual_score_ = 0.0;  // nothing is known of it
   Stamp stamp_{std::chrono::seconds(1'700'000'000)};
 };
 
@@ -132,6 +146,28 @@ TEST(GlobalLocalizerTest, APlaceOfFewPointsIsNotAccepted) {
   for (const double along_m : {30.0, 41.0, 52.0, 63.0}) {
     seeker.DriveTo(along_m);
     EXPECT_FALSE(seeker.Search()) << "at " << along_m;
+  }
+}
+
+TEST(GlobalLocalizerTest, ViewsThatFitNowhereAreForgottenOnceOneFitsAsUsual) {
+  const SyntheticWorld world;
+  const SyntheticWorld elsewhere = Twins(55.0);
+  for (const double usual_score : {0.0, 0.2}) {
+    Seeker seeker(world, MapOf(world), 40.0);
+    seeker.SetUsualScore(usual_score);
+    for (const double along_m : {46.0, 52.0, 58.0}) {
+      EXPECT_FALSE(seeker.SearchSeeing(elsewhere));
+      seeker.DriveTo(along_m);
+    }
+    EXPECT_FALSE(seeker.Search());
+    seeker.DriveTo(64.0);
+    EXPECT_FALSE(seeker.Search()) << "six metres are not ten";
+    seeker.DriveTo(69.0);
+    const auto found = seeker.Continue();
+    ASSERT_EQ(found.has_value(), usual_score > 0.0);
+    if (found) {
+      EXPECT_LT(seeker.ErrorOf(*found), 0.3);
+    }
   }
 }
 
