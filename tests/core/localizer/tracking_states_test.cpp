@@ -142,7 +142,8 @@ TEST(TrackingDoubtTest, ScansThatStillFitALittleLessDoNotEndIt) {
   state.OnFitTrend(FitTrend::kDeclining);
   EXPECT_EQ(state.mode(), TrackingMode::kConfirmed) << "too little to doubt a pose";
   state.OnScanFit(ScanFit::kContradicts);
-  Accept(state, 5);
+  Agree(state, 1);
+  Accept(state, 1);
   Agree(state, 5);
   EXPECT_EQ(state.mode(), TrackingMode::kSuspect);
   state.OnFitTrend(FitTrend::kUsual);
