@@ -6,6 +6,7 @@ namespace dcloc::server {
 namespace {
 
 constexpr std::size_t kMaxWaitingAnswers = 64;
+constexpr std::size_t kMaxWaiting_bytes = 1 << 20;  ///< scans may be large
 
 }  // namespace
 
@@ -33,20 +34,33 @@ void WatchStream::OnFixAnswer(const FixAnswer& answer) {
 
 void WatchStream::OnRelayed(v1::WatchSessionResponse message) { Queue(std::move(message)); }
 
-/// Instead of the oldest one where too many wait; but its rig, which comes once, is not left out.
+/// Instead of the oldest ones where too much waits.
 void WatchStream::Queue(v1::WatchSessionResponse message) {
   const std::lock_guard lock(mutex_);
   if (!is_open()) return;
-  if (waiting_.size() >= kMaxWaitingAnswers) {
-    if (waiting_.front().has_rig()) waiting_[1].mutable_rig()->Swap(waiting_[0].mutable_rig());
-    waiting_.pop_front();
-    ++missed_count_;
-  }
+  waiting_bytes_ += message.ByteSizeLong();
   waiting_.push_back(std::move(message));
+  while (waiting_.size() > 1 &&
+         (waiting_.size() > kMaxWaitingAnswers || waiting_bytes_ > kMaxWaiting_bytes)) {
+    DropOldest();
+  }
   Pump();
 }
 
+/// Not its rig, which comes once.
+void WatchStream::DropOldest() {
+  v1::WatchSessionResponse& oldest = waiting_[0];
+  if (oldest.has_rig()) {
+    *waiting_[1].mutable_rig() = std::move(*oldest.mutable_rig());
+    oldest.clear_rig();
+  }
+  waiting_bytes_ -= oldest.ByteSizeLong();
+  waiting_.pop_front();
+  ++missed_count_;
+}
+
 void WatchStream::OnWrite(v1::WatchSessionResponse& message) {
+  waiting_bytes_ -= message.ByteSizeLong();
   // Some may have been missed before they came here.
   message.set_missed_answer_count(message.missed_answer_count() + missed_count_);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -41,12 +42,14 @@ class WatchStream final : public PushStream<v1::WatchSessionResponse>, public An
   using PushStream::PushStream;
 
   void Queue(v1::WatchSessionResponse message);
+  void DropOldest();
   void OnWrite(v1::WatchSessionResponse& message) override;
 
   bool takes_fix_answers_ = false;
   std::optional<v1::Rig> rig_;  ///< of a session whose scans are wanted
   bool rig_is_queued_ = false;
   std::int64_t missed_count_ = 0;
+  std::size_t waiting_bytes_ = 0;
 };
 
 }  // namespace dcloc::server
