@@ -31,10 +31,11 @@ absl::Status Validate(const AlongTrackRivalOptions& options) {
 }
 
 AlongTrackRivals::AlongTrackRivals(const AlongTrackRivalOptions& options) : options_(options) {
-  for (double offset_m = options.min_offset_m; offset_m <= options.max_offset_m;
-       offset_m += options.step_m) {
+  double offset_m = options.min_offset_m;
+  while (offset_m <= options.max_offset_m) {
     hypotheses_.push_back({.offset_m = offset_m});
     hypotheses_.push_back({.offset_m = -offset_m});
+    offset_m += options.step_m;
   }
   chosen_.reserve(hypotheses_.size());
   chosen_offsets_m_.reserve(1 + hypotheses_.size());

@@ -28,9 +28,11 @@ AzimuthSigns::AzimuthSigns(std::size_t radar_count, const AzimuthSignOptions& op
     : options_(options), radars_(radar_count) {
   const auto offsets = [&](double max_m) {
     std::vector<double> offsets_m = {0.0};
-    for (double m = options.rival_step_m; m <= max_m; m += options.rival_step_m) {
-      offsets_m.push_back(m);
-      offsets_m.push_back(-m);
+    double offset_m = options.rival_step_m;
+    while (offset_m <= max_m) {
+      offsets_m.push_back(offset_m);
+      offsets_m.push_back(-offset_m);
+      offset_m += options.rival_step_m;
     }
     return offsets_m;
   };

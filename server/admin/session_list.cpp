@@ -83,15 +83,17 @@ void MergePages(int page_size, std::vector<ReplicaAnswer<v1::ListSessionsRespons
                 v1::ListSessionsResponse* response) {
   bool more = !response->next_page_token().empty();
   auto& sessions = *response->mutable_sessions();
-  for (auto& [address, status, page] : others) {
-    if (!status.ok()) {
+  for (ReplicaAnswer<v1::ListSessionsResponse>& other : others) {
+    if (!other.status.ok()) {
       v1::ReplicaFault* fault = response->add_unanswered();
-      fault->set_address(address);
-      fault->set_fault(status.error_message());
+      fault->set_address(other.address);
+      fault->set_fault(other.status.error_message());
       continue;
     }
-    more = more || !page.next_page_token().empty();
-    for (v1::Session& session : *page.mutable_sessions()) *sessions.Add() = std::move(session);
+    more = more || !other.response.next_page_token().empty();
+    for (v1::Session& session : *other.response.mutable_sessions()) {
+      *sessions.Add() = std::move(session);
+    }
   }
   std::sort(
       sessions.pointer_begin(), sessions.pointer_end(),
