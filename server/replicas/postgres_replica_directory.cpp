@@ -82,7 +82,7 @@ std::string PostgresReplicaDirectory::own_address() const {
 // Other tasks of the watch, as the holds of maps in use, must not wait for what is wrong with this
 // one alone: only a lost connection is reported.
 absl::Status PostgresReplicaDirectory::Keep(PostgresConnection& connection, bool is_new) {
-  const absl::Status status = RenewAndLook(connection, is_new);
+  absl::Status status = RenewAndLook(connection, is_new);
   if (status.ok() || absl::IsUnavailable(status)) return status;
   spdlog::warn("replicas not kept reason={}", Quoted(status.message()));
   return absl::OkStatus();

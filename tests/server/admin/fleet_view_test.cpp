@@ -61,6 +61,7 @@ TEST_F(FleetViewTest, ATenantIsEnteredAtAllOfThem) {
 
 TEST_F(FleetViewTest, PagesHaveEachSessionOnce) {
   std::vector<std::unique_ptr<TestSession>> sessions;
+  sessions.reserve(9);
   for (int i = 0; i < 9; ++i) {
     sessions.push_back(Drive(i % 3 == 0 ? *a_ : *b_, "car-" + std::to_string(i)));
   }

@@ -113,6 +113,7 @@ TEST_F(BuildReplicasTest, WhatAKilledOneBuiltAnotherBuildsAnew) {
 TEST_F(BuildReplicasTest, EachIsBuiltByOneAndAllSeeIt) {
   b_ = Start("b");
   std::vector<std::string> build_ids;
+  build_ids.reserve(4);
   for (int i = 0; i < 4; ++i) build_ids.push_back(Begin(i % 2 == 0 ? *a_ : *b_, 1).build_id());
   for (const std::string& build_id : build_ids) {
     EXPECT_TRUE(Within(std::chrono::seconds(120),
