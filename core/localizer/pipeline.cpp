@@ -353,11 +353,11 @@ void Pipeline<Dim>::UpdateOdometry(const std::optional<Registered>& registered,
 }
 
 // So uncertain, where the ground repeats, that a registration would find some place that looks
-// alike and call it certain. The search takes all of them.
+// alike and call it certain, further from the right one than rivals are looked for.
 template <int Dim>
 bool Pipeline<Dim>::IsVague() const {
   return tracking_.is_lost() && rivals_.ground_repeats() &&
-         HorizontalSigma(NowInMap().covariance) > options_.tracking.lost_sigma_m;
+         HorizontalSigma(NowInMap().covariance) > options_.along_track_rivals.max_offset_m;
 }
 
 template <int Dim>
