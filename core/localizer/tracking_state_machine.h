@@ -183,15 +183,15 @@ class TrackingStateMachine {
   TrackingMode mode_ = TrackingMode::kSearching;
   ScanAgreement agreement_ = ScanAgreement::kAgree;
   ConfirmationRequirement confirmation_requires_ = ConfirmationRequirement::kRegistrations;
+  FitTrend fit_trend_ = FitTrend::kUsual;
   EvidenceForPlace evidence_ = EvidenceForPlace::kTooLittle;
   AlongTrackObservability observability_ = AlongTrackObservability::kObserved;
   Stamp observability_changed_{};  // when `observability_` last changed
   int accepted_in_a_row_ = 0;
   int refused_in_a_row_ = 0;
   int outliers_in_a_row_ = 0;
-  int agreed_in_a_row_ = 0;                // scans, since the last one that contradicted
-  FitTrend fit_trend_ = FitTrend::kUsual;  // of the scans so far
-  int contradicted_in_a_row_ = 0;          // scans, since the last one that agreed
+  int agreed_in_a_row_ = 0;        // scans, since the last one that contradicted
+  int contradicted_in_a_row_ = 0;  // scans, since the last one that agreed
   std::optional<Stamp> last_registration_;
   double usual_interval_s_ = 0.0;
   std::optional<Stamp> last_accepted_;
