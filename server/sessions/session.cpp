@@ -273,9 +273,9 @@ void Session::OnLocalized(const v1::Scan& message, const Localization& localizat
   std::swap(scan_, last_scan_);
   RememberPose(localization);
   last_resets_ = localization.resets;
-  ChooseLane();
   info_->last_sequence_number = sequence_check_.last_localized();
   info_->last_state = static_cast<int>(localization.state);
+  ChooseLane();
 }
 
 void Session::RememberPose(const Localization& localization) {
@@ -291,10 +291,14 @@ void Session::RememberPose(const Localization& localization) {
                                   .covariance = localization.covariance});
 }
 
-/// A session without a pose searches the map with each scan. It does so on the searchers' threads,
-/// so that no other session waits for it. One with a pose searches with a few scans only.
+/// A session that has not found its place yet, or has lost it, searches the map. It does so on the
+/// searchers' threads, so that no other session waits for it.
 void Session::ChooseLane() {
-  strand_.SetLane(localizer_->has_pose() ? Lane::kQuick : Lane::kLengthy);
+  const int state = info_->last_state;
+  const bool claims_none = state == static_cast<int>(LocalizationState::kInitializing) ||
+                           state == static_cast<int>(LocalizationState::kLost);
+  const bool searches = claims_none || !localizer_->has_pose();
+  strand_.SetLane(searches ? Lane::kLengthy : Lane::kQuick);
 }
 
 void Session::Count(const ScanAnswer& answer) {

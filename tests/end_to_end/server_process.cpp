@@ -66,6 +66,16 @@ double ServerProcess::ResidentMebibytes() const {
   return resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
 
+double ServerProcess::ProcessorSeconds() const {
+  std::ifstream stat("/proc/" + std::to_string(pid_) + "/stat");
+  std::string field;
+  double ticks = 0.0;
+  for (int i = 1; i <= 15 && stat >> field; ++i) {
+    if (i >= 14) ticks += std::stod(field);  // utime and stime; the program's name has no space
+  }
+  return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
 void ServerProcess::Kill() {
   if (pid_ >= 0) End(SIGKILL);
 }

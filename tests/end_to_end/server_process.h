@@ -39,6 +39,9 @@ class ServerProcess {
   /// What it holds in memory, mapped files among it.
   double ResidentMebibytes() const;
 
+  /// Of processors, as user and as system, in steps of 10 ms.
+  double ProcessorSeconds() const;
+
   /// SIGKILL, and waits for the end.
   void Kill();
 

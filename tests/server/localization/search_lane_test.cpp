@@ -28,7 +28,16 @@ double BackgroundCpu_ms() {
   return 1e-6 * static_cast<double>(sum_ns);
 }
 
-void DriveThrough(const TestServer& server, const TownDrive& drive, bool with_prior) {
+struct Searched {
+  double until_tracking_ms = 0.0;
+  double tracking_ms = 0.0;
+};
+
+/// What a whole drive takes of those threads.
+void DriveThrough(const TestServer& server, const TownDrive& drive, bool with_prior,
+                  Searched& searched) {
+  const double begin_ms = BackgroundCpu_ms();
+  double found_ms = 0.0;
   TestSession session(*server.localization);
   v1::OpenSession open = drive.Open();
   if (!with_prior) open.clear_initial_pose();
@@ -38,13 +47,16 @@ void DriveThrough(const TestServer& server, const TownDrive& drive, bool with_pr
   for (const v1::Scan& scan : drive.Scans()) {
     answer = session.Localize(scan);
     ASSERT_TRUE(answer && answer->has_result());
+    const bool is_found = answer->result().state() == v1::LOCALIZATION_STATE_TRACKING;
+    if (is_found && found_ms == 0.0) found_ms = BackgroundCpu_ms();
   }
+  searched = {found_ms - begin_ms, BackgroundCpu_ms() - found_ms};
   EXPECT_EQ(answer->result().state(), v1::LOCALIZATION_STATE_TRACKING);
   session.CloseSending();
   EXPECT_TRUE(session.Finish().ok());
 }
 
-TEST(SearchLaneTest, OnlySearchesOfTheWholeMapGoToIt) {
+TEST(SearchLaneTest, WhoSearchesForItsPlaceIsOnItAndWhoTracksIsNot) {
   if (getpriority(PRIO_PROCESS, 0) == 19) GTEST_SKIP() << "the process is the last already";
   const TownDrive drive;
   ServerConfig config;
@@ -53,17 +65,15 @@ TEST(SearchLaneTest, OnlySearchesOfTheWholeMapGoToIt) {
   v1::UploadMapResponse response;
   const grpc::Status status = UploadMap(*server.maps, HeaderOf(drive.map), drive.map, &response);
   ASSERT_TRUE(status.ok()) << status.error_message();
-
-  const double at_start_ms = BackgroundCpu_ms();
-  DriveThrough(server, drive, /*with_prior=*/true);
-  const double tracked_ms = BackgroundCpu_ms();
-  DriveThrough(server, drive, /*with_prior=*/false);
-  const double searched_ms = BackgroundCpu_ms();
-  // To wake idle threads takes up to a millisecond or so on a busy machine, a drive's searches
-  // twenty.
-  EXPECT_LT(tracked_ms - at_start_ms, 3.0);
-  EXPECT_GT(searched_ms - tracked_ms, 6.0);
-  RecordProperty("searched_ms", std::to_string(searched_ms - tracked_ms));
+  for (const bool with_prior : {true, false}) {
+    Searched searched;
+    DriveThrough(server, drive, with_prior, searched);
+    // To wake idle threads takes up to a millisecond or so on a busy machine.
+    EXPECT_GT(searched.until_tracking_ms, 4.0) << with_prior;
+    EXPECT_LT(searched.tracking_ms, 3.0) << with_prior;
+    RecordProperty(with_prior ? "with_prior_ms" : "without_ms",
+                   std::to_string(searched.until_tracking_ms));
+  }
 }
 
 }  // namespace

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <future>
+#include <latch>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/server/sessions/session_test_parts.h"
@@ -14,7 +17,29 @@ namespace {
 
 using ::testing::HasSubstr;
 
-class SessionTest : public SessionParts {};
+class SessionTest : public SessionParts {
+ protected:
+  /// Where its next task will run.
+  Lane LaneOf(Session& session) {
+    const auto busy = std::make_shared<std::latch>(2);
+    const auto release = std::make_shared<std::latch>(1);
+    for (const Lane lane : {Lane::kQuick, Lane::kLengthy}) {
+      pool_.Post(
+          [busy, release] {
+            busy->count_down();
+            release->wait();
+          },
+          lane);
+    }
+    busy->wait();
+    std::promise<void> done;
+    session.strand().Post([&done] { done.set_value(); });
+    const Lane lane = pool_.queued_count(Lane::kLengthy) > 0 ? Lane::kLengthy : Lane::kQuick;
+    release->count_down();
+    done.get_future().wait();
+    return lane;
+  }
+};
 
 class Watcher final : public AnswerSubscriber {
  public:
@@ -194,18 +219,22 @@ TEST_F(SessionTest, ASearchThatAFixBeginsIsOnTheLaneOfSearches) {
   const auto session = MakeSession();
   script_.has_pose = false;
   TakeFix(*session, FixMessage(1));
-  std::promise<void> busy;
-  std::promise<void> release;
-  pool_.Post(
-      [&busy, released = release.get_future().share()] {
-        busy.set_value();
-        released.wait();
-      },
-      Lane::kLengthy);
-  busy.get_future().wait();
-  session->strand().Post([] {});
-  EXPECT_EQ(pool_.queued_count(Lane::kLengthy), 1U);
-  release.set_value();
+  EXPECT_EQ(LaneOf(*session), Lane::kLengthy);
+}
+
+TEST_F(SessionTest, WhoHasNotFoundItsPlaceOrLostItIsOnTheLaneOfSearches) {
+  const auto session = MakeSession();
+  EXPECT_EQ(LaneOf(*session), Lane::kQuick);
+  std::int64_t number = 0;
+  for (const auto& [state, lane] : {std::pair{LocalizationState::kInitializing, Lane::kLengthy},
+                                    std::pair{LocalizationState::kTracking, Lane::kQuick},
+                                    std::pair{LocalizationState::kDeadReckoning, Lane::kQuick},
+                                    std::pair{LocalizationState::kLost, Lane::kLengthy},
+                                    std::pair{LocalizationState::kTracking, Lane::kQuick}}) {
+    script_.state = state;
+    Answer(*session, ScanMessage(++number));
+    EXPECT_EQ(LaneOf(*session), lane) << static_cast<int>(state);
+  }
 }
 
 TEST_F(SessionTest, WatchersAndRecordersGetFixesInTheirPlace) {
