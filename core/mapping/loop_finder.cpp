@@ -13,6 +13,7 @@ std::span<const OptionField<LoopFinderOptions>> FieldsOf(const LoopFinderOptions
       {"neighbour_count", &O::neighbour_count, 0, 100, "nodes are tied by ego-motion alone"},
       {"min_loop_path_m", &O::min_loop_path_m, 1, 10'000},
       {"near_m", &O::near_m, 0.1, 200},
+      {"max_visit_count", &O::max_visit_count, 1, 100'000},
       {"base_sigma_m", &O::base_sigma_m, 1e-3, 10},
       {"base_sigma_rad", &O::base_sigma_rad, 1e-5, 1},
       {"drift_share", &O::drift_share, 1e-5, 1},
@@ -83,7 +84,7 @@ std::vector<SurveyEdge> LoopFinder::NearLoops(const SurveyGraph& graph, std::siz
   for (const SurveyEdge& loop : graph.loops) known.emplace(loop.from, loop.to);
   std::vector<SurveyEdge> found;
   for (std::size_t node = 0; node < graph.node_count(); node += stride) {
-    for (const Visit& visit : VisitsNear(graph, node)) {
+    for (const Visit& visit : SomeOf(VisitsNear(graph, node), node)) {
       if (known.contains({visit.node, node})) continue;
       const SubmapGuess guess{
           .T_target_live = graph.T_map_nodes[visit.node].Inverse() * graph.T_map_nodes[node],
@@ -128,6 +129,20 @@ std::vector<LoopFinder::Visit> LoopFinder::VisitsNear(const SurveyGraph& graph,
     previous = visit.node;
   }
   return visits;
+}
+
+// Evenly spread over the row. Nodes that follow one another take the same passes, since loops are
+// confirmed by those beside them; others take other ones.
+std::vector<LoopFinder::Visit> LoopFinder::SomeOf(const std::vector<Visit>& visits,
+                                                  std::size_t node) const {
+  constexpr std::size_t kNodesAlike = 16;
+  const auto max_count = static_cast<std::size_t>(options_.max_visit_count);
+  if (visits.size() <= max_count) return visits;
+  std::vector<Visit> some;
+  for (std::size_t i = 0; i < max_count; ++i) {
+    some.push_back(visits[(node / kNodesAlike + i * visits.size() / max_count) % visits.size()]);
+  }
+  return some;
 }
 
 }  // namespace dcloc

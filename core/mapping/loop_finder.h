@@ -20,6 +20,9 @@ struct LoopFinderOptions {
   /// Nodes of one drive are a loop only over a longer path than this; before, they are neighbours.
   double min_loop_path_m = 80.0;
   double near_m = 12.0;  ///< middles of sub-maps that may show the same ground
+  /// Of the times that drives pass near a node, it is registered with so many at most.
+  /// Which ones differs from street to street, so that each pass is tied to many others.
+  int max_visit_count = 8;
   // The standard deviation of one node from another grows with the length of the path between them.
   double base_sigma_m = 0.1;      ///< of the position, without a path
   double base_sigma_rad = 0.003;  ///< of the heading, without a path
@@ -46,8 +49,8 @@ class LoopFinder {
 
   /// Registrations of nodes that lie near one another by what is known so far, within and between
   /// drives that are joined: of every `stride`-th node, with the nearest node of each time that a
-  /// drive passes there. None twice. `progress` gets the share done
-  /// and returns whether to go on.
+  /// drive passes there, as far as `max_visit_count` allows. None twice. `progress` gets the share
+  /// done and returns whether to go on.
   std::vector<SurveyEdge> NearLoops(const SurveyGraph& graph, std::size_t stride,
                                     const std::function<bool(double)>& progress);
 
@@ -62,6 +65,7 @@ class LoopFinder {
     double distance_m;  // between the middles of the sub-maps
   };
   std::vector<Visit> VisitsNear(const SurveyGraph& graph, std::size_t node) const;
+  std::vector<Visit> SomeOf(const std::vector<Visit>& visits, std::size_t node) const;
   double SigmaAfter(double path_length_m) const {
     return options_.base_sigma_m + options_.drift_share * path_length_m;
   }

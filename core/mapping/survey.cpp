@@ -1,9 +1,8 @@
 #include "core/mapping/survey.h"
 
 #include <algorithm>
-#include <chrono>
+#include <cstdint>
 #include <functional>
-#include <iterator>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/mapping/fix_alignment.h"
+#include "core/mapping/fix_ties.h"
 #include "core/mapping/survey_graph.h"
 
 namespace dcloc {
@@ -42,16 +42,27 @@ std::string WhyUseless(const DriveTrack& track, const SurveyOptions& options) {
 class Surveyor {
  public:
   Surveyor(std::vector<const DriveTrack*> tracks, const SurveyOptions& options,
-           const SurveyProgress& progress)
-      : options_(options), progress_(progress), graph_(std::move(tracks)), finder_(options.loops) {}
+           const SurveyProgress& progress, SurveyCheckpointStore* checkpoints)
+      : options_(options),
+        progress_(progress),
+        checkpoints_(checkpoints),
+        graph_(std::move(tracks)),
+        finder_(options.loops) {}
 
   absl::Status Run(const std::vector<NodeFix>& fixes) {
-    absl::Status status = TieNeighbours();
-    if (status.ok()) status = CloseLoops(options_.coarse_stride, "closing loops");
-    if (status.ok()) status = JoinDrives();
-    if (status.ok()) status = PlaceByFixes(fixes);
-    for (int round = 0; round < options_.refine_rounds && status.ok(); ++round) {
-      status = CloseLoops(1, "refining");
+    std::vector<std::function<absl::Status()>> stages = {
+        [&] { return TieNeighbours(); },
+        [&] { return CloseLoops(options_.coarse_stride, "closing loops"); },
+        [&] { return JoinDrives(); }, [&] { return PlaceByFixes(fixes); }};
+    for (int round = 0; round < options_.refine_rounds; ++round) {
+      stages.emplace_back([&] { return CloseLoops(1, "refining"); });
+    }
+    const std::uint32_t input = checkpoints_ == nullptr ? 0 : InputOf(graph_.tracks(), fixes);
+    absl::Status status = GoOn(input);
+    for (std::size_t i = finished_stage_count_; i < stages.size() && status.ok(); ++i) {
+      status = stages[i]();
+      finished_stage_count_ = i + 1;
+      if (status.ok()) status = Keep(input);
     }
     return status;
   }
@@ -67,6 +78,46 @@ class Surveyor {
   absl::Status Continue(const char* stage, double share) const {
     if (progress_(stage, share)) return absl::OkStatus();
     return absl::CancelledError("the survey was stopped");
+  }
+
+  // From the stage after the last one that was kept.
+  absl::Status GoOn(std::uint32_t input) {
+    if (checkpoints_ == nullptr) return absl::OkStatus();
+    const absl::StatusOr<std::vector<std::byte>> bytes = checkpoints_->Read();
+    if (!bytes.ok() || bytes->empty()) return bytes.status();
+    absl::StatusOr<SurveyCheckpoint> kept =
+        CheckpointFromBytes(*bytes, input, graph_.node_count(), graph_.drive_count());
+    if (!kept.ok()) {
+      const absl::Status& status = kept.status();
+      return {status.code(), absl::StrCat(checkpoints_->name(), ": ", status.message())};
+    }
+    finished_stage_count_ = kept->finished_stage_count;
+    graph_.T_map_nodes = std::move(kept->T_map_nodes);
+    graph_.neighbours = std::move(kept->neighbours);
+    graph_.loops = std::move(kept->loops);
+    graph_.fixes = std::move(kept->fixes);
+    T_start_nodes_ = std::move(kept->T_start_nodes);
+    refused_ = std::move(kept->refused_loops);
+    unconfirmed_count_ = kept->unconfirmed_count;
+    accepted_fix_count_ = kept->accepted_fix_count;
+    findings_ = std::move(kept->findings);
+    return absl::OkStatus();
+  }
+
+  absl::Status Keep(std::uint32_t input) const {
+    if (checkpoints_ == nullptr) return absl::OkStatus();
+    return checkpoints_->Write(
+        ToBytes({.finished_stage_count = static_cast<std::uint32_t>(finished_stage_count_),
+                 .T_map_nodes = graph_.T_map_nodes,
+                 .T_start_nodes = T_start_nodes_,
+                 .neighbours = graph_.neighbours,
+                 .loops = graph_.loops,
+                 .refused_loops = refused_,
+                 .fixes = graph_.fixes,
+                 .unconfirmed_count = unconfirmed_count_,
+                 .accepted_fix_count = accepted_fix_count_,
+                 .findings = findings_},
+                input));
   }
 
   absl::Status TieNeighbours() {
@@ -201,6 +252,8 @@ class Surveyor {
 
   const SurveyOptions& options_;
   const SurveyProgress& progress_;
+  SurveyCheckpointStore* const checkpoints_;  // may be null
+  std::size_t finished_stage_count_ = 0;
   SurveyGraph graph_;
   LoopFinder finder_;
   std::vector<Pose2> T_start_nodes_;
@@ -222,38 +275,6 @@ SurveyLoop Describe(const SurveyEdge& loop, const SurveyGraph& graph,
           .T_from_to = loop.T_from_to.pose,
           .squared_distance = SquaredDistance(loop, graph.T_map_nodes),
           .is_accepted = is_accepted};
-}
-
-// The vehicle between two scans, at a steady motion.
-Pose2 Between(const TrackedScan& before, const TrackedScan& after, Stamp stamp) {
-  const double share = std::chrono::duration<double>(stamp - before.stamp) /
-                       std::chrono::duration<double>(after.stamp - before.stamp);
-  const Pose2 moved = before.T_odometry_vehicle.Inverse() * after.T_odometry_vehicle;
-  return before.T_odometry_vehicle * Exp(Eigen::Vector3d(share * Log(moved)));
-}
-
-// Each fix at the node before it. Those outside of the drives' time are left out.
-std::vector<NodeFix> TieFixes(std::span<const SurveyFix> fixes,
-                              const std::vector<std::size_t>& track_of, const SurveyGraph& graph) {
-  std::vector<NodeFix> ties;
-  for (const SurveyFix& fix : fixes) {
-    const auto drive = std::ranges::find(track_of, fix.drive);
-    if (drive == track_of.end()) continue;
-    const auto index = static_cast<std::size_t>(drive - track_of.begin());
-    const DriveTrack& track = graph.track(index);
-    const auto scan = std::ranges::lower_bound(track.scans, fix.stamp, {}, &TrackedScan::stamp);
-    if (scan == track.scans.end() || scan == track.scans.begin()) continue;
-    const auto next = std::ranges::upper_bound(track.nodes, fix.stamp, {}, &SurveyNode::stamp);
-    const std::size_t node =
-        next == track.nodes.begin() ? 0 : static_cast<std::size_t>(next - track.nodes.begin()) - 1;
-    const Pose2 T_node_vehicle =
-        track.nodes[node].T_odometry_node.Inverse() * Between(*std::prev(scan), *scan, fix.stamp);
-    ties.push_back({.node = graph.NodeAt({index, node}),
-                    .p_node = T_node_vehicle.translation_m,
-                    .p_map = fix.p_map,
-                    .sigma_m = fix.sigma_m});
-  }
-  return ties;
 }
 
 // For each drive the first one of those that lie in one frame with it: by edges or by fixes.
@@ -335,7 +356,8 @@ absl::Status Validate(const SurveyOptions& options) {
 
 absl::StatusOr<Survey> SurveyDrives(std::span<const DriveTrack> tracks,
                                     std::span<const SurveyFix> fixes, const SurveyOptions& options,
-                                    const SurveyProgress& progress) {
+                                    const SurveyProgress& progress,
+                                    SurveyCheckpointStore* checkpoints) {
   if (absl::Status status = Validate(options); !status.ok()) return status;
   std::vector<SurveyedDrive> drives;
   std::vector<std::size_t> track_of;  // of each drive that is fit
@@ -353,7 +375,7 @@ absl::StatusOr<Survey> SurveyDrives(std::span<const DriveTrack> tracks,
                        absl::StrAppend(text, drive.name, ": ", drive.reason);
                      })));
   }
-  Surveyor surveyor(std::move(fit), options, progress);
+  Surveyor surveyor(std::move(fit), options, progress, checkpoints);
   const std::vector<NodeFix> ties = TieFixes(fixes, track_of, surveyor.graph());
   if (absl::Status status = surveyor.Run(ties); !status.ok()) return status;
   Survey survey = Collect(surveyor, track_of, std::move(drives));

@@ -12,6 +12,7 @@
 #include "core/mapping/loop_finder.h"
 #include "core/mapping/pairwise_consistency.h"
 #include "core/mapping/place_finder.h"
+#include "core/mapping/survey_checkpoint.h"
 #include "core/mapping/survey_graph_solver.h"
 
 namespace dcloc {
@@ -76,8 +77,13 @@ using SurveyProgress = std::function<bool(const char* stage, double share)>;
 /// neighbouring nodes give each drive's trajectory. Registrations of what was passed again, and
 /// place search between drives, close loops. Those that others confirm enter a pose graph, which
 /// leaves out what contradicts it. FailedPrecondition when no drive is left, and says why.
+///
+/// With `checkpoints` it keeps what each stage found there, and goes on from what it finds there:
+/// the survey of the same drives and fixes, whose result is the same to the bit. Errors of the
+/// store, and of `CheckpointFromBytes`.
 absl::StatusOr<Survey> SurveyDrives(std::span<const DriveTrack> tracks,
                                     std::span<const SurveyFix> fixes, const SurveyOptions& options,
-                                    const SurveyProgress& progress);
+                                    const SurveyProgress& progress,
+                                    SurveyCheckpointStore* checkpoints = nullptr);
 
 }  // namespace dcloc

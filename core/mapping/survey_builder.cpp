@@ -53,8 +53,10 @@ absl::Status SurveyBuilder::TrackDrive(std::size_t index) {
   return absl::OkStatus();
 }
 
-absl::Status SurveyBuilder::Place(std::span<const SurveyFix> fixes) {
-  absl::StatusOr<Survey> survey = SurveyDrives(tracks_, fixes, options_.survey, progress_);
+absl::Status SurveyBuilder::Place(std::span<const SurveyFix> fixes,
+                                  SurveyCheckpointStore* checkpoints) {
+  absl::StatusOr<Survey> survey =
+      SurveyDrives(tracks_, fixes, options_.survey, progress_, checkpoints);
   if (!survey.ok()) return survey.status();
   survey_ = *std::move(survey);
   return absl::OkStatus();

@@ -33,7 +33,8 @@ class SurveyBuilder {
   const std::vector<DriveTrack>& tracks() const { return tracks_; }
 
   /// `SurveyDrives` of the tracks.
-  absl::Status Place(std::span<const SurveyFix> fixes);
+  absl::Status Place(std::span<const SurveyFix> fixes,
+                     SurveyCheckpointStore* checkpoints = nullptr);
   const Survey& survey() const { return survey_; }
 
   /// Reads those that are in the map again; gives the map file's bytes. Each drive is a pass.

@@ -41,6 +41,7 @@ class SurveyGraph {
   std::size_t node_count() const { return T_map_nodes.size(); }
   std::size_t drive_count() const { return tracks_.size(); }
   const DriveTrack& track(std::size_t drive) const { return *tracks_[drive]; }
+  std::span<const DriveTrack* const> tracks() const { return tracks_; }
 
   /// Poses of one drive's nodes.
   std::vector<Pose2> PosesOf(std::size_t drive) const;

@@ -32,6 +32,10 @@ void AddMapSurveyCommand(CLI::App& map_command, int& exit_code) {
   app->add_option("--out", arguments->out, "Map file to write")->required()->type_name("FILE");
   app->add_option("--report", arguments->report, "Page to write on drives and loops")
       ->type_name("HTML");
+  app->add_option("--checkpoint", arguments->checkpoint,
+                  "Keep there what each stage found. A survey that was stopped goes on from it; it "
+                  "goes once the map is written")
+      ->type_name("FILE");
   AddTrajectoryOptions(*app, arguments->trajectory);
   app->add_flag("--compare-truth", arguments->compare_truth,
                 "Say how far the result is from the data set's reference poses, which the survey "

@@ -14,6 +14,7 @@
 #include "client/cli/map/dataset_drives.h"
 #include "client/cli/map/map_files.h"
 #include "client/cli/map/map_report.h"
+#include "client/cli/map/survey_checkpoint_file.h"
 #include "client/cli/map/survey_fixes.h"
 #include "client/cli/map/survey_judge.h"
 #include "client/cli/map/survey_page.h"
@@ -31,17 +32,20 @@ class SurveyRun {
 
   absl::Status Run() {
     absl::Status status = CheckTrajectory(arguments_.trajectory, !arguments_.fix_files.empty());
-    status.Update(CheckFolders({arguments_.out, arguments_.report}));
+    status.Update(CheckFolders({arguments_.out, arguments_.report, arguments_.checkpoint}));
     if (status.ok()) status = builder_.Track();
     if (!status.ok()) return status;
     auto fixes = ReadSurveyFixes(arguments_.fix_files, builder_.tracks(), arguments_.anchor);
     if (!fixes.ok()) return fixes.status();
-    status = builder_.Place(fixes->fixes);
+    const bool keeps = !arguments_.checkpoint.empty();
+    status = builder_.Place(fixes->fixes, keeps ? &checkpoint_ : nullptr);
     if (status.ok()) status = WriteMap(fixes->anchor);
     if (status.ok()) status = WritePoses();
     if (status.ok()) status = WritePage();
-    if (status.ok()) Report();
-    return status;
+    if (!status.ok()) return status;
+    if (keeps) checkpoint_.Remove();
+    Report();
+    return absl::OkStatus();
   }
 
  private:
@@ -116,6 +120,7 @@ class SurveyRun {
   }
 
   const SurveyArguments& arguments_;
+  SurveyCheckpointFile checkpoint_{arguments_.checkpoint};
   StageLine line_;
   std::vector<std::vector<TrajectoryPose>> references_;  ///< of the drives, to be compared with
   DatasetDrives source_{arguments_.dataset, arguments_.request, arguments_.drives,

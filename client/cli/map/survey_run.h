@@ -22,6 +22,7 @@ struct SurveyArguments {
   std::string name;
   std::string out;
   std::string report;
+  std::string checkpoint;  ///< file of how far it has come; empty for none
   TrajectoryArguments trajectory;
   bool compare_truth = false;
   bool json = false;

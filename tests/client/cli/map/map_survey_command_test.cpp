@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -42,6 +43,21 @@ TEST_F(MapSurveyCommandTest, SurveyWritesNothingWhenNothingMoved) {
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_THAT(none.err, HasSubstr("map: it moved"));
   EXPECT_FALSE(std::filesystem::exists(File("none.dclm")));
+}
+
+TEST_F(MapSurveyCommandTest, ACheckpointGoesOnceTheMapIsThere) {
+  const std::string command = "map survey " + Dataset() + " --drive map --out " + File("k.dclm") +
+                              " --checkpoint " + File("k.checkpoint");
+  std::ofstream(File("k.checkpoint")) << "no checkpoint";
+  const Result refused = Dcloc(command);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr(File("k.checkpoint") + ": no checkpoint of a survey"));
+  EXPECT_FALSE(std::filesystem::exists(File("k.dclm")));
+  EXPECT_TRUE(std::filesystem::remove(File("k.checkpoint")));
+  const Result made = Dcloc(command);
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_TRUE(std::filesystem::exists(File("k.dclm")));
+  EXPECT_FALSE(std::filesystem::exists(File("k.checkpoint")));
 }
 
 }  // namespace
