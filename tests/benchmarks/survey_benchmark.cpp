@@ -1,5 +1,6 @@
 // Maps of drives without poses, beside maps of the same drives at their true poses.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -16,6 +17,7 @@
 #include "core/localizer/localizer.h"
 #include "core/map/map_builder.h"
 #include "core/mapping/survey_builder.h"
+#include "tests/benchmarks/inputs.h"
 
 namespace dcloc::benchmarks {
 namespace {
@@ -126,72 +128,137 @@ struct Localized {
   double tracking_share = 0.0;
 };
 
-/// A drive in a map whose frame lies so in that of the truth.
-Localized LocalizeIn(const std::vector<std::byte>& bytes, const Pose2& T_truth_map,
+/// A drive in a map, in which the vehicle was at `T_map_vehicles` at its scans.
+Localized LocalizeIn(const std::vector<std::byte>& bytes, const std::vector<Pose3>& T_map_vehicles,
                      const Drive& drive) {
   const auto map = RadarMap::FromBytes(bytes).value();
-  const Pose3 T_map_truth = Embed(T_truth_map.Inverse());
-  InitialPose prior{.T_map_vehicle = T_map_truth * drive.scans.front().T_map_vehicle,
-                    .covariance = 0.25 * Matrix6d::Identity()};
+  Vector6d sigmas;
+  sigmas << 0.5, 0.5, 0.5, 0.035, 0.035, 0.035;  // of position [m] and rotation [rad]
+  const InitialPose prior{T_map_vehicles.front(), sigmas.cwiseAbs2().asDiagonal()};
   Localizer localizer = Localizer::Create(map, drive.rig, prior).value();
   std::vector<double> errors_m;
-  for (const DriveScan& entry : drive.scans) {
-    const auto answer = localizer.Localize(entry.scan);
-    if (!answer.ok() || answer->state != LocalizationState::kTracking) continue;
-    const Pose3 T_map_vehicle = T_map_truth * entry.T_map_vehicle;
+  double tracking_count = 0.0;
+  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+    const auto answer = localizer.Localize(drive.scans[i].scan);
+    if (!answer.ok() || (answer->state != LocalizationState::kTracking &&
+                         answer->state != LocalizationState::kDeadReckoning)) {
+      continue;
+    }
+    tracking_count += answer->state == LocalizationState::kTracking ? 1.0 : 0.0;
     errors_m.push_back(
-        (answer->T_map_vehicle.translation_m - T_map_vehicle.translation_m).head<2>().norm());
+        (answer->T_map_vehicle.translation_m - T_map_vehicles[i].translation_m).head<2>().norm());
   }
   if (errors_m.empty()) return {};
   std::ranges::sort(errors_m);
   return {.median_m = errors_m[errors_m.size() / 2],
           .p95_m = errors_m[errors_m.size() * 95 / 100],
-          .tracking_share =
-              static_cast<double>(errors_m.size()) / static_cast<double>(drive.scans.size())};
+          .tracking_share = tracking_count / static_cast<double>(drive.scans.size())};
 }
 
-void Run(std::uint64_t seed, int radar_count) {
-  const SimulationOptions options = Town(seed, radar_count);
+/// By the data set, in a map that lies so in its frame.
+std::vector<Pose3> TrueIn(const Pose2& T_truth_map, const Drive& drive) {
+  std::vector<Pose3> poses;
+  for (const DriveScan& entry : drive.scans) {
+    poses.push_back(Embed(T_truth_map.Inverse()) * entry.T_map_vehicle);
+  }
+  return poses;
+}
+
+/// By the survey, of a drive whose other radars it was made with.
+std::vector<Pose3> SurveyedIn(const SurveyBuilder& builder, const Drive& drive) {
+  const DriveTrack& track = builder.tracks()[0];
+  const std::vector<Pose2>& T_map_nodes = builder.survey().drives[0].T_map_nodes;
+  std::vector<Pose3> poses;
+  std::size_t next = 1;
+  for (const DriveScan& entry : drive.scans) {
+    while (next + 1 < track.scans.size() && track.scans[next].stamp < entry.scan.stamp) ++next;
+    const TrackedScan& before = track.scans[next - 1];
+    const TrackedScan& after = track.scans[next];
+    const double share = std::chrono::duration<double>(entry.scan.stamp - before.stamp) /
+                         std::chrono::duration<double>(after.stamp - before.stamp);
+    const Pose2 T_map_before = PlaceScan(track, T_map_nodes, before);
+    const Pose2 moved = T_map_before.Inverse() * PlaceScan(track, T_map_nodes, after);
+    poses.push_back(Embed(T_map_before * Exp(Eigen::Vector3d(share * Log(moved)))));
+  }
+  return poses;
+}
+
+/// Surveys `drives`, and localizes `judge` in what comes of it. `is_same_drive` where that is the
+/// only one of them by other radars.
+void SurveyAndJudge(const std::string& name, const std::vector<Drive>& drives, const Drive& judge,
+                    bool is_same_drive) {
+  WholeDrives source(drives);
+  SurveyBuilder builder(source, [](const char*, double) { return true; });
+  absl::Status status = builder.Track();
+  if (status.ok()) status = builder.Place({});
+  if (!status.ok()) {
+    std::printf("%-16s %s\n", name.c_str(), status.ToString().c_str());
+    return;
+  }
+  const Judgement judgement = Judge(builder, drives);
+  const std::vector<std::byte> map = builder.Fuse({.name = "survey"}).value();
+  const Localized surveyed = LocalizeIn(map, TrueIn(judgement.T_truth_map, judge), judge);
+  const Localized truth = LocalizeIn(MapOfTruth(drives), TrueIn({}, judge), judge);
+  std::printf(
+      "%-16s %6zu %6zu %8.3f %8.3f %6.2f %6zu %5zu   %6.3f %6.3f %5.1f   %6.3f %6.3f %5.1f\n",
+      name.c_str(), drives[0].rig.radars.size(), judgement.drive_count, judgement.before_loops_m,
+      judgement.rmse_m, 1e3 * (judgement.scale - 1.0), judgement.loop_count, judgement.wrong_count,
+      surveyed.median_m, surveyed.p95_m, 100.0 * surveyed.tracking_share, truth.median_m,
+      truth.p95_m, 100.0 * truth.tracking_share);
+  if (is_same_drive) {
+    const Localized own = LocalizeIn(map, SurveyedIn(builder, judge), judge);
+    std::printf("%-16s beside where the survey has the vehicle then: p50 %.3f m, p95 %.3f m\n",
+                name.c_str(), own.median_m, own.p95_m);
+  }
+  std::fflush(stdout);
+}
+
+void SurveyTown(std::uint64_t seed, int radar_count, bool both_ways) {
+  SimulationOptions options = Town(seed, radar_count);
+  options.both_ways = both_ways;
   std::vector<Drive> drives;
   for (const PassOptions& pass : Passes(options)) {
     drives.push_back(SimulatePass(options, pass).value());
   }
   const Drive judge = std::move(drives.back());
   drives.pop_back();
-  WholeDrives source(drives);
-  SurveyBuilder builder(source, [](const char*, double) { return true; });
-  absl::Status status = builder.Track();
-  if (status.ok()) status = builder.Place({});
-  if (!status.ok()) {
-    std::printf("%-5lu %s\n", static_cast<unsigned long>(seed), status.ToString().c_str());
-    return;
+  SurveyAndJudge(std::to_string(seed), drives, judge, /*is_same_drive=*/false);
+}
+
+/// What the radars that look the other way make of a recorded drive, without its poses.
+void SurveyRecordings() {
+  const std::vector<Case> cases = RecordedCases();
+  if (cases.empty()) std::fprintf(stderr, "skipped: DCLOC_DATA names no recordings\n");
+  for (const Case& recorded : cases) {
+    SurveyAndJudge(recorded.name, {recorded.map_drive}, recorded.live_drive,
+                   /*is_same_drive=*/true);
   }
-  const Judgement judgement = Judge(builder, drives);
-  const Localized surveyed =
-      LocalizeIn(builder.Fuse({.name = "survey"}).value(), judgement.T_truth_map, judge);
-  const Localized truth = LocalizeIn(MapOfTruth(drives), {}, judge);
-  std::printf(
-      "%-5lu %6d %6zu %8.3f %8.3f %6.2f %6zu %5zu   %6.3f %6.3f %5.1f   %6.3f %6.3f %5.1f\n",
-      static_cast<unsigned long>(seed), radar_count, judgement.drive_count,
-      judgement.before_loops_m, judgement.rmse_m, 1e3 * (judgement.scale - 1.0),
-      judgement.loop_count, judgement.wrong_count, surveyed.median_m, surveyed.p95_m,
-      100.0 * surveyed.tracking_share, truth.median_m, truth.p95_m, 100.0 * truth.tracking_share);
-  std::fflush(stdout);
 }
 
 }  // namespace
 }  // namespace dcloc::benchmarks
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::fprintf(stderr, "usage: %s RADARS SEED...\n", argv[0]);
+  using namespace dcloc::benchmarks;
+  const std::string kind = argc > 1 ? argv[1] : "";
+  if (kind != "recordings" && argc < 3) {
+    std::fprintf(stderr,
+                 "usage: %s RADARS SEED...     towns, all drives the same way round\n"
+                 "       %s RADARS both SEED... towns, every second drive the other way round\n"
+                 "       %s recordings\n",
+                 argv[0], argv[0], argv[0]);
     return 2;
   }
-  std::printf("%-5s %6s %6s %8s %8s %6s %6s %5s   %s\n", "seed", "radars", "drives", "before m",
-              "rmse m", "per mil", "loops", "wrong",
+  std::printf("%-16s %6s %6s %8s %8s %6s %6s %5s   %s\n", "seed or drive", "radars", "drives",
+              "before m", "rmse m", "per mil", "loops", "wrong",
               "p50 m, p95 m, tracking % in it; at true poses");
-  for (int i = 2; i < argc; ++i) {
-    dcloc::benchmarks::Run(std::strtoull(argv[i], nullptr, 10), std::atoi(argv[1]));
+  if (kind == "recordings") {
+    SurveyRecordings();
+    return 0;
+  }
+  const bool both_ways = std::string(argv[2]) == "both";
+  for (int i = both_ways ? 3 : 2; i < argc; ++i) {
+    SurveyTown(std::strtoull(argv[i], nullptr, 10), std::atoi(argv[1]), both_ways);
   }
   return 0;
 }
