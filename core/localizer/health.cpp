@@ -24,7 +24,8 @@ Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& 
       .wheel_speed = ego_motion.wheel_speed(), .yaw_rate = ego_motion.yaw_rate(), .radars = {}};
   for (std::size_t i = 0; i < learned_rig.rig().radars.size(); ++i) {
     SourceFault fault = radar_monitor.FaultOf(i, stamp);
-    const bool says_something = fault != SourceFault::kSilent && fault != SourceFault::kDoppler;
+    const bool says_something = fault != SourceFault::kSilent && fault != SourceFault::kFrozen &&
+                                fault != SourceFault::kDoppler;
     if (fault == SourceFault::kNone) fault = learned_rig.FaultOf(i, stamp);
     if (fault == SourceFault::kNone && azimuth_signs.IsMirrored(i)) fault = SourceFault::kMount;
     if (fault == SourceFault::kNone) fault = FaultOf(range_rate_scales.Whole(i));

@@ -10,6 +10,7 @@
 #include "core/localizer/recent_answers.h"
 #include "core/localizer/stamp_monitor.h"
 #include "core/localizer/time_base.h"
+#include "core/radar/scan_fingerprint.h"
 #include "core/radar/stamp.h"
 #include "core/registration/gicp_registration.h"
 
@@ -80,7 +81,7 @@ absl::StatusOr<Localization> Localizer::Impl::Localize(const Scan& scan,
                                                        LocalizerWorkspace& workspace,
                                                        StageListener* listener) {
   if (absl::Status status = Validate(scan, pipeline->rig()); !status.ok()) return status;
-  const std::uint64_t fingerprint = RecentAnswers::Fingerprint(scan);
+  const std::uint64_t fingerprint = FingerprintOf(scan);
   if (const Localization* answer = recent_answers.Find(fingerprint)) return *answer;
   absl::StatusOr<Localization> answer = LocalizeNew(scan, workspace, listener);
   if (answer.ok() && answer->learned) AddClocksTo(*answer->learned);

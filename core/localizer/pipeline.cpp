@@ -75,7 +75,7 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& sent, const TimeBase::ScanT
   const std::size_t radar_index = radars_.learned.IndexOf(sent.radar_id);
   const RadarModel& radar = radars_.learned.rig().radars[radar_index];
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  const Scan& scan = Corrected(sent, workspace);
+  const Scan& scan = Corrected(Fresh(sent, radar_index, workspace), workspace);
 
   Announce(listener, Stage::kCompensation);  // eq 6, 9-11
   const Scan& of_motion = TellingMotion(scan, workspace);
@@ -145,7 +145,8 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   if (!moment) return answer;
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  Compensate(Corrected(scan, workspace), stamp, moment->velocity, workspace);
+  Compensate(Corrected(Fresh(scan, radar_index, workspace), workspace), stamp, moment->velocity,
+             workspace);
   const std::vector<RadarPoint>& points = workspace.static_points;
   if (IsTrusted(radar_index, stamp)) {
     const bool is_kept = live_.submap.Insert(stamp, static_cast<int>(radar_index), points);

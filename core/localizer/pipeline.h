@@ -23,6 +23,7 @@
 #include "core/odometry/ego_motion.h"
 #include "core/odometry/learned_rig.h"
 #include "core/odometry/range_rate_scales.h"
+#include "core/radar/repeated_targets.h"
 #include "core/registration/map_matcher.h"
 #include "core/relocalization/relocalizer.h"
 #include "core/submap/submap.h"
@@ -138,6 +139,8 @@ class Pipeline final : public AnyPipeline {
   void CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspace);
   // Whether the sign has changed: then the scan's points are dropped.
   bool LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& workspace);
+  // `sent`, without targets that its radar sent before.
+  const Scan& Fresh(const Scan& sent, std::size_t radar_index, Workspace<Dim>& workspace);
   // `scan` itself, or a copy in `workspace` with the sign of azimuths and the scale of range rates
   // that were learned.
   const Scan& Corrected(const Scan& scan, Workspace<Dim>& workspace) const;
@@ -180,6 +183,7 @@ class Pipeline final : public AnyPipeline {
     Radars(Rig described, const LocalizerOptions& options, const MapInfo& map)
         : learned(std::move(described), options.learned_rig),
           monitor(learned.rig().radars.size(), options.radar_monitor),
+          repeated_targets(learned.rig().radars.size()),
           azimuth_signs(learned.rig().radars.size(), options.azimuth_signs),
           range_rate_scales(learned.rig().radars.size(), options.range_rate_scales),
           scan_checker(learned.rig().radars.size(), options.map_fit) {
@@ -188,6 +192,7 @@ class Pipeline final : public AnyPipeline {
 
     LearnedRig learned;
     RadarMonitor monitor;
+    RepeatedTargets repeated_targets;
     AzimuthSigns azimuth_signs;
     RangeRateScales range_rate_scales;
     ScanChecker<Dim> scan_checker;

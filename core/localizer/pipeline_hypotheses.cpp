@@ -30,6 +30,23 @@ void ReverseYawRate(Scan& scan) {
   for (MotionTick& tick : scan.ticks) tick.yaw_rate_radps *= -1.0;
 }
 
+// What is left of a scan: its moment, and what the vehicle says of its motion.
+Scan WithoutTargets(const Scan& scan) {
+  return {.stamp = scan.stamp,
+          .radar_id = scan.radar_id,
+          .ego_velocity = scan.ego_velocity,
+          .ticks = scan.ticks};
+}
+
+// Nothing that a standing vehicle's radar sees moves, or hardly anything.
+bool SeesMotion(const Scan& scan) {
+  constexpr float kStanding_mps = 0.5F;
+  const auto moving_count = std::ranges::count_if(scan.range_rate_mps, [](float range_rate_mps) {
+    return std::abs(range_rate_mps) > kStanding_mps;
+  });
+  return static_cast<std::size_t>(2 * moving_count) > scan.size();
+}
+
 }  // namespace
 
 // METHOD eq 50. Where the vehicle really is, static points lie on landmarks: how they fit at the
@@ -113,6 +130,21 @@ bool Pipeline<Dim>::LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& wo
   return true;
 }
 
+// Where nothing moves, the same targets may really be seen again.
+template <int Dim>
+const Scan& Pipeline<Dim>::Fresh(const Scan& sent, std::size_t radar_index,
+                                 Workspace<Dim>& workspace) {
+  constexpr double kStanding_mps = 0.5;
+  const std::optional<EgoVelocity>& velocity = ego_motion_.velocity();
+  const bool moves = velocity && velocity->linear_mps.norm() > kStanding_mps;
+  const bool repeats =
+      radars_.repeated_targets.OnScan(radar_index, sent) && (moves || SeesMotion(sent));
+  radars_.monitor.ReportRepeats(radar_index, repeats);
+  if (!repeats) return sent;
+  workspace.fresh_scan = WithoutTargets(sent);
+  return workspace.fresh_scan;
+}
+
 template <int Dim>
 const Scan& Pipeline<Dim>::Corrected(const Scan& scan, Workspace<Dim>& workspace) const {
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
@@ -133,10 +165,7 @@ const Scan& Pipeline<Dim>::Corrected(const Scan& scan, Workspace<Dim>& workspace
 template <int Dim>
 const Scan& Pipeline<Dim>::TellingMotion(const Scan& scan, Workspace<Dim>& workspace) const {
   if (radars_.range_rate_scales.TellsMotion(radars_.learned.IndexOf(scan.radar_id))) return scan;
-  workspace.motionless_scan = {.stamp = scan.stamp,
-                               .radar_id = scan.radar_id,
-                               .ego_velocity = scan.ego_velocity,
-                               .ticks = scan.ticks};
+  workspace.motionless_scan = WithoutTargets(scan);
   return workspace.motionless_scan;
 }
 
@@ -150,6 +179,8 @@ const Scan& Pipeline<Dim>::AsMeasured(const Scan& scan, const EgoVelocity& ego_v
   return workspace.measured_scan;
 }
 
+template const Scan& Pipeline<2>::Fresh(const Scan&, std::size_t, Workspace<2>&);
+template const Scan& Pipeline<3>::Fresh(const Scan&, std::size_t, Workspace<3>&);
 template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>&);
 template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>&);
 template void Pipeline<2>::CompareAlongTrackRivals(ScanFit, Workspace<2>&);

@@ -6,8 +6,6 @@
 #include "core/radar/radar_model.h"
 
 namespace dcloc {
-namespace {}  // namespace
-
 std::span<const OptionField<RadarMonitorOptions>> FieldsOf(const RadarMonitorOptions& /*options*/) {
   using O = RadarMonitorOptions;
   static constexpr OptionField<O> kFields[] = {
@@ -77,6 +75,7 @@ bool RadarMonitor::IsSilent(const Watched& radar, Stamp stamp) const {
 SourceFault RadarMonitor::FaultOf(std::size_t index, Stamp stamp) const {
   const Watched& radar = radars_[index];
   if (IsSilent(radar, stamp)) return SourceFault::kSilent;
+  if (radar.repeats) return SourceFault::kFrozen;
   if (!FitsTheMap(index)) return SourceFault::kMap;
   if (radar.static_fraction < options_.min_static_fraction) return SourceFault::kDoppler;
   if (radar.clock_is_off) return SourceFault::kClock;

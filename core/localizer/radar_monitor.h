@@ -46,6 +46,9 @@ class RadarMonitor {
   /// Reports whether the clock of radar `index` is off, so that its stamps had to be corrected.
   void ReportClockOffset(std::size_t index, bool is_off) { radars_[index].clock_is_off = is_off; }
 
+  /// Reports whether radar `index` repeats what it sent before.
+  void ReportRepeats(std::size_t index, bool repeats) { radars_[index].repeats = repeats; }
+
   /// How a scan of it fits the map, see MapFitMonitor.
   void OnFit(std::size_t index, double fit);
 
@@ -63,6 +66,7 @@ class RadarMonitor {
     double usual_interval_s = 0.0;
     double static_fraction = 1.0;
     bool clock_is_off = false;
+    bool repeats = false;
     std::optional<double> fit;
   };
   void Average(double value, double& mean) const {

@@ -5,17 +5,13 @@
 #include <cstdint>
 
 #include "core/localizer/localizer.h"
-#include "core/radar/scan.h"
 
 namespace dcloc {
 
 /// The answers to the last scans: one that is sent twice is answered twice, and used once.
 class RecentAnswers {
  public:
-  /// A hash of the stamp, the radar and all columns of targets.
-  static std::uint64_t Fingerprint(const Scan& scan);
-
-  /// The answer to the scan of this fingerprint, or null.
+  /// The answer to the scan of this fingerprint (`FingerprintOf`), or null.
   const Localization* Find(std::uint64_t fingerprint) const;
 
   void Add(std::uint64_t fingerprint, const Localization& answer);

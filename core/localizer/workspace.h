@@ -15,6 +15,7 @@ struct Workspace {
   EgoVelocityWorkspace ego_velocity;
   std::vector<RadarPoint> static_points;
   std::vector<RadarPoint> tried_points;  // of a scan as another stamp or sign would put them
+  Scan fresh_scan;                       // without targets that were sent before
   Scan corrected_scan;                   // with what was learned of its radar
   Scan motionless_scan;                  // without range rates that do not tell the motion
   Scan measured_scan;                    // with the ego-motion in compensated range rates

@@ -22,7 +22,8 @@ class Seen:
     answers: int = 0
     worst_gap_s: float = 0.0
     p99_ms: float = 0.0
-    tracking: int = 0  # answers that say TRACKING
+    counted: int = 0  # answers after the start, until the vehicle tracks for the first time
+    tracking: int = 0  # of these, that say TRACKING
     lost: int = 0  # answers that say LOST
     errors: int = 0  # answers that break the contract or mislead, and refused scans
     restarts: int = 0  # sessions that began anew
@@ -34,7 +35,7 @@ class Seen:
 
     @property
     def tracking_share(self):
-        return self.tracking / self.answers if self.answers else 0.0
+        return self.tracking / self.counted if self.counted else 0.0
 
 
 class Client(Program):
@@ -72,7 +73,8 @@ class Load:
         return Seen(
             kind="load", vehicles=self.count, scans=totals["answered_count"] + unanswered,
             answers=totals["answered_count"], worst_gap_s=result["answer_gap"]["max_ms"] / 1e3,
-            p99_ms=result["latency"]["p99_ms"], tracking=totals["tracking_count"],
+            p99_ms=result["latency"]["p99_ms"], counted=totals["answered_count"],
+            tracking=totals["tracking_count"],
             lost=totals["lost_state_count"], restarts=totals["restart_count"],
             errors=totals["misleading_count"] + totals["violations"]["count"]
             + totals["refused"]["count"], max_error_m=totals["max_error_m"])
@@ -103,9 +105,10 @@ class SdkVehicle:
         times_s = [(int(row["stamp_ns"]) - int(rows[0]["stamp_ns"])) * 1e-9 + latency_s
                    for row, latency_s in zip(rows, latencies_s)]
         states = result["states"]
+        start = next((i for i, row in enumerate(rows) if row["state"] == "TRACKING"), len(rows))
         return Seen(
             kind="localize", vehicles=1, scans=len(rows) + result["refused"], answers=len(rows),
-            tracking=states["TRACKING"], lost=states["LOST"],
+            counted=len(rows) - start, tracking=states["TRACKING"], lost=states["LOST"],
             worst_gap_s=max((b - a for a, b in zip(times_s, times_s[1:])), default=0.0),
             p99_ms=1e3 * sorted(latencies_s)[int(0.99 * (len(rows) - 1))] if rows else 0.0,
             errors=result["misleading_count"] + result["refused"] + gave_up,
@@ -115,7 +118,8 @@ class SdkVehicle:
 def together(kind, seen):
     """What several vehicles saw, as of one."""
     add = {name: sum(getattr(one, name) for one in seen)
-           for name in ("vehicles", "scans", "answers", "tracking", "lost", "errors", "restarts")}
+           for name in ("vehicles", "scans", "answers", "counted", "tracking", "lost", "errors",
+                        "restarts")}
     worst = {name: max(getattr(one, name) for one in seen)
              for name in ("worst_gap_s", "p99_ms", "max_error_m")}
     return Seen(kind=kind, **add, **worst)

@@ -42,7 +42,7 @@ class MapLedger {
   using Versions = std::map<std::int64_t, std::string>;  ///< hash of each
 
   /// What was asked for and not answered yet.
-  struct DegeneracyCovariance {
+  struct Doubt {
     std::string uploaded_sha256;
     bool activates = false;
     std::int64_t activated = 0;
@@ -73,7 +73,7 @@ class MapLedger {
   Versions versions_;
   std::int64_t active_ = 0;
   std::int64_t previous_ = 0;
-  DegeneracyCovariance doubt_;
+  Doubt doubt_;
 
   int acknowledged_count_ = 0;
   int doubtful_count_ = 0;

@@ -64,6 +64,33 @@ TEST_F(OnARoad, ARadarWhoseAzimuthsAreMirroredTracksAllTheSame) {
   EXPECT_GT(errors.tracking_count, static_cast<int>(drive.size()) * 3 / 4);
 }
 
+// Its buffer is not filled any more: the same three scans come again and again, under new stamps.
+TEST_F(OnARoad, ARadarThatRepeatsItsScansIsNotBelievedAndTrackedWithOnceItSeesAgain) {
+  std::vector<TrueScan> drive = drive_;
+  const std::size_t begin = drive.size() / 3;
+  const std::size_t end = 2 * drive.size() / 3;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Scan& old = drive_[begin - 3 + i % 3].scan;
+    Scan& scan = drive[i].scan;
+    scan.range_m = old.range_m;
+    scan.range_rate_mps = old.range_rate_mps;
+    scan.azimuth_rad = old.azimuth_rad;
+  }
+  const std::vector<TrueAnswer> answers =
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02)), drive);
+  constexpr std::size_t kHeld = 6;  // scans
+  for (std::size_t i = begin + kHeld; i < end; ++i) {
+    const SourceHealth& radar = answers[i].localization.health.radars[0];
+    EXPECT_EQ(radar.fault, SourceFault::kFrozen) << i;
+    EXPECT_FALSE(radar.is_used) << i;
+    EXPECT_EQ(answers[i].tracking(), false) << i;
+  }
+  const Errors errors = ErrorsOf(answers);
+  EXPECT_LT(errors.max_m, 1.0);
+  EXPECT_EQ(answers[end].localization.health.radars[0].fault, SourceFault::kNone);
+  EXPECT_TRUE(answers[end + 20].tracking());
+}
+
 class WrongPlaceTest : public OnARoad {
  protected:
   // Answers that are called tracking and are not right; and whether the last one is right.
