@@ -50,11 +50,11 @@ absl::Status MapLedger::Step(client::MapClient& maps) {
   return status;
 }
 
-absl::Status MapLedger::Upload(client::MapClient& maps, const File& file, bool activate) {
+absl::Status MapLedger::Upload(client::MapClient& maps, const File& file, bool activate,
+                               std::chrono::milliseconds give_up_after) {
   doubt_ = {.uploaded_sha256 = file.sha256, .activates = activate};
-  const client::UploadOptions one_call{.activate = activate,
-                                       .give_up_after = std::chrono::milliseconds(0)};
-  const auto version = maps.Upload(file.path, map_name_, one_call);
+  const auto version =
+      maps.Upload(file.path, map_name_, {.activate = activate, .give_up_after = give_up_after});
   if (!version.ok()) return version.status();
   ++acknowledged_count_;
   versions_[version->version()] = file.sha256;
@@ -125,7 +125,9 @@ absl::Status MapLedger::TakeOver(client::MapClient& maps) {
 absl::Status MapLedger::FinishUpload(client::MapClient& maps) {
   if (doubt_.uploaded_sha256.empty()) return absl::OkStatus();
   ++finished_count_;
-  return Upload(maps, last_file_, doubt_.activates);
+  // What a killed server was storing, others may store once its lease is over.
+  constexpr std::chrono::seconds kLongerThanALease(40);
+  return Upload(maps, last_file_, doubt_.activates, kLongerThanALease);
 }
 
 absl::Status MapLedger::CheckVersions(const Versions& there) const {

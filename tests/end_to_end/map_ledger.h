@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -50,7 +51,8 @@ class MapLedger {
   };
 
   absl::Status Step(client::MapClient& maps);
-  absl::Status Upload(client::MapClient& maps, const File& file, bool activate);
+  absl::Status Upload(client::MapClient& maps, const File& file, bool activate,
+                      std::chrono::milliseconds give_up_after = {});
   absl::Status Activate(client::MapClient& maps);
   absl::Status RollBack(client::MapClient& maps);
   absl::Status Delete(client::MapClient& maps);

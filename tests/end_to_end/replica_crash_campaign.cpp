@@ -32,7 +32,7 @@ constexpr std::chrono::seconds kOrphansGoWithin(120);
 
 struct Arguments {
   std::string server;
-  int kill_count = 6;
+  int kill_count = 3;
   int replica_count = 3;
   unsigned seed = 1;
 };
