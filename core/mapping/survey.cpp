@@ -101,6 +101,7 @@ class Surveyor {
     unconfirmed_count_ = kept->unconfirmed_count;
     accepted_fix_count_ = kept->accepted_fix_count;
     findings_ = std::move(kept->findings);
+    findings_.resize(graph_.drive_count());
     return absl::OkStatus();
   }
 

@@ -36,11 +36,11 @@ constexpr int kLooksPerJudgement = 10;
 constexpr int kSweepsPerOrphanLook = 10;
 constexpr std::chrono::minutes kSweepInterval(1);  ///< of unfinished uploads and the quarantine
 
-void LogRemoved(const char* what, const absl::StatusOr<int>& count) {
+void LogSwept(const char* what, const absl::StatusOr<int>& count, const char* done = "removed") {
   if (!count.ok()) {
-    spdlog::warn("{} not removed reason={}", what, Quoted(count.status().message()));
+    spdlog::warn("{} not {} reason={}", what, done, Quoted(count.status().message()));
   } else if (*count > 0) {
-    spdlog::info("{} removed count={}", what, *count);
+    spdlog::info("{} {} count={}", what, done, *count);
   }
 }
 
@@ -311,18 +311,19 @@ void Server::Parts::WatchCanaries() {
 }
 
 void Server::Parts::RemoveExpiredPasses() {
-  LogRemoved("passes", opened_storage.passes->RemoveExpired(std::chrono::system_clock::now()));
+  LogSwept("passes", opened_storage.passes->RemoveExpired(std::chrono::system_clock::now()));
 }
 
 void Server::Parts::Sweep() {
   const auto now = std::chrono::steady_clock::now();
   const auto since_last = now - std::exchange(last_sweep, now);
-  LogRemoved("stale uploads", store.RemoveStaleUploads(since_last));
-  LogRemoved("files in quarantine", store.RemoveExpiredQuarantine(since_last));
+  LogSwept("stale uploads", store.RemoveStaleUploads(since_last));
+  LogSwept("map files of no version", store.SetLooseFilesAside(), "set aside");
+  LogSwept("files in quarantine", store.RemoveExpiredQuarantine(since_last));
   RemoveExpiredPasses();
   malloc_trim(0);  // what is free of each arena goes back to the system
   if (++sweep_count % kSweepsPerOrphanLook != 0) return;
-  LogRemoved("files of no pass", opened_storage.passes->RemoveOrphans());
+  LogSwept("files of no pass", opened_storage.passes->RemoveOrphans());
 }
 
 }  // namespace dcloc::server

@@ -20,13 +20,14 @@ bool IsForEveryone(absl::string_view path) {
 
 absl::Status CallGate::Admit(const void* connection, absl::string_view path, bool has_proof,
                              RateLimit::Clock::time_point now) {
+  const bool proof_needed = proof_needed_;
   if (max_rate_hz_ > 0 && !TakeRate(connection, now)) {
     ++refused_.too_fast;
     return absl::ResourceExhaustedError(absl::StrFormat(
         "calls begin faster on this connection than max_call_rate_hz_per_connection, which is %d",
         max_rate_hz_));
   }
-  if (!proof_needed_ || has_proof || IsForEveryone(path)) return absl::OkStatus();
+  if (!proof_needed || has_proof || IsForEveryone(path)) return absl::OkStatus();
   ++refused_.without_proof;
   spdlog::warn("denied path={} reason=\"no identity\"", Quoted(path));
   return absl::UnauthenticatedError(

@@ -24,7 +24,9 @@ class CallGate {
   };
 
   /// A connection may begin `max_rate_hz` calls a second; 0: as many as it likes.
-  explicit CallGate(int max_rate_hz) : max_rate_hz_(max_rate_hz) {}
+  explicit CallGate(int max_rate_hz) : max_rate_hz_(max_rate_hz) {
+    proof_needed_ = false;  // hands the whole gate over to threads that read this first
+  }
 
   /// Whether callers need a proof of their identity at all.
   void SetProofNeeded(bool needed) { proof_needed_ = needed; }
@@ -46,7 +48,7 @@ class CallGate {
   bool TakeRate(const void* connection, RateLimit::Clock::time_point now);
 
   const int max_rate_hz_;
-  std::atomic<bool> proof_needed_ = false;
+  std::atomic<bool> proof_needed_;
   RefusedCounts refused_;
   std::mutex mutex_;
   std::map<const void*, Rate> rates_;

@@ -18,8 +18,15 @@ namespace dcloc {
 /// at a time, so that after a crash at most the last one is in doubt.
 class MapLedger {
  public:
-  MapLedger(std::string map_name, std::string folder, unsigned seed)
-      : map_name_(std::move(map_name)), folder_(std::move(folder)), random_(seed) {}
+  /// Whether a server that died may still hold versions, which then cannot be deleted yet.
+  enum class Servers { kOne, kSeveral };
+
+  MapLedger(std::string map_name, std::string folder, unsigned seed,
+            Servers servers = Servers::kOne)
+      : map_name_(std::move(map_name)),
+        folder_(std::move(folder)),
+        servers_(servers),
+        random_(seed) {}
 
   /// Asks for random things until the server is gone. An answer that must not be is an error.
   absl::Status Work(client::MapClient maps);
@@ -68,6 +75,7 @@ class MapLedger {
 
   const std::string map_name_;
   const std::string folder_;
+  const Servers servers_;
   std::mt19937 random_;
   int file_count_ = 0;
   File last_file_;

@@ -46,7 +46,8 @@ class Campaign {
     std::filesystem::create_directory(SharedFolder());
     for (unsigned i = 0; i < kMaps; ++i) {
       ledgers_.push_back(std::make_unique<MapLedger>(absl::StrCat("map-", i),
-                                                     folder_.path().string(), arguments.seed + i));
+                                                     folder_.path().string(), arguments.seed + i,
+                                                     MapLedger::Servers::kSeveral));
     }
   }
 
@@ -147,7 +148,8 @@ class Campaign {
 
   std::set<std::string> FilesThere() const {
     std::set<std::string> there;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(SharedFolder())) {
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(SharedFolder() / "maps")) {
       if (entry.is_regular_file()) there.insert(entry.path().stem().string());
     }
     return there;

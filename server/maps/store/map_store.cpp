@@ -248,6 +248,10 @@ absl::StatusOr<int> MapStore::RemoveExpiredQuarantine(std::chrono::nanoseconds s
   return parts_.files->RemoveExpiredQuarantine(served, options_.quarantine_time);
 }
 
+absl::StatusOr<int> MapStore::SetLooseFilesAside() {
+  return server::SetLooseFilesAside(*parts_.catalogue, *parts_.files, parts_.holder);
+}
+
 void MapStore::CountQuarantine() {
   quarantined_count_ = parts_.files->QuarantinedCount().value_or(-1);
 }

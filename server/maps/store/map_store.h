@@ -130,6 +130,9 @@ class MapStore {
   /// files one does it; the others return 0. Not for several threads at once.
   absl::StatusOr<int> RemoveExpiredQuarantine(std::chrono::nanoseconds served);
 
+  /// As `SetLooseFilesAside` of the store's check: what another process left that died.
+  absl::StatusOr<int> SetLooseFilesAside();
+
   /// Files in memory.
   int loaded_map_count();
 

@@ -60,27 +60,6 @@ absl::Status CheckAccounted(std::vector<std::string> present, Catalogue& catalog
       known->size(), unaccounted->size(), unaccounted->front()));
 }
 
-absl::Status SetLooseFilesAside(Catalogue& catalogue, MapFiles& files, absl::string_view holder,
-                                StoreReport* report) {
-  const absl::StatusOr<std::vector<std::string>> loose = catalogue.ListLooseFiles();
-  if (!loose.ok()) return loose.status();
-  for (const std::string& sha256 : *loose) {
-    const absl::StatusOr<std::int64_t> size = files.SizeOf(sha256);
-    if (!size.ok()) return size.status();
-    const absl::StatusOr<bool> done = *size == 0
-                                          ? RemoveOrphan(catalogue, files, sha256, holder)
-                                          : QuarantineOrphan(catalogue, files, sha256, holder);
-    if (!done.ok()) {
-      // A full disk is no reason not to start: the next start tries again.
-      spdlog::warn("map file not set aside sha256={} reason={}", sha256,
-                   Quoted(done.status().message()));
-      continue;
-    }
-    report->quarantined_file_count += *done && *size > 0 ? 1 : 0;
-  }
-  return absl::OkStatus();
-}
-
 absl::Status FindBroken(Catalogue& catalogue, MapFiles& files, StoreReport* report) {
   const auto wanted = catalogue.ListFiles();
   if (!wanted.ok()) return wanted.status();
@@ -118,6 +97,28 @@ absl::StatusOr<std::vector<std::string>> UnaccountedFiles(Catalogue& catalogue, 
   return UnaccountedOf(*std::move(present), catalogue, files);
 }
 
+absl::StatusOr<int> SetLooseFilesAside(Catalogue& catalogue, MapFiles& files,
+                                       absl::string_view holder) {
+  const absl::StatusOr<std::vector<std::string>> loose = catalogue.ListLooseFiles();
+  if (!loose.ok()) return loose.status();
+  int count = 0;
+  for (const std::string& sha256 : *loose) {
+    const absl::StatusOr<std::int64_t> size = files.SizeOf(sha256);
+    if (!size.ok()) return size.status();
+    const absl::StatusOr<bool> done = *size == 0
+                                          ? RemoveOrphan(catalogue, files, sha256, holder)
+                                          : QuarantineOrphan(catalogue, files, sha256, holder);
+    if (!done.ok()) {
+      // A full disk is no reason not to start: the next time tries again.
+      spdlog::warn("map file not set aside sha256={} reason={}", sha256,
+                   Quoted(done.status().message()));
+      continue;
+    }
+    count += *done && *size > 0 ? 1 : 0;
+  }
+  return count;
+}
+
 absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,
                                        IncomingFiles& incoming, std::chrono::nanoseconds stale_age,
                                        absl::string_view holder) {
@@ -129,7 +130,11 @@ absl::StatusOr<StoreReport> CheckStore(Catalogue& catalogue, MapFiles& files,
   if (!report.files_away) status = CheckAccounted(*std::move(present), catalogue, files);
   if (status.ok()) status = CheckIncoming(incoming, stale_age, &report);
   if (status.ok() && report.files_away) return report;
-  if (status.ok()) status = SetLooseFilesAside(catalogue, files, holder, &report);
+  if (status.ok()) {
+    const absl::StatusOr<int> set_aside = SetLooseFilesAside(catalogue, files, holder);
+    report.quarantined_file_count = set_aside.value_or(0);
+    status = set_aside.status();
+  }
   if (status.ok()) status = FindBroken(catalogue, files, &report);
   if (status.ok()) status = CoverTheRest(catalogue, files, &report);
   if (!status.ok()) return status;

@@ -30,6 +30,12 @@ struct StoreReport {
 /// of these files, or not the newest one.
 absl::StatusOr<std::vector<std::string>> UnaccountedFiles(Catalogue& catalogue, MapFiles& files);
 
+/// Sets aside map files that were being stored or removed when a process died, and gives their
+/// number. What anyone holds is left alone: of a process that shares the files, until its lease is
+/// over. So this is to be called again, and not at a start alone.
+absl::StatusOr<int> SetLooseFilesAside(Catalogue& catalogue, MapFiles& files,
+                                       absl::string_view holder);
+
 /// Compares files and catalogue, and repairs what a crash can leave behind: files that were being
 /// stored or removed are set aside. FailedPrecondition, and nothing is changed, when there are
 /// files for which the catalogue cannot account. Other processes may use catalogue and files

@@ -73,6 +73,18 @@ TEST_F(StoreCheckTest, AFileThatAnotherProcessIsStoringIsLeftAlone) {
   EXPECT_TRUE(files_->List()->empty());
 }
 
+TEST_F(StoreCheckTest, WhatADeadProcessHeldIsSetAsideLater) {
+  absl::StatusOr<Hold> of_the_dead = catalogue_->HoldFile(sha256_, "other:1");
+  ASSERT_TRUE(of_the_dead.ok()) << of_the_dead.status();
+  ASSERT_TRUE(catalogue_->AddLooseFile(sha256_).ok());
+  WriteMapFile(sha256_);
+  EXPECT_EQ(SetLooseFilesAside(*catalogue_, *files_, "this:1").value_or(-1), 0);
+  *of_the_dead = Hold();  // its lease is over
+  EXPECT_EQ(SetLooseFilesAside(*catalogue_, *files_, "this:1").value_or(-1), 1);
+  EXPECT_TRUE(files_->List()->empty());
+  EXPECT_EQ(SetLooseFilesAside(*catalogue_, *files_, "this:1").value_or(-1), 0);
+}
+
 TEST_F(StoreCheckTest, FilesOfWhichTheCatalogueKnowsNothingAreAnErrorAndStay) {
   ASSERT_TRUE(catalogue_->AddVersion("town", sha256_, {}, {}).ok());
   const std::string unknown(64, 'd');
