@@ -32,7 +32,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kScansPerSecond = 13.4;   // a vehicle
+constexpr double kScansPerSecond = 13.4;    // a vehicle
 constexpr std::chrono::seconds kStart(12);  // until all vehicles track, and what waited is done
 
 /// Ends the program where something is not as it must be.
