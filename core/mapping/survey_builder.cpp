@@ -22,8 +22,8 @@ double Share(std::size_t done, const DriveReader& drive) {
 }  // namespace
 
 SurveyBuilder::SurveyBuilder(DriveSource& source, SurveyProgress progress,
-                             SurveyBuilderOptions options)
-    : source_(source), progress_(std::move(progress)), options_(std::move(options)) {}
+                             const SurveyBuilderOptions& options)
+    : source_(source), progress_(std::move(progress)), options_(options) {}
 
 absl::Status SurveyBuilder::Track() {
   for (std::size_t i = 0; i < source_.drive_count(); ++i) {

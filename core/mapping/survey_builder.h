@@ -26,7 +26,8 @@ struct SurveyBuilderOptions {
 class SurveyBuilder {
  public:
   /// `source` and what `progress` refers to outlive it.
-  SurveyBuilder(DriveSource& source, SurveyProgress progress, SurveyBuilderOptions options = {});
+  SurveyBuilder(DriveSource& source, SurveyProgress progress,
+                const SurveyBuilderOptions& options = {});
 
   /// Reads all drives for the first time.
   absl::Status Track();

@@ -91,6 +91,7 @@ std::vector<bool> SurveyGraph::HasFix() const {
   std::vector<bool> group_has_fix(drive_count(), false);
   for (const NodeFix& fix : fixes) group_has_fix[groups[IndexOf(fix.node).drive]] = true;
   std::vector<bool> has_fix;
+  has_fix.reserve(groups.size());
   for (const std::size_t group : groups) has_fix.push_back(group_has_fix[group]);
   return has_fix;
 }
