@@ -1,12 +1,15 @@
+#include <malloc.h>
 #include <sched.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
+#include <thread>
 
 #include "server/app/part_options.h"
 #include "server/app/server.h"
@@ -41,6 +44,11 @@ void LetWorkersFinish() {
   if (sched_setscheduler(0, SCHED_BATCH, &no_priority) != 0) {
     spdlog::warn("transport not scheduled behind the workers");
   }
+}
+
+/// glibc would make eight for each processor, between which free memory lies about.
+void ShareArenas() {
+  mallopt(M_ARENA_MAX, std::max(2, static_cast<int>(std::thread::hardware_concurrency())));
 }
 
 /// Threads inherit the mask, so this comes before there are any.
@@ -91,6 +99,7 @@ int CheckConfig(const ServerConfig& config) {
 int Run(int argc, const char* const* argv, const ServerConfig& config) {
   const sigset_t signals = BlockSignals();
   SetUpLog(config);
+  ShareArenas();
   RaiseFileLimit();
   LetWorkersFinish();
   const absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(config);
