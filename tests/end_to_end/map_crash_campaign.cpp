@@ -53,16 +53,11 @@ class Campaign {
   }
 
   void Report() const {
-    int acknowledged = 0, doubtful = 0, finished = 0;
-    for (const auto& ledger : ledgers_) {
-      acknowledged += ledger->acknowledged_count();
-      doubtful += ledger->doubtful_count();
-      finished += ledger->finished_count();
-    }
+    const MapLedger::Counts counts = MapLedger::Sum(ledgers_);
     absl::PrintF(
         "%d kills: %d changes acknowledged, none lost; %d cut off, of these %d uploads gone on "
         "with\n",
-        arguments_.kill_count, acknowledged, doubtful, finished);
+        arguments_.kill_count, counts.acknowledged, counts.doubtful, counts.finished);
   }
 
  private:

@@ -21,11 +21,21 @@ absl::Status Problem(const std::string& map_name, const std::string& what) {
 
 }  // namespace
 
+MapLedger::Counts MapLedger::Sum(const std::vector<std::unique_ptr<MapLedger>>& ledgers) {
+  Counts sum;
+  for (const auto& ledger : ledgers) {
+    sum.acknowledged += ledger->counts_.acknowledged;
+    sum.doubtful += ledger->counts_.doubtful;
+    sum.finished += ledger->counts_.finished;
+  }
+  return sum;
+}
+
 absl::Status MapLedger::Work(client::MapClient maps) {
   absl::Status status;
   while (status.ok()) status = Step(maps);
   if (!IsGone(status)) return Problem(map_name_, absl::StrCat("refused: ", status.message()));
-  ++doubtful_count_;
+  ++counts_.doubtful;
   return absl::OkStatus();
 }
 
@@ -56,7 +66,7 @@ absl::Status MapLedger::Upload(client::MapClient& maps, const File& file, bool a
   const auto version =
       maps.Upload(file.path, map_name_, {.activate = activate, .give_up_after = give_up_after});
   if (!version.ok()) return version.status();
-  ++acknowledged_count_;
+  ++counts_.acknowledged;
   versions_[version->version()] = file.sha256;
   if (activate) BecomesActive(version->version());
   return absl::OkStatus();
@@ -67,7 +77,7 @@ absl::Status MapLedger::Activate(client::MapClient& maps) {
   doubt_ = {.activated = version};
   const auto map = maps.Activate(map_name_, version);
   if (!map.ok()) return map.status();
-  ++acknowledged_count_;
+  ++counts_.acknowledged;
   BecomesActive(version);
   return absl::OkStatus();
 }
@@ -77,7 +87,7 @@ absl::Status MapLedger::RollBack(client::MapClient& maps) {
   doubt_ = {.activated = previous_};
   const auto map = maps.RollBack(map_name_);
   if (!map.ok()) return map.status();
-  ++acknowledged_count_;
+  ++counts_.acknowledged;
   BecomesActive(previous_);
   return absl::OkStatus();
 }
@@ -90,7 +100,7 @@ absl::Status MapLedger::Delete(client::MapClient& maps) {
   const bool is_held = servers_ == Servers::kSeveral && absl::IsFailedPrecondition(status);
   if (is_held) return absl::OkStatus();
   if (!status.ok()) return status;
-  ++acknowledged_count_;
+  ++counts_.acknowledged;
   versions_.erase(version);
   if (previous_ == version) previous_ = 0;
   return absl::OkStatus();
@@ -126,7 +136,7 @@ absl::Status MapLedger::TakeOver(client::MapClient& maps) {
 
 absl::Status MapLedger::FinishUpload(client::MapClient& maps) {
   if (doubt_.uploaded_sha256.empty()) return absl::OkStatus();
-  ++finished_count_;
+  ++counts_.finished;
   // What a killed server was storing, others may store once its lease is over.
   constexpr std::chrono::seconds kLongerThanALease(40);
   return Upload(maps, last_file_, doubt_.activates, kLongerThanALease);

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <random>
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "client/sdk/map_client.h"
@@ -38,9 +40,13 @@ class MapLedger {
   /// Hashes of the files that the map's versions have.
   std::set<std::string> Files() const;
 
-  int acknowledged_count() const { return acknowledged_count_; }
-  int doubtful_count() const { return doubtful_count_; }
-  int finished_count() const { return finished_count_; }
+  /// What was asked for.
+  struct Counts {
+    int acknowledged = 0;
+    int doubtful = 0;  ///< cut off
+    int finished = 0;  ///< uploads that were cut off, and made again
+  };
+  static Counts Sum(const std::vector<std::unique_ptr<MapLedger>>& ledgers);
 
  private:
   struct File {
@@ -85,9 +91,7 @@ class MapLedger {
   std::int64_t previous_ = 0;
   Doubt doubt_;
 
-  int acknowledged_count_ = 0;
-  int doubtful_count_ = 0;
-  int finished_count_ = 0;
+  Counts counts_;
 };
 
 }  // namespace dcloc

@@ -64,16 +64,12 @@ class Campaign {
   }
 
   void Report() const {
-    int acknowledged = 0, doubtful = 0, finished = 0;
-    for (const auto& ledger : ledgers_) {
-      acknowledged += ledger->acknowledged_count();
-      doubtful += ledger->doubtful_count();
-      finished += ledger->finished_count();
-    }
+    const MapLedger::Counts counts = MapLedger::Sum(ledgers_);
     absl::PrintF(
         "%d kills of %d servers: %d changes acknowledged, none lost; %d cut off, of these %d "
         "uploads made anew; no orphan left after %.0f s\n",
-        kill_count_, arguments_.replica_count, acknowledged, doubtful, finished, orphans_s_);
+        kill_count_, arguments_.replica_count, counts.acknowledged, counts.doubtful,
+        counts.finished, orphans_s_);
   }
 
  private:
