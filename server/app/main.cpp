@@ -15,6 +15,7 @@
 #include "server/app/server.h"
 #include "server/app/store_command.h"
 #include "server/app/token_command.h"
+#include "server/base/memory_reserve.h"
 #include "server/base/status.h"
 #include "server/config/command_line.h"
 #include "server/config/credentials.h"
@@ -49,6 +50,15 @@ void LetWorkersFinish() {
 /// glibc would make eight for each processor, between which free memory lies about.
 void ShareArenas() {
   mallopt(M_ARENA_MAX, std::max(2, static_cast<int>(std::thread::hardware_concurrency())));
+}
+
+/// Gives what gRPC cannot do without, once nothing else is left: its threads, and what it reads from
+/// connections until their calls are refused.
+void KeepMemory() {
+  constexpr std::size_t kReserve_bytes = std::size_t{1} << 28;
+  if (!MemoryReserve::OfProcess().Keep(kReserve_bytes)) {
+    spdlog::warn("no memory is kept in reserve size_mib={}", kReserve_bytes >> 20);
+  }
 }
 
 /// Threads inherit the mask, so this comes before there are any.
@@ -100,6 +110,7 @@ int Run(int argc, const char* const* argv, const ServerConfig& config) {
   const sigset_t signals = BlockSignals();
   SetUpLog(config);
   ShareArenas();
+  KeepMemory();
   RaiseFileLimit();
   LetWorkersFinish();
   const absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(config);

@@ -13,6 +13,7 @@
 #include "server/app/part_options.h"
 #include "server/app/state_metrics.h"
 #include "server/app/transport.h"
+#include "server/base/memory_reserve.h"
 #include "server/net/self_probe.h"
 #include "server/net/service_manager.h"
 #include "server/sessions/move_sessions.h"
@@ -288,6 +289,7 @@ absl::Status Server::Parts::ServeMetrics() {
 
 void Server::Parts::EndOverdue() {
   const auto now = std::chrono::steady_clock::now();
+  TellOfMemory();
   registry.Reap(now);
   peer_bound_calls.Check(now);
   awaited_requests.EndOverdue(now);
@@ -296,6 +298,16 @@ void Server::Parts::EndOverdue() {
   if (!localization.EndOverdue(now)) return;
   // Nobody can resume them here any more.
   registry.RemoveDetached("the server is draining");
+}
+
+void Server::Parts::TellOfMemory() {
+  MemoryReserve& reserve = MemoryReserve::OfProcess();
+  const bool is_short = reserve.IsGiven();
+  if (is_short && !memory_is_short) {
+    spdlog::error("no memory is left, the reserve is given: new calls are refused");
+  }
+  memory_is_short = !reserve.TakeBack();
+  if (is_short && !memory_is_short) spdlog::info("memory is there again: new calls are taken");
 }
 
 PassBounds Server::Parts::PassBoundsNow() const {

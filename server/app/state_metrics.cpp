@@ -129,7 +129,8 @@ void StateMetrics::AddPeers(std::vector<MetricFamily>& families) const {
   families.push_back(CountersBy("reason", "dcloc_calls_refused_total",
                                 "Calls that were refused when their headers came",
                                 {{"no_identity", sources_.refused_calls.without_proof},
-                                 {"too_fast", sources_.refused_calls.too_fast}}));
+                                 {"too_fast", sources_.refused_calls.too_fast},
+                                 {"out_of_memory", sources_.refused_calls.out_of_memory}}));
   families.push_back(CounterOf("dcloc_connections_refused_total",
                                "Connections closed at once, as too few file descriptors were left",
                                static_cast<double>(sources_.refused_connection_count())));

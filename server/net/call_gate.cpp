@@ -3,6 +3,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_format.h"
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
@@ -26,6 +27,10 @@ absl::Status CallGate::Admit(const void* connection, absl::string_view path, boo
     return absl::ResourceExhaustedError(absl::StrFormat(
         "calls begin faster on this connection than max_call_rate_hz_per_connection, which is %d",
         max_rate_hz_));
+  }
+  if (reserve_.IsGiven() && !IsForEveryone(path)) {
+    ++refused_.out_of_memory;
+    return OutOfMemory();
   }
   if (!proof_needed || has_proof || IsForEveryone(path)) return absl::OkStatus();
   ++refused_.without_proof;

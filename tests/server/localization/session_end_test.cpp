@@ -101,11 +101,7 @@ TEST_F(OperatedSessionTest, AWatcherWhoIsTooSlowMissesSomeAndIsToldHowMany) {
   v1::WatchSessionRequest request;
   request.set_session_id(opened.session_id());
   request.set_scans(true);
-  grpc::ChannelArguments arguments;
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // or the buffers would grow
-  const auto admin = v1::AdminService::NewStub(grpc::CreateCustomChannel(
-      server_.server->address(), grpc::InsecureChannelCredentials(), arguments));
+  const auto admin = v1::AdminService::NewStub(ChannelWithFixedWindows(*server_.server));
   const auto watcher = admin->WatchSession(&call, request);
   watcher->WaitForInitialMetadata();
   constexpr int kScans = 2000;  // more than the connection's buffers hold

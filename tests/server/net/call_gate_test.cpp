@@ -27,6 +27,20 @@ TEST(CallGateTest, AConnectionBeginsOnlySoManyCallsASecond) {
   EXPECT_EQ(gate.refused().too_fast, 1);
 }
 
+TEST(CallGateTest, NoneBeginsWhileMemoryIsShortButTheAskingForHealth) {
+  MemoryReserve reserve;
+  CallGate gate(0, reserve);
+  const auto now = RateLimit::Clock::now();
+  ASSERT_TRUE(reserve.Keep(1 << 20));
+  EXPECT_TRUE(gate.Admit(&gate, kPath, true, now).ok());
+  reserve.Give();
+  EXPECT_EQ(gate.Admit(&gate, kPath, true, now).code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_TRUE(gate.Admit(&gate, "/grpc.health.v1.Health/Check", false, now).ok());
+  EXPECT_EQ(gate.refused().out_of_memory, 1);
+  ASSERT_TRUE(reserve.TakeBack());
+  EXPECT_TRUE(gate.Admit(&gate, kPath, true, now).ok());
+}
+
 TEST(CallGateTest, WithoutALimitAllBegin) {
   CallGate gate(0);
   const auto now = RateLimit::Clock::now();

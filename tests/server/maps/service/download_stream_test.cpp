@@ -23,7 +23,8 @@ TEST(DownloadTest, OneThatNobodyReadsLetsGoOfItsVersion) {
   Call call;
   v1::DownloadMapRequest request;
   request.set_map_name("town");
-  const auto reader = server.maps->DownloadMap(&call, request);
+  const auto slow_reader = v1::MapService::NewStub(ChannelWithFixedWindows(*server.server));
+  const auto reader = slow_reader->DownloadMap(&call, request);
   v1::DownloadMapResponse response;
   ASSERT_TRUE(reader->Read(&response));
   const auto remove = [&server] {

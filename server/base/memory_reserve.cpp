@@ -1,0 +1,42 @@
+#include "server/base/memory_reserve.h"
+
+#include <sys/mman.h>
+
+namespace dcloc::server {
+namespace {
+
+constinit MemoryReserve process_reserve;
+
+/// Writable pages: those count against a limit of the address space, and to a system that does not
+/// promise more than it has. Null if there are none.
+void* Map(std::size_t size_bytes) noexcept {
+  void* const pages =
+      mmap(nullptr, size_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  return pages == MAP_FAILED ? nullptr : pages;
+}
+
+}  // namespace
+
+MemoryReserve& MemoryReserve::OfProcess() { return process_reserve; }
+
+bool MemoryReserve::Keep(std::size_t size_bytes) {
+  size_bytes_ = size_bytes;
+  pages_ = Map(size_bytes);
+  return !IsGiven();
+}
+
+void MemoryReserve::Give() noexcept {
+  if (void* const pages = pages_.exchange(nullptr)) munmap(pages, size_bytes_);
+}
+
+bool MemoryReserve::TakeBack() {
+  if (!IsGiven()) return true;
+  const std::size_t left_bytes = size_bytes_ / 4;
+  void* const left = Map(left_bytes);
+  if (left == nullptr) return false;
+  pages_ = Map(size_bytes_);
+  munmap(left, left_bytes);
+  return !IsGiven();
+}
+
+}  // namespace dcloc::server
