@@ -19,6 +19,7 @@
 #include "server/base/status.h"
 #include "server/convert/page.h"
 #include "server/convert/time.h"
+#include "server/rpc/refused_stream.h"
 #include "server/rpc/unary.h"
 
 namespace dcloc::server {
@@ -209,6 +210,12 @@ grpc::ServerUnaryReactor* AdminService::EndSession(grpc::CallbackServerContext* 
 
 grpc::ServerWriteReactor<v1::WatchSessionResponse>* AdminService::WatchSession(
     grpc::CallbackServerContext* context, const v1::WatchSessionRequest* request) {
+  return BeginWithinMemory<grpc::ServerWriteReactor<v1::WatchSessionResponse>>(
+      [&] { return BeginWatching(context, request); });
+}
+
+WatchStream* AdminService::BeginWatching(grpc::CallbackServerContext* context,
+                                         const v1::WatchSessionRequest* request) {
   std::shared_ptr<WatchStream> stream = WatchStream::Start(host_, context);
   // The call lives until `Begin`, and so do the context and the request.
   stream->BeginOnPool([this, context, request, stream] {
@@ -251,6 +258,12 @@ void AdminService::WatchElsewhere(grpc::CallbackServerContext* context,
 
 grpc::ServerWriteReactor<v1::RecordSessionResponse>* AdminService::RecordSession(
     grpc::CallbackServerContext* context, const v1::RecordSessionRequest* request) {
+  return BeginWithinMemory<grpc::ServerWriteReactor<v1::RecordSessionResponse>>(
+      [&] { return BeginRecording(context, request); });
+}
+
+RecordStream* AdminService::BeginRecording(grpc::CallbackServerContext* context,
+                                           const v1::RecordSessionRequest* request) {
   std::shared_ptr<RecordStream> stream =
       RecordStream::Start(host_, context, absl::StrCat("dcloc-server ", facts_.version));
   // The call lives until `Begin`, and so do the context and the request.

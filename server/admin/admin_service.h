@@ -91,6 +91,10 @@ class AdminService final : public AwaitingService<v1::AdminService::CallbackServ
   void EndWaiting() { shutdown_hooks_.RunAll(); }
 
  private:
+  WatchStream* BeginWatching(grpc::CallbackServerContext* context,
+                             const v1::WatchSessionRequest* request);
+  RecordStream* BeginRecording(grpc::CallbackServerContext* context,
+                               const v1::RecordSessionRequest* request);
   void Describe(v1::GetServerStateResponse* response) const;
 
   /// Those that a call about one session is handed on to; none where the caller cannot be spoken

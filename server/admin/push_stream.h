@@ -83,9 +83,9 @@ class PushStream : public grpc::ServerWriteReactor<Message>, public PeerBoundCal
   }
 
   /// Ends the call: with OK once all queued messages are written, with an error at once.
-  void End(const grpc::Status& status) {
+  void End(grpc::Status status) {
     const std::lock_guard lock(mutex_);
-    EndLocked(status);
+    EndLocked(std::move(status));
     Pump();
   }
 
@@ -98,10 +98,10 @@ class PushStream : public grpc::ServerWriteReactor<Message>, public PeerBoundCal
   bool is_open() const { return state_ == State::kOpen; }
 
   /// The first error is kept, also after an end with OK.
-  void EndLocked(const grpc::Status& status) {
-    if (state_ == State::kOpen || end_status_.ok()) end_status_ = status;
-    if (state_ == State::kOpen) state_ = State::kEnding;
+  void EndLocked(grpc::Status status) {
     if (!status.ok()) waiting_.clear();
+    if (state_ == State::kOpen || end_status_.ok()) end_status_ = std::move(status);
+    if (state_ == State::kOpen) state_ = State::kEnding;
   }
 
   void Pump() {

@@ -52,8 +52,8 @@ void RecordStream::EndAtStop() {
   End(Stopping());
 }
 
-void RecordStream::OnEnd() {
-  if (IsHere()) End(grpc::Status::OK);
+void RecordStream::OnEnd(const absl::Status& status) {
+  if (IsHere()) End(ToGrpc(status));
 }
 
 void RecordStream::OnOpened(const RecordingStart& start) {
@@ -62,25 +62,22 @@ void RecordStream::OnOpened(const RecordingStart& start) {
     const std::lock_guard lock(mutex_);
     has_begun_here_ = true;
   }
-  v1::RecordSessionResponse message;
-  v1::RecordingHeader* header = message.mutable_header();
-  header->set_program(program_);
-  *header->mutable_open_time() = convert::ToProto(start.open_time);
-  *header->mutable_open() = start.open;
-  convert::ToProto(start.session, header->mutable_opened());
-  header->set_map_sha256(start.map_sha256);
-  Push(std::move(message));
+  FillAndPush([&](v1::RecordSessionResponse& message) {
+    v1::RecordingHeader* header = message.mutable_header();
+    header->set_program(program_);
+    *header->mutable_open_time() = convert::ToProto(start.open_time);
+    *header->mutable_open() = start.open;
+    convert::ToProto(start.session, header->mutable_opened());
+    header->set_map_sha256(start.map_sha256);
+  });
 }
 
 void RecordStream::OnScan(const v1::Scan& scan, const ScanAnswer& answer) {
   if (!IsHere()) return;
-  const absl::Status pushed = WithinMemory([&] {
-    v1::RecordSessionResponse message;
+  FillAndPush([&](v1::RecordSessionResponse& message) {
     *message.mutable_scan()->mutable_scan() = scan;
     convert::ToProto(answer, message.mutable_scan()->mutable_answer());
-    Push(std::move(message));
   });
-  if (!pushed.ok()) End(ToGrpc(pushed));  // one with a gap would be none
 }
 
 void RecordStream::OnFix(const v1::PositionFix& fix, const FixAnswer& answer) {
@@ -90,10 +87,19 @@ void RecordStream::OnFix(const v1::PositionFix& fix, const FixAnswer& answer) {
                             "the vehicle sends position fixes, which this client cannot record; "
                             "record it with a newer one"));
   }
+  FillAndPush([&](v1::RecordSessionResponse& message) {
+    *message.mutable_fix()->mutable_fix() = fix;
+    convert::ToProto(answer, message.mutable_fix()->mutable_answer());
+  });
+}
+
+/// Without memory the recording ends: one with a gap would be none.
+template <typename Fill>
+void RecordStream::FillAndPush(Fill fill) {
   v1::RecordSessionResponse message;
-  *message.mutable_fix()->mutable_fix() = fix;
-  convert::ToProto(answer, message.mutable_fix()->mutable_answer());
-  Push(std::move(message));
+  absl::Status pushed = FillWithinMemory(&message, [&] { fill(message); });
+  if (pushed.ok()) pushed = WithinMemory([&] { Push(std::move(message)); });
+  if (!pushed.ok()) End(ToGrpc(pushed));
 }
 
 void RecordStream::Push(v1::RecordSessionResponse message) {
@@ -105,8 +111,8 @@ void RecordStream::Push(v1::RecordSessionResponse message) {
                            absl::StrCat("the recording is read too slowly: ", kMaxWaiting_bytes,
                                         " bytes wait, which is the limit")));
   } else {
-    waiting_bytes_ += size;
     waiting_.push_back(std::move(message));
+    waiting_bytes_ += size;
   }
   Pump();
 }

@@ -62,7 +62,7 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   void OnOpened(const RecordingStart& start) override;
   void OnScan(const v1::Scan& scan, const ScanAnswer& answer) override;
   void OnFix(const v1::PositionFix& fix, const FixAnswer& answer) override;
-  void OnEnd() override;
+  void OnEnd(const absl::Status& status) override;
 
  private:
   RecordStream(const RpcContext& host, grpc::CallbackServerContext* context, std::string program)
@@ -71,6 +71,8 @@ class RecordStream final : public PushStream<v1::RecordSessionResponse>,
   /// Whether the session of this server is the one that is recorded.
   bool IsHere() const { return election_ == nullptr || election_->Take(RecordElection::kHere); }
 
+  template <typename Fill>
+  void FillAndPush(Fill fill);
   void Push(v1::RecordSessionResponse message);
   void OnWrite(v1::RecordSessionResponse& message) override;
   void OnFinish() override { slot_.reset(); }

@@ -16,20 +16,33 @@ std::shared_ptr<WatchStream> WatchStream::Start(const RpcContext& host,
 }
 
 void WatchStream::OnAnswer(const ScanAnswer& answer, const v1::Scan* scan) {
-  v1::WatchSessionResponse message;
-  convert::ToProto(answer, message.mutable_answer());
-  if (rig_ && scan != nullptr) {
+  const bool shows_scan = rig_ && scan != nullptr;
+  const bool is_queued = FillAndQueue([&](v1::WatchSessionResponse& message) {
+    convert::ToProto(answer, message.mutable_answer());
+    if (!shows_scan) return;
     *message.mutable_scan() = *scan;
-    if (!std::exchange(rig_is_queued_, true)) *message.mutable_rig() = *rig_;
-  }
-  Queue(std::move(message));
+    if (!rig_is_queued_) *message.mutable_rig() = *rig_;
+  });
+  if (shows_scan && is_queued) rig_is_queued_ = true;
 }
 
 void WatchStream::OnFixAnswer(const FixAnswer& answer) {
   if (!takes_fix_answers_) return;
+  FillAndQueue([&](v1::WatchSessionResponse& message) {
+    convert::ToProto(answer, message.mutable_answer()->mutable_position_fix_answer());
+  });
+}
+
+/// One that gets no memory is missed; false then.
+template <typename Fill>
+bool WatchStream::FillAndQueue(Fill fill) {
   v1::WatchSessionResponse message;
-  convert::ToProto(answer, message.mutable_answer()->mutable_position_fix_answer());
-  Queue(std::move(message));
+  absl::Status queued = FillWithinMemory(&message, [&] { fill(message); });
+  if (queued.ok()) queued = WithinMemory([&] { Queue(std::move(message)); });
+  if (queued.ok()) return true;
+  const std::lock_guard lock(mutex_);
+  ++missed_count_;
+  return false;
 }
 
 void WatchStream::OnRelayed(v1::WatchSessionResponse message) { Queue(std::move(message)); }
@@ -38,8 +51,9 @@ void WatchStream::OnRelayed(v1::WatchSessionResponse message) { Queue(std::move(
 void WatchStream::Queue(v1::WatchSessionResponse message) {
   const std::lock_guard lock(mutex_);
   if (!is_open()) return;
-  waiting_bytes_ += message.ByteSizeLong();
+  const std::size_t size_bytes = message.ByteSizeLong();
   waiting_.push_back(std::move(message));
+  waiting_bytes_ += size_bytes;
   while (waiting_.size() > 1 &&
          (waiting_.size() > kMaxWaitingAnswers || waiting_bytes_ > kMaxWaiting_bytes)) {
     DropOldest();

@@ -41,6 +41,8 @@ class WatchStream final : public PushStream<v1::WatchSessionResponse>, public An
  private:
   using PushStream::PushStream;
 
+  template <typename Fill>
+  bool FillAndQueue(Fill fill);
   void Queue(v1::WatchSessionResponse message);
   void DropOldest();
   void OnWrite(v1::WatchSessionResponse& message) override;

@@ -17,7 +17,8 @@ grpc::Status GrpcStatusOf(const absl::Status& status) {
 grpc::Status ToGrpc(const absl::Status& status) noexcept {
   grpc::Status converted;
   const absl::Status made = WithinMemory([&] { converted = GrpcStatusOf(status); });
-  return made.ok() ? converted : GrpcStatusOf(made);
+  if (!made.ok()) converted = GrpcStatusOf(made);
+  return converted;
 }
 
 std::string Quoted(absl::string_view text) {

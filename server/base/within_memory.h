@@ -28,4 +28,13 @@ absl::Status WithinMemory(Work&& work) {
   }
 }
 
+/// The same for `work` that fills `message`. A message of protobuf that got no memory in between is
+/// fit for nothing, not even to be destroyed: then it is made anew, and what it held is lost.
+template <typename Message, typename Work>
+absl::Status FillWithinMemory(Message* message, Work&& work) {
+  const absl::Status status = WithinMemory(std::forward<Work>(work));
+  if (status == OutOfMemory()) new (message) Message();
+  return status;
+}
+
 }  // namespace dcloc::server

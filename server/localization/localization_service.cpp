@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "server/rpc/refused_stream.h"
 #include "spdlog/spdlog.h"
 
 namespace dcloc::server {
@@ -12,6 +13,11 @@ LocalizationService::LocalizationService(StreamContext host) : host_(std::move(h
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* LocalizationService::Localize(
     grpc::CallbackServerContext* context) {
+  return BeginWithinMemory<grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>>(
+      [&] { return Begin(context); });
+}
+
+LocalizeStream* LocalizationService::Begin(grpc::CallbackServerContext* context) {
   const std::shared_ptr<LocalizeStream> stream = LocalizeStream::Create(host_, context, *this);
   grpc::Status draining;
   std::optional<Refusal> excess;
@@ -22,10 +28,10 @@ grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* LocalizationService
     draining = refusal_;
   } catch (const std::bad_alloc&) {
     OnDone(*stream);
-    throw;  // gRPC ends a call for which there is no reactor
+    throw;
   }
-  if (excess) excess->stream->End(excess->status);
-  if (!draining.ok()) stream->End(draining);
+  if (excess) excess->stream->End(std::move(excess->status));
+  if (!draining.ok()) stream->End(std::move(draining));
   stream->Admit();
   return stream.get();
 }
@@ -117,7 +123,7 @@ void LocalizationService::OnAdmitted(LocalizeStream& stream, const Principal& pr
     excess = RefusalOf(
         unopened_.Move(&stream, ScopedMapName(principal.tenant, principal.name), Bounds()));
   }
-  if (excess) excess->stream->End(excess->status);
+  if (excess) excess->stream->End(std::move(excess->status));
 }
 
 void LocalizationService::OnFirstMessage(LocalizeStream& stream) {

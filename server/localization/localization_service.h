@@ -50,6 +50,9 @@ class LocalizationService final : public RawLocalizationService, private StreamK
     OpenCalls::Token token;
   };
 
+  /// Without memory nothing is left of the call.
+  LocalizeStream* Begin(grpc::CallbackServerContext* context);
+
   /// A stream that has to go, and how.
   struct Refusal {
     std::shared_ptr<LocalizeStream> stream;

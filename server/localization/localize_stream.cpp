@@ -37,8 +37,10 @@ void LocalizeStream::Announce(const v1::SessionEnding& ending) {
   {
     const std::lock_guard lock(mutex_);
     if (announcement_ != Announcement::kNone) return;
-    announcement_ = Announcement::kWaiting;
-    *announced_.mutable_ending() = ending;
+    // Without memory nothing is announced; the session ends all the same.
+    if (FillWithinMemory(&announced_, [&] { *announced_.mutable_ending() = ending; }).ok()) {
+      announcement_ = Announcement::kWaiting;
+    }
   }
   Pump();
 }
@@ -77,10 +79,11 @@ void LocalizeStream::CheckPeer(PeerWait::Clock::time_point now) {
       return context_->TryCancel();
     }
     ++faults.not_sending;
-    TakeStatus(StreamEvent::kEnded,
-               grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED,
-                            absl::StrFormat("open did not come within open_timeout_ms, which is %d",
-                                            host_.storage.limits.open_timeout_ms.load())));
+    TakeStatus(StreamEvent::kEnded, ToGrpc(WithinMemory([this] {
+                 return absl::DeadlineExceededError(
+                     absl::StrFormat("open did not come within open_timeout_ms, which is %d",
+                                     host_.storage.limits.open_timeout_ms.load()));
+               })));
   }
   Pump();
 }
@@ -94,7 +97,7 @@ void LocalizeStream::OnReadDone(bool ok) {
   // The slot is the read's alone until it is done.
   absl::Status taken;
   if (ok) {
-    taken = WithinMemory([this] { return ParseMessage(&incoming_, &ring_.to_read().request); });
+    taken = ParseMessage(&incoming_, &ring_.to_read().request);
   }
   bool is_first = false;
   {

@@ -53,7 +53,7 @@ void LocalizeStream::Opened(AttachedSession attached) {
     }).IgnoreError();
     if (Take(StreamEvent::kOpened) == StreamAction::kAttachSession) {
       session_ = attached.session;
-      status = WithinMemory([&] { Attach(attached); });
+      status = FillWithinMemory(&ring_.to_answer().response, [&] { Attach(attached); });
     }
     if (!status.ok()) TakeStatus(StreamEvent::kFailed, ToGrpc(status));
   }
@@ -99,7 +99,8 @@ void LocalizeStream::AnswerNext() {
     session = session_;
     task_under_way_ = Task::kScan;
   }
-  const absl::Status status = WithinMemory([&] { return Answer(*session, *slot, handling); });
+  const absl::Status status =
+      FillWithinMemory(&slot->response, [&] { return Answer(*session, *slot, handling); });
   session.reset();  // before the stream can end
   if (!status.ok()) return Fail(ToGrpc(status));
   {

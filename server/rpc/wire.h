@@ -5,18 +5,23 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "server/base/within_memory.h"
 
 namespace dcloc::server {
 
-/// Parses a message as it came, and takes its bytes. InvalidArgument if they are none of its type.
+/// Parses a message as it came, and takes its bytes. InvalidArgument if they are none of its type,
+/// `OutOfMemory` without memory for it.
 ///
 /// gRPC itself tells a streamed message that does not parse from the stream's end by nothing.
 template <typename Message>
 absl::Status ParseMessage(grpc::ByteBuffer* bytes, Message* message) {
-  const grpc::Status status = grpc::SerializationTraits<Message>::Deserialize(bytes, message);
-  if (status.ok()) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat("the message does not parse as ", Message::descriptor()->full_name()));
+  return FillWithinMemory(message, [&]() -> absl::Status {
+    if (grpc::SerializationTraits<Message>::Deserialize(bytes, message).ok()) {
+      return absl::OkStatus();
+    }
+    return absl::InvalidArgumentError(
+        absl::StrCat("the message does not parse as ", Message::descriptor()->full_name()));
+  });
 }
 
 /// A message as it is sent.

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 #include "dcloc/v1/localization_service.pb.h"
 #include "server/convert/answer.h"
@@ -37,8 +38,8 @@ class RecordingSubscriber {
   virtual bool TakesFixes() const = 0;
   /// `fix` is as the client sent it, or as somebody proposed it.
   virtual void OnFix(const v1::PositionFix& fix, const FixAnswer& answer) = 0;
-  /// The session has ended; the last call.
-  virtual void OnEnd() = 0;
+  /// The last call. OK when the session has ended, an error when it cannot be recorded.
+  virtual void OnEnd(const absl::Status& status) = 0;
 };
 
 /// The subscribers that wait for a vehicle's next session. Thread-safe; costs one atomic read while

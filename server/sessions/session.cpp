@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/base/status.h"
+#include "server/base/within_memory.h"
 #include "server/convert/scan.h"
 #include "server/sessions/session_log.h"
 #include "server/sessions/stage_timer.h"
@@ -97,7 +98,7 @@ Session::Session(const SessionContext& context, SessionStart start,
 
 Session::~Session() {
   info_->feed.Close();
-  if (recording_ != nullptr) recording_->OnEnd();
+  if (recording_ != nullptr) recording_->OnEnd(absl::OkStatus());
   LogClosed(*info_);
 }
 
@@ -124,15 +125,18 @@ OpenedSession Session::Describe(bool resumed) const {
 }
 
 void Session::Record(std::shared_ptr<RecordingSubscriber> subscriber, const v1::OpenSession& open) {
-  v1::OpenSession without_secret = open;
-  without_secret.clear_ticket();
-  without_secret.clear_resume_token();
-  RecordingStart start{.open = without_secret,
-                       .session = Describe(/*resumed=*/false),
-                       .open_time = info_->description.open_time,
-                       .map_sha256 = map_.record.sha256};
-  start.session.resume_token.clear();
-  subscriber->OnOpened(start);
+  const absl::Status told = WithinMemory([&] {
+    v1::OpenSession without_secret = open;
+    without_secret.clear_ticket();
+    without_secret.clear_resume_token();
+    RecordingStart start{.open = without_secret,
+                         .session = Describe(/*resumed=*/false),
+                         .open_time = info_->description.open_time,
+                         .map_sha256 = map_.record.sha256};
+    start.session.resume_token.clear();
+    subscriber->OnOpened(start);
+  });
+  if (!told.ok()) return subscriber->OnEnd(told);
   recording_ = std::move(subscriber);
   info_->recorded = true;
 }

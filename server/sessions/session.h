@@ -91,8 +91,9 @@ class Session {
   /// What became of the ticket that it was opened with.
   TicketUse ticket_use() const { return ticket_use_; }
 
-  /// `subscriber` gets what comes from now on; the session then stays in its map's version. To be
-  /// called before the first scan, with the message that opened the session.
+  /// `subscriber` gets what comes from now on; the session then stays in its map's version. Without
+  /// memory its recording ends, and the session goes on. To be called before the first scan, with
+  /// the message that opened the session.
   void Record(std::shared_ptr<RecordingSubscriber> subscriber, const v1::OpenSession& open);
 
   /// Answers a scan: with a result, a rejection, or the answer that it got before.

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "absl/functional/any_invocable.h"
 #include "server/maps/catalogue/catalogue_errors.h"
 
 namespace dcloc::server {
@@ -14,6 +15,9 @@ namespace {
 constexpr std::int64_t kAllVersions = std::numeric_limits<std::int64_t>::max();
 
 }  // namespace
+
+// What gives a hold back is made before anything is held: without memory for it nothing is.
+using GiveBack = absl::AnyInvocable<void()>;
 
 struct LocalHolds::State {
   using Key = std::pair<std::string, std::int64_t>;
@@ -53,31 +57,34 @@ struct LocalHolds::State {
 
   /// With the mutex held.
   static Hold Bar(const std::shared_ptr<State>& state, const Key& key) {
+    GiveBack unbar = [state, key] { state->Unbar(key); };
     state->barred.insert(key);
-    return Hold([state, key] { state->Unbar(key); });
+    return Hold(std::move(unbar));
   }
 };
 
 LocalHolds::LocalHolds() : state_(std::make_shared<State>()) {}
 
 absl::StatusOr<Hold> LocalHolds::HoldVersion(absl::string_view map_name, std::int64_t version) {
-  State::Key key(map_name, version);
+  const State::Key key(map_name, version);
+  GiveBack give_back = [state = state_, key] { state->GiveBackVersion(key); };
   {
     const std::lock_guard lock(state_->mutex);
     if (state_->IsBarred(key)) return VersionBeingDeleted(map_name);
     ++state_->version_counts[key];
   }
-  return Hold([state = state_, key = std::move(key)] { state->GiveBackVersion(key); });
+  return Hold(std::move(give_back));
 }
 
 absl::StatusOr<Hold> LocalHolds::HoldFile(absl::string_view sha256, absl::string_view holder) {
-  std::string file(sha256);
+  const std::string file(sha256);
+  GiveBack give_back = [state = state_, file] { state->GiveBackFile(file); };
   {
     const std::lock_guard lock(state_->mutex);
     const auto [entry, added] = state_->files.try_emplace(file, holder);
     if (!added) return FileHeld(sha256, entry->second);
   }
-  return Hold([state = state_, file = std::move(file)] { state->GiveBackFile(file); });
+  return Hold(std::move(give_back));
 }
 
 absl::StatusOr<Hold> LocalHolds::BarVersion(absl::string_view map_name, std::int64_t version) {

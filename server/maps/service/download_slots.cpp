@@ -1,5 +1,7 @@
 #include "server/maps/service/download_slots.h"
 
+#include <utility>
+
 #include "absl/strings/str_format.h"
 
 namespace dcloc::server {
@@ -14,22 +16,26 @@ absl::Status TooMany(const char* setting, int max) {
 
 absl::StatusOr<std::shared_ptr<void>> DownloadSlots::Take(const std::string& caller,
                                                           const Bounds& bounds) {
-  const std::lock_guard lock(counts_->mutex);
-  if (counts_->total >= bounds.total) return TooMany("max_download_count", bounds.total);
-  int& of_caller = counts_->of_callers[caller];
-  if (of_caller >= bounds.caller) {
-    // An entry that has just been made stays out.
-    if (of_caller == 0) counts_->of_callers.erase(caller);
-    return TooMany("max_download_count_per_caller", bounds.caller);
-  }
-  ++counts_->total;
-  ++of_caller;
-  return std::shared_ptr<void>(counts_.get(), [counts = counts_, caller](void*) {
-    const std::lock_guard returning(counts->mutex);
+  auto give_back = [counts = counts_, name = std::string(caller)](void*) {
+    const std::lock_guard lock(counts->mutex);
     --counts->total;
-    const auto found = counts->of_callers.find(caller);
+    const auto found = counts->of_callers.find(name);
     if (--found->second == 0) counts->of_callers.erase(found);
-  });
+  };
+  {
+    const std::lock_guard lock(counts_->mutex);
+    if (counts_->total >= bounds.total) return TooMany("max_download_count", bounds.total);
+    int& of_caller = counts_->of_callers[caller];
+    if (of_caller >= bounds.caller) {
+      // An entry that has just been made stays out.
+      if (of_caller == 0) counts_->of_callers.erase(caller);
+      return TooMany("max_download_count_per_caller", bounds.caller);
+    }
+    ++counts_->total;
+    ++of_caller;
+  }
+  // Without memory for it, it gives back at once; so no lock is held.
+  return std::shared_ptr<void>(counts_.get(), std::move(give_back));
 }
 
 int DownloadSlots::count() const {

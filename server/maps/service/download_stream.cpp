@@ -34,7 +34,7 @@ DownloadStream* DownloadStream::Start(const RpcContext& host, DownloadSlots& slo
   std::shared_ptr<DownloadStream> stream(new DownloadStream(host, slots, context));
   host.peer_bound_calls.Add(stream);
   stream->self_ = stream;
-  stream->PostOrEnd([stream, request] { stream->SendVersion(request); });
+  stream->PostOrEnd([stream, &request] { stream->SendVersion(request); });
   return stream.get();
 }
 
@@ -81,7 +81,7 @@ void DownloadStream::Send() {
 }
 
 void DownloadStream::SendVersion(const v1::DownloadMapRequest& request) {
-  const absl::Status status = WithinMemory([&]() -> absl::Status {
+  const absl::Status status = FillWithinMemory(&response_, [&]() -> absl::Status {
     absl::Status opened = Open(request);
     if (opened.ok()) convert::ToProto(map_.record, response_.mutable_version());
     return opened;
@@ -113,7 +113,7 @@ void DownloadStream::SendChunk() {
   const std::span<const std::byte> left = map_.map->bytes().subspan(sent_bytes_);
   if (left.empty()) return End(absl::OkStatus());
   const std::size_t size = std::min(kChunk_bytes, left.size());
-  const absl::Status filled = WithinMemory([&] {
+  const absl::Status filled = FillWithinMemory(&response_, [&] {
     v1::MapChunk* chunk = response_.mutable_chunk();
     chunk->set_offset_bytes(static_cast<std::int64_t>(sent_bytes_));
     chunk->set_data(left.data(), size);

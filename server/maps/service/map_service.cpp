@@ -14,6 +14,7 @@
 #include "server/maps/service/map_labels.h"
 #include "server/maps/service/map_places.h"
 #include "server/maps/service/upload_stream.h"
+#include "server/rpc/refused_stream.h"
 #include "server/rpc/unary.h"
 #include "spdlog/spdlog.h"
 
@@ -172,12 +173,14 @@ grpc::ServerUnaryReactor* MapService::GetMapVersion(grpc::CallbackServerContext*
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* MapService::UploadMap(
     grpc::CallbackServerContext* context, grpc::ByteBuffer* response) {
-  return UploadStream::Start(context, host_, response);
+  return BeginWithinMemory<grpc::ServerReadReactor<grpc::ByteBuffer>>(
+      [&] { return UploadStream::Start(context, host_, response); });
 }
 
 grpc::ServerWriteReactor<v1::DownloadMapResponse>* MapService::DownloadMap(
     grpc::CallbackServerContext* context, const v1::DownloadMapRequest* request) {
-  return DownloadStream::Start(host_, downloads_, context, *request);
+  return BeginWithinMemory<grpc::ServerWriteReactor<v1::DownloadMapResponse>>(
+      [&] { return DownloadStream::Start(host_, downloads_, context, *request); });
 }
 
 grpc::ServerUnaryReactor* MapService::GetMapUpload(grpc::CallbackServerContext* context,
@@ -242,7 +245,8 @@ grpc::ServerUnaryReactor* MapService::ReadMapTile(grpc::CallbackServerContext* c
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* MapService::StartMapBuild(
     grpc::CallbackServerContext* context, grpc::ByteBuffer* response) {
-  return BuildStream::Start(context, host_, builds_, response);
+  return BeginWithinMemory<grpc::ServerReadReactor<grpc::ByteBuffer>>(
+      [&] { return BuildStream::Start(context, host_, builds_, response); });
 }
 
 grpc::ServerUnaryReactor* MapService::GetMapBuild(grpc::CallbackServerContext* context,

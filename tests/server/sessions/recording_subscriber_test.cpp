@@ -11,7 +11,7 @@ class SilentSubscriber final : public RecordingSubscriber {
   void OnScan(const v1::Scan& /*scan*/, const ScanAnswer& /*answer*/) override {}
   bool TakesFixes() const override { return true; }
   void OnFix(const v1::PositionFix& /*fix*/, const FixAnswer& /*answer*/) override {}
-  void OnEnd() override {}
+  void OnEnd(const absl::Status& /*status*/) override {}
 };
 
 TEST(RecordingRequestsTest, WhoAskedFirstIsServedFirstAndOnce) {

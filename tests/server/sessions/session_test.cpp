@@ -72,7 +72,7 @@ class Recorder final : public RecordingSubscriber {
     EXPECT_EQ(fix.stamp_ns(), answer.stamp_ns);
     target_counts.push_back(kFix);
   }
-  void OnEnd() override { ended = true; }
+  void OnEnd(const absl::Status& /*status*/) override { ended = true; }
 
   std::string vehicle_id;
   std::string resume_token = "none was given";
