@@ -11,6 +11,7 @@
 #include <memory>
 #include <thread>
 
+#include "absl/synchronization/mutex.h"
 #include "server/app/part_options.h"
 #include "server/app/server.h"
 #include "server/app/store_command.h"
@@ -52,8 +53,12 @@ void ShareArenas() {
   mallopt(M_ARENA_MAX, std::max(2, static_cast<int>(std::thread::hardware_concurrency())));
 }
 
-/// Gives what gRPC cannot do without, once nothing else is left: its threads, and what it reads from
-/// connections until their calls are refused.
+/// Debian's absl looks for deadlocks at each mutex that gRPC locks: under a lock of the whole
+/// process, with memory that it takes from the system by itself, and does not do without.
+void LookForNoDeadlocks() { absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore); }
+
+/// Gives what gRPC cannot do without, once nothing else is left: its threads, and what it reads
+/// from connections until their calls are refused.
 void KeepMemory() {
   constexpr std::size_t kReserve_bytes = std::size_t{1} << 28;
   if (!MemoryReserve::OfProcess().Keep(kReserve_bytes)) {
@@ -110,6 +115,7 @@ int Run(int argc, const char* const* argv, const ServerConfig& config) {
   const sigset_t signals = BlockSignals();
   SetUpLog(config);
   ShareArenas();
+  LookForNoDeadlocks();
   KeepMemory();
   RaiseFileLimit();
   LetWorkersFinish();

@@ -12,16 +12,16 @@
 
 namespace {
 
-/// Who asks for more can be refused, and ends alone (`WithinMemory`); it must not use up what
-/// gRPC, whose blocks are smaller, cannot do without.
+/// Who asks for more is refused, and ends alone (`WithinMemory`): it must not use up what gRPC,
+/// whose blocks are smaller, cannot do without.
 constexpr std::size_t kMaxDrawn_bytes = std::size_t{1} << 18;
 
 template <typename Allocate>
 void* AllocateOrDraw(std::size_t size_bytes, Allocate allocate) {
   void* const block = allocate();
-  if (block != nullptr || size_bytes == 0 || size_bytes > kMaxDrawn_bytes) return block;
+  if (block != nullptr || size_bytes == 0) return block;
   dcloc::server::MemoryReserve::OfProcess().Give();
-  return allocate();
+  return size_bytes > kMaxDrawn_bytes ? nullptr : allocate();
 }
 
 }  // namespace

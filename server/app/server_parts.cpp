@@ -301,13 +301,13 @@ void Server::Parts::EndOverdue() {
 }
 
 void Server::Parts::TellOfMemory() {
-  MemoryReserve& reserve = MemoryReserve::OfProcess();
-  const bool is_short = reserve.IsGiven();
-  if (is_short && !memory_is_short) {
+  const bool was_short = std::exchange(memory_is_short, !MemoryReserve::OfProcess().Tend());
+  if (memory_is_short == was_short) return;
+  if (memory_is_short) {
     spdlog::error("no memory is left, the reserve is given: new calls are refused");
+  } else {
+    spdlog::info("memory is there again: new calls are taken");
   }
-  memory_is_short = !reserve.TakeBack();
-  if (is_short && !memory_is_short) spdlog::info("memory is there again: new calls are taken");
 }
 
 PassBounds Server::Parts::PassBoundsNow() const {

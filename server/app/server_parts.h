@@ -69,7 +69,7 @@ struct Server::Parts {
   /// Ends sessions, calls and streams whose time is over.
   void EndOverdue();
 
-  /// Takes the process' reserve back once there is memory again, and says so.
+  /// Tends the process' reserve of memory, and says when it is given and taken again.
   void TellOfMemory();
 
   /// How much of passes is kept, and for how long, at this moment.
@@ -127,7 +127,7 @@ struct Server::Parts {
   CanaryWatch canary_watch{registry, store};
   int canary_look_count = 0;
   std::unique_ptr<Ticker> canary_ticker;  ///< null where worse canaries are kept
-  bool memory_is_short = false;  ///< as it was told last
+  bool memory_is_short = false;           ///< as it was told last
   Ticker ticker;
   MapScrub scrub;
   std::chrono::steady_clock::time_point last_sweep = std::chrono::steady_clock::now();

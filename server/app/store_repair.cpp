@@ -60,7 +60,7 @@ absl::Status PlaceUnaccounted(Catalogue& catalogue, MapFiles& files, const Repai
     if (!adopted.ok()) return adopted.status();
     report->adopted_count += *adopted ? 1 : 0;
     if (*adopted) continue;
-    const absl::Status status = QuarantineOrphan(catalogue, files, sha256, kRepairer).status();
+    absl::Status status = QuarantineOrphan(catalogue, files, sha256, kRepairer).status();
     if (!status.ok()) return status;
     ++report->quarantined_count;
   }

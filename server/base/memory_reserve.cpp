@@ -20,21 +20,26 @@ void* Map(std::size_t size_bytes) noexcept {
 MemoryReserve& MemoryReserve::OfProcess() { return process_reserve; }
 
 bool MemoryReserve::Keep(std::size_t size_bytes) {
-  size_bytes_ = size_bytes;
   pages_ = Map(size_bytes);
-  return !IsGiven();
+  if (pages_ == nullptr) return false;
+  size_bytes_ = size_bytes;
+  return true;
 }
 
 void MemoryReserve::Give() noexcept {
   if (void* const pages = pages_.exchange(nullptr)) munmap(pages, size_bytes_);
 }
 
-bool MemoryReserve::TakeBack() {
-  if (!IsGiven()) return true;
-  const std::size_t left_bytes = size_bytes_ / 4;
+bool MemoryReserve::Tend() {
+  if (size_bytes_ == 0) return true;
+  const bool was_given = IsGiven();
+  const std::size_t left_bytes = size_bytes_ / (was_given ? 4 : 16);
   void* const left = Map(left_bytes);
-  if (left == nullptr) return false;
-  pages_ = Map(size_bytes_);
+  if (left == nullptr) {
+    Give();
+    return false;
+  }
+  if (was_given) pages_ = Map(size_bytes_);
   munmap(left, left_bytes);
   return !IsGiven();
 }

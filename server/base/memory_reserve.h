@@ -19,15 +19,17 @@ class MemoryReserve {
   /// empty until something is kept in it.
   static MemoryReserve& OfProcess();
 
-  /// Takes `size_bytes`, more than 0, and from now on again after they were given. Call it once.
-  /// False if there is not so much; `TakeBack` tries again.
+  /// Takes `size_bytes`, and from now on again after they were given. Call it once. False, and
+  /// nothing is kept, if there is not so much.
   bool Keep(std::size_t size_bytes);
 
   /// Gives it to whoever asks the system next. Allocates nothing.
   void Give() noexcept;
 
-  /// Takes it again, if a quarter of it would be left besides. False if it is still given.
-  bool TakeBack();
+  /// To be called from time to time. Gives it where hardly anything is left besides, before
+  /// somebody goes without who does not draw on it; takes it again where a quarter of it would be
+  /// left besides. False if it is given.
+  bool Tend();
 
   /// Whether memory is short: all that was kept is given.
   bool IsGiven() const { return size_bytes_ > 0 && pages_ == nullptr; }

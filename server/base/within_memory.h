@@ -32,7 +32,7 @@ absl::Status WithinMemory(Work&& work) {
 /// fit for nothing, not even to be destroyed: then it is made anew, and what it held is lost.
 template <typename Message, typename Work>
 absl::Status FillWithinMemory(Message* message, Work&& work) {
-  const absl::Status status = WithinMemory(std::forward<Work>(work));
+  absl::Status status = WithinMemory(std::forward<Work>(work));
   if (status == OutOfMemory()) new (message) Message();
   return status;
 }

@@ -22,6 +22,7 @@ TESTED_BY = {
     "tests/core/map/map_edit_test.cpp": ("core/map/editable_map",),
     # A program is tested by running it.
     "tests/client/cli/command_line_test.cpp": ("client/cli/main",),
+    "tests/server/app/process_test.cpp": ("server/app/memory_hooks",),
     "tests/client/cli/describe/completion_test.py": ("client/cli/describe/describe_command",),
     # One test asks every implementation of an interface the same.
     "tests/server/identity/identity_store_test.cpp": ("server/identity/postgres_identity_store",),

@@ -7,13 +7,10 @@
 #include "absl/strings/str_format.h"
 #include "client/sdk/sha256.h"
 #include "tests/core/map/synthetic_map.h"
+#include "tests/end_to_end/is_gone.h"
 
 namespace dcloc {
 namespace {
-
-bool IsGone(const absl::Status& status) {
-  return absl::IsUnavailable(status) || absl::IsCancelled(status);
-}
 
 absl::Status Problem(const std::string& map_name, const std::string& what) {
   return absl::InternalError(absl::StrCat(map_name, ": ", what));

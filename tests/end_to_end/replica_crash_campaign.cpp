@@ -14,21 +14,25 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/maps/catalogue/build_queue.h"
 #include "tests/core/map/temporary_folder.h"
+#include "tests/end_to_end/build_ledger.h"
 #include "tests/end_to_end/map_ledger.h"
 #include "tests/end_to_end/run_program.h"
 #include "tests/end_to_end/server_process.h"
 #include "tests/server/fixtures/postgres_cluster.h"
 
 // Kills servers that share a catalogue in PostgreSQL and a folder of map files, each at a random
-// moment of uploads, activations and deletions, and holds what is there against what any of them
-// had acknowledged.
+// moment of uploads, activations, deletions and builds, and holds what is there against what any of
+// them had acknowledged.
 namespace dcloc {
 namespace {
 
 constexpr int kNotInstalled = 77;  // ctest takes it for skipped
 /// What a dead server held is free once its lease is over, and then goes with the next sweep.
 constexpr std::chrono::seconds kOrphansGoWithin(120);
+/// So do builds, which another server then begins anew.
+constexpr std::chrono::seconds kBuildsEndWithin(120);
 
 struct Arguments {
   std::string server;
@@ -58,6 +62,7 @@ class Campaign {
       if (status.ok()) status = StartAll();
       if (status.ok()) status = CheckEach();
     }
+    if (status.ok()) status = FinishBuilds();
     if (status.ok()) status = WaitUntilNoOrphanIsLeft();
     if (status.ok()) return status;
     return absl::InternalError(absl::StrFormat("after kill %d: %s", kill_count_, status.message()));
@@ -70,6 +75,9 @@ class Campaign {
         "uploads made anew; no orphan left after %.0f s\n",
         kill_count_, arguments_.replica_count, counts.acknowledged, counts.doubtful,
         counts.finished, orphans_s_);
+    absl::PrintF("%d builds acknowledged, each made or, %d of them, given up after %d servers\n",
+                 builds_.acknowledged_count(), builds_.given_up_count(),
+                 server::BuildQueue::kMaxAttempts);
   }
 
  private:
@@ -96,6 +104,7 @@ class Campaign {
   /// One server after the other, while the rest goes on.
   absl::Status KillAtWork() {
     std::vector<absl::Status> results(ledgers_.size());
+    absl::Status build_result;
     {
       std::vector<std::jthread> workers;
       for (std::size_t i = 0; i < ledgers_.size(); ++i) {
@@ -103,6 +112,9 @@ class Campaign {
         workers.emplace_back(
             [&, i] { results[i] = ledgers_[i]->Work(client::MapClient(server.Channel())); });
       }
+      const ServerProcess& builder = AnyServer();
+      workers.emplace_back(
+          [&] { build_result = builds_.Work(client::MapClient(builder.Channel())); });
       std::vector<std::size_t> order(servers_.size());
       std::iota(order.begin(), order.end(), std::size_t{0});
       std::ranges::shuffle(order, random_);
@@ -116,7 +128,7 @@ class Campaign {
     for (const absl::Status& result : results) {
       if (!result.ok()) return result;
     }
-    return absl::OkStatus();
+    return build_result;
   }
 
   absl::Status CheckEach() {
@@ -124,11 +136,17 @@ class Campaign {
       client::MapClient maps(AnyServer().Channel());
       if (absl::Status status = ledger->Check(maps); !status.ok()) return status;
     }
-    return absl::OkStatus();
+    client::MapClient maps(AnyServer().Channel());
+    return builds_.Check(maps);
+  }
+
+  absl::Status FinishBuilds() {
+    client::MapClient maps(AnyServer().Channel());
+    return builds_.Finish(maps, kBuildsEndWithin);
   }
 
   absl::Status WaitUntilNoOrphanIsLeft() {
-    std::set<std::string> expected;
+    std::set<std::string> expected = builds_.Files();
     for (const auto& ledger : ledgers_) expected.merge(ledger->Files());
     const auto begin = std::chrono::steady_clock::now();
     std::set<std::string> there = FilesThere();
@@ -158,6 +176,7 @@ class Campaign {
   std::mt19937 random_;
   const std::string database_;
   std::vector<std::unique_ptr<MapLedger>> ledgers_;
+  BuildLedger builds_{"built"};
   std::vector<std::unique_ptr<ServerProcess>> servers_;
   int kill_count_ = 0;
   double orphans_s_ = 0.0;

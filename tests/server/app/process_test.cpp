@@ -9,16 +9,20 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <span>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "server/base/files.h"
 #include "tests/core/map/temporary_folder.h"
 #include "tests/server/fixtures/test_maps.h"
@@ -87,6 +91,19 @@ class ServerProcess {
 
   void Signal(int signal) { kill(pid_, signal); }
 
+  /// It gets no more address space than it has.
+  void TakeMemory() {
+    std::size_t pages = 0;
+    std::ifstream(absl::StrCat("/proc/", pid_, "/statm")) >> pages;
+    const rlimit limit{.rlim_cur = pages * sysconf(_SC_PAGESIZE), .rlim_max = RLIM_INFINITY};
+    prlimit(pid_, RLIMIT_AS, &limit, nullptr);
+  }
+
+  void GiveMemory() {
+    const rlimit limit{.rlim_cur = RLIM_INFINITY, .rlim_max = RLIM_INFINITY};
+    prlimit(pid_, RLIMIT_AS, &limit, nullptr);
+  }
+
   /// The exit code, or minus the signal that ended it.
   int Wait() {
     int status = 0;
@@ -129,6 +146,58 @@ TEST_F(ProcessTest, StartsOnAnEmptyFolderSaysWhereItListensAndStopsOnASignal) {
     // An idle connection, whose client sleeps, is not worth the deadline of 5 s.
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
   }
+}
+
+/// Large messages of many callers at once, for a second; how often it was out of memory.
+int CallAtOnce(const std::string& address) {
+  const std::vector<std::byte> bytes = SmallMap("large", 4000);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  std::atomic<int> refused_count = 0;
+  constexpr int kCallers = 16;
+  std::vector<std::jthread> callers;
+  callers.reserve(kCallers);
+  for (int i = 0; i < kCallers; ++i) {
+    callers.emplace_back([&, i] {
+      v1::UploadMapHeader header = HeaderOf(bytes);
+      header.set_map_name(absl::StrCat("junk-", i));
+      header.set_sha256(std::string(64, '0'));
+      while (std::chrono::steady_clock::now() < end) {
+        grpc::ChannelArguments arguments;
+        arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+        const auto stub = v1::MapService::NewStub(
+            grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
+        v1::UploadMapResponse response;
+        const grpc::Status status = UploadMap(*stub, header, bytes, &response);
+        if (status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED) ++refused_count;
+      }
+    });
+  }
+  callers.clear();
+  return refused_count;
+}
+
+TEST_F(ProcessTest, WithoutMemoryItRefusesCallsUntilThereIsSome) {
+  ServerProcess server({"--data", Store(), "--listen", "127.0.0.1:0", "--stub-localizer"});
+  const std::string line = server.ReadUntil("listening on 127.0.0.1:");
+  const std::string address = line.substr(line.find("127."), line.find('\n') - line.find("127."));
+  const auto channel = grpc::CreateChannel(address, grpc::InsecureChannelCredentials());
+  const auto maps = v1::MapService::NewStub(channel);
+  const std::vector<std::byte> bytes = SmallMap();
+  v1::UploadMapResponse uploaded;
+  ASSERT_TRUE(UploadMap(*maps, HeaderOf(bytes), bytes, &uploaded).ok());
+  const auto localization = v1::LocalizationService::NewStub(channel);
+  TestSession session(*localization);
+  ASSERT_TRUE(session.Open(OpenMessage()) && session.Read());
+
+  server.TakeMemory();
+  EXPECT_GT(CallAtOnce(address), 0);
+  EXPECT_TRUE(session.Localize(ScanMessage(0))) << "vehicles go on";
+  server.GiveMemory();
+  EXPECT_TRUE(Eventually([&] { return UploadMap(*maps, HeaderOf(bytes), bytes, &uploaded).ok(); }));
+  EXPECT_TRUE(session.Localize(ScanMessage(1)));
+  session.CloseSending();
+  server.Signal(SIGTERM);
+  EXPECT_EQ(server.Wait(), 0);
 }
 
 TEST_F(ProcessTest, UsageErrorsAreToldApartFromFailures) {

@@ -50,7 +50,7 @@ TEST(MemoryReserveTest, NothingIsShortWhereNothingIsKept) {
   EXPECT_FALSE(reserve.IsGiven());
   reserve.Give();
   EXPECT_FALSE(reserve.IsGiven());
-  EXPECT_TRUE(reserve.TakeBack());
+  EXPECT_TRUE(reserve.Tend());
 }
 
 TEST(MemoryReserveTest, WhatIsGivenIsThereForOthers) {
@@ -71,23 +71,34 @@ TEST(MemoryReserveTest, ItIsTakenBackWhenMoreIsThereThanItNeeds) {
   reserve.Give();
   {
     const AddressLimit limit(kReserve_bytes);
-    EXPECT_FALSE(reserve.TakeBack()) << "nothing would be left";
+    EXPECT_FALSE(reserve.Tend()) << "nothing would be left";
     EXPECT_TRUE(reserve.IsGiven());
   }
   const AddressLimit limit(kReserve_bytes / 2 * 3);
-  EXPECT_TRUE(reserve.TakeBack());
+  EXPECT_TRUE(reserve.Tend());
   EXPECT_FALSE(reserve.IsGiven());
 }
 
-TEST(MemoryReserveTest, OneThatThereIsNoRoomForIsTakenLater) {
+TEST(MemoryReserveTest, ItIsGivenBeforeTheLastIsTaken) {
   SKIP_UNDER_SANITIZERS;
   MemoryReserve reserve;
+  ASSERT_TRUE(reserve.Keep(kReserve_bytes));
   {
-    const AddressLimit limit(kReserve_bytes / 2);
-    EXPECT_FALSE(reserve.Keep(kReserve_bytes));
-    EXPECT_TRUE(reserve.IsGiven());
+    const AddressLimit limit(kReserve_bytes / 8);
+    EXPECT_TRUE(reserve.Tend()) << "something is left";
   }
-  EXPECT_TRUE(reserve.TakeBack());
+  const AddressLimit limit(kReserve_bytes / 32);
+  EXPECT_FALSE(reserve.Tend());
+  EXPECT_TRUE(CanMap(kReserve_bytes / 2));
+}
+
+TEST(MemoryReserveTest, NothingIsKeptWhereThereIsNoRoomForIt) {
+  SKIP_UNDER_SANITIZERS;
+  MemoryReserve reserve;
+  const AddressLimit limit(kReserve_bytes / 2);
+  EXPECT_FALSE(reserve.Keep(kReserve_bytes));
+  EXPECT_FALSE(reserve.IsGiven()) << "calls are taken";
+  EXPECT_TRUE(reserve.Tend());
 }
 
 }  // namespace

@@ -20,9 +20,9 @@ using ::testing::Not;
 
 TEST(LibraryLogTest, WhatLibrariesSayIsALineOfOurs) {
   std::ostringstream lines;
-  auto log = std::make_shared<spdlog::logger>(
+  const auto log = std::make_shared<spdlog::logger>(
       "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(lines));
-  TakeLibraryMessages(std::move(log));
+  TakeLibraryMessages(log);
   gpr_log_verbosity_init();
   gpr_log("file.cc", 1, GPR_LOG_SEVERITY_ERROR, "bad\n\"news\"");
   GOOGLE_LOG(ERROR) << "no UTF-8";

@@ -71,6 +71,7 @@ TEST(AwaitedRequestsTest, BeyondTheirNumberTheOldestGoes) {
   config.max_unopened_stream_count_per_peer = 3;
   const TestServer server(config);
   std::vector<std::unique_ptr<SilentCall>> calls;
+  calls.reserve(4);
   for (int i = 0; i < 4; ++i) {
     calls.push_back(std::make_unique<SilentCall>(server, "/dcloc.v1.MapService/ListMaps"));
   }

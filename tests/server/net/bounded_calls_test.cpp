@@ -23,6 +23,7 @@ TEST(BoundedCallsTest, ReflectionEndsAndHasFewThreads) {
   const TestServer server(config);
   const auto begin = std::chrono::steady_clock::now();
   std::vector<std::unique_ptr<SilentCall>> calls;
+  calls.reserve(40);
   for (int i = 0; i < 40; ++i) {
     calls.push_back(std::make_unique<SilentCall>(
         server, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo"));

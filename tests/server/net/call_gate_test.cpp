@@ -37,7 +37,7 @@ TEST(CallGateTest, NoneBeginsWhileMemoryIsShortButTheAskingForHealth) {
   EXPECT_EQ(gate.Admit(&gate, kPath, true, now).code(), absl::StatusCode::kResourceExhausted);
   EXPECT_TRUE(gate.Admit(&gate, "/grpc.health.v1.Health/Check", false, now).ok());
   EXPECT_EQ(gate.refused().out_of_memory, 1);
-  ASSERT_TRUE(reserve.TakeBack());
+  ASSERT_TRUE(reserve.Tend());
   EXPECT_TRUE(gate.Admit(&gate, kPath, true, now).ok());
 }
 
