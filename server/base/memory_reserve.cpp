@@ -26,8 +26,12 @@ bool MemoryReserve::Keep(std::size_t size_bytes) {
   return true;
 }
 
+// Who comes second waits until the first one has given it: a mutex of the libraries may allocate.
 void MemoryReserve::Give() noexcept {
+  while (giving_.test_and_set(std::memory_order_acquire)) {
+  }
   if (void* const pages = pages_.exchange(nullptr)) munmap(pages, size_bytes_);
+  giving_.clear(std::memory_order_release);
 }
 
 bool MemoryReserve::Tend() {

@@ -23,7 +23,7 @@ class MemoryReserve {
   /// nothing is kept, if there is not so much.
   bool Keep(std::size_t size_bytes);
 
-  /// Gives it to whoever asks the system next. Allocates nothing.
+  /// Gives it to whoever asks the system next; when this returns, it can be had. Allocates nothing.
   void Give() noexcept;
 
   /// To be called from time to time. Gives it where hardly anything is left besides, before
@@ -37,6 +37,7 @@ class MemoryReserve {
  private:
   std::atomic<std::size_t> size_bytes_ = 0;
   std::atomic<void*> pages_ = nullptr;
+  std::atomic_flag giving_;
 };
 
 }  // namespace dcloc::server

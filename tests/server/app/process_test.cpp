@@ -83,6 +83,13 @@ class ServerProcess {
     return all + line;
   }
 
+  /// HOST:PORT of its loopback address, once it listens.
+  std::string WaitForAddress() {
+    const std::string line = ReadUntil("listening on 127.0.0.1:");
+    const std::size_t begin = line.find("127.");
+    return begin == std::string::npos ? "" : line.substr(begin, line.find('\n') - begin);
+  }
+
   /// From now on what it says fills a pipe of a page, which nobody reads.
   void StopReading() { fcntl(fileno(output_), F_SETPIPE_SZ, 4096); }
 
@@ -130,9 +137,8 @@ class ProcessTest : public ::testing::Test {
 TEST_F(ProcessTest, StartsOnAnEmptyFolderSaysWhereItListensAndStopsOnASignal) {
   for (const int signal : {SIGTERM, SIGINT}) {
     ServerProcess server({"--data", Store(), "--listen", "127.0.0.1:0"});
-    const std::string line = server.ReadUntil("listening on 127.0.0.1:");
-    ASSERT_THAT(line, HasSubstr("listening on 127.0.0.1:"));
-    const std::string address = line.substr(line.find("127."), line.find('\n') - line.find("127."));
+    const std::string address = server.WaitForAddress();
+    ASSERT_NE(address, "");
     const auto stub =
         v1::AdminService::NewStub(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
     Call call;
@@ -178,8 +184,7 @@ int CallAtOnce(const std::string& address) {
 
 TEST_F(ProcessTest, WithoutMemoryItRefusesCallsUntilThereIsSome) {
   ServerProcess server({"--data", Store(), "--listen", "127.0.0.1:0", "--stub-localizer"});
-  const std::string line = server.ReadUntil("listening on 127.0.0.1:");
-  const std::string address = line.substr(line.find("127."), line.find('\n') - line.find("127."));
+  const std::string address = server.WaitForAddress();
   const auto channel = grpc::CreateChannel(address, grpc::InsecureChannelCredentials());
   const auto maps = v1::MapService::NewStub(channel);
   const std::vector<std::byte> bytes = SmallMap();
@@ -279,8 +284,7 @@ TEST_F(ProcessTest, ConnectionsBeyondTheFilesAreClosedAndTheServerGoesOn) {
   constexpr rlim_t kMaxFileCount = 128;
   ServerProcess server({"--data", Store(), "--listen", "127.0.0.1:0"}, kMaxFileCount);
   EXPECT_THAT(server.ReadUntil("max_session_count"), HasSubstr("LimitNOFILE"));
-  const std::string line = server.ReadUntil("listening on 127.0.0.1:");
-  const std::string address = line.substr(line.find("127."), line.find('\n') - line.find("127."));
+  const std::string address = server.WaitForAddress();
   sockaddr_in target{};
   target.sin_family = AF_INET;
   target.sin_port =
@@ -318,9 +322,9 @@ void LocalizeSome(const std::string& address) {
 TEST_F(ProcessTest, ALogThatNobodyReadsHoldsUpNobody) {
   ServerProcess server(
       {"--data", Store(), "--listen", "127.0.0.1:0", "--stub-localizer", "--log-level", "debug"});
-  const std::string line = server.ReadUntil("listening on 127.0.0.1:");
+  const std::string address = server.WaitForAddress();
   server.StopReading();
-  LocalizeSome(line.substr(line.find("127."), line.find('\n') - line.find("127.")));
+  LocalizeSome(address);
   server.Signal(SIGTERM);
   EXPECT_EQ(server.Wait(), 0);
 }
@@ -328,9 +332,9 @@ TEST_F(ProcessTest, ALogThatNobodyReadsHoldsUpNobody) {
 TEST_F(ProcessTest, ALogThatIsClosedEndsNothing) {
   ServerProcess server(
       {"--data", Store(), "--listen", "127.0.0.1:0", "--stub-localizer", "--log-level", "debug"});
-  const std::string line = server.ReadUntil("listening on 127.0.0.1:");
+  const std::string address = server.WaitForAddress();
   server.CloseOutput();
-  LocalizeSome(line.substr(line.find("127."), line.find('\n') - line.find("127.")));
+  LocalizeSome(address);
   server.Signal(SIGTERM);
   EXPECT_EQ(server.Wait(), 0);
 }
