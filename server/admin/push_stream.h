@@ -116,7 +116,7 @@ class PushStream : public grpc::ServerWriteReactor<Message>, public PeerBoundCal
     } else if (state_ == State::kEnding) {
       state_ = State::kFinished;
       OnFinish();
-      this->Finish(end_status_);
+      this->Finish(std::move(end_status_));  // a copy takes memory
     }
   }
 

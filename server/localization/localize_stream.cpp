@@ -277,7 +277,7 @@ void LocalizeStream::FinishWith(Ending ending) {
     }).IgnoreError();
     ending.session.reset();
   }
-  Finish(ending.status);
+  Finish(std::move(ending.status));  // a copy takes memory
 }
 
 }  // namespace dcloc::server

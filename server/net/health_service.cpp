@@ -60,16 +60,16 @@ class HealthService::Watcher final : public grpc::ServerWriteReactor<grpc::ByteB
   }
 
   /// Ends it, after the write under way.
-  void End(const grpc::Status& status) {
+  void End(grpc::Status status) {
     const std::lock_guard lock(mutex_);
     if (ending_) return;
-    ending_ = status;
-    if (!writing_) Finish(status);
+    ending_ = std::move(status);
+    if (!writing_) Finish(std::move(*ending_));  // a copy takes memory
   }
 
   /// Ends it now: a write that nobody reads fails.
-  void Cut(const grpc::Status& status) {
-    End(status);
+  void Cut(grpc::Status status) {
+    End(std::move(status));
     const std::lock_guard lock(mutex_);
     if (writing_) context_.TryCancel();
   }
@@ -79,7 +79,7 @@ class HealthService::Watcher final : public grpc::ServerWriteReactor<grpc::ByteB
       const std::lock_guard lock(mutex_);
       writing_ = false;
       if (!ok && !ending_) ending_ = grpc::Status::CANCELLED;
-      if (ending_) return Finish(*ending_);
+      if (ending_) return Finish(std::move(*ending_));
     }
     TellChange();
   }

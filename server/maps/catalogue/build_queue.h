@@ -68,7 +68,8 @@ class BuildQueue {
   /// when its lease is renewed. NotFound as above.
   virtual absl::StatusOr<BuildRow> Cancel(absl::string_view tenant, absl::string_view build_id) = 0;
 
-  /// Takes the build that has waited longest, or was lost; nothing when there is none.
+  /// Takes the build that has waited longest, or was lost; nothing when there is none. A holder
+  /// builds one at a time: what it still holds it has lost, now or when the lease ends.
   virtual absl::StatusOr<std::optional<BuildRow>> Take(absl::string_view holder) = 0;
 
   /// To be called every few seconds, and before what comes out is stored.

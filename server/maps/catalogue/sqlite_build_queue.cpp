@@ -127,14 +127,12 @@ absl::StatusOr<std::optional<BuildRow>> SqliteBuildQueue::Take(absl::string_view
   std::optional<BuildRow> taken;
   absl::Status status = InTransaction([&]() -> absl::Status {
     SqliteStatement end(database_,
-                        "UPDATE map_build SET state = ?1"
-                        " WHERE state = 0 AND cancelled = 1 AND holder <> ?2");
-    absl::Status ended = end.Bind(NumberOf(BuildState::kCancelled)).Bind(holder).Run();
+                        "UPDATE map_build SET state = ? WHERE state = 0 AND cancelled = 1");
+    absl::Status ended = end.Bind(NumberOf(BuildState::kCancelled)).Run();
     if (!ended.ok()) return ended;
-    SqliteStatement query(database_, SelectBuilds("WHERE state = 0 AND holder <> ?"
-                                                  " ORDER BY number LIMIT 1")
-                                         .c_str());
-    const absl::StatusOr<bool> row = query.Bind(holder).Step();
+    SqliteStatement query(database_,
+                          SelectBuilds("WHERE state = 0 ORDER BY number LIMIT 1").c_str());
+    const absl::StatusOr<bool> row = query.Step();
     if (!row.ok() || !*row) return row.status();
     taken = ReadBuild(query);
     ++taken->attempt_count;

@@ -174,11 +174,10 @@ bool MapBuilds::BuildNext() {
     spdlog::warn("no map build taken reason={}", Quoted(row.status().message()));
   }
   if (!row.ok() || !row->has_value()) return false;
-  Build(**row);
-  return true;
+  return Build(**row);
 }
 
-void MapBuilds::Build(const BuildRow& row) {
+bool MapBuilds::Build(const BuildRow& row) {
   auto running = std::make_shared<Running>(row, store_.holder());
   {
     const std::lock_guard lock(mutex_);
@@ -192,9 +191,10 @@ void MapBuilds::Build(const BuildRow& row) {
     const Ticker renewal(kRenewInterval, [this, &running] { Renew(*running); });
     WithinMemory([&] { version = Make(*running); }).IgnoreError();
   }
-  End(*running, version);
+  const absl::Status ended = WithinMemory([&] { End(*running, version); });
   const std::lock_guard lock(mutex_);
   running_.reset();
+  return ended.ok();
 }
 
 void MapBuilds::Renew(Running& running) const {

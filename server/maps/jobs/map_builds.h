@@ -65,9 +65,10 @@ class MapBuilds {
   BuildQueue& queue() const { return store_.builds(); }
   void Wake();
   void BuildAll();
-  /// False when nothing waits.
+  /// False when nothing is to be built now.
   bool BuildNext();
-  void Build(const BuildRow& row);
+  /// False without memory to say how it ended: then the queue gives it again.
+  bool Build(const BuildRow& row);
   void Renew(Running& running) const;
   absl::StatusOr<MapVersionRecord> Make(Running& running) const;
   absl::StatusOr<std::vector<std::byte>> MakeBytes(Running& running, const BuildRequest& request,

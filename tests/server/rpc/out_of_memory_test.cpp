@@ -38,6 +38,7 @@ class World {
 
   /// Makes what a call may have taken away.
   void SetUp() {
+    ASSERT_TRUE(Eventually([this] { return !Builds(); })) << "a build does not end";
     while (CountVersions() < 2) {
       Upload("town", absl::StrCat("town ", ++count_));
       session.reset();  // it goes on in the newest version
@@ -81,6 +82,16 @@ class World {
     ServerConfig config;
     config.warm_map_mib = 0;
     return config;
+  }
+
+  bool Builds() {
+    Call call;
+    v1::ListMapBuildsResponse response;
+    if (!server.maps->ListMapBuilds(&call, {}, &response).ok()) return true;
+    const auto runs = [](const v1::MapBuild& build) {
+      return build.state() == v1::MAP_BUILD_STATE_RUNNING;
+    };
+    return std::any_of(response.builds().begin(), response.builds().end(), runs);
   }
 
   int CountVersions() {

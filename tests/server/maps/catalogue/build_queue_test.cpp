@@ -99,6 +99,7 @@ TEST_P(BuildQueueTest, EachIsTakenOnceTheOldestFirst) {
   EXPECT_EQ(*queue_->Renew(lease_, "late"), LeaseState::kLost);
   EXPECT_FALSE(*queue_->End(lease_, BuildState::kDone, "late"));
   EXPECT_EQ(Take(), "y");
+  EXPECT_TRUE(*queue_->End(lease_, BuildState::kDone, ""));
   EXPECT_EQ(Take(), "");
 }
 
@@ -119,6 +120,16 @@ TEST_P(BuildQueueTest, WhatIsGivenBackIsTakenAgainAndTheAttemptDoesNotCount) {
   ASSERT_TRUE(queue_->GiveBack(lease_).ok());
   EXPECT_EQ(Take("b:1"), "x");
   EXPECT_EQ(lease_.attempt, 1);
+}
+
+TEST_P(BuildQueueTest, WhatItsHolderDroppedIsTakenByItAgain) {
+  ASSERT_TRUE(queue_->Add(Row("x"), 4).ok());
+  ASSERT_EQ(Take("a:1"), "x");
+  const BuildLease dropped = lease_;
+  place_->EndLeases();
+  EXPECT_EQ(Take("a:1"), "x");
+  EXPECT_EQ(lease_.attempt, 2);
+  EXPECT_EQ(*queue_->Renew(dropped, ""), LeaseState::kLost);
 }
 
 TEST_P(BuildQueueTest, WhatADeadOneHadIsTakenByAnotherAndTheDeadOneHasNoSay) {
