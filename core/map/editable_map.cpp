@@ -78,6 +78,16 @@ Pose3 PoseOf(const KeyframeRecord& record) {
           .rotation = Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
 }
 
+KeyframeRecord RecordOf(const Pose3& T_local_keyframe) {
+  const Eigen::Vector3d& t = T_local_keyframe.translation_m;
+  const Eigen::Quaterniond& q = T_local_keyframe.rotation;
+  return {.translation_local_m = {t.x(), t.y(), t.z()},
+          .rotation_wxyz = {q.w(), q.x(), q.y(), q.z()},
+          .first_point = 0,
+          .point_count = 0,
+          .accuracy = 0};
+}
+
 Eigen::Vector3d PositionOf(const MapPoint& point) { return {point.x_m, point.y_m, point.z_m}; }
 
 }  // namespace dcloc

@@ -42,6 +42,9 @@ absl::StatusOr<std::vector<std::byte>> ToMapBytes(const EditableMap& map);
 /// The keyframe's pose relative to the local origin.
 Pose3 PoseOf(const KeyframeRecord& record);
 
+/// The record of a keyframe at `T_local_keyframe` that has no landmark yet.
+KeyframeRecord RecordOf(const Pose3& T_local_keyframe);
+
 /// The landmark in its keyframe's frame. With `kHasHeightsFlag` its z is the height over the
 /// radars.
 Eigen::Vector3d PositionOf(const MapPoint& point);

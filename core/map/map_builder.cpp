@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/map/editable_map.h"
 #include "core/map/keyframe_index.h"
 #include "core/map/landmark_fusion.h"
 #include "core/map/landmark_points.h"
@@ -111,13 +112,7 @@ struct MapBuilder::Impl {
     std::vector<KeyframeRecord> records;
     records.reserve(T_local_keyframes.size());
     for (const Pose3& T_local_keyframe : T_local_keyframes) {
-      const Eigen::Vector3d& t = T_local_keyframe.translation_m;
-      const Eigen::Quaterniond& q = T_local_keyframe.rotation;
-      records.push_back({.translation_local_m = {t.x(), t.y(), t.z()},
-                         .rotation_wxyz = {q.w(), q.x(), q.y(), q.z()},
-                         .first_point = 0,
-                         .point_count = 0,
-                         .accuracy = 0});
+      records.push_back(RecordOf(T_local_keyframe));
     }
     return records;
   }

@@ -45,13 +45,23 @@ template <int Dim>
 bool GlobalLocalizer<Dim>::WantsView(Stamp stamp) const {
   if (phase_ != Phase::kIdle || winner_) return false;
   if (views_.empty()) return true;
-  // A vehicle outside of the map must not search it all the time.
-  const auto interval = view_count_ < options_.early_view_count
-                            ? options_.view_interval
-                            : options_.late_view_interval_factor * options_.view_interval;
-  if (stamp - view_stamp_ < interval) return false;
+  if (stamp - view_stamp_ < ViewInterval()) return false;
   // An expected place waits until the region around it has grown to the map, also where it stands.
   return (expected_ && region_) || travelled_since_view_m_ >= options_.view_distance_m;
+}
+
+// A vehicle outside of the map must not search it all the time. Where the newest view fits, it may
+// have come in. Who never knew a place finds one by chance sooner or later, the sooner the more
+// alike views are: those must lie further apart.
+template <int Dim>
+std::chrono::nanoseconds GlobalLocalizer<Dim>::ViewInterval() const {
+  int factor = 1;
+  if (view_count_ >= options_.early_view_count) {
+    const bool knew_a_place = min_convincing_score_ > 0.0;
+    if (!newest_fits_) factor = options_.late_view_interval_factor;
+    if (newest_fits_ && !knew_a_place) factor = options_.entering_view_interval_factor;
+  }
+  return factor * options_.view_interval;
 }
 
 template <int Dim>
@@ -145,6 +155,7 @@ void GlobalLocalizer<Dim>::DoNextPiece(RegistrationWorkspace<Dim>& workspace) {
       break;
     case Phase::kBackfill:
       if (FillNextFit(workspace)) break;
+      newest_fits_ = FitsSomewhere(views_.size() - 1, &ViewFit::is_close);
       DropViewsOfElsewhere();
       KeepBestCandidates();
       winner_ = Winner();
@@ -248,6 +259,12 @@ double GlobalLocalizer<Dim>::LogLikelihood(const Candidate& candidate) {
   return sum;
 }
 
+template <int Dim>
+bool GlobalLocalizer<Dim>::FitsSomewhere(std::size_t view, bool ViewFit::*quality) const {
+  return std::ranges::any_of(candidates_,
+                             [&](const Candidate& one) { return (*one.fits[view]).*quality; });
+}
+
 // What nothing in the map looks like says nothing of where the vehicle is, once something fits as
 // scans did where it surely was: it was taken outside of the map, or by radars that were disturbed.
 // The search begins anew. A prior waits for all views. In the map of another street much fits as
@@ -256,12 +273,8 @@ template <int Dim>
 void GlobalLocalizer<Dim>::DropViewsOfElsewhere() {
   if (expected_ && expected_->basis == Basis::kPrior) return;
   if (min_convincing_score_ < kLeastScoreOfRightMap) return;
-  const auto fits_somewhere = [this](std::size_t view, bool ViewFit::*quality) {
-    return std::ranges::any_of(candidates_,
-                               [&](const Candidate& one) { return (*one.fits[view]).*quality; });
-  };
-  if (!fits_somewhere(views_.size() - 1, &ViewFit::is_as_usual)) return;
-  while (views_.size() > 1 && !fits_somewhere(0, &ViewFit::is_acceptable)) {
+  if (!FitsSomewhere(views_.size() - 1, &ViewFit::is_as_usual)) return;
+  while (views_.size() > 1 && !FitsSomewhere(0, &ViewFit::is_acceptable)) {
     DropOldestView();
     view_count_ = static_cast<int>(views_.size());
   }

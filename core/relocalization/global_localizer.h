@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -90,6 +91,7 @@ class GlobalLocalizer {
     double log_likelihood = 0.0;
     bool is_acceptable = false;
     bool is_plausible = false;   // enough for an expected place in the whole map
+    bool is_close = false;       // overlaps as what is seen of a known place does
     bool is_convincing = false;  // enough for one without the whole map
     bool is_as_usual = false;    // scores as registrations of this vehicle did
   };
@@ -116,6 +118,8 @@ class GlobalLocalizer {
   void KeepPromisingFits();
   void FitFinely(const CoarseFit& fit, RegistrationWorkspace<Dim>& workspace);
   void DropOldestView();
+  std::chrono::nanoseconds ViewInterval() const;
+  bool FitsSomewhere(std::size_t view, bool ViewFit::*quality) const;
   void DropViewsOfElsewhere();
   void DropUnlikelyNewCandidates();
   void KeepBestCandidates();
@@ -143,6 +147,7 @@ class GlobalLocalizer {
 
   Phase phase_ = Phase::kIdle;
   int view_count_ = 0;                   // taken since there was no pose
+  bool newest_fits_ = false;             // somewhere in the map
   std::vector<View<Dim>> views_;         // oldest first
   Stamp view_stamp_{};                   // of the newest view
   double travelled_since_view_m_ = 0.0;  // likewise

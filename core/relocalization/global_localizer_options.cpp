@@ -22,6 +22,7 @@ std::span<const OptionField<GlobalLocalizerOptions>> FieldsOf(
       {"view_distance_m", &O::view_distance_m, 0, 1000, "a standing vehicle takes views too"},
       {"early_view_count", &O::early_view_count, 0, 1000, "views are rare from the start"},
       {"late_view_interval_factor", &O::late_view_interval_factor, 1, 1000},
+      {"entering_view_interval_factor", &O::entering_view_interval_factor, 1, 1000},
       {"max_view_count", &O::max_view_count, 2, 100},
       {"max_view_sigma_m", &O::max_view_sigma_m, 1e-6, 100},
       {"max_view_sigma_rad", &O::max_view_sigma_rad, 1e-6, 10},

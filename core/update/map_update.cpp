@@ -17,19 +17,13 @@
 #include "core/update/pass_centers.h"
 #include "core/update/presence_fit.h"
 #include "core/update/version_score.h"
+#include "core/update/witness.h"
 
 namespace dcloc {
 namespace {
 
 double Days(Stamp from, Stamp to) {
   return std::chrono::duration<double, std::ratio<86400>>(to - from).count();
-}
-
-std::optional<Stamp> FirstGood(const PlacedPass& pass) {
-  for (const PlacedScan& scan : pass.scans) {
-    if (scan.is_good) return scan.stamp;
-  }
-  return std::nullopt;
 }
 
 /// The landmarks of a map in its local frame.
@@ -58,10 +52,10 @@ class Updater {
           const MapUpdateOptions& options)
       : base_map_(base_map), options_(options), base_(base_map) {
     for (std::size_t i = 0; i < passes.size(); ++i) {
-      if (FirstGood(passes[i])) result_.order.push_back(i);
+      if (passes[i].GoodCount() > 0) result_.order.push_back(i);
     }
     std::ranges::stable_sort(result_.order, {},
-                             [&](std::size_t i) { return *FirstGood(passes[i]); });
+                             [&](std::size_t i) { return FirstGoodStamp(passes[i]); });
     for (const std::size_t i : result_.order) aligned_.push_back(passes[i]);
     for (const PlacedPass& pass : aligned_) passes_.push_back(&pass);
   }
@@ -71,6 +65,7 @@ class Updater {
       return absl::InvalidArgumentError("no pass has a scan that was tracked in the map");
     }
     AlignPasses(base_.landmarks, base_map_.Origin_m(), options_.alignment, aligned_);
+    JoinNewStreets();
     FindOthers();
     LookAtPlaces();
     result_.presence = options_.presence;
@@ -84,22 +79,55 @@ class Updater {
  private:
   std::size_t KnownCount() const { return base_.positions.size(); }
 
-  // What the passes together see: where the base map has nothing, and after it where it has.
+  void JoinNewStreets() {
+    T_local_keyframes_ = base_.T_local_keyframes;
+    result_.new_streets = FindNewStreets(base_.T_local_keyframes, aligned_, base_map_.Origin_m(),
+                                         options_.min_witnesses, options_.new_streets);
+    const std::vector<Pose3>& joined = result_.new_streets.T_local_keyframes;
+    T_local_keyframes_.insert(T_local_keyframes_.end(), joined.begin(), joined.end());
+  }
+
+  // The keyframe that a landmark belongs to; none where all are too far.
+  std::optional<std::size_t> KeyframeOf(const Landmark& landmark) const {
+    std::optional<std::size_t> nearest;
+    double nearest_m = kMaxKeyframeDistance_m;
+    for (std::size_t k = 0; k < T_local_keyframes_.size(); ++k) {
+      const double distance_m =
+          (T_local_keyframes_[k].translation_m - landmark.position_m).head<2>().norm();
+      if (distance_m >= nearest_m) continue;
+      nearest_m = distance_m;
+      nearest = k;
+    }
+    return nearest;
+  }
+
+  bool IsInNewStreet(const Landmark& landmark) const {
+    const std::optional<std::size_t> keyframe = KeyframeOf(landmark);
+    return keyframe && *keyframe >= base_.T_local_keyframes.size();
+  }
+
+  // What the passes together see: where the base map has nothing, in its streets and then in new
+  // ones, and after it where it has.
   void FindOthers() {
     std::vector<Landmark> seen = FusePasses(passes_, base_map_.Origin_m(), 3);
     const std::vector<LandmarkPosition> positions = PositionsOf(seen);
     const std::vector<CenterMatch> known =
         MatchCenters(positions, base_.positions, options_.matching);
     positions_ = base_.positions;
-    for (const bool is_known : {false, true}) {
+    const auto take = [&](const auto& is_wanted) {
       for (std::size_t i = 0; i < seen.size(); ++i) {
-        if ((known[i].center != kNoCenter) != is_known) continue;
+        if (!is_wanted(i)) continue;
         others_.push_back(seen[i]);
         known_of_other_.push_back(known[i].center);
         positions_.push_back(positions[i]);
       }
-      if (!is_known) found_count_ = others_.size();
-    }
+      return others_.size();
+    };
+    const auto is_known = [&](std::size_t i) { return known[i].center != kNoCenter; };
+    found_in_base_count_ =
+        take([&](std::size_t i) { return !is_known(i) && !IsInNewStreet(seen[i]); });
+    found_count_ = take([&](std::size_t i) { return !is_known(i) && IsInNewStreet(seen[i]); });
+    take(is_known);
   }
 
   void LookAtPlaces() {
@@ -128,8 +156,9 @@ class Updater {
   std::vector<PassEvidence> EvidenceOf(const DetectionModel& detection, std::size_t i) const {
     std::vector<PassEvidence> evidence;
     for (std::size_t p = 0; p < passes_.size(); ++p) {
-      const double days = p == 0 ? options_.base_age_days
-                                 : Days(*FirstGood(*passes_[p - 1]), *FirstGood(*passes_[p]));
+      const double days = p == 0
+                              ? options_.base_age_days
+                              : Days(FirstGoodStamp(*passes_[p - 1]), FirstGoodStamp(*passes_[p]));
       const double expected = i < KnownCount()
                                   ? detection.ExpectedHits(p, i)
                                   : detection.ExpectedHits(p, sightings_[p].exposures[i]);
@@ -153,9 +182,9 @@ class Updater {
       for (std::size_t i = 0; i < positions_.size(); ++i) {
         evidence.push_back(EvidenceOf(detection, i));
       }
-      result_.presence =
-          FitPresence(std::span(evidence).first(KnownCount()),
-                      std::span(evidence).subspan(KnownCount(), found_count_), result_.presence);
+      result_.presence = FitPresence(
+          std::span(evidence).first(KnownCount()),
+          std::span(evidence).subspan(KnownCount(), found_in_base_count_), result_.presence);
       Describe(std::move(evidence));
       for (std::size_t i = 0; i < KnownCount(); ++i) presence[i] = result_.known[i].presence.stays;
     }
@@ -171,7 +200,7 @@ class Updater {
     result_.known.clear();
     result_.found.clear();
     again_.clear();
-    // What is seen again is as any known landmark: most of it stays.
+    // What is seen again is as any known landmark: most of it stays. So is what a new street shows.
     PresenceModel again = result_.presence;
     again.found_intermittent = again.known_intermittent;
     again.found_never = again.known_removed;
@@ -187,18 +216,13 @@ class Updater {
         result_.known.push_back(std::move(history));
       } else {
         const bool is_found = i < KnownCount() + found_count_;
+        const bool is_in_base = i < KnownCount() + found_in_base_count_;
         history.presence =
-            PosteriorOfCandidate(history.passes, is_found ? result_.presence : again);
+            PosteriorOfCandidate(history.passes, is_in_base ? result_.presence : again);
         history.fate = FateOfFound(history);
         (is_found ? result_.found : again_).push_back(std::move(history));
       }
     }
-  }
-
-  using Witness = std::pair<std::string, long>;  // a vehicle on a day
-  Witness WitnessOf(std::size_t p) const {
-    const auto since = FirstGood(*passes_[p])->time_since_epoch();
-    return {passes_[p]->vehicle, std::chrono::duration_cast<std::chrono::days>(since).count()};
   }
 
   void CountWitnesses(LandmarkHistory& history) const {
@@ -206,9 +230,9 @@ class Updater {
     std::set<std::string> vehicles;
     for (std::size_t p = 0; p < passes_.size(); ++p) {
       if (history.passes[p].hits == 0) continue;
-      witnesses.insert(WitnessOf(p));
+      witnesses.insert(WitnessOf(*passes_[p]));
       vehicles.insert(passes_[p]->vehicle);
-      const Stamp at = *FirstGood(*passes_[p]);
+      const Stamp at = FirstGoodStamp(*passes_[p]);
       if (!history.first_seen) history.first_seen = at;
       history.last_seen = at;
     }
@@ -221,7 +245,7 @@ class Updater {
     std::set<Witness> witnesses;
     for (std::size_t p = 0; p < passes_.size(); ++p) {
       const PassEvidence& pass = history.passes[p];
-      if (pass.hits == 0 && pass.expected_hits > 1.0) witnesses.insert(WitnessOf(p));
+      if (pass.hits == 0 && pass.expected_hits > 1.0) witnesses.insert(WitnessOf(*passes_[p]));
     }
     return static_cast<int>(witnesses.size());
   }
@@ -263,6 +287,10 @@ class Updater {
                refined_of[known].center != kNoCenter;
       });
     }
+    for (const Pose3& T_local_keyframe : result_.new_streets.T_local_keyframes) {
+      result_.map.keyframes.push_back({.record = RecordOf(T_local_keyframe), .points = {}});
+    }
+    result_.map.info.length_m += result_.new_streets.joined_m;
     for (const Landmark& landmark : refined) AddLandmark(landmark);
     for (std::size_t k = 0; k < found_count_; ++k) {
       if (result_.found[k].fate == LandmarkFate::kAdded) AddLandmark(others_[k]);
@@ -283,27 +311,22 @@ class Updater {
   }
 
   void AddLandmark(const Landmark& landmark) {
+    const std::optional<std::size_t> keyframe = KeyframeOf(landmark);
+    if (!keyframe) return;
+    EditableKeyframe& nearest = result_.map.keyframes[*keyframe];
     const bool has_heights = (base_map_.info.flags & kHasHeightsFlag) != 0;
-    double nearest_m = kMaxKeyframeDistance_m;
-    EditableKeyframe* nearest = nullptr;
-    for (std::size_t k = 0; k < base_.T_local_keyframes.size(); ++k) {
-      const double distance_m =
-          (base_.T_local_keyframes[k].translation_m - landmark.position_m).head<2>().norm();
-      if (distance_m >= nearest_m) continue;
-      nearest_m = distance_m;
-      nearest = &result_.map.keyframes[k];
-    }
-    if (nearest == nullptr) return;
-    nearest->points.push_back(PointInKeyframe(landmark, PoseOf(nearest->record), has_heights));
+    nearest.points.push_back(PointInKeyframe(landmark, PoseOf(nearest.record), has_heights));
   }
 
   const EditableMap& base_map_;
   const MapUpdateOptions& options_;
   BaseLandmarks base_;
+  std::vector<Pose3> T_local_keyframes_;   // the base map's, then those of new streets
   std::vector<PlacedPass> aligned_;        // by stamp
   std::vector<const PlacedPass*> passes_;  // the same
   std::vector<Landmark> others_;           // what passes see: found, then seen again
-  std::size_t found_count_ = 0;
+  std::size_t found_in_base_count_ = 0;
+  std::size_t found_count_ = 0;                // these, and those in new streets
   std::vector<std::uint32_t> known_of_other_;  // the base map's landmark at the place
   std::vector<LandmarkPosition> positions_;    // of the base map's landmarks, then of others
   std::vector<LandmarkHistory> again_;         // of what is seen again

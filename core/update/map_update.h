@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "core/map/editable_map.h"
 #include "core/update/center_matching.h"
+#include "core/update/new_streets.h"
 #include "core/update/pass_alignment.h"
 #include "core/update/placed_pass.h"
 #include "core/update/presence.h"
@@ -18,6 +19,7 @@ namespace dcloc {
 struct MapUpdateOptions {
   CenterMatchingOptions matching;
   PassAlignmentOptions alignment;
+  NewStreetOptions new_streets;
   PresenceModel presence;       ///< to begin with; shares and shapes are learned from the passes
   double base_age_days = 30.0;  ///< of the base map at the first pass
   int min_center_scans = 2;     ///< of a pass that saw something at a place
@@ -55,6 +57,7 @@ struct MapUpdate {
   std::vector<LandmarkHistory> known;  ///< of the base map's landmarks, in its order
   std::vector<LandmarkHistory> found;  ///< others
   std::size_t refined_count = 0;       ///< landmarks of `map` that passes and the base map share
+  NewStreets new_streets;              ///< their keyframes come after the base map's in `map`
   std::vector<std::size_t> order;      ///< of the passes, by their stamps
   PresenceModel presence;              ///< as learned
 };
@@ -62,7 +65,7 @@ struct MapUpdate {
 /// Updates `base` with passes that were placed in it. Their poses are refined first, with the map
 /// and one another. What went goes, what came and stays comes, what is there one day and not the
 /// next does not. What stays and the passes see is refined (equation 64); the rest keeps its bits.
-/// No pass changes anything alone.
+/// Streets that passes drove beyond the map join it. No pass changes anything alone.
 /// InvalidArgument where no pass has a scan that counts.
 absl::StatusOr<MapUpdate> UpdateMap(const EditableMap& base, std::span<const PlacedPass> passes,
                                     const MapUpdateOptions& options = {});

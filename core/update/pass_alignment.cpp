@@ -1,6 +1,7 @@
 #include "core/update/pass_alignment.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -25,7 +26,8 @@ struct Offset {
 
 std::vector<Offset> OffsetsOf(std::span<const LandmarkPosition> centers,
                               std::span<const LandmarkPosition> landmarks,
-                              const CenterMatchingOptions& options) {
+                              const CenterMatchingOptions& options, double shared_sigma_m) {
+  const Eigen::Matrix2d shared_m2 = shared_sigma_m * shared_sigma_m * Eigen::Matrix2d::Identity();
   std::vector<Offset> offsets;
   const std::vector<CenterMatch> matches = MatchCenters(centers, landmarks, options);
   for (std::size_t c = 0; c < centers.size(); ++c) {
@@ -33,7 +35,7 @@ std::vector<Offset> OffsetsOf(std::span<const LandmarkPosition> centers,
     if (matches[c].center == kNoCenter) continue;
     const LandmarkPosition& landmark = landmarks[matches[c].center];
     offset.offset_m = landmark.position_m - centers[c].position_m;
-    offset.information = (landmark.covariance_m2 + centers[c].covariance_m2).inverse();
+    offset.information = (landmark.covariance_m2 + centers[c].covariance_m2 + shared_m2).inverse();
     const double squared = offset.offset_m.dot(offset.information * offset.offset_m);
     offset.information /= 1.0 + squared / (kSoftSigmas * kSoftSigmas);
   }
@@ -99,7 +101,7 @@ std::vector<PosePull> PullsOf(const PlacedPass& pass, const std::vector<std::siz
 
 }  // namespace
 
-void AlignPass(std::span<const LandmarkPosition> landmarks, const Eigen::Vector3d& origin_m,
+void AlignPass(const AlignmentTargets& targets, const Eigen::Vector3d& origin_m,
                const PassAlignmentOptions& options, PlacedPass& pass) {
   PassTrack track(pass, options.track);
   const auto place = [&] {
@@ -111,24 +113,39 @@ void AlignPass(std::span<const LandmarkPosition> landmarks, const Eigen::Vector3
   };
   if (track.scans().empty()) return;
   place();
-  for (int round = 0; round < options.rounds; ++round) {
+  const auto align = [&](const CenterMatchingOptions& beyond_matching, double beyond_sigma_m) {
     const PlacedPass* const only = &pass;
     const std::vector<LandmarkPosition> centers =
         PositionsOf(FusePasses({&only, 1}, origin_m, options.min_center_scans));
-    track.Move(PullsOf(pass, track.scans(), origin_m, centers,
-                       OffsetsOf(centers, landmarks, options.matching)));
+    std::vector<Offset> offsets = OffsetsOf(centers, targets.landmarks, options.matching, 0.0);
+    const std::vector<Offset> beyond =
+        OffsetsOf(centers, targets.beyond_map, beyond_matching, beyond_sigma_m);
+    for (std::size_t c = 0; c < centers.size(); ++c) {
+      if (offsets[c].information.isZero()) offsets[c] = beyond[c];
+    }
+    track.Move(PullsOf(pass, track.scans(), origin_m, centers, offsets));
     place();
+  };
+  if (!targets.beyond_map.empty()) {
+    for (const double sigma_m : options.beyond_pose_m) {
+      align({.gate = options.matching.gate, .max_m = 3.0 * sigma_m, .pose_m = sigma_m}, sigma_m);
+    }
   }
+  for (int round = 0; round < options.rounds; ++round) align(options.matching, 0.0);
 }
 
 void AlignPasses(std::span<const PlacedLandmark> base, const Eigen::Vector3d& origin_m,
                  const PassAlignmentOptions& options, std::span<PlacedPass> passes) {
   std::vector<LandmarkPosition> positions;
   for (const PlacedLandmark& landmark : base) positions.push_back(landmark.position);
+  std::vector<LandmarkPosition> beyond_map;
   std::vector<const PlacedPass*> all;
   for (PlacedPass& pass : passes) {
-    AlignPass(positions, origin_m, options, pass);
+    AlignPass({positions, beyond_map}, origin_m, options, pass);
     all.push_back(&pass);
+    const std::vector<LandmarkPosition> seen = PositionsOf(
+        FusePasses({&all.back(), 1}, origin_m, options.min_center_scans, ScanChoice::kBeyondMap));
+    beyond_map.insert(beyond_map.end(), seen.begin(), seen.end());
   }
   for (int round = 0; round < options.joint_rounds; ++round) {
     std::vector<Landmark> seen = FusePasses(all, origin_m, options.min_center_scans);
@@ -136,7 +153,9 @@ void AlignPasses(std::span<const PlacedLandmark> base, const Eigen::Vector3d& or
     positions = BlendedPositions(base, seen, options.matching);
     PassAlignmentOptions once = options;
     once.rounds = 1;
-    for (PlacedPass& pass : passes) AlignPass(positions, origin_m, once, pass);
+    once.track.beyond_sigma_m = options.beyond_sigma_m;
+    once.track.beyond_sigma_rad = options.beyond_sigma_rad;
+    for (PlacedPass& pass : passes) AlignPass({positions, {}}, origin_m, once, pass);
   }
 }
 

@@ -5,14 +5,15 @@
 namespace dcloc {
 
 std::vector<Landmark> FusePasses(std::span<const PlacedPass* const> passes,
-                                 const Eigen::Vector3d& origin_m, int min_scan_count) {
+                                 const Eigen::Vector3d& origin_m, int min_scan_count,
+                                 ScanChoice choice) {
   std::vector<MapReturn> returns;
   std::vector<std::uint32_t> pass_of_scan;
   bool has_elevation = true;
   for (std::uint32_t pass = 0; pass < passes.size(); ++pass) {
     has_elevation = has_elevation && passes[pass]->rig.MeasuresElevation();
     for (const PlacedScan& scan : passes[pass]->scans) {
-      if (!scan.is_good) continue;
+      if (!scan.is_good || (choice == ScanChoice::kBeyondMap && !scan.is_beyond_map)) continue;
       Pose3 T_local_vehicle = scan.T_map_vehicle;
       T_local_vehicle.translation_m -= origin_m;
       AppendReturns(scan.points, T_local_vehicle, static_cast<std::uint32_t>(pass_of_scan.size()),

@@ -10,10 +10,14 @@
 
 namespace dcloc {
 
+/// Which scans are taken, of those that count.
+enum class ScanChoice { kAll, kBeyondMap };
+
 /// What the scans that count of `passes` see, fused: scatterers by place, relative to `origin_m` of
 /// the map. `pass_count` counts the passes that saw each. Seen by `min_scan_count` scans at least.
 std::vector<Landmark> FusePasses(std::span<const PlacedPass* const> passes,
-                                 const Eigen::Vector3d& origin_m, int min_scan_count);
+                                 const Eigen::Vector3d& origin_m, int min_scan_count,
+                                 ScanChoice choice = ScanChoice::kAll);
 
 LandmarkPosition PositionOf(const Landmark& landmark);
 std::vector<LandmarkPosition> PositionsOf(std::span<const Landmark> landmarks);

@@ -81,7 +81,10 @@ PassTrack::PassTrack(const PlacedPass& pass, const PassTrackOptions& options) : 
       from_knot_m +=
           (scan.T_start_vehicle.translation_m - T_start_vehicles_.back().translation_m).norm();
     }
-    if (scans_.empty() || from_knot_m >= options.knot_spacing_m) {
+    // What is given and what is not do not share a knot.
+    const bool begins =
+        scans_.empty() || pass.scans[scans_.back()].is_beyond_map != scan.is_beyond_map;
+    if (begins || from_knot_m >= options.knot_spacing_m) {
       if (!scans_.empty()) {
         const PlacedScan& last = pass.scans[scans_[knot_scans_.back()]];
         edges_.push_back(
@@ -91,6 +94,9 @@ PassTrack::PassTrack(const PlacedPass& pass, const PassTrackOptions& options) : 
       }
       knot_scans_.push_back(scans_.size());
       given_.push_back(Flatten(scan.T_map_vehicle));
+      given_weights_.push_back(scan.is_beyond_map
+                                   ? Weights(options.beyond_sigma_m, options.beyond_sigma_rad)
+                                   : Weights(options.pose_sigma_m, options.pose_sigma_rad));
       from_knot_m = 0.0;
     }
     knot_of_.push_back(knot_scans_.size() - 1);
@@ -99,7 +105,8 @@ PassTrack::PassTrack(const PlacedPass& pass, const PassTrackOptions& options) : 
     T_start_vehicles_.push_back(scan.T_start_vehicle);
   }
   for (std::size_t i = 0; i < scans_.size(); ++i) {
-    fraction_.push_back(knot_of_[i] < edges_.size() ? at_m[i] / edges_[knot_of_[i]].length_m : 0.0);
+    const double length_m = knot_of_[i] < edges_.size() ? edges_[knot_of_[i]].length_m : 0.0;
+    fraction_.push_back(length_m > 0.0 ? at_m[i] / length_m : 0.0);
   }
   knots_ = given_;
   PlaceScans();
@@ -119,8 +126,7 @@ void PassTrack::Move(std::span<const PosePull> pulls) {
     const Pose2 T_given_knot = given_[k].Inverse() * knots_[k];
     Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
     J.topLeftCorner<2, 2>() = T_given_knot.Rotation();
-    equations.Add({{k, J}}, Weights(options_.pose_sigma_m, options_.pose_sigma_rad),
-                  DeviationOf(Pose2{}, T_given_knot));
+    equations.Add({{k, J}}, given_weights_[k], DeviationOf(Pose2{}, T_given_knot));
   }
   for (std::size_t k = 0; k < edges_.size(); ++k) {
     const Edge& edge = edges_[k];

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <chrono>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct PassTrackOptions {
   double knot_spacing_m = 10.0;         ///< of the way, from one estimated pose to the next
   double pose_sigma_m = 0.3;            ///< of the localizer's poses, which may all err alike
   double pose_sigma_rad = 0.02;         ///< likewise of their yaw
+  // Likewise of the poses beyond the map: by default only odometry says where they are.
+  double beyond_sigma_m = std::numeric_limits<double>::infinity();
+  double beyond_sigma_rad = std::numeric_limits<double>::infinity();
   double drift_m = 0.004;               ///< of odometry, after 1 m; it grows by the root of the way
   double drift_rad = 0.0002;            ///< likewise of its yaw
   double scale_sigma = 0.02;            ///< of odometry, constant over the pass
@@ -60,7 +64,8 @@ class PassTrack {
   std::vector<std::size_t> knot_of_;     // of each scan: the last knot that is not after it
   std::vector<double> fraction_;         // of the way from that knot to the next one
   std::vector<std::size_t> knot_scans_;  // index into scans_
-  std::vector<Pose2> given_;             // poses of the localizer at knots
+  std::vector<Pose2> given_;             // poses of the scans at knots
+  std::vector<Eigen::Matrix3d> given_weights_;
   std::vector<Edge> edges_;
   std::vector<Pose2> knots_;
   std::vector<Pose2> T_map_vehicles_;

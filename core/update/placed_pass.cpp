@@ -15,7 +15,7 @@ std::string WhereGood(const PlacedPass& pass) {
   const PlacedScan* first = nullptr;
   const PlacedScan* last = nullptr;
   for (const PlacedScan& scan : pass.scans) {
-    if (!scan.is_good) continue;
+    if (!scan.is_good || scan.is_beyond_map) continue;
     if (first == nullptr) first = &scan;
     last = &scan;
   }
@@ -36,7 +36,13 @@ constexpr double kMaxRefusedShare = 0.2;
 }  // namespace
 
 std::size_t PlacedPass::GoodCount() const {
-  return static_cast<std::size_t>(std::ranges::count(scans, true, &PlacedScan::is_good));
+  return static_cast<std::size_t>(std::ranges::count_if(
+      scans, [](const PlacedScan& scan) { return scan.is_good && !scan.is_beyond_map; }));
+}
+
+std::size_t PlacedPass::BeyondCount() const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      scans, [](const PlacedScan& scan) { return scan.is_good && scan.is_beyond_map; }));
 }
 
 std::string FaultOf(const PlacedPass& pass) {
@@ -69,7 +75,7 @@ std::string FaultOf(const PlacedPass& pass) {
 absl::StatusOr<PassPlacer> PassPlacer::Create(std::shared_ptr<const RadarMap> map, std::string name,
                                               std::string vehicle, Rig rig,
                                               const PassPlacerOptions& options) {
-  auto localizer = Localizer::Create(std::move(map), rig, std::nullopt, options.localizer);
+  auto localizer = Localizer::Create(map, rig, std::nullopt, options.localizer);
   if (!localizer.ok()) {
     return absl::Status(localizer.status().code(),
                         name + ": " + std::string(localizer.status().message()));
@@ -78,11 +84,13 @@ absl::StatusOr<PassPlacer> PassPlacer::Create(std::shared_ptr<const RadarMap> ma
   pass.name = std::move(name);
   pass.vehicle = std::move(vehicle);
   pass.rig = std::move(rig);
-  return PassPlacer(*std::move(localizer), std::move(pass), options);
+  return PassPlacer(std::move(map), *std::move(localizer), std::move(pass), options);
 }
 
-PassPlacer::PassPlacer(Localizer localizer, PlacedPass pass, const PassPlacerOptions& options)
+PassPlacer::PassPlacer(std::shared_ptr<const RadarMap> map, Localizer localizer, PlacedPass pass,
+                       const PassPlacerOptions& options)
     : options_(options),
+      map_(std::move(map)),
       localizer_(std::move(localizer)),
       rig_(std::make_unique<Rig>(pass.rig)),
       judge_(options.worth),
@@ -113,7 +121,7 @@ void PassPlacer::Add(const Scan& scan) {
   pass_.unsound_count += worth == ScanWorth::kUnsound ? 1 : 0;
   pass_.unsure_count += worth == ScanWorth::kUnsure ? 1 : 0;
   placed.is_good = worth == ScanWorth::kGood;
-  if (placed.is_good) {
+  if (worth != ScanWorth::kUnsound) {  // may count: here, or beyond the map
     // Where the localizer has put them: a map whose radars were corrected has it correct these.
     RadarModel restamped = radar;
     restamped.time_offset_s = localizer_.rig().radars[placed.radar].time_offset_s;
@@ -122,6 +130,9 @@ void PassPlacer::Add(const Scan& scan) {
   pass_.scans.push_back(std::move(placed));
 }
 
-PlacedPass PassPlacer::Finish() && { return std::move(pass_); }
+PlacedPass PassPlacer::Finish() && {
+  PlaceBeyondMap(*map_, options_.beyond_map, pass_);
+  return std::move(pass_);
+}
 
 }  // namespace dcloc

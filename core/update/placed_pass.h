@@ -14,6 +14,7 @@
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "core/radar/static_points.h"
+#include "core/update/beyond_map.h"
 #include "core/update/scan_worth.h"
 
 namespace dcloc {
@@ -26,7 +27,9 @@ struct PlacedScan {
   Pose2 T_start_vehicle;           ///< by odometry alone, from where the pass began
   double sigma_m = 0.0;            ///< of the horizontal position, the larger axis
   int inlier_count = 0;            ///< of the registration that the pose rests on
-  bool is_good = false;            ///< counts: tracked for a while, and with sound sources
+  bool is_good = false;            ///< counts: tracked for a while, and with sound sources; or
+                                   ///< beyond the map
+  bool is_beyond_map = false;      ///< counts, and is placed by odometry alone: `PlaceBeyondMap`
   std::vector<RadarPoint> points;  ///< static targets, vehicle frame
 };
 
@@ -44,7 +47,10 @@ struct PlacedPass {
   SourceFault fault = SourceFault::kNone;  ///< of the source that was set aside last
   double length_m = 0.0;                   ///< driven, by odometry
 
+  /// Scans that count and were tracked in the map.
   std::size_t GoodCount() const;
+  /// Scans that count and were taken beyond the map.
+  std::size_t BeyondCount() const;
 };
 
 /// What makes a pass useless for an update, and why; empty where it is of use. It moved too little,
@@ -54,6 +60,7 @@ std::string FaultOf(const PlacedPass& pass);
 struct PassPlacerOptions {
   LocalizerOptions localizer;
   ScanWorthOptions worth;
+  BeyondMapOptions beyond_map;
 };
 
 /// Localizes a pass in the base map, scan by scan, and keeps what an update needs of it.
@@ -70,9 +77,11 @@ class PassPlacer {
   PlacedPass Finish() &&;
 
  private:
-  PassPlacer(Localizer localizer, PlacedPass pass, const PassPlacerOptions& options);
+  PassPlacer(std::shared_ptr<const RadarMap> map, Localizer localizer, PlacedPass pass,
+             const PassPlacerOptions& options);
 
   PassPlacerOptions options_;
+  std::shared_ptr<const RadarMap> map_;
   Localizer localizer_;
   EgoMotion ego_motion_;
   Pose3 T_start_vehicle_;

@@ -66,6 +66,23 @@ SegmentEvaluation EvaluationOf(const SegmentSum& sum) {
           .new_version = sum.new_version.Score()};
 }
 
+/// Of a segment in a street that the old version does not have. `agreed_seen` is of the others.
+std::string FaultOfNew(const SegmentEvaluation& segment, double agreed_seen,
+                       const UpdateGateOptions& options) {
+  const VersionScore& after = segment.new_version;
+  if (after.offset_m > options.max_new_offset_m) {
+    return absl::StrFormat("the new street lies %.2f m from where odometry has it", after.offset_m);
+  }
+  if (after.error_m > options.max_new_error_m) {
+    return absl::StrFormat("the error in the new street is %.2f m", after.error_m);
+  }
+  if (segment.added_seen < options.min_seen_share * agreed_seen) {
+    return absl::StrFormat("%.0f %% of the new street was seen, elsewhere %.0f %%",
+                           100.0 * segment.added_seen, 100.0 * agreed_seen);
+  }
+  return "";
+}
+
 std::string FaultOf(const SegmentEvaluation& segment, double error_share, double error_margin_m,
                     const UpdateGateOptions& options) {
   const VersionScore& before = segment.old_version;
@@ -100,7 +117,7 @@ std::string FaultOf(const SegmentEvaluation& segment, double error_share, double
                            100.0 * segment.added_seen, 100.0 * segment.agreed_seen);
   }
   if (segment.removed_count >= min_count &&
-      segment.removed_seen > options.min_seen_share * segment.agreed_seen) {
+      segment.removed_seen > options.max_went_seen_share * segment.agreed_seen) {
     return absl::StrFormat("%.0f %% of what went was seen, of what stays %.0f %%",
                            100.0 * segment.removed_seen, 100.0 * segment.agreed_seen);
   }
@@ -119,7 +136,7 @@ class UpdateEvaluator {
         old_version_{old_version, LandmarksOf(old_version)},
         new_version_{new_version, LandmarksOf(new_version)},
         comparison_(CompareVersions(old_version, new_version, options.same_m)),
-        segments_(old_version, options.segment_m),
+        segments_(new_version, options.segment_m),
         sums_(segments_.count()) {}
 
   absl::StatusOr<UpdateEvaluation> Run() {
@@ -130,8 +147,9 @@ class UpdateEvaluator {
       if (!replay.ok()) return replay.status();
       version->replay = *std::move(replay);
     }
-    held_out_ = PlaceInBoth(rig_, scans_, old_version_.replay, new_version_.replay,
-                            old_version_.landmarks, new_version_.landmarks, origin_m_);
+    held_out_ =
+        PlaceInBoth(rig_, scans_, old_version_.replay, new_version_.replay, old_version_.landmarks,
+                    new_version_.landmarks, KeyframesOf(old_version_.map), origin_m_);
     if (held_out_.scans.empty()) {
       return absl::FailedPreconditionError(
           "the pass that was kept out is not tracked in both versions: it lies elsewhere, or its "
@@ -149,6 +167,14 @@ class UpdateEvaluator {
     std::vector<ReplayedScan> replay;
   };
 
+  static std::vector<Eigen::Vector2d> KeyframesOf(const EditableMap& map) {
+    std::vector<Eigen::Vector2d> positions_m;
+    for (const EditableKeyframe& keyframe : map.keyframes) {
+      positions_m.emplace_back(PoseOf(keyframe.record).translation_m.head<2>());
+    }
+    return positions_m;
+  }
+
   Pose2 ToLocal(const Pose2& T_map_vehicle) const {
     return {T_map_vehicle.translation_m - origin_m_.head<2>(), T_map_vehicle.yaw_rad};
   }
@@ -165,9 +191,14 @@ class UpdateEvaluator {
         ++sum->scan_count;
         sum->old_version.Add(old_version_.replay[i], T_map_consensus);
         sum->new_version.Add(new_version_.replay[i], T_map_consensus);
-        sum->new_version.AddOffset(held_out_.T_old_new[k]);
-        sum->error_change_m.Add(ErrorOf(new_version_.replay[i], T_map_consensus) -
-                                ErrorOf(old_version_.replay[i], T_map_consensus));
+        // Beyond the old version it is odometry's, and says nothing of the whole.
+        if (!scan.is_beyond_map || sum != &whole_) {
+          sum->new_version.AddOffset(held_out_.T_old_new[k]);
+        }
+        if (!scan.is_beyond_map) {
+          sum->error_change_m.Add(ErrorOf(new_version_.replay[i], T_map_consensus) -
+                                  ErrorOf(old_version_.replay[i], T_map_consensus));
+        }
         if (k % kFitStride != 0) continue;
         sum->old_version.AddFit(old_fit.Sum(scan.points, T_local_vehicle), scan.points.size());
         sum->new_version.AddFit(new_fit.Sum(scan.points, T_local_vehicle), scan.points.size());
@@ -228,8 +259,10 @@ class UpdateEvaluator {
       segment.p_map_m << segments_.Middle(i), 0.0;
       segment.p_map_m += origin_m_;
       if (segment.scan_count >= static_cast<std::size_t>(options_.min_scan_count)) {
-        segment.fault = FaultOf(segment, options_.segment_error_share,
-                                options_.segment_error_margin_m, options_);
+        const bool is_new = segment.agreed_count + segment.removed_count == 0;
+        segment.fault = is_new ? FaultOfNew(segment, evaluation.whole.agreed_seen, options_)
+                               : FaultOf(segment, options_.segment_error_share,
+                                         options_.segment_error_margin_m, options_);
       }
       if (fault.empty() && !segment.fault.empty()) {
         fault = absl::StrFormat("at (%.0f, %.0f) m: %s", segment.p_map_m.x(), segment.p_map_m.y(),

@@ -30,8 +30,15 @@ struct UpdateGateOptions {
   double nees_margin = 0.7;
   double min_agreed_share = 0.4;  ///< of a segment's landmarks, that both versions have
   double min_seen_share = 0.5;    ///< of new landmarks seen, against that of agreed ones
-  int min_scan_count = 10;        ///< of a segment; shorter ones are not judged by themselves
-  int min_landmark_count = 12;    ///< likewise
+  /// Likewise, at most, of landmarks that went. What comes and goes is there on up to half of the
+  /// days, and other vehicles park where one did; what was taken by mistake is seen as any other.
+  double max_went_seen_share = 0.75;
+  // In a segment that only the new version has: how far odometry may have it elsewhere, and the
+  // error.
+  double max_new_offset_m = 2.0;
+  double max_new_error_m = 0.3;
+  int min_scan_count = 10;      ///< of a segment; shorter ones are not judged by themselves
+  int min_landmark_count = 12;  ///< likewise
 };
 
 /// How both versions do in a street segment, or as a whole.
@@ -68,7 +75,8 @@ struct UpdateEvaluation {
 /// how far they lie apart is the offset. Against the consensus count the error and the NEES of what
 /// a vehicle is told in each version, besides the share of scans that track, and how static targets
 /// fit. The new version must be as good as a whole and in each street segment, and fit better or be
-/// more accurate.
+/// more accurate. In streets that only the new version has it must lie where odometry has them, and
+/// show what the pass saw; those that the pass did not drive are not judged.
 ///
 /// The versions share a frame and an origin. InvalidArgument names what is wrong with the rig;
 /// FailedPrecondition where the pass was not localized in both.

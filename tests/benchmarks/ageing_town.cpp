@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "client/datasets/drive_map.h"
 #include "client/evaluation/metrics.h"
 #include "client/evaluation/runner.h"
 
@@ -22,6 +23,10 @@ Town MakeAgedTown(std::uint64_t seed, double length_m, int rig_size) {
   options.vehicle_count = 4;
   options.ageing.replaced_share = 0.1;
   options.live_speeds_mps = {50.0 / 3.6, 40.0 / 3.6, 60.0 / 3.6, 45.0 / 3.6};
+  return MakeAgedTown(options);
+}
+
+Town MakeAgedTown(const SimulationOptions& options) {
   const std::vector<PassOptions> passes = Passes(options);
   const simulation::World world = MakeWorld(options);
   Town town{.aged = AgeWorld(world, options)};
@@ -43,6 +48,22 @@ std::vector<PlacedPass> PlacePasses(const std::shared_ptr<const RadarMap>& base,
     placed.push_back(std::move(*placer).Finish());
   }
   return placed;
+}
+
+std::shared_ptr<const RadarMap> MadeAnew(const Town& town) {
+  Drive all = town.passes.front().drive;
+  for (std::size_t i = 1; i < town.passes.size(); ++i) {
+    const Drive& drive = town.passes[i].drive;
+    for (RadarModel radar : drive.rig.radars) {
+      radar.id += "@" + drive.name;
+      all.rig.radars.push_back(radar);
+    }
+    for (DriveScan scan : drive.scans) {
+      scan.scan.radar_id += "@" + drive.name;
+      all.scans.push_back(std::move(scan));
+    }
+  }
+  return RadarMap::FromBytes(BuildMap(all, {.name = "anew"}).value()).value();
 }
 
 double MedianError_m(const std::shared_ptr<const RadarMap>& map, const Drive& drive) {

@@ -22,8 +22,14 @@ struct Town {
 
 Town MakeAgedTown(std::uint64_t seed, double length_m, int rig_size);
 
+/// The same in any world; `options` have four live passes.
+Town MakeAgedTown(const SimulationOptions& options);
+
 /// The passes of `town` in its base map.
 std::vector<PlacedPass> PlacePasses(const std::shared_ptr<const RadarMap>& base, const Town& town);
+
+/// A map of the update's passes alone, at their true poses.
+std::shared_ptr<const RadarMap> MadeAnew(const Town& town);
 
 /// The median error of `drive` localized in `map`, by the true poses.
 double MedianError_m(const std::shared_ptr<const RadarMap>& map, const Drive& drive);

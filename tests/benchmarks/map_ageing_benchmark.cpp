@@ -24,23 +24,6 @@ struct Arguments {
   int rig_size = 1;
 };
 
-/// A map of the update's passes alone, at their true poses.
-std::shared_ptr<const RadarMap> MadeAnew(const Town& town) {
-  Drive all = town.passes.front().drive;
-  for (std::size_t i = 1; i < town.passes.size(); ++i) {
-    const Drive& drive = town.passes[i].drive;
-    for (RadarModel radar : drive.rig.radars) {
-      radar.id += "@" + drive.name;
-      all.rig.radars.push_back(radar);
-    }
-    for (DriveScan scan : drive.scans) {
-      scan.scan.radar_id += "@" + drive.name;
-      all.scans.push_back(std::move(scan));
-    }
-  }
-  return RadarMap::FromBytes(BuildMap(all, {.name = "anew"}).value()).value();
-}
-
 double Percent(std::size_t part, std::size_t whole) {
   return whole == 0 ? NAN : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }

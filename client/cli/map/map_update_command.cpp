@@ -40,7 +40,9 @@ void AddMapUpdateCommand(CLI::App& map_command, int& exit_code) {
   app->footer(
       "The file is written only if the drive that is kept out is localized as accurately, as a "
       "whole\n"
-      "and in every street segment, and fits better.\n"
+      "and in every street segment, and fits better. Streets that two drives of different vehicles "
+      "or\n"
+      "days went on beyond the map join it.\n"
       "Example, a town that is driven through a month later:\n"
       "  dcloc simulate --out sim --replaced 0.1 --vehicles 4 --live-speed-kmh 50,40,60,45\n"
       "  dcloc map build --dataset nuscenes --root sim --drive map --out may.dclm\n"

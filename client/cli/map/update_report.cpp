@@ -100,6 +100,7 @@ ordered_json PassesJson(const UpdateReport& report) {
                     {"date", DateOf(BeginOf(pass))},
                     {"scan_count", pass.scans.size()},
                     {"good_count", pass.GoodCount()},
+                    {"beyond_count", pass.BeyondCount()},
                     {"untracked_count", pass.untracked_count},
                     {"unsure_count", pass.unsure_count},
                     {"unsound_count", pass.unsound_count},
@@ -141,11 +142,11 @@ std::vector<std::vector<std::string>> SegmentRows(const UpdateReport& report) {
 
 std::vector<std::vector<std::string>> PassRows(const UpdateReport& report) {
   std::vector<std::vector<std::string>> rows = {
-      {"drive", "date", "scans", "that count", "verdict"}};
+      {"drive", "date", "scans", "that count", "beyond the map", "verdict"}};
   for (std::size_t i = 0; i < report.judged.passes.size(); ++i) {
     const PlacedPass& pass = report.judged.passes[i];
     rows.push_back({pass.name, DateOf(BeginOf(pass)), absl::StrCat(pass.scans.size()),
-                    absl::StrCat(pass.GoodCount()),
+                    absl::StrCat(pass.GoodCount()), absl::StrCat(pass.BeyondCount()),
                     report.judged.faults[i].empty() ? "of use" : report.judged.faults[i]});
   }
   return rows;
@@ -181,6 +182,12 @@ std::string DrawingOf(const MapUpdate& update) {
   return drawing.Svg("changes");
 }
 
+std::string NewStreetsText(const NewStreets& streets) {
+  if (streets.joined_m + streets.unproven_m == 0.0) return "none";
+  return absl::StrFormat("%.0f m joined, %.0f m driven by too few vehicles or days",
+                         streets.joined_m, streets.unproven_m);
+}
+
 std::size_t ComesAndGoesCount(const MapUpdate& update) {
   return CountOf(update.known, LandmarkFate::kIntermittent) +
          CountOf(update.found, LandmarkFate::kIntermittent);
@@ -194,21 +201,24 @@ ordered_json UpdateJson(const UpdateReport& report) {
     segments.push_back(SegmentJson(report, segment));
   }
   const MapUpdate& update = report.judged.update;
-  return {{"base", report.base},
-          {"out", report.out},
-          {"passes", PassesJson(report)},
-          {"kept_count", CountOf(update.known, LandmarkFate::kKept)},
-          {"refined_count", update.refined_count},
-          {"came", LandmarksJson(report, LandmarkFate::kAdded)},
-          {"went", LandmarksJson(report, LandmarkFate::kRemoved)},
-          {"comes_and_goes", LandmarksJson(report, LandmarkFate::kIntermittent)},
-          {"gate",
-           {{"kept_out", report.judged.held_out},
-            {"is_better", report.judged.gate.is_better},
-            {"reason", report.judged.gate.reason},
-            {"old", ScoreJson(report.judged.gate.whole.old_version)},
-            {"new", ScoreJson(report.judged.gate.whole.new_version)},
-            {"segments", segments}}}};
+  return {
+      {"base", report.base},
+      {"out", report.out},
+      {"passes", PassesJson(report)},
+      {"kept_count", CountOf(update.known, LandmarkFate::kKept)},
+      {"refined_count", update.refined_count},
+      {"new_streets",
+       {{"joined_m", update.new_streets.joined_m}, {"unproven_m", update.new_streets.unproven_m}}},
+      {"came", LandmarksJson(report, LandmarkFate::kAdded)},
+      {"went", LandmarksJson(report, LandmarkFate::kRemoved)},
+      {"comes_and_goes", LandmarksJson(report, LandmarkFate::kIntermittent)},
+      {"gate",
+       {{"kept_out", report.judged.held_out},
+        {"is_better", report.judged.gate.is_better},
+        {"reason", report.judged.gate.reason},
+        {"old", ScoreJson(report.judged.gate.whole.old_version)},
+        {"new", ScoreJson(report.judged.gate.whole.new_version)},
+        {"segments", segments}}}};
 }
 
 std::string UpdateText(const UpdateReport& report) {
@@ -223,10 +233,10 @@ std::string UpdateText(const UpdateReport& report) {
   absl::StrAppendFormat(
       &text,
       "kept           %d, %d of them refined\ncame           %d\nwent           %d\n"
-      "comes and goes %d\n",
+      "comes and goes %d\nnew streets    %s\n",
       CountOf(update.known, LandmarkFate::kKept), update.refined_count,
       CountOf(update.found, LandmarkFate::kAdded), CountOf(update.known, LandmarkFate::kRemoved),
-      ComesAndGoesCount(update));
+      ComesAndGoesCount(update), NewStreetsText(update.new_streets));
   const SegmentEvaluation& whole = report.judged.gate.whole;
   absl::StrAppendFormat(
       &text,
@@ -242,12 +252,14 @@ std::string UpdateText(const UpdateReport& report) {
 std::string UpdateHtml(const UpdateReport& report) {
   const MapUpdate& update = report.judged.update;
   std::string body = absl::StrFormat(
-      "<p>%s. Green came (%d), red went (%d), blue comes and goes (%d), grey stays (%d).</p>\n",
+      "<p>%s. Green came (%d), red went (%d), blue comes and goes (%d), grey stays (%d). New "
+      "streets: %s.</p>\n",
       EscapeHtml(report.out.empty()
                      ? absl::StrCat("Not written: ", report.judged.gate.reason)
                      : absl::StrCat("Written to ", report.out, ": ", report.judged.gate.reason)),
       CountOf(update.found, LandmarkFate::kAdded), CountOf(update.known, LandmarkFate::kRemoved),
-      ComesAndGoesCount(update), CountOf(update.known, LandmarkFate::kKept));
+      ComesAndGoesCount(update), CountOf(update.known, LandmarkFate::kKept),
+      NewStreetsText(update.new_streets));
   absl::StrAppend(
       &body, DrawingOf(update), "<h2>Drives</h2>\n", HtmlTable(PassRows(report)),
       "<h2>The drive that was kept out: ", EscapeHtml(report.judged.held_out), "</h2>\n",

@@ -24,6 +24,23 @@ Fault MakeMapFault(const char* id, std::string label, double begin_s,
           }};
 }
 
+Fault MakeGap(const char* id, std::string label, double duration_s) {
+  return {.id = absl::StrCat("map-", id),
+          .family = "map",
+          .label = std::move(label),
+          .duration_s = duration_s,
+          .apply = [](Stream& stream, const Window& window, std::uint64_t) {
+            RemoveStreet(stream, window);
+          }};
+}
+
+// A street without any landmark is no fault of a map.
+void Replace(const EditableMap& map, Stream& stream) {
+  auto bytes = ToMapBytes(map);
+  if (!bytes.ok()) return;
+  if (auto changed = RadarMap::FromBytes(*std::move(bytes)); changed.ok()) stream.map = *changed;
+}
+
 // Whether the vehicle is nearest to the place within the window.
 bool IsDrivenWithin(const Window& window, const Stream& stream, const Eigen::Vector3d& p_map) {
   const auto nearest = std::ranges::min_element(stream.scans, {}, [&](const StreamScan& entry) {
@@ -56,9 +73,16 @@ void ReplaceLandmarks(Stream& stream, const Window& window, double share, std::u
       if (is_replaced(random)) points.push_back(Mirrored(other));
     }
   }
-  auto bytes = ToMapBytes(map);
-  if (!bytes.ok()) return;  // no landmark is left: a street without any is no fault of a map
-  if (auto changed = RadarMap::FromBytes(*std::move(bytes)); changed.ok()) stream.map = *changed;
+  Replace(map, stream);
+}
+
+void RemoveStreet(Stream& stream, const Window& window) {
+  EditableMap map = ToEditable(*stream.map);
+  const Eigen::Vector3d origin_m = map.Origin_m();
+  std::erase_if(map.keyframes, [&](const EditableKeyframe& keyframe) {
+    return IsDrivenWithin(window, stream, PoseOf(keyframe.record).translation_m + origin_m);
+  });
+  Replace(map, stream);
 }
 
 std::vector<Fault> MapFaults() {
@@ -69,7 +93,9 @@ std::vector<Fault> MapFaults() {
           MakeMapFault("half-other", "half of the landmarks are of another street", 0.0,
                        std::nullopt, 0.5),
           MakeMapFault("half-other-10s", "half of the landmarks are of another street for 10 s",
-                       Fault::kBegin_s, 10.0, 0.5)};
+                       Fault::kBegin_s, 10.0, 0.5),
+          MakeGap("gap-10s", "the map has a gap of 10 s", 10.0),
+          MakeGap("gap-30s", "the map has a gap of 30 s", 30.0)};
 }
 
 }  // namespace dcloc::faults

@@ -12,6 +12,9 @@ namespace dcloc::faults {
 /// the map. The stream has a map.
 void ReplaceLandmarks(Stream& stream, const Window& window, double share, std::uint64_t seed);
 
+/// The map has no street that is driven within the window. The stream has a map.
+void RemoveStreet(Stream& stream, const Window& window);
+
 /// Of a map that is not, or no longer, of the place.
 std::vector<Fault> MapFaults();
 

@@ -171,6 +171,31 @@ TEST(GlobalLocalizerTest, ViewsThatFitNowhereAreForgottenOnceOneFitsAsUsual) {
   }
 }
 
+TEST(GlobalLocalizerTest, ViewsAreRareWhereNothingFitsAndFrequentOnceOneDoes) {
+  const SyntheticWorld world;
+  const SyntheticWorld elsewhere = Twins(55.0);
+  GlobalLocalizerOptions options = FewPoints();
+  options.early_view_count = 2;
+  options.late_view_interval_factor = 8;      // more than three seconds
+  options.entering_view_interval_factor = 4;  // more than one
+  for (const double usual_score : {0.0, 0.2}) {
+    Seeker seeker(world, MapOf(world), 20.0, 60.0, options);
+    seeker.SetUsualScore(usual_score);
+    const auto drive_on = [&](double along_m) {  // a second
+      seeker.DriveTo(along_m);
+      return seeker.WantsView();
+    };
+    EXPECT_FALSE(seeker.SearchSeeing(elsewhere));
+    ASSERT_TRUE(drive_on(25.0));
+    EXPECT_FALSE(seeker.SearchSeeing(elsewhere));
+    for (const double along_m : {30.0, 35.0, 40.0}) EXPECT_FALSE(drive_on(along_m));
+    ASSERT_TRUE(drive_on(45.0));
+    EXPECT_FALSE(seeker.Search()) << "the map is entered";
+    EXPECT_EQ(drive_on(50.0), usual_score > 0.0);
+    EXPECT_TRUE(drive_on(55.0));
+  }
+}
+
 TEST(GlobalLocalizerTest, StandingStillDecidesNothing) {
   const SyntheticWorld world;
   Seeker seeker(world, MapOf(world), 40.0);

@@ -31,7 +31,7 @@ TEST(PassAlignmentTest, APassThatLiesToOneSideIsBroughtBack) {
   const EditableMap base = street.Map(0);
   PlacedPass pass = street.Pass(1, "a", {0.1, 0.05, 0.0});
   ASSERT_NEAR(MeanError_m(pass).x(), 0.1, 1e-6);
-  AlignPass(PositionsOf(base), base.Origin_m(), {}, pass);
+  AlignPass({PositionsOf(base), {}}, base.Origin_m(), {}, pass);
   EXPECT_LT(MeanError_m(pass).norm(), 0.02);
 }
 
@@ -42,7 +42,7 @@ TEST(PassAlignmentTest, PosesThatScatterAreSmoothedByOdometry) {
   for (std::size_t i = 0; i < pass.scans.size(); ++i) {
     pass.scans[i].T_map_vehicle.translation_m.y() += (i / 10) % 2 == 0 ? 0.1 : -0.1;
   }
-  AlignPass(PositionsOf(base), base.Origin_m(), {}, pass);
+  AlignPass({PositionsOf(base), {}}, base.Origin_m(), {}, pass);
   double worst_m = 0.0;
   for (const PlacedScan& scan : pass.scans) {
     worst_m = std::max(worst_m, std::abs(scan.T_map_vehicle.translation_m.y()));
@@ -55,7 +55,7 @@ TEST(PassAlignmentTest, TheScaleOfOdometryIsFound) {
   const EditableMap base = street.Map(0);
   PlacedPass pass = street.Pass(1, "a");
   for (PlacedScan& scan : pass.scans) scan.T_start_vehicle.translation_m *= 1.01;
-  AlignPass(PositionsOf(base), base.Origin_m(), {}, pass);
+  AlignPass({PositionsOf(base), {}}, base.Origin_m(), {}, pass);
   EXPECT_LT(MeanError_m(pass).norm(), 0.03);
   const double length_m = pass.scans.back().T_map_vehicle.translation_m.x() -
                           pass.scans.front().T_map_vehicle.translation_m.x();
@@ -67,7 +67,7 @@ TEST(PassAlignmentTest, WithoutScansThatCountNothingHappens) {
   const EditableMap base = street.Map(0);
   PlacedPass pass = street.Pass(1, "a", {0.1, 0.0, 0.0});
   for (PlacedScan& scan : pass.scans) scan.is_good = false;
-  AlignPass(PositionsOf(base), base.Origin_m(), {}, pass);
+  AlignPass({PositionsOf(base), {}}, base.Origin_m(), {}, pass);
   EXPECT_NEAR(MeanError_m(pass).x(), 0.1, 1e-9);
 }
 

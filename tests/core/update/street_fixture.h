@@ -77,6 +77,17 @@ struct TestStreet {
     return ToEditable(*RadarMap::FromBytes(builder.Build().value()).value());
   }
 
+  /// The map of the street's first part, until `kMappedEnd_m`.
+  static constexpr double kMappedEnd_m = 100.0;
+  EditableMap MapOfPart() const {
+    EditableMap map = Map(0);
+    const double origin_m = map.Origin_m().x();
+    std::erase_if(map.keyframes, [&](const EditableKeyframe& keyframe) {
+      return PoseOf(keyframe.record).translation_m.x() + origin_m > kMappedEnd_m;
+    });
+    return map;
+  }
+
   /// A pass at its true poses, moved by `offset_m`, of which all scans count.
   PlacedPass Pass(int day, const std::string& vehicle,
                   const Eigen::Vector3d& offset_m = Eigen::Vector3d::Zero()) const {

@@ -44,5 +44,15 @@ TEST(MapFaultsTest, AShareOfThemStaysAndTheOthersComeFromElsewhere) {
   EXPECT_EQ(static_cast<std::size_t>(own + foreign), keyframe.points.size());
 }
 
+TEST(MapFaultsTest, AGapIsWhereTheWindowIsDriven) {
+  Stream stream = StreamInMap();
+  RemoveStreet(stream, {MadeStamp(1.5), MadeStamp(3.5)});
+  ASSERT_EQ(stream.map->info().keyframe_count, kKeyframes - 2);
+  for (std::size_t i = 0; i < kKeyframes - 2; ++i) {
+    const double x_m = stream.map->keyframe(i).points.front().x_m;
+    EXPECT_EQ(x_m, static_cast<double>(i < 2 ? i : i + 2));
+  }
+}
+
 }  // namespace
 }  // namespace dcloc::faults
