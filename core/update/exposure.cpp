@@ -85,10 +85,10 @@ class Exposer {
 }  // namespace
 
 std::vector<Exposure> Expose(const PlacedPass& pass, const Eigen::Vector3d& origin_m,
-                             std::span<const Eigen::Vector2d> places_m) {
+                             std::span<const Eigen::Vector2d> places_m, ScanChoice choice) {
   Exposer exposer(places_m);
   for (const PlacedScan& scan : pass.scans) {
-    if (!scan.is_good) continue;
+    if (!IsChosen(scan, choice)) continue;
     const Pose3& T_vehicle_radar = pass.rig.radars[scan.radar].T_vehicle_radar;
     Pose3 T_local_radar = scan.T_map_vehicle * T_vehicle_radar;
     T_local_radar.translation_m -= origin_m;

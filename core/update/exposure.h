@@ -20,10 +20,10 @@ inline constexpr std::size_t kExposureBinCount = kRangeBinCount * kBearingBinCou
 /// Of one place in one pass: the scans that looked at it so.
 using Exposure = std::array<std::uint16_t, kExposureBinCount>;
 
-/// The exposures of `places_m`, relative to `origin_m` of the map, by the scans of `pass` that
-/// count.
+/// The exposures of `places_m`, relative to `origin_m` of the map, by the scans of `pass` that are
+/// chosen.
 std::vector<Exposure> Expose(const PlacedPass& pass, const Eigen::Vector3d& origin_m,
-                             std::span<const Eigen::Vector2d> places_m);
+                             std::span<const Eigen::Vector2d> places_m, ScanChoice choice);
 
 /// What a vehicle with `rig` would see of `places_m` from each of `T_local_vehicles`, were nothing
 /// hidden.

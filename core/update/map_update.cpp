@@ -107,47 +107,78 @@ class Updater {
   }
 
   // What the passes together see: where the base map has nothing, in its streets and then in new
-  // ones, and after it where it has.
+  // ones, and after it where it has. Scans beyond the map are placed well enough among themselves,
+  // but not beside what the map has: they speak of new streets alone.
   void FindOthers() {
-    std::vector<Landmark> seen = FusePasses(passes_, base_map_.Origin_m(), 3);
+    positions_ = base_.positions;
+    const std::vector<Landmark> tracked = Fused(ScanChoice::kTracked);
+    found_in_base_count_ = Take(tracked, Kind::kInBase);
+    const bool has_new = !result_.new_streets.T_local_keyframes.empty();
+    found_count_ =
+        has_new ? Take(Fused(ScanChoice::kAll), Kind::kInNewStreet) : found_in_base_count_;
+    Take(tracked, Kind::kKnown);
+  }
+
+  std::vector<Landmark> Fused(ScanChoice choice) const {
+    return FusePasses(passes_, base_map_.Origin_m(), 3, choice);
+  }
+
+  enum class Kind { kInBase, kInNewStreet, kKnown };
+
+  // Those of one kind become the next places; how many others there are then.
+  std::size_t Take(const std::vector<Landmark>& seen, Kind wanted) {
     const std::vector<LandmarkPosition> positions = PositionsOf(seen);
     const std::vector<CenterMatch> known =
         MatchCenters(positions, base_.positions, options_.matching);
-    positions_ = base_.positions;
-    const auto take = [&](const auto& is_wanted) {
-      for (std::size_t i = 0; i < seen.size(); ++i) {
-        if (!is_wanted(i)) continue;
-        others_.push_back(seen[i]);
-        known_of_other_.push_back(known[i].center);
-        positions_.push_back(positions[i]);
-      }
-      return others_.size();
-    };
-    const auto is_known = [&](std::size_t i) { return known[i].center != kNoCenter; };
-    found_in_base_count_ =
-        take([&](std::size_t i) { return !is_known(i) && !IsInNewStreet(seen[i]); });
-    found_count_ = take([&](std::size_t i) { return !is_known(i) && IsInNewStreet(seen[i]); });
-    take(is_known);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const Kind kind = known[i].center != kNoCenter ? Kind::kKnown
+                        : IsInNewStreet(seen[i])     ? Kind::kInNewStreet
+                                                     : Kind::kInBase;
+      if (kind != wanted) continue;
+      others_.push_back(seen[i]);
+      known_of_other_.push_back(known[i].center);
+      positions_.push_back(positions[i]);
+    }
+    return others_.size();
+  }
+
+  /// What one pass sees of places.
+  struct Look {
+    std::vector<Landmark> seen;
+    std::vector<CenterMatch> matches;
+    std::vector<Exposure> exposures;
+  };
+  Look LookOf(const PlacedPass* pass, std::span<const LandmarkPosition> places,
+              ScanChoice choice) const {
+    Look look{.seen =
+                  FusePasses({&pass, 1}, base_map_.Origin_m(), options_.min_center_scans, choice)};
+    look.matches = MatchCenters(places, PositionsOf(look.seen), options_.matching);
+    std::vector<Eigen::Vector2d> places_m;
+    for (const LandmarkPosition& place : places) places_m.push_back(place.position_m);
+    look.exposures = Expose(*pass, base_map_.Origin_m(), places_m, choice);
+    return look;
   }
 
   void LookAtPlaces() {
-    std::vector<Eigen::Vector2d> positions_m;
-    for (const LandmarkPosition& position : positions_) positions_m.push_back(position.position_m);
+    const std::span<const LandmarkPosition> all(positions_);
+    const std::size_t new_begin = KnownCount() + found_in_base_count_;
+    const auto new_places = all.subspan(new_begin, found_count_ - found_in_base_count_);
     for (const PlacedPass* const pass : passes_) {
-      const std::vector<Landmark> seen =
-          FusePasses({&pass, 1}, base_map_.Origin_m(), options_.min_center_scans);
-      const std::vector<LandmarkPosition> centers = PositionsOf(seen);
-      const std::vector<CenterMatch> matches = MatchCenters(positions_, centers, options_.matching);
-      PassSightings sightings{.exposures = Expose(*pass, base_map_.Origin_m(), positions_m),
-                              .hits = std::vector<int>(positions_.size(), 0)};
+      const Look in_base = LookOf(pass, all, ScanChoice::kTracked);
+      const Look in_new = new_places.empty() ? Look{} : LookOf(pass, new_places, ScanChoice::kAll);
+      PassSightings sightings;
       std::vector<double>& ratios = position_ratios_.emplace_back();
-      for (std::size_t i = 0; i < positions_.size(); ++i) {
-        ratios.push_back(matches[i].position_ratio);
-        if (matches[i].center == kNoCenter) continue;
-        sightings.hits[i] = static_cast<int>(seen[matches[i].center].scan_count);
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const bool is_new = i >= new_begin && i - new_begin < new_places.size();
+        const Look& look = is_new ? in_new : in_base;
+        const std::size_t k = is_new ? i - new_begin : i;
+        const CenterMatch& match = look.matches[k];
+        sightings.exposures.push_back(look.exposures[k]);
+        ratios.push_back(match.position_ratio);
+        sightings.hits.push_back(
+            match.center == kNoCenter ? 0 : static_cast<int>(look.seen[match.center].scan_count));
       }
-      false_hits_.Add(std::span(positions_).first(KnownCount() + found_count_), seen,
-                      options_.matching);
+      false_hits_.Add(all.first(KnownCount() + found_count_), in_base.seen, options_.matching);
       sightings_.push_back(std::move(sightings));
     }
     false_hits_.Finish();

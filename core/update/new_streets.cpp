@@ -48,7 +48,7 @@ NewStreets FindNewStreets(std::span<const Pose3> T_local_keyframes,
   std::vector<Pose3> found;
   for (const PlacedPass& pass : passes) {
     for (const PlacedScan& scan : pass.scans) {
-      if (!scan.is_good || !scan.is_beyond_map) continue;
+      if (!IsChosen(scan, ScanChoice::kBeyondMap)) continue;
       const Pose3 T_local_vehicle = LocalPose(scan, origin_m);
       bool is_near = false;
       keyframes.ForEachWithin(T_local_vehicle.translation_m.head<2>(), options.keyframe_spacing_m,
@@ -62,7 +62,7 @@ NewStreets FindNewStreets(std::span<const Pose3> T_local_keyframes,
   for (const PlacedPass& pass : passes) {
     std::optional<Witness> witness;
     for (const PlacedScan& scan : pass.scans) {
-      if (!scan.is_good || !scan.is_beyond_map) continue;
+      if (!IsChosen(scan, ScanChoice::kBeyondMap)) continue;
       if (!witness) witness = WitnessOf(pass);
       keyframes.ForEachWithin(LocalPose(scan, origin_m).translation_m.head<2>(), options.lane_m,
                               [&](std::uint32_t k) {

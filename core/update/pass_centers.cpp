@@ -13,7 +13,7 @@ std::vector<Landmark> FusePasses(std::span<const PlacedPass* const> passes,
   for (std::uint32_t pass = 0; pass < passes.size(); ++pass) {
     has_elevation = has_elevation && passes[pass]->rig.MeasuresElevation();
     for (const PlacedScan& scan : passes[pass]->scans) {
-      if (!scan.is_good || (choice == ScanChoice::kBeyondMap && !scan.is_beyond_map)) continue;
+      if (!IsChosen(scan, choice)) continue;
       Pose3 T_local_vehicle = scan.T_map_vehicle;
       T_local_vehicle.translation_m -= origin_m;
       AppendReturns(scan.points, T_local_vehicle, static_cast<std::uint32_t>(pass_of_scan.size()),

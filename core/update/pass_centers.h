@@ -10,9 +10,6 @@
 
 namespace dcloc {
 
-/// Which scans are taken, of those that count.
-enum class ScanChoice { kAll, kBeyondMap };
-
 /// What the scans that count of `passes` see, fused: scatterers by place, relative to `origin_m` of
 /// the map. `pass_count` counts the passes that saw each. Seen by `min_scan_count` scans at least.
 std::vector<Landmark> FusePasses(std::span<const PlacedPass* const> passes,

@@ -14,9 +14,9 @@
 namespace dcloc {
 
 struct PassTrackOptions {
-  double knot_spacing_m = 10.0;         ///< of the way, from one estimated pose to the next
-  double pose_sigma_m = 0.3;            ///< of the localizer's poses, which may all err alike
-  double pose_sigma_rad = 0.02;         ///< likewise of their yaw
+  double knot_spacing_m = 10.0;  ///< of the way, from one estimated pose to the next
+  double pose_sigma_m = 0.3;     ///< of the localizer's poses, which may all err alike
+  double pose_sigma_rad = 0.02;  ///< likewise of their yaw
   // Likewise of the poses beyond the map: by default only odometry says where they are.
   double beyond_sigma_m = std::numeric_limits<double>::infinity();
   double beyond_sigma_rad = std::numeric_limits<double>::infinity();

@@ -15,7 +15,7 @@ std::string WhereGood(const PlacedPass& pass) {
   const PlacedScan* first = nullptr;
   const PlacedScan* last = nullptr;
   for (const PlacedScan& scan : pass.scans) {
-    if (!scan.is_good || scan.is_beyond_map) continue;
+    if (!IsChosen(scan, ScanChoice::kTracked)) continue;
     if (first == nullptr) first = &scan;
     last = &scan;
   }
@@ -35,14 +35,19 @@ constexpr double kMaxRefusedShare = 0.2;
 
 }  // namespace
 
+bool IsChosen(const PlacedScan& scan, ScanChoice choice) {
+  if (!scan.is_good || choice == ScanChoice::kAll) return scan.is_good;
+  return scan.is_beyond_map == (choice == ScanChoice::kBeyondMap);
+}
+
 std::size_t PlacedPass::GoodCount() const {
   return static_cast<std::size_t>(std::ranges::count_if(
-      scans, [](const PlacedScan& scan) { return scan.is_good && !scan.is_beyond_map; }));
+      scans, [](const PlacedScan& scan) { return IsChosen(scan, ScanChoice::kTracked); }));
 }
 
 std::size_t PlacedPass::BeyondCount() const {
   return static_cast<std::size_t>(std::ranges::count_if(
-      scans, [](const PlacedScan& scan) { return scan.is_good && scan.is_beyond_map; }));
+      scans, [](const PlacedScan& scan) { return IsChosen(scan, ScanChoice::kBeyondMap); }));
 }
 
 std::string FaultOf(const PlacedPass& pass) {

@@ -33,6 +33,10 @@ struct PlacedScan {
   std::vector<RadarPoint> points;  ///< static targets, vehicle frame
 };
 
+/// Which scans are taken, of those that count.
+enum class ScanChoice { kAll, kTracked, kBeyondMap };
+bool IsChosen(const PlacedScan& scan, ScanChoice choice);
+
 /// A drive over the map.
 struct PlacedPass {
   std::string name;

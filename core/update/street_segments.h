@@ -17,6 +17,8 @@ class StreetSegments {
 
   std::size_t count() const { return segment_of_.back() + 1; }
 
+  std::size_t OfKeyframe(std::size_t keyframe) const { return segment_of_[keyframe]; }
+
   /// The segment of the keyframe that is nearest to `p_local_m`.
   std::size_t At(const Eigen::Vector2d& p_local_m) const;
 

@@ -16,7 +16,7 @@
 #include "client/simulation/simulation.h"
 #include "core/update/map_update.h"
 #include "core/update/pass_alignment.h"
-#include "core/update/update_gate.h"
+#include "core/update/street_by_street.h"
 #include "tests/benchmarks/ageing_town.h"
 
 namespace dcloc::benchmarks {
@@ -132,8 +132,12 @@ void Run(const Arguments& arguments) {
     Print("anew", LocalizeBeyond(MadeAnew(town), *base, town.held_out));
     std::vector<Scan> scans;
     for (const DriveScan& entry : town.held_out.scans) scans.push_back(entry.scan);
-    const auto gate = EvaluateUpdate(before, update.map, town.held_out.rig, scans).value();
-    std::printf("  gate: %s, %s\n", gate.is_better ? "passed" : "refused", gate.reason.c_str());
+    const auto judged = JudgeStreetByStreet(before, update.map, town.held_out.rig, scans).value();
+    std::printf("  gate: %s, %s; %zu of %zu segments stay as they were\n",
+                judged.evaluation.is_better ? "passed" : "refused",
+                judged.evaluation.reason.c_str(), judged.left_count, judged.is_left.size());
+    const auto written = RadarMap::FromBytes(ToMapBytes(judged.map).value()).value();
+    Print("written", LocalizeBeyond(written, *base, town.held_out));
     std::fflush(stdout);
   }
 }

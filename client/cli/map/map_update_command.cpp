@@ -38,9 +38,10 @@ void AddMapUpdateCommand(CLI::App& map_command, int& exit_code) {
   AddForceOption(*app, arguments->force);
   app->add_flag("--json", arguments->json, "Print what has changed as JSON");
   app->footer(
-      "The file is written only if the drive that is kept out is localized as accurately, as a "
-      "whole\n"
-      "and in every street segment, and fits better. Streets that two drives of different vehicles "
+      "Street segments in which the drive that is kept out is localized less well stay as they "
+      "were.\n"
+      "The file is written only if that drive then fits better, and is localized as accurately. "
+      "Streets that two drives of different vehicles "
       "or\n"
       "days went on beyond the map join it.\n"
       "Example, a town that is driven through a month later:\n"
