@@ -149,11 +149,7 @@ int main(int argc, char** argv) {
   dcloc::benchmarks::Arguments arguments;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    if (argument == "--smoke") {
-      arguments.last_seed = arguments.first_seed;
-      arguments.lap_m = 800.0;
-      arguments.mapped_m = 500.0;
-    } else if (argument == "--seeds" && i + 2 < argc) {
+    if (argument == "--seeds" && i + 2 < argc) {
       arguments.first_seed = std::strtoull(argv[++i], nullptr, 10);
       arguments.last_seed = std::strtoull(argv[++i], nullptr, 10);
     } else if (argument == "--lap" && i + 2 < argc) {
@@ -162,8 +158,7 @@ int main(int argc, char** argv) {
     } else if (argument == "--rig" && i + 1 < argc) {
       arguments.rig_size = std::atoi(argv[++i]);
     } else {
-      std::fprintf(stderr,
-                   "usage: %s [--smoke] [--seeds FIRST LAST] [--lap LAP_M MAPPED_M] [--rig 1|5]\n",
+      std::fprintf(stderr, "usage: %s [--seeds FIRST LAST] [--lap LAP_M MAPPED_M] [--rig 1|5]\n",
                    argv[0]);
       return 2;
     }
