@@ -20,8 +20,7 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
                     tracking_.requires_verification() ? options_.prior.max_region_radius_m : 0.0};
     if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
   }
-  return relocalizer_.Search(stamp, live, live_.schedule.SinceBegin(), expected,
-                             rivals_.ground_repeats(), workspace);
+  return relocalizer_.Search(stamp, live, live_.schedule.SinceBegin(), expected, workspace);
 }
 
 // No other place fits as well as the pose: neither scans nor fixes contradict it any longer. Where

@@ -51,22 +51,22 @@ bool GlobalLocalizer<Dim>::WantsView(Stamp stamp) const {
 }
 
 // A vehicle outside of the map must not search it all the time. Where the newest view fits, it may
-// have come in. Where many places look alike, or may, views must lie further apart: near to one
-// another they are alike, too.
+// have come in. Who never knew a place finds a wrong one sooner, as any score will do: there, views
+// must lie further apart.
 template <int Dim>
 std::chrono::nanoseconds GlobalLocalizer<Dim>::ViewInterval() const {
   if (view_count_ < options_.early_view_count) return options_.view_interval;
   if (!newest_fits_) return options_.late_view_interval_factor * options_.view_interval;
-  const bool knew_a_place = experience_.min_convincing_score > 0.0;
-  if (knew_a_place && !experience_.ground_repeats) return options_.view_interval;
-  return options_.entering_view_interval_factor * options_.view_interval;
+  const bool knew_a_place = min_convincing_score_ > 0.0;
+  return knew_a_place ? options_.view_interval
+                      : options_.entering_view_interval_factor * options_.view_interval;
 }
 
 template <int Dim>
 void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
                                    const std::optional<SearchRegion>& region,
                                    const std::optional<ExpectedPlace>& expected,
-                                   const Experience& experience) {
+                                   double min_convincing_score) {
   if (views_.size() == static_cast<std::size_t>(options_.max_view_count)) DropOldestView();
   views_.push_back({.fine_points = EvenSubsample(live, options_.fine_point_count),
                     .coarse_points = EvenSubsample(live, options_.coarse_point_count),
@@ -77,7 +77,7 @@ void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Di
   ++view_count_;
   region_ = region;
   expected_ = expected;
-  experience_ = experience;
+  min_convincing_score_ = min_convincing_score;
   const bool is_small = region && region->radius_m <= options_.small_region_radius_m;
   search_.emplace(
       map_, PositionsOf(live),
@@ -270,7 +270,7 @@ bool GlobalLocalizer<Dim>::FitsSomewhere(std::size_t view, bool ViewFit::*qualit
 template <int Dim>
 void GlobalLocalizer<Dim>::DropViewsOfElsewhere() {
   if (expected_ && expected_->basis == Basis::kPrior) return;
-  if (experience_.min_convincing_score < kLeastScoreOfRightMap) return;
+  if (min_convincing_score_ < kLeastScoreOfRightMap) return;
   if (!FitsSomewhere(views_.size() - 1, &ViewFit::is_as_usual)) return;
   while (views_.size() > 1 && !FitsSomewhere(0, &ViewFit::is_acceptable)) {
     DropOldestView();

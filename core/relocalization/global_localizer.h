@@ -47,12 +47,6 @@ class GlobalLocalizer {
     bool fits_as_usual = false;  ///< it scores as registrations did where the vehicle surely was
   };
 
-  /// What the map was like where the vehicle surely was.
-  struct Experience {
-    double min_convincing_score = 0.0;  ///< 0: the vehicle never knew its place
-    bool ground_repeats = false;        ///< many places look like the right one
-  };
-
   GlobalLocalizer(std::shared_ptr<const RadarMap> map,
                   std::shared_ptr<const RegistrationMethod<Dim>> method, double local_map_radius_m,
                   const GlobalLocalizerOptions& options)
@@ -70,12 +64,13 @@ class GlobalLocalizer {
   bool WantsView(Stamp stamp) const;
 
   /// Begins to search the map, or a region of it, for what is seen now (vehicle frame), beside
-  /// where it is expected. A place that scores less than the `min_convincing_score` of `experience`
-  /// is right only if the whole map has no better one. Only when `WantsView`.
+  /// where it is expected. A place that scores less than `min_convincing_score` is right only if
+  /// the whole map has no better one; 0 where the vehicle never knew its place. Only when
+  /// `WantsView`.
   void AddView(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
                const std::optional<SearchRegion>& region,
                const std::optional<ExpectedPlace>& expected = {},
-               const Experience& experience = {});
+               double min_convincing_score = 0.0);
 
   /// Goes on with the work, for some ten milliseconds: others wait no longer, however large the
   /// map. Where the vehicle is now, once that is decided.
@@ -165,7 +160,7 @@ class GlobalLocalizer {
   std::vector<CoarseFit> coarse_fits_;     // left to be fitted finely, likewise
   std::vector<Candidate> candidates_;      // most likely first once all is done
   std::optional<ExpectedPlace> expected_;  // at the newest view
-  Experience experience_;                  // likewise
+  double min_convincing_score_ = 0.0;      // likewise
   std::optional<Place> winner_;            // likewise
   int failed_search_count_ = 0;
   double work_ = 0.0;  // done by this call of Continue

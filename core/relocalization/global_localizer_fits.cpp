@@ -37,15 +37,14 @@ typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAround(
   gate.min_overlap = options_.view_overlap_share * options_.gate.min_overlap;
   const bool is_close = gate.Accepts(found->registration) &&
                         found->registration.overlap >= options_.convincing_overlap;
-  return {
-      .T_map_vehicle = found->T_map_vehicle,
-      .log_likelihood = options_.log_likelihood_per_score * found->registration.score,
-      .is_acceptable = gate.Accepts(found->registration),
-      .is_plausible = options_.expected_gate.Accepts(found->registration),
-      .is_close = is_close,
-      .is_convincing = is_close && found->registration.score >= experience_.min_convincing_score,
-      .is_as_usual = experience_.min_convincing_score > 0.0 &&
-                     found->registration.score >= experience_.min_convincing_score};
+  return {.T_map_vehicle = found->T_map_vehicle,
+          .log_likelihood = options_.log_likelihood_per_score * found->registration.score,
+          .is_acceptable = gate.Accepts(found->registration),
+          .is_plausible = options_.expected_gate.Accepts(found->registration),
+          .is_close = is_close,
+          .is_convincing = is_close && found->registration.score >= min_convincing_score_,
+          .is_as_usual =
+              min_convincing_score_ > 0.0 && found->registration.score >= min_convincing_score_};
 }
 
 // Of a registered pose from the one that odometry expects, in units of what both are off by.

@@ -39,8 +39,7 @@ struct GlobalLocalizerOptions {
   double view_distance_m = 4.0;  ///< travelled between two views, at least
   int early_view_count = 8;      ///< views after which, where nothing is found, they become rarer
   int late_view_interval_factor = 8;  ///< factor on `view_interval` from then on
-  /// Likewise while the newest view fits, of a vehicle that never knew a place, or where the ground
-  /// repeats.
+  /// Likewise while the newest view fits, of a vehicle that never knew a place.
   int entering_view_interval_factor = 3;
   int max_view_count = 4;  ///< views that are kept
   /// Views that odometry joins less certainly than this are dropped.

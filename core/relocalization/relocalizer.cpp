@@ -8,17 +8,15 @@ namespace dcloc {
 template <int Dim>
 std::optional<typename Relocalizer<Dim>::Place> Relocalizer<Dim>::Search(
     Stamp stamp, std::span<const GaussianPoint<Dim>> live, std::chrono::nanoseconds span,
-    const std::optional<ExpectedPlace>& expected, bool ground_repeats,
-    RegistrationWorkspace<Dim>& workspace) {
+    const std::optional<ExpectedPlace>& expected, RegistrationWorkspace<Dim>& workspace) {
   const auto min_point_count = static_cast<std::size_t>(
       expected ? options_.expected_gate.min_inlier_count : options_.gate.min_inlier_count);
   const bool sees_enough = span >= options_.min_view_span && live.size() >= min_point_count;
   if (sees_enough && global_.WantsView(stamp)) {
     // An expected place is held against those around it.
     const int growth = global_.failed_search_count() + (expected ? 1 : 0);
-    global_.AddView(
-        stamp, live, prior_.Region(growth, expected ? expected->min_radius_m : 0.0), expected,
-        {.min_convincing_score = MinConvincingScore(), .ground_repeats = ground_repeats});
+    global_.AddView(stamp, live, prior_.Region(growth, expected ? expected->min_radius_m : 0.0),
+                    expected, MinConvincingScore());
   }
   std::optional<Place> place = global_.Continue(workspace);
   if (place) global_.Clear();

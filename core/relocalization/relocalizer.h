@@ -44,12 +44,11 @@ class Relocalizer {
   }
 
   /// Goes on searching for what is seen now: `live`, in the vehicle frame, of the last ones of
-  /// scans that have come for `span`. An expected place is held against the others. Where the
-  /// ground repeats, as far as it is known, views are taken further apart. Gives the place where
-  /// the vehicle is once that is decided, and forgets the views that led there.
+  /// scans that have come for `span`. An expected place is held against the others. Gives the place
+  /// where the vehicle is once that is decided, and forgets the views that led there.
   std::optional<Place> Search(Stamp stamp, std::span<const GaussianPoint<Dim>> live,
                               std::chrono::nanoseconds span,
-                              const std::optional<ExpectedPlace>& expected, bool ground_repeats,
+                              const std::optional<ExpectedPlace>& expected,
                               RegistrationWorkspace<Dim>& workspace);
 
   /// Where the vehicle surely is, a registration has this score.

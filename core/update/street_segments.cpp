@@ -14,11 +14,11 @@ StreetSegments::StreetSegments(const EditableMap& map, double segment_m) {
   }
 }
 
-std::size_t StreetSegments::At(const Eigen::Vector2d& p_local_m) const {
+std::size_t StreetSegments::KeyframeAt(const Eigen::Vector2d& p_local_m) const {
   const auto nearest = std::ranges::min_element(keyframes_m_, {}, [&](const Eigen::Vector2d& p_m) {
     return (p_m - p_local_m).squaredNorm();
   });
-  return segment_of_[static_cast<std::size_t>(nearest - keyframes_m_.begin())];
+  return static_cast<std::size_t>(nearest - keyframes_m_.begin());
 }
 
 Eigen::Vector2d StreetSegments::Middle(std::size_t segment) const {

@@ -19,8 +19,11 @@ class StreetSegments {
 
   std::size_t OfKeyframe(std::size_t keyframe) const { return segment_of_[keyframe]; }
 
-  /// The segment of the keyframe that is nearest to `p_local_m`.
-  std::size_t At(const Eigen::Vector2d& p_local_m) const;
+  /// The keyframe that is nearest to `p_local_m`, and its segment.
+  std::size_t KeyframeAt(const Eigen::Vector2d& p_local_m) const;
+  std::size_t At(const Eigen::Vector2d& p_local_m) const {
+    return segment_of_[KeyframeAt(p_local_m)];
+  }
 
   /// The mean of the keyframes of a segment, relative to the local origin.
   Eigen::Vector2d Middle(std::size_t segment) const;

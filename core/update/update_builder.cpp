@@ -7,7 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "core/update/street_by_street.h"
+#include "core/update/judged_version.h"
+#include "core/update/street_segments.h"
 
 namespace dcloc {
 namespace {
@@ -46,29 +47,31 @@ class UpdateBuilder {
       for (PlacedScan& scan : pass.scans) scan.points = {};
     }
     if (status = Tell("judging the new version", 0.0); !status.ok()) return status;
-    auto judged = JudgeStreetByStreet(base_, result_.update.map, held_out_rig_, held_out_scans_);
+    auto judged = JudgeVersion(base_, result_.update.map, held_out_rig_, held_out_scans_);
     if (!judged.ok()) return Named(result_.held_out, judged.status());
     Take(*std::move(judged));
     return std::move(result_);
   }
 
  private:
-  void Take(VersionByStreet version) {
-    const auto is_left = [&](const LandmarkHistory& landmark) {
-      return version.is_left[version.segments.At((landmark.p_map_m - base_.Origin_m()).head<2>())];
+  void Take(JudgedVersion version) {
+    const StreetSegments keyframes(result_.update.map, UpdateGateOptions{}.segment_m);
+    const auto is_kept = [&](const LandmarkHistory& landmark) {
+      return version.is_kept[keyframes.KeyframeAt((landmark.p_map_m - base_.Origin_m()).head<2>())];
     };
     for (LandmarkHistory& landmark : result_.update.known) {
-      if (is_left(landmark)) landmark.fate = LandmarkFate::kKept;
+      if (version.has_only_new_streets) landmark.fate = LandmarkFate::kKept;
     }
     for (LandmarkHistory& landmark : result_.update.found) {
-      if (is_left(landmark)) landmark.fate = LandmarkFate::kUnproven;
+      if (!is_kept(landmark)) landmark.fate = LandmarkFate::kUnproven;
     }
+    if (version.has_only_new_streets) result_.update.refined_count = 0;
     const std::size_t removed = result_.update.map.keyframes.size() - version.map.keyframes.size();
     const double removed_m = static_cast<double>(removed) * options_.new_streets.keyframe_spacing_m;
     result_.update.new_streets.joined_m -= removed_m;
     result_.update.map = std::move(version.map);
     result_.update.map.info.length_m -= removed_m;
-    result_.left_segment_count = version.left_count;
+    result_.has_only_new_streets = version.has_only_new_streets;
     result_.gate = std::move(version.evaluation);
   }
 

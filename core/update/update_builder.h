@@ -29,14 +29,14 @@ struct JudgedUpdate {
   std::string held_out;             ///< its name
   MapUpdate update;
   UpdateEvaluation gate;
-  std::size_t left_segment_count = 0;  ///< street segments that stay as they were: worse updated
+  bool has_only_new_streets = false;  ///< the rest was worse, and stays as it was
 };
 
 /// Gets the stage and the share of it that is done; returning false ends the work with Cancelled.
 using UpdateProgress = std::function<bool(const std::string& stage, double share)>;
 
 /// Localizes drives in the base map, makes a new version of all that are of use but one, and judges
-/// it street by street by that one. Drives are read one at a time; of each only what an update
+/// it by that one. Drives are read one at a time; of each only what an update
 /// needs is kept. FailedPrecondition where fewer than two drives are of use, and says why of each.
 /// Errors name the drive. That the new version is worse is no error: `gate` says so.
 absl::StatusOr<JudgedUpdate> BuildUpdate(const EditableMap& base, const UpdateDrives& drives,

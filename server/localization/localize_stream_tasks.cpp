@@ -56,6 +56,7 @@ void LocalizeStream::Opened(AttachedSession attached) {
       status = FillWithinMemory(&ring_.to_answer().response, [&] { Attach(attached); });
     }
     if (!status.ok()) TakeStatus(StreamEvent::kFailed, ToGrpc(status));
+    attached.session.reset();  // before the stream can end
   }
   Pump();
 }

@@ -14,9 +14,9 @@
 #include "client/evaluation/metrics.h"
 #include "client/evaluation/runner.h"
 #include "client/simulation/simulation.h"
+#include "core/update/judged_version.h"
 #include "core/update/map_update.h"
 #include "core/update/pass_alignment.h"
-#include "core/update/street_by_street.h"
 #include "tests/benchmarks/ageing_town.h"
 
 namespace dcloc::benchmarks {
@@ -132,10 +132,10 @@ void Run(const Arguments& arguments) {
     Print("anew", LocalizeBeyond(MadeAnew(town), *base, town.held_out));
     std::vector<Scan> scans;
     for (const DriveScan& entry : town.held_out.scans) scans.push_back(entry.scan);
-    const auto judged = JudgeStreetByStreet(before, update.map, town.held_out.rig, scans).value();
-    std::printf("  gate: %s, %s; %zu of %zu segments stay as they were\n",
-                judged.evaluation.is_better ? "passed" : "refused",
-                judged.evaluation.reason.c_str(), judged.left_count, judged.is_left.size());
+    const auto judged = JudgeVersion(before, update.map, town.held_out.rig, scans).value();
+    std::printf("  gate: %s, %s%s\n", judged.evaluation.is_better ? "passed" : "refused",
+                judged.evaluation.reason.c_str(),
+                judged.has_only_new_streets ? "; only new streets" : "");
     const auto written = RadarMap::FromBytes(ToMapBytes(judged.map).value()).value();
     Print("written", LocalizeBeyond(written, *base, town.held_out));
     std::fflush(stdout);

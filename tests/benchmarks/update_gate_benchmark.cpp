@@ -10,7 +10,7 @@
 
 #include "client/datasets/drive_map.h"
 #include "core/update/map_update.h"
-#include "core/update/street_by_street.h"
+#include "core/update/update_gate.h"
 #include "tests/benchmarks/ageing_town.h"
 
 namespace dcloc::benchmarks {
@@ -69,27 +69,25 @@ EditableMap WronglyMounted(const std::shared_ptr<const RadarMap>& base, Town tow
 
 void Judge(std::uint64_t seed, const Candidate& candidate, const EditableMap& base, double old_m,
            const Town& town, const std::vector<Scan>& scans) {
-  const auto judged = JudgeStreetByStreet(base, candidate.map, town.held_out.rig, scans);
-  if (!judged.ok()) {
-    std::printf("%-5lu %-10s %7.4f  refused: %s\n", static_cast<unsigned long>(seed),
-                candidate.name.c_str(), old_m, judged.status().ToString().c_str());
+  const double new_m =
+      MedianError_m(RadarMap::FromBytes(ToMapBytes(candidate.map).value()).value(), town.held_out);
+  const auto evaluation = EvaluateUpdate(base, candidate.map, town.held_out.rig, scans);
+  if (!evaluation.ok()) {
+    std::printf("%-5lu %-10s %7.4f %7.4f  refused: %s\n", static_cast<unsigned long>(seed),
+                candidate.name.c_str(), old_m, new_m, evaluation.status().ToString().c_str());
     return;
   }
-  const UpdateEvaluation* const evaluation = &judged->evaluation;
-  // Of what would be written.
-  const double new_m =
-      MedianError_m(RadarMap::FromBytes(ToMapBytes(judged->map).value()).value(), town.held_out);
-  std::printf("%-5lu %-10s %7.4f %7.4f %7.4f %7.4f %7.4f %zu/%zu %-6s %s\n",
+  std::printf("%-5lu %-10s %7.4f %7.4f %7.4f %7.4f %7.4f %-6s %s\n",
               static_cast<unsigned long>(seed), candidate.name.c_str(), old_m, new_m,
               evaluation->whole.old_version.error_m, evaluation->whole.new_version.error_m,
-              evaluation->whole.new_version.offset_m, judged->left_count, judged->is_left.size(),
-              evaluation->is_better ? "passes" : "fails", evaluation->reason.c_str());
+              evaluation->whole.new_version.offset_m, evaluation->is_better ? "passes" : "fails",
+              evaluation->reason.c_str());
   std::fflush(stdout);
 }
 
 void Run(std::uint64_t first_seed, std::uint64_t last_seed) {
-  std::printf("%-5s %-10s %7s %7s %7s %7s %7s %s\n", "seed", "version", "old", "new", "judged",
-              "judged", "offset", "left");
+  std::printf("%-5s %-10s %7s %7s %7s %7s %7s\n", "seed", "version", "old", "new", "judged",
+              "judged", "offset");
   for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
     const Town town = MakeAgedTown(seed, kLength_m, 1);
     const auto map =

@@ -38,10 +38,9 @@ void AddMapUpdateCommand(CLI::App& map_command, int& exit_code) {
   AddForceOption(*app, arguments->force);
   app->add_flag("--json", arguments->json, "Print what has changed as JSON");
   app->footer(
-      "Street segments in which the drive that is kept out is localized less well stay as they\n"
-      "were. The file is written only if that drive then fits better, and is localized as\n"
-      "accurately. Streets that two drives of different vehicles or days went on beyond the map\n"
-      "join it.\n"
+      "The file is written only if the drive that is kept out is localized as accurately, as a\n"
+      "whole and in every street segment, and fits better. Streets that two drives of different\n"
+      "vehicles or days went on beyond the map join it; where the rest is worse, they join alone.\n"
       "Example, a town that is driven through a month later:\n"
       "  dcloc simulate --out sim --replaced 0.1 --vehicles 4 --live-speed-kmh 50,40,60,45\n"
       "  dcloc map build --dataset nuscenes --root sim --drive map --out may.dclm\n"

@@ -188,6 +188,10 @@ std::string NewStreetsText(const NewStreets& streets) {
                          streets.joined_m, streets.unproven_m);
 }
 
+std::string OnlyNewStreetsText(const JudgedUpdate& judged) {
+  return judged.has_only_new_streets ? "; the rest was worse, and stays as it was" : "";
+}
+
 std::size_t ComesAndGoesCount(const MapUpdate& update) {
   return CountOf(update.known, LandmarkFate::kIntermittent) +
          CountOf(update.found, LandmarkFate::kIntermittent);
@@ -218,7 +222,7 @@ ordered_json UpdateJson(const UpdateReport& report) {
         {"reason", report.judged.gate.reason},
         {"old", ScoreJson(report.judged.gate.whole.old_version)},
         {"new", ScoreJson(report.judged.gate.whole.new_version)},
-        {"left_segment_count", report.judged.left_segment_count},
+        {"has_only_new_streets", report.judged.has_only_new_streets},
         {"segments", segments}}}};
 }
 
@@ -234,11 +238,11 @@ std::string UpdateText(const UpdateReport& report) {
   absl::StrAppendFormat(
       &text,
       "kept           %d, %d of them refined\ncame           %d\nwent           %d\n"
-      "comes and goes %d\nnew streets    %s\nas they were   %d of %d street segments\n",
+      "comes and goes %d\nnew streets    %s%s\n",
       CountOf(update.known, LandmarkFate::kKept), update.refined_count,
       CountOf(update.found, LandmarkFate::kAdded), CountOf(update.known, LandmarkFate::kRemoved),
       ComesAndGoesCount(update), NewStreetsText(update.new_streets),
-      report.judged.left_segment_count, report.judged.gate.segments.size());
+      OnlyNewStreetsText(report.judged));
   const SegmentEvaluation& whole = report.judged.gate.whole;
   absl::StrAppendFormat(
       &text,
@@ -255,14 +259,13 @@ std::string UpdateHtml(const UpdateReport& report) {
   const MapUpdate& update = report.judged.update;
   std::string body = absl::StrFormat(
       "<p>%s. Green came (%d), red went (%d), blue comes and goes (%d), grey stays (%d). New "
-      "streets: %s. %d of %d street segments stay as they were, where the update was worse.</p>\n",
+      "streets: %s%s.</p>\n",
       EscapeHtml(report.out.empty()
                      ? absl::StrCat("Not written: ", report.judged.gate.reason)
                      : absl::StrCat("Written to ", report.out, ": ", report.judged.gate.reason)),
       CountOf(update.found, LandmarkFate::kAdded), CountOf(update.known, LandmarkFate::kRemoved),
       ComesAndGoesCount(update), CountOf(update.known, LandmarkFate::kKept),
-      NewStreetsText(update.new_streets), report.judged.left_segment_count,
-      report.judged.gate.segments.size());
+      NewStreetsText(update.new_streets), OnlyNewStreetsText(report.judged));
   absl::StrAppend(
       &body, DrawingOf(update), "<h2>Drives</h2>\n", HtmlTable(PassRows(report)),
       "<h2>The drive that was kept out: ", EscapeHtml(report.judged.held_out), "</h2>\n",

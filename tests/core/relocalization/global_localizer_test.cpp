@@ -77,7 +77,7 @@ class Seeker {
   // Does all the work on what would be seen in another world.
   std::optional<Pose3> SearchSeeing(const SyntheticWorld& other) {
     global_localizer_.AddView(stamp_, SeenFrom(other, T_map_vehicle(), sight_m_, random_), {}, {},
-                              {.min_convincing_score = usual_score_});
+                              usual_score_);
     while (global_localizer_.working()) {
       if (const auto place = global_localizer_.Continue(workspace_)) return PoseOf(place);
     }
@@ -87,8 +87,7 @@ class Seeker {
   // The same while it is expected to be somewhere.
   std::optional<Place> SearchExpecting(const std::optional<ExpectedPlace>& expected,
                                        const std::optional<SearchRegion>& region = std::nullopt) {
-    global_localizer_.AddView(stamp_, Seen(), region, expected,
-                              {.min_convincing_score = usual_score_});
+    global_localizer_.AddView(stamp_, Seen(), region, expected, usual_score_);
     while (global_localizer_.working()) {
       if (auto place = global_localizer_.Continue(workspace_)) return place;
     }

@@ -33,8 +33,7 @@ class RelocalizerTest : public ::testing::Test {
                               std::chrono::nanoseconds span = kLongSpan) {
     for (int i = 0; i < count; ++i) {
       stamp_ += std::chrono::milliseconds(77);
-      if (auto place = relocalizer_.Search(stamp_, seen_, span, at, false, workspace_))
-        return place;
+      if (auto place = relocalizer_.Search(stamp_, seen_, span, at, workspace_)) return place;
     }
     return std::nullopt;
   }
