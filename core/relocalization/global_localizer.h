@@ -148,7 +148,6 @@ class GlobalLocalizer {
 
   Phase phase_ = Phase::kIdle;
   int view_count_ = 0;                   // taken since there was no pose
-  bool newest_fits_ = false;             // somewhere in the map
   std::vector<View<Dim>> views_;         // oldest first
   Stamp view_stamp_{};                   // of the newest view
   double travelled_since_view_m_ = 0.0;  // likewise
@@ -163,7 +162,8 @@ class GlobalLocalizer {
   double min_convincing_score_ = 0.0;      // likewise
   std::optional<Place> winner_;            // likewise
   int failed_search_count_ = 0;
-  double work_ = 0.0;  // done by this call of Continue
+  bool newest_fits_ = false;  // the newest view, somewhere in the map
+  double work_ = 0.0;         // done by this call of Continue
 };
 
 }  // namespace dcloc
