@@ -24,17 +24,4 @@ absl::Status AddDrive(const Drive& drive, Calibrator& calibrator,
   return absl::OkStatus();
 }
 
-RadarModel Calibrated(const RadarCalibration& radar) {
-  RadarModel model = radar.described;
-  for (int i = 0; i < kCalibrationParameters; ++i) {
-    const auto parameter = static_cast<CalibrationParameter>(i);
-    model = Corrected(model, parameter, radar.of(parameter).applied);
-  }
-  model.beta_sigma_s = radar.of(CalibrationParameter::kBeta).remaining_sigma;
-  model.time_offset_sigma_s = radar.of(CalibrationParameter::kTimeOffset).remaining_sigma;
-  model.range_bias_sigma_m = radar.of(CalibrationParameter::kRangeBias).remaining_sigma;
-  model.mount_yaw_sigma_rad = radar.of(CalibrationParameter::kMountYaw).remaining_sigma;
-  return model;
-}
-
 }  // namespace dcloc

@@ -17,7 +17,4 @@ absl::Status AddDrive(
     const Drive& drive, Calibrator& calibrator,
     const std::function<void(std::size_t)>& progress = [](std::size_t) {});
 
-/// The radar with the applied corrections, and with the deviations of the errors that remain.
-RadarModel Calibrated(const RadarCalibration& radar);
-
 }  // namespace dcloc

@@ -8,13 +8,13 @@
 namespace dcloc {
 namespace {
 
-bool IsWorthApplying(double square, double variance, double prior_sigma) {
+bool IsWorthApplying(double square, double variance, double prior_sigma, bool poses_are_own) {
   constexpr double kSquare95 = kSigmas95 * kSigmas95;
   const bool is_determined = variance < 0.25 * prior_sigma * prior_sigma;
-  return square > (is_determined ? 2.0 : kSquare95) * variance;
+  return square > (is_determined && !poses_are_own ? 2.0 : kSquare95) * variance;
 }
 
-void ChooseAppliedOf(std::size_t kind, Calibration& calibration) {
+void ChooseAppliedOf(std::size_t kind, bool poses_are_own, Calibration& calibration) {
   std::vector<RadarCalibration>& radars = calibration.radars;
   const auto count = static_cast<Eigen::Index>(radars.size());
   const auto every =
@@ -30,9 +30,12 @@ void ChooseAppliedOf(std::size_t kind, Calibration& calibration) {
   const double own_variance = covariance.diagonal().mean() - mean_variance;
   const double prior_sigma = radars.front().parameters.at(kind).prior_sigma;
 
-  const bool takes_mean = IsWorthApplying(mean * mean, mean_variance, prior_sigma);
-  const bool takes_own =
-      IsWorthApplying(own.squaredNorm() / static_cast<double>(count), own_variance, prior_sigma);
+  const bool is_in_poses =
+      poses_are_own && static_cast<CalibrationParameter>(kind) == CalibrationParameter::kTimeOffset;
+  const bool takes_mean =
+      !is_in_poses && IsWorthApplying(mean * mean, mean_variance, prior_sigma, poses_are_own);
+  const bool takes_own = IsWorthApplying(own.squaredNorm() / static_cast<double>(count),
+                                         own_variance, prior_sigma, poses_are_own);
   for (Eigen::Index r = 0; r < count; ++r) {
     CalibratedParameter& value = radars[static_cast<std::size_t>(r)].parameters.at(kind);
     if (takes_mean && takes_own) {
@@ -47,9 +50,9 @@ void ChooseAppliedOf(std::size_t kind, Calibration& calibration) {
 
 }  // namespace
 
-void ChooseApplied(Calibration& calibration) {
+void ChooseApplied(Calibration& calibration, bool poses_are_own) {
   for (std::size_t kind = 0; kind < kCalibrationParameters; ++kind) {
-    ChooseAppliedOf(kind, calibration);
+    ChooseAppliedOf(kind, poses_are_own, calibration);
   }
 }
 

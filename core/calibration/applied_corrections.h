@@ -14,6 +14,10 @@ namespace dcloc {
 /// sigma^2; if it is left out, correction^2 - sigma^2. So it is applied if correction^2 > 2
 /// sigma^2. If the data hardly determine it (sigma >= prior_sigma / 2), it is applied only if 0
 /// lies outside of the 95 % interval.
-void ChooseApplied(Calibration& calibration);
+///
+/// Where `poses_are_own`, of the same radars as they are described, the mean of the time offsets is
+/// left out: poses lie where radars were, whatever their clock said then. Poses also follow other
+/// errors in part, so what is applied is to lie outside of the 95 % interval.
+void ChooseApplied(Calibration& calibration, bool poses_are_own = false);
 
 }  // namespace dcloc

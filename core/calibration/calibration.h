@@ -82,4 +82,7 @@ struct Calibration {
 RadarModel Corrected(const RadarModel& described, CalibrationParameter parameter,
                      double correction);
 
+/// The radar with the applied corrections, and with the deviations of the errors that remain.
+RadarModel Calibrated(const RadarCalibration& radar);
+
 }  // namespace dcloc

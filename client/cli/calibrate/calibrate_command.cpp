@@ -1,19 +1,18 @@
 #include "client/cli/calibrate/calibrate_command.h"
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "client/cli/calibrate/calibration_report.h"
 #include "client/cli/common/atomic_file.h"
+#include "client/cli/common/calibration_option.h"
+#include "client/cli/common/calibration_report.h"
 #include "client/cli/common/dataset_options.h"
 #include "client/cli/common/on_run.h"
 #include "client/cli/common/progress.h"
@@ -26,28 +25,10 @@ struct CalibrateArguments {
   DatasetArguments dataset;
   DriveRequest drive;  // all but its name
   std::vector<std::string> drives;
-  std::vector<std::string> keep;
+  KeptParameters keep;
   std::string out;
   bool json = false;
 };
-
-// The options' names in CalibrationParameter's order.
-constexpr std::array<std::string_view, 4> kOptionNames = {"beta", "time", "range", "yaw"};
-
-bool Holds(const std::vector<std::string>& names, std::string_view name) {
-  for (const std::string& held : names) {
-    if (held == name) return true;
-  }
-  return false;
-}
-
-CalibratorOptions ToOptions(const CalibrateArguments& arguments) {
-  CalibratorOptions options;
-  for (std::size_t i = 0; i < kOptionNames.size(); ++i) {
-    if (Holds(arguments.keep, kOptionNames.at(i))) options.prior_sigma.at(i) = 0.0;
-  }
-  return options;
-}
 
 absl::Status CheckSameRadars(const Rig& rig, const Drive& drive) {
   bool same = drive.rig.radars.size() == rig.radars.size();
@@ -70,7 +51,7 @@ absl::StatusOr<Calibrator> ReadDrives(const CalibrateArguments& arguments) {
     if (!drive.ok()) return drive.status();
     if (!calibrator) {
       rig = drive->rig;
-      auto created = Calibrator::Create(rig, ToOptions(arguments));
+      auto created = Calibrator::Create(rig, OptionsOf(arguments.keep));
       if (!created.ok()) return created.status();
       calibrator = *std::move(created);
     }
@@ -95,7 +76,7 @@ absl::Status Calibrate(const CalibrateArguments& arguments) {
   progress.reset();
   if (!calibration.ok()) return calibration.status();
   if (!arguments.out.empty()) {
-    const std::string text = RigFileJson(*calibration).dump(2) + "\n";
+    const std::string text = RigFileJson(calibration->radars).dump(2) + "\n";
     absl::Status status =
         WriteFileAtomically(arguments.out, std::as_bytes(std::span<const char>(text)));
     if (!status.ok()) return status;
@@ -122,10 +103,7 @@ void AddCalibrateCommand(CLI::App& app, int& exit_code) {
   AddRadarsOption(*calibrate, "--radars", arguments->drive.radars,
                   "Radars to calibrate, together; all by default");
   AddDriveRequestOptions(*calibrate, arguments->drive);
-  const std::vector<std::string> names(kOptionNames.begin(), kOptionNames.end());
-  calibrate->add_option("--keep", arguments->keep, "What is known for sure, and not estimated")
-      ->delimiter(',')
-      ->check(CLI::IsMember(names));
+  AddKeepOption(*calibrate, arguments->keep);
   calibrate->add_option("--out", arguments->out, "Write a rig file, which --rig takes")
       ->type_name("FILE");
   calibrate->add_flag("--json", arguments->json, "Print as JSON");

@@ -6,7 +6,7 @@
 namespace dcloc::cli {
 namespace {
 
-constexpr auto kDrawInterval = std::chrono::milliseconds(100);
+constexpr auto kStageDrawInterval = std::chrono::milliseconds(100);
 constexpr double kMinShare = 0.02;  // before, the time left is a guess
 constexpr double kMinElapsed_s = 2.0;
 
@@ -26,7 +26,7 @@ void StageLine::Update(const std::string& stage, double share) {
     next_draw_ = now;
   }
   if (now < next_draw_) return;
-  next_draw_ = now + kDrawInterval;
+  next_draw_ = now + kStageDrawInterval;
   std::string text = absl::StrFormat("%s: %.0f %%", stage, 100.0 * share);
   const double elapsed_s = std::chrono::duration<double>(now - begin_).count();
   if (share >= kMinShare && elapsed_s >= kMinElapsed_s) {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "client/cli/common/anchor_option.h"
+#include "client/cli/common/calibration_option.h"
 #include "client/cli/common/on_run.h"
 #include "client/cli/map/survey_run.h"
 
@@ -28,13 +29,20 @@ void AddMapSurveyCommand(CLI::App& map_command, int& exit_code) {
           ->check(CLI::ExistingFile)
           ->type_name("CSV,...");
   AddAnchorOption(*app, arguments->anchor)->needs(gnss);
+  AddKeepOption(*app, arguments->keep);
+  app->add_flag("--no-calibration", arguments->no_calibration,
+                "Take the radars as they are described");
+  app->add_option("--rig-out", arguments->rig_out,
+                  "Write what was found wrong with the radars as a rig file, which --rig takes")
+      ->excludes("--no-calibration")
+      ->type_name("FILE");
   app->add_option("--name", arguments->name, "Name of the map; the first drive's by default");
   app->add_option("--out", arguments->out, "Map file to write")->required()->type_name("FILE");
   app->add_option("--report", arguments->report, "Page to write on drives and loops")
       ->type_name("HTML");
   app->add_option("--checkpoint", arguments->checkpoint,
-                  "Keep there what each stage found. A survey that was stopped goes on from it; it "
-                  "goes once the map is written")
+                  "Keep there what each stage found, and in FILE.1, FILE.2 after calibrations. A "
+                  "survey that was stopped goes on from them; they go once the map is written")
       ->type_name("FILE");
   AddTrajectoryOptions(*app, arguments->trajectory);
   app->add_flag("--compare-truth", arguments->compare_truth,
@@ -43,6 +51,8 @@ void AddMapSurveyCommand(CLI::App& map_command, int& exit_code) {
   app->add_flag("--json", arguments->json, "Print what was found as JSON");
   app->footer(
       "With fixes the map is in their frame, otherwise in one that begins at the first node.\n"
+      "Mounts, clocks, beta and range biases of the radars are estimated along with it, as far as\n"
+      "the drives tell; what they tell of all clocks together is left as described.\n"
       "Example, a simulated town that is driven through four times:\n"
       "  dcloc simulate --out sim --loop-m 1500 --length-m 3000 --rig 5 \\\n"
       "      --live-speed-kmh 40,50,30\n"

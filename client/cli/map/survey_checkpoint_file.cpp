@@ -32,4 +32,14 @@ void SurveyCheckpointFile::Remove() const {
   std::filesystem::remove(path_, ignored);
 }
 
+SurveyCheckpointStore* SurveyCheckpointFiles::OfRound(int round) {
+  if (path_.empty()) return nullptr;
+  const std::string path = round == 0 ? path_ : absl::StrCat(path_, ".", round);
+  return &files_.try_emplace(round, path).first->second;
+}
+
+void SurveyCheckpointFiles::Remove() const {
+  for (const auto& [round, file] : files_) file.Remove();
+}
+
 }  // namespace dcloc::cli

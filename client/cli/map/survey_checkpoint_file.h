@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <string>
+#include <utility>
 
 #include "core/mapping/survey_checkpoint.h"
 
@@ -9,8 +11,7 @@ namespace dcloc::cli {
 /// A survey's checkpoint in a file. Errors name it.
 class SurveyCheckpointFile final : public SurveyCheckpointStore {
  public:
-  /// `path` outlives it.
-  explicit SurveyCheckpointFile(const std::string& path) : path_(path) {}
+  explicit SurveyCheckpointFile(std::string path) : path_(std::move(path)) {}
 
   const std::string& name() const override { return path_; }
   absl::StatusOr<std::vector<std::byte>> Read() override;
@@ -20,7 +21,23 @@ class SurveyCheckpointFile final : public SurveyCheckpointStore {
   void Remove() const;
 
  private:
-  const std::string& path_;
+  std::string path_;
+};
+
+/// The checkpoints of a survey: before its radars are calibrated in the file that is named, and of
+/// each round after it in one beside it, "FILE.1", "FILE.2".
+class SurveyCheckpointFiles {
+ public:
+  /// No file is kept where `path` is empty.
+  explicit SurveyCheckpointFiles(std::string path) : path_(std::move(path)) {}
+
+  /// Lives as long as this; null where none is kept.
+  SurveyCheckpointStore* OfRound(int round);
+  void Remove() const;
+
+ private:
+  std::string path_;
+  std::map<int, SurveyCheckpointFile> files_;
 };
 
 }  // namespace dcloc::cli

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/common/calibration_report.h"
 #include "client/evaluation/html.h"
 #include "client/evaluation/map_drawing.h"
 
@@ -89,7 +90,9 @@ Rows LoopRows(const Survey& survey) {
 
 }  // namespace
 
-std::string SurveyHtml(std::span<const DriveTrack> tracks, const Survey& survey) {
+std::string SurveyHtml(const SurveyBuilder& builder) {
+  const std::vector<DriveTrack>& tracks = builder.tracks();
+  const Survey& survey = builder.survey();
   const auto accepted = std::ranges::count(survey.loops, true, &SurveyLoop::is_accepted);
   std::string body = absl::StrFormat(
       "<p>Green: the drives as the survey has placed them. Grey: by ego-motion and neighbours "
@@ -101,8 +104,14 @@ std::string SurveyHtml(std::span<const DriveTrack> tracks, const Survey& survey)
     absl::StrAppendFormat(&body, "<p>%d of %d position fixes agree with the drives.</p>\n",
                           survey.accepted_fix_count, survey.fix_count);
   }
-  absl::StrAppend(&body, DrawingOf(survey), HtmlTable(DriveRows(tracks, survey)),
-                  "<h2>Loops</h2>\n", HtmlTable(LoopRows(survey)));
+  absl::StrAppend(&body, DrawingOf(survey), HtmlTable(DriveRows(tracks, survey)));
+  if (!builder.calibrations().empty()) {
+    absl::StrAppend(&body,
+                    "<h2>Radars</h2>\n<p>What the drives tell of errors in their description, with "
+                    "95 % intervals. What has a star was taken for the map.</p>\n",
+                    HtmlTable(RadarCalibrationRows(builder.calibrations())));
+  }
+  absl::StrAppend(&body, "<h2>Loops</h2>\n", HtmlTable(LoopRows(survey)));
   return HtmlPage("Survey", body);
 }
 

@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/common/atomic_file.h"
+#include "client/cli/common/calibration_report.h"
 #include "client/cli/common/stage_line.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/map/dataset_drives.h"
@@ -25,6 +26,12 @@
 namespace dcloc::cli {
 namespace {
 
+SurveyBuilderOptions OptionsOf(const SurveyArguments& arguments) {
+  SurveyBuilderOptions options;
+  options.calibrator = cli::OptionsOf(arguments.keep, options.calibrator);
+  return options;
+}
+
 // One command's work.
 class SurveyRun {
  public:
@@ -32,18 +39,23 @@ class SurveyRun {
 
   absl::Status Run() {
     absl::Status status = CheckTrajectory(arguments_.trajectory, !arguments_.fix_files.empty());
-    status.Update(CheckFolders({arguments_.out, arguments_.report, arguments_.checkpoint}));
+    status.Update(CheckFolders(
+        {arguments_.out, arguments_.report, arguments_.checkpoint, arguments_.rig_out}));
     if (status.ok()) status = builder_.Track();
     if (!status.ok()) return status;
     auto fixes = ReadSurveyFixes(arguments_.fix_files, builder_.tracks(), arguments_.anchor);
     if (!fixes.ok()) return fixes.status();
-    const bool keeps = !arguments_.checkpoint.empty();
-    status = builder_.Place(fixes->fixes, keeps ? &checkpoint_ : nullptr);
+    status = builder_.Place(fixes->fixes, checkpoints_.OfRound(0));
+    if (status.ok() && !arguments_.no_calibration) {
+      status =
+          builder_.Calibrate(fixes->fixes, [&](int round) { return checkpoints_.OfRound(round); });
+    }
     if (status.ok()) status = WriteMap(fixes->anchor);
+    if (status.ok()) status = WriteRig();
     if (status.ok()) status = WritePoses();
     if (status.ok()) status = WritePage();
     if (!status.ok()) return status;
-    if (keeps) checkpoint_.Remove();
+    checkpoints_.Remove();
     Report();
     return absl::OkStatus();
   }
@@ -66,6 +78,12 @@ class SurveyRun {
     return absl::OkStatus();
   }
 
+  absl::Status WriteRig() const {
+    if (arguments_.rig_out.empty()) return absl::OkStatus();
+    const std::string text = RigFileJson(builder_.calibrations()).dump(2) + "\n";
+    return WriteFileAtomically(arguments_.rig_out, std::as_bytes(std::span<const char>(text)));
+  }
+
   /// To the file itself, or of several drives to one each; of those in the map.
   absl::Status WritePoses() const {
     absl::Status status;
@@ -86,7 +104,7 @@ class SurveyRun {
 
   absl::Status WritePage() const {
     if (arguments_.report.empty()) return absl::OkStatus();
-    const std::string page = SurveyHtml(builder_.tracks(), builder_.survey());
+    const std::string page = SurveyHtml(builder_);
     return WriteFileAtomically(arguments_.report, std::as_bytes(std::span(page)));
   }
 
@@ -110,25 +128,26 @@ class SurveyRun {
     std::optional<SurveyJudgement> judgement;
     if (arguments_.compare_truth) judgement = Compared();
     if (arguments_.json) {
-      nlohmann::ordered_json json = SurveyJson(builder_.tracks(), builder_.survey(), judgement);
+      nlohmann::ordered_json json = SurveyJson(builder_, judgement);
       json["map"] = MapInfoJson(info_);
       absl::PrintF("%s\n", json.dump(2));
     } else {
-      absl::PrintF("%s\n%s", SurveyText(builder_.tracks(), builder_.survey(), judgement),
-                   MapInfoText(info_));
+      absl::PrintF("%s\n%s", SurveyText(builder_, judgement), MapInfoText(info_));
     }
   }
 
   const SurveyArguments& arguments_;
-  SurveyCheckpointFile checkpoint_{arguments_.checkpoint};
+  SurveyCheckpointFiles checkpoints_{arguments_.checkpoint};
   StageLine line_;
   std::vector<std::vector<TrajectoryPose>> references_;  ///< of the drives, to be compared with
   DatasetDrives source_{arguments_.dataset, arguments_.request, arguments_.drives,
                         [this](std::size_t index, const Drive& drive) { Remember(index, drive); }};
-  SurveyBuilder builder_{source_, [this](const char* stage, double share) {
+  SurveyBuilder builder_{source_,
+                         [this](const char* stage, double share) {
                            line_.Update(stage, share);
                            return true;
-                         }};
+                         },
+                         OptionsOf(arguments_)};
   MapInfo info_;
 };
 

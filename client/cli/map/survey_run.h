@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "client/cli/common/calibration_option.h"
 #include "client/cli/common/dataset_options.h"
 #include "client/cli/common/trajectory_options.h"
 #include "client/datasets/drive_request.h"
@@ -19,6 +20,9 @@ struct SurveyArguments {
   std::vector<std::string> drives;
   std::vector<std::string> fix_files;
   std::optional<GeodeticAnchor> anchor;  ///< of the fixes' frame
+  KeptParameters keep;
+  bool no_calibration = false;
+  std::string rig_out;
   std::string name;
   std::string out;
   std::string report;

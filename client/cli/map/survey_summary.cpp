@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/common/calibration_report.h"
 #include "client/cli/common/terminal.h"
 
 namespace dcloc::cli {
@@ -80,8 +81,10 @@ std::string RadarWarnings(const DriveTrack& track) {
 
 }  // namespace
 
-ordered_json SurveyJson(std::span<const DriveTrack> tracks, const Survey& survey,
+ordered_json SurveyJson(const SurveyBuilder& builder,
                         const std::optional<SurveyJudgement>& judgement) {
+  const std::vector<DriveTrack>& tracks = builder.tracks();
+  const Survey& survey = builder.survey();
   ordered_json json = {{"drives", ordered_json::array()}};
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     json["drives"].push_back(DriveJson(tracks[i], survey.drives[i]));
@@ -91,12 +94,15 @@ ordered_json SurveyJson(std::span<const DriveTrack> tracks, const Survey& survey
                    {"refused_count", survey.loops.size() - accepted},
                    {"unconfirmed_count", survey.unconfirmed_loop_count}};
   json["fixes"] = {{"count", survey.fix_count}, {"accepted_count", survey.accepted_fix_count}};
+  json["radars"] = RadarCalibrationsJson(builder.calibrations());
   if (judgement) json["truth"] = JudgementJson(*judgement);
   return json;
 }
 
-std::string SurveyText(std::span<const DriveTrack> tracks, const Survey& survey,
+std::string SurveyText(const SurveyBuilder& builder,
                        const std::optional<SurveyJudgement>& judgement) {
+  const std::vector<DriveTrack>& tracks = builder.tracks();
+  const Survey& survey = builder.survey();
   std::vector<std::vector<std::string>> rows = {
       {"drive", "way [m]", "nodes", "landmarks", "neighbours", "in the map"}};
   std::string warnings;
@@ -119,6 +125,11 @@ std::string SurveyText(std::span<const DriveTrack> tracks, const Survey& survey,
   if (survey.fix_count > 0) {
     absl::StrAppend(&text, "fixes        ", survey.accepted_fix_count, " of ", survey.fix_count,
                     " agree with the drives\n");
+  }
+  if (!builder.calibrations().empty()) {
+    absl::StrAppend(&text,
+                    "radars       against their description, with 95 % intervals; * is taken\n",
+                    FormatTable(RadarCalibrationRows(builder.calibrations())));
   }
   if (judgement) absl::StrAppend(&text, JudgementText(*judgement));
   return text;

@@ -2,19 +2,18 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string>
 
 #include "client/cli/map/survey_judge.h"
 #include "client/trajectory/trajectory.h"
-#include "core/mapping/survey.h"
+#include "core/mapping/survey_builder.h"
 
 namespace dcloc::cli {
 
 /// What a survey found: for scripts, and for people.
-nlohmann::ordered_json SurveyJson(std::span<const DriveTrack> tracks, const Survey& survey,
+nlohmann::ordered_json SurveyJson(const SurveyBuilder& builder,
                                   const std::optional<SurveyJudgement>& judgement);
-std::string SurveyText(std::span<const DriveTrack> tracks, const Survey& survey,
+std::string SurveyText(const SurveyBuilder& builder,
                        const std::optional<SurveyJudgement>& judgement);
 
 /// The poses of all scans of a drive that is in the map.

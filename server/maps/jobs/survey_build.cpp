@@ -122,6 +122,7 @@ absl::StatusOr<std::vector<std::byte>> BuildBySurvey(const BuildRequest& request
       drives, [&](const char* stage, double share) { return progress.Tell(stage, share); });
   absl::Status status = builder.Track();
   if (status.ok()) status = builder.Place({});
+  if (status.ok()) status = builder.Calibrate({});
   if (!status.ok()) return status;
   TellDrives(builder, progress);
   absl::StatusOr<std::vector<std::byte>> bytes = builder.Fuse(OptionsOf(request, drives.drives()));

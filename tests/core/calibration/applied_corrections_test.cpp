@@ -34,8 +34,8 @@ Calibration TimeOffsets(const Eigen::VectorXd& corrections, double common_sigma,
   return calibration;
 }
 
-Eigen::VectorXd Applied(Calibration calibration) {
-  ChooseApplied(calibration);
+Eigen::VectorXd Applied(Calibration calibration, bool poses_are_own = false) {
+  ChooseApplied(calibration, poses_are_own);
   Eigen::VectorXd applied(static_cast<Eigen::Index>(calibration.radars.size()));
   for (Eigen::Index i = 0; i < applied.size(); ++i) {
     applied(i) = calibration.radars[static_cast<std::size_t>(i)].parameters.at(kKind).applied;
@@ -84,6 +84,19 @@ TEST(ChooseAppliedTest, CountsWhatIsLeftOutAmongTheErrorsThatStay) {
   const CalibratedParameter& last = calibration.radars[2].parameters.at(kKind);
   EXPECT_NEAR(last.remaining_sigma, std::hypot(last.sigma, 0.7), 1e-12);
   EXPECT_EQ(calibration.radars[2].of(CalibrationParameter::kMountYaw).remaining_sigma, 1.0);
+}
+
+// Poses that the radars made themselves lie where they were, whatever their clocks said.
+TEST(ChooseAppliedTest, LeavesTheMeanOfClocksToPosesThatTheyMade) {
+  const Eigen::VectorXd applied = Applied(TimeOffsets(kOffsets, 0.05, 0.05), true);
+  EXPECT_LT((applied - Eigen::Vector3d(-0.2, 0.0, 0.2)).norm(), 1e-12);
+}
+
+TEST(ChooseAppliedTest, OwnPosesAreBelievedOnlyWhatIsSignificant) {
+  const Eigen::Vector3d offsets(-0.15, 0.0, 0.15);
+  EXPECT_LT((Applied(TimeOffsets(offsets, 0.0, 0.09)) - offsets).norm(), 1e-12);
+  EXPECT_EQ(Applied(TimeOffsets(offsets, 0.0, 0.09), true).norm(), 0.0);
+  EXPECT_LT((Applied(TimeOffsets(offsets, 0.0, 0.05), true) - offsets).norm(), 1e-12);
 }
 
 }  // namespace

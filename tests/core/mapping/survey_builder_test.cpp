@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <memory>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -63,6 +65,14 @@ std::vector<MemoryDrive> TwoDrives(double length_m = 250.0) {
   return {Around("a", 0.0, 620.0, 12.0, 2), Around("b", 300.0, length_m, 15.0, 3)};
 }
 
+/// Calibrates once, by few returns.
+SurveyBuilderOptions Quickly() {
+  SurveyBuilderOptions options;
+  options.calibrator.max_returns = 4000;
+  options.calibration_rounds = 1;
+  return options;
+}
+
 bool GoOn(const char* /*stage*/, double /*share*/) { return true; }
 
 TEST(SurveyBuilderTest, MakesAMapOfDrivesReadingEachTwice) {
@@ -102,20 +112,78 @@ TEST(SurveyBuilderTest, AScanThatIsWrongIsNamed) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("b, scan 7: "));
 }
 
+/// A drive around the ring with a radar ahead and one that looks aside, described `yaw_error_rad`
+/// from where it looks.
+MemoryDrive WithTwoRadars(double yaw_error_rad) {
+  Rig rig = FrontRadar();
+  rig.radars.push_back(rig.radars[0]);
+  rig.radars[1].id = "side";
+  rig.radars[1].T_vehicle_radar.rotation = Eigen::AngleAxisd(0.9, Eigen::Vector3d::UnitZ());
+  MemoryDrive drive{.name = "a", .rig = rig, .scans = {}};
+  const SyntheticWorld world = RingRoad(2);
+  std::mt19937 random(4);
+  for (int i = 0; i < 250; ++i) {
+    const Stamp stamp(std::chrono::seconds(1'700'000'000) + std::chrono::milliseconds(77 * i));
+    const EgoVelocity ego{.linear_mps = {12.0, 0.0, 0.0},
+                          .angular_radps = {0.0, 0.0, 12.0 / kRingRadius_m}};
+    for (const RadarModel& radar : rig.radars) {
+      Scan scan = world.See(radar, OnRing(0.077 * 12.0 * i), ego, stamp, random);
+      scan.ego_velocity = ego;
+      drive.scans.push_back(std::move(scan));
+    }
+  }
+  drive.rig.radars[1].T_vehicle_radar.rotation =
+      Eigen::AngleAxisd(0.9 + yaw_error_rad, Eigen::Vector3d::UnitZ());
+  return drive;
+}
+
+double YawOf(const SurveyBuilder& builder, std::size_t radar) {
+  return builder.calibrations()[radar].of(CalibrationParameter::kMountYaw).applied;
+}
+
+TEST(SurveyBuilderTest, CalibratesMountsByItsOwnPoses) {
+  MemoryDrives source;
+  source.drives = {WithTwoRadars(0.03)};
+  SurveyBuilder builder(source, GoOn, Quickly());
+  ASSERT_TRUE(builder.Track().ok());
+  ASSERT_TRUE(builder.Place({}).ok());
+  ASSERT_TRUE(builder.Calibrate({}).ok());
+  ASSERT_EQ(builder.calibrations().size(), 2U);
+  EXPECT_NEAR(YawOf(builder, 1) - YawOf(builder, 0), -0.03, 0.01);
+  EXPECT_TRUE(builder.survey().drives[0].is_in_map);
+  EXPECT_TRUE(builder.Fuse({.name = "road"}).ok());
+}
+
+TEST(SurveyBuilderTest, LeavesRadarsThatAreDescribedRightAlone) {
+  MemoryDrives source;
+  source.drives = {WithTwoRadars(0.0)};
+  SurveyBuilder builder(source, GoOn, Quickly());
+  ASSERT_TRUE(builder.Track().ok());
+  ASSERT_TRUE(builder.Place({}).ok());
+  ASSERT_TRUE(builder.Calibrate({}).ok());
+  EXPECT_NEAR(YawOf(builder, 0), 0.0, 0.003);
+  EXPECT_NEAR(YawOf(builder, 1), 0.0, 0.003);
+}
+
 TEST(SurveyBuilderTest, EachStageCanBeStopped) {
   for (const std::string stage :
-       {"tracking b (2 of 2)", "placing scans of b", "fusing landmarks"}) {
+       {"tracking b (2 of 2)", "calibrating by a", "estimating mounts and clocks",
+        "placing scans of b", "fusing landmarks"}) {
     MemoryDrives source;
     source.drives = TwoDrives();
     bool seen = false;
-    SurveyBuilder builder(source, [&](const char* at, double share) {
-      EXPECT_GE(share, 0.0);
-      EXPECT_LE(share, 1.0);
-      seen = seen || stage == at;
-      return stage != at;
-    });
+    SurveyBuilder builder(
+        source,
+        [&](const char* at, double share) {
+          EXPECT_GE(share, 0.0);
+          EXPECT_LE(share, 1.0);
+          seen = seen || stage == at;
+          return stage != at;
+        },
+        Quickly());
     absl::Status status = builder.Track();
     if (status.ok()) status = builder.Place({});
+    if (status.ok()) status = builder.Calibrate({});
     if (status.ok()) status = builder.Fuse({}).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << stage;
     EXPECT_TRUE(seen) << stage;

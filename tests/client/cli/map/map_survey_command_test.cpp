@@ -60,5 +60,28 @@ TEST_F(MapSurveyCommandTest, ACheckpointGoesOnceTheMapIsThere) {
   EXPECT_FALSE(std::filesystem::exists(File("k.checkpoint")));
 }
 
+TEST_F(MapSurveyCommandTest, SaysWhatIsWrongWithTheRadars) {
+  const std::string command = "map survey " + Dataset() + " --drive map --json --out ";
+  const Result made = Dcloc(command + File("c.dclm") + " --rig-out " + File("rig.json"));
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto json = nlohmann::json::parse(made.out);
+  ASSERT_FALSE(json["radars"].empty());
+  const auto rig = nlohmann::json::parse(ReadText(File("rig.json")));
+  EXPECT_EQ(rig["radars"].size(), json["radars"].size());
+  EXPECT_EQ(rig["radars"][0]["id"], json["radars"][0]["id"]);
+  const Result again =
+      Dcloc(command + File("d.dclm") + " --no-calibration --rig " + File("rig.json"));
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_TRUE(nlohmann::json::parse(again.out)["radars"].empty());
+}
+
+TEST_F(MapSurveyCommandTest, ARigIsNotWrittenWithoutACalibration) {
+  const Result refused = Dcloc("map survey " + Dataset() + " --drive map --no-calibration --out " +
+                               File("e.dclm") + " --rig-out " + File("none.json"));
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--no-calibration excludes --rig-out"));
+  EXPECT_FALSE(std::filesystem::exists(File("none.json")));
+}
+
 }  // namespace
 }  // namespace dcloc

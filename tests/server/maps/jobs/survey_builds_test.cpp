@@ -112,6 +112,7 @@ TEST_F(SurveyBuildsTest, GivesTheFileThatASurveyOnThisMachineGives) {
   SurveyBuilder builder(source, [](const char*, double) { return true; });
   ASSERT_TRUE(builder.Track().ok());
   ASSERT_TRUE(builder.Place({}).ok());
+  ASSERT_TRUE(builder.Calibrate({}).ok());
   const auto bytes = builder.Fuse({.name = "map", .description = "survey of map"});
   ASSERT_TRUE(bytes.ok()) << bytes.status();
 

@@ -1,8 +1,7 @@
-#include "client/cli/calibrate/calibration_report.h"
+#include "client/cli/common/calibration_report.h"
 
 #include <array>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -50,11 +49,11 @@ std::string ConfusionsText(const Calibration& calibration) {
 
 }  // namespace
 
-ordered_json RigFileJson(const Calibration& calibration) {
-  ordered_json radars = ordered_json::array();
-  for (const RadarCalibration& radar : calibration.radars) {
+ordered_json RigFileJson(std::span<const RadarCalibration> radars) {
+  ordered_json entries = ordered_json::array();
+  for (const RadarCalibration& radar : radars) {
     const RadarModel calibrated = Calibrated(radar);
-    radars.push_back(
+    entries.push_back(
         {{"id", radar.described.id},
          {"beta_s", calibrated.beta_s},
          {"time_offset_s", calibrated.time_offset_s},
@@ -65,12 +64,12 @@ ordered_json RigFileJson(const Calibration& calibration) {
          {"range_bias_sigma_m", calibrated.range_bias_sigma_m},
          {"mount_yaw_sigma_rad", calibrated.mount_yaw_sigma_rad}});
   }
-  return {{"radars", std::move(radars)}};
+  return {{"radars", std::move(entries)}};
 }
 
-ordered_json CalibrationJson(const Calibration& calibration) {
-  ordered_json json = {{"returns", calibration.return_count}, {"pairs", calibration.pair_count}};
-  for (const RadarCalibration& radar : calibration.radars) {
+ordered_json RadarCalibrationsJson(std::span<const RadarCalibration> radars) {
+  ordered_json entries = ordered_json::array();
+  for (const RadarCalibration& radar : radars) {
     ordered_json entry = {{"id", radar.described.id}, {"described_beta_s", radar.described.beta_s}};
     for (const CalibrationParameter parameter : kDescribed) {
       const CalibratedParameter& value = radar.of(parameter);
@@ -83,8 +82,14 @@ ordered_json CalibrationJson(const Calibration& calibration) {
                                   {"significant", value.significant()},
                                   {"applied", value.applied}};
     }
-    json["radars"].push_back(std::move(entry));
+    entries.push_back(std::move(entry));
   }
+  return entries;
+}
+
+ordered_json CalibrationJson(const Calibration& calibration) {
+  ordered_json json = {{"returns", calibration.return_count}, {"pairs", calibration.pair_count}};
+  json["radars"] = RadarCalibrationsJson(calibration.radars);
   json["confusions"] = ordered_json::array();
   for (const Confusion& confusion : calibration.Confusions()) {
     json["confusions"].push_back({{"radar", confusion.radar},
@@ -96,18 +101,24 @@ ordered_json CalibrationJson(const Calibration& calibration) {
   return json;
 }
 
-std::string CalibrationText(const Calibration& calibration) {
+std::vector<std::vector<std::string>> RadarCalibrationRows(
+    std::span<const RadarCalibration> radars) {
   std::vector<std::vector<std::string>> rows = {
       {"radar", "beta [s]", "time offset [s]", "range bias [m]", "mount yaw [deg]"}};
-  for (const RadarCalibration& radar : calibration.radars) {
+  for (const RadarCalibration& radar : radars) {
     rows.push_back({radar.described.id, Cell(radar, CalibrationParameter::kBeta, 1.0, 4),
                     Cell(radar, CalibrationParameter::kTimeOffset, 1.0, 4),
                     Cell(radar, CalibrationParameter::kRangeBias, 1.0, 3),
                     Cell(radar, CalibrationParameter::kMountYaw, kRadPerDeg, 3)});
   }
+  return rows;
+}
+
+std::string CalibrationText(const Calibration& calibration) {
   return absl::StrCat(
-      FormatTable(rows), "Corrections to the description with their 95 % intervals, from ",
-      calibration.return_count, " static returns\nand ", calibration.pair_count,
+      FormatTable(RadarCalibrationRows(calibration.radars)),
+      "Corrections to the description with their 95 % intervals, from ", calibration.return_count,
+      " static returns\nand ", calibration.pair_count,
       " pairs of them. * is applied to the rig, (*) only what all radars have in common"
       "\nor only how they differ from it; ? the data hardly determine.\n",
       ConfusionsText(calibration));
