@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -32,13 +33,16 @@ absl::StatusOr<std::string> ReadSmallFile(const std::filesystem::path& path,
   if (!S_ISREG(found.st_mode)) {
     return absl::InvalidArgumentError(absl::StrCat(path.string(), ": is no regular file"));
   }
-  std::string text(max_bytes + 1, '\0');
+  // With a byte more than it has, which its end leaves free.
+  std::string text(std::min(static_cast<std::size_t>(found.st_size), max_bytes) + 1, '\0');
   std::size_t size = 0;
   while (size < text.size()) {
     const ssize_t got = read(file.get(), text.data() + size, text.size() - size);
     if (got < 0) return CannotBeRead(path, errno);
     if (got == 0) break;
     size += static_cast<std::size_t>(got);
+    const bool has_grown = size == text.size();
+    if (has_grown) text.resize(std::min(2 * size, max_bytes + 1));
   }
   if (size > max_bytes) {
     return absl::InvalidArgumentError(
