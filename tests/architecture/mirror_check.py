@@ -50,11 +50,11 @@ TESTED_BY = {
         "client/cli/common/anchor_option", "client/cli/common/trajectory_options"),
     "tests/client/cli/map/map_command_test.cpp": (
         "client/cli/common/live_line", "client/cli/common/progress"),
-    "tests/client/cli/calibrate/calibrate_command_test.cpp": ("client/datasets/drive_calibration",),
+    "tests/client/cli/calibrate/calibrate_command_test.cpp": (
+        "client/cli/common/calibration_option", "client/cli/common/calibration_report",
+        "client/datasets/drive_calibration"),
     "tests/client/cli/map/map_edit_command_test.cpp": ("client/evaluation/map_diff_picture",),
     "tests/client/cli/map/map_survey_command_test.cpp": ("client/cli/common/stage_line",),
-    "tests/client/cli/calibrate/calibrate_command_test.cpp": (
-        "client/cli/common/calibration_option", "client/cli/common/calibration_report"),
     "tests/client/datasets/drive_request_test.cpp": ("client/datasets/files/check_range",),
     "tests/client/datasets/rig_file_test.cpp": ("client/datasets/files/json_file",),
     "tests/client/datasets/radarscenes_test.cpp": ("client/datasets/files/hdf5_table",),
