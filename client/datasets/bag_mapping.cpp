@@ -74,6 +74,9 @@ absl::StatusOr<bool> TakeKey(const std::array<Key<Struct, Value>, N>& keys, cons
   return false;
 }
 
+/// A norm no further from 1 is that of a normalized quaternion.
+constexpr double kRoundedNorm = 1e-12;
+
 /// x, y, z, then the quaternion w, x, y, z.
 absl::StatusOr<Pose3> MountOf(const std::string& key, const json& value) {
   constexpr std::size_t kNumbers = 7;
@@ -90,7 +93,8 @@ absl::StatusOr<Pose3> MountOf(const std::string& key, const json& value) {
     return absl::DataLossError(absl::StrCat("the quaternion of \"", key, "\" has the norm ",
                                             mount.rotation.norm(), "; it must be 1"));
   }
-  mount.rotation.normalize();
+  // What a mapping's file holds is normalized: to do it again could change the last bit.
+  if (std::abs(mount.rotation.norm() - 1.0) > kRoundedNorm) mount.rotation.normalize();
   return mount;
 }
 

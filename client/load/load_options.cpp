@@ -24,6 +24,7 @@ absl::Status Validate(const LoadOptions& options) {
   status.Update(CheckDuration("drain", options.drain, 0.0));
   status.Update(CheckDuration("arrival_jitter", options.arrival_jitter, 0.0));
   status.Update(CheckRange("pace", options.pace, 0.01, 1000.0));
+  status.Update(CheckRange("begin_within", options.begin_within, 0.0, 1.0));
   status.Update(CheckRange("faults.disconnects_per_min", faults.disconnects_per_min, 0.0, 600.0));
   status.Update(CheckRange("faults.stalls_per_min", faults.stalls_per_min, 0.0, 600.0));
   status.Update(CheckDuration("faults.stall_duration", faults.stall_duration, 1.0));

@@ -35,7 +35,8 @@ struct LoadOptions {
   std::chrono::milliseconds ramp = std::chrono::seconds(2);    ///< the vehicles begin within it
   std::chrono::milliseconds drain = std::chrono::seconds(5);   ///< for the last answers
   std::chrono::microseconds arrival_jitter = std::chrono::milliseconds(5);
-  double pace = 1.0;  ///< recorded seconds in one of ours; open loop only
+  double pace = 1.0;          ///< recorded seconds in one of ours; open loop only
+  double begin_within = 1.0;  ///< share of its drive, from the start, in which a vehicle begins
   v1::QueuePolicy queue_policy = v1::QUEUE_POLICY_BLOCK;
   FaultProfile faults;
   std::uint64_t seed = 1;  ///< of jitter, faults and where on its drive a vehicle begins

@@ -49,8 +49,10 @@ void Vehicle::Start() {
   const std::lock_guard lock(mutex_);
   state_ = Next(state_, VehicleEvent::kEnd);  // if it is to end before it has begun
   if (state_ == VehicleState::kDone) return;
-  // Anywhere on the route, so that vehicles of one route do not ask for the same all the time.
-  BeginTrip(random_() % route_.scans.size());
+  // Spread over the route, so that vehicles of one route do not ask for the same all the time.
+  const double last =
+      std::ceil(fleet_.options.begin_within * static_cast<double>(route_.scans.size()));
+  BeginTrip(random_() % std::max<std::size_t>(1, static_cast<std::size_t>(last)));
 }
 
 void Vehicle::Finish() {

@@ -90,6 +90,12 @@ void AddPaceOptions(CLI::App& command, LoadArguments& arguments) {
           "What the server does with more scans than it can localize")
       ->check(CLI::IsMember({"block", "drop-oldest"}))
       ->default_str("block");
+  command
+      .add_option("--begin-within", options.begin_within,
+                  "Share of a drive, from its start, in which vehicles begin; 0: all at the start")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("SHARE")
+      ->capture_default_str();
   command.add_option("--seed", options.seed, "Of jitter, faults and where vehicles begin")
       ->type_name("N")
       ->capture_default_str();

@@ -15,7 +15,8 @@ std::chrono::milliseconds Ms(double value) {
 TEST(LoadOptionsTest, EachFieldIsValidated) {
   // A field that is added does not compile here until it has a row below.
   [[maybe_unused]] const auto& [vehicle_count, open_loop, duration, warmup, ramp, drain,
-                                arrival_jitter, pace, queue_policy, faults, seed] = LoadOptions{};
+                                arrival_jitter, pace, begin_within, queue_policy, faults, seed] =
+      LoadOptions{};
   [[maybe_unused]] const auto& [disconnects_per_min, stalls_per_min, stall_duration,
                                 slow_reader_share, slow_read_interval, duplicate_share,
                                 reorder_share] = FaultProfile{};
@@ -39,6 +40,9 @@ TEST(LoadOptionsTest, EachFieldIsValidated) {
         [](auto& o, double v) { o.arrival_jitter = Ms(v); },
         {.nan = kIsAnInteger, .zero = "no jitter"}},
        {"pace", [](auto& o, double v) { o.pace = v; }, {}},
+       {"begin_within",
+        [](auto& o, double v) { o.begin_within = v; },
+        {.zero = "all begin at the start"}},
        {"faults.disconnects_per_min", [](auto& o, double v) { o.faults.disconnects_per_min = v; },
         kNoFault},
        {"faults.stalls_per_min", [](auto& o, double v) { o.faults.stalls_per_min = v; }, kNoFault},

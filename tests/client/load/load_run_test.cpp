@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <memory>
@@ -19,9 +20,12 @@ namespace dcloc::load {
 namespace {
 
 using namespace std::chrono_literals;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::Gt;
 using ::testing::HasSubstr;
+using ::testing::Lt;
 
 /// A street of a minute, at 13 Hz.
 Route Street(const std::string& map = "town") {
@@ -155,6 +159,25 @@ TEST_F(LoadRunTest, SessionsThatAreMovedToAnotherVersionBreakNoContract) {
   EXPECT_TRUE(activated);
   EXPECT_THAT(Shortfalls(*result, 0.0), ElementsAre());
   EXPECT_EQ(result->record.totals.moved_count, 4);
+}
+
+TEST_F(LoadRunTest, VehiclesBeginInTheGivenShareOfTheirDrive) {
+  const auto latest_of = [this](double begin_within) {
+    Route route = Street();
+    std::atomic<std::size_t> latest = 0;
+    route.open = [&latest, open = route.open](std::size_t first, std::uint64_t seed) {
+      latest = std::max(latest.load(), first);
+      return open(first, seed);
+    };
+    LoadOptions options = Short(20);
+    options.duration = 300ms;
+    options.begin_within = begin_within;
+    EXPECT_TRUE(Run(options, route).ok());
+    return latest.load();
+  };
+  EXPECT_EQ(latest_of(0.0), 0);
+  EXPECT_THAT(latest_of(0.25), AllOf(Gt(100), Lt(200)));
+  EXPECT_GT(latest_of(1.0), 600);
 }
 
 TEST_F(LoadRunTest, ATargetThatIsMissedIsSaid) {

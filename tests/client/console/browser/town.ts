@@ -4,7 +4,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { DCLOC, dcloc, until } from "./harness.ts";
 
-/** Drives through a simulated town, of which one lasts for three minutes, and so do its sessions. */
+/** Drives through a simulated town, of which one lasts for three minutes. */
 function simulate(drives: string): void {
   const speeds = ["--map-speed-kmh", "72", "--live-speed-kmh", "7.5"];
   const unfinished = `${drives}.${process.pid}`;
@@ -43,10 +43,10 @@ export class Town {
     return graded;
   }
 
-  /** Vehicles that drive through the town until they are stopped. */
+  /** Vehicles that drive through the town until they are stopped; their first sessions last for two and a half minutes. */
   drive(address: string, map: string, count: number, more: string[] = []): ChildProcess {
     const data = ["--dataset", "nuscenes", "--root", this.drives, "--drive", "live-0"];
-    const load = ["--vehicles", String(count), "--duration-s", "3600", "--ramp-s", "0.5"];
+    const load = ["--vehicles", String(count), "--duration-s", "3600", "--ramp-s", "0.5", "--begin-within", "0.2"];
     const args = ["load", "--server", address, "--map", map, ...data, ...load, ...more];
     return spawn(DCLOC, args, { stdio: "ignore" });
   }
