@@ -3,6 +3,7 @@
 import json
 import pathlib
 import re
+import secrets
 import signal
 import time
 import urllib.error
@@ -12,6 +13,8 @@ from rehearsal.engines import PATH, ROOT, Database, ObjectStore, SharedFolder
 from rehearsal.programs import LOOPBACK, Failure, Program, free_port, run, wait_until
 
 MAP = "town"
+# The router asks each replica twice a second, and believes the second answer.
+DRAIN_NOTICE_MS = 1000
 
 
 def http(port, path, timeout_s=2):
@@ -50,6 +53,8 @@ class Replica:
                         "--tls-key", site.folder / "certificates/localhost.key",
                         "--replica-address", LOOPBACK,
                         "--replica-ca", site.folder / "certificates/ca.pem",
+                        "--ticket-keys", site.folder / "ticket-keys",
+                        "--drain-notice-ms", DRAIN_NOTICE_MS,
                         "--require-identity"], site.folder / f"{self.name}.log")
 
         def is_ready():
@@ -87,6 +92,7 @@ class Site:
 
     def start(self):
         self._make_certificates()
+        self._make_ticket_keys()
         self.say("PostgreSQL with PostGIS, in a folder of its own")
         self.database = Database(self.folder / "database")
         self.files = (ObjectStore if self.files_kind == "s3" else SharedFolder)(
@@ -108,6 +114,12 @@ class Site:
         run(ROOT / "deploy/certificates", "--out", folder, "--server", f"localhost,{LOOPBACK}")
         (folder / "router.pem").write_text(
             (folder / "localhost.pem").read_text() + (folder / "localhost.key").read_text())
+
+    def _make_ticket_keys(self):
+        """With one key for all, a replica goes on with the sessions of one that is gone."""
+        path = self.folder / "ticket-keys"
+        path.touch(mode=0o600)
+        path.write_text(f"rehearsal {secrets.token_hex(32)}\n")
 
     def make_token(self, name, role):
         """The file of a new token."""

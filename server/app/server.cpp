@@ -69,9 +69,15 @@ void Server::Shutdown(std::chrono::milliseconds deadline) {
   parts_->liveness_ticker.reset();
   // What sessions of this server do not end.
   parts_->admin.EndWaiting();
-  // Half of the time at most is the clients', to go by themselves.
+  // A quarter of the time at most is the router's, and half of it the clients', to go by
+  // themselves.
+  const std::chrono::milliseconds notice = std::min(parts_->drain_notice, deadline / 4);
   const std::chrono::milliseconds grace = std::min(parts_->drain_grace, deadline / 2);
-  if (parts_->Drain(grace) > 0) parts_->open_calls.WaitUntilNone(begin + grace);
+  parts_->BeginDrain(std::chrono::steady_clock::time_point::max(), grace);
+  parts_->open_calls.WaitUntilNone(begin + notice);
+  if (parts_->localization.Drain(grace) > 0) {
+    parts_->open_calls.WaitUntilNone(std::chrono::steady_clock::now() + grace);
+  }
   parts_->health_service.Shutdown();
   parts_->localization.EndAll(
       grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server is shutting down"));

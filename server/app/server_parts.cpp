@@ -53,6 +53,7 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
                      std::unique_ptr<SessionTickets> fleet_tickets)
     : config(server_config),
       methods(std::move(registration)),
+      drain_notice(config.drain_notice_ms),
       drain_grace(config.drain_grace_ms),
       gate(std::move(call_gate)),
       certificates(std::move(served_certificates)),
@@ -103,7 +104,10 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
              .worker_count = localization_pool.thread_count(),
              .stub_localizer = config.stub_localizer},
             registry, recordings, *opened_storage.identities, rpc_context, replicas,
-            {.drain = [this] { return Drain(drain_grace); },
+            {.drain =
+                 [this] {
+                   return BeginDrain(std::chrono::steady_clock::now() + drain_notice, drain_grace);
+                 },
              .draining = [this] { return localization.draining(); }},
             [this] { return Gauges(); }),
       ticker(kTickInterval, [this] { EndOverdue(); }),
@@ -154,10 +158,13 @@ absl::Status Server::Parts::Serve(const std::shared_ptr<grpc::ServerCredentials>
   return ServeMetrics();
 }
 
-int Server::Parts::Drain(std::chrono::milliseconds grace) {
+int Server::Parts::BeginDrain(std::chrono::steady_clock::time_point notice_end,
+                              std::chrono::milliseconds grace) {
   server_is_set.wait();
   health->SetDraining();
-  return localization.Drain(grace);
+  const int session_count = localization.GiveNotice(notice_end, grace);
+  localization.EndOverdue(std::chrono::steady_clock::now());  // where there is no notice
+  return session_count;
 }
 
 absl::StatusOr<std::string> Server::Parts::Ready() const {

@@ -44,8 +44,9 @@ struct Server::Parts {
   /// Binds, and begins to answer calls.
   absl::Status Serve(const std::shared_ptr<grpc::ServerCredentials>& credentials);
 
-  /// Not ready any more, and the sessions are told to move; gives how many were told.
-  int Drain(std::chrono::milliseconds grace);
+  /// Not ready any more; at `notice_end` new sessions are refused, and those that are there are
+  /// told to move and have `grace` for it. Gives how many these are now.
+  int BeginDrain(std::chrono::steady_clock::time_point notice_end, std::chrono::milliseconds grace);
 
   /// Why not, or what there is to say.
   absl::StatusOr<std::string> Ready() const;
@@ -85,6 +86,7 @@ struct Server::Parts {
 
   ServerConfig config;
   const RegistrationMethods methods;
+  const std::chrono::milliseconds drain_notice;
   const std::chrono::milliseconds drain_grace;
   const std::shared_ptr<CallGate> gate;
   std::shared_ptr<ServedCertificates> certificates;  ///< null without TLS

@@ -211,6 +211,11 @@ constexpr std::array kFields = {
     ConfigField{"self_probe_interval_ms", "N",
                 "how often the server tries a new connection to itself; 0 for never",
                 &ServerConfig::self_probe_interval_ms, 0, 3'600'000},
+    ConfigField{
+        "drain_notice_ms", "N",
+        "how long a server that drains or stops still takes sessions while it says that it is "
+        "not ready, so that a router sends none here by the time vehicles are told to move",
+        &ServerConfig::drain_notice_ms, 0, 600'000},
     ConfigField{"drain_grace_ms", "N",
                 "how long clients may take to move once the server drains or stops",
                 &ServerConfig::drain_grace_ms, 0, 600'000},

@@ -80,6 +80,7 @@ struct ServerConfig {
   int scrub_mb_per_s = 20;   ///< of map files that are read to see whether they are whole; 0: none
   int shutdown_deadline_ms = 5000;
   int self_probe_interval_ms = 5000;  ///< 0: never
+  int drain_notice_ms = 0;
   int drain_grace_ms = 1000;
   std::string log_level = "info";
   std::string log_format = "text";

@@ -1,5 +1,6 @@
 #include "server/localization/localization_service.h"
 
+#include <algorithm>
 #include <new>
 #include <string>
 #include <utility>
@@ -36,6 +37,19 @@ LocalizeStream* LocalizationService::Begin(grpc::CallbackServerContext* context)
   return stream.get();
 }
 
+int LocalizationService::GiveNotice(Clock::time_point end, std::chrono::milliseconds grace) {
+  std::vector<std::shared_ptr<LocalizeStream>> open;
+  {
+    const std::lock_guard lock(mutex_);
+    if (notice_ || !refusal_.ok()) return 0;
+    notice_ = {.end = end, .grace = grace};
+    open = Streams();
+  }
+  spdlog::info("not ready any more, sessions are told to move later streams={}", open.size());
+  return static_cast<int>(
+      std::ranges::count_if(open, [](const auto& stream) { return stream->resumable(); }));
+}
+
 int LocalizationService::Drain(std::chrono::milliseconds grace) {
   v1::SessionEnding ending;
   ending.set_reason(v1::SESSION_END_REASON_DRAINING);
@@ -45,6 +59,7 @@ int LocalizationService::Drain(std::chrono::milliseconds grace) {
   {
     const std::lock_guard lock(mutex_);
     if (!refusal_.ok()) return 0;
+    notice_.reset();
     refusal_ = grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server is draining");
     drain_end_ = Clock::now() + grace;
     open = Streams();
@@ -60,10 +75,16 @@ int LocalizationService::Drain(std::chrono::milliseconds grace) {
 
 bool LocalizationService::draining() const {
   const std::lock_guard lock(mutex_);
-  return !refusal_.ok();
+  return notice_ || !refusal_.ok();
 }
 
 bool LocalizationService::EndOverdue(Clock::time_point now) {
+  std::optional<Notice> over;
+  {
+    const std::lock_guard lock(mutex_);
+    if (notice_ && now >= notice_->end) over = notice_;
+  }
+  if (over) Drain(over->grace);
   {
     const std::lock_guard lock(mutex_);
     if (refusal_.ok()) return false;

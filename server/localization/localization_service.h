@@ -27,16 +27,24 @@ class LocalizationService final : public RawLocalizationService, private StreamK
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Localize(
       grpc::CallbackServerContext* context) override;
 
+  /// For those who ask it is draining, so that a router looks for another server; new calls are
+  /// still taken until `end`, when `EndOverdue` does as `Drain` does. Returns how many resumable
+  /// sessions there are. Without effect once it is draining.
+  int GiveNotice(Clock::time_point end, std::chrono::milliseconds grace);
+
   /// Refuses new calls and tells the clients of resumable sessions to move; returns how many those
-  /// are. After `grace`, `EndOverdue` ends the remaining calls. Only the first call has an effect.
+  /// are. After `grace`, `EndOverdue` ends the remaining calls. Only the first call has an effect,
+  /// and ends the notice.
   int Drain(std::chrono::milliseconds grace);
 
+  /// Since `GiveNotice` or `Drain`.
   bool draining() const;
 
   /// Streams whose first message has not come.
   int unopened_count() const;
 
-  /// Ends all calls if the grace of a drain is over at `now`; returns whether it is.
+  /// Goes on with a drain whose notice is over at `now`, and ends all calls once its grace is;
+  /// returns whether that is so.
   bool EndOverdue(Clock::time_point now);
 
   /// Ends all present and future calls, each once the scans that were read are answered.
@@ -59,6 +67,12 @@ class LocalizationService final : public RawLocalizationService, private StreamK
     grpc::Status status;
   };
 
+  /// A drain of which the vehicles are not told yet.
+  struct Notice {
+    Clock::time_point end;
+    std::chrono::milliseconds grace;
+  };
+
   // With the mutex held.
   std::vector<std::shared_ptr<LocalizeStream>> Streams();
   WaitingBounds Bounds() const;
@@ -74,6 +88,7 @@ class LocalizationService final : public RawLocalizationService, private StreamK
   std::map<LocalizeStream*, OpenStream> streams_;
   Unopened unopened_;
   grpc::Status refusal_;  ///< not OK once new calls are refused
+  std::optional<Notice> notice_;
   std::optional<Clock::time_point> drain_end_;
 };
 

@@ -38,11 +38,16 @@ def header_block(fields):
     return b"".join(b"\x00" + _text(name) + _text(value) for name, value in fields)
 
 
-def connect(address, timeout_s=5):
-    """A connection of HTTP/2, greeted."""
+def connect_silently(address, timeout_s=5):
+    """A connection that has said nothing; to a router from the attacker's own address."""
     host, _, port = address.rpartition(":")
     source = (ATTACKER, 0) if ROUTER_CA else None
-    connection = socket.create_connection((host, int(port)), timeout_s, source)
+    return socket.create_connection((host, int(port)), timeout_s, source)
+
+
+def connect(address, timeout_s=5):
+    """A connection of HTTP/2, greeted."""
+    connection = connect_silently(address, timeout_s)
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     if ROUTER_CA:
         context = ssl.create_default_context(cafile=ROUTER_CA)

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -133,6 +134,89 @@ TEST(DrainTest, SessionsThatNobodyCanResumeAreNotKept) {
     v1::GetServerStateResponse state;
     return server.admin->GetServerState(&state_call, {}, &state).ok() && state.session_count() == 0;
   })) << "a drained server is empty well before its sessions' timeout of a minute";
+}
+
+/// A server whose router is given some time, and a map for it.
+class NoticeTest : public ::testing::Test {
+ protected:
+  NoticeTest() {
+    const std::vector<std::byte> bytes = SmallMap();
+    v1::UploadMapResponse response;
+    EXPECT_TRUE(UploadMap(*server_.maps, HeaderOf(bytes), bytes, &response).ok());
+  }
+
+  static ServerConfig Config() {
+    ServerConfig config = TestServer::StubConfig();
+    config.drain_notice_ms = static_cast<int>(kNotice.count());
+    return config;
+  }
+
+  bool IsDraining() const {
+    Call call;
+    v1::GetServerStateResponse state;
+    return server_.admin->GetServerState(&call, {}, &state).ok() && state.draining();
+  }
+
+  /// Opens a session of a vehicle that can move.
+  bool Open(TestSession& session, const std::string& vehicle) const {
+    v1::OpenSession open = OpenMessage();
+    open.set_vehicle_id(vehicle);
+    open.set_resumable(true);
+    if (!session.Open(open)) return false;
+    const auto answer = session.Read();
+    return answer.has_value() && answer->has_opened();
+  }
+
+  /// Reads until the session is told to move; false when it ends without.
+  static bool IsTold(TestSession& session) {
+    while (const auto answer = session.Read()) {
+      if (answer->has_ending()) {
+        return answer->ending().reason() == v1::SESSION_END_REASON_DRAINING;
+      }
+    }
+    return false;
+  }
+
+  static constexpr milliseconds kNotice{1000};
+  TestServer server_{Config()};
+};
+
+TEST_F(NoticeTest, ADrainTakesSessionsUntilItIsOverAndThenTellsAllToMove) {
+  TestSession before(*server_.localization);
+  ASSERT_TRUE(Open(before, "before"));
+  const Clock::time_point begin = Clock::now();
+  Call call;
+  v1::DrainResponse response;
+  ASSERT_TRUE(server_.admin->Drain(&call, {}, &response).ok());
+  EXPECT_EQ(response.session_count(), 1);
+  EXPECT_TRUE(IsDraining());
+  TestSession meanwhile(*server_.localization);
+  ASSERT_TRUE(Open(meanwhile, "meanwhile"));
+  EXPECT_TRUE(IsTold(before));
+  EXPECT_TRUE(IsTold(meanwhile));
+  EXPECT_GE(Clock::now() - begin, kNotice);
+  TestSession late(*server_.localization);
+  EXPECT_FALSE(Open(late, "late"));
+  EXPECT_EQ(late.Finish().error_message(), "the server is draining");
+}
+
+TEST_F(NoticeTest, AServerThatStopsGivesItToo) {
+  TestSession session(*server_.localization);
+  ASSERT_TRUE(Open(session, "car"));
+  const Clock::time_point begin = Clock::now();
+  std::thread stopper([&] { server_.server->Shutdown(milliseconds(20'000)); });
+  EXPECT_TRUE(Eventually([&] { return IsDraining(); }));
+  EXPECT_TRUE(IsTold(session));
+  EXPECT_GE(Clock::now() - begin, kNotice);
+  session.CloseSending();
+  session.Finish();
+  stopper.join();
+}
+
+TEST_F(NoticeTest, WithoutCallsNobodyWaitsForIt) {
+  const Clock::time_point begin = Clock::now();
+  server_.server->Shutdown(milliseconds(20'000));
+  EXPECT_LT(Clock::now() - begin, kNotice);
 }
 
 TEST_F(ShutdownTest, TwiceIsOnce) {
