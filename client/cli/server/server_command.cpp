@@ -157,7 +157,7 @@ absl::Status Drain(client::AdminClient& admin, const ServerArguments& arguments)
     json["told_session_count"] = *told;
     absl::PrintF("%s\n", json.dump(2));
   } else {
-    absl::PrintF("draining: %d sessions were told to move, %d are open\n", *told,
+    absl::PrintF("draining: %d sessions are told to move, %d are open\n", *told,
                  state->session_count());
   }
   if (arguments.wait_s == 0.0 || state->session_count() == 0) return absl::OkStatus();
