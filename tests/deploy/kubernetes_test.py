@@ -49,6 +49,8 @@ class Kubernetes(unittest.TestCase):
         self.assertTrue(any(args[args.index("--replica-ca") + 1].startswith(mount["mountPath"] + "/")
                             for mount in container["volumeMounts"]))
         settings = json.loads(objects["ConfigMap"]["data"]["server.json"])
+        self.assertIn(os.path.dirname(settings["ticket_keys"]),
+                      [mount["mountPath"] for mount in container["volumeMounts"]])
         self.assertTrue(settings["listen"].endswith(f":{ports['grpc']}"))
         self.assertTrue(settings["metrics_listen"].endswith(f":{ports['metrics']}"))
         self.assertGreater(pod["spec"]["terminationGracePeriodSeconds"] * 1000,
@@ -57,7 +59,7 @@ class Kubernetes(unittest.TestCase):
             path = pathlib.Path(folder) / "server.json"
             # Its certificates and keys are not here.
             path.write_text(json.dumps({key: value for key, value in settings.items()
-                                        if not key.startswith(("tls_", "object_cred"))}
+                                        if not key.startswith(("tls_", "ticket_keys", "object_cred"))}
                                        | {"listen": "127.0.0.1:0"}))
             checked = run(PROGRAMS[1], "--config", path, "--check-config", env={
                 **os.environ, "AWS_ACCESS_KEY_ID": "key", "AWS_SECRET_ACCESS_KEY": "secret"})

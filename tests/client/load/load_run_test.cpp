@@ -124,6 +124,9 @@ TEST_F(LoadRunTest, FaultsAreBorneAndNothingIsLost) {
 // gRPC may begin a stream on a connection that breaks just then. Such a one must fail, and not be
 // open but deaf until the next break.
 TEST_F(LoadRunTest, WhoReturnsAtOnceIsHeard) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitized server does not keep up with a hundred vehicles";
+#endif
   LoadOptions options = Short(100);
   options.duration = 4000ms;
   options.drain = 2000ms;

@@ -18,6 +18,7 @@ constexpr std::array kStreamStates = {StreamState::kOpening, StreamState::kReope
 template <typename States, typename Event>
 auto StatesAfter(const States& states, Event event) {
   std::vector<typename States::value_type> after;
+  after.reserve(states.size());
   for (const auto state : states) after.push_back(Next(state, event));
   return after;
 }
