@@ -114,6 +114,7 @@ std::vector<std::string> BagSetDrives(const fs::path& root) {
     return path.extension() == ".bag" && path.filename() != kReferenceBag;
   });
   std::vector<std::string> names;
+  names.reserve(bags.size());
   for (fs::path bag : bags) names.push_back(bag.replace_extension().generic_string());
   std::ranges::sort(names);
   return names;

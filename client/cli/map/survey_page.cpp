@@ -111,7 +111,9 @@ std::string SurveyHtml(const SurveyBuilder& builder) {
                     "95 % intervals. What has a star was taken for the map.</p>\n",
                     HtmlTable(RadarCalibrationRows(builder.calibrations())));
   }
-  absl::StrAppend(&body, "<h2>Loops</h2>\n", HtmlTable(LoopRows(survey)));
+  if (!survey.loops.empty()) {
+    absl::StrAppend(&body, "<h2>Loops</h2>\n", HtmlTable(LoopRows(survey)));
+  }
   return HtmlPage("Survey", body);
 }
 
