@@ -93,6 +93,8 @@ absl::Status BuildLedger::Finish(client::MapClient& maps, std::chrono::seconds b
     std::this_thread::sleep_for(kPause);
   }
   const auto versions = maps.ListVersions(map_name_);
+  // No build need have been begun, or made, before its server was killed.
+  if (absl::IsNotFound(versions.status()) && versions_.empty()) return absl::OkStatus();
   if (!versions.ok()) return versions.status();
   for (const v1::MapVersion& version : *versions) {
     files_.insert(version.sha256());
