@@ -229,8 +229,7 @@ WatchStream* AdminService::BeginWatching(grpc::CallbackServerContext* context,
     if (session.ok() && request->scans()) {
       stream->IncludeScans(session->info->description.rig);
     }
-    if (session.ok()) session->info->feed.Subscribe(stream);
-    stream->Begin(session.status());
+    stream->Begin(session.ok() ? session->info->feed.Subscribe(stream) : session.status());
   });
   return stream.get();
 }

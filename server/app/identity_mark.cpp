@@ -1,5 +1,6 @@
 #include "server/app/identity_mark.h"
 
+#include "absl/strings/str_format.h"
 #include "server/app/storage.h"
 #include "server/base/files.h"
 #include "server/base/sqlite.h"
@@ -27,6 +28,16 @@ absl::Status SetIdentityMark(const std::filesystem::path& folder) {
   if (!size.ok() || *size == 0) return size.status();
   absl::StatusOr<SqliteDatabase> catalogue = SqliteDatabase::Open(PathsOf(folder).catalogue);
   return catalogue.ok() ? catalogue->Run(kSetMark) : catalogue.status();
+}
+
+absl::Status CheckNoIdentityIsLost(const std::filesystem::path& folder) {
+  const absl::StatusOr<bool> seen = HasIdentityMark(folder);
+  if (!seen.ok() || !*seen) return seen.status();
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "%s: identities.sqlite is missing or empty, and the catalogue has seen identities: without "
+      "them everyone would be an admin. Put a backup's identities.sqlite in place, or make new "
+      "ones, beginning with \"dcloc-server token create --data %s --name NAME --role admin\"",
+      folder.string(), folder.string()));
 }
 
 }  // namespace dcloc::server

@@ -15,4 +15,7 @@ absl::StatusOr<bool> HasIdentityMark(const std::filesystem::path& folder);
 /// Notes it, for good. Does nothing when there is no catalogue yet: the next start notes it.
 absl::Status SetIdentityMark(const std::filesystem::path& folder);
 
+/// Of a store that has no identities. FailedPrecondition, with what to do, when it had some.
+absl::Status CheckNoIdentityIsLost(const std::filesystem::path& folder);
+
 }  // namespace dcloc::server

@@ -65,7 +65,8 @@ absl::Status CheckCatalogueIsThere(const std::filesystem::path& path, MapFiles& 
 
 /// What an operator can do about a store that cannot be opened.
 absl::Status WithAdvice(const absl::Status& status, const std::filesystem::path& folder) {
-  if (!absl::IsFailedPrecondition(status) && !absl::IsDataLoss(status)) return WithPath(status);
+  const absl::Status told = WithPath(status);
+  if (!absl::IsFailedPrecondition(status) && !absl::IsDataLoss(status)) return told;
   return absl::Status(
       status.code(),
       absl::StrFormat(
@@ -73,19 +74,7 @@ absl::Status WithAdvice(const absl::Status& status, const std::filesystem::path&
           "--data %s --from BACKUP\", or set aside what is unknown with \"dcloc-server store "
           "repair "
           "--data %s\"",
-          folder.string(), status.message(), folder.string(), folder.string()));
-}
-
-/// A store whose identities are lost would make everyone an admin.
-absl::Status CheckIdentitiesAreThere(const std::filesystem::path& folder, bool any) {
-  if (any) return SetIdentityMark(folder);
-  const absl::StatusOr<bool> seen = HasIdentityMark(folder);
-  if (!seen.ok() || !*seen) return seen.status();
-  return absl::FailedPreconditionError(absl::StrFormat(
-      "%s: identities.sqlite is missing or empty, and the catalogue has seen identities: without "
-      "them everyone would be an admin. Put a backup's identities.sqlite in place, or make new "
-      "ones, beginning with \"dcloc-server token create --data %s --name NAME --role admin\"",
-      folder.string(), folder.string()));
+          folder.string(), told.message(), folder.string(), folder.string()));
 }
 
 }  // namespace
@@ -117,7 +106,7 @@ absl::StatusOr<MapStoreParts> OpenMapParts(const std::filesystem::path& folder) 
   absl::StatusOr<std::unique_ptr<IncomingFiles>> incoming = IncomingFiles::Open(paths.incoming);
   if (!incoming.ok()) return incoming.status();
   absl::StatusOr<std::unique_ptr<SqliteBuildQueue>> builds = SqliteBuildQueue::Open(paths.jobs);
-  if (!builds.ok()) return builds.status();
+  if (!builds.ok()) return WithAdvice(builds.status(), folder);
   absl::StatusOr<std::unique_ptr<KeptFolder>> inputs = KeptFolder::Open(paths.builds);
   if (!inputs.ok()) return inputs.status();
   return MapStoreParts{.catalogue = *std::move(catalogue),
@@ -161,10 +150,11 @@ absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
   absl::StatusOr<std::unique_ptr<IdentityStore>> identities = OpenIdentities(folder);
   if (!identities.ok()) return identities.status();
   const absl::StatusOr<bool> any = (*identities)->HasAny();
-  absl::Status status = any.ok() ? CheckIdentitiesAreThere(folder, *any) : any.status();
+  absl::Status status = any.status();
+  if (any.ok()) status = *any ? SetIdentityMark(folder) : CheckNoIdentityIsLost(folder);
   if (!status.ok()) return WithPath(status);
   auto passes = OpenPasses(PathsOf(folder), pass_key);
-  if (!passes.ok()) return WithPath(passes.status());
+  if (!passes.ok()) return WithAdvice(passes.status(), folder);
   absl::StatusOr<std::unique_ptr<MapStore>> maps = MapStore::Open(*std::move(parts), options);
   if (!maps.ok()) return WithAdvice(maps.status(), folder);
   return Storage{.lock = *std::move(lock),
@@ -179,6 +169,12 @@ absl::StatusOr<Storage> OpenStorage(const std::filesystem::path& folder,
 absl::StatusOr<std::unique_ptr<IdentityStore>> OpenIdentities(const std::filesystem::path& folder) {
   if (absl::Status status = CreateFolders(folder); !status.ok()) return WithPath(status);
   auto identities = SqliteIdentityStore::Open(PathsOf(folder).identities);
+  if (absl::IsDataLoss(identities.status())) {
+    return absl::DataLossError(
+        absl::StrCat(WithPath(identities.status()).message(),
+                     ". Put a backup's identities.sqlite in place, or move this one aside and make "
+                     "new ones with \"dcloc-server token create\""));
+  }
   if (!identities.ok()) return WithPath(identities.status());
   return identities;
 }

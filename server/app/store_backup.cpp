@@ -155,18 +155,22 @@ absl::StatusOr<BackupReport> StageFiles(const Files& files, const fs::path& back
   return report;
 }
 
-/// Where the state of the store changes: only renames, and a catalogue of some kilobytes.
+/// Where the state of the store changes: only renames.
 absl::Status PutInPlace(const Files& files, const StorePaths& from, const fs::path& folder,
                         const fs::path& staging, MapFiles& present) {
   for (const auto& [sha256, size_bytes] : files) {
-    if (!fs::exists(staging / sha256)) continue;
+    if (!IsThere(staging / sha256)) continue;
     absl::Status status = present.Keep(staging / sha256, sha256);
     if (!status.ok()) return status;
   }
   // A catalogue that cannot be read may have been that of a store with identities.
   const bool had_identities = HasIdentityMark(folder).value_or(true);
-  absl::Status status = SetCatalogueAside(folder);
-  if (status.ok()) status = CopyDatabase(from.catalogue, PathsOf(folder).catalogue);
+  const fs::path catalogue = PathsOf(folder).catalogue;
+  const fs::path next = staging / catalogue.filename();
+  absl::Status status = CopyDatabase(from.catalogue, next);
+  if (status.ok()) status = SetDatabaseAside(catalogue);
+  if (status.ok()) status = MoveFile(next, catalogue);
+  if (status.ok()) status = SyncFolder(folder);
   if (status.ok() && had_identities) status = SetIdentityMark(folder);
   if (!status.ok()) return status;
   const absl::StatusOr<std::vector<std::string>> all = present.List();
@@ -182,18 +186,29 @@ absl::Status PutInPlace(const Files& files, const StorePaths& from, const fs::pa
   return status;
 }
 
+absl::Status CheckAreTwo(const fs::path& folder, const fs::path& backup) {
+  std::error_code error;
+  if (!fs::equivalent(folder, backup, error)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(backup.string(), ": store and backup are one folder"));
+}
+
 }  // namespace
 
 absl::StatusOr<BackupReport> BackUpStore(const fs::path& folder, const fs::path& backup,
                                          StoreWatcher watch) {
-  std::error_code error;
-  if (fs::equivalent(folder, backup, error)) {
-    return absl::InvalidArgumentError("the backup is to go into the store's own folder");
+  if (absl::Status status = CheckAreTwo(folder, backup); !status.ok()) return status;
+  const StorePaths from = PathsOf(folder);
+  const StorePaths to = PathsOf(backup);
+  if (!IsThere(from.catalogue)) {
+    return absl::NotFoundError(absl::StrCat(folder.string(), ": there is no store"));
+  }
+  if (IsThere(to.jobs)) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(backup.string(), ": is the store of a server, which a backup would replace"));
   }
   const absl::StatusOr<StoreLock> lock = LockStore(backup);
   if (!lock.ok()) return lock.status();
-  const StorePaths from = PathsOf(folder);
-  const StorePaths to = PathsOf(backup);
   const fs::path next = to.catalogue.string() + ".next";
   constexpr int kAttempts = 5;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -218,6 +233,7 @@ absl::StatusOr<BackupReport> BackUpStore(const fs::path& folder, const fs::path&
 
 absl::StatusOr<BackupReport> RestoreStore(const fs::path& backup, const fs::path& folder,
                                           StoreWatcher watch) {
+  if (absl::Status status = CheckAreTwo(folder, backup); !status.ok()) return status;
   const StorePaths from = PathsOf(backup);
   const absl::StatusOr<Files> files = FilesOf(from.catalogue);
   if (!files.ok()) return files.status();
@@ -229,6 +245,7 @@ absl::StatusOr<BackupReport> RestoreStore(const fs::path& backup, const fs::path
   const fs::path staging = folder / "restoring";
   std::error_code error;
   fs::remove_all(staging, error);
+  if (absl::Status made = CreateFolders(staging); !made.ok()) return made;
   absl::StatusOr<BackupReport> report = StageFiles(*files, from.maps, **present, staging, watch);
   absl::Status status = report.status();
   if (status.ok()) status = PutInPlace(*files, from, folder, staging, **present);
@@ -237,16 +254,15 @@ absl::StatusOr<BackupReport> RestoreStore(const fs::path& backup, const fs::path
   return report;
 }
 
-absl::Status SetCatalogueAside(const fs::path& folder) {
-  const fs::path catalogue = PathsOf(folder).catalogue;
-  const std::string aside = catalogue.string() + TimeSuffix();
+absl::Status SetDatabaseAside(const fs::path& database) {
+  const std::string aside = database.string() + TimeSuffix();
   // The database first: beside its log alone nobody starts.
   for (const char* part : {"", "-wal", "-shm"}) {
-    const fs::path path = catalogue.string() + part;
-    if (!fs::exists(path)) continue;
+    const fs::path path = database.string() + part;
+    if (!IsThere(path)) continue;
     if (absl::Status status = MoveFile(path, aside + part); !status.ok()) return status;
   }
-  return SyncFolder(folder);
+  return SyncFolder(database.parent_path());
 }
 
 }  // namespace dcloc::server

@@ -20,6 +20,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "nlohmann/json.hpp"
+#include "server/app/identity_mark.h"
 #include "server/app/storage.h"
 #include "server/app/store_backup.h"
 #include "server/app/store_repair.h"
@@ -135,9 +136,11 @@ void Print(const StoreArguments& arguments, const ordered_json& json, const std:
 absl::Status Check(const StoreArguments& arguments) {
   const StorePaths paths = PathsOf(arguments.data);
   absl::Status status = CheckDatabase(paths.catalogue);
-  if (status.ok() && std::filesystem::exists(paths.identities)) {
-    status = CheckDatabase(paths.identities);
+  for (const auto& database : {paths.identities, paths.jobs, paths.passes}) {
+    if (status.ok() && IsThere(database)) status = CheckDatabase(database);
   }
+  const bool has_identities = FileSize(paths.identities).value_or(0) > 0;
+  if (status.ok() && !has_identities) status = CheckNoIdentityIsLost(arguments.data);
   if (!status.ok()) return WithPath(status);
   const auto catalogue = SqliteCatalogue::OpenToRead(paths.catalogue);
   if (!catalogue.ok()) return catalogue.status();
@@ -157,14 +160,19 @@ absl::Status Repair(const StoreArguments& arguments) {
   if (!report.ok()) return report.status();
   ordered_json json = ToJson(report->audit);
   json["catalogue_replaced"] = report->catalogue_replaced;
+  json["set_aside"] = report->set_aside;
   json["adopted_count"] = report->adopted_count;
   json["newly_quarantined_count"] = report->quarantined_count;
+  std::string others;
+  for (const std::string& name : report->set_aside) {
+    absl::StrAppend(&others, name, " was no database; it is kept aside\n");
+  }
   Print(arguments, json,
-        absl::StrFormat("%s%d map files became maps, %d went to quarantine\n%s",
-                        report->catalogue_replaced
-                            ? "the catalogue is new; what was there is kept beside it\n"
-                            : "",
-                        report->adopted_count, report->quarantined_count, ToText(report->audit)));
+        absl::StrFormat(
+            "%s%s%d map files became maps, %d went to quarantine\n%s",
+            report->catalogue_replaced ? "the catalogue is new; what was there is kept beside it\n"
+                                       : "",
+            others, report->adopted_count, report->quarantined_count, ToText(report->audit)));
   return WhatMends(report->audit);
 }
 

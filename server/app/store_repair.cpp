@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "server/app/storage.h"
@@ -24,7 +25,7 @@ constexpr std::size_t kShownDigits = 12;
 absl::StatusOr<std::unique_ptr<SqliteCatalogue>> OpenOrReplace(const std::filesystem::path& folder,
                                                                RepairReport* report) {
   const std::filesystem::path path = PathsOf(folder).catalogue;
-  if (std::filesystem::exists(path)) {
+  if (IsThere(path)) {
     absl::Status status = CheckDatabase(path);
     if (status.ok()) {
       auto catalogue = SqliteCatalogue::Open(path);
@@ -34,7 +35,7 @@ absl::StatusOr<std::unique_ptr<SqliteCatalogue>> OpenOrReplace(const std::filesy
     if (!absl::IsDataLoss(status)) return status;
   }
   report->catalogue_replaced = true;
-  if (absl::Status status = SetCatalogueAside(folder); !status.ok()) return status;
+  if (absl::Status status = SetDatabaseAside(path); !status.ok()) return status;
   return SqliteCatalogue::Open(path);
 }
 
@@ -67,13 +68,32 @@ absl::Status PlaceUnaccounted(Catalogue& catalogue, MapFiles& files, const Repai
   return absl::OkStatus();
 }
 
+/// Builds that wait and passes that were kept: without them a server starts, and nobody is let in.
+absl::Status SetAsideIfDamaged(const std::filesystem::path& database, RepairReport* report) {
+  const absl::Status status = CheckDatabase(database);
+  if (status.ok() || absl::IsNotFound(status)) return absl::OkStatus();
+  if (!absl::IsDataLoss(status)) return status;
+  report->set_aside.push_back(database.filename().string());
+  return SetDatabaseAside(database);
+}
+
+/// A folder that is named by mistake is left as it is.
+absl::Status CheckIsStore(const std::filesystem::path& folder) {
+  const StorePaths paths = PathsOf(folder);
+  if (IsThere(paths.catalogue)) return absl::OkStatus();
+  const absl::StatusOr<std::vector<std::string>> files =
+      MapFolder(paths.maps, paths.quarantine).List();
+  if (!files.ok()) return files.status();
+  if (!files->empty()) return absl::OkStatus();
+  return absl::NotFoundError(
+      absl::StrCat(folder.string(), ": there is no store, neither a catalogue nor map files"));
+}
+
 }  // namespace
 
 absl::StatusOr<RepairReport> RepairStore(const std::filesystem::path& folder,
                                          const RepairOptions& options, StoreWatcher watch) {
-  if (!std::filesystem::exists(folder)) {
-    return absl::NotFoundError(absl::StrCat(folder.string(), ": there is no such folder"));
-  }
+  if (absl::Status status = CheckIsStore(folder); !status.ok()) return status;
   const absl::StatusOr<StoreLock> lock = LockStore(folder);
   if (!lock.ok()) return lock.status();
   RepairReport report;
@@ -82,7 +102,9 @@ absl::StatusOr<RepairReport> RepairStore(const std::filesystem::path& folder,
   const StorePaths paths = PathsOf(folder);
   const auto files = MapFolder::Open(paths.maps, paths.quarantine);
   if (!files.ok()) return files.status();
-  absl::Status status = PlaceUnaccounted(**catalogue, **files, options, &report);
+  absl::Status status = SetAsideIfDamaged(paths.jobs, &report);
+  if (status.ok()) status = SetAsideIfDamaged(paths.passes, &report);
+  if (status.ok()) status = PlaceUnaccounted(**catalogue, **files, options, &report);
   if (!status.ok()) return status;
   absl::StatusOr<StoreAudit> audit = AuditStore(**catalogue, **files, watch);
   if (!audit.ok()) return audit.status();

@@ -42,9 +42,11 @@ absl::Status ErrorOf(int error, absl::string_view doing) {
 }
 
 absl::Status ErrorOf(int error, absl::string_view doing, const std::filesystem::path& path) {
-  absl::Status status = ErrorOf(error, doing);
-  status.SetPayload(kPathPayload, absl::Cord(path.string()));
-  return status;
+  return AboutFile(ErrorOf(error, doing), path);
+}
+
+absl::Status NotRegular(const std::filesystem::path& path) {
+  return AboutFile(absl::DataLossError("not a regular file"), path);
 }
 
 absl::StatusOr<FileDescriptor> OpenFile(const std::filesystem::path& path, int flags) {
@@ -54,7 +56,7 @@ absl::StatusOr<FileDescriptor> OpenFile(const std::filesystem::path& path, int f
     descriptor = open(path.c_str(), flags | O_CLOEXEC, kOwnerOnly);
   } while (descriptor < 0 && errno == EINTR);
   FileDescriptor file(descriptor);
-  if (file.get() < 0) return ErrorOf(errno, "open", path);
+  if (file.get() < 0) return errno == ELOOP ? NotRegular(path) : ErrorOf(errno, "open", path);
   return file;
 }
 
@@ -68,6 +70,11 @@ absl::Status WithPath(const absl::Status& status) {
   const absl::optional<absl::Cord> path = status.GetPayload(kPathPayload);
   if (!path) return status;
   return absl::Status(status.code(), absl::StrCat(std::string(*path), ": ", status.message()));
+}
+
+absl::Status AboutFile(absl::Status status, const std::filesystem::path& path) {
+  status.SetPayload(kPathPayload, absl::Cord(path.string()));
+  return status;
 }
 
 FileDescriptor::FileDescriptor(FileDescriptor&& other) noexcept
@@ -92,7 +99,7 @@ absl::StatusOr<FileDescriptor> OpenToRead(const std::filesystem::path& path) {
   struct stat properties {};
   if (!file.ok()) return file;
   if (fstat(file->get(), &properties) != 0) return ErrorOf(errno, "stat", path);
-  if (!S_ISREG(properties.st_mode)) return absl::DataLossError("not a regular file");
+  if (!S_ISREG(properties.st_mode)) return NotRegular(path);
   return file;
 }
 
@@ -131,10 +138,21 @@ absl::Status Truncate(const FileDescriptor& file, std::int64_t size_bytes) {
 
 absl::StatusOr<std::int64_t> FileSize(const std::filesystem::path& path) {
   std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) return 0;
+  const bool is_circle = error == std::errc::too_many_symbolic_link_levels;
+  if (error && !is_circle) return ErrorOf(error.value(), "stat", path);
+  if (!std::filesystem::is_regular_file(status)) return NotRegular(path);
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error == std::errc::no_such_file_or_directory) return 0;
   if (error) return ErrorOf(error.value(), "stat", path);
   return static_cast<std::int64_t>(size);
+}
+
+bool IsThere(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::symlink_status(path, error).type() !=
+         std::filesystem::file_type::not_found;
 }
 
 absl::Status RemoveFile(const std::filesystem::path& path) {

@@ -21,6 +21,9 @@ absl::Status FileError(const std::error_code& error, const std::filesystem::path
 /// The same error with the path in front of its message, if it has one: for logs and operators.
 absl::Status WithPath(const absl::Status& status);
 
+/// An error that is about the file at `path`, which `WithPath` then names.
+absl::Status AboutFile(absl::Status status, const std::filesystem::path& path);
+
 /// A file descriptor that closes itself.
 class FileDescriptor {
  public:
@@ -56,8 +59,11 @@ absl::StatusOr<std::int64_t> FileSize(const FileDescriptor& file);
 /// Cuts the file off at `size_bytes` and goes to its beginning.
 absl::Status Truncate(const FileDescriptor& file, std::int64_t size_bytes);
 
-/// A regular file's size; 0 when there is none.
+/// A regular file's size; 0 when there is none, DataLoss when it is something else.
 absl::StatusOr<std::int64_t> FileSize(const std::filesystem::path& path);
+
+/// Whether there is anything at `path`, if only a link to nothing. True where nobody can tell.
+bool IsThere(const std::filesystem::path& path);
 
 /// Removes a file if it is there.
 absl::Status RemoveFile(const std::filesystem::path& path);

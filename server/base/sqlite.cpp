@@ -2,6 +2,8 @@
 
 #include <sqlite3.h>
 
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "server/base/files.h"
@@ -37,10 +39,13 @@ absl::StatusOr<SqliteDatabase> SqliteDatabase::Open(const std::filesystem::path&
                                                     SqliteAccess access,
                                                     std::chrono::milliseconds busy_timeout) {
   const bool creates = access == SqliteAccess::kCreate;
+  // SQLite would wait for somebody to write to a pipe.
+  const absl::StatusOr<std::int64_t> size = FileSize(path);
+  if (!size.ok()) return size.status();
   if (creates) {
     // SQLite itself would let everyone read it. Its further files take over this one's mode.
     if (absl::Status status = OpenOrCreate(path).status(); !status.ok()) return status;
-  } else if (!std::filesystem::exists(path)) {
+  } else if (!IsThere(path)) {
     return absl::NotFoundError(absl::StrCat(path.string(), ": there is no such file"));
   }
   sqlite3* connection = nullptr;
@@ -55,8 +60,10 @@ absl::StatusOr<SqliteDatabase> SqliteDatabase::Open(const std::filesystem::path&
 }
 
 absl::Status SqliteDatabase::Error(int code, absl::string_view doing) const {
-  return absl::Status(
+  absl::Status status(
       CodeOf(code), absl::StrFormat("database: %s: %s", doing, sqlite3_errmsg(connection_.get())));
+  const char* path = sqlite3_db_filename(connection_.get(), "main");
+  return path == nullptr ? status : AboutFile(std::move(status), path);
 }
 
 absl::Status SqliteDatabase::Run(const char* sql) {

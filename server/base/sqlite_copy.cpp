@@ -62,9 +62,11 @@ absl::Status CopyPages(const std::filesystem::path& from, const std::filesystem:
 }  // namespace
 
 absl::Status CopyDatabase(const std::filesystem::path& from, const std::filesystem::path& to) {
-  if (!std::filesystem::exists(from)) {
+  if (!IsThere(from)) {
     return absl::NotFoundError(absl::StrCat(from.string(), ": there is no such file"));
   }
+  if (const auto size = FileSize(from); !size.ok())
+    return size.status();  // not of a pipe, which has no end
   const std::filesystem::path partial = to.string() + ".partial";
   absl::Status status = RemoveFile(partial);
   if (status.ok()) status = CopyPages(from, partial);

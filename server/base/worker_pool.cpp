@@ -2,7 +2,11 @@
 
 #include <sched.h>
 #include <sys/resource.h>
+#include <time.h>
 
+#include <algorithm>
+#include <deque>
+#include <functional>
 #include <utility>
 
 #include "server/base/within_memory.h"
@@ -66,15 +70,39 @@ void WorkerPool::WakeAll() {
   for (Line& line : lines_) line.wake.notify_all();
 }
 
+WorkerPool::Work WorkerPool::ProcessorTime() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
+WorkerPool::Line& WorkerPool::LineOf(Lane lane) {
+  Line& line = lines_[NumberOf(lane)];
+  return line.threads.empty() ? lines_[NumberOf(Lane::kQuick)] : line;
+}
+
 void WorkerPool::Post(Task task, Lane lane) {
-  Line* line = &lines_[NumberOf(lane)];
-  if (line->threads.empty()) line = &lines_[NumberOf(Lane::kQuick)];
+  Line& line = LineOf(lane);
+  auto counted = [this, &line, task = std::move(task)]() mutable {
+    const Work begin = ProcessorTime();
+    RunAndLetGo(task);
+    const Work cost = ProcessorTime() - begin;
+    const std::lock_guard lock(mutex_);
+    line.others += cost;
+  };
+  Enqueue(std::move(counted), lane, line.others);
+}
+
+void WorkerPool::Enqueue(Task task, Lane lane, Work& had) {
+  Line& line = LineOf(lane);
   {
     const std::lock_guard lock(mutex_);
-    line->tasks.push_back(std::move(task));
+    had = std::max(had, line.served);
+    line.tasks.push_back({had, line.posted_count++, std::move(task)});
+    std::ranges::push_heap(line.tasks, std::greater<>());
     ++unfinished_count_;
   }
-  line->wake.notify_one();
+  line.wake.notify_one();
 }
 
 std::size_t WorkerPool::queued_count(Lane lane) const {
@@ -89,8 +117,10 @@ void WorkerPool::Run(Line& line) {
       return !line.tasks.empty() || (stopping_ && unfinished_count_ == 0);
     });
     if (line.tasks.empty()) return;
-    Task task = std::move(line.tasks.front());
-    line.tasks.pop_front();
+    std::ranges::pop_heap(line.tasks, std::greater<>());
+    line.served = std::max(line.served, line.tasks.back().had);
+    Task task = std::move(line.tasks.back().task);
+    line.tasks.pop_back();
     lock.unlock();
     RunAndLetGo(task);
     lock.lock();
@@ -123,17 +153,21 @@ struct Strand::Queue : std::enable_shared_from_this<Queue> {
   }
 
   void TakeATurn() {
-    pool.Post([self = shared_from_this()] { self->RunOne(); }, lane);
+    pool.Enqueue([self = shared_from_this(), lane = lane] { self->RunOne(lane); }, lane,
+                 had[NumberOf(lane)]);
   }
 
-  void RunOne() {
+  void RunOne(Lane of_this_turn) {
     std::unique_lock lock(mutex);
     do {
       Task task = std::move(tasks.front());
       tasks.pop_front();
       lock.unlock();
+      const WorkerPool::Work begin = WorkerPool::ProcessorTime();
       RunAndLetGo(task);
+      const WorkerPool::Work cost = WorkerPool::ProcessorTime() - begin;
       lock.lock();
+      had[NumberOf(of_this_turn)] += cost;
       scheduled = !tasks.empty();
       // Without memory for its turn in the pool the next one runs here.
     } while (scheduled && !WithinMemory([this] { TakeATurn(); }).ok());
@@ -143,7 +177,8 @@ struct Strand::Queue : std::enable_shared_from_this<Queue> {
   std::mutex mutex;
   std::deque<Task> tasks;
   Lane lane = Lane::kQuick;
-  bool scheduled = false;  ///< RunOne is on the pool; at most one at a time
+  std::array<WorkerPool::Work, 2> had{};  ///< of each lane
+  bool scheduled = false;                 ///< RunOne is on the pool; at most one at a time
 };
 
 Strand::Strand(WorkerPool& pool) : queue_(std::make_shared<Queue>(pool)) {}

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
-#include <deque>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -19,8 +20,11 @@ using Task = absl::AnyInvocable<void()>;
 /// quick ones.
 enum class Lane { kQuick, kLengthy };
 
-/// A fixed number of threads that run tasks, in each lane oldest first. A task that gets no memory
-/// (std::bad_alloc) ends there; what it holds is let go of. Tasks throw nothing else.
+/// A fixed number of threads that run tasks. Whoever has had less of a lane goes first: a strand,
+/// or all tasks together that are posted outside of strands; else the oldest one. This is
+/// start-time fair queueing (Goyal, Vin, Cheng, SIGCOMM 1996): who asks for little is not held up
+/// by those who ask for much, and nobody starves. A task that gets no memory (std::bad_alloc) ends
+/// there; what it holds is let go of. Tasks throw nothing else.
 class WorkerPool {
  public:
   /// `thread_count` >= 1 for quick tasks. Lengthy tasks have `lengthy_thread_count` threads of
@@ -43,13 +47,37 @@ class WorkerPool {
   std::size_t queued_count(Lane lane = Lane::kQuick) const;
 
  private:
+  friend class Strand;
+
+  // Processor time that somebody has had of a line. Who comes back after a pause is not owed for
+  // it: it begins where those are that were served meanwhile.
+  using Work = std::chrono::nanoseconds;
+
+  struct Waiting {
+    Work had{};
+    std::uint64_t number = 0;  // of those with as much, the oldest one goes first
+    Task task;
+
+    bool operator>(const Waiting& other) const {
+      return had != other.had ? had > other.had : number > other.number;
+    }
+  };
+
   // A lane's tasks and threads.
   struct Line {
     std::condition_variable wake;
-    std::deque<Task> tasks;
+    std::vector<Waiting> tasks;  // a heap, the next one in front
     std::vector<std::thread> threads;
+    std::uint64_t posted_count = 0;
+    Work served{};  // what the one had had that was served last
+    Work others{};  // what tasks outside of strands have had
   };
 
+  static Work ProcessorTime();
+
+  // `had` is what whoever posts has had of the lane; it moves on over a pause.
+  void Enqueue(Task task, Lane lane, Work& had);
+  Line& LineOf(Lane lane);
   void Run(Line& line);
   void WakeAll();
 
@@ -60,7 +88,7 @@ class WorkerPool {
 };
 
 /// Tasks that run on a pool one at a time and in the order in which they were posted. Between two
-/// tasks of one strand the pool's other strands get their turn, so none can starve another.
+/// tasks of one strand the pool's other strands get their turn, those first that have had less.
 class Strand {
  public:
   /// `pool` outlives the strand's last task; the strand itself may go earlier.

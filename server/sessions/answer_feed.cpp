@@ -2,20 +2,31 @@
 
 #include <utility>
 
+#include "absl/strings/str_format.h"
 #include "server/base/within_memory.h"
 
 namespace dcloc::server {
 
-void AnswerFeed::Subscribe(const std::shared_ptr<AnswerSubscriber>& subscriber) {
+absl::Status AnswerFeed::Subscribe(const std::shared_ptr<AnswerSubscriber>& subscriber) {
   {
     const std::lock_guard lock(mutex_);
+    ForgetWhoIsGone();
+    if (subscribers_.size() >= kMaxSubscribers) {
+      return absl::ResourceExhaustedError(
+          absl::StrFormat("%d watch the session, which is the limit", kMaxSubscribers));
+    }
     if (!closed_) {
       subscribers_.push_back(subscriber);
       has_subscribers_ = true;
-      return;
+      return absl::OkStatus();
     }
   }
   subscriber->OnEnd();
+  return absl::OkStatus();
+}
+
+void AnswerFeed::ForgetWhoIsGone() {
+  std::erase_if(subscribers_, [](const auto& subscriber) { return subscriber.expired(); });
 }
 
 void AnswerFeed::Publish(const ScanAnswer& answer, const v1::Scan* scan) {
@@ -30,7 +41,7 @@ template <typename Tell>
 void AnswerFeed::TellAll(Tell tell) {
   if (!has_subscribers_) return;
   const std::lock_guard lock(mutex_);
-  std::erase_if(subscribers_, [](const auto& subscriber) { return subscriber.expired(); });
+  ForgetWhoIsGone();
   for (const auto& entry : subscribers_) {
     const auto subscriber = entry.lock();
     // Who gets no memory for an answer misses it; the vehicle does not.

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "dcloc/v1/scan.pb.h"
 #include "server/convert/answer.h"
 #include "server/convert/position_fix.h"
@@ -26,8 +28,12 @@ class AnswerSubscriber {
 /// none.
 class AnswerFeed {
  public:
-  /// `subscriber` gets all later answers, for as long as it lives.
-  void Subscribe(const std::shared_ptr<AnswerSubscriber>& subscriber);
+  /// Watchers of one session at most, as it waits while each of them is told.
+  static constexpr std::size_t kMaxSubscribers = 64;
+
+  /// `subscriber` gets all later answers, for as long as it lives. ResourceExhausted when there are
+  /// too many.
+  absl::Status Subscribe(const std::shared_ptr<AnswerSubscriber>& subscriber);
 
   void Publish(const ScanAnswer& answer, const v1::Scan* scan);
   void Publish(const FixAnswer& answer);
@@ -38,6 +44,7 @@ class AnswerFeed {
  private:
   template <typename Tell>
   void TellAll(Tell tell);
+  void ForgetWhoIsGone();
 
   std::atomic<bool> has_subscribers_ = false;
   std::mutex mutex_;

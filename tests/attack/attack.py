@@ -36,6 +36,7 @@ from attacks import ATTACKS  # noqa: E402
 from case import Case  # noqa: E402
 from download_attacks import DOWNLOAD_ATTACKS  # noqa: E402
 from faults import FAULTS  # noqa: E402
+from heavy_attacks import HEAVY_ATTACKS  # noqa: E402
 from request_attacks import REQUEST_ATTACKS  # noqa: E402
 from router_attacks import ROUTER_ATTACKS  # noqa: E402
 from target import Api, make_stubs  # noqa: E402
@@ -72,7 +73,7 @@ def main():
     parser.add_argument("--router", action="store_true", help="through HAProxy")
     parser.add_argument("--list", action="store_true", help="only print their names")
     arguments = parser.parse_args()
-    direct = ATTACKS + REQUEST_ATTACKS + DOWNLOAD_ATTACKS + FAULTS
+    direct = ATTACKS + REQUEST_ATTACKS + DOWNLOAD_ATTACKS + HEAVY_ATTACKS + FAULTS
     chosen = [attack for attack in (ROUTER_ATTACKS if arguments.router else direct)
               if not arguments.only or attack.__name__ in arguments.only.split(",")]
     if arguments.list:
@@ -86,7 +87,7 @@ def main():
         api = Api(stubs)
         town = make_town(arguments.dcloc, folder)
         print(f"seed {arguments.seed}", flush=True)
-        results = [run(attack, Case(arguments.server, folder, stubs, api, town,
+        results = [run(attack, Case(arguments.dcloc, arguments.server, folder, stubs, api, town,
                                     random.Random(arguments.seed), arguments.seconds))
                    for attack in chosen]
     print(f"{sum(results)} held, {len(results) - sum(results)} failed")

@@ -11,8 +11,8 @@ MAX_MS = 100.0  # of /ready and of vehicles, while an attack runs
 class Case:
     """What an attack needs: where things are, how long it may take, and what it found."""
 
-    def __init__(self, program, folder, stubs, api, town, random, seconds):
-        self.program, self.folder, self.stubs, self.api = program, folder, stubs, api
+    def __init__(self, dcloc, program, folder, stubs, api, town, random, seconds):
+        self.dcloc, self.program, self.folder, self.stubs, self.api = program, folder, stubs, api
         self.town, self.random, self.seconds = town, random, seconds
         self.figures = {}
         self.faults = []

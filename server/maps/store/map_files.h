@@ -54,7 +54,7 @@ class MapFiles {
   /// Files that are set aside.
   virtual absl::StatusOr<int> QuarantinedCount() = 0;
 
-  /// A file's size in bytes; 0 when it is not there.
+  /// A file's size in bytes; 0 when it is not there, DataLoss when something else is in its place.
   virtual absl::StatusOr<std::int64_t> SizeOf(absl::string_view sha256) = 0;
 
   /// The hashes of all files.

@@ -48,8 +48,13 @@ std::filesystem::path MapFolder::PathIn(const std::filesystem::path& folder,
 
 absl::Status MapFolder::Keep(const std::filesystem::path& path, absl::string_view sha256) {
   const std::filesystem::path target = PathOf(sha256);
-  if (absl::Status status = CreateFolders(target.parent_path()); !status.ok()) return status;
-  absl::Status status = copier_.empty() ? MoveFile(path, target) : Copy(path, sha256);
+  absl::Status status = CreateFolders(target.parent_path());
+  // No file can be moved onto a folder that somebody has put there.
+  std::error_code error;
+  const bool is_folder = std::filesystem::is_directory(target, error);
+  if (status.ok() && is_folder) status = Quarantine(sha256);
+  if (!status.ok()) return status;
+  status = copier_.empty() ? MoveFile(path, target) : Copy(path, sha256);
   if (!status.ok()) return status;
   status = SyncFolder(target.parent_path());
   status.Update(SyncFolder(folder_));

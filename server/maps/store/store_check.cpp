@@ -65,8 +65,8 @@ absl::Status FindBroken(Catalogue& catalogue, MapFiles& files, StoreReport* repo
   if (!wanted.ok()) return wanted.status();
   for (const auto& [sha256, size_bytes] : *wanted) {
     const absl::StatusOr<std::int64_t> size = files.SizeOf(sha256);
-    if (!size.ok()) return size.status();
-    if (*size == size_bytes) continue;
+    if (!size.ok() && !absl::IsDataLoss(size.status())) return size.status();
+    if (size.ok() && *size == size_bytes) continue;
     // Another process may have deleted its version meanwhile.
     const absl::StatusOr<bool> needed = catalogue.HasFile(sha256);
     if (!needed.ok()) return needed.status();
@@ -104,8 +104,9 @@ absl::StatusOr<int> SetLooseFilesAside(Catalogue& catalogue, MapFiles& files,
   int count = 0;
   for (const std::string& sha256 : *loose) {
     const absl::StatusOr<std::int64_t> size = files.SizeOf(sha256);
-    if (!size.ok()) return size.status();
-    const absl::StatusOr<bool> done = *size == 0
+    if (!size.ok() && !absl::IsDataLoss(size.status())) return size.status();
+    const bool is_there = !size.ok() || *size > 0;  // if only as something that is no file
+    const absl::StatusOr<bool> done = !is_there
                                           ? RemoveOrphan(catalogue, files, sha256, holder)
                                           : QuarantineOrphan(catalogue, files, sha256, holder);
     if (!done.ok()) {
@@ -114,7 +115,7 @@ absl::StatusOr<int> SetLooseFilesAside(Catalogue& catalogue, MapFiles& files,
                    Quoted(done.status().message()));
       continue;
     }
-    count += *done && *size > 0 ? 1 : 0;
+    count += *done && is_there ? 1 : 0;
   }
   return count;
 }

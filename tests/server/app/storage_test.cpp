@@ -2,9 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,6 +34,41 @@ TEST_F(StorageTest, ACatalogueThatIsNoDatabaseIsAnError) {
   std::filesystem::remove(folder_.path() / "catalogue.sqlite-wal");
   std::ofstream(folder_.path() / "catalogue.sqlite", std::ios::trunc) << std::string(4096, 'x');
   EXPECT_EQ(OpenStorage(folder_.path()).status().code(), absl::StatusCode::kDataLoss);
+}
+
+// A pipe, a folder, or a link in place of a map file: that map is damaged, and no other.
+TEST_F(StorageTest, WhatIsNoFileInPlaceOfAMapIsDamageThatAnUploadMends) {
+  const std::vector<std::byte> bytes = SmallMap();
+  Put(bytes);
+  const std::filesystem::path file = FileOf(bytes);
+  const std::vector<std::function<void()>> things = {
+      [&] { ASSERT_EQ(mkfifo(file.c_str(), 0600), 0); },
+      [&] { std::filesystem::create_directories(file / "inner"); },
+      [&] { std::filesystem::create_symlink(file.filename(), file); },
+      [&] { std::filesystem::create_symlink("/dev/zero", file); }};
+  for (const auto& put : things) {
+    Close();
+    std::filesystem::remove(file);
+    put();
+    Reopen();
+    EXPECT_EQ(store_->Acquire("town", 0).status().code(), absl::StatusCode::kDataLoss);
+    Put(bytes);
+    EXPECT_TRUE(store_->Acquire("town", 0).ok());
+  }
+}
+
+TEST_F(StorageTest, APipeInPlaceOfADatabaseIsRefused) {
+  Close();
+  for (const char* name : {"catalogue.sqlite", "identities.sqlite", "jobs.sqlite"}) {
+    const std::filesystem::path path = folder_.path() / name;
+    const std::filesystem::path kept = folder_.path() / "kept";
+    std::filesystem::rename(path, kept);
+    ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+    const absl::Status status = OpenStorage(folder_.path()).status();
+    EXPECT_THAT(MessageOf(status), AllOf(HasSubstr(name), HasSubstr("not a regular file")));
+    std::filesystem::rename(kept, path);
+  }
+  EXPECT_TRUE(OpenStorage(folder_.path()).ok());
 }
 
 class CatalogueLostTest : public StoreFixture {

@@ -65,6 +65,28 @@ TEST_F(StoreBackupTest, ASecondOneCopiesWhatIsNewAndForgetsWhatIsGone) {
   EXPECT_TRUE(std::filesystem::exists(InBackup(third)));
 }
 
+TEST_F(StoreBackupTest, DoesNotReplaceAnotherServersStore) {
+  const std::filesystem::path other = elsewhere_.path() / "other";
+  ASSERT_TRUE(OpenStorage(other).ok());
+  EXPECT_TRUE(absl::IsFailedPrecondition(BackUpStore(folder_.path(), other, GoOn).status()));
+  EXPECT_TRUE(OpenStorage(other)->maps->Acquire("town", 0).status().code() ==
+              absl::StatusCode::kNotFound);
+}
+
+TEST_F(StoreBackupTest, StoreAndBackupAreTwoFolders) {
+  Close();
+  const std::filesystem::path link = elsewhere_.path() / "link";
+  std::filesystem::create_symlink(folder_.path(), link);
+  EXPECT_TRUE(absl::IsInvalidArgument(BackUpStore(folder_.path(), link, GoOn).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(RestoreStore(link, folder_.path(), GoOn).status()));
+  EXPECT_TRUE(OpenStorage(folder_.path()).ok());
+}
+
+TEST_F(StoreBackupTest, OfAFolderThatIsNoStoreMakesNothing) {
+  EXPECT_TRUE(absl::IsNotFound(BackUpStore(elsewhere_.path(), backup_, GoOn).status()));
+  EXPECT_FALSE(std::filesystem::exists(backup_));
+}
+
 TEST_F(StoreBackupTest, StoppedItLeavesTheOldBackupAsItWas) {
   ASSERT_TRUE(BackUpStore(folder_.path(), backup_, GoOn).ok());
   Put(SmallMap("third"));

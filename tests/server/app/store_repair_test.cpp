@@ -1,5 +1,6 @@
 #include "server/app/store_repair.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -7,11 +8,17 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "server/base/sqlite.h"
+#include "tests/server/fixtures/message_of.h"
 #include "tests/server/maps/store/map_store_fixture.h"
 
 namespace dcloc::server {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 class StoreRepairTest : public StoreFixture {
  protected:
@@ -72,6 +79,28 @@ TEST_F(StoreRepairTest, KeepsACatalogueThatIsNoDatabaseBesideTheNewOne) {
   ASSERT_TRUE(report.ok()) << report.status();
   EXPECT_TRUE(report->catalogue_replaced);
   EXPECT_EQ(AsideCount(), 1);
+}
+
+TEST_F(StoreRepairTest, KeepsBuildsAndPassesThatAreNoDatabaseAside) {
+  for (const char* name : {"jobs.sqlite", "passes.sqlite"}) {
+    std::filesystem::remove(folder_.path() / absl::StrCat(name, "-wal"));
+    std::ofstream(folder_.path() / name, std::ios::trunc) << std::string(4096, 'x');
+  }
+  EXPECT_THAT(MessageOf(OpenStorage(folder_.path()).status()),
+              AllOf(HasSubstr("jobs.sqlite"), HasSubstr("store repair")));
+  const absl::StatusOr<RepairReport> report = Repair();
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_THAT(report->set_aside, ElementsAre("jobs.sqlite", "passes.sqlite"));
+  EXPECT_FALSE(report->catalogue_replaced);
+  Reopen();
+  EXPECT_TRUE(store_->Acquire("town", 0).ok());
+}
+
+TEST_F(StoreRepairTest, LeavesAFolderThatIsNoStoreAsItIs) {
+  const TemporaryFolder other;
+  EXPECT_TRUE(absl::IsNotFound(
+      RepairStore(other.path(), {}, [](const StoreProgress&) { return true; }).status()));
+  EXPECT_TRUE(std::filesystem::is_empty(other.path()));
 }
 
 TEST_F(StoreRepairTest, LeavesANewerProgramsCatalogueAlone) {

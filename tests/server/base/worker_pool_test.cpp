@@ -4,9 +4,13 @@
 #include <sys/resource.h>
 
 #include <atomic>
+#include <chrono>
+#include <ctime>
 #include <latch>
 #include <memory>
 #include <new>
+#include <optional>
+#include <semaphore>
 #include <string>
 #include <vector>
 
@@ -92,6 +96,110 @@ TEST(StrandTest, ABusyStrandDoesNotStarveAnother) {
   go.count_down();
   done.wait();
   EXPECT_LE(busy_count_at_other, 1);
+}
+
+/// Takes the processor for so long.
+void Compute(std::chrono::microseconds duration) {
+  const auto time = [] {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+  };
+  const auto begin = time();
+  while (time() - begin < duration) {
+  }
+}
+
+/// A pool of one thread, and the names of the tasks that it has run, in order.
+class FairnessTest : public ::testing::Test {
+ protected:
+  static constexpr std::chrono::microseconds kLittle{1000};
+  static constexpr std::chrono::microseconds kMuch{3500};
+
+  Task TaskOf(char name, std::chrono::microseconds duration) {
+    return [this, name, duration] {
+      Compute(duration);
+      order_ += name;
+    };
+  }
+
+  void PostTo(Strand& strand, int count, char name, std::chrono::microseconds duration) {
+    for (int i = 0; i < count; ++i) strand.Post(TaskOf(name, duration));
+  }
+
+  /// A task that holds the thread, so that what is posted meanwhile waits, until `Go`.
+  void PostHold(Strand& strand) {
+    strand.Post([this] {
+      begun_.release();
+      go_.acquire();
+    });
+  }
+  void AwaitHold() { begun_.acquire(); }
+  void Go() { go_.release(); }
+
+  /// What was run when all that is posted has been.
+  std::string Order() {
+    pool_.reset();
+    return order_;
+  }
+
+  std::string order_;
+  std::binary_semaphore begun_{0};
+  std::binary_semaphore go_{0};
+  std::optional<WorkerPool> pool_{std::in_place, 1};
+  std::optional<Strand> holder_{std::in_place, *pool_};
+};
+
+TEST_F(FairnessTest, WhoAsksForLittleIsNotHeldUpByManyWhoAskForMuch) {
+  std::vector<std::unique_ptr<Strand>> busy;
+  PostHold(*holder_);
+  AwaitHold();
+  for (int i = 0; i < 8; ++i) {
+    busy.push_back(std::make_unique<Strand>(*pool_));
+    PostTo(*busy.back(), 2, 'b', kMuch);
+  }
+  PostHold(*holder_);
+  Go();
+  AwaitHold();
+  Strand quiet(*pool_);
+  PostTo(quiet, 1, 'q', kLittle);
+  Go();
+  EXPECT_EQ(Order(), "bbbbbbbbqbbbbbbbb");
+}
+
+TEST_F(FairnessTest, WhoAsksForLessAtATimeIsServedMoreOften) {
+  Strand much(*pool_);
+  PostHold(*holder_);
+  AwaitHold();
+  PostTo(much, 2, 'm', kMuch);
+  PostTo(*holder_, 6, 'l', kLittle);
+  Go();
+  EXPECT_EQ(Order(), "mllllmll");
+}
+
+TEST_F(FairnessTest, APauseGivesNoCredit) {
+  Strand paused(*pool_);
+  PostTo(*holder_, 6, 'w', kMuch);
+  PostHold(*holder_);
+  AwaitHold();
+  PostTo(paused, 3, 'p', kMuch);
+  PostTo(*holder_, 1, 'w', kMuch);
+  Go();
+  EXPECT_EQ(Order(), "wwwwwwpwpp");
+}
+
+TEST_F(FairnessTest, TasksOutsideOfStrandsShareATurn) {
+  Strand strand(*pool_);
+  PostHold(*holder_);
+  AwaitHold();
+  for (int i = 0; i < 3; ++i) pool_->Post(TaskOf('o', kMuch));
+  PostHold(*holder_);
+  Go();
+  AwaitHold();
+  pool_->Post(TaskOf('o', kLittle));
+  PostTo(strand, 1, 's', kLittle);
+  Go();
+  EXPECT_EQ(Order(), "oooso");
 }
 
 TEST(StrandTest, ItsTasksOutliveIt) {

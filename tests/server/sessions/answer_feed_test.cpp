@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace dcloc::server {
 namespace {
@@ -30,9 +31,9 @@ TEST(AnswerFeedTest, AWatcherGetsWhatComesAfterItSubscribed) {
   const auto early = std::make_shared<AnswerLog>();
   const auto late = std::make_shared<AnswerLog>();
   feed.Publish(Answer(1), nullptr);
-  feed.Subscribe(early);
+  ASSERT_TRUE(feed.Subscribe(early).ok());
   feed.Publish(Answer(2), nullptr);
-  feed.Subscribe(late);
+  ASSERT_TRUE(feed.Subscribe(late).ok());
   feed.Publish(FixAnswer());
   feed.Publish(Answer(3), nullptr);
   feed.Close();
@@ -44,18 +45,33 @@ TEST(AnswerFeedTest, WhoIsGoneIsLeftOut) {
   AnswerFeed feed;
   auto gone = std::make_shared<AnswerLog>();
   const auto stays = std::make_shared<AnswerLog>();
-  feed.Subscribe(gone);
-  feed.Subscribe(stays);
+  ASSERT_TRUE(feed.Subscribe(gone).ok());
+  ASSERT_TRUE(feed.Subscribe(stays).ok());
   gone.reset();
   feed.Publish(Answer(1), nullptr);
   EXPECT_EQ(stays->text, "1");
+}
+
+TEST(AnswerFeedTest, OneTooManyIsRefusedUntilAnotherHasGone) {
+  AnswerFeed feed;
+  std::vector<std::shared_ptr<AnswerLog>> watchers;
+  for (std::size_t i = 0; i < AnswerFeed::kMaxSubscribers; ++i) {
+    watchers.push_back(std::make_shared<AnswerLog>());
+    ASSERT_TRUE(feed.Subscribe(watchers.back()).ok());
+  }
+  const auto late = std::make_shared<AnswerLog>();
+  EXPECT_TRUE(absl::IsResourceExhausted(feed.Subscribe(late)));
+  watchers.pop_back();
+  EXPECT_TRUE(feed.Subscribe(late).ok());
+  feed.Publish(Answer(1), nullptr);
+  EXPECT_EQ(late->text, "1");
 }
 
 TEST(AnswerFeedTest, AnEndedSessionSaysSoAndNothingElse) {
   AnswerFeed feed;
   feed.Close();
   const auto watcher = std::make_shared<AnswerLog>();
-  feed.Subscribe(watcher);
+  ASSERT_TRUE(feed.Subscribe(watcher).ok());
   feed.Publish(Answer(1), nullptr);
   feed.Close();
   EXPECT_EQ(watcher->text, ".");

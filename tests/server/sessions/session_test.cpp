@@ -150,7 +150,7 @@ TEST_F(SessionTest, ADroppedScanIsAnsweredAndCounted) {
 TEST_F(SessionTest, WatchersSeeNewAnswersAloneAndTheEnd) {
   auto session = MakeSession();
   const auto watcher = std::make_shared<Watcher>();
-  session->info()->feed.Subscribe(watcher);
+  ASSERT_TRUE(session->info()->feed.Subscribe(watcher).ok());
   Answer(*session, ScanMessage(1));
   Answer(*session, ScanMessage(1));
   AnswerDropped(*session, 2);
@@ -241,7 +241,7 @@ TEST_F(SessionTest, WatchersAndRecordersGetFixesInTheirPlace) {
   const auto session = MakeSession();
   const auto watcher = std::make_shared<Watcher>();
   const auto recorder = std::make_shared<Recorder>();
-  session->info()->feed.Subscribe(watcher);
+  ASSERT_TRUE(session->info()->feed.Subscribe(watcher).ok());
   session->Record(recorder, OpenMessage());
   Answer(*session, ScanMessage(1, 20));
   TakeFix(*session, FixMessage(2));
