@@ -2,7 +2,6 @@
 
 #include <sched.h>
 #include <sys/resource.h>
-#include <time.h>
 
 #include <algorithm>
 #include <deque>
@@ -70,12 +69,6 @@ void WorkerPool::WakeAll() {
   for (Line& line : lines_) line.wake.notify_all();
 }
 
-WorkerPool::Work WorkerPool::ProcessorTime() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
-}
-
 WorkerPool::Line& WorkerPool::LineOf(Lane lane) {
   Line& line = lines_[NumberOf(lane)];
   return line.threads.empty() ? lines_[NumberOf(Lane::kQuick)] : line;
@@ -84,20 +77,20 @@ WorkerPool::Line& WorkerPool::LineOf(Lane lane) {
 void WorkerPool::Post(Task task, Lane lane) {
   Line& line = LineOf(lane);
   auto counted = [this, &line, task = std::move(task)]() mutable {
-    const Work begin = ProcessorTime();
+    const Clock::time_point begin = Clock::now();
     RunAndLetGo(task);
-    const Work cost = ProcessorTime() - begin;
+    const Served cost = Clock::now() - begin;
     const std::lock_guard lock(mutex_);
     line.others += cost;
   };
   Enqueue(std::move(counted), lane, line.others);
 }
 
-void WorkerPool::Enqueue(Task task, Lane lane, Work& had) {
+void WorkerPool::Enqueue(Task task, Lane lane, Served& had) {
   Line& line = LineOf(lane);
   {
     const std::lock_guard lock(mutex_);
-    had = std::max(had, line.served);
+    had = std::max(had, line.newest);
     line.tasks.push_back({had, line.posted_count++, std::move(task)});
     std::ranges::push_heap(line.tasks, std::greater<>());
     ++unfinished_count_;
@@ -118,7 +111,7 @@ void WorkerPool::Run(Line& line) {
     });
     if (line.tasks.empty()) return;
     std::ranges::pop_heap(line.tasks, std::greater<>());
-    line.served = std::max(line.served, line.tasks.back().had);
+    line.newest = std::max(line.newest, line.tasks.back().had);
     Task task = std::move(line.tasks.back().task);
     line.tasks.pop_back();
     lock.unlock();
@@ -163,9 +156,9 @@ struct Strand::Queue : std::enable_shared_from_this<Queue> {
       Task task = std::move(tasks.front());
       tasks.pop_front();
       lock.unlock();
-      const WorkerPool::Work begin = WorkerPool::ProcessorTime();
+      const WorkerPool::Clock::time_point begin = WorkerPool::Clock::now();
       RunAndLetGo(task);
-      const WorkerPool::Work cost = WorkerPool::ProcessorTime() - begin;
+      const WorkerPool::Served cost = WorkerPool::Clock::now() - begin;
       lock.lock();
       had[NumberOf(of_this_turn)] += cost;
       scheduled = !tasks.empty();
@@ -177,7 +170,7 @@ struct Strand::Queue : std::enable_shared_from_this<Queue> {
   std::mutex mutex;
   std::deque<Task> tasks;
   Lane lane = Lane::kQuick;
-  std::array<WorkerPool::Work, 2> had{};  ///< of each lane
+  std::array<WorkerPool::Served, 2> had{};  ///< of each lane
   bool scheduled = false;                 ///< RunOne is on the pool; at most one at a time
 };
 

@@ -49,12 +49,14 @@ class WorkerPool {
  private:
   friend class Strand;
 
-  // Processor time that somebody has had of a line. Who comes back after a pause is not owed for
-  // it: it begins where those are that were served meanwhile.
-  using Work = std::chrono::nanoseconds;
+  using Clock = std::chrono::steady_clock;
+
+  // How long somebody has had threads of a line. Who comes back after a pause is not owed for it: it
+  // begins where those are that were served meanwhile.
+  using Served = std::chrono::nanoseconds;
 
   struct Waiting {
-    Work had{};
+    Served had{};
     std::uint64_t number = 0;  // of those with as much, the oldest one goes first
     Task task;
 
@@ -69,14 +71,12 @@ class WorkerPool {
     std::vector<Waiting> tasks;  // a heap, the next one in front
     std::vector<std::thread> threads;
     std::uint64_t posted_count = 0;
-    Work served{};  // what the one had had that was served last
-    Work others{};  // what tasks outside of strands have had
+    Served newest{};  // what the one had had that was served last
+    Served others{};  // what tasks outside of strands have had
   };
 
-  static Work ProcessorTime();
-
   // `had` is what whoever posts has had of the lane; it moves on over a pause.
-  void Enqueue(Task task, Lane lane, Work& had);
+  void Enqueue(Task task, Lane lane, Served& had);
   Line& LineOf(Lane lane);
   void Run(Line& line);
   void WakeAll();

@@ -12,7 +12,8 @@ class Case:
     """What an attack needs: where things are, how long it may take, and what it found."""
 
     def __init__(self, dcloc, program, folder, stubs, api, town, random, seconds):
-        self.dcloc, self.program, self.folder, self.stubs, self.api = program, folder, stubs, api
+        self.dcloc, self.program, self.folder = dcloc, program, folder
+        self.stubs, self.api = stubs, api
         self.town, self.random, self.seconds = town, random, seconds
         self.figures = {}
         self.faults = []

@@ -136,7 +136,7 @@ def heavy_scans(case):
         subprocess.run([case.dcloc, *arguments], check=True, stdout=subprocess.DEVNULL)
     case.town = town
     drive = Drive(drives, "live-0", case.random)
-    scans = [drive.scan(case.api.localization_service, i).SerializeToString() for i in range(200)]
+    scans = [drive.scan(case.api.localization_service, i).SerializeToString() for i in range(100)]
     stop = threading.Event()
     with case.with_town(stub=False) as target:
         heavy = [HeavyVehicle(
