@@ -65,7 +65,7 @@ absl::Status CheckCatalogueIsThere(const std::filesystem::path& path, MapFiles& 
 
 /// What an operator can do about a store that cannot be opened.
 absl::Status WithAdvice(const absl::Status& status, const std::filesystem::path& folder) {
-  const absl::Status told = WithPath(status);
+  absl::Status told = WithPath(status);
   if (!absl::IsFailedPrecondition(status) && !absl::IsDataLoss(status)) return told;
   return absl::Status(
       status.code(),

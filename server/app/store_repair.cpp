@@ -70,7 +70,7 @@ absl::Status PlaceUnaccounted(Catalogue& catalogue, MapFiles& files, const Repai
 
 /// Builds that wait and passes that were kept: without them a server starts, and nobody is let in.
 absl::Status SetAsideIfDamaged(const std::filesystem::path& database, RepairReport* report) {
-  const absl::Status status = CheckDatabase(database);
+  absl::Status status = CheckDatabase(database);
   if (status.ok() || absl::IsNotFound(status)) return absl::OkStatus();
   if (!absl::IsDataLoss(status)) return status;
   report->set_aside.push_back(database.filename().string());

@@ -97,6 +97,7 @@ void LocalizeStream::OnReadDone(bool ok) {
   // The slot is the read's alone until it is done.
   absl::Status taken;
   if (ok) {
+    incoming_bytes_ = incoming_.Length();
     taken = ParseMessage(&incoming_, &ring_.to_read().request);
   }
   bool is_first = false;
@@ -115,7 +116,7 @@ void LocalizeStream::OnReadDone(bool ok) {
 void LocalizeStream::TakeRead(bool ok) {
   const StreamAction action = Take(EventOfRead(ok));
   if (action == StreamAction::kOpenSession) {
-    ring_.OnRead();
+    ring_.OnRead(incoming_bytes_);
     // Nothing else is read until this is answered, so no order is lost by leaving the strand.
     host_.storage.pool.Post([self = shared_from_this()] { self->Open(); });
     task_under_way_ = Task::kOpening;
@@ -166,7 +167,7 @@ StreamEvent LocalizeStream::EventOfRead(bool ok) {
 }
 
 void LocalizeStream::QueueScan() {
-  ring_.OnRead();
+  ring_.OnRead(incoming_bytes_);
   session_->strand().Post([self = shared_from_this()] { self->AnswerNext(); });
   Slot& slot = ring_.newest_read();
   if (slot.request.has_scan() && session_->MayCatchUp(slot.request.scan().sequence_number())) {

@@ -141,6 +141,7 @@ class LocalizeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   PeerWait peer_wait_;   ///< for the first message, then for each answer to be read
   SlotRing ring_;
   grpc::ByteBuffer incoming_;         ///< the transport's while a read is under way
+  std::size_t incoming_bytes_ = 0;    ///< of the newest message
   grpc::ByteBuffer outgoing_;         ///< the transport's while a write is under way
   std::shared_ptr<Session> session_;  ///< none before it is open and after it was let go
   Terms terms_;

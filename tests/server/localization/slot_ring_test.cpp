@@ -7,15 +7,17 @@
 namespace dcloc::server {
 namespace {
 
-void Read(SlotRing& ring, std::int64_t sequence_number) {
+constexpr std::size_t kSmall_bytes = 1000;
+
+void Read(SlotRing& ring, std::int64_t sequence_number, std::size_t size_bytes = kSmall_bytes) {
   *ring.to_read().request.mutable_scan() = ScanMessage(sequence_number);
-  ring.OnRead();
+  ring.OnRead(size_bytes);
 }
 
 /// A ring whose first message, the opening, is written.
 SlotRing OpenRing(int max_pending_count) {
   SlotRing ring(max_pending_count);
-  ring.OnRead();
+  ring.OnRead(kSmall_bytes);
   ring.OnAnswered();
   ring.OnWritten();
   return ring;
@@ -25,7 +27,7 @@ TEST(SlotRingTest, HasRoomForOneMessageBeforeTheFirstAnswer) {
   SlotRing ring(8);
   EXPECT_TRUE(ring.none_read());
   EXPECT_TRUE(ring.has_room());
-  ring.OnRead();
+  ring.OnRead(kSmall_bytes);
   EXPECT_FALSE(ring.has_room());
   EXPECT_FALSE(ring.has_answer_to_write());
   ring.OnAnswered();
@@ -92,7 +94,7 @@ TEST(SlotRingTest, FixesAreNotDroppedAndDropNothing) {
   Read(ring, 1);
   for (int i = 0; i < 10; ++i) {
     *ring.to_read().request.mutable_position_fix() = FixMessage(1);
-    ring.OnRead();
+    ring.OnRead(kSmall_bytes);
     ring.DropOldest(0);
   }
   Read(ring, 2);
@@ -112,6 +114,49 @@ TEST(SlotRingTest, WithoutOneBeingAnsweredTheFirstIsDroppedToo) {
   for (int i = 1; i <= 3; ++i) Read(ring, i);
   ring.DropOldest(0);
   EXPECT_EQ(ring.to_answer().handling, Handling::kDrop);
+}
+
+TEST(SlotRingTest, LargeMessagesFillItSooner) {
+  SlotRing ring = OpenRing(8);
+  Read(ring, 1, SlotRing::kMaxWaitingBytes - 1);
+  EXPECT_TRUE(ring.has_room());
+  Read(ring, 2, SlotRing::kMaxWaitingBytes - 1);
+  EXPECT_FALSE(ring.has_room());
+  ring.OnAnswered();
+  EXPECT_FALSE(ring.has_room());
+  ring.OnWritten();
+  EXPECT_TRUE(ring.has_room());
+}
+
+TEST(SlotRingTest, OfLargeMessagesFewerWaitBeforeTheOldestIsDropped) {
+  SlotRing ring(8);
+  ring.OnRead(kSmall_bytes);
+  ring.Lengthen();
+  ring.OnAnswered();
+  ring.OnWritten();
+  constexpr std::size_t kThird_bytes = SlotRing::kMaxWaitingBytes / 3;
+  for (int i = 1; i <= 3; ++i) Read(ring, i, kThird_bytes);
+  ring.DropOldest(0);
+  EXPECT_EQ(ring.to_answer().handling, Handling::kAnswer);
+  Read(ring, 4, kThird_bytes);
+  EXPECT_TRUE(ring.has_room());
+  ring.DropOldest(0);
+  EXPECT_EQ(ring.to_answer().handling, Handling::kDrop);
+  Read(ring, 5, 2 * SlotRing::kMaxWaitingBytes);
+  ring.DropOldest(0);
+  EXPECT_EQ(ring.newest_read().handling, Handling::kAnswer) << "the newest one is never dropped";
+}
+
+TEST(SlotRingTest, MemoryOfLargeMessagesIsNotKept) {
+  SlotRing ring = OpenRing(1);
+  for (const std::size_t size_bytes : {std::size_t{1} << 17, kSmall_bytes}) {
+    Slot& slot = ring.to_read();
+    for (int i = 0; i < 10'000; ++i) slot.request.mutable_scan()->add_range_m(1.0F);
+    ring.OnRead(size_bytes);
+    ring.OnAnswered();
+    ring.OnWritten();
+    EXPECT_EQ(slot.request.SpaceUsedLong() > 40'000, size_bytes == kSmall_bytes);
+  }
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ TEST(EvaluatePaper, LeavesOnlyWholeFilesWhenItIsInterrupted) {
   const TempFolder folder;
   const fs::path out = folder.path() / "paper";
   DclocProcess process("evaluate paper --quick --out " + out.string());
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(6);
   while (RunFiles(out).size() < 2 && !process.HasEnded() &&
          std::chrono::steady_clock::now() < give_up) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
