@@ -171,7 +171,7 @@ struct Strand::Queue : std::enable_shared_from_this<Queue> {
   std::deque<Task> tasks;
   Lane lane = Lane::kQuick;
   std::array<WorkerPool::Served, 2> had{};  ///< of each lane
-  bool scheduled = false;                 ///< RunOne is on the pool; at most one at a time
+  bool scheduled = false;                   ///< RunOne is on the pool; at most one at a time
 };
 
 Strand::Strand(WorkerPool& pool) : queue_(std::make_shared<Queue>(pool)) {}

@@ -51,8 +51,8 @@ class WorkerPool {
 
   using Clock = std::chrono::steady_clock;
 
-  // How long somebody has had threads of a line. Who comes back after a pause is not owed for it: it
-  // begins where those are that were served meanwhile.
+  // How long somebody has had threads of a line. Who comes back after a pause is not owed for it:
+  // it begins where those are that were served meanwhile.
   using Served = std::chrono::nanoseconds;
 
   struct Waiting {
