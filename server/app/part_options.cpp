@@ -17,8 +17,6 @@ int WorkerCount(const ServerConfig& config) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-int SearcherCount(const ServerConfig& config) { return std::max(1, WorkerCount(config) / 4); }
-
 SessionTimeouts SessionTimeoutsOf(const ServerConfig& config) {
   return {.detached_timeout = std::chrono::milliseconds(config.session_detached_timeout_ms),
           .idle_timeout = std::chrono::milliseconds(config.session_idle_timeout_ms)};

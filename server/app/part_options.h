@@ -13,12 +13,8 @@
 /// What the parts of a server are made with, out of its settings.
 namespace dcloc::server {
 
-/// Threads that localize scans.
+/// Threads that localize scans; as many more do so for whom it takes long.
 int WorkerCount(const ServerConfig& config);
-
-/// Threads for searches of whole maps: enough for a fleet that starts at once, and no more than get
-/// some of the processor.
-int SearcherCount(const ServerConfig& config);
 
 SessionTimeouts SessionTimeoutsOf(const ServerConfig& config);
 

@@ -83,7 +83,7 @@ Server::Parts::Parts(const ServerConfig& server_config, RegistrationMethods regi
       replicas({.directory = opened_storage.replicas.get(), .access = access, .pool = storage_pool},
                ReplicaTlsOf(config),
                {.answer = std::chrono::milliseconds(config.replica_timeout_ms)}),
-      localization_pool(WorkerCount(config), SearcherCount(config)),
+      localization_pool(WorkerCount(config), WorkerCount(config)),
       localization({.storage = rpc_context,
                     .registry = registry,
                     .sessions = {.store = store,

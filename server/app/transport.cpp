@@ -14,6 +14,8 @@ namespace dcloc::server {
 namespace {
 
 constexpr int kMaxMetadata_bytes = 16 << 10;
+/// What a stream may send before it is read: the uploads' bytes in one round trip.
+constexpr int kUnreadOfStream_bytes = 256 << 10;
 /// A vehicle that is gone is noticed within their sum; clients may ping as often as the minimum.
 constexpr int kKeepaliveTime_ms = 30'000;
 constexpr int kKeepaliveTimeout_ms = 10'000;
@@ -32,6 +34,9 @@ void SetLimits(const ServerConfig& config, grpc::ServerBuilder& builder) {
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
   builder.SetResourceQuota(grpc::ResourceQuota("dcloc").SetMaxThreads(kMaxReflectionThreads));
+  // gRPC would take some 20 MiB of each stream in advance, where much is sent.
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kUnreadOfStream_bytes);
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMaxMetadata_bytes);
   // All sessions may come over one connection, and some other calls beside them.
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,

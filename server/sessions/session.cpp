@@ -1,5 +1,6 @@
 #include "server/sessions/session.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/base/status.h"
@@ -10,6 +11,11 @@
 
 namespace dcloc::server {
 namespace {
+
+/// Each target takes a third of a microsecond, so these take one to two milliseconds.
+constexpr double kQuickTargetCount = 4000.0;
+/// A scan: half of it is forgotten after 35. Who sends a large scan now and then is not quick.
+constexpr double kUsualTargetDecay = 0.98;
 
 void SetStages(const StageTimer& timer, ScanTimings* timings) {
   timings->compensation = timer.duration(Stage::kCompensation);
@@ -92,6 +98,8 @@ Session::Session(const SessionContext& context, SessionStart start,
     last_resets_ = start.ticket->snapshot.resets;
     ChooseLane();
     LogGoesOn(*info_, start.ticket->session_id);
+  } else {
+    strand_.SetLane(Lane::kLengthy);  // it will search; how large its scans are is not known
   }
   LogOpened(*info_, rig_->radars.size());
 }
@@ -279,6 +287,8 @@ void Session::OnLocalized(const v1::Scan& message, const Localization& localizat
   last_resets_ = localization.resets;
   info_->last_sequence_number = sequence_check_.last_localized();
   info_->last_state = static_cast<int>(localization.state);
+  usual_target_count_ =
+      std::max(static_cast<double>(last_scan_.size()), kUsualTargetDecay * usual_target_count_);
   ChooseLane();
 }
 
@@ -295,14 +305,16 @@ void Session::RememberPose(const Localization& localization) {
                                   .covariance = localization.covariance});
 }
 
-/// A session that has not found its place yet, or has lost it, searches the map. It does so on the
-/// searchers' threads, so that no other session waits for it.
+/// What takes milliseconds is done on the threads of lengthy tasks, so that no other session waits
+/// for it: the search of a session that has not found its place yet, or has lost it, and large
+/// scans.
 void Session::ChooseLane() {
   const int state = info_->last_state;
   const bool claims_none = state == static_cast<int>(LocalizationState::kInitializing) ||
                            state == static_cast<int>(LocalizationState::kLost);
   const bool searches = claims_none || !localizer_->has_pose();
-  strand_.SetLane(searches ? Lane::kLengthy : Lane::kQuick);
+  const bool is_quick = !searches && usual_target_count_ <= kQuickTargetCount;
+  strand_.SetLane(is_quick ? Lane::kQuick : Lane::kLengthy);
 }
 
 void Session::Count(const ScanAnswer& answer) {

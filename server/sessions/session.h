@@ -170,6 +170,7 @@ class Session {
   Clock::time_point localized_time_;  ///< of the newest scan; what follows is encoding
   Scan scan_;                         ///< kept for its columns' memory
   Scan last_scan_;                    ///< the last one localized
+  double usual_target_count_ = 0.0;   ///< of the largest of the last scans; falls slowly
 };
 
 }  // namespace dcloc::server

@@ -99,17 +99,11 @@ def made_up_tokens(case):
         case.expect(codes == {"UNAUTHENTICATED"}, f"they ended with {codes}")
 
 
-def peak_mib(target):
-    """The most memory that it ever had."""
-    with open(f"/proc/{target.process.pid}/status", encoding="utf-8") as status:
-        return int(re.search(r"^VmHWM:\s+(\d+)", status.read(), re.MULTILINE).group(1)) / 1024
-
-
 def packed_messages(case):
     """Messages of 400 kB that unpack to 400 MiB, of peers without a token and with one."""
     large = bytes(400 << 20)
     with case.with_town() as target, target.channel(("grpc.max_send_message_length", -1)) as channel:
-        before, codes = peak_mib(target), set()
+        before, codes = target.peak_mib(), set()
         with case.meanwhile(target):
             for kind in (grpc.Compression.Gzip, grpc.Compression.Deflate):
                 for method, metadata in (("/grpc.health.v1.Health/Check", []),
@@ -118,7 +112,7 @@ def packed_messages(case):
                     call = channel.stream_stream(method)
                     codes.add(code_of(lambda: list(call(  # pylint: disable=cell-var-from-loop
                         iter([large]), metadata=metadata, compression=kind, timeout=20)))[0])
-        case.figures["MiB more"] = round(peak_mib(target) - before)
+        case.figures["MiB more"] = round(target.peak_mib() - before)
         case.expect(case.figures["MiB more"] <= 40, f"it took {case.figures['MiB more']} MiB")
         case.expect(codes == {"UNIMPLEMENTED"}, f"they ended with {codes}")
 

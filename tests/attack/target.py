@@ -102,6 +102,11 @@ class Target:
         return self.process.poll() is None and (
             self.router is None or self.router.process.poll() is None)
 
+    def peak_mib(self):
+        """The most memory that it ever had."""
+        status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text(encoding="utf-8")
+        return int(re.search(r"^VmHWM:\s+(\d+)", status, re.MULTILINE).group(1)) / 1024
+
     def log_text(self):
         return (self.folder / "log").read_text(encoding="utf-8", errors="replace")
 

@@ -12,13 +12,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(PartOptionsTest, SearchesGetAQuarterOfTheWorkersAndAtLeastOne) {
+TEST(PartOptionsTest, ThereAreAsManyWorkersAsAreAskedForOrAsCores) {
   ServerConfig config;
   config.worker_count = 2;
   EXPECT_EQ(WorkerCount(config), 2);
-  EXPECT_EQ(SearcherCount(config), 1);
-  config.worker_count = 16;
-  EXPECT_EQ(SearcherCount(config), 4);
   config.worker_count = 0;  // as many as the machine has cores
   EXPECT_GE(WorkerCount(config), 1);
 }
