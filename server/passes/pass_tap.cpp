@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/radar/stamp.h"
+#include "core/update/beyond_map.h"
 #include "server/base/framed_file.h"
 #include "server/base/within_memory.h"
 #include "server/passes/pass_file.h"
@@ -34,7 +35,7 @@ void PassTap::OnLocalized(const v1::Scan& scan, const LocalizedScan& answer) {
 
 void PassTap::Consider(const v1::Scan& scan, const LocalizedScan& answer) {
   if (pass_ != nullptr && answer.map_version != new_pass_.map_version) EndPass();
-  if (WorthOf(scan, answer) != ScanWorth::kGood) {
+  if (!IsWanted(scan, answer)) {
     ++writer_.counts().unworthy_scans;
     return;
   }
@@ -43,6 +44,21 @@ void PassTap::Consider(const v1::Scan& scan, const LocalizedScan& answer) {
   if (pass_ == nullptr) BeginPass(answer.map_version);
   Take(scan, answer);
   if (chunk_.bytes.size() >= kChunk_bytes && !HandOver()) EndPass();
+}
+
+/// A scan that counts; or one of a pass whose vehicle goes on beyond the map, as far as an update
+/// follows it there.
+bool PassTap::IsWanted(const v1::Scan& scan, const LocalizedScan& answer) {
+  const ScanWorth worth = WorthOf(scan, answer);
+  const Eigen::Vector3d& p_map_m = answer.localization.T_map_vehicle.translation_m;
+  if (worth == ScanWorth::kGood) {
+    good_stamp_ns_ = scan.stamp_ns();
+    good_p_map_m_ = p_map_m;
+    return true;
+  }
+  return pass_ != nullptr && worth != ScanWorth::kUnsound &&
+         std::chrono::nanoseconds(scan.stamp_ns() - good_stamp_ns_) <= kMaxBeyond &&
+         (p_map_m - good_p_map_m_).norm() <= BeyondMapOptions().max_way_m;
 }
 
 /// A stub knows nothing of its radars' health, and so none of its scans counts.

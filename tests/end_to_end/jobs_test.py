@@ -155,6 +155,39 @@ class JobsTest(unittest.TestCase):
             server.stop()
         self.assertEqual(self.files("passes"), [])
 
+    def let_four_vehicles_drive(self, server, data):
+        """Until a pass of each is kept."""
+        for number in range(4):
+            PROGRAMS.succeed("localize", "--server", server.address, "--map", "town", *data,
+                             "--drive", f"live-{number}", "--vehicle", f"car-{number}",
+                             "--rate", "max", "--out", self.folder / "answers.csv")
+        passes = lambda: self.json(server, "passes", "--map", "town")
+        self.wait_for("a pass of each is kept",
+                      lambda: len({row["vehicle"] for row in passes()}) == 4)
+
+    def test_new_streets_join_by_kept_passes(self):
+        longer = self.folder / "longer"
+        PROGRAMS.succeed("simulate", "--out", longer, "--length-m", 500, "--vehicles", 4, "--seed", 77,
+                         "--live-speed-kmh", "50,40,60,45")
+        data = ["--dataset", "nuscenes", "--root", longer]
+        whole, part = self.folder / "whole.dclm", self.folder / "part.dclm"
+        PROGRAMS.succeed("map", "build", *data, "--drive", "map", "--out", whole)
+        PROGRAMS.succeed("map", "crop", whole, "--box=-1000,-300,2000,150", "--out", part)
+        street = lambda file: json.loads(PROGRAMS.succeed("map", "inspect", file, "--json"))["length_m"]
+        self.assertGreater(street(whole) - street(part), 200)
+        with self.serve() as server:
+            PROGRAMS.succeed("map", "upload", "--server", server.address, "--map", "town",
+                             "--activate", part)
+            self.consent(server, "--map", "town")
+            self.consent(server, "--identity", "anonymous")
+            self.let_four_vehicles_drive(server, data)
+            PROGRAMS.succeed("map", "remote-update", "--server", server.address, "--map", "town",
+                             "--activate")
+            longer_map = self.folder / "longer.dclm"
+            PROGRAMS.succeed("map", "download", "--server", server.address, "--map", "town",
+                             "--out", longer_map)
+        self.assertGreater(street(longer_map), street(whole) - 40)
+
     def test_an_update_needs_witnesses_and_comes_of_kept_passes(self):
         aged = self.folder / "aged"
         PROGRAMS.succeed("simulate", "--out", aged, "--length-m", 400, "--replaced", 0.1,
@@ -171,13 +204,7 @@ class JobsTest(unittest.TestCase):
             few = PROGRAMS.run(*update)
             self.assertEqual(few.returncode, 1)
             self.assertIn("needs passes of 3 vehicles or days", few.stderr)
-            for number in range(4):
-                PROGRAMS.succeed("localize", "--server", server.address, "--map", "town", *data,
-                                 "--drive", f"live-{number}", "--vehicle", f"car-{number}",
-                                 "--rate", "max", "--out", self.folder / "answers.csv")
-            passes = lambda: self.json(server, "passes", "--map", "town")
-            self.wait_for("a pass of each is kept",
-                          lambda: len({row["vehicle"] for row in passes()}) == 4)
+            self.let_four_vehicles_drive(server, data)
             ended = PROGRAMS.run(*update)
             build = self.build(server)
             self.assertEqual(build["method"], "update")

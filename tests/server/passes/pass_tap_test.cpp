@@ -83,6 +83,40 @@ TEST_F(PassTapTest, WhatIsNotTrackedSoundAndSureDoesNotCount) {
   EXPECT_EQ(passes_.FileCount(), 0U);
 }
 
+TEST_F(PassTapTest, APassGoesOnWhereItsVehicleLeavesTheMap) {
+  const auto lost_at = [](double x_m) {
+    return [x_m](LocalizedScan& answer) {
+      answer.localization.state = LocalizationState::kLost;
+      answer.localization.T_map_vehicle.translation_m.x() = x_m;
+    };
+  };
+  Drive(0, 63);  // 50 of them count
+  Drive(63, 5, [](auto& answer) { answer.localization.quality.inlier_count = 5; });
+  Drive(68, 30, lost_at(100.0));
+  Drive(98, 30, lost_at(501.0));  // further than an update follows
+  Drive(128, 30);                 // again in the map; the second before does not count
+  const auto kept = Kept();
+  ASSERT_EQ(kept.size(), 1U);
+  EXPECT_EQ(kept[0].scan_count, 50 + 5 + 30);
+  EXPECT_EQ(kept[0].last_stamp_ns, ScanMessage(97).stamp_ns());
+}
+
+TEST_F(PassTapTest, AVehicleThatIsLostIsNotFollowedForLong) {
+  Drive(0, 63);
+  Drive(63, 2'000, [](auto& answer) { answer.localization.state = LocalizationState::kLost; });
+  const auto kept = Kept();
+  ASSERT_EQ(kept.size(), 1U);
+  EXPECT_EQ(kept[0].scan_count, 50 + 1'558) << "two minutes";
+}
+
+TEST_F(PassTapTest, WhereARadarIsNotSoundAPassDoesNotGoOn) {
+  Drive(0, 63);
+  Drive(63, 30, [](auto& answer) {
+    answer.localization.health.radars[0] = {.is_used = false, .fault = SourceFault::kFrozen};
+  });
+  EXPECT_EQ(Kept().at(0).scan_count, 50);
+}
+
 TEST_F(PassTapTest, AGapOfMoreThanASecondAndAnotherVersionBeginAnotherPass) {
   Drive(0, 90);
   Drive(95, 80);   // less than a second is missing

@@ -217,6 +217,9 @@ TEST_F(SessionTest, FixesBeyondTheRateOfScansAreNotLookedAt) {
 
 TEST_F(SessionTest, ASearchThatAFixBeginsIsOnTheLaneOfSearches) {
   const auto session = MakeSession();
+  script_.state = LocalizationState::kTracking;
+  Answer(*session, ScanMessage(1));
+  ASSERT_EQ(LaneOf(*session), Lane::kQuick);
   script_.has_pose = false;
   TakeFix(*session, FixMessage(1));
   EXPECT_EQ(LaneOf(*session), Lane::kLengthy);
@@ -224,7 +227,7 @@ TEST_F(SessionTest, ASearchThatAFixBeginsIsOnTheLaneOfSearches) {
 
 TEST_F(SessionTest, WhoHasNotFoundItsPlaceOrLostItIsOnTheLaneOfSearches) {
   const auto session = MakeSession();
-  EXPECT_EQ(LaneOf(*session), Lane::kQuick);
+  EXPECT_EQ(LaneOf(*session), Lane::kLengthy);
   std::int64_t number = 0;
   for (const auto& [state, lane] : {std::pair{LocalizationState::kInitializing, Lane::kLengthy},
                                     std::pair{LocalizationState::kTracking, Lane::kQuick},
@@ -235,6 +238,21 @@ TEST_F(SessionTest, WhoHasNotFoundItsPlaceOrLostItIsOnTheLaneOfSearches) {
     Answer(*session, ScanMessage(++number));
     EXPECT_EQ(LaneOf(*session), lane) << static_cast<int>(state);
   }
+}
+
+TEST_F(SessionTest, WhoSendsLargeScansNowAndThenIsOnThatLaneToo) {
+  const auto session = MakeSession();
+  script_.state = LocalizationState::kTracking;
+  std::int64_t number = 0;
+  const auto lane_after = [&](int target_count) {
+    Answer(*session, ScanMessage(++number, target_count));
+    return LaneOf(*session);
+  };
+  EXPECT_EQ(lane_after(4'000), Lane::kQuick);
+  EXPECT_EQ(lane_after(8'000), Lane::kLengthy);
+  for (int i = 0; i < 30; ++i) EXPECT_EQ(lane_after(100), Lane::kLengthy) << i;
+  for (int i = 0; i < 10; ++i) lane_after(100);
+  EXPECT_EQ(lane_after(100), Lane::kQuick);
 }
 
 TEST_F(SessionTest, WatchersAndRecordersGetFixesInTheirPlace) {
