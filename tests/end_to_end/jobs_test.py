@@ -60,13 +60,16 @@ class JobsTest(unittest.TestCase):
 
     def test_a_survey_is_the_same_map_on_the_server_and_here(self):
         here = self.folder / "here.dclm"
-        PROGRAMS.succeed("map", "survey", *self.data(), "--drive", "map,live-0", "--out", here)
+        surveyed = json.loads(PROGRAMS.succeed("map", "survey", *self.data(), "--drive", "map,live-0",
+                                               "--out", here, "--json"))
         with self.serve() as server:
             made = self.survey(server)
         self.assertTrue(all(drive["is_in_map"] for drive in made["drives"]), made["drives"])
         inspected = json.loads(PROGRAMS.succeed("map", "inspect", here, "--json"))
         self.assertEqual(made["point_count"], inspected["point_count"])
         self.assertEqual(made["keyframe_count"], inspected["keyframe_count"])
+        self.assertEqual(made["radars"], surveyed["radars"])
+        self.assertEqual(len(made["radars"]), 1)
 
     def test_a_killed_server_goes_on_when_it_starts_again(self):
         with self.serve() as server:

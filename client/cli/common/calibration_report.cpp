@@ -23,8 +23,7 @@ constexpr std::array<CalibrationParameter, 4> kDescribed = {
 // * for what is applied, (*) for a part; ? for what is not determined, nor was left alone.
 const char* Mark(const CalibratedParameter& value) {
   if (value.prior_sigma == 0.0) return "";
-  if (value.applied == value.correction) return "*";
-  if (value.applied != 0.0) return "(*)";
+  if (value.applied != 0.0) return value.applied == value.correction ? "*" : "(*)";
   return value.determined() ? "" : "?";
 }
 

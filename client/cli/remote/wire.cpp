@@ -165,6 +165,24 @@ GeodeticAnchor FromProto(const v1::GeodeticAnchor& anchor) {
   return {.origin = PositionOf(anchor.origin()), .x_axis_east_rad = anchor.x_axis_east_rad()};
 }
 
+RadarCalibration FromProto(const v1::SurveyedRadar& radar) {
+  RadarCalibration calibration;
+  calibration.described.id = radar.radar_id();
+  calibration.described.beta_s = radar.described_beta_s();
+  const auto take = [&](CalibrationParameter parameter, const v1::SurveyedValue& value) {
+    calibration.parameters.at(static_cast<std::size_t>(parameter)) = {
+        .correction = value.correction(),
+        .sigma = value.sigma(),
+        .prior_sigma = value.prior_sigma(),
+        .applied = value.applied()};
+  };
+  take(CalibrationParameter::kBeta, radar.beta_s());
+  take(CalibrationParameter::kTimeOffset, radar.time_offset_s());
+  take(CalibrationParameter::kRangeBias, radar.range_bias_m());
+  take(CalibrationParameter::kMountYaw, radar.mount_yaw_rad());
+  return calibration;
+}
+
 v1::GnssFix FixOf(const InitialPose& pose, const GeodeticAnchor& anchor) {
   const Vector6d variances = pose.covariance.diagonal();
   v1::GnssFix message;

@@ -5,11 +5,13 @@
 
 #include "absl/status/statusor.h"
 #include "client/datasets/fix_file.h"
+#include "core/calibration/calibration.h"
 #include "core/geometry/geodetic_anchor.h"
 #include "core/localizer/localizer.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 #include "dcloc/v1/localization_service.pb.h"
+#include "dcloc/v1/map_service.pb.h"
 
 namespace dcloc::cli {
 
@@ -21,6 +23,9 @@ v1::Scan ToProto(const Scan& scan, std::int64_t sequence_number);
 v1::GeodeticAnchor ToProto(const GeodeticAnchor& anchor);
 
 GeodeticAnchor FromProto(const v1::GeodeticAnchor& anchor);
+
+/// Of a described radar, its id and beta alone.
+RadarCalibration FromProto(const v1::SurveyedRadar& radar);
 
 /// A GNSS fix with the position and heading of `pose` and their deviations; roll and pitch are left
 /// out.

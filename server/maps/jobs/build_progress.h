@@ -41,6 +41,11 @@ class BuildProgress {
     *build_.add_drives() = std::move(drive);
   }
 
+  void AddRadar(v1::SurveyedRadar radar) {
+    const std::lock_guard lock(mutex_);
+    *build_.add_radars() = std::move(radar);
+  }
+
   void SetUpdate(v1::MapUpdateResult update) {
     const std::lock_guard lock(mutex_);
     *build_.mutable_update() = std::move(update);

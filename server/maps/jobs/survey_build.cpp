@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "core/mapping/survey_builder.h"
 #include "server/base/status.h"
+#include "server/convert/calibration.h"
 #include "server/convert/scan.h"
 
 namespace dcloc::server {
@@ -112,6 +113,14 @@ void TellDrives(const SurveyBuilder& builder, BuildProgress& progress) {
   }
 }
 
+void TellRadars(const SurveyBuilder& builder, BuildProgress& progress) {
+  for (const RadarCalibration& radar : builder.calibrations()) {
+    v1::SurveyedRadar result;
+    convert::ToProto(radar, &result);
+    progress.AddRadar(std::move(result));
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<std::byte>> BuildBySurvey(const BuildRequest& request,
@@ -125,6 +134,7 @@ absl::StatusOr<std::vector<std::byte>> BuildBySurvey(const BuildRequest& request
   if (status.ok()) status = builder.Calibrate({});
   if (!status.ok()) return status;
   TellDrives(builder, progress);
+  TellRadars(builder, progress);
   absl::StatusOr<std::vector<std::byte>> bytes = builder.Fuse(OptionsOf(request, drives.drives()));
   for (std::size_t i = 0; bytes.ok() && i < drives.drives().size(); ++i) {
     if (builder.survey().drives[i].is_in_map) progress.CountScans(drives.drives()[i].scan_count);

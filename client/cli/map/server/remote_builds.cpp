@@ -5,14 +5,17 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/common/calibration_report.h"
 #include "client/cli/common/stage_line.h"
 #include "client/cli/common/stop_signals.h"
 #include "client/cli/common/terminal.h"
 #include "client/cli/map/server/map_call.h"
 #include "client/cli/remote/answer_text.h"
+#include "client/cli/remote/wire.h"
 
 namespace dcloc::cli {
 namespace {
@@ -29,6 +32,12 @@ ordered_json DriveJson(const v1::MapBuildDriveResult& drive) {
           {"is_in_map", drive.in_map()},
           {"reason", drive.reason()},
           {"length_m", drive.length_m()}};
+}
+
+std::vector<RadarCalibration> RadarsOf(const v1::MapBuild& build) {
+  std::vector<RadarCalibration> radars;
+  for (const v1::SurveyedRadar& radar : build.radars()) radars.push_back(FromProto(radar));
+  return radars;
 }
 
 void Show(const v1::MapBuild& build, StageLine& line) {
@@ -89,6 +98,14 @@ ordered_json UpdateJson(const v1::MapUpdateResult& update) {
        {{"error_m", update.new_error_m()}, {"tracking_share", update.new_tracking_share()}}}};
 }
 
+void SayWhatWasFoundOfRadars(const v1::MapBuild& build) {
+  if (build.radars_size() == 0) return;
+  std::vector<RadarCalibration> radars = RadarsOf(build);
+  for (RadarCalibration& radar : radars) radar.described.id = Visible(radar.described.id);
+  absl::FPrintF(stderr, "radars against their description, with 95 %% intervals; * is taken\n%s",
+                FormatTable(RadarCalibrationRows(radars)));
+}
+
 void SayWhatHasChanged(const v1::MapBuild& build) {
   if (!build.has_update()) return;
   const v1::MapUpdateResult& update = build.update();
@@ -108,6 +125,7 @@ absl::Status PrintVersion(const v1::MapBuild& build, bool json) {
   }
   ordered_json version = Json(build.version());
   if (build.drives_size() > 0) version["drives"] = BuildJson(build)["drives"];
+  if (build.radars_size() > 0) version["radars"] = RadarCalibrationsJson(RadarsOf(build));
   if (build.has_update()) version["update"] = UpdateJson(build.update());
   absl::PrintF("%s\n", version.dump(2));
   return absl::OkStatus();
@@ -147,6 +165,7 @@ ordered_json BuildJson(const v1::MapBuild& build) {
   for (const v1::MapBuildDriveResult& drive : build.drives()) {
     json["drives"].push_back(DriveJson(drive));
   }
+  if (build.radars_size() > 0) json["radars"] = RadarCalibrationsJson(RadarsOf(build));
   if (build.has_update()) json["update"] = UpdateJson(build.update());
   return json;
 }
@@ -169,6 +188,7 @@ absl::Status FollowBuild(client::MapClient& maps, const v1::MapBuild& started, b
   const absl::StatusOr<v1::MapBuild> build = WaitFor(maps, started, signal_count);
   if (!build.ok()) return build.status();
   SayWhatIsLeftOut(*build);
+  SayWhatWasFoundOfRadars(*build);
   SayWhatHasChanged(*build);
   if (build->state() == v1::MAP_BUILD_STATE_DONE) return PrintVersion(*build, json);
   if (build->state() == v1::MAP_BUILD_STATE_RUNNING) {
