@@ -125,7 +125,8 @@ TEST_F(ShortLivedTest, AnIdleSessionIsEndedAndTold) {
 }
 
 TEST_F(ShortLivedTest, AReaderThatIsStuckIsIdleInTheEndAndCutOff) {
-  TestSession stuck(*server_.localization);
+  const auto stub = v1::LocalizationService::NewStub(ChannelWithFixedWindows(*server_.server));
+  TestSession stuck(*stub);
   Open(stuck, OpenMessage());
   std::thread writer([&] {
     for (int i = 0; stuck.Send(ScanMessage(i, 2000)); ++i) {

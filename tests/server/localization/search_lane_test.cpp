@@ -99,9 +99,9 @@ TEST_F(SearchLaneTest, WhoSearchesForItsPlaceIsOnItAndWhoTracksIsNot) {
     if (!with_prior) open.clear_initial_pose();
     Searched searched;
     DriveThrough(open, drive_.Scans(), searched);
-    // To wake idle threads takes up to a millisecond or so on a busy machine.
     EXPECT_GT(searched.until_tracking_ms, 4.0) << with_prior;
-    EXPECT_LT(searched.tracking_ms, 3.0) << with_prior;
+    // To wake idle threads takes a while on a busy machine, and with sanitizers.
+    EXPECT_LT(searched.tracking_ms, 0.5 * searched.until_tracking_ms) << with_prior;
     RecordProperty(with_prior ? "with_prior_ms" : "without_ms",
                    std::to_string(searched.until_tracking_ms));
   }
