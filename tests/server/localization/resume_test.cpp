@@ -93,6 +93,7 @@ class ShortLivedTest : public SessionFixture {
     ServerConfig config = TestServer::StubConfig();
     config.session_detached_timeout_ms = 100;
     config.session_idle_timeout_ms = 400;
+    config.peer_timeout_ms = 1'000;
     config.max_session_count = 2;
     return config;
   }
