@@ -34,13 +34,15 @@ void PassTap::OnLocalized(const v1::Scan& scan, const LocalizedScan& answer) {
 }
 
 void PassTap::Consider(const v1::Scan& scan, const LocalizedScan& answer) {
-  if (pass_ != nullptr && answer.map_version != new_pass_.map_version) EndPass();
+  const std::chrono::nanoseconds gap(scan.stamp_ns() - last_stamp_ns_);
+  if (pass_ != nullptr && (answer.map_version != new_pass_.map_version || gap > kMaxGap ||
+                           pass_bytes_ > kMaxPass_bytes)) {
+    EndPass();
+  }
   if (!IsWanted(scan, answer)) {
     ++writer_.counts().unworthy_scans;
     return;
   }
-  const std::chrono::nanoseconds gap(scan.stamp_ns() - last_stamp_ns_);
-  if (pass_ != nullptr && (gap > kMaxGap || pass_bytes_ > kMaxPass_bytes)) EndPass();
   if (pass_ == nullptr) BeginPass(answer.map_version);
   Take(scan, answer);
   if (chunk_.bytes.size() >= kChunk_bytes && !HandOver()) EndPass();

@@ -114,7 +114,10 @@ TEST_F(PassTapTest, WhereARadarIsNotSoundAPassDoesNotGoOn) {
   Drive(63, 30, [](auto& answer) {
     answer.localization.health.radars[0] = {.is_used = false, .fault = SourceFault::kFrozen};
   });
-  EXPECT_EQ(Kept().at(0).scan_count, 50);
+  Drive(93, 60, [](auto& answer) { answer.localization.state = LocalizationState::kLost; });
+  const auto kept = Kept();
+  ASSERT_EQ(kept.size(), 1U) << "none begins beyond the map";
+  EXPECT_EQ(kept[0].scan_count, 50);
 }
 
 TEST_F(PassTapTest, AGapOfMoreThanASecondAndAnotherVersionBeginAnotherPass) {
