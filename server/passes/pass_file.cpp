@@ -22,7 +22,7 @@ absl::StatusOr<Rig> PassFile::ReadRig() {
 }
 
 absl::StatusOr<bool> PassFile::Next(Scan* scan) {
-  const absl::StatusOr<bool> there = file_.Next(&entry_);
+  absl::StatusOr<bool> there = file_.Next(&entry_);
   if (!there.ok() || !*there) return there;
   if (absl::Status status = convert::FromProto(entry_.scan(), rig_, scan); !status.ok()) {
     return status;
