@@ -13,9 +13,9 @@ namespace dcloc::server {
 namespace {
 
 /// Each target takes a third of a microsecond, so these take one to two milliseconds.
-constexpr double kQuickTargetCount = 4000.0;
+constexpr float kQuickTargetCount = 4000.0F;
 /// A scan: half of it is forgotten after 35. Who sends a large scan now and then is not quick.
-constexpr double kUsualTargetDecay = 0.98;
+constexpr float kUsualTargetDecay = 0.98F;
 
 void SetStages(const StageTimer& timer, ScanTimings* timings) {
   timings->compensation = timer.duration(Stage::kCompensation);
@@ -288,7 +288,7 @@ void Session::OnLocalized(const v1::Scan& message, const Localization& localizat
   info_->last_sequence_number = sequence_check_.last_localized();
   info_->last_state = static_cast<int>(localization.state);
   usual_target_count_ =
-      std::max(static_cast<double>(last_scan_.size()), kUsualTargetDecay * usual_target_count_);
+      std::max(static_cast<float>(last_scan_.size()), kUsualTargetDecay * usual_target_count_);
   ChooseLane();
 }
 

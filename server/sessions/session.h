@@ -163,6 +163,7 @@ class Session {
   SequenceNumberCheck sequence_check_;
   TicketWriter ticket_writer_;
   const TicketUse ticket_use_;
+  float usual_target_count_ = 0.0F;  ///< of the largest of the last scans; falls slowly
   const std::optional<std::int64_t> answered_until_;
   AnswerHistory history_;
   std::shared_ptr<RecordingSubscriber> recording_;  ///< null while nobody records it
@@ -170,7 +171,6 @@ class Session {
   Clock::time_point localized_time_;  ///< of the newest scan; what follows is encoding
   Scan scan_;                         ///< kept for its columns' memory
   Scan last_scan_;                    ///< the last one localized
-  double usual_target_count_ = 0.0;   ///< of the largest of the last scans; falls slowly
 };
 
 }  // namespace dcloc::server
