@@ -250,7 +250,7 @@ dcloc_status dcloc_config_set_reconnect_ms(dcloc_config* config, int64_t give_up
 
 dcloc_status dcloc_config_forget_answers(dcloc_config* config) {
   return Guard([&] {
-    const absl::Status status = CheckPointers({{"config", config}});
+    absl::Status status = CheckPointers({{"config", config}});
     if (status.ok()) config->session.unread_answers = client::UnreadAnswers::kForgetOldest;
     return status;
   });
@@ -284,7 +284,7 @@ dcloc_status dcloc_session_send_scan(dcloc_session* session, const dcloc_scan* s
 dcloc_status dcloc_session_add_motion(dcloc_session* session, int64_t stamp_ns, double speed_mps,
                                       double yaw_rate_radps) {
   return Guard([&] {
-    const absl::Status status = CheckPointers({{"session", session}});
+    absl::Status status = CheckPointers({{"session", session}});
     if (!status.ok()) return status;
     client::MotionTick tick{.stamp_ns = stamp_ns};
     if (!std::isnan(speed_mps)) tick.speed_mps = speed_mps;
