@@ -240,7 +240,7 @@ void SurveyRecordings() {
 }  // namespace dcloc::benchmarks
 
 int main(int argc, char** argv) {
-  using namespace dcloc::benchmarks;
+  using namespace dcloc::benchmarks;  // NOLINT(google-build-using-namespace)
   const std::string kind = argc > 1 ? argv[1] : "";
   if (kind != "recordings" && argc < 3) {
     std::fprintf(stderr,

@@ -69,7 +69,7 @@ std::vector<FuzzInput> FuzzSeeds() {
 }  // namespace dcloc
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace dcloc;
+  using namespace dcloc;  // NOLINT(google-build-using-namespace)
   if (size == 0) return 0;
   const FuzzInput bytes(data + 1, data + size);
   const std::string text(bytes.begin(), bytes.end());

@@ -19,7 +19,7 @@ std::vector<FuzzInput> FuzzSeeds() {
 }  // namespace dcloc
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace dcloc;
+  using namespace dcloc;  // NOLINT(google-build-using-namespace)
   v1::OpenSession message;
   if (!message.ParseFromArray(data, static_cast<int>(size))) return 0;
   const auto request = server::convert::FromProto(message);

@@ -51,7 +51,7 @@ std::vector<FuzzInput> FuzzSeeds() {
 }  // namespace dcloc
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace dcloc;
+  using namespace dcloc;  // NOLINT(google-build-using-namespace)
   if (size == 0) return 0;
   const absl::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
   const std::size_t kind = (data[0] + 2U) % 10U;  // '0' is 0

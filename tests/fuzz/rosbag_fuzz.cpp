@@ -73,7 +73,7 @@ std::vector<FuzzInput> FuzzSeeds() {
 }  // namespace dcloc
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace dcloc;
+  using namespace dcloc;  // NOLINT(google-build-using-namespace)
   MemoryFile file;
   const std::filesystem::path& path = file.Write(data, size);
   const auto overview = ReadBagOverview(path);
