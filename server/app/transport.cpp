@@ -14,7 +14,7 @@ namespace dcloc::server {
 namespace {
 
 constexpr int kMaxMetadata_bytes = 16 << 10;
-/// What a stream may send before it is read: the uploads' bytes in one round trip.
+/// What a stream may send before it is read; a message that is awaited comes whole.
 constexpr int kUnreadOfStream_bytes = 256 << 10;
 /// A vehicle that is gone is noticed within their sum; clients may ping as often as the minimum.
 constexpr int kKeepaliveTime_ms = 30'000;

@@ -56,7 +56,9 @@ auto AskPatiently(const Ask& ask, const std::atomic<bool>& stopping) {
 v1::MapBuild ReportOf(const BuildRow& row) {
   v1::MapBuild report;
   report.ParseFromString(row.report);
-  report.clear_drives();  // of an attempt that did not end
+  // Of an attempt that did not end.
+  report.clear_drives();
+  report.clear_radars();
   report.clear_update();
   return report;
 }

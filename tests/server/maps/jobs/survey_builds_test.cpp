@@ -169,6 +169,38 @@ TEST_F(SurveyBuildsTest, AServerThatStopsGoesOnWhenItStartsAgain) {
       [&] { return std::filesystem::is_empty(server.folder.path() / "store" / "builds"); }));
 }
 
+TEST_F(SurveyBuildsTest, WhatAnAttemptSaidThatDidNotEndIsForgotten) {
+  TestServer server;
+  ServerConfig config = TestServer::StubConfig();
+  config.data = server.folder.path() / "store";
+  config.listen = "127.0.0.1:0";
+  const std::string build_id = Start(server, Whole()).build_id();
+  server.server.reset();
+  {
+    const auto queue = *SqliteBuildQueue::Open(server.folder.path() / "store" / "jobs.sqlite");
+    const auto row = *queue->Take("dead:1");
+    ASSERT_TRUE(row.has_value());
+    v1::MapBuild report;
+    ASSERT_TRUE(report.ParseFromString(row->report));
+    report.add_drives()->set_name("of the attempt");
+    report.add_radars()->set_radar_id("of the attempt");
+    report.mutable_update()->set_added_count(1);
+    const BuildLease lease{.build_id = build_id, .holder = "dead:1", .attempt = row->attempt_count};
+    ASSERT_TRUE(queue->Renew(lease, report.SerializeAsString()).ok());
+    ASSERT_TRUE(queue->GiveBack(lease).ok());
+  }
+  server.server = *Server::Start(config);
+  server.maps = v1::MapService::NewStub(
+      grpc::CreateChannel(server.server->address(), grpc::InsecureChannelCredentials()));
+  const v1::MapBuild done = WaitFor(server, build_id);
+  ASSERT_EQ(done.state(), v1::MAP_BUILD_STATE_DONE) << done.error_message();
+  ASSERT_EQ(done.drives_size(), 1);
+  EXPECT_EQ(done.drives(0).name(), "map");
+  ASSERT_EQ(done.radars_size(), 1);
+  EXPECT_EQ(done.radars(0).radar_id(), drive_->mapping.rig.radars[0].id);
+  EXPECT_FALSE(done.has_update());
+}
+
 TEST_F(SurveyBuildsTest, WhatEndsServersIsGivenUp) {
   TestServer server;
   ServerConfig config = TestServer::StubConfig();
