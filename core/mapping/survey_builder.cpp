@@ -1,6 +1,7 @@
 #include "core/mapping/survey_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 #include <utility>
@@ -11,6 +12,10 @@
 
 namespace dcloc {
 namespace {
+
+constexpr double kScaleStep = 0.003;
+constexpr double kMinFoundPart = 0.2;       // of a scale that is missing; less tells nothing
+constexpr double kSignificantSigmas = 2.0;  // of a scale that is corrected
 
 absl::Status Stopped() { return absl::CancelledError("the survey was stopped"); }
 
@@ -134,6 +139,58 @@ absl::StatusOr<bool> SurveyBuilder::CalibrateVehicle(const SurveyVehicle& vehicl
   if (absl::IsFailedPrecondition(found.status())) return false;  // it sees nothing twice
   if (!found.ok()) return found.status();
   return rig_.Learn(*std::move(found));
+}
+
+// The landmarks of a map follow its poses, and returns are assigned to them. So a measurement finds
+// a part of what is missing, and another one at a known scale beside it tells which part.
+absl::Status SurveyBuilder::CorrectScale() {
+  scale_correction_.reset();
+  if (survey_.accepted_fix_count > 0 || rig_.Known().MeasuresElevation()) return absl::OkStatus();
+  const absl::StatusOr<std::optional<ScalarEstimate>> here = MeasureScale();
+  if (!here.ok() || !*here) return here.status();
+  Rescale(1.0 + kScaleStep);
+  const absl::StatusOr<std::optional<ScalarEstimate>> beside = MeasureScale();
+  Rescale(1.0 / (1.0 + kScaleStep));
+  if (!beside.ok() || !*beside) return beside.status();
+  const double found_part = ((*here)->value - (*beside)->value) / kScaleStep;
+  if (found_part < kMinFoundPart) return absl::OkStatus();
+  scale_correction_ = {.value = (*here)->value / found_part,
+                       .variance = (*here)->variance / std::pow(found_part, 2)};
+  const double significant = kSignificantSigmas * std::sqrt(scale_correction_->variance);
+  if (std::abs(scale_correction_->value) < significant) scale_correction_->value = 0.0;
+  Rescale(1.0 + scale_correction_->value);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::optional<ScalarEstimate>> SurveyBuilder::MeasureScale() {
+  absl::StatusOr<std::vector<std::byte>> bytes = Fuse({.name = "scale"});
+  if (absl::IsFailedPrecondition(bytes.status())) return std::nullopt;  // without a landmark
+  if (!bytes.ok()) return bytes.status();
+  const auto map = RadarMap::FromBytes(*std::move(bytes));
+  if (!map.ok()) return map.status();
+  ScaleEstimator estimator(**map, options_.scale);
+  const Rig rig = rig_.Known();
+  for (std::size_t i = 0; i < survey_.drives.size(); ++i) {
+    if (!survey_.drives[i].is_in_map) continue;
+    absl::Status status = ReadPlaced(
+        i, "measuring the scale by",
+        [&](const Scan& scan, const Pose3& T_map_vehicle, const EgoVelocity& velocity) {
+          const RadarModel& radar = *rig.Find(scan.radar_id);
+          estimator.Add(StaticPoints(scan, radar, velocity, options_.tracker.static_points),
+                        scan.stamp, T_map_vehicle, MountAtStamp(radar, velocity));
+          return absl::OkStatus();
+        });
+    if (!status.ok()) return status;
+    estimator.EndDrive();
+  }
+  return estimator.Estimate();
+}
+
+void SurveyBuilder::Rescale(double factor) {
+  for (SurveyedDrive& drive : survey_.drives) {
+    if (!drive.is_in_map) continue;
+    for (Pose2& T_map_node : drive.T_map_nodes) T_map_node.translation_m *= factor;
+  }
 }
 
 absl::StatusOr<std::vector<std::byte>> SurveyBuilder::Fuse(const MapBuilderOptions& options) {

@@ -11,6 +11,7 @@
 #include "core/map/map_builder.h"
 #include "core/mapping/drive_source.h"
 #include "core/mapping/drive_tracker.h"
+#include "core/mapping/scale_estimator.h"
 #include "core/mapping/survey.h"
 #include "core/mapping/survey_rig.h"
 
@@ -23,6 +24,7 @@ struct SurveyBuilderOptions {
   /// Of a vehicle, as many scans at most are what it is calibrated by, evenly among all.
   std::size_t max_calibration_scans = 20'000;
   int calibration_rounds = 3;  ///< at most
+  ScaleEstimatorOptions scale;
 };
 
 /// Makes a map of drives without poses: tracks them, places them, and fuses what they saw. Drives
@@ -56,6 +58,14 @@ class SurveyBuilder {
   /// What was found of each radar, named as in the joined rig; empty before `Calibrate`.
   std::span<const RadarCalibration> calibrations() const { return rig_.calibrations(); }
 
+  /// Moves the poses apart, or together, by what slant ranges say of their scale, where that is
+  /// significant (`ScaleEstimator`). Drives that fixes have placed keep the scale of the fixes, and
+  /// radars that measure elevation know it.
+  absl::Status CorrectScale();
+  /// By which share slant ranges say that the poses lay too near one another, and how uncertain the
+  /// scale is now; nothing where they say nothing.
+  const std::optional<ScalarEstimate>& scale_correction() const { return scale_correction_; }
+
   /// Reads those that are in the map again; gives the map file's bytes. Each drive is a pass.
   absl::StatusOr<std::vector<std::byte>> Fuse(const MapBuilderOptions& options);
 
@@ -64,6 +74,8 @@ class SurveyBuilder {
   using TakeScan = std::function<absl::Status(const Scan&, const Pose3&, const EgoVelocity&)>;
   absl::Status ReadPlaced(std::size_t drive, const char* doing, const TakeScan& take);
   std::size_t DriveCountInMap() const;
+  absl::StatusOr<std::optional<ScalarEstimate>> MeasureScale();
+  void Rescale(double factor);
   absl::StatusOr<bool> CalibrateVehicles();
   absl::StatusOr<bool> CalibrateVehicle(const SurveyVehicle& vehicle);
 
@@ -73,6 +85,7 @@ class SurveyBuilder {
   std::vector<DriveTrack> tracks_;
   SurveyRig rig_;
   Survey survey_;
+  std::optional<ScalarEstimate> scale_correction_;
 };
 
 }  // namespace dcloc

@@ -35,15 +35,14 @@ Eigen::Vector2d SlantPerMetre(const Measurement& measurement, const Eigen::Vecto
   return u_vehicle.head<2>() / (2.0 * measurement.range_m);
 }
 
-// Where the radar was when it measured, in the vehicle frame of the scan's stamp.
+}  // namespace
+
 Pose3 MountAtStamp(const RadarModel& radar, const EgoVelocity& ego_velocity) {
   if (radar.time_offset_s == 0.0) return radar.T_vehicle_radar;
   Vector6d twist;
   twist << ego_velocity.linear_mps, ego_velocity.angular_radps;
   return Exp(Vector6d(radar.time_offset_s * twist)) * radar.T_vehicle_radar;
 }
-
-}  // namespace
 
 std::span<const OptionField<StaticPointsOptions>> FieldsOf(const StaticPointsOptions& /*options*/) {
   using O = StaticPointsOptions;

@@ -50,4 +50,7 @@ std::vector<RadarPoint> StaticPoints(const Scan& scan, const RadarModel& radar,
 void StaticPoints(const Scan& scan, const RadarModel& radar, const EgoVelocity& ego_velocity,
                   const StaticPointsOptions& options, std::vector<RadarPoint>& points);
 
+/// Where the radar was when it measured, in the vehicle frame of the scan's stamp.
+Pose3 MountAtStamp(const RadarModel& radar, const EgoVelocity& ego_velocity);
+
 }  // namespace dcloc

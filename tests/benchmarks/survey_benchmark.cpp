@@ -192,6 +192,7 @@ void SurveyAndJudge(const std::string& name, const std::vector<Drive>& drives, c
   absl::Status status = builder.Track();
   if (status.ok()) status = builder.Place({});
   if (status.ok()) status = builder.Calibrate({});
+  if (status.ok()) status = builder.CorrectScale();
   if (!status.ok()) {
     std::printf("%-16s %s\n", name.c_str(), status.ToString().c_str());
     return;

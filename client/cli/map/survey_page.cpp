@@ -104,6 +104,12 @@ std::string SurveyHtml(const SurveyBuilder& builder) {
     absl::StrAppendFormat(&body, "<p>%d of %d position fixes agree with the drives.</p>\n",
                           survey.accepted_fix_count, survey.fix_count);
   }
+  if (const auto& scale = builder.scale_correction()) {
+    absl::StrAppendFormat(&body,
+                          "<p>By slant ranges the drives were made %+.2f per mil longer. The scale "
+                          "is now known to +- %.2f per mil (95 %%).</p>\n",
+                          1e3 * scale->value, 1.96e3 * std::sqrt(scale->variance));
+  }
   absl::StrAppend(&body, DrawingOf(survey), HtmlTable(DriveRows(tracks, survey)));
   if (!builder.calibrations().empty()) {
     absl::StrAppend(&body,

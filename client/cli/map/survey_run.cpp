@@ -50,6 +50,7 @@ class SurveyRun {
       status =
           builder_.Calibrate(fixes->fixes, [&](int round) { return checkpoints_.OfRound(round); });
     }
+    if (status.ok()) status = builder_.CorrectScale();
     if (status.ok()) status = WriteMap(fixes->anchor);
     if (status.ok()) status = WriteRig();
     if (status.ok()) status = WritePoses();

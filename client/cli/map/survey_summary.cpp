@@ -1,6 +1,7 @@
 #include "client/cli/map/survey_summary.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -94,6 +95,9 @@ ordered_json SurveyJson(const SurveyBuilder& builder,
                    {"refused_count", survey.loops.size() - accepted},
                    {"unconfirmed_count", survey.unconfirmed_loop_count}};
   json["fixes"] = {{"count", survey.fix_count}, {"accepted_count", survey.accepted_fix_count}};
+  if (const auto& scale = builder.scale_correction()) {
+    json["scale"] = {{"correction", scale->value}, {"sigma", std::sqrt(scale->variance)}};
+  }
   json["radars"] = RadarCalibrationsJson(builder.calibrations());
   if (judgement) json["truth"] = JudgementJson(*judgement);
   return json;
@@ -125,6 +129,11 @@ std::string SurveyText(const SurveyBuilder& builder,
   if (survey.fix_count > 0) {
     absl::StrAppend(&text, "fixes        ", survey.accepted_fix_count, " of ", survey.fix_count,
                     " agree with the drives\n");
+  }
+  if (const auto& scale = builder.scale_correction()) {
+    absl::StrAppendFormat(&text,
+                          "scale        %+.2f per mil by slant ranges, now +- %.2f (95 %%)\n",
+                          1e3 * scale->value, 1.96e3 * std::sqrt(scale->variance));
   }
   if (!builder.calibrations().empty()) {
     absl::StrAppend(&text,

@@ -132,6 +132,7 @@ absl::StatusOr<std::vector<std::byte>> BuildBySurvey(const BuildRequest& request
   absl::Status status = builder.Track();
   if (status.ok()) status = builder.Place({});
   if (status.ok()) status = builder.Calibrate({});
+  if (status.ok()) status = builder.CorrectScale();
   if (!status.ok()) return status;
   TellDrives(builder, progress);
   TellRadars(builder, progress);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/mapping/drive_tracker.h"
+#include "core/mapping/scale_estimator.h"
 #include "core/mapping/survey.h"
 #include "tests/core/options/option_fields_check.h"
 
@@ -15,6 +16,7 @@ TEST(MappingOptionsTest, EachFieldIsBounded) {
   ExpectEachFieldIsBounded<PathCosts>();
   ExpectEachFieldIsBounded<LoopFinderOptions>();
   ExpectEachFieldIsBounded<PlaceFinderOptions>();
+  ExpectEachFieldIsBounded<ScaleEstimatorOptions>();
   ExpectEachFieldIsBounded<SurveyOptions>();
 }
 

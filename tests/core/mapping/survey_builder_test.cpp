@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -73,12 +74,12 @@ SurveyBuilderOptions Quickly() {
   return options;
 }
 
-bool GoOn(const char* /*stage*/, double /*share*/) { return true; }
+bool KeepGoing(const char* /*stage*/, double /*share*/) { return true; }
 
 TEST(SurveyBuilderTest, MakesAMapOfDrivesReadingEachTwice) {
   MemoryDrives source;
   source.drives = TwoDrives();
-  SurveyBuilder builder(source, GoOn);
+  SurveyBuilder builder(source, KeepGoing);
   ASSERT_TRUE(builder.Track().ok());
   ASSERT_TRUE(builder.Place({}).ok());
   ASSERT_TRUE(builder.survey().drives[1].is_in_map) << builder.survey().drives[1].reason;
@@ -92,10 +93,42 @@ TEST(SurveyBuilderTest, MakesAMapOfDrivesReadingEachTwice) {
   EXPECT_EQ(*builder.Fuse({.name = "road"}), *bytes) << "the same drives, the same bytes";
 }
 
+// The ring's scatterers stand at the radar's height, and its wheels are right.
+TEST(SurveyBuilderTest, AScaleThatIsRightIsLeft) {
+  MemoryDrives source;
+  source.drives = TwoDrives(620.0);
+  SurveyBuilderOptions options;
+  options.scale.min_visit_count = 5;
+  SurveyBuilder builder(source, KeepGoing, options);
+  ASSERT_TRUE(builder.Track().ok());
+  ASSERT_TRUE(builder.Place({}).ok());
+  const Pose2 before = builder.survey().drives[0].T_map_nodes.back();
+  ASSERT_TRUE(builder.CorrectScale().ok());
+  ASSERT_TRUE(builder.scale_correction().has_value());
+  const double shift_m =
+      (builder.survey().drives[0].T_map_nodes.back().translation_m - before.translation_m).norm();
+  EXPECT_LT(shift_m, 0.01 * before.translation_m.norm());
+  EXPECT_NEAR(builder.scale_correction()->value, 0.0,
+              4.0 * std::sqrt(builder.scale_correction()->variance));
+}
+
+TEST(SurveyBuilderTest, AStopWhileTheScaleIsMeasuredEndsIt) {
+  MemoryDrives source;
+  source.drives = TwoDrives();
+  bool is_stopped = false;
+  SurveyBuilder builder(source, [&](const char* stage, double /*share*/) {
+    is_stopped = is_stopped || std::string_view(stage).starts_with("measuring the scale");
+    return !is_stopped;
+  });
+  ASSERT_TRUE(builder.Track().ok());
+  ASSERT_TRUE(builder.Place({}).ok());
+  EXPECT_EQ(builder.CorrectScale().code(), absl::StatusCode::kCancelled);
+}
+
 TEST(SurveyBuilderTest, ADriveThatIsLeftOutIsNotReadAgain) {
   MemoryDrives source;
   source.drives = TwoDrives(5.0);
-  SurveyBuilder builder(source, GoOn);
+  SurveyBuilder builder(source, KeepGoing);
   ASSERT_TRUE(builder.Track().ok());
   ASSERT_TRUE(builder.Place({}).ok());
   EXPECT_FALSE(builder.survey().drives[1].is_in_map);
@@ -107,7 +140,7 @@ TEST(SurveyBuilderTest, AScanThatIsWrongIsNamed) {
   MemoryDrives source;
   source.drives = TwoDrives();
   source.drives[1].scans[7].radar_id = "rear";
-  const absl::Status status = SurveyBuilder(source, GoOn).Track();
+  const absl::Status status = SurveyBuilder(source, KeepGoing).Track();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(status.message()), HasSubstr("b, scan 7: "));
 }
@@ -144,7 +177,7 @@ double YawOf(const SurveyBuilder& builder, std::size_t radar) {
 TEST(SurveyBuilderTest, CalibratesMountsByItsOwnPoses) {
   MemoryDrives source;
   source.drives = {WithTwoRadars(0.03)};
-  SurveyBuilder builder(source, GoOn, Quickly());
+  SurveyBuilder builder(source, KeepGoing, Quickly());
   ASSERT_TRUE(builder.Track().ok());
   ASSERT_TRUE(builder.Place({}).ok());
   ASSERT_TRUE(builder.Calibrate({}).ok());
@@ -157,7 +190,7 @@ TEST(SurveyBuilderTest, CalibratesMountsByItsOwnPoses) {
 TEST(SurveyBuilderTest, LeavesRadarsThatAreDescribedRightAlone) {
   MemoryDrives source;
   source.drives = {WithTwoRadars(0.0)};
-  SurveyBuilder builder(source, GoOn, Quickly());
+  SurveyBuilder builder(source, KeepGoing, Quickly());
   ASSERT_TRUE(builder.Track().ok());
   ASSERT_TRUE(builder.Place({}).ok());
   ASSERT_TRUE(builder.Calibrate({}).ok());
