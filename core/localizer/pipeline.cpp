@@ -95,6 +95,7 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& sent, const TimeBase::ScanT
                          newest_.outcome == RegistrationOutcome::kAccepted;
   if (live_.schedule.IsDue(is_steady)) RegisterSubmap(stamp, ego_velocity, workspace, listener);
   ExpireTimeouts(stamp);
+  place_evidence_.OnClaim(stamp, tracking_.mode() == TrackingMode::kConfirmed, tracking_.is_lost());
   return FinishScan(scan, stamp);
 }
 

@@ -16,6 +16,9 @@ std::span<const OptionField<PlaceEvidenceOptions>> FieldsOf(
       {"fit_per_innovation", &O::fit_per_innovation, 0, 1, "the fit alone decides"},
       {"max_innovation", &O::max_innovation, 1, 1e6},
       {"supposed_innovations", &O::supposed_innovations, 0, 1e6, "the first registration decides"},
+      {"fit_per_lost_claim", &O::fit_per_lost_claim, 0, 1, "claims that were lost say nothing"},
+      {"max_lost_claims", &O::max_lost_claims, 0, 100, "likewise"},
+      {"lost_claim_time_constant_ms", &O::lost_claim_time_constant, 1, 1e7},
       {"regained_fit", &O::regained_fit, 0, 1, "there is no hysteresis"},
   };
   return kFields;
@@ -34,6 +37,28 @@ void PlaceEvidence::FadingMean::Add(Stamp stamp, double value, double its_weight
   last = stamp;
 }
 
+void PlaceEvidence::Reset() {
+  PlaceEvidence begun(options_);
+  begun.lost_claims_ = lost_claims_;
+  begun.claimed_last_ = claimed_last_;
+  *this = begun;
+}
+
+void PlaceEvidence::OnClaim(Stamp stamp, bool is_claimed, bool is_lost) {
+  if (is_claimed) {
+    if (claimed_last_) {
+      lost_claims_ *= std::exp(-std::max(0.0, SecondsOf(stamp - *claimed_last_)) /
+                               SecondsOf(options_.lost_claim_time_constant));
+    }
+    claimed_last_ = stamp;
+  } else if (is_lost && claimed_last_) {
+    if (verdict_ == EvidenceForPlace::kLacking) {
+      lost_claims_ = std::min(lost_claims_ + 1.0, options_.max_lost_claims);
+    }
+    claimed_last_.reset();
+  }
+}
+
 void PlaceEvidence::OnScanFit(Stamp stamp, std::size_t point_count, double fit) {
   if (point_count == 0) return;
   fit_.Add(stamp, fit, static_cast<double>(point_count), options_.time_constant);
@@ -49,7 +74,8 @@ void PlaceEvidence::OnInnovation(Stamp stamp, double squared_distance_per_dof) {
 
 void PlaceEvidence::Update() {  // METHOD eq 69
   if (point_count_ < static_cast<std::size_t>(options_.min_point_count)) return;
-  double least = options_.min_fit + options_.fit_per_innovation * innovation_.Value();
+  double least = options_.min_fit + options_.fit_per_innovation * innovation_.Value() +
+                 options_.fit_per_lost_claim * lost_claims_;
   if (verdict_ == EvidenceForPlace::kLacking) least += options_.regained_fit;
   verdict_ = fit_.Value() >= least ? EvidenceForPlace::kEnough : EvidenceForPlace::kLacking;
 }

@@ -26,6 +26,12 @@ struct PlaceEvidenceOptions {
   /// A place begins as if it had so many innovations of 1: few registrations agree by chance.
   double supposed_innovations = 3.0;
   double regained_fit = 0.03;  ///< by so much it must exceed the least, once it was too low
+  /// By how much more it must be for each place that was claimed and then lost for lack of
+  /// evidence: the map may be another one.
+  double fit_per_lost_claim = 0.06;
+  double max_lost_claims = 3.0;  ///< the most that count
+  /// A lost claim counts less the longer another one holds.
+  std::chrono::nanoseconds lost_claim_time_constant = std::chrono::seconds(60);
 };
 std::span<const OptionField<PlaceEvidenceOptions>> FieldsOf(const PlaceEvidenceOptions& options);
 absl::Status Validate(const PlaceEvidenceOptions& options);
@@ -52,8 +58,11 @@ class PlaceEvidence {
   /// degree of freedom.
   void OnInnovation(Stamp stamp, double squared_distance_per_dof);
 
-  /// The vehicle is supposed to be at another place.
-  void Reset() { *this = PlaceEvidence(options_); }
+  /// At `stamp` the place is claimed, or has been given up as lost, or neither.
+  void OnClaim(Stamp stamp, bool is_claimed, bool is_lost);
+
+  /// The vehicle is supposed to be at another place of the same map.
+  void Reset();
 
   EvidenceForPlace Judge() const { return verdict_; }
 
@@ -74,6 +83,8 @@ class PlaceEvidence {
   FadingMean innovation_;
   std::size_t point_count_ = 0;
   EvidenceForPlace verdict_ = EvidenceForPlace::kTooLittle;
+  double lost_claims_ = 0.0;           // places that did not hold; they fade while one does
+  std::optional<Stamp> claimed_last_;  // while a place is claimed, or was until now
 };
 
 }  // namespace dcloc

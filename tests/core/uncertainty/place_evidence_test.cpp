@@ -71,6 +71,55 @@ TEST(PlaceEvidenceTest, APlaceBeginsAsIfRegistrationsHadErredAsMuchAsTheySay) {
   EXPECT_EQ(evidence.Judge(), EvidenceForPlace::kLacking);
 }
 
+/// A place is claimed for a second, and then lost as its scans do not fit.
+void LoseAClaim(PlaceEvidence& evidence, int from_ms) {
+  Drive(evidence, from_ms, from_ms + 1000, 0.5, 0.5);
+  evidence.OnClaim(At(from_ms + 1000), /*is_claimed=*/true, /*is_lost=*/false);
+  Drive(evidence, from_ms + 1000, from_ms + 3000, 0.1, 3.0);
+  evidence.OnClaim(At(from_ms + 3000), /*is_claimed=*/false, /*is_lost=*/true);
+  evidence.Reset();
+}
+
+TEST(PlaceEvidenceTest, AfterClaimsThatWereLostMoreMustSpeakForAPlace) {
+  const double fit =
+      kOptions.min_fit + kOptions.fit_per_innovation + 0.5 * kOptions.fit_per_lost_claim;
+  PlaceEvidence evidence(kOptions);
+  Drive(evidence, 0, 1000, fit, 1.0);
+  EXPECT_EQ(evidence.Judge(), EvidenceForPlace::kEnough);
+  LoseAClaim(evidence, 1000);
+  Drive(evidence, 5000, 6000, fit, 1.0);
+  EXPECT_EQ(evidence.Judge(), EvidenceForPlace::kLacking);
+  for (int i = 1; i < 20; ++i) LoseAClaim(evidence, 10'000 * i);
+  const double most = kOptions.min_fit + kOptions.fit_per_innovation +
+                      kOptions.max_lost_claims * kOptions.fit_per_lost_claim;
+  Drive(evidence, 300'000, 301'000, most + 0.01, 1.0);
+  EXPECT_EQ(evidence.Judge(), EvidenceForPlace::kEnough) << "a true place is never out of reach";
+}
+
+TEST(PlaceEvidenceTest, AClaimThatHoldsLetsLostOnesBeForgotten) {
+  const double fit =
+      kOptions.min_fit + kOptions.fit_per_innovation + 0.5 * kOptions.fit_per_lost_claim;
+  PlaceEvidence evidence(kOptions);
+  LoseAClaim(evidence, 0);
+  for (int s = 10; s < 200; ++s) evidence.OnClaim(At(1000 * s), true, false);
+  Drive(evidence, 200'000, 201'000, fit, 1.0);
+  EXPECT_EQ(evidence.Judge(), EvidenceForPlace::kEnough);
+}
+
+TEST(PlaceEvidenceTest, APlaceThatWasNeverClaimedOrThatFitToTheLastIsNoLostClaim) {
+  const double fit =
+      kOptions.min_fit + kOptions.fit_per_innovation + 0.5 * kOptions.fit_per_lost_claim;
+  PlaceEvidence evidence(kOptions);
+  Drive(evidence, 0, 2000, 0.1, 3.0);
+  evidence.OnClaim(At(2000), false, true);
+  Drive(evidence, 10'000, 12'000, 0.5, 0.5);
+  evidence.OnClaim(At(12'000), true, false);
+  evidence.OnClaim(At(12'100), false, true);  // as where nothing is seen
+  evidence.Reset();
+  Drive(evidence, 20'000, 21'000, fit, 1.0);
+  EXPECT_EQ(evidence.Judge(), EvidenceForPlace::kEnough);
+}
+
 TEST(PlaceEvidenceTest, OneWildInnovationCountsForNoMoreThanItsBound) {
   PlaceEvidence evidence(kOptions);
   Drive(evidence, 0, 5000, 0.55, 0.1);
