@@ -16,6 +16,7 @@ namespace {
 constexpr double kScaleStep = 0.003;
 constexpr double kMinFoundPart = 0.2;       // of a scale that is missing; less tells nothing
 constexpr double kSignificantSigmas = 2.0;  // of a scale that is corrected
+constexpr double kSystematicSigma = 2e-4;   // of a measurement: what it says at true poses
 
 absl::Status Stopped() { return absl::CancelledError("the survey was stopped"); }
 
@@ -154,10 +155,11 @@ absl::Status SurveyBuilder::CorrectScale() {
   if (!beside.ok() || !*beside) return beside.status();
   const double found_part = ((*here)->value - (*beside)->value) / kScaleStep;
   if (found_part < kMinFoundPart) return absl::OkStatus();
-  scale_correction_ = {.value = (*here)->value / found_part,
-                       .variance = (*here)->variance / std::pow(found_part, 2)};
-  const double significant = kSignificantSigmas * std::sqrt(scale_correction_->variance);
-  if (std::abs(scale_correction_->value) < significant) scale_correction_->value = 0.0;
+  const bool is_significant =
+      std::abs((*here)->value) > kSignificantSigmas * std::sqrt((*here)->variance);
+  scale_correction_ = {
+      .value = is_significant ? (*here)->value / found_part : 0.0,
+      .variance = ((*here)->variance + std::pow(kSystematicSigma, 2)) / std::pow(found_part, 2)};
   Rescale(1.0 + scale_correction_->value);
   return absl::OkStatus();
 }

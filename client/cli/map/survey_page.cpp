@@ -105,10 +105,11 @@ std::string SurveyHtml(const SurveyBuilder& builder) {
                           survey.accepted_fix_count, survey.fix_count);
   }
   if (const auto& scale = builder.scale_correction()) {
-    absl::StrAppendFormat(&body,
-                          "<p>By slant ranges the drives were made %+.2f per mil longer. The scale "
-                          "is now known to +- %.2f per mil (95 %%).</p>\n",
-                          1e3 * scale->value, 1.96e3 * std::sqrt(scale->variance));
+    absl::StrAppendFormat(
+        &body,
+        "<p>By slant ranges the scale was corrected by %+.2f per mil. It is known "
+        "to +- %.2f per mil (95 %%).</p>\n",
+        1e3 * scale->value, 1.96e3 * std::sqrt(scale->variance));
   }
   absl::StrAppend(&body, DrawingOf(survey), HtmlTable(DriveRows(tracks, survey)));
   if (!builder.calibrations().empty()) {

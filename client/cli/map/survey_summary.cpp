@@ -132,7 +132,8 @@ std::string SurveyText(const SurveyBuilder& builder,
   }
   if (const auto& scale = builder.scale_correction()) {
     absl::StrAppendFormat(&text,
-                          "scale        %+.2f per mil by slant ranges, now +- %.2f (95 %%)\n",
+                          "scale        corrected by %+.2f per mil, by slant ranges; known to +- "
+                          "%.2f per mil (95 %%)\n",
                           1e3 * scale->value, 1.96e3 * std::sqrt(scale->variance));
   }
   if (!builder.calibrations().empty()) {
