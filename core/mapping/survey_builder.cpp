@@ -149,9 +149,10 @@ absl::Status SurveyBuilder::CorrectScale() {
   if (survey_.accepted_fix_count > 0 || rig_.Known().MeasuresElevation()) return absl::OkStatus();
   const absl::StatusOr<std::optional<ScalarEstimate>> here = MeasureScale();
   if (!here.ok() || !*here) return here.status();
+  const std::vector<SurveyedDrive> drives_here = survey_.drives;
   Rescale(1.0 + kScaleStep);
   const absl::StatusOr<std::optional<ScalarEstimate>> beside = MeasureScale();
-  Rescale(1.0 / (1.0 + kScaleStep));
+  survey_.drives = drives_here;
   if (!beside.ok() || !*beside) return beside.status();
   const double found_part = ((*here)->value - (*beside)->value) / kScaleStep;
   if (found_part < kMinFoundPart) return absl::OkStatus();

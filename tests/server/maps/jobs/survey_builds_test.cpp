@@ -113,6 +113,7 @@ TEST_F(SurveyBuildsTest, GivesTheFileThatASurveyOnThisMachineGives) {
   ASSERT_TRUE(builder.Track().ok());
   ASSERT_TRUE(builder.Place({}).ok());
   ASSERT_TRUE(builder.Calibrate({}).ok());
+  ASSERT_TRUE(builder.CorrectScale().ok());
   const auto bytes = builder.Fuse({.name = "map", .description = "survey of map"});
   ASSERT_TRUE(bytes.ok()) << bytes.status();
 
