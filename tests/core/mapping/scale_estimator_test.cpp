@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kRangeNoise_m = 0.1;
 constexpr double kStreet_m = 300.0;
+constexpr int kScattererCount = 200;
 
 struct Scatterer {
   Eigen::Vector2d p_m;
@@ -27,9 +28,9 @@ std::vector<Scatterer> Street(double max_height_m) {
   std::uniform_real_distribution<double> aside_m(5.0, 20.0);
   std::uniform_real_distribution<double> height_m(0.0, max_height_m);
   std::vector<Scatterer> scatterers;
-  for (double along_m = 0.0; along_m < kStreet_m; along_m += 1.5) {
-    const double side = scatterers.size() % 2 == 0 ? 1.0 : -1.0;
-    scatterers.push_back({{along_m, side * aside_m(random)}, height_m(random)});
+  for (int i = 0; i < kScattererCount; ++i) {
+    const double side = i % 2 == 0 ? 1.0 : -1.0;
+    scatterers.push_back({{1.5 * i, side * aside_m(random)}, height_m(random)});
   }
   return scatterers;
 }

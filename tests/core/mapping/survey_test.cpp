@@ -58,6 +58,7 @@ bool GoOn(const char* /*stage*/, double /*share*/) { return true; }
 
 std::vector<DriveTrack> TracksOf(const std::vector<RingDrive>& drives) {
   std::vector<DriveTrack> tracks;
+  tracks.reserve(drives.size());
   for (const RingDrive& drive : drives) tracks.push_back(drive.track);
   return tracks;
 }
