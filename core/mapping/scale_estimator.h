@@ -4,11 +4,11 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
 #include "core/map/point_grid.h"
@@ -90,8 +90,9 @@ class ScaleEstimator {
   ScaleEstimatorOptions options_;
   std::vector<Landmark> landmarks_;
   PointGrid grid_;
-  absl::flat_hash_map<std::uint32_t, Visit> visits_;  // by landmark
-  std::vector<ScalarEstimate> told_;                  // by visits that are over: twice the share
+  std::map<std::uint32_t, Visit>
+      visits_;                        // by landmark, in one order: sums are the same to the bit
+  std::vector<ScalarEstimate> told_;  // by visits that are over: twice the share
 };
 
 }  // namespace dcloc
