@@ -84,7 +84,8 @@ void LocalMap<Dim>::MoveTo(const RadarMap& map, const Eigen::Vector3d& p_map, do
 template <int Dim>
 void LocalMap<Dim>::BuildGrid(std::span<const PackedPoint<Dim>> points,
                               std::vector<std::uint32_t>& cells) {
-  Resize(points_, points.size());
+  point_count_ = points.size();
+  Resize(points_, point_count_ + kLaneCount - 1);
   if (points.empty()) return;
   Eigen::Vector2f min_m = points.front().mean_m.template head<2>();
   Eigen::Vector2f max_m = min_m;
@@ -93,8 +94,8 @@ void LocalMap<Dim>::BuildGrid(std::span<const PackedPoint<Dim>> points,
     max_m = max_m.cwiseMax(point.mean_m.template head<2>());
   }
   min_m_ = min_m.cast<double>();
-  columns_ = static_cast<int>((max_m.x() - min_m.x()) / kCell_m) + 1;
-  rows_ = static_cast<int>((max_m.y() - min_m.y()) / kCell_m) + 1;
+  columns_ = static_cast<int>((max_m.x() - min_m.x()) / kColumn_m) + 1;
+  rows_ = static_cast<int>((max_m.y() - min_m.y()) / kRow_m) + 1;
   // Counted two places further on: the sums are each next cell's begin while points are put into
   // place, and that of the cell itself once all are.
   const std::size_t cell_count =
@@ -104,8 +105,8 @@ void LocalMap<Dim>::BuildGrid(std::span<const PackedPoint<Dim>> points,
   cells.clear();
   cells.reserve(points.size());
   for (const PackedPoint<Dim>& point : points) {
-    const int row = ClampedCell(point.mean_m.y() - min_m_.y(), rows_);
-    const int column = ClampedCell(point.mean_m.x() - min_m_.x(), columns_);
+    const int row = ClampedCell((point.mean_m.y() - min_m_.y()) / kRow_m, rows_);
+    const int column = ClampedCell((point.mean_m.x() - min_m_.x()) / kColumn_m, columns_);
     const auto cell = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(columns_) +
                       static_cast<std::uint32_t>(column);
     cells.push_back(cell);

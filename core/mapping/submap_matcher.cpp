@@ -54,7 +54,7 @@ std::optional<SubmapMatch> SubmapMatcher::Match(std::span<const GaussianPoint<2>
       Observe<2>(live, target, best->T_local_vehicle, best->covariance,
                  {.max_distance_m = options_.gicp.max_correspondence_distance_m,
                   .gate_sigmas = options_.gicp.gate_sigmas},
-                 observability, workspace_.shifted_points, workspace_.shifted_finder);
+                 observability, workspace_.observed_points, workspace_.map_fit);
   Eigen::Matrix3d covariance = ResidualScaledCovariance<2>(*best);
   covariance.topLeftCorner<2, 2>() +=
       observed.DegeneracyCovariance(observability.degenerate_sigma_m);

@@ -84,11 +84,12 @@ double Residual(const Row& row, const Vector3d& state) {
   return UnfoldRangeRate(row.range_rate_mps, predicted_mps, row.unambiguous_mps) - predicted_mps;
 }
 
-double SigmaAt(const Row& row, const Vector3d& state) {
-  const double along_mps = row.row.dot(state);
-  const double across_mps =
-      std::sqrt(std::max(0.0, state.head<2>().squaredNorm() - along_mps * along_mps));
-  return std::hypot(row.sigma_mps, row.cross_row_sigma_rad * across_mps);
+double Squared(double value) { return value * value; }
+
+double VarianceAt(const Row& row, const Vector3d& state) {
+  const double across_square_m2ps2 =
+      std::max(0.0, state.head<2>().squaredNorm() - Squared(row.row.dot(state)));
+  return Squared(row.sigma_mps) + Squared(row.cross_row_sigma_rad) * across_square_m2ps2;
 }
 
 void TakeInliers(const std::vector<Row>& rows, const Vector3d& state, double gate_mps,
@@ -151,7 +152,7 @@ LeastSquares SolveMotion(const std::vector<Row>& rows, const Vector3d& lineariza
   solution.normal(1, 1) = 1.0 / (options.side_slip_sigma_mps * options.side_slip_sigma_mps);
   Vector3d right = Vector3d::Zero();
   for (const Row& row : rows) {
-    const double weight = 1.0 / std::pow(SigmaAt(row, linearization), 2);
+    const double weight = 1.0 / VarianceAt(row, linearization);
     const double range_rate_mps = row.row.dot(linearization) + Residual(row, linearization);
     solution.normal += weight * row.row * row.row.transpose();
     right += weight * range_rate_mps * row.row;
@@ -159,7 +160,7 @@ LeastSquares SolveMotion(const std::vector<Row>& rows, const Vector3d& lineariza
   solution.state = solution.normal.ldlt().solve(right);
   double sum = 0.0;
   for (const Row& row : rows) {
-    sum += std::pow(Residual(row, solution.state) / SigmaAt(row, solution.state), 2);
+    sum += Squared(Residual(row, solution.state)) / VarianceAt(row, solution.state);
   }
   solution.residual_variance = sum / std::max<double>(1.0, static_cast<double>(rows.size()) - 3.0);
   return solution;

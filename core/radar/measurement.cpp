@@ -34,13 +34,6 @@ double CompensatedRange(double range_m, double range_rate_mps, double beta_s) { 
   return range_m - beta_s * range_rate_mps;
 }
 
-double UnfoldRangeRate(double range_rate_mps, double predicted_mps, double unambiguous_mps) {
-  if (unambiguous_mps <= 0.0) return range_rate_mps;
-  const double interval_mps = 2.0 * unambiguous_mps;
-  return range_rate_mps +
-         interval_mps * std::round((predicted_mps - range_rate_mps) / interval_mps);
-}
-
 double PredictedRangeRate(const Eigen::Vector3d& u_vehicle, const Pose3& T_vehicle_radar,
                           const EgoVelocity& ego_velocity) {  // METHOD eq 20
   const Eigen::Vector3d v_sensor =

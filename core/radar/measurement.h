@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 
 #include "core/radar/radar_model.h"
@@ -34,7 +35,12 @@ double CompensatedRange(double range_m, double range_rate_mps, double beta_s);
 
 /// Of all `range_rate_mps + 2 n unambiguous_mps` the one nearest to `predicted_mps`; the range rate
 /// itself when `unambiguous_mps` is 0 (METHOD 1).
-double UnfoldRangeRate(double range_rate_mps, double predicted_mps, double unambiguous_mps);
+inline double UnfoldRangeRate(double range_rate_mps, double predicted_mps, double unambiguous_mps) {
+  const double apart_mps = predicted_mps - range_rate_mps;
+  if (std::abs(apart_mps) < unambiguous_mps || unambiguous_mps <= 0.0) return range_rate_mps;
+  const double interval_mps = 2.0 * unambiguous_mps;
+  return range_rate_mps + interval_mps * std::round(apart_mps / interval_mps);
+}
 
 /// Range rate of a static target at `u_vehicle` (unit, vehicle axes) seen by the radar at
 /// `T_vehicle_radar`: `-u . (v + omega x l)`.

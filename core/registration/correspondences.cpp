@@ -1,13 +1,12 @@
 #include "core/registration/correspondences.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <numbers>
 
 #include "core/registration/adjugate.h"
+#include "core/registration/joint_lanes.h"
 
 namespace dcloc {
 namespace {
@@ -31,14 +30,8 @@ constexpr double kRounding_m = 1e-3;
 
 double Squared(double value) { return value * value; }
 
-// The logarithm of a positive normal number, or up to kLogSlack less: its exponent and mantissa
-// read as one number, a chord below the curve from each power of two to the next.
-constexpr double kLogSlack = 0.0597;
-double LogFromBelow(double value) {
-  constexpr std::int64_t kOne = 0x3FF0000000000000;  // the bits of 1.0
-  constexpr double kLog2 = std::numbers::ln2 / 4503599627370496.0;
-  return kLog2 * static_cast<double>(std::bit_cast<std::int64_t>(value) - kOne);
-}
+// What the rounding of a covariance may change of a cost.
+constexpr float kCostRounding = 0.02F;
 
 }  // namespace
 
@@ -117,20 +110,24 @@ void CorrespondenceFinder<Dim>::LookUp(const Pose<Dim>& T_local_vehicle, double 
     const auto moved_m = static_cast<float>(near_m);
     map_->ForEachRunNear(
         p.x(), p.y(), gates_.max_distance_m + near_m, [&](std::size_t begin, std::size_t end) {
-          if (landmarks_.size() < count + end - begin) landmarks_.resize(2 * (count + end - begin));
-          for (std::size_t index = begin; index < end; ++index) {
-            const PackedPoint<Dim>& landmark = map_->points()[index];
-            const VectorF<Dim> e_m = landmark.SeenBy(slant_per_m) - p;
-            const VectorF<Dim> limits_m2 = gate * (landmark.Variances_m2() + variances_m2);
-            bool is_near = true;
+          const std::size_t room = count + end - begin + kLaneCount;
+          if (landmarks_.size() < room) landmarks_.resize(2 * room);
+          for (std::size_t index = begin; index < end; index += kLaneCount) {
+            const PackedLanes<Dim> landmarks = map_->LanesFrom(index);
+            const std::array<Lanes, Dim> e_m = landmarks.SeenFrom(p, slant_per_m);
+            LaneMask are_near = FirstLanes(end - index);
             for (int axis = 0; axis < Dim; ++axis) {
+              const Lanes limits_m2 = gate * (landmarks.Variances_m2(axis) + variances_m2(axis));
               // Negative, square included, where it may come to lie at the point itself.
-              const float apart_m = std::abs(e_m(axis)) - moved_m;
-              is_near &= apart_m * std::abs(apart_m) <= limits_m2(axis);
+              const Lanes apart_m = Abs(e_m.at(static_cast<std::size_t>(axis))) - moved_m;
+              are_near &= apart_m * Abs(apart_m) <= limits_m2;
             }
             // Kept or written over by the next: branches would be guessed wrong too often.
-            landmarks_[count] = static_cast<std::uint32_t>(index);
-            count += is_near ? 1 : 0;
+            const std::size_t lane_count = std::min(kLaneCount, end - index);
+            for (std::size_t lane = 0; lane < lane_count; ++lane) {
+              landmarks_[count] = map_->points()[index + lane];
+              count += are_near[lane] != 0 ? 1 : 0;
+            }
           }
         });
     landmarks_end_.push_back(static_cast<std::uint32_t>(count));
@@ -148,80 +145,81 @@ void CorrespondenceFinder<Dim>::Weigh(const Pose<Dim>& T_local_vehicle, double b
   for (std::size_t i = 0; i < live_.size(); ++i) {
     const std::uint32_t end = landmarks_end_[i];
     if (begin != end) {
-      Matrix<Dim> covariance = R * live_[i].covariance_m2 * R.transpose();
-      covariance.diagonal().array() += blur_m * blur_m;
-      WeighFor(R * live_[i].mean_m + T_local_vehicle.translation_m, covariance,
-               R * live_[i].slant_per_m, std::span(landmarks_).subspan(begin, end - begin),
-               kNarrow_m + kNarrow_rad * live_[i].mean_m.norm());
+      GaussianPoint<Dim> point{.mean_m = R * live_[i].mean_m + T_local_vehicle.translation_m,
+                               .covariance_m2 = R * live_[i].covariance_m2 * R.transpose(),
+                               .slant_per_m = R * live_[i].slant_per_m};
+      point.covariance_m2.diagonal().array() += blur_m * blur_m;
+      const std::span<const PackedPoint<Dim>> landmarks =
+          std::span(landmarks_).subspan(begin, end - begin);
+      Keep(point, landmarks,
+           WeighFor(point, landmarks, kNarrow_m + kNarrow_rad * live_[i].mean_m.norm()));
     }
     begin = end;
     candidates_end_.push_back(static_cast<std::uint32_t>(candidates_.size()));
   }
 }
 
+// Over the neighbourhood a point moves by up to `near_m`, which changes its Mahalanobis distance by
+// no more than near_m over the least deviation. So the cost of each landmark lies between bounds:
+// `min_costs_`, infinite where it cannot pass the gates, and another, of which the least is
+// returned. Who costs more than that at least cannot be the most likely.
 template <int Dim>
-void CorrespondenceFinder<Dim>::WeighFor(const Vector<Dim>& p, const Matrix<Dim>& covariance,
-                                         const Vector<Dim>& slant_per_m,
-                                         std::span<const std::uint32_t> landmarks, double near_m) {
-  const double gate = Squared(gates_.gate_sigmas);
-  const double outer_distance_m2 = Squared(gates_.max_distance_m + near_m);
-  if (weighed_.size() < landmarks.size()) weighed_.resize(2 * landmarks.size());
-  std::size_t count = 0;
-  for (const std::uint32_t index : landmarks) {
-    const PackedPoint<Dim>& landmark = map_->points()[index];
-    const Vector<Dim> q = landmark.SeenBy(slant_per_m);
-    const Vector<Dim> e = q - p;
-    const Matrix<Dim> joint = landmark.Covariance_m2() + covariance;
-    const Matrix<Dim> adjugate = Adjugate<double>(joint);
-    const double determinant = joint.row(0).dot(adjugate.col(0).transpose());
-    const double scale = 1.0 / determinant;
-    const double distance = scale * e.dot(adjugate * e);
+float CorrespondenceFinder<Dim>::WeighFor(const GaussianPoint<Dim>& point,
+                                          std::span<const PackedPoint<Dim>> landmarks,
+                                          double near_m) {
+  const Lanes never = InEachLane(std::numeric_limits<float>::infinity());
+  const auto gate_sigmas = static_cast<float>(gates_.gate_sigmas);
+  const auto outer_m2 = static_cast<float>(Squared(gates_.max_distance_m + near_m));
+  const auto inner_m2 = static_cast<float>(Squared(std::max(0.0, gates_.max_distance_m - near_m)));
+  const auto moved_m = static_cast<float>(near_m + kRounding_m);
+  const VectorF<Dim> p = point.mean_m.template cast<float>();
+  const VectorF<Dim> slant_per_m = point.slant_per_m.template cast<float>();
+  const Eigen::Matrix<float, Dim, Dim> covariance_m2 = point.covariance_m2.template cast<float>();
+  min_costs_.clear();
+  Lanes max_costs = never;
+  for (std::size_t i = 0; i < landmarks.size(); i += kLaneCount) {
+    const PackedLanes<Dim> four(&landmarks[i]);  // there is room after the last one
+    const std::array<Lanes, Dim> e_m = four.SeenFrom(p, slant_per_m);
+    const JointLanes<Dim> joint(four, covariance_m2);
+    const Lanes determinants = joint.Determinant();
+    const Lanes log_determinants = LogFromBelow(determinants);
+    const Lanes scales = 1.0F / determinants;
+    const Lanes sigmas = Sqrt(AtLeast(scales * joint.ScaledSquare(e_m), 0.0F));
     // The trace bounds the largest eigenvalue.
-    const double near_distance = near_m * near_m * scale * adjugate.trace();
-    Weighed& weighed = weighed_[count];
-    weighed.q = q;
-    weighed.information = scale * adjugate;
-    weighed.determinant = determinant;
-    weighed.distance = distance;
-    weighed.near_distance = near_distance;
-    // (a + b)^2 <= 1.2 a^2 + 6 b^2, without a root. Written so that what is not a number fails, and
-    // without branches as above.
-    const bool is_near = (determinant > 0.0) & (distance <= 1.2 * gate + 6.0 * near_distance) &
-                         (e.squaredNorm() <= outer_distance_m2);
-    count += is_near ? 1 : 0;
+    const Lanes near_sigmas = moved_m * Sqrt(scales * joint.ScaledInverseTrace());
+    const Lanes squared_m2 = SquaredNorm(e_m);
+    // Written so that what is not a number fails.
+    const LaneMask are_near = FirstLanes(landmarks.size() - i) & (determinants > 0.0F) &
+                              (sigmas - near_sigmas <= gate_sigmas) & (squared_m2 <= outer_m2);
+    const Lanes least_sigmas = AtLeast(sigmas - near_sigmas, 0.0F);
+    min_costs_.push_back(are_near ? least_sigmas * least_sigmas + log_determinants : never);
+    // Only who passes the gates everywhere excludes others.
+    const Lanes most_sigmas = sigmas + near_sigmas;
+    const LaneMask pass = are_near & (most_sigmas <= gate_sigmas) & (squared_m2 <= inner_m2);
+    const Lanes costs = most_sigmas * most_sigmas + log_determinants;
+    max_costs = (pass & (costs < max_costs)) ? costs : max_costs;
   }
-  if (count > 1) {
-    KeepUnbeaten(p, near_m, std::span(weighed_).first(count));
-  } else if (count == 1) {
-    candidates_.push_back({.q = weighed_[0].q, .information = weighed_[0].information});
-  }
+  return Least(max_costs) + kLogSlack + kCostRounding;
 }
 
-// Over the neighbourhood a point moves by up to `near_m`, which changes its Mahalanobis distance by
-// no more than near_m over the least deviation. So the cost of each lies between bounds, and who
-// cannot be better than another is left out.
+// Adds the candidates of one live point: those of which `min_costs_` are no more than `max_cost`.
 template <int Dim>
-void CorrespondenceFinder<Dim>::KeepUnbeaten(const Vector<Dim>& p, double near_m,
-                                             std::span<Weighed> weighed) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const double inner_distance_m2 = Squared(std::max(0.0, gates_.max_distance_m - near_m));
-  double least_max_cost = kInfinity;
-  for (Weighed& one : weighed) {
-    const double log_determinant = LogFromBelow(one.determinant);
-    const double sigmas = std::sqrt(one.distance);
-    const double near_sigmas = std::sqrt(one.near_distance);
-    one.min_cost = Squared(std::max(0.0, sigmas - near_sigmas)) + log_determinant;
-    // Only who passes the gates everywhere excludes others.
-    const bool passes = (sigmas + near_sigmas <= gates_.gate_sigmas) &
-                        ((one.q - p).squaredNorm() <= inner_distance_m2);
-    const double max_cost = Squared(sigmas + near_sigmas) + log_determinant + kLogSlack;
-    least_max_cost = std::min(least_max_cost, passes ? max_cost : kInfinity);
+void CorrespondenceFinder<Dim>::Keep(const GaussianPoint<Dim>& point,
+                                     std::span<const PackedPoint<Dim>> landmarks, float max_cost) {
+  const std::size_t first = candidates_.size();
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const float min_cost = min_costs_[i / kLaneCount][i % kLaneCount];
+    if (!std::isfinite(min_cost) || min_cost > max_cost) continue;
+    const Matrix<Dim> joint = landmarks[i].Covariance_m2() + point.covariance_m2;
+    const Matrix<Dim> adjugate = Adjugate<double>(joint);
+    const double determinant = joint.row(0).dot(adjugate.col(0).transpose());
+    candidates_.push_back({.q = landmarks[i].SeenBy(point.slant_per_m),
+                           .information = adjugate / determinant,
+                           .determinant = determinant});
   }
-  const auto is_beaten = [&](const Weighed& one) { return one.min_cost > least_max_cost; };
-  const bool is_decided = std::ranges::count_if(weighed, std::not_fn(is_beaten)) == 1;
-  for (const Weighed& one : weighed) {
-    if (is_beaten(one)) continue;
-    candidates_.push_back({one.q, one.information, is_decided ? 0.0 : std::log(one.determinant)});
+  if (candidates_.size() - first < 2) return;
+  for (std::size_t i = first; i < candidates_.size(); ++i) {
+    candidates_[i].log_determinant = std::log(candidates_[i].determinant);
   }
 }
 

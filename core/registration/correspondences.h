@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/gaussian_point.h"
+#include "core/geometry/lanes.h"
 #include "core/geometry/pose.h"
 #include "core/map/local_map.h"
 
@@ -57,37 +58,27 @@ class CorrespondenceFinder {
   struct Candidate {
     Eigen::Matrix<double, Dim, 1> q;
     Eigen::Matrix<double, Dim, Dim> information;
-    double log_determinant = 0.0;  // of the joint covariance; 0 where there is no other candidate
-  };
-  // One before it is known whether it can be the most likely.
-  struct Weighed {
-    Eigen::Matrix<double, Dim, 1> q;
-    Eigen::Matrix<double, Dim, Dim> information;
-    double determinant;
-    double distance;        // squared Mahalanobis
-    double near_distance;   // that of the distance that the point may move
-    double min_cost = 0.0;  // at most the negative log-likelihood where it is least
+    double determinant = 0.0;      // of the joint covariance
+    double log_determinant = 0.0;  // its logarithm; 0 where there is no other candidate
   };
 
   void LookUp(const Pose<Dim>& T_local_vehicle, double blur_m);
   void Weigh(const Pose<Dim>& T_local_vehicle, double blur_m);
-  void WeighFor(const Eigen::Matrix<double, Dim, 1>& p,
-                const Eigen::Matrix<double, Dim, Dim>& covariance,
-                const Eigen::Matrix<double, Dim, 1>& slant_per_m,
-                std::span<const std::uint32_t> landmarks, double near_m);
-  void KeepUnbeaten(const Eigen::Matrix<double, Dim, 1>& p, double near_m,
-                    std::span<Weighed> weighed);
+  float WeighFor(const GaussianPoint<Dim>& point, std::span<const PackedPoint<Dim>> landmarks,
+                 double near_m);
+  void Keep(const GaussianPoint<Dim>& point, std::span<const PackedPoint<Dim>> landmarks,
+            float max_cost);
 
   std::span<const GaussianPoint<Dim>> live_;
   const LocalMap<Dim>* map_ = nullptr;
   CorrespondenceGates gates_;
 
   std::optional<Neighbourhood> wide_;
-  std::vector<std::uint32_t> landmarks_;  // indices of those near, by live point, and spare room
+  std::vector<PackedPoint<Dim>> landmarks_;   // those near, by live point, and spare room
   std::vector<std::uint32_t> landmarks_end_;  // of each live point
 
   std::optional<Neighbourhood> narrow_;
-  std::vector<Weighed> weighed_;               // of one live point, and spare room
+  std::vector<Lanes> min_costs_;               // of the landmarks near one live point
   std::vector<Candidate> candidates_;          // by live point
   std::vector<std::uint32_t> candidates_end_;  // of each live point
 

@@ -1,25 +1,13 @@
 #include "core/registration/map_fit.h"
 
-#include <bit>
+#include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <numbers>
 
-#include "core/registration/adjugate.h"
+#include "core/geometry/lanes.h"
+#include "core/registration/joint_lanes.h"
 
 namespace dcloc {
-namespace {
-
-// The logarithm of a positive normal number, or up to 0.06 less: a chord below the curve from each
-// power of two to the next. Costs of landmarks need no more to be compared.
-float LogFromBelow(float value) {
-  constexpr float kOne = 1065353216.0F;  // the bits of 1.0F, read as a number
-  constexpr float kLog2 = std::numbers::ln2_v<float> / 8388608.0F;
-  return kLog2 * (static_cast<float>(std::bit_cast<std::int32_t>(value)) - kOne);
-}
-
-}  // namespace
 
 template <int Dim>
 void MapFit<Dim>::Begin(std::span<const GaussianPoint<Dim>> points, const LocalMap<Dim>& map,
@@ -54,25 +42,29 @@ template <int Dim>
 float MapFit<Dim>::FitOf(const Turned& point, const Vector& p_m) const {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const float max_square_m2 = max_distance_m_ * max_distance_m_;
-  float best_cost = kInfinity;
-  float best_square = kInfinity;  // of its distance in deviations
+  Lanes best_costs = InEachLane(kInfinity);
+  Lanes best_squares = best_costs;  // of distances in deviations
   map_->ForEachRunNear(p_m.x(), p_m.y(), max_distance_m_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t index = begin; index < end; ++index) {
-      const PackedPoint<Dim>& landmark = map_->points()[index];
-      const Vector e_m = landmark.SeenBy(point.slant_per_m) - p_m;
-      const Matrix joint_m2 = landmark.template Covariance_m2<float>() + point.covariance_m2;
-      const Matrix adjugate = Adjugate<float>(joint_m2);
-      const float determinant = joint_m2.row(0).dot(adjugate.col(0).transpose());
-      const float square = e_m.dot(adjugate * e_m) / determinant;
-      const float cost = square + LogFromBelow(determinant);
+    for (std::size_t index = begin; index < end; index += kLaneCount) {
+      const PackedLanes<Dim> landmarks = map_->LanesFrom(index);
+      const std::array<Lanes, Dim> e_m = landmarks.SeenFrom(p_m, point.slant_per_m);
+      const JointLanes<Dim> joint(landmarks, point.covariance_m2);
+      const Lanes determinants = joint.Determinant();
+      const Lanes squares = joint.ScaledSquare(e_m) / determinants;
+      const Lanes costs = squares + LogFromBelow(determinants);
       // Written so that what is not a number fails.
-      const bool is_better = (determinant > 0.0F) & (square <= gate_) & (cost < best_cost) &
-                             (e_m.squaredNorm() <= max_square_m2);
-      best_cost = is_better ? cost : best_cost;
-      best_square = is_better ? square : best_square;
+      const LaneMask are_better = FirstLanes(end - index) & (determinants > 0.0F) &
+                                  (squares <= gate_) & (costs < best_costs) &
+                                  (SquaredNorm(e_m) <= max_square_m2);
+      best_costs = are_better ? costs : best_costs;
+      best_squares = are_better ? squares : best_squares;
     }
   });
-  return std::exp(-0.5F * best_square);
+  std::size_t best = 0;
+  for (std::size_t lane = 1; lane < kLaneCount; ++lane) {
+    if (best_costs[lane] < best_costs[best]) best = lane;
+  }
+  return std::exp(-0.5F * best_squares[best]);
 }
 
 template class MapFit<2>;

@@ -282,8 +282,8 @@ Observability MapMatcher<Dim>::Observed(std::span<const GaussianPoint<Dim>> live
                                         const Registration<Dim>& registration,
                                         RegistrationWorkspace<Dim>& workspace) const {
   return Observe<Dim>(live, local_map_, registration.T_local_vehicle, registration.covariance,
-                      Gates(), options_.observability, workspace.shifted_points,
-                      workspace.shifted_finder);
+                      Gates(), options_.observability, workspace.observed_points,
+                      workspace.map_fit);
 }
 
 template <int Dim>

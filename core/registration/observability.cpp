@@ -12,18 +12,6 @@ struct Shift {
   double min_drop;  // of the score, as a fraction of it
 };
 
-template <int Dim>
-double Score(std::size_t point_count, std::span<const Correspondence<Dim>> correspondences,
-             const Pose<Dim>& T) {
-  const Eigen::Matrix<double, Dim, Dim> R = T.Rotation();
-  double score = 0.0;
-  for (const Correspondence<Dim>& pair : correspondences) {
-    const Eigen::Matrix<double, Dim, 1> e = pair.q - (R * pair.p + T.translation_m);
-    score += std::exp(-0.5 * e.dot(pair.information * e));
-  }
-  return score / static_cast<double>(point_count);
-}
-
 }  // namespace
 
 std::span<const OptionField<ObservabilityOptions>> FieldsOf(
@@ -71,30 +59,29 @@ template <int Dim>
 Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                       const Pose<Dim>& T_local_vehicle, const TangentMatrix<Dim>& covariance,
                       const CorrespondenceGates& gates, const ObservabilityOptions& options,
-                      std::vector<GaussianPoint<Dim>>& chosen, CorrespondenceFinder<Dim>& finder) {
+                      std::vector<GaussianPoint<Dim>>& chosen, MapFit<Dim>& fit) {
   const std::size_t stride =
       std::max<std::size_t>(1, live.size() / static_cast<std::size_t>(options.max_point_count));
   chosen.clear();
   for (std::size_t i = 0; i < live.size(); i += stride) chosen.push_back(live[i]);
-  finder.Begin(chosen, map, gates);
-  const auto score = [&](const Pose<Dim>& T) {
-    return Score<Dim>(chosen.size(), finder.Find(T, 0.0), T);
-  };
-  const double here = score(T_local_vehicle);
+  constexpr double kSigma_m = 0.0;  // the pose is the one that fits
+  fit.Begin(chosen, map, gates, T_local_vehicle, kSigma_m);
+  const double here = fit.At(T_local_vehicle.translation_m);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
       covariance.template topLeftCorner<2, 2>());
   const std::array<Shift, 2> shifts = {
       {{options.near_shift_m, options.near_min_drop}, {options.far_shift_m, options.far_min_drop}}};
+  const Eigen::Matrix<double, Dim, Dim> R = T_local_vehicle.Rotation();
   Observability observability;
   if (!(here > 0.0)) return observability;
   for (int i = 0; i < 2; ++i) {
     auto& direction = observability.directions.at(static_cast<std::size_t>(i));
     direction.axis = solver.eigenvectors().col(1 - i);
     direction.observed = std::ranges::any_of(shifts, [&](const Shift& shift) {
-      Tangent<Dim> aside = Tangent<Dim>::Zero();
-      aside.template head<2>() = shift.length_m * direction.axis;
-      const double there = std::max(score(T_local_vehicle * Exp(aside)),
-                                    score(T_local_vehicle * Exp(Tangent<Dim>(-aside))));
+      const Eigen::Matrix<double, Dim, 1> aside_m =
+          shift.length_m * (R.template leftCols<2>() * direction.axis);
+      const double there = std::max(fit.At(T_local_vehicle.translation_m + aside_m),
+                                    fit.At(T_local_vehicle.translation_m - aside_m));
       return there <= (1.0 - shift.min_drop) * here;
     });
   }
@@ -104,10 +91,10 @@ Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<D
 template Observability Observe<2>(std::span<const GaussianPoint<2>>, const LocalMap<2>&,
                                   const Pose2&, const TangentMatrix<2>&, const CorrespondenceGates&,
                                   const ObservabilityOptions&, std::vector<GaussianPoint<2>>&,
-                                  CorrespondenceFinder<2>&);
+                                  MapFit<2>&);
 template Observability Observe<3>(std::span<const GaussianPoint<3>>, const LocalMap<3>&,
                                   const Pose3&, const TangentMatrix<3>&, const CorrespondenceGates&,
                                   const ObservabilityOptions&, std::vector<GaussianPoint<3>>&,
-                                  CorrespondenceFinder<3>&);
+                                  MapFit<3>&);
 
 }  // namespace dcloc

@@ -11,6 +11,7 @@
 #include "core/map/local_map.h"
 #include "core/options/option_fields.h"
 #include "core/registration/correspondences.h"
+#include "core/registration/map_fit.h"
 
 namespace dcloc {
 
@@ -62,12 +63,12 @@ struct Observability {
 };
 
 /// The observability of `live` (vehicle frame), registered at `T_local_vehicle` with `covariance`.
-/// It is tested with a subset of the points; `options` are valid. `chosen` and `finder` provide
-/// working memory.
+/// It is tested with a subset of the points; `options` are valid. `chosen` and `fit` provide working
+/// memory.
 template <int Dim>
 Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                       const Pose<Dim>& T_local_vehicle, const TangentMatrix<Dim>& covariance,
                       const CorrespondenceGates& gates, const ObservabilityOptions& options,
-                      std::vector<GaussianPoint<Dim>>& chosen, CorrespondenceFinder<Dim>& finder);
+                      std::vector<GaussianPoint<Dim>>& chosen, MapFit<Dim>& fit);
 
 }  // namespace dcloc

@@ -13,8 +13,7 @@ namespace dcloc {
 template <int Dim>
 struct RegistrationWorkspace {
   CorrespondenceFinder<Dim> finder;  ///< after a registration it has the registration's points
-  std::vector<GaussianPoint<Dim>> shifted_points;  ///< points with which observability is tested
-  CorrespondenceFinder<Dim> shifted_finder;
+  std::vector<GaussianPoint<Dim>> observed_points;  ///< with which observability is tested
   MapFit<Dim> map_fit;
   typename LocalMap<Dim>::Workspace local_map;
 };

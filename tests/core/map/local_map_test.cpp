@@ -52,7 +52,7 @@ std::vector<std::size_t> Visited(const LocalMap<Dim>& map, double x_m, double y_
 
 TYPED_TEST(LocalMapTest, VisitsEveryPointOfTheSquareOnceAndFewBesides) {
   constexpr int kDim = TypeParam::value;
-  constexpr double kLargestCell_m = 2.0;
+  constexpr double kLargestCell_m = 5.0;
   const LocalMap<kDim> map = Scattered<kDim>(600, 1);
   std::mt19937 random(2);
   std::uniform_real_distribution<double> place_m(-20.0, 20.0);

@@ -19,9 +19,9 @@ GaussianPoint<2> PointAt(double x_m, double y_m) {
 Observability Look(const std::vector<GaussianPoint<2>>& live,
                    const std::vector<GaussianPoint<2>>& landmarks, const Pose2& T_local_vehicle) {
   std::vector<GaussianPoint<2>> chosen;
-  CorrespondenceFinder<2> finder;
+  MapFit<2> fit;
   return Observe<2>(live, LocalMap<2>({}, landmarks), T_local_vehicle,
-                    Eigen::Vector3d(1e-4, 2e-4, 1e-6).asDiagonal(), {}, {}, chosen, finder);
+                    Eigen::Vector3d(1e-4, 2e-4, 1e-6).asDiagonal(), {}, {}, chosen, fit);
 }
 
 // Two walls along the way, `yaw_rad` to the local frame, without persistent places along them.
