@@ -63,8 +63,8 @@ struct Observability {
 };
 
 /// The observability of `live` (vehicle frame), registered at `T_local_vehicle` with `covariance`.
-/// It is tested with a subset of the points; `options` are valid. `chosen` and `fit` provide working
-/// memory.
+/// It is tested with a subset of the points; `options` are valid. `chosen` and `fit` provide
+/// working memory.
 template <int Dim>
 Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<Dim>& map,
                       const Pose<Dim>& T_local_vehicle, const TangentMatrix<Dim>& covariance,
