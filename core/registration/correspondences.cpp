@@ -169,9 +169,10 @@ float CorrespondenceFinder<Dim>::WeighFor(const GaussianPoint<Dim>& point,
                                           double near_m) {
   const Lanes never = InEachLane(std::numeric_limits<float>::infinity());
   const auto gate_sigmas = static_cast<float>(gates_.gate_sigmas);
-  const auto outer_m2 = static_cast<float>(Squared(gates_.max_distance_m + near_m));
-  const auto inner_m2 = static_cast<float>(Squared(std::max(0.0, gates_.max_distance_m - near_m)));
   const auto moved_m = static_cast<float>(near_m + kRounding_m);
+  const auto max_distance_m = static_cast<float>(gates_.max_distance_m);
+  const float outer_m = max_distance_m + moved_m;
+  const float inner_m = std::max(0.0F, max_distance_m - moved_m);
   const VectorF<Dim> p = point.mean_m.template cast<float>();
   const VectorF<Dim> slant_per_m = point.slant_per_m.template cast<float>();
   const Eigen::Matrix<float, Dim, Dim> covariance_m2 = point.covariance_m2.template cast<float>();
@@ -190,12 +191,14 @@ float CorrespondenceFinder<Dim>::WeighFor(const GaussianPoint<Dim>& point,
     const Lanes squared_m2 = SquaredNorm(e_m);
     // Written so that what is not a number fails.
     const LaneMask are_near = FirstLanes(landmarks.size() - i) & (determinants > 0.0F) &
-                              (sigmas - near_sigmas <= gate_sigmas) & (squared_m2 <= outer_m2);
+                              (sigmas - near_sigmas <= gate_sigmas) &
+                              (squared_m2 <= outer_m * outer_m);
     const Lanes least_sigmas = AtLeast(sigmas - near_sigmas, 0.0F);
     min_costs_.push_back(are_near ? least_sigmas * least_sigmas + log_determinants : never);
     // Only who passes the gates everywhere excludes others.
     const Lanes most_sigmas = sigmas + near_sigmas;
-    const LaneMask pass = are_near & (most_sigmas <= gate_sigmas) & (squared_m2 <= inner_m2);
+    const LaneMask pass =
+        are_near & (most_sigmas <= gate_sigmas) & (squared_m2 <= inner_m * inner_m);
     const Lanes costs = most_sigmas * most_sigmas + log_determinants;
     max_costs = (pass & (costs < max_costs)) ? costs : max_costs;
   }
