@@ -127,6 +127,7 @@ void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
     UpdateOdometry(registered, newest_.outcome);
     if (was_confirmed && newest_.outcome == RegistrationOutcome::kAccepted) {
       radars_.range_rate_scales.OnRegistered(stamp);
+      radars_.azimuth_signs.OnConfirmed();
       relocalizer_.OnRegistered(registered->registration.score);
       learner_.OnAccepted(stamp, registered->registration, ego_velocity, live_.submap.span(),
                           map_.matcher, ego_motion_, pose_, workspace);

@@ -139,6 +139,8 @@ class Pipeline final : public AnyPipeline {
   void CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspace);
   // Whether the sign has changed: then the scan's points are dropped.
   bool LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& workspace);
+  void TryOtherAzimuthSigns();
+  void OnAzimuthSignChanged(std::size_t radar_index);
   // `sent`, without targets that its radar sent before.
   const Scan& Fresh(const Scan& sent, std::size_t radar_index, Workspace<Dim>& workspace);
   // `scan` itself, or a copy in `workspace` with the sign of azimuths and the scale of range rates

@@ -122,12 +122,27 @@ bool Pipeline<Dim>::LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& wo
   if (!radars_.azimuth_signs.OnFits(radar_index, workspace.scan_points.size(), fit, mirrored_fit)) {
     return false;
   }
-  // What was seen with the other sign is not where it was put.
+  OnAzimuthSignChanged(radar_index);
+  workspace.static_points.clear();
+  return true;
+}
+
+// At a wrong pose chance decides, and with the wrong sign nothing fits anywhere: search after
+// search, either is tried.
+template <int Dim>
+void Pipeline<Dim>::TryOtherAzimuthSigns() {
+  for (std::size_t i = 0; i < rig().radars.size(); ++i) {
+    if (radars_.azimuth_signs.TryOther(i)) OnAzimuthSignChanged(i);
+  }
+}
+
+// What was seen with the other sign is not where it was put.
+template <int Dim>
+void Pipeline<Dim>::OnAzimuthSignChanged(std::size_t radar_index) {
   live_.submap.DropPoints(static_cast<int>(radar_index));
   radars_.scan_checker.Reset();
   radars_.monitor.ResetFits();
-  workspace.static_points.clear();
-  return true;
+  relocalizer_.RetakeViews();
 }
 
 // Where nothing moves, the same targets may really be seen again.
@@ -187,6 +202,8 @@ template void Pipeline<2>::CompareAlongTrackRivals(ScanFit, Workspace<2>&);
 template void Pipeline<3>::CompareAlongTrackRivals(ScanFit, Workspace<3>&);
 template bool Pipeline<2>::LearnAzimuthSign(std::size_t, Workspace<2>&);
 template bool Pipeline<3>::LearnAzimuthSign(std::size_t, Workspace<3>&);
+template void Pipeline<2>::TryOtherAzimuthSigns();
+template void Pipeline<3>::TryOtherAzimuthSigns();
 template const Scan& Pipeline<2>::TellingMotion(const Scan&, Workspace<2>&) const;
 template const Scan& Pipeline<3>::TellingMotion(const Scan&, Workspace<3>&) const;
 template const Scan& Pipeline<2>::AsMeasured(const Scan&, const EgoVelocity&, Workspace<2>&) const;

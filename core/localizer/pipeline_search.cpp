@@ -20,7 +20,11 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
                     tracking_.requires_verification() ? options_.prior.max_region_radius_m : 0.0};
     if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
   }
-  return relocalizer_.Search(stamp, live, live_.schedule.SinceBegin(), expected, workspace);
+  const int failed_count = relocalizer_.failed_search_count();
+  std::optional<Place> place =
+      relocalizer_.Search(stamp, live, live_.schedule.SinceBegin(), expected, workspace);
+  if (relocalizer_.failed_search_count() > failed_count) TryOtherAzimuthSigns();
+  return place;
 }
 
 // No other place fits as well as the pose: neither scans nor fixes contradict it any longer. Where

@@ -31,12 +31,17 @@ void GlobalLocalizer<Dim>::OnMotion(const Motion& motion) {
   const Matrix6d& covariance = since_view_.covariance;
   if (HorizontalSigma(covariance) > options_.max_view_sigma_m ||
       std::sqrt(covariance(5, 5)) > options_.max_view_sigma_rad) {
-    const int view_count = view_count_;
-    const int failed_search_count = failed_search_count_;
-    Clear();
-    view_count_ = view_count;  // the search for it goes on
-    failed_search_count_ = failed_search_count;
+    RetakeViews();
   }
+}
+
+template <int Dim>
+void GlobalLocalizer<Dim>::RetakeViews() {
+  const int view_count = view_count_;
+  const int failed_search_count = failed_search_count_;
+  Clear();
+  view_count_ = view_count;  // the search for it goes on
+  failed_search_count_ = failed_search_count;
 }
 
 // Views share scans where they follow one another sooner than a sub-map is long, so that a short

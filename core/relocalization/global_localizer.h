@@ -76,6 +76,9 @@ class GlobalLocalizer {
   /// map. Where the vehicle is now, once that is decided.
   std::optional<Place> Continue(RegistrationWorkspace<Dim>& workspace);
 
+  /// What the views show is not where it was put: they are taken anew. The search counts on.
+  void RetakeViews();
+
   /// How often, since all was forgotten, no place has been found that fits what is seen.
   int failed_search_count() const { return failed_search_count_; }
 

@@ -57,6 +57,12 @@ class Relocalizer {
   /// What was seen so far may not have been of the place where the vehicle is.
   void ForgetViews() { global_.Clear(); }
 
+  /// What views show is not where it was put. They are taken anew, and the search goes on.
+  void RetakeViews() { global_.RetakeViews(); }
+
+  /// How many searches since the last `ForgetViews` found nothing that fits.
+  int failed_search_count() const { return global_.failed_search_count(); }
+
   /// The vehicle has been found: there is nothing to search for.
   void OnFound();
 

@@ -51,12 +51,21 @@ class AzimuthSigns {
   /// [0, 1]. Returns whether the sign has changed.
   bool OnFits(std::size_t index, std::size_t point_count, double fit, double mirrored_fit);
 
+  /// The vehicle is where it is supposed to be, and scans fit there: the signs are right.
+  void OnConfirmed();
+
+  /// Nothing in the map looks like what the radars see. Of a radar whose sign was changed since the
+  /// pose was confirmed the other sign is tried: it may have been chosen at a wrong pose. Returns
+  /// whether that of radar `index` was.
+  bool TryOther(std::size_t index);
+
   /// The vehicle is somewhere else than was supposed: scans that were compared do not count.
   void Reset();
 
  private:
   struct Radar {
     bool is_mirrored = false;
+    bool is_proven = true;
     OneSidedCusum other_fits;
   };
   AzimuthSignOptions options_;

@@ -31,6 +31,33 @@ TEST(AzimuthSignsTest, AFewScansWhoseMirrorImageFitsShowTheSign) {
   EXPECT_FALSE(signs.IsMirrored(1));
 }
 
+TEST(AzimuthSignsTest, WhereNothingFitsEitherSignIsTriedInTurn) {
+  AzimuthSigns signs(2, {});
+  ScansUntilChanged(signs, 0.15, 0.35);
+  EXPECT_FALSE(signs.TryOther(1));
+  EXPECT_TRUE(signs.TryOther(0));
+  EXPECT_FALSE(signs.IsMirrored(0));
+  EXPECT_TRUE(signs.TryOther(0));
+  EXPECT_TRUE(signs.IsMirrored(0));
+  EXPECT_FALSE(signs.IsMirrored(1));
+}
+
+TEST(AzimuthSignsTest, ASignWithWhichThePoseWasConfirmedStays) {
+  AzimuthSigns signs(1, {});
+  ScansUntilChanged(signs, 0.15, 0.35);
+  signs.OnConfirmed();
+  EXPECT_FALSE(signs.TryOther(0));
+  EXPECT_TRUE(signs.IsMirrored(0));
+}
+
+TEST(AzimuthSignsTest, ASignThatChangedTwiceIsAsProvenAsBefore) {
+  AzimuthSigns signs(1, {});
+  ScansUntilChanged(signs, 0.15, 0.35);
+  ScansUntilChanged(signs, 0.15, 0.35);
+  EXPECT_FALSE(signs.TryOther(0));
+  EXPECT_FALSE(signs.IsMirrored(0));
+}
+
 TEST(AzimuthSignsTest, ASignThatIsTakenWronglyIsTakenBack) {
   AzimuthSigns signs(1, {});
   ScansUntilChanged(signs, 0.15, 0.35);
