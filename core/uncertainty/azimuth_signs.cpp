@@ -48,7 +48,7 @@ bool AzimuthSigns::OnFits(std::size_t index, std::size_t point_count, double fit
   const double better = mirrored_fit < options_.min_fit ? 0.0 : mirrored_fit - fit;
   radar.other_fits.Add(better / sigma, options_.other_fits);
   if (!radar.other_fits.is_exceeded()) return false;
-  radar = {.is_mirrored = !radar.is_mirrored, .is_proven = !radar.is_proven};
+  radar = {.is_mirrored = !radar.is_mirrored, .is_proven = false};
   return true;
 }
 
