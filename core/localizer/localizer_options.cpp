@@ -25,6 +25,7 @@ std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& 
       {"contradicted_sigma_m", &O::contradicted_sigma_m, 0, 1000, "its covariance holds"},
       {"contradicted_sigma_rad", &O::contradicted_sigma_rad, 0, 10, "its covariance holds"},
       {"clock_set_sigma_s", &O::clock_set_sigma_s, 0, 1000, "the odometry's covariance holds"},
+      {"radar_trial_ms", &O::radar_trial, 1, 1e6},
   };
   return kFields;
 }
@@ -44,6 +45,7 @@ absl::Status Validate(const LocalizerOptions& options) {
   status.Update(Within("map_fit", Validate(options.map_fit)));
   status.Update(Within("along_track_rivals", Validate(options.along_track_rivals)));
   status.Update(Within("azimuth_signs", Validate(options.azimuth_signs)));
+  status.Update(Within("range_biases", Validate(options.range_biases)));
   status.Update(Within("range_rate_scales", Validate(options.range_rate_scales)));
   status.Update(Within("ego_motion", Validate(options.ego_motion)));
   status.Update(Within("learned_rig", Validate(options.learned_rig)));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <span>
 
 #include "absl/status/status.h"
@@ -31,6 +32,7 @@
 #include "core/uncertainty/noise_scale_estimator.h"
 #include "core/uncertainty/place_evidence.h"
 #include "core/uncertainty/protection_level.h"
+#include "core/uncertainty/range_biases.h"
 #include "core/uncertainty/registration_factor.h"
 
 namespace dcloc {
@@ -61,6 +63,9 @@ struct LocalizerOptions {
 
   /// How long a vehicle moved while its clock was set.
   double clock_set_sigma_s = 0.3;
+  /// Where searches find nothing for so long, something else is supposed of the radars: a sign of
+  /// azimuths, a bias of ranges.
+  std::chrono::nanoseconds radar_trial = std::chrono::seconds(2);
   /// What an earlier session of the same vehicle learned. Learning begins with it.
   RigKnowledge known;
   KnowledgeReportOptions knowledge_report;
@@ -75,6 +80,7 @@ struct LocalizerOptions {
   MapFitOptions map_fit;
   AlongTrackRivalOptions along_track_rivals;
   AzimuthSignOptions azimuth_signs;
+  RangeBiasOptions range_biases;
   RangeRateScaleOptions range_rate_scales;
   EgoMotionOptions ego_motion;
   LearnedRigOptions learned_rig;

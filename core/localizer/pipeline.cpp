@@ -42,8 +42,7 @@ Pipeline<Dim>::Pipeline(std::shared_ptr<const RadarMap> map, Rig rig,
       claims_{.protection_level = ProtectionLevel(options.protection_level),
               .reset_counter = ResetCounter(options.resets),
               .knowledge_report = KnowledgeReport(options.knowledge_report)} {
-  radars_.learned.Restore(options.known);
-  ego_motion_.Restore(options.known);
+  RestoreKnown(options.known);
   if (initial_pose) Start(*initial_pose);
 }
 
@@ -134,7 +133,10 @@ void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
     }
     tracking_.OnRegistration(stamp, newest_.outcome);
   }
-  if (tracking_.mode() == TrackingMode::kConfirmed) relocalizer_.OnFound();
+  if (tracking_.mode() == TrackingMode::kConfirmed) {
+    relocalizer_.OnFound();
+    radars_.in_vain_since.reset();
+  }
   GiveUpFailedPose(stamp);
   if (was_tried) live_.schedule.OnRegistration();
 }
@@ -199,6 +201,7 @@ template <int Dim>
 void Pipeline<Dim>::Move(const Motion& motion) {
   pose_.OnMotion(motion);
   relocalizer_.OnMotion(motion);
+  radars_.range_biases.OnMotion(motion.T_from_to.translation_m.norm());
   claims_.reset_counter.OnMotion(ego_motion_.expected_motion());
   // The noise was learned with other sources in use.
   if (ego_motion_.sources_changed()) pose_.ResetNoise();
@@ -327,6 +330,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(Stamp stamp,
     rivals_.Reset();
     place_evidence_.Reset();
     radars_.azimuth_signs.Reset();
+    radars_.range_biases.Reset();
     radars_.monitor.ResetFits();
     ego_motion_.OnPlaceChanged();
     pose_.Reset({.pose = factor.pose, .covariance = factor.covariance}, factor.systematic);

@@ -31,6 +31,7 @@
 #include "core/uncertainty/azimuth_signs.h"
 #include "core/uncertainty/place_evidence.h"
 #include "core/uncertainty/protection_level.h"
+#include "core/uncertainty/range_biases.h"
 
 namespace dcloc {
 
@@ -120,6 +121,8 @@ class Pipeline final : public AnyPipeline {
 
   void Start(const InitialPose& initial_pose);
 
+  void RestoreKnown(const RigKnowledge& known);
+
   // The stages of one scan.
   void LearnRig(const Scan& scan, Stamp stamp, std::size_t radar_index);
   Motion MotionSincePrevious(bool clock_was_set) const;
@@ -140,7 +143,11 @@ class Pipeline final : public AnyPipeline {
   // Whether the sign has changed: then the scan's points are dropped.
   bool LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& workspace);
   void TryOtherAzimuthSigns();
+  void TryOtherRangeBiases();
   void OnAzimuthSignChanged(std::size_t radar_index);
+  void OnRangeCorrected(std::size_t radar_index);
+  // Whether ranges have been corrected: then the scan's points are dropped.
+  bool LearnRangeBias(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
   // `sent`, without targets that its radar sent before.
   const Scan& Fresh(const Scan& sent, std::size_t radar_index, Workspace<Dim>& workspace);
   // `scan` itself, or a copy in `workspace` with the sign of azimuths and the scale of range rates
@@ -175,6 +182,7 @@ class Pipeline final : public AnyPipeline {
   using Place = typename Relocalizer<Dim>::Place;
   std::optional<Place> SearchPlace(std::span<const GaussianPoint<Dim>> live, Stamp stamp,
                                    RegistrationWorkspace<Dim>& workspace);
+  void OnSearchedInVain(Stamp stamp);
   void OnPoseVerified(bool fits_as_usual);
   void EnterLocalFrame(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace);
   bool IsVague() const;
@@ -187,6 +195,7 @@ class Pipeline final : public AnyPipeline {
           monitor(learned.rig().radars.size(), options.radar_monitor),
           repeated_targets(learned.rig().radars.size()),
           azimuth_signs(learned.rig().radars.size(), options.azimuth_signs),
+          range_biases(learned.rig().radars.size(), options.range_biases),
           range_rate_scales(learned.rig().radars.size(), options.range_rate_scales),
           scan_checker(learned.rig().radars.size(), options.map_fit) {
       if (map.stamp_delay_s) learned.BeginToLearnStamps(*map.stamp_delay_s);
@@ -196,9 +205,11 @@ class Pipeline final : public AnyPipeline {
     RadarMonitor monitor;
     RepeatedTargets repeated_targets;
     AzimuthSigns azimuth_signs;
+    RangeBiases range_biases;
     RangeRateScales range_rate_scales;
     ScanChecker<Dim> scan_checker;
-    StampError stamp_error;    // of the newest scan
+    std::optional<Stamp> in_vain_since;  // with what is supposed of them, nothing was found
+    StampError stamp_error;              // of the newest scan
     double restamped_s = 0.0;  // by how much time offsets changed at the newest scan, at most
   };
   // The source cloud, and when it is registered.

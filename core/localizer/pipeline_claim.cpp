@@ -86,7 +86,8 @@ void Pipeline<Dim>::Claim(Localization& answer) const {
   if (answer.state == LocalizationState::kTracking) {
     const double along_track_m = speed_mps * radars_.stamp_error.bound_s +
                                  speed_mps * radars_.stamp_error.undecided_step_s +
-                                 AlongTrackSpread_m() + ego_motion_.undecided_distance_m();
+                                 AlongTrackSpread_m() + ego_motion_.undecided_distance_m() +
+                                 radars_.range_biases.suspected_m();
     answer.protection_level_m = claims_.protection_level.Of(answer.covariance, along_track_m);
   }
   Vector6d per_second;

@@ -24,6 +24,7 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<
   // What is compared is relative to the pose: where that is lost, both hypotheses are wrong.
   const bool is_comparable = is_full && !tracking_.is_lost();
   if (is_comparable && LearnAzimuthSign(radar_index, workspace)) return;
+  if (is_comparable && LearnRangeBias(stamp, radar_index, workspace)) return;
   if (!IsTrusted(radar_index, stamp)) return;
   if (is_comparable) CompareSourcesByMapFit(workspace);
   if (is_full) CompareAlongTrackRivals(fit, workspace);

@@ -127,8 +127,6 @@ bool Pipeline<Dim>::LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& wo
   return true;
 }
 
-// At a wrong pose chance decides, and with the wrong sign nothing fits anywhere: search after
-// search, either is tried.
 template <int Dim>
 void Pipeline<Dim>::TryOtherAzimuthSigns() {
   for (std::size_t i = 0; i < rig().radars.size(); ++i) {
@@ -143,6 +141,70 @@ void Pipeline<Dim>::OnAzimuthSignChanged(std::size_t radar_index) {
   radars_.scan_checker.Reset();
   radars_.monitor.ResetFits();
   relocalizer_.RetakeViews();
+}
+
+// METHOD eq 71. The scan is laid into the map with shorter and longer ranges, each at the pose that
+// would absorb most of that.
+template <int Dim>
+bool Pipeline<Dim>::LearnRangeBias(Stamp stamp, std::size_t radar_index,
+                                   Workspace<Dim>& workspace) {
+  RangeBiases& biases = radars_.range_biases;
+  const RangeBiasOptions& options = biases.options();
+  const bool is_where_it_seems = tracking_.mode() == TrackingMode::kConfirmed &&
+                                 newest_.outcome == RegistrationOutcome::kAccepted;
+  if (!is_where_it_seems || !EffectiveStaticPoints(options_).compensate ||
+      !biases.IsDue(radar_index, workspace.static_points.size())) {
+    return false;
+  }
+  const PoseEstimate<Dim> now = pose_.Now();
+  const double sigma_m =
+      std::min(options_.map_fit.max_prediction_sigma_m, HorizontalSigma(now.covariance));
+  const std::vector<GaussianPoint<Dim>>& points = workspace.scan_points;
+  ThinPoints(workspace.static_points, options.max_point_count, workspace.scan_points);
+  const Eigen::Vector2d radar_m =
+      rig().radars[radar_index].T_vehicle_radar.translation_m.template head<2>();
+  const double by_pose_m =
+      ShiftsByRange<Dim>(points, radar_m, options.landmark_sigma_m, workspace.range_shifts_m);
+  const auto fit_longer_by = [&](double longer_m) {
+    workspace.shifted_points = points;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      workspace.shifted_points[i].mean_m.template head<2>() +=
+          longer_m * workspace.range_shifts_m[i];
+    }
+    return map_.matcher.Fit(workspace.shifted_points, now.pose, sigma_m, workspace.registration);
+  };
+  const double absorbed_m = IsTrusted(radar_index, stamp) ? by_pose_m : 0.0;
+  const std::optional<double> corrected_m =
+      biases.OnFits(radar_index,
+                    {.point_count = points.size(),
+                     .shorter = fit_longer_by(-options.step_m),
+                     .as_measured = fit_longer_by(0.0),
+                     .longer = fit_longer_by(options.step_m)},
+                    absorbed_m);
+  if (!corrected_m) return false;
+  Motion absorbed;
+  absorbed.covariance.template topLeftCorner<2, 2>() =
+      std::pow(*corrected_m * absorbed_m, 2) * Eigen::Matrix2d::Identity();
+  pose_.OnMotion(absorbed);
+  OnRangeCorrected(radar_index);
+  workspace.static_points.clear();
+  return true;
+}
+
+template <int Dim>
+void Pipeline<Dim>::TryOtherRangeBiases() {
+  if (!radars_.range_biases.TryOther()) return;
+  for (std::size_t i = 0; i < rig().radars.size(); ++i) OnRangeCorrected(i);
+  relocalizer_.RetakeViews();
+}
+
+// What was seen with other ranges is not where it was put.
+template <int Dim>
+void Pipeline<Dim>::OnRangeCorrected(std::size_t radar_index) {
+  radars_.learned.CorrectRange(radar_index, radars_.range_biases.bias_m(radar_index));
+  live_.submap.DropPoints(static_cast<int>(radar_index));
+  radars_.scan_checker.Reset();
+  radars_.monitor.ResetFits();
 }
 
 // Where nothing moves, the same targets may really be seen again.
@@ -202,6 +264,10 @@ template void Pipeline<2>::CompareAlongTrackRivals(ScanFit, Workspace<2>&);
 template void Pipeline<3>::CompareAlongTrackRivals(ScanFit, Workspace<3>&);
 template bool Pipeline<2>::LearnAzimuthSign(std::size_t, Workspace<2>&);
 template bool Pipeline<3>::LearnAzimuthSign(std::size_t, Workspace<3>&);
+template bool Pipeline<2>::LearnRangeBias(Stamp, std::size_t, Workspace<2>&);
+template bool Pipeline<3>::LearnRangeBias(Stamp, std::size_t, Workspace<3>&);
+template void Pipeline<2>::TryOtherRangeBiases();
+template void Pipeline<3>::TryOtherRangeBiases();
 template void Pipeline<2>::TryOtherAzimuthSigns();
 template void Pipeline<3>::TryOtherAzimuthSigns();
 template const Scan& Pipeline<2>::TellingMotion(const Scan&, Workspace<2>&) const;

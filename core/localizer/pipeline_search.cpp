@@ -23,8 +23,21 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
   const int failed_count = relocalizer_.failed_search_count();
   std::optional<Place> place =
       relocalizer_.Search(stamp, live, live_.schedule.SinceBegin(), expected, workspace);
-  if (relocalizer_.failed_search_count() > failed_count) TryOtherAzimuthSigns();
+  if (place) radars_.in_vain_since.reset();
+  if (relocalizer_.failed_search_count() > failed_count) OnSearchedInVain(stamp);
   return place;
+}
+
+// At a wrong pose chance decides what is learned of the radars, and with that nothing fits
+// anywhere. So either is tried in turn, each for as long as a search takes.
+template <int Dim>
+void Pipeline<Dim>::OnSearchedInVain(Stamp stamp) {
+  std::optional<Stamp>& since = radars_.in_vain_since;
+  if (!since) since = stamp;
+  if (stamp - *since < options_.radar_trial) return;
+  since = stamp;
+  TryOtherAzimuthSigns();
+  TryOtherRangeBiases();
 }
 
 // No other place fits as well as the pose: neither scans nor fixes contradict it any longer. Where

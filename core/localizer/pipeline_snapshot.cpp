@@ -19,11 +19,26 @@ const RigKnowledge& Pipeline<Dim>::Knowledge() {
   ego_motion_.AddTo(claims_.known);
   radars_.learned.AddTo(claims_.known);
   for (std::size_t i = 0; i < rig().radars.size(); ++i) {
+    if (const std::optional<ScalarEstimate>& bias_m = radars_.range_biases.bias_m(i)) {
+      claims_.known.Of(rig().radars[i].id).range_bias_error = bias_m;
+    }
     const BetaCheck beta = learner_.CheckBeta(i);
     if (beta.sigma_s > options_.knowledge_report.max_beta_sigma_s) continue;
     claims_.known.Of(rig().radars[i].id).beta_error = {beta.error_s, beta.sigma_s * beta.sigma_s};
   }
   return claims_.known;
+}
+
+template <int Dim>
+void Pipeline<Dim>::RestoreKnown(const RigKnowledge& known) {
+  radars_.learned.Restore(known);
+  ego_motion_.Restore(known);
+  for (std::size_t i = 0; i < rig().radars.size(); ++i) {
+    const RadarKnowledge* radar = known.Find(rig().radars[i].id);
+    if (radar == nullptr || !radar->range_bias_error) continue;
+    radars_.range_biases.Restore(i, *radar->range_bias_error);
+    radars_.learned.CorrectRange(i, radars_.range_biases.bias_m(i));
+  }
 }
 
 template <int Dim>
@@ -52,8 +67,7 @@ std::optional<LocalizerSnapshot> Pipeline<Dim>::Snapshot() {
 
 template <int Dim>
 void Pipeline<Dim>::Restore(const LocalizerSnapshot& snapshot) {
-  radars_.learned.Restore(snapshot.known);
-  ego_motion_.Restore(snapshot.known);
+  RestoreKnown(snapshot.known);
   ego_motion_.Restore(snapshot.stamp, snapshot.velocity);
   const Pose3& T_map_vehicle = snapshot.pose.T_map_vehicle;
   RegistrationWorkspace<Dim> workspace;
@@ -69,6 +83,8 @@ void Pipeline<Dim>::Restore(const LocalizerSnapshot& snapshot) {
   registration_count_ = snapshot.registration_count;
 }
 
+template void Pipeline<2>::RestoreKnown(const RigKnowledge&);
+template void Pipeline<3>::RestoreKnown(const RigKnowledge&);
 template const RigKnowledge& Pipeline<2>::Knowledge();
 template const RigKnowledge& Pipeline<3>::Knowledge();
 template std::optional<LocalizerSnapshot> Pipeline<2>::Snapshot();

@@ -22,6 +22,8 @@ struct Workspace {
   Scan rescaled_scan;                    // with a scale that is supposed
   std::vector<GaussianPoint<Dim>> scan_points;
   std::vector<double> rival_fits;
+  std::vector<Eigen::Vector2d> range_shifts_m;     // of each of scan_points
+  std::vector<GaussianPoint<Dim>> shifted_points;  // scan_points with other ranges
   LiveSubmap<Dim> submap;
   RegistrationWorkspace<Dim> registration;
 };

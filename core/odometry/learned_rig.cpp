@@ -16,6 +16,7 @@ std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions
       {"corrected_sigma_rad", &O::corrected_sigma_rad, 1e-9, 1},
       {"suspected_rad", &O::suspected_rad, 1e-9, 3.2},
       {"max_correction_rad", &O::max_correction_rad, 0, 3.2, "no mount is corrected"},
+      {"suspected_range_m", &O::suspected_range_m, 1e-9, 100},
   };
   return kFields;
 }
@@ -107,9 +108,21 @@ bool LearnedRig::Correct(std::size_t index) {
   return true;
 }
 
+void LearnedRig::CorrectRange(std::size_t index,
+                              const std::optional<ScalarEstimate>& bias_error_m) {
+  const RadarModel& described = described_.radars[index];
+  const ScalarEstimate error_m = bias_error_m.value_or(ScalarEstimate{});
+  RadarModel& radar = rig_.radars[index];
+  radar.range_bias_m = described.range_bias_m + error_m.value;
+  radar.range_bias_sigma_m = std::max(described.range_bias_sigma_m, std::sqrt(error_m.variance));
+}
+
 SourceFault LearnedRig::FaultOf(std::size_t index, Stamp stamp) const {
-  const bool is_suspected =
-      !IsUsable(index, stamp) || std::abs(learned_[index].applied_rad) > options_.suspected_rad;
+  const double range_error_m =
+      rig_.radars[index].range_bias_m - described_.radars[index].range_bias_m;
+  const bool is_suspected = !IsUsable(index, stamp) ||
+                            std::abs(learned_[index].applied_rad) > options_.suspected_rad ||
+                            std::abs(range_error_m) > options_.suspected_range_m;
   return is_suspected ? SourceFault::kMount : SourceFault::kNone;
 }
 

@@ -35,6 +35,8 @@ struct LearnedRigOptions {
   /// Scans of a mount that is off by more than this are not used: its description must be wrong
   /// altogether.
   double max_correction_rad = 20.0 * kRadPerDeg;
+  /// A radar whose ranges are longer or shorter than described by more than this is reported, too.
+  double suspected_range_m = 0.5;
 };
 static_assert(LearnedRigOptions{}.max_correction_rad <= kMaxKnownMountYawError_rad);
 std::span<const OptionField<LearnedRigOptions>> FieldsOf(const LearnedRigOptions& options);
@@ -70,7 +72,10 @@ class LearnedRig {
   /// much the time offset of any radar has changed, at most [s].
   double LearnStamps(Stamp stamp, std::size_t index, const Scan& scan, bool is_sound);
 
-  /// kNone, or kMount where a radar looks elsewhere than described.
+  /// The ranges of radar `index` are longer than described by so much, if that is known.
+  void CorrectRange(std::size_t index, const std::optional<ScalarEstimate>& bias_error_m);
+
+  /// kNone, or kMount where a radar looks elsewhere than described, or measures other ranges.
   SourceFault FaultOf(std::size_t index, Stamp stamp) const;
 
   /// Whether the radar's targets lie where its mount, described or corrected, says, as far as is

@@ -65,6 +65,8 @@ absl::Status Validate(const RigKnowledge& knowledge) {
                              -kMaxKnownMountYawError_rad, kMaxKnownMountYawError_rad));
     status.Update(CheckKnown(radar.stamp_delay, name_of("stamp_delay_s"), -kMaxKnownStampDelay_s,
                              kMaxKnownStampDelay_s));
+    status.Update(CheckKnown(radar.range_bias_error, name_of("range_bias_error_m"),
+                             -kMaxKnownRangeBiasError_m, kMaxKnownRangeBiasError_m));
     // Reported only; it must be a number all the same.
     status.Update(CheckKnown(radar.clock_ahead, name_of("clock_ahead_s"), -1e9, 1e9));
     status.Update(CheckKnown(radar.beta_error, name_of("beta_error_s"), -10.0, 10.0));
@@ -85,6 +87,7 @@ bool HasChanged(const RigKnowledge& before, const RigKnowledge& now) {
            Differs(last_reported->mount_yaw_error, radar.mount_yaw_error) ||
            Differs(last_reported->clock_ahead, radar.clock_ahead) ||
            Differs(last_reported->stamp_delay, radar.stamp_delay) ||
+           Differs(last_reported->range_bias_error, radar.range_bias_error) ||
            Differs(last_reported->beta_error, radar.beta_error);
   });
 }

@@ -19,11 +19,15 @@ struct RadarKnowledge {
   std::optional<ScalarEstimate> clock_ahead;
   /// By how much later than `time_offset_s` describes its scans are stamped [s].
   std::optional<ScalarEstimate> stamp_delay;
+  /// By how much its ranges are longer than `range_bias_m` describes [m].
+  std::optional<ScalarEstimate> range_bias_error;
   /// By how much the described beta is too small [s]. Reported only: a session's scans are
   /// compensated by the beta that its rig describes.
   std::optional<ScalarEstimate> beta_error;
 
-  bool empty() const { return !mount_yaw_error && !clock_ahead && !stamp_delay && !beta_error; }
+  bool empty() const {
+    return !mount_yaw_error && !clock_ahead && !stamp_delay && !range_bias_error && !beta_error;
+  }
 };
 
 /// What was learned of a vehicle's radars and odometry while it drove. A later session may begin
@@ -51,6 +55,7 @@ struct RigKnowledge {
 inline constexpr double kMaxKnownMountYawError_rad = 0.35;
 inline constexpr double kMaxKnownDelay_s = 1.0;
 inline constexpr double kMaxKnownStampDelay_s = 0.35;
+inline constexpr double kMaxKnownRangeBiasError_m = 2.0;
 inline constexpr double kMinKnownScale = 0.4, kMaxKnownScale = 1.6;
 inline constexpr double kMaxKnownYawRateCorrection_radps = 0.15;
 

@@ -16,7 +16,7 @@ enum class SourceFault : std::size_t {
   kBias,      ///< it is off by a constant
   kSlip,      ///< it differs from the vehicle's motion, in no constant way
   kDoppler,   ///< a radar's range rates contradict how the vehicle moves
-  kMount,     ///< a radar looks elsewhere than its mount says
+  kMount,     ///< a radar looks elsewhere than its mount says, or its ranges are too long or short
   kMap,       ///< a radar's targets do not lie in the map where those of others do
   kClock,     ///< its stamps are not those of the other radars, or its clock was set
   kDelay,     ///< what it says was true some time before; it is used, brought to the present

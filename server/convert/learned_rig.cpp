@@ -42,6 +42,9 @@ void SetRadar(const RadarKnowledge& radar, v1::LearnedRadar* message) {
       radar.stamp_delay, [&] { return message->mutable_stamp_delay_s(); },
       [&] { message->clear_stamp_delay_s(); });
   SetKnown(
+      radar.range_bias_error, [&] { return message->mutable_range_bias_error_m(); },
+      [&] { message->clear_range_bias_error_m(); });
+  SetKnown(
       radar.beta_error, [&] { return message->mutable_beta_error_s(); },
       [&] { message->clear_beta_error_s(); });
 }
@@ -64,6 +67,7 @@ absl::StatusOr<RigKnowledge> FromProto(const v1::LearnedRig& message, absl::stri
          .mount_yaw_error = Known(radar.has_mount_yaw_error_rad(), radar.mount_yaw_error_rad()),
          .clock_ahead = Known(radar.has_clock_ahead_s(), radar.clock_ahead_s()),
          .stamp_delay = Known(radar.has_stamp_delay_s(), radar.stamp_delay_s()),
+         .range_bias_error = Known(radar.has_range_bias_error_m(), radar.range_bias_error_m()),
          .beta_error = Known(radar.has_beta_error_s(), radar.beta_error_s())});
   }
   status.Update(WithPrefix(absl::StrCat(field, ": "), Validate(known)));

@@ -9,7 +9,8 @@ namespace dcloc {
 
 std::vector<FuzzInput> FuzzSeeds() {
   return {InputOf(R"({"radars": [{"radar_id": "front", "mount_yaw_error_rad":)"
-                  R"( {"value": 0.02, "sigma": 0.003}, "stamp_delay_s": {"value": 0.11}}],)"
+                  R"( {"value": 0.02, "sigma": 0.003}, "stamp_delay_s": {"value": 0.11},)"
+                  R"( "range_bias_error_m": {"value": -0.4, "sigma": 0.05}}],)"
                   R"( "odometry_delay_s": {"value": 0.15, "sigma": 0.01},)"
                   R"( "wheel_scale": {"value": 1.02}, "of_a_newer_client": [{"a": [1, {}]}]})"),
           InputOf(R"({"radars": [{"radarId": "front", "clockAheadS": {"value": -1e-3}}]})"),

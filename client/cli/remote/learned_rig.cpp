@@ -44,6 +44,7 @@ v1::LearnedRig ToProto(const RigKnowledge& known) {
     if (radar.mount_yaw_error) Set(*radar.mount_yaw_error, added.mutable_mount_yaw_error_rad());
     if (radar.clock_ahead) Set(*radar.clock_ahead, added.mutable_clock_ahead_s());
     if (radar.stamp_delay) Set(*radar.stamp_delay, added.mutable_stamp_delay_s());
+    if (radar.range_bias_error) Set(*radar.range_bias_error, added.mutable_range_bias_error_m());
     if (radar.beta_error) Set(*radar.beta_error, added.mutable_beta_error_s());
   }
   if (known.odometry_delay) Set(*known.odometry_delay, message.mutable_odometry_delay_s());
@@ -62,6 +63,7 @@ RigKnowledge FromProto(const v1::LearnedRig& message) {
     if (radar.has_mount_yaw_error_rad()) added.mount_yaw_error = Known(radar.mount_yaw_error_rad());
     if (radar.has_clock_ahead_s()) added.clock_ahead = Known(radar.clock_ahead_s());
     if (radar.has_stamp_delay_s()) added.stamp_delay = Known(radar.stamp_delay_s());
+    if (radar.has_range_bias_error_m()) added.range_bias_error = Known(radar.range_bias_error_m());
     if (radar.has_beta_error_s()) added.beta_error = Known(radar.beta_error_s());
   }
   if (message.has_odometry_delay_s()) known.odometry_delay = Known(message.odometry_delay_s());
@@ -126,6 +128,9 @@ std::string LearnedRigText(const v1::LearnedRig& message) {
     }
     if (radar.has_stamp_delay_s()) {
       text += Line("  stamps its scans late by", radar.stamp_delay_s(), 1.0, " s");
+    }
+    if (radar.has_range_bias_error_m()) {
+      text += Line("  ranges are too long by", radar.range_bias_error_m(), 1.0, " m");
     }
     if (radar.has_beta_error_s()) {
       text += Line("  beta is too small by", radar.beta_error_s(), 1.0, " s");

@@ -64,6 +64,37 @@ TEST_F(OnARoad, ARadarWhoseAzimuthsAreMirroredTracksAllTheSame) {
   EXPECT_GT(errors.tracking_count, static_cast<int>(drive.size()) * 3 / 4);
 }
 
+// A pose absorbs nearly all of it: the radar looks ahead.
+TEST_F(OnARoad, ARadarWhoseRangesAreTooLongIsCorrectedAndToldOf) {
+  std::vector<TrueScan> drive = drive_;
+  for (TrueScan& seen : drive) {
+    for (float& range_m : seen.scan.range_m) range_m += 1.0F;
+  }
+  const std::vector<TrueAnswer> answers =
+      LocalizeDrive(MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02)), drive);
+  std::optional<RigKnowledge> known;
+  for (const TrueAnswer& answer : answers) {
+    if (answer.localization.protection_level_m) {
+      EXPECT_LT(answer.position_error_m(), *answer.localization.protection_level_m);
+    }
+    if (answer.localization.learned) known = answer.localization.learned;
+  }
+  EXPECT_TRUE(answers.back().tracking());
+  EXPECT_LT(answers.back().position_error_m(), 0.3);
+  EXPECT_EQ(answers.back().localization.health.radars[0].fault, SourceFault::kMount);
+  ASSERT_TRUE(known);
+  const RadarKnowledge* radar = known->Find("front");
+  ASSERT_NE(radar, nullptr);
+  ASSERT_TRUE(radar->range_bias_error);
+  EXPECT_NEAR(radar->range_bias_error->value, 1.0, 0.2);
+
+  LocalizerOptions options;
+  options.known = *known;
+  const Errors errors = ErrorsOf(LocalizeDrive(
+      MakeLocalizer(map_, FrontRadar(), PriorAt(Start(), 0.3, 0.02), options), drive));
+  EXPECT_LT(errors.max_m, 0.3) << "by the session after it";
+}
+
 // Its buffer is not filled any more: the same three scans come again and again, under new stamps.
 TEST_F(OnARoad, ARadarThatRepeatsItsScansIsNotBelievedAndTrackedWithOnceItSeesAgain) {
   std::vector<TrueScan> drive = drive_;

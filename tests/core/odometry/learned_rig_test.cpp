@@ -98,5 +98,17 @@ TEST_F(LearnedRigTest, ARadarThatLooksElsewhereIsSetAside) {
   EXPECT_EQ(rig_.FaultOf(0, stamp_), SourceFault::kMount);
 }
 
+TEST_F(LearnedRigTest, RangesAreCorrectedBesideTheirDescription) {
+  rig_.CorrectRange(0, ScalarEstimate{0.3, 0.04});
+  EXPECT_NEAR(rig_.rig().radars[0].range_bias_m, described_.range_bias_m + 0.3, 1e-12);
+  EXPECT_NEAR(rig_.rig().radars[0].range_bias_sigma_m, 0.2, 1e-12);
+  EXPECT_EQ(rig_.FaultOf(0, stamp_), SourceFault::kNone);
+  rig_.CorrectRange(0, ScalarEstimate{-0.8, 0.04});
+  EXPECT_EQ(rig_.FaultOf(0, stamp_), SourceFault::kMount);
+  rig_.CorrectRange(0, std::nullopt);
+  EXPECT_EQ(rig_.rig().radars[0].range_bias_m, described_.range_bias_m);
+  EXPECT_EQ(rig_.FaultOf(0, stamp_), SourceFault::kNone);
+}
+
 }  // namespace
 }  // namespace dcloc

@@ -33,6 +33,9 @@ TEST(RigKnowledgeTest, NamesWhatIsOutOfBounds) {
   RigKnowledge late;
   late.Of("front").stamp_delay = {0.5, 1e-6};
   EXPECT_THAT(std::string(Validate(late).message()), HasSubstr("stamp_delay_s"));
+  RigKnowledge far;
+  far.Of("front").range_bias_error = {-2.5, 1e-3};
+  EXPECT_THAT(std::string(Validate(far).message()), HasSubstr("range_bias_error_m"));
   RigKnowledge twice;
   twice.radars = {{.radar_id = "front"}, {.radar_id = "front"}};
   EXPECT_THAT(std::string(Validate(twice).message()), HasSubstr("twice"));

@@ -67,6 +67,7 @@ TEST_F(SessionTicketsTest, TooManyLearnedRadarsAreLeftOut) {
                                      .mount_yaw_error = {{0.01, 1e-6}},
                                      .clock_ahead = {{1.0, 1e-6}},
                                      .stamp_delay = {{0.1, 1e-6}},
+                                     .range_bias_error = {{0.4, 1e-3}},
                                      .beta_error = {{0.01, 1e-6}}};
   }
   const auto sealed = tickets_->Seal(content, SomeBinding(), kTicketNow);

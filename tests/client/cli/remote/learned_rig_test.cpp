@@ -17,6 +17,7 @@ TEST(LearnedRigWireTest, WhatWasLearnedOfARigArrivesAsItWas) {
                        .mount_yaw_error = ScalarEstimate{0.05, 1e-6},
                        .clock_ahead = ScalarEstimate{0.4, 1e-2},
                        .stamp_delay = ScalarEstimate{0.11, 4e-5},
+                       .range_bias_error = ScalarEstimate{-0.4, 1e-3},
                        .beta_error = ScalarEstimate{0.01, 1e-6}};
   const v1::LearnedRig message = ToProto(known);
   const auto arrived = server::convert::FromProto(message, "open.learned_rig");
