@@ -63,9 +63,9 @@ struct LocalizerOptions {
 
   /// How long a vehicle moved while its clock was set.
   double clock_set_sigma_s = 0.3;
-  /// Where searches find nothing for so long, something else is supposed of the radars: a sign of
-  /// azimuths, a bias of ranges.
-  std::chrono::nanoseconds radar_trial = std::chrono::seconds(2);
+  /// Where a search finds nothing, something else is supposed of the radars: another sign of
+  /// azimuths, another bias of ranges. The next time after so long, then after twice as long.
+  std::chrono::nanoseconds radar_trial = std::chrono::seconds(1);
   /// What an earlier session of the same vehicle learned. Learning begins with it.
   RigKnowledge known;
   KnowledgeReportOptions knowledge_report;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <span>
@@ -188,6 +189,10 @@ class Pipeline final : public AnyPipeline {
   bool IsVague() const;
   PoseEstimate<3> NowInMap() const;
 
+  struct RadarTrial {
+    std::chrono::nanoseconds duration;
+    Stamp end;
+  };
   // The radars as they are known by now, and how far each is trusted.
   struct Radars {
     Radars(Rig described, const LocalizerOptions& options, const MapInfo& map)
@@ -208,8 +213,8 @@ class Pipeline final : public AnyPipeline {
     RangeBiases range_biases;
     RangeRateScales range_rate_scales;
     ScanChecker<Dim> scan_checker;
-    std::optional<Stamp> in_vain_since;  // with what is supposed of them, nothing was found
-    StampError stamp_error;              // of the newest scan
+    std::optional<RadarTrial> trial;  // of what is supposed of them, since nothing was found
+    StampError stamp_error;           // of the newest scan
     double restamped_s = 0.0;  // by how much time offsets changed at the newest scan, at most
   };
   // The source cloud, and when it is registered.

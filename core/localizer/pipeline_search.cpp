@@ -23,19 +23,19 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
   const int failed_count = relocalizer_.failed_search_count();
   std::optional<Place> place =
       relocalizer_.Search(stamp, live, live_.schedule.SinceBegin(), expected, workspace);
-  if (place) radars_.in_vain_since.reset();
+  if (place) radars_.trial.reset();
   if (relocalizer_.failed_search_count() > failed_count) OnSearchedInVain(stamp);
   return place;
 }
 
 // At a wrong pose chance decides what is learned of the radars, and with that nothing fits
-// anywhere. So either is tried in turn, each for as long as a search takes.
+// anywhere. So either is tried in turn, for longer and longer: searches take time.
 template <int Dim>
 void Pipeline<Dim>::OnSearchedInVain(Stamp stamp) {
-  std::optional<Stamp>& since = radars_.in_vain_since;
-  if (!since) since = stamp;
-  if (stamp - *since < options_.radar_trial) return;
-  since = stamp;
+  std::optional<RadarTrial>& trial = radars_.trial;
+  if (trial && stamp < trial->end) return;
+  const std::chrono::nanoseconds duration = trial ? 2 * trial->duration : options_.radar_trial;
+  trial = {.duration = duration, .end = stamp + duration};
   TryOtherAzimuthSigns();
   TryOtherRangeBiases();
 }
