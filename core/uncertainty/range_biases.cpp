@@ -32,6 +32,8 @@ std::span<const OptionField<RangeBiasOptions>> FieldsOf(const RangeBiasOptions& 
       {"step_m", &O::step_m, 0.01, 10},
       {"max_correction_m", &O::max_correction_m, 0, 5, "no range is corrected"},
       {"reading_m", &O::reading_m, 0, 1000, "each scan is a reading"},
+      {"suspicion_forgetting_factor", &O::suspicion_forgetting_factor, 0, 0.999,
+       "the newest counts alone"},
       {"short_forgetting_factor", &O::short_forgetting_factor, 0, 0.999, "the newest counts alone"},
       {"long_forgetting_factor", &O::long_forgetting_factor, 0, 0.999, "the newest counts alone"},
       {"min_reading_count", &O::min_reading_count, 1, 10'000},
@@ -44,6 +46,7 @@ std::span<const OptionField<RangeBiasOptions>> FieldsOf(const RangeBiasOptions& 
       {"correction_sigmas", &O::correction_sigmas, 0, 1000, "what is not certain is corrected"},
       {"next_correction_sigmas", &O::next_correction_sigmas, 0, 1000,
        "what is not certain is corrected"},
+      {"suspicion_sigmas", &O::suspicion_sigmas, 0, 1000, "each bias whose size is not told"},
       {"corrected_sigma_m", &O::corrected_sigma_m, 1e-6, 10},
       {"max_bias_m", &O::max_bias_m, 0, 5, "no range is corrected"},
   };
@@ -74,25 +77,25 @@ std::optional<double> RangeBiases::OnFits(std::size_t index, const RangeFits& fi
   EndReading(radar);
   if (radar.newest.count < options_.min_reading_count) return std::nullopt;
 
-  const ScalarEstimate newest_m = Remaining(radar.newest);
+  radar.suspected_m = absorbed_m * SuspectedBias_m(radar.newest);
+  const ScalarEstimate recent_m = Remaining(radar.recent);
   const ScalarEstimate many_m = Remaining(radar.many);
-  radar.suspected_m =
-      absorbed_m * (IsTold(radar.newest) ? std::abs(newest_m.value) : options_.max_bias_m);
-  const bool began_lately = IsSure(radar, newest_m);
+  const bool began_lately = IsSure(radar, recent_m);
   if (!began_lately && !IsSure(radar, many_m)) return std::nullopt;
-  const ScalarEstimate& remaining_m = began_lately ? newest_m : many_m;
+  const ScalarEstimate& remaining_m = began_lately ? recent_m : many_m;
   const double before_m = radar.bias_m ? radar.bias_m->value : 0.0;
   const double correction_m =
       std::clamp(remaining_m.value, -options_.max_correction_m, options_.max_correction_m);
   radar.bias_m = Bounded({before_m + correction_m, remaining_m.variance});
   radar.other_m.reset();
-  radar.newest = radar.many = {};
+  radar.newest = radar.recent = radar.many = {};
   return radar.bias_m->value - before_m;
 }
 
 // METHOD eq 71.
 void RangeBiases::EndReading(Radar& radar) const {
-  Add(radar, options_.short_forgetting_factor, radar.newest);
+  Add(radar, options_.suspicion_forgetting_factor, radar.newest);
+  Add(radar, options_.short_forgetting_factor, radar.recent);
   Add(radar, options_.long_forgetting_factor, radar.many);
   radar.points = radar.lean = radar.decrease = radar.distance_m = 0.0;
 }
@@ -109,9 +112,14 @@ void RangeBiases::Add(const Radar& radar, double forgetting_factor, Readings& re
   ++readings.count;
 }
 
-// Where neither ranges as measured nor those near them fit best, the bias is far off.
-bool RangeBiases::IsTold(const Readings& readings) const {
-  return readings.decrease >= options_.min_decrease * readings.points;
+// Where others fit better, and neither ranges as measured nor those near them fit best, the bias is
+// far off.
+double RangeBiases::SuspectedBias_m(const Readings& readings) const {
+  const ScalarEstimate remaining_m = Remaining(readings);
+  const double bias_m = std::abs(remaining_m.value);
+  const bool is_told = readings.decrease >= options_.min_decrease * readings.points;
+  const bool is_chance = bias_m < options_.suspicion_sigmas * std::sqrt(remaining_m.variance);
+  return is_told || is_chance ? bias_m : options_.max_bias_m;
 }
 
 ScalarEstimate RangeBiases::Remaining(const Readings& readings) const {

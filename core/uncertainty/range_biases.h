@@ -23,11 +23,12 @@ struct RangeBiasOptions {
   double max_correction_m = 0.6;  ///< at once
   /// Scans from so much of the way are one reading: the next ones see other landmarks.
   double reading_m = 10.0;
-  // What began lately shows in the newest readings, what is small in many: the weight of an older
-  // one beside the next, in either mean.
-  double short_forgetting_factor = 0.5;
+  // The weight of an older reading beside the next: where a bias is suspected, and where it is
+  // corrected, because it began lately or because it shows in many readings.
+  double suspicion_forgetting_factor = 0.5;
+  double short_forgetting_factor = 0.75;
   double long_forgetting_factor = 0.95;
-  int min_reading_count = 2;
+  int min_reading_count = 3;
   double reuse = 1.0;  ///< readings that see the same landmarks, so not independent
   /// Variance of what one point adds to the difference of two fits.
   double point_variance = 0.1;
@@ -36,11 +37,13 @@ struct RangeBiasOptions {
   double min_decrease = 0.02;
   double landmark_sigma_m = 0.2;  ///< of landmarks, beside the points' own deviations
   // The smallest correction: the first one, those of a radar that is known to be off, and both in
-  // standard deviations.
-  double min_correction_m = 0.15;
-  double min_next_correction_m = 0.05;
+  // standard deviations. Recordings of other radars than those of the map seem to be off by 0.3 m.
+  double min_correction_m = 0.5;
+  double min_next_correction_m = 0.1;
   double correction_sigmas = 4.0;
-  double next_correction_sigmas = 2.0;
+  double next_correction_sigmas = 2.5;
+  /// From so many deviations on, a bias whose size is not told may be as large as any.
+  double suspicion_sigmas = 2.0;
   double corrected_sigma_m = 0.05;                ///< a bias that was learned is known no better
   double max_bias_m = kMaxKnownRangeBiasError_m;  ///< no bias is taken for larger
 };
@@ -111,13 +114,13 @@ class RangeBiases {
     int scan_count = 0;
     double distance_m = 0.0;                          // of the reading that is being made
     double points = 0.0, lean = 0.0, decrease = 0.0;  // its sums
-    Readings newest, many;
+    Readings newest, recent, many;
     double suspected_m = 0.0;  // how far off a pose may be because of it
   };
   void EndReading(Radar& radar) const;
   ScalarEstimate Bounded(const ScalarEstimate& bias_m) const;
   void Add(const Radar& radar, double forgetting_factor, Readings& readings) const;
-  bool IsTold(const Readings& readings) const;
+  double SuspectedBias_m(const Readings& readings) const;
   // By how much ranges seem to be longer than corrected for, and its variance.
   ScalarEstimate Remaining(const Readings& readings) const;
   bool IsSure(const Radar& radar, const ScalarEstimate& remaining_m) const;

@@ -53,19 +53,19 @@ TEST(RangeBiasesTest, RangesThatAreRightStay) {
 }
 
 TEST(RangeBiasesTest, RangesThatAreAMetreLongAreLearnedWithinTwoHundredMetres) {
-  for (const double true_m : {1.0, -1.0, 0.3}) {
+  for (const double true_m : {1.0, -1.0, 0.7}) {
     RangeBiases biases(2, {});
     Drive(0.0).Go(biases, 300);
     EXPECT_GE(Drive(true_m).Go(biases, 130), 1) << true_m;
     ASSERT_TRUE(biases.bias_m(0)) << true_m;
-    EXPECT_NEAR(biases.bias_m(0)->value, true_m, 0.1) << true_m;
+    EXPECT_NEAR(biases.bias_m(0)->value, true_m, 0.12) << true_m;
     EXPECT_FALSE(biases.bias_m(1)) << "the other radar's are right";
   }
 }
 
 TEST(RangeBiasesTest, WhatIsLittleMayBeTheMaps) {
   RangeBiases biases(1, {});
-  EXPECT_EQ(Drive(0.1).Go(biases, 1000), 0);
+  EXPECT_EQ(Drive(0.3).Go(biases, 1000), 0);
 }
 
 TEST(RangeBiasesTest, AStandingVehicleSeesTheSameAgainAndLearnsNothing) {
@@ -79,7 +79,7 @@ TEST(RangeBiasesTest, APoseMayBeOffByWhatItAbsorbsUntilTheBiasIsKnown) {
   Drive(1.0).Go(biases, 20);
   EXPECT_GE(biases.suspected_m(), 0.5 * Drive::kAbsorbed_m) << "of one radar of two";
   Drive(1.0).Go(biases, 300);
-  EXPECT_LT(biases.suspected_m(), 0.05);
+  EXPECT_LT(biases.suspected_m(), 0.06);
 }
 
 TEST(RangeBiasesTest, WhereNothingFitsWhatWasLearnedAndWhatIsDescribedAreTriedInTurn) {
