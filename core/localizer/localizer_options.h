@@ -63,9 +63,9 @@ struct LocalizerOptions {
 
   /// How long a vehicle moved while its clock was set.
   double clock_set_sigma_s = 0.3;
-  /// Where a search finds nothing, something else is supposed of the radars: another sign of
-  /// azimuths, another bias of ranges. The next time after so long, then after twice as long.
-  std::chrono::nanoseconds radar_trial = std::chrono::seconds(1);
+  /// Where searches find nothing, ranges are supposed to be as described, or as learned. The next
+  /// time after so long, then after twice as long.
+  std::chrono::nanoseconds range_trial = std::chrono::seconds(1);
   /// What an earlier session of the same vehicle learned. Learning begins with it.
   RigKnowledge known;
   KnowledgeReportOptions knowledge_report;

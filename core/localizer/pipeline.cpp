@@ -135,7 +135,7 @@ void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
   }
   if (tracking_.mode() == TrackingMode::kConfirmed) {
     relocalizer_.OnFound();
-    radars_.trial.reset();
+    radars_.range_trial.reset();
   }
   GiveUpFailedPose(stamp);
   if (was_tried) live_.schedule.OnRegistration();

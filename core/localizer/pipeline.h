@@ -189,7 +189,7 @@ class Pipeline final : public AnyPipeline {
   bool IsVague() const;
   PoseEstimate<3> NowInMap() const;
 
-  struct RadarTrial {
+  struct RangeTrial {
     std::chrono::nanoseconds duration;
     Stamp end;
   };
@@ -213,8 +213,8 @@ class Pipeline final : public AnyPipeline {
     RangeBiases range_biases;
     RangeRateScales range_rate_scales;
     ScanChecker<Dim> scan_checker;
-    std::optional<RadarTrial> trial;  // of what is supposed of them, since nothing was found
-    StampError stamp_error;           // of the newest scan
+    std::optional<RangeTrial> range_trial;  // of their biases, since nothing was found
+    StampError stamp_error;                 // of the newest scan
     double restamped_s = 0.0;  // by how much time offsets changed at the newest scan, at most
   };
   // The source cloud, and when it is registered.

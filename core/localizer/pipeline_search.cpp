@@ -23,20 +23,21 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
   const int failed_count = relocalizer_.failed_search_count();
   std::optional<Place> place =
       relocalizer_.Search(stamp, live, live_.schedule.SinceBegin(), expected, workspace);
-  if (place) radars_.trial.reset();
+  if (place) radars_.range_trial.reset();
   if (relocalizer_.failed_search_count() > failed_count) OnSearchedInVain(stamp);
   return place;
 }
 
 // At a wrong pose chance decides what is learned of the radars, and with that nothing fits
-// anywhere. So either is tried in turn, for longer and longer: searches take time.
+// anywhere. So either is tried in turn. Biases of ranges are tried for longer and longer, as a
+// search takes several views.
 template <int Dim>
 void Pipeline<Dim>::OnSearchedInVain(Stamp stamp) {
-  std::optional<RadarTrial>& trial = radars_.trial;
-  if (trial && stamp < trial->end) return;
-  const std::chrono::nanoseconds duration = trial ? 2 * trial->duration : options_.radar_trial;
-  trial = {.duration = duration, .end = stamp + duration};
   TryOtherAzimuthSigns();
+  std::optional<RangeTrial>& trial = radars_.range_trial;
+  if (trial && stamp < trial->end) return;
+  const std::chrono::nanoseconds duration = trial ? 2 * trial->duration : options_.range_trial;
+  trial = {.duration = duration, .end = stamp + duration};
   TryOtherRangeBiases();
 }
 

@@ -63,7 +63,9 @@ void RangeBiases::OnMotion(double distance_m) {
 
 bool RangeBiases::IsDue(std::size_t index, std::size_t point_count) {
   if (point_count < static_cast<std::size_t>(options_.min_point_count)) return false;
-  return radars_[index].scan_count++ % options_.scan_interval == 0;
+  int& count = radars_[index].scan_count;
+  count = (count + 1) % options_.scan_interval;
+  return count == 0;
 }
 
 std::optional<double> RangeBiases::OnFits(std::size_t index, const RangeFits& fits,

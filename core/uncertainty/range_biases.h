@@ -100,12 +100,12 @@ class RangeBiases {
   bool TryOther();
 
  private:
-  // Readings, older ones weighing less: of points, of how much better longer ranges fit than
-  // shorter ones, and of how much better measured ones fit than both. The second are of squares
-  // and products.
+  // Sums over readings, older ones weighing less.
   struct Readings {
-    double points = 0.0, lean = 0.0, decrease = 0.0;
-    double lean_lean = 0.0, lean_points = 0.0, points_points = 0.0;
+    double points = 0.0;
+    double lean = 0.0;      // of how much better shorter ranges fit than longer ones
+    double decrease = 0.0;  // of how much better measured ranges fit than both
+    double lean_lean = 0.0, lean_points = 0.0, points_points = 0.0;  // of products
     double noise = 0.0;  // variance of the lean that single points cause
     int count = 0;
   };
