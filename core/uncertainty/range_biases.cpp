@@ -6,20 +6,13 @@
 #include <cmath>
 #include <utility>
 
+#include "core/registration/point_jacobians.h"
+
 namespace dcloc {
 namespace {
 
 // Information [1/m^2, 1/rad^2] of motions that no point measures: a solver needs some.
 constexpr double kNoInformation = 1e-6;
-
-using ByMotion = Eigen::Matrix<double, 2, 3>;
-
-// How a point moves with the vehicle, by x, y and heading.
-ByMotion MotionJacobian(const Eigen::Vector2d& point_m) {
-  ByMotion J;
-  J << 1.0, 0.0, -point_m.y(), 0.0, 1.0, point_m.x();
-  return J;
-}
 
 }  // namespace
 
@@ -187,14 +180,14 @@ double ShiftsByRange(std::span<const GaussianPoint<Dim>> points, const Eigen::Ve
     const Eigen::Vector2d away = (p_m - radar_m).normalized();
     const Eigen::Matrix2d weight =
         (point.covariance_m2.template topLeftCorner<2, 2>() + of_landmark).inverse();
-    const ByMotion J = MotionJacobian(p_m);
+    const Eigen::Matrix<double, 2, 3> J = ByPose(p_m);
     information += J.transpose() * weight * J;
     pull += J.transpose() * (weight * away);
     shifts_m.push_back(away);
   }
   const Eigen::Vector3d absorbed = information.ldlt().solve(pull);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    shifts_m[i] -= MotionJacobian(points[i].mean_m.template head<2>()) * absorbed;
+    shifts_m[i] -= ByPose(Eigen::Vector2d(points[i].mean_m.template head<2>())) * absorbed;
   }
   return absorbed.head<2>().norm();
 }
