@@ -201,7 +201,9 @@ template <int Dim>
 void Pipeline<Dim>::Move(const Motion& motion) {
   pose_.OnMotion(motion);
   relocalizer_.OnMotion(motion);
-  radars_.range_biases.OnMotion(motion.T_from_to.translation_m.norm());
+  const double distance_m = motion.T_from_to.translation_m.norm();
+  radars_.range_biases.OnMotion(distance_m);
+  claims_.protection_level.OnMotion(distance_m);
   claims_.reset_counter.OnMotion(ego_motion_.expected_motion());
   // The noise was learned with other sources in use.
   if (ego_motion_.sources_changed()) pose_.ResetNoise();

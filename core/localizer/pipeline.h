@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -236,6 +237,8 @@ class Pipeline final : public AnyPipeline {
   // What answers need beside the pose and its state.
   struct Claims {
     ProtectionLevel protection_level;
+    // By how much the next answer may correct the newest one.
+    double expected_change_m = std::numeric_limits<double>::infinity();
     ResetCounter reset_counter;
     KnowledgeReport knowledge_report;
     RigKnowledge known = {};  // memory of Knowledge

@@ -9,8 +9,12 @@
 namespace dcloc {
 template <int Dim>
 Localization Pipeline<Dim>::FinishScan(const Scan& scan, Stamp stamp) {
-  if (tracking_.has_pose()) claims_.reset_counter.OnAnswer(NowInMap().pose);
+  if (tracking_.has_pose()) {
+    const double moved_m = claims_.reset_counter.OnAnswer(NowInMap().pose);
+    if (moved_m > claims_.expected_change_m) claims_.protection_level.OnContradiction(moved_m);
+  }
   Localization answer = Answer(scan, stamp);
+  claims_.expected_change_m = claims_.protection_level.Usual(answer.covariance);
   if (claims_.knowledge_report.IsDue(stamp))
     answer.learned = claims_.knowledge_report.OnKnown(Knowledge());
   return answer;

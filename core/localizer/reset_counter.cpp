@@ -15,7 +15,8 @@ absl::Status Validate(const ResetOptions& options) {
   return ValidateFields(options, FieldsOf(options));
 }
 
-void ResetCounter::OnAnswer(const Pose3& T_map_vehicle) {
+double ResetCounter::OnAnswer(const Pose3& T_map_vehicle) {
+  double moved_m = 0.0;
   if (expected_) {
     const Pose3 T_before_after = expected_->Inverse() * T_map_vehicle;
     const Vector6d change = Log(T_before_after);
@@ -23,9 +24,11 @@ void ResetCounter::OnAnswer(const Pose3& T_map_vehicle) {
         change.tail<3>().norm() > options_.min_reset_rad) {
       ++resets_.count;
       resets_.T_before_after = T_before_after;
+      moved_m = T_before_after.translation_m.head<2>().norm();
     }
   }
   expected_ = T_map_vehicle;
+  return moved_m;
 }
 
 }  // namespace dcloc

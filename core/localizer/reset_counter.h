@@ -28,8 +28,9 @@ class ResetCounter {
     if (expected_) expected_ = *expected_ * T_from_to;
   }
 
-  /// This is answered. The first pose is no reset.
-  void OnAnswer(const Pose3& T_map_vehicle);
+  /// This is answered. The first pose is no reset. Returns by how much a reset moved the position
+  /// [m]; 0 where there is none.
+  double OnAnswer(const Pose3& T_map_vehicle);
 
   /// Goes on from what an earlier localizer of the same vehicle counted, and from its last answer.
   void Restore(const PoseResets& resets, const Pose3& T_map_vehicle) {

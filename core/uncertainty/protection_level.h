@@ -19,6 +19,9 @@ struct ProtectionLevelOptions {
   /// How far back innovations count: the weight of an older one beside the next.
   double forgetting_factor = 0.9;
   double max_squared_sigmas = 100.0;  ///< the most that one innovation counts for
+  /// The most that contradictions count for: so far off, a place is another one.
+  double max_contradiction_m = 2.0;
+  double contradiction_fades_m = 150.0;  ///< on so much of the way, to 1/e
 };
 std::span<const OptionField<ProtectionLevelOptions>> FieldsOf(
     const ProtectionLevelOptions& options);
@@ -35,6 +38,13 @@ class ProtectionLevel {
   /// vehicle's xy plane.
   void OnInnovation(double squared_distance_per_dof, const Eigen::Vector2d& residual_m);
 
+  /// The pose was moved by `distance_m`, which is more than its covariance let expect. Either the
+  /// pose before was wrong or this one is.
+  void OnContradiction(double distance_m);
+
+  /// The vehicle moved on.
+  void OnMotion(double distance_m);
+
   /// How large innovations have been: the mean of what `OnInnovation` took.
   double mean_nis() const { return mean_nis_; }
   /// An earlier localizer of the same vehicle found this mean, >= 0.
@@ -44,10 +54,16 @@ class ProtectionLevel {
   /// the covariance says.
   double Of(const Matrix6d& covariance, double bias_m = 0.0) const;
 
+  /// The same where nothing speaks against the covariance.
+  double Usual(const Matrix6d& covariance) const;
+
  private:
+  double Spread_m(const Matrix6d& covariance) const;
+
   ProtectionLevelOptions options_;
   double mean_nis_ = 1.0;  // per degree of freedom
   Eigen::Vector2d mean_residual_m_ = Eigen::Vector2d::Zero();
+  double contradiction_m_ = 0.0;  // faded
 };
 
 }  // namespace dcloc

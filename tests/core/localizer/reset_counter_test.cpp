@@ -14,7 +14,7 @@ TEST(ResetCounterTest, MotionAndSmallCorrectionsAreNoJumps) {
   counter.OnAnswer(At(5.0, 0.0));
   for (int i = 1; i < 20; ++i) {
     counter.OnMotion(At(1.0, 0.0));
-    counter.OnAnswer(At(5.0 + i, 0.01 * i));
+    EXPECT_EQ(counter.OnAnswer(At(5.0 + i, 0.01 * i)), 0.0);
   }
   EXPECT_EQ(counter.resets().count, 0);
 }
@@ -23,7 +23,7 @@ TEST(ResetCounterTest, AJumpIsCountedWithItsSize) {
   ResetCounter counter({});
   counter.OnAnswer(At(5.0, 0.0));
   counter.OnMotion(At(1.0, 0.0));
-  counter.OnAnswer(At(9.0, 4.0, 0.1));
+  EXPECT_NEAR(counter.OnAnswer(At(9.0, 4.0, 0.1)), 5.0, 1e-9);
   EXPECT_EQ(counter.resets().count, 1);
   const Pose3 without = At(6.0, 0.0);
   const Pose3 with = without * counter.resets().T_before_after;

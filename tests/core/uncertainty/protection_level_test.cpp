@@ -36,5 +36,21 @@ TEST(ProtectionLevelTest, GrowsByHowFarRegistrationsLieToOneSide) {
   EXPECT_NEAR(level.Of(covariance), usual_m + 0.2, 1e-3);
 }
 
+TEST(ProtectionLevelTest, HoldsByHowMuchAPoseWasMovedForSomeOfTheWay) {
+  ProtectionLevel level({});
+  const Matrix6d covariance = 0.01 * Matrix6d::Identity();
+  const double usual_m = level.Of(covariance);
+  EXPECT_DOUBLE_EQ(level.Usual(covariance), usual_m);
+  level.OnContradiction(0.9);
+  EXPECT_NEAR(level.Of(covariance), usual_m + 0.9, 1e-9);
+  level.OnContradiction(0.5);
+  EXPECT_NEAR(level.Of(covariance), usual_m + 1.4, 1e-9) << "twice moved";
+  for (int i = 0; i < 150; ++i) level.OnMotion(1.0);
+  EXPECT_NEAR(level.Of(covariance), usual_m + 1.4 / std::exp(1.0), 1e-9);
+  EXPECT_DOUBLE_EQ(level.Usual(covariance), usual_m);
+  level.OnContradiction(100.0);
+  EXPECT_NEAR(level.Of(covariance), usual_m + 2.0, 1e-9) << "another place";
+}
+
 }  // namespace
 }  // namespace dcloc
