@@ -70,10 +70,16 @@ absl::Status CheckClocks(const std::vector<std::chrono::nanoseconds>& clocks_ahe
 
 absl::Status CheckNumbers(const LocalizerSnapshot& snapshot) {
   constexpr double kMaxInnovation = 1e6;
+  constexpr double kMaxContradiction_m = 1e6;
   constexpr int kMaxFactors = 1'000'000'000;
   if (!(snapshot.mean_nis >= 0.0 && snapshot.mean_nis <= kMaxInnovation)) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "squared_innovation is %g; it must lie in [0, %g]", snapshot.mean_nis, kMaxInnovation));
+  }
+  if (!(snapshot.contradiction_m >= 0.0 && snapshot.contradiction_m <= kMaxContradiction_m)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("contradiction_m is %g; it must lie in [0, %g]", snapshot.contradiction_m,
+                        kMaxContradiction_m));
   }
   if (snapshot.registration_count < 0 || snapshot.registration_count > kMaxFactors) {
     return absl::InvalidArgumentError(

@@ -27,8 +27,9 @@ struct LocalizerSnapshot {
   RigKnowledge known;
   NoiseKnowledge noise;
   PoseResets resets;
-  double mean_nis = 1.0;       ///< of ProtectionLevel
-  int registration_count = 1;  ///< registrations since the pose was found, outliers too
+  double mean_nis = 1.0;         ///< of ProtectionLevel
+  double contradiction_m = 0.0;  ///< of ProtectionLevel
+  int registration_count = 1;    ///< registrations since the pose was found, outliers too
   /// By how much each radar's clock is ahead, in the rig's order; empty: all are one.
   std::vector<std::chrono::nanoseconds> clocks_ahead;
 };

@@ -61,6 +61,7 @@ std::optional<LocalizerSnapshot> Pipeline<Dim>::Snapshot() {
                            .noise = pose_.noise_scales().knowledge(),
                            .resets = claims_.reset_counter.resets(),
                            .mean_nis = claims_.protection_level.mean_nis(),
+                           .contradiction_m = claims_.protection_level.contradiction_m(),
                            .registration_count = registration_count_,
                            .clocks_ahead = {}};
 }
@@ -79,7 +80,7 @@ void Pipeline<Dim>::Restore(const LocalizerSnapshot& snapshot) {
   // The prior that came with the opening is of a later moment.
   relocalizer_.SetPrior({.pose = T_map_vehicle, .covariance = snapshot.pose.covariance});
   claims_.reset_counter.Restore(snapshot.resets, T_map_vehicle);
-  claims_.protection_level.Restore(snapshot.mean_nis);
+  claims_.protection_level.Restore(snapshot.mean_nis, snapshot.contradiction_m);
   registration_count_ = snapshot.registration_count;
 }
 

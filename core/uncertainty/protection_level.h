@@ -47,8 +47,13 @@ class ProtectionLevel {
 
   /// How large innovations have been: the mean of what `OnInnovation` took.
   double mean_nis() const { return mean_nis_; }
-  /// An earlier localizer of the same vehicle found this mean, >= 0.
-  void Restore(double mean_nis) { mean_nis_ = std::min(mean_nis, options_.max_squared_sigmas); }
+  /// What `OnContradiction` took and has not faded.
+  double contradiction_m() const { return contradiction_m_; }
+  /// An earlier localizer of the same vehicle found these, both >= 0.
+  void Restore(double mean_nis, double contradiction_m) {
+    mean_nis_ = std::min(mean_nis, options_.max_squared_sigmas);
+    contradiction_m_ = std::min(contradiction_m, options_.max_contradiction_m);
+  }
 
   /// Of a pose of this covariance (x and y first) [m], which is off by up to `bias_m` beyond what
   /// the covariance says.
@@ -63,7 +68,7 @@ class ProtectionLevel {
   ProtectionLevelOptions options_;
   double mean_nis_ = 1.0;  // per degree of freedom
   Eigen::Vector2d mean_residual_m_ = Eigen::Vector2d::Zero();
-  double contradiction_m_ = 0.0;  // faded
+  double contradiction_m_ = 0.0;
 };
 
 }  // namespace dcloc

@@ -114,6 +114,7 @@ void Write(const LocalizerSnapshot& snapshot, sealed::Snapshot* message) {
   message->set_reset_count(snapshot.resets.count);
   Write(snapshot.resets.T_before_after, message->mutable_last_jump());
   message->set_squared_innovation(snapshot.mean_nis);
+  message->set_contradiction_m(snapshot.contradiction_m);
   message->set_factor_count(snapshot.registration_count);
   for (const std::chrono::nanoseconds ahead : snapshot.clocks_ahead) {
     message->add_clocks_ahead_ns(ahead.count());
@@ -144,6 +145,7 @@ absl::StatusOr<LocalizerSnapshot> Read(const sealed::Snapshot& message) {
       .noise = {},
       .resets = {.count = message.reset_count(), .T_before_after = ReadPose(message.last_jump())},
       .mean_nis = message.squared_innovation(),
+      .contradiction_m = message.contradiction_m(),
       .registration_count = message.factor_count(),
       .clocks_ahead = {}};
   ForEach(snapshot.noise,

@@ -93,7 +93,8 @@ TEST_F(LocalizerSnapshotTest, CountsResetsOn) {
 }
 
 TEST_F(LocalizerSnapshotTest, TakenTwiceInARowItIsTheSame) {
-  const LocalizerSnapshot snapshot = Taken();
+  LocalizerSnapshot snapshot = Taken();
+  snapshot.contradiction_m = 0.5;
   Localizer localizer = Fresh();
   ASSERT_TRUE(localizer.Restore(snapshot).ok());
   // Nothing was localized in between: all that was taken over is handed on.
@@ -108,6 +109,7 @@ TEST_F(LocalizerSnapshotTest, TakenTwiceInARowItIsTheSame) {
   EXPECT_EQ(again->noise.rotation.far.error, snapshot.noise.rotation.far.error);
   EXPECT_EQ(again->registration_count, snapshot.registration_count);
   EXPECT_EQ(again->mean_nis, snapshot.mean_nis);
+  EXPECT_EQ(again->contradiction_m, snapshot.contradiction_m);
 }
 
 TEST_F(LocalizerSnapshotTest, ThereIsNoneOfAVehicleThatWasNeverTracked) {
@@ -150,6 +152,7 @@ TEST_F(LocalizerSnapshotTest, WhatIsOutOfBoundsIsRefusedAndChangesNothing) {
       {"resets.T_before_after",
        [](S& s) { s.resets.T_before_after.translation_m.y() = kNoNumber; }},
       {"squared_innovation", [](S& s) { s.mean_nis = kNoNumber; }},
+      {"contradiction_m", [](S& s) { s.contradiction_m = -1.0; }},
       {"registration_count", [](S& s) { s.registration_count = -1; }},
       {"clocks_ahead", [](S& s) { s.clocks_ahead = {std::chrono::nanoseconds::max()}; }},
       {"clocks_ahead", [](S& s) { s.clocks_ahead.resize(3); }},
@@ -186,6 +189,7 @@ TEST_F(LocalizerSnapshotTest, NothingValidBreaksIt) {
       },
       [](S& s) { s.noise.rotation.registration_ratio = 1e6; },
       [](S& s) { s.mean_nis = 1e6; },
+      [](S& s) { s.contradiction_m = 1e6; },
       [](S& s) { s.registration_count = 1'000'000'000; },
       [](S& s) { s.tracking.usual_interval_s = 1e3; },
       [](S& s) { s.clocks_ahead = {std::chrono::hours(24 * 300)}; },

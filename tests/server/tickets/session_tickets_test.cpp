@@ -38,6 +38,7 @@ TEST_F(SessionTicketsTest, AnotherServerOfTheFleetReadsAllOfIt) {
   EXPECT_EQ(*WriteTicketContent(content, kMaxTicketSize),
             *WriteTicketContent(expected, kMaxTicketSize));
   EXPECT_EQ(content.snapshot.pose.covariance, expected.snapshot.pose.covariance);
+  EXPECT_EQ(content.snapshot.contradiction_m, expected.snapshot.contradiction_m);
   EXPECT_EQ(content.snapshot.tracking.last_lost_to_outliers,
             expected.snapshot.tracking.last_lost_to_outliers);
 }

@@ -62,6 +62,7 @@ inline TicketContent SomeContent() {
   snapshot.resets.count = 2;
   snapshot.resets.T_before_after.translation_m.x() = 0.7;
   snapshot.mean_nis = 1.5;
+  snapshot.contradiction_m = 0.25;
   snapshot.registration_count = 99;
   snapshot.clocks_ahead = {std::chrono::seconds(5)};
   return {.map_version = 7,
