@@ -310,7 +310,10 @@ void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
                                    const RegistrationEvidence& evidence) {
   if (!newest_) return;
   if (evidence.is_accepted) {
-    for (Hypothesis& hypothesis : hypotheses_) hypothesis.unapplied = {};
+    for (Hypothesis& hypothesis : hypotheses_) {
+      hypothesis.unapplied.turn_rad = 0.0;
+      if (evidence.observes_along_track) hypothesis.unapplied.forward_m = 0.0;
+    }
     accepted_or_tried_ = newest_;
     trial_count_ = 1;
   }

@@ -139,7 +139,7 @@ class SourceMonitor {
 
   /// A registration puts the vehicle here at the last readings. It is compared with one before, be
   /// it an outlier against the estimate or not: the estimate is made of the sources. An accepted
-  /// registration clears the unapplied correction.
+  /// registration clears the unapplied correction, as far as it observes it.
   void OnRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   /// It is no longer known where the vehicle was.
   void OnRegistrationLost() { registered_.reset(); }
@@ -169,7 +169,8 @@ class SourceMonitor {
 
   /// Reports the motion that the pose used between the last two readings [m, rad]. If the set of
   /// sound sources has changed since the last call, returns the correction to apply: the motion
-  /// since the last accepted registration by the new set, minus what was used.
+  /// since the last accepted registration by the new set, minus what was used. Along the way it is
+  /// since the last one that observed it.
   std::optional<PlanarMotion> OnUsedMotion(double forward_m, double turn_rad);
 
   /// The model spread: how the hypotheses that are probable differ from the motion that was used

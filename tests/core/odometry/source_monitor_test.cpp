@@ -189,13 +189,20 @@ TEST(SourceMonitorTest, SilentSourcesAreNotTakenForWrong) {
   EXPECT_EQ(vehicle.monitor.sound(), OdometrySources(7));
 }
 
-// The wheels creep away from the truth, so that it takes a while to find them wrong.
-TEST(SourceMonitorTest, WhatWasNotAppliedIsCorrected) {
-  SourceMonitor monitor;
-  Stamp stamp{std::chrono::seconds(1'700'000'000)};
-  double unapplied_m = 0.0;
+/// A straight drive whose wheels creep away from the truth, so that it takes a while to find them
+/// wrong.
+struct CreepingWheels {
+  bool are_found = false;
   double used_m = 0.0;
   double true_m = 0.0;
+  double corrected_m = 0.0;
+};
+
+// Accepted registrations lie where the motion that was used has put the vehicle.
+CreepingWheels DriveOnCreepingWheels(std::optional<RegistrationEvidence> registrations) {
+  SourceMonitor monitor;
+  CreepingWheels drive;
+  Stamp stamp{std::chrono::seconds(1'700'000'000)};
   for (int i = 0; i < 130; ++i) {
     stamp += milliseconds(kScan_ms);
     const double off_mps = i < 60 ? 0.0 : 0.1 * (i - 60);
@@ -206,13 +213,33 @@ TEST(SourceMonitorTest, WhatWasNotAppliedIsCorrected) {
                                .doppler_direction_count = 12});
     const double step_s = i == 0 ? 0.0 : 1e-3 * kScan_ms;
     const double step_m = monitor.speed().value * step_s;
-    used_m += step_m;
-    true_m += 15.0 * step_s;
-    if (const auto unapplied = monitor.OnUsedMotion(step_m, 0.0))
-      unapplied_m += unapplied->forward_m;
+    drive.used_m += step_m;
+    drive.true_m += 15.0 * step_s;
+    if (const auto unapplied = monitor.OnUsedMotion(step_m, 0.0)) {
+      drive.corrected_m += unapplied->forward_m;
+    }
+    if (registrations) {
+      monitor.OnRegistration(Pose2{{drive.used_m + drive.corrected_m, 0.0}, 0.0}, *registrations);
+    }
   }
-  EXPECT_FALSE(monitor.IsSound(OdometrySource::kWheelSpeed));
-  EXPECT_LT(std::abs(used_m + unapplied_m - true_m), std::abs(used_m - true_m));
+  drive.are_found = !monitor.IsSound(OdometrySource::kWheelSpeed);
+  return drive;
+}
+
+TEST(SourceMonitorTest, WhatWasNotAppliedIsCorrected) {
+  const CreepingWheels drive = DriveOnCreepingWheels(std::nullopt);
+  EXPECT_TRUE(drive.are_found);
+  EXPECT_LT(std::abs(drive.used_m + drive.corrected_m - drive.true_m),
+            std::abs(drive.used_m - drive.true_m));
+}
+
+TEST(SourceMonitorTest, RegistrationsThatDoNotSeeTheWayLeaveItToBeCorrected) {
+  const CreepingWheels unseen =
+      DriveOnCreepingWheels(RegistrationEvidence{.observes_along_track = false});
+  EXPECT_TRUE(unseen.are_found);
+  EXPECT_LT(unseen.corrected_m, -0.1);
+  const CreepingWheels seen = DriveOnCreepingWheels(RegistrationEvidence{});
+  EXPECT_GT(seen.corrected_m, 0.3 * unseen.corrected_m) << "what a registration saw is corrected";
 }
 
 TEST(SourceMonitorTest, InputsThatMeanNothingGiveNumbers) {
