@@ -38,6 +38,14 @@ Scan WithoutTargets(const Scan& scan) {
           .ticks = scan.ticks};
 }
 
+// How the road bends where the vehicle is, to the left.
+double Curvature_radpm(const std::optional<EgoVelocity>& velocity) {
+  constexpr double kMinSpeed_mps = 2.0;  // slower, the yaw rate is mostly noise
+  if (!velocity || velocity->linear_mps.norm() < kMinSpeed_mps) return 0.0;
+  const Eigen::Vector3d& v_mps = velocity->linear_mps;
+  return velocity->angular_radps.z() / std::copysign(v_mps.norm(), v_mps.x());
+}
+
 // Nothing that a standing vehicle's radar sees moves, or hardly anything.
 bool SeesMotion(const Scan& scan) {
   constexpr float kStanding_mps = 0.5F;
@@ -74,8 +82,9 @@ void Pipeline<Dim>::CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspa
   const std::span<const double> offsets_m = rivals_.NextOffsets_m();
   if (offsets_m.empty()) return;
   ThinPoints(workspace.static_points, rivals_.max_point_count(), workspace.scan_points);
-  map_.matcher.FitsAlong(0, offsets_m, workspace.scan_points, pose_.Now().pose,
-                         rivals_.pose_sigma_m(), workspace.registration, workspace.rival_fits);
+  map_.matcher.FitsAlongArc(Curvature_radpm(ego_motion_.velocity()), offsets_m,
+                            workspace.scan_points, pose_.Now().pose, rivals_.pose_sigma_m(),
+                            workspace.registration, workspace.rival_fits);
   rivals_.OnFits(workspace.scan_points.size(), workspace.rival_fits);
   if (fit == ScanFit::kAgrees) rivals_.LearnRepetition(workspace.rival_fits);
 }

@@ -1,5 +1,6 @@
 #include "core/registration/map_fit.h"
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -33,6 +34,22 @@ double MapFit<Dim>::At(const Eigen::Matrix<double, Dim, 1>& p_local_m) const {
   const Vector vehicle_m = p_local_m.template cast<float>();
   double sum = 0.0;
   for (const Turned& point : points_) sum += FitOf(point, vehicle_m + point.p_m);
+  return sum / static_cast<double>(points_.size());
+}
+
+template <int Dim>
+double MapFit<Dim>::At(const Eigen::Matrix<double, Dim, 1>& p_local_m, double turn_rad) const {
+  if (points_.empty()) return 0.0;
+  const Vector vehicle_m = p_local_m.template cast<float>();
+  Matrix R = Matrix::Identity();
+  R.template topLeftCorner<2, 2>() = Eigen::Rotation2Df(static_cast<float>(turn_rad)).matrix();
+  double sum = 0.0;
+  for (const Turned& point : points_) {
+    const Turned turned{.p_m = R * point.p_m,
+                        .slant_per_m = R * point.slant_per_m,
+                        .covariance_m2 = R * point.covariance_m2 * R.transpose()};
+    sum += FitOf(turned, vehicle_m + turned.p_m);
+  }
   return sum / static_cast<double>(points_.size());
 }
 

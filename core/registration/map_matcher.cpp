@@ -277,6 +277,27 @@ void MapMatcher<Dim>::FitsAlong(int axis, std::span<const double> offsets_m,
   }
 }
 
+// Half of an arc's turn is the direction of its chord.
+template <int Dim>
+void MapMatcher<Dim>::FitsAlongArc(double curvature_radpm, std::span<const double> offsets_m,
+                                   std::span<const GaussianPoint<Dim>> points,
+                                   const Pose<Dim>& T_local_vehicle, double sigma_m,
+                                   RegistrationWorkspace<Dim>& workspace,
+                                   std::vector<double>& fits) const {
+  workspace.map_fit.Begin(points, local_map_, Gates(), T_local_vehicle, sigma_m);
+  const Eigen::Matrix<double, Dim, 2> axes = T_local_vehicle.Rotation().template leftCols<2>();
+  fits.clear();
+  for (const double offset_m : offsets_m) {
+    const double half_turn_rad = 0.5 * curvature_radpm * offset_m;
+    const double chord_m =
+        half_turn_rad == 0.0 ? offset_m : offset_m * std::sin(half_turn_rad) / half_turn_rad;
+    const Eigen::Vector2d way_m =
+        chord_m * Eigen::Vector2d(std::cos(half_turn_rad), std::sin(half_turn_rad));
+    fits.push_back(
+        workspace.map_fit.At(T_local_vehicle.translation_m + axes * way_m, 2.0 * half_turn_rad));
+  }
+}
+
 template <int Dim>
 Observability MapMatcher<Dim>::Observed(std::span<const GaussianPoint<Dim>> live,
                                         const Registration<Dim>& registration,

@@ -121,6 +121,13 @@ class MapMatcher {
                  double sigma_m, RegistrationWorkspace<Dim>& workspace,
                  std::vector<double>& fits) const;
 
+  /// The same with the vehicle further along an arc by each of `offsets_m`: it is tangent to the x
+  /// axis, and bends to the left by `curvature_radpm` radians a metre.
+  void FitsAlongArc(double curvature_radpm, std::span<const double> offsets_m,
+                    std::span<const GaussianPoint<Dim>> points, const Pose<Dim>& T_local_vehicle,
+                    double sigma_m, RegistrationWorkspace<Dim>& workspace,
+                    std::vector<double>& fits) const;
+
   /// How many of the points lie where the map has landmarks; see `CountMappedPoints`.
   std::size_t CountMapped(std::span<const GaussianPoint<Dim>> points,
                           const Pose<Dim>& T_local_vehicle, double reach_m) const {
