@@ -131,6 +131,9 @@ void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
       learner_.OnAccepted(stamp, registered->registration, ego_velocity, live_.submap.span(),
                           map_.matcher, ego_motion_, pose_, workspace);
     }
+    if (newest_.outcome == RegistrationOutcome::kAccepted) {
+      RegisterAlongTrackRival(registered->registration.score, workspace);
+    }
     tracking_.OnRegistration(stamp, newest_.outcome);
   }
   if (tracking_.mode() == TrackingMode::kConfirmed) {

@@ -79,14 +79,24 @@ template <int Dim>
 void Pipeline<Dim>::CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspace) {
   // Before a registration has been accepted, no place is where the vehicle may be.
   if (newest_.outcome != RegistrationOutcome::kAccepted) return;
-  const std::span<const double> offsets_m = rivals_.NextOffsets_m();
-  if (offsets_m.empty()) return;
+  const std::span<const Pose2> T_vehicle_places =
+      rivals_.NextPlaces(Curvature_radpm(ego_motion_.velocity()));
+  if (T_vehicle_places.empty()) return;
   ThinPoints(workspace.static_points, rivals_.max_point_count(), workspace.scan_points);
-  map_.matcher.FitsAlongArc(Curvature_radpm(ego_motion_.velocity()), offsets_m,
-                            workspace.scan_points, pose_.Now().pose, rivals_.pose_sigma_m(),
-                            workspace.registration, workspace.rival_fits);
+  map_.matcher.FitsAt(T_vehicle_places, workspace.scan_points, pose_.Now().pose,
+                      rivals_.pose_sigma_m(), workspace.registration, workspace.rival_fits);
   rivals_.OnFits(workspace.scan_points.size(), workspace.rival_fits);
   if (fit == ScanFit::kAgrees) rivals_.LearnRepetition(workspace.rival_fits);
+}
+
+// METHOD eq 60. A rival is registered like the pose, and what counts is which of the two fits.
+template <int Dim>
+void Pipeline<Dim>::RegisterAlongTrackRival(double pose_score, Workspace<Dim>& workspace) {
+  const std::optional<Pose2> T_vehicle_place = rivals_.NextToRegister();
+  if (!T_vehicle_place) return;
+  const auto rival = map_.matcher.RegisterPlace(workspace.submap.points, pose_.Now().pose,
+                                                *T_vehicle_place, workspace.registration);
+  rivals_.OnRegistered(rival.T_vehicle_place, rival.score - pose_score);
 }
 
 // METHOD eq 60. The scan is held against its mirror image. Where that fits better, the pose itself
@@ -271,6 +281,8 @@ template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>&);
 template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>&);
 template void Pipeline<2>::CompareAlongTrackRivals(ScanFit, Workspace<2>&);
 template void Pipeline<3>::CompareAlongTrackRivals(ScanFit, Workspace<3>&);
+template void Pipeline<2>::RegisterAlongTrackRival(double, Workspace<2>&);
+template void Pipeline<3>::RegisterAlongTrackRival(double, Workspace<3>&);
 template bool Pipeline<2>::LearnAzimuthSign(std::size_t, Workspace<2>&);
 template bool Pipeline<3>::LearnAzimuthSign(std::size_t, Workspace<3>&);
 template bool Pipeline<2>::LearnRangeBias(Stamp, std::size_t, Workspace<2>&);

@@ -277,25 +277,31 @@ void MapMatcher<Dim>::FitsAlong(int axis, std::span<const double> offsets_m,
   }
 }
 
-// Half of an arc's turn is the direction of its chord.
 template <int Dim>
-void MapMatcher<Dim>::FitsAlongArc(double curvature_radpm, std::span<const double> offsets_m,
-                                   std::span<const GaussianPoint<Dim>> points,
-                                   const Pose<Dim>& T_local_vehicle, double sigma_m,
-                                   RegistrationWorkspace<Dim>& workspace,
-                                   std::vector<double>& fits) const {
+void MapMatcher<Dim>::FitsAt(std::span<const Pose2> T_vehicle_places,
+                             std::span<const GaussianPoint<Dim>> points,
+                             const Pose<Dim>& T_local_vehicle, double sigma_m,
+                             RegistrationWorkspace<Dim>& workspace,
+                             std::vector<double>& fits) const {
   workspace.map_fit.Begin(points, local_map_, Gates(), T_local_vehicle, sigma_m);
   const Eigen::Matrix<double, Dim, 2> axes = T_local_vehicle.Rotation().template leftCols<2>();
   fits.clear();
-  for (const double offset_m : offsets_m) {
-    const double half_turn_rad = 0.5 * curvature_radpm * offset_m;
-    const double chord_m =
-        half_turn_rad == 0.0 ? offset_m : offset_m * std::sin(half_turn_rad) / half_turn_rad;
-    const Eigen::Vector2d way_m =
-        chord_m * Eigen::Vector2d(std::cos(half_turn_rad), std::sin(half_turn_rad));
-    fits.push_back(
-        workspace.map_fit.At(T_local_vehicle.translation_m + axes * way_m, 2.0 * half_turn_rad));
+  for (const Pose2& place : T_vehicle_places) {
+    fits.push_back(workspace.map_fit.At(T_local_vehicle.translation_m + axes * place.translation_m,
+                                        place.yaw_rad));
   }
+}
+
+template <int Dim>
+typename MapMatcher<Dim>::RegisteredPlace MapMatcher<Dim>::RegisterPlace(
+    std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& T_local_vehicle,
+    const Pose2& T_vehicle_place, RegistrationWorkspace<Dim>& workspace) const {
+  const Pose2 vehicle = Planar<Dim>(T_local_vehicle);
+  const Pose<Dim> start = Lift<Dim>(vehicle * T_vehicle_place, T_local_vehicle);
+  const Registration<Dim> registration =
+      Refine(live, start, options_.search_guess_sigma_m, workspace);
+  return {.T_vehicle_place = vehicle.Inverse() * Planar<Dim>(registration.T_local_vehicle),
+          .score = registration.score};
 }
 
 template <int Dim>
@@ -310,7 +316,7 @@ Observability MapMatcher<Dim>::Observed(std::span<const GaussianPoint<Dim>> live
 template <int Dim>
 Registration<Dim> MapMatcher<Dim>::Refine(std::span<const GaussianPoint<Dim>> live,
                                           const Pose<Dim>& start, double blur_m,
-                                          RegistrationWorkspace<Dim>& workspace) {
+                                          RegistrationWorkspace<Dim>& workspace) const {
   return method_->Register(
       {.points = live, .map = local_map_, .T_local_vehicle_guess = start, .guess_sigma_m = blur_m},
       workspace);

@@ -121,12 +121,21 @@ class MapMatcher {
                  double sigma_m, RegistrationWorkspace<Dim>& workspace,
                  std::vector<double>& fits) const;
 
-  /// The same with the vehicle further along an arc by each of `offsets_m`: it is tangent to the x
-  /// axis, and bends to the left by `curvature_radpm` radians a metre.
-  void FitsAlongArc(double curvature_radpm, std::span<const double> offsets_m,
-                    std::span<const GaussianPoint<Dim>> points, const Pose<Dim>& T_local_vehicle,
-                    double sigma_m, RegistrationWorkspace<Dim>& workspace,
-                    std::vector<double>& fits) const;
+  /// The same with the vehicle at each of `T_vehicle_places` in the plane, to `fits`.
+  void FitsAt(std::span<const Pose2> T_vehicle_places, std::span<const GaussianPoint<Dim>> points,
+              const Pose<Dim>& T_local_vehicle, double sigma_m,
+              RegistrationWorkspace<Dim>& workspace, std::vector<double>& fits) const;
+
+  /// Where a registration of `live` puts a place, and its score. There is no gate.
+  struct RegisteredPlace {
+    Pose2 T_vehicle_place;
+    double score = 0.0;
+  };
+
+  /// Registers `live` from `T_vehicle_place`, with the vehicle at `T_local_vehicle`.
+  RegisteredPlace RegisterPlace(std::span<const GaussianPoint<Dim>> live,
+                                const Pose<Dim>& T_local_vehicle, const Pose2& T_vehicle_place,
+                                RegistrationWorkspace<Dim>& workspace) const;
 
   /// How many of the points lie where the map has landmarks; see `CountMappedPoints`.
   std::size_t CountMapped(std::span<const GaussianPoint<Dim>> points,
@@ -148,7 +157,7 @@ class MapMatcher {
                                 const PoseEstimate<Dim>& predicted, int count, std::uint64_t seed);
   CorrespondenceGates Gates() const;
   Registration<Dim> Refine(std::span<const GaussianPoint<Dim>> live, const Pose<Dim>& start,
-                           double blur_m, RegistrationWorkspace<Dim>& workspace);
+                           double blur_m, RegistrationWorkspace<Dim>& workspace) const;
 
   // Data of the local map that only searches need. It is larger than the rest of a session.
   struct SearchAids {

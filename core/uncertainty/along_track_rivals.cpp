@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace dcloc {
 
@@ -12,6 +13,10 @@ std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
       {"step_m", &O::step_m, 0.1, 100},
       {"min_offset_m", &O::min_offset_m, 0.1, 100},
       {"max_offset_m", &O::max_offset_m, 0, 100, "there are no rivals"},
+      {"registrations_per_rival", &O::registrations_per_rival, 0, 1'000'000,
+       "no rival is registered"},
+      {"max_shift_m", &O::max_shift_m, 1e-6, 100},
+      {"lead_per_score", &O::lead_per_score, 0, 1'000, "registered rivals never lead"},
       {"pose_sigma_m", &O::pose_sigma_m, 0, 100, "poses are compared as exact"},
       {"point_sigma", &O::point_sigma, 1e-6, 1},
       {"places_per_scan", &O::places_per_scan, 2, 10'000},
@@ -27,6 +32,7 @@ std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
 absl::Status Validate(const AlongTrackRivalOptions& options) {
   absl::Status status = ValidateFields(options, FieldsOf(options));
   status.Update(Within("better", Validate(options.better)));
+  status.Update(Within("leads", Validate(options.leads)));
   return status;
 }
 
@@ -38,14 +44,15 @@ AlongTrackRivals::AlongTrackRivals(const AlongTrackRivalOptions& options) : opti
     offset_m += options.step_m;
   }
   chosen_.reserve(hypotheses_.size());
-  chosen_offsets_m_.reserve(1 + hypotheses_.size());
+  places_.reserve(1 + hypotheses_.size());
 }
 
-std::span<const double> AlongTrackRivals::NextOffsets_m() {
+std::span<const Pose2> AlongTrackRivals::NextPlaces(double curvature_radpm) {
+  curvature_radpm_ = curvature_radpm;
   chosen_.clear();
-  chosen_offsets_m_.clear();
+  places_.clear();
   if (hypotheses_.empty()) return {};
-  chosen_offsets_m_.push_back(0.0);
+  places_.push_back({});
   const std::size_t count = CountToChoose();
   for (std::size_t i = 0; i < hypotheses_.size() && chosen_.size() < count / 2; ++i) {
     const std::size_t index = (turn_ + i) % hypotheses_.size();
@@ -56,7 +63,7 @@ std::span<const double> AlongTrackRivals::NextOffsets_m() {
     turn_ = (turn_ + 1) % hypotheses_.size();
     if (turn_ == 0 && round_count_ < options_.beginning_rounds) ++round_count_;
   }
-  return chosen_offsets_m_;
+  return places_;
 }
 
 std::size_t AlongTrackRivals::CountToChoose() const {
@@ -67,15 +74,55 @@ std::size_t AlongTrackRivals::CountToChoose() const {
 
 void AlongTrackRivals::Choose(std::size_t index) {
   chosen_.push_back(index);
-  chosen_offsets_m_.push_back(hypotheses_[index].offset_m);
+  places_.push_back(PlaceAt(hypotheses_[index].offset_m));
+}
+
+// Half of an arc's turn is the direction of its chord.
+Pose2 AlongTrackRivals::PlaceAt(double offset_m) const {
+  const double half_turn_rad = 0.5 * curvature_radpm_ * offset_m;
+  const double chord_m =
+      half_turn_rad == 0.0 ? offset_m : offset_m * std::sin(half_turn_rad) / half_turn_rad;
+  return {
+      .translation_m = chord_m * Eigen::Vector2d(std::cos(half_turn_rad), std::sin(half_turn_rad)),
+      .yaw_rad = 2.0 * half_turn_rad};
 }
 
 // METHOD eq 60.
 void AlongTrackRivals::OnFits(std::size_t point_count, std::span<const double> fits) {
   const double sigma = options_.point_sigma / std::sqrt(static_cast<double>(point_count));
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
-    hypotheses_[chosen_[i]].better.Add((fits[i + 1] - fits[0]) / sigma, options_.better);
+    OffsetHypothesis& hypothesis = hypotheses_[chosen_[i]];
+    hypothesis.newest_lead = (fits[i + 1] - fits[0]) / sigma;
+    hypothesis.better.Add(hypothesis.newest_lead, options_.better);
   }
+}
+
+std::optional<Pose2> AlongTrackRivals::NextToRegister() {
+  if (hypotheses_.empty() || options_.registrations_per_rival == 0) return std::nullopt;
+  if (++registration_count_ < options_.registrations_per_rival) return std::nullopt;
+  challenger_ = Challenger();
+  const OffsetHypothesis& challenger = hypotheses_[challenger_];
+  const bool is_better = challenger.leads.sum() > 0.0 || challenger.better.sum() > 0.0;
+  if (!is_better && !(ground_repeats() && challenger.newest_lead > kNone)) return std::nullopt;
+  registration_count_ = 0;
+  return PlaceAt(challenger.offset_m);
+}
+
+std::size_t AlongTrackRivals::Challenger() const {
+  const auto rank = [](const OffsetHypothesis& hypothesis) {
+    return std::tuple(hypothesis.leads.sum(), hypothesis.better.sum(), hypothesis.newest_lead);
+  };
+  return static_cast<std::size_t>(std::ranges::max_element(hypotheses_, {}, rank) -
+                                  hypotheses_.begin());
+}
+
+void AlongTrackRivals::OnRegistered(const Pose2& T_vehicle_place, double score_lead) {
+  OffsetHypothesis& challenger = hypotheses_[challenger_];
+  challenger.newest_lead = kNone;
+  const Pose2 place = PlaceAt(challenger.offset_m);
+  const double shift_m = (T_vehicle_place.translation_m - place.translation_m).norm();
+  const double lead = shift_m <= options_.max_shift_m ? score_lead : 0.0;
+  challenger.leads.Add(options_.lead_per_score * lead, options_.leads);
 }
 
 void AlongTrackRivals::LearnRepetition(std::span<const double> fits) {
@@ -85,12 +132,15 @@ void AlongTrackRivals::LearnRepetition(std::span<const double> fits) {
 
 bool AlongTrackRivals::has_better() const {
   return std::ranges::any_of(hypotheses_, [](const OffsetHypothesis& hypothesis) {
-    return hypothesis.better.is_exceeded();
+    return hypothesis.better.is_exceeded() || hypothesis.leads.is_exceeded();
   });
 }
 
 void AlongTrackRivals::Reset() {
-  for (OffsetHypothesis& hypothesis : hypotheses_) hypothesis.better = {};
+  for (OffsetHypothesis& hypothesis : hypotheses_) {
+    hypothesis.better = {};
+    hypothesis.leads = {};
+  }
   round_count_ = 0;
 }
 

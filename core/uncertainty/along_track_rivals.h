@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "core/geometry/forgetting_mean.h"
+#include "core/geometry/pose.h"
 #include "core/options/option_fields.h"
 #include "core/uncertainty/one_sided_cusum.h"
 
@@ -17,6 +20,13 @@ struct AlongTrackRivalOptions {
   double step_m = 0.25;        ///< distance between neighbouring rivals
   double min_offset_m = 1.5;   ///< distance of the nearest rival from the pose
   double max_offset_m = 24.0;  ///< distance of the furthest one, at most; 0: no rivals
+  /// One rival is registered in so many registrations of the pose; 0: none is.
+  int registrations_per_rival = 5;
+  double max_shift_m = 1.5;  ///< by which a registration moves the same place
+  /// A registered rival leads by so much for each unit of its score above that of the pose: the
+  /// log-likelihood ratio of a global localization (METHOD eq 38).
+  double lead_per_score = 36.0;
+  OneSidedCusumOptions leads = {.drift = 0.5, .max = 3.5, .limit = 4.5};
   /// Poses are compared as if they were as uncertain as this: steps shall miss no place.
   double pose_sigma_m = 0.3;
   /// Standard deviation of what one point adds to the difference of two fits.
@@ -51,16 +61,26 @@ class AlongTrackRivals {
   /// Of a scan, as many points are to be compared at most.
   int max_point_count() const { return options_.max_point_count; }
 
-  /// Chooses where the next scan is to be compared: how far each place lies ahead of the pose [m],
-  /// the pose itself first; none if there are no rivals. Up to half of the places have fitted
-  /// better so far; the others take turns, so that each is compared now and then. Valid until the
-  /// next call.
-  std::span<const double> NextOffsets_m();
+  /// Chooses where the next scan is to be compared: T_vehicle_place, the pose itself first; none if
+  /// there are no rivals. The road bends to the left by `curvature_radpm` radians a metre. Up to
+  /// half of the rivals have fitted better so far; the others take turns, so that each is compared
+  /// now and then. Valid until the next call.
+  std::span<const Pose2> NextPlaces(double curvature_radpm);
 
   /// `point_count` points of a scan fit the map by `fits` at the places chosen last: [0, 1].
   void OnFits(std::size_t point_count, std::span<const double> fits);
 
-  /// The same fits, of a scan that lies in the map where the pose is.
+  /// The pose has been registered. Returns T_vehicle_place of a rival that is to be registered,
+  /// too, if it is time for one: a registration puts the pose where scans fit best, and a place of
+  /// a coarse row is no match for that. It is the rival that leads, or that scans have fitted
+  /// better; where the ground repeats else the one that the newest scans fitted best.
+  std::optional<Pose2> NextToRegister();
+
+  /// That has put the rival at `T_vehicle_place`, with a score that exceeds the pose's by
+  /// `score_lead`. What went far is another place, and nothing is learned of it.
+  void OnRegistered(const Pose2& T_vehicle_place, double score_lead);
+
+  /// Takes in the fits at the places chosen last, of a scan that lies in the map where the pose is.
   void LearnRepetition(std::span<const double> fits);
 
   /// Whether scans that fit here would fit places nearby, too.
@@ -73,21 +93,30 @@ class AlongTrackRivals {
   void Reset();
 
  private:
+  static constexpr double kNone = -std::numeric_limits<double>::infinity();
+
   struct OffsetHypothesis {
     double offset_m = 0.0;
-    OneSidedCusum better;
+    OneSidedCusum better;        // by single scans
+    OneSidedCusum leads;         // by registrations
+    double newest_lead = kNone;  // of the newest scan's fit, unless a registration told more since
   };
 
   std::size_t CountToChoose() const;
   void Choose(std::size_t index);
+  std::size_t Challenger() const;
+  Pose2 PlaceAt(double offset_m) const;
 
   AlongTrackRivalOptions options_;
   std::vector<OffsetHypothesis> hypotheses_;
+  double curvature_radpm_ = 0.0;     // of the road's line
   std::size_t turn_ = 0;             // the hypothesis whose turn is next
   int round_count_ = 0;              // turns that each has had since the beginning
+  int registration_count_ = 0;       // of the pose, since a rival was registered
   std::vector<std::size_t> chosen_;  // of the hypotheses, for the next scan
-  std::vector<double> chosen_offsets_m_;
-  ForgettingMean best_fraction_;  // of the best rival's fit in that of the pose
+  std::vector<Pose2> places_;        // the pose and those chosen
+  std::size_t challenger_ = 0;       // the hypothesis that is registered
+  ForgettingMean best_fraction_;     // of the best rival's fit in that of the pose
 };
 
 }  // namespace dcloc

@@ -68,6 +68,21 @@ TYPED_TEST(MapFitTest, IsThatOfTheCorrespondences) {
   }
 }
 
+TYPED_TEST(MapFitTest, IsTheSameAtAHeadingOfItsOwn) {
+  constexpr int kSize = TypeParam::value;
+  constexpr double kTurn_rad = 0.2;
+  Pose3 turn;
+  turn.rotation = Eigen::AngleAxisd(kTurn_rad, Eigen::Vector3d::UnitZ());
+  Pose<kSize> turned;
+  if constexpr (kSize == 2) turned.yaw_rad = kTurn_rad;
+  if constexpr (kSize == 3) turned = turn;
+  this->fit_.Begin(this->live_, this->map_, this->gates_, turned, 0.3);
+  const double fit = this->fit_.At(turned.translation_m);
+  this->fit_.Begin(this->live_, this->map_, this->gates_, {}, 0.3);
+  EXPECT_NEAR(this->fit_.At(turned.translation_m, kTurn_rad), fit, 1e-4);
+  EXPECT_GT(std::abs(this->fit_.At(turned.translation_m) - fit), 1e-3);
+}
+
 TYPED_TEST(MapFitTest, IsHighestWhereThePointsWereSeen) {
   constexpr int kSize = TypeParam::value;
   const LocalMap<kSize> map(Pose3(), this->live_);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <random>
 #include <set>
 #include <span>
@@ -24,16 +25,18 @@ AlongTrackRivalOptions SixPlaces(int places_per_scan) {
           .beginning_rounds = 0};
 }
 
+// How far each of the places on a straight road lies ahead of the pose.
 std::vector<double> Next(AlongTrackRivals& rivals) {
-  const std::span<const double> offsets_m = rivals.NextOffsets_m();
-  return {offsets_m.begin(), offsets_m.end()};
+  std::vector<double> offsets_m;
+  for (const Pose2& place : rivals.NextPlaces(0.0)) offsets_m.push_back(place.translation_m.x());
+  return offsets_m;
 }
 
 // Compares a scan that fits the pose by `fit` and the place at `rival_m` by `rival_fit`; all others
 // fit little.
 void Compare(AlongTrackRivals& rivals, double fit, double rival_m, double rival_fit) {
   std::vector<double> fits;
-  for (const double offset_m : rivals.NextOffsets_m()) {
+  for (const double offset_m : Next(rivals)) {
     fits.push_back(offset_m == 0.0 ? fit : offset_m == rival_m ? rival_fit : 0.1);
   }
   rivals.OnFits(kPointsOfAScan, fits);
@@ -48,7 +51,7 @@ bool IsBetterAfter(int scan_count, double fit, double post_fit, double noise = 0
   std::normal_distribution<double> error(0.0, noise);
   for (int scan = 0; scan < scan_count; ++scan) {
     std::vector<double> fits;
-    for (const double offset_m : rivals.NextOffsets_m()) {
+    for (const double offset_m : Next(rivals)) {
       const bool is_post = std::abs(std::remainder(offset_m, kPitch_m)) < 0.1;
       fits.push_back((is_post ? post_fit : kElsewhere) + (noise > 0.0 ? error(random) : 0.0));
     }
@@ -84,7 +87,7 @@ TEST(AlongTrackRivalsTest, APlaceThatHasFittedBetterIsComparedEachTime) {
 TEST(AlongTrackRivalsTest, ThoseThatHaveFittedBetterLeaveTheOthersTheirTurns) {
   AlongTrackRivals rivals(SixPlaces(4));
   for (int i = 0; i < 3; ++i) {  // all of them
-    std::vector<double> fits(rivals.NextOffsets_m().size(), 0.5);
+    std::vector<double> fits(Next(rivals).size(), 0.5);
     fits.front() = 0.4;
     rivals.OnFits(kPointsOfAScan, fits);
   }
@@ -100,16 +103,92 @@ TEST(AlongTrackRivalsTest, APoseThatBeginsIsComparedAtMorePlaces) {
   options.beginning_factor = 2;
   options.beginning_rounds = 2;
   AlongTrackRivals rivals(options);
-  const auto count = [&] { return rivals.NextOffsets_m().size(); };
+  const auto count = [&] { return Next(rivals).size(); };
   for (int scan = 0; scan < 3; ++scan) EXPECT_EQ(count(), 1 + 4);  // two rounds of six places
   EXPECT_EQ(count(), 1 + 2);
   rivals.Reset();
   EXPECT_EQ(count(), 1 + 4);
 }
 
+TEST(AlongTrackRivalsTest, PlacesFollowTheBendOfTheRoad) {
+  constexpr double kRadius_m = 2.0;
+  AlongTrackRivals rivals(SixPlaces(6));
+  const std::span<const Pose2> places = rivals.NextPlaces(1.0 / kRadius_m);
+  const Eigen::Vector2d center_m(0.0, kRadius_m);
+  for (const Pose2& place : places) {
+    EXPECT_NEAR((place.translation_m - center_m).norm(), kRadius_m, 1e-12);
+    const Eigen::Vector2d ahead = place.Rotation().col(0);
+    EXPECT_NEAR(ahead.dot(place.translation_m - center_m), 0.0, 1e-12) << "the road's direction";
+  }
+  EXPECT_NEAR(places[1].yaw_rad, 2.0 / kRadius_m, 1e-12);
+  EXPECT_NEAR(places[2].yaw_rad, -2.0 / kRadius_m, 1e-12);
+}
+
+// One rival in two registrations of the pose.
+AlongTrackRivalOptions RegisteringRivals() {
+  AlongTrackRivalOptions options = SixPlaces(6);
+  options.registrations_per_rival = 2;
+  return options;
+}
+
+double NextToRegister(AlongTrackRivals& rivals) {
+  EXPECT_FALSE(rivals.NextToRegister()) << "one of two registrations of the pose";
+  const std::optional<Pose2> place = rivals.NextToRegister();
+  return place ? place->translation_m.x() : 0.0;
+}
+
+TEST(AlongTrackRivalsTest, TheRivalThatHasFittedBestIsRegistered) {
+  AlongTrackRivals rivals(RegisteringRivals());
+  EXPECT_EQ(NextToRegister(rivals), 0.0) << "none has fitted better";
+  Compare(rivals, 0.4, 3.0, 0.6);
+  EXPECT_EQ(NextToRegister(rivals), 3.0);
+}
+
+TEST(AlongTrackRivalsTest, WhereTheGroundRepeatsRivalsAreRegisteredThatFitLess) {
+  AlongTrackRivals rivals(RegisteringRivals());
+  for (const double rival_fit : {0.15, 0.35}) {
+    for (int i = 0; i < 30; ++i) {
+      Compare(rivals, 0.5, 3.0, rival_fit);
+      rivals.LearnRepetition(std::vector{0.5, rival_fit});
+    }
+    EXPECT_EQ(NextToRegister(rivals), rivals.ground_repeats() ? 3.0 : 0.0);
+  }
+  rivals.OnRegistered({.translation_m = {3.0, 0.0}}, -0.1);
+  EXPECT_NE(NextToRegister(rivals), 3.0) << "what has not led waits for the next scan";
+}
+
+TEST(AlongTrackRivalsTest, ARivalThatLeadsByRegistrationsIsBetter) {
+  const auto is_better_after = [](int count, double shift_m, double score_lead) {
+    AlongTrackRivals rivals(RegisteringRivals());
+    Compare(rivals, 0.4, 3.0, 0.6);
+    for (int i = 0; i < count; ++i) {
+      EXPECT_EQ(NextToRegister(rivals), 3.0);
+      rivals.OnRegistered({.translation_m = {3.0 + shift_m, 0.3}}, score_lead);
+    }
+    return rivals.has_better();
+  };
+  EXPECT_FALSE(is_better_after(1, 0.0, 0.5)) << "one alone does not decide";
+  EXPECT_TRUE(is_better_after(3, 0.0, 0.08));
+  EXPECT_FALSE(is_better_after(20, 0.0, 0.01));
+  EXPECT_FALSE(is_better_after(20, -3.0, 0.5)) << "it ended at the pose";
+}
+
+TEST(AlongTrackRivalsTest, ARivalThatLeadsNoMoreIsNotBetterAnyMore) {
+  AlongTrackRivals rivals(RegisteringRivals());
+  Compare(rivals, 0.4, 3.0, 0.6);
+  const auto register_with = [&](double score_lead) {
+    EXPECT_EQ(NextToRegister(rivals), 3.0);
+    rivals.OnRegistered({.translation_m = {3.0, 0.0}}, score_lead);
+  };
+  for (int i = 0; i < 3; ++i) register_with(0.1);
+  EXPECT_TRUE(rivals.has_better());
+  register_with(-0.1);
+  EXPECT_FALSE(rivals.has_better());
+}
+
 TEST(AlongTrackRivalsTest, WithoutADistanceThereAreNone) {
   AlongTrackRivals rivals({.max_offset_m = 0.0});
-  EXPECT_TRUE(rivals.NextOffsets_m().empty());
+  EXPECT_TRUE(rivals.NextPlaces(0.0).empty());
   EXPECT_FALSE(rivals.has_better());
 }
 
@@ -147,7 +226,8 @@ TEST(AlongTrackRivalsTest, ARivalThatFitsLessAgainIsNotBetterAnyMore) {
 }
 
 TEST(AlongTrackRivalsTest, GroundRepeatsWhereRivalsFitNearlyAsWell) {
-  AlongTrackRivals rivals({});
+  AlongTrackRivals rivals(SixPlaces(3));
+  rivals.NextPlaces(0.0);
   EXPECT_FALSE(rivals.ground_repeats()) << "nothing is known";
   const std::vector<double> town = {0.5, 0.1, 0.15, 0.0};
   const std::vector<double> highway = {0.5, 0.1, 0.35, 0.2};
