@@ -132,7 +132,7 @@ void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
                           map_.matcher, ego_motion_, pose_, workspace);
     }
     if (newest_.outcome == RegistrationOutcome::kAccepted) {
-      RegisterAlongTrackRival(registered->registration.score, workspace);
+      RegisterAlongTrackRivals(registered->registration.score, workspace);
     }
     tracking_.OnRegistration(stamp, newest_.outcome);
   }
@@ -332,7 +332,7 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(Stamp stamp,
     place_evidence_.OnInnovation(stamp, squared_distance_per_dof);
   } else {
     radars_.scan_checker.Reset();
-    rivals_.Reset();
+    rivals_.OnPlaceFound();
     place_evidence_.Reset();
     radars_.azimuth_signs.Reset();
     radars_.range_biases.Reset();

@@ -142,7 +142,7 @@ class Pipeline final : public AnyPipeline {
   void UpdateTrackingByScanFit(ScanFit fit);
   void CompareSourcesByMapFit(Workspace<Dim>& workspace);
   void CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspace);
-  void RegisterAlongTrackRival(double pose_score, Workspace<Dim>& workspace);
+  void RegisterAlongTrackRivals(double pose_score, Workspace<Dim>& workspace);
   // Whether the sign has changed: then the scan's points are dropped.
   bool LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& workspace);
   void TryOtherAzimuthSigns();

@@ -45,7 +45,9 @@ void Pipeline<Dim>::TakePlaceEvidence(Stamp stamp, std::size_t radar_index,
   const double fit_sum = radars_.scan_checker.last_fit() * static_cast<double>(points.size());
   place_evidence_.OnScanFit(stamp, mapped_count,
                             kAsInPlane * fit_sum / static_cast<double>(mapped_count));
-  tracking_.OnPlaceEvidence(place_evidence_.Judge());
+  const EvidenceForPlace evidence = place_evidence_.Judge();
+  const bool waits = evidence == EvidenceForPlace::kEnough && !rivals_.stands_out();
+  tracking_.OnPlaceEvidence(waits ? EvidenceForPlace::kTooLittle : evidence);
 }
 
 // A pose that stops to be confirmed is where the search begins, if there will be one.

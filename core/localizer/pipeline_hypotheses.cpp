@@ -89,14 +89,16 @@ void Pipeline<Dim>::CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspa
   if (fit == ScanFit::kAgrees) rivals_.LearnRepetition(workspace.rival_fits);
 }
 
-// METHOD eq 60. A rival is registered like the pose, and what counts is which of the two fits.
+// METHOD eq 60. Rivals are registered like the pose, and what counts is which of them fits.
 template <int Dim>
-void Pipeline<Dim>::RegisterAlongTrackRival(double pose_score, Workspace<Dim>& workspace) {
-  const std::optional<Pose2> T_vehicle_place = rivals_.NextToRegister();
-  if (!T_vehicle_place) return;
-  const auto rival = map_.matcher.RegisterPlace(workspace.submap.points, pose_.Now().pose,
-                                                *T_vehicle_place, workspace.registration);
-  rivals_.OnRegistered(rival.T_vehicle_place, rival.score - pose_score);
+void Pipeline<Dim>::RegisterAlongTrackRivals(double pose_score, Workspace<Dim>& workspace) {
+  for (int i = rivals_.CountToRegister(); i > 0; --i) {
+    const std::optional<Pose2> T_vehicle_place = rivals_.NextToRegister();
+    if (!T_vehicle_place) return;
+    const auto rival = map_.matcher.RegisterPlace(workspace.submap.points, pose_.Now().pose,
+                                                  *T_vehicle_place, workspace.registration);
+    rivals_.OnRegistered(rival.T_vehicle_place, rival.score - pose_score);
+  }
 }
 
 // METHOD eq 60. The scan is held against its mirror image. Where that fits better, the pose itself
@@ -281,8 +283,8 @@ template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>&);
 template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>&);
 template void Pipeline<2>::CompareAlongTrackRivals(ScanFit, Workspace<2>&);
 template void Pipeline<3>::CompareAlongTrackRivals(ScanFit, Workspace<3>&);
-template void Pipeline<2>::RegisterAlongTrackRival(double, Workspace<2>&);
-template void Pipeline<3>::RegisterAlongTrackRival(double, Workspace<3>&);
+template void Pipeline<2>::RegisterAlongTrackRivals(double, Workspace<2>&);
+template void Pipeline<3>::RegisterAlongTrackRivals(double, Workspace<3>&);
 template bool Pipeline<2>::LearnAzimuthSign(std::size_t, Workspace<2>&);
 template bool Pipeline<3>::LearnAzimuthSign(std::size_t, Workspace<3>&);
 template bool Pipeline<2>::LearnRangeBias(Stamp, std::size_t, Workspace<2>&);

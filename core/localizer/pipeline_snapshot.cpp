@@ -77,6 +77,7 @@ void Pipeline<Dim>::Restore(const LocalizerSnapshot& snapshot) {
                                snapshot.pose.covariance),
                 snapshot.noise);
   tracking_.Restore(snapshot.tracking);
+  rivals_.SupposeThatItStandsOut();
   // The prior that came with the opening is of a later moment.
   relocalizer_.SetPrior({.pose = T_map_vehicle, .covariance = snapshot.pose.covariance});
   claims_.reset_counter.Restore(snapshot.resets, T_map_vehicle);

@@ -17,6 +17,9 @@ std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
        "no rival is registered"},
       {"max_shift_m", &O::max_shift_m, 1e-6, 100},
       {"lead_per_score", &O::lead_per_score, 0, 1'000, "registered rivals never lead"},
+      {"beating_score", &O::beating_score, 0, 1, "any lead of the pose is enough"},
+      {"min_beaten_count", &O::min_beaten_count, 1, 1'000},
+      {"max_wait_count", &O::max_wait_count, 0, 1'000'000, "a pose need not stand out"},
       {"pose_sigma_m", &O::pose_sigma_m, 0, 100, "poses are compared as exact"},
       {"point_sigma", &O::point_sigma, 1e-6, 1},
       {"places_per_scan", &O::places_per_scan, 2, 10'000},
@@ -56,7 +59,7 @@ std::span<const Pose2> AlongTrackRivals::NextPlaces(double curvature_radpm) {
   const std::size_t count = CountToChoose();
   for (std::size_t i = 0; i < hypotheses_.size() && chosen_.size() < count / 2; ++i) {
     const std::size_t index = (turn_ + i) % hypotheses_.size();
-    if (hypotheses_[index].better.sum() > 0.0) Choose(index);
+    if (HasFittedBetter(hypotheses_[index])) Choose(index);
   }
   while (chosen_.size() < count) {
     if (std::ranges::find(chosen_, turn_) == chosen_.end()) Choose(turn_);
@@ -92,25 +95,36 @@ void AlongTrackRivals::OnFits(std::size_t point_count, std::span<const double> f
   const double sigma = options_.point_sigma / std::sqrt(static_cast<double>(point_count));
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     OffsetHypothesis& hypothesis = hypotheses_[chosen_[i]];
+    wait_count_ = 0;
     hypothesis.newest_lead = (fits[i + 1] - fits[0]) / sigma;
     hypothesis.better.Add(hypothesis.newest_lead, options_.better);
   }
 }
 
+int AlongTrackRivals::CountToRegister() {
+  if (!AreRegistered()) return 0;
+  if (!stands_out_) {
+    if (++wait_count_ > options_.max_wait_count) stands_out_ = true;
+    return options_.beginning_factor;
+  }
+  if (++registration_count_ < options_.registrations_per_rival) return 0;
+  return 1;
+}
+
 std::optional<Pose2> AlongTrackRivals::NextToRegister() {
-  if (hypotheses_.empty() || options_.registrations_per_rival == 0) return std::nullopt;
-  if (++registration_count_ < options_.registrations_per_rival) return std::nullopt;
   challenger_ = Challenger();
   const OffsetHypothesis& challenger = hypotheses_[challenger_];
-  const bool is_better = challenger.leads.sum() > 0.0 || challenger.better.sum() > 0.0;
-  if (!is_better && !(ground_repeats() && challenger.newest_lead > kNone)) return std::nullopt;
+  if (challenger.newest_lead == kNone) return std::nullopt;
+  const bool is_of_interest = HasFittedBetter(challenger) || ground_repeats() || !stands_out_;
+  if (!is_of_interest) return std::nullopt;
   registration_count_ = 0;
   return PlaceAt(challenger.offset_m);
 }
 
 std::size_t AlongTrackRivals::Challenger() const {
   const auto rank = [](const OffsetHypothesis& hypothesis) {
-    return std::tuple(hypothesis.leads.sum(), hypothesis.better.sum(), hypothesis.newest_lead);
+    return std::tuple(hypothesis.newest_lead > kNone, hypothesis.leads.sum(),
+                      hypothesis.better.sum(), hypothesis.newest_lead);
   };
   return static_cast<std::size_t>(std::ranges::max_element(hypotheses_, {}, rank) -
                                   hypotheses_.begin());
@@ -121,8 +135,14 @@ void AlongTrackRivals::OnRegistered(const Pose2& T_vehicle_place, double score_l
   challenger.newest_lead = kNone;
   const Pose2 place = PlaceAt(challenger.offset_m);
   const double shift_m = (T_vehicle_place.translation_m - place.translation_m).norm();
-  const double lead = shift_m <= options_.max_shift_m ? score_lead : 0.0;
-  challenger.leads.Add(options_.lead_per_score * lead, options_.leads);
+  const bool stayed = shift_m <= options_.max_shift_m;
+  challenger.leads.Add(options_.lead_per_score * (stayed ? score_lead : 0.0), options_.leads);
+
+  const bool is_pose = T_vehicle_place.translation_m.norm() < 0.5 * options_.min_offset_m;
+  if (!stayed && !is_pose) return;
+  const bool is_beaten = is_pose || score_lead <= -options_.beating_score;
+  beaten_count_ = std::max(0, beaten_count_ + (is_beaten ? 1 : -1));
+  if (beaten_count_ >= options_.min_beaten_count) stands_out_ = true;
 }
 
 void AlongTrackRivals::LearnRepetition(std::span<const double> fits) {
@@ -142,6 +162,14 @@ void AlongTrackRivals::Reset() {
     hypothesis.leads = {};
   }
   round_count_ = 0;
+}
+
+void AlongTrackRivals::OnPlaceFound() {
+  Reset();
+  for (OffsetHypothesis& hypothesis : hypotheses_) hypothesis.newest_lead = kNone;
+  wait_count_ = 0;
+  beaten_count_ = 0;
+  stands_out_ = false;
 }
 
 }  // namespace dcloc

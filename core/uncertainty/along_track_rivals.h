@@ -27,6 +27,11 @@ struct AlongTrackRivalOptions {
   /// log-likelihood ratio of a global localization (METHOD eq 38).
   double lead_per_score = 36.0;
   OneSidedCusumOptions leads = {.drift = 0.5, .max = 3.5, .limit = 4.5};
+  /// A rival is beaten by a pose whose score is higher by this. A pose that begins stands out once
+  /// it has beaten so many more than it has not.
+  double beating_score = 0.04;
+  int min_beaten_count = 3;
+  int max_wait_count = 10;  ///< registrations without a scan that could be compared: it stands out
   /// Poses are compared as if they were as uncertain as this: steps shall miss no place.
   double pose_sigma_m = 0.3;
   /// Standard deviation of what one point adds to the difference of two fits.
@@ -70,10 +75,14 @@ class AlongTrackRivals {
   /// `point_count` points of a scan fit the map by `fits` at the places chosen last: [0, 1].
   void OnFits(std::size_t point_count, std::span<const double> fits);
 
-  /// The pose has been registered. Returns T_vehicle_place of a rival that is to be registered,
-  /// too, if it is time for one: a registration puts the pose where scans fit best, and a place of
-  /// a coarse row is no match for that. It is the rival that leads, or that scans have fitted
-  /// better; where the ground repeats else the one that the newest scans fitted best.
+  /// The pose has been registered. Returns how many rivals are to be registered, too: a
+  /// registration puts the pose where scans fit best, and a place of a coarse row is no match for
+  /// that. As long as the pose does not stand out they are several.
+  int CountToRegister();
+
+  /// T_vehicle_place of the next one: the rival that leads, or that scans have fitted better, or
+  /// that the newest scans fitted best. None where nothing is known of others, or where only a
+  /// rival that leads or fits better would be of interest.
   std::optional<Pose2> NextToRegister();
 
   /// That has put the rival at `T_vehicle_place`, with a score that exceeds the pose's by
@@ -86,11 +95,21 @@ class AlongTrackRivals {
   /// Whether scans that fit here would fit places nearby, too.
   bool ground_repeats() const { return best_fraction_.mean >= options_.repeating_fraction; }
 
-  /// Whether scans fit another place better for sure.
+  /// Whether the pose was registered with a higher score than its rivals, since it was found. At a
+  /// wrong place, or in the map of another street, none is much better than others.
+  bool stands_out() const { return stands_out_ || !AreRegistered(); }
+
+  /// It did so a moment ago.
+  void SupposeThatItStandsOut() { stands_out_ = true; }
+
+  /// Whether scans or registrations fit another place better for sure.
   bool has_better() const;
 
-  /// The vehicle is supposed to be somewhere else, or is where it was supposed to be.
+  /// The vehicle is where it was supposed to be.
   void Reset();
+
+  /// The vehicle is supposed to be somewhere else.
+  void OnPlaceFound();
 
  private:
   static constexpr double kNone = -std::numeric_limits<double>::infinity();
@@ -102,9 +121,15 @@ class AlongTrackRivals {
     double newest_lead = kNone;  // of the newest scan's fit, unless a registration told more since
   };
 
+  bool AreRegistered() const {
+    return !hypotheses_.empty() && options_.registrations_per_rival > 0;
+  }
   std::size_t CountToChoose() const;
   void Choose(std::size_t index);
   std::size_t Challenger() const;
+  bool HasFittedBetter(const OffsetHypothesis& hypothesis) const {
+    return hypothesis.leads.sum() > 0.0 || hypothesis.better.sum() > 0.0;
+  }
   Pose2 PlaceAt(double offset_m) const;
 
   AlongTrackRivalOptions options_;
@@ -116,7 +141,10 @@ class AlongTrackRivals {
   std::vector<std::size_t> chosen_;  // of the hypotheses, for the next scan
   std::vector<Pose2> places_;        // the pose and those chosen
   std::size_t challenger_ = 0;       // the hypothesis that is registered
-  ForgettingMean best_fraction_;     // of the best rival's fit in that of the pose
+  int wait_count_ = 0;               // registrations of a pose that begins, none compared
+  int beaten_count_ = 0;             // rivals, less those that were not beaten
+  bool stands_out_ = false;
+  ForgettingMean best_fraction_;  // of the best rival's fit in that of the pose
 };
 
 }  // namespace dcloc

@@ -124,66 +124,121 @@ TEST(AlongTrackRivalsTest, PlacesFollowTheBendOfTheRoad) {
   EXPECT_NEAR(places[2].yaw_rad, -2.0 / kRadius_m, 1e-12);
 }
 
-// One rival in two registrations of the pose.
-AlongTrackRivalOptions RegisteringRivals() {
-  AlongTrackRivalOptions options = SixPlaces(6);
-  options.registrations_per_rival = 2;
-  return options;
-}
-
-double NextToRegister(AlongTrackRivals& rivals) {
-  EXPECT_FALSE(rivals.NextToRegister()) << "one of two registrations of the pose";
+// How far the next rival to be registered lies ahead; 0 if there is none.
+double NextToRegister_m(AlongTrackRivals& rivals) {
   const std::optional<Pose2> place = rivals.NextToRegister();
   return place ? place->translation_m.x() : 0.0;
 }
 
-TEST(AlongTrackRivalsTest, TheRivalThatHasFittedBestIsRegistered) {
-  AlongTrackRivals rivals(RegisteringRivals());
-  EXPECT_EQ(NextToRegister(rivals), 0.0) << "none has fitted better";
+TEST(AlongTrackRivalsTest, ARivalIsRegisteredNowAndThen) {
+  AlongTrackRivalOptions options = SixPlaces(6);
+  options.registrations_per_rival = 2;
+  AlongTrackRivals rivals(options);
+  rivals.SupposeThatItStandsOut();
   Compare(rivals, 0.4, 3.0, 0.6);
-  EXPECT_EQ(NextToRegister(rivals), 3.0);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(rivals.CountToRegister(), 0);
+    EXPECT_EQ(rivals.CountToRegister(), 1);
+    EXPECT_EQ(NextToRegister_m(rivals), 3.0);
+  }
 }
 
-TEST(AlongTrackRivalsTest, WhereTheGroundRepeatsRivalsAreRegisteredThatFitLess) {
-  AlongTrackRivals rivals(RegisteringRivals());
+TEST(AlongTrackRivalsTest, ARivalThatHasNotFittedBetterIsRegisteredWhereTheGroundRepeats) {
+  AlongTrackRivals rivals(SixPlaces(6));
+  rivals.SupposeThatItStandsOut();
+  EXPECT_EQ(NextToRegister_m(rivals), 0.0) << "nothing is known";
   for (const double rival_fit : {0.15, 0.35}) {
     for (int i = 0; i < 30; ++i) {
       Compare(rivals, 0.5, 3.0, rival_fit);
       rivals.LearnRepetition(std::vector{0.5, rival_fit});
     }
-    EXPECT_EQ(NextToRegister(rivals), rivals.ground_repeats() ? 3.0 : 0.0);
+    EXPECT_EQ(NextToRegister_m(rivals), rivals.ground_repeats() ? 3.0 : 0.0);
   }
   rivals.OnRegistered({.translation_m = {3.0, 0.0}}, -0.1);
-  EXPECT_NE(NextToRegister(rivals), 3.0) << "what has not led waits for the next scan";
+  EXPECT_NE(NextToRegister_m(rivals), 3.0) << "it waits for the next scan";
+}
+
+// Scans fit a rival 3 m ahead; registrations put it `shift_m` from there, with such a lead.
+bool IsBetterAfterRegistrations(int count, double shift_m, double score_lead) {
+  AlongTrackRivals rivals(SixPlaces(6));
+  for (int i = 0; i < count; ++i) {
+    Compare(rivals, 0.4, 3.0, 0.46);
+    EXPECT_EQ(NextToRegister_m(rivals), 3.0);
+    rivals.OnRegistered({.translation_m = {3.0 + shift_m, 0.3}}, score_lead);
+  }
+  return rivals.has_better();
 }
 
 TEST(AlongTrackRivalsTest, ARivalThatLeadsByRegistrationsIsBetter) {
-  const auto is_better_after = [](int count, double shift_m, double score_lead) {
-    AlongTrackRivals rivals(RegisteringRivals());
-    Compare(rivals, 0.4, 3.0, 0.6);
-    for (int i = 0; i < count; ++i) {
-      EXPECT_EQ(NextToRegister(rivals), 3.0);
-      rivals.OnRegistered({.translation_m = {3.0 + shift_m, 0.3}}, score_lead);
-    }
-    return rivals.has_better();
-  };
-  EXPECT_FALSE(is_better_after(1, 0.0, 0.5)) << "one alone does not decide";
-  EXPECT_TRUE(is_better_after(3, 0.0, 0.08));
-  EXPECT_FALSE(is_better_after(20, 0.0, 0.01));
-  EXPECT_FALSE(is_better_after(20, -3.0, 0.5)) << "it ended at the pose";
+  EXPECT_FALSE(IsBetterAfterRegistrations(1, 0.0, 0.5)) << "one alone does not decide";
+  EXPECT_TRUE(IsBetterAfterRegistrations(3, 0.0, 0.08));
+  EXPECT_FALSE(IsBetterAfterRegistrations(10, 0.0, 0.01));
+  EXPECT_FALSE(IsBetterAfterRegistrations(10, -3.0, 0.5)) << "it ended at the pose";
 }
 
 TEST(AlongTrackRivalsTest, ARivalThatLeadsNoMoreIsNotBetterAnyMore) {
-  AlongTrackRivals rivals(RegisteringRivals());
-  Compare(rivals, 0.4, 3.0, 0.6);
+  AlongTrackRivals rivals(SixPlaces(6));
   const auto register_with = [&](double score_lead) {
-    EXPECT_EQ(NextToRegister(rivals), 3.0);
+    Compare(rivals, 0.4, 3.0, 0.46);
+    EXPECT_EQ(NextToRegister_m(rivals), 3.0);
     rivals.OnRegistered({.translation_m = {3.0, 0.0}}, score_lead);
   };
   for (int i = 0; i < 3; ++i) register_with(0.1);
   EXPECT_TRUE(rivals.has_better());
-  register_with(-0.1);
+  for (int i = 0; i < 2; ++i) register_with(-0.1);
   EXPECT_FALSE(rivals.has_better());
+}
+
+// Whether the pose stands out after so many rivals, each registered with this lead.
+bool StandsOutAfter(int count, double score_lead) {
+  AlongTrackRivals rivals(SixPlaces(6));
+  for (int i = 0; i < count; ++i) {
+    Compare(rivals, 0.5, 3.0, 0.4);
+    EXPECT_GE(rivals.CountToRegister(), 1);
+    EXPECT_EQ(NextToRegister_m(rivals), 3.0);
+    rivals.OnRegistered({.translation_m = {3.0, 0.0}}, score_lead);
+  }
+  return rivals.stands_out();
+}
+
+TEST(AlongTrackRivalsTest, APoseStandsOutThatBeatsItsRivals) {
+  EXPECT_FALSE(StandsOutAfter(2, -0.1));
+  EXPECT_TRUE(StandsOutAfter(3, -0.1));
+  EXPECT_FALSE(StandsOutAfter(30, 0.0));
+  EXPECT_FALSE(StandsOutAfter(30, -0.02)) << "by little";
+}
+
+TEST(AlongTrackRivalsTest, ARivalThatEndsAtThePoseIsBeatenOneThatEndsElsewhereIsNot) {
+  AlongTrackRivals rivals(SixPlaces(6));
+  const auto stands_out_by_ends = [&](double end_m) {
+    rivals.OnPlaceFound();
+    for (int i = 0; i < 3; ++i) {
+      Compare(rivals, 0.5, 3.0, 0.4);
+      EXPECT_EQ(NextToRegister_m(rivals), 3.0);
+      rivals.OnRegistered({.translation_m = {end_m, 0.0}}, 0.0);
+    }
+    return rivals.stands_out();
+  };
+  EXPECT_TRUE(stands_out_by_ends(0.1));
+  EXPECT_FALSE(stands_out_by_ends(6.0));
+}
+
+TEST(AlongTrackRivalsTest, APlaceThatIsFoundMustStandOutAnew) {
+  AlongTrackRivals rivals(SixPlaces(6));
+  rivals.SupposeThatItStandsOut();
+  rivals.Reset();
+  EXPECT_TRUE(rivals.stands_out());
+  rivals.OnPlaceFound();
+  EXPECT_FALSE(rivals.stands_out());
+}
+
+TEST(AlongTrackRivalsTest, WhereScansCannotBeComparedAPoseNeedNotStandOut) {
+  AlongTrackRivals rivals({.max_wait_count = 4});
+  for (int i = 0; i < 4; ++i) rivals.CountToRegister();
+  EXPECT_FALSE(rivals.stands_out());
+  rivals.CountToRegister();
+  EXPECT_TRUE(rivals.stands_out());
+  EXPECT_TRUE(AlongTrackRivals({.max_offset_m = 0.0}).stands_out()) << "no rivals";
 }
 
 TEST(AlongTrackRivalsTest, WithoutADistanceThereAreNone) {
