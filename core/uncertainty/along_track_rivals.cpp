@@ -5,6 +5,11 @@
 #include <tuple>
 
 namespace dcloc {
+namespace {
+
+constexpr int kAllAtOnce = -1;  // the first round, of a place that was found
+
+}  // namespace
 
 std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
     const AlongTrackRivalOptions& /*options*/) {
@@ -70,6 +75,7 @@ std::span<const Pose2> AlongTrackRivals::NextPlaces(double curvature_radpm) {
 }
 
 std::size_t AlongTrackRivals::CountToChoose() const {
+  if (round_count_ == kAllAtOnce) return hypotheses_.size();
   const bool begins = round_count_ < options_.beginning_rounds;
   const int count = options_.places_per_scan * (begins ? options_.beginning_factor : 1);
   return std::min(static_cast<std::size_t>(count), hypotheses_.size());
@@ -93,9 +99,10 @@ Pose2 AlongTrackRivals::PlaceAt(double offset_m) const {
 // METHOD eq 60.
 void AlongTrackRivals::OnFits(std::size_t point_count, std::span<const double> fits) {
   const double sigma = options_.point_sigma / std::sqrt(static_cast<double>(point_count));
+  wait_count_ = 0;
+  compared_count_ += chosen_.size();
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     OffsetHypothesis& hypothesis = hypotheses_[chosen_[i]];
-    wait_count_ = 0;
     hypothesis.newest_lead = (fits[i + 1] - fits[0]) / sigma;
     hypothesis.better.Add(hypothesis.newest_lead, options_.better);
   }
@@ -105,16 +112,21 @@ int AlongTrackRivals::CountToRegister() {
   if (!AreRegistered()) return 0;
   if (!stands_out_) {
     if (++wait_count_ > options_.max_wait_count) stands_out_ = true;
-    return options_.beginning_factor;
+    const bool all_are_compared = compared_count_ >= hypotheses_.size();
+    return all_are_compared ? options_.min_beaten_count - beaten_count_ : 0;
   }
   if (++registration_count_ < options_.registrations_per_rival) return 0;
   return 1;
 }
 
 std::optional<Pose2> AlongTrackRivals::NextToRegister() {
+  if (!stands_out_ && compared_count_ == 0) return std::nullopt;
   challenger_ = Challenger();
   const OffsetHypothesis& challenger = hypotheses_[challenger_];
-  if (challenger.newest_lead == kNone) return std::nullopt;
+  if (challenger.newest_lead == kNone) {
+    compared_count_ = 0;
+    return std::nullopt;
+  }
   const bool is_of_interest = HasFittedBetter(challenger) || ground_repeats() || !stands_out_;
   if (!is_of_interest) return std::nullopt;
   registration_count_ = 0;
@@ -132,16 +144,22 @@ std::size_t AlongTrackRivals::Challenger() const {
 
 void AlongTrackRivals::OnRegistered(const Pose2& T_vehicle_place, double score_lead) {
   OffsetHypothesis& challenger = hypotheses_[challenger_];
-  challenger.newest_lead = kNone;
+  for (OffsetHypothesis& other : hypotheses_) {  // those beside it would end at the same place
+    const double apart_m = std::abs(other.offset_m - challenger.offset_m);
+    if (apart_m <= options_.max_shift_m) other.newest_lead = kNone;
+  }
   const Pose2 place = PlaceAt(challenger.offset_m);
   const double shift_m = (T_vehicle_place.translation_m - place.translation_m).norm();
   const bool stayed = shift_m <= options_.max_shift_m;
   challenger.leads.Add(options_.lead_per_score * (stayed ? score_lead : 0.0), options_.leads);
 
   const bool is_pose = T_vehicle_place.translation_m.norm() < 0.5 * options_.min_offset_m;
-  if (!stayed && !is_pose) return;
-  const bool is_beaten = is_pose || score_lead <= -options_.beating_score;
-  beaten_count_ = std::max(0, beaten_count_ + (is_beaten ? 1 : -1));
+  if (is_pose || (stayed && score_lead <= -options_.beating_score)) {
+    ++beaten_count_;
+  } else if (stayed) {
+    beaten_count_ = 0;
+    compared_count_ = 0;
+  }
   if (beaten_count_ >= options_.min_beaten_count) stands_out_ = true;
 }
 
@@ -167,7 +185,9 @@ void AlongTrackRivals::Reset() {
 void AlongTrackRivals::OnPlaceFound() {
   Reset();
   for (OffsetHypothesis& hypothesis : hypotheses_) hypothesis.newest_lead = kNone;
+  round_count_ = kAllAtOnce;  // it waits for a round to be claimed
   wait_count_ = 0;
+  compared_count_ = 0;
   beaten_count_ = 0;
   stands_out_ = false;
 }

@@ -28,7 +28,7 @@ struct AlongTrackRivalOptions {
   double lead_per_score = 36.0;
   OneSidedCusumOptions leads = {.drift = 0.5, .max = 3.5, .limit = 4.5};
   /// A rival is beaten by a pose whose score is higher by this. A pose that begins stands out once
-  /// it has beaten so many more than it has not.
+  /// it has beaten so many in a row, those that scans fit best of all.
   double beating_score = 0.04;
   int min_beaten_count = 3;
   int max_wait_count = 10;  ///< registrations without a scan that could be compared: it stands out
@@ -77,7 +77,7 @@ class AlongTrackRivals {
 
   /// The pose has been registered. Returns how many rivals are to be registered, too: a
   /// registration puts the pose where scans fit best, and a place of a coarse row is no match for
-  /// that. As long as the pose does not stand out they are several.
+  /// that. As long as the pose does not stand out they are several, after each round.
   int CountToRegister();
 
   /// T_vehicle_place of the next one: the rival that leads, or that scans have fitted better, or
@@ -142,7 +142,8 @@ class AlongTrackRivals {
   std::vector<Pose2> places_;        // the pose and those chosen
   std::size_t challenger_ = 0;       // the hypothesis that is registered
   int wait_count_ = 0;               // registrations of a pose that begins, none compared
-  int beaten_count_ = 0;             // rivals, less those that were not beaten
+  std::size_t compared_count_ = 0;   // rivals, since one was not beaten
+  int beaten_count_ = 0;             // rivals in a row
   bool stands_out_ = false;
   ForgettingMean best_fraction_;  // of the best rival's fit in that of the pose
 };

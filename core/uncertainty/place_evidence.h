@@ -37,7 +37,7 @@ std::span<const OptionField<PlaceEvidenceOptions>> FieldsOf(const PlaceEvidenceO
 absl::Status Validate(const PlaceEvidenceOptions& options);
 
 /// Whether what is seen speaks for the place where the vehicle is supposed to be: that little was
-/// seen there, that it does, that it does not.
+/// seen there or that the place does not stand out, that it does, that it does not.
 enum class EvidenceForPlace { kTooLittle, kEnough, kLacking };
 
 /// Tells a place in the map from one that fits by chance, as in the map of another street, or of

@@ -208,6 +208,29 @@ TEST(AlongTrackRivalsTest, APoseStandsOutThatBeatsItsRivals) {
   EXPECT_FALSE(StandsOutAfter(30, -0.02)) << "by little";
 }
 
+TEST(AlongTrackRivalsTest, ThePoseMustBeatTheBestOfAllPlaces) {
+  AlongTrackRivals rivals(SixPlaces(3));
+  const auto compare_all = [&] {
+    Compare(rivals, 0.5, 3.0, 0.4);
+    EXPECT_EQ(rivals.CountToRegister(), 0) << "half of them were compared";
+    Compare(rivals, 0.5, 3.0, 0.4);
+    EXPECT_EQ(rivals.CountToRegister(), 3);
+    EXPECT_EQ(NextToRegister_m(rivals), 3.0);
+  };
+  compare_all();
+  rivals.OnRegistered({.translation_m = {3.0, 0.0}}, 0.0);
+  EXPECT_FALSE(rivals.NextToRegister()) << "one was not beaten";
+  compare_all();
+}
+
+TEST(AlongTrackRivalsTest, PlacesBesideARegisteredRivalAreNotRegistered) {
+  AlongTrackRivals rivals(SixPlaces(6));
+  Compare(rivals, 0.5, 3.0, 0.4);
+  EXPECT_EQ(NextToRegister_m(rivals), 3.0);
+  rivals.OnRegistered({.translation_m = {3.0, 0.0}}, -0.1);
+  EXPECT_LT(NextToRegister_m(rivals), 0.0);
+}
+
 TEST(AlongTrackRivalsTest, ARivalThatEndsAtThePoseIsBeatenOneThatEndsElsewhereIsNot) {
   AlongTrackRivals rivals(SixPlaces(6));
   const auto stands_out_by_ends = [&](double end_m) {
