@@ -89,7 +89,7 @@ void Pipeline<Dim>::CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspa
   if (fit == ScanFit::kAgrees) rivals_.LearnRepetition(workspace.rival_fits);
 }
 
-// METHOD eq 60. Rivals are registered like the pose, and what counts is which of them fits.
+// METHOD section 19. Rivals are registered like the pose, and what counts is which of them fits.
 template <int Dim>
 void Pipeline<Dim>::RegisterAlongTrackRivals(double pose_score, Workspace<Dim>& workspace) {
   for (int i = rivals_.CountToRegister(); i > 0; --i) {

@@ -56,6 +56,8 @@ absl::Status Validate(const AlongTrackRivalOptions& options);
 /// Holds the pose against places before and behind it. Where posts repeat, registration fits a
 /// scan to the wrong ones as it does to the right ones. But what stands between them does not
 /// repeat: laid into the map at both places, scans show which of the two is right (METHOD eq 60).
+/// Some rivals are registered like the pose, with a sub-map's many points, and that shows it
+/// sooner.
 class AlongTrackRivals {
  public:
   explicit AlongTrackRivals(const AlongTrackRivalOptions& options);
@@ -81,7 +83,7 @@ class AlongTrackRivals {
   int CountToRegister();
 
   /// T_vehicle_place of the next one: the rival that leads, or that scans have fitted better, or
-  /// that the newest scans fitted best. None where nothing is known of others, or where only a
+  /// else that the newest scans fitted best. None where nothing is known of others, or where only a
   /// rival that leads or fits better would be of interest.
   std::optional<Pose2> NextToRegister();
 
@@ -136,7 +138,7 @@ class AlongTrackRivals {
   std::vector<OffsetHypothesis> hypotheses_;
   double curvature_radpm_ = 0.0;     // of the road's line
   std::size_t turn_ = 0;             // the hypothesis whose turn is next
-  int round_count_ = 0;              // turns that each has had since the beginning
+  int round_count_ = 0;              // turns that each has had since the beginning; or kAllAtOnce
   int registration_count_ = 0;       // of the pose, since a rival was registered
   std::vector<std::size_t> chosen_;  // of the hypotheses, for the next scan
   std::vector<Pose2> places_;        // the pose and those chosen
