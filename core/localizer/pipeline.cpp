@@ -56,7 +56,7 @@ void Pipeline<Dim>::Start(const InitialPose& initial_pose) {
   pose_.Reset(FromSpace<Dim>(map_.matcher.T_map_local().Inverse() * initial_pose.T_map_vehicle,
                              initial_pose.covariance));
   tracking_.OnPrior();
-  rivals_.SupposeThatItStandsOut();  // whoever gives a prior knows of the others
+  rivals_.SupposeThatItStandsOut();  // a prior speaks for itself
   if (!options_.verify_prior) tracking_.OnVerified();
 }
 
