@@ -2,7 +2,6 @@
 // fits it.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/geometry/covariance.h"
 #include "core/geometry/pose_estimate.h"
@@ -113,20 +112,11 @@ bool Pipeline<Dim>::LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& wo
     ThinPoints(points, options.max_point_count, workspace.scan_points);
     return map_.matcher.Fit(workspace.scan_points, now.pose, sigma_m, workspace.registration);
   };
-  Pose3 turn;
-  turn.rotation = Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ());
-  const Pose<Dim> turned = now.pose * FromSpace<Dim>(turn, Matrix6d::Zero()).pose;
   const auto best_fit = [&](const std::vector<RadarPoint>& points) {
     ThinPoints(points, options.max_point_count, workspace.scan_points);
-    const auto best_along = [&](const Pose<Dim>& pose, int axis,
-                                std::span<const double> offsets_m) {
-      map_.matcher.FitsAlong(axis, offsets_m, workspace.scan_points, pose, sigma_m,
-                             workspace.registration, workspace.rival_fits);
-      return std::ranges::max(workspace.rival_fits);
-    };
-    return std::max({best_along(now.pose, 1, radars_.azimuth_signs.beside_m()),
-                     best_along(turned, 1, radars_.azimuth_signs.beside_m()),
-                     best_along(now.pose, 0, radars_.azimuth_signs.ahead_m())});
+    map_.matcher.FitsAt(radars_.azimuth_signs.T_vehicle_poses(), workspace.scan_points, now.pose,
+                        sigma_m, workspace.registration, workspace.rival_fits);
+    return std::ranges::max(workspace.rival_fits);
   };
 
   // As many as are laid into the map.

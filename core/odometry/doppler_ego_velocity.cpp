@@ -5,14 +5,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <bitset>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 #include <vector>
 
 #include "core/geometry/covariance.h"
+#include "core/radar/directions.h"
 #include "core/radar/measurement.h"
 
 namespace dcloc {
@@ -22,13 +21,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 using Row = RangeRateRow;
-
-constexpr int kDirectionCount = 36;
-
-int DirectionOf(const Vector3d& u) {
-  const double turns = std::atan2(u.y(), u.x()) / (2.0 * std::numbers::pi) + 0.5;
-  return std::min(kDirectionCount - 1, static_cast<int>(turns * kDirectionCount));
-}
 
 // Of more targets than any rig's single moment has, every n-th is enough, and bounds the time.
 constexpr std::size_t kMaxRows = 3000;
@@ -71,12 +63,6 @@ double VotesOf(const std::vector<Row>& rows) {
   double sum = 0.0;
   for (const Row& row : rows) sum += row.vote;
   return sum;
-}
-
-int CountDirections(const std::vector<Row>& rows) {
-  std::bitset<kDirectionCount> directions;
-  for (const Row& row : rows) directions.set(static_cast<std::size_t>(row.direction));
-  return static_cast<int>(directions.count());
 }
 
 double Residual(const Row& row, const Vector3d& state) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
+#include "core/radar/directions.h"
 #include "core/radar/measurement.h"
 
 namespace dcloc {
@@ -32,7 +34,7 @@ class Targets {
       const Eigen::Vector3d u = R_vehicle_radar * LineOfSight(m.azimuth_rad, m.elevation_rad);
       const Eigen::Vector3d left = Eigen::Vector3d::UnitZ().cross(u);
       targets_.push_back({u.dot(radar_mps), left.dot(radar_mps), m.range_rate_mps,
-                          m.range_rate_sigma_mps, m.azimuth_sigma_rad});
+                          m.range_rate_sigma_mps, m.azimuth_sigma_rad, DirectionOf(u)});
     }
   }
 
@@ -45,12 +47,20 @@ class Targets {
 
   std::size_t size() const { return targets_.size(); }
 
-  int CountInliers(double yaw_rad, double gate_mps) const {
+  auto InliersAt(double yaw_rad, double gate_mps) const {
     const double c = std::cos(yaw_rad);
     const double s = std::sin(yaw_rad);
-    return static_cast<int>(std::count_if(targets_.begin(), targets_.end(), [&](const Target& t) {
-      return std::abs(Residual(t, -(c * t.along_mps + s * t.across_mps))) <= gate_mps;
-    }));
+    return targets_ | std::views::filter([=, this](const Target& t) {
+             return std::abs(Residual(t, -(c * t.along_mps + s * t.across_mps))) <= gate_mps;
+           });
+  }
+
+  int CountInliers(double yaw_rad, double gate_mps) const {
+    return static_cast<int>(std::ranges::distance(InliersAt(yaw_rad, gate_mps)));
+  }
+
+  int CountDirectionsOfInliers(double yaw_rad, double gate_mps) const {
+    return CountDirections(InliersAt(yaw_rad, gate_mps));
   }
 
   // One step of Gauss-Newton for the angle and the speed from the inliers at `yaw_rad`.
@@ -97,6 +107,8 @@ std::span<const OptionField<MountYawOptions>> FieldsOf(const MountYawOptions& /*
       {"inlier_gate_mps", &O::inlier_gate_mps, 1e-6, 100},
       {"min_inlier_count", &O::min_inlier_count, 3, 10'000},
       {"min_inlier_fraction", &O::min_inlier_fraction, 0, 1, "the count alone decides"},
+      {"min_direction_count", &O::min_direction_count, 0, kDirectionCount,
+       "what one mover may have said counts, too"},
       {"max_target_count", &O::max_target_count, 3, 10'000},
       {"reading_sigma_rad", &O::reading_sigma_rad, 1e-9, 1},
       {"speed_sigma_fraction", &O::speed_sigma_fraction, 1e-9, 1},
@@ -114,8 +126,9 @@ absl::Status Validate(const MountYawOptions& options) {
 }
 
 std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel& radar,
-                                             const EgoVelocity& velocity, double expected_rad,
-                                             double around_rad, const MountYawOptions& options,
+                                             const EgoVelocity& velocity,
+                                             const MountYawTrial& trial,
+                                             const MountYawOptions& options,
                                              MountYawWorkspace& workspace) {
   const Targets targets(scan, radar, velocity, options.max_target_count, workspace);
   const auto is_enough = [&](int inlier_count) {
@@ -123,13 +136,13 @@ std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel&
            inlier_count >= options.min_inlier_fraction * static_cast<double>(targets.size());
   };
   int most = 0;
-  double best_rad = expected_rad;
-  const auto trials = static_cast<int>(around_rad / kTrialStep_rad);
+  double best_rad = trial.expected_rad;
+  const auto trials = static_cast<int>(trial.around_rad / kTrialStep_rad);
   for (int i = -trials; i <= trials; ++i) {
-    const double yaw_rad = expected_rad + i * kTrialStep_rad;
+    const double yaw_rad = trial.expected_rad + i * kTrialStep_rad;
     const int count = targets.CountInliers(yaw_rad, options.inlier_gate_mps);
     if (count > most ||
-        (count == most && std::abs(i * kTrialStep_rad) < std::abs(best_rad - expected_rad))) {
+        (count == most && std::abs(i * kTrialStep_rad) < std::abs(best_rad - trial.expected_rad))) {
       most = count;
       best_rad = yaw_rad;
     }
@@ -137,6 +150,10 @@ std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel&
   if (!is_enough(most)) return std::nullopt;
   const double first_rad = targets.Refine(best_rad, options).value;
   if (!is_enough(targets.CountInliers(first_rad, options.inlier_gate_mps))) return std::nullopt;
+  if (targets.CountDirectionsOfInliers(first_rad, options.inlier_gate_mps) <
+      trial.min_direction_count) {
+    return std::nullopt;
+  }
   ScalarEstimate reading = targets.Refine(first_rad, options);
   reading.variance += std::pow(options.reading_sigma_rad, 2) + targets.DirectionVariance(velocity);
   return reading;
@@ -151,10 +168,15 @@ bool MountYawEstimator::OnScan(Stamp stamp, const Scan& scan, const RadarModel& 
   const std::chrono::nanoseconds since_last = last_ ? stamp - *last_ : options_.interval;
   if (since_last < options_.interval && !HasRecentOutliers(stamp)) return false;
   if (since_last > options_.outlier_span) outliers_rad_.clear();
+  const auto reading_by = [&](const MountYawTrial& trial) {
+    return MountYawOfScan(scan, radar, velocity, trial, options_, workspace);
+  };
   std::optional<ScalarEstimate> reading =
-      MountYawOfScan(scan, radar, velocity, error_.value, kNear_rad, options_, workspace);
-  if (!reading)
-    reading = MountYawOfScan(scan, radar, velocity, 0.0, kAnywhere_rad, options_, workspace);
+      reading_by({.expected_rad = error_.value, .around_rad = kNear_rad});
+  if (!reading) {
+    reading = reading_by(
+        {.around_rad = kAnywhere_rad, .min_direction_count = options_.min_direction_count});
+  }
   if (!reading) return false;
   last_ = stamp;
   error_.variance +=

@@ -25,7 +25,10 @@ struct MountYawOptions {
   double inlier_gate_mps = 0.3;
   int min_inlier_count = 8;           ///< inliers that a reading needs
   double min_inlier_fraction = 0.35;  ///< share of the targets that must be inliers, [0, 1]
-  int max_target_count = 100;         ///< a fuller scan is thinned
+  /// Directions, ten degrees wide, that the inliers lie in where the mount is not as expected: one
+  /// mover fills fewer, and passes for a radar that looks to the side.
+  int min_direction_count = 6;
+  int max_target_count = 100;  ///< a fuller scan is thinned
   /// Standard deviation of a reading besides the targets' noise.
   double reading_sigma_rad = 0.4 * kRadPerDeg;
   double speed_sigma_fraction = 0.03;  ///< of the vehicle's speed, as it is known
@@ -50,6 +53,7 @@ struct MountYawTarget {
   double range_rate_mps;
   double sigma_mps;
   double azimuth_sigma_rad;
+  int direction;  ///< in which ten degrees around the vehicle it is, see `DirectionOf`
 };
 
 /// What MountYawOfScan needs only while it runs.
@@ -96,11 +100,19 @@ class MountYawEstimator {
   std::vector<double> outliers_rad_;  // in a row
 };
 
+/// Which angles are tried: all within `around_rad` of `expected_rad`. The inliers of the best one
+/// lie in so many directions at least.
+struct MountYawTrial {
+  double expected_rad = 0.0;
+  double around_rad = 0.0;
+  int min_direction_count = 0;
+};
+
 /// The angle by one scan alone, nothing if no angle explains enough of its range rates.
-/// Tried are all within `around_rad` of `expected_rad`.
 std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel& radar,
-                                             const EgoVelocity& velocity, double expected_rad,
-                                             double around_rad, const MountYawOptions& options,
+                                             const EgoVelocity& velocity,
+                                             const MountYawTrial& trial,
+                                             const MountYawOptions& options,
                                              MountYawWorkspace& workspace);
 
 }  // namespace dcloc

@@ -1,28 +1,20 @@
 #include "core/odometry/range_rate_scales.h"
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
-#include <numbers>
 
+#include "core/radar/directions.h"
 #include "core/radar/measurement.h"
 
 namespace dcloc {
 namespace {
 
-constexpr int kDirectionCount = 36;
 // A dispute that no scan has continued for longer than this is over: four intervals of the slowest
 // radars, which scan twice a second.
 constexpr std::chrono::nanoseconds kDisputeTimeout = std::chrono::seconds(2);
 
 // Where more of the targets are as measured, those that have no range rate are a convoy.
 constexpr double kMaxMeasuredFraction = 0.1;
-
-// Which ten degrees around the vehicle the line of sight lies in, [0, kDirectionCount).
-int DirectionOf(const Eigen::Vector3d& u_vehicle) {
-  const double turns = std::atan2(u_vehicle.y(), u_vehicle.x()) / (2.0 * std::numbers::pi) + 0.5;
-  return std::min(static_cast<int>(kDirectionCount * turns), kDirectionCount - 1);
-}
 
 }  // namespace
 
@@ -164,7 +156,7 @@ std::optional<double> RangeRateScales::RatioOf(const Scan& scan, const RadarMode
     return std::abs(target.range_rate_mps - expected_mps) <=
            options_.gate_mps + options_.gate_fraction * std::abs(expected_mps);
   };
-  std::bitset<kDirectionCount> directions;
+  Directions directions;
   double agreeing_count = 0.0;
   double measured_count = 0.0;
   for (const Target& target : targets_) {

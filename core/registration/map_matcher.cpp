@@ -264,20 +264,6 @@ double MapMatcher<Dim>::Fit(std::span<const GaussianPoint<Dim>> points,
 }
 
 template <int Dim>
-void MapMatcher<Dim>::FitsAlong(int axis, std::span<const double> offsets_m,
-                                std::span<const GaussianPoint<Dim>> points,
-                                const Pose<Dim>& T_local_vehicle, double sigma_m,
-                                RegistrationWorkspace<Dim>& workspace,
-                                std::vector<double>& fits) const {
-  workspace.map_fit.Begin(points, local_map_, Gates(), T_local_vehicle, sigma_m);
-  const Eigen::Matrix<double, Dim, 1> unit = T_local_vehicle.Rotation().col(axis);
-  fits.clear();
-  for (const double offset_m : offsets_m) {
-    fits.push_back(workspace.map_fit.At(T_local_vehicle.translation_m + offset_m * unit));
-  }
-}
-
-template <int Dim>
 void MapMatcher<Dim>::FitsAt(std::span<const Pose2> T_vehicle_places,
                              std::span<const GaussianPoint<Dim>> points,
                              const Pose<Dim>& T_local_vehicle, double sigma_m,

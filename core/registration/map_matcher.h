@@ -114,13 +114,6 @@ class MapMatcher {
   double Fit(std::span<const GaussianPoint<Dim>> points, const Pose<Dim>& T_local_vehicle,
              double sigma_m, RegistrationWorkspace<Dim>& workspace) const;
 
-  /// The same with the vehicle further along its x axis (`axis` 0) or y axis (1) by each of
-  /// `offsets_m`, to `fits`.
-  void FitsAlong(int axis, std::span<const double> offsets_m,
-                 std::span<const GaussianPoint<Dim>> points, const Pose<Dim>& T_local_vehicle,
-                 double sigma_m, RegistrationWorkspace<Dim>& workspace,
-                 std::vector<double>& fits) const;
-
   /// The same with the vehicle at each of `T_vehicle_places` in the plane, to `fits`.
   void FitsAt(std::span<const Pose2> T_vehicle_places, std::span<const GaussianPoint<Dim>> points,
               const Pose<Dim>& T_local_vehicle, double sigma_m,

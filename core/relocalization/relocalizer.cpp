@@ -4,11 +4,20 @@
 #include <cmath>
 
 namespace dcloc {
+namespace {
+
+// A vehicle further than this from all keyframes has left the map; nearer than the other, it has
+// come back.
+constexpr double kOutside_m = 40.0;
+constexpr double kBack_m = 20.0;
+
+}  // namespace
 
 template <int Dim>
 std::optional<typename Relocalizer<Dim>::Place> Relocalizer<Dim>::Search(
     Stamp stamp, std::span<const GaussianPoint<Dim>> live, std::chrono::nanoseconds span,
     const std::optional<ExpectedPlace>& expected, RegistrationWorkspace<Dim>& workspace) {
+  if (HasReturnedToMap()) global_.Clear();
   const auto min_point_count = static_cast<std::size_t>(
       expected ? options_.expected_gate.min_inlier_count : options_.gate.min_inlier_count);
   const bool sees_enough = span >= options_.min_view_span && live.size() >= min_point_count;
@@ -21,6 +30,17 @@ std::optional<typename Relocalizer<Dim>::Place> Relocalizer<Dim>::Search(
   std::optional<Place> place = global_.Continue(workspace);
   if (place) global_.Clear();
   return place;
+}
+
+// Searches in vain, while there was no map, say nothing of where the vehicle is now: the search
+// begins anew, near where odometry has brought it.
+template <int Dim>
+bool Relocalizer<Dim>::HasReturnedToMap() {
+  const std::optional<PoseEstimate<3>>& now = prior();
+  const bool was_outside = std::exchange(
+      is_outside_,
+      now && !map_->NearestKeyframe(now->pose.translation_m, is_outside_ ? kBack_m : kOutside_m));
+  return was_outside && now && !is_outside_;
 }
 
 // Nothing is known of a vehicle that begins: any score will do.

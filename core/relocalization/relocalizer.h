@@ -23,6 +23,7 @@ class Relocalizer {
               std::shared_ptr<const RegistrationMethod<Dim>> method, double local_map_radius_m,
               const PosePriorOptions& prior_options, const GlobalLocalizerOptions& options)
       : options_(options),
+        map_(map),
         prior_(prior_options),
         global_(std::move(map), std::move(method), local_map_radius_m, options) {}
 
@@ -68,11 +69,14 @@ class Relocalizer {
 
  private:
   double MinConvincingScore() const;
+  bool HasReturnedToMap();
 
   GlobalLocalizerOptions options_;
+  std::shared_ptr<const RadarMap> map_;
   PosePrior prior_;
   GlobalLocalizer<Dim> global_;
-  ForgettingMean scores_;  // of registrations
+  ForgettingMean scores_;   // of registrations
+  bool is_outside_ = false;  // of what the map's drive passed, by the prior
 };
 
 }  // namespace dcloc

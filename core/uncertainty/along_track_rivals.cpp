@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <tuple>
 
 namespace dcloc {
@@ -69,15 +71,14 @@ std::span<const Pose2> AlongTrackRivals::NextPlaces(double curvature_radpm) {
   while (chosen_.size() < count) {
     if (std::ranges::find(chosen_, turn_) == chosen_.end()) Choose(turn_);
     turn_ = (turn_ + 1) % hypotheses_.size();
-    if (turn_ == 0 && round_count_ < options_.beginning_rounds) ++round_count_;
+    if (turn_ == 0 && Begins()) ++round_count_;
   }
   return places_;
 }
 
 std::size_t AlongTrackRivals::CountToChoose() const {
   if (round_count_ == kAllAtOnce) return hypotheses_.size();
-  const bool begins = round_count_ < options_.beginning_rounds;
-  const int count = options_.places_per_scan * (begins ? options_.beginning_factor : 1);
+  const int count = options_.places_per_scan * (Begins() ? options_.beginning_factor : 1);
   return std::min(static_cast<std::size_t>(count), hypotheses_.size());
 }
 
@@ -115,21 +116,23 @@ int AlongTrackRivals::CountToRegister() {
     const bool all_are_compared = compared_count_ >= hypotheses_.size();
     return all_are_compared ? options_.min_beaten_count - beaten_count_ : 0;
   }
-  if (++registration_count_ < options_.registrations_per_rival) return 0;
-  return 1;
+  const bool is_due = ++registration_count_ >= options_.registrations_per_rival;
+  return is_due || beaten_count_ < options_.min_beaten_count ? 1 : 0;
 }
 
 std::optional<Pose2> AlongTrackRivals::NextToRegister() {
   if (!stands_out_ && compared_count_ == 0) return std::nullopt;
-  challenger_ = Challenger();
+  const bool takes_turn = stands_out_ && registration_count_ < options_.registrations_per_rival;
+  challenger_ = takes_turn ? NextInTurn() : Challenger();
   const OffsetHypothesis& challenger = hypotheses_[challenger_];
   if (challenger.newest_lead == kNone) {
     compared_count_ = 0;
     return std::nullopt;
   }
-  const bool is_of_interest = HasFittedBetter(challenger) || ground_repeats() || !stands_out_;
+  const bool may_repeat = ground_repeats() || best_fraction_.count == 0;
+  const bool is_of_interest = HasFittedBetter(challenger) || may_repeat || !stands_out_;
   if (!is_of_interest) return std::nullopt;
-  registration_count_ = 0;
+  if (!takes_turn) registration_count_ = 0;
   return PlaceAt(challenger.offset_m);
 }
 
@@ -142,15 +145,39 @@ std::size_t AlongTrackRivals::Challenger() const {
                                   hypotheses_.begin());
 }
 
+// What leads is registered anyway. Sooner, its sub-map would be the same.
+void AlongTrackRivals::BeginRound() {
+  for (OffsetHypothesis& hypothesis : hypotheses_) {
+    hypothesis.had_turn = std::ranges::any_of(hypotheses_, [&](const OffsetHypothesis& other) {
+      return other.leads.sum() > 0.0 && AreBeside(other, hypothesis);
+    });
+  }
+}
+
+// Of those that scans were compared at since, the one that they fit best.
+std::size_t AlongTrackRivals::NextInTurn() {
+  const auto rank = [](const OffsetHypothesis& hypothesis) {
+    return hypothesis.had_turn ? kNone : hypothesis.newest_lead;
+  };
+  auto next = std::ranges::max_element(hypotheses_, {}, rank);
+  if (rank(*next) == kNone) {
+    BeginRound();
+    next = std::ranges::max_element(hypotheses_, {}, rank);
+  }
+  return static_cast<std::size_t>(next - hypotheses_.begin());
+}
+
 void AlongTrackRivals::OnRegistered(const Pose2& T_vehicle_place, double score_lead) {
   OffsetHypothesis& challenger = hypotheses_[challenger_];
-  for (OffsetHypothesis& other : hypotheses_) {  // those beside it would end at the same place
-    const double apart_m = std::abs(other.offset_m - challenger.offset_m);
-    if (apart_m <= options_.max_shift_m) other.newest_lead = kNone;
+  for (OffsetHypothesis& other : hypotheses_) {
+    if (!AreBeside(other, challenger)) continue;
+    other.newest_lead = kNone;
+    other.had_turn = true;
   }
   const Pose2 place = PlaceAt(challenger.offset_m);
   const double shift_m = (T_vehicle_place.translation_m - place.translation_m).norm();
   const bool stayed = shift_m <= options_.max_shift_m;
+  if (getenv("RV")) fprintf(stderr,"OR %.2f lead %.3f shift %.2f stayed %d sum %.2f best %.2f rep %.2f beaten %d out %d count %d\n",challenger.offset_m,score_lead,shift_m,(int)stayed,challenger.leads.sum(),challenger.better.sum(),best_fraction_.mean,beaten_count_,(int)stands_out_,registration_count_);
   challenger.leads.Add(options_.lead_per_score * (stayed ? score_lead : 0.0), options_.leads);
 
   const bool is_pose = T_vehicle_place.translation_m.norm() < 0.5 * options_.min_offset_m;
@@ -166,6 +193,12 @@ void AlongTrackRivals::OnRegistered(const Pose2& T_vehicle_place, double score_l
 void AlongTrackRivals::LearnRepetition(std::span<const double> fits) {
   if (fits.size() < 2 || fits[0] <= 0.0) return;
   best_fraction_.Add(std::ranges::max(fits.subspan(1)) / fits[0], options_.forgetting_factor);
+}
+
+bool AlongTrackRivals::stands_out() const {
+  if (!AreRegistered()) return true;
+  const auto leads = [](const OffsetHypothesis& rival) { return rival.leads.sum() > 0.0; };
+  return stands_out_ && !(Begins() && std::ranges::any_of(hypotheses_, leads));
 }
 
 bool AlongTrackRivals::has_better() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -20,7 +21,8 @@ struct AlongTrackRivalOptions {
   double step_m = 0.25;        ///< distance between neighbouring rivals
   double min_offset_m = 1.5;   ///< distance of the nearest rival from the pose
   double max_offset_m = 24.0;  ///< distance of the furthest one, at most; 0: no rivals
-  /// One rival is registered in so many registrations of the pose; 0: none is.
+  /// One rival is registered in so many registrations of the pose, and after each of them while one
+  /// that was not beaten is the last; 0: none is.
   int registrations_per_rival = 5;
   double max_shift_m = 1.5;  ///< by which a registration moves the same place
   /// A registered rival leads by so much for each unit of its score above that of the pose: the
@@ -79,12 +81,13 @@ class AlongTrackRivals {
 
   /// The pose has been registered. Returns how many rivals are to be registered, too: a
   /// registration puts the pose where scans fit best, and a place of a coarse row is no match for
-  /// that. As long as the pose does not stand out they are several, after each round.
+  /// that. As long as the pose does not stand out they are several, after each round. Once a rival
+  /// was not beaten, each registration is followed by one, until some were beaten in a row.
   int CountToRegister();
 
   /// T_vehicle_place of the next one: the rival that leads, or that scans have fitted better, or
-  /// else that the newest scans fitted best. None where nothing is known of others, or where only a
-  /// rival that leads or fits better would be of interest.
+  /// else that the newest scans fitted best. In between, rivals take turns. None where nothing is
+  /// known of others, or where only a rival that leads or fits better would be of interest.
   std::optional<Pose2> NextToRegister();
 
   /// That has put the rival at `T_vehicle_place`, with a score that exceeds the pose's by
@@ -98,8 +101,9 @@ class AlongTrackRivals {
   bool ground_repeats() const { return best_fraction_.mean >= options_.repeating_fraction; }
 
   /// Whether the pose was registered with a higher score than its rivals, since it was found. At a
-  /// wrong place, or in the map of another street, none is much better than others.
-  bool stands_out() const { return stands_out_ || !AreRegistered(); }
+  /// wrong place, or in the map of another street, none is much better than others. While the pose
+  /// begins, no rival may lead.
+  bool stands_out() const;
 
   /// It did so a moment ago.
   void SupposeThatItStandsOut() { stands_out_ = true; }
@@ -121,14 +125,22 @@ class AlongTrackRivals {
     OneSidedCusum better;        // by single scans
     OneSidedCusum leads;         // by registrations
     double newest_lead = kNone;  // of the newest scan's fit, unless a registration told more since
+    bool had_turn = false;       // was registered, or one beside it, since all others were
   };
 
+  bool Begins() const { return round_count_ < options_.beginning_rounds; }
   bool AreRegistered() const {
     return !hypotheses_.empty() && options_.registrations_per_rival > 0;
   }
   std::size_t CountToChoose() const;
   void Choose(std::size_t index);
   std::size_t Challenger() const;
+  std::size_t NextInTurn();
+  void BeginRound();
+  // A registration would put both at the same place.
+  bool AreBeside(const OffsetHypothesis& one, const OffsetHypothesis& other) const {
+    return std::abs(one.offset_m - other.offset_m) <= options_.max_shift_m;
+  }
   bool HasFittedBetter(const OffsetHypothesis& hypothesis) const {
     return hypothesis.leads.sum() > 0.0 || hypothesis.better.sum() > 0.0;
   }

@@ -1,6 +1,7 @@
 #include "core/uncertainty/azimuth_signs.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace dcloc {
 
@@ -26,18 +27,20 @@ absl::Status Validate(const AzimuthSignOptions& options) {
 
 AzimuthSigns::AzimuthSigns(std::size_t radar_count, const AzimuthSignOptions& options)
     : options_(options), radars_(radar_count) {
-  const auto offsets = [&](double max_m) {
-    std::vector<double> offsets_m = {0.0};
-    double offset_m = options.rival_step_m;
-    while (offset_m <= max_m) {
-      offsets_m.push_back(offset_m);
-      offsets_m.push_back(-offset_m);
-      offset_m += options.rival_step_m;
-    }
-    return offsets_m;
+  const auto add = [&](double ahead_m, double beside_m, double turn_rad) {
+    T_vehicle_poses_.push_back({.translation_m = {ahead_m, beside_m}, .yaw_rad = turn_rad});
   };
-  beside_m_ = offsets(options.max_beside_m);
-  ahead_m_ = offsets(options.max_ahead_m);
+  for (const double turn_rad : {0.0, std::numbers::pi}) {
+    add(0.0, 0.0, turn_rad);
+    for (int i = 1; i * options.rival_step_m <= options.max_beside_m; ++i) {
+      add(0.0, i * options.rival_step_m, turn_rad);
+      add(0.0, -i * options.rival_step_m, turn_rad);
+    }
+  }
+  for (int i = 1; i * options.rival_step_m <= options.max_ahead_m; ++i) {
+    add(i * options.rival_step_m, 0.0, 0.0);
+    add(-i * options.rival_step_m, 0.0, 0.0);
+  }
 }
 
 // METHOD eq 60.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/geometry/pose.h"
 #include "core/options/option_fields.h"
 #include "core/uncertainty/one_sided_cusum.h"
 
@@ -39,9 +40,9 @@ class AzimuthSigns {
 
   const AzimuthSignOptions& options() const { return options_; }
 
-  /// Poses beside and ahead of the supposed one that both are laid at: offsets [m], 0 first.
-  std::span<const double> beside_m() const { return beside_m_; }
-  std::span<const double> ahead_m() const { return ahead_m_; }
+  /// T_vehicle_pose of the poses that both are laid at: the supposed one first, those beside it,
+  /// either way round, and those ahead and behind.
+  std::span<const Pose2> T_vehicle_poses() const { return T_vehicle_poses_; }
 
   /// Whether the azimuths of radar `index` are to be taken with the other sign.
   bool IsMirrored(std::size_t index) const { return radars_[index].is_mirrored; }
@@ -70,8 +71,7 @@ class AzimuthSigns {
   };
   AzimuthSignOptions options_;
   std::vector<Radar> radars_;
-  std::vector<double> beside_m_;
-  std::vector<double> ahead_m_;
+  std::vector<Pose2> T_vehicle_poses_;
 };
 
 }  // namespace dcloc

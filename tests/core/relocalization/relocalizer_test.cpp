@@ -89,6 +89,32 @@ TEST_F(RelocalizerTest, TooShortASubmapIsNoView) {
   EXPECT_FALSE(Search(50, here).has_value()) << "nor is one of few points";
 }
 
+// Far from the map nothing looks like what is seen.
+TEST_F(RelocalizerTest, WhereTheVehicleComesBackToTheMapTheSearchBeginsAnew) {
+  const auto ahead = [](double distance_m) {
+    Pose3 T_from_to;
+    T_from_to.translation_m.x() = distance_m;
+    return T_from_to;
+  };
+  const auto move = [&](double distance_m) {
+    relocalizer_.OnMotion(
+        {.T_from_to = ahead(distance_m), .covariance = 1e-6 * Matrix6d::Identity()});
+  };
+  relocalizer_.SetPrior(
+      {.pose = T_map_vehicle_ * ahead(-1000.0), .covariance = Matrix6d::Identity()});
+  for (int i = 0; i < 8; ++i) {
+    Search(20);
+    move(5.0);
+  }
+  EXPECT_GT(relocalizer_.failed_search_count(), 0);
+  move(560.0);
+  Search(1);
+  EXPECT_GT(relocalizer_.failed_search_count(), 0) << "still far from the map";
+  move(400.0);
+  Search(1);
+  EXPECT_EQ(relocalizer_.failed_search_count(), 0);
+}
+
 TEST_F(RelocalizerTest, AFixReplacesAPriorThatIsLessCertain) {
   relocalizer_.OnFix(PriorAround(10.0, 20.0));
   ASSERT_TRUE(relocalizer_.prior().has_value());

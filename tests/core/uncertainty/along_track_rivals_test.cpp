@@ -130,17 +130,63 @@ double NextToRegister_m(AlongTrackRivals& rivals) {
   return place ? place->translation_m.x() : 0.0;
 }
 
+// A pose that stands out has beaten three rivals in a row.
+void BeatThree(AlongTrackRivals& rivals) {
+  rivals.SupposeThatItStandsOut();
+  for (int i = 0; i < 3; ++i) {
+    Compare(rivals, 0.5, 3.0, 0.4);
+    EXPECT_NE(NextToRegister_m(rivals), 0.0);
+    rivals.OnRegistered({.translation_m = {0.0, 0.0}}, -0.1);
+  }
+}
+
 TEST(AlongTrackRivalsTest, ARivalIsRegisteredNowAndThen) {
   AlongTrackRivalOptions options = SixPlaces(6);
   options.registrations_per_rival = 2;
   AlongTrackRivals rivals(options);
-  rivals.SupposeThatItStandsOut();
+  BeatThree(rivals);
   Compare(rivals, 0.4, 3.0, 0.6);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(rivals.CountToRegister(), 0);
     EXPECT_EQ(rivals.CountToRegister(), 1);
     EXPECT_EQ(NextToRegister_m(rivals), 3.0);
   }
+}
+
+TEST(AlongTrackRivalsTest, OnceOneIsNotBeatenTheOthersTakeTurnsUntilSomeAre) {
+  AlongTrackRivalOptions options = SixPlaces(6);
+  options.max_shift_m = 0.5;  // six places of their own
+  AlongTrackRivals rivals(options);
+  const auto register_one = [&] {
+    Compare(rivals, 0.5, 3.0, 0.45);
+    const double rival_m = NextToRegister_m(rivals);
+    rivals.OnRegistered({.translation_m = {rival_m, 0.0}}, 0.0);
+    return rival_m;
+  };
+  BeatThree(rivals);
+  register_one();
+  std::set<double> registered_m;
+  for (int i = 0; i < 8; ++i) {  // every fifth is the one that scans fit best
+    EXPECT_EQ(rivals.CountToRegister(), 1);
+    registered_m.insert(register_one());
+  }
+  EXPECT_EQ(registered_m.size(), 6U);
+  BeatThree(rivals);
+  EXPECT_EQ(rivals.CountToRegister(), 0);
+}
+
+TEST(AlongTrackRivalsTest, APoseThatBeginsWaitsWhileARivalLeads) {
+  AlongTrackRivalOptions options = SixPlaces(6);
+  options.beginning_rounds = 2;
+  AlongTrackRivals rivals(options);
+  rivals.SupposeThatItStandsOut();
+  Compare(rivals, 0.4, 3.0, 0.3);
+  EXPECT_TRUE(rivals.stands_out());
+  EXPECT_EQ(NextToRegister_m(rivals), 3.0) << "whether the ground repeats is not known yet";
+  rivals.OnRegistered({.translation_m = {3.0, 0.0}}, 0.1);
+  EXPECT_FALSE(rivals.stands_out());
+  Compare(rivals, 0.4, 3.0, 0.3);
+  EXPECT_TRUE(rivals.stands_out()) << "it has begun";
 }
 
 TEST(AlongTrackRivalsTest, ARivalThatHasNotFittedBetterIsRegisteredWhereTheGroundRepeats) {
@@ -160,9 +206,12 @@ TEST(AlongTrackRivalsTest, ARivalThatHasNotFittedBetterIsRegisteredWhereTheGroun
 
 // Scans fit a rival 3 m ahead; registrations put it `shift_m` from there, with such a lead.
 bool IsBetterAfterRegistrations(int count, double shift_m, double score_lead) {
-  AlongTrackRivals rivals(SixPlaces(6));
+  AlongTrackRivalOptions options = SixPlaces(6);
+  options.registrations_per_rival = 1;
+  AlongTrackRivals rivals(options);
   for (int i = 0; i < count; ++i) {
     Compare(rivals, 0.4, 3.0, 0.46);
+    rivals.CountToRegister();
     EXPECT_EQ(NextToRegister_m(rivals), 3.0);
     rivals.OnRegistered({.translation_m = {3.0 + shift_m, 0.3}}, score_lead);
   }

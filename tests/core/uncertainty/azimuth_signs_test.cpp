@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <numbers>
 #include <vector>
 
 #include "tests/core/options/option_fields_check.h"
@@ -89,10 +89,23 @@ TEST(AzimuthSignsTest, ScansOfAnotherPlaceDoNotCount) {
   EXPECT_EQ(ScansUntilChanged(signs, 0.25, 0.45), needed);
 }
 
-TEST(AzimuthSignsTest, ComparedPosesLieOnBothSidesAndAtThePose) {
-  const AzimuthSigns signs(1, {.rival_step_m = 1.0, .max_beside_m = 2.0, .max_ahead_m = 0.0});
-  EXPECT_TRUE(std::ranges::equal(signs.beside_m(), std::vector{0.0, 1.0, -1.0, 2.0, -2.0}));
-  EXPECT_TRUE(std::ranges::equal(signs.ahead_m(), std::vector{0.0}));
+TEST(AzimuthSignsTest, ComparedPosesLieAroundThePoseAndTurnedRound) {
+  const AzimuthSigns signs(1, {.rival_step_m = 1.0, .max_beside_m = 1.0, .max_ahead_m = 2.0});
+  std::vector<Eigen::Vector3d> poses;  // ahead, beside, turned
+  for (const Pose2& pose : signs.T_vehicle_poses()) {
+    poses.emplace_back(pose.translation_m.x(), pose.translation_m.y(), pose.yaw_rad);
+  }
+  constexpr double kRound = std::numbers::pi;
+  EXPECT_EQ(poses, (std::vector<Eigen::Vector3d>{{0, 0, 0},
+                                                 {0, 1, 0},
+                                                 {0, -1, 0},
+                                                 {0, 0, kRound},
+                                                 {0, 1, kRound},
+                                                 {0, -1, kRound},
+                                                 {1, 0, 0},
+                                                 {-1, 0, 0},
+                                                 {2, 0, 0},
+                                                 {-2, 0, 0}}));
 }
 
 }  // namespace
