@@ -31,6 +31,7 @@ inline OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
     readings.doppler_speed = speed_of(doppler->ego_velocity);
     if (radar_count > 1) readings.doppler_yaw_rate = yaw_rate_of(doppler->ego_velocity);
     readings.doppler_direction_count = doppler->direction_count;
+    readings.doppler_radar_count = radar_count;
   }
   if (alternative) {
     readings.alternative_speed = speed_of(alternative->ego_velocity);

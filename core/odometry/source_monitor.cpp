@@ -67,6 +67,8 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"bus_failure_rate_hz", &O::bus_failure_rate_hz, 1e-9, 10},
       {"min_doppler_failure_rate_hz", &O::min_doppler_failure_rate_hz, 1e-12, 10},
       {"standing_doppler_failure_rate_hz", &O::standing_doppler_failure_rate_hz, 1e-9, 100},
+      {"max_reverse_speed_mps", &O::max_reverse_speed_mps, 0, 1000},
+      {"fast_reverse_probability", &O::fast_reverse_probability, 1e-30, 1},
       {"recovery_rate_hz", &O::recovery_rate_hz, 1e-9, 10},
       {"start_span_ms", &O::start_span, 1, 1e6},
       {"silent_after_ms", &O::silent_after, 1, 1e5},
@@ -132,6 +134,29 @@ void SourceMonitor::Begin(const OdometryReadings& readings) {
   }
 }
 
+// The first radar that is heard may be the one that is wrong. Once all are, it is one of several.
+bool SourceMonitor::Joins(Stamp stamp, const OdometryReadings& readings) {
+  if (!began_) began_ = stamp;
+  const std::size_t before = doppler_radar_count_;
+  doppler_radar_count_ = std::max(before, readings.doppler_radar_count);
+  return before > 0 && doppler_radar_count_ > before && stamp - *began_ <= options_.start_span;
+}
+
+void SourceMonitor::ForgetStates() {
+  for (Hypothesis& hypothesis : hypotheses_) {
+    hypothesis.speed.variance = SquareOf(options_.unknown_speed_sigma_mps);
+    hypothesis.yaw_rate.variance = SquareOf(options_.silent_yaw_rate_sigma_radps);
+  }
+  before_ = {};
+}
+
+void SourceMonitor::DoubtFastReverse() {
+  for (Hypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.speed.value >= -options_.max_reverse_speed_mps) continue;
+    hypothesis.log_weight += std::log(options_.fast_reverse_probability);
+  }
+}
+
 // No source is as certain as it claims.
 OdometryReadings SourceMonitor::WithFloors(const OdometryReadings& readings) const {
   OdometryReadings floored = readings;
@@ -156,7 +181,9 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   if (newest_) since_used_s_ = SecondsOf(stamp - *newest_);
   newest_ = stamp;
   if (compared_ && stamp - *compared_ < options_.interval) return;
-  if (!compared_) Begin(readings);
+  const bool joins = Joins(stamp, readings);
+  if (!compared_ || joins) Begin(readings);
+  if (joins) ForgetStates();
   const double duration_s = compared_ ? SecondsOf(stamp - *compared_) : 0.0;
   const Transitions transitions = TransitionsIn(duration_s, readings.doppler_direction_count,
                                                 options_.min_doppler_failure_rate_hz);
@@ -175,12 +202,14 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
     restarted.log_weight += std::log(options_.restart_probability);
     Update(hypothesis, floored, duration_s);
     Update(restarted, floored, duration_s);
-    if (restarted.log_weight > hypothesis.log_weight) {
-      hypothesis = restarted;
+    const bool restarts = restarted.log_weight > hypothesis.log_weight;
+    if (restarts) hypothesis = restarted;
+    if (restarts || joins) {
       hypothesis.previous_speed_mps = hypothesis.speed.value;
       hypothesis.previous_yaw_rate_radps = hypothesis.yaw_rate.value;
     }
   }
+  if (!compared_ || joins) DoubtFastReverse();
   Normalize();
   TryOthers(stamp, readings);
   before_ = floored;
@@ -202,6 +231,7 @@ void SourceMonitor::TryOthers(Stamp stamp, const OdometryReadings& readings) {
   trial_count_ = std::min(2 * trial_count_, options_.max_trial_spans);
   const std::size_t refuted = best_;
   Begin(readings);
+  DoubtFastReverse();
   hypotheses_[refuted].log_weight = -options_.max_log_ratio;
   Normalize();
 }

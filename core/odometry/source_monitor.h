@@ -41,6 +41,7 @@ struct OdometryReadings {
   /// How many directions, ten degrees wide, the Doppler's inliers lie in: one mover that fills the
   /// view is seen in few.
   int doppler_direction_count = 0;
+  std::size_t doppler_radar_count = 0;  ///< radars whose scans the Doppler is of
 };
 
 /// What a registration says of the motion before it.
@@ -72,8 +73,13 @@ struct SourceMonitorOptions {
   /// rates may be compensated by the ego-motion, or there may be none.
   double standing_doppler_failure_rate_hz = 0.02;
   double recovery_rate_hz = 0.3;  ///< of a failed source to become sound
-  /// The time before the first comparison in which sources may have failed.
+  /// The time before the first comparison in which sources may have failed. For as long after it,
+  /// a radar that joins the Doppler makes it a source that was not heard yet.
   std::chrono::nanoseconds start_span = std::chrono::seconds(1);
+  /// Vehicles hardly drive backwards faster than this: where nothing else is known, a source that
+  /// says so has the wrong sign.
+  double max_reverse_speed_mps = 6.0;
+  double fast_reverse_probability = 1e-2;  ///< that it does nevertheless
   /// A source is silent when its last reading is older than this.
   std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);
   // Lower bounds of the standard deviations of readings, whatever their source claims.
@@ -261,6 +267,9 @@ class SourceMonitor {
   OdometryReadings WithFloors(const OdometryReadings& readings) const;
   void Update(Hypothesis& hypothesis, const OdometryReadings& readings, double duration_s) const;
   void Begin(const OdometryReadings& readings);
+  bool Joins(Stamp stamp, const OdometryReadings& readings);
+  void ForgetStates();
+  void DoubtFastReverse();
   void TryOthers(Stamp stamp, const OdometryReadings& readings);
   void CompareWithRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   void Normalize();
@@ -273,7 +282,9 @@ class SourceMonitor {
   OdometrySources used_;  // sound at the last OnUsedMotion
   OdometryReadings before_;
   LastReported last_reported_;
-  std::optional<Stamp> compared_;  // when the readings were last compared
+  std::optional<Stamp> began_;           // when they were compared first
+  std::size_t doppler_radar_count_ = 0;  // the most so far
+  std::optional<Stamp> compared_;        // when the readings were last compared
   std::optional<Stamp> newest_;    // of all readings
   double since_used_s_ = 0.0;
   // Sum of (dt^2 / 8)^2 since the registration that is compared next: what a vehicle that speeds up
