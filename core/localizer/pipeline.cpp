@@ -204,13 +204,16 @@ Motion Pipeline<Dim>::MotionSincePrevious(bool clock_was_set) const {
 template <int Dim>
 void Pipeline<Dim>::Move(const Motion& motion) {
   pose_.OnMotion(motion);
-  relocalizer_.OnMotion(motion);
+  relocalizer_.OnMotion(motion, ego_motion_.spread_since_previous());
   const double distance_m = motion.T_from_to.translation_m.norm();
   radars_.range_biases.OnMotion(distance_m);
   claims_.protection_level.OnMotion(distance_m);
   claims_.reset_counter.OnMotion(ego_motion_.expected_motion());
-  // The noise was learned with other sources in use.
-  if (ego_motion_.sources_changed()) pose_.ResetNoise();
+  // The noise was learned with other sources in use, and views were joined by them.
+  if (ego_motion_.sources_changed()) {
+    pose_.ResetNoise();
+    relocalizer_.RetakeViews();
+  }
   if (HorizontalSigma(ego_motion_.spread_since_previous()) > options_.usual_spread_m) pose_.OnGap();
 }
 

@@ -23,12 +23,15 @@ constexpr double kSearchPieceWork = 24e3;  // of a piece of a search, about a mi
 }  // namespace
 
 template <int Dim>
-void GlobalLocalizer<Dim>::OnMotion(const Motion& motion) {
+void GlobalLocalizer<Dim>::OnMotion(const Motion& motion, const Matrix6d& spread) {
   if (views_.empty()) return;
   since_view_ = Compose(since_view_, motion);
+  noise_since_view_ =
+      Compose(noise_since_view_,
+              {.T_from_to = motion.T_from_to, .covariance = motion.covariance - spread});
   travelled_since_view_m_ += motion.T_from_to.translation_m.norm();
   // Views that odometry does not join any more.
-  const Matrix6d& covariance = since_view_.covariance;
+  const Matrix6d& covariance = noise_since_view_.covariance;
   if (HorizontalSigma(covariance) > options_.max_view_sigma_m ||
       std::sqrt(covariance(5, 5)) > options_.max_view_sigma_rad) {
     RetakeViews();
@@ -77,6 +80,7 @@ void GlobalLocalizer<Dim>::AddView(Stamp stamp, std::span<const GaussianPoint<Di
                     .coarse_points = EvenSubsample(live, options_.coarse_point_count),
                     .motion = std::exchange(since_view_, {}),
                     .travelled_m = std::exchange(travelled_since_view_m_, 0.0)});
+  noise_since_view_ = {};
   for (Candidate& candidate : candidates_) candidate.fits.emplace_back();
   view_stamp_ = stamp;
   ++view_count_;

@@ -57,8 +57,9 @@ class GlobalLocalizer {
         registrar_(map_, method_, local_map_radius_m) {}
 
   /// The vehicle moved so since the last call. Views that odometry no longer joins, as after a
-  /// silence, are forgotten.
-  void OnMotion(const Motion& motion);
+  /// silence, are forgotten. `spread`, the part of the covariance by which the sources of odometry
+  /// differ, does not count for that: one of them joins the views, and they show whether it is right.
+  void OnMotion(const Motion& motion, const Matrix6d& spread = Matrix6d::Zero());
 
   /// Whether all work is done and the vehicle has moved on, so that a new view says something new.
   bool WantsView(Stamp stamp) const;
@@ -156,6 +157,7 @@ class GlobalLocalizer {
   double travelled_since_view_m_ = 0.0;  // likewise
   std::optional<SearchRegion> region_;   // likewise
   Motion since_view_;                    // likewise
+  Motion noise_since_view_;              // the same without the spread of the sources
   std::optional<PlaceSearch> search_;
   double cell_m_ = 1.0;                    // of the last search
   std::vector<PlaceCandidate> places_;     // left to be fitted coarsely, the best last

@@ -38,10 +38,11 @@ class Relocalizer {
   /// Whether registrations can start from a pose that is known so well, without a search.
   bool IsPrediction(const Matrix6d& covariance) const { return prior_.IsPrediction(covariance); }
 
-  /// The vehicle moved so.
-  void OnMotion(const Motion& motion) {
+  /// The vehicle moved so. `spread` is the part of the covariance by which the sources of odometry
+  /// differ, and not their noise (METHOD eq 49).
+  void OnMotion(const Motion& motion, const Matrix6d& spread = Matrix6d::Zero()) {
     prior_.OnMotion(motion);
-    global_.OnMotion(motion);
+    global_.OnMotion(motion, spread);
   }
 
   /// Goes on searching for what is seen now: `live`, in the vehicle frame, of the last ones of
