@@ -108,12 +108,8 @@ SourceMonitor::SourceMonitor(const SourceMonitorOptions& options,
     : options_(options),
       static_gate_mps_(static_points.static_gate_mps),
       static_gate_sigmas_(static_points.static_gate_sigmas) {
-  for (std::size_t i = 0; i < kHypothesisCount; ++i) {
-    Hypothesis& hypothesis = hypotheses_[i];
-    hypothesis.sound = OdometrySources(i);
-    hypothesis.speed.variance = SquareOf(options.unknown_speed_sigma_mps);
-    hypothesis.yaw_rate.variance = SquareOf(options.silent_yaw_rate_sigma_radps);
-  }
+  for (std::size_t i = 0; i < kHypothesisCount; ++i) hypotheses_[i].sound = OdometrySources(i);
+  ForgetStates();
   Begin({});
   used_ = best().sound;
 }
@@ -319,20 +315,18 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
   };
   const double acceleration_mps2 = options_.acceleration_sigma_mps2;
   const double yaw_acceleration_radps2 = options_.yaw_acceleration_sigma_radps2;
-  const double speed_range_mps = options_.speed_range_mps;
-  const double yaw_rate_range_radps = options_.yaw_rate_range_radps;
   compare(kWheelSpeed, readings.wheel_speed, before_.wheel_speed, acceleration_mps2,
-          speed_range_mps, hypothesis.speed);
+          options_.speed_range_mps, hypothesis.speed);
   // Of two motions that the targets agree on, a hypothesis takes the one nearer to its prediction.
   const bool takes_alternative = hypothesis.sound[kDoppler] && readings.alternative_speed &&
                                  LogDensity(*readings.alternative_speed, hypothesis.speed) >
                                      LogDensity(*readings.doppler_speed, hypothesis.speed);
   compare(kDoppler, takes_alternative ? readings.alternative_speed : readings.doppler_speed,
-          before_.doppler_speed, acceleration_mps2, speed_range_mps, hypothesis.speed);
+          before_.doppler_speed, acceleration_mps2, options_.speed_range_mps, hypothesis.speed);
   compare(kYawRate, readings.yaw_rate, before_.yaw_rate, yaw_acceleration_radps2,
-          yaw_rate_range_radps, hypothesis.yaw_rate);
+          options_.yaw_rate_range_radps, hypothesis.yaw_rate);
   compare(kDoppler, takes_alternative ? readings.alternative_yaw_rate : readings.doppler_yaw_rate,
-          before_.doppler_yaw_rate, yaw_acceleration_radps2, yaw_rate_range_radps,
+          before_.doppler_yaw_rate, yaw_acceleration_radps2, options_.yaw_rate_range_radps,
           hypothesis.yaw_rate);
 }
 
@@ -399,27 +393,6 @@ void SourceMonitor::Normalize() {
   for (Hypothesis& hypothesis : hypotheses_) {
     hypothesis.log_weight = std::max(-options_.max_log_ratio, hypothesis.log_weight - greatest);
   }
-}
-
-std::optional<SourceMonitor::PlanarMotion> SourceMonitor::OnUsedMotion(double forward_m,
-                                                                       double turn_rad) {
-  unseen_s4_ += SquareOf(SquareOf(since_used_s_) / 8.0);
-  for (Hypothesis& hypothesis : hypotheses_) {
-    const PlanarMotion own = hypothesis.MotionIn(since_used_s_);
-    hypothesis.unapplied.forward_m += own.forward_m - forward_m;
-    hypothesis.unapplied.turn_rad += own.turn_rad - turn_rad;
-    hypothesis.since_registered.forward_m += own.forward_m;
-    hypothesis.since_registered.turn_rad += own.turn_rad;
-  }
-  if (best().sound == used_) return std::nullopt;
-  used_ = best().sound;
-  // What the others say is besides what the best one has added now.
-  const PlanarMotion unapplied = best().unapplied;
-  for (Hypothesis& hypothesis : hypotheses_) {
-    hypothesis.unapplied.forward_m -= unapplied.forward_m;
-    hypothesis.unapplied.turn_rad -= unapplied.turn_rad;
-  }
-  return unapplied;
 }
 
 }  // namespace dcloc

@@ -285,7 +285,7 @@ class SourceMonitor {
   std::optional<Stamp> began_;           // when they were compared first
   std::size_t doppler_radar_count_ = 0;  // the most so far
   std::optional<Stamp> compared_;        // when the readings were last compared
-  std::optional<Stamp> newest_;    // of all readings
+  std::optional<Stamp> newest_;          // of all readings
   double since_used_s_ = 0.0;
   // Sum of (dt^2 / 8)^2 since the registration that is compared next: what a vehicle that speeds up
   // by 1 in a second does between readings dt apart, unseen (as of METHOD eq 23).

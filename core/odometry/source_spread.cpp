@@ -1,4 +1,5 @@
-// By how much the hypotheses that are probable differ in how the vehicle moves.
+// By how much the hypotheses differ in how the vehicle moves, from what was used and among
+// themselves.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,6 +12,28 @@ double SourceMonitor::confidence() const {
   double sum = 0.0;
   for (const Hypothesis& hypothesis : hypotheses_) sum += std::exp(hypothesis.log_weight);
   return 1.0 / sum;
+}
+
+std::optional<SourceMonitor::PlanarMotion> SourceMonitor::OnUsedMotion(double forward_m,
+                                                                       double turn_rad) {
+  const double unseen_s2 = since_used_s_ * since_used_s_ / 8.0;
+  unseen_s4_ += unseen_s2 * unseen_s2;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    const PlanarMotion own = hypothesis.MotionIn(since_used_s_);
+    hypothesis.unapplied.forward_m += own.forward_m - forward_m;
+    hypothesis.unapplied.turn_rad += own.turn_rad - turn_rad;
+    hypothesis.since_registered.forward_m += own.forward_m;
+    hypothesis.since_registered.turn_rad += own.turn_rad;
+  }
+  if (best().sound == used_) return std::nullopt;
+  used_ = best().sound;
+  // What the others say is besides what the best one has added now.
+  const PlanarMotion unapplied = best().unapplied;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    hypothesis.unapplied.forward_m -= unapplied.forward_m;
+    hypothesis.unapplied.turn_rad -= unapplied.turn_rad;
+  }
+  return unapplied;
 }
 
 ScalarEstimate SourceMonitor::Mixed(ScalarEstimate Hypothesis::*of) const {

@@ -26,9 +26,8 @@ template <int Dim>
 void GlobalLocalizer<Dim>::OnMotion(const Motion& motion, const Matrix6d& spread) {
   if (views_.empty()) return;
   since_view_ = Compose(since_view_, motion);
-  noise_since_view_ =
-      Compose(noise_since_view_,
-              {.T_from_to = motion.T_from_to, .covariance = motion.covariance - spread});
+  noise_since_view_ = Compose(
+      noise_since_view_, {.T_from_to = motion.T_from_to, .covariance = motion.covariance - spread});
   travelled_since_view_m_ += motion.T_from_to.translation_m.norm();
   // Views that odometry does not join any more.
   const Matrix6d& covariance = noise_since_view_.covariance;

@@ -58,7 +58,8 @@ class GlobalLocalizer {
 
   /// The vehicle moved so since the last call. Views that odometry no longer joins, as after a
   /// silence, are forgotten. `spread`, the part of the covariance by which the sources of odometry
-  /// differ, does not count for that: one of them joins the views, and they show whether it is right.
+  /// differ, does not count for that: one of them joins the views, and they show whether it is
+  /// right.
   void OnMotion(const Motion& motion, const Matrix6d& spread = Matrix6d::Zero());
 
   /// Whether all work is done and the vehicle has moved on, so that a new view says something new.

@@ -76,7 +76,7 @@ class Relocalizer {
   std::shared_ptr<const RadarMap> map_;
   PosePrior prior_;
   GlobalLocalizer<Dim> global_;
-  ForgettingMean scores_;   // of registrations
+  ForgettingMean scores_;    // of registrations
   bool is_outside_ = false;  // of what the map's drive passed, by the prior
 };
 

@@ -242,6 +242,50 @@ TEST(SourceMonitorTest, RegistrationsThatDoNotSeeTheWayLeaveItToBeCorrected) {
   EXPECT_GT(seen.corrected_m, 0.3 * unseen.corrected_m) << "what a registration saw is corrected";
 }
 
+// What is sound by the first radar, whose range rates are too small, and then by it and four
+// others.
+OdometrySources SoundAfterOthersJoin(std::size_t joined_radar_count) {
+  SourceMonitor monitor;
+  Stamp stamp{std::chrono::seconds(1'700'000'000)};
+  OdometryReadings readings{.wheel_speed = Speed(12.3, 0.1),
+                            .yaw_rate = Speed(0.0, 0.005),
+                            .doppler_speed = Speed(7.4, 0.05),
+                            .doppler_direction_count = 11,
+                            .doppler_radar_count = 1};
+  monitor.OnReadings(stamp, readings);
+  readings.doppler_speed = Speed(12.25, 0.05);
+  readings.alternative_speed = Speed(7.4, 0.05);
+  readings.doppler_direction_count = 24;
+  readings.doppler_radar_count = joined_radar_count;
+  for (int i = 0; i < 10; ++i) monitor.OnReadings(stamp += std::chrono::milliseconds(75), readings);
+  return monitor.sound();
+}
+
+TEST(SourceMonitorTest, RadarsThatJoinOutweighTheFirst) {
+  EXPECT_EQ(SoundAfterOthersJoin(5), OdometrySources(7));
+  EXPECT_NE(SoundAfterOthersJoin(1), OdometrySources(7)) << "a single radar has changed its mind";
+}
+
+OdometrySources SoundBySpeeds(double wheels_mps, double doppler_mps) {
+  SourceMonitor monitor;
+  Stamp stamp{std::chrono::seconds(1'700'000'000)};
+  for (int i = 0; i < 10; ++i) {
+    monitor.OnReadings(stamp += std::chrono::milliseconds(75),
+                       {.wheel_speed = Speed(wheels_mps, 0.1),
+                        .yaw_rate = Speed(0.0, 0.005),
+                        .doppler_speed = Speed(doppler_mps, 0.05),
+                        .doppler_direction_count = 11,
+                        .doppler_radar_count = 1});
+  }
+  return monitor.sound();
+}
+
+TEST(SourceMonitorTest, AVehicleHardlyDrivesBackwardsFast) {
+  EXPECT_FALSE(Contains(SoundBySpeeds(12.0, -12.0), OdometrySource::kDoppler));
+  EXPECT_FALSE(Contains(SoundBySpeeds(-12.0, 12.0), OdometrySource::kWheelSpeed));
+  EXPECT_EQ(SoundBySpeeds(-12.0, -12.0), OdometrySources(7)) << "unless all say so";
+}
+
 TEST(SourceMonitorTest, InputsThatMeanNothingGiveNumbers) {
   SourceMonitor monitor;
   Stamp stamp{std::chrono::seconds(1'700'000'000)};
