@@ -351,12 +351,12 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(Stamp stamp,
 }
 
 // Registrations measure the motion without the sources of odometry, which are held against them.
-// While the pose is not confirmed, two in a row may be at two places, and teach nothing.
+// While the pose is not confirmed, two in a row may be at two places, and teach nothing but a turn.
 template <int Dim>
 void Pipeline<Dim>::UpdateOdometry(const std::optional<Registered>& registered,
                                    RegistrationOutcome outcome) {
   if (tracking_.mode() != TrackingMode::kConfirmed) {
-    ego_motion_.OnDiscontinuity();
+    ego_motion_.OnPoseDoubted();
     pose_.OnDiscontinuity();
   }
   if (!registered) return;

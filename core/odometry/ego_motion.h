@@ -137,10 +137,13 @@ class EgoMotion {
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
     errors_.OnPose(T_map_vehicle, covariance);
   }
-  /// The pose was lost: the next `OnPose` is not compared with the one before.
-  void OnDiscontinuity() { errors_.OnDiscontinuity(); }
+  /// The pose is doubted: see OdometryErrorFilter::OnDoubt.
+  void OnPoseDoubted() { errors_.OnDoubt(); }
   /// The next registration is at another place: it is not compared with the one before.
-  void OnPlaceChanged() { sources_.OnRegistrationLost(); }
+  void OnPlaceChanged() {
+    sources_.OnRegistrationLost();
+    errors_.OnDiscontinuity();
+  }
   /// The poses given so far were wrong: scale and yaw-rate bias are estimated anew.
   void ResetErrors() { errors_ = OdometryErrorFilter(options_.error_filter); }
 

@@ -95,12 +95,13 @@ std::optional<ScalarEstimate> OdometryErrorFilter::LearnedYawRateBias() const {
 
 void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseconds duration) {
   const double duration_s = std::chrono::duration<double>(duration).count();
-  if (!T_map_vehicle_ || duration_s <= 0.0) return;
+  if (duration_s <= 0.0) return;
   const Pose2 reported = Flatten(T_from_to);
   if (last_pose_) {
     last_pose_->turn_rad += reported.yaw_rad;
     last_pose_->duration += duration;
   }
+  if (!T_map_vehicle_) return;
   const Pose2 T_before_now{
       .translation_m = Eigen::Rotation2Dd(sideslip_rad_) * reported.translation_m,
       .yaw_rad = reported.yaw_rad};

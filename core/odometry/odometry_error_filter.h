@@ -89,11 +89,17 @@ class OdometryErrorFilter {
   /// poses was not, so the next one starts the filter's pose again.
   void OnScaleChange(const ScalarEstimate& change);
 
-  /// The pose was lost: the next one starts the filter's pose again.
+  /// The next pose is of another place, or the motion in between is not known: it is compared with
+  /// none before it.
   void OnDiscontinuity() {
     T_map_vehicle_.reset();
     last_pose_.reset();
   }
+
+  /// The pose is doubted: the next one starts the filter's pose again. How far the vehicle has
+  /// turned since the last one still tells of the gyroscope: a bias that makes registrations
+  /// contradict the pose again and again is learned by nothing else.
+  void OnDoubt() { T_map_vehicle_.reset(); }
 
  private:
   static constexpr int kPose = 3;  // x, y, yaw

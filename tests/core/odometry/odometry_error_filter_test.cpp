@@ -209,5 +209,22 @@ TEST(OdometryErrorFilterTest, AJumpInTheMapIsNotTheWheels) {
   EXPECT_NEAR(errors.scale(), 1.01, 0.001);
 }
 
+// A bias makes registrations contradict the pose, which is doubted between any two that count.
+TEST(OdometryErrorFilterTest, ABiasIsLearnedFromPosesThatAreDoubtedInBetween) {
+  const auto bias_after = [](void (OdometryErrorFilter::*between)()) {
+    OdometryErrorFilter errors({});
+    Drive drive({});
+    for (int second = 0; second < 30; ++second) drive.Second(errors);
+    drive.Become({.yaw_rate_bias_radps = 0.0175});
+    for (int second = 0; second < 10; ++second) {
+      drive.Second(errors);
+      (errors.*between)();
+    }
+    return errors.yaw_rate_bias_radps();
+  };
+  EXPECT_NEAR(bias_after(&OdometryErrorFilter::OnDoubt), 0.0175, 0.002);
+  EXPECT_NEAR(bias_after(&OdometryErrorFilter::OnDiscontinuity), 0.0, 0.002) << "at other places";
+}
+
 }  // namespace
 }  // namespace dcloc
