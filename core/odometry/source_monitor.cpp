@@ -67,7 +67,7 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"bus_failure_rate_hz", &O::bus_failure_rate_hz, 1e-9, 10},
       {"min_doppler_failure_rate_hz", &O::min_doppler_failure_rate_hz, 1e-12, 10},
       {"standing_doppler_failure_rate_hz", &O::standing_doppler_failure_rate_hz, 1e-9, 100},
-      {"max_reverse_speed_mps", &O::max_reverse_speed_mps, 0, 1000},
+      {"max_reverse_speed_mps", &O::max_reverse_speed_mps, 0.1, 1000},
       {"fast_reverse_probability", &O::fast_reverse_probability, 1e-30, 1},
       {"recovery_rate_hz", &O::recovery_rate_hz, 1e-9, 10},
       {"start_span_ms", &O::start_span, 1, 1e6},
