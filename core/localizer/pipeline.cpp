@@ -209,11 +209,8 @@ void Pipeline<Dim>::Move(const Motion& motion) {
   radars_.range_biases.OnMotion(distance_m);
   claims_.protection_level.OnMotion(distance_m);
   claims_.reset_counter.OnMotion(ego_motion_.expected_motion());
-  // The noise was learned with other sources in use, and views were joined by them.
-  if (ego_motion_.sources_changed()) {
-    pose_.ResetNoise();
-    relocalizer_.RetakeViews();
-  }
+  // The noise was learned with other sources in use.
+  if (ego_motion_.sources_changed()) pose_.ResetNoise();
   if (HorizontalSigma(ego_motion_.spread_since_previous()) > options_.usual_spread_m) pose_.OnGap();
 }
 
