@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 #include "core/radar/directions.h"
 #include "core/radar/measurement.h"
@@ -47,20 +46,18 @@ class Targets {
 
   std::size_t size() const { return targets_.size(); }
 
-  auto InliersAt(double yaw_rad, double gate_mps) const {
-    const double c = std::cos(yaw_rad);
-    const double s = std::sin(yaw_rad);
-    return targets_ | std::views::filter([=, this](const Target& t) {
-             return std::abs(Residual(t, -(c * t.along_mps + s * t.across_mps))) <= gate_mps;
-           });
-  }
-
   int CountInliers(double yaw_rad, double gate_mps) const {
-    return static_cast<int>(std::ranges::distance(InliersAt(yaw_rad, gate_mps)));
+    int count = 0;
+    ForEachInlier(yaw_rad, gate_mps, [&](const Target&) { ++count; });
+    return count;
   }
 
   int CountDirectionsOfInliers(double yaw_rad, double gate_mps) const {
-    return CountDirections(InliersAt(yaw_rad, gate_mps));
+    Directions directions;
+    ForEachInlier(yaw_rad, gate_mps, [&](const Target& target) {
+      directions.set(static_cast<std::size_t>(target.direction));
+    });
+    return static_cast<int>(directions.count());
   }
 
   // One step of Gauss-Newton for the angle and the speed from the inliers at `yaw_rad`.
@@ -87,6 +84,16 @@ class Targets {
   }
 
  private:
+  template <typename Visit>
+  void ForEachInlier(double yaw_rad, double gate_mps, const Visit& visit) const {
+    const double c = std::cos(yaw_rad);
+    const double s = std::sin(yaw_rad);
+    for (const Target& t : targets_) {
+      const double predicted_mps = -(c * t.along_mps + s * t.across_mps);
+      if (std::abs(Residual(t, predicted_mps)) <= gate_mps) visit(t);
+    }
+  }
+
   double Residual(const Target& target, double predicted_mps) const {
     return UnfoldRangeRate(target.range_rate_mps, predicted_mps, unambiguous_mps_) - predicted_mps;
   }

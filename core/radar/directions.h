@@ -23,7 +23,7 @@ inline int DirectionOf(const Eigen::Vector3d& u_vehicle) {
 
 /// How many directions the items lie in, by the member `direction` of each.
 template <typename Items>
-int CountDirections(Items&& items) {
+int CountDirections(const Items& items) {
   Directions directions;
   for (const auto& item : items) directions.set(static_cast<std::size_t>(item.direction));
   return static_cast<int>(directions.count());
