@@ -157,7 +157,8 @@ void AlongTrackRivals::BeginRound() {
 // Of those that scans were compared at since, the one that they fit best.
 std::size_t AlongTrackRivals::NextInTurn() {
   const auto rank = [](const OffsetHypothesis& hypothesis) {
-    return hypothesis.had_turn ? kNone : hypothesis.newest_lead;
+    if (hypothesis.had_turn) return kNone;
+    return hypothesis.newest_lead;
   };
   auto next = std::ranges::max_element(hypotheses_, {}, rank);
   if (rank(*next) == kNone) {
